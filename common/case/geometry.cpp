@@ -1,0 +1,117 @@
+#include "common/case/geometry.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
+
+namespace poretwin {
+
+bool contains(const Shape& shape, const Point3& x, int dimension) {
+  if (shape.kind == Shape::Kind::box) {
+    for (int d = 0; d < dimension; ++d)
+      if (x[d] < shape.min[d] || x[d] > shape.max[d]) return false;
+    return true;
+  }
+  // Crossing number (Shimrat 1962).
+  bool inside = false;
+  const auto& p = shape.points;
+  for (std::size_t i = 0, j = p.size() - 1; i < p.size(); j = i++)
+    if ((p[i].y() > x.y()) != (p[j].y() > x.y()) &&
+        x.x() < (p[j].x() - p[i].x()) * (x.y() - p[i].y()) / (p[j].y() - p[i].y()) + p[i].x())
+      inside = !inside;
+  return inside;
+}
+
+std::pair<Point3, Point3> bounds(const Shape& shape) {
+  if (shape.kind == Shape::Kind::box) return {shape.min, shape.max};
+  Point3 lower = shape.points.front(), upper = lower;
+  for (const auto& p : shape.points) {
+    lower = lower.cwiseMin(p);
+    upper = upper.cwiseMax(p);
+  }
+  return {lower, upper};
+}
+
+template <int D>
+Lattice<D> fill(const Shape& shape, double spacing, const Point3& offset, double jitter, unsigned seed) {
+  Lattice<D> lattice;
+  const auto [lower, upper] = bounds(shape);
+  std::array<int, 3> count{1, 1, 1};
+  Point3 step = Point3::Zero();
+  lattice.volume = 1.0;
+  for (int d = 0; d < D; ++d) {
+    const double length = upper[d] - lower[d];
+    count[static_cast<std::size_t>(d)] = std::max(1, static_cast<int>(std::lround(length / spacing)));
+    step[d] = length / count[static_cast<std::size_t>(d)];
+    lattice.volume *= step[d];
+  }
+  std::mt19937_64 generator(seed);
+  std::uniform_real_distribution<double> displacement(-jitter, jitter);
+  for (int k = 0; k < count[2]; ++k)
+    for (int j = 0; j < count[1]; ++j)
+      for (int i = 0; i < count[0]; ++i) {
+        Point3 x = Point3::Zero();
+        const Point3 cell(i, j, k);
+        for (int d = 0; d < D; ++d) x[d] = lower[d] + (cell[d] + offset[d]) * step[d];
+        if (!contains(shape, x, D)) continue;
+        if (jitter > 0.0)
+          for (int d = 0; d < D; ++d) x[d] += displacement(generator) * step[d];
+        lattice.position.push_back(x.template head<D>());
+      }
+  return lattice;
+}
+
+template <int D>
+std::vector<sph::ImagePlane<D>> planes_of(const Face& face, int boundary, double margin) {
+  std::vector<sph::ImagePlane<D>> planes;
+  if (face.points.empty()) {
+    sph::ImagePlane<D> plane;
+    plane.point = face.point.head<D>();
+    plane.normal = face.normal.head<D>().normalized();
+    plane.boundary = boundary;
+    planes.push_back(plane);
+    return planes;
+  }
+  if constexpr (D == 2) {
+    for (std::size_t i = 0; i + 1 < face.points.size(); ++i) {
+      const Vec<2> a = face.points[i].head<2>(), b = face.points[i + 1].head<2>();
+      sph::ImagePlane<2> plane;
+      plane.point = a;
+      plane.tangent = (b - a).normalized();
+      plane.normal = Vec<2>(-plane.tangent.y(), plane.tangent.x());
+      plane.from = plane.tangent.dot(a) - margin;
+      plane.to = plane.tangent.dot(b) + margin;
+      plane.boundary = boundary;
+      planes.push_back(plane);
+    }
+  }
+  return planes;
+}
+
+template <int D>
+std::vector<sph::ImagePlane<D>> periodic_planes(const General& general, int boundary) {
+  std::vector<sph::ImagePlane<D>> planes;
+  for (const int axis : general.periodic) {
+    const double length = general.domain_max[axis] - general.domain_min[axis];
+    for (const double side : {1.0, -1.0}) {
+      sph::ImagePlane<D> plane;
+      plane.kind = sph::ImagePlane<D>::Kind::periodic;
+      plane.point = (side > 0 ? general.domain_min : general.domain_max).template head<D>();
+      plane.normal[axis] = side;
+      plane.shift[axis] = side * length;
+      plane.boundary = boundary;
+      planes.push_back(plane);
+    }
+  }
+  return planes;
+}
+
+template Lattice<2> fill<2>(const Shape&, double, const Point3&, double, unsigned);
+template Lattice<3> fill<3>(const Shape&, double, const Point3&, double, unsigned);
+template std::vector<sph::ImagePlane<2>> planes_of<2>(const Face&, int, double);
+template std::vector<sph::ImagePlane<3>> planes_of<3>(const Face&, int, double);
+template std::vector<sph::ImagePlane<2>> periodic_planes<2>(const General&, int);
+template std::vector<sph::ImagePlane<3>> periodic_planes<3>(const General&, int);
+
+}  // namespace poretwin

@@ -1,0 +1,36 @@
+// From the case's shapes and faces to particles and image planes.
+#pragma once
+
+#include "common/case/case.hpp"
+#include "common/core/vector.hpp"
+#include "common/sph/images.hpp"
+
+namespace poretwin {
+
+/// Is x [m] inside the shape (borders included)? Boxes in 2D ignore z.
+bool contains(const Shape& shape, const Point3& x, int dimension);
+
+/// Smallest box around the shape.
+std::pair<Point3, Point3> bounds(const Shape& shape);
+
+/// Particles on a lattice that fills a shape.
+template <int D>
+struct Lattice {
+  VecArray<D> position;  ///< [n] m
+  double volume = 0.0;   ///< m^D, of each particle
+};
+
+/// Fills a shape; the spacing is stretched a little where the shape's bounding box is not a whole number of spacings.
+/// offset: of the first particle from the lower corner, in spacings; jitter: uniform random displacement +- jitter spacings.
+template <int D>
+Lattice<D> fill(const Shape& shape, double spacing, const Point3& offset, double jitter, unsigned seed);
+
+/// The straight pieces of a face as mirror planes; pieces are extended by `margin` [m] beyond their ends so that corners close.
+template <int D>
+std::vector<sph::ImagePlane<D>> planes_of(const Face& face, int boundary, double margin);
+
+/// The two shifting planes of every periodic axis of the case.
+template <int D>
+std::vector<sph::ImagePlane<D>> periodic_planes(const General& general, int boundary);
+
+}  // namespace poretwin

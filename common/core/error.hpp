@@ -1,0 +1,54 @@
+// The errors a user can meet. Each knows its exit code; what() says what was expected, what was found and what to do.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace poretwin {
+
+/// Exit codes of every executable; documented in docs/protocol.md and `poretwin --help`.
+enum class ExitCode : int {
+  success = 0,
+  failure = 1,        ///< anything unforeseen
+  bad_case = 2,       ///< the case file, the command line or the geometry
+  peer = 3,           ///< a peer is missing, dead, frozen, of the wrong kind, or sent nonsense
+  diverged = 4,       ///< the numbers left the finite
+  input_output = 5,   ///< files: missing, unreadable, unwritable, disk full
+  verify_failed = 6,  ///< a case ran to its end and missed a bound
+  interrupted = 130,  ///< Ctrl-C or SIGTERM
+};
+
+class Error : public std::runtime_error {
+ public:
+  Error(ExitCode code, const std::string& message) : std::runtime_error(message), code_(code) {}
+  [[nodiscard]] ExitCode code() const noexcept { return code_; }
+
+ private:
+  ExitCode code_;
+};
+
+/// Wrong input: names file, line, key, what was expected, what was found.
+class CaseError : public Error {
+ public:
+  explicit CaseError(const std::string& message) : Error(ExitCode::bad_case, message) {}
+};
+
+/// A peer failed: names peer, step, last message.
+class PeerError : public Error {
+ public:
+  explicit PeerError(const std::string& message) : Error(ExitCode::peer, message) {}
+};
+
+/// A simulation diverged: names particle, term, last good state.
+class DivergedError : public Error {
+ public:
+  explicit DivergedError(const std::string& message) : Error(ExitCode::diverged, message) {}
+};
+
+/// A file could not be read or written: names path and cause.
+class FileError : public Error {
+ public:
+  explicit FileError(const std::string& message) : Error(ExitCode::input_output, message) {}
+};
+
+}  // namespace poretwin

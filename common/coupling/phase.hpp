@@ -1,0 +1,64 @@
+// What a phase must do to be run, coupled or alone: implemented by the fluid, by the solid and by mocks; driven by drive.hpp.
+#pragma once
+
+#include "common/coupling/exchange.hpp"
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace poretwin {
+
+/// One field of the output, declared with its meaning (it lands in the file's metadata).
+struct OutputField {
+  std::string name;         ///< no '/' and no '.'
+  std::string unit;
+  std::string description;
+  int components = 1;       ///< 1, 3 (vectors; z = 0 in 2D) or 6 (symmetric tensors: xx yy zz xy yz xz)
+  std::vector<double> values;
+};
+
+/// Everything of one phase at one time, as a file shows it.
+struct OutputFrame {
+  double time = 0.0;
+  std::vector<double> position;  ///< [n * 3], z = 0 in 2D
+  std::vector<OutputField> fields;
+};
+
+struct GaugeReading {
+  std::string gauge;
+  double value = 0.0;  ///< NaN outside the phase
+  std::string unit;
+};
+
+/// One phase of the mixture. All calls come from one thread, in the order: initialise, then (save, advance, [restore], publish)*.
+class Phase {
+ public:
+  Phase() = default;
+  Phase(const Phase&) = delete;
+  Phase& operator=(const Phase&) = delete;
+  virtual ~Phase() = default;
+
+  [[nodiscard]] virtual coupling::Contract contract() const = 0;
+
+  /// Fields, points and proposed interval at the current time.
+  [[nodiscard]] virtual coupling::Publication publish() const = 0;
+
+  /// Once, before the first window, with the other side's fields at time zero (the solid finds its rest under gravity here).
+  virtual void initialise(const coupling::Inbox& inbox) = 0;
+
+  /// Advances by one window. On rejection the caller restores. Throws DivergedError when nothing can be saved.
+  virtual coupling::Outcome advance(const coupling::Window& window, const coupling::Inbox& inbox) = 0;
+
+  /// Keeps / brings back the complete state: particles, lists that affect results, warm starts, controllers.
+  virtual void save() = 0;
+  virtual void restore() = 0;
+
+  [[nodiscard]] virtual OutputFrame frame() const = 0;
+  [[nodiscard]] virtual std::vector<GaugeReading> gauges() const = 0;
+
+  /// Counts for the run's summary: "particles", "substeps", "pressure iterations", "steps asleep", ...
+  [[nodiscard]] virtual std::map<std::string, double> counters() const = 0;
+};
+
+}  // namespace poretwin

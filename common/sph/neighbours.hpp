@@ -1,0 +1,146 @@
+// Neighbour search: a cell grid over sorted points, and pair lists that outlive small displacements (a skin).
+#pragma once
+
+#include "common/core/vector.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+
+namespace poretwin::sph {
+
+/// Points binned into square cells; memory is bounded by the number of points, not by the extent of the domain.
+template <int D>
+class CellGrid {
+ public:
+  /// cell_size [m] must be >= the largest search radius. Points need not be inside any box.
+  void build(std::span<const Vec<D>> points, double cell_size) {
+    points_ = points;
+    lower_ = Vec<D>::Zero();
+    std::array<double, D> extent{};
+    if (!points.empty()) {
+      Vec<D> upper = points[0];
+      lower_ = points[0];
+      for (const auto& x : points) {
+        lower_ = lower_.cwiseMin(x);
+        upper = upper.cwiseMax(x);
+      }
+      for (int d = 0; d < D; ++d) extent[static_cast<std::size_t>(d)] = upper[d] - lower_[d];
+    }
+    // A stray far particle must not blow up the grid: grow the cells until there are at most 4 per point.
+    size_ = cell_size;
+    const double limit = 4.0 * static_cast<double>(points.size()) + 64.0;
+    for (;;) {
+      double cells = 1.0;
+      for (std::size_t d = 0; d < D; ++d) cells *= std::floor(extent[d] / size_) + 1.0;
+      if (cells <= limit) break;
+      size_ *= 1.5;
+    }
+    std::size_t n_cells = 1;
+    for (std::size_t d = 0; d < D; ++d) {
+      count_[d] = static_cast<int>(std::floor(extent[d] / size_)) + 1;
+      n_cells *= static_cast<std::size_t>(count_[d]);
+    }
+    first_.assign(n_cells + 1, 0);
+    cell_of_.resize(points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      cell_of_[i] = flat(cell(points[i]));
+      ++first_[cell_of_[i] + 1];
+    }
+    for (std::size_t c = 0; c < n_cells; ++c) first_[c + 1] += first_[c];
+    order_.resize(points.size());
+    std::vector<Index> next(first_.begin(), first_.end() - 1);
+    for (std::size_t i = 0; i < points.size(); ++i) order_[next[cell_of_[i]]++] = static_cast<Index>(i);
+  }
+
+  /// Calls f(j, squared distance) for every point j with |x - x_j| < radius; radius <= cell_size of build().
+  template <class F>
+  void for_each_within(const Vec<D>& x, double radius, F&& f) const {
+    if (order_.empty()) return;
+    std::array<int, D> lo{}, hi{};
+    for (std::size_t d = 0; d < D; ++d) {
+      const double s = x[static_cast<int>(d)] - lower_[static_cast<int>(d)];
+      lo[d] = static_cast<int>(std::floor(std::clamp((s - radius) / size_, -1.0, 1.0 * count_[d])));
+      hi[d] = static_cast<int>(std::floor(std::clamp((s + radius) / size_, -1.0, 1.0 * count_[d])));
+      lo[d] = std::max(lo[d], 0);
+      hi[d] = std::min(hi[d], count_[d] - 1);
+    }
+    const double limit = radius * radius;
+    std::array<int, D> c{};
+    auto row = [&] {
+      for (c[0] = lo[0]; c[0] <= hi[0]; ++c[0]) {
+        const std::size_t k = flat(c);
+        for (Index m = first_[k]; m < first_[k + 1]; ++m) {
+          const Index j = order_[m];
+          const double r2 = (points_[j] - x).squaredNorm();
+          if (r2 < limit) f(j, r2);
+        }
+      }
+    };
+    if constexpr (D == 2) {
+      for (c[1] = lo[1]; c[1] <= hi[1]; ++c[1]) row();
+    } else {
+      for (c[2] = lo[2]; c[2] <= hi[2]; ++c[2])
+        for (c[1] = lo[1]; c[1] <= hi[1]; ++c[1]) row();
+    }
+  }
+
+  /// Point indices in cell order: a permutation under which neighbours lie close in memory.
+  [[nodiscard]] std::span<const Index> order() const { return order_; }
+
+ private:
+  std::array<int, D> cell(const Vec<D>& x) const {
+    std::array<int, D> c{};
+    for (std::size_t d = 0; d < D; ++d)
+      c[d] = std::clamp(static_cast<int>(std::floor((x[static_cast<int>(d)] - lower_[static_cast<int>(d)]) / size_)), 0,
+                        count_[d] - 1);
+    return c;
+  }
+  std::size_t flat(const std::array<int, D>& c) const {
+    std::size_t k = static_cast<std::size_t>(c[D - 1]);
+    for (std::size_t d = D - 1; d-- > 0;) k = k * static_cast<std::size_t>(count_[d]) + static_cast<std::size_t>(c[d]);
+    return k;
+  }
+
+  std::span<const Vec<D>> points_;
+  Vec<D> lower_ = Vec<D>::Zero();
+  double size_ = 1.0;
+  std::array<int, D> count_{};
+  std::vector<Index> first_, order_;
+  std::vector<std::size_t> cell_of_;
+};
+
+/// Neighbours of every target among the sources, compressed rows: of target a, index[offset[a] .. offset[a+1]).
+struct PairList {
+  std::vector<Index> offset{0};
+  std::vector<Index> index;
+  [[nodiscard]] std::size_t size() const { return offset.size() - 1; }
+  [[nodiscard]] std::span<const Index> of(std::size_t a) const {
+    return std::span(index).subspan(offset[a], offset[a + 1] - offset[a]);
+  }
+};
+
+/// All pairs (a, j) with |x_a - y_j| < radius_j (scatter: the source's radius counts), sources in ascending order.
+/// With exclude_self, pair (a, a) is left out (targets being the first of the sources).
+template <int D>
+PairList find_pairs(std::span<const Vec<D>> targets, std::span<const Vec<D>> sources, std::span<const double> radius,
+                    bool exclude_self = false) {
+  PairList list;
+  list.offset.assign(1, 0);
+  list.offset.reserve(targets.size() + 1);
+  const double largest = radius.empty() ? 1.0 : *std::max_element(radius.begin(), radius.end());
+  CellGrid<D> grid;
+  grid.build(sources, largest);
+  for (std::size_t a = 0; a < targets.size(); ++a) {
+    const std::size_t begin = list.index.size();
+    grid.for_each_within(targets[a], largest, [&](Index j, double r2) {
+      if (r2 < radius[j] * radius[j] && !(exclude_self && j == a)) list.index.push_back(j);
+    });
+    std::sort(list.index.begin() + static_cast<std::ptrdiff_t>(begin), list.index.end());
+    list.offset.push_back(static_cast<Index>(list.index.size()));
+  }
+  return list;
+}
+
+}  // namespace poretwin::sph

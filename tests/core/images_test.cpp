@@ -1,0 +1,44 @@
+// Images of a lattice in a box continue the lattice through walls and corners.
+#include "common/case/geometry.hpp"
+#include "common/sph/images.hpp"
+
+#include <gtest/gtest.h>
+
+namespace poretwin {
+namespace {
+
+TEST(Images, ContinueTheLatticeThroughWallsAndCorners) {
+  Shape box;
+  box.max = Point3(1.0, 1.0, 0.0);
+  const auto lattice = fill<2>(box, 0.1, Point3(0.5, 0.5, 0.5), 0.0, 1);
+  ASSERT_EQ(lattice.position.size(), 100u);
+  EXPECT_NEAR(lattice.volume, 0.01, 1e-15);
+  Face open_box;  // left side down, base, right side up: the domain on the left of the walk
+  open_box.points = {Point3(0, 1, 0), Point3(0, 0, 0), Point3(1, 0, 0), Point3(1, 1, 0)};
+  const auto planes = planes_of<2>(open_box, 3, 0.4);
+  ASSERT_EQ(planes.size(), 3u);
+  const auto images = sph::make_images<2>(lattice.position, planes, 0.2);
+  // two rows below, two columns each side, two 2x2 corners
+  EXPECT_EQ(images.size(), 20u + 2u * 20u + 2u * 4u);
+  for (std::size_t k = 0; k < images.size(); ++k) {
+    EXPECT_EQ(images.boundaries[k], 8u);
+    EXPECT_NEAR(std::remainder(images.position[k].x() - 0.05, 0.1), 0.0, 1e-12);
+    EXPECT_NEAR(std::remainder(images.position[k].y() - 0.05, 0.1), 0.0, 1e-12);
+    const Vec<2> velocity(0.3, 0.7);
+    const Vec<2> image_velocity = images.map[k] * velocity;
+    EXPECT_NEAR(image_velocity.norm(), velocity.norm(), 1e-15);
+  }
+}
+
+TEST(Images, PeriodicSidesShift) {
+  General general;
+  general.domain_max = Point3(1.0, 1.0, 1.0);
+  general.periodic = {0, 1, 2};
+  const VecArray<3> points{Vec<3>(0.05, 0.05, 0.05)};
+  const auto images = sph::make_images<3>(points, periodic_planes<3>(general, 0), 0.1);
+  EXPECT_EQ(images.size(), 7u);
+  for (std::size_t k = 0; k < images.size(); ++k) EXPECT_EQ(images.map[k], Mat<3>::Identity());
+}
+
+}  // namespace
+}  // namespace poretwin
