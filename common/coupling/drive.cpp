@@ -1,0 +1,208 @@
+#include "common/coupling/drive.hpp"
+
+#include "common/coupling/interrupt.hpp"
+#include "common/coupling/window_clock.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace poretwin::coupling {
+namespace {
+
+/// Runs f and adds the seconds it took to `total`, also when it throws.
+template <class F>
+decltype(auto) timed(double& total, F&& f) {
+  struct Stopwatch {
+    double& sum;
+    std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+    ~Stopwatch() { sum += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); }
+  } stopwatch{total};
+  return f();
+}
+
+/// Frames and gauges are written once the window they end is certain to stand.
+class PendingRecord {
+ public:
+  PendingRecord(const Phase& phase, Recorder& recorder, DriveReport& report) : phase_(phase), recorder_(recorder), report_(report) {}
+  void ask(bool frame, bool gauges) {
+    frame_ = frame;
+    gauges_ = gauges;
+    frame_written_ = gauges_written_ = false;
+  }
+  void forget() { frame_ = gauges_ = false; }
+  void write() { write_now(frame_, gauges_); }
+  /// Also what was not asked for, unless this state is in the files already.
+  void write_now(bool frame, bool gauges) {
+    timed(report_.writing, [&] {
+      if (frame && !frame_written_) recorder_.frame(phase_.frame());
+      if (gauges && !gauges_written_) recorder_.gauges(report_.time, phase_.gauges());
+    });
+    frame_written_ = frame_written_ || frame;
+    gauges_written_ = gauges_written_ || gauges;
+    forget();
+  }
+
+ private:
+  const Phase& phase_;
+  Recorder& recorder_;
+  DriveReport& report_;
+  bool frame_ = false, gauges_ = false, frame_written_ = false, gauges_written_ = false;
+};
+
+class CoupledRun {
+ public:
+  CoupledRun(Phase& phase, Participant& participant, Recorder& recorder, DriveReport& report)
+      : phase_(phase), participant_(participant), report_(report), pending_(phase, recorder, report) {}
+
+  void run() {
+    timed(report_.waiting, [&] { participant_.join(); });
+    publish();
+    for (;;) {
+      const Command command = timed(report_.waiting, [&] { return participant_.receive(); });
+      switch (command.kind) {
+        case Command::Kind::initialise: initialise(command); break;
+        case Command::Kind::advance: advance(command); break;
+        case Command::Kind::restore: restore(); break;
+        case Command::Kind::finish: finish(command); return;
+      }
+    }
+  }
+
+ private:
+  void publish() {
+    Publication publication = timed(report_.computing, [&] { return phase_.publish(); });
+    timed(report_.sending, [&] { participant_.publish(std::move(publication)); });
+  }
+
+  void initialise(const Command& command) {
+    timed(report_.computing, [&] { phase_.initialise(command.inbox); });
+    publish();
+    pending_.ask(command.record_frame, command.record_gauges);
+    pending_.write();
+  }
+
+  void advance(const Command& command) {
+    pending_.write();
+    advanced_ = false;
+    const Outcome outcome = timed(report_.computing, [&] {
+      phase_.save();
+      return phase_.advance(command.window, command.inbox);
+    });
+    if (!outcome.accepted) {
+      ++report_.rejected;
+      timed(report_.sending, [&] { participant_.reject(outcome); });
+      return;
+    }
+    publish();
+    before_ = report_.time;
+    ++report_.windows;
+    report_.time = command.window.time + command.window.interval;
+    advanced_ = true;
+    pending_.ask(command.record_frame, command.record_gauges);
+  }
+
+  void restore() {
+    timed(report_.computing, [&] { phase_.restore(); });
+    pending_.forget();
+    if (!advanced_) return;
+    // This phase had accepted; the other one did not.
+    advanced_ = false;
+    --report_.windows;
+    ++report_.rejected;
+    report_.time = before_;
+  }
+
+  void finish(const Command& command) {
+    pending_.write();
+    pending_.write_now(command.record_frame, command.record_gauges);
+    report_.reason = command.reason;
+    report_.interrupted = command.reason == "interrupted";
+    participant_.bye(command.reason);
+  }
+
+  Phase& phase_;
+  Participant& participant_;
+  DriveReport& report_;
+  PendingRecord pending_;
+  double before_ = 0.0;
+  bool advanced_ = false;
+};
+
+}  // namespace
+
+double retry_interval(double tried, double suggested) {
+  return suggested > 0.0 && std::isfinite(suggested) ? std::min(suggested, 0.5 * tried) : 0.5 * tried;
+}
+
+void drive_coupled(Phase& phase, Participant& participant, Recorder& recorder, DriveReport& report) {
+  const std::string who(to_string(participant.role()));
+  try {
+    CoupledRun(phase, participant, recorder, report).run();
+  } catch (const Error& error) {
+    // A peer's failure is known to the coupler already, or the coupler itself is gone: telling it again does no harm.
+    participant.abort(error.what(), error.code());
+    throw;
+  } catch (const std::exception& error) {
+    participant.abort(error.what(), ExitCode::failure);
+    throw;
+  }
+}
+
+DriveReport drive_coupled(Phase& phase, Participant& participant, Recorder& recorder) {
+  DriveReport report;
+  drive_coupled(phase, participant, recorder, report);
+  return report;
+}
+
+void drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const ProgressCallback& progress, DriveReport& report) {
+  WindowClock clock({scene.general.end_time, scene.coupling.interval, scene.output.interval, scene.output.gauge_interval});
+  PendingRecord record(phase, recorder, report);
+  const Inbox nothing;
+  timed(report.computing, [&] { phase.initialise(nothing); });
+  record.write_now(true, true);
+  std::uint64_t step = 0;
+  int rejections = 0;
+  double limit = no_limit;
+  while (!clock.finished() && !interrupted()) {
+    const double proposed = timed(report.computing, [&] { return phase.publish().proposed_interval; });
+    const auto plan = clock.plan(std::min(proposed, limit));
+    const Window window{step + 1, plan.start, plan.interval};
+    const Outcome outcome = timed(report.computing, [&] {
+      phase.save();
+      return phase.advance(window, nothing);
+    });
+    if (!outcome.accepted) {
+      ++report.rejected;
+      if (++rejections > most_rejections)
+        throw DivergedError(fmt::format("window {} from t = {:g} s was rejected {} times, last at {:g} s: {}", window.step, window.time,
+                                        rejections, window.interval, outcome.reason));
+      timed(report.computing, [&] { phase.restore(); });
+      limit = retry_interval(plan.interval, outcome.suggested_interval);
+      continue;
+    }
+    rejections = 0;
+    limit = no_limit;
+    ++step;
+    ++report.windows;
+    clock.accept(plan);
+    report.time = clock.time();
+    record.ask(plan.record_frame, plan.record_gauges);
+    record.write();
+    if (progress) progress({clock.time(), clock.end(), step, plan.interval, ""});
+  }
+  if (!clock.finished()) {
+    report.interrupted = true;
+    report.reason = "interrupted";
+    record.write_now(true, true);
+  }
+}
+
+DriveReport drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const ProgressCallback& progress) {
+  DriveReport report;
+  drive_alone(phase, scene, recorder, progress, report);
+  return report;
+}
+
+}  // namespace poretwin::coupling

@@ -1,0 +1,41 @@
+// The loops that run a phase: under a participant, or alone.
+#pragma once
+
+#include "common/case/case.hpp"
+#include "common/coupling/participant.hpp"
+#include "common/coupling/phase.hpp"
+#include "common/coupling/summary.hpp"
+#include "common/output/recorder.hpp"
+
+#include <functional>
+
+namespace poretwin::coupling {
+
+/// What happened in a run; filled as it goes, so that it is there after an exception too.
+struct DriveReport {
+  double computing = 0.0, waiting = 0.0, sending = 0.0, writing = 0.0;  ///< s
+  std::uint64_t windows = 0, rejected = 0;
+  double time = 0.0;  ///< s, end of the last accepted window
+  bool interrupted = false;
+  std::string reason = "end";
+};
+
+/// Joins, then obeys the coupler until FINISH. Failures of the phase are told to everybody (ABORT) and rethrown; failures of
+/// others arrive as Error with the named cause.
+void drive_coupled(Phase& phase, Participant& participant, Recorder& recorder, DriveReport& report);
+DriveReport drive_coupled(Phase& phase, Participant& participant, Recorder& recorder);
+
+using ProgressCallback = std::function<void(const Progress&)>;
+
+/// Runs a phase without a partner (empty inbox) to the case's end. Windows are as long as the phase proposes, coupling.interval
+/// and output instants allow; a rejected one is restored and repeated shorter. Asks interrupted() between windows.
+void drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const ProgressCallback& progress, DriveReport& report);
+DriveReport drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const ProgressCallback& progress = {});
+
+/// The length at which to repeat a rejected window: what was suggested, and never more than half of what was tried.
+double retry_interval(double tried, double suggested);
+
+/// In a row, of one window, before the run is given up.
+inline constexpr int most_rejections = 20;
+
+}  // namespace poretwin::coupling

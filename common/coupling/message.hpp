@@ -1,0 +1,129 @@
+// The messages of proto/poretwin.proto as plain structs, and their wire form. Keeps protobuf out of everybody's headers.
+#pragma once
+
+#include "common/core/error.hpp"
+#include "common/coupling/exchange.hpp"
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace poretwin::coupling {
+
+inline constexpr std::uint32_t protocol_major = 1;
+inline constexpr std::uint32_t protocol_minor = 0;
+
+/// Reserved array names.
+inline constexpr std::string_view position_array = "@position";
+inline constexpr std::string_view volume_array = "@volume";
+inline constexpr std::string_view smoothing_length_array = "@smoothing_length";
+inline constexpr std::string_view coverage_array = "@coverage";
+
+/// Bytes with an owner that lives as long as anybody, a socket included, still reads them.
+struct Frame {
+  std::shared_ptr<const void> owner;
+  const char* data = nullptr;
+  std::size_t size = 0;  ///< bytes
+  static Frame of(std::string bytes);
+  static Frame of(std::vector<double> values);
+};
+/// [Header][raw frame]*
+using Frames = std::vector<Frame>;
+
+/// One named array of a message: n * components values.
+struct Array {
+  std::string name;
+  std::string unit;
+  int components = 1;
+  std::vector<double> values;
+};
+
+struct PointsInfo {
+  int dimension = 0;
+  std::uint64_t revision = 0;
+  std::uint64_t n = 0;
+  std::uint64_t n_active = 0;
+  bool sent = false;
+};
+
+struct Hello {
+  std::string role;
+  Contract contract;
+  std::string software;
+  std::uint64_t process = 0;
+  std::string host;
+};
+struct Welcome {
+  double heartbeat_interval = 1.0;  ///< s
+  double frozen_deadline = 30.0;    ///< s
+};
+enum class RejectCode { unknown = 0, protocol = 1, role = 2, dimension = 3, digest = 4, field = 5, step = 10 };
+struct Reject {
+  RejectCode code = RejectCode::unknown;
+  std::string field, expected, got;
+  double suggested_interval = 0.0;  ///< s
+  std::string reason;
+};
+struct PublicationBody {
+  double proposed_interval = no_limit;  ///< s
+  std::string limited_by;
+};
+struct Initialise {
+  bool record_frame = false, record_gauges = false;
+};
+struct Advance {
+  bool record_frame = false, record_gauges = false;
+};
+struct Restore {
+  std::string reason;
+};
+struct Finish {
+  std::string reason;
+  bool record_frame = false, record_gauges = false;
+};
+struct Bye {
+  std::string reason;
+};
+struct Abort {
+  std::string culprit, reason;
+  ExitCode code = ExitCode::failure;
+};
+struct Heartbeat {
+  std::string doing, waiting_for;
+  double since = 0.0;  ///< s
+  bool interrupted = false;
+};
+
+using Body = std::variant<Hello, Welcome, Reject, PublicationBody, Initialise, Advance, Restore, Finish, Bye, Abort, Heartbeat>;
+
+struct Message {
+  std::uint32_t major = protocol_major, minor = protocol_minor;
+  std::string session, sender;
+  std::uint64_t sequence = 0;
+  std::uint64_t step = 0;
+  std::uint32_t iteration = 0;
+  double time = 0.0;      ///< s
+  double interval = 0.0;  ///< s
+  PointsInfo points;
+  std::vector<Array> arrays;
+  Body body = Heartbeat{};
+};
+
+/// A message without arrays.
+Message message_of(Body body, std::uint64_t step = 0);
+
+/// "ADVANCE", ...: for logs and errors.
+std::string_view name_of(const Body& body);
+/// "ADVANCE step 7 (t = 0.3 s)".
+std::string describe(const Message& message);
+
+/// Wire form; arrays are moved into their frames, not copied.
+Frames encode(Message message);
+/// Back again. Throws PeerError saying what is wrong: no header, unknown kind, frame count, frame size, element type.
+/// The bodies of another protocol_major are not looked at (the caller refuses the peer by `major`).
+Message decode(const Frames& frames);
+
+}  // namespace poretwin::coupling

@@ -1,0 +1,93 @@
+// A phase made of formulas: the partner in tests of the coupler and of each solver, and something to run against while the other
+// side does not exist yet.
+#pragma once
+
+#include "common/coupling/phase.hpp"
+#include "common/output/recorder.hpp"
+
+#include <chrono>
+#include <functional>
+#include <map>
+
+namespace poretwin::coupling {
+
+/// Points on a square lattice that fills [lower, lower + extent], the first half a spacing in; all active.
+PointSet lattice_points(int dimension, const std::vector<double>& lower, const std::vector<double>& extent, double spacing,
+                        double smoothing_per_spacing = 1.3);
+
+/// Value of a component of a named field at x [dimension] and time t.
+using FieldFormula = std::function<double(const std::string& name, int component, const double* x, double t)>;
+
+/// A publication of the standard contract with fields by formula; fractions default to 1 (soil) and 0.6 where the formula is empty.
+Publication formula_publication(Role role, double t, PointSet points, const FieldFormula& formula = {});
+
+/// What goes wrong, and when. Steps count from 1; 0: never.
+struct MockKnobs {
+  std::map<std::uint64_t, int> rejections;    ///< step -> how many times in a row that window is refused
+  std::uint64_t nan_at = 0;                   ///< publishes NaN after this step ...
+  std::string nan_field{field::pore_pressure};  ///< ... in the last point of this field
+  std::uint64_t die_at = 0;                   ///< throws MockDeath inside this step: no word to anybody
+  std::uint64_t diverge_at = 0;               ///< throws DivergedError inside this step
+  std::uint64_t freeze_at = 0;                ///< calls on_freeze inside this step and then sleeps for freeze_for
+  std::chrono::milliseconds freeze_for{0};
+  std::function<void()> on_freeze;
+  std::chrono::milliseconds per_step{0};      ///< slow: sleeps this long in every step
+  std::string digest = "mock";
+};
+
+/// Not a std::exception on purpose: it passes by everything that reports errors, as kill -9 does.
+struct MockDeath {};
+
+class MockPhase : public Phase {
+ public:
+  using Formula = std::function<Publication(double t)>;
+  MockPhase(Role role, int dimension, Formula formula, MockKnobs knobs = {});
+
+  [[nodiscard]] Contract contract() const override;
+  [[nodiscard]] Publication publish() const override;
+  void initialise(const Inbox& inbox) override;
+  Outcome advance(const Window& window, const Inbox& inbox) override;
+  void save() override;
+  void restore() override;
+  [[nodiscard]] OutputFrame frame() const override;
+  [[nodiscard]] std::vector<GaugeReading> gauges() const override;
+  [[nodiscard]] std::map<std::string, double> counters() const override;
+
+  // What it went through, for a test to look at.
+  struct Seen {
+    std::vector<Window> windows;  ///< every attempt
+    std::vector<Inbox> inboxes;   ///< of initialise, then of every attempt
+    int restores = 0;
+  };
+  [[nodiscard]] const Seen& seen() const { return seen_; }
+  [[nodiscard]] double time() const { return state_.time; }
+  void set_contract(Contract contract) { contract_ = std::move(contract); }
+
+ private:
+  struct State {
+    double time = 0.0;
+    std::uint64_t step = 0;
+  };
+  Role role_;
+  Formula formula_;
+  MockKnobs knobs_;
+  Contract contract_;
+  State state_, saved_;
+  Seen seen_;
+};
+
+/// Keeps in memory what a driver records.
+class MemoryRecorder final : public Recorder {
+ public:
+  struct Readings {
+    double time = 0.0;
+    std::vector<GaugeReading> readings;
+  };
+  std::vector<OutputFrame> frames;
+  std::vector<Readings> series;
+  void frame(const OutputFrame& frame) override { frames.push_back(frame); }
+  void gauges(double time, const std::vector<GaugeReading>& readings) override { series.push_back({time, readings}); }
+  [[nodiscard]] std::vector<std::string> files() const override { return {}; }
+};
+
+}  // namespace poretwin::coupling

@@ -1,0 +1,16 @@
+// The whole main of a solver process: everything but the physics, which `make` brings.
+#pragma once
+
+#include "common/case/case.hpp"
+#include "common/coupling/phase.hpp"
+
+#include <functional>
+#include <memory>
+
+namespace poretwin::coupling {
+
+/// Arguments: --case FILE --out DIR (--connect ADDRESS | --alone) [--set key=value]... [--progress-fd N].
+/// Writes OUT/<role>.summary.json on every exit that knows OUT; prints one clear message on failure. Returns the exit code.
+int phase_main(int argc, char** argv, Role role, std::function<std::unique_ptr<Phase>(const Case&)> make);
+
+}  // namespace poretwin::coupling

@@ -1,0 +1,77 @@
+// What every process leaves behind and says on its way: OUT/NAME.summary.json, progress lines, log lines, arguments.
+#pragma once
+
+#include "common/core/error.hpp"
+
+#include <chrono>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace poretwin::coupling {
+
+using NamedNumbers = std::vector<std::pair<std::string, double>>;
+
+struct RunSummary {
+  std::string process;  ///< "fluid", "solid", "coupler"
+  ExitCode exit = ExitCode::success;
+  std::string reason = "end";
+  double wall = 0.0;        ///< s
+  NamedNumbers seconds;     ///< where the wall-clock went
+  NamedNumbers steps;
+  NamedNumbers counters;
+  std::vector<std::string> files;
+};
+
+/// {"process","exit","reason","wall_s","cpu_s","seconds":{},"steps":{},"counters":{},"files":[]}, written whole or not at all.
+/// Throws FileError.
+void write_summary(const std::filesystem::path& path, const RunSummary& summary);
+
+/// A JSON string literal, quotes included.
+std::string json_string(const std::string& text);
+/// A JSON number; null when it is not finite.
+std::string json_number(double value);
+
+/// Where a run stands.
+struct Progress {
+  double time = 0.0, end = 0.0;  ///< s
+  std::uint64_t step = 0;
+  double interval = 0.0;         ///< s
+  std::string waiting_for;
+};
+
+/// JSON lines {"t","end","step","dt","waiting_for"} to a descriptor, at most 10 per second; a closed reader is ignored.
+class ProgressLines {
+ public:
+  explicit ProgressLines(int descriptor) : descriptor_(descriptor) {}
+  /// `last` lines are never left out.
+  void write(const Progress& progress, bool last = false);
+
+ private:
+  int descriptor_;  ///< negative: nobody listens
+  std::chrono::steady_clock::time_point next_{};
+};
+
+/// One line to stderr: "[seconds] who: what".
+void log_line(const std::string& line);
+
+/// The command line of poretwin-fluid, poretwin-solid and poretwin-coupler.
+struct Arguments {
+  std::filesystem::path case_file, out;
+  std::string address;      ///< --connect or --bind
+  bool alone = false;
+  bool help = false;
+  bool allow_any_address = false;
+  int progress_descriptor = -1;
+  double wait_deadline = 60.0;    ///< s
+  double frozen_deadline = 30.0;  ///< s
+  std::vector<std::string> overrides;
+};
+enum class Program { phase, coupler };
+/// Throws CaseError naming the argument, what was expected, what was found.
+Arguments parse_arguments(int argc, char** argv, Program program);
+std::string usage(const std::string& name, Program program);
+
+}  // namespace poretwin::coupling

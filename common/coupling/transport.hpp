@@ -1,0 +1,69 @@
+// How messages travel: one interface for a participant, one for the coupler, so that a run goes over sockets or, in tests,
+// through memory with the same bytes.
+#pragma once
+
+#include "common/coupling/message.hpp"
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace poretwin::coupling {
+
+using Milliseconds = std::chrono::milliseconds;
+
+/// A participant's line to the coupler. Both calls may come from several threads.
+class Transport {
+ public:
+  Transport() = default;
+  Transport(const Transport&) = delete;
+  Transport& operator=(const Transport&) = delete;
+  virtual ~Transport() = default;
+  /// Never blocks; what cannot be sent (nobody there) is dropped and shows as lost().
+  virtual void send(Frames frames) = 0;
+  /// The next message, or nothing after `timeout`.
+  virtual std::optional<Frames> receive(Milliseconds timeout) = 0;
+  /// Once connected and now no longer: the other end is gone.
+  [[nodiscard]] virtual bool lost() const = 0;
+  [[nodiscard]] virtual std::string address() const = 0;
+};
+
+/// The coupler's end of all lines; one thread only.
+class Hub {
+ public:
+  struct Event {
+    std::string line;      ///< opaque name of the line it came on
+    Frames frames;         ///< empty: the line is gone
+  };
+  Hub() = default;
+  Hub(const Hub&) = delete;
+  Hub& operator=(const Hub&) = delete;
+  virtual ~Hub() = default;
+  /// False when nobody is at the end of that line.
+  virtual bool send(const std::string& line, Frames frames) = 0;
+  virtual std::optional<Event> receive(Milliseconds timeout) = 0;
+  [[nodiscard]] virtual std::string address() const = 0;
+};
+
+/// DEALER socket that connects to `address` ("ipc:///path", "tcp://127.0.0.1:port"); the coupler may bind later.
+std::unique_ptr<Transport> connect_socket(const std::string& address);
+
+/// The lines of one coupler inside one process.
+class InProcess {
+ public:
+  InProcess();
+  /// The coupler's end; once.
+  std::unique_ptr<Hub> hub();
+  /// One more line; its destruction shows at the hub as a line that is gone, as a closed socket would.
+  std::unique_ptr<Transport> line();
+
+ private:
+  struct Shared;
+  std::shared_ptr<Shared> shared_;
+  class HubEnd;
+  class LineEnd;
+};
+
+}  // namespace poretwin::coupling

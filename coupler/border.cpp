@@ -1,0 +1,117 @@
+#include "coupler/border.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+namespace poretwin::coupling {
+namespace {
+
+class Border {
+ public:
+  Border(const Message& message, const Contract& contract)
+      : contract_(contract), sender_(message.sender), step_(message.step), time_(message.time) {}
+
+  [[noreturn]] void refuse(const std::string& what) const {
+    throw PeerError(fmt::format("{} of '{}' at step {} (t = {:g} s): {}", "publication", sender_, step_, time_, what));
+  }
+
+  void values(const std::string& name, int components, const std::vector<double>& values, const PointSet* points) const {
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      if (allowed(name, values[k])) continue;
+      const std::size_t i = k / static_cast<std::size_t>(components);
+      refuse(fmt::format("field '{}', point {}{}, component {}: expected {}, got {}", name, i, points ? position(*points, i) : "",
+                         k % static_cast<std::size_t>(components), expected(name), values[k]));
+    }
+  }
+
+  void size(const std::string& name, std::size_t got, std::size_t want) const {
+    if (got != want) refuse(fmt::format("field '{}': expected {} values, got {}", name, want, got));
+  }
+
+  void unit(const Array& array, const FieldSpec& spec) const {
+    if (array.unit != spec.unit || array.components != spec.components)
+      refuse(fmt::format("field '{}': expected {} components in '{}', got {} in '{}'", spec.name, spec.components, spec.unit,
+                         array.components, array.unit));
+  }
+
+ private:
+  static bool is_fraction(std::string_view name) { return name == field::soil_fraction || name == field::solid_volume_fraction; }
+  static bool is_positive(std::string_view name) { return name == volume_array || name == smoothing_length_array; }
+  static bool allowed(std::string_view name, double value) {
+    if (!std::isfinite(value)) return false;
+    if (is_fraction(name)) return value >= 0.0 && value <= 1.0;
+    return !is_positive(name) || value > 0.0;
+  }
+  static std::string_view expected(std::string_view name) {
+    if (is_fraction(name)) return "a number in [0, 1]";
+    return is_positive(name) ? "a positive number" : "a finite number";
+  }
+  static std::string position(const PointSet& points, std::size_t i) {
+    const auto d = static_cast<std::size_t>(points.dimension);
+    std::string text = " at (";
+    for (std::size_t c = 0; c < d; ++c) text += fmt::format("{}{:g}", c ? ", " : "", points.position[i * d + c]);
+    return text + ")";
+  }
+
+  const Contract& contract_;
+  std::string sender_;
+  std::uint64_t step_;
+  double time_;
+};
+
+std::shared_ptr<const PointSet> points_of(Message& message, const Contract& contract, const std::shared_ptr<const PointSet>& previous,
+                                          const Border& border) {
+  const auto& info = message.points;
+  if (info.dimension != contract.dimension) border.refuse(fmt::format("expected dimension {}, got {}", contract.dimension, info.dimension));
+  if (info.n_active > info.n) border.refuse(fmt::format("{} active points of {}", info.n_active, info.n));
+  if (!info.sent) {
+    if (!previous || previous->revision != info.revision || previous->size() != info.n || previous->n_active != info.n_active)
+      border.refuse(fmt::format("its points (revision {}, {} points) were not sent and are not those known", info.revision, info.n));
+    return previous;
+  }
+  auto points = std::make_shared<PointSet>();
+  points->dimension = info.dimension;
+  points->revision = info.revision;
+  points->n_active = info.n_active;
+  auto take = [&](std::string_view name, int components) {
+    const auto found = std::find_if(message.arrays.begin(), message.arrays.end(), [&](const Array& a) { return a.name == name; });
+    if (found == message.arrays.end()) border.refuse(fmt::format("array '{}' is missing", name));
+    border.size(found->name, found->values.size(), info.n * static_cast<std::size_t>(components));
+    border.values(found->name, components, found->values, nullptr);
+    return std::move(found->values);
+  };
+  points->position = take(position_array, info.dimension);
+  points->volume = take(volume_array, 1);
+  points->smoothing_length = take(smoothing_length_array, 1);
+  return points;
+}
+
+}  // namespace
+
+Snapshot admit(Message message, const Contract& contract, const std::shared_ptr<const PointSet>& previous) {
+  const Border border(message, contract);
+  Snapshot out;
+  const auto* body = std::get_if<PublicationBody>(&message.body);
+  if (!body) border.refuse("expected a PUBLICATION, got " + describe(message));
+  out.time = message.time;
+  if (!std::isfinite(message.time)) border.refuse(fmt::format("time: expected a finite number, got {}", message.time));
+  out.proposed_interval = body->proposed_interval;
+  out.limited_by = body->limited_by;
+  if (!(out.proposed_interval > 0.0))
+    border.refuse(fmt::format("proposed_interval: expected a positive number, got {} (limited by {})", out.proposed_interval, out.limited_by));
+  out.points = points_of(message, contract, previous, border);
+  for (const auto& spec : contract.gives) {
+    const auto found = std::find_if(message.arrays.begin(), message.arrays.end(), [&](const Array& a) { return a.name == spec.name; });
+    if (found == message.arrays.end()) border.refuse("field '" + spec.name + "' is missing");
+    border.unit(*found, spec);
+    border.size(spec.name, found->values.size(), out.points->size() * static_cast<std::size_t>(spec.components));
+    border.values(spec.name, spec.components, found->values, out.points.get());
+    out.fields.push_back({spec.name, spec.components, std::move(found->values)});
+  }
+  return out;
+}
+
+}  // namespace poretwin::coupling

@@ -1,0 +1,24 @@
+// What comes in is checked here, before anybody computes with it: numbers finite, fractions between 0 and 1, sizes as announced.
+#pragma once
+
+#include "common/coupling/message.hpp"
+
+#include <memory>
+#include <vector>
+
+namespace poretwin::coupling {
+
+/// A participant's publication as the coupler keeps it; unchanged points are shared with the one before.
+struct Snapshot {
+  double time = 0.0;                    ///< s
+  double proposed_interval = no_limit;  ///< s
+  std::string limited_by;
+  std::shared_ptr<const PointSet> points;
+  std::vector<Field> fields;
+};
+
+/// From a PUBLICATION to a snapshot. `previous` holds the points when the message does not. Throws PeerError that names sender,
+/// step, field, point and value.
+Snapshot admit(Message message, const Contract& contract, const std::shared_ptr<const PointSet>& previous);
+
+}  // namespace poretwin::coupling

@@ -1,0 +1,63 @@
+// The coupler's side of the conversation: who is there, who may come in, who is slow, frozen, dead or gone. Knows messages, not
+// their meaning for the physics; the schedule decides what is sent when.
+#pragma once
+
+#include "common/coupling/transport.hpp"
+
+#include <functional>
+#include <memory>
+
+namespace poretwin::coupling {
+
+struct BrokerOptions {
+  int dimension = 2;          ///< of the case
+  std::string case_digest;
+  Milliseconds wait_deadline{60'000};    ///< for missing participants
+  Milliseconds frozen_deadline{30'000};  ///< without a heartbeat
+  Milliseconds heartbeat{1'000};
+  Milliseconds say_every{5'000};
+  std::function<void(const std::string&)> say;        ///< one line for the log
+  std::function<void(const std::string&)> waiting;    ///< whom for; called several times per second while waiting
+  std::function<bool()> interrupted;
+};
+
+struct BrokerTotals {
+  std::uint64_t messages_sent = 0, messages_received = 0;  ///< heartbeats not counted
+  std::uint64_t bytes_sent = 0, bytes_received = 0;
+  double waiting_for_fluid = 0.0, waiting_for_solid = 0.0, sending = 0.0;  ///< s
+};
+
+class Broker {
+ public:
+  Broker(Hub& hub, BrokerOptions options);
+  ~Broker();
+  Broker(const Broker&) = delete;
+  Broker& operator=(const Broker&) = delete;
+
+  /// Waits for one fluid and one solid that agree with the case and with each other; refuses all others with a reason.
+  void gather();
+  /// The next message of that participant. Every failure of EITHER participant meanwhile throws an Error that names it, its step,
+  /// its last message and what happened. A participant that is merely slow is waited for.
+  Message wait(Role role);
+  void send(Role role, Message message);
+  /// Tells everybody; never throws.
+  void abort(const Error& error, const std::string& culprit);
+  /// Waits for the BYE of both after FINISH.
+  void say_goodbye();
+
+  [[nodiscard]] const Contract& contract(Role role) const;
+  /// Has a person asked the coupler or a participant to stop?
+  [[nodiscard]] bool interrupted() const;
+  [[nodiscard]] const BrokerTotals& totals() const;
+  /// "fluid", "solid" or "coupler": who caused the last error thrown here.
+  [[nodiscard]] const std::string& culprit() const;
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+/// ROUTER socket bound to `address`. Anything but ipc and loopback needs `allow_any_address`. Throws Error.
+std::unique_ptr<Hub> bind_socket(const std::string& address, bool allow_any_address = false);
+
+}  // namespace poretwin::coupling

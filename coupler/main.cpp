@@ -1,0 +1,123 @@
+// poretwin-coupler: reads the case, binds the address, runs the schedule, writes OUT/coupler.summary.json.
+#include "common/case/case.hpp"
+#include "common/coupling/interrupt.hpp"
+#include "common/coupling/summary.hpp"
+#include "coupler/broker.hpp"
+#include "coupler/schedule.hpp"
+
+#include <cstdio>
+#include <optional>
+
+namespace {
+
+using namespace poretwin;
+using namespace poretwin::coupling;
+
+RunSummary summarise(const Broker& broker, const ScheduleReport& report) {
+  const auto& totals = broker.totals();
+  auto number = [](std::uint64_t n) { return static_cast<double>(n); };
+  RunSummary out;
+  out.reason = report.interrupted ? "interrupted" : "end";
+  out.seconds = {{"mapping", report.mapping},
+                 {"waiting_for_fluid", totals.waiting_for_fluid},
+                 {"waiting_for_solid", totals.waiting_for_solid},
+                 {"sending", totals.sending}};
+  out.steps = {{"windows", number(report.windows)},
+               {"rejected", number(report.rejected_by_fluid + report.rejected_by_solid)},
+               {"rejected_by_fluid", number(report.rejected_by_fluid)},
+               {"rejected_by_solid", number(report.rejected_by_solid)}};
+  out.counters = {{"end_time_s", report.time},
+                  {"bytes_sent", number(totals.bytes_sent)},
+                  {"bytes_received", number(totals.bytes_received)},
+                  {"pair_lists_rebuilt", number(report.pairs.rebuilds)},
+                  {"pair_lists_reused", number(report.pairs.reuses)},
+                  {"pair_weights_unchanged", number(report.pairs.unchanged)},
+                  {"points_unchanged", number(report.points_unchanged)},
+                  {"fields_skipped", number(report.fields_skipped)}};
+  for (const auto& [cause, windows] : report.limited_by) out.counters.emplace_back("windows limited by " + cause, number(windows));
+  const char axes[] = "xyz";
+  for (const auto& account : report.accounts)
+    for (std::size_t c = 0; c < account.given.size(); ++c) {
+      const std::string name = account.field + " " + axes[c % 3] + " (" + account.unit + ") ";
+      out.counters.emplace_back(name + "given", account.given[c]);
+      out.counters.emplace_back(name + "delivered", account.delivered[c]);
+      out.counters.emplace_back(name + "undelivered", account.undelivered[c]);
+    }
+  return out;
+}
+
+/// Everything that outlives a failure, so that the summary can still be written.
+struct Run {
+  std::unique_ptr<Hub> hub;
+  std::optional<Broker> broker;
+  std::optional<Schedule> schedule;
+};
+
+void execute(const Arguments& arguments, Run& run) {
+  const Case scene = read_case(arguments.case_file, arguments.overrides);
+  run.hub = bind_socket(arguments.address, arguments.allow_any_address);
+  auto lines = std::make_shared<ProgressLines>(arguments.progress_descriptor);
+  BrokerOptions options;
+  options.dimension = scene.general.dimension;
+  options.case_digest = scene.digest();
+  options.wait_deadline = Milliseconds(static_cast<long>(1000.0 * arguments.wait_deadline));
+  options.frozen_deadline = Milliseconds(static_cast<long>(1000.0 * arguments.frozen_deadline));
+  options.say = log_line;
+  options.interrupted = interrupted;
+  options.waiting = [&run](const std::string& whom) {
+    if (run.schedule) run.schedule->note_waiting(whom);
+  };
+  run.broker.emplace(*run.hub, std::move(options));
+  run.schedule.emplace(*run.broker, scene.general.dimension,
+                       WindowClock::Settings{scene.general.end_time, scene.coupling.interval, scene.output.interval, scene.output.gauge_interval},
+                       [lines](const Progress& p) { lines->write(p, p.time >= p.end); });
+  log_line("coupler: listening at " + run.hub->address());
+  run.schedule->run();
+}
+
+int coupler_main(int argc, char** argv) {
+  const auto start = std::chrono::steady_clock::now();
+  const InterruptGuard guard;
+  Arguments arguments;
+  Run run;
+  ExitCode code = ExitCode::success;
+  std::string reason;
+  auto fail = [&](ExitCode why, const std::string& what) {
+    code = why;
+    reason = what;
+    log_line("coupler: error: " + what);
+  };
+  try {
+    arguments = parse_arguments(argc, argv, Program::coupler);
+    if (arguments.help) {
+      std::fputs(usage("poretwin-coupler", Program::coupler).c_str(), stdout);
+      return 0;
+    }
+    std::filesystem::create_directories(arguments.out);
+    execute(arguments, run);
+    if (run.schedule->report().interrupted) code = ExitCode::interrupted;
+  } catch (const Error& error) {
+    fail(error.code(), error.what());
+  } catch (const std::filesystem::filesystem_error& error) {
+    fail(ExitCode::input_output, error.what());
+  } catch (const std::exception& error) {
+    fail(ExitCode::failure, error.what());
+  }
+  if (arguments.out.empty()) return static_cast<int>(code);
+  try {
+    RunSummary summary = run.schedule ? summarise(*run.broker, run.schedule->report()) : RunSummary{};
+    summary.process = "coupler";
+    summary.exit = code;
+    if (!reason.empty()) summary.reason = reason;
+    summary.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    write_summary(arguments.out / "coupler.summary.json", summary);
+  } catch (const std::exception& error) {
+    log_line(std::string("coupler: error: ") + error.what());
+    if (code == ExitCode::success) code = ExitCode::input_output;
+  }
+  return static_cast<int>(code);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) { return coupler_main(argc, argv); }

@@ -1,0 +1,403 @@
+#include "coupler/mapping.hpp"
+
+#include "common/core/error.hpp"
+#include "common/sph/kernel.hpp"
+#include "common/sph/neighbours.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace poretwin::coupling {
+namespace {
+
+using Size = std::size_t;
+
+template <int D>
+Vec<D> point(std::span<const double> positions, Size i) {
+  return Eigen::Map<const Vec<D>>(positions.data() + i * D);
+}
+
+template <int D>
+double largest_move(std::span<const double> now, std::span<const double> then) {
+  double largest = 0.0;
+  for (Size i = 0; i * D < now.size(); ++i)
+    largest = std::max(largest, (point<D>(now, i) - point<D>(then, i)).squaredNorm());
+  return std::sqrt(largest);
+}
+
+/// Smallest eigenvalue of a symmetric matrix.
+double smallest_eigenvalue(const Mat<2>& c) {
+  const double half = 0.5 * (c(0, 0) - c(1, 1));
+  return 0.5 * (c(0, 0) + c(1, 1)) - std::sqrt(half * half + c(0, 1) * c(0, 1));
+}
+double smallest_eigenvalue(const Mat<3>& c) {
+  Eigen::SelfAdjointEigenSolver<Mat<3>> solver;
+  solver.computeDirect(c, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues()[0];
+}
+
+/// Weights below this add nothing but noise: a target at the very rim of one support counts as uncovered.
+constexpr double nothing = 1e-12;
+
+/// The cell order of points, for neighbours in memory.
+template <int D>
+std::vector<Index> cell_order(const VecArray<D>& points, double cell) {
+  sph::CellGrid<D> grid;
+  grid.build(points, cell);
+  return {grid.order().begin(), grid.order().end()};
+}
+
+/// One target's neighbours with their final coefficients.
+template <int D>
+struct Row {
+  std::vector<Index> source;
+  std::vector<double> weight;
+  VecArray<D> offset;
+  Size n = 0;
+  bool extrapolates = false;  ///< some coefficient is negative: the result may leave the neighbours' range
+
+  void reserve(Size size) {
+    if (source.size() >= size) return;
+    source.resize(size);
+    weight.resize(size);
+    offset.resize(size);
+  }
+
+  /// From kernel weights to coefficients that sum to one; false where there is nothing.
+  bool normalise(std::span<const double> h) {
+    double m0 = 0.0, mh = 0.0;
+    Vec<D> m1 = Vec<D>::Zero();
+    Mat<D> m2 = Mat<D>::Zero();
+    for (Size p = 0; p < n; ++p) {
+      const double w = weight[p];
+      m0 += w;
+      mh += w * h[source[p]];
+      m1 += w * offset[p];
+      m2 += (w * offset[p]) * offset[p].transpose();
+    }
+    extrapolates = false;
+    if (!(m0 > nothing)) return false;
+    const double scale = 1.0 / m0;
+    const Vec<D> mean = scale * m1;
+    const Mat<D> covariance = scale * m2 - mean * mean.transpose();
+    const double length = scale * mh;
+    const double spread = smallest_eigenvalue(covariance) / (length * length);
+    const double share = std::clamp((spread - slope_off) / (slope_full - slope_off), 0.0, 1.0);
+    if (share == 0.0) {
+      for (Size p = 0; p < n; ++p) weight[p] *= scale;
+      return true;
+    }
+    const Vec<D> slope = share * (covariance.inverse() * mean);
+    const double constant = 1.0 + slope.dot(mean);
+    double least = 0.0;
+    for (Size p = 0; p < n; ++p) {
+      weight[p] *= scale * (constant - slope.dot(offset[p]));
+      least = std::min(least, weight[p]);
+    }
+    extrapolates = least < 0.0;
+    return true;
+  }
+};
+
+}  // namespace
+
+template <int D>
+void PairWeights<D>::update(const PointSet& source, const PointSet& target) {
+  if (!lists_hold(source, target)) {
+    search(source, target);
+    ++counts_.rebuilds;
+  } else {
+    ++counts_.reuses;
+  }
+  receivers_ = source.n_active;
+  gather(source, target);
+  weigh();
+}
+
+template <int D>
+bool PairWeights<D>::lists_hold(const PointSet& source, const PointSet& target) const {
+  if (skin_ <= 0.0 || source.position.size() != source_then_.size() || target.n_active * D != target_then_.size()) return false;
+  double growth = 0.0;
+  for (Size j = 0; j < h_then_.size(); ++j) growth = std::max(growth, source.smoothing_length[j] - h_then_[j]);
+  const std::span<const double> active(target.position.data(), target.n_active * D);
+  const double moved = largest_move<D>(source.position, source_then_) + largest_move<D>(active, target_then_);
+  return moved + sph::support_radius * growth <= skin_;
+}
+
+template <int D>
+void PairWeights<D>::search(const PointSet& source, const PointSet& target) {
+  const Size n = source.size(), m = target.n_active;
+  source_then_ = source.position;
+  target_then_.assign(target.position.begin(), target.position.begin() + static_cast<std::ptrdiff_t>(m * D));
+  h_then_ = source.smoothing_length;
+  first_.assign(m + 1, 0);
+  index_.clear();
+  source_order_.clear();
+  target_order_.resize(m);
+  for (Size i = 0; i < m; ++i) target_order_[i] = static_cast<Index>(i);
+  skin_ = 0.0;
+  if (n == 0 || m == 0) return;
+
+  const double largest = sph::support_radius * *std::max_element(h_then_.begin(), h_then_.end());
+  skin_ = relative_skin * largest;
+  const double reach = largest + skin_;
+  VecArray<D> x(n), y(m);
+  for (Size j = 0; j < n; ++j) x[j] = point<D>(source.position, j);
+  for (Size i = 0; i < m; ++i) y[i] = point<D>(target.position, i);
+  source_order_ = cell_order<D>(x, reach);
+  target_order_ = cell_order<D>(y, reach);
+  VecArray<D> sorted(n);
+  std::vector<double> radius(n);
+  for (Size j = 0; j < n; ++j) {
+    sorted[j] = x[source_order_[j]];
+    radius[j] = sph::support_radius * h_then_[source_order_[j]] + skin_;
+  }
+  sph::CellGrid<D> grid;
+  grid.build(sorted, reach);
+  for (Size i = 0; i < m; ++i) {
+    grid.for_each_within(y[target_order_[i]], reach, [&](Index j, double r2) {
+      if (r2 < radius[j] * radius[j]) index_.push_back(j);
+    });
+    first_[i + 1] = static_cast<Index>(index_.size());
+  }
+}
+
+template <int D>
+void PairWeights<D>::gather(const PointSet& source, const PointSet& target) {
+  const Size n = source_order_.size(), m = target_order_.size();
+  source_.resize(n);
+  volume_.resize(n);
+  h_.resize(n);
+  for (Size j = 0; j < n; ++j) {
+    const Size k = source_order_[j];
+    source_[j] = point<D>(source.position, k);
+    volume_[j] = source.volume[k];
+    h_[j] = source.smoothing_length[k];
+  }
+  target_.resize(m);
+  for (Size i = 0; i < m; ++i) target_[i] = point<D>(target.position, target_order_[i]);
+}
+
+template <int D>
+void PairWeights<D>::weigh() {
+  weight_.resize(index_.size());
+  coverage_.assign(target_.size(), 0.0);
+  for (Size i = 0; i < target_.size(); ++i) {
+    double sum = 0.0;
+    for (Index p = first_[i]; p < first_[i + 1]; ++p) {
+      const Index j = index_[p];
+      const double r = (source_[j] - target_[i]).norm();
+      weight_[p] = volume_[j] * sph::WendlandC2<D>::value(r, h_[j]);
+      sum += weight_[p];
+    }
+    coverage_[target_order_[i]] = sum > nothing ? sum : 0.0;
+  }
+}
+
+template <int D>
+std::vector<Field> PairWeights<D>::consistent(std::span<const Field* const> fields, std::span<const double> mask) const {
+  const Size n = source_.size(), m = target_.size();
+  Size width = 0;
+  std::vector<Field> out;
+  for (const Field* field : fields) {
+    out.push_back({field->name, field->components, std::vector<double>(m * static_cast<Size>(field->components), 0.0)});
+    width += static_cast<Size>(field->components);
+  }
+  // All fields of one source point side by side: one cache line serves them all.
+  std::vector<double> packed(n * width);
+  Size column = 0;
+  for (const Field* field : fields) {
+    const Size components = static_cast<Size>(field->components);
+    for (Size j = 0; j < n; ++j)
+      for (Size c = 0; c < components; ++c) packed[j * width + column + c] = field->values[source_order_[j] * components + c];
+    column += components;
+  }
+  std::vector<double> share;
+  if (!mask.empty()) {
+    share.resize(n);
+    for (Size j = 0; j < n; ++j) share[j] = mask[source_order_[j]];
+  }
+  Row<D> row;
+  std::vector<double> sum(width), low(width), high(width);
+  for (Size i = 0; i < m; ++i) {
+    row.reserve(first_[i + 1] - first_[i]);
+    row.n = 0;
+    for (Index p = first_[i]; p < first_[i + 1]; ++p) {
+      const Index j = index_[p];
+      const double w = share.empty() ? weight_[p] : weight_[p] * share[j];
+      if (w <= 0.0) continue;
+      row.source[row.n] = j;
+      row.weight[row.n] = w;
+      row.offset[row.n] = source_[j] - target_[i];
+      ++row.n;
+    }
+    if (!row.normalise(h_)) continue;
+    std::fill(sum.begin(), sum.end(), 0.0);
+    for (Size p = 0; p < row.n; ++p) {
+      const double* value = packed.data() + row.source[p] * width;
+      for (Size c = 0; c < width; ++c) sum[c] += row.weight[p] * value[c];
+    }
+    if (row.extrapolates) {
+      std::fill(low.begin(), low.end(), std::numeric_limits<double>::infinity());
+      std::fill(high.begin(), high.end(), -std::numeric_limits<double>::infinity());
+      for (Size p = 0; p < row.n; ++p) {
+        const double* value = packed.data() + row.source[p] * width;
+        for (Size c = 0; c < width; ++c) {
+          low[c] = std::min(low[c], value[c]);
+          high[c] = std::max(high[c], value[c]);
+        }
+      }
+      for (Size c = 0; c < width; ++c) sum[c] = std::clamp(sum[c], low[c], high[c]);
+    }
+    const Size target = target_order_[i];
+    Size from = 0;
+    for (auto& field : out) {
+      const Size components = static_cast<Size>(field.components);
+      std::copy_n(sum.begin() + static_cast<std::ptrdiff_t>(from), components,
+                  field.values.begin() + static_cast<std::ptrdiff_t>(target * components));
+      from += components;
+    }
+  }
+  return out;
+}
+
+template <int D>
+typename PairWeights<D>::Delivery PairWeights<D>::conservative(const Field& amounts, std::span<const double> carried) const {
+  const Size components = static_cast<Size>(amounts.components);
+  Delivery out;
+  out.values.assign(receivers_ * components, 0.0);
+  out.given.assign(components, 0.0);
+  out.delivered.assign(components, 0.0);
+  out.undelivered.assign(components, 0.0);
+  // How much of the giving each receiver takes part in: the key by which carried amounts are shared out.
+  std::vector<double> part(receivers_, 0.0), part_by_size(receivers_, 0.0);
+  double parts = 0.0, parts_by_size = 0.0;
+  for (Size i = 0; i < target_.size(); ++i) {
+    const double* amount = amounts.values.data() + target_order_[i] * components;
+    double size = 0.0, total = 0.0;
+    for (Size c = 0; c < components; ++c) {
+      out.given[c] += amount[c];
+      size += std::abs(amount[c]);
+    }
+    for (Index p = first_[i]; p < first_[i + 1]; ++p)
+      if (source_order_[index_[p]] < receivers_) total += weight_[p];
+    if (!(total > nothing)) {
+      for (Size c = 0; c < components; ++c) out.undelivered[c] += amount[c];
+      continue;
+    }
+    for (Index p = first_[i]; p < first_[i + 1]; ++p) {
+      const Size j = source_order_[index_[p]];
+      if (j >= receivers_ || weight_[p] == 0.0) continue;
+      const double share = weight_[p] / total;
+      for (Size c = 0; c < components; ++c) out.values[j * components + c] += share * amount[c];
+      part[j] += share;
+      part_by_size[j] += share * size;
+    }
+    parts += 1.0;
+    parts_by_size += size;
+  }
+  const bool by_size = parts_by_size > 0.0;
+  const double all = by_size ? parts_by_size : parts;
+  for (Size c = 0; c < components; ++c) {
+    const double rest = c < carried.size() ? carried[c] : 0.0;
+    if (rest == 0.0) continue;
+    if (!(all > 0.0)) {
+      out.undelivered[c] += rest;
+      continue;
+    }
+    for (Size j = 0; j < receivers_; ++j) out.values[j * components + c] += rest * (by_size ? part_by_size[j] : part[j]) / all;
+  }
+  for (Size j = 0; j < receivers_; ++j)
+    for (Size c = 0; c < components; ++c) out.delivered[c] += out.values[j * components + c];
+  return out;
+}
+
+template class PairWeights<2>;
+template class PairWeights<3>;
+
+namespace {
+
+template <int D>
+class CloudMapping final : public SpatialMapping {
+ public:
+  Inbox map(Role giver, const PointSet& giver_points, const std::vector<Field>& giver_fields, std::span<const FieldSpec> specs,
+            const PointSet& receiver_points) override {
+    auto& forward = giver == Role::fluid ? fluid_to_solid_ : solid_to_fluid_;
+    auto& backward = giver == Role::fluid ? solid_to_fluid_ : fluid_to_solid_;
+    forward.update(giver_points, receiver_points);
+    Inbox inbox;
+    inbox.coverage = forward.coverage();
+    map_consistent(forward, giver_fields, specs, inbox);
+    bool ready = false;
+    for (const auto& spec : specs) {
+      if (spec.mapping != coupling::Mapping::conservative) continue;
+      if (!ready) backward.update(receiver_points, giver_points);
+      ready = true;
+      auto& account = account_of(giver, spec);
+      auto delivery = backward.conservative(find(giver_fields, spec.name), account.undelivered);
+      for (Size c = 0; c < delivery.given.size(); ++c) {
+        account.given[c] += delivery.given[c];
+        account.delivered[c] += delivery.delivered[c];
+      }
+      account.undelivered = std::move(delivery.undelivered);
+      inbox.fields.push_back({spec.name, spec.components, std::move(delivery.values)});
+    }
+    return inbox;
+  }
+
+  MappingCounts counts() const override {
+    const auto &a = fluid_to_solid_.counts(), &b = solid_to_fluid_.counts();
+    return {a.rebuilds + b.rebuilds, a.reuses + b.reuses, a.unchanged + b.unchanged};
+  }
+  const std::vector<Account>& accounts() const override { return accounts_; }
+  void set_accounts(std::vector<Account> accounts) override { accounts_ = std::move(accounts); }
+
+ private:
+  static const Field& find(const std::vector<Field>& fields, const std::string& name) {
+    const auto found = std::find_if(fields.begin(), fields.end(), [&](const Field& f) { return f.name == name; });
+    if (found == fields.end()) throw PeerError("field '" + name + "' is missing from the publication to be mapped");
+    return *found;
+  }
+
+  /// Fields with one mask share their moments: one pass per mask.
+  static void map_consistent(const PairWeights<D>& pairs, const std::vector<Field>& fields, std::span<const FieldSpec> specs, Inbox& inbox) {
+    std::vector<std::string> masks;
+    for (const auto& spec : specs)
+      if (spec.mapping == coupling::Mapping::consistent && std::find(masks.begin(), masks.end(), spec.mask) == masks.end())
+        masks.push_back(spec.mask);
+    for (const auto& mask : masks) {
+      std::vector<const Field*> group;
+      for (const auto& spec : specs)
+        if (spec.mapping == coupling::Mapping::consistent && spec.mask == mask) group.push_back(&find(fields, spec.name));
+      std::span<const double> weights;
+      if (!mask.empty()) weights = find(fields, mask).values;
+      for (auto& field : pairs.consistent(group, weights)) inbox.fields.push_back(std::move(field));
+    }
+  }
+
+  Account& account_of(Role giver, const FieldSpec& spec) {
+    for (auto& account : accounts_)
+      if (account.giver == giver && account.field == spec.name) return account;
+    const std::vector<double> zero(static_cast<Size>(spec.components), 0.0);
+    accounts_.push_back({spec.name, spec.unit, giver, zero, zero, zero});
+    return accounts_.back();
+  }
+
+  PairWeights<D> fluid_to_solid_, solid_to_fluid_;
+  std::vector<Account> accounts_;
+};
+
+}  // namespace
+
+std::unique_ptr<SpatialMapping> make_mapping(int dimension) {
+  if (dimension == 2) return std::make_unique<CloudMapping<2>>();
+  if (dimension == 3) return std::make_unique<CloudMapping<3>>();
+  throw Error(ExitCode::bad_case, "mapping: expected dimension 2 or 3, got " + std::to_string(dimension));
+}
+
+}  // namespace poretwin::coupling

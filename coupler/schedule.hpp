@@ -1,0 +1,51 @@
+// Temporal coupling: who advances when, with whose fields, and what happens when a window is refused.
+// Serial, fluid first, one pass: the fluid crosses the window with the solid's fields of its start, the solid with the fluid's new
+// ones. docs/protocol.md shows the sequence.
+#pragma once
+
+#include "common/coupling/summary.hpp"
+#include "common/coupling/window_clock.hpp"
+#include "coupler/border.hpp"
+#include "coupler/broker.hpp"
+#include "coupler/mapping.hpp"
+
+#include <functional>
+#include <map>
+#include <memory>
+
+namespace poretwin::coupling {
+
+struct ScheduleReport {
+  double mapping = 0.0;  ///< s
+  double wall = 0.0;     ///< s
+  std::uint64_t windows = 0;
+  std::uint64_t rejected_by_fluid = 0, rejected_by_solid = 0;
+  std::uint64_t fields_skipped = 0;   ///< given, taken by nobody, hence not mapped
+  std::uint64_t points_unchanged = 0; ///< publications without their points
+  std::map<std::string, std::uint64_t> limited_by;  ///< what set the window, and how often
+  double time = 0.0;  ///< s
+  bool interrupted = false;
+  MappingCounts pairs;
+  std::vector<SpatialMapping::Account> accounts;
+};
+
+class Schedule {
+ public:
+  /// `progress` may be empty.
+  Schedule(Broker& broker, int dimension, WindowClock::Settings settings, std::function<void(const Progress&)> progress = {});
+  ~Schedule();
+  Schedule(const Schedule&) = delete;
+  Schedule& operator=(const Schedule&) = delete;
+
+  /// From the handshake to the goodbyes. On any failure everybody is told before the error leaves here.
+  void run();
+  /// Whom it waits for: for BrokerOptions::waiting.
+  void note_waiting(const std::string& whom);
+  [[nodiscard]] ScheduleReport report() const;
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace poretwin::coupling

@@ -1,0 +1,187 @@
+// The coupler against two mocks: sequence, windows, output instants, rejections, point sets that change; over every transport.
+#include "tests/coupling/coupled_run.hpp"
+
+#include <cmath>
+
+namespace poretwin::coupling {
+namespace {
+
+class EveryLine : public testing::TestWithParam<Line> {};
+INSTANTIATE_TEST_SUITE_P(Lines, EveryLine, testing::Values(Line::in_process, Line::ipc, Line::tcp),
+                         [](const auto& line) { return line_name(line.param); });
+
+TEST_P(EveryLine, RunsFromHandshakeToGoodbye) {
+  MockPhase fluid(Role::fluid, 2, still_square(Role::fluid)), solid(Role::solid, 2, still_square(Role::solid, 0.125));
+  CoupledRun run;
+  run.line = GetParam();
+  run.run(&fluid, &solid);
+  run.expect_success();
+  EXPECT_EQ(run.report.windows, 10u);
+  EXPECT_EQ(fluid.seen().windows.size(), 10u);
+  EXPECT_EQ(solid.seen().windows.size(), 10u);
+  EXPECT_DOUBLE_EQ(fluid.time(), 1.0);
+  EXPECT_EQ(run.fluid_record.frames.size(), 2u);  // first and last
+  EXPECT_EQ(run.solid_record.frames.size(), 2u);
+  EXPECT_EQ(run.fluid.report.windows, 10u);
+  EXPECT_EQ(run.fluid_record.series.size(), 11u);
+  // Still points are sent once by each side.
+  EXPECT_EQ(run.report.points_unchanged, 22u);
+}
+
+TEST(Schedule, TheSolidSeesTheFluidsNewFieldsTheFluidTheSolidsOld) {
+  const FieldFormula time_everywhere = [](const std::string& name, int, const double*, double t) {
+    return name == field::soil_fraction ? 1.0 : name == field::solid_volume_fraction ? 0.6 : t;
+  };
+  MockPhase fluid(Role::fluid, 2, still_square(Role::fluid, 0.1, time_everywhere));
+  MockPhase solid(Role::solid, 2, still_square(Role::solid, 0.1, time_everywhere));
+  CoupledRun run;
+  run.run(&fluid, &solid);
+  run.expect_success();
+  for (std::size_t k = 0; k < 10; ++k) {
+    const auto& window = fluid.seen().windows[k];
+    const auto& to_fluid = fluid.seen().inboxes[k + 1];  // the first is that of initialise
+    const auto& to_solid = solid.seen().inboxes[k + 1];
+    EXPECT_NEAR(to_fluid.at(field::constrained_modulus).values[55], window.time, 1e-12);
+    EXPECT_NEAR(to_solid.at(field::pore_pressure).values[55], window.time + window.interval, 1e-12);
+  }
+}
+
+TEST(Schedule, HitsOutputInstantsExactly) {
+  auto formula = still_square(Role::fluid, 0.25);
+  MockPhase fluid(Role::fluid, 2, [&](double t) {
+    auto out = formula(t);
+    out.proposed_interval = 0.0137 + 0.01 * t;
+    out.limited_by = "mock";
+    return out;
+  });
+  MockPhase solid(Role::solid, 2, still_square(Role::solid, 0.25));
+  CoupledRun run;
+  run.settings = {1.0, std::nullopt, 0.1, 0.25};
+  run.run(&fluid, &solid);
+  run.expect_success();
+  for (const auto* record : {&run.fluid_record, &run.solid_record}) {
+    ASSERT_EQ(record->frames.size(), 11u);
+    for (std::size_t k = 0; k <= 10; ++k) EXPECT_NEAR(record->frames[k].time, 0.1 * static_cast<double>(k), 1e-15);
+    EXPECT_EQ(record->series.size(), 5u);
+  }
+  double time = 0.0;
+  for (const auto& window : fluid.seen().windows) {
+    EXPECT_NEAR(window.time, time, 1e-15);
+    EXPECT_LE(window.interval, 0.0137 + 0.01 * time + 1e-12);
+    EXPECT_GT(window.interval, 0.0);
+    time = window.time + window.interval;
+  }
+}
+
+TEST_P(EveryLine, ARejectedWindowIsRestoredOnBothSidesAndRepeatedShorter) {
+  MockKnobs fluid_knobs, solid_knobs;
+  fluid_knobs.rejections = {{2, 1}};
+  solid_knobs.rejections = {{4, 2}};
+  MockPhase fluid(Role::fluid, 2, still_square(Role::fluid), fluid_knobs);
+  MockPhase solid(Role::solid, 2, still_square(Role::solid), solid_knobs);
+  CoupledRun run;
+  run.line = GetParam();
+  run.settings = {1.0, 0.1, 0.1, 0.0};
+  run.run(&fluid, &solid);
+  run.expect_success();
+  EXPECT_EQ(run.report.rejected_by_fluid, 1u);
+  EXPECT_EQ(run.report.rejected_by_solid, 2u);
+  EXPECT_EQ(fluid.seen().restores, 3);  // its own, and twice for the solid's sake
+  EXPECT_EQ(solid.seen().restores, 2);
+  EXPECT_DOUBLE_EQ(fluid.time(), 1.0);
+  EXPECT_DOUBLE_EQ(solid.time(), 1.0);
+  ASSERT_EQ(run.fluid_record.frames.size(), 11u);
+  ASSERT_EQ(run.solid_record.frames.size(), 11u);
+  for (std::size_t k = 0; k <= 10; ++k) EXPECT_NEAR(run.fluid_record.frames[k].time, 0.1 * static_cast<double>(k), 1e-12);
+  EXPECT_EQ(run.fluid.report.windows, run.report.windows);
+  EXPECT_EQ(run.solid.report.windows, run.report.windows);
+  // The repeated attempt starts where the refused one did, and is shorter.
+  const auto& windows = solid.seen().windows;
+  for (std::size_t k = 1; k < windows.size(); ++k) {
+    if (windows[k].step != windows[k - 1].step) continue;
+    EXPECT_EQ(windows[k].time, windows[k - 1].time);
+    EXPECT_LE(windows[k].interval, 0.5 * windows[k - 1].interval + 1e-15);
+  }
+}
+
+TEST(Schedule, GivesUpAWindowThatIsAlwaysRefused) {
+  MockKnobs knobs;
+  knobs.rejections = {{3, 1000}};
+  MockPhase fluid(Role::fluid, 2, still_square(Role::fluid, 0.25)), solid(Role::solid, 2, still_square(Role::solid, 0.25), knobs);
+  CoupledRun run;
+  run.run(&fluid, &solid);
+  EXPECT_EQ(run.coupler.code, ExitCode::peer);
+  EXPECT_NE(run.coupler.error.find("was rejected 21 times"), std::string::npos) << run.coupler.error;
+  EXPECT_NE(run.solid.error.find("was rejected"), std::string::npos) << run.solid.error;
+  EXPECT_NE(run.fluid.error.find("was rejected"), std::string::npos) << run.fluid.error;
+}
+
+/// A fluid that flows in from nothing, fills up, and drains again; every step another number of points, every point moved.
+Publication tide(double t) {
+  const double width = std::max(0.0, std::sin(3.1 * t));
+  auto points = lattice_points(2, {0.05 * t, 0.0}, {width, 1.0}, 0.1);
+  points.revision = static_cast<std::uint64_t>(1e9 * t);
+  return formula_publication(Role::fluid, t, std::move(points), [](const std::string& name, int c, const double* x, double) {
+    if (name == field::soil_fraction) return 1.0;
+    return name == field::drag_impulse ? 1.0 + c : x[0];
+  });
+}
+
+TEST_P(EveryLine, CopesWithMovingGrowingShrinkingAndEmptySets) {
+  MockPhase fluid(Role::fluid, 2, tide), solid(Role::solid, 2, still_square(Role::solid));
+  CoupledRun run;
+  run.line = GetParam();
+  run.settings = {1.0, 0.02, 0.0, 0.0};
+  run.run(&fluid, &solid);
+  run.expect_success();
+  EXPECT_EQ(solid.seen().inboxes.front().coverage.size(), 100u);
+  for (const double covered : solid.seen().inboxes.front().coverage) EXPECT_EQ(covered, 0.0);
+  for (const auto& account : run.report.accounts)
+    for (std::size_t c = 0; c < account.given.size(); ++c)
+      EXPECT_NEAR(account.given[c], account.delivered[c] + account.undelivered[c], 1e-12 * (1.0 + std::abs(account.given[c])));
+}
+
+TEST(Schedule, BothSetsMayBeEmpty) {
+  auto empty = [](Role role) {
+    return [role](double t) { return formula_publication(role, t, lattice_points(2, {0.0, 0.0}, {0.0, 0.0}, 0.1)); };
+  };
+  MockPhase fluid(Role::fluid, 2, empty(Role::fluid)), solid(Role::solid, 2, empty(Role::solid));
+  CoupledRun run;
+  run.run(&fluid, &solid);
+  run.expect_success();
+  EXPECT_EQ(run.report.windows, 10u);
+}
+
+TEST(Schedule, ThreeDimensions) {
+  auto cube = [](Role role) {
+    return [role](double t) { return formula_publication(role, t, lattice_points(3, {0.0, 0.0, 0.0}, {0.5, 0.5, 0.5}, 0.1)); };
+  };
+  MockPhase fluid(Role::fluid, 3, cube(Role::fluid)), solid(Role::solid, 3, cube(Role::solid));
+  CoupledRun run;
+  run.dimension = 3;
+  run.run(&fluid, &solid);
+  run.expect_success();
+  EXPECT_NEAR(fluid.seen().inboxes.back().at(field::solid_volume_fraction).values[62], 0.6, 1e-12);
+}
+
+TEST(Alone, HitsOutputsAndRepeatsRejectedWindows) {
+  MockKnobs knobs;
+  knobs.rejections = {{3, 2}};
+  MockPhase fluid(Role::fluid, 2, still_square(Role::fluid, 0.25), knobs);
+  Case scene;
+  scene.general.end_time = 1.0;
+  scene.coupling.interval = 0.07;
+  scene.output.interval = 0.2;
+  MemoryRecorder record;
+  std::vector<Progress> seen;
+  const auto report = drive_alone(fluid, scene, record, [&](const Progress& p) { seen.push_back(p); });
+  EXPECT_EQ(report.rejected, 2u);
+  EXPECT_DOUBLE_EQ(report.time, 1.0);
+  ASSERT_EQ(record.frames.size(), 6u);
+  for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(record.frames[k].time, 0.2 * static_cast<double>(k), 1e-15);
+  EXPECT_EQ(seen.size(), report.windows);
+  EXPECT_TRUE(fluid.seen().inboxes.front().fields.empty());
+}
+
+}  // namespace
+}  // namespace poretwin::coupling
