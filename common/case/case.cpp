@@ -153,7 +153,10 @@ void declare(Keys& keys, Gauge& g) {
   keys.text("name", g.name, {"", "Name of the series; `name[i]` where there are several points.", true});
   keys.text("phase", g.phase, {"", "`fluid` or `solid`.", true});
   keys.text("kind", g.kind,
-            {"", "`point`, `front`, `volume`, `momentum`, `kinetic_energy`, `particles` or `max_speed`.", true});
+            {"",
+             "`point`, `front`, `volume`, `momentum`, `kinetic_energy`, `particles`, `max_speed`; of the solid also "
+             "`max_displacement`, `uplift`.",
+             true});
   keys.text("quantity", g.quantity,
             {"",
              "Of `point`: an output field, with `_x` `_y` `_z` or `_xx` `_yy` .. for one component. Of `momentum`: "
