@@ -27,6 +27,7 @@ struct FaceColumn {
   double speed = 0.0;              ///< of the stack [m/s]
   double pressure = 0.0;           ///< at the foot, piezometric [Pa]
   double slope = 0.0;              ///< of the piezometric pressure along the normal [Pa/m]
+  bool in_soil = false;            ///< the ground behind the face is soil
   bool wet = false;                ///< acts now
   [[nodiscard]] double inside(const Vec<D>& x) const { return normal.dot(x - foot); }
 };
@@ -56,6 +57,7 @@ void add_column(const Case& scene, int face, const Vec<D>& foot, const Vec<D>& n
   c.volume = std::pow(dx, D);
   c.spacing = c.volume / area;
   c.width = width;
+  c.in_soil = soil != nullptr;
   c.mass = scene.water.density * (soil ? soil->porosity : 1.0) * c.volume;
   c.offset = 0.5 * c.spacing;
   columns.push_back(c);
@@ -159,6 +161,36 @@ std::vector<Buffer<D>> make_buffers(const std::vector<FaceColumn<D>>& columns) {
     }
   }
   return buffers;
+}
+
+/// Fits of the pressure's slope at every column: weighted least squares through the face, over the first spacings inside.
+template <int D>
+void fit_columns(const std::vector<FaceColumn<D>>& columns, Stencil<D>& s) {
+  s.fit_offset.assign(1, 0);
+  if (columns.empty()) return;
+  const std::span<const Vec<D>> reals(s.position.data(), s.n_real);
+  sph::CellGrid<D> grid;
+  double widest = 0.0;
+  for (const auto& c : columns) widest = std::max(widest, 1.3 * std::pow(c.volume, 1.0 / D));
+  grid.build(reals, widest);
+  for (const auto& c : columns) {
+    const std::size_t begin = s.fit_index.size();
+    double sum = 0.0;
+    if (c.wet) {
+      const double h = 0.65 * std::pow(c.volume, 1.0 / D);
+      grid.for_each_within(c.foot + 0.75 * c.spacing * c.normal, sph::support_radius * h, [&](Index a, double r2) {
+        const double d = c.inside(s.position[a]);
+        if (d < 0.2 * c.spacing) return;
+        const double w = s.volume[a] * Kernel<D>::value(std::sqrt(r2), h);
+        if (w == 0.0) return;
+        sum += w * d * d;
+        s.fit_index.push_back(a);
+        s.fit_weight.push_back(w * d);
+      });
+    }
+    for (std::size_t k = begin; k < s.fit_index.size(); ++k) s.fit_weight[k] /= sum;
+    s.fit_offset.push_back(static_cast<Index>(s.fit_index.size()));
+  }
 }
 
 }  // namespace poretwin::fluid

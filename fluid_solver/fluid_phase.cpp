@@ -99,19 +99,41 @@ coupling::Publication Fluid<D>::publish() const {
 
 template <int D>
 SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox) const {
-  const std::size_t n = state_.particles.size();
-  if (!scene_.coupled()) return rigid_soil<D>(scene_, state_.particles.position);
+  const auto& x = state_.particles.position;
+  const std::size_t n = x.size();
+  // A particle about to leave through a face of soil still counts as in it.
+  const auto nearest_column = [&](const Vec<D>& point) -> const FaceColumn<D>* {
+    for (const auto& c : state_.columns) {
+      const double d = c.inside(point);
+      if (c.in_soil && std::abs(d) <= c.spacing && (point - c.foot - d * c.normal).norm() <= 1.0001 * c.width) return &c;
+    }
+    return nullptr;
+  };
+  if (!scene_.coupled()) {
+    VecArray<D> where = x;
+    for (auto& point : where)
+      if (!soil_at(scene_, to_point3<D>(point)))
+        if (const auto* c = nearest_column(point)) point = c->foot + 0.25 * c->spacing * c->normal;
+    return rigid_soil<D>(scene_, where);
+  }
   if (inbox.coverage.size() != n)
     throw PeerError(fmt::format("the exchange brought values for {} fluid particles, there are {}", inbox.coverage.size(), n));
-  return mapped_soil<D>(scene_, inbox, n);
+  auto complete = inbox;
+  if (!state_.columns.empty())
+    for (std::size_t a = 0; a < n; ++a)
+      if (auto& coverage = complete.coverage[a]; coverage > 0.3 && coverage < full_coverage && nearest_column(x[a]))
+        coverage = full_coverage;
+  return mapped_soil<D>(scene_, complete, n);
 }
 
 template <int D>
 Stencil<D> Fluid<D>::stencil() const {
   const auto& p = state_.particles;
   const auto buffers = make_buffers(state_.columns);
-  return make_stencil<D>(p.position, p.volume, std::span<const Buffer<D>>(buffers), planes_,
-                         [&](Index c, const Vec<D>& x) { return state_.columns[c].inside(x); });
+  auto s = make_stencil<D>(p.position, p.volume, std::span<const Buffer<D>>(buffers), planes_,
+                           [&](Index c, const Vec<D>& x) { return state_.columns[c].inside(x); });
+  fit_columns(state_.columns, s);
+  return s;
 }
 
 template <int D>
@@ -362,20 +384,20 @@ void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, dou
   double widest = 0.0;
   for (const auto& c : state_.columns) widest = std::max(widest, 2.0 * smoothing_ratio * std::max(c.spacing, 2.0 * c.width));
   grid.build(p.position, widest);
-  for (auto& c : state_.columns) {
+  for (std::size_t i = 0; i < state_.columns.size(); ++i) {
+    auto& c = state_.columns[i];
     c.speed = 0.0;
     c.slope = 0.0;
     if (!c.wet) continue;
+    c.slope = face_slope(s, static_cast<Index>(i), p.pressure, c.pressure).value_or(0.0);
     const Vec<D> probe = c.foot + 0.75 * c.spacing * c.normal;
     const double h = smoothing_ratio * std::pow(c.volume, 1.0 / D);
-    double sum = 0.0, speed = 0.0, pressure = 0.0, inside = 0.0;
+    double sum = 0.0, speed = 0.0;
     grid.for_each_within(probe, sph::support_radius * h, [&](Index a, double r2) {
       const double w = p.volume[a] * Kernel<D>::value(std::sqrt(r2), h);
       sum += w;
       const double spacing = std::pow(p.volume[a], 1.0 / D);
       speed += w * (c.normal.dot(p.velocity[a]) + motion[a] * 0.5 * (1.0 - s.fullness[a]) * spacing / repair_time(a, view));
-      pressure += w * p.pressure[a];
-      inside += w * c.inside(p.position[a]);
     });
     if (sum < 0.05) {
       c.offset = c.spacing;  // wet face, dry ground
@@ -383,7 +405,6 @@ void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, dou
     }
     c.speed = speed / sum;
     c.offset += c.speed * interval;
-    if (inside > 0.1 * c.spacing * sum) c.slope = (pressure / sum - c.pressure) / (inside / sum);
   }
 }
 

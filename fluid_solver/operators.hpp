@@ -4,6 +4,8 @@
 #include "fluid_solver/csr.hpp"
 #include "fluid_solver/stencil.hpp"
 
+#include <optional>
+
 namespace poretwin::fluid {
 
 /// Values at all points from values at real particles: images take their parent's, through the linear map for vectors.
@@ -19,18 +21,39 @@ VecArray<D> extended(const Stencil<D>& s, std::span<const Vec<D>> f) {
 
 inline double harmonic(double a, double b) { return a + b > 0.0 ? 2.0 * a * b / (a + b) : 0.0; }
 
+/// Slope of a pressure along a face column's normal [Pa/m]; nothing where the ground inside is dry.
+template <int D>
+std::optional<double> face_slope(const Stencil<D>& s, Index column, std::span<const double> p, double face_pressure) {
+  if (column + 1 >= s.fit_offset.size() || s.fit_offset[column] == s.fit_offset[column + 1]) return std::nullopt;
+  double slope = 0.0;
+  for (Index k = s.fit_offset[column]; k < s.fit_offset[column + 1]; ++k)
+    slope += s.fit_weight[k] * (p[s.fit_index[k]] - face_pressure);
+  return slope;
+}
+
 /// Corrected gradient of a piezometric pressure; face_pressure(column) is the pressure at a face (0 for increments).
 /// mobility(a, parent of b) multiplies each pair; blind_gradient is taken in directions without neighbours.
 template <int D, class Face, class Mobility>
 VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Face&& face_pressure, Mobility&& mobility,
                               const Vec<D>& blind_gradient) {
   VecArray<D> result(s.n_real);
+  // Pressures of the buffers. Reflecting particle by particle, as the Laplacian does, would magnify the error of a particle
+  // that lies on the face itself.
+  ScalarArray buffer(s.n_base - s.n_real);
+  std::vector<bool> fitted(buffer.size());
+  for (std::size_t i = 0; i < buffer.size(); ++i) {
+    const double at_face = face_pressure(s.column[i]);
+    const auto slope = face_slope(s, s.column[i], p, at_face);
+    fitted[i] = slope.has_value();
+    buffer[i] = at_face - slope.value_or(0.0) * s.outside[i];
+  }
   for (std::size_t a = 0; a < s.n_real; ++a) {
     Vec<D> sum = Vec<D>::Zero();
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
       const Index j = s.other[k], q = s.parent[j];
-      const double difference =
-          q < s.n_real ? p[q] - p[a] : s.reflection[k] * (face_pressure(s.column[q - s.n_real]) - p[a]);
+      const double difference = q < s.n_real             ? p[q] - p[a]
+                                : fitted[q - s.n_real] ? buffer[q - s.n_real] - p[a]
+                                                       : s.reflection[k] * (buffer[q - s.n_real] - p[a]);
       sum += s.volume[j] * mobility(a, q) * difference * s.gradient[k];
     }
     result[a] = s.correction[a] * sum + mobility(a, a) * (s.blind[a] * blind_gradient);

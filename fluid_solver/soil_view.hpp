@@ -31,6 +31,9 @@ struct SoilView {
 /// Least solid fraction that counts as soil.
 inline constexpr double least_solid_fraction = 1e-3;
 
+/// Coverage from which a point counts as inside soil in full.
+inline constexpr double full_coverage = 0.8;
+
 /// Kernel coverage to soil membership: a ramp about 0.5, flat above 0.8, so that particle disorder inside does not show.
 inline double membership(double coverage) { return std::clamp((coverage - 0.2) / 0.6, 0.0, 1.0); }
 

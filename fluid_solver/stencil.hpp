@@ -53,6 +53,12 @@ struct Stencil {
   MatArray<D> map;                        ///< [images] linear part for vectors
   std::vector<std::uint32_t> boundaries;  ///< [images]
   std::vector<Index> column;              ///< [base - real] face column of each buffer
+  ScalarArray outside;                    ///< [base - real] distance from its face [m]
+
+  /// Slope of the pressure at each face column, a straight line through the face's pressure fitted to the particles inside:
+  /// slope = sum fit_weight (p - p_face) over fit_index[fit_offset[c] .. fit_offset[c + 1]); none where the ground is dry.
+  std::vector<Index> fit_offset{0}, fit_index;
+  ScalarArray fit_weight;  ///< 1/m
 
   std::vector<Index> offset{0};     ///< pairs of real a: offset[a] .. offset[a + 1]
   std::vector<Index> other;         ///< [pairs]
@@ -102,6 +108,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
     s.position.push_back(b.position);
     s.volume.push_back(b.volume);
     s.column.push_back(b.column);
+    s.outside.push_back(b.outside);
   }
   double largest = 0.0;
   for (const double v : s.volume) {
@@ -163,8 +170,8 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
     });
     s.fullness[a] = sum / full;
     s.divergence[a] = moment.trace();
-    s.correction[a] = pseudo_inverse<D>(moment, 0.1, &s.blind[a]);
-    s.correction_open[a] = pseudo_inverse<D>(moment_open, 0.1, nullptr);
+    s.correction[a] = pseudo_inverse<D>(moment, 0.05, &s.blind[a]);
+    s.correction_open[a] = pseudo_inverse<D>(moment_open, 0.05, nullptr);
     s.offset.push_back(static_cast<Index>(s.other.size()));
   }
   return s;

@@ -44,7 +44,7 @@ std::vector<sph::ImagePlane<D>> walls() {
 template <int D>
 void expect_linear_exactness() {
   VecArray<D> x;
-  const auto s = box<D>(0.3, 8, {}, &x);
+  const auto s = box<D>(0.2, 8, {}, &x);
   Vec<D> slope;
   Mat<D> shear;
   for (int i = 0; i < D; ++i) {
