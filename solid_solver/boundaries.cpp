@@ -23,8 +23,9 @@ Boundaries<D> make_boundaries(const Case& scene, double margin) {
     add(planes_of<D>(wall.face, 0, margin), wall.soil == Wall::ForSoil::fixed ? Kind::fixed : Kind::roller);
   }
   if (boundaries.planes.size() > 32)
-    throw CaseError(fmt::format("the walls of the soil have {} straight pieces; at most 32 are possible: use fewer corners",
-                                boundaries.planes.size()));
+    throw CaseError(
+        fmt::format("the walls of the soil have {} straight pieces; at most 32 are possible: use fewer corners",
+                    boundaries.planes.size()));
   return boundaries;
 }
 
@@ -45,6 +46,23 @@ Mat<D> velocity_map(const Boundaries<D>& boundaries, std::uint32_t passed) {
   return map;
 }
 
+/// The walls among the boundaries passed (periodic sides change nothing).
+template <int D>
+void find_crossings(const Boundaries<D>& boundaries, std::uint32_t passed, ImageRule<D>& rule) {
+  using Kind = typename Boundaries<D>::Kind;
+  for (std::size_t k = 0; k < boundaries.planes.size() && rule.n_crossings < D; ++k) {
+    if (!(passed >> k & 1u) || boundaries.kinds[k] == Kind::periodic) continue;
+    const Vec<D>& n = boundaries.planes[k].normal;
+    const Mat<D> normal_part = n * n.transpose();
+    Crossing<D>& crossing = rule.crossings[rule.n_crossings++];
+    crossing.normal = n;
+    crossing.level = n.dot(boundaries.planes[k].point);
+    // The body force as seen behind the other walls of the chain: rule.map without this wall's own mirror.
+    crossing.share = rule.map * (Mat<D>::Identity() - 2.0 * normal_part);
+    if (boundaries.kinds[k] == Kind::roller) crossing.share = normal_part * crossing.share;
+  }
+}
+
 template <int D>
 bool only_periodic(const Boundaries<D>& boundaries, std::uint32_t passed) {
   for (std::size_t k = 0; k < boundaries.planes.size(); ++k)
@@ -58,10 +76,9 @@ template <int D>
 void build_neighbourhood(const Boundaries<D>& boundaries, double range, const Particles<D>& particles,
                          Neighbourhood<D>& near) {
   near.built_at = particles.position;
-  const auto images =
-      sph::make_images<D>(std::span<const Vec<D>>(particles.position),
-                          std::span<const sph::ImagePlane<D>>(boundaries.planes), range);
-  near.images.resize(images.size());
+  const auto images = sph::make_images<D>(std::span<const Vec<D>>(particles.position),
+                                          std::span<const sph::ImagePlane<D>>(boundaries.planes), range);
+  near.images.assign(images.size(), {});
   VecArray<D> sources = particles.position;
   sources.insert(sources.end(), images.position.begin(), images.position.end());
   for (std::size_t k = 0; k < images.size(); ++k) {
@@ -70,6 +87,7 @@ void build_neighbourhood(const Boundaries<D>& boundaries, double range, const Pa
     rule.map = images.map[k];
     rule.shift = images.position[k] - rule.map * particles.position[rule.parent];
     rule.velocity = velocity_map(boundaries, images.boundaries[k]);
+    find_crossings(boundaries, images.boundaries[k], rule);
     rule.periodic = only_periodic(boundaries, images.boundaries[k]);
   }
   const ScalarArray radius(sources.size(), range);
@@ -78,7 +96,8 @@ void build_neighbourhood(const Boundaries<D>& boundaries, double range, const Pa
 }
 
 template <int D>
-void fill_nodes(const Particles<D>& p, const Neighbourhood<D>& near, double flow_limit, std::vector<Node<D>>& nodes) {
+void fill_nodes(const Particles<D>& p, const Neighbourhood<D>& near, const VecArray<D>& body, double flow_limit,
+                std::vector<Node<D>>& nodes) {
   const std::size_t n = p.size();
   nodes.resize(n + near.images.size());
   for (std::size_t i = 0; i < n; ++i) {
@@ -100,6 +119,12 @@ void fill_nodes(const Particles<D>& p, const Neighbourhood<D>& near, double flow
     node.velocity = rule.velocity * nodes[rule.parent].velocity;
     node.gradient = rule.velocity * nodes[rule.parent].gradient * rule.map.transpose();
     node.flux = rule.velocity * nodes[rule.parent].flux * rule.map.transpose();
+    for (std::size_t c = 0; c < rule.n_crossings; ++c) {
+      const Crossing<D>& wall = rule.crossings[c];
+      const double distance = wall.normal.dot(nodes[rule.parent].position) - wall.level;
+      const Vec<D> row = rule.map * (p.correction[rule.parent] * (rule.map.transpose() * wall.normal));
+      node.flux += (2.0 * distance * node.volume) * (wall.share * body[rule.parent]) * row.transpose();
+    }
   }
 }
 
@@ -117,8 +142,10 @@ template Boundaries<2> make_boundaries<2>(const Case&, double);
 template Boundaries<3> make_boundaries<3>(const Case&, double);
 template void build_neighbourhood<2>(const Boundaries<2>&, double, const Particles<2>&, Neighbourhood<2>&);
 template void build_neighbourhood<3>(const Boundaries<3>&, double, const Particles<3>&, Neighbourhood<3>&);
-template void fill_nodes<2>(const Particles<2>&, const Neighbourhood<2>&, double, std::vector<Node<2>>&);
-template void fill_nodes<3>(const Particles<3>&, const Neighbourhood<3>&, double, std::vector<Node<3>>&);
+template void fill_nodes<2>(const Particles<2>&, const Neighbourhood<2>&, const VecArray<2>&, double,
+                            std::vector<Node<2>>&);
+template void fill_nodes<3>(const Particles<3>&, const Neighbourhood<3>&, const VecArray<3>&, double,
+                            std::vector<Node<3>>&);
 template void fill_velocities<2>(const Particles<2>&, const Neighbourhood<2>&, std::vector<Node<2>>&);
 template void fill_velocities<3>(const Particles<3>&, const Neighbourhood<3>&, std::vector<Node<3>>&);
 

@@ -24,8 +24,9 @@ void build_neighbourhood(const Boundaries<D>& boundaries, double range, const Pa
                          Neighbourhood<D>& near);
 
 /// Position, velocity, gradient, flux and weights of the nodes from the particles, images included.
+/// body: N/m3 on each particle, for the stress's slope at walls.
 template <int D>
-void fill_nodes(const Particles<D>& particles, const Neighbourhood<D>& near, double flow_limit,
+void fill_nodes(const Particles<D>& particles, const Neighbourhood<D>& near, const VecArray<D>& body, double flow_limit,
                 std::vector<Node<D>>& nodes);
 
 /// Velocities only (between the halves of a step).

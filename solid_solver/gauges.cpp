@@ -37,29 +37,34 @@ GaugeReading read_point(const Gauge& gauge, const std::string& name, const Point
   };
   auto vector_component = [&](const VecArray<D>& values, int k, std::string unit) {
     if (k >= D) return GaugeReading{name, 0.0, std::move(unit)};
-    return reading(Reach::motion, [&values, k](std::size_t i, const Mat<D>& map) { return map.row(k).dot(values[i]); },
-                   std::move(unit));
+    return reading(
+        Reach::motion, [&values, k](std::size_t i, const Mat<D>& map) { return map.row(k).dot(values[i]); },
+        std::move(unit));
   };
   if (const auto k = component(q, "displacement_", axes)) return vector_component(p.displacement, *k, "m");
   if (const auto k = component(q, "velocity_", axes)) return vector_component(p.velocity, *k, "m/s");
   if (const auto k = component(q, "effective_stress_", tensor_components))
-    return reading(Reach::material, [&p, k](std::size_t i, const Mat<D>&) { return p.stress[i][*k]; }, "Pa");
+    return reading(
+        Reach::material, [&p, k](std::size_t i, const Mat<D>&) { return p.stress[i][*k]; }, "Pa");
   if (const auto k = component(q, "total_stress_", tensor_components))
-    return reading(Reach::material,
-                   [&, k](std::size_t i, const Mat<D>&) {
-                     return p.stress[i][*k] - (*k < 3 ? state.external.pressure[i] : 0.0);
-                   },
-                   "Pa");
+    return reading(
+        Reach::material,
+        [&, k](std::size_t i, const Mat<D>&) { return p.stress[i][*k] - (*k < 3 ? state.external.pressure[i] : 0.0); },
+        "Pa");
   if (q == "pore_pressure")
-    return reading(Reach::material, [&](std::size_t i, const Mat<D>&) { return state.external.pressure[i]; }, "Pa");
+    return reading(
+        Reach::material, [&](std::size_t i, const Mat<D>&) { return state.external.pressure[i]; }, "Pa");
   if (q == "void_fraction")
-    return reading(Reach::material, [&](std::size_t i, const Mat<D>&) { return void_fraction(setup, p, i); }, "1");
+    return reading(
+        Reach::material, [&](std::size_t i, const Mat<D>&) { return void_fraction(setup, p, i); }, "1");
   if (q == "accumulated_plastic_strain")
-    return reading(Reach::material, [&p](std::size_t i, const Mat<D>&) { return p.plastic_strain[i]; }, "1");
-  throw CaseError(fmt::format(
-      "gauge \"{}\": quantity \"{}\" is not known to the solid; expected displacement_x, velocity_x, effective_stress_xx, "
-      "total_stress_xx (or another component), pore_pressure, void_fraction or accumulated_plastic_strain",
-      gauge.name, gauge.quantity));
+    return reading(
+        Reach::material, [&p](std::size_t i, const Mat<D>&) { return p.plastic_strain[i]; }, "1");
+  throw CaseError(
+      fmt::format("gauge \"{}\": quantity \"{}\" is not known to the solid; expected displacement_x, velocity_x, "
+                  "effective_stress_xx, "
+                  "total_stress_xx (or another component), pore_pressure, void_fraction or accumulated_plastic_strain",
+                  gauge.name, gauge.quantity));
 }
 
 }  // namespace
@@ -81,8 +86,10 @@ std::vector<GaugeReading> read_gauges(const Case& scene, const Setup<D>& setup, 
     double kinetic = 0.0, count = 0.0, speed = 0.0, displacement = 0.0, uplift = 0.0;
     const double g = setup.gravity.norm();
     Vec<D> up = Vec<D>::Zero();
-    if (g > 0.0) up = -setup.gravity / g;
-    else up[D - 1] = 1.0;
+    if (g > 0.0)
+      up = -setup.gravity / g;
+    else
+      up[D - 1] = 1.0;
     for (std::size_t i = 0; i < p.size(); ++i) {
       Point3 x = Point3::Zero();
       x.head<D>() = p.position[i];
@@ -92,15 +99,15 @@ std::vector<GaugeReading> read_gauges(const Case& scene, const Setup<D>& setup, 
       count += 1.0;
       speed = std::max(speed, p.velocity[i].norm());
       displacement = std::max(displacement, p.displacement[i].norm());
-      const Vec<D> since = state.rest_displacement.empty() ? p.displacement[i]
-                                                           : Vec<D>(p.displacement[i] - state.rest_displacement[i]);
+      const Vec<D> since =
+          state.rest_displacement.empty() ? p.displacement[i] : Vec<D>(p.displacement[i] - state.rest_displacement[i]);
       uplift = std::max(uplift, up.dot(since));
     }
     const std::string per = D == 2 ? "/m" : "";
     if (gauge.kind == "momentum") {
       for (int d = 0; d < D; ++d)
-        readings.push_back({fmt::format("{}_{}", gauge.name, axes[static_cast<std::size_t>(d)]), momentum[d],
-                            "kg m/s" + per});
+        readings.push_back(
+            {fmt::format("{}_{}", gauge.name, axes[static_cast<std::size_t>(d)]), momentum[d], "kg m/s" + per});
     } else if (gauge.kind == "kinetic_energy") {
       readings.push_back({gauge.name, kinetic, "J" + per});
     } else if (gauge.kind == "particles") {
@@ -112,9 +119,10 @@ std::vector<GaugeReading> read_gauges(const Case& scene, const Setup<D>& setup, 
     } else if (gauge.kind == "uplift") {
       readings.push_back({gauge.name, uplift, "m"});
     } else {
-      throw CaseError(fmt::format("gauge \"{}\": kind \"{}\" is not known to the solid; expected point, momentum, "
-                                  "kinetic_energy, particles, max_speed, max_displacement or uplift",
-                                  gauge.name, gauge.kind));
+      throw CaseError(
+          fmt::format("gauge \"{}\": kind \"{}\" is not known to the solid; expected point, momentum, "
+                      "kinetic_energy, particles, max_speed, max_displacement or uplift",
+                      gauge.name, gauge.kind));
     }
   }
   return readings;

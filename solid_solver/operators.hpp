@@ -1,6 +1,6 @@
 // The SPH operators of the skeleton as free functions on plain arrays. Exactness first: gradients are exact for linear
-// fields, and the internal force is the exact adjoint of the velocity gradient, so that internal forces do the work that
-// strains store, to rounding.
+// fields, and the internal force is the exact adjoint of the velocity gradient, so that internal forces do the work
+// that strains store, to rounding.
 #pragma once
 
 #include "common/sph/kernel.hpp"
@@ -73,8 +73,8 @@ void velocity_gradient(const std::vector<Node<D>>& nodes, const sph::PairList& p
 
 /// Internal force per volume, the exact adjoint of velocity_gradient (cf. Eq. (60)):
 ///   f_i = sum_j V_j (sigma_i B_i + sigma_j B_j) grad W_ij.   Node::flux holds V sigma B.
-/// With it, per volume: a viscosity on the part of the velocity that a linear field does not explain (it resists zero-energy
-/// modes and leaves every uniform strain rate alone), and artificial viscosity on approaching pairs.
+/// With it, per volume: a viscosity on the part of the velocity that a linear field does not explain (it resists
+/// zero-energy modes and leaves every uniform strain rate alone), and artificial viscosity on approaching pairs.
 template <int D>
 void internal_force(const std::vector<Node<D>>& nodes, const sph::PairList& pairs, const ScalarArray& kernel, double h,
                     const Stabilisers& stabilisers, VecArray<D>& internal, VecArray<D>& stabilising) {
@@ -106,8 +106,9 @@ void internal_force(const std::vector<Node<D>>& nodes, const sph::PairList& pair
   }
 }
 
-/// q_i = sum_j V_j (B_i + B_j) grad W_ij [1/m], B of images mirrored as geometry: zero inside, -(outward normal) times a
-/// surface delta function at a free surface. The force of a uniform stress S is S q, so a traction T acts as -T (n . q).
+/// q_i = sum_j V_j (B_i + B_j) grad W_ij [1/m], B of images mirrored as geometry: zero inside, -(outward normal) times
+/// a surface delta function at a free surface. The force of a uniform stress S is S q, so a traction T acts as -T (n .
+/// q).
 template <int D>
 VecArray<D> surface_vectors(const State<D>& state) {
   const auto& pairs = state.near.pairs;
@@ -157,9 +158,9 @@ VecArray<D> pressure_gradient_difference(const State<D>& state, std::span<const 
   return gradient;
 }
 
-/// Pore-pressure gradient of Eq. (61): sum_j m_j rho_i (p_i/rho_i^2 + p_j/rho_j^2) grad W [Pa/m]. It takes a free soil surface
-/// for a jump of the water's pressure to zero and expels the particles there; kept to show that.
-/// Images carry the hydrostatic mirror p' = p + rho_w g . (x' - x).
+/// Pore-pressure gradient of Eq. (61): sum_j m_j rho_i (p_i/rho_i^2 + p_j/rho_j^2) grad W [Pa/m]. It takes a free soil
+/// surface for a jump of the water's pressure to zero and expels the particles there; kept to show that. Images carry
+/// the hydrostatic mirror p' = p + rho_w g . (x' - x).
 template <int D>
 VecArray<D> pressure_gradient_sum(const State<D>& state, std::span<const double> pressure, const Vec<D>& water_weight) {
   const auto& pairs = state.near.pairs;

@@ -46,6 +46,7 @@ Solid<D>::Solid(const Case& scene) : scene_(scene) {
   setup_ = std::move(setup);
   state_.particles = std::move(particles);
   const std::size_t n = state_.particles.size();
+  state_.body.assign(n, Vec<D>::Zero());
   state_.internal.assign(n, Vec<D>::Zero());
   state_.stabilising.assign(n, Vec<D>::Zero());
   state_.external.pressure.assign(n, 0.0);
@@ -90,13 +91,13 @@ void Solid<D>::initialise(const Inbox& inbox) {
     for (auto& v : state_.particles.velocity) v.setZero();
     evaluate_forces(setup_, state_);
     constexpr double before_everything = -1e300;  // standing loads only
-    const auto report = find_rest<D>(setup_, state_, [&] {
+    const auto report = find_rest<D>(setup_, state_, [&](Drive<D>& drive) {
       state_.external.pressure_gradient = gradient_of(state_.external.pressure);
-      VecArray<D> force = load_forces<D>(setup_, state_, before_everything);
+      drive.traction = load_forces<D>(setup_, state_, before_everything);
+      drive.distributed.resize(n);
       for (std::size_t i = 0; i < n; ++i)
-        force[i] -= state_.particles.volume[i] * solid_fraction(setup_, state_.particles, i) *
-                    state_.external.pressure_gradient[i];
-      return force;
+        drive.distributed[i] = -state_.particles.volume[i] * solid_fraction(setup_, state_.particles, i) *
+                               state_.external.pressure_gradient[i];
     });
     state_.rest_steps += static_cast<double>(report.steps);
     state_.particles.velocity = initial;
@@ -129,9 +130,10 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   const VecArray<D> from = state_.external.pressure_gradient, to = gradient_of(pressure);
   state_.external.pressure = std::move(pressure);
 
-  // Tracking: the seepage force follows the skeleton's own motion (C) and damps the difference to the fluid's prediction.
+  // Tracking: the seepage force follows the skeleton's own motion (C) and damps the difference to the fluid's
+  // prediction.
   Drive<D> drive;
-  drive.constant.assign(n, Vec<D>::Zero());
+  drive.distributed.assign(n, Vec<D>::Zero());
   drive.tracking.assign(n, 0.0);
   drive.target.assign(n, Vec<D>::Zero());
   for (std::size_t i = 0; i < n; ++i) {
@@ -145,30 +147,34 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
     for (int d = 0; d < D; ++d) drive.target[i][d] = predicted[i * D + static_cast<std::size_t>(d)];
   }
 
-  const auto steps = std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(interval / setup_.longest_substep - 1e-9)));
+  const auto steps =
+      std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(interval / setup_.longest_substep - 1e-9)));
   const double dt = interval / static_cast<double>(steps);
   for (auto& r : state_.returned_impulse) r.setZero();
   std::fill(state_.yielded.begin(), state_.yielded.end(), char{0});
   state_.any_yielded = false;
   const VecArray<D> displacement = p.displacement;
 
-  VecArray<D> load;
+  // A load that begins with the window raises the water's pressure at once: no ramp then.
+  bool jump = false;
+  for (const auto& patch : setup_.loads)
+    jump = jump || (has_begun(patch.start, window.time) && !has_begun(patch.start, window.time - 0.5 * interval));
   double loaded_at = -1.0, loaded_rebuilds = -1.0, next_start = -1.0;
   for (std::size_t k = 0; k < steps; ++k) {
     const double now = window.time + static_cast<double>(k) * dt;
     const bool starts = has_begun(next_start, now) && loaded_at >= 0.0;
-    if (load.empty() || starts || state_.rebuilds > loaded_rebuilds) {
-      load = setup_.loads.empty() ? VecArray<D>(n, Vec<D>::Zero())
-                                  : load_forces<D>(setup_, state_, now + 1e-9 * std::max(1.0, std::abs(now)));
+    if (k == 0 || starts || state_.rebuilds > loaded_rebuilds) {
+      if (!setup_.loads.empty())
+        drive.traction = load_forces<D>(setup_, state_, now + 1e-9 * std::max(1.0, std::abs(now)));
       loaded_at = now;
       loaded_rebuilds = state_.rebuilds;
       next_start = next_load_after(now);
     }
-    const double share = static_cast<double>(k + 1) / static_cast<double>(steps);
+    const double share = jump ? 1.0 : static_cast<double>(k + 1) / static_cast<double>(steps);
     for (std::size_t i = 0; i < n; ++i) {
       const Vec<D> gradient = (1.0 - share) * from[i] + share * to[i];
-      drive.constant[i] = load[i] - p.volume[i] * solid_fraction(setup_, p, i) * gradient;
-      for (int d = 0; d < D; ++d) drive.constant[i][d] += impulse[i * D + static_cast<std::size_t>(d)] / interval;
+      drive.distributed[i] = -p.volume[i] * solid_fraction(setup_, p, i) * gradient;
+      for (int d = 0; d < D; ++d) drive.distributed[i][d] += impulse[i * D + static_cast<std::size_t>(d)] / interval;
     }
     substep<D>(setup_, dt, drive, state_);
   }
@@ -203,8 +209,8 @@ Publication Solid<D>::publish() const {
   out.points.n_active = n;
   auto parent = [&](std::size_t i) { return i < n ? i : static_cast<std::size_t>(images[i - n].parent); };
   for (std::size_t i = 0; i < all; ++i) {
-    const Vec<D> x = i < n ? p.position[i]
-                           : Vec<D>(images[i - n].map * p.position[images[i - n].parent] + images[i - n].shift);
+    const Vec<D> x =
+        i < n ? p.position[i] : Vec<D>(images[i - n].map * p.position[images[i - n].parent] + images[i - n].shift);
     out.points.position.insert(out.points.position.end(), x.data(), x.data() + D);
     out.points.volume.push_back(p.volume[parent(i)]);
     out.points.smoothing_length.push_back(setup_.smoothing_length);
@@ -243,9 +249,8 @@ Publication Solid<D>::publish() const {
     const auto& model = *setup_.models[p.material[i]];
     return state_.yielded[i] ? model.yielding_modulus() : model.elasticity().constrained();
   });
-  scalars(field::hydraulic_conductivity, [&](std::size_t i) {
-    return conductivity(scene_.soils[p.material[i]], void_fraction(setup_, p, i));
-  });
+  scalars(field::hydraulic_conductivity,
+          [&](std::size_t i) { return conductivity(scene_.soils[p.material[i]], void_fraction(setup_, p, i)); });
   vectors(field::returned_impulse,
           [&](std::size_t i) { return i < n ? state_.returned_impulse[i] : Vec<D>(Vec<D>::Zero()); });
   return out;

@@ -1,4 +1,5 @@
-// Values at arbitrary points: first-order moving least squares, exact for linear fields up to the soil's surface and base.
+// Values at arbitrary points: first-order moving least squares, exact for linear fields up to the soil's surface and
+// base.
 #pragma once
 
 #include "solid_solver/setup.hpp"
@@ -28,8 +29,8 @@ double probe(const Setup<D>& setup, const State<D>& state, const Vec<D>& x, Reac
   for (std::size_t j = 0; j < n + state.near.images.size(); ++j) {
     const auto* rule = j < n ? nullptr : &state.near.images[j - n];
     const std::size_t parent = rule ? rule->parent : j;
-    const Vec<D> position = rule ? Vec<D>(rule->map * state.particles.position[parent] + rule->shift)
-                                 : state.particles.position[parent];
+    const Vec<D> position =
+        rule ? Vec<D>(rule->map * state.particles.position[parent] + rule->shift) : state.particles.position[parent];
     const Vec<D> r = position - x;
     const double weight = state.particles.volume[parent] * sph::WendlandC2<D>::value(r.norm(), h);
     if (weight <= 0.0) continue;

@@ -7,23 +7,28 @@ namespace poretwin::solid {
 
 struct RestReport {
   std::size_t steps = 0;
-  bool reached = false;      ///< residual below the criterion within the bounded number of steps
-  double residual = 0.0;     ///< largest acceleration (without damping) over the reference acceleration
+  bool reached = false;   ///< residual below the criterion within the bounded number of steps
+  double residual = 0.0;  ///< largest acceleration (without damping) over the reference acceleration
 };
 
-/// Loads the soil in one increment and damps it near the critical rate of its slowest mode, pi c / H (xi about 3.6 h/H),
-/// until the largest acceleration is below 1e-3 of the driving one (gravity, or the largest external force). Displacements and
-/// stresses stay; velocities are cleared. constant: recomputes the external force [N] after every rebuild.
+/// Loads the soil in one increment and damps it near the critical rate of its slowest mode, pi c / H (xi about 3.6
+/// h/H), until the largest acceleration is below 1e-3 of the driving one (gravity, or the largest external force).
+/// Displacements and stresses stay; velocities are cleared. external(drive) fills its forces, anew after every rebuild.
 template <int D, class ExternalForce>
 RestReport find_rest(const Setup<D>& setup, State<D>& state, ExternalForce&& external) {
   RestReport report;
   Particles<D>& p = state.particles;
   const std::size_t n = p.size();
   Drive<D> drive;
-  drive.constant = external();
+  external(drive);
+  auto acceleration = [&](std::size_t i) {
+    Vec<D> force = drive.distributed[i];
+    if (!drive.traction.empty()) force += drive.traction[i];
+    return Vec<D>(force / p.mass[i]);
+  };
   double reference = setup.gravity.norm();
   for (std::size_t i = 0; i < n; ++i)
-    reference = std::max(reference, drive.constant[i].norm() / p.mass[i] * setup.spacing / setup.height);
+    reference = std::max(reference, acceleration(i).norm() * setup.spacing / setup.height);
   if (reference <= 0.0) {
     report.reached = true;
     return report;
@@ -37,11 +42,11 @@ RestReport find_rest(const Setup<D>& setup, State<D>& state, ExternalForce&& ext
     const double built = state.rebuilds;
     substep<D>(setup, dt, drive, state);
     ++report.steps;
-    if (state.rebuilds > built) drive.constant = external();
+    if (state.rebuilds > built) external(drive);
     if (report.steps % 10 != 0) continue;
     double largest = 0.0;
     for (std::size_t i = 0; i < n; ++i) {
-      const Vec<D> a = (p.volume[i] * state.internal[i] + drive.constant[i]) / p.mass[i] + setup.gravity;
+      const Vec<D> a = p.volume[i] / p.mass[i] * state.internal[i] + acceleration(i) + setup.gravity;
       largest = std::max({largest, a.norm(), drive.damping * p.velocity[i].norm()});
     }
     report.residual = largest / reference;

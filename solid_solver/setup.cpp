@@ -12,7 +12,8 @@ namespace {
 
 constexpr double lengths_per_spacing = 1.2;  // h / dx, the paper's
 
-/// Particles within the kernel's reach of a straight piece of face, nearest piece first taken.
+/// Particles near a straight piece of face, nearest piece first taken. reach [m]: two supports, because a surface
+/// changes the correction of the first and the force of unit stress within the second.
 template <int D>
 void attach_load(const Load& load, double reach, double margin, const VecArray<D>& positions, Setup<D>& setup) {
   const auto planes = planes_of<D>(load.face, 0, margin);
@@ -45,8 +46,10 @@ void attach_load(const Load& load, double reach, double margin, const VecArray<D
     setup.loads.push_back(std::move(patch));
   }
   if (!any)
-    throw CaseError(fmt::format("load \"{}\": no soil particle lies within {:.4g} m of its face; move the face to the soil's "
-                                "surface", load.name, reach));
+    throw CaseError(
+        fmt::format("load \"{}\": no soil particle lies within {:.4g} m of its face; move the face to the soil's "
+                    "surface",
+                    load.name, reach));
 }
 
 }  // namespace
@@ -95,11 +98,12 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
     upper = upper.cwiseMax(x);
   }
   const double g = setup.gravity.norm();
-  setup.height = setup.spacing + (g > 0.0 ? (upper - lower).cwiseAbs().dot(setup.gravity.cwiseAbs()) / g
-                                          : (upper - lower).maxCoeff());
+  setup.height = setup.spacing +
+                 (g > 0.0 ? (upper - lower).cwiseAbs().dot(setup.gravity.cwiseAbs()) / g : (upper - lower).maxCoeff());
   setup.boundaries = make_boundaries<D>(scene, setup.range());
   for (const auto& load : scene.loads)
-    attach_load<D>(load, sph::support_radius * setup.smoothing_length, 0.01 * setup.spacing, particles.position, setup);
+    attach_load<D>(load, 2.0 * sph::support_radius * setup.smoothing_length, 0.01 * setup.spacing, particles.position,
+                   setup);
   return {std::move(setup), std::move(particles)};
 }
 

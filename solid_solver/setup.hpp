@@ -13,8 +13,8 @@ namespace poretwin::solid {
 /// A traction on the particles near one straight piece of a loaded face; it stays with these particles.
 template <int D>
 struct LoadedPatch {
-  Vec<D> traction = Vec<D>::Zero();  ///< Pa
-  Vec<D> normal = Vec<D>::Zero();    ///< unit, into the soil
+  Vec<D> traction = Vec<D>::Zero();                         ///< Pa
+  Vec<D> normal = Vec<D>::Zero();                           ///< unit, into the soil
   double start = -std::numeric_limits<double>::infinity();  ///< s; standing loads have always been there
   std::vector<Index> particles;
 };
@@ -25,12 +25,12 @@ struct Setup {
   double smoothing_length = 0.0;  ///< m
   double skin = 0.0;              ///< m, pair lists hold until something moved half of it
   double courant = 0.8;           ///< of dx / sqrt(M / rho_bar)
-  double flow_limit = 0.01;       ///< plastic strain above which the zero-energy control is off: it would brake the flow
-  double inertia_share = 0.5;     ///< zr of the tracking coefficient Z = C + zr rho_bar / Dt
+  double flow_limit = 0.01;    ///< plastic strain above which the zero-energy control is off: it would brake the flow
+  double inertia_share = 0.5;  ///< zr of the tracking coefficient Z = C + zr rho_bar / Dt
   Vec<D> gravity = Vec<D>::Zero();
-  double water_weight = 0.0;      ///< N/m3, behind the word "conductivity"
-  double longest_substep = 0.0;   ///< s
-  double height = 0.0;            ///< m, extent of the soil along gravity
+  double water_weight = 0.0;     ///< N/m3, behind the word "conductivity"
+  double longest_substep = 0.0;  ///< s
+  double height = 0.0;           ///< m, extent of the soil along gravity
   Stabilisers stabilisers;
   Boundaries<D> boundaries;
   std::vector<LoadedPatch<D>> loads;

@@ -11,7 +11,7 @@ namespace poretwin::solid {
 template <int D>
 void rebuild(const Setup<D>& setup, State<D>& state) {
   build_neighbourhood<D>(setup.boundaries, setup.range(), state.particles, state.near);
-  fill_nodes<D>(state.particles, state.near, setup.flow_limit, state.nodes);
+  fill_nodes<D>(state.particles, state.near, state.body, setup.flow_limit, state.nodes);
   pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, state.kernel);
   velocity_gradient<D>(state.nodes, state.near.pairs, state.kernel, state.particles.gradient,
                        state.particles.correction);
@@ -31,7 +31,7 @@ bool rebuild_if_moved(const Setup<D>& setup, State<D>& state) {
 
 template <int D>
 void evaluate_forces(const Setup<D>& setup, State<D>& state) {
-  fill_nodes<D>(state.particles, state.near, setup.flow_limit, state.nodes);
+  fill_nodes<D>(state.particles, state.near, state.body, setup.flow_limit, state.nodes);
   pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, state.kernel);
   internal_force<D>(state.nodes, state.near.pairs, state.kernel, setup.smoothing_length, setup.stabilisers,
                     state.internal, state.stabilising);
@@ -43,7 +43,9 @@ void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& 
   const std::size_t n = p.size();
   for (std::size_t i = 0; i < n; ++i) {
     Vec<D> force = p.volume[i] * (state.internal[i] + state.stabilising[i]) + p.mass[i] * setup.gravity;
-    if (!drive.constant.empty()) force += drive.constant[i];
+    force += drive.distributed[i];
+    if (!drive.traction.empty()) force += drive.traction[i];
+    state.body[i] = (p.mass[i] * setup.gravity + drive.distributed[i]) / p.volume[i];
     const double rate = dt / p.mass[i];
     if (drive.tracking.empty()) {
       p.velocity[i] = (p.velocity[i] + rate * force) / (1.0 + dt * drive.damping);
@@ -101,23 +103,24 @@ void check_finite(const State<D>& state, double last_good_time) {
     const double sum = p.velocity[i].sum() + p.position[i].sum() + p.stress[i].sum() + p.volume[i];
     if (std::isfinite(sum) && p.volume[i] > 0.0) continue;
     const Tensor& s = p.stress[i];
-    throw DivergedError(fmt::format(
-        "the soil diverged at particle {} near ({}): velocity ({}) m/s, volume {:.4g}, stress xx {:.4g} yy {:.4g} zz {:.4g} "
-        "xy {:.4g} Pa; last good time {:.6g} s",
-        i, fmt::join(state.near.built_at[i].data(), state.near.built_at[i].data() + D, ", "),
-        fmt::join(p.velocity[i].data(), p.velocity[i].data() + D, ", "), p.volume[i], s[0], s[1], s[2], s[3],
-        last_good_time));
+    throw DivergedError(
+        fmt::format("the soil diverged at particle {} near ({}): velocity ({}) m/s, volume {:.4g}, stress xx {:.4g} yy "
+                    "{:.4g} zz {:.4g} "
+                    "xy {:.4g} Pa; last good time {:.6g} s",
+                    i, fmt::join(state.near.built_at[i].data(), state.near.built_at[i].data() + D, ", "),
+                    fmt::join(p.velocity[i].data(), p.velocity[i].data() + D, ", "), p.volume[i], s[0], s[1], s[2],
+                    s[3], last_good_time));
   }
 }
 
-#define PORETWIN_INSTANTIATE(D)                                                                            \
-  template void rebuild<D>(const Setup<D>&, State<D>&);                                                    \
-  template bool rebuild_if_moved<D>(const Setup<D>&, State<D>&);                                           \
-  template void evaluate_forces<D>(const Setup<D>&, State<D>&);                                            \
-  template void substep<D>(const Setup<D>&, double, const Drive<D>&, State<D>&);                           \
-  template VecArray<D> pressure_gradient<D>(const State<D>&, SolidCase::PressureGradient, const Vec<D>&,   \
-                                            std::span<const double>);                                      \
-  template VecArray<D> load_forces<D>(const Setup<D>&, const State<D>&, double);                           \
+#define PORETWIN_INSTANTIATE(D)                                                                          \
+  template void rebuild<D>(const Setup<D>&, State<D>&);                                                  \
+  template bool rebuild_if_moved<D>(const Setup<D>&, State<D>&);                                         \
+  template void evaluate_forces<D>(const Setup<D>&, State<D>&);                                          \
+  template void substep<D>(const Setup<D>&, double, const Drive<D>&, State<D>&);                         \
+  template VecArray<D> pressure_gradient<D>(const State<D>&, SolidCase::PressureGradient, const Vec<D>&, \
+                                            std::span<const double>);                                    \
+  template VecArray<D> load_forces<D>(const Setup<D>&, const State<D>&, double);                         \
   template void check_finite<D>(const State<D>&, double);
 PORETWIN_INSTANTIATE(2)
 PORETWIN_INSTANTIATE(3)

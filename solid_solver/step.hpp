@@ -5,13 +5,14 @@
 
 namespace poretwin::solid {
 
-/// Forces from outside during one substep; empty arrays mean none.
+/// Forces from outside during one substep, besides gravity; empty arrays mean none.
 template <int D>
 struct Drive {
-  VecArray<D> constant;            ///< N/m3 x V: force on each particle that does not depend on its velocity [N]
-  ScalarArray tracking;            ///< V Z [N s/m], of the force V Z (target - v)
-  VecArray<D> target;              ///< m/s
-  double damping = 0.0;            ///< 1/s, only while the initial rest is sought
+  VecArray<D> distributed;  ///< N on each particle: the water's pressure and seepage (always filled)
+  VecArray<D> traction;     ///< N on each particle near a loaded face
+  ScalarArray tracking;     ///< V Z [N s/m], of the force V Z (target - v)
+  VecArray<D> target;       ///< m/s
+  double damping = 0.0;     ///< 1/s, only while the initial rest is sought
 };
 
 /// Builds lists and images anew and everything that hangs on them.

@@ -25,8 +25,8 @@ Cone fit_cone(double cohesion, double friction_angle, double dilation_angle, Con
 /// Yield function f [Pa] of Eq. (31).
 double yield_function(const Tensor& stress, const Cone& cone);
 
-/// Brings a trial stress outside the cone back, along the potential or to the apex, in one step and independent of its size.
-/// Returns the equivalent deviatoric plastic strain (0 inside).
+/// Brings a trial stress outside the cone back, along the potential or to the apex, in one step and independent of its
+/// size. Returns the equivalent deviatoric plastic strain (0 inside).
 double return_map(Tensor& stress, const Cone& cone, const Elasticity& elasticity);
 
 class DruckerPrager final : public ConstitutiveModel {

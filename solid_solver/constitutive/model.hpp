@@ -37,9 +37,7 @@ class ConstitutiveModel {
   virtual double advance(Tensor& stress, const Tensor& strain) const = 0;
   [[nodiscard]] const Elasticity& elasticity() const { return elasticity_; }
   /// Safe tangent constrained modulus [Pa] while yielding: without the shear part, never below half of M.
-  [[nodiscard]] double yielding_modulus() const {
-    return std::max(elasticity_.bulk, 0.5 * elasticity_.constrained());
-  }
+  [[nodiscard]] double yielding_modulus() const { return std::max(elasticity_.bulk, 0.5 * elasticity_.constrained()); }
 
  private:
   Elasticity elasticity_;

@@ -15,7 +15,8 @@ std::unique_ptr<ConstitutiveModel> make_constitutive(SolidCase::Model model, con
     case SolidCase::Model::rigid:
       break;
   }
-  throw CaseError("solid.model = \"rigid\": a rigid skeleton needs no solid phase; expected \"elastic\" or \"drucker_prager\"");
+  throw CaseError(
+      "solid.model = \"rigid\": a rigid skeleton needs no solid phase; expected \"elastic\" or \"drucker_prager\"");
 }
 
 }  // namespace poretwin::solid

@@ -1,4 +1,5 @@
-// The operators are exact for linear fields, near walls and free surfaces too, and forces do the work that strains store.
+// The operators are exact for linear fields, near walls and free surfaces too, and forces do the work that strains
+// store.
 #include "solid_solver/operators.hpp"
 #include "solid_solver/step.hpp"
 #include "tests/solid/scenes.hpp"
@@ -22,6 +23,7 @@ std::pair<Setup<D>, State<D>> jittered(ColumnSpec spec, double jitter) {
   auto [setup, particles] = set_up<D>(scene);
   State<D> state;
   state.particles = std::move(particles);
+  state.body.assign(state.particles.size(), Vec<D>::Zero());
   state.internal.resize(state.particles.size());
   state.stabilising.resize(state.particles.size());
   rebuild(setup, state);
@@ -30,17 +32,15 @@ std::pair<Setup<D>, State<D>> jittered(ColumnSpec spec, double jitter) {
 
 template <int D>
 void set_velocity(const Setup<D>& setup, State<D>& state, const std::function<Vec<D>(const Vec<D>&)>& v) {
-  for (std::size_t i = 0; i < state.particles.size(); ++i)
-    state.particles.velocity[i] = v(state.particles.position[i]);
-  fill_nodes<D>(state.particles, state.near, setup.flow_limit, state.nodes);
+  for (std::size_t i = 0; i < state.particles.size(); ++i) state.particles.velocity[i] = v(state.particles.position[i]);
+  fill_nodes<D>(state.particles, state.near, state.body, setup.flow_limit, state.nodes);
   velocity_gradient<D>(state.nodes, state.near.pairs, state.kernel, state.particles.gradient,
                        state.particles.correction);
 }
 
 template <int D>
 void expect_gradient(const State<D>& state, const Mat<D>& exact) {
-  for (const auto& gradient : state.particles.gradient)
-    EXPECT_LT((gradient - exact).cwiseAbs().maxCoeff(), 1e-11);
+  for (const auto& gradient : state.particles.gradient) EXPECT_LT((gradient - exact).cwiseAbs().maxCoeff(), 1e-11);
 }
 
 TEST(VelocityGradient, IsExactForLinearFieldsAtFreeSurfaces) {
@@ -157,8 +157,7 @@ TEST(PressureGradient, DifferenceFormIsExactForLinearPressureEverywhere) {
   auto [setup, state] = jittered<2>(spec, 0.1);
   ScalarArray p;
   for (const auto& x : state.particles.position) p.push_back(5e3 - 300.0 * x.x() - 9810.0 * x.y());
-  for (const auto& g : pressure_gradient_difference<2>(state, p))
-    EXPECT_LT((g - Vec<2>(-300.0, -9810.0)).norm(), 1e-7);
+  for (const auto& g : pressure_gradient_difference<2>(state, p)) EXPECT_LT((g - Vec<2>(-300.0, -9810.0)).norm(), 1e-7);
 }
 
 TEST(PressureGradient, SumFormPushesSurfaceParticlesOut) {

@@ -1,4 +1,5 @@
-// Small scenes that several tests share: a soil column on a base between side walls, and inboxes as a fluid would fill them.
+// Small scenes that several tests share: a soil column on a base between side walls, and inboxes as a fluid would fill
+// them.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -112,8 +113,7 @@ Gauge point_gauge(const std::string& name, const std::string& quantity, std::vec
 /// Dry windows until `end`, interval each.
 template <int D>
 void run_dry(Solid<D>& solid, double end, double interval) {
-  for (std::uint64_t k = 0; solid.state().time < end - 1e-9; ++k)
-    solid.advance({k, solid.state().time, interval}, {});
+  for (std::uint64_t k = 0; solid.state().time < end - 1e-9; ++k) solid.advance({k, solid.state().time, interval}, {});
 }
 
 }  // namespace poretwin::solid::test
