@@ -15,7 +15,7 @@ namespace {
 /// Displacement after which a particle's packing counts in full, in spacings.
 constexpr double repair_displacement = 0.25;
 /// Relative pressure change aimed at per window (rms, of the pressure's range).
-constexpr double wanted_change = 0.05;
+constexpr double wanted_change = 0.03;
 constexpr double longest_interval = 8.0;  // s: of slow seepage; with longer ones the ponded front lags
 
 constexpr int periodic_boundary = 31;
@@ -306,6 +306,14 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   p.velocity = out.velocity;
   for (std::size_t a = 0; a < p.size(); ++a)
     p.drag_impulse[a] = p.volume[a] * view.drag[a] * dt * (out.velocity[a] - out.solid_velocity[a]);
+  if (scene_.coupled() && !scene_.fluid.skeleton_response) {
+    // Plain staggering: the skeleton was taken as it moved; where it goes now is an explicit guess.
+    for (std::size_t a = 0; a < p.size(); ++a)
+      if (view.density[a] > 0.0)
+        p.solid_velocity[a] +=
+            dt / view.density[a] * (view.force[a] - view.fraction[a] * (weight_ + out.gradient[a])) +
+            p.drag_impulse[a] / (p.volume[a] * view.density[a]);
+  }
   control_interval(before, dt);
   advance_columns(s, view, dt);
   move(s, out, dt);

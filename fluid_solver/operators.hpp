@@ -91,7 +91,7 @@ PairMatrix laplacian(const Stencil<D>& s, Mobility&& mobility, bool buffers) {
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
       const Index j = s.other[k], q = s.parent[j];
       if (q == a) continue;
-      const double w = s.volume[a] * 2.0 * s.volume[j] * mobility(a, q) * s.strength[k];
+      const double w = s.volume[a] * 2.0 * s.volume[j] * mobility(a, q) * s.strength[k] * s.amplified(a, q);
       if (w == 0.0) continue;
       if (q < s.n_real) {
         m.diagonal[a] += w;
