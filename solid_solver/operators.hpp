@@ -21,20 +21,24 @@ struct Stabilisers {
   double sound_speed = 0.0;  ///< m/s
 };
 
-/// Inverse of M = -sum V F r r^T; identity where too few neighbours make M meaningless (isolated particles).
+/// Inverse of M = -sum V F r r^T with its eigenvalues held above a floor: particles that are nearly alone keep a bounded
+/// gradient. Corners of a lattice lie above it, so that they stay exact.
 template <int D>
 Mat<D> invert_moment(const Mat<D>& moment) {
-  constexpr double smallest = 0.1;  // a corner of a lattice has 0.25 or more
+  constexpr double floor = D == 2 ? 0.2 : 0.1;
   if constexpr (D == 2) {
     const double half = 0.5 * (moment(0, 0) + moment(1, 1));
     const double lowest = half - std::hypot(0.5 * (moment(0, 0) - moment(1, 1)), moment(0, 1));
-    if (!(lowest > smallest)) return Mat<D>::Identity();
+    if (lowest > floor) return moment.inverse();
   } else {
-    // Gershgorin is too coarse at corners; the determinant and the trace bound the lowest eigenvalue from below.
+    // The lowest eigenvalue is at least det / (trace / 2)^2.
     const double half = 0.5 * moment.trace();
-    if (!(moment.determinant() > smallest * half * half)) return Mat<D>::Identity();
+    if (moment.determinant() > floor * half * half) return moment.inverse();
   }
-  return moment.inverse();
+  Eigen::SelfAdjointEigenSolver<Mat<D>> solver;
+  solver.computeDirect(moment);
+  const Vec<D> inverse = solver.eigenvalues().cwiseMax(floor).cwiseInverse();
+  return solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose();
 }
 
 /// W'/r of all pairs at the nodes' current positions.

@@ -74,6 +74,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
     const auto lattice = fill<D>(soil.shape, setup.spacing, scene.solid.offset, scene.solid.jitter,
                                  scene.solid.seed + static_cast<unsigned>(s));
     const double density = (1.0 - soil.porosity) * soil.grain_density;
+    setup.density.push_back(density);
     fastest = std::max(fastest, std::sqrt(setup.models.back()->elasticity().constrained() / density));
     for (const auto& x : lattice.position) {
       particles.position.push_back(x);

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace poretwin::solid {
@@ -62,7 +63,9 @@ void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& 
     const Vec<D> moved = dt * p.velocity[i];
     p.position[i] += moved;
     p.displacement[i] += moved;
-    p.volume[i] *= 1.0 + dt * gradient.trace();  // mass kept: n_s = m / (rho_s V), Eq. (50) by its rate
+    // Mass kept: n_s = m / (rho_s V), Eq. (50) by its rate. Bounded: a crack that opens is not porosity.
+    const double reference = p.mass[i] / setup.density[p.material[i]];
+    p.volume[i] = std::clamp(p.volume[i] * (1.0 + dt * gradient.trace()), 0.5 * reference, 2.0 * reference);
     Tensor& stress = p.stress[i];
     stress += dt * spin_rate<D>(stress, gradient);
     const double plastic = setup.models[p.material[i]]->advance(stress, dt * strain_rate<D>(gradient));
