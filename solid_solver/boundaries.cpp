@@ -108,7 +108,10 @@ void fill_nodes(const Particles<D>& p, const Neighbourhood<D>& near, const VecAr
     node.mass = p.mass[i];
     node.inverse_density = p.volume[i] / p.mass[i];
     node.gradient = p.gradient[i];
+    node.displacement = p.displacement[i];
+    node.deformation = p.deformation[i];
     node.flux.noalias() = p.volume[i] * (matrix_of<D>(p.stress[i]) * p.correction[i]);
+    node.elastic = p.plastic_strain[i] <= 0.0;
     node.control = p.plastic_strain[i] > flow_limit ? 0.0 : 1.0;
   }
   for (std::size_t k = 0; k < near.images.size(); ++k) {
@@ -118,6 +121,8 @@ void fill_nodes(const Particles<D>& p, const Neighbourhood<D>& near, const VecAr
     node.position = rule.map * nodes[rule.parent].position + rule.shift;
     node.velocity = rule.velocity * nodes[rule.parent].velocity;
     node.gradient = rule.velocity * nodes[rule.parent].gradient * rule.map.transpose();
+    node.displacement = rule.velocity * nodes[rule.parent].displacement;
+    node.deformation = rule.velocity * nodes[rule.parent].deformation * rule.map.transpose();
     node.flux = rule.velocity * nodes[rule.parent].flux * rule.map.transpose();
     for (std::size_t c = 0; c < rule.n_crossings; ++c) {
       const Crossing<D>& wall = rule.crossings[c];
@@ -129,11 +134,17 @@ void fill_nodes(const Particles<D>& p, const Neighbourhood<D>& near, const VecAr
 }
 
 template <int D>
-void fill_velocities(const Particles<D>& p, const Neighbourhood<D>& near, std::vector<Node<D>>& nodes) {
+void fill_velocities(const Particles<D>& p, const Neighbourhood<D>& near, double dt, std::vector<Node<D>>& nodes) {
   const std::size_t n = p.size();
-  for (std::size_t i = 0; i < n; ++i) nodes[i].velocity = p.velocity[i];
-  for (std::size_t k = 0; k < near.images.size(); ++k)
-    nodes[n + k].velocity = near.images[k].velocity * p.velocity[near.images[k].parent];
+  for (std::size_t i = 0; i < n; ++i) {
+    nodes[i].velocity = p.velocity[i];
+    nodes[i].displacement = p.displacement[i] + dt * p.velocity[i];
+  }
+  for (std::size_t k = 0; k < near.images.size(); ++k) {
+    const ImageRule<D>& rule = near.images[k];
+    nodes[n + k].velocity = rule.velocity * nodes[rule.parent].velocity;
+    nodes[n + k].displacement = rule.velocity * nodes[rule.parent].displacement;
+  }
 }
 
 template struct Boundaries<2>;
@@ -146,7 +157,7 @@ template void fill_nodes<2>(const Particles<2>&, const Neighbourhood<2>&, const 
                             std::vector<Node<2>>&);
 template void fill_nodes<3>(const Particles<3>&, const Neighbourhood<3>&, const VecArray<3>&, double,
                             std::vector<Node<3>>&);
-template void fill_velocities<2>(const Particles<2>&, const Neighbourhood<2>&, std::vector<Node<2>>&);
-template void fill_velocities<3>(const Particles<3>&, const Neighbourhood<3>&, std::vector<Node<3>>&);
+template void fill_velocities<2>(const Particles<2>&, const Neighbourhood<2>&, double, std::vector<Node<2>>&);
+template void fill_velocities<3>(const Particles<3>&, const Neighbourhood<3>&, double, std::vector<Node<3>>&);
 
 }  // namespace poretwin::solid

@@ -16,25 +16,31 @@ namespace poretwin::solid {
 
 /// Strengths of the stabilising terms.
 struct Stabilisers {
-  double zero_energy = 0.1;  ///< hg: viscosity on the non-linear part of the velocity only
+  double zero_energy = 0.1;  ///< hg: viscosity on the part of the velocity that is not linear around a particle
+  double stiffness = 0.1;    ///< the same on the displacement, of M, between particles that never yielded
+  double modulus = 0.0;      ///< Pa, M
   double artificial = 0.1;   ///< alpha of Monaghan's artificial viscosity
   double sound_speed = 0.0;  ///< m/s
 };
 
-/// Inverse of M = -sum V F r r^T; identity where too few neighbours make M meaningless (isolated particles).
+/// Inverse of M = -sum V F r r^T with its eigenvalues held above a floor: particles that are nearly alone keep a bounded
+/// gradient. Corners of a lattice lie above it, so that they stay exact.
 template <int D>
 Mat<D> invert_moment(const Mat<D>& moment) {
-  constexpr double smallest = 0.1;  // a corner of a lattice has 0.25 or more
+  constexpr double floor = D == 2 ? 0.2 : 0.1;
   if constexpr (D == 2) {
     const double half = 0.5 * (moment(0, 0) + moment(1, 1));
     const double lowest = half - std::hypot(0.5 * (moment(0, 0) - moment(1, 1)), moment(0, 1));
-    if (!(lowest > smallest)) return Mat<D>::Identity();
+    if (lowest > floor) return moment.inverse();
   } else {
-    // Gershgorin is too coarse at corners; the determinant and the trace bound the lowest eigenvalue from below.
+    // The lowest eigenvalue is at least det / (trace / 2)^2.
     const double half = 0.5 * moment.trace();
-    if (!(moment.determinant() > smallest * half * half)) return Mat<D>::Identity();
+    if (moment.determinant() > floor * half * half) return moment.inverse();
   }
-  return moment.inverse();
+  Eigen::SelfAdjointEigenSolver<Mat<D>> solver;
+  solver.computeDirect(moment);
+  const Vec<D> inverse = solver.eigenvalues().cwiseMax(floor).cwiseInverse();
+  return solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose();
 }
 
 /// W'/r of all pairs at the nodes' current positions.
@@ -55,38 +61,43 @@ void pair_kernels(const std::vector<Node<D>>& nodes, const sph::PairList& pairs,
 /// the correction B it needs comes with it.
 template <int D>
 void velocity_gradient(const std::vector<Node<D>>& nodes, const sph::PairList& pairs, const ScalarArray& kernel,
-                       MatArray<D>& gradient, MatArray<D>& correction) {
+                       MatArray<D>& gradient, MatArray<D>& deformation, MatArray<D>& correction) {
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    const Vec<D> x = nodes[i].position, v = nodes[i].velocity;
-    Mat<D> moment = Mat<D>::Zero(), raw = Mat<D>::Zero();
+    const Vec<D> x = nodes[i].position, v = nodes[i].velocity, u = nodes[i].displacement;
+    Mat<D> moment = Mat<D>::Zero(), raw = Mat<D>::Zero(), moved = Mat<D>::Zero();
     for (Index m = pairs.offset[i]; m < pairs.offset[i + 1]; ++m) {
       const Node<D>& other = nodes[pairs.index[m]];
       const Vec<D> r = x - other.position;
       const Vec<D> w = (other.volume * kernel[m]) * r;
       raw.noalias() += (other.velocity - v) * w.transpose();
+      moved.noalias() += (other.displacement - u) * w.transpose();
       moment.noalias() -= r * w.transpose();
     }
     correction[i] = invert_moment<D>(moment);
     gradient[i].noalias() = raw * correction[i];
+    deformation[i].noalias() = moved * correction[i];
   }
 }
 
 /// Internal force per volume, the exact adjoint of velocity_gradient (cf. Eq. (60)):
 ///   f_i = sum_j V_j (sigma_i B_i + sigma_j B_j) grad W_ij.   Node::flux holds V sigma B.
-/// With it, per volume: a viscosity on the part of the velocity that a linear field does not explain (it resists
-/// zero-energy modes and leaves every uniform strain rate alone), and artificial viscosity on approaching pairs.
+/// With it goes a stiffness on the part of the displacement that a linear field does not explain: it resists zero-energy
+/// modes for good (a viscosity only slows them) and leaves every uniform strain alone. Apart, per volume: the same as a
+/// viscosity, and artificial viscosity on approaching pairs.
 template <int D>
 void internal_force(const std::vector<Node<D>>& nodes, const sph::PairList& pairs, const ScalarArray& kernel, double h,
                     const Stabilisers& stabilisers, VecArray<D>& internal, VecArray<D>& stabilising) {
   const double control = stabilisers.zero_energy * stabilisers.sound_speed * h;
+  const double stiffness = stabilisers.stiffness * stabilisers.modulus;
   const double viscosity = stabilisers.artificial * stabilisers.sound_speed * h;
   const double clip = 0.01 * h * h;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Node<D>& self = nodes[i];
     const Vec<D> x = self.position, v = self.velocity;
-    const Mat<D> gradient = self.gradient;
+    const Mat<D> gradient = self.gradient, deformation = self.deformation;
+    const Vec<D> moved = self.displacement;
     const double own_inverse = self.inverse_density, own_control = 0.5 * control * self.control;
-    Vec<D> force = Vec<D>::Zero(), surface = Vec<D>::Zero(), viscous = Vec<D>::Zero();
+    Vec<D> force = Vec<D>::Zero(), surface = Vec<D>::Zero(), viscous = Vec<D>::Zero(), elastic = Vec<D>::Zero();
     for (Index m = pairs.offset[i]; m < pairs.offset[i + 1]; ++m) {
       const Node<D>& other = nodes[pairs.index[m]];
       const double k = kernel[m];
@@ -98,10 +109,12 @@ void internal_force(const std::vector<Node<D>>& nodes, const sph::PairList& pair
       const double share = k * (other.mass * own_inverse + other.volume);
       const Vec<D> rest = u - 0.5 * ((gradient + other.gradient) * r);
       viscous += (own_control * other.control * share) * rest;
+      if (self.elastic && other.elastic)
+        elastic += (k * other.volume) * (moved - other.displacement - 0.5 * ((deformation + other.deformation) * r));
       const double approach = u.dot(r);
       if (approach < 0.0) viscous += (0.5 * viscosity * share * approach / (r.squaredNorm() + clip)) * r;
     }
-    internal[i] = force + (self.flux / self.volume) * surface;
+    internal[i] = force + (self.flux / self.volume) * surface + stiffness * elastic;
     stabilising[i] = viscous / own_inverse;
   }
 }

@@ -74,6 +74,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
     const auto lattice = fill<D>(soil.shape, setup.spacing, scene.solid.offset, scene.solid.jitter,
                                  scene.solid.seed + static_cast<unsigned>(s));
     const double density = (1.0 - soil.porosity) * soil.grain_density;
+    setup.density.push_back(density);
     fastest = std::max(fastest, std::sqrt(setup.models.back()->elasticity().constrained() / density));
     for (const auto& x : lattice.position) {
       particles.position.push_back(x);
@@ -89,8 +90,12 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   particles.stress.assign(n, Tensor::Zero());
   particles.plastic_strain.assign(n, 0.0);
   particles.gradient.assign(n, Mat<D>::Zero());
+  particles.deformation.assign(n, Mat<D>::Zero());
   particles.correction.assign(n, Mat<D>::Identity());
   setup.stabilisers.sound_speed = fastest;
+  setup.stabilisers.modulus = setup.models.front()->elasticity().constrained();
+  for (const auto& model : setup.models)  // the softest: no soil may be held by another's stiffness
+    setup.stabilisers.modulus = std::min(setup.stabilisers.modulus, model->elasticity().constrained());
   setup.longest_substep = setup.courant * setup.spacing / fastest;
   Vec<D> lower = particles.position[0], upper = lower;
   for (const auto& x : particles.position) {

@@ -35,6 +35,7 @@ struct Setup {
   Boundaries<D> boundaries;
   std::vector<LoadedPatch<D>> loads;
   std::vector<std::unique_ptr<ConstitutiveModel>> models;  ///< one per soil
+  ScalarArray density;                                     ///< kg/m3, initial rho_bar_s, one per soil
   ScalarArray grain_density;                               ///< kg/m3, one per soil
   [[nodiscard]] double range() const { return sph::support_radius * smoothing_length + skin; }
 };

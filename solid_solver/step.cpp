@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace poretwin::solid {
@@ -14,7 +15,7 @@ void rebuild(const Setup<D>& setup, State<D>& state) {
   fill_nodes<D>(state.particles, state.near, state.body, setup.flow_limit, state.nodes);
   pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, state.kernel);
   velocity_gradient<D>(state.nodes, state.near.pairs, state.kernel, state.particles.gradient,
-                       state.particles.correction);
+                       state.particles.deformation, state.particles.correction);
   state.rebuilds += 1.0;
 }
 
@@ -55,14 +56,16 @@ void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& 
     p.velocity[i] = (p.velocity[i] + rate * (force + z * drive.target[i])) / (1.0 + rate * z + dt * drive.damping);
     state.returned_impulse[i] += dt * z * (drive.target[i] - p.velocity[i]);
   }
-  fill_velocities<D>(p, state.near, state.nodes);
-  velocity_gradient<D>(state.nodes, state.near.pairs, state.kernel, p.gradient, p.correction);
+  fill_velocities<D>(p, state.near, dt, state.nodes);
+  velocity_gradient<D>(state.nodes, state.near.pairs, state.kernel, p.gradient, p.deformation, p.correction);
   for (std::size_t i = 0; i < n; ++i) {
     const Mat<D>& gradient = p.gradient[i];
     const Vec<D> moved = dt * p.velocity[i];
     p.position[i] += moved;
     p.displacement[i] += moved;
-    p.volume[i] *= 1.0 + dt * gradient.trace();  // mass kept: n_s = m / (rho_s V), Eq. (50) by its rate
+    // Mass kept: n_s = m / (rho_s V), Eq. (50) by its rate. Bounded: a crack that opens is not porosity.
+    const double reference = p.mass[i] / setup.density[p.material[i]];
+    p.volume[i] = std::clamp(p.volume[i] * (1.0 + dt * gradient.trace()), 0.5 * reference, 2.0 * reference);
     Tensor& stress = p.stress[i];
     stress += dt * spin_rate<D>(stress, gradient);
     const double plastic = setup.models[p.material[i]]->advance(stress, dt * strain_rate<D>(gradient));

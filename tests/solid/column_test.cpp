@@ -198,6 +198,20 @@ TEST(LoadedColumn, StressIsTheTractionAndSettlementIsElastic) {
   EXPECT_NEAR(settlement, 1.0, 0.01);
 }
 
+TEST(LoadedColumn, DisorderCostsLittleStiffness) {
+  ColumnSpec spec;
+  spec.gravity = 0.0;
+  Case scene = column(spec);
+  scene.solid.jitter = 0.1;
+  scene.loads = {test::top_load(spec, 1e4)};
+  scene.gauges = {test::point_gauge<2>("top", "displacement_y", {Point3(0.2, 1.0, 0.0)})};
+  Solid<2> solid(scene);
+  solid.initialise({});
+  const double settlement = -gauge(solid, "top") / (1e4 / (3e6 * 0.7 / (1.3 * 0.4)));
+  std::printf("settlement error with a jitter of 0.1 dx %.5f\n", settlement - 1.0);
+  EXPECT_NEAR(settlement, 1.0, 0.1);
+}
+
 TEST(LoadedColumn, LoadsWaitForTheirStart) {
   ColumnSpec spec;
   spec.gravity = 0.0;
@@ -218,12 +232,11 @@ TEST(LoadedColumn, LoadsWaitForTheirStart) {
     sum += r.values[2 * i + 1] * publication.points.volume[i];
   EXPECT_NEAR(sum, -1e4 * 0.4, 1e-3 * 1e4 * 0.4);
   solid.advance({1, 0.01, 0.01}, {});
-  // An undamped bar: the front has run c t, the top moves with v = p0 / (rho c).
-  const double c = std::sqrt(3e6 * 0.7 / (1.3 * 0.4) / 1560.0);
-  double top = 0.0;
-  for (std::size_t i = 0; i < solid.state().particles.size(); ++i)
-    if (solid.state().particles.position[i].y() > 0.9) top = solid.state().particles.velocity[i].y();
-  EXPECT_NEAR(top, -1e4 / (1560.0 * c), 0.15 * 1e4 / (1560.0 * c));  // the front is smeared
+  // Until the wave meets the base (19 ms) the load alone gives the bar its momentum.
+  double momentum = 0.0;
+  const auto& p = solid.state().particles;
+  for (std::size_t i = 0; i < p.size(); ++i) momentum += p.mass[i] * p.velocity[i].y();
+  EXPECT_NEAR(momentum, -1e4 * 0.4 * 0.01, 2e-3 * 1e4 * 0.4 * 0.01);
 }
 
 }  // namespace

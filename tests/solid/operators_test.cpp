@@ -35,7 +35,7 @@ void set_velocity(const Setup<D>& setup, State<D>& state, const std::function<Ve
   for (std::size_t i = 0; i < state.particles.size(); ++i) state.particles.velocity[i] = v(state.particles.position[i]);
   fill_nodes<D>(state.particles, state.near, state.body, setup.flow_limit, state.nodes);
   velocity_gradient<D>(state.nodes, state.near.pairs, state.kernel, state.particles.gradient,
-                       state.particles.correction);
+                       state.particles.deformation, state.particles.correction);
 }
 
 template <int D>
@@ -88,7 +88,7 @@ void expect_adjoint(const ColumnSpec& spec, double jitter) {
     for (int d = 0; d < D; ++d) p.velocity[i][d] = any(generator);
   }
   evaluate_forces(setup, state);
-  velocity_gradient<D>(state.nodes, state.near.pairs, state.kernel, p.gradient, p.correction);
+  velocity_gradient<D>(state.nodes, state.near.pairs, state.kernel, p.gradient, p.deformation, p.correction);
   double external = 0.0, stored = 0.0, scale = 0.0;
   for (std::size_t i = 0; i < p.size(); ++i) {
     external += p.volume[i] * state.internal[i].dot(p.velocity[i]);
@@ -128,7 +128,7 @@ TEST(InternalForce, KeepsMomentumWithoutWalls) {
     for (int k = 0; k < 6; ++k) p.stress[i][k] = 1e3 * any(generator);
     p.velocity[i] = Vec<2>(any(generator), any(generator));
   }
-  velocity_gradient<2>(state.nodes, state.near.pairs, state.kernel, p.gradient, p.correction);
+  velocity_gradient<2>(state.nodes, state.near.pairs, state.kernel, p.gradient, p.deformation, p.correction);
   evaluate_forces(setup, state);
   Vec<2> sum = Vec<2>::Zero();
   double scale = 0.0;
