@@ -151,8 +151,8 @@ TEST(Mapping, NeverLeavesTheRangeOfTheNeighbours) {
   const auto mapped = pairs.consistent(fields, {}).at(0);
   for (Size i = 0; i < target.n_active; ++i) {
     if (pairs.coverage()[i] == 0.0) continue;
-    EXPECT_GE(mapped.values[i], *low);
-    EXPECT_LE(mapped.values[i], *high);
+    EXPECT_GE(mapped.values[i], *low - 1e-9);  // rounding of a mean of numbers near 1e4
+    EXPECT_LE(mapped.values[i], *high + 1e-9);
   }
 }
 
