@@ -1,0 +1,88 @@
+#include "cli/check.hpp"
+
+#include "common/case/geometry.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace poretwin::cli {
+namespace {
+
+constexpr double standard_gravity = 9.81;  // m/s2; Darcy's k is defined with it, also where the case has no gravity
+
+struct Limit {
+  double seconds;
+  std::string what;
+};
+
+template <int D>
+ParticleCount count(const Case& scene) {
+  ParticleCount result;
+  const auto& f = scene.fluid;
+  for (const auto& region : f.regions)
+    result.fluid += fill<D>(region, f.particle_spacing, f.offset, 0.0, f.seed).position.size();
+  const auto& s = scene.solid;
+  if (scene.coupled())
+    for (const auto& soil : scene.soils)
+      result.solid += fill<D>(soil.shape, s.particle_spacing, s.offset, 0.0, s.seed).position.size();
+  return result;
+}
+
+double constrained_modulus(const Soil& soil) {
+  const double nu = soil.poissons_ratio;
+  return soil.youngs_modulus * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu));
+}
+
+std::vector<Limit> limits(const Case& scene) {
+  std::vector<Limit> result;
+  const double gravity = scene.general.gravity.norm();
+  if (gravity > 0.0)
+    result.push_back(
+        {0.3 * std::sqrt(scene.fluid.particle_spacing / gravity), "free surface under gravity, 0.3 sqrt(dx / g)"});
+  if (!scene.coupled()) return result;
+  for (const auto& soil : scene.soils) {
+    const std::string where = soil.name.empty() ? "" : " in '" + soil.name + "'";
+    const double density = (1.0 - soil.porosity) * soil.grain_density;
+    result.push_back({scene.solid.particle_spacing / std::sqrt(constrained_modulus(soil) / density),
+                      "elastic wave across one particle" + where +
+                          ", dx / sqrt(M / rho_bar_s); the solid sub-cycles or relaxes below it"});
+    if (scene.fluid.drag)
+      result.push_back(
+          {1.2 * density * soil.hydraulic_conductivity / (scene.water.density * standard_gravity),
+           "plain serial coupling" + where + ", 1.2 rho_bar_s k / gamma_w; lifted by fluid.skeleton_response"});
+  }
+  if (scene.coupling.interval) result.push_back({*scene.coupling.interval, "coupling.interval of the case"});
+  std::sort(result.begin(), result.end(), [](const Limit& a, const Limit& b) { return a.seconds < b.seconds; });
+  return result;
+}
+
+}  // namespace
+
+ParticleCount count_particles(const Case& scene) {
+  return scene.general.dimension == 3 ? count<3>(scene) : count<2>(scene);
+}
+
+std::string check_text(const Case& scene) {
+  const auto particles = count_particles(scene);
+  std::string text = fmt::format("{}: sound\n", scene.path.string());
+  if (!scene.general.title.empty()) text += fmt::format("title       {}\n", scene.general.title);
+  text += fmt::format("dimension   {}, simulated time {} s, {}\n", scene.general.dimension, scene.general.end_time,
+                      scene.coupled() ? "fluid and solid coupled" : "fluid alone in rigid soil");
+  text += fmt::format("fluid       {} particles at the start, spacing {} m\n", particles.fluid,
+                      scene.fluid.particle_spacing);
+  if (scene.coupled())
+    text += fmt::format("solid       {} particles, spacing {} m\n", particles.solid, scene.solid.particle_spacing);
+  text += fmt::format("gauges      {}\n", scene.gauges.size());
+  text += "intervals   estimates, smallest first\n";
+  for (const auto& limit : limits(scene)) text += fmt::format("  {:10.3g} s  {}\n", limit.seconds, limit.what);
+  // State, neighbours and the exchange; 3D particles have four to five times as many neighbours.
+  const double bytes = scene.general.dimension == 3 ? 12e3 : 3e3;
+  text += fmt::format("memory      about {:.0f} MB in all\n",
+                      40.0 + bytes * static_cast<double>(particles.fluid + particles.solid) / 1e6);
+  return text;
+}
+
+}  // namespace poretwin::cli

@@ -1,0 +1,34 @@
+// Where things are: cases by name or path, the programs beside this one, the folder of a run.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace poretwin::cli {
+
+/// A case a person named.
+struct CasePlace {
+  std::string name;            ///< "terzaghi"; "terzaghi-case3d" for another file of the same folder
+  std::filesystem::path file;  ///< the TOML file
+  [[nodiscard]] std::filesystem::path folder() const { return file.parent_path(); }
+};
+
+/// NAME is a folder below cases/ (of the working directory, then of the source tree), or a path to a folder or file.
+/// Throws FileError with the names there are.
+CasePlace find_case(const std::string& name);
+
+/// Names of the cases that have the given file ("case.toml", "verify.toml"), sorted.
+std::vector<std::string> case_names(const std::string& with_file);
+
+/// Folder of the running executable.
+std::filesystem::path program_folder();
+
+/// The script cli/NAME.
+std::filesystem::path script(const std::string& name);
+
+/// Makes the folder of a run ready: new, or an older run's, whose results are removed. Anything else is refused with
+/// FileError.
+void prepare_run_folder(const std::filesystem::path& out);
+
+}  // namespace poretwin::cli

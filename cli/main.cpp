@@ -1,0 +1,141 @@
+// poretwin: the one command a person types.
+#include "cli/check.hpp"
+#include "cli/locate.hpp"
+#include "cli/metrics.hpp"
+#include "cli/plot.hpp"
+#include "cli/run.hpp"
+#include "cli/verify.hpp"
+#include "common/case/case.hpp"
+#include "common/core/error.hpp"
+#include "common/output/build_info.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <functional>
+
+namespace {
+
+using namespace poretwin;
+using namespace poretwin::cli;
+
+constexpr const char* epilogue =
+    "CASE is the name of a folder below cases/, or a path to a folder or TOML file.\n"
+    "Exit codes: 0 done, 1 unforeseen, 2 bad case or command line, 3 a peer failed, 4 diverged, 5 files, 6 a reference "
+    "was missed, "
+    "130 interrupted.";
+
+struct Arguments {
+  std::string which;
+  std::filesystem::path out;
+  double until = 0.0;
+  std::vector<std::string> set;
+  bool no_pictures = false, quiet = false;
+};
+
+int run(const Arguments& a) {
+  const CasePlace place = find_case(a.which);
+  RunOptions options;
+  options.case_file = place.file;
+  options.case_name = place.name;
+  options.out = a.out.empty() ? std::filesystem::path("runs") / place.name : a.out;
+  options.overrides = a.set;
+  if (a.until > 0.0) options.overrides.push_back(fmt::format("case.end_time={:.17g}", a.until));
+  options.programs = program_folder();
+  options.quiet = a.quiet;
+  options.pictures = !a.no_pictures;
+  const RunResult result = run_case(options);
+  if (result.exit != 0) fmt::print(stderr, "poretwin: {}\n", result.reason);
+  return result.exit;
+}
+
+int check(const Arguments& a) {
+  fmt::print("{}", check_text(read_case(find_case(a.which).file, a.set)));
+  return 0;
+}
+
+/// Declares all commands; the chosen one is left in `action`.
+void declare(CLI::App& app, Arguments& a, VerifyOptions& v, std::vector<std::string>& plot,
+             std::function<int()>& action) {
+  app.require_subcommand(1);
+  app.set_version_flag("--version", "poretwin " + version() + ", " + build());
+  app.footer(epilogue);
+  const auto with_case = [&](CLI::App* command) {
+    command->add_option("CASE", a.which, "case name or path")->required();
+    command->add_option("--set", a.set, "override a key of the case: section.key=value, soil.0.porosity=0.35")
+        ->take_all()
+        ->allow_extra_args(false);
+  };
+  auto* run_command = app.add_subcommand("run", "Run a case: progress, summary, pictures");
+  with_case(run_command);
+  run_command->add_option("--out", a.out, "folder of the run (default runs/CASE)");
+  run_command->add_option("--until", a.until, "simulated time at which to end [s]")->check(CLI::PositiveNumber);
+  run_command->add_flag("--no-pictures", a.no_pictures, "draw no pictures at the end");
+  run_command->add_flag("--quiet", a.quiet, "neither progress nor summary");
+  run_command->callback([&] { action = [&] { return run(a); }; });
+
+  auto* check_command = app.add_subcommand("check", "Validate a case; print particles, stable intervals, memory");
+  with_case(check_command);
+  check_command->callback([&] { action = [&] { return check(a); }; });
+
+  auto* verify_command = app.add_subcommand("verify", "Run a case, or all, and hold it against its reference");
+  verify_command->add_option("CASE", v.which, "case name, path, or 'all'")->required();
+  verify_command->add_option("--json", v.json, "write the results as JSON too");
+  verify_command->add_option("--out", v.out, "folder of the runs")->capture_default_str();
+  verify_command->add_flag("--short", v.short_runs, "the short form of each run");
+  verify_command->callback([&] {
+    action = [&] {
+      v.programs = program_folder();
+      return verify(v);
+    };
+  });
+
+  auto* plot_command = app.add_subcommand("plot", "Draw fields and gauges of a run");
+  plot_command->prefix_command();
+  plot_command->footer("poretwin plot RUN [--field F] [--time T] [--phase fluid|solid] [--gauge G...] [--out DIR]");
+  plot_command->callback([&, plot_command] {
+    plot = plot_command->remaining();
+    action = [&] { return draw_pictures(plot, {}); };
+  });
+
+  app.add_subcommand("keys", "Print the reference of all keys of a case file (Markdown)")->callback([&] {
+    action = [] {
+      fmt::print("{}", case_reference());
+      return 0;
+    };
+  });
+  app.add_subcommand("verify-keys", "Print the reference of all keys of a verify.toml (Markdown)")->callback([&] {
+    action = [] {
+      fmt::print("{}", verify_reference());
+      return 0;
+    };
+  });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Two-phase SPH for flow through deformable porous media: a fluid and a solid process, coupled.",
+               "poretwin");
+  Arguments arguments;
+  VerifyOptions verify_options;
+  std::vector<std::string> plot;
+  std::function<int()> action;
+  declare(app, arguments, verify_options, plot, action);
+  try {
+    app.parse(argc, argv);
+    return action();
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : static_cast<int>(ExitCode::bad_case);
+  } catch (const Error& error) {
+    fmt::print(stderr, "poretwin: {}\n", error.what());
+    return static_cast<int>(error.code());
+  } catch (const std::filesystem::filesystem_error& error) {
+    fmt::print(stderr, "poretwin: {}\n", error.what());
+    return static_cast<int>(ExitCode::input_output);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "poretwin: unforeseen: {}\n", error.what());
+    return static_cast<int>(ExitCode::failure);
+  }
+}

@@ -1,0 +1,352 @@
+#include "cli/metrics.hpp"
+
+#include "common/core/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <sstream>
+
+namespace poretwin::cli {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+const std::vector<std::string> operations{"value",    "relative", "l2",      "max_abs", "decay_rate",
+                                          "monotone", "drift",    "exceeds", "curve",   "exit"};
+
+void declare(Keys& keys, VerifyRun& r) {
+  keys.text("name", r.name, {"", "Name that metrics refer to.", true});
+  keys.text("case", r.case_file, {"", "Case file in the same folder."});
+  keys.texts("set", r.set, {"", "Overrides, as for `--set`."});
+  keys.texts("short", r.short_set, {"", "Further overrides with `--short`."});
+  keys.text("when", r.when, {"", "`always`, or `full`: left out with `--short`."});
+}
+
+void declare(Keys& keys, Metric& m) {
+  keys.text("name", m.name, {"", "What is measured.", true});
+  keys.text("run", m.run, {"", "The run it is taken from; absent: the first."});
+  keys.text("source", m.source, {"", "Where the reference comes from."});
+  keys.text(
+      "op", m.op,
+      {"", "`value`, `relative`, `l2`, `max_abs`, `decay_rate`, `monotone`, `drift`, `exceeds`, `curve` or `exit`.",
+       true});
+  keys.text("gauge", m.gauge, {"", "The gauge; for `l2`: all of `gauge[i]`."});
+  keys.texts("gauges", m.gauges, {"", "For `l2`: the gauges, one by one."});
+  keys.text("plus", m.plus, {"", "A gauge to add first."});
+  keys.text("minus", m.minus, {"", "A gauge to subtract first."});
+  keys.number("at", m.at, {"s", "Time of the reading; absent: the last."});
+  keys.number("from", m.from, {"s", "Start of the range; absent: the first reading."});
+  keys.number("to", m.to, {"s", "End of the range; absent: the last reading."});
+  keys.number("scale", m.scale, {"", "Readings are multiplied by it."});
+  keys.number("limit", m.limit, {"", "What the readings tend to (`decay_rate`, `monotone`)."});
+  keys.number("normaliser", m.normaliser, {"", "Errors are divided by it (`l2`, `drift`, `curve`)."}, positive());
+  keys.text("norm", m.norm, {"", "Of `curve`: `max` or `rms`."});
+  keys.number("reference", m.reference, {"", "The right value."});
+  keys.numbers("references", m.references, {"", "The right values of `l2`."});
+  keys.text("reference_csv", m.reference_csv,
+            {"", "File with the right values: last column for `l2`, time and value for `curve`."});
+  keys.series("curve", m.curve, {"", "The right curve of `curve`, in place of a file."});
+  keys.number("tolerance", m.tolerance, {"", "Largest error that passes."}, not_negative());
+  keys.text("unit", m.unit, {"", "Unit of the value."});
+}
+
+void declare(Keys& keys, VerifyFile& file) {
+  keys.text("source", file.source, {"", "Where the references come from, as a whole."});
+  keys.number("wall_s", file.wall, {"s", "Longest wall-clock time of all runs together."}, positive());
+  keys.tables("run", "A run of the case; without any, the case as it is.", file.runs,
+              [](Keys& inner, VerifyRun& r) { declare(inner, r); });
+  keys.tables("metric", "One number held against its reference.", file.metrics,
+              [](Keys& inner, Metric& m) { declare(inner, m); });
+}
+
+struct Failure {
+  std::string text;
+};
+
+/// Linear between readings; NaN outside them or where a reading is NaN.
+double reading(const GaugeSeries& series, double t) {
+  const auto& times = series.time;
+  if (times.empty()) return nan;
+  const double slack = 1e-9 * std::max(1.0, std::abs(times.back()));
+  if (t < times.front() - slack || t > times.back() + slack) return nan;
+  const auto after = std::lower_bound(times.begin(), times.end(), t);
+  if (after == times.begin()) return series.value.front();
+  if (after == times.end()) return series.value.back();
+  const auto i = static_cast<std::size_t>(after - times.begin());
+  const double share = (t - times[i - 1]) / (times[i] - times[i - 1]);
+  if (share >= 1.0) return series.value[i];
+  return series.value[i - 1] + share * (series.value[i] - series.value[i - 1]);
+}
+
+class Judge {
+ public:
+  Judge(const Metric& metric, const Gauges& gauges, int exit_status)
+      : m_(metric), gauges_(gauges), exit_(exit_status) {}
+
+  Verdict verdict() const {
+    Verdict v;
+    v.reference = m_.reference.value_or(0.0);
+    try {
+      if (m_.op == "exceeds") return exceeds(v);
+      v.value = value();
+      v.error = error(v.value);
+    } catch (const Failure& failure) {
+      v.value = v.error = nan;
+      v.complaint = failure.text;
+    }
+    v.passed = std::isfinite(v.error) && v.error <= m_.tolerance;
+    return v;
+  }
+
+ private:
+  [[nodiscard]] double value() const {
+    if (m_.op == "exit") return exit_;
+    if (m_.op == "value" || m_.op == "relative") return at_time(main());
+    if (m_.op == "l2") return l2();
+    if (m_.op == "max_abs") return farthest();
+    if (m_.op == "decay_rate") return decay_rate();
+    if (m_.op == "monotone") return moving_away();
+    if (m_.op == "drift") return drift();
+    return curve();
+  }
+  /// Operations that already yield an error are held against zero; the others against the reference.
+  [[nodiscard]] double error(double value) const {
+    if (m_.op == "value" || m_.op == "exit") return std::abs(value - m_.reference.value_or(0.0));
+    if (m_.op == "max_abs") return std::abs(value - m_.reference.value_or(0.0));
+    if (m_.op == "relative" || m_.op == "decay_rate") return std::abs(value - *m_.reference) / std::abs(*m_.reference);
+    return value;
+  }
+
+  Verdict exceeds(Verdict v) const {
+    try {
+      const auto series = within_range(main());
+      v.value = m_.at ? at_time(series) : *std::max_element(series.value.begin(), series.value.end());
+      v.error = std::max(0.0, v.reference - v.value);
+      v.passed = v.value > v.reference;
+    } catch (const Failure& failure) {
+      v.value = v.error = nan;
+      v.complaint = failure.text;
+    }
+    return v;
+  }
+
+  [[nodiscard]] GaugeSeries gauge(const std::string& name) const {
+    const auto found = gauges_.find(name);
+    if (found == gauges_.end() || found->second.time.empty())
+      throw Failure{fmt::format("no readings of gauge '{}'", name)};
+    GaugeSeries series = found->second;
+    for (double& x : series.value) x *= m_.scale;
+    return series;
+  }
+  [[nodiscard]] GaugeSeries main() const {
+    GaugeSeries series = gauge(m_.gauge);
+    for (const auto& [name, sign] : {std::pair{m_.plus, 1.0}, std::pair{m_.minus, -1.0}}) {
+      if (name.empty()) continue;
+      const GaugeSeries other = gauge(name);
+      for (std::size_t i = 0; i < series.time.size(); ++i) series.value[i] += sign * reading(other, series.time[i]);
+    }
+    return series;
+  }
+  [[nodiscard]] GaugeSeries within_range(const GaugeSeries& all) const {
+    GaugeSeries part;
+    for (std::size_t i = 0; i < all.time.size(); ++i)
+      if (all.time[i] >= m_.from.value_or(-HUGE_VAL) && all.time[i] <= m_.to.value_or(HUGE_VAL)) {
+        part.time.push_back(all.time[i]);
+        part.value.push_back(all.value[i]);
+      }
+    if (part.time.empty()) throw Failure{fmt::format("no readings of gauge '{}' in the range", m_.gauge)};
+    for (const double x : part.value)
+      if (!std::isfinite(x)) throw Failure{fmt::format("gauge '{}' is not a number in the range", m_.gauge)};
+    return part;
+  }
+  [[nodiscard]] double at_time(const GaugeSeries& series) const {
+    const double t = m_.at.value_or(series.time.back());
+    const double x = reading(series, t);
+    if (!std::isfinite(x)) throw Failure{fmt::format("gauge '{}' has no number at t = {} s", m_.gauge, t)};
+    return x;
+  }
+
+  [[nodiscard]] double l2() const {
+    std::vector<std::string> names = m_.gauges;
+    for (std::size_t i = 0; names.size() == i && m_.gauges.empty(); ++i)
+      if (const auto name = fmt::format("{}[{}]", m_.gauge, i); gauges_.find(name) != gauges_.end())
+        names.push_back(name);
+    if (names.empty() || names.size() != m_.references.size())
+      throw Failure{
+          fmt::format("{} gauges '{}' and {} references do not match", names.size(), m_.gauge, m_.references.size())};
+    double sum = 0.0;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const double difference = at_time(gauge(names[i])) - m_.references[i];
+      sum += difference * difference;
+    }
+    return std::sqrt(sum / static_cast<double>(names.size())) / m_.normaliser.value_or(1.0);
+  }
+  [[nodiscard]] double farthest() const {
+    const auto series = within_range(main());
+    const double reference = m_.reference.value_or(0.0);
+    return *std::max_element(series.value.begin(), series.value.end(),
+                             [&](double a, double b) { return std::abs(a - reference) < std::abs(b - reference); });
+  }
+  [[nodiscard]] double decay_rate() const {
+    const auto series = within_range(main());
+    double n = 0.0, st = 0.0, sy = 0.0, stt = 0.0, sty = 0.0;
+    for (std::size_t i = 0; i < series.time.size(); ++i) {
+      const double distance = std::abs(series.value[i] - m_.limit.value_or(0.0));
+      if (distance <= 0.0) continue;
+      const double t = series.time[i] - series.time.front(), y = -std::log(distance);
+      n += 1.0;
+      st += t;
+      sy += y;
+      stt += t * t;
+      sty += t * y;
+    }
+    const double spread = n * stt - st * st;
+    if (n < 3.0 || spread <= 0.0) throw Failure{fmt::format("too few readings of gauge '{}' for a rate", m_.gauge)};
+    return (n * sty - st * sy) / spread;
+  }
+  [[nodiscard]] double moving_away() const {
+    const auto series = within_range(main());
+    const double limit = m_.limit.value_or(0.0);
+    double away = 0.0, steps = 0.0;
+    // Rounding around the limit is no movement.
+    const double slack = 1e-9 * std::abs(series.value.front() - limit);
+    for (std::size_t i = 1; i < series.value.size(); ++i) {
+      steps += 1.0;
+      const double before = series.value[i - 1] - limit, now = series.value[i] - limit;
+      const bool overshot = before * now < 0.0 && std::abs(now) > slack;
+      if (std::abs(now) > std::abs(before) + slack || overshot) away += 1.0;
+    }
+    if (steps < 1.0) throw Failure{fmt::format("too few readings of gauge '{}'", m_.gauge)};
+    return away / steps;
+  }
+  [[nodiscard]] double drift() const {
+    const auto series = within_range(main());
+    double most = 0.0;
+    for (const double x : series.value) most = std::max(most, std::abs(x - series.value.front()));
+    return most / m_.normaliser.value_or(1.0);
+  }
+  [[nodiscard]] double curve() const {
+    const auto series = main();
+    double most = 0.0, sum = 0.0, count = 0.0;
+    for (const auto& [t, right] : m_.curve->knots) {
+      if (t < m_.from.value_or(-HUGE_VAL) || t > m_.to.value_or(HUGE_VAL)) continue;
+      const double found = reading(series, t);
+      if (!std::isfinite(found)) throw Failure{fmt::format("gauge '{}' has no number at t = {} s", m_.gauge, t)};
+      const double e = std::abs(found - right) / m_.normaliser.value_or(std::abs(right));
+      most = std::max(most, e);
+      sum += e * e;
+      count += 1.0;
+    }
+    if (count == 0.0) throw Failure{"the reference curve has no point in the range"};
+    return m_.norm == "rms" ? std::sqrt(sum / count) : most;
+  }
+
+  const Metric& m_;
+  const Gauges& gauges_;
+  int exit_;
+};
+
+class VerifyChecker {
+ public:
+  VerifyChecker(const std::filesystem::path& path, const Places& places) : path_(path), places_(places) {}
+
+  void fill(VerifyFile& file) const {
+    if (file.runs.empty()) file.runs.push_back({"default", "case.toml", "always", {}, {}});
+    for (std::size_t i = 0; i < file.runs.size(); ++i)
+      if (file.runs[i].when != "always" && file.runs[i].when != "full")
+        fail(fmt::format("run[{}].when", i),
+             fmt::format("expected \"always\" or \"full\", found \"{}\"", file.runs[i].when));
+    if (file.metrics.empty()) fail("metric", "expected one [[metric]] or more");
+    for (std::size_t i = 0; i < file.metrics.size(); ++i) metric(file, file.metrics[i], fmt::format("metric[{}]", i));
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& key, const std::string& message) const {
+    auto found = places_.find(key);
+    if (found == places_.end()) found = places_.find(key.substr(0, key.find('.')));
+    throw CaseError(
+        fmt::format("{}: key '{}': {}", found != places_.end() ? found->second : path_.string(), key, message));
+  }
+  void metric(const VerifyFile& file, Metric& m, const std::string& key) const {
+    if (m.run.empty()) m.run = file.runs.front().name;
+    if (std::none_of(file.runs.begin(), file.runs.end(), [&](const VerifyRun& r) { return r.name == m.run; }))
+      fail(key + ".run", fmt::format("no [[run]] is named \"{}\"", m.run));
+    if (std::find(operations.begin(), operations.end(), m.op) == operations.end())
+      fail(key + ".op", fmt::format("\"{}\" is not known; did you mean \"{}\"?", m.op, nearest(m.op, operations)));
+    if (m.op != "exit" && m.gauge.empty() && m.gauges.empty()) fail(key + ".gauge", "is missing");
+    const bool relative = m.op == "relative" || m.op == "decay_rate";
+    if ((relative || m.op == "value" || m.op == "exceeds" || m.op == "exit") && !m.reference)
+      fail(key + ".reference", "is missing");
+    if (relative && *m.reference == 0.0) fail(key + ".reference", "a relative error needs a reference other than zero");
+    if (m.norm != "max" && m.norm != "rms")
+      fail(key + ".norm", fmt::format("expected \"max\" or \"rms\", found \"{}\"", m.norm));
+    if (!m.reference_csv.empty()) from_csv(m, key);
+    if (m.op == "curve" && !m.curve) fail(key + ".curve", "expected 'reference_csv' or 'curve'");
+    if (m.op == "l2" && m.references.empty()) fail(key + ".references", "expected 'reference_csv' or 'references'");
+  }
+  void from_csv(Metric& m, const std::string& key) const {
+    const auto rows = read_csv(path_.parent_path() / m.reference_csv);
+    if (m.op == "curve") m.curve.emplace();
+    for (const auto& row : rows) {
+      if (m.op == "curve" && row.size() < 2) fail(key + ".reference_csv", "expected columns time, value");
+      if (m.op == "curve")
+        m.curve->knots.emplace_back(row[0], row[1]);
+      else
+        m.references.push_back(row.back());
+    }
+  }
+
+  const std::filesystem::path& path_;
+  const Places& places_;
+};
+
+}  // namespace
+
+VerifyFile read_verify(const std::filesystem::path& path) {
+  VerifyFile file;
+  Places places;
+  read_keys(
+      parse_document(read_text(path), path.string()), [&](Keys& keys) { declare(keys, file); }, &places);
+  VerifyChecker(path, places).fill(file);
+  return file;
+}
+
+Verdict judge(const Metric& metric, const Gauges& gauges, int exit_status) {
+  return Judge(metric, gauges, exit_status).verdict();
+}
+
+std::vector<std::vector<double>> read_csv(const std::filesystem::path& path) {
+  std::istringstream stream(read_text(path));
+  std::vector<std::vector<double>> rows;
+  bool heading_allowed = true;
+  std::string line;
+  for (int number = 1; std::getline(stream, line); ++number) {
+    if (line.find_first_not_of(" \t\r") == std::string::npos || line[0] == '#') continue;
+    std::vector<double> row;
+    std::istringstream cells(line);
+    bool good = true;
+    for (std::string cell; std::getline(cells, cell, ',');) {
+      char* end = nullptr;
+      row.push_back(std::strtod(cell.c_str(), &end));
+      good = good && end != cell.c_str();
+    }
+    if (good)
+      rows.push_back(row);
+    else if (!heading_allowed)
+      throw FileError(
+          fmt::format("{}:{}: expected numbers separated by commas, found '{}'", path.string(), number, line));
+    heading_allowed = false;
+  }
+  return rows;
+}
+
+std::string verify_reference() {
+  VerifyFile file;
+  return describe_keys([&](Keys& keys) { declare(keys, file); });
+}
+
+}  // namespace poretwin::cli

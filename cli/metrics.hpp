@@ -1,0 +1,59 @@
+// From the gauges of a run to one number held against a reference: the operations of verify.toml.
+#pragma once
+
+#include "common/case/keys.hpp"
+#include "common/output/gauge_log.hpp"
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace poretwin::cli {
+
+/// [[metric]] of verify.toml.
+struct Metric {
+  std::string name, run, source, op, gauge, plus, minus, unit, norm = "max", reference_csv;
+  std::vector<std::string> gauges;
+  std::vector<double> references;
+  std::optional<double> at, from, to, limit, normaliser, reference;
+  std::optional<Series> curve;
+  double scale = 1.0, tolerance = 0.0;
+};
+
+/// [[run]] of verify.toml.
+struct VerifyRun {
+  std::string name, case_file = "case.toml", when = "always";
+  std::vector<std::string> set, short_set;
+};
+
+struct VerifyFile {
+  std::string source;
+  std::optional<double> wall;  ///< s, of all runs together
+  std::vector<VerifyRun> runs;
+  std::vector<Metric> metrics;
+};
+
+/// What became of a metric. NaN never passes.
+struct Verdict {
+  double value = 0.0, reference = 0.0, error = 0.0;
+  bool passed = false;
+  std::string complaint;  ///< why there is no value
+};
+
+using Gauges = std::map<std::string, GaugeSeries>;
+
+/// Reads and checks a verify.toml; curves and references in CSV files are looked up beside it. Throws CaseError,
+/// FileError.
+VerifyFile read_verify(const std::filesystem::path& path);
+
+/// Judges one metric by a run's gauges and exit status.
+Verdict judge(const Metric& metric, const Gauges& gauges, int exit_status);
+
+/// Columns of a CSV: '#' comments and a heading are skipped. Throws FileError.
+std::vector<std::vector<double>> read_csv(const std::filesystem::path& path);
+
+/// Markdown of the keys of verify.toml.
+std::string verify_reference();
+
+}  // namespace poretwin::cli

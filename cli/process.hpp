@@ -1,0 +1,49 @@
+// Child processes: started in their own process group, watched through signalfd and pipes, ended politely, then firmly.
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace poretwin::cli {
+
+struct Program {
+  std::string name;  ///< "fluid"
+  std::filesystem::path file;
+  std::vector<std::string> arguments;
+  std::map<std::string, std::string> environment;  ///< in addition to ours
+  std::filesystem::path log;                       ///< where its stdout and stderr go
+  bool reports_progress = false;                   ///< gets "--progress-fd N"
+};
+
+struct Ended {
+  std::string name;
+  int status = 0;      ///< exit code; 128 + signal when killed by one
+  int signal = 0;      ///< 0: ended by itself
+  bool by_us = false;  ///< we had asked it to end (signal after another one's failure, or Ctrl-C)
+  double cpu = 0.0;    ///< s
+  std::filesystem::path log;
+};
+
+struct Watched {
+  std::vector<Ended> ended;  ///< in the order of ending
+  bool interrupted = false;  ///< SIGINT or SIGTERM reached us
+};
+
+struct Patience {
+  std::chrono::milliseconds by_itself{5000};         ///< for the others after a failure, before SIGTERM
+  std::chrono::milliseconds after_term{3000};        ///< before SIGKILL
+  std::chrono::milliseconds after_interrupt{20000};  ///< for a clean stop after Ctrl-C, before SIGTERM
+};
+
+/// Starts all, feeds progress lines to `progress`, calls `tick` about four times a second, returns when all have ended.
+/// Throws FileError when one cannot be started (the ones already started are ended first).
+Watched run_together(const std::vector<Program>& programs, const std::function<void(const std::string&)>& progress,
+                     const std::function<void()>& tick, const Patience& patience = {});
+
+}  // namespace poretwin::cli

@@ -1,0 +1,76 @@
+#include "cli/progress.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+namespace poretwin::cli {
+
+ProgressView::ProgressView(bool quiet)
+    : quiet_(quiet),
+      terminal_(::isatty(STDERR_FILENO) != 0),
+      start_(Clock::now()),
+      next_(start_ + std::chrono::milliseconds(500)) {}
+
+void ProgressView::line(const std::string& json) {
+  const auto data = nlohmann::json::parse(json, nullptr, false);
+  if (!data.is_object()) return;
+  const auto number = [&](const char* key) {
+    const auto found = data.find(key);
+    return found != data.end() && found->is_number() ? found->get<double>() : 0.0;
+  };
+  time_ = number("t");
+  end_ = number("end");
+  interval_ = number("dt");
+  steps_ = number("step");
+  const auto waiting = data.find("waiting_for");
+  waiting_for_ = waiting != data.end() && waiting->is_string() ? waiting->get<std::string>() : std::string();
+  if (!known_) {
+    known_ = true;
+    first_ = Clock::now();
+    first_time_ = time_;
+    first_steps_ = steps_;
+  }
+}
+
+std::string ProgressView::text() const {
+  if (!known_)
+    return fmt::format("starting, {}", duration(std::chrono::duration<double>(Clock::now() - start_).count()));
+  const double elapsed = std::max(1e-3, std::chrono::duration<double>(Clock::now() - first_).count());
+  const double pace = (time_ - first_time_) / elapsed;
+  std::string shown = fmt::format("{:3.0f} %  t = {:.4g} of {:.4g} s  step {:.0f} ({:.3g}/s, dt = {:.2g} s)",
+                                  end_ > 0.0 ? 100.0 * time_ / end_ : 0.0, time_, end_, steps_,
+                                  (steps_ - first_steps_) / elapsed, interval_);
+  if (pace > 0.0) shown += "  " + duration((end_ - time_) / pace) + " left";
+  if (!waiting_for_.empty()) shown += "  waiting for " + waiting_for_;
+  return shown;
+}
+
+void ProgressView::tick() {
+  const auto now = Clock::now();
+  if (quiet_ || now < next_) return;
+  next_ = now + (terminal_ ? std::chrono::milliseconds(250) : std::chrono::milliseconds(5000));
+  if (terminal_)
+    fmt::print(stderr, "\r\033[K{}", text());
+  else if (known_)
+    fmt::print(stderr, "{}\n", text());
+  std::fflush(stderr);
+  shown_ = true;
+}
+
+void ProgressView::finish() {
+  if (shown_ && terminal_ && !quiet_) fmt::print(stderr, "\r\033[K");
+  shown_ = false;
+}
+
+std::string duration(double seconds) {
+  const auto s = static_cast<long>(std::max(0.0, seconds) + 0.5);
+  if (s < 60) return fmt::format("{} s", s);
+  if (s < 3600) return fmt::format("{} min {:02} s", s / 60, s % 60);
+  return fmt::format("{} h {:02} min", s / 3600, (s / 60) % 60);
+}
+
+}  // namespace poretwin::cli

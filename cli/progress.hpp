@@ -1,0 +1,32 @@
+// Where a run stands, for a person: one live line on a terminal, else a plain line every few seconds.
+#pragma once
+
+#include <chrono>
+#include <string>
+
+namespace poretwin::cli {
+
+class ProgressView {
+ public:
+  explicit ProgressView(bool quiet);
+  /// A JSON line {"t","end","step","dt","waiting_for"} from a child; anything else is ignored.
+  void line(const std::string& json);
+  /// Shows the latest state when it is due.
+  void tick();
+  /// Leaves the terminal's line clean.
+  void finish();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  [[nodiscard]] std::string text() const;
+  bool quiet_, terminal_;
+  bool known_ = false, shown_ = false;
+  double time_ = 0.0, end_ = 0.0, interval_ = 0.0, steps_ = 0.0, first_time_ = 0.0, first_steps_ = 0.0;
+  std::string waiting_for_;
+  Clock::time_point start_, first_, next_;
+};
+
+/// "4 s", "3 min 20 s", "2 h 05 min".
+std::string duration(double seconds);
+
+}  // namespace poretwin::cli

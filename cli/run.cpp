@@ -1,0 +1,246 @@
+#include "cli/run.hpp"
+
+#include "cli/locate.hpp"
+#include "cli/plot.hpp"
+#include "cli/progress.hpp"
+#include "common/case/case.hpp"
+#include "common/core/error.hpp"
+#include "common/output/build_info.hpp"
+#include "common/output/gauge_log.hpp"
+
+#include <fmt/format.h>
+#include <sched.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+namespace poretwin::cli {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr int peer_failed = static_cast<int>(ExitCode::peer),
+              interrupted_exit = static_cast<int>(ExitCode::interrupted);
+
+/// A private folder for the socket; a socket's path may hold 107 characters only.
+class PrivateFolder {
+ public:
+  PrivateFolder() {
+    std::string pattern = (fs::temp_directory_path() / "poretwin-XXXXXX").string();
+    if (pattern.size() > 80) pattern = "/tmp/poretwin-XXXXXX";
+    if (::mkdtemp(pattern.data()) == nullptr)
+      throw FileError(fmt::format("{}: a temporary folder cannot be made: {}", pattern, std::strerror(errno)));
+    path_ = pattern;
+  }
+  PrivateFolder(const PrivateFolder&) = delete;
+  PrivateFolder& operator=(const PrivateFolder&) = delete;
+  ~PrivateFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  [[nodiscard]] const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+int available_threads() {
+  if (const char* given = std::getenv("OMP_NUM_THREADS"); given != nullptr && std::atoi(given) > 0)
+    return std::atoi(given);
+  cpu_set_t set;
+  return ::sched_getaffinity(0, sizeof set, &set) == 0 ? std::max(1, CPU_COUNT(&set)) : 1;
+}
+
+std::vector<Program> programs_of(const RunOptions& options, const Case& scene, const std::string& address) {
+  const int threads = available_threads();
+  const auto program = [&](const std::string& name, std::vector<std::string> first, int count) {
+    Program p;
+    p.name = name;
+    p.file = options.programs / ("poretwin-" + name);
+    p.arguments = {"--case", options.case_file.string(), "--out", options.out.string()};
+    p.arguments.insert(p.arguments.end(), first.begin(), first.end());
+    for (const auto& assignment : options.overrides) p.arguments.insert(p.arguments.end(), {"--set", assignment});
+    p.environment = {{"OMP_NUM_THREADS", std::to_string(std::max(1, count))}};
+    p.log = options.out / "log" / (name + ".log");
+    return p;
+  };
+  std::vector<Program> programs;
+  if (!scene.coupled()) {
+    programs.push_back(program("fluid", {"--alone"}, threads));
+    programs.back().reports_progress = true;
+    return programs;
+  }
+  programs.push_back(program("coupler", {"--bind", address}, 1));
+  programs.back().reports_progress = true;
+  programs.push_back(program("fluid", {"--connect", address}, (threads + 1) / 2));
+  programs.push_back(program("solid", {"--connect", address}, threads / 2));
+  return programs;
+}
+
+std::string last_words(const fs::path& log) {
+  std::ifstream stream(log);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);)
+    if (!line.empty()) lines.push_back(line);
+  if (lines.empty()) return "(its log is empty)";
+  // From the last complaint on; else the end.
+  auto first = lines.size() > 3 ? lines.end() - 3 : lines.begin();
+  for (auto line = lines.begin(); line != lines.end(); ++line)
+    if (line->find("error:") != std::string::npos) first = line;
+  std::string text;
+  for (; first != lines.end(); ++first) text += (text.empty() ? "" : "\n  ") + *first;
+  return text;
+}
+
+std::string reason_of(const Ended& ended) {
+  const std::string how = ended.signal != 0
+                              ? fmt::format("was killed by signal {} ({})", ended.signal, ::strsignal(ended.signal))
+                              : fmt::format("failed with exit code {}", ended.status);
+  return fmt::format("{} {}:\n  {}\n  (all of it: {})", ended.name, how, last_words(ended.log), ended.log.string());
+}
+
+Summary::Numbers numbers_of(const nlohmann::ordered_json& data, const char* key) {
+  Summary::Numbers result;
+  if (const auto found = data.find(key); found != data.end() && found->is_object())
+    for (const auto& [name, value] : found->items())
+      if (value.is_number()) result.emplace_back(name, value.get<double>());
+  return result;
+}
+
+std::vector<Summary> read_summaries(const fs::path& out) {
+  std::vector<Summary> summaries;
+  for (const char* process : {"coupler", "fluid", "solid"}) {
+    std::ifstream stream(out / (std::string(process) + ".summary.json"));
+    if (!stream) continue;
+    const auto data = nlohmann::ordered_json::parse(stream, nullptr, false);
+    if (!data.is_object()) continue;
+    Summary s;
+    s.process = data.value("process", process);
+    s.reason = data.value("reason", "");
+    s.exit = data.value("exit", 0);
+    const auto number = [&](const char* key) {
+      const auto found = data.find(key);
+      return found != data.end() && found->is_number() ? found->get<double>() : 0.0;
+    };
+    s.wall = number("wall_s");
+    s.cpu = number("cpu_s");
+    s.seconds = numbers_of(data, "seconds");
+    s.steps = numbers_of(data, "steps");
+    s.counters = numbers_of(data, "counters");
+    if (const auto files = data.find("files"); files != data.end() && files->is_array())
+      for (const auto& file : *files)
+        if (file.is_string()) s.files.push_back(file.get<std::string>());
+    summaries.push_back(s);
+  }
+  return summaries;
+}
+
+std::string toml_text(const std::string& text) {
+  // JSON's escapes are TOML's.
+  return nlohmann::json(text).dump();
+}
+
+void write_run_file(const RunOptions& options, const std::string& started, const RunResult* result) {
+  std::string text =
+      fmt::format("# Written by poretwin; marks this folder as a run.\ncase = {}\ncase_file = {}\noverrides = [",
+                  toml_text(options.case_name), toml_text(fs::absolute(options.case_file).lexically_normal().string()));
+  for (std::size_t i = 0; i < options.overrides.size(); ++i)
+    text += (i > 0 ? ", " : "") + toml_text(options.overrides[i]);
+  text += fmt::format("]\nversion = {}\nbuild = {}\nhost = {}\nstarted = {}\n", toml_text(version()),
+                      toml_text(build()), toml_text(host()), toml_text(started));
+  if (result != nullptr) {
+    text += fmt::format("ended = {}\nexit = {}\nreason = {}\nwall_s = {:.3f}\ncpu_s = {:.3f}\n\n[exits]\n",
+                        toml_text(time_now()), result->exit, toml_text(result->reason), result->wall, result->cpu);
+    for (const auto& ended : result->ended) text += fmt::format("{} = {}\n", ended.name, ended.status);
+  }
+  std::ofstream stream(options.out / "run.toml", std::ios::binary);
+  stream << text;
+  stream.close();
+  if (!stream) throw FileError(fmt::format("{}: cannot be written", (options.out / "run.toml").string()));
+}
+
+std::string number(double value) {
+  return std::abs(value) < 1e15 && value == std::floor(value) ? fmt::format("{:.0f}", value)
+                                                              : fmt::format("{:.4g}", value);
+}
+
+std::string listed(const Summary::Numbers& numbers, const std::string& unit) {
+  std::string text;
+  for (const auto& [name, value] : numbers)
+    text += fmt::format("{}{} {}{}", text.empty() ? "" : ", ", name, number(value), unit);
+  return text;
+}
+
+}  // namespace
+
+const Ended* root_cause(const std::vector<Ended>& ended) {
+  const Ended* follower = nullptr;
+  for (const auto& e : ended) {
+    if (e.status == 0) continue;
+    const bool followed = e.by_us || e.status == peer_failed;
+    if (!followed) return &e;
+    if (follower == nullptr || (follower->by_us && !e.by_us)) follower = &e;
+  }
+  return follower;
+}
+
+RunResult run_case(const RunOptions& options) {
+  const Case scene = read_case(options.case_file, options.overrides);
+  prepare_run_folder(options.out);
+  const std::string started = time_now();
+  write_run_file(options, started, nullptr);
+  const PrivateFolder socket;
+  ProgressView view(options.quiet);
+  const auto start = std::chrono::steady_clock::now();
+  const Watched watched = run_together(
+      programs_of(options, scene, "ipc://" + (socket.path() / "poretwin.sock").string()),
+      [&](const std::string& line) { view.line(line); }, [&] { view.tick(); });
+  view.finish();
+
+  RunResult result;
+  result.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  result.ended = watched.ended;
+  for (const auto& ended : watched.ended) result.cpu += ended.cpu;
+  const Ended* cause = root_cause(watched.ended);
+  if (watched.interrupted) {
+    result.exit = interrupted_exit;
+    result.reason = "interrupted";
+  } else if (cause != nullptr) {
+    result.exit = cause->signal != 0 ? static_cast<int>(ExitCode::failure) : cause->status;
+    result.reason = reason_of(*cause);
+  }
+  result.summaries = read_summaries(options.out);
+  merge_gauges({options.out / "gauges.fluid.csv", options.out / "gauges.solid.csv"}, options.out / "gauges.csv");
+  write_run_file(options, started, &result);
+  if (!options.quiet) fmt::print("{}", summary_text(result, options.out));
+  if (options.pictures && result.exit == 0) {
+    const int drawn = draw_pictures({options.out.string()}, options.out / "log" / "plot.log");
+    if (drawn != 0)
+      fmt::print(stderr, "warning: no pictures were drawn; see {}\n", (options.out / "log" / "plot.log").string());
+  }
+  return result;
+}
+
+std::string summary_text(const RunResult& result, const fs::path& out) {
+  std::string text = fmt::format("\n{:<10}{:>10}{:>10}  where the time went\n", "process", "wall", "cpu");
+  for (const auto& s : result.summaries)
+    text += fmt::format("{:<10}{:>8.2f} s{:>8.2f} s  {}\n", s.process, s.wall, s.cpu, listed(s.seconds, " s"));
+  for (const auto& s : result.summaries) {
+    if (!s.steps.empty()) text += fmt::format("{:<10}steps: {}\n", s.process, listed(s.steps, ""));
+    if (!s.counters.empty())
+      text += fmt::format("{:<10}counts, work skipped among them: {}\n", s.process, listed(s.counters, ""));
+  }
+  std::error_code error;
+  text += fmt::format("files in {}:", out.string());
+  for (const auto& entry : fs::directory_iterator(out, error))
+    if (entry.is_regular_file())
+      text += fmt::format(" {} ({} kB)", entry.path().filename().string(),
+                          (fs::file_size(entry.path(), error) + 1023) / 1024);
+  return text + fmt::format("\ntotal: {:.2f} s wall, {:.2f} s cpu\n", result.wall, result.cpu);
+}
+
+}  // namespace poretwin::cli

@@ -1,0 +1,50 @@
+// `poretwin run`: starts the processes of a case, watches over them, gathers what they leave behind.
+#pragma once
+
+#include "cli/process.hpp"
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace poretwin::cli {
+
+/// One process's own account of its run (OUT/<process>.summary.json).
+struct Summary {
+  using Numbers = std::vector<std::pair<std::string, double>>;
+  std::string process, reason;
+  int exit = 0;
+  double wall = 0.0, cpu = 0.0;  ///< s
+  Numbers seconds, steps, counters;
+  std::vector<std::string> files;
+};
+
+struct RunOptions {
+  std::filesystem::path case_file, out;
+  std::string case_name;
+  std::vector<std::string> overrides;
+  std::filesystem::path programs;  ///< folder of poretwin-fluid, poretwin-solid, poretwin-coupler
+  bool quiet = false;              ///< neither progress nor summary
+  bool pictures = true;
+};
+
+struct RunResult {
+  int exit = 0;                  ///< of the process that failed first; 130 when interrupted
+  std::string reason;            ///< empty when all went well
+  double wall = 0.0, cpu = 0.0;  ///< s
+  std::vector<Ended> ended;
+  std::vector<Summary> summaries;
+};
+
+/// Throws CaseError and FileError before anything is started; what happens later is in the result.
+RunResult run_case(const RunOptions& options);
+
+/// Tables of where the time went, steps, counters and files.
+std::string summary_text(const RunResult& result, const std::filesystem::path& out);
+
+/// The failure that started it all: not one that only followed from another's.
+const Ended* root_cause(const std::vector<Ended>& ended);
+
+}  // namespace poretwin::cli

@@ -1,0 +1,156 @@
+#include "cli/verify.hpp"
+
+#include "cli/locate.hpp"
+#include "cli/metrics.hpp"
+#include "cli/run.hpp"
+#include "common/core/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+namespace poretwin::cli {
+namespace fs = std::filesystem;
+namespace {
+
+using Json = nlohmann::ordered_json;
+constexpr int interrupted = static_cast<int>(ExitCode::interrupted);
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+struct CaseVerdict {
+  Json json;
+  bool passed = true, stopped = false;
+};
+
+/// One case with all its runs.
+class CaseCheck {
+ public:
+  CaseCheck(const VerifyOptions& options, const CasePlace& place) : options_(options), place_(place) {
+    json_ = {{"case", place.name},      {"passed", true},
+             {"wall_s", 0.0},           {"cpu_s", 0.0},
+             {"steps", Json::object()}, {"particles", Json::object()},
+             {"metrics", Json::array()}};
+  }
+
+  CaseVerdict verdict() {
+    const VerifyFile file = read_verify(place_.folder() / "verify.toml");
+    for (const auto& run : file.runs) {
+      if (options_.short_runs && run.when == "full") continue;
+      execute(file, run);
+      if (stopped_) break;
+    }
+    if (file.wall && wall_ > *file.wall) {
+      Metric metric;
+      metric.name = "wall-clock time";
+      metric.unit = "s";
+      add(metric, {wall_, *file.wall, std::max(0.0, wall_ - *file.wall), false, "took too long"});
+    }
+    json_["passed"] = passed_;
+    json_["wall_s"] = wall_;
+    json_["cpu_s"] = cpu_;
+    return {json_, passed_, stopped_};
+  }
+
+ private:
+  void execute(const VerifyFile& file, const VerifyRun& run) {
+    RunOptions options;
+    options.case_file = place_.folder() / run.case_file;
+    options.case_name = place_.name;
+    options.out = options_.out / place_.name / run.name;
+    options.overrides = run.set;
+    if (options_.short_runs)
+      options.overrides.insert(options.overrides.end(), run.short_set.begin(), run.short_set.end());
+    options.programs = options_.programs;
+    options.quiet = true;
+    options.pictures = false;
+    const RunResult result = run_case(options);
+    wall_ += result.wall;
+    cpu_ += result.cpu;
+    if (result.exit == interrupted) {
+      stopped_ = true;
+      passed_ = false;
+      return;
+    }
+    account(result);
+    const Gauges gauges = read_gauges(options.out / "gauges.csv");
+    bool failure_expected = false;
+    for (const auto& metric : file.metrics) {
+      if (metric.run != run.name) continue;
+      failure_expected = failure_expected || metric.op == "exit" || metric.op == "exceeds";
+      add(metric, judge(metric, gauges, result.exit));
+    }
+    if (result.exit != 0 && !failure_expected) {
+      Metric metric;
+      metric.name = fmt::format("run '{}' ends well", run.name);
+      add(metric, {static_cast<double>(result.exit), 0.0, static_cast<double>(result.exit), false, result.reason});
+    }
+  }
+
+  void account(const RunResult& result) {
+    for (const auto& summary : result.summaries) {
+      for (const auto& [name, value] : summary.steps) {
+        auto& total = json_["steps"][fmt::format("{}.{}", summary.process, name)];
+        total = (total.is_number() ? total.get<double>() : 0.0) + value;
+      }
+      for (const auto& [name, value] : summary.counters)
+        if (name == "particles") {
+          auto& most = json_["particles"][summary.process];
+          most = std::max(most.is_number() ? most.get<double>() : 0.0, value);
+        }
+    }
+  }
+
+  void add(const Metric& metric, const Verdict& v) {
+    passed_ = passed_ && v.passed;
+    json_["metrics"].push_back({{"name", metric.name},
+                                {"value", number(v.value)},
+                                {"reference", number(v.reference)},
+                                {"error", number(v.error)},
+                                {"tolerance", metric.tolerance},
+                                {"unit", metric.unit},
+                                {"passed", v.passed}});
+    fmt::print("{:<22} {:<44} {:>12.5g} {:>12.5g} {:>10.3g} {:>10.3g}  {:<6} {}\n", place_.name, metric.name, v.value,
+               v.reference, v.error, metric.tolerance, metric.unit, v.passed ? "pass" : "FAIL");
+    if (!v.complaint.empty()) fmt::print("    {}\n", v.complaint);
+    std::fflush(stdout);
+  }
+
+  const VerifyOptions& options_;
+  CasePlace place_;
+  Json json_;
+  bool passed_ = true, stopped_ = false;
+  double wall_ = 0.0, cpu_ = 0.0;
+};
+
+void write_json(const fs::path& path, const Json& json) {
+  std::ofstream stream(path, std::ios::binary);
+  stream << json.dump(2) << '\n';
+  stream.close();
+  if (!stream) throw FileError(fmt::format("{}: cannot be written", path.string()));
+}
+
+}  // namespace
+
+int verify(const VerifyOptions& options) {
+  const bool all = options.which == "all";
+  const auto names = all ? case_names("verify.toml") : std::vector<std::string>{options.which};
+  fmt::print("{:<22} {:<44} {:>12} {:>12} {:>10} {:>10}  {:<6}\n", "case", "metric", "value", "reference", "error",
+             "tolerance", "unit");
+  Json results = Json::array();
+  bool passed = true;
+  for (const auto& name : names) {
+    const auto verdict = CaseCheck(options, find_case(name)).verdict();
+    results.push_back(verdict.json);
+    passed = passed && verdict.passed;
+    if (!options.json.empty()) write_json(options.json, all ? results : results.front());
+    if (verdict.stopped) return interrupted;
+  }
+  fmt::print("{}\n", passed ? "all pass" : "NOT all pass");
+  return passed ? 0 : static_cast<int>(ExitCode::verify_failed);
+}
+
+}  // namespace poretwin::cli

@@ -1,0 +1,20 @@
+// `poretwin verify`: runs cases and holds them against their references.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace poretwin::cli {
+
+struct VerifyOptions {
+  std::string which;           ///< a case, or "all"
+  std::filesystem::path json;  ///< empty: none
+  bool short_runs = false;
+  std::filesystem::path programs, out = "runs/verify";
+};
+
+/// Prints a table; returns 0 only if every metric of every case passes, else 6; 130 when interrupted.
+int verify(const VerifyOptions& options);
+
+}  // namespace poretwin::cli

@@ -1,0 +1,255 @@
+#include "common/case/case.hpp"
+
+#include "common/case/check.hpp"
+#include "common/case/keys.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+
+namespace poretwin {
+namespace {
+
+template <class E>
+using Word = std::pair<std::string_view, E>;
+
+constexpr std::array shape_words{Word<Shape::Kind>{"box", Shape::Kind::box},
+                                 Word<Shape::Kind>{"polygon", Shape::Kind::polygon}};
+constexpr std::array water_words{Word<Wall::ForWater>{"none", Wall::ForWater::none},
+                                 Word<Wall::ForWater>{"free_slip", Wall::ForWater::free_slip},
+                                 Word<Wall::ForWater>{"no_slip", Wall::ForWater::no_slip}};
+constexpr std::array soil_words{Word<Wall::ForSoil>{"none", Wall::ForSoil::none},
+                                Word<Wall::ForSoil>{"roller", Wall::ForSoil::roller},
+                                Word<Wall::ForSoil>{"fixed", Wall::ForSoil::fixed}};
+constexpr std::array model_words{Word<SolidCase::Model>{"rigid", SolidCase::Model::rigid},
+                                 Word<SolidCase::Model>{"elastic", SolidCase::Model::elastic},
+                                 Word<SolidCase::Model>{"drucker_prager", SolidCase::Model::drucker_prager}};
+constexpr std::array gradient_words{
+    Word<SolidCase::PressureGradient>{"difference", SolidCase::PressureGradient::difference},
+    Word<SolidCase::PressureGradient>{"sum", SolidCase::PressureGradient::sum}};
+
+void declare(Keys& keys, General& g) {
+  std::int64_t dimension = g.dimension;
+  keys.text("title", g.title, {"", "What the case is about."});
+  keys.integer("dimension", dimension, {"", "2 (plane strain, z is ignored) or 3."}, between(2, false, 3, false));
+  g.dimension = static_cast<int>(dimension);
+  keys.dimension = g.dimension;
+  if (g.dimension == 3 && g.gravity == General{}.gravity) g.gravity = {0.0, 0.0, -9.81};
+  keys.point("gravity", g.gravity, {"m/s2", "Acceleration of gravity; in 3D the default is [0, 0, -9.81]."});
+  keys.number("end_time", g.end_time, {"s", "Simulated time at which the run ends.", true}, positive());
+  keys.point("domain_min", g.domain_min, {"m", "Lower corner of the periodic box; used along periodic axes only."});
+  keys.point("domain_max", g.domain_max, {"m", "Upper corner of the periodic box."});
+  keys.axes("periodic", g.periodic, {"", "Axes along which the domain repeats."});
+}
+
+void declare(Keys& keys, Water& w) {
+  keys.number("density", w.density, {"kg/m3", "Density of water."}, positive());
+  keys.number("kinematic_viscosity", w.kinematic_viscosity, {"m2/s", "Kinematic viscosity of water."}, not_negative());
+}
+
+void declare(Keys& keys, Shape& s) {
+  keys.choice<Shape::Kind>("shape", s.kind, shape_words, {"", "Box, or in 2D a polygon."});
+  const bool box = s.kind == Shape::Kind::box;
+  keys.point("min", s.min, {"m", "Lower corner of a box.", box});
+  keys.point("max", s.max, {"m", "Upper corner of a box.", box});
+  keys.points("points", s.points, {"m", "Corners of a polygon, in order (required for a polygon).", !box});
+}
+
+void declare(Keys& keys, Face& f) {
+  keys.points("points", f.points, {"m", "2D: a line of straight pieces, walked with the domain on the LEFT."});
+  keys.point("point", f.point, {"m", "Instead of `points`: any point of a plane (3D) or line (2D)."});
+  keys.point("normal", f.normal, {"", "With `point`: direction into the domain."});
+}
+
+void declare(Keys& keys, Soil& s) {
+  keys.text("name", s.name, {"", "Name, for messages."});
+  declare(keys, s.shape);
+  keys.number("porosity", s.porosity, {"", "Volume of pores per volume, n."}, between(0, true, 1, true));
+  keys.number("grain_density", s.grain_density, {"kg/m3", "Density of the grains themselves."}, positive());
+  keys.number("hydraulic_conductivity", s.hydraulic_conductivity,
+              {"m/s", "Darcy's k at `porosity`; follows Kozeny-Carman, Eq. (18), away from it."}, positive());
+  keys.number("youngs_modulus", s.youngs_modulus, {"Pa", "Young's modulus of the drained skeleton."}, positive());
+  keys.number("poissons_ratio", s.poissons_ratio, {"", "Poisson's ratio of the drained skeleton."},
+              between(0, false, 0.5, true));
+  keys.number("cohesion", s.cohesion, {"Pa", "Cohesion (drucker_prager)."}, not_negative());
+  keys.number("friction_angle", s.friction_angle, {"degrees", "Angle of internal friction (drucker_prager)."},
+              between(0, false, 90, true));
+  keys.number("dilation_angle", s.dilation_angle,
+              {"degrees", "Dilation angle (drucker_prager), at most the friction angle."}, between(0, false, 90, true));
+}
+
+void declare(Keys& keys, Wall& w) {
+  keys.text("name", w.name, {"", "Name, for messages."});
+  declare(keys, w.face);
+  keys.choice<Wall::ForWater>("water", w.water, water_words, {"", "What the wall is for water; `none`: not there."});
+  keys.choice<Wall::ForSoil>("soil", w.soil, soil_words, {"", "What the wall is for soil; `none`: not there."});
+}
+
+void declare(Keys& keys, WaterFace& f) {
+  keys.text("name", f.name, {"", "Name, for messages."});
+  declare(keys, f.face);
+  keys.series("head", f.head, {"m", "Elevation (along -gravity) of the free surface of the water behind the face."});
+  keys.series("pressure", f.pressure, {"Pa", "Instead of `head`: pressure, uniform on the face."});
+}
+
+void declare(Keys& keys, Load& l) {
+  keys.text("name", l.name, {"", "Name, for messages."});
+  declare(keys, l.face);
+  keys.point("traction", l.traction, {"Pa", "Force per area on the soil's surface near the face.", true});
+  keys.number("start", l.start, {"s", "Applied from then on. Absent: always there, part of the initial rest."});
+}
+
+void declare_seed(Keys& keys, unsigned& seed) {
+  std::int64_t value = seed;
+  keys.integer("seed", value, {"", "Seed of the jitter."}, between(0, false, 4294967295.0, false));
+  seed = static_cast<unsigned>(value);
+}
+
+void declare(Keys& keys, FluidCase& f) {
+  keys.number("particle_spacing", f.particle_spacing, {"m", "Distance between neighbouring water particles.", true},
+              positive());
+  keys.point("initial_velocity", f.initial_velocity, {"m/s", "Of all water at time zero."});
+  keys.point("offset", f.offset, {"spacings", "Of the first particle from a region's lower corner."});
+  keys.number("jitter", f.jitter, {"spacings", "Largest random displacement of the initial lattice."},
+              between(0, false, 1, false));
+  declare_seed(keys, f.seed);
+  keys.flag("drag", f.drag, {"", "Seepage force between the phases."});
+  keys.flag(
+      "skeleton_response", f.skeleton_response,
+      {"", "The skeleton's predicted response inside the pressure solve; false: plain staggering, to show its limit."});
+  keys.tables("region", "Where water stands at time zero; inside soil it fills the pores.", f.regions,
+              [](Keys& inner, Shape& shape) { declare(inner, shape); });
+}
+
+void declare(Keys& keys, SolidCase& s) {
+  keys.choice<SolidCase::Model>(
+      "model", s.model, model_words,
+      {"", "`rigid`: the soil does not move, the fluid runs alone; otherwise the material law."});
+  keys.number("particle_spacing", s.particle_spacing,
+              {"m", "Distance between soil particles; 0: as fluid.particle_spacing."}, not_negative());
+  keys.point("initial_velocity", s.initial_velocity, {"m/s", "Of all soil at time zero."});
+  keys.point("offset", s.offset, {"spacings", "Of the first particle from a soil's lower corner."});
+  keys.number("jitter", s.jitter, {"spacings", "Largest random displacement of the initial lattice."},
+              between(0, false, 1, false));
+  declare_seed(keys, s.seed);
+  keys.flag("initial_rest", s.initial_rest,
+            {"", "Find the rest under gravity, water and standing loads before time zero."});
+  keys.choice<SolidCase::PressureGradient>(
+      "pressure_gradient", s.pressure_gradient, gradient_words,
+      {"", "`difference`: Eq. (62) as corrected; `sum`: Eq. (61), which expels surface particles."});
+}
+
+void declare(Keys& keys, CouplingCase& c) {
+  keys.number("interval", c.interval, {"s", "Longest exchange interval; absent: what the solvers propose."},
+              positive());
+}
+
+void declare(Keys& keys, OutputCase& o) {
+  keys.number("interval", o.interval, {"s", "Between frames of the pictures; 0: first and last only."}, not_negative());
+  keys.number("gauge_interval", o.gauge_interval, {"s", "Between gauge readings; 0: every exchange."}, not_negative());
+}
+
+void declare(Keys& keys, Gauge& g) {
+  keys.text("name", g.name, {"", "Name of the series; `name[i]` where there are several points.", true});
+  keys.text("phase", g.phase, {"", "`fluid` or `solid`.", true});
+  keys.text("kind", g.kind,
+            {"",
+             "`point`, `front`, `volume`, `momentum`, `kinetic_energy`, `particles`, `max_speed`; of the solid also "
+             "`max_displacement`, `uplift`.",
+             true});
+  keys.text("quantity", g.quantity,
+            {"",
+             "Of `point`: an output field, with `_x` `_y` `_z` or `_xx` `_yy` .. for one component. Of `momentum`: "
+             "`momentum_x` .."});
+  keys.points("points", g.points, {"m", "Of `point`: where. Of `front`: the two ends of the line."});
+  keys.optional_table("region", "Where `volume`, `momentum`, .. count; absent: everywhere.", g.region,
+                      [](Keys& inner, Shape& shape) { declare(inner, shape); });
+}
+
+/// What both solvers must agree on.
+void declare_shared(Keys& keys, Case& c) {
+  keys.table("case", "The problem as a whole.", [&](Keys& inner) { declare(inner, c.general); });
+  keys.dimension = c.general.dimension;
+  keys.table("water", "The pore fluid.", [&](Keys& inner) { declare(inner, c.water); });
+  keys.tables(
+      "soil",
+      "A region of soil and its material. With solid.model = \"rigid\" only shape, porosity and conductivity matter.",
+      c.soils, [](Keys& inner, Soil& soil) { declare(inner, soil); });
+  keys.tables("wall", "A wall and its meaning for either phase.", c.walls,
+              [](Keys& inner, Wall& wall) { declare(inner, wall); });
+  keys.tables("water_face", "A face of prescribed head or pressure through which water comes and goes.", c.water_faces,
+              [](Keys& inner, WaterFace& face) { declare(inner, face); });
+  keys.tables("load", "A traction on the soil's surface.", c.loads,
+              [](Keys& inner, Load& load) { declare(inner, load); });
+  keys.table("coupling", "How the phases exchange.", [&](Keys& inner) { declare(inner, c.coupling); });
+}
+
+void declare_own(Keys& keys, Case& c) {
+  keys.table("fluid", "The water phase.", [&](Keys& inner) { declare(inner, c.fluid); });
+  keys.table("solid", "The soil phase.", [&](Keys& inner) { declare(inner, c.solid); });
+  keys.table("output", "What is written, and when.", [&](Keys& inner) { declare(inner, c.output); });
+  keys.tables("gauge", "A series of readings in gauges.csv.", c.gauges,
+              [](Keys& inner, Gauge& gauge) { declare(inner, gauge); });
+}
+
+std::uint64_t fnv1a(std::string_view text) {
+  std::uint64_t hash = 14695981039346656037ULL;
+  for (const char c : text) {
+    hash ^= static_cast<unsigned char>(c);
+    hash *= 1099511628211ULL;
+  }
+  return hash;
+}
+
+}  // namespace
+
+double Series::at(double t) const {
+  if (knots.empty()) return 0.0;
+  if (t <= knots.front().first) return knots.front().second;
+  for (std::size_t i = 1; i < knots.size(); ++i) {
+    const auto& [t0, v0] = knots[i - 1];
+    const auto& [t1, v1] = knots[i];
+    if (t <= t1) return v0 + (v1 - v0) * (t - t0) / (t1 - t0);
+  }
+  return knots.back().second;
+}
+
+std::string Case::digest() const {
+  Case copy = *this;
+  return fmt::format("{:016x}", fnv1a(list_keys([&](Keys& keys) { declare_shared(keys, copy); })));
+}
+
+Case read_case(const std::filesystem::path& path, const std::vector<std::string>& overrides) {
+  Case scene;
+  scene.path = path;
+  scene.overrides = overrides;
+  scene.text = read_text(path);
+  Node root = parse_document(scene.text, path.string());
+  for (const auto& assignment : overrides) apply_override(root, assignment);
+  Places places;
+  read_keys(
+      root,
+      [&](Keys& keys) {
+        declare_shared(keys, scene);
+        declare_own(keys, scene);
+      },
+      &places);
+  if (scene.solid.particle_spacing <= 0.0) scene.solid.particle_spacing = scene.fluid.particle_spacing;
+  check_case(scene, places);
+  return scene;
+}
+
+std::string case_reference() {
+  Case scene;
+  return "# The case file\n\n"
+         "TOML, SI units, one file for all processes. Points have two coordinates in 2D and three in 3D. "
+         "Any key can be set from the command line: `--set fluid.particle_spacing=0.005`, `--set "
+         "soil.0.porosity=0.45`. "
+         "This page is made from the declarations that read the file (`poretwin keys`).\n\n" +
+         describe_keys([&](Keys& keys) {
+           declare_shared(keys, scene);
+           declare_own(keys, scene);
+         });
+}
+
+}  // namespace poretwin

@@ -1,0 +1,278 @@
+#include "common/case/check.hpp"
+
+#include "common/case/geometry.hpp"
+#include "common/core/error.hpp"
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace poretwin {
+namespace {
+
+constexpr std::array<std::string_view, 2> phases{"fluid", "solid"};
+constexpr std::array<std::string_view, 9> gauge_kinds{
+    "point", "front", "volume", "momentum", "kinetic_energy", "particles", "max_speed", "max_displacement", "uplift"};
+
+class Checker {
+ public:
+  Checker(const Case& scene, const Places& places) : scene_(scene), places_(places) {}
+
+  void all() const {
+    general();
+    soils();
+    fluid_regions();
+    faces();
+    walls();
+    gauges();
+  }
+
+ private:
+  /// The line of the key, or of the closest table around it that stands in the file.
+  [[nodiscard]] std::string place(const std::string& key) const {
+    for (std::string path = key;;) {
+      if (const auto found = places_.find(path); found != places_.end()) return found->second;
+      const auto dot = path.find_last_of(".[");
+      if (dot == std::string::npos) return scene_.path.string();
+      path.resize(dot);
+    }
+  }
+  [[noreturn]] void fail(const std::string& key, const std::string& message) const {
+    throw CaseError(fmt::format("{}: key '{}': {}", place(key), key, message));
+  }
+  [[nodiscard]] bool given(const std::string& key) const { return places_.find(key) != places_.end(); }
+
+  [[nodiscard]] std::string shown(const Point3& x) const {
+    return scene_.general.dimension == 3 ? fmt::format("[{:.6g}, {:.6g}, {:.6g}]", x.x(), x.y(), x.z())
+                                         : fmt::format("[{:.6g}, {:.6g}]", x.x(), x.y());
+  }
+
+  void general() const {
+    const auto& g = scene_.general;
+    for (const int axis : g.periodic)
+      if (!(g.domain_max[axis] > g.domain_min[axis]))
+        fail("case.periodic",
+             fmt::format(
+                 "the periodic axis \"{}\" needs case.domain_min below case.domain_max along it, found {} and {}",
+                 "xyz"[axis], g.domain_min[axis], g.domain_max[axis]));
+    if (scene_.coupled() && scene_.soils.empty())
+      fail("solid.model",
+           "a soil skeleton is asked for but there is no [[soil]]; set solid.model = \"rigid\" for water alone");
+    if (scene_.fluid.regions.empty() && scene_.water_faces.empty() && !scene_.coupled())
+      fail("fluid", "there is no water: expected a [[fluid.region]] or a [[water_face]]");
+  }
+
+  void shape(const Shape& s, const std::string& key, double spacing) const {
+    const int dimension = scene_.general.dimension;
+    if (s.kind == Shape::Kind::box) {
+      if (given(key + ".points"))
+        fail(key + ".points", "a box takes 'min' and 'max'; 'points' belongs to shape = \"polygon\"");
+      for (int d = 0; d < dimension; ++d) {
+        if (!(s.max[d] > s.min[d]))
+          fail(key + ".max",
+               fmt::format("expected every coordinate above that of 'min' {}, found {}", shown(s.min), shown(s.max)));
+        if (s.max[d] - s.min[d] < 0.5 * spacing)
+          fail(key, fmt::format("no particle fits: the box measures {} m along {}, the particle spacing is {} m",
+                                s.max[d] - s.min[d], "xyz"[d], spacing));
+      }
+      return;
+    }
+    if (dimension != 2)
+      fail(key + ".shape", "polygons are for dimension = 2, found dimension = 3; use shape = \"box\"");
+    if (given(key + ".min") || given(key + ".max"))
+      fail(key, "a polygon takes 'points'; 'min' and 'max' belong to shape = \"box\"");
+    if (s.points.size() < 3)
+      fail(key + ".points", fmt::format("expected 3 corners or more, found {}", s.points.size()));
+    if (fill<2>(s, spacing, {0.5, 0.5, 0.5}, 0.0, 1).position.empty())
+      fail(key, fmt::format("no particle fits into the polygon at a particle spacing of {} m", spacing));
+  }
+
+  /// A point well inside both shapes, if there is one.
+  [[nodiscard]] std::optional<Point3> common_point(const Shape& a, const Shape& b, double spacing) const {
+    const int dimension = scene_.general.dimension;
+    if (a.kind == Shape::Kind::box && b.kind == Shape::Kind::box) {
+      const Point3 lower = a.min.cwiseMax(b.min), upper = a.max.cwiseMin(b.max);
+      for (int d = 0; d < dimension; ++d)
+        if (upper[d] - lower[d] <= 1e-6 * spacing) return std::nullopt;
+      return Point3(0.5 * (lower + upper));
+    }
+    for (const auto* s : {&a, &b})
+      for (const auto& x : fill<2>(*s, spacing, {0.5, 0.5, 0.5}, 0.0, 1).position) {
+        const Point3 point(x.x(), x.y(), 0.0);
+        if (contains(a, point, dimension) && contains(b, point, dimension)) return point;
+      }
+    return std::nullopt;
+  }
+
+  void no_overlap(const std::vector<Shape>& shapes, const std::string& section, double spacing) const {
+    for (std::size_t i = 0; i < shapes.size(); ++i)
+      for (std::size_t j = i + 1; j < shapes.size(); ++j)
+        if (const auto point = common_point(shapes[i], shapes[j], spacing))
+          fail(fmt::format("{}[{}]", section, j),
+               fmt::format("overlaps {}[{}], for example at {} m; expected regions that only touch", section, i,
+                           shown(*point)));
+  }
+
+  void soils() const {
+    const double spacing = scene_.coupled() ? scene_.solid.particle_spacing : scene_.fluid.particle_spacing;
+    std::vector<Shape> shapes;
+    for (std::size_t i = 0; i < scene_.soils.size(); ++i) {
+      const auto& soil = scene_.soils[i];
+      const std::string key = fmt::format("soil[{}]", i);
+      shape(soil.shape, key, spacing);
+      if (soil.dilation_angle > soil.friction_angle)
+        fail(key + ".dilation_angle", fmt::format("expected at most the friction angle of {} degrees, found {}",
+                                                  soil.friction_angle, soil.dilation_angle));
+      shapes.push_back(soil.shape);
+    }
+    no_overlap(shapes, "soil", spacing);
+  }
+
+  void fluid_regions() const {
+    for (std::size_t i = 0; i < scene_.fluid.regions.size(); ++i)
+      shape(scene_.fluid.regions[i], fmt::format("fluid.region[{}]", i), scene_.fluid.particle_spacing);
+    no_overlap(scene_.fluid.regions, "fluid.region", scene_.fluid.particle_spacing);
+  }
+
+  void face(const Face& f, const std::string& key) const {
+    const bool plane = given(key + ".point") || given(key + ".normal");
+    if (given(key + ".points") == plane)
+      fail(key,
+           "expected either 'points' (2D, walked with the domain on the left) or 'point' and 'normal' (into the "
+           "domain)");
+    if (plane) {
+      if (!given(key + ".point") || !given(key + ".normal")) fail(key, "expected 'point' and 'normal' together");
+      if (!(f.normal.norm() > 0.0)) fail(key + ".normal", "expected a direction, found a vector of length zero");
+      return;
+    }
+    if (scene_.general.dimension != 2)
+      fail(key + ".points", "faces by 'points' are for dimension = 2; use 'point' and 'normal'");
+    if (f.points.size() < 2) fail(key + ".points", fmt::format("expected 2 points or more, found {}", f.points.size()));
+    for (std::size_t i = 0; i + 1 < f.points.size(); ++i)
+      if (!((f.points[i + 1] - f.points[i]).norm() > 0.0))
+        fail(key + ".points", fmt::format("expected different points in a row, found {} twice", shown(f.points[i])));
+  }
+
+  void faces() const {
+    for (std::size_t i = 0; i < scene_.walls.size(); ++i) face(scene_.walls[i].face, fmt::format("wall[{}]", i));
+    for (std::size_t i = 0; i < scene_.water_faces.size(); ++i) {
+      const std::string key = fmt::format("water_face[{}]", i);
+      const auto& f = scene_.water_faces[i];
+      face(f.face, key);
+      if (f.head.has_value() == f.pressure.has_value())
+        fail(key, fmt::format("expected either 'head' or 'pressure', found {}", f.head ? "both" : "neither"));
+    }
+    for (std::size_t i = 0; i < scene_.loads.size(); ++i) face(scene_.loads[i].face, fmt::format("load[{}]", i));
+  }
+
+  struct Piece {
+    Point3 a, b;
+  };
+  static std::vector<Piece> pieces(const Face& f) {
+    std::vector<Piece> result;
+    for (std::size_t i = 0; i + 1 < f.points.size(); ++i) result.push_back({f.points[i], f.points[i + 1]});
+    return result;
+  }
+  static double cross(const Point3& a, const Point3& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+  /// Why two straight pieces cannot both be walls; empty when they can (apart, or touching at an end).
+  [[nodiscard]] std::string conflict(const Piece& p, const Piece& q) const {
+    const Point3 r = p.b - p.a, s = q.b - q.a, d = q.a - p.a;
+    const double tolerance = 1e-9 * std::max(r.norm(), s.norm());
+    if (std::abs(cross(r, s)) <= 1e-9 * r.norm() * s.norm()) {
+      if (std::abs(cross(r, d)) > tolerance * r.norm()) return {};
+      const double at_a = d.dot(r) / r.norm(), at_b = (q.b - p.a).dot(r) / r.norm();
+      const double from = std::max(0.0, std::min(at_a, at_b)), to = std::min(r.norm(), std::max(at_a, at_b));
+      if (to - from <= tolerance) return {};
+      const Point3 direction = r.normalized();
+      return fmt::format("lies on {{}} from {} to {} m", shown(p.a + from * direction), shown(p.a + to * direction));
+    }
+    const double t = cross(d, s) / cross(r, s), u = cross(d, r) / cross(r, s);
+    constexpr double end = 1e-6;
+    if (t <= end || t >= 1.0 - end || u <= end || u >= 1.0 - end) return {};
+    return fmt::format("crosses {{}} at {} m, away from the ends", shown(p.a + t * r));
+  }
+
+  /// Two planes in one place.
+  static bool same_plane(const Face& f, const Face& g) {
+    if (!f.points.empty() || !g.points.empty()) return false;
+    const Point3 n = f.normal.normalized(), m = g.normal.normalized();
+    return n.cross(m).norm() < 1e-9 && std::abs(n.dot(g.point - f.point)) < 1e-9 * (1.0 + g.point.norm());
+  }
+
+  [[nodiscard]] std::string conflict(const Face& f, const Face& g) const {
+    if (same_plane(f, g)) return "lies on {}";
+    for (const auto& p : pieces(f))
+      for (const auto& q : pieces(g))
+        if (auto reason = conflict(p, q); !reason.empty()) return reason;
+    return {};
+  }
+
+  void walls() const {
+    const auto& walls = scene_.walls;
+    const auto named = [&](std::size_t i) {
+      return walls[i].name.empty() ? fmt::format("wall[{}]", i) : fmt::format("wall[{}] \"{}\"", i, walls[i].name);
+    };
+    for (std::size_t i = 0; i < walls.size(); ++i) {
+      for (std::size_t j = i + 1; j < walls.size(); ++j) {
+        const bool both_water = walls[i].water != Wall::ForWater::none && walls[j].water != Wall::ForWater::none;
+        const bool both_soil = walls[i].soil != Wall::ForSoil::none && walls[j].soil != Wall::ForSoil::none;
+        if (!both_water && !both_soil) continue;
+        if (const auto reason = conflict(walls[i].face, walls[j].face); !reason.empty())
+          fail(fmt::format("wall[{}]", j), fmt::format("{} {}; expected walls that meet at their ends only", named(j),
+                                                       fmt::format(fmt::runtime(reason), named(i))));
+      }
+      for (std::size_t j = 0; j < scene_.water_faces.size(); ++j) {
+        if (walls[i].water == Wall::ForWater::none) continue;
+        const auto reason = conflict(walls[i].face, scene_.water_faces[j].face);
+        if (!reason.empty())
+          fail(fmt::format("water_face[{}]", j),
+               fmt::format("{}, which lets no water through; set water = \"none\" there or move one of them",
+                           fmt::format(fmt::runtime(reason), named(i))));
+      }
+    }
+  }
+
+  void gauges() const {
+    for (std::size_t i = 0; i < scene_.gauges.size(); ++i) {
+      const auto& gauge = scene_.gauges[i];
+      const std::string key = fmt::format("gauge[{}]", i);
+      known_word(key + ".phase", gauge.phase, phases);
+      known_word(key + ".kind", gauge.kind, gauge_kinds);
+      if (gauge.phase == "solid" && !scene_.coupled())
+        fail(key + ".phase", "expected \"fluid\": with solid.model = \"rigid\" there is no solid phase to measure");
+      if (gauge.kind == "point" && gauge.quantity.empty())
+        fail(key + ".quantity", "a point gauge needs the name of an output field");
+      if (gauge.kind == "point" && gauge.points.empty()) fail(key + ".points", "a point gauge needs 1 point or more");
+      if (gauge.kind == "front" && gauge.points.size() != 2)
+        fail(key + ".points",
+             fmt::format("a front gauge needs the 2 ends of its line, found {} points", gauge.points.size()));
+      if (gauge.region) shape(*gauge.region, key + ".region", 0.0);
+      for (std::size_t j = 0; j < i; ++j)
+        if (scene_.gauges[j].name == gauge.name)
+          fail(key + ".name", fmt::format("expected a name of its own, found \"{}\" twice", gauge.name));
+    }
+  }
+
+  template <std::size_t N>
+  void known_word(const std::string& key, const std::string& found,
+                  const std::array<std::string_view, N>& words) const {
+    if (std::find(words.begin(), words.end(), found) != words.end()) return;
+    std::string list;
+    for (const auto word : words) list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", word);
+    fail(key, fmt::format("expected one of {}, found \"{}\"; did you mean \"{}\"?", list, found,
+                          nearest(found, std::vector<std::string>(words.begin(), words.end()))));
+  }
+
+  const Case& scene_;
+  const Places& places_;
+};
+
+}  // namespace
+
+void check_case(const Case& scene, const Places& places) { Checker(scene, places).all(); }
+
+}  // namespace poretwin

@@ -1,0 +1,41 @@
+// A TOML file as a plain tree that remembers where each value was written, so that every complaint can name file and
+// line. The only place that knows the TOML library is document.cpp.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace poretwin {
+
+struct Node {
+  enum class Kind { boolean, integer, number, text, array, table, other };
+  Kind kind = Kind::table;
+  bool boolean = false;
+  std::int64_t integer = 0;
+  double number = 0.0;  ///< also set for integers
+  std::string text;
+  std::vector<Node> items;                            ///< of an array
+  std::vector<std::pair<std::string, Node>> entries;  ///< of a table
+  std::string where;                                  ///< "path:line", or "--set key=value"
+
+  [[nodiscard]] const Node* find(std::string_view key) const;
+  [[nodiscard]] bool is_number() const { return kind == Kind::integer || kind == Kind::number; }
+  /// The value as a person would like to see it quoted in a complaint.
+  [[nodiscard]] std::string shown() const;
+};
+
+/// The whole file. Throws FileError when it cannot be read.
+std::string read_text(const std::filesystem::path& path);
+
+/// Throws CaseError naming path and line when the text is not TOML.
+Node parse_document(const std::string& text, const std::string& path);
+
+/// Applies "section.key=value" or "section.0.key=value" (also "section[0].key=value"); a bare word stands for text.
+/// Throws CaseError when the path does not fit the document or the value is not TOML.
+void apply_override(Node& root, const std::string& assignment);
+
+}  // namespace poretwin

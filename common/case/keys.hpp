@@ -1,0 +1,122 @@
+// Declares the keys of a file once; the same declaration reads and checks them, describes them and lists their values.
+#pragma once
+
+#include "common/case/case.hpp"
+#include "common/case/document.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace poretwin {
+
+/// What a person needs to know about a key.
+struct About {
+  std::string unit;     ///< SI; empty: none
+  std::string meaning;  ///< one line
+  bool required = false;
+};
+
+/// Allowed numbers.
+struct Range {
+  double min = -std::numeric_limits<double>::infinity(), max = std::numeric_limits<double>::infinity();
+  bool min_excluded = false, max_excluded = false;
+  [[nodiscard]] bool holds(double value) const;
+  /// "> 0", ">= 0", "in (0, 1)", or empty.
+  [[nodiscard]] std::string text() const;
+};
+Range any_number();
+Range positive();
+Range not_negative();
+Range between(double min, bool min_excluded, double max, bool max_excluded);
+
+/// One table of a file, visited key by key.
+class Keys {
+ public:
+  Keys() = default;
+  Keys(const Keys&) = delete;
+  Keys& operator=(const Keys&) = delete;
+  virtual ~Keys() = default;
+
+  virtual void number(std::string_view key, double& value, const About& about, const Range& range = any_number()) = 0;
+  virtual void number(std::string_view key, std::optional<double>& value, const About& about,
+                      const Range& range = any_number()) = 0;
+  virtual void integer(std::string_view key, std::int64_t& value, const About& about,
+                       const Range& range = any_number()) = 0;
+  virtual void flag(std::string_view key, bool& value, const About& about) = 0;
+  virtual void text(std::string_view key, std::string& value, const About& about) = 0;
+  virtual void texts(std::string_view key, std::vector<std::string>& value, const About& about) = 0;
+  virtual void numbers(std::string_view key, std::vector<double>& value, const About& about) = 0;
+  /// As many coordinates as the file has dimensions.
+  virtual void point(std::string_view key, Point3& value, const About& about) = 0;
+  virtual void points(std::string_view key, std::vector<Point3>& value, const About& about) = 0;
+  virtual void axes(std::string_view key, std::vector<int>& value, const About& about) = 0;
+  virtual void series(std::string_view key, std::optional<Series>& value, const About& about) = 0;
+
+  /// One of a few words.
+  template <class E>
+  void choice(std::string_view key, E& value, std::span<const std::pair<std::string_view, E>> words,
+              const About& about) {
+    std::vector<std::string_view> names;
+    std::size_t index = 0;
+    for (std::size_t i = 0; i < words.size(); ++i) {
+      names.push_back(words[i].first);
+      if (words[i].second == value) index = i;
+    }
+    word(key, index, names, about);
+    value = words[index].second;
+  }
+
+  template <class Body>
+  void table(std::string_view key, std::string_view meaning, Body body) {
+    group(key, meaning, false, true, [&](Keys& keys) { body(keys); });
+  }
+  template <class T, class Body>
+  void optional_table(std::string_view key, std::string_view meaning, std::optional<T>& item, Body body) {
+    group(key, meaning, true, item.has_value(), [&](Keys& keys) {
+      if (!item) item.emplace();
+      body(keys, *item);
+    });
+  }
+  template <class T, class Body>
+  void tables(std::string_view key, std::string_view meaning, std::vector<T>& items, Body body) {
+    each(key, meaning, items.size(), [&](Keys& keys, std::size_t i) {
+      if (items.size() <= i) items.resize(i + 1);
+      body(keys, items[i]);
+    });
+  }
+
+  int dimension = 2;  ///< coordinates per point, from here on
+
+ protected:
+  virtual void word(std::string_view key, std::size_t& index, const std::vector<std::string_view>& names,
+                    const About& about) = 0;
+  virtual void group(std::string_view key, std::string_view meaning, bool optional, bool present,
+                     const std::function<void(Keys&)>& body) = 0;
+  virtual void each(std::string_view key, std::string_view meaning, std::size_t present,
+                    const std::function<void(Keys&, std::size_t)>& body) = 0;
+};
+
+/// Where each key stands, for complaints found after reading: "path:line".
+using Places = std::map<std::string, std::string, std::less<>>;
+
+/// Fills what `declare` binds from the document; unknown keys, missing keys, wrong types and ranges throw CaseError.
+void read_keys(const Node& root, const std::function<void(Keys&)>& declare, Places* places = nullptr);
+
+/// Markdown tables of all keys that `declare` binds, with the bound values as defaults.
+std::string describe_keys(const std::function<void(Keys&)>& declare);
+
+/// "path = value" lines of the bound values, in the order of declaration.
+std::string list_keys(const std::function<void(Keys&)>& declare);
+
+/// The candidate closest to `word` by edit distance; empty when there is none.
+std::string nearest(std::string_view word, const std::vector<std::string>& candidates);
+
+}  // namespace poretwin

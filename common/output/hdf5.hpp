@@ -1,0 +1,93 @@
+// HDF5 behind a small wrapper: handles that close themselves, errors as FileError with path and cause, no error stack
+// on stderr. Only hdf5.cpp includes the library's header.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace poretwin::hdf5 {
+
+/// Element types on disk, little-endian.
+enum class Type { float64, int64, uint8 };
+
+/// A handle (hid_t) of any kind.
+class Id {
+ public:
+  using Value = std::int64_t;
+  using Close = int (*)(Value);
+  Id() = default;
+  Id(Value value, Close close) : value_(value), close_(close) {}
+  Id(const Id&) = delete;
+  Id& operator=(const Id&) = delete;
+  Id(Id&& other) noexcept;
+  Id& operator=(Id&& other) noexcept;
+  ~Id() { reset(); }
+  [[nodiscard]] Value get() const { return value_; }
+  void reset() noexcept;
+
+ private:
+  Value value_ = -1;
+  Close close_ = nullptr;
+};
+
+/// A chunked, compressed array that grows by rows: rank 1 with `columns` = 0, else rank 2.
+class Dataset {
+ public:
+  Dataset() = default;
+  void append(std::span<const double> values);
+  void append(std::span<const std::int64_t> values);
+  void append(std::span<const std::uint8_t> values);
+
+ private:
+  friend class File;
+  void append_raw(const void* data, std::size_t count, Id::Value memory_type);
+  Id id_;
+  std::string what_;  ///< "file: data set", for complaints
+  std::size_t columns_ = 0, rows_ = 0;
+};
+
+class File {
+ public:
+  static File create(
+      const std::filesystem::path& path);  ///< replaces an older file; not locked, so that readers may look on
+  static File open_to_read(const std::filesystem::path& path);
+
+  /// Creates a group and those above it.
+  void group(const std::string& name);
+  Dataset dataset(const std::string& name, Type type, std::size_t columns, std::size_t chunk_rows);
+
+  /// Attributes of a group or data set.
+  void attribute(const std::string& object, const std::string& name, const std::string& text);
+  void attribute(const std::string& object, const std::string& name, std::span<const std::int64_t> values);
+  void attribute(const std::string& object, const std::string& name,
+                 std::int64_t value);  ///< scalar; may be overwritten
+  /// A scalar data set of text, of any length.
+  void text(const std::string& name, const std::string& value);
+
+  void flush();
+
+  [[nodiscard]] bool has(const std::string& name) const;
+  [[nodiscard]] std::vector<std::string> names(const std::string& group) const;
+  [[nodiscard]] std::vector<std::size_t> shape(const std::string& dataset) const;
+  [[nodiscard]] std::vector<double> read_numbers(const std::string& dataset) const;
+  [[nodiscard]] std::vector<std::int64_t> read_integers(const std::string& dataset) const;
+  [[nodiscard]] std::string read_text(const std::string& dataset) const;
+  [[nodiscard]] std::string attribute_text(const std::string& object, const std::string& name) const;
+  [[nodiscard]] std::vector<std::int64_t> attribute_integers(const std::string& object, const std::string& name) const;
+  /// Is the file's data set of 64-bit floats / integers?
+  [[nodiscard]] bool is_float64(const std::string& dataset) const;
+
+ private:
+  File(const std::filesystem::path& path, bool create);
+  [[noreturn]] void fail(const std::string& action) const;
+  [[nodiscard]] Id check(Id::Value value, Id::Close close, const std::string& action) const;
+  void check(int status, const std::string& action) const;
+  std::string path_;
+  Id id_;
+};
+
+}  // namespace poretwin::hdf5

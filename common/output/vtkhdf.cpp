@@ -1,0 +1,183 @@
+#include "common/output/vtkhdf.hpp"
+
+#include "common/core/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <numeric>
+
+namespace poretwin {
+namespace {
+
+constexpr std::size_t particle_chunk = 16384, step_chunk = 256;
+constexpr std::uint8_t vtk_vertex = 1;
+
+std::string components_of(const OutputField& field) {
+  if (field.components == 3) return "x y z";
+  if (field.components == 6) return "xx yy zz xy yz xz";
+  return "scalar";
+}
+
+std::string_view xdmf_type(int components) {
+  if (components == 3) return "Vector";
+  if (components == 6) return "Tensor6";
+  return "Scalar";
+}
+
+/// One row of a data set per step.
+void append_one(hdf5::Dataset& data, std::int64_t value) { data.append(std::span<const std::int64_t>(&value, 1)); }
+
+std::string slab(const std::string& file, const std::string& name, std::int64_t first, std::int64_t count,
+                 std::int64_t total, int columns) {
+  const bool wide = columns > 1;
+  const auto size = [&](std::int64_t n) { return wide ? fmt::format("{} {}", n, columns) : fmt::format("{}", n); };
+  return fmt::format(
+      "        <DataItem ItemType=\"HyperSlab\" Dimensions=\"{}\">\n"
+      "          <DataItem Dimensions=\"3 {}\" Format=\"XML\">{} {} {}</DataItem>\n"
+      "          <DataItem Dimensions=\"{}\" NumberType=\"Float\" Precision=\"8\" "
+      "Format=\"HDF\">{}:/VTKHDF/{}</DataItem>\n"
+      "        </DataItem>\n",
+      size(count), wide ? 2 : 1, wide ? fmt::format("{} 0", first) : fmt::format("{}", first), wide ? "1 1" : "1",
+      size(count), size(total), file, name);
+}
+
+}  // namespace
+
+VtkHdfWriter::VtkHdfWriter(const std::filesystem::path& path) : path_(path), file_(hdf5::File::create(path)) {
+  using hdf5::Type;
+  file_.group("VTKHDF");
+  constexpr std::array<std::int64_t, 2> version{2, 0};
+  file_.attribute("VTKHDF", "Version", version);
+  file_.attribute("VTKHDF", "Type", "UnstructuredGrid");
+  file_.group("VTKHDF/PointData");
+  file_.group("VTKHDF/Steps");
+  file_.group("VTKHDF/Steps/PointDataOffsets");
+  file_.attribute("VTKHDF/Steps", "NSteps", std::int64_t{0});
+  const auto make = [&](const std::string& name, Type type, std::size_t columns, std::size_t chunk) {
+    return file_.dataset("VTKHDF/" + name, type, columns, chunk);
+  };
+  number_of_points_ = make("NumberOfPoints", Type::int64, 0, step_chunk);
+  number_of_cells_ = make("NumberOfCells", Type::int64, 0, step_chunk);
+  number_of_ids_ = make("NumberOfConnectivityIds", Type::int64, 0, step_chunk);
+  points_ = make("Points", Type::float64, 3, particle_chunk / 3);
+  connectivity_ = make("Connectivity", Type::int64, 0, particle_chunk);
+  offsets_ = make("Offsets", Type::int64, 0, particle_chunk);
+  types_ = make("Types", Type::uint8, 0, particle_chunk);
+  times_ = make("Steps/Values", Type::float64, 0, step_chunk);
+  part_offsets_ = make("Steps/PartOffsets", Type::int64, 0, step_chunk);
+  parts_ = make("Steps/NumberOfParts", Type::int64, 0, step_chunk);
+  point_offsets_ = make("Steps/PointOffsets", Type::int64, 0, step_chunk);
+  cell_offsets_ = make("Steps/CellOffsets", Type::int64, 1, step_chunk);
+  id_offsets_ = make("Steps/ConnectivityIdOffsets", Type::int64, 1, step_chunk);
+  file_.attribute("VTKHDF/Points", "unit", "m");
+  file_.attribute("VTKHDF/Points", "description", "Positions of the particles");
+  file_.attribute("VTKHDF/Steps/Values", "unit", "s");
+  file_.attribute("VTKHDF/Steps/Values", "description", "Simulated time");
+  file_.flush();
+}
+
+std::filesystem::path VtkHdfWriter::sidecar() const {
+  auto path = path_;
+  return path.replace_extension(".xmf");
+}
+
+void VtkHdfWriter::declare(const OutputFrame& frame) {
+  for (const auto& field : frame.fields) {
+    if (field.name.empty() || field.name.find_first_of("/.") != std::string::npos)
+      throw FileError(fmt::format("{}: field name '{}' is empty or holds '/' or '.', which VTKHDF readers cannot take",
+                                  path_.string(), field.name));
+    const std::string name = "VTKHDF/PointData/" + field.name;
+    Column column;
+    column.declaration = {field.name, field.unit, field.description, field.components, {}};
+    const auto columns = field.components == 1 ? std::size_t{0} : static_cast<std::size_t>(field.components);
+    column.values =
+        file_.dataset(name, hdf5::Type::float64, columns, particle_chunk / std::max<std::size_t>(1, columns));
+    column.offsets = file_.dataset("VTKHDF/Steps/PointDataOffsets/" + field.name, hdf5::Type::int64, 0, step_chunk);
+    file_.attribute(name, "unit", field.unit);
+    file_.attribute(name, "description", field.description);
+    file_.attribute(name, "components", components_of(field));
+    columns_.push_back(std::move(column));
+  }
+}
+
+void VtkHdfWriter::check(const OutputFrame& frame) const {
+  const std::size_t n = frame.position.size() / 3;
+  if (n * 3 != frame.position.size() || frame.fields.size() != columns_.size())
+    throw FileError(fmt::format("{}: a frame of {} coordinates and {} fields does not fit a file of {} fields",
+                                path_.string(), frame.position.size(), frame.fields.size(), columns_.size()));
+  for (std::size_t i = 0; i < columns_.size(); ++i) {
+    const auto& field = frame.fields[i];
+    const auto& declared = columns_[i].declaration;
+    if (field.name != declared.name || field.components != declared.components ||
+        field.values.size() != n * static_cast<std::size_t>(declared.components))
+      throw FileError(fmt::format("{}: field '{}' with {} values does not fit '{}' with {} components at {} particles",
+                                  path_.string(), field.name, field.values.size(), declared.name, declared.components,
+                                  n));
+  }
+}
+
+void VtkHdfWriter::append(const OutputFrame& frame) {
+  if (steps_.empty()) declare(frame);
+  check(frame);
+  const std::size_t n = frame.position.size() / 3;
+  const auto count = static_cast<std::int64_t>(n), first = total_, step = static_cast<std::int64_t>(steps_.size());
+
+  std::vector<std::int64_t> sequence(n + 1);
+  std::iota(sequence.begin(), sequence.end(), 0);
+  points_.append(frame.position);
+  connectivity_.append(std::span<const std::int64_t>(sequence.data(), n));
+  // Every step holds one offset more than it has cells, an empty step too.
+  offsets_.append(sequence);
+  types_.append(std::vector<std::uint8_t>(n, vtk_vertex));
+  for (std::size_t i = 0; i < columns_.size(); ++i) columns_[i].values.append(frame.fields[i].values);
+  for (auto* counter : {&number_of_points_, &number_of_cells_, &number_of_ids_}) append_one(*counter, count);
+
+  times_.append(std::span<const double>(&frame.time, 1));
+  append_one(part_offsets_, step);
+  append_one(parts_, 1);
+  for (auto* offset : {&point_offsets_, &cell_offsets_, &id_offsets_}) append_one(*offset, first);
+  for (auto& column : columns_) append_one(column.offsets, first);
+
+  steps_.push_back({frame.time, count, first});
+  total_ += count;
+  file_.attribute("VTKHDF/Steps", "NSteps", static_cast<std::int64_t>(steps_.size()));
+  file_.flush();
+  write_sidecar();
+}
+
+void VtkHdfWriter::write_sidecar() const {
+  const std::string file = path_.filename().string();
+  std::string text =
+      "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
+      "  <Grid Name=\"particles\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
+  for (const auto& step : steps_) {
+    if (step.points == 0) continue;  // XDMF has no empty grid
+    text += fmt::format(
+        "    <Grid Name=\"particles\" GridType=\"Uniform\">\n      <Time Value=\"{:.17g}\"/>\n"
+        "      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" NodesPerElement=\"1\"/>\n"
+        "      <Geometry GeometryType=\"XYZ\">\n{}      </Geometry>\n",
+        step.time, step.points, slab(file, "Points", step.first, step.points, total_, 3));
+    for (const auto& column : columns_)
+      text += fmt::format("      <Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"Node\">\n{}      </Attribute>\n",
+                          column.declaration.name, xdmf_type(column.declaration.components),
+                          slab(file, "PointData/" + column.declaration.name, step.first, step.points, total_,
+                               column.declaration.components));
+    text += "    </Grid>\n";
+  }
+  text += "  </Grid>\n</Domain>\n</Xdmf>\n";
+  const auto target = sidecar();
+  auto fresh = target;
+  fresh += ".new";
+  std::ofstream stream(fresh, std::ios::binary);
+  stream << text;
+  stream.close();
+  std::error_code error;
+  if (stream) std::filesystem::rename(fresh, target, error);
+  if (!stream || error)
+    throw FileError(fmt::format("{}: cannot be written (disk full or folder gone?)", target.string()));
+}
+
+}  // namespace poretwin

@@ -1,0 +1,53 @@
+// Particles over time as ParaView reads them (VTKHDF 2.0, UnstructuredGrid), with an .xmf side-car for readers
+// before 5.12. UnstructuredGrid and not PolyData: newer readers mis-index the PolyData step after an empty one, and a
+// dry scene starts empty.
+#pragma once
+
+#include "common/coupling/phase.hpp"
+#include "common/output/hdf5.hpp"
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace poretwin {
+
+class VtkHdfWriter {
+ public:
+  /// Creates `path` and, beside it, the same name ending in .xmf.
+  explicit VtkHdfWriter(const std::filesystem::path& path);
+
+  /// Appends one step. Every frame holds the fields of the first. Data first, then the step's rows, then NSteps, then a
+  /// flush: neither a reader nor a crash ever sees half a step.
+  void append(const OutputFrame& frame);
+
+  /// The open file, for groups that VTKHDF readers ignore.
+  hdf5::File& file() { return file_; }
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+  [[nodiscard]] std::filesystem::path sidecar() const;
+
+ private:
+  struct Step {
+    double time;
+    std::int64_t points, first;
+  };
+  struct Column {
+    OutputField declaration;  ///< without values
+    hdf5::Dataset values, offsets;
+  };
+  void declare(const OutputFrame& frame);
+  void check(const OutputFrame& frame) const;
+  void write_sidecar() const;
+
+  std::filesystem::path path_;
+  hdf5::File file_;
+  hdf5::Dataset number_of_points_, number_of_cells_, number_of_ids_, points_, connectivity_, offsets_, types_;
+  hdf5::Dataset times_, part_offsets_, parts_, point_offsets_, cell_offsets_, id_offsets_;
+  std::vector<Column> columns_;
+  std::vector<Step> steps_;
+  std::int64_t total_ = 0;
+};
+
+}  // namespace poretwin

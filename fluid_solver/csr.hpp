@@ -1,0 +1,135 @@
+// Sparse rows and conjugate gradients, small and allocation-free inside the iteration.
+#pragma once
+
+#include "common/core/vector.hpp"
+
+#include <cmath>
+#include <span>
+
+namespace poretwin::fluid {
+
+/// Graph Laplacian with a diagonal: (A x)_a = diagonal_a x_a - sum_k weight_k x_column(k); symmetric by construction.
+struct PairMatrix {
+  std::vector<Index> offset{0};
+  std::vector<Index> column;
+  ScalarArray weight;    ///< per entry, >= 0
+  ScalarArray diagonal;  ///< per row
+  [[nodiscard]] std::size_t size() const { return diagonal.size(); }
+  /// y = A x, for scalars or small vectors.
+  template <class T>
+  void apply(std::span<const T> x, std::span<T> y) const {
+    for (std::size_t a = 0; a < size(); ++a) {
+      T sum = diagonal[a] * x[a];
+      for (Index k = offset[a]; k < offset[a + 1]; ++k) sum -= weight[k] * x[column[k]];
+      y[a] = sum;
+    }
+  }
+};
+
+inline double dot(std::span<const double> a, std::span<const double> b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+inline double norm(std::span<const double> a) { return std::sqrt(dot(a, a)); }
+
+struct SolveReport {
+  int iterations = 0;
+  bool converged = true;
+};
+
+/// Preconditioned conjugate gradients on plain doubles: apply(x, y): y = A x; precondition(r, z): z = P^-1 r.
+/// Stops when |residual| <= tolerance (absolute).
+template <class Apply, class Precondition>
+SolveReport conjugate_gradients(Apply&& apply, Precondition&& precondition, std::span<const double> b, std::span<double> x,
+                                double tolerance, int limit) {
+  const std::size_t n = b.size();
+  ScalarArray r(n), z(n), p(n), q(n);
+  apply(std::span<const double>(x), std::span<double>(q));
+  for (std::size_t i = 0; i < n; ++i) r[i] = b[i] - q[i];
+  SolveReport report;
+  if (norm(r) <= tolerance) return report;
+  precondition(std::span<const double>(r), std::span<double>(z));
+  p = z;
+  double rz = dot(r, z);
+  for (; report.iterations < limit;) {
+    apply(std::span<const double>(p), std::span<double>(q));
+    ++report.iterations;
+    const double pq = dot(p, q);
+    if (!(pq > 0.0)) break;
+    const double alpha = rz / pq;
+    for (std::size_t i = 0; i < n; ++i) {
+      x[i] += alpha * p[i];
+      r[i] -= alpha * q[i];
+    }
+    if (norm(r) <= tolerance) return report;
+    precondition(std::span<const double>(r), std::span<double>(z));
+    const double rz_new = dot(r, z);
+    const double beta = rz_new / rz;
+    rz = rz_new;
+    for (std::size_t i = 0; i < n; ++i) p[i] = z[i] + beta * p[i];
+  }
+  report.converged = false;
+  return report;
+}
+
+/// Flexible GMRES (Saad 1993) without restart, from x = 0: the preconditioner may itself be an iteration.
+template <class Apply, class Precondition>
+SolveReport flexible_gmres(Apply&& apply, Precondition&& precondition, std::span<const double> b, std::span<double> x,
+                           double tolerance, int limit) {
+  const std::size_t n = b.size();
+  std::fill(x.begin(), x.end(), 0.0);
+  SolveReport report;
+  const double beta = norm(b);
+  if (beta <= tolerance || beta == 0.0) return report;
+  const auto m = static_cast<std::size_t>(limit);
+  std::vector<ScalarArray> v{ScalarArray(b.begin(), b.end())}, z;
+  for (auto& e : v[0]) e /= beta;
+  Eigen::MatrixXd h = Eigen::MatrixXd::Zero(limit + 1, limit);
+  Eigen::VectorXd g = Eigen::VectorXd::Zero(limit + 1), cosine(limit), sine(limit);
+  g[0] = beta;
+  int k = 0;
+  for (std::size_t j = 0; j < m; ++j) {
+    z.emplace_back(n, 0.0);
+    precondition(std::span<const double>(v[j]), std::span<double>(z[j]));
+    ScalarArray w(n);
+    apply(std::span<const double>(z[j]), std::span<double>(w));
+    const auto c = static_cast<Eigen::Index>(j);
+    for (std::size_t i = 0; i <= j; ++i) {
+      const double projection = dot(w, v[i]);
+      h(static_cast<Eigen::Index>(i), c) = projection;
+      for (std::size_t e = 0; e < n; ++e) w[e] -= projection * v[i][e];
+    }
+    const double length = norm(w);
+    h(c + 1, c) = length;
+    for (Eigen::Index i = 0; i < c; ++i) {
+      const double t = cosine[i] * h(i, c) + sine[i] * h(i + 1, c);
+      h(i + 1, c) = -sine[i] * h(i, c) + cosine[i] * h(i + 1, c);
+      h(i, c) = t;
+    }
+    const double radius = std::hypot(h(c, c), h(c + 1, c));
+    if (!(radius > 0.0)) break;
+    cosine[c] = h(c, c) / radius;
+    sine[c] = h(c + 1, c) / radius;
+    h(c, c) = radius;
+    h(c + 1, c) = 0.0;
+    g[c + 1] = -sine[c] * g[c];
+    g[c] *= cosine[c];
+    ++report.iterations;
+    k = report.iterations;
+    if (std::abs(g[c + 1]) <= tolerance || length == 0.0) break;
+    if (j + 1 == m) {
+      report.converged = false;
+      break;
+    }
+    for (auto& e : w) e /= length;
+    v.push_back(std::move(w));
+  }
+  Eigen::VectorXd y = h.topLeftCorner(k, k).template triangularView<Eigen::Upper>().solve(g.head(k));
+  for (int j = 0; j < k; ++j)
+    for (std::size_t e = 0; e < n; ++e) x[e] += y[j] * z[static_cast<std::size_t>(j)][e];
+  return report;
+}
+
+}  // namespace poretwin::fluid

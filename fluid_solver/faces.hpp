@@ -1,0 +1,196 @@
+// Faces of prescribed head or pressure: water comes and goes in columns, one per particle spacing along the face, each with a
+// stack of buffer particles outside that advances with the flow ("ghost reservoir": no reservoir particles at all).
+#pragma once
+
+#include "fluid_solver/soil_view.hpp"
+#include "fluid_solver/stencil.hpp"
+
+#include <cmath>
+
+namespace poretwin::fluid {
+
+/// Buffer particles per column: enough to fill every kernel that reaches the face.
+inline constexpr int buffers_per_column = 4;
+/// A particle that has left through a face by more than this many spacings is deleted; the column steps back by one.
+inline constexpr double deletion_depth = 0.25;
+
+template <int D>
+struct FaceColumn {
+  Vec<D> foot = Vec<D>::Zero();    ///< on the face [m]
+  Vec<D> normal = Vec<D>::Zero();  ///< unit, into the domain
+  int face = 0;                    ///< of Case::water_faces
+  double spacing = 0.0;            ///< along the normal [m]
+  double width = 0.0;              ///< half-width along the face [m]
+  double volume = 0.0;             ///< bulk, of each buffer particle [m^D]
+  double mass = 0.0;               ///< of a particle born here [kg]
+  double offset = 0.0;             ///< of the stack: buffers at offset - j spacing, j = 1 .. 4 [m]
+  double speed = 0.0;              ///< of the stack [m/s]
+  double pressure = 0.0;           ///< at the foot, piezometric [Pa]
+  double slope = 0.0;              ///< of the piezometric pressure along the normal [Pa/m]
+  bool in_soil = false;            ///< the ground behind the face is soil
+  bool wet = false;                ///< acts now
+  [[nodiscard]] double inside(const Vec<D>& x) const { return normal.dot(x - foot); }
+};
+
+namespace detail {
+
+template <int D>
+bool in_scene(const Case& scene, const Vec<D>& x) {
+  const Point3 p = to_point3<D>(x);
+  if (soil_at(scene, p)) return true;
+  for (const auto& region : scene.fluid.regions)
+    if (contains(region, p, scene.general.dimension)) return true;
+  return false;
+}
+
+template <int D>
+void add_column(const Case& scene, int face, const Vec<D>& foot, const Vec<D>& normal, double area, double width,
+                std::vector<FaceColumn<D>>& columns) {
+  const double dx = scene.fluid.particle_spacing;
+  const Vec<D> probe = foot + 0.25 * dx * normal;
+  const Soil* soil = soil_at(scene, to_point3<D>(probe));
+  if (!soil && !in_scene<D>(scene, probe)) return;
+  FaceColumn<D> c;
+  c.foot = foot;
+  c.normal = normal;
+  c.face = face;
+  c.volume = std::pow(dx, D);
+  c.spacing = c.volume / area;
+  c.width = width;
+  c.in_soil = soil != nullptr;
+  c.mass = scene.water.density * (soil ? soil->porosity : 1.0) * c.volume;
+  c.offset = 0.5 * c.spacing;
+  columns.push_back(c);
+}
+
+}  // namespace detail
+
+/// Columns of all water faces. A face given as a plane is tiled where soil or water regions lie behind it.
+template <int D>
+std::vector<FaceColumn<D>> make_columns(const Case& scene) {
+  std::vector<FaceColumn<D>> columns;
+  const double dx = scene.fluid.particle_spacing;
+  for (std::size_t f = 0; f < scene.water_faces.size(); ++f) {
+    const Face& face = scene.water_faces[f].face;
+    const int number = static_cast<int>(f);
+    if constexpr (D == 2) {
+      if (!face.points.empty()) {
+        for (const auto& piece : planes_of<2>(face, 0, 0.0)) {
+          const double length = piece.to - piece.from;
+          const int count = std::max(1, static_cast<int>(std::lround(length / dx)));
+          const double width = length / count;
+          for (int i = 0; i < count; ++i)
+            detail::add_column<2>(scene, number, piece.point + (i + 0.5) * width * piece.tangent, piece.normal, width,
+                                  0.5 * width, columns);
+        }
+        continue;
+      }
+    }
+    // A plane: tile the box around everything with an orthonormal pair (2D: one vector) of tangents.
+    const Vec<D> point = face.point.head<D>(), normal = face.normal.head<D>().normalized();
+    Eigen::Matrix<double, D, D> frame = Eigen::Matrix<double, D, D>::Identity();
+    int axis = 0;
+    normal.cwiseAbs().maxCoeff(&axis);
+    frame.col(axis).swap(frame.col(0));
+    frame.col(0) = normal;
+    for (int d = 1; d < D; ++d) {
+      for (int e = 0; e < d; ++e) frame.col(d) -= frame.col(e).dot(frame.col(d)) * frame.col(e);
+      frame.col(d).normalize();
+    }
+    Vec<D> lower = Vec<D>::Constant(1e300), upper = -lower;
+    const auto enclose = [&](const Shape& shape) {
+      const auto [lo, hi] = bounds(shape);
+      for (int corner = 0; corner < (1 << D); ++corner) {
+        Vec<D> x;
+        for (int d = 0; d < D; ++d) x[d] = (corner >> d) & 1 ? hi[d] : lo[d];
+        const Vec<D> along = frame.transpose() * (x - point);
+        lower = lower.cwiseMin(along);
+        upper = upper.cwiseMax(along);
+      }
+    };
+    for (const auto& soil : scene.soils) enclose(soil.shape);
+    for (const auto& region : scene.fluid.regions) enclose(region);
+    if (!(upper[0] >= lower[0])) continue;
+    std::array<int, 3> count{1, 1, 1};
+    Vec<D> step = Vec<D>::Zero();
+    double area = 1.0;
+    for (int d = 1; d < D; ++d) {
+      const double length = upper[d] - lower[d];
+      count[static_cast<std::size_t>(d)] = std::max(1, static_cast<int>(std::lround(length / dx)));
+      step[d] = length / count[static_cast<std::size_t>(d)];
+      area *= step[d];
+    }
+    for (int j = 0; j < count[2]; ++j)
+      for (int i = 0; i < count[1]; ++i) {
+        Vec<D> x = point + (lower[1] + (i + 0.5) * step[1]) * frame.col(1);
+        if constexpr (D == 3) x += (lower[2] + (j + 0.5) * step[2]) * frame.col(2);
+        detail::add_column<D>(scene, number, x, normal, area, 0.5 * step[1], columns);
+      }
+  }
+  return columns;
+}
+
+/// Pressures at the feet at a time; a column acts where the total pressure there is not negative.
+template <int D>
+void update_columns(const Case& scene, double time, const Vec<D>& weight, const Vec<D>& origin,
+                    std::vector<FaceColumn<D>>& columns) {
+  const double magnitude = weight.norm();
+  for (auto& c : columns) {
+    const WaterFace& face = scene.water_faces[static_cast<std::size_t>(c.face)];
+    double total = 0.0;
+    if (face.head) {
+      const double elevation = magnitude > 0.0 ? -weight.dot(c.foot) / magnitude : 0.0;
+      total = magnitude * (face.head->at(time) - elevation);
+    } else if (face.pressure) {
+      total = face.pressure->at(time);
+    }
+    c.wet = total >= 0.0;
+    c.pressure = total - weight.dot(c.foot - origin);
+  }
+}
+
+template <int D>
+std::vector<Buffer<D>> make_buffers(const std::vector<FaceColumn<D>>& columns) {
+  std::vector<Buffer<D>> buffers;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const auto& c = columns[i];
+    if (!c.wet) continue;
+    for (int j = 1; j <= buffers_per_column; ++j) {
+      const double d = c.offset - j * c.spacing;
+      buffers.push_back({c.foot + d * c.normal, c.volume, static_cast<Index>(i), -d});
+    }
+  }
+  return buffers;
+}
+
+/// Fits of the pressure's slope at every column: weighted least squares through the face, over the first spacings inside.
+template <int D>
+void fit_columns(const std::vector<FaceColumn<D>>& columns, Stencil<D>& s) {
+  s.fit_offset.assign(1, 0);
+  if (columns.empty()) return;
+  const std::span<const Vec<D>> reals(s.position.data(), s.n_real);
+  sph::CellGrid<D> grid;
+  double widest = 0.0;
+  for (const auto& c : columns) widest = std::max(widest, 1.3 * std::pow(c.volume, 1.0 / D));
+  grid.build(reals, widest);
+  for (const auto& c : columns) {
+    const std::size_t begin = s.fit_index.size();
+    double sum = 0.0;
+    if (c.wet) {
+      const double h = 0.65 * std::pow(c.volume, 1.0 / D);
+      grid.for_each_within(c.foot + 0.75 * c.spacing * c.normal, sph::support_radius * h, [&](Index a, double r2) {
+        const double d = c.inside(s.position[a]);
+        if (d < 0.2 * c.spacing) return;
+        const double w = s.volume[a] * Kernel<D>::value(std::sqrt(r2), h);
+        if (w == 0.0) return;
+        sum += w * d * d;
+        s.fit_index.push_back(a);
+        s.fit_weight.push_back(w * d);
+      });
+    }
+    for (std::size_t k = begin; k < s.fit_index.size(); ++k) s.fit_weight[k] /= sum;
+    s.fit_offset.push_back(static_cast<Index>(s.fit_index.size()));
+  }
+}
+
+}  // namespace poretwin::fluid

@@ -1,0 +1,54 @@
+// The fluid phase behind the Phase interface: one window at a time, in particles that carry water.
+#pragma once
+
+#include "common/coupling/phase.hpp"
+#include "fluid_solver/cloud.hpp"
+#include "fluid_solver/state.hpp"
+#include "fluid_solver/window.hpp"
+
+namespace poretwin::fluid {
+
+template <int D>
+class Fluid final : public Phase {
+ public:
+  explicit Fluid(const Case& scene);
+
+  [[nodiscard]] coupling::Contract contract() const override;
+  [[nodiscard]] coupling::Publication publish() const override;
+  void initialise(const coupling::Inbox& inbox) override;
+  coupling::Outcome advance(const coupling::Window& window, const coupling::Inbox& inbox) override;
+  void save() override { saved_ = state_; }
+  void restore() override { state_ = saved_; }
+  [[nodiscard]] OutputFrame frame() const override;
+  [[nodiscard]] std::vector<GaugeReading> gauges() const override;
+  [[nodiscard]] std::map<std::string, double> counters() const override;
+
+  [[nodiscard]] const State<D>& state() const { return state_; }
+
+ private:
+  SoilView<D> soil(const coupling::Inbox& inbox) const;
+  Stencil<D> stencil() const;
+  /// Shear stress of the water outside soil, explicit; the smallest viscosity that keeps free water quiet.
+  VecArray<D> viscous_velocity(const Stencil<D>& s, const SoilView<D>& soil, double interval) const;
+  /// Volume each particle must give off [1/s]: packing repair and the soil's deformation beyond the prediction.
+  ScalarArray volume_source(const Stencil<D>& s, const SoilView<D>& soil, double interval);
+  ScalarArray moved() const;
+  double repair_time(std::size_t a, const SoilView<D>& soil) const;
+  void move(const Stencil<D>& s, const WindowSolution<D>& solution, double interval);
+  void keep_inside(Vec<D>& x, Vec<D>& v, double spacing) const;
+  void advance_columns(const Stencil<D>& s, const SoilView<D>& soil, double interval);
+  void give_birth_and_delete();
+  void control_interval(const ScalarArray& before, double interval);
+  void check_finite(const WindowSolution<D>& solution, double time) const;
+  std::pair<double, std::string> time_limit() const;
+  WindowProblem<D> problem(double interval) const;
+
+  Case scene_;
+  double dx_ = 0.0, density_ = 1000.0, viscosity_ = 0.0, first_interval_ = 0.0;
+  Vec<D> weight_ = Vec<D>::Zero(), origin_ = Vec<D>::Zero();
+  std::vector<sph::ImagePlane<D>> planes_;
+  std::uint32_t no_slip_ = 0;  ///< boundary bits
+  State<D> state_, saved_;
+};
+
+}  // namespace poretwin::fluid

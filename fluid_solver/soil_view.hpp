@@ -1,0 +1,110 @@
+// The soil as the fluid sees it: arrays at the fluid particles, from the exchange or, when the soil is rigid, from the case.
+#pragma once
+
+#include "common/case/geometry.hpp"
+#include "common/core/vector.hpp"
+#include "common/coupling/exchange.hpp"
+#include "fluid_solver/drag.hpp"
+
+#include <span>
+
+namespace poretwin::fluid {
+
+template <int D>
+struct SoilView {
+  ScalarArray mask;           ///< [n] 1 inside soil, 0 in free water
+  ScalarArray fraction;       ///< [n] n_s
+  ScalarArray drag;           ///< [n] C = gamma_w n^2 / k, N s/m4; 0 in free water
+  ScalarArray density;        ///< [n] R = n_s rho_s, kg/m3
+  ScalarArray modulus;        ///< [n] M = K + 4 G / 3, Pa
+  VecArray<D> velocity;       ///< [n] v_s, m/s
+  VecArray<D> mean_velocity;  ///< [n] over the soil's last window, m/s
+  VecArray<D> force;          ///< [n] r: unbalanced force per volume with the soil's weight, no pressure, no drag, N/m3
+  VecArray<D> owed;           ///< [n] impulse the soil took beyond the drag of its last window, N s
+  void resize(std::size_t n) {
+    for (auto* a : {&mask, &fraction, &drag, &density, &modulus}) a->assign(n, 0.0);
+    for (auto* a : {&velocity, &mean_velocity, &force, &owed}) a->assign(n, Vec<D>::Zero());
+  }
+  [[nodiscard]] std::size_t size() const { return mask.size(); }
+};
+
+/// Least solid fraction that counts as soil.
+inline constexpr double least_solid_fraction = 1e-3;
+
+/// Coverage from which a point counts as inside soil in full.
+inline constexpr double full_coverage = 0.8;
+
+/// Kernel coverage to soil membership: a ramp about 0.5, flat above 0.8, so that particle disorder inside does not show.
+inline double membership(double coverage) { return std::clamp((coverage - 0.2) / 0.6, 0.0, 1.0); }
+
+inline const Soil* soil_at(const Case& scene, const Point3& x) {
+  for (const auto& soil : scene.soils)
+    if (contains(soil.shape, x, scene.general.dimension)) return &soil;
+  return nullptr;
+}
+
+template <int D>
+Point3 to_point3(const Vec<D>& x) {
+  Point3 p = Point3::Zero();
+  p.head<D>() = x;
+  return p;
+}
+
+/// Soil of the case file, at rest and unyielding.
+template <int D>
+SoilView<D> rigid_soil(const Case& scene, std::span<const Vec<D>> points) {
+  SoilView<D> soil;
+  soil.resize(points.size());
+  for (std::size_t a = 0; a < points.size(); ++a) {
+    const Soil* here = soil_at(scene, to_point3<D>(points[a]));
+    if (!here) continue;
+    soil.mask[a] = 1.0;
+    soil.fraction[a] = 1.0 - here->porosity;
+    soil.density[a] = soil.fraction[a] * here->grain_density;
+    if (scene.fluid.drag)
+      soil.drag[a] = drag_coefficient(specific_weight(scene), here->porosity, here->hydraulic_conductivity);
+  }
+  return soil;
+}
+
+/// Soil of the other process, as mapped to the fluid particles.
+template <int D>
+SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::size_t n) {
+  using namespace coupling;
+  SoilView<D> soil;
+  soil.resize(n);
+  const auto& fraction = inbox.at(field::solid_volume_fraction).values;
+  const auto& grain = inbox.at(field::grain_density).values;
+  const auto& modulus = inbox.at(field::constrained_modulus).values;
+  const auto& conductivity = inbox.at(field::hydraulic_conductivity).values;
+  const auto vectors = [n](const Field& from, VecArray<D>& to) {
+    for (std::size_t a = 0; a < n; ++a)
+      for (std::size_t d = 0; d < D; ++d) to[a][static_cast<int>(d)] = from.values[a * D + d];
+  };
+  vectors(inbox.at(field::solid_velocity), soil.velocity);
+  vectors(inbox.at(field::mean_solid_velocity), soil.mean_velocity);
+  vectors(inbox.at(field::unbalanced_force), soil.force);
+  vectors(inbox.at(field::returned_impulse), soil.owed);
+  for (std::size_t a = 0; a < n; ++a) {
+    const double mask = membership(inbox.coverage[a]);
+    const double n_s = std::min(fraction[a], 1.0 - 1e-3) * mask;
+    if (n_s < least_solid_fraction || !(conductivity[a] > 0.0)) {
+      soil.velocity[a].setZero();
+      soil.mean_velocity[a].setZero();
+      soil.force[a].setZero();
+      continue;
+    }
+    soil.mask[a] = mask;
+    soil.fraction[a] = n_s;
+    soil.density[a] = n_s * grain[a];
+    soil.modulus[a] = modulus[a];
+    soil.force[a] *= mask;
+    const double porosity = 1.0 - n_s;
+    if (scene.fluid.drag)
+      soil.drag[a] = drag_coefficient(specific_weight(scene), porosity,
+                                      kozeny_carman(conductivity[a], 1.0 - std::min(fraction[a], 1.0 - 1e-3), porosity));
+  }
+  return soil;
+}
+
+}  // namespace poretwin::fluid

@@ -1,0 +1,82 @@
+// Everything the fluid remembers between windows, as one value: saving is a copy.
+#pragma once
+
+#include "fluid_solver/faces.hpp"
+#include "fluid_solver/surface.hpp"
+
+namespace poretwin::fluid {
+
+template <int D>
+struct Particles {
+  VecArray<D> position;             ///< m
+  VecArray<D> velocity;             ///< m/s
+  ScalarArray mass;                 ///< kg
+  ScalarArray void_fraction;        ///< n
+  ScalarArray volume;               ///< V = m / (n rho), bulk, m^D
+  ScalarArray pressure;             ///< piezometric, Pa
+  VecArray<D> solid_velocity;       ///< predicted v_s', m/s
+  VecArray<D> drag_impulse;         ///< given to the soil in the last window, N s
+  ScalarArray mask;                 ///< soil membership
+  ScalarArray volume_debt;          ///< strain the soil made beyond the prediction, not yet given to the water
+  VecArray<D> birthplace;           ///< m: a particle that never moved has no packing to repair
+  std::vector<Surface> surface;
+  [[nodiscard]] std::size_t size() const { return position.size(); }
+
+  void add(const Vec<D>& x, const Vec<D>& v, double m, double n, double V, double p) {
+    position.push_back(x);
+    velocity.push_back(v);
+    mass.push_back(m);
+    void_fraction.push_back(n);
+    volume.push_back(V);
+    pressure.push_back(p);
+    solid_velocity.push_back(Vec<D>::Zero());
+    drag_impulse.push_back(Vec<D>::Zero());
+    mask.push_back(n < 1.0 ? 1.0 : 0.0);
+    volume_debt.push_back(0.0);
+    birthplace.push_back(x);
+    surface.push_back(Surface::interior);
+  }
+
+  /// Keeps the particles for which keep[a], in order.
+  void filter(const std::vector<bool>& keep) {
+    const auto filter_one = [&](auto& array) {
+      std::size_t to = 0;
+      for (std::size_t a = 0; a < keep.size(); ++a)
+        if (keep[a]) array[to++] = array[a];
+      array.resize(to);
+    };
+    filter_one(position);
+    filter_one(velocity);
+    filter_one(mass);
+    filter_one(void_fraction);
+    filter_one(volume);
+    filter_one(pressure);
+    filter_one(solid_velocity);
+    filter_one(drag_impulse);
+    filter_one(mask);
+    filter_one(volume_debt);
+    filter_one(birthplace);
+    filter_one(surface);
+  }
+};
+
+/// What a run's summary counts.
+struct Counts {
+  double windows = 0, pressure_iterations = 0, skeleton_iterations = 0, outer_iterations = 0, stencils = 0, born = 0, deleted = 0,
+         unconverged = 0;
+};
+
+template <int D>
+struct State {
+  double time = 0.0;
+  double last_interval = 0.0;    ///< s
+  double pressure_change = 0.0;  ///< rms over the last window, of the pressure's range
+  double widest_range = 0.0;     ///< of piezometric pressure so far, Pa
+  double controlled = 0.0;       ///< interval the controller would take next, s; 0: not started
+  std::uint64_t revision = 0;
+  Particles<D> particles;
+  std::vector<FaceColumn<D>> columns;
+  Counts counts;
+};
+
+}  // namespace poretwin::fluid

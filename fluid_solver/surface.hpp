@@ -1,0 +1,40 @@
+// The free surface: which particles lie on it and what that does to the pressure equation.
+#pragma once
+
+#include "fluid_solver/stencil.hpp"
+
+#include <cstdint>
+
+namespace poretwin::fluid {
+
+enum class Surface : std::uint8_t { interior, surface, lone };
+
+/// By the deficit of the divergence of position, D in the interior (Lee et al. 2008).
+template <int D>
+std::vector<Surface> find_surface(const Stencil<D>& s) {
+  std::vector<Surface> flags(s.n_real, Surface::interior);
+  for (std::size_t a = 0; a < s.n_real; ++a) {
+    if (s.divergence[a] < 0.4 * D)
+      flags[a] = Surface::lone;
+    else if (s.divergence[a] < 0.75 * D)
+      flags[a] = Surface::surface;
+  }
+  return flags;
+}
+
+/// Total pressure 0, half a spacing outside the particle: what is added to row a, coefficient * (ph_a - pressure).
+struct SurfaceRow {
+  double coefficient = 0.0;  ///< of the row weighted with the volume
+  double pressure = 0.0;     ///< piezometric, Pa
+};
+
+/// weight: rho g [N/m3] as a vector; origin: where the piezometric pressure equals the total one.
+template <int D>
+SurfaceRow surface_row(const Stencil<D>& s, std::size_t a, double mobility, const Vec<D>& weight, const Vec<D>& origin) {
+  const double amount = s.normal[a].norm(), half = 0.5 * std::pow(s.volume[a], 1.0 / D);
+  if (amount == 0.0) return {};
+  const Vec<D> x = s.position[a] - half / amount * s.normal[a];
+  return {s.volume[a] * 2.0 * mobility * amount / half, -weight.dot(x - origin)};
+}
+
+}  // namespace poretwin::fluid

@@ -1,0 +1,152 @@
+#include "solid_solver/boundaries.hpp"
+
+#include "common/core/error.hpp"
+
+#include <fmt/format.h>
+
+namespace poretwin::solid {
+
+template <int D>
+Boundaries<D> make_boundaries(const Case& scene, double margin) {
+  using Kind = typename Boundaries<D>::Kind;
+  Boundaries<D> boundaries;
+  auto add = [&](std::vector<sph::ImagePlane<D>> planes, Kind kind) {
+    for (auto& plane : planes) {
+      plane.boundary = static_cast<int>(boundaries.planes.size());
+      boundaries.planes.push_back(plane);
+      boundaries.kinds.push_back(kind);
+    }
+  };
+  add(periodic_planes<D>(scene.general, 0), Kind::periodic);
+  for (const auto& wall : scene.walls) {
+    if (wall.soil == Wall::ForSoil::none) continue;
+    add(planes_of<D>(wall.face, 0, margin), wall.soil == Wall::ForSoil::fixed ? Kind::fixed : Kind::roller);
+  }
+  if (boundaries.planes.size() > 32)
+    throw CaseError(
+        fmt::format("the walls of the soil have {} straight pieces; at most 32 are possible: use fewer corners",
+                    boundaries.planes.size()));
+  return boundaries;
+}
+
+namespace {
+
+/// Linear map of velocities through a chain of boundaries: mirrored at rollers, reversed at fixed walls.
+template <int D>
+Mat<D> velocity_map(const Boundaries<D>& boundaries, std::uint32_t passed) {
+  Mat<D> map = Mat<D>::Identity();
+  for (std::size_t k = 0; k < boundaries.planes.size(); ++k) {
+    if (!(passed >> k & 1u)) continue;
+    if (boundaries.kinds[k] == Boundaries<D>::Kind::fixed) map = -map;
+    if (boundaries.kinds[k] == Boundaries<D>::Kind::roller) {
+      const Vec<D>& n = boundaries.planes[k].normal;
+      map = (Mat<D>::Identity() - 2.0 * n * n.transpose()) * map;
+    }
+  }
+  return map;
+}
+
+/// The walls among the boundaries passed (periodic sides change nothing).
+template <int D>
+void find_crossings(const Boundaries<D>& boundaries, std::uint32_t passed, ImageRule<D>& rule) {
+  using Kind = typename Boundaries<D>::Kind;
+  for (std::size_t k = 0; k < boundaries.planes.size() && rule.n_crossings < D; ++k) {
+    if (!(passed >> k & 1u) || boundaries.kinds[k] == Kind::periodic) continue;
+    const Vec<D>& n = boundaries.planes[k].normal;
+    const Mat<D> normal_part = n * n.transpose();
+    Crossing<D>& crossing = rule.crossings[rule.n_crossings++];
+    crossing.normal = n;
+    crossing.level = n.dot(boundaries.planes[k].point);
+    // The body force as seen behind the other walls of the chain: rule.map without this wall's own mirror.
+    crossing.share = rule.map * (Mat<D>::Identity() - 2.0 * normal_part);
+    if (boundaries.kinds[k] == Kind::roller) crossing.share = normal_part * crossing.share;
+  }
+}
+
+template <int D>
+bool only_periodic(const Boundaries<D>& boundaries, std::uint32_t passed) {
+  for (std::size_t k = 0; k < boundaries.planes.size(); ++k)
+    if ((passed >> k & 1u) && boundaries.kinds[k] != Boundaries<D>::Kind::periodic) return false;
+  return true;
+}
+
+}  // namespace
+
+template <int D>
+void build_neighbourhood(const Boundaries<D>& boundaries, double range, const Particles<D>& particles,
+                         Neighbourhood<D>& near) {
+  near.built_at = particles.position;
+  const auto images = sph::make_images<D>(std::span<const Vec<D>>(particles.position),
+                                          std::span<const sph::ImagePlane<D>>(boundaries.planes), range);
+  near.images.assign(images.size(), {});
+  VecArray<D> sources = particles.position;
+  sources.insert(sources.end(), images.position.begin(), images.position.end());
+  for (std::size_t k = 0; k < images.size(); ++k) {
+    ImageRule<D>& rule = near.images[k];
+    rule.parent = images.parent[k];
+    rule.map = images.map[k];
+    rule.shift = images.position[k] - rule.map * particles.position[rule.parent];
+    rule.velocity = velocity_map(boundaries, images.boundaries[k]);
+    find_crossings(boundaries, images.boundaries[k], rule);
+    rule.periodic = only_periodic(boundaries, images.boundaries[k]);
+  }
+  const ScalarArray radius(sources.size(), range);
+  near.pairs = sph::find_pairs<D>(std::span<const Vec<D>>(particles.position), std::span<const Vec<D>>(sources),
+                                  std::span<const double>(radius), true);
+}
+
+template <int D>
+void fill_nodes(const Particles<D>& p, const Neighbourhood<D>& near, const VecArray<D>& body, double flow_limit,
+                std::vector<Node<D>>& nodes) {
+  const std::size_t n = p.size();
+  nodes.resize(n + near.images.size());
+  for (std::size_t i = 0; i < n; ++i) {
+    Node<D>& node = nodes[i];
+    node.position = p.position[i];
+    node.velocity = p.velocity[i];
+    node.volume = p.volume[i];
+    node.mass = p.mass[i];
+    node.inverse_density = p.volume[i] / p.mass[i];
+    node.gradient = p.gradient[i];
+    node.flux.noalias() = p.volume[i] * (matrix_of<D>(p.stress[i]) * p.correction[i]);
+    node.control = p.plastic_strain[i] > flow_limit ? 0.0 : 1.0;
+  }
+  for (std::size_t k = 0; k < near.images.size(); ++k) {
+    const ImageRule<D>& rule = near.images[k];
+    Node<D>& node = nodes[n + k];
+    node = nodes[rule.parent];
+    node.position = rule.map * nodes[rule.parent].position + rule.shift;
+    node.velocity = rule.velocity * nodes[rule.parent].velocity;
+    node.gradient = rule.velocity * nodes[rule.parent].gradient * rule.map.transpose();
+    node.flux = rule.velocity * nodes[rule.parent].flux * rule.map.transpose();
+    for (std::size_t c = 0; c < rule.n_crossings; ++c) {
+      const Crossing<D>& wall = rule.crossings[c];
+      const double distance = wall.normal.dot(nodes[rule.parent].position) - wall.level;
+      const Vec<D> row = rule.map * (p.correction[rule.parent] * (rule.map.transpose() * wall.normal));
+      node.flux += (2.0 * distance * node.volume) * (wall.share * body[rule.parent]) * row.transpose();
+    }
+  }
+}
+
+template <int D>
+void fill_velocities(const Particles<D>& p, const Neighbourhood<D>& near, std::vector<Node<D>>& nodes) {
+  const std::size_t n = p.size();
+  for (std::size_t i = 0; i < n; ++i) nodes[i].velocity = p.velocity[i];
+  for (std::size_t k = 0; k < near.images.size(); ++k)
+    nodes[n + k].velocity = near.images[k].velocity * p.velocity[near.images[k].parent];
+}
+
+template struct Boundaries<2>;
+template struct Boundaries<3>;
+template Boundaries<2> make_boundaries<2>(const Case&, double);
+template Boundaries<3> make_boundaries<3>(const Case&, double);
+template void build_neighbourhood<2>(const Boundaries<2>&, double, const Particles<2>&, Neighbourhood<2>&);
+template void build_neighbourhood<3>(const Boundaries<3>&, double, const Particles<3>&, Neighbourhood<3>&);
+template void fill_nodes<2>(const Particles<2>&, const Neighbourhood<2>&, const VecArray<2>&, double,
+                            std::vector<Node<2>>&);
+template void fill_nodes<3>(const Particles<3>&, const Neighbourhood<3>&, const VecArray<3>&, double,
+                            std::vector<Node<3>>&);
+template void fill_velocities<2>(const Particles<2>&, const Neighbourhood<2>&, std::vector<Node<2>>&);
+template void fill_velocities<3>(const Particles<3>&, const Neighbourhood<3>&, std::vector<Node<3>>&);
+
+}  // namespace poretwin::solid

@@ -1,0 +1,36 @@
+// Walls and periodic sides of the soil: image planes, and the rules by which images follow their parents.
+#pragma once
+
+#include "common/case/geometry.hpp"
+#include "solid_solver/state.hpp"
+
+namespace poretwin::solid {
+
+/// All planes that make images of the soil.
+template <int D>
+struct Boundaries {
+  enum class Kind { roller, fixed, periodic };
+  std::vector<sph::ImagePlane<D>> planes;  ///< plane k has boundary number k
+  std::vector<Kind> kinds;
+};
+
+/// From the case's walls and periodic axes; margin [m]: how far walls reach beyond their ends so that corners close.
+template <int D>
+Boundaries<D> make_boundaries(const Case& scene, double margin);
+
+/// Images and pair lists for the current positions; range [m]: kernel support plus skin.
+template <int D>
+void build_neighbourhood(const Boundaries<D>& boundaries, double range, const Particles<D>& particles,
+                         Neighbourhood<D>& near);
+
+/// Position, velocity, gradient, flux and weights of the nodes from the particles, images included.
+/// body: N/m3 on each particle, for the stress's slope at walls.
+template <int D>
+void fill_nodes(const Particles<D>& particles, const Neighbourhood<D>& near, const VecArray<D>& body, double flow_limit,
+                std::vector<Node<D>>& nodes);
+
+/// Velocities only (between the halves of a step).
+template <int D>
+void fill_velocities(const Particles<D>& particles, const Neighbourhood<D>& near, std::vector<Node<D>>& nodes);
+
+}  // namespace poretwin::solid

@@ -1,0 +1,49 @@
+// The one interface of constitutive models. A new model is one file that implements it and one line in registry.cpp.
+#pragma once
+
+#include "common/case/case.hpp"
+#include "solid_solver/stress.hpp"
+
+#include <memory>
+
+namespace poretwin::solid {
+
+/// Isotropic elastic moduli [Pa].
+struct Elasticity {
+  double bulk = 0.0, shear = 0.0;
+  static Elasticity of(const Soil& soil) {
+    const double e = soil.youngs_modulus, nu = soil.poissons_ratio;
+    return {e / (3.0 * (1.0 - 2.0 * nu)), e / (2.0 * (1.0 + nu))};
+  }
+  /// Constrained modulus M = K + 4 G / 3 [Pa].
+  [[nodiscard]] double constrained() const { return bulk + 4.0 / 3.0 * shear; }
+  /// Stress increment [Pa] of a strain increment: K tr(e) 1 + 2 G dev(e), Eq. (86) with its deviatoric rate.
+  [[nodiscard]] Tensor stress_of(const Tensor& strain) const {
+    const double volumetric = trace(strain);
+    Tensor stress = 2.0 * shear * strain;
+    for (int d = 0; d < 3; ++d) stress[d] += (bulk - 2.0 / 3.0 * shear) * volumetric;
+    return stress;
+  }
+};
+
+/// Effective stress from strain increments. Rotation is the caller's business (Jaumann rate).
+class ConstitutiveModel {
+ public:
+  explicit ConstitutiveModel(const Elasticity& elasticity) : elasticity_(elasticity) {}
+  ConstitutiveModel(const ConstitutiveModel&) = delete;
+  ConstitutiveModel& operator=(const ConstitutiveModel&) = delete;
+  virtual ~ConstitutiveModel() = default;
+  /// Advances `stress` [Pa] by a strain increment; returns the equivalent deviatoric plastic strain it took.
+  virtual double advance(Tensor& stress, const Tensor& strain) const = 0;
+  [[nodiscard]] const Elasticity& elasticity() const { return elasticity_; }
+  /// Safe tangent constrained modulus [Pa] while yielding: without the shear part, never below half of M.
+  [[nodiscard]] double yielding_modulus() const { return std::max(elasticity_.bulk, 0.5 * elasticity_.constrained()); }
+
+ private:
+  Elasticity elasticity_;
+};
+
+/// The model named by solid.model, for one soil.
+std::unique_ptr<ConstitutiveModel> make_constitutive(SolidCase::Model model, const Soil& soil);
+
+}  // namespace poretwin::solid

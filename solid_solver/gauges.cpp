@@ -1,0 +1,134 @@
+#include "solid_solver/gauges.hpp"
+
+#include "common/core/error.hpp"
+#include "solid_solver/probe.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <string_view>
+
+namespace poretwin::solid {
+namespace {
+
+constexpr std::array<std::string_view, 6> tensor_components{"xx", "yy", "zz", "xy", "yz", "xz"};
+constexpr std::array<std::string_view, 3> axes{"x", "y", "z"};
+
+/// Index of the component behind "prefix", or nothing.
+template <std::size_t N>
+std::optional<int> component(std::string_view quantity, std::string_view prefix,
+                             const std::array<std::string_view, N>& names) {
+  if (!quantity.starts_with(prefix)) return std::nullopt;
+  quantity.remove_prefix(prefix.size());
+  for (std::size_t k = 0; k < N; ++k)
+    if (quantity == names[k]) return static_cast<int>(k);
+  return std::nullopt;
+}
+
+template <int D>
+GaugeReading read_point(const Gauge& gauge, const std::string& name, const Point3& at, const Setup<D>& setup,
+                        const State<D>& state) {
+  const auto& p = state.particles;
+  const Vec<D> x = at.head<D>();
+  const std::string_view q = gauge.quantity;
+  using Value = std::function<double(std::size_t, const Mat<D>&)>;
+  auto reading = [&](Reach reach, const Value& value, std::string unit) {
+    return GaugeReading{name, probe<D>(setup, state, x, reach, value), std::move(unit)};
+  };
+  auto vector_component = [&](const VecArray<D>& values, int k, std::string unit) {
+    if (k >= D) return GaugeReading{name, 0.0, std::move(unit)};
+    return reading(
+        Reach::motion, [&values, k](std::size_t i, const Mat<D>& map) { return map.row(k).dot(values[i]); },
+        std::move(unit));
+  };
+  if (const auto k = component(q, "displacement_", axes)) return vector_component(p.displacement, *k, "m");
+  if (const auto k = component(q, "velocity_", axes)) return vector_component(p.velocity, *k, "m/s");
+  if (const auto k = component(q, "effective_stress_", tensor_components))
+    return reading(
+        Reach::material, [&p, k](std::size_t i, const Mat<D>&) { return p.stress[i][*k]; }, "Pa");
+  if (const auto k = component(q, "total_stress_", tensor_components))
+    return reading(
+        Reach::material,
+        [&, k](std::size_t i, const Mat<D>&) { return p.stress[i][*k] - (*k < 3 ? state.external.pressure[i] : 0.0); },
+        "Pa");
+  if (q == "pore_pressure")
+    return reading(
+        Reach::material, [&](std::size_t i, const Mat<D>&) { return state.external.pressure[i]; }, "Pa");
+  if (q == "void_fraction")
+    return reading(
+        Reach::material, [&](std::size_t i, const Mat<D>&) { return void_fraction(setup, p, i); }, "1");
+  if (q == "accumulated_plastic_strain")
+    return reading(
+        Reach::material, [&p](std::size_t i, const Mat<D>&) { return p.plastic_strain[i]; }, "1");
+  throw CaseError(
+      fmt::format("gauge \"{}\": quantity \"{}\" is not known to the solid; expected displacement_x, velocity_x, "
+                  "effective_stress_xx, "
+                  "total_stress_xx (or another component), pore_pressure, void_fraction or accumulated_plastic_strain",
+                  gauge.name, gauge.quantity));
+}
+
+}  // namespace
+
+template <int D>
+std::vector<GaugeReading> read_gauges(const Case& scene, const Setup<D>& setup, const State<D>& state) {
+  std::vector<GaugeReading> readings;
+  const auto& p = state.particles;
+  for (const auto& gauge : scene.gauges) {
+    if (gauge.phase != "solid") continue;
+    if (gauge.kind == "point") {
+      for (std::size_t k = 0; k < gauge.points.size(); ++k) {
+        const std::string name = gauge.points.size() == 1 ? gauge.name : fmt::format("{}[{}]", gauge.name, k);
+        readings.push_back(read_point<D>(gauge, name, gauge.points[k], setup, state));
+      }
+      continue;
+    }
+    Vec<D> momentum = Vec<D>::Zero();
+    double kinetic = 0.0, count = 0.0, speed = 0.0, displacement = 0.0, uplift = 0.0;
+    const double g = setup.gravity.norm();
+    Vec<D> up = Vec<D>::Zero();
+    if (g > 0.0)
+      up = -setup.gravity / g;
+    else
+      up[D - 1] = 1.0;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+      Point3 x = Point3::Zero();
+      x.head<D>() = p.position[i];
+      if (gauge.region && !contains(*gauge.region, x, D)) continue;
+      momentum += p.mass[i] * p.velocity[i];
+      kinetic += 0.5 * p.mass[i] * p.velocity[i].squaredNorm();
+      count += 1.0;
+      speed = std::max(speed, p.velocity[i].norm());
+      displacement = std::max(displacement, p.displacement[i].norm());
+      const Vec<D> since =
+          state.rest_displacement.empty() ? p.displacement[i] : Vec<D>(p.displacement[i] - state.rest_displacement[i]);
+      uplift = std::max(uplift, up.dot(since));
+    }
+    const std::string per = D == 2 ? "/m" : "";
+    if (gauge.kind == "momentum") {
+      for (int d = 0; d < D; ++d)
+        readings.push_back(
+            {fmt::format("{}_{}", gauge.name, axes[static_cast<std::size_t>(d)]), momentum[d], "kg m/s" + per});
+    } else if (gauge.kind == "kinetic_energy") {
+      readings.push_back({gauge.name, kinetic, "J" + per});
+    } else if (gauge.kind == "particles") {
+      readings.push_back({gauge.name, count, "1"});
+    } else if (gauge.kind == "max_speed") {
+      readings.push_back({gauge.name, speed, "m/s"});
+    } else if (gauge.kind == "max_displacement") {
+      readings.push_back({gauge.name, displacement, "m"});
+    } else if (gauge.kind == "uplift") {
+      readings.push_back({gauge.name, uplift, "m"});
+    } else {
+      throw CaseError(
+          fmt::format("gauge \"{}\": kind \"{}\" is not known to the solid; expected point, momentum, "
+                      "kinetic_energy, particles, max_speed, max_displacement or uplift",
+                      gauge.name, gauge.kind));
+    }
+  }
+  return readings;
+}
+
+template std::vector<GaugeReading> read_gauges<2>(const Case&, const Setup<2>&, const State<2>&);
+template std::vector<GaugeReading> read_gauges<3>(const Case&, const Setup<3>&, const State<3>&);
+
+}  // namespace poretwin::solid

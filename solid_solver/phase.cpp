@@ -1,0 +1,314 @@
+#include "solid_solver/phase.hpp"
+
+#include "common/core/error.hpp"
+#include "solid_solver/gauges.hpp"
+#include "solid_solver/permeability.hpp"
+#include "solid_solver/rest.hpp"
+#include "solid_solver/solid.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace poretwin::solid {
+namespace {
+
+using namespace coupling;  // NOLINT: the names of the contract
+
+/// Values of a field at the soil's points; zeros when the inbox is empty (a solid alone).
+ScalarArray field_or_zero(const Inbox& inbox, std::string_view name, std::size_t n, std::size_t components) {
+  if (inbox.coverage.empty() && inbox.fields.empty()) return ScalarArray(n * components, 0.0);
+  const Field& field = inbox.at(name);
+  if (field.values.size() != n * components)
+    throw PeerError(fmt::format("field '{}': expected {} values ({} soil points of {} components), found {}", name,
+                                n * components, n, components, field.values.size()));
+  return field.values;
+}
+
+ScalarArray coverage_of(const Inbox& inbox, std::size_t n) {
+  if (inbox.coverage.empty()) return ScalarArray(n, 0.0);
+  if (inbox.coverage.size() != n)
+    throw PeerError(fmt::format("coverage: expected {} values, found {}", n, inbox.coverage.size()));
+  ScalarArray coverage = inbox.coverage;
+  for (double& c : coverage) c = std::clamp(c, 0.0, 1.0);
+  return coverage;
+}
+
+/// Loads begin within rounding of their time.
+bool has_begun(double start, double time) { return time >= start - 1e-9 * std::max(1.0, std::abs(start)); }
+
+}  // namespace
+
+template <int D>
+Solid<D>::Solid(const Case& scene) : scene_(scene) {
+  auto [setup, particles] = set_up<D>(scene);
+  setup_ = std::move(setup);
+  state_.particles = std::move(particles);
+  const std::size_t n = state_.particles.size();
+  state_.body.assign(n, Vec<D>::Zero());
+  state_.internal.assign(n, Vec<D>::Zero());
+  state_.stabilising.assign(n, Vec<D>::Zero());
+  state_.external.pressure.assign(n, 0.0);
+  state_.external.coverage.assign(n, 0.0);
+  state_.external.pressure_gradient.assign(n, Vec<D>::Zero());
+  state_.mean_velocity.assign(n, Vec<D>::Zero());
+  state_.returned_impulse.assign(n, Vec<D>::Zero());
+  state_.yielded.assign(n, 0);
+  rebuild(setup_, state_);
+  state_.rebuilds = 0.0;
+  evaluate_forces(setup_, state_);
+  saved_ = state_;
+}
+
+template <int D>
+Contract Solid<D>::contract() const {
+  return {D, scene_.digest(), standard_fields(Role::solid, D), standard_fields(Role::fluid, D)};
+}
+
+template <int D>
+VecArray<D> Solid<D>::gradient_of(const ScalarArray& pressure) const {
+  return pressure_gradient<D>(state_, scene_.solid.pressure_gradient, scene_.water.density * setup_.gravity, pressure);
+}
+
+template <int D>
+double Solid<D>::next_load_after(double time) const {
+  double next = no_limit;
+  for (const auto& patch : setup_.loads)
+    if (!has_begun(patch.start, time)) next = std::min(next, patch.start);
+  return next;
+}
+
+template <int D>
+void Solid<D>::initialise(const Inbox& inbox) {
+  const std::size_t n = state_.particles.size();
+  state_.external.pressure = field_or_zero(inbox, field::pore_pressure, n, 1);
+  state_.external.coverage = coverage_of(inbox, n);
+  for (std::size_t i = 0; i < n; ++i)
+    if (state_.external.coverage[i] <= 0.0) state_.external.pressure[i] = 0.0;
+  if (scene_.solid.initial_rest) {
+    const VecArray<D> initial = state_.particles.velocity;
+    for (auto& v : state_.particles.velocity) v.setZero();
+    evaluate_forces(setup_, state_);
+    constexpr double before_everything = -1e300;  // standing loads only
+    const auto report = find_rest<D>(setup_, state_, [&](Drive<D>& drive) {
+      state_.external.pressure_gradient = gradient_of(state_.external.pressure);
+      drive.traction = load_forces<D>(setup_, state_, before_everything);
+      drive.distributed.resize(n);
+      for (std::size_t i = 0; i < n; ++i)
+        drive.distributed[i] = -state_.particles.volume[i] * solid_fraction(setup_, state_.particles, i) *
+                               state_.external.pressure_gradient[i];
+    });
+    state_.rest_steps += static_cast<double>(report.steps);
+    state_.particles.velocity = initial;
+    rebuild(setup_, state_);
+    evaluate_forces(setup_, state_);
+  }
+  state_.external.pressure_gradient = gradient_of(state_.external.pressure);
+  state_.rest_displacement = state_.particles.displacement;
+  std::fill(state_.yielded.begin(), state_.yielded.end(), char{0});
+  state_.any_yielded = false;
+  ++state_.revision;
+}
+
+template <int D>
+Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
+  Particles<D>& p = state_.particles;
+  const std::size_t n = p.size();
+  const double interval = window.interval;
+  if (!(interval > 0.0)) return Outcome::reject(setup_.longest_substep, "a window must be longer than 0 s");
+
+  state_.external.coverage = coverage_of(inbox, n);
+  ScalarArray pressure = field_or_zero(inbox, field::pore_pressure, n, 1);
+  for (std::size_t i = 0; i < n; ++i)
+    if (state_.external.coverage[i] <= 0.0) pressure[i] = 0.0;
+  const ScalarArray impulse = field_or_zero(inbox, field::drag_impulse, n, D);
+  const ScalarArray predicted = field_or_zero(inbox, field::predicted_solid_velocity, n, D);
+  const ScalarArray soil_seen = field_or_zero(inbox, field::soil_fraction, n, 1);
+
+  // The pressure ramps linearly; its gradient is linear in it and taken once, at the window's start.
+  const VecArray<D> from = state_.external.pressure_gradient, to = gradient_of(pressure);
+  state_.external.pressure = std::move(pressure);
+
+  // Tracking: the seepage force follows the skeleton's own motion (C) and damps the difference to the fluid's
+  // prediction.
+  Drive<D> drive;
+  drive.distributed.assign(n, Vec<D>::Zero());
+  drive.tracking.assign(n, 0.0);
+  drive.target.assign(n, Vec<D>::Zero());
+  for (std::size_t i = 0; i < n; ++i) {
+    if (state_.external.coverage[i] <= 0.0 || soil_seen[i] <= 1e-6) continue;
+    double z = setup_.inertia_share * p.mass[i] / (p.volume[i] * interval);
+    if (scene_.fluid.drag) {
+      const double porosity = void_fraction(setup_, p, i);
+      z += drag_coefficient(setup_.water_weight, porosity, conductivity(scene_.soils[p.material[i]], porosity));
+    }
+    drive.tracking[i] = state_.external.coverage[i] * p.volume[i] * z;
+    for (int d = 0; d < D; ++d) drive.target[i][d] = predicted[i * D + static_cast<std::size_t>(d)];
+  }
+
+  const auto steps =
+      std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(interval / setup_.longest_substep - 1e-9)));
+  const double dt = interval / static_cast<double>(steps);
+  for (auto& r : state_.returned_impulse) r.setZero();
+  std::fill(state_.yielded.begin(), state_.yielded.end(), char{0});
+  state_.any_yielded = false;
+  const VecArray<D> displacement = p.displacement;
+
+  // A load that begins with the window raises the water's pressure at once: no ramp then.
+  bool jump = false;
+  for (const auto& patch : setup_.loads)
+    jump = jump || (has_begun(patch.start, window.time) && !has_begun(patch.start, window.time - 0.5 * interval));
+  double loaded_at = -1.0, loaded_rebuilds = -1.0, next_start = -1.0;
+  for (std::size_t k = 0; k < steps; ++k) {
+    const double now = window.time + static_cast<double>(k) * dt;
+    const bool starts = has_begun(next_start, now) && loaded_at >= 0.0;
+    if (k == 0 || starts || state_.rebuilds > loaded_rebuilds) {
+      if (!setup_.loads.empty())
+        drive.traction = load_forces<D>(setup_, state_, now + 1e-9 * std::max(1.0, std::abs(now)));
+      loaded_at = now;
+      loaded_rebuilds = state_.rebuilds;
+      next_start = next_load_after(now);
+    }
+    const double share = jump ? 1.0 : static_cast<double>(k + 1) / static_cast<double>(steps);
+    for (std::size_t i = 0; i < n; ++i) {
+      const Vec<D> gradient = (1.0 - share) * from[i] + share * to[i];
+      drive.distributed[i] = -p.volume[i] * solid_fraction(setup_, p, i) * gradient;
+      for (int d = 0; d < D; ++d) drive.distributed[i][d] += impulse[i * D + static_cast<std::size_t>(d)] / interval;
+    }
+    substep<D>(setup_, dt, drive, state_);
+  }
+  check_finite(state_, window.time);
+  state_.external.pressure_gradient = to;
+  for (std::size_t i = 0; i < n; ++i) state_.mean_velocity[i] = (p.displacement[i] - displacement[i]) / interval;
+  state_.time = window.time + interval;
+  state_.substeps += static_cast<double>(steps);
+  ++state_.revision;
+  return Outcome::accept();
+}
+
+template <int D>
+Publication Solid<D>::publish() const {
+  const Particles<D>& p = state_.particles;
+  const auto& images = state_.near.images;
+  const std::size_t n = p.size(), all = n + images.size();
+  Publication out;
+  out.time = state_.time;
+  const double next = next_load_after(state_.time);
+  if (next < no_limit) {
+    out.proposed_interval = next - state_.time;
+    out.limited_by = "the next load begins";
+  }
+  constexpr double substeps_while_yielding = 30.0;
+  if (state_.any_yielded && substeps_while_yielding * setup_.longest_substep < out.proposed_interval) {
+    out.proposed_interval = substeps_while_yielding * setup_.longest_substep;
+    out.limited_by = "the soil yields";
+  }
+  out.points.dimension = D;
+  out.points.revision = state_.revision;
+  out.points.n_active = n;
+  auto parent = [&](std::size_t i) { return i < n ? i : static_cast<std::size_t>(images[i - n].parent); };
+  for (std::size_t i = 0; i < all; ++i) {
+    const Vec<D> x =
+        i < n ? p.position[i] : Vec<D>(images[i - n].map * p.position[images[i - n].parent] + images[i - n].shift);
+    out.points.position.insert(out.points.position.end(), x.data(), x.data() + D);
+    out.points.volume.push_back(p.volume[parent(i)]);
+    out.points.smoothing_length.push_back(setup_.smoothing_length);
+  }
+  auto scalars = [&](std::string_view name, auto&& value) {
+    Field f{std::string(name), 1, ScalarArray(all)};
+    for (std::size_t i = 0; i < all; ++i) f.values[i] = value(parent(i));
+    out.fields.push_back(std::move(f));
+  };
+  auto vectors = [&](std::string_view name, auto&& value) {  // value(i): of point i, ghosts included
+    Field f{std::string(name), D, ScalarArray(all * D)};
+    for (std::size_t i = 0; i < all; ++i) {
+      const Vec<D> v = value(i);
+      std::copy(v.data(), v.data() + D, f.values.begin() + static_cast<std::ptrdiff_t>(i * D));
+    }
+    out.fields.push_back(std::move(f));
+  };
+  auto moved = [&](const VecArray<D>& v) {
+    return [&](std::size_t i) { return i < n ? v[i] : Vec<D>(images[i - n].velocity * v[images[i - n].parent]); };
+  };
+  vectors(field::solid_velocity, moved(p.velocity));
+  vectors(field::mean_solid_velocity, moved(state_.mean_velocity));
+  const VecArray<D> load = load_forces<D>(setup_, state_, state_.time + 1e-9 * std::max(1.0, std::abs(state_.time)));
+  const Vec<D> weight = scene_.water.density * setup_.gravity;
+  vectors(field::unbalanced_force, [&](std::size_t i) -> Vec<D> {
+    // At a wall only the part that would move the soil is mirrored: at rest under water r = n_s rho_w g everywhere.
+    const std::size_t j = parent(i);
+    const Vec<D> r = state_.internal[j] + (load[j] + p.mass[j] * setup_.gravity) / p.volume[j];
+    if (i < n) return r;
+    const Vec<D> rest = state_.external.coverage[j] * solid_fraction(setup_, p, j) * weight;
+    return images[i - n].map * (r - rest) + rest;
+  });
+  scalars(field::solid_volume_fraction, [&](std::size_t i) { return solid_fraction(setup_, p, i); });
+  scalars(field::grain_density, [&](std::size_t i) { return setup_.grain_density[p.material[i]]; });
+  scalars(field::constrained_modulus, [&](std::size_t i) {
+    const auto& model = *setup_.models[p.material[i]];
+    return state_.yielded[i] ? model.yielding_modulus() : model.elasticity().constrained();
+  });
+  scalars(field::hydraulic_conductivity,
+          [&](std::size_t i) { return conductivity(scene_.soils[p.material[i]], void_fraction(setup_, p, i)); });
+  vectors(field::returned_impulse,
+          [&](std::size_t i) { return i < n ? state_.returned_impulse[i] : Vec<D>(Vec<D>::Zero()); });
+  return out;
+}
+
+template <int D>
+OutputFrame Solid<D>::frame() const {
+  const Particles<D>& p = state_.particles;
+  const std::size_t n = p.size();
+  OutputFrame frame;
+  frame.time = state_.time;
+  auto padded = [&](const VecArray<D>& v) {
+    std::vector<double> values(3 * n, 0.0);
+    for (std::size_t i = 0; i < n; ++i)
+      for (int d = 0; d < D; ++d) values[3 * i + static_cast<std::size_t>(d)] = v[i][d];
+    return values;
+  };
+  auto scalars = [&](auto&& value) {
+    std::vector<double> values(n);
+    for (std::size_t i = 0; i < n; ++i) values[i] = value(i);
+    return values;
+  };
+  frame.position = padded(p.position);
+  std::vector<double> stress;
+  for (const auto& s : p.stress) stress.insert(stress.end(), s.data(), s.data() + 6);
+  frame.fields = {
+      {"displacement", "m", "displacement of the skeleton since the unloaded state", 3, padded(p.displacement)},
+      {"velocity", "m/s", "velocity of the skeleton", 3, padded(p.velocity)},
+      {"effective_stress", "Pa", "effective stress (xx yy zz xy yz xz), compression negative", 6, std::move(stress)},
+      {"pore_pressure", "Pa", "pressure of the water at the soil's points", 1, state_.external.pressure},
+      {"void_fraction", "1", "porosity n_w = 1 - n_s", 1,
+       scalars([&](std::size_t i) { return void_fraction(setup_, p, i); })},
+      {"degree_of_saturation", "1", "share of the kernel's support covered by water, Eq. (90), clamped to 1", 1,
+       state_.external.coverage},
+      {"accumulated_plastic_strain", "1", "accumulated equivalent deviatoric plastic strain", 1, p.plastic_strain},
+  };
+  return frame;
+}
+
+template <int D>
+std::vector<GaugeReading> Solid<D>::gauges() const {
+  return read_gauges<D>(scene_, setup_, state_);
+}
+
+template <int D>
+std::map<std::string, double> Solid<D>::counters() const {
+  return {{"particles", static_cast<double>(state_.particles.size())},
+          {"substeps", state_.substeps},
+          {"list rebuilds", state_.rebuilds},
+          {"rest steps", state_.rest_steps}};
+}
+
+template class Solid<2>;
+template class Solid<3>;
+
+std::unique_ptr<Phase> make_solid(const Case& scene) {
+  if (scene.general.dimension == 3) return std::make_unique<Solid<3>>(scene);
+  return std::make_unique<Solid<2>>(scene);
+}
+
+}  // namespace poretwin::solid

@@ -1,0 +1,36 @@
+// The solid as a phase of the mixture: windows, exchange fields, output.
+#pragma once
+
+#include "common/coupling/phase.hpp"
+#include "solid_solver/setup.hpp"
+
+namespace poretwin::solid {
+
+template <int D>
+class Solid final : public Phase {
+ public:
+  explicit Solid(const Case& scene);
+  [[nodiscard]] coupling::Contract contract() const override;
+  [[nodiscard]] coupling::Publication publish() const override;
+  void initialise(const coupling::Inbox& inbox) override;
+  coupling::Outcome advance(const coupling::Window& window, const coupling::Inbox& inbox) override;
+  void save() override { saved_ = state_; }
+  void restore() override { state_ = saved_; }
+  [[nodiscard]] OutputFrame frame() const override;
+  [[nodiscard]] std::vector<GaugeReading> gauges() const override;
+  [[nodiscard]] std::map<std::string, double> counters() const override;
+
+  /// For tests and tools that look inside.
+  [[nodiscard]] const State<D>& state() const { return state_; }
+  [[nodiscard]] const Setup<D>& setup() const { return setup_; }
+
+ private:
+  [[nodiscard]] VecArray<D> gradient_of(const ScalarArray& pressure) const;
+  [[nodiscard]] double next_load_after(double time) const;
+
+  Case scene_;
+  Setup<D> setup_;
+  State<D> state_, saved_;
+};
+
+}  // namespace poretwin::solid

@@ -1,0 +1,115 @@
+#include "solid_solver/setup.hpp"
+
+#include "common/core/error.hpp"
+#include "solid_solver/permeability.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace poretwin::solid {
+namespace {
+
+constexpr double lengths_per_spacing = 1.2;  // h / dx, the paper's
+
+/// Particles near a straight piece of face, nearest piece first taken. reach [m]: two supports, because a surface
+/// changes the correction of the first and the force of unit stress within the second.
+template <int D>
+void attach_load(const Load& load, double reach, double margin, const VecArray<D>& positions, Setup<D>& setup) {
+  const auto planes = planes_of<D>(load.face, 0, margin);
+  std::vector<LoadedPatch<D>> patches(planes.size());
+  for (std::size_t k = 0; k < planes.size(); ++k) {
+    patches[k].traction = load.traction.head<D>();
+    patches[k].normal = planes[k].normal;
+    if (load.start) patches[k].start = *load.start;
+  }
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    double nearest = reach;
+    std::size_t best = planes.size();
+    for (std::size_t k = 0; k < planes.size(); ++k) {
+      const double distance = std::abs(planes[k].normal.dot(positions[i] - planes[k].point));
+      if (planes[k].to > planes[k].from) {
+        const double along = planes[k].tangent.dot(positions[i]);
+        if (along < planes[k].from || along > planes[k].to) continue;
+      }
+      if (distance < nearest) {
+        nearest = distance;
+        best = k;
+      }
+    }
+    if (best < planes.size()) patches[best].particles.push_back(static_cast<Index>(i));
+  }
+  bool any = false;
+  for (auto& patch : patches) {
+    if (patch.particles.empty()) continue;
+    any = true;
+    setup.loads.push_back(std::move(patch));
+  }
+  if (!any)
+    throw CaseError(
+        fmt::format("load \"{}\": no soil particle lies within {:.4g} m of its face; move the face to the soil's "
+                    "surface",
+                    load.name, reach));
+}
+
+}  // namespace
+
+template <int D>
+std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
+  Setup<D> setup;
+  Particles<D> particles;
+  setup.spacing = scene.solid.particle_spacing;
+  if (!(setup.spacing > 0.0))
+    throw CaseError(fmt::format("solid.particle_spacing: expected a length above 0 m, found {}", setup.spacing));
+  setup.smoothing_length = lengths_per_spacing * setup.spacing;
+  setup.skin = 0.2 * setup.spacing;
+  setup.gravity = scene.general.gravity.head<D>();
+  setup.water_weight = water_weight(scene);
+  setup.inertia_share = scene.fluid.skeleton_response ? 0.5 : 0.0;
+  double fastest = 0.0;
+  for (std::size_t s = 0; s < scene.soils.size(); ++s) {
+    const Soil& soil = scene.soils[s];
+    setup.models.push_back(make_constitutive(scene.solid.model, soil));
+    setup.grain_density.push_back(soil.grain_density);
+    const auto lattice = fill<D>(soil.shape, setup.spacing, scene.solid.offset, scene.solid.jitter,
+                                 scene.solid.seed + static_cast<unsigned>(s));
+    const double density = (1.0 - soil.porosity) * soil.grain_density;
+    fastest = std::max(fastest, std::sqrt(setup.models.back()->elasticity().constrained() / density));
+    for (const auto& x : lattice.position) {
+      particles.position.push_back(x);
+      particles.mass.push_back(density * lattice.volume);
+      particles.volume.push_back(lattice.volume);
+      particles.material.push_back(static_cast<Index>(s));
+    }
+  }
+  const std::size_t n = particles.size();
+  if (n == 0) throw CaseError("no soil particle lies in any [[soil]] shape: check shapes and solid.particle_spacing");
+  particles.displacement.assign(n, Vec<D>::Zero());
+  particles.velocity.assign(n, Vec<D>(scene.solid.initial_velocity.head<D>()));
+  particles.stress.assign(n, Tensor::Zero());
+  particles.plastic_strain.assign(n, 0.0);
+  particles.gradient.assign(n, Mat<D>::Zero());
+  particles.correction.assign(n, Mat<D>::Identity());
+  setup.stabilisers.sound_speed = fastest;
+  setup.longest_substep = setup.courant * setup.spacing / fastest;
+  Vec<D> lower = particles.position[0], upper = lower;
+  for (const auto& x : particles.position) {
+    lower = lower.cwiseMin(x);
+    upper = upper.cwiseMax(x);
+  }
+  const double g = setup.gravity.norm();
+  setup.height = setup.spacing +
+                 (g > 0.0 ? (upper - lower).cwiseAbs().dot(setup.gravity.cwiseAbs()) / g : (upper - lower).maxCoeff());
+  setup.boundaries = make_boundaries<D>(scene, setup.range());
+  for (const auto& load : scene.loads)
+    attach_load<D>(load, 2.0 * sph::support_radius * setup.smoothing_length, 0.01 * setup.spacing, particles.position,
+                   setup);
+  return {std::move(setup), std::move(particles)};
+}
+
+template struct Setup<2>;
+template struct Setup<3>;
+template std::pair<Setup<2>, Particles<2>> set_up<2>(const Case&);
+template std::pair<Setup<3>, Particles<3>> set_up<3>(const Case&);
+
+}  // namespace poretwin::solid

@@ -1,0 +1,58 @@
+// What stays constant during a run: the case as the solver's numbers.
+#pragma once
+
+#include "solid_solver/boundaries.hpp"
+#include "solid_solver/constitutive/model.hpp"
+#include "solid_solver/operators.hpp"
+
+#include <limits>
+#include <memory>
+
+namespace poretwin::solid {
+
+/// A traction on the particles near one straight piece of a loaded face; it stays with these particles.
+template <int D>
+struct LoadedPatch {
+  Vec<D> traction = Vec<D>::Zero();                         ///< Pa
+  Vec<D> normal = Vec<D>::Zero();                           ///< unit, into the soil
+  double start = -std::numeric_limits<double>::infinity();  ///< s; standing loads have always been there
+  std::vector<Index> particles;
+};
+
+template <int D>
+struct Setup {
+  double spacing = 0.0;           ///< m
+  double smoothing_length = 0.0;  ///< m
+  double skin = 0.0;              ///< m, pair lists hold until something moved half of it
+  double courant = 0.8;           ///< of dx / sqrt(M / rho_bar)
+  double flow_limit = 0.01;    ///< plastic strain above which the zero-energy control is off: it would brake the flow
+  double inertia_share = 0.5;  ///< zr of the tracking coefficient Z = C + zr rho_bar / Dt
+  Vec<D> gravity = Vec<D>::Zero();
+  double water_weight = 0.0;     ///< N/m3, behind the word "conductivity"
+  double longest_substep = 0.0;  ///< s
+  double height = 0.0;           ///< m, extent of the soil along gravity
+  Stabilisers stabilisers;
+  Boundaries<D> boundaries;
+  std::vector<LoadedPatch<D>> loads;
+  std::vector<std::unique_ptr<ConstitutiveModel>> models;  ///< one per soil
+  ScalarArray grain_density;                               ///< kg/m3, one per soil
+  [[nodiscard]] double range() const { return sph::support_radius * smoothing_length + skin; }
+};
+
+/// Volume fraction of the grains, n_s = m / (rho_s V), Eq. (50).
+template <int D>
+double solid_fraction(const Setup<D>& setup, const Particles<D>& particles, std::size_t i) {
+  return particles.mass[i] / (setup.grain_density[particles.material[i]] * particles.volume[i]);
+}
+
+/// Porosity, n_w = 1 - n_s.
+template <int D>
+double void_fraction(const Setup<D>& setup, const Particles<D>& particles, std::size_t i) {
+  return 1.0 - solid_fraction(setup, particles, i);
+}
+
+/// Numbers from the case; particles on the lattices of its soils. Throws CaseError when there is nothing to simulate.
+template <int D>
+std::pair<Setup<D>, Particles<D>> set_up(const Case& scene);
+
+}  // namespace poretwin::solid

@@ -1,0 +1,98 @@
+// Everything of the soil skeleton that changes in time, as plain arrays: copied whole to save and restore.
+#pragma once
+
+#include "common/core/vector.hpp"
+#include "common/sph/neighbours.hpp"
+#include "solid_solver/stress.hpp"
+
+#include <array>
+#include <vector>
+
+namespace poretwin::solid {
+
+/// The real particles.
+template <int D>
+struct Particles {
+  VecArray<D> position;         ///< m
+  VecArray<D> displacement;     ///< m, since the unloaded lattice
+  VecArray<D> velocity;         ///< m/s
+  ScalarArray mass;             ///< kg (per metre in 2D) of solid matter
+  ScalarArray volume;           ///< m^D, bulk volume V = m / (n_s rho_s)
+  std::vector<Tensor> stress;   ///< Pa, effective, compression negative
+  ScalarArray plastic_strain;   ///< accumulated equivalent deviatoric plastic strain
+  std::vector<Index> material;  ///< index of the soil
+  MatArray<D> gradient;         ///< 1/s, velocity gradient d v_a / d x_b
+  MatArray<D> correction;       ///< kernel-gradient correction B
+  [[nodiscard]] std::size_t size() const { return mass.size(); }
+};
+
+/// What the pair loops read of a particle or an image, packed: neighbours are visited in scattered order.
+template <int D>
+struct Node {
+  Vec<D> position = Vec<D>::Zero();
+  double volume = 0.0;               ///< m^D
+  double mass = 0.0;                 ///< kg
+  Vec<D> velocity = Vec<D>::Zero();  ///< m/s
+  Mat<D> flux = Mat<D>::Zero();      ///< V sigma B, N m^(D-2)..: the stress as its neighbours feel it
+  Mat<D> gradient = Mat<D>::Zero();  ///< 1/s
+  double inverse_density = 0.0;      ///< m3/kg, of rho_bar
+  double control = 1.0;              ///< weight of the zero-energy-mode control, 0 where the soil flows
+};
+
+/// One wall that an image lies behind. Acceleration vanishes at a wall (its normal part at a roller), hence stress
+/// varies across it as d(sigma n)/dn = -b with the body force b: the mirrored stress gets 2 d (share b) n^T.
+template <int D>
+struct Crossing {
+  Vec<D> normal = Vec<D>::Zero();  ///< unit, into the soil
+  double level = 0.0;              ///< normal . point of the wall [m]
+  Mat<D> share = Mat<D>::Zero();   ///< of the parent's body force: all of it (fixed) or its normal part (roller)
+};
+
+/// How one image follows its parent: x' = map x + shift, v' = velocity v, (sigma B)' = velocity (sigma B) map^T.
+template <int D>
+struct ImageRule {
+  Index parent = 0;
+  Mat<D> map = Mat<D>::Identity();
+  Vec<D> shift = Vec<D>::Zero();
+  Mat<D> velocity = Mat<D>::Identity();
+  std::array<Crossing<D>, D> crossings{};
+  std::size_t n_crossings = 0;
+  bool periodic = false;  ///< the domain truly goes on: scalars carry over unchanged
+};
+
+/// Who is near whom: real particles and images. Survives displacements below half the skin.
+template <int D>
+struct Neighbourhood {
+  VecArray<D> built_at;  ///< positions of the real particles when built [m]
+  std::vector<ImageRule<D>> images;
+  sph::PairList pairs;  ///< of every real particle, among real particles (first) and images
+};
+
+/// Water and loads as they act during a window.
+template <int D>
+struct External {
+  ScalarArray pressure, coverage;  ///< Pa; 0..1
+  VecArray<D> pressure_gradient;   ///< Pa/m, SPH form of Eq. (62) (or (61)), at the end of the last window
+};
+
+template <int D>
+struct State {
+  double time = 0.0;  ///< s
+  std::uint64_t revision = 1;
+  Particles<D> particles;
+  Neighbourhood<D> near;
+  std::vector<Node<D>> nodes;  ///< real particles, then images
+  ScalarArray kernel;          ///< W'/r of every pair of the list at the current positions [1/m^(D+2)]
+  VecArray<D> body;            ///< N/m3, all distributed forces that act now: weight, water; not tractions
+  VecArray<D> internal;        ///< N/m3, div sigma' (adjoint form) of the current state
+  VecArray<D> stabilising;     ///< N/m3, zero-energy-mode control and artificial viscosity
+  External<D> external;
+  VecArray<D> mean_velocity;      ///< m/s over the last window
+  VecArray<D> returned_impulse;   ///< N s, last window
+  VecArray<D> rest_displacement;  ///< m, after initialise: where uplift counts from
+  std::vector<char> yielded;      ///< during the last window
+  bool any_yielded = false;
+  double substeps = 0.0, rebuilds = 0.0, rest_steps = 0.0;  ///< counters
+};
+
+}  // namespace poretwin::solid

@@ -1,0 +1,129 @@
+#include "solid_solver/step.hpp"
+
+#include "common/core/error.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace poretwin::solid {
+
+template <int D>
+void rebuild(const Setup<D>& setup, State<D>& state) {
+  build_neighbourhood<D>(setup.boundaries, setup.range(), state.particles, state.near);
+  fill_nodes<D>(state.particles, state.near, state.body, setup.flow_limit, state.nodes);
+  pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, state.kernel);
+  velocity_gradient<D>(state.nodes, state.near.pairs, state.kernel, state.particles.gradient,
+                       state.particles.correction);
+  state.rebuilds += 1.0;
+}
+
+template <int D>
+bool rebuild_if_moved(const Setup<D>& setup, State<D>& state) {
+  const double limit = 0.25 * setup.skin * setup.skin;
+  for (std::size_t i = 0; i < state.particles.size(); ++i)
+    if ((state.particles.position[i] - state.near.built_at[i]).squaredNorm() > limit) {
+      rebuild(setup, state);
+      return true;
+    }
+  return false;
+}
+
+template <int D>
+void evaluate_forces(const Setup<D>& setup, State<D>& state) {
+  fill_nodes<D>(state.particles, state.near, state.body, setup.flow_limit, state.nodes);
+  pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, state.kernel);
+  internal_force<D>(state.nodes, state.near.pairs, state.kernel, setup.smoothing_length, setup.stabilisers,
+                    state.internal, state.stabilising);
+}
+
+template <int D>
+void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& state) {
+  Particles<D>& p = state.particles;
+  const std::size_t n = p.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    Vec<D> force = p.volume[i] * (state.internal[i] + state.stabilising[i]) + p.mass[i] * setup.gravity;
+    force += drive.distributed[i];
+    if (!drive.traction.empty()) force += drive.traction[i];
+    state.body[i] = (p.mass[i] * setup.gravity + drive.distributed[i]) / p.volume[i];
+    const double rate = dt / p.mass[i];
+    if (drive.tracking.empty()) {
+      p.velocity[i] = (p.velocity[i] + rate * force) / (1.0 + dt * drive.damping);
+      continue;
+    }
+    const double z = drive.tracking[i];
+    p.velocity[i] = (p.velocity[i] + rate * (force + z * drive.target[i])) / (1.0 + rate * z + dt * drive.damping);
+    state.returned_impulse[i] += dt * z * (drive.target[i] - p.velocity[i]);
+  }
+  fill_velocities<D>(p, state.near, state.nodes);
+  velocity_gradient<D>(state.nodes, state.near.pairs, state.kernel, p.gradient, p.correction);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Mat<D>& gradient = p.gradient[i];
+    const Vec<D> moved = dt * p.velocity[i];
+    p.position[i] += moved;
+    p.displacement[i] += moved;
+    p.volume[i] *= 1.0 + dt * gradient.trace();  // mass kept: n_s = m / (rho_s V), Eq. (50) by its rate
+    Tensor& stress = p.stress[i];
+    stress += dt * spin_rate<D>(stress, gradient);
+    const double plastic = setup.models[p.material[i]]->advance(stress, dt * strain_rate<D>(gradient));
+    if (plastic > 0.0) {
+      p.plastic_strain[i] += plastic;
+      state.yielded[i] = 1;
+      state.any_yielded = true;
+    }
+  }
+  rebuild_if_moved(setup, state);
+  evaluate_forces(setup, state);
+}
+
+template <int D>
+VecArray<D> pressure_gradient(const State<D>& state, SolidCase::PressureGradient form, const Vec<D>& water_weight,
+                              std::span<const double> pressure) {
+  if (form == SolidCase::PressureGradient::sum) return pressure_gradient_sum<D>(state, pressure, water_weight);
+  return pressure_gradient_difference<D>(state, pressure);
+}
+
+template <int D>
+VecArray<D> load_forces(const Setup<D>& setup, const State<D>& state, double time) {
+  VecArray<D> force(state.particles.size(), Vec<D>::Zero());
+  VecArray<D> q;
+  for (const auto& patch : setup.loads) {
+    if (time < patch.start) continue;
+    if (q.empty()) q = surface_vectors<D>(state);
+    for (const Index i : patch.particles)
+      force[i] += (state.particles.volume[i] * patch.normal.dot(q[i])) * patch.traction;
+  }
+  return force;
+}
+
+template <int D>
+void check_finite(const State<D>& state, double last_good_time) {
+  const auto& p = state.particles;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    const double sum = p.velocity[i].sum() + p.position[i].sum() + p.stress[i].sum() + p.volume[i];
+    if (std::isfinite(sum) && p.volume[i] > 0.0) continue;
+    const Tensor& s = p.stress[i];
+    throw DivergedError(
+        fmt::format("the soil diverged at particle {} near ({}): velocity ({}) m/s, volume {:.4g}, stress xx {:.4g} yy "
+                    "{:.4g} zz {:.4g} "
+                    "xy {:.4g} Pa; last good time {:.6g} s",
+                    i, fmt::join(state.near.built_at[i].data(), state.near.built_at[i].data() + D, ", "),
+                    fmt::join(p.velocity[i].data(), p.velocity[i].data() + D, ", "), p.volume[i], s[0], s[1], s[2],
+                    s[3], last_good_time));
+  }
+}
+
+#define PORETWIN_INSTANTIATE(D)                                                                          \
+  template void rebuild<D>(const Setup<D>&, State<D>&);                                                  \
+  template bool rebuild_if_moved<D>(const Setup<D>&, State<D>&);                                         \
+  template void evaluate_forces<D>(const Setup<D>&, State<D>&);                                          \
+  template void substep<D>(const Setup<D>&, double, const Drive<D>&, State<D>&);                         \
+  template VecArray<D> pressure_gradient<D>(const State<D>&, SolidCase::PressureGradient, const Vec<D>&, \
+                                            std::span<const double>);                                    \
+  template VecArray<D> load_forces<D>(const Setup<D>&, const State<D>&, double);                         \
+  template void check_finite<D>(const State<D>&, double);
+PORETWIN_INSTANTIATE(2)
+PORETWIN_INSTANTIATE(3)
+#undef PORETWIN_INSTANTIATE
+
+}  // namespace poretwin::solid

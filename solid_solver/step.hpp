@@ -1,0 +1,47 @@
+// The two-loop symplectic step of the skeleton and what keeps its lists and forces current.
+#pragma once
+
+#include "solid_solver/setup.hpp"
+
+namespace poretwin::solid {
+
+/// Forces from outside during one substep, besides gravity; empty arrays mean none.
+template <int D>
+struct Drive {
+  VecArray<D> distributed;  ///< N on each particle: the water's pressure and seepage (always filled)
+  VecArray<D> traction;     ///< N on each particle near a loaded face
+  ScalarArray tracking;     ///< V Z [N s/m], of the force V Z (target - v)
+  VecArray<D> target;       ///< m/s
+  double damping = 0.0;     ///< 1/s, only while the initial rest is sought
+};
+
+/// Builds lists and images anew and everything that hangs on them.
+template <int D>
+void rebuild(const Setup<D>& setup, State<D>& state);
+
+/// Rebuilds when something moved more than half the skin; says whether it did.
+template <int D>
+bool rebuild_if_moved(const Setup<D>& setup, State<D>& state);
+
+/// Kernels, internal and stabilising forces of the current state.
+template <int D>
+void evaluate_forces(const Setup<D>& setup, State<D>& state);
+
+/// One substep of dt [s] from a state with current forces to the next. Tracking impulse adds to state.returned_impulse.
+template <int D>
+void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& state);
+
+/// Pore-pressure gradient [Pa/m] at the soil's points, by the operator the case chose.
+template <int D>
+VecArray<D> pressure_gradient(const State<D>& state, SolidCase::PressureGradient form, const Vec<D>& water_weight,
+                              std::span<const double> pressure);
+
+/// Force of all loads that have begun at `time` [N per particle]: a traction acts as the force of unit stress does.
+template <int D>
+VecArray<D> load_forces(const Setup<D>& setup, const State<D>& state, double time);
+
+/// Throws DivergedError naming particle, stress and the last good time when anything is not finite.
+template <int D>
+void check_finite(const State<D>& state, double last_good_time);
+
+}  // namespace poretwin::solid

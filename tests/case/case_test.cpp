@@ -1,0 +1,219 @@
+// The case file: values arrive, mistakes are named with file, line, key, what was expected and what was found.
+#include "common/case/case.hpp"
+#include "common/case/document.hpp"
+#include "common/core/error.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace poretwin {
+namespace {
+
+using testing::HasSubstr;
+
+const std::string sound_case = R"([case]
+title = "column"
+end_time = 3.6
+gravity = [0, 0]
+[[soil]]
+shape = "box"
+min = [0, 0]
+max = [0.1, 0.4]
+porosity = 0.4
+[[wall]]
+name = "base"
+points = [[0, 0], [0.1, 0]]
+soil = "fixed"
+[[water_face]]
+points = [[0.1, 0.4], [0, 0.4]]
+pressure = 0
+[[load]]
+points = [[0.1, 0.4], [0, 0.4]]
+traction = [0, -1000]
+start = 0
+[fluid]
+particle_spacing = 0.01
+[[fluid.region]]
+min = [0, 0]
+max = [0.1, 0.4]
+[[gauge]]
+name = "settlement"
+phase = "solid"
+kind = "point"
+quantity = "displacement_y"
+points = [[0.05, 0.4]]
+)";
+
+class CaseFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() / ("poretwin-case-" + std::to_string(::getpid()));
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  Case read(const std::string& text, const std::vector<std::string>& overrides = {}) {
+    const auto path = folder_ / "case.toml";
+    std::ofstream(path) << text;
+    return read_case(path, overrides);
+  }
+  std::string complaint(const std::string& text, const std::vector<std::string>& overrides = {}) {
+    try {
+      read(text, overrides);
+    } catch (const CaseError& error) {
+      return error.what();
+    }
+    return "no complaint";
+  }
+  static std::string changed(std::string text, const std::string& from, const std::string& to) {
+    const auto at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return text.replace(at, from.size(), to);
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(CaseFile, ArrivesInTheStruct) {
+  const Case scene = read(sound_case);
+  EXPECT_EQ(scene.general.title, "column");
+  EXPECT_EQ(scene.general.gravity, Point3::Zero());
+  ASSERT_EQ(scene.soils.size(), 1u);
+  EXPECT_DOUBLE_EQ(scene.soils[0].shape.max.y(), 0.4);
+  EXPECT_EQ(scene.walls[0].soil, Wall::ForSoil::fixed);
+  EXPECT_EQ(scene.walls[0].water, Wall::ForWater::free_slip);
+  ASSERT_TRUE(scene.water_faces[0].pressure);
+  EXPECT_FALSE(scene.water_faces[0].head);
+  EXPECT_EQ(scene.loads[0].start, 0.0);
+  EXPECT_DOUBLE_EQ(scene.solid.particle_spacing, 0.01);
+  EXPECT_TRUE(scene.coupled());
+  EXPECT_EQ(scene.text, sound_case);
+}
+
+TEST_F(CaseFile, GravityPointsDownTheLastAxis) {
+  const std::string fluid = "[fluid]\nparticle_spacing = 0.1\n[solid]\nmodel = \"rigid\"\n[[fluid.region]]\n";
+  EXPECT_EQ(read("[case]\nend_time = 1\n" + fluid + "min = [0, 0]\nmax = [1, 1]\n").general.gravity,
+            Point3(0, -9.81, 0));
+  EXPECT_EQ(
+      read("[case]\ndimension = 3\nend_time = 1\n" + fluid + "min = [0, 0, 0]\nmax = [1, 1, 1]\n").general.gravity,
+      Point3(0, 0, -9.81));
+}
+
+TEST_F(CaseFile, SeriesInterpolatesAndHolds) {
+  const Case scene = read(changed(sound_case, "pressure = 0", "head = [[0, 0.1], [10, 0.3]]"));
+  EXPECT_DOUBLE_EQ(scene.water_faces[0].head->at(-1), 0.1);
+  EXPECT_DOUBLE_EQ(scene.water_faces[0].head->at(5), 0.2);
+  EXPECT_DOUBLE_EQ(scene.water_faces[0].head->at(20), 0.3);
+}
+
+TEST_F(CaseFile, NamesTheNearestKey) {
+  EXPECT_THAT(
+      complaint(changed(sound_case, "porosity", "porosty")),
+      HasSubstr("case.toml:9: key 'soil[0].porosty' is not known; did you mean 'porosity'? Keys here: name, shape"));
+  EXPECT_THAT(complaint(changed(sound_case, "[[load]]", "[[lod]]")),
+              HasSubstr("key 'lod' is not known; did you mean 'load'?"));
+}
+
+TEST_F(CaseFile, NamesTypeAndRange) {
+  EXPECT_THAT(complaint(changed(sound_case, "porosity = 0.4", "porosity = -0.4")),
+              HasSubstr("case.toml:9: key 'soil[0].porosity': expected a number in (0, 1), found -0.4"));
+  EXPECT_THAT(complaint(changed(sound_case, "porosity = 0.4", "porosity = \"high\"")),
+              HasSubstr("found the text \"high\""));
+  EXPECT_THAT(complaint(changed(sound_case, "porosity = 0.4", "poissons_ratio = 0.5")),
+              HasSubstr("expected a number in [0, 0.5)"));
+  EXPECT_THAT(complaint(changed(sound_case, "porosity = 0.4", "youngs_modulus = nan")),
+              HasSubstr("expected a number > 0 in Pa, found nan"));
+  EXPECT_THAT(complaint(changed(sound_case, "end_time = 3.6", "dimension = 4")),
+              HasSubstr("a whole number in [2, 3], found 4"));
+  EXPECT_THAT(complaint(changed(sound_case, "soil = \"fixed\"", "soil = \"fixd\"")),
+              HasSubstr("did you mean \"fixed\"?"));
+  EXPECT_THAT(complaint(changed(sound_case, "max = [0.1, 0.4]", "max = [0.1, 0.4, 1]")),
+              HasSubstr("expected [x, y] in m, found [0.1, 0.4, 1]"));
+  EXPECT_THAT(complaint(changed(sound_case, "end_time = 3.6\n", "")), HasSubstr("key 'case.end_time' is missing"));
+  EXPECT_THAT(complaint(changed(sound_case, "porosity = 0.4", "porosity = ")),
+              HasSubstr("case.toml:9: not valid TOML"));
+}
+
+TEST_F(CaseFile, NamesTheOverride) {
+  EXPECT_DOUBLE_EQ(read(sound_case, {"soil.0.porosity=0.3"}).soils[0].porosity, 0.3);
+  EXPECT_EQ(read(sound_case, {"solid.model=drucker_prager"}).solid.model, SolidCase::Model::drucker_prager);
+  EXPECT_DOUBLE_EQ(*read(sound_case, {"coupling.interval=1e-3"}).coupling.interval, 1e-3);
+  EXPECT_THAT(complaint(sound_case, {"soil[0].porosity=2"}),
+              HasSubstr("--set soil[0].porosity=2: key 'soil[0].porosity': expected a number in (0, 1), found 2"));
+  EXPECT_THAT(complaint(sound_case, {"soil.3.porosity=0.2"}),
+              HasSubstr("expected an index from 0 to 0 in place of '3'"));
+  EXPECT_THAT(complaint(sound_case, {"fluid.jiter=0.2"}), HasSubstr("did you mean 'jitter'?"));
+  EXPECT_THAT(complaint(sound_case, {"nonsense"}), HasSubstr("expected section.key=value"));
+}
+
+TEST_F(CaseFile, ChecksSoilAndGeometry) {
+  EXPECT_THAT(complaint(changed(sound_case, "porosity = 0.4", "friction_angle = 20\ndilation_angle = 30")),
+              HasSubstr("key 'soil[0].dilation_angle': expected at most the friction angle of 20 degrees, found 30"));
+  EXPECT_THAT(complaint(changed(sound_case, "max = [0.1, 0.4]", "max = [0.1, 0]")), HasSubstr("above that of 'min'"));
+  EXPECT_THAT(complaint(changed(sound_case, "max = [0.1, 0.4]", "max = [0.1, 0.001]")), HasSubstr("no particle fits"));
+  EXPECT_THAT(complaint(changed(sound_case, "[[wall]]", "[[soil]]\nmin = [0, 0.3]\nmax = [0.1, 0.5]\n[[wall]]")),
+              HasSubstr("key 'soil[1]': overlaps soil[0]"));
+  EXPECT_THAT(complaint(changed(sound_case, "shape = \"box\"\nmin = [0, 0]\nmax = [0.1, 0.4]",
+                                "shape = \"polygon\"\npoints = [[0, 0], [1, 0]]")),
+              HasSubstr("expected 3 corners or more, found 2"));
+}
+
+TEST_F(CaseFile, ChecksWalls) {
+  const auto with_wall = [&](const std::string& points) {
+    return complaint(
+        changed(sound_case, "[[water_face]]", "[[wall]]\nname = \"second\"\npoints = " + points + "\n[[water_face]]"));
+  };
+  EXPECT_THAT(with_wall("[[0.05, 0], [0.2, 0]]"),
+              HasSubstr("wall[1] \"second\" lies on wall[0] \"base\" from [0.05, 0] to [0.1, 0] m"));
+  EXPECT_THAT(with_wall("[[0.05, -1], [0.05, 1]]"), HasSubstr("crosses wall[0] \"base\" at [0.05, 0] m"));
+  EXPECT_EQ(with_wall("[[0.1, 0], [0.1, 0.4]]"), "no complaint");
+  EXPECT_EQ(with_wall("[[0.1, 0], [0.3, 0]]"), "no complaint");
+  EXPECT_THAT(with_wall("[[0.1, 0.4], [0, 0.4]]"), HasSubstr("key 'water_face[0]': lies on wall[1] \"second\""));
+}
+
+TEST_F(CaseFile, ChecksFacesGaugesAndPeriods) {
+  EXPECT_THAT(complaint(changed(sound_case, "pressure = 0\n", "")),
+              HasSubstr("either 'head' or 'pressure', found neither"));
+  EXPECT_THAT(complaint(changed(sound_case, "pressure = 0\n", "pressure = 0\nhead = 1\n")), HasSubstr("found both"));
+  EXPECT_THAT(complaint(changed(sound_case, "phase = \"solid\"", "phase = \"soil\"")),
+              HasSubstr("did you mean \"solid\"?"));
+  EXPECT_THAT(complaint(changed(sound_case, "kind = \"point\"", "kind = \"pint\"")), HasSubstr("key 'gauge[0].kind'"));
+  EXPECT_THAT(complaint(changed(sound_case, "gravity = [0, 0]", "periodic = [\"x\"]")),
+              HasSubstr("the periodic axis \"x\" needs case.domain_min"));
+  EXPECT_THAT(complaint(changed(sound_case, "gravity = [0, 0]", "periodic = [\"z\"]")),
+              HasSubstr("expected an array of \"x\", \"y\""));
+}
+
+TEST_F(CaseFile, MissingFileIsNamed) {
+  try {
+    read_case(folder_ / "absent.toml");
+    FAIL();
+  } catch (const FileError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("absent.toml: cannot be opened: No such file or directory"));
+  }
+}
+
+TEST_F(CaseFile, DigestHoldsWhatBothMustAgreeOn) {
+  const auto digest = read(sound_case).digest();
+  EXPECT_EQ(digest.size(), 16u);
+  EXPECT_EQ(read("# a comment\n" +
+                 changed(sound_case, "title = \"column\"\nend_time = 3.6", "end_time = 3.60\ntitle = \"column\""))
+                .digest(),
+            digest);
+  EXPECT_EQ(read(sound_case, {"fluid.particle_spacing=0.02"}).digest(), digest);
+  EXPECT_NE(read(sound_case, {"soil.0.porosity=0.41"}).digest(), digest);
+  EXPECT_NE(read(sound_case, {"coupling.interval=1"}).digest(), digest);
+}
+
+TEST(CaseReference, StandsInDocs) {
+  EXPECT_EQ(read_text(std::filesystem::path(PORETWIN_SOURCE_DIR) / "docs" / "case-file.md"), case_reference())
+      << "write it anew with: poretwin keys > docs/case-file.md";
+}
+
+}  // namespace
+}  // namespace poretwin

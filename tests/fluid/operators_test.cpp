@@ -1,0 +1,136 @@
+// Discrete operators against fields whose derivatives are known.
+#include "fluid_solver/operators.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace poretwin::fluid {
+namespace {
+
+template <int D>
+Stencil<D> box(double jitter, std::size_t count, std::span<const sph::ImagePlane<D>> planes, std::vector<Vec<D>>* points = nullptr) {
+  VecArray<D> x;
+  std::mt19937_64 generator(3);
+  std::uniform_real_distribution<double> noise(-jitter, jitter);
+  const double dx = 1.0 / static_cast<double>(count);
+  for (std::size_t k = 0; k < (D == 3 ? count : 1); ++k)
+    for (std::size_t j = 0; j < count; ++j)
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t cell[3] = {i, j, k};
+        Vec<D> p;
+        for (int d = 0; d < D; ++d) p[d] = (static_cast<double>(cell[d]) + 0.5 + noise(generator)) * dx;
+        x.push_back(p);
+      }
+  if (points) *points = x;
+  const ScalarArray volume(x.size(), std::pow(dx, D));
+  return make_stencil<D>(x, volume, std::span<const Buffer<D>>(), planes, [](Index, const Vec<D>&) { return 0.0; });
+}
+
+template <int D>
+std::vector<sph::ImagePlane<D>> walls() {
+  std::vector<sph::ImagePlane<D>> planes;
+  for (int d = 0; d < D; ++d)
+    for (const double side : {0.0, 1.0}) {
+      sph::ImagePlane<D> plane;
+      plane.point = Vec<D>::Constant(side);
+      plane.normal[d] = side > 0.0 ? -1.0 : 1.0;
+      plane.boundary = 2 * d + (side > 0.0);
+      planes.push_back(plane);
+    }
+  return planes;
+}
+
+template <int D>
+void expect_linear_exactness() {
+  VecArray<D> x;
+  const auto s = box<D>(0.2, 8, {}, &x);
+  Vec<D> slope;
+  Mat<D> shear;
+  for (int i = 0; i < D; ++i) {
+    slope[i] = 1.0 + 0.5 * i;
+    for (int j = 0; j < D; ++j) shear(i, j) = 0.3 * i - 0.7 * j + (i == j ? 2.0 : 0.0);
+  }
+  ScalarArray p;
+  VecArray<D> v;
+  for (const auto& point : x) {
+    p.push_back(slope.dot(point) + 3.0);
+    v.push_back(shear * point);
+  }
+  const auto g = pressure_gradient<D>(
+      s, p, [](Index) { return 0.0; }, [](std::size_t, std::size_t) { return 1.0; }, Vec<D>::Zero());
+  const auto d = divergence<D>(s, v);
+  for (std::size_t a = 0; a < x.size(); ++a) {
+    EXPECT_LT((g[a] - slope).norm(), 1e-10) << a;
+    EXPECT_NEAR(d[a], shear.trace(), 1e-10) << a;
+  }
+}
+
+TEST(Operators, GradientAndDivergenceAreExactForLinearFields) {
+  expect_linear_exactness<2>();
+  expect_linear_exactness<3>();
+}
+
+TEST(Operators, LaplacianOfACosineBetweenWalls) {
+  // cos(pi x) has no slope at the walls: the images make the Neumann condition.
+  const auto planes = walls<2>();
+  double previous = 1.0;
+  for (const std::size_t count : {std::size_t{16}, std::size_t{32}}) {
+    VecArray<2> x;
+    const auto s = box<2>(0.0, count, planes, &x);
+    const auto m = laplacian(s, [](std::size_t, std::size_t) { return 1.0; }, true);
+    ScalarArray p, y(x.size());
+    for (const auto& point : x) p.push_back(std::cos(std::numbers::pi * point.x()));
+    m.apply(std::span<const double>(p), std::span<double>(y));
+    double worst = 0.0;
+    for (std::size_t a = 0; a < x.size(); ++a)
+      worst = std::max(worst, std::abs(y[a] / s.volume[a] / (std::numbers::pi * std::numbers::pi) - p[a]));
+    EXPECT_LT(worst, 0.06);
+    EXPECT_LE(worst, previous);
+    previous = worst;
+  }
+}
+
+TEST(Operators, ImagesFillTheKernelAtWallsAndCorners) {
+  const auto planes = walls<3>();
+  const auto s = box<3>(0.0, 6, planes);
+  for (std::size_t a = 0; a < s.n_real; ++a) {
+    EXPECT_NEAR(s.fullness[a], 1.0, 1e-12);
+    EXPECT_LT(s.normal[a].norm(), 1e-10);
+  }
+}
+
+TEST(Operators, LaplacianIsSymmetricWithUnequalVolumes) {
+  VecArray<2> x;
+  const auto lattice = box<2>(0.3, 8, {}, &x);
+  ScalarArray volume(x.size());
+  for (std::size_t a = 0; a < x.size(); ++a) volume[a] = lattice.volume[a] * (x[a].x() > 0.5 ? 2.0 : 1.0);
+  const auto s = make_stencil<2>(x, volume, std::span<const Buffer<2>>(), {}, [](Index, const Vec<2>&) { return 0.0; });
+  const auto m = laplacian(s, [](std::size_t, std::size_t) { return 1.0; }, true);
+  ScalarArray u, v, mu(x.size()), mv(x.size());
+  for (const auto& point : x) {
+    u.push_back(std::sin(7.0 * point.x() + point.y()));
+    v.push_back(std::cos(3.0 * point.y() - point.x()));
+  }
+  m.apply(std::span<const double>(u), std::span<double>(mu));
+  m.apply(std::span<const double>(v), std::span<double>(mv));
+  EXPECT_NEAR(dot(u, mv), dot(v, mu), 1e-12 * norm(u) * norm(mv));
+}
+
+TEST(Operators, DirectionsWithoutNeighboursAreBlind) {
+  // One row of particles: nothing can be said across it.
+  VecArray<2> x;
+  for (int i = 0; i < 10; ++i) x.emplace_back(0.1 * i, 0.0);
+  const ScalarArray volume(x.size(), 0.01);
+  const auto s = make_stencil<2>(x, volume, std::span<const Buffer<2>>(), {}, [](Index, const Vec<2>&) { return 0.0; });
+  const Vec<2> fallback(5.0, 7.0);
+  ScalarArray p;
+  for (const auto& point : x) p.push_back(2.0 * point.x());
+  const auto g = pressure_gradient<2>(
+      s, p, [](Index) { return 0.0; }, [](std::size_t, std::size_t) { return 1.0; }, fallback);
+  EXPECT_NEAR(g[5].x(), 2.0, 1e-10);
+  EXPECT_NEAR(g[5].y(), 7.0, 1e-10);
+}
+
+}  // namespace
+}  // namespace poretwin::fluid

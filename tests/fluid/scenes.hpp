@@ -1,0 +1,62 @@
+// Small cases in memory, and a driver for the fluid alone.
+#pragma once
+
+#include "common/case/case.hpp"
+#include "common/coupling/phase.hpp"
+
+namespace poretwin::fluid::test {
+
+inline Shape box(double x0, double y0, double x1, double y1) {
+  Shape shape;
+  shape.min = Point3(x0, y0, 0.0);
+  shape.max = Point3(x1, y1, 0.0);
+  return shape;
+}
+
+/// The domain lies to the left of the walk.
+inline Face line(double x0, double y0, double x1, double y1) {
+  Face face;
+  face.points = {Point3(x0, y0, 0.0), Point3(x1, y1, 0.0)};
+  return face;
+}
+
+inline Wall wall(Face face) {
+  Wall w;
+  w.face = std::move(face);
+  return w;
+}
+
+inline Series constant(double value) { return Series{{{0.0, value}}}; }
+
+inline WaterFace head_face(Face face, double head) {
+  WaterFace w;
+  w.face = std::move(face);
+  w.head = constant(head);
+  return w;
+}
+
+inline WaterFace pressure_face(Face face, double pressure) {
+  WaterFace w;
+  w.face = std::move(face);
+  w.pressure = constant(pressure);
+  return w;
+}
+
+/// Advances with the phase's own interval up to a time, landing on it exactly; returns the number of windows.
+inline std::uint64_t run_to(Phase& phase, double& time, double end, double longest = 1e300) {
+  std::uint64_t steps = 0;
+  while (time < end * (1.0 - 1e-12)) {
+    const double dt = std::min({phase.publish().proposed_interval, longest, end - time});
+    phase.advance({steps++, time, dt}, {});
+    time += dt;
+  }
+  return steps;
+}
+
+inline double reading(const Phase& phase, const std::string& name) {
+  for (const auto& r : phase.gauges())
+    if (r.gauge == name) return r.value;
+  throw std::runtime_error("no gauge " + name);
+}
+
+}  // namespace poretwin::fluid::test

@@ -1,0 +1,146 @@
+// Water at rest and water seeping through rigid soil, against exact solutions.
+#include "fluid_solver/fluid_phase.hpp"
+#include "tests/fluid/scenes.hpp"
+
+#include <gtest/gtest.h>
+
+namespace poretwin::fluid {
+namespace {
+
+using namespace test;
+
+Soil sand() {
+  Soil soil;
+  soil.porosity = 0.4;
+  soil.hydraulic_conductivity = 1.1e-4;
+  return soil;
+}
+
+TEST(Seepage, TankAtRestStaysAtRest) {
+  Case scene;
+  scene.solid.model = SolidCase::Model::rigid;
+  scene.fluid.particle_spacing = 0.02;
+  scene.fluid.regions = {box(0.0, 0.0, 0.4, 0.2)};
+  scene.walls = {wall(line(0.0, 0.4, 0.0, 0.0)), wall(line(0.0, 0.0, 0.4, 0.0)), wall(line(0.4, 0.0, 0.4, 0.4))};
+  Fluid<2> fluid(scene);
+  fluid.initialise({});
+  double time = 0.0;
+  run_to(fluid, time, 2.0);
+  for (std::size_t a = 0; a < fluid.state().particles.size(); ++a) {
+    const auto& p = fluid.state().particles;
+    const double exact = 9810.0 * (0.2 - p.position[a].y());
+    EXPECT_NEAR(p.pressure[a] + 9810.0 * (0.2 - p.position[a].y()), exact, 0.01 * 9810.0 * 0.2);
+    EXPECT_LT(p.velocity[a].norm(), 1e-3);
+  }
+}
+
+TEST(Seepage, ConfinedFlowObeysDarcy) {
+  Case scene;
+  scene.solid.model = SolidCase::Model::rigid;
+  scene.fluid.particle_spacing = 0.02;
+  scene.soils = {sand()};
+  scene.soils[0].shape = box(0.0, 0.0, 0.4, 0.2);
+  scene.fluid.regions = {box(0.0, 0.0, 0.4, 0.2)};
+  scene.walls = {wall(line(0.0, 0.0, 0.4, 0.0)), wall(line(0.4, 0.2, 0.0, 0.2))};
+  scene.water_faces = {head_face(line(0.0, 0.2, 0.0, 0.0), 0.4), head_face(line(0.4, 0.0, 0.4, 0.2), 0.3)};
+  Fluid<2> fluid(scene);
+  fluid.initialise({});
+  const double exact = 1.1e-4 * 0.25 / 0.4;
+  for (const double dt : {0.1, 1e-3, 8.0}) {
+    fluid.advance({0, 0.0, dt}, {});
+    const auto& p = fluid.state().particles;
+    for (std::size_t a = 0; a < p.size(); ++a) {
+      EXPECT_NEAR(p.velocity[a].x() / exact, 1.0, 0.01);
+      EXPECT_NEAR(p.velocity[a].y() / exact, 0.0, 0.01);
+    }
+  }
+  // Steady: as much born as deleted, still Darcy's velocity after two pore volumes.
+  double time = 0.0;
+  const std::size_t before = fluid.state().particles.size();
+  run_to(fluid, time, 2.0 * 0.4 / exact);
+  const auto& p = fluid.state().particles;
+  EXPECT_NEAR(static_cast<double>(p.size()), static_cast<double>(before), 0.06 * static_cast<double>(before));
+  double mean = 0.0;
+  for (const auto& v : p.velocity) mean += v.x() / exact / static_cast<double>(p.size());
+  EXPECT_NEAR(mean, 1.0, 0.02);
+  RecordProperty("mean_velocity_over_exact", std::to_string(mean));
+}
+
+Case ponded_column(double dx) {
+  Case scene;
+  scene.solid.model = SolidCase::Model::rigid;
+  scene.fluid.particle_spacing = dx;
+  scene.soils = {sand()};
+  scene.soils[0].shape = box(0.0, 0.0, 0.1, 0.4);
+  scene.walls = {wall(line(0.0, 0.5, 0.0, 0.0)), wall(line(0.0, 0.0, 0.1, 0.0)), wall(line(0.1, 0.0, 0.1, 0.5))};
+  scene.water_faces = {head_face(line(0.1, 0.4, 0.0, 0.4), 0.5)};
+  Gauge front;
+  front.name = "front";
+  front.phase = "fluid";
+  front.kind = "front";
+  front.points = {Point3(0.05, 0.4, 0.0), Point3(0.05, 0.0, 0.0)};
+  Gauge volume;
+  volume.name = "volume";
+  volume.phase = "fluid";
+  volume.kind = "volume";
+  scene.gauges = {front, volume};
+  return scene;
+}
+
+TEST(Seepage, PondedWaterInfiltratesDryGround) {
+  // Sharp front under a constant head H0: t = (n/k) [z - H0 ln(1 + z/H0)].
+  const auto scene = ponded_column(0.01);
+  Fluid<2> fluid(scene);
+  EXPECT_EQ(fluid.publish().points.n_active, 0u);
+  fluid.initialise({});
+  double time = 0.0;
+  for (const double z : {0.1, 0.2, 0.3}) {
+    const double t = 0.4 / 1.1e-4 * (z - 0.1 * std::log(1.0 + z / 0.1));
+    run_to(fluid, time, t);
+    const double front = reading(fluid, "front"), volume = reading(fluid, "volume");
+    EXPECT_NEAR(front / z, 1.0, 0.02);
+    EXPECT_NEAR(volume / (0.4 * 0.1 * z), 1.0, 0.03);
+    std::printf("z %.3f front %.5f (%+.2f %%) volume %+.2f %%  particles %zu\n", z, front, 100 * (front / z - 1),
+                100 * (volume / (0.04 * z) - 1), fluid.state().particles.size());
+  }
+  for (const auto& [name, value] : fluid.counters()) std::printf("  %s %g\n", name.c_str(), value);
+}
+
+TEST(Seepage, RestoredStateRepeatsItself) {
+  const auto scene = ponded_column(0.02);
+  Fluid<2> fluid(scene);
+  fluid.initialise({});
+  double time = 0.0;
+  run_to(fluid, time, 50.0);
+  fluid.save();
+  const double start = time;
+  run_to(fluid, time, 150.0);
+  const auto first = fluid.state();
+  fluid.restore();
+  time = start;
+  run_to(fluid, time, 150.0);
+  const auto& second = fluid.state();
+  ASSERT_EQ(first.particles.size(), second.particles.size());
+  EXPECT_GT(first.particles.size(), 10u);
+  for (std::size_t a = 0; a < first.particles.size(); ++a) {
+    EXPECT_EQ(first.particles.position[a], second.particles.position[a]);
+    EXPECT_EQ(first.particles.velocity[a], second.particles.velocity[a]);
+    EXPECT_EQ(first.particles.pressure[a], second.particles.pressure[a]);
+  }
+}
+
+TEST(Seepage, NoWaterAtAllIsNoProblem) {
+  auto scene = ponded_column(0.02);
+  scene.water_faces[0].head = constant(0.1);  // below the face: dry for ever
+  Fluid<2> fluid(scene);
+  fluid.initialise({});
+  for (int i = 0; i < 3; ++i) fluid.advance({static_cast<std::uint64_t>(i), 1.0 * i, 1.0}, {});
+  EXPECT_EQ(fluid.state().particles.size(), 0u);
+  EXPECT_EQ(fluid.publish().points.size(), 0u);
+  EXPECT_EQ(reading(fluid, "front"), 0.0);
+  EXPECT_EQ(reading(fluid, "volume"), 0.0);
+  EXPECT_TRUE(fluid.frame().position.empty());
+}
+
+}  // namespace
+}  // namespace poretwin::fluid

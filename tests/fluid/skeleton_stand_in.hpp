@@ -1,0 +1,111 @@
+// A skeleton to couple with: an elastic column in y, finite differences, keeping the exchange contract as the solid phase does.
+#pragma once
+
+#include "common/coupling/exchange.hpp"
+
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <numbers>
+#include <vector>
+
+namespace poretwin::fluid::test {
+
+struct ElasticColumn {
+  double height = 0.2;       // m
+  double spacing = 0.01;     // m
+  double modulus = 4e6;      // Pa
+  double solid_fraction = 0.6;
+  double grain_density = 2600.0;
+  double conductivity = 1e-4;
+  double load = 1000.0;      // Pa on top
+  double weight_density = 9810.0;
+  std::vector<double> u, v, mean, extra, old_p;
+  double extra_momentum = 0.0;  // N s per m2 of cross-section taken beyond the drag impulse in the last window
+  std::uint64_t substeps = 0;
+
+  void start() {
+    const auto n = static_cast<std::size_t>(std::lround(height / spacing));
+    spacing = height / static_cast<double>(n);
+    u.assign(n, 0.0);
+    v = mean = extra = old_p = u;
+  }
+  double density() const { return solid_fraction * grain_density; }
+  double at(std::size_t i) const { return (static_cast<double>(i) + 0.5) * spacing; }
+  std::vector<double> force() const {
+    const std::size_t n = u.size();
+    std::vector<double> sigma(n + 1), f(n);
+    sigma[0] = modulus * u[0] / (0.5 * spacing);
+    for (std::size_t i = 1; i < n; ++i) sigma[i] = modulus * (u[i] - u[i - 1]) / spacing;
+    sigma[n] = -load;
+    for (std::size_t i = 0; i < n; ++i) f[i] = (sigma[i + 1] - sigma[i]) / spacing;
+    return f;
+  }
+  double settlement() const { return -u.back() - load / modulus * -0.5 * spacing; }
+
+  /// One window; pressure, drag force per volume and predicted velocity as functions of y.
+  void advance(double dt, const std::function<double(double)>& p, const std::function<double(double)>& drag,
+               const std::function<double(double)>& predicted, double porosity) {
+    const std::size_t n = u.size();
+    const double R = density(), C = weight_density * porosity * porosity / conductivity, Z = C + 0.5 * R / dt;
+    const auto count = static_cast<std::size_t>(std::ceil(dt / (0.5 * spacing / std::sqrt(modulus / R))));
+    const double h = dt / static_cast<double>(count);
+    std::vector<double> new_p(n), s(n), d(n), start = u;
+    for (std::size_t i = 0; i < n; ++i) {
+      new_p[i] = p(at(i));
+      s[i] = predicted(at(i));
+      d[i] = drag(at(i));
+    }
+    extra.assign(n, 0.0);
+    for (std::size_t step = 0; step < count; ++step) {
+      const double ramp = (static_cast<double>(step) + 1.0) / static_cast<double>(count);
+      const auto f = force();
+      for (std::size_t i = 0; i < n; ++i) {
+        const auto pressure = [&](std::size_t k) { return old_p[k] + ramp * (new_p[k] - old_p[k]); };
+        const double below = i > 0 ? pressure(i - 1) : pressure(0), above = i + 1 < n ? pressure(i + 1) : -pressure(n - 1);
+        const double total = f[i] - solid_fraction * (above - below) / (2.0 * spacing) + d[i];
+        v[i] = (v[i] + h / R * (total + Z * s[i])) / (1.0 + h * Z / R);
+        extra[i] += h * Z * (s[i] - v[i]);
+      }
+      for (std::size_t i = 0; i < n; ++i) u[i] += h * v[i];
+      ++substeps;
+    }
+    old_p = new_p;
+    extra_momentum = 0.0;
+    for (std::size_t i = 0; i < n; ++i) {
+      mean[i] = (u[i] - start[i]) / dt;
+      extra_momentum += extra[i] * spacing;
+    }
+  }
+
+  /// Linear interpolation at y, linear beyond the ends; base: value at y = 0 is zero.
+  double sample(const std::vector<double>& values, double y, bool zero_at_base) const {
+    const double s = y / spacing - 0.5;
+    const auto n = static_cast<std::ptrdiff_t>(values.size());
+    auto i = static_cast<std::ptrdiff_t>(std::floor(s));
+    if (i < 0 && zero_at_base) return values[0] * y / (0.5 * spacing);
+    i = std::min(std::max<std::ptrdiff_t>(i, 0), n - 2);
+    const double w = s - static_cast<double>(i);
+    return (1.0 - w) * values[static_cast<std::size_t>(i)] + w * values[static_cast<std::size_t>(i + 1)];
+  }
+};
+
+/// Terzaghi: degree of consolidation and base pressure over the load at time factor T.
+inline double terzaghi_consolidation(double T) {
+  double sum = 0.0;
+  for (int m = 0; m < 200; ++m) {
+    const double M = 0.5 * std::numbers::pi * (2 * m + 1);
+    sum += 2.0 / (M * M) * std::exp(-M * M * T);
+  }
+  return 1.0 - sum;
+}
+inline double terzaghi_base_pressure(double T) {
+  double sum = 0.0;
+  for (int m = 0; m < 200; ++m) {
+    const double M = 0.5 * std::numbers::pi * (2 * m + 1);
+    sum += 2.0 / M * (m % 2 == 0 ? 1.0 : -1.0) * std::exp(-M * M * T);
+  }
+  return sum;
+}
+
+}  // namespace poretwin::fluid::test

@@ -1,0 +1,203 @@
+// What the files promise: every step read back through its offsets, as ParaView's VTKHDF reader does, equals what was
+// written.
+#include "common/core/error.hpp"
+#include "common/output/gauge_log.hpp"
+#include "common/output/run_recorder.hpp"
+#include "common/output/vtkhdf.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace poretwin {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class Output : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() / ("poretwin-output-" + std::to_string(::getpid()));
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  std::filesystem::path folder_;
+};
+
+/// A frame of n particles whose numbers tell step, particle and component.
+OutputFrame frame_of(std::size_t n, double time) {
+  OutputFrame frame;
+  frame.time = time;
+  frame.fields = {{"pore_pressure", "Pa", "Pressure of the water", 1, {}},
+                  {"velocity", "m/s", "Velocity", 3, {}},
+                  {"effective_stress", "Pa", "Effective stress, compression negative", 6, {}}};
+  for (std::size_t i = 0; i < n; ++i) {
+    const double base = 1000.0 * time + static_cast<double>(i) + 1.0 / 3.0;
+    frame.position.insert(frame.position.end(), {base, -base, 0.0});
+    for (auto& field : frame.fields)
+      for (int c = 0; c < field.components; ++c) field.values.push_back(base * (1.0 + c) + 1e-13 * c);
+  }
+  return frame;
+}
+
+template <class T>
+std::vector<T> rows(const std::vector<T>& all, std::int64_t first, std::int64_t count, std::int64_t columns) {
+  return {all.begin() + first * columns, all.begin() + (first + count) * columns};
+}
+
+void expect_steps(const std::filesystem::path& path, const std::vector<OutputFrame>& frames) {
+  const auto file = hdf5::File::open_to_read(path);
+  const std::string top = "VTKHDF/", steps = top + "Steps/";
+  EXPECT_EQ(file.attribute_text("VTKHDF", "Type"), "UnstructuredGrid");
+  EXPECT_THAT(file.attribute_integers("VTKHDF", "Version"), ElementsAre(2, 0));
+  ASSERT_THAT(file.attribute_integers("VTKHDF/Steps", "NSteps"), ElementsAre(static_cast<std::int64_t>(frames.size())));
+  EXPECT_TRUE(file.is_float64(top + "Points"));
+  EXPECT_EQ(file.shape(steps + "CellOffsets"), (std::vector<std::size_t>{frames.size(), 1}));
+  EXPECT_EQ(file.shape(steps + "ConnectivityIdOffsets"), (std::vector<std::size_t>{frames.size(), 1}));
+  const auto part_offsets = file.read_integers(steps + "PartOffsets");
+  const auto point_offsets = file.read_integers(steps + "PointOffsets");
+  const auto cell_offsets = file.read_integers(steps + "CellOffsets");
+  const auto id_offsets = file.read_integers(steps + "ConnectivityIdOffsets");
+  const auto times = file.read_numbers(steps + "Values");
+  for (std::size_t s = 0; s < frames.size(); ++s) {
+    SCOPED_TRACE(s);
+    const auto part = static_cast<std::size_t>(part_offsets[s]);
+    EXPECT_EQ(file.read_integers(steps + "NumberOfParts")[s], 1);
+    const auto points = file.read_integers(top + "NumberOfPoints")[part];
+    const auto cells = file.read_integers(top + "NumberOfCells")[part];
+    const auto ids = file.read_integers(top + "NumberOfConnectivityIds")[part];
+    ASSERT_EQ(points, static_cast<std::int64_t>(frames[s].position.size() / 3));
+    ASSERT_EQ(cells, points);
+    ASSERT_EQ(ids, points);
+    EXPECT_EQ(times[s], frames[s].time);
+    EXPECT_EQ(rows(file.read_numbers(top + "Points"), point_offsets[s], points, 3), frames[s].position);
+    EXPECT_THAT(rows(file.read_integers(top + "Types"), cell_offsets[s], cells, 1), testing::Each(1));
+    // The reader's rule: a step's row of `Offsets` starts at its cell offset plus one more per part before it.
+    const auto offsets = rows(file.read_integers(top + "Offsets"), cell_offsets[s] + part_offsets[s], cells + 1, 1);
+    const auto connectivity = rows(file.read_integers(top + "Connectivity"), id_offsets[s], ids, 1);
+    for (std::int64_t i = 0; i <= cells; ++i) EXPECT_EQ(offsets[static_cast<std::size_t>(i)], i);
+    for (std::int64_t i = 0; i < ids; ++i) EXPECT_EQ(connectivity[static_cast<std::size_t>(i)], i);
+    for (const auto& field : frames[s].fields) {
+      const auto offset = file.read_integers(steps + "PointDataOffsets/" + field.name)[s];
+      EXPECT_EQ(rows(file.read_numbers(top + "PointData/" + field.name), offset, points, field.components),
+                field.values);
+    }
+  }
+}
+
+TEST_F(Output, StepsReadBackAsWrittenWithAnEmptyFirstStepAndChangingCounts) {
+  const std::vector<OutputFrame> frames{frame_of(0, 0.0), frame_of(3, 0.1), frame_of(5, 0.2), frame_of(0, 0.3),
+                                        frame_of(2, 0.4)};
+  {
+    VtkHdfWriter writer(folder_ / "fluid.vtkhdf");
+    for (const auto& frame : frames) writer.append(frame);
+  }
+  expect_steps(folder_ / "fluid.vtkhdf", frames);
+}
+
+TEST_F(Output, EarlierStepsAreReadableWhileTheRunGoesOn) {
+  std::vector<OutputFrame> frames;
+  VtkHdfWriter writer(folder_ / "solid.vtkhdf");
+  for (int s = 0; s < 3; ++s) {
+    frames.push_back(frame_of(4, s));
+    writer.append(frames.back());
+    // A copy of the bytes is what a crash would leave.
+    std::filesystem::copy_file(folder_ / "solid.vtkhdf", folder_ / "copy.vtkhdf",
+                               std::filesystem::copy_options::overwrite_existing);
+    expect_steps(folder_ / "copy.vtkhdf", frames);
+  }
+}
+
+TEST_F(Output, FieldsCarryTheirMeaning) {
+  VtkHdfWriter(folder_ / "a.vtkhdf").append(frame_of(2, 0.0));
+  const auto file = hdf5::File::open_to_read(folder_ / "a.vtkhdf");
+  EXPECT_EQ(file.attribute_text("VTKHDF/PointData/effective_stress", "unit"), "Pa");
+  EXPECT_EQ(file.attribute_text("VTKHDF/PointData/effective_stress", "components"), "xx yy zz xy yz xz");
+  EXPECT_THAT(file.attribute_text("VTKHDF/PointData/effective_stress", "description"),
+              HasSubstr("compression negative"));
+  EXPECT_EQ(file.shape("VTKHDF/PointData/effective_stress"), (std::vector<std::size_t>{2, 6}));
+}
+
+TEST_F(Output, SidecarNamesEverySlab) {
+  VtkHdfWriter writer(folder_ / "a.vtkhdf");
+  writer.append(frame_of(3, 0.0));
+  writer.append(frame_of(2, 0.5));
+  std::ostringstream text;
+  text << std::ifstream(folder_ / "a.xmf").rdbuf();
+  EXPECT_THAT(text.str(), HasSubstr("CollectionType=\"Temporal\""));
+  EXPECT_THAT(text.str(), HasSubstr("<Time Value=\"0.5\"/>"));
+  EXPECT_THAT(text.str(), HasSubstr("<DataItem Dimensions=\"3 2\" Format=\"XML\">3 0 1 1 2 3</DataItem>"));
+  EXPECT_THAT(
+      text.str(),
+      HasSubstr(
+          "<DataItem Dimensions=\"5 3\" NumberType=\"Float\" Precision=\"8\" Format=\"HDF\">a.vtkhdf:/VTKHDF/Points"));
+}
+
+TEST_F(Output, MisfitFramesAndPathsAreNamed) {
+  VtkHdfWriter writer(folder_ / "a.vtkhdf");
+  writer.append(frame_of(3, 0.0));
+  auto wrong = frame_of(3, 0.1);
+  wrong.fields[1].values.pop_back();
+  EXPECT_THROW(writer.append(wrong), FileError);
+  auto dotted = frame_of(1, 0.0);
+  dotted.fields[0].name = "a.b";
+  EXPECT_THROW(VtkHdfWriter(folder_ / "b.vtkhdf").append(dotted), FileError);
+  try {
+    VtkHdfWriter nowhere(folder_ / "absent" / "c.vtkhdf");
+    FAIL();
+  } catch (const FileError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("absent/c.vtkhdf: creating failed"));
+    EXPECT_THAT(error.what(), HasSubstr("No such file or directory"));
+  }
+}
+
+TEST_F(Output, GaugesKeepEveryDigitAndMergeByTime) {
+  const double third = 1.0 / 3.0;
+  {
+    GaugeLog fluid(folder_ / "gauges.fluid.csv"), solid(folder_ / "gauges.solid.csv");
+    fluid.append(0.0, {{"p, base", third, "Pa"}});
+    fluid.append(0.2, {{"p, base", std::nan(""), "Pa"}});
+    solid.append(0.1, {{"u", -1e-300, "m"}});
+  }
+  merge_gauges({folder_ / "gauges.fluid.csv", folder_ / "absent.csv", folder_ / "gauges.solid.csv"},
+               folder_ / "gauges.csv");
+  std::ostringstream text;
+  text << std::ifstream(folder_ / "gauges.csv").rdbuf();
+  EXPECT_EQ(text.str(),
+            "time_s,gauge,value,unit\n0,\"p, base\",0.33333333333333331,Pa\n0.10000000000000001,u,-1e-300,m\n"
+            "0.20000000000000001,\"p, base\",nan,Pa\n");
+  const auto series = read_gauges(folder_ / "gauges.csv");
+  EXPECT_EQ(series.at("p, base").value[0], third);
+  EXPECT_TRUE(std::isnan(series.at("p, base").value[1]));
+  EXPECT_EQ(series.at("u").unit, "m");
+}
+
+TEST_F(Output, RunRecorderLeavesProvenanceAndGauges) {
+  Case scene;
+  scene.text = "[case]\n# text as read\n";
+  scene.overrides = {"a.b=1"};
+  {
+    auto recorder = make_run_recorder(folder_ / "new" / "run", "fluid", scene);
+    recorder->frame(frame_of(2, 0.0));
+    recorder->gauges(0.0, {{"front", 0.25, "m"}});
+    recorder->gauges(0.5, {{"front", 0.75, "m"}});
+    EXPECT_EQ(recorder->files().size(), 3u);
+    for (const auto& path : recorder->files()) EXPECT_TRUE(std::filesystem::exists(path)) << path;
+  }
+  const auto file = hdf5::File::open_to_read(folder_ / "new" / "run" / "fluid.vtkhdf");
+  EXPECT_EQ(file.read_text("provenance/case"), scene.text);
+  EXPECT_EQ(file.read_text("provenance/overrides"), "a.b=1\n");
+  EXPECT_THAT(file.names("provenance"), ElementsAre("build", "case", "host", "overrides", "start_time", "version"));
+  EXPECT_THAT(file.read_numbers("gauges/front/value"), ElementsAre(0.25, 0.75));
+  EXPECT_EQ(file.attribute_text("gauges/front/value", "unit"), "m");
+}
+
+}  // namespace
+}  // namespace poretwin

@@ -1,0 +1,135 @@
+// Strain paths with known ends: elastic moduli, the cone, the apex, unloading, independence of the step.
+#include "solid_solver/constitutive/drucker_prager.hpp"
+#include "solid_solver/constitutive/elastic.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace poretwin::solid {
+namespace {
+
+Soil sand(double cohesion = 0.0, double dilation = 0.0) {
+  Soil soil;
+  soil.youngs_modulus = 3e6;
+  soil.poissons_ratio = 0.3;
+  soil.cohesion = cohesion;
+  soil.friction_angle = 30.0;
+  soil.dilation_angle = dilation;
+  return soil;
+}
+
+Tensor tensor(double xx, double yy, double zz, double xy = 0.0) {
+  Tensor t = Tensor::Zero();
+  t << xx, yy, zz, xy, 0.0, 0.0;
+  return t;
+}
+
+TEST(Elastic, UniaxialStrainGivesTheConstrainedModulus) {
+  const LinearElastic model(sand());
+  Tensor stress = Tensor::Zero();
+  EXPECT_EQ(model.advance(stress, tensor(0.0, -1e-3, 0.0)), 0.0);
+  const double m = 3e6 * 0.7 / (1.3 * 0.4);
+  EXPECT_NEAR(stress[1], -1e-3 * m, 1e-9 * m);
+  EXPECT_NEAR(stress[0], -1e-3 * m * 0.3 / 0.7, 1e-9 * m);
+  EXPECT_NEAR(stress[2], stress[0], 1e-12 * m);
+  EXPECT_NEAR(model.elasticity().constrained(), m, 1e-9 * m);
+}
+
+TEST(Cone, MatchesTheClosedForms) {
+  const Cone cone = fit_cone(1000.0, 30.0, 0.0);
+  const double t = std::tan(std::numbers::pi / 6.0);
+  EXPECT_NEAR(cone.alpha, t / std::sqrt(9.0 + 12.0 * t * t), 1e-15);
+  EXPECT_NEAR(cone.k, 3000.0 / std::sqrt(9.0 + 12.0 * t * t), 1e-9);
+  EXPECT_EQ(cone.alpha_psi, 0.0);
+  // With psi = phi the plane-strain fit is the paper's; with psi = 0 it is 3 alpha = sin(phi).
+  const Cone paper = fit_cone(500.0, 25.0, 25.0), strain = fit_cone(500.0, 25.0, 25.0, ConeMatch::plane_strain);
+  EXPECT_NEAR(strain.alpha, paper.alpha, 1e-12);
+  EXPECT_NEAR(strain.k, paper.k, 1e-9);
+  EXPECT_NEAR(fit_cone(0.0, 30.0, 0.0, ConeMatch::plane_strain).alpha, 0.5 / 3.0, 1e-12);
+  EXPECT_NEAR(fit_cone(0.0, 30.0, 0.0, ConeMatch::repose).alpha, t / 3.0, 1e-15);
+}
+
+TEST(DruckerPrager, ShearingEndsOnTheConeAtConstantPressure) {
+  const DruckerPrager model(sand(200.0));
+  const Cone cone = fit_cone(200.0, 30.0, 0.0);
+  Tensor stress = tensor(-1e4, -1e4, -1e4);
+  double plastic = 0.0;
+  for (int k = 0; k < 100; ++k) plastic += model.advance(stress, tensor(0.0, 0.0, 0.0, 1e-4));
+  EXPECT_NEAR(yield_function(stress, cone), 0.0, 1e-8);
+  EXPECT_NEAR(trace(stress), -3e4, 1e-6);  // psi = 0: plastic flow keeps the volume
+  EXPECT_NEAR(stress[3], cone.k + 3e4 * cone.alpha, 1e-6);
+  const double shear = 3e6 / 2.6, elastic = stress[3] / (2.0 * shear);
+  EXPECT_NEAR(plastic, 2.0 * (0.01 - elastic) / std::numbers::sqrt3, 1e-10);
+}
+
+TEST(DruckerPrager, DilationRaisesConfinedPressureByTheRatioOfTheFlowRule) {
+  const DruckerPrager model(sand(0.0, 10.0));
+  const Cone cone = fit_cone(0.0, 30.0, 10.0);
+  Tensor stress = tensor(-1e4, -1e4, -1e4);
+  const double plastic = [&] {
+    double sum = 0.0;
+    for (int k = 0; k < 50; ++k) sum += model.advance(stress, tensor(0.0, 0.0, 0.0, 2e-4));
+    return sum;
+  }();
+  EXPECT_NEAR(yield_function(stress, cone), 0.0, 1e-7);
+  const double bulk = 2.5e6;
+  EXPECT_NEAR(trace(stress), -3e4 - 9.0 * bulk * cone.alpha_psi * plastic * std::numbers::sqrt3, 1e-6);
+}
+
+TEST(DruckerPrager, TensionEndsAtTheApex) {
+  const DruckerPrager model(sand(100.0));
+  const Cone cone = fit_cone(100.0, 30.0, 0.0);
+  Tensor stress = Tensor::Zero();
+  for (int k = 0; k < 10; ++k) model.advance(stress, tensor(1e-3, 1e-3, 1e-3));
+  EXPECT_NEAR(trace(stress), cone.k / cone.alpha, 1e-9);
+  EXPECT_NEAR(root_j2(stress), 0.0, 1e-9);
+  const DruckerPrager dry(sand());
+  Tensor loose = tensor(-100.0, -120.0, -100.0, 10.0);
+  dry.advance(loose, tensor(1e-2, 1e-2, 0.0, 1e-3));
+  EXPECT_NEAR(loose.norm(), 0.0, 1e-9);
+}
+
+TEST(DruckerPrager, UnloadingIsElastic) {
+  const DruckerPrager model(sand(200.0));
+  Tensor stress = tensor(-1e4, -1e4, -1e4);
+  for (int k = 0; k < 20; ++k) model.advance(stress, tensor(0.0, 0.0, 0.0, 1e-3));
+  const Tensor before = stress, back = tensor(0.0, 0.0, 0.0, -1e-4);
+  EXPECT_EQ(model.advance(stress, back), 0.0);
+  EXPECT_NEAR((stress - before - model.elasticity().stress_of(back)).norm(), 0.0, 1e-9);
+}
+
+TEST(DruckerPrager, ResultDoesNotDependOnTheStep) {
+  auto end = [](int steps) {
+    const DruckerPrager model(sand(50.0, 5.0));
+    Tensor stress = tensor(-5e3, -1e4, -5e3);
+    const Tensor total = tensor(4e-3, -6e-3, 0.0, 3e-3);
+    for (int k = 0; k < steps; ++k) model.advance(stress, total / steps);
+    return stress;
+  };
+  const Tensor fine = end(10000);
+  EXPECT_LT((end(60) - fine).norm(), 2e-3 * fine.norm());  // strain steps of 1e-4
+  EXPECT_LT((end(600) - fine).norm(), 3e-4 * fine.norm());
+}
+
+TEST(Jaumann, TurnsAStressWithItsMaterial) {
+  // A quarter turn in many small steps swaps xx and yy.
+  Tensor stress = tensor(-100.0, -300.0, -50.0);
+  const double angle = std::numbers::pi / 2.0;
+  constexpr int steps = 20000;
+  const Mat<2> gradient{{0.0, -1.0}, {1.0, 0.0}};
+  for (int k = 0; k < steps; ++k) stress += angle / steps * spin_rate<2>(stress, gradient);
+  EXPECT_NEAR(stress[0], -300.0, 0.1);
+  EXPECT_NEAR(stress[1], -100.0, 0.1);
+  EXPECT_NEAR(stress[3], 0.0, 0.1);
+  EXPECT_EQ(stress[2], -50.0);
+  Mat<3> turn = Mat<3>::Zero();
+  turn.block<2, 2>(0, 0) = gradient;
+  Tensor same = tensor(-100.0, -300.0, -50.0, 7.0);
+  const Tensor two = spin_rate<2>(same, gradient), three = spin_rate<3>(same, turn);
+  EXPECT_LT((two - three).norm(), 1e-12);
+}
+
+}  // namespace
+}  // namespace poretwin::solid

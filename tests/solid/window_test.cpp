@@ -1,0 +1,236 @@
+// A window's bookkeeping: momentum to rounding, tracking of the prediction, consolidation with an analytic partner,
+// save and restore to the bit.
+#include "common/core/error.hpp"
+#include "tests/solid/scenes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <random>
+
+namespace poretwin::solid {
+namespace {
+
+using namespace coupling;
+using test::column;
+using test::ColumnSpec;
+using test::values;
+
+TEST(Window, MomentumIsAccountedForToRounding) {
+  ColumnSpec spec;
+  spec.base = Wall::ForSoil::none;  // no walls: only gravity and water can change the sum
+  spec.sides = false;
+  Case scene = column(spec);
+  scene.solid.initial_rest = false;
+  scene.solid.jitter = 0.1;
+  Solid<2> solid(scene);
+  auto inbox = test::wet_inbox<2>(
+      solid, [](const Vec<2>&) { return 0.0; }, 0.8);
+  solid.initialise(inbox);
+  std::mt19937_64 generator(5);
+  std::uniform_real_distribution<double> any(-1.0, 1.0);
+  for (auto& v : values(inbox, field::drag_impulse)) v = any(generator);
+  for (auto& v : values(inbox, field::predicted_solid_velocity)) v = 0.1 * any(generator);
+  auto momentum = [&] {
+    Vec<2> sum = Vec<2>::Zero();
+    const auto& p = solid.state().particles;
+    for (std::size_t i = 0; i < p.size(); ++i) sum += p.mass[i] * p.velocity[i];
+    return sum;
+  };
+  double mass = 0.0;
+  for (const double m : solid.state().particles.mass) mass += m;
+  for (const double interval : {3e-4, 5e-3}) {  // below one substep, and several
+    const Vec<2> before = momentum();
+    solid.advance({0, solid.state().time, interval}, inbox);
+    Vec<2> given = mass * interval * Vec<2>(0.0, -9.81), returned = Vec<2>::Zero();
+    const auto& impulse = values(inbox, field::drag_impulse);
+    double scale = 0.0;
+    for (std::size_t i = 0; i < impulse.size() / 2; ++i) {
+      given += Vec<2>(impulse[2 * i], impulse[2 * i + 1]);
+      scale += std::abs(impulse[2 * i]) + solid.state().returned_impulse[i].norm();
+    }
+    const auto publication = solid.publish();
+    const auto& r = test::field_of(publication, field::returned_impulse).values;
+    for (std::size_t i = 0; i < publication.points.size(); ++i) returned += Vec<2>(r[2 * i], r[2 * i + 1]);
+    EXPECT_LT((momentum() - before - given - returned).norm(), 1e-12 * scale);
+    EXPECT_GT(returned.norm(), 1e-6 * scale);
+  }
+}
+
+TEST(Window, SoilFollowsThePrediction) {
+  ColumnSpec spec;
+  spec.base = Wall::ForSoil::none;
+  spec.sides = false;
+  spec.gravity = 0.0;
+  Solid<2> solid(column(spec));
+  auto inbox = test::wet_inbox<2>(solid, [](const Vec<2>&) { return 0.0; });
+  solid.initialise(inbox);
+  for (auto& v : values(inbox, field::predicted_solid_velocity)) v = 0.01;
+  // C / rho_bar = 9810 0.4^2 / 1e-4 / 1560 = 1e4 / s: within 1 ms the soil moves as predicted, with the impulse it
+  // needed.
+  solid.advance({0, 0.0, 2e-3}, inbox);
+  double mass = 0.0, taken = 0.0;
+  for (std::size_t i = 0; i < solid.state().particles.size(); ++i) {
+    EXPECT_NEAR(solid.state().particles.velocity[i].x(), 0.01, 0.002);
+    mass += solid.state().particles.mass[i];
+    taken += solid.state().returned_impulse[i].x();
+  }
+  EXPECT_NEAR(taken, 0.01 * mass, 0.1 * 0.01 * mass);
+  // Without water nothing tracks.
+  Solid<2> dry(column(spec));
+  inbox.coverage.assign(inbox.coverage.size(), 0.0);
+  dry.initialise(inbox);
+  dry.advance({0, 0.0, 2e-3}, inbox);
+  for (const auto& v : dry.state().particles.velocity) EXPECT_EQ(v.norm(), 0.0);
+}
+
+/// Terzaghi (1923): pressure and settlement of a layer drained at the top, loaded with p0 at t = 0.
+struct Terzaghi {
+  double p0, height, cv, modulus;
+  template <class Term>
+  static double sum(Term&& term) {
+    double total = 0.0;
+    for (int m = 0; m < 200; ++m) total += term(std::numbers::pi / 2.0 * (2.0 * m + 1.0), m % 2 == 0 ? 1.0 : -1.0);
+    return total;
+  }
+  [[nodiscard]] double decay(double a, double t) const { return std::exp(-a * a * cv * t / (height * height)); }
+  [[nodiscard]] double pressure(double y, double t) const {
+    return t <= 0.0 ? p0 : sum([&](double a, double sign) {
+      return 2.0 * p0 / a * sign * std::cos(a * y / height) * decay(a, t);
+    });
+  }
+  /// Displacement upward: - integral of (p0 - p) / M from the base.
+  [[nodiscard]] double displacement(double y, double t) const {
+    if (t <= 0.0) return 0.0;
+    return -(p0 * y - sum([&](double a, double sign) {
+               return 2.0 * p0 * height / (a * a) * sign * std::sin(a * y / height) * decay(a, t);
+             })) /
+           modulus;
+  }
+};
+
+TEST(Window, ConsolidatesWithAnAnalyticPartner) {
+  ColumnSpec spec;
+  spec.gravity = 0.0;
+  spec.width = 0.2;
+  Case scene = column(spec);
+  scene.soils[0].hydraulic_conductivity = 1e-3;
+  scene.loads = {test::top_load(spec, 1e3, 0.0)};
+  scene.gauges = {test::point_gauge<2>("top", "displacement_y", {Point3(0.1, 1.0, 0.0)}),
+                  test::point_gauge<2>("base", "effective_stress_yy", {Point3(0.1, 0.0, 0.0)})};
+  Solid<2> solid(scene);
+  const double modulus = 3e6 * 0.7 / (1.3 * 0.4), k = 1e-3, n = 0.4, gamma = 9810.0;
+  const Terzaghi exact{1e3, 1.0, k * modulus / gamma, modulus};
+  auto inbox = test::wet_inbox<2>(solid, [&](const Vec<2>&) { return 0.0; });
+  solid.initialise(inbox);
+  const double period = 1.0 / exact.cv, interval = period / 200.0;
+  double worst = 0.0, worst_base = 0.0;
+  for (int window = 0; window < 120; ++window) {
+    const double t = window * interval, end = t + interval;
+    const auto& p = solid.state().particles;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+      const double y = p.position[i].y() - p.displacement[i].y();
+      const double v = (exact.displacement(y, end) - exact.displacement(y, t)) / interval;
+      values(inbox, field::pore_pressure)[i] = exact.pressure(y, end);
+      values(inbox, field::predicted_solid_velocity)[2 * i + 1] = v;
+      values(inbox, field::drag_impulse)[2 * i + 1] = -p.volume[i] * gamma * n / k * v * interval;
+    }
+    solid.advance({0, t, interval}, inbox);
+    const auto readings = solid.gauges();
+    const double error = std::abs(readings[0].value - exact.displacement(1.0, end)) / (1e3 / modulus);
+    if (window > 4) worst = std::max(worst, error);
+    if (window > 4)
+      worst_base = std::max(worst_base, std::abs(readings[1].value + 1e3 - exact.pressure(0.0, end)) / 1e3);
+  }
+  std::printf("settlement error %.5f, base stress error %.5f of the final values\n", worst, worst_base);
+  EXPECT_LT(worst, 0.01);
+  EXPECT_LT(worst_base, 0.02);
+}
+
+TEST(SaveAndRestore, RepeatToTheBit) {
+  ColumnSpec spec;
+  Case scene = column(spec);
+  scene.solid.model = SolidCase::Model::drucker_prager;
+  scene.solid.initial_velocity = Point3(0.5, 0.0, 0.0);
+  spec.height = 0.5;
+  scene.walls.pop_back();  // the right side is free: it slumps
+  Solid<2> solid(scene);
+  solid.initialise({});
+  test::run_dry(solid, 0.05, 0.01);
+  solid.save();
+  test::run_dry(solid, 0.25, 0.05);
+  const auto first = solid.state().particles;
+  EXPECT_TRUE(solid.state().any_yielded);
+  EXPECT_GT(solid.counters().at("list rebuilds"), 1.0);
+  EXPECT_LT(solid.publish().proposed_interval, 0.1);
+  solid.restore();
+  EXPECT_NEAR(solid.state().time, 0.05, 1e-12);
+  test::run_dry(solid, 0.25, 0.05);
+  const auto& second = solid.state().particles;
+  for (std::size_t i = 0; i < first.size(); ++i) {
+    ASSERT_EQ(first.position[i], second.position[i]);
+    ASSERT_EQ(first.velocity[i], second.velocity[i]);
+    ASSERT_EQ(first.stress[i], second.stress[i]);
+  }
+}
+
+TEST(Errors, DivergenceNamesParticleStressAndTime) {
+  ColumnSpec spec;
+  Solid<2> solid(column(spec));
+  auto inbox = test::wet_inbox<2>(solid, [](const Vec<2>&) { return 0.0; });
+  solid.initialise(inbox);
+  values(inbox, field::drag_impulse)[7] = std::nan("");
+  try {
+    solid.advance({0, 0.25, 1e-3}, inbox);
+    FAIL() << "no error";
+  } catch (const DivergedError& error) {
+    EXPECT_NE(std::string(error.what()).find("last good time 0.25 s"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("particle"), std::string::npos);
+  }
+}
+
+TEST(Errors, MissingFieldIsNamed) {
+  ColumnSpec spec;
+  Solid<2> solid(column(spec));
+  auto inbox = test::wet_inbox<2>(solid, [](const Vec<2>&) { return 0.0; });
+  inbox.fields.erase(inbox.fields.begin());
+  EXPECT_THROW(solid.initialise(inbox), PeerError);
+}
+
+TEST(Frame, ShowsTheDocumentedFields) {
+  ColumnSpec spec;
+  Solid<2> solid(column(spec));
+  solid.initialise({});
+  const auto frame = solid.frame();
+  const std::size_t n = frame.position.size() / 3;
+  EXPECT_EQ(n, 160u);
+  std::vector<std::string> names;
+  for (const auto& f : frame.fields) {
+    names.push_back(f.name);
+    EXPECT_EQ(f.values.size(), n * static_cast<std::size_t>(f.components)) << f.name;
+    EXPECT_FALSE(f.unit.empty());
+  }
+  EXPECT_EQ(names, (std::vector<std::string>{"displacement", "velocity", "effective_stress", "pore_pressure",
+                                             "void_fraction", "degree_of_saturation", "accumulated_plastic_strain"}));
+}
+
+TEST(Publication, MatchesTheContract) {
+  ColumnSpec spec;
+  Solid<2> solid(column(spec));
+  solid.initialise({});
+  const auto publication = solid.publish();
+  const auto contract = solid.contract();
+  ASSERT_EQ(publication.fields.size(), contract.gives.size());
+  EXPECT_GT(publication.points.size(), publication.points.n_active);
+  for (std::size_t k = 0; k < contract.gives.size(); ++k) {
+    EXPECT_EQ(publication.fields[k].name, contract.gives[k].name);
+    EXPECT_EQ(publication.fields[k].components, contract.gives[k].components);
+    EXPECT_EQ(publication.fields[k].values.size(),
+              publication.points.size() * static_cast<std::size_t>(contract.gives[k].components));
+  }
+}
+
+}  // namespace
+}  // namespace poretwin::solid
