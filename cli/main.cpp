@@ -28,7 +28,7 @@ constexpr const char* epilogue =
 
 struct Arguments {
   std::string which;
-  std::filesystem::path out;
+  std::filesystem::path out, programs;
   double until = 0.0;
   std::vector<std::string> set;
   bool no_pictures = false, quiet = false;
@@ -42,7 +42,7 @@ int run(const Arguments& a) {
   options.out = a.out.empty() ? std::filesystem::path("runs") / place.name : a.out;
   options.overrides = a.set;
   if (a.until > 0.0) options.overrides.push_back(fmt::format("case.end_time={:.17g}", a.until));
-  options.programs = program_folder();
+  options.programs = a.programs.empty() ? program_folder() : a.programs;
   options.quiet = a.quiet;
   options.pictures = !a.no_pictures;
   const RunResult result = run_case(options);
@@ -67,8 +67,13 @@ void declare(CLI::App& app, Arguments& a, VerifyOptions& v, std::vector<std::str
         ->take_all()
         ->allow_extra_args(false);
   };
+  const auto with_programs = [&](CLI::App* command) {
+    command->add_option("--programs", a.programs,
+                        "folder of poretwin-fluid, poretwin-solid, poretwin-coupler (default: beside poretwin)");
+  };
   auto* run_command = app.add_subcommand("run", "Run a case: progress, summary, pictures");
   with_case(run_command);
+  with_programs(run_command);
   run_command->add_option("--out", a.out, "folder of the run (default runs/CASE)");
   run_command->add_option("--until", a.until, "simulated time at which to end [s]")->check(CLI::PositiveNumber);
   run_command->add_flag("--no-pictures", a.no_pictures, "draw no pictures at the end");
@@ -81,12 +86,13 @@ void declare(CLI::App& app, Arguments& a, VerifyOptions& v, std::vector<std::str
 
   auto* verify_command = app.add_subcommand("verify", "Run a case, or all, and hold it against its reference");
   verify_command->add_option("CASE", v.which, "case name, path, or 'all'")->required();
+  with_programs(verify_command);
   verify_command->add_option("--json", v.json, "write the results as JSON too");
   verify_command->add_option("--out", v.out, "folder of the runs")->capture_default_str();
   verify_command->add_flag("--short", v.short_runs, "the short form of each run");
   verify_command->callback([&] {
     action = [&] {
-      v.programs = program_folder();
+      v.programs = a.programs.empty() ? program_folder() : a.programs;
       return verify(v);
     };
   });

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string_view>
 
 namespace poretwin::coupling {
@@ -19,11 +20,12 @@ class Border {
   }
 
   void values(const std::string& name, int components, const std::vector<double>& values, const PointSet* points) const {
+    const Bounds bounds = bounds_of(name);
     for (std::size_t k = 0; k < values.size(); ++k) {
-      if (allowed(name, values[k])) continue;
+      if (values[k] >= bounds.low && values[k] <= bounds.high) continue;  // false for NaN
       const std::size_t i = k / static_cast<std::size_t>(components);
       refuse(fmt::format("field '{}', point {}{}, component {}: expected {}, got {}", name, i, points ? position(*points, i) : "",
-                         k % static_cast<std::size_t>(components), expected(name), values[k]));
+                         k % static_cast<std::size_t>(components), bounds.expected, values[k]));
     }
   }
 
@@ -38,16 +40,15 @@ class Border {
   }
 
  private:
-  static bool is_fraction(std::string_view name) { return name == field::soil_fraction || name == field::solid_volume_fraction; }
-  static bool is_positive(std::string_view name) { return name == volume_array || name == smoothing_length_array; }
-  static bool allowed(std::string_view name, double value) {
-    if (!std::isfinite(value)) return false;
-    if (is_fraction(name)) return value >= 0.0 && value <= 1.0;
-    return !is_positive(name) || value > 0.0;
-  }
-  static std::string_view expected(std::string_view name) {
-    if (is_fraction(name)) return "a number in [0, 1]";
-    return is_positive(name) ? "a positive number" : "a finite number";
+  struct Bounds {
+    double low, high;
+    std::string_view expected;
+  };
+  static Bounds bounds_of(std::string_view name) {
+    constexpr double largest = std::numeric_limits<double>::max();
+    if (name == field::soil_fraction || name == field::solid_volume_fraction) return {0.0, 1.0, "a number in [0, 1]"};
+    if (name == volume_array || name == smoothing_length_array) return {std::numeric_limits<double>::min(), largest, "a positive number"};
+    return {-largest, largest, "a finite number"};
   }
   static std::string position(const PointSet& points, std::size_t i) {
     const auto d = static_cast<std::size_t>(points.dimension);

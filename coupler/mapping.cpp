@@ -52,6 +52,10 @@ std::vector<Index> cell_order(const VecArray<D>& points, double cell) {
   return {grid.order().begin(), grid.order().end()};
 }
 
+/// Columns are summed in blocks of this many, which stay in registers.
+constexpr Size block = 4;
+using Block = Eigen::Array<double, static_cast<int>(block), 1>;
+
 /// One target's neighbours with their final coefficients.
 template <int D>
 struct Row {
@@ -102,20 +106,41 @@ struct Row {
     extrapolates = least < 0.0;
     return true;
   }
+
+  /// One block of columns of the row's value; `packed` holds `width` columns for every source.
+  Block sum(const double* packed, Size width) const {
+    Block total = Block::Zero();
+    for (Size p = 0; p < n; ++p) total += weight[p] * Eigen::Map<const Block>(packed + source[p] * width);
+    return total;
+  }
+  /// The same, kept within the range of the neighbours' values.
+  Block bounded_sum(const double* packed, Size width) const {
+    Block total = Block::Zero(), low = Block::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    for (Size p = 0; p < n; ++p) {
+      const Eigen::Map<const Block> value(packed + source[p] * width);
+      total += weight[p] * value;
+      low = low.min(value);
+      high = high.max(value);
+    }
+    return total.max(low).min(high);
+  }
 };
 
 }  // namespace
 
 template <int D>
 void PairWeights<D>::update(const PointSet& source, const PointSet& target) {
+  receivers_ = source.n_active;
   if (!lists_hold(source, target)) {
     search(source, target);
     ++counts_.rebuilds;
-  } else {
+    gather(source, target);
+  } else if (gather(source, target)) {
     ++counts_.reuses;
+  } else {
+    ++counts_.unchanged;
+    return;
   }
-  receivers_ = source.n_active;
-  gather(source, target);
   weigh();
 }
 
@@ -168,32 +193,47 @@ void PairWeights<D>::search(const PointSet& source, const PointSet& target) {
 }
 
 template <int D>
-void PairWeights<D>::gather(const PointSet& source, const PointSet& target) {
+bool PairWeights<D>::gather(const PointSet& source, const PointSet& target) {
   const Size n = source_order_.size(), m = target_order_.size();
+  bool changed = source_.size() != n || target_.size() != m;
   source_.resize(n);
   volume_.resize(n);
   h_.resize(n);
+  target_.resize(m);
+  auto set = [&changed](auto& kept, const auto& now) {
+    changed = changed || kept != now;
+    kept = now;
+  };
   for (Size j = 0; j < n; ++j) {
     const Size k = source_order_[j];
-    source_[j] = point<D>(source.position, k);
-    volume_[j] = source.volume[k];
-    h_[j] = source.smoothing_length[k];
+    set(source_[j], point<D>(source.position, k));
+    set(volume_[j], source.volume[k]);
+    set(h_[j], source.smoothing_length[k]);
   }
-  target_.resize(m);
-  for (Size i = 0; i < m; ++i) target_[i] = point<D>(target.position, target_order_[i]);
+  for (Size i = 0; i < m; ++i) set(target_[i], point<D>(target.position, target_order_[i]));
+  return changed;
 }
 
 template <int D>
 void PairWeights<D>::weigh() {
   weight_.resize(index_.size());
   coverage_.assign(target_.size(), 0.0);
+  // V W(r, h) = V / h^D W(r / h, 1): the divisions are the source's, not the pair's.
+  const Size n = source_.size();
+  std::vector<double> per_length(n), amplitude(n);
+  for (Size j = 0; j < n; ++j) {
+    per_length[j] = 1.0 / h_[j];
+    amplitude[j] = volume_[j];
+    for (int d = 0; d < D; ++d) amplitude[j] *= per_length[j];
+  }
   for (Size i = 0; i < target_.size(); ++i) {
     double sum = 0.0;
+    const Vec<D> x = target_[i];
     for (Index p = first_[i]; p < first_[i + 1]; ++p) {
       const Index j = index_[p];
-      const double r = (source_[j] - target_[i]).norm();
-      weight_[p] = volume_[j] * sph::WendlandC2<D>::value(r, h_[j]);
-      sum += weight_[p];
+      const double w = amplitude[j] * sph::WendlandC2<D>::value((source_[j] - x).norm() * per_length[j], 1.0);
+      weight_[p] = w;
+      sum += w;
     }
     coverage_[target_order_[i]] = sum > nothing ? sum : 0.0;
   }
@@ -208,8 +248,9 @@ std::vector<Field> PairWeights<D>::consistent(std::span<const Field* const> fiel
     out.push_back({field->name, field->components, std::vector<double>(m * static_cast<Size>(field->components), 0.0)});
     width += static_cast<Size>(field->components);
   }
+  width = (width + block - 1) / block * block;
   // All fields of one source point side by side: one cache line serves them all.
-  std::vector<double> packed(n * width);
+  std::vector<double> packed(n * width, 0.0);
   Size column = 0;
   for (const Field* field : fields) {
     const Size components = static_cast<Size>(field->components);
@@ -223,7 +264,7 @@ std::vector<Field> PairWeights<D>::consistent(std::span<const Field* const> fiel
     for (Size j = 0; j < n; ++j) share[j] = mask[source_order_[j]];
   }
   Row<D> row;
-  std::vector<double> sum(width), low(width), high(width);
+  std::vector<double> sum(width);
   for (Size i = 0; i < m; ++i) {
     row.reserve(first_[i + 1] - first_[i]);
     row.n = 0;
@@ -237,23 +278,8 @@ std::vector<Field> PairWeights<D>::consistent(std::span<const Field* const> fiel
       ++row.n;
     }
     if (!row.normalise(h_)) continue;
-    std::fill(sum.begin(), sum.end(), 0.0);
-    for (Size p = 0; p < row.n; ++p) {
-      const double* value = packed.data() + row.source[p] * width;
-      for (Size c = 0; c < width; ++c) sum[c] += row.weight[p] * value[c];
-    }
-    if (row.extrapolates) {
-      std::fill(low.begin(), low.end(), std::numeric_limits<double>::infinity());
-      std::fill(high.begin(), high.end(), -std::numeric_limits<double>::infinity());
-      for (Size p = 0; p < row.n; ++p) {
-        const double* value = packed.data() + row.source[p] * width;
-        for (Size c = 0; c < width; ++c) {
-          low[c] = std::min(low[c], value[c]);
-          high[c] = std::max(high[c], value[c]);
-        }
-      }
-      for (Size c = 0; c < width; ++c) sum[c] = std::clamp(sum[c], low[c], high[c]);
-    }
+    for (Size b = 0; b < width; b += block)
+      Eigen::Map<Block>(sum.data() + b) = row.extrapolates ? row.bounded_sum(packed.data() + b, width) : row.sum(packed.data() + b, width);
     const Size target = target_order_[i];
     Size from = 0;
     for (auto& field : out) {
@@ -336,10 +362,15 @@ class CloudMapping final : public SpatialMapping {
     bool ready = false;
     for (const auto& spec : specs) {
       if (spec.mapping != coupling::Mapping::conservative) continue;
+      auto& account = account_of(giver, spec);
+      const Field& amounts = find(giver_fields, spec.name);
+      if (all_zero(amounts.values) && all_zero(account.undelivered)) {
+        inbox.fields.push_back({spec.name, spec.components, std::vector<double>(receiver_points.n_active * static_cast<Size>(spec.components), 0.0)});
+        continue;
+      }
       if (!ready) backward.update(receiver_points, giver_points);
       ready = true;
-      auto& account = account_of(giver, spec);
-      auto delivery = backward.conservative(find(giver_fields, spec.name), account.undelivered);
+      auto delivery = backward.conservative(amounts, account.undelivered);
       for (Size c = 0; c < delivery.given.size(); ++c) {
         account.given[c] += delivery.given[c];
         account.delivered[c] += delivery.delivered[c];
@@ -358,6 +389,11 @@ class CloudMapping final : public SpatialMapping {
   void set_accounts(std::vector<Account> accounts) override { accounts_ = std::move(accounts); }
 
  private:
+  static bool is_fraction(std::string_view name) { return name == field::soil_fraction || name == field::solid_volume_fraction; }
+  static bool all_zero(const std::vector<double>& values) {
+    return std::all_of(values.begin(), values.end(), [](double v) { return v == 0.0; });
+  }
+
   static const Field& find(const std::vector<Field>& fields, const std::string& name) {
     const auto found = std::find_if(fields.begin(), fields.end(), [&](const Field& f) { return f.name == name; });
     if (found == fields.end()) throw PeerError("field '" + name + "' is missing from the publication to be mapped");
@@ -376,7 +412,12 @@ class CloudMapping final : public SpatialMapping {
         if (spec.mapping == coupling::Mapping::consistent && spec.mask == mask) group.push_back(&find(fields, spec.name));
       std::span<const double> weights;
       if (!mask.empty()) weights = find(fields, mask).values;
-      for (auto& field : pairs.consistent(group, weights)) inbox.fields.push_back(std::move(field));
+      for (auto& mapped : pairs.consistent(group, weights)) {
+        // A mean of fractions may leave [0, 1] by a rounding; nobody should have to think of that.
+        if (is_fraction(mapped.name))
+          for (auto& value : mapped.values) value = std::clamp(value, 0.0, 1.0);
+        inbox.fields.push_back(std::move(mapped));
+      }
     }
   }
 

@@ -59,7 +59,8 @@ class PairWeights {
  private:
   [[nodiscard]] bool lists_hold(const PointSet& source, const PointSet& target) const;
   void search(const PointSet& source, const PointSet& target);
-  void gather(const PointSet& source, const PointSet& target);
+  /// Present positions, volumes and lengths in cell order; false when nothing at all has changed since the last time.
+  bool gather(const PointSet& source, const PointSet& target);
   void weigh();
 
   MappingCounts counts_;

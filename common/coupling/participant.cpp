@@ -125,7 +125,7 @@ class Participant::Implementation {
   }
 
   void abort(const std::string& reason, ExitCode code) {
-    left_ = true;
+    if (left_.exchange(true)) return;  // everybody knows already
     send(message_of(Abort{name_, reason, code}, step_));
   }
 

@@ -91,7 +91,7 @@ class Socket final : public Transport {
       }
       if (stop) break;
     }
-    if (!open) dealer_.set(zmq::sockopt::linger, 0);  // there was never anybody to hear the rest
+    if (!open || lost_) dealer_.set(zmq::sockopt::linger, 0);  // there is nobody to hear the rest
     dealer_.close();
     monitor_.close();
   }

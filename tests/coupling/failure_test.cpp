@@ -156,7 +156,7 @@ TEST(Handshake, RefusesNamingWhatDiffers) {
   expect_refused([](Contract& c) { c.dimension = 3; }, {"dimension: expected 2, got 3"});
   expect_refused([](Contract& c) { c.case_digest = "other"; }, {"case_digest: expected mock, got other"});
   expect_refused([](Contract& c) { c.gives[0].unit = "kPa"; }, {"pore_pressure", "Pa", "kPa"});
-  expect_refused([](Contract& c) { c.gives[1].components = 1; }, {"predicted_solid_velocity", "components"});
+  expect_refused([](Contract& c) { c.takes[0].components = 1; }, {"solid_velocity", "2 components", "1 components"});
   expect_refused([](Contract& c) { c.gives.erase(c.gives.begin()); }, {"pore_pressure", "a giver of this field", "none"});
 }
 

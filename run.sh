@@ -1,0 +1,10 @@
+#!/bin/bash
+# Installs what is missing, builds and runs a case: ./run.sh [CASE [options of `poretwin run`]]. Safe to run twice.
+set -euo pipefail
+cd "$(dirname "$0")"
+. scripts/setup.sh
+
+install_packages
+build release
+say "running: ${1:-terzaghi}"
+exec build/release/bin/poretwin run "${@:-terzaghi}"

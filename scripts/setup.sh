@@ -1,0 +1,37 @@
+# Shared by run.sh and test.sh: packages, configuration, build. Source it from the repository's root; every step is safe to repeat.
+
+packages="cmake ninja-build g++ pkg-config libzmq3-dev cppzmq-dev libprotobuf-dev protobuf-compiler libhdf5-dev libeigen3-dev
+libtomlplusplus-dev libcli11-dev libspdlog-dev libfmt-dev libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev
+nlohmann-json3-dev python3-zmq python3-protobuf python3-numpy python3-h5py python3-matplotlib"
+
+say() { printf '== %s\n' "$*"; }
+
+# Installs what is missing; touches nothing when all is there.
+install_packages() {
+  local missing=() package
+  for package in $packages; do
+    [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing+=("$package")
+  done
+  if [ ${#missing[@]} -eq 0 ]; then
+    say "packages: all there"
+    return
+  fi
+  say "packages: installing ${missing[*]}"
+  local as_root=()
+  if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null || { echo "these packages are missing and there is neither root nor sudo: ${missing[*]}" >&2; exit 1; }
+    as_root=(sudo)
+  fi
+  "${as_root[@]}" apt-get update
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "${missing[@]}"
+}
+
+# build PRESET [TARGET...]
+build() {
+  local preset=$1
+  shift
+  say "configuring: $preset"
+  cmake --preset "$preset" >/dev/null
+  say "building: $preset"
+  cmake --build --preset "$preset" ${1:+--target "$@"}
+}

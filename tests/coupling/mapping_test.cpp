@@ -1,0 +1,279 @@
+// The mapping against a slow, plain twin, and its properties: constants, linear fields, conservation, permutations, empty sets.
+#include "common/coupling/mock.hpp"
+#include "common/sph/kernel.hpp"
+#include "coupler/mapping.hpp"
+
+#include <Eigen/Dense>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <random>
+
+namespace poretwin::coupling {
+namespace {
+
+using Size = std::size_t;
+
+/// A disordered cloud: lattice points shaken by up to `shake` spacings, with lengths that differ, the last tenth ghosts.
+PointSet cloud(int dimension, double size, double spacing, unsigned seed, double shake = 0.3) {
+  const std::vector<double> zero(static_cast<Size>(dimension), 0.0), extent(static_cast<Size>(dimension), size);
+  PointSet points = lattice_points(dimension, zero, extent, spacing);
+  std::mt19937_64 generator(seed);
+  std::uniform_real_distribution<double> uniform(-shake * spacing, shake * spacing), ratio(0.9, 1.1);
+  for (auto& x : points.position) x += uniform(generator);
+  for (auto& h : points.smoothing_length) h *= ratio(generator);
+  points.n_active = points.size() - points.size() / 10;
+  return points;
+}
+
+template <int D>
+Vec<D> at(const PointSet& points, Size i) {
+  return Eigen::Map<const Vec<D>>(points.position.data() + i * D);
+}
+
+std::vector<double> random_values(Size n, unsigned seed) {
+  std::mt19937_64 generator(seed);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  std::vector<double> values(n);
+  for (auto& v : values) v = uniform(generator);
+  return values;
+}
+
+/// The twin: every source for every target, the weighted least-squares plane solved as a regression with Eigen's LDLT.
+template <int D>
+double plain_value(const PointSet& source, const std::vector<double>& f, const std::vector<double>& mask, const Vec<D>& x) {
+  double m0 = 0.0, mean_f = 0.0, length = 0.0, low = INFINITY, high = -INFINITY;
+  Vec<D> mean = Vec<D>::Zero();
+  auto weight = [&](Size j) {
+    const double h = source.smoothing_length[j];
+    return source.volume[j] * sph::WendlandC2<D>::value((at<D>(source, j) - x).norm(), h) * (mask.empty() ? 1.0 : mask[j]);
+  };
+  for (Size j = 0; j < source.size(); ++j) {
+    const double w = weight(j);
+    if (w <= 0.0) continue;
+    m0 += w;
+    mean_f += w * f[j];
+    mean += w * (at<D>(source, j) - x);
+    length += w * source.smoothing_length[j];
+    low = std::min(low, f[j]);
+    high = std::max(high, f[j]);
+  }
+  if (!(m0 > 1e-12)) return 0.0;
+  mean_f /= m0;
+  mean /= m0;
+  length /= m0;
+  Mat<D> covariance = Mat<D>::Zero();
+  Vec<D> moment = Vec<D>::Zero();
+  for (Size j = 0; j < source.size(); ++j) {
+    const Vec<D> d = at<D>(source, j) - x - mean;
+    covariance += weight(j) / m0 * d * d.transpose();
+    moment += weight(j) / m0 * (f[j] - mean_f) * d;
+  }
+  const double spread = Eigen::SelfAdjointEigenSolver<Mat<D>>(covariance).eigenvalues()[0] / (length * length);
+  const double share = std::clamp((spread - slope_off) / (slope_full - slope_off), 0.0, 1.0);
+  if (share == 0.0) return mean_f;
+  return std::clamp(mean_f - share * covariance.ldlt().solve(moment).dot(mean), low, high);
+}
+
+template <int D>
+void compare_with_twin(const PointSet& source, const PointSet& target, const std::vector<double>& mask) {
+  PairWeights<D> pairs;
+  pairs.update(source, target);
+  const Field f{"f", 1, random_values(source.size(), 5)};
+  const Field* fields[] = {&f};
+  const auto mapped = pairs.consistent(fields, mask).at(0);
+  ASSERT_EQ(mapped.values.size(), target.n_active);
+  for (Size i = 0; i < target.n_active; ++i)
+    ASSERT_NEAR(mapped.values[i], plain_value<D>(source, f.values, mask, at<D>(target, i)), 1e-10) << "target " << i;
+}
+
+TEST(Mapping, AgreesWithThePlainTwin) {
+  auto target = cloud(2, 1.3, 0.06, 2);  // partly outside the source
+  const auto source = cloud(2, 1.0, 0.05, 1);
+  compare_with_twin<2>(source, target, {});
+  auto mask = random_values(source.size(), 3);
+  for (auto& m : mask) m = std::max(0.0, m);
+  compare_with_twin<2>(source, target, mask);
+  compare_with_twin<3>(cloud(3, 0.6, 0.1, 3), cloud(3, 0.7, 0.09, 4), {});
+}
+
+TEST(Mapping, CoverageIsTheSumOfWeights) {
+  const auto source = cloud(2, 1.0, 0.05, 1, 0.0), target = cloud(2, 1.4, 0.07, 2);
+  PairWeights<2> pairs;
+  pairs.update(source, target);
+  for (Size i = 0; i < target.n_active; ++i) {
+    double sum = 0.0;
+    for (Size j = 0; j < source.size(); ++j)
+      sum += source.volume[j] * sph::WendlandC2<2>::value((at<2>(source, j) - at<2>(target, i)).norm(), source.smoothing_length[j]);
+    EXPECT_NEAR(pairs.coverage()[i], sum, 1e-12);
+  }
+}
+
+template <int D>
+void constants_and_planes(double size, double spacing) {
+  const auto source = cloud(D, size, spacing, 1), target = cloud(D, 1.3 * size, 0.9 * spacing, 2);
+  Field constant{"c", 1, std::vector<double>(source.size(), 7.25)}, plane{"p", D, {}};
+  Vec<D> slope = Vec<D>::LinSpaced(1.0, 2.0);
+  for (Size j = 0; j < source.size(); ++j)
+    for (int c = 0; c < D; ++c) plane.values.push_back(3.0 + (c + 1) * slope.dot(at<D>(source, j)));
+  PairWeights<D> pairs;
+  pairs.update(source, target);
+  const Field* fields[] = {&constant, &plane};
+  const auto mapped = pairs.consistent(fields, {});
+  Size inside = 0;
+  for (Size i = 0; i < target.n_active; ++i) {
+    const bool covered = pairs.coverage()[i] > 0.0;
+    EXPECT_NEAR(mapped[0].values[i], covered ? 7.25 : 0.0, 1e-12);
+    const Vec<D> x = at<D>(target, i);
+    if (x.minCoeff() < spacing || x.maxCoeff() > size - spacing) continue;
+    ++inside;
+    for (int c = 0; c < D; ++c)
+      EXPECT_NEAR(mapped[1].values[i * D + static_cast<Size>(c)], 3.0 + (c + 1) * slope.dot(x), 1e-11);
+  }
+  EXPECT_GT(inside, 50u);
+}
+
+TEST(Mapping, ConstantsAreExactEverywherePlanesInside) {
+  constants_and_planes<2>(1.0, 0.05);
+  constants_and_planes<3>(0.8, 0.1);
+}
+
+TEST(Mapping, NeverLeavesTheRangeOfTheNeighbours) {
+  const auto source = cloud(2, 1.0, 0.05, 1), target = cloud(2, 1.3, 0.03, 2);
+  Field plane{"p", 1, {}};
+  for (Size j = 0; j < source.size(); ++j) plane.values.push_back(1e4 * (1.0 - at<2>(source, j)[1]));
+  const auto [low, high] = std::minmax_element(plane.values.begin(), plane.values.end());
+  PairWeights<2> pairs;
+  pairs.update(source, target);
+  const Field* fields[] = {&plane};
+  const auto mapped = pairs.consistent(fields, {}).at(0);
+  for (Size i = 0; i < target.n_active; ++i) {
+    if (pairs.coverage()[i] == 0.0) continue;
+    EXPECT_GE(mapped.values[i], *low - 1e-9);  // rounding of a mean of numbers near 1e4
+    EXPECT_LE(mapped.values[i], *high + 1e-9);
+  }
+}
+
+TEST(Mapping, OnePointAndARowOfPointsFallBackToTheMean) {
+  for (const double length : {0.1, 1.0}) {
+    const auto source = lattice_points(2, {0.0, 0.0}, {length, 0.1}, 0.1), target = cloud(2, 1.0, 0.05, 2);
+    PairWeights<2> pairs;
+    pairs.update(source, target);
+    const Field f{"f", 1, std::vector<double>(source.size(), 2.0)};
+    const Field* fields[] = {&f};
+    const auto mapped = pairs.consistent(fields, {}).at(0);
+    for (Size i = 0; i < target.n_active; ++i) EXPECT_NEAR(mapped.values[i], pairs.coverage()[i] > 0.0 ? 2.0 : 0.0, 1e-13);
+  }
+}
+
+TEST(Mapping, AmountsAreConserved) {
+  const auto giver = cloud(2, 1.3, 0.06, 2), receiver = cloud(2, 1.0, 0.05, 1);
+  PairWeights<2> pairs;
+  pairs.update(receiver, giver);  // the weights by which receivers would be interpolated to givers
+  Field amounts{"impulse", 2, random_values(2 * giver.size(), 9)};
+  const std::vector<double> carried = {0.5, -2.0};
+  const auto delivery = pairs.conservative(amounts, carried);
+  ASSERT_EQ(delivery.values.size(), 2 * receiver.n_active);
+  for (Size c = 0; c < 2; ++c) {
+    double given = carried[c], size = std::abs(carried[c]), got = 0.0;
+    for (Size i = 0; i < giver.n_active; ++i) {
+      given += amounts.values[2 * i + c];
+      size += std::abs(amounts.values[2 * i + c]);
+    }
+    for (Size j = 0; j < receiver.n_active; ++j) got += delivery.values[2 * j + c];
+    EXPECT_NEAR(got + delivery.undelivered[c], given, 1e-14 * size);
+    EXPECT_NEAR(got, delivery.delivered[c], 1e-14 * size);
+    EXPECT_NE(delivery.undelivered[c], 0.0);  // some givers are far from every receiver
+  }
+  // The plain twin: the transpose of Shepard's weights over the active receivers.
+  std::vector<double> plain(receiver.n_active, 0.0);
+  for (Size i = 0; i < giver.n_active; ++i) {
+    std::vector<double> w(receiver.n_active);
+    for (Size j = 0; j < receiver.n_active; ++j)
+      w[j] = receiver.volume[j] * sph::WendlandC2<2>::value((at<2>(receiver, j) - at<2>(giver, i)).norm(), receiver.smoothing_length[j]);
+    const double sum = std::accumulate(w.begin(), w.end(), 0.0);
+    if (sum <= 1e-12) continue;
+    for (Size j = 0; j < receiver.n_active; ++j) plain[j] += w[j] / sum * amounts.values[2 * i];
+  }
+  const auto alone = pairs.conservative(amounts, {});
+  for (Size j = 0; j < receiver.n_active; ++j) EXPECT_NEAR(alone.values[2 * j], plain[j], 1e-13);
+}
+
+TEST(Mapping, NothingToReceiveIsKeptAndDeliveredLater) {
+  auto mapping = make_mapping(2);
+  const std::vector<FieldSpec> takes = {{"impulse", "N s", 2, coupling::Mapping::conservative, ""}};
+  const auto giver = cloud(2, 1.0, 0.1, 1), nobody = PointSet{}, receiver = cloud(2, 1.0, 0.1, 2);
+  const std::vector<Field> amounts = {{"impulse", 2, std::vector<double>(2 * giver.size(), 1.0)}};
+  const double total = static_cast<double>(giver.n_active);
+  EXPECT_TRUE(mapping->map(Role::fluid, giver, amounts, takes, nobody).at("impulse").values.empty());
+  EXPECT_NEAR(mapping->accounts().at(0).undelivered[0], total, 1e-12 * total);
+  const auto inbox = mapping->map(Role::fluid, giver, amounts, takes, receiver);
+  const auto& values = inbox.at("impulse").values;
+  double got = 0.0;
+  for (Size j = 0; j < receiver.n_active; ++j) got += values[2 * j];
+  const auto& account = mapping->accounts().at(0);
+  EXPECT_NEAR(got + account.undelivered[0], 2.0 * total, 1e-13 * total);
+  EXPECT_LT(account.undelivered[0], 0.2 * total);
+  EXPECT_NEAR(account.given[0], account.delivered[0] + account.undelivered[0], 1e-13 * total);
+}
+
+TEST(Mapping, TheOrderOfPointsDoesNotMatter) {
+  const auto source = cloud(2, 1.0, 0.05, 1), target = cloud(2, 1.0, 0.06, 2);
+  std::vector<Size> order(source.size());
+  std::iota(order.begin(), order.end(), Size{0});
+  std::shuffle(order.begin(), order.end(), std::mt19937_64(4));
+  const Field f{"f", 1, random_values(source.size(), 5)};
+  auto shuffled = source;
+  Field g = f;
+  for (Size k = 0; k < order.size(); ++k) {
+    for (Size d = 0; d < 2; ++d) shuffled.position[2 * k + d] = source.position[2 * order[k] + d];
+    shuffled.smoothing_length[k] = source.smoothing_length[order[k]];
+    g.values[k] = f.values[order[k]];
+  }
+  PairWeights<2> a, b;
+  a.update(source, target);
+  b.update(shuffled, target);
+  const Field *fa[] = {&f}, *fb[] = {&g};
+  const auto va = a.consistent(fa, {}).at(0).values, vb = b.consistent(fb, {}).at(0).values;
+  for (Size i = 0; i < va.size(); ++i) EXPECT_NEAR(va[i], vb[i], 1e-12);
+}
+
+TEST(Mapping, ReusedListsGiveWhatFreshOnesGive) {
+  auto source = cloud(2, 1.0, 0.05, 1), target = cloud(2, 1.2, 0.06, 2);
+  PairWeights<2> kept;
+  const Field f{"f", 1, random_values(source.size(), 5)};
+  const Field* fields[] = {&f};
+  const auto step = random_values(source.position.size(), 6);
+  for (int k = 0; k < 40; ++k) {
+    for (Size p = 0; p < source.position.size(); ++p) source.position[p] += 0.001 * step[p];
+    for (auto& h : source.smoothing_length) h *= 1.0005;
+    PairWeights<2> fresh;
+    kept.update(source, target);
+    fresh.update(source, target);
+    const auto a = kept.consistent(fields, {}).at(0).values, b = fresh.consistent(fields, {}).at(0).values;
+    for (Size i = 0; i < a.size(); ++i) ASSERT_NEAR(a[i], b[i], 1e-10) << "step " << k << " target " << i;
+  }
+  EXPECT_GT(kept.counts().reuses, 20u);
+  EXPECT_GT(kept.counts().rebuilds, 2u);
+}
+
+TEST(Mapping, EmptySetsOnEitherSide) {
+  const PointSet none;
+  const auto some = cloud(2, 1.0, 0.1, 1);
+  const Field empty{"f", 1, {}}, full{"f", 1, std::vector<double>(some.size(), 1.0)};
+  PairWeights<2> pairs;
+  pairs.update(none, some);
+  const Field* from_none[] = {&empty};
+  EXPECT_EQ(pairs.consistent(from_none, {}).at(0).values, std::vector<double>(some.n_active, 0.0));
+  EXPECT_EQ(pairs.coverage(), std::vector<double>(some.n_active, 0.0));
+  pairs.update(some, none);
+  const Field* from_some[] = {&full};
+  EXPECT_TRUE(pairs.consistent(from_some, {}).at(0).values.empty());
+  pairs.update(some, some);
+  EXPECT_NEAR(pairs.consistent(from_some, {}).at(0).values[5], 1.0, 1e-13);
+}
+
+}  // namespace
+}  // namespace poretwin::coupling

@@ -1,0 +1,186 @@
+// The real coupler process and two mock solver processes: killed, stopped, interrupted, misfitted. Everything is named, everybody
+// ends, files stay whole.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace {
+
+using Strings = std::vector<std::string>;
+using namespace std::chrono_literals;
+
+/// One child process; never outlives the test.
+class Child {
+ public:
+  Child(Strings command, const std::filesystem::path& log) {
+    pid_ = fork();
+    if (pid_ != 0) return;
+    const int file = open(log.c_str(), O_CREAT | O_WRONLY | O_TRUNC, 0600);
+    dup2(file, 1);
+    dup2(file, 2);
+    std::vector<char*> arguments;
+    for (auto& word : command) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    execv(arguments[0], arguments.data());
+    _exit(127);
+  }
+  Child(const Child&) = delete;
+  Child& operator=(const Child&) = delete;
+  ~Child() {
+    if (!running_) return;
+    kill(pid_, SIGKILL);
+    waitpid(pid_, nullptr, 0);
+  }
+  void signal(int number) const { kill(pid_, number); }
+  /// Exit code; 128 + n for signal n; -1 when it does not end within 15 s.
+  int wait() {
+    const auto deadline = std::chrono::steady_clock::now() + 15s;
+    while (std::chrono::steady_clock::now() < deadline) {
+      int status = 0;
+      if (waitpid(pid_, &status, WNOHANG) == pid_) {
+        running_ = false;
+        return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+      }
+      std::this_thread::sleep_for(5ms);
+    }
+    return -1;
+  }
+
+ private:
+  pid_t pid_ = -1;
+  bool running_ = true;
+};
+
+class Processes : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string pattern = (std::filesystem::temp_directory_path() / "poretwin-processes-XXXXXX").string();
+    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
+    folder_ = pattern;
+    std::ofstream(folder_ / "case.toml") << "[case]\ntitle = \"mocks\"\ndimension = 2\nend_time = 1.0\n"
+                                            "[[soil]]\nname = \"all\"\nshape = \"box\"\nmin = [0, 0]\nmax = [1, 1]\n"
+                                            "porosity = 0.4\ngrain_density = 2600\nhydraulic_conductivity = 0.001\n"
+                                            "[fluid]\nparticle_spacing = 0.1\n[[fluid.region]]\nshape = \"box\"\nmin = [0, 0]\nmax = [1, 1]\n"
+                                            "[solid]\nmodel = \"elastic\"\nparticle_spacing = 0.1\n"
+                                            "[coupling]\ninterval = 0.01\n[output]\ninterval = 0.1\n";
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  Strings arguments(const Strings& more) const {
+    Strings out = {"--case", (folder_ / "case.toml").string(), "--out", (folder_ / "out").string()};
+    out.insert(out.end(), more.begin(), more.end());
+    return out;
+  }
+  std::unique_ptr<Child> start(Strings command, const Strings& more, const std::string& name) const {
+    const auto all = arguments(more);
+    command.insert(command.end(), all.begin(), all.end());
+    return std::make_unique<Child>(command, folder_ / (name + ".log"));
+  }
+  std::unique_ptr<Child> coupler(Strings more = {}) const {
+    more.insert(more.begin(), {"--bind", address()});
+    return start({COUPLER}, more, "coupler");
+  }
+  std::unique_ptr<Child> peer(const std::string& role, Strings more = {}) const {
+    more.insert(more.begin(), {"--connect", address()});
+    return start({MOCK_PROCESS, role}, more, role);
+  }
+  std::string address() const { return "ipc://" + (folder_ / "socket").string(); }
+  std::string text(const std::string& file) const {
+    std::ifstream in(folder_ / file);
+    std::stringstream all;
+    all << in.rdbuf();
+    return all.str();
+  }
+  void expect_in(const std::string& file, const Strings& parts) const {
+    const std::string all = text(file);
+    for (const auto& part : parts) EXPECT_NE(all.find(part), std::string::npos) << "'" << part << "' is not in " << file << ":\n" << all;
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(Processes, RunToTheEndInAnyStartOrder) {
+  auto solid = peer("solid"), fluid = peer("fluid");
+  std::this_thread::sleep_for(200ms);
+  auto c = coupler();
+  EXPECT_EQ(c->wait(), 0) << text("coupler.log");
+  EXPECT_EQ(fluid->wait(), 0) << text("fluid.log");
+  EXPECT_EQ(solid->wait(), 0) << text("solid.log");
+  expect_in("out/coupler.summary.json", {"\"exit\": 0", "\"windows\": 100", "\"mapping\"", "\"waiting_for_fluid\"", "drag_impulse x (N s) given"});
+  expect_in("out/fluid.summary.json", {"\"exit\": 0", "\"windows\": 100", "\"computing\"", "fluid.vtkhdf"});
+}
+
+TEST_F(Processes, AKilledSolverEndsTheRunWithItsName) {
+  auto c = coupler(), fluid = peer("fluid"), solid = peer("solid");
+  std::this_thread::sleep_for(500ms);
+  solid->signal(SIGKILL);
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_EQ(c->wait(), 3);
+  EXPECT_EQ(fluid->wait(), 3);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, 4s);
+  expect_in("coupler.log", {"solid died", "step", "last message PUBLICATION"});
+  expect_in("out/fluid.summary.json", {"\"exit\": 3", "aborted by solid"});
+}
+
+TEST_F(Processes, AKilledCouplerEndsBothSolvers) {
+  auto c = coupler(), fluid = peer("fluid"), solid = peer("solid");
+  std::this_thread::sleep_for(500ms);
+  c->signal(SIGKILL);
+  EXPECT_EQ(fluid->wait(), 3);
+  EXPECT_EQ(solid->wait(), 3);
+  expect_in("fluid.log", {"the coupler is gone"});
+}
+
+TEST_F(Processes, AStoppedSolverIsCalledFrozen) {
+  auto c = coupler({"--frozen-deadline", "2.5"}), fluid = peer("fluid"), solid = peer("solid");
+  std::this_thread::sleep_for(500ms);
+  fluid->signal(SIGSTOP);
+  EXPECT_EQ(c->wait(), 3);
+  EXPECT_EQ(solid->wait(), 3);
+  expect_in("coupler.log", {"fluid is frozen"});
+}
+
+TEST_F(Processes, CtrlCOnAnyOneFinishesTheWindowEverywhere) {
+  for (const int who : {0, 1, 2}) {
+    auto c = coupler(), fluid = peer("fluid"), solid = peer("solid");
+    std::this_thread::sleep_for(500ms);
+    (who == 0 ? c : who == 1 ? fluid : solid)->signal(SIGINT);
+    EXPECT_EQ(c->wait(), 130) << text("coupler.log");
+    EXPECT_EQ(fluid->wait(), 130) << text("fluid.log");
+    EXPECT_EQ(solid->wait(), 130) << text("solid.log");
+    expect_in("out/solid.summary.json", {"\"exit\": 130", "\"reason\": \"interrupted\""});
+  }
+}
+
+TEST_F(Processes, AnotherCaseIsRefused) {
+  auto c = coupler({"--wait-deadline", "2"}), fluid = peer("fluid"), solid = peer("solid", {"--set", "water.density=900.0"});
+  EXPECT_EQ(solid->wait(), 3);
+  EXPECT_EQ(c->wait(), 3);
+  EXPECT_EQ(fluid->wait(), 3);
+  expect_in("solid.log", {"refused by the coupler: case_digest: expected"});
+  expect_in("coupler.log", {"solid did not come within 2 s", "refused meanwhile: solid: case_digest"});
+}
+
+TEST_F(Processes, AloneAndBadArguments) {
+  auto alone = start({MOCK_PROCESS, "fluid"}, {"--alone"}, "alone");
+  EXPECT_EQ(alone->wait(), 0) << text("alone.log");
+  expect_in("out/fluid.summary.json", {"\"exit\": 0", "\"windows\": 100"});
+  EXPECT_EQ(start({MOCK_PROCESS, "fluid"}, {}, "bad")->wait(), 2);
+  expect_in("bad.log", {"--connect ADDRESS or --alone is missing"});
+  EXPECT_EQ(start({COUPLER}, {"--bind", "tcp://0.0.0.0:5555"}, "open")->wait(), 2);
+  expect_in("open.log", {"--allow-any-address"});
+}
+
+}  // namespace

@@ -1,0 +1,135 @@
+// The operations of verify.toml, and the verify files that ship.
+#include "cli/metrics.hpp"
+#include "cli/locate.hpp"
+#include "common/case/case.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+
+namespace poretwin::cli {
+namespace {
+
+Gauges sampled(const std::string& name, double (*f)(double)) {
+  GaugeSeries series;
+  series.unit = "m";
+  for (int i = 0; i <= 100; ++i) {
+    series.time.push_back(0.01 * i);
+    series.value.push_back(f(0.01 * i));
+  }
+  return {{name, series}};
+}
+
+Metric metric(const std::string& op, double reference, double tolerance) {
+  Metric m;
+  m.op = op;
+  m.gauge = "g";
+  m.reference = reference;
+  m.tolerance = tolerance;
+  return m;
+}
+
+const Gauges ramp = sampled("g", [](double t) { return 2.0 * t; });
+const Gauges decay = sampled("g", [](double t) { return 1.0 + 3.0 * std::exp(-5.0 * t); });
+
+TEST(Metrics, ValueInterpolatesAndScales) {
+  auto m = metric("value", 10.1, 1e-9);
+  m.at = 0.505;
+  m.scale = 10.0;
+  EXPECT_NEAR(judge(m, ramp, 0).value, 10.1, 1e-12);
+  EXPECT_TRUE(judge(m, ramp, 0).passed);
+  m.at = 1.5;
+  EXPECT_FALSE(judge(m, ramp, 0).passed) << "outside the readings is no value";
+  m.gauge = "absent";
+  EXPECT_EQ(judge(m, ramp, 0).complaint, "no readings of gauge 'absent'");
+}
+
+TEST(Metrics, RelativeAndLast) { EXPECT_NEAR(judge(metric("relative", 1.6, 0.3), ramp, 0).error, 0.25, 1e-12); }
+
+TEST(Metrics, NotANumberNeverPasses) {
+  Gauges gauges = ramp;
+  gauges["g"].value.back() = std::nan("");
+  EXPECT_FALSE(judge(metric("value", 2.0, 1e9), gauges, 0).passed);
+  EXPECT_FALSE(judge(metric("max_abs", 0.0, 1e9), gauges, 0).passed);
+  EXPECT_FALSE(judge(metric("exceeds", -1e9, 0.0), gauges, 0).passed);
+}
+
+TEST(Metrics, DecayRateOfAnExponential) {
+  auto m = metric("decay_rate", 5.0, 1e-9);
+  m.limit = 1.0;
+  EXPECT_NEAR(judge(m, decay, 0).value, 5.0, 1e-9);
+  EXPECT_TRUE(judge(m, decay, 0).passed);
+}
+
+TEST(Metrics, MonotoneSeesReversalsAndOvershoot) {
+  auto m = metric("monotone", 0.0, 0.0);
+  m.limit = 1.0;
+  EXPECT_TRUE(judge(m, decay, 0).passed);
+  const Gauges ringing = sampled("g", [](double t) { return 1.0 + std::exp(-5.0 * t) * std::cos(40.0 * t); });
+  EXPECT_GT(judge(m, ringing, 0).value, 0.05);
+  const Gauges overshooting = sampled("g", [](double t) { return t < 0.005 ? 3.0 : 0.9; });
+  EXPECT_NEAR(judge(m, overshooting, 0).value, 0.01, 1e-12);
+}
+
+TEST(Metrics, MaxAbsDriftAndExceeds) {
+  auto m = metric("max_abs", 0.5, 2.0);
+  m.from = 0.2;
+  EXPECT_NEAR(judge(m, ramp, 0).error, 1.5, 1e-12);
+  m = metric("drift", 0.0, 0.5);
+  m.normaliser = 4.0;
+  EXPECT_NEAR(judge(m, ramp, 0).error, 0.5, 1e-12);
+  EXPECT_TRUE(judge(metric("exceeds", 1.9, 0.0), ramp, 0).passed);
+  EXPECT_FALSE(judge(metric("exceeds", 2.1, 0.0), ramp, 0).passed);
+}
+
+TEST(Metrics, SumsOfGauges) {
+  Gauges gauges = ramp;
+  gauges["h"] = sampled("h", [](double t) { return -2.0 * t; })["h"];
+  auto m = metric("drift", 0.0, 1e-12);
+  m.plus = "h";
+  EXPECT_TRUE(judge(m, gauges, 0).passed);
+}
+
+TEST(Metrics, L2OverAnArrayOfGauges) {
+  Gauges gauges;
+  for (int i = 0; i < 3; ++i) gauges["p[" + std::to_string(i) + "]"] = {"Pa", {0.0}, {10.0 * i}};
+  auto m = metric("l2", 0.0, 0.1);
+  m.gauge = "p";
+  m.references = {3.0, 10.0, 20.0};
+  m.normaliser = 20.0;
+  EXPECT_NEAR(judge(m, gauges, 0).error, std::sqrt(3.0) / 20.0, 1e-12);
+  m.references.pop_back();
+  EXPECT_FALSE(judge(m, gauges, 0).passed) << "the counts differ";
+}
+
+TEST(Metrics, CurveAndExit) {
+  auto m = metric("curve", 0.0, 0.02);
+  m.curve = Series{{{0.25, 0.5}, {0.5, 1.01}, {2.0, 5.0}}};
+  m.to = 1.0;
+  EXPECT_NEAR(judge(m, ramp, 0).error, 0.01 / 1.01, 1e-12);
+  EXPECT_TRUE(judge(metric("exit", 4.0, 0.0), {}, 4).passed);
+  EXPECT_FALSE(judge(metric("exit", 4.0, 0.0), {}, 0).passed);
+}
+
+TEST(VerifyFiles, AllThatShipAreSound) {
+  const auto cases = std::filesystem::path(PORETWIN_SOURCE_DIR) / "cases";
+  int found = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(cases)) {
+    SCOPED_TRACE(entry.path());
+    if (!std::filesystem::exists(entry.path() / "verify.toml")) continue;
+    ++found;
+    const auto file = read_verify(entry.path() / "verify.toml");
+    for (const auto& run : file.runs) {
+      auto overrides = run.set;
+      EXPECT_NO_THROW(read_case(entry.path() / run.case_file, overrides)) << run.name;
+      overrides.insert(overrides.end(), run.short_set.begin(), run.short_set.end());
+      EXPECT_NO_THROW(read_case(entry.path() / run.case_file, overrides)) << run.name;
+    }
+    EXPECT_TRUE(std::filesystem::exists(entry.path() / "README.md"));
+  }
+  EXPECT_GE(found, 4);
+}
+
+}  // namespace
+}  // namespace poretwin::cli
