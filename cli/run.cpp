@@ -168,10 +168,20 @@ std::string number(double value) {
                                                               : fmt::format("{:.4g}", value);
 }
 
-std::string listed(const Summary::Numbers& numbers, const std::string& unit) {
+/// "computing 1.2 s, waiting 0.3 s", largest first; what rounds to nothing is left out.
+std::string listed_seconds(Summary::Numbers numbers) {
+  std::stable_sort(numbers.begin(), numbers.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
   std::string text;
   for (const auto& [name, value] : numbers)
-    text += fmt::format("{}{} {}{}", text.empty() ? "" : ", ", name, number(value), unit);
+    if (value >= 0.005) text += fmt::format("{}{} {:.2f} s", text.empty() ? "" : ", ", name, value);
+  return text;
+}
+
+/// One line each; zeros say nothing and are left to the JSON file.
+std::string listed_counts(const std::string& process, const Summary::Numbers& numbers) {
+  std::string text;
+  for (const auto& [name, value] : numbers)
+    if (value != 0.0) text += fmt::format("{:<10}{:>14}  {}\n", process, number(value), name);
   return text;
 }
 
@@ -228,14 +238,12 @@ RunResult run_case(const RunOptions& options) {
 std::string summary_text(const RunResult& result, const fs::path& out) {
   std::string text = fmt::format("\n{:<10}{:>10}{:>10}  where the time went\n", "process", "wall", "cpu");
   for (const auto& s : result.summaries)
-    text += fmt::format("{:<10}{:>8.2f} s{:>8.2f} s  {}\n", s.process, s.wall, s.cpu, listed(s.seconds, " s"));
-  for (const auto& s : result.summaries) {
-    if (!s.steps.empty()) text += fmt::format("{:<10}steps: {}\n", s.process, listed(s.steps, ""));
-    if (!s.counters.empty())
-      text += fmt::format("{:<10}counts, work skipped among them: {}\n", s.process, listed(s.counters, ""));
-  }
+    text += fmt::format("{:<10}{:>8.2f} s{:>8.2f} s  {}\n", s.process, s.wall, s.cpu, listed_seconds(s.seconds));
+  text += "\nprocess            count  of what (steps, work done, work skipped)\n";
+  for (const auto& s : result.summaries)
+    text += listed_counts(s.process, s.steps) + listed_counts(s.process, s.counters);
   std::error_code error;
-  text += fmt::format("files in {}:", out.string());
+  text += fmt::format("\nfiles in {}:", out.string());
   for (const auto& entry : fs::directory_iterator(out, error))
     if (entry.is_regular_file())
       text += fmt::format(" {} ({} kB)", entry.path().filename().string(),

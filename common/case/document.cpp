@@ -21,7 +21,7 @@ Node converted(const toml::node& from, const std::string& path) {
   if (const auto* table = from.as_table()) {
     node.kind = Node::Kind::table;
     for (const auto& [key, value] : *table) {
-      node.entries.emplace_back(std::string(key.str()), converted(value, path));
+      node.entries.push_back({std::string(key.str()), converted(value, path)});
       // A key's own line is a better pointer than the first line of a long value.
       if (key.source().begin.line > 0)
         node.entries.back().second.where = fmt::format("{}:{}", path, key.source().begin.line);
@@ -169,7 +169,7 @@ void apply_override(Node& root, const std::string& assignment) {
       if (entry == node->entries.end()) {
         Node fresh;
         fresh.where = where;
-        entry = node->entries.insert(node->entries.end(), {part, fresh});
+        entry = node->entries.insert(node->entries.end(), Node::Entry{part, fresh});
       }
       node = &entry->second;
     } else {

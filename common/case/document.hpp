@@ -18,14 +18,20 @@ struct Node {
   std::int64_t integer = 0;
   double number = 0.0;  ///< also set for integers
   std::string text;
-  std::vector<Node> items;                            ///< of an array
-  std::vector<std::pair<std::string, Node>> entries;  ///< of a table
-  std::string where;                                  ///< "path:line", or "--set key=value"
+  std::vector<Node> items;  ///< of an array
+  struct Entry;
+  std::vector<Entry> entries;  ///< of a table
+  std::string where;           ///< "path:line", or "--set key=value"
 
   [[nodiscard]] const Node* find(std::string_view key) const;
   [[nodiscard]] bool is_number() const { return kind == Kind::integer || kind == Kind::number; }
   /// The value as a person would like to see it quoted in a complaint.
   [[nodiscard]] std::string shown() const;
+};
+
+struct Node::Entry {
+  std::string first;  ///< key
+  Node second;
 };
 
 /// The whole file. Throws FileError when it cannot be read.

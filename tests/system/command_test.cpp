@@ -128,7 +128,7 @@ TEST_F(Command, CheckNamesAMissingFile) {
 TEST_F(Command, RunGathersWhatTheProcessesLeave) {
   const auto outcome = run({});
   EXPECT_EQ(outcome.exit, 0) << outcome.err;
-  EXPECT_THAT(outcome.out, HasSubstr("steps asleep 3"));
+  EXPECT_THAT(outcome.out, testing::ContainsRegex("fluid +3  steps asleep"));
   const auto gauges = read_text(out() / "gauges.csv");
   EXPECT_THAT(gauges, HasSubstr("fluid_ramp"));
   EXPECT_THAT(gauges, HasSubstr("solid_ramp"));
