@@ -12,11 +12,10 @@ namespace {
 
 class Border {
  public:
-  Border(const Message& message, const Contract& contract)
-      : contract_(contract), sender_(message.sender), step_(message.step), time_(message.time) {}
+  explicit Border(const Message& message) : sender_(message.sender), step_(message.step), time_(message.time) {}
 
   [[noreturn]] void refuse(const std::string& what) const {
-    throw PeerError(fmt::format("{} of '{}' at step {} (t = {:g} s): {}", "publication", sender_, step_, time_, what));
+    throw PeerError(fmt::format("publication of '{}' at step {} (t = {:g} s): {}", sender_, step_, time_, what));
   }
 
   void values(const std::string& name, int components, const std::vector<double>& values, const PointSet* points) const {
@@ -57,7 +56,6 @@ class Border {
     return text + ")";
   }
 
-  const Contract& contract_;
   std::string sender_;
   std::uint64_t step_;
   double time_;
@@ -93,7 +91,7 @@ std::shared_ptr<const PointSet> points_of(Message& message, const Contract& cont
 }  // namespace
 
 Snapshot admit(Message message, const Contract& contract, const std::shared_ptr<const PointSet>& previous) {
-  const Border border(message, contract);
+  const Border border(message);
   Snapshot out;
   const auto* body = std::get_if<PublicationBody>(&message.body);
   if (!body) border.refuse("expected a PUBLICATION, got " + describe(message));
