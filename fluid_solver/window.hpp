@@ -124,14 +124,25 @@ class WindowSolver {
  private:
   double kf(std::size_t b, std::size_t otherwise) const { return b < n_ ? q_[b].kf : q_[otherwise].kf; }
 
+  /// Lone particles, and the surface of free water, where the softer condition of a wetting front feeds splashes with energy.
+  bool pinned(std::size_t a) const {
+    return flags_[a] == Surface::lone || (flags_[a] == Surface::surface && soil_.mask[a] < 0.5);
+  }
+
+  /// Zero total pressure at a lone particle; hydrostatic from the surface, half a spacing outside, at the others.
+  double pinned_pressure(std::size_t a) const {
+    if (flags_[a] == Surface::lone) return -in_.weight.dot(s_.position[a] - in_.origin);
+    return surface_row(s_, a, 1.0, in_.weight, in_.origin).pressure;
+  }
+
   void add_surface(PairMatrix& m, std::size_t a, double mobility, double* rhs) const {
     if (flags_[a] == Surface::interior) return;
     SurfaceRow row;
-    if (flags_[a] == Surface::surface) {
-      row = surface_row(s_, a, mobility, in_.weight, in_.origin);
-    } else {  // pressure held at zero total pressure
+    if (pinned(a)) {
       const double h = s_.length[a];
-      row = {1e3 * (m.diagonal[a] + s_.volume[a] * mobility / (h * h)), -in_.weight.dot(s_.position[a] - in_.origin)};
+      row = {1e3 * (m.diagonal[a] + s_.volume[a] * mobility / (h * h)), pinned_pressure(a)};
+    } else {
+      row = surface_row(s_, a, mobility, in_.weight, in_.origin);
     }
     m.diagonal[a] += row.coefficient;
     if (rhs) *rhs += row.coefficient * row.pressure;
@@ -171,12 +182,18 @@ class WindowSolver {
       for (std::size_t a = 0; a < n_; ++a) b[a] -= reference * row[a];
     }
     for (auto& p : out.pressure) p -= reference;
+    // What drives the flow, for the tolerance: the residual with pinned particles at their pressure and all others at the datum.
+    ScalarArray known(n_, 0.0), drive(n_);
+    for (std::size_t a = 0; a < n_; ++a)
+      if (pinned(a)) out.pressure[a] = known[a] = pinned_pressure(a) - reference;
+    fluid_.apply(std::span<const double>(known), std::span<double>(drive));
+    for (std::size_t a = 0; a < n_; ++a) drive[a] = pinned(a) ? 0.0 : b[a] - drive[a];
     const auto apply = [&](std::span<const double> x, std::span<double> y) { fluid_.apply(x, y); };
     const auto precondition = [&](std::span<const double> r, std::span<double> z) {
       for (std::size_t a = 0; a < n_; ++a) z[a] = fluid_.diagonal[a] > 0.0 ? r[a] / fluid_.diagonal[a] : 0.0;
       if (closed_) remove_mean(z);
     };
-    const auto report = conjugate_gradients(apply, precondition, b, out.pressure, in_.tolerance * norm(b), 2000);
+    const auto report = conjugate_gradients(apply, precondition, b, out.pressure, in_.tolerance * norm(drive), 2000);
     out.pressure_iterations += report.iterations;
     out.converged = report.converged;
     out.outer = 1;
