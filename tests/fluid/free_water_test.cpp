@@ -14,7 +14,8 @@ Case tank(double dx, double length) {
   scene.solid.model = SolidCase::Model::rigid;
   scene.fluid.particle_spacing = dx;
   scene.fluid.regions = {box(0.0, 0.0, 0.4, 0.2)};
-  scene.walls = {wall(line(0.0, 1.0, 0.0, 0.0)), wall(line(0.0, 0.0, length, 0.0)), wall(line(length, 0.0, length, 1.0))};
+  scene.walls = {wall(line(0.0, 1.0, 0.0, 0.0)), wall(line(0.0, 0.0, length, 0.0)),
+                 wall(line(length, 0.0, length, 1.0))};
   return scene;
 }
 
@@ -41,7 +42,8 @@ TEST(FreeWater, DamBreakKeepsItsEnergy) {
   const auto energy = [&] {
     const auto& p = fluid.state().particles;
     double sum = 0.0;
-    for (std::size_t a = 0; a < p.size(); ++a) sum += p.mass[a] * (0.5 * p.velocity[a].squaredNorm() + 9.81 * p.position[a].y());
+    for (std::size_t a = 0; a < p.size(); ++a)
+      sum += p.mass[a] * (0.5 * p.velocity[a].squaredNorm() + 9.81 * p.position[a].y());
     return sum;
   };
   const double before = energy();
