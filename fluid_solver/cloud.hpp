@@ -1,4 +1,5 @@
-// The water as others see it: particles, buffers behind faces and images behind walls, with their fields; interpolation in it.
+// The water as others see it: particles, buffers behind faces and images behind walls, with their fields; interpolation
+// in it.
 #pragma once
 
 #include "fluid_solver/state.hpp"

@@ -42,8 +42,8 @@ struct SolveReport {
 /// Preconditioned conjugate gradients on plain doubles: apply(x, y): y = A x; precondition(r, z): z = P^-1 r.
 /// Stops when |residual| <= tolerance (absolute).
 template <class Apply, class Precondition>
-SolveReport conjugate_gradients(Apply&& apply, Precondition&& precondition, std::span<const double> b, std::span<double> x,
-                                double tolerance, int limit) {
+SolveReport conjugate_gradients(Apply&& apply, Precondition&& precondition, std::span<const double> b,
+                                std::span<double> x, double tolerance, int limit) {
   const std::size_t n = b.size();
   ScalarArray r(n), z(n), p(n), q(n);
   apply(std::span<const double>(x), std::span<double>(q));

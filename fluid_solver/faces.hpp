@@ -1,5 +1,6 @@
-// Faces of prescribed head or pressure: water comes and goes in columns, one per particle spacing along the face, each with a
-// stack of buffer particles outside that advances with the flow ("ghost reservoir": no reservoir particles at all).
+// Faces of prescribed head or pressure: water comes and goes in columns, one per particle spacing along the face, each
+// with a stack of buffer particles outside that advances with the flow ("ghost reservoir": no reservoir particles at
+// all).
 #pragma once
 
 #include "fluid_solver/soil_view.hpp"
@@ -163,7 +164,8 @@ std::vector<Buffer<D>> make_buffers(const std::vector<FaceColumn<D>>& columns) {
   return buffers;
 }
 
-/// Fits of the pressure's slope at every column: weighted least squares through the face, over the first spacings inside.
+/// Fits of the pressure's slope at every column: weighted least squares through the face, over the first spacings
+/// inside.
 template <int D>
 void fit_columns(const std::vector<FaceColumn<D>>& columns, Stencil<D>& s) {
   s.fit_offset.assign(1, 0);

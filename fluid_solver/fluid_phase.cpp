@@ -62,6 +62,8 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
   viscosity_ = std::max(scene.water.kinematic_viscosity, 0.01 * dx_ * std::sqrt(scene.general.gravity.norm() * depth));
   state_.columns = make_columns<D>(scene);
   update_columns<D>(scene_, 0.0, weight_, origin_, state_.columns);
+  // The soil looks for its rest under what is published before the first exchange.
+  settle(rigid_soil<D>(scene_, p.position));
   saved_ = state_;
 }
 
@@ -105,7 +107,8 @@ SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox) const {
   const auto nearest_column = [&](const Vec<D>& point) -> const FaceColumn<D>* {
     for (const auto& c : state_.columns) {
       const double d = c.inside(point);
-      if (c.in_soil && std::abs(d) <= c.spacing && (point - c.foot - d * c.normal).norm() <= 1.0001 * c.width) return &c;
+      if (c.in_soil && std::abs(d) <= c.spacing && (point - c.foot - d * c.normal).norm() <= 1.0001 * c.width)
+        return &c;
     }
     return nullptr;
   };
@@ -117,7 +120,8 @@ SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox) const {
     return rigid_soil<D>(scene_, where);
   }
   if (inbox.coverage.size() != n)
-    throw PeerError(fmt::format("the exchange brought values for {} fluid particles, there are {}", inbox.coverage.size(), n));
+    throw PeerError(
+        fmt::format("the exchange brought values for {} fluid particles, there are {}", inbox.coverage.size(), n));
   auto complete = inbox;
   if (!state_.columns.empty())
     for (std::size_t a = 0; a < n; ++a)
@@ -151,6 +155,26 @@ WindowProblem<D> Fluid<D>::problem(double interval) const {
   return in;
 }
 
+/// Pressure of water at rest: no source, no velocity, the skeleton holds still.
+template <int D>
+void Fluid<D>::settle(const SoilView<D>& view) {
+  auto& p = state_.particles;
+  if (p.size() == 0) return;
+  const auto s = stencil();
+  p.surface = find_surface(s);
+  auto in = problem(1.0);
+  in.response = false;
+  in.tolerance = 1e-8;
+  for (auto& v : in.velocity) v.setZero();
+  auto still = view;
+  for (auto& v : still.velocity) v.setZero();
+  WindowSolution<D> out;
+  out.pressure = p.pressure;
+  WindowSolver<D> solver(s, still, p.surface, in);
+  solver.solve(out);
+  p.pressure = out.pressure;
+}
+
 template <int D>
 void Fluid<D>::initialise(const coupling::Inbox& inbox) {
   auto& p = state_.particles;
@@ -165,24 +189,8 @@ void Fluid<D>::initialise(const coupling::Inbox& inbox) {
   }
   first_interval_ = stiffest > 0.0 ? 0.2 * dx_ / std::sqrt(stiffest / density_) : 0.0;
   if (scene_.coupled() && scene_.fluid.skeleton_response) state_.controlled = first_interval_;
-  if (p.size() > 0) {
-    const auto s = stencil();
-    p.surface = find_surface(s);
-    // Water at rest: no source, no velocity, the skeleton holds still.
-    auto in = problem(1.0);
-    in.response = false;
-    in.tolerance = 1e-8;
-    for (auto& v : in.velocity) v.setZero();
-    auto still = view;
-    for (auto& v : still.velocity) v.setZero();
-    WindowSolution<D> out;
-    out.pressure = p.pressure;
-    WindowSolver<D> solver(s, still, p.surface, in);
-    solver.solve(out);
-    p.pressure = out.pressure;
-    for (auto& c : state_.columns) c.slope = 0.0;
-    p.solid_velocity = view.velocity;
-  }
+  settle(view);
+  p.solid_velocity = view.velocity;
   // Wet faces of dry ground: the first particles.
   for (auto& c : state_.columns) {
     if (!c.wet) continue;
@@ -228,8 +236,8 @@ ScalarArray Fluid<D>::moved() const {
   return result;
 }
 
-/// Time in which a packing error is undone [s]: physical, not a number of windows. In soil, a third of what a unit gradient
-/// needs to push water through one spacing; in free water twenty times that of a fall through one.
+/// Time in which a packing error is undone [s]: physical, not a number of windows. In soil, a third of what a unit
+/// gradient needs to push water through one spacing; in free water twenty times that of a fall through one.
 template <int D>
 double Fluid<D>::repair_time(std::size_t a, const SoilView<D>& view) const {
   const double spacing = std::pow(state_.particles.volume[a], 1.0 / D);
@@ -251,7 +259,8 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
     source[a] = motion[a] * p.void_fraction[a] * excess / repair_time(a, view);
   }
   if (!scene_.coupled() || !scene_.fluid.skeleton_response || state_.last_interval <= 0.0) return source;
-  // The soil moved by its own account; what that squeezed beyond the prediction is made good now, no faster than it came.
+  // The soil moved by its own account; what that squeezed beyond the prediction is made good now, no faster than it
+  // came.
   VecArray<D> beyond(p.size(), Vec<D>::Zero());
   for (std::size_t a = 0; a < p.size(); ++a) {
     if (view.fraction[a] == 0.0) continue;
@@ -310,9 +319,8 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
     // Plain staggering: the skeleton was taken as it moved; where it goes now is an explicit guess.
     for (std::size_t a = 0; a < p.size(); ++a)
       if (view.density[a] > 0.0)
-        p.solid_velocity[a] +=
-            dt / view.density[a] * (view.force[a] - view.fraction[a] * (weight_ + out.gradient[a])) +
-            p.drag_impulse[a] / (p.volume[a] * view.density[a]);
+        p.solid_velocity[a] += dt / view.density[a] * (view.force[a] - view.fraction[a] * (weight_ + out.gradient[a])) +
+                               p.drag_impulse[a] / (p.volume[a] * view.density[a]);
   }
   control_interval(before, dt);
   advance_columns(s, view, dt);
@@ -328,13 +336,14 @@ template <int D>
 void Fluid<D>::check_finite(const WindowSolution<D>& solution, double time) const {
   const auto& x = state_.particles.position;
   for (std::size_t a = 0; a < x.size(); ++a) {
-    const char* term = !std::isfinite(solution.pressure[a])        ? "pore_pressure"
-                       : !solution.velocity[a].allFinite()         ? "velocity"
-                       : !solution.solid_velocity[a].allFinite()   ? "predicted_solid_velocity"
-                       : solution.velocity[a].norm() > 1e6         ? "velocity (beyond 1e6 m/s)"
-                                                                   : nullptr;
+    const char* term = !std::isfinite(solution.pressure[a])      ? "pore_pressure"
+                       : !solution.velocity[a].allFinite()       ? "velocity"
+                       : !solution.solid_velocity[a].allFinite() ? "predicted_solid_velocity"
+                       : solution.velocity[a].norm() > 1e6       ? "velocity (beyond 1e6 m/s)"
+                                                                 : nullptr;
     if (term)
-      throw DivergedError(fmt::format("fluid: {} of particle {} at ({}) is not finite; last good state at t = {} s", term, a,
+      throw DivergedError(fmt::format("fluid: {} of particle {} at ({}) is not finite; last good state at t = {} s",
+                                      term, a,
                                       D == 2 ? fmt::format("{:.4g}, {:.4g}", x[a][0], x[a][1])
                                              : fmt::format("{:.4g}, {:.4g}, {:.4g}", x[a][0], x[a][1], x[a][D - 1]),
                                       time));
@@ -357,10 +366,9 @@ void Fluid<D>::move(const Stencil<D>& s, const WindowSolution<D>& solution, doub
     keep_inside(p.position[a], p.velocity[a], std::pow(p.volume[a], 1.0 / D));
     for (const int axis : scene_.general.periodic) {
       const double length = scene_.general.domain_max[axis] - scene_.general.domain_min[axis];
-      const double wrapped =
-          scene_.general.domain_min[axis] +
-          (p.position[a][axis] - scene_.general.domain_min[axis] -
-           length * std::floor((p.position[a][axis] - scene_.general.domain_min[axis]) / length));
+      const double wrapped = scene_.general.domain_min[axis] +
+                             (p.position[a][axis] - scene_.general.domain_min[axis] -
+                              length * std::floor((p.position[a][axis] - scene_.general.domain_min[axis]) / length));
       p.birthplace[a][axis] += wrapped - p.position[a][axis];
       p.position[a][axis] = wrapped;
     }
@@ -390,7 +398,8 @@ void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, dou
   const auto motion = moved();
   sph::CellGrid<D> grid;
   double widest = 0.0;
-  for (const auto& c : state_.columns) widest = std::max(widest, 2.0 * smoothing_ratio * std::max(c.spacing, 2.0 * c.width));
+  for (const auto& c : state_.columns)
+    widest = std::max(widest, 2.0 * smoothing_ratio * std::max(c.spacing, 2.0 * c.width));
   grid.build(p.position, widest);
   for (std::size_t i = 0; i < state_.columns.size(); ++i) {
     auto& c = state_.columns[i];
@@ -405,7 +414,8 @@ void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, dou
       const double w = p.volume[a] * Kernel<D>::value(std::sqrt(r2), h);
       sum += w;
       const double spacing = std::pow(p.volume[a], 1.0 / D);
-      speed += w * (c.normal.dot(p.velocity[a]) + motion[a] * 0.5 * (1.0 - s.fullness[a]) * spacing / repair_time(a, view));
+      speed +=
+          w * (c.normal.dot(p.velocity[a]) + motion[a] * 0.5 * (1.0 - s.fullness[a]) * spacing / repair_time(a, view));
     });
     if (sum < 0.05) {
       c.offset = c.spacing;  // wet face, dry ground
@@ -468,9 +478,10 @@ void Fluid<D>::control_interval(const ScalarArray& before, double interval) {
   state_.widest_range = std::max(state_.widest_range, upper - lower);
   const double range = std::max(upper - lower, 1e-3 * state_.widest_range);
   state_.pressure_change = range > 0.0 ? std::sqrt(sum / static_cast<double>(now.size())) / range : 0.0;
-  const double target = state_.pressure_change > 0.0 ? interval * wanted_change / state_.pressure_change : longest_interval;
-  state_.controlled =
-      std::clamp(std::clamp(target, 0.3 * state_.controlled, 1.5 * state_.controlled), first_interval_, longest_interval);
+  const double target =
+      state_.pressure_change > 0.0 ? interval * wanted_change / state_.pressure_change : longest_interval;
+  state_.controlled = std::clamp(std::clamp(target, 0.3 * state_.controlled, 1.5 * state_.controlled), first_interval_,
+                                 longest_interval);
 }
 
 template <int D>
@@ -499,7 +510,8 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
       const double total = c.pressure + weight_.dot(c.foot - origin_);
       const double gradient = 1.0 + 2.0 * std::max(0.0, total) / (weight_.norm() * c.spacing);
       if (state_.counts.born > 0)
-        apply(0.25 * c.spacing * here->porosity / (here->hydraulic_conductivity * gradient), "first wetting of dry ground");
+        apply(0.25 * c.spacing * here->porosity / (here->hydraulic_conductivity * gradient),
+              "first wetting of dry ground");
     }
   return limit;
 }
@@ -521,13 +533,15 @@ OutputFrame Fluid<D>::frame() const {
   for (std::size_t a = 0; a < p.size(); ++a) {
     pressure[a] = p.pressure[a] + weight_.dot(p.position[a] - origin_);
     flag[a] = p.surface[a] == Surface::interior ? 0.0 : 1.0;
-    relative[a] = p.mask[a] > 0.0 ? Vec<D>(p.void_fraction[a] * (p.velocity[a] - p.solid_velocity[a])) : Vec<D>(Vec<D>::Zero());
+    relative[a] =
+        p.mask[a] > 0.0 ? Vec<D>(p.void_fraction[a] * (p.velocity[a] - p.solid_velocity[a])) : Vec<D>(Vec<D>::Zero());
   }
   out.fields = {
       {"velocity", "m/s", "velocity of the water between the grains (intrinsic)", 3, three(p.velocity)},
       {"pore_pressure", "Pa", "total pressure of the water", 1, pressure},
       {"void_fraction", "1", "n_w, water's share of the volume where saturated; 1 in free water", 1, p.void_fraction},
-      {"relative_flux", "m/s", "n (v_w - v_s), the discharge through the skeleton; zero in free water", 3, three(relative)},
+      {"relative_flux", "m/s", "n (v_w - v_s), the discharge through the skeleton; zero in free water", 3,
+       three(relative)},
       {"surface", "1", "1 on the free surface", 1, flag},
   };
   return out;
@@ -537,7 +551,8 @@ template <int D>
 std::vector<GaugeReading> Fluid<D>::gauges() const {
   const auto& p = state_.particles;
   std::vector<GaugeReading> readings;
-  const bool any = std::any_of(scene_.gauges.begin(), scene_.gauges.end(), [](const Gauge& g) { return g.phase == "fluid"; });
+  const bool any =
+      std::any_of(scene_.gauges.begin(), scene_.gauges.end(), [](const Gauge& g) { return g.phase == "fluid"; });
   if (!any) return readings;
   const auto cloud = make_cloud<D>(state_, planes_, weight_, origin_);
   const char* axes[3] = {"_x", "_y", "_z"};
@@ -578,9 +593,11 @@ std::vector<GaugeReading> Fluid<D>::gauges() const {
       double volume = 0.0;
       for (std::size_t a = 0; a < p.size(); ++a)
         if (inside(a)) volume += p.mass[a] / density_;
-      // The outermost particle of a column stands half a spacing either way: what of it lies outside the face is no water here.
+      // The outermost particle of a column stands half a spacing either way: what of it lies outside the face is no
+      // water here.
       for (const auto& c : state_.columns)
-        if (c.wet && (!gauge.region || contains(*gauge.region, to_point3<D>(Vec<D>(c.foot + 1e-6 * c.spacing * c.normal)), D)))
+        if (c.wet &&
+            (!gauge.region || contains(*gauge.region, to_point3<D>(Vec<D>(c.foot + 1e-6 * c.spacing * c.normal)), D)))
           volume += c.mass / density_ * (c.offset / c.spacing - 0.5);
       readings.push_back({gauge.name, volume, D == 2 ? "m2" : "m3"});
     } else if (gauge.kind == "momentum") {

@@ -26,6 +26,7 @@ class Fluid final : public Phase {
   [[nodiscard]] const State<D>& state() const { return state_; }
 
  private:
+  void settle(const SoilView<D>& view);
   SoilView<D> soil(const coupling::Inbox& inbox) const;
   Stencil<D> stencil() const;
   /// Shear stress of the water outside soil, explicit; the smallest viscosity that keeps free water quiet.

@@ -37,8 +37,8 @@ template <int D, class Face, class Mobility>
 VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Face&& face_pressure, Mobility&& mobility,
                               const Vec<D>& blind_gradient) {
   VecArray<D> result(s.n_real);
-  // Pressures of the buffers. Reflecting particle by particle, as the Laplacian does, would magnify the error of a particle
-  // that lies on the face itself.
+  // Pressures of the buffers. Reflecting particle by particle, as the Laplacian does, would magnify the error of a
+  // particle that lies on the face itself.
   ScalarArray buffer(s.n_base - s.n_real);
   std::vector<bool> fitted(buffer.size());
   for (std::size_t i = 0; i < buffer.size(); ++i) {
@@ -51,7 +51,7 @@ VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Fa
     Vec<D> sum = Vec<D>::Zero();
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
       const Index j = s.other[k], q = s.parent[j];
-      const double difference = q < s.n_real             ? p[q] - p[a]
+      const double difference = q < s.n_real           ? p[q] - p[a]
                                 : fitted[q - s.n_real] ? buffer[q - s.n_real] - p[a]
                                                        : s.reflection[k] * (buffer[q - s.n_real] - p[a]);
       sum += s.volume[j] * mobility(a, q) * difference * s.gradient[k];

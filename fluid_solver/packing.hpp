@@ -1,4 +1,5 @@
-// Keeping particles evenly spaced: shifting along the gradient of concentration, and pushing apart pairs that come too close.
+// Keeping particles evenly spaced: shifting along the gradient of concentration, and pushing apart pairs that come too
+// close.
 #pragma once
 
 #include "fluid_solver/stencil.hpp"

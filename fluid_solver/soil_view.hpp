@@ -1,4 +1,5 @@
-// The soil as the fluid sees it: arrays at the fluid particles, from the exchange or, when the soil is rigid, from the case.
+// The soil as the fluid sees it: arrays at the fluid particles, from the exchange or, when the soil is rigid, from the
+// case.
 #pragma once
 
 #include "common/case/geometry.hpp"
@@ -34,7 +35,8 @@ inline constexpr double least_solid_fraction = 1e-3;
 /// Coverage from which a point counts as inside soil in full.
 inline constexpr double full_coverage = 0.8;
 
-/// Kernel coverage to soil membership: a ramp about 0.5, flat above 0.8, so that particle disorder inside does not show.
+/// Kernel coverage to soil membership: a ramp about 0.5, flat above 0.8, so that particle disorder inside does not
+/// show.
 inline double membership(double coverage) { return std::clamp((coverage - 0.2) / 0.6, 0.0, 1.0); }
 
 inline const Soil* soil_at(const Case& scene, const Point3& x) {
@@ -101,8 +103,9 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::si
     soil.force[a] *= mask;
     const double porosity = 1.0 - n_s;
     if (scene.fluid.drag)
-      soil.drag[a] = drag_coefficient(specific_weight(scene), porosity,
-                                      kozeny_carman(conductivity[a], 1.0 - std::min(fraction[a], 1.0 - 1e-3), porosity));
+      soil.drag[a] =
+          drag_coefficient(specific_weight(scene), porosity,
+                           kozeny_carman(conductivity[a], 1.0 - std::min(fraction[a], 1.0 - 1e-3), porosity));
   }
   return soil;
 }

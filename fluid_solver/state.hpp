@@ -8,17 +8,17 @@ namespace poretwin::fluid {
 
 template <int D>
 struct Particles {
-  VecArray<D> position;             ///< m
-  VecArray<D> velocity;             ///< m/s
-  ScalarArray mass;                 ///< kg
-  ScalarArray void_fraction;        ///< n
-  ScalarArray volume;               ///< V = m / (n rho), bulk, m^D
-  ScalarArray pressure;             ///< piezometric, Pa
-  VecArray<D> solid_velocity;       ///< predicted v_s', m/s
-  VecArray<D> drag_impulse;         ///< given to the soil in the last window, N s
-  ScalarArray mask;                 ///< soil membership
-  ScalarArray volume_debt;          ///< strain the soil made beyond the prediction, not yet given to the water
-  VecArray<D> birthplace;           ///< m: a particle that never moved has no packing to repair
+  VecArray<D> position;        ///< m
+  VecArray<D> velocity;        ///< m/s
+  ScalarArray mass;            ///< kg
+  ScalarArray void_fraction;   ///< n
+  ScalarArray volume;          ///< V = m / (n rho), bulk, m^D
+  ScalarArray pressure;        ///< piezometric, Pa
+  VecArray<D> solid_velocity;  ///< predicted v_s', m/s
+  VecArray<D> drag_impulse;    ///< given to the soil in the last window, N s
+  ScalarArray mask;            ///< soil membership
+  ScalarArray volume_debt;     ///< strain the soil made beyond the prediction, not yet given to the water
+  VecArray<D> birthplace;      ///< m: a particle that never moved has no packing to repair
   std::vector<Surface> surface;
   [[nodiscard]] std::size_t size() const { return position.size(); }
 
@@ -62,8 +62,8 @@ struct Particles {
 
 /// What a run's summary counts.
 struct Counts {
-  double windows = 0, pressure_iterations = 0, skeleton_iterations = 0, outer_iterations = 0, stencils = 0, born = 0, deleted = 0,
-         unconverged = 0;
+  double windows = 0, pressure_iterations = 0, skeleton_iterations = 0, outer_iterations = 0, stencils = 0, born = 0,
+         deleted = 0, unconverged = 0;
 };
 
 template <int D>

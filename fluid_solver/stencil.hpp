@@ -1,5 +1,5 @@
-// The particles' surroundings at one instant: real particles, buffer particles outside prescribed-pressure faces, and the
-// images of both behind walls and periodic sides; pairs, kernel gradients and their corrections.
+// The particles' surroundings at one instant: real particles, buffer particles outside prescribed-pressure faces, and
+// the images of both behind walls and periodic sides; pairs, kernel gradients and their corrections.
 #pragma once
 
 #include "common/core/vector.hpp"
@@ -34,8 +34,8 @@ double lattice_fullness() {
   return value;
 }
 
-/// A buffer particle stands for the water behind a face: it has no unknown of its own, its pressure lies on the straight line
-/// from the particle that asks through the face's pressure.
+/// A buffer particle stands for the water behind a face: it has no unknown of its own, its pressure lies on the
+/// straight line from the particle that asks through the face's pressure.
 template <int D>
 struct Buffer {
   Vec<D> position;
@@ -55,25 +55,27 @@ struct Stencil {
   std::vector<Index> column;              ///< [base - real] face column of each buffer
   ScalarArray outside;                    ///< [base - real] distance from its face [m]
 
-  /// Slope of the pressure at each face column, a straight line through the face's pressure fitted to the particles inside:
-  /// slope = sum fit_weight (p - p_face) over fit_index[fit_offset[c] .. fit_offset[c + 1]); none where the ground is dry.
+  /// Slope of the pressure at each face column, a straight line through the face's pressure fitted to the particles
+  /// inside: slope = sum fit_weight (p - p_face) over fit_index[fit_offset[c] .. fit_offset[c + 1]); none where the
+  /// ground is dry.
   std::vector<Index> fit_offset{0}, fit_index;
   ScalarArray fit_weight;  ///< 1/m
 
-  std::vector<Index> offset{0};     ///< pairs of real a: offset[a] .. offset[a + 1]
-  std::vector<Index> other;         ///< [pairs]
-  VecArray<D> gradient;             ///< [pairs] grad_a W_ab, 1/m^(D+1)
-  ScalarArray strength;             ///< [pairs] -W'/r, 1/m^(D+2)
-  ScalarArray value;                ///< [pairs] W, 1/m^D
-  ScalarArray reflection;           ///< [pairs] 0, or 1 + |d_b|/d_a where b is a buffer
+  std::vector<Index> offset{0};  ///< pairs of real a: offset[a] .. offset[a + 1]
+  std::vector<Index> other;      ///< [pairs]
+  VecArray<D> gradient;          ///< [pairs] grad_a W_ab, 1/m^(D+1)
+  ScalarArray strength;          ///< [pairs] -W'/r, 1/m^(D+2)
+  ScalarArray value;             ///< [pairs] W, 1/m^D
+  ScalarArray reflection;        ///< [pairs] 0, or 1 + |d_b|/d_a where b is a buffer
 
-  ScalarArray fullness;      ///< [real] sum V W over that of a lattice
-  ScalarArray divergence;    ///< [real] sum V div r: D inside
-  ScalarArray amplification;  ///< [real] of pair sums of second derivatives, to make them exact for a quadratic on average
-  VecArray<D> normal;        ///< [real] sum V grad W: inward where the surroundings are one-sided, 1/m
-  MatArray<D> correction;    ///< [real] of the kernel gradient, buffers counted (pressures)
+  ScalarArray fullness;    ///< [real] sum V W over that of a lattice
+  ScalarArray divergence;  ///< [real] sum V div r: D inside
+  ScalarArray
+      amplification;       ///< [real] of pair sums of second derivatives, to make them exact for a quadratic on average
+  VecArray<D> normal;      ///< [real] sum V grad W: inward where the surroundings are one-sided, 1/m
+  MatArray<D> correction;  ///< [real] of the kernel gradient, buffers counted (pressures)
   MatArray<D> correction_open;  ///< [real] buffers left out (velocities)
-  MatArray<D> blind;         ///< [real] projector on directions in which there are no neighbours to difference with
+  MatArray<D> blind;            ///< [real] projector on directions in which there are no neighbours to difference with
 
   /// Of the pair of real particle a with a point whose parent is q.
   [[nodiscard]] double amplified(std::size_t a, Index q) const {
@@ -176,8 +178,8 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
     });
     s.fullness[a] = sum / full;
     s.divergence[a] = moment.trace();
-    // The pair Laplacian of a quadratic is off by the kernel's moment, 2.6 % on a lattice at this smoothing length: that much too
-    // fast or slow a consolidation. Far from 1 it means a surface, not disorder.
+    // The pair Laplacian of a quadratic is off by the kernel's moment, 2.6 % on a lattice at this smoothing length:
+    // that much too fast or slow a consolidation. Far from 1 it means a surface, not disorder.
     const double deficit = s.divergence[a] / D;
     s.amplification[a] = 1.0 / (deficit > 0.75 ? std::clamp(deficit, 0.93, 1.07) : 1.0);
     s.correction[a] = pseudo_inverse<D>(moment, 0.05, &s.blind[a]);

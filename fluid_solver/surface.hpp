@@ -30,7 +30,8 @@ struct SurfaceRow {
 
 /// weight: rho g [N/m3] as a vector; origin: where the piezometric pressure equals the total one.
 template <int D>
-SurfaceRow surface_row(const Stencil<D>& s, std::size_t a, double mobility, const Vec<D>& weight, const Vec<D>& origin) {
+SurfaceRow surface_row(const Stencil<D>& s, std::size_t a, double mobility, const Vec<D>& weight,
+                       const Vec<D>& origin) {
   const double amount = s.normal[a].norm(), half = 0.5 * std::pow(s.volume[a], 1.0 / D);
   if (amount == 0.0) return {};
   const Vec<D> x = s.position[a] - half / amount * s.normal[a];

@@ -1,5 +1,5 @@
-// One exchange window: pressure, water velocity and the skeleton's predicted velocity, solved together, so that neither the
-// drag nor the skeleton's inertia and stiffness limits the window's length.
+// One exchange window: pressure, water velocity and the skeleton's predicted velocity, solved together, so that neither
+// the drag nor the skeleton's inertia and stiffness limits the window's length.
 #pragma once
 
 #include "fluid_solver/operators.hpp"
@@ -10,47 +10,49 @@ namespace poretwin::fluid {
 
 template <int D>
 struct WindowProblem {
-  double interval = 0.0;              ///< s
-  double density = 1000.0;            ///< of water, kg/m3
-  Vec<D> weight = Vec<D>::Zero();     ///< rho g, N/m3
-  Vec<D> origin = Vec<D>::Zero();     ///< piezometric pressure ph = p - rho g.(x - origin)
-  bool response = true;               ///< the skeleton answers inside the solve
-  ScalarArray void_fraction;          ///< [n]
-  VecArray<D> velocity;               ///< [n] of the water, viscosity already in it, m/s
-  ScalarArray source;                 ///< [n] volume to be given off, 1/s
-  ScalarArray face_pressure;          ///< [columns] piezometric, Pa
-  double tolerance = 1e-4;            ///< of the pressure residual, relative, where no skeleton responds
+  double interval = 0.0;           ///< s
+  double density = 1000.0;         ///< of water, kg/m3
+  Vec<D> weight = Vec<D>::Zero();  ///< rho g, N/m3
+  Vec<D> origin = Vec<D>::Zero();  ///< piezometric pressure ph = p - rho g.(x - origin)
+  bool response = true;            ///< the skeleton answers inside the solve
+  ScalarArray void_fraction;       ///< [n]
+  VecArray<D> velocity;            ///< [n] of the water, viscosity already in it, m/s
+  ScalarArray source;              ///< [n] volume to be given off, 1/s
+  ScalarArray face_pressure;       ///< [columns] piezometric, Pa
+  double tolerance = 1e-4;         ///< of the pressure residual, relative, where no skeleton responds
 };
 
 template <int D>
 struct WindowSolution {
-  ScalarArray pressure;         ///< [n] piezometric, Pa; in: warm start
-  VecArray<D> solid_velocity;   ///< [n] predicted v_s', m/s; in: warm start
-  VecArray<D> velocity;         ///< [n] v_w', m/s
-  VecArray<D> gradient;         ///< [n] of the piezometric pressure, Pa/m
-  ScalarArray solid_weight;     ///< [n] e: what a skeleton velocity contributes to the mixture's flux
+  ScalarArray pressure;        ///< [n] piezometric, Pa; in: warm start
+  VecArray<D> solid_velocity;  ///< [n] predicted v_s', m/s; in: warm start
+  VecArray<D> velocity;        ///< [n] v_w', m/s
+  VecArray<D> gradient;        ///< [n] of the piezometric pressure, Pa/m
+  ScalarArray solid_weight;    ///< [n] e: what a skeleton velocity contributes to the mixture's flux
   int outer = 0, pressure_iterations = 0, skeleton_iterations = 0;
   bool converged = true;
 };
 
-/// Relative tolerances of the solve with a responding skeleton: of the window's pressure change, and of the skeleton's velocity.
-/// Measured on consolidation: a hundred times tighter changes the errors in the fourth digit and doubles the cost.
+/// Relative tolerances of the solve with a responding skeleton: of the window's pressure change, and of the skeleton's
+/// velocity. Measured on consolidation: a hundred times tighter changes the errors in the fourth digit and doubles the
+/// cost.
 inline constexpr double response_tolerance = 1e-2, skeleton_tolerance = 1e-4;
 
 /// Per particle: the two momentum equations of one backward Euler window, eliminated for v_w' and v_s'.
 struct Elimination {
-  double aw = 0.0;   ///< n rho_w / dt
-  double as = 0.0;   ///< R / dt
-  double C = 0.0;    ///< drag coefficient
-  double kf = 0.0;   ///< mobility of the water at fixed skeleton
-  double ss = 0.0;   ///< mobility of the skeleton with the water dragged along
-  double mS = 0.0;   ///< skeleton velocity per pressure gradient
-  double e = 0.0;    ///< share of a skeleton velocity in the mixture's flux
-  double M = 0.0;    ///< Pa
+  double aw = 0.0;  ///< n rho_w / dt
+  double as = 0.0;  ///< R / dt
+  double C = 0.0;   ///< drag coefficient
+  double kf = 0.0;  ///< mobility of the water at fixed skeleton
+  double ss = 0.0;  ///< mobility of the skeleton with the water dragged along
+  double mS = 0.0;  ///< skeleton velocity per pressure gradient
+  double e = 0.0;   ///< share of a skeleton velocity in the mixture's flux
+  double M = 0.0;   ///< Pa
   bool responds = false;
 };
 
-inline Elimination eliminate(double dt, double density, double n, double n_s, double C, double R, double M, bool response) {
+inline Elimination eliminate(double dt, double density, double n, double n_s, double C, double R, double M,
+                             bool response) {
   Elimination q;
   q.C = C;
   q.aw = n * density / dt;
@@ -71,22 +73,24 @@ inline Elimination eliminate(double dt, double density, double n, double n_s, do
 template <int D>
 class WindowSolver {
  public:
-  WindowSolver(const Stencil<D>& stencil, const SoilView<D>& soil, std::span<const Surface> flags, const WindowProblem<D>& problem)
+  WindowSolver(const Stencil<D>& stencil, const SoilView<D>& soil, std::span<const Surface> flags,
+               const WindowProblem<D>& problem)
       : s_(stencil), soil_(soil), flags_(flags), in_(problem), n_(stencil.n_real) {
     q_.resize(n_);
     for (std::size_t a = 0; a < n_; ++a) {
-      q_[a] = eliminate(in_.interval, in_.density, in_.void_fraction[a], soil.fraction[a], soil.drag[a], soil.density[a],
-                        soil.modulus[a], in_.response);
+      q_[a] = eliminate(in_.interval, in_.density, in_.void_fraction[a], soil.fraction[a], soil.drag[a],
+                        soil.density[a], soil.modulus[a], in_.response);
       any_response_ = any_response_ || q_[a].responds;
     }
-    fluid_ = laplacian(s_, [&](std::size_t a, std::size_t b) { return harmonic(q_[a].kf, kf(b, a)); }, true);
+    fluid_ = laplacian(
+        s_, [&](std::size_t a, std::size_t b) { return harmonic(q_[a].kf, kf(b, a)); }, true);
     boundary_.assign(n_, 0.0);
     for (std::size_t a = 0; a < n_; ++a) {
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
         const Index j = s_.other[k];
         if (!s_.is_buffer(j)) continue;
-        const double w =
-            s_.volume[a] * 2.0 * s_.volume[j] * q_[a].kf * s_.strength[k] * s_.amplified(a, s_.parent[j]) * s_.reflection[k];
+        const double w = s_.volume[a] * 2.0 * s_.volume[j] * q_[a].kf * s_.strength[k] * s_.amplified(a, s_.parent[j]) *
+                         s_.reflection[k];
         boundary_[a] += w * in_.face_pressure[s_.column[s_.parent[j] - n_]];
         closed_ = false;
       }
@@ -124,14 +128,26 @@ class WindowSolver {
  private:
   double kf(std::size_t b, std::size_t otherwise) const { return b < n_ ? q_[b].kf : q_[otherwise].kf; }
 
+  /// Lone particles, and the surface of free water, where the softer condition of a wetting front feeds splashes with
+  /// energy.
+  bool pinned(std::size_t a) const {
+    return flags_[a] == Surface::lone || (flags_[a] == Surface::surface && soil_.mask[a] < 0.5);
+  }
+
+  /// Zero total pressure at a lone particle; hydrostatic from the surface, half a spacing outside, at the others.
+  double pinned_pressure(std::size_t a) const {
+    if (flags_[a] == Surface::lone) return -in_.weight.dot(s_.position[a] - in_.origin);
+    return surface_row(s_, a, 1.0, in_.weight, in_.origin).pressure;
+  }
+
   void add_surface(PairMatrix& m, std::size_t a, double mobility, double* rhs) const {
     if (flags_[a] == Surface::interior) return;
     SurfaceRow row;
-    if (flags_[a] == Surface::surface) {
-      row = surface_row(s_, a, mobility, in_.weight, in_.origin);
-    } else {  // pressure held at zero total pressure
+    if (pinned(a)) {
       const double h = s_.length[a];
-      row = {1e3 * (m.diagonal[a] + s_.volume[a] * mobility / (h * h)), -in_.weight.dot(s_.position[a] - in_.origin)};
+      row = {1e3 * (m.diagonal[a] + s_.volume[a] * mobility / (h * h)), pinned_pressure(a)};
+    } else {
+      row = surface_row(s_, a, mobility, in_.weight, in_.origin);
     }
     m.diagonal[a] += row.coefficient;
     if (rhs) *rhs += row.coefficient * row.pressure;
@@ -171,12 +187,19 @@ class WindowSolver {
       for (std::size_t a = 0; a < n_; ++a) b[a] -= reference * row[a];
     }
     for (auto& p : out.pressure) p -= reference;
+    // What drives the flow, for the tolerance: the residual with pinned particles at their pressure and all others at
+    // the datum.
+    ScalarArray known(n_, 0.0), drive(n_);
+    for (std::size_t a = 0; a < n_; ++a)
+      if (pinned(a)) out.pressure[a] = known[a] = pinned_pressure(a) - reference;
+    fluid_.apply(std::span<const double>(known), std::span<double>(drive));
+    for (std::size_t a = 0; a < n_; ++a) drive[a] = pinned(a) ? 0.0 : b[a] - drive[a];
     const auto apply = [&](std::span<const double> x, std::span<double> y) { fluid_.apply(x, y); };
     const auto precondition = [&](std::span<const double> r, std::span<double> z) {
       for (std::size_t a = 0; a < n_; ++a) z[a] = fluid_.diagonal[a] > 0.0 ? r[a] / fluid_.diagonal[a] : 0.0;
       if (closed_) remove_mean(z);
     };
-    const auto report = conjugate_gradients(apply, precondition, b, out.pressure, in_.tolerance * norm(b), 2000);
+    const auto report = conjugate_gradients(apply, precondition, b, out.pressure, in_.tolerance * norm(drive), 2000);
     out.pressure_iterations += report.iterations;
     out.converged = report.converged;
     out.outer = 1;
@@ -205,7 +228,8 @@ class WindowSolver {
         true);
     for (std::size_t a = 0; a < n_; ++a)
       if (q_[a].responds) add_surface(skeleton_, a, q_[a].mS * q_[a].e, nullptr);
-    plain_ = laplacian(s_, [](std::size_t, std::size_t) { return 1.0; }, true);
+    plain_ = laplacian(
+        s_, [](std::size_t, std::size_t) { return 1.0; }, true);
     for (std::size_t a = 0; a < n_; ++a) add_surface(plain_, a, 1.0, nullptr);
   }
 
@@ -221,7 +245,8 @@ class WindowSolver {
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
         const Index j = s_.other[k], b = s_.parent[j];
         if (b >= n_ || !q_[b].responds) continue;
-        const double w = s_.volume[a] * 2.0 * s_.volume[j] * dt * harmonic(q_[a].M, q_[b].M) * s_.strength[k] * s_.amplified(a, b);
+        const double w =
+            s_.volume[a] * 2.0 * s_.volume[j] * dt * harmonic(q_[a].M, q_[b].M) * s_.strength[k] * s_.amplified(a, b);
         image_weight_[k] = w;
         H_diagonal_[a] += w;
         H_preconditioner_[a] += b == a ? 0.0 : w;
@@ -359,7 +384,8 @@ class WindowSolver {
     return report.iterations;
   }
 
-  /// Water velocity from the flux: n v' = n aw v/(aw + C) + n C/(aw + C) s - kf G p, with the pair mobilities of the solve.
+  /// Water velocity from the flux: n v' = n aw v/(aw + C) + n C/(aw + C) s - kf G p, with the pair mobilities of the
+  /// solve.
   void finish(WindowSolution<D>& out) const {
     out.velocity.resize(n_);
     out.solid_weight.resize(n_);
@@ -368,7 +394,8 @@ class WindowSolver {
         [&](std::size_t a, std::size_t b) { return harmonic(q_[a].kf, kf(b, a)); }, Vec<D>(-in_.weight));
     for (std::size_t a = 0; a < n_; ++a) {
       const auto& q = q_[a];
-      out.velocity[a] = (q.aw * in_.velocity[a] + q.C * out.solid_velocity[a]) / (q.aw + q.C) - flux[a] / in_.void_fraction[a];
+      out.velocity[a] =
+          (q.aw * in_.velocity[a] + q.C * out.solid_velocity[a]) / (q.aw + q.C) - flux[a] / in_.void_fraction[a];
       out.solid_weight[a] = q.e;
     }
     out.gradient = plain_gradient(out.pressure, false);

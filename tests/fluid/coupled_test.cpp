@@ -61,7 +61,8 @@ Consolidation consolidate(const Options& options) {
     };
     const auto vertical = [&](std::string_view name, const std::vector<double>& values, bool zero_at_base) {
       coupling::Field field{std::string(name), 2, std::vector<double>(2 * n, 0.0)};
-      for (std::size_t a = 0; a < n; ++a) field.values[2 * a + 1] = soil.sample(values, p.position[a].y(), zero_at_base);
+      for (std::size_t a = 0; a < n; ++a)
+        field.values[2 * a + 1] = soil.sample(values, p.position[a].y(), zero_at_base);
       box.fields.push_back(field);
     };
     vertical(coupling::field::solid_velocity, soil.v, true);
@@ -126,11 +127,12 @@ Consolidation consolidate(const Options& options) {
 }
 
 void report(const char* name, const Options& o, const Consolidation& r) {
-  std::printf("%s dt %.0e k %.0e ds %.4f: U %.4f base %.4f windows %zu outer/window %.2f p-it %.1f s-it %.1f cpu %.2f s\n", name,
-              o.window, o.conductivity, o.solid_spacing, r.worst_settlement, r.worst_base, r.windows,
-              r.counts.at("outer iterations") / static_cast<double>(r.windows),
-              r.counts.at("pressure iterations") / static_cast<double>(r.windows),
-              r.counts.at("skeleton iterations") / static_cast<double>(r.windows), r.cpu);
+  std::printf(
+      "%s dt %.0e k %.0e ds %.4f: U %.4f base %.4f windows %zu outer/window %.2f p-it %.1f s-it %.1f cpu %.2f s\n",
+      name, o.window, o.conductivity, o.solid_spacing, r.worst_settlement, r.worst_base, r.windows,
+      r.counts.at("outer iterations") / static_cast<double>(r.windows),
+      r.counts.at("pressure iterations") / static_cast<double>(r.windows),
+      r.counts.at("skeleton iterations") / static_cast<double>(r.windows), r.cpu);
 }
 
 TEST(Coupled, TerzaghiAtWindowsFromShortToLong) {
@@ -288,6 +290,9 @@ TEST(Coupled, RestIsKeptUnderGravity) {
         for (std::size_t a = 0; a < field.values.size() / 2; ++a) field.values[2 * a + 1] = -n_s * 9810.0;
     return box;
   };
+  for (std::size_t a = 0; a < fluid.state().particles.size(); ++a)  // hydrostatic from the first publication on
+    EXPECT_NEAR(fluid.publish().fields[0].values[a], 9810.0 * (0.1 - fluid.state().particles.position[a].y()),
+                1e-3 * 981.0);
   fluid.initialise(inbox());
   double time = 0.0;
   for (std::uint64_t step = 0; step < 20; ++step) {

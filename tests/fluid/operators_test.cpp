@@ -9,7 +9,8 @@ namespace poretwin::fluid {
 namespace {
 
 template <int D>
-Stencil<D> box(double jitter, std::size_t count, std::span<const sph::ImagePlane<D>> planes, std::vector<Vec<D>>* points = nullptr) {
+Stencil<D> box(double jitter, std::size_t count, std::span<const sph::ImagePlane<D>> planes,
+               std::vector<Vec<D>>* points = nullptr) {
   VecArray<D> x;
   std::mt19937_64 generator(3);
   std::uniform_real_distribution<double> noise(-jitter, jitter);
@@ -78,7 +79,8 @@ TEST(Operators, LaplacianOfACosineBetweenWalls) {
   for (const std::size_t count : {std::size_t{16}, std::size_t{32}}) {
     VecArray<2> x;
     const auto s = box<2>(0.0, count, planes, &x);
-    const auto m = laplacian(s, [](std::size_t, std::size_t) { return 1.0; }, true);
+    const auto m = laplacian(
+        s, [](std::size_t, std::size_t) { return 1.0; }, true);
     ScalarArray p, y(x.size());
     for (const auto& point : x) p.push_back(std::cos(std::numbers::pi * point.x()));
     m.apply(std::span<const double>(p), std::span<double>(y));
@@ -106,7 +108,8 @@ TEST(Operators, LaplacianIsSymmetricWithUnequalVolumes) {
   ScalarArray volume(x.size());
   for (std::size_t a = 0; a < x.size(); ++a) volume[a] = lattice.volume[a] * (x[a].x() > 0.5 ? 2.0 : 1.0);
   const auto s = make_stencil<2>(x, volume, std::span<const Buffer<2>>(), {}, [](Index, const Vec<2>&) { return 0.0; });
-  const auto m = laplacian(s, [](std::size_t, std::size_t) { return 1.0; }, true);
+  const auto m = laplacian(
+      s, [](std::size_t, std::size_t) { return 1.0; }, true);
   ScalarArray u, v, mu(x.size()), mv(x.size());
   for (const auto& point : x) {
     u.push_back(std::sin(7.0 * point.x() + point.y()));

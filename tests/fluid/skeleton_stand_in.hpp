@@ -1,4 +1,5 @@
-// A skeleton to couple with: an elastic column in y, finite differences, keeping the exchange contract as the solid phase does.
+// A skeleton to couple with: an elastic column in y, finite differences, keeping the exchange contract as the solid
+// phase does.
 #pragma once
 
 #include "common/coupling/exchange.hpp"
@@ -12,13 +13,13 @@
 namespace poretwin::fluid::test {
 
 struct ElasticColumn {
-  double height = 0.2;       // m
-  double spacing = 0.01;     // m
-  double modulus = 4e6;      // Pa
+  double height = 0.2;    // m
+  double spacing = 0.01;  // m
+  double modulus = 4e6;   // Pa
   double solid_fraction = 0.6;
   double grain_density = 2600.0;
   double conductivity = 1e-4;
-  double load = 1000.0;      // Pa on top
+  double load = 1000.0;  // Pa on top
   double weight_density = 9810.0;
   std::vector<double> u, v, mean, extra, old_p;
   double extra_momentum = 0.0;  // N s per m2 of cross-section taken beyond the drag impulse in the last window
@@ -62,7 +63,8 @@ struct ElasticColumn {
       const auto f = force();
       for (std::size_t i = 0; i < n; ++i) {
         const auto pressure = [&](std::size_t k) { return old_p[k] + ramp * (new_p[k] - old_p[k]); };
-        const double below = i > 0 ? pressure(i - 1) : pressure(0), above = i + 1 < n ? pressure(i + 1) : -pressure(n - 1);
+        const double below = i > 0 ? pressure(i - 1) : pressure(0),
+                     above = i + 1 < n ? pressure(i + 1) : -pressure(n - 1);
         const double total = f[i] - solid_fraction * (above - below) / (2.0 * spacing) + d[i];
         v[i] = (v[i] + h / R * (total + Z * s[i])) / (1.0 + h * Z / R);
         extra[i] += h * Z * (s[i] - v[i]);

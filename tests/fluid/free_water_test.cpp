@@ -1,0 +1,93 @@
+// Free water and three dimensions: first checks, against energy and hydrostatics.
+#include "fluid_solver/fluid_phase.hpp"
+#include "tests/fluid/scenes.hpp"
+
+#include <gtest/gtest.h>
+
+namespace poretwin::fluid {
+namespace {
+
+using namespace test;
+
+Case tank(double dx, double length) {
+  Case scene;
+  scene.solid.model = SolidCase::Model::rigid;
+  scene.fluid.particle_spacing = dx;
+  scene.fluid.regions = {box(0.0, 0.0, 0.4, 0.2)};
+  scene.walls = {wall(line(0.0, 1.0, 0.0, 0.0)), wall(line(0.0, 0.0, length, 0.0)),
+                 wall(line(length, 0.0, length, 1.0))};
+  return scene;
+}
+
+TEST(FreeWater, DisorderedTankStaysQuiet) {
+  auto scene = tank(0.02, 0.4);
+  scene.fluid.jitter = 0.2;
+  Fluid<2> fluid(scene);
+  fluid.initialise({});
+  double time = 0.0;
+  run_to(fluid, time, 3.0);
+  const auto& p = fluid.state().particles;
+  double error = 0.0;
+  for (std::size_t a = 0; a < p.size(); ++a) {
+    error += p.pressure[a] * p.pressure[a] / static_cast<double>(p.size());
+    EXPECT_LT(p.velocity[a].norm(), 0.2);  // 0.14 of sqrt(g H)
+  }
+  EXPECT_LT(std::sqrt(error) / (9810.0 * 0.2), 0.04);
+}
+
+TEST(FreeWater, DamBreakKeepsItsEnergy) {
+  const auto scene = tank(0.02, 1.6);
+  Fluid<2> fluid(scene);
+  fluid.initialise({});
+  const auto energy = [&] {
+    const auto& p = fluid.state().particles;
+    double sum = 0.0;
+    for (std::size_t a = 0; a < p.size(); ++a)
+      sum += p.mass[a] * (0.5 * p.velocity[a].squaredNorm() + 9.81 * p.position[a].y());
+    return sum;
+  };
+  const double before = energy();
+  double time = 0.0;
+  run_to(fluid, time, 0.3);
+  EXPECT_NEAR(energy() / before, 1.0, 0.1);
+  double tip = 0.0;
+  for (const auto& x : fluid.state().particles.position) tip = std::max(tip, x.x());
+  EXPECT_GT(tip, 0.7);
+  EXPECT_LT(tip, 0.4 + 2.0 * std::sqrt(9.81 * 0.2) * 0.3 + 0.02);  // Ritter's tip is the fastest there can be
+}
+
+TEST(FreeWater, ThreeDimensionsDarcyBetweenPlanes) {
+  Case scene;
+  scene.general.dimension = 3;
+  scene.general.gravity = Point3(0.0, 0.0, -9.81);
+  scene.general.domain_max = Point3(0.2, 0.08, 0.08);
+  scene.general.periodic = {1};
+  scene.solid.model = SolidCase::Model::rigid;
+  scene.fluid.particle_spacing = 0.02;
+  Shape block;
+  block.max = Point3(0.2, 0.08, 0.08);
+  scene.fluid.regions = {block};
+  Soil soil;
+  soil.shape = block;
+  scene.soils = {soil};
+  const auto plane = [](Point3 point, Point3 normal) {
+    Face face;
+    face.point = point;
+    face.normal = normal;
+    return face;
+  };
+  scene.walls = {wall(plane({0, 0, 0}, {0, 0, 1})), wall(plane({0, 0, 0.08}, {0, 0, -1}))};
+  scene.water_faces = {head_face(plane({0, 0, 0}, {1, 0, 0}), 0.2), head_face(plane({0.2, 0, 0}, {-1, 0, 0}), 0.15)};
+  Fluid<3> fluid(scene);
+  fluid.initialise({});
+  const double exact = 1e-4 * 0.25 / 0.4;
+  for (std::uint64_t step = 0; step < 3; ++step) fluid.advance({step, 0.1 * static_cast<double>(step), 0.1}, {});
+  ASSERT_EQ(fluid.state().particles.size(), 160u);
+  for (const auto& v : fluid.state().particles.velocity) {
+    EXPECT_NEAR(v.x() / exact, 1.0, 0.01);
+    EXPECT_NEAR(v.tail<2>().norm() / exact, 0.0, 0.01);
+  }
+}
+
+}  // namespace
+}  // namespace poretwin::fluid
