@@ -31,6 +31,7 @@ void fill_nodes(const Particles<D>& particles, const Neighbourhood<D>& near, con
 
 /// Velocities, and displacements dt [s] later (between the halves of a step).
 template <int D>
-void fill_velocities(const Particles<D>& particles, const Neighbourhood<D>& near, double dt, std::vector<Node<D>>& nodes);
+void fill_velocities(const Particles<D>& particles, const Neighbourhood<D>& near, double dt,
+                     std::vector<Node<D>>& nodes);
 
 }  // namespace poretwin::solid

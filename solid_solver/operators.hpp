@@ -23,8 +23,8 @@ struct Stabilisers {
   double sound_speed = 0.0;  ///< m/s
 };
 
-/// Inverse of M = -sum V F r r^T with its eigenvalues held above a floor: particles that are nearly alone keep a bounded
-/// gradient. Corners of a lattice lie above it, so that they stay exact.
+/// Inverse of M = -sum V F r r^T with its eigenvalues held above a floor: particles that are nearly alone keep a
+/// bounded gradient. Corners of a lattice lie above it, so that they stay exact.
 template <int D>
 Mat<D> invert_moment(const Mat<D>& moment) {
   constexpr double floor = D == 2 ? 0.2 : 0.1;
@@ -81,9 +81,9 @@ void velocity_gradient(const std::vector<Node<D>>& nodes, const sph::PairList& p
 
 /// Internal force per volume, the exact adjoint of velocity_gradient (cf. Eq. (60)):
 ///   f_i = sum_j V_j (sigma_i B_i + sigma_j B_j) grad W_ij.   Node::flux holds V sigma B.
-/// With it goes a stiffness on the part of the displacement that a linear field does not explain: it resists zero-energy
-/// modes for good (a viscosity only slows them) and leaves every uniform strain alone. Apart, per volume: the same as a
-/// viscosity, and artificial viscosity on approaching pairs.
+/// With it goes a stiffness on the part of the displacement that a linear field does not explain: it resists
+/// zero-energy modes for good (a viscosity only slows them) and leaves every uniform strain alone. Apart, per volume:
+/// the same as a viscosity, and artificial viscosity on approaching pairs.
 template <int D>
 void internal_force(const std::vector<Node<D>>& nodes, const sph::PairList& pairs, const ScalarArray& kernel, double h,
                     const Stabilisers& stabilisers, VecArray<D>& internal, VecArray<D>& stabilising) {

@@ -22,7 +22,7 @@ struct Particles {
   ScalarArray plastic_strain;   ///< accumulated equivalent deviatoric plastic strain
   std::vector<Index> material;  ///< index of the soil
   MatArray<D> gradient;         ///< 1/s, velocity gradient d v_a / d x_b
-  MatArray<D> deformation;        ///< 1, displacement gradient d u_a / d x_b
+  MatArray<D> deformation;      ///< 1, displacement gradient d u_a / d x_b
   MatArray<D> correction;       ///< kernel-gradient correction B
   [[nodiscard]] std::size_t size() const { return mass.size(); }
 };
@@ -31,16 +31,16 @@ struct Particles {
 template <int D>
 struct Node {
   Vec<D> position = Vec<D>::Zero();
-  double volume = 0.0;               ///< m^D
-  double mass = 0.0;                 ///< kg
-  Vec<D> velocity = Vec<D>::Zero();  ///< m/s
-  Mat<D> flux = Mat<D>::Zero();      ///< V sigma B, N m^(D-2)..: the stress as its neighbours feel it
-  Mat<D> gradient = Mat<D>::Zero();  ///< 1/s
-  Vec<D> displacement = Vec<D>::Zero();   ///< m
-  Mat<D> deformation = Mat<D>::Zero();    ///< 1
-  double inverse_density = 0.0;      ///< m3/kg, of rho_bar
-  double control = 1.0;              ///< weight of the viscous zero-energy-mode control, 0 where the soil flows
-  bool elastic = true;               ///< never yielded: displacements may be held to be smooth
+  double volume = 0.0;                   ///< m^D
+  double mass = 0.0;                     ///< kg
+  Vec<D> velocity = Vec<D>::Zero();      ///< m/s
+  Mat<D> flux = Mat<D>::Zero();          ///< V sigma B, N m^(D-2)..: the stress as its neighbours feel it
+  Mat<D> gradient = Mat<D>::Zero();      ///< 1/s
+  Vec<D> displacement = Vec<D>::Zero();  ///< m
+  Mat<D> deformation = Mat<D>::Zero();   ///< 1
+  double inverse_density = 0.0;          ///< m3/kg, of rho_bar
+  double control = 1.0;                  ///< weight of the viscous zero-energy-mode control, 0 where the soil flows
+  bool elastic = true;                   ///< never yielded: displacements may be held to be smooth
 };
 
 /// One wall that an image lies behind. Acceleration vanishes at a wall (its normal part at a roller), hence stress
