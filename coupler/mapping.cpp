@@ -218,6 +218,7 @@ template <int D>
 void PairWeights<D>::weigh() {
   weight_.resize(index_.size());
   coverage_.assign(target_.size(), 0.0);
+  asymmetry_.assign(target_.size(), 0.0);
   // V W(r, h) = V / h^D W(r / h, 1): the divisions are the source's, not the pair's.
   const Size n = source_.size();
   std::vector<double> per_length(n), amplitude(n);
@@ -227,15 +228,21 @@ void PairWeights<D>::weigh() {
     for (int d = 0; d < D; ++d) amplitude[j] *= per_length[j];
   }
   for (Size i = 0; i < target_.size(); ++i) {
-    double sum = 0.0;
+    double sum = 0.0, length = 0.0;
+    Vec<D> moment = Vec<D>::Zero();
     const Vec<D> x = target_[i];
     for (Index p = first_[i]; p < first_[i + 1]; ++p) {
       const Index j = index_[p];
-      const double w = amplitude[j] * sph::WendlandC2<D>::value((source_[j] - x).norm() * per_length[j], 1.0);
+      const Vec<D> r = source_[j] - x;
+      const double w = amplitude[j] * sph::WendlandC2<D>::value(r.norm() * per_length[j], 1.0);
       weight_[p] = w;
       sum += w;
+      moment += w * r;
+      length += w * h_[j];
     }
-    coverage_[target_order_[i]] = sum > nothing ? sum : 0.0;
+    if (!(sum > nothing)) continue;
+    coverage_[target_order_[i]] = sum;
+    asymmetry_[target_order_[i]] = moment.norm() / length;
   }
 }
 
@@ -358,6 +365,7 @@ class CloudMapping final : public SpatialMapping {
     forward.update(giver_points, receiver_points);
     Inbox inbox;
     inbox.coverage = forward.coverage();
+    inbox.asymmetry = forward.asymmetry();
     map_consistent(forward, giver_fields, specs, inbox);
     bool ready = false;
     for (const auto& spec : specs) {

@@ -42,6 +42,8 @@ class PairWeights {
 
   /// sum_j V_j W at the targets: 1 inside the source's cloud, 0 outside.
   [[nodiscard]] const std::vector<double>& coverage() const { return coverage_; }
+  /// |sum_j V_j W (x_j - x)| / (sum_j V_j W h_j) at the targets: 0 inside the source's cloud, 0.47 on its flat edge.
+  [[nodiscard]] const std::vector<double>& asymmetry() const { return asymmetry_; }
 
   /// Interpolates fields of the source to the targets; `mask` (one value per source point) may be empty. Where nothing is near: 0.
   [[nodiscard]] std::vector<Field> consistent(std::span<const Field* const> fields, std::span<const double> mask) const;
@@ -70,7 +72,7 @@ class PairWeights {
   std::vector<double> volume_, h_;                  ///< of the sources, now
   std::vector<Index> first_, index_;                ///< pairs by target
   std::vector<double> weight_;                      ///< V_j W(r, h_j) by pair; 0 for those in the skin only
-  std::vector<double> coverage_;                    ///< in the caller's order
+  std::vector<double> coverage_, asymmetry_;        ///< in the caller's order
   std::size_t receivers_ = 0;                       ///< active sources
   // As they were when the lists were made, in the caller's order.
   std::vector<double> source_then_, target_then_, h_then_;

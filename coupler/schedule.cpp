@@ -153,6 +153,7 @@ class Schedule::Implementation {
     report_.mapping += std::chrono::duration<double>(Clock::now() - start).count();
     message.points = {receiver.dimension, receiver.revision, receiver.n_active, receiver.n_active, false};
     message.arrays.push_back({std::string(coverage_array), "1", 1, std::move(inbox.coverage)});
+    message.arrays.push_back({std::string(asymmetry_array), "1", 1, std::move(inbox.asymmetry)});
     for (auto& field : inbox.fields) {
       const auto spec = std::find_if(specs.begin(), specs.end(), [&](const FieldSpec& s) { return s.name == field.name; });
       message.arrays.push_back({field.name, spec->unit, field.components, std::move(field.values)});

@@ -33,6 +33,12 @@ struct FaceColumn {
   [[nodiscard]] double inside(const Vec<D>& x) const { return normal.dot(x - foot); }
 };
 
+/// What drives a front into dry ground behind a face.
+struct InfiltrationSpeed {
+  double head = 0.0;     ///< k/n times the pressure head [m2/s]
+  double gravity = 0.0;  ///< k/n times the share of gravity along the way in [m/s]
+};
+
 namespace detail {
 
 template <int D>

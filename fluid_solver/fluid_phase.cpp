@@ -16,6 +16,8 @@ namespace {
 constexpr double repair_displacement = 0.25;
 /// Relative pressure change aimed at per window (rms, of the pressure's range).
 constexpr double wanted_change = 0.03;
+/// Pressure changes below this share of the hydrostatic range are no reason for shorter windows.
+constexpr double hydrostatic_share = 0.05;
 constexpr double longest_interval = 8.0;  // s: of slow seepage; with longer ones the ponded front lags
 
 constexpr int periodic_boundary = 31;
@@ -125,8 +127,7 @@ SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox) const {
   auto complete = inbox;
   if (!state_.columns.empty())
     for (std::size_t a = 0; a < n; ++a)
-      if (auto& coverage = complete.coverage[a]; coverage > 0.3 && coverage < full_coverage && nearest_column(x[a]))
-        coverage = full_coverage;
+      if (complete.coverage[a] > 0.3 && nearest_column(x[a])) complete.asymmetry[a] = 0.0;
   return mapped_soil<D>(scene_, complete, n);
 }
 
@@ -191,14 +192,6 @@ void Fluid<D>::initialise(const coupling::Inbox& inbox) {
   if (scene_.coupled() && scene_.fluid.skeleton_response) state_.controlled = first_interval_;
   settle(view);
   p.solid_velocity = view.velocity;
-  // Wet faces of dry ground: the first particles.
-  for (auto& c : state_.columns) {
-    if (!c.wet) continue;
-    bool near = false;
-    for (const auto& x : p.position) near = near || (x - c.foot - 0.75 * c.spacing * c.normal).norm() < 1.3 * c.spacing;
-    if (!near) c.offset = c.spacing;
-  }
-  give_birth_and_delete();
   ++state_.revision;
 }
 
@@ -418,12 +411,35 @@ void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, dou
           w * (c.normal.dot(p.velocity[a]) + motion[a] * 0.5 * (1.0 - s.fullness[a]) * spacing / repair_time(a, view));
     });
     if (sum < 0.05) {
-      c.offset = c.spacing;  // wet face, dry ground
+      wet_dry_ground(c, interval);
       continue;
     }
     c.speed = speed / sum;
     c.offset += c.speed * interval;
   }
+}
+
+/// Water behind a wet face enters dry ground as a sharp front, before there is a particle to carry it (Green & Ampt 1911):
+/// dz/dt = (k/n) (H/z + cos), H the pressure head at the face, z = offset - spacing/2; the head's part is integrated exactly.
+template <int D>
+void Fluid<D>::wet_dry_ground(FaceColumn<D>& c, double interval) const {
+  const auto speed = infiltration_speed(c);
+  const double z = std::max(0.0, c.offset - 0.5 * c.spacing);
+  const double deeper = std::sqrt(z * z + 2.0 * speed.head * interval) + std::max(0.0, speed.gravity) * interval;
+  c.offset = std::min(c.spacing, 0.5 * c.spacing + deeper);
+  c.speed = (deeper - z) / interval;
+}
+
+/// k/n times the pressure head at the face [m2/s], and k/n times the cosine between gravity and the way in [m/s].
+template <int D>
+InfiltrationSpeed Fluid<D>::infiltration_speed(const FaceColumn<D>& c) const {
+  const double magnitude = weight_.norm();
+  const Soil* here = soil_at(scene_, to_point3<D>(c.foot + 0.25 * c.spacing * c.normal));
+  if (!here) return {};
+  const double total = std::max(0.0, c.pressure + weight_.dot(c.foot - origin_));
+  const double seepage = here->hydraulic_conductivity / here->porosity;
+  const double gamma = magnitude > 0.0 ? magnitude : density_ * 9.81;
+  return {seepage * total / gamma, magnitude > 0.0 ? seepage * weight_.dot(c.normal) / magnitude : 0.0};
 }
 
 template <int D>
@@ -464,8 +480,11 @@ template <int D>
 void Fluid<D>::control_interval(const ScalarArray& before, double interval) {
   const auto& now = state_.particles.pressure;
   if (state_.controlled <= 0.0 || now.empty()) return;
-  double sum = 0.0, lower = now[0], upper = now[0];
+  const auto& x = state_.particles.position;
+  double sum = 0.0, lower = now[0], upper = now[0], lightest = weight_.dot(x[0]), heaviest = lightest;
   for (std::size_t a = 0; a < now.size(); ++a) {
+    lightest = std::min(lightest, weight_.dot(x[a]));
+    heaviest = std::max(heaviest, weight_.dot(x[a]));
     sum += (now[a] - before[a]) * (now[a] - before[a]);
     lower = std::min(lower, now[a]);
     upper = std::max(upper, now[a]);
@@ -476,7 +495,9 @@ void Fluid<D>::control_interval(const ScalarArray& before, double interval) {
       upper = std::max(upper, c.pressure);
     }
   state_.widest_range = std::max(state_.widest_range, upper - lower);
-  const double range = std::max(upper - lower, 1e-3 * state_.widest_range);
+  // Water at rest has no range of its own: rounding must not shorten its windows.
+  const double range =
+      std::max({upper - lower, 1e-3 * state_.widest_range, hydrostatic_share * (heaviest - lightest)});
   state_.pressure_change = range > 0.0 ? std::sqrt(sum / static_cast<double>(now.size())) / range : 0.0;
   const double target =
       state_.pressure_change > 0.0 ? interval * wanted_change / state_.pressure_change : longest_interval;
@@ -502,16 +523,14 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
   if (fastest > 0.0) apply(0.25 / fastest, "a quarter spacing per window at the highest speed");
   if (free_surface && weight_.norm() > 0.0)
     apply(0.3 * std::sqrt(dx_ * density_ / weight_.norm()), "gravity waves of one spacing on the free surface");
-  // Ground that is still dry: the first particle enters fast.
-  if (state_.time == 0.0)
+  // A face with nothing behind it yet: the time in which the front comes half a spacing in.
+  if (p.size() == 0)
     for (const auto& c : state_.columns) {
-      const Soil* here = soil_at(scene_, to_point3<D>(c.foot + 0.25 * c.spacing * c.normal));
-      if (!c.wet || !here || !(weight_.norm() > 0.0)) continue;
-      const double total = c.pressure + weight_.dot(c.foot - origin_);
-      const double gradient = 1.0 + 2.0 * std::max(0.0, total) / (weight_.norm() * c.spacing);
-      if (state_.counts.born > 0)
-        apply(0.25 * c.spacing * here->porosity / (here->hydraulic_conductivity * gradient),
-              "first wetting of dry ground");
+      if (!c.wet) continue;
+      const auto speed = infiltration_speed(c);
+      const double half = 0.5 * c.spacing;
+      if (speed.head > 0.0) apply(0.5 * half * half / speed.head, "first wetting of dry ground");
+      if (speed.gravity > 0.0) apply(half / speed.gravity, "first wetting of dry ground");
     }
   return limit;
 }

@@ -38,6 +38,8 @@ class Fluid final : public Phase {
   void move(const Stencil<D>& s, const WindowSolution<D>& solution, double interval);
   void keep_inside(Vec<D>& x, Vec<D>& v, double spacing) const;
   void advance_columns(const Stencil<D>& s, const SoilView<D>& soil, double interval);
+  void wet_dry_ground(FaceColumn<D>& c, double interval) const;
+  InfiltrationSpeed infiltration_speed(const FaceColumn<D>& c) const;
   void give_birth_and_delete();
   void control_interval(const ScalarArray& before, double interval);
   void check_finite(const WindowSolution<D>& solution, double time) const;

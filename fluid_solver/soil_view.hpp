@@ -32,12 +32,9 @@ struct SoilView {
 /// Least solid fraction that counts as soil.
 inline constexpr double least_solid_fraction = 1e-3;
 
-/// Coverage from which a point counts as inside soil in full.
-inline constexpr double full_coverage = 0.8;
-
-/// Kernel coverage to soil membership: a ramp about 0.5, flat above 0.8, so that particle disorder inside does not
-/// show.
-inline double membership(double coverage) { return std::clamp((coverage - 0.2) / 0.6, 0.0, 1.0); }
+/// Asymmetry of the soil's points about a place, to soil membership: a ramp about its value on a flat edge, 0.47, flat below 0.31:
+/// disorder inside the soil (0.3 at most, for particles anywhere in their cells) does not change the porosity.
+inline double membership(double asymmetry) { return std::clamp((0.63 - asymmetry) / 0.32, 0.0, 1.0); }
 
 inline const Soil* soil_at(const Case& scene, const Point3& x) {
   for (const auto& soil : scene.soils)
@@ -88,7 +85,7 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::si
   vectors(inbox.at(field::unbalanced_force), soil.force);
   vectors(inbox.at(field::returned_impulse), soil.owed);
   for (std::size_t a = 0; a < n; ++a) {
-    const double mask = membership(inbox.coverage[a]);
+    const double mask = inbox.coverage[a] > 0.0 ? membership(inbox.asymmetry[a]) : 0.0;
     const double n_s = std::min(fraction[a], 1.0 - 1e-3) * mask;
     if (n_s < least_solid_fraction || !(conductivity[a] > 0.0)) {
       soil.velocity[a].setZero();

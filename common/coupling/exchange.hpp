@@ -91,6 +91,9 @@ struct Publication {
 /// The other phase's fields at this phase's active points.
 struct Inbox {
   std::vector<double> coverage;  ///< [n_active] sum of V W of the other side's points: 1 inside, 0 outside, ~0.5 on a flat edge
+  /// [n_active] |sum V W (x_j - x)| / (h sum V W): 0 inside however disordered, 0.47 on a flat edge, 2 at the last neighbour;
+  /// zero where coverage is zero.
+  std::vector<double> asymmetry;
   std::vector<Field> fields;     ///< [n_active * components]; zero where coverage is zero
   /// The field of that name; throws PeerError naming it when it is missing.
   [[nodiscard]] const Field& at(std::string_view name) const;

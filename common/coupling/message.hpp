@@ -21,6 +21,7 @@ inline constexpr std::string_view position_array = "@position";
 inline constexpr std::string_view volume_array = "@volume";
 inline constexpr std::string_view smoothing_length_array = "@smoothing_length";
 inline constexpr std::string_view coverage_array = "@coverage";
+inline constexpr std::string_view asymmetry_array = "@asymmetry";
 
 /// Bytes with an owner that lives as long as anybody, a socket included, still reads them.
 struct Frame {

@@ -249,10 +249,13 @@ class Participant::Implementation {
         fail(fmt::format("field '{}' holds {} at point {}", array.name, *bad, (bad - array.values.begin()) / array.components));
       if (array.name == coverage_array)
         inbox.coverage = std::move(array.values);
+      else if (array.name == asymmetry_array)
+        inbox.asymmetry = std::move(array.values);
       else
         inbox.fields.push_back({std::move(array.name), array.components, std::move(array.values)});
     }
     if (inbox.coverage.size() != n_active_) fail("the coverage is missing from " + describe(message));
+    if (inbox.asymmetry.size() != n_active_) fail("the asymmetry is missing from " + describe(message));
     for (const auto& spec : contract_.takes)
       if (inbox.at(spec.name).components != spec.components)
         fail(fmt::format("field '{}': expected {} components, got {}", spec.name, spec.components, inbox.at(spec.name).components));

@@ -56,6 +56,7 @@ Consolidation consolidate(const Options& options) {
     const std::size_t n = p.size();
     coupling::Inbox box;
     box.coverage.assign(n, 1.0);
+    box.asymmetry.assign(n, 0.0);
     const auto scalar = [&](std::string_view name, double value) {
       box.fields.push_back({std::string(name), 1, std::vector<double>(n, value)});
     };
@@ -207,6 +208,7 @@ struct Exchange {
   coupling::Inbox inbox(std::size_t n, const Vec<2>& v, const Vec<2>& owed) const {
     coupling::Inbox box;
     box.coverage.assign(n, 1.0);
+    box.asymmetry.assign(n, 0.0);
     const auto scalar = [&](std::string_view name, double value) {
       box.fields.push_back({std::string(name), 1, std::vector<double>(n, value)});
     };

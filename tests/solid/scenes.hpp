@@ -76,6 +76,7 @@ coupling::Inbox wet_inbox(const Solid<D>& solid, const std::function<double(cons
   const std::size_t n = x.size();
   coupling::Inbox inbox;
   inbox.coverage.assign(n, coverage);
+  inbox.asymmetry.assign(n, 0.0);
   coupling::Field p{std::string(coupling::field::pore_pressure), 1, {}};
   for (const auto& at : x) p.values.push_back(pressure(at));
   inbox.fields = {p,
