@@ -85,6 +85,15 @@ std::shared_ptr<const PointSet> points_of(Message& message, const Contract& cont
   points->position = take(position_array, info.dimension);
   points->volume = take(volume_array, 1);
   points->smoothing_length = take(smoothing_length_array, 1);
+  points->owner = take(owner_array, 1);
+  for (std::size_t i = 0; i < points->owner.size(); ++i) {
+    const double owner = points->owner[i];
+    const bool fits = i < info.n_active ? owner == static_cast<double>(i)
+                                        : owner == -1.0 || (owner >= 0.0 && owner < static_cast<double>(info.n_active) && owner == std::floor(owner));
+    if (!fits)
+      border.refuse(fmt::format("'{}' of point {}: expected {}, got {}", owner_array, i,
+                                i < info.n_active ? "the point itself" : "an active point or -1", owner));
+  }
   return points;
 }
 

@@ -199,6 +199,7 @@ bool PairWeights<D>::gather(const PointSet& source, const PointSet& target) {
   source_.resize(n);
   volume_.resize(n);
   h_.resize(n);
+  owner_.resize(n);
   target_.resize(m);
   auto set = [&changed](auto& kept, const auto& now) {
     changed = changed || kept != now;
@@ -209,6 +210,7 @@ bool PairWeights<D>::gather(const PointSet& source, const PointSet& target) {
     set(source_[j], point<D>(source.position, k));
     set(volume_[j], source.volume[k]);
     set(h_[j], source.smoothing_length[k]);
+    set(owner_[j], static_cast<std::int64_t>(source.owner[k]));
   }
   for (Size i = 0; i < m; ++i) set(target_[i], point<D>(target.position, target_order_[i]));
   return changed;
@@ -318,14 +320,14 @@ typename PairWeights<D>::Delivery PairWeights<D>::conservative(const Field& amou
       size += std::abs(amount[c]);
     }
     for (Index p = first_[i]; p < first_[i + 1]; ++p)
-      if (source_order_[index_[p]] < receivers_) total += weight_[p];
+      if (owner_[index_[p]] >= 0) total += weight_[p];
     if (!(total > nothing)) {
       for (Size c = 0; c < components; ++c) out.undelivered[c] += amount[c];
       continue;
     }
     for (Index p = first_[i]; p < first_[i + 1]; ++p) {
-      const Size j = source_order_[index_[p]];
-      if (j >= receivers_ || weight_[p] == 0.0) continue;
+      if (owner_[index_[p]] < 0 || weight_[p] == 0.0) continue;
+      const Size j = static_cast<Size>(owner_[index_[p]]);
       const double share = weight_[p] / total;
       for (Size c = 0; c < components; ++c) out.values[j * components + c] += share * amount[c];
       part[j] += share;

@@ -6,7 +6,8 @@
 // moment of the neighbours is nearly singular (few points, or points in a line) the plane's slope fades out and the weighted mean
 // (Shepard) remains, exact for constants. A plane that would leave the range of the neighbours' values is cut at that range.
 // Conservative: the transpose of the Shepard weights by which the receivers would be interpolated to the givers, so that every
-// giver's amount is shared out completely. Only active points give and receive amounts: ghosts are images, not matter.
+// giver's amount is shared out completely. Only active points give amounts; a ghost passes what falls to it on to the point it images,
+// so that a wall or a periodic side does not skew the shares.
 #pragma once
 
 #include "common/core/vector.hpp"
@@ -74,6 +75,7 @@ class PairWeights {
   std::vector<double> weight_;                      ///< V_j W(r, h_j) by pair; 0 for those in the skin only
   std::vector<double> coverage_, asymmetry_;        ///< in the caller's order
   std::size_t receivers_ = 0;                       ///< active sources
+  std::vector<std::int64_t> owner_;                 ///< of the sources in cell order: the receiver each stands for, or -1
   // As they were when the lists were made, in the caller's order.
   std::vector<double> source_then_, target_then_, h_then_;
   double skin_ = 0.0;  ///< m

@@ -14,6 +14,7 @@ struct Cloud {
   std::size_t n_real = 0;
   VecArray<D> position;
   ScalarArray volume, length;
+  ScalarArray owner;     ///< the particle an image belongs to; -1: a buffer, or its image
   ScalarArray pressure;  ///< total, Pa
   VecArray<D> velocity, solid_velocity;
   ScalarArray mask;
@@ -46,6 +47,7 @@ Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> p
     c.length.push_back(smoothing_ratio * std::pow(v, 1.0 / D));
     largest = std::max(largest, c.length.back());
   }
+  for (std::size_t i = 0; i < c.size(); ++i) c.owner.push_back(i < c.n_real ? static_cast<double>(i) : -1.0);
   const VecArray<D> base = c.position;
   const auto images = sph::make_images<D>(base, planes, sph::support_radius * largest);
   for (std::size_t i = 0; i < images.size(); ++i) {
@@ -53,6 +55,7 @@ Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> p
     c.position.push_back(images.position[i]);
     c.volume.push_back(c.volume[q]);
     c.length.push_back(c.length[q]);
+    c.owner.push_back(c.owner[q]);
     c.pressure.push_back(c.pressure[q]);
     c.velocity.push_back(images.map[i] * c.velocity[q]);
     c.solid_velocity.push_back(images.map[i] * c.solid_velocity[q]);

@@ -86,6 +86,7 @@ coupling::Publication Fluid<D>::publish() const {
   out.points.n_active = cloud.n_real;
   out.points.volume = cloud.volume;
   out.points.smoothing_length = cloud.length;
+  out.points.owner = cloud.owner;
   const auto flat = [](const VecArray<D>& from, std::size_t size) {
     std::vector<double> values(size * D, 0.0);
     for (std::size_t a = 0; a < from.size(); ++a)

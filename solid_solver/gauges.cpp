@@ -82,7 +82,7 @@ std::vector<GaugeReading> read_gauges(const Case& scene, const Setup<D>& setup, 
       }
       continue;
     }
-    Vec<D> momentum = Vec<D>::Zero();
+    Vec<D> momentum = Vec<D>::Zero(), pending = Vec<D>::Zero();
     double kinetic = 0.0, count = 0.0, speed = 0.0, displacement = 0.0, uplift = 0.0;
     const double g = setup.gravity.norm();
     Vec<D> up = Vec<D>::Zero();
@@ -95,6 +95,7 @@ std::vector<GaugeReading> read_gauges(const Case& scene, const Setup<D>& setup, 
       x.head<D>() = p.position[i];
       if (gauge.region && !contains(*gauge.region, x, D)) continue;
       momentum += p.mass[i] * p.velocity[i];
+      pending += state.returned_impulse[i];
       kinetic += 0.5 * p.mass[i] * p.velocity[i].squaredNorm();
       count += 1.0;
       speed = std::max(speed, p.velocity[i].norm());
@@ -104,10 +105,10 @@ std::vector<GaugeReading> read_gauges(const Case& scene, const Setup<D>& setup, 
       uplift = std::max(uplift, up.dot(since));
     }
     const std::string per = D == 2 ? "/m" : "";
-    if (gauge.kind == "momentum") {
+    if (gauge.kind == "momentum" || gauge.kind == "pending_impulse") {
+      const Vec<D>& sum = gauge.kind == "momentum" ? momentum : pending;
       for (int d = 0; d < D; ++d)
-        readings.push_back(
-            {fmt::format("{}_{}", gauge.name, axes[static_cast<std::size_t>(d)]), momentum[d], "kg m/s" + per});
+        readings.push_back({fmt::format("{}_{}", gauge.name, axes[static_cast<std::size_t>(d)]), sum[d], "N s" + per});
     } else if (gauge.kind == "kinetic_energy") {
       readings.push_back({gauge.name, kinetic, "J" + per});
     } else if (gauge.kind == "particles") {
@@ -121,7 +122,7 @@ std::vector<GaugeReading> read_gauges(const Case& scene, const Setup<D>& setup, 
     } else {
       throw CaseError(
           fmt::format("gauge \"{}\": kind \"{}\" is not known to the solid; expected point, momentum, "
-                      "kinetic_energy, particles, max_speed, max_displacement or uplift",
+                      "kinetic_energy, particles, max_speed, max_displacement, uplift or pending_impulse",
                       gauge.name, gauge.kind));
     }
   }

@@ -214,6 +214,7 @@ Publication Solid<D>::publish() const {
     out.points.position.insert(out.points.position.end(), x.data(), x.data() + D);
     out.points.volume.push_back(p.volume[parent(i)]);
     out.points.smoothing_length.push_back(setup_.smoothing_length);
+    out.points.owner.push_back(static_cast<double>(parent(i)));
   }
   auto scalars = [&](std::string_view name, auto&& value) {
     Field f{std::string(name), 1, ScalarArray(all)};

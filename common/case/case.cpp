@@ -155,7 +155,7 @@ void declare(Keys& keys, Gauge& g) {
   keys.text("kind", g.kind,
             {"",
              "`point`, `front`, `volume`, `momentum`, `kinetic_energy`, `particles`, `max_speed`; of the solid also "
-             "`max_displacement`, `uplift`.",
+             "`max_displacement`, `uplift`, `pending_impulse`.",
              true});
   keys.text("quantity", g.quantity,
             {"",

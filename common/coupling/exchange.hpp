@@ -59,7 +59,8 @@ struct Contract {
   std::vector<FieldSpec> takes;
 };
 
-/// Points at which a phase gives fields. The first n_active also receive; the rest are ghosts that only give.
+/// Points at which a phase gives fields. The first n_active also receive; the rest are ghosts: images of active points, which pass
+/// impulses on to them, or stand-ins for matter outside, which only give.
 struct PointSet {
   int dimension = 2;
   std::uint64_t revision = 0;             ///< changes whenever any point, volume or length does
@@ -67,6 +68,8 @@ struct PointSet {
   std::vector<double> position;           ///< [n * dimension] m
   std::vector<double> volume;             ///< [n] m^D, bulk volume: the weight of the point
   std::vector<double> smoothing_length;   ///< [n] m
+  /// [n] the active point that a ghost stands for (what the ghost would receive goes there); -1: nobody; its own index for active points.
+  std::vector<double> owner;
   [[nodiscard]] std::size_t size() const { return volume.size(); }
 };
 

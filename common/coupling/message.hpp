@@ -20,6 +20,7 @@ inline constexpr std::uint32_t protocol_minor = 0;
 inline constexpr std::string_view position_array = "@position";
 inline constexpr std::string_view volume_array = "@volume";
 inline constexpr std::string_view smoothing_length_array = "@smoothing_length";
+inline constexpr std::string_view owner_array = "@owner";
 inline constexpr std::string_view coverage_array = "@coverage";
 inline constexpr std::string_view asymmetry_array = "@asymmetry";
 

@@ -21,6 +21,7 @@ PointSet lattice_points(int dimension, const std::vector<double>& lower, const s
     for (std::size_t d = 0; d < size; ++d) points.position.push_back(lower[d] + (static_cast<double>(at[d]) + 0.5) * spacing);
     points.volume.push_back(std::pow(spacing, dimension));
     points.smoothing_length.push_back(smoothing_per_spacing * spacing);
+    points.owner.push_back(static_cast<double>(points.owner.size()));
     std::size_t d = 0;
     while (d < size && ++at[d] == count[d]) at[d++] = 0;
     if (d == size) break;

@@ -80,6 +80,7 @@ class Participant::Implementation {
       message.arrays.push_back({std::string(position_array), "m", points.dimension, std::move(points.position)});
       message.arrays.push_back({std::string(volume_array), fmt::format("m^{}", points.dimension), 1, std::move(points.volume)});
       message.arrays.push_back({std::string(smoothing_length_array), "m", 1, std::move(points.smoothing_length)});
+      message.arrays.push_back({std::string(owner_array), "1", 1, std::move(points.owner)});
       revision_sent_ = message.points.revision;
     }
     for (const auto& spec : contract_.gives) {
@@ -267,8 +268,8 @@ class Participant::Implementation {
     const std::size_t n = points.size();
     auto refuse = [&](const std::string& what) { throw Error(ExitCode::failure, name_ + ": own publication: " + what); };
     if (points.dimension != contract_.dimension) refuse("its points have another dimension than the contract");
-    if (points.position.size() != n * static_cast<std::size_t>(points.dimension) || points.smoothing_length.size() != n)
-      refuse("positions, volumes and smoothing lengths differ in number");
+    if (points.position.size() != n * static_cast<std::size_t>(points.dimension) || points.smoothing_length.size() != n || points.owner.size() != n)
+      refuse("positions, volumes, smoothing lengths and owners differ in number");
     if (points.n_active > n) refuse("more active points than points");
     for (const auto& spec : contract_.gives) {
       const auto found = std::find_if(publication.fields.begin(), publication.fields.end(), [&](const Field& f) { return f.name == spec.name; });

@@ -51,11 +51,22 @@ Images<D> make_images(std::span<const Vec<D>> points, std::span<const ImagePlane
     images.map.push_back(own * map);
     images.boundaries.push_back(bits | (1u << plane.boundary));
   };
-  for (const auto& plane : planes) {
+  // An image shifted out through one periodic side is never shifted back through the other: on the side itself it would fall
+  // on its own original.
+  std::vector<std::size_t> made_by;
+  auto shifted_back = [&](std::size_t k, const ImagePlane<D>& plane) {
+    const ImagePlane<D>& maker = planes[made_by[k]];
+    return plane.kind == ImagePlane<D>::Kind::periodic && maker.kind == ImagePlane<D>::Kind::periodic &&
+           maker.normal.dot(plane.normal) < -0.5;
+  };
+  for (std::size_t p = 0; p < planes.size(); ++p) {
+    const auto& plane = planes[p];
     const std::size_t made = images.size();
     for (std::size_t i = 0; i < points.size(); ++i) add(plane, points[i], static_cast<Index>(i), Mat<D>::Identity(), 0u);
     for (std::size_t k = 0; k < made; ++k)
-      add(plane, Vec<D>(images.position[k]), images.parent[k], Mat<D>(images.map[k]), images.boundaries[k]);
+      if (!shifted_back(k, plane))
+        add(plane, Vec<D>(images.position[k]), images.parent[k], Mat<D>(images.map[k]), images.boundaries[k]);
+    made_by.resize(images.size(), p);
   }
   return images;
 }

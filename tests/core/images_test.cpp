@@ -40,5 +40,17 @@ TEST(Images, PeriodicSidesShift) {
   for (std::size_t k = 0; k < images.size(); ++k) EXPECT_EQ(images.map[k], Mat<3>::Identity());
 }
 
+TEST(Images, APointOnAPeriodicSideHasOneImageAndNoTwin) {
+  General general;
+  general.domain_max = Point3(0.2, 0.2, 0.0);
+  general.periodic = {0, 1};
+  for (const double y : {0.0, 1e-20, 0.2}) {
+    const VecArray<2> points{Vec<2>(0.1, y)};
+    const auto images = sph::make_images<2>(points, periodic_planes<2>(general, 0), 0.03);
+    ASSERT_EQ(images.size(), 1u) << y;
+    EXPECT_NEAR((images.position[0] - points[0]).norm(), 0.2, 1e-15) << y;
+  }
+}
+
 }  // namespace
 }  // namespace poretwin

@@ -25,6 +25,7 @@ PointSet cloud(int dimension, double size, double spacing, unsigned seed, double
   for (auto& x : points.position) x += uniform(generator);
   for (auto& h : points.smoothing_length) h *= ratio(generator);
   points.n_active = points.size() - points.size() / 10;
+  for (Size i = points.n_active; i < points.size(); ++i) points.owner[i] = i % 2 ? -1.0 : static_cast<double>(i % points.n_active);
   return points;
 }
 
@@ -187,15 +188,17 @@ TEST(Mapping, AmountsAreConserved) {
     EXPECT_NEAR(got, delivery.delivered[c], 1e-14 * size);
     EXPECT_NE(delivery.undelivered[c], 0.0);  // some givers are far from every receiver
   }
-  // The plain twin: the transpose of Shepard's weights over the active receivers.
+  // The plain twin: the transpose of Shepard's weights over the receivers and the ghosts that stand for one of them.
   std::vector<double> plain(receiver.n_active, 0.0);
   for (Size i = 0; i < giver.n_active; ++i) {
-    std::vector<double> w(receiver.n_active);
-    for (Size j = 0; j < receiver.n_active; ++j)
-      w[j] = receiver.volume[j] * sph::WendlandC2<2>::value((at<2>(receiver, j) - at<2>(giver, i)).norm(), receiver.smoothing_length[j]);
+    std::vector<double> w(receiver.size(), 0.0);
+    for (Size j = 0; j < receiver.size(); ++j)
+      if (receiver.owner[j] >= 0.0)
+        w[j] = receiver.volume[j] * sph::WendlandC2<2>::value((at<2>(receiver, j) - at<2>(giver, i)).norm(), receiver.smoothing_length[j]);
     const double sum = std::accumulate(w.begin(), w.end(), 0.0);
     if (sum <= 1e-12) continue;
-    for (Size j = 0; j < receiver.n_active; ++j) plain[j] += w[j] / sum * amounts.values[2 * i];
+    for (Size j = 0; j < receiver.size(); ++j)
+      if (receiver.owner[j] >= 0.0) plain[static_cast<Size>(receiver.owner[j])] += w[j] / sum * amounts.values[2 * i];
   }
   const auto alone = pairs.conservative(amounts, {});
   for (Size j = 0; j < receiver.n_active; ++j) EXPECT_NEAR(alone.values[2 * j], plain[j], 1e-13);
