@@ -200,6 +200,7 @@ bool PairWeights<D>::gather(const PointSet& source, const PointSet& target) {
   volume_.resize(n);
   h_.resize(n);
   owner_.resize(n);
+  target_volume_.resize(m);
   target_.resize(m);
   auto set = [&changed](auto& kept, const auto& now) {
     changed = changed || kept != now;
@@ -212,7 +213,10 @@ bool PairWeights<D>::gather(const PointSet& source, const PointSet& target) {
     set(h_[j], source.smoothing_length[k]);
     set(owner_[j], static_cast<std::int64_t>(source.owner[k]));
   }
-  for (Size i = 0; i < m; ++i) set(target_[i], point<D>(target.position, target_order_[i]));
+  for (Size i = 0; i < m; ++i) {
+    set(target_[i], point<D>(target.position, target_order_[i]));
+    set(target_volume_[i], target.volume[target_order_[i]]);
+  }
   return changed;
 }
 
@@ -301,6 +305,52 @@ std::vector<Field> PairWeights<D>::consistent(std::span<const Field* const> fiel
   return out;
 }
 
+/// Factors on the receivers' weights under which an even giving arrives evenly however disordered the points are: what reaches a
+/// receiver from the giving volumes is to be its own volume (Sinkhorn 1967). Only receivers inside the cloud of those that give
+/// are balanced; at its edge the shares stay as the kernel has them.
+template <int D>
+std::vector<double> PairWeights<D>::balance(const Field& amounts) const {
+  const Size components = static_cast<Size>(amounts.components);
+  std::vector<double> scale(receivers_, 1.0), load(receivers_), weight(receivers_, 0.0), own(receivers_, 0.0);
+  VecArray<D> moment(receivers_, Vec<D>::Zero());
+  std::vector<Size> givers;
+  for (Size i = 0; i < target_.size(); ++i) {
+    const double* amount = amounts.values.data() + target_order_[i] * components;
+    if (std::all_of(amount, amount + components, [](double a) { return a == 0.0; })) continue;
+    givers.push_back(i);
+    for (Index p = first_[i]; p < first_[i + 1]; ++p) {
+      const Index k = index_[p];
+      if (owner_[k] < 0) continue;
+      const Size j = static_cast<Size>(owner_[k]);
+      weight[j] += weight_[p] * h_[k];
+      moment[j] += weight_[p] * (target_[i] - source_[k]);
+    }
+  }
+  for (Size k = 0; k < source_.size(); ++k)
+    if (source_order_[k] < receivers_) own[source_order_[k]] = volume_[k];
+  for (int round = 0; round < balancing_rounds; ++round) {
+    std::fill(load.begin(), load.end(), 0.0);
+    for (const Size i : givers) {
+      double total = 0.0;
+      for (Index p = first_[i]; p < first_[i + 1]; ++p)
+        if (owner_[index_[p]] >= 0) total += weight_[p] * scale[static_cast<Size>(owner_[index_[p]])];
+      if (!(total > nothing)) continue;
+      for (Index p = first_[i]; p < first_[i + 1]; ++p)
+        if (const auto j = owner_[index_[p]]; j >= 0)
+          load[static_cast<Size>(j)] += target_volume_[i] * weight_[p] * scale[static_cast<Size>(j)] / total;
+    }
+    double worst = 0.0;
+    for (Size j = 0; j < receivers_; ++j) {
+      if (!(load[j] > 0.0) || moment[j].norm() > inside_asymmetry * weight[j]) continue;
+      const double ratio = own[j] / load[j];
+      worst = std::max(worst, std::abs(ratio - 1.0));
+      scale[j] = std::clamp(scale[j] * ratio, 0.25, 4.0);
+    }
+    if (worst < balancing_tolerance) break;
+  }
+  return scale;
+}
+
 template <int D>
 typename PairWeights<D>::Delivery PairWeights<D>::conservative(const Field& amounts, std::span<const double> carried) const {
   const Size components = static_cast<Size>(amounts.components);
@@ -309,6 +359,7 @@ typename PairWeights<D>::Delivery PairWeights<D>::conservative(const Field& amou
   out.given.assign(components, 0.0);
   out.delivered.assign(components, 0.0);
   out.undelivered.assign(components, 0.0);
+  const auto scale = balance(amounts);
   // How much of the giving each receiver takes part in: the key by which carried amounts are shared out.
   std::vector<double> part(receivers_, 0.0), part_by_size(receivers_, 0.0);
   double parts = 0.0, parts_by_size = 0.0;
@@ -319,8 +370,9 @@ typename PairWeights<D>::Delivery PairWeights<D>::conservative(const Field& amou
       out.given[c] += amount[c];
       size += std::abs(amount[c]);
     }
+    if (size == 0.0) continue;
     for (Index p = first_[i]; p < first_[i + 1]; ++p)
-      if (owner_[index_[p]] >= 0) total += weight_[p];
+      if (owner_[index_[p]] >= 0) total += weight_[p] * scale[static_cast<Size>(owner_[index_[p]])];
     if (!(total > nothing)) {
       for (Size c = 0; c < components; ++c) out.undelivered[c] += amount[c];
       continue;
@@ -328,7 +380,7 @@ typename PairWeights<D>::Delivery PairWeights<D>::conservative(const Field& amou
     for (Index p = first_[i]; p < first_[i + 1]; ++p) {
       if (owner_[index_[p]] < 0 || weight_[p] == 0.0) continue;
       const Size j = static_cast<Size>(owner_[index_[p]]);
-      const double share = weight_[p] / total;
+      const double share = weight_[p] * scale[j] / total;
       for (Size c = 0; c < components; ++c) out.values[j * components + c] += share * amount[c];
       part[j] += share;
       part_by_size[j] += share * size;

@@ -34,6 +34,11 @@ inline constexpr double slope_off = 0.02, slope_full = 0.06;
 /// Room added to every support radius, in units of the largest one: lists hold until points have moved that far, taken together.
 inline constexpr double relative_skin = 0.15;
 
+/// Balancing of conservative shares: rounds at most, relative unevenness at which they end, and the asymmetry of the givers about a
+/// receiver up to which it counts as inside (a flat edge has 0.47, disordered points inside 0.3).
+inline constexpr int balancing_rounds = 10;
+inline constexpr double balancing_tolerance = 1e-3, inside_asymmetry = 0.31;
+
 /// The pairs (target, source) and their weights, kept from window to window.
 template <int D>
 class PairWeights {
@@ -65,12 +70,14 @@ class PairWeights {
   /// Present positions, volumes and lengths in cell order; false when nothing at all has changed since the last time.
   bool gather(const PointSet& source, const PointSet& target);
   void weigh();
+  [[nodiscard]] std::vector<double> balance(const Field& amounts) const;
 
   MappingCounts counts_;
   // Everything below is in cell order: neighbours in space lie close in memory.
   std::vector<Index> source_order_, target_order_;  ///< cell order -> the caller's order
   VecArray<D> source_, target_;                     ///< m, now
   std::vector<double> volume_, h_;                  ///< of the sources, now
+  std::vector<double> target_volume_;
   std::vector<Index> first_, index_;                ///< pairs by target
   std::vector<double> weight_;                      ///< V_j W(r, h_j) by pair; 0 for those in the skin only
   std::vector<double> coverage_, asymmetry_;        ///< in the caller's order
