@@ -272,6 +272,37 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
   return source;
 }
 
+/// What the soil took beyond the drag comes from the water in its pores. It is shared out among the soil's water within
+/// a kernel's reach, none of it to the free water beside the soil, and taken at the rate at which that water's inertia
+/// answers to the drag: where drag rules, the pressure already answers for the soil's motion, through the volume debt.
+/// The sum of what is owed and taken is kept.
+template <int D>
+void Fluid<D>::take_back(const Stencil<D>& s, const SoilView<D>& view, double interval) {
+  auto& p = state_.particles;
+  VecArray<D> owed(p.size(), Vec<D>::Zero());
+  for (std::size_t a = 0; a < p.size(); ++a) {
+    const Vec<D> mine = p.owed[a] + view.owed[a];
+    if (mine.isZero(0.0)) continue;
+    const double own = view.mask[a] * p.volume[a] * Kernel<D>::value(0.0, s.length[a]);
+    const auto share = [&](Index k) {
+      const Index b = s.other[k];
+      return b < s.n_real ? view.mask[b] * p.volume[b] * s.value[k] : 0.0;
+    };
+    double sum = own;
+    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) sum += share(k);
+    owed[a] += sum > 0.0 ? Vec<D>(own / sum * mine) : mine;
+    if (!(sum > 0.0)) continue;
+    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
+      if (const double w = share(k); w > 0.0) owed[s.other[k]] += w / sum * mine;
+  }
+  for (std::size_t a = 0; a < p.size(); ++a) {
+    const double aw = p.void_fraction[a] * density_ / interval;
+    const Vec<D> taken = aw / (aw + view.drag[a]) * owed[a];
+    p.velocity[a] -= taken / p.mass[a];
+    p.owed[a] = owed[a] - taken;
+  }
+}
+
 template <int D>
 coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupling::Inbox& inbox) {
   auto& p = state_.particles;
@@ -281,13 +312,13 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   for (std::size_t a = 0; a < p.size(); ++a) {
     p.void_fraction[a] = 1.0 - view.fraction[a];
     p.volume[a] = p.mass[a] / (p.void_fraction[a] * density_);
-    p.velocity[a] -= view.owed[a] / p.mass[a];
     p.mask[a] = view.mask[a];
   }
   update_columns<D>(scene_, window.time + dt, weight_, origin_, state_.columns);
   const auto s = stencil();
   ++state_.counts.stencils;
   p.surface = find_surface(s);
+  if (scene_.coupled()) take_back(s, view, dt);
 
   auto in = problem(dt);
   in.velocity = viscous_velocity(s, view, dt);
@@ -634,7 +665,7 @@ std::vector<GaugeReading> Fluid<D>::gauges() const {
     } else if (gauge.kind == "momentum") {
       Vec<D> sum = Vec<D>::Zero();
       for (std::size_t a = 0; a < p.size(); ++a)
-        if (inside(a)) sum += p.mass[a] * p.velocity[a];
+        if (inside(a)) sum += p.mass[a] * p.velocity[a] - p.owed[a];
       for (int d = 0; d < D; ++d) readings.push_back({gauge.name + axes[d], sum[d], "N s"});
     } else if (gauge.kind == "kinetic_energy") {
       double sum = 0.0;

@@ -44,6 +44,7 @@ class Fluid final : public Phase {
   InfiltrationSpeed infiltration_speed(const FaceColumn<D>& c) const;
   void give_birth_and_delete();
   void control_interval(const ScalarArray& before, double interval);
+  void take_back(const Stencil<D>& s, const SoilView<D>& view, double interval);
   void check_finite(const WindowSolution<D>& solution, double time) const;
   std::pair<double, std::string> time_limit() const;
   WindowProblem<D> problem(double interval) const;

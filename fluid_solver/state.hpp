@@ -16,6 +16,7 @@ struct Particles {
   ScalarArray pressure;        ///< piezometric, Pa
   VecArray<D> solid_velocity;  ///< predicted v_s', m/s
   VecArray<D> drag_impulse;    ///< given to the soil in the last window, N s
+  VecArray<D> owed;            ///< to the soil, for later windows, N s: no longer counts as the water's momentum
   ScalarArray mask;            ///< soil membership
   ScalarArray volume_debt;     ///< strain the soil made beyond the prediction, not yet given to the water
   VecArray<D> birthplace;      ///< m: a particle that never moved has no packing to repair
@@ -31,6 +32,7 @@ struct Particles {
     pressure.push_back(p);
     solid_velocity.push_back(Vec<D>::Zero());
     drag_impulse.push_back(Vec<D>::Zero());
+    owed.push_back(Vec<D>::Zero());
     mask.push_back(n < 1.0 ? 1.0 : 0.0);
     volume_debt.push_back(0.0);
     birthplace.push_back(x);
@@ -53,6 +55,7 @@ struct Particles {
     filter_one(pressure);
     filter_one(solid_velocity);
     filter_one(drag_impulse);
+    filter_one(owed);
     filter_one(mask);
     filter_one(volume_debt);
     filter_one(birthplace);

@@ -241,7 +241,7 @@ TEST(Coupled, DragRelaxesAtItsRateAndKeepsMomentum) {
     const auto fluid_momentum = [&] {
       Vec<2> sum = Vec<2>::Zero();
       const auto& p = fluid.state().particles;
-      for (std::size_t a = 0; a < p.size(); ++a) sum += p.mass[a] * p.velocity[a];
+      for (std::size_t a = 0; a < p.size(); ++a) sum += p.mass[a] * p.velocity[a] - p.owed[a];
       return sum;
     };
     const Vec<2> total = fluid_momentum() + solid_mass * solid;

@@ -1,0 +1,134 @@
+// Soil under free water, both solvers joined by the coupler's mapping, without processes or sockets.
+#include "common/core/error.hpp"
+#include "coupler/mapping.hpp"
+#include "fluid_solver/fluid_phase.hpp"
+#include "solid_solver/phase.hpp"
+#include "tests/fluid/scenes.hpp"
+
+#include <gtest/gtest.h>
+
+namespace poretwin::fluid {
+namespace {
+
+using namespace test;
+
+/// One exchange after the other: fluid first, then the solid under what the fluid found.
+struct Joined {
+  explicit Joined(const Case& scene)
+      : fluid(scene), solid(scene), mapping(coupling::make_mapping(2)), to_solid(fluid.publish()),
+        to_fluid(solid.publish()) {
+    fluid.initialise(at_fluid());
+    to_solid = fluid.publish();
+    solid.initialise(at_solid());
+    to_fluid = solid.publish();
+  }
+  coupling::Inbox at_fluid() {
+    return mapping->map(coupling::Role::solid, to_fluid.points, to_fluid.fields,
+                        coupling::standard_fields(coupling::Role::solid, 2), to_solid.points);
+  }
+  coupling::Inbox at_solid() {
+    return mapping->map(coupling::Role::fluid, to_solid.points, to_solid.fields,
+                        coupling::standard_fields(coupling::Role::fluid, 2), to_fluid.points);
+  }
+  void window(double interval) {
+    fluid.advance({step, time, interval}, at_fluid());
+    to_solid = fluid.publish();
+    solid.advance({step, time, interval}, at_solid());
+    to_fluid = solid.publish();
+    ++step;
+    time += interval;
+  }
+  double proposed() const { return std::min(to_solid.proposed_interval, to_fluid.proposed_interval); }
+
+  Fluid<2> fluid;
+  solid::Solid<2> solid;
+  std::unique_ptr<coupling::SpatialMapping> mapping;
+  coupling::Publication to_solid, to_fluid;
+  std::uint64_t step = 0;
+  double time = 0.0;
+};
+
+constexpr double bed = 4.0, level = 5.0, width = 2.0, spacing = 0.2;
+
+Case submerged_bed() {
+  Case scene;
+  scene.fluid.particle_spacing = scene.solid.particle_spacing = spacing;
+  scene.fluid.regions = {box(0.0, 0.0, width, level)};
+  scene.solid.model = SolidCase::Model::elastic;
+  Soil sand;
+  sand.shape = box(0.0, 0.0, width, bed);
+  sand.porosity = 0.3;
+  sand.grain_density = 2650.0;
+  sand.hydraulic_conductivity = 1e-4;
+  sand.youngs_modulus = 100e6;
+  sand.poissons_ratio = 0.3;
+  scene.soils = {sand};
+  scene.walls = {wall(line(0.0, 7.0, 0.0, 0.0)), wall(line(0.0, 0.0, width, 0.0)), wall(line(width, 0.0, width, 7.0))};
+  scene.walls[0].soil = scene.walls[2].soil = Wall::ForSoil::roller;
+  scene.walls[1].soil = Wall::ForSoil::fixed;
+  for (auto& w : scene.walls) w.water = Wall::ForWater::no_slip;
+  return scene;
+}
+
+struct Extremes {
+  double water = 0.0, soil = 0.0, pressure = 0.0;
+};
+
+Extremes extremes(const Joined& pair) {
+  Extremes e;
+  const auto& p = pair.fluid.state().particles;
+  for (std::size_t a = 0; a < p.size(); ++a) {
+    e.water = std::max(e.water, p.velocity[a].norm());
+    const double hydrostatic = 9810.0 * (level - p.position[a].y());
+    e.pressure = std::max(e.pressure, std::abs(pair.to_solid.fields[0].values[a] - hydrostatic) / (9810.0 * level));
+  }
+  for (const auto& v : pair.solid.state().particles.velocity) e.soil = std::max(e.soil, v.norm());
+  return e;
+}
+
+/// Windows of one length, or those the phases propose, to a time; the worst seen.
+Extremes run(const Case& scene, double interval, double end) {
+  Joined pair(scene);
+  Extremes worst;
+  while (pair.time < end * (1.0 - 1e-9)) {
+    pair.window(std::min(interval > 0.0 ? interval : pair.proposed(), end - pair.time));
+    const auto now = extremes(pair);
+    worst.water = std::max(worst.water, now.water);
+    worst.soil = std::max(worst.soil, now.soil);
+    worst.pressure = std::max(worst.pressure, now.pressure);
+    if (worst.water > 1.0) break;
+  }
+  return worst;
+}
+
+TEST(Submerged, RestIsKeptUnderFreeWater) {
+  // The impulse that the soil returns must not reach the free water, nor come back at once where drag rules: either
+  // blew up from exact rest within 20 to 300 windows.
+  struct Row {
+    double conductivity, interval, end;
+  };
+  for (const auto& row : {Row{1e-4, 0.0, 2.0}, Row{1e-4, 1e-2, 2.0}, Row{1e-4, 4e-2, 8.0},
+                          Row{1e-6, 4e-2, 4.0}, Row{1e-2, 1e-2, 2.0}}) {
+    auto scene = submerged_bed();
+    scene.soils[0].hydraulic_conductivity = row.conductivity;
+    const auto worst = run(scene, row.interval, row.end);
+    std::printf("k %.0e window %.0e: water %.1e m/s, soil %.1e m/s, pressure %.1e\n", row.conductivity, row.interval,
+                worst.water, worst.soil, worst.pressure);
+    EXPECT_LT(worst.water, 1e-4);
+    EXPECT_LT(worst.soil, 1e-4);
+    EXPECT_LT(worst.pressure, 1e-3);
+  }
+}
+
+TEST(Submerged, UnevenWaterSettles) {
+  auto scene = submerged_bed();
+  scene.fluid.jitter = 0.05;
+  const auto worst = run(scene, 0.0, 4.0);
+  std::printf("jittered: water %.1e m/s, soil %.1e m/s, pressure %.1e\n", worst.water, worst.soil, worst.pressure);
+  EXPECT_LT(worst.water, 0.1);
+  EXPECT_LT(worst.soil, 1e-3);
+  EXPECT_LT(worst.pressure, 0.05);
+}
+
+}  // namespace
+}  // namespace poretwin::fluid
