@@ -276,6 +276,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   auto& p = state_.particles;
   const double dt = window.interval;
   const auto view = soil(inbox);
+  const VecArray<D> velocity_before = p.velocity;
   for (std::size_t a = 0; a < p.size(); ++a) {
     p.void_fraction[a] = 1.0 - view.fraction[a];
     p.volume[a] = p.mass[a] / (p.void_fraction[a] * density_);
@@ -317,7 +318,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   }
   control_interval(before, dt);
   advance_columns(s, view, dt);
-  move(s, out, dt);
+  move(s, out, velocity_before, dt);
   give_birth_and_delete();
   state_.time = window.time + dt;
   state_.last_interval = dt;
@@ -343,8 +344,16 @@ void Fluid<D>::check_finite(const WindowSolution<D>& solution, double time) cons
   }
 }
 
+/// Seepage is as slow or fast as its geometry makes it, and the window's velocity belongs to the geometry at its start: motion
+/// extrapolates to the middle of the window (Adams-Bashforth of second order), in units of the last change of velocity.
 template <int D>
-void Fluid<D>::move(const Stencil<D>& s, const WindowSolution<D>& solution, double interval) {
+double Fluid<D>::look_ahead(double interval) const {
+  return state_.last_interval > 0.0 ? std::min(1.0, 0.5 * interval / state_.last_interval) : 0.0;
+}
+
+template <int D>
+void Fluid<D>::move(const Stencil<D>& s, const WindowSolution<D>& solution, std::span<const Vec<D>> velocity_before,
+                    double interval) {
   auto& p = state_.particles;
   auto motion = moved();
   for (std::size_t a = 0; a < p.size(); ++a) {
@@ -353,7 +362,8 @@ void Fluid<D>::move(const Stencil<D>& s, const WindowSolution<D>& solution, doub
   }
   const auto shift = packing_displacements<D>(s, p.velocity, motion, p.surface, interval);
   for (std::size_t a = 0; a < p.size(); ++a) {
-    const Vec<D> d = interval * p.velocity[a] + shift[a];
+    Vec<D> d = interval * p.velocity[a] + shift[a];
+    if (p.mask[a] > 0.5) d += interval * look_ahead(interval) * (p.velocity[a] - velocity_before[a]);
     p.pressure[a] += solution.gradient[a].dot(d);
     p.position[a] += d;
     keep_inside(p.position[a], p.velocity[a], std::pow(p.volume[a], 1.0 / D));
@@ -396,6 +406,7 @@ void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, dou
   grid.build(p.position, widest);
   for (std::size_t i = 0; i < state_.columns.size(); ++i) {
     auto& c = state_.columns[i];
+    const double speed_before = c.speed;
     c.speed = 0.0;
     c.slope = 0.0;
     if (!c.wet) continue;
@@ -415,7 +426,7 @@ void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, dou
       continue;
     }
     c.speed = speed / sum;
-    c.offset += c.speed * interval;
+    c.offset += interval * (c.speed + (c.in_soil ? look_ahead(interval) * (c.speed - speed_before) : 0.0));
   }
 }
 

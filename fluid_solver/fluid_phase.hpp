@@ -35,7 +35,9 @@ class Fluid final : public Phase {
   ScalarArray volume_source(const Stencil<D>& s, const SoilView<D>& soil, double interval);
   ScalarArray moved() const;
   double repair_time(std::size_t a, const SoilView<D>& soil) const;
-  void move(const Stencil<D>& s, const WindowSolution<D>& solution, double interval);
+  double look_ahead(double interval) const;
+  void move(const Stencil<D>& s, const WindowSolution<D>& solution, std::span<const Vec<D>> velocity_before,
+            double interval);
   void keep_inside(Vec<D>& x, Vec<D>& v, double spacing) const;
   void advance_columns(const Stencil<D>& s, const SoilView<D>& soil, double interval);
   void wet_dry_ground(FaceColumn<D>& c, double interval) const;
