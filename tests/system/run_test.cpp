@@ -1,5 +1,5 @@
-// The real `poretwin` with the real processes, on a short piece of a real case: what a run leaves, and how it ends when something is
-// wrong with its input, its partners or its machine.
+// The real `poretwin` with the real processes, on a short piece of a real case: what a run leaves, and how it ends when
+// something is wrong with its input, its partners or its machine.
 #include "common/output/gauge_log.hpp"
 #include "common/output/hdf5.hpp"
 #include "tests/system/command.hpp"
@@ -95,8 +95,9 @@ class RealRun : public Command {
     fs::create_directories(folder);
     for (const std::string name : {"coupler", "fluid", "solid"}) {
       const auto program = "poretwin-" + name;
-      fs::create_symlink(name == instead_of ? fs::path(MOCK_PROCESS) : fs::path(PORETWIN_PROGRAM).parent_path() / program,
-                         folder / program);
+      fs::create_symlink(
+          name == instead_of ? fs::path(MOCK_PROCESS) : fs::path(PORETWIN_PROGRAM).parent_path() / program,
+          folder / program);
     }
     return folder;
   }
@@ -172,7 +173,8 @@ TEST_F(RealRun, AFluidWithAnotherCaseIsRefused) {
 }
 
 TEST_F(RealRun, ASecondFluidIsRefusedAndTheRunGoesOn) {
-  const auto coupler = short_process("coupler", socket(), {"--wait-deadline", "5"}), first = short_process("fluid", socket());
+  const auto coupler = short_process("coupler", socket(), {"--wait-deadline", "5"}),
+             first = short_process("fluid", socket());
   wait_for([&] { return text_of(log("coupler")).find("fluid") != std::string::npos; });
   const auto second_log = folder_ / "second.log";
   Child second({(fs::path(PORETWIN_PROGRAM).parent_path() / "poretwin-fluid").string(), "--case", terzaghi().string(),
