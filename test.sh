@@ -8,10 +8,10 @@ cd "$(dirname "$0")"
 preset=${1:-release}
 shift || true
 install_packages
-build "$preset"
-labels=()
+targets=() labels=()
 case $preset in
-  asan | tsan) labels=(-L 'unit|interface') ;;
+  asan | tsan) targets=(unit_tests) labels=(-L 'unit|interface') ;;
 esac
+build "$preset" "${targets[@]}"
 say "testing: $preset"
 exec ctest --preset "$preset" -j "$(nproc)" "${labels[@]}" "$@"

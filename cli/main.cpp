@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <filesystem>
 #include <functional>
 
@@ -119,9 +120,7 @@ void declare(CLI::App& app, Arguments& a, VerifyOptions& v, std::vector<std::str
   });
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int command(int argc, char** argv) {
   CLI::App app("Two-phase SPH for flow through deformable porous media: a fluid and a solid process, coupled.",
                "poretwin");
   Arguments arguments;
@@ -131,17 +130,27 @@ int main(int argc, char** argv) {
   declare(app, arguments, verify_options, plot, action);
   try {
     app.parse(argc, argv);
-    return action();
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : static_cast<int>(ExitCode::bad_case);
+  }
+  return action();
+}
+
+int failed(const char* prefix, const std::exception& error, ExitCode code) {
+  std::fprintf(stderr, "poretwin: %s%s\n", prefix, error.what());
+  return static_cast<int>(code);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return command(argc, argv);
   } catch (const Error& error) {
-    fmt::print(stderr, "poretwin: {}\n", error.what());
-    return static_cast<int>(error.code());
+    return failed("", error, error.code());
   } catch (const std::filesystem::filesystem_error& error) {
-    fmt::print(stderr, "poretwin: {}\n", error.what());
-    return static_cast<int>(ExitCode::input_output);
+    return failed("", error, ExitCode::input_output);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "poretwin: unforeseen: {}\n", error.what());
-    return static_cast<int>(ExitCode::failure);
+    return failed("unforeseen: ", error, ExitCode::failure);
   }
 }

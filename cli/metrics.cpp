@@ -105,7 +105,7 @@ class Judge {
  private:
   [[nodiscard]] double value() const {
     if (m_.op == "exit") return exit_;
-    if (m_.op == "value" || m_.op == "relative") return at_time(main());
+    if (m_.op == "value" || m_.op == "relative") return at_time(readings());
     if (m_.op == "l2") return l2();
     if (m_.op == "max_abs") return farthest();
     if (m_.op == "decay_rate") return decay_rate();
@@ -123,7 +123,7 @@ class Judge {
 
   Verdict exceeds(Verdict v) const {
     try {
-      const auto series = within_range(main());
+      const auto series = within_range(readings());
       v.value = m_.at ? at_time(series) : *std::max_element(series.value.begin(), series.value.end());
       v.error = std::max(0.0, v.reference - v.value);
       v.passed = v.value > v.reference;
@@ -142,7 +142,7 @@ class Judge {
     for (double& x : series.value) x *= m_.scale;
     return series;
   }
-  [[nodiscard]] GaugeSeries main() const {
+  [[nodiscard]] GaugeSeries readings() const {
     GaugeSeries series = gauge(m_.gauge);
     for (const auto& [name, sign] : {std::pair{m_.plus, 1.0}, std::pair{m_.minus, -1.0}}) {
       if (name.empty()) continue;
@@ -186,13 +186,13 @@ class Judge {
     return std::sqrt(sum / static_cast<double>(names.size())) / m_.normaliser.value_or(1.0);
   }
   [[nodiscard]] double farthest() const {
-    const auto series = within_range(main());
+    const auto series = within_range(readings());
     const double reference = m_.reference.value_or(0.0);
     return *std::max_element(series.value.begin(), series.value.end(),
                              [&](double a, double b) { return std::abs(a - reference) < std::abs(b - reference); });
   }
   [[nodiscard]] double decay_rate() const {
-    const auto series = within_range(main());
+    const auto series = within_range(readings());
     double n = 0.0, st = 0.0, sy = 0.0, stt = 0.0, sty = 0.0;
     for (std::size_t i = 0; i < series.time.size(); ++i) {
       const double distance = std::abs(series.value[i] - m_.limit.value_or(0.0));
@@ -209,7 +209,7 @@ class Judge {
     return (n * sty - st * sy) / spread;
   }
   [[nodiscard]] double moving_away() const {
-    const auto series = within_range(main());
+    const auto series = within_range(readings());
     const double limit = m_.limit.value_or(0.0);
     double away = 0.0, steps = 0.0;
     // Rounding around the limit is no movement.
@@ -224,13 +224,13 @@ class Judge {
     return away / steps;
   }
   [[nodiscard]] double drift() const {
-    const auto series = within_range(main());
+    const auto series = within_range(readings());
     double most = 0.0;
     for (const double x : series.value) most = std::max(most, std::abs(x - series.value.front()));
     return most / m_.normaliser.value_or(1.0);
   }
   [[nodiscard]] double curve() const {
-    const auto series = main();
+    const auto series = readings();
     double most = 0.0, sum = 0.0, count = 0.0;
     for (const auto& [t, right] : m_.curve->knots) {
       if (t < m_.from.value_or(-HUGE_VAL) || t > m_.to.value_or(HUGE_VAL)) continue;

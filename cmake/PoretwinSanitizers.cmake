@@ -4,3 +4,6 @@ if(PORETWIN_SANITIZE)
   add_compile_options(-fsanitize=${PORETWIN_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${PORETWIN_SANITIZE})
 endif()
+# The build type of the sanitizer presets: lines in reports and the libraries' own assertions, without the price of -O2 -g.
+set(CMAKE_CXX_FLAGS_SANITIZED "-O1 -g1")
+set(CMAKE_C_FLAGS_SANITIZED "-O1 -g1")

@@ -1,11 +1,11 @@
 // poretwin-coupler: reads the case, binds the address, runs the schedule, writes OUT/coupler.summary.json.
 #include "common/case/case.hpp"
 #include "common/coupling/interrupt.hpp"
-#include "common/coupling/summary.hpp"
+#include "common/coupling/process_main.hpp"
 #include "coupler/broker.hpp"
 #include "coupler/schedule.hpp"
 
-#include <cstdio>
+#include <memory>
 #include <optional>
 
 namespace {
@@ -75,49 +75,14 @@ void execute(const Arguments& arguments, Run& run) {
   run.schedule->run();
 }
 
-int coupler_main(int argc, char** argv) {
-  const auto start = std::chrono::steady_clock::now();
-  const InterruptGuard guard;
-  Arguments arguments;
-  Run run;
-  ExitCode code = ExitCode::success;
-  std::string reason;
-  auto fail = [&](ExitCode why, const std::string& what) {
-    code = why;
-    reason = what;
-    log_line("coupler: error: " + what);
-  };
-  try {
-    arguments = parse_arguments(argc, argv, Program::coupler);
-    if (arguments.help) {
-      std::fputs(usage("poretwin-coupler", Program::coupler).c_str(), stdout);
-      return 0;
-    }
-    std::filesystem::create_directories(arguments.out);
-    execute(arguments, run);
-    if (run.schedule->report().interrupted) code = ExitCode::interrupted;
-  } catch (const Error& error) {
-    fail(error.code(), error.what());
-  } catch (const std::filesystem::filesystem_error& error) {
-    fail(ExitCode::input_output, error.what());
-  } catch (const std::exception& error) {
-    fail(ExitCode::failure, error.what());
-  }
-  if (arguments.out.empty()) return static_cast<int>(code);
-  try {
-    RunSummary summary = run.schedule ? summarise(*run.broker, run.schedule->report()) : RunSummary{};
-    summary.process = "coupler";
-    summary.exit = code;
-    if (!reason.empty()) summary.reason = reason;
-    summary.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    write_summary(arguments.out / "coupler.summary.json", summary);
-  } catch (const std::exception& error) {
-    log_line(std::string("coupler: error: ") + error.what());
-    if (code == ExitCode::success) code = ExitCode::input_output;
-  }
-  return static_cast<int>(code);
-}
-
 }  // namespace
 
-int main(int argc, char** argv) { return coupler_main(argc, argv); }
+int main(int argc, char** argv) {
+  Run run;
+  return process_main(argc, argv, "coupler", Program::coupler,
+                      {[&](const Arguments& arguments) {
+                         execute(arguments, run);
+                         return run.schedule->report().interrupted;
+                       },
+                       [&] { return run.schedule ? summarise(*run.broker, run.schedule->report()) : RunSummary{}; }});
+}

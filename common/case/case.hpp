@@ -1,4 +1,5 @@
-// The case: what a person wrote in case.toml, checked, in SI units. One struct per section; every key is declared once, in case.cpp.
+// The case: what a person wrote in case.toml, checked, in SI units. One struct per section; every key is declared once,
+// in case.cpp.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,7 +23,8 @@ struct Shape {
   std::vector<Point3> points;  ///< polygon corners, in order
 };
 
-/// A line of straight pieces (2D, "points"; the domain lies on the LEFT of the walk) or a plane ("point", "normal" into the domain).
+/// A line of straight pieces (2D, "points"; the domain lies on the LEFT of the walk) or a plane ("point", "normal" into
+/// the domain).
 struct Face {
   std::vector<Point3> points;
   Point3 point = Point3::Zero(), normal = Point3::Zero();
@@ -50,7 +52,8 @@ struct Water {
   double kinematic_viscosity = 1.0e-6;  ///< m2/s
 };
 
-/// [[soil]]: a region of soil and its material. With solid.model = "rigid" only shape, porosity and conductivity matter.
+/// [[soil]]: a region of soil and its material. With solid.model = "rigid" only shape, porosity and conductivity
+/// matter.
 struct Soil {
   std::string name;
   Shape shape;
@@ -59,9 +62,9 @@ struct Soil {
   double hydraulic_conductivity = 1e-4;  ///< m/s at `porosity`; Kozeny-Carman (18) away from it
   double youngs_modulus = 3.0e6;         ///< Pa
   double poissons_ratio = 0.3;
-  double cohesion = 0.0;                 ///< Pa
-  double friction_angle = 30.0;          ///< degrees
-  double dilation_angle = 0.0;           ///< degrees
+  double cohesion = 0.0;         ///< Pa
+  double friction_angle = 30.0;  ///< degrees
+  double dilation_angle = 0.0;   ///< degrees
 };
 
 /// [[wall]]: one wall, its meaning for either phase.
@@ -74,7 +77,8 @@ struct Wall {
   ForSoil soil = ForSoil::roller;
 };
 
-/// [[water_face]]: a face of prescribed head or pressure through which water comes and goes (ponded head, reservoir, drain).
+/// [[water_face]]: a face of prescribed head or pressure through which water comes and goes (ponded head, reservoir,
+/// drain).
 struct WaterFace {
   std::string name;
   Face face;
@@ -87,19 +91,20 @@ struct Load {
   std::string name;
   Face face;
   Point3 traction = Point3::Zero();  ///< Pa
-  std::optional<double> start;       ///< s; applied from then on. Absent: there from the beginning, part of the initial rest
+  std::optional<double> start;  ///< s; applied from then on. Absent: there from the beginning, part of the initial rest
 };
 
 /// [fluid]
 struct FluidCase {
   double particle_spacing = 0.0;  ///< m
-  std::vector<Shape> regions;     ///< [[fluid.region]]: where water stands at time zero (inside soil it fills the pores)
+  std::vector<Shape> regions;  ///< [[fluid.region]]: where water stands at time zero (inside soil it fills the pores)
   Point3 initial_velocity = Point3::Zero();
-  Point3 offset{0.5, 0.5, 0.5};   ///< of the first particle from a region's corner, in spacings
-  double jitter = 0.0;            ///< random displacement of the initial lattice, in spacings (uniform, +-)
+  Point3 offset{0.5, 0.5, 0.5};  ///< of the first particle from a region's corner, in spacings
+  double jitter = 0.0;           ///< random displacement of the initial lattice, in spacings (uniform, +-)
   unsigned seed = 1;
-  bool drag = true;               ///< seepage force between the phases
-  bool skeleton_response = true;  ///< the skeleton's predicted response inside the pressure solve (off: plain staggering, to show its limit)
+  bool drag = true;  ///< seepage force between the phases
+  bool skeleton_response =
+      true;  ///< the skeleton's predicted response inside the pressure solve (off: plain staggering, to show its limit)
 };
 
 /// [solid]
@@ -112,7 +117,7 @@ struct SolidCase {
   Point3 offset{0.5, 0.5, 0.5};
   double jitter = 0.0;
   unsigned seed = 2;
-  bool initial_rest = true;       ///< find the rest under gravity, water and standing loads before time zero
+  bool initial_rest = true;  ///< find the rest under gravity, water and standing loads before time zero
   PressureGradient pressure_gradient = PressureGradient::difference;
 };
 
@@ -123,24 +128,24 @@ struct CouplingCase {
 
 /// [output]
 struct OutputCase {
-  double interval = 0.0;          ///< s between frames; 0: first and last only
-  double gauge_interval = 0.0;    ///< s between gauge readings; 0: every exchange
+  double interval = 0.0;        ///< s between frames; 0: first and last only
+  double gauge_interval = 0.0;  ///< s between gauge readings; 0: every exchange
 };
 
 /// [[gauge]]
 struct Gauge {
   std::string name;
-  std::string phase;               ///< "fluid" or "solid"
-  std::string kind;                ///< "point", "front", "volume", "momentum", "kinetic_energy", "particles", "max_speed";
-                                   ///< solid only: "max_displacement", "uplift", "pending_impulse" (taken, not yet paid for)
-  std::string quantity;            ///< of "point": "pore_pressure", "velocity", "displacement", "effective_stress_yy", ...
-  std::vector<Point3> points;      ///< of "point" (name[i] where several), of "front" (a line's two ends)
-  std::optional<Shape> region;     ///< of "volume", "momentum", ...: absent: everywhere
+  std::string phase;            ///< "fluid" or "solid"
+  std::string kind;             ///< "point", "front", "volume", "momentum", "kinetic_energy", "particles", "max_speed";
+                     ///< solid only: "max_displacement", "uplift", "pending_impulse" (taken, not yet paid for)
+  std::string quantity;         ///< of "point": "pore_pressure", "velocity", "displacement", "effective_stress_yy", ...
+  std::vector<Point3> points;   ///< of "point" (name[i] where several), of "front" (a line's two ends)
+  std::optional<Shape> region;  ///< of "volume", "momentum", ...: absent: everywhere
 };
 
 struct Case {
   std::filesystem::path path;
-  std::string text;          ///< the file as read, for provenance
+  std::string text;                    ///< the file as read, for provenance
   std::vector<std::string> overrides;  ///< key=value from --set, for provenance
   General general;
   Water water;
@@ -158,8 +163,9 @@ struct Case {
   [[nodiscard]] std::string digest() const;
 };
 
-/// Reads and checks a case file; overrides are "section.key=value" (TOML values). Throws CaseError with file, line, key,
-/// expected, found and the nearest valid key; geometry and physics (porosity, overlapping walls, ...) are checked too.
+/// Reads and checks a case file; overrides are "section.key=value" (TOML values). Throws CaseError with file, line,
+/// key, expected, found and the nearest valid key; geometry and physics (porosity, overlapping walls, ...) are checked
+/// too.
 Case read_case(const std::filesystem::path& path, const std::vector<std::string>& overrides = {});
 
 /// The reference of all keys as Markdown (docs/case-file.md), made from the same declarations that read them.

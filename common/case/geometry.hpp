@@ -21,11 +21,13 @@ struct Lattice {
 };
 
 /// Fills a shape; the spacing is stretched a little where the shape's bounding box is not a whole number of spacings.
-/// offset: of the first particle from the lower corner, in spacings; jitter: uniform random displacement +- jitter spacings.
+/// offset: of the first particle from the lower corner, in spacings; jitter: uniform random displacement +- jitter
+/// spacings.
 template <int D>
 Lattice<D> fill(const Shape& shape, double spacing, const Point3& offset, double jitter, unsigned seed);
 
-/// The straight pieces of a face as mirror planes; pieces are extended by `margin` [m] beyond their ends so that corners close.
+/// The straight pieces of a face as mirror planes; pieces are extended by `margin` [m] beyond their ends so that
+/// corners close.
 template <int D>
 std::vector<sph::ImagePlane<D>> planes_of(const Face& face, int boundary, double margin);
 

@@ -2,19 +2,8 @@
 
 #include "common/coupling/drive.hpp"
 #include "common/coupling/interrupt.hpp"
-
-#include <fmt/format.h>
-
-#include <cstdio>
-#include <filesystem>
-
-#if __has_include("common/output/run_recorder.hpp")
+#include "common/coupling/process_main.hpp"
 #include "common/output/run_recorder.hpp"
-#else
-namespace poretwin {
-std::unique_ptr<Recorder> make_run_recorder(const std::filesystem::path& out_dir, const std::string& phase_name, const Case& scene);
-}
-#endif
 
 namespace poretwin::coupling {
 namespace {
@@ -58,9 +47,8 @@ void execute(const Arguments& arguments, Role role, const std::function<std::uni
   note_totals();
 }
 
-RunSummary summarise(const std::string& name, const Run& run) {
+RunSummary summarise(const Run& run) {
   RunSummary summary;
-  summary.process = name;
   summary.reason = run.report.reason;
   const auto& r = run.report;
   summary.seconds = {{"computing", r.computing}, {"waiting", r.waiting}, {"sending", r.sending}, {"writing", r.writing}};
@@ -77,49 +65,13 @@ RunSummary summarise(const std::string& name, const Run& run) {
 }  // namespace
 
 int phase_main(int argc, char** argv, Role role, std::function<std::unique_ptr<Phase>(const Case&)> make) {
-  const std::string name(to_string(role));
-  const auto start = std::chrono::steady_clock::now();
-  const InterruptGuard guard;
-  Arguments arguments;
   Run run;
-  ExitCode code = ExitCode::success;
-  std::string reason;
-  auto fail = [&](ExitCode why, const std::string& what) {
-    code = why;
-    reason = what;
-    log_line(name + ": error: " + what);
-  };
-  try {
-    arguments = parse_arguments(argc, argv, Program::phase);
-    if (arguments.help) {
-      std::fputs(usage("poretwin-" + name, Program::phase).c_str(), stdout);
-      return 0;
-    }
-    std::filesystem::create_directories(arguments.out);
-    execute(arguments, role, make, run);
-    if (run.report.interrupted) code = ExitCode::interrupted;
-  } catch (const Error& error) {
-    fail(error.code(), error.what());
-  } catch (const std::filesystem::filesystem_error& error) {
-    fail(ExitCode::input_output, error.what());
-  } catch (const std::bad_alloc&) {
-    fail(ExitCode::failure, "out of memory");
-  } catch (const std::exception& error) {
-    fail(ExitCode::failure, error.what());
-  }
-  if (!arguments.out.empty()) {
-    try {
-      RunSummary summary = summarise(name, run);
-      summary.exit = code;
-      if (!reason.empty()) summary.reason = reason;
-      summary.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-      write_summary(arguments.out / (name + ".summary.json"), summary);
-    } catch (const std::exception& error) {
-      log_line(name + ": error: " + error.what());
-      if (code == ExitCode::success) code = ExitCode::input_output;
-    }
-  }
-  return static_cast<int>(code);
+  return process_main(argc, argv, std::string(to_string(role)), Program::phase,
+                      {[&](const Arguments& arguments) {
+                         execute(arguments, role, make, run);
+                         return run.report.interrupted;
+                       },
+                       [&] { return summarise(run); }});
 }
 
 }  // namespace poretwin::coupling

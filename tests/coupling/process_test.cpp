@@ -1,17 +1,13 @@
 // The real coupler process and two mock solver processes: killed, stopped, interrupted, misfitted. Everything is named, everybody
 // ends, files stay whole.
-#include <fcntl.h>
+#include "tests/child.hpp"
+
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <chrono>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <memory>
-#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -19,56 +15,13 @@
 namespace {
 
 using Strings = std::vector<std::string>;
+using poretwin::testing_tools::Child;
 using namespace std::chrono_literals;
-
-/// One child process; never outlives the test.
-class Child {
- public:
-  Child(Strings command, const std::filesystem::path& log) {
-    pid_ = fork();
-    if (pid_ != 0) return;
-    const int file = open(log.c_str(), O_CREAT | O_WRONLY | O_TRUNC, 0600);
-    dup2(file, 1);
-    dup2(file, 2);
-    std::vector<char*> arguments;
-    for (auto& word : command) arguments.push_back(word.data());
-    arguments.push_back(nullptr);
-    execv(arguments[0], arguments.data());
-    _exit(127);
-  }
-  Child(const Child&) = delete;
-  Child& operator=(const Child&) = delete;
-  ~Child() {
-    if (!running_) return;
-    kill(pid_, SIGKILL);
-    waitpid(pid_, nullptr, 0);
-  }
-  void signal(int number) const { kill(pid_, number); }
-  /// Exit code; 128 + n for signal n; -1 when it does not end within 15 s.
-  int wait() {
-    const auto deadline = std::chrono::steady_clock::now() + 15s;
-    while (std::chrono::steady_clock::now() < deadline) {
-      int status = 0;
-      if (waitpid(pid_, &status, WNOHANG) == pid_) {
-        running_ = false;
-        return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-      }
-      std::this_thread::sleep_for(5ms);
-    }
-    return -1;
-  }
-
- private:
-  pid_t pid_ = -1;
-  bool running_ = true;
-};
 
 class Processes : public testing::Test {
  protected:
   void SetUp() override {
-    std::string pattern = (std::filesystem::temp_directory_path() / "poretwin-processes-XXXXXX").string();
-    ASSERT_NE(mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
+    folder_ = poretwin::testing_tools::fresh_folder("poretwin-processes");
     std::ofstream(folder_ / "case.toml") << "[case]\ntitle = \"mocks\"\ndimension = 2\nend_time = 1.0\n"
                                             "[[soil]]\nname = \"all\"\nshape = \"box\"\nmin = [0, 0]\nmax = [1, 1]\n"
                                             "porosity = 0.4\ngrain_density = 2600\nhydraulic_conductivity = 0.001\n"
@@ -97,12 +50,7 @@ class Processes : public testing::Test {
     return start({MOCK_PROCESS, role}, more, role);
   }
   std::string address() const { return "ipc://" + (folder_ / "socket").string(); }
-  std::string text(const std::string& file) const {
-    std::ifstream in(folder_ / file);
-    std::stringstream all;
-    all << in.rdbuf();
-    return all.str();
-  }
+  std::string text(const std::string& file) const { return poretwin::testing_tools::text_of(folder_ / file); }
   void expect_in(const std::string& file, const Strings& parts) const {
     const std::string all = text(file);
     for (const auto& part : parts) EXPECT_NE(all.find(part), std::string::npos) << "'" << part << "' is not in " << file << ":\n" << all;

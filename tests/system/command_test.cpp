@@ -1,145 +1,84 @@
 // The real `poretwin`, with stand-ins for its processes: what it prints, what it leaves, how it ends.
-#include "common/case/document.hpp"
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
+#include "tests/system/command.hpp"
 
 #include <chrono>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <thread>
 
-namespace poretwin {
+namespace poretwin::testing_tools {
 namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 using testing::Not;
 
-struct Outcome {
-  int exit = -1;
-  std::string out, err;
-  double seconds = 0.0;
-};
-
-class Command : public testing::Test {
+class CommandWithStandIns : public Command {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("poretwin-command-" + std::to_string(::getpid()));
-    fs::create_directories(folder_ / "temporary");
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  /// Runs the program; `meanwhile` gets its process id.
-  Outcome poretwin(std::vector<std::string> arguments,
-                   const std::vector<std::pair<std::string, std::string>>& environment = {},
-                   const std::function<void(pid_t)>& meanwhile = {}) {
-    arguments.insert(arguments.begin(), PORETWIN_PROGRAM);
-    const auto start = std::chrono::steady_clock::now();
-    const pid_t child = ::fork();
-    if (child == 0) {
-      for (const auto& [key, value] : environment) ::setenv(key.c_str(), value.c_str(), 1);
-      ::setenv("TMPDIR", (folder_ / "temporary").c_str(), 1);
-      std::vector<char*> pointers;
-      for (auto& argument : arguments) pointers.push_back(argument.data());
-      pointers.push_back(nullptr);
-      if (std::freopen((folder_ / "out").c_str(), "w", stdout) == nullptr ||
-          std::freopen((folder_ / "err").c_str(), "w", stderr) == nullptr)
-        ::_exit(126);
-      ::execv(pointers[0], pointers.data());
-      ::_exit(127);
-    }
-    if (meanwhile) meanwhile(child);
-    int status = 0;
-    ::waitpid(child, &status, 0);
-    Outcome outcome;
-    outcome.exit = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    outcome.out = read_text(folder_ / "out");
-    outcome.err = read_text(folder_ / "err");
-    outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    return outcome;
-  }
   Outcome run(const std::vector<std::pair<std::string, std::string>>& moods,
-              const std::function<void(pid_t)>& meanwhile = {}, std::vector<std::string> more = {}) {
-    std::vector<std::pair<std::string, std::string>> environment;
+              const std::function<void(pid_t)>& meanwhile = {}) {
+    Child::Environment environment;
     for (const auto& [process, mood] : moods) environment.emplace_back("PORETWIN_FAKE_" + process, mood);
-    std::vector<std::string> arguments{"run",        terzaghi().string(), "--out",        out().string(),
-                                       "--programs", PORETWIN_FAKES,      "--no-pictures"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return poretwin(arguments, environment, meanwhile);
+    return poretwin(
+        {"run", terzaghi().string(), "--out", out().string(), "--programs", PORETWIN_FAKES, "--no-pictures"},
+        environment, meanwhile);
   }
-  static fs::path terzaghi() { return fs::path(PORETWIN_SOURCE_DIR) / "cases" / "terzaghi"; }
-  [[nodiscard]] fs::path out() const { return folder_ / "run"; }
-  fs::path changed_case(const std::string& from, const std::string& to) {
-    std::string text = read_text(terzaghi() / "case.toml");
-    const auto at = text.find(from);
-    EXPECT_NE(at, std::string::npos) << from;
-    std::ofstream(folder_ / "changed.toml") << text.replace(at, from.size(), to);
-    return folder_ / "changed.toml";
-  }
-
-  fs::path folder_;
 };
 
-TEST_F(Command, HelpAndVersion) {
+TEST_F(CommandWithStandIns, HelpAndVersion) {
   EXPECT_THAT(poretwin({"--help"}).out, HasSubstr("Exit codes: 0 done"));
   EXPECT_THAT(poretwin({"--version"}).out, HasSubstr("poretwin 0."));
   EXPECT_EQ(poretwin({"rnu"}).exit, 2);
 }
 
-TEST_F(Command, CheckTellsWhatACaseIs) {
+TEST_F(CommandWithStandIns, CheckTellsWhatACaseIs) {
   const auto outcome = poretwin({"check", terzaghi().string()});
   EXPECT_EQ(outcome.exit, 0);
   EXPECT_THAT(outcome.out, HasSubstr("400 particles"));
   EXPECT_THAT(outcome.out, HasSubstr("dx / sqrt(M / rho_bar_s)"));
 }
 
-TEST_F(Command, CheckNamesAWrongKey) {
+TEST_F(CommandWithStandIns, CheckNamesAWrongKey) {
   const auto outcome = poretwin({"check", changed_case("porosity", "porosty").string()});
   EXPECT_EQ(outcome.exit, 2);
   EXPECT_THAT(outcome.err, HasSubstr("changed.toml:13: key 'soil[0].porosty' is not known; did you mean 'porosity'?"));
 }
 
-TEST_F(Command, CheckNamesANegativePorosity) {
+TEST_F(CommandWithStandIns, CheckNamesANegativePorosity) {
   const auto outcome = poretwin({"check", changed_case("porosity = 0.4", "porosity = -0.4").string()});
   EXPECT_EQ(outcome.exit, 2);
   EXPECT_THAT(outcome.err, HasSubstr("expected a number in (0, 1), found -0.4"));
 }
 
-TEST_F(Command, CheckNamesOverlappingWalls) {
+TEST_F(CommandWithStandIns, CheckNamesOverlappingWalls) {
   const auto outcome = poretwin({"check", changed_case("[[0.1, 0], [0.1, 0.4]]", "[[0.05, 0], [0.3, 0]]").string()});
   EXPECT_EQ(outcome.exit, 2);
   EXPECT_THAT(outcome.err, HasSubstr("wall[1] \"right\" lies on wall[0] \"base\""));
 }
 
-TEST_F(Command, CheckNamesAMissingFile) {
+TEST_F(CommandWithStandIns, CheckNamesAMissingFile) {
   const auto outcome = poretwin({"check", "terzagi"});
   EXPECT_EQ(outcome.exit, 5);
   EXPECT_THAT(outcome.err, HasSubstr("no case 'terzagi'"));
   EXPECT_THAT(outcome.err, HasSubstr("did you mean 'terzaghi'?"));
 }
 
-TEST_F(Command, RunGathersWhatTheProcessesLeave) {
+TEST_F(CommandWithStandIns, RunGathersWhatTheProcessesLeave) {
   const auto outcome = run({});
   EXPECT_EQ(outcome.exit, 0) << outcome.err;
   EXPECT_THAT(outcome.out, testing::ContainsRegex("fluid +3  steps asleep"));
-  const auto gauges = read_text(out() / "gauges.csv");
+  const auto gauges = text_of(out() / "gauges.csv");
   EXPECT_THAT(gauges, HasSubstr("fluid_ramp"));
   EXPECT_THAT(gauges, HasSubstr("solid_ramp"));
-  EXPECT_THAT(read_text(out() / "run.toml"), HasSubstr("[exits]"));
+  EXPECT_THAT(text_of(out() / "run.toml"), HasSubstr("[exits]"));
   EXPECT_TRUE(fs::is_empty(folder_ / "temporary")) << "the socket's folder is removed";
   EXPECT_EQ(run({}).exit, 0) << "an older run's folder may be used again";
 }
 
-TEST_F(Command, RigidSoilNeedsTheFluidOnly) {
+TEST_F(CommandWithStandIns, RigidSoilNeedsTheFluidOnly) {
   // The solid's gauge has nothing to measure then.
-  auto text = read_text(changed_case("model = \"elastic\"", "model = \"rigid\""));
+  auto text = text_of(changed_case("model = \"elastic\"", "model = \"rigid\""));
   const auto from = text.find("[[gauge]]"), to = text.find("[[gauge]]", from + 1);
   std::ofstream(folder_ / "rigid.toml") << text.erase(from, to - from);
   const auto outcome = poretwin({"run", (folder_ / "rigid.toml").string(), "--out", out().string(), "--programs",
@@ -149,7 +88,7 @@ TEST_F(Command, RigidSoilNeedsTheFluidOnly) {
   EXPECT_FALSE(fs::exists(out() / "log" / "solid.log"));
 }
 
-TEST_F(Command, ForeignFoldersAreRefused) {
+TEST_F(CommandWithStandIns, ForeignFoldersAreRefused) {
   fs::create_directories(out());
   std::ofstream(out() / "thesis.tex") << "precious";
   const auto outcome = run({});
@@ -158,7 +97,7 @@ TEST_F(Command, ForeignFoldersAreRefused) {
   EXPECT_TRUE(fs::exists(out() / "thesis.tex"));
 }
 
-TEST_F(Command, TheFirstFailureIsReportedNotWhatFollows) {
+TEST_F(CommandWithStandIns, TheFirstFailureIsReportedNotWhatFollows) {
   const auto outcome = run({{"fluid", "fail 4"}, {"coupler", "follow"}, {"solid", "follow"}});
   EXPECT_EQ(outcome.exit, 4);
   EXPECT_THAT(outcome.err, HasSubstr("fluid failed with exit code 4"));
@@ -166,19 +105,19 @@ TEST_F(Command, TheFirstFailureIsReportedNotWhatFollows) {
   EXPECT_THAT(outcome.err, Not(HasSubstr("gave up")));
 }
 
-TEST_F(Command, ACrashIsNamed) {
+TEST_F(CommandWithStandIns, ACrashIsNamed) {
   const auto outcome = run({{"solid", "crash"}, {"coupler", "follow"}, {"fluid", "follow"}});
   EXPECT_EQ(outcome.exit, 1);
   EXPECT_THAT(outcome.err, HasSubstr("solid was killed by signal 6 (Aborted)"));
 }
 
-TEST_F(Command, TheDeafAreKilledAfterAFailure) {
+TEST_F(CommandWithStandIns, TheDeafAreKilledAfterAFailure) {
   const auto outcome = run({{"fluid", "fail 4"}, {"solid", "deaf"}, {"coupler", "wait"}});
   EXPECT_EQ(outcome.exit, 4);
   EXPECT_LT(outcome.seconds, 20.0);
 }
 
-TEST_F(Command, InterruptionEndsAllCleanly) {
+TEST_F(CommandWithStandIns, InterruptionEndsAllCleanly) {
   for (const int signal : {SIGINT, SIGTERM}) {
     const auto outcome = run({{"fluid", "wait"}, {"solid", "wait"}, {"coupler", "wait"}}, [&](pid_t child) {
       while (!fs::exists(out() / "log" / "solid.log")) std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -187,23 +126,23 @@ TEST_F(Command, InterruptionEndsAllCleanly) {
     });
     EXPECT_EQ(outcome.exit, 130);
     EXPECT_LT(outcome.seconds, 5.0);
-    EXPECT_THAT(read_text(out() / "run.toml"), HasSubstr("reason = \"interrupted\""));
+    EXPECT_THAT(text_of(out() / "run.toml"), HasSubstr("reason = \"interrupted\""));
     EXPECT_TRUE(fs::is_empty(folder_ / "temporary"));
     fs::remove_all(out());
   }
 }
 
-TEST_F(Command, AMissingProgramIsNamed) {
+TEST_F(CommandWithStandIns, AMissingProgramIsNamed) {
   const auto outcome =
       poretwin({"run", terzaghi().string(), "--out", out().string(), "--programs", (folder_ / "temporary").string()});
   EXPECT_EQ(outcome.exit, 5);
   EXPECT_THAT(outcome.err, HasSubstr("poretwin-coupler: cannot be started: No such file or directory"));
 }
 
-TEST_F(Command, VerifyJudgesAndWritesJson) {
+TEST_F(CommandWithStandIns, VerifyJudgesAndWritesJson) {
   const auto place = folder_ / "ramp";
   fs::create_directories(place);
-  fs::copy_file(terzaghi() / "case.toml", place / "case.toml");
+  fs::copy_file(terzaghi(), place / "case.toml");
   const auto verify =
       [&](const std::string& tolerance) {
         std::ofstream(place / "verify.toml")
@@ -213,7 +152,7 @@ TEST_F(Command, VerifyJudgesAndWritesJson) {
                          (folder_ / "verify").string(), "--programs", PORETWIN_FAKES});
       };
   EXPECT_EQ(verify("0.2").exit, 0);
-  const auto json = read_text(folder_ / "v.json");
+  const auto json = text_of(folder_ / "v.json");
   EXPECT_THAT(json, HasSubstr("\"case\": \"ramp\""));
   EXPECT_THAT(json, HasSubstr("\"passed\": true"));
   EXPECT_THAT(json, HasSubstr("\"fluid.windows\": 10"));
@@ -224,4 +163,4 @@ TEST_F(Command, VerifyJudgesAndWritesJson) {
 }
 
 }  // namespace
-}  // namespace poretwin
+}  // namespace poretwin::testing_tools
