@@ -1,4 +1,4 @@
-// A whole coupled run of two mocks and the coupler in one process, over any transport, with short deadlines: nothing here can hang.
+// A whole coupled run of two phases (mocks or solvers) and the coupler in one process, over any transport, with short deadlines: nothing here can hang.
 #pragma once
 
 #include "common/coupling/drive.hpp"
@@ -51,7 +51,7 @@ struct CoupledRun {
   }
 
   /// Either phase may be absent.
-  void run(MockPhase* fluid_phase, MockPhase* solid_phase) {
+  void run(Phase* fluid_phase, Phase* solid_phase) {
     const auto start = std::chrono::steady_clock::now();
     std::unique_ptr<Hub> hub;
     if (line == Line::in_process)
@@ -117,7 +117,7 @@ struct CoupledRun {
     }
   }
 
-  void drive(MockPhase* phase, Role role, MemoryRecorder& record, Fate& fate, std::optional<Participant>& place) {
+  void drive(Phase* phase, Role role, MemoryRecorder& record, Fate& fate, std::optional<Participant>& place) {
     if (!phase) return;
     guard(fate, [&] {
       auto transport = line == Line::in_process ? in_process_.line() : connect_socket(address_);

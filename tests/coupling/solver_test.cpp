@@ -1,0 +1,125 @@
+// Each real solver against one mock, through the same participant client and coupler, in process and over sockets.
+#include "fluid_solver/fluid.hpp"
+#include "solid_solver/solid.hpp"
+#include "tests/coupling/coupled_run.hpp"
+
+#include <cmath>
+
+namespace poretwin::coupling {
+namespace {
+
+constexpr double width = 0.2, height = 0.4, spacing = 0.02, porosity = 0.4, grain = 2600.0, gamma_w = 9810.0;
+
+Face line(double ax, double ay, double bx, double by) {
+  Face face;
+  face.points = {Point3(ax, ay, 0.0), Point3(bx, by, 0.0)};
+  return face;
+}
+
+/// A saturated column of soil on a fixed base between rollers; the water stands at the soil's top.
+Case column() {
+  Case scene;
+  Soil soil;
+  soil.name = "sand";
+  soil.shape.max = Point3(width, height, 0.0);
+  soil.porosity = porosity;
+  soil.grain_density = grain;
+  soil.hydraulic_conductivity = 1e-4;
+  scene.soils = {soil};
+  scene.solid.particle_spacing = scene.fluid.particle_spacing = spacing;
+  scene.fluid.regions = {soil.shape};
+  for (const auto& face : {line(0, height, 0, 0), line(0, 0, width, 0), line(width, 0, width, height)}) {
+    Wall wall;
+    wall.face = face;
+    scene.walls.push_back(wall);
+  }
+  scene.walls[1].soil = Wall::ForSoil::fixed;
+  WaterFace top;
+  top.face = line(width, height, 0, height);
+  top.pressure = Series{{{0.0, 0.0}}};
+  scene.water_faces = {top};
+  return scene;
+}
+
+/// Gauges of one point, read off what was recorded last.
+double last(const MemoryRecorder& record, const std::string& gauge) {
+  for (const auto& reading : record.series.back().readings)
+    if (reading.gauge == gauge) return reading.value;
+  return std::nan("");
+}
+
+Gauge point(const std::string& phase, const std::string& quantity, double y) {
+  Gauge gauge;
+  gauge.name = quantity;
+  gauge.phase = phase;
+  gauge.kind = "point";
+  gauge.quantity = quantity;
+  gauge.points = {Point3(0.5 * width, y, 0.0)};
+  return gauge;
+}
+
+/// What the other phase says of the resting column.
+double at_rest(const std::string& name, int component, const double* x, double) {
+  const double porous = 1.0 - porosity;
+  if (name == field::pore_pressure) return gamma_w * std::max(0.0, height - x[1]);
+  if (name == field::soil_fraction) return 1.0;
+  if (name == field::solid_volume_fraction) return porous;
+  if (name == field::grain_density) return grain;
+  if (name == field::constrained_modulus) return 4e6;
+  if (name == field::hydraulic_conductivity) return 1e-4;
+  // Held by the water's buoyancy and its own stress: what is left is the weight that the pressure carries.
+  if (name == field::unbalanced_force) return component == 1 ? -porous * gamma_w : 0.0;
+  return 0.0;
+}
+
+MockPhase mock(Role role, MockKnobs knobs, const Case& scene) {
+  knobs.digest = scene.digest();
+  // The mock's points reach beyond the column, as images behind walls would.
+  const auto points = lattice_points(2, {-0.1, -0.1}, {width + 0.2, height + 0.1}, spacing);
+  return MockPhase(role, 2, [role, points](double t) { return formula_publication(role, t, points, at_rest); }, knobs);
+}
+
+class SolverAgainstMock : public testing::TestWithParam<Line> {
+ protected:
+  void run_on(CoupledRun& run, const Case& scene, Phase* water, Phase* soil) const {
+    run.line = GetParam();
+    run.broker.case_digest = scene.digest();
+    run.settings = {0.05, 0.005, 0.0, 0.0};
+    run.run(water, soil);
+    run.expect_success();
+  }
+};
+INSTANTIATE_TEST_SUITE_P(Lines, SolverAgainstMock, testing::Values(Line::in_process, Line::ipc, Line::tcp),
+                         [](const auto& line) { return line_name(line.param); });
+
+TEST_P(SolverAgainstMock, WaterRestsInAMockSoilThatRefusesAWindow) {
+  Case scene = column();
+  scene.gauges = {point("fluid", "pore_pressure", 0.0), point("fluid", "velocity_y", 0.2)};
+  MockKnobs knobs;
+  knobs.rejections = {{3, 2}};
+  auto soil = mock(Role::solid, knobs, scene);
+  const auto water = fluid::make_fluid(scene);
+  CoupledRun run;
+  run_on(run, scene, water.get(), &soil);
+  EXPECT_EQ(run.report.rejected_by_solid, 2u);
+  EXPECT_NEAR(last(run.fluid_record, "pore_pressure"), gamma_w * height, 0.005 * gamma_w * height);
+  EXPECT_NEAR(last(run.fluid_record, "velocity_y"), 0.0, 1e-6);
+}
+
+TEST_P(SolverAgainstMock, SoilRestsInMockWaterThatRefusesAWindow) {
+  Case scene = column();
+  scene.gauges = {point("solid", "effective_stress_yy", 0.0), point("solid", "pore_pressure", 0.0)};
+  MockKnobs knobs;
+  knobs.rejections = {{4, 1}};
+  auto water = mock(Role::fluid, knobs, scene);
+  const auto soil = solid::make_solid(scene);
+  CoupledRun run;
+  run_on(run, scene, &water, soil.get());
+  EXPECT_EQ(run.report.rejected_by_fluid, 1u);
+  const double buoyant = (1.0 - porosity) * (grain * 9.81 - gamma_w);
+  EXPECT_NEAR(last(run.solid_record, "effective_stress_yy"), -buoyant * height, 0.02 * buoyant * height);
+  EXPECT_NEAR(last(run.solid_record, "pore_pressure"), gamma_w * height, 0.005 * gamma_w * height);
+}
+
+}  // namespace
+}  // namespace poretwin::coupling
