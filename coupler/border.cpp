@@ -18,13 +18,15 @@ class Border {
     throw PeerError(fmt::format("publication of '{}' at step {} (t = {:g} s): {}", sender_, step_, time_, what));
   }
 
-  void values(const std::string& name, int components, const std::vector<double>& values, const PointSet* points) const {
+  void values(const std::string& name, int components, const std::vector<double>& values,
+              const PointSet* points) const {
     const Bounds bounds = bounds_of(name);
     for (std::size_t k = 0; k < values.size(); ++k) {
       if (values[k] >= bounds.low && values[k] <= bounds.high) continue;  // false for NaN
       const std::size_t i = k / static_cast<std::size_t>(components);
-      refuse(fmt::format("field '{}', point {}{}, component {}: expected {}, got {}", name, i, points ? position(*points, i) : "",
-                         k % static_cast<std::size_t>(components), bounds.expected, values[k]));
+      refuse(fmt::format("field '{}', point {}{}, component {}: expected {}, got {}", name, i,
+                         points ? position(*points, i) : "", k % static_cast<std::size_t>(components), bounds.expected,
+                         values[k]));
     }
   }
 
@@ -34,8 +36,8 @@ class Border {
 
   void unit(const Array& array, const FieldSpec& spec) const {
     if (array.unit != spec.unit || array.components != spec.components)
-      refuse(fmt::format("field '{}': expected {} components in '{}', got {} in '{}'", spec.name, spec.components, spec.unit,
-                         array.components, array.unit));
+      refuse(fmt::format("field '{}': expected {} components in '{}', got {} in '{}'", spec.name, spec.components,
+                         spec.unit, array.components, array.unit));
   }
 
  private:
@@ -46,7 +48,8 @@ class Border {
   static Bounds bounds_of(std::string_view name) {
     constexpr double largest = std::numeric_limits<double>::max();
     if (name == field::soil_fraction || name == field::solid_volume_fraction) return {0.0, 1.0, "a number in [0, 1]"};
-    if (name == volume_array || name == smoothing_length_array) return {std::numeric_limits<double>::min(), largest, "a positive number"};
+    if (name == volume_array || name == smoothing_length_array)
+      return {std::numeric_limits<double>::min(), largest, "a positive number"};
     return {-largest, largest, "a finite number"};
   }
   static std::string position(const PointSet& points, std::size_t i) {
@@ -61,14 +64,17 @@ class Border {
   double time_;
 };
 
-std::shared_ptr<const PointSet> points_of(Message& message, const Contract& contract, const std::shared_ptr<const PointSet>& previous,
-                                          const Border& border) {
+std::shared_ptr<const PointSet> points_of(Message& message, const Contract& contract,
+                                          const std::shared_ptr<const PointSet>& previous, const Border& border) {
   const auto& info = message.points;
-  if (info.dimension != contract.dimension) border.refuse(fmt::format("expected dimension {}, got {}", contract.dimension, info.dimension));
+  if (info.dimension != contract.dimension)
+    border.refuse(fmt::format("expected dimension {}, got {}", contract.dimension, info.dimension));
   if (info.n_active > info.n) border.refuse(fmt::format("{} active points of {}", info.n_active, info.n));
   if (!info.sent) {
-    if (!previous || previous->revision != info.revision || previous->size() != info.n || previous->n_active != info.n_active)
-      border.refuse(fmt::format("its points (revision {}, {} points) were not sent and are not those known", info.revision, info.n));
+    if (!previous || previous->revision != info.revision || previous->size() != info.n ||
+        previous->n_active != info.n_active)
+      border.refuse(fmt::format("its points (revision {}, {} points) were not sent and are not those known",
+                                info.revision, info.n));
     return previous;
   }
   auto points = std::make_shared<PointSet>();
@@ -76,7 +82,8 @@ std::shared_ptr<const PointSet> points_of(Message& message, const Contract& cont
   points->revision = info.revision;
   points->n_active = info.n_active;
   auto take = [&](std::string_view name, int components) {
-    const auto found = std::find_if(message.arrays.begin(), message.arrays.end(), [&](const Array& a) { return a.name == name; });
+    const auto found =
+        std::find_if(message.arrays.begin(), message.arrays.end(), [&](const Array& a) { return a.name == name; });
     if (found == message.arrays.end()) border.refuse(fmt::format("array '{}' is missing", name));
     border.size(found->name, found->values.size(), info.n * static_cast<std::size_t>(components));
     border.values(found->name, components, found->values, nullptr);
@@ -88,8 +95,10 @@ std::shared_ptr<const PointSet> points_of(Message& message, const Contract& cont
   points->owner = take(owner_array, 1);
   for (std::size_t i = 0; i < points->owner.size(); ++i) {
     const double owner = points->owner[i];
-    const bool fits = i < info.n_active ? owner == static_cast<double>(i)
-                                        : owner == -1.0 || (owner >= 0.0 && owner < static_cast<double>(info.n_active) && owner == std::floor(owner));
+    const bool fits = i < info.n_active
+                          ? owner == static_cast<double>(i)
+                          : owner == -1.0 || (owner >= 0.0 && owner < static_cast<double>(info.n_active) &&
+                                              owner == std::floor(owner));
     if (!fits)
       border.refuse(fmt::format("'{}' of point {}: expected {}, got {}", owner_array, i,
                                 i < info.n_active ? "the point itself" : "an active point or -1", owner));
@@ -109,10 +118,12 @@ Snapshot admit(Message message, const Contract& contract, const std::shared_ptr<
   out.proposed_interval = body->proposed_interval;
   out.limited_by = body->limited_by;
   if (!(out.proposed_interval > 0.0))
-    border.refuse(fmt::format("proposed_interval: expected a positive number, got {} (limited by {})", out.proposed_interval, out.limited_by));
+    border.refuse(fmt::format("proposed_interval: expected a positive number, got {} (limited by {})",
+                              out.proposed_interval, out.limited_by));
   out.points = points_of(message, contract, previous, border);
   for (const auto& spec : contract.gives) {
-    const auto found = std::find_if(message.arrays.begin(), message.arrays.end(), [&](const Array& a) { return a.name == spec.name; });
+    const auto found =
+        std::find_if(message.arrays.begin(), message.arrays.end(), [&](const Array& a) { return a.name == spec.name; });
     if (found == message.arrays.end()) border.refuse("field '" + spec.name + "' is missing");
     border.unit(*found, spec);
     border.size(spec.name, found->values.size(), out.points->size() * static_cast<std::size_t>(spec.components));

@@ -1,4 +1,5 @@
-// What comes in is checked here, before anybody computes with it: numbers finite, fractions between 0 and 1, sizes as announced.
+// What comes in is checked here, before anybody computes with it: numbers finite, fractions between 0 and 1, sizes as
+// announced.
 #pragma once
 
 #include "common/coupling/message.hpp"
@@ -17,8 +18,8 @@ struct Snapshot {
   std::vector<Field> fields;
 };
 
-/// From a PUBLICATION to a snapshot. `previous` holds the points when the message does not. Throws PeerError that names sender,
-/// step, field, point and value.
+/// From a PUBLICATION to a snapshot. `previous` holds the points when the message does not. Throws PeerError that names
+/// sender, step, field, point and value.
 Snapshot admit(Message message, const Contract& contract, const std::shared_ptr<const PointSet>& previous);
 
 }  // namespace poretwin::coupling

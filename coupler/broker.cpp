@@ -41,14 +41,17 @@ std::optional<Reject> difference(const Contract& giver, const Contract& taker) {
     if (have == giver.gives.end()) return differs(want.name, "a giver of this field", "none");
     if (have->unit != want.unit) return differs(want.name, "unit " + have->unit, "unit " + want.unit);
     if (have->components != want.components)
-      return differs(want.name, fmt::format("{} components", have->components), fmt::format("{} components", want.components));
-    if (have->mapping != want.mapping) return differs(want.name, text_of(have->mapping) + " mapping", text_of(want.mapping) + " mapping");
+      return differs(want.name, fmt::format("{} components", have->components),
+                     fmt::format("{} components", want.components));
+    if (have->mapping != want.mapping)
+      return differs(want.name, text_of(have->mapping) + " mapping", text_of(want.mapping) + " mapping");
     if (have->mask != want.mask) return differs(want.name, "mask '" + have->mask + "'", "mask '" + want.mask + "'");
     if (have->mask.empty()) continue;
     const auto mask = given(have->mask);
     if (mask == giver.gives.end() || mask->components != 1)
       return differs(want.name, "its mask '" + have->mask + "' among the given fields, with one component", "none");
-    if (have->mapping == Mapping::conservative) return differs(want.name, "a conservative field without a mask", "mask '" + have->mask + "'");
+    if (have->mapping == Mapping::conservative)
+      return differs(want.name, "a conservative field without a mask", "mask '" + have->mask + "'");
   }
   return std::nullopt;
 }
@@ -85,8 +88,9 @@ class Broker::Implementation {
       if (interrupted()) throw Error(ExitCode::interrupted, "interrupted while waiting for " + missing);
       if (Clock::now() - start > options_.wait_deadline) {
         culprit_ = missing;
-        throw PeerError(fmt::format("{} did not come within {:g} s at {}{}", missing, static_cast<double>(options_.wait_deadline.count()) / 1000.0,
-                                    hub_.address(), refused_.empty() ? "" : "; refused meanwhile: " + refused_));
+        throw PeerError(fmt::format("{} did not come within {:g} s at {}{}", missing,
+                                    static_cast<double>(options_.wait_deadline.count()) / 1000.0, hub_.address(),
+                                    refused_.empty() ? "" : "; refused meanwhile: " + refused_));
       }
       if (Clock::now() - said >= options_.say_every) {
         said = Clock::now();
@@ -110,7 +114,8 @@ class Broker::Implementation {
     while (p.queue.empty()) {
       if (Clock::now() - said >= options_.say_every) {
         said = Clock::now();
-        say(fmt::format("waiting for {} ({:.0f} s): {}, last message {}", p.name, seconds_since(start), state_of(p), p.last));
+        say(fmt::format("waiting for {} ({:.0f} s): {}, last message {}", p.name, seconds_since(start), state_of(p),
+                        p.last));
       }
       if (options_.waiting) options_.waiting(p.name);
       listen(p.name);
@@ -156,12 +161,14 @@ class Broker::Implementation {
   }
 
   std::string state_of(const Peer& p) const {
-    return p.doing.empty() ? std::string("no heartbeat yet") : fmt::format("{} ({:.1f} s ago)", p.doing, seconds_since(p.heard));
+    return p.doing.empty() ? std::string("no heartbeat yet")
+                           : fmt::format("{} ({:.1f} s ago)", p.doing, seconds_since(p.heard));
   }
 
   [[noreturn]] void fail(const Peer& p, const std::string& what) {
     culprit_ = p.name;
-    throw PeerError(fmt::format("{} {}; at step {}, last message {}, last heartbeat: {}", p.name, what, p.step, p.last, state_of(p)));
+    throw PeerError(fmt::format("{} {}; at step {}, last message {}, last heartbeat: {}", p.name, what, p.step, p.last,
+                                state_of(p)));
   }
 
   bool send_to(Peer& p, Message message) {
@@ -179,10 +186,12 @@ class Broker::Implementation {
 
   /// Handles whatever comes within a short time; then heartbeats, and a look for frozen participants.
   void listen(const std::string& waiting_for) {
-    for (auto event = hub_.receive(std::min(options_.heartbeat, Milliseconds(50))); event; event = hub_.receive(Milliseconds(0)))
+    for (auto event = hub_.receive(std::min(options_.heartbeat, Milliseconds(50))); event;
+         event = hub_.receive(Milliseconds(0)))
       handle(std::move(*event));
     if (Clock::now() - beat_ >= options_.heartbeat) send_heartbeats(waiting_for);
-    // This process may itself have been stopped, or have mapped, for a while: then nobody else is to blame for the silence.
+    // This process may itself have been stopped, or have mapped, for a while: then nobody else is to blame for the
+    // silence.
     if (Clock::now() - listened_ > options_.frozen_deadline / 2)
       for (auto& p : peers_) p.heard = Clock::now();
     listened_ = Clock::now();
@@ -203,7 +212,8 @@ class Broker::Implementation {
     for (const Role role : both) {
       const auto& p = peer(role);
       if (p.line.empty() || p.left || Clock::now() - p.heard <= options_.frozen_deadline) continue;
-      fail(p, fmt::format("is frozen: its connection stands but no heartbeat came for {:.1f} s", seconds_since(p.heard)));
+      fail(p,
+           fmt::format("is frozen: its connection stands but no heartbeat came for {:.1f} s", seconds_since(p.heard)));
     }
   }
 
@@ -236,7 +246,8 @@ class Broker::Implementation {
   }
 
   void take(Peer& p, Message message, std::size_t bytes) {
-    if (message.session != session_) fail(p, fmt::format("spoke for session '{}', expected '{}'", message.session, session_));
+    if (message.session != session_)
+      fail(p, fmt::format("spoke for session '{}', expected '{}'", message.session, session_));
     if (message.sequence != p.sequence + 1)
       fail(p, fmt::format("lost messages: expected sequence {}, got {}", p.sequence + 1, message.sequence));
     p.sequence = message.sequence;
@@ -265,14 +276,20 @@ class Broker::Implementation {
     const auto* hello = std::get_if<Hello>(&message.body);
     std::optional<Reject> reject;
     if (message.major != protocol_major)
-      reject = Reject{RejectCode::protocol, "protocol", fmt::format("{}.x", protocol_major), fmt::format("{}.{}", message.major, message.minor), 0.0, ""};
+      reject = Reject{RejectCode::protocol,
+                      "protocol",
+                      fmt::format("{}.x", protocol_major),
+                      fmt::format("{}.{}", message.major, message.minor),
+                      0.0,
+                      ""};
     else if (!hello)
       return;  // a line that was refused, or left, and still talks
     else
       reject = objection(*hello);
     const std::string who = hello && message.major == protocol_major ? hello->role : message.sender;
     if (reject) {
-      const std::string what = fmt::format("{}: {}: expected {}, got {}", who, reject->field, reject->expected, reject->got);
+      const std::string what =
+          fmt::format("{}: {}: expected {}, got {}", who, reject->field, reject->expected, reject->got);
       say("refused " + what);
       refused_ += (refused_.empty() ? "" : ", ") + what;
       Message answer = message_of(std::move(*reject));
@@ -297,14 +314,17 @@ class Broker::Implementation {
     auto refuse = [](RejectCode code, std::string what, std::string expected, std::string got) {
       return Reject{code, std::move(what), std::move(expected), std::move(got), 0.0, ""};
     };
-    if (hello.role != "fluid" && hello.role != "solid") return refuse(RejectCode::role, "role", "fluid or solid", "'" + hello.role + "'");
+    if (hello.role != "fluid" && hello.role != "solid")
+      return refuse(RejectCode::role, "role", "fluid or solid", "'" + hello.role + "'");
     const Role role = hello.role == "fluid" ? Role::fluid : Role::solid;
     const auto& other = peer(role == Role::fluid ? Role::solid : Role::fluid);
     if (!peer(role).line.empty())
-      return refuse(RejectCode::role, "role", other.line.empty() ? other.name : "nobody: both roles are taken", "a second " + hello.role);
+      return refuse(RejectCode::role, "role", other.line.empty() ? other.name : "nobody: both roles are taken",
+                    "a second " + hello.role);
     const auto& contract = hello.contract;
     if (contract.dimension != options_.dimension)
-      return refuse(RejectCode::dimension, "dimension", std::to_string(options_.dimension), std::to_string(contract.dimension));
+      return refuse(RejectCode::dimension, "dimension", std::to_string(options_.dimension),
+                    std::to_string(contract.dimension));
     if (contract.case_digest != options_.case_digest)
       return refuse(RejectCode::digest, "case_digest", options_.case_digest, contract.case_digest);
     if (other.line.empty()) return std::nullopt;
@@ -322,7 +342,8 @@ class Broker::Implementation {
   bool finishing_ = false, peer_interrupted_ = false;
 };
 
-Broker::Broker(Hub& hub, BrokerOptions options) : implementation_(std::make_unique<Implementation>(hub, std::move(options))) {}
+Broker::Broker(Hub& hub, BrokerOptions options)
+    : implementation_(std::make_unique<Implementation>(hub, std::move(options))) {}
 Broker::~Broker() = default;
 void Broker::gather() { implementation_->gather(); }
 Message Broker::wait(Role role) { return implementation_->wait(role); }

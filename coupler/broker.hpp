@@ -1,5 +1,5 @@
-// The coupler's side of the conversation: who is there, who may come in, who is slow, frozen, dead or gone. Knows messages, not
-// their meaning for the physics; the schedule decides what is sent when.
+// The coupler's side of the conversation: who is there, who may come in, who is slow, frozen, dead or gone. Knows
+// messages, not their meaning for the physics; the schedule decides what is sent when.
 #pragma once
 
 #include "common/coupling/transport.hpp"
@@ -10,14 +10,14 @@
 namespace poretwin::coupling {
 
 struct BrokerOptions {
-  int dimension = 2;          ///< of the case
+  int dimension = 2;  ///< of the case
   std::string case_digest;
   Milliseconds wait_deadline{60'000};    ///< for missing participants
   Milliseconds frozen_deadline{30'000};  ///< without a heartbeat
   Milliseconds heartbeat{1'000};
   Milliseconds say_every{5'000};
-  std::function<void(const std::string&)> say;        ///< one line for the log
-  std::function<void(const std::string&)> waiting;    ///< whom for; called several times per second while waiting
+  std::function<void(const std::string&)> say;      ///< one line for the log
+  std::function<void(const std::string&)> waiting;  ///< whom for; called several times per second while waiting
   std::function<bool()> interrupted;
 };
 
@@ -36,8 +36,8 @@ class Broker {
 
   /// Waits for one fluid and one solid that agree with the case and with each other; refuses all others with a reason.
   void gather();
-  /// The next message of that participant. Every failure of EITHER participant meanwhile throws an Error that names it, its step,
-  /// its last message and what happened. A participant that is merely slow is waited for.
+  /// The next message of that participant. Every failure of EITHER participant meanwhile throws an Error that names it,
+  /// its step, its last message and what happened. A participant that is merely slow is waited for.
   Message wait(Role role);
   void send(Role role, Message message);
   /// Tells everybody; never throws.

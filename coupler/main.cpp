@@ -34,7 +34,8 @@ RunSummary summarise(const Broker& broker, const ScheduleReport& report) {
                   {"pair_weights_unchanged", number(report.pairs.unchanged)},
                   {"points_unchanged", number(report.points_unchanged)},
                   {"fields_skipped", number(report.fields_skipped)}};
-  for (const auto& [cause, windows] : report.limited_by) out.counters.emplace_back("windows limited by " + cause, number(windows));
+  for (const auto& [cause, windows] : report.limited_by)
+    out.counters.emplace_back("windows limited by " + cause, number(windows));
   const char axes[] = "xyz";
   for (const auto& account : report.accounts)
     for (std::size_t c = 0; c < account.given.size(); ++c) {
@@ -69,7 +70,8 @@ void execute(const Arguments& arguments, Run& run) {
   };
   run.broker.emplace(*run.hub, std::move(options));
   run.schedule.emplace(*run.broker, scene.general.dimension,
-                       WindowClock::Settings{scene.general.end_time, scene.coupling.interval, scene.output.interval, scene.output.gauge_interval},
+                       WindowClock::Settings{scene.general.end_time, scene.coupling.interval, scene.output.interval,
+                                             scene.output.gauge_interval},
                        [lines](const Progress& p) { lines->write(p, p.time >= p.end); });
   log_line("coupler: listening at " + run.hub->address());
   run.schedule->run();

@@ -146,7 +146,8 @@ void PairWeights<D>::update(const PointSet& source, const PointSet& target) {
 
 template <int D>
 bool PairWeights<D>::lists_hold(const PointSet& source, const PointSet& target) const {
-  if (skin_ <= 0.0 || source.position.size() != source_then_.size() || target.n_active * D != target_then_.size()) return false;
+  if (skin_ <= 0.0 || source.position.size() != source_then_.size() || target.n_active * D != target_then_.size())
+    return false;
   double growth = 0.0;
   for (Size j = 0; j < h_then_.size(); ++j) growth = std::max(growth, source.smoothing_length[j] - h_then_[j]);
   const std::span<const double> active(target.position.data(), target.n_active * D);
@@ -253,7 +254,8 @@ void PairWeights<D>::weigh() {
 }
 
 template <int D>
-std::vector<Field> PairWeights<D>::consistent(std::span<const Field* const> fields, std::span<const double> mask) const {
+std::vector<Field> PairWeights<D>::consistent(std::span<const Field* const> fields,
+                                              std::span<const double> mask) const {
   const Size n = source_.size(), m = target_.size();
   Size width = 0;
   std::vector<Field> out;
@@ -268,7 +270,8 @@ std::vector<Field> PairWeights<D>::consistent(std::span<const Field* const> fiel
   for (const Field* field : fields) {
     const Size components = static_cast<Size>(field->components);
     for (Size j = 0; j < n; ++j)
-      for (Size c = 0; c < components; ++c) packed[j * width + column + c] = field->values[source_order_[j] * components + c];
+      for (Size c = 0; c < components; ++c)
+        packed[j * width + column + c] = field->values[source_order_[j] * components + c];
     column += components;
   }
   std::vector<double> share;
@@ -292,7 +295,8 @@ std::vector<Field> PairWeights<D>::consistent(std::span<const Field* const> fiel
     }
     if (!row.normalise(h_)) continue;
     for (Size b = 0; b < width; b += block)
-      Eigen::Map<Block>(sum.data() + b) = row.extrapolates ? row.bounded_sum(packed.data() + b, width) : row.sum(packed.data() + b, width);
+      Eigen::Map<Block>(sum.data() + b) =
+          row.extrapolates ? row.bounded_sum(packed.data() + b, width) : row.sum(packed.data() + b, width);
     const Size target = target_order_[i];
     Size from = 0;
     for (auto& field : out) {
@@ -305,9 +309,9 @@ std::vector<Field> PairWeights<D>::consistent(std::span<const Field* const> fiel
   return out;
 }
 
-/// Factors on the receivers' weights under which an even giving arrives evenly however disordered the points are: what reaches a
-/// receiver from the giving volumes is to be its own volume (Sinkhorn 1967). Only receivers inside the cloud of those that give
-/// are balanced; at its edge the shares stay as the kernel has them.
+/// Factors on the receivers' weights under which an even giving arrives evenly however disordered the points are: what
+/// reaches a receiver from the giving volumes is to be its own volume (Sinkhorn 1967). Only receivers inside the cloud
+/// of those that give are balanced; at its edge the shares stay as the kernel has them.
 template <int D>
 std::vector<double> PairWeights<D>::balance(const Field& amounts) const {
   const Size components = static_cast<Size>(amounts.components);
@@ -352,7 +356,8 @@ std::vector<double> PairWeights<D>::balance(const Field& amounts) const {
 }
 
 template <int D>
-typename PairWeights<D>::Delivery PairWeights<D>::conservative(const Field& amounts, std::span<const double> carried) const {
+typename PairWeights<D>::Delivery PairWeights<D>::conservative(const Field& amounts,
+                                                               std::span<const double> carried) const {
   const Size components = static_cast<Size>(amounts.components);
   Delivery out;
   out.values.assign(receivers_ * components, 0.0);
@@ -397,7 +402,8 @@ typename PairWeights<D>::Delivery PairWeights<D>::conservative(const Field& amou
       out.undelivered[c] += rest;
       continue;
     }
-    for (Size j = 0; j < receivers_; ++j) out.values[j * components + c] += rest * (by_size ? part_by_size[j] : part[j]) / all;
+    for (Size j = 0; j < receivers_; ++j)
+      out.values[j * components + c] += rest * (by_size ? part_by_size[j] : part[j]) / all;
   }
   for (Size j = 0; j < receivers_; ++j)
     for (Size c = 0; c < components; ++c) out.delivered[c] += out.values[j * components + c];
@@ -412,8 +418,8 @@ namespace {
 template <int D>
 class CloudMapping final : public SpatialMapping {
  public:
-  Inbox map(Role giver, const PointSet& giver_points, const std::vector<Field>& giver_fields, std::span<const FieldSpec> specs,
-            const PointSet& receiver_points) override {
+  Inbox map(Role giver, const PointSet& giver_points, const std::vector<Field>& giver_fields,
+            std::span<const FieldSpec> specs, const PointSet& receiver_points) override {
     auto& forward = giver == Role::fluid ? fluid_to_solid_ : solid_to_fluid_;
     auto& backward = giver == Role::fluid ? solid_to_fluid_ : fluid_to_solid_;
     forward.update(giver_points, receiver_points);
@@ -427,7 +433,9 @@ class CloudMapping final : public SpatialMapping {
       auto& account = account_of(giver, spec);
       const Field& amounts = find(giver_fields, spec.name);
       if (all_zero(amounts.values) && all_zero(account.undelivered)) {
-        inbox.fields.push_back({spec.name, spec.components, std::vector<double>(receiver_points.n_active * static_cast<Size>(spec.components), 0.0)});
+        inbox.fields.push_back(
+            {spec.name, spec.components,
+             std::vector<double>(receiver_points.n_active * static_cast<Size>(spec.components), 0.0)});
         continue;
       }
       if (!ready) backward.update(receiver_points, giver_points);
@@ -451,7 +459,9 @@ class CloudMapping final : public SpatialMapping {
   void set_accounts(std::vector<Account> accounts) override { accounts_ = std::move(accounts); }
 
  private:
-  static bool is_fraction(std::string_view name) { return name == field::soil_fraction || name == field::solid_volume_fraction; }
+  static bool is_fraction(std::string_view name) {
+    return name == field::soil_fraction || name == field::solid_volume_fraction;
+  }
   static bool all_zero(const std::vector<double>& values) {
     return std::all_of(values.begin(), values.end(), [](double v) { return v == 0.0; });
   }
@@ -463,15 +473,18 @@ class CloudMapping final : public SpatialMapping {
   }
 
   /// Fields with one mask share their moments: one pass per mask.
-  static void map_consistent(const PairWeights<D>& pairs, const std::vector<Field>& fields, std::span<const FieldSpec> specs, Inbox& inbox) {
+  static void map_consistent(const PairWeights<D>& pairs, const std::vector<Field>& fields,
+                             std::span<const FieldSpec> specs, Inbox& inbox) {
     std::vector<std::string> masks;
     for (const auto& spec : specs)
-      if (spec.mapping == coupling::Mapping::consistent && std::find(masks.begin(), masks.end(), spec.mask) == masks.end())
+      if (spec.mapping == coupling::Mapping::consistent &&
+          std::find(masks.begin(), masks.end(), spec.mask) == masks.end())
         masks.push_back(spec.mask);
     for (const auto& mask : masks) {
       std::vector<const Field*> group;
       for (const auto& spec : specs)
-        if (spec.mapping == coupling::Mapping::consistent && spec.mask == mask) group.push_back(&find(fields, spec.name));
+        if (spec.mapping == coupling::Mapping::consistent && spec.mask == mask)
+          group.push_back(&find(fields, spec.name));
       std::span<const double> weights;
       if (!mask.empty()) weights = find(fields, mask).values;
       for (auto& mapped : pairs.consistent(group, weights)) {

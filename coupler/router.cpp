@@ -1,4 +1,5 @@
-// A ROUTER socket behind the Hub interface. The socket monitor tells which descriptor closed, the messages tell whose it was.
+// A ROUTER socket behind the Hub interface. The socket monitor tells which descriptor closed, the messages tell whose
+// it was.
 #include "common/coupling/socket_options.hpp"
 #include "coupler/broker.hpp"
 
@@ -20,9 +21,11 @@ class Router final : public Hub {
   Router(const std::string& address, bool allow_any_address)
       : router_(context_, zmq::socket_type::router), monitor_(context_, zmq::socket_type::pair) {
     if (!allow_any_address && !is_loopback(address))
-      throw Error(ExitCode::bad_case, "will not listen on '" + address +
-                                          "': expected ipc:///path or tcp://127.0.0.1:port; anyone who reaches another address can steer the "
-                                          "run, so it needs --allow-any-address");
+      throw Error(
+          ExitCode::bad_case,
+          "will not listen on '" + address +
+              "': expected ipc:///path or tcp://127.0.0.1:port; anyone who reaches another address can steer the "
+              "run, so it needs --allow-any-address");
     try {
       set_common_options(router_, address);
       router_.set(zmq::sockopt::router_mandatory, 1);

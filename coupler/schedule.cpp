@@ -18,7 +18,8 @@ Role other(Role role) { return role == Role::fluid ? Role::solid : Role::fluid; 
 
 class Schedule::Implementation {
  public:
-  Implementation(Broker& broker, int dimension, WindowClock::Settings settings, std::function<void(const Progress&)> progress)
+  Implementation(Broker& broker, int dimension, WindowClock::Settings settings,
+                 std::function<void(const Progress&)> progress)
       : broker_(broker), clock_(settings), mapping_(make_mapping(dimension)), progress_(std::move(progress)) {}
 
   void run() {
@@ -63,7 +64,8 @@ class Schedule::Implementation {
   void window() {
     const auto accounts = mapping_->accounts();
     double limit = std::min(fluid_.proposed_interval, solid_.proposed_interval);
-    const std::string& cause = fluid_.proposed_interval <= solid_.proposed_interval ? fluid_.limited_by : solid_.limited_by;
+    const std::string& cause =
+        fluid_.proposed_interval <= solid_.proposed_interval ? fluid_.limited_by : solid_.limited_by;
     for (int attempt = 0;; ++attempt) {
       const auto plan = clock_.plan(limit);
       plan_ = plan;
@@ -71,14 +73,16 @@ class Schedule::Implementation {
       if (const auto rejection = try_window(plan)) {
         mapping_->set_accounts(accounts);
         if (attempt >= most_rejections)
-          throw PeerError(fmt::format("window {} from t = {:g} s was rejected {} times, last at {:g} s: {}", step_ + 1, plan.start,
-                                      attempt + 1, plan.interval, rejection->reason));
+          throw PeerError(fmt::format("window {} from t = {:g} s was rejected {} times, last at {:g} s: {}", step_ + 1,
+                                      plan.start, attempt + 1, plan.interval, rejection->reason));
         limit = retry_interval(plan.interval, rejection->suggested_interval);
         continue;
       }
       ++step_;
       ++report_.windows;
-      ++report_.limited_by[plan.interval < 0.999 * std::min(fluid_limit_, solid_limit_) ? "coupler: output instant or coupling.interval" : cause];
+      ++report_.limited_by[plan.interval < 0.999 * std::min(fluid_limit_, solid_limit_)
+                               ? "coupler: output instant or coupling.interval"
+                               : cause];
       clock_.accept(plan);
       tell_progress("", clock_.finished());
       return;
@@ -115,8 +119,8 @@ class Schedule::Implementation {
     send_mapped(role, std::move(message));
     Message answer = broker_.wait(role);
     if (answer.step != step_ + 1 || answer.iteration != iteration_)
-      throw PeerError(fmt::format("{} answered {} (attempt {}), expected step {} (attempt {})", to_string(role), describe(answer),
-                                  answer.iteration, step_ + 1, iteration_));
+      throw PeerError(fmt::format("{} answered {} (attempt {}), expected step {} (attempt {})", to_string(role),
+                                  describe(answer), answer.iteration, step_ + 1, iteration_));
     if (auto* reject = std::get_if<Reject>(&answer.body)) return *reject;
     now(role) = admitted(role, std::move(answer), plan.end, now(role).points);
     return std::nullopt;
@@ -155,7 +159,8 @@ class Schedule::Implementation {
     message.arrays.push_back({std::string(coverage_array), "1", 1, std::move(inbox.coverage)});
     message.arrays.push_back({std::string(asymmetry_array), "1", 1, std::move(inbox.asymmetry)});
     for (auto& field : inbox.fields) {
-      const auto spec = std::find_if(specs.begin(), specs.end(), [&](const FieldSpec& s) { return s.name == field.name; });
+      const auto spec =
+          std::find_if(specs.begin(), specs.end(), [&](const FieldSpec& s) { return s.name == field.name; });
       message.arrays.push_back({field.name, spec->unit, field.components, std::move(field.values)});
     }
     broker_.send(role, std::move(message));
@@ -170,7 +175,8 @@ class Schedule::Implementation {
     Snapshot snapshot = admit(std::move(message), broker_.contract(role), previous);
     // Both clocks must tell the same time, rounding apart.
     if (std::abs(snapshot.time - time) > 1e-9 * std::max(std::abs(time), 1e-3 * clock_.end()))
-      throw PeerError(fmt::format("{} is at t = {} s after step {}, expected t = {} s", to_string(role), snapshot.time, step_ + 1, time));
+      throw PeerError(fmt::format("{} is at t = {} s after step {}, expected t = {} s", to_string(role), snapshot.time,
+                                  step_ + 1, time));
     return snapshot;
   }
 
@@ -190,7 +196,8 @@ class Schedule::Implementation {
   ScheduleReport report_;
 };
 
-Schedule::Schedule(Broker& broker, int dimension, WindowClock::Settings settings, std::function<void(const Progress&)> progress)
+Schedule::Schedule(Broker& broker, int dimension, WindowClock::Settings settings,
+                   std::function<void(const Progress&)> progress)
     : implementation_(std::make_unique<Implementation>(broker, dimension, settings, std::move(progress))) {}
 Schedule::~Schedule() = default;
 void Schedule::run() { implementation_->run(); }

@@ -1,6 +1,6 @@
 // Temporal coupling: who advances when, with whose fields, and what happens when a window is refused.
-// Serial, fluid first, one pass: the fluid crosses the window with the solid's fields of its start, the solid with the fluid's new
-// ones. docs/protocol.md shows the sequence.
+// Serial, fluid first, one pass: the fluid crosses the window with the solid's fields of its start, the solid with the
+// fluid's new ones. docs/protocol.md shows the sequence.
 #pragma once
 
 #include "common/coupling/summary.hpp"
@@ -20,10 +20,10 @@ struct ScheduleReport {
   double wall = 0.0;     ///< s
   std::uint64_t windows = 0;
   std::uint64_t rejected_by_fluid = 0, rejected_by_solid = 0;
-  std::uint64_t fields_skipped = 0;   ///< given, taken by nobody, hence not mapped
-  std::uint64_t points_unchanged = 0; ///< publications without their points
+  std::uint64_t fields_skipped = 0;                 ///< given, taken by nobody, hence not mapped
+  std::uint64_t points_unchanged = 0;               ///< publications without their points
   std::map<std::string, std::uint64_t> limited_by;  ///< what set the window, and how often
-  double time = 0.0;  ///< s
+  double time = 0.0;                                ///< s
   bool interrupted = false;
   MappingCounts pairs;
   std::vector<SpatialMapping::Account> accounts;
@@ -32,7 +32,8 @@ struct ScheduleReport {
 class Schedule {
  public:
   /// `progress` may be empty.
-  Schedule(Broker& broker, int dimension, WindowClock::Settings settings, std::function<void(const Progress&)> progress = {});
+  Schedule(Broker& broker, int dimension, WindowClock::Settings settings,
+           std::function<void(const Progress&)> progress = {});
   ~Schedule();
   Schedule(const Schedule&) = delete;
   Schedule& operator=(const Schedule&) = delete;

@@ -376,8 +376,9 @@ void Fluid<D>::check_finite(const WindowSolution<D>& solution, double time) cons
   }
 }
 
-/// Seepage is as slow or fast as its geometry makes it, and the window's velocity belongs to the geometry at its start: motion
-/// extrapolates to the middle of the window (Adams-Bashforth of second order), in units of the last change of velocity.
+/// Seepage is as slow or fast as its geometry makes it, and the window's velocity belongs to the geometry at its start:
+/// motion extrapolates to the middle of the window (Adams-Bashforth of second order), in units of the last change of
+/// velocity.
 template <int D>
 double Fluid<D>::look_ahead(double interval) const {
   return state_.last_interval > 0.0 ? std::min(1.0, 0.5 * interval / state_.last_interval) : 0.0;
@@ -462,8 +463,9 @@ void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, dou
   }
 }
 
-/// Water behind a wet face enters dry ground as a sharp front, before there is a particle to carry it (Green & Ampt 1911):
-/// dz/dt = (k/n) (H/z + cos), H the pressure head at the face, z = offset - spacing/2; the head's part is integrated exactly.
+/// Water behind a wet face enters dry ground as a sharp front, before there is a particle to carry it (Green & Ampt
+/// 1911): dz/dt = (k/n) (H/z + cos), H the pressure head at the face, z = offset - spacing/2; the head's part is
+/// integrated exactly.
 template <int D>
 void Fluid<D>::wet_dry_ground(FaceColumn<D>& c, double interval) const {
   const auto speed = infiltration_speed(c);
@@ -539,8 +541,7 @@ void Fluid<D>::control_interval(const ScalarArray& before, double interval) {
     }
   state_.widest_range = std::max(state_.widest_range, upper - lower);
   // Water at rest has no range of its own: rounding must not shorten its windows.
-  const double range =
-      std::max({upper - lower, 1e-3 * state_.widest_range, hydrostatic_share * (heaviest - lightest)});
+  const double range = std::max({upper - lower, 1e-3 * state_.widest_range, hydrostatic_share * (heaviest - lightest)});
   state_.pressure_change = range > 0.0 ? std::sqrt(sum / static_cast<double>(now.size())) / range : 0.0;
   const double target =
       state_.pressure_change > 0.0 ? interval * wanted_change / state_.pressure_change : longest_interval;

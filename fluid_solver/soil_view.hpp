@@ -32,8 +32,9 @@ struct SoilView {
 /// Least solid fraction that counts as soil.
 inline constexpr double least_solid_fraction = 1e-3;
 
-/// Asymmetry of the soil's points about a place, to soil membership: a ramp about its value on a flat edge, 0.47, flat below 0.31:
-/// disorder inside the soil (0.3 at most, for particles anywhere in their cells) does not change the porosity.
+/// Asymmetry of the soil's points about a place, to soil membership: a ramp about its value on a flat edge, 0.47, flat
+/// below 0.31: disorder inside the soil (0.3 at most, for particles anywhere in their cells) does not change the
+/// porosity.
 inline double membership(double asymmetry) { return std::clamp((0.63 - asymmetry) / 0.32, 0.0, 1.0); }
 
 inline const Soil* soil_at(const Case& scene, const Point3& x) {

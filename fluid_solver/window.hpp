@@ -34,8 +34,8 @@ struct WindowSolution {
 };
 
 /// Relative tolerances of the solve with a responding skeleton: of the window's pressure change, and of the change of
-/// the skeleton's velocity. Measured on consolidation: a hundred times tighter changes the errors in the fourth digit and doubles the
-/// cost.
+/// the skeleton's velocity. Measured on consolidation: a hundred times tighter changes the errors in the fourth digit
+/// and doubles the cost.
 inline constexpr double response_tolerance = 1e-2, skeleton_tolerance = 1e-4;
 
 /// Per particle: the two momentum equations of one backward Euler window, eliminated for v_w' and v_s'.

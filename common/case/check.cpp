@@ -15,7 +15,8 @@ namespace {
 
 constexpr std::array<std::string_view, 2> phases{"fluid", "solid"};
 constexpr std::array<std::string_view, 10> gauge_kinds{
-    "point", "front", "volume", "momentum", "kinetic_energy", "particles", "max_speed", "max_displacement", "uplift", "pending_impulse"};
+    "point",     "front",     "volume",           "momentum", "kinetic_energy",
+    "particles", "max_speed", "max_displacement", "uplift",   "pending_impulse"};
 
 class Checker {
  public:

@@ -25,7 +25,8 @@ decltype(auto) timed(double& total, F&& f) {
 /// Frames and gauges are written once the window they end is certain to stand.
 class PendingRecord {
  public:
-  PendingRecord(const Phase& phase, Recorder& recorder, DriveReport& report) : phase_(phase), recorder_(recorder), report_(report) {}
+  PendingRecord(const Phase& phase, Recorder& recorder, DriveReport& report)
+      : phase_(phase), recorder_(recorder), report_(report) {}
   void ask(bool frame, bool gauges) {
     frame_ = frame;
     gauges_ = gauges;
@@ -62,10 +63,18 @@ class CoupledRun {
     for (;;) {
       const Command command = timed(report_.waiting, [&] { return participant_.receive(); });
       switch (command.kind) {
-        case Command::Kind::initialise: initialise(command); break;
-        case Command::Kind::advance: advance(command); break;
-        case Command::Kind::restore: restore(); break;
-        case Command::Kind::finish: finish(command); return;
+        case Command::Kind::initialise:
+          initialise(command);
+          break;
+        case Command::Kind::advance:
+          advance(command);
+          break;
+        case Command::Kind::restore:
+          restore();
+          break;
+        case Command::Kind::finish:
+          finish(command);
+          return;
       }
     }
   }
@@ -156,8 +165,10 @@ DriveReport drive_coupled(Phase& phase, Participant& participant, Recorder& reco
   return report;
 }
 
-void drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const ProgressCallback& progress, DriveReport& report) {
-  WindowClock clock({scene.general.end_time, scene.coupling.interval, scene.output.interval, scene.output.gauge_interval});
+void drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const ProgressCallback& progress,
+                 DriveReport& report) {
+  WindowClock clock(
+      {scene.general.end_time, scene.coupling.interval, scene.output.interval, scene.output.gauge_interval});
   PendingRecord record(phase, recorder, report);
   const Inbox nothing;
   timed(report.computing, [&] { phase.initialise(nothing); });
@@ -176,8 +187,8 @@ void drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const Prog
     if (!outcome.accepted) {
       ++report.rejected;
       if (++rejections > most_rejections)
-        throw DivergedError(fmt::format("window {} from t = {:g} s was rejected {} times, last at {:g} s: {}", window.step, window.time,
-                                        rejections, window.interval, outcome.reason));
+        throw DivergedError(fmt::format("window {} from t = {:g} s was rejected {} times, last at {:g} s: {}",
+                                        window.step, window.time, rejections, window.interval, outcome.reason));
       timed(report.computing, [&] { phase.restore(); });
       limit = retry_interval(plan.interval, outcome.suggested_interval);
       continue;

@@ -20,16 +20,18 @@ struct DriveReport {
   std::string reason = "end";
 };
 
-/// Joins, then obeys the coupler until FINISH. Failures of the phase are told to everybody (ABORT) and rethrown; failures of
-/// others arrive as Error with the named cause.
+/// Joins, then obeys the coupler until FINISH. Failures of the phase are told to everybody (ABORT) and rethrown;
+/// failures of others arrive as Error with the named cause.
 void drive_coupled(Phase& phase, Participant& participant, Recorder& recorder, DriveReport& report);
 DriveReport drive_coupled(Phase& phase, Participant& participant, Recorder& recorder);
 
 using ProgressCallback = std::function<void(const Progress&)>;
 
-/// Runs a phase without a partner (empty inbox) to the case's end. Windows are as long as the phase proposes, coupling.interval
-/// and output instants allow; a rejected one is restored and repeated shorter. Asks interrupted() between windows.
-void drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const ProgressCallback& progress, DriveReport& report);
+/// Runs a phase without a partner (empty inbox) to the case's end. Windows are as long as the phase proposes,
+/// coupling.interval and output instants allow; a rejected one is restored and repeated shorter. Asks interrupted()
+/// between windows.
+void drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const ProgressCallback& progress,
+                 DriveReport& report);
 DriveReport drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const ProgressCallback& progress = {});
 
 /// The length at which to repeat a rejected window: what was suggested, and never more than half of what was tried.

@@ -22,30 +22,33 @@ enum class Mapping {
 
 /// One field of the interface contract.
 struct FieldSpec {
-  std::string name;        ///< as in `field::`
-  std::string unit;        ///< SI, as written in output metadata: "Pa", "m/s", "N s"
-  int components = 1;      ///< 1, or the dimension for vectors (interleaved: x0 y0 x1 y1 ..)
+  std::string name;    ///< as in `field::`
+  std::string unit;    ///< SI, as written in output metadata: "Pa", "m/s", "N s"
+  int components = 1;  ///< 1, or the dimension for vectors (interleaved: x0 y0 x1 y1 ..)
   Mapping mapping = Mapping::consistent;
-  std::string mask;        ///< optional: a one-component field of the same message, in [0,1], that multiplies the giver's weight
+  std::string
+      mask;  ///< optional: a one-component field of the same message, in [0,1], that multiplies the giver's weight
   bool operator==(const FieldSpec&) const = default;
 };
 
 /// Names of the standard interface (units and meaning in docs/protocol.md).
 namespace field {
 // fluid -> solid
-inline constexpr std::string_view pore_pressure = "pore_pressure";                        // Pa
-inline constexpr std::string_view predicted_solid_velocity = "predicted_solid_velocity";  // m/s, v_s' of the fluid's solve
-inline constexpr std::string_view drag_impulse = "drag_impulse";                          // N s given to the solid in the window
-inline constexpr std::string_view soil_fraction = "soil_fraction";                        // 1 inside soil, 0 in free water: mask
+inline constexpr std::string_view pore_pressure = "pore_pressure";  // Pa
+inline constexpr std::string_view predicted_solid_velocity =
+    "predicted_solid_velocity";                                     // m/s, v_s' of the fluid's solve
+inline constexpr std::string_view drag_impulse = "drag_impulse";    // N s given to the solid in the window
+inline constexpr std::string_view soil_fraction = "soil_fraction";  // 1 inside soil, 0 in free water: mask
 // solid -> fluid
-inline constexpr std::string_view solid_velocity = "solid_velocity";                  // m/s at the window's end
-inline constexpr std::string_view mean_solid_velocity = "mean_solid_velocity";        // m/s, mean over the window
-inline constexpr std::string_view unbalanced_force = "unbalanced_force";              // N/m3: div sigma' + traction + weight
+inline constexpr std::string_view solid_velocity = "solid_velocity";            // m/s at the window's end
+inline constexpr std::string_view mean_solid_velocity = "mean_solid_velocity";  // m/s, mean over the window
+inline constexpr std::string_view unbalanced_force = "unbalanced_force";        // N/m3: div sigma' + traction + weight
 inline constexpr std::string_view solid_volume_fraction = "solid_volume_fraction";    // n_s = 1 - porosity
 inline constexpr std::string_view grain_density = "grain_density";                    // kg/m3, rho_s (intrinsic)
 inline constexpr std::string_view constrained_modulus = "constrained_modulus";        // Pa, M = K + 4 G / 3
 inline constexpr std::string_view hydraulic_conductivity = "hydraulic_conductivity";  // m/s
-inline constexpr std::string_view returned_impulse = "returned_impulse";  // N s the solid took beyond drag_impulse; the fluid owes it
+inline constexpr std::string_view returned_impulse =
+    "returned_impulse";  // N s the solid took beyond drag_impulse; the fluid owes it
 }  // namespace field
 
 /// The standard contract: what each role gives (it takes what the other gives).
@@ -54,21 +57,22 @@ std::vector<FieldSpec> standard_fields(Role giver, int dimension);
 /// What both sides must agree on before the first step.
 struct Contract {
   int dimension = 2;
-  std::string case_digest;          ///< of the coupled part of the case file
+  std::string case_digest;  ///< of the coupled part of the case file
   std::vector<FieldSpec> gives;
   std::vector<FieldSpec> takes;
 };
 
-/// Points at which a phase gives fields. The first n_active also receive; the rest are ghosts: images of active points, which pass
-/// impulses on to them, or stand-ins for matter outside, which only give.
+/// Points at which a phase gives fields. The first n_active also receive; the rest are ghosts: images of active points,
+/// which pass impulses on to them, or stand-ins for matter outside, which only give.
 struct PointSet {
   int dimension = 2;
-  std::uint64_t revision = 0;             ///< changes whenever any point, volume or length does
+  std::uint64_t revision = 0;  ///< changes whenever any point, volume or length does
   std::size_t n_active = 0;
-  std::vector<double> position;           ///< [n * dimension] m
-  std::vector<double> volume;             ///< [n] m^D, bulk volume: the weight of the point
-  std::vector<double> smoothing_length;   ///< [n] m
-  /// [n] the active point that a ghost stands for (what the ghost would receive goes there); -1: nobody; its own index for active points.
+  std::vector<double> position;          ///< [n * dimension] m
+  std::vector<double> volume;            ///< [n] m^D, bulk volume: the weight of the point
+  std::vector<double> smoothing_length;  ///< [n] m
+  /// [n] the active point that a ghost stands for (what the ghost would receive goes there); -1: nobody; its own index
+  /// for active points.
   std::vector<double> owner;
   [[nodiscard]] std::size_t size() const { return volume.size(); }
 };
@@ -93,11 +97,12 @@ struct Publication {
 
 /// The other phase's fields at this phase's active points.
 struct Inbox {
-  std::vector<double> coverage;  ///< [n_active] sum of V W of the other side's points: 1 inside, 0 outside, ~0.5 on a flat edge
-  /// [n_active] |sum V W (x_j - x)| / (h sum V W): 0 inside however disordered, 0.47 on a flat edge, 2 at the last neighbour;
-  /// zero where coverage is zero.
+  std::vector<double>
+      coverage;  ///< [n_active] sum of V W of the other side's points: 1 inside, 0 outside, ~0.5 on a flat edge
+  /// [n_active] |sum V W (x_j - x)| / (h sum V W): 0 inside however disordered, 0.47 on a flat edge, 2 at the last
+  /// neighbour; zero where coverage is zero.
   std::vector<double> asymmetry;
-  std::vector<Field> fields;     ///< [n_active * components]; zero where coverage is zero
+  std::vector<Field> fields;  ///< [n_active * components]; zero where coverage is zero
   /// The field of that name; throws PeerError naming it when it is missing.
   [[nodiscard]] const Field& at(std::string_view name) const;
 };

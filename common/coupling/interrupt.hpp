@@ -3,7 +3,8 @@
 
 namespace poretwin::coupling {
 
-/// While it lives, SIGINT and SIGTERM only set a flag; a second one ends the process at once. Broken pipes become errors.
+/// While it lives, SIGINT and SIGTERM only set a flag; a second one ends the process at once. Broken pipes become
+/// errors.
 class InterruptGuard {
  public:
   InterruptGuard();

@@ -9,7 +9,8 @@
 
 namespace poretwin::coupling {
 
-static_assert(std::endian::native == std::endian::little, "raw frames are little-endian; a big-endian host must swap here");
+static_assert(std::endian::native == std::endian::little,
+              "raw frames are little-endian; a big-endian host must swap here");
 
 Frame Frame::of(std::string bytes) {
   auto kept = std::make_shared<const std::string>(std::move(bytes));
@@ -120,35 +121,55 @@ Hello read_hello(const wire::Hello& in) {
 
 ExitCode exit_code_of(int code) {
   switch (code) {
-    case 0: case 2: case 3: case 4: case 5: case 6: case 130: return static_cast<ExitCode>(code);
-    default: return ExitCode::failure;
+    case 0:
+    case 2:
+    case 3:
+    case 4:
+    case 5:
+    case 6:
+    case 130:
+      return static_cast<ExitCode>(code);
+    default:
+      return ExitCode::failure;
   }
 }
 
 Body read_body(const wire::Header& header) {
   using Case = wire::Header::BodyCase;
   switch (header.body_case()) {
-    case Case::kHello: return read_hello(header.hello());
-    case Case::kWelcome: return Welcome{header.welcome().heartbeat_interval(), header.welcome().frozen_deadline()};
+    case Case::kHello:
+      return read_hello(header.hello());
+    case Case::kWelcome:
+      return Welcome{header.welcome().heartbeat_interval(), header.welcome().frozen_deadline()};
     case Case::kReject: {
       const auto& in = header.reject();
-      return Reject{static_cast<RejectCode>(in.code()), in.field(),  in.expected(), in.got(), in.suggested_interval(),
+      return Reject{static_cast<RejectCode>(in.code()),
+                    in.field(),
+                    in.expected(),
+                    in.got(),
+                    in.suggested_interval(),
                     in.reason()};
     }
-    case Case::kPublication: return PublicationBody{header.publication().proposed_interval(), header.publication().limited_by()};
-    case Case::kInitialise: return Initialise{header.initialise().record_frame(), header.initialise().record_gauges()};
-    case Case::kAdvance: return Advance{header.advance().record_frame(), header.advance().record_gauges()};
-    case Case::kRestore: return Restore{header.restore().reason()};
+    case Case::kPublication:
+      return PublicationBody{header.publication().proposed_interval(), header.publication().limited_by()};
+    case Case::kInitialise:
+      return Initialise{header.initialise().record_frame(), header.initialise().record_gauges()};
+    case Case::kAdvance:
+      return Advance{header.advance().record_frame(), header.advance().record_gauges()};
+    case Case::kRestore:
+      return Restore{header.restore().reason()};
     case Case::kFinish:
       return Finish{header.finish().reason(), header.finish().record_frame(), header.finish().record_gauges()};
-    case Case::kBye: return Bye{header.bye().reason()};
+    case Case::kBye:
+      return Bye{header.bye().reason()};
     case Case::kAbort:
       return Abort{header.abort().culprit(), header.abort().reason(), exit_code_of(header.abort().exit_code())};
     case Case::kHeartbeat: {
       const auto& in = header.heartbeat();
       return Heartbeat{in.doing(), in.waiting_for(), in.since(), in.interrupted()};
     }
-    case Case::BODY_NOT_SET: break;
+    case Case::BODY_NOT_SET:
+      break;
   }
   throw PeerError(fmt::format("message of '{}' (sequence {}) is of a kind this protocol {}.{} does not know",
                               header.sender(), header.sequence(), protocol_major, protocol_minor));
@@ -156,15 +177,18 @@ Body read_body(const wire::Header& header) {
 
 std::vector<double> read_array(const wire::Array& in, const Frame& frame, const wire::Header& header) {
   auto refuse = [&](const std::string& what) {
-    throw PeerError(fmt::format("array '{}' of '{}' (step {}, sequence {}): {}", in.name(), header.sender(), header.step(),
-                                header.sequence(), what));
+    throw PeerError(fmt::format("array '{}' of '{}' (step {}, sequence {}): {}", in.name(), header.sender(),
+                                header.step(), header.sequence(), what));
   };
-  if (in.element() != wire::FLOAT64_LE) refuse(fmt::format("expected element type FLOAT64_LE, got {}", static_cast<int>(in.element())));
-  if (in.components() < 1 || in.components() > 9) refuse(fmt::format("expected 1 to 9 components, got {}", in.components()));
+  if (in.element() != wire::FLOAT64_LE)
+    refuse(fmt::format("expected element type FLOAT64_LE, got {}", static_cast<int>(in.element())));
+  if (in.components() < 1 || in.components() > 9)
+    refuse(fmt::format("expected 1 to 9 components, got {}", in.components()));
   // The frame is in memory, so n is bounded by it before anything is multiplied.
   const std::uint64_t points = frame.size / (sizeof(double) * in.components());
   if (in.n() != points || frame.size != points * sizeof(double) * in.components())
-    refuse(fmt::format("expected {} points x {} components x 8 bytes, got a frame of {} bytes", in.n(), in.components(), frame.size));
+    refuse(fmt::format("expected {} points x {} components x 8 bytes, got a frame of {} bytes", in.n(), in.components(),
+                       frame.size));
   std::vector<double> values(frame.size / sizeof(double));
   if (!values.empty()) std::memcpy(values.data(), frame.data, frame.size);
   return values;

@@ -1,4 +1,5 @@
-// The messages of proto/poretwin.proto as plain structs, and their wire form. Keeps protobuf out of everybody's headers.
+// The messages of proto/poretwin.proto as plain structs, and their wire form. Keeps protobuf out of everybody's
+// headers.
 #pragma once
 
 #include "common/core/error.hpp"
@@ -99,7 +100,8 @@ struct Heartbeat {
   bool interrupted = false;
 };
 
-using Body = std::variant<Hello, Welcome, Reject, PublicationBody, Initialise, Advance, Restore, Finish, Bye, Abort, Heartbeat>;
+using Body =
+    std::variant<Hello, Welcome, Reject, PublicationBody, Initialise, Advance, Restore, Finish, Bye, Abort, Heartbeat>;
 
 struct Message {
   std::uint32_t major = protocol_major, minor = protocol_minor;

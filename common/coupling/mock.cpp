@@ -8,8 +8,8 @@
 
 namespace poretwin::coupling {
 
-PointSet lattice_points(int dimension, const std::vector<double>& lower, const std::vector<double>& extent, double spacing,
-                        double smoothing_per_spacing) {
+PointSet lattice_points(int dimension, const std::vector<double>& lower, const std::vector<double>& extent,
+                        double spacing, double smoothing_per_spacing) {
   PointSet points;
   points.dimension = dimension;
   const auto size = static_cast<std::size_t>(dimension);
@@ -18,7 +18,8 @@ PointSet lattice_points(int dimension, const std::vector<double>& lower, const s
   for (std::size_t d = 0; d < size; ++d)
     if (count[d] <= 0) return points;
   for (;;) {
-    for (std::size_t d = 0; d < size; ++d) points.position.push_back(lower[d] + (static_cast<double>(at[d]) + 0.5) * spacing);
+    for (std::size_t d = 0; d < size; ++d)
+      points.position.push_back(lower[d] + (static_cast<double>(at[d]) + 0.5) * spacing);
     points.volume.push_back(std::pow(spacing, dimension));
     points.smoothing_length.push_back(smoothing_per_spacing * spacing);
     points.owner.push_back(static_cast<double>(points.owner.size()));
@@ -46,8 +47,9 @@ Publication formula_publication(Role role, double t, PointSet points, const Fiel
     Field field{spec.name, spec.components, {}};
     for (std::size_t i = 0; i < n; ++i)
       for (int c = 0; c < spec.components; ++c)
-        field.values.push_back(formula ? formula(spec.name, c, &points.position[i * static_cast<std::size_t>(points.dimension)], t)
-                                       : standard_value(spec.name));
+        field.values.push_back(
+            formula ? formula(spec.name, c, &points.position[i * static_cast<std::size_t>(points.dimension)], t)
+                    : standard_value(spec.name));
     out.fields.push_back(std::move(field));
   }
   out.points = std::move(points);
@@ -69,7 +71,8 @@ Publication MockPhase::publish() const {
   out.time = state_.time;
   if (knobs_.nan_at != 0 && state_.step == knobs_.nan_at)
     for (auto& field : out.fields)
-      if (field.name == knobs_.nan_field && !field.values.empty()) field.values.back() = std::numeric_limits<double>::quiet_NaN();
+      if (field.name == knobs_.nan_field && !field.values.empty())
+        field.values.back() = std::numeric_limits<double>::quiet_NaN();
   return out;
 }
 
@@ -79,7 +82,8 @@ Outcome MockPhase::advance(const Window& window, const Inbox& inbox) {
   seen_.windows.push_back(window);
   seen_.inboxes.push_back(inbox);
   if (knobs_.die_at == window.step) throw MockDeath{};
-  if (knobs_.diverge_at == window.step) throw DivergedError("mock: diverged on purpose in step " + std::to_string(window.step));
+  if (knobs_.diverge_at == window.step)
+    throw DivergedError("mock: diverged on purpose in step " + std::to_string(window.step));
   if (knobs_.freeze_at == window.step) {
     if (knobs_.on_freeze) knobs_.on_freeze();
     std::this_thread::sleep_for(knobs_.freeze_for);
@@ -107,7 +111,8 @@ OutputFrame MockPhase::frame() const {
   const auto points = formula_(state_.time).points;
   const auto dimension = static_cast<std::size_t>(points.dimension);
   for (std::size_t i = 0; i < points.size(); ++i)
-    for (std::size_t d = 0; d < 3; ++d) out.position.push_back(d < dimension ? points.position[i * dimension + d] : 0.0);
+    for (std::size_t d = 0; d < 3; ++d)
+      out.position.push_back(d < dimension ? points.position[i * dimension + d] : 0.0);
   return out;
 }
 

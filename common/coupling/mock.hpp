@@ -1,5 +1,5 @@
-// A phase made of formulas: the partner in tests of the coupler and of each solver, and something to run against while the other
-// side does not exist yet.
+// A phase made of formulas: the partner in tests of the coupler and of each solver, and something to run against while
+// the other side does not exist yet.
 #pragma once
 
 #include "common/coupling/phase.hpp"
@@ -12,26 +12,27 @@
 namespace poretwin::coupling {
 
 /// Points on a square lattice that fills [lower, lower + extent], the first half a spacing in; all active.
-PointSet lattice_points(int dimension, const std::vector<double>& lower, const std::vector<double>& extent, double spacing,
-                        double smoothing_per_spacing = 1.3);
+PointSet lattice_points(int dimension, const std::vector<double>& lower, const std::vector<double>& extent,
+                        double spacing, double smoothing_per_spacing = 1.3);
 
 /// Value of a component of a named field at x [dimension] and time t.
 using FieldFormula = std::function<double(const std::string& name, int component, const double* x, double t)>;
 
-/// A publication of the standard contract with fields by formula; fractions default to 1 (soil) and 0.6 where the formula is empty.
+/// A publication of the standard contract with fields by formula; fractions default to 1 (soil) and 0.6 where the
+/// formula is empty.
 Publication formula_publication(Role role, double t, PointSet points, const FieldFormula& formula = {});
 
 /// What goes wrong, and when. Steps count from 1; 0: never.
 struct MockKnobs {
-  std::map<std::uint64_t, int> rejections;    ///< step -> how many times in a row that window is refused
-  std::uint64_t nan_at = 0;                   ///< publishes NaN after this step ...
+  std::map<std::uint64_t, int> rejections;      ///< step -> how many times in a row that window is refused
+  std::uint64_t nan_at = 0;                     ///< publishes NaN after this step ...
   std::string nan_field{field::pore_pressure};  ///< ... in the last point of this field
-  std::uint64_t die_at = 0;                   ///< throws MockDeath inside this step: no word to anybody
-  std::uint64_t diverge_at = 0;               ///< throws DivergedError inside this step
-  std::uint64_t freeze_at = 0;                ///< calls on_freeze inside this step and then sleeps for freeze_for
+  std::uint64_t die_at = 0;                     ///< throws MockDeath inside this step: no word to anybody
+  std::uint64_t diverge_at = 0;                 ///< throws DivergedError inside this step
+  std::uint64_t freeze_at = 0;                  ///< calls on_freeze inside this step and then sleeps for freeze_for
   std::chrono::milliseconds freeze_for{0};
   std::function<void()> on_freeze;
-  std::chrono::milliseconds per_step{0};      ///< slow: sleeps this long in every step
+  std::chrono::milliseconds per_step{0};  ///< slow: sleeps this long in every step
   std::string digest = "mock";
 };
 

@@ -33,7 +33,10 @@ std::string host_name() {
 class Participant::Implementation {
  public:
   Implementation(std::unique_ptr<Transport> transport, Role role, Contract contract, ParticipantOptions options)
-      : transport_(std::move(transport)), role_(role), name_(to_string(role)), contract_(std::move(contract)),
+      : transport_(std::move(transport)),
+        role_(role),
+        name_(to_string(role)),
+        contract_(std::move(contract)),
         options_(std::move(options)) {}
 
   ~Implementation() {
@@ -56,10 +59,12 @@ class Participant::Implementation {
         if (answer_to_hello(*message)) return;
         continue;
       }
-      if (transport_->lost()) throw PeerError(name_ + ": the coupler at " + transport_->address() + " closed the connection");
+      if (transport_->lost())
+        throw PeerError(name_ + ": the coupler at " + transport_->address() + " closed the connection");
       if (Clock::now() - said >= options_.say_every) {
         said = Clock::now();
-        say(fmt::format("{}: waiting for the coupler at {} ({:.0f} s)", name_, transport_->address(), seconds_since(start)));
+        say(fmt::format("{}: waiting for the coupler at {} ({:.0f} s)", name_, transport_->address(),
+                        seconds_since(start)));
       }
     }
     throw PeerError(fmt::format("{}: no coupler answered at {} within {} s", name_, transport_->address(),
@@ -78,13 +83,15 @@ class Participant::Implementation {
     n_active_ = points.n_active;
     if (message.points.sent) {
       message.arrays.push_back({std::string(position_array), "m", points.dimension, std::move(points.position)});
-      message.arrays.push_back({std::string(volume_array), fmt::format("m^{}", points.dimension), 1, std::move(points.volume)});
+      message.arrays.push_back(
+          {std::string(volume_array), fmt::format("m^{}", points.dimension), 1, std::move(points.volume)});
       message.arrays.push_back({std::string(smoothing_length_array), "m", 1, std::move(points.smoothing_length)});
       message.arrays.push_back({std::string(owner_array), "1", 1, std::move(points.owner)});
       revision_sent_ = message.points.revision;
     }
     for (const auto& spec : contract_.gives) {
-      auto found = std::find_if(publication.fields.begin(), publication.fields.end(), [&](const Field& f) { return f.name == spec.name; });
+      auto found = std::find_if(publication.fields.begin(), publication.fields.end(),
+                                [&](const Field& f) { return f.name == spec.name; });
       message.arrays.push_back({spec.name, spec.unit, spec.components, std::move(found->values)});
     }
     message.body = PublicationBody{publication.proposed_interval, publication.limited_by};
@@ -98,8 +105,12 @@ class Participant::Implementation {
     message.iteration = iteration_;
     message.time = window_.time;
     message.interval = window_.interval;
-    message.body = Reject{RejectCode::step, "interval", fmt::format("at most {:g} s", outcome.suggested_interval),
-                          fmt::format("{:g} s", window_.interval), outcome.suggested_interval, outcome.reason};
+    message.body = Reject{RejectCode::step,
+                          "interval",
+                          fmt::format("at most {:g} s", outcome.suggested_interval),
+                          fmt::format("{:g} s", window_.interval),
+                          outcome.suggested_interval,
+                          outcome.reason};
     set_doing("waiting");
     send(std::move(message));
   }
@@ -174,8 +185,8 @@ class Participant::Implementation {
     Message message = decode(*frames);
     heard_ = Clock::now();
     if (message.major != protocol_major)
-      throw PeerError(fmt::format("{}: refused: protocol: expected {}.x, the coupler speaks {}.{}", name_, protocol_major,
-                                  message.major, message.minor));
+      throw PeerError(fmt::format("{}: refused: protocol: expected {}.x, the coupler speaks {}.{}", name_,
+                                  protocol_major, message.major, message.minor));
     if (const auto* beat = std::get_if<Heartbeat>(&message.body)) {
       waiting_for_ = beat->waiting_for;
       return message;
@@ -193,8 +204,8 @@ class Participant::Implementation {
 
   bool answer_to_hello(const Message& message) {
     if (const auto* reject = std::get_if<Reject>(&message.body))
-      throw PeerError(fmt::format("{}: refused by the coupler: {}: expected {}, got {}{}{}", name_, reject->field, reject->expected,
-                                  reject->got, reject->reason.empty() ? "" : "; ", reject->reason));
+      throw PeerError(fmt::format("{}: refused by the coupler: {}: expected {}, got {}{}{}", name_, reject->field,
+                                  reject->expected, reject->got, reject->reason.empty() ? "" : "; ", reject->reason));
     const auto* welcome = std::get_if<Welcome>(&message.body);
     if (!welcome) return false;
     session_ = message.session;
@@ -245,9 +256,11 @@ class Participant::Implementation {
       if (array.values.size() != n_active_ * static_cast<std::size_t>(array.components))
         fail(fmt::format("field '{}' came for {} points, {} were expected", array.name,
                          array.values.size() / static_cast<std::size_t>(array.components), n_active_));
-      const auto bad = std::find_if_not(array.values.begin(), array.values.end(), [](double v) { return std::isfinite(v); });
+      const auto bad =
+          std::find_if_not(array.values.begin(), array.values.end(), [](double v) { return std::isfinite(v); });
       if (bad != array.values.end())
-        fail(fmt::format("field '{}' holds {} at point {}", array.name, *bad, (bad - array.values.begin()) / array.components));
+        fail(fmt::format("field '{}' holds {} at point {}", array.name, *bad,
+                         (bad - array.values.begin()) / array.components));
       if (array.name == coverage_array)
         inbox.coverage = std::move(array.values);
       else if (array.name == asymmetry_array)
@@ -259,23 +272,29 @@ class Participant::Implementation {
     if (inbox.asymmetry.size() != n_active_) fail("the asymmetry is missing from " + describe(message));
     for (const auto& spec : contract_.takes)
       if (inbox.at(spec.name).components != spec.components)
-        fail(fmt::format("field '{}': expected {} components, got {}", spec.name, spec.components, inbox.at(spec.name).components));
+        fail(fmt::format("field '{}': expected {} components, got {}", spec.name, spec.components,
+                         inbox.at(spec.name).components));
     return inbox;
   }
 
   void check(const Publication& publication) const {
     const auto& points = publication.points;
     const std::size_t n = points.size();
-    auto refuse = [&](const std::string& what) { throw Error(ExitCode::failure, name_ + ": own publication: " + what); };
+    auto refuse = [&](const std::string& what) {
+      throw Error(ExitCode::failure, name_ + ": own publication: " + what);
+    };
     if (points.dimension != contract_.dimension) refuse("its points have another dimension than the contract");
-    if (points.position.size() != n * static_cast<std::size_t>(points.dimension) || points.smoothing_length.size() != n || points.owner.size() != n)
+    if (points.position.size() != n * static_cast<std::size_t>(points.dimension) ||
+        points.smoothing_length.size() != n || points.owner.size() != n)
       refuse("positions, volumes, smoothing lengths and owners differ in number");
     if (points.n_active > n) refuse("more active points than points");
     for (const auto& spec : contract_.gives) {
-      const auto found = std::find_if(publication.fields.begin(), publication.fields.end(), [&](const Field& f) { return f.name == spec.name; });
+      const auto found = std::find_if(publication.fields.begin(), publication.fields.end(),
+                                      [&](const Field& f) { return f.name == spec.name; });
       if (found == publication.fields.end()) refuse("field '" + spec.name + "' is missing");
       if (found->components != spec.components || found->values.size() != n * static_cast<std::size_t>(spec.components))
-        refuse(fmt::format("field '{}' should hold {} x {} values, holds {}", spec.name, n, spec.components, found->values.size()));
+        refuse(fmt::format("field '{}' should hold {} x {} values, holds {}", spec.name, n, spec.components,
+                           found->values.size()));
     }
   }
 
@@ -343,7 +362,8 @@ class Participant::Implementation {
 };
 
 Participant::Participant(std::unique_ptr<Transport> transport, Role role, Contract contract, ParticipantOptions options)
-    : implementation_(std::make_unique<Implementation>(std::move(transport), role, std::move(contract), std::move(options))) {}
+    : implementation_(
+          std::make_unique<Implementation>(std::move(transport), role, std::move(contract), std::move(options))) {}
 Participant::~Participant() = default;
 void Participant::join() { implementation_->join(); }
 void Participant::publish(Publication publication) { implementation_->publish(std::move(publication)); }

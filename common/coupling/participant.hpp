@@ -1,4 +1,5 @@
-// The client by which a phase takes part in a coupled run: handshake, commands with deadlines, publications, heartbeats.
+// The client by which a phase takes part in a coupled run: handshake, commands with deadlines, publications,
+// heartbeats.
 #pragma once
 
 #include "common/coupling/transport.hpp"
@@ -9,9 +10,9 @@
 namespace poretwin::coupling {
 
 struct ParticipantOptions {
-  Milliseconds welcome_deadline{60'000};   ///< for the coupler to answer the HELLO
-  Milliseconds coupler_deadline{60'000};   ///< silence after which the coupler is held to be frozen
-  Milliseconds say_every{5'000};           ///< while waiting
+  Milliseconds welcome_deadline{60'000};        ///< for the coupler to answer the HELLO
+  Milliseconds coupler_deadline{60'000};        ///< silence after which the coupler is held to be frozen
+  Milliseconds say_every{5'000};                ///< while waiting
   std::function<void(const std::string&)> say;  ///< one line for the log; absent: silence
   std::function<bool()> interrupted;            ///< has a person asked to stop? Told to the coupler by heartbeat
   std::string software = "poretwin";
@@ -48,7 +49,8 @@ class Participant {
   void publish(Publication publication);
   /// Answers an advance that must be repeated with a shorter window.
   void reject(const Outcome& outcome);
-  /// Waits for the next command. Throws Error with the coupler's reason on ABORT, PeerError when the coupler is gone or silent.
+  /// Waits for the next command. Throws Error with the coupler's reason on ABORT, PeerError when the coupler is gone or
+  /// silent.
   Command receive();
   /// Tells everybody that this phase cannot go on.
   void abort(const std::string& reason, ExitCode code);

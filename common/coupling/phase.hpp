@@ -1,4 +1,5 @@
-// What a phase must do to be run, coupled or alone: implemented by the fluid, by the solid and by mocks; driven by drive.hpp.
+// What a phase must do to be run, coupled or alone: implemented by the fluid, by the solid and by mocks; driven by
+// drive.hpp.
 #pragma once
 
 #include "common/coupling/exchange.hpp"
@@ -11,10 +12,10 @@ namespace poretwin {
 
 /// One field of the output, declared with its meaning (it lands in the file's metadata).
 struct OutputField {
-  std::string name;         ///< no '/' and no '.'
+  std::string name;  ///< no '/' and no '.'
   std::string unit;
   std::string description;
-  int components = 1;       ///< 1, 3 (vectors; z = 0 in 2D) or 6 (symmetric tensors: xx yy zz xy yz xz)
+  int components = 1;  ///< 1, 3 (vectors; z = 0 in 2D) or 6 (symmetric tensors: xx yy zz xy yz xz)
   std::vector<double> values;
 };
 
@@ -31,7 +32,8 @@ struct GaugeReading {
   std::string unit;
 };
 
-/// One phase of the mixture. All calls come from one thread, in the order: initialise, then (save, advance, [restore], publish)*.
+/// One phase of the mixture. All calls come from one thread, in the order: initialise, then (save, advance, [restore],
+/// publish)*.
 class Phase {
  public:
   Phase() = default;
@@ -44,7 +46,8 @@ class Phase {
   /// Fields, points and proposed interval at the current time.
   [[nodiscard]] virtual coupling::Publication publish() const = 0;
 
-  /// Once, before the first window, with the other side's fields at time zero (the solid finds its rest under gravity here).
+  /// Once, before the first window, with the other side's fields at time zero (the solid finds its rest under gravity
+  /// here).
   virtual void initialise(const coupling::Inbox& inbox) = 0;
 
   /// Advances by one window. On rejection the caller restores. Throws DivergedError when nothing can be saved.

@@ -16,14 +16,16 @@ struct Run {
   std::uint64_t bytes_sent = 0, bytes_received = 0;
 };
 
-void execute(const Arguments& arguments, Role role, const std::function<std::unique_ptr<Phase>(const Case&)>& make, Run& run) {
+void execute(const Arguments& arguments, Role role, const std::function<std::unique_ptr<Phase>(const Case&)>& make,
+             Run& run) {
   const std::string name(to_string(role));
   const Case scene = read_case(arguments.case_file, arguments.overrides);
   run.phase = make(scene);
   run.recorder = make_run_recorder(arguments.out, name, scene);
   if (arguments.alone) {
     ProgressLines lines(arguments.progress_descriptor);
-    drive_alone(*run.phase, scene, *run.recorder, [&](const Progress& p) { lines.write(p, p.time >= p.end); }, run.report);
+    drive_alone(
+        *run.phase, scene, *run.recorder, [&](const Progress& p) { lines.write(p, p.time >= p.end); }, run.report);
     return;
   }
   Contract contract = run.phase->contract();
@@ -51,7 +53,8 @@ RunSummary summarise(const Run& run) {
   RunSummary summary;
   summary.reason = run.report.reason;
   const auto& r = run.report;
-  summary.seconds = {{"computing", r.computing}, {"waiting", r.waiting}, {"sending", r.sending}, {"writing", r.writing}};
+  summary.seconds = {
+      {"computing", r.computing}, {"waiting", r.waiting}, {"sending", r.sending}, {"writing", r.writing}};
   summary.steps = {{"windows", static_cast<double>(r.windows)}, {"rejected", static_cast<double>(r.rejected)}};
   summary.counters.emplace_back("end_time_s", r.time);
   summary.counters.emplace_back("bytes_sent", static_cast<double>(run.bytes_sent));

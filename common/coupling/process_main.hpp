@@ -1,4 +1,5 @@
-// What the mains of all three processes share: arguments, errors as exit codes with one clear line, the summary on every way out.
+// What the mains of all three processes share: arguments, errors as exit codes with one clear line, the summary on
+// every way out.
 #pragma once
 
 #include "common/coupling/summary.hpp"
@@ -9,8 +10,8 @@
 namespace poretwin::coupling {
 
 struct ProcessBody {
-  std::function<bool(const Arguments&)> run;   ///< true: it was interrupted and ended cleanly
-  std::function<RunSummary()> summarise;       ///< of what has been done so far; also called after a failure of `run`
+  std::function<bool(const Arguments&)> run;  ///< true: it was interrupted and ended cleanly
+  std::function<RunSummary()> summarise;      ///< of what has been done so far; also called after a failure of `run`
 };
 
 /// Writes OUT/<name>.summary.json on every exit that knows OUT. Returns the exit code.

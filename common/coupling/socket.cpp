@@ -17,7 +17,9 @@ namespace {
 class Socket final : public Transport {
  public:
   explicit Socket(std::string address)
-      : address_(std::move(address)), wake_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)), dealer_(context_, zmq::socket_type::dealer),
+      : address_(std::move(address)),
+        wake_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
+        dealer_(context_, zmq::socket_type::dealer),
         monitor_(context_, zmq::socket_type::pair) {
     if (wake_ < 0) throw Error(ExitCode::failure, "no event descriptor left (ulimit -n)");
     try {
@@ -26,8 +28,9 @@ class Socket final : public Transport {
       dealer_.connect(address_);
     } catch (const zmq::error_t& error) {
       ::close(wake_);
-      throw Error(ExitCode::bad_case, "cannot connect to '" + address_ + "': " + error.what() +
-                                          "; expected an address such as ipc:///tmp/run/socket or tcp://127.0.0.1:5555");
+      throw Error(ExitCode::bad_case,
+                  "cannot connect to '" + address_ + "': " + error.what() +
+                      "; expected an address such as ipc:///tmp/run/socket or tcp://127.0.0.1:5555");
     }
     thread_ = std::thread([this] { run(); });
   }

@@ -1,5 +1,5 @@
-// What the participant's and the coupler's sockets share: options, frames in and out, monitor events. Includes zmq.hpp: keep it
-// out of other headers.
+// What the participant's and the coupler's sockets share: options, frames in and out, monitor events. Includes zmq.hpp:
+// keep it out of other headers.
 #pragma once
 
 #include "common/coupling/transport.hpp"
@@ -33,8 +33,8 @@ inline zmq::message_t lend(Frame frame) {
   if (frame.size <= 256) return zmq::message_t(frame.data, frame.size);
   auto* kept = new Frame(std::move(frame));
   // ZeroMQ only reads what is sent; its interface has no const.
-  return zmq::message_t(const_cast<char*>(kept->data), kept->size,
-                        [](void*, void* hint) { delete static_cast<Frame*>(hint); }, kept);
+  return zmq::message_t(
+      const_cast<char*>(kept->data), kept->size, [](void*, void* hint) { delete static_cast<Frame*>(hint); }, kept);
 }
 
 /// Sends all frames as one multipart message, without blocking (there is no high-water mark).

@@ -22,7 +22,8 @@ double cpu_seconds() {
 
 std::string json_object(const NamedNumbers& numbers) {
   std::string out = "{";
-  for (const auto& [name, value] : numbers) out += (out.size() > 1 ? ", " : "") + json_string(name) + ": " + json_number(value);
+  for (const auto& [name, value] : numbers)
+    out += (out.size() > 1 ? ", " : "") + json_string(name) + ": " + json_number(value);
   return out + "}";
 }
 
@@ -60,16 +61,19 @@ void write_summary(const std::filesystem::path& path, const RunSummary& summary)
   std::string files;
   for (const auto& file : summary.files) files += (files.empty() ? "" : ", ") + json_string(file);
   const std::string text = fmt::format(
-      "{{\n  \"process\": {},\n  \"exit\": {},\n  \"reason\": {},\n  \"wall_s\": {},\n  \"cpu_s\": {},\n  \"seconds\": {},\n"
+      "{{\n  \"process\": {},\n  \"exit\": {},\n  \"reason\": {},\n  \"wall_s\": {},\n  \"cpu_s\": {},\n  \"seconds\": "
+      "{},\n"
       "  \"steps\": {},\n  \"counters\": {},\n  \"files\": [{}]\n}}\n",
-      json_string(summary.process), static_cast<int>(summary.exit), json_string(summary.reason), json_number(summary.wall),
-      json_number(cpu_seconds()), json_object(summary.seconds), json_object(summary.steps), json_object(summary.counters), files);
+      json_string(summary.process), static_cast<int>(summary.exit), json_string(summary.reason),
+      json_number(summary.wall), json_number(cpu_seconds()), json_object(summary.seconds), json_object(summary.steps),
+      json_object(summary.counters), files);
   auto part = path;
   part += ".part";
   {
     std::ofstream out(part);
     out << text;
-    if (!out.flush()) throw FileError("cannot write " + part.string() + ": is the disk full or the folder write-protected?");
+    if (!out.flush())
+      throw FileError("cannot write " + part.string() + ": is the disk full or the folder write-protected?");
   }
   std::error_code error;
   std::filesystem::rename(part, path, error);
@@ -102,33 +106,47 @@ Arguments parse_arguments(int argc, char** argv, Program program) {
       if (k + 1 >= given.size()) throw CaseError("argument " + name + " needs a value");
       return given[++k];
     };
-    if (name == "--case") out.case_file = value();
-    else if (name == "--out") out.out = value();
-    else if (name == "--set") out.overrides.push_back(value());
-    else if (name == "--progress-fd") out.progress_descriptor = static_cast<int>(number_after(name, value()));
-    else if (name == address_name) out.address = value();
-    else if (name == "--alone" && program == Program::phase) out.alone = true;
-    else if (name == "--allow-any-address" && program == Program::coupler) out.allow_any_address = true;
-    else if (name == "--wait-deadline") out.wait_deadline = number_after(name, value());
-    else if (name == "--frozen-deadline") out.frozen_deadline = number_after(name, value());
-    else if (name == "--help" || name == "-h") out.help = true;
-    else throw CaseError("unknown argument '" + name + "'; --help lists what there is");
+    if (name == "--case")
+      out.case_file = value();
+    else if (name == "--out")
+      out.out = value();
+    else if (name == "--set")
+      out.overrides.push_back(value());
+    else if (name == "--progress-fd")
+      out.progress_descriptor = static_cast<int>(number_after(name, value()));
+    else if (name == address_name)
+      out.address = value();
+    else if (name == "--alone" && program == Program::phase)
+      out.alone = true;
+    else if (name == "--allow-any-address" && program == Program::coupler)
+      out.allow_any_address = true;
+    else if (name == "--wait-deadline")
+      out.wait_deadline = number_after(name, value());
+    else if (name == "--frozen-deadline")
+      out.frozen_deadline = number_after(name, value());
+    else if (name == "--help" || name == "-h")
+      out.help = true;
+    else
+      throw CaseError("unknown argument '" + name + "'; --help lists what there is");
   }
   if (out.help) return out;
   if (out.case_file.empty()) throw CaseError("argument --case FILE is missing");
   if (out.out.empty()) throw CaseError("argument --out DIR is missing");
   if (out.alone != out.address.empty())
     throw CaseError(out.alone ? "--alone and --connect exclude each other"
-                              : "argument " + address_name + " ADDRESS" + (program == Program::phase ? " or --alone" : "") + " is missing");
+                              : "argument " + address_name + " ADDRESS" +
+                                    (program == Program::phase ? " or --alone" : "") + " is missing");
   return out;
 }
 
 std::string usage(const std::string& name, Program program) {
   std::string text = "usage: " + name + " --case FILE --out DIR ";
   text += program == Program::coupler ? "--bind ADDRESS [--allow-any-address]" : "(--connect ADDRESS | --alone)";
-  text += " [--set key=value]... [--progress-fd N] [--wait-deadline S] [--frozen-deadline S]\n"
-          "ADDRESS: ipc:///path or tcp://127.0.0.1:port\n"
-          "exit codes: 0 done, 1 unforeseen, 2 bad case or arguments, 3 a peer failed, 4 diverged, 5 files, 130 interrupted\n";
+  text +=
+      " [--set key=value]... [--progress-fd N] [--wait-deadline S] [--frozen-deadline S]\n"
+      "ADDRESS: ipc:///path or tcp://127.0.0.1:port\n"
+      "exit codes: 0 done, 1 unforeseen, 2 bad case or arguments, 3 a peer failed, 4 diverged, 5 files, 130 "
+      "interrupted\n";
   return text;
 }
 

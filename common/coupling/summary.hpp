@@ -18,15 +18,15 @@ struct RunSummary {
   std::string process;  ///< "fluid", "solid", "coupler"
   ExitCode exit = ExitCode::success;
   std::string reason = "end";
-  double wall = 0.0;        ///< s
-  NamedNumbers seconds;     ///< where the wall-clock went
+  double wall = 0.0;     ///< s
+  NamedNumbers seconds;  ///< where the wall-clock went
   NamedNumbers steps;
   NamedNumbers counters;
   std::vector<std::string> files;
 };
 
-/// {"process","exit","reason","wall_s","cpu_s","seconds":{},"steps":{},"counters":{},"files":[]}, written whole or not at all.
-/// Throws FileError.
+/// {"process","exit","reason","wall_s","cpu_s","seconds":{},"steps":{},"counters":{},"files":[]}, written whole or not
+/// at all. Throws FileError.
 void write_summary(const std::filesystem::path& path, const RunSummary& summary);
 
 /// A JSON string literal, quotes included.
@@ -38,7 +38,7 @@ std::string json_number(double value);
 struct Progress {
   double time = 0.0, end = 0.0;  ///< s
   std::uint64_t step = 0;
-  double interval = 0.0;         ///< s
+  double interval = 0.0;  ///< s
   std::string waiting_for;
 };
 
@@ -60,7 +60,7 @@ void log_line(const std::string& line);
 /// The command line of poretwin-fluid, poretwin-solid and poretwin-coupler.
 struct Arguments {
   std::filesystem::path case_file, out;
-  std::string address;      ///< --connect or --bind
+  std::string address;  ///< --connect or --bind
   bool alone = false;
   bool help = false;
   bool allow_any_address = false;

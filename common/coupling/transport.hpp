@@ -1,5 +1,5 @@
-// How messages travel: one interface for a participant, one for the coupler, so that a run goes over sockets or, in tests,
-// through memory with the same bytes.
+// How messages travel: one interface for a participant, one for the coupler, so that a run goes over sockets or, in
+// tests, through memory with the same bytes.
 #pragma once
 
 #include "common/coupling/message.hpp"
@@ -34,8 +34,8 @@ class Transport {
 class Hub {
  public:
   struct Event {
-    std::string line;      ///< opaque name of the line it came on
-    Frames frames;         ///< empty: the line is gone
+    std::string line;  ///< opaque name of the line it came on
+    Frames frames;     ///< empty: the line is gone
   };
   Hub() = default;
   Hub(const Hub&) = delete;

@@ -30,7 +30,9 @@ WindowClock::Plan WindowClock::plan(double proposed) const {
   double interval = proposed;
   if (settings_.longest) interval = std::min(interval, *settings_.longest);
   if (!(interval > collapsed * settings_.end))
-    throw Error(ExitCode::diverged, fmt::format("the exchange window collapsed to {:g} s at t = {:g} s: nobody can advance", interval, time_));
+    throw Error(
+        ExitCode::diverged,
+        fmt::format("the exchange window collapsed to {:g} s at t = {:g} s: nobody can advance", interval, time_));
   Plan plan;
   plan.start = time_;
   if (interval >= remaining * (1.0 - same)) {

@@ -1,4 +1,5 @@
-// Chooses exchange windows so that output instants and the end are hit exactly; used by the coupler and by a phase run alone.
+// Chooses exchange windows so that output instants and the end are hit exactly; used by the coupler and by a phase run
+// alone.
 #pragma once
 
 #include <cstdint>
@@ -9,10 +10,10 @@ namespace poretwin::coupling {
 class WindowClock {
  public:
   struct Settings {
-    double end = 0.0;                ///< s
-    std::optional<double> longest;   ///< s, of a window
-    double output_interval = 0.0;    ///< s between frames; 0: only the first and the last
-    double gauge_interval = 0.0;     ///< s between gauge readings; 0: every window. Gauges do not shorten windows
+    double end = 0.0;               ///< s
+    std::optional<double> longest;  ///< s, of a window
+    double output_interval = 0.0;   ///< s between frames; 0: only the first and the last
+    double gauge_interval = 0.0;    ///< s between gauge readings; 0: every window. Gauges do not shorten windows
   };
   struct Plan {
     double start = 0.0, interval = 0.0, end = 0.0;  ///< s; end is exact where it is an output instant

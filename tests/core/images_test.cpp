@@ -1,6 +1,6 @@
 // Images of a lattice in a box continue the lattice through walls and corners.
-#include "common/case/geometry.hpp"
 #include "common/sph/images.hpp"
+#include "common/case/geometry.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,5 @@
-// A whole coupled run of two phases (mocks or solvers) and the coupler in one process, over any transport, with short deadlines: nothing here can hang.
+// A whole coupled run of two phases (mocks or solvers) and the coupler in one process, over any transport, with short
+// deadlines: nothing here can hang.
 #pragma once
 
 #include "common/coupling/drive.hpp"
@@ -16,7 +17,9 @@ namespace poretwin::coupling {
 
 enum class Line { in_process, ipc, tcp };
 
-inline std::string line_name(Line line) { return line == Line::in_process ? "in_process" : line == Line::ipc ? "ipc" : "tcp"; }
+inline std::string line_name(Line line) {
+  return line == Line::in_process ? "in_process" : line == Line::ipc ? "ipc" : "tcp";
+}
 
 /// How one of the three fared.
 struct Fate {
@@ -137,7 +140,9 @@ struct CoupledRun {
 
 /// A square of side 1 m with fields of the standard contract.
 inline MockPhase::Formula still_square(Role role, double spacing = 0.1, FieldFormula formula = {}) {
-  return [=](double t) { return formula_publication(role, t, lattice_points(2, {0.0, 0.0}, {1.0, 1.0}, spacing), formula); };
+  return [=](double t) {
+    return formula_publication(role, t, lattice_points(2, {0.0, 0.0}, {1.0, 1.0}, spacing), formula);
+  };
 }
 
 }  // namespace poretwin::coupling

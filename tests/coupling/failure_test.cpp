@@ -5,7 +5,8 @@ namespace poretwin::coupling {
 namespace {
 
 void expect_contains(const std::string& text, const std::vector<std::string>& parts) {
-  for (const auto& part : parts) EXPECT_NE(text.find(part), std::string::npos) << "'" << part << "' is not in: " << text;
+  for (const auto& part : parts)
+    EXPECT_NE(text.find(part), std::string::npos) << "'" << part << "' is not in: " << text;
 }
 
 class FailureOnEveryLine : public testing::TestWithParam<Line> {};
@@ -58,7 +59,8 @@ TEST_P(FailureOnEveryLine, ASlowPeerIsNeverEvicted) {
   run.run(&fluid, &solid);
   run.expect_success();
   bool said = false;
-  for (const auto& line : run.log) said = said || line.find("waiting for solid (0 s): computing step") != std::string::npos;
+  for (const auto& line : run.log)
+    said = said || line.find("waiting for solid (0 s): computing step") != std::string::npos;
   EXPECT_TRUE(said) << testing::PrintToString(run.log);
 }
 
@@ -76,9 +78,10 @@ TEST(Failure, NanNamesFieldPointValueSenderAndStep) {
 
 TEST(Failure, FractionsAndLengthsAreBounded) {
   auto bad_fraction = [](double t) {
-    return formula_publication(Role::solid, t, lattice_points(2, {0.0, 0.0}, {1.0, 1.0}, 0.25), [](const std::string& name, int, const double*, double now) {
-      return name == field::solid_volume_fraction && now > 0.15 ? 1.25 : 0.5;
-    });
+    return formula_publication(Role::solid, t, lattice_points(2, {0.0, 0.0}, {1.0, 1.0}, 0.25),
+                               [](const std::string& name, int, const double*, double now) {
+                                 return name == field::solid_volume_fraction && now > 0.15 ? 1.25 : 0.5;
+                               });
   };
   MockPhase fluid(Role::fluid, 2, still_square(Role::fluid, 0.25)), solid(Role::solid, 2, bad_fraction);
   CoupledRun run;
@@ -157,7 +160,8 @@ TEST(Handshake, RefusesNamingWhatDiffers) {
   expect_refused([](Contract& c) { c.case_digest = "other"; }, {"case_digest: expected mock, got other"});
   expect_refused([](Contract& c) { c.gives[0].unit = "kPa"; }, {"pore_pressure", "Pa", "kPa"});
   expect_refused([](Contract& c) { c.takes[0].components = 1; }, {"solid_velocity", "2 components", "1 components"});
-  expect_refused([](Contract& c) { c.gives.erase(c.gives.begin()); }, {"pore_pressure", "a giver of this field", "none"});
+  expect_refused([](Contract& c) { c.gives.erase(c.gives.begin()); },
+                 {"pore_pressure", "a giver of this field", "none"});
 }
 
 TEST(Handshake, RefusesASecondOfOneRole) {

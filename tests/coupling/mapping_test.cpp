@@ -1,10 +1,11 @@
-// The mapping against a slow, plain twin, and its properties: constants, linear fields, conservation, permutations, empty sets.
+// The mapping against a slow, plain twin, and its properties: constants, linear fields, conservation, permutations,
+// empty sets.
+#include "coupler/mapping.hpp"
 #include "common/coupling/mock.hpp"
 #include "common/sph/kernel.hpp"
-#include "coupler/mapping.hpp"
 
-#include <Eigen/Dense>
 #include <gtest/gtest.h>
+#include <Eigen/Dense>
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +17,8 @@ namespace {
 
 using Size = std::size_t;
 
-/// A disordered cloud: lattice points shaken by up to `shake` spacings, with lengths that differ, the last tenth ghosts.
+/// A disordered cloud: lattice points shaken by up to `shake` spacings, with lengths that differ, the last tenth
+/// ghosts.
 PointSet cloud(int dimension, double size, double spacing, unsigned seed, double shake = 0.3) {
   const std::vector<double> zero(static_cast<Size>(dimension), 0.0), extent(static_cast<Size>(dimension), size);
   PointSet points = lattice_points(dimension, zero, extent, spacing);
@@ -25,7 +27,8 @@ PointSet cloud(int dimension, double size, double spacing, unsigned seed, double
   for (auto& x : points.position) x += uniform(generator);
   for (auto& h : points.smoothing_length) h *= ratio(generator);
   points.n_active = points.size() - points.size() / 10;
-  for (Size i = points.n_active; i < points.size(); ++i) points.owner[i] = i % 2 ? -1.0 : static_cast<double>(i % points.n_active);
+  for (Size i = points.n_active; i < points.size(); ++i)
+    points.owner[i] = i % 2 ? -1.0 : static_cast<double>(i % points.n_active);
   return points;
 }
 
@@ -44,12 +47,14 @@ std::vector<double> random_values(Size n, unsigned seed) {
 
 /// The twin: every source for every target, the weighted least-squares plane solved as a regression with Eigen's LDLT.
 template <int D>
-double plain_value(const PointSet& source, const std::vector<double>& f, const std::vector<double>& mask, const Vec<D>& x) {
+double plain_value(const PointSet& source, const std::vector<double>& f, const std::vector<double>& mask,
+                   const Vec<D>& x) {
   double m0 = 0.0, mean_f = 0.0, length = 0.0, low = INFINITY, high = -INFINITY;
   Vec<D> mean = Vec<D>::Zero();
   auto weight = [&](Size j) {
     const double h = source.smoothing_length[j];
-    return source.volume[j] * sph::WendlandC2<D>::value((at<D>(source, j) - x).norm(), h) * (mask.empty() ? 1.0 : mask[j]);
+    return source.volume[j] * sph::WendlandC2<D>::value((at<D>(source, j) - x).norm(), h) *
+           (mask.empty() ? 1.0 : mask[j]);
   };
   for (Size j = 0; j < source.size(); ++j) {
     const double w = weight(j);
@@ -107,7 +112,8 @@ TEST(Mapping, CoverageIsTheSumOfWeights) {
   for (Size i = 0; i < target.n_active; ++i) {
     double sum = 0.0;
     for (Size j = 0; j < source.size(); ++j)
-      sum += source.volume[j] * sph::WendlandC2<2>::value((at<2>(source, j) - at<2>(target, i)).norm(), source.smoothing_length[j]);
+      sum += source.volume[j] *
+             sph::WendlandC2<2>::value((at<2>(source, j) - at<2>(target, i)).norm(), source.smoothing_length[j]);
     EXPECT_NEAR(pairs.coverage()[i], sum, 1e-12);
   }
 }
@@ -165,7 +171,8 @@ TEST(Mapping, OnePointAndARowOfPointsFallBackToTheMean) {
     const Field f{"f", 1, std::vector<double>(source.size(), 2.0)};
     const Field* fields[] = {&f};
     const auto mapped = pairs.consistent(fields, {}).at(0);
-    for (Size i = 0; i < target.n_active; ++i) EXPECT_NEAR(mapped.values[i], pairs.coverage()[i] > 0.0 ? 2.0 : 0.0, 1e-13);
+    for (Size i = 0; i < target.n_active; ++i)
+      EXPECT_NEAR(mapped.values[i], pairs.coverage()[i] > 0.0 ? 2.0 : 0.0, 1e-13);
   }
 }
 
@@ -188,8 +195,8 @@ TEST(Mapping, AmountsAreConserved) {
     EXPECT_NEAR(got, delivery.delivered[c], 1e-14 * size);
     EXPECT_NE(delivery.undelivered[c], 0.0);  // some givers are far from every receiver
   }
-  // The plain twin: a dense matrix of kernel weights over the receivers and the ghosts that stand for one of them, balanced
-  // column by column where the givers lie all around a receiver, then shared out row by row.
+  // The plain twin: a dense matrix of kernel weights over the receivers and the ghosts that stand for one of them,
+  // balanced column by column where the givers lie all around a receiver, then shared out row by row.
   const Size rows = giver.n_active, columns = receiver.n_active;
   Eigen::MatrixXd w = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns));
   Eigen::VectorXd lengths = Eigen::VectorXd::Zero(w.cols());
@@ -224,7 +231,8 @@ TEST(Mapping, AmountsAreConserved) {
   for (Eigen::Index i = 0; i < w.rows(); ++i) given[i] = amounts.values[2 * static_cast<Size>(i)];
   const Eigen::VectorXd plain = shares().transpose() * given;
   const auto alone = pairs.conservative(amounts, {});
-  for (Size j = 0; j < receiver.n_active; ++j) EXPECT_NEAR(alone.values[2 * j], plain[static_cast<Eigen::Index>(j)], 1e-12);
+  for (Size j = 0; j < receiver.n_active; ++j)
+    EXPECT_NEAR(alone.values[2 * j], plain[static_cast<Eigen::Index>(j)], 1e-12);
 }
 
 TEST(Mapping, AnEvenGivingArrivesEvenlyInsideDisorderedPoints) {

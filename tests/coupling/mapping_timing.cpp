@@ -28,7 +28,9 @@ void time_mapping(std::size_t n, double move, const char* what) {
   auto fluid = square(n, 0.0), solid = square(n, 0.3 / std::sqrt(static_cast<double>(n)));
   auto mapping = make_mapping(2);
   // Every field at work, both impulses included: the dearest step there is.
-  const FieldFormula busy = [](const std::string&, int c, const double* x, double) { return 0.2 + 0.5 * x[0] + 0.1 * c; };
+  const FieldFormula busy = [](const std::string&, int c, const double* x, double) {
+    return 0.2 + 0.5 * x[0] + 0.1 * c;
+  };
   const auto from_fluid = formula_publication(Role::fluid, 0.0, fluid, busy).fields;
   const auto from_solid = formula_publication(Role::solid, 0.0, solid, busy).fields;
   const auto fluid_gives = standard_fields(Role::fluid, 2), solid_gives = standard_fields(Role::solid, 2);
@@ -43,8 +45,9 @@ void time_mapping(std::size_t n, double move, const char* what) {
     total += now() - start;
   }
   const auto counts = mapping->counts();
-  fmt::print("{:7} points a side, {:8}: {:7.3f} ms per step both ways, all 12 fields ({} rebuilds, {} reuses, {} unchanged)\n", n, what,
-             1e3 * total / steps, counts.rebuilds, counts.reuses, counts.unchanged);
+  fmt::print(
+      "{:7} points a side, {:8}: {:7.3f} ms per step both ways, all 12 fields ({} rebuilds, {} reuses, {} unchanged)\n",
+      n, what, 1e3 * total / steps, counts.rebuilds, counts.reuses, counts.unchanged);
 }
 
 void time_step(Line line, std::size_t n) {
@@ -69,10 +72,11 @@ void time_step(Line line, std::size_t n) {
   run.settings = {1.0, 0.01, 0.0, 10.0};
   run.run(&fluid, &solid);
   const double windows = static_cast<double>(run.report.windows);
-  fmt::print("{:7} points a side, {:10}: {:7.3f} ms per step, of which mapping {:.3f} ms, mocks {:.3f} ms, {:.2f} MB {}\n", n, line_name(line),
-             1e3 * run.wall / windows, 1e3 * run.report.mapping / windows,
-             1e3 * (run.fluid.report.computing + run.solid.report.computing) / windows,
-             1e-6 * static_cast<double>(run.totals.bytes_sent + run.totals.bytes_received) / windows, run.coupler.error);
+  fmt::print(
+      "{:7} points a side, {:10}: {:7.3f} ms per step, of which mapping {:.3f} ms, mocks {:.3f} ms, {:.2f} MB {}\n", n,
+      line_name(line), 1e3 * run.wall / windows, 1e3 * run.report.mapping / windows,
+      1e3 * (run.fluid.report.computing + run.solid.report.computing) / windows,
+      1e-6 * static_cast<double>(run.totals.bytes_sent + run.totals.bytes_received) / windows, run.coupler.error);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
-// A solver process around a mock: "mock-process fluid|solid ARGUMENTS OF phase_main", or under the name poretwin-fluid or
-// poretwin-solid just the arguments. Every step takes some milliseconds, so that a test can kill, stop or interrupt it in the
-// middle of a run. PORETWIN_MOCK_NAN_AT=STEP publishes NaN; PORETWIN_MOCK_DIMENSION=D speaks of another dimension.
+// A solver process around a mock: "mock-process fluid|solid ARGUMENTS OF phase_main", or under the name poretwin-fluid
+// or poretwin-solid just the arguments. Every step takes some milliseconds, so that a test can kill, stop or interrupt
+// it in the middle of a run. PORETWIN_MOCK_NAN_AT=STEP publishes NaN; PORETWIN_MOCK_DIMENSION=D speaks of another
+// dimension.
 #include "common/coupling/mock.hpp"
 #include "common/coupling/phase_main.hpp"
 
@@ -30,12 +31,14 @@ int main(int argc, char** argv) {
   const Role role = called.ends_with("fluid") ? Role::fluid : Role::solid;
   return phase_main(argc, argv, role, [role](const Case& scene) -> std::unique_ptr<Phase> {
     const int dimension = number_from("PORETWIN_MOCK_DIMENSION", scene.general.dimension);
-    const std::vector<double> zero(static_cast<std::size_t>(dimension), 0.0), one(static_cast<std::size_t>(dimension), 1.0);
+    const std::vector<double> zero(static_cast<std::size_t>(dimension), 0.0),
+        one(static_cast<std::size_t>(dimension), 1.0);
     MockKnobs knobs;
     knobs.per_step = std::chrono::milliseconds(5);
     knobs.nan_at = static_cast<std::uint64_t>(number_from("PORETWIN_MOCK_NAN_AT", 0));
     knobs.digest = "";  // phase_main puts in the case's
     return std::make_unique<MockPhase>(
-        role, dimension, [=](double t) { return formula_publication(role, t, lattice_points(dimension, zero, one, 0.1)); }, knobs);
+        role, dimension,
+        [=](double t) { return formula_publication(role, t, lattice_points(dimension, zero, one, 0.1)); }, knobs);
   });
 }

@@ -1,5 +1,5 @@
-// The real coupler process and two mock solver processes: killed, stopped, interrupted, misfitted. Everything is named, everybody
-// ends, files stay whole.
+// The real coupler process and two mock solver processes: killed, stopped, interrupted, misfitted. Everything is named,
+// everybody ends, files stay whole.
 #include "tests/child.hpp"
 
 #include <gtest/gtest.h>
@@ -22,12 +22,13 @@ class Processes : public testing::Test {
  protected:
   void SetUp() override {
     folder_ = poretwin::testing_tools::fresh_folder("poretwin-processes");
-    std::ofstream(folder_ / "case.toml") << "[case]\ntitle = \"mocks\"\ndimension = 2\nend_time = 1.0\n"
-                                            "[[soil]]\nname = \"all\"\nshape = \"box\"\nmin = [0, 0]\nmax = [1, 1]\n"
-                                            "porosity = 0.4\ngrain_density = 2600\nhydraulic_conductivity = 0.001\n"
-                                            "[fluid]\nparticle_spacing = 0.1\n[[fluid.region]]\nshape = \"box\"\nmin = [0, 0]\nmax = [1, 1]\n"
-                                            "[solid]\nmodel = \"elastic\"\nparticle_spacing = 0.1\n"
-                                            "[coupling]\ninterval = 0.01\n[output]\ninterval = 0.1\n";
+    std::ofstream(folder_ / "case.toml")
+        << "[case]\ntitle = \"mocks\"\ndimension = 2\nend_time = 1.0\n"
+           "[[soil]]\nname = \"all\"\nshape = \"box\"\nmin = [0, 0]\nmax = [1, 1]\n"
+           "porosity = 0.4\ngrain_density = 2600\nhydraulic_conductivity = 0.001\n"
+           "[fluid]\nparticle_spacing = 0.1\n[[fluid.region]]\nshape = \"box\"\nmin = [0, 0]\nmax = [1, 1]\n"
+           "[solid]\nmodel = \"elastic\"\nparticle_spacing = 0.1\n"
+           "[coupling]\ninterval = 0.01\n[output]\ninterval = 0.1\n";
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
@@ -53,7 +54,8 @@ class Processes : public testing::Test {
   std::string text(const std::string& file) const { return poretwin::testing_tools::text_of(folder_ / file); }
   void expect_in(const std::string& file, const Strings& parts) const {
     const std::string all = text(file);
-    for (const auto& part : parts) EXPECT_NE(all.find(part), std::string::npos) << "'" << part << "' is not in " << file << ":\n" << all;
+    for (const auto& part : parts)
+      EXPECT_NE(all.find(part), std::string::npos) << "'" << part << "' is not in " << file << ":\n" << all;
   }
 
   std::filesystem::path folder_;
@@ -66,7 +68,8 @@ TEST_F(Processes, RunToTheEndInAnyStartOrder) {
   EXPECT_EQ(c->wait(), 0) << text("coupler.log");
   EXPECT_EQ(fluid->wait(), 0) << text("fluid.log");
   EXPECT_EQ(solid->wait(), 0) << text("solid.log");
-  expect_in("out/coupler.summary.json", {"\"exit\": 0", "\"windows\": 100", "\"mapping\"", "\"waiting_for_fluid\"", "drag_impulse x (N s) given"});
+  expect_in("out/coupler.summary.json",
+            {"\"exit\": 0", "\"windows\": 100", "\"mapping\"", "\"waiting_for_fluid\"", "drag_impulse x (N s) given"});
   expect_in("out/fluid.summary.json", {"\"exit\": 0", "\"windows\": 100", "\"computing\"", "fluid.vtkhdf"});
 }
 
@@ -113,7 +116,8 @@ TEST_F(Processes, CtrlCOnAnyOneFinishesTheWindowEverywhere) {
 }
 
 TEST_F(Processes, AnotherCaseIsRefused) {
-  auto c = coupler({"--wait-deadline", "2"}), fluid = peer("fluid"), solid = peer("solid", {"--set", "water.density=900.0"});
+  auto c = coupler({"--wait-deadline", "2"}), fluid = peer("fluid"),
+       solid = peer("solid", {"--set", "water.density=900.0"});
   EXPECT_EQ(solid->wait(), 3);
   EXPECT_EQ(c->wait(), 3);
   EXPECT_EQ(fluid->wait(), 3);

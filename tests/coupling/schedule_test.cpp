@@ -1,4 +1,5 @@
-// The coupler against two mocks: sequence, windows, output instants, rejections, point sets that change; over every transport.
+// The coupler against two mocks: sequence, windows, output instants, rejections, point sets that change; over every
+// transport.
 #include "tests/coupling/coupled_run.hpp"
 
 #include <cmath>
@@ -92,7 +93,8 @@ TEST_P(EveryLine, ARejectedWindowIsRestoredOnBothSidesAndRepeatedShorter) {
   EXPECT_DOUBLE_EQ(solid.time(), 1.0);
   ASSERT_EQ(run.fluid_record.frames.size(), 11u);
   ASSERT_EQ(run.solid_record.frames.size(), 11u);
-  for (std::size_t k = 0; k <= 10; ++k) EXPECT_NEAR(run.fluid_record.frames[k].time, 0.1 * static_cast<double>(k), 1e-12);
+  for (std::size_t k = 0; k <= 10; ++k)
+    EXPECT_NEAR(run.fluid_record.frames[k].time, 0.1 * static_cast<double>(k), 1e-12);
   EXPECT_EQ(run.fluid.report.windows, run.report.windows);
   EXPECT_EQ(run.solid.report.windows, run.report.windows);
   // The repeated attempt starts where the refused one did, and is shorter.
@@ -107,7 +109,8 @@ TEST_P(EveryLine, ARejectedWindowIsRestoredOnBothSidesAndRepeatedShorter) {
 TEST(Schedule, GivesUpAWindowThatIsAlwaysRefused) {
   MockKnobs knobs;
   knobs.rejections = {{3, 1000}};
-  MockPhase fluid(Role::fluid, 2, still_square(Role::fluid, 0.25)), solid(Role::solid, 2, still_square(Role::solid, 0.25), knobs);
+  MockPhase fluid(Role::fluid, 2, still_square(Role::fluid, 0.25)),
+      solid(Role::solid, 2, still_square(Role::solid, 0.25), knobs);
   CoupledRun run;
   run.run(&fluid, &solid);
   EXPECT_EQ(run.coupler.code, ExitCode::peer);
@@ -116,15 +119,17 @@ TEST(Schedule, GivesUpAWindowThatIsAlwaysRefused) {
   EXPECT_NE(run.fluid.error.find("was rejected"), std::string::npos) << run.fluid.error;
 }
 
-/// A fluid that flows in from nothing, fills up, and drains again; every step another number of points, every point moved.
+/// A fluid that flows in from nothing, fills up, and drains again; every step another number of points, every point
+/// moved.
 Publication tide(double t) {
   const double width = std::max(0.0, std::sin(3.1 * t));
   auto points = lattice_points(2, {0.05 * t, 0.0}, {width, 1.0}, 0.1);
   points.revision = static_cast<std::uint64_t>(1e9 * t);
-  return formula_publication(Role::fluid, t, std::move(points), [](const std::string& name, int c, const double* x, double) {
-    if (name == field::soil_fraction) return 1.0;
-    return name == field::drag_impulse ? 1.0 + c : x[0];
-  });
+  return formula_publication(Role::fluid, t, std::move(points),
+                             [](const std::string& name, int c, const double* x, double) {
+                               if (name == field::soil_fraction) return 1.0;
+                               return name == field::drag_impulse ? 1.0 + c : x[0];
+                             });
 }
 
 TEST_P(EveryLine, CopesWithMovingGrowingShrinkingAndEmptySets) {
@@ -138,7 +143,8 @@ TEST_P(EveryLine, CopesWithMovingGrowingShrinkingAndEmptySets) {
   for (const double covered : solid.seen().inboxes.front().coverage) EXPECT_EQ(covered, 0.0);
   for (const auto& account : run.report.accounts)
     for (std::size_t c = 0; c < account.given.size(); ++c)
-      EXPECT_NEAR(account.given[c], account.delivered[c] + account.undelivered[c], 1e-12 * (1.0 + std::abs(account.given[c])));
+      EXPECT_NEAR(account.given[c], account.delivered[c] + account.undelivered[c],
+                  1e-12 * (1.0 + std::abs(account.given[c])));
 }
 
 TEST(Schedule, BothSetsMayBeEmpty) {
@@ -154,7 +160,9 @@ TEST(Schedule, BothSetsMayBeEmpty) {
 
 TEST(Schedule, ThreeDimensions) {
   auto cube = [](Role role) {
-    return [role](double t) { return formula_publication(role, t, lattice_points(3, {0.0, 0.0, 0.0}, {0.5, 0.5, 0.5}, 0.1)); };
+    return [role](double t) {
+      return formula_publication(role, t, lattice_points(3, {0.0, 0.0, 0.0}, {0.5, 0.5, 0.5}, 0.1));
+    };
   };
   MockPhase fluid(Role::fluid, 3, cube(Role::fluid)), solid(Role::solid, 3, cube(Role::solid));
   CoupledRun run;

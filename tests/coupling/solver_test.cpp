@@ -76,7 +76,8 @@ MockPhase mock(Role role, MockKnobs knobs, const Case& scene) {
   knobs.digest = scene.digest();
   // The mock's points reach beyond the column, as images behind walls would.
   const auto points = lattice_points(2, {-0.1, -0.1}, {width + 0.2, height + 0.1}, spacing);
-  return MockPhase(role, 2, [role, points](double t) { return formula_publication(role, t, points, at_rest); }, knobs);
+  return MockPhase(
+      role, 2, [role, points](double t) { return formula_publication(role, t, points, at_rest); }, knobs);
 }
 
 class SolverAgainstMock : public testing::TestWithParam<Line> {

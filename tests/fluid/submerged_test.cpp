@@ -15,7 +15,10 @@ using namespace test;
 /// One exchange after the other: fluid first, then the solid under what the fluid found.
 struct Joined {
   explicit Joined(const Case& scene)
-      : fluid(scene), solid(scene), mapping(coupling::make_mapping(2)), to_solid(fluid.publish()),
+      : fluid(scene),
+        solid(scene),
+        mapping(coupling::make_mapping(2)),
+        to_solid(fluid.publish()),
         to_fluid(solid.publish()) {
     fluid.initialise(at_fluid());
     to_solid = fluid.publish();
@@ -107,8 +110,8 @@ TEST(Submerged, RestIsKeptUnderFreeWater) {
   struct Row {
     double conductivity, interval, end;
   };
-  for (const auto& row : {Row{1e-4, 0.0, 2.0}, Row{1e-4, 1e-2, 2.0}, Row{1e-4, 4e-2, 8.0},
-                          Row{1e-6, 4e-2, 4.0}, Row{1e-2, 1e-2, 2.0}}) {
+  for (const auto& row :
+       {Row{1e-4, 0.0, 2.0}, Row{1e-4, 1e-2, 2.0}, Row{1e-4, 4e-2, 8.0}, Row{1e-6, 4e-2, 4.0}, Row{1e-2, 1e-2, 2.0}}) {
     auto scene = submerged_bed();
     scene.soils[0].hydraulic_conductivity = row.conductivity;
     const auto worst = run(scene, row.interval, row.end);
