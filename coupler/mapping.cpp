@@ -366,8 +366,8 @@ typename PairWeights<D>::Delivery PairWeights<D>::conservative(const Field& amou
   out.undelivered.assign(components, 0.0);
   const auto scale = balance(amounts);
   // How much of the giving each receiver takes part in: the key by which carried amounts are shared out.
-  std::vector<double> part(receivers_, 0.0), part_by_size(receivers_, 0.0);
-  double parts = 0.0, parts_by_size = 0.0;
+  std::vector<double> part(receivers_, 0.0);
+  double parts = 0.0;
   for (Size i = 0; i < target_.size(); ++i) {
     const double* amount = amounts.values.data() + target_order_[i] * components;
     double size = 0.0, total = 0.0;
@@ -387,23 +387,18 @@ typename PairWeights<D>::Delivery PairWeights<D>::conservative(const Field& amou
       const Size j = static_cast<Size>(owner_[index_[p]]);
       const double share = weight_[p] * scale[j] / total;
       for (Size c = 0; c < components; ++c) out.values[j * components + c] += share * amount[c];
-      part[j] += share;
-      part_by_size[j] += share * size;
+      part[j] += share * size;
     }
-    parts += 1.0;
-    parts_by_size += size;
+    parts += size;
   }
-  const bool by_size = parts_by_size > 0.0;
-  const double all = by_size ? parts_by_size : parts;
   for (Size c = 0; c < components; ++c) {
     const double rest = c < carried.size() ? carried[c] : 0.0;
     if (rest == 0.0) continue;
-    if (!(all > 0.0)) {
+    if (!(parts > 0.0)) {
       out.undelivered[c] += rest;
       continue;
     }
-    for (Size j = 0; j < receivers_; ++j)
-      out.values[j * components + c] += rest * (by_size ? part_by_size[j] : part[j]) / all;
+    for (Size j = 0; j < receivers_; ++j) out.values[j * components + c] += rest * part[j] / parts;
   }
   for (Size j = 0; j < receivers_; ++j)
     for (Size c = 0; c < components; ++c) out.delivered[c] += out.values[j * components + c];

@@ -28,7 +28,6 @@ struct WindowSolution {
   VecArray<D> solid_velocity;  ///< [n] predicted v_s', m/s; in: warm start
   VecArray<D> velocity;        ///< [n] v_w', m/s
   VecArray<D> gradient;        ///< [n] of the piezometric pressure, Pa/m
-  ScalarArray solid_weight;    ///< [n] e: what a skeleton velocity contributes to the mixture's flux
   int outer = 0, pressure_iterations = 0, skeleton_iterations = 0;
   bool converged = true;
 };
@@ -122,8 +121,6 @@ class WindowSolver {
     }
     finish(out);
   }
-
-  [[nodiscard]] const std::vector<Elimination>& elimination() const { return q_; }
 
  private:
   double kf(std::size_t b, std::size_t otherwise) const { return b < n_ ? q_[b].kf : q_[otherwise].kf; }
@@ -393,7 +390,6 @@ class WindowSolver {
   /// solve.
   void finish(WindowSolution<D>& out) const {
     out.velocity.resize(n_);
-    out.solid_weight.resize(n_);
     const VecArray<D> flux = pressure_gradient<D>(
         s_, out.pressure, [&](Index c) { return in_.face_pressure[c]; },
         [&](std::size_t a, std::size_t b) { return harmonic(q_[a].kf, kf(b, a)); }, Vec<D>(-in_.weight));
@@ -401,7 +397,6 @@ class WindowSolver {
       const auto& q = q_[a];
       out.velocity[a] =
           (q.aw * in_.velocity[a] + q.C * out.solid_velocity[a]) / (q.aw + q.C) - flux[a] / in_.void_fraction[a];
-      out.solid_weight[a] = q.e;
     }
     out.gradient = plain_gradient(out.pressure, false);
   }
