@@ -1,7 +1,7 @@
 #include "solid_solver/setup.hpp"
 
 #include "common/core/error.hpp"
-#include "solid_solver/permeability.hpp"
+#include "common/porous/seepage.hpp"
 
 #include <fmt/format.h>
 
@@ -64,7 +64,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   setup.smoothing_length = lengths_per_spacing * setup.spacing;
   setup.skin = 0.2 * setup.spacing;
   setup.gravity = scene.general.gravity.head<D>();
-  setup.water_weight = water_weight(scene);
+  setup.water_weight = porous::specific_weight(scene);
   setup.inertia_share = scene.fluid.skeleton_response ? 0.5 : 0.0;
   double fastest = 0.0;
   for (std::size_t s = 0; s < scene.soils.size(); ++s) {

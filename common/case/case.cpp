@@ -24,6 +24,10 @@ constexpr std::array soil_words{Word<Wall::ForSoil>{"none", Wall::ForSoil::none}
 constexpr std::array model_words{Word<SolidCase::Model>{"rigid", SolidCase::Model::rigid},
                                  Word<SolidCase::Model>{"elastic", SolidCase::Model::elastic},
                                  Word<SolidCase::Model>{"drucker_prager", SolidCase::Model::drucker_prager}};
+constexpr std::array seepage_words{Word<Soil::SeepageLaw>{"darcy", Soil::SeepageLaw::darcy},
+                                   Word<Soil::SeepageLaw>{"constant", Soil::SeepageLaw::constant},
+                                   Word<Soil::SeepageLaw>{"forchheimer", Soil::SeepageLaw::forchheimer},
+                                   Word<Soil::SeepageLaw>{"ergun", Soil::SeepageLaw::ergun}};
 constexpr std::array gradient_words{
     Word<SolidCase::PressureGradient>{"difference", SolidCase::PressureGradient::difference},
     Word<SolidCase::PressureGradient>{"sum", SolidCase::PressureGradient::sum}};
@@ -66,8 +70,19 @@ void declare(Keys& keys, Soil& s) {
   declare(keys, s.shape);
   keys.number("porosity", s.porosity, {"", "Volume of pores per volume, n."}, between(0, true, 1, true));
   keys.number("grain_density", s.grain_density, {"kg/m3", "Density of the grains themselves."}, positive());
+  keys.choice<Soil::SeepageLaw>(
+      "seepage_law", s.seepage_law, seepage_words,
+      {"",
+       "Hydraulic gradient i against discharge velocity U. `darcy`: i = U/k, k after Kozeny-Carman, Eq. (19); "
+       "`constant`: the same k at any porosity; `forchheimer`: i = U/k + b U^2; `ergun`: k and b from the grains, Eqs. "
+       "(91), (92) as corrected."});
   keys.number("hydraulic_conductivity", s.hydraulic_conductivity,
-              {"m/s", "Darcy's k at `porosity`; follows Kozeny-Carman, Eq. (18), away from it."}, positive());
+              {"m/s", "k at `porosity` (all laws but `ergun`)."}, positive());
+  keys.number("forchheimer_coefficient", s.forchheimer_coefficient, {"s2/m2", "b at `porosity` (`forchheimer`)."},
+              not_negative());
+  keys.number("grain_diameter", s.grain_diameter, {"m", "Mean diameter of the grains, D50 (`ergun`)."}, not_negative());
+  keys.number("ergun_linear", s.ergun_linear, {"", "Ergun's 150, of the linear term."}, positive());
+  keys.number("ergun_quadratic", s.ergun_quadratic, {"", "Ergun's 1.75, of the quadratic term."}, not_negative());
   keys.number("youngs_modulus", s.youngs_modulus, {"Pa", "Young's modulus of the drained skeleton."}, positive());
   keys.number("poissons_ratio", s.poissons_ratio, {"", "Poisson's ratio of the drained skeleton."},
               between(0, false, 0.5, true));
@@ -173,7 +188,7 @@ void declare_shared(Keys& keys, Case& c) {
   keys.table("water", "The pore fluid.", [&](Keys& inner) { declare(inner, c.water); });
   keys.tables(
       "soil",
-      "A region of soil and its material. With solid.model = \"rigid\" only shape, porosity and conductivity matter.",
+      "A region of soil and its material. With solid.model = \"rigid\" only shape, porosity and the law of seepage matter.",
       c.soils, [](Keys& inner, Soil& soil) { declare(inner, soil); });
   keys.tables("wall", "A wall and its meaning for either phase.", c.walls,
               [](Keys& inner, Wall& wall) { declare(inner, wall); });

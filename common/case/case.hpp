@@ -52,14 +52,19 @@ struct Water {
   double kinematic_viscosity = 1.0e-6;  ///< m2/s
 };
 
-/// [[soil]]: a region of soil and its material. With solid.model = "rigid" only shape, porosity and conductivity
+/// [[soil]]: a region of soil and its material. With solid.model = "rigid" only shape, porosity and the law of seepage
 /// matter.
 struct Soil {
+  enum class SeepageLaw { darcy, constant, forchheimer, ergun };
   std::string name;
   Shape shape;
   double porosity = 0.4;                 ///< n = n_w
   double grain_density = 2600.0;         ///< kg/m3, intrinsic rho_s
-  double hydraulic_conductivity = 1e-4;  ///< m/s at `porosity`; Kozeny-Carman (18) away from it
+  SeepageLaw seepage_law = SeepageLaw::darcy;
+  double hydraulic_conductivity = 1e-4;  ///< k at `porosity`, m/s
+  double forchheimer_coefficient = 0.0;  ///< b at `porosity`, s2/m2
+  double grain_diameter = 0.0;           ///< D50, m (ergun)
+  double ergun_linear = 150.0, ergun_quadratic = 1.75;
   double youngs_modulus = 3.0e6;         ///< Pa
   double poissons_ratio = 0.3;
   double cohesion = 0.0;         ///< Pa
