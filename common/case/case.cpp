@@ -24,10 +24,17 @@ constexpr std::array soil_words{Word<Wall::ForSoil>{"none", Wall::ForSoil::none}
 constexpr std::array model_words{Word<SolidCase::Model>{"rigid", SolidCase::Model::rigid},
                                  Word<SolidCase::Model>{"elastic", SolidCase::Model::elastic},
                                  Word<SolidCase::Model>{"drucker_prager", SolidCase::Model::drucker_prager}};
+<<<<<<< HEAD
 constexpr std::array seepage_words{Word<Soil::SeepageLaw>{"darcy", Soil::SeepageLaw::darcy},
                                    Word<Soil::SeepageLaw>{"constant", Soil::SeepageLaw::constant},
                                    Word<Soil::SeepageLaw>{"forchheimer", Soil::SeepageLaw::forchheimer},
                                    Word<Soil::SeepageLaw>{"ergun", Soil::SeepageLaw::ergun}};
+=======
+constexpr std::array cone_words{
+    Word<Soil::Cone>{"paper", Soil::Cone::paper}, Word<Soil::Cone>{"plane_strain", Soil::Cone::plane_strain},
+    Word<Soil::Cone>{"repose", Soil::Cone::repose}, Word<Soil::Cone>{"outer", Soil::Cone::outer},
+    Word<Soil::Cone>{"inner", Soil::Cone::inner}};
+>>>>>>> main
 constexpr std::array gradient_words{
     Word<SolidCase::PressureGradient>{"difference", SolidCase::PressureGradient::difference},
     Word<SolidCase::PressureGradient>{"sum", SolidCase::PressureGradient::sum}};
@@ -91,6 +98,13 @@ void declare(Keys& keys, Soil& s) {
               between(0, false, 90, true));
   keys.number("dilation_angle", s.dilation_angle,
               {"degrees", "Dilation angle (drucker_prager), at most the friction angle."}, between(0, false, 90, true));
+  keys.choice<Soil::Cone>(
+      "cone", s.cone, cone_words,
+      {"",
+       "Fit of the cone to Coulomb (drucker_prager): `paper` Eq. (32), exact for plane strain with dilation = "
+       "friction; "
+       "`plane_strain` for any dilation; `repose`: friction is the angle of repose; 3D `outer` (compression), `inner` "
+       "(extension)."});
 }
 
 void declare(Keys& keys, Wall& w) {
@@ -105,6 +119,13 @@ void declare(Keys& keys, WaterFace& f) {
   declare(keys, f.face);
   keys.series("head", f.head, {"m", "Elevation (along -gravity) of the free surface of the water behind the face."});
   keys.series("pressure", f.pressure, {"Pa", "Instead of `head`: pressure, uniform on the face."});
+  keys.series("discharge", f.discharge,
+              {"m3/s",
+               "Poured into the basin behind the face (2D: m2/s); its level follows from the balance of its water. "
+               "`head` is then the level at time zero; absent: empty."});
+  keys.series("basin_area", f.basin_area,
+              {"m2", "With `discharge`: horizontal area of the basin (2D: length, m) against elevation [m], [[z, A], ..]."});
+  keys.flag("outlet", f.outlet, {"", "Nothing stands behind the face: water that crosses it has left."});
 }
 
 void declare(Keys& keys, Load& l) {
@@ -192,7 +213,7 @@ void declare_shared(Keys& keys, Case& c) {
       c.soils, [](Keys& inner, Soil& soil) { declare(inner, soil); });
   keys.tables("wall", "A wall and its meaning for either phase.", c.walls,
               [](Keys& inner, Wall& wall) { declare(inner, wall); });
-  keys.tables("water_face", "A face of prescribed head or pressure through which water comes and goes.", c.water_faces,
+  keys.tables("water_face", "A face through which water comes and goes: of prescribed head or pressure, of a basin, or an outlet.", c.water_faces,
               [](Keys& inner, WaterFace& face) { declare(inner, face); });
   keys.tables("load", "A traction on the soil's surface.", c.loads,
               [](Keys& inner, Load& load) { declare(inner, load); });
@@ -227,6 +248,18 @@ double Series::at(double t) const {
     if (t <= t1) return v0 + (v1 - v0) * (t - t0) / (t1 - t0);
   }
   return knots.back().second;
+}
+
+double Series::integral(double t0, double t1) const {
+  if (t1 < t0) return -integral(t1, t0);
+  // Trapezoids between the knots inside.
+  double sum = 0.0, from = t0;
+  for (const auto& [t, value] : knots) {
+    if (t <= from || t >= t1) continue;
+    sum += 0.5 * (t - from) * (at(from) + at(t));
+    from = t;
+  }
+  return sum + 0.5 * (t1 - from) * (at(from) + at(t1));
 }
 
 std::string Case::digest() const {

@@ -34,6 +34,8 @@ struct Face {
 struct Series {
   std::vector<std::pair<double, double>> knots;
   [[nodiscard]] double at(double t) const;
+  /// From t0 to t1, exact.
+  [[nodiscard]] double integral(double t0, double t1) const;
 };
 
 /// [case]
@@ -56,6 +58,14 @@ struct Water {
 /// matter.
 struct Soil {
   enum class SeepageLaw { darcy, constant, forchheimer, ergun };
+  /// How the Drucker-Prager cone is fitted to Coulomb's cohesion and friction (docs/theory_solid.md).
+  enum class Cone {
+    paper,         ///< Eq. (32): plane strain with associated flow (psi = phi)
+    plane_strain,  ///< plane strain with any dilation angle
+    repose,        ///< sqrt(J2) / p = tan(phi) when sheared at constant volume: phi is the angle of repose
+    outer,         ///< 3D, through Coulomb's compression edges
+    inner,         ///< 3D, through Coulomb's extension edges
+  };
   std::string name;
   Shape shape;
   double porosity = 0.4;                 ///< n = n_w
@@ -70,6 +80,7 @@ struct Soil {
   double cohesion = 0.0;         ///< Pa
   double friction_angle = 30.0;  ///< degrees
   double dilation_angle = 0.0;   ///< degrees
+  Cone cone = Cone::paper;
 };
 
 /// [[wall]]: one wall, its meaning for either phase.
@@ -82,13 +93,17 @@ struct Wall {
   ForSoil soil = ForSoil::roller;
 };
 
-/// [[water_face]]: a face of prescribed head or pressure through which water comes and goes (ponded head, reservoir,
-/// drain).
+/// [[water_face]]: a face through which water comes and goes. Behind it stands water of a prescribed head or pressure
+/// (pond, reservoir, drain), or a basin whose level follows from what is poured in and what leaves through the face, or
+/// nothing: water only leaves.
 struct WaterFace {
   std::string name;
   Face face;
-  std::optional<Series> head;      ///< m: elevation (along -gravity) of the free surface behind the face
+  std::optional<Series> head;      ///< m: elevation (along -gravity) of the free surface behind; of a basin: at first
   std::optional<Series> pressure;  ///< Pa, uniform on the face
+  std::optional<Series> discharge;   ///< m3/s (2D: m2/s) poured into the basin
+  std::optional<Series> basin_area;  ///< m2 (2D: m), horizontal, against elevation [m]: from the bottom up
+  bool outlet = false;               ///< nothing behind it
 };
 
 /// [[load]]: traction on the soil's surface near a face.

@@ -173,8 +173,18 @@ class Checker {
       const std::string key = fmt::format("water_face[{}]", i);
       const auto& f = scene_.water_faces[i];
       face(f.face, key);
-      if (f.head.has_value() == f.pressure.has_value())
-        fail(key, fmt::format("expected either 'head' or 'pressure', found {}", f.head ? "both" : "neither"));
+      const int kinds = (f.head && !f.discharge) + f.pressure.has_value() + f.discharge.has_value() + f.outlet;
+      if (kinds != 1)
+        fail(key, fmt::format("expected one of 'head', 'pressure', 'discharge' and 'outlet', found {}",
+                              kinds == 0 ? "none" : "more"));
+      if (f.discharge.has_value() != f.basin_area.has_value())
+        fail(key, "'discharge' and 'basin_area' belong together: what is poured in, and into what");
+      if (f.basin_area)
+        for (std::size_t j = 0; j < f.basin_area->knots.size(); ++j) {
+          const auto [z, area] = f.basin_area->knots[j];
+          if (!(area > 0.0))
+            fail(key + ".basin_area", fmt::format("expected positive areas, found {} at elevation {} m", area, z));
+        }
     }
     for (std::size_t i = 0; i < scene_.loads.size(); ++i) face(scene_.loads[i].face, fmt::format("load[{}]", i));
   }
