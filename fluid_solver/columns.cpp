@@ -1,11 +1,35 @@
 // Water that comes and goes through the faces of prescribed head or pressure.
 #include "fluid_solver/fluid_phase.hpp"
 
+#include "fluid_solver/basin.hpp"
 #include "fluid_solver/operators.hpp"
 
 #include <cmath>
 
 namespace poretwin::fluid {
+
+/// Levels of the basins at the end of a window, the flow through their faces taken as it was in the last one.
+template <int D>
+void Fluid<D>::fill_basins(double time, double interval) {
+  const auto through = passed();
+  for (std::size_t f = 0; f < scene_.water_faces.size(); ++f) {
+    const auto& face = scene_.water_faces[f];
+    if (!face.discharge) continue;
+    state_.supplied[f] += face.discharge->integral(time, time + interval);
+    double leaves = 0.0;
+    for (const auto& c : state_.columns)
+      if (c.face == static_cast<int>(f) && c.wet) leaves += interval * c.speed * c.mass / (density_ * c.spacing);
+    state_.basin_level[f] = basin_level(*face.basin_area, state_.supplied[f] - through[f] - leaves);
+  }
+}
+
+/// Volume that has come in through each face, less what has gone out [m^D].
+template <int D>
+ScalarArray Fluid<D>::passed() const {
+  ScalarArray sum(scene_.water_faces.size(), 0.0);
+  for (const auto& c : state_.columns) sum[static_cast<std::size_t>(c.face)] += c.passed(density_);
+  return sum;
+}
 
 template <int D>
 void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, double interval) {
@@ -80,9 +104,9 @@ void Fluid<D>::give_birth_and_delete() {
     for (auto& c : state_.columns) {
       const double d = c.inside(p.position[a]);
       if (d >= -deletion_depth * c.spacing || d < -3.0 * c.spacing) continue;
-      const Vec<D> lateral = p.position[a] - c.foot - d * c.normal;
-      if (lateral.norm() > c.width * 1.0001) continue;
+      if (!c.abreast(p.position[a], !detail::in_scene<D>(scene_, p.position[a]))) continue;
       keep[a] = false;
+      c.net -= p.mass[a] / density_;
       any = true;
       c.offset = std::clamp(d + c.spacing, 0.0, 0.999 * c.spacing);
       break;
@@ -99,6 +123,7 @@ void Fluid<D>::give_birth_and_delete() {
     const Soil* here = soil_at(scene_, to_point3<D>(c.foot + 0.25 * c.spacing * c.normal));
     const double n = here ? here->porosity : 1.0;
     p.add(c.foot + c.offset * c.normal, c.speed * c.normal, c.mass, n, c.volume, c.pressure + c.slope * c.offset);
+    c.net += c.mass / density_;
     ++state_.counts.born;
   }
 }

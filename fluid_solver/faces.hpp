@@ -23,15 +23,27 @@ struct FaceColumn {
   int face = 0;                    ///< of Case::water_faces
   double spacing = 0.0;            ///< along the normal [m]
   double width = 0.0;              ///< half-width along the face [m]
+  Vec<D> overhang = Vec<D>::Zero();  ///< at the end of a straight piece: how far it also takes in what lies beyond [m]
   double volume = 0.0;             ///< bulk, of each buffer particle [m^D]
   double mass = 0.0;               ///< of a particle born here [kg]
   double offset = 0.0;             ///< of the stack: buffers at offset - j spacing, j = 1 .. 4 [m]
   double speed = 0.0;              ///< of the stack [m/s]
   double pressure = 0.0;           ///< at the foot, piezometric [Pa]
   double slope = 0.0;              ///< of the piezometric pressure along the normal [Pa/m]
+  double net = 0.0;                ///< volume of particles born here, less that of those deleted [m^D]
   bool in_soil = false;            ///< the ground behind the face is soil
   bool wet = false;                ///< acts now
   [[nodiscard]] double inside(const Vec<D>& x) const { return normal.dot(x - foot); }
+  /// Within the column's width? Beyond the end of the face too, where it is the last column.
+  [[nodiscard]] bool abreast(const Vec<D>& x, bool beyond_the_end) const {
+    const Vec<D> lateral = x - foot - inside(x) * normal;
+    const double reach = beyond_the_end && overhang.dot(lateral) > 0.0 ? overhang.norm() : 0.0;
+    return lateral.norm() <= 1.0001 * width + reach;
+  }
+  /// Volume of water that the first buffer has inside the face [m^D]; negative: that the last particle has outside.
+  [[nodiscard]] double share(double density) const { return wet ? mass / density * (offset / spacing - 0.5) : 0.0; }
+  /// Volume of water that has come in here, less what has gone out [m^D].
+  [[nodiscard]] double passed(double density) const { return net + share(density); }
 };
 
 /// What drives a front into dry ground behind a face.
@@ -87,9 +99,14 @@ std::vector<FaceColumn<D>> make_columns(const Case& scene) {
           const double length = piece.to - piece.from;
           const int count = std::max(1, static_cast<int>(std::lround(length / dx)));
           const double width = length / count;
+          const std::size_t first = columns.size();
           for (int i = 0; i < count; ++i)
             detail::add_column<2>(scene, number, piece.point + (i + 0.5) * width * piece.tangent, piece.normal, width,
                                   0.5 * width, columns);
+          if (columns.size() > first) {
+            columns[first].overhang -= 3.0 * dx * piece.tangent;
+            columns.back().overhang += 3.0 * dx * piece.tangent;
+          }
         }
         continue;
       }
@@ -138,20 +155,22 @@ std::vector<FaceColumn<D>> make_columns(const Case& scene) {
   return columns;
 }
 
-/// Pressures at the feet at a time; a column acts where the total pressure there is not negative.
+/// Pressures at the feet at a time; a column acts where the total pressure there is not negative. basin_level [m]: of
+/// each face, for those that are basins.
 template <int D>
-void update_columns(const Case& scene, double time, const Vec<D>& weight, const Vec<D>& origin,
-                    std::vector<FaceColumn<D>>& columns) {
+void update_columns(const Case& scene, double time, std::span<const double> basin_level, const Vec<D>& weight,
+                    const Vec<D>& origin, std::vector<FaceColumn<D>>& columns) {
   const double magnitude = weight.norm();
   for (auto& c : columns) {
     const WaterFace& face = scene.water_faces[static_cast<std::size_t>(c.face)];
-    double total = 0.0;
-    if (face.head) {
-      const double elevation = magnitude > 0.0 ? -weight.dot(c.foot) / magnitude : 0.0;
+    const double elevation = magnitude > 0.0 ? -weight.dot(c.foot) / magnitude : 0.0;
+    double total = -1.0;
+    if (face.discharge)
+      total = magnitude * (basin_level[static_cast<std::size_t>(c.face)] - elevation);
+    else if (face.head)
       total = magnitude * (face.head->at(time) - elevation);
-    } else if (face.pressure) {
+    else if (face.pressure)
       total = face.pressure->at(time);
-    }
     c.wet = total >= 0.0;
     c.pressure = total - weight.dot(c.foot - origin);
   }

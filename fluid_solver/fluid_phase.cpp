@@ -1,6 +1,7 @@
 #include "fluid_solver/fluid_phase.hpp"
 
 #include "common/core/error.hpp"
+#include "fluid_solver/basin.hpp"
 #include "fluid_solver/cloud.hpp"
 #include "fluid_solver/fluid.hpp"
 #include "fluid_solver/operators.hpp"
@@ -59,7 +60,13 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
   // Inviscid free water is slowly unstable: a trace of viscosity on the scale of the particles.
   viscosity_ = std::max(scene.water.kinematic_viscosity, 0.01 * dx_ * std::sqrt(scene.general.gravity.norm() * depth));
   state_.columns = make_columns<D>(scene);
-  update_columns<D>(scene_, 0.0, weight_, origin_, state_.columns);
+  for (const auto& face : scene.water_faces) {
+    const bool basin = face.discharge.has_value();
+    const double lowest = basin ? face.basin_area->knots.front().first : 0.0;
+    state_.basin_level.push_back(basin && face.head ? std::max(lowest, face.head->at(0.0)) : lowest);
+    state_.supplied.push_back(basin ? basin_volume(*face.basin_area, state_.basin_level.back()) : 0.0);
+  }
+  update_columns<D>(scene_, 0.0, state_.basin_level, weight_, origin_, state_.columns);
   // The soil looks for its rest under what is published before the first exchange.
   settle(rigid_soil<D>(scene_, p.position));
   saved_ = state_;
@@ -106,8 +113,7 @@ SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox) const {
   const auto nearest_column = [&](const Vec<D>& point) -> const FaceColumn<D>* {
     for (const auto& c : state_.columns) {
       const double d = c.inside(point);
-      if (c.in_soil && std::abs(d) <= c.spacing && (point - c.foot - d * c.normal).norm() <= 1.0001 * c.width)
-        return &c;
+      if (c.in_soil && std::abs(d) <= c.spacing && c.abreast(point, false)) return &c;
     }
     return nullptr;
   };
@@ -318,7 +324,8 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
     p.volume[a] = p.mass[a] / (p.void_fraction[a] * density_);
     p.mask[a] = view.mask[a];
   }
-  update_columns<D>(scene_, window.time + dt, weight_, origin_, state_.columns);
+  fill_basins(window.time, dt);
+  update_columns<D>(scene_, window.time + dt, state_.basin_level, weight_, origin_, state_.columns);
   const auto s = stencil();
   ++state_.counts.stencils;
   p.surface = find_surface(s);

@@ -39,6 +39,8 @@ class Fluid final : public Phase {
   void move(const Stencil<D>& s, const WindowSolution<D>& solution, std::span<const Vec<D>> velocity_before,
             double interval);
   void keep_inside(Vec<D>& x, Vec<D>& v, double spacing) const;
+  void fill_basins(double time, double interval);
+  ScalarArray passed() const;
   void advance_columns(const Stencil<D>& s, const SoilView<D>& soil, double interval);
   void wet_dry_ground(FaceColumn<D>& c, double interval) const;
   InfiltrationSpeed infiltration_speed(const FaceColumn<D>& c) const;

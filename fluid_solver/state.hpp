@@ -79,6 +79,8 @@ struct State {
   std::uint64_t revision = 0;
   Particles<D> particles;
   std::vector<FaceColumn<D>> columns;
+  ScalarArray supplied;     ///< [faces] volume of the basin at first, and poured in since [m^D]; 0 where it is none
+  ScalarArray basin_level;  ///< [faces] m
   Counts counts;
 };
 

@@ -24,17 +24,14 @@ constexpr std::array soil_words{Word<Wall::ForSoil>{"none", Wall::ForSoil::none}
 constexpr std::array model_words{Word<SolidCase::Model>{"rigid", SolidCase::Model::rigid},
                                  Word<SolidCase::Model>{"elastic", SolidCase::Model::elastic},
                                  Word<SolidCase::Model>{"drucker_prager", SolidCase::Model::drucker_prager}};
-<<<<<<< HEAD
 constexpr std::array seepage_words{Word<Soil::SeepageLaw>{"darcy", Soil::SeepageLaw::darcy},
                                    Word<Soil::SeepageLaw>{"constant", Soil::SeepageLaw::constant},
                                    Word<Soil::SeepageLaw>{"forchheimer", Soil::SeepageLaw::forchheimer},
                                    Word<Soil::SeepageLaw>{"ergun", Soil::SeepageLaw::ergun}};
-=======
 constexpr std::array cone_words{
     Word<Soil::Cone>{"paper", Soil::Cone::paper}, Word<Soil::Cone>{"plane_strain", Soil::Cone::plane_strain},
     Word<Soil::Cone>{"repose", Soil::Cone::repose}, Word<Soil::Cone>{"outer", Soil::Cone::outer},
     Word<Soil::Cone>{"inner", Soil::Cone::inner}};
->>>>>>> main
 constexpr std::array gradient_words{
     Word<SolidCase::PressureGradient>{"difference", SolidCase::PressureGradient::difference},
     Word<SolidCase::PressureGradient>{"sum", SolidCase::PressureGradient::sum}};
@@ -190,12 +187,14 @@ void declare(Keys& keys, Gauge& g) {
   keys.text("phase", g.phase, {"", "`fluid` or `solid`.", true});
   keys.text("kind", g.kind,
             {"",
-             "`point`, `front`, `volume`, `momentum`, `kinetic_energy`, `particles`, `max_speed`; of the solid also "
+             "`point`, `front`, `volume`, `momentum`, `kinetic_energy`, `particles`, `max_speed`, `level`, `passed_volume`; of "
+             "the solid also "
              "`max_displacement`, `uplift`, `pending_impulse`.",
              true});
   keys.text("quantity", g.quantity,
             {"",
-             "Of `point`: an output field, with `_x` `_y` `_z` or `_xx` `_yy` .. for one component. Of `momentum`: "
+             "Of `level` (of the water behind) and `passed_volume` (come in less gone out): name of the face. Of "
+             "`point`: an output field, with `_x` `_y` `_z` or `_xx` `_yy` .. for one component. Of `momentum`: "
              "`momentum_x` .."});
   keys.points("points", g.points, {"m", "Of `point`: where. Of `front`: the two ends of the line."});
   keys.optional_table("region", "Where `volume`, `momentum`, .. count; absent: everywhere.", g.region,

@@ -156,7 +156,8 @@ struct OutputCase {
 struct Gauge {
   std::string name;
   std::string phase;     ///< "fluid" or "solid"
-  std::string kind;      ///< "point", "front", "volume", "momentum", "kinetic_energy", "particles", "max_speed";
+  std::string kind;      ///< "point", "front", "volume", "momentum", "kinetic_energy", "particles", "max_speed", "level",
+                         ///< "passed_volume";
                          ///< solid only: "max_displacement", "uplift", "pending_impulse" (taken, not yet paid for)
   std::string quantity;  ///< of "point": "pore_pressure", "velocity", "displacement", "effective_stress_yy", ...
   std::vector<Point3> points;   ///< of "point" (name[i] where several), of "front" (a line's two ends)

@@ -14,9 +14,9 @@ namespace poretwin {
 namespace {
 
 constexpr std::array<std::string_view, 2> phases{"fluid", "solid"};
-constexpr std::array<std::string_view, 10> gauge_kinds{
-    "point",     "front",     "volume",           "momentum", "kinetic_energy",
-    "particles", "max_speed", "max_displacement", "uplift",   "pending_impulse"};
+constexpr std::array<std::string_view, 12> gauge_kinds{
+    "point",     "front",            "volume", "momentum",        "kinetic_energy", "particles",
+    "max_speed", "max_displacement", "uplift", "pending_impulse", "level",          "passed_volume"};
 
 class Checker {
  public:
@@ -271,6 +271,15 @@ class Checker {
       if (gauge.kind == "front" && gauge.points.size() != 2)
         fail(key + ".points",
              fmt::format("a front gauge needs the 2 ends of its line, found {} points", gauge.points.size()));
+      if (gauge.kind == "level" || gauge.kind == "passed_volume") {
+        const auto& faces = scene_.water_faces;
+        const auto named = std::find_if(faces.begin(), faces.end(),
+                                        [&](const WaterFace& face) { return face.name == gauge.quantity; });
+        if (gauge.quantity.empty() || named == faces.end())
+          fail(key + ".quantity", fmt::format("expected the name of a [[water_face]], found \"{}\"", gauge.quantity));
+        if (gauge.kind == "level" && !named->discharge && !named->head)
+          fail(key + ".quantity", fmt::format("the face \"{}\" has no water level", gauge.quantity));
+      }
       if (gauge.region) shape(*gauge.region, key + ".region", 0.0);
       for (std::size_t j = 0; j < i; ++j)
         if (scene_.gauges[j].name == gauge.name)
