@@ -76,7 +76,8 @@ void Fluid<D>::wet_dry_ground(FaceColumn<D>& c, double interval) const {
   const double z = std::max(0.0, c.offset - 0.5 * c.spacing);
   const double deeper = std::sqrt(z * z + 2.0 * speed.head * interval) + std::max(0.0, speed.gravity) * interval;
   c.offset = std::min(c.spacing, 0.5 * c.spacing + deeper);
-  c.speed = (deeper - z) / interval;
+  // What is born has the front's speed half a spacing in, not the endless one of its first touch.
+  c.speed = std::min((deeper - z) / interval, speed.head / (0.5 * c.spacing) + std::max(0.0, speed.gravity));
 }
 
 /// k/n times the pressure head at the face [m2/s], and k/n times the cosine between gravity and the way in [m/s].
@@ -97,10 +98,15 @@ InfiltrationSpeed Fluid<D>::infiltration_speed(const FaceColumn<D>& c) const {
 template <int D>
 void Fluid<D>::give_birth_and_delete() {
   auto& p = state_.particles;
-  if (state_.columns.empty()) return;
   std::vector<bool> keep(p.size(), true);
   bool any = false;
   for (std::size_t a = 0; a < p.size(); ++a) {
+    if (((p.position[a] - lower_).array() < 0.0 || (upper_ - p.position[a]).array() < 0.0).any()) {
+      keep[a] = false;
+      any = true;
+      ++state_.counts.lost;
+      continue;
+    }
     for (auto& c : state_.columns) {
       const double d = c.inside(p.position[a]);
       if (d >= -deletion_depth * c.spacing || d < -3.0 * c.spacing) continue;

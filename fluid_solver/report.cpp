@@ -136,7 +136,8 @@ std::map<std::string, double> Fluid<D>::counters() const {
           {"list rebuilds", c.stencils},
           {"further rounds of quadratic drag", c.drag_rounds},
           {"born", c.born},
-          {"deleted", c.deleted}};
+          {"deleted", c.deleted},
+          {"lost, far outside", c.lost}};
 }
 
 template class Fluid<2>;
