@@ -4,6 +4,7 @@
 #include "solid_solver/gauges.hpp"
 #include "solid_solver/permeability.hpp"
 #include "solid_solver/rest.hpp"
+#include "solid_solver/saturation.hpp"
 #include "solid_solver/solid.hpp"
 
 #include <fmt/format.h>
@@ -51,6 +52,8 @@ Solid<D>::Solid(const Case& scene) : scene_(scene) {
   state_.stabilising.assign(n, Vec<D>::Zero());
   state_.external.pressure.assign(n, 0.0);
   state_.external.coverage.assign(n, 0.0);
+  for (const Index soil : state_.particles.material)
+    state_.external.saturation.push_back(scene.soils[soil].initial_saturation);
   state_.external.pressure_gradient.assign(n, Vec<D>::Zero());
   state_.mean_velocity.assign(n, Vec<D>::Zero());
   state_.returned_impulse.assign(n, Vec<D>::Zero());
@@ -86,6 +89,7 @@ void Solid<D>::initialise(const Inbox& inbox) {
   state_.external.coverage = coverage_of(inbox, n);
   for (std::size_t i = 0; i < n; ++i)
     if (state_.external.coverage[i] <= 0.0) state_.external.pressure[i] = 0.0;
+  degree_of_saturation<D>(scene_.soils, setup_, state_, state_.external.coverage, state_.external.saturation);
   if (scene_.solid.initial_rest) {
     const VecArray<D> initial = state_.particles.velocity;
     for (auto& v : state_.particles.velocity) v.setZero();
@@ -119,6 +123,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   if (!(interval > 0.0)) return Outcome::reject(setup_.longest_substep, "a window must be longer than 0 s");
 
   state_.external.coverage = coverage_of(inbox, n);
+  degree_of_saturation<D>(scene_.soils, setup_, state_, state_.external.coverage, state_.external.saturation);
   ScalarArray pressure = field_or_zero(inbox, field::pore_pressure, n, 1);
   for (std::size_t i = 0; i < n; ++i)
     if (state_.external.coverage[i] <= 0.0) pressure[i] = 0.0;
@@ -284,8 +289,8 @@ OutputFrame Solid<D>::frame() const {
       {"pore_pressure", "Pa", "pressure of the water at the soil's points", 1, state_.external.pressure},
       {"void_fraction", "1", "porosity n_w = 1 - n_s", 1,
        scalars([&](std::size_t i) { return void_fraction(setup_, p, i); })},
-      {"degree_of_saturation", "1", "share of the kernel's support covered by water, Eq. (90), clamped to 1", 1,
-       state_.external.coverage},
+      {"degree_of_saturation", "1", "water's share of the soil's surroundings, Eq. (90)", 1,
+       state_.external.saturation},
       {"accumulated_plastic_strain", "1", "accumulated equivalent deviatoric plastic strain", 1, p.plastic_strain},
   };
   return frame;

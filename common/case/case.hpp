@@ -70,10 +70,14 @@ struct Soil {
   double hydraulic_conductivity = 1e-4;  ///< m/s at `porosity`; Kozeny-Carman (18) away from it
   double youngs_modulus = 3.0e6;         ///< Pa
   double poissons_ratio = 0.3;
-  double cohesion = 0.0;         ///< Pa
+  double cohesion = 0.0;         ///< Pa, at the initial saturation
   double friction_angle = 30.0;  ///< degrees
   double dilation_angle = 0.0;   ///< degrees
   Cone cone = Cone::paper;
+  std::optional<double> tensile_strength;    ///< Pa, largest mean effective stress; absent: the cone's apex
+  std::optional<double> maximum_void_ratio;  ///< e at which dilation ends; absent: never
+  double initial_saturation = 0.0;           ///< s_r0, of soil that the water has not reached
+  std::optional<double> saturated_cohesion;  ///< Pa, at s_r = 1, Eq. (36); absent: as `cohesion`
 };
 
 /// [[wall]]: one wall, its meaning for either phase.
@@ -118,7 +122,7 @@ struct FluidCase {
 
 /// [solid]
 struct SolidCase {
-  enum class Model { rigid, elastic, drucker_prager };
+  enum class Model { rigid, elastic, drucker_prager, drucker_prager_rate };
   enum class PressureGradient { difference, sum };  ///< Eq. (62) as corrected; Eq. (61), which expels surface particles
   Model model = Model::elastic;
   double particle_spacing = 0.0;  ///< m
@@ -128,6 +132,7 @@ struct SolidCase {
   unsigned seed = 2;
   bool initial_rest = true;  ///< find the rest under gravity, water and standing loads before time zero
   PressureGradient pressure_gradient = PressureGradient::difference;
+  double strength_reduction = 1.0;  ///< cohesion and tan(friction) are divided by it
 };
 
 /// [coupling]
