@@ -5,6 +5,8 @@
 #include "fluid_solver/state.hpp"
 #include "fluid_solver/stencil.hpp"
 
+#include <Eigen/Dense>
+
 #include <limits>
 
 namespace poretwin::fluid {

@@ -3,6 +3,7 @@
 // all).
 #pragma once
 
+#include "common/sph/neighbours.hpp"
 #include "fluid_solver/soil_view.hpp"
 #include "fluid_solver/stencil.hpp"
 
@@ -164,7 +165,7 @@ std::vector<Buffer<D>> make_buffers(const std::vector<FaceColumn<D>>& columns) {
     if (!c.wet) continue;
     for (int j = 1; j <= buffers_per_column; ++j) {
       const double d = c.offset - j * c.spacing;
-      buffers.push_back({c.foot + d * c.normal, c.volume, static_cast<Index>(i), -d});
+      buffers.push_back({c.foot + d * c.normal, c.volume, static_cast<Index>(i), -d, c.foot, c.normal});
     }
   }
   return buffers;

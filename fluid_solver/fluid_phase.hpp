@@ -2,7 +2,6 @@
 #pragma once
 
 #include "common/coupling/phase.hpp"
-#include "fluid_solver/cloud.hpp"
 #include "fluid_solver/state.hpp"
 #include "fluid_solver/window.hpp"
 

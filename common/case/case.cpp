@@ -24,6 +24,10 @@ constexpr std::array soil_words{Word<Wall::ForSoil>{"none", Wall::ForSoil::none}
 constexpr std::array model_words{Word<SolidCase::Model>{"rigid", SolidCase::Model::rigid},
                                  Word<SolidCase::Model>{"elastic", SolidCase::Model::elastic},
                                  Word<SolidCase::Model>{"drucker_prager", SolidCase::Model::drucker_prager}};
+constexpr std::array cone_words{
+    Word<Soil::Cone>{"paper", Soil::Cone::paper}, Word<Soil::Cone>{"plane_strain", Soil::Cone::plane_strain},
+    Word<Soil::Cone>{"repose", Soil::Cone::repose}, Word<Soil::Cone>{"outer", Soil::Cone::outer},
+    Word<Soil::Cone>{"inner", Soil::Cone::inner}};
 constexpr std::array gradient_words{
     Word<SolidCase::PressureGradient>{"difference", SolidCase::PressureGradient::difference},
     Word<SolidCase::PressureGradient>{"sum", SolidCase::PressureGradient::sum}};
@@ -76,6 +80,13 @@ void declare(Keys& keys, Soil& s) {
               between(0, false, 90, true));
   keys.number("dilation_angle", s.dilation_angle,
               {"degrees", "Dilation angle (drucker_prager), at most the friction angle."}, between(0, false, 90, true));
+  keys.choice<Soil::Cone>(
+      "cone", s.cone, cone_words,
+      {"",
+       "Fit of the cone to Coulomb (drucker_prager): `paper` Eq. (32), exact for plane strain with dilation = "
+       "friction; "
+       "`plane_strain` for any dilation; `repose`: friction is the angle of repose; 3D `outer` (compression), `inner` "
+       "(extension)."});
 }
 
 void declare(Keys& keys, Wall& w) {

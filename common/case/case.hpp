@@ -55,6 +55,14 @@ struct Water {
 /// [[soil]]: a region of soil and its material. With solid.model = "rigid" only shape, porosity and conductivity
 /// matter.
 struct Soil {
+  /// How the Drucker-Prager cone is fitted to Coulomb's cohesion and friction (docs/theory_solid.md).
+  enum class Cone {
+    paper,         ///< Eq. (32): plane strain with associated flow (psi = phi)
+    plane_strain,  ///< plane strain with any dilation angle
+    repose,        ///< sqrt(J2) / p = tan(phi) when sheared at constant volume: phi is the angle of repose
+    outer,         ///< 3D, through Coulomb's compression edges
+    inner,         ///< 3D, through Coulomb's extension edges
+  };
   std::string name;
   Shape shape;
   double porosity = 0.4;                 ///< n = n_w
@@ -65,6 +73,7 @@ struct Soil {
   double cohesion = 0.0;         ///< Pa
   double friction_angle = 30.0;  ///< degrees
   double dilation_angle = 0.0;   ///< degrees
+  Cone cone = Cone::paper;
 };
 
 /// [[wall]]: one wall, its meaning for either phase.

@@ -5,31 +5,36 @@
 
 namespace poretwin::solid {
 
-Cone fit_cone(double cohesion, double friction_angle, double dilation_angle, ConeMatch match) {
+Cone fit_cone(double cohesion, double friction_angle, double dilation_angle, Soil::Cone fit) {
   const double phi = friction_angle * std::numbers::pi / 180.0, psi = dilation_angle * std::numbers::pi / 180.0;
-  auto plane_strain = [](double angle) {  // alpha of Eq. (32)
-    const double t = std::tan(angle);
-    return t / std::sqrt(9.0 + 12.0 * t * t);
-  };
+  const double sin_phi = std::sin(phi), cos_phi = std::cos(phi), tan_phi = std::tan(phi), tan_psi = std::tan(psi);
   Cone cone;
-  cone.alpha_psi = plane_strain(psi);
-  switch (match) {
-    case ConeMatch::paper: {
-      const double t = std::tan(phi);
-      cone.alpha = plane_strain(phi);
-      cone.k = 3.0 * cohesion / std::sqrt(9.0 + 12.0 * t * t);
+  // Plane strain at the limit: the flow rule with this alpha_psi dilates by psi on any cone.
+  cone.alpha_psi = tan_psi / std::sqrt(9.0 + 12.0 * tan_psi * tan_psi);
+  switch (fit) {
+    case Soil::Cone::paper:
+      cone.alpha = tan_phi / std::sqrt(9.0 + 12.0 * tan_phi * tan_phi);
+      cone.k = 3.0 * cohesion / std::sqrt(9.0 + 12.0 * tan_phi * tan_phi);
       break;
-    }
-    case ConeMatch::plane_strain: {
+    case Soil::Cone::plane_strain: {
       const double root = std::sqrt(1.0 - 3.0 * cone.alpha_psi * cone.alpha_psi);
-      cone.alpha = std::sin(phi) / (3.0 * (root + cone.alpha_psi * std::sin(phi)));
-      cone.k = cohesion * std::cos(phi) * (1.0 - 3.0 * cone.alpha * cone.alpha_psi) / root;
+      cone.alpha = sin_phi / (3.0 * (root + cone.alpha_psi * sin_phi));
+      cone.k = cohesion * cos_phi * (1.0 - 3.0 * cone.alpha * cone.alpha_psi) / root;
       break;
     }
-    case ConeMatch::repose:
-      cone.alpha = std::tan(phi) / 3.0;
+    case Soil::Cone::repose:
+      cone.alpha = tan_phi / 3.0;
       cone.k = cohesion;
       break;
+    case Soil::Cone::outer:
+    case Soil::Cone::inner: {
+      const double sign = fit == Soil::Cone::outer ? -1.0 : 1.0;
+      const double edge = std::numbers::sqrt3 * (3.0 + sign * sin_phi), sin_psi = std::sin(psi);
+      cone.alpha = 2.0 * sin_phi / edge;
+      cone.k = 6.0 * cohesion * cos_phi / edge;
+      cone.alpha_psi = 2.0 * sin_psi / (std::numbers::sqrt3 * (3.0 + sign * sin_psi));
+      break;
+    }
   }
   return cone;
 }

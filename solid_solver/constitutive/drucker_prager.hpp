@@ -5,13 +5,6 @@
 
 namespace poretwin::solid {
 
-/// How the cone is fitted to Coulomb's cohesion and friction.
-enum class ConeMatch {
-  paper,         ///< Eq. (32): plane strain with associated flow
-  plane_strain,  ///< plane strain with any dilation angle
-  repose,        ///< sqrt(J2)/p = tan(phi): a heap stands at its angle of repose
-};
-
 /// Yield f = alpha I1 + sqrt(J2) - k (Eq. (31)); potential with alpha_psi (Eq. (30)).
 struct Cone {
   double alpha = 0.0;      ///< friction
@@ -20,7 +13,7 @@ struct Cone {
 };
 
 /// Cone constants; cohesion in Pa, angles in degrees.
-Cone fit_cone(double cohesion, double friction_angle, double dilation_angle, ConeMatch match = ConeMatch::paper);
+Cone fit_cone(double cohesion, double friction_angle, double dilation_angle, Soil::Cone fit = Soil::Cone::paper);
 
 /// Yield function f [Pa] of Eq. (31).
 double yield_function(const Tensor& stress, const Cone& cone);
@@ -33,7 +26,7 @@ class DruckerPrager final : public ConstitutiveModel {
  public:
   explicit DruckerPrager(const Soil& soil)
       : ConstitutiveModel(Elasticity::of(soil)),
-        cone_(fit_cone(soil.cohesion, soil.friction_angle, soil.dilation_angle)) {}
+        cone_(fit_cone(soil.cohesion, soil.friction_angle, soil.dilation_angle, soil.cone)) {}
   double advance(Tensor& stress, const Tensor& strain) const override {
     stress += elasticity().stress_of(strain);
     return return_map(stress, cone_, elasticity());

@@ -25,7 +25,7 @@ Stencil<D> box(double jitter, std::size_t count, std::span<const sph::ImagePlane
       }
   if (points) *points = x;
   const ScalarArray volume(x.size(), std::pow(dx, D));
-  return make_stencil<D>(x, volume, std::span<const Buffer<D>>(), planes, [](Index, const Vec<D>&) { return 0.0; });
+  return make_stencil<D>(x, volume, std::span<const Buffer<D>>(), planes);
 }
 
 template <int D>
@@ -107,7 +107,7 @@ TEST(Operators, LaplacianIsSymmetricWithUnequalVolumes) {
   const auto lattice = box<2>(0.3, 8, {}, &x);
   ScalarArray volume(x.size());
   for (std::size_t a = 0; a < x.size(); ++a) volume[a] = lattice.volume[a] * (x[a].x() > 0.5 ? 2.0 : 1.0);
-  const auto s = make_stencil<2>(x, volume, std::span<const Buffer<2>>(), {}, [](Index, const Vec<2>&) { return 0.0; });
+  const auto s = make_stencil<2>(x, volume, std::span<const Buffer<2>>(), {});
   const auto m = laplacian(
       s, [](std::size_t, std::size_t) { return 1.0; }, true);
   ScalarArray u, v, mu(x.size()), mv(x.size());
@@ -125,7 +125,7 @@ TEST(Operators, DirectionsWithoutNeighboursAreBlind) {
   VecArray<2> x;
   for (int i = 0; i < 10; ++i) x.emplace_back(0.1 * i, 0.0);
   const ScalarArray volume(x.size(), 0.01);
-  const auto s = make_stencil<2>(x, volume, std::span<const Buffer<2>>(), {}, [](Index, const Vec<2>&) { return 0.0; });
+  const auto s = make_stencil<2>(x, volume, std::span<const Buffer<2>>(), {});
   const Vec<2> fallback(5.0, 7.0);
   ScalarArray p;
   for (const auto& point : x) p.push_back(2.0 * point.x());

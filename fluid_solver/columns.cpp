@@ -1,0 +1,106 @@
+// Water that comes and goes through the faces of prescribed head or pressure.
+#include "fluid_solver/fluid_phase.hpp"
+
+#include "fluid_solver/operators.hpp"
+
+#include <cmath>
+
+namespace poretwin::fluid {
+
+template <int D>
+void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, double interval) {
+  const auto& p = state_.particles;
+  if (state_.columns.empty()) return;
+  const auto motion = moved();
+  sph::CellGrid<D> grid;
+  double widest = 0.0;
+  for (const auto& c : state_.columns)
+    widest = std::max(widest, 2.0 * smoothing_ratio * std::max(c.spacing, 2.0 * c.width));
+  grid.build(p.position, widest);
+  for (std::size_t i = 0; i < state_.columns.size(); ++i) {
+    auto& c = state_.columns[i];
+    const double speed_before = c.speed;
+    c.speed = 0.0;
+    c.slope = 0.0;
+    if (!c.wet) continue;
+    c.slope = face_slope(s, static_cast<Index>(i), p.pressure, c.pressure).value_or(0.0);
+    const Vec<D> probe = c.foot + 0.75 * c.spacing * c.normal;
+    const double h = smoothing_ratio * std::pow(c.volume, 1.0 / D);
+    double sum = 0.0, speed = 0.0;
+    grid.for_each_within(probe, sph::support_radius * h, [&](Index a, double r2) {
+      const double w = p.volume[a] * Kernel<D>::value(std::sqrt(r2), h);
+      sum += w;
+      const double spacing = std::pow(p.volume[a], 1.0 / D);
+      speed +=
+          w * (c.normal.dot(p.velocity[a]) + motion[a] * 0.5 * (1.0 - s.fullness[a]) * spacing / repair_time(a, view));
+    });
+    if (sum < 0.05) {
+      wet_dry_ground(c, interval);
+      continue;
+    }
+    c.speed = speed / sum;
+    c.offset += interval * (c.speed + (c.in_soil ? look_ahead(interval) * (c.speed - speed_before) : 0.0));
+  }
+}
+
+/// Water behind a wet face enters dry ground as a sharp front, before there is a particle to carry it (Green & Ampt
+/// 1911): dz/dt = (k/n) (H/z + cos), H the pressure head at the face, z = offset - spacing/2; the head's part is
+/// integrated exactly.
+template <int D>
+void Fluid<D>::wet_dry_ground(FaceColumn<D>& c, double interval) const {
+  const auto speed = infiltration_speed(c);
+  const double z = std::max(0.0, c.offset - 0.5 * c.spacing);
+  const double deeper = std::sqrt(z * z + 2.0 * speed.head * interval) + std::max(0.0, speed.gravity) * interval;
+  c.offset = std::min(c.spacing, 0.5 * c.spacing + deeper);
+  c.speed = (deeper - z) / interval;
+}
+
+/// k/n times the pressure head at the face [m2/s], and k/n times the cosine between gravity and the way in [m/s].
+template <int D>
+InfiltrationSpeed Fluid<D>::infiltration_speed(const FaceColumn<D>& c) const {
+  const double magnitude = weight_.norm();
+  const Soil* here = soil_at(scene_, to_point3<D>(c.foot + 0.25 * c.spacing * c.normal));
+  if (!here) return {};
+  const double total = std::max(0.0, c.pressure + weight_.dot(c.foot - origin_));
+  const double seepage = here->hydraulic_conductivity / here->porosity;
+  const double gamma = magnitude > 0.0 ? magnitude : density_ * 9.81;
+  return {seepage * total / gamma, magnitude > 0.0 ? seepage * weight_.dot(c.normal) / magnitude : 0.0};
+}
+
+template <int D>
+void Fluid<D>::give_birth_and_delete() {
+  auto& p = state_.particles;
+  if (state_.columns.empty()) return;
+  std::vector<bool> keep(p.size(), true);
+  bool any = false;
+  for (std::size_t a = 0; a < p.size(); ++a) {
+    for (auto& c : state_.columns) {
+      const double d = c.inside(p.position[a]);
+      if (d >= -deletion_depth * c.spacing || d < -3.0 * c.spacing) continue;
+      const Vec<D> lateral = p.position[a] - c.foot - d * c.normal;
+      if (lateral.norm() > c.width * 1.0001) continue;
+      keep[a] = false;
+      any = true;
+      c.offset = std::clamp(d + c.spacing, 0.0, 0.999 * c.spacing);
+      break;
+    }
+  }
+  if (any) {
+    const std::size_t had = p.size();
+    p.filter(keep);
+    state_.counts.deleted += static_cast<double>(had - p.size());
+  }
+  for (auto& c : state_.columns) {
+    if (!c.wet || c.offset < c.spacing) continue;
+    c.offset -= c.spacing;
+    const Soil* here = soil_at(scene_, to_point3<D>(c.foot + 0.25 * c.spacing * c.normal));
+    const double n = here ? here->porosity : 1.0;
+    p.add(c.foot + c.offset * c.normal, c.speed * c.normal, c.mass, n, c.volume, c.pressure + c.slope * c.offset);
+    ++state_.counts.born;
+  }
+}
+
+template class Fluid<2>;
+template class Fluid<3>;
+
+}  // namespace poretwin::fluid

@@ -1,0 +1,80 @@
+// How long the next window may be.
+#include "fluid_solver/fluid_phase.hpp"
+
+#include <cmath>
+
+namespace poretwin::fluid {
+
+namespace {
+
+/// Relative pressure change aimed at per window (rms, of the pressure's range).
+constexpr double wanted_change = 0.03;
+/// Pressure changes below this share of the hydrostatic range are no reason for shorter windows.
+constexpr double hydrostatic_share = 0.05;
+constexpr double longest_interval = 8.0;  // s: of slow seepage; with longer ones the ponded front lags
+
+}  // namespace
+
+/// Next interval from the pressure change of this one; never from a clock.
+template <int D>
+void Fluid<D>::control_interval(const ScalarArray& before, double interval) {
+  const auto& now = state_.particles.pressure;
+  if (state_.controlled <= 0.0 || now.empty()) return;
+  const auto& x = state_.particles.position;
+  double sum = 0.0, lower = now[0], upper = now[0], lightest = weight_.dot(x[0]), heaviest = lightest;
+  for (std::size_t a = 0; a < now.size(); ++a) {
+    lightest = std::min(lightest, weight_.dot(x[a]));
+    heaviest = std::max(heaviest, weight_.dot(x[a]));
+    sum += (now[a] - before[a]) * (now[a] - before[a]);
+    lower = std::min(lower, now[a]);
+    upper = std::max(upper, now[a]);
+  }
+  for (const auto& c : state_.columns)
+    if (c.wet) {
+      lower = std::min(lower, c.pressure);
+      upper = std::max(upper, c.pressure);
+    }
+  state_.widest_range = std::max(state_.widest_range, upper - lower);
+  // Water at rest has no range of its own: rounding must not shorten its windows.
+  const double range = std::max({upper - lower, 1e-3 * state_.widest_range, hydrostatic_share * (heaviest - lightest)});
+  state_.pressure_change = range > 0.0 ? std::sqrt(sum / static_cast<double>(now.size())) / range : 0.0;
+  const double target =
+      state_.pressure_change > 0.0 ? interval * wanted_change / state_.pressure_change : longest_interval;
+  state_.controlled = std::clamp(std::clamp(target, 0.3 * state_.controlled, 1.5 * state_.controlled), first_interval_,
+                                 longest_interval);
+}
+
+template <int D>
+std::pair<double, std::string> Fluid<D>::time_limit() const {
+  const auto& p = state_.particles;
+  std::pair<double, std::string> limit{longest_interval, "slow seepage"};
+  const auto apply = [&](double interval, const char* why) {
+    if (interval < limit.first) limit = {interval, why};
+  };
+  if (state_.controlled > 0.0) apply(state_.controlled, "pressure change per window");
+  double fastest = 0.0;
+  bool free_surface = false;
+  for (std::size_t a = 0; a < p.size(); ++a) {
+    fastest = std::max(fastest, p.velocity[a].norm() / std::pow(p.volume[a], 1.0 / D));
+    free_surface = free_surface || (p.mask[a] < 0.5 && p.surface[a] != Surface::interior);
+  }
+  for (const auto& c : state_.columns) fastest = std::max(fastest, std::abs(c.speed) / c.spacing);
+  if (fastest > 0.0) apply(0.25 / fastest, "a quarter spacing per window at the highest speed");
+  if (free_surface && weight_.norm() > 0.0)
+    apply(0.3 * std::sqrt(dx_ * density_ / weight_.norm()), "gravity waves of one spacing on the free surface");
+  // A face with nothing behind it yet: the time in which the front comes half a spacing in.
+  if (p.size() == 0)
+    for (const auto& c : state_.columns) {
+      if (!c.wet) continue;
+      const auto speed = infiltration_speed(c);
+      const double half = 0.5 * c.spacing;
+      if (speed.head > 0.0) apply(0.5 * half * half / speed.head, "first wetting of dry ground");
+      if (speed.gravity > 0.0) apply(half / speed.gravity, "first wetting of dry ground");
+    }
+  return limit;
+}
+
+template class Fluid<2>;
+template class Fluid<3>;
+
+}  // namespace poretwin::fluid

@@ -1,0 +1,402 @@
+#include "fluid_solver/window.hpp"
+
+#include "fluid_solver/operators.hpp"
+
+namespace poretwin::fluid {
+namespace {
+
+/// Relative tolerances of the solve with a responding skeleton: of the window's pressure change, and of the change of
+/// the skeleton's velocity. Measured on consolidation: a hundred times tighter changes the errors in the fourth digit
+/// and doubles the cost.
+constexpr double response_tolerance = 1e-2, skeleton_tolerance = 1e-4;
+
+/// Per particle: the two momentum equations of one backward Euler window, eliminated for v_w' and v_s'.
+struct Elimination {
+  double aw = 0.0;  ///< n rho_w / dt
+  double as = 0.0;  ///< R / dt
+  double C = 0.0;   ///< drag coefficient
+  double kf = 0.0;  ///< mobility of the water at fixed skeleton
+  double ss = 0.0;  ///< mobility of the skeleton with the water dragged along
+  double mS = 0.0;  ///< skeleton velocity per pressure gradient
+  double e = 0.0;   ///< share of a skeleton velocity in the mixture's flux
+  double M = 0.0;   ///< Pa
+  bool responds = false;
+};
+
+Elimination eliminate(double dt, double density, double n, double n_s, double C, double R, double M, bool response) {
+  Elimination q;
+  q.C = C;
+  q.aw = n * density / dt;
+  q.as = R / dt;
+  q.kf = n * n / (q.aw + C);
+  q.e = n_s + n * C / (q.aw + C);
+  q.responds = response && M > 0.0 && R > 1e-6 * density && n_s > 0.0;
+  if (q.responds) {
+    const double det = q.aw * q.as + C * (q.aw + q.as);
+    q.mS = (C * n + (q.aw + C) * n_s) / det;
+    q.ss = (q.aw + C) / det;
+    q.M = M;
+  }
+  return q;
+}
+
+/// The operators of one window and their solution.
+template <int D>
+class WindowSolver {
+ public:
+  WindowSolver(const Stencil<D>& stencil, const SoilView<D>& soil, std::span<const Surface> flags,
+               const WindowProblem<D>& problem)
+      : s_(stencil), soil_(soil), flags_(flags), in_(problem), n_(stencil.n_real) {
+    q_.resize(n_);
+    for (std::size_t a = 0; a < n_; ++a) {
+      q_[a] = eliminate(in_.interval, in_.density, in_.void_fraction[a], soil.fraction[a], soil.drag[a],
+                        soil.density[a], soil.modulus[a], in_.response);
+      any_response_ = any_response_ || q_[a].responds;
+    }
+    fluid_ = laplacian(
+        s_, [&](std::size_t a, std::size_t b) { return harmonic(q_[a].kf, kf(b, a)); }, true);
+    boundary_.assign(n_, 0.0);
+    for (std::size_t a = 0; a < n_; ++a) {
+      for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
+        const Index j = s_.other[k];
+        if (!s_.is_buffer(j)) continue;
+        const double w = s_.volume[a] * 2.0 * s_.volume[j] * q_[a].kf * s_.strength[k] * s_.amplified(a, s_.parent[j]) *
+                         s_.reflection[k];
+        boundary_[a] += w * in_.face_pressure[s_.column[s_.parent[j] - n_]];
+        closed_ = false;
+      }
+      add_surface(fluid_, a, q_[a].kf, &boundary_[a]);
+      if (flags_[a] != Surface::interior) closed_ = false;
+    }
+  }
+
+  /// In: warm starts; out: everything.
+  void solve(WindowSolution<D>& out) {
+    out.pressure.resize(n_, 0.0);
+    out.solid_velocity.resize(n_, Vec<D>::Zero());
+    if (n_ == 0) return finish(out);
+    for (std::size_t a = 0; a < n_; ++a)
+      if (!q_[a].responds) out.solid_velocity[a] = soil_.velocity[a];
+    VecArray<D> flux(n_);
+    for (std::size_t a = 0; a < n_; ++a)
+      flux[a] = in_.void_fraction[a] * q_[a].aw / (q_[a].aw + q_[a].C) * in_.velocity[a];
+    const ScalarArray outflow = divergence<D>(s_, flux);
+    ScalarArray b(n_);
+    for (std::size_t a = 0; a < n_; ++a) b[a] = s_.volume[a] * (in_.source[a] - outflow[a]) + boundary_[a];
+    if (any_response_) {
+      prepare_response();
+      solve_response(b, out);
+    } else {
+      const ScalarArray squeeze = squeezed(out.solid_velocity);
+      for (std::size_t a = 0; a < n_; ++a) b[a] -= squeeze[a];
+      solve_fluid(b, out);
+    }
+    finish(out);
+  }
+
+ private:
+  double kf(std::size_t b, std::size_t otherwise) const { return b < n_ ? q_[b].kf : q_[otherwise].kf; }
+
+  /// Lone particles, and the surface of free water, where the softer condition of a wetting front feeds splashes with
+  /// energy.
+  bool pinned(std::size_t a) const {
+    return flags_[a] == Surface::lone || (flags_[a] == Surface::surface && soil_.mask[a] < 0.5);
+  }
+
+  /// Zero total pressure at a lone particle; hydrostatic from the surface, half a spacing outside, at the others.
+  double pinned_pressure(std::size_t a) const {
+    if (flags_[a] == Surface::lone) return -in_.weight.dot(s_.position[a] - in_.origin);
+    return surface_row(s_, a, 1.0, in_.weight, in_.origin).pressure;
+  }
+
+  void add_surface(PairMatrix& m, std::size_t a, double mobility, double* rhs) const {
+    if (flags_[a] == Surface::interior) return;
+    SurfaceRow row;
+    if (pinned(a)) {
+      const double h = s_.length[a];
+      row = {1e3 * (m.diagonal[a] + s_.volume[a] * mobility / (h * h)), pinned_pressure(a)};
+    } else {
+      row = surface_row(s_, a, mobility, in_.weight, in_.origin);
+    }
+    m.diagonal[a] += row.coefficient;
+    if (rhs) *rhs += row.coefficient * row.pressure;
+  }
+
+  /// V D(e s)
+  ScalarArray squeezed(std::span<const Vec<D>> s) const {
+    VecArray<D> f(n_);
+    for (std::size_t a = 0; a < n_; ++a) f[a] = q_[a].e * s[a];
+    ScalarArray d = divergence<D>(s_, f);
+    for (std::size_t a = 0; a < n_; ++a) d[a] *= s_.volume[a];
+    return d;
+  }
+
+  void remove_mean(std::span<double> x) const {
+    double mean = 0.0;
+    for (const double v : x) mean += v;
+    mean /= static_cast<double>(n_);
+    for (auto& v : x) v -= mean;
+  }
+
+  /// Rigid soil, free water, or a skeleton of known velocity: one symmetric system.
+  void solve_fluid(ScalarArray& b, WindowSolution<D>& out) {
+    // Datum out of the way: the tolerance refers to what drives the flow.
+    double reference = 0.0;
+    if (closed_) {
+      remove_mean(b);
+    } else {
+      ScalarArray one(n_, 1.0), row(n_);
+      fluid_.apply(std::span<const double>(one), std::span<double>(row));
+      double num = 0.0, den = 0.0;
+      for (std::size_t a = 0; a < n_; ++a) {
+        num += boundary_[a];
+        den += row[a];
+      }
+      reference = den > 0.0 ? num / den : 0.0;
+      for (std::size_t a = 0; a < n_; ++a) b[a] -= reference * row[a];
+    }
+    for (auto& p : out.pressure) p -= reference;
+    // What drives the flow, for the tolerance: the residual with pinned particles at their pressure and all others at
+    // the datum.
+    ScalarArray known(n_, 0.0), drive(n_);
+    for (std::size_t a = 0; a < n_; ++a)
+      if (pinned(a)) out.pressure[a] = known[a] = pinned_pressure(a) - reference;
+    fluid_.apply(std::span<const double>(known), std::span<double>(drive));
+    for (std::size_t a = 0; a < n_; ++a) drive[a] = pinned(a) ? 0.0 : b[a] - drive[a];
+    const auto apply = [&](std::span<const double> x, std::span<double> y) { fluid_.apply(x, y); };
+    const auto precondition = [&](std::span<const double> r, std::span<double> z) {
+      for (std::size_t a = 0; a < n_; ++a) z[a] = fluid_.diagonal[a] > 0.0 ? r[a] / fluid_.diagonal[a] : 0.0;
+      if (closed_) remove_mean(z);
+    };
+    const auto report = conjugate_gradients(apply, precondition, b, out.pressure, in_.tolerance * norm(drive), 2000);
+    out.pressure_iterations += report.iterations;
+    out.converged = report.converged;
+    out.outer = 1;
+    for (auto& p : out.pressure) p += reference;
+  }
+
+  void prepare_response() {
+    const double dt = in_.interval;
+    stabilisation_.assign(n_, 0.0);
+    storage_.assign(n_, 0.0);
+    for (std::size_t a = 0; a < n_; ++a) {
+      const auto& q = q_[a];
+      if (!q.responds) continue;
+      const double dx2 = std::pow(s_.volume[a], 2.0 / D);
+      stabilisation_[a] = 1.0 / (q.ss / (q.mS * q.mS) + dt * q.M * 4.0 / dx2);
+      storage_[a] = s_.volume[a] * q.e * q.e / (dt * q.M);
+    }
+    // Vectors change on reflection: keep the image each weight belongs to.
+    build_vector_stiffness();
+    skeleton_ = laplacian(
+        s_,
+        [&](std::size_t a, std::size_t b) {
+          if (b >= n_) return q_[a].mS * q_[a].e;
+          return harmonic(q_[a].mS * q_[a].e, q_[b].mS * q_[b].e);
+        },
+        true);
+    for (std::size_t a = 0; a < n_; ++a)
+      if (q_[a].responds) add_surface(skeleton_, a, q_[a].mS * q_[a].e, nullptr);
+    plain_ = laplacian(
+        s_, [](std::size_t, std::size_t) { return 1.0; }, true);
+    for (std::size_t a = 0; a < n_; ++a) add_surface(plain_, a, 1.0, nullptr);
+  }
+
+  void build_vector_stiffness() {
+    const double dt = in_.interval;
+    image_weight_.assign(s_.other.size(), 0.0);
+    H_diagonal_.assign(n_, 1.0);
+    H_preconditioner_.assign(n_, 1.0);
+    for (std::size_t a = 0; a < n_; ++a) {
+      if (!q_[a].responds) continue;
+      H_diagonal_[a] = s_.volume[a] / q_[a].ss;
+      H_preconditioner_[a] = H_diagonal_[a];
+      for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
+        const Index j = s_.other[k], b = s_.parent[j];
+        if (b >= n_ || !q_[b].responds) continue;
+        const double w =
+            s_.volume[a] * 2.0 * s_.volume[j] * dt * harmonic(q_[a].M, q_[b].M) * s_.strength[k] * s_.amplified(a, b);
+        image_weight_[k] = w;
+        H_diagonal_[a] += w;
+        H_preconditioner_[a] += b == a ? 0.0 : w;
+      }
+    }
+  }
+
+  /// y = (V/ss) H x on responding particles, identity elsewhere; symmetric.
+  void apply_H(std::span<const double> x, std::span<double> y) const {
+    VecArray<D> f(n_);
+    for (std::size_t a = 0; a < n_; ++a)
+      for (std::size_t d = 0; d < D; ++d) f[a][static_cast<int>(d)] = x[a * D + d];
+    const VecArray<D> all = extended<D>(s_, f);
+    for (std::size_t a = 0; a < n_; ++a) {
+      Vec<D> sum = H_diagonal_[a] * f[a];
+      if (q_[a].responds)
+        for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k)
+          if (image_weight_[k] != 0.0) sum -= image_weight_[k] * all[s_.other[k]];
+      for (std::size_t d = 0; d < D; ++d) y[a * D + d] = sum[static_cast<int>(d)];
+    }
+  }
+
+  /// H s = rhs; rhs and s at responding particles only.
+  int solve_H(std::span<const Vec<D>> rhs, std::span<Vec<D>> s, double tolerance) const {
+    ScalarArray b(n_ * D, 0.0), x(n_ * D, 0.0);
+    for (std::size_t a = 0; a < n_; ++a) {
+      if (!q_[a].responds) continue;
+      for (std::size_t d = 0; d < D; ++d) {
+        b[a * D + d] = s_.volume[a] / q_[a].ss * rhs[a][static_cast<int>(d)];
+        x[a * D + d] = s[a][static_cast<int>(d)];
+      }
+    }
+    const auto apply = [&](std::span<const double> u, std::span<double> y) { apply_H(u, y); };
+    const auto precondition = [&](std::span<const double> r, std::span<double> z) {
+      for (std::size_t i = 0; i < r.size(); ++i) z[i] = r[i] / H_preconditioner_[i / D];
+    };
+    // Relative to what changes, down to where rounding begins.
+    ScalarArray change(n_ * D);
+    apply_H(x, change);
+    for (std::size_t i = 0; i < change.size(); ++i) change[i] = b[i] - change[i];
+    const double scale = std::max(norm(change), 1e-9 * norm(b));
+    const auto report = conjugate_gradients(apply, precondition, b, x, tolerance * scale, 3000);
+    for (std::size_t a = 0; a < n_; ++a)
+      if (q_[a].responds)
+        for (std::size_t d = 0; d < D; ++d) s[a][static_cast<int>(d)] = x[a * D + d];
+    return report.iterations;
+  }
+
+  VecArray<D> plain_gradient(std::span<const double> p, bool homogeneous) const {
+    const Vec<D> blind = homogeneous ? Vec<D>(Vec<D>::Zero()) : Vec<D>(-in_.weight);
+    return pressure_gradient<D>(
+        s_, p, [&](Index c) { return homogeneous ? 0.0 : in_.face_pressure[c]; },
+        [](std::size_t, std::size_t) { return 1.0; }, blind);
+  }
+
+  /// Skeleton velocity under a pressure field: H s = sb - mS G p.
+  void skeleton_velocity(std::span<const double> p, WindowSolution<D>& out, double tolerance) const {
+    const VecArray<D> G = plain_gradient(p, false);
+    VecArray<D> rhs(n_, Vec<D>::Zero());
+    for (std::size_t a = 0; a < n_; ++a) {
+      const auto& q = q_[a];
+      if (!q.responds) continue;
+      // The exchanged force carries the soil's full weight; the piezometric pressure leaves its buoyant part.
+      const Vec<D> r = soil_.force[a] - soil_.fraction[a] * in_.weight;
+      rhs[a] = q.ss / (q.aw + q.C) * (q.C * q.aw * in_.velocity[a] + (q.aw + q.C) * (q.as * soil_.velocity[a] + r)) -
+               q.mS * G[a];
+    }
+    out.skeleton_iterations += solve_H(rhs, out.solid_velocity, tolerance);
+  }
+
+  void solve_response(const ScalarArray& b, WindowSolution<D>& out) {
+    const ScalarArray start = out.pressure;
+    skeleton_velocity(start, out, skeleton_tolerance);
+    const ScalarArray squeeze = squeezed(out.solid_velocity);
+    ScalarArray residual(n_), row(n_);
+    fluid_.apply(std::span<const double>(start), std::span<double>(row));
+    for (std::size_t a = 0; a < n_; ++a) residual[a] = b[a] - row[a] - squeeze[a];
+    if (closed_) remove_mean(residual);
+    const auto apply = [&](std::span<const double> x, std::span<double> y) {
+      const VecArray<D> G = plain_gradient(x, true);
+      VecArray<D> rhs(n_, Vec<D>::Zero()), ds(n_, Vec<D>::Zero());
+      for (std::size_t a = 0; a < n_; ++a) rhs[a] = -q_[a].mS * G[a];
+      out.skeleton_iterations += solve_H(rhs, ds, 1e-2);
+      const ScalarArray squeeze_x = squeezed(ds), wide = divergence<D>(s_, G);
+      ScalarArray compact(n_);
+      plain_.apply(x, std::span<double>(compact));
+      fluid_.apply(x, y);
+      for (std::size_t a = 0; a < n_; ++a)
+        y[a] += squeeze_x[a] + stabilisation_[a] * (compact[a] + s_.volume[a] * wide[a]);
+      if (closed_) remove_mean(y);
+    };
+    const auto precondition = [&](std::span<const double> r, std::span<double> z) {
+      out.pressure_iterations += two_fields(r, z, 1e-1);
+      if (closed_) remove_mean(z);
+    };
+    ScalarArray dp(n_, 0.0);
+    const double scale = response_tolerance * norm(residual);
+    const auto report = flexible_gmres(apply, precondition, residual, dp, scale, 12);
+    out.outer += report.iterations;
+    out.converged = report.converged;
+    for (std::size_t a = 0; a < n_; ++a) out.pressure[a] += dp[a];
+    skeleton_velocity(out.pressure, out, skeleton_tolerance);
+  }
+
+  /// Preconditioner: water and skeleton as two potentials joined by the storage e^2/(M dt),
+  /// [[-div kf grad + S, -S], [-S, S - div mu grad]] [p; tau] = [r; 0].
+  int two_fields(std::span<const double> r, std::span<double> z, double tolerance) const {
+    ScalarArray b(2 * n_, 0.0), x(2 * n_, 0.0);
+    std::copy(r.begin(), r.end(), b.begin());
+    const auto apply = [&](std::span<const double> u, std::span<double> y) {
+      fluid_.apply(u.first(n_), y.first(n_));
+      skeleton_.apply(u.last(n_), y.last(n_));
+      for (std::size_t a = 0; a < n_; ++a) {
+        const double t = storage_[a] * (u[a] - u[n_ + a]);
+        y[a] += t;
+        y[n_ + a] -= t;
+        if (!q_[a].responds) y[n_ + a] = u[n_ + a];
+      }
+    };
+    const auto precondition = [&](std::span<const double> u, std::span<double> y) {
+      for (std::size_t a = 0; a < n_; ++a) {
+        const double d0 = fluid_.diagonal[a] + storage_[a], d1 = skeleton_.diagonal[a] + storage_[a], o = storage_[a];
+        if (!q_[a].responds) {
+          y[a] = d0 > 0.0 ? u[a] / d0 : 0.0;
+          y[n_ + a] = u[n_ + a];
+          continue;
+        }
+        const double det = d0 * d1 - o * o;
+        if (!(det > 0.0)) {
+          y[a] = d0 > 0.0 ? u[a] / d0 : 0.0;
+          y[n_ + a] = d1 > 0.0 ? u[n_ + a] / d1 : 0.0;
+          continue;
+        }
+        y[a] = (d1 * u[a] + o * u[n_ + a]) / det;
+        y[n_ + a] = (o * u[a] + d0 * u[n_ + a]) / det;
+      }
+    };
+    const auto report = conjugate_gradients(apply, precondition, b, x, tolerance * norm(b), 2000);
+    std::copy(x.begin(), x.begin() + static_cast<std::ptrdiff_t>(n_), z.begin());
+    return report.iterations;
+  }
+
+  /// Water velocity from the flux: n v' = n aw v/(aw + C) + n C/(aw + C) s - kf G p, with the pair mobilities of the
+  /// solve.
+  void finish(WindowSolution<D>& out) const {
+    out.velocity.resize(n_);
+    const VecArray<D> flux = pressure_gradient<D>(
+        s_, out.pressure, [&](Index c) { return in_.face_pressure[c]; },
+        [&](std::size_t a, std::size_t b) { return harmonic(q_[a].kf, kf(b, a)); }, Vec<D>(-in_.weight));
+    for (std::size_t a = 0; a < n_; ++a) {
+      const auto& q = q_[a];
+      out.velocity[a] =
+          (q.aw * in_.velocity[a] + q.C * out.solid_velocity[a]) / (q.aw + q.C) - flux[a] / in_.void_fraction[a];
+    }
+    out.gradient = plain_gradient(out.pressure, false);
+  }
+
+  const Stencil<D>& s_;
+  const SoilView<D>& soil_;
+  std::span<const Surface> flags_;
+  const WindowProblem<D>& in_;
+  std::size_t n_;
+  std::vector<Elimination> q_;
+  bool any_response_ = false, closed_ = true;
+  PairMatrix fluid_, skeleton_, plain_;
+  ScalarArray boundary_, stabilisation_, storage_, image_weight_, H_diagonal_, H_preconditioner_;
+};
+
+}  // namespace
+
+template <int D>
+void solve_window(const Stencil<D>& stencil, const SoilView<D>& soil, std::span<const Surface> flags,
+                  const WindowProblem<D>& problem, WindowSolution<D>& solution) {
+  WindowSolver<D>(stencil, soil, flags, problem).solve(solution);
+}
+
+#define PORETWIN_INSTANTIATE(D)                                                                  \
+  template void solve_window<D>(const Stencil<D>&, const SoilView<D>&, std::span<const Surface>, \
+                                const WindowProblem<D>&, WindowSolution<D>&);
+PORETWIN_INSTANTIATE(2)
+PORETWIN_INSTANTIATE(3)
+#undef PORETWIN_INSTANTIATE
+
+}  // namespace poretwin::fluid
