@@ -25,6 +25,10 @@ constexpr std::array model_words{Word<SolidCase::Model>{"rigid", SolidCase::Mode
                                  Word<SolidCase::Model>{"elastic", SolidCase::Model::elastic},
                                  Word<SolidCase::Model>{"drucker_prager", SolidCase::Model::drucker_prager},
                                  Word<SolidCase::Model>{"drucker_prager_rate", SolidCase::Model::drucker_prager_rate}};
+constexpr std::array seepage_words{Word<Soil::SeepageLaw>{"darcy", Soil::SeepageLaw::darcy},
+                                   Word<Soil::SeepageLaw>{"constant", Soil::SeepageLaw::constant},
+                                   Word<Soil::SeepageLaw>{"forchheimer", Soil::SeepageLaw::forchheimer},
+                                   Word<Soil::SeepageLaw>{"ergun", Soil::SeepageLaw::ergun}};
 constexpr std::array cone_words{
     Word<Soil::Cone>{"paper", Soil::Cone::paper}, Word<Soil::Cone>{"plane_strain", Soil::Cone::plane_strain},
     Word<Soil::Cone>{"repose", Soil::Cone::repose}, Word<Soil::Cone>{"outer", Soil::Cone::outer},
@@ -71,8 +75,19 @@ void declare(Keys& keys, Soil& s) {
   declare(keys, s.shape);
   keys.number("porosity", s.porosity, {"", "Volume of pores per volume, n."}, between(0, true, 1, true));
   keys.number("grain_density", s.grain_density, {"kg/m3", "Density of the grains themselves."}, positive());
-  keys.number("hydraulic_conductivity", s.hydraulic_conductivity,
-              {"m/s", "Darcy's k at `porosity`; follows Kozeny-Carman, Eq. (18), away from it."}, positive());
+  keys.choice<Soil::SeepageLaw>(
+      "seepage_law", s.seepage_law, seepage_words,
+      {"",
+       "Hydraulic gradient i against discharge velocity U. `darcy`: i = U/k, k after Kozeny-Carman, Eq. (19); "
+       "`constant`: the same k at any porosity; `forchheimer`: i = U/k + b U^2; `ergun`: k and b from the grains, Eqs. "
+       "(91), (92) as corrected."});
+  keys.number("hydraulic_conductivity", s.hydraulic_conductivity, {"m/s", "k at `porosity` (all laws but `ergun`)."},
+              positive());
+  keys.number("forchheimer_coefficient", s.forchheimer_coefficient, {"s2/m2", "b at `porosity` (`forchheimer`)."},
+              not_negative());
+  keys.number("grain_diameter", s.grain_diameter, {"m", "Mean diameter of the grains, D50 (`ergun`)."}, not_negative());
+  keys.number("ergun_linear", s.ergun_linear, {"", "Ergun's 150, of the linear term."}, positive());
+  keys.number("ergun_quadratic", s.ergun_quadratic, {"", "Ergun's 1.75, of the quadratic term."}, not_negative());
   keys.number("youngs_modulus", s.youngs_modulus, {"Pa", "Young's modulus of the drained skeleton."}, positive());
   keys.number("poissons_ratio", s.poissons_ratio, {"", "Poisson's ratio of the drained skeleton."},
               between(0, false, 0.5, true));
@@ -112,6 +127,14 @@ void declare(Keys& keys, WaterFace& f) {
   declare(keys, f.face);
   keys.series("head", f.head, {"m", "Elevation (along -gravity) of the free surface of the water behind the face."});
   keys.series("pressure", f.pressure, {"Pa", "Instead of `head`: pressure, uniform on the face."});
+  keys.series("discharge", f.discharge,
+              {"m3/s",
+               "Poured into the basin behind the face (2D: m2/s); its level follows from the balance of its water. "
+               "`head` is then the level at time zero; absent: empty."});
+  keys.series(
+      "basin_area", f.basin_area,
+      {"m2", "With `discharge`: horizontal area of the basin (2D: length, m) against elevation [m], [[z, A], ..]."});
+  keys.flag("outlet", f.outlet, {"", "Nothing stands behind the face: water that crosses it has left."});
 }
 
 void declare(Keys& keys, Load& l) {
@@ -224,14 +247,15 @@ void declare_shared(Keys& keys, Case& c) {
   keys.table("case", "The problem as a whole.", [&](Keys& inner) { declare(inner, c.general); });
   keys.dimension = c.general.dimension;
   keys.table("water", "The pore fluid.", [&](Keys& inner) { declare(inner, c.water); });
-  keys.tables(
-      "soil",
-      "A region of soil and its material. With solid.model = \"rigid\" only shape, porosity and conductivity matter.",
-      c.soils, [](Keys& inner, Soil& soil) { declare(inner, soil); });
+  keys.tables("soil",
+              "A region of soil and its material. With solid.model = \"rigid\" only shape, porosity and the law of "
+              "seepage matter.",
+              c.soils, [](Keys& inner, Soil& soil) { declare(inner, soil); });
   keys.tables("wall", "A wall and its meaning for either phase.", c.walls,
               [](Keys& inner, Wall& wall) { declare(inner, wall); });
-  keys.tables("water_face", "A face of prescribed head or pressure through which water comes and goes.", c.water_faces,
-              [](Keys& inner, WaterFace& face) { declare(inner, face); });
+  keys.tables("water_face",
+              "A face through which water comes and goes: of prescribed head or pressure, of a basin, or an outlet.",
+              c.water_faces, [](Keys& inner, WaterFace& face) { declare(inner, face); });
   keys.tables("load", "A traction on the soil's surface.", c.loads,
               [](Keys& inner, Load& load) { declare(inner, load); });
   keys.table("coupling", "How the phases exchange.", [&](Keys& inner) { declare(inner, c.coupling); });
@@ -269,6 +293,18 @@ double Series::at(double t) const {
     if (t <= t1) return v0 + (v1 - v0) * (t - t0) / (t1 - t0);
   }
   return knots.back().second;
+}
+
+double Series::integral(double t0, double t1) const {
+  if (t1 < t0) return -integral(t1, t0);
+  // Trapezoids between the knots inside.
+  double sum = 0.0, from = t0;
+  for (const auto& [t, value] : knots) {
+    if (t <= from || t >= t1) continue;
+    sum += 0.5 * (t - from) * (at(from) + at(t));
+    from = t;
+  }
+  return sum + 0.5 * (t1 - from) * (at(from) + at(t1));
 }
 
 std::string Case::digest() const {

@@ -34,6 +34,8 @@ struct Face {
 struct Series {
   std::vector<std::pair<double, double>> knots;
   [[nodiscard]] double at(double t) const;
+  /// From t0 to t1, exact.
+  [[nodiscard]] double integral(double t0, double t1) const;
 };
 
 /// [case]
@@ -52,9 +54,10 @@ struct Water {
   double kinematic_viscosity = 1.0e-6;  ///< m2/s
 };
 
-/// [[soil]]: a region of soil and its material. With solid.model = "rigid" only shape, porosity and conductivity
+/// [[soil]]: a region of soil and its material. With solid.model = "rigid" only shape, porosity and the law of seepage
 /// matter.
 struct Soil {
+  enum class SeepageLaw { darcy, constant, forchheimer, ergun };
   /// How the Drucker-Prager cone is fitted to Coulomb's cohesion and friction (docs/theory_solid.md).
   enum class Cone {
     paper,         ///< Eq. (32): plane strain with associated flow (psi = phi)
@@ -67,7 +70,11 @@ struct Soil {
   Shape shape;
   double porosity = 0.4;                 ///< n = n_w
   double grain_density = 2600.0;         ///< kg/m3, intrinsic rho_s
-  double hydraulic_conductivity = 1e-4;  ///< m/s at `porosity`; Kozeny-Carman (18) away from it
+  SeepageLaw seepage_law = SeepageLaw::darcy;
+  double hydraulic_conductivity = 1e-4;  ///< k at `porosity`, m/s
+  double forchheimer_coefficient = 0.0;  ///< b at `porosity`, s2/m2
+  double grain_diameter = 0.0;           ///< D50, m (ergun)
+  double ergun_linear = 150.0, ergun_quadratic = 1.75;
   double youngs_modulus = 3.0e6;         ///< Pa
   double poissons_ratio = 0.3;
   double cohesion = 0.0;         ///< Pa, at the initial saturation
@@ -90,13 +97,17 @@ struct Wall {
   ForSoil soil = ForSoil::roller;
 };
 
-/// [[water_face]]: a face of prescribed head or pressure through which water comes and goes (ponded head, reservoir,
-/// drain).
+/// [[water_face]]: a face through which water comes and goes. Behind it stands water of a prescribed head or pressure
+/// (pond, reservoir, drain), or a basin whose level follows from what is poured in and what leaves through the face, or
+/// nothing: water only leaves.
 struct WaterFace {
   std::string name;
   Face face;
-  std::optional<Series> head;      ///< m: elevation (along -gravity) of the free surface behind the face
+  std::optional<Series> head;      ///< m: elevation (along -gravity) of the free surface behind; of a basin: at first
   std::optional<Series> pressure;  ///< Pa, uniform on the face
+  std::optional<Series> discharge;   ///< m3/s (2D: m2/s) poured into the basin
+  std::optional<Series> basin_area;  ///< m2 (2D: m), horizontal, against elevation [m]: from the bottom up
+  bool outlet = false;               ///< nothing behind it
 };
 
 /// [[load]]: traction on the soil's surface near a face.

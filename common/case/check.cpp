@@ -141,6 +141,16 @@ class Checker {
         fail(key + ".maximum_void_ratio",
              fmt::format("expected at least the initial void ratio, {:.4g} for a porosity of {}, found {}", e,
                          soil.porosity, *soil.maximum_void_ratio));
+      using enum Soil::SeepageLaw;
+      if (soil.seepage_law == ergun && !(soil.grain_diameter > 0.0))
+        fail(key + ".grain_diameter", "the law \"ergun\" needs the size of the grains in m, found none");
+      if (soil.seepage_law == ergun && given(key + ".hydraulic_conductivity"))
+        fail(key + ".hydraulic_conductivity",
+             "the law \"ergun\" takes the conductivity from grain_diameter and porosity; use \"forchheimer\" to give it");
+      if (soil.seepage_law != ergun && given(key + ".grain_diameter"))
+        fail(key + ".grain_diameter", "belongs to seepage_law = \"ergun\"");
+      if (soil.seepage_law != forchheimer && given(key + ".forchheimer_coefficient"))
+        fail(key + ".forchheimer_coefficient", "belongs to seepage_law = \"forchheimer\"");
       shapes.push_back(soil.shape);
     }
     no_overlap(shapes, "soil", spacing);
@@ -177,8 +187,18 @@ class Checker {
       const std::string key = fmt::format("water_face[{}]", i);
       const auto& f = scene_.water_faces[i];
       face(f.face, key);
-      if (f.head.has_value() == f.pressure.has_value())
-        fail(key, fmt::format("expected either 'head' or 'pressure', found {}", f.head ? "both" : "neither"));
+      const int kinds = (f.head && !f.discharge) + f.pressure.has_value() + f.discharge.has_value() + f.outlet;
+      if (kinds != 1)
+        fail(key, fmt::format("expected one of 'head', 'pressure', 'discharge' and 'outlet', found {}",
+                              kinds == 0 ? "none" : "more"));
+      if (f.discharge.has_value() != f.basin_area.has_value())
+        fail(key, "'discharge' and 'basin_area' belong together: what is poured in, and into what");
+      if (f.basin_area)
+        for (std::size_t j = 0; j < f.basin_area->knots.size(); ++j) {
+          const auto [z, area] = f.basin_area->knots[j];
+          if (!(area > 0.0))
+            fail(key + ".basin_area", fmt::format("expected positive areas, found {} at elevation {} m", area, z));
+        }
     }
     for (std::size_t i = 0; i < scene_.loads.size(); ++i) face(scene_.loads[i].face, fmt::format("load[{}]", i));
   }
