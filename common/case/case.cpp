@@ -89,6 +89,27 @@ void declare(Keys& keys, Soil& s) {
        "(extension)."});
 }
 
+void declare_start(Keys& keys, Soil& s) {
+  keys.number("earth_pressure_at_rest", s.earth_pressure_at_rest,
+              {"",
+               "K0: horizontal over vertical effective stress before the search for rest, from the weight above; "
+               "absent: the soil is loaded by gravity from nothing, which gives nu / (1 - nu) on level ground."},
+              positive());
+}
+
+void declare(Keys& keys, Quiet& q) {
+  keys.number("sleep_below", q.sleep_below,
+              {"g",
+               "Sleep begins below this departure from rest (root mean square of the unbalanced acceleration, or "
+               "of the velocity times the near-critical damping rate)."},
+              positive());
+  keys.number("wake_above", q.wake_above,
+              {"g", "Sleep ends when the force on a particle has changed by more; above it motion counts as dynamic."},
+              positive());
+  keys.flag("damping", q.damping,
+            {"", "Near-critical damping in quasi-static windows: off from the first yielding until quiet again."});
+}
+
 void declare(Keys& keys, Wall& w) {
   keys.text("name", w.name, {"", "Name, for messages."});
   declare(keys, w.face);
@@ -130,8 +151,8 @@ void declare_seed(Keys& keys, unsigned& seed) {
 }
 
 void declare(Keys& keys, FluidCase& f) {
-  keys.number("particle_spacing", f.particle_spacing, {"m", "Distance between neighbouring water particles; required where there is water."},
-              not_negative());
+  keys.number("particle_spacing", f.particle_spacing,
+              {"m", "Distance between neighbouring water particles; required where there is water."}, not_negative());
   keys.point("initial_velocity", f.initial_velocity, {"m/s", "Of all water at time zero."});
   keys.point("offset", f.offset, {"spacings", "Of the first particle from a region's lower corner."});
   keys.number("jitter", f.jitter, {"spacings", "Largest random displacement of the initial lattice."},
@@ -148,7 +169,8 @@ void declare(Keys& keys, FluidCase& f) {
 void declare(Keys& keys, SolidCase& s) {
   keys.choice<SolidCase::Model>(
       "model", s.model, model_words,
-      {"", "`rigid`: the soil does not move, the fluid runs alone; otherwise the material law. Without water the "
+      {"",
+       "`rigid`: the soil does not move, the fluid runs alone; otherwise the material law. Without water the "
        "soil runs alone."});
   keys.number("particle_spacing", s.particle_spacing,
               {"m", "Distance between soil particles; 0: as fluid.particle_spacing."}, not_negative());
@@ -162,6 +184,8 @@ void declare(Keys& keys, SolidCase& s) {
   keys.choice<SolidCase::PressureGradient>(
       "pressure_gradient", s.pressure_gradient, gradient_words,
       {"", "`difference`: Eq. (62) as corrected; `sum`: Eq. (61), which expels surface particles."});
+  keys.optional_table("quiet", "Work saved while the soil hardly moves; absent: all its motion is computed.", s.quiet,
+                      [](Keys& inner, Quiet& quiet) { declare(inner, quiet); });
   keys.number("courant", s.courant, {"", "Substep over spacing / wave speed; stable to about 2."},
               between(0, true, 2, false));
   keys.number("artificial_viscosity", s.artificial_viscosity,
@@ -210,7 +234,10 @@ void declare_shared(Keys& keys, Case& c) {
   keys.tables(
       "soil",
       "A region of soil and its material. With solid.model = \"rigid\" only shape, porosity and conductivity matter.",
-      c.soils, [](Keys& inner, Soil& soil) { declare(inner, soil); });
+      c.soils, [](Keys& inner, Soil& soil) {
+        declare(inner, soil);
+        declare_start(inner, soil);
+      });
   keys.tables("wall", "A wall and its meaning for either phase.", c.walls,
               [](Keys& inner, Wall& wall) { declare(inner, wall); });
   keys.tables("water_face", "A face of prescribed head or pressure through which water comes and goes.", c.water_faces,

@@ -70,9 +70,10 @@ struct Soil {
   double hydraulic_conductivity = 1e-4;  ///< m/s at `porosity`; Kozeny-Carman (18) away from it
   double youngs_modulus = 3.0e6;         ///< Pa
   double poissons_ratio = 0.3;
-  double cohesion = 0.0;         ///< Pa
-  double friction_angle = 30.0;  ///< degrees
-  double dilation_angle = 0.0;   ///< degrees
+  double cohesion = 0.0;                         ///< Pa
+  double friction_angle = 30.0;                  ///< degrees
+  double dilation_angle = 0.0;                   ///< degrees
+  std::optional<double> earth_pressure_at_rest;  ///< K0; absent: what elastic loading by gravity gives
   Cone cone = Cone::paper;
 };
 
@@ -127,6 +128,13 @@ struct FluidCase {
       true;  ///< the skeleton's predicted response inside the pressure solve (off: plain staggering, to show its limit)
 };
 
+/// [solid.quiet]: work saved while the skeleton hardly moves.
+struct Quiet {
+  double sleep_below = 3e-4;  ///< of g, root mean square of the departure from rest
+  double wake_above = 3e-2;   ///< of g, change of the force on any particle
+  bool damping = true;        ///< near-critical, in quasi-static windows only
+};
+
 /// [solid]
 struct SolidCase {
   enum class Model { rigid, elastic, drucker_prager };
@@ -139,6 +147,7 @@ struct SolidCase {
   unsigned seed = 2;
   bool initial_rest = true;  ///< find the rest under gravity, water and standing loads before time zero
   PressureGradient pressure_gradient = PressureGradient::difference;
+  std::optional<Quiet> quiet;          ///< absent: all motion is computed
   double courant = 0.8;                ///< of dx / sqrt(M / rho_bar_s)
   double artificial_viscosity = 0.1;   ///< alpha of Monaghan's, on approaching particles
   double zero_energy_viscosity = 0.1;  ///< on the part of the velocity that is not linear around a particle
@@ -159,11 +168,11 @@ struct OutputCase {
 /// [[gauge]]
 struct Gauge {
   std::string name;
-  std::string phase;     ///< "fluid" or "solid"
-  std::string kind;      ///< "point", "front", "volume", "momentum", "kinetic_energy", "particles", "max_speed";
-                         ///< solid only: "max_displacement", "uplift", "strain_energy", "crest_settlement",
-                         ///< "pending_impulse" (taken, not yet paid for)
-  std::string quantity;  ///< of "point": "pore_pressure", "velocity", "displacement", "effective_stress_yy", ...
+  std::string phase;            ///< "fluid" or "solid"
+  std::string kind;             ///< "point", "front", "volume", "momentum", "kinetic_energy", "particles", "max_speed";
+                                ///< solid only: "max_displacement", "uplift", "strain_energy", "crest_settlement",
+                                ///< "pending_impulse" (taken, not yet paid for)
+  std::string quantity;         ///< of "point": "pore_pressure", "velocity", "displacement", "effective_stress_yy", ...
   std::vector<Point3> points;   ///< of "point" (name[i] where several), of "front" (a line's two ends)
   std::optional<Shape> region;  ///< of "volume", "momentum", ...: absent: everywhere
 };
