@@ -115,6 +115,27 @@ void declare(Keys& keys, Soil& s) {
               not_negative());
 }
 
+void declare_start(Keys& keys, Soil& s) {
+  keys.number("earth_pressure_at_rest", s.earth_pressure_at_rest,
+              {"",
+               "K0: horizontal over vertical effective stress before the search for rest, from the weight above; "
+               "absent: the soil is loaded by gravity from nothing, which gives nu / (1 - nu) on level ground."},
+              positive());
+}
+
+void declare(Keys& keys, Quiet& q) {
+  keys.number("sleep_below", q.sleep_below,
+              {"g",
+               "Sleep begins below this departure from rest (root mean square of the unbalanced acceleration, or "
+               "of the velocity times the near-critical damping rate)."},
+              positive());
+  keys.number("wake_above", q.wake_above,
+              {"g", "Sleep ends when the force on a particle has changed by more; above it motion counts as dynamic."},
+              positive());
+  keys.flag("damping", q.damping,
+            {"", "Near-critical damping in quasi-static windows: off from the first yielding until quiet again."});
+}
+
 void declare(Keys& keys, Wall& w) {
   keys.text("name", w.name, {"", "Name, for messages."});
   declare(keys, w.face);
@@ -202,6 +223,8 @@ void declare(Keys& keys, SolidCase& s) {
                "Cohesion and tan(friction) of all soil are divided by it (`poretwin safety` finds the factor of "
                "safety)."},
               positive());
+  keys.optional_table("quiet", "Work saved while the soil hardly moves; absent: all its motion is computed.", s.quiet,
+                      [](Keys& inner, Quiet& quiet) { declare(inner, quiet); });
   keys.number("courant", s.courant, {"", "Substep over spacing / wave speed; stable to about 2."},
               between(0, true, 2, false));
   keys.number("artificial_viscosity", s.artificial_viscosity,
@@ -250,7 +273,10 @@ void declare_shared(Keys& keys, Case& c) {
   keys.tables("soil",
               "A region of soil and its material. With solid.model = \"rigid\" only shape, porosity and the law of "
               "seepage matter.",
-              c.soils, [](Keys& inner, Soil& soil) { declare(inner, soil); });
+              c.soils, [](Keys& inner, Soil& soil) {
+                declare(inner, soil);
+                declare_start(inner, soil);
+              });
   keys.tables("wall", "A wall and its meaning for either phase.", c.walls,
               [](Keys& inner, Wall& wall) { declare(inner, wall); });
   keys.tables("water_face",
