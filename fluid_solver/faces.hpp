@@ -138,6 +138,43 @@ std::vector<FaceColumn<D>> make_columns(const Case& scene) {
   return columns;
 }
 
+/// Finds the column that a place belongs to.
+template <int D>
+class ColumnFinder {
+ public:
+  explicit ColumnFinder(const std::vector<FaceColumn<D>>& columns) : columns_(columns) {
+    for (const auto& c : columns_) {
+      feet_.push_back(c.foot);
+      widest_ = std::max(widest_, reach * std::max(c.spacing, 2.0 * c.width));
+    }
+    grid_.build(feet_, std::max(widest_, 1e-300));
+  }
+  ColumnFinder(const ColumnFinder&) = delete;
+  ColumnFinder& operator=(const ColumnFinder&) = delete;
+
+  /// The column with the nearest foot, if x stands before or behind it, or less than a spacing beside it; -1: none.
+  [[nodiscard]] int nearest(const Vec<D>& x) const {
+    int best = -1;
+    double least = widest_ * widest_;
+    grid_.for_each_within(x, widest_, [&](Index i, double r2) {
+      if (r2 >= least) return;
+      least = r2;
+      best = static_cast<int>(i);
+    });
+    if (best < 0) return -1;
+    const auto& c = columns_[static_cast<std::size_t>(best)];
+    const Vec<D> lateral = x - c.foot - c.inside(x) * c.normal;
+    return lateral.norm() <= c.width + c.spacing ? best : -1;
+  }
+
+ private:
+  static constexpr double reach = 2.0;
+  const std::vector<FaceColumn<D>>& columns_;
+  VecArray<D> feet_;
+  double widest_ = 0.0;
+  sph::CellGrid<D> grid_;
+};
+
 /// Pressures at the feet at a time; a column acts where the total pressure there is not negative.
 template <int D>
 void update_columns(const Case& scene, double time, const Vec<D>& weight, const Vec<D>& origin,
