@@ -103,13 +103,12 @@ SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox) const {
   const auto& x = state_.particles.position;
   const std::size_t n = x.size();
   // A particle about to leave through a face of soil still counts as in it.
+  const ColumnFinder<D> finder(state_.columns);
   const auto nearest_column = [&](const Vec<D>& point) -> const FaceColumn<D>* {
-    for (const auto& c : state_.columns) {
-      const double d = c.inside(point);
-      if (c.in_soil && std::abs(d) <= c.spacing && (point - c.foot - d * c.normal).norm() <= 1.0001 * c.width)
-        return &c;
-    }
-    return nullptr;
+    const int i = finder.nearest(point);
+    if (i < 0) return nullptr;
+    const auto& c = state_.columns[static_cast<std::size_t>(i)];
+    return c.in_soil && std::abs(c.inside(point)) <= c.spacing ? &c : nullptr;
   };
   if (!scene_.coupled()) {
     VecArray<D> where = x;
@@ -134,6 +133,7 @@ Stencil<D> Fluid<D>::stencil() const {
   const auto buffers = make_buffers(state_.columns);
   auto s = make_stencil<D>(p.position, p.volume, std::span<const Buffer<D>>(buffers), planes_);
   fit_columns(state_.columns, s);
+  limit_surface(s);
   return s;
 }
 

@@ -42,6 +42,7 @@ class Fluid final : public Phase {
   void advance_columns(const Stencil<D>& s, const SoilView<D>& soil, double interval);
   void wet_dry_ground(FaceColumn<D>& c, double interval) const;
   InfiltrationSpeed infiltration_speed(const FaceColumn<D>& c) const;
+  void limit_surface(Stencil<D>& s) const;
   void give_birth_and_delete();
   void control_interval(const ScalarArray& before, double interval);
   void take_back(const Stencil<D>& s, const SoilView<D>& view, double interval);

@@ -110,6 +110,8 @@ void declare(Keys& keys, Soil& s) {
               {"", "Void ratio e = n / (1 - n) at which dilation ends (drucker_prager); absent: never."}, positive());
   keys.number("initial_saturation", s.initial_saturation,
               {"", "Degree of saturation of soil that the water has not reached."}, between(0, false, 1, true));
+  keys.number("suction_head", s.suction_head,
+              {"m", "Capillary head that draws a wetting front into the soil (Green & Ampt)."}, not_negative());
   keys.number("saturated_cohesion", s.saturated_cohesion,
               {"Pa", "Cohesion when saturated, linear in the saturation between, Eq. (36); absent: as `cohesion`."},
               not_negative());

@@ -85,6 +85,7 @@ struct Soil {
   std::optional<double> tensile_strength;    ///< Pa, largest mean effective stress; absent: the cone's apex
   std::optional<double> maximum_void_ratio;  ///< e at which dilation ends; absent: never
   double initial_saturation = 0.0;           ///< s_r0, of soil that the water has not reached
+  double suction_head = 0.0;                 ///< m, capillary, at a wetting front
   std::optional<double> saturated_cohesion;  ///< Pa, at s_r = 1, Eq. (36); absent: as `cohesion`
 };
 
