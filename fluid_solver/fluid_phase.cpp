@@ -56,8 +56,11 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
     }
   }
   const double depth = p.size() > 0 ? top - bottom : dx_;
-  // Inviscid free water is slowly unstable: a trace of viscosity on the scale of the particles.
-  viscosity_ = std::max(scene.water.kinematic_viscosity, 0.01 * dx_ * std::sqrt(scene.general.gravity.norm() * depth));
+  // Inviscid free water is slowly unstable: a trace of viscosity on the scale of the particles. Explicit sweeps let
+  // sound through and need what weakly compressible SPH needs, alpha h c/(2 (D + 2)) with alpha = 0.03 at least,
+  // c = 10 sqrt(g H) (Monaghan 1994).
+  const double share = scene.fluid.scheme == FluidCase::Scheme::projection ? 0.01 : 0.05;
+  viscosity_ = std::max(scene.water.kinematic_viscosity, share * dx_ * std::sqrt(scene.general.gravity.norm() * depth));
   state_.columns = make_columns<D>(scene);
   update_columns<D>(scene_, 0.0, weight_, origin_, state_.columns);
   // The soil looks for its rest under what is published before the first exchange.
@@ -96,6 +99,12 @@ coupling::Publication Fluid<D>::publish() const {
                 {name(coupling::field::drag_impulse), D, flat(state_.particles.drag_impulse, cloud.size())},
                 {name(coupling::field::soil_fraction), 1, cloud.mask}};
   return out;
+}
+
+/// The skeleton answers inside the pressure solve; explicit sweeps take it as it moved.
+template <int D>
+bool Fluid<D>::responds() const {
+  return scene_.coupled() && scene_.fluid.skeleton_response && scene_.fluid.scheme == FluidCase::Scheme::projection;
 }
 
 template <int D>
@@ -144,7 +153,7 @@ WindowProblem<D> Fluid<D>::problem(double interval) const {
   in.density = density_;
   in.weight = weight_;
   in.origin = origin_;
-  in.response = scene_.coupled() && scene_.fluid.skeleton_response;
+  in.response = responds();
   in.void_fraction = state_.particles.void_fraction;
   in.velocity = state_.particles.velocity;
   in.source.assign(state_.particles.size(), 0.0);
@@ -184,8 +193,9 @@ void Fluid<D>::initialise(const coupling::Inbox& inbox) {
     stiffest = std::max(stiffest, view.modulus[a]);
   }
   first_interval_ = stiffest > 0.0 ? 0.2 * dx_ / std::sqrt(stiffest / density_) : 0.0;
-  if (scene_.coupled() && scene_.fluid.skeleton_response) state_.controlled = first_interval_;
+  if (responds()) state_.controlled = first_interval_;
   settle(view);
+  limit_scheme(view);
   p.solid_velocity = view.velocity;
   ++state_.revision;
 }
@@ -229,7 +239,7 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
     if (p.surface[a] != Surface::interior) excess = std::max(0.0, excess);
     source[a] = motion[a] * p.void_fraction[a] * excess / repair_time(a, view);
   }
-  if (!scene_.coupled() || !scene_.fluid.skeleton_response || state_.last_interval <= 0.0) return source;
+  if (!responds() || state_.last_interval <= 0.0) return source;
   // The soil moved by its own account; what that squeezed beyond the prediction is made good now, no faster than it
   // came.
   VecArray<D> beyond(p.size(), Vec<D>::Zero());
@@ -327,6 +337,19 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   auto in = problem(dt);
   in.velocity = viscous_velocity(s, view, dt);
   in.source = volume_source(s, view, dt);
+  const auto& scheme = scene_.fluid.scheme;
+  if (scheme != FluidCase::Scheme::projection) in.sweeps = scene_.fluid.sweeps;
+  VecArray<D> drag_force(p.size(), Vec<D>::Zero());
+  const ScalarArray drag = view.drag;
+  if (scheme == FluidCase::Scheme::eisph_explicit_drag) {
+    // Eq. (75) as corrected: the drag belongs to the prediction.
+    for (std::size_t a = 0; a < p.size(); ++a) {
+      drag_force[a] = drag[a] * (in.velocity[a] - view.velocity[a]) - view.drag_offset[a];
+      in.velocity[a] -= dt / (p.void_fraction[a] * density_) * drag_force[a];
+      view.resistance[a] = {};
+    }
+    view.linearise(p.velocity, view.velocity);
+  }
   auto out = solve(s, view, in);
   check_finite(out, window.time);
   state_.counts.windows += 1;
@@ -341,8 +364,10 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   p.velocity = out.velocity;
   for (std::size_t a = 0; a < p.size(); ++a)
     p.drag_impulse[a] =
-        p.volume[a] * dt * (view.drag[a] * (out.velocity[a] - out.solid_velocity[a]) - view.drag_offset[a]);
-  if (scene_.coupled() && !scene_.fluid.skeleton_response) {
+        p.volume[a] * dt *
+        (drag_force[a] + view.drag[a] * (out.velocity[a] - out.solid_velocity[a]) - view.drag_offset[a]);
+  view.drag = drag;
+  if (scene_.coupled() && !responds()) {
     // Plain staggering: the skeleton was taken as it moved; where it goes now is an explicit guess.
     for (std::size_t a = 0; a < p.size(); ++a)
       if (view.density[a] > 0.0)
@@ -350,6 +375,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
                                p.drag_impulse[a] / (p.volume[a] * view.density[a]);
   }
   control_interval(before, dt);
+  limit_scheme(view);
   advance_columns(s, view, dt);
   move(s, out, velocity_before, dt);
   give_birth_and_delete();

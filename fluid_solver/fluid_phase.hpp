@@ -45,9 +45,11 @@ class Fluid final : public Phase {
   void limit_surface(Stencil<D>& s) const;
   void give_birth_and_delete();
   void control_interval(const ScalarArray& before, double interval);
+  void limit_scheme(const SoilView<D>& view);
   void take_back(const Stencil<D>& s, const SoilView<D>& view, double interval);
   void check_finite(const WindowSolution<D>& solution, double time) const;
   std::pair<double, std::string> time_limit() const;
+  [[nodiscard]] bool responds() const;
   WindowProblem<D> problem(double interval) const;
 
   Case scene_;

@@ -21,6 +21,10 @@ constexpr std::array water_words{Word<Wall::ForWater>{"none", Wall::ForWater::no
 constexpr std::array soil_words{Word<Wall::ForSoil>{"none", Wall::ForSoil::none},
                                 Word<Wall::ForSoil>{"roller", Wall::ForSoil::roller},
                                 Word<Wall::ForSoil>{"fixed", Wall::ForSoil::fixed}};
+constexpr std::array scheme_words{
+    Word<FluidCase::Scheme>{"projection", FluidCase::Scheme::projection},
+    Word<FluidCase::Scheme>{"eisph", FluidCase::Scheme::eisph},
+    Word<FluidCase::Scheme>{"eisph_explicit_drag", FluidCase::Scheme::eisph_explicit_drag}};
 constexpr std::array model_words{Word<SolidCase::Model>{"rigid", SolidCase::Model::rigid},
                                  Word<SolidCase::Model>{"elastic", SolidCase::Model::elastic},
                                  Word<SolidCase::Model>{"drucker_prager", SolidCase::Model::drucker_prager},
@@ -189,6 +193,14 @@ void declare_seed(Keys& keys, unsigned& seed) {
 void declare(Keys& keys, FluidCase& f) {
   keys.number("particle_spacing", f.particle_spacing,
               {"m", "Distance between neighbouring water particles; required where there is water."}, not_negative());
+  keys.choice<FluidCase::Scheme>(
+      "scheme", f.scheme, scheme_words,
+      {"",
+       "`projection`: pressure solved to a tolerance; `eisph`: explicit sweeps, Eqs. (82)-(85), in windows short "
+       "enough for them; `eisph_explicit_drag`: with the drag of Eq. (75) at the window's start."});
+  std::int64_t sweeps = f.sweeps;
+  keys.integer("sweeps", sweeps, {"", "Of `eisph`, per window."}, between(1, false, 1000, false));
+  f.sweeps = static_cast<int>(sweeps);
   keys.point("initial_velocity", f.initial_velocity, {"m/s", "Of all water at time zero."});
   keys.point("offset", f.offset, {"spacings", "Of the first particle from a region's lower corner."});
   keys.number("jitter", f.jitter, {"spacings", "Largest random displacement of the initial lattice."},

@@ -133,7 +133,12 @@ struct PorePressure {
 
 /// [fluid]
 struct FluidCase {
+  /// How pressure follows from velocity: solved to a tolerance, or by explicit sweeps, Eqs. (82)-(85); the latter also
+  /// with the drag taken at the window's start.
+  enum class Scheme { projection, eisph, eisph_explicit_drag };
   double particle_spacing = 0.0;  ///< m
+  Scheme scheme = Scheme::projection;
+  int sweeps = 1;  ///< of eisph, per window
   std::vector<Shape> regions;  ///< [[fluid.region]]: where water stands at time zero (inside soil it fills the pores)
   Point3 initial_velocity = Point3::Zero();
   Point3 offset{0.5, 0.5, 0.5};  ///< of the first particle from a region's corner, in spacings
