@@ -14,9 +14,9 @@ namespace poretwin {
 namespace {
 
 constexpr std::array<std::string_view, 2> phases{"fluid", "solid"};
-constexpr std::array<std::string_view, 10> gauge_kinds{
-    "point",     "front",     "volume",           "momentum", "kinetic_energy",
-    "particles", "max_speed", "max_displacement", "uplift",   "pending_impulse"};
+constexpr std::array<std::string_view, 14> gauge_kinds{
+    "point",  "front",  "volume",    "momentum",  "kinetic_energy",   "potential_energy", "energy",
+    "extent", "spread", "particles", "max_speed", "max_displacement", "uplift",           "pending_impulse"};
 
 class Checker {
  public:
@@ -79,6 +79,12 @@ class Checker {
           fail(key, fmt::format("no particle fits: the box measures {} m along {}, the particle spacing is {} m",
                                 s.max[d] - s.min[d], "xyz"[d], spacing));
       }
+      return;
+    }
+    if (s.kind == Shape::Kind::ball) {
+      if (s.radius < 0.5 * spacing)
+        fail(key + ".radius", fmt::format("no particle fits: the ball's radius is {} m, the particle spacing is {} m",
+                                          s.radius, spacing));
       return;
     }
     if (dimension != 2)
@@ -251,6 +257,10 @@ class Checker {
       if (gauge.kind == "front" && gauge.points.size() != 2)
         fail(key + ".points",
              fmt::format("a front gauge needs the 2 ends of its line, found {} points", gauge.points.size()));
+      if ((gauge.kind == "extent" || gauge.kind == "spread") && gauge.points.size() != 2)
+        fail(key + ".points",
+             fmt::format("expected the start of a direction and a second point on it, found {} points",
+                         gauge.points.size()));
       if (gauge.region) shape(*gauge.region, key + ".region", 0.0);
       for (std::size_t j = 0; j < i; ++j)
         if (scene_.gauges[j].name == gauge.name)
