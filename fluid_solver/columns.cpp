@@ -62,8 +62,11 @@ InfiltrationSpeed Fluid<D>::infiltration_speed(const FaceColumn<D>& c) const {
   const Soil* here = soil_at(scene_, to_point3<D>(c.foot + 0.25 * c.spacing * c.normal));
   if (!here) return {};
   const double total = std::max(0.0, c.pressure + weight_.dot(c.foot - origin_));
-  const double seepage = here->hydraulic_conductivity / here->porosity;
   const double gamma = magnitude > 0.0 ? magnitude : density_ * 9.81;
+  // Darcy's conductivity of the same discharge at the gradient that the front meets half a spacing in.
+  const double n = here->porosity, gradient = total / (gamma * 0.5 * c.spacing) + 1.0;
+  const auto law = porous::resistance(gamma, n, porous::seepage_at(scene_, *here, n));
+  const double seepage = law.speed(n * gamma * gradient) / gradient;
   return {seepage * total / gamma, magnitude > 0.0 ? seepage * weight_.dot(c.normal) / magnitude : 0.0};
 }
 

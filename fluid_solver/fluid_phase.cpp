@@ -15,6 +15,9 @@ namespace poretwin::fluid {
 namespace {
 
 constexpr int periodic_boundary = 31;
+/// A window is solved again when the drag's tangent misses the law by more than this share of inertia and drag (rms).
+constexpr double drag_tolerance = 0.02;
+constexpr int most_drag_rounds = 10;
 
 }  // namespace
 
@@ -294,11 +297,38 @@ void Fluid<D>::take_back(const Stencil<D>& s, const SoilView<D>& view, double in
   }
 }
 
+/// One window; with a quadratic drag again, about the slip just found, while that still matters.
+template <int D>
+WindowSolution<D> Fluid<D>::solve(const Stencil<D>& s, SoilView<D>& view, const WindowProblem<D>& in) {
+  const auto& p = state_.particles;
+  const bool nonlinear = view.nonlinear();
+  WindowSolution<D> out;
+  for (int round = 1;; ++round) {
+    out.pressure = p.pressure;
+    out.solid_velocity = p.solid_velocity;
+    solve_window<D>(s, view, p.surface, in, out);
+    if (!nonlinear || round == most_drag_rounds) break;
+    double error = 0.0, whole = 0.0;
+    for (std::size_t a = 0; a < p.size(); ++a) {
+      const Vec<D> slip = out.velocity[a] - out.solid_velocity[a];
+      const Vec<D> right = (view.resistance[a].linear + view.resistance[a].quadratic * slip.norm()) * slip;
+      const double aw = p.void_fraction[a] * density_ / in.interval;
+      error += p.volume[a] * (view.drag[a] * slip - view.drag_offset[a] - right).squaredNorm();
+      whole += p.volume[a] * (aw * out.velocity[a] + right).squaredNorm();
+    }
+    if (error <= drag_tolerance * drag_tolerance * whole) break;
+    view.linearise(out.velocity, out.solid_velocity);
+    ++state_.counts.drag_rounds;
+  }
+  return out;
+}
+
 template <int D>
 coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupling::Inbox& inbox) {
   auto& p = state_.particles;
   const double dt = window.interval;
-  const auto view = soil(inbox);
+  auto view = soil(inbox);
+  view.linearise(p.velocity, view.velocity);
   const VecArray<D> velocity_before = p.velocity;
   for (std::size_t a = 0; a < p.size(); ++a) {
     p.void_fraction[a] = 1.0 - view.fraction[a];
@@ -314,10 +344,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   auto in = problem(dt);
   in.velocity = viscous_velocity(s, view, dt);
   in.source = volume_source(s, view, dt);
-  WindowSolution<D> out;
-  out.pressure = p.pressure;
-  out.solid_velocity = p.solid_velocity;
-  solve_window<D>(s, view, p.surface, in, out);
+  auto out = solve(s, view, in);
   check_finite(out, window.time);
   state_.counts.windows += 1;
   state_.counts.pressure_iterations += out.pressure_iterations;
@@ -330,7 +357,8 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   p.solid_velocity = out.solid_velocity;
   p.velocity = out.velocity;
   for (std::size_t a = 0; a < p.size(); ++a)
-    p.drag_impulse[a] = p.volume[a] * view.drag[a] * dt * (out.velocity[a] - out.solid_velocity[a]);
+    p.drag_impulse[a] =
+        p.volume[a] * dt * (view.drag[a] * (out.velocity[a] - out.solid_velocity[a]) - view.drag_offset[a]);
   if (scene_.coupled() && !scene_.fluid.skeleton_response) {
     // Plain staggering: the skeleton was taken as it moved; where it goes now is an explicit guess.
     for (std::size_t a = 0; a < p.size(); ++a)

@@ -27,6 +27,7 @@ class Fluid final : public Phase {
  private:
   Vec<D> initial_velocity(const Vec<D>& x) const;
   void settle(const SoilView<D>& view);
+  WindowSolution<D> solve(const Stencil<D>& s, SoilView<D>& view, const WindowProblem<D>& in);
   SoilView<D> soil(const coupling::Inbox& inbox) const;
   Stencil<D> stencil() const;
   /// Shear stress of the water outside soil, explicit; the smallest viscosity that keeps free water quiet.

@@ -36,6 +36,8 @@ struct Face {
 struct Series {
   std::vector<std::pair<double, double>> knots;
   [[nodiscard]] double at(double t) const;
+  /// From t0 to t1, exact.
+  [[nodiscard]] double integral(double t0, double t1) const;
 };
 
 /// [case]
@@ -55,19 +57,37 @@ struct Water {
   double kinematic_viscosity = 1.0e-6;  ///< m2/s
 };
 
-/// [[soil]]: a region of soil and its material. With solid.model = "rigid" only shape, porosity and conductivity
+/// [[soil]]: a region of soil and its material. With solid.model = "rigid" only shape, porosity and the law of seepage
 /// matter.
 struct Soil {
+  enum class SeepageLaw { darcy, constant, forchheimer, ergun };
+  /// How the Drucker-Prager cone is fitted to Coulomb's cohesion and friction (docs/theory_solid.md).
+  enum class Cone {
+    paper,         ///< Eq. (32): plane strain with associated flow (psi = phi)
+    plane_strain,  ///< plane strain with any dilation angle
+    repose,        ///< sqrt(J2) / p = tan(phi) when sheared at constant volume: phi is the angle of repose
+    outer,         ///< 3D, through Coulomb's compression edges
+    inner,         ///< 3D, through Coulomb's extension edges
+  };
   std::string name;
   Shape shape;
   double porosity = 0.4;                 ///< n = n_w
   double grain_density = 2600.0;         ///< kg/m3, intrinsic rho_s
-  double hydraulic_conductivity = 1e-4;  ///< m/s at `porosity`; Kozeny-Carman (18) away from it
+  SeepageLaw seepage_law = SeepageLaw::darcy;
+  double hydraulic_conductivity = 1e-4;  ///< k at `porosity`, m/s
+  double forchheimer_coefficient = 0.0;  ///< b at `porosity`, s2/m2
+  double grain_diameter = 0.0;           ///< D50, m (ergun)
+  double ergun_linear = 150.0, ergun_quadratic = 1.75;
   double youngs_modulus = 3.0e6;         ///< Pa
   double poissons_ratio = 0.3;
-  double cohesion = 0.0;         ///< Pa
+  double cohesion = 0.0;         ///< Pa, at the initial saturation
   double friction_angle = 30.0;  ///< degrees
   double dilation_angle = 0.0;   ///< degrees
+  Cone cone = Cone::paper;
+  std::optional<double> tensile_strength;    ///< Pa, largest mean effective stress; absent: the cone's apex
+  std::optional<double> maximum_void_ratio;  ///< e at which dilation ends; absent: never
+  double initial_saturation = 0.0;           ///< s_r0, of soil that the water has not reached
+  std::optional<double> saturated_cohesion;  ///< Pa, at s_r = 1, Eq. (36); absent: as `cohesion`
 };
 
 /// [[wall]]: one wall, its meaning for either phase.
@@ -80,13 +100,17 @@ struct Wall {
   ForSoil soil = ForSoil::roller;
 };
 
-/// [[water_face]]: a face of prescribed head or pressure through which water comes and goes (ponded head, reservoir,
-/// drain).
+/// [[water_face]]: a face through which water comes and goes. Behind it stands water of a prescribed head or pressure
+/// (pond, reservoir, drain), or a basin whose level follows from what is poured in and what leaves through the face, or
+/// nothing: water only leaves.
 struct WaterFace {
   std::string name;
   Face face;
-  std::optional<Series> head;      ///< m: elevation (along -gravity) of the free surface behind the face
+  std::optional<Series> head;      ///< m: elevation (along -gravity) of the free surface behind; of a basin: at first
   std::optional<Series> pressure;  ///< Pa, uniform on the face
+  std::optional<Series> discharge;   ///< m3/s (2D: m2/s) poured into the basin
+  std::optional<Series> basin_area;  ///< m2 (2D: m), horizontal, against elevation [m]: from the bottom up
+  bool outlet = false;               ///< nothing behind it
 };
 
 /// [[load]]: traction on the soil's surface near a face.
@@ -95,6 +119,17 @@ struct Load {
   Face face;
   Point3 traction = Point3::Zero();  ///< Pa
   std::optional<double> start;  ///< s; applied from then on. Absent: there from the beginning, part of the initial rest
+};
+
+/// [[pore_pressure]]: water in the pores of a soil that runs alone. Water fills them where the pressure is above zero
+/// and seeps at the rate its head gradient drives, so that its force on the skeleton is rho_w g - grad p per volume.
+struct PorePressure {
+  std::string name;
+  std::optional<Shape> region;     ///< absent: all soil; of several, the first that holds a point counts
+  std::optional<Series> pressure;  ///< Pa, uniform
+  std::optional<Series> head;      ///< m: elevation (along -gravity) of the water table; with to_head: head at `from`
+  std::optional<Series> to_head;   ///< m: head at `to`; linear between the two points, constant across and beyond
+  Point3 from = Point3::Zero(), to = Point3::Zero();
 };
 
 /// [fluid]
@@ -114,7 +149,7 @@ struct FluidCase {
 
 /// [solid]
 struct SolidCase {
-  enum class Model { rigid, elastic, drucker_prager };
+  enum class Model { rigid, elastic, drucker_prager, drucker_prager_rate };
   enum class PressureGradient { difference, sum };  ///< Eq. (62) as corrected; Eq. (61), which expels surface particles
   Model model = Model::elastic;
   double particle_spacing = 0.0;  ///< m
@@ -124,6 +159,11 @@ struct SolidCase {
   unsigned seed = 2;
   bool initial_rest = true;  ///< find the rest under gravity, water and standing loads before time zero
   PressureGradient pressure_gradient = PressureGradient::difference;
+  double strength_reduction = 1.0;  ///< cohesion and tan(friction) are divided by it
+  double courant = 0.8;                ///< of dx / sqrt(M / rho_bar_s)
+  double artificial_viscosity = 0.1;   ///< alpha of Monaghan's, on approaching particles
+  double zero_energy_viscosity = 0.1;  ///< on the part of the velocity that is not linear around a particle
+  double zero_energy_stiffness = 0.1;  ///< the same on the displacement, of M, between particles that never yielded
 };
 
 /// [coupling]
@@ -143,7 +183,8 @@ struct Gauge {
   std::string phase;     ///< "fluid" or "solid"
   std::string kind;      ///< "point", "front", "volume", "momentum", "kinetic_energy", "particles", "max_speed";
                          ///< fluid only: "potential_energy", "energy", "extent", "spread";
-                         ///< solid only: "max_displacement", "uplift", "pending_impulse" (taken, not yet paid for)
+                         ///< solid only: "max_displacement", "uplift", "strain_energy", "crest_settlement",
+                         ///< "pending_impulse" (taken, not yet paid for)
   std::string quantity;  ///< of "point": "pore_pressure", "velocity", "displacement", "effective_stress_yy", ...
   std::vector<Point3> points;   ///< of "point" (name[i] where several), of "front" (a line's two ends), "extent", "spread"
   std::optional<Shape> region;  ///< of "volume", "momentum", ...: absent: everywhere
@@ -159,12 +200,18 @@ struct Case {
   std::vector<Wall> walls;
   std::vector<WaterFace> water_faces;
   std::vector<Load> loads;
+  std::vector<PorePressure> pore_pressures;
   FluidCase fluid;
   SolidCase solid;
   CouplingCase coupling;
   OutputCase output;
   std::vector<Gauge> gauges;
-  [[nodiscard]] bool coupled() const { return solid.model != SolidCase::Model::rigid; }
+  /// The soil is a phase of its own.
+  [[nodiscard]] bool deformable() const { return solid.model != SolidCase::Model::rigid; }
+  /// There is a water phase.
+  [[nodiscard]] bool has_water() const { return !fluid.regions.empty() || !water_faces.empty(); }
+  /// Both phases run; otherwise the water alone in rigid soil, or the soil alone.
+  [[nodiscard]] bool coupled() const { return deformable() && has_water(); }
   /// Hex digest of everything both solvers must agree on; independent of comments, order and paths.
   [[nodiscard]] std::string digest() const;
 };

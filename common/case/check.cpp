@@ -14,9 +14,10 @@ namespace poretwin {
 namespace {
 
 constexpr std::array<std::string_view, 2> phases{"fluid", "solid"};
-constexpr std::array<std::string_view, 14> gauge_kinds{
-    "point",  "front",  "volume",    "momentum",  "kinetic_energy",   "potential_energy", "energy",
-    "extent", "spread", "particles", "max_speed", "max_displacement", "uplift",           "pending_impulse"};
+constexpr std::array<std::string_view, 16> gauge_kinds{
+    "point",         "front",     "volume",    "momentum",         "kinetic_energy", "potential_energy",
+    "energy",        "extent",    "spread",    "particles",        "max_speed",      "max_displacement",
+    "strain_energy", "uplift",    "crest_settlement", "pending_impulse"};
 
 class Checker {
  public:
@@ -28,6 +29,7 @@ class Checker {
     fluid_regions();
     faces();
     walls();
+    pore_pressures();
     gauges();
   }
 
@@ -59,11 +61,15 @@ class Checker {
              fmt::format(
                  "the periodic axis \"{}\" needs case.domain_min below case.domain_max along it, found {} and {}",
                  "xyz"[axis], g.domain_min[axis], g.domain_max[axis]));
-    if (scene_.coupled() && scene_.soils.empty())
+    if (scene_.deformable() && scene_.soils.empty())
       fail("solid.model",
            "a soil skeleton is asked for but there is no [[soil]]; set solid.model = \"rigid\" for water alone");
-    if (scene_.fluid.regions.empty() && scene_.water_faces.empty() && !scene_.coupled())
+    if (!scene_.has_water() && !scene_.deformable())
       fail("fluid", "there is no water: expected a [[fluid.region]] or a [[water_face]]");
+    if (scene_.has_water() && !(scene_.fluid.particle_spacing > 0.0))
+      fail("fluid.particle_spacing", "there is water: expected a length > 0 m, found none");
+    if (scene_.deformable() && !(scene_.solid.particle_spacing > 0.0))
+      fail("solid.particle_spacing", "expected a length > 0 m, found none");
   }
 
   void shape(const Shape& s, const std::string& key, double spacing) const {
@@ -124,7 +130,7 @@ class Checker {
   }
 
   void soils() const {
-    const double spacing = scene_.coupled() ? scene_.solid.particle_spacing : scene_.fluid.particle_spacing;
+    const double spacing = scene_.deformable() ? scene_.solid.particle_spacing : scene_.fluid.particle_spacing;
     std::vector<Shape> shapes;
     for (std::size_t i = 0; i < scene_.soils.size(); ++i) {
       const auto& soil = scene_.soils[i];
@@ -133,6 +139,25 @@ class Checker {
       if (soil.dilation_angle > soil.friction_angle)
         fail(key + ".dilation_angle", fmt::format("expected at most the friction angle of {} degrees, found {}",
                                                   soil.friction_angle, soil.dilation_angle));
+      if (soil.saturated_cohesion && *soil.saturated_cohesion > soil.cohesion)
+        fail(key + ".saturated_cohesion",
+             fmt::format("expected at most the cohesion at the initial saturation, {} Pa, found {} Pa", soil.cohesion,
+                         *soil.saturated_cohesion));
+      if (const double e = soil.porosity / (1.0 - soil.porosity);
+          soil.maximum_void_ratio && *soil.maximum_void_ratio < e)
+        fail(key + ".maximum_void_ratio",
+             fmt::format("expected at least the initial void ratio, {:.4g} for a porosity of {}, found {}", e,
+                         soil.porosity, *soil.maximum_void_ratio));
+      using enum Soil::SeepageLaw;
+      if (soil.seepage_law == ergun && !(soil.grain_diameter > 0.0))
+        fail(key + ".grain_diameter", "the law \"ergun\" needs the size of the grains in m, found none");
+      if (soil.seepage_law == ergun && given(key + ".hydraulic_conductivity"))
+        fail(key + ".hydraulic_conductivity",
+             "the law \"ergun\" takes the conductivity from grain_diameter and porosity; use \"forchheimer\" to give it");
+      if (soil.seepage_law != ergun && given(key + ".grain_diameter"))
+        fail(key + ".grain_diameter", "belongs to seepage_law = \"ergun\"");
+      if (soil.seepage_law != forchheimer && given(key + ".forchheimer_coefficient"))
+        fail(key + ".forchheimer_coefficient", "belongs to seepage_law = \"forchheimer\"");
       shapes.push_back(soil.shape);
     }
     no_overlap(shapes, "soil", spacing);
@@ -169,8 +194,18 @@ class Checker {
       const std::string key = fmt::format("water_face[{}]", i);
       const auto& f = scene_.water_faces[i];
       face(f.face, key);
-      if (f.head.has_value() == f.pressure.has_value())
-        fail(key, fmt::format("expected either 'head' or 'pressure', found {}", f.head ? "both" : "neither"));
+      const int kinds = (f.head && !f.discharge) + f.pressure.has_value() + f.discharge.has_value() + f.outlet;
+      if (kinds != 1)
+        fail(key, fmt::format("expected one of 'head', 'pressure', 'discharge' and 'outlet', found {}",
+                              kinds == 0 ? "none" : "more"));
+      if (f.discharge.has_value() != f.basin_area.has_value())
+        fail(key, "'discharge' and 'basin_area' belong together: what is poured in, and into what");
+      if (f.basin_area)
+        for (std::size_t j = 0; j < f.basin_area->knots.size(); ++j) {
+          const auto [z, area] = f.basin_area->knots[j];
+          if (!(area > 0.0))
+            fail(key + ".basin_area", fmt::format("expected positive areas, found {} at elevation {} m", area, z));
+        }
     }
     for (std::size_t i = 0; i < scene_.loads.size(); ++i) face(scene_.loads[i].face, fmt::format("load[{}]", i));
   }
@@ -243,13 +278,33 @@ class Checker {
     }
   }
 
+  void pore_pressures() const {
+    for (std::size_t i = 0; i < scene_.pore_pressures.size(); ++i) {
+      const auto& p = scene_.pore_pressures[i];
+      const std::string key = fmt::format("pore_pressure[{}]", i);
+      if (scene_.has_water())
+        fail(key, "the case has water of its own, whose pressure the fluid computes; expected one or the other");
+      if (!scene_.deformable()) fail(key, "with solid.model = \"rigid\" there is no skeleton for it to act on");
+      if (p.region) shape(*p.region, key + ".region", 0.0);
+      if (p.head.has_value() == p.pressure.has_value())
+        fail(key, fmt::format("expected either 'head' or 'pressure', found {}", p.head ? "both" : "neither"));
+      if (p.head && !(scene_.general.gravity.norm() > 0.0))
+        fail(key + ".head", "a head needs gravity, found case.gravity of length zero; use 'pressure'");
+      if (p.to_head && !p.head) fail(key + ".to_head", "expected 'head' at 'from' with it");
+      if (p.to_head && !((p.to - p.from).norm() > 0.0))
+        fail(key + ".to", fmt::format("expected a point other than 'from', found {} twice", shown(p.to)));
+    }
+  }
+
   void gauges() const {
     for (std::size_t i = 0; i < scene_.gauges.size(); ++i) {
       const auto& gauge = scene_.gauges[i];
       const std::string key = fmt::format("gauge[{}]", i);
       known_word(key + ".phase", gauge.phase, phases);
       known_word(key + ".kind", gauge.kind, gauge_kinds);
-      if (gauge.phase == "solid" && !scene_.coupled())
+      if (gauge.phase == "fluid" && !scene_.has_water())
+        fail(key + ".phase", "expected \"solid\": without water there is no fluid phase to measure");
+      if (gauge.phase == "solid" && !scene_.deformable())
         fail(key + ".phase", "expected \"fluid\": with solid.model = \"rigid\" there is no solid phase to measure");
       if (gauge.kind == "point" && gauge.quantity.empty())
         fail(key + ".quantity", "a point gauge needs the name of an output field");
