@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numbers>
 
 namespace poretwin::fluid {
 
@@ -46,7 +47,7 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
     for (const auto& x : lattice.position) {
       const Soil* soil = soil_at(scene, to_point3<D>(x));
       const double n = soil ? soil->porosity : 1.0;
-      p.add(x, scene.fluid.initial_velocity.head<D>(), n * density_ * lattice.volume, n, lattice.volume, 0.0);
+      p.add(x, initial_velocity(x), n * density_ * lattice.volume, n, lattice.volume, 0.0);
       const double height = up.dot(x) + 0.5 * dx_;
       if (height > top) {
         top = height;
@@ -66,6 +67,22 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
   // The soil looks for its rest under what is published before the first exchange.
   settle(rigid_soil<D>(scene_, p.position));
   saved_ = state_;
+}
+
+template <int D>
+Vec<D> Fluid<D>::initial_velocity(const Vec<D>& x) const {
+  const auto& fluid = scene_.fluid;
+  Vec<D> v = fluid.initial_velocity.head<D>();
+  v[0] += fluid.initial_strain * x[0];
+  v[1] -= fluid.initial_strain * x[1];
+  if (fluid.initial_vortices > 0.0) {
+    const auto& box = scene_.general;
+    const Vec<2> k = 2.0 * std::numbers::pi / (box.domain_max - box.domain_min).head<2>().array();
+    const double a = k[0] * (x[0] - box.domain_min[0]), b = k[1] * (x[1] - box.domain_min[1]);
+    v[0] += fluid.initial_vortices * std::sin(a) * std::cos(b);
+    v[1] -= fluid.initial_vortices * k[0] / k[1] * std::cos(a) * std::sin(b);
+  }
+  return v;
 }
 
 template <int D>

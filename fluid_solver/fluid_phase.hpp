@@ -25,6 +25,7 @@ class Fluid final : public Phase {
   [[nodiscard]] const State<D>& state() const { return state_; }
 
  private:
+  Vec<D> initial_velocity(const Vec<D>& x) const;
   void settle(const SoilView<D>& view);
   WindowSolution<D> solve(const Stencil<D>& s, SoilView<D>& view, const WindowProblem<D>& in);
   SoilView<D> soil(const coupling::Inbox& inbox) const;

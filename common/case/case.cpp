@@ -14,7 +14,8 @@ template <class E>
 using Word = std::pair<std::string_view, E>;
 
 constexpr std::array shape_words{Word<Shape::Kind>{"box", Shape::Kind::box},
-                                 Word<Shape::Kind>{"polygon", Shape::Kind::polygon}};
+                                 Word<Shape::Kind>{"polygon", Shape::Kind::polygon},
+                                 Word<Shape::Kind>{"ball", Shape::Kind::ball}};
 constexpr std::array water_words{Word<Wall::ForWater>{"none", Wall::ForWater::none},
                                  Word<Wall::ForWater>{"free_slip", Wall::ForWater::free_slip},
                                  Word<Wall::ForWater>{"no_slip", Wall::ForWater::no_slip}};
@@ -49,6 +50,8 @@ void declare(Keys& keys, General& g) {
   keys.dimension = g.dimension;
   if (g.dimension == 3 && g.gravity == General{}.gravity) g.gravity = {0.0, 0.0, -9.81};
   keys.point("gravity", g.gravity, {"m/s2", "Acceleration of gravity; in 3D the default is [0, 0, -9.81]."});
+  keys.number("central_force", g.central_force,
+              {"1/s2", "Acceleration of the water towards the origin, per distance from it."}, not_negative());
   keys.number("end_time", g.end_time, {"s", "Simulated time at which the run ends.", true}, positive());
   keys.point("domain_min", g.domain_min, {"m", "Lower corner of the periodic box; used along periodic axes only."});
   keys.point("domain_max", g.domain_max, {"m", "Upper corner of the periodic box."});
@@ -61,11 +64,14 @@ void declare(Keys& keys, Water& w) {
 }
 
 void declare(Keys& keys, Shape& s) {
-  keys.choice<Shape::Kind>("shape", s.kind, shape_words, {"", "Box, or in 2D a polygon."});
+  keys.choice<Shape::Kind>("shape", s.kind, shape_words, {"", "Box, ball (2D: disc), or in 2D a polygon."});
   const bool box = s.kind == Shape::Kind::box;
   keys.point("min", s.min, {"m", "Lower corner of a box.", box});
   keys.point("max", s.max, {"m", "Upper corner of a box.", box});
-  keys.points("points", s.points, {"m", "Corners of a polygon, in order (required for a polygon).", !box});
+  keys.points("points", s.points,
+              {"m", "Corners of a polygon, in order (required for a polygon).", s.kind == Shape::Kind::polygon});
+  keys.point("centre", s.centre, {"m", "Centre of a ball.", s.kind == Shape::Kind::ball});
+  keys.number("radius", s.radius, {"m", "Radius of a ball.", s.kind == Shape::Kind::ball}, not_negative());
 }
 
 void declare(Keys& keys, Face& f) {
@@ -202,6 +208,11 @@ void declare(Keys& keys, FluidCase& f) {
   keys.integer("sweeps", sweeps, {"", "Of `eisph`, per window."}, between(1, false, 1000, false));
   f.sweeps = static_cast<int>(sweeps);
   keys.point("initial_velocity", f.initial_velocity, {"m/s", "Of all water at time zero."});
+  keys.number("initial_strain", f.initial_strain,
+              {"1/s", "Adds the plane straining flow (s x, -s y) about the origin to the initial velocity."});
+  keys.number(
+      "initial_vortices", f.initial_vortices,
+      {"m/s", "Adds Taylor-Green vortices of this highest speed, one period over the periodic box in x and y."});
   keys.point("offset", f.offset, {"spacings", "Of the first particle from a region's lower corner."});
   keys.number("jitter", f.jitter, {"spacings", "Largest random displacement of the initial lattice."},
               between(0, false, 1, false));
@@ -266,7 +277,8 @@ void declare(Keys& keys, Gauge& g) {
   keys.text("phase", g.phase, {"", "`fluid` or `solid`.", true});
   keys.text("kind", g.kind,
             {"",
-             "`point`, `front`, `volume`, `momentum`, `kinetic_energy`, `particles`, `max_speed`; of the solid also "
+             "`point`, `front`, `volume`, `momentum`, `kinetic_energy`, `particles`, `max_speed`; of the fluid also "
+             "`potential_energy`, `energy` (both together), `extent`, `spread`; of the solid also "
              "`max_displacement`, `uplift`, `strain_energy` (elastic), `crest_settlement` (of the highest particles, "
              "since the initial rest), `pending_impulse`.",
              true});
@@ -274,7 +286,10 @@ void declare(Keys& keys, Gauge& g) {
             {"",
              "Of `point`: an output field, with `_x` `_y` `_z` or `_xx` `_yy` .. for one component. Of `momentum`: "
              "`momentum_x` .."});
-  keys.points("points", g.points, {"m", "Of `point`: where. Of `front`: the two ends of the line."});
+  keys.points("points", g.points,
+              {"m",
+               "Of `point`: where. Of `front`: the two ends of the line. Of `extent` (how far the water reaches) and "
+               "`spread` (rms distance from its mean position): from where, and a second point for the direction."});
   keys.optional_table("region", "Where `volume`, `momentum`, .. count; absent: everywhere.", g.region,
                       [](Keys& inner, Shape& shape) { declare(inner, shape); });
 }

@@ -15,12 +15,14 @@ namespace poretwin {
 /// Case geometry is three-dimensional throughout; 2D cases leave z = 0.
 using Point3 = Eigen::Vector3d;
 
-/// Box ("min", "max") or, in 2D, polygon ("points").
+/// Box ("min", "max"), ball ("centre", "radius"; a disc in 2D) or, in 2D, polygon ("points").
 struct Shape {
-  enum class Kind { box, polygon };
+  enum class Kind { box, polygon, ball };
   Kind kind = Kind::box;
   Point3 min = Point3::Zero(), max = Point3::Zero();
   std::vector<Point3> points;  ///< polygon corners, in order
+  Point3 centre = Point3::Zero();
+  double radius = 0.0;  ///< m
 };
 
 /// A line of straight pieces (2D, "points"; the domain lies on the LEFT of the walk) or a plane ("point", "normal" into
@@ -43,6 +45,7 @@ struct General {
   std::string title;
   int dimension = 2;
   Point3 gravity{0.0, -9.81, 0.0};  ///< m/s2; default downwards along the last axis of the dimension
+  double central_force = 0.0;       ///< 1/s2: acceleration of the water towards the origin, per distance
   double end_time = 0.0;            ///< s
   Point3 domain_min = Point3::Zero(), domain_max = Point3::Zero();  ///< m, needed only with periodic sides
   std::vector<int> periodic;                                        ///< axes
@@ -138,11 +141,13 @@ struct FluidCase {
   enum class Scheme { projection, eisph, eisph_explicit_drag };
   double particle_spacing = 0.0;  ///< m
   Scheme scheme = Scheme::projection;
-  int sweeps = 1;  ///< of eisph, per window
+  int sweeps = 1;              ///< of eisph, per window
   std::vector<Shape> regions;  ///< [[fluid.region]]: where water stands at time zero (inside soil it fills the pores)
   Point3 initial_velocity = Point3::Zero();
-  Point3 offset{0.5, 0.5, 0.5};  ///< of the first particle from a region's corner, in spacings
-  double jitter = 0.0;           ///< random displacement of the initial lattice, in spacings (uniform, +-)
+  double initial_strain = 0.0;    ///< 1/s: adds (s x, -s y)
+  double initial_vortices = 0.0;  ///< m/s: adds Taylor-Green vortices, one period over the periodic box
+  Point3 offset{0.5, 0.5, 0.5};   ///< of the first particle from a region's corner, in spacings
+  double jitter = 0.0;            ///< random displacement of the initial lattice, in spacings (uniform, +-)
   unsigned seed = 1;
   bool drag = true;  ///< seepage force between the phases
   bool skeleton_response =
@@ -190,12 +195,14 @@ struct OutputCase {
 /// [[gauge]]
 struct Gauge {
   std::string name;
-  std::string phase;            ///< "fluid" or "solid"
-  std::string kind;             ///< "point", "front", "volume", "momentum", "kinetic_energy", "particles", "max_speed";
-                                ///< solid only: "max_displacement", "uplift", "strain_energy", "crest_settlement",
-                                ///< "pending_impulse" (taken, not yet paid for)
-  std::string quantity;         ///< of "point": "pore_pressure", "velocity", "displacement", "effective_stress_yy", ...
-  std::vector<Point3> points;   ///< of "point" (name[i] where several), of "front" (a line's two ends)
+  std::string phase;     ///< "fluid" or "solid"
+  std::string kind;      ///< "point", "front", "volume", "momentum", "kinetic_energy", "particles", "max_speed";
+                         ///< fluid only: "potential_energy", "energy", "extent", "spread";
+                         ///< solid only: "max_displacement", "uplift", "strain_energy", "crest_settlement",
+                         ///< "pending_impulse" (taken, not yet paid for)
+  std::string quantity;  ///< of "point": "pore_pressure", "velocity", "displacement", "effective_stress_yy", ...
+  std::vector<Point3>
+      points;  ///< of "point" (name[i] where several), of "front" (a line's two ends), "extent", "spread"
   std::optional<Shape> region;  ///< of "volume", "momentum", ...: absent: everywhere
 };
 

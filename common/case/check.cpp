@@ -14,9 +14,10 @@ namespace poretwin {
 namespace {
 
 constexpr std::array<std::string_view, 2> phases{"fluid", "solid"};
-constexpr std::array<std::string_view, 12> gauge_kinds{
-    "point",     "front",     "volume",           "momentum", "kinetic_energy",   "strain_energy",
-    "particles", "max_speed", "max_displacement", "uplift",   "crest_settlement", "pending_impulse"};
+constexpr std::array<std::string_view, 16> gauge_kinds{
+    "point",         "front",  "volume",           "momentum",       "kinetic_energy", "potential_energy",
+    "energy",        "extent", "spread",           "particles",      "max_speed",      "max_displacement",
+    "strain_energy", "uplift", "crest_settlement", "pending_impulse"};
 
 class Checker {
  public:
@@ -87,6 +88,12 @@ class Checker {
       }
       return;
     }
+    if (s.kind == Shape::Kind::ball) {
+      if (s.radius < 0.5 * spacing)
+        fail(key + ".radius", fmt::format("no particle fits: the ball's radius is {} m, the particle spacing is {} m",
+                                          s.radius, spacing));
+      return;
+    }
     if (dimension != 2)
       fail(key + ".shape", "polygons are for dimension = 2, found dimension = 3; use shape = \"box\"");
     if (given(key + ".min") || given(key + ".max"))
@@ -147,7 +154,8 @@ class Checker {
         fail(key + ".grain_diameter", "the law \"ergun\" needs the size of the grains in m, found none");
       if (soil.seepage_law == ergun && given(key + ".hydraulic_conductivity"))
         fail(key + ".hydraulic_conductivity",
-             "the law \"ergun\" takes the conductivity from grain_diameter and porosity; use \"forchheimer\" to give it");
+             "the law \"ergun\" takes the conductivity from grain_diameter and porosity; use \"forchheimer\" to give "
+             "it");
       if (soil.seepage_law != ergun && given(key + ".grain_diameter"))
         fail(key + ".grain_diameter", "belongs to seepage_law = \"ergun\"");
       if (soil.seepage_law != forchheimer && given(key + ".forchheimer_coefficient"))
@@ -372,6 +380,9 @@ class Checker {
       if (gauge.kind == "front" && gauge.points.size() != 2)
         fail(key + ".points",
              fmt::format("a front gauge needs the 2 ends of its line, found {} points", gauge.points.size()));
+      if ((gauge.kind == "extent" || gauge.kind == "spread") && gauge.points.size() != 2)
+        fail(key + ".points", fmt::format("expected the start of a direction and a second point on it, found {} points",
+                                          gauge.points.size()));
       if (gauge.region) shape(*gauge.region, key + ".region", 0.0);
       for (std::size_t j = 0; j < i; ++j)
         if (scene_.gauges[j].name == gauge.name)
