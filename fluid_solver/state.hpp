@@ -63,6 +63,12 @@ struct Particles {
   }
 };
 
+/// A bound on the next window and what sets it.
+struct TimeLimit {
+  double interval = 0.0;  ///< s
+  const char* reason = "";
+};
+
 /// What a run's summary counts.
 struct Counts {
   double windows = 0, pressure_iterations = 0, skeleton_iterations = 0, outer_iterations = 0, stencils = 0, born = 0,
@@ -81,6 +87,7 @@ struct State {
   std::vector<FaceColumn<D>> columns;
   ScalarArray supplied;     ///< [faces] volume of the basin at first, and poured in since [m^D]; 0 where it is none
   ScalarArray basin_level;  ///< [faces] m
+  std::vector<TimeLimit> scheme_limits;  ///< of explicit schemes, from the last window
   Counts counts;
 };
 
