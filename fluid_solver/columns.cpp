@@ -121,7 +121,9 @@ void Fluid<D>::give_birth_and_delete() {
   std::vector<bool> keep(p.size(), true);
   bool any = false;
   for (std::size_t a = 0; a < p.size(); ++a) {
-    if (((p.position[a] - lower_).array() < 0.0 || (upper_ - p.position[a]).array() < 0.0).any()) {
+    // Far outside, and no faster than a fall makes it: water that diverges is not hushed up.
+    if (((p.position[a] - lower_).array() < 0.0 || (upper_ - p.position[a]).array() < 0.0).any() &&
+        p.velocity[a].squaredNorm() <= 4.0 * weight_.norm() / density_ * (upper_ - lower_).norm()) {
       keep[a] = false;
       any = true;
       ++state_.counts.lost;

@@ -131,14 +131,17 @@ std::vector<GaugeReading> Fluid<D>::gauges() const {
       readings.push_back({gauge.name, count, "1"});
     } else if (gauge.kind == "level" || gauge.kind == "passed_volume") {
       const auto through = passed();
+      double sum = 0.0, level = 0.0;
       for (std::size_t f = 0; f < scene_.water_faces.size(); ++f) {
         const auto& face = scene_.water_faces[f];
-        if (face.name != gauge.quantity) continue;
-        if (gauge.kind == "passed_volume")
-          readings.push_back({gauge.name, through[f], D == 2 ? "m2" : "m3"});
-        else
-          readings.push_back({gauge.name, face.discharge ? state_.basin_level[f] : face.head->at(state_.time), "m"});
+        if (!gauge.quantity.empty() && face.name != gauge.quantity) continue;
+        sum += through[f];
+        if (gauge.kind == "level") level = face.discharge ? state_.basin_level[f] : face.head->at(state_.time);
       }
+      if (gauge.kind == "level")
+        readings.push_back({gauge.name, level, "m"});
+      else
+        readings.push_back({gauge.name, sum, D == 2 ? "m2" : "m3"});
     } else if (gauge.kind == "max_speed") {
       double fastest = 0.0;
       for (std::size_t a = 0; a < p.size(); ++a)

@@ -284,7 +284,8 @@ void declare(Keys& keys, Gauge& g) {
              true});
   keys.text("quantity", g.quantity,
             {"",
-             "Of `level` (of the water behind) and `passed_volume` (come in less gone out): name of the face. Of "
+             "Of `level` (of the water behind) and `passed_volume` (come in less gone out; absent: all faces): "
+             "name of the face. Of "
              "`point`: an output field, with `_x` `_y` `_z` or `_xx` `_yy` .. for one component. Of `momentum`: "
              "`momentum_x` .."});
   keys.points("points", g.points,

@@ -385,7 +385,7 @@ class Checker {
         const auto& faces = scene_.water_faces;
         const auto named = std::find_if(faces.begin(), faces.end(),
                                         [&](const WaterFace& face) { return face.name == gauge.quantity; });
-        if (gauge.quantity.empty() || named == faces.end())
+        if (named == faces.end() && !(gauge.quantity.empty() && gauge.kind == "passed_volume"))
           fail(key + ".quantity", fmt::format("expected the name of a [[water_face]], found \"{}\"", gauge.quantity));
         if (gauge.kind == "level" && !named->discharge && !named->head)
           fail(key + ".quantity", fmt::format("the face \"{}\" has no water level", gauge.quantity));
