@@ -64,6 +64,10 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
     throw CaseError(fmt::format("solid.particle_spacing: expected a length above 0 m, found {}", setup.spacing));
   setup.smoothing_length = lengths_per_spacing * setup.spacing;
   setup.skin = 0.2 * setup.spacing;
+  setup.courant = scene.solid.courant;
+  setup.stabilisers.artificial = scene.solid.artificial_viscosity;
+  setup.stabilisers.zero_energy = scene.solid.zero_energy_viscosity;
+  setup.stabilisers.stiffness = scene.solid.zero_energy_stiffness;
   setup.gravity = scene.general.gravity.head<D>();
   setup.water_weight = water_weight(scene);
   setup.inertia_share = scene.fluid.skeleton_response ? 0.5 : 0.0;

@@ -97,7 +97,7 @@ struct State {
   VecArray<D> rest_displacement;  ///< m, after initialise: where uplift counts from
   std::vector<char> yielded;      ///< during the last window
   bool any_yielded = false;
-  double substeps = 0.0, rebuilds = 0.0, rest_steps = 0.0;  ///< counters
+  double substeps = 0.0, rebuilds = 0.0;  ///< counters
 };
 
 }  // namespace poretwin::solid

@@ -121,6 +121,19 @@ void declare(Keys& keys, Load& l) {
   keys.number("start", l.start, {"s", "Applied from then on. Absent: always there, part of the initial rest."});
 }
 
+void declare(Keys& keys, PorePressure& p) {
+  keys.text("name", p.name, {"", "Name, for messages."});
+  keys.optional_table("region", "Where it holds; absent: all soil. Of several, the first that holds a point counts.",
+                      p.region, [](Keys& inner, Shape& shape) { declare(inner, shape); });
+  keys.series("head", p.head,
+              {"m", "Elevation (along -gravity) of the water table; with `to_head`: the total head at `from`."});
+  keys.series("pressure", p.pressure, {"Pa", "Instead of `head`: pressure, uniform."});
+  keys.series("to_head", p.to_head,
+              {"m", "Total head at `to`: linear between `from` and `to`, constant across and beyond (seepage)."});
+  keys.point("from", p.from, {"m", "With `to_head`: where `head` holds."});
+  keys.point("to", p.to, {"m", "With `to_head`: where that holds."});
+}
+
 void declare_seed(Keys& keys, unsigned& seed) {
   std::int64_t value = seed;
   keys.integer("seed", value, {"", "Seed of the jitter."}, between(0, false, 4294967295.0, false));
@@ -128,8 +141,8 @@ void declare_seed(Keys& keys, unsigned& seed) {
 }
 
 void declare(Keys& keys, FluidCase& f) {
-  keys.number("particle_spacing", f.particle_spacing, {"m", "Distance between neighbouring water particles.", true},
-              positive());
+  keys.number("particle_spacing", f.particle_spacing,
+              {"m", "Distance between neighbouring water particles; required where there is water."}, not_negative());
   keys.point("initial_velocity", f.initial_velocity, {"m/s", "Of all water at time zero."});
   keys.point("offset", f.offset, {"spacings", "Of the first particle from a region's lower corner."});
   keys.number("jitter", f.jitter, {"spacings", "Largest random displacement of the initial lattice."},
@@ -144,11 +157,11 @@ void declare(Keys& keys, FluidCase& f) {
 }
 
 void declare(Keys& keys, SolidCase& s) {
-  keys.choice<SolidCase::Model>("model", s.model, model_words,
-                                {"",
-                                 "`rigid`: the soil does not move, the fluid runs alone; otherwise the material law. "
-                                 "`drucker_prager_rate`: as the "
-                                 "paper integrates it, explicit rates and stress scaling-back."});
+  keys.choice<SolidCase::Model>(
+      "model", s.model, model_words,
+      {"",
+       "`rigid`: the soil does not move, the fluid runs alone; otherwise the material law. Without water the soil runs "
+       "alone. `drucker_prager_rate`: as the paper integrates it, explicit rates and stress scaling-back."});
   keys.number("particle_spacing", s.particle_spacing,
               {"m", "Distance between soil particles; 0: as fluid.particle_spacing."}, not_negative());
   keys.point("initial_velocity", s.initial_velocity, {"m/s", "Of all soil at time zero."});
@@ -161,6 +174,16 @@ void declare(Keys& keys, SolidCase& s) {
   keys.choice<SolidCase::PressureGradient>(
       "pressure_gradient", s.pressure_gradient, gradient_words,
       {"", "`difference`: Eq. (62) as corrected; `sum`: Eq. (61), which expels surface particles."});
+  keys.number("courant", s.courant, {"", "Substep over spacing / wave speed; stable to about 2."},
+              between(0, true, 2, false));
+  keys.number("artificial_viscosity", s.artificial_viscosity,
+              {"", "Alpha of Monaghan's artificial viscosity, on approaching particles."}, not_negative());
+  keys.number("zero_energy_viscosity", s.zero_energy_viscosity,
+              {"", "Viscosity on what a linear field does not explain of the velocity; off where the soil flows."},
+              not_negative());
+  keys.number("zero_energy_stiffness", s.zero_energy_stiffness,
+              {"", "Stiffness on the same of the displacement, in M; between particles that never yielded."},
+              not_negative());
   keys.number("strength_reduction", s.strength_reduction,
               {"",
                "Cohesion and tan(friction) of all soil are divided by it (`poretwin safety` finds the factor of "
@@ -184,7 +207,8 @@ void declare(Keys& keys, Gauge& g) {
   keys.text("kind", g.kind,
             {"",
              "`point`, `front`, `volume`, `momentum`, `kinetic_energy`, `particles`, `max_speed`; of the solid also "
-             "`max_displacement`, `uplift`, `pending_impulse`.",
+             "`max_displacement`, `uplift`, `strain_energy` (elastic), `crest_settlement` (of the highest particles, "
+             "since the initial rest), `pending_impulse`.",
              true});
   keys.text("quantity", g.quantity,
             {"",
@@ -214,6 +238,10 @@ void declare_shared(Keys& keys, Case& c) {
 }
 
 void declare_own(Keys& keys, Case& c) {
+  keys.tables("pore_pressure",
+              "Water in the pores of soil that runs alone: it fills them where its pressure is above zero, and acts on "
+              "the skeleton by buoyancy and seepage, rho_w g - grad p per volume.",
+              c.pore_pressures, [](Keys& inner, PorePressure& p) { declare(inner, p); });
   keys.table("fluid", "The water phase.", [&](Keys& inner) { declare(inner, c.fluid); });
   keys.table("solid", "The soil phase.", [&](Keys& inner) { declare(inner, c.solid); });
   keys.table("output", "What is written, and when.", [&](Keys& inner) { declare(inner, c.output); });

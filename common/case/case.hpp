@@ -107,6 +107,17 @@ struct Load {
   std::optional<double> start;  ///< s; applied from then on. Absent: there from the beginning, part of the initial rest
 };
 
+/// [[pore_pressure]]: water in the pores of a soil that runs alone. Water fills them where the pressure is above zero
+/// and seeps at the rate its head gradient drives, so that its force on the skeleton is rho_w g - grad p per volume.
+struct PorePressure {
+  std::string name;
+  std::optional<Shape> region;     ///< absent: all soil; of several, the first that holds a point counts
+  std::optional<Series> pressure;  ///< Pa, uniform
+  std::optional<Series> head;      ///< m: elevation (along -gravity) of the water table; with to_head: head at `from`
+  std::optional<Series> to_head;   ///< m: head at `to`; linear between the two points, constant across and beyond
+  Point3 from = Point3::Zero(), to = Point3::Zero();
+};
+
 /// [fluid]
 struct FluidCase {
   double particle_spacing = 0.0;  ///< m
@@ -132,7 +143,11 @@ struct SolidCase {
   unsigned seed = 2;
   bool initial_rest = true;  ///< find the rest under gravity, water and standing loads before time zero
   PressureGradient pressure_gradient = PressureGradient::difference;
-  double strength_reduction = 1.0;  ///< cohesion and tan(friction) are divided by it
+  double courant = 0.8;                ///< of dx / sqrt(M / rho_bar_s)
+  double artificial_viscosity = 0.1;   ///< alpha of Monaghan's, on approaching particles
+  double zero_energy_viscosity = 0.1;  ///< on the part of the velocity that is not linear around a particle
+  double zero_energy_stiffness = 0.1;  ///< the same on the displacement, of M, between particles that never yielded
+  double strength_reduction = 1.0;     ///< cohesion and tan(friction) are divided by it
 };
 
 /// [coupling]
@@ -149,10 +164,11 @@ struct OutputCase {
 /// [[gauge]]
 struct Gauge {
   std::string name;
-  std::string phase;     ///< "fluid" or "solid"
-  std::string kind;      ///< "point", "front", "volume", "momentum", "kinetic_energy", "particles", "max_speed";
-                         ///< solid only: "max_displacement", "uplift", "pending_impulse" (taken, not yet paid for)
-  std::string quantity;  ///< of "point": "pore_pressure", "velocity", "displacement", "effective_stress_yy", ...
+  std::string phase;            ///< "fluid" or "solid"
+  std::string kind;             ///< "point", "front", "volume", "momentum", "kinetic_energy", "particles", "max_speed";
+                                ///< solid only: "max_displacement", "uplift", "strain_energy", "crest_settlement",
+                                ///< "pending_impulse" (taken, not yet paid for)
+  std::string quantity;         ///< of "point": "pore_pressure", "velocity", "displacement", "effective_stress_yy", ...
   std::vector<Point3> points;   ///< of "point" (name[i] where several), of "front" (a line's two ends)
   std::optional<Shape> region;  ///< of "volume", "momentum", ...: absent: everywhere
 };
@@ -167,12 +183,18 @@ struct Case {
   std::vector<Wall> walls;
   std::vector<WaterFace> water_faces;
   std::vector<Load> loads;
+  std::vector<PorePressure> pore_pressures;
   FluidCase fluid;
   SolidCase solid;
   CouplingCase coupling;
   OutputCase output;
   std::vector<Gauge> gauges;
-  [[nodiscard]] bool coupled() const { return solid.model != SolidCase::Model::rigid; }
+  /// The soil is a phase of its own.
+  [[nodiscard]] bool deformable() const { return solid.model != SolidCase::Model::rigid; }
+  /// There is a water phase.
+  [[nodiscard]] bool has_water() const { return !fluid.regions.empty() || !water_faces.empty(); }
+  /// Both phases run; otherwise the water alone in rigid soil, or the soil alone.
+  [[nodiscard]] bool coupled() const { return deformable() && has_water(); }
   /// Hex digest of everything both solvers must agree on; independent of comments, order and paths.
   [[nodiscard]] std::string digest() const;
 };
