@@ -279,7 +279,8 @@ void declare(Keys& keys, Gauge& g) {
             {"",
              "`point`, `front`, `volume`, `momentum`, `kinetic_energy`, `particles`, `max_speed`; of the fluid also "
              "`potential_energy`, `energy` (both together), `extent`, `spread`; of the solid also "
-             "`max_displacement`, `uplift`, `strain_energy` (elastic), `crest_settlement` (of the highest particles, "
+             "`max_displacement`, `max_plastic_strain`, `uplift`, `strain_energy` (elastic), `crest_settlement` (of "
+             "the highest particles, "
              "since the initial rest), `pending_impulse`.",
              true});
   keys.text("quantity", g.quantity,

@@ -14,10 +14,15 @@ namespace poretwin {
 namespace {
 
 constexpr std::array<std::string_view, 2> phases{"fluid", "solid"};
-constexpr std::array<std::string_view, 16> gauge_kinds{
-    "point",         "front",  "volume",           "momentum",       "kinetic_energy", "potential_energy",
-    "energy",        "extent", "spread",           "particles",      "max_speed",      "max_displacement",
-    "strain_energy", "uplift", "crest_settlement", "pending_impulse"};
+constexpr std::array<std::string_view, 17> gauge_kinds{"point",          "front",
+                                                       "volume",         "momentum",
+                                                       "kinetic_energy", "potential_energy",
+                                                       "energy",         "extent",
+                                                       "spread",         "particles",
+                                                       "max_speed",      "max_displacement",
+                                                       "strain_energy",  "max_plastic_strain",
+                                                       "uplift",         "crest_settlement",
+                                                       "pending_impulse"};
 
 class Checker {
  public:
