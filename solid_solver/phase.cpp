@@ -5,6 +5,8 @@
 #include "solid_solver/permeability.hpp"
 #include "solid_solver/pore_water.hpp"
 #include "solid_solver/readout.hpp"
+#include "solid_solver/rest.hpp"
+#include "solid_solver/saturation.hpp"
 #include "solid_solver/solid.hpp"
 
 #include <fmt/format.h>
@@ -52,6 +54,8 @@ Solid<D>::Solid(const Case& scene) : scene_(scene) {
   state_.stabilising.assign(n, Vec<D>::Zero());
   state_.external.pressure.assign(n, 0.0);
   state_.external.coverage.assign(n, 0.0);
+  for (const Index soil : state_.particles.material)
+    state_.external.saturation.push_back(scene.soils[soil].initial_saturation);
   state_.external.pressure_gradient.assign(n, Vec<D>::Zero());
   state_.mean_velocity.assign(n, Vec<D>::Zero());
   state_.returned_impulse.assign(n, Vec<D>::Zero());
@@ -82,6 +86,7 @@ ScalarArray Solid<D>::take_pressure(const Inbox& inbox, double time) {
     ScalarArray pressure = field_or_zero(inbox, field::pore_pressure, n, 1);
     for (std::size_t i = 0; i < n; ++i)
       if (coverage[i] <= 0.0) pressure[i] = 0.0;
+    degree_of_saturation<D>(scene_.soils, setup_, state_, coverage, state_.external.saturation);
     return pressure;
   }
   ScalarArray pressure(n, 0.0);
@@ -94,6 +99,7 @@ ScalarArray Solid<D>::take_pressure(const Inbox& inbox, double time) {
       coverage[i] = 1.0;
     }
   }
+  degree_of_saturation<D>(scene_.soils, setup_, state_, coverage, state_.external.saturation);
   return pressure;
 }
 
@@ -380,8 +386,8 @@ OutputFrame Solid<D>::frame() const {
       {"pore_pressure", "Pa", "pressure of the water at the soil's points", 1, state_.external.pressure},
       {"void_fraction", "1", "porosity n_w = 1 - n_s", 1,
        scalars([&](std::size_t i) { return void_fraction(setup_, p, i); })},
-      {"degree_of_saturation", "1", "share of the kernel's support covered by water, Eq. (90), clamped to 1", 1,
-       state_.external.coverage},
+      {"degree_of_saturation", "1", "water's share of the soil's surroundings, Eq. (90)", 1,
+       state_.external.saturation},
       {"accumulated_plastic_strain", "1", "accumulated equivalent deviatoric plastic strain", 1, p.plastic_strain},
       {"mobilised_friction", "degrees", "mobilised friction angle, sin phi_m = (s1 - s3) / (s1 + s3)", 1,
        scalars([&](std::size_t i) { return mobilised_friction(p.stress[i]); })},

@@ -1,6 +1,7 @@
 #include "solid_solver/setup.hpp"
 
 #include "common/core/error.hpp"
+#include "solid_solver/constitutive/cone.hpp"
 #include "solid_solver/permeability.hpp"
 
 #include <fmt/format.h>
@@ -73,7 +74,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   double fastest = 0.0;
   for (std::size_t s = 0; s < scene.soils.size(); ++s) {
     const Soil& soil = scene.soils[s];
-    setup.models.push_back(make_constitutive(scene.solid.model, soil));
+    setup.models.push_back(make_constitutive(scene.solid.model, weakened(soil, scene.solid.strength_reduction)));
     setup.grain_density.push_back(soil.grain_density);
     const auto lattice = fill<D>(soil.shape, setup.spacing, scene.solid.offset, scene.solid.jitter,
                                  scene.solid.seed + static_cast<unsigned>(s));

@@ -76,6 +76,7 @@ struct Neighbourhood {
 template <int D>
 struct External {
   ScalarArray pressure, coverage;  ///< Pa; 0..1
+  ScalarArray saturation;          ///< degree of saturation s_r
   VecArray<D> pressure_gradient;   ///< Pa/m, SPH form of Eq. (62) (or (61)), at the end of the last window
 };
 

@@ -23,7 +23,8 @@ constexpr std::array soil_words{Word<Wall::ForSoil>{"none", Wall::ForSoil::none}
                                 Word<Wall::ForSoil>{"fixed", Wall::ForSoil::fixed}};
 constexpr std::array model_words{Word<SolidCase::Model>{"rigid", SolidCase::Model::rigid},
                                  Word<SolidCase::Model>{"elastic", SolidCase::Model::elastic},
-                                 Word<SolidCase::Model>{"drucker_prager", SolidCase::Model::drucker_prager}};
+                                 Word<SolidCase::Model>{"drucker_prager", SolidCase::Model::drucker_prager},
+                                 Word<SolidCase::Model>{"drucker_prager_rate", SolidCase::Model::drucker_prager_rate}};
 constexpr std::array cone_words{
     Word<Soil::Cone>{"paper", Soil::Cone::paper}, Word<Soil::Cone>{"plane_strain", Soil::Cone::plane_strain},
     Word<Soil::Cone>{"repose", Soil::Cone::repose}, Word<Soil::Cone>{"outer", Soil::Cone::outer},
@@ -75,7 +76,7 @@ void declare(Keys& keys, Soil& s) {
   keys.number("youngs_modulus", s.youngs_modulus, {"Pa", "Young's modulus of the drained skeleton."}, positive());
   keys.number("poissons_ratio", s.poissons_ratio, {"", "Poisson's ratio of the drained skeleton."},
               between(0, false, 0.5, true));
-  keys.number("cohesion", s.cohesion, {"Pa", "Cohesion (drucker_prager)."}, not_negative());
+  keys.number("cohesion", s.cohesion, {"Pa", "Cohesion (drucker_prager), at `initial_saturation`."}, not_negative());
   keys.number("friction_angle", s.friction_angle, {"degrees", "Angle of internal friction (drucker_prager)."},
               between(0, false, 90, true));
   keys.number("dilation_angle", s.dilation_angle,
@@ -87,6 +88,16 @@ void declare(Keys& keys, Soil& s) {
        "friction; "
        "`plane_strain` for any dilation; `repose`: friction is the angle of repose; 3D `outer` (compression), `inner` "
        "(extension)."});
+  keys.number("tensile_strength", s.tensile_strength,
+              {"Pa", "Largest mean effective stress (drucker_prager); absent: that of the cone's apex."},
+              not_negative());
+  keys.number("maximum_void_ratio", s.maximum_void_ratio,
+              {"", "Void ratio e = n / (1 - n) at which dilation ends (drucker_prager); absent: never."}, positive());
+  keys.number("initial_saturation", s.initial_saturation,
+              {"", "Degree of saturation of soil that the water has not reached."}, between(0, false, 1, true));
+  keys.number("saturated_cohesion", s.saturated_cohesion,
+              {"Pa", "Cohesion when saturated, linear in the saturation between, Eq. (36); absent: as `cohesion`."},
+              not_negative());
 }
 
 void declare_start(Keys& keys, Soil& s) {
@@ -170,8 +181,8 @@ void declare(Keys& keys, SolidCase& s) {
   keys.choice<SolidCase::Model>(
       "model", s.model, model_words,
       {"",
-       "`rigid`: the soil does not move, the fluid runs alone; otherwise the material law. Without water the "
-       "soil runs alone."});
+       "`rigid`: the soil does not move, the fluid runs alone; otherwise the material law. `drucker_prager_rate`: as "
+       "the paper integrates it, explicit rates and stress scaling-back. Without water the soil runs alone."});
   keys.number("particle_spacing", s.particle_spacing,
               {"m", "Distance between soil particles; 0: as fluid.particle_spacing."}, not_negative());
   keys.point("initial_velocity", s.initial_velocity, {"m/s", "Of all soil at time zero."});
@@ -186,6 +197,11 @@ void declare(Keys& keys, SolidCase& s) {
       {"", "`difference`: Eq. (62) as corrected; `sum`: Eq. (61), which expels surface particles."});
   keys.optional_table("quiet", "Work saved while the soil hardly moves; absent: all its motion is computed.", s.quiet,
                       [](Keys& inner, Quiet& quiet) { declare(inner, quiet); });
+  keys.number("strength_reduction", s.strength_reduction,
+              {"",
+               "Cohesion and tan(friction) of all soil are divided by it (`poretwin safety` finds the factor of "
+               "safety)."},
+              positive());
   keys.number("courant", s.courant, {"", "Substep over spacing / wave speed; stable to about 2."},
               between(0, true, 2, false));
   keys.number("artificial_viscosity", s.artificial_viscosity,

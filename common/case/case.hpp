@@ -70,11 +70,15 @@ struct Soil {
   double hydraulic_conductivity = 1e-4;  ///< m/s at `porosity`; Kozeny-Carman (18) away from it
   double youngs_modulus = 3.0e6;         ///< Pa
   double poissons_ratio = 0.3;
-  double cohesion = 0.0;                         ///< Pa
+  double cohesion = 0.0;                         ///< Pa, at the initial saturation
   double friction_angle = 30.0;                  ///< degrees
   double dilation_angle = 0.0;                   ///< degrees
   std::optional<double> earth_pressure_at_rest;  ///< K0; absent: what elastic loading by gravity gives
   Cone cone = Cone::paper;
+  std::optional<double> tensile_strength;    ///< Pa, largest mean effective stress; absent: the cone's apex
+  std::optional<double> maximum_void_ratio;  ///< e at which dilation ends; absent: never
+  double initial_saturation = 0.0;           ///< s_r0, of soil that the water has not reached
+  std::optional<double> saturated_cohesion;  ///< Pa, at s_r = 1, Eq. (36); absent: as `cohesion`
 };
 
 /// [[wall]]: one wall, its meaning for either phase.
@@ -137,7 +141,7 @@ struct Quiet {
 
 /// [solid]
 struct SolidCase {
-  enum class Model { rigid, elastic, drucker_prager };
+  enum class Model { rigid, elastic, drucker_prager, drucker_prager_rate };
   enum class PressureGradient { difference, sum };  ///< Eq. (62) as corrected; Eq. (61), which expels surface particles
   Model model = Model::elastic;
   double particle_spacing = 0.0;  ///< m
@@ -148,6 +152,7 @@ struct SolidCase {
   bool initial_rest = true;  ///< find the rest under gravity, water and standing loads before time zero
   PressureGradient pressure_gradient = PressureGradient::difference;
   std::optional<Quiet> quiet;          ///< absent: all motion is computed
+  double strength_reduction = 1.0;     ///< cohesion and tan(friction) are divided by it
   double courant = 0.8;                ///< of dx / sqrt(M / rho_bar_s)
   double artificial_viscosity = 0.1;   ///< alpha of Monaghan's, on approaching particles
   double zero_energy_viscosity = 0.1;  ///< on the part of the velocity that is not linear around a particle

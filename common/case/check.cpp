@@ -133,6 +133,15 @@ class Checker {
       if (soil.dilation_angle > soil.friction_angle)
         fail(key + ".dilation_angle", fmt::format("expected at most the friction angle of {} degrees, found {}",
                                                   soil.friction_angle, soil.dilation_angle));
+      if (soil.saturated_cohesion && *soil.saturated_cohesion > soil.cohesion)
+        fail(key + ".saturated_cohesion",
+             fmt::format("expected at most the cohesion at the initial saturation, {} Pa, found {} Pa", soil.cohesion,
+                         *soil.saturated_cohesion));
+      if (const double e = soil.porosity / (1.0 - soil.porosity);
+          soil.maximum_void_ratio && *soil.maximum_void_ratio < e)
+        fail(key + ".maximum_void_ratio",
+             fmt::format("expected at least the initial void ratio, {:.4g} for a porosity of {}, found {}", e,
+                         soil.porosity, *soil.maximum_void_ratio));
       shapes.push_back(soil.shape);
     }
     no_overlap(shapes, "soil", spacing);

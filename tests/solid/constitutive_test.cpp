@@ -1,5 +1,5 @@
-// Strain paths with known ends: elastic moduli, the cone, the apex, unloading, independence of the step.
-#include "solid_solver/constitutive/drucker_prager.hpp"
+// Elastic moduli, the cone's constants, the Jaumann rate. Stress paths are in element_test.cpp.
+#include "solid_solver/constitutive/cone.hpp"
 #include "solid_solver/constitutive/elastic.hpp"
 
 #include <gtest/gtest.h>
@@ -81,66 +81,22 @@ TEST(Cone, EveryFitMeetsCoulombWhereItPromisesTo) {
   EXPECT_NEAR(mobilised(Soil::Cone::repose), 31.0, 1e-12);
 }
 
-TEST(DruckerPrager, ShearingEndsOnTheConeAtConstantPressure) {
-  const DruckerPrager model(sand(200.0));
-  const Cone cone = fit_cone(200.0, 30.0, 0.0);
-  Tensor stress = tensor(-1e4, -1e4, -1e4);
-  double plastic = 0.0;
-  for (int k = 0; k < 100; ++k) plastic += model.advance(stress, tensor(0.0, 0.0, 0.0, 1e-4));
-  EXPECT_NEAR(yield_function(stress, cone), 0.0, 1e-8);
-  EXPECT_NEAR(trace(stress), -3e4, 1e-6);  // psi = 0: plastic flow keeps the volume
-  EXPECT_NEAR(stress[3], cone.k + 3e4 * cone.alpha, 1e-6);
-  const double shear = 3e6 / 2.6, elastic = stress[3] / (2.0 * shear);
-  EXPECT_NEAR(plastic, 2.0 * (0.01 - elastic) / std::numbers::sqrt3, 1e-10);
+TEST(Cone, CohesionFallsWithSaturation) {
+  Soil soil = sand(550.0);
+  EXPECT_EQ(cohesion_at(soil, 1.0), 550.0);  // no saturated cohesion given: Eq. (36) is off
+  soil.initial_saturation = 0.2;
+  soil.saturated_cohesion = 10.0;
+  EXPECT_DOUBLE_EQ(cohesion_at(soil, 0.2), 550.0);  // as printed, c(s_r0) would be 442 Pa
+  EXPECT_DOUBLE_EQ(cohesion_at(soil, 0.6), 280.0);
+  EXPECT_DOUBLE_EQ(cohesion_at(soil, 1.0), 10.0);
+  EXPECT_DOUBLE_EQ(cohesion_at(soil, 0.0), 550.0);
 }
 
-TEST(DruckerPrager, DilationRaisesConfinedPressureByTheRatioOfTheFlowRule) {
-  const DruckerPrager model(sand(0.0, 10.0));
-  const Cone cone = fit_cone(0.0, 30.0, 10.0);
-  Tensor stress = tensor(-1e4, -1e4, -1e4);
-  const double plastic = [&] {
-    double sum = 0.0;
-    for (int k = 0; k < 50; ++k) sum += model.advance(stress, tensor(0.0, 0.0, 0.0, 2e-4));
-    return sum;
-  }();
-  EXPECT_NEAR(yield_function(stress, cone), 0.0, 1e-7);
-  const double bulk = 2.5e6;
-  EXPECT_NEAR(trace(stress), -3e4 - 9.0 * bulk * cone.alpha_psi * plastic * std::numbers::sqrt3, 1e-6);
-}
-
-TEST(DruckerPrager, TensionEndsAtTheApex) {
-  const DruckerPrager model(sand(100.0));
-  const Cone cone = fit_cone(100.0, 30.0, 0.0);
-  Tensor stress = Tensor::Zero();
-  for (int k = 0; k < 10; ++k) model.advance(stress, tensor(1e-3, 1e-3, 1e-3));
-  EXPECT_NEAR(trace(stress), cone.k / cone.alpha, 1e-9);
-  EXPECT_NEAR(root_j2(stress), 0.0, 1e-9);
-  const DruckerPrager dry(sand());
-  Tensor loose = tensor(-100.0, -120.0, -100.0, 10.0);
-  dry.advance(loose, tensor(1e-2, 1e-2, 0.0, 1e-3));
-  EXPECT_NEAR(loose.norm(), 0.0, 1e-9);
-}
-
-TEST(DruckerPrager, UnloadingIsElastic) {
-  const DruckerPrager model(sand(200.0));
-  Tensor stress = tensor(-1e4, -1e4, -1e4);
-  for (int k = 0; k < 20; ++k) model.advance(stress, tensor(0.0, 0.0, 0.0, 1e-3));
-  const Tensor before = stress, back = tensor(0.0, 0.0, 0.0, -1e-4);
-  EXPECT_EQ(model.advance(stress, back), 0.0);
-  EXPECT_NEAR((stress - before - model.elasticity().stress_of(back)).norm(), 0.0, 1e-9);
-}
-
-TEST(DruckerPrager, ResultDoesNotDependOnTheStep) {
-  auto end = [](int steps) {
-    const DruckerPrager model(sand(50.0, 5.0));
-    Tensor stress = tensor(-5e3, -1e4, -5e3);
-    const Tensor total = tensor(4e-3, -6e-3, 0.0, 3e-3);
-    for (int k = 0; k < steps; ++k) model.advance(stress, total / steps);
-    return stress;
-  };
-  const Tensor fine = end(10000);
-  EXPECT_LT((end(60) - fine).norm(), 2e-3 * fine.norm());  // strain steps of 1e-4
-  EXPECT_LT((end(600) - fine).norm(), 3e-4 * fine.norm());
+TEST(Cone, ReductionDividesCohesionAndTangent) {
+  const Soil weak = weakened(sand(700.0, 29.0), 1.4);
+  EXPECT_NEAR(weak.cohesion, 500.0, 1e-9);
+  EXPECT_NEAR(std::tan(weak.friction_angle * std::numbers::pi / 180.0), std::tan(std::numbers::pi / 6.0) / 1.4, 1e-12);
+  EXPECT_LE(weak.dilation_angle, weak.friction_angle);
 }
 
 TEST(Jaumann, TurnsAStressWithItsMaterial) {
