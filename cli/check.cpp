@@ -1,5 +1,6 @@
 #include "cli/check.hpp"
 
+#include "common/porous/seepage.hpp"
 #include "common/case/geometry.hpp"
 
 #include <fmt/format.h>
@@ -51,7 +52,8 @@ std::vector<Limit> limits(const Case& scene) {
                           ", dx / sqrt(M / rho_bar_s); the solid sub-cycles or relaxes below it"});
     if (scene.coupled() && scene.fluid.drag)
       result.push_back(
-          {1.2 * density * soil.hydraulic_conductivity / (scene.water.density * standard_gravity),
+          {1.2 * density * porous::seepage_at(scene, soil, soil.porosity).conductivity /
+               (scene.water.density * standard_gravity),
            "plain serial coupling" + where + ", 1.2 rho_bar_s k / gamma_w; lifted by fluid.skeleton_response"});
   }
   if (scene.coupling.interval) result.push_back({*scene.coupling.interval, "coupling.interval of the case"});

@@ -1,8 +1,8 @@
 #include "solid_solver/phase.hpp"
 
 #include "common/core/error.hpp"
+#include "common/porous/seepage.hpp"
 #include "solid_solver/gauges.hpp"
-#include "solid_solver/permeability.hpp"
 #include "solid_solver/pore_water.hpp"
 #include "solid_solver/readout.hpp"
 #include "solid_solver/rest.hpp"
@@ -226,7 +226,10 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
     double z = setup_.inertia_share * p.mass[i] / (p.volume[i] * interval);
     if (scene_.fluid.drag) {
       const double porosity = void_fraction(setup_, p, i);
-      z += drag_coefficient(setup_.water_weight, porosity, conductivity(scene_.soils[p.material[i]], porosity));
+      const auto law = porous::resistance(setup_.water_weight, porosity,
+                                          porous::seepage_at(scene_, scene_.soils[p.material[i]], porosity));
+      const double force = Eigen::Map<const Vec<D>>(impulse.data() + i * D).norm() / (p.volume[i] * interval);
+      z += law.slope(law.speed(force));
     }
     drive.tracking[i] = state_.external.coverage[i] * p.volume[i] * z;
     for (int d = 0; d < D; ++d) drive.target[i][d] = predicted[i * D + static_cast<std::size_t>(d)];
@@ -352,8 +355,11 @@ Publication Solid<D>::publish() const {
     const auto& model = *setup_.models[p.material[i]];
     return state_.yielded[i] ? model.yielding_modulus() : model.elasticity().constrained();
   });
-  scalars(field::hydraulic_conductivity,
-          [&](std::size_t i) { return conductivity(scene_.soils[p.material[i]], void_fraction(setup_, p, i)); });
+  const auto seepage = [&](std::size_t i) {
+    return porous::seepage_at(scene_, scene_.soils[p.material[i]], void_fraction(setup_, p, i));
+  };
+  scalars(field::hydraulic_conductivity, [&](std::size_t i) { return seepage(i).conductivity; });
+  scalars(field::forchheimer_coefficient, [&](std::size_t i) { return seepage(i).quadratic; });
   vectors(field::returned_impulse,
           [&](std::size_t i) { return i < n ? state_.returned_impulse[i] : Vec<D>(Vec<D>::Zero()); });
   return out;
