@@ -161,6 +161,8 @@ struct Case {
   [[nodiscard]] bool coupled() const { return solid.model != SolidCase::Model::rigid; }
   /// Hex digest of everything both solvers must agree on; independent of comments, order and paths.
   [[nodiscard]] std::string digest() const;
+  /// What the digest is of: "key = value" lines.
+  [[nodiscard]] std::string coupled_part() const;
 };
 
 /// Reads and checks a case file; overrides are "section.key=value" (TOML values). Throws CaseError with file, line,
