@@ -38,9 +38,11 @@ class SeepageGrid(poretwin.Phase):
         self.weight = case.get("water.density", 1000.0) * np.array(case.gravity, float)  # N/m3
         self.elevation = self.points.position @ (-self.weight / np.linalg.norm(self.weight))
         self.prescribed = self._prescribed(case)
-        self.porosity = np.full(n, case.get("soil.0.porosity", 0.4))
+        self.case_porosity = case.get("soil.0.porosity", 0.4)
+        self.case_conductivity = case.get("soil.0.hydraulic_conductivity", 1e-4)
+        self.porosity = np.full(n, self.case_porosity)
         self.impulse = np.zeros((n, 2))
-        self._solve(np.full(n, case.get("soil.0.hydraulic_conductivity", 1e-4)))
+        self._solve(np.full(n, self.case_conductivity))
 
     def _prescribed(self, case):
         """Heads at the nodes on water faces; NaN elsewhere."""
@@ -95,8 +97,9 @@ class SeepageGrid(poretwin.Phase):
         })
 
     def advance(self, window, inbox):
-        self.porosity = 1.0 - inbox["solid_volume_fraction"]
-        self._solve(inbox["hydraulic_conductivity"])
+        soil = inbox.coverage > 0.0  # elsewhere fields are 0 and mean nothing
+        self.porosity = np.where(soil, 1.0 - inbox["solid_volume_fraction"], self.case_porosity)
+        self._solve(np.where(soil, inbox["hydraulic_conductivity"], self.case_conductivity))
         self.impulse = self.force * self.points.volume[:, None] * window.interval
 
     def gauges(self):
