@@ -4,8 +4,9 @@
 
 #include "common/coupling/transport.hpp"
 
+#include <linux/tcp.h>
 #include <netinet/in.h>
-#include <netinet/tcp.h>
+
 #include <sys/socket.h>
 #include <zmq.hpp>
 
@@ -37,7 +38,9 @@ inline bool unacknowledged(int descriptor) {
   tcp_info info{};
   socklen_t size = sizeof info;
   if (descriptor < 0 || ::getsockopt(descriptor, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return false;
-  return info.tcpi_unacked > 0 && (info.tcpi_retransmits > 0 || info.tcpi_last_ack_recv > patience);
+  // Not even sent: this host's own interface is down.
+  return (info.tcpi_unacked > 0 || info.tcpi_notsent_bytes > 0) &&
+         (info.tcpi_retransmits > 0 || info.tcpi_last_ack_recv > patience);
 }
 
 /// A message that lends the frame's bytes to the socket and keeps their owner alive until they are sent.
