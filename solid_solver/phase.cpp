@@ -1,9 +1,12 @@
 #include "solid_solver/phase.hpp"
 
 #include "common/core/error.hpp"
+#include "common/porous/seepage.hpp"
 #include "solid_solver/gauges.hpp"
-#include "solid_solver/permeability.hpp"
+#include "solid_solver/pore_water.hpp"
+#include "solid_solver/readout.hpp"
 #include "solid_solver/rest.hpp"
+#include "solid_solver/saturation.hpp"
 #include "solid_solver/solid.hpp"
 
 #include <fmt/format.h>
@@ -51,9 +54,12 @@ Solid<D>::Solid(const Case& scene) : scene_(scene) {
   state_.stabilising.assign(n, Vec<D>::Zero());
   state_.external.pressure.assign(n, 0.0);
   state_.external.coverage.assign(n, 0.0);
+  for (const Index soil : state_.particles.material)
+    state_.external.saturation.push_back(scene.soils[soil].initial_saturation);
   state_.external.pressure_gradient.assign(n, Vec<D>::Zero());
   state_.mean_velocity.assign(n, Vec<D>::Zero());
   state_.returned_impulse.assign(n, Vec<D>::Zero());
+  state_.rest_displacement.assign(n, Vec<D>::Zero());
   state_.yielded.assign(n, 0);
   rebuild(setup_, state_);
   state_.rebuilds = 0.0;
@@ -72,8 +78,43 @@ VecArray<D> Solid<D>::gradient_of(const ScalarArray& pressure) const {
 }
 
 template <int D>
+ScalarArray Solid<D>::take_pressure(const Inbox& inbox, double time) {
+  const std::size_t n = state_.particles.size();
+  ScalarArray& coverage = state_.external.coverage;
+  if (!water_is_prescribed()) {
+    coverage = coverage_of(inbox, n);
+    ScalarArray pressure = field_or_zero(inbox, field::pore_pressure, n, 1);
+    for (std::size_t i = 0; i < n; ++i)
+      if (coverage[i] <= 0.0) pressure[i] = 0.0;
+    degree_of_saturation<D>(scene_.soils, setup_, state_, coverage, state_.external.saturation);
+    return pressure;
+  }
+  ScalarArray pressure(n, 0.0);
+  coverage.assign(n, 0.0);
+  for (std::size_t i = 0; i < n; ++i) {
+    Point3 x = Point3::Zero();
+    x.head<D>() = state_.particles.position[i];
+    if (const auto p = prescribed_pressure(scene_, x, time)) {
+      pressure[i] = *p;
+      coverage[i] = 1.0;
+    }
+  }
+  degree_of_saturation<D>(scene_.soils, setup_, state_, coverage, state_.external.saturation);
+  return pressure;
+}
+
+template <int D>
+Vec<D> Solid<D>::water_force(std::size_t i, const Vec<D>& pressure_gradient) const {
+  const Particles<D>& p = state_.particles;
+  const double solid = solid_fraction(setup_, p, i);
+  if (!water_is_prescribed()) return -p.volume[i] * solid * pressure_gradient;
+  const Vec<D> weight = state_.external.coverage[i] * (1.0 - solid) * scene_.water.density * setup_.gravity;
+  return p.volume[i] * (weight - pressure_gradient);
+}
+
+template <int D>
 double Solid<D>::next_load_after(double time) const {
-  double next = no_limit;
+  double next = next_change_after(scene_, time);
   for (const auto& patch : setup_.loads)
     if (!has_begun(patch.start, time)) next = std::min(next, patch.start);
   return next;
@@ -82,24 +123,31 @@ double Solid<D>::next_load_after(double time) const {
 template <int D>
 void Solid<D>::initialise(const Inbox& inbox) {
   const std::size_t n = state_.particles.size();
-  state_.external.pressure = field_or_zero(inbox, field::pore_pressure, n, 1);
-  state_.external.coverage = coverage_of(inbox, n);
-  for (std::size_t i = 0; i < n; ++i)
-    if (state_.external.coverage[i] <= 0.0) state_.external.pressure[i] = 0.0;
+  state_.external.pressure = take_pressure(inbox, state_.time);
   if (scene_.solid.initial_rest) {
     const VecArray<D> initial = state_.particles.velocity;
     for (auto& v : state_.particles.velocity) v.setZero();
     evaluate_forces(setup_, state_);
     constexpr double before_everything = -1e300;  // standing loads only
-    const auto report = find_rest<D>(setup_, state_, [&](Drive<D>& drive) {
+    auto external = [&](Drive<D>& drive) {
       state_.external.pressure_gradient = gradient_of(state_.external.pressure);
       drive.traction = load_forces<D>(setup_, state_, before_everything);
       drive.distributed.resize(n);
-      for (std::size_t i = 0; i < n; ++i)
-        drive.distributed[i] = -state_.particles.volume[i] * solid_fraction(setup_, state_.particles, i) *
-                               state_.external.pressure_gradient[i];
+      for (std::size_t i = 0; i < n; ++i) drive.distributed[i] = water_force(i, state_.external.pressure_gradient[i]);
+    };
+    if (std::any_of(scene_.soils.begin(), scene_.soils.end(),
+                    [](const Soil& soil) { return soil.earth_pressure_at_rest.has_value(); })) {
+      Drive<D> drive;
+      external(drive);
+      start_from_earth_pressure<D>(setup_, scene_.soils, drive, state_);
+    }
+    rest_ = find_rest<D>(setup_, state_, external, [](const RestReport& r) {
+      fmt::print(stderr,
+                 "rest of the soil: largest acceleration {:.2g} of the driving one after {} steps, until {:g}\n",
+                 r.residual, r.steps, r.criterion);
     });
-    state_.rest_steps += static_cast<double>(report.steps);
+    if (rest_.steps > 0 && !rest_.reached())
+      fmt::print(stderr, "rest of the soil: not reached, the run starts in motion\n");
     state_.particles.velocity = initial;
     rebuild(setup_, state_);
     evaluate_forces(setup_, state_);
@@ -112,16 +160,52 @@ void Solid<D>::initialise(const Inbox& inbox) {
 }
 
 template <int D>
+std::size_t Solid<D>::loads_begun(double time) const {
+  return static_cast<std::size_t>(std::count_if(setup_.loads.begin(), setup_.loads.end(),
+                                                [&](const auto& patch) { return has_begun(patch.start, time); }));
+}
+
+template <int D>
+bool Solid<D>::sleeps_on(Drive<D>& drive, const VecArray<D>& gradient, const ScalarArray& impulse,
+                         const Window& window) {
+  if (!state_.sleep.asleep) return false;
+  const std::size_t n = state_.particles.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    drive.distributed[i] = water_force(i, gradient[i]);
+    for (int d = 0; d < D; ++d)
+      drive.distributed[i][d] += impulse[i * D + static_cast<std::size_t>(d)] / window.interval;
+  }
+  const double reference = reference_acceleration(setup_, state_, drive);
+  if (disturbed(state_, drive, loads_begun(window.time), reference, scene_.solid.quiet->wake_above)) {
+    state_.sleep.asleep = false;
+    return false;
+  }
+  for (auto& v : state_.mean_velocity) v.setZero();
+  for (auto& r : state_.returned_impulse) r.setZero();
+  state_.external.pressure_gradient = gradient;
+  state_.time = window.time + window.interval;
+  state_.slept += std::ceil(window.interval / setup_.longest_substep - 1e-9);
+  return true;
+}
+
+template <int D>
+void Solid<D>::fall_asleep_if_quiet(const Drive<D>& drive, double reference) {
+  const auto& quiet = *scene_.solid.quiet;
+  const double rms = unrest(setup_, state_, drive, reference).rms;
+  state_.still_yields = state_.any_yielded || (state_.still_yields && rms >= quiet.sleep_below);
+  if (state_.any_yielded || rms >= quiet.sleep_below) return;
+  stop(setup_, state_);
+  state_.sleep = {true, drive.distributed, state_.external.coverage, loads_begun(state_.time)};
+}
+
+template <int D>
 Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   Particles<D>& p = state_.particles;
   const std::size_t n = p.size();
   const double interval = window.interval;
   if (!(interval > 0.0)) return Outcome::reject(setup_.longest_substep, "a window must be longer than 0 s");
 
-  state_.external.coverage = coverage_of(inbox, n);
-  ScalarArray pressure = field_or_zero(inbox, field::pore_pressure, n, 1);
-  for (std::size_t i = 0; i < n; ++i)
-    if (state_.external.coverage[i] <= 0.0) pressure[i] = 0.0;
+  ScalarArray pressure = take_pressure(inbox, window.time + interval);
   const ScalarArray impulse = field_or_zero(inbox, field::drag_impulse, n, D);
   const ScalarArray predicted = field_or_zero(inbox, field::predicted_solid_velocity, n, D);
   const ScalarArray soil_seen = field_or_zero(inbox, field::soil_fraction, n, 1);
@@ -141,11 +225,16 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
     double z = setup_.inertia_share * p.mass[i] / (p.volume[i] * interval);
     if (scene_.fluid.drag) {
       const double porosity = void_fraction(setup_, p, i);
-      z += drag_coefficient(setup_.water_weight, porosity, conductivity(scene_.soils[p.material[i]], porosity));
+      const auto law = porous::resistance(setup_.water_weight, porosity,
+                                          porous::seepage_at(scene_, scene_.soils[p.material[i]], porosity));
+      const double force = Eigen::Map<const Vec<D>>(impulse.data() + i * D).norm() / (p.volume[i] * interval);
+      z += law.slope(law.speed(force));
     }
     drive.tracking[i] = state_.external.coverage[i] * p.volume[i] * z;
     for (int d = 0; d < D; ++d) drive.target[i][d] = predicted[i * D + static_cast<std::size_t>(d)];
   }
+
+  if (scene_.solid.quiet && sleeps_on(drive, to, impulse, window)) return Outcome::accept();
 
   const auto steps =
       std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(interval / setup_.longest_substep - 1e-9)));
@@ -154,6 +243,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   std::fill(state_.yielded.begin(), state_.yielded.end(), char{0});
   state_.any_yielded = false;
   const VecArray<D> displacement = p.displacement;
+  double reference = 0.0;
 
   // A load that begins with the window raises the water's pressure at once: no ramp then.
   bool jump = false;
@@ -172,15 +262,22 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
     }
     const double share = jump ? 1.0 : static_cast<double>(k + 1) / static_cast<double>(steps);
     for (std::size_t i = 0; i < n; ++i) {
-      const Vec<D> gradient = (1.0 - share) * from[i] + share * to[i];
-      drive.distributed[i] = -p.volume[i] * solid_fraction(setup_, p, i) * gradient;
+      drive.distributed[i] = water_force(i, (1.0 - share) * from[i] + share * to[i]);
       for (int d = 0; d < D; ++d) drive.distributed[i][d] += impulse[i * D + static_cast<std::size_t>(d)] / interval;
+    }
+    if (scene_.solid.quiet && k == 0) {
+      reference = reference_acceleration(setup_, state_, drive);
+      const auto& quiet = *scene_.solid.quiet;
+      const bool calm = unrest(setup_, state_, drive, reference).rms < quiet.wake_above;
+      drive.damping = quiet.damping && calm && !state_.still_yields ? near_critical_damping(setup_) : 0.0;
+      if (drive.damping > 0.0) state_.damped += static_cast<double>(steps);
     }
     substep<D>(setup_, dt, drive, state_);
   }
   check_finite(state_, window.time);
   state_.external.pressure_gradient = to;
   for (std::size_t i = 0; i < n; ++i) state_.mean_velocity[i] = (p.displacement[i] - displacement[i]) / interval;
+  if (scene_.solid.quiet) fall_asleep_if_quiet(drive, reference);
   state_.time = window.time + interval;
   state_.substeps += static_cast<double>(steps);
   ++state_.revision;
@@ -198,6 +295,13 @@ Publication Solid<D>::publish() const {
   if (next < no_limit) {
     out.proposed_interval = next - state_.time;
     out.limited_by = "the next load begins";
+  }
+  const double substeps_alone = state_.sleep.asleep ? 200.0 : 20.0;
+  double alone = scene_.coupled() ? no_limit : substeps_alone * setup_.longest_substep;
+  if (!scene_.coupled() && scene_.output.gauge_interval > 0.0) alone = std::min(alone, scene_.output.gauge_interval);
+  if (alone < out.proposed_interval) {
+    out.proposed_interval = alone;
+    out.limited_by = "soil alone: gauges and prescribed water are seen between windows";
   }
   constexpr double substeps_while_yielding = 30.0;
   if (state_.any_yielded && substeps_while_yielding * setup_.longest_substep < out.proposed_interval) {
@@ -250,8 +354,11 @@ Publication Solid<D>::publish() const {
     const auto& model = *setup_.models[p.material[i]];
     return state_.yielded[i] ? model.yielding_modulus() : model.elasticity().constrained();
   });
-  scalars(field::hydraulic_conductivity,
-          [&](std::size_t i) { return conductivity(scene_.soils[p.material[i]], void_fraction(setup_, p, i)); });
+  const auto seepage = [&](std::size_t i) {
+    return porous::seepage_at(scene_, scene_.soils[p.material[i]], void_fraction(setup_, p, i));
+  };
+  scalars(field::hydraulic_conductivity, [&](std::size_t i) { return seepage(i).conductivity; });
+  scalars(field::forchheimer_coefficient, [&](std::size_t i) { return seepage(i).quadratic; });
   vectors(field::returned_impulse,
           [&](std::size_t i) { return i < n ? state_.returned_impulse[i] : Vec<D>(Vec<D>::Zero()); });
   return out;
@@ -274,6 +381,7 @@ OutputFrame Solid<D>::frame() const {
     for (std::size_t i = 0; i < n; ++i) values[i] = value(i);
     return values;
   };
+  const Vec<D> up = upwards(setup_);
   frame.position = padded(p.position);
   std::vector<double> stress;
   for (const auto& s : p.stress) stress.insert(stress.end(), s.data(), s.data() + 6);
@@ -284,9 +392,15 @@ OutputFrame Solid<D>::frame() const {
       {"pore_pressure", "Pa", "pressure of the water at the soil's points", 1, state_.external.pressure},
       {"void_fraction", "1", "porosity n_w = 1 - n_s", 1,
        scalars([&](std::size_t i) { return void_fraction(setup_, p, i); })},
-      {"degree_of_saturation", "1", "share of the kernel's support covered by water, Eq. (90), clamped to 1", 1,
-       state_.external.coverage},
+      {"degree_of_saturation", "1", "water's share of the soil's surroundings, Eq. (90)", 1,
+       state_.external.saturation},
       {"accumulated_plastic_strain", "1", "accumulated equivalent deviatoric plastic strain", 1, p.plastic_strain},
+      {"mobilised_friction", "degrees", "mobilised friction angle, sin phi_m = (s1 - s3) / (s1 + s3)", 1,
+       scalars([&](std::size_t i) { return mobilised_friction(p.stress[i]); })},
+      {"pore_pressure_ratio", "1", "r_u = pore pressure / total vertical stress; 1: liquefied", 1,
+       scalars([&](std::size_t i) {
+         return pore_pressure_ratio(state_.external.pressure[i], up.dot(matrix_of<D>(p.stress[i]) * up));
+       })},
   };
   return frame;
 }
@@ -300,8 +414,12 @@ template <int D>
 std::map<std::string, double> Solid<D>::counters() const {
   return {{"particles", static_cast<double>(state_.particles.size())},
           {"substeps", state_.substeps},
+          {"substeps asleep", state_.slept},
+          {"substeps damped", state_.damped},
           {"list rebuilds", state_.rebuilds},
-          {"rest steps", state_.rest_steps}};
+          {"rest steps", static_cast<double>(rest_.steps)},
+          {"rest residual", rest_.residual},
+          {"rest criterion", rest_.criterion}};
 }
 
 template class Solid<2>;

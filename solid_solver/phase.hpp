@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/coupling/phase.hpp"
+#include "solid_solver/rest.hpp"
 #include "solid_solver/setup.hpp"
 
 namespace poretwin::solid {
@@ -25,12 +26,25 @@ class Solid final : public Phase {
   [[nodiscard]] const Setup<D>& setup() const { return setup_; }
 
  private:
+  /// Coverage and pressure [Pa] of the water at the soil's points: from the partner, or from the case for soil alone.
+  ScalarArray take_pressure(const coupling::Inbox& inbox, double time);
+  [[nodiscard]] bool water_is_prescribed() const { return !scene_.pore_pressures.empty(); }
+  /// Force [N] of the pore water on particle i: buoyancy -n_s grad p. Where the case prescribes the water, which then
+  /// flows without inertia, also the seepage force n (rho_w g - grad p) of Eq. (27): n rho_w g - grad p in all.
+  [[nodiscard]] Vec<D> water_force(std::size_t i, const Vec<D>& pressure_gradient) const;
   [[nodiscard]] VecArray<D> gradient_of(const ScalarArray& pressure) const;
   [[nodiscard]] double next_load_after(double time) const;
+  [[nodiscard]] std::size_t loads_begun(double time) const;
+  /// Passes the window asleep, if the soil is and nothing disturbs it.
+  bool sleeps_on(Drive<D>& drive, const VecArray<D>& gradient, const ScalarArray& impulse,
+                 const coupling::Window& window);
+  /// At the end of a window that was computed.
+  void fall_asleep_if_quiet(const Drive<D>& drive, double reference);
 
   Case scene_;
   Setup<D> setup_;
   State<D> state_, saved_;
+  RestReport rest_;
 };
 
 }  // namespace poretwin::solid

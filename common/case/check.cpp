@@ -14,9 +14,10 @@ namespace poretwin {
 namespace {
 
 constexpr std::array<std::string_view, 2> phases{"fluid", "solid"};
-constexpr std::array<std::string_view, 10> gauge_kinds{
-    "point",     "front",     "volume",           "momentum", "kinetic_energy",
-    "particles", "max_speed", "max_displacement", "uplift",   "pending_impulse"};
+constexpr std::array<std::string_view, 16> gauge_kinds{
+    "point",         "front",  "volume",           "momentum",       "kinetic_energy", "potential_energy",
+    "energy",        "extent", "spread",           "particles",      "max_speed",      "max_displacement",
+    "strain_energy", "uplift", "crest_settlement", "pending_impulse"};
 
 class Checker {
  public:
@@ -28,6 +29,8 @@ class Checker {
     fluid_regions();
     faces();
     walls();
+    soils_are_supported();
+    pore_pressures();
     gauges();
   }
 
@@ -59,11 +62,15 @@ class Checker {
              fmt::format(
                  "the periodic axis \"{}\" needs case.domain_min below case.domain_max along it, found {} and {}",
                  "xyz"[axis], g.domain_min[axis], g.domain_max[axis]));
-    if (scene_.coupled() && scene_.soils.empty())
+    if (scene_.deformable() && scene_.soils.empty())
       fail("solid.model",
            "a soil skeleton is asked for but there is no [[soil]]; set solid.model = \"rigid\" for water alone");
-    if (scene_.fluid.regions.empty() && scene_.water_faces.empty() && !scene_.coupled())
+    if (!scene_.has_water() && !scene_.deformable())
       fail("fluid", "there is no water: expected a [[fluid.region]] or a [[water_face]]");
+    if (scene_.has_water() && !(scene_.fluid.particle_spacing > 0.0))
+      fail("fluid.particle_spacing", "there is water: expected a length > 0 m, found none");
+    if (scene_.deformable() && !(scene_.solid.particle_spacing > 0.0))
+      fail("solid.particle_spacing", "expected a length > 0 m, found none");
   }
 
   void shape(const Shape& s, const std::string& key, double spacing) const {
@@ -79,6 +86,12 @@ class Checker {
           fail(key, fmt::format("no particle fits: the box measures {} m along {}, the particle spacing is {} m",
                                 s.max[d] - s.min[d], "xyz"[d], spacing));
       }
+      return;
+    }
+    if (s.kind == Shape::Kind::ball) {
+      if (s.radius < 0.5 * spacing)
+        fail(key + ".radius", fmt::format("no particle fits: the ball's radius is {} m, the particle spacing is {} m",
+                                          s.radius, spacing));
       return;
     }
     if (dimension != 2)
@@ -118,7 +131,7 @@ class Checker {
   }
 
   void soils() const {
-    const double spacing = scene_.coupled() ? scene_.solid.particle_spacing : scene_.fluid.particle_spacing;
+    const double spacing = scene_.deformable() ? scene_.solid.particle_spacing : scene_.fluid.particle_spacing;
     std::vector<Shape> shapes;
     for (std::size_t i = 0; i < scene_.soils.size(); ++i) {
       const auto& soil = scene_.soils[i];
@@ -127,9 +140,95 @@ class Checker {
       if (soil.dilation_angle > soil.friction_angle)
         fail(key + ".dilation_angle", fmt::format("expected at most the friction angle of {} degrees, found {}",
                                                   soil.friction_angle, soil.dilation_angle));
+      if (soil.saturated_cohesion && *soil.saturated_cohesion > soil.cohesion)
+        fail(key + ".saturated_cohesion",
+             fmt::format("expected at most the cohesion at the initial saturation, {} Pa, found {} Pa", soil.cohesion,
+                         *soil.saturated_cohesion));
+      if (const double e = soil.porosity / (1.0 - soil.porosity);
+          soil.maximum_void_ratio && *soil.maximum_void_ratio < e)
+        fail(key + ".maximum_void_ratio",
+             fmt::format("expected at least the initial void ratio, {:.4g} for a porosity of {}, found {}", e,
+                         soil.porosity, *soil.maximum_void_ratio));
+      using enum Soil::SeepageLaw;
+      if (soil.seepage_law == ergun && !(soil.grain_diameter > 0.0))
+        fail(key + ".grain_diameter", "the law \"ergun\" needs the size of the grains in m, found none");
+      if (soil.seepage_law == ergun && given(key + ".hydraulic_conductivity"))
+        fail(key + ".hydraulic_conductivity",
+             "the law \"ergun\" takes the conductivity from grain_diameter and porosity; use \"forchheimer\" to give "
+             "it");
+      if (soil.seepage_law != ergun && given(key + ".grain_diameter"))
+        fail(key + ".grain_diameter", "belongs to seepage_law = \"ergun\"");
+      if (soil.seepage_law != forchheimer && given(key + ".forchheimer_coefficient"))
+        fail(key + ".forchheimer_coefficient", "belongs to seepage_law = \"forchheimer\"");
       shapes.push_back(soil.shape);
     }
     no_overlap(shapes, "soil", spacing);
+  }
+
+  /// Whether the wall lies under the soil's particles x (within one spacing), or holds them by being fixed.
+  [[nodiscard]] bool holds(const Wall& wall, const std::vector<Point3>& points, double spacing) const {
+    const Point3 down = scene_.general.gravity.normalized();
+    auto near = [&](const Point3& point, const Point3& normal, const Point3& tangent, double length) {
+      const double facing = normal.dot(down);
+      if (wall.soil == Wall::ForSoil::fixed ? facing > 1e-6 : facing > -1e-6) return false;
+      return std::any_of(points.begin(), points.end(), [&](const Point3& x) {
+        const double away = normal.dot(x - point), along = tangent.dot(x - point);
+        return away > -0.5 * spacing && away < spacing && along > -spacing && along < length + spacing;
+      });
+    };
+    const Face& f = wall.face;
+    if (f.points.empty()) return near(f.point, f.normal.normalized(), Point3::Zero(), 1.0);
+    for (std::size_t i = 0; i + 1 < f.points.size(); ++i) {
+      const Point3 way = f.points[i + 1] - f.points[i];
+      const Point3 tangent = way.normalized();
+      if (near(f.points[i], Point3(-tangent.y(), tangent.x(), 0.0), tangent, way.norm())) return true;
+    }
+    return false;
+  }
+
+  /// Every soil must rest on a wall, or on a soil that does.
+  void soils_are_supported() const {
+    const Point3& gravity = scene_.general.gravity;
+    if (!scene_.deformable() || !(gravity.norm() > 0.0)) return;
+    for (const int axis : scene_.general.periodic)
+      if (gravity[axis] != 0.0) return;
+    const double spacing = scene_.solid.particle_spacing;
+    const std::size_t n = scene_.soils.size();
+    std::vector<std::vector<Point3>> points(n);
+    std::vector<char> supported(n, 0);
+    for (std::size_t i = 0; i < n; ++i) {
+      auto take = [&](const auto& lattice) {
+        for (const auto& x : lattice.position) {
+          Point3 point = Point3::Zero();
+          point.head(x.size()) = x;
+          points[i].push_back(point);
+        }
+      };
+      const auto& offset = scene_.solid.offset;
+      if (scene_.general.dimension == 3)
+        take(fill<3>(scene_.soils[i].shape, spacing, offset, 0.0, 1));
+      else
+        take(fill<2>(scene_.soils[i].shape, spacing, offset, 0.0, 1));
+      for (const auto& wall : scene_.walls)
+        if (wall.soil != Wall::ForSoil::none && holds(wall, points[i], spacing)) supported[i] = 1;
+    }
+    const Point3 step = 1.001 * spacing * gravity.normalized();
+    for (bool more = true; more;) {
+      more = false;
+      for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = 0; j < n && !supported[i]; ++j) {
+          if (!supported[j]) continue;
+          const auto& below = scene_.soils[j].shape;
+          supported[i] = std::any_of(points[i].begin(), points[i].end(), [&](const Point3& x) {
+            return contains(below, Point3(x + step), scene_.general.dimension);
+          });
+          more = more || supported[i];
+        }
+    }
+    for (std::size_t i = 0; i < n; ++i)
+      if (!supported[i])
+        fail(fmt::format("soil[{}]", i),
+             "nothing holds the soil up: expected a [[wall]] for soil under it, or a soil that rests on one");
   }
 
   void fluid_regions() const {
@@ -163,8 +262,18 @@ class Checker {
       const std::string key = fmt::format("water_face[{}]", i);
       const auto& f = scene_.water_faces[i];
       face(f.face, key);
-      if (f.head.has_value() == f.pressure.has_value())
-        fail(key, fmt::format("expected either 'head' or 'pressure', found {}", f.head ? "both" : "neither"));
+      const int kinds = (f.head && !f.discharge) + f.pressure.has_value() + f.discharge.has_value() + f.outlet;
+      if (kinds != 1)
+        fail(key, fmt::format("expected one of 'head', 'pressure', 'discharge' and 'outlet', found {}",
+                              kinds == 0 ? "none" : "more"));
+      if (f.discharge.has_value() != f.basin_area.has_value())
+        fail(key, "'discharge' and 'basin_area' belong together: what is poured in, and into what");
+      if (f.basin_area)
+        for (std::size_t j = 0; j < f.basin_area->knots.size(); ++j) {
+          const auto [z, area] = f.basin_area->knots[j];
+          if (!(area > 0.0))
+            fail(key + ".basin_area", fmt::format("expected positive areas, found {} at elevation {} m", area, z));
+        }
     }
     for (std::size_t i = 0; i < scene_.loads.size(); ++i) face(scene_.loads[i].face, fmt::format("load[{}]", i));
   }
@@ -237,13 +346,33 @@ class Checker {
     }
   }
 
+  void pore_pressures() const {
+    for (std::size_t i = 0; i < scene_.pore_pressures.size(); ++i) {
+      const auto& p = scene_.pore_pressures[i];
+      const std::string key = fmt::format("pore_pressure[{}]", i);
+      if (scene_.has_water())
+        fail(key, "the case has water of its own, whose pressure the fluid computes; expected one or the other");
+      if (!scene_.deformable()) fail(key, "with solid.model = \"rigid\" there is no skeleton for it to act on");
+      if (p.region) shape(*p.region, key + ".region", 0.0);
+      if (p.head.has_value() == p.pressure.has_value())
+        fail(key, fmt::format("expected either 'head' or 'pressure', found {}", p.head ? "both" : "neither"));
+      if (p.head && !(scene_.general.gravity.norm() > 0.0))
+        fail(key + ".head", "a head needs gravity, found case.gravity of length zero; use 'pressure'");
+      if (p.to_head && !p.head) fail(key + ".to_head", "expected 'head' at 'from' with it");
+      if (p.to_head && !((p.to - p.from).norm() > 0.0))
+        fail(key + ".to", fmt::format("expected a point other than 'from', found {} twice", shown(p.to)));
+    }
+  }
+
   void gauges() const {
     for (std::size_t i = 0; i < scene_.gauges.size(); ++i) {
       const auto& gauge = scene_.gauges[i];
       const std::string key = fmt::format("gauge[{}]", i);
       known_word(key + ".phase", gauge.phase, phases);
       known_word(key + ".kind", gauge.kind, gauge_kinds);
-      if (gauge.phase == "solid" && !scene_.coupled())
+      if (gauge.phase == "fluid" && !scene_.has_water())
+        fail(key + ".phase", "expected \"solid\": without water there is no fluid phase to measure");
+      if (gauge.phase == "solid" && !scene_.deformable())
         fail(key + ".phase", "expected \"fluid\": with solid.model = \"rigid\" there is no solid phase to measure");
       if (gauge.kind == "point" && gauge.quantity.empty())
         fail(key + ".quantity", "a point gauge needs the name of an output field");
@@ -251,6 +380,9 @@ class Checker {
       if (gauge.kind == "front" && gauge.points.size() != 2)
         fail(key + ".points",
              fmt::format("a front gauge needs the 2 ends of its line, found {} points", gauge.points.size()));
+      if ((gauge.kind == "extent" || gauge.kind == "spread") && gauge.points.size() != 2)
+        fail(key + ".points", fmt::format("expected the start of a direction and a second point on it, found {} points",
+                                          gauge.points.size()));
       if (gauge.region) shape(*gauge.region, key + ".region", 0.0);
       for (std::size_t j = 0; j < i; ++j)
         if (scene_.gauges[j].name == gauge.name)
