@@ -363,10 +363,12 @@ double Series::integral(double t0, double t1) const {
   return sum + 0.5 * (t1 - from) * (at(from) + at(t1));
 }
 
-std::string Case::digest() const {
+std::string Case::coupled_part() const {
   Case copy = *this;
-  return fmt::format("{:016x}", fnv1a(list_keys([&](Keys& keys) { declare_shared(keys, copy); })));
+  return list_keys([&](Keys& keys) { declare_shared(keys, copy); });
 }
+
+std::string Case::digest() const { return fmt::format("{:016x}", fnv1a(coupled_part())); }
 
 Case read_case(const std::filesystem::path& path, const std::vector<std::string>& overrides) {
   Case scene;
@@ -394,7 +396,7 @@ std::string case_reference() {
          "TOML, SI units, one file for all processes. Points have two coordinates in 2D and three in 3D. "
          "Any key can be set from the command line: `--set fluid.particle_spacing=0.005`, `--set "
          "soil.0.porosity=0.45`. "
-         "This page is made from the declarations that read the file (`poretwin keys`).\n\n" +
+         "This page is made from the declarations that read the file (`poretwin case-keys`).\n\n" +
          describe_keys([&](Keys& keys) {
            declare_shared(keys, scene);
            declare_own(keys, scene);

@@ -230,6 +230,8 @@ struct Case {
   [[nodiscard]] bool coupled() const { return deformable() && has_water(); }
   /// Hex digest of everything both solvers must agree on; independent of comments, order and paths.
   [[nodiscard]] std::string digest() const;
+  /// What the digest is of: "key = value" lines.
+  [[nodiscard]] std::string coupled_part() const;
 };
 
 /// Reads and checks a case file; overrides are "section.key=value" (TOML values). Throws CaseError with file, line,

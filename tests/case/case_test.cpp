@@ -251,7 +251,7 @@ TEST_F(CaseFile, DigestHoldsWhatBothMustAgreeOn) {
 
 TEST(CaseReference, StandsInDocs) {
   EXPECT_EQ(read_text(std::filesystem::path(PORETWIN_SOURCE_DIR) / "docs" / "case-file.md"), case_reference())
-      << "write it anew with: poretwin keys > docs/case-file.md";
+      << "write it anew with: poretwin case-keys > docs/case-file.md";
 }
 
 }  // namespace
