@@ -25,7 +25,7 @@ ParticleCount count(const Case& scene) {
   for (const auto& region : f.regions)
     result.fluid += fill<D>(region, f.particle_spacing, f.offset, 0.0, f.seed).position.size();
   const auto& s = scene.solid;
-  if (scene.coupled())
+  if (scene.deformable())
     for (const auto& soil : scene.soils)
       result.solid += fill<D>(soil.shape, s.particle_spacing, s.offset, 0.0, s.seed).position.size();
   return result;
@@ -39,17 +39,17 @@ double constrained_modulus(const Soil& soil) {
 std::vector<Limit> limits(const Case& scene) {
   std::vector<Limit> result;
   const double gravity = scene.general.gravity.norm();
-  if (gravity > 0.0)
+  if (gravity > 0.0 && scene.has_water())
     result.push_back(
         {0.3 * std::sqrt(scene.fluid.particle_spacing / gravity), "free surface under gravity, 0.3 sqrt(dx / g)"});
-  if (!scene.coupled()) return result;
+  if (!scene.deformable()) return result;
   for (const auto& soil : scene.soils) {
     const std::string where = soil.name.empty() ? "" : " in '" + soil.name + "'";
     const double density = (1.0 - soil.porosity) * soil.grain_density;
     result.push_back({scene.solid.particle_spacing / std::sqrt(constrained_modulus(soil) / density),
                       "elastic wave across one particle" + where +
                           ", dx / sqrt(M / rho_bar_s); the solid sub-cycles or relaxes below it"});
-    if (scene.fluid.drag)
+    if (scene.coupled() && scene.fluid.drag)
       result.push_back(
           {1.2 * density * soil.hydraulic_conductivity / (scene.water.density * standard_gravity),
            "plain serial coupling" + where + ", 1.2 rho_bar_s k / gamma_w; lifted by fluid.skeleton_response"});
@@ -70,10 +70,13 @@ std::string check_text(const Case& scene) {
   std::string text = fmt::format("{}: sound\n", scene.path.string());
   if (!scene.general.title.empty()) text += fmt::format("title       {}\n", scene.general.title);
   text += fmt::format("dimension   {}, simulated time {} s, {}\n", scene.general.dimension, scene.general.end_time,
-                      scene.coupled() ? "fluid and solid coupled" : "fluid alone in rigid soil");
-  text += fmt::format("fluid       {} particles at the start, spacing {} m\n", particles.fluid,
+                      scene.coupled()      ? "fluid and solid coupled"
+                      : scene.deformable() ? "soil alone"
+                                           : "fluid alone in rigid soil");
+  if (scene.has_water())
+    text += fmt::format("fluid       {} particles at the start, spacing {} m\n", particles.fluid,
                       scene.fluid.particle_spacing);
-  if (scene.coupled())
+  if (scene.deformable())
     text += fmt::format("solid       {} particles, spacing {} m\n", particles.solid, scene.solid.particle_spacing);
   text += fmt::format("gauges      {}\n", scene.gauges.size());
   text += "intervals   estimates, smallest first\n";

@@ -16,7 +16,8 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 const std::vector<std::string> operations{"value",    "relative", "l2",      "max_abs", "decay_rate",
-                                          "monotone", "drift",    "exceeds", "curve",   "exit"};
+                                          "monotone", "drift",    "exceeds", "curve",   "exit",
+                                          "period",   "crossing", "counter"};
 
 void declare(Keys& keys, VerifyRun& r) {
   keys.text("name", r.name, {"", "Name that metrics refer to.", true});
@@ -32,9 +33,13 @@ void declare(Keys& keys, Metric& m) {
   keys.text("source", m.source, {"", "Where the reference comes from."});
   keys.text(
       "op", m.op,
-      {"", "`value`, `relative`, `l2`, `max_abs`, `decay_rate`, `monotone`, `drift`, `exceeds`, `curve` or `exit`.",
+      {"",
+       "`value`, `relative`, `l2`, `max_abs`, `decay_rate`, `monotone`, `drift`, `exceeds`, `curve`, `exit`, `period` "
+       "(mean, between upward passages of `limit`; relative error), `crossing` (time at which the readings first pass "
+       "`limit`; relative error) or `counter` (at most `reference`).",
        true});
   keys.text("gauge", m.gauge, {"", "The gauge; for `l2`: all of `gauge[i]`."});
+  keys.text("counter", m.counter, {"", "Of `counter`: process.name as in the run's summary, `solid.rest steps`."});
   keys.texts("gauges", m.gauges, {"", "For `l2`: the gauges, one by one."});
   keys.text("plus", m.plus, {"", "A gauge to add first."});
   keys.text("minus", m.minus, {"", "A gauge to subtract first."});
@@ -42,7 +47,7 @@ void declare(Keys& keys, Metric& m) {
   keys.number("from", m.from, {"s", "Start of the range; absent: the first reading."});
   keys.number("to", m.to, {"s", "End of the range; absent: the last reading."});
   keys.number("scale", m.scale, {"", "Readings are multiplied by it."});
-  keys.number("limit", m.limit, {"", "What the readings tend to (`decay_rate`, `monotone`)."});
+  keys.number("limit", m.limit, {"", "What the readings tend to (`decay_rate`, `monotone`), or pass (`period`, `crossing`)."});
   keys.number("normaliser", m.normaliser, {"", "Errors are divided by it (`l2`, `drift`, `curve`)."}, positive());
   keys.text("norm", m.norm, {"", "Of `curve`: `max` or `rms`."});
   keys.number("reference", m.reference, {"", "The right value."});
@@ -67,6 +72,10 @@ struct Failure {
   std::string text;
 };
 
+bool needs_relative_error(const std::string& op) {
+  return op == "relative" || op == "decay_rate" || op == "period" || op == "crossing";
+}
+
 /// Linear between readings; NaN outside them or where a reading is NaN.
 double reading(const GaugeSeries& series, double t) {
   const auto& times = series.time;
@@ -84,8 +93,8 @@ double reading(const GaugeSeries& series, double t) {
 
 class Judge {
  public:
-  Judge(const Metric& metric, const Gauges& gauges, int exit_status)
-      : m_(metric), gauges_(gauges), exit_(exit_status) {}
+  Judge(const Metric& metric, const Gauges& gauges, int exit_status, const Counters& counters)
+      : m_(metric), gauges_(gauges), exit_(exit_status), counters_(counters) {}
 
   Verdict verdict() const {
     Verdict v;
@@ -111,13 +120,17 @@ class Judge {
     if (m_.op == "decay_rate") return decay_rate();
     if (m_.op == "monotone") return moving_away();
     if (m_.op == "drift") return drift();
+    if (m_.op == "period") return period();
+    if (m_.op == "crossing") return crossings(false).front();
+    if (m_.op == "counter") return counter();
     return curve();
   }
   /// Operations that already yield an error are held against zero; the others against the reference.
   [[nodiscard]] double error(double value) const {
     if (m_.op == "value" || m_.op == "exit") return std::abs(value - m_.reference.value_or(0.0));
     if (m_.op == "max_abs") return std::abs(value - m_.reference.value_or(0.0));
-    if (m_.op == "relative" || m_.op == "decay_rate") return std::abs(value - *m_.reference) / std::abs(*m_.reference);
+    if (m_.op == "counter") return std::max(0.0, value - *m_.reference);
+    if (needs_relative_error(m_.op)) return std::abs(value - *m_.reference) / std::abs(*m_.reference);
     return value;
   }
 
@@ -229,6 +242,29 @@ class Judge {
     for (const double x : series.value) most = std::max(most, std::abs(x - series.value.front()));
     return most / m_.normaliser.value_or(1.0);
   }
+  /// Times at which the readings pass the limit, upwards only or either way; linear between readings.
+  [[nodiscard]] std::vector<double> crossings(bool upwards) const {
+    const auto series = within_range(readings());
+    const double limit = m_.limit.value_or(0.0);
+    std::vector<double> times;
+    for (std::size_t i = 1; i < series.value.size(); ++i) {
+      const double before = series.value[i - 1] - limit, now = series.value[i] - limit;
+      if (upwards ? !(before < 0.0 && now >= 0.0) : !(before * now < 0.0 || (now == 0.0 && before != 0.0))) continue;
+      times.push_back(series.time[i - 1] + before / (before - now) * (series.time[i] - series.time[i - 1]));
+    }
+    if (times.empty()) throw Failure{fmt::format("gauge '{}' never passes {}", m_.gauge, limit)};
+    return times;
+  }
+  [[nodiscard]] double period() const {
+    const auto times = crossings(true);
+    if (times.size() < 2) throw Failure{fmt::format("gauge '{}' passes its limit upwards only once", m_.gauge)};
+    return (times.back() - times.front()) / static_cast<double>(times.size() - 1);
+  }
+  [[nodiscard]] double counter() const {
+    const auto found = counters_.find(m_.counter);
+    if (found == counters_.end()) throw Failure{fmt::format("the run has no counter '{}'", m_.counter)};
+    return found->second * m_.scale;
+  }
   [[nodiscard]] double curve() const {
     const auto series = readings();
     double most = 0.0, sum = 0.0, count = 0.0;
@@ -248,6 +284,7 @@ class Judge {
   const Metric& m_;
   const Gauges& gauges_;
   int exit_;
+  const Counters& counters_;
 };
 
 class VerifyChecker {
@@ -277,9 +314,12 @@ class VerifyChecker {
       fail(key + ".run", fmt::format("no [[run]] is named \"{}\"", m.run));
     if (std::find(operations.begin(), operations.end(), m.op) == operations.end())
       fail(key + ".op", fmt::format("\"{}\" is not known; did you mean \"{}\"?", m.op, nearest(m.op, operations)));
-    if (m.op != "exit" && m.gauge.empty() && m.gauges.empty()) fail(key + ".gauge", "is missing");
-    const bool relative = m.op == "relative" || m.op == "decay_rate";
-    if ((relative || m.op == "value" || m.op == "exceeds" || m.op == "exit") && !m.reference)
+    if (m.op == "counter" && m.counter.empty()) fail(key + ".counter", "is missing");
+    if (m.op != "exit" && m.op != "counter" && m.gauge.empty() && m.gauges.empty())
+      fail(key + ".gauge", "is missing");
+    const bool relative = needs_relative_error(m.op);
+    const bool single = m.op == "value" || m.op == "exceeds" || m.op == "exit" || m.op == "counter";
+    if ((relative || single) && !m.reference)
       fail(key + ".reference", "is missing");
     if (relative && *m.reference == 0.0) fail(key + ".reference", "a relative error needs a reference other than zero");
     if (m.norm != "max" && m.norm != "rms")
@@ -315,8 +355,8 @@ VerifyFile read_verify(const std::filesystem::path& path) {
   return file;
 }
 
-Verdict judge(const Metric& metric, const Gauges& gauges, int exit_status) {
-  return Judge(metric, gauges, exit_status).verdict();
+Verdict judge(const Metric& metric, const Gauges& gauges, int exit_status, const Counters& counters) {
+  return Judge(metric, gauges, exit_status, counters).verdict();
 }
 
 std::vector<std::vector<double>> read_csv(const std::filesystem::path& path) {

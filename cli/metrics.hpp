@@ -13,7 +13,7 @@ namespace poretwin::cli {
 
 /// [[metric]] of verify.toml.
 struct Metric {
-  std::string name, run, source, op, gauge, plus, minus, unit, norm = "max", reference_csv;
+  std::string name, run, source, op, gauge, counter, plus, minus, unit, norm = "max", reference_csv;
   std::vector<std::string> gauges;
   std::vector<double> references;
   std::optional<double> at, from, to, limit, normaliser, reference;
@@ -42,13 +42,14 @@ struct Verdict {
 };
 
 using Gauges = std::map<std::string, GaugeSeries>;
+using Counters = std::map<std::string, double>;  ///< "solid.substeps", ...
 
 /// Reads and checks a verify.toml; curves and references in CSV files are looked up beside it. Throws CaseError,
 /// FileError.
 VerifyFile read_verify(const std::filesystem::path& path);
 
-/// Judges one metric by a run's gauges and exit status.
-Verdict judge(const Metric& metric, const Gauges& gauges, int exit_status);
+/// Judges one metric by a run's gauges, exit status and counters.
+Verdict judge(const Metric& metric, const Gauges& gauges, int exit_status, const Counters& counters = {});
 
 /// Columns of a CSV: '#' comments and a heading are skipped. Throws FileError.
 std::vector<std::vector<double>> read_csv(const std::filesystem::path& path);

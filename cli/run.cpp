@@ -70,7 +70,7 @@ std::vector<Program> programs_of(const RunOptions& options, const Case& scene, c
   };
   std::vector<Program> programs;
   if (!scene.coupled()) {
-    programs.push_back(program("fluid", {"--alone"}, threads));
+    programs.push_back(program(scene.deformable() ? "solid" : "fluid", {"--alone"}, threads));
     programs.back().reports_progress = true;
     return programs;
   }

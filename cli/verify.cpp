@@ -77,11 +77,15 @@ class CaseCheck {
     }
     account(result);
     const Gauges gauges = read_gauges(options.out / "gauges.csv");
+    Counters counters;
+    for (const auto& summary : result.summaries)
+      for (const auto* numbers : {&summary.steps, &summary.counters})
+        for (const auto& [name, value] : *numbers) counters[fmt::format("{}.{}", summary.process, name)] = value;
     bool failure_expected = false;
     for (const auto& metric : file.metrics) {
       if (metric.run != run.name) continue;
       failure_expected = failure_expected || metric.op == "exit" || metric.op == "exceeds";
-      add(metric, judge(metric, gauges, result.exit));
+      add(metric, judge(metric, gauges, result.exit, counters));
     }
     if (result.exit != 0 && !failure_expected) {
       Metric metric;

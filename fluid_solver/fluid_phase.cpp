@@ -335,8 +335,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   p.solid_velocity = out.solid_velocity;
   p.velocity = out.velocity;
   for (std::size_t a = 0; a < p.size(); ++a)
-    p.drag_impulse[a] =
-        p.volume[a] * dt * (drag_force[a] + view.drag[a] * (out.velocity[a] - out.solid_velocity[a]));
+    p.drag_impulse[a] = p.volume[a] * dt * (drag_force[a] + view.drag[a] * (out.velocity[a] - out.solid_velocity[a]));
   view.drag = drag;
   if (scene_.coupled() && !responds()) {
     // Plain staggering: the skeleton was taken as it moved; where it goes now is an explicit guess.

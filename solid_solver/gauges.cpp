@@ -2,10 +2,12 @@
 
 #include "common/core/error.hpp"
 #include "solid_solver/probe.hpp"
+#include "solid_solver/readout.hpp"
 
 #include <fmt/format.h>
 
 #include <array>
+#include <limits>
 #include <string_view>
 
 namespace poretwin::solid {
@@ -23,6 +25,39 @@ std::optional<int> component(std::string_view quantity, std::string_view prefix,
   for (std::size_t k = 0; k < N; ++k)
     if (quantity == names[k]) return static_cast<int>(k);
   return std::nullopt;
+}
+
+template <int D>
+bool within(const Gauge& gauge, const Vec<D>& x) {
+  Point3 point = Point3::Zero();
+  point.head<D>() = x;
+  return !gauge.region || contains(*gauge.region, point, D);
+}
+
+/// Mean settlement since the initial rest [m] of the particles that were the highest then (within half a spacing),
+/// counted inside the gauge's region; NaN when there are none.
+template <int D>
+double crest_settlement(const Gauge& gauge, const Setup<D>& setup, const State<D>& state) {
+  const auto& p = state.particles;
+  const Vec<D> up = upwards(setup);
+  double crest = -std::numeric_limits<double>::infinity();
+  for (const bool summing : {false, true}) {
+    double sum = 0.0, count = 0.0;
+    for (std::size_t i = 0; i < p.size(); ++i) {
+      const Vec<D> since = p.displacement[i] - state.rest_displacement[i];
+      const Vec<D> before = p.position[i] - since;
+      if (!within<D>(gauge, before)) continue;
+      const double level = up.dot(before);
+      if (!summing) {
+        crest = std::max(crest, level);
+      } else if (level > crest - 0.5 * setup.spacing) {
+        sum -= up.dot(since);
+        count += 1.0;
+      }
+    }
+    if (summing) return count > 0.0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
+  }
+  return 0.0;
 }
 
 template <int D>
@@ -54,6 +89,18 @@ GaugeReading read_point(const Gauge& gauge, const std::string& name, const Point
   if (q == "pore_pressure")
     return reading(
         Reach::material, [&](std::size_t i, const Mat<D>&) { return state.external.pressure[i]; }, "Pa");
+  if (q == "mobilised_friction")
+    return reading(
+        Reach::material, [&p](std::size_t i, const Mat<D>&) { return mobilised_friction(p.stress[i]); }, "degrees");
+  if (q == "pore_pressure_ratio") {
+    const Vec<D> up = upwards(setup);
+    return reading(
+        Reach::material,
+        [&, up](std::size_t i, const Mat<D>&) {
+          return pore_pressure_ratio(state.external.pressure[i], up.dot(matrix_of<D>(p.stress[i]) * up));
+        },
+        "1");
+  }
   if (q == "void_fraction")
     return reading(
         Reach::material, [&](std::size_t i, const Mat<D>&) { return void_fraction(setup, p, i); }, "1");
@@ -63,7 +110,8 @@ GaugeReading read_point(const Gauge& gauge, const std::string& name, const Point
   throw CaseError(
       fmt::format("gauge \"{}\": quantity \"{}\" is not known to the solid; expected displacement_x, velocity_x, "
                   "effective_stress_xx, "
-                  "total_stress_xx (or another component), pore_pressure, void_fraction or accumulated_plastic_strain",
+                  "total_stress_xx (or another component), pore_pressure, pore_pressure_ratio, mobilised_friction, "
+                  "void_fraction or accumulated_plastic_strain",
                   gauge.name, gauge.quantity));
 }
 
@@ -83,26 +131,18 @@ std::vector<GaugeReading> read_gauges(const Case& scene, const Setup<D>& setup, 
       continue;
     }
     Vec<D> momentum = Vec<D>::Zero(), pending = Vec<D>::Zero();
-    double kinetic = 0.0, count = 0.0, speed = 0.0, displacement = 0.0, uplift = 0.0;
-    const double g = setup.gravity.norm();
-    Vec<D> up = Vec<D>::Zero();
-    if (g > 0.0)
-      up = -setup.gravity / g;
-    else
-      up[D - 1] = 1.0;
+    double kinetic = 0.0, stored = 0.0, count = 0.0, speed = 0.0, displacement = 0.0, uplift = 0.0;
+    const Vec<D> up = upwards(setup);
     for (std::size_t i = 0; i < p.size(); ++i) {
-      Point3 x = Point3::Zero();
-      x.head<D>() = p.position[i];
-      if (gauge.region && !contains(*gauge.region, x, D)) continue;
+      if (!within<D>(gauge, p.position[i])) continue;
       momentum += p.mass[i] * p.velocity[i];
       pending += state.returned_impulse[i];
       kinetic += 0.5 * p.mass[i] * p.velocity[i].squaredNorm();
+      stored += p.volume[i] * strain_energy(p.stress[i], setup.models[p.material[i]]->elasticity());
       count += 1.0;
       speed = std::max(speed, p.velocity[i].norm());
       displacement = std::max(displacement, p.displacement[i].norm());
-      const Vec<D> since =
-          state.rest_displacement.empty() ? p.displacement[i] : Vec<D>(p.displacement[i] - state.rest_displacement[i]);
-      uplift = std::max(uplift, up.dot(since));
+      uplift = std::max(uplift, up.dot(p.displacement[i] - state.rest_displacement[i]));
     }
     const std::string per = D == 2 ? "/m" : "";
     if (gauge.kind == "momentum" || gauge.kind == "pending_impulse") {
@@ -111,6 +151,10 @@ std::vector<GaugeReading> read_gauges(const Case& scene, const Setup<D>& setup, 
         readings.push_back({fmt::format("{}_{}", gauge.name, axes[static_cast<std::size_t>(d)]), sum[d], "N s" + per});
     } else if (gauge.kind == "kinetic_energy") {
       readings.push_back({gauge.name, kinetic, "J" + per});
+    } else if (gauge.kind == "strain_energy") {
+      readings.push_back({gauge.name, stored, "J" + per});
+    } else if (gauge.kind == "crest_settlement") {
+      readings.push_back({gauge.name, crest_settlement<D>(gauge, setup, state), "m"});
     } else if (gauge.kind == "particles") {
       readings.push_back({gauge.name, count, "1"});
     } else if (gauge.kind == "max_speed") {
@@ -122,7 +166,8 @@ std::vector<GaugeReading> read_gauges(const Case& scene, const Setup<D>& setup, 
     } else {
       throw CaseError(
           fmt::format("gauge \"{}\": kind \"{}\" is not known to the solid; expected point, momentum, "
-                      "kinetic_energy, particles, max_speed, max_displacement, uplift or pending_impulse",
+                      "kinetic_energy, strain_energy, particles, max_speed, max_displacement, uplift, "
+                      "crest_settlement or pending_impulse",
                       gauge.name, gauge.kind));
     }
   }

@@ -3,7 +3,10 @@
 #include "common/core/error.hpp"
 #include "solid_solver/gauges.hpp"
 #include "solid_solver/permeability.hpp"
+#include "solid_solver/pore_water.hpp"
+#include "solid_solver/readout.hpp"
 #include "solid_solver/rest.hpp"
+#include "solid_solver/saturation.hpp"
 #include "solid_solver/solid.hpp"
 
 #include <fmt/format.h>
@@ -51,9 +54,12 @@ Solid<D>::Solid(const Case& scene) : scene_(scene) {
   state_.stabilising.assign(n, Vec<D>::Zero());
   state_.external.pressure.assign(n, 0.0);
   state_.external.coverage.assign(n, 0.0);
+  for (const Index soil : state_.particles.material)
+    state_.external.saturation.push_back(scene.soils[soil].initial_saturation);
   state_.external.pressure_gradient.assign(n, Vec<D>::Zero());
   state_.mean_velocity.assign(n, Vec<D>::Zero());
   state_.returned_impulse.assign(n, Vec<D>::Zero());
+  state_.rest_displacement.assign(n, Vec<D>::Zero());
   state_.yielded.assign(n, 0);
   rebuild(setup_, state_);
   state_.rebuilds = 0.0;
@@ -72,8 +78,43 @@ VecArray<D> Solid<D>::gradient_of(const ScalarArray& pressure) const {
 }
 
 template <int D>
+ScalarArray Solid<D>::take_pressure(const Inbox& inbox, double time) {
+  const std::size_t n = state_.particles.size();
+  ScalarArray& coverage = state_.external.coverage;
+  if (!water_is_prescribed()) {
+    coverage = coverage_of(inbox, n);
+    ScalarArray pressure = field_or_zero(inbox, field::pore_pressure, n, 1);
+    for (std::size_t i = 0; i < n; ++i)
+      if (coverage[i] <= 0.0) pressure[i] = 0.0;
+    degree_of_saturation<D>(scene_.soils, setup_, state_, coverage, state_.external.saturation);
+    return pressure;
+  }
+  ScalarArray pressure(n, 0.0);
+  coverage.assign(n, 0.0);
+  for (std::size_t i = 0; i < n; ++i) {
+    Point3 x = Point3::Zero();
+    x.head<D>() = state_.particles.position[i];
+    if (const auto p = prescribed_pressure(scene_, x, time)) {
+      pressure[i] = *p;
+      coverage[i] = 1.0;
+    }
+  }
+  degree_of_saturation<D>(scene_.soils, setup_, state_, coverage, state_.external.saturation);
+  return pressure;
+}
+
+template <int D>
+Vec<D> Solid<D>::water_force(std::size_t i, const Vec<D>& pressure_gradient) const {
+  const Particles<D>& p = state_.particles;
+  const double solid = solid_fraction(setup_, p, i);
+  if (!water_is_prescribed()) return -p.volume[i] * solid * pressure_gradient;
+  const Vec<D> weight = state_.external.coverage[i] * (1.0 - solid) * scene_.water.density * setup_.gravity;
+  return p.volume[i] * (weight - pressure_gradient);
+}
+
+template <int D>
 double Solid<D>::next_load_after(double time) const {
-  double next = no_limit;
+  double next = next_change_after(scene_, time);
   for (const auto& patch : setup_.loads)
     if (!has_begun(patch.start, time)) next = std::min(next, patch.start);
   return next;
@@ -82,24 +123,18 @@ double Solid<D>::next_load_after(double time) const {
 template <int D>
 void Solid<D>::initialise(const Inbox& inbox) {
   const std::size_t n = state_.particles.size();
-  state_.external.pressure = field_or_zero(inbox, field::pore_pressure, n, 1);
-  state_.external.coverage = coverage_of(inbox, n);
-  for (std::size_t i = 0; i < n; ++i)
-    if (state_.external.coverage[i] <= 0.0) state_.external.pressure[i] = 0.0;
+  state_.external.pressure = take_pressure(inbox, state_.time);
   if (scene_.solid.initial_rest) {
     const VecArray<D> initial = state_.particles.velocity;
     for (auto& v : state_.particles.velocity) v.setZero();
     evaluate_forces(setup_, state_);
     constexpr double before_everything = -1e300;  // standing loads only
-    const auto report = find_rest<D>(setup_, state_, [&](Drive<D>& drive) {
+    rest_ = find_rest<D>(setup_, state_, [&](Drive<D>& drive) {
       state_.external.pressure_gradient = gradient_of(state_.external.pressure);
       drive.traction = load_forces<D>(setup_, state_, before_everything);
       drive.distributed.resize(n);
-      for (std::size_t i = 0; i < n; ++i)
-        drive.distributed[i] = -state_.particles.volume[i] * solid_fraction(setup_, state_.particles, i) *
-                               state_.external.pressure_gradient[i];
+      for (std::size_t i = 0; i < n; ++i) drive.distributed[i] = water_force(i, state_.external.pressure_gradient[i]);
     });
-    state_.rest_steps += static_cast<double>(report.steps);
     state_.particles.velocity = initial;
     rebuild(setup_, state_);
     evaluate_forces(setup_, state_);
@@ -118,10 +153,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   const double interval = window.interval;
   if (!(interval > 0.0)) return Outcome::reject(setup_.longest_substep, "a window must be longer than 0 s");
 
-  state_.external.coverage = coverage_of(inbox, n);
-  ScalarArray pressure = field_or_zero(inbox, field::pore_pressure, n, 1);
-  for (std::size_t i = 0; i < n; ++i)
-    if (state_.external.coverage[i] <= 0.0) pressure[i] = 0.0;
+  ScalarArray pressure = take_pressure(inbox, window.time + interval);
   const ScalarArray impulse = field_or_zero(inbox, field::drag_impulse, n, D);
   const ScalarArray predicted = field_or_zero(inbox, field::predicted_solid_velocity, n, D);
   const ScalarArray soil_seen = field_or_zero(inbox, field::soil_fraction, n, 1);
@@ -172,8 +204,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
     }
     const double share = jump ? 1.0 : static_cast<double>(k + 1) / static_cast<double>(steps);
     for (std::size_t i = 0; i < n; ++i) {
-      const Vec<D> gradient = (1.0 - share) * from[i] + share * to[i];
-      drive.distributed[i] = -p.volume[i] * solid_fraction(setup_, p, i) * gradient;
+      drive.distributed[i] = water_force(i, (1.0 - share) * from[i] + share * to[i]);
       for (int d = 0; d < D; ++d) drive.distributed[i][d] += impulse[i * D + static_cast<std::size_t>(d)] / interval;
     }
     substep<D>(setup_, dt, drive, state_);
@@ -198,6 +229,13 @@ Publication Solid<D>::publish() const {
   if (next < no_limit) {
     out.proposed_interval = next - state_.time;
     out.limited_by = "the next load begins";
+  }
+  constexpr double substeps_alone = 20.0;
+  double alone = scene_.coupled() ? no_limit : substeps_alone * setup_.longest_substep;
+  if (!scene_.coupled() && scene_.output.gauge_interval > 0.0) alone = std::min(alone, scene_.output.gauge_interval);
+  if (alone < out.proposed_interval) {
+    out.proposed_interval = alone;
+    out.limited_by = "soil alone: gauges and prescribed water are seen between windows";
   }
   constexpr double substeps_while_yielding = 30.0;
   if (state_.any_yielded && substeps_while_yielding * setup_.longest_substep < out.proposed_interval) {
@@ -274,6 +312,7 @@ OutputFrame Solid<D>::frame() const {
     for (std::size_t i = 0; i < n; ++i) values[i] = value(i);
     return values;
   };
+  const Vec<D> up = upwards(setup_);
   frame.position = padded(p.position);
   std::vector<double> stress;
   for (const auto& s : p.stress) stress.insert(stress.end(), s.data(), s.data() + 6);
@@ -284,9 +323,15 @@ OutputFrame Solid<D>::frame() const {
       {"pore_pressure", "Pa", "pressure of the water at the soil's points", 1, state_.external.pressure},
       {"void_fraction", "1", "porosity n_w = 1 - n_s", 1,
        scalars([&](std::size_t i) { return void_fraction(setup_, p, i); })},
-      {"degree_of_saturation", "1", "share of the kernel's support covered by water, Eq. (90), clamped to 1", 1,
-       state_.external.coverage},
+      {"degree_of_saturation", "1", "water's share of the soil's surroundings, Eq. (90)", 1,
+       state_.external.saturation},
       {"accumulated_plastic_strain", "1", "accumulated equivalent deviatoric plastic strain", 1, p.plastic_strain},
+      {"mobilised_friction", "degrees", "mobilised friction angle, sin phi_m = (s1 - s3) / (s1 + s3)", 1,
+       scalars([&](std::size_t i) { return mobilised_friction(p.stress[i]); })},
+      {"pore_pressure_ratio", "1", "r_u = pore pressure / total vertical stress; 1: liquefied", 1,
+       scalars([&](std::size_t i) {
+         return pore_pressure_ratio(state_.external.pressure[i], up.dot(matrix_of<D>(p.stress[i]) * up));
+       })},
   };
   return frame;
 }
@@ -301,7 +346,9 @@ std::map<std::string, double> Solid<D>::counters() const {
   return {{"particles", static_cast<double>(state_.particles.size())},
           {"substeps", state_.substeps},
           {"list rebuilds", state_.rebuilds},
-          {"rest steps", state_.rest_steps}};
+          {"rest steps", static_cast<double>(rest_.steps)},
+          {"rest residual", rest_.residual},
+          {"rest criterion", rest_.criterion}};
 }
 
 template class Solid<2>;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/coupling/phase.hpp"
+#include "solid_solver/rest.hpp"
 #include "solid_solver/setup.hpp"
 
 namespace poretwin::solid {
@@ -25,12 +26,19 @@ class Solid final : public Phase {
   [[nodiscard]] const Setup<D>& setup() const { return setup_; }
 
  private:
+  /// Coverage and pressure [Pa] of the water at the soil's points: from the partner, or from the case for soil alone.
+  ScalarArray take_pressure(const coupling::Inbox& inbox, double time);
+  [[nodiscard]] bool water_is_prescribed() const { return !scene_.pore_pressures.empty(); }
+  /// Force [N] of the pore water on particle i: buoyancy -n_s grad p. Where the case prescribes the water, which then
+  /// flows without inertia, also the seepage force n (rho_w g - grad p) of Eq. (27): n rho_w g - grad p in all.
+  [[nodiscard]] Vec<D> water_force(std::size_t i, const Vec<D>& pressure_gradient) const;
   [[nodiscard]] VecArray<D> gradient_of(const ScalarArray& pressure) const;
   [[nodiscard]] double next_load_after(double time) const;
 
   Case scene_;
   Setup<D> setup_;
   State<D> state_, saved_;
+  RestReport rest_;
 };
 
 }  // namespace poretwin::solid

@@ -7,8 +7,9 @@ namespace poretwin::solid {
 
 struct RestReport {
   std::size_t steps = 0;
-  bool reached = false;   ///< residual below the criterion within the bounded number of steps
-  double residual = 0.0;  ///< largest acceleration (without damping) over the reference acceleration
+  double residual = 0.0;   ///< largest acceleration (without damping) over the reference acceleration
+  double criterion = 0.0;  ///< the rest is found when the residual is below it; zero: it was not sought
+  [[nodiscard]] bool reached() const { return residual < criterion; }
 };
 
 /// Loads the soil in one increment and damps it near the critical rate of its slowest mode, pi c / H (xi about 3.6
@@ -29,11 +30,8 @@ RestReport find_rest(const Setup<D>& setup, State<D>& state, ExternalForce&& ext
   double reference = setup.gravity.norm();
   for (std::size_t i = 0; i < n; ++i)
     reference = std::max(reference, acceleration(i).norm() * setup.spacing / setup.height);
-  if (reference <= 0.0) {
-    report.reached = true;
-    return report;
-  }
-  constexpr double criterion = 1e-3;
+  report.criterion = 1e-3;
+  if (reference <= 0.0) return report;
   const double speed = setup.stabilisers.sound_speed;
   drive.damping = 3.14159265358979 * speed / setup.height;
   const double dt = setup.longest_substep;
@@ -51,10 +49,7 @@ RestReport find_rest(const Setup<D>& setup, State<D>& state, ExternalForce&& ext
     }
     report.residual = largest / reference;
     check_finite(state, state.time);
-    if (report.residual < criterion) {
-      report.reached = true;
-      break;
-    }
+    if (report.reached()) break;
   }
   for (auto& v : p.velocity) v.setZero();
   for (auto& gradient : p.gradient) gradient.setZero();

@@ -1,6 +1,7 @@
 #include "solid_solver/setup.hpp"
 
 #include "common/core/error.hpp"
+#include "solid_solver/constitutive/cone.hpp"
 #include "solid_solver/permeability.hpp"
 
 #include <fmt/format.h>
@@ -63,13 +64,17 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
     throw CaseError(fmt::format("solid.particle_spacing: expected a length above 0 m, found {}", setup.spacing));
   setup.smoothing_length = lengths_per_spacing * setup.spacing;
   setup.skin = 0.2 * setup.spacing;
+  setup.courant = scene.solid.courant;
+  setup.stabilisers.artificial = scene.solid.artificial_viscosity;
+  setup.stabilisers.zero_energy = scene.solid.zero_energy_viscosity;
+  setup.stabilisers.stiffness = scene.solid.zero_energy_stiffness;
   setup.gravity = scene.general.gravity.head<D>();
   setup.water_weight = water_weight(scene);
   setup.inertia_share = scene.fluid.skeleton_response ? 0.5 : 0.0;
   double fastest = 0.0;
   for (std::size_t s = 0; s < scene.soils.size(); ++s) {
     const Soil& soil = scene.soils[s];
-    setup.models.push_back(make_constitutive(scene.solid.model, soil));
+    setup.models.push_back(make_constitutive(scene.solid.model, weakened(soil, scene.solid.strength_reduction)));
     setup.grain_density.push_back(soil.grain_density);
     const auto lattice = fill<D>(soil.shape, setup.spacing, scene.solid.offset, scene.solid.jitter,
                                  scene.solid.seed + static_cast<unsigned>(s));

@@ -52,6 +52,13 @@ double void_fraction(const Setup<D>& setup, const Particles<D>& particles, std::
   return 1.0 - solid_fraction(setup, particles, i);
 }
 
+/// Unit vector against gravity; the last axis without any.
+template <int D>
+Vec<D> upwards(const Setup<D>& setup) {
+  const double g = setup.gravity.norm();
+  return g > 0.0 ? Vec<D>(-setup.gravity / g) : Vec<D>(Vec<D>::Unit(D - 1));
+}
+
 /// Numbers from the case; particles on the lattices of its soils. Throws CaseError when there is nothing to simulate.
 template <int D>
 std::pair<Setup<D>, Particles<D>> set_up(const Case& scene);

@@ -76,6 +76,7 @@ struct Neighbourhood {
 template <int D>
 struct External {
   ScalarArray pressure, coverage;  ///< Pa; 0..1
+  ScalarArray saturation;          ///< degree of saturation s_r
   VecArray<D> pressure_gradient;   ///< Pa/m, SPH form of Eq. (62) (or (61)), at the end of the last window
 };
 
@@ -96,7 +97,7 @@ struct State {
   VecArray<D> rest_displacement;  ///< m, after initialise: where uplift counts from
   std::vector<char> yielded;      ///< during the last window
   bool any_yielded = false;
-  double substeps = 0.0, rebuilds = 0.0, rest_steps = 0.0;  ///< counters
+  double substeps = 0.0, rebuilds = 0.0;  ///< counters
 };
 
 }  // namespace poretwin::solid

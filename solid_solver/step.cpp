@@ -68,7 +68,8 @@ void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& 
     p.volume[i] = std::clamp(p.volume[i] * (1.0 + dt * gradient.trace()), 0.5 * reference, 2.0 * reference);
     Tensor& stress = p.stress[i];
     stress += dt * spin_rate<D>(stress, gradient);
-    const double plastic = setup.models[p.material[i]]->advance(stress, dt * strain_rate<D>(gradient));
+    const double plastic = setup.models[p.material[i]]->advance(
+        stress, dt * strain_rate<D>(gradient), {state.external.saturation[i], 1.0 / solid_fraction(setup, p, i) - 1.0});
     if (plastic > 0.0) {
       p.plastic_strain[i] += plastic;
       state.yielded[i] = 1;

@@ -27,7 +27,12 @@ constexpr std::array scheme_words{
     Word<FluidCase::Scheme>{"eisph_explicit_drag", FluidCase::Scheme::eisph_explicit_drag}};
 constexpr std::array model_words{Word<SolidCase::Model>{"rigid", SolidCase::Model::rigid},
                                  Word<SolidCase::Model>{"elastic", SolidCase::Model::elastic},
-                                 Word<SolidCase::Model>{"drucker_prager", SolidCase::Model::drucker_prager}};
+                                 Word<SolidCase::Model>{"drucker_prager", SolidCase::Model::drucker_prager},
+                                 Word<SolidCase::Model>{"drucker_prager_rate", SolidCase::Model::drucker_prager_rate}};
+constexpr std::array cone_words{
+    Word<Soil::Cone>{"paper", Soil::Cone::paper}, Word<Soil::Cone>{"plane_strain", Soil::Cone::plane_strain},
+    Word<Soil::Cone>{"repose", Soil::Cone::repose}, Word<Soil::Cone>{"outer", Soil::Cone::outer},
+    Word<Soil::Cone>{"inner", Soil::Cone::inner}};
 constexpr std::array gradient_words{
     Word<SolidCase::PressureGradient>{"difference", SolidCase::PressureGradient::difference},
     Word<SolidCase::PressureGradient>{"sum", SolidCase::PressureGradient::sum}};
@@ -75,11 +80,28 @@ void declare(Keys& keys, Soil& s) {
   keys.number("youngs_modulus", s.youngs_modulus, {"Pa", "Young's modulus of the drained skeleton."}, positive());
   keys.number("poissons_ratio", s.poissons_ratio, {"", "Poisson's ratio of the drained skeleton."},
               between(0, false, 0.5, true));
-  keys.number("cohesion", s.cohesion, {"Pa", "Cohesion (drucker_prager)."}, not_negative());
+  keys.number("cohesion", s.cohesion, {"Pa", "Cohesion (drucker_prager), at `initial_saturation`."}, not_negative());
   keys.number("friction_angle", s.friction_angle, {"degrees", "Angle of internal friction (drucker_prager)."},
               between(0, false, 90, true));
   keys.number("dilation_angle", s.dilation_angle,
               {"degrees", "Dilation angle (drucker_prager), at most the friction angle."}, between(0, false, 90, true));
+  keys.choice<Soil::Cone>(
+      "cone", s.cone, cone_words,
+      {"",
+       "Fit of the cone to Coulomb (drucker_prager): `paper` Eq. (32), exact for plane strain with dilation = "
+       "friction; "
+       "`plane_strain` for any dilation; `repose`: friction is the angle of repose; 3D `outer` (compression), `inner` "
+       "(extension)."});
+  keys.number("tensile_strength", s.tensile_strength,
+              {"Pa", "Largest mean effective stress (drucker_prager); absent: that of the cone's apex."},
+              not_negative());
+  keys.number("maximum_void_ratio", s.maximum_void_ratio,
+              {"", "Void ratio e = n / (1 - n) at which dilation ends (drucker_prager); absent: never."}, positive());
+  keys.number("initial_saturation", s.initial_saturation,
+              {"", "Degree of saturation of soil that the water has not reached."}, between(0, false, 1, true));
+  keys.number("saturated_cohesion", s.saturated_cohesion,
+              {"Pa", "Cohesion when saturated, linear in the saturation between, Eq. (36); absent: as `cohesion`."},
+              not_negative());
 }
 
 void declare(Keys& keys, Wall& w) {
@@ -103,6 +125,19 @@ void declare(Keys& keys, Load& l) {
   keys.number("start", l.start, {"s", "Applied from then on. Absent: always there, part of the initial rest."});
 }
 
+void declare(Keys& keys, PorePressure& p) {
+  keys.text("name", p.name, {"", "Name, for messages."});
+  keys.optional_table("region", "Where it holds; absent: all soil. Of several, the first that holds a point counts.",
+                      p.region, [](Keys& inner, Shape& shape) { declare(inner, shape); });
+  keys.series("head", p.head,
+              {"m", "Elevation (along -gravity) of the water table; with `to_head`: the total head at `from`."});
+  keys.series("pressure", p.pressure, {"Pa", "Instead of `head`: pressure, uniform."});
+  keys.series("to_head", p.to_head,
+              {"m", "Total head at `to`: linear between `from` and `to`, constant across and beyond (seepage)."});
+  keys.point("from", p.from, {"m", "With `to_head`: where `head` holds."});
+  keys.point("to", p.to, {"m", "With `to_head`: where that holds."});
+}
+
 void declare_seed(Keys& keys, unsigned& seed) {
   std::int64_t value = seed;
   keys.integer("seed", value, {"", "Seed of the jitter."}, between(0, false, 4294967295.0, false));
@@ -110,12 +145,13 @@ void declare_seed(Keys& keys, unsigned& seed) {
 }
 
 void declare(Keys& keys, FluidCase& f) {
-  keys.number("particle_spacing", f.particle_spacing, {"m", "Distance between neighbouring water particles.", true},
-              positive());
+  keys.number("particle_spacing", f.particle_spacing,
+              {"m", "Distance between neighbouring water particles; required where there is water."}, not_negative());
   keys.choice<FluidCase::Scheme>(
       "scheme", f.scheme, scheme_words,
-      {"", "`projection`: pressure solved to a tolerance; `eisph`: explicit sweeps, Eqs. (82)-(85), in windows short "
-           "enough for them; `eisph_explicit_drag`: with the drag of Eq. (75) at the window's start."});
+      {"",
+       "`projection`: pressure solved to a tolerance; `eisph`: explicit sweeps, Eqs. (82)-(85), in windows short "
+       "enough for them; `eisph_explicit_drag`: with the drag of Eq. (75) at the window's start."});
   std::int64_t sweeps = f.sweeps;
   keys.integer("sweeps", sweeps, {"", "Of `eisph`, per window."}, between(1, false, 1000, false));
   f.sweeps = static_cast<int>(sweeps);
@@ -135,7 +171,9 @@ void declare(Keys& keys, FluidCase& f) {
 void declare(Keys& keys, SolidCase& s) {
   keys.choice<SolidCase::Model>(
       "model", s.model, model_words,
-      {"", "`rigid`: the soil does not move, the fluid runs alone; otherwise the material law."});
+      {"",
+       "`rigid`: the soil does not move, the fluid runs alone; otherwise the material law. `drucker_prager_rate`: as "
+       "the paper integrates it, explicit rates and stress scaling-back. Without water the soil runs alone."});
   keys.number("particle_spacing", s.particle_spacing,
               {"m", "Distance between soil particles; 0: as fluid.particle_spacing."}, not_negative());
   keys.point("initial_velocity", s.initial_velocity, {"m/s", "Of all soil at time zero."});
@@ -148,6 +186,21 @@ void declare(Keys& keys, SolidCase& s) {
   keys.choice<SolidCase::PressureGradient>(
       "pressure_gradient", s.pressure_gradient, gradient_words,
       {"", "`difference`: Eq. (62) as corrected; `sum`: Eq. (61), which expels surface particles."});
+  keys.number("strength_reduction", s.strength_reduction,
+              {"",
+               "Cohesion and tan(friction) of all soil are divided by it (`poretwin safety` finds the factor of "
+               "safety)."},
+              positive());
+  keys.number("courant", s.courant, {"", "Substep over spacing / wave speed; stable to about 2."},
+              between(0, true, 2, false));
+  keys.number("artificial_viscosity", s.artificial_viscosity,
+              {"", "Alpha of Monaghan's artificial viscosity, on approaching particles."}, not_negative());
+  keys.number("zero_energy_viscosity", s.zero_energy_viscosity,
+              {"", "Viscosity on what a linear field does not explain of the velocity; off where the soil flows."},
+              not_negative());
+  keys.number("zero_energy_stiffness", s.zero_energy_stiffness,
+              {"", "Stiffness on the same of the displacement, in M; between particles that never yielded."},
+              not_negative());
 }
 
 void declare(Keys& keys, CouplingCase& c) {
@@ -166,7 +219,8 @@ void declare(Keys& keys, Gauge& g) {
   keys.text("kind", g.kind,
             {"",
              "`point`, `front`, `volume`, `momentum`, `kinetic_energy`, `particles`, `max_speed`; of the solid also "
-             "`max_displacement`, `uplift`, `pending_impulse`.",
+             "`max_displacement`, `uplift`, `strain_energy` (elastic), `crest_settlement` (of the highest particles, "
+             "since the initial rest), `pending_impulse`.",
              true});
   keys.text("quantity", g.quantity,
             {"",
@@ -196,6 +250,10 @@ void declare_shared(Keys& keys, Case& c) {
 }
 
 void declare_own(Keys& keys, Case& c) {
+  keys.tables("pore_pressure",
+              "Water in the pores of soil that runs alone: it fills them where its pressure is above zero, and acts on "
+              "the skeleton by buoyancy and seepage, rho_w g - grad p per volume.",
+              c.pore_pressures, [](Keys& inner, PorePressure& p) { declare(inner, p); });
   keys.table("fluid", "The water phase.", [&](Keys& inner) { declare(inner, c.fluid); });
   keys.table("solid", "The soil phase.", [&](Keys& inner) { declare(inner, c.solid); });
   keys.table("output", "What is written, and when.", [&](Keys& inner) { declare(inner, c.output); });

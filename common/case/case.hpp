@@ -55,6 +55,14 @@ struct Water {
 /// [[soil]]: a region of soil and its material. With solid.model = "rigid" only shape, porosity and conductivity
 /// matter.
 struct Soil {
+  /// How the Drucker-Prager cone is fitted to Coulomb's cohesion and friction (docs/theory_solid.md).
+  enum class Cone {
+    paper,         ///< Eq. (32): plane strain with associated flow (psi = phi)
+    plane_strain,  ///< plane strain with any dilation angle
+    repose,        ///< sqrt(J2) / p = tan(phi) when sheared at constant volume: phi is the angle of repose
+    outer,         ///< 3D, through Coulomb's compression edges
+    inner,         ///< 3D, through Coulomb's extension edges
+  };
   std::string name;
   Shape shape;
   double porosity = 0.4;                 ///< n = n_w
@@ -62,9 +70,14 @@ struct Soil {
   double hydraulic_conductivity = 1e-4;  ///< m/s at `porosity`; Kozeny-Carman (18) away from it
   double youngs_modulus = 3.0e6;         ///< Pa
   double poissons_ratio = 0.3;
-  double cohesion = 0.0;         ///< Pa
+  double cohesion = 0.0;         ///< Pa, at the initial saturation
   double friction_angle = 30.0;  ///< degrees
   double dilation_angle = 0.0;   ///< degrees
+  Cone cone = Cone::paper;
+  std::optional<double> tensile_strength;    ///< Pa, largest mean effective stress; absent: the cone's apex
+  std::optional<double> maximum_void_ratio;  ///< e at which dilation ends; absent: never
+  double initial_saturation = 0.0;           ///< s_r0, of soil that the water has not reached
+  std::optional<double> saturated_cohesion;  ///< Pa, at s_r = 1, Eq. (36); absent: as `cohesion`
 };
 
 /// [[wall]]: one wall, its meaning for either phase.
@@ -94,6 +107,17 @@ struct Load {
   std::optional<double> start;  ///< s; applied from then on. Absent: there from the beginning, part of the initial rest
 };
 
+/// [[pore_pressure]]: water in the pores of a soil that runs alone. Water fills them where the pressure is above zero
+/// and seeps at the rate its head gradient drives, so that its force on the skeleton is rho_w g - grad p per volume.
+struct PorePressure {
+  std::string name;
+  std::optional<Shape> region;     ///< absent: all soil; of several, the first that holds a point counts
+  std::optional<Series> pressure;  ///< Pa, uniform
+  std::optional<Series> head;      ///< m: elevation (along -gravity) of the water table; with to_head: head at `from`
+  std::optional<Series> to_head;   ///< m: head at `to`; linear between the two points, constant across and beyond
+  Point3 from = Point3::Zero(), to = Point3::Zero();
+};
+
 /// [fluid]
 struct FluidCase {
   /// How pressure follows from velocity: solved to a tolerance, or by explicit sweeps, Eqs. (82)-(85); the latter also
@@ -101,7 +125,7 @@ struct FluidCase {
   enum class Scheme { projection, eisph, eisph_explicit_drag };
   double particle_spacing = 0.0;  ///< m
   Scheme scheme = Scheme::projection;
-  int sweeps = 1;  ///< of eisph, per window
+  int sweeps = 1;              ///< of eisph, per window
   std::vector<Shape> regions;  ///< [[fluid.region]]: where water stands at time zero (inside soil it fills the pores)
   Point3 initial_velocity = Point3::Zero();
   Point3 offset{0.5, 0.5, 0.5};  ///< of the first particle from a region's corner, in spacings
@@ -114,7 +138,7 @@ struct FluidCase {
 
 /// [solid]
 struct SolidCase {
-  enum class Model { rigid, elastic, drucker_prager };
+  enum class Model { rigid, elastic, drucker_prager, drucker_prager_rate };
   enum class PressureGradient { difference, sum };  ///< Eq. (62) as corrected; Eq. (61), which expels surface particles
   Model model = Model::elastic;
   double particle_spacing = 0.0;  ///< m
@@ -124,6 +148,11 @@ struct SolidCase {
   unsigned seed = 2;
   bool initial_rest = true;  ///< find the rest under gravity, water and standing loads before time zero
   PressureGradient pressure_gradient = PressureGradient::difference;
+  double strength_reduction = 1.0;     ///< cohesion and tan(friction) are divided by it
+  double courant = 0.8;                ///< of dx / sqrt(M / rho_bar_s)
+  double artificial_viscosity = 0.1;   ///< alpha of Monaghan's, on approaching particles
+  double zero_energy_viscosity = 0.1;  ///< on the part of the velocity that is not linear around a particle
+  double zero_energy_stiffness = 0.1;  ///< the same on the displacement, of M, between particles that never yielded
 };
 
 /// [coupling]
@@ -140,10 +169,11 @@ struct OutputCase {
 /// [[gauge]]
 struct Gauge {
   std::string name;
-  std::string phase;     ///< "fluid" or "solid"
-  std::string kind;      ///< "point", "front", "volume", "momentum", "kinetic_energy", "particles", "max_speed";
-                         ///< solid only: "max_displacement", "uplift", "pending_impulse" (taken, not yet paid for)
-  std::string quantity;  ///< of "point": "pore_pressure", "velocity", "displacement", "effective_stress_yy", ...
+  std::string phase;            ///< "fluid" or "solid"
+  std::string kind;             ///< "point", "front", "volume", "momentum", "kinetic_energy", "particles", "max_speed";
+                                ///< solid only: "max_displacement", "uplift", "strain_energy", "crest_settlement",
+                                ///< "pending_impulse" (taken, not yet paid for)
+  std::string quantity;         ///< of "point": "pore_pressure", "velocity", "displacement", "effective_stress_yy", ...
   std::vector<Point3> points;   ///< of "point" (name[i] where several), of "front" (a line's two ends)
   std::optional<Shape> region;  ///< of "volume", "momentum", ...: absent: everywhere
 };
@@ -158,12 +188,18 @@ struct Case {
   std::vector<Wall> walls;
   std::vector<WaterFace> water_faces;
   std::vector<Load> loads;
+  std::vector<PorePressure> pore_pressures;
   FluidCase fluid;
   SolidCase solid;
   CouplingCase coupling;
   OutputCase output;
   std::vector<Gauge> gauges;
-  [[nodiscard]] bool coupled() const { return solid.model != SolidCase::Model::rigid; }
+  /// The soil is a phase of its own.
+  [[nodiscard]] bool deformable() const { return solid.model != SolidCase::Model::rigid; }
+  /// There is a water phase.
+  [[nodiscard]] bool has_water() const { return !fluid.regions.empty() || !water_faces.empty(); }
+  /// Both phases run; otherwise the water alone in rigid soil, or the soil alone.
+  [[nodiscard]] bool coupled() const { return deformable() && has_water(); }
   /// Hex digest of everything both solvers must agree on; independent of comments, order and paths.
   [[nodiscard]] std::string digest() const;
 };

@@ -14,9 +14,9 @@ namespace poretwin {
 namespace {
 
 constexpr std::array<std::string_view, 2> phases{"fluid", "solid"};
-constexpr std::array<std::string_view, 10> gauge_kinds{
-    "point",     "front",     "volume",           "momentum", "kinetic_energy",
-    "particles", "max_speed", "max_displacement", "uplift",   "pending_impulse"};
+constexpr std::array<std::string_view, 12> gauge_kinds{
+    "point",     "front",     "volume",           "momentum", "kinetic_energy", "strain_energy",
+    "particles", "max_speed", "max_displacement", "uplift",   "crest_settlement", "pending_impulse"};
 
 class Checker {
  public:
@@ -28,6 +28,7 @@ class Checker {
     fluid_regions();
     faces();
     walls();
+    pore_pressures();
     gauges();
   }
 
@@ -59,11 +60,15 @@ class Checker {
              fmt::format(
                  "the periodic axis \"{}\" needs case.domain_min below case.domain_max along it, found {} and {}",
                  "xyz"[axis], g.domain_min[axis], g.domain_max[axis]));
-    if (scene_.coupled() && scene_.soils.empty())
+    if (scene_.deformable() && scene_.soils.empty())
       fail("solid.model",
            "a soil skeleton is asked for but there is no [[soil]]; set solid.model = \"rigid\" for water alone");
-    if (scene_.fluid.regions.empty() && scene_.water_faces.empty() && !scene_.coupled())
+    if (!scene_.has_water() && !scene_.deformable())
       fail("fluid", "there is no water: expected a [[fluid.region]] or a [[water_face]]");
+    if (scene_.has_water() && !(scene_.fluid.particle_spacing > 0.0))
+      fail("fluid.particle_spacing", "there is water: expected a length > 0 m, found none");
+    if (scene_.deformable() && !(scene_.solid.particle_spacing > 0.0))
+      fail("solid.particle_spacing", "expected a length > 0 m, found none");
   }
 
   void shape(const Shape& s, const std::string& key, double spacing) const {
@@ -118,7 +123,7 @@ class Checker {
   }
 
   void soils() const {
-    const double spacing = scene_.coupled() ? scene_.solid.particle_spacing : scene_.fluid.particle_spacing;
+    const double spacing = scene_.deformable() ? scene_.solid.particle_spacing : scene_.fluid.particle_spacing;
     std::vector<Shape> shapes;
     for (std::size_t i = 0; i < scene_.soils.size(); ++i) {
       const auto& soil = scene_.soils[i];
@@ -127,6 +132,15 @@ class Checker {
       if (soil.dilation_angle > soil.friction_angle)
         fail(key + ".dilation_angle", fmt::format("expected at most the friction angle of {} degrees, found {}",
                                                   soil.friction_angle, soil.dilation_angle));
+      if (soil.saturated_cohesion && *soil.saturated_cohesion > soil.cohesion)
+        fail(key + ".saturated_cohesion",
+             fmt::format("expected at most the cohesion at the initial saturation, {} Pa, found {} Pa", soil.cohesion,
+                         *soil.saturated_cohesion));
+      if (const double e = soil.porosity / (1.0 - soil.porosity);
+          soil.maximum_void_ratio && *soil.maximum_void_ratio < e)
+        fail(key + ".maximum_void_ratio",
+             fmt::format("expected at least the initial void ratio, {:.4g} for a porosity of {}, found {}", e,
+                         soil.porosity, *soil.maximum_void_ratio));
       shapes.push_back(soil.shape);
     }
     no_overlap(shapes, "soil", spacing);
@@ -237,13 +251,33 @@ class Checker {
     }
   }
 
+  void pore_pressures() const {
+    for (std::size_t i = 0; i < scene_.pore_pressures.size(); ++i) {
+      const auto& p = scene_.pore_pressures[i];
+      const std::string key = fmt::format("pore_pressure[{}]", i);
+      if (scene_.has_water())
+        fail(key, "the case has water of its own, whose pressure the fluid computes; expected one or the other");
+      if (!scene_.deformable()) fail(key, "with solid.model = \"rigid\" there is no skeleton for it to act on");
+      if (p.region) shape(*p.region, key + ".region", 0.0);
+      if (p.head.has_value() == p.pressure.has_value())
+        fail(key, fmt::format("expected either 'head' or 'pressure', found {}", p.head ? "both" : "neither"));
+      if (p.head && !(scene_.general.gravity.norm() > 0.0))
+        fail(key + ".head", "a head needs gravity, found case.gravity of length zero; use 'pressure'");
+      if (p.to_head && !p.head) fail(key + ".to_head", "expected 'head' at 'from' with it");
+      if (p.to_head && !((p.to - p.from).norm() > 0.0))
+        fail(key + ".to", fmt::format("expected a point other than 'from', found {} twice", shown(p.to)));
+    }
+  }
+
   void gauges() const {
     for (std::size_t i = 0; i < scene_.gauges.size(); ++i) {
       const auto& gauge = scene_.gauges[i];
       const std::string key = fmt::format("gauge[{}]", i);
       known_word(key + ".phase", gauge.phase, phases);
       known_word(key + ".kind", gauge.kind, gauge_kinds);
-      if (gauge.phase == "solid" && !scene_.coupled())
+      if (gauge.phase == "fluid" && !scene_.has_water())
+        fail(key + ".phase", "expected \"solid\": without water there is no fluid phase to measure");
+      if (gauge.phase == "solid" && !scene_.deformable())
         fail(key + ".phase", "expected \"fluid\": with solid.model = \"rigid\" there is no solid phase to measure");
       if (gauge.kind == "point" && gauge.quantity.empty())
         fail(key + ".quantity", "a point gauge needs the name of an output field");

@@ -1,46 +1,37 @@
-// Drucker-Prager elasto-plasticity with a closed-form, non-associated return map and an apex.
+// Drucker-Prager elasto-plasticity with a closed-form, non-associated return map, an apex and a tension cut-off.
 #pragma once
 
+#include "solid_solver/constitutive/cone.hpp"
 #include "solid_solver/constitutive/model.hpp"
 
 namespace poretwin::solid {
 
-/// How the cone is fitted to Coulomb's cohesion and friction.
-enum class ConeMatch {
-  paper,         ///< Eq. (32): plane strain with associated flow
-  plane_strain,  ///< plane strain with any dilation angle
-  repose,        ///< sqrt(J2)/p = tan(phi): a heap stands at its angle of repose
-};
+/// Adds the elastic stress of a strain increment and returns, in as many parts as it takes for the deviator to turn
+/// little in each (a return along one direction is of first order in that angle). Returns the plastic strain.
+double integrate(Tensor& stress, const Tensor& strain, const Cone& cone, const Elasticity& elasticity);
 
-/// Yield f = alpha I1 + sqrt(J2) - k (Eq. (31)); potential with alpha_psi (Eq. (30)).
-struct Cone {
-  double alpha = 0.0;      ///< friction
-  double alpha_psi = 0.0;  ///< dilatancy
-  double k = 0.0;          ///< Pa
-};
-
-/// Cone constants; cohesion in Pa, angles in degrees.
-Cone fit_cone(double cohesion, double friction_angle, double dilation_angle, ConeMatch match = ConeMatch::paper);
-
-/// Yield function f [Pa] of Eq. (31).
-double yield_function(const Tensor& stress, const Cone& cone);
-
-/// Brings a trial stress outside the cone back, along the potential or to the apex, in one step and independent of its
-/// size. Returns the equivalent deviatoric plastic strain (0 inside).
+/// Brings a trial stress outside the cone back, along the potential, to the tension limit or to the edge where both
+/// meet, in one step and independent of its size. Returns the equivalent deviatoric plastic strain (0 inside).
 double return_map(Tensor& stress, const Cone& cone, const Elasticity& elasticity);
 
-class DruckerPrager final : public ConstitutiveModel {
+/// Common to the ways of integrating the model: the cone under the soil's present condition.
+class DruckerPragerSoil : public ConstitutiveModel {
  public:
-  explicit DruckerPrager(const Soil& soil)
-      : ConstitutiveModel(Elasticity::of(soil)),
-        cone_(fit_cone(soil.cohesion, soil.friction_angle, soil.dilation_angle)) {}
-  double advance(Tensor& stress, const Tensor& strain) const override {
-    stress += elasticity().stress_of(strain);
-    return return_map(stress, cone_, elasticity());
-  }
+  explicit DruckerPragerSoil(const Soil& soil);
+  /// Cohesion falls with saturation, Eq. (36); dilation ends at the soil's largest void ratio.
+  [[nodiscard]] Cone cone(const Condition& condition) const;
 
  private:
-  Cone cone_;
+  Soil soil_;
+  Cone dilating_, spent_;  // for unit cohesion
+};
+
+class DruckerPrager final : public DruckerPragerSoil {
+ public:
+  using DruckerPragerSoil::DruckerPragerSoil;
+  double advance(Tensor& stress, const Tensor& strain, const Condition& condition = {}) const override {
+    return integrate(stress, strain, cone(condition), elasticity());
+  }
 };
 
 }  // namespace poretwin::solid

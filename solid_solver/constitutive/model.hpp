@@ -4,6 +4,7 @@
 #include "common/case/case.hpp"
 #include "solid_solver/stress.hpp"
 
+#include <algorithm>
 #include <memory>
 
 namespace poretwin::solid {
@@ -26,6 +27,12 @@ struct Elasticity {
   }
 };
 
+/// The state of the soil that its strength depends on, besides its stress.
+struct Condition {
+  double saturation = 0.0;  ///< degree of saturation s_r
+  double void_ratio = 0.0;  ///< e = n / (1 - n)
+};
+
 /// Effective stress from strain increments. Rotation is the caller's business (Jaumann rate).
 class ConstitutiveModel {
  public:
@@ -34,7 +41,7 @@ class ConstitutiveModel {
   ConstitutiveModel& operator=(const ConstitutiveModel&) = delete;
   virtual ~ConstitutiveModel() = default;
   /// Advances `stress` [Pa] by a strain increment; returns the equivalent deviatoric plastic strain it took.
-  virtual double advance(Tensor& stress, const Tensor& strain) const = 0;
+  virtual double advance(Tensor& stress, const Tensor& strain, const Condition& condition = {}) const = 0;
   [[nodiscard]] const Elasticity& elasticity() const { return elasticity_; }
   /// Safe tangent constrained modulus [Pa] while yielding: without the shear part, never below half of M.
   [[nodiscard]] double yielding_modulus() const { return std::max(elasticity_.bulk, 0.5 * elasticity_.constrained()); }

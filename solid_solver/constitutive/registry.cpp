@@ -1,5 +1,6 @@
 // Which constitutive model each value of solid.model means: one line per model.
 #include "solid_solver/constitutive/drucker_prager.hpp"
+#include "solid_solver/constitutive/drucker_prager_rate.hpp"
 #include "solid_solver/constitutive/elastic.hpp"
 
 #include "common/core/error.hpp"
@@ -12,11 +13,14 @@ std::unique_ptr<ConstitutiveModel> make_constitutive(SolidCase::Model model, con
       return std::make_unique<LinearElastic>(soil);
     case SolidCase::Model::drucker_prager:
       return std::make_unique<DruckerPrager>(soil);
+    case SolidCase::Model::drucker_prager_rate:
+      return std::make_unique<DruckerPragerRate>(soil);
     case SolidCase::Model::rigid:
       break;
   }
   throw CaseError(
-      "solid.model = \"rigid\": a rigid skeleton needs no solid phase; expected \"elastic\" or \"drucker_prager\"");
+      "solid.model = \"rigid\": a rigid skeleton needs no solid phase; expected \"elastic\", \"drucker_prager\" or "
+      "\"drucker_prager_rate\"");
 }
 
 }  // namespace poretwin::solid

@@ -224,7 +224,7 @@ TEST(LoadedColumn, LoadsWaitForTheirStart) {
   solid.advance({0, 0.0, 0.01}, {});
   for (const auto& v : solid.state().particles.velocity) ASSERT_EQ(v.norm(), 0.0);
   publication = solid.publish();
-  EXPECT_EQ(publication.proposed_interval, coupling::no_limit);
+  EXPECT_EQ(publication.limited_by, "soil alone: gauges and prescribed water are seen between windows");
   // Now it acts: r carries the traction, and sums to traction times area.
   const auto& r = test::field_of(publication, coupling::field::unbalanced_force);
   double sum = 0.0;
