@@ -15,9 +15,8 @@ namespace poretwin::cli {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-const std::vector<std::string> operations{"value",    "relative", "l2",      "max_abs", "decay_rate",
-                                          "monotone", "drift",    "exceeds", "curve",   "exit",
-                                          "period",   "crossing", "counter"};
+const std::vector<std::string> operations{"value",   "relative", "l2",   "max_abs", "decay_rate", "monotone", "drift",
+                                          "exceeds", "curve",    "exit", "period",  "crossing",   "counter"};
 
 void declare(Keys& keys, VerifyRun& r) {
   keys.text("name", r.name, {"", "Name that metrics refer to.", true});
@@ -47,7 +46,8 @@ void declare(Keys& keys, Metric& m) {
   keys.number("from", m.from, {"s", "Start of the range; absent: the first reading."});
   keys.number("to", m.to, {"s", "End of the range; absent: the last reading."});
   keys.number("scale", m.scale, {"", "Readings are multiplied by it."});
-  keys.number("limit", m.limit, {"", "What the readings tend to (`decay_rate`, `monotone`), or pass (`period`, `crossing`)."});
+  keys.number("limit", m.limit,
+              {"", "What the readings tend to (`decay_rate`, `monotone`), or pass (`period`, `crossing`)."});
   keys.number("normaliser", m.normaliser, {"", "Errors are divided by it (`l2`, `drift`, `curve`)."}, positive());
   keys.text("norm", m.norm, {"", "Of `curve`: `max` or `rms`."});
   keys.number("reference", m.reference, {"", "The right value."});
@@ -315,12 +315,10 @@ class VerifyChecker {
     if (std::find(operations.begin(), operations.end(), m.op) == operations.end())
       fail(key + ".op", fmt::format("\"{}\" is not known; did you mean \"{}\"?", m.op, nearest(m.op, operations)));
     if (m.op == "counter" && m.counter.empty()) fail(key + ".counter", "is missing");
-    if (m.op != "exit" && m.op != "counter" && m.gauge.empty() && m.gauges.empty())
-      fail(key + ".gauge", "is missing");
+    if (m.op != "exit" && m.op != "counter" && m.gauge.empty() && m.gauges.empty()) fail(key + ".gauge", "is missing");
     const bool relative = needs_relative_error(m.op);
     const bool single = m.op == "value" || m.op == "exceeds" || m.op == "exit" || m.op == "counter";
-    if ((relative || single) && !m.reference)
-      fail(key + ".reference", "is missing");
+    if ((relative || single) && !m.reference) fail(key + ".reference", "is missing");
     if (relative && *m.reference == 0.0) fail(key + ".reference", "a relative error needs a reference other than zero");
     if (m.norm != "max" && m.norm != "rms")
       fail(key + ".norm", fmt::format("expected \"max\" or \"rms\", found \"{}\"", m.norm));

@@ -8,12 +8,16 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numbers>
 
 namespace poretwin::fluid {
 
 namespace {
 
 constexpr int periodic_boundary = 31;
+/// A window is solved again when the drag's tangent misses the law by more than this share of inertia and drag (rms).
+constexpr double drag_tolerance = 0.02;
+constexpr int most_drag_rounds = 10;
 
 }  // namespace
 
@@ -43,7 +47,7 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
     for (const auto& x : lattice.position) {
       const Soil* soil = soil_at(scene, to_point3<D>(x));
       const double n = soil ? soil->porosity : 1.0;
-      p.add(x, scene.fluid.initial_velocity.head<D>(), n * density_ * lattice.volume, n, lattice.volume, 0.0);
+      p.add(x, initial_velocity(x), n * density_ * lattice.volume, n, lattice.volume, 0.0);
       const double height = up.dot(x) + 0.5 * dx_;
       if (height > top) {
         top = height;
@@ -63,6 +67,22 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
   // The soil looks for its rest under what is published before the first exchange.
   settle(rigid_soil<D>(scene_, p.position));
   saved_ = state_;
+}
+
+template <int D>
+Vec<D> Fluid<D>::initial_velocity(const Vec<D>& x) const {
+  const auto& fluid = scene_.fluid;
+  Vec<D> v = fluid.initial_velocity.head<D>();
+  v[0] += fluid.initial_strain * x[0];
+  v[1] -= fluid.initial_strain * x[1];
+  if (fluid.initial_vortices > 0.0) {
+    const auto& box = scene_.general;
+    const Vec<2> k = 2.0 * std::numbers::pi / (box.domain_max - box.domain_min).head<2>().array();
+    const double a = k[0] * (x[0] - box.domain_min[0]), b = k[1] * (x[1] - box.domain_min[1]);
+    v[0] += fluid.initial_vortices * std::sin(a) * std::cos(b);
+    v[1] -= fluid.initial_vortices * k[0] / k[1] * std::cos(a) * std::sin(b);
+  }
+  return v;
 }
 
 template <int D>
@@ -109,13 +129,12 @@ SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox) const {
   const auto& x = state_.particles.position;
   const std::size_t n = x.size();
   // A particle about to leave through a face of soil still counts as in it.
+  const ColumnFinder<D> finder(state_.columns);
   const auto nearest_column = [&](const Vec<D>& point) -> const FaceColumn<D>* {
-    for (const auto& c : state_.columns) {
-      const double d = c.inside(point);
-      if (c.in_soil && std::abs(d) <= c.spacing && (point - c.foot - d * c.normal).norm() <= 1.0001 * c.width)
-        return &c;
-    }
-    return nullptr;
+    const int i = finder.nearest(point);
+    if (i < 0) return nullptr;
+    const auto& c = state_.columns[static_cast<std::size_t>(i)];
+    return c.in_soil && std::abs(c.inside(point)) <= c.spacing ? &c : nullptr;
   };
   if (!scene_.coupled()) {
     VecArray<D> where = x;
@@ -140,6 +159,7 @@ Stencil<D> Fluid<D>::stencil() const {
   const auto buffers = make_buffers(state_.columns);
   auto s = make_stencil<D>(p.position, p.volume, std::span<const Buffer<D>>(buffers), planes_);
   fit_columns(state_.columns, s);
+  limit_surface(s);
   return s;
 }
 
@@ -287,11 +307,38 @@ void Fluid<D>::take_back(const Stencil<D>& s, const SoilView<D>& view, double in
   }
 }
 
+/// One window; with a quadratic drag again, about the slip just found, while that still matters.
+template <int D>
+WindowSolution<D> Fluid<D>::solve(const Stencil<D>& s, SoilView<D>& view, const WindowProblem<D>& in) {
+  const auto& p = state_.particles;
+  const bool nonlinear = view.nonlinear();
+  WindowSolution<D> out;
+  for (int round = 1;; ++round) {
+    out.pressure = p.pressure;
+    out.solid_velocity = p.solid_velocity;
+    solve_window<D>(s, view, p.surface, in, out);
+    if (!nonlinear || round == most_drag_rounds) break;
+    double error = 0.0, whole = 0.0;
+    for (std::size_t a = 0; a < p.size(); ++a) {
+      const Vec<D> slip = out.velocity[a] - out.solid_velocity[a];
+      const Vec<D> right = (view.resistance[a].linear + view.resistance[a].quadratic * slip.norm()) * slip;
+      const double aw = p.void_fraction[a] * density_ / in.interval;
+      error += p.volume[a] * (view.drag[a] * slip - view.drag_offset[a] - right).squaredNorm();
+      whole += p.volume[a] * (aw * out.velocity[a] + right).squaredNorm();
+    }
+    if (error <= drag_tolerance * drag_tolerance * whole) break;
+    view.linearise(out.velocity, out.solid_velocity);
+    ++state_.counts.drag_rounds;
+  }
+  return out;
+}
+
 template <int D>
 coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupling::Inbox& inbox) {
   auto& p = state_.particles;
   const double dt = window.interval;
   auto view = soil(inbox);
+  view.linearise(p.velocity, view.velocity);
   const VecArray<D> velocity_before = p.velocity;
   for (std::size_t a = 0; a < p.size(); ++a) {
     p.void_fraction[a] = 1.0 - view.fraction[a];
@@ -314,15 +361,13 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   if (scheme == FluidCase::Scheme::eisph_explicit_drag) {
     // Eq. (75) as corrected: the drag belongs to the prediction.
     for (std::size_t a = 0; a < p.size(); ++a) {
-      drag_force[a] = drag[a] * (in.velocity[a] - view.velocity[a]);
+      drag_force[a] = drag[a] * (in.velocity[a] - view.velocity[a]) - view.drag_offset[a];
       in.velocity[a] -= dt / (p.void_fraction[a] * density_) * drag_force[a];
-      view.drag[a] = 0.0;
+      view.resistance[a] = {};
     }
+    view.linearise(p.velocity, view.velocity);
   }
-  WindowSolution<D> out;
-  out.pressure = p.pressure;
-  out.solid_velocity = p.solid_velocity;
-  solve_window<D>(s, view, p.surface, in, out);
+  auto out = solve(s, view, in);
   check_finite(out, window.time);
   state_.counts.windows += 1;
   state_.counts.pressure_iterations += out.pressure_iterations;
@@ -335,7 +380,9 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   p.solid_velocity = out.solid_velocity;
   p.velocity = out.velocity;
   for (std::size_t a = 0; a < p.size(); ++a)
-    p.drag_impulse[a] = p.volume[a] * dt * (drag_force[a] + view.drag[a] * (out.velocity[a] - out.solid_velocity[a]));
+    p.drag_impulse[a] =
+        p.volume[a] * dt *
+        (drag_force[a] + view.drag[a] * (out.velocity[a] - out.solid_velocity[a]) - view.drag_offset[a]);
   view.drag = drag;
   if (scene_.coupled() && !responds()) {
     // Plain staggering: the skeleton was taken as it moved; where it goes now is an explicit guess.

@@ -25,7 +25,9 @@ class Fluid final : public Phase {
   [[nodiscard]] const State<D>& state() const { return state_; }
 
  private:
+  Vec<D> initial_velocity(const Vec<D>& x) const;
   void settle(const SoilView<D>& view);
+  WindowSolution<D> solve(const Stencil<D>& s, SoilView<D>& view, const WindowProblem<D>& in);
   SoilView<D> soil(const coupling::Inbox& inbox) const;
   Stencil<D> stencil() const;
   /// Shear stress of the water outside soil, explicit; the smallest viscosity that keeps free water quiet.
@@ -41,6 +43,7 @@ class Fluid final : public Phase {
   void advance_columns(const Stencil<D>& s, const SoilView<D>& soil, double interval);
   void wet_dry_ground(FaceColumn<D>& c, double interval) const;
   InfiltrationSpeed infiltration_speed(const FaceColumn<D>& c) const;
+  void limit_surface(Stencil<D>& s) const;
   void give_birth_and_delete();
   void control_interval(const ScalarArray& before, double interval);
   void limit_scheme(const SoilView<D>& view);

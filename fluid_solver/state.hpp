@@ -72,7 +72,7 @@ struct TimeLimit {
 /// What a run's summary counts.
 struct Counts {
   double windows = 0, pressure_iterations = 0, skeleton_iterations = 0, outer_iterations = 0, stencils = 0, born = 0,
-         deleted = 0, unconverged = 0;
+         deleted = 0, unconverged = 0, drag_rounds = 0;
 };
 
 template <int D>
