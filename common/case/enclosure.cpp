@@ -11,7 +11,8 @@
 namespace poretwin {
 namespace {
 
-/// A straight piece that lets no water pass unnoticed: of a wall, or of a water face. Without `plane`: from a to b (2D).
+/// A straight piece that lets no water pass unnoticed: of a wall, or of a water face. Without `plane`: from a to b
+/// (2D).
 struct Barrier {
   std::string name;
   Point3 a, b;  ///< ends; of a plane: a point of it and its normal
@@ -78,7 +79,7 @@ class Flood {
       const auto particles = [&](const auto& lattice) {
         for (const auto& x : lattice.position) {
           Point3 point = Point3::Zero();
-          point.head(x.size()) = x;
+          for (Eigen::Index d = 0; d < x.size(); ++d) point[d] = x[d];
           springs_.push_back(point);
         }
       };
@@ -102,6 +103,9 @@ class Flood {
       if (face.pressure)
         for (const auto& [time, value] : face.pressure->knots)
           highest = std::max(highest, value / (scene_.water.density * scene_.general.gravity.norm()));
+      if (face.basin_area)
+        for (const auto& x : face.face.points) level_ = std::max(level_, up_.dot(x));
+      if (face.outlet) continue;
       // Water enters just inside.
       for (std::size_t k = 0; k + 1 < face.face.points.size(); ++k) {
         const Point3 a = face.face.points[k], along = face.face.points[k + 1] - a;
@@ -222,20 +226,37 @@ class Flood {
     std::stable_sort(ends.begin(), ends.end(), [](const auto& p, const auto& q) { return p.first < q.first; });
     if (ends.empty()) return leak;
     leak.ends.push_back(ends.front().second);
-    // The other side of the gap: as near to the way as the way is wide, or there is none.
     const auto beside = [&](const Point3& x) {
-      return std::min_element(way.begin(), way.end(),
-                              [&](const Point3& p, const Point3& q) { return (p - x).norm() < (q - x).norm(); });
+      return *std::min_element(way.begin(), way.end(),
+                               [&](const Point3& p, const Point3& q) { return (p - x).norm() < (q - x).norm(); });
     };
-    leak.at = *beside(ends.front().second.second);
-    if (ends.size() > 1) {
-      const Point3 middle = 0.5 * (ends[0].second.second + ends[1].second.second);
-      if ((*beside(middle) - middle).norm() < 0.5 * (ends[0].second.second - ends[1].second.second).norm() + size_) {
-        leak.ends.push_back(ends[1].second);
-        leak.at = *beside(middle);
-      }
-    }
+    const Point3 first = ends.front().second.second;
+    leak.at = beside(first);
+    if (ends.size() == 1) return leak;
+    // The other side of the gap, unless water or soil lies between: then there is none.
+    const Point3 second = ends[1].second.second, middle = 0.5 * (first + second);
+    if (through_ground(first, second) || (beside(middle) - middle).norm() > 0.5 * (second - first).norm() + size_)
+      return leak;
+    leak.ends.push_back(ends[1].second);
+    leak.at = beside(middle);
     return leak;
+  }
+
+  /// Is there soil or water on both sides of the line somewhere?
+  [[nodiscard]] bool through_ground(const Point3& a, const Point3& b) const {
+    const auto ground = [&](const Point3& x) {
+      return std::any_of(scene_.soils.begin(), scene_.soils.end(),
+                         [&](const Soil& soil) { return contains(soil.shape, x, dimension_); }) ||
+             std::any_of(scene_.fluid.regions.begin(), scene_.fluid.regions.end(),
+                         [&](const Shape& region) { return contains(region, x, dimension_); });
+    };
+    const Point3 aside = 0.25 * size_ * Point3(a.y() - b.y(), b.x() - a.x(), 0.0).normalized();
+    constexpr int parts = 20;
+    for (int k = 1; k < parts; ++k) {
+      const Point3 x = a + static_cast<double>(k) / parts * (b - a);
+      if (ground(x + aside) && ground(x - aside)) return true;
+    }
+    return false;
   }
 
   const Case& scene_;
