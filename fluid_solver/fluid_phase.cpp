@@ -357,6 +357,7 @@ WindowSolution<D> Fluid<D>::solve(const Stencil<D>& s, SoilView<D>& view, const 
   const auto& p = state_.particles;
   const bool nonlinear = view.nonlinear();
   WindowSolution<D> out;
+  out.multigrid = state_.multigrid;
   for (int round = 1;; ++round) {
     out.pressure = p.pressure;
     out.solid_velocity = p.solid_velocity;
@@ -415,7 +416,9 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   auto out = solve(s, view, in);
   check_finite(out, window.time);
   state_.counts.windows += 1;
+  state_.multigrid = out.multigrid;
   state_.counts.pressure_iterations += out.pressure_iterations;
+  state_.counts.multigrid_cycles += out.multigrid_cycles;
   state_.counts.skeleton_iterations += out.skeleton_iterations;
   state_.counts.outer_iterations += out.outer;
   state_.counts.unconverged += out.converged ? 0.0 : 1.0;

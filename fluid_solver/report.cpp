@@ -158,6 +158,7 @@ std::map<std::string, double> Fluid<D>::counters() const {
   return {{"particles", static_cast<double>(state_.particles.size())},
           {"windows", c.windows},
           {"pressure iterations", c.pressure_iterations},
+          {"multigrid cycles", c.multigrid_cycles},
           {"skeleton iterations", c.skeleton_iterations},
           {"outer iterations", c.outer_iterations},
           {"solves that missed their tolerance", c.unconverged},
