@@ -421,6 +421,7 @@ std::map<std::string, double> Solid<D>::counters() const {
           {"list rebuilds", state_.rebuilds},
           {"rest steps", static_cast<double>(rest_.steps)},
           {"rest residual", rest_.residual},
+          {"rest displacement", rest_.displacement},
           {"rest criterion", rest_.criterion}};
 }
 
