@@ -19,7 +19,7 @@ template <int D, class ExternalForce>
 RestReport find_rest(const Setup<D>& setup, State<D>& state, ExternalForce&& external) {
   RestReport report;
   Particles<D>& p = state.particles;
-  const std::size_t n = p.size();
+  const std::size_t n = p.free();
   Drive<D> drive;
   external(drive);
   auto acceleration = [&](std::size_t i) {

@@ -83,7 +83,7 @@ struct Soil {
 /// [[wall]]: one wall, its meaning for either phase.
 struct Wall {
   enum class ForWater { none, free_slip, no_slip };
-  enum class ForSoil { none, roller, fixed };
+  enum class ForSoil { none, roller, fixed, rough };
   std::string name;
   Face face;
   ForWater water = ForWater::free_slip;
@@ -143,7 +143,7 @@ struct SolidCase {
   unsigned seed = 2;
   bool initial_rest = true;  ///< find the rest under gravity, water and standing loads before time zero
   PressureGradient pressure_gradient = PressureGradient::difference;
-  double strength_reduction = 1.0;  ///< cohesion and tan(friction) are divided by it
+  double strength_reduction = 1.0;     ///< cohesion and tan(friction) are divided by it
   double courant = 0.8;                ///< of dx / sqrt(M / rho_bar_s)
   double artificial_viscosity = 0.1;   ///< alpha of Monaghan's, on approaching particles
   double zero_energy_viscosity = 0.1;  ///< on the part of the velocity that is not linear around a particle
@@ -164,12 +164,13 @@ struct OutputCase {
 /// [[gauge]]
 struct Gauge {
   std::string name;
-  std::string phase;     ///< "fluid" or "solid"
-  std::string kind;      ///< "point", "front", "volume", "momentum", "kinetic_energy", "particles", "max_speed";
-                         ///< solid only: "max_displacement", "uplift", "strain_energy", "crest_settlement",
-                         ///< "pending_impulse" (taken, not yet paid for)
-  std::string quantity;  ///< of "point": "pore_pressure", "velocity", "displacement", "effective_stress_yy", ...
-  std::vector<Point3> points;   ///< of "point" (name[i] where several), of "front" (a line's two ends)
+  std::string phase;            ///< "fluid" or "solid"
+  std::string kind;             ///< "point", "front", "volume", "momentum", "kinetic_energy", "particles", "max_speed";
+                                ///< solid only: "max_displacement", "uplift", "strain_energy", "crest_settlement",
+                                ///< "pending_impulse" (taken, not yet paid for)
+  std::string quantity;         ///< of "point": "pore_pressure", "velocity", "displacement", "effective_stress_yy", ...
+  std::vector<Point3> points;   ///< of "point", "height" (name[i] where several), of "front" (a line's two ends)
+  double thickness = 0.0;       ///< m, of "front" of the soil: how thick it must be to count; 0: the last particle
   std::optional<Shape> region;  ///< of "volume", "momentum", ...: absent: everywhere
 };
 

@@ -14,9 +14,10 @@ namespace poretwin {
 namespace {
 
 constexpr std::array<std::string_view, 2> phases{"fluid", "solid"};
-constexpr std::array<std::string_view, 12> gauge_kinds{
-    "point",     "front",     "volume",           "momentum", "kinetic_energy", "strain_energy",
-    "particles", "max_speed", "max_displacement", "uplift",   "crest_settlement", "pending_impulse"};
+constexpr std::array<std::string_view, 16> gauge_kinds{
+    "height",           "grain_volume", "stress_noise",     "density_error",  "point",     "front",
+    "volume",           "momentum",     "kinetic_energy",   "strain_energy",  "particles", "max_speed",
+    "max_displacement", "uplift",       "crest_settlement", "pending_impulse"};
 
 class Checker {
  public:
@@ -281,7 +282,8 @@ class Checker {
         fail(key + ".phase", "expected \"fluid\": with solid.model = \"rigid\" there is no solid phase to measure");
       if (gauge.kind == "point" && gauge.quantity.empty())
         fail(key + ".quantity", "a point gauge needs the name of an output field");
-      if (gauge.kind == "point" && gauge.points.empty()) fail(key + ".points", "a point gauge needs 1 point or more");
+      if ((gauge.kind == "point" || gauge.kind == "height") && gauge.points.empty())
+        fail(key + ".points", fmt::format("a {} gauge needs 1 point or more", gauge.kind));
       if (gauge.kind == "front" && gauge.points.size() != 2)
         fail(key + ".points",
              fmt::format("a front gauge needs the 2 ends of its line, found {} points", gauge.points.size()));
