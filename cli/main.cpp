@@ -2,12 +2,14 @@
 #include "cli/check.hpp"
 #include "cli/locate.hpp"
 #include "cli/metrics.hpp"
+#include "cli/peer.hpp"
 #include "cli/plot.hpp"
 #include "cli/run.hpp"
 #include "cli/safety.hpp"
 #include "cli/verify.hpp"
 #include "common/case/case.hpp"
 #include "common/core/error.hpp"
+#include "common/coupling/curve_keys.hpp"
 #include "common/output/build_info.hpp"
 
 #include <fmt/format.h>
@@ -31,6 +33,7 @@ constexpr const char* epilogue =
 struct Arguments {
   std::string which;
   std::filesystem::path out, programs;
+  std::string fluid, solid;
   double until = 0.0, tolerance = 0.01;
   std::vector<std::string> set;
   bool no_pictures = false, quiet = false;
@@ -45,6 +48,8 @@ int run(const Arguments& a) {
   options.overrides = a.set;
   if (a.until > 0.0) options.overrides.push_back(fmt::format("case.end_time={:.17g}", a.until));
   options.programs = a.programs.empty() ? program_folder() : a.programs;
+  options.fluid = a.fluid;
+  options.solid = a.solid;
   options.quiet = a.quiet;
   options.pictures = !a.no_pictures;
   const RunResult result = run_case(options);
@@ -96,6 +101,9 @@ void declare(CLI::App& app, Arguments& a, VerifyOptions& v, std::vector<std::str
   with_programs(run_command);
   run_command->add_option("--out", a.out, "folder of the run (default runs/CASE)");
   run_command->add_option("--until", a.until, "simulated time at which to end [s]")->check(CLI::PositiveNumber);
+  run_command->add_option("--fluid", a.fluid,
+                          "command to run in place of the fluid solver, such as \"python3 my_fluid.py\"");
+  run_command->add_option("--solid", a.solid, "command to run in place of the solid solver");
   run_command->add_flag("--no-pictures", a.no_pictures, "draw no pictures at the end");
   run_command->add_flag("--quiet", a.quiet, "neither progress nor summary");
   run_command->callback([&] { action = [&] { return run(a); }; });
@@ -137,7 +145,20 @@ void declare(CLI::App& app, Arguments& a, VerifyOptions& v, std::vector<std::str
     action = [&] { return draw_pictures(plot, {}); };
   });
 
-  app.add_subcommand("keys", "Print the reference of all keys of a case file (Markdown)")->callback([&] {
+  declare_peer(app, action);
+  auto* keys_command =
+      app.add_subcommand("keys", "Make the two keys of an encrypted run: DIR/coupler.key, DIR/participant.key");
+  keys_command->add_option("DIR", a.out, "folder of the keys")->required();
+  keys_command->callback([&] {
+    action = [&] {
+      coupling::write_curve_keys(a.out);
+      fmt::print(
+          "{0}/coupler.key: for the coupler, keep it there\n{0}/participant.key: for the machines of the solvers\n",
+          a.out.string());
+      return 0;
+    };
+  });
+  app.add_subcommand("case-keys", "Print the reference of all keys of a case file (Markdown)")->callback([&] {
     action = [] {
       fmt::print("{}", case_reference());
       return 0;
