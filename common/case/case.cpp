@@ -142,11 +142,17 @@ void declare(Keys& keys, Quiet& q) {
                "Sleep begins below this departure from rest (root mean square of the unbalanced acceleration, or "
                "of the velocity times the near-critical damping rate)."},
               positive());
-  keys.number("wake_above", q.wake_above,
-              {"g", "Sleep ends when the force on a particle has changed by more; above it motion counts as dynamic."},
-              positive());
-  keys.flag("damping", q.damping,
-            {"", "Near-critical damping in quasi-static windows: off from the first yielding until quiet again."});
+  keys.number(
+      "wake_above", q.wake_above,
+      {"g",
+       "Sleep ends when the force on a particle has changed by more. It bounds the error of the stress: that much "
+       "of rho g H."},
+      positive());
+  keys.flag(
+      "damping", q.damping,
+      {"",
+       "Near-critical damping in quasi-static windows: while the departure from rest is below 10 `wake_above`, and "
+       "off from the first yielding until quiet again."});
 }
 
 void declare(Keys& keys, Wall& w) {

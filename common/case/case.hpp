@@ -156,8 +156,8 @@ struct FluidCase {
 
 /// [solid.quiet]: work saved while the skeleton hardly moves.
 struct Quiet {
-  double sleep_below = 3e-4;  ///< of g, root mean square of the departure from rest
-  double wake_above = 3e-2;   ///< of g, change of the force on any particle
+  double sleep_below = 1e-3;  ///< of g, root mean square of the departure from rest
+  double wake_above = 5e-3;   ///< of g, change of the force on any particle
   bool damping = true;        ///< near-critical, in quasi-static windows only
 };
 
