@@ -5,6 +5,7 @@
 #include "cli/peer.hpp"
 #include "cli/plot.hpp"
 #include "cli/run.hpp"
+#include "cli/safety.hpp"
 #include "cli/verify.hpp"
 #include "common/case/case.hpp"
 #include "common/core/error.hpp"
@@ -33,7 +34,7 @@ struct Arguments {
   std::string which;
   std::filesystem::path out, programs;
   std::string fluid, solid;
-  double until = 0.0;
+  double until = 0.0, tolerance = 0.01;
   std::vector<std::string> set;
   bool no_pictures = false, quiet = false;
 };
@@ -54,6 +55,24 @@ int run(const Arguments& a) {
   const RunResult result = run_case(options);
   if (result.exit != 0) fmt::print(stderr, "poretwin: {}\n", result.reason);
   return result.exit;
+}
+
+int safety(const Arguments& a) {
+  const CasePlace place = find_case(a.which);
+  RunOptions options;
+  options.case_file = place.file;
+  options.case_name = place.name;
+  options.out = a.out.empty() ? std::filesystem::path("runs") / (place.name + "-safety") : a.out;
+  options.overrides = a.set;
+  options.programs = a.programs.empty() ? program_folder() : a.programs;
+  options.quiet = a.quiet;
+  options.pictures = !a.no_pictures;
+  const Safety found = find_safety(options, a.tolerance);
+  if (found.run.exit != 0)
+    fmt::print(stderr, "poretwin: {}\n", found.run.reason);
+  else
+    fmt::print("{}", safety_text(found));
+  return found.run.exit;
 }
 
 int check(const Arguments& a) {
@@ -88,6 +107,18 @@ void declare(CLI::App& app, Arguments& a, VerifyOptions& v, std::vector<std::str
   run_command->add_flag("--no-pictures", a.no_pictures, "draw no pictures at the end");
   run_command->add_flag("--quiet", a.quiet, "neither progress nor summary");
   run_command->callback([&] { action = [&] { return run(a); }; });
+
+  auto* safety_command = app.add_subcommand(
+      "safety", "Find the factor of safety: the soil's strength is reduced until it finds no equilibrium");
+  with_case(safety_command);
+  with_programs(safety_command);
+  safety_command->add_option("--out", a.out, "folder of the trials (default runs/CASE-safety)");
+  safety_command->add_option("--tolerance", a.tolerance, "width of the bracket over the factor")
+      ->check(CLI::Range(1e-4, 0.5))
+      ->capture_default_str();
+  safety_command->add_flag("--no-pictures", a.no_pictures, "do not draw the failure surface");
+  safety_command->add_flag("--quiet", a.quiet, "the factor only");
+  safety_command->callback([&] { action = [&] { return safety(a); }; });
 
   auto* check_command = app.add_subcommand("check", "Validate a case; print particles, stable intervals, memory");
   with_case(check_command);

@@ -185,11 +185,17 @@ std::string listed_seconds(Summary::Numbers numbers) {
   return text;
 }
 
-/// One line each; zeros say nothing and are left to the JSON file.
+/// One line each, with its share where windows are told apart; zeros say nothing and are left to the JSON file.
 std::string listed_counts(const std::string& process, const Summary::Numbers& numbers) {
+  const auto is_limit = [](const std::string& name) { return name.starts_with("windows limited by"); };
+  double windows = 0.0;
+  for (const auto& [name, value] : numbers)
+    if (is_limit(name)) windows += value;
   std::string text;
   for (const auto& [name, value] : numbers)
-    if (value != 0.0) text += fmt::format("{:<10}{:>14}  {}\n", process, number(value), name);
+    if (value != 0.0)
+      text += fmt::format("{:<10}{:>14}  {}{}\n", process, number(value), name,
+                          is_limit(name) ? fmt::format(" ({:.1f} %)", 100.0 * value / windows) : "");
   return text;
 }
 

@@ -275,16 +275,20 @@ void declare(Keys& keys, OutputCase& o) {
 void declare(Keys& keys, Gauge& g) {
   keys.text("name", g.name, {"", "Name of the series; `name[i]` where there are several points.", true});
   keys.text("phase", g.phase, {"", "`fluid` or `solid`.", true});
-  keys.text("kind", g.kind,
-            {"",
-             "`point`, `front`, `volume`, `momentum`, `kinetic_energy`, `particles`, `max_speed`; of the fluid also "
-             "`potential_energy`, `energy` (both together), `extent`, `spread`; of the solid also "
-             "`max_displacement`, `uplift`, `strain_energy` (elastic), `crest_settlement` (of the highest particles, "
-             "since the initial rest), `pending_impulse`.",
-             true});
+  keys.text(
+      "kind", g.kind,
+      {"",
+       "`point`, `front`, `volume`, `momentum`, `kinetic_energy`, `particles`, `max_speed`; of the fluid also "
+       "`potential_energy`, `energy` (both together), `extent`, `spread`, `level`, `passed_volume`; of the solid also "
+       "`max_displacement`, `max_plastic_strain`, `uplift`, `strain_energy` (elastic), `crest_settlement` (of "
+       "the highest particles, "
+       "since the initial rest), `pending_impulse`.",
+       true});
   keys.text("quantity", g.quantity,
             {"",
-             "Of `point`: an output field, with `_x` `_y` `_z` or `_xx` `_yy` .. for one component. Of `momentum`: "
+             "Of `level` (of the water behind) and `passed_volume` (come in less gone out; absent: all faces): "
+             "name of the face. Of "
+             "`point`: an output field, with `_x` `_y` `_z` or `_xx` `_yy` .. for one component. Of `momentum`: "
              "`momentum_x` .."});
   keys.points("points", g.points,
               {"m",

@@ -78,6 +78,8 @@ RunSummary summarise(const Run& run) {
   summary.counters.emplace_back("end_time_s", r.time);
   summary.counters.emplace_back("bytes_sent", static_cast<double>(run.bytes_sent));
   summary.counters.emplace_back("bytes_received", static_cast<double>(run.bytes_received));
+  for (const auto& [cause, windows] : r.limited_by)
+    summary.counters.emplace_back("windows limited by " + cause, static_cast<double>(windows));
   if (run.phase)
     for (const auto& [key, value] : run.phase->counters()) summary.counters.emplace_back(key, value);
   if (run.recorder) summary.files = run.recorder->files();
