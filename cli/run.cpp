@@ -55,6 +55,14 @@ int available_threads() {
   return ::sched_getaffinity(0, sizeof set, &set) == 0 ? std::max(1, CPU_COUNT(&set)) : 1;
 }
 
+/// The same arguments for a person's own command, which the shell takes apart.
+Program in_place(const std::string& command, Program solver) {
+  if (command.empty()) return solver;
+  solver.file = "/bin/sh";
+  solver.arguments.insert(solver.arguments.begin(), {"-c", "exec " + command + " \"$@\"", solver.name});
+  return solver;
+}
+
 std::vector<Program> programs_of(const RunOptions& options, const Case& scene, const std::string& address) {
   const int threads = available_threads();
   const auto program = [&](const std::string& name, std::vector<std::string> first, int count) {
@@ -76,8 +84,8 @@ std::vector<Program> programs_of(const RunOptions& options, const Case& scene, c
   }
   programs.push_back(program("coupler", {"--bind", address}, 1));
   programs.back().reports_progress = true;
-  programs.push_back(program("fluid", {"--connect", address}, (threads + 1) / 2));
-  programs.push_back(program("solid", {"--connect", address}, threads / 2));
+  programs.push_back(in_place(options.fluid, program("fluid", {"--connect", address}, (threads + 1) / 2)));
+  programs.push_back(in_place(options.solid, program("solid", {"--connect", address}, threads / 2)));
   return programs;
 }
 
@@ -206,6 +214,9 @@ const Ended* root_cause(const std::vector<Ended>& ended) {
 
 RunResult run_case(const RunOptions& options) {
   const Case scene = read_case(options.case_file, options.overrides);
+  if (!scene.coupled() && !(options.fluid.empty() && options.solid.empty()))
+    throw CaseError(
+        "the case's soil is rigid, so the fluid runs alone: expected another solid.model with --fluid or --solid");
   prepare_run_folder(options.out);
   const std::string started = time_now();
   write_run_file(options, started, nullptr);

@@ -107,10 +107,10 @@ class WindowSolver {
  private:
   double kf(std::size_t b, std::size_t otherwise) const { return b < n_ ? q_[b].kf : q_[otherwise].kf; }
 
-  /// Lone particles, and the surface of free water, where the softer condition of a wetting front feeds splashes with
-  /// energy.
+  /// Lone particles, and the surface where the water's inertia rules, outside soil and in coarse soil: there the softer
+  /// condition of a wetting front feeds splashes with energy.
   bool pinned(std::size_t a) const {
-    return flags_[a] == Surface::lone || (flags_[a] == Surface::surface && soil_.mask[a] < 0.5);
+    return flags_[a] == Surface::lone || (flags_[a] == Surface::surface && (soil_.mask[a] < 0.5 || q_[a].C < q_[a].aw));
   }
 
   /// Zero total pressure at a lone particle; hydrostatic from the surface, half a spacing outside, at the others.

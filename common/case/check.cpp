@@ -15,10 +15,18 @@ namespace poretwin {
 namespace {
 
 constexpr std::array<std::string_view, 2> phases{"fluid", "solid"};
-constexpr std::array<std::string_view, 16> gauge_kinds{
-    "point",         "front",  "volume",           "momentum",       "kinetic_energy", "potential_energy",
-    "energy",        "extent", "spread",           "particles",      "max_speed",      "max_displacement",
-    "strain_energy", "uplift", "crest_settlement", "pending_impulse"};
+constexpr std::array gauge_kinds{
+    std::string_view("point"),           std::string_view("front"),
+    std::string_view("volume"),          std::string_view("momentum"),
+    std::string_view("kinetic_energy"),  std::string_view("potential_energy"),
+    std::string_view("energy"),          std::string_view("extent"),
+    std::string_view("spread"),          std::string_view("particles"),
+    std::string_view("max_speed"),       std::string_view("max_displacement"),
+    std::string_view("strain_energy"),   std::string_view("max_plastic_strain"),
+    std::string_view("uplift"),          std::string_view("crest_settlement"),
+    std::string_view("pending_impulse"), std::string_view("level"),
+    std::string_view("passed_volume"),
+};
 
 class Checker {
  public:
@@ -495,6 +503,15 @@ class Checker {
       if (gauge.kind == "front" && gauge.points.size() != 2)
         fail(key + ".points",
              fmt::format("a front gauge needs the 2 ends of its line, found {} points", gauge.points.size()));
+      if (gauge.kind == "level" || gauge.kind == "passed_volume") {
+        const auto& faces = scene_.water_faces;
+        const auto named = std::find_if(faces.begin(), faces.end(),
+                                        [&](const WaterFace& face) { return face.name == gauge.quantity; });
+        if (named == faces.end() && !(gauge.quantity.empty() && gauge.kind == "passed_volume"))
+          fail(key + ".quantity", fmt::format("expected the name of a [[water_face]], found \"{}\"", gauge.quantity));
+        if (gauge.kind == "level" && !named->discharge && !named->head)
+          fail(key + ".quantity", fmt::format("the face \"{}\" has no water level", gauge.quantity));
+      }
       if ((gauge.kind == "extent" || gauge.kind == "spread") && gauge.points.size() != 2)
         fail(key + ".points", fmt::format("expected the start of a direction and a second point on it, found {} points",
                                           gauge.points.size()));

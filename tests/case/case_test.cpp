@@ -163,6 +163,45 @@ TEST_F(CaseFile, ChecksSoilAndGeometry) {
               HasSubstr("expected 3 corners or more, found 2"));
 }
 
+TEST_F(CaseFile, NamesBadSoilParameters) {
+  const auto with = [&](const std::string& line) { return complaint(changed(sound_case, "porosity = 0.4", line)); };
+  EXPECT_THAT(with("poissons_ratio = 0.5"), HasSubstr("key 'soil[0].poissons_ratio'"));
+  EXPECT_THAT(with("cohesion = -1"), HasSubstr("key 'soil[0].cohesion'"));
+  EXPECT_THAT(with("friction_angle = 90"), HasSubstr("key 'soil[0].friction_angle'"));
+  EXPECT_THAT(with("earth_pressure_at_rest = 0"), HasSubstr("key 'soil[0].earth_pressure_at_rest'"));
+}
+
+TEST_F(CaseFile, SoilNeedsSupport) {
+  const std::string heavy = changed(sound_case, "gravity = [0, 0]", "gravity = [0, -9.81]");
+  EXPECT_EQ(complaint(heavy), "no complaint");
+  EXPECT_THAT(complaint(changed(heavy, "soil = \"fixed\"", "soil = \"none\"")),
+              HasSubstr("key 'soil[0]': nothing holds the soil up"));
+  EXPECT_THAT(complaint(changed(heavy, "points = [[0, 0], [0.1, 0]]", "points = [[0, -1], [0.1, -1]]")),
+              HasSubstr("nothing holds the soil up"));
+  const std::string stacked = "[[soil]]\nmin = [0, 0.4]\nmax = [0.1, 0.5]\n[[wall]]";
+  EXPECT_EQ(complaint(changed(heavy, "[[wall]]", stacked)), "no complaint");
+  const std::string hovering = "[[soil]]\nmin = [0, 0.5]\nmax = [0.1, 0.6]\n[[wall]]";
+  EXPECT_THAT(complaint(changed(heavy, "[[wall]]", hovering)), HasSubstr("key 'soil[1]': nothing holds the soil up"));
+}
+
+TEST_F(CaseFile, ChecksPrescribedPressure) {
+  EXPECT_THAT(complaint(sound_case + "[[pore_pressure]]\nhead = 1\n"), HasSubstr("the case has water of its own"));
+  std::string dry = changed(sound_case, "[[fluid.region]]\nmin = [0, 0]\nmax = [0.1, 0.4]\n", "");
+  dry = changed(dry, "[[water_face]]\npoints = [[0.1, 0.4], [0, 0.4]]\npressure = 0\n", "");
+  EXPECT_FALSE(read(dry).coupled());
+  EXPECT_TRUE(read(dry).deformable());
+  EXPECT_THAT(complaint(dry + "[[pore_pressure]]\n"), HasSubstr("either 'head' or 'pressure', found neither"));
+  EXPECT_THAT(complaint(dry + "[[pore_pressure]]\nhead = 1\n"), HasSubstr("a head needs gravity"));
+  const std::string heavy = changed(dry, "gravity = [0, 0]", "gravity = [0, -9.81]");
+  EXPECT_EQ(complaint(heavy + "[[pore_pressure]]\nhead = 1\n"), "no complaint");
+  EXPECT_THAT(complaint(heavy + "[[pore_pressure]]\nhead = 1\nto_head = 2\n"),
+              HasSubstr("expected a point other than 'from'"));
+  EXPECT_THAT(complaint(heavy + "[[pore_pressure]]\npressure = 1\nto_head = 2\nto = [0, 1]\n"),
+              HasSubstr("expected 'head' at 'from' with it"));
+  EXPECT_THAT(complaint(changed(heavy, "phase = \"solid\"", "phase = \"fluid\"")),
+              HasSubstr("without water there is no fluid phase"));
+}
+
 TEST_F(CaseFile, ChecksWalls) {
   const auto with_wall = [&](const std::string& points) {
     return complaint(
@@ -289,7 +328,7 @@ TEST_F(CaseFile, DigestHoldsWhatBothMustAgreeOn) {
 
 TEST(CaseReference, StandsInDocs) {
   EXPECT_EQ(read_text(std::filesystem::path(PORETWIN_SOURCE_DIR) / "docs" / "case-file.md"), case_reference())
-      << "write it anew with: poretwin keys > docs/case-file.md";
+      << "write it anew with: poretwin case-keys > docs/case-file.md";
 }
 
 }  // namespace
