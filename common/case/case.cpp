@@ -27,6 +27,10 @@ constexpr std::array scheme_words{
     Word<FluidCase::Scheme>{"projection", FluidCase::Scheme::projection},
     Word<FluidCase::Scheme>{"eisph", FluidCase::Scheme::eisph},
     Word<FluidCase::Scheme>{"eisph_explicit_drag", FluidCase::Scheme::eisph_explicit_drag}};
+constexpr std::array form_words{
+    Word<FluidCase::DragForm>{"pointwise", FluidCase::DragForm::pointwise},
+    Word<FluidCase::DragForm>{"smoothed", FluidCase::DragForm::smoothed},
+    Word<FluidCase::DragForm>{"smoothed_as_printed", FluidCase::DragForm::smoothed_as_printed}};
 constexpr std::array model_words{Word<SolidCase::Model>{"rigid", SolidCase::Model::rigid},
                                  Word<SolidCase::Model>{"elastic", SolidCase::Model::elastic},
                                  Word<SolidCase::Model>{"drucker_prager", SolidCase::Model::drucker_prager},
@@ -230,6 +234,11 @@ void declare(Keys& keys, FluidCase& f) {
               between(0, false, 1, false));
   declare_seed(keys, f.seed);
   keys.flag("drag", f.drag, {"", "Seepage force between the phases."});
+  keys.choice<FluidCase::DragForm>(
+      "drag_form", f.drag_form, form_words,
+      {"",
+       "`pointwise`: Eqs. (64)/(73), exact for uniform slip; `smoothed`: Eqs. (67)/(74), a sum over pairs that depends "
+       "on how the two lattices lie, G = d; `smoothed_as_printed`: G = 1/d, d^2 times too weak (rigid soil only)."});
   keys.flag(
       "skeleton_response", f.skeleton_response,
       {"", "The skeleton's predicted response inside the pressure solve; false: plain staggering, to show its limit."});

@@ -150,6 +150,10 @@ struct FluidCase {
   double jitter = 0.0;            ///< random displacement of the initial lattice, in spacings (uniform, +-)
   unsigned seed = 1;
   bool drag = true;  ///< seepage force between the phases
+  /// Eqs. (64)/(73): the soil's velocity at the water's points; Eqs. (67)/(74): a sum over pairs, with G = d or, as
+  /// printed, 1/d.
+  enum class DragForm { pointwise, smoothed, smoothed_as_printed };
+  DragForm drag_form = DragForm::pointwise;
   bool skeleton_response =
       true;  ///< the skeleton's predicted response inside the pressure solve (off: plain staggering, to show its limit)
 };

@@ -235,6 +235,10 @@ class Checker {
   }
 
   void fluid_regions() const {
+    if (scene_.coupled() && scene_.fluid.drag_form != FluidCase::DragForm::pointwise)
+      fail("fluid.drag_form",
+           "the sum over pairs needs the soil's particles, which a moving soil keeps to itself; expected \"pointwise\", "
+           "or solid.model = \"rigid\"");
     for (std::size_t i = 0; i < scene_.fluid.regions.size(); ++i)
       shape(scene_.fluid.regions[i], fmt::format("fluid.region[{}]", i), scene_.fluid.particle_spacing);
     no_overlap(scene_.fluid.regions, "fluid.region", scene_.fluid.particle_spacing);
