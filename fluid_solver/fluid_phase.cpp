@@ -266,7 +266,10 @@ VecArray<D> Fluid<D>::viscous_velocity(const Stencil<D>& s, const SoilView<D>& v
   VecArray<D> result = v;
   for (std::size_t a = 0; a < s.n_real; ++a) {
     // In soil drag damps what the trace of viscosity is for, unless inertia rules there as well.
-    if (view.mask[a] > 0.5 && view.drag[a] * interval > state_.particles.void_fraction[a] * density_) continue;
+    if (view.mask[a] > 0.5 &&
+        !inertia_rules(state_.particles.void_fraction[a], density_, view.drag[a],
+                       std::pow(state_.particles.volume[a], 1.0 / D), weight_.norm() / density_))
+      continue;
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
       const Index j = s.other[k], q = s.parent[j];
       if (q >= s.n_real) continue;

@@ -1,6 +1,7 @@
 // What the fluid shows of itself: output frames, gauges, counters.
 #include "fluid_solver/fluid_phase.hpp"
 
+#include "fluid_solver/basin.hpp"
 #include "fluid_solver/cloud.hpp"
 
 #include <fmt/format.h>
@@ -136,7 +137,9 @@ std::vector<GaugeReading> Fluid<D>::gauges() const {
         const auto& face = scene_.water_faces[f];
         if (!gauge.quantity.empty() && face.name != gauge.quantity) continue;
         sum += through[f];
-        if (gauge.kind == "level") level = face.discharge ? state_.basin_level[f] : face.head->at(state_.time);
+        if (gauge.kind == "level")
+          level = face.discharge ? basin_level(*face.basin_area, state_.supplied[f] - through[f])
+                                 : face.head->at(state_.time);
       }
       if (gauge.kind == "level")
         readings.push_back({gauge.name, level, "m"});

@@ -110,7 +110,10 @@ class WindowSolver {
   /// Lone particles, and the surface where the water's inertia rules, outside soil and in coarse soil: there the softer
   /// condition of a wetting front feeds splashes with energy.
   bool pinned(std::size_t a) const {
-    return flags_[a] == Surface::lone || (flags_[a] == Surface::surface && (soil_.mask[a] < 0.5 || q_[a].C < q_[a].aw));
+    if (flags_[a] == Surface::lone) return true;
+    return flags_[a] == Surface::surface &&
+           (soil_.mask[a] < 0.5 || inertia_rules(in_.void_fraction[a], in_.density, q_[a].C,
+                                                 std::pow(s_.volume[a], 1.0 / D), in_.weight.norm() / in_.density));
   }
 
   /// Zero total pressure at a lone particle; hydrostatic from the surface, half a spacing outside, at the others.
