@@ -53,15 +53,19 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
   };
   if (state_.controlled > 0.0) apply(state_.controlled, "pressure change per window");
   double fastest = 0.0;
-  bool free_surface = false;
+  bool free_surface = false, free_water = false;
   for (std::size_t a = 0; a < p.size(); ++a) {
     fastest = std::max(fastest, p.velocity[a].norm() / std::pow(p.volume[a], 1.0 / D));
+    free_water = free_water || p.mask[a] <= 0.5;
     free_surface = free_surface || (p.mask[a] < 0.5 && p.surface[a] != Surface::interior);
   }
   for (const auto& c : state_.columns) fastest = std::max(fastest, std::abs(c.speed) / c.spacing);
   if (fastest > 0.0) apply(0.25 / fastest, "a quarter spacing per window at the highest speed");
   if (free_surface && weight_.norm() > 0.0)
     apply(0.3 * std::sqrt(dx_ * density_ / weight_.norm()), "gravity waves of one spacing on the free surface");
+  if (scene_.general.central_force > 0.0) apply(0.02 / std::sqrt(scene_.general.central_force), "central force");
+  if (const double viscosity = viscosity_ + noise_viscosity * dx_ * wave_speed_; free_water && viscosity > 0.0)
+    apply(0.2 * dx_ * dx_ / viscosity, "viscosity");
   // A face with nothing behind it yet: the time in which the front comes half a spacing in.
   if (p.size() == 0)
     for (const auto& c : state_.columns) {
