@@ -77,7 +77,7 @@ std::string check_text(const Case& scene) {
                                            : "fluid alone in rigid soil");
   if (scene.has_water())
     text += fmt::format("fluid       {} particles at the start, spacing {} m\n", particles.fluid,
-                      scene.fluid.particle_spacing);
+                        scene.fluid.particle_spacing);
   if (scene.deformable())
     text += fmt::format("solid       {} particles, spacing {} m\n", particles.solid, scene.solid.particle_spacing);
   text += fmt::format("gauges      {}\n", scene.gauges.size());

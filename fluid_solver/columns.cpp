@@ -70,23 +70,41 @@ InfiltrationSpeed Fluid<D>::infiltration_speed(const FaceColumn<D>& c) const {
   return {seepage * total / gamma, magnitude > 0.0 ? seepage * weight_.dot(c.normal) / magnitude : 0.0};
 }
 
+/// Nothing holds the water at a face of soil without water behind it but the air: there its surface is the face itself.
+/// Elsewhere in soil it is drawn on by the suction of the dry ground ahead.
+template <int D>
+void Fluid<D>::limit_surface(Stencil<D>& s) const {
+  const double gamma = specific_weight(scene_);
+  const ColumnFinder<D> finder(state_.columns);
+  for (std::size_t a = 0; a < s.n_real; ++a) {
+    if (s.divergence[a] > D) continue;
+    const double spacing = 2.0 * s.surface_distance[a];
+    const int i = finder.nearest(s.position[a]);
+    const auto* c = i < 0 ? nullptr : &state_.columns[static_cast<std::size_t>(i)];
+    const double d = c ? c->inside(s.position[a]) : spacing;
+    if (c && c->in_soil && !c->wet && d < 0.5 * spacing)
+      s.surface_distance[a] = std::max(d, 0.1 * spacing);
+    else if (const Soil* here = soil_at(scene_, to_point3<D>(s.position[a])))
+      s.surface_pressure[a] = -gamma * here->suction_head;
+  }
+}
+
 template <int D>
 void Fluid<D>::give_birth_and_delete() {
   auto& p = state_.particles;
   if (state_.columns.empty()) return;
+  const ColumnFinder<D> finder(state_.columns);
   std::vector<bool> keep(p.size(), true);
   bool any = false;
   for (std::size_t a = 0; a < p.size(); ++a) {
-    for (auto& c : state_.columns) {
-      const double d = c.inside(p.position[a]);
-      if (d >= -deletion_depth * c.spacing || d < -3.0 * c.spacing) continue;
-      const Vec<D> lateral = p.position[a] - c.foot - d * c.normal;
-      if (lateral.norm() > c.width * 1.0001) continue;
-      keep[a] = false;
-      any = true;
-      c.offset = std::clamp(d + c.spacing, 0.0, 0.999 * c.spacing);
-      break;
-    }
+    const int i = finder.nearest(p.position[a]);
+    if (i < 0) continue;
+    auto& c = state_.columns[static_cast<std::size_t>(i)];
+    const double d = c.inside(p.position[a]);
+    if (d >= -deletion_depth * c.spacing) continue;
+    keep[a] = false;
+    any = true;
+    c.offset = std::clamp(d + c.spacing, 0.0, 0.999 * c.spacing);
   }
   if (any) {
     const std::size_t had = p.size();

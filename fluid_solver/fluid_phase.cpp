@@ -57,9 +57,12 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
     }
   }
   const double depth = p.size() > 0 ? top - bottom : dx_;
-  // Inviscid free water is slowly unstable: a trace of viscosity on the scale of the particles.
+  // Inviscid free water is slowly unstable: a trace of viscosity on the scale of the particles. Explicit sweeps let
+  // sound through and need what weakly compressible SPH needs, alpha h c/(2 (D + 2)) with alpha = 0.03 at least,
+  // c = 10 sqrt(g H) (Monaghan 1994).
+  const double share = scene.fluid.scheme == FluidCase::Scheme::projection ? shear_viscosity : 0.05;
   wave_speed_ = std::sqrt(scene.general.gravity.norm() * depth);
-  viscosity_ = std::max(scene.water.kinematic_viscosity, shear_viscosity * dx_ * wave_speed_);
+  viscosity_ = std::max(scene.water.kinematic_viscosity, share * dx_ * wave_speed_);
   state_.columns = make_columns<D>(scene);
   update_columns<D>(scene_, 0.0, weight_, origin_, state_.columns);
   // The soil looks for its rest under what is published before the first exchange.
@@ -123,18 +126,23 @@ coupling::Publication Fluid<D>::publish() const {
   return out;
 }
 
+/// The skeleton answers inside the pressure solve; explicit sweeps take it as it moved.
+template <int D>
+bool Fluid<D>::responds() const {
+  return scene_.coupled() && scene_.fluid.skeleton_response && scene_.fluid.scheme == FluidCase::Scheme::projection;
+}
+
 template <int D>
 SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox) const {
   const auto& x = state_.particles.position;
   const std::size_t n = x.size();
   // A particle about to leave through a face of soil still counts as in it.
+  const ColumnFinder<D> finder(state_.columns);
   const auto nearest_column = [&](const Vec<D>& point) -> const FaceColumn<D>* {
-    for (const auto& c : state_.columns) {
-      const double d = c.inside(point);
-      if (c.in_soil && std::abs(d) <= c.spacing && (point - c.foot - d * c.normal).norm() <= 1.0001 * c.width)
-        return &c;
-    }
-    return nullptr;
+    const int i = finder.nearest(point);
+    if (i < 0) return nullptr;
+    const auto& c = state_.columns[static_cast<std::size_t>(i)];
+    return c.in_soil && std::abs(c.inside(point)) <= c.spacing ? &c : nullptr;
   };
   if (!scene_.coupled()) {
     VecArray<D> where = x;
@@ -159,6 +167,7 @@ Stencil<D> Fluid<D>::stencil() const {
   const auto buffers = make_buffers(state_.columns);
   auto s = make_stencil<D>(p.position, p.volume, std::span<const Buffer<D>>(buffers), planes_);
   fit_columns(state_.columns, s);
+  limit_surface(s);
   return s;
 }
 
@@ -169,7 +178,7 @@ WindowProblem<D> Fluid<D>::problem(double interval) const {
   in.density = density_;
   in.weight = weight_;
   in.origin = origin_;
-  in.response = scene_.coupled() && scene_.fluid.skeleton_response;
+  in.response = responds();
   in.void_fraction = state_.particles.void_fraction;
   in.velocity = state_.particles.velocity;
   in.source.assign(state_.particles.size(), 0.0);
@@ -209,8 +218,9 @@ void Fluid<D>::initialise(const coupling::Inbox& inbox) {
     stiffest = std::max(stiffest, view.modulus[a]);
   }
   first_interval_ = stiffest > 0.0 ? 0.2 * dx_ / std::sqrt(stiffest / density_) : 0.0;
-  if (scene_.coupled() && scene_.fluid.skeleton_response) state_.controlled = first_interval_;
+  if (responds()) state_.controlled = first_interval_;
   settle(view);
+  limit_scheme(view);
   p.solid_velocity = view.velocity;
   ++state_.revision;
 }
@@ -265,7 +275,7 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
     double excess = s.fullness[a] - 1.0;
     // Near a surface the sum is short by nature, not by error.
     if (excess < 0.0) excess *= std::clamp(1.0 - 5.0 * s.length[a] * s.normal[a].norm(), 0.0, 1.0);
-    if (p.surface[a] != Surface::interior || s.surface_distance[a] > 0.0) excess = std::max(0.0, excess);
+    if (p.surface[a] != Surface::interior || s.ghost_distance[a] > 0.0) excess = std::max(0.0, excess);
     source[a] = motion[a] * p.void_fraction[a] * excess / repair_time(a, view);
     // Displacements of the velocity's length keep the volume to second order: det(1 + dt grad v) = 1. Without it a
     // strain rate s compresses by dt s^2, and the repair of that feeds energy in.
@@ -273,7 +283,7 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
       source[a] += std::clamp(0.5 * interval * (velocity_gradient[a] * velocity_gradient[a]).trace(), -0.2 / interval,
                               0.2 / interval);
   }
-  if (!scene_.coupled() || !scene_.fluid.skeleton_response || state_.last_interval <= 0.0) return source;
+  if (!responds() || state_.last_interval <= 0.0) return source;
   // The soil moved by its own account; what that squeezed beyond the prediction is made good now, no faster than it
   // came.
   VecArray<D> beyond(p.size(), Vec<D>::Zero());
@@ -373,6 +383,19 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   const auto gradient = velocity_gradient<D>(s, p.velocity);
   in.velocity = forced_velocity(s, view, gradient, dt);
   in.source = volume_source(s, view, gradient, dt);
+  const auto& scheme = scene_.fluid.scheme;
+  if (scheme != FluidCase::Scheme::projection) in.sweeps = scene_.fluid.sweeps;
+  VecArray<D> drag_force(p.size(), Vec<D>::Zero());
+  const ScalarArray drag = view.drag;
+  if (scheme == FluidCase::Scheme::eisph_explicit_drag) {
+    // Eq. (75) as corrected: the drag belongs to the prediction.
+    for (std::size_t a = 0; a < p.size(); ++a) {
+      drag_force[a] = drag[a] * (in.velocity[a] - view.velocity[a]) - view.drag_offset[a];
+      in.velocity[a] -= dt / (p.void_fraction[a] * density_) * drag_force[a];
+      view.resistance[a] = {};
+    }
+    view.linearise(p.velocity, view.velocity);
+  }
   auto out = solve(s, view, in);
   check_finite(out, window.time);
   state_.counts.windows += 1;
@@ -387,8 +410,10 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   p.velocity = out.velocity;
   for (std::size_t a = 0; a < p.size(); ++a)
     p.drag_impulse[a] =
-        p.volume[a] * dt * (view.drag[a] * (out.velocity[a] - out.solid_velocity[a]) - view.drag_offset[a]);
-  if (scene_.coupled() && !scene_.fluid.skeleton_response) {
+        p.volume[a] * dt *
+        (drag_force[a] + view.drag[a] * (out.velocity[a] - out.solid_velocity[a]) - view.drag_offset[a]);
+  view.drag = drag;
+  if (scene_.coupled() && !responds()) {
     // Plain staggering: the skeleton was taken as it moved; where it goes now is an explicit guess.
     for (std::size_t a = 0; a < p.size(); ++a)
       if (view.density[a] > 0.0)
@@ -396,6 +421,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
                                p.drag_impulse[a] / (p.volume[a] * view.density[a]);
   }
   control_interval(before, dt);
+  limit_scheme(view);
   advance_columns(s, view, dt);
   move(s, out, gradient, velocity_before, dt);
   give_birth_and_delete();

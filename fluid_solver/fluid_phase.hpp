@@ -52,11 +52,14 @@ class Fluid final : public Phase {
   void advance_columns(const Stencil<D>& s, const SoilView<D>& soil, double interval);
   void wet_dry_ground(FaceColumn<D>& c, double interval) const;
   InfiltrationSpeed infiltration_speed(const FaceColumn<D>& c) const;
+  void limit_surface(Stencil<D>& s) const;
   void give_birth_and_delete();
   void control_interval(const ScalarArray& before, double interval);
+  void limit_scheme(const SoilView<D>& view);
   void take_back(const Stencil<D>& s, const SoilView<D>& view, double interval);
   void check_finite(const WindowSolution<D>& solution, double time) const;
   std::pair<double, std::string> time_limit() const;
+  [[nodiscard]] bool responds() const;
   WindowProblem<D> problem(double interval) const;
 
   Case scene_;

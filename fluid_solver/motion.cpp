@@ -92,7 +92,7 @@ void Fluid<D>::move(const Stencil<D>& s, const WindowSolution<D>& solution, std:
     d += shift[a];
     p.pressure[a] += solution.gradient[a].dot(p.mask[a] > 0.5 ? d : shift[a]);
     // What is shifted arrives where the water moves at another speed.
-    if (p.mask[a] <= 0.5 && s.surface_distance[a] == 0.0 && p.surface[a] == Surface::interior)
+    if (p.mask[a] <= 0.5 && s.ghost_distance[a] == 0.0 && p.surface[a] == Surface::interior)
       p.velocity[a] += velocity_gradient[a] * shift[a];
     displace(a, d, true);
   }

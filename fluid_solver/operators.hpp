@@ -57,7 +57,7 @@ VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Fa
                                                        : s.reflection[k] * (buffer[q - s.n_real] - p[a]);
       sum += s.volume[j] * mobility(a, q) * difference * s.gradient[k];
     }
-    if (s.surface_distance[a] > 0.0) sum += 2.0 * mobility(a, a) * (p[a] - surface_pressure(a)) * s.normal[a];
+    if (s.ghost_distance[a] > 0.0) sum += 2.0 * mobility(a, a) * (p[a] - surface_pressure(a)) * s.normal[a];
     result[a] = s.correction[a] * sum + mobility(a, a) * (s.blind[a] * blind_gradient);
   }
   return result;

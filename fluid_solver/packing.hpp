@@ -27,7 +27,7 @@ VecArray<D> packing_displacements(const Stencil<D>& s, std::span<const Vec<D>> v
     const double h = s.length[a], spacing = h / smoothing_ratio;
     // Even surroundings have sum V grad W = 0; it points to where particles are.
     Vec<D> d = -(law.by_speed * h * velocity[a].norm() * interval + law.by_length * h * h) * s.normal[a];
-    if (flags[a] == Surface::surface || s.surface_distance[a] > 0.0) {
+    if (flags[a] == Surface::surface || s.ghost_distance[a] > 0.0) {
       const Vec<D> normal = s.normal[a].normalized();
       d -= normal.dot(d) * normal;
     }

@@ -71,6 +71,8 @@ struct Stencil {
   ScalarArray
       amplification;       ///< [real] of pair sums of second derivatives, to make them exact for a quadratic on average
   VecArray<D> normal;      ///< [real] sum V grad W: inward where the surroundings are one-sided, 1/m
+  ScalarArray surface_distance;  ///< [real] of a surface particle to the surface, m: half a spacing, less at a face
+  ScalarArray surface_pressure;  ///< [real] total, on the surface, Pa: 0, or a suction
   MatArray<D> correction;  ///< [real] of the kernel gradient, buffers counted (pressures)
   MatArray<D> correction_open;  ///< [real] buffers left out (velocities)
   MatArray<D> blind;   ///< [real] 1 - correction moment: the part of a gradient that neighbours are too few to tell
@@ -78,7 +80,7 @@ struct Stencil {
   ScalarArray least_moment;  ///< [real] its smallest eigenvalue: 1 inside, 0 where a direction is empty
   /// [real] distance to the free surface along -normal [m], 0: out of the kernel's reach. Set by find_surface; the
   /// kernel's missing part is then a ghost at twice the distance, antisymmetric about the surface's pressure.
-  ScalarArray surface_distance;
+  ScalarArray ghost_distance;
 
   /// Of the pair of real particle a with a point whose parent is q.
   [[nodiscard]] double amplified(std::size_t a, Index q) const {

@@ -62,9 +62,9 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> mask) {
   for (std::size_t a = 0; a < s.n_real; ++a) {
     const double amount = s.normal[a].norm(), h = s.length[a];
     if (mask[a] >= 0.5 || flags[a] == Surface::lone || amount * h <= surface::second_row) continue;
-    const double half = 0.5 * std::pow(s.volume[a], 1.0 / D);
+    const double half = s.surface_distance[a];
     if (flags[a] == Surface::surface) {
-      s.surface_distance[a] = half;
+      s.ghost_distance[a] = half;
     } else {
       // Below the surface: the plane through the surface particles in reach, half a spacing outside them.
       double weight = 0.0, height = 0.0;
@@ -82,17 +82,18 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> mask) {
       if (cosine < 0.5) continue;
       const double distance = height / (weight * cosine);
       if (distance <= 0.0 || distance >= sph::support_radius * h) continue;
-      s.surface_distance[a] = std::max(distance, half);
+      s.ghost_distance[a] = std::max(distance, half);
     }
     // The ghost at twice the distance completes the moment.
     const Vec<D> n = s.normal[a] / amount;
-    s.correction[a] = bounded_inverse<D>(s.moment[a] + 2.0 * s.surface_distance[a] * amount * n * n.transpose(),
+    s.correction[a] = bounded_inverse<D>(s.moment[a] + 2.0 * s.ghost_distance[a] * amount * n * n.transpose(),
                                          surface::least_inverted, &s.blind[a]);
   }
   return flags;
 }
 
-/// Total pressure 0 on the free surface: what is added to row a, coefficient * (ph_a - pressure).
+/// The surface's total pressure, at a distance outside the particle: what is added to row a,
+/// coefficient * (ph_a - pressure).
 struct SurfaceRow {
   double coefficient = 0.0;  ///< of the row weighted with the volume
   double pressure = 0.0;     ///< piezometric, Pa
@@ -106,7 +107,7 @@ SurfaceRow surface_row(const Stencil<D>& s, std::size_t a, double distance, doub
   const double amount = s.normal[a].norm();
   if (amount == 0.0) return {};
   const Vec<D> x = s.position[a] - distance / amount * s.normal[a];
-  return {s.volume[a] * 2.0 * mobility * amount / distance, -weight.dot(x - origin)};
+  return {s.volume[a] * 2.0 * mobility * amount / distance, s.surface_pressure[a] - weight.dot(x - origin)};
 }
 
 }  // namespace poretwin::fluid

@@ -1,5 +1,6 @@
 #include "fluid_solver/window.hpp"
 
+#include "fluid_solver/eisph.hpp"
 #include "fluid_solver/operators.hpp"
 
 namespace poretwin::fluid {
@@ -100,10 +101,10 @@ class WindowSolver {
  private:
   double kf(std::size_t b, std::size_t otherwise) const { return b < n_ ? q_[b].kf : q_[otherwise].kf; }
 
-  /// Distance to the surface: a wetting front's is half a spacing.
+  /// Distance to the surface, 0 where it is out of reach.
   double surface_distance(std::size_t a) const {
-    if (s_.surface_distance[a] > 0.0) return s_.surface_distance[a];
-    return flags_[a] == Surface::surface ? 0.5 * std::pow(s_.volume[a], 1.0 / D) : 0.0;
+    if (s_.ghost_distance[a] > 0.0) return s_.ghost_distance[a];
+    return flags_[a] == Surface::surface ? s_.surface_distance[a] : 0.0;
   }
 
   /// Lone particles are held at zero total pressure.
@@ -163,6 +164,12 @@ class WindowSolver {
     ScalarArray known(n_, 0.0), drive(n_);
     for (std::size_t a = 0; a < n_; ++a)
       if (pinned(a)) out.pressure[a] = known[a] = pinned_pressure(a) - reference;
+    if (in_.sweeps > 0) {
+      relaxed_sweeps(fluid_, b, out.pressure, in_.sweeps);
+      out.pressure_iterations += in_.sweeps;
+      for (auto& p : out.pressure) p += reference;
+      return;
+    }
     fluid_.apply(std::span<const double>(known), std::span<double>(drive));
     for (std::size_t a = 0; a < n_; ++a) drive[a] = pinned(a) ? 0.0 : b[a] - drive[a];
     const auto apply = [&](std::span<const double> x, std::span<double> y) { fluid_.apply(x, y); };
@@ -267,7 +274,7 @@ class WindowSolver {
   }
 
   double surface_pressure(std::size_t a) const {
-    return surface_row(s_, a, s_.surface_distance[a], 1.0, in_.weight, in_.origin).pressure;
+    return surface_row(s_, a, s_.ghost_distance[a], 1.0, in_.weight, in_.origin).pressure;
   }
 
   VecArray<D> plain_gradient(std::span<const double> p, bool homogeneous) const {

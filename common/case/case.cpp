@@ -22,6 +22,10 @@ constexpr std::array water_words{Word<Wall::ForWater>{"none", Wall::ForWater::no
 constexpr std::array soil_words{Word<Wall::ForSoil>{"none", Wall::ForSoil::none},
                                 Word<Wall::ForSoil>{"roller", Wall::ForSoil::roller},
                                 Word<Wall::ForSoil>{"fixed", Wall::ForSoil::fixed}};
+constexpr std::array scheme_words{
+    Word<FluidCase::Scheme>{"projection", FluidCase::Scheme::projection},
+    Word<FluidCase::Scheme>{"eisph", FluidCase::Scheme::eisph},
+    Word<FluidCase::Scheme>{"eisph_explicit_drag", FluidCase::Scheme::eisph_explicit_drag}};
 constexpr std::array model_words{Word<SolidCase::Model>{"rigid", SolidCase::Model::rigid},
                                  Word<SolidCase::Model>{"elastic", SolidCase::Model::elastic},
                                  Word<SolidCase::Model>{"drucker_prager", SolidCase::Model::drucker_prager},
@@ -116,9 +120,32 @@ void declare(Keys& keys, Soil& s) {
               {"", "Void ratio e = n / (1 - n) at which dilation ends (drucker_prager); absent: never."}, positive());
   keys.number("initial_saturation", s.initial_saturation,
               {"", "Degree of saturation of soil that the water has not reached."}, between(0, false, 1, true));
+  keys.number("suction_head", s.suction_head,
+              {"m", "Capillary head that draws a wetting front into the soil (Green & Ampt)."}, not_negative());
   keys.number("saturated_cohesion", s.saturated_cohesion,
               {"Pa", "Cohesion when saturated, linear in the saturation between, Eq. (36); absent: as `cohesion`."},
               not_negative());
+}
+
+void declare_start(Keys& keys, Soil& s) {
+  keys.number("earth_pressure_at_rest", s.earth_pressure_at_rest,
+              {"",
+               "K0: horizontal over vertical effective stress before the search for rest, from the weight above; "
+               "absent: the soil is loaded by gravity from nothing, which gives nu / (1 - nu) on level ground."},
+              positive());
+}
+
+void declare(Keys& keys, Quiet& q) {
+  keys.number("sleep_below", q.sleep_below,
+              {"g",
+               "Sleep begins below this departure from rest (root mean square of the unbalanced acceleration, or "
+               "of the velocity times the near-critical damping rate)."},
+              positive());
+  keys.number("wake_above", q.wake_above,
+              {"g", "Sleep ends when the force on a particle has changed by more; above it motion counts as dynamic."},
+              positive());
+  keys.flag("damping", q.damping,
+            {"", "Near-critical damping in quasi-static windows: off from the first yielding until quiet again."});
 }
 
 void declare(Keys& keys, Wall& w) {
@@ -172,13 +199,22 @@ void declare_seed(Keys& keys, unsigned& seed) {
 void declare(Keys& keys, FluidCase& f) {
   keys.number("particle_spacing", f.particle_spacing,
               {"m", "Distance between neighbouring water particles; required where there is water."}, not_negative());
+  keys.choice<FluidCase::Scheme>(
+      "scheme", f.scheme, scheme_words,
+      {"",
+       "`projection`: pressure solved to a tolerance; `eisph`: explicit sweeps, Eqs. (82)-(85), in windows short "
+       "enough for them; `eisph_explicit_drag`: with the drag of Eq. (75) at the window's start."});
+  std::int64_t sweeps = f.sweeps;
+  keys.integer("sweeps", sweeps, {"", "Of `eisph`, per window."}, between(1, false, 1000, false));
+  f.sweeps = static_cast<int>(sweeps);
   keys.point("initial_velocity", f.initial_velocity, {"m/s", "Of all water at time zero."});
   keys.number("initial_strain", f.initial_strain,
               {"1/s", "Adds the plane straining flow (s x, -s y) about the origin to the initial velocity."});
   keys.number("initial_wave", f.initial_wave,
               {"m/s", "Adds the lowest sloshing mode of the first region along x, this fast at its surface."});
-  keys.number("initial_vortices", f.initial_vortices,
-              {"m/s", "Adds Taylor-Green vortices of this highest speed, one period over the periodic box in x and y."});
+  keys.number(
+      "initial_vortices", f.initial_vortices,
+      {"m/s", "Adds Taylor-Green vortices of this highest speed, one period over the periodic box in x and y."});
   keys.point("offset", f.offset, {"spacings", "Of the first particle from a region's lower corner."});
   keys.number("jitter", f.jitter, {"spacings", "Largest random displacement of the initial lattice."},
               between(0, false, 1, false));
@@ -214,6 +250,8 @@ void declare(Keys& keys, SolidCase& s) {
                "Cohesion and tan(friction) of all soil are divided by it (`poretwin safety` finds the factor of "
                "safety)."},
               positive());
+  keys.optional_table("quiet", "Work saved while the soil hardly moves; absent: all its motion is computed.", s.quiet,
+                      [](Keys& inner, Quiet& quiet) { declare(inner, quiet); });
   keys.number("courant", s.courant, {"", "Substep over spacing / wave speed; stable to about 2."},
               between(0, true, 2, false));
   keys.number("artificial_viscosity", s.artificial_viscosity,
@@ -250,7 +288,8 @@ void declare(Keys& keys, Gauge& g) {
             {"",
              "Of `point`: an output field, with `_x` `_y` `_z` or `_xx` `_yy` .. for one component. Of `momentum`: "
              "`momentum_x` .."});
-  keys.points("points", g.points, {"m",
+  keys.points("points", g.points,
+              {"m",
                "Of `point`: where. Of `front`: the two ends of the line. Of `extent` (how far the water reaches) and "
                "`spread` (rms distance from its mean position): from where, and a second point for the direction."});
   keys.optional_table("region", "Where `volume`, `momentum`, .. count; absent: everywhere.", g.region,
@@ -265,7 +304,10 @@ void declare_shared(Keys& keys, Case& c) {
   keys.tables("soil",
               "A region of soil and its material. With solid.model = \"rigid\" only shape, porosity and the law of "
               "seepage matter.",
-              c.soils, [](Keys& inner, Soil& soil) { declare(inner, soil); });
+              c.soils, [](Keys& inner, Soil& soil) {
+                declare(inner, soil);
+                declare_start(inner, soil);
+              });
   keys.tables("wall", "A wall and its meaning for either phase.", c.walls,
               [](Keys& inner, Wall& wall) { declare(inner, wall); });
   keys.tables("water_face",

@@ -71,22 +71,24 @@ struct Soil {
   };
   std::string name;
   Shape shape;
-  double porosity = 0.4;                 ///< n = n_w
-  double grain_density = 2600.0;         ///< kg/m3, intrinsic rho_s
+  double porosity = 0.4;          ///< n = n_w
+  double grain_density = 2600.0;  ///< kg/m3, intrinsic rho_s
   SeepageLaw seepage_law = SeepageLaw::darcy;
   double hydraulic_conductivity = 1e-4;  ///< k at `porosity`, m/s
   double forchheimer_coefficient = 0.0;  ///< b at `porosity`, s2/m2
   double grain_diameter = 0.0;           ///< D50, m (ergun)
   double ergun_linear = 150.0, ergun_quadratic = 1.75;
-  double youngs_modulus = 3.0e6;         ///< Pa
+  double youngs_modulus = 3.0e6;  ///< Pa
   double poissons_ratio = 0.3;
-  double cohesion = 0.0;         ///< Pa, at the initial saturation
-  double friction_angle = 30.0;  ///< degrees
-  double dilation_angle = 0.0;   ///< degrees
+  double cohesion = 0.0;                         ///< Pa, at the initial saturation
+  double friction_angle = 30.0;                  ///< degrees
+  double dilation_angle = 0.0;                   ///< degrees
+  std::optional<double> earth_pressure_at_rest;  ///< K0; absent: what elastic loading by gravity gives
   Cone cone = Cone::paper;
   std::optional<double> tensile_strength;    ///< Pa, largest mean effective stress; absent: the cone's apex
   std::optional<double> maximum_void_ratio;  ///< e at which dilation ends; absent: never
   double initial_saturation = 0.0;           ///< s_r0, of soil that the water has not reached
+  double suction_head = 0.0;                 ///< m, capillary, at a wetting front
   std::optional<double> saturated_cohesion;  ///< Pa, at s_r = 1, Eq. (36); absent: as `cohesion`
 };
 
@@ -106,8 +108,8 @@ struct Wall {
 struct WaterFace {
   std::string name;
   Face face;
-  std::optional<Series> head;      ///< m: elevation (along -gravity) of the free surface behind; of a basin: at first
-  std::optional<Series> pressure;  ///< Pa, uniform on the face
+  std::optional<Series> head;        ///< m: elevation (along -gravity) of the free surface behind; of a basin: at first
+  std::optional<Series> pressure;    ///< Pa, uniform on the face
   std::optional<Series> discharge;   ///< m3/s (2D: m2/s) poured into the basin
   std::optional<Series> basin_area;  ///< m2 (2D: m), horizontal, against elevation [m]: from the bottom up
   bool outlet = false;               ///< nothing behind it
@@ -134,18 +136,30 @@ struct PorePressure {
 
 /// [fluid]
 struct FluidCase {
+  /// How pressure follows from velocity: solved to a tolerance, or by explicit sweeps, Eqs. (82)-(85); the latter also
+  /// with the drag taken at the window's start.
+  enum class Scheme { projection, eisph, eisph_explicit_drag };
   double particle_spacing = 0.0;  ///< m
+  Scheme scheme = Scheme::projection;
+  int sweeps = 1;              ///< of eisph, per window
   std::vector<Shape> regions;  ///< [[fluid.region]]: where water stands at time zero (inside soil it fills the pores)
   Point3 initial_velocity = Point3::Zero();
   double initial_strain = 0.0;    ///< 1/s: adds (s x, -s y)
   double initial_wave = 0.0;      ///< m/s: adds the lowest sloshing mode of the first region, this fast at the surface
   double initial_vortices = 0.0;  ///< m/s: adds Taylor-Green vortices, one period over the periodic box
-  Point3 offset{0.5, 0.5, 0.5};  ///< of the first particle from a region's corner, in spacings
-  double jitter = 0.0;           ///< random displacement of the initial lattice, in spacings (uniform, +-)
+  Point3 offset{0.5, 0.5, 0.5};   ///< of the first particle from a region's corner, in spacings
+  double jitter = 0.0;            ///< random displacement of the initial lattice, in spacings (uniform, +-)
   unsigned seed = 1;
   bool drag = true;  ///< seepage force between the phases
   bool skeleton_response =
       true;  ///< the skeleton's predicted response inside the pressure solve (off: plain staggering, to show its limit)
+};
+
+/// [solid.quiet]: work saved while the skeleton hardly moves.
+struct Quiet {
+  double sleep_below = 3e-4;  ///< of g, root mean square of the departure from rest
+  double wake_above = 3e-2;   ///< of g, change of the force on any particle
+  bool damping = true;        ///< near-critical, in quasi-static windows only
 };
 
 /// [solid]
@@ -160,7 +174,8 @@ struct SolidCase {
   unsigned seed = 2;
   bool initial_rest = true;  ///< find the rest under gravity, water and standing loads before time zero
   PressureGradient pressure_gradient = PressureGradient::difference;
-  double strength_reduction = 1.0;  ///< cohesion and tan(friction) are divided by it
+  double strength_reduction = 1.0;     ///< cohesion and tan(friction) are divided by it
+  std::optional<Quiet> quiet;          ///< absent: all motion is computed
   double courant = 0.8;                ///< of dx / sqrt(M / rho_bar_s)
   double artificial_viscosity = 0.1;   ///< alpha of Monaghan's, on approaching particles
   double zero_energy_viscosity = 0.1;  ///< on the part of the velocity that is not linear around a particle
@@ -187,7 +202,8 @@ struct Gauge {
                          ///< solid only: "max_displacement", "uplift", "strain_energy", "crest_settlement",
                          ///< "pending_impulse" (taken, not yet paid for)
   std::string quantity;  ///< of "point": "pore_pressure", "velocity", "displacement", "effective_stress_yy", ...
-  std::vector<Point3> points;   ///< of "point" (name[i] where several), of "front" (a line's two ends), "extent", "spread"
+  std::vector<Point3>
+      points;  ///< of "point" (name[i] where several), of "front" (a line's two ends), "extent", "spread"
   std::optional<Shape> region;  ///< of "volume", "momentum", ...: absent: everywhere
 };
 

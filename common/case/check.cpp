@@ -15,9 +15,9 @@ namespace {
 
 constexpr std::array<std::string_view, 2> phases{"fluid", "solid"};
 constexpr std::array<std::string_view, 16> gauge_kinds{
-    "point",         "front",     "volume",    "momentum",         "kinetic_energy", "potential_energy",
-    "energy",        "extent",    "spread",    "particles",        "max_speed",      "max_displacement",
-    "strain_energy", "uplift",    "crest_settlement", "pending_impulse"};
+    "point",         "front",  "volume",           "momentum",       "kinetic_energy", "potential_energy",
+    "energy",        "extent", "spread",           "particles",      "max_speed",      "max_displacement",
+    "strain_energy", "uplift", "crest_settlement", "pending_impulse"};
 
 class Checker {
  public:
@@ -29,6 +29,7 @@ class Checker {
     fluid_regions();
     faces();
     walls();
+    soils_are_supported();
     pore_pressures();
     gauges();
   }
@@ -153,7 +154,8 @@ class Checker {
         fail(key + ".grain_diameter", "the law \"ergun\" needs the size of the grains in m, found none");
       if (soil.seepage_law == ergun && given(key + ".hydraulic_conductivity"))
         fail(key + ".hydraulic_conductivity",
-             "the law \"ergun\" takes the conductivity from grain_diameter and porosity; use \"forchheimer\" to give it");
+             "the law \"ergun\" takes the conductivity from grain_diameter and porosity; use \"forchheimer\" to give "
+             "it");
       if (soil.seepage_law != ergun && given(key + ".grain_diameter"))
         fail(key + ".grain_diameter", "belongs to seepage_law = \"ergun\"");
       if (soil.seepage_law != forchheimer && given(key + ".forchheimer_coefficient"))
@@ -161,6 +163,72 @@ class Checker {
       shapes.push_back(soil.shape);
     }
     no_overlap(shapes, "soil", spacing);
+  }
+
+  /// Whether the wall lies under the soil's particles x (within one spacing), or holds them by being fixed.
+  [[nodiscard]] bool holds(const Wall& wall, const std::vector<Point3>& points, double spacing) const {
+    const Point3 down = scene_.general.gravity.normalized();
+    auto near = [&](const Point3& point, const Point3& normal, const Point3& tangent, double length) {
+      const double facing = normal.dot(down);
+      if (wall.soil == Wall::ForSoil::fixed ? facing > 1e-6 : facing > -1e-6) return false;
+      return std::any_of(points.begin(), points.end(), [&](const Point3& x) {
+        const double away = normal.dot(x - point), along = tangent.dot(x - point);
+        return away > -0.5 * spacing && away < spacing && along > -spacing && along < length + spacing;
+      });
+    };
+    const Face& f = wall.face;
+    if (f.points.empty()) return near(f.point, f.normal.normalized(), Point3::Zero(), 1.0);
+    for (std::size_t i = 0; i + 1 < f.points.size(); ++i) {
+      const Point3 way = f.points[i + 1] - f.points[i];
+      const Point3 tangent = way.normalized();
+      if (near(f.points[i], Point3(-tangent.y(), tangent.x(), 0.0), tangent, way.norm())) return true;
+    }
+    return false;
+  }
+
+  /// Every soil must rest on a wall, or on a soil that does.
+  void soils_are_supported() const {
+    const Point3& gravity = scene_.general.gravity;
+    if (!scene_.deformable() || !(gravity.norm() > 0.0)) return;
+    for (const int axis : scene_.general.periodic)
+      if (gravity[axis] != 0.0) return;
+    const double spacing = scene_.solid.particle_spacing;
+    const std::size_t n = scene_.soils.size();
+    std::vector<std::vector<Point3>> points(n);
+    std::vector<char> supported(n, 0);
+    for (std::size_t i = 0; i < n; ++i) {
+      auto take = [&](const auto& lattice) {
+        for (const auto& x : lattice.position) {
+          Point3 point = Point3::Zero();
+          point.head(x.size()) = x;
+          points[i].push_back(point);
+        }
+      };
+      const auto& offset = scene_.solid.offset;
+      if (scene_.general.dimension == 3)
+        take(fill<3>(scene_.soils[i].shape, spacing, offset, 0.0, 1));
+      else
+        take(fill<2>(scene_.soils[i].shape, spacing, offset, 0.0, 1));
+      for (const auto& wall : scene_.walls)
+        if (wall.soil != Wall::ForSoil::none && holds(wall, points[i], spacing)) supported[i] = 1;
+    }
+    const Point3 step = 1.001 * spacing * gravity.normalized();
+    for (bool more = true; more;) {
+      more = false;
+      for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = 0; j < n && !supported[i]; ++j) {
+          if (!supported[j]) continue;
+          const auto& below = scene_.soils[j].shape;
+          supported[i] = std::any_of(points[i].begin(), points[i].end(), [&](const Point3& x) {
+            return contains(below, Point3(x + step), scene_.general.dimension);
+          });
+          more = more || supported[i];
+        }
+    }
+    for (std::size_t i = 0; i < n; ++i)
+      if (!supported[i])
+        fail(fmt::format("soil[{}]", i),
+             "nothing holds the soil up: expected a [[wall]] for soil under it, or a soil that rests on one");
   }
 
   void fluid_regions() const {
@@ -313,9 +381,8 @@ class Checker {
         fail(key + ".points",
              fmt::format("a front gauge needs the 2 ends of its line, found {} points", gauge.points.size()));
       if ((gauge.kind == "extent" || gauge.kind == "spread") && gauge.points.size() != 2)
-        fail(key + ".points",
-             fmt::format("expected the start of a direction and a second point on it, found {} points",
-                         gauge.points.size()));
+        fail(key + ".points", fmt::format("expected the start of a direction and a second point on it, found {} points",
+                                          gauge.points.size()));
       if (gauge.region) shape(*gauge.region, key + ".region", 0.0);
       for (std::size_t j = 0; j < i; ++j)
         if (scene_.gauges[j].name == gauge.name)

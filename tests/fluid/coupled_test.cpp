@@ -4,6 +4,7 @@
 #include "tests/fluid/scenes.hpp"
 #include "tests/fluid/skeleton_stand_in.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -27,6 +28,8 @@ struct Options {
   double conductivity = 1e-4;
   double jitter = 0.0;
   bool response = true;
+  FluidCase::Scheme scheme = FluidCase::Scheme::projection;
+  int sweeps = 1;
 };
 
 /// A column of 0.2 m x 0.04 m under a sudden load, drained at the top; worst errors from T = 0.05 on.
@@ -41,6 +44,8 @@ Consolidation consolidate(const Options& options) {
   scene.fluid.particle_spacing = dx;
   scene.fluid.jitter = options.jitter;
   scene.fluid.skeleton_response = options.response;
+  scene.fluid.scheme = options.scheme;
+  scene.fluid.sweeps = options.sweeps;
   scene.fluid.regions = {box(0.0, 0.0, width, soil.height)};
   Soil sand;
   sand.shape = box(0.0, 0.0, width, soil.height);
@@ -187,7 +192,33 @@ TEST(Coupled, WithoutTheSkeletonsResponseWindowsAreLimited) {
   report("staggered", o, below);
   EXPECT_LT(below.worst_settlement, 0.005);
   o.window = 4e-5;
-  EXPECT_THROW(consolidate(o), DivergedError);
+  try {
+    consolidate(o);
+    ADD_FAILURE() << "did not diverge";
+  } catch (const DivergedError& error) {
+    EXPECT_THAT(error.what(), testing::ContainsRegex("(pore_pressure|velocity).* of particle [0-9]+ at \\(.*\\).*; "
+                                                     "last good state at t = [0-9.e-]+ s"));
+  }
+}
+
+TEST(Coupled, ExplicitSweepsConsolidateInTheirOwnWindows) {
+  // Water swept over seems compressible: that keeps the staggering stable beyond its limit, and the base pressure low.
+  struct Row {
+    double window;
+    int sweeps;
+    double settlement, base;
+  };
+  for (const auto& row : {Row{0.0, 1, 0.01, 0.06}, Row{0.0, 10, 0.005, 0.01}, Row{4e-5, 1, 0.03, 0.4}}) {
+    Options o;
+    o.scheme = FluidCase::Scheme::eisph;
+    o.window = row.window;
+    o.sweeps = row.sweeps;
+    o.end = 0.06;
+    const auto r = consolidate(o);
+    report("explicit sweeps", o, r);
+    EXPECT_LT(r.worst_settlement, row.settlement);
+    EXPECT_LT(r.worst_base, row.base);
+  }
 }
 
 /// Two phases of uniform velocity in a periodic box: nothing acts but the drag between them.
