@@ -74,7 +74,7 @@ InfiltrationSpeed Fluid<D>::infiltration_speed(const FaceColumn<D>& c) const {
 /// Elsewhere in soil it is drawn on by the suction of the dry ground ahead.
 template <int D>
 void Fluid<D>::limit_surface(Stencil<D>& s) const {
-  const double gamma = specific_weight(scene_);
+  const double gamma = porous::specific_weight(scene_);
   const ColumnFinder<D> finder(state_.columns);
   for (std::size_t a = 0; a < s.n_real; ++a) {
     if (s.divergence[a] > D) continue;
