@@ -12,6 +12,15 @@ namespace {
 /// Displacement after which a particle's packing counts in full, in spacings.
 constexpr double repair_displacement = 0.25;
 
+/// What the surface, half a spacing outside its particles, moves faster than they do: without it a wave is slow by the
+/// half spacing's share of its depth of decay (1.8 % at 50 particles a wave), and a front lags by half a spacing.
+template <int D>
+Vec<D> surface_lead(const Mat<D>& velocity_gradient, const Vec<D>& inward, double distance, double interval) {
+  const Vec<D> n = inward.normalized();
+  const double stretching = std::clamp(n.dot(velocity_gradient * n), -0.2 / interval, 0.2 / interval);
+  return -distance * stretching * n;
+}
+
 }  // namespace
 
 template <int D>
@@ -90,6 +99,8 @@ void Fluid<D>::move(const Stencil<D>& s, const WindowSolution<D>& solution, std:
     else
       d *= 0.5;
     d += shift[a];
+    if (p.mask[a] <= 0.5 && p.surface[a] == Surface::surface)
+      d += interval * surface_lead<D>(velocity_gradient[a], s.normal[a], s.surface_distance[a], interval);
     p.pressure[a] += solution.gradient[a].dot(p.mask[a] > 0.5 ? d : shift[a]);
     // What is shifted arrives where the water moves at another speed.
     if (p.mask[a] <= 0.5 && s.ghost_distance[a] == 0.0 && p.surface[a] == Surface::interior)
