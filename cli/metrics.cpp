@@ -16,7 +16,7 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 const std::vector<std::string> operations{"value",   "relative", "l2",   "max_abs", "decay_rate", "monotone", "drift",
-                                          "exceeds", "curve",    "exit", "period",  "crossing",   "counter", "rise", "noise", "order"};
+                                          "exceeds", "curve",    "exit", "period",  "crossing",   "counter", "rise", "noise", "order", "largest"};
 
 void declare(Keys& keys, VerifyRun& r) {
   keys.text("name", r.name, {"", "Name that metrics refer to.", true});
@@ -35,7 +35,7 @@ void declare(Keys& keys, Metric& m) {
       {"",
        "`value`, `relative`, `l2`, `max_abs`, `decay_rate`, `monotone`, `drift`, `exceeds`, `curve`, `exit`, `period` "
        "(mean, between upward passages of `limit`; relative error), `crossing` (time at which the readings first pass "
-       "`limit`; relative error), `counter` (at most `reference`), `rise` (greatest climb above an earlier reading), "
+       "`limit`; relative error), `counter` (at most `reference`), `largest` (relative error), `rise` (greatest climb above an earlier reading), "
        "`noise` (rms distance from the running mean over `window`) or `order` (the order at which the relative error of "
        "`decay_rate` falls from the run `coarse` to this one of half its spacing; at least `tolerance`).",
        true});
@@ -77,7 +77,7 @@ struct Failure {
 };
 
 bool needs_relative_error(const std::string& op) {
-  return op == "relative" || op == "decay_rate" || op == "period" || op == "crossing";
+  return op == "relative" || op == "decay_rate" || op == "period" || op == "crossing" || op == "largest";
 }
 
 /// Linear between readings; NaN outside them or where a reading is NaN.
@@ -125,6 +125,10 @@ class Judge {
     if (m_.op == "monotone") return moving_away();
     if (m_.op == "drift") return drift();
     if (m_.op == "rise") return rise();
+    if (m_.op == "largest") {
+      const auto series = within_range(readings());
+      return *std::max_element(series.value.begin(), series.value.end());
+    }
     if (m_.op == "noise") return noise();
     if (m_.op == "period") return period();
     if (m_.op == "crossing") return crossings(false).front();
