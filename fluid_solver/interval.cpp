@@ -97,6 +97,11 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
   if (scene_.general.central_force > 0.0) apply(0.02 / std::sqrt(scene_.general.central_force), "central force");
   if (const double viscosity = viscosity_ + noise_viscosity * dx_ * wave_speed_; free_water && viscosity > 0.0)
     apply(0.2 * dx_ * dx_ / viscosity, "viscosity");
+  for (std::size_t f = 0; f < scene_.water_faces.size(); ++f)
+    if (const auto& face = scene_.water_faces[f]; face.discharge) {
+      const double inflow = std::abs(face.discharge->at(state_.time));
+      if (inflow > 0.0) apply(0.5 * dx_ * face.basin_area->at(state_.basin_level[f]) / inflow, "rise of a basin");
+    }
   // A face with nothing behind it yet: the time in which the front comes half a spacing in.
   if (p.size() == 0)
     for (const auto& c : state_.columns) {

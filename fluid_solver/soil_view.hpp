@@ -13,8 +13,8 @@ namespace poretwin::fluid {
 
 template <int D>
 struct SoilView {
-  ScalarArray mask;           ///< [n] 1 inside soil, 0 in free water
-  ScalarArray fraction;       ///< [n] n_s
+  ScalarArray mask;                            ///< [n] 1 inside soil, 0 in free water
+  ScalarArray fraction;                        ///< [n] n_s
   std::vector<porous::Resistance> resistance;  ///< [n] none in free water
   /// [n] the resistance about the present slip w, R = C w' - f: C [N s/m4], f [N/m3] (Newton's tangent along the flow;
   /// f is zero under Darcy's law)
@@ -80,8 +80,7 @@ SoilView<D> rigid_soil(const Case& scene, std::span<const Vec<D>> points) {
     soil.fraction[a] = 1.0 - here->porosity;
     soil.density[a] = soil.fraction[a] * here->grain_density;
     if (scene.fluid.drag)
-      soil.resistance[a] =
-          porous::resistance(weight, here->porosity, porous::seepage_at(scene, *here, here->porosity));
+      soil.resistance[a] = porous::resistance(weight, here->porosity, porous::seepage_at(scene, *here, here->porosity));
     soil.drag[a] = soil.resistance[a].linear;
   }
   return soil;
@@ -123,10 +122,9 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::si
     soil.force[a] *= mask;
     const double porosity = 1.0 - n_s;
     if (scene.fluid.drag)
-      soil.resistance[a] =
-          porous::resistance(weight, porosity,
-                             porous::carried_over({conductivity[a], quadratic[a]},
-                                                  1.0 - std::min(fraction[a], 1.0 - 1e-3), porosity));
+      soil.resistance[a] = porous::resistance(
+          weight, porosity,
+          porous::carried_over({conductivity[a], quadratic[a]}, 1.0 - std::min(fraction[a], 1.0 - 1e-3), porosity));
     soil.drag[a] = soil.resistance[a].linear;
   }
   return soil;
