@@ -226,6 +226,8 @@ void declare(Keys& keys, FluidCase& f) {
   keys.point("initial_velocity", f.initial_velocity, {"m/s", "Of all water at time zero."});
   keys.number("initial_strain", f.initial_strain,
               {"1/s", "Adds the plane straining flow (s x, -s y) about the origin to the initial velocity."});
+  keys.number("initial_wave", f.initial_wave,
+              {"m/s", "Adds the lowest sloshing mode of the first region along x, this fast at its surface."});
   keys.number(
       "initial_vortices", f.initial_vortices,
       {"m/s", "Adds Taylor-Green vortices of this highest speed, one period over the periodic box in x and y."});
