@@ -3,6 +3,7 @@
 #include "common/core/error.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -15,13 +16,14 @@ namespace poretwin::cli {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-const std::vector<std::string> operations{"value",    "relative", "l2",      "max_abs", "decay_rate",
-                                          "monotone", "drift",    "exceeds", "curve",   "exit",
-                                          "period",   "crossing", "counter"};
+const std::vector<std::string> operations{"value",   "relative", "l2",   "max_abs", "decay_rate", "monotone", "drift",
+                                          "exceeds", "curve",    "exit", "period",  "crossing",   "counter"};
 
 void declare(Keys& keys, VerifyRun& r) {
   keys.text("name", r.name, {"", "Name that metrics refer to.", true});
   keys.text("case", r.case_file, {"", "Case file in the same folder."});
+  keys.text("command", r.command,
+            {"", "`run`, or `safety`: find the factor of safety, its gauge is `factor_of_safety`."});
   keys.texts("set", r.set, {"", "Overrides, as for `--set`."});
   keys.texts("short", r.short_set, {"", "Further overrides with `--short`."});
   keys.text("when", r.when, {"", "`always`, or `full`: left out with `--short`."});
@@ -47,7 +49,8 @@ void declare(Keys& keys, Metric& m) {
   keys.number("from", m.from, {"s", "Start of the range; absent: the first reading."});
   keys.number("to", m.to, {"s", "End of the range; absent: the last reading."});
   keys.number("scale", m.scale, {"", "Readings are multiplied by it."});
-  keys.number("limit", m.limit, {"", "What the readings tend to (`decay_rate`, `monotone`), or pass (`period`, `crossing`)."});
+  keys.number("limit", m.limit,
+              {"", "What the readings tend to (`decay_rate`, `monotone`), or pass (`period`, `crossing`)."});
   keys.number("normaliser", m.normaliser, {"", "Errors are divided by it (`l2`, `drift`, `curve`)."}, positive());
   keys.text("norm", m.norm, {"", "Of `curve`: `max` or `rms`."});
   keys.number("reference", m.reference, {"", "The right value."});
@@ -292,11 +295,14 @@ class VerifyChecker {
   VerifyChecker(const std::filesystem::path& path, const Places& places) : path_(path), places_(places) {}
 
   void fill(VerifyFile& file) const {
-    if (file.runs.empty()) file.runs.push_back({"default", "case.toml", "always", {}, {}});
-    for (std::size_t i = 0; i < file.runs.size(); ++i)
-      if (file.runs[i].when != "always" && file.runs[i].when != "full")
-        fail(fmt::format("run[{}].when", i),
-             fmt::format("expected \"always\" or \"full\", found \"{}\"", file.runs[i].when));
+    if (file.runs.empty()) {
+      file.runs.emplace_back();
+      file.runs.back().name = "default";
+    }
+    for (std::size_t i = 0; i < file.runs.size(); ++i) {
+      word(fmt::format("run[{}].when", i), file.runs[i].when, {"always", "full"});
+      word(fmt::format("run[{}].command", i), file.runs[i].command, {"run", "safety"});
+    }
     if (file.metrics.empty()) fail("metric", "expected one [[metric]] or more");
     for (std::size_t i = 0; i < file.metrics.size(); ++i) metric(file, file.metrics[i], fmt::format("metric[{}]", i));
   }
@@ -308,6 +314,10 @@ class VerifyChecker {
     throw CaseError(
         fmt::format("{}: key '{}': {}", found != places_.end() ? found->second : path_.string(), key, message));
   }
+  void word(const std::string& key, const std::string& found, const std::vector<std::string>& words) const {
+    if (std::find(words.begin(), words.end(), found) == words.end())
+      fail(key, fmt::format("expected \"{}\", found \"{}\"", fmt::join(words, "\" or \""), found));
+  }
   void metric(const VerifyFile& file, Metric& m, const std::string& key) const {
     if (m.run.empty()) m.run = file.runs.front().name;
     if (std::none_of(file.runs.begin(), file.runs.end(), [&](const VerifyRun& r) { return r.name == m.run; }))
@@ -315,12 +325,10 @@ class VerifyChecker {
     if (std::find(operations.begin(), operations.end(), m.op) == operations.end())
       fail(key + ".op", fmt::format("\"{}\" is not known; did you mean \"{}\"?", m.op, nearest(m.op, operations)));
     if (m.op == "counter" && m.counter.empty()) fail(key + ".counter", "is missing");
-    if (m.op != "exit" && m.op != "counter" && m.gauge.empty() && m.gauges.empty())
-      fail(key + ".gauge", "is missing");
+    if (m.op != "exit" && m.op != "counter" && m.gauge.empty() && m.gauges.empty()) fail(key + ".gauge", "is missing");
     const bool relative = needs_relative_error(m.op);
     const bool single = m.op == "value" || m.op == "exceeds" || m.op == "exit" || m.op == "counter";
-    if ((relative || single) && !m.reference)
-      fail(key + ".reference", "is missing");
+    if ((relative || single) && !m.reference) fail(key + ".reference", "is missing");
     if (relative && *m.reference == 0.0) fail(key + ".reference", "a relative error needs a reference other than zero");
     if (m.norm != "max" && m.norm != "rms")
       fail(key + ".norm", fmt::format("expected \"max\" or \"rms\", found \"{}\"", m.norm));

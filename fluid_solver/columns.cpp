@@ -1,11 +1,35 @@
 // Water that comes and goes through the faces of prescribed head or pressure.
 #include "fluid_solver/fluid_phase.hpp"
 
+#include "fluid_solver/basin.hpp"
 #include "fluid_solver/operators.hpp"
 
 #include <cmath>
 
 namespace poretwin::fluid {
+
+/// Levels of the basins at the end of a window, the flow through their faces taken as it was in the last one.
+template <int D>
+void Fluid<D>::fill_basins(double time, double interval) {
+  const auto through = passed();
+  for (std::size_t f = 0; f < scene_.water_faces.size(); ++f) {
+    const auto& face = scene_.water_faces[f];
+    if (!face.discharge) continue;
+    state_.supplied[f] += face.discharge->integral(time, time + interval);
+    double leaves = 0.0;
+    for (const auto& c : state_.columns)
+      if (c.face == static_cast<int>(f) && c.wet) leaves += interval * c.speed * c.mass / (density_ * c.spacing);
+    state_.basin_level[f] = basin_level(*face.basin_area, state_.supplied[f] - through[f] - leaves);
+  }
+}
+
+/// Volume that has come in through each face, less what has gone out [m^D].
+template <int D>
+ScalarArray Fluid<D>::passed() const {
+  ScalarArray sum(scene_.water_faces.size(), 0.0);
+  for (const auto& c : state_.columns) sum[static_cast<std::size_t>(c.face)] += c.passed(density_);
+  return sum;
+}
 
 template <int D>
 void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, double interval) {
@@ -52,7 +76,8 @@ void Fluid<D>::wet_dry_ground(FaceColumn<D>& c, double interval) const {
   const double z = std::max(0.0, c.offset - 0.5 * c.spacing);
   const double deeper = std::sqrt(z * z + 2.0 * speed.head * interval) + std::max(0.0, speed.gravity) * interval;
   c.offset = std::min(c.spacing, 0.5 * c.spacing + deeper);
-  c.speed = (deeper - z) / interval;
+  // What is born has the front's speed half a spacing in, not the endless one of its first touch.
+  c.speed = std::min((deeper - z) / interval, speed.head / (0.5 * c.spacing) + std::max(0.0, speed.gravity));
 }
 
 /// k/n times the pressure head at the face [m2/s], and k/n times the cosine between gravity and the way in [m/s].
@@ -62,28 +87,57 @@ InfiltrationSpeed Fluid<D>::infiltration_speed(const FaceColumn<D>& c) const {
   const Soil* here = soil_at(scene_, to_point3<D>(c.foot + 0.25 * c.spacing * c.normal));
   if (!here) return {};
   const double total = std::max(0.0, c.pressure + weight_.dot(c.foot - origin_));
-  const double seepage = here->hydraulic_conductivity / here->porosity;
   const double gamma = magnitude > 0.0 ? magnitude : density_ * 9.81;
+  // Darcy's conductivity of the same discharge at the gradient that the front meets half a spacing in.
+  const double n = here->porosity, gradient = total / (gamma * 0.5 * c.spacing) + 1.0;
+  const auto law = porous::resistance(gamma, n, porous::seepage_at(scene_, *here, n));
+  const double seepage = law.speed(n * gamma * gradient) / gradient;
   return {seepage * total / gamma, magnitude > 0.0 ? seepage * weight_.dot(c.normal) / magnitude : 0.0};
+}
+
+/// Nothing holds the water at a face of soil without water behind it but the air: there its surface is the face itself.
+/// Elsewhere in soil it is drawn on by the suction of the dry ground ahead.
+template <int D>
+void Fluid<D>::limit_surface(Stencil<D>& s) const {
+  const double gamma = porous::specific_weight(scene_);
+  const ColumnFinder<D> finder(state_.columns);
+  for (std::size_t a = 0; a < s.n_real; ++a) {
+    if (s.divergence[a] > D) continue;
+    const double spacing = 2.0 * s.surface_distance[a];
+    const int i = finder.nearest(s.position[a]);
+    const auto* c = i < 0 ? nullptr : &state_.columns[static_cast<std::size_t>(i)];
+    const double d = c ? c->inside(s.position[a]) : spacing;
+    if (c && c->in_soil && !c->wet && d < 0.5 * spacing)
+      s.surface_distance[a] = std::max(d, 0.1 * spacing);
+    else if (const Soil* here = soil_at(scene_, to_point3<D>(s.position[a])))
+      s.surface_pressure[a] = -gamma * here->suction_head;
+  }
 }
 
 template <int D>
 void Fluid<D>::give_birth_and_delete() {
   auto& p = state_.particles;
-  if (state_.columns.empty()) return;
+  const ColumnFinder<D> finder(state_.columns);
   std::vector<bool> keep(p.size(), true);
   bool any = false;
   for (std::size_t a = 0; a < p.size(); ++a) {
-    for (auto& c : state_.columns) {
-      const double d = c.inside(p.position[a]);
-      if (d >= -deletion_depth * c.spacing || d < -3.0 * c.spacing) continue;
-      const Vec<D> lateral = p.position[a] - c.foot - d * c.normal;
-      if (lateral.norm() > c.width * 1.0001) continue;
+    // Far outside, and no faster than a fall makes it: water that diverges is not hushed up.
+    if (((p.position[a] - lower_).array() < 0.0 || (upper_ - p.position[a]).array() < 0.0).any() &&
+        p.velocity[a].squaredNorm() <= 4.0 * weight_.norm() / density_ * (upper_ - lower_).norm()) {
       keep[a] = false;
       any = true;
-      c.offset = std::clamp(d + c.spacing, 0.0, 0.999 * c.spacing);
-      break;
+      ++state_.counts.lost;
+      continue;
     }
+    const int i = finder.nearest(p.position[a]);
+    if (i < 0) continue;
+    auto& c = state_.columns[static_cast<std::size_t>(i)];
+    const double d = c.inside(p.position[a]);
+    if (d >= -deletion_depth * c.spacing) continue;
+    keep[a] = false;
+    c.net -= p.mass[a] / density_;
+    any = true;
+    c.offset = std::clamp(d + c.spacing, 0.0, 0.999 * c.spacing);
   }
   if (any) {
     const std::size_t had = p.size();
@@ -96,6 +150,7 @@ void Fluid<D>::give_birth_and_delete() {
     const Soil* here = soil_at(scene_, to_point3<D>(c.foot + 0.25 * c.spacing * c.normal));
     const double n = here ? here->porosity : 1.0;
     p.add(c.foot + c.offset * c.normal, c.speed * c.normal, c.mass, n, c.volume, c.pressure + c.slope * c.offset);
+    c.net += c.mass / density_;
     ++state_.counts.born;
   }
 }

@@ -29,9 +29,14 @@ struct FaceColumn {
   double speed = 0.0;              ///< of the stack [m/s]
   double pressure = 0.0;           ///< at the foot, piezometric [Pa]
   double slope = 0.0;              ///< of the piezometric pressure along the normal [Pa/m]
+  double net = 0.0;                ///< volume of particles born here, less that of those deleted [m^D]
   bool in_soil = false;            ///< the ground behind the face is soil
   bool wet = false;                ///< acts now
   [[nodiscard]] double inside(const Vec<D>& x) const { return normal.dot(x - foot); }
+  /// Volume of water that the first buffer has inside the face [m^D]; negative: that the last particle has outside.
+  [[nodiscard]] double share(double density) const { return wet ? mass / density * (offset / spacing - 0.5) : 0.0; }
+  /// Volume of water that has come in here, less what has gone out [m^D].
+  [[nodiscard]] double passed(double density) const { return net + share(density); }
 };
 
 /// What drives a front into dry ground behind a face.
@@ -138,20 +143,59 @@ std::vector<FaceColumn<D>> make_columns(const Case& scene) {
   return columns;
 }
 
-/// Pressures at the feet at a time; a column acts where the total pressure there is not negative.
+/// Finds the column that a place belongs to.
 template <int D>
-void update_columns(const Case& scene, double time, const Vec<D>& weight, const Vec<D>& origin,
-                    std::vector<FaceColumn<D>>& columns) {
+class ColumnFinder {
+ public:
+  explicit ColumnFinder(const std::vector<FaceColumn<D>>& columns) : columns_(columns) {
+    for (const auto& c : columns_) {
+      feet_.push_back(c.foot);
+      widest_ = std::max(widest_, reach * std::max(c.spacing, 2.0 * c.width));
+    }
+    grid_.build(feet_, std::max(widest_, 1e-300));
+  }
+  ColumnFinder(const ColumnFinder&) = delete;
+  ColumnFinder& operator=(const ColumnFinder&) = delete;
+
+  /// The column with the nearest foot, if x stands before or behind it, or less than a spacing beside it; -1: none.
+  [[nodiscard]] int nearest(const Vec<D>& x) const {
+    int best = -1;
+    double least = widest_ * widest_;
+    grid_.for_each_within(x, widest_, [&](Index i, double r2) {
+      if (r2 >= least) return;
+      least = r2;
+      best = static_cast<int>(i);
+    });
+    if (best < 0) return -1;
+    const auto& c = columns_[static_cast<std::size_t>(best)];
+    const Vec<D> lateral = x - c.foot - c.inside(x) * c.normal;
+    return lateral.norm() <= c.width + c.spacing ? best : -1;
+  }
+
+ private:
+  static constexpr double reach = 2.0;
+  const std::vector<FaceColumn<D>>& columns_;
+  VecArray<D> feet_;
+  double widest_ = 0.0;
+  sph::CellGrid<D> grid_;
+};
+
+/// Pressures at the feet at a time; a column acts where the total pressure there is not negative. basin_level [m]: of
+/// each face, for those that are basins.
+template <int D>
+void update_columns(const Case& scene, double time, std::span<const double> basin_level, const Vec<D>& weight,
+                    const Vec<D>& origin, std::vector<FaceColumn<D>>& columns) {
   const double magnitude = weight.norm();
   for (auto& c : columns) {
     const WaterFace& face = scene.water_faces[static_cast<std::size_t>(c.face)];
-    double total = 0.0;
-    if (face.head) {
-      const double elevation = magnitude > 0.0 ? -weight.dot(c.foot) / magnitude : 0.0;
+    const double elevation = magnitude > 0.0 ? -weight.dot(c.foot) / magnitude : 0.0;
+    double total = -1.0;
+    if (face.discharge)
+      total = magnitude * (basin_level[static_cast<std::size_t>(c.face)] - elevation);
+    else if (face.head)
       total = magnitude * (face.head->at(time) - elevation);
-    } else if (face.pressure) {
+    else if (face.pressure)
       total = face.pressure->at(time);
-    }
     c.wet = total >= 0.0;
     c.pressure = total - weight.dot(c.foot - origin);
   }
@@ -172,32 +216,34 @@ std::vector<Buffer<D>> make_buffers(const std::vector<FaceColumn<D>>& columns) {
 }
 
 /// Fits of the pressure's slope at every column: weighted least squares through the face, over the first spacings
-/// inside.
+/// inside, images behind walls included. Where there are only particles on the face itself the slope is bounded, as if
+/// they stood a fifth of a spacing inside.
 template <int D>
 void fit_columns(const std::vector<FaceColumn<D>>& columns, Stencil<D>& s) {
   s.fit_offset.assign(1, 0);
   if (columns.empty()) return;
-  const std::span<const Vec<D>> reals(s.position.data(), s.n_real);
   sph::CellGrid<D> grid;
   double widest = 0.0;
   for (const auto& c : columns) widest = std::max(widest, 1.3 * std::pow(c.volume, 1.0 / D));
-  grid.build(reals, widest);
+  grid.build(s.position, widest);
   for (const auto& c : columns) {
     const std::size_t begin = s.fit_index.size();
-    double sum = 0.0;
+    double sum = 0.0, least = 0.0;
     if (c.wet) {
       const double h = 0.65 * std::pow(c.volume, 1.0 / D);
-      grid.for_each_within(c.foot + 0.75 * c.spacing * c.normal, sph::support_radius * h, [&](Index a, double r2) {
-        const double d = c.inside(s.position[a]);
-        if (d < 0.2 * c.spacing) return;
+      grid.for_each_within(c.foot + 0.75 * c.spacing * c.normal, sph::support_radius * h, [&](Index j, double r2) {
+        const Index a = s.parent[j];
+        const double d = c.inside(s.position[j]);
+        if (a >= s.n_real || d <= 0.0) return;
         const double w = s.volume[a] * Kernel<D>::value(std::sqrt(r2), h);
         if (w == 0.0) return;
         sum += w * d * d;
+        least += w * 0.04 * c.spacing * c.spacing;
         s.fit_index.push_back(a);
         s.fit_weight.push_back(w * d);
       });
     }
-    for (std::size_t k = begin; k < s.fit_index.size(); ++k) s.fit_weight[k] /= sum;
+    for (std::size_t k = begin; k < s.fit_index.size(); ++k) s.fit_weight[k] /= std::max(sum, least);
     s.fit_offset.push_back(static_cast<Index>(s.fit_index.size()));
   }
 }

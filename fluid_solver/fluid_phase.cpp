@@ -1,6 +1,7 @@
 #include "fluid_solver/fluid_phase.hpp"
 
 #include "common/core/error.hpp"
+#include "fluid_solver/basin.hpp"
 #include "fluid_solver/cloud.hpp"
 #include "fluid_solver/fluid.hpp"
 #include "fluid_solver/operators.hpp"
@@ -8,12 +9,47 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numbers>
 
 namespace poretwin::fluid {
 
 namespace {
 
 constexpr int periodic_boundary = 31;
+/// A window is solved again when the drag's tangent misses the law by more than this share of inertia and drag (rms).
+constexpr double drag_tolerance = 0.02;
+constexpr int most_drag_rounds = 10;
+
+/// The box around everything in the case, widened by its diagonal on all sides; without bound along periodic axes.
+template <int D>
+std::pair<Vec<D>, Vec<D>> reach_of(const Case& scene) {
+  Vec<D> lower = Vec<D>::Constant(1e300), upper = -lower;
+  const auto enclose = [&](const Point3& x) {
+    lower = lower.cwiseMin(Vec<D>(x.head<D>()));
+    upper = upper.cwiseMax(Vec<D>(x.head<D>()));
+  };
+  const auto enclose_shape = [&](const Shape& shape) {
+    const auto [lo, hi] = bounds(shape);
+    enclose(lo);
+    enclose(hi);
+  };
+  const auto enclose_face = [&](const Face& face) {
+    for (const auto& x : face.points) enclose(x);
+    if (face.points.empty()) enclose(face.point);
+  };
+  for (const auto& soil : scene.soils) enclose_shape(soil.shape);
+  for (const auto& region : scene.fluid.regions) enclose_shape(region);
+  for (const auto& wall : scene.walls) enclose_face(wall.face);
+  for (const auto& face : scene.water_faces) enclose_face(face.face);
+  const double margin = (upper - lower).norm();
+  lower.array() -= margin;
+  upper.array() += margin;
+  for (const int axis : scene.general.periodic) {
+    lower[axis] = -1e300;
+    upper[axis] = 1e300;
+  }
+  return {lower, upper};
+}
 
 }  // namespace
 
@@ -34,6 +70,8 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
   }
   for (const auto& plane : periodic_planes<D>(scene.general, periodic_boundary)) planes_.push_back(plane);
 
+  std::tie(lower_, upper_) = reach_of<D>(scene);
+
   auto& p = state_.particles;
   unsigned seed = scene.fluid.seed;
   double top = -1e300, bottom = 1e300;
@@ -43,7 +81,7 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
     for (const auto& x : lattice.position) {
       const Soil* soil = soil_at(scene, to_point3<D>(x));
       const double n = soil ? soil->porosity : 1.0;
-      p.add(x, scene.fluid.initial_velocity.head<D>(), n * density_ * lattice.volume, n, lattice.volume, 0.0);
+      p.add(x, initial_velocity(x), n * density_ * lattice.volume, n, lattice.volume, 0.0);
       const double height = up.dot(x) + 0.5 * dx_;
       if (height > top) {
         top = height;
@@ -53,13 +91,38 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
     }
   }
   const double depth = p.size() > 0 ? top - bottom : dx_;
-  // Inviscid free water is slowly unstable: a trace of viscosity on the scale of the particles.
-  viscosity_ = std::max(scene.water.kinematic_viscosity, 0.01 * dx_ * std::sqrt(scene.general.gravity.norm() * depth));
+  // Inviscid free water is slowly unstable: a trace of viscosity on the scale of the particles. Explicit sweeps let
+  // sound through and need what weakly compressible SPH needs, alpha h c/(2 (D + 2)) with alpha = 0.03 at least,
+  // c = 10 sqrt(g H) (Monaghan 1994).
+  const double share = scene.fluid.scheme == FluidCase::Scheme::projection ? 0.01 : 0.05;
+  viscosity_ = std::max(scene.water.kinematic_viscosity, share * dx_ * std::sqrt(scene.general.gravity.norm() * depth));
   state_.columns = make_columns<D>(scene);
-  update_columns<D>(scene_, 0.0, weight_, origin_, state_.columns);
+  for (const auto& face : scene.water_faces) {
+    const bool basin = face.discharge.has_value();
+    const double lowest = basin ? face.basin_area->knots.front().first : 0.0;
+    state_.basin_level.push_back(basin && face.head ? std::max(lowest, face.head->at(0.0)) : lowest);
+    state_.supplied.push_back(basin ? basin_volume(*face.basin_area, state_.basin_level.back()) : 0.0);
+  }
+  update_columns<D>(scene_, 0.0, state_.basin_level, weight_, origin_, state_.columns);
   // The soil looks for its rest under what is published before the first exchange.
   settle(rigid_soil<D>(scene_, p.position));
   saved_ = state_;
+}
+
+template <int D>
+Vec<D> Fluid<D>::initial_velocity(const Vec<D>& x) const {
+  const auto& fluid = scene_.fluid;
+  Vec<D> v = fluid.initial_velocity.head<D>();
+  v[0] += fluid.initial_strain * x[0];
+  v[1] -= fluid.initial_strain * x[1];
+  if (fluid.initial_vortices > 0.0) {
+    const auto& box = scene_.general;
+    const Vec<2> k = 2.0 * std::numbers::pi / (box.domain_max - box.domain_min).head<2>().array();
+    const double a = k[0] * (x[0] - box.domain_min[0]), b = k[1] * (x[1] - box.domain_min[1]);
+    v[0] += fluid.initial_vortices * std::sin(a) * std::cos(b);
+    v[1] -= fluid.initial_vortices * k[0] / k[1] * std::cos(a) * std::sin(b);
+  }
+  return v;
 }
 
 template <int D>
@@ -95,18 +158,23 @@ coupling::Publication Fluid<D>::publish() const {
   return out;
 }
 
+/// The skeleton answers inside the pressure solve; explicit sweeps take it as it moved.
+template <int D>
+bool Fluid<D>::responds() const {
+  return scene_.coupled() && scene_.fluid.skeleton_response && scene_.fluid.scheme == FluidCase::Scheme::projection;
+}
+
 template <int D>
 SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox) const {
   const auto& x = state_.particles.position;
   const std::size_t n = x.size();
   // A particle about to leave through a face of soil still counts as in it.
+  const ColumnFinder<D> finder(state_.columns);
   const auto nearest_column = [&](const Vec<D>& point) -> const FaceColumn<D>* {
-    for (const auto& c : state_.columns) {
-      const double d = c.inside(point);
-      if (c.in_soil && std::abs(d) <= c.spacing && (point - c.foot - d * c.normal).norm() <= 1.0001 * c.width)
-        return &c;
-    }
-    return nullptr;
+    const int i = finder.nearest(point);
+    if (i < 0) return nullptr;
+    const auto& c = state_.columns[static_cast<std::size_t>(i)];
+    return c.in_soil && std::abs(c.inside(point)) <= c.spacing ? &c : nullptr;
   };
   if (!scene_.coupled()) {
     VecArray<D> where = x;
@@ -131,6 +199,7 @@ Stencil<D> Fluid<D>::stencil() const {
   const auto buffers = make_buffers(state_.columns);
   auto s = make_stencil<D>(p.position, p.volume, std::span<const Buffer<D>>(buffers), planes_);
   fit_columns(state_.columns, s);
+  limit_surface(s);
   return s;
 }
 
@@ -141,7 +210,7 @@ WindowProblem<D> Fluid<D>::problem(double interval) const {
   in.density = density_;
   in.weight = weight_;
   in.origin = origin_;
-  in.response = scene_.coupled() && scene_.fluid.skeleton_response;
+  in.response = responds();
   in.void_fraction = state_.particles.void_fraction;
   in.velocity = state_.particles.velocity;
   in.source.assign(state_.particles.size(), 0.0);
@@ -181,8 +250,9 @@ void Fluid<D>::initialise(const coupling::Inbox& inbox) {
     stiffest = std::max(stiffest, view.modulus[a]);
   }
   first_interval_ = stiffest > 0.0 ? 0.2 * dx_ / std::sqrt(stiffest / density_) : 0.0;
-  if (scene_.coupled() && scene_.fluid.skeleton_response) state_.controlled = first_interval_;
+  if (responds()) state_.controlled = first_interval_;
   settle(view);
+  limit_scheme(view);
   p.solid_velocity = view.velocity;
   ++state_.revision;
 }
@@ -192,7 +262,8 @@ VecArray<D> Fluid<D>::viscous_velocity(const Stencil<D>& s, const SoilView<D>& v
   const auto& v = state_.particles.velocity;
   VecArray<D> result = v;
   for (std::size_t a = 0; a < s.n_real; ++a) {
-    if (view.mask[a] > 0.5) continue;
+    // In soil drag damps what the trace of viscosity is for, unless inertia rules there as well.
+    if (view.mask[a] > 0.5 && view.drag[a] * interval > state_.particles.void_fraction[a] * density_) continue;
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
       const Index j = s.other[k], q = s.parent[j];
       if (q >= s.n_real) continue;
@@ -226,7 +297,7 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
     if (p.surface[a] != Surface::interior) excess = std::max(0.0, excess);
     source[a] = motion[a] * p.void_fraction[a] * excess / repair_time(a, view);
   }
-  if (!scene_.coupled() || !scene_.fluid.skeleton_response || state_.last_interval <= 0.0) return source;
+  if (!responds() || state_.last_interval <= 0.0) return source;
   // The soil moved by its own account; what that squeezed beyond the prediction is made good now, no faster than it
   // came.
   VecArray<D> beyond(p.size(), Vec<D>::Zero());
@@ -277,18 +348,47 @@ void Fluid<D>::take_back(const Stencil<D>& s, const SoilView<D>& view, double in
   }
 }
 
+/// One window; with a quadratic drag again, about the slip just found, while that still matters.
+template <int D>
+WindowSolution<D> Fluid<D>::solve(const Stencil<D>& s, SoilView<D>& view, const WindowProblem<D>& in) {
+  const auto& p = state_.particles;
+  const bool nonlinear = view.nonlinear();
+  WindowSolution<D> out;
+  out.multigrid = state_.multigrid;
+  for (int round = 1;; ++round) {
+    out.pressure = p.pressure;
+    out.solid_velocity = p.solid_velocity;
+    solve_window<D>(s, view, p.surface, in, out);
+    if (!nonlinear || round == most_drag_rounds) break;
+    double error = 0.0, whole = 0.0;
+    for (std::size_t a = 0; a < p.size(); ++a) {
+      const Vec<D> slip = out.velocity[a] - out.solid_velocity[a];
+      const Vec<D> right = (view.resistance[a].linear + view.resistance[a].quadratic * slip.norm()) * slip;
+      const double aw = p.void_fraction[a] * density_ / in.interval;
+      error += p.volume[a] * (view.drag[a] * slip - view.drag_offset[a] - right).squaredNorm();
+      whole += p.volume[a] * (aw * out.velocity[a] + right).squaredNorm();
+    }
+    if (error <= drag_tolerance * drag_tolerance * whole) break;
+    view.linearise(out.velocity, out.solid_velocity);
+    ++state_.counts.drag_rounds;
+  }
+  return out;
+}
+
 template <int D>
 coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupling::Inbox& inbox) {
   auto& p = state_.particles;
   const double dt = window.interval;
-  const auto view = soil(inbox);
+  auto view = soil(inbox);
+  view.linearise(p.velocity, view.velocity);
   const VecArray<D> velocity_before = p.velocity;
   for (std::size_t a = 0; a < p.size(); ++a) {
     p.void_fraction[a] = 1.0 - view.fraction[a];
     p.volume[a] = p.mass[a] / (p.void_fraction[a] * density_);
     p.mask[a] = view.mask[a];
   }
-  update_columns<D>(scene_, window.time + dt, weight_, origin_, state_.columns);
+  fill_basins(window.time, dt);
+  update_columns<D>(scene_, window.time + dt, state_.basin_level, weight_, origin_, state_.columns);
   const auto s = stencil();
   ++state_.counts.stencils;
   p.surface = find_surface(s);
@@ -297,13 +397,25 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   auto in = problem(dt);
   in.velocity = viscous_velocity(s, view, dt);
   in.source = volume_source(s, view, dt);
-  WindowSolution<D> out;
-  out.pressure = p.pressure;
-  out.solid_velocity = p.solid_velocity;
-  solve_window<D>(s, view, p.surface, in, out);
+  const auto& scheme = scene_.fluid.scheme;
+  if (scheme != FluidCase::Scheme::projection) in.sweeps = scene_.fluid.sweeps;
+  VecArray<D> drag_force(p.size(), Vec<D>::Zero());
+  const ScalarArray drag = view.drag;
+  if (scheme == FluidCase::Scheme::eisph_explicit_drag) {
+    // Eq. (75) as corrected: the drag belongs to the prediction.
+    for (std::size_t a = 0; a < p.size(); ++a) {
+      drag_force[a] = drag[a] * (in.velocity[a] - view.velocity[a]) - view.drag_offset[a];
+      in.velocity[a] -= dt / (p.void_fraction[a] * density_) * drag_force[a];
+      view.resistance[a] = {};
+    }
+    view.linearise(p.velocity, view.velocity);
+  }
+  auto out = solve(s, view, in);
   check_finite(out, window.time);
   state_.counts.windows += 1;
+  state_.multigrid = out.multigrid;
   state_.counts.pressure_iterations += out.pressure_iterations;
+  state_.counts.multigrid_cycles += out.multigrid_cycles;
   state_.counts.skeleton_iterations += out.skeleton_iterations;
   state_.counts.outer_iterations += out.outer;
   state_.counts.unconverged += out.converged ? 0.0 : 1.0;
@@ -313,8 +425,11 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   p.solid_velocity = out.solid_velocity;
   p.velocity = out.velocity;
   for (std::size_t a = 0; a < p.size(); ++a)
-    p.drag_impulse[a] = p.volume[a] * view.drag[a] * dt * (out.velocity[a] - out.solid_velocity[a]);
-  if (scene_.coupled() && !scene_.fluid.skeleton_response) {
+    p.drag_impulse[a] =
+        p.volume[a] * dt *
+        (drag_force[a] + view.drag[a] * (out.velocity[a] - out.solid_velocity[a]) - view.drag_offset[a]);
+  view.drag = drag;
+  if (scene_.coupled() && !responds()) {
     // Plain staggering: the skeleton was taken as it moved; where it goes now is an explicit guess.
     for (std::size_t a = 0; a < p.size(); ++a)
       if (view.density[a] > 0.0)
@@ -322,6 +437,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
                                p.drag_impulse[a] / (p.volume[a] * view.density[a]);
   }
   control_interval(before, dt);
+  limit_scheme(view);
   advance_columns(s, view, dt);
   move(s, out, velocity_before, dt);
   give_birth_and_delete();

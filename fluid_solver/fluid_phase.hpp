@@ -25,7 +25,9 @@ class Fluid final : public Phase {
   [[nodiscard]] const State<D>& state() const { return state_; }
 
  private:
+  Vec<D> initial_velocity(const Vec<D>& x) const;
   void settle(const SoilView<D>& view);
+  WindowSolution<D> solve(const Stencil<D>& s, SoilView<D>& view, const WindowProblem<D>& in);
   SoilView<D> soil(const coupling::Inbox& inbox) const;
   Stencil<D> stencil() const;
   /// Shear stress of the water outside soil, explicit; the smallest viscosity that keeps free water quiet.
@@ -38,20 +40,26 @@ class Fluid final : public Phase {
   void move(const Stencil<D>& s, const WindowSolution<D>& solution, std::span<const Vec<D>> velocity_before,
             double interval);
   void keep_inside(Vec<D>& x, Vec<D>& v, double spacing) const;
+  void fill_basins(double time, double interval);
+  ScalarArray passed() const;
   void advance_columns(const Stencil<D>& s, const SoilView<D>& soil, double interval);
   void wet_dry_ground(FaceColumn<D>& c, double interval) const;
   InfiltrationSpeed infiltration_speed(const FaceColumn<D>& c) const;
+  void limit_surface(Stencil<D>& s) const;
   void give_birth_and_delete();
   void control_interval(const ScalarArray& before, double interval);
+  void limit_scheme(const SoilView<D>& view);
   void take_back(const Stencil<D>& s, const SoilView<D>& view, double interval);
   void check_finite(const WindowSolution<D>& solution, double time) const;
   std::pair<double, std::string> time_limit() const;
+  [[nodiscard]] bool responds() const;
   WindowProblem<D> problem(double interval) const;
 
   Case scene_;
   double dx_ = 0.0, density_ = 1000.0, viscosity_ = 0.0, first_interval_ = 0.0;
   Vec<D> weight_ = Vec<D>::Zero(), origin_ = Vec<D>::Zero();
   std::vector<sph::ImagePlane<D>> planes_;
+  Vec<D> lower_, upper_;       ///< beyond, water is lost [m]
   std::uint32_t no_slip_ = 0;  ///< boundary bits
   State<D> state_, saved_;
 };

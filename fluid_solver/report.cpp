@@ -87,24 +87,61 @@ std::vector<GaugeReading> Fluid<D>::gauges() const {
       // The outermost particle of a column stands half a spacing either way: what of it lies outside the face is no
       // water here.
       for (const auto& c : state_.columns)
-        if (c.wet &&
-            (!gauge.region || contains(*gauge.region, to_point3<D>(Vec<D>(c.foot + 1e-6 * c.spacing * c.normal)), D)))
-          volume += c.mass / density_ * (c.offset / c.spacing - 0.5);
+        if (!gauge.region || contains(*gauge.region, to_point3<D>(Vec<D>(c.foot + 1e-6 * c.spacing * c.normal)), D))
+          volume += c.share(density_);
       readings.push_back({gauge.name, volume, D == 2 ? "m2" : "m3"});
     } else if (gauge.kind == "momentum") {
       Vec<D> sum = Vec<D>::Zero();
       for (std::size_t a = 0; a < p.size(); ++a)
         if (inside(a)) sum += p.mass[a] * p.velocity[a] - p.owed[a];
       for (int d = 0; d < D; ++d) readings.push_back({gauge.name + axes[d], sum[d], "N s"});
-    } else if (gauge.kind == "kinetic_energy") {
+    } else if (gauge.kind == "kinetic_energy" || gauge.kind == "potential_energy" || gauge.kind == "energy") {
+      const double kinetic = gauge.kind == "potential_energy" ? 0.0 : 0.5;
+      const double potential = gauge.kind == "kinetic_energy" ? 0.0 : 1.0;
+      const Vec<D> gravity = scene_.general.gravity.head<D>();
       double sum = 0.0;
       for (std::size_t a = 0; a < p.size(); ++a)
-        if (inside(a)) sum += 0.5 * p.mass[a] * p.velocity[a].squaredNorm();
+        if (inside(a))
+          sum += p.mass[a] * (kinetic * p.velocity[a].squaredNorm() +
+                              potential * (0.5 * scene_.general.central_force * p.position[a].squaredNorm() -
+                                           gravity.dot(p.position[a])));
       readings.push_back({gauge.name, sum, "J"});
+    } else if (gauge.kind == "extent") {
+      const Vec<D> from = gauge.points[0].template head<D>();
+      const Vec<D> along = (gauge.points[1].template head<D>() - from).normalized();
+      double furthest = std::numeric_limits<double>::quiet_NaN();
+      for (std::size_t a = 0; a < p.size(); ++a)
+        if (inside(a))
+          furthest = std::fmax(furthest, along.dot(p.position[a] - from) + 0.5 * std::pow(p.volume[a], 1.0 / D));
+      readings.push_back({gauge.name, furthest, "m"});
+    } else if (gauge.kind == "spread") {
+      const Vec<D> along = (gauge.points[1] - gauge.points[0]).template head<D>().normalized();
+      double mass = 0.0, first = 0.0, second = 0.0;
+      for (std::size_t a = 0; a < p.size(); ++a)
+        if (inside(a)) {
+          const double s = along.dot(p.position[a]);
+          mass += p.mass[a];
+          first += p.mass[a] * s;
+          second += p.mass[a] * s * s;
+        }
+      readings.push_back({gauge.name, std::sqrt(std::max(0.0, second / mass - first * first / (mass * mass))), "m"});
     } else if (gauge.kind == "particles") {
       double count = 0.0;
       for (std::size_t a = 0; a < p.size(); ++a) count += inside(a) ? 1.0 : 0.0;
       readings.push_back({gauge.name, count, "1"});
+    } else if (gauge.kind == "level" || gauge.kind == "passed_volume") {
+      const auto through = passed();
+      double sum = 0.0, level = 0.0;
+      for (std::size_t f = 0; f < scene_.water_faces.size(); ++f) {
+        const auto& face = scene_.water_faces[f];
+        if (!gauge.quantity.empty() && face.name != gauge.quantity) continue;
+        sum += through[f];
+        if (gauge.kind == "level") level = face.discharge ? state_.basin_level[f] : face.head->at(state_.time);
+      }
+      if (gauge.kind == "level")
+        readings.push_back({gauge.name, level, "m"});
+      else
+        readings.push_back({gauge.name, sum, D == 2 ? "m2" : "m3"});
     } else if (gauge.kind == "max_speed") {
       double fastest = 0.0;
       for (std::size_t a = 0; a < p.size(); ++a)
@@ -121,12 +158,15 @@ std::map<std::string, double> Fluid<D>::counters() const {
   return {{"particles", static_cast<double>(state_.particles.size())},
           {"windows", c.windows},
           {"pressure iterations", c.pressure_iterations},
+          {"multigrid cycles", c.multigrid_cycles},
           {"skeleton iterations", c.skeleton_iterations},
           {"outer iterations", c.outer_iterations},
           {"solves that missed their tolerance", c.unconverged},
           {"list rebuilds", c.stencils},
+          {"further rounds of quadratic drag", c.drag_rounds},
           {"born", c.born},
-          {"deleted", c.deleted}};
+          {"deleted", c.deleted},
+          {"lost, far outside", c.lost}};
 }
 
 template class Fluid<2>;

@@ -63,10 +63,16 @@ struct Particles {
   }
 };
 
+/// A bound on the next window and what sets it.
+struct TimeLimit {
+  double interval = 0.0;  ///< s
+  const char* reason = "";
+};
+
 /// What a run's summary counts.
 struct Counts {
-  double windows = 0, pressure_iterations = 0, skeleton_iterations = 0, outer_iterations = 0, stencils = 0, born = 0,
-         deleted = 0, unconverged = 0;
+  double windows = 0, pressure_iterations = 0, multigrid_cycles = 0, skeleton_iterations = 0, outer_iterations = 0,
+         stencils = 0, born = 0, deleted = 0, unconverged = 0, drag_rounds = 0, lost = 0;
 };
 
 template <int D>
@@ -79,6 +85,10 @@ struct State {
   std::uint64_t revision = 0;
   Particles<D> particles;
   std::vector<FaceColumn<D>> columns;
+  bool multigrid = false;   ///< the last window's pressure was worth it
+  ScalarArray supplied;     ///< [faces] volume of the basin at first, and poured in since [m^D]; 0 where it is none
+  ScalarArray basin_level;  ///< [faces] m
+  std::vector<TimeLimit> scheme_limits;  ///< of explicit schemes, from the last window
   Counts counts;
 };
 

@@ -22,7 +22,8 @@ std::vector<Surface> find_surface(const Stencil<D>& s) {
   return flags;
 }
 
-/// Total pressure 0, half a spacing outside the particle: what is added to row a, coefficient * (ph_a - pressure).
+/// The surface's total pressure, at its distance outside the particle: what is added to row a,
+/// coefficient * (ph_a - pressure).
 struct SurfaceRow {
   double coefficient = 0.0;  ///< of the row weighted with the volume
   double pressure = 0.0;     ///< piezometric, Pa
@@ -32,10 +33,10 @@ struct SurfaceRow {
 template <int D>
 SurfaceRow surface_row(const Stencil<D>& s, std::size_t a, double mobility, const Vec<D>& weight,
                        const Vec<D>& origin) {
-  const double amount = s.normal[a].norm(), half = 0.5 * std::pow(s.volume[a], 1.0 / D);
+  const double amount = s.normal[a].norm(), distance = s.surface_distance[a];
   if (amount == 0.0) return {};
-  const Vec<D> x = s.position[a] - half / amount * s.normal[a];
-  return {s.volume[a] * 2.0 * mobility * amount / half, -weight.dot(x - origin)};
+  const Vec<D> x = s.position[a] - distance / amount * s.normal[a];
+  return {s.volume[a] * 2.0 * mobility * amount / distance, s.surface_pressure[a] - weight.dot(x - origin)};
 }
 
 }  // namespace poretwin::fluid

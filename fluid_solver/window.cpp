@@ -1,5 +1,7 @@
 #include "fluid_solver/window.hpp"
 
+#include "fluid_solver/eisph.hpp"
+#include "fluid_solver/multigrid.hpp"
 #include "fluid_solver/operators.hpp"
 
 namespace poretwin::fluid {
@@ -10,11 +12,17 @@ namespace {
 /// and doubles the cost.
 constexpr double response_tolerance = 1e-2, skeleton_tolerance = 1e-4;
 
+/// Conjugate gradients on the diagonal take as long for so many iterations as multigrid does for the whole solve,
+/// its building included, at any size (multigrid_timing.cpp)
+constexpr int patience = 60;
+/// and a solve that takes multigrid no more cycles than this is left to the diagonal next time.
+constexpr int few_cycles = 2;
+
 /// Per particle: the two momentum equations of one backward Euler window, eliminated for v_w' and v_s'.
 struct Elimination {
   double aw = 0.0;  ///< n rho_w / dt
   double as = 0.0;  ///< R / dt
-  double C = 0.0;   ///< drag coefficient
+  double C = 0.0;   ///< drag coefficient: the resistance is C (v_w' - v_s') - f
   double kf = 0.0;  ///< mobility of the water at fixed skeleton
   double ss = 0.0;  ///< mobility of the skeleton with the water dragged along
   double mS = 0.0;  ///< skeleton velocity per pressure gradient
@@ -70,6 +78,9 @@ class WindowSolver {
     }
   }
 
+  /// The water's velocity with the explicit part of a quadratic drag in it.
+  [[nodiscard]] Vec<D> pushed(std::size_t a) const { return in_.velocity[a] + soil_.drag_offset[a] / q_[a].aw; }
+
   /// In: warm starts; out: everything.
   void solve(WindowSolution<D>& out) {
     out.pressure.resize(n_, 0.0);
@@ -78,8 +89,7 @@ class WindowSolver {
     for (std::size_t a = 0; a < n_; ++a)
       if (!q_[a].responds) out.solid_velocity[a] = soil_.velocity[a];
     VecArray<D> flux(n_);
-    for (std::size_t a = 0; a < n_; ++a)
-      flux[a] = in_.void_fraction[a] * q_[a].aw / (q_[a].aw + q_[a].C) * in_.velocity[a];
+    for (std::size_t a = 0; a < n_; ++a) flux[a] = in_.void_fraction[a] * q_[a].aw / (q_[a].aw + q_[a].C) * pushed(a);
     const ScalarArray outflow = divergence<D>(s_, flux);
     ScalarArray b(n_);
     for (std::size_t a = 0; a < n_; ++a) b[a] = s_.volume[a] * (in_.source[a] - outflow[a]) + boundary_[a];
@@ -97,10 +107,10 @@ class WindowSolver {
  private:
   double kf(std::size_t b, std::size_t otherwise) const { return b < n_ ? q_[b].kf : q_[otherwise].kf; }
 
-  /// Lone particles, and the surface of free water, where the softer condition of a wetting front feeds splashes with
-  /// energy.
+  /// Lone particles, and the surface where the water's inertia rules, outside soil and in coarse soil: there the softer
+  /// condition of a wetting front feeds splashes with energy.
   bool pinned(std::size_t a) const {
-    return flags_[a] == Surface::lone || (flags_[a] == Surface::surface && soil_.mask[a] < 0.5);
+    return flags_[a] == Surface::lone || (flags_[a] == Surface::surface && (soil_.mask[a] < 0.5 || q_[a].C < q_[a].aw));
   }
 
   /// Zero total pressure at a lone particle; hydrostatic from the surface, half a spacing outside, at the others.
@@ -161,15 +171,37 @@ class WindowSolver {
     ScalarArray known(n_, 0.0), drive(n_);
     for (std::size_t a = 0; a < n_; ++a)
       if (pinned(a)) out.pressure[a] = known[a] = pinned_pressure(a) - reference;
+    if (in_.sweeps > 0) {
+      relaxed_sweeps(fluid_, b, out.pressure, in_.sweeps);
+      out.pressure_iterations += in_.sweeps;
+      for (auto& p : out.pressure) p += reference;
+      return;
+    }
     fluid_.apply(std::span<const double>(known), std::span<double>(drive));
     for (std::size_t a = 0; a < n_; ++a) drive[a] = pinned(a) ? 0.0 : b[a] - drive[a];
     const auto apply = [&](std::span<const double> x, std::span<double> y) { fluid_.apply(x, y); };
-    const auto precondition = [&](std::span<const double> r, std::span<double> z) {
+    const auto by_diagonal = [&](std::span<const double> r, std::span<double> z) {
       for (std::size_t a = 0; a < n_; ++a) z[a] = fluid_.diagonal[a] > 0.0 ? r[a] / fluid_.diagonal[a] : 0.0;
       if (closed_) remove_mean(z);
     };
-    const auto report = conjugate_gradients(apply, precondition, b, out.pressure, in_.tolerance * norm(drive), 2000);
-    out.pressure_iterations += report.iterations;
+    const double tolerance = in_.tolerance * norm(drive);
+    SolveReport report;
+    report.converged = false;
+    if (!out.multigrid) {
+      report = conjugate_gradients(apply, by_diagonal, b, out.pressure, tolerance, patience);
+      out.pressure_iterations += report.iterations;
+      out.multigrid = !report.converged;
+    }
+    if (!report.converged) {
+      Multigrid multigrid(fluid_);
+      const auto by_cycle = [&](std::span<const double> r, std::span<double> z) {
+        multigrid.cycle(r, z);
+        if (closed_) remove_mean(z);
+      };
+      report = conjugate_gradients(apply, by_cycle, b, out.pressure, tolerance, 2000);
+      out.multigrid_cycles += report.iterations;
+      out.multigrid = report.iterations > few_cycles;
+    }
     out.converged = report.converged;
     out.outer = 1;
     for (auto& p : out.pressure) p += reference;
@@ -279,9 +311,9 @@ class WindowSolver {
       const auto& q = q_[a];
       if (!q.responds) continue;
       // The exchanged force carries the soil's full weight; the piezometric pressure leaves its buoyant part.
-      const Vec<D> r = soil_.force[a] - soil_.fraction[a] * in_.weight;
-      rhs[a] = q.ss / (q.aw + q.C) * (q.C * q.aw * in_.velocity[a] + (q.aw + q.C) * (q.as * soil_.velocity[a] + r)) -
-               q.mS * G[a];
+      const Vec<D> r = soil_.force[a] - soil_.fraction[a] * in_.weight - soil_.drag_offset[a];
+      rhs[a] =
+          q.ss / (q.aw + q.C) * (q.C * q.aw * pushed(a) + (q.aw + q.C) * (q.as * soil_.velocity[a] + r)) - q.mS * G[a];
     }
     out.skeleton_iterations += solve_H(rhs, out.solid_velocity, tolerance);
   }
@@ -368,7 +400,7 @@ class WindowSolver {
     for (std::size_t a = 0; a < n_; ++a) {
       const auto& q = q_[a];
       out.velocity[a] =
-          (q.aw * in_.velocity[a] + q.C * out.solid_velocity[a]) / (q.aw + q.C) - flux[a] / in_.void_fraction[a];
+          (q.aw * pushed(a) + q.C * out.solid_velocity[a]) / (q.aw + q.C) - flux[a] / in_.void_fraction[a];
     }
     out.gradient = plain_gradient(out.pressure, false);
   }

@@ -1,5 +1,6 @@
 #include "common/case/check.hpp"
 
+#include "common/case/enclosure.hpp"
 #include "common/case/geometry.hpp"
 #include "common/core/error.hpp"
 
@@ -14,10 +15,20 @@ namespace poretwin {
 namespace {
 
 constexpr std::array<std::string_view, 2> phases{"fluid", "solid"};
-constexpr std::array<std::string_view, 16> gauge_kinds{
-    "height",           "grain_volume", "stress_noise",     "density_error",  "point",     "front",
-    "volume",           "momentum",     "kinetic_energy",   "strain_energy",  "particles", "max_speed",
-    "max_displacement", "uplift",       "crest_settlement", "pending_impulse"};
+constexpr std::array gauge_kinds{
+    std::string_view("point"),           std::string_view("front"),
+    std::string_view("volume"),          std::string_view("momentum"),
+    std::string_view("kinetic_energy"),  std::string_view("potential_energy"),
+    std::string_view("energy"),          std::string_view("extent"),
+    std::string_view("spread"),          std::string_view("particles"),
+    std::string_view("max_speed"),       std::string_view("max_displacement"),
+    std::string_view("strain_energy"),   std::string_view("max_plastic_strain"),
+    std::string_view("uplift"),          std::string_view("crest_settlement"),
+    std::string_view("pending_impulse"), std::string_view("level"),
+    std::string_view("passed_volume"),   std::string_view("height"),
+    std::string_view("grain_volume"),    std::string_view("stress_noise"),
+    std::string_view("density_error"),
+};
 
 class Checker {
  public:
@@ -29,7 +40,12 @@ class Checker {
     fluid_regions();
     faces();
     walls();
+    soils_are_supported();
     pore_pressures();
+    if (scene_.has_water()) {
+      sides();
+      enclosure();
+    }
     gauges();
   }
 
@@ -87,6 +103,12 @@ class Checker {
       }
       return;
     }
+    if (s.kind == Shape::Kind::ball) {
+      if (s.radius < 0.5 * spacing)
+        fail(key + ".radius", fmt::format("no particle fits: the ball's radius is {} m, the particle spacing is {} m",
+                                          s.radius, spacing));
+      return;
+    }
     if (dimension != 2)
       fail(key + ".shape", "polygons are for dimension = 2, found dimension = 3; use shape = \"box\"");
     if (given(key + ".min") || given(key + ".max"))
@@ -142,9 +164,86 @@ class Checker {
         fail(key + ".maximum_void_ratio",
              fmt::format("expected at least the initial void ratio, {:.4g} for a porosity of {}, found {}", e,
                          soil.porosity, *soil.maximum_void_ratio));
+      using enum Soil::SeepageLaw;
+      if (soil.seepage_law == ergun && !(soil.grain_diameter > 0.0))
+        fail(key + ".grain_diameter", "the law \"ergun\" needs the size of the grains in m, found none");
+      if (soil.seepage_law == ergun && given(key + ".hydraulic_conductivity"))
+        fail(key + ".hydraulic_conductivity",
+             "the law \"ergun\" takes the conductivity from grain_diameter and porosity; use \"forchheimer\" to give "
+             "it");
+      if (soil.seepage_law != ergun && given(key + ".grain_diameter"))
+        fail(key + ".grain_diameter", "belongs to seepage_law = \"ergun\"");
+      if (soil.seepage_law != forchheimer && given(key + ".forchheimer_coefficient"))
+        fail(key + ".forchheimer_coefficient", "belongs to seepage_law = \"forchheimer\"");
       shapes.push_back(soil.shape);
     }
     no_overlap(shapes, "soil", spacing);
+  }
+
+  /// Whether the wall lies under the soil's particles x (within one spacing), or holds them by being fixed.
+  [[nodiscard]] bool holds(const Wall& wall, const std::vector<Point3>& points, double spacing) const {
+    const Point3 down = scene_.general.gravity.normalized();
+    auto near = [&](const Point3& point, const Point3& normal, const Point3& tangent, double length) {
+      const double facing = normal.dot(down);
+      if (wall.soil == Wall::ForSoil::fixed ? facing > 1e-6 : facing > -1e-6) return false;
+      return std::any_of(points.begin(), points.end(), [&](const Point3& x) {
+        const double away = normal.dot(x - point), along = tangent.dot(x - point);
+        return away > -0.5 * spacing && away < spacing && along > -spacing && along < length + spacing;
+      });
+    };
+    const Face& f = wall.face;
+    if (f.points.empty()) return near(f.point, f.normal.normalized(), Point3::Zero(), 1.0);
+    for (std::size_t i = 0; i + 1 < f.points.size(); ++i) {
+      const Point3 way = f.points[i + 1] - f.points[i];
+      const Point3 tangent = way.normalized();
+      if (near(f.points[i], Point3(-tangent.y(), tangent.x(), 0.0), tangent, way.norm())) return true;
+    }
+    return false;
+  }
+
+  /// Every soil must rest on a wall, or on a soil that does.
+  void soils_are_supported() const {
+    const Point3& gravity = scene_.general.gravity;
+    if (!scene_.deformable() || !(gravity.norm() > 0.0)) return;
+    for (const int axis : scene_.general.periodic)
+      if (gravity[axis] != 0.0) return;
+    const double spacing = scene_.solid.particle_spacing;
+    const std::size_t n = scene_.soils.size();
+    std::vector<std::vector<Point3>> points(n);
+    std::vector<char> supported(n, 0);
+    for (std::size_t i = 0; i < n; ++i) {
+      auto take = [&](const auto& lattice) {
+        for (const auto& x : lattice.position) {
+          Point3 point = Point3::Zero();
+          point.head(x.size()) = x;
+          points[i].push_back(point);
+        }
+      };
+      const auto& offset = scene_.solid.offset;
+      if (scene_.general.dimension == 3)
+        take(fill<3>(scene_.soils[i].shape, spacing, offset, 0.0, 1));
+      else
+        take(fill<2>(scene_.soils[i].shape, spacing, offset, 0.0, 1));
+      for (const auto& wall : scene_.walls)
+        if (wall.soil != Wall::ForSoil::none && holds(wall, points[i], spacing)) supported[i] = 1;
+    }
+    const Point3 step = 1.001 * spacing * gravity.normalized();
+    for (bool more = true; more;) {
+      more = false;
+      for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = 0; j < n && !supported[i]; ++j) {
+          if (!supported[j]) continue;
+          const auto& below = scene_.soils[j].shape;
+          supported[i] = std::any_of(points[i].begin(), points[i].end(), [&](const Point3& x) {
+            return contains(below, Point3(x + step), scene_.general.dimension);
+          });
+          more = more || supported[i];
+        }
+    }
+    for (std::size_t i = 0; i < n; ++i)
+      if (!supported[i])
+        fail(fmt::format("soil[{}]", i),
+             "nothing holds the soil up: expected a [[wall]] for soil under it, or a soil that rests on one");
   }
 
   void fluid_regions() const {
@@ -178,8 +277,18 @@ class Checker {
       const std::string key = fmt::format("water_face[{}]", i);
       const auto& f = scene_.water_faces[i];
       face(f.face, key);
-      if (f.head.has_value() == f.pressure.has_value())
-        fail(key, fmt::format("expected either 'head' or 'pressure', found {}", f.head ? "both" : "neither"));
+      const int kinds = (f.head && !f.discharge) + f.pressure.has_value() + f.discharge.has_value() + f.outlet;
+      if (kinds != 1)
+        fail(key, fmt::format("expected one of 'head', 'pressure', 'discharge' and 'outlet', found {}",
+                              kinds == 0 ? "none" : "more"));
+      if (f.discharge.has_value() != f.basin_area.has_value())
+        fail(key, "'discharge' and 'basin_area' belong together: what is poured in, and into what");
+      if (f.basin_area)
+        for (std::size_t j = 0; j < f.basin_area->knots.size(); ++j) {
+          const auto [z, area] = f.basin_area->knots[j];
+          if (!(area > 0.0))
+            fail(key + ".basin_area", fmt::format("expected positive areas, found {} at elevation {} m", area, z));
+        }
     }
     for (std::size_t i = 0; i < scene_.loads.size(); ++i) face(scene_.loads[i].face, fmt::format("load[{}]", i));
   }
@@ -270,6 +379,116 @@ class Checker {
     }
   }
 
+  [[nodiscard]] bool wet(const Point3& x) const {
+    return std::any_of(scene_.fluid.regions.begin(), scene_.fluid.regions.end(),
+                       [&](const Shape& region) { return contains(region, x, scene_.general.dimension); });
+  }
+  [[nodiscard]] bool ground(const Point3& x) const {
+    return wet(x) || std::any_of(scene_.soils.begin(), scene_.soils.end(),
+                                 [&](const Soil& soil) { return contains(soil.shape, x, scene_.general.dimension); });
+  }
+
+  /// A place on a piece of a line of points, and the two sides of it, a quarter spacing away.
+  struct Place {
+    Point3 at, left, right;
+  };
+  [[nodiscard]] std::vector<Place> places_on(const Piece& piece) const {
+    std::vector<Place> result;
+    const Point3 along = piece.b - piece.a;
+    const Point3 aside = 0.25 * scene_.fluid.particle_spacing * Point3(-along.y(), along.x(), 0.0).normalized();
+    const int parts = std::clamp(static_cast<int>(along.norm() / scene_.fluid.particle_spacing), 1, 10000);
+    for (int k = 0; k < parts; ++k) {
+      const Point3 x = piece.a + (k + 0.5) / parts * along;
+      result.push_back({x, x + aside, x - aside});
+    }
+    return result;
+  }
+
+  /// Walls and water faces have the domain on their left, and water on that side only.
+  void sides() const {
+    for (std::size_t i = 0; i < scene_.walls.size(); ++i) {
+      const auto& wall = scene_.walls[i];
+      if (wall.water == Wall::ForWater::none) continue;
+      const std::string key = fmt::format("wall[{}]", i);
+      for (const auto& piece : pieces(wall.face)) {
+        std::size_t left = 0;
+        std::optional<Point3> right;
+        for (const auto& place : places_on(piece)) {
+          if (wet(place.left) && wet(place.right))
+            fail(key, fmt::format("runs through a [[fluid.region]], for example at {} m; expected water on its left "
+                                  "side only",
+                                  shown(place.at)));
+          left += ground(place.left);
+          if (ground(place.right)) right = place.at;
+        }
+        if (left == 0 && right)
+          fail(key + ".points",
+               fmt::format(
+                   "water or soil lies to the right of the walk from {} to {}, for example at {} m; expected the "
+                   "domain on the left: turn the order of the points round",
+                   shown(piece.a), shown(piece.b), shown(*right)));
+      }
+    }
+    for (std::size_t i = 0; i < scene_.water_faces.size(); ++i) {
+      const Face& face = scene_.water_faces[i].face;
+      const std::string key = fmt::format("water_face[{}].points", i);
+      std::size_t left = 0, right = 0;
+      for (const auto& piece : pieces(face))
+        for (const auto& place : places_on(piece)) {
+          left += ground(place.left);
+          right += ground(place.right);
+        }
+      if (face.points.empty() || left > 0 || scene_.water_faces[i].outlet) continue;
+      if (right > 0)
+        fail(key,
+             "soil and water lie to the right of the walk; expected the domain on the left: turn the order of the "
+             "points round");
+      fail(key, fmt::format("no [[soil]] and no [[fluid.region]] touches the face from {} to {} m: it is inside a wall "
+                            "or off the domain; expected a side of one of them",
+                            shown(face.points.front()), shown(face.points.back())));
+    }
+  }
+
+  void enclosure() const {
+    const auto leak = find_leak(scene_);
+    if (!leak) return;
+    std::string gap;
+    for (const auto& [name, x] : leak->ends)
+      gap += fmt::format("{}{}, where {} ends", gap.empty() ? (leak->ends.size() > 1 ? "between " : "past ") : " and ",
+                         shown(x), name);
+    fail("wall",
+         fmt::format("water can run out at {} m{}{}; expected walls, faces or periodic sides that meet wherever "
+                     "water or wet soil touches: close the gap with a [[wall]], or let the water through with "
+                     "a [[water_face]]",
+                     shown(leak->at), gap.empty() ? "" : ", ", gap));
+  }
+
+  /// Is x beyond everything that stands in the case?
+  [[nodiscard]] bool outside(const Point3& x) const {
+    const int dimension = scene_.general.dimension;
+    Point3 lower = Point3::Constant(HUGE_VAL), upper = -lower;
+    const auto enclose = [&](const Point3& point) {
+      lower = lower.cwiseMin(point);
+      upper = upper.cwiseMax(point);
+    };
+    const auto shape_corners = [&](const Shape& s) {
+      const auto [lo, hi] = bounds(s);
+      enclose(lo);
+      enclose(hi);
+    };
+    for (const auto& soil : scene_.soils) shape_corners(soil.shape);
+    for (const auto& region : scene_.fluid.regions) shape_corners(region);
+    for (const auto& wall : scene_.walls)
+      for (const auto& point : wall.face.points) enclose(point);
+    for (const auto& face : scene_.water_faces)
+      for (const auto& point : face.face.points) enclose(point);
+    for (int d = 0; d < dimension; ++d) {
+      const double slack = 1e-6 * (upper[d] - lower[d]);
+      if (x[d] < lower[d] - slack || x[d] > upper[d] + slack) return true;
+    }
+    return false;
+  }
+
   void gauges() const {
     for (std::size_t i = 0; i < scene_.gauges.size(); ++i) {
       const auto& gauge = scene_.gauges[i];
@@ -287,6 +506,24 @@ class Checker {
       if (gauge.kind == "front" && gauge.points.size() != 2)
         fail(key + ".points",
              fmt::format("a front gauge needs the 2 ends of its line, found {} points", gauge.points.size()));
+      if (gauge.kind == "level" || gauge.kind == "passed_volume") {
+        const auto& faces = scene_.water_faces;
+        const auto named = std::find_if(faces.begin(), faces.end(),
+                                        [&](const WaterFace& face) { return face.name == gauge.quantity; });
+        if (named == faces.end() && !(gauge.quantity.empty() && gauge.kind == "passed_volume"))
+          fail(key + ".quantity", fmt::format("expected the name of a [[water_face]], found \"{}\"", gauge.quantity));
+        if (gauge.kind == "level" && !named->discharge && !named->head)
+          fail(key + ".quantity", fmt::format("the face \"{}\" has no water level", gauge.quantity));
+      }
+      if ((gauge.kind == "extent" || gauge.kind == "spread") && gauge.points.size() != 2)
+        fail(key + ".points", fmt::format("expected the start of a direction and a second point on it, found {} points",
+                                          gauge.points.size()));
+      if (!gauge.points.empty() &&
+          std::all_of(gauge.points.begin(), gauge.points.end(), [&](const Point3& x) { return outside(x); }))
+        fail(
+            key + ".points",
+            fmt::format("expected a place within the walls, soil and water of the case, found {} m outside all of them",
+                        shown(gauge.points.front())));
       if (gauge.region) shape(*gauge.region, key + ".region", 0.0);
       for (std::size_t j = 0; j < i; ++j)
         if (scene_.gauges[j].name == gauge.name)
