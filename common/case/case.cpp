@@ -280,6 +280,10 @@ void declare(Keys& keys, SolidCase& s) {
   keys.number("zero_energy_viscosity", s.zero_energy_viscosity,
               {"", "Viscosity on what a linear field does not explain of the velocity; off where the soil flows."},
               not_negative());
+  keys.flag(
+      "regular_flow", s.regular_flow,
+      {"",
+       "Averages that keep stress, density and packing of flowing soil regular; false: to show what they are for."});
   keys.number("zero_energy_stiffness", s.zero_energy_stiffness,
               {"", "Stiffness on the same of the displacement, in M; between particles that never yielded."},
               not_negative());

@@ -183,6 +183,7 @@ struct SolidCase {
   double courant = 0.8;                ///< of dx / sqrt(M / rho_bar_s)
   double artificial_viscosity = 0.1;   ///< alpha of Monaghan's, on approaching particles
   double zero_energy_viscosity = 0.1;  ///< on the part of the velocity that is not linear around a particle
+  bool regular_flow = true;            ///< averages that keep stress, density and packing of flowing soil regular
   double zero_energy_stiffness = 0.1;  ///< the same on the displacement, of M, between particles that never yielded
 };
 
