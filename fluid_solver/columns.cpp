@@ -19,7 +19,11 @@ void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, dou
   grid.build(p.position, widest);
   for (std::size_t i = 0; i < state_.columns.size(); ++i) {
     auto& c = state_.columns[i];
-    const double speed_before = c.speed;
+    const double speed_before = c.speed, offset_before = c.offset;
+    const auto account = [&] {
+      const double gained = c.mass / density_ * (c.offset - offset_before) / c.spacing;
+      (gained > 0.0 ? state_.balance.in : state_.balance.out) += std::abs(gained);
+    };
     c.speed = 0.0;
     c.slope = 0.0;
     if (!c.wet) continue;
@@ -36,10 +40,12 @@ void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, dou
     });
     if (sum < 0.05) {
       wet_dry_ground(c, interval);
+      account();
       continue;
     }
     c.speed = speed / sum;
     c.offset += interval * (c.speed + (c.in_soil ? look_ahead(interval) * (c.speed - speed_before) : 0.0));
+    account();
   }
 }
 
@@ -61,9 +67,9 @@ InfiltrationSpeed Fluid<D>::infiltration_speed(const FaceColumn<D>& c) const {
   const double magnitude = weight_.norm();
   const Soil* here = soil_at(scene_, to_point3<D>(c.foot + 0.25 * c.spacing * c.normal));
   if (!here) return {};
-  const double total = std::max(0.0, c.pressure + weight_.dot(c.foot - origin_));
-  const double seepage = here->hydraulic_conductivity / here->porosity;
-  const double gamma = magnitude > 0.0 ? magnitude : density_ * 9.81;
+  const double seepage = here->hydraulic_conductivity / fillable_porosity(*here), gamma = specific_weight(scene_);
+  const double total =
+      std::max(0.0, c.pressure + weight_.dot(c.foot - origin_)) + gamma * here->suction_head;
   return {seepage * total / gamma, magnitude > 0.0 ? seepage * weight_.dot(c.normal) / magnitude : 0.0};
 }
 
@@ -101,6 +107,7 @@ void Fluid<D>::give_birth_and_delete() {
     if (d >= -deletion_depth * c.spacing) continue;
     keep[a] = false;
     any = true;
+    if (!c.wet) state_.balance.out += p.mass[a] / density_;
     c.offset = std::clamp(d + c.spacing, 0.0, 0.999 * c.spacing);
   }
   if (any) {
@@ -111,9 +118,7 @@ void Fluid<D>::give_birth_and_delete() {
   for (auto& c : state_.columns) {
     if (!c.wet || c.offset < c.spacing) continue;
     c.offset -= c.spacing;
-    const Soil* here = soil_at(scene_, to_point3<D>(c.foot + 0.25 * c.spacing * c.normal));
-    const double n = here ? here->porosity : 1.0;
-    p.add(c.foot + c.offset * c.normal, c.speed * c.normal, c.mass, n, c.volume, c.pressure + c.slope * c.offset);
+    p.add(c.foot + c.offset * c.normal, c.speed * c.normal, c.mass, c.void_fraction, c.volume, c.pressure + c.slope * c.offset);
     ++state_.counts.born;
   }
 }

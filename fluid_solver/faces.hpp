@@ -25,6 +25,7 @@ struct FaceColumn {
   double width = 0.0;              ///< half-width along the face [m]
   double volume = 0.0;             ///< bulk, of each buffer particle [m^D]
   double mass = 0.0;               ///< of a particle born here [kg]
+  double void_fraction = 1.0;      ///< that the water fills behind the face
   double offset = 0.0;             ///< of the stack: buffers at offset - j spacing, j = 1 .. 4 [m]
   double speed = 0.0;              ///< of the stack [m/s]
   double pressure = 0.0;           ///< at the foot, piezometric [Pa]
@@ -66,7 +67,8 @@ void add_column(const Case& scene, int face, const Vec<D>& foot, const Vec<D>& n
   c.spacing = c.volume / area;
   c.width = width;
   c.in_soil = soil != nullptr;
-  c.mass = scene.water.density * (soil ? soil->porosity : 1.0) * c.volume;
+  c.void_fraction = soil ? fillable_porosity(*soil) : 1.0;
+  c.mass = scene.water.density * c.void_fraction * c.volume;
   c.offset = 0.5 * c.spacing;
   columns.push_back(c);
 }

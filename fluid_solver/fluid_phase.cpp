@@ -42,7 +42,7 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
     const auto lattice = fill<D>(region, dx_, scene.fluid.offset, scene.fluid.jitter, seed++);
     for (const auto& x : lattice.position) {
       const Soil* soil = soil_at(scene, to_point3<D>(x));
-      const double n = soil ? soil->porosity : 1.0;
+      const double n = soil ? fillable_porosity(*soil) : 1.0;
       p.add(x, scene.fluid.initial_velocity.head<D>(), n * density_ * lattice.volume, n, lattice.volume, 0.0);
       const double height = up.dot(x) + 0.5 * dx_;
       if (height > top) {
@@ -184,6 +184,7 @@ void Fluid<D>::initialise(const coupling::Inbox& inbox) {
   if (scene_.coupled() && scene_.fluid.skeleton_response) state_.controlled = first_interval_;
   settle(view);
   p.solid_velocity = view.velocity;
+  for (const double m : p.mass) state_.balance.initial += m / density_;
   ++state_.revision;
 }
 

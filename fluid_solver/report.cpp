@@ -1,9 +1,5 @@
-// What the fluid shows of itself: output frames, gauges, counters.
+// What the fluid shows of itself: output frames and counters.
 #include "fluid_solver/fluid_phase.hpp"
-
-#include "fluid_solver/cloud.hpp"
-
-#include <fmt/format.h>
 
 namespace poretwin::fluid {
 
@@ -36,83 +32,6 @@ OutputFrame Fluid<D>::frame() const {
       {"surface", "1", "1 on the free surface", 1, flag},
   };
   return out;
-}
-
-template <int D>
-std::vector<GaugeReading> Fluid<D>::gauges() const {
-  const auto& p = state_.particles;
-  std::vector<GaugeReading> readings;
-  const bool any =
-      std::any_of(scene_.gauges.begin(), scene_.gauges.end(), [](const Gauge& g) { return g.phase == "fluid"; });
-  if (!any) return readings;
-  const auto cloud = make_cloud<D>(state_, planes_, weight_, origin_);
-  const char* axes[3] = {"_x", "_y", "_z"};
-  for (const auto& gauge : scene_.gauges) {
-    if (gauge.phase != "fluid") continue;
-    const auto inside = [&](std::size_t a) {
-      return !gauge.region || contains(*gauge.region, to_point3<D>(p.position[a]), D);
-    };
-    if (gauge.kind == "point") {
-      for (std::size_t i = 0; i < gauge.points.size(); ++i) {
-        const Vec<D> x = gauge.points[i].template head<D>();
-        const std::string name = gauge.points.size() > 1 ? fmt::format("{}[{}]", gauge.name, i) : gauge.name;
-        if (gauge.quantity == "pore_pressure") {
-          readings.push_back({name, interpolate(cloud, x, [&](std::size_t j) { return cloud.pressure[j]; }), "Pa"});
-          continue;
-        }
-        for (int d = 0; d < D; ++d) {
-          const std::string component = std::string("velocity") + axes[d];
-          if (gauge.quantity != "velocity" && gauge.quantity != component) continue;
-          readings.push_back({gauge.quantity == "velocity" ? name + axes[d] : name,
-                              interpolate(cloud, x, [&](std::size_t j) { return cloud.velocity[j][d]; }), "m/s"});
-        }
-      }
-    } else if (gauge.kind == "front") {
-      const Vec<D> a = gauge.points[0].template head<D>(), b = gauge.points[1].template head<D>();
-      const double length = (b - a).norm(), step = 0.1 * dx_;
-      double before = saturation<D>(cloud, a), front = before < 0.5 ? 0.0 : length;
-      for (double z = step; before >= 0.5 && z <= length; z += step) {
-        const double now = saturation<D>(cloud, Vec<D>(a + z / length * (b - a)));
-        if (now < 0.5) {
-          front = z - step * (0.5 - now) / (before - now);
-          break;
-        }
-        before = now;
-      }
-      readings.push_back({gauge.name, front, "m"});
-    } else if (gauge.kind == "volume") {
-      double volume = 0.0;
-      for (std::size_t a = 0; a < p.size(); ++a)
-        if (inside(a)) volume += p.mass[a] / density_;
-      // The outermost particle of a column stands half a spacing either way: what of it lies outside the face is no
-      // water here.
-      for (const auto& c : state_.columns)
-        if (c.wet &&
-            (!gauge.region || contains(*gauge.region, to_point3<D>(Vec<D>(c.foot + 1e-6 * c.spacing * c.normal)), D)))
-          volume += c.mass / density_ * (c.offset / c.spacing - 0.5);
-      readings.push_back({gauge.name, volume, D == 2 ? "m2" : "m3"});
-    } else if (gauge.kind == "momentum") {
-      Vec<D> sum = Vec<D>::Zero();
-      for (std::size_t a = 0; a < p.size(); ++a)
-        if (inside(a)) sum += p.mass[a] * p.velocity[a] - p.owed[a];
-      for (int d = 0; d < D; ++d) readings.push_back({gauge.name + axes[d], sum[d], "N s"});
-    } else if (gauge.kind == "kinetic_energy") {
-      double sum = 0.0;
-      for (std::size_t a = 0; a < p.size(); ++a)
-        if (inside(a)) sum += 0.5 * p.mass[a] * p.velocity[a].squaredNorm();
-      readings.push_back({gauge.name, sum, "J"});
-    } else if (gauge.kind == "particles") {
-      double count = 0.0;
-      for (std::size_t a = 0; a < p.size(); ++a) count += inside(a) ? 1.0 : 0.0;
-      readings.push_back({gauge.name, count, "1"});
-    } else if (gauge.kind == "max_speed") {
-      double fastest = 0.0;
-      for (std::size_t a = 0; a < p.size(); ++a)
-        if (inside(a)) fastest = std::max(fastest, p.velocity[a].norm());
-      readings.push_back({gauge.name, fastest, "m/s"});
-    }
-  }
-  return readings;
 }
 
 template <int D>

@@ -14,7 +14,7 @@ namespace poretwin::fluid {
 template <int D>
 struct SoilView {
   ScalarArray mask;           ///< [n] 1 inside soil, 0 in free water
-  ScalarArray fraction;       ///< [n] n_s
+  ScalarArray fraction;       ///< [n] n_s, the residual water of moist soil counted in
   ScalarArray drag;           ///< [n] C = gamma_w n^2 / k, N s/m4; 0 in free water
   ScalarArray density;        ///< [n] R = n_s rho_s, kg/m3
   ScalarArray modulus;        ///< [n] M = K + 4 G / 3, Pa
@@ -36,6 +36,9 @@ inline constexpr double least_solid_fraction = 1e-3;
 /// below 0.31: disorder inside the soil (0.3 at most, for particles anywhere in their cells) does not change the
 /// porosity.
 inline double membership(double asymmetry) { return std::clamp((0.63 - asymmetry) / 0.32, 0.0, 1.0); }
+
+/// What water can fill of soil that starts moist: n (1 - s_r0). The residual water moves with the grains.
+inline double fillable_porosity(const Soil& soil) { return soil.porosity * (1.0 - soil.initial_saturation); }
 
 inline const Soil* soil_at(const Case& scene, const Point3& x) {
   for (const auto& soil : scene.soils)
@@ -59,10 +62,12 @@ SoilView<D> rigid_soil(const Case& scene, std::span<const Vec<D>> points) {
     const Soil* here = soil_at(scene, to_point3<D>(points[a]));
     if (!here) continue;
     soil.mask[a] = 1.0;
-    soil.fraction[a] = 1.0 - here->porosity;
-    soil.density[a] = soil.fraction[a] * here->grain_density;
+    const double fillable = fillable_porosity(*here);
+    soil.fraction[a] = 1.0 - fillable;
+    soil.density[a] =
+        (1.0 - here->porosity) * here->grain_density + (here->porosity - fillable) * scene.water.density;
     if (scene.fluid.drag)
-      soil.drag[a] = drag_coefficient(specific_weight(scene), here->porosity, here->hydraulic_conductivity);
+      soil.drag[a] = drag_coefficient(specific_weight(scene), fillable, here->hydraulic_conductivity);
   }
   return soil;
 }

@@ -69,6 +69,11 @@ struct Counts {
          deleted = 0, unconverged = 0;
 };
 
+/// Volumes of water that came and went through faces since the start, and what there was then [m^D].
+struct Balance {
+  double in = 0.0, out = 0.0, initial = 0.0;
+};
+
 template <int D>
 struct State {
   double time = 0.0;
@@ -80,6 +85,7 @@ struct State {
   Particles<D> particles;
   std::vector<FaceColumn<D>> columns;
   Counts counts;
+  Balance balance;
 };
 
 }  // namespace poretwin::fluid

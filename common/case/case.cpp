@@ -208,15 +208,21 @@ void declare(Keys& keys, Gauge& g) {
   keys.text("phase", g.phase, {"", "`fluid` or `solid`.", true});
   keys.text("kind", g.kind,
             {"",
-             "`point`, `front`, `volume`, `momentum`, `kinetic_energy`, `particles`, `max_speed`; of the solid also "
-             "`max_displacement`, `uplift`, `strain_energy` (elastic), `crest_settlement` (of the highest particles, "
+             "`point`, `volume`, `momentum`, `kinetic_energy`, `particles`, `max_speed`; of the fluid also `front` (how "
+             "far water reaches along a line; up a vertical one: the water table), `discharge` (through the wet part "
+             "of a line, from its right to its left), `exit_height` (elevation at which the water's surface meets a "
+             "face), `exit_gradient` (largest outward, over a face), `balance` (volumes `_in`, `_out`, `_stored` and "
+             "`_error` = in - out - gain), `min_pressure`; of the solid also `max_displacement`, `uplift`, `strain_energy` (elastic), `crest_settlement` (of the highest particles, "
              "since the initial rest), `pending_impulse`.",
              true});
   keys.text("quantity", g.quantity,
             {"",
-             "Of `point`: an output field, with `_x` `_y` `_z` or `_xx` `_yy` .. for one component. Of `momentum`: "
+             "Of `point`: an output field, with `_x` `_y` `_z` or `_xx` `_yy` .. for one component; of the water also "
+             "`pressure_head`, `head`, `degree_of_saturation`. Of `momentum`: "
              "`momentum_x` .."});
-  keys.points("points", g.points, {"m", "Of `point`: where. Of `front`: the two ends of the line."});
+  keys.points("points", g.points,
+              {"m",
+               "Of `point`: where. Of gauges on lines: the two ends; a face is walked with the domain on the left."});
   keys.optional_table("region", "Where `volume`, `momentum`, .. count; absent: everywhere.", g.region,
                       [](Keys& inner, Shape& shape) { declare(inner, shape); });
 }

@@ -14,9 +14,11 @@ namespace poretwin {
 namespace {
 
 constexpr std::array<std::string_view, 2> phases{"fluid", "solid"};
-constexpr std::array<std::string_view, 12> gauge_kinds{
-    "point",     "front",     "volume",           "momentum", "kinetic_energy", "strain_energy",
-    "particles", "max_speed", "max_displacement", "uplift",   "crest_settlement", "pending_impulse"};
+constexpr std::array<std::string_view, 4> line_kinds{"front", "discharge", "exit_height", "exit_gradient"};
+constexpr std::array<std::string_view, 17> gauge_kinds{
+    "point",     "front",         "discharge",     "exit_height",      "exit_gradient", "volume",
+    "balance",   "momentum",      "kinetic_energy", "strain_energy",    "particles",     "max_speed", "min_pressure",
+    "max_displacement", "uplift", "crest_settlement", "pending_impulse"};
 
 class Checker {
  public:
@@ -282,9 +284,13 @@ class Checker {
       if (gauge.kind == "point" && gauge.quantity.empty())
         fail(key + ".quantity", "a point gauge needs the name of an output field");
       if (gauge.kind == "point" && gauge.points.empty()) fail(key + ".points", "a point gauge needs 1 point or more");
-      if (gauge.kind == "front" && gauge.points.size() != 2)
-        fail(key + ".points",
-             fmt::format("a front gauge needs the 2 ends of its line, found {} points", gauge.points.size()));
+      const bool line = std::find(line_kinds.begin(), line_kinds.end(), gauge.kind) != line_kinds.end();
+      if (line && (gauge.points.size() != 2 || gauge.points[0] == gauge.points[1]))
+        fail(key + ".points", fmt::format("a gauge of kind \"{}\" needs the 2 ends of its line, found {}", gauge.kind,
+                                          gauge.points.size() == 2 ? "one point twice"
+                                                                   : fmt::format("{} points", gauge.points.size())));
+      if (line && gauge.kind != "front" && scene_.general.dimension != 2)
+        fail(key + ".kind", fmt::format("\"{}\" is for dimension = 2", gauge.kind));
       if (gauge.region) shape(*gauge.region, key + ".region", 0.0);
       for (std::size_t j = 0; j < i; ++j)
         if (scene_.gauges[j].name == gauge.name)
