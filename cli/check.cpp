@@ -1,5 +1,6 @@
 #include "cli/check.hpp"
 
+#include "common/porous/seepage.hpp"
 #include "common/case/geometry.hpp"
 
 #include <fmt/format.h>
@@ -51,7 +52,8 @@ std::vector<Limit> limits(const Case& scene) {
                           ", dx / sqrt(M / rho_bar_s); the solid sub-cycles or relaxes below it"});
     if (scene.coupled() && scene.fluid.drag)
       result.push_back(
-          {1.2 * density * soil.hydraulic_conductivity / (scene.water.density * standard_gravity),
+          {1.2 * density * porous::seepage_at(scene, soil, soil.porosity).conductivity /
+               (scene.water.density * standard_gravity),
            "plain serial coupling" + where + ", 1.2 rho_bar_s k / gamma_w; lifted by fluid.skeleton_response"});
   }
   if (scene.coupling.interval) result.push_back({*scene.coupling.interval, "coupling.interval of the case"});
@@ -75,7 +77,7 @@ std::string check_text(const Case& scene) {
                                            : "fluid alone in rigid soil");
   if (scene.has_water())
     text += fmt::format("fluid       {} particles at the start, spacing {} m\n", particles.fluid,
-                      scene.fluid.particle_spacing);
+                        scene.fluid.particle_spacing);
   if (scene.deformable())
     text += fmt::format("solid       {} particles, spacing {} m\n", particles.solid, scene.solid.particle_spacing);
   text += fmt::format("gauges      {}\n", scene.gauges.size());

@@ -67,9 +67,12 @@ InfiltrationSpeed Fluid<D>::infiltration_speed(const FaceColumn<D>& c) const {
   const double magnitude = weight_.norm();
   const Soil* here = soil_at(scene_, to_point3<D>(c.foot + 0.25 * c.spacing * c.normal));
   if (!here) return {};
-  const double seepage = here->hydraulic_conductivity / fillable_porosity(*here), gamma = specific_weight(scene_);
-  const double total =
-      std::max(0.0, c.pressure + weight_.dot(c.foot - origin_)) + gamma * here->suction_head;
+  const double gamma = porous::specific_weight(scene_), n = fillable_porosity(*here);
+  const double total = std::max(0.0, c.pressure + weight_.dot(c.foot - origin_)) + gamma * here->suction_head;
+  // Darcy's conductivity of the same discharge at the gradient that the front meets half a spacing in.
+  const double gradient = total / (gamma * 0.5 * c.spacing) + 1.0;
+  const auto law = porous::resistance(gamma, n, porous::seepage_at(scene_, *here, here->porosity));
+  const double seepage = law.speed(n * gamma * gradient) / gradient;
   return {seepage * total / gamma, magnitude > 0.0 ? seepage * weight_.dot(c.normal) / magnitude : 0.0};
 }
 
@@ -77,7 +80,7 @@ InfiltrationSpeed Fluid<D>::infiltration_speed(const FaceColumn<D>& c) const {
 /// Elsewhere in soil it is drawn on by the suction of the dry ground ahead.
 template <int D>
 void Fluid<D>::limit_surface(Stencil<D>& s) const {
-  const double gamma = specific_weight(scene_);
+  const double gamma = porous::specific_weight(scene_);
   const ColumnFinder<D> finder(state_.columns);
   for (std::size_t a = 0; a < s.n_real; ++a) {
     if (s.divergence[a] > D) continue;

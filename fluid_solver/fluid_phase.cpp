@@ -8,12 +8,16 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numbers>
 
 namespace poretwin::fluid {
 
 namespace {
 
 constexpr int periodic_boundary = 31;
+/// A window is solved again when the drag's tangent misses the law by more than this share of inertia and drag (rms).
+constexpr double drag_tolerance = 0.02;
+constexpr int most_drag_rounds = 10;
 
 }  // namespace
 
@@ -43,7 +47,7 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
     for (const auto& x : lattice.position) {
       const Soil* soil = soil_at(scene, to_point3<D>(x));
       const double n = soil ? fillable_porosity(*soil) : 1.0;
-      p.add(x, scene.fluid.initial_velocity.head<D>(), n * density_ * lattice.volume, n, lattice.volume, 0.0);
+      p.add(x, initial_velocity(x), n * density_ * lattice.volume, n, lattice.volume, 0.0);
       const double height = up.dot(x) + 0.5 * dx_;
       if (height > top) {
         top = height;
@@ -53,13 +57,32 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
     }
   }
   const double depth = p.size() > 0 ? top - bottom : dx_;
-  // Inviscid free water is slowly unstable: a trace of viscosity on the scale of the particles.
-  viscosity_ = std::max(scene.water.kinematic_viscosity, 0.01 * dx_ * std::sqrt(scene.general.gravity.norm() * depth));
+  // Inviscid free water is slowly unstable: a trace of viscosity on the scale of the particles. Explicit sweeps let
+  // sound through and need what weakly compressible SPH needs, alpha h c/(2 (D + 2)) with alpha = 0.03 at least,
+  // c = 10 sqrt(g H) (Monaghan 1994).
+  const double share = scene.fluid.scheme == FluidCase::Scheme::projection ? 0.01 : 0.05;
+  viscosity_ = std::max(scene.water.kinematic_viscosity, share * dx_ * std::sqrt(scene.general.gravity.norm() * depth));
   state_.columns = make_columns<D>(scene);
   update_columns<D>(scene_, 0.0, weight_, origin_, state_.columns);
   // The soil looks for its rest under what is published before the first exchange.
   settle(rigid_soil<D>(scene_, p.position));
   saved_ = state_;
+}
+
+template <int D>
+Vec<D> Fluid<D>::initial_velocity(const Vec<D>& x) const {
+  const auto& fluid = scene_.fluid;
+  Vec<D> v = fluid.initial_velocity.head<D>();
+  v[0] += fluid.initial_strain * x[0];
+  v[1] -= fluid.initial_strain * x[1];
+  if (fluid.initial_vortices > 0.0) {
+    const auto& box = scene_.general;
+    const Vec<2> k = 2.0 * std::numbers::pi / (box.domain_max - box.domain_min).head<2>().array();
+    const double a = k[0] * (x[0] - box.domain_min[0]), b = k[1] * (x[1] - box.domain_min[1]);
+    v[0] += fluid.initial_vortices * std::sin(a) * std::cos(b);
+    v[1] -= fluid.initial_vortices * k[0] / k[1] * std::cos(a) * std::sin(b);
+  }
+  return v;
 }
 
 template <int D>
@@ -93,6 +116,12 @@ coupling::Publication Fluid<D>::publish() const {
                 {name(coupling::field::drag_impulse), D, flat(state_.particles.drag_impulse, cloud.size())},
                 {name(coupling::field::soil_fraction), 1, cloud.mask}};
   return out;
+}
+
+/// The skeleton answers inside the pressure solve; explicit sweeps take it as it moved.
+template <int D>
+bool Fluid<D>::responds() const {
+  return scene_.coupled() && scene_.fluid.skeleton_response && scene_.fluid.scheme == FluidCase::Scheme::projection;
 }
 
 template <int D>
@@ -141,7 +170,7 @@ WindowProblem<D> Fluid<D>::problem(double interval) const {
   in.density = density_;
   in.weight = weight_;
   in.origin = origin_;
-  in.response = scene_.coupled() && scene_.fluid.skeleton_response;
+  in.response = responds();
   in.void_fraction = state_.particles.void_fraction;
   in.velocity = state_.particles.velocity;
   in.source.assign(state_.particles.size(), 0.0);
@@ -181,8 +210,9 @@ void Fluid<D>::initialise(const coupling::Inbox& inbox) {
     stiffest = std::max(stiffest, view.modulus[a]);
   }
   first_interval_ = stiffest > 0.0 ? 0.2 * dx_ / std::sqrt(stiffest / density_) : 0.0;
-  if (scene_.coupled() && scene_.fluid.skeleton_response) state_.controlled = first_interval_;
+  if (responds()) state_.controlled = first_interval_;
   settle(view);
+  limit_scheme(view);
   p.solid_velocity = view.velocity;
   for (const double m : p.mass) state_.balance.initial += m / density_;
   ++state_.revision;
@@ -227,7 +257,7 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
     if (p.surface[a] != Surface::interior) excess = std::max(0.0, excess);
     source[a] = motion[a] * p.void_fraction[a] * excess / repair_time(a, view);
   }
-  if (!scene_.coupled() || !scene_.fluid.skeleton_response || state_.last_interval <= 0.0) return source;
+  if (!responds() || state_.last_interval <= 0.0) return source;
   // The soil moved by its own account; what that squeezed beyond the prediction is made good now, no faster than it
   // came.
   VecArray<D> beyond(p.size(), Vec<D>::Zero());
@@ -278,11 +308,38 @@ void Fluid<D>::take_back(const Stencil<D>& s, const SoilView<D>& view, double in
   }
 }
 
+/// One window; with a quadratic drag again, about the slip just found, while that still matters.
+template <int D>
+WindowSolution<D> Fluid<D>::solve(const Stencil<D>& s, SoilView<D>& view, const WindowProblem<D>& in) {
+  const auto& p = state_.particles;
+  const bool nonlinear = view.nonlinear();
+  WindowSolution<D> out;
+  for (int round = 1;; ++round) {
+    out.pressure = p.pressure;
+    out.solid_velocity = p.solid_velocity;
+    solve_window<D>(s, view, p.surface, in, out);
+    if (!nonlinear || round == most_drag_rounds) break;
+    double error = 0.0, whole = 0.0;
+    for (std::size_t a = 0; a < p.size(); ++a) {
+      const Vec<D> slip = out.velocity[a] - out.solid_velocity[a];
+      const Vec<D> right = (view.resistance[a].linear + view.resistance[a].quadratic * slip.norm()) * slip;
+      const double aw = p.void_fraction[a] * density_ / in.interval;
+      error += p.volume[a] * (view.drag[a] * slip - view.drag_offset[a] - right).squaredNorm();
+      whole += p.volume[a] * (aw * out.velocity[a] + right).squaredNorm();
+    }
+    if (error <= drag_tolerance * drag_tolerance * whole) break;
+    view.linearise(out.velocity, out.solid_velocity);
+    ++state_.counts.drag_rounds;
+  }
+  return out;
+}
+
 template <int D>
 coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupling::Inbox& inbox) {
   auto& p = state_.particles;
   const double dt = window.interval;
-  const auto view = soil(inbox);
+  auto view = soil(inbox);
+  view.linearise(p.velocity, view.velocity);
   const VecArray<D> velocity_before = p.velocity;
   for (std::size_t a = 0; a < p.size(); ++a) {
     p.void_fraction[a] = 1.0 - view.fraction[a];
@@ -298,10 +355,20 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   auto in = problem(dt);
   in.velocity = viscous_velocity(s, view, dt);
   in.source = volume_source(s, view, dt);
-  WindowSolution<D> out;
-  out.pressure = p.pressure;
-  out.solid_velocity = p.solid_velocity;
-  solve_window<D>(s, view, p.surface, in, out);
+  const auto& scheme = scene_.fluid.scheme;
+  if (scheme != FluidCase::Scheme::projection) in.sweeps = scene_.fluid.sweeps;
+  VecArray<D> drag_force(p.size(), Vec<D>::Zero());
+  const ScalarArray drag = view.drag;
+  if (scheme == FluidCase::Scheme::eisph_explicit_drag) {
+    // Eq. (75) as corrected: the drag belongs to the prediction.
+    for (std::size_t a = 0; a < p.size(); ++a) {
+      drag_force[a] = drag[a] * (in.velocity[a] - view.velocity[a]) - view.drag_offset[a];
+      in.velocity[a] -= dt / (p.void_fraction[a] * density_) * drag_force[a];
+      view.resistance[a] = {};
+    }
+    view.linearise(p.velocity, view.velocity);
+  }
+  auto out = solve(s, view, in);
   check_finite(out, window.time);
   state_.counts.windows += 1;
   state_.counts.pressure_iterations += out.pressure_iterations;
@@ -314,8 +381,11 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   p.solid_velocity = out.solid_velocity;
   p.velocity = out.velocity;
   for (std::size_t a = 0; a < p.size(); ++a)
-    p.drag_impulse[a] = p.volume[a] * view.drag[a] * dt * (out.velocity[a] - out.solid_velocity[a]);
-  if (scene_.coupled() && !scene_.fluid.skeleton_response) {
+    p.drag_impulse[a] =
+        p.volume[a] * dt *
+        (drag_force[a] + view.drag[a] * (out.velocity[a] - out.solid_velocity[a]) - view.drag_offset[a]);
+  view.drag = drag;
+  if (scene_.coupled() && !responds()) {
     // Plain staggering: the skeleton was taken as it moved; where it goes now is an explicit guess.
     for (std::size_t a = 0; a < p.size(); ++a)
       if (view.density[a] > 0.0)
@@ -323,6 +393,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
                                p.drag_impulse[a] / (p.volume[a] * view.density[a]);
   }
   control_interval(before, dt);
+  limit_scheme(view);
   advance_columns(s, view, dt);
   move(s, out, velocity_before, dt);
   give_birth_and_delete();

@@ -25,7 +25,9 @@ class Fluid final : public Phase {
   [[nodiscard]] const State<D>& state() const { return state_; }
 
  private:
+  Vec<D> initial_velocity(const Vec<D>& x) const;
   void settle(const SoilView<D>& view);
+  WindowSolution<D> solve(const Stencil<D>& s, SoilView<D>& view, const WindowProblem<D>& in);
   SoilView<D> soil(const coupling::Inbox& inbox) const;
   Stencil<D> stencil() const;
   /// Shear stress of the water outside soil, explicit; the smallest viscosity that keeps free water quiet.
@@ -44,9 +46,11 @@ class Fluid final : public Phase {
   void limit_surface(Stencil<D>& s) const;
   void give_birth_and_delete();
   void control_interval(const ScalarArray& before, double interval);
+  void limit_scheme(const SoilView<D>& view);
   void take_back(const Stencil<D>& s, const SoilView<D>& view, double interval);
   void check_finite(const WindowSolution<D>& solution, double time) const;
   std::pair<double, std::string> time_limit() const;
+  [[nodiscard]] bool responds() const;
   WindowProblem<D> problem(double interval) const;
 
   Case scene_;

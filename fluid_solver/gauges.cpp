@@ -31,7 +31,7 @@ class Reader {
  public:
   Reader(const Case& scene, const State<D>& state, const Cloud<D>& cloud, const Vec<D>& weight)
       : scene_(scene), state_(state), cloud_(cloud), probe_(cloud), weight_(weight) {
-    gamma_ = specific_weight(scene);
+    gamma_ = porous::specific_weight(scene);
     dx_ = scene.fluid.particle_spacing;
   }
 
@@ -44,6 +44,8 @@ class Reader {
     if (gauge.kind == "exit_gradient") return add(gauge.name, exit_gradient(Line<D>(gauge)), "1");
     if (gauge.kind == "volume") return add(gauge.name, volume(gauge), per_width);
     if (gauge.kind == "balance") return balance(gauge, per_width);
+    if (gauge.kind == "extent") return add(gauge.name, extent(gauge), "m");
+    if (gauge.kind == "spread") return add(gauge.name, spread(gauge), "m");
     sums(gauge);
   }
   [[nodiscard]] std::vector<GaugeReading> take() { return std::move(readings_); }
@@ -201,22 +203,54 @@ class Reader {
 
   void sums(const Gauge& gauge) {
     const auto& p = state_.particles;
+    const Vec<D> gravity = scene_.general.gravity.head<D>();
     Vec<D> momentum = Vec<D>::Zero();
-    double energy = 0.0, count = 0.0, fastest = 0.0, lowest = nan;
+    double kinetic = 0.0, potential = 0.0, count = 0.0, fastest = 0.0, lowest = nan;
     for (std::size_t a = 0; a < p.size(); ++a) {
-      if (!inside(gauge, p.position[a])) continue;
+      const Vec<D>& x = p.position[a];
+      if (!inside(gauge, x)) continue;
       momentum += p.mass[a] * p.velocity[a] - p.owed[a];
-      energy += 0.5 * p.mass[a] * p.velocity[a].squaredNorm();
+      kinetic += 0.5 * p.mass[a] * p.velocity[a].squaredNorm();
+      potential += p.mass[a] * (0.5 * scene_.general.central_force * x.squaredNorm() - gravity.dot(x));
       fastest = std::max(fastest, p.velocity[a].norm());
+      lowest = std::fmin(lowest, cloud_.pressure[a]);
       count += 1.0;
-      if (!(cloud_.pressure[a] >= lowest)) lowest = cloud_.pressure[a];
     }
     if (gauge.kind == "momentum")
       for (int d = 0; d < D; ++d) add(gauge.name + axes[static_cast<std::size_t>(d)], momentum[d], "N s");
-    if (gauge.kind == "kinetic_energy") add(gauge.name, energy, "J");
+    if (gauge.kind == "kinetic_energy") add(gauge.name, kinetic, "J");
+    if (gauge.kind == "potential_energy") add(gauge.name, potential, "J");
+    if (gauge.kind == "energy") add(gauge.name, kinetic + potential, "J");
     if (gauge.kind == "particles") add(gauge.name, count, "1");
-    if (gauge.kind == "min_pressure") add(gauge.name, lowest, "Pa");
     if (gauge.kind == "max_speed") add(gauge.name, fastest, "m/s");
+    if (gauge.kind == "min_pressure") add(gauge.name, lowest, "Pa");
+  }
+
+  /// How far the water reaches in a direction.
+  [[nodiscard]] double extent(const Gauge& gauge) const {
+    const Line<D> line(gauge);
+    const auto& p = state_.particles;
+    double furthest = nan;
+    for (std::size_t a = 0; a < p.size(); ++a)
+      if (inside(gauge, p.position[a]))
+        furthest =
+            std::fmax(furthest, line.direction.dot(p.position[a] - line.a) + 0.5 * std::pow(p.volume[a], 1.0 / D));
+    return furthest;
+  }
+
+  /// Rms distance of the water from its mean position, in a direction.
+  [[nodiscard]] double spread(const Gauge& gauge) const {
+    const Line<D> line(gauge);
+    const auto& p = state_.particles;
+    double mass = 0.0, first = 0.0, second = 0.0;
+    for (std::size_t a = 0; a < p.size(); ++a) {
+      if (!inside(gauge, p.position[a])) continue;
+      const double s = line.direction.dot(p.position[a]);
+      mass += p.mass[a];
+      first += p.mass[a] * s;
+      second += p.mass[a] * s * s;
+    }
+    return std::sqrt(std::max(0.0, second / mass - first * first / (mass * mass)));
   }
 
   const Case& scene_;

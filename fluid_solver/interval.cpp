@@ -1,4 +1,5 @@
 // How long the next window may be.
+#include "fluid_solver/eisph.hpp"
 #include "fluid_solver/fluid_phase.hpp"
 
 #include <cmath>
@@ -44,6 +45,35 @@ void Fluid<D>::control_interval(const ScalarArray& before, double interval) {
                                  longest_interval);
 }
 
+/// What an explicit scheme asks of the next window, from the water and soil as they are.
+template <int D>
+void Fluid<D>::limit_scheme(const SoilView<D>& view) {
+  state_.scheme_limits.clear();
+  const auto& p = state_.particles;
+  if (scene_.fluid.scheme == FluidCase::Scheme::projection) return;
+  double pressure = 0.0, fastest = 0.0;
+  for (std::size_t a = 0; a < p.size(); ++a) {
+    pressure = std::max(pressure, p.pressure[a] + weight_.dot(p.position[a] - origin_));
+    fastest = std::max(fastest, p.velocity[a].norm());
+  }
+  for (const auto& c : state_.columns)
+    if (c.wet) pressure = std::max(pressure, c.pressure + weight_.dot(c.foot - origin_));
+  pressure = std::max(pressure, density_ * fastest * fastest);
+  double sweep = HUGE_VAL, drag = HUGE_VAL, skeleton = HUGE_VAL;
+  const bool implicit_drag = scene_.fluid.scheme != FluidCase::Scheme::eisph_explicit_drag;
+  for (std::size_t a = 0; a < p.size(); ++a) {
+    const double n = p.void_fraction[a], C = view.drag[a];
+    sweep = std::min(sweep, sweep_interval<D>(n, implicit_drag ? C : 0.0, density_, pressure,
+                                              std::pow(p.volume[a], 1.0 / D), scene_.fluid.sweeps));
+    if (C <= 0.0) continue;
+    drag = std::min(drag, n * density_ / C);
+    if (scene_.coupled()) skeleton = std::min(skeleton, view.density[a] * n * n / C);
+  }
+  state_.scheme_limits.push_back({sweep, "compression under explicit sweeps"});
+  if (!implicit_drag) state_.scheme_limits.push_back({drag, "explicit drag"});
+  state_.scheme_limits.push_back({skeleton, "a skeleton that does not respond inside the window"});
+}
+
 template <int D>
 std::pair<double, std::string> Fluid<D>::time_limit() const {
   const auto& p = state_.particles;
@@ -52,6 +82,7 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
     if (interval < limit.first) limit = {interval, why};
   };
   if (state_.controlled > 0.0) apply(state_.controlled, "pressure change per window");
+  for (const auto& l : state_.scheme_limits) apply(l.interval, l.reason);
   double fastest = 0.0;
   bool free_surface = false;
   for (std::size_t a = 0; a < p.size(); ++a) {

@@ -44,6 +44,7 @@ std::map<std::string, double> Fluid<D>::counters() const {
           {"outer iterations", c.outer_iterations},
           {"solves that missed their tolerance", c.unconverged},
           {"list rebuilds", c.stencils},
+          {"further rounds of quadratic drag", c.drag_rounds},
           {"born", c.born},
           {"deleted", c.deleted}};
 }

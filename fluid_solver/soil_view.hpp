@@ -5,7 +5,7 @@
 #include "common/case/geometry.hpp"
 #include "common/core/vector.hpp"
 #include "common/coupling/exchange.hpp"
-#include "fluid_solver/drag.hpp"
+#include "common/porous/seepage.hpp"
 
 #include <span>
 
@@ -15,7 +15,11 @@ template <int D>
 struct SoilView {
   ScalarArray mask;           ///< [n] 1 inside soil, 0 in free water
   ScalarArray fraction;       ///< [n] n_s, the residual water of moist soil counted in
-  ScalarArray drag;           ///< [n] C = gamma_w n^2 / k, N s/m4; 0 in free water
+  std::vector<porous::Resistance> resistance;  ///< [n] none in free water
+  /// [n] the resistance about the present slip w, R = C w' - f: C [N s/m4], f [N/m3] (Newton's tangent along the flow;
+  /// f is zero under Darcy's law)
+  ScalarArray drag;
+  VecArray<D> drag_offset;
   ScalarArray density;        ///< [n] R = n_s rho_s, kg/m3
   ScalarArray modulus;        ///< [n] M = K + 4 G / 3, Pa
   VecArray<D> velocity;       ///< [n] v_s, m/s
@@ -24,9 +28,22 @@ struct SoilView {
   VecArray<D> owed;           ///< [n] impulse the soil took beyond the drag of its last window, N s
   void resize(std::size_t n) {
     for (auto* a : {&mask, &fraction, &drag, &density, &modulus}) a->assign(n, 0.0);
-    for (auto* a : {&velocity, &mean_velocity, &force, &owed}) a->assign(n, Vec<D>::Zero());
+    for (auto* a : {&velocity, &mean_velocity, &force, &owed, &drag_offset}) a->assign(n, Vec<D>::Zero());
+    resistance.assign(n, {});
   }
   [[nodiscard]] std::size_t size() const { return mask.size(); }
+  [[nodiscard]] bool nonlinear() const {
+    return std::any_of(resistance.begin(), resistance.end(), [](const auto& r) { return r.quadratic > 0.0; });
+  }
+  /// Takes the resistance about the slip between these velocities.
+  void linearise(std::span<const Vec<D>> water, std::span<const Vec<D>> soil) {
+    for (std::size_t a = 0; a < size(); ++a) {
+      const Vec<D> slip = water[a] - soil[a];
+      const double speed = slip.norm();
+      drag[a] = resistance[a].slope(speed);
+      drag_offset[a] = resistance[a].quadratic * speed * slip;
+    }
+  }
 };
 
 /// Least solid fraction that counts as soil.
@@ -58,6 +75,7 @@ template <int D>
 SoilView<D> rigid_soil(const Case& scene, std::span<const Vec<D>> points) {
   SoilView<D> soil;
   soil.resize(points.size());
+  const double weight = porous::specific_weight(scene);
   for (std::size_t a = 0; a < points.size(); ++a) {
     const Soil* here = soil_at(scene, to_point3<D>(points[a]));
     if (!here) continue;
@@ -67,7 +85,9 @@ SoilView<D> rigid_soil(const Case& scene, std::span<const Vec<D>> points) {
     soil.density[a] =
         (1.0 - here->porosity) * here->grain_density + (here->porosity - fillable) * scene.water.density;
     if (scene.fluid.drag)
-      soil.drag[a] = drag_coefficient(specific_weight(scene), fillable, here->hydraulic_conductivity);
+      soil.resistance[a] =
+          porous::resistance(weight, fillable, porous::seepage_at(scene, *here, here->porosity));
+    soil.drag[a] = soil.resistance[a].linear;
   }
   return soil;
 }
@@ -82,6 +102,8 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::si
   const auto& grain = inbox.at(field::grain_density).values;
   const auto& modulus = inbox.at(field::constrained_modulus).values;
   const auto& conductivity = inbox.at(field::hydraulic_conductivity).values;
+  const auto& quadratic = inbox.at(field::forchheimer_coefficient).values;
+  const double weight = porous::specific_weight(scene);
   const auto vectors = [n](const Field& from, VecArray<D>& to) {
     for (std::size_t a = 0; a < n; ++a)
       for (std::size_t d = 0; d < D; ++d) to[a][static_cast<int>(d)] = from.values[a * D + d];
@@ -106,9 +128,11 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::si
     soil.force[a] *= mask;
     const double porosity = 1.0 - n_s;
     if (scene.fluid.drag)
-      soil.drag[a] =
-          drag_coefficient(specific_weight(scene), porosity,
-                           kozeny_carman(conductivity[a], 1.0 - std::min(fraction[a], 1.0 - 1e-3), porosity));
+      soil.resistance[a] =
+          porous::resistance(weight, porosity,
+                             porous::carried_over({conductivity[a], quadratic[a]},
+                                                  1.0 - std::min(fraction[a], 1.0 - 1e-3), porosity));
+    soil.drag[a] = soil.resistance[a].linear;
   }
   return soil;
 }

@@ -63,10 +63,16 @@ struct Particles {
   }
 };
 
+/// A bound on the next window and what sets it.
+struct TimeLimit {
+  double interval = 0.0;  ///< s
+  const char* reason = "";
+};
+
 /// What a run's summary counts.
 struct Counts {
   double windows = 0, pressure_iterations = 0, skeleton_iterations = 0, outer_iterations = 0, stencils = 0, born = 0,
-         deleted = 0, unconverged = 0;
+         deleted = 0, unconverged = 0, drag_rounds = 0;
 };
 
 /// Volumes of water that came and went through faces since the start, and what there was then [m^D].
@@ -84,6 +90,7 @@ struct State {
   std::uint64_t revision = 0;
   Particles<D> particles;
   std::vector<FaceColumn<D>> columns;
+  std::vector<TimeLimit> scheme_limits;  ///< of explicit schemes, from the last window
   Counts counts;
   Balance balance;
 };

@@ -1,5 +1,6 @@
 #include "fluid_solver/window.hpp"
 
+#include "fluid_solver/eisph.hpp"
 #include "fluid_solver/operators.hpp"
 
 namespace poretwin::fluid {
@@ -14,7 +15,7 @@ constexpr double response_tolerance = 1e-2, skeleton_tolerance = 1e-4;
 struct Elimination {
   double aw = 0.0;  ///< n rho_w / dt
   double as = 0.0;  ///< R / dt
-  double C = 0.0;   ///< drag coefficient
+  double C = 0.0;   ///< drag coefficient: the resistance is C (v_w' - v_s') - f
   double kf = 0.0;  ///< mobility of the water at fixed skeleton
   double ss = 0.0;  ///< mobility of the skeleton with the water dragged along
   double mS = 0.0;  ///< skeleton velocity per pressure gradient
@@ -70,6 +71,9 @@ class WindowSolver {
     }
   }
 
+  /// The water's velocity with the explicit part of a quadratic drag in it.
+  [[nodiscard]] Vec<D> pushed(std::size_t a) const { return in_.velocity[a] + soil_.drag_offset[a] / q_[a].aw; }
+
   /// In: warm starts; out: everything.
   void solve(WindowSolution<D>& out) {
     out.pressure.resize(n_, 0.0);
@@ -79,7 +83,7 @@ class WindowSolver {
       if (!q_[a].responds) out.solid_velocity[a] = soil_.velocity[a];
     VecArray<D> flux(n_);
     for (std::size_t a = 0; a < n_; ++a)
-      flux[a] = in_.void_fraction[a] * q_[a].aw / (q_[a].aw + q_[a].C) * in_.velocity[a];
+      flux[a] = in_.void_fraction[a] * q_[a].aw / (q_[a].aw + q_[a].C) * pushed(a);
     const ScalarArray outflow = divergence<D>(s_, flux);
     ScalarArray b(n_);
     for (std::size_t a = 0; a < n_; ++a) b[a] = s_.volume[a] * (in_.source[a] - outflow[a]) + boundary_[a];
@@ -161,6 +165,12 @@ class WindowSolver {
     ScalarArray known(n_, 0.0), drive(n_);
     for (std::size_t a = 0; a < n_; ++a)
       if (pinned(a)) out.pressure[a] = known[a] = pinned_pressure(a) - reference;
+    if (in_.sweeps > 0) {
+      relaxed_sweeps(fluid_, b, out.pressure, in_.sweeps);
+      out.pressure_iterations += in_.sweeps;
+      for (auto& p : out.pressure) p += reference;
+      return;
+    }
     fluid_.apply(std::span<const double>(known), std::span<double>(drive));
     for (std::size_t a = 0; a < n_; ++a) drive[a] = pinned(a) ? 0.0 : b[a] - drive[a];
     const auto apply = [&](std::span<const double> x, std::span<double> y) { fluid_.apply(x, y); };
@@ -279,8 +289,8 @@ class WindowSolver {
       const auto& q = q_[a];
       if (!q.responds) continue;
       // The exchanged force carries the soil's full weight; the piezometric pressure leaves its buoyant part.
-      const Vec<D> r = soil_.force[a] - soil_.fraction[a] * in_.weight;
-      rhs[a] = q.ss / (q.aw + q.C) * (q.C * q.aw * in_.velocity[a] + (q.aw + q.C) * (q.as * soil_.velocity[a] + r)) -
+      const Vec<D> r = soil_.force[a] - soil_.fraction[a] * in_.weight - soil_.drag_offset[a];
+      rhs[a] = q.ss / (q.aw + q.C) * (q.C * q.aw * pushed(a) + (q.aw + q.C) * (q.as * soil_.velocity[a] + r)) -
                q.mS * G[a];
     }
     out.skeleton_iterations += solve_H(rhs, out.solid_velocity, tolerance);
@@ -368,7 +378,7 @@ class WindowSolver {
     for (std::size_t a = 0; a < n_; ++a) {
       const auto& q = q_[a];
       out.velocity[a] =
-          (q.aw * in_.velocity[a] + q.C * out.solid_velocity[a]) / (q.aw + q.C) - flux[a] / in_.void_fraction[a];
+          (q.aw * pushed(a) + q.C * out.solid_velocity[a]) / (q.aw + q.C) - flux[a] / in_.void_fraction[a];
     }
     out.gradient = plain_gradient(out.pressure, false);
   }

@@ -19,6 +19,7 @@ struct WindowProblem {
   ScalarArray source;              ///< [n] volume to be given off, 1/s
   ScalarArray face_pressure;       ///< [columns] piezometric, Pa
   double tolerance = 1e-4;         ///< of the pressure residual, relative, where no skeleton responds
+  int sweeps = 0;                  ///< explicit sweeps in place of the solve; 0: solve
 };
 
 template <int D>

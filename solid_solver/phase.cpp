@@ -1,8 +1,8 @@
 #include "solid_solver/phase.hpp"
 
 #include "common/core/error.hpp"
+#include "common/porous/seepage.hpp"
 #include "solid_solver/gauges.hpp"
-#include "solid_solver/permeability.hpp"
 #include "solid_solver/pore_water.hpp"
 #include "solid_solver/readout.hpp"
 #include "solid_solver/rest.hpp"
@@ -129,12 +129,25 @@ void Solid<D>::initialise(const Inbox& inbox) {
     for (auto& v : state_.particles.velocity) v.setZero();
     evaluate_forces(setup_, state_);
     constexpr double before_everything = -1e300;  // standing loads only
-    rest_ = find_rest<D>(setup_, state_, [&](Drive<D>& drive) {
+    auto external = [&](Drive<D>& drive) {
       state_.external.pressure_gradient = gradient_of(state_.external.pressure);
       drive.traction = load_forces<D>(setup_, state_, before_everything);
       drive.distributed.resize(n);
       for (std::size_t i = 0; i < n; ++i) drive.distributed[i] = water_force(i, state_.external.pressure_gradient[i]);
+    };
+    if (std::any_of(scene_.soils.begin(), scene_.soils.end(),
+                    [](const Soil& soil) { return soil.earth_pressure_at_rest.has_value(); })) {
+      Drive<D> drive;
+      external(drive);
+      start_from_earth_pressure<D>(setup_, scene_.soils, drive, state_);
+    }
+    rest_ = find_rest<D>(setup_, state_, external, [](const RestReport& r) {
+      fmt::print(stderr,
+                 "rest of the soil: largest acceleration {:.2g} of the driving one after {} steps, until {:g}\n",
+                 r.residual, r.steps, r.criterion);
     });
+    if (rest_.steps > 0 && !rest_.reached())
+      fmt::print(stderr, "rest of the soil: not reached, the run starts in motion\n");
     state_.particles.velocity = initial;
     rebuild(setup_, state_);
     evaluate_forces(setup_, state_);
@@ -144,6 +157,45 @@ void Solid<D>::initialise(const Inbox& inbox) {
   std::fill(state_.yielded.begin(), state_.yielded.end(), char{0});
   state_.any_yielded = false;
   ++state_.revision;
+}
+
+template <int D>
+std::size_t Solid<D>::loads_begun(double time) const {
+  return static_cast<std::size_t>(std::count_if(setup_.loads.begin(), setup_.loads.end(),
+                                                [&](const auto& patch) { return has_begun(patch.start, time); }));
+}
+
+template <int D>
+bool Solid<D>::sleeps_on(Drive<D>& drive, const VecArray<D>& gradient, const ScalarArray& impulse,
+                         const Window& window) {
+  if (!state_.sleep.asleep) return false;
+  const std::size_t n = state_.particles.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    drive.distributed[i] = water_force(i, gradient[i]);
+    for (int d = 0; d < D; ++d)
+      drive.distributed[i][d] += impulse[i * D + static_cast<std::size_t>(d)] / window.interval;
+  }
+  const double reference = reference_acceleration(setup_, state_, drive);
+  if (disturbed(state_, drive, loads_begun(window.time), reference, scene_.solid.quiet->wake_above)) {
+    state_.sleep.asleep = false;
+    return false;
+  }
+  for (auto& v : state_.mean_velocity) v.setZero();
+  for (auto& r : state_.returned_impulse) r.setZero();
+  state_.external.pressure_gradient = gradient;
+  state_.time = window.time + window.interval;
+  state_.slept += std::ceil(window.interval / setup_.longest_substep - 1e-9);
+  return true;
+}
+
+template <int D>
+void Solid<D>::fall_asleep_if_quiet(const Drive<D>& drive, double reference) {
+  const auto& quiet = *scene_.solid.quiet;
+  const double rms = unrest(setup_, state_, drive, reference).rms;
+  state_.still_yields = state_.any_yielded || (state_.still_yields && rms >= quiet.sleep_below);
+  if (state_.any_yielded || rms >= quiet.sleep_below) return;
+  stop(setup_, state_);
+  state_.sleep = {true, drive.distributed, state_.external.coverage, loads_begun(state_.time)};
 }
 
 template <int D>
@@ -173,11 +225,16 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
     double z = setup_.inertia_share * p.mass[i] / (p.volume[i] * interval);
     if (scene_.fluid.drag) {
       const double porosity = void_fraction(setup_, p, i);
-      z += drag_coefficient(setup_.water_weight, porosity, conductivity(scene_.soils[p.material[i]], porosity));
+      const auto law = porous::resistance(setup_.water_weight, porosity,
+                                          porous::seepage_at(scene_, scene_.soils[p.material[i]], porosity));
+      const double force = Eigen::Map<const Vec<D>>(impulse.data() + i * D).norm() / (p.volume[i] * interval);
+      z += law.slope(law.speed(force));
     }
     drive.tracking[i] = state_.external.coverage[i] * p.volume[i] * z;
     for (int d = 0; d < D; ++d) drive.target[i][d] = predicted[i * D + static_cast<std::size_t>(d)];
   }
+
+  if (scene_.solid.quiet && sleeps_on(drive, to, impulse, window)) return Outcome::accept();
 
   const auto steps =
       std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(interval / setup_.longest_substep - 1e-9)));
@@ -186,6 +243,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   std::fill(state_.yielded.begin(), state_.yielded.end(), char{0});
   state_.any_yielded = false;
   const VecArray<D> displacement = p.displacement;
+  double reference = 0.0;
 
   // A load that begins with the window raises the water's pressure at once: no ramp then.
   bool jump = false;
@@ -207,11 +265,19 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
       drive.distributed[i] = water_force(i, (1.0 - share) * from[i] + share * to[i]);
       for (int d = 0; d < D; ++d) drive.distributed[i][d] += impulse[i * D + static_cast<std::size_t>(d)] / interval;
     }
+    if (scene_.solid.quiet && k == 0) {
+      reference = reference_acceleration(setup_, state_, drive);
+      const auto& quiet = *scene_.solid.quiet;
+      const bool calm = unrest(setup_, state_, drive, reference).rms < quiet.wake_above;
+      drive.damping = quiet.damping && calm && !state_.still_yields ? near_critical_damping(setup_) : 0.0;
+      if (drive.damping > 0.0) state_.damped += static_cast<double>(steps);
+    }
     substep<D>(setup_, dt, drive, state_);
   }
   check_finite(state_, window.time);
   state_.external.pressure_gradient = to;
   for (std::size_t i = 0; i < n; ++i) state_.mean_velocity[i] = (p.displacement[i] - displacement[i]) / interval;
+  if (scene_.solid.quiet) fall_asleep_if_quiet(drive, reference);
   state_.time = window.time + interval;
   state_.substeps += static_cast<double>(steps);
   ++state_.revision;
@@ -230,7 +296,7 @@ Publication Solid<D>::publish() const {
     out.proposed_interval = next - state_.time;
     out.limited_by = "the next load begins";
   }
-  constexpr double substeps_alone = 20.0;
+  const double substeps_alone = state_.sleep.asleep ? 200.0 : 20.0;
   double alone = scene_.coupled() ? no_limit : substeps_alone * setup_.longest_substep;
   if (!scene_.coupled() && scene_.output.gauge_interval > 0.0) alone = std::min(alone, scene_.output.gauge_interval);
   if (alone < out.proposed_interval) {
@@ -288,8 +354,11 @@ Publication Solid<D>::publish() const {
     const auto& model = *setup_.models[p.material[i]];
     return state_.yielded[i] ? model.yielding_modulus() : model.elasticity().constrained();
   });
-  scalars(field::hydraulic_conductivity,
-          [&](std::size_t i) { return conductivity(scene_.soils[p.material[i]], void_fraction(setup_, p, i)); });
+  const auto seepage = [&](std::size_t i) {
+    return porous::seepage_at(scene_, scene_.soils[p.material[i]], void_fraction(setup_, p, i));
+  };
+  scalars(field::hydraulic_conductivity, [&](std::size_t i) { return seepage(i).conductivity; });
+  scalars(field::forchheimer_coefficient, [&](std::size_t i) { return seepage(i).quadratic; });
   vectors(field::returned_impulse,
           [&](std::size_t i) { return i < n ? state_.returned_impulse[i] : Vec<D>(Vec<D>::Zero()); });
   return out;
@@ -345,6 +414,8 @@ template <int D>
 std::map<std::string, double> Solid<D>::counters() const {
   return {{"particles", static_cast<double>(state_.particles.size())},
           {"substeps", state_.substeps},
+          {"substeps asleep", state_.slept},
+          {"substeps damped", state_.damped},
           {"list rebuilds", state_.rebuilds},
           {"rest steps", static_cast<double>(rest_.steps)},
           {"rest residual", rest_.residual},

@@ -34,6 +34,12 @@ class Solid final : public Phase {
   [[nodiscard]] Vec<D> water_force(std::size_t i, const Vec<D>& pressure_gradient) const;
   [[nodiscard]] VecArray<D> gradient_of(const ScalarArray& pressure) const;
   [[nodiscard]] double next_load_after(double time) const;
+  [[nodiscard]] std::size_t loads_begun(double time) const;
+  /// Passes the window asleep, if the soil is and nothing disturbs it.
+  bool sleeps_on(Drive<D>& drive, const VecArray<D>& gradient, const ScalarArray& impulse,
+                 const coupling::Window& window);
+  /// At the end of a window that was computed.
+  void fall_asleep_if_quiet(const Drive<D>& drive, double reference);
 
   Case scene_;
   Setup<D> setup_;

@@ -1,7 +1,9 @@
 // The rest of the soil under its weight, the water's pressure and the standing loads, before time zero.
 #pragma once
 
-#include "solid_solver/step.hpp"
+#include "solid_solver/quiet.hpp"
+
+#include <map>
 
 namespace poretwin::solid {
 
@@ -12,49 +14,75 @@ struct RestReport {
   [[nodiscard]] bool reached() const { return residual < criterion; }
 };
 
-/// Loads the soil in one increment and damps it near the critical rate of its slowest mode, pi c / H (xi about 3.6
-/// h/H), until the largest acceleration is below 1e-3 of the driving one (gravity, or the largest external force).
-/// Displacements and stresses stay; velocities are cleared. external(drive) fills its forces, anew after every rebuild.
-template <int D, class ExternalForce>
-RestReport find_rest(const Setup<D>& setup, State<D>& state, ExternalForce&& external) {
+/// Loads the soil in one increment and damps it at the critical rate of its slowest mode until the largest acceleration
+/// is below 1e-3 of the driving one (gravity, or the largest external force), or for 50 times a wave's way through the
+/// soil. Displacements and stresses stay; velocities are cleared. external(drive) fills its forces, anew after every
+/// rebuild; show(report) sees every hundredth step and the last.
+template <int D, class ExternalForce, class Show>
+RestReport find_rest(const Setup<D>& setup, State<D>& state, ExternalForce&& external, Show&& show) {
   RestReport report;
-  Particles<D>& p = state.particles;
-  const std::size_t n = p.size();
   Drive<D> drive;
   external(drive);
-  auto acceleration = [&](std::size_t i) {
-    Vec<D> force = drive.distributed[i];
-    if (!drive.traction.empty()) force += drive.traction[i];
-    return Vec<D>(force / p.mass[i]);
-  };
-  double reference = setup.gravity.norm();
-  for (std::size_t i = 0; i < n; ++i)
-    reference = std::max(reference, acceleration(i).norm() * setup.spacing / setup.height);
   report.criterion = 1e-3;
+  const double reference = reference_acceleration(setup, state, drive);
   if (reference <= 0.0) return report;
-  const double speed = setup.stabilisers.sound_speed;
-  drive.damping = 3.14159265358979 * speed / setup.height;
+  drive.damping = near_critical_damping(setup);
   const double dt = setup.longest_substep;
-  const auto limit = static_cast<std::size_t>(50.0 * setup.height / (speed * dt)) + 200;
-  while (report.steps < limit) {
+  const auto limit = static_cast<std::size_t>(50.0 * setup.height / (setup.stabilisers.sound_speed * dt)) + 200;
+  do {
     const double built = state.rebuilds;
     substep<D>(setup, dt, drive, state);
     ++report.steps;
     if (state.rebuilds > built) external(drive);
     if (report.steps % 10 != 0) continue;
-    double largest = 0.0;
-    for (std::size_t i = 0; i < n; ++i) {
-      const Vec<D> a = p.volume[i] / p.mass[i] * state.internal[i] + acceleration(i) + setup.gravity;
-      largest = std::max({largest, a.norm(), drive.damping * p.velocity[i].norm()});
-    }
-    report.residual = largest / reference;
+    report.residual = unrest(setup, state, drive, reference).largest;
     check_finite(state, state.time);
-    if (report.reached()) break;
-  }
-  for (auto& v : p.velocity) v.setZero();
-  for (auto& gradient : p.gradient) gradient.setZero();
-  evaluate_forces(setup, state);
+    if (report.steps % 100 == 0) show(report);
+  } while (report.steps % 10 != 0 || (!report.reached() && report.steps < limit));
+  stop(setup, state);
+  show(report);
   return report;
+}
+
+/// Stresses of level ground: vertical from the weight (and water) above each particle, the rest by the soil's own
+/// coefficient of earth pressure at rest. Soils without one keep the stress they have.
+template <int D>
+void start_from_earth_pressure(const Setup<D>& setup, const std::vector<Soil>& soils, const Drive<D>& drive,
+                               State<D>& state) {
+  Particles<D>& p = state.particles;
+  const Vec<D> up = upwards(setup);
+  struct Entry {
+    double level;
+    std::size_t particle;
+  };
+  std::map<std::array<long, D>, std::vector<Entry>> columns;  // by place across gravity, one spacing wide
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    const double level = up.dot(p.position[i]);
+    const Vec<D> across = p.position[i] - level * up;
+    std::array<long, D> place;
+    for (int d = 0; d < D; ++d)
+      place[static_cast<std::size_t>(d)] = std::lround(std::floor(across[d] / setup.spacing + 1e-6));
+    columns[place].push_back({level, i});
+  }
+  const double area = std::pow(setup.spacing, D - 1);
+  for (auto& [place, column] : columns) {
+    std::sort(column.begin(), column.end(), [](const Entry& a, const Entry& b) { return a.level > b.level; });
+    double above = 0.0;  // N on the plane through the particle
+    for (const auto& entry : column) {
+      const std::size_t i = entry.particle;
+      const double weight = -up.dot(p.mass[i] * setup.gravity + force_from_outside(drive, i));
+      const double vertical = -(above + 0.5 * weight) / area;
+      above += weight;
+      const auto& k0 = soils[p.material[i]].earth_pressure_at_rest;
+      if (!k0) continue;
+      Eigen::Vector3d direction = Eigen::Vector3d::Zero();
+      direction.head<D>() = up;
+      const Eigen::Matrix3d lifted = direction * direction.transpose();
+      const Eigen::Matrix3d s = vertical * (lifted + *k0 * (Eigen::Matrix3d::Identity() - lifted));
+      p.stress[i] << s(0, 0), s(1, 1), s(2, 2), s(0, 1), s(1, 2), s(0, 2);
+    }
+  }
+  evaluate_forces(setup, state);
 }
 
 }  // namespace poretwin::solid

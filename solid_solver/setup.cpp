@@ -1,8 +1,8 @@
 #include "solid_solver/setup.hpp"
 
 #include "common/core/error.hpp"
+#include "common/porous/seepage.hpp"
 #include "solid_solver/constitutive/cone.hpp"
-#include "solid_solver/permeability.hpp"
 
 #include <fmt/format.h>
 
@@ -69,7 +69,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   setup.stabilisers.zero_energy = scene.solid.zero_energy_viscosity;
   setup.stabilisers.stiffness = scene.solid.zero_energy_stiffness;
   setup.gravity = scene.general.gravity.head<D>();
-  setup.water_weight = water_weight(scene);
+  setup.water_weight = porous::specific_weight(scene);
   setup.inertia_share = scene.fluid.skeleton_response ? 0.5 : 0.0;
   double fastest = 0.0;
   for (std::size_t s = 0; s < scene.soils.size(); ++s) {

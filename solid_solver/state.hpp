@@ -80,6 +80,15 @@ struct External {
   VecArray<D> pressure_gradient;   ///< Pa/m, SPH form of Eq. (62) (or (61)), at the end of the last window
 };
 
+/// While the soil sleeps its particles stand still; what acted on it when it fell asleep.
+template <int D>
+struct Sleep {
+  bool asleep = false;
+  VecArray<D> force;      ///< N on each particle, from the water
+  ScalarArray coverage;   ///< 0..1
+  std::size_t loads = 0;  ///< that had begun
+};
+
 template <int D>
 struct State {
   double time = 0.0;  ///< s
@@ -97,7 +106,9 @@ struct State {
   VecArray<D> rest_displacement;  ///< m, after initialise: where uplift counts from
   std::vector<char> yielded;      ///< during the last window
   bool any_yielded = false;
-  double substeps = 0.0, rebuilds = 0.0;  ///< counters
+  Sleep<D> sleep;
+  bool still_yields = false;  ///< something yielded since the soil was last quiet: its motion must not be damped
+  double substeps = 0.0, rebuilds = 0.0, slept = 0.0, damped = 0.0;  ///< counters of substeps and list rebuilds
 };
 
 }  // namespace poretwin::solid

@@ -14,17 +14,26 @@ template <class E>
 using Word = std::pair<std::string_view, E>;
 
 constexpr std::array shape_words{Word<Shape::Kind>{"box", Shape::Kind::box},
-                                 Word<Shape::Kind>{"polygon", Shape::Kind::polygon}};
+                                 Word<Shape::Kind>{"polygon", Shape::Kind::polygon},
+                                 Word<Shape::Kind>{"ball", Shape::Kind::ball}};
 constexpr std::array water_words{Word<Wall::ForWater>{"none", Wall::ForWater::none},
                                  Word<Wall::ForWater>{"free_slip", Wall::ForWater::free_slip},
                                  Word<Wall::ForWater>{"no_slip", Wall::ForWater::no_slip}};
 constexpr std::array soil_words{Word<Wall::ForSoil>{"none", Wall::ForSoil::none},
                                 Word<Wall::ForSoil>{"roller", Wall::ForSoil::roller},
                                 Word<Wall::ForSoil>{"fixed", Wall::ForSoil::fixed}};
+constexpr std::array scheme_words{
+    Word<FluidCase::Scheme>{"projection", FluidCase::Scheme::projection},
+    Word<FluidCase::Scheme>{"eisph", FluidCase::Scheme::eisph},
+    Word<FluidCase::Scheme>{"eisph_explicit_drag", FluidCase::Scheme::eisph_explicit_drag}};
 constexpr std::array model_words{Word<SolidCase::Model>{"rigid", SolidCase::Model::rigid},
                                  Word<SolidCase::Model>{"elastic", SolidCase::Model::elastic},
                                  Word<SolidCase::Model>{"drucker_prager", SolidCase::Model::drucker_prager},
                                  Word<SolidCase::Model>{"drucker_prager_rate", SolidCase::Model::drucker_prager_rate}};
+constexpr std::array seepage_words{Word<Soil::SeepageLaw>{"darcy", Soil::SeepageLaw::darcy},
+                                   Word<Soil::SeepageLaw>{"constant", Soil::SeepageLaw::constant},
+                                   Word<Soil::SeepageLaw>{"forchheimer", Soil::SeepageLaw::forchheimer},
+                                   Word<Soil::SeepageLaw>{"ergun", Soil::SeepageLaw::ergun}};
 constexpr std::array cone_words{
     Word<Soil::Cone>{"paper", Soil::Cone::paper}, Word<Soil::Cone>{"plane_strain", Soil::Cone::plane_strain},
     Word<Soil::Cone>{"repose", Soil::Cone::repose}, Word<Soil::Cone>{"outer", Soil::Cone::outer},
@@ -41,6 +50,8 @@ void declare(Keys& keys, General& g) {
   keys.dimension = g.dimension;
   if (g.dimension == 3 && g.gravity == General{}.gravity) g.gravity = {0.0, 0.0, -9.81};
   keys.point("gravity", g.gravity, {"m/s2", "Acceleration of gravity; in 3D the default is [0, 0, -9.81]."});
+  keys.number("central_force", g.central_force,
+              {"1/s2", "Acceleration of the water towards the origin, per distance from it."}, not_negative());
   keys.number("end_time", g.end_time, {"s", "Simulated time at which the run ends.", true}, positive());
   keys.point("domain_min", g.domain_min, {"m", "Lower corner of the periodic box; used along periodic axes only."});
   keys.point("domain_max", g.domain_max, {"m", "Upper corner of the periodic box."});
@@ -53,11 +64,14 @@ void declare(Keys& keys, Water& w) {
 }
 
 void declare(Keys& keys, Shape& s) {
-  keys.choice<Shape::Kind>("shape", s.kind, shape_words, {"", "Box, or in 2D a polygon."});
+  keys.choice<Shape::Kind>("shape", s.kind, shape_words, {"", "Box, ball (2D: disc), or in 2D a polygon."});
   const bool box = s.kind == Shape::Kind::box;
   keys.point("min", s.min, {"m", "Lower corner of a box.", box});
   keys.point("max", s.max, {"m", "Upper corner of a box.", box});
-  keys.points("points", s.points, {"m", "Corners of a polygon, in order (required for a polygon).", !box});
+  keys.points("points", s.points,
+              {"m", "Corners of a polygon, in order (required for a polygon).", s.kind == Shape::Kind::polygon});
+  keys.point("centre", s.centre, {"m", "Centre of a ball.", s.kind == Shape::Kind::ball});
+  keys.number("radius", s.radius, {"m", "Radius of a ball.", s.kind == Shape::Kind::ball}, not_negative());
 }
 
 void declare(Keys& keys, Face& f) {
@@ -71,8 +85,19 @@ void declare(Keys& keys, Soil& s) {
   declare(keys, s.shape);
   keys.number("porosity", s.porosity, {"", "Volume of pores per volume, n."}, between(0, true, 1, true));
   keys.number("grain_density", s.grain_density, {"kg/m3", "Density of the grains themselves."}, positive());
-  keys.number("hydraulic_conductivity", s.hydraulic_conductivity,
-              {"m/s", "Darcy's k at `porosity`; follows Kozeny-Carman, Eq. (18), away from it."}, positive());
+  keys.choice<Soil::SeepageLaw>(
+      "seepage_law", s.seepage_law, seepage_words,
+      {"",
+       "Hydraulic gradient i against discharge velocity U. `darcy`: i = U/k, k after Kozeny-Carman, Eq. (19); "
+       "`constant`: the same k at any porosity; `forchheimer`: i = U/k + b U^2; `ergun`: k and b from the grains, Eqs. "
+       "(91), (92) as corrected."});
+  keys.number("hydraulic_conductivity", s.hydraulic_conductivity, {"m/s", "k at `porosity` (all laws but `ergun`)."},
+              positive());
+  keys.number("forchheimer_coefficient", s.forchheimer_coefficient, {"s2/m2", "b at `porosity` (`forchheimer`)."},
+              not_negative());
+  keys.number("grain_diameter", s.grain_diameter, {"m", "Mean diameter of the grains, D50 (`ergun`)."}, not_negative());
+  keys.number("ergun_linear", s.ergun_linear, {"", "Ergun's 150, of the linear term."}, positive());
+  keys.number("ergun_quadratic", s.ergun_quadratic, {"", "Ergun's 1.75, of the quadratic term."}, not_negative());
   keys.number("youngs_modulus", s.youngs_modulus, {"Pa", "Young's modulus of the drained skeleton."}, positive());
   keys.number("poissons_ratio", s.poissons_ratio, {"", "Poisson's ratio of the drained skeleton."},
               between(0, false, 0.5, true));
@@ -102,6 +127,27 @@ void declare(Keys& keys, Soil& s) {
               not_negative());
 }
 
+void declare_start(Keys& keys, Soil& s) {
+  keys.number("earth_pressure_at_rest", s.earth_pressure_at_rest,
+              {"",
+               "K0: horizontal over vertical effective stress before the search for rest, from the weight above; "
+               "absent: the soil is loaded by gravity from nothing, which gives nu / (1 - nu) on level ground."},
+              positive());
+}
+
+void declare(Keys& keys, Quiet& q) {
+  keys.number("sleep_below", q.sleep_below,
+              {"g",
+               "Sleep begins below this departure from rest (root mean square of the unbalanced acceleration, or "
+               "of the velocity times the near-critical damping rate)."},
+              positive());
+  keys.number("wake_above", q.wake_above,
+              {"g", "Sleep ends when the force on a particle has changed by more; above it motion counts as dynamic."},
+              positive());
+  keys.flag("damping", q.damping,
+            {"", "Near-critical damping in quasi-static windows: off from the first yielding until quiet again."});
+}
+
 void declare(Keys& keys, Wall& w) {
   keys.text("name", w.name, {"", "Name, for messages."});
   declare(keys, w.face);
@@ -114,6 +160,14 @@ void declare(Keys& keys, WaterFace& f) {
   declare(keys, f.face);
   keys.series("head", f.head, {"m", "Elevation (along -gravity) of the free surface of the water behind the face."});
   keys.series("pressure", f.pressure, {"Pa", "Instead of `head`: pressure, uniform on the face."});
+  keys.series("discharge", f.discharge,
+              {"m3/s",
+               "Poured into the basin behind the face (2D: m2/s); its level follows from the balance of its water. "
+               "`head` is then the level at time zero; absent: empty."});
+  keys.series(
+      "basin_area", f.basin_area,
+      {"m2", "With `discharge`: horizontal area of the basin (2D: length, m) against elevation [m], [[z, A], ..]."});
+  keys.flag("outlet", f.outlet, {"", "Nothing stands behind the face: water that crosses it has left."});
 }
 
 void declare(Keys& keys, Load& l) {
@@ -145,7 +199,20 @@ void declare_seed(Keys& keys, unsigned& seed) {
 void declare(Keys& keys, FluidCase& f) {
   keys.number("particle_spacing", f.particle_spacing,
               {"m", "Distance between neighbouring water particles; required where there is water."}, not_negative());
+  keys.choice<FluidCase::Scheme>(
+      "scheme", f.scheme, scheme_words,
+      {"",
+       "`projection`: pressure solved to a tolerance; `eisph`: explicit sweeps, Eqs. (82)-(85), in windows short "
+       "enough for them; `eisph_explicit_drag`: with the drag of Eq. (75) at the window's start."});
+  std::int64_t sweeps = f.sweeps;
+  keys.integer("sweeps", sweeps, {"", "Of `eisph`, per window."}, between(1, false, 1000, false));
+  f.sweeps = static_cast<int>(sweeps);
   keys.point("initial_velocity", f.initial_velocity, {"m/s", "Of all water at time zero."});
+  keys.number("initial_strain", f.initial_strain,
+              {"1/s", "Adds the plane straining flow (s x, -s y) about the origin to the initial velocity."});
+  keys.number(
+      "initial_vortices", f.initial_vortices,
+      {"m/s", "Adds Taylor-Green vortices of this highest speed, one period over the periodic box in x and y."});
   keys.point("offset", f.offset, {"spacings", "Of the first particle from a region's lower corner."});
   keys.number("jitter", f.jitter, {"spacings", "Largest random displacement of the initial lattice."},
               between(0, false, 1, false));
@@ -181,6 +248,8 @@ void declare(Keys& keys, SolidCase& s) {
                "Cohesion and tan(friction) of all soil are divided by it (`poretwin safety` finds the factor of "
                "safety)."},
               positive());
+  keys.optional_table("quiet", "Work saved while the soil hardly moves; absent: all its motion is computed.", s.quiet,
+                      [](Keys& inner, Quiet& quiet) { declare(inner, quiet); });
   keys.number("courant", s.courant, {"", "Substep over spacing / wave speed; stable to about 2."},
               between(0, true, 2, false));
   keys.number("artificial_viscosity", s.artificial_viscosity,
@@ -212,7 +281,9 @@ void declare(Keys& keys, Gauge& g) {
              "far water reaches along a line; up a vertical one: the water table), `discharge` (through the wet part "
              "of a line, from its right to its left), `exit_height` (elevation at which the water's surface meets a "
              "face), `exit_gradient` (largest outward, over a face), `balance` (volumes `_in`, `_out`, `_stored` and "
-             "`_error` = in - out - gain), `min_pressure`; of the solid also `max_displacement`, `uplift`, `strain_energy` (elastic), `crest_settlement` (of the highest particles, "
+             "`_error` = in - out - gain), `min_pressure`, `potential_energy`, `energy` (both together), `extent`, "
+             "`spread`; of the solid also "
+             "`max_displacement`, `uplift`, `strain_energy` (elastic), `crest_settlement` (of the highest particles, "
              "since the initial rest), `pending_impulse`.",
              true});
   keys.text("quantity", g.quantity,
@@ -222,7 +293,9 @@ void declare(Keys& keys, Gauge& g) {
              "`momentum_x` .."});
   keys.points("points", g.points,
               {"m",
-               "Of `point`: where. Of gauges on lines: the two ends; a face is walked with the domain on the left."});
+               "Of `point`: where. Of gauges on lines: the two ends; a face is walked with the domain on the left. Of "
+               "`extent` (how far the water reaches) and `spread` (rms distance from its mean position): from where, "
+               "and a second point for the direction."});
   keys.optional_table("region", "Where `volume`, `momentum`, .. count; absent: everywhere.", g.region,
                       [](Keys& inner, Shape& shape) { declare(inner, shape); });
 }
@@ -232,14 +305,18 @@ void declare_shared(Keys& keys, Case& c) {
   keys.table("case", "The problem as a whole.", [&](Keys& inner) { declare(inner, c.general); });
   keys.dimension = c.general.dimension;
   keys.table("water", "The pore fluid.", [&](Keys& inner) { declare(inner, c.water); });
-  keys.tables(
-      "soil",
-      "A region of soil and its material. With solid.model = \"rigid\" only shape, porosity and conductivity matter.",
-      c.soils, [](Keys& inner, Soil& soil) { declare(inner, soil); });
+  keys.tables("soil",
+              "A region of soil and its material. With solid.model = \"rigid\" only shape, porosity and the law of "
+              "seepage matter.",
+              c.soils, [](Keys& inner, Soil& soil) {
+                declare(inner, soil);
+                declare_start(inner, soil);
+              });
   keys.tables("wall", "A wall and its meaning for either phase.", c.walls,
               [](Keys& inner, Wall& wall) { declare(inner, wall); });
-  keys.tables("water_face", "A face of prescribed head or pressure through which water comes and goes.", c.water_faces,
-              [](Keys& inner, WaterFace& face) { declare(inner, face); });
+  keys.tables("water_face",
+              "A face through which water comes and goes: of prescribed head or pressure, of a basin, or an outlet.",
+              c.water_faces, [](Keys& inner, WaterFace& face) { declare(inner, face); });
   keys.tables("load", "A traction on the soil's surface.", c.loads,
               [](Keys& inner, Load& load) { declare(inner, load); });
   keys.table("coupling", "How the phases exchange.", [&](Keys& inner) { declare(inner, c.coupling); });
@@ -277,6 +354,18 @@ double Series::at(double t) const {
     if (t <= t1) return v0 + (v1 - v0) * (t - t0) / (t1 - t0);
   }
   return knots.back().second;
+}
+
+double Series::integral(double t0, double t1) const {
+  if (t1 < t0) return -integral(t1, t0);
+  // Trapezoids between the knots inside.
+  double sum = 0.0, from = t0;
+  for (const auto& [t, value] : knots) {
+    if (t <= from || t >= t1) continue;
+    sum += 0.5 * (t - from) * (at(from) + at(t));
+    from = t;
+  }
+  return sum + 0.5 * (t1 - from) * (at(from) + at(t1));
 }
 
 std::string Case::digest() const {

@@ -15,12 +15,14 @@ namespace poretwin {
 /// Case geometry is three-dimensional throughout; 2D cases leave z = 0.
 using Point3 = Eigen::Vector3d;
 
-/// Box ("min", "max") or, in 2D, polygon ("points").
+/// Box ("min", "max"), ball ("centre", "radius"; a disc in 2D) or, in 2D, polygon ("points").
 struct Shape {
-  enum class Kind { box, polygon };
+  enum class Kind { box, polygon, ball };
   Kind kind = Kind::box;
   Point3 min = Point3::Zero(), max = Point3::Zero();
   std::vector<Point3> points;  ///< polygon corners, in order
+  Point3 centre = Point3::Zero();
+  double radius = 0.0;  ///< m
 };
 
 /// A line of straight pieces (2D, "points"; the domain lies on the LEFT of the walk) or a plane ("point", "normal" into
@@ -34,6 +36,8 @@ struct Face {
 struct Series {
   std::vector<std::pair<double, double>> knots;
   [[nodiscard]] double at(double t) const;
+  /// From t0 to t1, exact.
+  [[nodiscard]] double integral(double t0, double t1) const;
 };
 
 /// [case]
@@ -41,6 +45,7 @@ struct General {
   std::string title;
   int dimension = 2;
   Point3 gravity{0.0, -9.81, 0.0};  ///< m/s2; default downwards along the last axis of the dimension
+  double central_force = 0.0;       ///< 1/s2: acceleration of the water towards the origin, per distance
   double end_time = 0.0;            ///< s
   Point3 domain_min = Point3::Zero(), domain_max = Point3::Zero();  ///< m, needed only with periodic sides
   std::vector<int> periodic;                                        ///< axes
@@ -52,9 +57,10 @@ struct Water {
   double kinematic_viscosity = 1.0e-6;  ///< m2/s
 };
 
-/// [[soil]]: a region of soil and its material. With solid.model = "rigid" only shape, porosity and conductivity
+/// [[soil]]: a region of soil and its material. With solid.model = "rigid" only shape, porosity and the law of seepage
 /// matter.
 struct Soil {
+  enum class SeepageLaw { darcy, constant, forchheimer, ergun };
   /// How the Drucker-Prager cone is fitted to Coulomb's cohesion and friction (docs/theory_solid.md).
   enum class Cone {
     paper,         ///< Eq. (32): plane strain with associated flow (psi = phi)
@@ -65,14 +71,19 @@ struct Soil {
   };
   std::string name;
   Shape shape;
-  double porosity = 0.4;                 ///< n = n_w
-  double grain_density = 2600.0;         ///< kg/m3, intrinsic rho_s
-  double hydraulic_conductivity = 1e-4;  ///< m/s at `porosity`; Kozeny-Carman (18) away from it
-  double youngs_modulus = 3.0e6;         ///< Pa
+  double porosity = 0.4;          ///< n = n_w
+  double grain_density = 2600.0;  ///< kg/m3, intrinsic rho_s
+  SeepageLaw seepage_law = SeepageLaw::darcy;
+  double hydraulic_conductivity = 1e-4;  ///< k at `porosity`, m/s
+  double forchheimer_coefficient = 0.0;  ///< b at `porosity`, s2/m2
+  double grain_diameter = 0.0;           ///< D50, m (ergun)
+  double ergun_linear = 150.0, ergun_quadratic = 1.75;
+  double youngs_modulus = 3.0e6;  ///< Pa
   double poissons_ratio = 0.3;
-  double cohesion = 0.0;         ///< Pa, at the initial saturation
-  double friction_angle = 30.0;  ///< degrees
-  double dilation_angle = 0.0;   ///< degrees
+  double cohesion = 0.0;                         ///< Pa, at the initial saturation
+  double friction_angle = 30.0;                  ///< degrees
+  double dilation_angle = 0.0;                   ///< degrees
+  std::optional<double> earth_pressure_at_rest;  ///< K0; absent: what elastic loading by gravity gives
   Cone cone = Cone::paper;
   std::optional<double> tensile_strength;    ///< Pa, largest mean effective stress; absent: the cone's apex
   std::optional<double> maximum_void_ratio;  ///< e at which dilation ends; absent: never
@@ -91,13 +102,17 @@ struct Wall {
   ForSoil soil = ForSoil::roller;
 };
 
-/// [[water_face]]: a face of prescribed head or pressure through which water comes and goes (ponded head, reservoir,
-/// drain).
+/// [[water_face]]: a face through which water comes and goes. Behind it stands water of a prescribed head or pressure
+/// (pond, reservoir, drain), or a basin whose level follows from what is poured in and what leaves through the face, or
+/// nothing: water only leaves.
 struct WaterFace {
   std::string name;
   Face face;
-  std::optional<Series> head;      ///< m: elevation (along -gravity) of the free surface behind the face
-  std::optional<Series> pressure;  ///< Pa, uniform on the face
+  std::optional<Series> head;        ///< m: elevation (along -gravity) of the free surface behind; of a basin: at first
+  std::optional<Series> pressure;    ///< Pa, uniform on the face
+  std::optional<Series> discharge;   ///< m3/s (2D: m2/s) poured into the basin
+  std::optional<Series> basin_area;  ///< m2 (2D: m), horizontal, against elevation [m]: from the bottom up
+  bool outlet = false;               ///< nothing behind it
 };
 
 /// [[load]]: traction on the soil's surface near a face.
@@ -121,15 +136,29 @@ struct PorePressure {
 
 /// [fluid]
 struct FluidCase {
+  /// How pressure follows from velocity: solved to a tolerance, or by explicit sweeps, Eqs. (82)-(85); the latter also
+  /// with the drag taken at the window's start.
+  enum class Scheme { projection, eisph, eisph_explicit_drag };
   double particle_spacing = 0.0;  ///< m
+  Scheme scheme = Scheme::projection;
+  int sweeps = 1;              ///< of eisph, per window
   std::vector<Shape> regions;  ///< [[fluid.region]]: where water stands at time zero (inside soil it fills the pores)
   Point3 initial_velocity = Point3::Zero();
-  Point3 offset{0.5, 0.5, 0.5};  ///< of the first particle from a region's corner, in spacings
-  double jitter = 0.0;           ///< random displacement of the initial lattice, in spacings (uniform, +-)
+  double initial_strain = 0.0;    ///< 1/s: adds (s x, -s y)
+  double initial_vortices = 0.0;  ///< m/s: adds Taylor-Green vortices, one period over the periodic box
+  Point3 offset{0.5, 0.5, 0.5};   ///< of the first particle from a region's corner, in spacings
+  double jitter = 0.0;            ///< random displacement of the initial lattice, in spacings (uniform, +-)
   unsigned seed = 1;
   bool drag = true;  ///< seepage force between the phases
   bool skeleton_response =
       true;  ///< the skeleton's predicted response inside the pressure solve (off: plain staggering, to show its limit)
+};
+
+/// [solid.quiet]: work saved while the skeleton hardly moves.
+struct Quiet {
+  double sleep_below = 3e-4;  ///< of g, root mean square of the departure from rest
+  double wake_above = 3e-2;   ///< of g, change of the force on any particle
+  bool damping = true;        ///< near-critical, in quasi-static windows only
 };
 
 /// [solid]
@@ -144,7 +173,8 @@ struct SolidCase {
   unsigned seed = 2;
   bool initial_rest = true;  ///< find the rest under gravity, water and standing loads before time zero
   PressureGradient pressure_gradient = PressureGradient::difference;
-  double strength_reduction = 1.0;  ///< cohesion and tan(friction) are divided by it
+  double strength_reduction = 1.0;     ///< cohesion and tan(friction) are divided by it
+  std::optional<Quiet> quiet;          ///< absent: all motion is computed
   double courant = 0.8;                ///< of dx / sqrt(M / rho_bar_s)
   double artificial_viscosity = 0.1;   ///< alpha of Monaghan's, on approaching particles
   double zero_energy_viscosity = 0.1;  ///< on the part of the velocity that is not linear around a particle
@@ -167,10 +197,12 @@ struct Gauge {
   std::string name;
   std::string phase;     ///< "fluid" or "solid"
   std::string kind;      ///< "point", "front", "volume", "momentum", "kinetic_energy", "particles", "max_speed";
+                         ///< fluid only: "potential_energy", "energy", "extent", "spread";
                          ///< solid only: "max_displacement", "uplift", "strain_energy", "crest_settlement",
                          ///< "pending_impulse" (taken, not yet paid for)
   std::string quantity;  ///< of "point": "pore_pressure", "velocity", "displacement", "effective_stress_yy", ...
-  std::vector<Point3> points;   ///< of "point" (name[i] where several), of "front" (a line's two ends)
+  std::vector<Point3>
+      points;  ///< of "point" (name[i] where several), of "front" (a line's two ends), "extent", "spread"
   std::optional<Shape> region;  ///< of "volume", "momentum", ...: absent: everywhere
 };
 

@@ -15,10 +15,11 @@ namespace {
 
 constexpr std::array<std::string_view, 2> phases{"fluid", "solid"};
 constexpr std::array<std::string_view, 4> line_kinds{"front", "discharge", "exit_height", "exit_gradient"};
-constexpr std::array<std::string_view, 17> gauge_kinds{
-    "point",     "front",         "discharge",     "exit_height",      "exit_gradient", "volume",
-    "balance",   "momentum",      "kinetic_energy", "strain_energy",    "particles",     "max_speed", "min_pressure",
-    "max_displacement", "uplift", "crest_settlement", "pending_impulse"};
+constexpr std::array<std::string_view, 21> gauge_kinds{
+    "point",          "front",  "discharge",        "exit_height",    "exit_gradient",  "volume",
+    "balance",        "extent", "spread",           "momentum",       "kinetic_energy", "potential_energy",
+    "energy",         "particles", "max_speed",     "min_pressure",   "max_displacement", "strain_energy",
+    "uplift", "crest_settlement", "pending_impulse"};
 
 class Checker {
  public:
@@ -30,6 +31,7 @@ class Checker {
     fluid_regions();
     faces();
     walls();
+    soils_are_supported();
     pore_pressures();
     gauges();
   }
@@ -88,6 +90,12 @@ class Checker {
       }
       return;
     }
+    if (s.kind == Shape::Kind::ball) {
+      if (s.radius < 0.5 * spacing)
+        fail(key + ".radius", fmt::format("no particle fits: the ball's radius is {} m, the particle spacing is {} m",
+                                          s.radius, spacing));
+      return;
+    }
     if (dimension != 2)
       fail(key + ".shape", "polygons are for dimension = 2, found dimension = 3; use shape = \"box\"");
     if (given(key + ".min") || given(key + ".max"))
@@ -143,9 +151,86 @@ class Checker {
         fail(key + ".maximum_void_ratio",
              fmt::format("expected at least the initial void ratio, {:.4g} for a porosity of {}, found {}", e,
                          soil.porosity, *soil.maximum_void_ratio));
+      using enum Soil::SeepageLaw;
+      if (soil.seepage_law == ergun && !(soil.grain_diameter > 0.0))
+        fail(key + ".grain_diameter", "the law \"ergun\" needs the size of the grains in m, found none");
+      if (soil.seepage_law == ergun && given(key + ".hydraulic_conductivity"))
+        fail(key + ".hydraulic_conductivity",
+             "the law \"ergun\" takes the conductivity from grain_diameter and porosity; use \"forchheimer\" to give "
+             "it");
+      if (soil.seepage_law != ergun && given(key + ".grain_diameter"))
+        fail(key + ".grain_diameter", "belongs to seepage_law = \"ergun\"");
+      if (soil.seepage_law != forchheimer && given(key + ".forchheimer_coefficient"))
+        fail(key + ".forchheimer_coefficient", "belongs to seepage_law = \"forchheimer\"");
       shapes.push_back(soil.shape);
     }
     no_overlap(shapes, "soil", spacing);
+  }
+
+  /// Whether the wall lies under the soil's particles x (within one spacing), or holds them by being fixed.
+  [[nodiscard]] bool holds(const Wall& wall, const std::vector<Point3>& points, double spacing) const {
+    const Point3 down = scene_.general.gravity.normalized();
+    auto near = [&](const Point3& point, const Point3& normal, const Point3& tangent, double length) {
+      const double facing = normal.dot(down);
+      if (wall.soil == Wall::ForSoil::fixed ? facing > 1e-6 : facing > -1e-6) return false;
+      return std::any_of(points.begin(), points.end(), [&](const Point3& x) {
+        const double away = normal.dot(x - point), along = tangent.dot(x - point);
+        return away > -0.5 * spacing && away < spacing && along > -spacing && along < length + spacing;
+      });
+    };
+    const Face& f = wall.face;
+    if (f.points.empty()) return near(f.point, f.normal.normalized(), Point3::Zero(), 1.0);
+    for (std::size_t i = 0; i + 1 < f.points.size(); ++i) {
+      const Point3 way = f.points[i + 1] - f.points[i];
+      const Point3 tangent = way.normalized();
+      if (near(f.points[i], Point3(-tangent.y(), tangent.x(), 0.0), tangent, way.norm())) return true;
+    }
+    return false;
+  }
+
+  /// Every soil must rest on a wall, or on a soil that does.
+  void soils_are_supported() const {
+    const Point3& gravity = scene_.general.gravity;
+    if (!scene_.deformable() || !(gravity.norm() > 0.0)) return;
+    for (const int axis : scene_.general.periodic)
+      if (gravity[axis] != 0.0) return;
+    const double spacing = scene_.solid.particle_spacing;
+    const std::size_t n = scene_.soils.size();
+    std::vector<std::vector<Point3>> points(n);
+    std::vector<char> supported(n, 0);
+    for (std::size_t i = 0; i < n; ++i) {
+      auto take = [&](const auto& lattice) {
+        for (const auto& x : lattice.position) {
+          Point3 point = Point3::Zero();
+          point.head(x.size()) = x;
+          points[i].push_back(point);
+        }
+      };
+      const auto& offset = scene_.solid.offset;
+      if (scene_.general.dimension == 3)
+        take(fill<3>(scene_.soils[i].shape, spacing, offset, 0.0, 1));
+      else
+        take(fill<2>(scene_.soils[i].shape, spacing, offset, 0.0, 1));
+      for (const auto& wall : scene_.walls)
+        if (wall.soil != Wall::ForSoil::none && holds(wall, points[i], spacing)) supported[i] = 1;
+    }
+    const Point3 step = 1.001 * spacing * gravity.normalized();
+    for (bool more = true; more;) {
+      more = false;
+      for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = 0; j < n && !supported[i]; ++j) {
+          if (!supported[j]) continue;
+          const auto& below = scene_.soils[j].shape;
+          supported[i] = std::any_of(points[i].begin(), points[i].end(), [&](const Point3& x) {
+            return contains(below, Point3(x + step), scene_.general.dimension);
+          });
+          more = more || supported[i];
+        }
+    }
+    for (std::size_t i = 0; i < n; ++i)
+      if (!supported[i])
+        fail(fmt::format("soil[{}]", i),
+             "nothing holds the soil up: expected a [[wall]] for soil under it, or a soil that rests on one");
   }
 
   void fluid_regions() const {
@@ -179,8 +264,18 @@ class Checker {
       const std::string key = fmt::format("water_face[{}]", i);
       const auto& f = scene_.water_faces[i];
       face(f.face, key);
-      if (f.head.has_value() == f.pressure.has_value())
-        fail(key, fmt::format("expected either 'head' or 'pressure', found {}", f.head ? "both" : "neither"));
+      const int kinds = (f.head && !f.discharge) + f.pressure.has_value() + f.discharge.has_value() + f.outlet;
+      if (kinds != 1)
+        fail(key, fmt::format("expected one of 'head', 'pressure', 'discharge' and 'outlet', found {}",
+                              kinds == 0 ? "none" : "more"));
+      if (f.discharge.has_value() != f.basin_area.has_value())
+        fail(key, "'discharge' and 'basin_area' belong together: what is poured in, and into what");
+      if (f.basin_area)
+        for (std::size_t j = 0; j < f.basin_area->knots.size(); ++j) {
+          const auto [z, area] = f.basin_area->knots[j];
+          if (!(area > 0.0))
+            fail(key + ".basin_area", fmt::format("expected positive areas, found {} at elevation {} m", area, z));
+        }
     }
     for (std::size_t i = 0; i < scene_.loads.size(); ++i) face(scene_.loads[i].face, fmt::format("load[{}]", i));
   }
@@ -291,6 +386,9 @@ class Checker {
                                                                    : fmt::format("{} points", gauge.points.size())));
       if (line && gauge.kind != "front" && scene_.general.dimension != 2)
         fail(key + ".kind", fmt::format("\"{}\" is for dimension = 2", gauge.kind));
+      if ((gauge.kind == "extent" || gauge.kind == "spread") && gauge.points.size() != 2)
+        fail(key + ".points", fmt::format("expected the start of a direction and a second point on it, found {} points",
+                                          gauge.points.size()));
       if (gauge.region) shape(*gauge.region, key + ".region", 0.0);
       for (std::size_t j = 0; j < i; ++j)
         if (scene_.gauges[j].name == gauge.name)

@@ -13,6 +13,7 @@ bool contains(const Shape& shape, const Point3& x, int dimension) {
       if (x[d] < shape.min[d] || x[d] > shape.max[d]) return false;
     return true;
   }
+  if (shape.kind == Shape::Kind::ball) return (x - shape.centre).head(dimension).norm() <= shape.radius;
   // Crossing number (Shimrat 1962).
   bool inside = false;
   const auto& p = shape.points;
@@ -25,6 +26,8 @@ bool contains(const Shape& shape, const Point3& x, int dimension) {
 
 std::pair<Point3, Point3> bounds(const Shape& shape) {
   if (shape.kind == Shape::Kind::box) return {shape.min, shape.max};
+  if (shape.kind == Shape::Kind::ball)
+    return {shape.centre - Point3::Constant(shape.radius), shape.centre + Point3::Constant(shape.radius)};
   Point3 lower = shape.points.front(), upper = lower;
   for (const auto& p : shape.points) {
     lower = lower.cwiseMin(p);

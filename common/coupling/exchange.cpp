@@ -25,7 +25,8 @@ std::vector<FieldSpec> standard_fields(Role giver, int dimension) {
       spec(field::solid_velocity, "m/s", dimension),    spec(field::mean_solid_velocity, "m/s", dimension),
       spec(field::unbalanced_force, "N/m3", dimension), spec(field::solid_volume_fraction, "1", 1),
       spec(field::grain_density, "kg/m3", 1),           spec(field::constrained_modulus, "Pa", 1),
-      spec(field::hydraulic_conductivity, "m/s", 1),    spec(field::returned_impulse, "N s", dimension, conservative),
+      spec(field::hydraulic_conductivity, "m/s", 1),    spec(field::forchheimer_coefficient, "s2/m2", 1),
+      spec(field::returned_impulse, "N s", dimension, conservative),
   };
 }
 

@@ -178,8 +178,8 @@ TEST_F(CaseFile, ChecksWalls) {
 
 TEST_F(CaseFile, ChecksFacesGaugesAndPeriods) {
   EXPECT_THAT(complaint(changed(sound_case, "pressure = 0\n", "")),
-              HasSubstr("either 'head' or 'pressure', found neither"));
-  EXPECT_THAT(complaint(changed(sound_case, "pressure = 0\n", "pressure = 0\nhead = 1\n")), HasSubstr("found both"));
+              HasSubstr("expected one of 'head', 'pressure', 'discharge' and 'outlet', found none"));
+  EXPECT_THAT(complaint(changed(sound_case, "pressure = 0\n", "pressure = 0\nhead = 1\n")), HasSubstr("found more"));
   EXPECT_THAT(complaint(changed(sound_case, "phase = \"solid\"", "phase = \"soil\"")),
               HasSubstr("did you mean \"solid\"?"));
   EXPECT_THAT(complaint(changed(sound_case, "kind = \"point\"", "kind = \"pint\"")), HasSubstr("key 'gauge[0].kind'"));

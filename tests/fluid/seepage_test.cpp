@@ -66,6 +66,49 @@ TEST(Seepage, ConfinedFlowObeysDarcy) {
   RecordProperty("mean_velocity_over_exact", std::to_string(mean));
 }
 
+TEST(Seepage, QuadraticFlowFromRestFollowsItsClosedForm) {
+  // n rho dw/dt = n gamma i - (c1 + c2 w) w from rest: w = w+ (1 - e) / (1 - w+/w- e), e = exp(-c2 (w+ - w-) t / (n
+  // rho)), w+ and w- the roots of the right side.
+  Case scene;
+  scene.solid.model = SolidCase::Model::rigid;
+  scene.fluid.particle_spacing = 0.02;
+  Soil rock;
+  rock.porosity = 0.4052;
+  rock.seepage_law = Soil::SeepageLaw::ergun;
+  rock.grain_diameter = 0.03504;
+  rock.shape = box(0.0, 0.0, 0.4, 0.2);
+  scene.soils = {rock};
+  scene.fluid.regions = {box(0.0, 0.0, 0.4, 0.2)};
+  scene.walls = {wall(line(0.0, 0.0, 0.4, 0.0)), wall(line(0.4, 0.2, 0.0, 0.2))};
+  scene.water_faces = {head_face(line(0.0, 0.2, 0.0, 0.0), 0.4), head_face(line(0.4, 0.0, 0.4, 0.2), 0.3)};
+  const double n = rock.porosity, i = 0.25, c1 = 9810.0 * n * n * 0.066226, c2 = 9810.0 * n * n * n * 45.516;
+  const double root = std::sqrt(c1 * c1 + 4.0 * c2 * n * 9810.0 * i);
+  const double up = (root - c1) / (2.0 * c2), down = -(root + c1) / (2.0 * c2);
+  for (const double dt : {1e-3, 0.02}) {
+    Fluid<2> fluid(scene);
+    fluid.initialise({});
+    double time = 0.0, worst = 0.0, spread = 0.0;
+    const auto& p = fluid.state().particles;
+    for (std::uint64_t step = 0; time < 1.0; ++step) {
+      fluid.advance({step, time, dt}, {});
+      time += dt;
+      const double e = std::exp(-c2 * (up - down) * time / (n * 1000.0));
+      const double exact = up * (1.0 - e) / (1.0 - up / down * e);
+      double mean = 0.0;
+      for (const auto& v : p.velocity) mean += v.x() / static_cast<double>(p.size());
+      for (const auto& v : p.velocity) spread = std::max(spread, (v - Vec<2>(mean, 0.0)).norm() / up);
+      worst = std::max(worst, std::abs(mean - exact) / up);
+      if (time > 0.9) {
+        EXPECT_NEAR(mean / up, 1.0, 0.003);
+      }
+    }
+    std::printf("quadratic flow, window %.0e s: %.4f of the steady velocity off, spread %.4f, %g further rounds\n", dt,
+                worst, spread, fluid.state().counts.drag_rounds);
+    EXPECT_LT(worst, 8.0 * dt);
+    EXPECT_LT(spread, 0.02);
+  }
+}
+
 Case ponded_column(double dx) {
   Case scene;
   scene.solid.model = SolidCase::Model::rigid;

@@ -1,0 +1,38 @@
+// What a skeleton of grains does to the water that flows through it: one law of seepage for both phases. A law is one
+// file and one line in `seepage_at`.
+#pragma once
+
+#include "common/case/case.hpp"
+
+namespace poretwin::porous {
+
+/// i = U/k + b |U| U: hydraulic gradient i against the discharge velocity U = n (v_w - v_s).
+struct Seepage {
+  double conductivity = 0.0;  ///< k, m/s
+  double quadratic = 0.0;     ///< b, s2/m2; 0: Darcy
+};
+
+/// Force per volume on the water, against its relative velocity w = v_w - v_s: R = (linear + quadratic |w|) w.
+struct Resistance {
+  double linear = 0.0;     ///< gamma_w n^2 / k, first term of Eq. (18), N s/m4
+  double quadratic = 0.0;  ///< gamma_w n^3 b, second term of Eq. (91) as corrected, N s2/m5
+  /// dR/d|w| along the flow, N s/m4.
+  [[nodiscard]] double slope(double speed) const { return linear + 2.0 * quadratic * speed; }
+  /// |w| at which |R| = force [N/m3].
+  [[nodiscard]] double speed(double force) const;
+};
+
+/// Specific weight [N/m3] behind the word "conductivity": that of the case's gravity, or of 9.81 m/s2 where there is
+/// none.
+double specific_weight(const Case& scene);
+
+/// The soil's law at a porosity.
+Seepage seepage_at(const Case& scene, const Soil& soil, double porosity);
+
+/// A law known at one porosity, as Kozeny-Carman carries it to another: k ~ n^3/(1-n)^2, b ~ (1-n)/n^3. For what the
+/// other process has sent, and for edges, where soil fades into free water (n = 1: no resistance).
+Seepage carried_over(const Seepage& known, double known_porosity, double porosity);
+
+Resistance resistance(double specific_weight, double porosity, const Seepage& seepage);
+
+}  // namespace poretwin::porous

@@ -1,0 +1,76 @@
+// When the soil hardly moves: how far it is from rest, the damping that brings it there, and sleep.
+#pragma once
+
+#include "solid_solver/step.hpp"
+
+#include <numbers>
+
+namespace poretwin::solid {
+
+/// Largest and root-mean-square departure from rest, over a reference acceleration: of the unbalanced acceleration or,
+/// where that is more, of the velocity times the near-critical damping rate.
+struct Unrest {
+  double largest = 0.0, rms = 0.0;
+};
+
+/// Damping rate [1/s] that is critical for the slowest mode of a column as high as the soil, 2 omega = pi c / H.
+template <int D>
+double near_critical_damping(const Setup<D>& setup) {
+  return std::numbers::pi * setup.stabilisers.sound_speed / setup.height;
+}
+
+/// Force from outside on particle i without its weight [N].
+template <int D>
+Vec<D> force_from_outside(const Drive<D>& drive, std::size_t i) {
+  return drive.traction.empty() ? drive.distributed[i] : Vec<D>(drive.distributed[i] + drive.traction[i]);
+}
+
+/// What accelerations are held against [m/s2]: gravity, or the forces from outside spread over the soil's height.
+template <int D>
+double reference_acceleration(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive) {
+  double reference = setup.gravity.norm();
+  for (std::size_t i = 0; i < state.particles.size(); ++i)
+    reference = std::max(reference,
+                         force_from_outside(drive, i).norm() / state.particles.mass[i] * setup.spacing / setup.height);
+  return reference;
+}
+
+template <int D>
+Unrest unrest(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive, double reference) {
+  const Particles<D>& p = state.particles;
+  const double rate = near_critical_damping(setup);
+  Unrest result;
+  if (reference <= 0.0) return result;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    const Vec<D> a = (p.volume[i] * state.internal[i] + force_from_outside(drive, i)) / p.mass[i] + setup.gravity;
+    const double departure = std::max(a.norm(), rate * p.velocity[i].norm()) / reference;
+    result.largest = std::max(result.largest, departure);
+    result.rms += departure * departure / static_cast<double>(p.size());
+  }
+  result.rms = std::sqrt(result.rms);
+  return result;
+}
+
+/// Forgets all motion.
+template <int D>
+void stop(const Setup<D>& setup, State<D>& state) {
+  for (auto& v : state.particles.velocity) v.setZero();
+  for (auto& gradient : state.particles.gradient) gradient.setZero();
+  evaluate_forces(setup, state);
+}
+
+/// Whether the forces have changed since the soil fell asleep by more than `wake_above` of the reference anywhere, or
+/// the saturation (and with it a cohesion that follows it) by more than a hundredth, or a load has begun.
+template <int D>
+bool disturbed(const State<D>& state, const Drive<D>& drive, std::size_t loads, double reference, double wake_above) {
+  constexpr double saturation_change = 0.01;
+  if (loads != state.sleep.loads) return true;
+  for (std::size_t i = 0; i < state.particles.size(); ++i) {
+    if (std::abs(state.external.coverage[i] - state.sleep.coverage[i]) > saturation_change) return true;
+    const double change = (drive.distributed[i] - state.sleep.force[i]).norm();
+    if (change > wake_above * reference * state.particles.mass[i]) return true;
+  }
+  return false;
+}
+
+}  // namespace poretwin::solid

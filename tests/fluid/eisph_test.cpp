@@ -1,0 +1,171 @@
+// Explicit incompressible SPH: the sweep itself, the windows it asks for, and what it can do in them.
+#include "common/core/error.hpp"
+#include "fluid_solver/eisph.hpp"
+#include "fluid_solver/fluid_phase.hpp"
+#include "tests/fluid/scenes.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace poretwin::fluid {
+namespace {
+
+using namespace test;
+using Scheme = FluidCase::Scheme;
+
+Case tank(double dx) {
+  Case scene;
+  scene.solid.model = SolidCase::Model::rigid;
+  scene.fluid.particle_spacing = dx;
+  scene.fluid.scheme = Scheme::eisph;
+  scene.fluid.regions = {box(0.0, 0.0, 0.4, 0.2)};
+  scene.walls = {wall(line(0.0, 1.0, 0.0, 0.0)), wall(line(0.0, 0.0, 0.4, 0.0)), wall(line(0.4, 0.0, 0.4, 1.0))};
+  return scene;
+}
+
+Case ponded_column(double dx) {
+  Case scene;
+  scene.solid.model = SolidCase::Model::rigid;
+  scene.fluid.particle_spacing = dx;
+  scene.fluid.scheme = Scheme::eisph;
+  Soil soil;
+  soil.porosity = 0.4;
+  soil.hydraulic_conductivity = 1.1e-4;
+  soil.shape = box(0.0, 0.0, 0.1, 0.4);
+  scene.soils = {soil};
+  scene.walls = {wall(line(0.0, 0.5, 0.0, 0.0)), wall(line(0.0, 0.0, 0.1, 0.0)), wall(line(0.1, 0.0, 0.1, 0.5))};
+  scene.water_faces = {head_face(line(0.1, 0.4, 0.0, 0.4), 0.5)};
+  Gauge front;
+  front.name = "front";
+  front.phase = "fluid";
+  front.kind = "front";
+  front.points = {Point3(0.05, 0.4, 0.0), Point3(0.05, 0.0, 0.0)};
+  scene.gauges = {front};
+  return scene;
+}
+
+/// Rms pressure error over rho g H; fastest particle in `speed`.
+double unrest(const Fluid<2>& fluid, double& speed) {
+  const auto& p = fluid.state().particles;
+  double error = 0.0;
+  speed = 0.0;
+  for (std::size_t a = 0; a < p.size(); ++a) {
+    error += p.pressure[a] * p.pressure[a] / static_cast<double>(p.size());
+    speed = std::max(speed, p.velocity[a].norm());
+  }
+  return std::sqrt(error) / (9810.0 * 0.2);
+}
+
+TEST(Eisph, SweepsTendToTheSolution) {
+  // A chain of three between fixed ends: p = 1, 2, 3.
+  PairMatrix A;
+  A.offset = {0, 1, 3, 4};
+  A.column = {1, 0, 2, 1};
+  A.weight = {1, 1, 1, 1};
+  A.diagonal = {2, 2, 2};
+  const ScalarArray b{0.0, 0.0, 4.0};
+  ScalarArray p(3, 0.0);
+  relaxed_sweeps(A, b, p, 1);
+  EXPECT_DOUBLE_EQ(p[2], sweep_relaxation * 2.0);
+  EXPECT_DOUBLE_EQ(p[0], 0.0);
+  relaxed_sweeps(A, b, p, 200);
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(p[static_cast<std::size_t>(i)], i + 1.0, 1e-9);
+}
+
+TEST(Eisph, WindowsFollowFromTheCompressionOfASweep) {
+  // Free water: quadratic; soil where drag rules: linear in spacing^2, drag and sweeps.
+  const auto free = [](double dx, int sweeps) { return sweep_interval<2>(1.0, 0.0, 1000.0, 2000.0, dx, sweeps); };
+  const auto soil = [](double dx, int sweeps) { return sweep_interval<2>(0.4, 1e7, 1000.0, 2000.0, dx, sweeps); };
+  EXPECT_NEAR(free(0.02, 1) / free(0.01, 1), 2.0, 1e-9);
+  EXPECT_NEAR(free(0.01, 4) / free(0.01, 1), 2.0, 1e-9);
+  EXPECT_NEAR(soil(0.02, 1) / soil(0.01, 1), 4.0, 1e-2);
+  EXPECT_NEAR(soil(0.01, 4) / soil(0.01, 1), 4.0, 1e-2);
+  // A spacing per window is the sound's speed, ten times sqrt(p/rho) or more.
+  EXPECT_GT(0.01 / free(0.01, 1), 10.0 * std::sqrt(2000.0 / 1000.0));
+
+  Fluid<2> fluid(tank(0.02));
+  fluid.initialise({});
+  EXPECT_EQ(fluid.publish().limited_by, "compression under explicit sweeps");
+  EXPECT_NEAR(fluid.publish().proposed_interval, sweep_interval<2>(1.0, 0.0, 1000.0, 9810.0 * 0.19, 0.02, 1), 1e-9);
+}
+
+TEST(Eisph, LatticeAtRestStaysAtRest) {
+  Fluid<2> fluid(tank(0.02));
+  fluid.initialise({});
+  double time = 0.0, speed = 0.0;
+  run_to(fluid, time, 1.0);
+  EXPECT_LT(unrest(fluid, speed), 1e-9);
+  EXPECT_LT(speed, 1e-9);
+}
+
+TEST(Eisph, DisorderedTankStaysQuiet) {
+  auto scene = tank(0.02);
+  scene.fluid.jitter = 0.2;
+  Fluid<2> fluid(scene);
+  fluid.initialise({});
+  double time = 0.0, speed = 0.0;
+  run_to(fluid, time, 3.0);
+  EXPECT_LT(unrest(fluid, speed), 0.02);
+  EXPECT_LT(speed, 0.014);  // 0.01 of sqrt(g H)
+}
+
+TEST(Eisph, PondedWaterInfiltratesDryGround) {
+  Fluid<2> fluid(ponded_column(0.02));
+  fluid.initialise({});
+  double time = 0.0;
+  for (const double z : {0.1, 0.2, 0.3}) {
+    run_to(fluid, time, 0.4 / 1.1e-4 * (z - 0.1 * std::log(1.0 + z / 0.1)));
+    EXPECT_NEAR(reading(fluid, "front") / z, 1.0, 0.01);
+  }
+}
+
+TEST(Eisph, ExplicitDragNeedsItsRateResolved) {
+  // A body of water in soil slows down at beta = g n/k; beta dt = 1 is the limit that is asked for.
+  const double beta = 9.81 * 0.4 / 1e-2;
+  for (const auto scheme : {Scheme::eisph, Scheme::eisph_explicit_drag}) {
+    Case scene;
+    scene.general.gravity.setZero();
+    scene.general.domain_max = Point3(0.2, 0.2, 0.0);
+    scene.general.periodic = {0, 1};
+    scene.solid.model = SolidCase::Model::rigid;
+    scene.fluid.scheme = scheme;
+    scene.fluid.particle_spacing = 0.02;
+    scene.fluid.regions = {box(0.0, 0.0, 0.2, 0.2)};
+    scene.fluid.initial_velocity = Point3(0.01, 0.0, 0.0);
+    Soil soil;
+    soil.shape = scene.fluid.regions[0];
+    soil.porosity = 0.4;
+    soil.hydraulic_conductivity = 1e-2;
+    scene.soils = {soil};
+    Fluid<2> fluid(scene);
+    fluid.initialise({});
+    const bool limited = scheme == Scheme::eisph_explicit_drag;
+    EXPECT_EQ(fluid.publish().limited_by == "explicit drag", limited) << fluid.publish().limited_by;
+    if (limited) {
+      EXPECT_NEAR(fluid.publish().proposed_interval * beta, 1.0, 1e-9);
+    }
+    double time = 0.0;
+    run_to(fluid, time, 1.0 / beta, 0.01 / beta);
+    for (const auto& v : fluid.state().particles.velocity) EXPECT_NEAR(v.x() / 0.01, std::exp(-1.0), 2e-3);
+  }
+}
+
+TEST(Eisph, DivergenceNamesParticleTermAndLastGoodState) {
+  // Explicit drag with beta dt = 3.6: each window doubles the velocity and turns it round.
+  auto scene = ponded_column(0.02);
+  scene.fluid.scheme = Scheme::eisph_explicit_drag;
+  scene.fluid.regions = {box(0.0, 0.2, 0.1, 0.4)};
+  Fluid<2> fluid(scene);
+  fluid.initialise({});
+  double time = 0.0;
+  try {
+    for (std::uint64_t i = 0; i < 400; ++i, time += 1e-4) fluid.advance({i, time, 1e-4}, {});
+    ADD_FAILURE() << "did not diverge";
+  } catch (const DivergedError& error) {
+    EXPECT_THAT(error.what(), testing::ContainsRegex("(pore_pressure|velocity).* of particle [0-9]+ at \\(.*\\).*; "
+                                                     "last good state at t = [0-9.e-]+ s"));
+  }
+}
+
+}  // namespace
+}  // namespace poretwin::fluid
