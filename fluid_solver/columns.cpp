@@ -19,11 +19,7 @@ void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, dou
   grid.build(p.position, widest);
   for (std::size_t i = 0; i < state_.columns.size(); ++i) {
     auto& c = state_.columns[i];
-    const double speed_before = c.speed, offset_before = c.offset;
-    const auto account = [&] {
-      const double gained = c.mass / density_ * (c.offset - offset_before) / c.spacing;
-      (gained > 0.0 ? state_.balance.in : state_.balance.out) += std::abs(gained);
-    };
+    const double speed_before = c.speed;
     c.speed = 0.0;
     c.slope = 0.0;
     if (!c.wet) continue;
@@ -35,17 +31,15 @@ void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, dou
       const double w = p.volume[a] * Kernel<D>::value(std::sqrt(r2), h);
       sum += w;
       const double spacing = std::pow(p.volume[a], 1.0 / D);
-      speed +=
-          w * (c.normal.dot(p.velocity[a]) + motion[a] * 0.5 * (1.0 - s.fullness[a]) * spacing / repair_time(a, view));
+      const double loose = motion[a] * 0.5 * (1.0 - s.fullness[a]) * spacing / repair_time(a, view, interval);
+      speed += w * (c.normal.dot(p.velocity[a]) + loose);
     });
     if (sum < 0.05) {
       wet_dry_ground(c, interval);
-      account();
       continue;
     }
     c.speed = speed / sum;
     c.offset += interval * (c.speed + (c.in_soil ? look_ahead(interval) * (c.speed - speed_before) : 0.0));
-    account();
   }
 }
 
@@ -58,7 +52,11 @@ void Fluid<D>::wet_dry_ground(FaceColumn<D>& c, double interval) const {
   const double z = std::max(0.0, c.offset - 0.5 * c.spacing);
   const double deeper = std::sqrt(z * z + 2.0 * speed.head * interval) + std::max(0.0, speed.gravity) * interval;
   c.offset = std::min(c.spacing, 0.5 * c.spacing + deeper);
-  c.speed = (deeper - z) / interval;
+  // At the window's end, for the particles that take over.
+  const double depth = std::clamp(deeper, 0.25 * c.spacing, 0.5 * c.spacing);
+  c.speed = speed.head / depth + std::max(0.0, speed.gravity);
+  const double total = c.pressure + weight_.dot(c.foot - origin_);
+  c.slope = -weight_.dot(c.normal) - std::max(0.0, total) / depth;
 }
 
 /// k/n times the pressure head at the face [m2/s], and k/n times the cosine between gravity and the way in [m/s].
@@ -102,6 +100,7 @@ void Fluid<D>::give_birth_and_delete() {
   const ColumnFinder<D> finder(state_.columns);
   std::vector<bool> keep(p.size(), true);
   bool any = false;
+  ScalarArray crossed(state_.columns.size(), 0.0);  // in particles, inwards
   for (std::size_t a = 0; a < p.size(); ++a) {
     const int i = finder.nearest(p.position[a]);
     if (i < 0) continue;
@@ -110,7 +109,7 @@ void Fluid<D>::give_birth_and_delete() {
     if (d >= -deletion_depth * c.spacing) continue;
     keep[a] = false;
     any = true;
-    if (!c.wet) state_.balance.out += p.mass[a] / density_;
+    crossed[static_cast<std::size_t>(i)] -= p.mass[a] / density_;
     c.offset = std::clamp(d + c.spacing, 0.0, 0.999 * c.spacing);
   }
   if (any) {
@@ -118,11 +117,20 @@ void Fluid<D>::give_birth_and_delete() {
     p.filter(keep);
     state_.counts.deleted += static_cast<double>(had - p.size());
   }
-  for (auto& c : state_.columns) {
-    if (!c.wet || c.offset < c.spacing) continue;
-    c.offset -= c.spacing;
-    p.add(c.foot + c.offset * c.normal, c.speed * c.normal, c.mass, c.void_fraction, c.volume, c.pressure + c.slope * c.offset);
-    ++state_.counts.born;
+  for (std::size_t i = 0; i < state_.columns.size(); ++i) {
+    auto& c = state_.columns[i];
+    if (c.wet && c.offset >= c.spacing) {
+      c.offset -= c.spacing;
+      p.add(c.foot + c.offset * c.normal, c.speed * c.normal, c.mass, c.void_fraction, c.volume,
+            c.pressure + c.slope * c.offset);
+      crossed[i] += c.mass / density_;
+      ++state_.counts.born;
+    }
+    // The stack's outermost particle stands half a spacing either way: what of it is inside counts as water that came.
+    const double stored = c.wet ? c.mass / density_ * (c.offset / c.spacing - 0.5) : 0.0;
+    const double gained = crossed[i] + stored - c.stored;
+    (gained > 0.0 ? state_.balance.in : state_.balance.out) += std::abs(gained);
+    c.stored = stored;
   }
 }
 

@@ -32,6 +32,7 @@ struct FaceColumn {
   double slope = 0.0;              ///< of the piezometric pressure along the normal [Pa/m]
   bool in_soil = false;            ///< the ground behind the face is soil
   bool wet = false;                ///< acts now
+  double stored = 0.0;             ///< water of the outermost spacing that is in the domain but in no particle [m^D]
   [[nodiscard]] double inside(const Vec<D>& x) const { return normal.dot(x - foot); }
 };
 
@@ -211,11 +212,12 @@ std::vector<Buffer<D>> make_buffers(const std::vector<FaceColumn<D>>& columns) {
 }
 
 /// Fits of the pressure's slope at every column: weighted least squares through the face, over the first spacings
-/// inside, images behind walls included. Where there are only particles on the face itself the slope is bounded, as if
-/// they stood a fifth of a spacing inside.
+/// inside, images behind walls included. As far as there are only particles on the face itself, which say nothing of
+/// it, the slope of the window before stands in.
 template <int D>
 void fit_columns(const std::vector<FaceColumn<D>>& columns, Stencil<D>& s) {
   s.fit_offset.assign(1, 0);
+  s.fit_constant.clear();
   if (columns.empty()) return;
   sph::CellGrid<D> grid;
   double widest = 0.0;
@@ -238,7 +240,9 @@ void fit_columns(const std::vector<FaceColumn<D>>& columns, Stencil<D>& s) {
         s.fit_weight.push_back(w * d);
       });
     }
-    for (std::size_t k = begin; k < s.fit_index.size(); ++k) s.fit_weight[k] /= std::max(sum, least);
+    const double total = std::max(sum, least);
+    for (std::size_t k = begin; k < s.fit_index.size(); ++k) s.fit_weight[k] /= total;
+    s.fit_constant.push_back(total > 0.0 ? (1.0 - sum / total) * c.slope : 0.0);
     s.fit_offset.push_back(static_cast<Index>(s.fit_index.size()));
   }
 }

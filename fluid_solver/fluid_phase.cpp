@@ -255,7 +255,7 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
     // Near a surface the sum is short by nature, not by error.
     if (excess < 0.0) excess *= std::clamp(1.0 - 5.0 * s.length[a] * s.normal[a].norm(), 0.0, 1.0);
     if (p.surface[a] != Surface::interior) excess = std::max(0.0, excess);
-    source[a] = motion[a] * p.void_fraction[a] * excess / repair_time(a, view);
+    source[a] = motion[a] * p.void_fraction[a] * excess / repair_time(a, view, interval);
   }
   if (!responds() || state_.last_interval <= 0.0) return source;
   // The soil moved by its own account; what that squeezed beyond the prediction is made good now, no faster than it

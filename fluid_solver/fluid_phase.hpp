@@ -35,7 +35,7 @@ class Fluid final : public Phase {
   /// Volume each particle must give off [1/s]: packing repair and the soil's deformation beyond the prediction.
   ScalarArray volume_source(const Stencil<D>& s, const SoilView<D>& soil, double interval);
   ScalarArray moved() const;
-  double repair_time(std::size_t a, const SoilView<D>& soil) const;
+  double repair_time(std::size_t a, const SoilView<D>& soil, double interval) const;
   double look_ahead(double interval) const;
   void move(const Stencil<D>& s, const WindowSolution<D>& solution, std::span<const Vec<D>> velocity_before,
             double interval);

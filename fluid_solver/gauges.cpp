@@ -87,21 +87,26 @@ class Reader {
     return here ? -gamma_ * here->suction_head : 0.0;
   }
 
-  /// How far the water reaches along a line from its start. Fullness finds the last wet spacing; within it the pressure
-  /// does, where it falls steeply enough: half fullness is biased where the line meets the surface at a wedge's tip.
+  /// How far the water reaches along a line from its start: by half fullness, late where the line meets the surface at a
+  /// wedge's tip; by the pressure's fall to that of the surface, late by a fifth of a spacing behind an advancing front
+  /// and unknown where the pressure is flat.
+  struct Reach {
+    double by_fullness = 0.0, by_pressure = nan;
+  };
   [[nodiscard]] double front(const Line<D>& line) const {
-    if (probe_.fullness(line.at(0.0)) < 0.5) return 0.0;
-    double wet = 0.0, dry = line.length;
-    const double step = 0.5 * dx_;
-    for (double z = step;; z += step) {
-      if (z > line.length) z = line.length;
-      if (probe_.fullness(line.at(z)) < 0.5) {
-        dry = z;
-        break;
-      }
-      wet = z;
-      if (z == line.length) return line.length;
-    }
+    const auto r = reach(line);
+    return std::fmax(r.by_fullness, r.by_pressure);
+  }
+  [[nodiscard]] Reach reach(const Line<D>& line) const {
+    if (probe_.fullness(line.at(0.0)) < 0.5) return {};
+    // A gap of less than two spacings is loose packing, no end of the water.
+    const double step = 0.5 * dx_, gap = 2.0 * dx_;
+    double wet = 0.0;
+    for (double z = step; z < wet + gap && z < line.length; z += step)
+      if (probe_.fullness(line.at(z)) >= 0.5) wet = z;
+    if (wet + step >= line.length && probe_.fullness(line.at(line.length)) >= 0.5)
+      return {line.length, line.length};
+    double dry = std::min(wet + step, line.length);
     while (dry - wet > 1e-3 * dx_) {
       const double middle = 0.5 * (wet + dry);
       (probe_.fullness(line.at(middle)) < 0.5 ? dry : wet) = middle;
@@ -109,9 +114,9 @@ class Reader {
     const double inside = std::max(0.0, wet - dx_);
     const auto p = probe_.pressure(line.at(inside));
     const double slope = p.gradient.dot(line.direction);
-    if (!(slope < -0.1 * gamma_)) return wet;
+    if (!(slope < -0.1 * gamma_)) return {wet, nan};
     const double crossing = inside + (surface_pressure(line.at(inside)) - p.value) / slope;
-    return std::abs(crossing - wet) < 1.5 * dx_ ? std::min(crossing, line.length) : wet;
+    return {wet, std::abs(crossing - wet) < 1.5 * dx_ ? std::min(crossing, line.length) : nan};
   }
 
   /// Volume per time through the wet part of a line, positive from its right to its left.
@@ -135,13 +140,14 @@ class Reader {
 
   /// Depth of the water's surface below a place on a face, up to `deepest`; 0 where water stands at the face.
   [[nodiscard]] double depth(const Vec<D>& x, const Vec<D>& inward, double deepest) const {
-    return deepest - front(Line<D>(x + deepest * inward, x));
+    const auto r = reach(Line<D>(x + deepest * inward, x));
+    return deepest - (std::isfinite(r.by_pressure) ? r.by_pressure : r.by_fullness);
   }
 
-  /// Elevation at which the water's surface meets a face (domain on the left). It comes in tangentially: its depth of a
-  /// quarter and three quarters of a spacing are joined by a straight line.
+  /// Elevation at which the water's surface meets a face (domain on the left). It comes in tangentially: its depths of one
+  /// and three tenths of a spacing are joined by a straight line.
   [[nodiscard]] double exit_height(const Line<D>& line) const {
-    const double shallow = 0.25 * dx_, deep = 0.75 * dx_, step = 0.25 * dx_;
+    const double shallow = 0.1 * dx_, deep = 0.3 * dx_, step = 0.1 * dx_;
     double before = 0.0, at_shallow = nan;
     bool water = false;
     for (double z = 0.0; z <= line.length; z += step) {

@@ -57,7 +57,8 @@ struct Stencil {
   /// inside: slope = sum fit_weight (p - p_face) over fit_index[fit_offset[c] .. fit_offset[c + 1]); none where the
   /// ground is dry.
   std::vector<Index> fit_offset{0}, fit_index;
-  ScalarArray fit_weight;  ///< 1/m
+  ScalarArray fit_weight;    ///< 1/m
+  ScalarArray fit_constant;  ///< [columns] Pa/m, added to the slope of a pressure, not to that of an increment
 
   std::vector<Index> offset{0};  ///< pairs of real a: offset[a] .. offset[a + 1]
   std::vector<Index> other;      ///< [pairs]

@@ -278,7 +278,7 @@ class WindowSolver {
     const Vec<D> blind = homogeneous ? Vec<D>(Vec<D>::Zero()) : Vec<D>(-in_.weight);
     return pressure_gradient<D>(
         s_, p, [&](Index c) { return homogeneous ? 0.0 : in_.face_pressure[c]; },
-        [](std::size_t, std::size_t) { return 1.0; }, blind);
+        [](std::size_t, std::size_t) { return 1.0; }, blind, homogeneous);
   }
 
   /// Skeleton velocity under a pressure field: H s = sb - mS G p.
