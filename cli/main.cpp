@@ -2,11 +2,14 @@
 #include "cli/check.hpp"
 #include "cli/locate.hpp"
 #include "cli/metrics.hpp"
+#include "cli/peer.hpp"
 #include "cli/plot.hpp"
 #include "cli/run.hpp"
+#include "cli/safety.hpp"
 #include "cli/verify.hpp"
 #include "common/case/case.hpp"
 #include "common/core/error.hpp"
+#include "common/coupling/curve_keys.hpp"
 #include "common/output/build_info.hpp"
 
 #include <fmt/format.h>
@@ -30,7 +33,8 @@ constexpr const char* epilogue =
 struct Arguments {
   std::string which;
   std::filesystem::path out, programs;
-  double until = 0.0;
+  std::string fluid, solid;
+  double until = 0.0, tolerance = 0.01;
   std::vector<std::string> set;
   bool no_pictures = false, quiet = false;
 };
@@ -44,11 +48,31 @@ int run(const Arguments& a) {
   options.overrides = a.set;
   if (a.until > 0.0) options.overrides.push_back(fmt::format("case.end_time={:.17g}", a.until));
   options.programs = a.programs.empty() ? program_folder() : a.programs;
+  options.fluid = a.fluid;
+  options.solid = a.solid;
   options.quiet = a.quiet;
   options.pictures = !a.no_pictures;
   const RunResult result = run_case(options);
   if (result.exit != 0) fmt::print(stderr, "poretwin: {}\n", result.reason);
   return result.exit;
+}
+
+int safety(const Arguments& a) {
+  const CasePlace place = find_case(a.which);
+  RunOptions options;
+  options.case_file = place.file;
+  options.case_name = place.name;
+  options.out = a.out.empty() ? std::filesystem::path("runs") / (place.name + "-safety") : a.out;
+  options.overrides = a.set;
+  options.programs = a.programs.empty() ? program_folder() : a.programs;
+  options.quiet = a.quiet;
+  options.pictures = !a.no_pictures;
+  const Safety found = find_safety(options, a.tolerance);
+  if (found.run.exit != 0)
+    fmt::print(stderr, "poretwin: {}\n", found.run.reason);
+  else
+    fmt::print("{}", safety_text(found));
+  return found.run.exit;
 }
 
 int check(const Arguments& a) {
@@ -77,9 +101,24 @@ void declare(CLI::App& app, Arguments& a, VerifyOptions& v, std::vector<std::str
   with_programs(run_command);
   run_command->add_option("--out", a.out, "folder of the run (default runs/CASE)");
   run_command->add_option("--until", a.until, "simulated time at which to end [s]")->check(CLI::PositiveNumber);
+  run_command->add_option("--fluid", a.fluid,
+                          "command to run in place of the fluid solver, such as \"python3 my_fluid.py\"");
+  run_command->add_option("--solid", a.solid, "command to run in place of the solid solver");
   run_command->add_flag("--no-pictures", a.no_pictures, "draw no pictures at the end");
   run_command->add_flag("--quiet", a.quiet, "neither progress nor summary");
   run_command->callback([&] { action = [&] { return run(a); }; });
+
+  auto* safety_command = app.add_subcommand(
+      "safety", "Find the factor of safety: the soil's strength is reduced until it finds no equilibrium");
+  with_case(safety_command);
+  with_programs(safety_command);
+  safety_command->add_option("--out", a.out, "folder of the trials (default runs/CASE-safety)");
+  safety_command->add_option("--tolerance", a.tolerance, "width of the bracket over the factor")
+      ->check(CLI::Range(1e-4, 0.5))
+      ->capture_default_str();
+  safety_command->add_flag("--no-pictures", a.no_pictures, "do not draw the failure surface");
+  safety_command->add_flag("--quiet", a.quiet, "the factor only");
+  safety_command->callback([&] { action = [&] { return safety(a); }; });
 
   auto* check_command = app.add_subcommand("check", "Validate a case; print particles, stable intervals, memory");
   with_case(check_command);
@@ -106,7 +145,20 @@ void declare(CLI::App& app, Arguments& a, VerifyOptions& v, std::vector<std::str
     action = [&] { return draw_pictures(plot, {}); };
   });
 
-  app.add_subcommand("keys", "Print the reference of all keys of a case file (Markdown)")->callback([&] {
+  declare_peer(app, action);
+  auto* keys_command =
+      app.add_subcommand("keys", "Make the two keys of an encrypted run: DIR/coupler.key, DIR/participant.key");
+  keys_command->add_option("DIR", a.out, "folder of the keys")->required();
+  keys_command->callback([&] {
+    action = [&] {
+      coupling::write_curve_keys(a.out);
+      fmt::print(
+          "{0}/coupler.key: for the coupler, keep it there\n{0}/participant.key: for the machines of the solvers\n",
+          a.out.string());
+      return 0;
+    };
+  });
+  app.add_subcommand("case-keys", "Print the reference of all keys of a case file (Markdown)")->callback([&] {
     action = [] {
       fmt::print("{}", case_reference());
       return 0;

@@ -3,6 +3,7 @@
 #include "common/core/error.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -21,6 +22,8 @@ const std::vector<std::string> operations{"value",   "relative", "mean", "l2",  
 void declare(Keys& keys, VerifyRun& r) {
   keys.text("name", r.name, {"", "Name that metrics refer to.", true});
   keys.text("case", r.case_file, {"", "Case file in the same folder."});
+  keys.text("command", r.command,
+            {"", "`run`, or `safety`: find the factor of safety, its gauge is `factor_of_safety`."});
   keys.texts("set", r.set, {"", "Overrides, as for `--set`."});
   keys.texts("short", r.short_set, {"", "Further overrides with `--short`."});
   keys.text("when", r.when, {"", "`always`, or `full`: left out with `--short`."});
@@ -304,11 +307,14 @@ class VerifyChecker {
   VerifyChecker(const std::filesystem::path& path, const Places& places) : path_(path), places_(places) {}
 
   void fill(VerifyFile& file) const {
-    if (file.runs.empty()) file.runs.push_back({"default", "case.toml", "always", {}, {}});
-    for (std::size_t i = 0; i < file.runs.size(); ++i)
-      if (file.runs[i].when != "always" && file.runs[i].when != "full")
-        fail(fmt::format("run[{}].when", i),
-             fmt::format("expected \"always\" or \"full\", found \"{}\"", file.runs[i].when));
+    if (file.runs.empty()) {
+      file.runs.emplace_back();
+      file.runs.back().name = "default";
+    }
+    for (std::size_t i = 0; i < file.runs.size(); ++i) {
+      word(fmt::format("run[{}].when", i), file.runs[i].when, {"always", "full"});
+      word(fmt::format("run[{}].command", i), file.runs[i].command, {"run", "safety"});
+    }
     if (file.metrics.empty()) fail("metric", "expected one [[metric]] or more");
     for (std::size_t i = 0; i < file.metrics.size(); ++i) metric(file, file.metrics[i], fmt::format("metric[{}]", i));
   }
@@ -319,6 +325,10 @@ class VerifyChecker {
     if (found == places_.end()) found = places_.find(key.substr(0, key.find('.')));
     throw CaseError(
         fmt::format("{}: key '{}': {}", found != places_.end() ? found->second : path_.string(), key, message));
+  }
+  void word(const std::string& key, const std::string& found, const std::vector<std::string>& words) const {
+    if (std::find(words.begin(), words.end(), found) == words.end())
+      fail(key, fmt::format("expected \"{}\", found \"{}\"", fmt::join(words, "\" or \""), found));
   }
   void metric(const VerifyFile& file, Metric& m, const std::string& key) const {
     if (m.run.empty()) m.run = file.runs.front().name;

@@ -23,7 +23,7 @@ struct Metric {
 
 /// [[run]] of verify.toml.
 struct VerifyRun {
-  std::string name, case_file = "case.toml", when = "always";
+  std::string name, case_file = "case.toml", when = "always", command = "run";
   std::vector<std::string> set, short_set;
 };
 

@@ -55,6 +55,14 @@ int available_threads() {
   return ::sched_getaffinity(0, sizeof set, &set) == 0 ? std::max(1, CPU_COUNT(&set)) : 1;
 }
 
+/// The same arguments for a person's own command, which the shell takes apart.
+Program in_place(const std::string& command, Program solver) {
+  if (command.empty()) return solver;
+  solver.file = "/bin/sh";
+  solver.arguments.insert(solver.arguments.begin(), {"-c", "exec " + command + " \"$@\"", solver.name});
+  return solver;
+}
+
 std::vector<Program> programs_of(const RunOptions& options, const Case& scene, const std::string& address) {
   const int threads = available_threads();
   const auto program = [&](const std::string& name, std::vector<std::string> first, int count) {
@@ -76,8 +84,8 @@ std::vector<Program> programs_of(const RunOptions& options, const Case& scene, c
   }
   programs.push_back(program("coupler", {"--bind", address}, 1));
   programs.back().reports_progress = true;
-  programs.push_back(program("fluid", {"--connect", address}, (threads + 1) / 2));
-  programs.push_back(program("solid", {"--connect", address}, threads / 2));
+  programs.push_back(in_place(options.fluid, program("fluid", {"--connect", address}, (threads + 1) / 2)));
+  programs.push_back(in_place(options.solid, program("solid", {"--connect", address}, threads / 2)));
   return programs;
 }
 
@@ -177,11 +185,17 @@ std::string listed_seconds(Summary::Numbers numbers) {
   return text;
 }
 
-/// One line each; zeros say nothing and are left to the JSON file.
+/// One line each, with its share where windows are told apart; zeros say nothing and are left to the JSON file.
 std::string listed_counts(const std::string& process, const Summary::Numbers& numbers) {
+  const auto is_limit = [](const std::string& name) { return name.starts_with("windows limited by"); };
+  double windows = 0.0;
+  for (const auto& [name, value] : numbers)
+    if (is_limit(name)) windows += value;
   std::string text;
   for (const auto& [name, value] : numbers)
-    if (value != 0.0) text += fmt::format("{:<10}{:>14}  {}\n", process, number(value), name);
+    if (value != 0.0)
+      text += fmt::format("{:<10}{:>14}  {}{}\n", process, number(value), name,
+                          is_limit(name) ? fmt::format(" ({:.1f} %)", 100.0 * value / windows) : "");
   return text;
 }
 
@@ -200,6 +214,9 @@ const Ended* root_cause(const std::vector<Ended>& ended) {
 
 RunResult run_case(const RunOptions& options) {
   const Case scene = read_case(options.case_file, options.overrides);
+  if (!scene.coupled() && !(options.fluid.empty() && options.solid.empty()))
+    throw CaseError(
+        "the case's soil is rigid, so the fluid runs alone: expected another solid.model with --fluid or --solid");
   prepare_run_folder(options.out);
   const std::string started = time_now();
   write_run_file(options, started, nullptr);

@@ -25,6 +25,7 @@ struct RunOptions {
   std::filesystem::path case_file, out;
   std::string case_name;
   std::vector<std::string> overrides;
+  std::string fluid, solid;        ///< commands that take a solver's place; empty: ours
   std::filesystem::path programs;  ///< folder of poretwin-fluid, poretwin-solid, poretwin-coupler
   bool quiet = false;              ///< neither progress nor summary
   bool pictures = true;

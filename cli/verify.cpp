@@ -3,6 +3,7 @@
 #include "cli/locate.hpp"
 #include "cli/metrics.hpp"
 #include "cli/run.hpp"
+#include "cli/safety.hpp"
 #include "common/core/error.hpp"
 
 #include <fmt/format.h>
@@ -67,7 +68,7 @@ class CaseCheck {
     options.programs = options_.programs;
     options.quiet = true;
     options.pictures = false;
-    const RunResult result = run_case(options);
+    const RunResult result = run.command == "safety" ? find_safety(options, 0.01).run : run_case(options);
     wall_ += result.wall;
     cpu_ += result.cpu;
     if (result.exit == interrupted) {

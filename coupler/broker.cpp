@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <deque>
+#include <map>
 #include <random>
+#include <sstream>
 
 namespace poretwin::coupling {
 namespace {
@@ -54,6 +56,27 @@ std::optional<Reject> difference(const Contract& giver, const Contract& taker) {
       return differs(want.name, "a conservative field without a mask", "mask '" + have->mask + "'");
   }
   return std::nullopt;
+}
+
+/// The first key in which two coupled parts differ: "water.density: expected 1000, got 900"; empty when unknown.
+std::string different_key(const std::string& expected, const std::string& got) {
+  if (expected.empty() || got.empty()) return {};
+  const auto read = [](const std::string& part) {
+    std::map<std::string, std::string> values;
+    std::istringstream lines(part);
+    for (std::string line; std::getline(lines, line);)
+      if (const auto equals = line.find(" = "); equals != std::string::npos)
+        values[line.substr(0, equals)] = line.substr(equals + 3);
+    return values;
+  };
+  auto ours = read(expected), theirs = read(got);
+  for (const auto& [key, value] : theirs) ours.try_emplace(key, "nothing");
+  for (const auto& [key, value] : ours) {
+    const auto found = theirs.find(key);
+    const std::string other = found == theirs.end() ? "nothing" : found->second;
+    if (other != value) return fmt::format("{}: expected {}, got {}", key, value, other);
+  }
+  return {};
 }
 
 struct Peer {
@@ -161,8 +184,10 @@ class Broker::Implementation {
   }
 
   std::string state_of(const Peer& p) const {
-    return p.doing.empty() ? std::string("no heartbeat yet")
-                           : fmt::format("{} ({:.1f} s ago)", p.doing, seconds_since(p.heard));
+    const std::string cut = hub_.cut(p.line) ? ", and the line to it is cut or its host is down" : "";
+    return (p.doing.empty() ? std::string("no heartbeat yet")
+                            : fmt::format("{} ({:.1f} s ago)", p.doing, seconds_since(p.heard))) +
+           cut;
   }
 
   [[noreturn]] void fail(const Peer& p, const std::string& what) {
@@ -189,6 +214,7 @@ class Broker::Implementation {
     for (auto event = hub_.receive(std::min(options_.heartbeat, Milliseconds(50))); event;
          event = hub_.receive(Milliseconds(0)))
       handle(std::move(*event));
+    if (const std::string notice = hub_.notice(); !notice.empty()) say(notice);
     if (Clock::now() - beat_ >= options_.heartbeat) send_heartbeats(waiting_for);
     // This process may itself have been stopped, or have mapped, for a while: then nobody else is to blame for the
     // silence.
@@ -212,8 +238,11 @@ class Broker::Implementation {
     for (const Role role : both) {
       const auto& p = peer(role);
       if (p.line.empty() || p.left || Clock::now() - p.heard <= options_.frozen_deadline) continue;
-      fail(p,
-           fmt::format("is frozen: its connection stands but no heartbeat came for {:.1f} s", seconds_since(p.heard)));
+      fail(p, hub_.cut(p.line)
+                  ? fmt::format("is unreachable: the line is cut or its host is down, nothing came for {:.1f} s",
+                                seconds_since(p.heard))
+                  : fmt::format("is frozen: its connection stands but no heartbeat came for {:.1f} s",
+                                seconds_since(p.heard)));
     }
   }
 
@@ -274,6 +303,12 @@ class Broker::Implementation {
 
   void consider(const std::string& line, const Message& message) {
     const auto* hello = std::get_if<Hello>(&message.body);
+    if (const auto* request = std::get_if<CaseRequest>(&message.body); request && message.major == protocol_major) {
+      say("the case goes to " + request->role);
+      answer_stranger(line,
+                      CaseFile{options_.case_text, options_.case_overrides, options_.case_digest, options_.dimension});
+      return;
+    }
     std::optional<Reject> reject;
     if (message.major != protocol_major)
       reject = Reject{RejectCode::protocol,
@@ -288,15 +323,11 @@ class Broker::Implementation {
       reject = objection(*hello);
     const std::string who = hello && message.major == protocol_major ? hello->role : message.sender;
     if (reject) {
-      const std::string what =
-          fmt::format("{}: {}: expected {}, got {}", who, reject->field, reject->expected, reject->got);
+      const std::string what = fmt::format("{}: {}: expected {}, got {}{}{}", who, reject->field, reject->expected,
+                                           reject->got, reject->reason.empty() ? "" : "; ", reject->reason);
       say("refused " + what);
       refused_ += (refused_.empty() ? "" : ", ") + what;
-      Message answer = message_of(std::move(*reject));
-      answer.session = session_;
-      answer.sender = "coupler";
-      answer.sequence = 1;
-      hub_.send(line, encode(std::move(answer)));
+      answer_stranger(line, std::move(*reject));
       return;
     }
     auto& p = peer(hello->role == "fluid" ? Role::fluid : Role::solid);
@@ -308,6 +339,14 @@ class Broker::Implementation {
     say(fmt::format("{} is here ({}, process {} on {})", p.name, hello->software, hello->process, hello->host));
     send_to(p, message_of(Welcome{static_cast<double>(options_.heartbeat.count()) / 1000.0,
                                   static_cast<double>(options_.frozen_deadline.count()) / 1000.0}));
+  }
+
+  void answer_stranger(const std::string& line, Body body) {
+    Message answer = message_of(std::move(body));
+    answer.session = session_;
+    answer.sender = "coupler";
+    answer.sequence = 1;
+    hub_.send(line, encode(std::move(answer)));
   }
 
   std::optional<Reject> objection(const Hello& hello) {
@@ -326,7 +365,8 @@ class Broker::Implementation {
       return refuse(RejectCode::dimension, "dimension", std::to_string(options_.dimension),
                     std::to_string(contract.dimension));
     if (contract.case_digest != options_.case_digest)
-      return refuse(RejectCode::digest, "case_digest", options_.case_digest, contract.case_digest);
+      return Reject{RejectCode::digest,   "case_digest", options_.case_digest,
+                    contract.case_digest, 0.0,           different_key(options_.case_part, contract.case_part)};
     if (other.line.empty()) return std::nullopt;
     if (auto found = difference(contract, other.contract)) return found;
     return difference(other.contract, contract);

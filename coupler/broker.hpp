@@ -6,12 +6,17 @@
 
 #include <functional>
 #include <memory>
+#include <string>
+#include <vector>
 
 namespace poretwin::coupling {
 
 struct BrokerOptions {
   int dimension = 2;  ///< of the case
   std::string case_digest;
+  std::string case_part;  ///< what the digest is of, as "key = value" lines
+  std::string case_text;  ///< for participants without a case file of their own
+  std::vector<std::string> case_overrides;
   Milliseconds wait_deadline{60'000};    ///< for missing participants
   Milliseconds frozen_deadline{30'000};  ///< without a heartbeat
   Milliseconds heartbeat{1'000};
@@ -56,8 +61,5 @@ class Broker {
   class Implementation;
   std::unique_ptr<Implementation> implementation_;
 };
-
-/// ROUTER socket bound to `address`. Anything but ipc and loopback needs `allow_any_address`. Throws Error.
-std::unique_ptr<Hub> bind_socket(const std::string& address, bool allow_any_address = false);
 
 }  // namespace poretwin::coupling

@@ -56,11 +56,16 @@ struct Run {
 
 void execute(const Arguments& arguments, Run& run) {
   const Case scene = read_case(arguments.case_file, arguments.overrides);
-  run.hub = bind_socket(arguments.address, arguments.allow_any_address);
+  std::optional<CurveKeys> keys;
+  if (!arguments.keys.empty()) keys = read_curve_keys(arguments.keys, KeyHolder::coupler);
+  run.hub = bind_socket(arguments.address, arguments.allow_any_address, keys);
   auto lines = std::make_shared<ProgressLines>(arguments.progress_descriptor);
   BrokerOptions options;
   options.dimension = scene.general.dimension;
   options.case_digest = scene.digest();
+  options.case_part = scene.coupled_part();
+  options.case_text = scene.text;
+  options.case_overrides = scene.overrides;
   options.wait_deadline = Milliseconds(static_cast<long>(1000.0 * arguments.wait_deadline));
   options.frozen_deadline = Milliseconds(static_cast<long>(1000.0 * arguments.frozen_deadline));
   options.say = log_line;

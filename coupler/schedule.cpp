@@ -81,7 +81,7 @@ class Schedule::Implementation {
       ++step_;
       ++report_.windows;
       ++report_.limited_by[plan.interval < 0.999 * std::min(fluid_limit_, solid_limit_)
-                               ? "coupler: output instant or coupling.interval"
+                               ? "output instant or coupling.interval"
                                : cause];
       clock_.accept(plan);
       tell_progress("", clock_.finished());

@@ -3,9 +3,9 @@
 // fluid's new ones. docs/protocol.md shows the sequence.
 #pragma once
 
+#include "common/coupling/border.hpp"
 #include "common/coupling/summary.hpp"
 #include "common/coupling/window_clock.hpp"
-#include "coupler/border.hpp"
 #include "coupler/broker.hpp"
 #include "coupler/mapping.hpp"
 

@@ -1,11 +1,35 @@
 // Water that comes and goes through the faces of prescribed head or pressure.
 #include "fluid_solver/fluid_phase.hpp"
 
+#include "fluid_solver/basin.hpp"
 #include "fluid_solver/operators.hpp"
 
 #include <cmath>
 
 namespace poretwin::fluid {
+
+/// Levels of the basins at the end of a window, the flow through their faces taken as it was in the last one.
+template <int D>
+void Fluid<D>::fill_basins(double time, double interval) {
+  const auto through = passed();
+  for (std::size_t f = 0; f < scene_.water_faces.size(); ++f) {
+    const auto& face = scene_.water_faces[f];
+    if (!face.discharge) continue;
+    state_.supplied[f] += face.discharge->integral(time, time + interval);
+    double leaves = 0.0;
+    for (const auto& c : state_.columns)
+      if (c.face == static_cast<int>(f) && c.wet) leaves += interval * c.speed * c.mass / (density_ * c.spacing);
+    state_.basin_level[f] = basin_level(*face.basin_area, state_.supplied[f] - through[f] - leaves);
+  }
+}
+
+/// Volume that has come in through each face, less what has gone out [m^D].
+template <int D>
+ScalarArray Fluid<D>::passed() const {
+  ScalarArray sum(scene_.water_faces.size(), 0.0);
+  for (const auto& c : state_.columns) sum[static_cast<std::size_t>(c.face)] += c.passed(density_);
+  return sum;
+}
 
 template <int D>
 void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, double interval) {
@@ -96,18 +120,26 @@ void Fluid<D>::limit_surface(Stencil<D>& s) const {
 template <int D>
 void Fluid<D>::give_birth_and_delete() {
   auto& p = state_.particles;
-  if (state_.columns.empty()) return;
   const ColumnFinder<D> finder(state_.columns);
   std::vector<bool> keep(p.size(), true);
   bool any = false;
   ScalarArray crossed(state_.columns.size(), 0.0);  // in particles, inwards
   for (std::size_t a = 0; a < p.size(); ++a) {
+    // Far outside, and no faster than a fall makes it: water that diverges is not hushed up.
+    if (((p.position[a] - lower_).array() < 0.0 || (upper_ - p.position[a]).array() < 0.0).any() &&
+        p.velocity[a].squaredNorm() <= 4.0 * weight_.norm() / density_ * (upper_ - lower_).norm()) {
+      keep[a] = false;
+      any = true;
+      ++state_.counts.lost;
+      continue;
+    }
     const int i = finder.nearest(p.position[a]);
     if (i < 0) continue;
     auto& c = state_.columns[static_cast<std::size_t>(i)];
     const double d = c.inside(p.position[a]);
     if (d >= -deletion_depth * c.spacing) continue;
     keep[a] = false;
+    c.net -= p.mass[a] / density_;
     any = true;
     crossed[static_cast<std::size_t>(i)] -= p.mass[a] / density_;
     c.offset = std::clamp(d + c.spacing, 0.0, 0.999 * c.spacing);
@@ -124,10 +156,11 @@ void Fluid<D>::give_birth_and_delete() {
       p.add(c.foot + c.offset * c.normal, c.speed * c.normal, c.mass, c.void_fraction, c.volume,
             c.pressure + c.slope * c.offset);
       crossed[i] += c.mass / density_;
+      c.net += c.mass / density_;
       ++state_.counts.born;
     }
-    // The stack's outermost particle stands half a spacing either way: what of it is inside counts as water that came.
-    const double stored = c.wet ? c.mass / density_ * (c.offset / c.spacing - 0.5) : 0.0;
+    // The part of the stack's outermost particle that is inside counts as water that came.
+    const double stored = c.share(density_);
     const double gained = crossed[i] + stored - c.stored;
     (gained > 0.0 ? state_.balance.in : state_.balance.out) += std::abs(gained);
     c.stored = stored;

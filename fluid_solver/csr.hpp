@@ -39,7 +39,8 @@ struct SolveReport {
   bool converged = true;
 };
 
-/// Preconditioned conjugate gradients on plain doubles: apply(x, y): y = A x; precondition(r, z): z = P^-1 r.
+/// Preconditioned conjugate gradients on plain doubles: apply(x, y): y = A x; precondition(r, z): z = P^-1 r, which may
+/// change a little from step to step (flexible: each direction is made conjugate to the last; Notay 2000).
 /// Stops when |residual| <= tolerance (absolute).
 template <class Apply, class Precondition>
 SolveReport conjugate_gradients(Apply&& apply, Precondition&& precondition, std::span<const double> b,
@@ -65,9 +66,8 @@ SolveReport conjugate_gradients(Apply&& apply, Precondition&& precondition, std:
     }
     if (norm(r) <= tolerance) return report;
     precondition(std::span<const double>(r), std::span<double>(z));
-    const double rz_new = dot(r, z);
-    const double beta = rz_new / rz;
-    rz = rz_new;
+    const double beta = -dot(z, q) / pq;
+    rz = dot(r, z);
     for (std::size_t i = 0; i < n; ++i) p[i] = z[i] + beta * p[i];
   }
   report.converged = false;

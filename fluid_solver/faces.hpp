@@ -30,10 +30,15 @@ struct FaceColumn {
   double speed = 0.0;              ///< of the stack [m/s]
   double pressure = 0.0;           ///< at the foot, piezometric [Pa]
   double slope = 0.0;              ///< of the piezometric pressure along the normal [Pa/m]
+  double net = 0.0;                ///< volume of particles born here, less that of those deleted [m^D]
   bool in_soil = false;            ///< the ground behind the face is soil
   bool wet = false;                ///< acts now
   double stored = 0.0;             ///< water of the outermost spacing that is in the domain but in no particle [m^D]
   [[nodiscard]] double inside(const Vec<D>& x) const { return normal.dot(x - foot); }
+  /// Volume of water that the first buffer has inside the face [m^D]; negative: that the last particle has outside.
+  [[nodiscard]] double share(double density) const { return wet ? mass / density * (offset / spacing - 0.5) : 0.0; }
+  /// Volume of water that has come in here, less what has gone out [m^D].
+  [[nodiscard]] double passed(double density) const { return net + share(density); }
 };
 
 /// What drives a front into dry ground behind a face.
@@ -178,20 +183,22 @@ class ColumnFinder {
   sph::CellGrid<D> grid_;
 };
 
-/// Pressures at the feet at a time; a column acts where the total pressure there is not negative.
+/// Pressures at the feet at a time; a column acts where the total pressure there is not negative. basin_level [m]: of
+/// each face, for those that are basins.
 template <int D>
-void update_columns(const Case& scene, double time, const Vec<D>& weight, const Vec<D>& origin,
-                    std::vector<FaceColumn<D>>& columns) {
+void update_columns(const Case& scene, double time, std::span<const double> basin_level, const Vec<D>& weight,
+                    const Vec<D>& origin, std::vector<FaceColumn<D>>& columns) {
   const double magnitude = weight.norm();
   for (auto& c : columns) {
     const WaterFace& face = scene.water_faces[static_cast<std::size_t>(c.face)];
-    double total = 0.0;
-    if (face.head) {
-      const double elevation = magnitude > 0.0 ? -weight.dot(c.foot) / magnitude : 0.0;
+    const double elevation = magnitude > 0.0 ? -weight.dot(c.foot) / magnitude : 0.0;
+    double total = -1.0;
+    if (face.discharge)
+      total = magnitude * (basin_level[static_cast<std::size_t>(c.face)] - elevation);
+    else if (face.head)
       total = magnitude * (face.head->at(time) - elevation);
-    } else if (face.pressure) {
+    else if (face.pressure)
       total = face.pressure->at(time);
-    }
     c.wet = total >= 0.0;
     c.pressure = total - weight.dot(c.foot - origin);
   }

@@ -1,6 +1,7 @@
 #include "fluid_solver/fluid_phase.hpp"
 
 #include "common/core/error.hpp"
+#include "fluid_solver/basin.hpp"
 #include "fluid_solver/cloud.hpp"
 #include "fluid_solver/fluid.hpp"
 #include "fluid_solver/operators.hpp"
@@ -18,6 +19,37 @@ constexpr int periodic_boundary = 31;
 /// A window is solved again when the drag's tangent misses the law by more than this share of inertia and drag (rms).
 constexpr double drag_tolerance = 0.02;
 constexpr int most_drag_rounds = 10;
+
+/// The box around everything in the case, widened by its diagonal on all sides; without bound along periodic axes.
+template <int D>
+std::pair<Vec<D>, Vec<D>> reach_of(const Case& scene) {
+  Vec<D> lower = Vec<D>::Constant(1e300), upper = -lower;
+  const auto enclose = [&](const Point3& x) {
+    lower = lower.cwiseMin(Vec<D>(x.head<D>()));
+    upper = upper.cwiseMax(Vec<D>(x.head<D>()));
+  };
+  const auto enclose_shape = [&](const Shape& shape) {
+    const auto [lo, hi] = bounds(shape);
+    enclose(lo);
+    enclose(hi);
+  };
+  const auto enclose_face = [&](const Face& face) {
+    for (const auto& x : face.points) enclose(x);
+    if (face.points.empty()) enclose(face.point);
+  };
+  for (const auto& soil : scene.soils) enclose_shape(soil.shape);
+  for (const auto& region : scene.fluid.regions) enclose_shape(region);
+  for (const auto& wall : scene.walls) enclose_face(wall.face);
+  for (const auto& face : scene.water_faces) enclose_face(face.face);
+  const double margin = (upper - lower).norm();
+  lower.array() -= margin;
+  upper.array() += margin;
+  for (const int axis : scene.general.periodic) {
+    lower[axis] = -1e300;
+    upper[axis] = 1e300;
+  }
+  return {lower, upper};
+}
 
 }  // namespace
 
@@ -37,6 +69,8 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
     for (const auto& plane : planes_of<D>(wall.face, static_cast<int>(w), 6.0 * dx_)) planes_.push_back(plane);
   }
   for (const auto& plane : periodic_planes<D>(scene.general, periodic_boundary)) planes_.push_back(plane);
+
+  std::tie(lower_, upper_) = reach_of<D>(scene);
 
   auto& p = state_.particles;
   unsigned seed = scene.fluid.seed;
@@ -63,7 +97,13 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
   const double share = scene.fluid.scheme == FluidCase::Scheme::projection ? 0.01 : 0.05;
   viscosity_ = std::max(scene.water.kinematic_viscosity, share * dx_ * std::sqrt(scene.general.gravity.norm() * depth));
   state_.columns = make_columns<D>(scene);
-  update_columns<D>(scene_, 0.0, weight_, origin_, state_.columns);
+  for (const auto& face : scene.water_faces) {
+    const bool basin = face.discharge.has_value();
+    const double lowest = basin ? face.basin_area->knots.front().first : 0.0;
+    state_.basin_level.push_back(basin && face.head ? std::max(lowest, face.head->at(0.0)) : lowest);
+    state_.supplied.push_back(basin ? basin_volume(*face.basin_area, state_.basin_level.back()) : 0.0);
+  }
+  update_columns<D>(scene_, 0.0, state_.basin_level, weight_, origin_, state_.columns);
   // The soil looks for its rest under what is published before the first exchange.
   settle(rigid_soil<D>(scene_, p.position));
   saved_ = state_;
@@ -223,7 +263,8 @@ VecArray<D> Fluid<D>::viscous_velocity(const Stencil<D>& s, const SoilView<D>& v
   const auto& v = state_.particles.velocity;
   VecArray<D> result = v;
   for (std::size_t a = 0; a < s.n_real; ++a) {
-    if (view.mask[a] > 0.5) continue;
+    // In soil drag damps what the trace of viscosity is for, unless inertia rules there as well.
+    if (view.mask[a] > 0.5 && view.drag[a] * interval > state_.particles.void_fraction[a] * density_) continue;
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
       const Index j = s.other[k], q = s.parent[j];
       if (q >= s.n_real) continue;
@@ -314,6 +355,7 @@ WindowSolution<D> Fluid<D>::solve(const Stencil<D>& s, SoilView<D>& view, const 
   const auto& p = state_.particles;
   const bool nonlinear = view.nonlinear();
   WindowSolution<D> out;
+  out.multigrid = state_.multigrid;
   for (int round = 1;; ++round) {
     out.pressure = p.pressure;
     out.solid_velocity = p.solid_velocity;
@@ -346,7 +388,8 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
     p.volume[a] = p.mass[a] / (p.void_fraction[a] * density_);
     p.mask[a] = view.mask[a];
   }
-  update_columns<D>(scene_, window.time + dt, weight_, origin_, state_.columns);
+  fill_basins(window.time, dt);
+  update_columns<D>(scene_, window.time + dt, state_.basin_level, weight_, origin_, state_.columns);
   const auto s = stencil();
   ++state_.counts.stencils;
   p.surface = find_surface(s);
@@ -371,7 +414,9 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   auto out = solve(s, view, in);
   check_finite(out, window.time);
   state_.counts.windows += 1;
+  state_.multigrid = out.multigrid;
   state_.counts.pressure_iterations += out.pressure_iterations;
+  state_.counts.multigrid_cycles += out.multigrid_cycles;
   state_.counts.skeleton_iterations += out.skeleton_iterations;
   state_.counts.outer_iterations += out.outer;
   state_.counts.unconverged += out.converged ? 0.0 : 1.0;

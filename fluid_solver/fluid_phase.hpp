@@ -40,6 +40,8 @@ class Fluid final : public Phase {
   void move(const Stencil<D>& s, const WindowSolution<D>& solution, std::span<const Vec<D>> velocity_before,
             double interval);
   void keep_inside(Vec<D>& x, Vec<D>& v, double spacing) const;
+  void fill_basins(double time, double interval);
+  ScalarArray passed() const;
   void advance_columns(const Stencil<D>& s, const SoilView<D>& soil, double interval);
   void wet_dry_ground(FaceColumn<D>& c, double interval) const;
   InfiltrationSpeed infiltration_speed(const FaceColumn<D>& c) const;
@@ -57,6 +59,7 @@ class Fluid final : public Phase {
   double dx_ = 0.0, density_ = 1000.0, viscosity_ = 0.0, first_interval_ = 0.0;
   Vec<D> weight_ = Vec<D>::Zero(), origin_ = Vec<D>::Zero();
   std::vector<sph::ImagePlane<D>> planes_;
+  Vec<D> lower_, upper_;       ///< beyond, water is lost [m]
   std::uint32_t no_slip_ = 0;  ///< boundary bits
   State<D> state_, saved_;
 };

@@ -29,8 +29,8 @@ struct Line {
 template <int D>
 class Reader {
  public:
-  Reader(const Case& scene, const State<D>& state, const Cloud<D>& cloud, const Vec<D>& weight)
-      : scene_(scene), state_(state), cloud_(cloud), probe_(cloud), weight_(weight) {
+  Reader(const Case& scene, const State<D>& state, const Cloud<D>& cloud, const Vec<D>& weight, ScalarArray passed)
+      : scene_(scene), state_(state), cloud_(cloud), probe_(cloud), weight_(weight), passed_(std::move(passed)) {
     gamma_ = porous::specific_weight(scene);
     dx_ = scene.fluid.particle_spacing;
   }
@@ -44,6 +44,8 @@ class Reader {
     if (gauge.kind == "exit_gradient") return add(gauge.name, exit_gradient(Line<D>(gauge)), "1");
     if (gauge.kind == "volume") return add(gauge.name, volume(gauge), per_width);
     if (gauge.kind == "balance") return balance(gauge, per_width);
+    if (gauge.kind == "level") return add(gauge.name, level(gauge), "m");
+    if (gauge.kind == "passed_volume") return add(gauge.name, passed_volume(gauge), per_width);
     if (gauge.kind == "extent") return add(gauge.name, extent(gauge), "m");
     if (gauge.kind == "spread") return add(gauge.name, spread(gauge), "m");
     sums(gauge);
@@ -194,8 +196,25 @@ class Reader {
     for (std::size_t a = 0; a < p.size(); ++a)
       if (inside(gauge, p.position[a])) sum += p.mass[a];
     for (const auto& c : state_.columns)
-      if (c.wet && inside(gauge, c.foot + 1e-6 * c.spacing * c.normal)) sum += c.mass * (c.offset / c.spacing - 0.5);
+      if (inside(gauge, c.foot + 1e-6 * c.spacing * c.normal)) sum += c.share(1.0);
     return sum / scene_.water.density;
+  }
+
+  /// Of the water behind a face.
+  [[nodiscard]] double level(const Gauge& gauge) const {
+    for (std::size_t f = 0; f < scene_.water_faces.size(); ++f) {
+      const auto& face = scene_.water_faces[f];
+      if (face.name == gauge.quantity) return face.discharge ? state_.basin_level[f] : face.head->at(state_.time);
+    }
+    return nan;
+  }
+
+  /// Come in less gone out, through one face or all.
+  [[nodiscard]] double passed_volume(const Gauge& gauge) const {
+    double sum = 0.0;
+    for (std::size_t f = 0; f < scene_.water_faces.size(); ++f)
+      if (gauge.quantity.empty() || scene_.water_faces[f].name == gauge.quantity) sum += passed_[f];
+    return sum;
   }
 
   void balance(const Gauge& gauge, const std::string& unit) {
@@ -264,6 +283,7 @@ class Reader {
   const Cloud<D>& cloud_;
   Probe<D> probe_;
   Vec<D> weight_;
+  ScalarArray passed_;
   double gamma_ = 0.0, dx_ = 0.0;
   std::vector<GaugeReading> readings_;
 };
@@ -276,7 +296,7 @@ std::vector<GaugeReading> Fluid<D>::gauges() const {
       std::any_of(scene_.gauges.begin(), scene_.gauges.end(), [](const Gauge& g) { return g.phase == "fluid"; });
   if (!any) return {};
   const auto cloud = make_cloud<D>(state_, planes_, weight_, origin_);
-  Reader<D> reader(scene_, state_, cloud, weight_);
+  Reader<D> reader(scene_, state_, cloud, weight_, passed());
   for (const auto& gauge : scene_.gauges)
     if (gauge.phase == "fluid") reader.read(gauge);
   return reader.take();

@@ -93,6 +93,11 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
   if (fastest > 0.0) apply(0.25 / fastest, "a quarter spacing per window at the highest speed");
   if (free_surface && weight_.norm() > 0.0)
     apply(0.3 * std::sqrt(dx_ * density_ / weight_.norm()), "gravity waves of one spacing on the free surface");
+  for (std::size_t f = 0; f < scene_.water_faces.size(); ++f)
+    if (const auto& face = scene_.water_faces[f]; face.discharge) {
+      const double inflow = std::abs(face.discharge->at(state_.time));
+      if (inflow > 0.0) apply(0.5 * dx_ * face.basin_area->at(state_.basin_level[f]) / inflow, "rise of a basin");
+    }
   // A face with nothing behind it yet: the time in which the front comes half a spacing in.
   if (p.size() == 0)
     for (const auto& c : state_.columns) {

@@ -40,13 +40,15 @@ std::map<std::string, double> Fluid<D>::counters() const {
   return {{"particles", static_cast<double>(state_.particles.size())},
           {"windows", c.windows},
           {"pressure iterations", c.pressure_iterations},
+          {"multigrid cycles", c.multigrid_cycles},
           {"skeleton iterations", c.skeleton_iterations},
           {"outer iterations", c.outer_iterations},
           {"solves that missed their tolerance", c.unconverged},
           {"list rebuilds", c.stencils},
           {"further rounds of quadratic drag", c.drag_rounds},
           {"born", c.born},
-          {"deleted", c.deleted}};
+          {"deleted", c.deleted},
+          {"lost, far outside", c.lost}};
 }
 
 template class Fluid<2>;

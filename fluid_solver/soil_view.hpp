@@ -13,8 +13,8 @@ namespace poretwin::fluid {
 
 template <int D>
 struct SoilView {
-  ScalarArray mask;           ///< [n] 1 inside soil, 0 in free water
-  ScalarArray fraction;       ///< [n] n_s, the residual water of moist soil counted in
+  ScalarArray mask;                            ///< [n] 1 inside soil, 0 in free water
+  ScalarArray fraction;                        ///< [n] n_s, the residual water of moist soil counted in
   std::vector<porous::Resistance> resistance;  ///< [n] none in free water
   /// [n] the resistance about the present slip w, R = C w' - f: C [N s/m4], f [N/m3] (Newton's tangent along the flow;
   /// f is zero under Darcy's law)
@@ -85,8 +85,7 @@ SoilView<D> rigid_soil(const Case& scene, std::span<const Vec<D>> points) {
     soil.density[a] =
         (1.0 - here->porosity) * here->grain_density + (here->porosity - fillable) * scene.water.density;
     if (scene.fluid.drag)
-      soil.resistance[a] =
-          porous::resistance(weight, fillable, porous::seepage_at(scene, *here, here->porosity));
+      soil.resistance[a] = porous::resistance(weight, fillable, porous::seepage_at(scene, *here, here->porosity));
     soil.drag[a] = soil.resistance[a].linear;
   }
   return soil;
@@ -128,10 +127,9 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::si
     soil.force[a] *= mask;
     const double porosity = 1.0 - n_s;
     if (scene.fluid.drag)
-      soil.resistance[a] =
-          porous::resistance(weight, porosity,
-                             porous::carried_over({conductivity[a], quadratic[a]},
-                                                  1.0 - std::min(fraction[a], 1.0 - 1e-3), porosity));
+      soil.resistance[a] = porous::resistance(
+          weight, porosity,
+          porous::carried_over({conductivity[a], quadratic[a]}, 1.0 - std::min(fraction[a], 1.0 - 1e-3), porosity));
     soil.drag[a] = soil.resistance[a].linear;
   }
   return soil;

@@ -71,8 +71,8 @@ struct TimeLimit {
 
 /// What a run's summary counts.
 struct Counts {
-  double windows = 0, pressure_iterations = 0, skeleton_iterations = 0, outer_iterations = 0, stencils = 0, born = 0,
-         deleted = 0, unconverged = 0, drag_rounds = 0;
+  double windows = 0, pressure_iterations = 0, multigrid_cycles = 0, skeleton_iterations = 0, outer_iterations = 0,
+         stencils = 0, born = 0, deleted = 0, unconverged = 0, drag_rounds = 0, lost = 0;
 };
 
 /// Volumes of water that came and went through faces since the start, and what there was then [m^D].
@@ -90,6 +90,9 @@ struct State {
   std::uint64_t revision = 0;
   Particles<D> particles;
   std::vector<FaceColumn<D>> columns;
+  bool multigrid = false;   ///< the last window's pressure was worth it
+  ScalarArray supplied;     ///< [faces] volume of the basin at first, and poured in since [m^D]; 0 where it is none
+  ScalarArray basin_level;  ///< [faces] m
   std::vector<TimeLimit> scheme_limits;  ///< of explicit schemes, from the last window
   Counts counts;
   Balance balance;

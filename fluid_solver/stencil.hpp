@@ -70,13 +70,13 @@ struct Stencil {
   ScalarArray fullness;    ///< [real] sum V W over that of a lattice
   ScalarArray divergence;  ///< [real] sum V div r: D inside
   ScalarArray
-      amplification;       ///< [real] of pair sums of second derivatives, to make them exact for a quadratic on average
-  VecArray<D> normal;      ///< [real] sum V grad W: inward where the surroundings are one-sided, 1/m
+      amplification;   ///< [real] of pair sums of second derivatives, to make them exact for a quadratic on average
+  VecArray<D> normal;  ///< [real] sum V grad W: inward where the surroundings are one-sided, 1/m
   ScalarArray surface_distance;  ///< [real] of a surface particle to the surface, m: half a spacing, less at a face
   ScalarArray surface_pressure;  ///< [real] total, on the surface, Pa: 0, or a suction
-  MatArray<D> correction;  ///< [real] of the kernel gradient, buffers counted (pressures)
-  MatArray<D> correction_open;  ///< [real] buffers left out (velocities)
-  MatArray<D> blind;            ///< [real] projector on directions in which there are no neighbours to difference with
+  MatArray<D> correction;        ///< [real] of the kernel gradient, buffers counted (pressures)
+  MatArray<D> correction_open;   ///< [real] buffers left out (velocities)
+  MatArray<D> blind;             ///< [real] projector on directions in which there are no neighbours to difference with
 
   /// Of the pair of real particle a with a point whose parent is q.
   [[nodiscard]] double amplified(std::size_t a, Index q) const {

@@ -1,6 +1,7 @@
 #include "fluid_solver/window.hpp"
 
 #include "fluid_solver/eisph.hpp"
+#include "fluid_solver/multigrid.hpp"
 #include "fluid_solver/operators.hpp"
 
 namespace poretwin::fluid {
@@ -10,6 +11,12 @@ namespace {
 /// the skeleton's velocity. Measured on consolidation: a hundred times tighter changes the errors in the fourth digit
 /// and doubles the cost.
 constexpr double response_tolerance = 1e-2, skeleton_tolerance = 1e-4;
+
+/// Conjugate gradients on the diagonal take as long for so many iterations as multigrid does for the whole solve,
+/// its building included, at any size (multigrid_timing.cpp)
+constexpr int patience = 60;
+/// and a solve that takes multigrid no more cycles than this is left to the diagonal next time.
+constexpr int few_cycles = 2;
 
 /// Per particle: the two momentum equations of one backward Euler window, eliminated for v_w' and v_s'.
 struct Elimination {
@@ -82,8 +89,7 @@ class WindowSolver {
     for (std::size_t a = 0; a < n_; ++a)
       if (!q_[a].responds) out.solid_velocity[a] = soil_.velocity[a];
     VecArray<D> flux(n_);
-    for (std::size_t a = 0; a < n_; ++a)
-      flux[a] = in_.void_fraction[a] * q_[a].aw / (q_[a].aw + q_[a].C) * pushed(a);
+    for (std::size_t a = 0; a < n_; ++a) flux[a] = in_.void_fraction[a] * q_[a].aw / (q_[a].aw + q_[a].C) * pushed(a);
     const ScalarArray outflow = divergence<D>(s_, flux);
     ScalarArray b(n_);
     for (std::size_t a = 0; a < n_; ++a) b[a] = s_.volume[a] * (in_.source[a] - outflow[a]) + boundary_[a];
@@ -101,10 +107,10 @@ class WindowSolver {
  private:
   double kf(std::size_t b, std::size_t otherwise) const { return b < n_ ? q_[b].kf : q_[otherwise].kf; }
 
-  /// Lone particles, and the surface of free water, where the softer condition of a wetting front feeds splashes with
-  /// energy.
+  /// Lone particles, and the surface where the water's inertia rules, outside soil and in coarse soil: there the softer
+  /// condition of a wetting front feeds splashes with energy.
   bool pinned(std::size_t a) const {
-    return flags_[a] == Surface::lone || (flags_[a] == Surface::surface && soil_.mask[a] < 0.5);
+    return flags_[a] == Surface::lone || (flags_[a] == Surface::surface && (soil_.mask[a] < 0.5 || q_[a].C < q_[a].aw));
   }
 
   /// Zero total pressure at a lone particle; hydrostatic from the surface, half a spacing outside, at the others.
@@ -174,12 +180,28 @@ class WindowSolver {
     fluid_.apply(std::span<const double>(known), std::span<double>(drive));
     for (std::size_t a = 0; a < n_; ++a) drive[a] = pinned(a) ? 0.0 : b[a] - drive[a];
     const auto apply = [&](std::span<const double> x, std::span<double> y) { fluid_.apply(x, y); };
-    const auto precondition = [&](std::span<const double> r, std::span<double> z) {
+    const auto by_diagonal = [&](std::span<const double> r, std::span<double> z) {
       for (std::size_t a = 0; a < n_; ++a) z[a] = fluid_.diagonal[a] > 0.0 ? r[a] / fluid_.diagonal[a] : 0.0;
       if (closed_) remove_mean(z);
     };
-    const auto report = conjugate_gradients(apply, precondition, b, out.pressure, in_.tolerance * norm(drive), 2000);
-    out.pressure_iterations += report.iterations;
+    const double tolerance = in_.tolerance * norm(drive);
+    SolveReport report;
+    report.converged = false;
+    if (!out.multigrid) {
+      report = conjugate_gradients(apply, by_diagonal, b, out.pressure, tolerance, patience);
+      out.pressure_iterations += report.iterations;
+      out.multigrid = !report.converged;
+    }
+    if (!report.converged) {
+      Multigrid multigrid(fluid_);
+      const auto by_cycle = [&](std::span<const double> r, std::span<double> z) {
+        multigrid.cycle(r, z);
+        if (closed_) remove_mean(z);
+      };
+      report = conjugate_gradients(apply, by_cycle, b, out.pressure, tolerance, 2000);
+      out.multigrid_cycles += report.iterations;
+      out.multigrid = report.iterations > few_cycles;
+    }
     out.converged = report.converged;
     out.outer = 1;
     for (auto& p : out.pressure) p += reference;
@@ -290,8 +312,8 @@ class WindowSolver {
       if (!q.responds) continue;
       // The exchanged force carries the soil's full weight; the piezometric pressure leaves its buoyant part.
       const Vec<D> r = soil_.force[a] - soil_.fraction[a] * in_.weight - soil_.drag_offset[a];
-      rhs[a] = q.ss / (q.aw + q.C) * (q.C * q.aw * pushed(a) + (q.aw + q.C) * (q.as * soil_.velocity[a] + r)) -
-               q.mS * G[a];
+      rhs[a] =
+          q.ss / (q.aw + q.C) * (q.C * q.aw * pushed(a) + (q.aw + q.C) * (q.as * soil_.velocity[a] + r)) - q.mS * G[a];
     }
     out.skeleton_iterations += solve_H(rhs, out.solid_velocity, tolerance);
   }

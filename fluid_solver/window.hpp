@@ -28,7 +28,8 @@ struct WindowSolution {
   VecArray<D> solid_velocity;  ///< [n] predicted v_s', m/s; in: warm start
   VecArray<D> velocity;        ///< [n] v_w', m/s
   VecArray<D> gradient;        ///< [n] of the piezometric pressure, Pa/m
-  int outer = 0, pressure_iterations = 0, skeleton_iterations = 0;
+  int outer = 0, pressure_iterations = 0, multigrid_cycles = 0, skeleton_iterations = 0;
+  bool multigrid = false;  ///< in: begin with it; out: worth beginning with next time
   bool converged = true;
 };
 

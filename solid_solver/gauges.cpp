@@ -131,7 +131,7 @@ std::vector<GaugeReading> read_gauges(const Case& scene, const Setup<D>& setup, 
       continue;
     }
     Vec<D> momentum = Vec<D>::Zero(), pending = Vec<D>::Zero();
-    double kinetic = 0.0, stored = 0.0, count = 0.0, speed = 0.0, displacement = 0.0, uplift = 0.0;
+    double kinetic = 0.0, stored = 0.0, count = 0.0, plastic = 0.0, speed = 0.0, displacement = 0.0, uplift = 0.0;
     const Vec<D> up = upwards(setup);
     for (std::size_t i = 0; i < p.size(); ++i) {
       if (!within<D>(gauge, p.position[i])) continue;
@@ -140,6 +140,7 @@ std::vector<GaugeReading> read_gauges(const Case& scene, const Setup<D>& setup, 
       kinetic += 0.5 * p.mass[i] * p.velocity[i].squaredNorm();
       stored += p.volume[i] * strain_energy(p.stress[i], setup.models[p.material[i]]->elasticity());
       count += 1.0;
+      plastic = std::max(plastic, p.plastic_strain[i]);
       speed = std::max(speed, p.velocity[i].norm());
       displacement = std::max(displacement, p.displacement[i].norm());
       uplift = std::max(uplift, up.dot(p.displacement[i] - state.rest_displacement[i]));
@@ -161,14 +162,16 @@ std::vector<GaugeReading> read_gauges(const Case& scene, const Setup<D>& setup, 
       readings.push_back({gauge.name, speed, "m/s"});
     } else if (gauge.kind == "max_displacement") {
       readings.push_back({gauge.name, displacement, "m"});
+    } else if (gauge.kind == "max_plastic_strain") {
+      readings.push_back({gauge.name, plastic, "1"});
     } else if (gauge.kind == "uplift") {
       readings.push_back({gauge.name, uplift, "m"});
     } else {
-      throw CaseError(
-          fmt::format("gauge \"{}\": kind \"{}\" is not known to the solid; expected point, momentum, "
-                      "kinetic_energy, strain_energy, particles, max_speed, max_displacement, uplift, "
-                      "crest_settlement or pending_impulse",
-                      gauge.name, gauge.kind));
+      throw CaseError(fmt::format(
+          "gauge \"{}\": kind \"{}\" is not known to the solid; expected point, momentum, "
+          "kinetic_energy, strain_energy, particles, max_speed, max_displacement, max_plastic_strain, uplift, "
+          "crest_settlement or pending_impulse",
+          gauge.name, gauge.kind));
     }
   }
   return readings;

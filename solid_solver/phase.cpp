@@ -149,6 +149,7 @@ void Solid<D>::initialise(const Inbox& inbox) {
     if (rest_.steps > 0 && !rest_.reached())
       fmt::print(stderr, "rest of the soil: not reached, the run starts in motion\n");
     state_.particles.velocity = initial;
+    if (water_is_prescribed()) state_.external.pressure = take_pressure(inbox, state_.time);  // where the soil is now
     rebuild(setup_, state_);
     evaluate_forces(setup_, state_);
   }
@@ -419,6 +420,7 @@ std::map<std::string, double> Solid<D>::counters() const {
           {"list rebuilds", state_.rebuilds},
           {"rest steps", static_cast<double>(rest_.steps)},
           {"rest residual", rest_.residual},
+          {"rest displacement", rest_.displacement},
           {"rest criterion", rest_.criterion}};
 }
 

@@ -282,13 +282,14 @@ void declare(Keys& keys, Gauge& g) {
              "of a line, from its right to its left), `exit_height` (elevation at which the water's surface meets a "
              "face), `exit_gradient` (largest outward, over a face), `balance` (volumes `_in`, `_out`, `_stored` and "
              "`_error` = in - out - gain), `min_pressure`, `potential_energy`, `energy` (both together), `extent`, "
-             "`spread`; of the solid also "
-             "`max_displacement`, `uplift`, `strain_energy` (elastic), `crest_settlement` (of the highest particles, "
+             "`spread`, `level`, `passed_volume`; of the solid also "
+             "`max_displacement`, `max_plastic_strain`, `uplift`, `strain_energy` (elastic), `crest_settlement` (of the highest particles, "
              "since the initial rest), `pending_impulse`.",
              true});
   keys.text("quantity", g.quantity,
             {"",
-             "Of `point`: an output field, with `_x` `_y` `_z` or `_xx` `_yy` .. for one component; of the water also "
+             "Of `level` (of the water behind) and `passed_volume` (come in less gone out; absent: all faces): "
+             "name of the face. Of `point`: an output field, with `_x` `_y` `_z` or `_xx` `_yy` .. for one component; of the water also "
              "`pressure_head`, `head`, `degree_of_saturation`. Of `momentum`: "
              "`momentum_x` .."});
   keys.points("points", g.points,
@@ -368,10 +369,12 @@ double Series::integral(double t0, double t1) const {
   return sum + 0.5 * (t1 - from) * (at(from) + at(t1));
 }
 
-std::string Case::digest() const {
+std::string Case::coupled_part() const {
   Case copy = *this;
-  return fmt::format("{:016x}", fnv1a(list_keys([&](Keys& keys) { declare_shared(keys, copy); })));
+  return list_keys([&](Keys& keys) { declare_shared(keys, copy); });
 }
+
+std::string Case::digest() const { return fmt::format("{:016x}", fnv1a(coupled_part())); }
 
 Case read_case(const std::filesystem::path& path, const std::vector<std::string>& overrides) {
   Case scene;
@@ -399,7 +402,7 @@ std::string case_reference() {
          "TOML, SI units, one file for all processes. Points have two coordinates in 2D and three in 3D. "
          "Any key can be set from the command line: `--set fluid.particle_spacing=0.005`, `--set "
          "soil.0.porosity=0.45`. "
-         "This page is made from the declarations that read the file (`poretwin keys`).\n\n" +
+         "This page is made from the declarations that read the file (`poretwin case-keys`).\n\n" +
          describe_keys([&](Keys& keys) {
            declare_shared(keys, scene);
            declare_own(keys, scene);

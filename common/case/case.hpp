@@ -197,9 +197,9 @@ struct Gauge {
   std::string name;
   std::string phase;     ///< "fluid" or "solid"
   std::string kind;      ///< "point", "front", "volume", "momentum", "kinetic_energy", "particles", "max_speed";
-                         ///< fluid only: "potential_energy", "energy", "extent", "spread";
-                         ///< solid only: "max_displacement", "uplift", "strain_energy", "crest_settlement",
-                         ///< "pending_impulse" (taken, not yet paid for)
+                         ///< fluid only: "potential_energy", "energy", "extent", "spread", "level", "passed_volume";
+                         ///< solid only: "max_displacement", "max_plastic_strain", "uplift", "strain_energy",
+                         ///< "crest_settlement", "pending_impulse" (taken, not yet paid for)
   std::string quantity;  ///< of "point": "pore_pressure", "velocity", "displacement", "effective_stress_yy", ...
   std::vector<Point3>
       points;  ///< of "point" (name[i] where several), of "front" (a line's two ends), "extent", "spread"
@@ -230,6 +230,8 @@ struct Case {
   [[nodiscard]] bool coupled() const { return deformable() && has_water(); }
   /// Hex digest of everything both solvers must agree on; independent of comments, order and paths.
   [[nodiscard]] std::string digest() const;
+  /// What the digest is of: "key = value" lines.
+  [[nodiscard]] std::string coupled_part() const;
 };
 
 /// Reads and checks a case file; overrides are "section.key=value" (TOML values). Throws CaseError with file, line,

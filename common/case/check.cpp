@@ -1,5 +1,6 @@
 #include "common/case/check.hpp"
 
+#include "common/case/enclosure.hpp"
 #include "common/case/geometry.hpp"
 #include "common/core/error.hpp"
 
@@ -14,12 +15,22 @@ namespace poretwin {
 namespace {
 
 constexpr std::array<std::string_view, 2> phases{"fluid", "solid"};
-constexpr std::array<std::string_view, 4> line_kinds{"front", "discharge", "exit_height", "exit_gradient"};
-constexpr std::array<std::string_view, 21> gauge_kinds{
-    "point",          "front",  "discharge",        "exit_height",    "exit_gradient",  "volume",
-    "balance",        "extent", "spread",           "momentum",       "kinetic_energy", "potential_energy",
-    "energy",         "particles", "max_speed",     "min_pressure",   "max_displacement", "strain_energy",
-    "uplift", "crest_settlement", "pending_impulse"};
+constexpr std::array line_kinds{std::string_view("front"), std::string_view("discharge"),
+                                std::string_view("exit_height"), std::string_view("exit_gradient")};
+constexpr std::array gauge_kinds{
+    std::string_view("point"),           std::string_view("front"),
+    std::string_view("volume"),          std::string_view("momentum"),
+    std::string_view("kinetic_energy"),  std::string_view("potential_energy"),
+    std::string_view("energy"),          std::string_view("extent"),
+    std::string_view("spread"),          std::string_view("particles"),
+    std::string_view("max_speed"),       std::string_view("max_displacement"),
+    std::string_view("strain_energy"),   std::string_view("max_plastic_strain"),
+    std::string_view("uplift"),          std::string_view("crest_settlement"),
+    std::string_view("pending_impulse"), std::string_view("level"),
+    std::string_view("passed_volume"),   std::string_view("discharge"),
+    std::string_view("exit_height"),     std::string_view("exit_gradient"),
+    std::string_view("balance"),         std::string_view("min_pressure"),
+};
 
 class Checker {
  public:
@@ -33,6 +44,10 @@ class Checker {
     walls();
     soils_are_supported();
     pore_pressures();
+    if (scene_.has_water()) {
+      sides();
+      enclosure();
+    }
     gauges();
   }
 
@@ -366,6 +381,116 @@ class Checker {
     }
   }
 
+  [[nodiscard]] bool wet(const Point3& x) const {
+    return std::any_of(scene_.fluid.regions.begin(), scene_.fluid.regions.end(),
+                       [&](const Shape& region) { return contains(region, x, scene_.general.dimension); });
+  }
+  [[nodiscard]] bool ground(const Point3& x) const {
+    return wet(x) || std::any_of(scene_.soils.begin(), scene_.soils.end(),
+                                 [&](const Soil& soil) { return contains(soil.shape, x, scene_.general.dimension); });
+  }
+
+  /// A place on a piece of a line of points, and the two sides of it, a quarter spacing away.
+  struct Place {
+    Point3 at, left, right;
+  };
+  [[nodiscard]] std::vector<Place> places_on(const Piece& piece) const {
+    std::vector<Place> result;
+    const Point3 along = piece.b - piece.a;
+    const Point3 aside = 0.25 * scene_.fluid.particle_spacing * Point3(-along.y(), along.x(), 0.0).normalized();
+    const int parts = std::clamp(static_cast<int>(along.norm() / scene_.fluid.particle_spacing), 1, 10000);
+    for (int k = 0; k < parts; ++k) {
+      const Point3 x = piece.a + (k + 0.5) / parts * along;
+      result.push_back({x, x + aside, x - aside});
+    }
+    return result;
+  }
+
+  /// Walls and water faces have the domain on their left, and water on that side only.
+  void sides() const {
+    for (std::size_t i = 0; i < scene_.walls.size(); ++i) {
+      const auto& wall = scene_.walls[i];
+      if (wall.water == Wall::ForWater::none) continue;
+      const std::string key = fmt::format("wall[{}]", i);
+      for (const auto& piece : pieces(wall.face)) {
+        std::size_t left = 0;
+        std::optional<Point3> right;
+        for (const auto& place : places_on(piece)) {
+          if (wet(place.left) && wet(place.right))
+            fail(key, fmt::format("runs through a [[fluid.region]], for example at {} m; expected water on its left "
+                                  "side only",
+                                  shown(place.at)));
+          left += ground(place.left);
+          if (ground(place.right)) right = place.at;
+        }
+        if (left == 0 && right)
+          fail(key + ".points",
+               fmt::format(
+                   "water or soil lies to the right of the walk from {} to {}, for example at {} m; expected the "
+                   "domain on the left: turn the order of the points round",
+                   shown(piece.a), shown(piece.b), shown(*right)));
+      }
+    }
+    for (std::size_t i = 0; i < scene_.water_faces.size(); ++i) {
+      const Face& face = scene_.water_faces[i].face;
+      const std::string key = fmt::format("water_face[{}].points", i);
+      std::size_t left = 0, right = 0;
+      for (const auto& piece : pieces(face))
+        for (const auto& place : places_on(piece)) {
+          left += ground(place.left);
+          right += ground(place.right);
+        }
+      if (face.points.empty() || left > 0 || scene_.water_faces[i].outlet) continue;
+      if (right > 0)
+        fail(key,
+             "soil and water lie to the right of the walk; expected the domain on the left: turn the order of the "
+             "points round");
+      fail(key, fmt::format("no [[soil]] and no [[fluid.region]] touches the face from {} to {} m: it is inside a wall "
+                            "or off the domain; expected a side of one of them",
+                            shown(face.points.front()), shown(face.points.back())));
+    }
+  }
+
+  void enclosure() const {
+    const auto leak = find_leak(scene_);
+    if (!leak) return;
+    std::string gap;
+    for (const auto& [name, x] : leak->ends)
+      gap += fmt::format("{}{}, where {} ends", gap.empty() ? (leak->ends.size() > 1 ? "between " : "past ") : " and ",
+                         shown(x), name);
+    fail("wall",
+         fmt::format("water can run out at {} m{}{}; expected walls, faces or periodic sides that meet wherever "
+                     "water or wet soil touches: close the gap with a [[wall]], or let the water through with "
+                     "a [[water_face]]",
+                     shown(leak->at), gap.empty() ? "" : ", ", gap));
+  }
+
+  /// Is x beyond everything that stands in the case?
+  [[nodiscard]] bool outside(const Point3& x) const {
+    const int dimension = scene_.general.dimension;
+    Point3 lower = Point3::Constant(HUGE_VAL), upper = -lower;
+    const auto enclose = [&](const Point3& point) {
+      lower = lower.cwiseMin(point);
+      upper = upper.cwiseMax(point);
+    };
+    const auto shape_corners = [&](const Shape& s) {
+      const auto [lo, hi] = bounds(s);
+      enclose(lo);
+      enclose(hi);
+    };
+    for (const auto& soil : scene_.soils) shape_corners(soil.shape);
+    for (const auto& region : scene_.fluid.regions) shape_corners(region);
+    for (const auto& wall : scene_.walls)
+      for (const auto& point : wall.face.points) enclose(point);
+    for (const auto& face : scene_.water_faces)
+      for (const auto& point : face.face.points) enclose(point);
+    for (int d = 0; d < dimension; ++d) {
+      const double slack = 1e-6 * (upper[d] - lower[d]);
+      if (x[d] < lower[d] - slack || x[d] > upper[d] + slack) return true;
+    }
+    return false;
+  }
+
   void gauges() const {
     for (std::size_t i = 0; i < scene_.gauges.size(); ++i) {
       const auto& gauge = scene_.gauges[i];
@@ -386,9 +511,24 @@ class Checker {
                                                                    : fmt::format("{} points", gauge.points.size())));
       if (line && gauge.kind != "front" && scene_.general.dimension != 2)
         fail(key + ".kind", fmt::format("\"{}\" is for dimension = 2", gauge.kind));
+      if (gauge.kind == "level" || gauge.kind == "passed_volume") {
+        const auto& faces = scene_.water_faces;
+        const auto named = std::find_if(faces.begin(), faces.end(),
+                                        [&](const WaterFace& face) { return face.name == gauge.quantity; });
+        if (named == faces.end() && !(gauge.quantity.empty() && gauge.kind == "passed_volume"))
+          fail(key + ".quantity", fmt::format("expected the name of a [[water_face]], found \"{}\"", gauge.quantity));
+        if (gauge.kind == "level" && !named->discharge && !named->head)
+          fail(key + ".quantity", fmt::format("the face \"{}\" has no water level", gauge.quantity));
+      }
       if ((gauge.kind == "extent" || gauge.kind == "spread") && gauge.points.size() != 2)
         fail(key + ".points", fmt::format("expected the start of a direction and a second point on it, found {} points",
                                           gauge.points.size()));
+      if (!gauge.points.empty() &&
+          std::all_of(gauge.points.begin(), gauge.points.end(), [&](const Point3& x) { return outside(x); }))
+        fail(
+            key + ".points",
+            fmt::format("expected a place within the walls, soil and water of the case, found {} m outside all of them",
+                        shown(gauge.points.front())));
       if (gauge.region) shape(*gauge.region, key + ".region", 0.0);
       for (std::size_t j = 0; j < i; ++j)
         if (scene_.gauges[j].name == gauge.name)

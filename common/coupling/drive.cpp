@@ -177,7 +177,10 @@ void drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const Prog
   int rejections = 0;
   double limit = no_limit;
   while (!clock.finished() && !interrupted()) {
-    const double proposed = timed(report.computing, [&] { return phase.publish().proposed_interval; });
+    const auto [proposed, cause] = timed(report.computing, [&] {
+      Publication publication = phase.publish();
+      return std::pair{publication.proposed_interval, std::move(publication.limited_by)};
+    });
     const auto plan = clock.plan(std::min(proposed, limit));
     const Window window{step + 1, plan.start, plan.interval};
     const Outcome outcome = timed(report.computing, [&] {
@@ -197,6 +200,7 @@ void drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const Prog
     limit = no_limit;
     ++step;
     ++report.windows;
+    ++report.limited_by[plan.interval < 0.999 * proposed ? "output instant or coupling.interval" : cause];
     clock.accept(plan);
     report.time = clock.time();
     record.ask(plan.record_frame, plan.record_gauges);

@@ -8,6 +8,7 @@
 #include "common/output/recorder.hpp"
 
 #include <functional>
+#include <map>
 
 namespace poretwin::coupling {
 
@@ -15,7 +16,8 @@ namespace poretwin::coupling {
 struct DriveReport {
   double computing = 0.0, waiting = 0.0, sending = 0.0, writing = 0.0;  ///< s
   std::uint64_t windows = 0, rejected = 0;
-  double time = 0.0;  ///< s, end of the last accepted window
+  std::map<std::string, std::uint64_t> limited_by;  ///< of a phase alone: what set the window, and how often
+  double time = 0.0;                                ///< s, end of the last accepted window
   bool interrupted = false;
   std::string reason = "end";
 };

@@ -61,6 +61,7 @@ struct Contract {
   std::string case_digest;  ///< of the coupled part of the case file
   std::vector<FieldSpec> gives;
   std::vector<FieldSpec> takes;
+  std::string case_part = {};  ///< "key = value" lines behind the digest; may be empty
 };
 
 /// Points at which a phase gives fields. The first n_active also receive; the rest are ghosts: images of active points,

@@ -57,6 +57,7 @@ void write_body(wire::Header& header, const Body& body) {
                    out.set_software(b.software);
                    out.set_process(b.process);
                    out.set_host(b.host);
+                   out.set_case_part(b.contract.case_part);
                  },
                  [&](const Welcome& b) {
                    header.mutable_welcome()->set_heartbeat_interval(b.heartbeat_interval);
@@ -102,6 +103,14 @@ void write_body(wire::Header& header, const Body& body) {
                    out.set_since(b.since);
                    out.set_interrupted(b.interrupted);
                  },
+                 [&](const CaseRequest& b) { header.mutable_case_request()->set_role(b.role); },
+                 [&](const CaseFile& b) {
+                   auto& out = *header.mutable_case_file();
+                   out.set_text(b.text);
+                   for (const auto& assignment : b.overrides) out.add_overrides(assignment);
+                   out.set_digest(b.digest);
+                   out.set_dimension(static_cast<std::uint32_t>(b.dimension));
+                 },
              },
              body);
 }
@@ -116,6 +125,7 @@ Hello read_hello(const wire::Hello& in) {
   hello.software = in.software();
   hello.process = in.process();
   hello.host = in.host();
+  hello.contract.case_part = in.case_part();
   return hello;
 }
 
@@ -168,6 +178,13 @@ Body read_body(const wire::Header& header) {
       const auto& in = header.heartbeat();
       return Heartbeat{in.doing(), in.waiting_for(), in.since(), in.interrupted()};
     }
+    case Case::kCaseRequest:
+      return CaseRequest{header.case_request().role()};
+    case Case::kCaseFile: {
+      const auto& in = header.case_file();
+      return CaseFile{
+          in.text(), {in.overrides().begin(), in.overrides().end()}, in.digest(), static_cast<int>(in.dimension())};
+    }
     case Case::BODY_NOT_SET:
       break;
   }
@@ -204,8 +221,9 @@ Message message_of(Body body, std::uint64_t step) {
 }
 
 std::string_view name_of(const Body& body) {
-  static constexpr std::string_view names[] = {"HELLO",   "WELCOME", "REJECT", "PUBLICATION", "INITIALISE", "ADVANCE",
-                                               "RESTORE", "FINISH",  "BYE",    "ABORT",       "HEARTBEAT"};
+  static constexpr std::string_view names[] = {"HELLO",     "WELCOME",      "REJECT",   "PUBLICATION", "INITIALISE",
+                                               "ADVANCE",   "RESTORE",      "FINISH",   "BYE",         "ABORT",
+                                               "HEARTBEAT", "CASE_REQUEST", "CASE_FILE"};
   return names[body.index()];
 }
 

@@ -15,7 +15,7 @@
 namespace poretwin::coupling {
 
 inline constexpr std::uint32_t protocol_major = 1;
-inline constexpr std::uint32_t protocol_minor = 0;
+inline constexpr std::uint32_t protocol_minor = 1;
 
 /// Reserved array names.
 inline constexpr std::string_view position_array = "@position";
@@ -52,6 +52,16 @@ struct PointsInfo {
   bool sent = false;
 };
 
+struct CaseRequest {
+  std::string role;
+};
+/// The case as the coupler reads it, for a participant without a file of its own.
+struct CaseFile {
+  std::string text;                    ///< TOML
+  std::vector<std::string> overrides;  ///< "section.key=value"
+  std::string digest;                  ///< of the coupled part
+  int dimension = 0;
+};
 struct Hello {
   std::string role;
   Contract contract;
@@ -100,8 +110,8 @@ struct Heartbeat {
   bool interrupted = false;
 };
 
-using Body =
-    std::variant<Hello, Welcome, Reject, PublicationBody, Initialise, Advance, Restore, Finish, Bye, Abort, Heartbeat>;
+using Body = std::variant<Hello, Welcome, Reject, PublicationBody, Initialise, Advance, Restore, Finish, Bye, Abort,
+                          Heartbeat, CaseRequest, CaseFile>;
 
 struct Message {
   std::uint32_t major = protocol_major, minor = protocol_minor;

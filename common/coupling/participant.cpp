@@ -28,6 +28,28 @@ std::string host_name() {
   return gethostname(name, sizeof name - 1) == 0 ? name : "";
 }
 
+/// Calls answered() until it is content: never in silence, never without end.
+template <class Answered>
+void wait_for_coupler(const Transport& transport, const std::string& name, const ParticipantOptions& options,
+                      Answered&& answered) {
+  const auto start = Clock::now();
+  auto said = start;
+  const auto trouble = [&] { return transport.trouble().empty() ? "" : ": " + transport.trouble(); };
+  while (Clock::now() - start < options.welcome_deadline) {
+    if (options.interrupted && options.interrupted())
+      throw Error(ExitCode::interrupted, name + ": interrupted while waiting for the coupler");
+    if (answered()) return;
+    if (transport.lost()) throw PeerError(name + ": the coupler at " + transport.address() + " closed the connection");
+    if (options.say && Clock::now() - said >= options.say_every) {
+      said = Clock::now();
+      options.say(fmt::format("{}: waiting for the coupler at {} ({:.0f} s){}", name, transport.address(),
+                              seconds_since(start), trouble()));
+    }
+  }
+  throw PeerError(fmt::format("{}: no coupler answered at {} within {} s{}", name, transport.address(),
+                              static_cast<double>(options.welcome_deadline.count()) / 1000.0, trouble()));
+}
+
 }  // namespace
 
 class Participant::Implementation {
@@ -51,24 +73,10 @@ class Participant::Implementation {
   void join() {
     Hello hello{name_, contract_, options_.software, static_cast<std::uint64_t>(getpid()), host_name()};
     send(message_of(std::move(hello)));
-    const auto start = Clock::now();
-    auto said = start;
-    while (Clock::now() - start < options_.welcome_deadline) {
-      if (interrupted()) throw Error(ExitCode::interrupted, name_ + ": interrupted while waiting for the coupler");
-      if (auto message = take(Milliseconds(100))) {
-        if (answer_to_hello(*message)) return;
-        continue;
-      }
-      if (transport_->lost())
-        throw PeerError(name_ + ": the coupler at " + transport_->address() + " closed the connection");
-      if (Clock::now() - said >= options_.say_every) {
-        said = Clock::now();
-        say(fmt::format("{}: waiting for the coupler at {} ({:.0f} s)", name_, transport_->address(),
-                        seconds_since(start)));
-      }
-    }
-    throw PeerError(fmt::format("{}: no coupler answered at {} within {} s", name_, transport_->address(),
-                                static_cast<double>(options_.welcome_deadline.count()) / 1000.0));
+    wait_for_coupler(*transport_, name_, options_, [&] {
+      const auto message = take(Milliseconds(100));
+      return message && answer_to_hello(*message);
+    });
   }
 
   void publish(Publication publication) {
@@ -126,7 +134,9 @@ class Participant::Implementation {
       }
       if (transport_->lost()) fail("the coupler is gone: its connection closed");
       if (Clock::now() - heard_ > options_.coupler_deadline)
-        fail(fmt::format("the coupler is frozen or unreachable: no heartbeat for {:.1f} s", seconds_since(heard_)));
+        fail(fmt::format("the coupler is {}: no heartbeat for {:.1f} s",
+                         transport_->cut() ? "unreachable, the line is cut or its host is down" : "frozen",
+                         seconds_since(heard_)));
       if (interrupted() && !told_interrupt_) send_heartbeat();
       if (Clock::now() - said >= options_.say_every) {
         said = Clock::now();
@@ -360,6 +370,29 @@ class Participant::Implementation {
   std::atomic<bool> heartbeats_ = true, left_ = false, told_interrupt_ = false;
   std::thread thread_;
 };
+
+CaseFile request_case(Transport& transport, Role role, const ParticipantOptions& options) {
+  const std::string name(to_string(role));
+  Message request = message_of(CaseRequest{name});
+  request.sender = name;
+  request.sequence = 1;
+  transport.send(encode(std::move(request)));
+  CaseFile out;
+  wait_for_coupler(transport, name, options, [&] {
+    const auto frames = transport.receive(Milliseconds(100));
+    if (!frames) return false;
+    Message message = decode(*frames);
+    if (const auto* reject = std::get_if<Reject>(&message.body))
+      throw PeerError(fmt::format("{}: no case from the coupler: {}: expected {}, got {}", name, reject->field,
+                                  reject->expected, reject->got));
+    if (auto* file = std::get_if<CaseFile>(&message.body)) {
+      out = std::move(*file);
+      return true;
+    }
+    return false;
+  });
+  return out;
+}
 
 Participant::Participant(std::unique_ptr<Transport> transport, Role role, Contract contract, ParticipantOptions options)
     : implementation_(

@@ -35,6 +35,9 @@ struct ParticipantTotals {
   double sending = 0.0, waiting = 0.0;                     ///< s
 };
 
+/// Asks the coupler for its case, on a line that has not said HELLO yet. Throws as Participant::join does.
+CaseFile request_case(Transport& transport, Role role, const ParticipantOptions& options);
+
 class Participant {
  public:
   Participant(std::unique_ptr<Transport> transport, Role role, Contract contract, ParticipantOptions options = {});

@@ -5,6 +5,8 @@
 #include "common/coupling/process_main.hpp"
 #include "common/output/run_recorder.hpp"
 
+#include <fstream>
+
 namespace poretwin::coupling {
 namespace {
 
@@ -16,10 +18,31 @@ struct Run {
   std::uint64_t bytes_sent = 0, bytes_received = 0;
 };
 
+/// Writes the coupler's case to OUT/case.toml and reads it: the run's folder holds all it was made from.
+Case case_of_coupler(Transport& line, Role role, const Arguments& arguments, const ParticipantOptions& options) {
+  auto file = request_case(line, role, options);
+  const auto path = arguments.out / "case.toml";
+  std::ofstream stream(path, std::ios::binary);
+  stream << file.text;
+  stream.close();
+  if (!stream) throw FileError("cannot write " + path.string() + ": is the disk full or the folder write-protected?");
+  file.overrides.insert(file.overrides.end(), arguments.overrides.begin(), arguments.overrides.end());
+  return read_case(path, file.overrides);
+}
+
 void execute(const Arguments& arguments, Role role, const std::function<std::unique_ptr<Phase>(const Case&)>& make,
              Run& run) {
   const std::string name(to_string(role));
-  const Case scene = read_case(arguments.case_file, arguments.overrides);
+  ParticipantOptions options;
+  options.welcome_deadline = Milliseconds(static_cast<long>(1000.0 * arguments.wait_deadline));
+  options.coupler_deadline = Milliseconds(static_cast<long>(2000.0 * arguments.frozen_deadline));
+  options.say = log_line;
+  options.interrupted = interrupted;
+  std::optional<CurveKeys> keys;
+  if (!arguments.keys.empty()) keys = read_curve_keys(arguments.keys, KeyHolder::participant);
+  auto line = arguments.alone ? nullptr : connect_socket(arguments.address, keys);
+  const Case scene = arguments.case_file.empty() ? case_of_coupler(*line, role, arguments, options)
+                                                 : read_case(arguments.case_file, arguments.overrides);
   run.phase = make(scene);
   run.recorder = make_run_recorder(arguments.out, name, scene);
   if (arguments.alone) {
@@ -30,12 +53,8 @@ void execute(const Arguments& arguments, Role role, const std::function<std::uni
   }
   Contract contract = run.phase->contract();
   if (contract.case_digest.empty()) contract.case_digest = scene.digest();
-  ParticipantOptions options;
-  options.welcome_deadline = Milliseconds(static_cast<long>(1000.0 * arguments.wait_deadline));
-  options.coupler_deadline = Milliseconds(static_cast<long>(2000.0 * arguments.frozen_deadline));
-  options.say = log_line;
-  options.interrupted = interrupted;
-  Participant participant(connect_socket(arguments.address), role, std::move(contract), std::move(options));
+  contract.case_part = scene.coupled_part();
+  Participant participant(std::move(line), role, std::move(contract), std::move(options));
   auto note_totals = [&] {
     run.bytes_sent = participant.totals().bytes_sent;
     run.bytes_received = participant.totals().bytes_received;
@@ -59,6 +78,8 @@ RunSummary summarise(const Run& run) {
   summary.counters.emplace_back("end_time_s", r.time);
   summary.counters.emplace_back("bytes_sent", static_cast<double>(run.bytes_sent));
   summary.counters.emplace_back("bytes_received", static_cast<double>(run.bytes_received));
+  for (const auto& [cause, windows] : r.limited_by)
+    summary.counters.emplace_back("windows limited by " + cause, static_cast<double>(windows));
   if (run.phase)
     for (const auto& [key, value] : run.phase->counters()) summary.counters.emplace_back(key, value);
   if (run.recorder) summary.files = run.recorder->files();

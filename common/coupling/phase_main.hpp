@@ -9,7 +9,7 @@
 
 namespace poretwin::coupling {
 
-/// Arguments: --case FILE --out DIR (--connect ADDRESS | --alone) [--set key=value]... [--progress-fd N].
+/// Arguments: --out DIR (--connect ADDRESS [--case FILE] | --alone --case FILE) [--set key=value]... [--progress-fd N].
 /// Writes OUT/<role>.summary.json on every exit that knows OUT; prints one clear message on failure. Returns the exit
 /// code.
 int phase_main(int argc, char** argv, Role role, std::function<std::unique_ptr<Phase>(const Case&)> make);

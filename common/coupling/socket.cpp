@@ -16,7 +16,7 @@ namespace {
 
 class Socket final : public Transport {
  public:
-  explicit Socket(std::string address)
+  Socket(std::string address, const std::optional<CurveKeys>& keys)
       : address_(std::move(address)),
         wake_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
         dealer_(context_, zmq::socket_type::dealer),
@@ -24,7 +24,14 @@ class Socket final : public Transport {
     if (wake_ < 0) throw Error(ExitCode::failure, "no event descriptor left (ulimit -n)");
     try {
       set_common_options(dealer_, address_);
-      watch(dealer_, monitor_, ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_DISCONNECTED);
+      if (keys) {
+        dealer_.set(zmq::sockopt::curve_publickey, keys->public_key);
+        dealer_.set(zmq::sockopt::curve_secretkey, keys->secret_key);
+        dealer_.set(zmq::sockopt::curve_serverkey, keys->peer_key);
+      }
+      watch(dealer_, monitor_,
+            ZMQ_EVENT_CONNECTED | ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
+                ZMQ_EVENT_HANDSHAKE_FAILED_AUTH | ZMQ_EVENT_DISCONNECTED);
       dealer_.connect(address_);
     } catch (const zmq::error_t& error) {
       ::close(wake_);
@@ -63,6 +70,13 @@ class Socket final : public Transport {
   }
 
   bool lost() const override { return lost_; }
+  std::string trouble() const override {
+    return rejected_
+               ? "somebody answers there, but the two do not come to terms: are these the keys that `poretwin keys` "
+                 "made together, on both sides or on none?"
+               : "";
+  }
+  bool cut() const override { return unacknowledged(descriptor_); }
   std::string address() const override { return address_; }
 
  private:
@@ -84,7 +98,13 @@ class Socket final : public Transport {
       const bool stop = send_queued();
       receive_ready();
       while (const auto event = next_event(monitor_)) {
-        if (event->kind == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) open = true;
+        if (event->kind == ZMQ_EVENT_CONNECTED) descriptor_ = event->value;
+        if (event->kind == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) {
+          open = true;
+          rejected_ = false;
+        } else if (event->kind != ZMQ_EVENT_CONNECTED && !open) {
+          rejected_ = true;
+        }
         if (event->kind == ZMQ_EVENT_DISCONNECTED && open) {
           receive_ready();
           const std::lock_guard lock(mutex_);
@@ -127,12 +147,15 @@ class Socket final : public Transport {
   std::condition_variable arrived_;
   std::deque<Frames> in_, out_;
   bool stopping_ = false;
-  std::atomic<bool> lost_ = false;
+  std::atomic<bool> lost_ = false, rejected_ = false;
+  std::atomic<int> descriptor_ = -1;
   std::thread thread_;
 };
 
 }  // namespace
 
-std::unique_ptr<Transport> connect_socket(const std::string& address) { return std::make_unique<Socket>(address); }
+std::unique_ptr<Transport> connect_socket(const std::string& address, const std::optional<CurveKeys>& keys) {
+  return std::make_unique<Socket>(address, keys);
+}
 
 }  // namespace poretwin::coupling

@@ -4,6 +4,10 @@
 
 #include "common/coupling/transport.hpp"
 
+#include <linux/tcp.h>
+#include <netinet/in.h>
+
+#include <sys/socket.h>
 #include <zmq.hpp>
 
 #include <array>
@@ -25,6 +29,18 @@ void set_common_options(Socket& socket, const std::string& address) {
     socket.set(zmq::sockopt::tcp_keepalive_intvl, 3);
     socket.set(zmq::sockopt::tcp_keepalive_cnt, 3);
   }
+}
+
+/// The kernel of a living host acknowledges what it gets, whatever its processes do: bytes that stay unacknowledged
+/// mean a cut line or a dead host. False for anything but tcp.
+inline bool unacknowledged(int descriptor) {
+  constexpr unsigned patience = 2000;  // ms since the last acknowledgement
+  tcp_info info{};
+  socklen_t size = sizeof info;
+  if (descriptor < 0 || ::getsockopt(descriptor, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return false;
+  // Not even sent: this host's own interface is down.
+  return (info.tcpi_unacked > 0 || info.tcpi_notsent_bytes > 0) &&
+         (info.tcpi_retransmits > 0 || info.tcpi_last_ack_recv > patience);
 }
 
 /// A message that lends the frame's bytes to the socket and keeps their owner alive until they are sent.

@@ -116,6 +116,8 @@ Arguments parse_arguments(int argc, char** argv, Program program) {
       out.progress_descriptor = static_cast<int>(number_after(name, value()));
     else if (name == address_name)
       out.address = value();
+    else if (name == "--keys")
+      out.keys = value();
     else if (name == "--alone" && program == Program::phase)
       out.alone = true;
     else if (name == "--allow-any-address" && program == Program::coupler)
@@ -130,7 +132,8 @@ Arguments parse_arguments(int argc, char** argv, Program program) {
       throw CaseError("unknown argument '" + name + "'; --help lists what there is");
   }
   if (out.help) return out;
-  if (out.case_file.empty()) throw CaseError("argument --case FILE is missing");
+  if (out.case_file.empty() && (program == Program::coupler || out.alone))
+    throw CaseError("argument --case FILE is missing");
   if (out.out.empty()) throw CaseError("argument --out DIR is missing");
   if (out.alone != out.address.empty())
     throw CaseError(out.alone ? "--alone and --connect exclude each other"
@@ -140,11 +143,13 @@ Arguments parse_arguments(int argc, char** argv, Program program) {
 }
 
 std::string usage(const std::string& name, Program program) {
-  std::string text = "usage: " + name + " --case FILE --out DIR ";
-  text += program == Program::coupler ? "--bind ADDRESS [--allow-any-address]" : "(--connect ADDRESS | --alone)";
+  std::string text = "usage: " + name + " --out DIR ";
+  text += program == Program::coupler ? "--case FILE --bind ADDRESS [--allow-any-address]"
+                                      : "(--connect ADDRESS [--case FILE] | --alone --case FILE)";
   text +=
-      " [--set key=value]... [--progress-fd N] [--wait-deadline S] [--frozen-deadline S]\n"
-      "ADDRESS: ipc:///path or tcp://127.0.0.1:port\n"
+      " [--keys FILE] [--set key=value]... [--progress-fd N] [--wait-deadline S] [--frozen-deadline S]\n"
+      "ADDRESS: ipc:///path or tcp://127.0.0.1:port; without --case FILE the coupler sends its case\n"
+      "FILE of --keys: coupler.key or participant.key, made by `poretwin keys`\n"
       "exit codes: 0 done, 1 unforeseen, 2 bad case or arguments, 3 a peer failed, 4 diverged, 5 files, 130 "
       "interrupted\n";
   return text;

@@ -60,7 +60,8 @@ void log_line(const std::string& line);
 /// The command line of poretwin-fluid, poretwin-solid and poretwin-coupler.
 struct Arguments {
   std::filesystem::path case_file, out;
-  std::string address;  ///< --connect or --bind
+  std::string address;         ///< --connect or --bind
+  std::filesystem::path keys;  ///< --keys; empty: nothing is encrypted
   bool alone = false;
   bool help = false;
   bool allow_any_address = false;

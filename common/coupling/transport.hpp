@@ -2,6 +2,7 @@
 // tests, through memory with the same bytes.
 #pragma once
 
+#include "common/coupling/curve_keys.hpp"
 #include "common/coupling/message.hpp"
 
 #include <chrono>
@@ -27,6 +28,10 @@ class Transport {
   virtual std::optional<Frames> receive(Milliseconds timeout) = 0;
   /// Once connected and now no longer: the other end is gone.
   [[nodiscard]] virtual bool lost() const = 0;
+  /// What stands in the way of a connection, as far as it is known; empty: nothing.
+  [[nodiscard]] virtual std::string trouble() const { return {}; }
+  /// Does what was sent stay without the acknowledgement that even a stopped process's host would give?
+  [[nodiscard]] virtual bool cut() const { return false; }
   [[nodiscard]] virtual std::string address() const = 0;
 };
 
@@ -44,11 +49,23 @@ class Hub {
   /// False when nobody is at the end of that line.
   virtual bool send(const std::string& line, Frames frames) = 0;
   virtual std::optional<Event> receive(Milliseconds timeout) = 0;
+  /// Does what was sent on that line stay without the acknowledgement that even a stopped process's host would give?
+  [[nodiscard]] virtual bool cut(const std::string& line) const {
+    static_cast<void>(line);
+    return false;
+  }
+  /// Something to be logged, such as somebody who was not let in; empty: nothing.
+  virtual std::string notice() { return {}; }
   [[nodiscard]] virtual std::string address() const = 0;
 };
 
-/// DEALER socket that connects to `address` ("ipc:///path", "tcp://127.0.0.1:port"); the coupler may bind later.
-std::unique_ptr<Transport> connect_socket(const std::string& address);
+/// DEALER socket that connects to `address` ("ipc:///path", "tcp://127.0.0.1:port"); the coupler may bind later. With
+/// keys everything is encrypted, and only the coupler that holds the other half is believed.
+std::unique_ptr<Transport> connect_socket(const std::string& address, const std::optional<CurveKeys>& keys = {});
+
+/// ROUTER socket bound to `address`. Anything but ipc and loopback needs keys or `allow_any_address`. Throws Error.
+std::unique_ptr<Hub> bind_socket(const std::string& address, bool allow_any_address = false,
+                                 const std::optional<CurveKeys>& keys = {});
 
 /// The lines of one coupler inside one process.
 class InProcess {

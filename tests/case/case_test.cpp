@@ -163,6 +163,45 @@ TEST_F(CaseFile, ChecksSoilAndGeometry) {
               HasSubstr("expected 3 corners or more, found 2"));
 }
 
+TEST_F(CaseFile, NamesBadSoilParameters) {
+  const auto with = [&](const std::string& line) { return complaint(changed(sound_case, "porosity = 0.4", line)); };
+  EXPECT_THAT(with("poissons_ratio = 0.5"), HasSubstr("key 'soil[0].poissons_ratio'"));
+  EXPECT_THAT(with("cohesion = -1"), HasSubstr("key 'soil[0].cohesion'"));
+  EXPECT_THAT(with("friction_angle = 90"), HasSubstr("key 'soil[0].friction_angle'"));
+  EXPECT_THAT(with("earth_pressure_at_rest = 0"), HasSubstr("key 'soil[0].earth_pressure_at_rest'"));
+}
+
+TEST_F(CaseFile, SoilNeedsSupport) {
+  const std::string heavy = changed(sound_case, "gravity = [0, 0]", "gravity = [0, -9.81]");
+  EXPECT_EQ(complaint(heavy), "no complaint");
+  EXPECT_THAT(complaint(changed(heavy, "soil = \"fixed\"", "soil = \"none\"")),
+              HasSubstr("key 'soil[0]': nothing holds the soil up"));
+  EXPECT_THAT(complaint(changed(heavy, "points = [[0, 0], [0.1, 0]]", "points = [[0, -1], [0.1, -1]]")),
+              HasSubstr("nothing holds the soil up"));
+  const std::string stacked = "[[soil]]\nmin = [0, 0.4]\nmax = [0.1, 0.5]\n[[wall]]";
+  EXPECT_EQ(complaint(changed(heavy, "[[wall]]", stacked)), "no complaint");
+  const std::string hovering = "[[soil]]\nmin = [0, 0.5]\nmax = [0.1, 0.6]\n[[wall]]";
+  EXPECT_THAT(complaint(changed(heavy, "[[wall]]", hovering)), HasSubstr("key 'soil[1]': nothing holds the soil up"));
+}
+
+TEST_F(CaseFile, ChecksPrescribedPressure) {
+  EXPECT_THAT(complaint(sound_case + "[[pore_pressure]]\nhead = 1\n"), HasSubstr("the case has water of its own"));
+  std::string dry = changed(sound_case, "[[fluid.region]]\nmin = [0, 0]\nmax = [0.1, 0.4]\n", "");
+  dry = changed(dry, "[[water_face]]\npoints = [[0.1, 0.4], [0, 0.4]]\npressure = 0\n", "");
+  EXPECT_FALSE(read(dry).coupled());
+  EXPECT_TRUE(read(dry).deformable());
+  EXPECT_THAT(complaint(dry + "[[pore_pressure]]\n"), HasSubstr("either 'head' or 'pressure', found neither"));
+  EXPECT_THAT(complaint(dry + "[[pore_pressure]]\nhead = 1\n"), HasSubstr("a head needs gravity"));
+  const std::string heavy = changed(dry, "gravity = [0, 0]", "gravity = [0, -9.81]");
+  EXPECT_EQ(complaint(heavy + "[[pore_pressure]]\nhead = 1\n"), "no complaint");
+  EXPECT_THAT(complaint(heavy + "[[pore_pressure]]\nhead = 1\nto_head = 2\n"),
+              HasSubstr("expected a point other than 'from'"));
+  EXPECT_THAT(complaint(heavy + "[[pore_pressure]]\npressure = 1\nto_head = 2\nto = [0, 1]\n"),
+              HasSubstr("expected 'head' at 'from' with it"));
+  EXPECT_THAT(complaint(changed(heavy, "phase = \"solid\"", "phase = \"fluid\"")),
+              HasSubstr("without water there is no fluid phase"));
+}
+
 TEST_F(CaseFile, ChecksWalls) {
   const auto with_wall = [&](const std::string& points) {
     return complaint(
@@ -189,6 +228,83 @@ TEST_F(CaseFile, ChecksFacesGaugesAndPeriods) {
               HasSubstr("expected an array of \"x\", \"y\""));
 }
 
+const std::string tank_case = R"([case]
+end_time = 1
+[fluid]
+particle_spacing = 0.05
+[[fluid.region]]
+min = [0, 0]
+max = [1, 0.5]
+[solid]
+model = "rigid"
+[[wall]]
+name = "left"
+points = [[0, 1], [0, 0]]
+[[wall]]
+name = "floor"
+points = [[0, 0], [1, 0]]
+[[wall]]
+name = "right"
+points = [[1, 0], [1, 1]]
+)";
+
+TEST_F(CaseFile, NamesTheHoleInAWall) {
+  EXPECT_EQ(complaint(tank_case), "no complaint");
+  const auto hole = complaint(changed(tank_case, "[[0, 0], [1, 0]]", "[[0, 0], [0.7, 0]]"));
+  EXPECT_THAT(hole, HasSubstr("key 'wall': water can run out at [0."));
+  EXPECT_THAT(hole,
+              HasSubstr("between [0.7, 0], where wall[1] \"floor\" ends and [1, 0], where wall[2] \"right\" ends"));
+  EXPECT_THAT(hole, HasSubstr("close the gap with a [[wall]]"));
+  // In the middle of a line, too, and through soil.
+  EXPECT_THAT(complaint(changed(tank_case, "points = [[1, 0], [1, 1]]",
+                                "points = [[1, 0], [1, 0.2]]\n[[wall]]\nname = \"top\"\npoints = [[1, 0.3], [1, 1]]")),
+              HasSubstr("between [1, 0.2], where wall[2] \"right\" ends and [1, 0.3], where wall[3] \"top\" ends"));
+  EXPECT_THAT(complaint(changed(tank_case, "[[0, 0], [1, 0]]", "[[0, 0], [0.7, 0]]") +
+                        "[[soil]]\nmin = [0, 0]\nmax = [1, 0.5]\n"),
+              HasSubstr("water can run out"));
+  // A side that is missing altogether.
+  EXPECT_THAT(complaint(changed(tank_case, "points = [[1, 0], [1, 1]]", "points = [[1, 0], [1, 1]]\nwater = \"none\"")),
+              HasSubstr("past [1, 0], where wall[1] \"floor\" ends"));
+  // A wall that ends below the water.
+  EXPECT_THAT(complaint(changed(tank_case, "[[1, 0], [1, 1]]", "[[1, 0], [1, 0.4]]")),
+              HasSubstr("past [1, 0.4], where wall[2] \"right\" ends"));
+}
+
+TEST_F(CaseFile, LetsWaterThroughWhereItIsMeantTo) {
+  const std::string face = "[[water_face]]\npoints = [[0.7, 0], [1, 0]]\npressure = 0\n";
+  EXPECT_EQ(complaint(changed(tank_case, "[[0, 0], [1, 0]]", "[[0, 0], [0.7, 0]]") + face), "no complaint");
+  EXPECT_EQ(complaint(changed(changed(tank_case, "end_time = 1",
+                                      "end_time = 1\nperiodic = [\"x\"]\ndomain_min = [0, 0]\ndomain_max = [1, 1]"),
+                              "points = [[1, 0], [1, 1]]", "points = [[1, 0], [1, 1]]\nwater = \"none\"")),
+            "no complaint");
+  EXPECT_EQ(complaint(changed(changed(tank_case, "[[0, 0], [1, 0]]", "[[0, 0], [0.7, 0]]"), "end_time = 1",
+                              "end_time = 1\ngravity = [0, 0]")),
+            "no complaint");
+}
+
+TEST_F(CaseFile, NamesWallsAndFacesInTheWrongPlace) {
+  EXPECT_THAT(complaint(changed(tank_case, "[[0, 0], [1, 0]]", "[[1, 0], [0, 0]]")),
+              HasSubstr("key 'wall[1].points': water or soil lies to the right of the walk from [1, 0] to [0, 0]"));
+  EXPECT_THAT(complaint(tank_case + "[[wall]]\npoints = [[0.5, 0.1], [0.5, 0.4]]\n"),
+              HasSubstr("key 'wall[3]': runs through a [[fluid.region]], for example at [0.5, 0."));
+  const std::string drain = "[[water_face]]\npressure = 0\npoints = ";
+  EXPECT_THAT(complaint(tank_case + drain + "[[1.2, 0.1], [1.2, 0.4]]\n"),
+              HasSubstr("key 'water_face[0].points': no [[soil]] and no [[fluid.region]] touches the face from "
+                        "[1.2, 0.1] to [1.2, 0.4] m: it is inside a wall or off the domain"));
+  EXPECT_THAT(complaint(changed(tank_case, "points = [[0, 1], [0, 0]]", "points = [[0, 1], [0, 0]]\nwater = \"none\"") +
+                        drain + "[[0, 0], [0, 0.5]]\n"),
+              HasSubstr("soil and water lie to the right of the walk"));
+}
+
+TEST_F(CaseFile, NamesAGaugeOutsideEverything) {
+  const std::string gauge =
+      "[[gauge]]\nname = \"p\"\nphase = \"fluid\"\nkind = \"point\"\nquantity = \"pore_pressure\"\npoints = ";
+  EXPECT_EQ(complaint(tank_case + gauge + "[[0.5, 0.9]]\n"), "no complaint");
+  EXPECT_THAT(complaint(tank_case + gauge + "[[0.5, 1.5]]\n"),
+              HasSubstr("key 'gauge[0].points': expected a place within the walls, soil and water of the case, found "
+                        "[0.5, 1.5] m"));
+}
+
 TEST_F(CaseFile, MissingFileIsNamed) {
   try {
     read_case(folder_ / "absent.toml");
@@ -212,7 +328,7 @@ TEST_F(CaseFile, DigestHoldsWhatBothMustAgreeOn) {
 
 TEST(CaseReference, StandsInDocs) {
   EXPECT_EQ(read_text(std::filesystem::path(PORETWIN_SOURCE_DIR) / "docs" / "case-file.md"), case_reference())
-      << "write it anew with: poretwin keys > docs/case-file.md";
+      << "write it anew with: poretwin case-keys > docs/case-file.md";
 }
 
 }  // namespace

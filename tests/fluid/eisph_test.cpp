@@ -1,6 +1,6 @@
 // Explicit incompressible SPH: the sweep itself, the windows it asks for, and what it can do in them.
-#include "common/core/error.hpp"
 #include "fluid_solver/eisph.hpp"
+#include "common/core/error.hpp"
 #include "fluid_solver/fluid_phase.hpp"
 #include "tests/fluid/scenes.hpp"
 
@@ -41,6 +41,24 @@ Case ponded_column(double dx) {
   front.kind = "front";
   front.points = {Point3(0.05, 0.4, 0.0), Point3(0.05, 0.0, 0.0)};
   scene.gauges = {front};
+  return scene;
+}
+
+/// Water on the move in soil, periodic, nothing but the drag acts.
+Case drifting_water(double conductivity) {
+  Case scene;
+  scene.general.gravity.setZero();
+  scene.general.domain_max = Point3(0.2, 0.2, 0.0);
+  scene.general.periodic = {0, 1};
+  scene.solid.model = SolidCase::Model::rigid;
+  scene.fluid.particle_spacing = 0.02;
+  scene.fluid.regions = {box(0.0, 0.0, 0.2, 0.2)};
+  scene.fluid.initial_velocity = Point3(0.01, 0.0, 0.0);
+  Soil soil;
+  soil.shape = scene.fluid.regions[0];
+  soil.porosity = 0.4;
+  soil.hydraulic_conductivity = conductivity;
+  scene.soils = {soil};
   return scene;
 }
 
@@ -123,20 +141,8 @@ TEST(Eisph, ExplicitDragNeedsItsRateResolved) {
   // A body of water in soil slows down at beta = g n/k; beta dt = 1 is the limit that is asked for.
   const double beta = 9.81 * 0.4 / 1e-2;
   for (const auto scheme : {Scheme::eisph, Scheme::eisph_explicit_drag}) {
-    Case scene;
-    scene.general.gravity.setZero();
-    scene.general.domain_max = Point3(0.2, 0.2, 0.0);
-    scene.general.periodic = {0, 1};
-    scene.solid.model = SolidCase::Model::rigid;
+    Case scene = drifting_water(1e-2);
     scene.fluid.scheme = scheme;
-    scene.fluid.particle_spacing = 0.02;
-    scene.fluid.regions = {box(0.0, 0.0, 0.2, 0.2)};
-    scene.fluid.initial_velocity = Point3(0.01, 0.0, 0.0);
-    Soil soil;
-    soil.shape = scene.fluid.regions[0];
-    soil.porosity = 0.4;
-    soil.hydraulic_conductivity = 1e-2;
-    scene.soils = {soil};
     Fluid<2> fluid(scene);
     fluid.initialise({});
     const bool limited = scheme == Scheme::eisph_explicit_drag;
@@ -151,10 +157,9 @@ TEST(Eisph, ExplicitDragNeedsItsRateResolved) {
 }
 
 TEST(Eisph, DivergenceNamesParticleTermAndLastGoodState) {
-  // Explicit drag with beta dt = 3.6: each window doubles the velocity and turns it round.
-  auto scene = ponded_column(0.02);
+  // Explicit drag at beta dt = 3.6: each window turns the velocity round and makes it 2.6 times as large.
+  Case scene = drifting_water(1.1e-4);
   scene.fluid.scheme = Scheme::eisph_explicit_drag;
-  scene.fluid.regions = {box(0.0, 0.2, 0.1, 0.4)};
   Fluid<2> fluid(scene);
   fluid.initialise({});
   double time = 0.0;

@@ -213,7 +213,8 @@ TEST(Frame, ShowsTheDocumentedFields) {
     EXPECT_FALSE(f.unit.empty());
   }
   EXPECT_EQ(names, (std::vector<std::string>{"displacement", "velocity", "effective_stress", "pore_pressure",
-                                             "void_fraction", "degree_of_saturation", "accumulated_plastic_strain"}));
+                                             "void_fraction", "degree_of_saturation", "accumulated_plastic_strain",
+                                             "mobilised_friction", "pore_pressure_ratio"}));
 }
 
 TEST(Publication, MatchesTheContract) {

@@ -103,6 +103,24 @@ TEST(Metrics, L2OverAnArrayOfGauges) {
   EXPECT_FALSE(judge(m, gauges, 0).passed) << "the counts differ";
 }
 
+TEST(Metrics, CrossingPeriodAndCounter) {
+  auto m = metric("crossing", 0.25, 0.01);
+  m.limit = 0.5;
+  EXPECT_NEAR(judge(m, ramp, 0).value, 0.25, 1e-9);
+  m.limit = 5.0;
+  EXPECT_EQ(judge(m, ramp, 0).complaint, "gauge 'g' never passes 5");
+  const Gauges wave = sampled("g", [](double t) { return 1.0 + std::sin(2.0 * 3.14159265358979 * (t - 0.05) / 0.3); });
+  m = metric("period", 0.3, 0.01);
+  m.limit = 1.0;
+  EXPECT_NEAR(judge(m, wave, 0).value, 0.3, 1e-3);
+  EXPECT_FALSE(judge(m, ramp, 0).passed);
+  m = metric("counter", 500.0, 0.0);
+  m.counter = "solid.steps";
+  EXPECT_TRUE(judge(m, ramp, 0, {{"solid.steps", 499.0}}).passed);
+  EXPECT_FALSE(judge(m, ramp, 0, {{"solid.steps", 501.0}}).passed);
+  EXPECT_EQ(judge(m, ramp, 0).complaint, "the run has no counter 'solid.steps'");
+}
+
 TEST(Metrics, CurveAndExit) {
   auto m = metric("curve", 0.0, 0.02);
   m.curve = Series{{{0.25, 0.5}, {0.5, 1.01}, {2.0, 5.0}}};

@@ -1,4 +1,4 @@
-#include "coupler/border.hpp"
+#include "common/coupling/border.hpp"
 
 #include <fmt/format.h>
 

@@ -1,0 +1,149 @@
+#include "cli/safety.hpp"
+
+#include "cli/plot.hpp"
+#include "common/case/case.hpp"
+#include "common/core/error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+
+namespace poretwin::cli {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr double largest_factor = 100.0;
+
+class Search {
+ public:
+  Search(const RunOptions& options, double tolerance) : options_(options), tolerance_(tolerance) {}
+
+  Safety run() {
+    Safety& s = safety_;
+    if (stands(1.0)) {
+      s.stands = 1.0;
+      for (s.fails = 2.0; good() && stands(s.fails); s.fails *= 2.0) {
+        s.stands = s.fails;
+        if (s.stands >= largest_factor)
+          throw CaseError(fmt::format("{}: the soil stands with its strength divided by {}: expected one that fails",
+                                      options_.case_file.string(), s.stands));
+      }
+    } else {
+      s.fails = 1.0;
+      for (s.stands = 0.5; good() && !stands(s.stands); s.stands *= 0.5) {
+        s.fails = s.stands;
+        if (s.fails <= 1.0 / largest_factor)
+          throw CaseError(fmt::format("{}: the soil fails with its strength multiplied by {}: expected one that stands",
+                                      options_.case_file.string(), 1.0 / s.fails));
+      }
+    }
+    while (good() && s.fails - s.stands > tolerance_ * s.fails) {
+      const double middle = s.factor();
+      (stands(middle) ? s.stands : s.fails) = middle;
+    }
+    std::sort(s.trials.begin(), s.trials.end(), [](const auto& a, const auto& b) { return a.factor < b.factor; });
+    s.failing = folder(s.fails);
+    return std::move(safety_);
+  }
+
+ private:
+  [[nodiscard]] bool good() const { return safety_.run.exit == 0; }
+  [[nodiscard]] fs::path folder(double factor) const { return options_.out / fmt::format("F_{:.4f}", factor); }
+
+  bool stands(double factor) {
+    RunOptions options = options_;
+    options.out = folder(factor);
+    options.overrides.push_back(fmt::format("solid.strength_reduction={:.17g}", factor));
+    options.overrides.emplace_back("solid.initial_rest=true");
+    options.overrides.emplace_back("case.end_time=1e-9");  // the rest is what is asked for
+    options.quiet = true;
+    options.pictures = false;
+    const RunResult result = run_case(options);
+    const double wall = safety_.run.wall + result.wall, cpu = safety_.run.cpu + result.cpu;
+    safety_.run = result;
+    safety_.run.wall = wall;
+    safety_.run.cpu = cpu;
+    SafetyTrial trial;
+    trial.factor = factor;
+    double criterion = 0.0;
+    for (const auto& summary : result.summaries)
+      for (const auto& [name, value] : summary.counters) {
+        if (summary.process != "solid") continue;
+        if (name == "rest steps") trial.steps = value;
+        if (name == "rest residual") trial.residual = value;
+        if (name == "rest criterion") criterion = value;
+        if (name == "rest displacement") trial.displacement = value;
+      }
+    trial.stands = good() && trial.residual < criterion;
+    safety_.trials.push_back(trial);
+    if (!options_.quiet && good())
+      fmt::print("F = {:<8.4f} {}  {:>6} steps, residual {:.2g}, largest displacement {:.4g} m\n", factor,
+                 trial.stands ? "stands" : "fails ", trial.steps, trial.residual, trial.displacement);
+    std::fflush(stdout);
+    return trial.stands;
+  }
+
+  const RunOptions& options_;
+  double tolerance_;
+  Safety safety_;
+};
+
+void write(const fs::path& path, const std::string& text) {
+  std::ofstream stream(path, std::ios::binary);
+  stream << text;
+  stream.close();
+  if (!stream) throw FileError(fmt::format("{}: cannot be written", path.string()));
+}
+
+std::string listed(const std::vector<SafetyTrial>& trials) {
+  std::string text =
+      "# Strength divided by the factor: does the soil come to rest?\nfactor,stands,steps,residual,displacement_m\n";
+  for (const auto& t : trials)
+    text += fmt::format("{:.6g},{},{:.0f},{:.4g},{:.6g}\n", t.factor, t.stands ? 1 : 0, t.steps, t.residual,
+                        t.displacement);
+  return text;
+}
+
+/// Trials of an earlier search would stand beside this one's.
+void clear_trials(const fs::path& out) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(out, error))
+    if (entry.path().filename().string().starts_with("F_") && fs::exists(entry.path() / "run.toml"))
+      fs::remove_all(entry.path(), error);
+  fs::create_directories(out, error);
+  if (error) throw FileError(fmt::format("{}: the folder cannot be made: {}", out.string(), error.message()));
+}
+
+}  // namespace
+
+Safety find_safety(const RunOptions& options, double tolerance) {
+  const Case scene = read_case(options.case_file, options.overrides);
+  if (scene.solid.model != SolidCase::Model::drucker_prager &&
+      scene.solid.model != SolidCase::Model::drucker_prager_rate)
+    throw CaseError(
+        fmt::format("{}: key 'solid.model': a factor of safety needs soil that can fail; expected \"drucker_prager\"",
+                    options.case_file.string()));
+  clear_trials(options.out);
+  Safety safety = Search(options, tolerance).run();
+  if (safety.run.exit != 0) return safety;
+  write(options.out / "safety.csv", listed(safety.trials));
+  write(options.out / "gauges.csv",
+        fmt::format("time_s,gauge,value,unit\n0,factor_of_safety,{:.6g},1\n", safety.factor()));
+  if (options.pictures) {
+    const fs::path log = options.out / "plot.log";
+    if (draw_pictures({safety.failing.string(), "--phase", "solid", "--field", "accumulated_plastic_strain", "--out",
+                       options.out.string()},
+                      log) != 0)
+      fmt::print(stderr, "warning: no picture was drawn; see {}\n", log.string());
+  }
+  return safety;
+}
+
+std::string safety_text(const Safety& safety) {
+  return fmt::format(
+      "factor of safety {:.3f} (stands at {:.3f}, fails at {:.3f}); {} trials, {:.2f} s wall, {:.2f} s cpu\n",
+      safety.factor(), safety.stands, safety.fails, safety.trials.size(), safety.run.wall, safety.run.cpu);
+}
+
+}  // namespace poretwin::cli

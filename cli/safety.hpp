@@ -1,0 +1,35 @@
+// `poretwin safety`: factor of safety by strength reduction.
+#pragma once
+
+#include "cli/run.hpp"
+
+namespace poretwin::cli {
+
+/// One trial: the soil's strength divided by `factor`, loaded anew.
+struct SafetyTrial {
+  double factor = 1.0;
+  bool stands = false;
+  double steps = 0.0, residual = 0.0;  ///< of the search for rest; largest acceleration over the driving one
+  double displacement = 0.0;           ///< m, largest
+};
+
+struct Safety {
+  std::vector<SafetyTrial> trials;   ///< in order of factor
+  double stands = 0.0, fails = 0.0;  ///< the bracket
+  RunResult run;                     ///< wall and CPU time of all trials, the rest of the last one
+  std::filesystem::path failing;     ///< folder of the trial that fails nearest to the factor
+  [[nodiscard]] double factor() const { return 0.5 * (stands + fails); }
+};
+
+/// Brackets and bisects the factor F by which cohesion and tan(friction) of all soils can be divided before the soil
+/// finds no equilibrium under gravity, standing loads and the water of time zero (Griffiths & Lane 1999). No
+/// equilibrium: the search for rest ends without its criterion. tolerance: width of the bracket over F. Every trial is
+/// a run of its own in OUT/F_<factor>; OUT/safety.csv lists them, OUT/gauges.csv has the factor as factor_of_safety,
+/// and a picture of the plastic strain of the nearest failing trial shows the failure surface. Throws CaseError where
+/// there is nothing to reduce.
+Safety find_safety(const RunOptions& options, double tolerance);
+
+/// Table of the trials and the factor.
+std::string safety_text(const Safety& safety);
+
+}  // namespace poretwin::cli

@@ -1,0 +1,61 @@
+#!/usr/bin/env python3
+"""Soil that nothing moves, for the real fluid: seepage through a rigid skeleton.
+
+    poretwin run clients/python/examples/seepage.toml --solid "python3 clients/python/examples/rigid_solid.py"
+
+The skeleton is a field of points that rest. What makes it rigid is its inertia: the fluid predicts how far the skeleton gives
+way within a window from its density and its modulus, and grains of 1e12 kg/m3 do not.
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+import poretwin
+
+UNMOVABLE = 1e12  # kg/m3
+
+
+class RigidSolid(poretwin.Phase):
+    role = "solid"
+
+    def __init__(self, case):
+        self.dimension = case.dimension
+        spacing = case.get("solid.particle_spacing") or case.get("fluid.particle_spacing")
+        self.points, soil = case.soil_points(spacing)
+        still = np.zeros((len(self.points), self.dimension))
+
+        def of_soil(key, default):
+            return np.array([case.get(f"soil.{i}.{key}", default) for i in soil], dtype=float)
+
+        self.fields = {
+            "solid_velocity": still,
+            "mean_solid_velocity": still,
+            "unbalanced_force": still,
+            "solid_volume_fraction": 1.0 - of_soil("porosity", 0.4),
+            "grain_density": np.full(len(self.points), UNMOVABLE),
+            "constrained_modulus": np.zeros(len(self.points)),
+            "hydraulic_conductivity": of_soil("hydraulic_conductivity", 1e-4),
+            "returned_impulse": still,
+        }
+        self.taken = np.zeros(self.dimension)  # N s, all the drag it ever took
+
+    def publish(self):
+        return poretwin.Publication(self.points, self.fields)
+
+    def advance(self, window, inbox):
+        impulse = inbox["drag_impulse"].reshape(-1, self.dimension).sum(axis=0)
+        self.taken = self.taken + impulse
+        self.drag = impulse / window.interval
+
+    def gauges(self):
+        readings = {f"impulse_taken_{axis}": (value, "N s") for axis, value in zip("xyz", self.taken)}
+        if hasattr(self, "drag"):
+            readings |= {f"drag_{axis}": (value, "N") for axis, value in zip("xyz", self.drag)}
+        return readings
+
+
+if __name__ == "__main__":
+    sys.exit(poretwin.main("solid", RigidSolid))

@@ -1,0 +1,110 @@
+#!/usr/bin/env python3
+"""Steady seepage by finite differences, for the real solid: a grid of nodes in place of fluid particles.
+
+    poretwin run clients/python/examples/seepage.toml --fluid "python3 clients/python/examples/seepage_grid.py"
+
+Solves div(k grad h) = 0 for the head h on the nodes of a rectangular grid over the soil; k comes from the solid, mapped to the
+nodes. The case's water faces prescribe h, everything else is tight. The pore pressure is p = rho_w g (h - z); the drag on the
+skeleton, per volume of soil, is what the water's own weight and pressure leave: n (rho_w g - grad p).
+The water does not follow the skeleton: the seepage is steady, v_s' = 0, and what the solid returns is not looked at.
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+import poretwin
+
+
+class SeepageGrid(poretwin.Phase):
+    role = "fluid"
+
+    def __init__(self, case):
+        self.dimension = case.dimension
+        if case.dimension != 2 or len(case.get("soil", [])) != 1:
+            raise ValueError("this example knows one box of soil in two dimensions")
+        lower, upper = np.array(case.get("soil.0.min"), float), np.array(case.get("soil.0.max"), float)
+        spacing = case.get("fluid.particle_spacing")
+        self.shape = tuple(np.round((upper - lower) / spacing).astype(int) + 1)
+        self.step = (upper - lower) / (np.array(self.shape) - 1)
+        self.axes = [np.linspace(a, b, n) for a, b, n in zip(lower, upper, self.shape)]
+        x, y = np.meshgrid(*self.axes, indexing="ij")
+        weights = [np.where((c == c[0]) | (c == c[-1]), 0.5, 1.0) * d for c, d in zip(self.axes, self.step)]
+        volume = np.outer(*weights)
+        n = x.size
+        self.points = poretwin.Points(np.stack([x.ravel(), y.ravel()], axis=1), volume.ravel(), np.full(n, 1.3 * spacing))
+        self.weight = case.get("water.density", 1000.0) * np.array(case.gravity, float)  # N/m3
+        self.elevation = self.points.position @ (-self.weight / np.linalg.norm(self.weight))
+        self.prescribed = self._prescribed(case)
+        self.case_porosity = case.get("soil.0.porosity", 0.4)
+        self.case_conductivity = case.get("soil.0.hydraulic_conductivity", 1e-4)
+        self.porosity = np.full(n, self.case_porosity)
+        self.impulse = np.zeros((n, 2))
+        self._solve(np.full(n, self.case_conductivity))
+
+    def _prescribed(self, case):
+        """Heads at the nodes on water faces; NaN elsewhere."""
+        heads = np.full(len(self.points), np.nan)
+        for face in case.get("water_face", []):
+            for a, b in zip(face["points"], face["points"][1:]):
+                a, b = np.array(a, float), np.array(b, float)
+                along = (b - a) / np.linalg.norm(b - a)
+                r = self.points.position - a
+                on = (np.abs(r @ [-along[1], along[0]]) < 1e-9) & (r @ along > -1e-9) & (r @ along < np.linalg.norm(b - a) + 1e-9)
+                if "head" in face:
+                    heads[on] = face["head"]
+                else:
+                    heads[on] = self.elevation[on] + face["pressure"] / np.linalg.norm(self.weight)
+        return heads
+
+    def _solve(self, conductivity):
+        """Heads, pressures and the force of the water on the skeleton, all per node."""
+        n = len(self.points)
+        index = np.arange(n).reshape(self.shape)
+        matrix, right = np.zeros((n, n)), np.zeros(n)
+        for axis in (0, 1):
+            a = np.moveaxis(index, axis, 0)[:-1].ravel()
+            b = np.moveaxis(index, axis, 0)[1:].ravel()
+            # Width of the face between two nodes: half a step on the rim.
+            across = np.ones(self.shape[1 - axis])
+            across[[0, -1]] = 0.5
+            width = np.tile(across * self.step[1 - axis], self.shape[axis] - 1)
+            k = 2.0 * conductivity[a] * conductivity[b] / (conductivity[a] + conductivity[b])
+            conductance = k * width / self.step[axis]
+            for i, j in ((a, b), (b, a)):
+                np.add.at(matrix, (i, i), conductance)
+                np.add.at(matrix, (i, j), -conductance)
+        balance = matrix.copy()
+        fixed = ~np.isnan(self.prescribed)
+        matrix[fixed] = 0.0
+        matrix[fixed, fixed] = 1.0
+        right[fixed] = self.prescribed[fixed]
+        head = np.linalg.solve(matrix, right)
+        inflow = balance @ head  # m2/s that enters at each node
+        self.discharge = inflow[inflow > 0.0].sum()
+        self.pressure = np.linalg.norm(self.weight) * (head - self.elevation)
+        gradient = np.gradient(self.pressure.reshape(self.shape), *self.axes, edge_order=2)
+        self.force = self.porosity[:, None] * (self.weight - np.stack([g.ravel() for g in gradient], axis=1))
+
+    def publish(self):
+        return poretwin.Publication(self.points, {
+            "pore_pressure": self.pressure,
+            "predicted_solid_velocity": np.zeros((len(self.points), 2)),
+            "drag_impulse": self.impulse,
+            "soil_fraction": np.ones(len(self.points)),
+        })
+
+    def advance(self, window, inbox):
+        soil = inbox.coverage > 0.0  # elsewhere fields are 0 and mean nothing
+        self.porosity = np.where(soil, 1.0 - inbox["solid_volume_fraction"], self.case_porosity)
+        self._solve(np.where(soil, inbox["hydraulic_conductivity"], self.case_conductivity))
+        self.impulse = self.force * self.points.volume[:, None] * window.interval
+
+    def gauges(self):
+        return {"discharge": (self.discharge, "m2/s")}
+
+
+if __name__ == "__main__":
+    sys.exit(poretwin.main("fluid", SeepageGrid))

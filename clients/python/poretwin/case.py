@@ -1,0 +1,75 @@
+"""The case as the coupler sends it: TOML text and overrides."""
+
+import tomllib
+
+import numpy as np
+
+from .phase import Points, lattice
+
+
+class Case:
+    def __init__(self, text, overrides=(), digest="", dimension=2):
+        self.data = tomllib.loads(text)
+        for assignment in overrides:
+            key, value = assignment.split("=", 1)
+            self._set(key.strip().split("."), tomllib.loads("value = " + value)["value"])
+        self.digest = digest
+        self.dimension = dimension
+
+    def _set(self, path, value):
+        place = self.data
+        for key, following in zip(path, path[1:]):
+            if isinstance(place, list):
+                place = place[int(key)]
+            else:
+                place = place.setdefault(key, [] if following.isdigit() else {})
+        place[int(path[-1]) if isinstance(place, list) else path[-1]] = value
+
+    def get(self, path, default=None):
+        """A key by its dotted path: get("soil.0.porosity", 0.4)."""
+        place = self.data
+        for key in path.split("."):
+            try:
+                place = place[int(key)] if isinstance(place, list) else place[key]
+            except (KeyError, IndexError):
+                return default
+        return place
+
+    @property
+    def gravity(self):
+        """m/s2; downwards along the last axis unless the case says otherwise."""
+        return self.get("case.gravity", [0.0] * (self.dimension - 1) + [-9.81])
+
+    def soil_points(self, spacing, smoothing_per_spacing=1.3):
+        """Lattice points of every box of soil, and the index of each point's soil.
+
+        Where a wall lies on a side of a box the lattice goes on behind it by four spacings, as ghosts: whoever looks at the
+        points from inside must not take the wall for the soil's surface.
+        """
+        active, ghosts = [], []
+        for index, soil in enumerate(self.get("soil", [])):
+            lower, upper = np.array(soil["min"], float), np.array(soil["max"], float)
+            if soil.get("shape") != "box":
+                raise ValueError(f"soil '{soil.get('name')}': expected shape = \"box\", found '{soil.get('shape')}'")
+            outer_lower, outer_upper = lower.copy(), upper.copy()
+            for axis in range(self.dimension):
+                for outer, side, sign in ((outer_lower, lower, -1.0), (outer_upper, upper, 1.0)):
+                    if self._has_wall(axis, side[axis]):
+                        outer[axis] += sign * 4.0 * spacing
+            x = lattice(outer_lower, outer_upper, spacing).position
+            inside = np.all((x > lower) & (x < upper), axis=1)
+            active += [(p, index) for p in x[inside]]
+            ghosts += [(p, index) for p in x[~inside]]
+        n, everything = len(active), active + ghosts
+        size = len(everything)
+        points = Points(np.array([p for p, _ in everything]).reshape(size, self.dimension), np.full(size, spacing**self.dimension),
+                        np.full(size, smoothing_per_spacing * spacing), n_active=n)
+        return points, np.array([i for _, i in everything], dtype=int)
+
+    def _has_wall(self, axis, coordinate):
+        for wall in self.get("wall", []):
+            corners = wall.get("points", [])
+            for a, b in zip(corners, corners[1:]):
+                if abs(a[axis] - coordinate) < 1e-9 and abs(b[axis] - coordinate) < 1e-9:
+                    return True
+        return False

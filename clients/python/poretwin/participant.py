@@ -1,0 +1,332 @@
+"""The client by which a phase takes part in a coupled run: handshake, commands with deadlines, heartbeats."""
+
+import argparse
+import json
+import os
+import signal
+import socket
+import sys
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import zmq
+from zmq.utils.monitor import recv_monitor_message
+
+from . import wire
+from .case import Case
+from .phase import Inbox, Refused, Window
+
+pb = wire.pb
+
+
+class PeerError(Exception):
+    """The run cannot go on; `code` is the exit code (docs/protocol.md)."""
+
+    def __init__(self, text, code=3):
+        super().__init__(text)
+        self.code = code
+
+
+def log(line):
+    print(time.strftime("[%H:%M:%S] ", time.gmtime()) + line, file=sys.stderr, flush=True)
+
+
+class Line:
+    """The DEALER socket, used under one lock by the phase's thread and by the heartbeats."""
+
+    def __init__(self, address):
+        self.context = zmq.Context()
+        self.socket = self.context.socket(zmq.DEALER)
+        self.socket.set(zmq.LINGER, 2000)
+        self.socket.set(zmq.SNDHWM, 0)
+        self.socket.set(zmq.RCVHWM, 0)
+        self.socket.set(zmq.RECONNECT_IVL, 50)
+        self.monitor = self.socket.get_monitor_socket(zmq.EVENT_HANDSHAKE_SUCCEEDED | zmq.EVENT_DISCONNECTED)
+        self.lock = threading.Lock()
+        self.address = address
+        self.open = False
+        self.lost = False
+        self.socket.connect(address)
+
+    def send(self, frames):
+        self.socket.send_multipart(frames, copy=True)
+
+    def receive(self, milliseconds):
+        with self.lock:
+            if self.socket.poll(milliseconds):
+                return self.socket.recv_multipart()
+            while self.monitor.poll(0):
+                event = recv_monitor_message(self.monitor)["event"]
+                if event == zmq.EVENT_HANDSHAKE_SUCCEEDED:
+                    self.open = True
+                elif self.open:
+                    self.lost = True
+        return None
+
+    def close(self):
+        with self.lock:
+            self.socket.disable_monitor()
+            self.monitor.close(linger=0)
+            self.socket.close(linger=0 if self.lost or not self.open else 2000)
+        self.context.term()
+
+
+class Participant:
+    def __init__(self, address, role, wait_deadline=60.0, coupler_deadline=60.0, say_every=5.0):
+        self.line = Line(address)
+        self.role = role
+        self.wait_deadline, self.coupler_deadline, self.say_every = wait_deadline, coupler_deadline, say_every
+        self.session = ""
+        self.sequence = 0
+        self.step = self.iteration = 0
+        self.doing, self.doing_since = "computing", time.monotonic()
+        self.heard = time.monotonic()
+        self.last = "none"
+        self.waiting_for = ""
+        self.revision_sent = None
+        self.interrupted = False
+        self.stop = threading.Event()
+        self.thread = None
+
+    # Sending
+
+    def send(self, header, frames=()):
+        with self.line.lock:
+            self.sequence += 1
+            header.protocol_major, header.protocol_minor = wire.PROTOCOL
+            header.session, header.sender, header.sequence = self.session, self.role, self.sequence
+            self.line.send(wire.encode(header, frames))
+
+    def answer(self, time_now=0.0):
+        return pb.Header(step=self.step, iteration=self.iteration, time=time_now)
+
+    def beat(self, interval):
+        while not self.stop.wait(interval):
+            header = pb.Header(step=self.step)
+            header.heartbeat.doing = self.doing
+            header.heartbeat.since = time.monotonic() - self.doing_since
+            header.heartbeat.interrupted = self.interrupted
+            self.send(header)
+
+    def set_doing(self, what):
+        self.doing, self.doing_since = what, time.monotonic()
+
+    # Receiving
+
+    def next(self, deadline, silence):
+        """The next message that is no heartbeat. `silence`: the deadline counts from the last sign of life."""
+        start = said = time.monotonic()
+        while True:
+            frames = self.line.receive(100)
+            now = time.monotonic()
+            if frames:
+                self.heard = now
+                header, arrays = wire.decode(frames)
+                if header.protocol_major != wire.PROTOCOL[0]:
+                    raise PeerError(f"refused: protocol: expected {wire.PROTOCOL[0]}.x, the coupler speaks "
+                                    f"{header.protocol_major}.{header.protocol_minor}")
+                kind = header.WhichOneof("body")
+                if kind == "heartbeat":
+                    self.waiting_for = header.heartbeat.waiting_for
+                    continue
+                self.last = f"{kind.upper()} step {header.step} (t = {header.time:g} s)"
+                if kind == "abort":
+                    raise PeerError(f"the run was aborted by {header.abort.culprit}: {header.abort.reason}", header.abort.exit_code or 1)
+                if kind == "bye":
+                    raise PeerError("the coupler left: " + header.bye.reason)
+                return kind, header, arrays
+            if self.line.lost:
+                raise PeerError(f"the coupler is gone: its connection closed; last message: {self.last}")
+            if now - (self.heard if silence else start) > deadline:
+                raise PeerError(f"nothing came from the coupler at {self.line.address} for {deadline:g} s; last message: {self.last}")
+            if now - said >= self.say_every:
+                said = now
+                log(f"{self.role}: waiting for {self.waiting_for or 'the coupler'} ({now - start:.0f} s), last message {self.last}")
+
+    def request_case(self):
+        header = pb.Header()
+        header.case_request.role = self.role
+        self.send(header)
+        kind, answer, _ = self.next(self.wait_deadline, silence=False)
+        if kind != "case_file":
+            raise PeerError(f"expected the case from the coupler, got {self.last}")
+        return Case(answer.case_file.text, answer.case_file.overrides, answer.case_file.digest, answer.case_file.dimension)
+
+    def join(self, phase, digest):
+        header = pb.Header()
+        hello = header.hello
+        hello.role, hello.dimension, hello.case_digest = self.role, phase.dimension, digest
+        for specs, out in ((phase.gives(), hello.gives), (phase.takes(), hello.takes)):
+            for spec in specs:
+                out.add(name=spec.name, unit=spec.unit, components=spec.components, mask=spec.mask,
+                        mapping=pb.CONSERVATIVE if spec.conservative else pb.CONSISTENT)
+        hello.software, hello.process, hello.host = "poretwin for Python", os.getpid(), socket.gethostname()
+        self.sequence = 0
+        self.send(header)
+        kind, answer, _ = self.next(self.wait_deadline, silence=False)
+        if kind == "reject":
+            r = answer.reject
+            raise PeerError(f"refused by the coupler: {r.field}: expected {r.expected}, got {r.got}" + (f"; {r.reason}" if r.reason else ""))
+        if kind != "welcome":
+            raise PeerError(f"expected WELCOME, got {self.last}")
+        self.session = answer.session
+        interval = min(max(answer.welcome.heartbeat_interval, 0.01), 10.0)
+        self.thread = threading.Thread(target=self.beat, args=(interval,), daemon=True)
+        self.thread.start()
+
+    def publish(self, phase, time_now):
+        publication = phase.publish()
+        points = publication.points
+        header, frames = self.answer(time_now), []
+        header.publication.proposed_interval = publication.proposed_interval
+        header.publication.limited_by = publication.limited_by
+        header.points.dimension, header.points.revision = phase.dimension, points.revision
+        header.points.n, header.points.n_active = len(points), points.n_active
+        header.points.sent = self.revision_sent != points.revision
+        self.n_active = points.n_active
+        if header.points.sent:
+            wire.add_array(header, frames, "@position", "m", np.reshape(points.position, (len(points), phase.dimension)))
+            wire.add_array(header, frames, "@volume", f"m^{phase.dimension}", points.volume)
+            wire.add_array(header, frames, "@smoothing_length", "m", points.smoothing_length)
+            wire.add_array(header, frames, "@owner", "1", points.owner)
+            self.revision_sent = points.revision
+        for spec in phase.gives():
+            values = np.asarray(publication.fields[spec.name], dtype=float)
+            wire.add_array(header, frames, spec.name, spec.unit, values if spec.components == 1 else values.reshape(-1, spec.components))
+        self.set_doing("waiting")
+        self.send(header, frames)
+
+    def inbox(self, phase, arrays):
+        for name, values in arrays.items():
+            if len(values) != self.n_active:
+                raise PeerError(f"field '{name}' came for {len(values)} points, {self.n_active} were expected")
+        missing = [f.name for f in phase.takes() if f.name not in arrays]
+        if missing:
+            raise PeerError(f"field '{missing[0]}' was expected in the exchange and did not arrive")
+        arrays = dict(arrays)
+        return Inbox(arrays.pop("@coverage"), arrays.pop("@asymmetry"), arrays)
+
+    def leave(self, kind, reason, code=0):
+        header = self.answer()
+        if kind == "abort":
+            header.abort.culprit, header.abort.reason, header.abort.exit_code = self.role, reason, code
+        else:
+            header.bye.reason = reason
+        self.stop.set()
+        self.send(header)
+
+    def close(self):
+        self.stop.set()
+        if self.thread:
+            self.thread.join()
+        self.line.close()
+
+
+class Record:
+    """OUT/gauges.ROLE.csv, written once the window that a reading belongs to is certain to stand."""
+
+    def __init__(self, out, role):
+        self.path = out / f"gauges.{role}.csv"
+        self.path.write_text("time_s,gauge,value,unit\n")
+        self.pending = False
+
+    def write(self, phase, time_now):
+        if self.pending:
+            with self.path.open("a") as file:
+                for name, (value, unit) in phase.gauges().items():
+                    file.write(f"{time_now!r},{name},{float(value)!r},{unit}\n")
+        self.pending = False
+
+
+def drive(phase, participant, record, counts):
+    """Obeys the coupler until FINISH; returns its reason."""
+    now = before = 0.0
+    advanced = False
+    participant.publish(phase, now)
+    while True:
+        kind, header, arrays = participant.next(participant.coupler_deadline, silence=True)
+        participant.step, participant.iteration = header.step, header.iteration
+        participant.set_doing("writing" if kind == "finish" else "computing")
+        if kind == "initialise":
+            phase.initialise(participant.inbox(phase, arrays))
+            participant.publish(phase, now)
+            record.pending = header.initialise.record_gauges
+            record.write(phase, now)
+        elif kind == "advance":
+            record.write(phase, now)
+            phase.save()
+            advanced = False
+            try:
+                phase.advance(Window(header.step, header.time, header.interval), participant.inbox(phase, arrays))
+            except Refused as refused:
+                counts["rejected"] += 1
+                answer = participant.answer(header.time)
+                answer.interval = header.interval
+                answer.reject.code = pb.REJECT_STEP
+                answer.reject.field, answer.reject.reason = "interval", str(refused)
+                answer.reject.expected = f"at most {refused.suggested_interval:g} s"
+                answer.reject.got = f"{header.interval:g} s"
+                answer.reject.suggested_interval = refused.suggested_interval
+                participant.set_doing("waiting")
+                participant.send(answer)
+                continue
+            before, now, advanced = now, header.time + header.interval, True
+            counts["windows"] += 1
+            participant.publish(phase, now)
+            record.pending = header.advance.record_gauges
+        elif kind == "restore":
+            phase.restore()
+            participant.revision_sent = None
+            record.pending = False
+            if advanced:
+                now, advanced = before, False
+                counts["windows"] -= 1
+                counts["rejected"] += 1
+        elif kind == "finish":
+            record.write(phase, now)
+            participant.leave("bye", header.finish.reason)
+            return header.finish.reason
+        else:
+            raise PeerError(f"an unexpected {participant.last} came in")
+
+
+def main(role, make_phase):
+    """The whole main of a solver: make_phase(case) brings the phase. Takes the arguments that `poretwin run` gives."""
+    parser = argparse.ArgumentParser(description=f"A {role} for poretwin.")
+    parser.add_argument("--connect", required=True, metavar="ADDRESS", help="ipc:///path or tcp://host:port")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR")
+    parser.add_argument("--case", help="ignored: the coupler sends its case")
+    parser.add_argument("--set", action="append", help="ignored: the coupler sends its overrides")
+    parser.add_argument("--wait-deadline", type=float, default=60.0, metavar="S")
+    parser.add_argument("--frozen-deadline", type=float, default=30.0, metavar="S")
+    arguments = parser.parse_args()
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    start, counts = time.monotonic(), {"windows": 0, "rejected": 0}
+    participant = Participant(arguments.connect, role, arguments.wait_deadline, 2.0 * arguments.frozen_deadline)
+
+    def note(*_):
+        participant.interrupted = True
+
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, note)
+    code, reason = 0, "end"
+    try:
+        case = participant.request_case()
+        phase = make_phase(case)
+        participant.join(phase, case.digest)
+        reason = drive(phase, participant, Record(arguments.out, role), counts)
+        code = 130 if reason == "interrupted" else 0
+    except PeerError as error:
+        code, reason = error.code, str(error)
+    except Exception as error:  # whatever the phase did: everybody must hear of it
+        code, reason = 1, f"{type(error).__name__}: {error}"
+        participant.leave("abort", reason, code)
+    participant.close()
+    if code not in (0, 130):
+        log(f"{role}: error: {reason}")
+    summary = {"process": role, "exit": code, "reason": reason, "wall_s": time.monotonic() - start, "cpu_s": time.process_time(),
+               "seconds": {}, "steps": counts, "counters": {}, "files": [f"gauges.{role}.csv"]}
+    (arguments.out / f"{role}.summary.json").write_text(json.dumps(summary, indent=2) + "\n")
+    return code

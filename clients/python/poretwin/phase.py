@@ -1,0 +1,141 @@
+"""What a phase gives and gets, free of any transport."""
+
+import copy
+from dataclasses import dataclass, field
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Field:
+    """One field of the contract."""
+
+    name: str
+    unit: str  # SI
+    components: int = 1  # 1, or the dimension
+    conservative: bool = False  # an amount that is shared out; otherwise an intensity that is interpolated
+    mask: str = ""
+
+
+def standard_fields(role, dimension):
+    """The standard contract: what each role gives. It takes what the other gives."""
+    if role == "fluid":
+        return [
+            Field("pore_pressure", "Pa"),
+            Field("predicted_solid_velocity", "m/s", dimension, mask="soil_fraction"),
+            Field("drag_impulse", "N s", dimension, conservative=True),
+            Field("soil_fraction", "1"),
+        ]
+    return [
+        Field("solid_velocity", "m/s", dimension),
+        Field("mean_solid_velocity", "m/s", dimension),
+        Field("unbalanced_force", "N/m3", dimension),
+        Field("solid_volume_fraction", "1"),
+        Field("grain_density", "kg/m3"),
+        Field("constrained_modulus", "Pa"),
+        Field("hydraulic_conductivity", "m/s"),
+        Field("returned_impulse", "N s", dimension, conservative=True),
+    ]
+
+
+@dataclass
+class Points:
+    """Where fields are given. The first n_active points also receive; the others are ghosts."""
+
+    position: np.ndarray  # [n, dimension] m
+    volume: np.ndarray  # [n] m^dimension
+    smoothing_length: np.ndarray  # [n] m: a point speaks for what lies within twice this length
+    n_active: int = None  # all, unless said otherwise
+    owner: np.ndarray = None  # [n] the active point a ghost stands for; -1: nobody
+    revision: int = 0  # change it whenever anything above changes
+
+    def __post_init__(self):
+        n = len(self.volume)
+        if self.n_active is None:
+            self.n_active = n
+        if self.owner is None:
+            self.owner = np.where(np.arange(n) < self.n_active, np.arange(n), -1.0)
+
+    def __len__(self):
+        return len(self.volume)
+
+
+@dataclass
+class Publication:
+    points: Points
+    fields: dict  # name -> [n] or [n, components]
+    proposed_interval: float = float("inf")  # s, the longest next window that is stable and accurate
+    limited_by: str = ""
+
+
+@dataclass
+class Inbox:
+    """The other phase at this phase's active points; zero where coverage is zero."""
+
+    coverage: np.ndarray  # [n_active] 1 inside the other's cloud, about 0.5 on its edge, 0 outside
+    asymmetry: np.ndarray  # [n_active]
+    fields: dict = field(default_factory=dict)
+
+    def __getitem__(self, name):
+        return self.fields[name]
+
+
+@dataclass(frozen=True)
+class Window:
+    step: int
+    time: float  # s, start
+    interval: float  # s
+
+
+class Refused(Exception):
+    """Raised by Phase.advance: the window is too long."""
+
+    def __init__(self, suggested_interval, reason):
+        super().__init__(reason)
+        self.suggested_interval = suggested_interval
+
+
+class Phase:
+    """To be derived from. `role` and `dimension` must be set."""
+
+    role = ""
+    dimension = 2
+
+    def gives(self):
+        return standard_fields(self.role, self.dimension)
+
+    def takes(self):
+        return standard_fields("solid" if self.role == "fluid" else "fluid", self.dimension)
+
+    def publish(self):
+        """The Publication at the current time."""
+        raise NotImplementedError
+
+    def initialise(self, inbox):
+        """Once, with the other side's fields at time zero."""
+
+    def advance(self, window, inbox):
+        """Advances by one window; raises Refused when it is too long."""
+        raise NotImplementedError
+
+    def save(self):
+        """Keeps the complete state; restore() brings it back, any number of times."""
+        self._saved = None
+        self._saved = copy.deepcopy(self.__dict__)
+
+    def restore(self):
+        saved = self._saved
+        self.__dict__ = copy.deepcopy(saved)
+        self._saved = saved
+
+    def gauges(self):
+        """Readings for gauges.csv: name -> (value, unit)."""
+        return {}
+
+
+def lattice(lower, upper, spacing, smoothing_per_spacing=1.3):
+    """Points on a square lattice that fills a box, the first half a spacing in."""
+    axes = [np.arange(round((b - a) / spacing)) * spacing + a + 0.5 * spacing for a, b in zip(lower, upper)]
+    position = np.stack([c.ravel() for c in np.meshgrid(*axes, indexing="ij")], axis=-1)
+    n = len(position)
+    return Points(position, np.full(n, spacing ** len(axes)), np.full(n, smoothing_per_spacing * spacing))

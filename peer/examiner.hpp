@@ -1,0 +1,79 @@
+// Plays the coupler towards one start of a solver's command, step by step and by the letter of docs/protocol.md.
+#pragma once
+
+#include "common/case/case.hpp"
+#include "common/coupling/border.hpp"
+#include "common/coupling/transport.hpp"
+#include "peer/child.hpp"
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace poretwin::peer {
+
+/// What a solver did wrong, in plain words.
+struct Failed {
+  std::string what;
+};
+
+/// How the other phase looks at a place [m]: 1 inside its cloud, 0 outside.
+using Sight = std::function<double(const Point3&)>;
+
+class Examiner {
+ public:
+  Examiner(const Case& scene, const std::filesystem::path& case_file, const std::vector<std::string>& command,
+           const std::filesystem::path& log);
+
+  /// HELLO, checked. Answers the question for the case on the way.
+  const coupling::Hello& hello();
+  void welcome();
+  /// hello, welcome, publication, INITIALISE with the still case, publication.
+  void begin();
+
+  /// ADVANCE by `interval` and what came back; an accepted one becomes the present state.
+  std::optional<coupling::Reject> advance(double interval, const Sight& sight);
+  /// Goes on by one window, made shorter as often as the solver asks for.
+  void window(const Sight& sight);
+  void restore();
+  void finish(const std::string& reason);
+
+  /// Heartbeats that came within this time, in which nothing else may come.
+  int idle(coupling::Milliseconds time);
+  /// Sends a message that has no arrays.
+  void tell(coupling::Body body);
+  void expect_exit(int code, const std::string& after);
+  void hang_up() { hub_.reset(); }
+  void interrupt();
+
+  /// s: what the solver and the case allow for the next window.
+  [[nodiscard]] double allowed() const;
+  [[nodiscard]] const coupling::Snapshot& state() const { return state_; }
+  [[nodiscard]] std::uint32_t& foreign_major() { return major_; }
+
+ private:
+  coupling::Message next(const std::string& awaited);
+  void send(coupling::Message message);
+  void send_mapped(coupling::Message message, const Sight& sight);
+  void take_publication(const std::string& after, double time);
+  bool note(coupling::Hub::Event event, std::optional<coupling::Message>& out);
+
+  const Case& scene_;
+  PrivateFolder folder_;
+  std::unique_ptr<coupling::Hub> hub_;
+  Child child_;
+  std::string line_;
+  bool closed_ = false, interrupted_ = false;
+  coupling::Hello hello_;
+  coupling::Snapshot state_, before_;
+  std::uint64_t heard_ = 0, sent_ = 0, step_ = 0;
+  std::uint32_t iteration_ = 0, major_ = coupling::protocol_major;
+  double time_ = 0.0;
+  int heartbeats_ = 0;
+  bool welcomed_ = false, after_restore_ = false;
+  std::chrono::steady_clock::time_point beat_{};
+};
+
+}  // namespace poretwin::peer

@@ -1,0 +1,175 @@
+// Yesterday's solver from its wire log, as a phase: the same publications, for the same windows.
+#include "common/coupling/phase_main.hpp"
+#include "common/coupling/summary.hpp"
+#include "peer/arguments.hpp"
+#include "peer/peer.hpp"
+#include "peer/wire_log.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+
+namespace poretwin::peer {
+namespace {
+
+using namespace coupling;
+
+class Replay final : public Phase {
+ public:
+  explicit Replay(const std::filesystem::path& log) : log_(log) {
+    const Message first = next(Direction::to_coupler);
+    const auto* hello = std::get_if<Hello>(&first.body);
+    if (!hello) throw PeerError(log.string() + ": expected HELLO, found " + describe(first));
+    contract_ = hello->contract;
+    role_ = hello->role;
+    next(Direction::from_coupler);  // WELCOME
+    take_publication();
+  }
+
+  [[nodiscard]] const std::string& role() const { return role_; }
+  [[nodiscard]] Contract contract() const override { return contract_; }
+  [[nodiscard]] Publication publish() const override { return now_; }
+
+  void initialise(const Inbox& inbox) override {
+    compare(next(Direction::from_coupler), inbox);
+    take_publication();
+  }
+
+  Outcome advance(const Window& window, const Inbox& inbox) override {
+    const Message then = next(Direction::from_coupler);
+    if (!std::holds_alternative<Advance>(then.body) || then.step != window.step || then.time != window.time ||
+        then.interval != window.interval)
+      throw PeerError(fmt::format(
+          "the run has left its recording: then {} with a window of {} s, now step {} from t = {} s with {} s{}",
+          describe(then), then.interval, window.step, window.time, window.interval,
+          difference_.empty() ? "" : "; " + difference_));
+    compare(then, inbox);
+    ++windows_;
+    Message answer = next(Direction::to_coupler);
+    if (const auto* reject = std::get_if<Reject>(&answer.body))
+      return Outcome::reject(reject->suggested_interval, reject->reason);
+    now_ = publication_of(std::move(answer));
+    return Outcome::accept();
+  }
+
+  void save() override {}
+  void restore() override {
+    const Message then = next(Direction::from_coupler);
+    if (!std::holds_alternative<Restore>(then.body))
+      throw PeerError("the run has left its recording: then " + describe(then) + ", now RESTORE");
+  }
+
+  [[nodiscard]] OutputFrame frame() const override {
+    OutputFrame out;
+    out.time = now_.time;
+    const auto d = static_cast<std::size_t>(now_.points.dimension);
+    for (std::size_t i = 0; i < now_.points.n_active; ++i)
+      for (std::size_t c = 0; c < 3; ++c) out.position.push_back(c < d ? now_.points.position[i * d + c] : 0.0);
+    return out;
+  }
+  [[nodiscard]] std::vector<GaugeReading> gauges() const override { return {}; }
+  [[nodiscard]] std::map<std::string, double> counters() const override {
+    return {{"windows replayed", static_cast<double>(windows_)},
+            {"inboxes as recorded", static_cast<double>(same_)},
+            {"inboxes that differ", static_cast<double>(different_)}};
+  }
+
+ private:
+  /// The next message in that direction that matters: heartbeats, and the question for the case, do not.
+  Message next(Direction direction) {
+    while (auto record = log_.next()) {
+      Message message = decode(record->frames);
+      if (std::holds_alternative<Heartbeat>(message.body) || std::holds_alternative<CaseRequest>(message.body) ||
+          std::holds_alternative<CaseFile>(message.body))
+        continue;
+      if (record->direction != direction)
+        throw PeerError(fmt::format("the recording goes on with {} of the {}", describe(message),
+                                    record->direction == Direction::to_coupler ? role_ : "coupler"));
+      return message;
+    }
+    throw PeerError("the recording ends here: the run that was recorded went no further");
+  }
+
+  void take_publication() {
+    Message message = next(Direction::to_coupler);
+    if (!std::holds_alternative<PublicationBody>(message.body))
+      throw PeerError("the recorded " + role_ + " left with " + describe(message));
+    now_ = publication_of(std::move(message));
+  }
+
+  Publication publication_of(Message message) {
+    Publication out;
+    out.time = message.time;
+    const auto& body = std::get<PublicationBody>(message.body);
+    out.proposed_interval = body.proposed_interval;
+    out.limited_by = body.limited_by;
+    out.points = now_.points;
+    out.points.dimension = message.points.dimension;
+    out.points.revision = message.points.revision;
+    out.points.n_active = message.points.n_active;
+    for (auto& array : message.arrays) {
+      if (array.name == position_array)
+        out.points.position = std::move(array.values);
+      else if (array.name == volume_array)
+        out.points.volume = std::move(array.values);
+      else if (array.name == smoothing_length_array)
+        out.points.smoothing_length = std::move(array.values);
+      else if (array.name == owner_array)
+        out.points.owner = std::move(array.values);
+      else
+        out.fields.push_back({array.name, array.components, std::move(array.values)});
+    }
+    return out;
+  }
+
+  /// Bit by bit; the first difference is kept and said.
+  void compare(const Message& then, const Inbox& inbox) {
+    std::string found;
+    for (const auto& array : then.arrays) {
+      const std::vector<double>* now = nullptr;
+      if (array.name == coverage_array)
+        now = &inbox.coverage;
+      else if (array.name == asymmetry_array)
+        now = &inbox.asymmetry;
+      else
+        for (const auto& field : inbox.fields)
+          if (field.name == array.name) now = &field.values;
+      if (!now || now->size() != array.values.size()) {
+        found = fmt::format("'{}' had {} values then, {} now", array.name, array.values.size(), now ? now->size() : 0);
+        break;
+      }
+      for (std::size_t k = 0; k < now->size() && found.empty(); ++k)
+        if (std::memcmp(&(*now)[k], &array.values[k], sizeof(double)) != 0)
+          found = fmt::format("'{}' of point {} was {} then, is {} now", array.name,
+                              k / static_cast<std::size_t>(array.components), array.values[k], (*now)[k]);
+      if (!found.empty()) break;
+    }
+    if (found.empty()) {
+      ++same_;
+      return;
+    }
+    ++different_;
+    if (!difference_.empty()) return;
+    difference_ = fmt::format("what comes in differs from step {} on: {}", then.step, found);
+    log_line(role_ + ": replay: " + difference_);
+  }
+
+  WireLogReader log_;
+  std::string role_, difference_;
+  Contract contract_;
+  Publication now_;
+  std::uint64_t windows_ = 0, same_ = 0, different_ = 0;
+};
+
+}  // namespace
+
+int replay(const std::filesystem::path& log, const std::vector<std::string>& arguments) {
+  const std::string role = Replay(log).role();
+  if (role != "fluid" && role != "solid") throw PeerError(log.string() + ": recorded of a '" + role + "'");
+  ArgumentList list("poretwin-" + role, arguments);
+  return phase_main(list.count(), list.data(), role == "fluid" ? Role::fluid : Role::solid,
+                    [&](const Case&) { return std::make_unique<Replay>(log); });
+}
+
+}  // namespace poretwin::peer

@@ -1,0 +1,52 @@
+// A participant's conversation with the coupler as a file: every message both ways, byte for byte.
+//
+// The file: the line "poretwin wire log 1\n", then records. A record is one byte ('>' participant to coupler, '<'
+// coupler to participant), the time since the file was begun [ns, u64], the number of frames [u32], and for each frame
+// its length [u64] and its bytes. Numbers are little-endian. A file that ends inside a record was cut short: what
+// stands before counts.
+#pragma once
+
+#include "common/coupling/message.hpp"
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+
+namespace poretwin::peer {
+
+enum class Direction : char { to_coupler = '>', from_coupler = '<' };
+
+class WireLogWriter {
+ public:
+  explicit WireLogWriter(const std::filesystem::path& path);
+  void write(Direction direction, const coupling::Frames& frames);
+
+ private:
+  std::filesystem::path path_;
+  std::ofstream stream_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+class WireLogReader {
+ public:
+  struct Record {
+    Direction direction = Direction::to_coupler;
+    std::uint64_t nanoseconds = 0;
+    coupling::Frames frames;
+  };
+  /// Throws FileError when this is no wire log.
+  explicit WireLogReader(const std::filesystem::path& path);
+  /// Nothing at the end, or where the file was cut short. Sizes are checked against the file's before they are
+  /// believed.
+  std::optional<Record> next();
+
+ private:
+  template <class T>
+  bool read(T& value);
+  std::filesystem::path path_;
+  std::ifstream stream_;
+  std::uint64_t left_ = 0;  ///< bytes
+};
+
+}  // namespace poretwin::peer

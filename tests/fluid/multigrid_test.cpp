@@ -1,0 +1,82 @@
+// The multigrid preconditioner: the same solution, in a number of cycles that does not grow.
+#include "fluid_solver/multigrid.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace poretwin::fluid {
+namespace {
+
+/// Five-point Laplacian on a square of side^2 rows, weights scattered and stronger along one axis on one half; one side
+/// held, or none.
+PairMatrix grid(std::size_t side, bool closed) {
+  std::mt19937_64 generator(3);
+  std::uniform_real_distribution<double> scatter(0.5, 1.5);
+  const auto at = [&](std::size_t i, std::size_t j) { return j * side + i; };
+  std::vector<std::vector<std::pair<Index, double>>> rows(side * side);
+  const auto join = [&](std::size_t a, std::size_t b, double w) {
+    rows[a].emplace_back(static_cast<Index>(b), w);
+    rows[b].emplace_back(static_cast<Index>(a), w);
+  };
+  for (std::size_t j = 0; j < side; ++j)
+    for (std::size_t i = 0; i < side; ++i) {
+      const double along = 2 * i < side ? 1.0 : 1e-3;
+      if (i + 1 < side) join(at(i, j), at(i + 1, j), along * scatter(generator));
+      if (j + 1 < side) join(at(i, j), at(i, j + 1), scatter(generator));
+    }
+  PairMatrix m;
+  for (std::size_t a = 0; a < rows.size(); ++a) {
+    double sum = 0.0;
+    for (const auto& [b, w] : rows[a]) {
+      m.column.push_back(b);
+      m.weight.push_back(w);
+      sum += w;
+    }
+    m.offset.push_back(static_cast<Index>(m.column.size()));
+    m.diagonal.push_back(!closed && a < side ? 1e3 * sum : sum);
+  }
+  return m;
+}
+
+int solve(const PairMatrix& m, bool closed, ScalarArray& x) {
+  std::mt19937_64 generator(7);
+  std::uniform_real_distribution<double> noise(-1.0, 1.0);
+  ScalarArray b(m.size());
+  double mean = 0.0;
+  for (double& value : b) mean += (value = noise(generator)) / static_cast<double>(b.size());
+  for (double& value : b) value -= closed ? mean : 0.0;
+  x.assign(m.size(), 0.0);
+  Multigrid multigrid(m);
+  const auto report = conjugate_gradients(
+      [&](std::span<const double> u, std::span<double> y) { m.apply(u, y); },
+      [&](std::span<const double> r, std::span<double> z) { multigrid.cycle(r, z); }, b, x, 1e-8 * norm(b), 100);
+  EXPECT_TRUE(report.converged);
+  ScalarArray row(m.size());
+  m.apply(std::span<const double>(x), std::span<double>(row));
+  for (std::size_t a = 0; a < row.size(); ++a) row[a] -= b[a];
+  EXPECT_LE(norm(row), 2e-8 * norm(b));
+  return report.iterations;
+}
+
+TEST(Multigrid, CyclesDoNotGrowWithSize) {
+  for (const bool closed : {false, true}) {
+    ScalarArray x;
+    const int few = solve(grid(20, closed), closed, x), many = solve(grid(200, closed), closed, x);
+    EXPECT_LE(few, 20);
+    EXPECT_LE(many, 1.6 * few) << "a hundred times as many rows";
+  }
+}
+
+TEST(Multigrid, RowsWithoutNeighboursAreNoProblem) {
+  PairMatrix m = grid(12, false);
+  for (int i = 0; i < 30; ++i) {
+    m.offset.push_back(m.offset.back());
+    m.diagonal.push_back(2.0);
+  }
+  ScalarArray x;
+  EXPECT_LE(solve(m, false, x), 20);
+}
+
+}  // namespace
+}  // namespace poretwin::fluid

@@ -1,0 +1,80 @@
+// Iterations and seconds of the pressure solve against size, diagonal and multigrid: a tank and a Darcy column, in
+// disorder. Not a test: run by hand.
+#include "fluid_solver/multigrid.hpp"
+#include "fluid_solver/operators.hpp"
+
+#include <cstdio>
+#include <ctime>
+#include <random>
+
+using namespace poretwin;
+using namespace poretwin::fluid;
+
+namespace {
+
+double cpu() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+/// A unit square (cube) of about n particles, walls all round; pressure fixed in its top rows (tank), or by a factor of
+/// 1e3 between two soils (seepage).
+template <int D>
+void measure(std::size_t n, bool layered) {
+  const int side = static_cast<int>(std::lround(std::pow(static_cast<double>(n), 1.0 / D)));
+  const double dx = 1.0 / side;
+  std::mt19937_64 generator(1);
+  std::uniform_real_distribution<double> jitter(-0.2 * dx, 0.2 * dx);
+  VecArray<D> x;
+  for (int k = 0; k < (D == 3 ? side : 1); ++k)
+    for (int j = 0; j < side; ++j)
+      for (int i = 0; i < side; ++i) {
+        Vec<D> p;
+        const int at[3] = {i, j, k};
+        for (int d = 0; d < D; ++d) p[d] = (at[d] + 0.5) * dx + jitter(generator);
+        x.push_back(p);
+      }
+  const ScalarArray volume(x.size(), std::pow(dx, D));
+  const double begin = cpu();
+  const auto s = make_stencil<D>(x, volume, std::span<const Buffer<D>>(), {});
+  const double stencil = cpu() - begin;
+  const auto mobility = [&](std::size_t a) { return layered && x[a][0] > 0.5 ? 1e-3 : 1.0; };
+  PairMatrix A = laplacian(
+      s, [&](std::size_t a, std::size_t b) { return harmonic(mobility(a), mobility(b)); }, true);
+  ScalarArray b(x.size()), known(x.size(), 0.0);
+  std::uniform_real_distribution<double> noise(-1.0, 1.0);
+  for (std::size_t a = 0; a < x.size(); ++a) {
+    b[a] = s.volume[a] * noise(generator);
+    if (x[a][D - 1] > 1.0 - 1.2 * dx) {
+      b[a] = 0.0;
+      A.diagonal[a] *= 1e3;
+    }
+  }
+  const auto apply = [&](std::span<const double> u, std::span<double> y) { A.apply(u, y); };
+  ScalarArray p(x.size(), 0.0);
+  double t = cpu();
+  const auto plain = conjugate_gradients(
+      apply,
+      [&](std::span<const double> r, std::span<double> z) {
+        for (std::size_t a = 0; a < r.size(); ++a) z[a] = r[a] / A.diagonal[a];
+      },
+      b, p, 1e-4 * norm(b), 5000);
+  const double diagonal = cpu() - t;
+  std::fill(p.begin(), p.end(), 0.0);
+  t = cpu();
+  Multigrid multigrid(A);
+  const double build = cpu() - t;
+  const auto quick = conjugate_gradients(
+      apply, [&](std::span<const double> r, std::span<double> z) { multigrid.cycle(r, z); }, b, p, 1e-4 * norm(b), 500);
+  const double whole = cpu() - t;
+  std::printf(
+      "%dD %-7s n %7zu stencil %.3f s | diagonal %4d its %.3f s | multigrid %3d cycles, %zu levels, %.3f s (build "
+      "%.3f)\n",
+      D, layered ? "layered" : "tank", x.size(), stencil, plain.iterations, diagonal, quick.iterations,
+      multigrid.levels(), whole, build);
+}
+
+}  // namespace
+
+int main() {
+  for (const bool layered : {false, true})
+    for (const std::size_t n : {1000, 5000, 20000, 50000, 200000}) measure<2>(n, layered);
+  for (const std::size_t n : {1000, 10000, 100000}) measure<3>(n, false);
+}
