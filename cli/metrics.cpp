@@ -16,8 +16,9 @@ namespace poretwin::cli {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-const std::vector<std::string> operations{"value",   "relative", "mean", "l2",   "profile", "max_abs", "decay_rate", "monotone", "drift",
-                                          "exceeds", "curve",    "exit", "period",  "crossing",   "counter"};
+const std::vector<std::string> operations{"value",   "relative",   "mean",     "l2",       "profile",
+                                          "max_abs", "decay_rate", "monotone", "drift",    "exceeds",
+                                          "curve",   "exit",       "period",   "crossing", "counter"};
 
 void declare(Keys& keys, VerifyRun& r) {
   keys.text("name", r.name, {"", "Name that metrics refer to.", true});
@@ -36,7 +37,8 @@ void declare(Keys& keys, Metric& m) {
   keys.text(
       "op", m.op,
       {"",
-       "`value`, `relative`, `mean` (over the range; relative error), `l2`, `profile`, `max_abs`, `decay_rate`, `monotone`, `drift`, `exceeds`, `curve`, `exit`, `period` "
+       "`value`, `relative`, `mean` (over the range; relative error), `l2`, `profile`, `max_abs`, `decay_rate`, "
+       "`monotone`, `drift`, `exceeds`, `curve`, `exit`, `period` "
        "(mean, between upward passages of `limit`; relative error), `crossing` (time at which the readings first pass "
        "`limit`; relative error) or `counter` (at most `reference`).",
        true});
@@ -51,7 +53,8 @@ void declare(Keys& keys, Metric& m) {
   keys.number("scale", m.scale, {"", "Readings are multiplied by it."});
   keys.number("limit", m.limit,
               {"", "What the readings tend to (`decay_rate`, `monotone`), or pass (`period`, `crossing`)."});
-  keys.number("normaliser", m.normaliser, {"", "Errors are divided by it (`l2`, `profile`, `drift`, `curve`)."}, positive());
+  keys.number("normaliser", m.normaliser, {"", "Errors are divided by it (`l2`, `profile`, `drift`, `curve`)."},
+              positive());
   keys.text("norm", m.norm, {"", "Of `curve` and `profile`: `max` or `rms`."});
   keys.number("reference", m.reference, {"", "The right value."});
   keys.numbers("references", m.references, {"", "The right values of `l2` and `profile`."});
@@ -346,7 +349,8 @@ class VerifyChecker {
       fail(key + ".norm", fmt::format("expected \"max\" or \"rms\", found \"{}\"", m.norm));
     if (!m.reference_csv.empty()) from_csv(m, key);
     if (m.op == "curve" && !m.curve) fail(key + ".curve", "expected 'reference_csv' or 'curve'");
-    if ((m.op == "l2" || m.op == "profile") && m.references.empty()) fail(key + ".references", "expected 'reference_csv' or 'references'");
+    if ((m.op == "l2" || m.op == "profile") && m.references.empty())
+      fail(key + ".references", "expected 'reference_csv' or 'references'");
   }
   void from_csv(Metric& m, const std::string& key) const {
     const auto rows = read_csv(path_.parent_path() / m.reference_csv);

@@ -74,13 +74,16 @@ template <int D>
 void Fluid<D>::wet_dry_ground(FaceColumn<D>& c, double interval) const {
   const auto speed = infiltration_speed(c);
   const double z = std::max(0.0, c.offset - 0.5 * c.spacing);
-  const double deeper = std::sqrt(z * z + 2.0 * speed.head * interval) + std::max(0.0, speed.gravity) * interval;
+  // No faster than a jet from this head.
+  const double total = std::max(0.0, c.pressure + weight_.dot(c.foot - origin_));
+  const double jet = std::sqrt(2.0 * (total + weight_.norm() * c.spacing) / density_);
+  const double deeper = std::min(
+      z + jet * interval, std::sqrt(z * z + 2.0 * speed.head * interval) + std::max(0.0, speed.gravity) * interval);
   c.offset = std::min(c.spacing, 0.5 * c.spacing + deeper);
   // At the window's end, for the particles that take over.
   const double depth = std::clamp(deeper, 0.25 * c.spacing, 0.5 * c.spacing);
-  c.speed = speed.head / depth + std::max(0.0, speed.gravity);
-  const double total = c.pressure + weight_.dot(c.foot - origin_);
-  c.slope = -weight_.dot(c.normal) - std::max(0.0, total) / depth;
+  c.speed = std::min(jet, speed.head / depth + std::max(0.0, speed.gravity));
+  c.slope = -weight_.dot(c.normal) - total / depth;
 }
 
 /// k/n times the pressure head at the face [m2/s], and k/n times the cosine between gravity and the way in [m/s].

@@ -89,9 +89,9 @@ class Reader {
     return here ? -gamma_ * here->suction_head : 0.0;
   }
 
-  /// How far the water reaches along a line from its start: by half fullness, late where the line meets the surface at a
-  /// wedge's tip; by the pressure's fall to that of the surface, late by a fifth of a spacing behind an advancing front
-  /// and unknown where the pressure is flat.
+  /// How far the water reaches along a line from its start: by half fullness, late where the line meets the surface at
+  /// a wedge's tip; by the pressure's fall to that of the surface, late by a fifth of a spacing behind an advancing
+  /// front and unknown where the pressure is flat.
   struct Reach {
     double by_fullness = 0.0, by_pressure = nan;
   };
@@ -106,8 +106,7 @@ class Reader {
     double wet = 0.0;
     for (double z = step; z < wet + gap && z < line.length; z += step)
       if (probe_.fullness(line.at(z)) >= 0.5) wet = z;
-    if (wet + step >= line.length && probe_.fullness(line.at(line.length)) >= 0.5)
-      return {line.length, line.length};
+    if (wet + step >= line.length && probe_.fullness(line.at(line.length)) >= 0.5) return {line.length, line.length};
     double dry = std::min(wet + step, line.length);
     while (dry - wet > 1e-3 * dx_) {
       const double middle = 0.5 * (wet + dry);
@@ -146,8 +145,8 @@ class Reader {
     return deepest - (std::isfinite(r.by_pressure) ? r.by_pressure : r.by_fullness);
   }
 
-  /// Elevation at which the water's surface meets a face (domain on the left). It comes in tangentially: its depths of one
-  /// and three tenths of a spacing are joined by a straight line.
+  /// Elevation at which the water's surface meets a face (domain on the left). It comes in tangentially: its depths of
+  /// one and three tenths of a spacing are joined by a straight line.
   [[nodiscard]] double exit_height(const Line<D>& line) const {
     const double shallow = 0.1 * dx_, deep = 0.3 * dx_, step = 0.1 * dx_;
     double before = 0.0, at_shallow = nan;
