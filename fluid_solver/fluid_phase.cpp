@@ -81,7 +81,7 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
     const auto lattice = fill<D>(region, dx_, scene.fluid.offset, scene.fluid.jitter, seed++);
     for (const auto& x : lattice.position) {
       const Soil* soil = soil_at(scene, to_point3<D>(x));
-      const double n = soil ? soil->porosity : 1.0;
+      const double n = soil ? fillable_porosity(*soil) : 1.0;
       p.add(x, initial_velocity(x), n * density_ * lattice.volume, n, lattice.volume, 0.0);
       const double height = up.dot(x) + 0.5 * dx_;
       if (height > top) {
@@ -265,12 +265,13 @@ void Fluid<D>::initialise(const coupling::Inbox& inbox) {
   settle(view);
   limit_scheme(view);
   p.solid_velocity = view.velocity;
+  for (const double m : p.mass) state_.balance.initial += m / density_;
   ++state_.revision;
 }
 
 /// Viscosity of the water itself, Eq. (76) as corrected; a von Neumann-Richtmyer term on approaching pairs for impacts,
-/// of third order where the flow is smooth; and a viscosity on what is not linear in the neighbourhood, for the noise of
-/// single particles. All pairwise antisymmetric.
+/// of third order where the flow is smooth; and a viscosity on what is not linear in the neighbourhood, for the noise
+/// of single particles. All pairwise antisymmetric.
 template <int D>
 VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& view,
                                       std::span<const Mat<D>> velocity_gradient, double interval) const {
@@ -320,7 +321,7 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
     // Near a surface the sum is short by nature, not by error.
     if (excess < 0.0) excess *= std::clamp(1.0 - 5.0 * s.length[a] * s.normal[a].norm(), 0.0, 1.0);
     if (p.surface[a] != Surface::interior || s.ghost_distance[a] > 0.0) excess = std::max(0.0, excess);
-    source[a] = motion[a] * p.void_fraction[a] * excess / repair_time(a, view);
+    source[a] = motion[a] * p.void_fraction[a] * excess / repair_time(a, view, interval);
     // Displacements of the velocity's length keep the volume to second order: det(1 + dt grad v) = 1. Without it a
     // strain rate s compresses by dt s^2, and the repair of that feeds energy in.
     if (view.mask[a] <= 0.5)

@@ -42,7 +42,7 @@ class Fluid final : public Phase {
   ScalarArray volume_source(const Stencil<D>& s, const SoilView<D>& soil, std::span<const Mat<D>> velocity_gradient,
                             double interval);
   ScalarArray moved() const;
-  double repair_time(std::size_t a, const SoilView<D>& soil) const;
+  double repair_time(std::size_t a, const SoilView<D>& soil, double interval) const;
   double look_ahead(double interval) const;
   void drift(double interval);
   void displace(std::size_t a, const Vec<D>& d, bool stop_at_walls);

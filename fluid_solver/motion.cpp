@@ -39,13 +39,14 @@ ScalarArray Fluid<D>::moved() const {
 }
 
 /// Time in which a packing error is undone [s]: physical, not a number of windows. In soil, a third of what a unit
-/// gradient needs to push water through one spacing; in free water twenty times that of a fall through one.
+/// gradient needs to push water through one spacing; in free water twenty times that of a fall through one. Never less
+/// than two windows: a repair that overtakes its window swings.
 template <int D>
-double Fluid<D>::repair_time(std::size_t a, const SoilView<D>& view) const {
+double Fluid<D>::repair_time(std::size_t a, const SoilView<D>& view, double interval) const {
   const double spacing = std::pow(state_.particles.volume[a], 1.0 / D);
   const double g = weight_.norm() > 0.0 ? weight_.norm() / density_ : 9.81;
-  return std::max(20.0 * std::sqrt(spacing / g),
-                  0.3 * spacing * view.drag[a] / (density_ * g * state_.particles.void_fraction[a]));
+  return std::max({2.0 * interval, 20.0 * std::sqrt(spacing / g),
+                   0.3 * spacing * view.drag[a] / (density_ * g * state_.particles.void_fraction[a])});
 }
 
 /// Seepage is as slow or fast as its geometry makes it, and the window's velocity belongs to the geometry at its start:

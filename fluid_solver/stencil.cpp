@@ -115,8 +115,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
     s.amplification[a] = 1.0 / (deficit > 0.75 ? std::clamp(deficit, 0.93, 1.07) : 1.0);
     s.moment[a] = moment;
     s.correction[a] = bounded_inverse<D>(moment, least_inverted, &s.blind[a], &s.least_moment[a]);
-    s.correction_open[a] =
-        n == s.n_base ? s.correction[a] : bounded_inverse<D>(moment_open, least_inverted, nullptr);
+    s.correction_open[a] = n == s.n_base ? s.correction[a] : bounded_inverse<D>(moment_open, least_inverted, nullptr);
     s.offset.push_back(static_cast<Index>(s.other.size()));
   }
   return s;

@@ -57,7 +57,8 @@ struct Stencil {
   /// inside: slope = sum fit_weight (p - p_face) over fit_index[fit_offset[c] .. fit_offset[c + 1]); none where the
   /// ground is dry.
   std::vector<Index> fit_offset{0}, fit_index;
-  ScalarArray fit_weight;  ///< 1/m
+  ScalarArray fit_weight;    ///< 1/m
+  ScalarArray fit_constant;  ///< [columns] Pa/m, added to the slope of a pressure, not to that of an increment
 
   std::vector<Index> offset{0};  ///< pairs of real a: offset[a] .. offset[a + 1]
   std::vector<Index> other;      ///< [pairs]
@@ -73,8 +74,8 @@ struct Stencil {
   VecArray<D> normal;  ///< [real] sum V grad W: inward where the surroundings are one-sided, 1/m
   ScalarArray surface_distance;  ///< [real] of a surface particle to the surface, m: half a spacing, less at a face
   ScalarArray surface_pressure;  ///< [real] total, on the surface, Pa: 0, or a suction
-  MatArray<D> correction;       ///< [real] of the kernel gradient, buffers counted (pressures)
-  MatArray<D> correction_open;  ///< [real] buffers left out (velocities)
+  MatArray<D> correction;        ///< [real] of the kernel gradient, buffers counted (pressures)
+  MatArray<D> correction_open;   ///< [real] buffers left out (velocities)
   MatArray<D> blind;   ///< [real] 1 - correction moment: the part of a gradient that neighbours are too few to tell
   MatArray<D> moment;  ///< [real] sum V r grad W, the inverse of the correction
   ScalarArray least_moment;  ///< [real] its smallest eigenvalue: 1 inside, 0 where a direction is empty

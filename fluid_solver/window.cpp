@@ -312,7 +312,7 @@ class WindowSolver {
     return pressure_gradient<D>(
         s_, p, [&](Index c) { return homogeneous ? 0.0 : in_.face_pressure[c]; },
         [](std::size_t, std::size_t) { return 1.0; }, blind,
-        [&](std::size_t a) { return homogeneous ? 0.0 : surface_pressure(a); });
+        [&](std::size_t a) { return homogeneous ? 0.0 : surface_pressure(a); }, homogeneous);
   }
 
   /// Skeleton velocity under a pressure field: H s = sb - mS G p.

@@ -307,7 +307,8 @@ void declare(Keys& keys, Gauge& g) {
             {"",
              "Of `point`: an output field, with `_x` `_y` `_z` or `_xx` `_yy` .. for one component. Of `momentum`: "
              "`momentum_x` .. Of `level` and `passed_volume`: name of the face."});
-  keys.points("points", g.points, {"m", "Where; of lines and directions the two ends."});
+  keys.points("points", g.points,
+              {"m", "Where; of lines and directions the two ends; a face is walked with the domain on the left."});
   keys.number("thickness", g.thickness,
               {"m", "Of `front` of the soil: how thick the soil must be there; 0: the tip, its last particle."},
               not_negative());
