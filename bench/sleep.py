@@ -26,8 +26,8 @@ SCENES = {
     "heave": ["case.end_time=44", f"pore_pressure.0.to_head=[[0, 1.2], [44, {1.2 + 1.1 * CRITICAL}]]"],
 }
 # (sleep_below, wake_above) [g]; the third: damping in quasi-static windows
-SETTINGS = [(1e-4, 1e-3, True), (3e-4, 3e-3, True), (1e-3, 3e-3, True), (3e-4, 1e-2, True), (1e-3, 1e-2, True),
-            (1e-3, 3e-2, True), (3e-3, 3e-2, True), (1e-3, 1e-2, False)]
+SETTINGS = [(1e-4, 1e-3, True), (3e-4, 3e-3, True), (1e-3, 3e-3, True), (1e-3, 5e-3, True), (3e-4, 1e-2, True), (1e-3, 1e-2, True),
+            (1e-3, 3e-2, True), (3e-3, 3e-2, True), (1e-3, 5e-3, False)]
 
 
 def run(program, overrides):

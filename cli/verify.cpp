@@ -39,11 +39,15 @@ class CaseCheck {
 
   CaseVerdict verdict() {
     const VerifyFile file = read_verify(place_.folder() / "verify.toml");
+    bool found = options_.run.empty();
     for (const auto& run : file.runs) {
       if (options_.short_runs && run.when == "full") continue;
+      if (!options_.run.empty() && run.name != options_.run) continue;
+      found = true;
       execute(file, run);
       if (stopped_) break;
     }
+    if (!found) throw CaseError(fmt::format("{}: there is no run '{}'", place_.name, options_.run));
     if (file.wall && wall_ > *file.wall) {
       Metric metric;
       metric.name = "wall-clock time";
@@ -65,6 +69,7 @@ class CaseCheck {
     options.overrides = run.set;
     if (options_.short_runs)
       options.overrides.insert(options.overrides.end(), run.short_set.begin(), run.short_set.end());
+    options.overrides.insert(options.overrides.end(), options_.overrides.begin(), options_.overrides.end());
     options.programs = options_.programs;
     options.quiet = true;
     options.pictures = false;

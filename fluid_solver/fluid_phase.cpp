@@ -3,6 +3,7 @@
 #include "common/core/error.hpp"
 #include "fluid_solver/basin.hpp"
 #include "fluid_solver/cloud.hpp"
+#include "fluid_solver/drag_form.hpp"
 #include "fluid_solver/fluid.hpp"
 #include "fluid_solver/operators.hpp"
 
@@ -181,7 +182,9 @@ SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox) const {
     for (auto& point : where)
       if (!soil_at(scene_, to_point3<D>(point)))
         if (const auto* c = nearest_column(point)) point = c->foot + 0.25 * c->spacing * c->normal;
-    return rigid_soil<D>(scene_, where);
+    auto view = rigid_soil<D>(scene_, where);
+    if (scene_.fluid.drag_form != FluidCase::DragForm::pointwise) view.drag_form = smoothed_drag<D>(scene_, x);
+    return view;
   }
   if (inbox.coverage.size() != n)
     throw PeerError(
@@ -363,7 +366,7 @@ WindowSolution<D> Fluid<D>::solve(const Stencil<D>& s, SoilView<D>& view, const 
     double error = 0.0, whole = 0.0;
     for (std::size_t a = 0; a < p.size(); ++a) {
       const Vec<D> slip = out.velocity[a] - out.solid_velocity[a];
-      const Vec<D> right = (view.resistance[a].linear + view.resistance[a].quadratic * slip.norm()) * slip;
+      const Vec<D> right = view.drag_force(a, slip);
       const double aw = p.void_fraction[a] * density_ / in.interval;
       error += p.volume[a] * (view.drag[a] * slip - view.drag_offset[a] - right).squaredNorm();
       whole += p.volume[a] * (aw * out.velocity[a] + right).squaredNorm();

@@ -1,6 +1,7 @@
 #include "solid_solver/step.hpp"
 
 #include "common/core/error.hpp"
+#include "solid_solver/flow.hpp"
 
 #include <fmt/format.h>
 
@@ -42,7 +43,7 @@ template <int D>
 void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& state) {
   Particles<D>& p = state.particles;
   const std::size_t n = p.size();
-  for (std::size_t i = 0; i < n; ++i) {
+  for (std::size_t i = 0; i < p.free(); ++i) {
     Vec<D> force = p.volume[i] * (state.internal[i] + state.stabilising[i]) + p.mass[i] * setup.gravity;
     force += drive.distributed[i];
     if (!drive.traction.empty()) force += drive.traction[i];
@@ -76,6 +77,7 @@ void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& 
       state.any_yielded = true;
     }
   }
+  keep_flow_regular(setup, dt, state);
   rebuild_if_moved(setup, state);
   evaluate_forces(setup, state);
 }
