@@ -15,7 +15,7 @@ Case wetting_column(const ColumnSpec& spec) {
   scene.solid.model = SolidCase::Model::drucker_prager;
   Soil& soil = scene.soils.front();
   soil.friction_angle = 35.0;
-  soil.cohesion = 2000.0;
+  soil.cohesion = 5000.0;
   soil.saturated_cohesion = 10.0;
   soil.initial_saturation = 0.2;
   return scene;
@@ -43,7 +43,7 @@ TEST(Saturation, WaterCountsAgainstTheSoilsOwnShareOfTheSurroundings) {
 }
 
 TEST(Saturation, WettingLetsAColumnFail) {
-  // A free-standing column, 0.2 m wide, 0.6 m high: 2 kPa of cohesion holds it, 10 Pa does not.
+  // A free-standing column, 0.2 m wide, 0.6 m high: 5 kPa of cohesion hold it, 10 Pa does not.
   ColumnSpec spec;
   spec.width = 0.2;
   spec.height = 0.6;
