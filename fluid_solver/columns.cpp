@@ -74,7 +74,12 @@ template <int D>
 void Fluid<D>::wet_dry_ground(FaceColumn<D>& c, double interval) const {
   const auto speed = infiltration_speed(c);
   const double z = std::max(0.0, c.offset - 0.5 * c.spacing);
-  const double deeper = std::sqrt(z * z + 2.0 * speed.head * interval) + std::max(0.0, speed.gravity) * interval;
+  // No faster than a jet from this head.
+  const double total = std::max(0.0, c.pressure + weight_.dot(c.foot - origin_));
+  const double jet = std::sqrt(2.0 * (total + weight_.norm() * c.spacing) / density_);
+  const double deeper =
+      std::min(z + jet * interval,
+               std::sqrt(z * z + 2.0 * speed.head * interval) + std::max(0.0, speed.gravity) * interval);
   c.offset = std::min(c.spacing, 0.5 * c.spacing + deeper);
   // What is born has the front's speed half a spacing in, not the endless one of its first touch.
   c.speed = std::min((deeper - z) / interval, speed.head / (0.5 * c.spacing) + std::max(0.0, speed.gravity));

@@ -20,6 +20,7 @@ struct SoilView {
   /// f is zero under Darcy's law)
   ScalarArray drag;
   VecArray<D> drag_offset;
+  MatArray<D> drag_form;  ///< [n] that multiplies the slip in a smoothed drag; empty: none
   ScalarArray density;        ///< [n] R = n_s rho_s, kg/m3
   ScalarArray modulus;        ///< [n] M = K + 4 G / 3, Pa
   VecArray<D> velocity;       ///< [n] v_s, m/s
@@ -32,17 +33,23 @@ struct SoilView {
     resistance.assign(n, {});
   }
   [[nodiscard]] std::size_t size() const { return mask.size(); }
+  /// Does the tangent differ from the law?
   [[nodiscard]] bool nonlinear() const {
-    return std::any_of(resistance.begin(), resistance.end(), [](const auto& r) { return r.quadratic > 0.0; });
+    return !drag_form.empty() || std::any_of(resistance.begin(), resistance.end(), [](const auto& r) { return r.quadratic > 0.0; });
   }
   /// Takes the resistance about the slip between these velocities.
   void linearise(std::span<const Vec<D>> water, std::span<const Vec<D>> soil) {
     for (std::size_t a = 0; a < size(); ++a) {
       const Vec<D> slip = water[a] - soil[a];
-      const double speed = slip.norm();
-      drag[a] = resistance[a].slope(speed);
-      drag_offset[a] = resistance[a].quadratic * speed * slip;
+      drag[a] = resistance[a].slope(slip.norm());
+      if (!drag_form.empty()) drag[a] *= drag_form[a].trace() / D;
+      drag_offset[a] = drag[a] * slip - drag_force(a, slip);
     }
+  }
+  /// Force on the water against the slip, per volume [N/m3].
+  [[nodiscard]] Vec<D> drag_force(std::size_t a, const Vec<D>& slip) const {
+    const double C = resistance[a].coefficient(slip.norm());
+    return drag_form.empty() ? Vec<D>(C * slip) : Vec<D>(C * drag_form[a] * slip);
   }
 };
 

@@ -4,6 +4,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace poretwin::solid {
 
 template <int D>
@@ -19,7 +22,7 @@ Boundaries<D> make_boundaries(const Case& scene, double margin) {
   };
   add(periodic_planes<D>(scene.general, 0), Kind::periodic);
   for (const auto& wall : scene.walls) {
-    if (wall.soil == Wall::ForSoil::none) continue;
+    if (wall.soil == Wall::ForSoil::none || wall.soil == Wall::ForSoil::rough) continue;
     add(planes_of<D>(wall.face, 0, margin), wall.soil == Wall::ForSoil::fixed ? Kind::fixed : Kind::roller);
   }
   if (boundaries.planes.size() > 32)
@@ -70,6 +73,19 @@ bool only_periodic(const Boundaries<D>& boundaries, std::uint32_t passed) {
   return true;
 }
 
+/// Held particles with no soil near them need no neighbours.
+void drop_idle_rows(std::size_t free, sph::PairList& pairs) {
+  Index kept = pairs.offset[free];
+  for (std::size_t i = free; i < pairs.size(); ++i) {
+    const Index from = pairs.offset[i], to = pairs.offset[i + 1];
+    pairs.offset[i] = kept;
+    if (from == to || pairs.index[from] >= free) continue;  // ascending: soil comes first
+    for (Index m = from; m < to; ++m) pairs.index[kept++] = pairs.index[m];
+  }
+  pairs.offset.back() = kept;
+  pairs.index.resize(kept);
+}
+
 }  // namespace
 
 template <int D>
@@ -93,6 +109,7 @@ void build_neighbourhood(const Boundaries<D>& boundaries, double range, const Pa
   const ScalarArray radius(sources.size(), range);
   near.pairs = sph::find_pairs<D>(std::span<const Vec<D>>(particles.position), std::span<const Vec<D>>(sources),
                                   std::span<const double>(radius), true);
+  drop_idle_rows(particles.free(), near.pairs);
 }
 
 template <int D>
@@ -128,7 +145,14 @@ void fill_nodes(const Particles<D>& p, const Neighbourhood<D>& near, const VecAr
       const Crossing<D>& wall = rule.crossings[c];
       const double distance = wall.normal.dot(nodes[rule.parent].position) - wall.level;
       const Vec<D> row = rule.map * (p.correction[rule.parent] * (rule.map.transpose() * wall.normal));
-      node.flux += (2.0 * distance * node.volume) * (wall.share * body[rule.parent]) * row.transpose();
+      double carried = 1.0;
+      if (!node.elastic) {
+        // Soil that yields at a wall has no more slope than the wall's reaction to it: none once it has come loose.
+        const double weight = distance * std::abs(wall.normal.dot(body[rule.parent]));
+        const double reaction = -wall.normal.dot(matrix_of<D>(p.stress[rule.parent]) * wall.normal);
+        if (reaction < weight) carried = std::max(0.0, reaction / weight);
+      }
+      node.flux += (carried * 2.0 * distance * node.volume) * (wall.share * body[rule.parent]) * row.transpose();
     }
   }
 }

@@ -1,6 +1,7 @@
 #include "solid_solver/gauges.hpp"
 
 #include "common/core/error.hpp"
+#include "solid_solver/deposit.hpp"
 #include "solid_solver/probe.hpp"
 #include "solid_solver/readout.hpp"
 
@@ -43,7 +44,7 @@ double crest_settlement(const Gauge& gauge, const Setup<D>& setup, const State<D
   double crest = -std::numeric_limits<double>::infinity();
   for (const bool summing : {false, true}) {
     double sum = 0.0, count = 0.0;
-    for (std::size_t i = 0; i < p.size(); ++i) {
+    for (std::size_t i = 0; i < p.free(); ++i) {
       const Vec<D> since = p.displacement[i] - state.rest_displacement[i];
       const Vec<D> before = p.position[i] - since;
       if (!within<D>(gauge, before)) continue;
@@ -123,22 +124,42 @@ std::vector<GaugeReading> read_gauges(const Case& scene, const Setup<D>& setup, 
   const auto& p = state.particles;
   for (const auto& gauge : scene.gauges) {
     if (gauge.phase != "solid") continue;
-    if (gauge.kind == "point") {
+    if (gauge.kind == "point" || gauge.kind == "height") {
       for (std::size_t k = 0; k < gauge.points.size(); ++k) {
         const std::string name = gauge.points.size() == 1 ? gauge.name : fmt::format("{}[{}]", gauge.name, k);
-        readings.push_back(read_point<D>(gauge, name, gauge.points[k], setup, state));
+        if (gauge.kind == "point")
+          readings.push_back(read_point<D>(gauge, name, gauge.points[k], setup, state));
+        else
+          readings.push_back({name, surface_height<D>(setup, state, gauge.points[k].template head<D>()), "m"});
       }
       continue;
     }
+    if (gauge.kind == "front") {
+      readings.push_back({gauge.name,
+                          front_position<D>(setup, state, gauge.points[0].template head<D>(),
+                                            gauge.points[1].template head<D>(), gauge.thickness),
+                          "m"});
+      continue;
+    }
+    if (gauge.kind == "stress_noise") {
+      readings.push_back({gauge.name, stress_noise<D>(setup, state), "Pa"});
+      continue;
+    }
+    if (gauge.kind == "density_error") {
+      readings.push_back({gauge.name, density_error<D>(setup, state), "1"});
+      continue;
+    }
     Vec<D> momentum = Vec<D>::Zero(), pending = Vec<D>::Zero();
-    double kinetic = 0.0, stored = 0.0, count = 0.0, plastic = 0.0, speed = 0.0, displacement = 0.0, uplift = 0.0;
+    double kinetic = 0.0, stored = 0.0, grains = 0.0, count = 0.0, plastic = 0.0, speed = 0.0, displacement = 0.0,
+           uplift = 0.0;
     const Vec<D> up = upwards(setup);
-    for (std::size_t i = 0; i < p.size(); ++i) {
+    for (std::size_t i = 0; i < p.free(); ++i) {
       if (!within<D>(gauge, p.position[i])) continue;
       momentum += p.mass[i] * p.velocity[i];
       pending += state.returned_impulse[i];
       kinetic += 0.5 * p.mass[i] * p.velocity[i].squaredNorm();
       stored += p.volume[i] * strain_energy(p.stress[i], setup.models[p.material[i]]->elasticity());
+      grains += p.mass[i] / setup.grain_density[p.material[i]];
       count += 1.0;
       plastic = std::max(plastic, p.plastic_strain[i]);
       speed = std::max(speed, p.velocity[i].norm());
@@ -154,6 +175,8 @@ std::vector<GaugeReading> read_gauges(const Case& scene, const Setup<D>& setup, 
       readings.push_back({gauge.name, kinetic, "J" + per});
     } else if (gauge.kind == "strain_energy") {
       readings.push_back({gauge.name, stored, "J" + per});
+    } else if (gauge.kind == "grain_volume") {
+      readings.push_back({gauge.name, grains, D == 2 ? "m2" : "m3"});
     } else if (gauge.kind == "crest_settlement") {
       readings.push_back({gauge.name, crest_settlement<D>(gauge, setup, state), "m"});
     } else if (gauge.kind == "particles") {
@@ -167,11 +190,7 @@ std::vector<GaugeReading> read_gauges(const Case& scene, const Setup<D>& setup, 
     } else if (gauge.kind == "uplift") {
       readings.push_back({gauge.name, uplift, "m"});
     } else {
-      throw CaseError(fmt::format(
-          "gauge \"{}\": kind \"{}\" is not known to the solid; expected point, momentum, "
-          "kinetic_energy, strain_energy, particles, max_speed, max_displacement, max_plastic_strain, uplift, "
-          "crest_settlement or pending_impulse",
-          gauge.name, gauge.kind));
+      throw CaseError(fmt::format("gauge \"{}\": kind \"{}\" is not known to the solid", gauge.name, gauge.kind));
     }
   }
   return readings;

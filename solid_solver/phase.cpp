@@ -269,13 +269,14 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
     if (scene_.solid.quiet && k == 0) {
       reference = reference_acceleration(setup_, state_, drive);
       const auto& quiet = *scene_.solid.quiet;
-      const bool calm = unrest(setup_, state_, drive, reference).rms < quiet.wake_above;
+      constexpr double quasi_static = 10.0;  // of wake_above
+      const bool calm = unrest(setup_, state_, drive, reference).rms < quasi_static * quiet.wake_above;
       drive.damping = quiet.damping && calm && !state_.still_yields ? near_critical_damping(setup_) : 0.0;
       if (drive.damping > 0.0) state_.damped += static_cast<double>(steps);
     }
     substep<D>(setup_, dt, drive, state_);
   }
-  check_finite(state_, window.time);
+  check_sound(setup_, state_, window.time);
   state_.external.pressure_gradient = to;
   for (std::size_t i = 0; i < n; ++i) state_.mean_velocity[i] = (p.displacement[i] - displacement[i]) / interval;
   if (scene_.solid.quiet) fall_asleep_if_quiet(drive, reference);
@@ -368,7 +369,7 @@ Publication Solid<D>::publish() const {
 template <int D>
 OutputFrame Solid<D>::frame() const {
   const Particles<D>& p = state_.particles;
-  const std::size_t n = p.size();
+  const std::size_t n = p.free();
   OutputFrame frame;
   frame.time = state_.time;
   auto padded = [&](const VecArray<D>& v) {
@@ -385,17 +386,19 @@ OutputFrame Solid<D>::frame() const {
   const Vec<D> up = upwards(setup_);
   frame.position = padded(p.position);
   std::vector<double> stress;
-  for (const auto& s : p.stress) stress.insert(stress.end(), s.data(), s.data() + 6);
+  for (std::size_t i = 0; i < n; ++i) stress.insert(stress.end(), p.stress[i].data(), p.stress[i].data() + 6);
   frame.fields = {
       {"displacement", "m", "displacement of the skeleton since the unloaded state", 3, padded(p.displacement)},
       {"velocity", "m/s", "velocity of the skeleton", 3, padded(p.velocity)},
       {"effective_stress", "Pa", "effective stress (xx yy zz xy yz xz), compression negative", 6, std::move(stress)},
-      {"pore_pressure", "Pa", "pressure of the water at the soil's points", 1, state_.external.pressure},
+      {"pore_pressure", "Pa", "pressure of the water at the soil's points", 1,
+       scalars([&](std::size_t i) { return state_.external.pressure[i]; })},
       {"void_fraction", "1", "porosity n_w = 1 - n_s", 1,
        scalars([&](std::size_t i) { return void_fraction(setup_, p, i); })},
       {"degree_of_saturation", "1", "water's share of the soil's surroundings, Eq. (90)", 1,
-       state_.external.saturation},
-      {"accumulated_plastic_strain", "1", "accumulated equivalent deviatoric plastic strain", 1, p.plastic_strain},
+       scalars([&](std::size_t i) { return state_.external.saturation[i]; })},
+      {"accumulated_plastic_strain", "1", "accumulated equivalent deviatoric plastic strain", 1,
+       scalars([&](std::size_t i) { return p.plastic_strain[i]; })},
       {"mobilised_friction", "degrees", "mobilised friction angle, sin phi_m = (s1 - s3) / (s1 + s3)", 1,
        scalars([&](std::size_t i) { return mobilised_friction(p.stress[i]); })},
       {"pore_pressure_ratio", "1", "r_u = pore pressure / total vertical stress; 1: liquefied", 1,

@@ -29,7 +29,7 @@ Vec<D> force_from_outside(const Drive<D>& drive, std::size_t i) {
 template <int D>
 double reference_acceleration(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive) {
   double reference = setup.gravity.norm();
-  for (std::size_t i = 0; i < state.particles.size(); ++i)
+  for (std::size_t i = 0; i < state.particles.free(); ++i)
     reference = std::max(reference,
                          force_from_outside(drive, i).norm() / state.particles.mass[i] * setup.spacing / setup.height);
   return reference;
@@ -41,11 +41,11 @@ Unrest unrest(const Setup<D>& setup, const State<D>& state, const Drive<D>& driv
   const double rate = near_critical_damping(setup);
   Unrest result;
   if (reference <= 0.0) return result;
-  for (std::size_t i = 0; i < p.size(); ++i) {
+  for (std::size_t i = 0; i < p.free(); ++i) {
     const Vec<D> a = (p.volume[i] * state.internal[i] + force_from_outside(drive, i)) / p.mass[i] + setup.gravity;
     const double departure = std::max(a.norm(), rate * p.velocity[i].norm()) / reference;
     result.largest = std::max(result.largest, departure);
-    result.rms += departure * departure / static_cast<double>(p.size());
+    result.rms += departure * departure / static_cast<double>(p.free());
   }
   result.rms = std::sqrt(result.rms);
   return result;
@@ -65,7 +65,7 @@ template <int D>
 bool disturbed(const State<D>& state, const Drive<D>& drive, std::size_t loads, double reference, double wake_above) {
   constexpr double saturation_change = 0.01;
   if (loads != state.sleep.loads) return true;
-  for (std::size_t i = 0; i < state.particles.size(); ++i) {
+  for (std::size_t i = 0; i < state.particles.free(); ++i) {
     if (std::abs(state.external.coverage[i] - state.sleep.coverage[i]) > saturation_change) return true;
     const double change = (drive.distributed[i] - state.sleep.force[i]).norm();
     if (change > wake_above * reference * state.particles.mass[i]) return true;

@@ -3,9 +3,11 @@
 #include "common/core/error.hpp"
 #include "common/porous/seepage.hpp"
 #include "solid_solver/constitutive/cone.hpp"
+#include "solid_solver/rough_walls.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace poretwin::solid {
@@ -76,6 +78,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
     const Soil& soil = scene.soils[s];
     setup.models.push_back(make_constitutive(scene.solid.model, weakened(soil, scene.solid.strength_reduction)));
     setup.grain_density.push_back(soil.grain_density);
+    setup.constant_volume.push_back(soil.dilation_angle <= 0.0 ? 1 : 0);
     const auto lattice = fill<D>(soil.shape, setup.spacing, scene.solid.offset, scene.solid.jitter,
                                  scene.solid.seed + static_cast<unsigned>(s));
     const double density = (1.0 - soil.porosity) * soil.grain_density;
@@ -88,10 +91,13 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
       particles.material.push_back(static_cast<Index>(s));
     }
   }
+  if (particles.size() == 0)
+    throw CaseError("no soil particle lies in any [[soil]] shape: check shapes and solid.particle_spacing");
+  hold_soil_behind_rough_walls<D>(scene.walls, setup, particles);
   const std::size_t n = particles.size();
-  if (n == 0) throw CaseError("no soil particle lies in any [[soil]] shape: check shapes and solid.particle_spacing");
   particles.displacement.assign(n, Vec<D>::Zero());
-  particles.velocity.assign(n, Vec<D>(scene.solid.initial_velocity.head<D>()));
+  particles.velocity.assign(n, Vec<D>::Zero());
+  std::fill_n(particles.velocity.begin(), particles.free(), Vec<D>(scene.solid.initial_velocity.head<D>()));
   particles.stress.assign(n, Tensor::Zero());
   particles.plastic_strain.assign(n, 0.0);
   particles.gradient.assign(n, Mat<D>::Zero());
@@ -103,9 +109,9 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
     setup.stabilisers.modulus = std::min(setup.stabilisers.modulus, model->elasticity().constrained());
   setup.longest_substep = setup.courant * setup.spacing / fastest;
   Vec<D> lower = particles.position[0], upper = lower;
-  for (const auto& x : particles.position) {
-    lower = lower.cwiseMin(x);
-    upper = upper.cwiseMax(x);
+  for (std::size_t i = 0; i < particles.free(); ++i) {
+    lower = lower.cwiseMin(particles.position[i]);
+    upper = upper.cwiseMax(particles.position[i]);
   }
   const double g = setup.gravity.norm();
   setup.height = setup.spacing +

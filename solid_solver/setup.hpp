@@ -37,6 +37,7 @@ struct Setup {
   std::vector<std::unique_ptr<ConstitutiveModel>> models;  ///< one per soil
   ScalarArray density;                                     ///< kg/m3, initial rho_bar_s, one per soil
   ScalarArray grain_density;                               ///< kg/m3, one per soil
+  std::vector<char> constant_volume;                       ///< one per soil: sheared without dilation
   [[nodiscard]] double range() const { return sph::support_radius * smoothing_length + skin; }
 };
 

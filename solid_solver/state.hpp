@@ -10,7 +10,7 @@
 
 namespace poretwin::solid {
 
-/// The real particles.
+/// The real particles: those of the soil, then those that rough walls hold still.
 template <int D>
 struct Particles {
   VecArray<D> position;         ///< m
@@ -24,7 +24,9 @@ struct Particles {
   MatArray<D> gradient;         ///< 1/s, velocity gradient d v_a / d x_b
   MatArray<D> deformation;      ///< 1, displacement gradient d u_a / d x_b
   MatArray<D> correction;       ///< kernel-gradient correction B
+  std::size_t held = 0;         ///< how many, at the end, are held
   [[nodiscard]] std::size_t size() const { return mass.size(); }
+  [[nodiscard]] std::size_t free() const { return mass.size() - held; }  ///< how many, at the front, are free to move
 };
 
 /// What the pair loops read of a particle or an image, packed: neighbours are visited in scattered order.
@@ -106,6 +108,7 @@ struct State {
   VecArray<D> rest_displacement;  ///< m, after initialise: where uplift counts from
   std::vector<char> yielded;      ///< during the last window
   bool any_yielded = false;
+  double since_upkeep = 0.0;  ///< s, since the flowing soil was last kept regular
   Sleep<D> sleep;
   bool still_yields = false;  ///< something yielded since the soil was last quiet: its motion must not be damped
   double substeps = 0.0, rebuilds = 0.0, slept = 0.0, damped = 0.0;  ///< counters of substeps and list rebuilds

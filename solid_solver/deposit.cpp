@@ -1,0 +1,163 @@
+#include "solid_solver/deposit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace poretwin::solid {
+namespace {
+
+/// Wendland C2 of one dimension less than the soil's, for sums over what lies above one another [1/m^(D-1)].
+template <int D>
+double flat_kernel(double r, double h) {
+  constexpr double pi = 3.14159265358979;
+  const double q = r / h;
+  if (q >= sph::support_radius) return 0.0;
+  const double u = 1.0 - 0.5 * q, u2 = u * u;
+  return (D == 2 ? 0.75 / h : 7.0 / (4.0 * pi * h * h)) * u2 * u2 * (2.0 * q + 1.0);
+}
+
+/// Volume of soil, packed as at the start, over a unit of ground at x [m].
+template <int D>
+double thickness_at(const Setup<D>& setup, const State<D>& state, const Vec<D>& x) {
+  const auto& p = state.particles;
+  const Vec<D> up = upwards(setup);
+  double sum = 0.0;
+  for (std::size_t i = 0; i < p.free(); ++i) {
+    const Vec<D> r = p.position[i] - x;
+    sum +=
+        p.mass[i] / setup.density[p.material[i]] * flat_kernel<D>((r - up.dot(r) * up).norm(), setup.smoothing_length);
+  }
+  return sum;
+}
+
+/// Share of the kernel around x that lies in soil.
+template <int D>
+double coverage_at(const Setup<D>& setup, const State<D>& state, const Vec<D>& x) {
+  const auto& p = state.particles;
+  const auto& images = state.near.images;
+  double sum = 0.0;
+  for (std::size_t j = 0; j < p.size() + images.size(); ++j) {
+    const bool image = j >= p.size();
+    const std::size_t i = image ? images[j - p.size()].parent : j;
+    const Vec<D> position =
+        image ? Vec<D>(images[j - p.size()].map * p.position[i] + images[j - p.size()].shift) : p.position[i];
+    sum += p.volume[i] * sph::WendlandC2<D>::value((position - x).norm(), setup.smoothing_length);
+  }
+  return sum;
+}
+
+/// Kernel sums around particle i over all that stands in its list, itself included.
+template <int D>
+bool inside(const Setup<D>& setup, const State<D>& state, std::size_t i) {
+  const auto& pairs = state.near.pairs;
+  const double h = setup.smoothing_length;
+  double cover = state.nodes[i].volume * sph::WendlandC2<D>::value(0.0, h);
+  Vec<D> centre = Vec<D>::Zero();
+  for (Index m = pairs.offset[i]; m < pairs.offset[i + 1]; ++m) {
+    const Node<D>& other = state.nodes[pairs.index[m]];
+    const Vec<D> r = other.position - state.nodes[i].position;
+    const double weight = other.volume * sph::WendlandC2<D>::value(r.norm(), h);
+    cover += weight;
+    centre += weight * r;
+  }
+  return cover > 0.8 && centre.norm() < 0.1 * h * cover;
+}
+
+}  // namespace
+
+template <int D>
+double front_position(const Setup<D>& setup, const State<D>& state, const Vec<D>& from, const Vec<D>& to,
+                      double thickness) {
+  const auto& p = state.particles;
+  const Vec<D> along = (to - from).normalized();
+  const double length = (to - from).norm();
+  double tip = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < p.free(); ++i) tip = std::max(tip, along.dot(p.position[i] - from));
+  tip = std::clamp(tip + 0.5 * setup.spacing, 0.0, length);
+  if (thickness <= 0.0) return tip;
+  const double step = 0.25 * setup.spacing;
+  double beyond = 0.0;
+  for (double s = std::min(length, tip + 2.0 * setup.smoothing_length); s >= 0.0; s -= step) {
+    const double here = thickness_at<D>(setup, state, from + s * along);
+    if (here >= thickness) return s + step * (here - thickness) / std::max(here - beyond, 1e-300);
+    beyond = here;
+  }
+  return 0.0;
+}
+
+template <int D>
+double surface_height(const Setup<D>& setup, const State<D>& state, const Vec<D>& x) {
+  const auto& p = state.particles;
+  const Vec<D> up = upwards(setup);
+  double top = -std::numeric_limits<double>::infinity(), bottom = -top;
+  for (std::size_t i = 0; i < p.free(); ++i) {
+    const double level = up.dot(p.position[i] - x);
+    top = std::max(top, level);
+    bottom = std::min(bottom, level);
+  }
+  const double step = 0.25 * setup.spacing;
+  double above = 0.0;
+  for (double z = top + setup.smoothing_length; z >= bottom; z -= step) {
+    const double here = coverage_at<D>(setup, state, x + z * up);
+    if (here >= 0.5) return z + step * (here - 0.5) / std::max(here - above, 1e-300);
+    above = here;
+  }
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+template <int D>
+double stress_noise(const Setup<D>& setup, const State<D>& state) {
+  using Basis = Eigen::Matrix<double, D + 1, 1>;
+  using Moment = Eigen::Matrix<double, D + 1, D + 1>;
+  const auto& p = state.particles;
+  const auto& pairs = state.near.pairs;
+  const double h = setup.smoothing_length;
+  double sum = 0.0, count = 0.0;
+  for (std::size_t i = 0; i < p.free(); ++i) {
+    if (!inside<D>(setup, state, i)) continue;
+    Moment moment = Moment::Zero();
+    Basis right = Basis::Zero();
+    auto add = [&](std::size_t j) {
+      const Vec<D> r = p.position[j] - p.position[i];
+      Basis basis;
+      basis << 1.0, r / h;
+      const double weight = p.volume[j] * sph::WendlandC2<D>::value(r.norm(), h);
+      moment += weight * basis * basis.transpose();
+      right += weight * trace(p.stress[j]) / 3.0 * basis;
+    };
+    add(i);
+    for (Index m = pairs.offset[i]; m < pairs.offset[i + 1]; ++m)
+      if (pairs.index[m] < p.free()) add(pairs.index[m]);
+    if (moment.determinant() < 1e-6 * std::pow(moment(0, 0), D + 1)) continue;  // too few for a slope
+    const Basis fit = moment.ldlt().solve(right);
+    const double difference = trace(p.stress[i]) / 3.0 - fit[0];
+    sum += difference * difference;
+    count += 1.0;
+  }
+  return count > 0.0 ? std::sqrt(sum / count) : 0.0;
+}
+
+template <int D>
+double density_error(const Setup<D>& setup, const State<D>& state) {
+  const auto& p = state.particles;
+  double sum = 0.0, count = 0.0;
+  for (std::size_t i = 0; i < p.free(); ++i) {
+    if (!inside<D>(setup, state, i)) continue;
+    const double error = p.mass[i] / (setup.density[p.material[i]] * p.volume[i]) - 1.0;
+    sum += error * error;
+    count += 1.0;
+  }
+  return count > 0.0 ? std::sqrt(sum / count) : 0.0;
+}
+
+#define PORETWIN_INSTANTIATE(D)                                                                              \
+  template double front_position<D>(const Setup<D>&, const State<D>&, const Vec<D>&, const Vec<D>&, double); \
+  template double surface_height<D>(const Setup<D>&, const State<D>&, const Vec<D>&);                        \
+  template double stress_noise<D>(const Setup<D>&, const State<D>&);                                         \
+  template double density_error<D>(const Setup<D>&, const State<D>&);
+PORETWIN_INSTANTIATE(2)
+PORETWIN_INSTANTIATE(3)
+#undef PORETWIN_INSTANTIATE
+
+}  // namespace poretwin::solid
