@@ -129,6 +129,10 @@ void declare(CLI::App& app, Arguments& a, VerifyOptions& v, std::vector<std::str
   with_programs(verify_command);
   verify_command->add_option("--json", v.json, "write the results as JSON too");
   verify_command->add_option("--out", v.out, "folder of the runs")->capture_default_str();
+  verify_command->add_option("--run", v.run, "only this run of the case");
+  verify_command->add_option("--set", v.overrides, "override a key of every run: section.key=value")
+      ->take_all()
+      ->allow_extra_args(false);
   verify_command->add_flag("--short", v.short_runs, "the short form of each run");
   verify_command->callback([&] {
     action = [&] {

@@ -39,11 +39,15 @@ class CaseCheck {
 
   CaseVerdict verdict() {
     const VerifyFile file = read_verify(place_.folder() / "verify.toml");
+    bool found = options_.run.empty();
     for (const auto& run : file.runs) {
       if (options_.short_runs && run.when == "full") continue;
+      if (!options_.run.empty() && run.name != options_.run) continue;
+      found = true;
       execute(file, run);
       if (stopped_) break;
     }
+    if (!found) throw CaseError(fmt::format("{}: there is no run '{}'", place_.name, options_.run));
     if (file.wall && wall_ > *file.wall) {
       Metric metric;
       metric.name = "wall-clock time";
@@ -65,6 +69,7 @@ class CaseCheck {
     options.overrides = run.set;
     if (options_.short_runs)
       options.overrides.insert(options.overrides.end(), run.short_set.begin(), run.short_set.end());
+    options.overrides.insert(options.overrides.end(), options_.overrides.begin(), options_.overrides.end());
     options.programs = options_.programs;
     options.quiet = true;
     options.pictures = false;
@@ -82,11 +87,13 @@ class CaseCheck {
     for (const auto& summary : result.summaries)
       for (const auto* numbers : {&summary.steps, &summary.counters})
         for (const auto& [name, value] : *numbers) counters[fmt::format("{}.{}", summary.process, name)] = value;
+    done_[run.name] = gauges;
     bool failure_expected = false;
     for (const auto& metric : file.metrics) {
       if (metric.run != run.name) continue;
       failure_expected = failure_expected || metric.op == "exit" || metric.op == "exceeds";
-      add(metric, judge(metric, gauges, result.exit, counters));
+      add(metric, metric.op == "order" ? judge_order(metric, done_[metric.coarse], gauges)
+                                       : judge(metric, gauges, result.exit, counters));
     }
     if (result.exit != 0 && !failure_expected) {
       Metric metric;
@@ -129,6 +136,7 @@ class CaseCheck {
   Json json_;
   bool passed_ = true, stopped_ = false;
   double wall_ = 0.0, cpu_ = 0.0;
+  std::map<std::string, Gauges> done_;  ///< of the runs so far
 };
 
 void write_json(const fs::path& path, const Json& json) {

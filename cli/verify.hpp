@@ -10,6 +10,8 @@ namespace poretwin::cli {
 struct VerifyOptions {
   std::string which;           ///< a case, or "all"
   std::filesystem::path json;  ///< empty: none
+  std::string run;             ///< only this run of a case; empty: all
+  std::vector<std::string> overrides;
   bool short_runs = false;
   std::filesystem::path programs, out = "runs/verify";
 };

@@ -64,18 +64,29 @@ struct Row {
   VecArray<D> offset;
   Size n = 0;
   bool extrapolates = false;  ///< some coefficient is negative: the result may leave the neighbours' range
+  // Moments of the kernel weights.
+  double m0 = 0.0, mh = 0.0;  ///< sum of w; of w h
+  Vec<D> m1 = Vec<D>::Zero();
 
-  void reserve(Size size) {
+  void clear(Size size) {
+    n = 0;
     if (source.size() >= size) return;
     source.resize(size);
     weight.resize(size);
     offset.resize(size);
   }
 
+  void add(Index j, double w, const Vec<D>& r) {
+    source[n] = j;
+    weight[n] = w;
+    offset[n] = r;
+    ++n;
+  }
+
   /// From kernel weights to coefficients that sum to one; false where there is nothing.
   bool normalise(std::span<const double> h) {
-    double m0 = 0.0, mh = 0.0;
-    Vec<D> m1 = Vec<D>::Zero();
+    m0 = mh = 0.0;
+    m1.setZero();
     Mat<D> m2 = Mat<D>::Zero();
     for (Size p = 0; p < n; ++p) {
       const double w = weight[p];
@@ -106,25 +117,26 @@ struct Row {
     extrapolates = least < 0.0;
     return true;
   }
-
-  /// One block of columns of the row's value; `packed` holds `width` columns for every source.
-  Block sum(const double* packed, Size width) const {
-    Block total = Block::Zero();
-    for (Size p = 0; p < n; ++p) total += weight[p] * Eigen::Map<const Block>(packed + source[p] * width);
-    return total;
-  }
-  /// The same, kept within the range of the neighbours' values.
-  Block bounded_sum(const double* packed, Size width) const {
-    Block total = Block::Zero(), low = Block::Constant(std::numeric_limits<double>::infinity()), high = -low;
-    for (Size p = 0; p < n; ++p) {
-      const Eigen::Map<const Block> value(packed + source[p] * width);
-      total += weight[p] * value;
-      low = low.min(value);
-      high = high.max(value);
-    }
-    return total.max(low).min(high);
-  }
 };
+
+/// One block of columns of a row's value: `n` sources with their coefficients; `packed` holds `width` columns for every
+/// source.
+Block sum(const Index* source, const double* coefficient, Size n, const double* packed, Size width) {
+  Block total = Block::Zero();
+  for (Size p = 0; p < n; ++p) total += coefficient[p] * Eigen::Map<const Block>(packed + source[p] * width);
+  return total;
+}
+/// The same, kept within the range of the neighbours' values.
+Block bounded_sum(const Index* source, const double* coefficient, Size n, const double* packed, Size width) {
+  Block total = Block::Zero(), low = Block::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (Size p = 0; p < n; ++p) {
+    const Eigen::Map<const Block> value(packed + source[p] * width);
+    total += coefficient[p] * value;
+    low = low.min(value);
+    high = high.max(value);
+  }
+  return total.max(low).min(high);
+}
 
 }  // namespace
 
@@ -224,6 +236,10 @@ bool PairWeights<D>::gather(const PointSet& source, const PointSet& target) {
 template <int D>
 void PairWeights<D>::weigh() {
   weight_.resize(index_.size());
+  near_.resize(index_.size());
+  coefficient_.resize(index_.size());
+  n_near_.assign(target_.size(), 0);
+  extrapolates_.assign(target_.size(), 0);
   coverage_.assign(target_.size(), 0.0);
   asymmetry_.assign(target_.size(), 0.0);
   // V W(r, h) = V / h^D W(r / h, 1): the divisions are the source's, not the pair's.
@@ -234,22 +250,24 @@ void PairWeights<D>::weigh() {
     amplitude[j] = volume_[j];
     for (int d = 0; d < D; ++d) amplitude[j] *= per_length[j];
   }
+  Row<D> row;
   for (Size i = 0; i < target_.size(); ++i) {
-    double sum = 0.0, length = 0.0;
-    Vec<D> moment = Vec<D>::Zero();
     const Vec<D> x = target_[i];
+    row.clear(first_[i + 1] - first_[i]);
     for (Index p = first_[i]; p < first_[i + 1]; ++p) {
       const Index j = index_[p];
       const Vec<D> r = source_[j] - x;
       const double w = amplitude[j] * sph::WendlandC2<D>::value(r.norm() * per_length[j], 1.0);
       weight_[p] = w;
-      sum += w;
-      moment += w * r;
-      length += w * h_[j];
+      if (w > 0.0) row.add(j, w, r);
     }
-    if (!(sum > nothing)) continue;
-    coverage_[target_order_[i]] = sum;
-    asymmetry_[target_order_[i]] = moment.norm() / length;
+    if (!row.normalise(h_)) continue;
+    coverage_[target_order_[i]] = row.m0;
+    asymmetry_[target_order_[i]] = row.m1.norm() / row.mh;
+    std::copy_n(row.source.begin(), row.n, near_.begin() + static_cast<std::ptrdiff_t>(first_[i]));
+    std::copy_n(row.weight.begin(), row.n, coefficient_.begin() + static_cast<std::ptrdiff_t>(first_[i]));
+    n_near_[i] = static_cast<Index>(row.n);
+    extrapolates_[i] = row.extrapolates;
   }
 }
 
@@ -280,28 +298,32 @@ std::vector<Field> PairWeights<D>::consistent(std::span<const Field* const> fiel
     for (Size j = 0; j < n; ++j) share[j] = mask[source_order_[j]];
   }
   Row<D> row;
-  std::vector<double> sum(width);
+  std::vector<double> total(width);
   for (Size i = 0; i < m; ++i) {
-    row.reserve(first_[i + 1] - first_[i]);
-    row.n = 0;
-    for (Index p = first_[i]; p < first_[i + 1]; ++p) {
-      const Index j = index_[p];
-      const double w = share.empty() ? weight_[p] : weight_[p] * share[j];
-      if (w <= 0.0) continue;
-      row.source[row.n] = j;
-      row.weight[row.n] = w;
-      row.offset[row.n] = source_[j] - target_[i];
-      ++row.n;
+    const Index* near = near_.data() + first_[i];
+    const double* coefficient = coefficient_.data() + first_[i];
+    Size count = n_near_[i];
+    bool extrapolates = extrapolates_[i] != 0;
+    if (!share.empty()) {  // other weights, other moments
+      row.clear(first_[i + 1] - first_[i]);
+      for (Index p = first_[i]; p < first_[i + 1]; ++p)
+        if (const double w = weight_[p] * share[index_[p]]; w > 0.0)
+          row.add(index_[p], w, source_[index_[p]] - target_[i]);
+      count = row.normalise(h_) ? row.n : 0;
+      near = row.source.data();
+      coefficient = row.weight.data();
+      extrapolates = row.extrapolates;
     }
-    if (!row.normalise(h_)) continue;
+    if (count == 0) continue;
     for (Size b = 0; b < width; b += block)
-      Eigen::Map<Block>(sum.data() + b) =
-          row.extrapolates ? row.bounded_sum(packed.data() + b, width) : row.sum(packed.data() + b, width);
+      Eigen::Map<Block>(total.data() + b) = extrapolates
+                                                ? bounded_sum(near, coefficient, count, packed.data() + b, width)
+                                                : sum(near, coefficient, count, packed.data() + b, width);
     const Size target = target_order_[i];
     Size from = 0;
     for (auto& field : out) {
       const Size components = static_cast<Size>(field.components);
-      std::copy_n(sum.begin() + static_cast<std::ptrdiff_t>(from), components,
+      std::copy_n(total.begin() + static_cast<std::ptrdiff_t>(from), components,
                   field.values.begin() + static_cast<std::ptrdiff_t>(target * components));
       from += components;
     }
@@ -317,31 +339,39 @@ std::vector<double> PairWeights<D>::balance(const Field& amounts) const {
   const Size components = static_cast<Size>(amounts.components);
   std::vector<double> scale(receivers_, 1.0), load(receivers_), weight(receivers_, 0.0), own(receivers_, 0.0);
   VecArray<D> moment(receivers_, Vec<D>::Zero());
-  std::vector<Size> givers;
+  // The pairs that count, giver by giver: every round walks through them twice.
+  struct Share {
+    Index receiver;
+    double weight;
+  };
+  std::vector<Share> shares;
+  std::vector<Size> last;
+  std::vector<double> volume;
   for (Size i = 0; i < target_.size(); ++i) {
     const double* amount = amounts.values.data() + target_order_[i] * components;
     if (std::all_of(amount, amount + components, [](double a) { return a == 0.0; })) continue;
-    givers.push_back(i);
     for (Index p = first_[i]; p < first_[i + 1]; ++p) {
       const Index k = index_[p];
-      if (owner_[k] < 0) continue;
+      if (owner_[k] < 0 || weight_[p] == 0.0) continue;
       const Size j = static_cast<Size>(owner_[k]);
       weight[j] += weight_[p] * h_[k];
       moment[j] += weight_[p] * (target_[i] - source_[k]);
+      shares.push_back({static_cast<Index>(j), weight_[p]});
     }
+    last.push_back(shares.size());
+    volume.push_back(target_volume_[i]);
   }
   for (Size k = 0; k < source_.size(); ++k)
     if (source_order_[k] < receivers_) own[source_order_[k]] = volume_[k];
   for (int round = 0; round < balancing_rounds; ++round) {
     std::fill(load.begin(), load.end(), 0.0);
-    for (const Size i : givers) {
+    for (Size i = 0, first = 0; i < last.size(); first = last[i++]) {
       double total = 0.0;
-      for (Index p = first_[i]; p < first_[i + 1]; ++p)
-        if (owner_[index_[p]] >= 0) total += weight_[p] * scale[static_cast<Size>(owner_[index_[p]])];
+      for (Size p = first; p < last[i]; ++p) total += shares[p].weight * scale[shares[p].receiver];
       if (!(total > nothing)) continue;
-      for (Index p = first_[i]; p < first_[i + 1]; ++p)
-        if (const auto j = owner_[index_[p]]; j >= 0)
-          load[static_cast<Size>(j)] += target_volume_[i] * weight_[p] * scale[static_cast<Size>(j)] / total;
+      const double part = volume[i] / total;
+      for (Size p = first; p < last[i]; ++p)
+        load[shares[p].receiver] += part * shares[p].weight * scale[shares[p].receiver];
     }
     double worst = 0.0;
     for (Size j = 0; j < receivers_; ++j) {

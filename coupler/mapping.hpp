@@ -83,8 +83,12 @@ class PairWeights {
   VecArray<D> source_, target_;                     ///< m, now
   std::vector<double> volume_, h_;                  ///< of the sources, now
   std::vector<double> target_volume_;
-  std::vector<Index> first_, index_;          ///< pairs by target
-  std::vector<double> weight_;                ///< V_j W(r, h_j) by pair; 0 for those in the skin only
+  std::vector<Index> first_, index_;  ///< pairs by target
+  std::vector<double> weight_;        ///< V_j W(r, h_j) by pair; 0 for those in the skin only
+  // Of every target, from first_ on: the n_near_ sources with a weight, and their coefficients without a mask.
+  std::vector<Index> near_, n_near_;
+  std::vector<double> coefficient_;
+  std::vector<char> extrapolates_;            ///< [targets] some coefficient is negative
   std::vector<double> coverage_, asymmetry_;  ///< in the caller's order
   std::size_t receivers_ = 0;                 ///< active sources
   std::vector<std::int64_t> owner_;           ///< of the sources in cell order: the receiver each stands for, or -1

@@ -1,6 +1,7 @@
 #include "peer/still.hpp"
 
 #include "common/case/geometry.hpp"
+#include "common/porous/seepage.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -86,7 +87,8 @@ double still_value(const Case& scene, const std::string& name, int component, co
   const double solid = 1.0 - soil->porosity;
   if (name == field::solid_volume_fraction) return solid;
   if (name == field::grain_density) return soil->grain_density;
-  if (name == field::hydraulic_conductivity) return soil->hydraulic_conductivity;
+  if (name == field::hydraulic_conductivity) return porous::seepage_at(scene, *soil, soil->porosity).conductivity;
+  if (name == field::forchheimer_coefficient) return porous::seepage_at(scene, *soil, soil->porosity).quadratic;
   if (name == field::constrained_modulus) {
     const double nu = soil->poissons_ratio;
     return soil->youngs_modulus * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu));

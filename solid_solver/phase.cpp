@@ -269,13 +269,14 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
     if (scene_.solid.quiet && k == 0) {
       reference = reference_acceleration(setup_, state_, drive);
       const auto& quiet = *scene_.solid.quiet;
-      const bool calm = unrest(setup_, state_, drive, reference).rms < quiet.wake_above;
+      constexpr double quasi_static = 10.0;  // of wake_above
+      const bool calm = unrest(setup_, state_, drive, reference).rms < quasi_static * quiet.wake_above;
       drive.damping = quiet.damping && calm && !state_.still_yields ? near_critical_damping(setup_) : 0.0;
       if (drive.damping > 0.0) state_.damped += static_cast<double>(steps);
     }
     substep<D>(setup_, dt, drive, state_);
   }
-  check_finite(state_, window.time);
+  check_sound(setup_, state_, window.time);
   state_.external.pressure_gradient = to;
   for (std::size_t i = 0; i < n; ++i) state_.mean_velocity[i] = (p.displacement[i] - displacement[i]) / interval;
   if (scene_.solid.quiet) fall_asleep_if_quiet(drive, reference);

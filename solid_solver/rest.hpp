@@ -21,7 +21,7 @@ template <int D>
 double critical_rate(const State<D>& state, const VecArray<D>& before, double dt) {
   const Particles<D>& p = state.particles;
   double stiff = 0.0, heavy = 0.0;
-  for (std::size_t i = 0; i < p.size(); ++i) {
+  for (std::size_t i = 0; i < p.free(); ++i) {
     stiff -= p.volume[i] * p.velocity[i].dot(state.internal[i] - before[i]);
     heavy += p.mass[i] * p.velocity[i].squaredNorm();
   }
@@ -60,7 +60,7 @@ RestReport find_rest(const Setup<D>& setup, State<D>& state, ExternalForce&& ext
     if (state.rebuilds > built) external(drive);
     if (report.steps % 10 != 0) continue;
     report.residual = unrest(setup, state, drive, reference).largest;
-    check_finite(state, state.time);
+    check_sound(setup, state, state.time);
     if (report.steps % 100 == 0) show(report);
   } while (report.steps % 10 != 0 || (!report.reached() && report.steps < (state.any_yielded ? 4 * limit : limit)));
   for (const auto& u : state.particles.displacement) report.displacement = std::max(report.displacement, u.norm());
@@ -81,7 +81,7 @@ void start_from_earth_pressure(const Setup<D>& setup, const std::vector<Soil>& s
     std::size_t particle;
   };
   std::map<std::array<long, D>, std::vector<Entry>> columns;  // by place across gravity, one spacing wide
-  for (std::size_t i = 0; i < p.size(); ++i) {
+  for (std::size_t i = 0; i < p.free(); ++i) {
     const double level = up.dot(p.position[i]);
     const Vec<D> across = p.position[i] - level * up;
     std::array<long, D> place;

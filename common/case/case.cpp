@@ -1,4 +1,5 @@
 #include "common/case/case.hpp"
+#include "common/case/gauge_kinds.hpp"
 
 #include "common/case/check.hpp"
 #include "common/case/keys.hpp"
@@ -26,6 +27,10 @@ constexpr std::array scheme_words{
     Word<FluidCase::Scheme>{"projection", FluidCase::Scheme::projection},
     Word<FluidCase::Scheme>{"eisph", FluidCase::Scheme::eisph},
     Word<FluidCase::Scheme>{"eisph_explicit_drag", FluidCase::Scheme::eisph_explicit_drag}};
+constexpr std::array form_words{
+    Word<FluidCase::DragForm>{"pointwise", FluidCase::DragForm::pointwise},
+    Word<FluidCase::DragForm>{"smoothed", FluidCase::DragForm::smoothed},
+    Word<FluidCase::DragForm>{"smoothed_as_printed", FluidCase::DragForm::smoothed_as_printed}};
 constexpr std::array model_words{Word<SolidCase::Model>{"rigid", SolidCase::Model::rigid},
                                  Word<SolidCase::Model>{"elastic", SolidCase::Model::elastic},
                                  Word<SolidCase::Model>{"drucker_prager", SolidCase::Model::drucker_prager},
@@ -141,11 +146,17 @@ void declare(Keys& keys, Quiet& q) {
                "Sleep begins below this departure from rest (root mean square of the unbalanced acceleration, or "
                "of the velocity times the near-critical damping rate)."},
               positive());
-  keys.number("wake_above", q.wake_above,
-              {"g", "Sleep ends when the force on a particle has changed by more; above it motion counts as dynamic."},
-              positive());
-  keys.flag("damping", q.damping,
-            {"", "Near-critical damping in quasi-static windows: off from the first yielding until quiet again."});
+  keys.number(
+      "wake_above", q.wake_above,
+      {"g",
+       "Sleep ends when the force on a particle has changed by more. It bounds the error of the stress: that much "
+       "of rho g H."},
+      positive());
+  keys.flag(
+      "damping", q.damping,
+      {"",
+       "Near-critical damping in quasi-static windows: while the departure from rest is below 10 `wake_above`, and "
+       "off from the first yielding until quiet again."});
 }
 
 void declare(Keys& keys, Wall& w) {
@@ -215,6 +226,8 @@ void declare(Keys& keys, FluidCase& f) {
   keys.point("initial_velocity", f.initial_velocity, {"m/s", "Of all water at time zero."});
   keys.number("initial_strain", f.initial_strain,
               {"1/s", "Adds the plane straining flow (s x, -s y) about the origin to the initial velocity."});
+  keys.number("initial_wave", f.initial_wave,
+              {"m/s", "Adds the lowest sloshing mode of the first region along x, this fast at its surface."});
   keys.number(
       "initial_vortices", f.initial_vortices,
       {"m/s", "Adds Taylor-Green vortices of this highest speed, one period over the periodic box in x and y."});
@@ -223,6 +236,11 @@ void declare(Keys& keys, FluidCase& f) {
               between(0, false, 1, false));
   declare_seed(keys, f.seed);
   keys.flag("drag", f.drag, {"", "Seepage force between the phases."});
+  keys.choice<FluidCase::DragForm>(
+      "drag_form", f.drag_form, form_words,
+      {"",
+       "`pointwise`: Eqs. (64)/(73), exact for uniform slip; `smoothed`: Eqs. (67)/(74), a sum over pairs that depends "
+       "on how the two lattices lie, G = d; `smoothed_as_printed`: G = 1/d, d^2 times too weak (rigid soil only)."});
   keys.flag(
       "skeleton_response", f.skeleton_response,
       {"", "The skeleton's predicted response inside the pressure solve; false: plain staggering, to show its limit."});
@@ -284,28 +302,13 @@ void declare(Keys& keys, OutputCase& o) {
 void declare(Keys& keys, Gauge& g) {
   keys.text("name", g.name, {"", "Name of the series; `name[i]` where there are several points.", true});
   keys.text("phase", g.phase, {"", "`fluid` or `solid`.", true});
-  keys.text(
-      "kind", g.kind,
-      {"",
-       "`point`, `front`, `volume`, `momentum`, `kinetic_energy`, `particles`, `max_speed`; of the fluid also "
-       "`potential_energy`, `energy` (both together), `extent`, `spread`, `level`, `passed_volume`; of the solid also "
-       "`height` (of its surface above a point), `grain_volume`, `stress_noise` (rms of the mean effective stress "
-       "against a linear field around each particle), `density_error` (rms of rho / rho_0 - 1 where it is packed), "
-       "`max_displacement`, `max_plastic_strain`, `uplift`, `strain_energy` (elastic), `crest_settlement` (of "
-       "the highest particles, "
-       "since the initial rest), `pending_impulse`.",
-       true});
+  keys.text("kind", g.kind, {"", gauge_kinds_text(), true});
   keys.text("quantity", g.quantity,
             {"",
-             "Of `level` (of the water behind) and `passed_volume` (come in less gone out; absent: all faces): "
-             "name of the face. Of "
-             "`point`: an output field, with `_x` `_y` `_z` or `_xx` `_yy` .. for one component. Of `momentum`: "
-             "`momentum_x` .."});
+             "Of `point`: an output field, with `_x` `_y` `_z` or `_xx` `_yy` .. for one component. Of `momentum`: "
+             "`momentum_x` .. Of `level` and `passed_volume`: name of the face."});
   keys.points("points", g.points,
-              {"m",
-               "Of `point` and `height`: where. Of `front`: the two ends of the line. Of `extent` (how far the water "
-               "reaches) and `spread` (rms distance from its mean position): from where, and a second point for the "
-               "direction."});
+              {"m", "Where; of lines and directions the two ends; a face is walked with the domain on the left."});
   keys.number("thickness", g.thickness,
               {"m", "Of `front` of the soil: how thick the soil must be there; 0: the tip, its last particle."},
               not_negative());

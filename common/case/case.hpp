@@ -145,19 +145,24 @@ struct FluidCase {
   std::vector<Shape> regions;  ///< [[fluid.region]]: where water stands at time zero (inside soil it fills the pores)
   Point3 initial_velocity = Point3::Zero();
   double initial_strain = 0.0;    ///< 1/s: adds (s x, -s y)
+  double initial_wave = 0.0;      ///< m/s: adds the lowest sloshing mode of the first region, this fast at the surface
   double initial_vortices = 0.0;  ///< m/s: adds Taylor-Green vortices, one period over the periodic box
   Point3 offset{0.5, 0.5, 0.5};   ///< of the first particle from a region's corner, in spacings
   double jitter = 0.0;            ///< random displacement of the initial lattice, in spacings (uniform, +-)
   unsigned seed = 1;
   bool drag = true;  ///< seepage force between the phases
+  /// Eqs. (64)/(73): the soil's velocity at the water's points; Eqs. (67)/(74): a sum over pairs, with G = d or, as
+  /// printed, 1/d.
+  enum class DragForm { pointwise, smoothed, smoothed_as_printed };
+  DragForm drag_form = DragForm::pointwise;
   bool skeleton_response =
       true;  ///< the skeleton's predicted response inside the pressure solve (off: plain staggering, to show its limit)
 };
 
 /// [solid.quiet]: work saved while the skeleton hardly moves.
 struct Quiet {
-  double sleep_below = 3e-4;  ///< of g, root mean square of the departure from rest
-  double wake_above = 3e-2;   ///< of g, change of the force on any particle
+  double sleep_below = 1e-3;  ///< of g, root mean square of the departure from rest
+  double wake_above = 5e-3;   ///< of g, change of the force on any particle
   bool damping = true;        ///< near-critical, in quasi-static windows only
 };
 
@@ -196,15 +201,10 @@ struct OutputCase {
 /// [[gauge]]
 struct Gauge {
   std::string name;
-  std::string phase;     ///< "fluid" or "solid"
-  std::string kind;      ///< "point", "front", "volume", "momentum", "kinetic_energy", "particles", "max_speed";
-                         ///< fluid only: "potential_energy", "energy", "extent", "spread", "level", "passed_volume";
-                         ///< solid only: "height", "grain_volume", "stress_noise", "density_error", "max_displacement",
-                         ///< "max_plastic_strain", "uplift", "strain_energy", "crest_settlement", "pending_impulse"
-                         ///< (taken, not yet paid for)
-  std::string quantity;  ///< of "point": "pore_pressure", "velocity", "displacement", "effective_stress_yy", ...
-  std::vector<Point3> points;   ///< of "point", "height" (name[i] where several), of "front" (a line's two ends),
-                                ///< "extent", "spread"
+  std::string phase;            ///< "fluid" or "solid"
+  std::string kind;             ///< of gauge_kinds.hpp
+  std::string quantity;         ///< of "point": "pore_pressure", "velocity", "displacement", "effective_stress_yy", ...
+  std::vector<Point3> points;   ///< of "point", "height" (name[i] where several), or a line's two ends
   double thickness = 0.0;       ///< m, of "front" of the soil: how thick it must be to count; 0: the last particle
   std::optional<Shape> region;  ///< of "volume", "momentum", ...: absent: everywhere
 };

@@ -1,6 +1,7 @@
 #include "common/case/check.hpp"
 
 #include "common/case/enclosure.hpp"
+#include "common/case/gauge_kinds.hpp"
 #include "common/case/geometry.hpp"
 #include "common/core/error.hpp"
 
@@ -10,25 +11,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 namespace poretwin {
 namespace {
 
 constexpr std::array<std::string_view, 2> phases{"fluid", "solid"};
-constexpr std::array gauge_kinds{
-    std::string_view("point"),           std::string_view("front"),
-    std::string_view("volume"),          std::string_view("momentum"),
-    std::string_view("kinetic_energy"),  std::string_view("potential_energy"),
-    std::string_view("energy"),          std::string_view("extent"),
-    std::string_view("spread"),          std::string_view("particles"),
-    std::string_view("max_speed"),       std::string_view("max_displacement"),
-    std::string_view("strain_energy"),   std::string_view("max_plastic_strain"),
-    std::string_view("uplift"),          std::string_view("crest_settlement"),
-    std::string_view("pending_impulse"), std::string_view("level"),
-    std::string_view("passed_volume"),   std::string_view("height"),
-    std::string_view("grain_volume"),    std::string_view("stress_noise"),
-    std::string_view("density_error"),
-};
+constexpr std::array line_kinds{std::string_view("front"), std::string_view("discharge"),
+                                std::string_view("exit_height"), std::string_view("exit_gradient")};
 
 class Checker {
  public:
@@ -247,6 +237,11 @@ class Checker {
   }
 
   void fluid_regions() const {
+    if (scene_.coupled() && scene_.fluid.drag_form != FluidCase::DragForm::pointwise)
+      fail(
+          "fluid.drag_form",
+          "the sum over pairs needs the soil's particles, which a moving soil keeps to itself; expected \"pointwise\", "
+          "or solid.model = \"rigid\"");
     for (std::size_t i = 0; i < scene_.fluid.regions.size(); ++i)
       shape(scene_.fluid.regions[i], fmt::format("fluid.region[{}]", i), scene_.fluid.particle_spacing);
     no_overlap(scene_.fluid.regions, "fluid.region", scene_.fluid.particle_spacing);
@@ -494,7 +489,10 @@ class Checker {
       const auto& gauge = scene_.gauges[i];
       const std::string key = fmt::format("gauge[{}]", i);
       known_word(key + ".phase", gauge.phase, phases);
-      known_word(key + ".kind", gauge.kind, gauge_kinds);
+      std::vector<std::string_view> kinds;
+      for (const auto& kind : gauge_kinds)
+        if (kind.phase == "either" || kind.phase == gauge.phase) kinds.push_back(kind.name);
+      known_word(key + ".kind", gauge.kind, kinds);
       if (gauge.phase == "fluid" && !scene_.has_water())
         fail(key + ".phase", "expected \"solid\": without water there is no fluid phase to measure");
       if (gauge.phase == "solid" && !scene_.deformable())
@@ -503,9 +501,13 @@ class Checker {
         fail(key + ".quantity", "a point gauge needs the name of an output field");
       if ((gauge.kind == "point" || gauge.kind == "height") && gauge.points.empty())
         fail(key + ".points", fmt::format("a {} gauge needs 1 point or more", gauge.kind));
-      if (gauge.kind == "front" && gauge.points.size() != 2)
+      const bool line = std::find(line_kinds.begin(), line_kinds.end(), gauge.kind) != line_kinds.end();
+      if (line && (gauge.points.size() != 2 || gauge.points[0] == gauge.points[1]))
         fail(key + ".points",
-             fmt::format("a front gauge needs the 2 ends of its line, found {} points", gauge.points.size()));
+             fmt::format("a gauge of kind \"{}\" needs the 2 ends of its line, found {}", gauge.kind,
+                         gauge.points.size() == 2 ? "one point twice" : fmt::format("{} points", gauge.points.size())));
+      if (line && gauge.kind != "front" && scene_.general.dimension != 2)
+        fail(key + ".kind", fmt::format("\"{}\" is for dimension = 2", gauge.kind));
       if (gauge.kind == "level" || gauge.kind == "passed_volume") {
         const auto& faces = scene_.water_faces;
         const auto named = std::find_if(faces.begin(), faces.end(),
@@ -531,9 +533,7 @@ class Checker {
     }
   }
 
-  template <std::size_t N>
-  void known_word(const std::string& key, const std::string& found,
-                  const std::array<std::string_view, N>& words) const {
+  void known_word(const std::string& key, const std::string& found, std::span<const std::string_view> words) const {
     if (std::find(words.begin(), words.end(), found) != words.end()) return;
     std::string list;
     for (const auto word : words) list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", word);

@@ -13,8 +13,15 @@ struct InProcess::Shared {
   std::condition_variable changed;
   std::deque<Hub::Event> to_hub;
   std::map<std::string, std::deque<Frames>> to_line;  ///< of every open line
-  bool hub_open = true;
+  bool hub_open = true, halted = false;
   int lines = 0;
+  std::size_t allowed = unlimited;  ///< messages that may still pass
+  static constexpr std::size_t unlimited = static_cast<std::size_t>(-1);
+
+  void count_one() {
+    if (allowed != unlimited) --allowed;
+    changed.notify_all();
+  }
 };
 
 class InProcess::HubEnd final : public Hub {
@@ -29,14 +36,16 @@ class InProcess::HubEnd final : public Hub {
     const std::lock_guard lock(shared_->mutex);
     const auto found = shared_->to_line.find(line);
     if (found == shared_->to_line.end()) return false;
+    if (shared_->halted) return true;
     found->second.push_back(std::move(frames));
     shared_->changed.notify_all();
     return true;
   }
   std::optional<Event> receive(Milliseconds timeout) override {
     std::unique_lock lock(shared_->mutex);
-    shared_->changed.wait_for(lock, timeout, [&] { return !shared_->to_hub.empty(); });
-    if (shared_->to_hub.empty()) return std::nullopt;
+    const auto ready = [&] { return !shared_->to_hub.empty() && shared_->allowed > 0; };
+    if (!shared_->changed.wait_for(lock, timeout, ready)) return std::nullopt;
+    shared_->count_one();
     Event event = std::move(shared_->to_hub.front());
     shared_->to_hub.pop_front();
     return event;
@@ -58,15 +67,17 @@ class InProcess::LineEnd final : public Transport {
   }
   void send(Frames frames) override {
     const std::lock_guard lock(shared_->mutex);
-    if (!shared_->hub_open) return;
+    if (!shared_->hub_open || shared_->halted) return;
     shared_->to_hub.push_back({name_, std::move(frames)});
     shared_->changed.notify_all();
   }
   std::optional<Frames> receive(Milliseconds timeout) override {
     std::unique_lock lock(shared_->mutex);
     auto& queue = shared_->to_line[name_];
-    shared_->changed.wait_for(lock, timeout, [&] { return !queue.empty() || !shared_->hub_open; });
-    if (queue.empty()) return std::nullopt;
+    const auto ready = [&] { return !queue.empty() && shared_->allowed > 0; };
+    shared_->changed.wait_for(lock, timeout, [&] { return ready() || !shared_->hub_open; });
+    if (!ready()) return std::nullopt;
+    shared_->count_one();
     Frames frames = std::move(queue.front());
     queue.pop_front();
     return frames;
@@ -83,6 +94,28 @@ class InProcess::LineEnd final : public Transport {
 };
 
 InProcess::InProcess() : shared_(std::make_shared<Shared>()) {}
+
+void InProcess::pause() {
+  const std::lock_guard lock(shared_->mutex);
+  shared_->allowed = 0;
+}
+
+void InProcess::allow(std::size_t messages) {
+  const std::lock_guard lock(shared_->mutex);
+  if (shared_->allowed != Shared::unlimited) shared_->allowed += messages;
+  shared_->changed.notify_all();
+}
+
+void InProcess::resume() {
+  const std::lock_guard lock(shared_->mutex);
+  shared_->allowed = Shared::unlimited;
+  shared_->changed.notify_all();
+}
+
+void InProcess::halt() {
+  const std::lock_guard lock(shared_->mutex);
+  shared_->halted = true;
+}
 
 std::unique_ptr<Hub> InProcess::hub() { return std::make_unique<HubEnd>(shared_); }
 

@@ -5,6 +5,8 @@
 #include <bit>
 #include <cstring>
 
+#include <google/protobuf/stubs/logging.h>
+
 #include "poretwin.pb.h"
 
 namespace poretwin::coupling {
@@ -266,6 +268,8 @@ Frames encode(Message message) {
 }
 
 Message decode(const Frames& frames) {
+  // What is wrong with a message is told by what is thrown here: a stranger cannot fill the log.
+  [[maybe_unused]] static const auto loud = google::protobuf::SetLogHandler(nullptr);
   wire::Header header;
   if (frames.empty() || frames.front().size > 16u * 1024u * 1024u ||
       !header.ParseFromArray(frames.front().data, static_cast<int>(frames.front().size)))

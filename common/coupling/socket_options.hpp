@@ -15,11 +15,16 @@
 
 namespace poretwin::coupling {
 
+/// A frame that claims to be larger ends its connection before memory is taken for it: 40 million points of 3
+/// components.
+inline constexpr std::int64_t largest_frame = std::int64_t{1} << 30;
+
 template <class Socket>
 void set_common_options(Socket& socket, const std::string& address) {
   socket.set(zmq::sockopt::linger, 2000);  // ms: an ABORT or BYE still goes out, a dead peer does not hold us
   socket.set(zmq::sockopt::sndhwm, 0);     // the exchange itself bounds what is under way: one window
   socket.set(zmq::sockopt::rcvhwm, 0);
+  socket.set(zmq::sockopt::maxmsgsize, largest_frame);
   socket.set(zmq::sockopt::reconnect_ivl, 50);  // ms: start order does not matter, so look again soon
   socket.set(zmq::sockopt::reconnect_ivl_max, 500);
   if (address.rfind("tcp:", 0) == 0) {

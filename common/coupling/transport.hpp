@@ -76,6 +76,15 @@ class InProcess {
   /// One more line; its destruction shows at the hub as a line that is gone, as a closed socket would.
   std::unique_ptr<Transport> line();
 
+  // For tests: the clock-work of the conversation, message by message, heartbeats included. Either way counts.
+  /// Messages wait where they are, until allow() or resume().
+  void pause();
+  /// Lets so many more through.
+  void allow(std::size_t messages);
+  void resume();
+  /// From now on everything is lost, and nobody is told: a cut cable.
+  void halt();
+
  private:
   struct Shared;
   std::shared_ptr<Shared> shared_;

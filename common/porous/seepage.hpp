@@ -16,6 +16,8 @@ struct Seepage {
 struct Resistance {
   double linear = 0.0;     ///< gamma_w n^2 / k, first term of Eq. (18), N s/m4
   double quadratic = 0.0;  ///< gamma_w n^3 b, second term of Eq. (91) as corrected, N s2/m5
+  /// |R| / |w|, N s/m4.
+  [[nodiscard]] double coefficient(double speed) const { return linear + quadratic * speed; }
   /// dR/d|w| along the flow, N s/m4.
   [[nodiscard]] double slope(double speed) const { return linear + 2.0 * quadratic * speed; }
   /// |w| at which |R| = force [N/m3].

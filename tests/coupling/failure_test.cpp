@@ -123,6 +123,24 @@ TEST(Failure, AMissingPeerIsNamedAndTheOtherToldWhy) {
   expect_contains(run.log[run.log.size() - 1], {"waiting for solid"});
 }
 
+TEST(Failure, WhoWaitsForTheCouplerSaysSo) {
+  std::vector<std::string> said;
+  ParticipantOptions options;
+  options.welcome_deadline = Milliseconds(700);
+  options.say_every = Milliseconds(100);
+  options.say = [&](const std::string& line) { said.push_back(line); };
+  const std::string address = "ipc:///tmp/poretwin-nobody-" + std::to_string(getpid());
+  Participant participant(connect_socket(address), Role::solid, MockPhase(Role::solid, 2, {}).contract(), options);
+  EXPECT_THROW(participant.join(), PeerError);
+  ASSERT_GE(said.size(), 3u);
+  EXPECT_NE(said.front().find("solid: waiting for the coupler at " + address), std::string::npos) << said.front();
+  // The same while it asks for the case.
+  said.clear();
+  const auto line = connect_socket(address);
+  EXPECT_THROW(request_case(*line, Role::solid, options), PeerError);
+  EXPECT_GE(said.size(), 3u);
+}
+
 TEST(Failure, NobodyAnswers) {
   ParticipantOptions options;
   options.welcome_deadline = Milliseconds(300);

@@ -34,7 +34,12 @@ std::vector<Message> one_of_each() {
   std::vector<Message> all;
   Hello hello;
   hello.role = "fluid";
-  hello.contract = {3, "00ff00ff00ff00ff", standard_fields(Role::fluid, 3), standard_fields(Role::solid, 3), "a = 1\n"};
+  hello.contract = {3,
+                    "00ff00ff00ff00ff",
+                    {{"pore_pressure", "Pa", 1, Mapping::consistent, ""},
+                     {"predicted_solid_velocity", "m/s", 3, Mapping::consistent, "soil_fraction"}},
+                    {{"returned_impulse", "N s", 3, Mapping::conservative, ""}},
+                    "a = 1\n"};
   hello.software = "golden 1";
   hello.process = 4711;
   hello.host = "here";

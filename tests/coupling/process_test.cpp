@@ -26,6 +26,7 @@ class Processes : public testing::Test {
         << "[case]\ntitle = \"mocks\"\ndimension = 2\nend_time = 1.0\n"
            "[[soil]]\nname = \"all\"\nshape = \"box\"\nmin = [0, 0]\nmax = [1, 1]\n"
            "porosity = 0.4\ngrain_density = 2600\nhydraulic_conductivity = 0.001\n"
+           "[[wall]]\npoints = [[0, 1], [0, 0], [1, 0], [1, 1]]\n"
            "[fluid]\nparticle_spacing = 0.1\n[[fluid.region]]\nshape = \"box\"\nmin = [0, 0]\nmax = [1, 1]\n"
            "[solid]\nmodel = \"elastic\"\nparticle_spacing = 0.1\n"
            "[coupling]\ninterval = 0.01\n[output]\ninterval = 0.1\n";

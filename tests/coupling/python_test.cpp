@@ -107,6 +107,26 @@ TEST_F(Python, ARefusedWindowIsRestoredAndRepeated) {
   EXPECT_NEAR(taken.value.back(), sum, 1e-9 * std::abs(sum));
 }
 
+TEST_F(Python, ReadsAndWritesTheGoldenBytes) {
+  std::ofstream(folder_ / "golden.py")
+      << "import sys, pathlib\nsys.path.insert(0, '" << examples().parent_path().string()
+      << "')\nfrom poretwin import wire\n"
+         "files = sorted(pathlib.Path(sys.argv[1]).glob('*.hex'))\n"
+         "for file in files:\n"
+         "  frames = [bytes.fromhex(line) for line in file.read_text().split('\\n')[:-1]]\n"
+         "  header, arrays = wire.decode(frames)\n"
+         "  again = wire.pb.Header(); again.CopyFrom(header); del again.arrays[:]\n"
+         "  out = []\n"
+         "  for a in header.arrays: wire.add_array(again, out, a.name, a.unit, "
+         "arrays[a.name])\n"
+         "  assert [bytes(f) for f in wire.encode(again, out)] == frames, file\n"
+         "print(len(files))\n";
+  const auto golden = std::filesystem::path(PORETWIN_SOURCE_DIR) / "tests" / "coupling" / "golden";
+  Child child({"/usr/bin/python3", (folder_ / "golden.py").string(), golden.string()}, folder_ / "golden.log");
+  EXPECT_EQ(child.wait(), 0);
+  EXPECT_EQ(text_of(folder_ / "golden.log"), "13\n");
+}
+
 TEST_F(Python, AForeignSolidNeedsASoilThatMayMove) {
   const auto outcome = run({"--solid", "/bin/false", "--set", "solid.model=\"rigid\""}, 0.1);
   EXPECT_EQ(outcome.exit, 2);

@@ -39,6 +39,12 @@ TEST_F(CommandWithStandIns, CheckTellsWhatACaseIs) {
   EXPECT_THAT(outcome.out, HasSubstr("dx / sqrt(M / rho_bar_s)"));
 }
 
+TEST_F(CommandWithStandIns, SafetyNeedsSoilThatCanFail) {
+  const auto outcome = poretwin({"safety", terzaghi().string(), "--out", out().string(), "--no-pictures"});
+  EXPECT_EQ(outcome.exit, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("'solid.model': a factor of safety needs soil that can fail"));
+}
+
 TEST_F(CommandWithStandIns, CheckNamesAWrongKey) {
   const auto outcome = poretwin({"check", changed_case("porosity", "porosty").string()});
   EXPECT_EQ(outcome.exit, 2);

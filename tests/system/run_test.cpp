@@ -232,5 +232,20 @@ TEST_F(RealRun, AKilledSolidEndsTheRunWithItsName) {
   EXPECT_GE(steps_in(out() / "solid.vtkhdf").size(), 2u);
 }
 
+TEST_F(RealRun, SafetyBracketsTheFactorAndListsItsTrials) {
+  const auto slope = fs::path(PORETWIN_SOURCE_DIR) / "cases" / "cohesive_slope" / "case.toml";
+  const auto outcome = poretwin({"safety", slope.string(), "--out", out().string(), "--no-pictures", "--tolerance",
+                                 "0.2", "--set", "solid.particle_spacing=1", "--set", "soil.0.friction_angle=25"});
+  EXPECT_EQ(outcome.exit, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("F = 1.0000   stands"));
+  EXPECT_THAT(outcome.out, HasSubstr("F = 2.0000   fails"));
+  EXPECT_THAT(outcome.out, HasSubstr("factor of safety 1."));
+  const auto factor = read_gauges(out() / "gauges.csv").at("factor_of_safety").value.front();
+  EXPECT_GT(factor, 1.4);
+  EXPECT_LT(factor, 1.8);
+  EXPECT_THAT(text_of(out() / "safety.csv"), HasSubstr("1,1,"));
+  EXPECT_TRUE(fs::exists(out() / "F_1.0000" / "run.toml"));
+}
+
 }  // namespace
 }  // namespace poretwin::testing_tools

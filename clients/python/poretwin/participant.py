@@ -193,7 +193,7 @@ class Participant:
             wire.add_array(header, frames, "@owner", "1", points.owner)
             self.revision_sent = points.revision
         for spec in phase.gives():
-            values = np.asarray(publication.fields[spec.name], dtype=float)
+            values = np.asarray(publication.fields.get(spec.name, np.zeros(len(points) * spec.components)), dtype=float)
             wire.add_array(header, frames, spec.name, spec.unit, values if spec.components == 1 else values.reshape(-1, spec.components))
         self.set_doing("waiting")
         self.send(header, frames)

@@ -34,6 +34,7 @@ def standard_fields(role, dimension):
         Field("grain_density", "kg/m3"),
         Field("constrained_modulus", "Pa"),
         Field("hydraulic_conductivity", "m/s"),
+        Field("forchheimer_coefficient", "s2/m2"),
         Field("returned_impulse", "N s", dimension, conservative=True),
     ]
 
@@ -63,7 +64,7 @@ class Points:
 @dataclass
 class Publication:
     points: Points
-    fields: dict  # name -> [n] or [n, components]
+    fields: dict  # name -> [n] or [n, components]; what the contract has and this has not is zero
     proposed_interval: float = float("inf")  # s, the longest next window that is stable and accurate
     limited_by: str = ""
 

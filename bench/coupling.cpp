@@ -1,0 +1,184 @@
+// What an exchange costs: bytes passed through a coupler, mapping, a whole step of two mocks. Run by hand; the figures
+// stand in docs/protocol.md.
+#include "common/coupling/mock.hpp"
+#include "coupler/mapping.hpp"
+#include "tests/coupling/coupled_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <ctime>
+#include <thread>
+
+using namespace poretwin;
+using namespace poretwin::coupling;
+
+namespace {
+
+/// Processor time of this thread [s]: other work on the machine does not count.
+double now() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+/// Wall-clock [s].
+double wall() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+PointSet square(std::size_t n, double shift) {
+  return lattice_points(2, {shift, 0.0}, {1.0, 1.0}, 1.0 / std::sqrt(static_cast<double>(n)));
+}
+
+/// The fields of a step: the whole standard contract with both impulses at work, or one scalar and one vector each way.
+struct Fields {
+  const char* what;
+  std::vector<FieldSpec> of_fluid, of_solid;
+};
+
+Fields all_fields() { return {"the whole contract", standard_fields(Role::fluid, 2), standard_fields(Role::solid, 2)}; }
+
+Fields two_fields() {
+  const auto all = all_fields();
+  const auto pick = [](const std::vector<FieldSpec>& from, std::string_view scalar, std::string_view vector) {
+    std::vector<FieldSpec> out;
+    for (const auto& spec : from)
+      if (spec.name == scalar || spec.name == vector) out.push_back(spec);
+    for (auto& spec : out) spec.mask.clear();
+    return out;
+  };
+  return {"a scalar and a vector", pick(all.of_fluid, field::pore_pressure, field::predicted_solid_velocity),
+          pick(all.of_solid, field::solid_volume_fraction, field::solid_velocity)};
+}
+
+void time_mapping(std::size_t n, double move, const char* what, const Fields& fields) {
+  auto fluid = square(n, 0.0), solid = square(n, 0.3 / std::sqrt(static_cast<double>(n)));
+  auto mapping = make_mapping(2);
+  const FieldFormula busy = [](const std::string&, int c, const double* x, double) {
+    return 0.2 + 0.5 * x[0] + 0.1 * c;
+  };
+  const auto from_fluid = formula_publication(Role::fluid, 0.0, fluid, busy).fields;
+  const auto from_solid = formula_publication(Role::solid, 0.0, solid, busy).fields;
+  const int steps = n > 100'000 ? 6 : 20;
+  std::vector<double> taken;
+  for (int k = 0; k <= steps; ++k) {
+    for (std::size_t i = 0; i < fluid.position.size(); i += 2) fluid.position[i] += move;
+    ++fluid.revision;
+    const double start = now();
+    mapping->map(Role::solid, solid, from_solid, fields.of_solid, fluid);
+    mapping->map(Role::fluid, fluid, from_fluid, fields.of_fluid, solid);
+    if (k > 0) taken.push_back(now() - start);  // the first makes the lists
+  }
+  std::sort(taken.begin(), taken.end());
+  fmt::print("{:7} points a side, {:8}: {:8.3f} ms mapping per step both ways, median ({})\n", n, what,
+             1e3 * taken[taken.size() / 2], fields.what);
+}
+
+/// One scalar and one vector each way through a hub that looks at every message and sends it on; no mapping.
+/// The floor: memcpy of the same 48 n bytes.
+void time_pass_through(Line line, std::size_t n) {
+  std::vector<double> from(6 * n, 1.0), to(6 * n);
+  const int steps = n > 100'000 ? 20 : 200;
+  double start = wall();
+  for (int k = 0; k < steps; ++k) {
+    std::memcpy(to.data(), from.data(), 48 * n);
+    from[static_cast<std::size_t>(k)] = to[static_cast<std::size_t>(k) + 1];
+  }
+  const double floor = (wall() - start) / steps;
+
+  InProcess process;
+  const std::string path = "/tmp/poretwin-bench";
+  std::unique_ptr<Hub> hub =
+      line == Line::in_process ? process.hub() : bind_socket(line == Line::ipc ? "ipc://" + path : "tcp://127.0.0.1:*");
+  const auto connect = [&] { return line == Line::in_process ? process.line() : connect_socket(hub->address()); };
+  const auto a = connect(), b = connect();
+  std::thread relay([&] {
+    std::string one, other;
+    for (int messages = 0; messages < 2 * steps + 4;) {
+      auto event = hub->receive(Milliseconds(100));
+      if (!event || event->frames.empty()) continue;
+      ++messages;
+      if (one.empty()) one = event->line;
+      if (other.empty() && event->line != one) other = event->line;
+      if (messages <= 2) continue;
+      Message message = decode(event->frames);
+      hub->send(event->line == one ? other : one, encode(std::move(message)));
+    }
+  });
+  const auto send = [n](Transport& from_here) {
+    Message message;
+    message.body = PublicationBody{};
+    message.arrays = {{"scalar", "Pa", 1, std::vector<double>(n, 1.0)},
+                      {"vector", "m/s", 2, std::vector<double>(2 * n, 1.0)}};
+    from_here.send(encode(std::move(message)));
+  };
+  const auto await = [](Transport& there) {
+    for (;;)
+      if (auto frames = there.receive(Milliseconds(1000))) return decode(*frames);
+  };
+  send(*a);
+  std::this_thread::sleep_for(Milliseconds(50));
+  send(*b);
+  std::this_thread::sleep_for(Milliseconds(50));
+  std::vector<double> taken;
+  for (int k = 0; k <= steps; ++k) {
+    start = wall();
+    send(*a);
+    await(*b);
+    send(*b);
+    await(*a);
+    if (k > 0) taken.push_back(wall() - start);
+  }
+  relay.join();
+  std::sort(taken.begin(), taken.end());
+  const double median = taken[taken.size() / 2];
+  fmt::print(
+      "{:7} points a side, {:10}: {:8.3f} ms passing a step through, median; memcpy of the bytes {:.3f} ms: {:.1f} x\n",
+      n, line_name(line), 1e3 * median, 1e3 * floor, median / floor);
+}
+
+void time_step(Line line, std::size_t n) {
+  const double spacing = 1.0 / std::sqrt(static_cast<double>(n));
+  const auto of_fluid = formula_publication(Role::fluid, 0.0, lattice_points(2, {0.0, 0.0}, {1.0, 1.0}, spacing));
+  const auto of_solid = formula_publication(Role::solid, 0.0, lattice_points(2, {0.0, 0.0}, {1.0, 1.0}, spacing));
+  auto moving = [](const Publication& base) {
+    return [&base](double t) {
+      auto out = base;
+      out.points.revision = static_cast<std::uint64_t>(1e6 * t) + 1;
+      return out;
+    };
+  };
+  class Silent final : public MockPhase {
+   public:
+    using MockPhase::MockPhase;
+    Outcome advance(const Window& window, const Inbox&) override { return MockPhase::advance(window, {}); }
+  };
+  Silent fluid(Role::fluid, 2, moving(of_fluid)), solid(Role::solid, 2, moving(of_solid));
+  CoupledRun run;
+  run.line = line;
+  run.settings = {1.0, 0.01, 0.0, 10.0};
+  run.run(&fluid, &solid);
+  const double windows = static_cast<double>(run.report.windows);
+  fmt::print(
+      "{:7} points a side, {:10}: {:7.3f} ms per step, of which mapping {:.3f} ms, mocks {:.3f} ms, {:.2f} MB {}\n", n,
+      line_name(line), 1e3 * run.wall / windows, 1e3 * run.report.mapping / windows,
+      1e3 * (run.fluid.report.computing + run.solid.report.computing) / windows,
+      1e-6 * static_cast<double>(run.totals.bytes_sent + run.totals.bytes_received) / windows, run.coupler.error);
+}
+
+}  // namespace
+
+int main() {
+  for (const std::size_t n : {std::size_t{4900}, std::size_t{48400}, std::size_t{490000}}) {
+    const double spacing = 1.0 / std::sqrt(static_cast<double>(n));
+    for (const auto& fields : {two_fields(), all_fields()}) {
+      time_mapping(n, 0.0, "still", fields);
+      time_mapping(n, 0.004 * spacing, "reused", fields);
+      time_mapping(n, 1.0 * spacing, "rebuilt", fields);
+    }
+    for (const Line line : {Line::in_process, Line::ipc, Line::tcp}) time_pass_through(line, n);
+  }
+  for (const std::size_t n : {std::size_t{4}, std::size_t{4900}})
+    for (const Line line : {Line::in_process, Line::ipc, Line::tcp}) time_step(line, n);
+}

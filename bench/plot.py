@@ -1,0 +1,38 @@
+"""Tables and pictures that the benchmarks share: rows to CSV, curves to PNG. Needs python3-matplotlib."""
+import csv
+import pathlib
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402  (after the backend is chosen)
+
+
+def write_csv(path, rows):
+    """rows: dictionaries with the same keys."""
+    path = pathlib.Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with open(path, "w", newline="") as stream:
+        writer = csv.DictWriter(stream, fieldnames=list(rows[0]))
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def error_curves(path, title, rows, abscissae, error="error", label="scheme", bound=None):
+    """Error against each of `abscissae` (key: axis label), log-log, one curve per value of `label`."""
+    figure, panels = plt.subplots(1, len(abscissae), figsize=(4.5 * len(abscissae), 3.8), sharey=True, squeeze=False)
+    for panel, (key, text) in zip(panels[0], abscissae.items()):
+        for name in dict.fromkeys(row[label] for row in rows):
+            points = sorted((row[key], row[error]) for row in rows if row[label] == name and row[error])
+            if points:
+                panel.loglog(*zip(*points), "o-", label=name)
+        if bound:
+            panel.axhline(bound, color="0.6", linestyle=":", label="bound")
+        panel.set_xlabel(text)
+        panel.grid(True, which="both", alpha=0.3)
+    panels[0][0].set_ylabel("error")
+    panels[0][0].legend()
+    figure.suptitle(title)
+    figure.tight_layout()
+    figure.savefig(path, dpi=120)
+    plt.close(figure)

@@ -1,0 +1,74 @@
+// The kinds of gauges: the one list that the case file's reference, its check and the solvers go by.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace poretwin {
+
+struct GaugeKind {
+  std::string_view name;
+  std::string_view phase;    ///< "fluid", "solid" or "either"
+  std::string_view meaning;  ///< what it reads, and which of the gauge's keys it needs
+};
+
+// clang-format off: one row each
+inline constexpr GaugeKind gauge_kinds[] = {
+    {"point", "either", "a field at `points`"},
+    {"front", "either",
+     "along the line between two `points`: of the water its wetting front (up a vertical line: the water table), of "
+     "the soil its farthest place of a given "
+     "`thickness`"},
+    {"momentum", "either", "sum over the particles"},
+    {"kinetic_energy", "either", "sum over the particles"},
+    {"particles", "either", "their number"},
+    {"max_speed", "either", "of any particle"},
+    {"volume", "fluid", "of water"},
+    {"potential_energy", "fluid", "in gravity and the central force"},
+    {"energy", "fluid", "kinetic and potential"},
+    {"extent", "fluid", "how far the water reaches from the first of `points` towards the second"},
+    {"spread", "fluid", "rms distance from the water's mean position, along the line of `points`"},
+    {"level", "fluid", "of the water behind the face named by `quantity`"},
+    {"passed_volume", "fluid", "come in less gone out through the face named by `quantity`; absent: through all"},
+    {"discharge", "fluid", "volume per time through the wet part of a line, from its right to its left"},
+    {"exit_height", "fluid", "elevation at which the water's surface meets a face, a line between two `points`"},
+    {"exit_gradient", "fluid", "largest outward hydraulic gradient over such a face"},
+    {"balance", "fluid", "volumes `_in`, `_out`, `_stored` and `_error` = in - out - gain"},
+    {"min_pressure", "fluid", "lowest of any particle"},
+    {"height", "solid", "of its surface above `points`"},
+    {"grain_volume", "solid", "of the grains alone"},
+    {"stress_noise", "solid", "rms of the mean effective stress against a linear field around each particle"},
+    {"density_error", "solid", "rms of rho / rho_0 - 1 where the soil is packed"},
+    {"max_displacement", "solid", "of any particle"},
+    {"max_plastic_strain", "solid", "of any particle"},
+    {"uplift", "solid", "largest rise since the initial rest"},
+    {"strain_energy", "solid", "elastic"},
+    {"crest_settlement", "solid", "of the highest particles, since the initial rest"},
+    {"pending_impulse", "solid", "taken from the water, not yet paid for"},
+};
+// clang-format on
+
+/// The kind of that name, or none.
+inline const GaugeKind* find_gauge_kind(std::string_view name) {
+  for (const auto& kind : gauge_kinds)
+    if (kind.name == name) return &kind;
+  return nullptr;
+}
+
+/// One sentence for the reference of keys.
+inline std::string gauge_kinds_text() {
+  std::string text;
+  for (const std::string_view phase : {"either", "fluid", "solid"}) {
+    text += text.empty() ? "Of either phase: " : phase == "fluid" ? " Of the fluid: " : " Of the solid: ";
+    std::string separator;
+    for (const auto& kind : gauge_kinds) {
+      if (kind.phase != phase) continue;
+      text += separator + "`" + std::string(kind.name) + "` (" + std::string(kind.meaning) + ")";
+      separator = ", ";
+    }
+    text += ".";
+  }
+  return text;
+}
+
+}  // namespace poretwin
