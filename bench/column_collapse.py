@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Error against run time of a collapsing column: the default and a paper-like preset.
 
-One command: bench/column_collapse.py [--bin build/release/bin] [--out bench/results/column_collapse] [--fine]
+One command: bench/column_collapse.py [--bin build/release/bin] [--out bench/results/column_collapse] [--spacings 0.01 0.005 0.0025]
 Writes column_collapse.csv and .png. Error: run-out at a thickness of l_i/20 against Lube's law, and against the finest default run.
 """
 import argparse
@@ -41,13 +41,12 @@ def main():
     parser.add_argument("--bin", type=pathlib.Path, default="build/release/bin")
     parser.add_argument("--case", type=pathlib.Path, default="cases/column_collapse/case.toml")
     parser.add_argument("--out", type=pathlib.Path, default="bench/results/column_collapse")
-    parser.add_argument("--fine", action="store_true", help="also l_i/80 (minutes)")
+    parser.add_argument("--spacings", type=float, nargs="+", default=[0.01, 0.005, 0.0025], help="m, coarse to fine")
     arguments = parser.parse_args()
     arguments.out.mkdir(parents=True, exist_ok=True)
-    spacings = [0.01, 0.005, 0.0025] + ([0.00125] if arguments.fine else [])
     rows = []
     for preset, settings in PRESETS.items():
-        for spacing in spacings:
+        for spacing in arguments.spacings:
             found = run(arguments.bin, arguments.case, spacing, settings, arguments.out / f"{preset}_{spacing}")
             rows.append({"preset": preset, "spacing_m": spacing, "cpu_s": found["cpu_s"], "substeps": found["substeps"],
                          "front_m": found["front"], "tip_m": found["tip"], "law_m": LAW,
