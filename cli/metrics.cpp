@@ -16,8 +16,9 @@ namespace poretwin::cli {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-const std::vector<std::string> operations{"value",   "relative", "l2",   "max_abs", "decay_rate", "monotone", "drift",
-                                          "exceeds", "curve",    "exit", "period",  "crossing",   "counter"};
+const std::vector<std::string> operations{
+    "value", "relative", "mean",   "l2",       "profile", "max_abs", "decay_rate", "monotone", "drift",  "exceeds",
+    "curve", "exit",     "period", "crossing", "counter", "rise",    "noise",      "order",    "largest"};
 
 void declare(Keys& keys, VerifyRun& r) {
   keys.text("name", r.name, {"", "Name that metrics refer to.", true});
@@ -36,27 +37,35 @@ void declare(Keys& keys, Metric& m) {
   keys.text(
       "op", m.op,
       {"",
-       "`value`, `relative`, `l2`, `max_abs`, `decay_rate`, `monotone`, `drift`, `exceeds`, `curve`, `exit`, `period` "
+       "`value`, `relative`, `mean` (over the range; relative error), `l2`, `profile`, `max_abs`, `decay_rate`, "
+       "`monotone`, `drift`, `exceeds`, `curve`, `exit`, `period` "
        "(mean, between upward passages of `limit`; relative error), `crossing` (time at which the readings first pass "
-       "`limit`; relative error) or `counter` (at most `reference`).",
+       "`limit`; relative error), `counter` (at most `reference`), `largest` (relative error), `rise` (greatest climb "
+       "above an earlier reading), "
+       "`noise` (rms distance from the running mean over `window`) or `order` (the order at which the relative error "
+       "of "
+       "`decay_rate` falls from the run `coarse` to this one of half its spacing; at least `tolerance`).",
        true});
-  keys.text("gauge", m.gauge, {"", "The gauge; for `l2`: all of `gauge[i]`."});
+  keys.text("gauge", m.gauge, {"", "The gauge; for `l2` and `profile`: all of `gauge[i]`."});
   keys.text("counter", m.counter, {"", "Of `counter`: process.name as in the run's summary, `solid.rest steps`."});
-  keys.texts("gauges", m.gauges, {"", "For `l2`: the gauges, one by one."});
+  keys.texts("gauges", m.gauges, {"", "For `l2` and `profile`: the gauges, one by one."});
   keys.text("plus", m.plus, {"", "A gauge to add first."});
   keys.text("minus", m.minus, {"", "A gauge to subtract first."});
   keys.number("at", m.at, {"s", "Time of the reading; absent: the last."});
   keys.number("from", m.from, {"s", "Start of the range; absent: the first reading."});
   keys.number("to", m.to, {"s", "End of the range; absent: the last reading."});
+  keys.number("window", m.window, {"s", "Of `noise`: width of the running mean."}, positive());
+  keys.text("coarse", m.coarse, {"", "Of `order`: the run of twice the spacing."});
   keys.number("scale", m.scale, {"", "Readings are multiplied by it."});
   keys.number("limit", m.limit,
               {"", "What the readings tend to (`decay_rate`, `monotone`), or pass (`period`, `crossing`)."});
-  keys.number("normaliser", m.normaliser, {"", "Errors are divided by it (`l2`, `drift`, `curve`)."}, positive());
-  keys.text("norm", m.norm, {"", "Of `curve`: `max` or `rms`."});
+  keys.number("normaliser", m.normaliser,
+              {"", "Errors are divided by it (`l2`, `profile`, `drift`, `curve`, `rise`, `noise`)."}, positive());
+  keys.text("norm", m.norm, {"", "Of `curve` and `profile`: `max` or `rms`."});
   keys.number("reference", m.reference, {"", "The right value."});
-  keys.numbers("references", m.references, {"", "The right values of `l2`."});
+  keys.numbers("references", m.references, {"", "The right values of `l2` and `profile`."});
   keys.text("reference_csv", m.reference_csv,
-            {"", "File with the right values: last column for `l2`, time and value for `curve`."});
+            {"", "File with the right values: last column for `l2` and `profile`, time and value for `curve`."});
   keys.series("curve", m.curve, {"", "The right curve of `curve`, in place of a file."});
   keys.number("tolerance", m.tolerance, {"", "Largest error that passes."}, not_negative());
   keys.text("unit", m.unit, {"", "Unit of the value."});
@@ -76,7 +85,8 @@ struct Failure {
 };
 
 bool needs_relative_error(const std::string& op) {
-  return op == "relative" || op == "decay_rate" || op == "period" || op == "crossing";
+  return op == "relative" || op == "mean" || op == "decay_rate" || op == "period" || op == "crossing" ||
+         op == "largest";
 }
 
 /// Linear between readings; NaN outside them or where a reading is NaN.
@@ -118,11 +128,18 @@ class Judge {
   [[nodiscard]] double value() const {
     if (m_.op == "exit") return exit_;
     if (m_.op == "value" || m_.op == "relative") return at_time(readings());
-    if (m_.op == "l2") return l2();
+    if (m_.op == "mean") return mean();
+    if (m_.op == "l2" || m_.op == "profile") return profile();
     if (m_.op == "max_abs") return farthest();
     if (m_.op == "decay_rate") return decay_rate();
     if (m_.op == "monotone") return moving_away();
     if (m_.op == "drift") return drift();
+    if (m_.op == "rise") return rise();
+    if (m_.op == "largest") {
+      const auto series = within_range(readings());
+      return *std::max_element(series.value.begin(), series.value.end());
+    }
+    if (m_.op == "noise") return noise();
     if (m_.op == "period") return period();
     if (m_.op == "crossing") return crossings(false).front();
     if (m_.op == "counter") return counter();
@@ -186,7 +203,16 @@ class Judge {
     return x;
   }
 
-  [[nodiscard]] double l2() const {
+  /// Over time, the readings joined by straight lines.
+  [[nodiscard]] double mean() const {
+    const auto series = within_range(readings());
+    double sum = 0.0;
+    for (std::size_t i = 1; i < series.time.size(); ++i)
+      sum += 0.5 * (series.time[i] - series.time[i - 1]) * (series.value[i] + series.value[i - 1]);
+    const double span = series.time.back() - series.time.front();
+    return span > 0.0 ? sum / span : series.value.front();
+  }
+  [[nodiscard]] double profile() const {
     std::vector<std::string> names = m_.gauges;
     for (std::size_t i = 0; names.size() == i && m_.gauges.empty(); ++i)
       if (const auto name = fmt::format("{}[{}]", m_.gauge, i); gauges_.find(name) != gauges_.end())
@@ -194,12 +220,14 @@ class Judge {
     if (names.empty() || names.size() != m_.references.size())
       throw Failure{
           fmt::format("{} gauges '{}' and {} references do not match", names.size(), m_.gauge, m_.references.size())};
-    double sum = 0.0;
+    double sum = 0.0, most = 0.0;
     for (std::size_t i = 0; i < names.size(); ++i) {
-      const double difference = at_time(gauge(names[i])) - m_.references[i];
+      const double difference = std::abs(at_time(gauge(names[i])) - m_.references[i]);
+      most = std::max(most, difference);
       sum += difference * difference;
     }
-    return std::sqrt(sum / static_cast<double>(names.size())) / m_.normaliser.value_or(1.0);
+    const bool largest = m_.op == "profile" && m_.norm == "max";
+    return (largest ? most : std::sqrt(sum / static_cast<double>(names.size()))) / m_.normaliser.value_or(1.0);
   }
   [[nodiscard]] double farthest() const {
     const auto series = within_range(readings());
@@ -244,6 +272,33 @@ class Judge {
     double most = 0.0;
     for (const double x : series.value) most = std::max(most, std::abs(x - series.value.front()));
     return most / m_.normaliser.value_or(1.0);
+  }
+  [[nodiscard]] double rise() const {
+    const auto series = within_range(readings());
+    double lowest = series.value.front(), most = 0.0;
+    for (const double x : series.value) {
+      lowest = std::min(lowest, x);
+      most = std::max(most, x - lowest);
+    }
+    return most / m_.normaliser.value_or(1.0);
+  }
+  [[nodiscard]] double noise() const {
+    const auto series = within_range(readings());
+    const double half = 0.5 * *m_.window;
+    double sum = 0.0, count = 0.0;
+    for (std::size_t i = 0; i < series.time.size(); ++i) {
+      if (series.time[i] - half < series.time.front() || series.time[i] + half > series.time.back()) continue;
+      double mean = 0.0, n = 0.0;
+      for (std::size_t j = 0; j < series.time.size(); ++j)
+        if (std::abs(series.time[j] - series.time[i]) <= half) {
+          mean += series.value[j];
+          n += 1.0;
+        }
+      sum += (series.value[i] - mean / n) * (series.value[i] - mean / n);
+      count += 1.0;
+    }
+    if (count == 0.0) throw Failure{fmt::format("the window is longer than the readings of gauge '{}'", m_.gauge)};
+    return std::sqrt(sum / count) / m_.normaliser.value_or(1.0);
   }
   /// Times at which the readings pass the limit, upwards only or either way; linear between readings.
   [[nodiscard]] std::vector<double> crossings(bool upwards) const {
@@ -333,8 +388,13 @@ class VerifyChecker {
     if (m.norm != "max" && m.norm != "rms")
       fail(key + ".norm", fmt::format("expected \"max\" or \"rms\", found \"{}\"", m.norm));
     if (!m.reference_csv.empty()) from_csv(m, key);
+    if (m.op == "noise" && !m.window) fail(key + ".window", "is missing");
+    if (m.op == "order" &&
+        std::none_of(file.runs.begin(), file.runs.end(), [&](const VerifyRun& r) { return r.name == m.coarse; }))
+      fail(key + ".coarse", fmt::format("no [[run]] is named \"{}\"", m.coarse));
     if (m.op == "curve" && !m.curve) fail(key + ".curve", "expected 'reference_csv' or 'curve'");
-    if (m.op == "l2" && m.references.empty()) fail(key + ".references", "expected 'reference_csv' or 'references'");
+    if ((m.op == "l2" || m.op == "profile") && m.references.empty())
+      fail(key + ".references", "expected 'reference_csv' or 'references'");
   }
   void from_csv(Metric& m, const std::string& key) const {
     const auto rows = read_csv(path_.parent_path() / m.reference_csv);
@@ -365,6 +425,19 @@ VerifyFile read_verify(const std::filesystem::path& path) {
 
 Verdict judge(const Metric& metric, const Gauges& gauges, int exit_status, const Counters& counters) {
   return Judge(metric, gauges, exit_status, counters).verdict();
+}
+
+Verdict judge_order(const Metric& metric, const Gauges& coarse, const Gauges& fine) {
+  Metric rate = metric;
+  rate.op = "decay_rate";
+  const Verdict before = judge(rate, coarse, 0), now = judge(rate, fine, 0);
+  Verdict v;
+  v.reference = metric.tolerance;
+  v.value = std::log2(before.error / now.error);
+  v.error = std::max(0.0, metric.tolerance - v.value);
+  v.passed = v.value >= metric.tolerance;
+  v.complaint = before.complaint.empty() ? now.complaint : before.complaint;
+  return v;
 }
 
 std::vector<std::vector<double>> read_csv(const std::filesystem::path& path) {

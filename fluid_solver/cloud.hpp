@@ -2,6 +2,7 @@
 // in it.
 #pragma once
 
+#include "common/sph/neighbours.hpp"
 #include "fluid_solver/state.hpp"
 #include "fluid_solver/stencil.hpp"
 
@@ -19,7 +20,7 @@ struct Cloud {
   ScalarArray owner;     ///< the particle an image belongs to; -1: a buffer, or its image
   ScalarArray pressure;  ///< total, Pa
   VecArray<D> velocity, solid_velocity;
-  ScalarArray mask;
+  ScalarArray mask, void_fraction;
   [[nodiscard]] std::size_t size() const { return position.size(); }
 };
 
@@ -35,6 +36,7 @@ Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> p
   c.velocity = p.velocity;
   c.solid_velocity = p.solid_velocity;
   c.mask = p.mask;
+  c.void_fraction = p.void_fraction;
   for (const auto& b : make_buffers(state.columns)) {
     const auto& column = state.columns[b.column];
     c.position.push_back(b.position);
@@ -43,6 +45,7 @@ Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> p
     c.velocity.push_back(column.speed * column.normal);
     c.solid_velocity.push_back(Vec<D>::Zero());
     c.mask.push_back(0.0);
+    c.void_fraction.push_back(column.void_fraction);
   }
   double largest = 0.0;
   for (const double v : c.volume) {
@@ -62,43 +65,86 @@ Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> p
     c.velocity.push_back(images.map[i] * c.velocity[q]);
     c.solid_velocity.push_back(images.map[i] * c.solid_velocity[q]);
     c.mask.push_back(c.mask[q]);
+    c.void_fraction.push_back(c.void_fraction[q]);
   }
   for (std::size_t i = 0; i < c.size(); ++i) c.pressure[i] += weight.dot(c.position[i] - origin);
   return c;
 }
 
-/// Sum of V W at x over the cloud, of a lattice's: the degree of saturation there.
+/// Interpolation in the water around any place.
 template <int D>
-double saturation(const Cloud<D>& c, const Vec<D>& x) {
-  double sum = 0.0;
-  for (std::size_t j = 0; j < c.size(); ++j) {
-    const double r2 = (c.position[j] - x).squaredNorm(), support = sph::support_radius * c.length[j];
-    if (r2 < support * support) sum += c.volume[j] * Kernel<D>::value(std::sqrt(r2), c.length[j]);
+class Probe {
+ public:
+  explicit Probe(const Cloud<D>& cloud) : cloud_(cloud) {
+    double largest = 1e-300;
+    for (const double h : cloud.length) largest = std::max(largest, h);
+    reach_ = sph::support_radius * largest;
+    grid_.build(cloud.position, reach_);
   }
-  return sum / lattice_fullness<D>();
-}
+  Probe(const Probe&) = delete;
+  Probe& operator=(const Probe&) = delete;
 
-/// Moving least squares of first order (weighted mean where the points do not span space); NaN outside the water.
-template <int D, class Value>
-double interpolate(const Cloud<D>& c, const Vec<D>& x, Value&& value) {
-  using Row = Eigen::Matrix<double, D + 1, 1>;
-  Eigen::Matrix<double, D + 1, D + 1> moment = Eigen::Matrix<double, D + 1, D + 1>::Zero();
-  Row rhs = Row::Zero();
-  for (std::size_t j = 0; j < c.size(); ++j) {
-    const Vec<D> d = c.position[j] - x;
-    const double r = d.norm();
-    if (r >= sph::support_radius * c.length[j]) continue;
-    const double w = c.volume[j] * Kernel<D>::value(r, c.length[j]);
-    Row row;
-    row[0] = 1.0;
-    row.template tail<D>() = d / c.length[j];
-    moment += w * row * row.transpose();
-    rhs += w * value(j) * row;
+  /// Value and gradient of a field, which f(j) gives at the points of the cloud.
+  struct Fit {
+    double value = std::numeric_limits<double>::quiet_NaN();
+    Vec<D> gradient = Vec<D>::Zero();
+  };
+
+  /// Sum of V W at x, of a lattice's: 1 in the water, 0 outside.
+  [[nodiscard]] double fullness(const Vec<D>& x) const {
+    double sum = 0.0;
+    near(x, [&](Index j, double r) { sum += cloud_.volume[j] * Kernel<D>::value(r, cloud_.length[j]); });
+    return sum / lattice_fullness<D>();
   }
-  if (moment(0, 0) < 0.3) return std::numeric_limits<double>::quiet_NaN();
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, D + 1, D + 1>> eigen(moment);
-  if (eigen.eigenvalues()[0] < 0.02 * moment(0, 0)) return rhs[0] / moment(0, 0);
-  return moment.ldlt().solve(rhs)[0];
-}
+
+  /// Moving least squares of first order (weighted mean where the points do not span space); NaN outside the water.
+  template <class Field>
+  [[nodiscard]] Fit fit(const Vec<D>& x, Field&& f) const {
+    using Row = Eigen::Matrix<double, D + 1, 1>;
+    Eigen::Matrix<double, D + 1, D + 1> moment = Eigen::Matrix<double, D + 1, D + 1>::Zero();
+    Row rhs = Row::Zero();
+    double length = 0.0;
+    near(x, [&](Index j, double r) {
+      const double w = cloud_.volume[j] * Kernel<D>::value(r, cloud_.length[j]);
+      Row row;
+      row[0] = 1.0;
+      row.template tail<D>() = (cloud_.position[j] - x) / reach_;
+      moment += w * row * row.transpose();
+      rhs += w * f(j) * row;
+      length += w * cloud_.length[j];
+    });
+    if (moment(0, 0) < 0.3) return {};
+    length /= moment(0, 0);
+    // Directions without points on either side say nothing.
+    Row unit = Row::Constant(reach_ / length);
+    unit[0] = 1.0;
+    const Eigen::Matrix<double, D + 1, D + 1> scaled = unit.asDiagonal() * moment * unit.asDiagonal();
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, D + 1, D + 1>> eigen(scaled);
+    if (eigen.eigenvalues()[0] < 0.02 * moment(0, 0)) return {rhs[0] / moment(0, 0), Vec<D>::Zero()};
+    const Row solution = moment.ldlt().solve(rhs);
+    return {solution[0], solution.template tail<D>() / reach_};
+  }
+  template <class Field>
+  [[nodiscard]] double at(const Vec<D>& x, Field&& f) const {
+    return fit(x, f).value;
+  }
+  /// Of the total pressure [Pa].
+  [[nodiscard]] Fit pressure(const Vec<D>& x) const {
+    return fit(x, [this](Index j) { return cloud_.pressure[j]; });
+  }
+
+ private:
+  template <class F>
+  void near(const Vec<D>& x, F&& f) const {
+    grid_.for_each_within(x, reach_, [&](Index j, double r2) {
+      const double support = sph::support_radius * cloud_.length[j];
+      if (r2 < support * support) f(j, std::sqrt(r2));
+    });
+  }
+
+  const Cloud<D>& cloud_;
+  double reach_ = 0.0;
+  sph::CellGrid<D> grid_;
+};
 
 }  // namespace poretwin::fluid

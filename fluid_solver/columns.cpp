@@ -55,8 +55,8 @@ void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, dou
       const double w = p.volume[a] * Kernel<D>::value(std::sqrt(r2), h);
       sum += w;
       const double spacing = std::pow(p.volume[a], 1.0 / D);
-      speed +=
-          w * (c.normal.dot(p.velocity[a]) + motion[a] * 0.5 * (1.0 - s.fullness[a]) * spacing / repair_time(a, view));
+      const double loose = motion[a] * 0.5 * (1.0 - s.fullness[a]) * spacing / repair_time(a, view, interval);
+      speed += w * (c.normal.dot(p.velocity[a]) + loose);
     });
     if (sum < 0.05) {
       wet_dry_ground(c, interval);
@@ -77,12 +77,13 @@ void Fluid<D>::wet_dry_ground(FaceColumn<D>& c, double interval) const {
   // No faster than a jet from this head.
   const double total = std::max(0.0, c.pressure + weight_.dot(c.foot - origin_));
   const double jet = std::sqrt(2.0 * (total + weight_.norm() * c.spacing) / density_);
-  const double deeper =
-      std::min(z + jet * interval,
-               std::sqrt(z * z + 2.0 * speed.head * interval) + std::max(0.0, speed.gravity) * interval);
+  const double deeper = std::min(
+      z + jet * interval, std::sqrt(z * z + 2.0 * speed.head * interval) + std::max(0.0, speed.gravity) * interval);
   c.offset = std::min(c.spacing, 0.5 * c.spacing + deeper);
-  // What is born has the front's speed half a spacing in, not the endless one of its first touch.
-  c.speed = std::min((deeper - z) / interval, speed.head / (0.5 * c.spacing) + std::max(0.0, speed.gravity));
+  // At the window's end, for the particles that take over.
+  const double depth = std::clamp(deeper, 0.25 * c.spacing, 0.5 * c.spacing);
+  c.speed = std::min(jet, speed.head / depth + std::max(0.0, speed.gravity));
+  c.slope = -weight_.dot(c.normal) - total / depth;
 }
 
 /// k/n times the pressure head at the face [m2/s], and k/n times the cosine between gravity and the way in [m/s].
@@ -91,11 +92,11 @@ InfiltrationSpeed Fluid<D>::infiltration_speed(const FaceColumn<D>& c) const {
   const double magnitude = weight_.norm();
   const Soil* here = soil_at(scene_, to_point3<D>(c.foot + 0.25 * c.spacing * c.normal));
   if (!here) return {};
-  const double total = std::max(0.0, c.pressure + weight_.dot(c.foot - origin_));
-  const double gamma = magnitude > 0.0 ? magnitude : density_ * 9.81;
+  const double gamma = porous::specific_weight(scene_), n = fillable_porosity(*here);
+  const double total = std::max(0.0, c.pressure + weight_.dot(c.foot - origin_)) + gamma * here->suction_head;
   // Darcy's conductivity of the same discharge at the gradient that the front meets half a spacing in.
-  const double n = here->porosity, gradient = total / (gamma * 0.5 * c.spacing) + 1.0;
-  const auto law = porous::resistance(gamma, n, porous::seepage_at(scene_, *here, n));
+  const double gradient = total / (gamma * 0.5 * c.spacing) + 1.0;
+  const auto law = porous::resistance(gamma, n, porous::seepage_at(scene_, *here, here->porosity));
   const double seepage = law.speed(n * gamma * gradient) / gradient;
   return {seepage * total / gamma, magnitude > 0.0 ? seepage * weight_.dot(c.normal) / magnitude : 0.0};
 }
@@ -125,6 +126,7 @@ void Fluid<D>::give_birth_and_delete() {
   const ColumnFinder<D> finder(state_.columns);
   std::vector<bool> keep(p.size(), true);
   bool any = false;
+  ScalarArray crossed(state_.columns.size(), 0.0);  // in particles, inwards
   for (std::size_t a = 0; a < p.size(); ++a) {
     // Far outside, and no faster than a fall makes it: water that diverges is not hushed up.
     if (((p.position[a] - lower_).array() < 0.0 || (upper_ - p.position[a]).array() < 0.0).any() &&
@@ -142,6 +144,7 @@ void Fluid<D>::give_birth_and_delete() {
     keep[a] = false;
     c.net -= p.mass[a] / density_;
     any = true;
+    crossed[static_cast<std::size_t>(i)] -= p.mass[a] / density_;
     c.offset = std::clamp(d + c.spacing, 0.0, 0.999 * c.spacing);
   }
   if (any) {
@@ -149,14 +152,21 @@ void Fluid<D>::give_birth_and_delete() {
     p.filter(keep);
     state_.counts.deleted += static_cast<double>(had - p.size());
   }
-  for (auto& c : state_.columns) {
-    if (!c.wet || c.offset < c.spacing) continue;
-    c.offset -= c.spacing;
-    const Soil* here = soil_at(scene_, to_point3<D>(c.foot + 0.25 * c.spacing * c.normal));
-    const double n = here ? here->porosity : 1.0;
-    p.add(c.foot + c.offset * c.normal, c.speed * c.normal, c.mass, n, c.volume, c.pressure + c.slope * c.offset);
-    c.net += c.mass / density_;
-    ++state_.counts.born;
+  for (std::size_t i = 0; i < state_.columns.size(); ++i) {
+    auto& c = state_.columns[i];
+    if (c.wet && c.offset >= c.spacing) {
+      c.offset -= c.spacing;
+      p.add(c.foot + c.offset * c.normal, c.speed * c.normal, c.mass, c.void_fraction, c.volume,
+            c.pressure + c.slope * c.offset);
+      crossed[i] += c.mass / density_;
+      c.net += c.mass / density_;
+      ++state_.counts.born;
+    }
+    // The part of the stack's outermost particle that is inside counts as water that came.
+    const double stored = c.share(density_);
+    const double gained = crossed[i] + stored - c.stored;
+    (gained > 0.0 ? state_.balance.in : state_.balance.out) += std::abs(gained);
+    c.stored = stored;
   }
 }
 

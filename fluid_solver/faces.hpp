@@ -25,6 +25,7 @@ struct FaceColumn {
   double width = 0.0;              ///< half-width along the face [m]
   double volume = 0.0;             ///< bulk, of each buffer particle [m^D]
   double mass = 0.0;               ///< of a particle born here [kg]
+  double void_fraction = 1.0;      ///< that the water fills behind the face
   double offset = 0.0;             ///< of the stack: buffers at offset - j spacing, j = 1 .. 4 [m]
   double speed = 0.0;              ///< of the stack [m/s]
   double pressure = 0.0;           ///< at the foot, piezometric [Pa]
@@ -32,6 +33,7 @@ struct FaceColumn {
   double net = 0.0;                ///< volume of particles born here, less that of those deleted [m^D]
   bool in_soil = false;            ///< the ground behind the face is soil
   bool wet = false;                ///< acts now
+  double stored = 0.0;             ///< water of the outermost spacing that is in the domain but in no particle [m^D]
   [[nodiscard]] double inside(const Vec<D>& x) const { return normal.dot(x - foot); }
   /// Volume of water that the first buffer has inside the face [m^D]; negative: that the last particle has outside.
   [[nodiscard]] double share(double density) const { return wet ? mass / density * (offset / spacing - 0.5) : 0.0; }
@@ -71,7 +73,8 @@ void add_column(const Case& scene, int face, const Vec<D>& foot, const Vec<D>& n
   c.spacing = c.volume / area;
   c.width = width;
   c.in_soil = soil != nullptr;
-  c.mass = scene.water.density * (soil ? soil->porosity : 1.0) * c.volume;
+  c.void_fraction = soil ? fillable_porosity(*soil) : 1.0;
+  c.mass = scene.water.density * c.void_fraction * c.volume;
   c.offset = 0.5 * c.spacing;
   columns.push_back(c);
 }
@@ -216,11 +219,12 @@ std::vector<Buffer<D>> make_buffers(const std::vector<FaceColumn<D>>& columns) {
 }
 
 /// Fits of the pressure's slope at every column: weighted least squares through the face, over the first spacings
-/// inside, images behind walls included. Where there are only particles on the face itself the slope is bounded, as if
-/// they stood a fifth of a spacing inside.
+/// inside, images behind walls included. As far as there are only particles on the face itself, which say nothing of
+/// it, the slope of the window before stands in.
 template <int D>
 void fit_columns(const std::vector<FaceColumn<D>>& columns, Stencil<D>& s) {
   s.fit_offset.assign(1, 0);
+  s.fit_constant.clear();
   if (columns.empty()) return;
   sph::CellGrid<D> grid;
   double widest = 0.0;
@@ -243,7 +247,9 @@ void fit_columns(const std::vector<FaceColumn<D>>& columns, Stencil<D>& s) {
         s.fit_weight.push_back(w * d);
       });
     }
-    for (std::size_t k = begin; k < s.fit_index.size(); ++k) s.fit_weight[k] /= std::max(sum, least);
+    const double total = std::max(sum, least);
+    for (std::size_t k = begin; k < s.fit_index.size(); ++k) s.fit_weight[k] /= total;
+    s.fit_constant.push_back(total > 0.0 ? (1.0 - sum / total) * c.slope : 0.0);
     s.fit_offset.push_back(static_cast<Index>(s.fit_index.size()));
   }
 }

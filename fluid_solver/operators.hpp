@@ -23,19 +23,23 @@ inline double harmonic(double a, double b) { return a + b > 0.0 ? 2.0 * a * b / 
 
 /// Slope of a pressure along a face column's normal [Pa/m]; nothing where the ground inside is dry.
 template <int D>
-std::optional<double> face_slope(const Stencil<D>& s, Index column, std::span<const double> p, double face_pressure) {
+std::optional<double> face_slope(const Stencil<D>& s, Index column, std::span<const double> p, double face_pressure,
+                                 bool increment = false) {
   if (column + 1 >= s.fit_offset.size() || s.fit_offset[column] == s.fit_offset[column + 1]) return std::nullopt;
-  double slope = 0.0;
+  double slope = increment ? 0.0 : s.fit_constant[column];
   for (Index k = s.fit_offset[column]; k < s.fit_offset[column + 1]; ++k)
     slope += s.fit_weight[k] * (p[s.fit_index[k]] - face_pressure);
   return slope;
 }
 
 /// Corrected gradient of a piezometric pressure; face_pressure(column) is the pressure at a face (0 for increments).
-/// mobility(a, parent of b) multiplies each pair; blind_gradient is taken in directions without neighbours.
-template <int D, class Face, class Mobility>
+/// mobility(a, parent of b) multiplies each pair; blind_gradient is taken in directions without neighbours;
+/// surface_pressure(a) is that of the free surface next to particle a (0 for increments); increment: p is a change of
+/// pressure.
+template <int D, class Face, class Mobility, class SurfacePressure>
 VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Face&& face_pressure, Mobility&& mobility,
-                              const Vec<D>& blind_gradient) {
+                              const Vec<D>& blind_gradient, SurfacePressure&& surface_pressure,
+                              bool increment = false) {
   VecArray<D> result(s.n_real);
   // Pressures of the buffers. Reflecting particle by particle, as the Laplacian does, would magnify the error of a
   // particle that lies on the face itself.
@@ -43,7 +47,7 @@ VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Fa
   std::vector<bool> fitted(buffer.size());
   for (std::size_t i = 0; i < buffer.size(); ++i) {
     const double at_face = face_pressure(s.column[i]);
-    const auto slope = face_slope(s, s.column[i], p, at_face);
+    const auto slope = face_slope(s, s.column[i], p, at_face, increment);
     fitted[i] = slope.has_value();
     buffer[i] = at_face - slope.value_or(0.0) * s.outside[i];
   }
@@ -56,7 +60,31 @@ VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Fa
                                                        : s.reflection[k] * (buffer[q - s.n_real] - p[a]);
       sum += s.volume[j] * mobility(a, q) * difference * s.gradient[k];
     }
+    if (s.ghost_distance[a] > 0.0) sum += 2.0 * mobility(a, a) * (p[a] - surface_pressure(a)) * s.normal[a];
     result[a] = s.correction[a] * sum + mobility(a, a) * (s.blind[a] * blind_gradient);
+  }
+  return result;
+}
+
+/// Of a pressure increment at the free surface.
+template <int D, class Face, class Mobility>
+VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Face&& face_pressure, Mobility&& mobility,
+                              const Vec<D>& blind_gradient) {
+  return pressure_gradient<D>(s, p, face_pressure, mobility, blind_gradient, [](std::size_t) { return 0.0; });
+}
+
+/// Corrected gradient of a velocity, G_ij = d v_i / d x_j, buffers left out.
+template <int D>
+MatArray<D> velocity_gradient(const Stencil<D>& s, std::span<const Vec<D>> f) {
+  const VecArray<D> all = extended<D>(s, f);
+  MatArray<D> result(s.n_real);
+  for (std::size_t a = 0; a < s.n_real; ++a) {
+    Mat<D> sum = Mat<D>::Zero();
+    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+      const Index j = s.other[k];
+      if (!s.is_buffer(j)) sum += s.volume[j] * (all[j] - all[a]) * s.gradient[k].transpose();
+    }
+    result[a] = sum * s.correction_open[a];
   }
   return result;
 }

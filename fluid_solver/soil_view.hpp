@@ -15,13 +15,13 @@ namespace poretwin::fluid {
 template <int D>
 struct SoilView {
   ScalarArray mask;                            ///< [n] 1 inside soil, 0 in free water
-  ScalarArray fraction;                        ///< [n] n_s
+  ScalarArray fraction;                        ///< [n] n_s, the residual water of moist soil counted in
   std::vector<porous::Resistance> resistance;  ///< [n] none in free water
   /// [n] the resistance about the present slip w, R = C w' - f: C [N s/m4], f [N/m3] (Newton's tangent along the flow;
   /// f is zero under Darcy's law)
   ScalarArray drag;
   VecArray<D> drag_offset;
-  MatArray<D> drag_form;  ///< [n] that multiplies the slip in a smoothed drag; empty: none
+  MatArray<D> drag_form;      ///< [n] that multiplies the slip in a smoothed drag; empty: none
   ScalarArray density;        ///< [n] R = n_s rho_s, kg/m3
   ScalarArray modulus;        ///< [n] M = K + 4 G / 3, Pa
   VecArray<D> velocity;       ///< [n] v_s, m/s
@@ -36,7 +36,8 @@ struct SoilView {
   [[nodiscard]] std::size_t size() const { return mask.size(); }
   /// Does the tangent differ from the law?
   [[nodiscard]] bool nonlinear() const {
-    return !drag_form.empty() || std::any_of(resistance.begin(), resistance.end(), [](const auto& r) { return r.quadratic > 0.0; });
+    return !drag_form.empty() ||
+           std::any_of(resistance.begin(), resistance.end(), [](const auto& r) { return r.quadratic > 0.0; });
   }
   /// Takes the resistance about the slip between these velocities.
   void linearise(std::span<const Vec<D>> water, std::span<const Vec<D>> soil) {
@@ -68,6 +69,9 @@ inline bool inertia_rules(double n, double density, double drag, double spacing,
 /// porosity.
 inline double membership(double asymmetry) { return std::clamp((0.63 - asymmetry) / 0.32, 0.0, 1.0); }
 
+/// What water can fill of soil that starts moist: n (1 - s_r0). The residual water moves with the grains.
+inline double fillable_porosity(const Soil& soil) { return soil.porosity * (1.0 - soil.initial_saturation); }
+
 inline const Soil* soil_at(const Case& scene, const Point3& x) {
   for (const auto& soil : scene.soils)
     if (contains(soil.shape, x, scene.general.dimension)) return &soil;
@@ -91,10 +95,11 @@ SoilView<D> rigid_soil(const Case& scene, std::span<const Vec<D>> points) {
     const Soil* here = soil_at(scene, to_point3<D>(points[a]));
     if (!here) continue;
     soil.mask[a] = 1.0;
-    soil.fraction[a] = 1.0 - here->porosity;
-    soil.density[a] = soil.fraction[a] * here->grain_density;
+    const double fillable = fillable_porosity(*here);
+    soil.fraction[a] = 1.0 - fillable;
+    soil.density[a] = (1.0 - here->porosity) * here->grain_density + (here->porosity - fillable) * scene.water.density;
     if (scene.fluid.drag)
-      soil.resistance[a] = porous::resistance(weight, here->porosity, porous::seepage_at(scene, *here, here->porosity));
+      soil.resistance[a] = porous::resistance(weight, fillable, porous::seepage_at(scene, *here, here->porosity));
     soil.drag[a] = soil.resistance[a].linear;
   }
   return soil;

@@ -75,6 +75,11 @@ struct Counts {
          stencils = 0, born = 0, deleted = 0, unconverged = 0, drag_rounds = 0, lost = 0;
 };
 
+/// Volumes of water that came and went through faces since the start, and what there was then [m^D].
+struct Balance {
+  double in = 0.0, out = 0.0, initial = 0.0;
+};
+
 template <int D>
 struct State {
   double time = 0.0;
@@ -90,6 +95,7 @@ struct State {
   ScalarArray basin_level;  ///< [faces] m
   std::vector<TimeLimit> scheme_limits;  ///< of explicit schemes, from the last window
   Counts counts;
+  Balance balance;
 };
 
 }  // namespace poretwin::fluid

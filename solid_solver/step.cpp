@@ -12,6 +12,7 @@ namespace poretwin::solid {
 
 template <int D>
 void rebuild(const Setup<D>& setup, State<D>& state) {
+  wrap_periodic<D>(setup.boundaries, state.particles.position);
   build_neighbourhood<D>(setup.boundaries, setup.range(), state.particles, state.near);
   fill_nodes<D>(state.particles, state.near, state.body, setup.flow_limit, state.nodes);
   pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, state.kernel);

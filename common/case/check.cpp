@@ -17,6 +17,8 @@ namespace poretwin {
 namespace {
 
 constexpr std::array<std::string_view, 2> phases{"fluid", "solid"};
+constexpr std::array line_kinds{std::string_view("front"), std::string_view("discharge"),
+                                std::string_view("exit_height"), std::string_view("exit_gradient")};
 
 class Checker {
  public:
@@ -30,11 +32,9 @@ class Checker {
     walls();
     soils_are_supported();
     pore_pressures();
-    if (scene_.has_water()) {
-      sides();
-      enclosure();
-    }
+    if (scene_.has_water()) sides();
     gauges();
+    if (scene_.has_water()) enclosure();
   }
 
  private:
@@ -236,9 +236,10 @@ class Checker {
 
   void fluid_regions() const {
     if (scene_.coupled() && scene_.fluid.drag_form != FluidCase::DragForm::pointwise)
-      fail("fluid.drag_form",
-           "the sum over pairs needs the soil's particles, which a moving soil keeps to itself; expected \"pointwise\", "
-           "or solid.model = \"rigid\"");
+      fail(
+          "fluid.drag_form",
+          "the sum over pairs needs the soil's particles, which a moving soil keeps to itself; expected \"pointwise\", "
+          "or solid.model = \"rigid\"");
     for (std::size_t i = 0; i < scene_.fluid.regions.size(); ++i)
       shape(scene_.fluid.regions[i], fmt::format("fluid.region[{}]", i), scene_.fluid.particle_spacing);
     no_overlap(scene_.fluid.regions, "fluid.region", scene_.fluid.particle_spacing);
@@ -498,9 +499,13 @@ class Checker {
         fail(key + ".quantity", "a point gauge needs the name of an output field");
       if ((gauge.kind == "point" || gauge.kind == "height") && gauge.points.empty())
         fail(key + ".points", fmt::format("a {} gauge needs 1 point or more", gauge.kind));
-      if (gauge.kind == "front" && gauge.points.size() != 2)
+      const bool line = std::find(line_kinds.begin(), line_kinds.end(), gauge.kind) != line_kinds.end();
+      if (line && (gauge.points.size() != 2 || gauge.points[0] == gauge.points[1]))
         fail(key + ".points",
-             fmt::format("a front gauge needs the 2 ends of its line, found {} points", gauge.points.size()));
+             fmt::format("a gauge of kind \"{}\" needs the 2 ends of its line, found {}", gauge.kind,
+                         gauge.points.size() == 2 ? "one point twice" : fmt::format("{} points", gauge.points.size())));
+      if (line && gauge.kind != "front" && scene_.general.dimension != 2)
+        fail(key + ".kind", fmt::format("\"{}\" is for dimension = 2", gauge.kind));
       if (gauge.kind == "level" || gauge.kind == "passed_volume") {
         const auto& faces = scene_.water_faces;
         const auto named = std::find_if(faces.begin(), faces.end(),

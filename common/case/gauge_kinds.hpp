@@ -16,7 +16,8 @@ struct GaugeKind {
 inline constexpr GaugeKind gauge_kinds[] = {
     {"point", "either", "a field at `points`"},
     {"front", "either",
-     "along the line between two `points`: of the water its wetting front, of the soil its farthest place of a given "
+     "along the line between two `points`: of the water its wetting front (up a vertical line: the water table), of "
+     "the soil its farthest place of a given "
      "`thickness`"},
     {"momentum", "either", "sum over the particles"},
     {"kinetic_energy", "either", "sum over the particles"},
@@ -29,6 +30,11 @@ inline constexpr GaugeKind gauge_kinds[] = {
     {"spread", "fluid", "rms distance from the water's mean position, along the line of `points`"},
     {"level", "fluid", "of the water behind the face named by `quantity`"},
     {"passed_volume", "fluid", "come in less gone out through the face named by `quantity`; absent: through all"},
+    {"discharge", "fluid", "volume per time through the wet part of a line, from its right to its left"},
+    {"exit_height", "fluid", "elevation at which the water's surface meets a face, a line between two `points`"},
+    {"exit_gradient", "fluid", "largest outward hydraulic gradient over such a face"},
+    {"balance", "fluid", "volumes `_in`, `_out`, `_stored` and `_error` = in - out - gain"},
+    {"min_pressure", "fluid", "lowest of any particle"},
     {"height", "solid", "of its surface above `points`"},
     {"grain_volume", "solid", "of the grains alone"},
     {"stress_noise", "solid", "rms of the mean effective stress against a linear field around each particle"},
