@@ -9,11 +9,24 @@ namespace poretwin::fluid {
 
 enum class Surface : std::uint8_t { interior, surface, lone };
 
+/// Is there water within a kernel's reach in the cone of 45 degrees about the way outwards (after Marrone et al. 2010)?
+template <int D>
+bool covered(const Stencil<D>& s, std::size_t a) {
+  const Vec<D> outwards = -s.normal[a].normalized();
+  for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+    const Vec<D> ba = s.position[s.other[k]] - s.position[a];
+    if (outwards.dot(ba) > 0.7071 * ba.norm()) return true;
+  }
+  return false;
+}
+
 /// By the deficit of the divergence of position, D in the interior (Lee et al. 2008).
+/// A hole under pressure must not be taken for a surface: it would draw the water of a reservoir in at full head.
 template <int D>
 std::vector<Surface> find_surface(const Stencil<D>& s) {
   std::vector<Surface> flags(s.n_real, Surface::interior);
   for (std::size_t a = 0; a < s.n_real; ++a) {
+    if (s.covered[a]) continue;
     if (s.divergence[a] < 0.4 * D)
       flags[a] = Surface::lone;
     else if (s.divergence[a] < 0.75 * D)
