@@ -279,10 +279,9 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
   VecArray<D> result = v;
   const double noise = noise_viscosity * dx_ * wave_speed_;
   for (std::size_t a = 0; a < s.n_real; ++a) {
-    // In soil drag damps what the viscosities are for, unless inertia rules there as well.
-    if (view.mask[a] > 0.5 &&
-        !inertia_rules(state_.particles.void_fraction[a], density_, view.drag[a],
-                       std::pow(state_.particles.volume[a], 1.0 / D), weight_.norm() / density_))
+    // In soil drag damps what the trace of viscosity is for, unless inertia rules there as well.
+    if (view.mask[a] > 0.5 && !inertia_rules(state_.particles.void_fraction[a], density_, view.drag[a],
+                                             std::pow(state_.particles.volume[a], 1.0 / D), weight_.norm() / density_))
       continue;
     result[a] -= interval * scene_.general.central_force * s.position[a];
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
@@ -322,7 +321,7 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
   for (std::size_t a = 0; a < p.size(); ++a) {
     double excess = s.fullness[a] - 1.0;
     // Near a surface the sum is short by nature, not by error.
-    if (excess < 0.0) excess *= std::clamp(1.0 - 5.0 * s.length[a] * s.normal[a].norm(), 0.0, 1.0);
+    if (excess < 0.0 && !s.covered[a]) excess *= std::clamp(1.0 - 5.0 * s.length[a] * s.normal[a].norm(), 0.0, 1.0);
     if (p.surface[a] != Surface::interior || s.ghost_distance[a] > 0.0) excess = std::max(0.0, excess);
     source[a] = motion[a] * p.void_fraction[a] * excess / repair_time(a, view, interval);
     // Displacements of the velocity's length keep the volume to second order: det(1 + dt grad v) = 1. Without it a

@@ -146,28 +146,22 @@ class Reader {
     return deepest - (std::isfinite(r.by_pressure) ? r.by_pressure : r.by_fullness);
   }
 
-  /// Elevation at which the water's surface meets a face (domain on the left). It comes in tangentially: its depths of
-  /// one and three tenths of a spacing are joined by a straight line.
+  /// Elevation at which the water's surface meets a face (domain on the left), sought from the line's far end. It comes
+  /// in tangentially: the places where it lies one and three fifths of a spacing deep are joined by a straight line.
   [[nodiscard]] double exit_height(const Line<D>& line) const {
-    const double shallow = 0.1 * dx_, deep = 0.3 * dx_, step = 0.1 * dx_;
-    double before = 0.0, at_shallow = nan;
-    bool water = false;
-    for (double z = 0.0; z <= line.length; z += step) {
+    const double shallow = 0.2 * dx_, deep = 0.6 * dx_, step = 0.1 * dx_;
+    double at_deep = line.length, before = nan;
+    for (double z = line.length; z >= 0.0; z -= step) {
       const double now = depth(line.at(z), line.left, 2.5 * dx_);
-      const auto crossing = [&](double level) { return z - step * (now - level) / (now - before); };
+      const auto crossing = [&](double level) { return z + step * (level - now) / (before - now); };
+      if (now < deep && !(before < deep)) at_deep = std::isfinite(before) ? crossing(deep) : z;
       if (now < shallow) {
-        water = true;
-        at_shallow = nan;
-      } else if (water && before < shallow) {
-        at_shallow = crossing(shallow);
-      }
-      if (now >= deep && std::isfinite(at_shallow)) {
-        const double at_deep = before < deep ? crossing(deep) : z;
+        const double at_shallow = std::isfinite(before) ? crossing(shallow) : z;
         return elevation(line.at(std::max(0.0, at_shallow - 0.5 * (at_deep - at_shallow))));
       }
       before = now;
     }
-    return water ? elevation(line.at(line.length)) : nan;
+    return nan;
   }
 
   /// Largest outward hydraulic gradient at a face (domain on the left) where water stands behind it.
@@ -204,9 +198,9 @@ class Reader {
   [[nodiscard]] double level(const Gauge& gauge) const {
     for (std::size_t f = 0; f < scene_.water_faces.size(); ++f) {
       const auto& face = scene_.water_faces[f];
-      if (face.name == gauge.quantity)
-        return face.discharge ? basin_level(*face.basin_area, state_.supplied[f] - passed_[f])
-                              : face.head->at(state_.time);
+      if (face.name != gauge.quantity) continue;
+      return face.discharge ? basin_level(*face.basin_area, state_.supplied[f] - passed_[f])
+                            : face.head->at(state_.time);
     }
     return nan;
   }

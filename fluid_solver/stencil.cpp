@@ -66,6 +66,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   s.amplification.assign(n, 1.0);
   s.normal.assign(n, Vec<D>::Zero());
   s.surface_pressure.assign(n, 0.0);
+  s.covered.assign(n, false);
   s.surface_distance.resize(n);
   for (std::size_t a = 0; a < n; ++a) s.surface_distance[a] = 0.5 * std::pow(volume[a], 1.0 / D);
   s.correction.resize(n);

@@ -21,8 +21,20 @@ inline constexpr double first_row = 0.1, second_row = 0.03;
 inline constexpr double least_inverted = 0.4;
 }  // namespace surface
 
+/// Is there water within a kernel's reach in the cone of 45 degrees about the way outwards (after Marrone et al. 2010)?
+template <int D>
+bool covered(const Stencil<D>& s, std::size_t a) {
+  const Vec<D> outwards = -s.normal[a].normalized();
+  for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+    const Vec<D> ba = s.position[s.other[k]] - s.position[a];
+    if (outwards.dot(ba) > 0.7071 * ba.norm()) return true;
+  }
+  return false;
+}
+
 /// Free water: the moment's smallest eigenvalue, then an umbrella of neighbours (Marrone et al. 2010).
-/// Water in soil (mask >= 0.5), a wetting front: the deficit of the divergence of position (Lee et al. 2008).
+/// Water in soil (mask >= 0.5), a wetting front: the deficit of the divergence of position (Lee et al. 2008). A hole
+/// under pressure must not be taken for a surface: it would draw the water of a reservoir in at full head.
 template <int D>
 std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> mask) {
   std::vector<Surface> flags(s.n_real, Surface::interior);
@@ -31,7 +43,7 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> mask) {
     const Vec<D> n = -s.normal[q].normalized();
     return j < s.n_base ? n : Vec<D>(s.map[j - s.n_base] * n);
   };
-  const auto covered = [&](std::size_t a) {
+  const auto umbrella = [&](std::size_t a) {
     const double h = s.length[a];
     const Vec<D> n = -s.normal[a].normalized();
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
@@ -43,6 +55,7 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> mask) {
   };
   for (std::size_t a = 0; a < s.n_real; ++a) {
     if (mask[a] >= 0.5) {
+      if (s.covered[a]) continue;
       if (s.divergence[a] < 0.4 * D)
         flags[a] = Surface::lone;
       else if (s.divergence[a] < 0.75 * D)
@@ -55,7 +68,7 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> mask) {
       flags[a] = Surface::lone;
       s.correction[a].setZero();
       s.blind[a].setIdentity();
-    } else if (s.least_moment[a] < surface::inside && amount * s.length[a] > surface::first_row && !covered(a)) {
+    } else if (s.least_moment[a] < surface::inside && amount * s.length[a] > surface::first_row && !umbrella(a)) {
       flags[a] = Surface::surface;
     }
   }
