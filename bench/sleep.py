@@ -25,9 +25,9 @@ SCENES = {
     "slow": ["case.end_time=42", f"pore_pressure.0.to_head=[[0, 1.2], [20, {1.2 + 0.75 * CRITICAL}], [40, 1.2]]"],
     "heave": ["case.end_time=44", f"pore_pressure.0.to_head=[[0, 1.2], [44, {1.2 + 1.1 * CRITICAL}]]"],
 }
-# (sleep_below, wake_above) [g]; the third: damping in quasi-static windows
-SETTINGS = [(1e-4, 1e-3, True), (3e-4, 3e-3, True), (1e-3, 3e-3, True), (1e-3, 5e-3, True), (3e-4, 1e-2, True), (1e-3, 1e-2, True),
-            (1e-3, 3e-2, True), (3e-3, 3e-2, True), (1e-3, 5e-3, False)]
+# (sleep_below, wake_above) [g] and whether there is damping in quasi-static windows
+SETTINGS = [(1e-4, 1e-3, True), (1e-3, 3e-3, True), (1e-3, 5e-3, True), (1e-3, 1e-2, True), (1e-3, 3e-2, True),
+            (1e-3, 5e-3, False)]
 
 
 def run(program, overrides):
@@ -58,6 +58,22 @@ def lift(gauges):
     return times[np.argmax(values > 1e-3)]
 
 
+def draw(rows):
+    figure, axes = plt.subplots(1, 2, figsize=(9, 3.6), constrained_layout=True)
+    titles = {"slow": "stress error over the base value", "heave": "error of the gradient at which the bed lifts"}
+    for axis, scene in zip(axes, SCENES):
+        mine = [r for r in rows if r[0] == scene]
+        for r in mine[1:]:
+            axis.plot(r[4] / mine[0][4], max(r[7], 1e-5), "o" if r[3] else "s", color="C0" if r[3] else "C1")
+            axis.annotate(f"{r[1]:g} / {r[2]:g}", (r[4] / mine[0][4], max(r[7], 1e-5)), fontsize=7,
+                          textcoords="offset points", xytext=(0, 5), ha="center")
+        axis.set(xscale="log", yscale="log", xlabel="substeps computed, of all", ylabel=titles[scene], title=scene)
+        axis.grid(alpha=0.3)
+        axis.margins(0.15)
+    figure.suptitle("Sleep below / wake above [g]; squares: without damping", fontsize=9)
+    figure.savefig(HERE / "sleep.png", dpi=150)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--poretwin", default=str(HERE.parent / "build" / "release" / "bin" / "poretwin"))
@@ -80,18 +96,7 @@ def main():
         writer.writerow(["scene", "sleep_below_g", "wake_above_g", "damping", "substeps", "substeps_asleep", "cpu_s",
                          "error"])
         writer.writerows(rows)
-    figure, axes = plt.subplots(1, 2, figsize=(9, 3.6), constrained_layout=True)
-    titles = {"slow": "stress error over the base value", "heave": "error of the gradient at which the bed lifts"}
-    for axis, scene in zip(axes, SCENES):
-        mine = [r for r in rows if r[0] == scene]
-        for r in mine[1:]:
-            axis.plot(r[4] / mine[0][4], max(r[7], 1e-5), "o" if r[3] else "s", color="C0" if r[3] else "C1")
-            axis.annotate(f"{r[1]:g} / {r[2]:g}", (r[4] / mine[0][4], max(r[7], 1e-5)), fontsize=7,
-                          textcoords="offset points", xytext=(4, 3))
-        axis.set(xscale="log", yscale="log", xlabel="substeps computed, of all", ylabel=titles[scene], title=scene)
-        axis.grid(alpha=0.3)
-    figure.suptitle("Sleep below / wake above [g]; squares: without damping", fontsize=9)
-    figure.savefig(HERE / "sleep.png", dpi=150)
+    draw(rows)
 
 
 if __name__ == "__main__":

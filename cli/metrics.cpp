@@ -16,9 +16,9 @@ namespace poretwin::cli {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-const std::vector<std::string> operations{"value",   "relative",   "mean",     "l2",       "profile",
-                                          "max_abs", "decay_rate", "monotone", "drift",    "exceeds",
-                                          "curve",   "exit",       "period",   "crossing", "counter"};
+const std::vector<std::string> operations{
+    "value", "relative", "mean",   "l2",       "profile", "max_abs", "decay_rate", "monotone", "drift",  "exceeds",
+    "curve", "exit",     "period", "crossing", "counter", "rise",    "noise",      "order",    "largest"};
 
 void declare(Keys& keys, VerifyRun& r) {
   keys.text("name", r.name, {"", "Name that metrics refer to.", true});
@@ -40,7 +40,11 @@ void declare(Keys& keys, Metric& m) {
        "`value`, `relative`, `mean` (over the range; relative error), `l2`, `profile`, `max_abs`, `decay_rate`, "
        "`monotone`, `drift`, `exceeds`, `curve`, `exit`, `period` "
        "(mean, between upward passages of `limit`; relative error), `crossing` (time at which the readings first pass "
-       "`limit`; relative error) or `counter` (at most `reference`).",
+       "`limit`; relative error), `counter` (at most `reference`), `largest` (relative error), `rise` (greatest climb "
+       "above an earlier reading), "
+       "`noise` (rms distance from the running mean over `window`) or `order` (the order at which the relative error "
+       "of "
+       "`decay_rate` falls from the run `coarse` to this one of half its spacing; at least `tolerance`).",
        true});
   keys.text("gauge", m.gauge, {"", "The gauge; for `l2` and `profile`: all of `gauge[i]`."});
   keys.text("counter", m.counter, {"", "Of `counter`: process.name as in the run's summary, `solid.rest steps`."});
@@ -50,11 +54,13 @@ void declare(Keys& keys, Metric& m) {
   keys.number("at", m.at, {"s", "Time of the reading; absent: the last."});
   keys.number("from", m.from, {"s", "Start of the range; absent: the first reading."});
   keys.number("to", m.to, {"s", "End of the range; absent: the last reading."});
+  keys.number("window", m.window, {"s", "Of `noise`: width of the running mean."}, positive());
+  keys.text("coarse", m.coarse, {"", "Of `order`: the run of twice the spacing."});
   keys.number("scale", m.scale, {"", "Readings are multiplied by it."});
   keys.number("limit", m.limit,
               {"", "What the readings tend to (`decay_rate`, `monotone`), or pass (`period`, `crossing`)."});
-  keys.number("normaliser", m.normaliser, {"", "Errors are divided by it (`l2`, `profile`, `drift`, `curve`)."},
-              positive());
+  keys.number("normaliser", m.normaliser,
+              {"", "Errors are divided by it (`l2`, `profile`, `drift`, `curve`, `rise`, `noise`)."}, positive());
   keys.text("norm", m.norm, {"", "Of `curve` and `profile`: `max` or `rms`."});
   keys.number("reference", m.reference, {"", "The right value."});
   keys.numbers("references", m.references, {"", "The right values of `l2` and `profile`."});
@@ -79,7 +85,8 @@ struct Failure {
 };
 
 bool needs_relative_error(const std::string& op) {
-  return op == "relative" || op == "mean" || op == "decay_rate" || op == "period" || op == "crossing";
+  return op == "relative" || op == "mean" || op == "decay_rate" || op == "period" || op == "crossing" ||
+         op == "largest";
 }
 
 /// Linear between readings; NaN outside them or where a reading is NaN.
@@ -127,6 +134,12 @@ class Judge {
     if (m_.op == "decay_rate") return decay_rate();
     if (m_.op == "monotone") return moving_away();
     if (m_.op == "drift") return drift();
+    if (m_.op == "rise") return rise();
+    if (m_.op == "largest") {
+      const auto series = within_range(readings());
+      return *std::max_element(series.value.begin(), series.value.end());
+    }
+    if (m_.op == "noise") return noise();
     if (m_.op == "period") return period();
     if (m_.op == "crossing") return crossings(false).front();
     if (m_.op == "counter") return counter();
@@ -260,6 +273,33 @@ class Judge {
     for (const double x : series.value) most = std::max(most, std::abs(x - series.value.front()));
     return most / m_.normaliser.value_or(1.0);
   }
+  [[nodiscard]] double rise() const {
+    const auto series = within_range(readings());
+    double lowest = series.value.front(), most = 0.0;
+    for (const double x : series.value) {
+      lowest = std::min(lowest, x);
+      most = std::max(most, x - lowest);
+    }
+    return most / m_.normaliser.value_or(1.0);
+  }
+  [[nodiscard]] double noise() const {
+    const auto series = within_range(readings());
+    const double half = 0.5 * *m_.window;
+    double sum = 0.0, count = 0.0;
+    for (std::size_t i = 0; i < series.time.size(); ++i) {
+      if (series.time[i] - half < series.time.front() || series.time[i] + half > series.time.back()) continue;
+      double mean = 0.0, n = 0.0;
+      for (std::size_t j = 0; j < series.time.size(); ++j)
+        if (std::abs(series.time[j] - series.time[i]) <= half) {
+          mean += series.value[j];
+          n += 1.0;
+        }
+      sum += (series.value[i] - mean / n) * (series.value[i] - mean / n);
+      count += 1.0;
+    }
+    if (count == 0.0) throw Failure{fmt::format("the window is longer than the readings of gauge '{}'", m_.gauge)};
+    return std::sqrt(sum / count) / m_.normaliser.value_or(1.0);
+  }
   /// Times at which the readings pass the limit, upwards only or either way; linear between readings.
   [[nodiscard]] std::vector<double> crossings(bool upwards) const {
     const auto series = within_range(readings());
@@ -348,6 +388,10 @@ class VerifyChecker {
     if (m.norm != "max" && m.norm != "rms")
       fail(key + ".norm", fmt::format("expected \"max\" or \"rms\", found \"{}\"", m.norm));
     if (!m.reference_csv.empty()) from_csv(m, key);
+    if (m.op == "noise" && !m.window) fail(key + ".window", "is missing");
+    if (m.op == "order" &&
+        std::none_of(file.runs.begin(), file.runs.end(), [&](const VerifyRun& r) { return r.name == m.coarse; }))
+      fail(key + ".coarse", fmt::format("no [[run]] is named \"{}\"", m.coarse));
     if (m.op == "curve" && !m.curve) fail(key + ".curve", "expected 'reference_csv' or 'curve'");
     if ((m.op == "l2" || m.op == "profile") && m.references.empty())
       fail(key + ".references", "expected 'reference_csv' or 'references'");
@@ -381,6 +425,19 @@ VerifyFile read_verify(const std::filesystem::path& path) {
 
 Verdict judge(const Metric& metric, const Gauges& gauges, int exit_status, const Counters& counters) {
   return Judge(metric, gauges, exit_status, counters).verdict();
+}
+
+Verdict judge_order(const Metric& metric, const Gauges& coarse, const Gauges& fine) {
+  Metric rate = metric;
+  rate.op = "decay_rate";
+  const Verdict before = judge(rate, coarse, 0), now = judge(rate, fine, 0);
+  Verdict v;
+  v.reference = metric.tolerance;
+  v.value = std::log2(before.error / now.error);
+  v.error = std::max(0.0, metric.tolerance - v.value);
+  v.passed = v.value >= metric.tolerance;
+  v.complaint = before.complaint.empty() ? now.complaint : before.complaint;
+  return v;
 }
 
 std::vector<std::vector<double>> read_csv(const std::filesystem::path& path) {

@@ -13,10 +13,10 @@ namespace poretwin::cli {
 
 /// [[metric]] of verify.toml.
 struct Metric {
-  std::string name, run, source, op, gauge, counter, plus, minus, unit, norm = "max", reference_csv;
+  std::string name, run, source, op, gauge, counter, plus, minus, unit, norm = "max", reference_csv, coarse;
   std::vector<std::string> gauges;
   std::vector<double> references;
-  std::optional<double> at, from, to, limit, normaliser, reference;
+  std::optional<double> at, from, to, limit, normaliser, reference, window;
   std::optional<Series> curve;
   double scale = 1.0, tolerance = 0.0;
 };
@@ -50,6 +50,9 @@ VerifyFile read_verify(const std::filesystem::path& path);
 
 /// Judges one metric by a run's gauges, exit status and counters.
 Verdict judge(const Metric& metric, const Gauges& gauges, int exit_status, const Counters& counters = {});
+
+/// Observed order of `decay_rate` from the coarse run to the fine one of half its spacing.
+Verdict judge_order(const Metric& metric, const Gauges& coarse, const Gauges& fine);
 
 /// Columns of a CSV: '#' comments and a heading are skipped. Throws FileError.
 std::vector<std::vector<double>> read_csv(const std::filesystem::path& path);

@@ -87,11 +87,13 @@ class CaseCheck {
     for (const auto& summary : result.summaries)
       for (const auto* numbers : {&summary.steps, &summary.counters})
         for (const auto& [name, value] : *numbers) counters[fmt::format("{}.{}", summary.process, name)] = value;
+    done_[run.name] = gauges;
     bool failure_expected = false;
     for (const auto& metric : file.metrics) {
       if (metric.run != run.name) continue;
       failure_expected = failure_expected || metric.op == "exit" || metric.op == "exceeds";
-      add(metric, judge(metric, gauges, result.exit, counters));
+      add(metric, metric.op == "order" ? judge_order(metric, done_[metric.coarse], gauges)
+                                       : judge(metric, gauges, result.exit, counters));
     }
     if (result.exit != 0 && !failure_expected) {
       Metric metric;
@@ -134,6 +136,7 @@ class CaseCheck {
   Json json_;
   bool passed_ = true, stopped_ = false;
   double wall_ = 0.0, cpu_ = 0.0;
+  std::map<std::string, Gauges> done_;  ///< of the runs so far
 };
 
 void write_json(const fs::path& path, const Json& json) {

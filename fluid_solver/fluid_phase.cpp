@@ -95,8 +95,9 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
   // Inviscid free water is slowly unstable: a trace of viscosity on the scale of the particles. Explicit sweeps let
   // sound through and need what weakly compressible SPH needs, alpha h c/(2 (D + 2)) with alpha = 0.03 at least,
   // c = 10 sqrt(g H) (Monaghan 1994).
-  const double share = scene.fluid.scheme == FluidCase::Scheme::projection ? 0.01 : 0.05;
-  viscosity_ = std::max(scene.water.kinematic_viscosity, share * dx_ * std::sqrt(scene.general.gravity.norm() * depth));
+  const double share = scene.fluid.scheme == FluidCase::Scheme::projection ? shear_viscosity : 0.05;
+  wave_speed_ = std::sqrt(scene.general.gravity.norm() * depth);
+  viscosity_ = std::max(scene.water.kinematic_viscosity, share * dx_ * wave_speed_);
   state_.columns = make_columns<D>(scene);
   for (const auto& face : scene.water_faces) {
     const bool basin = face.discharge.has_value();
@@ -116,6 +117,13 @@ Vec<D> Fluid<D>::initial_velocity(const Vec<D>& x) const {
   Vec<D> v = fluid.initial_velocity.head<D>();
   v[0] += fluid.initial_strain * x[0];
   v[1] -= fluid.initial_strain * x[1];
+  if (fluid.initial_wave != 0.0) {
+    const auto [lower, upper] = bounds(fluid.regions.front());
+    const double k = std::numbers::pi / (upper[0] - lower[0]), depth = upper[D - 1] - lower[D - 1];
+    const double s = k * (x[0] - lower[0]), z = k * (x[D - 1] - lower[D - 1]);
+    v[0] += fluid.initial_wave * std::sin(s) * std::cosh(z) / std::sinh(k * depth);
+    v[D - 1] -= fluid.initial_wave * std::cos(s) * std::sinh(z) / std::sinh(k * depth);
+  }
   if (fluid.initial_vortices > 0.0) {
     const auto& box = scene_.general;
     const Vec<2> k = 2.0 * std::numbers::pi / (box.domain_max - box.domain_min).head<2>().array();
@@ -226,8 +234,8 @@ template <int D>
 void Fluid<D>::settle(const SoilView<D>& view) {
   auto& p = state_.particles;
   if (p.size() == 0) return;
-  const auto s = stencil();
-  p.surface = find_surface(s);
+  auto s = stencil();
+  p.surface = find_surface<D>(s, view.mask);
   auto in = problem(1.0);
   in.response = false;
   in.tolerance = 1e-8;
@@ -261,32 +269,46 @@ void Fluid<D>::initialise(const coupling::Inbox& inbox) {
   ++state_.revision;
 }
 
+/// Viscosity of the water itself, Eq. (76) as corrected; a von Neumann-Richtmyer term on approaching pairs for impacts,
+/// of third order where the flow is smooth; and a viscosity on what is not linear in the neighbourhood, for the noise
+/// of single particles. All pairwise antisymmetric.
 template <int D>
-VecArray<D> Fluid<D>::viscous_velocity(const Stencil<D>& s, const SoilView<D>& view, double interval) const {
+VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& view,
+                                      std::span<const Mat<D>> velocity_gradient, double interval) const {
   const auto& v = state_.particles.velocity;
   VecArray<D> result = v;
+  const double noise = noise_viscosity * dx_ * wave_speed_;
   for (std::size_t a = 0; a < s.n_real; ++a) {
-    // In soil drag damps what the trace of viscosity is for, unless inertia rules there as well.
+    // In soil drag damps what the viscosities are for, unless inertia rules there as well.
     if (view.mask[a] > 0.5 && view.drag[a] * interval > state_.particles.void_fraction[a] * density_) continue;
+    result[a] -= interval * scene_.general.central_force * s.position[a];
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
       const Index j = s.other[k], q = s.parent[j];
       if (q >= s.n_real) continue;
-      Vec<D> other = v[q];
+      const Vec<D> ba = s.position[j] - s.position[a];
+      Vec<D> mirrored = v[q];
+      Mat<D> gradient = velocity_gradient[q];
+      bool sticks = false;
       if (j >= s.n_base) {
-        const auto bits = s.boundaries[j - s.n_base];
-        if (bits & no_slip_)
-          other = -other;
-        else
-          other = s.map[j - s.n_base] * other;
+        const Mat<D>& map = s.map[j - s.n_base];
+        mirrored = map * v[q];
+        gradient = map * gradient * map.transpose();
+        sticks = (s.boundaries[j - s.n_base] & no_slip_) != 0;
       }
-      result[a] += interval * viscosity_ * 2.0 * s.volume[j] * s.strength[k] * (other - v[a]);
+      const Vec<D> difference = mirrored - v[a];
+      const double approach = std::max(0.0, -difference.dot(ba)) / std::max(ba.norm(), 1e-9 * s.length[a]);
+      const double weight = interval * 2.0 * s.volume[j] * s.strength[k];
+      const double impact = impact_viscosity * 0.5 * (s.length[a] + s.length[j]) * approach;
+      result[a] += weight * ((viscosity_ + impact) * (sticks ? Vec<D>(-v[q] - v[a]) : difference) +
+                             noise * (difference - 0.5 * (velocity_gradient[a] + gradient) * ba));
     }
   }
   return result;
 }
 
 template <int D>
-ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view, double interval) {
+ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view,
+                                    std::span<const Mat<D>> velocity_gradient, double interval) {
   auto& p = state_.particles;
   ScalarArray source(p.size(), 0.0);
   // A packing error is made good by moving the surface or the inflow; in a closed domain there is neither, and shifting
@@ -298,8 +320,13 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
     double excess = s.fullness[a] - 1.0;
     // Near a surface the sum is short by nature, not by error.
     if (excess < 0.0 && !s.covered[a]) excess *= std::clamp(1.0 - 5.0 * s.length[a] * s.normal[a].norm(), 0.0, 1.0);
-    if (p.surface[a] != Surface::interior) excess = std::max(0.0, excess);
+    if (p.surface[a] != Surface::interior || s.ghost_distance[a] > 0.0) excess = std::max(0.0, excess);
     source[a] = motion[a] * p.void_fraction[a] * excess / repair_time(a, view, interval);
+    // Displacements of the velocity's length keep the volume to second order: det(1 + dt grad v) = 1. Without it a
+    // strain rate s compresses by dt s^2, and the repair of that feeds energy in.
+    if (view.mask[a] <= 0.5)
+      source[a] += std::clamp(0.5 * interval * (velocity_gradient[a] * velocity_gradient[a]).trace(), -0.2 / interval,
+                              0.2 / interval);
   }
   if (!responds() || state_.last_interval <= 0.0) return source;
   // The soil moved by its own account; what that squeezed beyond the prediction is made good now, no faster than it
@@ -393,14 +420,16 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   }
   fill_basins(window.time, dt);
   update_columns<D>(scene_, window.time + dt, state_.basin_level, weight_, origin_, state_.columns);
-  const auto s = stencil();
+  drift(dt);
+  auto s = stencil();
   ++state_.counts.stencils;
-  p.surface = find_surface(s);
+  p.surface = find_surface<D>(s, view.mask);
   if (scene_.coupled()) take_back(s, view, dt);
 
   auto in = problem(dt);
-  in.velocity = viscous_velocity(s, view, dt);
-  in.source = volume_source(s, view, dt);
+  const auto gradient = velocity_gradient<D>(s, p.velocity);
+  in.velocity = forced_velocity(s, view, gradient, dt);
+  in.source = volume_source(s, view, gradient, dt);
   const auto& scheme = scene_.fluid.scheme;
   if (scheme != FluidCase::Scheme::projection) in.sweeps = scene_.fluid.sweeps;
   VecArray<D> drag_force(p.size(), Vec<D>::Zero());
@@ -443,7 +472,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   control_interval(before, dt);
   limit_scheme(view);
   advance_columns(s, view, dt);
-  move(s, out, velocity_before, dt);
+  move(s, out, gradient, velocity_before, dt);
   give_birth_and_delete();
   state_.time = window.time + dt;
   state_.last_interval = dt;

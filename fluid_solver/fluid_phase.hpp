@@ -7,6 +7,10 @@
 
 namespace poretwin::fluid {
 
+/// Numerical viscosities of free water: on the shear itself and on its non-linear part, in units of the spacing times
+/// the speed of long waves; on pairs that approach, in units of h times the speed of approach.
+inline constexpr double shear_viscosity = 0.01, noise_viscosity = 0.05, impact_viscosity = 0.5;
+
 template <int D>
 class Fluid final : public Phase {
  public:
@@ -30,15 +34,20 @@ class Fluid final : public Phase {
   WindowSolution<D> solve(const Stencil<D>& s, SoilView<D>& view, const WindowProblem<D>& in);
   SoilView<D> soil(const coupling::Inbox& inbox) const;
   Stencil<D> stencil() const;
-  /// Shear stress of the water outside soil, explicit; the smallest viscosity that keeps free water quiet.
-  VecArray<D> viscous_velocity(const Stencil<D>& s, const SoilView<D>& soil, double interval) const;
-  /// Volume each particle must give off [1/s]: packing repair and the soil's deformation beyond the prediction.
-  ScalarArray volume_source(const Stencil<D>& s, const SoilView<D>& soil, double interval);
+  /// Velocity after what is explicit: shear stress of the water outside soil, and the central force.
+  VecArray<D> forced_velocity(const Stencil<D>& s, const SoilView<D>& soil, std::span<const Mat<D>> velocity_gradient,
+                              double interval) const;
+  /// Volume each particle must give off [1/s]: packing repair, the window's curvature in time and the soil's
+  /// deformation beyond the prediction.
+  ScalarArray volume_source(const Stencil<D>& s, const SoilView<D>& soil, std::span<const Mat<D>> velocity_gradient,
+                            double interval);
   ScalarArray moved() const;
   double repair_time(std::size_t a, const SoilView<D>& soil, double interval) const;
   double look_ahead(double interval) const;
-  void move(const Stencil<D>& s, const WindowSolution<D>& solution, std::span<const Vec<D>> velocity_before,
-            double interval);
+  void drift(double interval);
+  void displace(std::size_t a, const Vec<D>& d, bool stop_at_walls);
+  void move(const Stencil<D>& s, const WindowSolution<D>& solution, std::span<const Mat<D>> velocity_gradient,
+            std::span<const Vec<D>> velocity_before, double interval);
   void keep_inside(Vec<D>& x, Vec<D>& v, double spacing) const;
   void fill_basins(double time, double interval);
   ScalarArray passed() const;
@@ -56,7 +65,7 @@ class Fluid final : public Phase {
   WindowProblem<D> problem(double interval) const;
 
   Case scene_;
-  double dx_ = 0.0, density_ = 1000.0, viscosity_ = 0.0, first_interval_ = 0.0;
+  double dx_ = 0.0, density_ = 1000.0, viscosity_ = 0.0, wave_speed_ = 0.0, first_interval_ = 0.0;
   Vec<D> weight_ = Vec<D>::Zero(), origin_ = Vec<D>::Zero();
   std::vector<sph::ImagePlane<D>> planes_;
   Vec<D> lower_, upper_;       ///< beyond, water is lost [m]

@@ -84,9 +84,10 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
   if (state_.controlled > 0.0) apply(state_.controlled, "pressure change per window");
   for (const auto& l : state_.scheme_limits) apply(l.interval, l.reason);
   double fastest = 0.0;
-  bool free_surface = false, table = false;
+  bool free_surface = false, free_water = false, table = false;
   for (std::size_t a = 0; a < p.size(); ++a) {
     fastest = std::max(fastest, p.velocity[a].norm() / std::pow(p.volume[a], 1.0 / D));
+    free_water = free_water || p.mask[a] <= 0.5;
     if (p.surface[a] == Surface::interior) continue;
     free_surface = free_surface || p.mask[a] < 0.5;
     table = table || p.mask[a] >= 0.5;
@@ -103,6 +104,9 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
       apply(std::max(0.3 * std::sqrt(dx_ * density_ / gamma), 0.25 * dx_ / fall),
             "a quarter spacing per window of a water table that falls");
     }
+  if (scene_.general.central_force > 0.0) apply(0.02 / std::sqrt(scene_.general.central_force), "central force");
+  if (const double viscosity = viscosity_ + noise_viscosity * dx_ * wave_speed_; free_water && viscosity > 0.0)
+    apply(0.2 * dx_ * dx_ / viscosity, "viscosity");
   for (std::size_t f = 0; f < scene_.water_faces.size(); ++f)
     if (const auto& face = scene_.water_faces[f]; face.discharge) {
       const double inflow = std::abs(face.discharge->at(state_.time));

@@ -33,11 +33,13 @@ std::optional<double> face_slope(const Stencil<D>& s, Index column, std::span<co
 }
 
 /// Corrected gradient of a piezometric pressure; face_pressure(column) is the pressure at a face (0 for increments).
-/// mobility(a, parent of b) multiplies each pair; blind_gradient is taken in directions without neighbours; increment:
-/// p is a change of pressure.
-template <int D, class Face, class Mobility>
+/// mobility(a, parent of b) multiplies each pair; blind_gradient is taken in directions without neighbours;
+/// surface_pressure(a) is that of the free surface next to particle a (0 for increments); increment: p is a change of
+/// pressure.
+template <int D, class Face, class Mobility, class SurfacePressure>
 VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Face&& face_pressure, Mobility&& mobility,
-                              const Vec<D>& blind_gradient, bool increment = false) {
+                              const Vec<D>& blind_gradient, SurfacePressure&& surface_pressure,
+                              bool increment = false) {
   VecArray<D> result(s.n_real);
   // Pressures of the buffers. Reflecting particle by particle, as the Laplacian does, would magnify the error of a
   // particle that lies on the face itself.
@@ -58,7 +60,31 @@ VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Fa
                                                        : s.reflection[k] * (buffer[q - s.n_real] - p[a]);
       sum += s.volume[j] * mobility(a, q) * difference * s.gradient[k];
     }
+    if (s.ghost_distance[a] > 0.0) sum += 2.0 * mobility(a, a) * (p[a] - surface_pressure(a)) * s.normal[a];
     result[a] = s.correction[a] * sum + mobility(a, a) * (s.blind[a] * blind_gradient);
+  }
+  return result;
+}
+
+/// Of a pressure increment at the free surface.
+template <int D, class Face, class Mobility>
+VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Face&& face_pressure, Mobility&& mobility,
+                              const Vec<D>& blind_gradient) {
+  return pressure_gradient<D>(s, p, face_pressure, mobility, blind_gradient, [](std::size_t) { return 0.0; });
+}
+
+/// Corrected gradient of a velocity, G_ij = d v_i / d x_j, buffers left out.
+template <int D>
+MatArray<D> velocity_gradient(const Stencil<D>& s, std::span<const Vec<D>> f) {
+  const VecArray<D> all = extended<D>(s, f);
+  MatArray<D> result(s.n_real);
+  for (std::size_t a = 0; a < s.n_real; ++a) {
+    Mat<D> sum = Mat<D>::Zero();
+    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+      const Index j = s.other[k];
+      if (!s.is_buffer(j)) sum += s.volume[j] * (all[j] - all[a]) * s.gradient[k].transpose();
+    }
+    result[a] = sum * s.correction_open[a];
   }
   return result;
 }

@@ -7,25 +7,34 @@
 
 namespace poretwin::fluid {
 
+/// Shifting per |v| dt h and per h^2, and the separation below which pairs are pushed apart, in spacings.
+struct PackingLaw {
+  double by_speed, by_length, closest;
+};
+inline constexpr PackingLaw packing_in_soil{0.5, 0.01, 0.8}, packing_in_free_water{2.0, 0.01, 0.6};
+/// Separation at which approaching particles of free water collide, in spacings.
+inline constexpr double collision = 0.5;
+
 /// Displacements [m] that even out the packing; moved[a] in [0, 1] scales them (0: at rest, nothing to repair).
-/// Shifting is (0.5 h |v| dt + 0.01 h^2) grad C (after Lind et al. 2012), along the surface only for surface particles.
+/// Shifting is along the gradient of concentration (after Lind et al. 2012), along the surface only near it.
 template <int D>
 VecArray<D> packing_displacements(const Stencil<D>& s, std::span<const Vec<D>> velocity, std::span<const double> moved,
-                                  std::span<const Surface> flags, double interval) {
+                                  std::span<const Surface> flags, std::span<const double> mask, double interval) {
   VecArray<D> shift(s.n_real, Vec<D>::Zero());
   for (std::size_t a = 0; a < s.n_real; ++a) {
     if (moved[a] == 0.0 || flags[a] == Surface::lone) continue;
+    const PackingLaw& law = mask[a] > 0.5 ? packing_in_soil : packing_in_free_water;
     const double h = s.length[a], spacing = h / smoothing_ratio;
     // Even surroundings have sum V grad W = 0; it points to where particles are.
-    Vec<D> d = -(0.5 * h * velocity[a].norm() * interval + 0.01 * h * h) * s.normal[a];
-    if (flags[a] == Surface::surface) {
+    Vec<D> d = -(law.by_speed * h * velocity[a].norm() * interval + law.by_length * h * h) * s.normal[a];
+    if (flags[a] == Surface::surface || s.ghost_distance[a] > 0.0) {
       const Vec<D> normal = s.normal[a].normalized();
       d -= normal.dot(d) * normal;
     }
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
       const Index j = s.other[k];
       const Vec<D> ba = s.position[j] - s.position[a];
-      const double r = ba.norm(), limit = 0.8 * 0.5 * (h + s.length[j]) / smoothing_ratio;
+      const double r = ba.norm(), limit = law.closest * 0.5 * (h + s.length[j]) / smoothing_ratio;
       if (r < limit && r > 0.0) d -= 0.25 * (limit - r) / r * ba;
     }
     const double length = d.norm(), most = 0.1 * spacing;
@@ -33,6 +42,29 @@ VecArray<D> packing_displacements(const Stencil<D>& s, std::span<const Vec<D>> v
     shift[a] = moved[a] * d;
   }
   return shift;
+}
+
+/// Free water that collides: pairs closer than `collision` spacings lose the speed at which they approach, momentum
+/// kept; a particle on a wall loses its speed into the wall, which the pressure of its own image cannot take.
+template <int D>
+void collide(const Stencil<D>& s, std::span<const double> mask, std::span<const double> mass,
+             std::span<Vec<D>> velocity) {
+  for (std::size_t a = 0; a < s.n_real; ++a) {
+    if (mask[a] > 0.5) continue;
+    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+      const Index j = s.other[k], b = s.parent[j];
+      if (b >= s.n_real || mask[b] > 0.5 || (j < s.n_real && b < a) || (j >= s.n_real && b != a)) continue;
+      const Vec<D> ba = s.position[j] - s.position[a];
+      const double r = ba.norm();
+      if (r == 0.0 || r >= collision * 0.5 * (s.length[a] + s.length[j]) / smoothing_ratio) continue;
+      const Vec<D> e = ba / r, other = j < s.n_real ? velocity[b] : Vec<D>(s.map[j - s.n_base] * velocity[a]);
+      const double approach = e.dot(velocity[a] - other);
+      if (approach <= 0.0) continue;
+      const double share = j < s.n_real ? mass[b] / (mass[a] + mass[b]) : 0.5;
+      velocity[a] -= share * approach * e;
+      if (j < s.n_real) velocity[b] += (1.0 - share) * approach * e;
+    }
+  }
 }
 
 }  // namespace poretwin::fluid

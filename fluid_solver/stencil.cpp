@@ -7,24 +7,27 @@
 namespace poretwin::fluid {
 namespace {
 
-/// Inverse of a kernel moment matrix on the directions it can see; the others are left out and returned as a projector.
+/// Least eigenvalue of a moment that is inverted in full: gradients in directions with fewer neighbours are taken
+/// short rather than amplified.
+constexpr double least_inverted = 0.3;
+
+}  // namespace
+
 template <int D>
-Mat<D> pseudo_inverse(const Mat<D>& moment, double threshold, Mat<D>* blind) {
+Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* blind, double* smallest) {
   Eigen::SelfAdjointEigenSolver<Mat<D>> eigen;
   eigen.computeDirect(moment);
   Mat<D> inverse = Mat<D>::Zero();
   if (blind) blind->setZero();
   for (int d = 0; d < D; ++d) {
-    const Vec<D> e = eigen.eigenvectors().col(d);
-    if (eigen.eigenvalues()[d] > threshold)
-      inverse += e * e.transpose() / eigen.eigenvalues()[d];
-    else if (blind)
-      *blind += e * e.transpose();
+    const Mat<D> e = eigen.eigenvectors().col(d) * eigen.eigenvectors().col(d).transpose();
+    const double value = eigen.eigenvalues()[d], held = std::max(value, least);
+    inverse += e / held;
+    if (blind) *blind += (1.0 - value / held) * e;
   }
+  if (smallest) *smallest = eigen.eigenvalues()[0];
   return inverse;
 }
-
-}  // namespace
 
 template <int D>
 Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volume, std::span<const Buffer<D>> buffers,
@@ -69,6 +72,9 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   s.correction.resize(n);
   s.correction_open.resize(n);
   s.blind.resize(n);
+  s.moment.resize(n);
+  s.least_moment.assign(n, 0.0);
+  s.ghost_distance.assign(n, 0.0);
   if (n == 0) return s;
   sph::CellGrid<D> grid;
   const double reach = 0.5 * sph::support_radius;
@@ -108,14 +114,16 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
     // that much too fast or slow a consolidation. Far from 1 it means a surface, not disorder.
     const double deficit = s.divergence[a] / D;
     s.amplification[a] = 1.0 / (deficit > 0.75 ? std::clamp(deficit, 0.93, 1.07) : 1.0);
-    s.correction[a] = pseudo_inverse<D>(moment, 0.05, &s.blind[a]);
-    s.correction_open[a] = pseudo_inverse<D>(moment_open, 0.05, nullptr);
+    s.moment[a] = moment;
+    s.correction[a] = bounded_inverse<D>(moment, least_inverted, &s.blind[a], &s.least_moment[a]);
+    s.correction_open[a] = n == s.n_base ? s.correction[a] : bounded_inverse<D>(moment_open, least_inverted, nullptr);
     s.offset.push_back(static_cast<Index>(s.other.size()));
   }
   return s;
 }
 
 #define PORETWIN_INSTANTIATE(D)                                                                                     \
+  template Mat<D> bounded_inverse<D>(const Mat<D>&, double, Mat<D>*, double*);                                      \
   template Stencil<D> make_stencil<D>(std::span<const Vec<D>>, std::span<const double>, std::span<const Buffer<D>>, \
                                       std::span<const sph::ImagePlane<D>>);
 PORETWIN_INSTANTIATE(2)

@@ -77,7 +77,12 @@ struct Stencil {
   ScalarArray surface_pressure;  ///< [real] total, on the surface, Pa: 0, or a suction
   MatArray<D> correction;        ///< [real] of the kernel gradient, buffers counted (pressures)
   MatArray<D> correction_open;   ///< [real] buffers left out (velocities)
-  MatArray<D> blind;             ///< [real] projector on directions in which there are no neighbours to difference with
+  MatArray<D> blind;   ///< [real] 1 - correction moment: the part of a gradient that neighbours are too few to tell
+  MatArray<D> moment;  ///< [real] sum V r grad W, the inverse of the correction
+  ScalarArray least_moment;  ///< [real] its smallest eigenvalue: 1 inside, 0 where a direction is empty
+  /// [real] distance to the free surface along -normal [m], 0: out of the kernel's reach. Set by find_surface; the
+  /// kernel's missing part is then a ghost at twice the distance, antisymmetric about the surface's pressure.
+  ScalarArray ghost_distance;
 
   /// Of the pair of real particle a with a point whose parent is q.
   [[nodiscard]] double amplified(std::size_t a, Index q) const {
@@ -86,6 +91,10 @@ struct Stencil {
   [[nodiscard]] bool is_buffer(Index j) const { return parent[j] >= n_real && parent[j] < n_base; }
   [[nodiscard]] std::size_t size() const { return position.size(); }
 };
+
+/// Inverse of a symmetric moment matrix with its eigenvalues held at or above `least`; blind: what that leaves out.
+template <int D>
+Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* blind, double* smallest = nullptr);
 
 /// Surroundings of the particles at x (bulk volumes in m^D), with buffers outside faces and images behind planes.
 template <int D>

@@ -1,52 +1,122 @@
-// The free surface: which particles lie on it and what that does to the pressure equation.
+// The free surface: which particles lie on it, how far the others are from it, and what that does to the pressure.
 #pragma once
 
 #include "fluid_solver/stencil.hpp"
 
 #include <cstdint>
+#include <numbers>
 
 namespace poretwin::fluid {
 
 enum class Surface : std::uint8_t { interior, surface, lone };
 
-/// Is there water within a kernel's reach in the cone of 45 degrees about the way outwards (after Marrone et al. 2010)?
-template <int D>
-bool covered(const Stencil<D>& s, std::size_t a) {
-  const Vec<D> outwards = -s.normal[a].normalized();
-  for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
-    const Vec<D> ba = s.position[s.other[k]] - s.position[a];
-    if (outwards.dot(ba) > 0.7071 * ba.norm()) return true;
-  }
-  return false;
-}
+namespace surface {
+/// Eigenvalue of the moment above which a particle is inside, and below which it has too few neighbours for a pressure.
+inline constexpr double inside = 0.88, alone = 0.1;
+/// Cosine of half the opening of the cone about the outward normal that is empty above a surface particle.
+inline constexpr double cone = 0.5, narrow_cone = 0.7071;
+/// Least |sum V grad W| h that a missing side makes: of a surface particle, and of one below it.
+inline constexpr double first_row = 0.1, second_row = 0.03;
+/// Least eigenvalue inverted at the surface, the ghost counted.
+inline constexpr double least_inverted = 0.4;
+}  // namespace surface
 
-/// By the deficit of the divergence of position, D in the interior (Lee et al. 2008).
-/// A hole under pressure must not be taken for a surface: it would draw the water of a reservoir in at full head.
+/// Free water: the moment's smallest eigenvalue, then an umbrella of neighbours (Marrone et al. 2010).
+/// Water in soil (mask >= 0.5), a wetting front: the deficit of the divergence of position (Lee et al. 2008), where no
+/// water stands opposite: a hole under pressure taken for a surface draws a reservoir in at full head.
 template <int D>
-std::vector<Surface> find_surface(const Stencil<D>& s) {
+std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> mask) {
   std::vector<Surface> flags(s.n_real, Surface::interior);
+  const auto outward = [&](Index j) {
+    const Index q = s.parent[j];
+    const Vec<D> n = -s.normal[q].normalized();
+    return j < s.n_base ? n : Vec<D>(s.map[j - s.n_base] * n);
+  };
+  const auto covered = [&](std::size_t a) {
+    const double h = s.length[a];
+    const Vec<D> n = -s.normal[a].normalized();
+    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+      const Vec<D> d = s.position[s.other[k]] - s.position[a];
+      const double r = d.norm();
+      if (r >= std::numbers::sqrt2 * h ? (d - h * n).norm() < h : d.dot(n) > surface::cone * r) return true;
+    }
+    return false;
+  };
+  // The surface in soil is rough on the scale of a spacing: the narrow cone only.
+  const auto opposite = [&](std::size_t a) {
+    const Vec<D> n = -s.normal[a].normalized();
+    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+      const Vec<D> d = s.position[s.other[k]] - s.position[a];
+      if (d.dot(n) > surface::narrow_cone * d.norm()) return true;
+    }
+    return false;
+  };
   for (std::size_t a = 0; a < s.n_real; ++a) {
-    if (s.covered[a]) continue;
-    if (s.divergence[a] < 0.4 * D)
+    if (mask[a] >= 0.5) {
+      s.covered[a] = s.divergence[a] < 0.75 * D && opposite(a);
+      if (s.covered[a]) continue;
+      if (s.divergence[a] < 0.4 * D)
+        flags[a] = Surface::lone;
+      else if (s.divergence[a] < 0.75 * D)
+        flags[a] = Surface::surface;
+      continue;
+    }
+    const double amount = s.normal[a].norm();
+    if (s.least_moment[a] < surface::alone || amount == 0.0) {
+      if (s.least_moment[a] >= surface::inside) continue;
       flags[a] = Surface::lone;
-    else if (s.divergence[a] < 0.75 * D)
+      s.correction[a].setZero();
+      s.blind[a].setIdentity();
+    } else if (s.least_moment[a] < surface::inside && amount * s.length[a] > surface::first_row && !covered(a)) {
       flags[a] = Surface::surface;
+    }
+  }
+  for (std::size_t a = 0; a < s.n_real; ++a) {
+    const double amount = s.normal[a].norm(), h = s.length[a];
+    if (mask[a] >= 0.5 || flags[a] == Surface::lone || amount * h <= surface::second_row) continue;
+    const double half = s.surface_distance[a];
+    if (flags[a] == Surface::surface) {
+      s.ghost_distance[a] = half;
+    } else {
+      // Below the surface: the plane through the surface particles in reach, half a spacing outside them.
+      double weight = 0.0, height = 0.0;
+      Vec<D> normal = Vec<D>::Zero();
+      for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+        const Index j = s.other[k], q = s.parent[j];
+        if (q >= s.n_real || flags[q] != Surface::surface || mask[q] >= 0.5) continue;
+        const Vec<D> n = outward(j);
+        weight += s.value[k];
+        normal += s.value[k] * n;
+        height += s.value[k] * (n.dot(s.position[j] - s.position[a]) + half);
+      }
+      if (weight == 0.0 || normal.isZero(0.0)) continue;
+      const double cosine = -normal.dot(s.normal[a]) / (normal.norm() * amount);
+      if (cosine < 0.5) continue;
+      const double distance = height / (weight * cosine);
+      if (distance <= 0.0 || distance >= sph::support_radius * h) continue;
+      s.ghost_distance[a] = std::max(distance, half);
+    }
+    // The ghost at twice the distance completes the moment.
+    const Vec<D> n = s.normal[a] / amount;
+    s.correction[a] = bounded_inverse<D>(s.moment[a] + 2.0 * s.ghost_distance[a] * amount * n * n.transpose(),
+                                         surface::least_inverted, &s.blind[a]);
   }
   return flags;
 }
 
-/// The surface's total pressure, at its distance outside the particle: what is added to row a,
+/// The surface's total pressure, at a distance outside the particle: what is added to row a,
 /// coefficient * (ph_a - pressure).
 struct SurfaceRow {
   double coefficient = 0.0;  ///< of the row weighted with the volume
   double pressure = 0.0;     ///< piezometric, Pa
 };
 
-/// weight: rho g [N/m3] as a vector; origin: where the piezometric pressure equals the total one.
+/// The surface lies `distance` [m] outside the particle. weight: rho g [N/m3] as a vector; origin: where the
+/// piezometric pressure equals the total one.
 template <int D>
-SurfaceRow surface_row(const Stencil<D>& s, std::size_t a, double mobility, const Vec<D>& weight,
+SurfaceRow surface_row(const Stencil<D>& s, std::size_t a, double distance, double mobility, const Vec<D>& weight,
                        const Vec<D>& origin) {
-  const double amount = s.normal[a].norm(), distance = s.surface_distance[a];
+  const double amount = s.normal[a].norm();
   if (amount == 0.0) return {};
   const Vec<D> x = s.position[a] - distance / amount * s.normal[a];
   return {s.volume[a] * 2.0 * mobility * amount / distance, s.surface_pressure[a] - weight.dot(x - origin)};

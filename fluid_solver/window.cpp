@@ -107,26 +107,32 @@ class WindowSolver {
  private:
   double kf(std::size_t b, std::size_t otherwise) const { return b < n_ ? q_[b].kf : q_[otherwise].kf; }
 
-  /// Lone particles, and the surface where the water's inertia rules, outside soil and in coarse soil: there the softer
-  /// condition of a wetting front feeds splashes with energy.
-  bool pinned(std::size_t a) const {
-    return flags_[a] == Surface::lone || (flags_[a] == Surface::surface && (soil_.mask[a] < 0.5 || q_[a].C < q_[a].aw));
+  /// Distance to the surface, 0 where it is out of reach.
+  double surface_distance(std::size_t a) const {
+    if (s_.ghost_distance[a] > 0.0) return s_.ghost_distance[a];
+    return flags_[a] == Surface::surface ? s_.surface_distance[a] : 0.0;
   }
 
-  /// Zero total pressure at a lone particle; hydrostatic from the surface, half a spacing outside, at the others.
+  /// Lone particles, and in coarse soil, where the water's inertia rules, the front itself: there the softer condition
+  /// of a wetting front, without a ghost in the gradient, feeds splashes with energy.
+  bool pinned(std::size_t a) const {
+    return flags_[a] == Surface::lone ||
+           (flags_[a] == Surface::surface && s_.ghost_distance[a] == 0.0 && q_[a].C < q_[a].aw);
+  }
   double pinned_pressure(std::size_t a) const {
     if (flags_[a] == Surface::lone) return -in_.weight.dot(s_.position[a] - in_.origin);
-    return surface_row(s_, a, 1.0, in_.weight, in_.origin).pressure;
+    return surface_row(s_, a, s_.surface_distance[a], 1.0, in_.weight, in_.origin).pressure;
   }
 
   void add_surface(PairMatrix& m, std::size_t a, double mobility, double* rhs) const {
-    if (flags_[a] == Surface::interior) return;
     SurfaceRow row;
     if (pinned(a)) {
       const double h = s_.length[a];
       row = {1e3 * (m.diagonal[a] + s_.volume[a] * mobility / (h * h)), pinned_pressure(a)};
+    } else if (const double distance = surface_distance(a); distance > 0.0) {
+      row = surface_row(s_, a, distance, mobility, in_.weight, in_.origin);
     } else {
-      row = surface_row(s_, a, mobility, in_.weight, in_.origin);
+      return;
     }
     m.diagonal[a] += row.coefficient;
     if (rhs) *rhs += row.coefficient * row.pressure;
@@ -184,7 +190,8 @@ class WindowSolver {
       for (std::size_t a = 0; a < n_; ++a) z[a] = fluid_.diagonal[a] > 0.0 ? r[a] / fluid_.diagonal[a] : 0.0;
       if (closed_) remove_mean(z);
     };
-    const double tolerance = in_.tolerance * norm(drive);
+    // Where all particles are pinned nothing drives; rounding is the floor then.
+    const double tolerance = std::max(in_.tolerance * norm(drive), 1e-12 * norm(b));
     SolveReport report;
     report.converged = false;
     if (!out.multigrid) {
@@ -296,11 +303,16 @@ class WindowSolver {
     return report.iterations;
   }
 
+  double surface_pressure(std::size_t a) const {
+    return surface_row(s_, a, s_.ghost_distance[a], 1.0, in_.weight, in_.origin).pressure;
+  }
+
   VecArray<D> plain_gradient(std::span<const double> p, bool homogeneous) const {
     const Vec<D> blind = homogeneous ? Vec<D>(Vec<D>::Zero()) : Vec<D>(-in_.weight);
     return pressure_gradient<D>(
         s_, p, [&](Index c) { return homogeneous ? 0.0 : in_.face_pressure[c]; },
-        [](std::size_t, std::size_t) { return 1.0; }, blind, homogeneous);
+        [](std::size_t, std::size_t) { return 1.0; }, blind,
+        [&](std::size_t a) { return homogeneous ? 0.0 : surface_pressure(a); }, homogeneous);
   }
 
   /// Skeleton velocity under a pressure field: H s = sb - mS G p.
@@ -396,7 +408,8 @@ class WindowSolver {
     out.velocity.resize(n_);
     const VecArray<D> flux = pressure_gradient<D>(
         s_, out.pressure, [&](Index c) { return in_.face_pressure[c]; },
-        [&](std::size_t a, std::size_t b) { return harmonic(q_[a].kf, kf(b, a)); }, Vec<D>(-in_.weight));
+        [&](std::size_t a, std::size_t b) { return harmonic(q_[a].kf, kf(b, a)); }, Vec<D>(-in_.weight),
+        [&](std::size_t a) { return surface_pressure(a); });
     for (std::size_t a = 0; a < n_; ++a) {
       const auto& q = q_[a];
       out.velocity[a] =

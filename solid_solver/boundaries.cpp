@@ -89,6 +89,16 @@ void drop_idle_rows(std::size_t free, sph::PairList& pairs) {
 }  // namespace
 
 template <int D>
+void wrap_periodic(const Boundaries<D>& boundaries, VecArray<D>& positions) {
+  for (std::size_t k = 0; k < boundaries.planes.size(); ++k) {
+    if (boundaries.kinds[k] != Boundaries<D>::Kind::periodic) continue;
+    const auto& side = boundaries.planes[k];
+    for (auto& x : positions)
+      if (side.normal.dot(x - side.point) < 0.0) x += side.shift;
+  }
+}
+
+template <int D>
 void build_neighbourhood(const Boundaries<D>& boundaries, double range, const Particles<D>& particles,
                          Neighbourhood<D>& near) {
   near.built_at = particles.position;
@@ -175,6 +185,8 @@ template struct Boundaries<2>;
 template struct Boundaries<3>;
 template Boundaries<2> make_boundaries<2>(const Case&, double);
 template Boundaries<3> make_boundaries<3>(const Case&, double);
+template void wrap_periodic<2>(const Boundaries<2>&, VecArray<2>&);
+template void wrap_periodic<3>(const Boundaries<3>&, VecArray<3>&);
 template void build_neighbourhood<2>(const Boundaries<2>&, double, const Particles<2>&, Neighbourhood<2>&);
 template void build_neighbourhood<3>(const Boundaries<3>&, double, const Particles<3>&, Neighbourhood<3>&);
 template void fill_nodes<2>(const Particles<2>&, const Neighbourhood<2>&, const VecArray<2>&, double,

@@ -18,6 +18,10 @@ struct Boundaries {
 template <int D>
 Boundaries<D> make_boundaries(const Case& scene, double margin);
 
+/// Brings what left through a periodic side back in through the other.
+template <int D>
+void wrap_periodic(const Boundaries<D>& boundaries, VecArray<D>& positions);
+
 /// Images and pair lists for the current positions; range [m]: kernel support plus skin.
 template <int D>
 void build_neighbourhood(const Boundaries<D>& boundaries, double range, const Particles<D>& particles,

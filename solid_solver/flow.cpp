@@ -55,6 +55,7 @@ Slope<D> stress_slope(const State<D>& state, std::size_t i) {
 
 template <int D>
 void keep_flow_regular(const Setup<D>& setup, double dt, State<D>& state) {
+  if (!setup.regular_flow) return;
   state.since_upkeep += dt;
   if (state.since_upkeep * setup.stabilisers.sound_speed < travel * setup.spacing) return;
   const double interval = state.since_upkeep;

@@ -276,7 +276,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
     }
     substep<D>(setup_, dt, drive, state_);
   }
-  check_finite(state_, window.time);
+  check_sound(setup_, state_, window.time);
   state_.external.pressure_gradient = to;
   for (std::size_t i = 0; i < n; ++i) state_.mean_velocity[i] = (p.displacement[i] - displacement[i]) / interval;
   if (scene_.solid.quiet) fall_asleep_if_quiet(drive, reference);

@@ -60,7 +60,7 @@ RestReport find_rest(const Setup<D>& setup, State<D>& state, ExternalForce&& ext
     if (state.rebuilds > built) external(drive);
     if (report.steps % 10 != 0) continue;
     report.residual = unrest(setup, state, drive, reference).largest;
-    check_finite(state, state.time);
+    check_sound(setup, state, state.time);
     if (report.steps % 100 == 0) show(report);
   } while (report.steps % 10 != 0 || (!report.reached() && report.steps < (state.any_yielded ? 4 * limit : limit)));
   for (const auto& u : state.particles.displacement) report.displacement = std::max(report.displacement, u.norm());

@@ -67,6 +67,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   setup.smoothing_length = lengths_per_spacing * setup.spacing;
   setup.skin = 0.2 * setup.spacing;
   setup.courant = scene.solid.courant;
+  setup.regular_flow = scene.solid.regular_flow;
   setup.stabilisers.artificial = scene.solid.artificial_viscosity;
   setup.stabilisers.zero_energy = scene.solid.zero_energy_viscosity;
   setup.stabilisers.stiffness = scene.solid.zero_energy_stiffness;

@@ -25,6 +25,7 @@ struct Setup {
   double smoothing_length = 0.0;  ///< m
   double skin = 0.0;              ///< m, pair lists hold until something moved half of it
   double courant = 0.8;           ///< of dx / sqrt(M / rho_bar)
+  bool regular_flow = true;       ///< see flow.hpp
   double flow_limit = 0.01;    ///< plastic strain above which the zero-energy control is off: it would brake the flow
   double inertia_share = 0.5;  ///< zr of the tracking coefficient Z = C + zr rho_bar / Dt
   Vec<D> gravity = Vec<D>::Zero();

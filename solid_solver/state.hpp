@@ -108,9 +108,9 @@ struct State {
   VecArray<D> rest_displacement;  ///< m, after initialise: where uplift counts from
   std::vector<char> yielded;      ///< during the last window
   bool any_yielded = false;
-  double since_upkeep = 0.0;  ///< s, since the flowing soil was last kept regular
   Sleep<D> sleep;
   bool still_yields = false;  ///< something yielded since the soil was last quiet: its motion must not be damped
+  double since_upkeep = 0.0;  ///< s, since the flowing soil was last kept regular
   double substeps = 0.0, rebuilds = 0.0, slept = 0.0, damped = 0.0;  ///< counters of substeps and list rebuilds
 };
 

@@ -40,8 +40,9 @@ VecArray<D> pressure_gradient(const State<D>& state, SolidCase::PressureGradient
 template <int D>
 VecArray<D> load_forces(const Setup<D>& setup, const State<D>& state, double time);
 
-/// Throws DivergedError naming particle, stress and the last good time when anything is not finite.
+/// Throws DivergedError naming particle, stress and the last good time when anything is not finite, or crosses more
+/// than a spacing in a substep.
 template <int D>
-void check_finite(const State<D>& state, double last_good_time);
+void check_sound(const Setup<D>& setup, const State<D>& state, double last_good_time);
 
 }  // namespace poretwin::solid

@@ -226,6 +226,8 @@ void declare(Keys& keys, FluidCase& f) {
   keys.point("initial_velocity", f.initial_velocity, {"m/s", "Of all water at time zero."});
   keys.number("initial_strain", f.initial_strain,
               {"1/s", "Adds the plane straining flow (s x, -s y) about the origin to the initial velocity."});
+  keys.number("initial_wave", f.initial_wave,
+              {"m/s", "Adds the lowest sloshing mode of the first region along x, this fast at its surface."});
   keys.number(
       "initial_vortices", f.initial_vortices,
       {"m/s", "Adds Taylor-Green vortices of this highest speed, one period over the periodic box in x and y."});
@@ -278,6 +280,10 @@ void declare(Keys& keys, SolidCase& s) {
   keys.number("zero_energy_viscosity", s.zero_energy_viscosity,
               {"", "Viscosity on what a linear field does not explain of the velocity; off where the soil flows."},
               not_negative());
+  keys.flag(
+      "regular_flow", s.regular_flow,
+      {"",
+       "Averages that keep stress, density and packing of flowing soil regular; false: to show what they are for."});
   keys.number("zero_energy_stiffness", s.zero_energy_stiffness,
               {"", "Stiffness on the same of the displacement, in M; between particles that never yielded."},
               not_negative());

@@ -145,6 +145,7 @@ struct FluidCase {
   std::vector<Shape> regions;  ///< [[fluid.region]]: where water stands at time zero (inside soil it fills the pores)
   Point3 initial_velocity = Point3::Zero();
   double initial_strain = 0.0;    ///< 1/s: adds (s x, -s y)
+  double initial_wave = 0.0;      ///< m/s: adds the lowest sloshing mode of the first region, this fast at the surface
   double initial_vortices = 0.0;  ///< m/s: adds Taylor-Green vortices, one period over the periodic box
   Point3 offset{0.5, 0.5, 0.5};   ///< of the first particle from a region's corner, in spacings
   double jitter = 0.0;            ///< random displacement of the initial lattice, in spacings (uniform, +-)
@@ -182,6 +183,7 @@ struct SolidCase {
   double courant = 0.8;                ///< of dx / sqrt(M / rho_bar_s)
   double artificial_viscosity = 0.1;   ///< alpha of Monaghan's, on approaching particles
   double zero_energy_viscosity = 0.1;  ///< on the part of the velocity that is not linear around a particle
+  bool regular_flow = true;            ///< averages that keep stress, density and packing of flowing soil regular
   double zero_energy_stiffness = 0.1;  ///< the same on the displacement, of M, between particles that never yielded
 };
 

@@ -32,11 +32,9 @@ class Checker {
     walls();
     soils_are_supported();
     pore_pressures();
-    if (scene_.has_water()) {
-      sides();
-      enclosure();
-    }
+    if (scene_.has_water()) sides();
     gauges();
+    if (scene_.has_water()) enclosure();
   }
 
  private:

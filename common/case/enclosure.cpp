@@ -232,6 +232,10 @@ class Flood {
     };
     const Point3 first = ends.front().second.second;
     leak.at = beside(first);
+    // Not the other end of the same piece.
+    ends.erase(std::remove_if(ends.begin() + 1, ends.end(),
+                              [&](const auto& end) { return end.second.first == ends.front().second.first; }),
+               ends.end());
     if (ends.size() == 1) return leak;
     // The other side of the gap, unless water or soil lies between: then there is none.
     const Point3 second = ends[1].second.second, middle = 0.5 * (first + second);

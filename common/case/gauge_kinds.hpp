@@ -16,7 +16,8 @@ struct GaugeKind {
 inline constexpr GaugeKind gauge_kinds[] = {
     {"point", "either", "a field at `points`"},
     {"front", "either",
-     "along the line between two `points`: of the water its wetting front (up a vertical line: the water table), of the soil its farthest place of a given "
+     "along the line between two `points`: of the water its wetting front (up a vertical line: the water table), of "
+     "the soil its farthest place of a given "
      "`thickness`"},
     {"momentum", "either", "sum over the particles"},
     {"kinetic_energy", "either", "sum over the particles"},

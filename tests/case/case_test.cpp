@@ -172,7 +172,9 @@ TEST_F(CaseFile, NamesBadSoilParameters) {
 }
 
 TEST_F(CaseFile, SoilNeedsSupport) {
-  const std::string heavy = changed(sound_case, "gravity = [0, 0]", "gravity = [0, -9.81]");
+  const std::string heavy = changed(sound_case, "gravity = [0, 0]", "gravity = [0, -9.81]") +
+                            "[[wall]]\npoints = [[0, 0.6], [0, 0]]\nsoil = \"none\"\n[[wall]]\npoints = [[0.1, 0], "
+                            "[0.1, 0.6]]\nsoil = \"none\"\n";
   EXPECT_EQ(complaint(heavy), "no complaint");
   EXPECT_THAT(complaint(changed(heavy, "soil = \"fixed\"", "soil = \"none\"")),
               HasSubstr("key 'soil[0]': nothing holds the soil up"));

@@ -26,6 +26,7 @@ class Processes : public testing::Test {
         << "[case]\ntitle = \"mocks\"\ndimension = 2\nend_time = 1.0\n"
            "[[soil]]\nname = \"all\"\nshape = \"box\"\nmin = [0, 0]\nmax = [1, 1]\n"
            "porosity = 0.4\ngrain_density = 2600\nhydraulic_conductivity = 0.001\n"
+           "[[wall]]\npoints = [[0, 1], [0, 0], [1, 0], [1, 1]]\n"
            "[fluid]\nparticle_spacing = 0.1\n[[fluid.region]]\nshape = \"box\"\nmin = [0, 0]\nmax = [1, 1]\n"
            "[solid]\nmodel = \"elastic\"\nparticle_spacing = 0.1\n"
            "[coupling]\ninterval = 0.01\n[output]\ninterval = 0.1\n";
@@ -49,6 +50,14 @@ class Processes : public testing::Test {
   std::unique_ptr<Child> peer(const std::string& role, Strings more = {}) const {
     more.insert(more.begin(), {"--connect", address()});
     return start({MOCK_PROCESS, role}, more, role);
+  }
+  /// However slow the machine is: both are in, and on their way.
+  void wait_until_running() const {
+    const auto here = [&](const std::string& who) {
+      return text("coupler.log").find(who + " is here") != std::string::npos;
+    };
+    for (int k = 0; k < 1000 && !(here("fluid") && here("solid")); ++k) std::this_thread::sleep_for(10ms);
+    std::this_thread::sleep_for(100ms);
   }
   std::string address() const { return "ipc://" + (folder_ / "socket").string(); }
   std::string text(const std::string& file) const { return poretwin::testing_tools::text_of(folder_ / file); }
@@ -75,7 +84,7 @@ TEST_F(Processes, RunToTheEndInAnyStartOrder) {
 
 TEST_F(Processes, AKilledSolverEndsTheRunWithItsName) {
   auto c = coupler(), fluid = peer("fluid"), solid = peer("solid");
-  std::this_thread::sleep_for(500ms);
+  wait_until_running();
   solid->signal(SIGKILL);
   const auto start = std::chrono::steady_clock::now();
   EXPECT_EQ(c->wait(), 3);
@@ -87,7 +96,7 @@ TEST_F(Processes, AKilledSolverEndsTheRunWithItsName) {
 
 TEST_F(Processes, AKilledCouplerEndsBothSolvers) {
   auto c = coupler(), fluid = peer("fluid"), solid = peer("solid");
-  std::this_thread::sleep_for(500ms);
+  wait_until_running();
   c->signal(SIGKILL);
   EXPECT_EQ(fluid->wait(), 3);
   EXPECT_EQ(solid->wait(), 3);
@@ -96,7 +105,7 @@ TEST_F(Processes, AKilledCouplerEndsBothSolvers) {
 
 TEST_F(Processes, AStoppedSolverIsCalledFrozen) {
   auto c = coupler({"--frozen-deadline", "2.5"}), fluid = peer("fluid"), solid = peer("solid");
-  std::this_thread::sleep_for(500ms);
+  wait_until_running();
   fluid->signal(SIGSTOP);
   EXPECT_EQ(c->wait(), 3);
   EXPECT_EQ(solid->wait(), 3);
@@ -106,7 +115,7 @@ TEST_F(Processes, AStoppedSolverIsCalledFrozen) {
 TEST_F(Processes, CtrlCOnAnyOneFinishesTheWindowEverywhere) {
   for (const int who : {0, 1, 2}) {
     auto c = coupler(), fluid = peer("fluid"), solid = peer("solid");
-    std::this_thread::sleep_for(500ms);
+    wait_until_running();
     (who == 0 ? c : who == 1 ? fluid : solid)->signal(SIGINT);
     EXPECT_EQ(c->wait(), 130) << text("coupler.log");
     EXPECT_EQ(fluid->wait(), 130) << text("fluid.log");

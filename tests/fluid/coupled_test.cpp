@@ -103,7 +103,7 @@ Consolidation consolidate(const Options& options) {
     // Rows of the lattice, averaged; then linear in y.
     const std::size_t rows = p.size() / columns;
     std::vector<double> y(rows), pressure(rows), drag(rows), predicted(rows);
-    for (std::size_t a = 0; a < p.size(); ++a) {
+    for (std::size_t a = 0; a < rows * columns; ++a) {  // a run that diverges may have lost some
       const double w = 1.0 / static_cast<double>(columns);
       const std::size_t row = a / columns;
       y[row] += w * p.position[a].y();

@@ -15,7 +15,7 @@ Case wetting_column(const ColumnSpec& spec) {
   scene.solid.model = SolidCase::Model::drucker_prager;
   Soil& soil = scene.soils.front();
   soil.friction_angle = 35.0;
-  soil.cohesion = 2000.0;
+  soil.cohesion = 5000.0;
   soil.saturated_cohesion = 10.0;
   soil.initial_saturation = 0.2;
   return scene;
@@ -30,18 +30,20 @@ TEST(Saturation, WaterCountsAgainstTheSoilsOwnShareOfTheSurroundings) {
   solid.advance({1, 0.0, 1e-4}, wet_inbox<2>(
                                     solid, [](const Vec<2>&) { return 0.0; }, 0.8));
   const auto& position = solid.state().particles.position;
-  for (std::size_t i = 0; i < s.size(); ++i)
-    if (position[i].y() < 0.8)
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    if (position[i].y() < 0.8) {
       EXPECT_NEAR(s[i], 0.2 + 0.8 * 0.8 / 0.95, 0.02);  // partly in water: a phreatic surface
-    else if (position[i].y() > 0.96)
+    } else if (position[i].y() > 0.96) {
       EXPECT_EQ(s[i], 1.0);  // as much water as soil around it: wet to its own surface
+    }
+  }
   solid.advance({2, 1e-4, 1e-4}, wet_inbox<2>(
                                      solid, [](const Vec<2>&) { return 0.0; }, 0.96));
   for (const double x : s) EXPECT_EQ(x, 1.0);
 }
 
 TEST(Saturation, WettingLetsAColumnFail) {
-  // A free-standing column, 0.2 m wide, 0.6 m high: 2 kPa of cohesion holds it, 10 Pa does not.
+  // A free-standing column, 0.2 m wide, 0.6 m high: 5 kPa of cohesion hold it, 10 Pa does not.
   ColumnSpec spec;
   spec.width = 0.2;
   spec.height = 0.6;

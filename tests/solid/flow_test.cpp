@@ -1,0 +1,175 @@
+// Soil that flows: rough walls, periodic and symmetric sides, and what keeps the flow regular.
+#include "solid_solver/flow.hpp"
+#include "scenes.hpp"
+#include "solid_solver/rough_walls.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace poretwin::solid::test {
+namespace {
+
+constexpr double spacing = 0.05;
+
+Face line(std::vector<Point3> points) {
+  Face face;
+  face.points = std::move(points);
+  return face;
+}
+
+/// Ten rows of grains (angle of repose 31 degrees) on a rough base, periodic along x, gravity turned by `slope`.
+Case layer(double slope, double speed) {
+  ColumnSpec spec;
+  spec.width = 0.4;
+  spec.height = 0.5;
+  spec.spacing = spacing;
+  spec.base = Wall::ForSoil::none;
+  spec.sides = false;
+  Case scene = column(spec);
+  scene.general.gravity = 9.81 * Point3(std::sin(slope), -std::cos(slope), 0.0);
+  scene.general.periodic = {0};
+  scene.general.domain_max = {0.4, 1.0, 0.0};
+  scene.soils[0].friction_angle = 31.0;
+  scene.soils[0].cone = Soil::Cone::repose;
+  scene.solid.model = SolidCase::Model::drucker_prager;
+  scene.solid.initial_velocity = {speed, 0.0, 0.0};
+  Wall base;
+  base.name = "base";
+  base.face = line({{0.0, 0.0, 0.0}, {0.4, 0.0, 0.0}});
+  base.soil = Wall::ForSoil::rough;
+  scene.walls = {base};
+  return scene;
+}
+
+double mean_speed(const Solid<2>& solid) {
+  const auto& p = solid.state().particles;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < p.free(); ++i) sum += p.velocity[i].x() / static_cast<double>(p.free());
+  return sum;
+}
+
+TEST(RoughWall, HoldsThreeRowsOfTheSoilAndClosesCorners) {
+  Case scene = layer(0.0, 0.0);
+  scene.general.periodic.clear();
+  scene.walls[0].face = line({{0.0, 0.5, 0.0}, {0.0, 0.0, 0.0}, {0.4, 0.0, 0.0}, {0.4, 0.5, 0.0}});
+  const Solid<2> solid(scene);
+  const auto& p = solid.state().particles;
+  EXPECT_EQ(p.free(), 80u);
+  EXPECT_EQ(p.held, 3u * (10 + 8 + 10) + 2u * 9);  // three sides and two corners
+  for (std::size_t i = p.free(); i < p.size(); ++i) {
+    const Vec<2> x = p.position[i];
+    EXPECT_FALSE(x.x() > 0.0 && x.x() < 0.4 && x.y() > 0.0) << x.transpose();
+    for (std::size_t j = 0; j < p.size(); ++j) {
+      if (j == i) continue;
+      EXPECT_GT((p.position[j] - x).norm(), 0.7 * spacing);
+    }
+  }
+}
+
+TEST(RoughWall, AsksForAWallWithEnds) {
+  Case scene = layer(0.0, 0.0);
+  scene.walls[0].face = plane(Point3::Zero(), Point3::UnitY());
+  EXPECT_THROW(Solid<2>{scene}, std::exception);
+}
+
+TEST(InfiniteSlope, SlowsDownBelowItsAngleOfReposeAndSpeedsUpAboveIt) {
+  for (const double degrees : {27.0, 35.0}) {
+    const double slope = degrees * 3.14159265358979 / 180.0, friction = std::tan(31.0 * 3.14159265358979 / 180.0);
+    Solid<2> solid(layer(slope, 1.0));
+    solid.initialise({});
+    run_dry(solid, 0.1, 0.01);
+    const double before = mean_speed(solid);
+    run_dry(solid, 0.6, 0.01);
+    const double found = (mean_speed(solid) - before) / 0.5;
+    const double exact = 9.81 * (std::sin(slope) - friction * std::cos(slope));
+    EXPECT_NEAR(found, exact, 0.25 * std::abs(exact)) << degrees;
+    for (const auto& x : solid.state().near.built_at) {  // nothing leaves for good
+      EXPECT_GE(x.x(), 0.0);
+      EXPECT_LE(x.x(), 0.4);
+    }
+  }
+}
+
+TEST(PeriodicSides, AreNoSides) {
+  // Level ground settles under its weight as between rollers.
+  Case scene = layer(0.0, 0.0);
+  scene.solid.model = SolidCase::Model::elastic;
+  Solid<2> periodic(scene);
+  periodic.initialise({});
+  scene.general.periodic.clear();
+  for (const double side : {0.0, 0.4}) {
+    Wall wall;
+    wall.face = plane({side, 0.0, 0.0}, (side > 0.0 ? -1.0 : 1.0) * Point3::UnitX());
+    wall.soil = Wall::ForSoil::roller;
+    scene.walls.push_back(wall);
+  }
+  Solid<2> between(scene);
+  between.initialise({});
+  const auto &a = periodic.state().particles, &b = between.state().particles;
+  for (std::size_t i = 0; i < a.free(); ++i) {
+    EXPECT_NEAR(a.displacement[i].y(), b.displacement[i].y(), 1e-6 * 0.5);
+    EXPECT_NEAR(a.stress[i][1], b.stress[i][1], 1.0);
+  }
+}
+
+TEST(SymmetricSide, ShowsTheOtherHalf) {
+  // A column that loses both its sides, and its right half on a roller.
+  Case half = layer(0.0, 0.0);
+  half.general.periodic.clear();
+  half.solid.initial_rest = false;
+  half.walls[0].face = line({{0.0, 0.0, 0.0}, {1.2, 0.0, 0.0}});
+  Case whole = half;
+  whole.walls[0].face = line({{-1.2, 0.0, 0.0}, {1.2, 0.0, 0.0}});
+  whole.soils[0].shape.min.x() = -0.4;
+  Wall middle;
+  middle.face = plane(Point3::Zero(), Point3::UnitX());
+  middle.soil = Wall::ForSoil::roller;
+  half.walls.push_back(middle);
+  Solid<2> a(half), b(whole);
+  a.initialise({});
+  b.initialise({});
+  run_dry(a, 0.1, 0.01);
+  run_dry(b, 0.1, 0.01);
+  auto front = [](const Solid<2>& solid) {
+    double x = 0.0;
+    for (std::size_t i = 0; i < solid.state().particles.free(); ++i)
+      x = std::max(x, solid.state().particles.position[i].x());
+    return x;
+  };
+  EXPECT_GT(front(a), 0.38);
+  EXPECT_NEAR(front(a), front(b), 0.02 * spacing);
+}
+
+TEST(RegularFlow, LeavesAloneWhatHasNotFlowedAndWhatIsLinear) {
+  Solid<2> solid(layer(0.0, 0.0));
+  const auto [setup, unused] = set_up<2>(layer(0.0, 0.0));
+  State<2> state = solid.state();
+  auto linear = [](const Vec<2>& x) {
+    Tensor s = Tensor::Zero();
+    s[0] = s[1] = s[2] = -1000.0 + 500.0 * x.y();
+    return s;
+  };
+  for (std::size_t i = 0; i < state.particles.size(); ++i)
+    state.particles.stress[i] = linear(state.particles.position[i]);
+  auto disturb = [](State<2>& s) { s.particles.stress[44][1] += 100.0; };
+  State<2> resting = state;
+  disturb(resting);
+  State<2> expected = resting;
+  keep_flow_regular<2>(setup, 1.0, resting);
+  EXPECT_EQ(resting.particles.stress[44], expected.particles.stress[44]);
+  std::fill_n(state.particles.plastic_strain.begin(), state.particles.free(), 1.0);
+  State<2> smooth = state, noisy = state;
+  keep_flow_regular<2>(setup, 1.0, smooth);
+  for (std::size_t i = 0; i < state.particles.size(); ++i)
+    EXPECT_LT((smooth.particles.stress[i] - state.particles.stress[i]).norm(), 1e-9 * 1000.0);
+  disturb(noisy);
+  keep_flow_regular<2>(setup, 1.0, noisy);
+  const double left = noisy.particles.stress[44][1] - state.particles.stress[44][1];
+  EXPECT_LT(left, 80.0);
+  EXPECT_GT(left, 0.0);
+}
+
+}  // namespace
+}  // namespace poretwin::solid::test
