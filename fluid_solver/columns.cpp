@@ -115,10 +115,8 @@ void Fluid<D>::limit_surface(Stencil<D>& s) const {
     const double d = c ? c->inside(s.position[a]) : spacing;
     if (c && c->in_soil && !c->wet && d < 0.5 * spacing)
       s.surface_distance[a] = std::max(d, 0.1 * spacing);
-    else if (const Soil* here = soil_at(scene_, to_point3<D>(s.position[a]))) {
+    else if (const Soil* here = soil_at(scene_, to_point3<D>(s.position[a])))
       s.surface_pressure[a] = -gamma * here->suction_head;
-      s.covered[a] = s.divergence[a] < 0.75 * D && covered(s, a);
-    }
   }
 }
 

@@ -101,12 +101,12 @@ class Reader {
     return std::fmax(r.by_fullness, r.by_pressure);
   }
   [[nodiscard]] Reach reach(const Line<D>& line) const {
-    if (probe_.fullness(line.at(0.0)) < 0.5) return {};
     // A gap of less than two spacings is loose packing, no end of the water.
     const double step = 0.5 * dx_, gap = 2.0 * dx_;
-    double wet = 0.0;
-    for (double z = step; z < wet + gap && z < line.length; z += step)
+    double wet = -step;
+    for (double z = 0.0; z < std::max(0.0, wet) + gap && z < line.length; z += step)
       if (probe_.fullness(line.at(z)) >= 0.5) wet = z;
+    if (wet < 0.0) return {};
     if (wet + step >= line.length && probe_.fullness(line.at(line.length)) >= 0.5) return {line.length, line.length};
     double dry = std::min(wet + step, line.length);
     while (dry - wet > 1e-3 * dx_) {

@@ -14,27 +14,16 @@ namespace surface {
 /// Eigenvalue of the moment above which a particle is inside, and below which it has too few neighbours for a pressure.
 inline constexpr double inside = 0.88, alone = 0.1;
 /// Cosine of half the opening of the cone about the outward normal that is empty above a surface particle.
-inline constexpr double cone = 0.5;
+inline constexpr double cone = 0.5, narrow_cone = 0.7071;
 /// Least |sum V grad W| h that a missing side makes: of a surface particle, and of one below it.
 inline constexpr double first_row = 0.1, second_row = 0.03;
 /// Least eigenvalue inverted at the surface, the ghost counted.
 inline constexpr double least_inverted = 0.4;
 }  // namespace surface
 
-/// Is there water within a kernel's reach in the cone of 45 degrees about the way outwards (after Marrone et al. 2010)?
-template <int D>
-bool covered(const Stencil<D>& s, std::size_t a) {
-  const Vec<D> outwards = -s.normal[a].normalized();
-  for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
-    const Vec<D> ba = s.position[s.other[k]] - s.position[a];
-    if (outwards.dot(ba) > 0.7071 * ba.norm()) return true;
-  }
-  return false;
-}
-
 /// Free water: the moment's smallest eigenvalue, then an umbrella of neighbours (Marrone et al. 2010).
-/// Water in soil (mask >= 0.5), a wetting front: the deficit of the divergence of position (Lee et al. 2008). A hole
-/// under pressure must not be taken for a surface: it would draw the water of a reservoir in at full head.
+/// Water in soil (mask >= 0.5), a wetting front: the deficit of the divergence of position (Lee et al. 2008), where no
+/// water stands opposite: a hole under pressure taken for a surface draws a reservoir in at full head.
 template <int D>
 std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> mask) {
   std::vector<Surface> flags(s.n_real, Surface::interior);
@@ -53,8 +42,18 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> mask) {
     }
     return false;
   };
+  // The surface in soil is rough on the scale of a spacing: the narrow cone only.
+  const auto opposite = [&](std::size_t a) {
+    const Vec<D> n = -s.normal[a].normalized();
+    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+      const Vec<D> d = s.position[s.other[k]] - s.position[a];
+      if (d.dot(n) > surface::narrow_cone * d.norm()) return true;
+    }
+    return false;
+  };
   for (std::size_t a = 0; a < s.n_real; ++a) {
     if (mask[a] >= 0.5) {
+      s.covered[a] = s.divergence[a] < 0.75 * D && opposite(a);
       if (s.covered[a]) continue;
       if (s.divergence[a] < 0.4 * D)
         flags[a] = Surface::lone;
