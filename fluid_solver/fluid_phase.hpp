@@ -42,6 +42,8 @@ class Fluid final : public Phase {
   ScalarArray volume_source(const Stencil<D>& s, const SoilView<D>& soil, std::span<const Mat<D>> velocity_gradient,
                             double interval);
   ScalarArray moved() const;
+  double gravity_or_standard() const;
+  double free_repair_time(double spacing) const;
   double repair_time(std::size_t a, const SoilView<D>& soil, double interval) const;
   double look_ahead(double interval) const;
   void drift(double interval);

@@ -24,15 +24,26 @@ Vec<D> surface_lead(const Mat<D>& velocity_gradient, const Vec<D>& inward, doubl
 }  // namespace
 
 template <int D>
+double Fluid<D>::gravity_or_standard() const {
+  return weight_.norm() > 0.0 ? weight_.norm() / density_ : 9.81;
+}
+
+template <int D>
+double Fluid<D>::free_repair_time(double spacing) const {
+  return 20.0 * std::sqrt(spacing / gravity_or_standard());
+}
+
+template <int D>
 ScalarArray Fluid<D>::moved() const {
   const auto& p = state_.particles;
   ScalarArray result(p.size());
   for (std::size_t a = 0; a < p.size(); ++a) {
+    const double spacing = std::pow(p.volume[a], 1.0 / D);
     if (p.mask[a] <= 0.5) {
-      result[a] = 1.0;
+      // Begun at once, the repair of a disordered start would be a blow.
+      result[a] = std::min(1.0, state_.time / free_repair_time(spacing));
       continue;
     }
-    const double spacing = std::pow(p.volume[a], 1.0 / D);
     result[a] = std::min(1.0, (p.position[a] - p.birthplace[a]).norm() / (repair_displacement * spacing));
   }
   return result;
@@ -44,8 +55,8 @@ ScalarArray Fluid<D>::moved() const {
 template <int D>
 double Fluid<D>::repair_time(std::size_t a, const SoilView<D>& view, double interval) const {
   const double spacing = std::pow(state_.particles.volume[a], 1.0 / D);
-  const double g = weight_.norm() > 0.0 ? weight_.norm() / density_ : 9.81;
-  return std::max({2.0 * interval, 20.0 * std::sqrt(spacing / g),
+  const double g = gravity_or_standard();
+  return std::max({2.0 * interval, free_repair_time(spacing),
                    0.3 * spacing * view.drag[a] / (density_ * g * state_.particles.void_fraction[a])});
 }
 

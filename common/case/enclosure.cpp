@@ -187,7 +187,7 @@ class Flood {
           }
           Point3 y = x;
           y[d] += step * size_;
-          if (up_.dot(y) > level_) continue;
+          if (up_.dot(y) > level_ - 2.0 * size_) continue;  // over the rim of a basin that is full, not through it
           const std::size_t next = step > 0 ? cell + stride[axis] : cell - stride[axis];
           if (from[next] != unseen || blocked(x, y)) continue;
           from[next] = cell;

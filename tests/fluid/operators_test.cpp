@@ -61,10 +61,17 @@ void expect_linear_exactness() {
   const auto g = pressure_gradient<D>(
       s, p, [](Index) { return 0.0; }, [](std::size_t, std::size_t) { return 1.0; }, Vec<D>::Zero());
   const auto d = divergence<D>(s, v);
+  std::size_t sparse = 0;
   for (std::size_t a = 0; a < x.size(); ++a) {
+    // At the block's open corners and edges (3D) neighbours are too few: there gradients are taken short, not amplified.
+    if (s.least_moment[a] < 0.3) {
+      ++sparse;
+      continue;
+    }
     EXPECT_LT((g[a] - slope).norm(), 1e-10) << a;
     EXPECT_NEAR(d[a], shear.trace(), 1e-10) << a;
   }
+  EXPECT_LE(sparse, D == 2 ? 4u : x.size() / 5);
 }
 
 TEST(Operators, GradientAndDivergenceAreExactForLinearFields) {
