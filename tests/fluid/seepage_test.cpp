@@ -89,7 +89,9 @@ TEST(Seepage, SmoothedDragIsAsStrongAsItsKernelSum) {
     scene.water_faces = {head_face(line(0.0, 0.2, 0.0, 0.0), 0.4), head_face(line(0.4, 0.0, 0.4, 0.2), 0.3)};
     Fluid<2> fluid(scene);
     fluid.initialise({});
-    fluid.advance({0, 0.0, 1.0}, {});
+    // The part that differs between directions is iterated, to 2 % in a window from rest: a few short windows (particles
+    // that leave their sites by a hundredth of a spacing find another sum).
+    for (std::uint64_t step = 0; step < 4; ++step) fluid.advance({step, 2e-3 * static_cast<double>(step), 2e-3}, {});
     const double exact = 1.1e-4 * 0.25 / 0.4 / row.factor;
     for (const auto& v : fluid.state().particles.velocity) {
       EXPECT_NEAR(v.x() / exact, 1.0, 0.01) << row.factor;
