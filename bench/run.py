@@ -63,10 +63,13 @@ def main():
     parser.add_argument("--out", type=pathlib.Path, default=ROOT / "build" / "bench")
     parser.add_argument("--program", default=str(ROOT / "build" / "release" / "bin" / "poretwin"))
     a = parser.parse_args()
+    for case in a.cases:
+        if not (ROOT / "cases" / case / "verify.toml").exists():
+            parser.error(f"{case}: there is no cases/{case}/verify.toml to take errors from")
     for case in a.cases or [name for name in CASES if (ROOT / "cases" / name / "verify.toml").exists()]:
         rows = []
         for scheme in a.schemes:
-            for spacing in a.spacings or CASES[case]:
+            for spacing in a.spacings or CASES.get(case) or parser.error(f"{case}: give --spacings"):
                 found = measure(a.program, case, scheme, spacing, a.longest)
                 if not found:
                     print(f"{case} {scheme} {spacing} m: stopped after {a.longest:g} s")

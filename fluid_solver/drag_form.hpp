@@ -10,7 +10,7 @@
 
 namespace poretwin::fluid {
 
-/// Smoothing length of Eqs. (67)/(74) in the soil's spacings.
+/// Smoothing length of Eqs. (67)/(74) in the soil's spacings, with the paper's cubic spline.
 inline constexpr double drag_smoothing_ratio = 1.2;
 
 /// G sum_i V_i (r r^T)/(r^2 + eta^2) W over the particles of rigid soil: what multiplies a uniform slip in Eqs. (67),
@@ -33,7 +33,7 @@ MatArray<D> smoothed_drag(const Case& scene, std::span<const Vec<D>> water) {
   for (std::size_t a = 0; a < water.size(); ++a)
     grid.for_each_within(water[a], sph::support_radius * h, [&](Index i, double r2) {
       const Vec<D> r = points[i] - water[a];
-      const double w = G * volume[i] * sph::WendlandC2<D>::value(std::sqrt(r2), h) / (r2 + 1e-4 * h * h);
+      const double w = G * volume[i] * sph::CubicSpline<D>::value(std::sqrt(r2), h) / (r2 + 1e-4 * h * h);
       form[a] += w * r * r.transpose();
     });
   return form;

@@ -279,8 +279,10 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
   VecArray<D> result = v;
   const double noise = noise_viscosity * dx_ * wave_speed_;
   for (std::size_t a = 0; a < s.n_real; ++a) {
-    // In soil drag damps what the viscosities are for, unless inertia rules there as well.
-    if (view.mask[a] > 0.5 && view.drag[a] * interval > state_.particles.void_fraction[a] * density_) continue;
+    // In soil drag damps what the trace of viscosity is for, unless inertia rules there as well.
+    if (view.mask[a] > 0.5 && !inertia_rules(state_.particles.void_fraction[a], density_, view.drag[a],
+                                             std::pow(state_.particles.volume[a], 1.0 / D), weight_.norm() / density_))
+      continue;
     result[a] -= interval * scene_.general.central_force * s.position[a];
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
       const Index j = s.other[k], q = s.parent[j];

@@ -1,4 +1,5 @@
 // What is read off the water: values at points, along lines and faces, sums over regions, the balance of its volume.
+#include "fluid_solver/basin.hpp"
 #include "fluid_solver/cloud.hpp"
 #include "fluid_solver/fluid_phase.hpp"
 
@@ -197,7 +198,9 @@ class Reader {
   [[nodiscard]] double level(const Gauge& gauge) const {
     for (std::size_t f = 0; f < scene_.water_faces.size(); ++f) {
       const auto& face = scene_.water_faces[f];
-      if (face.name == gauge.quantity) return face.discharge ? state_.basin_level[f] : face.head->at(state_.time);
+      if (face.name != gauge.quantity) continue;
+      return face.discharge ? basin_level(*face.basin_area, state_.supplied[f] - passed_[f])
+                            : face.head->at(state_.time);
     }
     return nan;
   }

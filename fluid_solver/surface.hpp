@@ -32,7 +32,7 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> mask) {
     const Vec<D> n = -s.normal[q].normalized();
     return j < s.n_base ? n : Vec<D>(s.map[j - s.n_base] * n);
   };
-  const auto covered = [&](std::size_t a) {
+  const auto umbrella = [&](std::size_t a) {
     const double h = s.length[a];
     const Vec<D> n = -s.normal[a].normalized();
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
@@ -67,7 +67,7 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> mask) {
       flags[a] = Surface::lone;
       s.correction[a].setZero();
       s.blind[a].setIdentity();
-    } else if (s.least_moment[a] < surface::inside && amount * s.length[a] > surface::first_row && !covered(a)) {
+    } else if (s.least_moment[a] < surface::inside && amount * s.length[a] > surface::first_row && !umbrella(a)) {
       flags[a] = Surface::surface;
     }
   }

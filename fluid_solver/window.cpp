@@ -116,8 +116,10 @@ class WindowSolver {
   /// Lone particles, and in coarse soil, where the water's inertia rules, the front itself: there the softer condition
   /// of a wetting front, without a ghost in the gradient, feeds splashes with energy.
   bool pinned(std::size_t a) const {
-    return flags_[a] == Surface::lone ||
-           (flags_[a] == Surface::surface && s_.ghost_distance[a] == 0.0 && q_[a].C < q_[a].aw);
+    if (flags_[a] == Surface::lone) return true;
+    return flags_[a] == Surface::surface && s_.ghost_distance[a] == 0.0 &&
+           inertia_rules(in_.void_fraction[a], in_.density, q_[a].C, std::pow(s_.volume[a], 1.0 / D),
+                         in_.weight.norm() / in_.density);
   }
   double pinned_pressure(std::size_t a) const {
     if (flags_[a] == Surface::lone) return -in_.weight.dot(s_.position[a] - in_.origin);

@@ -101,6 +101,10 @@ Consolidation consolidate(const Options& options) {
     const auto published = fluid.publish();
     const auto& p = fluid.state().particles;
     // Rows of the lattice, averaged; then linear in y.
+    if (p.size() % columns != 0) {  // thrown apart: no rows any more
+      result.worst_base = HUGE_VAL;
+      break;
+    }
     const std::size_t rows = p.size() / columns;
     std::vector<double> y(rows), pressure(rows), drag(rows), predicted(rows);
     for (std::size_t a = 0; a < rows * columns; ++a) {  // a run that diverges may have lost some
