@@ -323,7 +323,10 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
     // Near a surface the sum is short by nature, not by error.
     if (excess < 0.0 && !s.covered[a]) excess *= std::clamp(1.0 - 5.0 * s.length[a] * s.normal[a].norm(), 0.0, 1.0);
     if (p.surface[a] != Surface::interior || s.ghost_distance[a] > 0.0) excess = std::max(0.0, excess);
-    source[a] = motion[a] * p.void_fraction[a] * excess / repair_time(a, view, interval);
+    // In free water the repair of a disordered start, begun at once, would be a blow.
+    const double begun =
+        view.mask[a] > 0.5 ? 1.0 : std::min(1.0, state_.time / free_repair_time(std::pow(p.volume[a], 1.0 / D)));
+    source[a] = begun * motion[a] * p.void_fraction[a] * excess / repair_time(a, view, interval);
     // Displacements of the velocity's length keep the volume to second order: det(1 + dt grad v) = 1. Without it a
     // strain rate s compresses by dt s^2, and the repair of that feeds energy in.
     if (view.mask[a] <= 0.5)

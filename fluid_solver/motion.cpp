@@ -40,8 +40,7 @@ ScalarArray Fluid<D>::moved() const {
   for (std::size_t a = 0; a < p.size(); ++a) {
     const double spacing = std::pow(p.volume[a], 1.0 / D);
     if (p.mask[a] <= 0.5) {
-      // Begun at once, the repair of a disordered start would be a blow.
-      result[a] = std::min(1.0, state_.time / free_repair_time(spacing));
+      result[a] = 1.0;
       continue;
     }
     result[a] = std::min(1.0, (p.position[a] - p.birthplace[a]).norm() / (repair_displacement * spacing));
