@@ -128,6 +128,7 @@ void declare(CLI::App& app, Arguments& a, VerifyOptions& v, std::vector<std::str
   verify_command->add_option("CASE", v.which, "case name, path, or 'all'")->required();
   with_programs(verify_command);
   verify_command->add_option("--json", v.json, "write the results as JSON too");
+  verify_command->add_option("--report", v.report, "folder for one page with the errors, run times and pictures");
   verify_command->add_option("--out", v.out, "folder of the runs")->capture_default_str();
   verify_command->add_option("--run", v.run, "only this run of the case");
   verify_command->add_option("--set", v.overrides, "override a key of every run: section.key=value")
