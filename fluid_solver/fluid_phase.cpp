@@ -428,6 +428,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   drift(dt);
   auto s = stencil();
   ++state_.counts.stencils;
+  mark_soil_surface<D>(s, view.mask);
   p.surface = find_surface<D>(s, view.mask);
   if (scene_.coupled()) take_back(s, view, dt);
 

@@ -12,7 +12,7 @@ enum class Surface : std::uint8_t { interior, surface, lone };
 
 namespace surface {
 /// Eigenvalue of the moment above which a particle is inside, and below which it has too few neighbours for a pressure.
-inline constexpr double inside = 0.88, alone = 0.1;
+inline constexpr double inside = 0.88, sparse = 0.45, alone = 0.1;
 /// Cosine of half the opening of the cone about the outward normal that is empty above a surface particle.
 inline constexpr double cone = 0.5, narrow_cone = 0.7071;
 /// Least |sum V grad W| h that a missing side makes: of a surface particle, and of one below it.
@@ -62,13 +62,14 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> mask) {
       continue;
     }
     const double amount = s.normal[a].norm();
-    if (s.least_moment[a] < surface::alone || amount == 0.0) {
-      if (s.least_moment[a] >= surface::inside) continue;
+    if (s.least_moment[a] >= surface::inside) continue;
+    const bool edge = s.least_moment[a] >= surface::alone && amount * s.length[a] > surface::first_row && !umbrella(a);
+    if (edge) {
+      flags[a] = Surface::surface;
+    } else if (s.least_moment[a] < surface::sparse) {
       flags[a] = Surface::lone;
       s.correction[a].setZero();
       s.blind[a].setIdentity();
-    } else if (s.least_moment[a] < surface::inside && amount * s.length[a] > surface::first_row && !umbrella(a)) {
-      flags[a] = Surface::surface;
     }
   }
   for (std::size_t a = 0; a < s.n_real; ++a) {
