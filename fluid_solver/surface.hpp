@@ -102,6 +102,11 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> mask) {
     s.correction[a] = bounded_inverse<D>(s.moment[a] + 2.0 * s.ghost_distance[a] * amount * n * n.transpose(),
                                          surface::least_inverted, &s.blind[a]);
   }
+  // Inside, where neighbours are few, the pair sums of the Laplacian are short and the gradient's are not: a pressure
+  // found from the one and applied by the other would correct the velocity more than once.
+  for (std::size_t a = 0; a < s.n_real; ++a)
+    if (flags[a] == Surface::interior && s.ghost_distance[a] == 0.0)
+      s.amplification[a] = std::max(s.amplification[a], 1.0 / std::max(s.divergence[a] / D, surface::least_inverted));
   return flags;
 }
 
