@@ -12,7 +12,7 @@ enum class Surface : std::uint8_t { interior, surface, lone };
 
 namespace surface {
 /// Eigenvalue of the moment above which a particle is inside, and below which it has too few neighbours for a pressure.
-inline constexpr double inside = 0.88, sparse = 0.45, alone = 0.1;
+inline constexpr double inside = 0.88, sparse = 0.35, alone = 0.1;
 /// Cosine of half the opening of the cone about the outward normal that is empty above a surface particle.
 inline constexpr double cone = 0.5, narrow_cone = 0.7071;
 /// Least |sum V grad W| h that a missing side makes: of a surface particle, and of one below it.
