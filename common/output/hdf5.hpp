@@ -55,10 +55,14 @@ class File {
   static File create(
       const std::filesystem::path& path);  ///< replaces an older file; not locked, so that readers may look on
   static File open_to_read(const std::filesystem::path& path);
+  static File open_to_write(const std::filesystem::path& path);
 
   /// Creates a group and those above it.
   void group(const std::string& name);
   Dataset dataset(const std::string& name, Type type, std::size_t columns, std::size_t chunk_rows);
+  /// One that is there, cut off after `rows`. Throws FileError when it holds fewer.
+  Dataset cut_dataset(const std::string& name, std::size_t rows);
+  void remove(const std::string& name);  ///< a group or data set
 
   /// Attributes of a group or data set.
   void attribute(const std::string& object, const std::string& name, const std::string& text);
@@ -82,7 +86,8 @@ class File {
   [[nodiscard]] bool is_float64(const std::string& dataset) const;
 
  private:
-  File(const std::filesystem::path& path, bool create);
+  enum class Mode { create, read, write };
+  File(const std::filesystem::path& path, Mode mode);
   [[noreturn]] void fail(const std::string& action) const;
   [[nodiscard]] Id check(Id::Value value, Id::Close close, const std::string& action) const;
   void check(int status, const std::string& action) const;
