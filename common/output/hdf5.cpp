@@ -1,6 +1,7 @@
 #include "common/output/hdf5.hpp"
 
 #include "common/core/error.hpp"
+#include "common/output/undo_driver.hpp"
 
 #include <fmt/format.h>
 #include <hdf5.h>
@@ -67,6 +68,8 @@ File::File(const std::filesystem::path& path, Mode mode) : path_(path.string()) 
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   const Id access = check(H5Pcreate(H5P_FILE_ACCESS), close_properties, "preparing to open");
   H5Pset_file_locking(access.get(), false, true);
+  if (mode == Mode::write) roll_back(path);
+  if (mode != Mode::read) check(H5Pset_driver(access.get(), undo_driver(), nullptr), "preparing to open");
   if (mode == Mode::create)
     id_ = check(H5Fcreate(path_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), close_file, "creating");
   else

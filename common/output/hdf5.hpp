@@ -1,5 +1,5 @@
 // HDF5 behind a small wrapper: handles that close themselves, errors as FileError with path and cause, no error stack
-// on stderr. Only hdf5.cpp includes the library's header.
+// on stderr. Only hdf5.cpp and undo_driver.cpp include the library's header.
 #pragma once
 
 #include <cstdint>
@@ -55,6 +55,7 @@ class File {
   static File create(
       const std::filesystem::path& path);  ///< replaces an older file; not locked, so that readers may look on
   static File open_to_read(const std::filesystem::path& path);
+  /// After what roll_back() does.
   static File open_to_write(const std::filesystem::path& path);
 
   /// Creates a group and those above it.
