@@ -69,7 +69,7 @@ struct Hello {
   std::uint64_t process = 0;
   std::string host;
   bool keeps_checkpoints = false;
-  std::vector<std::string> checkpoints;  ///< it could resume from
+  std::vector<std::string> checkpoints = {};  ///< it could resume from
 };
 struct Welcome {
   double heartbeat_interval = 1.0;  ///< s

@@ -38,7 +38,7 @@ struct CoupledRun {
   ParticipantOptions participant;
   std::filesystem::path checkpoints;  ///< folder; empty: none are kept
   double checkpoint_every = no_limit;  ///< s
-  bool resume = false;
+  bool resume = false, only_coupler_keeps = false;
   std::uint64_t stop_after = 0;  ///< windows, as if a person had pressed Ctrl-C; 0: never
   // To be looked at.
   Fate fluid, solid, coupler;
@@ -135,7 +135,7 @@ struct CoupledRun {
       auto transport = line == Line::in_process ? in_process_.line() : connect_socket(address_);
       const CheckpointStore store(checkpoints, std::string(to_string(role)), {});
       auto options = participant;
-      options.keeps_checkpoints = !checkpoints.empty();
+      options.keeps_checkpoints = !checkpoints.empty() && !only_coupler_keeps;
       if (resume)
         for (const auto& checkpoint : store.whole()) options.checkpoints.push_back(checkpoint.name);
       place.emplace(std::move(transport), role, phase->contract(), options);
