@@ -1,8 +1,8 @@
 #include "cli/run.hpp"
 
 #include "cli/locate.hpp"
-#include "cli/script.hpp"
 #include "cli/progress.hpp"
+#include "cli/script.hpp"
 #include "common/case/case.hpp"
 #include "common/checkpoint/store.hpp"
 #include "common/core/error.hpp"
@@ -65,8 +65,8 @@ Program in_place(const std::string& command, Program solver) {
   return solver;
 }
 
-std::vector<Program> programs_of(const RunOptions& options, const Case& scene, const std::string& address,
-                                 bool resume, bool again) {
+std::vector<Program> programs_of(const RunOptions& options, const Case& scene, const std::string& address, bool resume,
+                                 bool again) {
   const int threads = available_threads();
   const auto program = [&](const std::string& name, std::vector<std::string> first, int count) {
     Program p;
@@ -75,7 +75,8 @@ std::vector<Program> programs_of(const RunOptions& options, const Case& scene, c
     p.arguments = {"--case", options.case_file.string(), "--out", options.out.string()};
     p.arguments.insert(p.arguments.end(), first.begin(), first.end());
     if (resume) p.arguments.push_back("--resume");
-    if (options.checkpoint_every)
+    const bool leads = name == "coupler" || !scene.coupled();
+    if (leads && options.checkpoint_every)
       p.arguments.insert(p.arguments.end(), {"--checkpoint-every", fmt::format("{}", *options.checkpoint_every)});
     for (const auto& assignment : options.overrides) p.arguments.insert(p.arguments.end(), {"--set", assignment});
     p.environment = {{"OMP_NUM_THREADS", std::to_string(std::max(1, count))}};
@@ -168,9 +169,9 @@ void write_run_file(const RunOptions& options, const std::string& started, const
   text += fmt::format("]\nversion = {}\nbuild = {}\nhost = {}\nstarted = {}\n", toml_text(version()),
                       toml_text(build()), toml_text(host()), toml_text(started));
   if (result != nullptr) {
-    text += fmt::format("ended = {}\nexit = {}\nreason = {}\nwall_s = {:.3f}\ncpu_s = {:.3f}\nrestarts = {}\n\n[exits]\n",
-                        toml_text(time_now()), result->exit, toml_text(result->reason), result->wall, result->cpu,
-                        result->restarts);
+    text += fmt::format(
+        "ended = {}\nexit = {}\nreason = {}\nwall_s = {:.3f}\ncpu_s = {:.3f}\nrestarts = {}\n\n[exits]\n",
+        toml_text(time_now()), result->exit, toml_text(result->reason), result->wall, result->cpu, result->restarts);
     for (const auto& ended : result->ended) text += fmt::format("{} = {}\n", ended.name, ended.status);
   }
   std::ofstream stream(options.out / "run.toml", std::ios::binary);
@@ -235,7 +236,9 @@ RunResult run_case(const RunOptions& options) {
   ProgressView view(options.quiet);
   const auto start = std::chrono::steady_clock::now();
   const std::string address = "ipc://" + (socket.path() / "poretwin.sock").string(),
-                    leader = scene.coupled() ? "coupler" : scene.deformable() ? "solid" : "fluid";
+                    leader = scene.coupled()      ? "coupler"
+                             : scene.deformable() ? "solid"
+                                                  : "fluid";
   RunResult result;
   bool resume = options.resume;
   for (;;) {

@@ -79,11 +79,12 @@ void execute(const Arguments& arguments, Run& run) {
   };
   run.checkpoints.emplace(arguments.out, "coupler", run_identity(scene), log_line);
   run.broker.emplace(*run.hub, std::move(options));
-  run.schedule.emplace(*run.broker, scene.general.dimension,
-                       WindowClock::Settings{scene.general.end_time, scene.coupling.interval, scene.output.interval,
-                                             scene.output.gauge_interval},
-                       [lines](const Progress& p) { lines->write(p, p.time >= p.end); },
-                       Checkpoints{&*run.checkpoints, arguments.checkpoint_every, arguments.resume});
+  run.schedule.emplace(
+      *run.broker, scene.general.dimension,
+      WindowClock::Settings{scene.general.end_time, scene.coupling.interval, scene.output.interval,
+                            scene.output.gauge_interval},
+      [lines](const Progress& p) { lines->write(p, p.time >= p.end); },
+      Checkpoints{&*run.checkpoints, arguments.checkpoint_every, arguments.resume});
   log_line("coupler: listening at " + run.hub->address());
   run.schedule->run();
 }

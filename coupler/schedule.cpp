@@ -149,9 +149,10 @@ class Schedule::Implementation {
       return has(fluids, c.name) && has(solids, c.name);
     });
     if (chosen == mine.end())
-      throw FileError(fmt::format("nothing to resume from: expected one checkpoint that all three hold whole, found: "
-                                  "coupler {}; fluid {}; solid {}",
-                                  listed(names), listed(fluids), listed(solids)));
+      throw FileError(
+          fmt::format("nothing to resume from: expected one checkpoint that all three hold whole, found: "
+                      "coupler {}; fluid {}; solid {}",
+                      listed(names), listed(fluids), listed(solids)));
     Archive state = checkpoints_.store->read(chosen->name);
     archive(state);
     state.expect_end();
@@ -308,8 +309,8 @@ class Schedule::Implementation {
 
 Schedule::Schedule(Broker& broker, int dimension, WindowClock::Settings settings,
                    std::function<void(const Progress&)> progress, Checkpoints checkpoints)
-    : implementation_(
-          std::make_unique<Implementation>(broker, dimension, settings, std::move(progress), checkpoints)) {}
+    : implementation_(std::make_unique<Implementation>(broker, dimension, settings, std::move(progress), checkpoints)) {
+}
 Schedule::~Schedule() = default;
 void Schedule::run() { implementation_->run(); }
 void Schedule::note_waiting(const std::string& whom) { implementation_->note_waiting(whom); }

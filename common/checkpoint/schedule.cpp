@@ -12,8 +12,7 @@ CheckpointSchedule::CheckpointSchedule(Checkpoints settings) : settings_(setting
 }
 
 bool CheckpointSchedule::due() const {
-  return settings_.store != nullptr &&
-         std::chrono::duration<double>(Clock::now() - last_).count() >= settings_.every;
+  return settings_.store != nullptr && std::chrono::duration<double>(Clock::now() - last_).count() >= settings_.every;
 }
 
 std::string CheckpointSchedule::name(std::uint64_t step) const { return fmt::format("{}-{:08}", start_, step); }

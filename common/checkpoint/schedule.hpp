@@ -10,7 +10,7 @@ namespace poretwin {
 
 /// Whether and how a run keeps checkpoints.
 struct Checkpoints {
-  const CheckpointStore* store = nullptr;                 ///< none: no checkpoints
+  const CheckpointStore* store = nullptr;                  ///< none: no checkpoints
   double every = std::numeric_limits<double>::infinity();  ///< s of wall-clock; 0: after every window
   bool resume = false;                                     ///< start from the newest
 };

@@ -59,6 +59,11 @@ CheckpointStore::CheckpointStore(const fs::path& out, std::string process, RunId
       say_(std::move(say)) {}
 
 fs::path CheckpointStore::file_of(const std::string& name) const {
+  // Names come over the wire: none may point elsewhere.
+  const auto plain = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || c == '-'; };
+  if (name.empty() || name.size() > 64 || !std::all_of(name.begin(), name.end(), plain))
+    throw PeerError(fmt::format("checkpoint '{}': expected a name of at most 64 digits, small letters and hyphens",
+                                name.substr(0, 64)));
   return folder_ / fmt::format("{}-{}{}", process_, name, ending);
 }
 

@@ -1,5 +1,5 @@
-// Checkpoints on disk: OUT/checkpoints/<process>-<name>.state. A file there is whole or not there at all (temporary name,
-// fsync, rename), carries its own checksum, and knows which run made it.
+// Checkpoints on disk: OUT/checkpoints/<process>-<name>.state. A file there is whole or not there at all (temporary
+// name, fsync, rename), carries its own checksum, and knows which run made it.
 #pragma once
 
 #include "common/core/archive.hpp"

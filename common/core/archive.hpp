@@ -1,6 +1,6 @@
 // A state as bytes and back by one visit: archive(a, b, c) writes its arguments or reads them, whichever the archive is
-// for, so that the two directions cannot differ. Aggregates are visited member by member without being told how; classes
-// with secrets have a member `void archive(Archive&)`. Numbers keep every bit.
+// for, so that the two directions cannot differ. Aggregates are visited member by member without being told how;
+// classes with secrets have a member `void archive(Archive&)`. Numbers keep every bit.
 #pragma once
 
 #include "common/core/error.hpp"
@@ -28,9 +28,12 @@ template <class T>
 concept Fixed = std::is_arithmetic_v<T> || std::is_enum_v<T>;
 /// Eigen's matrices and vectors whose size the compiler knows.
 template <class T>
-concept Tensor = std::derived_from<T, Eigen::PlainObjectBase<T>> && T::SizeAtCompileTime > 0;
+concept Tensor = std::derived_from<T, Eigen::PlainObjectBase<T>> && T::SizeAtCompileTime >
+0;
 template <class T>
-concept Visitable = requires(T& x, Archive& archive) { x.archive(archive); };
+concept Visitable = requires(T& x, Archive& archive) {
+  x.archive(archive);
+};
 
 template <class T>
 inline constexpr bool is_array = false;

@@ -135,29 +135,43 @@ void with_fields(T& x, F&& f) {
     auto& [a, b, c, d, e, f_, g, h, i, j, k, l, m, n_, o, p, q, r, s, t, u, v, w, x_, y, z, aa, ab, ac, ad, ae, af] = x;
     f(a, b, c, d, e, f_, g, h, i, j, k, l, m, n_, o, p, q, r, s, t, u, v, w, x_, y, z, aa, ab, ac, ad, ae, af);
   } else if constexpr (n == 33) {
-    auto& [a, b, c, d, e, f_, g, h, i, j, k, l, m, n_, o, p, q, r, s, t, u, v, w, x_, y, z, aa, ab, ac, ad, ae, af, ag] = x;
+    auto& [a, b, c, d, e, f_, g, h, i, j, k, l, m, n_, o, p, q, r, s, t, u, v, w, x_, y, z, aa, ab, ac, ad, ae, af,
+           ag] = x;
     f(a, b, c, d, e, f_, g, h, i, j, k, l, m, n_, o, p, q, r, s, t, u, v, w, x_, y, z, aa, ab, ac, ad, ae, af, ag);
   } else if constexpr (n == 34) {
-    auto& [a, b, c, d, e, f_, g, h, i, j, k, l, m, n_, o, p, q, r, s, t, u, v, w, x_, y, z, aa, ab, ac, ad, ae, af, ag, ah] = x;
+    auto& [a, b, c, d, e, f_, g, h, i, j, k, l, m, n_, o, p, q, r, s, t, u, v, w, x_, y, z, aa, ab, ac, ad, ae, af, ag,
+           ah] = x;
     f(a, b, c, d, e, f_, g, h, i, j, k, l, m, n_, o, p, q, r, s, t, u, v, w, x_, y, z, aa, ab, ac, ad, ae, af, ag, ah);
   } else if constexpr (n == 35) {
-    auto& [a, b, c, d, e, f_, g, h, i, j, k, l, m, n_, o, p, q, r, s, t, u, v, w, x_, y, z, aa, ab, ac, ad, ae, af, ag, ah, ai] = x;
-    f(a, b, c, d, e, f_, g, h, i, j, k, l, m, n_, o, p, q, r, s, t, u, v, w, x_, y, z, aa, ab, ac, ad, ae, af, ag, ah, ai);
+    auto& [a, b, c, d, e, f_, g, h, i, j, k, l, m, n_, o, p, q, r, s, t, u, v, w, x_, y, z, aa, ab, ac, ad, ae, af, ag,
+           ah, ai] = x;
+    f(a, b, c, d, e, f_, g, h, i, j, k, l, m, n_, o, p, q, r, s, t, u, v, w, x_, y, z, aa, ab, ac, ad, ae, af, ag, ah,
+      ai);
   } else if constexpr (n == 36) {
-    auto& [a, b, c, d, e, f_, g, h, i, j, k, l, m, n_, o, p, q, r, s, t, u, v, w, x_, y, z, aa, ab, ac, ad, ae, af, ag, ah, ai, aj] = x;
-    f(a, b, c, d, e, f_, g, h, i, j, k, l, m, n_, o, p, q, r, s, t, u, v, w, x_, y, z, aa, ab, ac, ad, ae, af, ag, ah, ai, aj);
+    auto& [a, b, c, d, e, f_, g, h, i, j, k, l, m, n_, o, p, q, r, s, t, u, v, w, x_, y, z, aa, ab, ac, ad, ae, af, ag,
+           ah, ai, aj] = x;
+    f(a, b, c, d, e, f_, g, h, i, j, k, l, m, n_, o, p, q, r, s, t, u, v, w, x_, y, z, aa, ab, ac, ad, ae, af, ag, ah,
+      ai, aj);
   } else if constexpr (n == 37) {
-    auto& [a, b, c, d, e, f_, g, h, i, j, k, l, m, n_, o, p, q, r, s, t, u, v, w, x_, y, z, aa, ab, ac, ad, ae, af, ag, ah, ai, aj, ak] = x;
-    f(a, b, c, d, e, f_, g, h, i, j, k, l, m, n_, o, p, q, r, s, t, u, v, w, x_, y, z, aa, ab, ac, ad, ae, af, ag, ah, ai, aj, ak);
+    auto& [a, b, c, d, e, f_, g, h, i, j, k, l, m, n_, o, p, q, r, s, t, u, v, w, x_, y, z, aa, ab, ac, ad, ae, af, ag,
+           ah, ai, aj, ak] = x;
+    f(a, b, c, d, e, f_, g, h, i, j, k, l, m, n_, o, p, q, r, s, t, u, v, w, x_, y, z, aa, ab, ac, ad, ae, af, ag, ah,
+      ai, aj, ak);
   } else if constexpr (n == 38) {
-    auto& [a, b, c, d, e, f_, g, h, i, j, k, l, m, n_, o, p, q, r, s, t, u, v, w, x_, y, z, aa, ab, ac, ad, ae, af, ag, ah, ai, aj, ak, al] = x;
-    f(a, b, c, d, e, f_, g, h, i, j, k, l, m, n_, o, p, q, r, s, t, u, v, w, x_, y, z, aa, ab, ac, ad, ae, af, ag, ah, ai, aj, ak, al);
+    auto& [a, b, c, d, e, f_, g, h, i, j, k, l, m, n_, o, p, q, r, s, t, u, v, w, x_, y, z, aa, ab, ac, ad, ae, af, ag,
+           ah, ai, aj, ak, al] = x;
+    f(a, b, c, d, e, f_, g, h, i, j, k, l, m, n_, o, p, q, r, s, t, u, v, w, x_, y, z, aa, ab, ac, ad, ae, af, ag, ah,
+      ai, aj, ak, al);
   } else if constexpr (n == 39) {
-    auto& [a, b, c, d, e, f_, g, h, i, j, k, l, m, n_, o, p, q, r, s, t, u, v, w, x_, y, z, aa, ab, ac, ad, ae, af, ag, ah, ai, aj, ak, al, am] = x;
-    f(a, b, c, d, e, f_, g, h, i, j, k, l, m, n_, o, p, q, r, s, t, u, v, w, x_, y, z, aa, ab, ac, ad, ae, af, ag, ah, ai, aj, ak, al, am);
+    auto& [a, b, c, d, e, f_, g, h, i, j, k, l, m, n_, o, p, q, r, s, t, u, v, w, x_, y, z, aa, ab, ac, ad, ae, af, ag,
+           ah, ai, aj, ak, al, am] = x;
+    f(a, b, c, d, e, f_, g, h, i, j, k, l, m, n_, o, p, q, r, s, t, u, v, w, x_, y, z, aa, ab, ac, ad, ae, af, ag, ah,
+      ai, aj, ak, al, am);
   } else if constexpr (n == 40) {
-    auto& [a, b, c, d, e, f_, g, h, i, j, k, l, m, n_, o, p, q, r, s, t, u, v, w, x_, y, z, aa, ab, ac, ad, ae, af, ag, ah, ai, aj, ak, al, am, an] = x;
-    f(a, b, c, d, e, f_, g, h, i, j, k, l, m, n_, o, p, q, r, s, t, u, v, w, x_, y, z, aa, ab, ac, ad, ae, af, ag, ah, ai, aj, ak, al, am, an);
+    auto& [a, b, c, d, e, f_, g, h, i, j, k, l, m, n_, o, p, q, r, s, t, u, v, w, x_, y, z, aa, ab, ac, ad, ae, af, ag,
+           ah, ai, aj, ak, al, am, an] = x;
+    f(a, b, c, d, e, f_, g, h, i, j, k, l, m, n_, o, p, q, r, s, t, u, v, w, x_, y, z, aa, ab, ac, ad, ae, af, ag, ah,
+      ai, aj, ak, al, am, an);
   }
 }
 

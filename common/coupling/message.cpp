@@ -241,9 +241,11 @@ Message message_of(Body body, std::uint64_t step) {
 }
 
 std::string_view name_of(const Body& body) {
-  static constexpr std::string_view names[] = {"HELLO",     "WELCOME",      "REJECT",   "PUBLICATION", "INITIALISE",
-                                               "ADVANCE",   "RESTORE",      "FINISH",   "BYE",         "ABORT",
-                                               "HEARTBEAT", "CASE_REQUEST", "CASE_FILE", "CHECKPOINT", "CHECKPOINT_WRITTEN", "RESUME"};
+  static constexpr std::string_view names[] = {
+      "HELLO",     "WELCOME",      "REJECT",    "PUBLICATION", "INITIALISE",
+      "ADVANCE",   "RESTORE",      "FINISH",    "BYE",         "ABORT",
+      "HEARTBEAT", "CASE_REQUEST", "CASE_FILE", "CHECKPOINT",  "CHECKPOINT_WRITTEN",
+      "RESUME"};
   return names[body.index()];
 }
 

@@ -71,8 +71,13 @@ class Participant::Implementation {
   }
 
   void join() {
-    Hello hello{name_, contract_, options_.software, static_cast<std::uint64_t>(getpid()), host_name(),
-                options_.keeps_checkpoints, options_.checkpoints};
+    Hello hello{name_,
+                contract_,
+                options_.software,
+                static_cast<std::uint64_t>(getpid()),
+                host_name(),
+                options_.keeps_checkpoints,
+                options_.checkpoints};
     send(message_of(std::move(hello)));
     wait_for_coupler(*transport_, name_, options_, [&] {
       const auto message = take(Milliseconds(100));

@@ -154,7 +154,8 @@ std::string usage(const std::string& name, Program program) {
   text +=
       " [--keys FILE] [--set key=value]... [--progress-fd N] [--wait-deadline S] [--frozen-deadline S]\n"
       "       [--resume] [--checkpoint-every S]\n"
-      "--resume: go on from the checkpoint in DIR, all three processes; --checkpoint-every: s of wall-clock (60), 0: every\n"
+      "--resume: go on from the checkpoint in DIR, all three processes; --checkpoint-every: s of wall-clock (60), 0: "
+      "every\n"
       "window, inf: only when interrupted; the coupler's or a lone solver's word counts\n"
       "ADDRESS: ipc:///path or tcp://127.0.0.1:port; without --case FILE the coupler sends its case\n"
       "FILE of --keys: coupler.key or participant.key, made by `poretwin keys`\n"

@@ -123,8 +123,8 @@ Dataset File::dataset(const std::string& name, Type type, std::size_t columns, s
 Dataset File::cut_dataset(const std::string& name, std::size_t rows) {
   const auto size = shape(name);
   if (size.empty() || size.front() < rows)
-    throw FileError(fmt::format("{}: {}: expected at least {} rows, found {}", path_, name, rows,
-                                size.empty() ? 0 : size.front()));
+    throw FileError(
+        fmt::format("{}: {}: expected at least {} rows, found {}", path_, name, rows, size.empty() ? 0 : size.front()));
   Dataset result;
   result.id_ = check(H5Dopen2(id_.get(), name.c_str(), H5P_DEFAULT), close_object, "opening data set " + name);
   result.columns_ = size.size() > 1 ? size[1] : 0;

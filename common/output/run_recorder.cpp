@@ -50,7 +50,9 @@ void sync(const std::filesystem::path& path) {
 class RunRecorder final : public Recorder {
  public:
   RunRecorder(const std::filesystem::path& out_dir, const std::string& phase, const Case& scene, bool to_resume)
-      : particles_(made(out_dir) / (phase + ".vtkhdf")), gauges_(out_dir / ("gauges." + phase + ".csv")), scene_(scene) {
+      : particles_(made(out_dir) / (phase + ".vtkhdf")),
+        gauges_(out_dir / ("gauges." + phase + ".csv")),
+        scene_(scene) {
     if (!to_resume) begin();
   }
 

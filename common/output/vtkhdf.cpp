@@ -101,8 +101,7 @@ void VtkHdfWriter::bind(bool create) {
 void VtkHdfWriter::bind_columns(bool create) {
   for (auto& column : columns_) {
     const auto& field = column.declaration;
-    const std::string name = "VTKHDF/PointData/" + field.name,
-                      offsets = "VTKHDF/Steps/PointDataOffsets/" + field.name;
+    const std::string name = "VTKHDF/PointData/" + field.name, offsets = "VTKHDF/Steps/PointDataOffsets/" + field.name;
     if (!create) {
       column.values = file_.cut_dataset(name, static_cast<std::size_t>(total_));
       column.offsets = file_.cut_dataset(offsets, steps_.size());

@@ -1,4 +1,5 @@
-// What goes into an archive comes out of it, whatever it is made of; what is cut short is refused before it is believed.
+// What goes into an archive comes out of it, whatever it is made of; what is cut short is refused before it is
+// believed.
 #include "common/core/archive.hpp"
 #include "common/core/vector.hpp"
 

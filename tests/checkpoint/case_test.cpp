@@ -78,12 +78,11 @@ class EveryCase : public testing::TestWithParam<std::string> {
     const auto kept = store("alone");
     MemoryRecorder recorder;
     DriveReport report;
-    drive_alone(
-        *phase, scene_, recorder,
-        [&](const Progress& progress) {
-          if (progress.step == stop) std::raise(SIGINT);
-        },
-        report, {&kept, every_, resume});
+    drive_alone(*phase, scene_, recorder,
+                [&](const Progress& progress) {
+                  if (progress.step == stop) std::raise(SIGINT);
+                },
+                report, {&kept, every_, resume});
     return {{bytes_of(*phase)}, {bytes_of(recorder)}, report.windows, report.time};
   }
 

@@ -112,6 +112,14 @@ TEST_F(Store, NoRoomLeavesTheOlderOne) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / "checkpoints"), {}), 1);
 }
 
+TEST_F(Store, ANameThatPointsElsewhereIsRefused) {
+  const auto s = store();
+  for (const std::string name : {"", "../x", "a/b", "A", "a.b", std::string(65, 'a').c_str()}) {
+    EXPECT_THROW(s.write({name, 1, 0.1}, state(0.1)), PeerError) << name;
+    EXPECT_THROW(static_cast<void>(s.read(name)), PeerError) << name;
+  }
+}
+
 TEST_F(Store, AFolderThatCannotBeMadeIsNamed) {
   std::ofstream(folder_ / "checkpoints") << "a file in its place";
   try {

@@ -36,7 +36,7 @@ struct CoupledRun {
   WindowClock::Settings settings{1.0, 0.1, 0.0, 0.0};
   BrokerOptions broker;
   ParticipantOptions participant;
-  std::filesystem::path checkpoints;  ///< folder; empty: none are kept
+  std::filesystem::path checkpoints;   ///< folder; empty: none are kept
   double checkpoint_every = no_limit;  ///< s
   bool resume = false, only_coupler_keeps = false;
   std::uint64_t stop_after = 0;  ///< windows, as if a person had pressed Ctrl-C; 0: never
@@ -76,9 +76,8 @@ struct CoupledRun {
       if (stop_after > 0) options.interrupted = [&] { return step >= stop_after; };
       const CheckpointStore store(checkpoints, "coupler", {});
       Broker b(*hub, options);
-      Schedule schedule(
-          b, dimension, settings, [&](const Progress& progress) { step = progress.step; },
-          {checkpoints.empty() ? nullptr : &store, checkpoint_every, resume});
+      Schedule schedule(b, dimension, settings, [&](const Progress& progress) { step = progress.step; },
+                        {checkpoints.empty() ? nullptr : &store, checkpoint_every, resume});
       try {
         schedule.run();
       } catch (...) {

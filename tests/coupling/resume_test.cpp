@@ -52,9 +52,12 @@ class Resume : public testing::Test {
     MockPhase fluid(Role::fluid, 2, moving(Role::fluid), fluid_knobs),
         solid(Role::solid, 2, moving(Role::solid, solid_speed));
     run.run(&fluid, &solid);
-    return {solid.seen().inboxes, bytes_of(run.fluid_record, run.solid_record),
-            run.report,           run.fluid.error,
-            run.solid.error,      run.coupler.error,
+    return {solid.seen().inboxes,
+            bytes_of(run.fluid_record, run.solid_record),
+            run.report,
+            run.fluid.error,
+            run.solid.error,
+            run.coupler.error,
             run.log};
   }
   [[nodiscard]] std::vector<fs::path> files(const std::string& process) const {
@@ -79,7 +82,8 @@ void expect_same(const std::vector<Inbox>& tail, const std::vector<Inbox>& whole
   for (std::size_t k = 0; k < tail.size(); ++k) {
     const auto &a = tail[tail.size() - 1 - k], &b = whole[whole.size() - 1 - k];
     ASSERT_EQ(a.coverage, b.coverage) << k << " windows before the end";
-    for (std::size_t f = 0; f < a.fields.size(); ++f) ASSERT_EQ(a.fields[f].values, b.fields[f].values) << a.fields[f].name;
+    for (std::size_t f = 0; f < a.fields.size(); ++f)
+      ASSERT_EQ(a.fields[f].values, b.fields[f].values) << a.fields[f].name;
   }
 }
 

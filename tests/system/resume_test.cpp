@@ -1,4 +1,5 @@
-// Real runs that are killed, stopped, starved of disk: resumed, they end as if nothing had been, or say why they cannot.
+// Real runs that are killed, stopped, starved of disk: resumed, they end as if nothing had been, or say why they
+// cannot.
 #include "tests/system/real_run.hpp"
 
 #include <sys/resource.h>
@@ -29,8 +30,8 @@ std::string differences(const fs::path& one, const fs::path& other) {
         if (x.size() != y.size() || std::memcmp(x.data(), y.data(), x.size() * sizeof(double)) != 0)
           found += name + ": " + set + "\n";
       }
-      for (const char* set : {"VTKHDF/Offsets", "VTKHDF/Connectivity", "VTKHDF/NumberOfPoints",
-                              "VTKHDF/Steps/PointOffsets"})
+      for (const char* set :
+           {"VTKHDF/Offsets", "VTKHDF/Connectivity", "VTKHDF/NumberOfPoints", "VTKHDF/Steps/PointOffsets"})
         if (a.read_integers(set) != b.read_integers(set)) found += name + ": " + set + "\n";
     }
   }
@@ -126,8 +127,8 @@ TEST_F(RealResume, CtrlCLeavesACheckpoint) {
 /// Rigid soil: the fluid alone, with few frames and few readings of the gauges.
 TEST_F(RealResume, ASolverAloneResumesToo) {
   const auto file = fs::path(PORETWIN_SOURCE_DIR) / "cases" / "infiltration_horizontal" / "case.toml";
-  const std::vector<std::string> set{"--set", "case.end_time=400.0", "--set", "output.interval=50.0", "--set",
-                                     "output.gauge_interval=20.0"};
+  const std::vector<std::string> set{"--set", "case.end_time=400.0",       "--set", "output.interval=50.0",
+                                     "--set", "output.gauge_interval=20.0"};
   const auto whole = reference(file, set);
   auto words = arguments(file, {"--checkpoint-every", "0", "--restarts", "0"});
   words.insert(words.end(), set.begin(), set.end());
@@ -145,13 +146,14 @@ TEST_F(RealResume, ASolverAloneResumesToo) {
 }
 
 TEST_F(RealResume, WhatCannotBeResumedIsNamed) {
-  EXPECT_THAT(poretwin(with({"--resume"}, piece)).err, HasSubstr("nothing to resume: expected the folder of an earlier"));
+  EXPECT_THAT(poretwin(with({"--resume"}, piece)).err,
+              HasSubstr("nothing to resume: expected the folder of an earlier"));
   ASSERT_EQ(poretwin(with({}, piece)).exit, 0);
   const auto ended = poretwin(with({"--resume"}, piece));
   EXPECT_EQ(ended.exit, 5);
   EXPECT_THAT(ended.err, HasSubstr("nothing to resume from"));
-  const auto stopped = poretwin(with({"--checkpoint-every", "0", "--restarts", "0"}, piece), {},
-                                killer("poretwin-solid", 3));
+  const auto stopped =
+      poretwin(with({"--checkpoint-every", "0", "--restarts", "0"}, piece), {}, killer("poretwin-solid", 3));
   ASSERT_EQ(stopped.exit, 1) << stopped.err;
   auto other = piece;
   other.insert(other.end(), {"--set", "soil.0.porosity=0.41"});

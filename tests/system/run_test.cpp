@@ -115,14 +115,14 @@ TEST_F(RealRun, NanFromAPeerEndsEverybodyAndFilesStayWhole) {
 
 TEST_F(RealRun, AKilledSolidEndsTheRunWithItsName) {
   std::chrono::steady_clock::time_point killed;
-  const auto outcome = poretwin(arguments(terzaghi(), {"--set", "output.interval=0.004", "--restarts", "0"}), {},
-                                [&](pid_t command) {
-    wait_for([&] { return text_of(out() / "gauges.solid.csv").find("\n0.01") != std::string::npos; });
-    const pid_t solid = child_called(command, "poretwin-solid");
-    ASSERT_GT(solid, 0);
-    killed = std::chrono::steady_clock::now();
-    ::kill(solid, SIGKILL);
-  });
+  const auto outcome =
+      poretwin(arguments(terzaghi(), {"--set", "output.interval=0.004", "--restarts", "0"}), {}, [&](pid_t command) {
+        wait_for([&] { return text_of(out() / "gauges.solid.csv").find("\n0.01") != std::string::npos; });
+        const pid_t solid = child_called(command, "poretwin-solid");
+        ASSERT_GT(solid, 0);
+        killed = std::chrono::steady_clock::now();
+        ::kill(solid, SIGKILL);
+      });
   EXPECT_LT(std::chrono::steady_clock::now() - killed, std::chrono::seconds(5));
   EXPECT_EQ(outcome.exit, 1);
   EXPECT_THAT(outcome.err, HasSubstr("solid was killed by signal 9 (Killed)"));
