@@ -11,6 +11,7 @@
 // does not skew the shares.
 #pragma once
 
+#include "common/core/archive.hpp"
 #include "common/core/vector.hpp"
 #include "common/coupling/exchange.hpp"
 
@@ -69,6 +70,13 @@ class PairWeights {
 
   [[nodiscard]] const MappingCounts& counts() const { return counts_; }
 
+  /// All of it: lists that are kept decide the order in which sums are taken, and with it their last bits.
+  void archive(Archive& archive) {
+    archive(counts_, source_order_, target_order_, source_, target_, volume_, h_, target_volume_, first_, index_,
+            weight_, near_, n_near_, coefficient_, extrapolates_, coverage_, asymmetry_, receivers_, owner_,
+            source_then_, target_then_, h_then_, skin_);
+  }
+
  private:
   [[nodiscard]] bool lists_hold(const PointSet& source, const PointSet& target) const;
   void search(const PointSet& source, const PointSet& target);
@@ -122,6 +130,8 @@ class SpatialMapping {
   /// Accounts are part of the state of a window: a rejected window puts them back.
   [[nodiscard]] virtual const std::vector<Account>& accounts() const = 0;
   virtual void set_accounts(std::vector<Account> accounts) = 0;
+  /// Complete, for a checkpoint.
+  virtual void archive(Archive& archive) = 0;
 };
 
 std::unique_ptr<SpatialMapping> make_mapping(int dimension);

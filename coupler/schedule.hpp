@@ -3,6 +3,7 @@
 // fluid's new ones. docs/protocol.md shows the sequence.
 #pragma once
 
+#include "common/checkpoint/schedule.hpp"
 #include "common/coupling/border.hpp"
 #include "common/coupling/summary.hpp"
 #include "common/coupling/window_clock.hpp"
@@ -27,13 +28,20 @@ struct ScheduleReport {
   bool interrupted = false;
   MappingCounts pairs;
   std::vector<SpatialMapping::Account> accounts;
+  double checkpointing = 0.0;  ///< s
+  std::uint64_t checkpoints = 0;
+
+  /// What a run that is resumed counts on from.
+  void archive(Archive& archive) {
+    archive(windows, rejected_by_fluid, rejected_by_solid, fields_skipped, points_unchanged, limited_by);
+  }
 };
 
 class Schedule {
  public:
   /// `progress` may be empty.
   Schedule(Broker& broker, int dimension, WindowClock::Settings settings,
-           std::function<void(const Progress&)> progress = {});
+           std::function<void(const Progress&)> progress = {}, Checkpoints checkpoints = {});
   ~Schedule();
   Schedule(const Schedule&) = delete;
   Schedule& operator=(const Schedule&) = delete;
