@@ -31,7 +31,6 @@ RunSummary summarise(const Broker& broker, const ScheduleReport& report) {
                   {"bytes_received", number(totals.bytes_received)},
                   {"pair_lists_rebuilt", number(report.pairs.rebuilds)},
                   {"pair_lists_reused", number(report.pairs.reuses)},
-                  {"pair_weights_unchanged", number(report.pairs.unchanged)},
                   {"points_unchanged", number(report.points_unchanged)},
                   {"fields_skipped", number(report.fields_skipped)}};
   for (const auto& [cause, windows] : report.limited_by)
