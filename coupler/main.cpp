@@ -25,7 +25,8 @@ RunSummary summarise(const Broker& broker, const ScheduleReport& report) {
   out.steps = {{"windows", number(report.windows)},
                {"rejected", number(report.rejected_by_fluid + report.rejected_by_solid)},
                {"rejected_by_fluid", number(report.rejected_by_fluid)},
-               {"rejected_by_solid", number(report.rejected_by_solid)}};
+               {"rejected_by_solid", number(report.rejected_by_solid)},
+               {"passes", number(report.passes)}};
   out.counters = {{"end_time_s", report.time},
                   {"bytes_sent", number(totals.bytes_sent)},
                   {"bytes_received", number(totals.bytes_received)},
@@ -43,6 +44,14 @@ RunSummary summarise(const Broker& broker, const ScheduleReport& report) {
       out.counters.emplace_back(name + "delivered", account.delivered[c]);
       out.counters.emplace_back(name + "undelivered", account.undelivered[c]);
     }
+  return out;
+}
+
+std::optional<IterationSettings> iteration_of(const CouplingCase& c) {
+  if (c.scheme == CouplingCase::Scheme::serial) return std::nullopt;
+  IterationSettings out{AccelerationKind::none, c.tolerance};
+  if (c.acceleration == CouplingCase::Acceleration::aitken) out.acceleration = AccelerationKind::aitken;
+  if (c.acceleration == CouplingCase::Acceleration::quasi_newton) out.acceleration = AccelerationKind::quasi_newton;
   return out;
 }
 
@@ -73,10 +82,11 @@ void execute(const Arguments& arguments, Run& run) {
     if (run.schedule) run.schedule->note_waiting(whom);
   };
   run.broker.emplace(*run.hub, std::move(options));
-  run.schedule.emplace(*run.broker, scene.general.dimension,
-                       WindowClock::Settings{scene.general.end_time, scene.coupling.interval, scene.output.interval,
-                                             scene.output.gauge_interval},
-                       [lines](const Progress& p) { lines->write(p, p.time >= p.end); });
+  run.schedule.emplace(
+      *run.broker, scene.general.dimension,
+      WindowClock::Settings{scene.general.end_time, scene.coupling.interval, scene.output.interval,
+                            scene.output.gauge_interval},
+      [lines](const Progress& p) { lines->write(p, p.time >= p.end); }, iteration_of(scene.coupling));
   log_line("coupler: listening at " + run.hub->address());
   run.schedule->run();
 }

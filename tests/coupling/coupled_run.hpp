@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <thread>
 
@@ -36,6 +37,8 @@ struct CoupledRun {
   WindowClock::Settings settings{1.0, 0.1, 0.0, 0.0};
   BrokerOptions broker;
   ParticipantOptions participant;
+  std::optional<IterationSettings> iteration;
+  std::function<std::string(const std::string&)> route;  ///< the address at which participants find the coupler's
   // To be looked at.
   Fate fluid, solid, coupler;
   MemoryRecorder fluid_record, solid_record;
@@ -61,7 +64,7 @@ struct CoupledRun {
       hub = in_process_.hub();
     else
       hub = bind_socket(line == Line::ipc ? "ipc://" + socket_path() : "tcp://127.0.0.1:*");
-    address_ = hub->address();
+    address_ = route ? route(hub->address()) : hub->address();
     std::thread fluid_thread([&] { drive(fluid_phase, Role::fluid, fluid_record, fluid, fluid_participant_); });
     std::thread solid_thread([&] { drive(solid_phase, Role::solid, solid_record, solid, solid_participant_); });
     guard(coupler, [&] {
@@ -69,7 +72,7 @@ struct CoupledRun {
       options.dimension = dimension;
       options.say = [this](const std::string& text) { log.push_back(text); };
       Broker b(*hub, options);
-      Schedule schedule(b, dimension, settings);
+      Schedule schedule(b, dimension, settings, {}, iteration);
       try {
         schedule.run();
       } catch (...) {
