@@ -295,6 +295,9 @@ class Participant::Implementation {
         inbox.coverage = std::move(array.values);
       else if (array.name == asymmetry_array)
         inbox.asymmetry = std::move(array.values);
+      else if (array.name.ends_with(start_suffix))
+        inbox.at_start.push_back(
+            {array.name.substr(0, array.name.size() - start_suffix.size()), array.components, std::move(array.values)});
       else
         inbox.fields.push_back({std::move(array.name), array.components, std::move(array.values)});
     }
@@ -304,6 +307,10 @@ class Participant::Implementation {
       if (inbox.at(spec.name).components != spec.components)
         fail(fmt::format("field '{}': expected {} components, got {}", spec.name, spec.components,
                          inbox.at(spec.name).components));
+    for (const auto& start : inbox.at_start)
+      if (inbox.at(start.name).components != start.components)
+        fail(fmt::format("field '{}': expected {} components at the window's start, got {}", start.name,
+                         inbox.at(start.name).components, start.components));
     return inbox;
   }
 

@@ -57,25 +57,30 @@ class CellGrid {
   /// Calls f(j, squared distance) for every point j with |x - x_j| < radius; radius <= cell_size of build().
   template <class F>
   void for_each_within(const Vec<D>& x, double radius, F&& f) const {
+    const double limit = radius * radius;
+    for_each_near((x.array() - radius).matrix(), (x.array() + radius).matrix(), [&](Index j) {
+      const double r2 = (points_[j] - x).squaredNorm();
+      if (r2 < limit) f(j, r2);
+    });
+  }
+
+  /// Calls f(j) for all points in the box, and some around it.
+  template <class F>
+  void for_each_near(const Vec<D>& lower, const Vec<D>& upper, F&& f) const {
     if (order_.empty()) return;
     std::array<int, D> lo{}, hi{};
     for (std::size_t d = 0; d < D; ++d) {
-      const double s = x[static_cast<int>(d)] - lower_[static_cast<int>(d)];
-      lo[d] = static_cast<int>(std::floor(std::clamp((s - radius) / size_, -1.0, 1.0 * count_[d])));
-      hi[d] = static_cast<int>(std::floor(std::clamp((s + radius) / size_, -1.0, 1.0 * count_[d])));
+      const int k = static_cast<int>(d);
+      lo[d] = static_cast<int>(std::floor(std::clamp((lower[k] - lower_[k]) / size_, -1.0, 1.0 * count_[d])));
+      hi[d] = static_cast<int>(std::floor(std::clamp((upper[k] - lower_[k]) / size_, -1.0, 1.0 * count_[d])));
       lo[d] = std::max(lo[d], 0);
       hi[d] = std::min(hi[d], count_[d] - 1);
     }
-    const double limit = radius * radius;
     std::array<int, D> c{};
     auto row = [&] {
       for (c[0] = lo[0]; c[0] <= hi[0]; ++c[0]) {
         const std::size_t k = flat(c);
-        for (Index m = first_[k]; m < first_[k + 1]; ++m) {
-          const Index j = order_[m];
-          const double r2 = (points_[j] - x).squaredNorm();
-          if (r2 < limit) f(j, r2);
-        }
+        for (Index m = first_[k]; m < first_[k + 1]; ++m) f(order_[m]);
       }
     };
     if constexpr (D == 2) {
