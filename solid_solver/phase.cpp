@@ -41,6 +41,11 @@ ScalarArray coverage_of(const Inbox& inbox, std::size_t n) {
 /// Exchange while the soil moves, in substeps.
 constexpr double substeps_while_moving = 30.0;
 
+/// Long windows of coupled soil: the largest departure from rest, over gravity, that is let be, and that ends the search
+/// for equilibrium; how long the search may be (RestSearch). A seepage front through an embankment, against a third of
+/// these: stress within 0.2 %, settlement within 0.1 %.
+constexpr double woken_by = 5e-3, equilibrium = 3e-3, most_ways = 20.0;
+
 /// Loads begin within rounding of their time.
 bool has_begun(double start, double time) { return time >= start - 1e-9 * std::max(1.0, std::abs(start)); }
 
@@ -181,7 +186,7 @@ bool Solid<D>::sleeps_on(Drive<D>& drive, const VecArray<D>& gradient, const Sca
       drive.distributed[i][d] += impulse[i * D + static_cast<std::size_t>(d)] / window.interval;
   }
   const double reference = reference_acceleration(setup_, state_, drive);
-  if (disturbed(state_, drive, loads_begun(window.time), reference, scene_.solid.quiet->wake_above)) {
+  if (disturbed(setup_, state_, drive, loads_begun(window.time), reference, scene_.solid.quiet->wake_above)) {
     state_.sleep.asleep = false;
     return false;
   }
@@ -200,7 +205,7 @@ void Solid<D>::fall_asleep_if_quiet(const Drive<D>& drive, double reference) {
   state_.still_yields = state_.any_yielded || (state_.still_yields && rms >= quiet.sleep_below);
   if (state_.any_yielded || rms >= quiet.sleep_below) return;
   stop(setup_, state_);
-  state_.sleep = {true, drive.distributed, state_.external.coverage, loads_begun(state_.time)};
+  state_.sleep = {true, drive.distributed, state_.external.saturation, loads_begun(state_.time)};
 }
 
 template <int D>
@@ -303,7 +308,6 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const VecArray<D>& gradi
   Particles<D>& p = state_.particles;
   const std::size_t n = p.size();
   const double interval = window.interval, end = window.time + interval;
-  const Quiet tolerance = scene_.solid.quiet.value_or(Quiet{});
   const VecArray<D> start = p.displacement, velocity = p.velocity;
   VecArray<D> standing(n);
   auto external = [&](Drive<D>& drive, bool rebuilt) {
@@ -322,19 +326,19 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const VecArray<D>& gradi
   }
   Drive<D> drive;
   external(drive, true);
+  drive.distributed = standing;
   for (auto& v : p.velocity) v.setZero();
   const double residual = unrest(setup_, state_, drive, reference_acceleration(setup_, state_, drive)).largest;
-  if (residual > tolerance.wake_above || wetted(state_)) {
-    constexpr double ways = 20.0;
-    const auto report =
-        find_rest<D>(setup_, {tolerance.sleep_below, ways}, state_, external, [](const RestReport&) {});
+  const bool asleep = residual <= woken_by && !softened(setup_, state_);
+  if (!asleep) {
+    const auto report = find_rest<D>(setup_, {equilibrium, most_ways}, state_, external, [](const RestReport&) {});
     if (!report.reached()) {
       for (auto* s : {&state_, &saved_}) s->motion.begins(long_window(setup_));
       fmt::print(stderr, "the soil moves at t = {:g} s: no equilibrium within {} steps, {:.2g} of gravity left\n",
                  window.time, report.steps, report.residual);
       return Outcome::reject(substeps_while_moving * setup_.longest_substep, "the soil moves: it finds no equilibrium");
     }
-    state_.sleep.coverage = state_.external.coverage;
+    state_.sleep.saturation = state_.external.saturation;
     state_.motion.steps += static_cast<double>(report.steps);
     state_.motion.relaxed += 1.0;
     state_.motion.patience = 0.0;
@@ -343,7 +347,8 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const VecArray<D>& gradi
   }
   for (std::size_t i = 0; i < n; ++i) {
     p.velocity[i] = state_.mean_velocity[i] = (p.displacement[i] - start[i]) / interval;
-    state_.returned_impulse[i] = interval * tracking.tracking[i] * (tracking.target[i] - p.velocity[i]);
+    if (!asleep)
+      state_.returned_impulse[i] = interval * tracking.tracking[i] * (tracking.target[i] - p.velocity[i]);
   }
   state_.external.pressure_gradient = gradient;
   state_.time = end;

@@ -75,14 +75,17 @@ void stop(const Setup<D>& setup, State<D>& state) {
   evaluate_forces(setup, state);
 }
 
-/// Whether the saturation, and with it a cohesion that follows it, has changed by more than a hundredth anywhere since
-/// the soil was last found at rest.
+/// Whether the saturation has changed by more than a hundredth, where a cohesion follows it, since the soil was last
+/// found at rest.
 template <int D>
-bool wetted(const State<D>& state) {
+bool softened(const Setup<D>& setup, const State<D>& state) {
   constexpr double saturation_change = 0.01;
-  if (state.sleep.coverage.empty()) return true;
+  const auto& now = state.external.saturation;
+  const auto& before = state.sleep.saturation;
   for (std::size_t i = 0; i < state.particles.free(); ++i)
-    if (std::abs(state.external.coverage[i] - state.sleep.coverage[i]) > saturation_change) return true;
+    if (setup.softened_by_water[state.particles.material[i]] &&
+        (before.empty() || std::abs(now[i] - before[i]) > saturation_change))
+      return true;
   return false;
 }
 
@@ -93,10 +96,10 @@ double long_window(const Setup<D>& setup) {
 }
 
 /// Whether the forces have changed since the soil fell asleep by more than `wake_above` of the reference anywhere, or
-/// the saturation (and with it a cohesion that follows it) by more than a hundredth, or a load has begun.
+/// water has softened it, or a load has begun.
 template <int D>
-bool disturbed(const State<D>& state, const Drive<D>& drive, std::size_t loads, double reference, double wake_above) {
-  if (loads != state.sleep.loads || wetted(state)) return true;
+bool disturbed(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive, std::size_t loads, double reference, double wake_above) {
+  if (loads != state.sleep.loads || softened(setup, state)) return true;
   for (std::size_t i = 0; i < state.particles.free(); ++i) {
     const double change = (drive.distributed[i] - state.sleep.force[i]).norm();
     if (change > wake_above * reference * state.particles.mass[i]) return true;

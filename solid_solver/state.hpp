@@ -88,7 +88,7 @@ template <int D>
 struct Sleep {
   bool asleep = false;
   VecArray<D> force;      ///< N on each particle, from the water
-  ScalarArray coverage;   ///< 0..1
+  ScalarArray saturation;
   std::size_t loads = 0;  ///< that had begun
 };
 
