@@ -5,6 +5,7 @@
 #include "common/sph/neighbours.hpp"
 #include "solid_solver/stress.hpp"
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -87,8 +88,31 @@ template <int D>
 struct Sleep {
   bool asleep = false;
   VecArray<D> force;      ///< N on each particle, from the water
-  ScalarArray coverage;   ///< 0..1
+  ScalarArray saturation;
   std::size_t loads = 0;  ///< that had begun
+};
+
+/// Whether a coupled soil moves: then every elastic wave is followed, undamped; otherwise long windows are taken as
+/// equilibria.
+struct Motion {
+  bool moving = false;
+  double calm = 0.0;      ///< s, for how long nothing has yielded while it moves
+  double patience = 0.0;  ///< s of calm after which rest is sought again; doubled when none is found then
+  double relaxed = 0.0, at_rest = 0.0, steps = 0.0, begun = 0.0;  ///< counters: windows, steps of relaxation, beginnings
+  double duration = 0.0;                                          ///< s, in motion so far
+  void begins(double long_window) {
+    moving = true;
+    calm = 0.0;
+    patience = std::clamp(2.0 * patience, 5.0 * long_window, 100.0 * long_window);
+    begun += 1.0;
+  }
+  /// After a window in motion: whether it is over.
+  bool calms(double interval, bool yielded) {
+    duration += interval;
+    calm = yielded ? 0.0 : calm + interval;
+    moving = calm < patience;
+    return !moving;
+  }
 };
 
 template <int D>
@@ -109,6 +133,7 @@ struct State {
   std::vector<char> yielded;      ///< during the last window
   bool any_yielded = false;
   Sleep<D> sleep;
+  Motion motion;
   bool still_yields = false;  ///< something yielded since the soil was last quiet: its motion must not be damped
   double since_upkeep = 0.0;  ///< s, since the flowing soil was last kept regular
   double substeps = 0.0, rebuilds = 0.0, slept = 0.0, damped = 0.0;  ///< counters of substeps and list rebuilds

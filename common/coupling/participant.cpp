@@ -255,9 +255,11 @@ class Participant::Implementation {
       if (!(window_.interval > 0.0) || !std::isfinite(window_.interval) || !std::isfinite(window_.time))
         fail(fmt::format("a window of {} s from t = {} s makes no sense", window_.interval, window_.time));
       command.inbox = inbox_of(message);
+      n_active_before_ = n_active_;
     } else if (const auto* r = std::get_if<Restore>(&message.body)) {
       command.kind = Command::Kind::restore;
       command.reason = r->reason;
+      n_active_ = n_active_before_;
       revision_sent_.reset();  // the restored phase may use a revision number again
     } else if (const auto* c = std::get_if<CheckpointOrder>(&message.body)) {
       command.kind = Command::Kind::checkpoint;
@@ -378,7 +380,7 @@ class Participant::Implementation {
   std::uint64_t step_ = 0;
   std::uint32_t iteration_ = 0;
   Window window_;
-  std::size_t n_active_ = 0;
+  std::size_t n_active_ = 0, n_active_before_ = 0;  ///< points that receive: now, and when the window began
   std::optional<std::uint64_t> revision_sent_;
   Clock::time_point heard_ = Clock::now();
   std::string last_ = "none", waiting_for_;
