@@ -19,7 +19,10 @@ VecArray<D> extended(const Stencil<D>& s, std::span<const Vec<D>> f) {
   return all;
 }
 
-inline double harmonic(double a, double b) { return a + b > 0.0 ? 2.0 * a * b / (a + b) : 0.0; }
+inline double harmonic(double a, double b) {
+  if (a == b) return a;
+  return a + b > 0.0 ? 2.0 * a * b / (a + b) : 0.0;
+}
 
 /// Slope of a pressure along a face column's normal [Pa/m]; nothing where the ground inside is dry.
 template <int D>
@@ -94,7 +97,7 @@ ScalarArray divergence(const Stencil<D>& s, std::span<const Vec<D>> f) {
       if (s.is_buffer(j)) continue;
       sum += s.volume[j] * (all[j] - all[a]) * s.gradient[k].transpose();
     }
-    result[a] = (sum * s.correction_open[a]).trace();
+    result[a] = sum.cwiseProduct(s.correction_open[a].transpose()).sum();
   }
   return result;
 }
