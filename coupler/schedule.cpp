@@ -371,8 +371,8 @@ class Schedule::Implementation {
 Schedule::Schedule(Broker& broker, int dimension, WindowClock::Settings settings,
                    std::function<void(const Progress&)> progress, Checkpoints checkpoints,
                    std::optional<IterationSettings> iteration)
-    : implementation_(std::make_unique<Implementation>(broker, dimension, settings, std::move(progress), checkpoints,
-                                                       iteration)) {}
+    : implementation_(
+          std::make_unique<Implementation>(broker, dimension, settings, std::move(progress), checkpoints, iteration)) {}
 Schedule::~Schedule() = default;
 void Schedule::run() { implementation_->run(); }
 void Schedule::note_waiting(const std::string& whom) { implementation_->note_waiting(whom); }

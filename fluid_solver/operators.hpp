@@ -19,7 +19,10 @@ VecArray<D> extended(const Stencil<D>& s, std::span<const Vec<D>> f) {
   return all;
 }
 
-inline double harmonic(double a, double b) { return a + b > 0.0 ? 2.0 * a * b / (a + b) : 0.0; }
+inline double harmonic(double a, double b) {
+  if (a == b) return a;
+  return a + b > 0.0 ? 2.0 * a * b / (a + b) : 0.0;
+}
 
 /// Slope of a pressure along a face column's normal [Pa/m]; nothing where the ground inside is dry.
 template <int D>
@@ -76,8 +79,7 @@ template <int D>
 Mat<D> open_sum(const Stencil<D>& s, const VecArray<D>& all, std::size_t a) {
   Mat<D> sum = Mat<D>::Zero();
   for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
-    if (const Index j = s.other[k]; !s.is_buffer(j))
-      sum += s.volume[j] * (all[j] - all[a]) * s.gradient[k].transpose();
+    if (const Index j = s.other[k]; !s.is_buffer(j)) sum += s.volume[j] * (all[j] - all[a]) * s.gradient[k].transpose();
   return sum;
 }
 
@@ -98,7 +100,8 @@ MatArray<D> velocity_gradient(const Stencil<D>& s, std::span<const Vec<D>> f) {
   const VecArray<D> all = extended<D>(s, f);
   MatArray<D> result(s.n_real);
   for (std::size_t a = 0; a < s.n_real; ++a)
-    result[a] = at_soil_surface(s, a) ? gradient_within<D>(s, all, a) : Mat<D>(open_sum<D>(s, all, a) * s.correction_open[a]);
+    result[a] =
+        at_soil_surface(s, a) ? gradient_within<D>(s, all, a) : Mat<D>(open_sum<D>(s, all, a) * s.correction_open[a]);
   return result;
 }
 
@@ -108,13 +111,13 @@ ScalarArray divergence(const Stencil<D>& s, std::span<const Vec<D>> f) {
   const VecArray<D> all = extended<D>(s, f);
   ScalarArray result(s.n_real);
   for (std::size_t a = 0; a < s.n_real; ++a) {
-    const Mat<D> gradient = open_sum<D>(s, all, a) * s.correction_open[a];
+    const Mat<D> sum = open_sum<D>(s, all, a);
     if (at_soil_surface(s, a)) {
       const Vec<D>& n = s.slip_normal[a];
       const Mat<D> within = gradient_within<D>(s, all, a);
-      result[a] = within.trace() + n.dot((gradient - within) * n);
+      result[a] = within.trace() + n.dot((sum * s.correction_open[a] - within) * n);
     } else {
-      result[a] = gradient.trace();
+      result[a] = sum.cwiseProduct(s.correction_open[a].transpose()).sum();
     }
   }
   return result;

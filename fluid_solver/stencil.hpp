@@ -16,6 +16,12 @@ using Kernel = sph::WendlandC2<D>;
 /// Smoothing length in units of the cube root (2D: square root) of the bulk volume.
 inline constexpr double smoothing_ratio = 1.3;
 
+/// Edge of a square or cube of that volume [m]: the spacing of particles on a lattice.
+template <int D>
+double spacing_of(double volume) {
+  return D == 2 ? std::sqrt(volume) : std::cbrt(volume);
+}
+
 /// Sum of a pair's part, a function of the distance (unit spacing), over an infinite square lattice, the point itself
 /// counted.
 template <int D, class Part>
@@ -70,7 +76,7 @@ struct Stencil {
   VecArray<D> gradient;          ///< [pairs] grad_a W_ab, 1/m^(D+1)
   ScalarArray strength;          ///< [pairs] -W'/r, 1/m^(D+2)
   ScalarArray value;             ///< [pairs] W, 1/m^D
-  ScalarArray reflection;        ///< [pairs] 0, or 1 + |d_b|/d_a where b is a buffer
+  ScalarArray reflection;        ///< [pairs] 0, or 1 + |d_b|/d_a where b is a buffer; empty without buffers
 
   ScalarArray fullness;    ///< [real] sum V W over that of a lattice
   ScalarArray divergence;  ///< [real] sum V div r: D inside
