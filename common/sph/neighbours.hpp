@@ -16,7 +16,6 @@ class CellGrid {
  public:
   /// cell_size [m] must be >= the largest search radius. Points need not be inside any box.
   void build(std::span<const Vec<D>> points, double cell_size) {
-    points_ = points;
     lower_ = Vec<D>::Zero();
     std::array<double, D> extent{};
     if (!points.empty()) {
@@ -52,44 +51,78 @@ class CellGrid {
     order_.resize(points.size());
     std::vector<Index> next(first_.begin(), first_.end() - 1);
     for (std::size_t i = 0; i < points.size(); ++i) order_[next[cell_of_[i]]++] = static_cast<Index>(i);
+    sorted_.resize(points.size());
+    for (std::size_t m = 0; m < points.size(); ++m) sorted_[m] = points[order_[m]];
   }
 
   /// Calls f(j, squared distance) for every point j with |x - x_j| < radius; radius <= cell_size of build().
   template <class F>
   void for_each_within(const Vec<D>& x, double radius, F&& f) const {
-    if (order_.empty()) return;
     std::array<int, D> lo{}, hi{};
-    for (std::size_t d = 0; d < D; ++d) {
-      const double s = x[static_cast<int>(d)] - lower_[static_cast<int>(d)];
-      lo[d] = static_cast<int>(std::floor(std::clamp((s - radius) / size_, -1.0, 1.0 * count_[d])));
-      hi[d] = static_cast<int>(std::floor(std::clamp((s + radius) / size_, -1.0, 1.0 * count_[d])));
-      lo[d] = std::max(lo[d], 0);
-      hi[d] = std::min(hi[d], count_[d] - 1);
-    }
+    if (!cells_around(x, radius, lo, hi)) return;
     const double limit = radius * radius;
-    std::array<int, D> c{};
-    auto row = [&] {
-      for (c[0] = lo[0]; c[0] <= hi[0]; ++c[0]) {
-        const std::size_t k = flat(c);
-        for (Index m = first_[k]; m < first_[k + 1]; ++m) {
-          const Index j = order_[m];
-          const double r2 = (points_[j] - x).squaredNorm();
-          if (r2 < limit) f(j, r2);
-        }
+    std::array<int, D> c = lo;
+    do {
+      const auto [begin, end] = row(lo, hi, c);
+      for (Index m = begin; m < end; ++m) {
+        const double r2 = (sorted_[m] - x).squaredNorm();
+        if (r2 < limit) f(order_[m], r2);
       }
-    };
-    if constexpr (D == 2) {
-      for (c[1] = lo[1]; c[1] <= hi[1]; ++c[1]) row();
-    } else {
-      for (c[2] = lo[2]; c[2] <= hi[2]; ++c[2])
-        for (c[1] = lo[1]; c[1] <= hi[1]; ++c[1]) row();
-    }
+    } while (next_row(lo, hi, c));
+  }
+
+  /// Appends every point j >= first with |x - x_j| < radius; radius <= cell_size of build(). Free of branches that
+  /// depend on the distance: they would be guessed wrong too often.
+  void append_within(const Vec<D>& x, double radius, Index first, std::vector<Index>& found) const {
+    std::array<int, D> lo{}, hi{};
+    if (!cells_around(x, radius, lo, hi)) return;
+    const double limit = radius * radius;
+    std::size_t count = found.size();
+    std::array<int, D> c = lo;
+    do {
+      const auto [begin, end] = row(lo, hi, c);
+      found.resize(count + (end - begin));
+      for (Index m = begin; m < end; ++m) {
+        const Index j = order_[m];
+        found[count] = j;
+        count += static_cast<std::size_t>((sorted_[m] - x).squaredNorm() < limit) & static_cast<std::size_t>(j >= first);
+      }
+    } while (next_row(lo, hi, c));
+    found.resize(count);
   }
 
   /// Point indices in cell order: a permutation under which neighbours lie close in memory.
   [[nodiscard]] std::span<const Index> order() const { return order_; }
 
  private:
+  /// Range of cells within radius of x; false when there are none.
+  bool cells_around(const Vec<D>& x, double radius, std::array<int, D>& lo, std::array<int, D>& hi) const {
+    if (order_.empty()) return false;
+    for (std::size_t d = 0; d < D; ++d) {
+      const double s = x[static_cast<int>(d)] - lower_[static_cast<int>(d)];
+      lo[d] = static_cast<int>(std::floor(std::clamp((s - radius) / size_, -1.0, 1.0 * count_[d])));
+      hi[d] = static_cast<int>(std::floor(std::clamp((s + radius) / size_, -1.0, 1.0 * count_[d])));
+      lo[d] = std::max(lo[d], 0);
+      hi[d] = std::min(hi[d], count_[d] - 1);
+      if (lo[d] > hi[d]) return false;
+    }
+    return true;
+  }
+  /// The points of a row of cells along the first axis: they are contiguous.
+  std::pair<Index, Index> row(const std::array<int, D>& lo, const std::array<int, D>& hi, std::array<int, D> c) const {
+    c[0] = lo[0];
+    const Index begin = first_[flat(c)];
+    c[0] = hi[0];
+    return {begin, first_[flat(c) + 1]};
+  }
+  /// Steps from one row of cells (along the first axis) to the next.
+  static bool next_row(const std::array<int, D>& lo, const std::array<int, D>& hi, std::array<int, D>& c) {
+    for (std::size_t d = 1; d < D; ++d) {
+      if (++c[d] <= hi[d]) return true;
+      c[d] = lo[d];
+    }
+    return false;
+  }
   std::array<int, D> cell(const Vec<D>& x) const {
     std::array<int, D> c{};
     for (std::size_t d = 0; d < D; ++d)
@@ -103,7 +136,7 @@ class CellGrid {
     return k;
   }
 
-  std::span<const Vec<D>> points_;
+  VecArray<D> sorted_;  // the points in cell order
   Vec<D> lower_ = Vec<D>::Zero();
   double size_ = 1.0;
   std::array<int, D> count_{};
