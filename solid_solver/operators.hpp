@@ -23,10 +23,19 @@ struct Stabilisers {
   double sound_speed = 0.0;  ///< m/s
 };
 
+/// Inverse with the eigenvalues held above a floor.
+template <int D>
+[[gnu::noinline]] Mat<D> invert_above(const Mat<D>& moment, double floor) {
+  Eigen::SelfAdjointEigenSolver<Mat<D>> solver;
+  solver.computeDirect(moment);
+  const Vec<D> inverse = solver.eigenvalues().cwiseMax(floor).cwiseInverse();
+  return solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose();
+}
+
 /// Inverse of M = -sum V F r r^T with its eigenvalues held above a floor: particles that are nearly alone keep a
 /// bounded gradient. Corners of a lattice lie above it, so that they stay exact.
 template <int D>
-Mat<D> invert_moment(const Mat<D>& moment) {
+inline Mat<D> invert_moment(const Mat<D>& moment) {
   constexpr double floor = D == 2 ? 0.2 : 0.1;
   if constexpr (D == 2) {
     // The lowest eigenvalue lies above the floor when both of M - floor I are positive.
@@ -37,10 +46,7 @@ Mat<D> invert_moment(const Mat<D>& moment) {
     const double half = 0.5 * moment.trace();
     if (moment.determinant() > floor * half * half) return moment.inverse();
   }
-  Eigen::SelfAdjointEigenSolver<Mat<D>> solver;
-  solver.computeDirect(moment);
-  const Vec<D> inverse = solver.eigenvalues().cwiseMax(floor).cwiseInverse();
-  return solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose();
+  return invert_above<D>(moment, floor);
 }
 
 /// The positive part; by value and in this form it costs no branch.

@@ -13,16 +13,23 @@ struct Pairs {
   [[nodiscard]] std::size_t size() const { return alone.size(); }
 };
 
+/// Calls visit(i, j, m, both) for every pair: particle i, node j, pair m in the list, whether j feels i, too.
+template <class Visit>
+void for_each_pair(const Pairs& pairs, Visit&& visit) {
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    for (std::size_t m = pairs.offset[i]; m < pairs.alone[i]; ++m) visit(i, std::size_t{pairs.index[m]}, m, true);
+    for (std::size_t m = pairs.alone[i]; m < pairs.offset[i + 1]; ++m)
+      visit(i, std::size_t{pairs.index[m]}, m, false);
+  }
+}
+
 /// Calls feel(i, j, m) for whatever particle i feels of node j, pair m in the list: twice for pairs of real particles.
 template <class Feel>
 void for_each_felt(const Pairs& pairs, Feel&& feel) {
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    for (std::size_t m = pairs.offset[i]; m < pairs.alone[i]; ++m) {
-      feel(i, std::size_t{pairs.index[m]}, m);
-      feel(std::size_t{pairs.index[m]}, i, m);
-    }
-    for (std::size_t m = pairs.alone[i]; m < pairs.offset[i + 1]; ++m) feel(i, std::size_t{pairs.index[m]}, m);
-  }
+  for_each_pair(pairs, [&](std::size_t i, std::size_t j, std::size_t m, bool both) {
+    feel(i, j, m);
+    if (both) feel(j, i, m);
+  });
 }
 
 /// Pairs of the first positions, n_real of them, among themselves and with the images that follow, nearer than range

@@ -95,8 +95,9 @@ struct Sleep {
 template <int D>
 struct Scratch {
   MatArray<D> raw, moment;        ///< velocity_gradient
-  std::vector<Tensor> noise;      ///< keep_flow_regular, as all below
-  std::vector<Eigen::Matrix<double, 6, D>> slope;
+  std::vector<char> flows;        ///< keep_flow_regular, as all below
+  std::vector<Eigen::Matrix<double, D == 2 ? 4 : 6, 1>> noise;
+  std::vector<Eigen::Matrix<double, D == 2 ? 4 : 6, D>> slope;
   ScalarArray cover, swelling;
   VecArray<D> crowding;
   Scratch() = default;
