@@ -31,20 +31,28 @@ double thickness_at(const Setup<D>& setup, const State<D>& state, const Vec<D>& 
   return sum;
 }
 
-/// Share of the kernel around x that lies in soil.
+/// A particle or an image, as the kernel sees it.
 template <int D>
-double coverage_at(const Setup<D>& setup, const State<D>& state, const Vec<D>& x) {
+struct Piece {
+  Vec<D> position;
+  double volume;
+};
+
+/// All pieces of soil within a kernel's reach of the line through x along `up`.
+template <int D>
+std::vector<Piece<D>> pieces_along(const Setup<D>& setup, const State<D>& state, const Vec<D>& x, const Vec<D>& up) {
   const auto& p = state.particles;
   const auto& images = state.near.images;
-  double sum = 0.0;
-  for (std::size_t j = 0; j < p.size() + images.size(); ++j) {
-    const bool image = j >= p.size();
-    const std::size_t i = image ? images[j - p.size()].parent : j;
-    const Vec<D> position =
-        image ? Vec<D>(images[j - p.size()].map * p.position[i] + images[j - p.size()].shift) : p.position[i];
-    sum += p.volume[i] * sph::WendlandC2<D>::value((position - x).norm(), setup.smoothing_length);
-  }
-  return sum;
+  const double reach = sph::support_radius * setup.smoothing_length;
+  std::vector<Piece<D>> pieces;
+  auto add = [&](const Vec<D>& position, double volume) {
+    const Vec<D> r = position - x;
+    if ((r - up.dot(r) * up).squaredNorm() < reach * reach) pieces.push_back({position, volume});
+  };
+  for (std::size_t i = 0; i < p.size(); ++i) add(p.position[i], p.volume[i]);
+  for (const auto& image : images)
+    add(image.map * p.position[image.parent] + image.shift, p.volume[image.parent]);
+  return pieces;
 }
 
 /// Which particles lie inside the soil: from kernel sums over all that stands in their lists, themselves included.
@@ -98,10 +106,17 @@ double surface_height(const Setup<D>& setup, const State<D>& state, const Vec<D>
     top = std::max(top, level);
     bottom = std::min(bottom, level);
   }
+  const auto pieces = pieces_along<D>(setup, state, x, up);
+  auto coverage_at = [&](const Vec<D>& place) {
+    double sum = 0.0;
+    for (const auto& piece : pieces)
+      sum += piece.volume * sph::WendlandC2<D>::value((piece.position - place).norm(), setup.smoothing_length);
+    return sum;
+  };
   const double step = 0.25 * setup.spacing;
   double above = 0.0;
   for (double z = top + setup.smoothing_length; z >= bottom; z -= step) {
-    const double here = coverage_at<D>(setup, state, x + z * up);
+    const double here = coverage_at(x + z * up);
     if (here >= 0.5) return z + step * (here - 0.5) / std::max(here - above, 1e-300);
     above = here;
   }

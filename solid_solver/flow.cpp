@@ -117,6 +117,11 @@ void keep_flow_regular(const Setup<D>& setup, double dt, State<D>& state) {
   for (std::size_t i = 0; i < n; ++i) scratch.flows[i] = p.plastic_strain[i] > setup.flow_limit;
   if (std::none_of(scratch.flows.begin(), scratch.flows.end(), [](char flows) { return flows; })) return;
   const double h = setup.smoothing_length, scale = h * h / full_weight;
+  auto models = [&](std::size_t i) {  // brings the stress back to what the soil can bear
+    setup.models[p.material[i]]->advance(
+        p.stress[i], Tensor::Zero(),
+        {state.external.saturation[i], setup.grain_density[p.material[i]] * p.volume[i] / p.mass[i] - 1.0});
+  };
   stress_slopes<D>(state, scratch);
   sum_neighbours<D>(state, h, scratch);
   for (std::size_t i = 0; i < n; ++i) {
@@ -128,7 +133,10 @@ void keep_flow_regular(const Setup<D>& setup, double dt, State<D>& state) {
     double& volume = p.volume[i];
     stress.template head<n_components<D>>() += stress_share * scale * scratch.noise[i];
     volume *= 1.0 + volume_share * scale * scratch.swelling[i];
-    if (crowding.norm() * h > surface || scratch.cover[i] < 0.8) continue;
+    if (crowding.norm() * h > surface || scratch.cover[i] < 0.8) {
+      models(i);
+      continue;
+    }
     volume *= 1.0 - packing_share * (scratch.cover[i] - 1.0);
     const double strain = std::min(largest_strain, interval * 2.0 * root_j2(strain_rate<D>(p.gradient[i])));
     if (setup.constant_volume[p.material[i]]) {
@@ -137,6 +145,7 @@ void keep_flow_regular(const Setup<D>& setup, double dt, State<D>& state) {
       const double rise = bulk * dilatancy * strain * std::clamp(excess, -largest_excess, largest_excess);
       for (int d = 0; d < 3; ++d) stress[d] -= rise;
     }
+    models(i);
     if (i >= p.free()) continue;
     Vec<D> move = -(evening * strain * h * h) * crowding;
     const double length = move.norm(), most = longest_move * setup.spacing;

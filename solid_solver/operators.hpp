@@ -105,6 +105,10 @@ void velocity_gradient(const std::vector<Node<D>>& nodes, const Pairs& pairs, co
       raw += (other.velocity - v) * w.transpose();
       moment -= r * w.transpose();
     }
+    if (moment(0, 0) == 0.0) {  // no neighbours at all
+      gradient[i].setZero();
+      continue;
+    }
     correction[i] = invert_moment<D>(moment);
     gradient[i].noalias() = raw * correction[i];
   }

@@ -70,20 +70,23 @@ void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& 
   }
   fill_velocities<D>(p, state.near, state.nodes);
   velocity_gradient<D>(state.nodes, state.near.pairs, state.kernel, state.scratch, p.gradient, p.correction);
-  for (std::size_t i = 0; i < n; ++i) {
-    const Mat<D>& gradient = p.gradient[i];
+  for (std::size_t i = 0; i < p.free(); ++i) {
     const Vec<D> moved = dt * p.velocity[i];
     p.position[i] += moved;
     p.displacement[i] += moved;
     // Of du/dx at a place that moves along: d(1 - F^-1)/dt = F^-1 L.
-    p.deformation[i] += dt * (gradient - p.deformation[i] * gradient);
+    p.deformation[i] += dt * (p.gradient[i] - p.deformation[i] * p.gradient[i]);
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    const Mat<D> gradient = p.gradient[i];
+    if (i >= p.free() && gradient.squaredNorm() == 0.0) continue;
     // Mass kept: n_s = m / (rho_s V), Eq. (50) by its rate. Bounded: a crack that opens is not porosity.
     const double reference = p.mass[i] / setup.density[p.material[i]];
     p.volume[i] = std::clamp(p.volume[i] * (1.0 + dt * gradient.trace()), 0.5 * reference, 2.0 * reference);
     Tensor& stress = p.stress[i];
     stress += dt * spin_rate<D>(stress, gradient);
     const double plastic = setup.models[p.material[i]]->advance(
-        stress, dt * strain_rate<D>(gradient), {state.external.saturation[i], 1.0 / solid_fraction(setup, p, i) - 1.0});
+        stress, dt * strain_rate<D>(gradient), {state.external.saturation[i], setup.grain_density[p.material[i]] * p.volume[i] / p.mass[i] - 1.0});
     if (plastic > 0.0) {
       p.plastic_strain[i] += plastic;
       state.yielded[i] = 1;
