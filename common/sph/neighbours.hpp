@@ -86,6 +86,23 @@ class CellGrid {
     });
   }
 
+  /// Appends every point j >= first with |x - x_j| < radius. Free of branches that depend on the distance: they would
+  /// be guessed wrong too often.
+  void append_within(const Vec<D>& x, double radius, Index first, std::vector<Index>& found) const {
+    const double limit = radius * radius;
+    std::size_t count = found.size();
+    for_each_row((x.array() - radius).matrix(), (x.array() + radius).matrix(), [&](Index begin, Index end) {
+      found.resize(count + (end - begin));
+      for (Index m = begin; m < end; ++m) {
+        const Index j = order_[m];
+        found[count] = j;
+        count +=
+            static_cast<std::size_t>((sorted_[m] - x).squaredNorm() < limit) & static_cast<std::size_t>(j >= first);
+      }
+    });
+    found.resize(count);
+  }
+
   /// Point indices in cell order: a permutation under which neighbours lie close in memory.
   [[nodiscard]] std::span<const Index> order() const { return order_; }
 
