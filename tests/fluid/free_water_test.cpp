@@ -59,7 +59,7 @@ TEST(FreeWater, DamBreakKeepsItsEnergy) {
 }
 
 TEST(FreeWater, SlidingOverSoilItLosesEnergy) {
-  // A shallow layer over water-filled sand, fast and disordered: the jump of velocity at the bed is no divergence.
+  // A shallow layer over water-filled sand, fast and disordered, its particles loose: nothing throws them off the bed.
   for (const unsigned seed : {1u, 2u}) {
     Case scene;
     scene.solid.model = SolidCase::Model::rigid;
