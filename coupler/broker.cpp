@@ -91,7 +91,8 @@ struct Peer {
   std::string last = "none";
   std::string doing;  ///< of the last heartbeat
   std::uint64_t step = 0;
-  bool left = false;  ///< said BYE
+  bool left = false;     ///< said BYE
+  bool noticed = false;  ///< its silence has been told
 };
 
 }  // namespace
@@ -222,7 +223,7 @@ class Broker::Implementation {
     if (Clock::now() - beat_ >= options_.heartbeat) send_heartbeats(waiting_for);
     // This process may itself have been stopped, or have mapped, for a while: then nobody else is to blame for the
     // silence.
-    if (Clock::now() - listened_ > options_.frozen_deadline / 2)
+    if (Clock::now() - listened_ > std::min(options_.frozen_deadline, options_.frozen_notice) / 2)
       for (auto& p : peers_) p.heard = Clock::now();
     listened_ = Clock::now();
     look_for_frozen();
@@ -240,8 +241,18 @@ class Broker::Implementation {
 
   void look_for_frozen() {
     for (const Role role : both) {
-      const auto& p = peer(role);
-      if (p.line.empty() || p.left || Clock::now() - p.heard <= options_.frozen_deadline) continue;
+      auto& p = peer(role);
+      if (p.line.empty() || p.left) continue;
+      const auto silence = Clock::now() - p.heard;
+      if (silence > options_.frozen_notice && !p.noticed) {
+        p.noticed = true;
+        say(fmt::format(
+            "{} {}: no heartbeat for {:.1f} s; at step {}, last message {}, last heartbeat: {}; the run ends "
+            "after {:g} s of it",
+            p.name, hub_.cut(p.line) ? "is unreachable" : "is frozen (a stopped process?)", seconds_since(p.heard),
+            p.step, p.last, state_of(p), static_cast<double>(options_.frozen_deadline.count()) / 1000.0));
+      }
+      if (silence <= options_.frozen_deadline) continue;
       fail(p, hub_.cut(p.line)
                   ? fmt::format("is unreachable: the line is cut or its host is down, nothing came for {:.1f} s",
                                 seconds_since(p.heard))
@@ -263,7 +274,11 @@ class Broker::Implementation {
       if (known) known->left = true;
       return;
     }
-    if (known) known->heard = Clock::now();
+    if (known) {
+      if (known->noticed) say(fmt::format("{} is back after {:.1f} s", known->name, seconds_since(known->heard)));
+      known->noticed = false;
+      known->heard = Clock::now();
+    }
     Message message;
     try {
       message = decode(event.frames);

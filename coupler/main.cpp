@@ -27,13 +27,13 @@ RunSummary summarise(const Broker& broker, const ScheduleReport& report) {
   out.steps = {{"windows", number(report.windows)},
                {"rejected", number(report.rejected_by_fluid + report.rejected_by_solid)},
                {"rejected_by_fluid", number(report.rejected_by_fluid)},
-               {"rejected_by_solid", number(report.rejected_by_solid)}};
+               {"rejected_by_solid", number(report.rejected_by_solid)},
+               {"passes", number(report.passes)}};
   out.counters = {{"end_time_s", report.time},
                   {"bytes_sent", number(totals.bytes_sent)},
                   {"bytes_received", number(totals.bytes_received)},
                   {"pair_lists_rebuilt", number(report.pairs.rebuilds)},
                   {"pair_lists_reused", number(report.pairs.reuses)},
-                  {"pair_weights_unchanged", number(report.pairs.unchanged)},
                   {"points_unchanged", number(report.points_unchanged)},
                   {"fields_skipped", number(report.fields_skipped)},
                   {"checkpoints", number(report.checkpoints)}};
@@ -47,6 +47,14 @@ RunSummary summarise(const Broker& broker, const ScheduleReport& report) {
       out.counters.emplace_back(name + "delivered", account.delivered[c]);
       out.counters.emplace_back(name + "undelivered", account.undelivered[c]);
     }
+  return out;
+}
+
+std::optional<IterationSettings> iteration_of(const CouplingCase& c) {
+  if (c.scheme == CouplingCase::Scheme::serial) return std::nullopt;
+  IterationSettings out{AccelerationKind::none, c.tolerance};
+  if (c.acceleration == CouplingCase::Acceleration::aitken) out.acceleration = AccelerationKind::aitken;
+  if (c.acceleration == CouplingCase::Acceleration::quasi_newton) out.acceleration = AccelerationKind::quasi_newton;
   return out;
 }
 
@@ -84,7 +92,7 @@ void execute(const Arguments& arguments, Run& run) {
       WindowClock::Settings{scene.general.end_time, scene.coupling.interval, scene.output.interval,
                             scene.output.gauge_interval},
       [lines](const Progress& p) { lines->write(p, p.time >= p.end); },
-      Checkpoints{&*run.checkpoints, arguments.checkpoint_every, arguments.resume});
+      Checkpoints{&*run.checkpoints, arguments.checkpoint_every, arguments.resume}, iteration_of(scene.coupling));
   log_line("coupler: listening at " + run.hub->address());
   run.schedule->run();
 }

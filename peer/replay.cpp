@@ -144,6 +144,8 @@ class Replay final : public Phase {
       else
         for (const auto& field : inbox.fields)
           if (field.name == array.name) now = &field.values;
+      for (const auto& field : inbox.at_start)
+        if (field.name + std::string(start_suffix) == array.name) now = &field.values;
       if (!now || now->size() != array.values.size()) {
         found = fmt::format("'{}' had {} values then, {} now", array.name, array.values.size(), now ? now->size() : 0);
         break;

@@ -42,6 +42,11 @@ class Solid final : public Phase {
   /// At the end of a window that was computed.
   void fall_asleep_if_quiet(const Drive<D>& drive, double reference);
 
+  /// A long window of soil that does not move by itself, as one step of backward Euler to the equilibrium at its end:
+  /// m (u/Dt - v)/Dt = forces(u) + V Z (v_s' - u/Dt) for the displacement u. Rejects the window where there is none.
+  coupling::Outcome advance_at_rest(const coupling::Window& window, const VecArray<D>& gradient,
+                                    const ScalarArray& impulse, const Drive<D>& tracking);
+
   Case scene_;
   Setup<D> setup_;
   State<D> state_, saved_;

@@ -40,11 +40,16 @@ void write(wire::FieldSpec& out, const FieldSpec& spec) {
   out.set_components(static_cast<std::uint32_t>(spec.components));
   out.set_mapping(spec.mapping == Mapping::conservative ? wire::CONSERVATIVE : wire::CONSISTENT);
   out.set_mask(spec.mask);
+  out.set_in_time(spec.in_time);
 }
 
 FieldSpec read(const wire::FieldSpec& in) {
-  return {in.name(), in.unit(), static_cast<int>(in.components()),
-          in.mapping() == wire::CONSERVATIVE ? Mapping::conservative : Mapping::consistent, in.mask()};
+  return {in.name(),
+          in.unit(),
+          static_cast<int>(in.components()),
+          in.mapping() == wire::CONSERVATIVE ? Mapping::conservative : Mapping::consistent,
+          in.mask(),
+          in.in_time()};
 }
 
 void write_body(wire::Header& header, const Body& body) {

@@ -24,6 +24,8 @@ inline constexpr std::string_view smoothing_length_array = "@smoothing_length";
 inline constexpr std::string_view owner_array = "@owner";
 inline constexpr std::string_view coverage_array = "@coverage";
 inline constexpr std::string_view asymmetry_array = "@asymmetry";
+/// Behind a field's name: its values at the window's start.
+inline constexpr std::string_view start_suffix = "@start";
 
 /// Bytes with an owner that lives as long as anybody, a socket included, still reads them.
 struct Frame {

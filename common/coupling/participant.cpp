@@ -255,9 +255,11 @@ class Participant::Implementation {
       if (!(window_.interval > 0.0) || !std::isfinite(window_.interval) || !std::isfinite(window_.time))
         fail(fmt::format("a window of {} s from t = {} s makes no sense", window_.interval, window_.time));
       command.inbox = inbox_of(message);
+      n_active_before_ = n_active_;
     } else if (const auto* r = std::get_if<Restore>(&message.body)) {
       command.kind = Command::Kind::restore;
       command.reason = r->reason;
+      n_active_ = n_active_before_;
       revision_sent_.reset();  // the restored phase may use a revision number again
     } else if (const auto* c = std::get_if<CheckpointOrder>(&message.body)) {
       command.kind = Command::Kind::checkpoint;
@@ -295,6 +297,9 @@ class Participant::Implementation {
         inbox.coverage = std::move(array.values);
       else if (array.name == asymmetry_array)
         inbox.asymmetry = std::move(array.values);
+      else if (array.name.ends_with(start_suffix))
+        inbox.at_start.push_back(
+            {array.name.substr(0, array.name.size() - start_suffix.size()), array.components, std::move(array.values)});
       else
         inbox.fields.push_back({std::move(array.name), array.components, std::move(array.values)});
     }
@@ -304,6 +309,10 @@ class Participant::Implementation {
       if (inbox.at(spec.name).components != spec.components)
         fail(fmt::format("field '{}': expected {} components, got {}", spec.name, spec.components,
                          inbox.at(spec.name).components));
+    for (const auto& start : inbox.at_start)
+      if (inbox.at(start.name).components != start.components)
+        fail(fmt::format("field '{}': expected {} components at the window's start, got {}", start.name,
+                         inbox.at(start.name).components, start.components));
     return inbox;
   }
 
@@ -371,7 +380,7 @@ class Participant::Implementation {
   std::uint64_t step_ = 0;
   std::uint32_t iteration_ = 0;
   Window window_;
-  std::size_t n_active_ = 0;
+  std::size_t n_active_ = 0, n_active_before_ = 0;  ///< points that receive: now, and when the window began
   std::optional<std::uint64_t> revision_sent_;
   Clock::time_point heard_ = Clock::now();
   std::string last_ = "none", waiting_for_;

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <thread>
 
@@ -40,6 +41,8 @@ struct CoupledRun {
   double checkpoint_every = no_limit;  ///< s
   bool resume = false, only_coupler_keeps = false;
   std::uint64_t stop_after = 0;  ///< windows, as if a person had pressed Ctrl-C; 0: never
+  std::optional<IterationSettings> iteration;
+  std::function<std::string(const std::string&)> route;  ///< the address at which participants find the coupler's
   // To be looked at.
   Fate fluid, solid, coupler;
   MemoryRecorder fluid_record, solid_record;
@@ -65,7 +68,7 @@ struct CoupledRun {
       hub = in_process_.hub();
     else
       hub = bind_socket(line == Line::ipc ? "ipc://" + socket_path() : "tcp://127.0.0.1:*");
-    address_ = hub->address();
+    address_ = route ? route(hub->address()) : hub->address();
     std::thread fluid_thread([&] { drive(fluid_phase, Role::fluid, fluid_record, fluid, fluid_participant_); });
     std::thread solid_thread([&] { drive(solid_phase, Role::solid, solid_record, solid, solid_participant_); });
     guard(coupler, [&] {
@@ -77,7 +80,7 @@ struct CoupledRun {
       const CheckpointStore store(checkpoints, "coupler", {});
       Broker b(*hub, options);
       Schedule schedule(b, dimension, settings, [&](const Progress& progress) { step = progress.step; },
-                        {checkpoints.empty() ? nullptr : &store, checkpoint_every, resume});
+                        {checkpoints.empty() ? nullptr : &store, checkpoint_every, resume}, iteration);
       try {
         schedule.run();
       } catch (...) {

@@ -163,7 +163,7 @@ class Participant:
         hello.role, hello.dimension, hello.case_digest = self.role, phase.dimension, digest
         for specs, out in ((phase.gives(), hello.gives), (phase.takes(), hello.takes)):
             for spec in specs:
-                out.add(name=spec.name, unit=spec.unit, components=spec.components, mask=spec.mask,
+                out.add(name=spec.name, unit=spec.unit, components=spec.components, mask=spec.mask, in_time=spec.in_time,
                         mapping=pb.CONSERVATIVE if spec.conservative else pb.CONSISTENT)
         hello.software, hello.process, hello.host = "poretwin for Python", os.getpid(), socket.gethostname()
         hello.keeps_checkpoints = True
