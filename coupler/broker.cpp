@@ -171,7 +171,17 @@ class Broker::Implementation {
   void say_goodbye() {
     finishing_ = true;
     // No deadline of its own: a participant may write for long, and one that froze or died is found by listen().
-    while (!(peer(Role::fluid).left && peer(Role::solid).left)) listen("the last output");
+    const auto start = Clock::now();
+    auto said = start;
+    while (!(peer(Role::fluid).left && peer(Role::solid).left)) {
+      listen("the last output");
+      if (Clock::now() - said < options_.say_every) continue;
+      said = Clock::now();
+      for (const auto& p : peers_)
+        if (!p.left)
+          say(fmt::format("waiting for the last output of {} ({:.0f} s): {}", p.name, seconds_since(start),
+                          state_of(p)));
+    }
   }
 
   const Contract& contract(Role role) const { return peers_[index(role)].contract; }

@@ -1,7 +1,7 @@
 // A solver process around a mock: "mock-process fluid|solid ARGUMENTS OF phase_main", or under the name poretwin-fluid
 // or poretwin-solid just the arguments. Every step takes some milliseconds, so that a test can kill, stop or interrupt
 // it in the middle of a run. PORETWIN_MOCK_NAN_AT=STEP publishes NaN; PORETWIN_MOCK_DIMENSION=D speaks of another
-// dimension.
+// dimension. The solid's velocity grows with time.
 #include "common/coupling/mock.hpp"
 #include "common/coupling/phase_main.hpp"
 
@@ -39,6 +39,12 @@ int main(int argc, char** argv) {
     knobs.digest = "";  // phase_main puts in the case's
     return std::make_unique<MockPhase>(
         role, dimension,
-        [=](double t) { return formula_publication(role, t, lattice_points(dimension, zero, one, 0.1)); }, knobs);
+        [=](double t) {
+          Publication out = formula_publication(role, t, lattice_points(dimension, zero, one, 0.1));
+          for (auto& field : out.fields)
+            if (field.name == field::solid_velocity) field.values.assign(field.values.size(), 1.0 + t);
+          return out;
+        },
+        knobs);
   });
 }
