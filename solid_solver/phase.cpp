@@ -41,9 +41,9 @@ ScalarArray coverage_of(const Inbox& inbox, std::size_t n) {
 /// Exchange while the soil moves, in substeps.
 constexpr double substeps_while_moving = 30.0;
 
-/// Long windows of coupled soil: the largest departure from rest, over gravity, that is let be, and that ends the search
-/// for equilibrium; how long the search may be (RestSearch). A seepage front through an embankment, against a third of
-/// these: stress within 0.2 %, settlement within 0.1 %.
+/// Long windows of coupled soil: the largest departure from rest, over gravity, that is let be, and that ends the
+/// search for equilibrium; how long the search may be (RestSearch). A seepage front through an embankment, against a
+/// third of these: stress within 0.2 %, settlement within 0.1 %.
 constexpr double woken_by = 5e-3, equilibrium = 3e-3, most_ways = 20.0;
 
 /// Loads begin within rounding of their time.
@@ -347,8 +347,7 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const VecArray<D>& gradi
   }
   for (std::size_t i = 0; i < n; ++i) {
     p.velocity[i] = state_.mean_velocity[i] = (p.displacement[i] - start[i]) / interval;
-    if (!asleep)
-      state_.returned_impulse[i] = interval * tracking.tracking[i] * (tracking.target[i] - p.velocity[i]);
+    if (!asleep) state_.returned_impulse[i] = interval * tracking.tracking[i] * (tracking.target[i] - p.velocity[i]);
   }
   state_.external.pressure_gradient = gradient;
   state_.time = end;

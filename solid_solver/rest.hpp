@@ -18,7 +18,7 @@ struct RestReport {
 /// When rest is found and when the search is given up.
 struct RestSearch {
   double criterion = 1e-3;  ///< of the reference acceleration, for the largest acceleration
-  double ways = 50.0;       ///< most steps, in units of a wave's way through the soil; four times as many once it yields
+  double ways = 50.0;  ///< most steps, in units of a wave's way through the soil; four times as many once it yields
 };
 
 /// Rate that damps the present motion critically, 2 omega [1/s], with Rayleigh's quotient omega^2 = -v . dF/dt / v . m
@@ -35,10 +35,10 @@ double critical_rate(const State<D>& state, const VecArray<D>& before, const Vec
 }
 
 /// Dynamic relaxation from the present state under the forces that external(drive, rebuilt) fills after every step. The
-/// damping is critical for the lowest frequency that the motion shows, at least for the slowest mode of a column as high
-/// as the soil; from the first yielding on it follows the softer soil, down to a fiftieth of that: soil that can stand is
-/// found in fewer steps, and soil that cannot runs away instead of creeping. Velocities serve the search and are cleared
-/// at its end. show(report) sees every hundredth step and the last.
+/// damping is critical for the lowest frequency that the motion shows, at least for the slowest mode of a column as
+/// high as the soil; from the first yielding on it follows the softer soil, down to a fiftieth of that: soil that can
+/// stand is found in fewer steps, and soil that cannot runs away instead of creeping. Velocities serve the search and
+/// are cleared at its end. show(report) sees every hundredth step and the last.
 template <int D, class ExternalForce, class Show>
 RestReport find_rest(const Setup<D>& setup, const RestSearch& search, State<D>& state, ExternalForce&& external,
                      Show&& show) {

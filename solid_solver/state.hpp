@@ -87,7 +87,7 @@ struct External {
 template <int D>
 struct Sleep {
   bool asleep = false;
-  VecArray<D> force;      ///< N on each particle, from the water
+  VecArray<D> force;  ///< N on each particle, from the water
   ScalarArray saturation;
   std::size_t loads = 0;  ///< that had begun
 };
@@ -98,8 +98,9 @@ struct Motion {
   bool moving = false;
   double calm = 0.0;      ///< s, for how long nothing has yielded while it moves
   double patience = 0.0;  ///< s of calm after which rest is sought again; doubled when none is found then
-  double relaxed = 0.0, at_rest = 0.0, steps = 0.0, begun = 0.0;  ///< counters: windows, steps of relaxation, beginnings
-  double duration = 0.0;                                          ///< s, in motion so far
+  double relaxed = 0.0, at_rest = 0.0, steps = 0.0,
+         begun = 0.0;     ///< counters: windows, steps of relaxation, beginnings
+  double duration = 0.0;  ///< s, in motion so far
   void begins(double long_window) {
     moving = true;
     calm = 0.0;
