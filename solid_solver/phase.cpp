@@ -307,7 +307,8 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   if (!scene_.coupled()) return Outcome::accept();
   double fastest = 0.0;
   for (const auto& v : p.velocity) fastest = std::max(fastest, v.norm());
-  const bool hardly_moved = near_critical_damping(setup_) * fastest < woken_by * std::max(1.0, setup_.gravity.norm());
+  const bool hardly_moved =
+      near_critical_damping(setup_) * fastest < woken_by * reference_acceleration(setup_, state_, drive);
   if (state_.motion.moving && state_.motion.calms(interval, hardly_moved))
     fmt::print(stderr, "the soil is calm again at t = {:g} s\n", state_.time);
   else if (!state_.motion.moving && state_.any_yielded && !hardly_moved)
@@ -344,7 +345,8 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const VecArray<D>& gradi
   const double residual = unrest(setup_, state_, drive, reference_acceleration(setup_, state_, drive)).largest;
   const bool asleep = residual <= woken_by && !softened(setup_, state_);
   if (!asleep) {
-    const auto report = find_rest<D>(setup_, {equilibrium, most_ways, most_ways}, state_, external, [](const RestReport&) {});
+    const auto report =
+        find_rest<D>(setup_, {equilibrium, most_ways, most_ways}, state_, external, [](const RestReport&) {});
     if (!report.reached()) {
       for (auto* s : {&state_, &saved_}) s->motion.begins(long_window(setup_));
       fmt::print(stderr, "the soil moves at t = {:g} s: no equilibrium within {} steps, {:.2g} of gravity left\n",
