@@ -8,8 +8,8 @@ namespace poretwin::fluid {
 namespace {
 
 /// Relative tolerances of the solve with a responding skeleton: of the window's pressure change, and of the change of
-/// the skeleton's velocity. Measured on consolidation: a hundred times tighter changes the errors in the fourth digit
-/// and doubles the cost.
+/// the skeleton's velocity. Measured on consolidation: a hundred times tighter changes the errors by 2e-4 of the load
+/// at most and doubles the cost.
 constexpr double response_tolerance = 1e-2, skeleton_tolerance = 1e-2;
 
 /// Conjugate gradients on the diagonal take as long for so many iterations as multigrid does for the whole solve,
