@@ -322,7 +322,7 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
                     std::any_of(state_.columns.begin(), state_.columns.end(), [](const auto& c) { return c.wet; });
   const auto motion = open ? moved() : ScalarArray(p.size(), 0.0);
   for (std::size_t a = 0; a < p.size(); ++a) {
-    double excess = s.fullness[a] - 1.0;
+    double excess = s.fullness[a] - (view.mask[a] > 0.5 ? 1.0 : close_packing<D>());
     // Near a surface the sum is short by nature, not by error.
     if (excess < 0.0 && !s.covered[a]) excess *= std::clamp(1.0 - 5.0 * s.length[a] * s.normal[a].norm(), 0.0, 1.0);
     if (p.surface[a] != Surface::interior || s.ghost_distance[a] > 0.0) excess = std::max(0.0, excess);
