@@ -6,7 +6,6 @@
 #include "common/sph/images.hpp"
 #include "common/sph/kernel.hpp"
 
-#include <numbers>
 #include <span>
 
 namespace poretwin::fluid {
@@ -40,31 +39,6 @@ double lattice_sum(Part part) {
 template <int D>
 double lattice_fullness() {
   static const double value = lattice_sum<D>([](double r) { return Kernel<D>::value(r, smoothing_ratio); });
-  return value;
-}
-
-/// The same sum in a close packing (hexagonal; face-centred cubic), of that on the square lattice: 0.9984 in 2D, 0.9973
-/// in 3D. Water that has moved about settles in one.
-template <int D>
-double close_packing() {
-  static const double value = [] {
-    Mat<D> cell = Mat<D>::Zero();  // its edges, of unit volume
-    if constexpr (D == 2) {
-      const double edge = std::sqrt(2.0 / std::numbers::sqrt3);
-      cell << edge, 0.5 * edge, 0.0, 0.5 * std::numbers::sqrt3 * edge;
-    } else {
-      cell = std::cbrt(0.5) * (Mat<D>::Ones() - Mat<D>::Identity());
-    }
-    double sum = 0.0;
-    const int reach = 6;
-    for (int i = -reach; i <= reach; ++i)
-      for (int j = -reach; j <= reach; ++j)
-        for (int k = (D == 3 ? -reach : 0); k <= (D == 3 ? reach : 0); ++k) {
-          const Eigen::Vector3d steps(i, j, k);
-          sum += Kernel<D>::value((cell * steps.template head<D>()).norm(), smoothing_ratio);
-        }
-    return sum / lattice_fullness<D>();
-  }();
   return value;
 }
 

@@ -47,15 +47,19 @@ double row_thickness(const Stencil<D>& s, std::size_t a, std::span<const Surface
     sum += s.value[k];
     centre += s.value[k] * (d - out * n);
   }
-  if (centre.norm() > balanced * h * sum) return 1.0;
-  return std::clamp(sum * std::pow(spacing, D) / lattice, 0.8, 1.25);
+  const double thickness = sum * std::pow(spacing, D) / lattice;
+  if (centre.norm() > balanced * h * sum || std::abs(thickness - 1.0) > 0.25) return 1.0;
+  return thickness;
 }
 
+/// rows: thickness of the row each particle lies in, in spacings, of which `share` is what it is now: slowly, for the
+/// surface particles themselves are moved as the surface does (surface_lead) while a row is stretched.
 /// Free water: the moment's smallest eigenvalue, then an umbrella of neighbours (Marrone et al. 2010).
 /// Water in soil (mask >= 0.5), a wetting front: the deficit of the divergence of position (Lee et al. 2008), where no
 /// water stands opposite: a hole under pressure taken for a surface draws a reservoir in at full head.
 template <int D>
-std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> mask) {
+std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> mask, std::span<double> rows = {},
+                                  double share = 0.0) {
   std::vector<Surface> flags(s.n_real, Surface::interior);
   const auto outward = [&](Index j) {
     const Index q = s.parent[j];
@@ -101,8 +105,11 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> mask) {
       flags[a] = Surface::surface;
     }
   }
-  for (std::size_t a = 0; a < s.n_real; ++a)
-    if (flags[a] == Surface::surface && mask[a] < 0.5) s.surface_distance[a] *= row_thickness<D>(s, a, flags, mask);
+  for (std::size_t a = 0; a < rows.size(); ++a) {
+    const bool in_row = flags[a] == Surface::surface && mask[a] < 0.5;
+    rows[a] += share * ((in_row ? row_thickness<D>(s, a, flags, mask) : 1.0) - rows[a]);
+    if (in_row) s.surface_distance[a] *= rows[a];
+  }
   for (std::size_t a = 0; a < s.n_real; ++a) {
     const double amount = s.normal[a].norm(), h = s.length[a];
     if (mask[a] >= 0.5 || flags[a] == Surface::lone || amount * h <= surface::second_row) continue;

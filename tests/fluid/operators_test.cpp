@@ -155,7 +155,8 @@ TEST(Operators, TheSurfaceLiesHalfARowsThicknessAboveIt) {
       for (int i = -30; i <= 30; ++i) x.emplace_back(i, -0.5 * more - 0.5 - j);
     const ScalarArray volume(x.size(), 1.0);
     auto s = make_stencil<2>(x, volume, {}, {});
-    const auto flags = find_surface<2>(s, ScalarArray(x.size(), 0.0));
+    ScalarArray rows(x.size(), 1.0);
+    const auto flags = find_surface<2>(s, ScalarArray(x.size(), 0.0), rows, 1.0);
     ASSERT_EQ(flags[30], Surface::surface);
     EXPECT_NEAR(s.surface_distance[30], 0.5 * more, 0.01);
     EXPECT_NEAR(s.ghost_distance[61 + 30], more + 0.5, 0.02);
