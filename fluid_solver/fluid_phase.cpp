@@ -21,6 +21,8 @@ constexpr int periodic_boundary = 31;
 constexpr double free_water_tolerance = 1e-3;
 /// A window is solved again when the drag's tangent misses the law by more than this share of inertia and drag (rms).
 constexpr double drag_tolerance = 0.02;
+/// Time in which the thickness of a surface's row is told, in times of repair: longer than any wave that is resolved.
+constexpr double row_memory = 10.0;
 constexpr int most_drag_rounds = 10;
 
 /// The box around everything in the case, widened by its diagonal on all sides; without bound along periodic axes.
@@ -442,7 +444,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   drift(dt);
   auto s = stencil();
   ++state_.counts.stencils;
-  p.surface = find_surface<D>(s, view.mask);
+  p.surface = find_surface<D>(s, view.mask, p.row, std::min(1.0, dt / (row_memory * free_repair_time(dx_))));
   if (scene_.coupled()) take_back(s, view, dt);
 
   auto in = problem(dt);

@@ -85,6 +85,24 @@ TEST(FreeWater, SlidingOverSoilItLosesEnergy) {
   }
 }
 
+// Half a spacing outside the foremost particle the wedge would end 0.9 spacings early.
+TEST(FreeWater, AWedgeReachesAsFarAsItsTip) {
+  Case scene = tank(0.02, 2.0);
+  Gauge gauge;
+  gauge.name = "extent";
+  gauge.phase = "fluid";
+  gauge.kind = "extent";
+  gauge.points = {Point3(0.0, 0.0, 0.0), Point3(2.0, 0.0, 0.0)};
+  scene.gauges = {gauge};
+  Shape wedge;
+  wedge.kind = Shape::Kind::polygon;
+  wedge.points = {Point3(0.0, 0.0, 0.0), Point3(1.0, 0.0, 0.0), Point3(0.0, 0.6, 0.0)};
+  scene.fluid.regions = {wedge};
+  EXPECT_NEAR(reading(Fluid<2>(scene), "extent"), 1.0, 0.006);
+  scene.fluid.regions = {box(0.0, 0.0, 1.0, 0.6)};
+  EXPECT_NEAR(reading(Fluid<2>(scene), "extent"), 1.0, 0.004);
+}
+
 TEST(FreeWater, ThreeDimensionsDarcyBetweenPlanes) {
   Case scene;
   scene.general.dimension = 3;
