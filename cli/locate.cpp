@@ -51,8 +51,6 @@ CasePlace find_case(const std::string& name) {
 
 fs::path program_folder() { return fs::read_symlink("/proc/self/exe").parent_path(); }
 
-fs::path script(const std::string& name) { return fs::path(PORETWIN_SOURCE_DIR) / "cli" / name; }
-
 void prepare_run_folder(const fs::path& out) {
   std::error_code error;
   if (fs::exists(out) && !fs::is_directory(out))

@@ -24,9 +24,6 @@ std::vector<std::string> case_names(const std::string& with_file);
 /// Folder of the running executable.
 std::filesystem::path program_folder();
 
-/// The script cli/NAME.
-std::filesystem::path script(const std::string& name);
-
 /// Makes the folder of a run ready: new, or an older run's, whose results are removed. Anything else is refused with
 /// FileError.
 void prepare_run_folder(const std::filesystem::path& out);

@@ -3,9 +3,9 @@
 #include "cli/locate.hpp"
 #include "cli/metrics.hpp"
 #include "cli/peer.hpp"
-#include "cli/plot.hpp"
 #include "cli/run.hpp"
 #include "cli/safety.hpp"
+#include "cli/script.hpp"
 #include "cli/verify.hpp"
 #include "common/case/case.hpp"
 #include "common/core/error.hpp"
@@ -81,7 +81,7 @@ int check(const Arguments& a) {
 }
 
 /// Declares all commands; the chosen one is left in `action`.
-void declare(CLI::App& app, Arguments& a, VerifyOptions& v, std::vector<std::string>& plot,
+void declare(CLI::App& app, Arguments& a, VerifyOptions& v, std::vector<std::string>& script_arguments,
              std::function<int()>& action) {
   app.require_subcommand(1);
   app.set_version_flag("--version", "poretwin " + version() + ", " + build());
@@ -128,6 +128,7 @@ void declare(CLI::App& app, Arguments& a, VerifyOptions& v, std::vector<std::str
   verify_command->add_option("CASE", v.which, "case name, path, or 'all'")->required();
   with_programs(verify_command);
   verify_command->add_option("--json", v.json, "write the results as JSON too");
+  verify_command->add_option("--report", v.report, "folder for one page with the errors, run times and pictures");
   verify_command->add_option("--out", v.out, "folder of the runs")->capture_default_str();
   verify_command->add_option("--run", v.run, "only this run of the case");
   verify_command->add_option("--set", v.overrides, "override a key of every run: section.key=value")
@@ -145,8 +146,21 @@ void declare(CLI::App& app, Arguments& a, VerifyOptions& v, std::vector<std::str
   plot_command->prefix_command();
   plot_command->footer("poretwin plot RUN [--field F] [--time T] [--phase fluid|solid] [--gauge G...] [--out DIR]");
   plot_command->callback([&, plot_command] {
-    plot = plot_command->remaining();
-    action = [&] { return draw_pictures(plot, {}); };
+    script_arguments = plot_command->remaining();
+    action = [&] { return draw_pictures(script_arguments, {}); };
+  });
+
+  auto* bench_command =
+      app.add_subcommand("bench", "Error against run time, by scheme and resolution: tables, pictures");
+  bench_command->prefix_command();
+  bench_command->footer(
+      "poretwin bench [CASE...] [--schemes S...] [--spacings X...] [--repeats N] [--longest S] [--out DIR]");
+  bench_command->callback([&, bench_command] {
+    script_arguments = bench_command->remaining();
+    action = [&] {
+      script_arguments.insert(script_arguments.end(), {"--program", program_folder() / "poretwin"});
+      return run_script("bench/study.py", script_arguments);
+    };
   });
 
   declare_peer(app, action);
@@ -181,9 +195,9 @@ int command(int argc, char** argv) {
                "poretwin");
   Arguments arguments;
   VerifyOptions verify_options;
-  std::vector<std::string> plot;
+  std::vector<std::string> script_arguments;
   std::function<int()> action;
-  declare(app, arguments, verify_options, plot, action);
+  declare(app, arguments, verify_options, script_arguments, action);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

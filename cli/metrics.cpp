@@ -28,6 +28,8 @@ void declare(Keys& keys, VerifyRun& r) {
   keys.texts("set", r.set, {"", "Overrides, as for `--set`."});
   keys.texts("short", r.short_set, {"", "Further overrides with `--short`."});
   keys.text("when", r.when, {"", "`always`, or `full`: left out with `--short`."});
+  keys.texts("figures", r.figures,
+             {"", "Fields that a report shows, FIELD or FIELD@TIME in s; absent: the main ones at the end."});
 }
 
 void declare(Keys& keys, Metric& m) {

@@ -24,7 +24,7 @@ struct Metric {
 /// [[run]] of verify.toml.
 struct VerifyRun {
   std::string name, case_file = "case.toml", when = "always", command = "run";
-  std::vector<std::string> set, short_set;
+  std::vector<std::string> set, short_set, figures;
 };
 
 struct VerifyFile {

@@ -1,7 +1,7 @@
 #include "cli/run.hpp"
 
 #include "cli/locate.hpp"
-#include "cli/plot.hpp"
+#include "cli/script.hpp"
 #include "cli/progress.hpp"
 #include "common/case/case.hpp"
 #include "common/core/error.hpp"

@@ -1,6 +1,6 @@
 #include "cli/safety.hpp"
 
-#include "cli/plot.hpp"
+#include "cli/script.hpp"
 #include "common/case/case.hpp"
 #include "common/core/error.hpp"
 

@@ -4,6 +4,7 @@
 #include "cli/metrics.hpp"
 #include "cli/run.hpp"
 #include "cli/safety.hpp"
+#include "cli/script.hpp"
 #include "common/core/error.hpp"
 
 #include <fmt/format.h>
@@ -31,14 +32,21 @@ struct CaseVerdict {
 class CaseCheck {
  public:
   CaseCheck(const VerifyOptions& options, const CasePlace& place) : options_(options), place_(place) {
-    json_ = {{"case", place.name},      {"passed", true},
-             {"wall_s", 0.0},           {"cpu_s", 0.0},
-             {"steps", Json::object()}, {"particles", Json::object()},
+    json_ = {{"case", place.name},
+             {"folder", place.folder().string()},
+             {"source", ""},
+             {"passed", true},
+             {"wall_s", 0.0},
+             {"cpu_s", 0.0},
+             {"steps", Json::object()},
+             {"particles", Json::object()},
+             {"runs", Json::array()},
              {"metrics", Json::array()}};
   }
 
   CaseVerdict verdict() {
     const VerifyFile file = read_verify(place_.folder() / "verify.toml");
+    json_["source"] = file.source;
     bool found = options_.run.empty();
     for (const auto& run : file.runs) {
       if (options_.short_runs && run.when == "full") continue;
@@ -81,7 +89,7 @@ class CaseCheck {
       passed_ = false;
       return;
     }
-    account(result);
+    account(run, options.out, result);
     const Gauges gauges = read_gauges(options.out / "gauges.csv");
     Counters counters;
     for (const auto& summary : result.summaries)
@@ -102,23 +110,30 @@ class CaseCheck {
     }
   }
 
-  void account(const RunResult& result) {
+  void account(const VerifyRun& run, const fs::path& folder, const RunResult& result) {
+    Json one = {{"name", run.name},      {"folder", folder.string()}, {"figures", run.figures},     {"windows", 0.0},
+                {"wall_s", result.wall}, {"cpu_s", result.cpu},       {"particles", Json::object()}};
     for (const auto& summary : result.summaries) {
       for (const auto& [name, value] : summary.steps) {
         auto& total = json_["steps"][fmt::format("{}.{}", summary.process, name)];
         total = (total.is_number() ? total.get<double>() : 0.0) + value;
+        if (name == "windows") one["windows"] = std::max(one["windows"].get<double>(), value);
       }
       for (const auto& [name, value] : summary.counters)
         if (name == "particles") {
           auto& most = json_["particles"][summary.process];
           most = std::max(most.is_number() ? most.get<double>() : 0.0, value);
+          one["particles"][summary.process] = value;
         }
     }
+    json_["runs"].push_back(std::move(one));
   }
 
   void add(const Metric& metric, const Verdict& v) {
     passed_ = passed_ && v.passed;
     json_["metrics"].push_back({{"name", metric.name},
+                                {"run", metric.run},
+                                {"gauge", metric.gauge},
                                 {"value", number(v.value)},
                                 {"reference", number(v.reference)},
                                 {"error", number(v.error)},
@@ -161,6 +176,12 @@ int verify(const VerifyOptions& options) {
     passed = passed && verdict.passed;
     if (!options.json.empty()) write_json(options.json, all ? results : results.front());
     if (verdict.stopped) return interrupted;
+  }
+  if (!options.report.empty()) {
+    fs::create_directories(options.report);
+    const fs::path file = options.report / "results.json";
+    write_json(file, results);
+    run_script("cli/report.py", {file.string(), options.report.string()}, options.report / "report.log");
   }
   fmt::print("{}\n", passed ? "all pass" : "NOT all pass");
   return passed ? 0 : static_cast<int>(ExitCode::verify_failed);

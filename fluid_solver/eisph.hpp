@@ -33,16 +33,8 @@ inline void relaxed_sweeps(const PairMatrix& A, std::span<const double> b, std::
 /// Sum of 2 V G over a lattice of unit spacing: the Laplacian's diagonal there, in units of 1/spacing^2.
 template <int D>
 double lattice_diagonal() {
-  static const double value = [] {
-    double sum = 0.0;
-    const int reach = 3;
-    for (int i = -reach; i <= reach; ++i)
-      for (int j = -reach; j <= reach; ++j)
-        for (int k = (D == 3 ? -reach : 0); k <= (D == 3 ? reach : 0); ++k)
-          if (i != 0 || j != 0 || k != 0)
-            sum -= 2.0 * Kernel<D>::derivative_over_r(std::sqrt(1.0 * (i * i + j * j + k * k)), smoothing_ratio);
-    return sum;
-  }();
+  static const double value =
+      lattice_sum<D>([](double r) { return r > 0.0 ? -2.0 * Kernel<D>::derivative_over_r(r, smoothing_ratio) : 0.0; });
   return value;
 }
 

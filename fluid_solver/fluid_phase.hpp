@@ -55,6 +55,7 @@ class Fluid final : public Phase {
   ScalarArray passed() const;
   void advance_columns(const Stencil<D>& s, const SoilView<D>& soil, double interval);
   void wet_dry_ground(FaceColumn<D>& c, double interval) const;
+  double head_pressure(const FaceColumn<D>& c) const;
   InfiltrationSpeed infiltration_speed(const FaceColumn<D>& c) const;
   void limit_surface(Stencil<D>& s) const;
   void give_birth_and_delete();

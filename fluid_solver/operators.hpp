@@ -66,13 +66,6 @@ VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Fa
   return result;
 }
 
-/// Of a pressure increment at the free surface.
-template <int D, class Face, class Mobility>
-VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Face&& face_pressure, Mobility&& mobility,
-                              const Vec<D>& blind_gradient) {
-  return pressure_gradient<D>(s, p, face_pressure, mobility, blind_gradient, [](std::size_t) { return 0.0; });
-}
-
 /// Corrected gradient of a velocity, G_ij = d v_i / d x_j, buffers left out.
 template <int D>
 MatArray<D> velocity_gradient(const Stencil<D>& s, std::span<const Vec<D>> f) {

@@ -16,18 +16,23 @@ using Kernel = sph::WendlandC2<D>;
 /// Smoothing length in units of the cube root (2D: square root) of the bulk volume.
 inline constexpr double smoothing_ratio = 1.3;
 
-/// Sum of V W over an infinite square lattice: what "full" means for a particle.
+/// Sum of a pair's part, a function of the distance (unit spacing), over an infinite square lattice, the point itself
+/// counted.
+template <int D, class Part>
+double lattice_sum(Part part) {
+  double sum = 0.0;
+  const int reach = 3;
+  for (int i = -reach; i <= reach; ++i)
+    for (int j = -reach; j <= reach; ++j)
+      for (int k = (D == 3 ? -reach : 0); k <= (D == 3 ? reach : 0); ++k)
+        sum += part(std::sqrt(1.0 * (i * i + j * j + k * k)));
+  return sum;
+}
+
+/// Sum of V W there: what "full" means for a particle.
 template <int D>
 double lattice_fullness() {
-  static const double value = [] {
-    double sum = 0.0;
-    const int reach = 3;
-    for (int i = -reach; i <= reach; ++i)
-      for (int j = -reach; j <= reach; ++j)
-        for (int k = (D == 3 ? -reach : 0); k <= (D == 3 ? reach : 0); ++k)
-          sum += Kernel<D>::value(std::sqrt(1.0 * (i * i + j * j + k * k)), smoothing_ratio);
-    return sum;
-  }();
+  static const double value = lattice_sum<D>([](double r) { return Kernel<D>::value(r, smoothing_ratio); });
   return value;
 }
 

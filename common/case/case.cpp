@@ -130,9 +130,6 @@ void declare(Keys& keys, Soil& s) {
   keys.number("saturated_cohesion", s.saturated_cohesion,
               {"Pa", "Cohesion when saturated, linear in the saturation between, Eq. (36); absent: as `cohesion`."},
               not_negative());
-}
-
-void declare_start(Keys& keys, Soil& s) {
   keys.number("earth_pressure_at_rest", s.earth_pressure_at_rest,
               {"",
                "K0: horizontal over vertical effective stress before the search for rest, from the weight above; "
@@ -324,10 +321,7 @@ void declare_shared(Keys& keys, Case& c) {
   keys.tables("soil",
               "A region of soil and its material. With solid.model = \"rigid\" only shape, porosity and the law of "
               "seepage matter.",
-              c.soils, [](Keys& inner, Soil& soil) {
-                declare(inner, soil);
-                declare_start(inner, soil);
-              });
+              c.soils, [](Keys& inner, Soil& soil) { declare(inner, soil); });
   keys.tables("wall", "A wall and its meaning for either phase.", c.walls,
               [](Keys& inner, Wall& wall) { declare(inner, wall); });
   keys.tables("water_face",

@@ -1,9 +1,9 @@
 #include "common/case/document.hpp"
 
+#include "common/case/toml.hpp"
 #include "common/core/error.hpp"
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
 #include <cctype>

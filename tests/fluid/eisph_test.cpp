@@ -23,27 +23,6 @@ Case tank(double dx) {
   return scene;
 }
 
-Case ponded_column(double dx) {
-  Case scene;
-  scene.solid.model = SolidCase::Model::rigid;
-  scene.fluid.particle_spacing = dx;
-  scene.fluid.scheme = Scheme::eisph;
-  Soil soil;
-  soil.porosity = 0.4;
-  soil.hydraulic_conductivity = 1.1e-4;
-  soil.shape = box(0.0, 0.0, 0.1, 0.4);
-  scene.soils = {soil};
-  scene.walls = {wall(line(0.0, 0.5, 0.0, 0.0)), wall(line(0.0, 0.0, 0.1, 0.0)), wall(line(0.1, 0.0, 0.1, 0.5))};
-  scene.water_faces = {head_face(line(0.1, 0.4, 0.0, 0.4), 0.5)};
-  Gauge front;
-  front.name = "front";
-  front.phase = "fluid";
-  front.kind = "front";
-  front.points = {Point3(0.05, 0.4, 0.0), Point3(0.05, 0.0, 0.0)};
-  scene.gauges = {front};
-  return scene;
-}
-
 /// Water on the move in soil, periodic, nothing but the drag acts.
 Case drifting_water(double conductivity) {
   Case scene;
@@ -128,7 +107,9 @@ TEST(Eisph, DisorderedTankStaysQuiet) {
 }
 
 TEST(Eisph, PondedWaterInfiltratesDryGround) {
-  Fluid<2> fluid(ponded_column(0.02));
+  Case scene = ponded_column(0.02);
+  scene.fluid.scheme = Scheme::eisph;
+  Fluid<2> fluid(scene);
   fluid.initialise({});
   double time = 0.0;
   for (const double z : {0.1, 0.2, 0.3}) {

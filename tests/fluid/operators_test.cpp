@@ -59,11 +59,13 @@ void expect_linear_exactness() {
     v.push_back(shear * point);
   }
   const auto g = pressure_gradient<D>(
-      s, p, [](Index) { return 0.0; }, [](std::size_t, std::size_t) { return 1.0; }, Vec<D>::Zero());
+      s, p, [](Index) { return 0.0; }, [](std::size_t, std::size_t) { return 1.0; }, Vec<D>::Zero(),
+      [](std::size_t) { return 0.0; });
   const auto d = divergence<D>(s, v);
   std::size_t sparse = 0;
   for (std::size_t a = 0; a < x.size(); ++a) {
-    // At the block's open corners and edges (3D) neighbours are too few: there gradients are taken short, not amplified.
+    // At the block's open corners and edges (3D) neighbours are too few: there gradients are taken short, not
+    // amplified.
     if (s.least_moment[a] < 0.3) {
       ++sparse;
       continue;
@@ -137,7 +139,8 @@ TEST(Operators, DirectionsWithoutNeighboursAreBlind) {
   ScalarArray p;
   for (const auto& point : x) p.push_back(2.0 * point.x());
   const auto g = pressure_gradient<2>(
-      s, p, [](Index) { return 0.0; }, [](std::size_t, std::size_t) { return 1.0; }, fallback);
+      s, p, [](Index) { return 0.0; }, [](std::size_t, std::size_t) { return 1.0; }, fallback,
+      [](std::size_t) { return 0.0; });
   EXPECT_NEAR(g[5].x(), 2.0, 1e-10);
   EXPECT_NEAR(g[5].y(), 7.0, 1e-10);
 }

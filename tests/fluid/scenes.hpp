@@ -42,6 +42,35 @@ inline WaterFace pressure_face(Face face, double pressure) {
   return w;
 }
 
+inline Soil sand() {
+  Soil soil;
+  soil.porosity = 0.4;
+  soil.hydraulic_conductivity = 1.1e-4;
+  return soil;
+}
+
+/// Rigid dry ground, 0.4 m deep, under water of 0.1 m at a ghost reservoir; gauges "front" and "volume".
+inline Case ponded_column(double dx) {
+  Case scene;
+  scene.solid.model = SolidCase::Model::rigid;
+  scene.fluid.particle_spacing = dx;
+  scene.soils = {sand()};
+  scene.soils[0].shape = box(0.0, 0.0, 0.1, 0.4);
+  scene.walls = {wall(line(0.0, 0.5, 0.0, 0.0)), wall(line(0.0, 0.0, 0.1, 0.0)), wall(line(0.1, 0.0, 0.1, 0.5))};
+  scene.water_faces = {head_face(line(0.1, 0.4, 0.0, 0.4), 0.5)};
+  Gauge front;
+  front.name = "front";
+  front.phase = "fluid";
+  front.kind = "front";
+  front.points = {Point3(0.05, 0.4, 0.0), Point3(0.05, 0.0, 0.0)};
+  Gauge volume;
+  volume.name = "volume";
+  volume.phase = "fluid";
+  volume.kind = "volume";
+  scene.gauges = {front, volume};
+  return scene;
+}
+
 /// Advances with the phase's own interval up to a time, landing on it exactly; returns the number of windows.
 inline std::uint64_t run_to(Phase& phase, double& time, double end, double longest = 1e300) {
   std::uint64_t steps = 0;

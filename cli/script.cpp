@@ -1,6 +1,4 @@
-#include "cli/plot.hpp"
-
-#include "cli/locate.hpp"
+#include "cli/script.hpp"
 
 #include <fcntl.h>
 #include <sys/wait.h>
@@ -10,9 +8,9 @@
 
 namespace poretwin::cli {
 
-int draw_pictures(const std::vector<std::string>& arguments, const std::filesystem::path& log) {
+int run_script(const std::string& name, const std::vector<std::string>& arguments, const std::filesystem::path& log) {
   // The system's Python: h5py and matplotlib are its packages, another one in the PATH may lack them.
-  std::vector<std::string> texts{"/usr/bin/python3", script("plot.py").string()};
+  std::vector<std::string> texts{"/usr/bin/python3", (std::filesystem::path(PORETWIN_SOURCE_DIR) / name).string()};
   texts.insert(texts.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;
   for (auto& text : texts) pointers.push_back(text.data());

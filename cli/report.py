@@ -1,0 +1,103 @@
+#!/usr/bin/python3
+"""One page from what `poretwin verify` found: per case its own text, the errors, the runs with particles, windows and run
+time, and pictures of the fields that verify.toml names (else the main ones at the end) and of the judged gauges.
+
+Called by `poretwin verify CASE|all --report DIR`.
+"""
+import argparse
+import json
+import pathlib
+
+import matplotlib.pyplot as plt
+import numpy as np
+import plot
+
+
+def text(value):
+    return "-" if value is None else f"{value:.4g}"
+
+
+def introduction(case_folder):
+    """Title, and the README's first paragraph."""
+    readme = case_folder / "README.md"
+    if not readme.exists():
+        return case_folder.name, ""
+    title, _, rest = readme.read_text().partition("\n")
+    return title.lstrip("# "), rest.strip().split("\n\n")[0]
+
+
+def draw_fields(folder, figures, target, prefix):
+    """figures: "FIELD" or "FIELD@TIME"; none: each phase's main field. Yields paths."""
+    for phase in ("fluid", "solid"):
+        if not (folder / f"{phase}.vtkhdf").exists():
+            continue
+        frames = plot.Frames(folder / f"{phase}.vtkhdf")
+        there = frames.fields()
+        if frames.n_steps == 0:
+            continue
+        for figure in figures or [f for f in plot.MAIN_FIELDS[phase] if f in there][:1]:
+            name, _, time = figure.partition("@")
+            if name not in there and name.rpartition("_")[0] not in there:
+                continue
+            step = int(np.argmin(np.abs(frames.times - float(time)))) if time else frames.n_steps - 1
+            path = target / f"{prefix}_{phase}_{figure.replace('@', '_t')}.png"
+            plot.draw_field(frames, phase, name, step, path)
+            if path.exists():
+                yield path
+
+
+def draw_gauges(folder, names, target, prefix):
+    """One picture per gauge, or per array of gauges. Yields paths."""
+    series = plot.read_gauges(folder)
+    for title in dict.fromkeys(name.partition("[")[0] for name in names):
+        group = [name for name in series if name.partition("[")[0] == title and len(series[name]["t"]) > 1]
+        if group:
+            path = target / f"{prefix}_{title.replace('/', '_')}.png"
+            plot.draw_gauges(folder, group, title, series, path)
+            yield path
+
+
+def section(case, pictures):
+    """Markdown of one case."""
+    title, about = introduction(pathlib.Path(case["folder"]))
+    lines = [f"## {case['case']}: {title}", "", about, ""]
+    if case["source"]:
+        lines += [f"Reference: {case['source']}.", ""]
+    lines += ["| metric | value | reference | error | bound | |", "| --- | --- | --- | --- | --- | --- |"]
+    for m in case["metrics"]:
+        lines.append(f"| {m['name']} | {text(m['value'])} {m['unit']} | {text(m['reference'])} | {text(m['error'])} "
+                     f"| {m['tolerance']:g} | {'' if m['passed'] else '**missed**'} |")
+    lines += ["", "| run | particles | windows | wall s | CPU s |", "| --- | --- | --- | --- | --- |"]
+    for run in case["runs"]:
+        counts = ", ".join(f"{n:.0f} {phase}" for phase, n in run["particles"].items())
+        lines.append(f"| {run['name']} | {counts} | {run['windows']:.0f} | {run['wall_s']:.1f} | {run['cpu_s']:.1f} |")
+        folder, prefix = pathlib.Path(run["folder"]), f"{case['case']}_{run['name']}".replace(" ", "_")
+        judged = [m["gauge"] for m in case["metrics"] if m["run"] == run["name"] and m["gauge"]]
+        pictures[run["name"]] = [*draw_fields(folder, run["figures"], pictures["folder"], prefix),
+                                 *draw_gauges(folder, judged, pictures["folder"], prefix)]
+    for run in case["runs"]:
+        if pictures[run["name"]]:
+            lines += ["", f"Run `{run['name']}`:", ""]
+            lines += [f"![{path.stem}](pictures/{path.name})" for path in pictures[run["name"]]]
+    return lines
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("results", type=pathlib.Path, help="JSON of `poretwin verify`")
+    parser.add_argument("out", type=pathlib.Path, help="folder of the page")
+    a = parser.parse_args()
+    (a.out / "pictures").mkdir(parents=True, exist_ok=True)
+    plt.rcParams.update(plot.STYLE | {"savefig.dpi": 100})
+    cases = json.loads(a.results.read_text())
+    passed = sum(case["passed"] for case in cases)
+    lines = ["# Validation", "", f"Made by `poretwin verify --report` from the runs themselves: {passed} of {len(cases)} "
+             "cases within all their bounds.", ""]
+    for case in cases:
+        lines += section(case, {"folder": a.out / "pictures"}) + [""]
+    (a.out / "validation.md").write_text("\n".join(lines))
+    print(a.out / "validation.md")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,20 @@
+// The commands that are Python scripts: `poretwin plot`, `poretwin bench`.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace poretwin::cli {
+
+/// Runs a script of the source tree ("cli/plot.py") with the arguments; its output goes to `log` (empty: to the
+/// terminal). Returns its exit code.
+int run_script(const std::string& name, const std::vector<std::string>& arguments,
+               const std::filesystem::path& log = {});
+
+/// Pictures of fields and gauges of a run.
+inline int draw_pictures(const std::vector<std::string>& arguments, const std::filesystem::path& log) {
+  return run_script("cli/plot.py", arguments, log);
+}
+
+}  // namespace poretwin::cli
