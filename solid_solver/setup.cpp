@@ -85,6 +85,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
                         scene.solid.model != SolidCase::Model::elastic;
     setup.loose_friction.push_back(
         grains ? static_cast<float>(std::tan(soil.friction_angle * std::numbers::pi / 180.0)) : 0.0F);
+    setup.softened_by_water.push_back(soil.saturated_cohesion ? 1 : 0);
     const auto lattice = fill<D>(soil.shape, setup.spacing, scene.solid.offset, scene.solid.jitter,
                                  scene.solid.seed + static_cast<unsigned>(s));
     const double density = (1.0 - soil.porosity) * soil.grain_density;

@@ -1,10 +1,12 @@
 // Everything of the soil skeleton that changes in time, as plain arrays: copied whole to save and restore.
 #pragma once
 
+#include "common/core/archive.hpp"
 #include "common/core/vector.hpp"
 #include "solid_solver/pairs.hpp"
 #include "solid_solver/stress.hpp"
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -88,16 +90,40 @@ struct External {
 template <int D>
 struct Sleep {
   bool asleep = false;
-  VecArray<D> force;      ///< N on each particle, from the water
-  ScalarArray coverage;   ///< 0..1
+  VecArray<D> force;  ///< N on each particle, from the water
+  ScalarArray saturation;
   std::size_t loads = 0;  ///< that had begun
+};
+
+/// Whether a coupled soil moves: then every elastic wave is followed, undamped; otherwise long windows are taken as
+/// equilibria.
+struct Motion {
+  bool moving = false;
+  double calm = 0.0;      ///< s, for how long nothing has yielded while it moves
+  double patience = 0.0;  ///< s of calm after which rest is sought again; doubled when none is found then
+  double relaxed = 0.0, at_rest = 0.0, steps = 0.0,
+         begun = 0.0;     ///< counters: windows, steps of relaxation, beginnings
+  double duration = 0.0;  ///< s, in motion so far
+  void begins(double long_window) {
+    moving = true;
+    calm = 0.0;
+    patience = std::clamp(2.0 * patience, 5.0 * long_window, 100.0 * long_window);
+    begun += 1.0;
+  }
+  /// After a window in motion: whether it is over.
+  bool calms(double interval, bool yielded) {
+    duration += interval;
+    calm = yielded ? 0.0 : calm + interval;
+    moving = calm < patience;
+    return !moving;
+  }
 };
 
 /// Memory that the loops reuse from step to step; it holds nothing between them, so that a copy starts empty.
 template <int D>
 struct Scratch {
-  MatArray<D> raw, moment;        ///< velocity_gradient
-  std::vector<char> flows;        ///< keep_flow_regular, as all below
+  MatArray<D> raw, moment;  ///< velocity_gradient
+  std::vector<char> flows;  ///< keep_flow_regular, as all below
   std::vector<Eigen::Matrix<double, D == 2 ? 4 : 6, 1>> noise;
   std::vector<Eigen::Matrix<double, D == 2 ? 4 : 6, D>> slope;
   ScalarArray cover, swelling;
@@ -108,6 +134,7 @@ struct Scratch {
   Scratch& operator=(const Scratch&) { return *this; }
   Scratch& operator=(Scratch&&) = default;
   ~Scratch() = default;
+  void archive(Archive&) {}
 };
 
 template <int D>
@@ -128,6 +155,7 @@ struct State {
   std::vector<char> yielded;      ///< during the last window
   bool any_yielded = false;
   Sleep<D> sleep;
+  Motion motion;
   bool still_yields = false;  ///< something yielded since the soil was last quiet: its motion must not be damped
   double since_upkeep = 0.0;  ///< s, since the flowing soil was last kept regular
   Scratch<D> scratch;

@@ -14,7 +14,7 @@ namespace poretwin::sph {
 template <int D>
 class CellGrid {
  public:
-  /// cell_size [m] must be >= the largest search radius. Points need not be inside any box.
+  /// cell_size [m]: about the search radius, or half of it. Points need not be inside any box.
   void build(std::span<const Vec<D>> points, double cell_size) {
     lower_ = Vec<D>::Zero();
     std::array<double, D> extent{};
@@ -55,39 +55,51 @@ class CellGrid {
     for (std::size_t m = 0; m < points.size(); ++m) sorted_[m] = points[order_[m]];
   }
 
-  /// Calls f(j, squared distance) for every point j with |x - x_j| < radius; radius <= cell_size of build().
+  /// Calls f(j, squared distance) for every point j with |x - x_j| < radius; fastest for radius <= 2 cell_size.
   template <class F>
   void for_each_within(const Vec<D>& x, double radius, F&& f) const {
-    std::array<int, D> lo{}, hi{};
-    if (!cells_around(x, radius, lo, hi)) return;
     const double limit = radius * radius;
-    std::array<int, D> c = lo;
-    do {
-      const auto [begin, end] = row(lo, hi, c);
-      for (Index m = begin; m < end; ++m) {
-        const double r2 = (sorted_[m] - x).squaredNorm();
-        if (r2 < limit) f(order_[m], r2);
+    // Few points of a row are near: the distances first, without branches.
+    constexpr Index batch = 64;
+    std::array<Index, batch> near;
+    std::array<double, batch> distance;
+    for_each_row((x.array() - radius).matrix(), (x.array() + radius).matrix(), [&](Index begin, Index end) {
+      for (Index from = begin; from < end; from += batch) {
+        const Index to = std::min(end, from + batch);
+        std::size_t n = 0;
+        for (Index m = from; m < to; ++m) {
+          const double r2 = (sorted_[m] - x).squaredNorm();
+          near[n] = m;
+          distance[n] = r2;
+          n += r2 < limit ? 1 : 0;
+        }
+        for (std::size_t i = 0; i < n; ++i) f(order_[near[i]], distance[i]);
       }
-    } while (next_row(lo, hi, c));
+    });
   }
 
-  /// Appends every point j >= first with |x - x_j| < radius; radius <= cell_size of build(). Free of branches that
-  /// depend on the distance: they would be guessed wrong too often.
+  /// Calls f(j) for all points in the box, and some around it.
+  template <class F>
+  void for_each_near(const Vec<D>& lower, const Vec<D>& upper, F&& f) const {
+    for_each_row(lower, upper, [&](Index begin, Index end) {
+      for (Index m = begin; m < end; ++m) f(order_[m]);
+    });
+  }
+
+  /// Appends every point j >= first with |x - x_j| < radius. Free of branches that depend on the distance: they would
+  /// be guessed wrong too often.
   void append_within(const Vec<D>& x, double radius, Index first, std::vector<Index>& found) const {
-    std::array<int, D> lo{}, hi{};
-    if (!cells_around(x, radius, lo, hi)) return;
     const double limit = radius * radius;
     std::size_t count = found.size();
-    std::array<int, D> c = lo;
-    do {
-      const auto [begin, end] = row(lo, hi, c);
+    for_each_row((x.array() - radius).matrix(), (x.array() + radius).matrix(), [&](Index begin, Index end) {
       found.resize(count + (end - begin));
       for (Index m = begin; m < end; ++m) {
         const Index j = order_[m];
         found[count] = j;
-        count += static_cast<std::size_t>((sorted_[m] - x).squaredNorm() < limit) & static_cast<std::size_t>(j >= first);
+        count +=
+            static_cast<std::size_t>((sorted_[m] - x).squaredNorm() < limit) & static_cast<std::size_t>(j >= first);
       }
-    } while (next_row(lo, hi, c));
+    });
     found.resize(count);
   }
 
@@ -95,34 +107,34 @@ class CellGrid {
   [[nodiscard]] std::span<const Index> order() const { return order_; }
 
  private:
-  /// Range of cells within radius of x; false when there are none.
-  bool cells_around(const Vec<D>& x, double radius, std::array<int, D>& lo, std::array<int, D>& hi) const {
-    if (order_.empty()) return false;
+  /// Calls f(begin, end) of order_ for every row of cells in the box: the cells of a row lie one after the other.
+  template <class F>
+  void for_each_row(const Vec<D>& lower, const Vec<D>& upper, F&& f) const {
+    if (order_.empty()) return;
+    std::array<int, D> lo{}, hi{};
     for (std::size_t d = 0; d < D; ++d) {
-      const double s = x[static_cast<int>(d)] - lower_[static_cast<int>(d)];
-      lo[d] = static_cast<int>(std::floor(std::clamp((s - radius) / size_, -1.0, 1.0 * count_[d])));
-      hi[d] = static_cast<int>(std::floor(std::clamp((s + radius) / size_, -1.0, 1.0 * count_[d])));
+      const int k = static_cast<int>(d);
+      lo[d] = static_cast<int>(std::floor(std::clamp((lower[k] - lower_[k]) / size_, -1.0, 1.0 * count_[d])));
+      hi[d] = static_cast<int>(std::floor(std::clamp((upper[k] - lower_[k]) / size_, -1.0, 1.0 * count_[d])));
       lo[d] = std::max(lo[d], 0);
       hi[d] = std::min(hi[d], count_[d] - 1);
-      if (lo[d] > hi[d]) return false;
+      if (lo[d] > hi[d]) return;
     }
-    return true;
-  }
-  /// The points of a row of cells along the first axis: they are contiguous.
-  std::pair<Index, Index> row(const std::array<int, D>& lo, const std::array<int, D>& hi, std::array<int, D> c) const {
-    c[0] = lo[0];
-    const Index begin = first_[flat(c)];
-    c[0] = hi[0];
-    return {begin, first_[flat(c) + 1]};
-  }
-  /// Steps from one row of cells (along the first axis) to the next.
-  static bool next_row(const std::array<int, D>& lo, const std::array<int, D>& hi, std::array<int, D>& c) {
-    for (std::size_t d = 1; d < D; ++d) {
-      if (++c[d] <= hi[d]) return true;
-      c[d] = lo[d];
+    const auto row = [&](std::array<int, D> c) {
+      c[0] = lo[0];
+      const Index begin = first_[flat(c)];
+      c[0] = hi[0];
+      f(begin, first_[flat(c) + 1]);
+    };
+    std::array<int, D> c{};
+    if constexpr (D == 2) {
+      for (c[1] = lo[1]; c[1] <= hi[1]; ++c[1]) row(c);
+    } else {
+      for (c[2] = lo[2]; c[2] <= hi[2]; ++c[2])
+        for (c[1] = lo[1]; c[1] <= hi[1]; ++c[1]) row(c);
     }
-    return false;
   }
+
   std::array<int, D> cell(const Vec<D>& x) const {
     std::array<int, D> c{};
     for (std::size_t d = 0; d < D; ++d)
@@ -136,7 +148,7 @@ class CellGrid {
     return k;
   }
 
-  VecArray<D> sorted_;  // the points in cell order
+  VecArray<D> sorted_;  ///< in cell order
   Vec<D> lower_ = Vec<D>::Zero();
   double size_ = 1.0;
   std::array<int, D> count_{};
