@@ -23,6 +23,7 @@ struct Particles {
   std::vector<Tensor> stress;   ///< Pa, effective, compression negative
   ScalarArray plastic_strain;   ///< accumulated equivalent deviatoric plastic strain
   std::vector<Index> material;  ///< index of the soil
+  std::vector<float> rubbing;   ///< friction coefficient where grains are apart and only collide, 0 elsewhere
   MatArray<D> gradient;         ///< 1/s, velocity gradient d v_a / d x_b
   MatArray<D> deformation;      ///< 1, displacement gradient d u_a / d x_b
   MatArray<D> correction;       ///< kernel-gradient correction B
@@ -36,13 +37,14 @@ struct Particles {
 template <int D>
 struct alignas(64) Node {
   Vec<D> position = Vec<D>::Zero();
-  Vec<D> velocity = Vec<D>::Zero();      ///< m/s
-  double volume = 0.0;                   ///< m^D
-  double density = 0.0;                  ///< kg/m3, rho_bar
-  double control = 1.0;                  ///< weight of the viscous zero-energy-mode control, 0 where the soil flows
-  bool elastic = true;                   ///< never yielded: displacements may be held to be smooth
-  Mat<D> flux = Mat<D>::Zero();          ///< sigma B [Pa]: the stress as its neighbours feel it
-  Mat<D> gradient = Mat<D>::Zero();      ///< 1/s
+  Vec<D> velocity = Vec<D>::Zero();  ///< m/s
+  double volume = 0.0;               ///< m^D
+  double density = 0.0;              ///< kg/m3, rho_bar
+  double control = 1.0;              ///< weight of the viscous zero-energy-mode control, 0 where the soil flows
+  float rubbing = 0.0F;              ///< see Particles
+  bool elastic = true;               ///< never yielded: displacements may be held to be smooth
+  Mat<D> flux = Mat<D>::Zero();      ///< sigma B [Pa]: the stress as its neighbours feel it
+  Mat<D> gradient = Mat<D>::Zero();  ///< 1/s
   Vec<D> displacement = Vec<D>::Zero();  ///< m
   Mat<D> deformation = Mat<D>::Zero();   ///< 1
 };
