@@ -22,6 +22,7 @@ class Fluid final : public Phase {
   coupling::Outcome advance(const coupling::Window& window, const coupling::Inbox& inbox) override;
   void save() override { saved_ = state_; }
   void restore() override { state_ = saved_; }
+  void archive(Archive& archive) override { archive(state_, first_interval_); }
   [[nodiscard]] OutputFrame frame() const override;
   [[nodiscard]] std::vector<GaugeReading> gauges() const override;
   [[nodiscard]] std::map<std::string, double> counters() const override;

@@ -118,7 +118,7 @@ class WindowSolver {
   bool pinned(std::size_t a) const {
     if (flags_[a] == Surface::lone) return true;
     return flags_[a] == Surface::surface && s_.ghost_distance[a] == 0.0 &&
-           inertia_rules(in_.void_fraction[a], in_.density, q_[a].C, std::pow(s_.volume[a], 1.0 / D),
+           inertia_rules(in_.void_fraction[a], in_.density, q_[a].C, spacing_of<D>(s_.volume[a]),
                          in_.weight.norm() / in_.density);
   }
   double pinned_pressure(std::size_t a) const {
