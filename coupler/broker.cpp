@@ -83,13 +83,16 @@ struct Peer {
   std::string name;
   std::string line;  ///< empty: not there
   Contract contract;
+  bool keeps_checkpoints = false;
+  std::vector<std::string> checkpoints;
   std::deque<Message> queue;
   std::uint64_t sequence = 0, sent = 0;
   Clock::time_point heard;
   std::string last = "none";
   std::string doing;  ///< of the last heartbeat
   std::uint64_t step = 0;
-  bool left = false;  ///< said BYE
+  bool left = false;     ///< said BYE
+  bool noticed = false;  ///< its silence has been told
 };
 
 }  // namespace
@@ -172,6 +175,11 @@ class Broker::Implementation {
   }
 
   const Contract& contract(Role role) const { return peers_[index(role)].contract; }
+  bool keeps_checkpoints(Role role) const { return peers_[index(role)].keeps_checkpoints; }
+  const std::vector<std::string>& checkpoints(Role role) const { return peers_[index(role)].checkpoints; }
+  void say(const std::string& line) const {
+    if (options_.say) options_.say("coupler: " + line);
+  }
   bool interrupted() const { return peer_interrupted_ || (options_.interrupted && options_.interrupted()); }
   const BrokerTotals& totals() const { return totals_; }
   const std::string& culprit() const { return culprit_; }
@@ -179,9 +187,6 @@ class Broker::Implementation {
  private:
   static std::size_t index(Role role) { return role == Role::fluid ? 0 : 1; }
   Peer& peer(Role role) { return peers_[index(role)]; }
-  void say(const std::string& line) const {
-    if (options_.say) options_.say("coupler: " + line);
-  }
 
   std::string state_of(const Peer& p) const {
     const std::string cut = hub_.cut(p.line) ? ", and the line to it is cut or its host is down" : "";
@@ -218,7 +223,7 @@ class Broker::Implementation {
     if (Clock::now() - beat_ >= options_.heartbeat) send_heartbeats(waiting_for);
     // This process may itself have been stopped, or have mapped, for a while: then nobody else is to blame for the
     // silence.
-    if (Clock::now() - listened_ > options_.frozen_deadline / 2)
+    if (Clock::now() - listened_ > std::min(options_.frozen_deadline, options_.frozen_notice) / 2)
       for (auto& p : peers_) p.heard = Clock::now();
     listened_ = Clock::now();
     look_for_frozen();
@@ -236,8 +241,18 @@ class Broker::Implementation {
 
   void look_for_frozen() {
     for (const Role role : both) {
-      const auto& p = peer(role);
-      if (p.line.empty() || p.left || Clock::now() - p.heard <= options_.frozen_deadline) continue;
+      auto& p = peer(role);
+      if (p.line.empty() || p.left) continue;
+      const auto silence = Clock::now() - p.heard;
+      if (silence > options_.frozen_notice && !p.noticed) {
+        p.noticed = true;
+        say(fmt::format(
+            "{} {}: no heartbeat for {:.1f} s; at step {}, last message {}, last heartbeat: {}; the run ends "
+            "after {:g} s of it",
+            p.name, hub_.cut(p.line) ? "is unreachable" : "is frozen (a stopped process?)", seconds_since(p.heard),
+            p.step, p.last, state_of(p), static_cast<double>(options_.frozen_deadline.count()) / 1000.0));
+      }
+      if (silence <= options_.frozen_deadline) continue;
       fail(p, hub_.cut(p.line)
                   ? fmt::format("is unreachable: the line is cut or its host is down, nothing came for {:.1f} s",
                                 seconds_since(p.heard))
@@ -259,7 +274,11 @@ class Broker::Implementation {
       if (known) known->left = true;
       return;
     }
-    if (known) known->heard = Clock::now();
+    if (known) {
+      if (known->noticed) say(fmt::format("{} is back after {:.1f} s", known->name, seconds_since(known->heard)));
+      known->noticed = false;
+      known->heard = Clock::now();
+    }
     Message message;
     try {
       message = decode(event.frames);
@@ -333,6 +352,8 @@ class Broker::Implementation {
     auto& p = peer(hello->role == "fluid" ? Role::fluid : Role::solid);
     p.line = line;
     p.contract = hello->contract;
+    p.keeps_checkpoints = hello->keeps_checkpoints;
+    p.checkpoints = hello->checkpoints;
     p.sequence = message.sequence;
     p.heard = Clock::now();
     p.last = describe(message);
@@ -397,6 +418,9 @@ void Broker::abort(const Error& error, const std::string& culprit) {
 }
 void Broker::say_goodbye() { implementation_->say_goodbye(); }
 const Contract& Broker::contract(Role role) const { return implementation_->contract(role); }
+bool Broker::keeps_checkpoints(Role role) const { return implementation_->keeps_checkpoints(role); }
+const std::vector<std::string>& Broker::checkpoints(Role role) const { return implementation_->checkpoints(role); }
+void Broker::say(const std::string& line) const { implementation_->say(line); }
 bool Broker::interrupted() const { return implementation_->interrupted(); }
 const BrokerTotals& Broker::totals() const { return implementation_->totals(); }
 const std::string& Broker::culprit() const { return implementation_->culprit(); }

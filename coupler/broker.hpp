@@ -17,8 +17,10 @@ struct BrokerOptions {
   std::string case_part;  ///< what the digest is of, as "key = value" lines
   std::string case_text;  ///< for participants without a case file of their own
   std::vector<std::string> case_overrides;
-  Milliseconds wait_deadline{60'000};    ///< for missing participants
-  Milliseconds frozen_deadline{30'000};  ///< without a heartbeat
+  Milliseconds wait_deadline{60'000};  ///< for missing participants
+  /// Without a heartbeat: named as frozen, and given up. Between the two it may come back (a debugger, a suspended
+  /// machine), which a mere notice does not prevent.
+  Milliseconds frozen_notice{2'500}, frozen_deadline{30'000};
   Milliseconds heartbeat{1'000};
   Milliseconds say_every{5'000};
   std::function<void(const std::string&)> say;      ///< one line for the log
@@ -51,6 +53,10 @@ class Broker {
   void say_goodbye();
 
   [[nodiscard]] const Contract& contract(Role role) const;
+  /// What it said of checkpoints when it came.
+  [[nodiscard]] bool keeps_checkpoints(Role role) const;
+  [[nodiscard]] const std::vector<std::string>& checkpoints(Role role) const;
+  void say(const std::string& line) const;
   /// Has a person asked the coupler or a participant to stop?
   [[nodiscard]] bool interrupted() const;
   [[nodiscard]] const BrokerTotals& totals() const;

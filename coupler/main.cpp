@@ -1,5 +1,6 @@
 // poretwin-coupler: reads the case, binds the address, runs the schedule, writes OUT/coupler.summary.json.
 #include "common/case/case.hpp"
+#include "common/case/identity.hpp"
 #include "common/coupling/interrupt.hpp"
 #include "common/coupling/process_main.hpp"
 #include "coupler/broker.hpp"
@@ -21,19 +22,21 @@ RunSummary summarise(const Broker& broker, const ScheduleReport& report) {
   out.seconds = {{"mapping", report.mapping},
                  {"waiting_for_fluid", totals.waiting_for_fluid},
                  {"waiting_for_solid", totals.waiting_for_solid},
-                 {"sending", totals.sending}};
+                 {"sending", totals.sending},
+                 {"checkpointing", report.checkpointing}};
   out.steps = {{"windows", number(report.windows)},
                {"rejected", number(report.rejected_by_fluid + report.rejected_by_solid)},
                {"rejected_by_fluid", number(report.rejected_by_fluid)},
-               {"rejected_by_solid", number(report.rejected_by_solid)}};
+               {"rejected_by_solid", number(report.rejected_by_solid)},
+               {"passes", number(report.passes)}};
   out.counters = {{"end_time_s", report.time},
                   {"bytes_sent", number(totals.bytes_sent)},
                   {"bytes_received", number(totals.bytes_received)},
                   {"pair_lists_rebuilt", number(report.pairs.rebuilds)},
                   {"pair_lists_reused", number(report.pairs.reuses)},
-                  {"pair_weights_unchanged", number(report.pairs.unchanged)},
                   {"points_unchanged", number(report.points_unchanged)},
-                  {"fields_skipped", number(report.fields_skipped)}};
+                  {"fields_skipped", number(report.fields_skipped)},
+                  {"checkpoints", number(report.checkpoints)}};
   for (const auto& [cause, windows] : report.limited_by)
     out.counters.emplace_back("windows limited by " + cause, number(windows));
   const char axes[] = "xyz";
@@ -47,9 +50,18 @@ RunSummary summarise(const Broker& broker, const ScheduleReport& report) {
   return out;
 }
 
+std::optional<IterationSettings> iteration_of(const CouplingCase& c) {
+  if (c.scheme == CouplingCase::Scheme::serial) return std::nullopt;
+  IterationSettings out{AccelerationKind::none, c.tolerance};
+  if (c.acceleration == CouplingCase::Acceleration::aitken) out.acceleration = AccelerationKind::aitken;
+  if (c.acceleration == CouplingCase::Acceleration::quasi_newton) out.acceleration = AccelerationKind::quasi_newton;
+  return out;
+}
+
 /// Everything that outlives a failure, so that the summary can still be written.
 struct Run {
   std::unique_ptr<Hub> hub;
+  std::optional<CheckpointStore> checkpoints;
   std::optional<Broker> broker;
   std::optional<Schedule> schedule;
 };
@@ -73,11 +85,14 @@ void execute(const Arguments& arguments, Run& run) {
   options.waiting = [&run](const std::string& whom) {
     if (run.schedule) run.schedule->note_waiting(whom);
   };
+  run.checkpoints.emplace(arguments.out, "coupler", run_identity(scene), log_line);
   run.broker.emplace(*run.hub, std::move(options));
-  run.schedule.emplace(*run.broker, scene.general.dimension,
-                       WindowClock::Settings{scene.general.end_time, scene.coupling.interval, scene.output.interval,
-                                             scene.output.gauge_interval},
-                       [lines](const Progress& p) { lines->write(p, p.time >= p.end); });
+  run.schedule.emplace(
+      *run.broker, scene.general.dimension,
+      WindowClock::Settings{scene.general.end_time, scene.coupling.interval, scene.output.interval,
+                            scene.output.gauge_interval},
+      [lines](const Progress& p) { lines->write(p, p.time >= p.end); },
+      Checkpoints{&*run.checkpoints, arguments.checkpoint_every, arguments.resume}, iteration_of(scene.coupling));
   log_line("coupler: listening at " + run.hub->address());
   run.schedule->run();
 }

@@ -11,8 +11,9 @@
 // does not skew the shares.
 #pragma once
 
-#include "common/core/vector.hpp"
+#include "common/core/archive.hpp"
 #include "common/coupling/exchange.hpp"
+#include "coupler/pair_blocks.hpp"
 
 #include <cstdint>
 #include <memory>
@@ -23,9 +24,8 @@
 namespace poretwin::coupling {
 
 struct MappingCounts {
-  std::uint64_t rebuilds = 0;   ///< pair lists searched anew
-  std::uint64_t reuses = 0;     ///< pair lists kept, weights renewed
-  std::uint64_t unchanged = 0;  ///< weights kept too: nothing had moved
+  std::uint64_t rebuilds = 0;  ///< pair lists searched anew
+  std::uint64_t reuses = 0;    ///< pair lists kept
 };
 
 /// Numbers of the linear/Shepard switch, in units of h^2: eigenvalue of the neighbours' covariance below which only the
@@ -33,68 +33,55 @@ struct MappingCounts {
 /// points 0.
 inline constexpr double slope_off = 0.02, slope_full = 0.06;
 
-/// Room added to every support radius, in units of the largest one: lists hold until points have moved that far, taken
-/// together.
-inline constexpr double relative_skin = 0.15;
+/// Sums of weights up to this add nothing but noise: a target at the very rim of one support counts as uncovered.
+inline constexpr double no_weight = 1e-12;
 
 /// Balancing of conservative shares: rounds at most, relative unevenness at which they end, and the asymmetry of the
 /// givers about a receiver up to which it counts as inside (a flat edge has 0.47, disordered points inside 0.3).
 inline constexpr int balancing_rounds = 10;
 inline constexpr double balancing_tolerance = 1e-3, inside_asymmetry = 0.31;
 
-/// The pairs (target, source) and their weights, kept from window to window.
+/// Fields that share a mask: one value per giving point, or none.
+struct FieldGroup {
+  std::vector<const Field*> fields;
+  std::span<const double> mask;
+};
+
+/// The giver's fields at the receiver's active points; where nothing is near: 0.
+struct Interpolation {
+  std::vector<double> coverage;   ///< sum_j V_j W: 1 inside the giver's cloud, 0 outside
+  std::vector<double> asymmetry;  ///< |sum_j V_j W (x_j - x)| / (sum_j V_j W h_j): 0 inside, 0.47 on its flat edge
+  std::vector<Field> fields;      ///< group by group
+};
+
+/// `at_receivers`: blocks over the receivers, the givers around them.
 template <int D>
-class PairWeights {
+Interpolation consistent(const PairBlocks<D>& at_receivers, std::span<const FieldGroup> groups);
+
+/// Amounts shared out.
+struct Delivery {
+  std::vector<double> values;                         ///< [active receivers * components]
+  std::vector<double> given, delivered, undelivered;  ///< [components]; carried + given = delivered + undelivered
+};
+
+/// Shares amounts of the active givers out among the active receivers. Keeps its memory from window to window, and
+/// nothing else.
+template <int D>
+class Sharing {
  public:
-  /// Brings pairs and weights up to date: all points of `source`, active points of `target`.
-  void update(const PointSet& source, const PointSet& target);
-
-  /// sum_j V_j W at the targets: 1 inside the source's cloud, 0 outside.
-  [[nodiscard]] const std::vector<double>& coverage() const { return coverage_; }
-  /// |sum_j V_j W (x_j - x)| / (sum_j V_j W h_j) at the targets: 0 inside the source's cloud, 0.47 on its flat edge.
-  [[nodiscard]] const std::vector<double>& asymmetry() const { return asymmetry_; }
-
-  /// Interpolates fields of the source to the targets; `mask` (one value per source point) may be empty. Where nothing
-  /// is near: 0.
-  [[nodiscard]] std::vector<Field> consistent(std::span<const Field* const> fields, std::span<const double> mask) const;
-
-  /// Shares out amounts, from the TARGETS of these pairs (givers) to the active SOURCES (receivers): the transpose.
-  struct Delivery {
-    std::vector<double> values;  ///< [receivers * components]
-    std::vector<double> given, delivered,
-        undelivered;  ///< [components] sums; carried + given = delivered + undelivered
-  };
   /// `carried` [components]: left from earlier windows; it goes to the receivers in proportion to what they get now.
-  [[nodiscard]] Delivery conservative(const Field& amounts, std::span<const double> carried) const;
+  Delivery conservative(const PairBlocks<D>& at_givers, const PairBlocks<D>& at_receivers, const PointSet& givers,
+                        const PointSet& receivers, const Field& amounts, std::span<const double> carried);
 
-  [[nodiscard]] const MappingCounts& counts() const { return counts_; }
+  /// The weights of all pairs of two clouds, block by block, pairs out of reach left out.
+  struct Weights {
+    std::vector<std::size_t> first;
+    std::vector<Index> candidate;  ///< in cell order
+    std::vector<Quad> weight;
+  };
 
  private:
-  [[nodiscard]] bool lists_hold(const PointSet& source, const PointSet& target) const;
-  void search(const PointSet& source, const PointSet& target);
-  /// Present positions, volumes and lengths in cell order; false when nothing at all has changed since the last time.
-  bool gather(const PointSet& source, const PointSet& target);
-  void weigh();
-  [[nodiscard]] std::vector<double> balance(const Field& amounts) const;
-
-  MappingCounts counts_;
-  // Everything below is in cell order: neighbours in space lie close in memory.
-  std::vector<Index> source_order_, target_order_;  ///< cell order -> the caller's order
-  VecArray<D> source_, target_;                     ///< m, now
-  std::vector<double> volume_, h_;                  ///< of the sources, now
-  std::vector<double> target_volume_;
-  std::vector<Index> first_, index_;  ///< pairs by target
-  std::vector<double> weight_;        ///< V_j W(r, h_j) by pair; 0 for those in the skin only
-  // Of every target, from first_ on: the n_near_ sources with a weight, and their coefficients without a mask.
-  std::vector<Index> near_, n_near_;
-  std::vector<double> coefficient_;
-  std::vector<char> extrapolates_;            ///< [targets] some coefficient is negative
-  std::vector<double> coverage_, asymmetry_;  ///< in the caller's order
-  std::size_t receivers_ = 0;                 ///< active sources
-  std::vector<std::int64_t> owner_;           ///< of the sources in cell order: the receiver each stands for, or -1
-  // As they were when the lists were made, in the caller's order.
-  std::vector<double> source_then_, target_then_, h_then_;
-  double skin_ = 0.0;  ///< m
+  Weights by_giver_, by_receiver_;
 };
 
 /// Both directions between the fluid and the solid, dimension erased.
@@ -122,6 +109,8 @@ class SpatialMapping {
   /// Accounts are part of the state of a window: a rejected window puts them back.
   [[nodiscard]] virtual const std::vector<Account>& accounts() const = 0;
   virtual void set_accounts(std::vector<Account> accounts) = 0;
+  /// For a checkpoint: the accounts, for lists are a mere cache.
+  virtual void archive(Archive& archive) = 0;
 };
 
 std::unique_ptr<SpatialMapping> make_mapping(int dimension);

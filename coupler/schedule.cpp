@@ -1,11 +1,13 @@
 #include "coupler/schedule.hpp"
 
+#include "common/core/hash.hpp"
 #include "common/coupling/drive.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace poretwin::coupling {
 namespace {
@@ -14,19 +16,45 @@ using Clock = std::chrono::steady_clock;
 
 Role other(Role role) { return role == Role::fluid ? Role::solid : Role::fluid; }
 
+/// Of all that the rest of a run can depend on.
+std::uint64_t digest_of(const Snapshot& snapshot) {
+  Snapshot copy = snapshot;
+  PointSet points = *snapshot.points;
+  Archive archive;
+  archive(copy.time, copy.proposed_interval, copy.limited_by, points, copy.fields);
+  return fnv1a(archive.bytes());
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text.empty() ? "none" : text;
+}
+
 }  // namespace
 
 class Schedule::Implementation {
  public:
   Implementation(Broker& broker, int dimension, WindowClock::Settings settings,
-                 std::function<void(const Progress&)> progress)
-      : broker_(broker), clock_(settings), mapping_(make_mapping(dimension)), progress_(std::move(progress)) {}
+                 std::function<void(const Progress&)> progress, Checkpoints checkpoints,
+                 std::optional<IterationSettings> iteration)
+      : broker_(broker),
+        clock_(settings),
+        mapping_(make_mapping(dimension)),
+        progress_(std::move(progress)),
+        iteration_settings_(iteration),
+        checkpoints_(checkpoints),
+        checkpoint_schedule_(checkpoints) {}
 
   void run() {
     try {
       broker_.gather();
       start();
-      while (!clock_.finished() && !broker_.interrupted()) window();
+      while (!clock_.finished() && !broker_.interrupted()) {
+        window();
+        if (checkpoint_schedule_.due() && !clock_.finished()) checkpoint();
+      }
+      if (!clock_.finished() && checkpoints_.store) checkpoint();
       finish();
     } catch (const Error& error) {
       broker_.abort(error, broker_.culprit());
@@ -53,11 +81,94 @@ class Schedule::Implementation {
   void start() {
     fluid_ = receive_publication(Role::fluid, 0.0, nullptr);
     solid_ = receive_publication(Role::solid, 0.0, nullptr);
+    if (checkpoints_.store)
+      for (const Role role : {Role::fluid, Role::solid})
+        if (!broker_.keeps_checkpoints(role)) {
+          if (checkpoints_.resume)
+            throw PeerError(fmt::format("the {} keeps no checkpoints: this run cannot be resumed", to_string(role)));
+          broker_.say(fmt::format("no checkpoints in this run: the {} keeps none", to_string(role)));
+          checkpoints_.store = nullptr;
+          checkpoint_schedule_ = CheckpointSchedule(checkpoints_);
+          break;
+        }
+    if (checkpoints_.resume) {
+      resume();
+      return;
+    }
+    if (checkpoints_.store) checkpoints_.store->keep_only({});
     for (const Role role : {Role::fluid, Role::solid}) {
       Message message;
       message.body = Initialise{true, true};
-      send_mapped(role, std::move(message));
+      send_mapped(role, std::move(message), nullptr, now(other(role)), now(other(role)));
       now(role) = receive_publication(role, 0.0, now(role).points);
+    }
+  }
+
+  /// The coupler's own state; the participants' publications as their digests only: they repeat them.
+  void archive(Archive& archive) {
+    std::uint64_t fluid = 0, solid = 0;
+    if (!archive.loading()) {
+      fluid = digest_of(fluid_);
+      solid = digest_of(solid_);
+    }
+    archive(clock_, step_, *mapping_, report_, fluid, solid);
+    if (archive.loading()) digests_ = {fluid, solid};
+  }
+
+  /// Everybody writes; the coupler's own file, written last, is what makes it count.
+  void checkpoint() {
+    const auto start = Clock::now();
+    const std::string name = checkpoint_schedule_.name(step_);
+    for (const Role role : {Role::fluid, Role::solid}) {
+      Message message = message_of(CheckpointOrder{name, checkpoint_schedule_.kept()}, step_);
+      message.time = clock_.time();
+      broker_.send(role, std::move(message));
+    }
+    for (const Role role : {Role::fluid, Role::solid}) {
+      const Message answer = broker_.wait(role);
+      const auto* written = std::get_if<CheckpointWritten>(&answer.body);
+      if (!written || written->name != name)
+        throw PeerError(fmt::format("{} answered {} to CHECKPOINT {}", to_string(role), describe(answer), name));
+    }
+    Archive state;
+    archive(state);
+    checkpoints_.store->write({name, step_, clock_.time()}, state);
+    checkpoint_schedule_.committed(name);
+    checkpoints_.store->keep_only(checkpoint_schedule_.kept());
+    ++report_.checkpoints;
+    report_.checkpointing += std::chrono::duration<double>(Clock::now() - start).count();
+  }
+
+  /// From the newest checkpoint that all three hold.
+  void resume() {
+    const auto mine = checkpoints_.store->whole();
+    const auto &fluids = broker_.checkpoints(Role::fluid), &solids = broker_.checkpoints(Role::solid);
+    std::vector<std::string> names;
+    const auto has = [](const auto& list, const std::string& name) {
+      return std::find(list.begin(), list.end(), name) != list.end();
+    };
+    const auto chosen = std::find_if(mine.begin(), mine.end(), [&](const Checkpoint& c) {
+      names.push_back(c.name);
+      return has(fluids, c.name) && has(solids, c.name);
+    });
+    if (chosen == mine.end())
+      throw FileError(
+          fmt::format("nothing to resume from: expected one checkpoint that all three hold whole, found: "
+                      "coupler {}; fluid {}; solid {}",
+                      listed(names), listed(fluids), listed(solids)));
+    Archive state = checkpoints_.store->read(chosen->name);
+    archive(state);
+    state.expect_end();
+    broker_.say(fmt::format("resuming from checkpoint {}: step {}, t = {:g} s", chosen->name, step_, clock_.time()));
+    checkpoint_schedule_.set_kept({chosen->name});
+    for (const Role role : {Role::fluid, Role::solid}) {
+      Message message = message_of(Resume{chosen->name}, step_);
+      message.time = clock_.time();
+      broker_.send(role, std::move(message));
+      now(role) = receive_publication(role, clock_.time(), now(role).points);
+      if (digest_of(now(role)) != (role == Role::fluid ? digests_.first : digests_.second))
+        throw PeerError(fmt::format("the {} came back from checkpoint {} with another state than it went with",
+                                    to_string(role), chosen->name));
     }
   }
 
@@ -66,12 +177,13 @@ class Schedule::Implementation {
     double limit = std::min(fluid_.proposed_interval, solid_.proposed_interval);
     const std::string& cause =
         fluid_.proposed_interval <= solid_.proposed_interval ? fluid_.limited_by : solid_.limited_by;
+    iteration_ = 0;
     for (int attempt = 0;; ++attempt) {
       const auto plan = clock_.plan(limit);
       plan_ = plan;
-      iteration_ = static_cast<std::uint32_t>(attempt);
-      if (const auto rejection = try_window(plan)) {
+      if (const auto rejection = try_window(plan, accounts)) {
         mapping_->set_accounts(accounts);
+        ++iteration_;
         if (attempt >= most_rejections)
           throw PeerError(fmt::format("window {} from t = {:g} s was rejected {} times, last at {:g} s: {}", step_ + 1,
                                       plan.start, attempt + 1, plan.interval, rejection->reason));
@@ -90,33 +202,67 @@ class Schedule::Implementation {
   }
 
   /// Nothing when the window stands; else the refusal, with both sides restored.
-  std::optional<Reject> try_window(const WindowClock::Plan& plan) {
+  std::optional<Reject> try_window(const WindowClock::Plan& plan,
+                                   const std::vector<SpatialMapping::Account>& accounts) {
     fluid_limit_ = fluid_.proposed_interval;
     solid_limit_ = solid_.proposed_interval;
-    Snapshot fluid_before = fluid_;
-    if (auto rejection = advance(Role::fluid, plan)) {
-      ++report_.rejected_by_fluid;
-      restore(Role::fluid, rejection->reason);
-      return rejection;
+    const Snapshot fluid_start = fluid_, solid_start = solid_;
+    if (!iteration_settings_) return pass(plan, fluid_start, solid_start, nullptr);
+    WindowIteration iteration(*iteration_settings_, broker_.contract(Role::solid));
+    std::optional<Snapshot> given;  // the solid's end as the fluid is to see it; in the first pass its start
+    for (int k = 0; k < most_iterations; ++k) {
+      if (auto rejection = pass(plan, fluid_start, solid_start, given ? &*given : nullptr)) return rejection;
+      given = iteration.next(given ? *given : solid_start, solid_);
+      if (!given) return std::nullopt;
+      take_back(fluid_start, solid_start, "iteration");
+      mapping_->set_accounts(accounts);
+      ++iteration_;
     }
-    if (auto rejection = advance(Role::solid, plan)) {
+    return Reject{RejectCode::step,
+                  "",
+                  "",
+                  "",
+                  0.5 * plan.interval,
+                  fmt::format("not converged after {} iterations", most_iterations)};
+  }
+
+  /// Once through both solvers. `solid_end`: what the fluid is given of the solid at the window's end; null: its start
+  /// is all there is.
+  std::optional<Reject> pass(const WindowClock::Plan& plan, const Snapshot& fluid_start, const Snapshot& solid_start,
+                             const Snapshot* solid_end) {
+    ++report_.passes;
+    const auto rejection_of_fluid = solid_end ? advance(Role::fluid, plan, &solid_start, *solid_end, solid_start)
+                                              : advance(Role::fluid, plan, nullptr, solid_start, solid_start);
+    if (rejection_of_fluid) {
+      ++report_.rejected_by_fluid;
+      restore(Role::fluid, rejection_of_fluid->reason);
+      return rejection_of_fluid;
+    }
+    if (auto rejection = advance(Role::solid, plan, &fluid_start, fluid_, fluid_)) {
       ++report_.rejected_by_solid;
-      restore(Role::solid, rejection->reason);
-      restore(Role::fluid, rejection->reason);
-      fluid_ = std::move(fluid_before);
+      take_back(fluid_start, solid_start, rejection->reason);
       return rejection;
     }
     return std::nullopt;
   }
 
-  std::optional<Reject> advance(Role role, const WindowClock::Plan& plan) {
+  void take_back(const Snapshot& fluid_start, const Snapshot& solid_start, const std::string& reason) {
+    restore(Role::solid, reason);
+    restore(Role::fluid, reason);
+    fluid_ = fluid_start;
+    solid_ = solid_start;
+  }
+
+  /// `start` (or null) and `end`: the other side at the ends of the window; `amounts`: what it has given away.
+  std::optional<Reject> advance(Role role, const WindowClock::Plan& plan, const Snapshot* start, const Snapshot& end,
+                                const Snapshot& amounts) {
     Message message;
     message.step = step_ + 1;
     message.iteration = iteration_;
     message.time = plan.start;
     message.interval = plan.interval;
     message.body = Advance{plan.record_frame, plan.record_gauges};
-    send_mapped(role, std::move(message));
+    send_mapped(role, std::move(message), start, end, amounts);
     Message answer = broker_.wait(role);
     if (answer.step != step_ + 1 || answer.iteration != iteration_)
       throw PeerError(fmt::format("{} answered {} (attempt {}), expected step {} (attempt {})", to_string(role),
@@ -147,23 +293,45 @@ class Schedule::Implementation {
     broker_.say_goodbye();
   }
 
-  void send_mapped(Role role, Message message) {
-    const auto start = Clock::now();
-    const auto& giver = now(other(role));
+  void send_mapped(Role role, Message message, const Snapshot* start, const Snapshot& end, const Snapshot& amounts) {
+    const auto begin = Clock::now();
     const auto& receiver = *now(role).points;
     const auto& specs = broker_.contract(role).takes;
-    Inbox inbox = mapping_->map(other(role), *giver.points, giver.fields, specs, receiver);
-    report_.fields_skipped += giver.fields.size() - inbox.fields.size();
-    report_.mapping += std::chrono::duration<double>(Clock::now() - start).count();
+    Inbox inbox = mapped(role, start, end, amounts);
+    report_.fields_skipped += end.fields.size() - inbox.fields.size();
+    report_.mapping += std::chrono::duration<double>(Clock::now() - begin).count();
     message.points = {receiver.dimension, receiver.revision, receiver.n_active, receiver.n_active, false};
     message.arrays.push_back({std::string(coverage_array), "1", 1, std::move(inbox.coverage)});
     message.arrays.push_back({std::string(asymmetry_array), "1", 1, std::move(inbox.asymmetry)});
-    for (auto& field : inbox.fields) {
+    const auto add = [&](Field& field, std::string_view suffix) {
       const auto spec =
           std::find_if(specs.begin(), specs.end(), [&](const FieldSpec& s) { return s.name == field.name; });
-      message.arrays.push_back({field.name, spec->unit, field.components, std::move(field.values)});
-    }
+      message.arrays.push_back(
+          {field.name + std::string(suffix), spec->unit, field.components, std::move(field.values)});
+    };
+    for (auto& field : inbox.fields) add(field, "");
+    for (auto& field : inbox.at_start) add(field, start_suffix);
     broker_.send(role, std::move(message));
+  }
+
+  /// The other side's fields at this side's points; those wanted in time also as they were at the window's start, when
+  /// the other side's points may have been elsewhere.
+  Inbox mapped(Role role, const Snapshot* start, const Snapshot& end, const Snapshot& amounts) {
+    const Role giver = other(role);
+    const auto& receiver = *now(role).points;
+    std::vector<FieldSpec> intensities, shared, in_time;
+    for (const auto& spec : broker_.contract(role).takes) {
+      (spec.mapping == Mapping::conservative && &amounts != &end ? shared : intensities).push_back(spec);
+      if (start && spec.in_time && spec.mapping == Mapping::consistent) in_time.push_back(spec);
+    }
+    Inbox inbox = mapping_->map(giver, *end.points, end.fields, intensities, receiver);
+    if (!shared.empty()) {
+      auto got = mapping_->map(giver, *amounts.points, amounts.fields, shared, receiver).fields;
+      std::move(got.begin(), got.end(), std::back_inserter(inbox.fields));
+    }
+    if (!in_time.empty())
+      inbox.at_start = mapping_->map(giver, *start->points, start->fields, in_time, receiver).fields;
+    return inbox;
   }
 
   Snapshot receive_publication(Role role, double time, const std::shared_ptr<const PointSet>& previous) {
@@ -188,17 +356,23 @@ class Schedule::Implementation {
   WindowClock clock_;
   std::unique_ptr<SpatialMapping> mapping_;
   std::function<void(const Progress&)> progress_;
+  std::optional<IterationSettings> iteration_settings_;
   Snapshot fluid_, solid_;
   std::uint64_t step_ = 0;  ///< windows that stand
   std::uint32_t iteration_ = 0;
   WindowClock::Plan plan_;
   double fluid_limit_ = no_limit, solid_limit_ = no_limit;
   ScheduleReport report_;
+  Checkpoints checkpoints_;
+  CheckpointSchedule checkpoint_schedule_;
+  std::pair<std::uint64_t, std::uint64_t> digests_{};  ///< of what fluid and solid published at the checkpoint
 };
 
 Schedule::Schedule(Broker& broker, int dimension, WindowClock::Settings settings,
-                   std::function<void(const Progress&)> progress)
-    : implementation_(std::make_unique<Implementation>(broker, dimension, settings, std::move(progress))) {}
+                   std::function<void(const Progress&)> progress, Checkpoints checkpoints,
+                   std::optional<IterationSettings> iteration)
+    : implementation_(
+          std::make_unique<Implementation>(broker, dimension, settings, std::move(progress), checkpoints, iteration)) {}
 Schedule::~Schedule() = default;
 void Schedule::run() { implementation_->run(); }
 void Schedule::note_waiting(const std::string& whom) { implementation_->note_waiting(whom); }

@@ -1,17 +1,21 @@
 // Temporal coupling: who advances when, with whose fields, and what happens when a window is refused.
-// Serial, fluid first, one pass: the fluid crosses the window with the solid's fields of its start, the solid with the
-// fluid's new ones. docs/protocol.md shows the sequence.
+// Serial, fluid first: the fluid crosses the window with the solid's fields of its start, the solid with the fluid's
+// new ones. One pass, or iterated until the solid's fields at the window's end are those that the fluid was given.
+// docs/protocol.md shows the sequence.
 #pragma once
 
+#include "common/checkpoint/schedule.hpp"
 #include "common/coupling/border.hpp"
 #include "common/coupling/summary.hpp"
 #include "common/coupling/window_clock.hpp"
 #include "coupler/broker.hpp"
+#include "coupler/iteration.hpp"
 #include "coupler/mapping.hpp"
 
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 
 namespace poretwin::coupling {
 
@@ -20,6 +24,7 @@ struct ScheduleReport {
   double wall = 0.0;     ///< s
   std::uint64_t windows = 0;
   std::uint64_t rejected_by_fluid = 0, rejected_by_solid = 0;
+  std::uint64_t passes = 0;                         ///< through both solvers, repeated windows included
   std::uint64_t fields_skipped = 0;                 ///< given, taken by nobody, hence not mapped
   std::uint64_t points_unchanged = 0;               ///< publications without their points
   std::map<std::string, std::uint64_t> limited_by;  ///< what set the window, and how often
@@ -27,13 +32,21 @@ struct ScheduleReport {
   bool interrupted = false;
   MappingCounts pairs;
   std::vector<SpatialMapping::Account> accounts;
+  double checkpointing = 0.0;  ///< s
+  std::uint64_t checkpoints = 0;
+
+  /// What a run that is resumed counts on from.
+  void archive(Archive& archive) {
+    archive(windows, passes, rejected_by_fluid, rejected_by_solid, fields_skipped, points_unchanged, limited_by);
+  }
 };
 
 class Schedule {
  public:
-  /// `progress` may be empty.
+  /// `progress` may be empty. Without `iteration`: one pass a window.
   Schedule(Broker& broker, int dimension, WindowClock::Settings settings,
-           std::function<void(const Progress&)> progress = {});
+           std::function<void(const Progress&)> progress = {}, Checkpoints checkpoints = {},
+           std::optional<IterationSettings> iteration = {});
   ~Schedule();
   Schedule(const Schedule&) = delete;
   Schedule& operator=(const Schedule&) = delete;

@@ -8,6 +8,8 @@
 #include "fluid_solver/operators.hpp"
 
 #include <fmt/format.h>
+#include <cstdlib>
+#include "fluid_solver/operators.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -71,7 +73,12 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
     const auto& wall = scene.walls[w];
     if (wall.water == Wall::ForWater::none) continue;
     if (wall.water == Wall::ForWater::no_slip) no_slip_ |= 1u << w;
+    if (wall.soil == Wall::ForSoil::fixed || wall.soil == Wall::ForSoil::rough) fixed_soil_ |= 1u << w;
     for (const auto& plane : planes_of<D>(wall.face, static_cast<int>(w), 6.0 * dx_)) planes_.push_back(plane);
+  }
+  for (const auto& soil : scene.soils) {
+    const auto [lower, upper] = bounds(soil.shape);
+    soil_extent_ = std::max(soil_extent_, (upper - lower).template head<D>().maxCoeff());
   }
   for (const auto& plane : periodic_planes<D>(scene.general, periodic_boundary)) planes_.push_back(plane);
 
@@ -181,7 +188,7 @@ template <int D>
 SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox) const {
   const auto& x = state_.particles.position;
   const std::size_t n = x.size();
-  // A particle about to leave through a face of soil still counts as in it.
+  // A particle about to enter or leave through a face of soil still counts as in it.
   const ColumnFinder<D> finder(state_.columns);
   const auto nearest_column = [&](const Vec<D>& point) -> const FaceColumn<D>* {
     const int i = finder.nearest(point);
@@ -204,7 +211,7 @@ SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox) const {
   auto complete = inbox;
   if (!state_.columns.empty())
     for (std::size_t a = 0; a < n; ++a)
-      if (complete.coverage[a] > 0.3 && nearest_column(x[a])) complete.asymmetry[a] = 0.0;
+      if (complete.coverage[a] > 0.0 && nearest_column(x[a])) complete.asymmetry[a] = 0.0;
   return mapped_soil<D>(scene_, complete, n);
 }
 
@@ -226,6 +233,8 @@ WindowProblem<D> Fluid<D>::problem(double interval) const {
   in.weight = weight_;
   in.origin = origin_;
   in.response = responds();
+  in.dry_soil = soil_extent_;
+  in.fixed_soil = fixed_soil_;
   in.void_fraction = state_.particles.void_fraction;
   in.velocity = state_.particles.velocity;
   in.source.assign(state_.particles.size(), 0.0);
@@ -361,6 +370,7 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
 /// What the soil took beyond the drag comes from the water in its pores. It is shared out among the soil's water within
 /// a kernel's reach, none of it to the free water beside the soil, and taken at the rate at which that water's inertia
 /// answers to the drag: where drag rules, the pressure already answers for the soil's motion, through the volume debt.
+/// No faster than its weight or the drag would take it: what a long window left, a short one must not ask for at once.
 /// The sum of what is owed and taken is kept.
 template <int D>
 void Fluid<D>::take_back(const Stencil<D>& s, const SoilView<D>& view, double interval) {
@@ -383,7 +393,10 @@ void Fluid<D>::take_back(const Stencil<D>& s, const SoilView<D>& view, double in
   }
   for (std::size_t a = 0; a < p.size(); ++a) {
     const double aw = p.void_fraction[a] * density_ / interval;
-    const Vec<D> taken = aw / (aw + view.drag[a]) * owed[a];
+    Vec<D> taken = aw / (aw + view.drag[a]) * owed[a];
+    const double slip = (p.velocity[a] - view.velocity[a]).norm();
+    const double most = interval * (p.mass[a] * gravity_or_standard() + p.volume[a] * view.drag[a] * slip);
+    if (const double size = taken.norm(); size > most) taken *= most / size;
     p.velocity[a] -= taken / p.mass[a];
     p.owed[a] = owed[a] - taken;
   }
@@ -433,6 +446,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   drift(dt);
   auto s = stencil();
   ++state_.counts.stencils;
+  mark_soil_surface<D>(s, view.mask);
   p.surface = find_surface<D>(s, view.mask, p.row, std::min(1.0, dt / (row_memory * free_repair_time(dx_))));
   if (scene_.coupled()) take_back(s, view, dt);
 

@@ -78,7 +78,7 @@ template <int D>
 std::pair<double, std::string> Fluid<D>::time_limit() const {
   const auto& p = state_.particles;
   std::pair<double, std::string> limit{longest_interval, "slow seepage"};
-  const auto apply = [&](double interval, const char* why) {
+  const auto apply = [&](double interval, const std::string& why) {
     if (interval < limit.first) limit = {interval, why};
   };
   if (state_.controlled > 0.0) apply(state_.controlled, "pressure change per window");

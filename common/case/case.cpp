@@ -3,6 +3,7 @@
 
 #include "common/case/check.hpp"
 #include "common/case/keys.hpp"
+#include "common/core/hash.hpp"
 
 #include <fmt/format.h>
 
@@ -27,6 +28,12 @@ constexpr std::array scheme_words{
     Word<FluidCase::Scheme>{"projection", FluidCase::Scheme::projection},
     Word<FluidCase::Scheme>{"eisph", FluidCase::Scheme::eisph},
     Word<FluidCase::Scheme>{"eisph_explicit_drag", FluidCase::Scheme::eisph_explicit_drag}};
+constexpr std::array coupling_words{Word<CouplingCase::Scheme>{"serial", CouplingCase::Scheme::serial},
+                                    Word<CouplingCase::Scheme>{"iterated", CouplingCase::Scheme::iterated}};
+constexpr std::array acceleration_words{
+    Word<CouplingCase::Acceleration>{"none", CouplingCase::Acceleration::none},
+    Word<CouplingCase::Acceleration>{"aitken", CouplingCase::Acceleration::aitken},
+    Word<CouplingCase::Acceleration>{"quasi_newton", CouplingCase::Acceleration::quasi_newton}};
 constexpr std::array form_words{
     Word<FluidCase::DragForm>{"pointwise", FluidCase::DragForm::pointwise},
     Word<FluidCase::DragForm>{"smoothed", FluidCase::DragForm::smoothed},
@@ -289,6 +296,18 @@ void declare(Keys& keys, SolidCase& s) {
 void declare(Keys& keys, CouplingCase& c) {
   keys.number("interval", c.interval, {"s", "Longest exchange interval; absent: what the solvers propose."},
               positive());
+  keys.choice<CouplingCase::Scheme>(
+      "scheme", c.scheme, coupling_words,
+      {"",
+       "`serial`: every window is crossed once, the fluid first; `iterated`: until the solid's motion at the window's "
+       "end "
+       "is the one that the fluid was given (for solvers that predict nothing of each other)."});
+  keys.choice<CouplingCase::Acceleration>(
+      "acceleration", c.acceleration, acceleration_words,
+      {"", "Of the iteration: `none`, `aitken` (one factor), `quasi_newton` (IQN-ILS)."});
+  keys.number("tolerance", c.tolerance,
+              {"1", "Of the iteration: what one changes of every velocity or force, relative to its norm."},
+              positive());
 }
 
 void declare(Keys& keys, OutputCase& o) {
@@ -342,15 +361,6 @@ void declare_own(Keys& keys, Case& c) {
   keys.table("output", "What is written, and when.", [&](Keys& inner) { declare(inner, c.output); });
   keys.tables("gauge", "A series of readings in gauges.csv.", c.gauges,
               [](Keys& inner, Gauge& gauge) { declare(inner, gauge); });
-}
-
-std::uint64_t fnv1a(std::string_view text) {
-  std::uint64_t hash = 14695981039346656037ULL;
-  for (const char c : text) {
-    hash ^= static_cast<unsigned char>(c);
-    hash *= 1099511628211ULL;
-  }
-  return hash;
 }
 
 }  // namespace

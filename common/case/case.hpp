@@ -189,7 +189,12 @@ struct SolidCase {
 
 /// [coupling]
 struct CouplingCase {
+  enum class Scheme { serial, iterated };
+  enum class Acceleration { none, aitken, quasi_newton };
   std::optional<double> interval;  ///< s: longest exchange interval; absent: what the solvers propose
+  Scheme scheme = Scheme::serial;
+  Acceleration acceleration = Acceleration::quasi_newton;  ///< of the iterated scheme
+  double tolerance = 1e-6;                                 ///< of the iterated scheme
 };
 
 /// [output]

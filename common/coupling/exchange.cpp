@@ -22,10 +22,14 @@ std::vector<FieldSpec> standard_fields(Role giver, int dimension) {
         spec(field::soil_fraction, "1", 1),
     };
   return {
-      spec(field::solid_velocity, "m/s", dimension),    spec(field::mean_solid_velocity, "m/s", dimension),
-      spec(field::unbalanced_force, "N/m3", dimension), spec(field::solid_volume_fraction, "1", 1),
-      spec(field::grain_density, "kg/m3", 1),           spec(field::constrained_modulus, "Pa", 1),
-      spec(field::hydraulic_conductivity, "m/s", 1),    spec(field::forchheimer_coefficient, "s2/m2", 1),
+      spec(field::solid_velocity, "m/s", dimension),
+      spec(field::mean_solid_velocity, "m/s", dimension),
+      spec(field::unbalanced_force, "N/m3", dimension),
+      spec(field::solid_volume_fraction, "1", 1),
+      spec(field::grain_density, "kg/m3", 1),
+      spec(field::constrained_modulus, "Pa", 1),
+      spec(field::hydraulic_conductivity, "m/s", 1),
+      spec(field::forchheimer_coefficient, "s2/m2", 1),
       spec(field::returned_impulse, "N s", dimension, conservative),
   };
 }
@@ -35,6 +39,14 @@ const Field& Inbox::at(std::string_view name) const {
   if (found == fields.end())
     throw PeerError("field '" + std::string(name) + "' was expected in the exchange and did not arrive");
   return *found;
+}
+
+std::vector<double> Inbox::between(std::string_view name, double share) const {
+  std::vector<double> values = at(name).values;
+  const auto start = std::find_if(at_start.begin(), at_start.end(), [&](const Field& f) { return f.name == name; });
+  if (start == at_start.end()) return values;
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = (1.0 - share) * start->values[i] + share * values[i];
+  return values;
 }
 
 }  // namespace poretwin::coupling

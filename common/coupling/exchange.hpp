@@ -28,6 +28,8 @@ struct FieldSpec {
   Mapping mapping = Mapping::consistent;
   std::string
       mask;  ///< optional: a one-component field of the same message, in [0,1], that multiplies the giver's weight
+  /// of a taker that crosses a window in steps of its own: the value at the window's start is wanted too (consistent)
+  bool in_time = false;
   bool operator==(const FieldSpec&) const = default;
 };
 
@@ -43,10 +45,10 @@ inline constexpr std::string_view soil_fraction = "soil_fraction";  // 1 inside 
 inline constexpr std::string_view solid_velocity = "solid_velocity";            // m/s at the window's end
 inline constexpr std::string_view mean_solid_velocity = "mean_solid_velocity";  // m/s, mean over the window
 inline constexpr std::string_view unbalanced_force = "unbalanced_force";        // N/m3: div sigma' + traction + weight
-inline constexpr std::string_view solid_volume_fraction = "solid_volume_fraction";    // n_s = 1 - porosity
-inline constexpr std::string_view grain_density = "grain_density";                    // kg/m3, rho_s (intrinsic)
-inline constexpr std::string_view constrained_modulus = "constrained_modulus";        // Pa, M = K + 4 G / 3
-inline constexpr std::string_view hydraulic_conductivity = "hydraulic_conductivity";  // m/s
+inline constexpr std::string_view solid_volume_fraction = "solid_volume_fraction";      // n_s = 1 - porosity
+inline constexpr std::string_view grain_density = "grain_density";                      // kg/m3, rho_s (intrinsic)
+inline constexpr std::string_view constrained_modulus = "constrained_modulus";          // Pa, M = K + 4 G / 3
+inline constexpr std::string_view hydraulic_conductivity = "hydraulic_conductivity";    // m/s
 inline constexpr std::string_view forchheimer_coefficient = "forchheimer_coefficient";  // s2/m2, of i = U/k + b U^2
 inline constexpr std::string_view returned_impulse =
     "returned_impulse";  // N s the solid took beyond drag_impulse; the fluid owes it
@@ -105,8 +107,12 @@ struct Inbox {
   /// neighbour; zero where coverage is zero.
   std::vector<double> asymmetry;
   std::vector<Field> fields;  ///< [n_active * components]; zero where coverage is zero
+  /// Those asked for `in_time`, at the window's start; absent where the giver's values do not change in the window.
+  std::vector<Field> at_start;
   /// The field of that name; throws PeerError naming it when it is missing.
   [[nodiscard]] const Field& at(std::string_view name) const;
+  /// Values at a time within the window, linear in it: `share` 0 at its start, 1 at its end.
+  [[nodiscard]] std::vector<double> between(std::string_view name, double share) const;
 };
 
 /// One exchange window.

@@ -58,26 +58,12 @@ class CellGrid {
   /// Calls f(j, squared distance) for every point j with |x - x_j| < radius; fastest for radius <= 2 cell_size.
   template <class F>
   void for_each_within(const Vec<D>& x, double radius, F&& f) const {
-    if (order_.empty()) return;
-    std::array<int, D> lo{}, hi{};
-    for (std::size_t d = 0; d < D; ++d) {
-      const double s = x[static_cast<int>(d)] - lower_[static_cast<int>(d)];
-      lo[d] = static_cast<int>(std::floor(std::clamp((s - radius) / size_, -1.0, 1.0 * count_[d])));
-      hi[d] = static_cast<int>(std::floor(std::clamp((s + radius) / size_, -1.0, 1.0 * count_[d])));
-      lo[d] = std::max(lo[d], 0);
-      hi[d] = std::min(hi[d], count_[d] - 1);
-      if (lo[d] > hi[d]) return;
-    }
     const double limit = radius * radius;
-    // The cells of a row lie one after the other. Few points of them are near: the distances first, without branches.
+    // Few points of a row are near: the distances first, without branches.
     constexpr Index batch = 64;
     std::array<Index, batch> near;
     std::array<double, batch> distance;
-    const auto row = [&](std::array<int, D> c) {
-      c[0] = lo[0];
-      const Index begin = first_[flat(c)];
-      c[0] = hi[0];
-      const Index end = first_[flat(c) + 1];
+    for_each_row((x.array() - radius).matrix(), (x.array() + radius).matrix(), [&](Index begin, Index end) {
       for (Index from = begin; from < end; from += batch) {
         const Index to = std::min(end, from + batch);
         std::size_t n = 0;
@@ -89,6 +75,56 @@ class CellGrid {
         }
         for (std::size_t i = 0; i < n; ++i) f(order_[near[i]], distance[i]);
       }
+    });
+  }
+
+  /// Calls f(j) for all points in the box, and some around it.
+  template <class F>
+  void for_each_near(const Vec<D>& lower, const Vec<D>& upper, F&& f) const {
+    for_each_row(lower, upper, [&](Index begin, Index end) {
+      for (Index m = begin; m < end; ++m) f(order_[m]);
+    });
+  }
+
+  /// Appends every point j >= first with |x - x_j| < radius. Free of branches that depend on the distance: they would
+  /// be guessed wrong too often.
+  void append_within(const Vec<D>& x, double radius, Index first, std::vector<Index>& found) const {
+    const double limit = radius * radius;
+    std::size_t count = found.size();
+    for_each_row((x.array() - radius).matrix(), (x.array() + radius).matrix(), [&](Index begin, Index end) {
+      found.resize(count + (end - begin));
+      for (Index m = begin; m < end; ++m) {
+        const Index j = order_[m];
+        found[count] = j;
+        count +=
+            static_cast<std::size_t>((sorted_[m] - x).squaredNorm() < limit) & static_cast<std::size_t>(j >= first);
+      }
+    });
+    found.resize(count);
+  }
+
+  /// Point indices in cell order: a permutation under which neighbours lie close in memory.
+  [[nodiscard]] std::span<const Index> order() const { return order_; }
+
+ private:
+  /// Calls f(begin, end) of order_ for every row of cells in the box: the cells of a row lie one after the other.
+  template <class F>
+  void for_each_row(const Vec<D>& lower, const Vec<D>& upper, F&& f) const {
+    if (order_.empty()) return;
+    std::array<int, D> lo{}, hi{};
+    for (std::size_t d = 0; d < D; ++d) {
+      const int k = static_cast<int>(d);
+      lo[d] = static_cast<int>(std::floor(std::clamp((lower[k] - lower_[k]) / size_, -1.0, 1.0 * count_[d])));
+      hi[d] = static_cast<int>(std::floor(std::clamp((upper[k] - lower_[k]) / size_, -1.0, 1.0 * count_[d])));
+      lo[d] = std::max(lo[d], 0);
+      hi[d] = std::min(hi[d], count_[d] - 1);
+      if (lo[d] > hi[d]) return;
+    }
+    const auto row = [&](std::array<int, D> c) {
+      c[0] = lo[0];
+      const Index begin = first_[flat(c)];
+      c[0] = hi[0];
+      f(begin, first_[flat(c) + 1]);
     };
     std::array<int, D> c{};
     if constexpr (D == 2) {
@@ -99,10 +135,6 @@ class CellGrid {
     }
   }
 
-  /// Point indices in cell order: a permutation under which neighbours lie close in memory.
-  [[nodiscard]] std::span<const Index> order() const { return order_; }
-
- private:
   std::array<int, D> cell(const Vec<D>& x) const {
     std::array<int, D> c{};
     for (std::size_t d = 0; d < D; ++d)

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <thread>
 
@@ -36,6 +37,12 @@ struct CoupledRun {
   WindowClock::Settings settings{1.0, 0.1, 0.0, 0.0};
   BrokerOptions broker;
   ParticipantOptions participant;
+  std::filesystem::path checkpoints;   ///< folder; empty: none are kept
+  double checkpoint_every = no_limit;  ///< s
+  bool resume = false, only_coupler_keeps = false;
+  std::uint64_t stop_after = 0;  ///< windows, as if a person had pressed Ctrl-C; 0: never
+  std::optional<IterationSettings> iteration;
+  std::function<std::string(const std::string&)> route;  ///< the address at which participants find the coupler's
   // To be looked at.
   Fate fluid, solid, coupler;
   MemoryRecorder fluid_record, solid_record;
@@ -61,15 +68,19 @@ struct CoupledRun {
       hub = in_process_.hub();
     else
       hub = bind_socket(line == Line::ipc ? "ipc://" + socket_path() : "tcp://127.0.0.1:*");
-    address_ = hub->address();
+    address_ = route ? route(hub->address()) : hub->address();
     std::thread fluid_thread([&] { drive(fluid_phase, Role::fluid, fluid_record, fluid, fluid_participant_); });
     std::thread solid_thread([&] { drive(solid_phase, Role::solid, solid_record, solid, solid_participant_); });
     guard(coupler, [&] {
       auto options = broker;
       options.dimension = dimension;
       options.say = [this](const std::string& text) { log.push_back(text); };
+      std::uint64_t step = 0;
+      if (stop_after > 0) options.interrupted = [&] { return step >= stop_after; };
+      const CheckpointStore store(checkpoints, "coupler", {});
       Broker b(*hub, options);
-      Schedule schedule(b, dimension, settings);
+      Schedule schedule(b, dimension, settings, [&](const Progress& progress) { step = progress.step; },
+                        {checkpoints.empty() ? nullptr : &store, checkpoint_every, resume}, iteration);
       try {
         schedule.run();
       } catch (...) {
@@ -124,12 +135,17 @@ struct CoupledRun {
     if (!phase) return;
     guard(fate, [&] {
       auto transport = line == Line::in_process ? in_process_.line() : connect_socket(address_);
-      place.emplace(std::move(transport), role, phase->contract(), participant);
+      const CheckpointStore store(checkpoints, std::string(to_string(role)), {});
+      auto options = participant;
+      options.keeps_checkpoints = !checkpoints.empty() && !only_coupler_keeps;
+      if (resume)
+        for (const auto& checkpoint : store.whole()) options.checkpoints.push_back(checkpoint.name);
+      place.emplace(std::move(transport), role, phase->contract(), options);
       struct Leave {
         std::optional<Participant>& p;
         ~Leave() { p.reset(); }
       } leave{place};
-      drive_coupled(*phase, *place, record, fate.report);
+      drive_coupled(*phase, *place, record, fate.report, checkpoints.empty() ? nullptr : &store);
     });
   }
 

@@ -1,5 +1,6 @@
 // Whatever goes wrong is named, reaches everybody, and ends in time.
 #include "tests/coupling/coupled_run.hpp"
+#include "tests/coupling/slow_line.hpp"
 
 namespace poretwin::coupling {
 namespace {
@@ -45,6 +46,23 @@ TEST_P(FailureOnEveryLine, AFrozenPeerIsToldFromASlowOne) {
   expect_contains(run.coupler.error, {"solid is frozen", "step 2", "last message"});
   expect_contains(run.fluid.error, {"aborted by solid", "frozen"});
   EXPECT_EQ(run.fluid.code, ExitCode::peer);
+}
+
+TEST_P(FailureOnEveryLine, AFrozenPeerIsNamedAtOnceAndMayComeBack) {
+  MockKnobs knobs;
+  CoupledRun run;
+  run.line = GetParam();
+  run.settings.end = 0.3;
+  run.broker.frozen_notice = Milliseconds(300);
+  knobs.freeze_at = 2;
+  knobs.freeze_for = Milliseconds(1000);
+  knobs.on_freeze = [&] { run.silence(Role::solid); };
+  MockPhase fluid(Role::fluid, 2, still_square(Role::fluid)), solid(Role::solid, 2, still_square(Role::solid), knobs);
+  run.run(&fluid, &solid);
+  run.expect_success();
+  std::string log;
+  for (const auto& line : run.log) log += line + "\n";
+  expect_contains(log, {"solid is frozen", "step 2", "last message PUBLICATION step 1", "solid is back after 1."});
 }
 
 TEST_P(FailureOnEveryLine, ASlowPeerIsNeverEvicted) {
@@ -269,6 +287,25 @@ TEST(Wire, OnlyLoopbackWithoutTheFlag) {
   EXPECT_THROW(bind_socket("tcp://0.0.0.0:45671"), Error);
   EXPECT_THROW(bind_socket("nonsense"), Error);
   EXPECT_NE(bind_socket("tcp://0.0.0.0:*", true)->address().find("tcp://"), std::string::npos);
+}
+
+TEST(Latency, ASlowLineIsAWorkingLine) {
+  const auto run_over = [](std::chrono::milliseconds delay) {
+    MockPhase fluid(Role::fluid, 2, still_square(Role::fluid)), solid(Role::solid, 2, still_square(Role::solid));
+    std::optional<testing_tools::SlowLine> line;
+    CoupledRun run;
+    run.line = Line::tcp;
+    run.broker.frozen_notice = Milliseconds(500);
+    run.route = [&](const std::string& address) { return line.emplace(address, delay).address(); };
+    run.run(&fluid, &solid);
+    run.expect_success();
+    EXPECT_EQ(run.report.windows, 10u);
+    for (const auto& text : run.log) EXPECT_EQ(text.find("frozen"), std::string::npos) << text;
+    return run.wall;
+  };
+  // Ten windows of four messages one after the other.
+  EXPECT_GT(run_over(Milliseconds(20)), 0.8);
+  EXPECT_LT(run_over(Milliseconds(0)), 0.8);
 }
 
 }  // namespace

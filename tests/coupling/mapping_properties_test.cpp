@@ -1,6 +1,6 @@
 // What must hold for any two clouds of points, shrunk to the smallest that breaks it.
 #include "common/sph/kernel.hpp"
-#include "coupler/mapping.hpp"
+#include "tests/coupling/cloud_pairs.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
@@ -78,20 +78,20 @@ double distance(const PointSet& a, Size i, const PointSet& b, Size j) {
   return std::sqrt(sum);
 }
 
-std::vector<double> mapped(const PairWeights<2>& pairs, const std::vector<double>& values) {
+std::vector<double> mapped(const CloudPairs<2>& pairs, const std::vector<double>& values) {
   const Field field{"f", 1, values};
-  const Field* const fields[] = {&field};
+  const std::vector<const Field*> fields = {&field};
   return pairs.consistent(fields, {}).front().values;
 }
 
 template <int D>
 void partition_of_unity() {
   const auto source = any_cloud(D), target = any_cloud(D);
-  PairWeights<D> pairs;
+  CloudPairs<D> pairs;
   pairs.update(source, target);
   const double value = *between(-100.0, 100.0);
   const Field field{"f", 1, std::vector<double>(source.size(), value)};
-  const Field* const fields[] = {&field};
+  const std::vector<const Field*> fields = {&field};
   const auto result = pairs.consistent(fields, {}).front().values;
   RC_ASSERT(result.size() == target.n_active);
   for (Size i = 0; i < target.n_active; ++i) {
@@ -110,7 +110,7 @@ RC_GTEST_PROP(MappingProperties, PartitionOfUnityAndConstantsIn3D, ()) { partiti
 
 RC_GTEST_PROP(MappingProperties, NothingLeavesTheRangeOfWhatWasGiven, ()) {
   const auto source = any_cloud(2), target = any_cloud(2);
-  PairWeights<2> pairs;
+  CloudPairs<2> pairs;
   pairs.update(source, target);
   const auto values = any_values(source.size());
   if (values.empty()) return;
@@ -122,7 +122,7 @@ RC_GTEST_PROP(MappingProperties, NothingLeavesTheRangeOfWhatWasGiven, ()) {
 
 RC_GTEST_PROP(MappingProperties, WhatIsGivenIsDeliveredOrKept, ()) {
   const auto receiver = any_cloud(2), giver = any_cloud(2);
-  PairWeights<2> pairs;
+  CloudPairs<2> pairs;
   pairs.update(receiver, giver);
   const Field amounts{"J", 2, any_values(2 * giver.size())};
   const std::vector<double> carried = any_values(2);
@@ -147,7 +147,7 @@ RC_GTEST_PROP(MappingProperties, TheOrderOfPointsDoesNotMatter, ()) {
   const auto values = any_values(source.size());
   std::vector<double> other_values(values.size());
   for (Size k = 0; k < source_order.size(); ++k) other_values[k] = values[source_order[k]];
-  PairWeights<2> pairs, other;
+  CloudPairs<2> pairs, other;
   pairs.update(source, target);
   other.update(reordered(source, source_order), reordered(target, target_order));
   const auto result = mapped(pairs, values), other_result = mapped(other, other_values);
@@ -163,7 +163,7 @@ RC_GTEST_PROP(MappingProperties, OneGiverSharesOutByTheWeightsThatWouldAverageAt
   giver.smoothing_length = {0.1};
   giver.owner = {0.0};
   giver.n_active = 1;
-  PairWeights<2> pairs;
+  CloudPairs<2> pairs;
   pairs.update(receiver, giver);
   const auto delivery = pairs.conservative({"J", 1, {1.0}}, {});
   double least = 0.0;

@@ -1,6 +1,7 @@
 """What a phase gives and gets, free of any transport."""
 
 import copy
+import pickle
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -15,6 +16,7 @@ class Field:
     components: int = 1  # 1, or the dimension
     conservative: bool = False  # an amount that is shared out; otherwise an intensity that is interpolated
     mask: str = ""
+    in_time: bool = False  # of a field taken, not conservative: the values at the window's start are wanted too
 
 
 def standard_fields(role, dimension):
@@ -80,6 +82,11 @@ class Inbox:
     def __getitem__(self, name):
         return self.fields[name]
 
+    def between(self, name, share):
+        """Values within the window, linear in time (share 0: its start, 1: its end), of a field taken `in_time`."""
+        start = self.fields.get(name + "@start")
+        return self.fields[name] if start is None else (1.0 - share) * start + share * self.fields[name]
+
 
 @dataclass(frozen=True)
 class Window:
@@ -128,6 +135,13 @@ class Phase:
         saved = self._saved
         self.__dict__ = copy.deepcopy(saved)
         self._saved = saved
+
+    def state(self):
+        """The same complete state as bytes, for a checkpoint; resume() brings it back in a phase newly made."""
+        return pickle.dumps({name: value for name, value in self.__dict__.items() if name != "_saved"})
+
+    def resume(self, state):
+        self.__dict__ = pickle.loads(state)
 
     def gauges(self):
         """Readings for gauges.csv: name -> (value, unit)."""

@@ -1,0 +1,290 @@
+// Consistent mapping: a weighted least-squares plane through the neighbours, four targets at a time.
+#include "coupler/mapping.hpp"
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace poretwin::coupling {
+namespace {
+
+using Size = std::size_t;
+
+/// Columns are summed four at a time: they stay in registers.
+constexpr Size columns_at_once = 4;
+
+/// Index of (a, b), a <= b, in the upper triangle of a symmetric matrix.
+template <int D>
+constexpr Size upper(Size a, Size b) {
+  return a * D - a * (a + 1) / 2 + b;
+}
+template <int D>
+inline constexpr Size n_upper = D*(D + 1) / 2;
+
+/// Sums of weights w over the neighbours at r from the target, w itself and times h, r, r r.
+template <int D>
+struct Moments {
+  Quad w{}, wh{};
+  std::array<Quad, D> wr{};
+  std::array<Quad, n_upper<D>> wrr{};
+};
+
+/// Coefficient of a neighbour: w (constant - slope . r).
+template <int D>
+struct Plane {
+  Lanes constant;  ///< includes the division by the sum of weights; 0 where nothing is near
+  std::array<Quad, D> slope;
+};
+
+/// How much of the slope is used: 0 where the smallest eigenvalue of the neighbours' covariance, over the squared
+/// length, is below slope_off, 1 above slope_full.
+[[gnu::always_inline]] inline void slope_share(const std::array<Quad, n_upper<2>>& c, const Lanes& square,
+                                               Lanes& share) {
+  const Lanes half = 0.5 * (c[0].v - c[2].v);
+  Lanes root = half * half + c[1].v * c[1].v;
+  take_root(root);
+  share = ((0.5 * (c[0].v + c[2].v) - root) / square - slope_off) / (slope_full - slope_off);
+  raise_to(share, Lanes{});
+  lower_to(share, Lanes{} + 1.0);
+}
+[[gnu::always_inline]] inline void slope_share(const std::array<Quad, n_upper<3>>& c, const Lanes& square,
+                                               Lanes& share) {
+  // All eigenvalues are above a bound if all leading minors of the matrix less the bound are positive.
+  const Lanes bound = slope_full * square;
+  const Lanes a = c[0].v - bound, b = c[3].v - bound, d = c[5].v - bound;
+  const Lanes minor = a * b - c[1].v * c[1].v;
+  const Lanes determinant =
+      a * (b * d - c[4].v * c[4].v) - c[1].v * (c[1].v * d - c[4].v * c[2].v) + c[2].v * (c[1].v * c[4].v - b * c[2].v);
+  const LaneMask full = (a > 0.0) & (minor > 0.0) & (determinant > 0.0);
+  share = Lanes{} + 1.0;
+  if (!any(~full)) return;
+  for (Size l = 0; l < n_lanes; ++l) {
+    if (full[l]) continue;
+    Mat<3> covariance;
+    covariance << c[0].v[l], c[1].v[l], c[2].v[l], c[1].v[l], c[3].v[l], c[4].v[l], c[2].v[l], c[4].v[l], c[5].v[l];
+    Eigen::SelfAdjointEigenSolver<Mat<3>> solver;
+    solver.computeDirect(covariance, Eigen::EigenvaluesOnly);
+    share[l] = std::clamp((solver.eigenvalues()[0] / square[l] - slope_off) / (slope_full - slope_off), 0.0, 1.0);
+  }
+}
+
+/// Solves C x = b for a symmetric matrix; in lanes where `regular` is not set, x = 0.
+[[gnu::always_inline]] inline void solve(const std::array<Quad, n_upper<2>>& c, const std::array<Quad, 2>& b,
+                                         const LaneMask& regular, std::array<Quad, 2>& x) {
+  const Lanes determinant = c[0].v * c[2].v - c[1].v * c[1].v;
+  const Lanes inverse = regular ? 1.0 / (regular ? determinant : Lanes{} + 1.0) : Lanes{};
+  x[0].v = inverse * (c[2].v * b[0].v - c[1].v * b[1].v);
+  x[1].v = inverse * (c[0].v * b[1].v - c[1].v * b[0].v);
+}
+[[gnu::always_inline]] inline void solve(const std::array<Quad, n_upper<3>>& c, const std::array<Quad, 3>& b,
+                                         const LaneMask& regular, std::array<Quad, 3>& x) {
+  const Lanes m00 = c[3].v * c[5].v - c[4].v * c[4].v, m01 = c[2].v * c[4].v - c[1].v * c[5].v,
+              m02 = c[1].v * c[4].v - c[2].v * c[3].v, m11 = c[0].v * c[5].v - c[2].v * c[2].v,
+              m12 = c[1].v * c[2].v - c[0].v * c[4].v, m22 = c[0].v * c[3].v - c[1].v * c[1].v;
+  const Lanes determinant = c[0].v * m00 + c[1].v * m01 + c[2].v * m02;
+  const Lanes inverse = regular ? 1.0 / (regular ? determinant : Lanes{} + 1.0) : Lanes{};
+  x[0].v = inverse * (m00 * b[0].v + m01 * b[1].v + m02 * b[2].v);
+  x[1].v = inverse * (m01 * b[0].v + m11 * b[1].v + m12 * b[2].v);
+  x[2].v = inverse * (m02 * b[0].v + m12 * b[1].v + m22 * b[2].v);
+}
+
+template <int D>
+[[gnu::always_inline]] inline void fit(const Moments<D>& m, Plane<D>& plane) {
+  const LaneMask covered = m.w.v > no_weight;
+  const Lanes scale = covered ? 1.0 / (covered ? m.w.v : Lanes{} + 1.0) : Lanes{};
+  std::array<Quad, D> mean;
+  std::array<Quad, n_upper<D>> covariance;
+  for (Size a = 0; a < D; ++a) mean[a].v = scale * m.wr[a].v;
+  for (Size a = 0; a < D; ++a)
+    for (Size b = a; b < D; ++b) covariance[upper<D>(a, b)].v = scale * m.wrr[upper<D>(a, b)].v - mean[a].v * mean[b].v;
+  const Lanes length = covered ? scale * m.wh.v : Lanes{} + 1.0;
+  Lanes share;
+  slope_share(covariance, length * length, share);
+  solve(covariance, mean, share > 0.0, plane.slope);
+  Lanes constant = Lanes{} + 1.0;
+  for (Size a = 0; a < D; ++a) {
+    plane.slope[a].v *= share;
+    constant += plane.slope[a].v * mean[a].v;
+    plane.slope[a].v *= scale;
+  }
+  plane.constant = scale * constant;
+}
+
+/// Fields of one group, point by point: one cache line serves them all.
+struct Columns {
+  Size n = 0, width = 0;       ///< columns; rounded up to whole registers
+  std::vector<double> values;  ///< [points in cell order * width]
+  std::vector<double> mask;    ///< [points in cell order], or none
+};
+
+Columns pack(const FieldGroup& group, std::span<const Index> order) {
+  Columns out;
+  for (const Field* field : group.fields) out.n += static_cast<Size>(field->components);
+  out.width = (out.n + columns_at_once - 1) / columns_at_once * columns_at_once;
+  out.values.assign(order.size() * out.width, 0.0);
+  Size column = 0;
+  for (const Field* field : group.fields) {
+    const Size components = static_cast<Size>(field->components);
+    for (Size j = 0; j < order.size(); ++j)
+      for (Size c = 0; c < components; ++c)
+        out.values[j * out.width + column + c] = field->values[order[j] * components + c];
+    column += components;
+  }
+  if (group.mask.empty()) return out;
+  out.mask.resize(order.size());
+  for (Size j = 0; j < order.size(); ++j) out.mask[j] = group.mask[order[j]];
+  return out;
+}
+
+/// Adds a neighbour to the sums.
+template <int D>
+[[gnu::always_inline]] inline void add(Moments<D>& m, const Lanes& w, const typename PairBlocks<D>::Node& node,
+                                       const std::array<Quad, D>& x) {
+  m.w.v += w;
+  m.wh.v += w * node.length;
+  for (Size a = 0; a < D; ++a) {
+    const Lanes wr = w * (node.x[a] - x[a].v);
+    m.wr[a].v += wr;
+    for (Size b = a; b < D; ++b) m.wrr[upper<D>(a, b)].v += wr * (node.x[b] - x[b].v);
+  }
+}
+
+/// Range of one column among the neighbours of each point.
+[[gnu::always_inline]] inline void find_range(std::span<const Index> near, const Quad* weight, const double* values,
+                                              Size width, Lanes& low, Lanes& high) {
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  low = Lanes{} + infinite;
+  high = Lanes{} - infinite;
+  for (Size c = 0; c < near.size(); ++c) {
+    const Lanes value = Lanes{} + values[near[c] * width];
+    const LaneMask counts = weight[c].v > 0.0;
+    const Lanes lower = counts ? value : low, higher = counts ? value : high;
+    lower_to(low, lower);
+    raise_to(high, higher);
+  }
+}
+
+/// The values of all columns at a block's points.
+template <int D>
+[[gnu::always_inline]] inline void interpolate(const typename PairBlocks<D>::Node* nodes, const std::array<Quad, D>& x,
+                                               std::span<const Index> near, const Quad* weight,
+                                               const Moments<D>& moments, const Columns& columns, Quad* coefficient,
+                                               Quad* total) {
+  Plane<D> plane;
+  fit(moments, plane);
+  Lanes least{};
+  for (Size c = 0; c < near.size(); ++c) {
+    const auto& node = nodes[near[c]];
+    Lanes k = plane.constant;
+    for (Size a = 0; a < D; ++a) k -= plane.slope[a].v * (node.x[a] - x[a].v);
+    k *= weight[c].v;
+    lower_to(least, k);
+    coefficient[c].v = k;
+  }
+  for (Size column = 0; column < columns.width; column += columns_at_once) {
+    const double* const values = columns.values.data() + column;
+    std::array<Quad, columns_at_once> sum{};
+    for (Size c = 0; c < near.size(); ++c) {
+      const double* const value = values + near[c] * columns.width;
+      const Lanes k = coefficient[c].v;
+      for (Size q = 0; q < columns_at_once; ++q) sum[q].v += k * value[q];
+    }
+    for (Size q = 0; q < columns_at_once; ++q) total[column + q] = sum[q];
+  }
+  // A plane that may leave the range of the neighbours' values is cut there.
+  const LaneMask leaves = least < 0.0;
+  if (!any(leaves)) return;
+  for (Size column = 0; column < columns.n; ++column) {
+    Lanes low, high, kept = total[column].v;
+    find_range(near, weight, columns.values.data() + column, columns.width, low, high);
+    raise_to(kept, low);
+    lower_to(kept, high);
+    total[column].v = leaves ? kept : total[column].v;
+  }
+}
+
+/// A block's columns to the fields they belong to.
+template <int D>
+void hand_out(const typename PairBlocks<D>::Block& block, const Quad* total, std::span<Field> fields) {
+  for (auto& field : fields) {
+    const Size components = static_cast<Size>(field.components);
+    for (Size l = 0; l < block.used; ++l)
+      for (Size c = 0; c < components; ++c) field.values[block.point[l] * components + c] = total[c].v[l];
+    total += components;
+  }
+}
+
+/// Coverage and asymmetry.
+template <int D>
+[[gnu::always_inline]] inline void tell_surroundings(const typename PairBlocks<D>::Block& block, const Moments<D>& m,
+                                                     Interpolation& out) {
+  Lanes asymmetry{};
+  for (Size a = 0; a < D; ++a) asymmetry += m.wr[a].v * m.wr[a].v;
+  take_root(asymmetry);
+  const LaneMask covered = m.w.v > no_weight;
+  asymmetry = covered ? asymmetry / (covered ? m.wh.v : Lanes{} + 1.0) : Lanes{};
+  for (Size l = 0; l < block.used; ++l) {
+    out.coverage[block.point[l]] = covered[l] ? m.w.v[l] : 0.0;
+    out.asymmetry[block.point[l]] = asymmetry[l];
+  }
+}
+
+}  // namespace
+
+template <int D>
+Interpolation consistent(const PairBlocks<D>& pairs, std::span<const FieldGroup> groups) {
+  const Size m = pairs.n_active();
+  Interpolation out{std::vector<double>(m, 0.0), std::vector<double>(m, 0.0), {}};
+  std::vector<Columns> packed;
+  Size widest = 0;
+  for (const auto& group : groups) {
+    packed.push_back(pack(group, pairs.order()));
+    widest = std::max(widest, packed.back().width);
+    for (const Field* field : group.fields)
+      out.fields.push_back(
+          {field->name, field->components, std::vector<double>(m * static_cast<Size>(field->components), 0.0)});
+  }
+  const auto* const nodes = pairs.nodes().data();
+  std::vector<Quad> weight(pairs.longest_list()), masked(weight), coefficient(weight), total(widest);
+  run_lanes([&]() __attribute__((always_inline)) {
+    for (const auto& block : pairs.active_blocks()) {
+      const std::array<Quad, D> x = block.x;
+      Moments<D> whole;
+      const auto near = pairs.candidates(block);
+      for (Size c = 0; c < near.size(); ++c) {
+        const auto& node = nodes[near[c]];
+        Lanes w;
+        weigh<D>(node, x, node.shrink, node.amplitude, w);
+        weight[c].v = w;
+        add<D>(whole, w, node, x);
+      }
+      tell_surroundings<D>(block, whole, out);
+      std::span<Field> fields(out.fields);
+      for (Size g = 0; g < groups.size(); ++g) {
+        const auto& columns = packed[g];
+        if (columns.mask.empty()) {
+          interpolate<D>(nodes, x, near, weight.data(), whole, columns, coefficient.data(), total.data());
+        } else {  // other weights, other moments
+          Moments<D> part;
+          for (Size c = 0; c < near.size(); ++c) {
+            const Lanes w = weight[c].v * columns.mask[near[c]];
+            masked[c].v = w;
+            add<D>(part, w, nodes[near[c]], x);
+          }
+          interpolate<D>(nodes, x, near, masked.data(), part, columns, coefficient.data(), total.data());
+        }
+        hand_out<D>(block, total.data(), fields.first(groups[g].fields.size()));
+        fields = fields.subspan(groups[g].fields.size());
+      }
+    }
+  });
+  return out;
+}
+
+template Interpolation consistent<2>(const PairBlocks<2>&, std::span<const FieldGroup>);
+template Interpolation consistent<3>(const PairBlocks<3>&, std::span<const FieldGroup>);
+
+}  // namespace poretwin::coupling

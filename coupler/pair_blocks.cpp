@@ -1,0 +1,194 @@
+#include "coupler/pair_blocks.hpp"
+
+#include "common/sph/kernel.hpp"
+#include "common/sph/neighbours.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace poretwin::coupling {
+namespace {
+
+using Size = std::size_t;
+
+template <int D>
+Vec<D> point(const PointSet& points, Size i) {
+  return Eigen::Map<const Vec<D>>(points.position.data() + i * D);
+}
+
+template <int D>
+VecArray<D> all_points(const PointSet& points, Size begin, Size end) {
+  VecArray<D> out(end - begin);
+  for (Size i = begin; i < end; ++i) out[i - begin] = point<D>(points, i);
+  return out;
+}
+
+template <int D>
+double largest_move(const std::vector<double>& now, const std::vector<double>& then) {
+  std::array<double, 4> largest{};  // four chains of comparisons side by side
+  const auto compare = [&](Size i, double& most) {
+    double square = 0.0;
+    for (Size d = i; d < i + D; ++d) square += (now[d] - then[d]) * (now[d] - then[d]);
+    most = std::max(most, square);
+  };
+  Size i = 0;
+  for (; i + 4 * D <= now.size(); i += 4 * D)
+    for (Size k = 0; k < 4; ++k) compare(i + k * D, largest[k]);
+  for (; i < now.size(); i += D) compare(i, largest[0]);
+  return std::sqrt(*std::max_element(largest.begin(), largest.end()));
+}
+
+double largest_growth(const std::vector<double>& now, const std::vector<double>& then) {
+  double largest = 0.0;
+  for (Size i = 0; i < now.size(); ++i) largest = std::max(largest, now[i] - then[i]);
+  return largest;
+}
+
+double largest(const std::vector<double>& values) {
+  return values.empty() ? 0.0 : *std::max_element(values.begin(), values.end());
+}
+
+}  // namespace
+
+template <int D>
+void PairBlocks<D>::update(const PointSet& of, const PointSet& around) {
+  if (lists_hold(of, around)) {
+    ++reuses_;
+  } else {
+    search(of, around);
+    ++rebuilds_;
+  }
+  gather(of, around);
+}
+
+template <int D>
+bool PairBlocks<D>::lists_hold(const PointSet& of, const PointSet& around) const {
+  if (skin_ <= 0.0 || of.n_active != n_active_ || of.position.size() != of_then_.position.size() ||
+      around.position.size() != around_then_.position.size())
+    return false;
+  const double moved =
+      largest_move<D>(of.position, of_then_.position) + largest_move<D>(around.position, around_then_.position);
+  const double growth = std::max(largest_growth(of.smoothing_length, of_then_.length),
+                                 largest_growth(around.smoothing_length, around_then_.length));
+  return moved + sph::support_radius * growth <= skin_;
+}
+
+template <int D>
+void PairBlocks<D>::search(const PointSet& of, const PointSet& around) {
+  of_then_ = {of.position, of.smoothing_length};
+  around_then_ = {around.position, around.smoothing_length};
+  n_of_ = of.size();
+  n_active_ = of.n_active;
+  blocks_.clear();
+  candidate_.clear();
+  order_.resize(around.size());
+  skin_ = 0.0;
+  longest_ = 0;
+  const double reach = sph::support_radius * std::max(largest(of.smoothing_length), largest(around.smoothing_length));
+  make_blocks(of, 0, of.n_active, reach);
+  n_active_blocks_ = blocks_.size();
+  make_blocks(of, of.n_active, of.size(), reach);
+  if (around.size() > 0) find_candidates(of, around, relative_skin * reach);
+}
+
+/// Points of one block lie close together: four of some neighbouring cells of two spacings, and never farther apart
+/// than a reach.
+template <int D>
+void PairBlocks<D>::make_blocks(const PointSet& of, Size begin, Size end, double reach) {
+  if (begin == end) return;
+  double volume = 0.0;
+  for (Size i = begin; i < end; ++i) volume += of.volume[i];
+  const double spacing = std::pow(volume / static_cast<double>(end - begin), 1.0 / D);
+  const auto points = all_points<D>(of, begin, end);
+  sph::CellGrid<D> grid;
+  // A little less than two spacings: on a lattice, rounding must not put the first point of a cell into the one before.
+  grid.build(points, (2.0 - 1e-6) * spacing);
+  Vec<D> lower, upper;
+  for (const Index i : grid.order()) {
+    if (!blocks_.empty()) {
+      auto& last = blocks_.back();
+      const Vec<D> low = lower.cwiseMin(points[i]), high = upper.cwiseMax(points[i]);
+      if (last.point[0] >= begin && last.used < n_lanes && (high - low).maxCoeff() <= reach) {
+        last.point[last.used++] = static_cast<Index>(begin) + i;
+        lower = low;
+        upper = high;
+        continue;
+      }
+    }
+    Block block{};
+    block.point.fill(static_cast<Index>(begin) + i);
+    block.used = 1;
+    blocks_.push_back(block);
+    lower = upper = points[i];
+  }
+}
+
+template <int D>
+void PairBlocks<D>::find_candidates(const PointSet& of, const PointSet& around, double skin) {
+  skin_ = skin;
+  const Size n = around.size();
+  const double own = largest(around.smoothing_length);
+  const auto points = all_points<D>(around, 0, n);
+  sph::CellGrid<D> order;
+  order.build(points, 0.5 * sph::support_radius * own);
+  order_.assign(order.order().begin(), order.order().end());
+  VecArray<D> sorted(n);
+  std::vector<double> length(n);
+  for (Size j = 0; j < n; ++j) {
+    sorted[j] = points[order_[j]];
+    length[j] = around.smoothing_length[order_[j]];
+  }
+  sph::CellGrid<D> grid;
+  grid.build(sorted, 0.5 * sph::support_radius * own);
+  std::vector<std::uint64_t> found;  // the caller's index, then ours: sorted by the first
+  for (auto& block : blocks_) {
+    Vec<D> lower = point<D>(of, block.point[0]), upper = lower;
+    double h = 0.0;
+    for (Size l = 0; l < block.used; ++l) {
+      const Vec<D> x = point<D>(of, block.point[l]);
+      lower = lower.cwiseMin(x);
+      upper = upper.cwiseMax(x);
+      h = std::max(h, of.smoothing_length[block.point[l]]);
+    }
+    const double reach = sph::support_radius * std::max(h, own) + skin;
+    found.clear();
+    grid.for_each_near((lower.array() - reach).matrix(), (upper.array() + reach).matrix(), [&](Index j) {
+      const Vec<D> apart = (lower - sorted[j]).cwiseMax(sorted[j] - upper).cwiseMax(0.0);
+      const double radius = sph::support_radius * std::max(h, length[j]) + skin;
+      if (apart.squaredNorm() < radius * radius) found.push_back(static_cast<std::uint64_t>(order_[j]) << 32 | j);
+    });
+    std::sort(found.begin(), found.end());
+    block.first = candidate_.size();
+    for (const auto key : found) candidate_.push_back(static_cast<Index>(key & 0xffffffffu));
+    block.last = candidate_.size();
+    longest_ = std::max(longest_, found.size());
+  }
+}
+
+template <int D>
+void PairBlocks<D>::gather(const PointSet& of, const PointSet& around) {
+  const auto node = [](const PointSet& points, Size i) {
+    Node out;
+    const double h = points.smoothing_length[i];
+    for (Size d = 0; d < D; ++d) out.x[d] = points.position[i * D + d];
+    out.length = h;
+    out.shrink = 1.0 / (sph::support_radius * h);
+    out.amplitude = points.volume[i] * sph::WendlandC2<D>::normalisation(h);
+    return out;
+  };
+  nodes_.resize(around.size());
+  for (Size j = 0; j < nodes_.size(); ++j) nodes_[j] = node(around, order_[j]);
+  for (auto& block : blocks_)
+    for (Size l = 0; l < n_lanes; ++l) {
+      const Node now = node(of, block.point[l]);
+      for (Size d = 0; d < D; ++d) block.x[d].v[l] = now.x[d];
+      block.shrink.v[l] = now.shrink;
+      block.amplitude.v[l] = now.amplitude;
+      block.length.v[l] = now.length;
+    }
+}
+
+template class PairBlocks<2>;
+template class PairBlocks<3>;
+
+}  // namespace poretwin::coupling

@@ -1,0 +1,100 @@
+// Neighbours of one cloud of points in another, in blocks of four points that share one list of candidates: what is
+// summed over the list is summed for four points at once. Lists hold until points have moved by a skin; being a mere
+// cache, they never change a result: candidates stand in the caller's order, and those out of reach weigh exactly 0.
+#pragma once
+
+#include "common/core/vector.hpp"
+#include "common/coupling/exchange.hpp"
+#include "coupler/lanes.hpp"
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace poretwin::coupling {
+
+/// Room added to every support radius, in units of the largest one: lists hold until points have moved that far, taken
+/// together.
+inline constexpr double relative_skin = 0.1;
+
+template <int D>
+class PairBlocks {
+ public:
+  /// A candidate: W(r, h) V = amplitude u^4 (5 - 4 u), u = max(0, 1 - r shrink), the Wendland C2 kernel.
+  struct Node {
+    std::array<double, D> x;  ///< m
+    double shrink;            ///< 1/m, 1 / (2 h)
+    double amplitude;         ///< V times the kernel's value at its centre
+    double length;            ///< m, h
+  };
+  /// Four points (or fewer: the free lanes repeat one).
+  struct Block {
+    std::array<Quad, D> x;
+    Quad shrink, amplitude, length;
+    std::array<Index, n_lanes> point;  ///< in the caller's order
+    std::size_t used;
+    std::size_t first, last;  ///< candidates
+  };
+
+  /// Brings the blocks over all points of `of`, their candidates among all points of `around`, and the positions up to
+  /// date.
+  void update(const PointSet& of, const PointSet& around);
+
+  /// Those of active points come first.
+  [[nodiscard]] std::span<const Block> blocks() const { return blocks_; }
+  [[nodiscard]] std::span<const Block> active_blocks() const { return std::span(blocks_).first(n_active_blocks_); }
+  [[nodiscard]] std::span<const Index> candidates(const Block& b) const {
+    return std::span(candidate_).subspan(b.first, b.last - b.first);
+  }
+  [[nodiscard]] std::size_t longest_list() const { return longest_; }
+  [[nodiscard]] std::size_t n_candidates() const { return candidate_.size(); }
+  /// In cell order: neighbours in space lie close in memory.
+  [[nodiscard]] std::span<const Node> nodes() const { return nodes_; }
+  /// Cell order -> the caller's, of `around`.
+  [[nodiscard]] std::span<const Index> order() const { return order_; }
+  /// Points of `of`.
+  [[nodiscard]] std::size_t size() const { return n_of_; }
+  [[nodiscard]] std::size_t n_active() const { return n_active_; }
+
+  [[nodiscard]] std::uint64_t rebuilds() const { return rebuilds_; }
+  [[nodiscard]] std::uint64_t reuses() const { return reuses_; }
+
+ private:
+  [[nodiscard]] bool lists_hold(const PointSet& of, const PointSet& around) const;
+  void search(const PointSet& of, const PointSet& around);
+  void make_blocks(const PointSet& of, std::size_t begin, std::size_t end, double reach);
+  void find_candidates(const PointSet& of, const PointSet& around, double skin);
+  void gather(const PointSet& of, const PointSet& around);
+
+  std::vector<Block> blocks_;
+  std::size_t n_active_blocks_ = 0, n_of_ = 0, n_active_ = 0, longest_ = 0;
+  std::vector<Index> candidate_;  ///< into nodes_
+  std::vector<Node> nodes_;
+  std::vector<Index> order_;
+  std::uint64_t rebuilds_ = 0, reuses_ = 0;
+  // As they were when the lists were made.
+  struct Then {
+    std::vector<double> position, length;
+  } of_then_, around_then_;
+  double skin_ = 0.0;  ///< m
+};
+
+/// V W(|x_i - x_j|, h) of one candidate for a block's four points; h and V are the candidate's (numbers) or the block's
+/// (lanes).
+template <int D, class Value>
+[[gnu::always_inline]] inline void weigh(const typename PairBlocks<D>::Node& node, const std::array<Quad, D>& x,
+                                         const Value& shrink, const Value& amplitude, Lanes& weight) {
+  Lanes r{};
+  for (std::size_t d = 0; d < D; ++d) {
+    const Lanes apart = node.x[d] - x[d].v;
+    r += apart * apart;
+  }
+  take_root(r);
+  Lanes u = 1.0 - r * shrink;
+  raise_to(u, Lanes{});
+  const Lanes u2 = u * u;
+  weight = amplitude * (u2 * u2) * (5.0 - 4.0 * u);
+}
+
+}  // namespace poretwin::coupling
