@@ -8,6 +8,8 @@
 #include "fluid_solver/operators.hpp"
 
 #include <fmt/format.h>
+#include <cstdlib>
+#include "fluid_solver/operators.hpp"
 
 #include <cmath>
 #include <numbers>

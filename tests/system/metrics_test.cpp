@@ -127,7 +127,7 @@ TEST(Metrics, CurveAndExit) {
   m.to = 1.0;
   EXPECT_NEAR(judge(m, ramp, 0).error, 0.01 / 1.01, 1e-12);
   // The same ramp half a second later: the clocks start where both pass 0.5.
-  m.curve = Series{{{0.5, 0.0}, {1.25, 0.75}}};
+  m.curve = Series{{{0.5, 0.0}, {1.25, 1.5}}};
   m.to = 1.3;
   EXPECT_FALSE(judge(m, ramp, 0).passed);
   m.align = 0.5;
