@@ -26,6 +26,9 @@ std::filesystem::path program_folder();
 
 /// Makes the folder of a run ready: new, or an older run's, whose results are removed. Anything else is refused with
 /// FileError.
+/// Throws FileError unless a run has begun there.
+void expect_run_folder(const std::filesystem::path& out);
+
 void prepare_run_folder(const std::filesystem::path& out);
 
 }  // namespace poretwin::cli

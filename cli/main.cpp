@@ -18,6 +18,8 @@
 #include <cstdio>
 #include <filesystem>
 #include <functional>
+#include <limits>
+#include <optional>
 
 namespace {
 
@@ -36,7 +38,9 @@ struct Arguments {
   std::string fluid, solid;
   double until = 0.0, tolerance = 0.01;
   std::vector<std::string> set;
-  bool no_pictures = false, quiet = false;
+  bool no_pictures = false, quiet = false, resume = false;
+  std::optional<double> checkpoint_every;
+  int restarts = 2;
 };
 
 int run(const Arguments& a) {
@@ -52,6 +56,9 @@ int run(const Arguments& a) {
   options.solid = a.solid;
   options.quiet = a.quiet;
   options.pictures = !a.no_pictures;
+  options.resume = a.resume;
+  options.checkpoint_every = a.checkpoint_every;
+  options.restarts = a.restarts;
   const RunResult result = run_case(options);
   if (result.exit != 0) fmt::print(stderr, "poretwin: {}\n", result.reason);
   return result.exit;
@@ -104,6 +111,14 @@ void declare(CLI::App& app, Arguments& a, VerifyOptions& v, std::vector<std::str
   run_command->add_option("--fluid", a.fluid,
                           "command to run in place of the fluid solver, such as \"python3 my_fluid.py\"");
   run_command->add_option("--solid", a.solid, "command to run in place of the solid solver");
+  run_command->add_flag("--resume", a.resume, "go on from the last checkpoint of the run in that folder");
+  run_command
+      ->add_option("--checkpoint-every", a.checkpoint_every,
+                   "wall-clock between checkpoints [s] (default 60); 0: after every window, inf: on Ctrl-C only")
+      ->check(CLI::Range(0.0, std::numeric_limits<double>::infinity()));
+  run_command->add_option("--restarts", a.restarts, "after a crash, from the last checkpoint, at most so often")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   run_command->add_flag("--no-pictures", a.no_pictures, "draw no pictures at the end");
   run_command->add_flag("--quiet", a.quiet, "neither progress nor summary");
   run_command->callback([&] { action = [&] { return run(a); }; });

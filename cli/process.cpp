@@ -129,7 +129,8 @@ std::array<Descriptor, 2> make_pipe() {
 Child start(const Program& program, const Signals& signals) {
   Child child;
   child.program = program;
-  const Descriptor log(::open(program.log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+  const Descriptor log(
+      ::open(program.log.c_str(), O_WRONLY | O_CREAT | (program.goes_on ? O_APPEND : O_TRUNC) | O_CLOEXEC, 0666));
   if (log.get() < 0)
     throw FileError(fmt::format("{}: cannot be written: {}", program.log.string(), std::strerror(errno)));
   std::vector<std::string> texts{program.file.string()};

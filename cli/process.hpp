@@ -19,6 +19,7 @@ struct Program {
   std::map<std::string, std::string> environment;  ///< in addition to ours
   std::filesystem::path log;                       ///< where its stdout and stderr go
   bool reports_progress = false;                   ///< gets "--progress-fd N"
+  bool goes_on = false;                            ///< its log is added to, not begun anew
 };
 
 struct Ended {

@@ -1,12 +1,14 @@
 #include "cli/run.hpp"
 
 #include "cli/locate.hpp"
-#include "cli/script.hpp"
 #include "cli/progress.hpp"
+#include "cli/script.hpp"
 #include "common/case/case.hpp"
+#include "common/checkpoint/store.hpp"
 #include "common/core/error.hpp"
 #include "common/output/build_info.hpp"
 #include "common/output/gauge_log.hpp"
+#include "common/output/undo_driver.hpp"
 
 #include <fmt/format.h>
 #include <sched.h>
@@ -63,7 +65,8 @@ Program in_place(const std::string& command, Program solver) {
   return solver;
 }
 
-std::vector<Program> programs_of(const RunOptions& options, const Case& scene, const std::string& address) {
+std::vector<Program> programs_of(const RunOptions& options, const Case& scene, const std::string& address, bool resume,
+                                 bool again) {
   const int threads = available_threads();
   const auto program = [&](const std::string& name, std::vector<std::string> first, int count) {
     Program p;
@@ -71,9 +74,14 @@ std::vector<Program> programs_of(const RunOptions& options, const Case& scene, c
     p.file = options.programs / ("poretwin-" + name);
     p.arguments = {"--case", options.case_file.string(), "--out", options.out.string()};
     p.arguments.insert(p.arguments.end(), first.begin(), first.end());
+    if (resume) p.arguments.push_back("--resume");
+    const bool leads = name == "coupler" || !scene.coupled();
+    if (leads && options.checkpoint_every)
+      p.arguments.insert(p.arguments.end(), {"--checkpoint-every", fmt::format("{}", *options.checkpoint_every)});
     for (const auto& assignment : options.overrides) p.arguments.insert(p.arguments.end(), {"--set", assignment});
     p.environment = {{"OMP_NUM_THREADS", std::to_string(std::max(1, count))}};
     p.log = options.out / "log" / (name + ".log");
+    p.goes_on = resume || again;
     return p;
   };
   std::vector<Program> programs;
@@ -161,8 +169,9 @@ void write_run_file(const RunOptions& options, const std::string& started, const
   text += fmt::format("]\nversion = {}\nbuild = {}\nhost = {}\nstarted = {}\n", toml_text(version()),
                       toml_text(build()), toml_text(host()), toml_text(started));
   if (result != nullptr) {
-    text += fmt::format("ended = {}\nexit = {}\nreason = {}\nwall_s = {:.3f}\ncpu_s = {:.3f}\n\n[exits]\n",
-                        toml_text(time_now()), result->exit, toml_text(result->reason), result->wall, result->cpu);
+    text += fmt::format(
+        "ended = {}\nexit = {}\nreason = {}\nwall_s = {:.3f}\ncpu_s = {:.3f}\nrestarts = {}\n\n[exits]\n",
+        toml_text(time_now()), result->exit, toml_text(result->reason), result->wall, result->cpu, result->restarts);
     for (const auto& ended : result->ended) text += fmt::format("{} = {}\n", ended.name, ended.status);
   }
   std::ofstream stream(options.out / "run.toml", std::ios::binary);
@@ -217,29 +226,52 @@ RunResult run_case(const RunOptions& options) {
   if (!scene.coupled() && !(options.fluid.empty() && options.solid.empty()))
     throw CaseError(
         "the case's soil is rigid, so the fluid runs alone: expected another solid.model with --fluid or --solid");
-  prepare_run_folder(options.out);
+  if (options.resume)
+    expect_run_folder(options.out);
+  else
+    prepare_run_folder(options.out);
   const std::string started = time_now();
   write_run_file(options, started, nullptr);
   const PrivateFolder socket;
   ProgressView view(options.quiet);
   const auto start = std::chrono::steady_clock::now();
-  const Watched watched = run_together(
-      programs_of(options, scene, "ipc://" + (socket.path() / "poretwin.sock").string()),
-      [&](const std::string& line) { view.line(line); }, [&] { view.tick(); });
-  view.finish();
-
+  const std::string address = "ipc://" + (socket.path() / "poretwin.sock").string(),
+                    leader = scene.coupled()      ? "coupler"
+                             : scene.deformable() ? "solid"
+                                                  : "fluid";
   RunResult result;
-  result.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  result.ended = watched.ended;
-  for (const auto& ended : watched.ended) result.cpu += ended.cpu;
-  const Ended* cause = root_cause(watched.ended);
-  if (watched.interrupted) {
-    result.exit = interrupted_exit;
-    result.reason = "interrupted";
-  } else if (cause != nullptr) {
-    result.exit = cause->signal != 0 ? static_cast<int>(ExitCode::failure) : cause->status;
-    result.reason = reason_of(*cause);
+  bool resume = options.resume;
+  for (;;) {
+    const Watched watched = run_together(
+        programs_of(options, scene, address, resume, result.restarts > 0),
+        [&](const std::string& line) { view.line(line); }, [&] { view.tick(); });
+    view.finish();
+    result.ended = watched.ended;
+    for (const auto& ended : watched.ended) result.cpu += ended.cpu;
+    const Ended* cause = root_cause(watched.ended);
+    if (watched.interrupted) {
+      result.exit = interrupted_exit;
+      result.reason = "interrupted";
+    } else if (cause != nullptr) {
+      result.exit = cause->signal != 0 ? static_cast<int>(ExitCode::failure) : cause->status;
+      result.reason = reason_of(*cause);
+    }
+    // What ended by itself with a reason would end so again; a crash may have come from outside.
+    if (watched.interrupted || cause == nullptr || cause->signal == 0 || cause->by_us ||
+        result.restarts == options.restarts)
+      break;
+    ++result.restarts;
+    resume = has_checkpoints(options.out, leader);
+    fmt::print(stderr, "poretwin: {} was killed by signal {} ({}); restart {} of {}, from {}\n", cause->name,
+               cause->signal, ::strsignal(cause->signal), result.restarts, options.restarts,
+               resume ? "the last checkpoint" : "the beginning: there is no checkpoint yet");
+    result.exit = 0;
+    result.reason.clear();
   }
+  // Nobody writes any more: what a dead process left half-written goes back to the last whole frame.
+  for (const char* phase : {"fluid", "solid"}) hdf5::roll_back(options.out / (std::string(phase) + ".vtkhdf"));
+  result.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (result.exit == 0) fs::remove_all(options.out / "checkpoints");
   result.summaries = read_summaries(options.out);
   merge_gauges({options.out / "gauges.fluid.csv", options.out / "gauges.solid.csv"}, options.out / "gauges.csv");
   write_run_file(options, started, &result);

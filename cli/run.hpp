@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,12 +30,16 @@ struct RunOptions {
   std::filesystem::path programs;  ///< folder of poretwin-fluid, poretwin-solid, poretwin-coupler
   bool quiet = false;              ///< neither progress nor summary
   bool pictures = true;
+  bool resume = false;                     ///< from the newest checkpoint in `out`
+  std::optional<double> checkpoint_every;  ///< s of wall-clock; absent: as the processes hold it
+  int restarts = 2;                        ///< after a crash, at most
 };
 
 struct RunResult {
   int exit = 0;                  ///< of the process that failed first; 130 when interrupted
   std::string reason;            ///< empty when all went well
   double wall = 0.0, cpu = 0.0;  ///< s
+  int restarts = 0;              ///< after crashes
   std::vector<Ended> ended;
   std::vector<Summary> summaries;
 };

@@ -59,6 +59,7 @@ class Search {
     options.overrides.emplace_back("case.end_time=1e-9");  // the rest is what is asked for
     options.quiet = true;
     options.pictures = false;
+    options.restarts = 0;
     const RunResult result = run_case(options);
     const double wall = safety_.run.wall + result.wall, cpu = safety_.run.cpu + result.cpu;
     safety_.run = result;

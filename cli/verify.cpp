@@ -81,6 +81,7 @@ class CaseCheck {
     options.programs = options_.programs;
     options.quiet = true;
     options.pictures = false;
+    options.restarts = 0;
     const RunResult result = run.command == "safety" ? find_safety(options, 0.01).run : run_case(options);
     wall_ += result.wall;
     cpu_ += result.cpu;

@@ -83,6 +83,8 @@ struct Peer {
   std::string name;
   std::string line;  ///< empty: not there
   Contract contract;
+  bool keeps_checkpoints = false;
+  std::vector<std::string> checkpoints;
   std::deque<Message> queue;
   std::uint64_t sequence = 0, sent = 0;
   Clock::time_point heard;
@@ -183,6 +185,11 @@ class Broker::Implementation {
   }
 
   const Contract& contract(Role role) const { return peers_[index(role)].contract; }
+  bool keeps_checkpoints(Role role) const { return peers_[index(role)].keeps_checkpoints; }
+  const std::vector<std::string>& checkpoints(Role role) const { return peers_[index(role)].checkpoints; }
+  void say(const std::string& line) const {
+    if (options_.say) options_.say("coupler: " + line);
+  }
   bool interrupted() const { return peer_interrupted_ || (options_.interrupted && options_.interrupted()); }
   const BrokerTotals& totals() const { return totals_; }
   const std::string& culprit() const { return culprit_; }
@@ -190,9 +197,6 @@ class Broker::Implementation {
  private:
   static std::size_t index(Role role) { return role == Role::fluid ? 0 : 1; }
   Peer& peer(Role role) { return peers_[index(role)]; }
-  void say(const std::string& line) const {
-    if (options_.say) options_.say("coupler: " + line);
-  }
 
   std::string state_of(const Peer& p) const {
     const std::string cut = hub_.cut(p.line) ? ", and the line to it is cut or its host is down" : "";
@@ -358,6 +362,8 @@ class Broker::Implementation {
     auto& p = peer(hello->role == "fluid" ? Role::fluid : Role::solid);
     p.line = line;
     p.contract = hello->contract;
+    p.keeps_checkpoints = hello->keeps_checkpoints;
+    p.checkpoints = hello->checkpoints;
     p.sequence = message.sequence;
     p.heard = Clock::now();
     p.last = describe(message);
@@ -422,6 +428,9 @@ void Broker::abort(const Error& error, const std::string& culprit) {
 }
 void Broker::say_goodbye() { implementation_->say_goodbye(); }
 const Contract& Broker::contract(Role role) const { return implementation_->contract(role); }
+bool Broker::keeps_checkpoints(Role role) const { return implementation_->keeps_checkpoints(role); }
+const std::vector<std::string>& Broker::checkpoints(Role role) const { return implementation_->checkpoints(role); }
+void Broker::say(const std::string& line) const { implementation_->say(line); }
 bool Broker::interrupted() const { return implementation_->interrupted(); }
 const BrokerTotals& Broker::totals() const { return implementation_->totals(); }
 const std::string& Broker::culprit() const { return implementation_->culprit(); }

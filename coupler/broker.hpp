@@ -53,6 +53,10 @@ class Broker {
   void say_goodbye();
 
   [[nodiscard]] const Contract& contract(Role role) const;
+  /// What it said of checkpoints when it came.
+  [[nodiscard]] bool keeps_checkpoints(Role role) const;
+  [[nodiscard]] const std::vector<std::string>& checkpoints(Role role) const;
+  void say(const std::string& line) const;
   /// Has a person asked the coupler or a participant to stop?
   [[nodiscard]] bool interrupted() const;
   [[nodiscard]] const BrokerTotals& totals() const;

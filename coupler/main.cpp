@@ -1,5 +1,6 @@
 // poretwin-coupler: reads the case, binds the address, runs the schedule, writes OUT/coupler.summary.json.
 #include "common/case/case.hpp"
+#include "common/case/identity.hpp"
 #include "common/coupling/interrupt.hpp"
 #include "common/coupling/process_main.hpp"
 #include "coupler/broker.hpp"
@@ -21,7 +22,8 @@ RunSummary summarise(const Broker& broker, const ScheduleReport& report) {
   out.seconds = {{"mapping", report.mapping},
                  {"waiting_for_fluid", totals.waiting_for_fluid},
                  {"waiting_for_solid", totals.waiting_for_solid},
-                 {"sending", totals.sending}};
+                 {"sending", totals.sending},
+                 {"checkpointing", report.checkpointing}};
   out.steps = {{"windows", number(report.windows)},
                {"rejected", number(report.rejected_by_fluid + report.rejected_by_solid)},
                {"rejected_by_fluid", number(report.rejected_by_fluid)},
@@ -33,7 +35,8 @@ RunSummary summarise(const Broker& broker, const ScheduleReport& report) {
                   {"pair_lists_rebuilt", number(report.pairs.rebuilds)},
                   {"pair_lists_reused", number(report.pairs.reuses)},
                   {"points_unchanged", number(report.points_unchanged)},
-                  {"fields_skipped", number(report.fields_skipped)}};
+                  {"fields_skipped", number(report.fields_skipped)},
+                  {"checkpoints", number(report.checkpoints)}};
   for (const auto& [cause, windows] : report.limited_by)
     out.counters.emplace_back("windows limited by " + cause, number(windows));
   const char axes[] = "xyz";
@@ -58,6 +61,7 @@ std::optional<IterationSettings> iteration_of(const CouplingCase& c) {
 /// Everything that outlives a failure, so that the summary can still be written.
 struct Run {
   std::unique_ptr<Hub> hub;
+  std::optional<CheckpointStore> checkpoints;
   std::optional<Broker> broker;
   std::optional<Schedule> schedule;
 };
@@ -81,12 +85,14 @@ void execute(const Arguments& arguments, Run& run) {
   options.waiting = [&run](const std::string& whom) {
     if (run.schedule) run.schedule->note_waiting(whom);
   };
+  run.checkpoints.emplace(arguments.out, "coupler", run_identity(scene), log_line);
   run.broker.emplace(*run.hub, std::move(options));
   run.schedule.emplace(
       *run.broker, scene.general.dimension,
       WindowClock::Settings{scene.general.end_time, scene.coupling.interval, scene.output.interval,
                             scene.output.gauge_interval},
-      [lines](const Progress& p) { lines->write(p, p.time >= p.end); }, iteration_of(scene.coupling));
+      [lines](const Progress& p) { lines->write(p, p.time >= p.end); },
+      Checkpoints{&*run.checkpoints, arguments.checkpoint_every, arguments.resume}, iteration_of(scene.coupling));
   log_line("coupler: listening at " + run.hub->address());
   run.schedule->run();
 }

@@ -48,6 +48,7 @@ class CloudMapping final : public SpatialMapping {
   }
   const std::vector<Account>& accounts() const override { return accounts_; }
   void set_accounts(std::vector<Account> accounts) override { accounts_ = std::move(accounts); }
+  void archive(Archive& archive) override { archive(accounts_); }
 
  private:
   static bool is_fraction(std::string_view name) {

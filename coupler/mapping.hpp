@@ -11,6 +11,7 @@
 // does not skew the shares.
 #pragma once
 
+#include "common/core/archive.hpp"
 #include "common/coupling/exchange.hpp"
 #include "coupler/pair_blocks.hpp"
 
@@ -108,6 +109,8 @@ class SpatialMapping {
   /// Accounts are part of the state of a window: a rejected window puts them back.
   [[nodiscard]] virtual const std::vector<Account>& accounts() const = 0;
   virtual void set_accounts(std::vector<Account> accounts) = 0;
+  /// For a checkpoint: the accounts, for lists are a mere cache.
+  virtual void archive(Archive& archive) = 0;
 };
 
 std::unique_ptr<SpatialMapping> make_mapping(int dimension);

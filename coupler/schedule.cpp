@@ -1,5 +1,6 @@
 #include "coupler/schedule.hpp"
 
+#include "common/core/hash.hpp"
 #include "common/coupling/drive.hpp"
 
 #include <fmt/format.h>
@@ -15,23 +16,45 @@ using Clock = std::chrono::steady_clock;
 
 Role other(Role role) { return role == Role::fluid ? Role::solid : Role::fluid; }
 
+/// Of all that the rest of a run can depend on.
+std::uint64_t digest_of(const Snapshot& snapshot) {
+  Snapshot copy = snapshot;
+  PointSet points = *snapshot.points;
+  Archive archive;
+  archive(copy.time, copy.proposed_interval, copy.limited_by, points, copy.fields);
+  return fnv1a(archive.bytes());
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const auto& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text.empty() ? "none" : text;
+}
+
 }  // namespace
 
 class Schedule::Implementation {
  public:
   Implementation(Broker& broker, int dimension, WindowClock::Settings settings,
-                 std::function<void(const Progress&)> progress, std::optional<IterationSettings> iteration)
+                 std::function<void(const Progress&)> progress, Checkpoints checkpoints,
+                 std::optional<IterationSettings> iteration)
       : broker_(broker),
         clock_(settings),
         mapping_(make_mapping(dimension)),
         progress_(std::move(progress)),
-        iteration_settings_(iteration) {}
+        iteration_settings_(iteration),
+        checkpoints_(checkpoints),
+        checkpoint_schedule_(checkpoints) {}
 
   void run() {
     try {
       broker_.gather();
       start();
-      while (!clock_.finished() && !broker_.interrupted()) window();
+      while (!clock_.finished() && !broker_.interrupted()) {
+        window();
+        if (checkpoint_schedule_.due() && !clock_.finished()) checkpoint();
+      }
+      if (!clock_.finished() && checkpoints_.store) checkpoint();
       finish();
     } catch (const Error& error) {
       broker_.abort(error, broker_.culprit());
@@ -58,11 +81,94 @@ class Schedule::Implementation {
   void start() {
     fluid_ = receive_publication(Role::fluid, 0.0, nullptr);
     solid_ = receive_publication(Role::solid, 0.0, nullptr);
+    if (checkpoints_.store)
+      for (const Role role : {Role::fluid, Role::solid})
+        if (!broker_.keeps_checkpoints(role)) {
+          if (checkpoints_.resume)
+            throw PeerError(fmt::format("the {} keeps no checkpoints: this run cannot be resumed", to_string(role)));
+          broker_.say(fmt::format("no checkpoints in this run: the {} keeps none", to_string(role)));
+          checkpoints_.store = nullptr;
+          checkpoint_schedule_ = CheckpointSchedule(checkpoints_);
+          break;
+        }
+    if (checkpoints_.resume) {
+      resume();
+      return;
+    }
+    if (checkpoints_.store) checkpoints_.store->keep_only({});
     for (const Role role : {Role::fluid, Role::solid}) {
       Message message;
       message.body = Initialise{true, true};
       send_mapped(role, std::move(message), nullptr, now(other(role)), now(other(role)));
       now(role) = receive_publication(role, 0.0, now(role).points);
+    }
+  }
+
+  /// The coupler's own state; the participants' publications as their digests only: they repeat them.
+  void archive(Archive& archive) {
+    std::uint64_t fluid = 0, solid = 0;
+    if (!archive.loading()) {
+      fluid = digest_of(fluid_);
+      solid = digest_of(solid_);
+    }
+    archive(clock_, step_, *mapping_, report_, fluid, solid);
+    if (archive.loading()) digests_ = {fluid, solid};
+  }
+
+  /// Everybody writes; the coupler's own file, written last, is what makes it count.
+  void checkpoint() {
+    const auto start = Clock::now();
+    const std::string name = checkpoint_schedule_.name(step_);
+    for (const Role role : {Role::fluid, Role::solid}) {
+      Message message = message_of(CheckpointOrder{name, checkpoint_schedule_.kept()}, step_);
+      message.time = clock_.time();
+      broker_.send(role, std::move(message));
+    }
+    for (const Role role : {Role::fluid, Role::solid}) {
+      const Message answer = broker_.wait(role);
+      const auto* written = std::get_if<CheckpointWritten>(&answer.body);
+      if (!written || written->name != name)
+        throw PeerError(fmt::format("{} answered {} to CHECKPOINT {}", to_string(role), describe(answer), name));
+    }
+    Archive state;
+    archive(state);
+    checkpoints_.store->write({name, step_, clock_.time()}, state);
+    checkpoint_schedule_.committed(name);
+    checkpoints_.store->keep_only(checkpoint_schedule_.kept());
+    ++report_.checkpoints;
+    report_.checkpointing += std::chrono::duration<double>(Clock::now() - start).count();
+  }
+
+  /// From the newest checkpoint that all three hold.
+  void resume() {
+    const auto mine = checkpoints_.store->whole();
+    const auto &fluids = broker_.checkpoints(Role::fluid), &solids = broker_.checkpoints(Role::solid);
+    std::vector<std::string> names;
+    const auto has = [](const auto& list, const std::string& name) {
+      return std::find(list.begin(), list.end(), name) != list.end();
+    };
+    const auto chosen = std::find_if(mine.begin(), mine.end(), [&](const Checkpoint& c) {
+      names.push_back(c.name);
+      return has(fluids, c.name) && has(solids, c.name);
+    });
+    if (chosen == mine.end())
+      throw FileError(
+          fmt::format("nothing to resume from: expected one checkpoint that all three hold whole, found: "
+                      "coupler {}; fluid {}; solid {}",
+                      listed(names), listed(fluids), listed(solids)));
+    Archive state = checkpoints_.store->read(chosen->name);
+    archive(state);
+    state.expect_end();
+    broker_.say(fmt::format("resuming from checkpoint {}: step {}, t = {:g} s", chosen->name, step_, clock_.time()));
+    checkpoint_schedule_.set_kept({chosen->name});
+    for (const Role role : {Role::fluid, Role::solid}) {
+      Message message = message_of(Resume{chosen->name}, step_);
+      message.time = clock_.time();
+      broker_.send(role, std::move(message));
+      now(role) = receive_publication(role, clock_.time(), now(role).points);
+      if (digest_of(now(role)) != (role == Role::fluid ? digests_.first : digests_.second))
+        throw PeerError(fmt::format("the {} came back from checkpoint {} with another state than it went with",
+                                    to_string(role), chosen->name));
     }
   }
 
@@ -257,11 +363,16 @@ class Schedule::Implementation {
   WindowClock::Plan plan_;
   double fluid_limit_ = no_limit, solid_limit_ = no_limit;
   ScheduleReport report_;
+  Checkpoints checkpoints_;
+  CheckpointSchedule checkpoint_schedule_;
+  std::pair<std::uint64_t, std::uint64_t> digests_{};  ///< of what fluid and solid published at the checkpoint
 };
 
 Schedule::Schedule(Broker& broker, int dimension, WindowClock::Settings settings,
-                   std::function<void(const Progress&)> progress, std::optional<IterationSettings> iteration)
-    : implementation_(std::make_unique<Implementation>(broker, dimension, settings, std::move(progress), iteration)) {}
+                   std::function<void(const Progress&)> progress, Checkpoints checkpoints,
+                   std::optional<IterationSettings> iteration)
+    : implementation_(
+          std::make_unique<Implementation>(broker, dimension, settings, std::move(progress), checkpoints, iteration)) {}
 Schedule::~Schedule() = default;
 void Schedule::run() { implementation_->run(); }
 void Schedule::note_waiting(const std::string& whom) { implementation_->note_waiting(whom); }

@@ -4,6 +4,7 @@
 // docs/protocol.md shows the sequence.
 #pragma once
 
+#include "common/checkpoint/schedule.hpp"
 #include "common/coupling/border.hpp"
 #include "common/coupling/summary.hpp"
 #include "common/coupling/window_clock.hpp"
@@ -31,13 +32,21 @@ struct ScheduleReport {
   bool interrupted = false;
   MappingCounts pairs;
   std::vector<SpatialMapping::Account> accounts;
+  double checkpointing = 0.0;  ///< s
+  std::uint64_t checkpoints = 0;
+
+  /// What a run that is resumed counts on from.
+  void archive(Archive& archive) {
+    archive(windows, passes, rejected_by_fluid, rejected_by_solid, fields_skipped, points_unchanged, limited_by);
+  }
 };
 
 class Schedule {
  public:
   /// `progress` may be empty. Without `iteration`: one pass a window.
   Schedule(Broker& broker, int dimension, WindowClock::Settings settings,
-           std::function<void(const Progress&)> progress = {}, std::optional<IterationSettings> iteration = {});
+           std::function<void(const Progress&)> progress = {}, Checkpoints checkpoints = {},
+           std::optional<IterationSettings> iteration = {});
   ~Schedule();
   Schedule(const Schedule&) = delete;
   Schedule& operator=(const Schedule&) = delete;

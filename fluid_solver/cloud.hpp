@@ -49,7 +49,7 @@ Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> p
   }
   double largest = 0.0;
   for (const double v : c.volume) {
-    c.length.push_back(smoothing_ratio * std::pow(v, 1.0 / D));
+    c.length.push_back(smoothing_ratio * spacing_of<D>(v));
     largest = std::max(largest, c.length.back());
   }
   for (std::size_t i = 0; i < c.size(); ++i) c.owner.push_back(i < c.n_real ? static_cast<double>(i) : -1.0);

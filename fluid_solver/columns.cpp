@@ -49,12 +49,12 @@ void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, dou
     if (!c.wet) continue;
     c.slope = face_slope(s, static_cast<Index>(i), p.pressure, c.pressure).value_or(0.0);
     const Vec<D> probe = c.foot + 0.75 * c.spacing * c.normal;
-    const double h = smoothing_ratio * std::pow(c.volume, 1.0 / D);
+    const double h = smoothing_ratio * spacing_of<D>(c.volume);
     double sum = 0.0, speed = 0.0;
     grid.for_each_within(probe, sph::support_radius * h, [&](Index a, double r2) {
       const double w = p.volume[a] * Kernel<D>::value(std::sqrt(r2), h);
       sum += w;
-      const double spacing = std::pow(p.volume[a], 1.0 / D);
+      const double spacing = spacing_of<D>(p.volume[a]);
       const double loose = motion[a] * 0.5 * (1.0 - s.fullness[a]) * spacing / repair_time(a, view, interval);
       speed += w * (c.normal.dot(p.velocity[a]) + loose);
     });

@@ -3,6 +3,7 @@
 
 #include "common/core/vector.hpp"
 
+#include <array>
 #include <cmath>
 #include <span>
 
@@ -18,18 +19,27 @@ struct PairMatrix {
   /// y = A x, for scalars or small vectors.
   template <class T>
   void apply(std::span<const T> x, std::span<T> y) const {
+    // Two sums side by side: one alone waits for each addition.
     for (std::size_t a = 0; a < size(); ++a) {
-      T sum = diagonal[a] * x[a];
-      for (Index k = offset[a]; k < offset[a + 1]; ++k) sum -= weight[k] * x[column[k]];
-      y[a] = sum;
+      T even = diagonal[a] * x[a], odd = 0.0 * x[a];
+      Index k = offset[a];
+      for (; k + 1 < offset[a + 1]; k += 2) {
+        even -= weight[k] * x[column[k]];
+        odd -= weight[k + 1] * x[column[k + 1]];
+      }
+      if (k < offset[a + 1]) even -= weight[k] * x[column[k]];
+      y[a] = even + odd;
     }
   }
 };
 
 inline double dot(std::span<const double> a, std::span<const double> b) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += a[i] * b[i];
-  return sum;
+  std::array<double, 4> sum{};
+  std::size_t i = 0;
+  for (; i + 4 <= a.size(); i += 4)
+    for (std::size_t k = 0; k < 4; ++k) sum[k] += a[i + k] * b[i + k];
+  for (; i < a.size(); ++i) sum[0] += a[i] * b[i];
+  return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
 inline double norm(std::span<const double> a) { return std::sqrt(dot(a, a)); }

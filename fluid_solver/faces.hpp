@@ -228,13 +228,13 @@ void fit_columns(const std::vector<FaceColumn<D>>& columns, Stencil<D>& s) {
   if (columns.empty()) return;
   sph::CellGrid<D> grid;
   double widest = 0.0;
-  for (const auto& c : columns) widest = std::max(widest, 1.3 * std::pow(c.volume, 1.0 / D));
+  for (const auto& c : columns) widest = std::max(widest, 1.3 * spacing_of<D>(c.volume));
   grid.build(s.position, widest);
   for (const auto& c : columns) {
     const std::size_t begin = s.fit_index.size();
     double sum = 0.0, least = 0.0;
     if (c.wet) {
-      const double h = 0.65 * std::pow(c.volume, 1.0 / D);
+      const double h = 0.65 * spacing_of<D>(c.volume);
       grid.for_each_within(c.foot + 0.75 * c.spacing * c.normal, sph::support_radius * h, [&](Index j, double r2) {
         const Index a = s.parent[j];
         const double d = c.inside(s.position[j]);

@@ -22,6 +22,7 @@ class Fluid final : public Phase {
   coupling::Outcome advance(const coupling::Window& window, const coupling::Inbox& inbox) override;
   void save() override { saved_ = state_; }
   void restore() override { state_ = saved_; }
+  void archive(Archive& archive) override { archive(state_, first_interval_); }
   [[nodiscard]] OutputFrame frame() const override;
   [[nodiscard]] std::vector<GaugeReading> gauges() const override;
   [[nodiscard]] std::map<std::string, double> counters() const override;
@@ -72,7 +73,8 @@ class Fluid final : public Phase {
   Vec<D> weight_ = Vec<D>::Zero(), origin_ = Vec<D>::Zero();
   std::vector<sph::ImagePlane<D>> planes_;
   Vec<D> lower_, upper_;       ///< beyond, water is lost [m]
-  std::uint32_t no_slip_ = 0;  ///< boundary bits
+  std::uint32_t no_slip_ = 0, fixed_soil_ = 0;  ///< boundary bits
+  double soil_extent_ = 0.0;                    ///< m
   State<D> state_, saved_;
 };
 

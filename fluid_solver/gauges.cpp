@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace poretwin::fluid {
 namespace {
 
@@ -248,15 +250,37 @@ class Reader {
   }
 
   /// How far the water reaches in a direction.
+  /// Where the water ends. Half a spacing outside the foremost particle is right for a blunt front only: in the tongue
+  /// of a flood, a wedge, it falls short by 0.7 spacings at a slope of 30 degrees. There the volume ahead of a place is
+  /// as the square of its distance from the tip: the place with 8 particles ahead is twice as far from it as that
+  /// with 2. A blunt front of height H is 4 dx/H spacings short of that.
   [[nodiscard]] double extent(const Gauge& gauge) const {
+    constexpr std::size_t most = 64;
+    constexpr double near = 2.0, far = 8.0;  // particles ahead
     const Line<D> line(gauge);
     const auto& p = state_.particles;
-    double furthest = nan;
+    std::vector<std::pair<double, double>> foremost;  // place, volume
     for (std::size_t a = 0; a < p.size(); ++a)
-      if (inside(gauge, p.position[a]))
-        furthest =
-            std::fmax(furthest, line.direction.dot(p.position[a] - line.a) + 0.5 * std::pow(p.volume[a], 1.0 / D));
-    return furthest;
+      if (inside(gauge, p.position[a])) foremost.emplace_back(line.direction.dot(p.position[a] - line.a), p.volume[a]);
+    if (foremost.empty()) return nan;
+    const std::size_t n = std::min(foremost.size(), most);
+    std::partial_sort(foremost.begin(), foremost.begin() + static_cast<std::ptrdiff_t>(n), foremost.end(),
+                      std::greater<>());
+    const double unit = foremost[0].second, tip = foremost[0].first + 0.5 * spacing_of<D>(unit);
+    if (static_cast<double>(n) < far + 1.0) return tip;  // a few drops
+    const auto place = [&](double ahead) {
+      double lower = foremost[n - 1].first - spacing_of<D>(unit), upper = tip;
+      for (int step = 0; step < 50; ++step) {
+        const double middle = 0.5 * (lower + upper);
+        double sum = 0.0;
+        for (std::size_t i = 0; i < n; ++i)
+          sum +=
+              foremost[i].second * std::clamp((foremost[i].first - middle) / spacing_of<D>(foremost[i].second) + 0.5, 0.0, 1.0);
+        (sum > ahead * unit ? lower : upper) = middle;
+      }
+      return lower;
+    };
+    return 2.0 * place(near) - place(far);
   }
 
   /// Rms distance of the water from its mean position, in a direction.

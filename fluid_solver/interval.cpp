@@ -64,7 +64,7 @@ void Fluid<D>::limit_scheme(const SoilView<D>& view) {
   for (std::size_t a = 0; a < p.size(); ++a) {
     const double n = p.void_fraction[a], C = view.drag[a];
     sweep = std::min(sweep, sweep_interval<D>(n, implicit_drag ? C : 0.0, density_, pressure,
-                                              std::pow(p.volume[a], 1.0 / D), scene_.fluid.sweeps));
+                                              spacing_of<D>(p.volume[a]), scene_.fluid.sweeps));
     if (C <= 0.0) continue;
     drag = std::min(drag, n * density_ / C);
     if (scene_.coupled()) skeleton = std::min(skeleton, view.density[a] * n * n / C);
@@ -78,22 +78,25 @@ template <int D>
 std::pair<double, std::string> Fluid<D>::time_limit() const {
   const auto& p = state_.particles;
   std::pair<double, std::string> limit{longest_interval, "slow seepage"};
-  const auto apply = [&](double interval, const char* why) {
+  const auto apply = [&](double interval, const std::string& why) {
     if (interval < limit.first) limit = {interval, why};
   };
   if (state_.controlled > 0.0) apply(state_.controlled, "pressure change per window");
   for (const auto& l : state_.scheme_limits) apply(l.interval, l.reason);
-  double fastest = 0.0;
+  double fastest = 0.0, fastest_free = 0.0;
   bool free_surface = false, free_water = false, table = false;
   for (std::size_t a = 0; a < p.size(); ++a) {
-    fastest = std::max(fastest, p.velocity[a].norm() / std::pow(p.volume[a], 1.0 / D));
+    double& highest = p.mask[a] <= 0.5 ? fastest_free : fastest;
+    highest = std::max(highest, p.velocity[a].norm() / spacing_of<D>(p.volume[a]));
     free_water = free_water || p.mask[a] <= 0.5;
     if (p.surface[a] == Surface::interior) continue;
     free_surface = free_surface || p.mask[a] < 0.5;
     table = table || p.mask[a] >= 0.5;
   }
   for (const auto& c : state_.columns) fastest = std::max(fastest, std::abs(c.speed) / c.spacing);
-  if (fastest > 0.0) apply(0.25 / fastest, "a quarter spacing per window at the highest speed");
+  if (fastest > 0.0) apply(0.25 / fastest, "a quarter spacing per window at the highest speed in soil or at a face");
+  if (fastest_free > 0.0)
+    apply(0.4 / fastest_free, "two fifths of a spacing per window at the highest speed of free water");
   if (free_surface && weight_.norm() > 0.0)
     apply(0.3 * std::sqrt(dx_ * density_ / weight_.norm()), "gravity waves of one spacing on the free surface");
   // In soil the surface falls no faster than under a unit gradient, nor than freely.

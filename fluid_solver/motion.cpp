@@ -38,7 +38,7 @@ ScalarArray Fluid<D>::moved() const {
   const auto& p = state_.particles;
   ScalarArray result(p.size());
   for (std::size_t a = 0; a < p.size(); ++a) {
-    const double spacing = std::pow(p.volume[a], 1.0 / D);
+    const double spacing = spacing_of<D>(p.volume[a]);
     if (p.mask[a] <= 0.5) {
       result[a] = 1.0;
       continue;
@@ -53,7 +53,7 @@ ScalarArray Fluid<D>::moved() const {
 /// than two windows: a repair that overtakes its window swings.
 template <int D>
 double Fluid<D>::repair_time(std::size_t a, const SoilView<D>& view, double interval) const {
-  const double spacing = std::pow(state_.particles.volume[a], 1.0 / D);
+  const double spacing = spacing_of<D>(state_.particles.volume[a]);
   const double g = gravity_or_standard();
   return std::max({2.0 * interval, free_repair_time(spacing),
                    0.3 * spacing * view.drag[a] / (density_ * g * state_.particles.void_fraction[a])});
@@ -81,7 +81,7 @@ void Fluid<D>::displace(std::size_t a, const Vec<D>& d, bool stop_at_walls) {
   const auto& general = scene_.general;
   p.position[a] += d;
   Vec<D> v = p.velocity[a];
-  keep_inside(p.position[a], v, std::pow(p.volume[a], 1.0 / D));
+  keep_inside(p.position[a], v, spacing_of<D>(p.volume[a]));
   if (stop_at_walls) p.velocity[a] = v;
   for (const int axis : general.periodic) {
     const double length = general.domain_max[axis] - general.domain_min[axis];
@@ -98,7 +98,7 @@ void Fluid<D>::move(const Stencil<D>& s, const WindowSolution<D>& solution, std:
   auto& p = state_.particles;
   auto motion = moved();
   for (std::size_t a = 0; a < p.size(); ++a) {
-    const double spacing = std::pow(p.volume[a], 1.0 / D);
+    const double spacing = spacing_of<D>(p.volume[a]);
     motion[a] *= std::min(1.0, p.velocity[a].norm() * interval / (0.02 * spacing));
   }
   const auto shift = packing_displacements<D>(s, p.velocity, motion, p.surface, p.mask, interval);

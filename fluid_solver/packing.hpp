@@ -34,8 +34,10 @@ VecArray<D> packing_displacements(const Stencil<D>& s, std::span<const Vec<D>> v
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
       const Index j = s.other[k];
       const Vec<D> ba = s.position[j] - s.position[a];
-      const double r = ba.norm(), limit = law.closest * 0.5 * (h + s.length[j]) / smoothing_ratio;
-      if (r < limit && r > 0.0) d -= 0.25 * (limit - r) / r * ba;
+      const double r2 = ba.squaredNorm(), limit = law.closest * 0.5 * (h + s.length[j]) / smoothing_ratio;
+      if (r2 >= limit * limit || r2 == 0.0) continue;
+      const double r = std::sqrt(r2);
+      d -= 0.25 * (limit - r) / r * ba;
     }
     const double length = d.norm(), most = 0.1 * spacing;
     if (length > most) d *= most / length;
@@ -53,10 +55,11 @@ void collide(const Stencil<D>& s, std::span<const double> mask, std::span<const 
     if (mask[a] > 0.5) continue;
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
       const Index j = s.other[k], b = s.parent[j];
-      if (b >= s.n_real || mask[b] > 0.5 || (j < s.n_real && b < a) || (j >= s.n_real && b != a)) continue;
       const Vec<D> ba = s.position[j] - s.position[a];
-      const double r = ba.norm();
-      if (r == 0.0 || r >= collision * 0.5 * (s.length[a] + s.length[j]) / smoothing_ratio) continue;
+      const double r2 = ba.squaredNorm(), limit = collision * 0.5 * (s.length[a] + s.length[j]) / smoothing_ratio;
+      if (r2 >= limit * limit || r2 == 0.0) continue;
+      if (b >= s.n_real || mask[b] > 0.5 || (j < s.n_real && b < a) || (j >= s.n_real && b != a)) continue;
+      const double r = std::sqrt(r2);
       const Vec<D> e = ba / r, other = j < s.n_real ? velocity[b] : Vec<D>(s.map[j - s.n_base] * velocity[a]);
       const double approach = e.dot(velocity[a] - other);
       if (approach <= 0.0) continue;

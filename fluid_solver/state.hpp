@@ -4,6 +4,8 @@
 #include "fluid_solver/faces.hpp"
 #include "fluid_solver/surface.hpp"
 
+#include <string>
+
 namespace poretwin::fluid {
 
 template <int D>
@@ -66,7 +68,7 @@ struct Particles {
 /// A bound on the next window and what sets it.
 struct TimeLimit {
   double interval = 0.0;  ///< s
-  const char* reason = "";
+  std::string reason;
 };
 
 /// What a run's summary counts.

@@ -15,6 +15,15 @@ constexpr double least_inverted = 0.3;
 
 template <int D>
 Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* blind, double* smallest) {
+  if constexpr (D == 2) {
+    const double mean = 0.5 * moment.trace(), half = 0.5 * (moment(0, 0) - moment(1, 1));
+    const double lower = mean - std::sqrt(half * half + moment(0, 1) * moment(1, 0));
+    if (lower >= least) {
+      if (blind) blind->setZero();
+      if (smallest) *smallest = lower;
+      return moment.inverse();
+    }
+  }
   Eigen::SelfAdjointEigenSolver<Mat<D>> eigen;
   eigen.computeDirect(moment);
   Mat<D> inverse = Mat<D>::Zero();
@@ -45,7 +54,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   }
   double largest = 0.0;
   for (const double v : s.volume) {
-    s.length.push_back(smoothing_ratio * std::pow(v, 1.0 / D));
+    s.length.push_back(smoothing_ratio * spacing_of<D>(v));
     largest = std::max(largest, s.length.back());
   }
   for (std::size_t i = 0; i < s.n_base; ++i) s.parent.push_back(static_cast<Index>(i));
@@ -68,7 +77,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   s.surface_pressure.assign(n, 0.0);
   s.covered.assign(n, false);
   s.surface_distance.resize(n);
-  for (std::size_t a = 0; a < n; ++a) s.surface_distance[a] = 0.5 * std::pow(volume[a], 1.0 / D);
+  for (std::size_t a = 0; a < n; ++a) s.surface_distance[a] = 0.5 * spacing_of<D>(volume[a]);
   s.correction.resize(n);
   s.correction_open.resize(n);
   s.blind.resize(n);
@@ -78,8 +87,14 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   if (n == 0) return s;
   sph::CellGrid<D> grid;
   const double reach = 0.5 * sph::support_radius;
-  grid.build(s.position, 2.0 * reach * largest);
+  grid.build(s.position, reach * largest);
   s.offset.reserve(n + 1);
+  const std::size_t pairs = n * (D == 2 ? 24 : 80);
+  s.other.reserve(pairs);
+  s.value.reserve(pairs);
+  s.strength.reserve(pairs);
+  s.gradient.reserve(pairs);
+  if (!buffers.empty()) s.reflection.reserve(pairs);
   const double full = lattice_fullness<D>();
   for (std::size_t a = 0; a < n; ++a) {
     Mat<D> moment = Mat<D>::Zero(), moment_open = Mat<D>::Zero();
@@ -87,7 +102,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
     grid.for_each_within(s.position[a], reach * (s.length[a] + largest), [&](Index j, double r2) {
       const double h = 0.5 * (s.length[a] + s.length[j]);
       if (j == a || r2 >= 4.0 * h * h) return;
-      const double r = std::sqrt(r2), w = Kernel<D>::value(r, h), g = -Kernel<D>::derivative_over_r(r, h);
+      const auto [w, g] = Kernel<D>::pair(std::sqrt(r2), h);
       const Vec<D> ba = s.position[j] - s.position[a];
       const bool buffer = s.is_buffer(j);
       s.other.push_back(j);
@@ -98,7 +113,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
         const auto& b = buffers[s.parent[j] - n];
         const double inside = b.normal.dot(s.position[a] - b.foot), outside = b.outside;
         s.reflection.push_back(1.0 + (30.0 * inside <= outside ? 30.0 : outside / inside));
-      } else {
+      } else if (!buffers.empty()) {
         s.reflection.push_back(0.0);
       }
       const double v = s.volume[j];
@@ -122,8 +137,37 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   return s;
 }
 
+template <int D>
+void mark_soil_surface(Stencil<D>& s, std::span<const double> membership) {
+  const auto same = [&](std::size_t a) {
+    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
+      if (const Index q = s.parent[s.other[k]]; q < s.n_real && membership[q] != membership[a]) return false;
+    return true;
+  };
+  for (std::size_t a = 0; a < s.n_real; ++a) {
+    if (same(a)) continue;
+    if (s.membership.empty()) {
+      s.membership.assign(membership.begin(), membership.end());
+      s.slip_normal.assign(s.n_real, Vec<D>::Zero());
+      s.correction_within = s.correction_open;
+    }
+    Vec<D> inward = Vec<D>::Zero();
+    Mat<D> moment = Mat<D>::Zero();
+    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+      const Index j = s.other[k], q = s.parent[j];
+      if (q >= s.n_real) continue;
+      const double step = membership[q] - membership[a];
+      inward += s.volume[j] * step * s.gradient[k];
+      moment += s.volume[j] * (1.0 - std::abs(step)) * s.gradient[k] * (s.position[j] - s.position[a]).transpose();
+    }
+    s.slip_normal[a] = (s.correction_open[a] * inward).normalized();
+    s.correction_within[a] = bounded_inverse<D>(moment, least_inverted, nullptr);
+  }
+}
+
 #define PORETWIN_INSTANTIATE(D)                                                                                     \
   template Mat<D> bounded_inverse<D>(const Mat<D>&, double, Mat<D>*, double*);                                      \
+  template void mark_soil_surface<D>(Stencil<D>&, std::span<const double>);                                         \
   template Stencil<D> make_stencil<D>(std::span<const Vec<D>>, std::span<const double>, std::span<const Buffer<D>>, \
                                       std::span<const sph::ImagePlane<D>>);
 PORETWIN_INSTANTIATE(2)

@@ -12,7 +12,9 @@ enum class Surface : std::uint8_t { interior, surface, lone };
 
 namespace surface {
 /// Eigenvalue of the moment above which a particle is inside, and below which it has too few neighbours for a pressure.
-inline constexpr double inside = 0.88, alone = 0.1;
+inline constexpr double inside = 0.88, sparse = 0.35, alone = 0.1;
+/// Divergence of position over D below which neighbours are few: a surface, in soil.
+inline constexpr double few = 0.75;
 /// Cosine of half the opening of the cone about the outward normal that is empty above a surface particle.
 inline constexpr double cone = 0.5, narrow_cone = 0.7071;
 /// Least |sum V grad W| h that a missing side makes: of a surface particle, and of one below it.
@@ -53,22 +55,23 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> mask) {
   };
   for (std::size_t a = 0; a < s.n_real; ++a) {
     if (mask[a] >= 0.5) {
-      s.covered[a] = s.divergence[a] < 0.75 * D && opposite(a);
+      s.covered[a] = s.divergence[a] < surface::few * D && opposite(a);
       if (s.covered[a]) continue;
       if (s.divergence[a] < 0.4 * D)
         flags[a] = Surface::lone;
-      else if (s.divergence[a] < 0.75 * D)
+      else if (s.divergence[a] < surface::few * D)
         flags[a] = Surface::surface;
       continue;
     }
     const double amount = s.normal[a].norm();
-    if (s.least_moment[a] < surface::alone || amount == 0.0) {
-      if (s.least_moment[a] >= surface::inside) continue;
+    if (s.least_moment[a] >= surface::inside) continue;
+    const bool edge = s.least_moment[a] >= surface::alone && amount * s.length[a] > surface::first_row && !umbrella(a);
+    if (edge) {
+      flags[a] = Surface::surface;
+    } else if (s.least_moment[a] < surface::sparse) {
       flags[a] = Surface::lone;
       s.correction[a].setZero();
       s.blind[a].setIdentity();
-    } else if (s.least_moment[a] < surface::inside && amount * s.length[a] > surface::first_row && !umbrella(a)) {
-      flags[a] = Surface::surface;
     }
   }
   for (std::size_t a = 0; a < s.n_real; ++a) {
@@ -101,6 +104,12 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> mask) {
     s.correction[a] = bounded_inverse<D>(s.moment[a] + 2.0 * s.ghost_distance[a] * amount * n * n.transpose(),
                                          surface::least_inverted, &s.blind[a]);
   }
+  // Inside, where neighbours are few, the pair sums of the Laplacian are short and the gradient's are not: a pressure
+  // found from the one and applied by the other would correct the velocity more than once.
+  for (std::size_t a = 0; a < s.n_real; ++a)
+    if (const double deficit = s.divergence[a] / D;
+        deficit < surface::few && flags[a] == Surface::interior && s.ghost_distance[a] == 0.0)
+      s.amplification[a] = 1.0 / std::max(deficit, surface::least_inverted);
   return flags;
 }
 

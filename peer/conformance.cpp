@@ -125,6 +125,33 @@ std::string rejected_step(Examiner& solver) {
   return "restored twice, the same window gives the same result bit by bit";
 }
 
+/// Two generations; killed after the second, it must come back to either as it was.
+std::string resume(Examiner& solver) {
+  solver.begin();
+  if (!solver.keeps_checkpoints()) return "keeps no checkpoints; not judged";
+  solver.window(everywhere);
+  solver.checkpoint("first", {});
+  solver.window(everywhere);
+  solver.checkpoint("second", {"first"});
+  const Snapshot then = solver.state();
+  const double interval = 0.5 * solver.allowed();
+  if (solver.advance(interval, everywhere)) return "refuses half of its own proposal; not judged";
+  const Snapshot later = solver.state();
+  solver.restore();
+  solver.kill();
+  const PrivateFolder folder;
+  Examiner again(solver, folder.path() / "solver.log");
+  again.resume("second", solver);
+  if (const auto found = difference(then, again.state()); !found.empty())
+    throw Failed{"resumed, its publication differs from the one at the checkpoint: " + found};
+  again.advance(interval, everywhere);
+  if (const auto found = difference(later, again.state()); !found.empty())
+    throw Failed{"resumed, the same window gave another result: " + found};
+  again.finish("end");
+  again.expect_exit(0, "FINISH");
+  return "killed and resumed, the same window gives the same result bit by bit";
+}
+
 std::string abort_run(Examiner& solver) {
   solver.begin();
   solver.window(everywhere);
@@ -164,6 +191,7 @@ constexpr Check checks[] = {
     {"empty set", empty_set},
     {"late answer", late_answer},
     {"rejected step", rejected_step},
+    {"resume", resume},
     {"abort", abort_run},
     {"lost coupler", lost_coupler},
     {"interruption", interruption},

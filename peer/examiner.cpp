@@ -19,21 +19,33 @@ constexpr auto heartbeat = Milliseconds(200);
 constexpr auto patience = std::chrono::seconds(60);        // for an answer
 constexpr auto goodbye_within = std::chrono::seconds(10);  // for the end of the process
 constexpr std::string_view session = "conformance";
+const std::string second_socket = "socket of the second start";
 
 }  // namespace
 
-Examiner::Examiner(const Case& scene, const std::filesystem::path& case_file, const std::vector<std::string>& command,
-                   const std::filesystem::path& log)
+Examiner::Examiner(const Case& scene, const std::filesystem::path& case_file, std::vector<std::string> command,
+                   const std::filesystem::path& log, std::shared_ptr<PrivateFolder> folder, const std::string& socket)
     : scene_(scene),
-      hub_(bind_socket("ipc://" + (folder_.path() / "socket").string())),
+      case_file_(case_file),
+      command_(std::move(command)),
+      folder_(std::move(folder)),
+      hub_(bind_socket("ipc://" + (folder_->path() / socket).string())),
       child_(
           [&] {
-            auto words = command;
-            words.insert(words.end(), {"--case", case_file.string(), "--out", (folder_.path() / "out").string(),
-                                       "--connect", "ipc://" + (folder_.path() / "socket").string()});
+            auto words = command_;
+            words.insert(words.end(), {"--case", case_file.string(), "--out", (folder_->path() / "out").string(),
+                                       "--connect", "ipc://" + (folder_->path() / socket).string()});
+            if (socket == second_socket) words.push_back("--resume");
             return words;
           }(),
           log) {}
+
+Examiner::Examiner(const Case& scene, const std::filesystem::path& case_file, const std::vector<std::string>& command,
+                   const std::filesystem::path& log)
+    : Examiner(scene, case_file, command, log, std::make_shared<PrivateFolder>(), "socket") {}
+
+Examiner::Examiner(const Examiner& before, const std::filesystem::path& log)
+    : Examiner(before.scene_, before.case_file_, before.command_, log, before.folder_, second_socket) {}
 
 bool Examiner::note(Hub::Event event, std::optional<Message>& out) {
   if (event.frames.empty()) {
@@ -150,7 +162,7 @@ void Examiner::take_publication(const std::string& after, double time) {
   if (!std::holds_alternative<PublicationBody>(message.body))
     throw Failed{"expected a PUBLICATION after " + after + ", got " + describe(message)};
   if (after_restore_ && !message.points.sent)
-    throw Failed{"the first PUBLICATION after a RESTORE must bring its points"};
+    throw Failed{"the first PUBLICATION after a RESTORE or RESUME must bring its points"};
   after_restore_ = false;
   if (std::abs(message.time - time) > 1e-9 * std::max(std::abs(time), 1e-3 * scene_.general.end_time))
     throw Failed{fmt::format("its PUBLICATION after {} is of t = {} s, expected t = {} s", after, message.time, time)};
@@ -265,6 +277,34 @@ void Examiner::restore() {
   time_ = start;
   state_ = before_;
   after_restore_ = true;
+}
+
+void Examiner::checkpoint(const std::string& name, const std::vector<std::string>& keep) {
+  tell(CheckpointOrder{name, keep});
+  const Message answer = next("CHECKPOINT_WRITTEN");
+  const auto* written = std::get_if<CheckpointWritten>(&answer.body);
+  if (!written || written->name != name)
+    throw Failed{fmt::format("expected CHECKPOINT_WRITTEN of '{}', got {}{}", name, describe(answer),
+                             written ? " of '" + written->name + "'" : "")};
+}
+
+void Examiner::resume(const std::string& name, const Examiner& before) {
+  const auto& names = hello().checkpoints;
+  if (std::find(names.begin(), names.end(), name) == names.end())
+    throw Failed{fmt::format("started with --resume, its HELLO does not offer the checkpoint '{}'", name)};
+  welcome();
+  take_publication("WELCOME", 0.0);
+  step_ = before.step_;
+  time_ = before.time_;
+  tell(Resume{name});
+  after_restore_ = true;
+  take_publication("RESUME", time_);
+}
+
+void Examiner::kill() {
+  child_.signal(SIGKILL);
+  child_.wait(goodbye_within);
+  hub_.reset();
 }
 
 int Examiner::idle(Milliseconds time) {

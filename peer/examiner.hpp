@@ -26,6 +26,8 @@ class Examiner {
  public:
   Examiner(const Case& scene, const std::filesystem::path& case_file, const std::vector<std::string>& command,
            const std::filesystem::path& log);
+  /// The same solver once more, started to resume in the folder where `before` left its checkpoints.
+  Examiner(const Examiner& before, const std::filesystem::path& log);
 
   /// HELLO, checked. Answers the question for the case on the way.
   const coupling::Hello& hello();
@@ -38,6 +40,12 @@ class Examiner {
   /// Goes on by one window, made shorter as often as the solver asks for.
   void window(const Sight& sight);
   void restore();
+  /// CHECKPOINT, and what was answered.
+  void checkpoint(const std::string& name, const std::vector<std::string>& keep);
+  /// hello, welcome, publication, RESUME to the state that `before` had at the checkpoint, publication.
+  void resume(const std::string& name, const Examiner& before);
+  /// As kill -9 does.
+  void kill();
   void finish(const std::string& reason);
 
   /// Heartbeats that came within this time, in which nothing else may come.
@@ -50,6 +58,7 @@ class Examiner {
 
   /// s: what the solver and the case allow for the next window.
   [[nodiscard]] double allowed() const;
+  [[nodiscard]] bool keeps_checkpoints() const { return hello_.keeps_checkpoints; }
   [[nodiscard]] const coupling::Snapshot& state() const { return state_; }
   [[nodiscard]] std::uint32_t& foreign_major() { return major_; }
 
@@ -60,8 +69,13 @@ class Examiner {
   void take_publication(const std::string& after, double time);
   bool note(coupling::Hub::Event event, std::optional<coupling::Message>& out);
 
+  Examiner(const Case& scene, const std::filesystem::path& case_file, std::vector<std::string> command,
+           const std::filesystem::path& log, std::shared_ptr<PrivateFolder> folder, const std::string& socket);
+
   const Case& scene_;
-  PrivateFolder folder_;
+  std::filesystem::path case_file_;
+  std::vector<std::string> command_;
+  std::shared_ptr<PrivateFolder> folder_;
   std::unique_ptr<coupling::Hub> hub_;
   Child child_;
   std::string line_;

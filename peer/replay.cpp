@@ -60,6 +60,13 @@ class Replay final : public Phase {
       throw PeerError("the run has left its recording: then " + describe(then) + ", now RESTORE");
   }
 
+  void archive(Archive& archive) override {
+    std::uint64_t at = records_;
+    archive(at, now_, difference_, windows_, same_, different_);
+    for (; records_ < at; ++records_)
+      if (!log_.next()) throw PeerError("the recording ends before the checkpoint");
+  }
+
   [[nodiscard]] OutputFrame frame() const override {
     OutputFrame out;
     out.time = now_.time;
@@ -79,9 +86,11 @@ class Replay final : public Phase {
   /// The next message in that direction that matters: heartbeats, and the question for the case, do not.
   Message next(Direction direction) {
     while (auto record = log_.next()) {
+      ++records_;
       Message message = decode(record->frames);
       if (std::holds_alternative<Heartbeat>(message.body) || std::holds_alternative<CaseRequest>(message.body) ||
-          std::holds_alternative<CaseFile>(message.body))
+          std::holds_alternative<CaseFile>(message.body) || std::holds_alternative<CheckpointOrder>(message.body) ||
+          std::holds_alternative<CheckpointWritten>(message.body))
         continue;
       if (record->direction != direction)
         throw PeerError(fmt::format("the recording goes on with {} of the {}", describe(message),
@@ -161,7 +170,7 @@ class Replay final : public Phase {
   std::string role_, difference_;
   Contract contract_;
   Publication now_;
-  std::uint64_t windows_ = 0, same_ = 0, different_ = 0;
+  std::uint64_t windows_ = 0, same_ = 0, different_ = 0, records_ = 0;  // counted from the start
 };
 
 }  // namespace

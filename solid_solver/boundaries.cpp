@@ -73,19 +73,6 @@ bool only_periodic(const Boundaries<D>& boundaries, std::uint32_t passed) {
   return true;
 }
 
-/// Held particles with no soil near them need no neighbours.
-void drop_idle_rows(std::size_t free, sph::PairList& pairs) {
-  Index kept = pairs.offset[free];
-  for (std::size_t i = free; i < pairs.size(); ++i) {
-    const Index from = pairs.offset[i], to = pairs.offset[i + 1];
-    pairs.offset[i] = kept;
-    if (from == to || pairs.index[from] >= free) continue;  // ascending: soil comes first
-    for (Index m = from; m < to; ++m) pairs.index[kept++] = pairs.index[m];
-  }
-  pairs.offset.back() = kept;
-  pairs.index.resize(kept);
-}
-
 }  // namespace
 
 template <int D>
@@ -116,10 +103,7 @@ void build_neighbourhood(const Boundaries<D>& boundaries, double range, const Pa
     find_crossings(boundaries, images.boundaries[k], rule);
     rule.periodic = only_periodic(boundaries, images.boundaries[k]);
   }
-  const ScalarArray radius(sources.size(), range);
-  near.pairs = sph::find_pairs<D>(std::span<const Vec<D>>(particles.position), std::span<const Vec<D>>(sources),
-                                  std::span<const double>(radius), true);
-  drop_idle_rows(particles.free(), near.pairs);
+  pair_up<D>(sources, particles.free(), particles.size(), range, near.pairs);
 }
 
 template <int D>
@@ -132,12 +116,11 @@ void fill_nodes(const Particles<D>& p, const Neighbourhood<D>& near, const VecAr
     node.position = p.position[i];
     node.velocity = p.velocity[i];
     node.volume = p.volume[i];
-    node.mass = p.mass[i];
-    node.inverse_density = p.volume[i] / p.mass[i];
+    node.density = p.mass[i] / p.volume[i];
     node.gradient = p.gradient[i];
     node.displacement = p.displacement[i];
     node.deformation = p.deformation[i];
-    node.flux.noalias() = p.volume[i] * (matrix_of<D>(p.stress[i]) * p.correction[i]);
+    node.flux.noalias() = matrix_of<D>(p.stress[i]) * p.correction[i];
     node.elastic = p.plastic_strain[i] <= 0.0;
     node.control = p.plastic_strain[i] > flow_limit ? 0.0 : 1.0;
   }
@@ -162,22 +145,18 @@ void fill_nodes(const Particles<D>& p, const Neighbourhood<D>& near, const VecAr
         const double reaction = -wall.normal.dot(matrix_of<D>(p.stress[rule.parent]) * wall.normal);
         if (reaction < weight) carried = std::max(0.0, reaction / weight);
       }
-      node.flux += (carried * 2.0 * distance * node.volume) * (wall.share * body[rule.parent]) * row.transpose();
+      node.flux += (carried * 2.0 * distance) * (wall.share * body[rule.parent]) * row.transpose();
     }
   }
 }
 
 template <int D>
-void fill_velocities(const Particles<D>& p, const Neighbourhood<D>& near, double dt, std::vector<Node<D>>& nodes) {
+void fill_velocities(const Particles<D>& p, const Neighbourhood<D>& near, std::vector<Node<D>>& nodes) {
   const std::size_t n = p.size();
-  for (std::size_t i = 0; i < n; ++i) {
-    nodes[i].velocity = p.velocity[i];
-    nodes[i].displacement = p.displacement[i] + dt * p.velocity[i];
-  }
+  for (std::size_t i = 0; i < n; ++i) nodes[i].velocity = p.velocity[i];
   for (std::size_t k = 0; k < near.images.size(); ++k) {
     const ImageRule<D>& rule = near.images[k];
     nodes[n + k].velocity = rule.velocity * nodes[rule.parent].velocity;
-    nodes[n + k].displacement = rule.velocity * nodes[rule.parent].displacement;
   }
 }
 
@@ -193,7 +172,7 @@ template void fill_nodes<2>(const Particles<2>&, const Neighbourhood<2>&, const 
                             std::vector<Node<2>>&);
 template void fill_nodes<3>(const Particles<3>&, const Neighbourhood<3>&, const VecArray<3>&, double,
                             std::vector<Node<3>>&);
-template void fill_velocities<2>(const Particles<2>&, const Neighbourhood<2>&, double, std::vector<Node<2>>&);
-template void fill_velocities<3>(const Particles<3>&, const Neighbourhood<3>&, double, std::vector<Node<3>>&);
+template void fill_velocities<2>(const Particles<2>&, const Neighbourhood<2>&, std::vector<Node<2>>&);
+template void fill_velocities<3>(const Particles<3>&, const Neighbourhood<3>&, std::vector<Node<3>>&);
 
 }  // namespace poretwin::solid

@@ -33,9 +33,8 @@ template <int D>
 void fill_nodes(const Particles<D>& particles, const Neighbourhood<D>& near, const VecArray<D>& body, double flow_limit,
                 std::vector<Node<D>>& nodes);
 
-/// Velocities, and displacements dt [s] later (between the halves of a step).
+/// Velocities only (between the halves of a step).
 template <int D>
-void fill_velocities(const Particles<D>& particles, const Neighbourhood<D>& near, double dt,
-                     std::vector<Node<D>>& nodes);
+void fill_velocities(const Particles<D>& particles, const Neighbourhood<D>& near, std::vector<Node<D>>& nodes);
 
 }  // namespace poretwin::solid

@@ -31,37 +31,47 @@ double thickness_at(const Setup<D>& setup, const State<D>& state, const Vec<D>& 
   return sum;
 }
 
-/// Share of the kernel around x that lies in soil.
+/// A particle or an image, as the kernel sees it.
 template <int D>
-double coverage_at(const Setup<D>& setup, const State<D>& state, const Vec<D>& x) {
+struct Piece {
+  Vec<D> position;
+  double volume;
+};
+
+/// All pieces of soil within a kernel's reach of the line through x along `up`.
+template <int D>
+std::vector<Piece<D>> pieces_along(const Setup<D>& setup, const State<D>& state, const Vec<D>& x, const Vec<D>& up) {
   const auto& p = state.particles;
   const auto& images = state.near.images;
-  double sum = 0.0;
-  for (std::size_t j = 0; j < p.size() + images.size(); ++j) {
-    const bool image = j >= p.size();
-    const std::size_t i = image ? images[j - p.size()].parent : j;
-    const Vec<D> position =
-        image ? Vec<D>(images[j - p.size()].map * p.position[i] + images[j - p.size()].shift) : p.position[i];
-    sum += p.volume[i] * sph::WendlandC2<D>::value((position - x).norm(), setup.smoothing_length);
-  }
-  return sum;
+  const double reach = sph::support_radius * setup.smoothing_length;
+  std::vector<Piece<D>> pieces;
+  auto add = [&](const Vec<D>& position, double volume) {
+    const Vec<D> r = position - x;
+    if ((r - up.dot(r) * up).squaredNorm() < reach * reach) pieces.push_back({position, volume});
+  };
+  for (std::size_t i = 0; i < p.size(); ++i) add(p.position[i], p.volume[i]);
+  for (const auto& image : images)
+    add(image.map * p.position[image.parent] + image.shift, p.volume[image.parent]);
+  return pieces;
 }
 
-/// Kernel sums around particle i over all that stands in its list, itself included.
+/// Which particles lie inside the soil: from kernel sums over all that stands in their lists, themselves included.
 template <int D>
-bool inside(const Setup<D>& setup, const State<D>& state, std::size_t i) {
-  const auto& pairs = state.near.pairs;
+std::vector<char> inside(const Setup<D>& setup, const State<D>& state) {
   const double h = setup.smoothing_length;
-  double cover = state.nodes[i].volume * sph::WendlandC2<D>::value(0.0, h);
-  Vec<D> centre = Vec<D>::Zero();
-  for (Index m = pairs.offset[i]; m < pairs.offset[i + 1]; ++m) {
-    const Node<D>& other = state.nodes[pairs.index[m]];
-    const Vec<D> r = other.position - state.nodes[i].position;
-    const double weight = other.volume * sph::WendlandC2<D>::value(r.norm(), h);
-    cover += weight;
-    centre += weight * r;
-  }
-  return cover > 0.8 && centre.norm() < 0.1 * h * cover;
+  const std::size_t n = state.particles.size();
+  ScalarArray cover(n);
+  VecArray<D> centre(n, Vec<D>::Zero());
+  for (std::size_t i = 0; i < n; ++i) cover[i] = state.nodes[i].volume * sph::WendlandC2<D>::value(0.0, h);
+  for_each_felt(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t) {
+    const Vec<D> r = state.nodes[j].position - state.nodes[i].position;
+    const double weight = state.nodes[j].volume * sph::WendlandC2<D>::value(r.norm(), h);
+    cover[i] += weight;
+    centre[i] += weight * r;
+  });
+  std::vector<char> found(state.particles.free());
+  for (std::size_t i = 0; i < found.size(); ++i) found[i] = cover[i] > 0.8 && centre[i].norm() < 0.1 * h * cover[i];
+  return found;
 }
 
 }  // namespace
@@ -96,10 +106,17 @@ double surface_height(const Setup<D>& setup, const State<D>& state, const Vec<D>
     top = std::max(top, level);
     bottom = std::min(bottom, level);
   }
+  const auto pieces = pieces_along<D>(setup, state, x, up);
+  auto coverage_at = [&](const Vec<D>& place) {
+    double sum = 0.0;
+    for (const auto& piece : pieces)
+      sum += piece.volume * sph::WendlandC2<D>::value((piece.position - place).norm(), setup.smoothing_length);
+    return sum;
+  };
   const double step = 0.25 * setup.spacing;
   double above = 0.0;
   for (double z = top + setup.smoothing_length; z >= bottom; z -= step) {
-    const double here = coverage_at<D>(setup, state, x + z * up);
+    const double here = coverage_at(x + z * up);
     if (here >= 0.5) return z + step * (here - 0.5) / std::max(here - above, 1e-300);
     above = here;
   }
@@ -111,26 +128,26 @@ double stress_noise(const Setup<D>& setup, const State<D>& state) {
   using Basis = Eigen::Matrix<double, D + 1, 1>;
   using Moment = Eigen::Matrix<double, D + 1, D + 1>;
   const auto& p = state.particles;
-  const auto& pairs = state.near.pairs;
   const double h = setup.smoothing_length;
+  std::vector<Moment> moment(p.size(), Moment::Zero());
+  std::vector<Basis> right(p.size(), Basis::Zero());
+  auto add = [&](std::size_t i, std::size_t j) {
+    const Vec<D> r = p.position[j] - p.position[i];
+    Basis basis;
+    basis << 1.0, r / h;
+    const double weight = p.volume[j] * sph::WendlandC2<D>::value(r.norm(), h);
+    moment[i] += weight * basis * basis.transpose();
+    right[i] += weight * trace(p.stress[j]) / 3.0 * basis;
+  };
+  for (std::size_t i = 0; i < p.free(); ++i) add(i, i);
+  for_each_felt(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t) {
+    if (j < p.free()) add(i, j);
+  });
+  const std::vector<char> within = inside<D>(setup, state);
   double sum = 0.0, count = 0.0;
   for (std::size_t i = 0; i < p.free(); ++i) {
-    if (!inside<D>(setup, state, i)) continue;
-    Moment moment = Moment::Zero();
-    Basis right = Basis::Zero();
-    auto add = [&](std::size_t j) {
-      const Vec<D> r = p.position[j] - p.position[i];
-      Basis basis;
-      basis << 1.0, r / h;
-      const double weight = p.volume[j] * sph::WendlandC2<D>::value(r.norm(), h);
-      moment += weight * basis * basis.transpose();
-      right += weight * trace(p.stress[j]) / 3.0 * basis;
-    };
-    add(i);
-    for (Index m = pairs.offset[i]; m < pairs.offset[i + 1]; ++m)
-      if (pairs.index[m] < p.free()) add(pairs.index[m]);
-    if (moment.determinant() < 1e-6 * std::pow(moment(0, 0), D + 1)) continue;  // too few for a slope
-    const Basis fit = moment.ldlt().solve(right);
+    if (!within[i] || moment[i].determinant() < 1e-6 * std::pow(moment[i](0, 0), D + 1)) continue;  // too few
+    const Basis fit = moment[i].ldlt().solve(right[i]);
     const double difference = trace(p.stress[i]) / 3.0 - fit[0];
     sum += difference * difference;
     count += 1.0;
@@ -141,9 +158,10 @@ double stress_noise(const Setup<D>& setup, const State<D>& state) {
 template <int D>
 double density_error(const Setup<D>& setup, const State<D>& state) {
   const auto& p = state.particles;
+  const std::vector<char> within = inside<D>(setup, state);
   double sum = 0.0, count = 0.0;
   for (std::size_t i = 0; i < p.free(); ++i) {
-    if (!inside<D>(setup, state, i)) continue;
+    if (!within[i]) continue;
     const double error = p.mass[i] / (setup.density[p.material[i]] * p.volume[i]) - 1.0;
     sum += error * error;
     count += 1.0;

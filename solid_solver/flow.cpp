@@ -18,9 +18,6 @@ constexpr double dilatancy = 2.0;       // volumetric strain per shear strain an
 constexpr double largest_strain = 0.1;  // between two treatments: loose particles see more
 constexpr double largest_excess = 0.1;  // of relative density
 
-template <int D>
-using Slope = Eigen::Matrix<double, 6, D>;
-
 /// h^2 sum V |W'/r| over a full neighbourhood, in 2D and in 3D.
 constexpr double full_weight = 3.5;
 
@@ -33,22 +30,75 @@ std::optional<std::size_t> source_of(const State<D>& state, std::size_t j) {
   return rule.periodic ? std::optional<std::size_t>(rule.parent) : std::nullopt;
 }
 
-/// Stress gradient [Pa/m], exact for linear stress up to the soil's surface.
+/// How many of a stress's components can differ from zero.
 template <int D>
-Slope<D> stress_slope(const State<D>& state, std::size_t i) {
-  const auto& pairs = state.near.pairs;
+constexpr int n_components = D == 2 ? 4 : 6;
+template <int D>
+using Components = Eigen::Matrix<double, n_components<D>, 1>;
+
+template <int D>
+Components<D> components(const Tensor& t) {
+  return t.template head<n_components<D>>();
+}
+
+/// Stress gradients [Pa/m] of the particles that flow, exact for linear stress up to the soil's surface.
+template <int D>
+void stress_slopes(const State<D>& state, Scratch<D>& scratch) {
   const auto& p = state.particles;
-  Mat<D> moment = Mat<D>::Zero();
-  Slope<D> raw = Slope<D>::Zero();
-  for (Index m = pairs.offset[i]; m < pairs.offset[i + 1]; ++m) {
-    const auto j = source_of(state, pairs.index[m]);
-    if (!j) continue;
-    const Vec<D> r = state.nodes[i].position - state.nodes[pairs.index[m]].position;
-    const Vec<D> w = (p.volume[*j] * state.kernel[m]) * r;
-    raw += (p.stress[*j] - p.stress[i]) * w.transpose();
-    moment -= r * w.transpose();
-  }
-  return raw * invert_moment<D>(moment);
+  const std::size_t n = p.size();
+  scratch.slope.assign(n, Eigen::Matrix<double, n_components<D>, D>::Zero());
+  scratch.moment.assign(n, Mat<D>::Zero());
+  for_each_pair(state.near.pairs, [&](std::size_t i, std::size_t node, std::size_t m, bool both) {
+    const auto j = source_of(state, node);
+    if (!j || !(scratch.flows[i] || (both && scratch.flows[*j]))) return;
+    const Vec<D> r = state.nodes[i].position - state.nodes[node].position, w = state.kernel[m] * r;
+    const Eigen::Matrix<double, n_components<D>, D> rise =
+        (components<D>(p.stress[*j]) - components<D>(p.stress[i])) * w.transpose();
+    const Mat<D> square = r * w.transpose();
+    scratch.slope[i] += p.volume[*j] * rise;
+    scratch.moment[i] -= p.volume[*j] * square;
+    if (!both) return;
+    scratch.slope[*j] += p.volume[i] * rise;
+    scratch.moment[*j] -= p.volume[i] * square;
+  });
+  for (std::size_t i = 0; i < n; ++i)
+    if (scratch.flows[i]) scratch.slope[i] = (scratch.slope[i] * invert_moment<D>(scratch.moment[i])).eval();
+}
+
+/// Kernel sums around the particles that flow: what neighbours' linear stresses do not explain, how much larger the
+/// neighbours' volumes are, how crowded and how covered each place is.
+template <int D>
+void sum_neighbours(const State<D>& state, double h, Scratch<D>& scratch) {
+  const auto& p = state.particles;
+  const std::size_t n = p.size();
+  scratch.noise.assign(n, Components<D>::Zero());
+  scratch.swelling.assign(n, 0.0);
+  scratch.crowding.assign(n, Vec<D>::Zero());
+  scratch.cover.resize(n);
+  for (std::size_t i = 0; i < n; ++i) scratch.cover[i] = p.volume[i] * sph::WendlandC2<D>::value(0.0, h);
+  for_each_pair(state.near.pairs, [&](std::size_t i, std::size_t node, std::size_t m, bool both) {
+    const Node<D>&self = state.nodes[i], &other = state.nodes[node];
+    const bool own = scratch.flows[i], theirs = both && scratch.flows[node];
+    if (!own && !theirs) return;
+    const Vec<D> r = self.position - other.position;
+    const double k = state.kernel[m], value = sph::WendlandC2<D>::value(r.norm(), h);
+    scratch.crowding[i] += (other.volume * other.density * k) * r;
+    scratch.cover[i] += other.volume * value;
+    if (both) {
+      scratch.crowding[node] -= (self.volume * self.density * k) * r;
+      scratch.cover[node] += self.volume * value;
+    }
+    const auto j = source_of(state, node);
+    if (!j || !own || !scratch.flows[*j]) return;
+    const Components<D> noise = k * (components<D>(p.stress[*j]) - components<D>(p.stress[i]) +
+                                     0.5 * ((scratch.slope[i] + scratch.slope[*j]) * r));
+    const double ratio = p.volume[*j] * p.mass[i] / (p.mass[*j] * p.volume[i]);
+    scratch.noise[i] -= p.volume[*j] * noise;
+    scratch.swelling[i] -= p.volume[*j] * k * (ratio - 1.0);
+    if (!both) return;
+    scratch.noise[*j] += p.volume[i] * noise;
+    scratch.swelling[*j] -= p.volume[i] * k * (1.0 / ratio - 1.0);
+  });
 }
 
 }  // namespace
@@ -61,57 +111,47 @@ void keep_flow_regular(const Setup<D>& setup, double dt, State<D>& state) {
   const double interval = state.since_upkeep;
   state.since_upkeep = 0.0;
   Particles<D>& p = state.particles;
-  const auto& pairs = state.near.pairs;
   const std::size_t n = p.size();
-  auto flows = [&](std::size_t i) { return p.plastic_strain[i] > setup.flow_limit; };
-  std::vector<Slope<D>> slope(n, Slope<D>::Zero());
-  bool any = false;
-  for (std::size_t i = 0; i < n; ++i) {
-    if (!flows(i)) continue;
-    slope[i] = stress_slope<D>(state, i);
-    any = true;
-  }
-  if (!any) return;
-
+  Scratch<D>& scratch = state.scratch;
+  scratch.flows.resize(n);
+  for (std::size_t i = 0; i < n; ++i) scratch.flows[i] = p.plastic_strain[i] > setup.flow_limit;
+  if (std::none_of(scratch.flows.begin(), scratch.flows.end(), [](char flows) { return flows; })) return;
   const double h = setup.smoothing_length, scale = h * h / full_weight;
-  std::vector<Tensor> stress = p.stress;
-  ScalarArray volume = p.volume;
+  auto models = [&](std::size_t i) {  // brings the stress back to what the soil can bear
+    setup.models[p.material[i]]->advance(
+        p.stress[i], Tensor::Zero(),
+        {state.external.saturation[i], setup.grain_density[p.material[i]] * p.volume[i] / p.mass[i] - 1.0});
+  };
+  stress_slopes<D>(state, scratch);
+  sum_neighbours<D>(state, h, scratch);
   for (std::size_t i = 0; i < n; ++i) {
-    if (!flows(i)) continue;
+    if (!scratch.flows[i]) continue;
     const double density = setup.density[p.material[i]], reference = p.mass[i] / density;
-    Tensor noise = Tensor::Zero();
-    double swelling = 0.0, cover = p.volume[i] * sph::WendlandC2<D>::value(0.0, h);
-    Vec<D> crowding = Vec<D>::Zero();
-    for (Index m = pairs.offset[i]; m < pairs.offset[i + 1]; ++m) {
-      const Node<D>& other = state.nodes[pairs.index[m]];
-      const Vec<D> r = state.nodes[i].position - other.position;
-      crowding += (other.mass / density * state.kernel[m]) * r;
-      cover += other.volume * sph::WendlandC2<D>::value(r.norm(), h);
-      const auto j = source_of(state, pairs.index[m]);
-      if (!j || !flows(*j)) continue;
-      const double weight = -p.volume[*j] * state.kernel[m];
-      noise += weight * (p.stress[*j] - p.stress[i] + 0.5 * ((slope[i] + slope[*j]) * r));
-      swelling += weight * (p.volume[*j] * p.mass[i] / (p.mass[*j] * p.volume[i]) - 1.0);
+    const Vec<D> crowding = scratch.crowding[i] / density;
+    Tensor& stress = p.stress[i];
+    const double mean = trace(stress) / 3.0;
+    double& volume = p.volume[i];
+    stress.template head<n_components<D>>() += stress_share * scale * scratch.noise[i];
+    volume *= 1.0 + volume_share * scale * scratch.swelling[i];
+    if (crowding.norm() * h > surface || scratch.cover[i] < 0.8) {
+      models(i);
+      continue;
     }
-    stress[i] += stress_share * scale * noise;
-    volume[i] *= 1.0 + volume_share * scale * swelling;
-    if (crowding.norm() * h > surface || cover < 0.8) continue;
-    volume[i] *= 1.0 - packing_share * (cover - 1.0);
+    volume *= 1.0 - packing_share * (scratch.cover[i] - 1.0);
     const double strain = std::min(largest_strain, interval * 2.0 * root_j2(strain_rate<D>(p.gradient[i])));
     if (setup.constant_volume[p.material[i]]) {
       const double bulk = setup.models[p.material[i]]->elasticity().bulk;
-      const double excess = reference / volume[i] - 1.0 + trace(p.stress[i]) / (3.0 * bulk);
+      const double excess = reference / volume - 1.0 + mean / bulk;
       const double rise = bulk * dilatancy * strain * std::clamp(excess, -largest_excess, largest_excess);
-      for (int d = 0; d < 3; ++d) stress[i][d] -= rise;
+      for (int d = 0; d < 3; ++d) stress[d] -= rise;
     }
+    models(i);
     if (i >= p.free()) continue;
     Vec<D> move = -(evening * strain * h * h) * crowding;
     const double length = move.norm(), most = longest_move * setup.spacing;
     if (length > most) move *= most / length;
     p.position[i] += move;
   }
-  p.stress.swap(stress);
-  p.volume.swap(volume);
 }
 
 template void keep_flow_regular<2>(const Setup<2>&, double, State<2>&);

@@ -23,99 +23,151 @@ struct Stabilisers {
   double sound_speed = 0.0;  ///< m/s
 };
 
-/// Inverse of M = -sum V F r r^T with its eigenvalues held above a floor: particles that are nearly alone keep a
-/// bounded gradient. Corners of a lattice lie above it, so that they stay exact.
+/// Inverse with the eigenvalues held above a floor.
 template <int D>
-Mat<D> invert_moment(const Mat<D>& moment) {
-  constexpr double floor = D == 2 ? 0.2 : 0.1;
-  if constexpr (D == 2) {
-    const double half = 0.5 * (moment(0, 0) + moment(1, 1));
-    const double lowest = half - std::hypot(0.5 * (moment(0, 0) - moment(1, 1)), moment(0, 1));
-    if (lowest > floor) return moment.inverse();
-  } else {
-    // The lowest eigenvalue is at least det / (trace / 2)^2.
-    const double half = 0.5 * moment.trace();
-    if (moment.determinant() > floor * half * half) return moment.inverse();
-  }
+[[gnu::noinline]] Mat<D> invert_above(const Mat<D>& moment, double floor) {
   Eigen::SelfAdjointEigenSolver<Mat<D>> solver;
   solver.computeDirect(moment);
   const Vec<D> inverse = solver.eigenvalues().cwiseMax(floor).cwiseInverse();
   return solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose();
 }
 
-/// W'/r of all pairs at the nodes' current positions.
+/// Inverse of M = -sum V F r r^T with its eigenvalues held above a floor: particles that are nearly alone keep a
+/// bounded gradient. Corners of a lattice lie above it, so that they stay exact.
 template <int D>
-void pair_kernels(const std::vector<Node<D>>& nodes, const sph::PairList& pairs, double h, ScalarArray& kernel) {
-  kernel.resize(pairs.index.size());
-  const double scale = -5.0 * sph::WendlandC2<D>::normalisation(h) / (h * h), half_inverse = 0.5 / h;
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    const Vec<D> x = nodes[i].position;
-    for (Index m = pairs.offset[i]; m < pairs.offset[i + 1]; ++m) {
-      const double u = std::max(0.0, 1.0 - half_inverse * (x - nodes[pairs.index[m]].position).norm());
-      kernel[m] = scale * u * u * u;
-    }
+inline Mat<D> invert_moment(const Mat<D>& moment) {
+  constexpr double floor = D == 2 ? 0.2 : 0.1;
+  if constexpr (D == 2) {
+    // The lowest eigenvalue lies above the floor when both of M - floor I are positive.
+    const double a = moment(0, 0) - floor, b = moment(1, 1) - floor;
+    if (a + b > 0.0 && a * b > moment(0, 1) * moment(0, 1)) return moment.inverse();
+  } else {
+    // The lowest eigenvalue is at least det / (trace / 2)^2.
+    const double half = 0.5 * moment.trace();
+    if (moment.determinant() > floor * half * half) return moment.inverse();
   }
+  return invert_above<D>(moment, floor);
+}
+
+/// The positive part; by value and in this form it costs no branch.
+inline double positive(double x) { return 0.5 * (x + std::abs(x)); }
+
+/// W'/r of a pair at distance r [1/m^(D+2)]: scale u^3 with u = 1 - r / 2h.
+template <int D>
+struct PairKernel {
+  double scale, half_inverse;
+  explicit PairKernel(double h)
+      : scale(-5.0 * sph::WendlandC2<D>::normalisation(h) / (h * h)), half_inverse(0.5 / h) {}
+  double operator()(double squared_distance) const {
+    const double u = positive(1.0 - half_inverse * std::sqrt(squared_distance));
+    return scale * u * u * u;
+  }
+};
+
+/// W'/r of the pairs of the rows from `first` on.
+template <int D>
+void pair_kernels(const std::vector<Node<D>>& nodes, const Pairs& pairs, double h, std::size_t first,
+                  ScalarArray& kernel) {
+  const PairKernel<D> derivative(h);
+  kernel.resize(pairs.index.size());
+  for (std::size_t i = first; i < pairs.size(); ++i)
+    for (std::size_t m = pairs.offset[i]; m < pairs.offset[i + 1]; ++m)
+      kernel[m] = derivative((nodes[i].position - nodes[pairs.index[m]].position).squaredNorm());
 }
 
 /// Corrected velocity gradient, Eqs. (88), (89) made exact for linear fields near images and free surfaces alike;
 /// the correction B it needs comes with it.
 template <int D>
-void velocity_gradient(const std::vector<Node<D>>& nodes, const sph::PairList& pairs, const ScalarArray& kernel,
-                       MatArray<D>& gradient, MatArray<D>& deformation, MatArray<D>& correction) {
+void velocity_gradient(const std::vector<Node<D>>& nodes, const Pairs& pairs, const ScalarArray& kernel,
+                       Scratch<D>& scratch, MatArray<D>& gradient, MatArray<D>& correction) {
+  scratch.raw.assign(pairs.size(), Mat<D>::Zero());
+  scratch.moment.assign(pairs.size(), Mat<D>::Zero());
+  Mat<D>* const raws = scratch.raw.data();
+  Mat<D>* const moments = scratch.moment.data();
   for (std::size_t i = 0; i < pairs.size(); ++i) {
-    const Vec<D> x = nodes[i].position, v = nodes[i].velocity, u = nodes[i].displacement;
-    Mat<D> moment = Mat<D>::Zero(), raw = Mat<D>::Zero(), moved = Mat<D>::Zero();
-    for (Index m = pairs.offset[i]; m < pairs.offset[i + 1]; ++m) {
+    const Vec<D> x = nodes[i].position, v = nodes[i].velocity;
+    const double volume = nodes[i].volume;
+    Mat<D> raw = raws[i], moment = moments[i];
+    const std::size_t alone = pairs.alone[i], end = pairs.offset[i + 1];
+    for (std::size_t m = pairs.offset[i]; m < alone; ++m) {
+      const std::size_t j = pairs.index[m];
+      const Node<D>& other = nodes[j];
+      const Vec<D> r = x - other.position, w = kernel[m] * r;
+      const Mat<D> stretch = (other.velocity - v) * w.transpose(), square = r * w.transpose();
+      raw += other.volume * stretch;
+      moment -= other.volume * square;
+      raws[j] += volume * stretch;
+      moments[j] -= volume * square;
+    }
+    for (std::size_t m = alone; m < end; ++m) {
       const Node<D>& other = nodes[pairs.index[m]];
-      const Vec<D> r = x - other.position;
-      const Vec<D> w = (other.volume * kernel[m]) * r;
-      raw.noalias() += (other.velocity - v) * w.transpose();
-      moved.noalias() += (other.displacement - u) * w.transpose();
-      moment.noalias() -= r * w.transpose();
+      const Vec<D> r = x - other.position, w = (other.volume * kernel[m]) * r;
+      raw += (other.velocity - v) * w.transpose();
+      moment -= r * w.transpose();
+    }
+    if (moment(0, 0) == 0.0) {  // no neighbours at all
+      gradient[i].setZero();
+      continue;
     }
     correction[i] = invert_moment<D>(moment);
     gradient[i].noalias() = raw * correction[i];
-    deformation[i].noalias() = moved * correction[i];
   }
 }
 
 /// Internal force per volume, the exact adjoint of velocity_gradient (cf. Eq. (60)):
-///   f_i = sum_j V_j (sigma_i B_i + sigma_j B_j) grad W_ij.   Node::flux holds V sigma B.
+///   f_i = sum_j V_j (sigma_i B_i + sigma_j B_j) grad W_ij.   Node::flux holds sigma B.
 /// With it goes a stiffness on the part of the displacement that a linear field does not explain: it resists
 /// zero-energy modes for good (a viscosity only slows them) and leaves every uniform strain alone. Apart, per volume:
-/// the same as a viscosity, and artificial viscosity on approaching pairs.
+/// the same as a viscosity, and artificial viscosity on approaching pairs. Every pair's force is V_i V_j times what is
+/// opposite for its two particles, hence momentum is kept. Forces of the first n_free particles; kernels of their rows
+/// are left in `kernel`.
 template <int D>
-void internal_force(const std::vector<Node<D>>& nodes, const sph::PairList& pairs, const ScalarArray& kernel, double h,
-                    const Stabilisers& stabilisers, VecArray<D>& internal, VecArray<D>& stabilising) {
-  const double control = stabilisers.zero_energy * stabilisers.sound_speed * h;
+void internal_force(const std::vector<Node<D>>& nodes, const Pairs& pairs, std::size_t n_free, double h,
+                    const Stabilisers& stabilisers, ScalarArray& kernel, VecArray<D>& internal,
+                    VecArray<D>& stabilising) {
+  const PairKernel<D> derivative(h);
+  const double control = 0.25 * stabilisers.zero_energy * stabilisers.sound_speed * h;
   const double stiffness = stabilisers.stiffness * stabilisers.modulus;
-  const double viscosity = stabilisers.artificial * stabilisers.sound_speed * h;
+  const double viscosity = 0.5 * stabilisers.artificial * stabilisers.sound_speed * h;
   const double clip = 0.01 * h * h;
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    const Node<D>& self = nodes[i];
-    const Vec<D> x = self.position, v = self.velocity;
-    const Mat<D> gradient = self.gradient, deformation = self.deformation;
-    const Vec<D> moved = self.displacement;
-    const double own_inverse = self.inverse_density, own_control = 0.5 * control * self.control;
-    Vec<D> force = Vec<D>::Zero(), surface = Vec<D>::Zero(), viscous = Vec<D>::Zero(), elastic = Vec<D>::Zero();
-    for (Index m = pairs.offset[i]; m < pairs.offset[i + 1]; ++m) {
-      const Node<D>& other = nodes[pairs.index[m]];
-      const double k = kernel[m];
-      const Vec<D> r = x - other.position, u = v - other.velocity;
-      const Vec<D> w = k * r;
-      force.noalias() += other.flux * w;
-      surface += other.volume * w;
-      // m_j / 2 (1/rho_i + 1/rho_j): symmetric in the pair once multiplied by m_i, hence momentum is kept.
-      const double share = k * (other.mass * own_inverse + other.volume);
-      const Vec<D> rest = u - 0.5 * ((gradient + other.gradient) * r);
-      viscous += (own_control * other.control * share) * rest;
+  kernel.resize(pairs.index.size());
+  std::fill(internal.begin(), internal.end(), Vec<D>::Zero());
+  std::fill(stabilising.begin(), stabilising.end(), Vec<D>::Zero());
+  for (std::size_t i = 0; i < n_free; ++i) {
+    const Node<D> self = nodes[i];
+    Vec<D> force = internal[i], viscous = stabilising[i];
+    auto feel = [&](const Node<D>& other, std::size_t m, Vec<D>& push, Vec<D>& drag)
+                    __attribute__((always_inline)) {
+      const Vec<D> r = self.position - other.position, u = self.velocity - other.velocity;
+      const double squared = r.squaredNorm(), k = derivative(squared), share = k * (self.density + other.density);
+      kernel[m] = k;
+      push.noalias() = (self.flux + other.flux) * (k * r);
       if (self.elastic && other.elastic)
-        elastic += (k * other.volume) * (moved - other.displacement - 0.5 * ((deformation + other.deformation) * r));
-      const double approach = u.dot(r);
-      if (approach < 0.0) viscous += (0.5 * viscosity * share * approach / (r.squaredNorm() + clip)) * r;
+        push += (stiffness * k) *
+                (self.displacement - other.displacement - 0.5 * ((self.deformation + other.deformation) * r));
+      drag = (-viscosity * share * positive(-u.dot(r)) / (squared + clip)) * r;
+      const double weight = self.control * other.control;
+      if (weight > 0.0) drag += (control * weight * share) * (2.0 * u - (self.gradient + other.gradient) * r);
+    };
+    Vec<D> push, drag;
+    const std::size_t alone = pairs.alone[i], end = pairs.offset[i + 1];
+    for (std::size_t m = pairs.offset[i]; m < alone; ++m) {
+      const std::size_t j = pairs.index[m];
+      const Node<D>& other = nodes[j];
+      feel(other, m, push, drag);
+      force += other.volume * push;
+      viscous += other.volume * drag;
+      internal[j] -= self.volume * push;
+      stabilising[j] -= self.volume * drag;
     }
-    internal[i] = force + (self.flux / self.volume) * surface + stiffness * elastic;
-    stabilising[i] = viscous / own_inverse;
+    for (std::size_t m = alone; m < end; ++m) {
+      const Node<D>& other = nodes[pairs.index[m]];
+      feel(other, m, push, drag);
+      force += other.volume * push;
+      viscous += other.volume * drag;
+    }
+    internal[i] = force;
+    stabilising[i] = viscous;
   }
 }
 
@@ -124,22 +176,19 @@ void internal_force(const std::vector<Node<D>>& nodes, const sph::PairList& pair
 /// q).
 template <int D>
 VecArray<D> surface_vectors(const State<D>& state) {
-  const auto& pairs = state.near.pairs;
   const std::size_t n = state.particles.size();
   VecArray<D> q(n, Vec<D>::Zero());
-  for (std::size_t i = 0; i < n; ++i)
-    for (Index m = pairs.offset[i]; m < pairs.offset[i + 1]; ++m) {
-      const std::size_t j = pairs.index[m];
-      Mat<D> other;
-      if (j < n) {
-        other = state.particles.correction[j];
-      } else {
-        const auto& rule = state.near.images[j - n];
-        other = rule.map * state.particles.correction[rule.parent] * rule.map.transpose();
-      }
-      const Vec<D> w = (state.nodes[j].volume * state.kernel[m]) * (state.nodes[i].position - state.nodes[j].position);
-      q[i] += (state.particles.correction[i] + other) * w;
+  for_each_felt(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t m) {
+    Mat<D> other;
+    if (j < n) {
+      other = state.particles.correction[j];
+    } else {
+      const auto& rule = state.near.images[j - n];
+      other = rule.map * state.particles.correction[rule.parent] * rule.map.transpose();
     }
+    const Vec<D> w = (state.nodes[j].volume * state.kernel[m]) * (state.nodes[i].position - state.nodes[j].position);
+    q[i] += (state.particles.correction[i] + other) * w;
+  });
   return q;
 }
 
@@ -148,26 +197,21 @@ VecArray<D> surface_vectors(const State<D>& state) {
 /// Real particles and periodic images only: what the water does behind a wall the soil cannot know.
 template <int D>
 VecArray<D> pressure_gradient_difference(const State<D>& state, std::span<const double> pressure) {
-  const auto& pairs = state.near.pairs;
   const std::size_t n = state.particles.size();
   VecArray<D> gradient(n, Vec<D>::Zero());
-  for (std::size_t i = 0; i < n; ++i) {
-    Mat<D> moment = Mat<D>::Zero();
-    Vec<D> raw = Vec<D>::Zero();
-    for (Index m = pairs.offset[i]; m < pairs.offset[i + 1]; ++m) {
-      const std::size_t j = pairs.index[m];
-      std::size_t source = j;
-      if (j >= n) {
-        if (!state.near.images[j - n].periodic) continue;
-        source = state.near.images[j - n].parent;
-      }
-      const Vec<D> r = state.nodes[i].position - state.nodes[j].position;
-      const Vec<D> w = (state.nodes[j].volume * state.kernel[m]) * r;
-      raw += (pressure[source] - pressure[i]) * w;
-      moment -= r * w.transpose();
+  MatArray<D> moment(n, Mat<D>::Zero());
+  for_each_felt(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t m) {
+    std::size_t source = j;
+    if (j >= n) {
+      if (!state.near.images[j - n].periodic) return;
+      source = state.near.images[j - n].parent;
     }
-    gradient[i] = invert_moment<D>(moment) * raw;
-  }
+    const Vec<D> r = state.nodes[i].position - state.nodes[j].position;
+    const Vec<D> w = (state.nodes[j].volume * state.kernel[m]) * r;
+    gradient[i] += (pressure[source] - pressure[i]) * w;
+    moment[i] -= r * w.transpose();
+  });
+  for (std::size_t i = 0; i < n; ++i) gradient[i] = invert_moment<D>(moment[i]) * gradient[i];
   return gradient;
 }
 
@@ -176,21 +220,18 @@ VecArray<D> pressure_gradient_difference(const State<D>& state, std::span<const 
 /// the hydrostatic mirror p' = p + rho_w g . (x' - x).
 template <int D>
 VecArray<D> pressure_gradient_sum(const State<D>& state, std::span<const double> pressure, const Vec<D>& water_weight) {
-  const auto& pairs = state.near.pairs;
   const std::size_t n = state.particles.size();
   VecArray<D> gradient(n, Vec<D>::Zero());
-  for (std::size_t i = 0; i < n; ++i)
-    for (Index m = pairs.offset[i]; m < pairs.offset[i + 1]; ++m) {
-      const std::size_t j = pairs.index[m];
-      const std::size_t source = j < n ? j : state.near.images[j - n].parent;
-      double p = pressure[source];
-      if (j >= n && !state.near.images[j - n].periodic)
-        p += water_weight.dot(state.nodes[j].position - state.nodes[source].position);
-      const Node<D>&a = state.nodes[i], &b = state.nodes[j];
-      const double own = pressure[i] * a.inverse_density * a.inverse_density;
-      const double theirs = p * b.inverse_density * b.inverse_density;
-      gradient[i] += (b.mass / a.inverse_density * (own + theirs) * state.kernel[m]) * (a.position - b.position);
-    }
+  for_each_felt(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t m) {
+    const std::size_t source = j < n ? j : state.near.images[j - n].parent;
+    double p = pressure[source];
+    if (j >= n && !state.near.images[j - n].periodic)
+      p += water_weight.dot(state.nodes[j].position - state.nodes[source].position);
+    const Node<D>&a = state.nodes[i], &b = state.nodes[j];
+    const double own = pressure[i] / (a.density * a.density), theirs = p / (b.density * b.density);
+    gradient[i] +=
+        (b.volume * b.density * a.density * (own + theirs) * state.kernel[m]) * (a.position - b.position);
+  });
   return gradient;
 }
 

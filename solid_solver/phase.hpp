@@ -17,6 +17,7 @@ class Solid final : public Phase {
   coupling::Outcome advance(const coupling::Window& window, const coupling::Inbox& inbox) override;
   void save() override { saved_ = state_; }
   void restore() override { state_ = saved_; }
+  void archive(Archive& archive) override { archive(state_, rest_); }
   [[nodiscard]] OutputFrame frame() const override;
   [[nodiscard]] std::vector<GaugeReading> gauges() const override;
   [[nodiscard]] std::map<std::string, double> counters() const override;
@@ -40,6 +41,11 @@ class Solid final : public Phase {
                  const coupling::Window& window);
   /// At the end of a window that was computed.
   void fall_asleep_if_quiet(const Drive<D>& drive, double reference);
+
+  /// A long window of soil that does not move by itself, as one step of backward Euler to the equilibrium at its end:
+  /// m (u/Dt - v)/Dt = forces(u) + V Z (v_s' - u/Dt) for the displacement u. Rejects the window where there is none.
+  coupling::Outcome advance_at_rest(const coupling::Window& window, const VecArray<D>& gradient,
+                                    const ScalarArray& impulse, const Drive<D>& tracking);
 
   Case scene_;
   Setup<D> setup_;

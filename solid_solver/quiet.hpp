@@ -4,6 +4,7 @@
 #include "solid_solver/step.hpp"
 
 #include <numbers>
+#include <span>
 
 namespace poretwin::solid {
 
@@ -25,6 +26,16 @@ Vec<D> force_from_outside(const Drive<D>& drive, std::size_t i) {
   return drive.traction.empty() ? drive.distributed[i] : Vec<D>(drive.distributed[i] + drive.traction[i]);
 }
 
+/// Force on every particle [N], without what holds the zero-energy modes.
+template <int D>
+VecArray<D> forces(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive) {
+  const Particles<D>& p = state.particles;
+  VecArray<D> force(p.free());
+  for (std::size_t i = 0; i < p.free(); ++i)
+    force[i] = p.volume[i] * state.internal[i] + force_from_outside(drive, i) + p.mass[i] * setup.gravity;
+  return force;
+}
+
 /// What accelerations are held against [m/s2]: gravity, or the forces from outside spread over the soil's height.
 template <int D>
 double reference_acceleration(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive) {
@@ -36,19 +47,24 @@ double reference_acceleration(const Setup<D>& setup, const State<D>& state, cons
 }
 
 template <int D>
-Unrest unrest(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive, double reference) {
+Unrest unrest(const Setup<D>& setup, const State<D>& state, std::span<const Vec<D>> force, double reference) {
   const Particles<D>& p = state.particles;
   const double rate = near_critical_damping(setup);
   Unrest result;
   if (reference <= 0.0) return result;
   for (std::size_t i = 0; i < p.free(); ++i) {
-    const Vec<D> a = (p.volume[i] * state.internal[i] + force_from_outside(drive, i)) / p.mass[i] + setup.gravity;
-    const double departure = std::max(a.norm(), rate * p.velocity[i].norm()) / reference;
+    const double departure = std::max(force[i].norm() / p.mass[i], rate * p.velocity[i].norm()) / reference;
     result.largest = std::max(result.largest, departure);
     result.rms += departure * departure / static_cast<double>(p.free());
   }
   result.rms = std::sqrt(result.rms);
   return result;
+}
+
+template <int D>
+Unrest unrest(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive, double reference) {
+  const VecArray<D> force = forces(setup, state, drive);
+  return unrest<D>(setup, state, std::span<const Vec<D>>(force), reference);
 }
 
 /// Forgets all motion.
@@ -59,14 +75,32 @@ void stop(const Setup<D>& setup, State<D>& state) {
   evaluate_forces(setup, state);
 }
 
-/// Whether the forces have changed since the soil fell asleep by more than `wake_above` of the reference anywhere, or
-/// the saturation (and with it a cohesion that follows it) by more than a hundredth, or a load has begun.
+/// Whether the saturation has changed by more than a hundredth, where a cohesion follows it, since the soil was last
+/// found at rest.
 template <int D>
-bool disturbed(const State<D>& state, const Drive<D>& drive, std::size_t loads, double reference, double wake_above) {
+bool softened(const Setup<D>& setup, const State<D>& state) {
   constexpr double saturation_change = 0.01;
-  if (loads != state.sleep.loads) return true;
+  const auto& now = state.external.saturation;
+  const auto& before = state.sleep.saturation;
+  for (std::size_t i = 0; i < state.particles.free(); ++i)
+    if (setup.softened_by_water[state.particles.material[i]] &&
+        (before.empty() || std::abs(now[i] - before[i]) > saturation_change))
+      return true;
+  return false;
+}
+
+/// Windows longer than elastic waves take through the soil and back are successions of equilibria [s].
+template <int D>
+double long_window(const Setup<D>& setup) {
+  return 2.0 * setup.height / setup.stabilisers.sound_speed;
+}
+
+/// Whether the forces have changed since the soil fell asleep by more than `wake_above` of the reference anywhere, or
+/// water has softened it, or a load has begun.
+template <int D>
+bool disturbed(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive, std::size_t loads, double reference, double wake_above) {
+  if (loads != state.sleep.loads || softened(setup, state)) return true;
   for (std::size_t i = 0; i < state.particles.free(); ++i) {
-    if (std::abs(state.external.coverage[i] - state.sleep.coverage[i]) > saturation_change) return true;
     const double change = (drive.distributed[i] - state.sleep.force[i]).norm();
     if (change > wake_above * reference * state.particles.mass[i]) return true;
   }

@@ -1,4 +1,4 @@
-// The rest of the soil under its weight, the water's pressure and the standing loads, before time zero.
+// The soil at rest: dynamic relaxation to an equilibrium, and the stresses of level ground.
 #pragma once
 
 #include "solid_solver/quiet.hpp"
@@ -15,54 +15,63 @@ struct RestReport {
   [[nodiscard]] bool reached() const { return residual < criterion; }
 };
 
+/// When rest is found and when the search is given up.
+struct RestSearch {
+  double criterion = 1e-3;  ///< of the reference acceleration, for the largest acceleration
+  double ways = 50.0;       ///< most steps, in units of a wave's way through the soil; four times as many once it yields
+};
+
 /// Rate that damps the present motion critically, 2 omega [1/s], with Rayleigh's quotient omega^2 = -v . dF/dt / v . m
-/// v over the last step of dt [s]; `before`: the internal forces then.
+/// v over the last step of dt [s] (Underwood 1983); `before`: the forces on the particles then, `now`: after it [N].
 template <int D>
-double critical_rate(const State<D>& state, const VecArray<D>& before, double dt) {
+double critical_rate(const State<D>& state, const VecArray<D>& before, const VecArray<D>& now, double dt) {
   const Particles<D>& p = state.particles;
   double stiff = 0.0, heavy = 0.0;
   for (std::size_t i = 0; i < p.free(); ++i) {
-    stiff -= p.volume[i] * p.velocity[i].dot(state.internal[i] - before[i]);
+    stiff -= p.velocity[i].dot(now[i] - before[i]);
     heavy += p.mass[i] * p.velocity[i].squaredNorm();
   }
   return heavy > 0.0 ? 2.0 * std::sqrt(std::max(0.0, stiff / (dt * heavy))) : 0.0;
 }
 
-/// Loads the soil in one increment and damps it at the critical rate of its slowest mode until the largest acceleration
-/// is below 1e-3 of the driving one (gravity, or the largest external force), or for 50 times a wave's way through the
-/// soil. From the first yielding on the damping follows the softer soil, down to a fiftieth, for up to 200 ways: soil
-/// that can stand is found in fewer steps, and soil that cannot runs away instead of creeping. Displacements and
-/// stresses stay; velocities are cleared. external(drive) fills its forces, anew after every rebuild; show(report) sees
-/// every hundredth step and the last.
+/// Dynamic relaxation from the present state under the forces that external(drive, rebuilt) fills after every step. The
+/// damping is critical for the lowest frequency that the motion shows, at least for the slowest mode of a column as high
+/// as the soil; from the first yielding on it follows the softer soil, down to a fiftieth of that: soil that can stand is
+/// found in fewer steps, and soil that cannot runs away instead of creeping. Velocities serve the search and are cleared
+/// at its end. show(report) sees every hundredth step and the last.
 template <int D, class ExternalForce, class Show>
-RestReport find_rest(const Setup<D>& setup, State<D>& state, ExternalForce&& external, Show&& show) {
+RestReport find_rest(const Setup<D>& setup, const RestSearch& search, State<D>& state, ExternalForce&& external,
+                     Show&& show) {
   RestReport report;
   Drive<D> drive;
-  external(drive);
-  report.criterion = 1e-3;
+  external(drive, true);
+  report.criterion = search.criterion;
   const double reference = reference_acceleration(setup, state, drive);
   if (reference <= 0.0) return report;
   const double elastic_rate = near_critical_damping(setup);
   drive.damping = elastic_rate;
-  const double dt = setup.longest_substep;
-  const auto limit = static_cast<std::size_t>(50.0 * setup.height / (setup.stabilisers.sound_speed * dt)) + 200;
-  VecArray<D> before;
+  constexpr double longer = 1.5;  // damped steps are stable to about 1.8 of an undamped one
+  const double dt = longer * setup.longest_substep;
+  const auto limit = static_cast<std::size_t>(search.ways * setup.height / (setup.stabilisers.sound_speed * dt)) + 200;
+  VecArray<D> before, now = forces(setup, state, drive);
   do {
     const double built = state.rebuilds;
-    before = state.internal;
     substep<D>(setup, dt, drive, state);
     ++report.steps;
-    if (state.any_yielded && state.rebuilds == built) {
+    external(drive, state.rebuilds > built);
+    std::swap(before, now);
+    now = forces(setup, state, drive);
+    if (state.rebuilds == built) {
+      const double rate = critical_rate(state, before, now, dt);
       constexpr double memory = 0.95;  // about twenty steps
-      const double rate = std::clamp(critical_rate(state, before, dt), 0.02 * elastic_rate, elastic_rate);
-      drive.damping = memory * drive.damping + (1.0 - memory) * rate;
+      drive.damping = state.any_yielded ? memory * drive.damping +
+                                              (1.0 - memory) * std::clamp(rate, 0.02 * elastic_rate, elastic_rate)
+                                        : std::max(rate, elastic_rate);
     }
-    if (state.rebuilds > built) external(drive);
-    if (report.steps % 10 != 0) continue;
-    report.residual = unrest(setup, state, drive, reference).largest;
+    report.residual = unrest<D>(setup, state, std::span<const Vec<D>>(now), reference).largest;
     check_sound(setup, state, state.time);
     if (report.steps % 100 == 0) show(report);
-  } while (report.steps % 10 != 0 || (!report.reached() && report.steps < (state.any_yielded ? 4 * limit : limit)));
+  } while (!report.reached() && report.steps < (state.any_yielded ? 4 * limit : limit));
   for (const auto& u : state.particles.displacement) report.displacement = std::max(report.displacement, u.norm());
   stop(setup, state);
   show(report);

@@ -14,19 +14,20 @@ template <int D>
 void degree_of_saturation(const std::vector<Soil>& soils, const Setup<D>& setup, const State<D>& state,
                           const ScalarArray& coverage, ScalarArray& saturation) {
   constexpr double full = 0.95;
-  const auto& pairs = state.near.pairs;
   const double h = setup.smoothing_length, self = sph::WendlandC2<D>::value(0.0, h);
-  saturation.resize(state.particles.size());
-  for (std::size_t i = 0; i < saturation.size(); ++i) {
+  const std::size_t n = state.particles.size();
+  saturation.resize(n);
+  ScalarArray own(n);
+  for (std::size_t i = 0; i < n; ++i) own[i] = state.nodes[i].volume * self;
+  if (std::any_of(coverage.begin(), coverage.end(), [](double c) { return c > 0.0; }))
+    for_each_felt(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t) {
+      const Node<D>& other = state.nodes[j];
+      own[i] += other.volume * sph::WendlandC2<D>::value((state.nodes[i].position - other.position).norm(), h);
+    });
+  for (std::size_t i = 0; i < n; ++i) {
     const double initial = soils[state.particles.material[i]].initial_saturation;
-    saturation[i] = initial;
-    if (coverage[i] <= 0.0) continue;
-    double own = state.nodes[i].volume * self;
-    for (Index m = pairs.offset[i]; m < pairs.offset[i + 1]; ++m) {
-      const Node<D>& other = state.nodes[pairs.index[m]];
-      own += other.volume * sph::WendlandC2<D>::value((state.nodes[i].position - other.position).norm(), h);
-    }
-    saturation[i] = initial + (1.0 - initial) * std::min(1.0, coverage[i] / (full * std::min(1.0, own)));
+    const double share = coverage[i] > 0.0 ? std::min(1.0, coverage[i] / (full * std::min(1.0, own[i]))) : 0.0;
+    saturation[i] = initial + (1.0 - initial) * share;
   }
 }
 

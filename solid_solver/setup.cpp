@@ -80,6 +80,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
     setup.models.push_back(make_constitutive(scene.solid.model, weakened(soil, scene.solid.strength_reduction)));
     setup.grain_density.push_back(soil.grain_density);
     setup.constant_volume.push_back(soil.dilation_angle <= 0.0 ? 1 : 0);
+    setup.softened_by_water.push_back(soil.saturated_cohesion ? 1 : 0);
     const auto lattice = fill<D>(soil.shape, setup.spacing, scene.solid.offset, scene.solid.jitter,
                                  scene.solid.seed + static_cast<unsigned>(s));
     const double density = (1.0 - soil.porosity) * soil.grain_density;

@@ -39,6 +39,7 @@ struct Setup {
   ScalarArray density;                                     ///< kg/m3, initial rho_bar_s, one per soil
   ScalarArray grain_density;                               ///< kg/m3, one per soil
   std::vector<char> constant_volume;                       ///< one per soil: sheared without dilation
+  std::vector<char> softened_by_water;                     ///< one per soil: its cohesion follows the saturation
   [[nodiscard]] double range() const { return sph::support_radius * smoothing_length + skin; }
 };
 

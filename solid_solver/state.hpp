@@ -1,10 +1,12 @@
 // Everything of the soil skeleton that changes in time, as plain arrays: copied whole to save and restore.
 #pragma once
 
+#include "common/core/archive.hpp"
 #include "common/core/vector.hpp"
-#include "common/sph/neighbours.hpp"
+#include "solid_solver/pairs.hpp"
 #include "solid_solver/stress.hpp"
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -29,20 +31,20 @@ struct Particles {
   [[nodiscard]] std::size_t free() const { return mass.size() - held; }  ///< how many, at the front, are free to move
 };
 
-/// What the pair loops read of a particle or an image, packed: neighbours are visited in scattered order.
+/// What the pair loops read of a particle or an image, packed: neighbours are visited in scattered order. The first 64
+/// bytes (in 2D) are all that the velocity gradient needs.
 template <int D>
-struct Node {
+struct alignas(64) Node {
   Vec<D> position = Vec<D>::Zero();
-  double volume = 0.0;                   ///< m^D
-  double mass = 0.0;                     ///< kg
   Vec<D> velocity = Vec<D>::Zero();      ///< m/s
-  Mat<D> flux = Mat<D>::Zero();          ///< V sigma B, N m^(D-2)..: the stress as its neighbours feel it
+  double volume = 0.0;                   ///< m^D
+  double density = 0.0;                  ///< kg/m3, rho_bar
+  double control = 1.0;                  ///< weight of the viscous zero-energy-mode control, 0 where the soil flows
+  bool elastic = true;                   ///< never yielded: displacements may be held to be smooth
+  Mat<D> flux = Mat<D>::Zero();          ///< sigma B [Pa]: the stress as its neighbours feel it
   Mat<D> gradient = Mat<D>::Zero();      ///< 1/s
   Vec<D> displacement = Vec<D>::Zero();  ///< m
   Mat<D> deformation = Mat<D>::Zero();   ///< 1
-  double inverse_density = 0.0;          ///< m3/kg, of rho_bar
-  double control = 1.0;                  ///< weight of the viscous zero-energy-mode control, 0 where the soil flows
-  bool elastic = true;                   ///< never yielded: displacements may be held to be smooth
 };
 
 /// One wall that an image lies behind. Acceleration vanishes at a wall (its normal part at a roller), hence stress
@@ -71,7 +73,7 @@ template <int D>
 struct Neighbourhood {
   VecArray<D> built_at;  ///< positions of the real particles when built [m]
   std::vector<ImageRule<D>> images;
-  sph::PairList pairs;  ///< of every real particle, among real particles (first) and images
+  Pairs pairs;
 };
 
 /// Water and loads as they act during a window.
@@ -86,9 +88,51 @@ struct External {
 template <int D>
 struct Sleep {
   bool asleep = false;
-  VecArray<D> force;      ///< N on each particle, from the water
-  ScalarArray coverage;   ///< 0..1
+  VecArray<D> force;  ///< N on each particle, from the water
+  ScalarArray saturation;
   std::size_t loads = 0;  ///< that had begun
+};
+
+/// Whether a coupled soil moves: then every elastic wave is followed, undamped; otherwise long windows are taken as
+/// equilibria.
+struct Motion {
+  bool moving = false;
+  double calm = 0.0;      ///< s, for how long nothing has yielded while it moves
+  double patience = 0.0;  ///< s of calm after which rest is sought again; doubled when none is found then
+  double relaxed = 0.0, at_rest = 0.0, steps = 0.0,
+         begun = 0.0;     ///< counters: windows, steps of relaxation, beginnings
+  double duration = 0.0;  ///< s, in motion so far
+  void begins(double long_window) {
+    moving = true;
+    calm = 0.0;
+    patience = std::clamp(2.0 * patience, 5.0 * long_window, 100.0 * long_window);
+    begun += 1.0;
+  }
+  /// After a window in motion: whether it is over.
+  bool calms(double interval, bool yielded) {
+    duration += interval;
+    calm = yielded ? 0.0 : calm + interval;
+    moving = calm < patience;
+    return !moving;
+  }
+};
+
+/// Memory that the loops reuse from step to step; it holds nothing between them, so that a copy starts empty.
+template <int D>
+struct Scratch {
+  MatArray<D> raw, moment;  ///< velocity_gradient
+  std::vector<char> flows;  ///< keep_flow_regular, as all below
+  std::vector<Eigen::Matrix<double, D == 2 ? 4 : 6, 1>> noise;
+  std::vector<Eigen::Matrix<double, D == 2 ? 4 : 6, D>> slope;
+  ScalarArray cover, swelling;
+  VecArray<D> crowding;
+  Scratch() = default;
+  Scratch(const Scratch&) {}
+  Scratch(Scratch&&) = default;
+  Scratch& operator=(const Scratch&) { return *this; }
+  Scratch& operator=(Scratch&&) = default;
+  ~Scratch() = default;
+  void archive(Archive&) {}
 };
 
 template <int D>
@@ -98,7 +142,7 @@ struct State {
   Particles<D> particles;
   Neighbourhood<D> near;
   std::vector<Node<D>> nodes;  ///< real particles, then images
-  ScalarArray kernel;          ///< W'/r of every pair of the list at the current positions [1/m^(D+2)]
+  ScalarArray kernel;          ///< W'/r of every stored pair at the current positions [1/m^(D+2)]
   VecArray<D> body;            ///< N/m3, all distributed forces that act now: weight, water; not tractions
   VecArray<D> internal;        ///< N/m3, div sigma' (adjoint form) of the current state
   VecArray<D> stabilising;     ///< N/m3, zero-energy-mode control and artificial viscosity
@@ -109,8 +153,10 @@ struct State {
   std::vector<char> yielded;      ///< during the last window
   bool any_yielded = false;
   Sleep<D> sleep;
+  Motion motion;
   bool still_yields = false;  ///< something yielded since the soil was last quiet: its motion must not be damped
   double since_upkeep = 0.0;  ///< s, since the flowing soil was last kept regular
+  Scratch<D> scratch;
   double substeps = 0.0, rebuilds = 0.0, slept = 0.0, damped = 0.0;  ///< counters of substeps and list rebuilds
 };
 

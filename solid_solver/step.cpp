@@ -10,23 +10,32 @@
 
 namespace poretwin::solid {
 
+namespace {
+
 template <int D>
-void rebuild(const Setup<D>& setup, State<D>& state) {
+void rebuild_lists(const Setup<D>& setup, State<D>& state) {
   wrap_periodic<D>(setup.boundaries, state.particles.position);
   build_neighbourhood<D>(setup.boundaries, setup.range(), state.particles, state.near);
-  fill_nodes<D>(state.particles, state.near, state.body, setup.flow_limit, state.nodes);
-  pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, state.kernel);
-  velocity_gradient<D>(state.nodes, state.near.pairs, state.kernel, state.particles.gradient,
-                       state.particles.deformation, state.particles.correction);
   state.rebuilds += 1.0;
+}
+
+}  // namespace
+
+template <int D>
+void rebuild(const Setup<D>& setup, State<D>& state) {
+  rebuild_lists(setup, state);
+  fill_nodes<D>(state.particles, state.near, state.body, setup.flow_limit, state.nodes);
+  pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, 0, state.kernel);
+  velocity_gradient<D>(state.nodes, state.near.pairs, state.kernel, state.scratch, state.particles.gradient,
+                       state.particles.correction);
 }
 
 template <int D>
 bool rebuild_if_moved(const Setup<D>& setup, State<D>& state) {
   const double limit = 0.25 * setup.skin * setup.skin;
-  for (std::size_t i = 0; i < state.particles.size(); ++i)
+  for (std::size_t i = 0; i < state.particles.free(); ++i)
     if ((state.particles.position[i] - state.near.built_at[i]).squaredNorm() > limit) {
-      rebuild(setup, state);
+      rebuild_lists(setup, state);
       return true;
     }
   return false;
@@ -34,10 +43,11 @@ bool rebuild_if_moved(const Setup<D>& setup, State<D>& state) {
 
 template <int D>
 void evaluate_forces(const Setup<D>& setup, State<D>& state) {
+  const std::size_t n_free = state.particles.free();
   fill_nodes<D>(state.particles, state.near, state.body, setup.flow_limit, state.nodes);
-  pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, state.kernel);
-  internal_force<D>(state.nodes, state.near.pairs, state.kernel, setup.smoothing_length, setup.stabilisers,
+  internal_force<D>(state.nodes, state.near.pairs, n_free, setup.smoothing_length, setup.stabilisers, state.kernel,
                     state.internal, state.stabilising);
+  pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, n_free, state.kernel);
 }
 
 template <int D>
@@ -58,20 +68,26 @@ void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& 
     p.velocity[i] = (p.velocity[i] + rate * (force + z * drive.target[i])) / (1.0 + rate * z + dt * drive.damping);
     state.returned_impulse[i] += dt * z * (drive.target[i] - p.velocity[i]);
   }
-  fill_velocities<D>(p, state.near, dt, state.nodes);
-  velocity_gradient<D>(state.nodes, state.near.pairs, state.kernel, p.gradient, p.deformation, p.correction);
-  for (std::size_t i = 0; i < n; ++i) {
-    const Mat<D>& gradient = p.gradient[i];
+  fill_velocities<D>(p, state.near, state.nodes);
+  velocity_gradient<D>(state.nodes, state.near.pairs, state.kernel, state.scratch, p.gradient, p.correction);
+  for (std::size_t i = 0; i < p.free(); ++i) {
     const Vec<D> moved = dt * p.velocity[i];
     p.position[i] += moved;
     p.displacement[i] += moved;
+    // Of du/dx at a place that moves along: d(1 - F^-1)/dt = F^-1 L.
+    p.deformation[i] += dt * (p.gradient[i] - p.deformation[i] * p.gradient[i]);
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    const Mat<D> gradient = p.gradient[i];
+    if (i >= p.free() && gradient.squaredNorm() == 0.0) continue;
     // Mass kept: n_s = m / (rho_s V), Eq. (50) by its rate. Bounded: a crack that opens is not porosity.
     const double reference = p.mass[i] / setup.density[p.material[i]];
     p.volume[i] = std::clamp(p.volume[i] * (1.0 + dt * gradient.trace()), 0.5 * reference, 2.0 * reference);
     Tensor& stress = p.stress[i];
     stress += dt * spin_rate<D>(stress, gradient);
     const double plastic = setup.models[p.material[i]]->advance(
-        stress, dt * strain_rate<D>(gradient), {state.external.saturation[i], 1.0 / solid_fraction(setup, p, i) - 1.0});
+        stress, dt * strain_rate<D>(gradient), {state.external.saturation[i], setup.grain_density[p.material[i]] * p.volume[i] / p.mass[i] - 1.0});
+    if (setup.constant_volume[p.material[i]] && p.volume[i] > 1.1 * reference) stress.setZero();
     if (plastic > 0.0) {
       p.plastic_strain[i] += plastic;
       state.yielded[i] = 1;

@@ -3,6 +3,7 @@
 
 #include "common/case/check.hpp"
 #include "common/case/keys.hpp"
+#include "common/core/hash.hpp"
 
 #include <fmt/format.h>
 
@@ -360,15 +361,6 @@ void declare_own(Keys& keys, Case& c) {
   keys.table("output", "What is written, and when.", [&](Keys& inner) { declare(inner, c.output); });
   keys.tables("gauge", "A series of readings in gauges.csv.", c.gauges,
               [](Keys& inner, Gauge& gauge) { declare(inner, gauge); });
-}
-
-std::uint64_t fnv1a(std::string_view text) {
-  std::uint64_t hash = 14695981039346656037ULL;
-  for (const char c : text) {
-    hash ^= static_cast<unsigned char>(c);
-    hash *= 1099511628211ULL;
-  }
-  return hash;
 }
 
 }  // namespace

@@ -33,6 +33,7 @@ class PendingRecord {
     frame_written_ = gauges_written_ = false;
   }
   void forget() { frame_ = gauges_ = false; }
+  void archive(Archive& archive) { archive(frame_, gauges_, frame_written_, gauges_written_); }
   void write() { write_now(frame_, gauges_); }
   /// Also what was not asked for, unless this state is in the files already.
   void write_now(bool frame, bool gauges) {
@@ -54,8 +55,14 @@ class PendingRecord {
 
 class CoupledRun {
  public:
-  CoupledRun(Phase& phase, Participant& participant, Recorder& recorder, DriveReport& report)
-      : phase_(phase), participant_(participant), report_(report), pending_(phase, recorder, report) {}
+  CoupledRun(Phase& phase, Participant& participant, Recorder& recorder, DriveReport& report,
+             const CheckpointStore* checkpoints)
+      : phase_(phase),
+        participant_(participant),
+        recorder_(recorder),
+        report_(report),
+        pending_(phase, recorder, report),
+        checkpoints_(checkpoints) {}
 
   void run() {
     timed(report_.waiting, [&] { participant_.join(); });
@@ -65,6 +72,12 @@ class CoupledRun {
       switch (command.kind) {
         case Command::Kind::initialise:
           initialise(command);
+          break;
+        case Command::Kind::resume:
+          resume(command);
+          break;
+        case Command::Kind::checkpoint:
+          write_checkpoint(command);
           break;
         case Command::Kind::advance:
           advance(command);
@@ -86,10 +99,36 @@ class CoupledRun {
   }
 
   void initialise(const Command& command) {
+    if (checkpoints_) checkpoints_->keep_only({});
     timed(report_.computing, [&] { phase_.initialise(command.inbox); });
     publish();
     pending_.ask(command.record_frame, command.record_gauges);
     pending_.write();
+  }
+
+  void archive(Archive& archive) { archive(phase_, recorder_, report_, pending_); }
+
+  void write_checkpoint(const Command& command) {
+    if (!checkpoints_) throw PeerError("the coupler asks for a checkpoint, none was promised");
+    pending_.write();
+    timed(report_.writing, [&] {
+      // Before the new one is begun: its name may be committed only once this process has said so.
+      checkpoints_->keep_only(command.keep);
+      Archive state;
+      archive(state);
+      checkpoints_->write({command.checkpoint, command.window.step, report_.time}, state);
+    });
+    participant_.confirm_checkpoint(command.checkpoint);
+  }
+
+  void resume(const Command& command) {
+    if (!checkpoints_) throw PeerError("the coupler asks to resume, no checkpoint was promised");
+    timed(report_.writing, [&] {
+      Archive state = checkpoints_->read(command.checkpoint);
+      archive(state);
+      state.expect_end();
+    });
+    publish();
   }
 
   void advance(const Command& command) {
@@ -133,8 +172,10 @@ class CoupledRun {
 
   Phase& phase_;
   Participant& participant_;
+  Recorder& recorder_;
   DriveReport& report_;
   PendingRecord pending_;
+  const CheckpointStore* checkpoints_;
   double before_ = 0.0;
   bool advanced_ = false;
 };
@@ -145,10 +186,11 @@ double retry_interval(double tried, double suggested) {
   return suggested > 0.0 && std::isfinite(suggested) ? std::min(suggested, 0.5 * tried) : 0.5 * tried;
 }
 
-void drive_coupled(Phase& phase, Participant& participant, Recorder& recorder, DriveReport& report) {
+void drive_coupled(Phase& phase, Participant& participant, Recorder& recorder, DriveReport& report,
+                   const CheckpointStore* checkpoints) {
   const std::string who(to_string(participant.role()));
   try {
-    CoupledRun(phase, participant, recorder, report).run();
+    CoupledRun(phase, participant, recorder, report, checkpoints).run();
   } catch (const Error& error) {
     // A peer's failure is known to the coupler already, or the coupler itself is gone: telling it again does no harm.
     participant.abort(error.what(), error.code());
@@ -166,16 +208,40 @@ DriveReport drive_coupled(Phase& phase, Participant& participant, Recorder& reco
 }
 
 void drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const ProgressCallback& progress,
-                 DriveReport& report) {
+                 DriveReport& report, Checkpoints checkpoints) {
   WindowClock clock(
       {scene.general.end_time, scene.coupling.interval, scene.output.interval, scene.output.gauge_interval});
   PendingRecord record(phase, recorder, report);
   const Inbox nothing;
-  timed(report.computing, [&] { phase.initialise(nothing); });
-  record.write_now(true, true);
   std::uint64_t step = 0;
   int rejections = 0;
   double limit = no_limit;
+  CheckpointSchedule schedule(checkpoints);
+  auto archive = [&](Archive& state) { state(phase, recorder, report, record, clock, step); };
+  auto write_checkpoint = [&] {
+    timed(report.writing, [&] {
+      const std::string name = schedule.name(step);
+      Archive state;
+      archive(state);
+      checkpoints.store->write({name, step, clock.time()}, state);
+      schedule.committed(name);
+      checkpoints.store->keep_only(schedule.kept());
+    });
+  };
+  if (checkpoints.resume) {
+    const auto found = checkpoints.store->whole();
+    if (found.empty()) throw FileError("nothing to resume from: expected a checkpoint in the run's folder, found none");
+    Archive state = checkpoints.store->read(found.front().name);
+    archive(state);
+    state.expect_end();
+    std::vector<std::string> names;
+    for (const auto& checkpoint : found) names.push_back(checkpoint.name);
+    schedule.set_kept(names);
+  } else {
+    if (checkpoints.store) checkpoints.store->keep_only({});
+    timed(report.computing, [&] { phase.initialise(nothing); });
+    record.write_now(true, true);
+  }
   while (!clock.finished() && !interrupted()) {
     const auto [proposed, cause] = timed(report.computing, [&] {
       Publication publication = phase.publish();
@@ -206,8 +272,10 @@ void drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const Prog
     record.ask(plan.record_frame, plan.record_gauges);
     record.write();
     if (progress) progress({clock.time(), clock.end(), step, plan.interval, ""});
+    if (schedule.due() && !clock.finished()) write_checkpoint();
   }
   if (!clock.finished()) {
+    if (checkpoints.store) write_checkpoint();
     report.interrupted = true;
     report.reason = "interrupted";
     record.write_now(true, true);

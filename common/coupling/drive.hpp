@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/case/case.hpp"
+#include "common/checkpoint/schedule.hpp"
 #include "common/coupling/participant.hpp"
 #include "common/coupling/phase.hpp"
 #include "common/coupling/summary.hpp"
@@ -20,11 +21,16 @@ struct DriveReport {
   double time = 0.0;                                ///< s, end of the last accepted window
   bool interrupted = false;
   std::string reason = "end";
+
+  /// What a run that is resumed counts on from.
+  void archive(Archive& archive) { archive(windows, rejected, limited_by, time); }
 };
 
 /// Joins, then obeys the coupler until FINISH. Failures of the phase are told to everybody (ABORT) and rethrown;
 /// failures of others arrive as Error with the named cause.
-void drive_coupled(Phase& phase, Participant& participant, Recorder& recorder, DriveReport& report);
+/// Without `checkpoints` the participant must not have promised to keep any.
+void drive_coupled(Phase& phase, Participant& participant, Recorder& recorder, DriveReport& report,
+                   const CheckpointStore* checkpoints = nullptr);
 DriveReport drive_coupled(Phase& phase, Participant& participant, Recorder& recorder);
 
 using ProgressCallback = std::function<void(const Progress&)>;
@@ -33,7 +39,7 @@ using ProgressCallback = std::function<void(const Progress&)>;
 /// coupling.interval and output instants allow; a rejected one is restored and repeated shorter. Asks interrupted()
 /// between windows.
 void drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const ProgressCallback& progress,
-                 DriveReport& report);
+                 DriveReport& report, Checkpoints checkpoints = {});
 DriveReport drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const ProgressCallback& progress = {});
 
 /// The length at which to repeat a rejected window: what was suggested, and never more than half of what was tried.

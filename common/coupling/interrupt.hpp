@@ -3,8 +3,8 @@
 
 namespace poretwin::coupling {
 
-/// While it lives, SIGINT and SIGTERM only set a flag; a second one ends the process at once. Broken pipes become
-/// errors.
+/// While it lives, SIGINT and SIGTERM only set a flag; a second one ends the process at once. Broken pipes and files at
+/// their limit become errors.
 class InterruptGuard {
  public:
   InterruptGuard();

@@ -65,6 +65,8 @@ void write_body(wire::Header& header, const Body& body) {
                    out.set_process(b.process);
                    out.set_host(b.host);
                    out.set_case_part(b.contract.case_part);
+                   out.set_keeps_checkpoints(b.keeps_checkpoints);
+                   for (const auto& name : b.checkpoints) out.add_checkpoints(name);
                  },
                  [&](const Welcome& b) {
                    header.mutable_welcome()->set_heartbeat_interval(b.heartbeat_interval);
@@ -118,6 +120,12 @@ void write_body(wire::Header& header, const Body& body) {
                    out.set_digest(b.digest);
                    out.set_dimension(static_cast<std::uint32_t>(b.dimension));
                  },
+                 [&](const CheckpointOrder& b) {
+                   header.mutable_checkpoint()->set_name(b.name);
+                   for (const auto& name : b.keep) header.mutable_checkpoint()->add_keep(name);
+                 },
+                 [&](const CheckpointWritten& b) { header.mutable_checkpoint_written()->set_name(b.name); },
+                 [&](const Resume& b) { header.mutable_resume()->set_name(b.name); },
              },
              body);
 }
@@ -133,6 +141,8 @@ Hello read_hello(const wire::Hello& in) {
   hello.process = in.process();
   hello.host = in.host();
   hello.contract.case_part = in.case_part();
+  hello.keeps_checkpoints = in.keeps_checkpoints();
+  hello.checkpoints = {in.checkpoints().begin(), in.checkpoints().end()};
   return hello;
 }
 
@@ -192,6 +202,14 @@ Body read_body(const wire::Header& header) {
       return CaseFile{
           in.text(), {in.overrides().begin(), in.overrides().end()}, in.digest(), static_cast<int>(in.dimension())};
     }
+    case Case::kCheckpoint: {
+      const auto& in = header.checkpoint();
+      return CheckpointOrder{in.name(), {in.keep().begin(), in.keep().end()}};
+    }
+    case Case::kCheckpointWritten:
+      return CheckpointWritten{header.checkpoint_written().name()};
+    case Case::kResume:
+      return Resume{header.resume().name()};
     case Case::BODY_NOT_SET:
       break;
   }
@@ -228,9 +246,11 @@ Message message_of(Body body, std::uint64_t step) {
 }
 
 std::string_view name_of(const Body& body) {
-  static constexpr std::string_view names[] = {"HELLO",     "WELCOME",      "REJECT",   "PUBLICATION", "INITIALISE",
-                                               "ADVANCE",   "RESTORE",      "FINISH",   "BYE",         "ABORT",
-                                               "HEARTBEAT", "CASE_REQUEST", "CASE_FILE"};
+  static constexpr std::string_view names[] = {
+      "HELLO",     "WELCOME",      "REJECT",    "PUBLICATION", "INITIALISE",
+      "ADVANCE",   "RESTORE",      "FINISH",    "BYE",         "ABORT",
+      "HEARTBEAT", "CASE_REQUEST", "CASE_FILE", "CHECKPOINT",  "CHECKPOINT_WRITTEN",
+      "RESUME"};
   return names[body.index()];
 }
 

@@ -15,7 +15,7 @@
 namespace poretwin::coupling {
 
 inline constexpr std::uint32_t protocol_major = 1;
-inline constexpr std::uint32_t protocol_minor = 1;
+inline constexpr std::uint32_t protocol_minor = 2;
 
 /// Reserved array names.
 inline constexpr std::string_view position_array = "@position";
@@ -70,6 +70,8 @@ struct Hello {
   std::string software;
   std::uint64_t process = 0;
   std::string host;
+  bool keeps_checkpoints = false;
+  std::vector<std::string> checkpoints = {};  ///< it could resume from
 };
 struct Welcome {
   double heartbeat_interval = 1.0;  ///< s
@@ -99,6 +101,16 @@ struct Finish {
   std::string reason;
   bool record_frame = false, record_gauges = false;
 };
+struct CheckpointOrder {
+  std::string name;
+  std::vector<std::string> keep;
+};
+struct CheckpointWritten {
+  std::string name;
+};
+struct Resume {
+  std::string name;
+};
 struct Bye {
   std::string reason;
 };
@@ -113,7 +125,7 @@ struct Heartbeat {
 };
 
 using Body = std::variant<Hello, Welcome, Reject, PublicationBody, Initialise, Advance, Restore, Finish, Bye, Abort,
-                          Heartbeat, CaseRequest, CaseFile>;
+                          Heartbeat, CaseRequest, CaseFile, CheckpointOrder, CheckpointWritten, Resume>;
 
 struct Message {
   std::uint32_t major = protocol_major, minor = protocol_minor;

@@ -50,6 +50,7 @@ class MockPhase : public Phase {
   Outcome advance(const Window& window, const Inbox& inbox) override;
   void save() override;
   void restore() override;
+  void archive(Archive& archive) override { archive(state_); }
   [[nodiscard]] OutputFrame frame() const override;
   [[nodiscard]] std::vector<GaugeReading> gauges() const override;
   [[nodiscard]] std::map<std::string, double> counters() const override;
@@ -88,6 +89,7 @@ class MemoryRecorder final : public Recorder {
   std::vector<Readings> series;
   void frame(const OutputFrame& frame) override { frames.push_back(frame); }
   void gauges(double time, const std::vector<GaugeReading>& readings) override { series.push_back({time, readings}); }
+  void archive(Archive& archive) override { archive(frames, series); }
   [[nodiscard]] std::vector<std::string> files() const override { return {}; }
 };
 

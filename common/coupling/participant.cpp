@@ -71,7 +71,13 @@ class Participant::Implementation {
   }
 
   void join() {
-    Hello hello{name_, contract_, options_.software, static_cast<std::uint64_t>(getpid()), host_name()};
+    Hello hello{name_,
+                contract_,
+                options_.software,
+                static_cast<std::uint64_t>(getpid()),
+                host_name(),
+                options_.keeps_checkpoints,
+                options_.checkpoints};
     send(message_of(std::move(hello)));
     wait_for_coupler(*transport_, name_, options_, [&] {
       const auto message = take(Milliseconds(100));
@@ -121,6 +127,11 @@ class Participant::Implementation {
                           outcome.reason};
     set_doing("waiting");
     send(std::move(message));
+  }
+
+  void confirm_checkpoint(const std::string& name) {
+    set_doing("waiting");
+    send(message_of(CheckpointWritten{name}, step_));
   }
 
   Command receive() {
@@ -244,10 +255,20 @@ class Participant::Implementation {
       if (!(window_.interval > 0.0) || !std::isfinite(window_.interval) || !std::isfinite(window_.time))
         fail(fmt::format("a window of {} s from t = {} s makes no sense", window_.interval, window_.time));
       command.inbox = inbox_of(message);
+      n_active_before_ = n_active_;
     } else if (const auto* r = std::get_if<Restore>(&message.body)) {
       command.kind = Command::Kind::restore;
       command.reason = r->reason;
+      n_active_ = n_active_before_;
       revision_sent_.reset();  // the restored phase may use a revision number again
+    } else if (const auto* c = std::get_if<CheckpointOrder>(&message.body)) {
+      command.kind = Command::Kind::checkpoint;
+      command.checkpoint = c->name;
+      command.keep = c->keep;
+    } else if (const auto* resume = std::get_if<Resume>(&message.body)) {
+      command.kind = Command::Kind::resume;
+      command.checkpoint = resume->name;
+      revision_sent_.reset();
     } else if (const auto* f = std::get_if<Finish>(&message.body)) {
       command.kind = Command::Kind::finish;
       command.reason = f->reason;
@@ -256,7 +277,8 @@ class Participant::Implementation {
     } else {
       fail("an unexpected " + describe(message) + " came in");
     }
-    set_doing(command.kind == Command::Kind::finish ? "writing" : "computing");
+    const bool writing = command.kind == Command::Kind::finish || command.kind == Command::Kind::checkpoint;
+    set_doing(writing ? "writing" : "computing");
     return command;
   }
 
@@ -358,7 +380,7 @@ class Participant::Implementation {
   std::uint64_t step_ = 0;
   std::uint32_t iteration_ = 0;
   Window window_;
-  std::size_t n_active_ = 0;
+  std::size_t n_active_ = 0, n_active_before_ = 0;  ///< points that receive: now, and when the window began
   std::optional<std::uint64_t> revision_sent_;
   Clock::time_point heard_ = Clock::now();
   std::string last_ = "none", waiting_for_;
@@ -408,6 +430,7 @@ Participant::~Participant() = default;
 void Participant::join() { implementation_->join(); }
 void Participant::publish(Publication publication) { implementation_->publish(std::move(publication)); }
 void Participant::reject(const Outcome& outcome) { implementation_->reject(outcome); }
+void Participant::confirm_checkpoint(const std::string& name) { implementation_->confirm_checkpoint(name); }
 Command Participant::receive() { return implementation_->receive(); }
 void Participant::abort(const std::string& reason, ExitCode code) { implementation_->abort(reason, code); }
 void Participant::bye(const std::string& reason) { implementation_->bye(reason); }

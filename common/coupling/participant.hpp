@@ -16,17 +16,21 @@ struct ParticipantOptions {
   std::function<void(const std::string&)> say;  ///< one line for the log; absent: silence
   std::function<bool()> interrupted;            ///< has a person asked to stop? Told to the coupler by heartbeat
   std::string software = "poretwin";
+  bool keeps_checkpoints = false;
+  std::vector<std::string> checkpoints;  ///< it could resume from
 };
 
 /// What the coupler wants next.
 struct Command {
-  enum class Kind { initialise, advance, restore, finish };
+  enum class Kind { initialise, resume, advance, restore, checkpoint, finish };
   Kind kind = Kind::finish;
   Window window;
   Inbox inbox;
   bool record_frame = false;   ///< the state at the window's end (initialise: at time zero) belongs in the output,
   bool record_gauges = false;  ///< written when the next advance or finish says that the window stands
   std::string reason;
+  std::string checkpoint;         ///< to write, or to resume from
+  std::vector<std::string> keep;  ///< earlier ones
 };
 
 struct ParticipantTotals {
@@ -48,10 +52,12 @@ class Participant {
 
   /// HELLO and WELCOME. Throws PeerError when refused (naming what differs) or when nobody answers in time.
   void join();
-  /// Answers initialise and advance, and opens the conversation at time zero.
+  /// Answers initialise, resume and advance, and opens the conversation at time zero.
   void publish(Publication publication);
   /// Answers an advance that must be repeated with a shorter window.
   void reject(const Outcome& outcome);
+  /// Answers checkpoint.
+  void confirm_checkpoint(const std::string& name);
   /// Waits for the next command. Throws Error with the coupler's reason on ABORT, PeerError when the coupler is gone or
   /// silent.
   Command receive();

@@ -2,6 +2,7 @@
 // drive.hpp.
 #pragma once
 
+#include "common/core/archive.hpp"
 #include "common/coupling/exchange.hpp"
 
 #include <map>
@@ -56,6 +57,10 @@ class Phase {
   /// Keeps / brings back the complete state: particles, lists that affect results, warm starts, controllers.
   virtual void save() = 0;
   virtual void restore() = 0;
+
+  /// The same complete state, to a checkpoint and back, between windows: the run goes on bit by bit as if nothing had
+  /// been. Loading happens in a phase newly made from the same case, in place of initialise().
+  virtual void archive(Archive& archive) = 0;
 
   [[nodiscard]] virtual OutputFrame frame() const = 0;
   [[nodiscard]] virtual std::vector<GaugeReading> gauges() const = 0;

@@ -1,5 +1,6 @@
 #include "common/coupling/phase_main.hpp"
 
+#include "common/case/identity.hpp"
 #include "common/coupling/drive.hpp"
 #include "common/coupling/interrupt.hpp"
 #include "common/coupling/process_main.hpp"
@@ -44,23 +45,28 @@ void execute(const Arguments& arguments, Role role, const std::function<std::uni
   const Case scene = arguments.case_file.empty() ? case_of_coupler(*line, role, arguments, options)
                                                  : read_case(arguments.case_file, arguments.overrides);
   run.phase = make(scene);
-  run.recorder = make_run_recorder(arguments.out, name, scene);
+  run.recorder = make_run_recorder(arguments.out, name, scene, arguments.resume);
+  const CheckpointStore checkpoints(arguments.out, name, run_identity(scene), log_line);
   if (arguments.alone) {
     ProgressLines lines(arguments.progress_descriptor);
     drive_alone(
-        *run.phase, scene, *run.recorder, [&](const Progress& p) { lines.write(p, p.time >= p.end); }, run.report);
+        *run.phase, scene, *run.recorder, [&](const Progress& p) { lines.write(p, p.time >= p.end); }, run.report,
+        Checkpoints{&checkpoints, arguments.checkpoint_every, arguments.resume});
     return;
   }
   Contract contract = run.phase->contract();
   if (contract.case_digest.empty()) contract.case_digest = scene.digest();
   contract.case_part = scene.coupled_part();
+  options.keeps_checkpoints = true;
+  if (arguments.resume)
+    for (const auto& checkpoint : checkpoints.whole()) options.checkpoints.push_back(checkpoint.name);
   Participant participant(std::move(line), role, std::move(contract), std::move(options));
   auto note_totals = [&] {
     run.bytes_sent = participant.totals().bytes_sent;
     run.bytes_received = participant.totals().bytes_received;
   };
   try {
-    drive_coupled(*run.phase, participant, *run.recorder, run.report);
+    drive_coupled(*run.phase, participant, *run.recorder, run.report, &checkpoints);
   } catch (...) {
     note_totals();
     throw;

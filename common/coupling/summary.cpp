@@ -27,15 +27,16 @@ std::string json_object(const NamedNumbers& numbers) {
   return out + "}";
 }
 
-double number_after(const std::string& name, const std::string& text) {
+double number_after(const std::string& name, const std::string& text, bool zero_too = false) {
   try {
     std::size_t used = 0;
     const double value = std::stod(text, &used);
-    if (used == text.size() && value > 0.0) return value;
+    if (used == text.size() && (value > 0.0 || (zero_too && value == 0.0))) return value;
   } catch (const std::exception&) {
     // told below, with the argument's name
   }
-  throw CaseError("argument " + name + ": expected a positive number, got '" + text + "'");
+  throw CaseError("argument " + name + ": expected a positive number" + (zero_too ? " or zero" : "") + ", got '" +
+                  text + "'");
 }
 
 }  // namespace
@@ -122,6 +123,10 @@ Arguments parse_arguments(int argc, char** argv, Program program) {
       out.alone = true;
     else if (name == "--allow-any-address" && program == Program::coupler)
       out.allow_any_address = true;
+    else if (name == "--resume")
+      out.resume = true;
+    else if (name == "--checkpoint-every")
+      out.checkpoint_every = number_after(name, value(), true);
     else if (name == "--wait-deadline")
       out.wait_deadline = number_after(name, value());
     else if (name == "--frozen-deadline")
@@ -148,6 +153,10 @@ std::string usage(const std::string& name, Program program) {
                                       : "(--connect ADDRESS [--case FILE] | --alone --case FILE)";
   text +=
       " [--keys FILE] [--set key=value]... [--progress-fd N] [--wait-deadline S] [--frozen-deadline S]\n"
+      "       [--resume] [--checkpoint-every S]\n"
+      "--resume: go on from the checkpoint in DIR, all three processes; --checkpoint-every: s of wall-clock (60), 0: "
+      "every\n"
+      "window, inf: only when interrupted; the coupler's or a lone solver's word counts\n"
       "ADDRESS: ipc:///path or tcp://127.0.0.1:port; without --case FILE the coupler sends its case\n"
       "FILE of --keys: coupler.key or participant.key, made by `poretwin keys`\n"
       "exit codes: 0 done, 1 unforeseen, 2 bad case or arguments, 3 a peer failed, 4 diverged, 5 files, 130 "

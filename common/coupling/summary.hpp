@@ -68,6 +68,8 @@ struct Arguments {
   int progress_descriptor = -1;
   double wait_deadline = 60.0;    ///< s
   double frozen_deadline = 30.0;  ///< s
+  bool resume = false;
+  double checkpoint_every = 60.0;  ///< s of wall-clock; infinite: only when interrupted
   std::vector<std::string> overrides;
 };
 enum class Program { phase, coupler };

@@ -2,6 +2,8 @@
 // alone.
 #pragma once
 
+#include "common/core/archive.hpp"
+
 #include <cstdint>
 #include <optional>
 
@@ -29,6 +31,7 @@ class WindowClock {
   [[nodiscard]] bool finished() const { return time_ >= settings_.end; }
   [[nodiscard]] double time() const { return time_; }
   [[nodiscard]] double end() const { return settings_.end; }
+  void archive(Archive& archive) { archive(time_, frames_, gauges_); }
 
  private:
   /// Multiples of `interval` are counted, not summed, so that rounding does not add up.

@@ -68,9 +68,22 @@ std::vector<Row> read_rows(const std::filesystem::path& path) {
 
 }  // namespace
 
-GaugeLog::GaugeLog(const std::filesystem::path& path) : path_(path), file_(std::fopen(path.c_str(), "w")) {
+GaugeLog::GaugeLog(const std::filesystem::path& path)
+    : path_(path), file_(std::fopen(path.c_str(), "w")), bytes_(std::strlen(header)) {
   if (!file_ || std::fputs(header, file_.get()) < 0 || std::fflush(file_.get()) != 0)
     throw FileError(fmt::format("{}: cannot be written: {}", path.string(), std::strerror(errno)));
+}
+
+GaugeLog::GaugeLog(const std::filesystem::path& path, Archive& checkpoint) : path_(path) {
+  archive(checkpoint);
+  std::error_code error;
+  if (const auto size = std::filesystem::file_size(path, error); error || size < bytes_)
+    throw FileError(fmt::format("{}: expected the {} bytes that stood at the checkpoint, found {}", path.string(),
+                                bytes_, error ? "none" : std::to_string(size)));
+  std::filesystem::resize_file(path, bytes_);
+  series_ = read_gauges(path);
+  file_.reset(std::fopen(path.c_str(), "a"));
+  if (!file_) throw FileError(fmt::format("{}: cannot be written: {}", path.string(), std::strerror(errno)));
 }
 
 void GaugeLog::append(double time, const std::vector<GaugeReading>& readings) {
@@ -85,6 +98,7 @@ void GaugeLog::append(double time, const std::vector<GaugeReading>& readings) {
   }
   if (std::fwrite(text.data(), 1, text.size(), file_.get()) != text.size() || std::fflush(file_.get()) != 0)
     throw FileError(fmt::format("{}: cannot be written: {}", path_.string(), std::strerror(errno)));
+  bytes_ += text.size();
 }
 
 std::map<std::string, GaugeSeries> read_gauges(const std::filesystem::path& path) {

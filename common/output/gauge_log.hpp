@@ -22,6 +22,10 @@ class GaugeLog {
  public:
   /// Creates the file with its header `time_s,gauge,value,unit`. Throws FileError.
   explicit GaugeLog(const std::filesystem::path& path);
+  /// Goes on with the file where archive() left it; later rows are removed. Throws FileError.
+  GaugeLog(const std::filesystem::path& path, Archive& checkpoint);
+  /// Where the file stands.
+  void archive(Archive& archive) { archive(bytes_); }
   void append(double time, const std::vector<GaugeReading>& readings);
   [[nodiscard]] const std::map<std::string, GaugeSeries>& series() const { return series_; }
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
@@ -33,6 +37,7 @@ class GaugeLog {
   std::filesystem::path path_;
   std::unique_ptr<std::FILE, Close> file_;
   std::map<std::string, GaugeSeries> series_;
+  std::uint64_t bytes_ = 0;  ///< in the file
 };
 
 /// Reads what GaugeLog wrote. Throws FileError naming path and line.

@@ -1,6 +1,7 @@
 #include "common/output/hdf5.hpp"
 
 #include "common/core/error.hpp"
+#include "common/output/undo_driver.hpp"
 
 #include <fmt/format.h>
 #include <hdf5.h>
@@ -63,16 +64,22 @@ void Id::reset() noexcept {
   value_ = -1;
 }
 
-File::File(const std::filesystem::path& path, bool create) : path_(path.string()) {
+File::File(const std::filesystem::path& path, Mode mode) : path_(path.string()) {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   const Id access = check(H5Pcreate(H5P_FILE_ACCESS), close_properties, "preparing to open");
   H5Pset_file_locking(access.get(), false, true);
-  id_ = create ? check(H5Fcreate(path_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), close_file, "creating")
-               : check(H5Fopen(path_.c_str(), H5F_ACC_RDONLY, access.get()), close_file, "opening");
+  if (mode == Mode::write) roll_back(path);
+  if (mode != Mode::read) check(H5Pset_driver(access.get(), undo_driver(), nullptr), "preparing to open");
+  if (mode == Mode::create)
+    id_ = check(H5Fcreate(path_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), close_file, "creating");
+  else
+    id_ = check(H5Fopen(path_.c_str(), mode == Mode::write ? H5F_ACC_RDWR : H5F_ACC_RDONLY, access.get()), close_file,
+                "opening");
 }
 
-File File::create(const std::filesystem::path& path) { return File(path, true); }
-File File::open_to_read(const std::filesystem::path& path) { return File(path, false); }
+File File::create(const std::filesystem::path& path) { return File(path, Mode::create); }
+File File::open_to_read(const std::filesystem::path& path) { return File(path, Mode::read); }
+File File::open_to_write(const std::filesystem::path& path) { return File(path, Mode::write); }
 
 void File::fail(const std::string& action) const {
   throw FileError(fmt::format("{}: {} failed: {}", path_, action, cause()));
@@ -111,6 +118,25 @@ Dataset File::dataset(const std::string& name, Type type, std::size_t columns, s
   result.columns_ = columns;
   result.what_ = path_ + ": " + name;
   return result;
+}
+
+Dataset File::cut_dataset(const std::string& name, std::size_t rows) {
+  const auto size = shape(name);
+  if (size.empty() || size.front() < rows)
+    throw FileError(
+        fmt::format("{}: {}: expected at least {} rows, found {}", path_, name, rows, size.empty() ? 0 : size.front()));
+  Dataset result;
+  result.id_ = check(H5Dopen2(id_.get(), name.c_str(), H5P_DEFAULT), close_object, "opening data set " + name);
+  result.columns_ = size.size() > 1 ? size[1] : 0;
+  result.rows_ = rows;
+  result.what_ = path_ + ": " + name;
+  const hsize_t cut[2] = {rows, result.columns_};
+  check(H5Dset_extent(result.id_.get(), cut), "cutting data set " + name);
+  return result;
+}
+
+void File::remove(const std::string& name) {
+  check(H5Ldelete(id_.get(), name.c_str(), H5P_DEFAULT), "removing " + name);
 }
 
 void Dataset::append_raw(const void* data, std::size_t count, Id::Value memory_type) {

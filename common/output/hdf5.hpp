@@ -1,5 +1,5 @@
 // HDF5 behind a small wrapper: handles that close themselves, errors as FileError with path and cause, no error stack
-// on stderr. Only hdf5.cpp includes the library's header.
+// on stderr. Only hdf5.cpp and undo_driver.cpp include the library's header.
 #pragma once
 
 #include <cstdint>
@@ -55,10 +55,15 @@ class File {
   static File create(
       const std::filesystem::path& path);  ///< replaces an older file; not locked, so that readers may look on
   static File open_to_read(const std::filesystem::path& path);
+  /// After what roll_back() does.
+  static File open_to_write(const std::filesystem::path& path);
 
   /// Creates a group and those above it.
   void group(const std::string& name);
   Dataset dataset(const std::string& name, Type type, std::size_t columns, std::size_t chunk_rows);
+  /// One that is there, cut off after `rows`. Throws FileError when it holds fewer.
+  Dataset cut_dataset(const std::string& name, std::size_t rows);
+  void remove(const std::string& name);  ///< a group or data set
 
   /// Attributes of a group or data set.
   void attribute(const std::string& object, const std::string& name, const std::string& text);
@@ -82,7 +87,8 @@ class File {
   [[nodiscard]] bool is_float64(const std::string& dataset) const;
 
  private:
-  File(const std::filesystem::path& path, bool create);
+  enum class Mode { create, read, write };
+  File(const std::filesystem::path& path, Mode mode);
   [[noreturn]] void fail(const std::string& action) const;
   [[nodiscard]] Id check(Id::Value value, Id::Close close, const std::string& action) const;
   void check(int status, const std::string& action) const;

@@ -5,10 +5,15 @@
 #include "common/output/gauge_log.hpp"
 #include "common/output/vtkhdf.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
+#include <optional>
 
 namespace poretwin {
 namespace {
@@ -33,34 +38,70 @@ void write_provenance(hdf5::File& file, const Case& scene) {
   file.flush();
 }
 
+/// What was written to that file outlives a loss of power from now on.
+void sync(const std::filesystem::path& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  const bool good = descriptor >= 0 && ::fsync(descriptor) == 0;
+  const int error = errno;
+  if (descriptor >= 0) ::close(descriptor);
+  if (!good) throw FileError(fmt::format("{}: cannot be written: {}", path.string(), std::strerror(error)));
+}
+
 class RunRecorder final : public Recorder {
  public:
-  RunRecorder(const std::filesystem::path& out_dir, const std::string& phase, const Case& scene)
-      : writer_(made(out_dir) / (phase + ".vtkhdf")), log_(out_dir / ("gauges." + phase + ".csv")) {
-    write_provenance(writer_.file(), scene);
+  RunRecorder(const std::filesystem::path& out_dir, const std::string& phase, const Case& scene, bool to_resume)
+      : particles_(made(out_dir) / (phase + ".vtkhdf")),
+        gauges_(out_dir / ("gauges." + phase + ".csv")),
+        scene_(scene) {
+    if (!to_resume) begin();
   }
 
   ~RunRecorder() override {
     // The CSV already holds every reading: failing here loses no data, and a destructor must not throw.
     try {
-      write_gauges();
+      if (writer_) write_gauges();
     } catch (const std::exception& error) {
       std::fprintf(stderr, "warning: the gauges were not copied into the HDF5 file: %s\n", error.what());
     }
   }
 
-  void frame(const OutputFrame& frame) override { writer_.append(frame); }
-  void gauges(double time, const std::vector<GaugeReading>& readings) override { log_.append(time, readings); }
+  void frame(const OutputFrame& frame) override {
+    begin();
+    writer_->append(frame);
+  }
+  void gauges(double time, const std::vector<GaugeReading>& readings) override {
+    begin();
+    log_->append(time, readings);
+  }
+  void archive(Archive& archive) override {
+    if (archive.loading()) {
+      writer_.emplace(particles_, archive);
+      log_.emplace(gauges_, archive);
+      if (writer_->file().has("gauges")) writer_->file().remove("gauges");
+      return;
+    }
+    begin();
+    archive(*writer_, *log_);
+    sync(particles_);
+    sync(gauges_);
+  }
   [[nodiscard]] std::vector<std::string> files() const override {
-    return {writer_.path().string(), writer_.sidecar().string(), log_.path().string()};
+    if (!writer_) return {};
+    return {particles_.string(), writer_->sidecar().string(), gauges_.string()};
   }
 
  private:
+  void begin() {
+    if (writer_) return;
+    writer_.emplace(particles_);
+    log_.emplace(gauges_);
+    write_provenance(writer_->file(), scene_);
+  }
   void write_gauges() {
-    auto& file = writer_.file();
-    if (log_.series().empty()) return;
+    auto& file = writer_->file();
+    if (log_->series().empty()) return;
     file.group("gauges");
-    for (const auto& [name, series] : log_.series()) {
+    for (const auto& [name, series] : log_->series()) {
       std::string group = name;
       std::replace(group.begin(), group.end(), '/', '_');
       group = "gauges/" + group;
@@ -75,15 +116,17 @@ class RunRecorder final : public Recorder {
     file.flush();
   }
 
-  VtkHdfWriter writer_;
-  GaugeLog log_;
+  std::filesystem::path particles_, gauges_;
+  Case scene_;
+  std::optional<VtkHdfWriter> writer_;
+  std::optional<GaugeLog> log_;
 };
 
 }  // namespace
 
 std::unique_ptr<Recorder> make_run_recorder(const std::filesystem::path& out_dir, const std::string& phase_name,
-                                            const Case& scene) {
-  return std::make_unique<RunRecorder>(out_dir, phase_name, scene);
+                                            const Case& scene, bool to_resume) {
+  return std::make_unique<RunRecorder>(out_dir, phase_name, scene, to_resume);
 }
 
 }  // namespace poretwin

@@ -47,7 +47,6 @@ std::string slab(const std::string& file, const std::string& name, std::int64_t 
 }  // namespace
 
 VtkHdfWriter::VtkHdfWriter(const std::filesystem::path& path) : path_(path), file_(hdf5::File::create(path)) {
-  using hdf5::Type;
   file_.group("VTKHDF");
   constexpr std::array<std::int64_t, 2> version{2, 0};
   file_.attribute("VTKHDF", "Version", version);
@@ -56,27 +55,66 @@ VtkHdfWriter::VtkHdfWriter(const std::filesystem::path& path) : path_(path), fil
   file_.group("VTKHDF/Steps");
   file_.group("VTKHDF/Steps/PointDataOffsets");
   file_.attribute("VTKHDF/Steps", "NSteps", std::int64_t{0});
-  const auto make = [&](const std::string& name, Type type, std::size_t columns, std::size_t chunk) {
-    return file_.dataset("VTKHDF/" + name, type, columns, chunk);
-  };
-  number_of_points_ = make("NumberOfPoints", Type::int64, 0, step_chunk);
-  number_of_cells_ = make("NumberOfCells", Type::int64, 0, step_chunk);
-  number_of_ids_ = make("NumberOfConnectivityIds", Type::int64, 0, step_chunk);
-  points_ = make("Points", Type::float64, 3, particle_chunk / 3);
-  connectivity_ = make("Connectivity", Type::int64, 0, particle_chunk);
-  offsets_ = make("Offsets", Type::int64, 0, particle_chunk);
-  types_ = make("Types", Type::uint8, 0, particle_chunk);
-  times_ = make("Steps/Values", Type::float64, 0, step_chunk);
-  part_offsets_ = make("Steps/PartOffsets", Type::int64, 0, step_chunk);
-  parts_ = make("Steps/NumberOfParts", Type::int64, 0, step_chunk);
-  point_offsets_ = make("Steps/PointOffsets", Type::int64, 0, step_chunk);
-  cell_offsets_ = make("Steps/CellOffsets", Type::int64, 1, step_chunk);
-  id_offsets_ = make("Steps/ConnectivityIdOffsets", Type::int64, 1, step_chunk);
+  bind(true);
   file_.attribute("VTKHDF/Points", "unit", "m");
   file_.attribute("VTKHDF/Points", "description", "Positions of the particles");
   file_.attribute("VTKHDF/Steps/Values", "unit", "s");
   file_.attribute("VTKHDF/Steps/Values", "description", "Simulated time");
   file_.flush();
+}
+
+VtkHdfWriter::VtkHdfWriter(const std::filesystem::path& path, Archive& checkpoint)
+    : path_(path), file_(hdf5::File::open_to_write(path)) {
+  archive(checkpoint);
+  file_.attribute("VTKHDF/Steps", "NSteps", static_cast<std::int64_t>(steps_.size()));
+  bind(false);
+  bind_columns(false);
+  file_.flush();
+  write_sidecar();
+}
+
+void VtkHdfWriter::archive(Archive& archive) { archive(steps_, total_, columns_); }
+
+void VtkHdfWriter::bind(bool create) {
+  using hdf5::Type;
+  const std::size_t steps = steps_.size(), particles = static_cast<std::size_t>(total_);
+  const auto set = [&](hdf5::Dataset& data, const std::string& name, Type type, std::size_t columns, std::size_t chunk,
+                       std::size_t rows) {
+    const std::string full = "VTKHDF/" + name;
+    data = create ? file_.dataset(full, type, columns, chunk) : file_.cut_dataset(full, rows);
+  };
+  set(number_of_points_, "NumberOfPoints", Type::int64, 0, step_chunk, steps);
+  set(number_of_cells_, "NumberOfCells", Type::int64, 0, step_chunk, steps);
+  set(number_of_ids_, "NumberOfConnectivityIds", Type::int64, 0, step_chunk, steps);
+  set(points_, "Points", Type::float64, 3, particle_chunk / 3, particles);
+  set(connectivity_, "Connectivity", Type::int64, 0, particle_chunk, particles);
+  set(offsets_, "Offsets", Type::int64, 0, particle_chunk, particles + steps);
+  set(types_, "Types", Type::uint8, 0, particle_chunk, particles);
+  set(times_, "Steps/Values", Type::float64, 0, step_chunk, steps);
+  set(part_offsets_, "Steps/PartOffsets", Type::int64, 0, step_chunk, steps);
+  set(parts_, "Steps/NumberOfParts", Type::int64, 0, step_chunk, steps);
+  set(point_offsets_, "Steps/PointOffsets", Type::int64, 0, step_chunk, steps);
+  set(cell_offsets_, "Steps/CellOffsets", Type::int64, 1, step_chunk, steps);
+  set(id_offsets_, "Steps/ConnectivityIdOffsets", Type::int64, 1, step_chunk, steps);
+}
+
+void VtkHdfWriter::bind_columns(bool create) {
+  for (auto& column : columns_) {
+    const auto& field = column.declaration;
+    const std::string name = "VTKHDF/PointData/" + field.name, offsets = "VTKHDF/Steps/PointDataOffsets/" + field.name;
+    if (!create) {
+      column.values = file_.cut_dataset(name, static_cast<std::size_t>(total_));
+      column.offsets = file_.cut_dataset(offsets, steps_.size());
+      continue;
+    }
+    const auto columns = field.components == 1 ? std::size_t{0} : static_cast<std::size_t>(field.components);
+    column.values =
+        file_.dataset(name, hdf5::Type::float64, columns, particle_chunk / std::max<std::size_t>(1, columns));
+    column.offsets = file_.dataset(offsets, hdf5::Type::int64, 0, step_chunk);
+    file_.attribute(name, "unit", field.unit);
+    file_.attribute(name, "description", field.description);
+    file_.attribute(name, "components", components_of(field));
+  }
 }
 
 std::filesystem::path VtkHdfWriter::sidecar() const {
@@ -89,18 +127,11 @@ void VtkHdfWriter::declare(const OutputFrame& frame) {
     if (field.name.empty() || field.name.find_first_of("/.") != std::string::npos)
       throw FileError(fmt::format("{}: field name '{}' is empty or holds '/' or '.', which VTKHDF readers cannot take",
                                   path_.string(), field.name));
-    const std::string name = "VTKHDF/PointData/" + field.name;
     Column column;
     column.declaration = {field.name, field.unit, field.description, field.components, {}};
-    const auto columns = field.components == 1 ? std::size_t{0} : static_cast<std::size_t>(field.components);
-    column.values =
-        file_.dataset(name, hdf5::Type::float64, columns, particle_chunk / std::max<std::size_t>(1, columns));
-    column.offsets = file_.dataset("VTKHDF/Steps/PointDataOffsets/" + field.name, hdf5::Type::int64, 0, step_chunk);
-    file_.attribute(name, "unit", field.unit);
-    file_.attribute(name, "description", field.description);
-    file_.attribute(name, "components", components_of(field));
     columns_.push_back(std::move(column));
   }
+  bind_columns(true);
 }
 
 void VtkHdfWriter::check(const OutputFrame& frame) const {

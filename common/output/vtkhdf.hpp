@@ -18,10 +18,15 @@ class VtkHdfWriter {
  public:
   /// Creates `path` and, beside it, the same name ending in .xmf.
   explicit VtkHdfWriter(const std::filesystem::path& path);
+  /// Goes on with the file where archive() left it; later steps are removed. Throws FileError.
+  VtkHdfWriter(const std::filesystem::path& path, Archive& checkpoint);
 
   /// Appends one step. Every frame holds the fields of the first. Data first, then the step's rows, then NSteps, then a
   /// flush: neither a reader nor a crash ever sees half a step.
   void append(const OutputFrame& frame);
+
+  /// Where the file stands.
+  void archive(Archive& archive);
 
   /// The open file, for groups that VTKHDF readers ignore.
   hdf5::File& file() { return file_; }
@@ -36,7 +41,11 @@ class VtkHdfWriter {
   struct Column {
     OutputField declaration;  ///< without values
     hdf5::Dataset values, offsets;
+    void archive(Archive& archive) { archive(declaration); }
   };
+  /// Creates the data sets, or finds them and cuts off what is beyond the steps.
+  void bind(bool create);
+  void bind_columns(bool create);
   void declare(const OutputFrame& frame);
   void check(const OutputFrame& frame) const;
   void write_sidecar() const;

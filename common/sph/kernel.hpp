@@ -55,6 +55,16 @@ struct WendlandC2 {
     const double u = 1.0 - 0.5 * q;
     return -5.0 * normalisation(h) / (h * h) * u * u * u;
   }
+  /// Value and -W'/r together.
+  struct Pair {
+    double value, strength;
+  };
+  static Pair pair(double r, double h) {
+    const double inverse = 1.0 / h, q = r * inverse;
+    if (q >= 2.0) return {0.0, 0.0};
+    const double u = 1.0 - 0.5 * q, scaled = normalisation(1.0) * (D == 2 ? 1.0 : inverse) * inverse * inverse;
+    return {scaled * u * u * u * u * (2.0 * q + 1.0), 5.0 * scaled * inverse * inverse * u * u * u};
+  }
 };
 
 }  // namespace poretwin::sph

@@ -14,9 +14,8 @@ namespace poretwin::sph {
 template <int D>
 class CellGrid {
  public:
-  /// cell_size [m] must be >= the largest search radius. Points need not be inside any box.
+  /// cell_size [m]: about the search radius, or half of it. Points need not be inside any box.
   void build(std::span<const Vec<D>> points, double cell_size) {
-    points_ = points;
     lower_ = Vec<D>::Zero();
     std::array<double, D> extent{};
     if (!points.empty()) {
@@ -52,21 +51,65 @@ class CellGrid {
     order_.resize(points.size());
     std::vector<Index> next(first_.begin(), first_.end() - 1);
     for (std::size_t i = 0; i < points.size(); ++i) order_[next[cell_of_[i]]++] = static_cast<Index>(i);
+    sorted_.resize(points.size());
+    for (std::size_t m = 0; m < points.size(); ++m) sorted_[m] = points[order_[m]];
   }
 
-  /// Calls f(j, squared distance) for every point j with |x - x_j| < radius; radius <= cell_size of build().
+  /// Calls f(j, squared distance) for every point j with |x - x_j| < radius; fastest for radius <= 2 cell_size.
   template <class F>
   void for_each_within(const Vec<D>& x, double radius, F&& f) const {
     const double limit = radius * radius;
-    for_each_near((x.array() - radius).matrix(), (x.array() + radius).matrix(), [&](Index j) {
-      const double r2 = (points_[j] - x).squaredNorm();
-      if (r2 < limit) f(j, r2);
+    // Few points of a row are near: the distances first, without branches.
+    constexpr Index batch = 64;
+    std::array<Index, batch> near;
+    std::array<double, batch> distance;
+    for_each_row((x.array() - radius).matrix(), (x.array() + radius).matrix(), [&](Index begin, Index end) {
+      for (Index from = begin; from < end; from += batch) {
+        const Index to = std::min(end, from + batch);
+        std::size_t n = 0;
+        for (Index m = from; m < to; ++m) {
+          const double r2 = (sorted_[m] - x).squaredNorm();
+          near[n] = m;
+          distance[n] = r2;
+          n += r2 < limit ? 1 : 0;
+        }
+        for (std::size_t i = 0; i < n; ++i) f(order_[near[i]], distance[i]);
+      }
     });
   }
 
   /// Calls f(j) for all points in the box, and some around it.
   template <class F>
   void for_each_near(const Vec<D>& lower, const Vec<D>& upper, F&& f) const {
+    for_each_row(lower, upper, [&](Index begin, Index end) {
+      for (Index m = begin; m < end; ++m) f(order_[m]);
+    });
+  }
+
+  /// Appends every point j >= first with |x - x_j| < radius. Free of branches that depend on the distance: they would
+  /// be guessed wrong too often.
+  void append_within(const Vec<D>& x, double radius, Index first, std::vector<Index>& found) const {
+    const double limit = radius * radius;
+    std::size_t count = found.size();
+    for_each_row((x.array() - radius).matrix(), (x.array() + radius).matrix(), [&](Index begin, Index end) {
+      found.resize(count + (end - begin));
+      for (Index m = begin; m < end; ++m) {
+        const Index j = order_[m];
+        found[count] = j;
+        count +=
+            static_cast<std::size_t>((sorted_[m] - x).squaredNorm() < limit) & static_cast<std::size_t>(j >= first);
+      }
+    });
+    found.resize(count);
+  }
+
+  /// Point indices in cell order: a permutation under which neighbours lie close in memory.
+  [[nodiscard]] std::span<const Index> order() const { return order_; }
+
+ private:
+  /// Calls f(begin, end) of order_ for every row of cells in the box: the cells of a row lie one after the other.
+  template <class F>
+  void for_each_row(const Vec<D>& lower, const Vec<D>& upper, F&& f) const {
     if (order_.empty()) return;
     std::array<int, D> lo{}, hi{};
     for (std::size_t d = 0; d < D; ++d) {
@@ -75,26 +118,23 @@ class CellGrid {
       hi[d] = static_cast<int>(std::floor(std::clamp((upper[k] - lower_[k]) / size_, -1.0, 1.0 * count_[d])));
       lo[d] = std::max(lo[d], 0);
       hi[d] = std::min(hi[d], count_[d] - 1);
+      if (lo[d] > hi[d]) return;
     }
-    std::array<int, D> c{};
-    auto row = [&] {
-      for (c[0] = lo[0]; c[0] <= hi[0]; ++c[0]) {
-        const std::size_t k = flat(c);
-        for (Index m = first_[k]; m < first_[k + 1]; ++m) f(order_[m]);
-      }
+    const auto row = [&](std::array<int, D> c) {
+      c[0] = lo[0];
+      const Index begin = first_[flat(c)];
+      c[0] = hi[0];
+      f(begin, first_[flat(c) + 1]);
     };
+    std::array<int, D> c{};
     if constexpr (D == 2) {
-      for (c[1] = lo[1]; c[1] <= hi[1]; ++c[1]) row();
+      for (c[1] = lo[1]; c[1] <= hi[1]; ++c[1]) row(c);
     } else {
       for (c[2] = lo[2]; c[2] <= hi[2]; ++c[2])
-        for (c[1] = lo[1]; c[1] <= hi[1]; ++c[1]) row();
+        for (c[1] = lo[1]; c[1] <= hi[1]; ++c[1]) row(c);
     }
   }
 
-  /// Point indices in cell order: a permutation under which neighbours lie close in memory.
-  [[nodiscard]] std::span<const Index> order() const { return order_; }
-
- private:
   std::array<int, D> cell(const Vec<D>& x) const {
     std::array<int, D> c{};
     for (std::size_t d = 0; d < D; ++d)
@@ -108,7 +148,7 @@ class CellGrid {
     return k;
   }
 
-  std::span<const Vec<D>> points_;
+  VecArray<D> sorted_;  ///< in cell order
   Vec<D> lower_ = Vec<D>::Zero();
   double size_ = 1.0;
   std::array<int, D> count_{};

@@ -1,6 +1,8 @@
 #include "solid_solver/constitutive/drucker_prager.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace poretwin::solid {
@@ -19,9 +21,11 @@ Cone DruckerPragerSoil::cone(const Condition& condition) const {
   return cone;
 }
 
-double return_map(Tensor& stress, const Cone& cone, const Elasticity& elasticity) {
-  const double i1 = trace(stress), j = root_j2(stress), limit = cone.tension_limit();
-  const double f = cone.alpha * i1 + j - cone.k;
+namespace {
+
+/// Brings invariants outside the cone back; returns the equivalent deviatoric plastic strain (0 inside).
+double return_invariants(double& i1, double& j, const Cone& cone, const Elasticity& elasticity) {
+  const double limit = cone.tension_limit(), f = cone.alpha * i1 + j - cone.k;
   if (f <= 0.0 && i1 <= limit) return 0.0;
   const double bulk = elasticity.bulk, shear = elasticity.shear;
   double new_i1 = limit, new_j = std::min(j, cone.k - cone.alpha * limit);
@@ -33,33 +37,86 @@ double return_map(Tensor& stress, const Cone& cone, const Elasticity& elasticity
       new_j = j - shear * multiplier;
     }
   }
-  const double mean = i1 / 3.0;
-  for (int d = 0; d < 3; ++d) stress[d] -= mean;
-  stress *= j > 0.0 ? new_j / j : 0.0;
-  for (int d = 0; d < 3; ++d) stress[d] += new_i1 / 3.0;
   // Pure tension takes no shear; the smallest number still says that the soil yielded.
-  return std::max((j - new_j) / (shear * std::numbers::sqrt3), std::numeric_limits<double>::min());
+  const double plastic = std::max((j - new_j) / (shear * std::numbers::sqrt3), std::numeric_limits<double>::min());
+  i1 = new_i1;
+  j = new_j;
+  return plastic;
+}
+
+/// Share of an increment, from inside the cone to outside, that is elastic: |s + t ds| = radius + t change; from the
+/// products s.s, s.ds and ds.ds.
+double elastic_share(double ss, double sd, double dd, double radius, double change) {
+  const double a = dd - change * change, b = sd - radius * change, c = ss - radius * radius;
+  if (b >= 0.0 && c >= 0.0) return 0.0;
+  const double root = std::sqrt(std::max(0.0, b * b - a * c));
+  const double share = b > 0.0 ? -c / (b + root) : (root - b) / a;
+  return share > 0.0 && share < 1.0 ? share : 0.0;
+}
+
+/// Integral of dt / radius over the increment, the radius going linearly.
+double over_radius(double from, double to) {
+  const double low = std::min(from, to), high = std::max(from, to);
+  if (low <= 0.0) return std::numeric_limits<double>::infinity();
+  return high - low < 1e-4 * low ? 2.0 / (from + to) : std::log(high / low) / (high - low);
+}
+
+}  // namespace
+
+double return_map(Tensor& stress, const Cone& cone, const Elasticity& elasticity) {
+  double i1 = trace(stress), j = root_j2(stress);
+  const double mean = i1 / 3.0, before = j;
+  const double plastic = return_invariants(i1, j, cone, elasticity);
+  if (plastic <= 0.0) return 0.0;
+  for (int d = 0; d < 3; ++d) stress[d] -= mean;
+  stress *= before > 0.0 ? j / before : 0.0;
+  for (int d = 0; d < 3; ++d) stress[d] += i1 / 3.0;
+  return plastic;
 }
 
 double integrate(Tensor& stress, const Tensor& strain, const Cone& cone, const Elasticity& elasticity) {
-  constexpr double turn = 0.005;  // radians
-  constexpr int most_parts = 16;
-  const Tensor before = stress, increment = elasticity.stress_of(strain);
-  stress += increment;
-  const Tensor s0 = deviator(before), s1 = deviator(stress);
-  const double plastic = return_map(stress, cone, elasticity);
-  if (plastic <= 0.0) return 0.0;
-  const double lengths = contract(s0, s0) * contract(s1, s1), along = contract(s0, s1);
-  const double turned = lengths > 0.0 ? std::sqrt(std::max(0.0, 1.0 - along * along / lengths)) : 0.0;
-  if (turned <= turn) return plastic;
-  const int parts = std::min(most_parts, static_cast<int>(std::ceil(turned / turn)));
-  double sum = 0.0;
-  stress = before;
-  for (int k = 0; k < parts; ++k) {
-    stress += increment / parts;
-    sum += return_map(stress, cone, elasticity);
+  using std::numbers::sqrt2;
+  constexpr double little = 0.005;  // radians
+  // Deviators before, their increment, and their elastic sum; plain numbers stay in registers.
+  double s[6], ds[6];
+  const double mean = trace(stress) / 3.0, volumetric = trace(strain);
+  for (int d = 0; d < 6; ++d) {
+    s[d] = stress[d] - (d < 3 ? mean : 0.0);
+    ds[d] = 2.0 * elasticity.shear * (strain[d] - (d < 3 ? volumetric / 3.0 : 0.0));
   }
-  return sum;
+  auto product = [](const double* a, const double* b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + 2.0 * (a[3] * b[3] + a[4] * b[4] + a[5] * b[5]);
+  };
+  const double ss = product(s, s), sd = product(s, ds), dd = product(ds, ds), trial = ss + 2.0 * sd + dd;
+  const double i1_before = 3.0 * mean, i1_trial = i1_before + 3.0 * elasticity.bulk * volumetric;
+  const double j_trial = std::sqrt(0.5 * std::max(0.0, trial));
+  double i1 = i1_trial, j = j_trial;
+  const double plastic = return_invariants(i1, j, cone, elasticity);
+  auto set = [&](double old_part, double new_part) {
+    for (int d = 0; d < 6; ++d) stress[d] = old_part * s[d] + new_part * ds[d] + (d < 3 ? i1 / 3.0 : 0.0);
+  };
+  const double along_trial = ss + sd;  // s . (s + ds)
+  const bool turns = ss * trial - along_trial * along_trial > little * little * ss * trial;
+  if (plastic <= 0.0 || !turns || i1 >= cone.tension_limit() || j <= 0.0) {
+    const double scale = plastic <= 0.0 ? 1.0 : j_trial > 0.0 ? j / j_trial : 0.0;
+    set(scale, scale);
+    return plastic;
+  }
+  // Only the plastic part turns the deviator: the radius of the cone as elastic strain would have it, and as it is.
+  const double first = sqrt2 * (cone.k - cone.alpha * i1_before), last = sqrt2 * (cone.k - cone.alpha * i1_trial);
+  const double elastic = elastic_share(ss, sd, dd, first, last - first);
+  const double norm = std::sqrt(ss + elastic * (2.0 * sd + elastic * dd)), length = std::sqrt(dd);
+  const double cosine = std::clamp((sd + elastic * dd) / (norm * length), -1.0, 1.0);
+  const double sine = std::sqrt(1.0 - cosine * cosine);
+  // Krieg & Krieg (1977): d psi / dt = -(|ds| / radius) sin psi, hence tan(psi / 2) decays exponentially.
+  const double start = first + elastic * (last - first), end = sqrt2 * j;
+  const double half = sine / std::max(1.0 + cosine, 1e-12);
+  const double left = half * std::exp(-(1.0 - elastic) * length * over_radius(start, end));
+  const double along = (1.0 - left * left) / (1.0 + left * left), across = 2.0 * left / (1.0 + left * left);
+  // Unit vectors: ds / length, and ((s + elastic ds) / norm - cosine ds / length) / sine across it.
+  const double tilt = sine > 1e-9 ? end * across / (sine * norm) : 0.0;
+  set(tilt, tilt * elastic + (end * along - tilt * norm * cosine) / length);
+  return plastic;
 }
 
 }  // namespace poretwin::solid

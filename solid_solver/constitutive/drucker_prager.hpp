@@ -6,8 +6,9 @@
 
 namespace poretwin::solid {
 
-/// Adds the elastic stress of a strain increment and returns, in as many parts as it takes for the deviator to turn
-/// little in each (a return along one direction is of first order in that angle). Returns the plastic strain.
+/// Adds the elastic stress of a strain increment and returns. The return gives invariants, exact while the deviator
+/// keeps its direction; the direction follows in closed form from the strain's (exact at psi = 0). Returns the plastic
+/// strain.
 double integrate(Tensor& stress, const Tensor& strain, const Cone& cone, const Elasticity& elasticity);
 
 /// Brings a trial stress outside the cone back, along the potential, to the tension limit or to the edge where both

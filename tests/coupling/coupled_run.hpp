@@ -37,6 +37,10 @@ struct CoupledRun {
   WindowClock::Settings settings{1.0, 0.1, 0.0, 0.0};
   BrokerOptions broker;
   ParticipantOptions participant;
+  std::filesystem::path checkpoints;   ///< folder; empty: none are kept
+  double checkpoint_every = no_limit;  ///< s
+  bool resume = false, only_coupler_keeps = false;
+  std::uint64_t stop_after = 0;  ///< windows, as if a person had pressed Ctrl-C; 0: never
   std::optional<IterationSettings> iteration;
   std::function<std::string(const std::string&)> route;  ///< the address at which participants find the coupler's
   // To be looked at.
@@ -71,8 +75,12 @@ struct CoupledRun {
       auto options = broker;
       options.dimension = dimension;
       options.say = [this](const std::string& text) { log.push_back(text); };
+      std::uint64_t step = 0;
+      if (stop_after > 0) options.interrupted = [&] { return step >= stop_after; };
+      const CheckpointStore store(checkpoints, "coupler", {});
       Broker b(*hub, options);
-      Schedule schedule(b, dimension, settings, {}, iteration);
+      Schedule schedule(b, dimension, settings, [&](const Progress& progress) { step = progress.step; },
+                        {checkpoints.empty() ? nullptr : &store, checkpoint_every, resume}, iteration);
       try {
         schedule.run();
       } catch (...) {
@@ -127,12 +135,17 @@ struct CoupledRun {
     if (!phase) return;
     guard(fate, [&] {
       auto transport = line == Line::in_process ? in_process_.line() : connect_socket(address_);
-      place.emplace(std::move(transport), role, phase->contract(), participant);
+      const CheckpointStore store(checkpoints, std::string(to_string(role)), {});
+      auto options = participant;
+      options.keeps_checkpoints = !checkpoints.empty() && !only_coupler_keeps;
+      if (resume)
+        for (const auto& checkpoint : store.whole()) options.checkpoints.push_back(checkpoint.name);
+      place.emplace(std::move(transport), role, phase->contract(), options);
       struct Leave {
         std::optional<Participant>& p;
         ~Leave() { p.reset(); }
       } leave{place};
-      drive_coupled(*phase, *place, record, fate.report);
+      drive_coupled(*phase, *place, record, fate.report, checkpoints.empty() ? nullptr : &store);
     });
   }
 

@@ -66,6 +66,9 @@ std::vector<Message> one_of_each() {
   all.push_back(filled(Heartbeat{"computing", "solid", 1.5, true}));
   all.push_back(filled(CaseRequest{"solid"}));
   all.push_back(filled(CaseFile{"[case]\n", {"case.end_time=1"}, "00ff00ff00ff00ff", 2}));
+  all.push_back(filled(CheckpointOrder{"8f3a-7", {"8f3a-5", "8f3a-3"}}));
+  all.push_back(filled(CheckpointWritten{"8f3a-7"}));
+  all.push_back(filled(Resume{"8f3a-7"}));
   return all;
 }
 

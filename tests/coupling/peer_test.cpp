@@ -92,7 +92,7 @@ TEST_F(Peer, TheSolversConform) {
   for (const char* name : {"fluid", "solid"}) {
     const auto outcome = examine({terzaghi().string(), solver(name)});
     EXPECT_EQ(outcome.exit, 0) << outcome.out << outcome.err;
-    EXPECT_THAT(outcome.out, HasSubstr("12 checks passed, 0 failed"));
+    EXPECT_THAT(outcome.out, HasSubstr("13 checks passed, 0 failed"));
   }
 }
 
@@ -120,7 +120,7 @@ TEST_F(Peer, WhatDoesNotConformIsNamed) {
        "    return p",
        {"FAILED  rejected step        after two RESTOREs the same window gave another result: hydraulic_conductivity",
         "FAILED  empty set            it gave up instead of sending an answer to ADVANCE step 2",
-        "10 checks passed, 2 failed"}},
+        "11 checks passed, 2 failed"}},
       {"class Bad(rigid_solid.RigidSolid):\n  def publish(self):\n    p = super().publish()\n"
        "    p.fields = dict(p.fields, solid_volume_fraction=p.fields['solid_volume_fraction'] + 1.0)\n    return p",
        {"field 'solid_volume_fraction', point 0 at (0.01, 0.01), component 0: expected a number in [0, 1], got 1.6"}},

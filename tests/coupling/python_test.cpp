@@ -51,6 +51,30 @@ TEST_F(Python, ARigidSolidTakesTheDragOfTheRealFluid) {
   EXPECT_NEAR(gauges.at("drag_x").value.back(), 0.0, 1e-6 * drag);
 }
 
+/// A peer in another language keeps checkpoints as well: killed, the run ends with the same readings.
+TEST_F(Python, AKilledPeerIsResumed) {
+  const std::vector<std::string> words{"--solid", command("rigid_solid.py"), "--checkpoint-every", "0"};
+  ASSERT_EQ(run(words, 0.5).exit, 0) << log("solid");
+  const auto whole = text_of(out() / "gauges.csv");
+  std::filesystem::remove_all(out());
+  const auto killed = poretwin({"run", (examples() / "seepage.toml").string(), "--out", out().string(), "--no-pictures",
+                                "--until", std::to_string(0.5), words[0], words[1], words[2], words[3]},
+                               {}, [&](pid_t) {
+                                 const auto half = [&] {
+                                   return text_of(out() / "gauges.solid.csv").find("\n0.2") != std::string::npos;
+                                 };
+                                 for (int k = 0; k < 4000 && !half(); ++k)
+                                   std::this_thread::sleep_for(std::chrono::milliseconds(5));
+                                 // The solid's own word for its process id stands in the coupler's log.
+                                 const auto said = log("coupler");
+                                 const auto at = said.find("process ", said.find("solid is here"));
+                                 ::kill(std::atoi(said.c_str() + at + 8), SIGKILL);
+                               });
+  EXPECT_EQ(killed.exit, 0) << killed.err << log("solid");
+  EXPECT_THAT(killed.err, testing::HasSubstr("solid was killed by signal 9 (Killed); restart 1 of 2"));
+  EXPECT_EQ(text_of(out() / "gauges.csv"), whole);
+}
+
 TEST_F(Python, AGridOfFiniteDifferencesSeepsThroughTheRealSolid) {
   const auto outcome = run({"--fluid", command("seepage_grid.py")}, 1.0);
   ASSERT_EQ(outcome.exit, 0) << outcome.err << log("fluid");
@@ -124,7 +148,7 @@ TEST_F(Python, ReadsAndWritesTheGoldenBytes) {
   const auto golden = std::filesystem::path(PORETWIN_SOURCE_DIR) / "tests" / "coupling" / "golden";
   Child child({"/usr/bin/python3", (folder_ / "golden.py").string(), golden.string()}, folder_ / "golden.log");
   EXPECT_EQ(child.wait(), 0);
-  EXPECT_EQ(text_of(folder_ / "golden.log"), "13\n");
+  EXPECT_EQ(text_of(folder_ / "golden.log"), "16\n");
 }
 
 TEST_F(Python, AForeignSolidNeedsASoilThatMayMove) {

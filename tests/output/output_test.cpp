@@ -3,16 +3,20 @@
 #include "common/core/error.hpp"
 #include "common/output/gauge_log.hpp"
 #include "common/output/run_recorder.hpp"
+#include "common/output/undo_driver.hpp"
 #include "common/output/vtkhdf.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <random>
 #include <sstream>
 
 namespace poretwin {
@@ -197,6 +201,92 @@ TEST_F(Output, RunRecorderLeavesProvenanceAndGauges) {
   EXPECT_THAT(file.names("provenance"), ElementsAre("build", "case", "host", "overrides", "start_time", "version"));
   EXPECT_THAT(file.read_numbers("gauges/front/value"), ElementsAre(0.25, 0.75));
   EXPECT_EQ(file.attribute_text("gauges/front/value", "unit"), "m");
+}
+
+/// A process that dies at any moment, in the middle of a frame as well: the file goes back to its last whole frame.
+TEST_F(Output, AKilledWriterLosesAtMostTheFrameItWrote) {
+  const auto path = folder_ / "killed.vtkhdf";
+  std::mt19937 random(1);
+  int in_the_middle = 0;
+  for (int kill = 0; kill < 40; ++kill) {
+    const pid_t writer = ::fork();
+    if (writer == 0) {
+      VtkHdfWriter file(path);
+      for (int k = 0;; ++k) file.append(frame_of(700 + 13 * static_cast<std::size_t>(k % 7), k));
+    }
+    const auto steps = [&] {
+      std::error_code none;
+      return std::filesystem::file_size(folder_ / "killed.xmf", none);
+    };
+    while (static_cast<std::intmax_t>(steps()) <= 1000) ::usleep(200);
+    ::usleep(std::uniform_int_distribution<useconds_t>(0, 20'000)(random));
+    ::kill(writer, SIGKILL);
+    ::waitpid(writer, nullptr, 0);
+    if (std::filesystem::file_size(path.string() + ".undo") > 0) ++in_the_middle;
+    hdf5::roll_back(path);
+    EXPECT_FALSE(std::filesystem::exists(path.string() + ".undo"));
+    const auto count = hdf5::File::open_to_read(path).attribute_integers("VTKHDF/Steps", "NSteps").front();
+    ASSERT_GE(count, 1);
+    std::vector<OutputFrame> frames;
+    for (int k = 0; k < count; ++k) frames.push_back(frame_of(700 + 13 * static_cast<std::size_t>(k % 7), k));
+    expect_steps(path, frames);
+    std::filesystem::remove(folder_ / "killed.xmf");
+  }
+  EXPECT_GT(in_the_middle, 5) << "hardly any of the kills hit a frame: they tell nothing";
+}
+
+/// From a checkpoint on the record is written again: the same, whatever had been written after it.
+TEST_F(Output, ARecordGoesOnFromItsCheckpoint) {
+  Case scene;
+  scene.text = "[case]\n";
+  const auto reading = [](double t) { return std::vector<GaugeReading>{{"front", t / 3.0, "m"}}; };
+  const auto write = [&](Recorder& recorder, int from, int to) {
+    for (int k = from; k < to; ++k) {
+      recorder.frame(frame_of(3 + static_cast<std::size_t>(k), k));
+      recorder.gauges(k, reading(k));
+    }
+  };
+  write(*make_run_recorder(folder_ / "whole", "fluid", scene), 0, 6);
+  Archive out;
+  {
+    auto recorder = make_run_recorder(folder_ / "cut", "fluid", scene);
+    write(*recorder, 0, 3);
+    recorder->archive(out);
+    write(*recorder, 7, 12);
+  }
+  {
+    auto recorder = make_run_recorder(folder_ / "cut", "fluid", scene, true);
+    Archive in(out.bytes());
+    recorder->archive(in);
+    in.expect_end();
+    write(*recorder, 3, 6);
+  }
+  std::vector<OutputFrame> frames;
+  for (int k = 0; k < 6; ++k) frames.push_back(frame_of(3 + static_cast<std::size_t>(k), k));
+  expect_steps(folder_ / "cut" / "fluid.vtkhdf", frames);
+  const auto text = [&](const char* run, const char* file) {
+    std::stringstream all;
+    all << std::ifstream(folder_ / run / file).rdbuf();
+    return all.str();
+  };
+  EXPECT_EQ(text("cut", "gauges.fluid.csv"), text("whole", "gauges.fluid.csv"));
+  EXPECT_EQ(text("cut", "fluid.xmf"), text("whole", "fluid.xmf"));
+  const auto file = hdf5::File::open_to_read(folder_ / "cut" / "fluid.vtkhdf");
+  EXPECT_THAT(file.read_numbers("gauges/front/time"), ElementsAre(0.0, 1.0, 2.0, 3.0, 4.0, 5.0));
+}
+
+TEST_F(Output, ARecordShorterThanItsCheckpointIsRefused) {
+  Case scene;
+  Archive out;
+  {
+    auto recorder = make_run_recorder(folder_ / "run", "fluid", scene);
+    recorder->frame(frame_of(3, 0.0));
+    recorder->gauges(0.0, {{"front", 1.0, "m"}});
+    recorder->archive(out);
+  }
+  std::ofstream(folder_ / "run" / "gauges.fluid.csv") << "time_s\n";
+  Archive in(out.bytes());
+  EXPECT_THROW(make_run_recorder(folder_ / "run", "fluid", scene, true)->archive(in), FileError);
 }
 
 }  // namespace

@@ -1,8 +1,11 @@
 """The client by which a phase takes part in a coupled run: handshake, commands with deadlines, heartbeats."""
 
 import argparse
+import hashlib
 import json
 import os
+import pickle
+import re
 import signal
 import socket
 import sys
@@ -154,7 +157,7 @@ class Participant:
             raise PeerError(f"expected the case from the coupler, got {self.last}")
         return Case(answer.case_file.text, answer.case_file.overrides, answer.case_file.digest, answer.case_file.dimension)
 
-    def join(self, phase, digest):
+    def join(self, phase, digest, checkpoints=()):
         header = pb.Header()
         hello = header.hello
         hello.role, hello.dimension, hello.case_digest = self.role, phase.dimension, digest
@@ -163,6 +166,8 @@ class Participant:
                 out.add(name=spec.name, unit=spec.unit, components=spec.components, mask=spec.mask, in_time=spec.in_time,
                         mapping=pb.CONSERVATIVE if spec.conservative else pb.CONSISTENT)
         hello.software, hello.process, hello.host = "poretwin for Python", os.getpid(), socket.gethostname()
+        hello.keeps_checkpoints = True
+        hello.checkpoints.extend(checkpoints)
         self.sequence = 0
         self.send(header)
         kind, answer, _ = self.next(self.wait_deadline, silence=False)
@@ -227,10 +232,17 @@ class Participant:
 class Record:
     """OUT/gauges.ROLE.csv, written once the window that a reading belongs to is certain to stand."""
 
-    def __init__(self, out, role):
+    def __init__(self, out, role, resume=False):
         self.path = out / f"gauges.{role}.csv"
-        self.path.write_text("time_s,gauge,value,unit\n")
         self.pending = False
+        if not resume:
+            self.path.write_text("time_s,gauge,value,unit\n")
+
+    def size(self):
+        return self.path.stat().st_size
+
+    def cut(self, size):
+        os.truncate(self.path, size)
 
     def write(self, phase, time_now):
         if self.pending:
@@ -240,7 +252,49 @@ class Record:
         self.pending = False
 
 
-def drive(phase, participant, record, counts):
+class Checkpoints:
+    """OUT/checkpoints/ROLE-NAME.state: whole or not there at all, with a checksum in front."""
+
+    def __init__(self, out, role):
+        self.folder, self.role = out / "checkpoints", role
+
+    def path(self, name):
+        if not re.fullmatch("[0-9a-z-]{1,64}", name):
+            raise PeerError(f"checkpoint '{name[:64]}': expected a name of at most 64 digits, small letters and hyphens")
+        return self.folder / f"{self.role}-{name}.state"
+
+    def names(self):
+        """Of those that are whole."""
+        found = []
+        for path in sorted(self.folder.glob(f"{self.role}-*.state")):
+            data = path.read_bytes()
+            if hashlib.sha256(data[32:]).digest() == data[:32]:
+                found.append(path.stem[len(self.role) + 1:])
+        return found
+
+    def keep_only(self, names):
+        for path in self.folder.glob(f"{self.role}-*"):
+            if path not in [self.path(name) for name in names]:
+                path.unlink()
+
+    def write(self, name, content):
+        self.folder.mkdir(exist_ok=True)
+        data = pickle.dumps(content)
+        part = self.path(name).with_suffix(".part")
+        with part.open("wb") as file:
+            file.write(hashlib.sha256(data).digest() + data)
+            file.flush()
+            os.fsync(file.fileno())
+        part.rename(self.path(name))
+        folder = os.open(self.folder, os.O_RDONLY)
+        os.fsync(folder)
+        os.close(folder)
+
+    def read(self, name):
+        return pickle.loads(self.path(name).read_bytes()[32:])
+
+
+def drive(phase, participant, record, counts, checkpoints):
     """Obeys the coupler until FINISH; returns its reason."""
     now = before = 0.0
     advanced = False
@@ -248,8 +302,24 @@ def drive(phase, participant, record, counts):
     while True:
         kind, header, arrays = participant.next(participant.coupler_deadline, silence=True)
         participant.step, participant.iteration = header.step, header.iteration
-        participant.set_doing("writing" if kind == "finish" else "computing")
-        if kind == "initialise":
+        participant.set_doing("writing" if kind in ("finish", "checkpoint") else "computing")
+        if kind == "checkpoint":
+            record.write(phase, now)
+            checkpoints.keep_only(header.checkpoint.keep)
+            checkpoints.write(header.checkpoint.name, (phase.state(), now, dict(counts), record.size()))
+            answer = participant.answer(now)
+            answer.checkpoint_written.name = header.checkpoint.name
+            participant.set_doing("waiting")
+            participant.send(answer)
+        elif kind == "resume":
+            state, now, then, size = checkpoints.read(header.resume.name)
+            phase.resume(state)
+            counts.update(then)
+            record.cut(size)
+            participant.revision_sent = None
+            participant.publish(phase, now)
+        elif kind == "initialise":
+            checkpoints.keep_only([])
             phase.initialise(participant.inbox(phase, arrays))
             participant.publish(phase, now)
             record.pending = header.initialise.record_gauges
@@ -301,6 +371,7 @@ def main(role, make_phase):
     parser.add_argument("--set", action="append", help="ignored: the coupler sends its overrides")
     parser.add_argument("--wait-deadline", type=float, default=60.0, metavar="S")
     parser.add_argument("--frozen-deadline", type=float, default=30.0, metavar="S")
+    parser.add_argument("--resume", action="store_true", help="go on from a checkpoint in DIR")
     arguments = parser.parse_args()
     arguments.out.mkdir(parents=True, exist_ok=True)
     start, counts = time.monotonic(), {"windows": 0, "rejected": 0}
@@ -315,8 +386,9 @@ def main(role, make_phase):
     try:
         case = participant.request_case()
         phase = make_phase(case)
-        participant.join(phase, case.digest)
-        reason = drive(phase, participant, Record(arguments.out, role), counts)
+        checkpoints = Checkpoints(arguments.out, role)
+        participant.join(phase, case.digest, checkpoints.names() if arguments.resume else ())
+        reason = drive(phase, participant, Record(arguments.out, role, arguments.resume), counts, checkpoints)
         code = 130 if reason == "interrupted" else 0
     except PeerError as error:
         code, reason = error.code, str(error)

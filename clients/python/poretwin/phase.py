@@ -1,6 +1,7 @@
 """What a phase gives and gets, free of any transport."""
 
 import copy
+import pickle
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -134,6 +135,13 @@ class Phase:
         saved = self._saved
         self.__dict__ = copy.deepcopy(saved)
         self._saved = saved
+
+    def state(self):
+        """The same complete state as bytes, for a checkpoint; resume() brings it back in a phase newly made."""
+        return pickle.dumps({name: value for name, value in self.__dict__.items() if name != "_saved"})
+
+    def resume(self, state):
+        self.__dict__ = pickle.loads(state)
 
     def gauges(self):
         """Readings for gauges.csv: name -> (value, unit)."""

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-PROTOCOL = (1, 1)
+PROTOCOL = (1, 2)
 PROTO = Path(__file__).resolve().parents[3] / "proto" / "poretwin.proto"
 
 

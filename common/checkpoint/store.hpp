@@ -1,0 +1,60 @@
+// Checkpoints on disk: OUT/checkpoints/<process>-<name>.state. A file there is whole or not there at all (temporary
+// name, fsync, rename), carries its own checksum, and knows which run made it.
+#pragma once
+
+#include "common/core/archive.hpp"
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace poretwin {
+
+/// How many committed checkpoints are kept.
+inline constexpr std::size_t checkpoint_generations = 2;
+
+struct Checkpoint {
+  std::string name;        ///< the same in all processes, never used twice
+  std::uint64_t step = 0;  ///< windows that stood
+  double time = 0.0;       ///< s
+};
+
+/// What must be the same for a state to go on from: "what it is" and its value, told when they differ.
+using RunIdentity = std::vector<std::pair<std::string, std::string>>;
+
+class CheckpointStore {
+ public:
+  using Say = std::function<void(const std::string&)>;
+  CheckpointStore(const std::filesystem::path& out, std::string process, RunIdentity identity, Say say = {});
+
+  /// Those that can be read, newest first; damaged ones are told of and left out. Throws CaseError when there are some,
+  /// but of another case or program.
+  [[nodiscard]] std::vector<Checkpoint> whole() const;
+  /// Durable when it returns. Throws FileError.
+  void write(const Checkpoint& checkpoint, const Archive& state) const;
+  /// Throws FileError.
+  [[nodiscard]] Archive read(const std::string& name) const;
+  /// Removes this process's others.
+  void keep_only(const std::vector<std::string>& names) const;
+
+ private:
+  struct Content {
+    Checkpoint checkpoint;
+    RunIdentity identity;
+    std::string state;
+  };
+  [[nodiscard]] std::filesystem::path file_of(const std::string& name) const;
+  [[nodiscard]] std::vector<std::filesystem::path> files() const;
+  [[nodiscard]] Content content_of(const std::filesystem::path& file) const;
+
+  std::filesystem::path folder_;
+  std::string process_;
+  RunIdentity identity_;
+  Say say_;
+};
+
+/// Are there checkpoints of that process in the run's folder, whole or not?
+bool has_checkpoints(const std::filesystem::path& out, const std::string& process);
+
+}  // namespace poretwin

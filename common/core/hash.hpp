@@ -1,0 +1,18 @@
+// A hash that is the same everywhere and for ever: of case files and of what lies on disk.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace poretwin {
+
+/// 64-bit FNV-1a; goes on from the hash of what came before.
+inline std::uint64_t fnv1a(std::string_view text, std::uint64_t hash = 14695981039346656037ULL) {
+  for (const char c : text) {
+    hash ^= static_cast<unsigned char>(c);
+    hash *= 1099511628211ULL;
+  }
+  return hash;
+}
+
+}  // namespace poretwin

@@ -1,0 +1,122 @@
+// Every case that ships, stopped after a few windows and resumed by new phases: the same to the bit as the run that was
+// not stopped and took no checkpoints, whatever state its features keep.
+#include "common/case/case.hpp"
+#include "common/coupling/interrupt.hpp"
+#include "fluid_solver/fluid.hpp"
+#include "solid_solver/solid.hpp"
+#include "tests/child.hpp"
+#include "tests/coupling/coupled_run.hpp"
+
+#include <csignal>
+
+namespace poretwin {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace coupling;
+
+constexpr std::uint64_t middle = 4, last = 8;  // windows
+
+std::string bytes_of(Phase& phase) {
+  Archive archive;
+  phase.archive(archive);
+  return archive.bytes();
+}
+
+std::string bytes_of(MemoryRecorder& recorder) {
+  Archive archive;
+  recorder.archive(archive);
+  return archive.bytes();
+}
+
+/// All that a run leaves.
+struct Result {
+  std::vector<std::string> states, records;
+  std::uint64_t windows = 0;
+  double time = 0.0;
+};
+
+class EveryCase : public testing::TestWithParam<std::string> {
+ protected:
+  void SetUp() override {
+    scene_ = read_case(fs::path(PORETWIN_SOURCE_DIR) / "cases" / GetParam() / "case.toml");
+    scene_.output.interval = 0.0;  // windows as long as the phases like them
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  [[nodiscard]] CheckpointStore store(const char* process) const { return {folder_, process, {}}; }
+
+  /// Checkpoints after every window until `stop`, or none before it.
+  enum class Taking { none, all };
+  Result run(std::uint64_t stop, Taking taking, bool resume) {
+    every_ = taking == Taking::all ? 0.0 : no_limit;
+    return scene_.coupled() ? coupled(stop, resume) : alone(stop, resume);
+  }
+
+  Result coupled(std::uint64_t stop, bool resume) {
+    const auto fluid = fluid::make_fluid(scene_), solid = solid::make_solid(scene_);
+    CoupledRun run;
+    run.dimension = scene_.general.dimension;
+    run.settings = {scene_.general.end_time, scene_.coupling.interval, 0.0, 0.0};
+    run.broker.case_digest = scene_.digest();
+    run.broker.frozen_deadline = Milliseconds(60'000);
+    run.stop_after = stop;
+    run.checkpoints = folder_;
+    run.checkpoint_every = every_;
+    run.resume = resume;
+    run.run(fluid.get(), solid.get());
+    run.expect_success();
+    return {{bytes_of(*fluid), bytes_of(*solid)},
+            {bytes_of(run.fluid_record), bytes_of(run.solid_record)},
+            run.report.windows,
+            run.report.time};
+  }
+
+  Result alone(std::uint64_t stop, bool resume) {
+    const auto phase = scene_.deformable() ? solid::make_solid(scene_) : fluid::make_fluid(scene_);
+    const InterruptGuard guard;
+    const auto kept = store("alone");
+    MemoryRecorder recorder;
+    DriveReport report;
+    drive_alone(*phase, scene_, recorder,
+                [&](const Progress& progress) {
+                  if (progress.step == stop) std::raise(SIGINT);
+                },
+                report, {&kept, every_, resume});
+    return {{bytes_of(*phase)}, {bytes_of(recorder)}, report.windows, report.time};
+  }
+
+  Case scene_;
+  double every_ = no_limit;  // s
+  fs::path folder_ = testing_tools::fresh_folder("poretwin-resume");
+};
+
+TEST_P(EveryCase, ResumesToTheBit) {
+  Result whole = run(last, Taking::none, false);
+  if (whole.windows < last) {
+    scene_.coupling.interval = scene_.general.end_time / (last + 2);
+    whole = run(last, Taking::none, false);
+  }
+  ASSERT_EQ(whole.windows, last);
+  run(middle, Taking::all, false);
+  const Result resumed = run(last, Taking::none, true);
+  EXPECT_EQ(resumed.windows, whole.windows);
+  EXPECT_EQ(resumed.time, whole.time);
+  // Not EXPECT_EQ: nobody wants to see megabytes.
+  EXPECT_TRUE(resumed.states == whole.states) << "the states differ";
+  EXPECT_TRUE(resumed.records == whole.records) << "the records differ";
+}
+
+std::vector<std::string> all_cases() {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(fs::path(PORETWIN_SOURCE_DIR) / "cases"))
+    if (fs::exists(entry.path() / "case.toml")) names.push_back(entry.path().filename().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+INSTANTIATE_TEST_SUITE_P(Cases, EveryCase, testing::ValuesIn(all_cases()),
+                         [](const auto& parameter) { return parameter.param; });
+
+}  // namespace
+}  // namespace poretwin

@@ -1,0 +1,53 @@
+// The pair loops of the soil as one would write them down: every particle looks at every node, nothing is shared between
+// the two of a pair. Judges the fast loops.
+#pragma once
+
+#include "solid_solver/operators.hpp"
+#include "solid_solver/setup.hpp"
+
+namespace poretwin::solid {
+
+template <int D>
+struct TwinResult {
+  VecArray<D> internal, stabilising;  ///< N/m3
+  MatArray<D> gradient;               ///< 1/s
+};
+
+/// From the nodes as they stand.
+template <int D>
+TwinResult<D> plain_twin(const Setup<D>& setup, const State<D>& state) {
+  const auto& s = setup.stabilisers;
+  const double h = setup.smoothing_length;
+  TwinResult<D> out;
+  for (std::size_t i = 0; i < state.particles.size(); ++i) {
+    const Node<D>& a = state.nodes[i];
+    Vec<D> internal = Vec<D>::Zero(), viscous = Vec<D>::Zero();
+    Mat<D> raw = Mat<D>::Zero(), moment = Mat<D>::Zero();
+    for (std::size_t j = 0; j < state.nodes.size(); ++j) {
+      if (j == i) continue;
+      const Node<D>& b = state.nodes[j];
+      const Vec<D> r = a.position - b.position;
+      const Vec<D> u = a.velocity - b.velocity;
+      const double derivative = sph::WendlandC2<D>::derivative_over_r(r.norm(), h);
+      const Vec<D> gradient_w = derivative * r;
+      raw += b.volume * (b.velocity - a.velocity) * gradient_w.transpose();
+      moment -= b.volume * r * gradient_w.transpose();
+      internal += b.volume * (a.flux + b.flux) * gradient_w;
+      if (a.elastic && b.elastic) {
+        const Vec<D> linear = 0.5 * (a.deformation + b.deformation) * r;
+        internal += s.stiffness * s.modulus * b.volume * derivative * (a.displacement - b.displacement - linear);
+      }
+      const double share = b.volume * derivative * (a.density + b.density);
+      const Vec<D> rest = u - 0.5 * (a.gradient + b.gradient) * r;
+      viscous += 0.5 * s.zero_energy * s.sound_speed * h * a.control * b.control * share * rest;
+      if (u.dot(r) < 0.0)
+        viscous += 0.5 * s.artificial * s.sound_speed * h * share * u.dot(r) / (r.squaredNorm() + 0.01 * h * h) * r;
+    }
+    out.internal.push_back(internal);
+    out.stabilising.push_back(viscous);
+    out.gradient.push_back(raw * invert_moment<D>(moment));
+  }
+  return out;
+}
+
+}  // namespace poretwin::solid
