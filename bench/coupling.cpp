@@ -5,11 +5,13 @@
 #include "tests/coupling/coupled_run.hpp"
 
 #include <fmt/format.h>
+#include <malloc.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <ctime>
+#include <limits>
 #include <thread>
 
 using namespace poretwin;
@@ -175,6 +177,9 @@ void time_step(Line line, std::size_t n) {
 }  // namespace
 
 int main() {
+  // As the coupler has it (process_main.cpp).
+  ::mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  ::mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
   for (const std::size_t n : {std::size_t{4900}, std::size_t{48400}, std::size_t{490000}}) {
     const double spacing = 1.0 / std::sqrt(static_cast<double>(n));
     for (const auto& fields : {two_fields(), all_fields()}) {

@@ -176,20 +176,22 @@ template <int D>
   Plane<D> plane;
   fit(moments, plane);
   Lanes least{};
-  for (Size c = 0; c < near.size(); ++c) {
-    const auto& node = nodes[near[c]];
-    Lanes k = plane.constant;
-    for (Size a = 0; a < D; ++a) k -= plane.slope[a].v * (node.x[a] - x[a].v);
-    k *= weight[c].v;
-    lower_to(least, k);
-    coefficient[c].v = k;
-  }
   for (Size column = 0; column < columns.width; column += columns_at_once) {
     const double* const values = columns.values.data() + column;
     std::array<Quad, columns_at_once> sum{};
     for (Size c = 0; c < near.size(); ++c) {
+      Lanes k;
+      if (column == 0) {
+        const auto& node = nodes[near[c]];
+        k = plane.constant;
+        for (Size a = 0; a < D; ++a) k -= plane.slope[a].v * (node.x[a] - x[a].v);
+        k *= weight[c].v;
+        lower_to(least, k);
+        coefficient[c].v = k;
+      } else {
+        k = coefficient[c].v;
+      }
       const double* const value = values + near[c] * columns.width;
-      const Lanes k = coefficient[c].v;
       for (Size q = 0; q < columns_at_once; ++q) sum[q].v += k * value[q];
     }
     for (Size q = 0; q < columns_at_once; ++q) total[column + q] = sum[q];

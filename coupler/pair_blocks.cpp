@@ -23,25 +23,28 @@ VecArray<D> all_points(const PointSet& points, Size begin, Size end) {
   return out;
 }
 
+/// The largest of f(0) .. f(n - 1), or 0; four chains of comparisons run side by side.
+template <class F>
+double largest_of(Size n, F&& f) {
+  std::array<double, 4> most{};
+  Size i = 0;
+  for (; i + 4 <= n; i += 4)
+    for (Size k = 0; k < 4; ++k) most[k] = std::max(most[k], f(i + k));
+  for (; i < n; ++i) most[0] = std::max(most[0], f(i));
+  return *std::max_element(most.begin(), most.end());
+}
+
 template <int D>
 double largest_move(const std::vector<double>& now, const std::vector<double>& then) {
-  std::array<double, 4> largest{};  // four chains of comparisons side by side
-  const auto compare = [&](Size i, double& most) {
+  return std::sqrt(largest_of(now.size() / D, [&](Size i) {
     double square = 0.0;
-    for (Size d = i; d < i + D; ++d) square += (now[d] - then[d]) * (now[d] - then[d]);
-    most = std::max(most, square);
-  };
-  Size i = 0;
-  for (; i + 4 * D <= now.size(); i += 4 * D)
-    for (Size k = 0; k < 4; ++k) compare(i + k * D, largest[k]);
-  for (; i < now.size(); i += D) compare(i, largest[0]);
-  return std::sqrt(*std::max_element(largest.begin(), largest.end()));
+    for (Size d = i * D; d < (i + 1) * D; ++d) square += (now[d] - then[d]) * (now[d] - then[d]);
+    return square;
+  }));
 }
 
 double largest_growth(const std::vector<double>& now, const std::vector<double>& then) {
-  double largest = 0.0;
-  for (Size i = 0; i < now.size(); ++i) largest = std::max(largest, now[i] - then[i]);
-  return largest;
+  return largest_of(now.size(), [&](Size i) { return now[i] - then[i]; });
 }
 
 double largest(const std::vector<double>& values) {
@@ -166,26 +169,24 @@ void PairBlocks<D>::find_candidates(const PointSet& of, const PointSet& around, 
 }
 
 template <int D>
+typename PairBlocks<D>::Node PairBlocks<D>::node_of(const PointSet& points, Size i) {
+  Node out;
+  const double per_length = 1.0 / points.smoothing_length[i];
+  for (Size d = 0; d < D; ++d) out.x[d] = points.position[i * D + d];
+  out.length = points.smoothing_length[i];
+  out.shrink = per_length / sph::support_radius;
+  out.amplitude = points.volume[i] * sph::WendlandC2<D>::normalisation(1.0);
+  for (int d = 0; d < D; ++d) out.amplitude *= per_length;
+  return out;
+}
+
+template <int D>
 void PairBlocks<D>::gather(const PointSet& of, const PointSet& around) {
-  const auto node = [](const PointSet& points, Size i) {
-    Node out;
-    const double h = points.smoothing_length[i];
-    for (Size d = 0; d < D; ++d) out.x[d] = points.position[i * D + d];
-    out.length = h;
-    out.shrink = 1.0 / (sph::support_radius * h);
-    out.amplitude = points.volume[i] * sph::WendlandC2<D>::normalisation(h);
-    return out;
-  };
   nodes_.resize(around.size());
-  for (Size j = 0; j < nodes_.size(); ++j) nodes_[j] = node(around, order_[j]);
+  for (Size j = 0; j < nodes_.size(); ++j) nodes_[j] = node_of(around, order_[j]);
   for (auto& block : blocks_)
-    for (Size l = 0; l < n_lanes; ++l) {
-      const Node now = node(of, block.point[l]);
-      for (Size d = 0; d < D; ++d) block.x[d].v[l] = now.x[d];
-      block.shrink.v[l] = now.shrink;
-      block.amplitude.v[l] = now.amplitude;
-      block.length.v[l] = now.length;
-    }
+    for (Size l = 0; l < n_lanes; ++l)
+      for (Size d = 0; d < D; ++d) block.x[d].v[l] = of.position[block.point[l] * D + d];
 }
 
 template class PairBlocks<2>;

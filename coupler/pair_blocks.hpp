@@ -31,7 +31,6 @@ class PairBlocks {
   /// Four points (or fewer: the free lanes repeat one).
   struct Block {
     std::array<Quad, D> x;
-    Quad shrink, amplitude, length;
     std::array<Index, n_lanes> point;  ///< in the caller's order
     std::size_t used;
     std::size_t first, last;  ///< candidates
@@ -56,6 +55,9 @@ class PairBlocks {
   /// Points of `of`.
   [[nodiscard]] std::size_t size() const { return n_of_; }
   [[nodiscard]] std::size_t n_active() const { return n_active_; }
+
+  /// A point as a candidate.
+  static Node node_of(const PointSet& points, std::size_t i);
 
   [[nodiscard]] std::uint64_t rebuilds() const { return rebuilds_; }
   [[nodiscard]] std::uint64_t reuses() const { return reuses_; }

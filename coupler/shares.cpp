@@ -16,7 +16,7 @@ using Size = std::size_t;
 enum class Kernel { of_candidate, of_block };
 
 template <Kernel K, int D>
-void weigh_all(const PairBlocks<D>& pairs, typename Sharing<D>::Weights& out) {
+void weigh_all(const PairBlocks<D>& pairs, const PointSet& of, typename Sharing<D>::Weights& out) {
   const auto* const nodes = pairs.nodes().data();
   out.first.assign(1, 0);
   out.candidate.resize(pairs.n_candidates());
@@ -25,7 +25,13 @@ void weigh_all(const PairBlocks<D>& pairs, typename Sharing<D>::Weights& out) {
     Size n = 0;
     for (const auto& block : pairs.blocks()) {
       const std::array<Quad, D> x = block.x;
-      const Lanes shrink = block.shrink.v, amplitude = block.amplitude.v;
+      Lanes shrink{}, amplitude{};
+      if constexpr (K == Kernel::of_block)
+        for (Size l = 0; l < n_lanes; ++l) {
+          const auto own = PairBlocks<D>::node_of(of, block.point[l]);
+          shrink[l] = own.shrink;
+          amplitude[l] = own.amplitude;
+        }
       for (const Index candidate : pairs.candidates(block)) {
         const auto& node = nodes[candidate];
         Lanes w;
@@ -81,8 +87,8 @@ class Shares {
         size_(givers.size(), 0.0),
         scale_(receivers.n_active, 1.0) {
     // Receivers weigh by their own kernels on either side.
-    weigh_all<Kernel::of_candidate>(at_givers, by_giver);
-    weigh_all<Kernel::of_block>(at_receivers, by_receiver);
+    weigh_all<Kernel::of_candidate>(at_givers, givers, by_giver);
+    weigh_all<Kernel::of_block>(at_receivers, receivers, by_receiver);
     for (Size i = 0; i < givers.n_active; ++i)
       for (Size c = 0; c < components_; ++c) size_[i] += std::abs(amounts.values[i * components_ + c]);
   }
@@ -161,7 +167,7 @@ class Shares {
         }
         for (Size l = 0; l < block.used; ++l) {
           double* const out = sums.data() + block.point[l] * K;
-          out[0] = weight[l] * block.length.v[l];
+          out[0] = weight[l] * receivers_.smoothing_length[block.point[l]];
           for (Size a = 0; a < D; ++a) out[1 + a] = moment[a].v[l];
         }
         ++b;
