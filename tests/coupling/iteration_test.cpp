@@ -133,6 +133,7 @@ class MassPhase final : public Phase {
   void initialise(const Inbox&) override {}
   void save() override { saved_ = {time_, displacement_, velocity_, acceleration_}; }
   void restore() override { std::tie(time_, displacement_, velocity_, acceleration_) = saved_; }
+  void archive(Archive& archive) override { archive(time_, displacement_, velocity_, acceleration_); }
   OutputFrame frame() const override { return {}; }
   std::vector<GaugeReading> gauges() const override { return {}; }
   std::map<std::string, double> counters() const override { return {}; }
