@@ -69,6 +69,8 @@ void declare(Keys& keys, Metric& m) {
   keys.text("reference_csv", m.reference_csv,
             {"", "File with the right values: last column for `l2` and `profile`, time and value for `curve`."});
   keys.series("curve", m.curve, {"", "The right curve of `curve`, in place of a file."});
+  keys.number("align", m.align,
+              {"", "Of `curve`: both clocks start where the curve and the readings first pass this value."});
   keys.number("tolerance", m.tolerance, {"", "Largest error that passes."}, not_negative());
   keys.text("unit", m.unit, {"", "Unit of the value."});
 }
@@ -325,13 +327,32 @@ class Judge {
     if (found == counters_.end()) throw Failure{fmt::format("the run has no counter '{}'", m_.counter)};
     return found->second * m_.scale;
   }
+  [[nodiscard]] GaugeSeries curve_as_readings() const {
+    GaugeSeries series;
+    for (const auto& [t, right] : m_.curve->knots) {
+      series.time.push_back(t);
+      series.value.push_back(right);
+    }
+    return series;
+  }
+  /// Time at which readings first pass `align`; linear between them.
+  [[nodiscard]] double first_passage(const GaugeSeries& series) const {
+    for (std::size_t i = 1; i < series.time.size(); ++i) {
+      const double before = series.value[i - 1] - *m_.align, now = series.value[i] - *m_.align;
+      if (before * now < 0.0 || (now == 0.0 && before != 0.0))
+        return series.time[i - 1] + before / (before - now) * (series.time[i] - series.time[i - 1]);
+    }
+    throw Failure{fmt::format("gauge '{}' or its curve never passes {}", m_.gauge, *m_.align)};
+  }
   [[nodiscard]] double curve() const {
     const auto series = readings();
+    const double shift = m_.align ? first_passage(series) - first_passage(curve_as_readings()) : 0.0;
     double most = 0.0, sum = 0.0, count = 0.0;
     for (const auto& [t, right] : m_.curve->knots) {
       if (t < m_.from.value_or(-HUGE_VAL) || t > m_.to.value_or(HUGE_VAL)) continue;
-      const double found = reading(series, t);
-      if (!std::isfinite(found)) throw Failure{fmt::format("gauge '{}' has no number at t = {} s", m_.gauge, t)};
+      const double found = reading(series, t + shift);
+      if (!std::isfinite(found))
+        throw Failure{fmt::format("gauge '{}' has no number at t = {} s", m_.gauge, t + shift)};
       const double e = std::abs(found - right) / m_.normaliser.value_or(std::abs(right));
       most = std::max(most, e);
       sum += e * e;

@@ -16,7 +16,7 @@ struct Metric {
   std::string name, run, source, op, gauge, counter, plus, minus, unit, norm = "max", reference_csv, coarse;
   std::vector<std::string> gauges;
   std::vector<double> references;
-  std::optional<double> at, from, to, limit, normaliser, reference, window;
+  std::optional<double> at, from, to, limit, normaliser, reference, window, align;
   std::optional<Series> curve;
   double scale = 1.0, tolerance = 0.0;
 };

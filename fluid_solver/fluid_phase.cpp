@@ -7,10 +7,9 @@
 #include "fluid_solver/fluid.hpp"
 #include "fluid_solver/operators.hpp"
 
-#include "fluid_solver/operators.hpp"
-#include <cstdio>
-#include <cstdlib>
 #include <fmt/format.h>
+#include <cstdlib>
+#include "fluid_solver/operators.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -24,6 +23,8 @@ constexpr int periodic_boundary = 31;
 constexpr double free_water_tolerance = 1e-3;
 /// A window is solved again when the drag's tangent misses the law by more than this share of inertia and drag (rms).
 constexpr double drag_tolerance = 0.02;
+/// Time in which the thickness of a surface's row is told, in times of repair: longer than any wave that is resolved.
+constexpr double row_memory = 10.0;
 constexpr int most_drag_rounds = 10;
 
 /// The box around everything in the case, widened by its diagonal on all sides; without bound along periodic axes.
@@ -445,12 +446,9 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   drift(dt);
   auto s = stencil();
   ++state_.counts.stencils;
-  mark_soil_surface<D>(s, view.mask);
-  p.surface = find_surface<D>(s, view.mask);
+  p.surface = find_surface<D>(s, view.mask, p.row, std::min(1.0, dt / (row_memory * free_repair_time(dx_))));
   if (scene_.coupled()) take_back(s, view, dt);
 
-  auto ke = [&](const VecArray<D>& v) { double e = 0; for (std::size_t a = 0; a < p.size(); ++a) e += 0.5 * p.mass[a] * v[a].squaredNorm(); return e; };
-  const double k0 = ke(velocity_before), kt = ke(p.velocity);
   auto in = problem(dt);
   const auto gradient = velocity_gradient<D>(s, p.velocity);
   in.velocity = forced_velocity(s, view, gradient, dt);
@@ -468,11 +466,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
     }
     view.linearise(p.velocity, view.velocity);
   }
-  const double k1 = ke(in.velocity);
   auto out = solve(s, view, in);
-  const double k2 = ke(out.velocity);
-  std::size_t worst = 0; double gain = 0;
-  for (std::size_t a = 0; a < p.size(); ++a) { const double g = 0.5*p.mass[a]*(out.velocity[a].squaredNorm()-in.velocity[a].squaredNorm()); if (g > gain) { gain = g; worst = a; } }
   check_finite(out, window.time);
   state_.counts.windows += 1;
   state_.multigrid = out.multigrid;
@@ -502,9 +496,6 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   limit_scheme(view);
   advance_columns(s, view, dt);
   move(s, out, gradient, velocity_before, dt);
-  const double k3 = ke(p.velocity);
-  if (getenv("AUDIT")) { const auto a = worst; double pm=0; std::size_t b=0; for (std::size_t i=0;i<p.size();++i) if (std::abs(out.pressure[i])>pm) {pm=std::abs(out.pressure[i]); b=i;}
-   double debt = p.volume_debt[b]; fprintf(stderr, "t %.5f dt %.2e k0 %.3f taken %+.3f forced %+.3f solve %+.3f move %+.3f out %d conv %d | worst %zu x %.4f %.4f mask %.2f flag %d least %.2f gain %.3f vin %.2f %.2f vout %.2f %.2f p %.0f full %.2f ghost %.4f src %.1f at %d V %.2e || pmax %zu x %.4f %.4f p %.0f mask %.2f n %.2f src %.2f flag %d least %.2f vs %.3f %.3f vin %.2f %.2f debt %.4f\n", window.time, dt, k0, kt-k0, k1-kt, k2-k1, k3-k2, out.outer, int(out.converged), a, s.position[a][0], s.position[a][1], view.mask[a], int(p.surface[a]), s.least_moment[a], gain, in.velocity[a][0], in.velocity[a][1], out.velocity[a][0], out.velocity[a][1], out.pressure[a], s.fullness[a], s.ghost_distance[a], in.source[a], int(at_soil_surface(s,a)), p.volume[a], b, s.position[b][0], s.position[b][1], out.pressure[b], view.mask[b], p.void_fraction[b], in.source[b], int(p.surface[b]), s.least_moment[b], out.solid_velocity[b][0], out.solid_velocity[b][1], in.velocity[b][0], in.velocity[b][1], debt); }
   give_birth_and_delete();
   state_.time = window.time + dt;
   state_.last_interval = dt;

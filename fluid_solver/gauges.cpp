@@ -274,8 +274,8 @@ class Reader {
         const double middle = 0.5 * (lower + upper);
         double sum = 0.0;
         for (std::size_t i = 0; i < n; ++i)
-          sum +=
-              foremost[i].second * std::clamp((foremost[i].first - middle) / spacing_of<D>(foremost[i].second) + 0.5, 0.0, 1.0);
+          sum += foremost[i].second *
+                 std::clamp((foremost[i].first - middle) / spacing_of<D>(foremost[i].second) + 0.5, 0.0, 1.0);
         (sum > ahead * unit ? lower : upper) = middle;
       }
       return lower;

@@ -9,8 +9,9 @@ namespace poretwin::fluid {
 
 namespace {
 
-/// Displacement after which a particle's packing counts in full, in spacings.
-constexpr double repair_displacement = 0.25;
+/// Displacements after which a particle's packing counts in full, in spacings: in soil, and in free water, where only a
+/// lattice at rest has nothing to repair.
+constexpr double repair_displacement = 0.25, free_repair_displacement = 0.01;
 
 /// What the surface, half a spacing outside its particles, moves faster than they do: without it a wave is slow by the
 /// half spacing's share of its depth of decay (1.8 % at 50 particles a wave), and a front lags by half a spacing.
@@ -39,11 +40,8 @@ ScalarArray Fluid<D>::moved() const {
   ScalarArray result(p.size());
   for (std::size_t a = 0; a < p.size(); ++a) {
     const double spacing = spacing_of<D>(p.volume[a]);
-    if (p.mask[a] <= 0.5) {
-      result[a] = 1.0;
-      continue;
-    }
-    result[a] = std::min(1.0, (p.position[a] - p.birthplace[a]).norm() / (repair_displacement * spacing));
+    const double counts = (p.mask[a] > 0.5 ? repair_displacement : free_repair_displacement) * spacing;
+    result[a] = std::min(1.0, (p.position[a] - p.birthplace[a]).norm() / counts);
   }
   return result;
 }

@@ -69,39 +69,19 @@ VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Fa
   return result;
 }
 
-template <int D>
-bool at_soil_surface(const Stencil<D>& s, std::size_t a) {
-  return !s.slip_normal.empty() && !s.slip_normal[a].isZero(0.0);
-}
-
-/// Sum of V (f_b - f_a) grad W, buffers left out.
-template <int D>
-Mat<D> open_sum(const Stencil<D>& s, const VecArray<D>& all, std::size_t a) {
-  Mat<D> sum = Mat<D>::Zero();
-  for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
-    if (const Index j = s.other[k]; !s.is_buffer(j)) sum += s.volume[j] * (all[j] - all[a]) * s.gradient[k].transpose();
-  return sum;
-}
-
-/// Gradient as the neighbours on a's own side of the soil's surface tell it.
-template <int D>
-Mat<D> gradient_within(const Stencil<D>& s, const VecArray<D>& all, std::size_t a) {
-  Mat<D> sum = Mat<D>::Zero();
-  for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
-    if (const Index j = s.other[k], q = s.parent[j]; q < s.n_real)
-      sum += s.volume[j] * (1.0 - std::abs(s.membership[q] - s.membership[a])) * (all[j] - all[a]) *
-             s.gradient[k].transpose();
-  return sum * s.correction_within[a];
-}
-
 /// Corrected gradient of a velocity, G_ij = d v_i / d x_j, buffers left out.
 template <int D>
 MatArray<D> velocity_gradient(const Stencil<D>& s, std::span<const Vec<D>> f) {
   const VecArray<D> all = extended<D>(s, f);
   MatArray<D> result(s.n_real);
-  for (std::size_t a = 0; a < s.n_real; ++a)
-    result[a] =
-        at_soil_surface(s, a) ? gradient_within<D>(s, all, a) : Mat<D>(open_sum<D>(s, all, a) * s.correction_open[a]);
+  for (std::size_t a = 0; a < s.n_real; ++a) {
+    Mat<D> sum = Mat<D>::Zero();
+    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+      const Index j = s.other[k];
+      if (!s.is_buffer(j)) sum += s.volume[j] * (all[j] - all[a]) * s.gradient[k].transpose();
+    }
+    result[a] = sum * s.correction_open[a];
+  }
   return result;
 }
 
@@ -111,14 +91,13 @@ ScalarArray divergence(const Stencil<D>& s, std::span<const Vec<D>> f) {
   const VecArray<D> all = extended<D>(s, f);
   ScalarArray result(s.n_real);
   for (std::size_t a = 0; a < s.n_real; ++a) {
-    const Mat<D> sum = open_sum<D>(s, all, a);
-    if (at_soil_surface(s, a)) {
-      const Vec<D>& n = s.slip_normal[a];
-      const Mat<D> within = gradient_within<D>(s, all, a);
-      result[a] = within.trace() + n.dot((sum * s.correction_open[a] - within) * n);
-    } else {
-      result[a] = sum.cwiseProduct(s.correction_open[a].transpose()).sum();
+    Mat<D> sum = Mat<D>::Zero();
+    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+      const Index j = s.other[k];
+      if (s.is_buffer(j)) continue;
+      sum += s.volume[j] * (all[j] - all[a]) * s.gradient[k].transpose();
     }
+    result[a] = sum.cwiseProduct(s.correction_open[a].transpose()).sum();
   }
   return result;
 }

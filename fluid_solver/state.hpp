@@ -22,6 +22,7 @@ struct Particles {
   ScalarArray mask;            ///< soil membership
   ScalarArray volume_debt;     ///< strain the soil made beyond the prediction, not yet given to the water
   VecArray<D> birthplace;      ///< m: a particle that never moved has no packing to repair
+  ScalarArray row;             ///< thickness of the row of surface particles it lies in, in spacings
   std::vector<Surface> surface;
   [[nodiscard]] std::size_t size() const { return position.size(); }
 
@@ -38,6 +39,7 @@ struct Particles {
     mask.push_back(n < 1.0 ? 1.0 : 0.0);
     volume_debt.push_back(0.0);
     birthplace.push_back(x);
+    row.push_back(1.0);
     surface.push_back(Surface::interior);
   }
 
@@ -61,6 +63,7 @@ struct Particles {
     filter_one(mask);
     filter_one(volume_debt);
     filter_one(birthplace);
+    filter_one(row);
     filter_one(surface);
   }
 };

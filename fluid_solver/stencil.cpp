@@ -137,37 +137,8 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   return s;
 }
 
-template <int D>
-void mark_soil_surface(Stencil<D>& s, std::span<const double> membership) {
-  const auto same = [&](std::size_t a) {
-    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
-      if (const Index q = s.parent[s.other[k]]; q < s.n_real && membership[q] != membership[a]) return false;
-    return true;
-  };
-  for (std::size_t a = 0; a < s.n_real; ++a) {
-    if (same(a)) continue;
-    if (s.membership.empty()) {
-      s.membership.assign(membership.begin(), membership.end());
-      s.slip_normal.assign(s.n_real, Vec<D>::Zero());
-      s.correction_within = s.correction_open;
-    }
-    Vec<D> inward = Vec<D>::Zero();
-    Mat<D> moment = Mat<D>::Zero();
-    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
-      const Index j = s.other[k], q = s.parent[j];
-      if (q >= s.n_real) continue;
-      const double step = membership[q] - membership[a];
-      inward += s.volume[j] * step * s.gradient[k];
-      moment += s.volume[j] * (1.0 - std::abs(step)) * s.gradient[k] * (s.position[j] - s.position[a]).transpose();
-    }
-    s.slip_normal[a] = (s.correction_open[a] * inward).normalized();
-    s.correction_within[a] = bounded_inverse<D>(moment, least_inverted, nullptr);
-  }
-}
-
 #define PORETWIN_INSTANTIATE(D)                                                                                     \
   template Mat<D> bounded_inverse<D>(const Mat<D>&, double, Mat<D>*, double*);                                      \
-  template void mark_soil_surface<D>(Stencil<D>&, std::span<const double>);                                         \
   template Stencil<D> make_stencil<D>(std::span<const Vec<D>>, std::span<const double>, std::span<const Buffer<D>>, \
                                       std::span<const sph::ImagePlane<D>>);
 PORETWIN_INSTANTIATE(2)

@@ -95,11 +95,6 @@ struct Stencil {
   /// kernel's missing part is then a ghost at twice the distance, antisymmetric about the surface's pressure.
   ScalarArray ghost_distance;
 
-  /// Where soil ends, water may slip along its surface: see mark_soil_surface. Empty: no such place.
-  ScalarArray membership;         ///< [real] in soil, 0 to 1
-  VecArray<D> slip_normal;        ///< [real] unit, into the soil; zero away from its surface
-  MatArray<D> correction_within;  ///< [real] of the kernel gradient, neighbours counted as far as they share membership
-
   /// Of the pair of real particle a with a point whose parent is q.
   [[nodiscard]] double amplified(std::size_t a, Index q) const {
     return 0.5 * (amplification[a] + amplification[q < n_real ? q : a]);
@@ -111,14 +106,6 @@ struct Stencil {
 /// Inverse of a symmetric moment matrix with its eigenvalues held at or above `least`; blind: what that leaves out.
 template <int D>
 Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* blind, double* smallest = nullptr);
-
-/// Water that flows along the surface of soil and water in its pores have the same flux across the surface, and two
-/// velocities along it. A sum of differences over both takes the jump for a divergence, at random on disordered points,
-/// and the pressure that answers throws particles off the bed. So here: what is along the surface is told by the
-/// neighbours on the particle's own side, what is across it by all.
-/// membership: [real] in soil, 0 to 1.
-template <int D>
-void mark_soil_surface(Stencil<D>& s, std::span<const double> membership);
 
 /// Surroundings of the particles at x (bulk volumes in m^D), with buffers outside faces and images behind planes.
 template <int D>

@@ -8,8 +8,8 @@ namespace poretwin::fluid {
 namespace {
 
 /// Relative tolerances of the solve with a responding skeleton: of the window's pressure change, and of the change of
-/// the skeleton's velocity. Measured on consolidation: a hundred times tighter changes the errors in the fourth digit
-/// and doubles the cost.
+/// the skeleton's velocity. Measured on consolidation: a hundred times tighter changes the errors by 2e-4 of the load
+/// at most and doubles the cost.
 constexpr double response_tolerance = 1e-2, skeleton_tolerance = 1e-2;
 
 /// Conjugate gradients on the diagonal take as long for so many iterations as multigrid does for the whole solve,
@@ -267,8 +267,8 @@ class WindowSolver {
   }
 
   /// Dry soil beyond a wetting front holds the skeleton as far as an elastic wave gets into it, at most through all of
-  /// it: traction Dt M (s - v_s) / distance, which is rho c (s - v_s) in short windows. Without it wet soil would be free
-  /// to run away from what it hangs on.
+  /// it: traction Dt M (s - v_s) / distance, which is rho c (s - v_s) in short windows. Without it wet soil would be
+  /// free to run away from what it hangs on.
   double anchor(std::size_t a) const {
     if (!q_[a].responds || flags_[a] == Surface::interior || soil_.mask[a] < 0.5) return 0.0;
     const double spacing = std::pow(s_.volume[a], 1.0 / D), dt = in_.interval;
@@ -342,9 +342,8 @@ class WindowSolver {
       if (!q.responds) continue;
       // The exchanged force carries the soil's full weight; the piezometric pressure leaves its buoyant part.
       const Vec<D> r = soil_.force[a] - soil_.fraction[a] * in_.weight - soil_.drag_offset[a];
-      rhs[a] =
-          q.ss / (q.aw + q.C) * (q.C * q.aw * pushed(a) + (q.aw + q.C) * (q.as * soil_.velocity[a] + r)) -
-          q.mS * G[a] + q.ss / s_.volume[a] * anchor(a) * soil_.velocity[a];
+      rhs[a] = q.ss / (q.aw + q.C) * (q.C * q.aw * pushed(a) + (q.aw + q.C) * (q.as * soil_.velocity[a] + r)) -
+               q.mS * G[a] + q.ss / s_.volume[a] * anchor(a) * soil_.velocity[a];
     }
     out.skeleton_iterations += solve_H(rhs, out.solid_velocity, tolerance);
   }

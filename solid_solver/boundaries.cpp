@@ -122,6 +122,7 @@ void fill_nodes(const Particles<D>& p, const Neighbourhood<D>& near, const VecAr
     node.deformation = p.deformation[i];
     node.flux.noalias() = matrix_of<D>(p.stress[i]) * p.correction[i];
     node.elastic = p.plastic_strain[i] <= 0.0;
+    node.rubbing = p.rubbing[i];
     node.control = p.plastic_strain[i] > flow_limit ? 0.0 : 1.0;
   }
   for (std::size_t k = 0; k < near.images.size(); ++k) {

@@ -41,9 +41,9 @@ ScalarArray coverage_of(const Inbox& inbox, std::size_t n) {
 /// Exchange while the soil moves, in substeps.
 constexpr double substeps_while_moving = 30.0;
 
-/// Long windows of coupled soil: the largest departure from rest, over gravity, that is let be, and that ends the search
-/// for equilibrium; how long the search may be (RestSearch). A seepage front through an embankment, against a third of
-/// these: stress within 0.2 %, settlement within 0.1 %.
+/// Long windows of coupled soil: the largest departure from rest, over gravity, that is let be, and that ends the
+/// search for equilibrium; how long the search may be (RestSearch). A seepage front through an embankment, against a
+/// third of these: stress within 0.2 %, settlement within 0.1 %.
 constexpr double woken_by = 5e-3, equilibrium = 3e-3, most_ways = 20.0;
 
 /// Loads begin within rounding of their time.
@@ -285,7 +285,17 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
       drive.damping = quiet.damping && calm && !state_.still_yields ? near_critical_damping(setup_) : 0.0;
       if (drive.damping > 0.0) state_.damped += static_cast<double>(steps);
     }
+    if (!state_.motion.moving) {
+      substep<D>(setup_, dt, drive, state_);
+      continue;
+    }
+    drive.damping = state_.motion.damping;
+    const double rebuilt = state_.rebuilds;
+    const VecArray<D> before = forces(setup_, state_, drive);
     substep<D>(setup_, dt, drive, state_);
+    if (state_.rebuilds > rebuilt) continue;
+    const double rate = critical_rate(state_, before, forces(setup_, state_, drive), dt);
+    state_.motion.damping += damping_follows * (std::min(rate, near_critical_damping(setup_)) - state_.motion.damping);
   }
   check_sound(setup_, state_, window.time);
   state_.external.pressure_gradient = to;
@@ -295,9 +305,13 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   state_.substeps += static_cast<double>(steps);
   ++state_.revision;
   if (!scene_.coupled()) return Outcome::accept();
-  if (state_.motion.moving && state_.motion.calms(interval, state_.any_yielded))
+  double fastest = 0.0;
+  for (const auto& v : p.velocity) fastest = std::max(fastest, v.norm());
+  const bool hardly_moved =
+      near_critical_damping(setup_) * fastest < woken_by * reference_acceleration(setup_, state_, drive);
+  if (state_.motion.moving && state_.motion.calms(interval, hardly_moved))
     fmt::print(stderr, "the soil is calm again at t = {:g} s\n", state_.time);
-  else if (!state_.motion.moving && state_.any_yielded)
+  else if (!state_.motion.moving && state_.any_yielded && !hardly_moved)
     state_.motion.begins(long_window(setup_));
   return Outcome::accept();
 }
@@ -331,7 +345,8 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const VecArray<D>& gradi
   const double residual = unrest(setup_, state_, drive, reference_acceleration(setup_, state_, drive)).largest;
   const bool asleep = residual <= woken_by && !softened(setup_, state_);
   if (!asleep) {
-    const auto report = find_rest<D>(setup_, {equilibrium, most_ways}, state_, external, [](const RestReport&) {});
+    const auto report =
+        find_rest<D>(setup_, {equilibrium, most_ways, most_ways}, state_, external, [](const RestReport&) {});
     if (!report.reached()) {
       for (auto* s : {&state_, &saved_}) s->motion.begins(long_window(setup_));
       fmt::print(stderr, "the soil moves at t = {:g} s: no equilibrium within {} steps, {:.2g} of gravity left\n",
@@ -347,8 +362,7 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const VecArray<D>& gradi
   }
   for (std::size_t i = 0; i < n; ++i) {
     p.velocity[i] = state_.mean_velocity[i] = (p.displacement[i] - start[i]) / interval;
-    if (!asleep)
-      state_.returned_impulse[i] = interval * tracking.tracking[i] * (tracking.target[i] - p.velocity[i]);
+    if (!asleep) state_.returned_impulse[i] = interval * tracking.tracking[i] * (tracking.target[i] - p.velocity[i]);
   }
   state_.external.pressure_gradient = gradient;
   state_.time = end;

@@ -98,7 +98,8 @@ double long_window(const Setup<D>& setup) {
 /// Whether the forces have changed since the soil fell asleep by more than `wake_above` of the reference anywhere, or
 /// water has softened it, or a load has begun.
 template <int D>
-bool disturbed(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive, std::size_t loads, double reference, double wake_above) {
+bool disturbed(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive, std::size_t loads, double reference,
+               double wake_above) {
   if (loads != state.sleep.loads || softened(setup, state)) return true;
   for (std::size_t i = 0; i < state.particles.free(); ++i) {
     const double change = (drive.distributed[i] - state.sleep.force[i]).norm();

@@ -18,7 +18,8 @@ struct RestReport {
 /// When rest is found and when the search is given up.
 struct RestSearch {
   double criterion = 1e-3;  ///< of the reference acceleration, for the largest acceleration
-  double ways = 50.0;       ///< most steps, in units of a wave's way through the soil; four times as many once it yields
+  double ways = 50.0;       ///< most steps, in units of a wave's way through the soil
+  double yielding = 200.0;  ///< the same once it yields
 };
 
 /// Rate that damps the present motion critically, 2 omega [1/s], with Rayleigh's quotient omega^2 = -v . dF/dt / v . m
@@ -34,11 +35,14 @@ double critical_rate(const State<D>& state, const VecArray<D>& before, const Vec
   return heavy > 0.0 ? 2.0 * std::sqrt(std::max(0.0, stiff / (dt * heavy))) : 0.0;
 }
 
+/// Share of a new rate that enters the damping in a step, once something yields: a memory of about twenty steps.
+inline constexpr double damping_follows = 0.05;
+
 /// Dynamic relaxation from the present state under the forces that external(drive, rebuilt) fills after every step. The
-/// damping is critical for the lowest frequency that the motion shows, at least for the slowest mode of a column as high
-/// as the soil; from the first yielding on it follows the softer soil, down to a fiftieth of that: soil that can stand is
-/// found in fewer steps, and soil that cannot runs away instead of creeping. Velocities serve the search and are cleared
-/// at its end. show(report) sees every hundredth step and the last.
+/// damping is critical for the lowest frequency that the motion shows, at least for the slowest mode of a column as
+/// high as the soil; from the first yielding on it follows the softer soil, down to a fiftieth of that: soil that can
+/// stand is found in fewer steps, and soil that cannot runs away instead of creeping. Velocities serve the search and
+/// are cleared at its end. show(report) sees every hundredth step and the last.
 template <int D, class ExternalForce, class Show>
 RestReport find_rest(const Setup<D>& setup, const RestSearch& search, State<D>& state, ExternalForce&& external,
                      Show&& show) {
@@ -52,7 +56,10 @@ RestReport find_rest(const Setup<D>& setup, const RestSearch& search, State<D>& 
   drive.damping = elastic_rate;
   constexpr double longer = 1.5;  // damped steps are stable to about 1.8 of an undamped one
   const double dt = longer * setup.longest_substep;
-  const auto limit = static_cast<std::size_t>(search.ways * setup.height / (setup.stabilisers.sound_speed * dt)) + 200;
+  const auto limit = [&] {
+    const double ways = state.any_yielded ? search.yielding : search.ways;
+    return static_cast<std::size_t>(ways * setup.height / (setup.stabilisers.sound_speed * dt)) + 200;
+  };
   VecArray<D> before, now = forces(setup, state, drive);
   do {
     const double built = state.rebuilds;
@@ -71,7 +78,7 @@ RestReport find_rest(const Setup<D>& setup, const RestSearch& search, State<D>& 
     report.residual = unrest<D>(setup, state, std::span<const Vec<D>>(now), reference).largest;
     check_sound(setup, state, state.time);
     if (report.steps % 100 == 0) show(report);
-  } while (!report.reached() && report.steps < (state.any_yielded ? 4 * limit : limit));
+  } while (!report.reached() && report.steps < limit());
   for (const auto& u : state.particles.displacement) report.displacement = std::max(report.displacement, u.norm());
   stop(setup, state);
   show(report);

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace poretwin::solid {
 namespace {
@@ -80,6 +81,10 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
     setup.models.push_back(make_constitutive(scene.solid.model, weakened(soil, scene.solid.strength_reduction)));
     setup.grain_density.push_back(soil.grain_density);
     setup.constant_volume.push_back(soil.dilation_angle <= 0.0 ? 1 : 0);
+    const bool grains = soil.dilation_angle <= 0.0 && soil.cohesion <= 0.0 && scene.solid.regular_flow &&
+                        scene.solid.model != SolidCase::Model::elastic;
+    setup.loose_friction.push_back(
+        grains ? static_cast<float>(std::tan(soil.friction_angle * std::numbers::pi / 180.0)) : 0.0F);
     setup.softened_by_water.push_back(soil.saturated_cohesion ? 1 : 0);
     const auto lattice = fill<D>(soil.shape, setup.spacing, scene.solid.offset, scene.solid.jitter,
                                  scene.solid.seed + static_cast<unsigned>(s));
@@ -102,6 +107,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   std::fill_n(particles.velocity.begin(), particles.free(), Vec<D>(scene.solid.initial_velocity.head<D>()));
   particles.stress.assign(n, Tensor::Zero());
   particles.plastic_strain.assign(n, 0.0);
+  particles.rubbing.assign(n, 0.0F);
   particles.gradient.assign(n, Mat<D>::Zero());
   particles.deformation.assign(n, Mat<D>::Zero());
   particles.correction.assign(n, Mat<D>::Identity());

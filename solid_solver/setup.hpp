@@ -39,6 +39,10 @@ struct Setup {
   ScalarArray density;                                     ///< kg/m3, initial rho_bar_s, one per soil
   ScalarArray grain_density;                               ///< kg/m3, one per soil
   std::vector<char> constant_volume;                       ///< one per soil: sheared without dilation
+  /// Bulk volume over its initial one beyond which grains of soil without cohesion and dilation are apart (porosity
+  /// 0.40 -> 0.45, the loosest random packing of spheres): no stress, only collisions.
+  static constexpr double loosest = 1.1;
+  std::vector<float> loose_friction;  ///< tan phi of collisions, one per soil; 0: grains never come apart
   std::vector<char> softened_by_water;                     ///< one per soil: its cohesion follows the saturation
   [[nodiscard]] double range() const { return sph::support_radius * smoothing_length + skin; }
 };

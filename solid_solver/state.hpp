@@ -23,6 +23,7 @@ struct Particles {
   std::vector<Tensor> stress;   ///< Pa, effective, compression negative
   ScalarArray plastic_strain;   ///< accumulated equivalent deviatoric plastic strain
   std::vector<Index> material;  ///< index of the soil
+  std::vector<float> rubbing;   ///< friction coefficient where grains are apart and only collide, 0 elsewhere
   MatArray<D> gradient;         ///< 1/s, velocity gradient d v_a / d x_b
   MatArray<D> deformation;      ///< 1, displacement gradient d u_a / d x_b
   MatArray<D> correction;       ///< kernel-gradient correction B
@@ -36,13 +37,14 @@ struct Particles {
 template <int D>
 struct alignas(64) Node {
   Vec<D> position = Vec<D>::Zero();
-  Vec<D> velocity = Vec<D>::Zero();      ///< m/s
-  double volume = 0.0;                   ///< m^D
-  double density = 0.0;                  ///< kg/m3, rho_bar
-  double control = 1.0;                  ///< weight of the viscous zero-energy-mode control, 0 where the soil flows
-  bool elastic = true;                   ///< never yielded: displacements may be held to be smooth
-  Mat<D> flux = Mat<D>::Zero();          ///< sigma B [Pa]: the stress as its neighbours feel it
-  Mat<D> gradient = Mat<D>::Zero();      ///< 1/s
+  Vec<D> velocity = Vec<D>::Zero();  ///< m/s
+  double volume = 0.0;               ///< m^D
+  double density = 0.0;              ///< kg/m3, rho_bar
+  double control = 1.0;              ///< weight of the viscous zero-energy-mode control, 0 where the soil flows
+  float rubbing = 0.0F;              ///< see Particles
+  bool elastic = true;               ///< never yielded: displacements may be held to be smooth
+  Mat<D> flux = Mat<D>::Zero();      ///< sigma B [Pa]: the stress as its neighbours feel it
+  Mat<D> gradient = Mat<D>::Zero();  ///< 1/s
   Vec<D> displacement = Vec<D>::Zero();  ///< m
   Mat<D> deformation = Mat<D>::Zero();   ///< 1
 };
@@ -93,25 +95,26 @@ struct Sleep {
   std::size_t loads = 0;  ///< that had begun
 };
 
-/// Whether a coupled soil moves: then every elastic wave is followed, undamped; otherwise long windows are taken as
-/// equilibria.
+/// Whether a coupled soil moves: then every elastic wave is followed; otherwise long windows are taken as equilibria.
+/// Waves in soil that stands are damped out; soil that slides is soft, and its damping fades (Rayleigh's quotient).
 struct Motion {
   bool moving = false;
-  double calm = 0.0;      ///< s, for how long nothing has yielded while it moves
+  double calm = 0.0;      ///< s, for how long it has hardly moved
   double patience = 0.0;  ///< s of calm after which rest is sought again; doubled when none is found then
   double relaxed = 0.0, at_rest = 0.0, steps = 0.0,
          begun = 0.0;     ///< counters: windows, steps of relaxation, beginnings
+  double damping = 0.0;   ///< 1/s, critical for the motion that is left
   double duration = 0.0;  ///< s, in motion so far
   void begins(double long_window) {
     moving = true;
-    calm = 0.0;
+    calm = damping = 0.0;
     patience = std::clamp(2.0 * patience, 5.0 * long_window, 100.0 * long_window);
     begun += 1.0;
   }
   /// After a window in motion: whether it is over.
-  bool calms(double interval, bool yielded) {
+  bool calms(double interval, bool hardly_moved) {
     duration += interval;
-    calm = yielded ? 0.0 : calm + interval;
+    calm = hardly_moved ? calm + interval : 0.0;
     moving = calm < patience;
     return !moving;
   }

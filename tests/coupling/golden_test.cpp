@@ -116,6 +116,18 @@ TEST(Golden, EveryKindOfMessageKeepsItsBytes) {
   }
 }
 
+/// What was added later travels too, and an old HELLO, kept above, reads as one that keeps no checkpoints.
+TEST(Golden, HelloSaysWhatItCanResumeFrom) {
+  auto message = one_of_each().front();
+  EXPECT_FALSE(std::get<Hello>(decode(encode(message)).body).keeps_checkpoints);
+  auto& hello = std::get<Hello>(message.body);
+  hello.keeps_checkpoints = true;
+  hello.checkpoints = {"8f3a-7", "8f3a-5"};
+  const auto back = std::get<Hello>(decode(encode(message)).body);
+  EXPECT_TRUE(back.keeps_checkpoints);
+  EXPECT_EQ(back.checkpoints, hello.checkpoints);
+}
+
 /// What a message announces is held against what came, before anything is made of it.
 TEST(Golden, LiesAboutSizesAreFound) {
   const auto all = one_of_each();

@@ -1,5 +1,6 @@
 // Discrete operators against fields whose derivatives are known.
 #include "fluid_solver/operators.hpp"
+#include "fluid_solver/surface.hpp"
 
 #include <gtest/gtest.h>
 
@@ -143,6 +144,23 @@ TEST(Operators, DirectionsWithoutNeighboursAreBlind) {
       [](std::size_t) { return 0.0; });
   EXPECT_NEAR(g[5].x(), 2.0, 1e-10);
   EXPECT_NEAR(g[5].y(), 7.0, 1e-10);
+}
+
+// A row of the surface with 23 particles where a lattice has 20 is 1.15 spacings thick.
+TEST(Operators, TheSurfaceLiesHalfARowsThicknessAboveIt) {
+  for (const double more : {1.0, 1.15}) {
+    VecArray<2> x;
+    for (int i = -30; i <= 30; ++i) x.emplace_back(i / more, 0.0);
+    for (int j = 0; j < 6; ++j)
+      for (int i = -30; i <= 30; ++i) x.emplace_back(i, -0.5 * more - 0.5 - j);
+    const ScalarArray volume(x.size(), 1.0);
+    auto s = make_stencil<2>(x, volume, {}, {});
+    ScalarArray rows(x.size(), 1.0);
+    const auto flags = find_surface<2>(s, ScalarArray(x.size(), 0.0), rows, 1.0);
+    ASSERT_EQ(flags[30], Surface::surface);
+    EXPECT_NEAR(s.surface_distance[30], 0.5 * more, 0.01);
+    EXPECT_EQ(s.ghost_distance[30], s.surface_distance[30]);
+  }
 }
 
 }  // namespace

@@ -92,6 +92,24 @@ TEST(InfiniteSlope, SlowsDownBelowItsAngleOfReposeAndSpeedsUpAboveIt) {
   }
 }
 
+TEST(InfiniteSlope, FrictionDoesNotDependOnTheThicknessOfTheSheet) {
+  // Sheets of a few particles neither stick (inadmissible tension) nor float (viscous lift) over the held soil. A single
+  // row collides with the bumps of its bed and is braked by more.
+  for (const int rows : {2, 3}) {
+    const double slope = 35.0 * 3.14159265358979 / 180.0, friction = std::tan(31.0 * 3.14159265358979 / 180.0);
+    Case scene = layer(slope, 1.5);
+    scene.soils[0].shape.max.y() = rows * spacing;
+    Solid<2> solid(scene);
+    solid.initialise({});
+    run_dry(solid, 0.1, 0.01);
+    const double before = mean_speed(solid);
+    run_dry(solid, 0.9, 0.01);
+    const double found = (mean_speed(solid) - before) / 0.8;
+    const double degree = 9.81 / std::cos(slope) * 3.14159265358979 / 180.0;
+    EXPECT_NEAR(found, 9.81 * (std::sin(slope) - friction * std::cos(slope)), 3.0 * degree) << rows;
+  }
+}
+
 TEST(PeriodicSides, AreNoSides) {
   // Level ground settles under its weight as between rollers.
   Case scene = layer(0.0, 0.0);

@@ -129,6 +129,7 @@ void expect_twin(ColumnSpec spec) {
     for (int d = 0; d < D; ++d) p.velocity[i][d] = any(generator);
     for (int d = 0; d < D; ++d) p.displacement[i][d] = 1e-3 * any(generator);
     p.deformation[i] = 1e-3 * Mat<D>::NullaryExpr([&](auto, auto) { return any(generator); });
+    p.rubbing[i] = i % 5 == 0 ? 0.6F : 0.0F;
     p.plastic_strain[i] = i % 3 == 0 ? 0.0 : i % 3 == 1 ? 0.005 : 0.1;
   }
   evaluate_forces(setup, state);

@@ -40,8 +40,14 @@ TwinResult<D> plain_twin(const Setup<D>& setup, const State<D>& state) {
       const double share = b.volume * derivative * (a.density + b.density);
       const Vec<D> rest = u - 0.5 * (a.gradient + b.gradient) * r;
       viscous += 0.5 * s.zero_energy * s.sound_speed * h * a.control * b.control * share * rest;
-      if (u.dot(r) < 0.0)
-        viscous += 0.5 * s.artificial * s.sound_speed * h * share * u.dot(r) / (r.squaredNorm() + 0.01 * h * h) * r;
+      if (u.dot(r) >= 0.0) continue;
+      const auto rubbing = static_cast<double>(std::max(a.rubbing, b.rubbing));
+      const Vec<D> normal =
+          0.5 * (rubbing > 0.0 ? s.collision : s.artificial) * s.sound_speed * h * share * u.dot(r) / (r.squaredNorm() + 0.01 * h * h) * r;
+      const Vec<D> along = u - u.dot(r) / r.squaredNorm() * r;
+      viscous += normal;
+      const double slip = along.norm() / (along.norm() - u.dot(r) / r.norm());
+      if (rubbing > 0.0) viscous -= rubbing * normal.norm() * slip * along.normalized();
     }
     out.internal.push_back(internal);
     out.stabilising.push_back(viscous);

@@ -149,6 +149,63 @@ TEST(Window, ConsolidatesWithAnAnalyticPartner) {
   EXPECT_LT(worst_base, 0.02);
 }
 
+/// A column with water, of which the test stands for the other side.
+Case wet_column() {
+  Case scene = column({});
+  scene.gauges = {test::point_gauge<2>("base", "effective_stress_yy", {Point3(0.2, 0.0, 0.0)})};
+  Shape water;
+  water.max = Point3(0.4, 1.0, 0.0);
+  scene.fluid.particle_spacing = 0.02;
+  scene.fluid.regions = {water};
+  scene.fluid.drag = false;  // or the water would not let the soil move within a second
+  return scene;
+}
+
+double standing_water(const Vec<2>& x) { return 9810.0 * (1.0 - x.y()); }
+
+TEST(LongWindow, EndsInEquilibrium) {
+  Solid<2> solid(wet_column());
+  solid.initialise(test::wet_inbox<2>(
+      solid, [](const Vec<2>&) { return 0.0; }, 0.0));
+  const double dry = 1560.0 * 9.81, buoyant = dry - 0.6 * 9810.0;
+  EXPECT_NEAR(solid.gauges()[0].value, -dry, 0.005 * dry);
+  const auto inbox = test::wet_inbox<2>(solid, standing_water);
+  ASSERT_TRUE(solid.advance({0, 0.0, 1.0}, inbox).accepted);
+  EXPECT_NEAR(solid.gauges()[0].value, -buoyant, 0.005 * buoyant);
+  EXPECT_EQ(solid.counters().at("windows relaxed"), 1.0);
+  EXPECT_EQ(solid.counters().at("substeps"), 0.0);
+  // Another window under the same water passes asleep, and nothing is owed.
+  ASSERT_TRUE(solid.advance({1, 1.0, 1.0}, inbox).accepted);
+  EXPECT_EQ(solid.counters().at("windows at rest"), 1.0);
+  for (const auto& r : solid.state().returned_impulse) EXPECT_EQ(r.norm(), 0.0);
+}
+
+TEST(LongWindow, IsRefusedWhereSoilCannotStandAndTakenAgainOnceItIsCalm) {
+  Case scene = wet_column();
+  scene.solid.model = SolidCase::Model::drucker_prager;
+  scene.soils[0].friction_angle = 30.0;
+  Solid<2> solid(scene);
+  const auto still = test::wet_inbox<2>(solid, standing_water);
+  solid.initialise(still);
+  auto boiling = still;  // seepage lifts with twice the buoyant weight
+  const auto& p = solid.state().particles;
+  for (std::size_t i = 0; i < p.size(); ++i)
+    values(boiling, field::drag_impulse)[2 * i + 1] = 2.0 * p.volume[i] * 960.0 * 9.81;
+  solid.save();
+  const auto refused = solid.advance({0, 0.0, 1.0}, boiling);
+  EXPECT_FALSE(refused.accepted);
+  EXPECT_LT(refused.suggested_interval, 0.03);  // 30 substeps
+  solid.restore();
+  EXPECT_EQ(solid.state().time, 0.0);
+  EXPECT_TRUE(solid.state().motion.moving);
+  EXPECT_EQ(solid.publish().limited_by, "the soil moves");
+  for (int k = 0; k < 200 && solid.state().motion.moving; ++k)
+    ASSERT_TRUE(solid.advance({1, solid.state().time, solid.publish().proposed_interval}, still).accepted);
+  EXPECT_FALSE(solid.state().motion.moving);
+  EXPECT_EQ(solid.counters().at("times the soil began to move"), 1.0);
+  EXPECT_TRUE(solid.advance({2, solid.state().time, 1.0}, still).accepted);
+}
+
 TEST(SaveAndRestore, RepeatToTheBit) {
   ColumnSpec spec;
   Case scene = column(spec);

@@ -126,6 +126,13 @@ TEST(Metrics, CurveAndExit) {
   m.curve = Series{{{0.25, 0.5}, {0.5, 1.01}, {2.0, 5.0}}};
   m.to = 1.0;
   EXPECT_NEAR(judge(m, ramp, 0).error, 0.01 / 1.01, 1e-12);
+  // The same ramp half a second later: the clocks start where both pass 0.5.
+  m.curve = Series{{{0.5, 0.0}, {1.25, 1.5}}};
+  m.to = 1.3;
+  EXPECT_FALSE(judge(m, ramp, 0).passed);
+  m.align = 0.5;
+  m.from = 1.0;
+  EXPECT_NEAR(judge(m, ramp, 0).error, 0.0, 1e-12);
   EXPECT_TRUE(judge(metric("exit", 4.0, 0.0), {}, 4).passed);
   EXPECT_FALSE(judge(metric("exit", 4.0, 0.0), {}, 0).passed);
 }
