@@ -25,32 +25,45 @@ struct alignas(Lanes) Quad {
 [[gnu::always_inline]] inline void lower_to(Lanes& a, const Lanes& most) { a = a < most ? a : most; }
 [[gnu::always_inline]] inline bool any(const LaneMask& mask) { return (mask[0] | mask[1] | mask[2] | mask[3]) != 0; }
 
-/// Does this machine have AVX2 and FMA? Tests switch it off to judge the plain form too.
-inline bool& wide_lanes() {
+/// What this machine has, by the levels of the x86-64 psABI. Tests set it lower to judge the other forms too.
+enum class Instructions { plain, avx2, avx512 };
+inline Instructions& instructions() {
 #if defined(__x86_64__)
-  static bool wide = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+  static Instructions found = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+                                      __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
+                                      __builtin_cpu_supports("avx512vl")
+                                  ? Instructions::avx512
+                              : __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
+                                      __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2")
+                                  ? Instructions::avx2
+                                  : Instructions::plain;
 #else
-  static bool wide = false;
+  static Instructions found = Instructions::plain;
 #endif
-  return wide;
+  return found;
 }
 
+#if defined(__x86_64__)
+template <class Job>
+[[gnu::target("avx2,fma,bmi,bmi2")]] void run_avx2(const Job& job) {
+  job();
+}
+template <class Job>
+[[gnu::target("avx2,fma,bmi,bmi2,avx512f,avx512bw,avx512cd,avx512dq,avx512vl")]] void run_avx512(const Job& job) {
+  job();
+}
+#endif
 template <class Job>
 void run_plain(const Job& job) {
   job();
 }
-#if defined(__x86_64__)
-template <class Job>
-[[gnu::target("arch=x86-64-v4")]] void run_wide(const Job& job) {
-  job();
-}
-#endif
 
 /// Runs a job compiled for this machine. Mark the job, and all it calls in its inner loops, always_inline.
 template <class Job>
 void run_lanes(const Job& job) {
 #if defined(__x86_64__)
-  if (wide_lanes()) return run_wide(job);
+  if (instructions() == Instructions::avx512) return run_avx512(job);
+  if (instructions() == Instructions::avx2) return run_avx2(job);
 #endif
   run_plain(job);
 }
