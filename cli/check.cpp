@@ -1,7 +1,7 @@
 #include "cli/check.hpp"
 
-#include "common/porous/seepage.hpp"
 #include "common/case/geometry.hpp"
+#include "common/porous/seepage.hpp"
 
 #include <fmt/format.h>
 

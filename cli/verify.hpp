@@ -8,9 +8,9 @@
 namespace poretwin::cli {
 
 struct VerifyOptions {
-  std::string which;           ///< a case, or "all"
+  std::string which;                   ///< a case, or "all"
   std::filesystem::path json, report;  ///< a file, a folder for a page with pictures; empty: none
-  std::string run;             ///< only this run of a case; empty: all
+  std::string run;                     ///< only this run of a case; empty: all
   std::vector<std::string> overrides;
   bool short_runs = false;
   std::filesystem::path programs, out = "runs/verify";

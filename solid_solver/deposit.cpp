@@ -50,8 +50,7 @@ std::vector<Piece<D>> pieces_along(const Setup<D>& setup, const State<D>& state,
     if ((r - up.dot(r) * up).squaredNorm() < reach * reach) pieces.push_back({position, volume});
   };
   for (std::size_t i = 0; i < p.size(); ++i) add(p.position[i], p.volume[i]);
-  for (const auto& image : images)
-    add(image.map * p.position[image.parent] + image.shift, p.volume[image.parent]);
+  for (const auto& image : images) add(image.map * p.position[image.parent] + image.shift, p.volume[image.parent]);
   return pieces;
 }
 

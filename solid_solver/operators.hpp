@@ -57,8 +57,7 @@ inline double positive(double x) { return 0.5 * (x + std::abs(x)); }
 template <int D>
 struct PairKernel {
   double scale, half_inverse;
-  explicit PairKernel(double h)
-      : scale(-5.0 * sph::WendlandC2<D>::normalisation(h) / (h * h)), half_inverse(0.5 / h) {}
+  explicit PairKernel(double h) : scale(-5.0 * sph::WendlandC2<D>::normalisation(h) / (h * h)), half_inverse(0.5 / h) {}
   double operator()(double squared_distance) const {
     const double u = positive(1.0 - half_inverse * std::sqrt(squared_distance));
     return scale * u * u * u;
@@ -119,10 +118,10 @@ void velocity_gradient(const std::vector<Node<D>>& nodes, const Pairs& pairs, co
 ///   f_i = sum_j V_j (sigma_i B_i + sigma_j B_j) grad W_ij.   Node::flux holds sigma B.
 /// With it goes a stiffness on the part of the displacement that a linear field does not explain: it resists
 /// zero-energy modes for good (a viscosity only slows them) and leaves every uniform strain alone. Apart, per volume:
-/// the same as a viscosity, and artificial viscosity on approaching pairs; where grains that are apart collide, more of it
-/// and with Coulomb's friction (it would else carry thin sheets without any: 23 degrees instead of 31). Every pair's force is V_i V_j times what is
-/// opposite for its two particles, hence momentum is kept. Forces of the first n_free particles; kernels of their rows
-/// are left in `kernel`.
+/// the same as a viscosity, and artificial viscosity on approaching pairs; where grains that are apart collide, more of
+/// it and with Coulomb's friction (it would else carry thin sheets without any: 23 degrees instead of 31). Every pair's
+/// force is V_i V_j times what is opposite for its two particles, hence momentum is kept. Forces of the first n_free
+/// particles; kernels of their rows are left in `kernel`.
 template <int D>
 void internal_force(const std::vector<Node<D>>& nodes, const Pairs& pairs, std::size_t n_free, double h,
                     const Stabilisers& stabilisers, ScalarArray& kernel, VecArray<D>& internal,
@@ -139,8 +138,7 @@ void internal_force(const std::vector<Node<D>>& nodes, const Pairs& pairs, std::
   for (std::size_t i = 0; i < n_free; ++i) {
     const Node<D> self = nodes[i];
     Vec<D> force = internal[i], viscous = stabilising[i];
-    auto feel = [&](const Node<D>& other, std::size_t m, Vec<D>& push, Vec<D>& drag)
-                    __attribute__((always_inline)) {
+    auto feel = [&](const Node<D>& other, std::size_t m, Vec<D>& push, Vec<D>& drag) __attribute__((always_inline)) {
       const Vec<D> r = self.position - other.position, u = self.velocity - other.velocity;
       const double squared = r.squaredNorm(), k = derivative(squared), share = k * (self.density + other.density);
       kernel[m] = k;
@@ -240,8 +238,7 @@ VecArray<D> pressure_gradient_sum(const State<D>& state, std::span<const double>
       p += water_weight.dot(state.nodes[j].position - state.nodes[source].position);
     const Node<D>&a = state.nodes[i], &b = state.nodes[j];
     const double own = pressure[i] / (a.density * a.density), theirs = p / (b.density * b.density);
-    gradient[i] +=
-        (b.volume * b.density * a.density * (own + theirs) * state.kernel[m]) * (a.position - b.position);
+    gradient[i] += (b.volume * b.density * a.density * (own + theirs) * state.kernel[m]) * (a.position - b.position);
   });
   return gradient;
 }

@@ -18,8 +18,7 @@ template <class Visit>
 void for_each_pair(const Pairs& pairs, Visit&& visit) {
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     for (std::size_t m = pairs.offset[i]; m < pairs.alone[i]; ++m) visit(i, std::size_t{pairs.index[m]}, m, true);
-    for (std::size_t m = pairs.alone[i]; m < pairs.offset[i + 1]; ++m)
-      visit(i, std::size_t{pairs.index[m]}, m, false);
+    for (std::size_t m = pairs.alone[i]; m < pairs.offset[i + 1]; ++m) visit(i, std::size_t{pairs.index[m]}, m, false);
   }
 }
 

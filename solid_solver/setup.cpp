@@ -83,8 +83,8 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
     setup.constant_volume.push_back(soil.dilation_angle <= 0.0 ? 1 : 0);
     const bool grains = soil.dilation_angle <= 0.0 && soil.cohesion <= 0.0 && scene.solid.regular_flow &&
                         scene.solid.model != SolidCase::Model::elastic;
-    setup.loose_friction.push_back(
-        grains ? static_cast<float>(std::tan(soil.friction_angle * std::numbers::pi / 180.0)) : 0.0F);
+    setup.loose_friction.push_back(grains ? static_cast<float>(std::tan(soil.friction_angle * std::numbers::pi / 180.0))
+                                          : 0.0F);
     setup.softened_by_water.push_back(soil.saturated_cohesion ? 1 : 0);
     const auto lattice = fill<D>(soil.shape, setup.spacing, scene.solid.offset, scene.solid.jitter,
                                  scene.solid.seed + static_cast<unsigned>(s));

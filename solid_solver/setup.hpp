@@ -42,8 +42,8 @@ struct Setup {
   /// Bulk volume over its initial one beyond which grains of soil without cohesion and dilation are apart (porosity
   /// 0.40 -> 0.45, the loosest random packing of spheres): no stress, only collisions.
   static constexpr double loosest = 1.1;
-  std::vector<float> loose_friction;  ///< tan phi of collisions, one per soil; 0: grains never come apart
-  std::vector<char> softened_by_water;                     ///< one per soil: its cohesion follows the saturation
+  std::vector<float> loose_friction;    ///< tan phi of collisions, one per soil; 0: grains never come apart
+  std::vector<char> softened_by_water;  ///< one per soil: its cohesion follows the saturation
   [[nodiscard]] double range() const { return sph::support_radius * smoothing_length + skin; }
 };
 

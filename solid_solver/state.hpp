@@ -37,14 +37,14 @@ struct Particles {
 template <int D>
 struct alignas(64) Node {
   Vec<D> position = Vec<D>::Zero();
-  Vec<D> velocity = Vec<D>::Zero();  ///< m/s
-  double volume = 0.0;               ///< m^D
-  double density = 0.0;              ///< kg/m3, rho_bar
-  double control = 1.0;              ///< weight of the viscous zero-energy-mode control, 0 where the soil flows
-  float rubbing = 0.0F;              ///< see Particles
-  bool elastic = true;               ///< never yielded: displacements may be held to be smooth
-  Mat<D> flux = Mat<D>::Zero();      ///< sigma B [Pa]: the stress as its neighbours feel it
-  Mat<D> gradient = Mat<D>::Zero();  ///< 1/s
+  Vec<D> velocity = Vec<D>::Zero();      ///< m/s
+  double volume = 0.0;                   ///< m^D
+  double density = 0.0;                  ///< kg/m3, rho_bar
+  double control = 1.0;                  ///< weight of the viscous zero-energy-mode control, 0 where the soil flows
+  float rubbing = 0.0F;                  ///< see Particles
+  bool elastic = true;                   ///< never yielded: displacements may be held to be smooth
+  Mat<D> flux = Mat<D>::Zero();          ///< sigma B [Pa]: the stress as its neighbours feel it
+  Mat<D> gradient = Mat<D>::Zero();      ///< 1/s
   Vec<D> displacement = Vec<D>::Zero();  ///< m
   Mat<D> deformation = Mat<D>::Zero();   ///< 1
 };

@@ -86,7 +86,8 @@ void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& 
     Tensor& stress = p.stress[i];
     stress += dt * spin_rate<D>(stress, gradient);
     const double plastic = setup.models[p.material[i]]->advance(
-        stress, dt * strain_rate<D>(gradient), {state.external.saturation[i], setup.grain_density[p.material[i]] * p.volume[i] / p.mass[i] - 1.0});
+        stress, dt * strain_rate<D>(gradient),
+        {state.external.saturation[i], setup.grain_density[p.material[i]] * p.volume[i] / p.mass[i] - 1.0});
     const bool apart = setup.loose_friction[p.material[i]] > 0.0F && p.volume[i] > Setup<D>::loosest * reference;
     p.rubbing[i] = apart ? setup.loose_friction[p.material[i]] : 0.0F;
     if (apart) stress.setZero();

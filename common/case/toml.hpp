@@ -1,5 +1,5 @@
-// toml++ 3.3 that takes any text. As it comes, "[=" fails an assertion just before the check that would refuse it, and a
-// letter beyond ASCII where white space may stand runs into a place declared unreachable.
+// toml++ 3.3 that takes any text. As it comes, "[=" fails an assertion just before the check that would refuse it, and
+// a letter beyond ASCII where white space may stand runs into a place declared unreachable.
 #pragma once
 
 #undef NDEBUG  // else its assertions become assumptions of the optimiser

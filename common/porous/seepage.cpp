@@ -20,11 +20,14 @@ double specific_weight(const Case& scene) {
 
 Seepage seepage_at(const Case& scene, const Soil& soil, double porosity) {
   switch (soil.seepage_law) {
-    case Soil::SeepageLaw::constant: return constant_conductivity(soil);
-    case Soil::SeepageLaw::forchheimer: return forchheimer(soil, porosity);
+    case Soil::SeepageLaw::constant:
+      return constant_conductivity(soil);
+    case Soil::SeepageLaw::forchheimer:
+      return forchheimer(soil, porosity);
     case Soil::SeepageLaw::ergun:
       return ergun(soil, specific_weight(scene) / scene.water.density, scene.water.kinematic_viscosity, porosity);
-    case Soil::SeepageLaw::darcy: break;
+    case Soil::SeepageLaw::darcy:
+      break;
   }
   return kozeny_carman(soil, porosity);
 }

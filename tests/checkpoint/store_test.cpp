@@ -114,7 +114,7 @@ TEST_F(Store, NoRoomLeavesTheOlderOne) {
 
 TEST_F(Store, ANameThatPointsElsewhereIsRefused) {
   const auto s = store();
-  for (const std::string name : {"", "../x", "a/b", "A", "a.b", std::string(65, 'a').c_str()}) {
+  for (const auto& name : std::vector<std::string>{"", "../x", "a/b", "A", "a.b", std::string(65, 'a')}) {
     EXPECT_THROW(s.write({name, 1, 0.1}, state(0.1)), PeerError) << name;
     EXPECT_THROW(static_cast<void>(s.read(name)), PeerError) << name;
   }

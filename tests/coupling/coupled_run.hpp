@@ -79,8 +79,9 @@ struct CoupledRun {
       if (stop_after > 0) options.interrupted = [&] { return step >= stop_after; };
       const CheckpointStore store(checkpoints, "coupler", {});
       Broker b(*hub, options);
-      Schedule schedule(b, dimension, settings, [&](const Progress& progress) { step = progress.step; },
-                        {checkpoints.empty() ? nullptr : &store, checkpoint_every, resume}, iteration);
+      Schedule schedule(
+          b, dimension, settings, [&](const Progress& progress) { step = progress.step; },
+          {checkpoints.empty() ? nullptr : &store, checkpoint_every, resume}, iteration);
       try {
         schedule.run();
       } catch (...) {

@@ -59,6 +59,7 @@ TEST(SocketTransport, AClaimOfATerabyteEndsItsConnectionOnly) {
     zmq::context_t context;
     zmq::socket_t stranger(context, zmq::socket_type::stream);
     stranger.set(zmq::sockopt::linger, 0);
+    stranger.set(zmq::sockopt::reconnect_ivl, -1);  // else what is left would be said again, to a new connection
     stranger.set(zmq::sockopt::rcvtimeo, 2000);
     stranger.connect(hub->address());
     zmq::message_t id, nothing;

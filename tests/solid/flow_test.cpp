@@ -93,8 +93,8 @@ TEST(InfiniteSlope, SlowsDownBelowItsAngleOfReposeAndSpeedsUpAboveIt) {
 }
 
 TEST(InfiniteSlope, FrictionDoesNotDependOnTheThicknessOfTheSheet) {
-  // Sheets of a few particles neither stick (inadmissible tension) nor float (viscous lift) over the held soil. A single
-  // row collides with the bumps of its bed and is braked by more.
+  // Sheets of a few particles neither stick (inadmissible tension) nor float (viscous lift) over the held soil. A
+  // single row collides with the bumps of its bed and is braked by more.
   for (const int rows : {2, 3}) {
     const double slope = 35.0 * 3.14159265358979 / 180.0, friction = std::tan(31.0 * 3.14159265358979 / 180.0);
     Case scene = layer(slope, 1.5);

@@ -1,5 +1,5 @@
-// The pair loops of the soil as one would write them down: every particle looks at every node, nothing is shared between
-// the two of a pair. Judges the fast loops.
+// The pair loops of the soil as one would write them down: every particle looks at every node, nothing is shared
+// between the two of a pair. Judges the fast loops.
 #pragma once
 
 #include "solid_solver/operators.hpp"
@@ -42,8 +42,8 @@ TwinResult<D> plain_twin(const Setup<D>& setup, const State<D>& state) {
       viscous += 0.5 * s.zero_energy * s.sound_speed * h * a.control * b.control * share * rest;
       if (u.dot(r) >= 0.0) continue;
       const auto rubbing = static_cast<double>(std::max(a.rubbing, b.rubbing));
-      const Vec<D> normal =
-          0.5 * (rubbing > 0.0 ? s.collision : s.artificial) * s.sound_speed * h * share * u.dot(r) / (r.squaredNorm() + 0.01 * h * h) * r;
+      const Vec<D> normal = 0.5 * (rubbing > 0.0 ? s.collision : s.artificial) * s.sound_speed * h * share * u.dot(r) /
+                            (r.squaredNorm() + 0.01 * h * h) * r;
       const Vec<D> along = u - u.dot(r) / r.squaredNorm() * r;
       viscous += normal;
       const double slip = along.norm() / (along.norm() - u.dot(r) / r.norm());
