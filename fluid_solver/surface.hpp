@@ -143,10 +143,11 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> mask, s
                                          surface::least_inverted, &s.blind[a]);
   }
   // Inside, where neighbours are few, the pair sums of the Laplacian are short and the gradient's are not: a pressure
-  // found from the one and applied by the other would correct the velocity more than once.
+  // found from the one and applied by the other would correct the velocity more than once. In soil drag keeps that
+  // small.
   for (std::size_t a = 0; a < s.n_real; ++a)
     if (const double deficit = s.divergence[a] / D;
-        deficit < surface::few && flags[a] == Surface::interior && s.ghost_distance[a] == 0.0)
+        mask[a] < 0.5 && deficit < surface::few && flags[a] == Surface::interior && s.ghost_distance[a] == 0.0)
       s.amplification[a] = 1.0 / std::max(deficit, surface::least_inverted);
   return flags;
 }
