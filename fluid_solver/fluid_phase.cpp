@@ -8,8 +8,6 @@
 #include "fluid_solver/operators.hpp"
 
 #include <fmt/format.h>
-#include <cstdlib>
-#include "fluid_solver/operators.hpp"
 
 #include <cmath>
 #include <numbers>

@@ -271,7 +271,7 @@ class WindowSolver {
   /// free to run away from what it hangs on.
   double anchor(std::size_t a) const {
     if (!q_[a].responds || flags_[a] == Surface::interior || soil_.mask[a] < 0.5) return 0.0;
-    const double spacing = std::pow(s_.volume[a], 1.0 / D), dt = in_.interval;
+    const double spacing = spacing_of<D>(s_.volume[a]), dt = in_.interval;
     const double wave = dt * std::sqrt(q_[a].M / (q_[a].as * dt));
     const double distance = std::max(0.5 * spacing, std::min(wave, in_.dry_soil));
     const double amount = std::max(s_.normal[a].norm(), flags_[a] == Surface::lone ? 1.0 / spacing : 0.0);
