@@ -62,7 +62,9 @@ template <int D>
 Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
   dx_ = scene.fluid.particle_spacing;
   density_ = scene.water.density;
-  weight_ = density_ * scene.general.gravity.head<D>();
+  Vec<D> bounded = scene.general.gravity.head<D>();
+  for (const int axis : scene.general.periodic) std::swap(pull_[axis], bounded[axis]);
+  weight_ = density_ * bounded;
   if (!(dx_ > 0.0)) throw CaseError("fluid.particle_spacing must be positive");
   if (scene.fluid.regions.empty() && scene.water_faces.empty())
     throw CaseError("the fluid has nothing to do: no [[fluid.region]] and no [[water_face]]");
@@ -73,10 +75,6 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
     if (wall.water == Wall::ForWater::no_slip) no_slip_ |= 1u << w;
     if (wall.soil == Wall::ForSoil::fixed || wall.soil == Wall::ForSoil::rough) fixed_soil_ |= 1u << w;
     for (const auto& plane : planes_of<D>(wall.face, static_cast<int>(w), 6.0 * dx_)) planes_.push_back(plane);
-  }
-  for (const auto& soil : scene.soils) {
-    const auto [lower, upper] = bounds(soil.shape);
-    soil_extent_ = std::max(soil_extent_, (upper - lower).template head<D>().maxCoeff());
   }
   for (const auto& plane : periodic_planes<D>(scene.general, periodic_boundary)) planes_.push_back(plane);
 
@@ -231,7 +229,6 @@ WindowProblem<D> Fluid<D>::problem(double interval) const {
   in.weight = weight_;
   in.origin = origin_;
   in.response = responds();
-  in.dry_soil = soil_extent_;
   in.fixed_soil = fixed_soil_;
   in.void_fraction = state_.particles.void_fraction;
   in.velocity = state_.particles.velocity;
@@ -290,6 +287,7 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
                                       std::span<const Mat<D>> velocity_gradient, double interval) const {
   const auto& v = state_.particles.velocity;
   VecArray<D> result = v;
+  for (auto& u : result) u += interval * pull_;
   const double noise = noise_viscosity * dx_ * wave_speed_;
   const VecArray<D> all = extended<D>(s, v);
   MatArray<D> gradient(s.size(), Mat<D>::Zero());
@@ -368,8 +366,9 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
 /// What the soil took beyond the drag comes from the water in its pores. It is shared out among the soil's water within
 /// a kernel's reach, none of it to the free water beside the soil, and taken at the rate at which that water's inertia
 /// answers to the drag: where drag rules, the pressure already answers for the soil's motion, through the volume debt.
-/// No faster than its weight or the drag would take it: what a long window left, a short one must not ask for at once.
-/// The sum of what is owed and taken is kept.
+/// Where the soil yields it shears without squeezing, which no pressure answers for: there the water goes along at
+/// once, but not at a surface, which it would tear up. No faster than its weight or the drag would take it: what a long
+/// window left, a short one must not ask for at once. The sum of what is owed and taken is kept.
 template <int D>
 void Fluid<D>::take_back(const Stencil<D>& s, const SoilView<D>& view, double interval) {
   auto& p = state_.particles;
@@ -391,7 +390,8 @@ void Fluid<D>::take_back(const Stencil<D>& s, const SoilView<D>& view, double in
   }
   for (std::size_t a = 0; a < p.size(); ++a) {
     const double aw = p.void_fraction[a] * density_ / interval;
-    Vec<D> taken = aw / (aw + view.drag[a]) * owed[a];
+    const double along = p.surface[a] == Surface::interior ? view.yielding[a] : 0.0;
+    Vec<D> taken = std::max(along, aw / (aw + view.drag[a])) * owed[a];
     const double slip = (p.velocity[a] - view.velocity[a]).norm();
     const double most = interval * (p.mass[a] * gravity_or_standard() + p.volume[a] * view.drag[a] * slip);
     if (const double size = taken.norm(); size > most) taken *= most / size;

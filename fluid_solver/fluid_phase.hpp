@@ -70,11 +70,11 @@ class Fluid final : public Phase {
 
   Case scene_;
   double dx_ = 0.0, density_ = 1000.0, viscosity_ = 0.0, wave_speed_ = 0.0, first_interval_ = 0.0;
-  Vec<D> weight_ = Vec<D>::Zero(), origin_ = Vec<D>::Zero();
+  /// Weight of water [N/m3], where its potential is: gravity along a periodic axis, which has none, pulls [m/s2].
+  Vec<D> weight_ = Vec<D>::Zero(), pull_ = Vec<D>::Zero(), origin_ = Vec<D>::Zero();
   std::vector<sph::ImagePlane<D>> planes_;
   Vec<D> lower_, upper_;                        ///< beyond, water is lost [m]
   std::uint32_t no_slip_ = 0, fixed_soil_ = 0;  ///< boundary bits
-  double soil_extent_ = 0.0;                    ///< m
   State<D> state_, saved_;
 };
 

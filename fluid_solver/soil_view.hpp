@@ -24,12 +24,13 @@ struct SoilView {
   MatArray<D> drag_form;      ///< [n] that multiplies the slip in a smoothed drag; empty: none
   ScalarArray density;        ///< [n] R = n_s rho_s, kg/m3
   ScalarArray modulus;        ///< [n] M = K + 4 G / 3, Pa
+  ScalarArray yielding;       ///< [n] share of the shear that was plastic
   VecArray<D> velocity;       ///< [n] v_s, m/s
   VecArray<D> mean_velocity;  ///< [n] over the soil's last window, m/s
   VecArray<D> force;          ///< [n] r: unbalanced force per volume with the soil's weight, no pressure, no drag, N/m3
   VecArray<D> owed;           ///< [n] impulse the soil took beyond the drag of its last window, N s
   void resize(std::size_t n) {
-    for (auto* a : {&mask, &fraction, &drag, &density, &modulus}) a->assign(n, 0.0);
+    for (auto* a : {&mask, &fraction, &drag, &density, &modulus, &yielding}) a->assign(n, 0.0);
     for (auto* a : {&velocity, &mean_velocity, &force, &owed, &drag_offset}) a->assign(n, Vec<D>::Zero());
     resistance.assign(n, {});
   }
@@ -114,6 +115,7 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::si
   const auto& fraction = inbox.at(field::solid_volume_fraction).values;
   const auto& grain = inbox.at(field::grain_density).values;
   const auto& modulus = inbox.at(field::constrained_modulus).values;
+  const auto& yielding = inbox.at(field::yielding).values;
   const auto& conductivity = inbox.at(field::hydraulic_conductivity).values;
   const auto& quadratic = inbox.at(field::forchheimer_coefficient).values;
   const double weight = porous::specific_weight(scene);
@@ -138,6 +140,7 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::si
     soil.fraction[a] = n_s;
     soil.density[a] = n_s * grain[a];
     soil.modulus[a] = modulus[a];
+    soil.yielding[a] = std::clamp(yielding[a], 0.0, 1.0);
     soil.force[a] *= mask;
     const double porosity = 1.0 - n_s;
     if (scene.fluid.drag)

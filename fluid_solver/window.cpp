@@ -229,6 +229,7 @@ class WindowSolver {
     }
     // Vectors change on reflection: keep the image each weight belongs to.
     build_vector_stiffness();
+    prepare_flow();
     skeleton_ = laplacian(
         s_,
         [&](std::size_t a, std::size_t b) {
@@ -266,16 +267,39 @@ class WindowSolver {
     }
   }
 
-  /// Dry soil beyond a wetting front holds the skeleton as far as an elastic wave gets into it, at most through all of
-  /// it: traction Dt M (s - v_s) / distance, which is rho c (s - v_s) in short windows. Without it wet soil would be
-  /// free to run away from what it hangs on.
+  /// Where soil yields, the shear that is going on goes on at constant stress: only what departs from the present
+  /// motion meets the stiffness. Otherwise it would flow as a liquid of viscosity Dt M. [N s/m times m/s] on every
+  /// particle.
+  void prepare_flow() {
+    flow_.assign(n_, Vec<D>::Zero());
+    if (std::all_of(soil_.yielding.begin(), soil_.yielding.end(), [](double y) { return y <= 0.0; })) return;
+    const VecArray<D> going = skeleton_extended(soil_.velocity);
+    for (std::size_t a = 0; a < n_; ++a)
+      for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
+        if (image_weight_[k] == 0.0) continue;
+        const Index j = s_.other[k];
+        const double share = 0.5 * (soil_.yielding[a] + soil_.yielding[s_.parent[j]]);
+        if (share > 0.0) flow_[a] += share * image_weight_[k] * (going[a] - going[j]);
+      }
+  }
+
+  /// A velocity of the skeleton at all points: turned round behind walls that hold the soil.
+  VecArray<D> skeleton_extended(std::span<const Vec<D>> f) const {
+    VecArray<D> all = extended<D>(s_, f);
+    for (std::size_t j = s_.n_base; j < s_.size(); ++j)
+      if ((s_.boundaries[j - s_.n_base] & in_.fixed_soil) != 0 && s_.parent[j] < n_) all[j] = -f[s_.parent[j]];
+    return all;
+  }
+
+  /// Dry soil beyond a wetting front holds the skeleton: it is taken to go on as it moves, half a spacing away,
+  /// traction Dt M (s - v_s) / distance. As far as a wave reaches in a window would be right for a plane front of soil
+  /// that ends nowhere, but a small wet zone is held over its own width (Saint-Venant), and the exchange was unstable
+  /// with either.
   double anchor(std::size_t a) const {
     if (!q_[a].responds || flags_[a] == Surface::interior || soil_.mask[a] < 0.5) return 0.0;
-    const double spacing = spacing_of<D>(s_.volume[a]), dt = in_.interval;
-    const double wave = dt * std::sqrt(q_[a].M / (q_[a].as * dt));
-    const double distance = std::max(0.5 * spacing, std::min(wave, in_.dry_soil));
+    const double spacing = spacing_of<D>(s_.volume[a]);
     const double amount = std::max(s_.normal[a].norm(), flags_[a] == Surface::lone ? 1.0 / spacing : 0.0);
-    return s_.volume[a] * 2.0 * dt * q_[a].M * amount / distance;
+    return s_.volume[a] * 2.0 * in_.interval * q_[a].M * amount / (0.5 * spacing);
   }
 
   /// y = (V/ss) H x on responding particles, identity elsewhere; symmetric.
@@ -283,9 +307,7 @@ class WindowSolver {
     VecArray<D> f(n_);
     for (std::size_t a = 0; a < n_; ++a)
       for (std::size_t d = 0; d < D; ++d) f[a][static_cast<int>(d)] = x[a * D + d];
-    VecArray<D> all = extended<D>(s_, f);
-    for (std::size_t j = s_.n_base; j < s_.size(); ++j)
-      if ((s_.boundaries[j - s_.n_base] & in_.fixed_soil) != 0 && s_.parent[j] < n_) all[j] = -f[s_.parent[j]];
+    const VecArray<D> all = skeleton_extended(f);
     for (std::size_t a = 0; a < n_; ++a) {
       Vec<D> sum = H_diagonal_[a] * f[a];
       if (q_[a].responds)
@@ -343,7 +365,7 @@ class WindowSolver {
       // The exchanged force carries the soil's full weight; the piezometric pressure leaves its buoyant part.
       const Vec<D> r = soil_.force[a] - soil_.fraction[a] * in_.weight - soil_.drag_offset[a];
       rhs[a] = q.ss / (q.aw + q.C) * (q.C * q.aw * pushed(a) + (q.aw + q.C) * (q.as * soil_.velocity[a] + r)) -
-               q.mS * G[a] + q.ss / s_.volume[a] * anchor(a) * soil_.velocity[a];
+               q.mS * G[a] + q.ss / s_.volume[a] * (anchor(a) * soil_.velocity[a] + flow_[a]);
     }
     out.skeleton_iterations += solve_H(rhs, out.solid_velocity, tolerance);
   }
@@ -443,6 +465,7 @@ class WindowSolver {
   std::size_t n_;
   std::vector<Elimination> q_;
   bool any_response_ = false, closed_ = true;
+  VecArray<D> flow_;
   PairMatrix fluid_, skeleton_, plain_;
   ScalarArray boundary_, stabilisation_, storage_, image_weight_, H_diagonal_, H_preconditioner_;
 };

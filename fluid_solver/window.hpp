@@ -19,7 +19,6 @@ struct WindowProblem {
   ScalarArray source;              ///< [n] volume to be given off, 1/s
   ScalarArray face_pressure;       ///< [columns] piezometric, Pa
   double tolerance = 1e-4;         ///< of the pressure residual, relative, where no skeleton responds
-  double dry_soil = 0.0;           ///< m, how far soil may reach beyond a front
   std::uint32_t fixed_soil = 0;    ///< boundaries that hold the soil, by bits
   int sweeps = 0;                  ///< explicit sweeps in place of the solve; 0: solve
 };

@@ -137,7 +137,8 @@ void keep_flow_regular(const Setup<D>& setup, double dt, State<D>& state) {
       models(i);
       continue;
     }
-    volume *= 1.0 - packing_share * (scratch.cover[i] - 1.0);
+    // In wet soil the water's pressure keeps the volume; a density taken from the positions would squeeze it.
+    if (state.external.coverage[i] <= 0.5) volume *= 1.0 - packing_share * (scratch.cover[i] - 1.0);
     const double strain = std::min(largest_strain, interval * 2.0 * root_j2(strain_rate<D>(p.gradient[i])));
     if (setup.constant_volume[p.material[i]]) {
       const double bulk = setup.models[p.material[i]]->elasticity().bulk;

@@ -39,12 +39,12 @@ ScalarArray coverage_of(const Inbox& inbox, std::size_t n) {
 }
 
 /// Exchange while the soil moves, in substeps.
-constexpr double substeps_while_moving = 30.0;
+constexpr double substeps_while_moving = 10.0;
 
 /// Long windows of coupled soil: the largest departure from rest, over gravity, that is let be, and that ends the
 /// search for equilibrium; how long the search may be (RestSearch). A seepage front through an embankment, against a
 /// third of these: stress within 0.2 %, settlement within 0.1 %.
-constexpr double woken_by = 5e-3, equilibrium = 3e-3, most_ways = 20.0;
+constexpr double woken_by = 5e-3, equilibrium = restless, most_ways = 100.0;
 
 /// Loads begin within rounding of their time.
 bool has_begun(double start, double time) { return time >= start - 1e-9 * std::max(1.0, std::abs(start)); }
@@ -69,6 +69,7 @@ Solid<D>::Solid(const Case& scene) : scene_(scene) {
   state_.returned_impulse.assign(n, Vec<D>::Zero());
   state_.rest_displacement.assign(n, Vec<D>::Zero());
   state_.yielded.assign(n, 0);
+  state_.yielding.assign(n, 0.0);
   rebuild(setup_, state_);
   state_.rebuilds = 0.0;
   evaluate_forces(setup_, state_);
@@ -247,6 +248,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   if (scene_.solid.quiet && sleeps_on(drive, to, impulse, window)) return Outcome::accept();
   for (auto& r : state_.returned_impulse) r.setZero();
   std::fill(state_.yielded.begin(), state_.yielded.end(), char{0});
+  std::fill(state_.yielding.begin(), state_.yielding.end(), 0.0);
   state_.any_yielded = false;
   if (scene_.coupled() && !state_.motion.moving && interval > long_window(setup_))
     return advance_at_rest(window, to, impulse, drive);
@@ -255,6 +257,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
       std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(interval / setup_.longest_substep - 1e-9)));
   const double dt = interval / static_cast<double>(steps);
   const VecArray<D> displacement = p.displacement;
+  const ScalarArray plastic_before = p.plastic_strain;
   double reference = 0.0;
 
   // A load that begins with the window raises the water's pressure at once: no ramp then.
@@ -299,16 +302,24 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   }
   check_sound(setup_, state_, window.time);
   state_.external.pressure_gradient = to;
-  for (std::size_t i = 0; i < n; ++i) state_.mean_velocity[i] = (p.displacement[i] - displacement[i]) / interval;
+  for (std::size_t i = 0; i < n; ++i) {
+    state_.mean_velocity[i] = (p.displacement[i] - displacement[i]) / interval;
+    const double plastic = p.plastic_strain[i] - plastic_before[i];
+    const double strain = interval * 2.0 / std::numbers::sqrt3 * root_j2(strain_rate<D>(p.gradient[i]));
+    if (plastic > 0.0) state_.yielding[i] = strain > plastic ? plastic / strain : 1.0;
+  }
   if (scene_.solid.quiet) fall_asleep_if_quiet(drive, reference);
   state_.time = window.time + interval;
   state_.substeps += static_cast<double>(steps);
   ++state_.revision;
   if (!scene_.coupled()) return Outcome::accept();
-  double fastest = 0.0;
-  for (const auto& v : p.velocity) fastest = std::max(fastest, v.norm());
-  const bool hardly_moved =
-      near_critical_damping(setup_) * fastest < woken_by * reference_acceleration(setup_, state_, drive);
+  const double slow = woken_by * reference_acceleration(setup_, state_, drive) / near_critical_damping(setup_);
+  double moves = 0.0, whole = 0.0;
+  for (std::size_t i = 0; i < p.free(); ++i) {
+    whole += p.mass[i];
+    if (p.velocity[i].norm() > slow) moves += p.mass[i];
+  }
+  const bool hardly_moved = moves < local_share * whole;
   if (state_.motion.moving && state_.motion.calms(interval, hardly_moved))
     fmt::print(stderr, "the soil is calm again at t = {:g} s\n", state_.time);
   else if (!state_.motion.moving && state_.any_yielded && !hardly_moved)
@@ -345,8 +356,8 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const VecArray<D>& gradi
   const double residual = unrest(setup_, state_, drive, reference_acceleration(setup_, state_, drive)).largest;
   const bool asleep = residual <= woken_by && !softened(setup_, state_);
   if (!asleep) {
-    const auto report =
-        find_rest<D>(setup_, {equilibrium, most_ways, most_ways}, state_, external, [](const RestReport&) {});
+    const RestSearch search{equilibrium, most_ways, most_ways, local_share, 0.5 * setup_.spacing};
+    const auto report = find_rest<D>(setup_, search, state_, external, [](const RestReport&) {});
     if (!report.reached()) {
       for (auto* s : {&state_, &saved_}) s->motion.begins(long_window(setup_));
       fmt::print(stderr, "the soil moves at t = {:g} s: no equilibrium within {} steps, {:.2g} of gravity left\n",
@@ -356,6 +367,7 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const VecArray<D>& gradi
     state_.sleep.saturation = state_.external.saturation;
     state_.motion.steps += static_cast<double>(report.steps);
     state_.motion.relaxed += 1.0;
+    if (report.creeps && report.residual >= equilibrium) state_.motion.creeping += 1.0;
     state_.motion.patience = 0.0;
   } else {
     state_.motion.at_rest += 1.0;
@@ -440,6 +452,7 @@ Publication Solid<D>::publish() const {
     const auto& model = *setup_.models[p.material[i]];
     return state_.yielded[i] ? model.yielding_modulus() : model.elasticity().constrained();
   });
+  scalars(field::yielding, [&](std::size_t i) { return state_.yielding[i]; });
   const auto seepage = [&](std::size_t i) {
     return porous::seepage_at(scene_, scene_.soils[p.material[i]], void_fraction(setup_, p, i));
   };
@@ -507,6 +520,7 @@ std::map<std::string, double> Solid<D>::counters() const {
           {"list rebuilds", state_.rebuilds},
           {"windows relaxed", state_.motion.relaxed},
           {"windows at rest", state_.motion.at_rest},
+          {"windows with local creep", state_.motion.creeping},
           {"relaxation steps", state_.motion.steps},
           {"times the soil began to move", state_.motion.begun},
           {"time in motion", state_.motion.duration},

@@ -12,7 +12,12 @@ namespace poretwin::solid {
 /// where that is more, of the velocity times the near-critical damping rate.
 struct Unrest {
   double largest = 0.0, rms = 0.0;
+  double share = 0.0;  ///< of the mass, of what departs by more than `restless`
 };
+
+/// Departure from rest, over the reference acceleration, from which on a particle counts as moving; share of the mass
+/// that may move without the soil as a whole being taken for moving: grains that ravel or creep at a surface.
+inline constexpr double restless = 3e-3, local_share = 0.05;
 
 /// Damping rate [1/s] that is critical for the slowest mode of a column as high as the soil, 2 omega = pi c / H.
 template <int D>
@@ -52,11 +57,15 @@ Unrest unrest(const Setup<D>& setup, const State<D>& state, std::span<const Vec<
   const double rate = near_critical_damping(setup);
   Unrest result;
   if (reference <= 0.0) return result;
+  double whole = 0.0;
   for (std::size_t i = 0; i < p.free(); ++i) {
     const double departure = std::max(force[i].norm() / p.mass[i], rate * p.velocity[i].norm()) / reference;
     result.largest = std::max(result.largest, departure);
     result.rms += departure * departure / static_cast<double>(p.free());
+    whole += p.mass[i];
+    if (departure > restless) result.share += p.mass[i];
   }
+  result.share /= whole;
   result.rms = std::sqrt(result.rms);
   return result;
 }

@@ -3,6 +3,7 @@
 
 #include "solid_solver/quiet.hpp"
 
+#include <limits>
 #include <map>
 
 namespace poretwin::solid {
@@ -11,8 +12,10 @@ struct RestReport {
   std::size_t steps = 0;
   double displacement = 0.0;  ///< m, largest
   double residual = 0.0;      ///< largest acceleration (without damping) over the reference acceleration
+  bool creeps = false;        ///< all but a small share of soil that yields is at rest
+  bool slides = false;        ///< given up: something moved too far
   double criterion = 0.0;     ///< the rest is found when the residual is below it; zero: it was not sought
-  [[nodiscard]] bool reached() const { return residual < criterion; }
+  [[nodiscard]] bool reached() const { return residual < criterion || creeps; }
 };
 
 /// When rest is found and when the search is given up.
@@ -20,6 +23,8 @@ struct RestSearch {
   double criterion = 1e-3;  ///< of the reference acceleration, for the largest acceleration
   double ways = 50.0;       ///< most steps, in units of a wave's way through the soil
   double yielding = 200.0;  ///< the same once it yields
+  double local = 0.0;       ///< share of the mass of soil that yields that may go on moving
+  double farthest = std::numeric_limits<double>::infinity();  ///< m, motion at which the search is given up
 };
 
 /// Rate that damps the present motion critically, 2 omega [1/s], with Rayleigh's quotient omega^2 = -v . dF/dt / v . m
@@ -37,6 +42,15 @@ double critical_rate(const State<D>& state, const VecArray<D>& before, const Vec
 
 /// Share of a new rate that enters the damping in a step, once something yields: a memory of about twenty steps.
 inline constexpr double damping_follows = 0.05;
+
+/// Largest displacement since `start` [m].
+template <int D>
+double farthest_moved(const State<D>& state, const VecArray<D>& start) {
+  double farthest = 0.0;
+  for (std::size_t i = 0; i < state.particles.free(); ++i)
+    farthest = std::max(farthest, (state.particles.displacement[i] - start[i]).norm());
+  return farthest;
+}
 
 /// Dynamic relaxation from the present state under the forces that external(drive, rebuilt) fills after every step. The
 /// damping is critical for the lowest frequency that the motion shows, at least for the slowest mode of a column as
@@ -60,6 +74,7 @@ RestReport find_rest(const Setup<D>& setup, const RestSearch& search, State<D>& 
     return static_cast<std::size_t>(ways * setup.height / (setup.stabilisers.sound_speed * dt)) + 200;
   };
   VecArray<D> before, now = forces(setup, state, drive);
+  const VecArray<D> start = state.particles.displacement;
   do {
     const double built = state.rebuilds;
     substep<D>(setup, dt, drive, state);
@@ -74,10 +89,13 @@ RestReport find_rest(const Setup<D>& setup, const RestSearch& search, State<D>& 
                                               (1.0 - memory) * std::clamp(rate, 0.02 * elastic_rate, elastic_rate)
                                         : std::max(rate, elastic_rate);
     }
-    report.residual = unrest<D>(setup, state, std::span<const Vec<D>>(now), reference).largest;
+    const Unrest left = unrest<D>(setup, state, std::span<const Vec<D>>(now), reference);
+    report.residual = left.largest;
+    report.creeps = state.any_yielded && left.share < search.local;
+    if (report.steps % 100 == 0) report.slides = farthest_moved(state, start) > search.farthest;
     check_sound(setup, state, state.time);
     if (report.steps % 100 == 0) show(report);
-  } while (!report.reached() && report.steps < limit());
+  } while (!report.reached() && !report.slides && report.steps < limit());
   for (const auto& u : state.particles.displacement) report.displacement = std::max(report.displacement, u.norm());
   stop(setup, state);
   show(report);

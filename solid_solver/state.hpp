@@ -101,7 +101,7 @@ struct Motion {
   bool moving = false;
   double calm = 0.0;      ///< s, for how long it has hardly moved
   double patience = 0.0;  ///< s of calm after which rest is sought again; doubled when none is found then
-  double relaxed = 0.0, at_rest = 0.0, steps = 0.0,
+  double relaxed = 0.0, at_rest = 0.0, creeping = 0.0, steps = 0.0,
          begun = 0.0;     ///< counters: windows, steps of relaxation, beginnings
   double damping = 0.0;   ///< 1/s, critical for the motion that is left
   double duration = 0.0;  ///< s, in motion so far
@@ -154,6 +154,7 @@ struct State {
   VecArray<D> returned_impulse;   ///< N s, last window
   VecArray<D> rest_displacement;  ///< m, after initialise: where uplift counts from
   std::vector<char> yielded;      ///< during the last window
+  ScalarArray yielding;           ///< share of the last window's shear that was plastic
   bool any_yielded = false;
   Sleep<D> sleep;
   Motion motion;

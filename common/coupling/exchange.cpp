@@ -28,6 +28,7 @@ std::vector<FieldSpec> standard_fields(Role giver, int dimension) {
       spec(field::solid_volume_fraction, "1", 1),
       spec(field::grain_density, "kg/m3", 1),
       spec(field::constrained_modulus, "Pa", 1),
+      spec(field::yielding, "1", 1),
       spec(field::hydraulic_conductivity, "m/s", 1),
       spec(field::forchheimer_coefficient, "s2/m2", 1),
       spec(field::returned_impulse, "N s", dimension, conservative),

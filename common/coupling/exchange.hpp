@@ -45,9 +45,10 @@ inline constexpr std::string_view soil_fraction = "soil_fraction";  // 1 inside 
 inline constexpr std::string_view solid_velocity = "solid_velocity";            // m/s at the window's end
 inline constexpr std::string_view mean_solid_velocity = "mean_solid_velocity";  // m/s, mean over the window
 inline constexpr std::string_view unbalanced_force = "unbalanced_force";        // N/m3: div sigma' + traction + weight
-inline constexpr std::string_view solid_volume_fraction = "solid_volume_fraction";      // n_s = 1 - porosity
-inline constexpr std::string_view grain_density = "grain_density";                      // kg/m3, rho_s (intrinsic)
-inline constexpr std::string_view constrained_modulus = "constrained_modulus";          // Pa, M = K + 4 G / 3
+inline constexpr std::string_view solid_volume_fraction = "solid_volume_fraction";  // n_s = 1 - porosity
+inline constexpr std::string_view grain_density = "grain_density";                  // kg/m3, rho_s (intrinsic)
+inline constexpr std::string_view constrained_modulus = "constrained_modulus";      // Pa, M = K + 4 G / 3
+inline constexpr std::string_view yielding = "yielding";  // share of the last window's shear that was plastic
 inline constexpr std::string_view hydraulic_conductivity = "hydraulic_conductivity";    // m/s
 inline constexpr std::string_view forchheimer_coefficient = "forchheimer_coefficient";  // s2/m2, of i = U/k + b U^2
 inline constexpr std::string_view returned_impulse =

@@ -77,6 +77,7 @@ Consolidation consolidate(const Options& options) {
     scalar(coupling::field::solid_volume_fraction, soil.solid_fraction);
     scalar(coupling::field::grain_density, soil.grain_density);
     scalar(coupling::field::constrained_modulus, soil.modulus);
+    scalar(coupling::field::yielding, 0.0);
     scalar(coupling::field::hydraulic_conductivity, soil.conductivity);
     scalar(coupling::field::forchheimer_coefficient, 0.0);
     vertical(coupling::field::returned_impulse, soil.extra, true);
@@ -259,6 +260,7 @@ struct Exchange {
     scalar(coupling::field::solid_volume_fraction, 0.6);
     scalar(coupling::field::grain_density, 2600.0);
     scalar(coupling::field::constrained_modulus, 4e6);
+    scalar(coupling::field::yielding, 0.0);
     scalar(coupling::field::hydraulic_conductivity, scene.soils[0].hydraulic_conductivity);
     scalar(coupling::field::forchheimer_coefficient, scene.soils[0].forchheimer_coefficient);
     vector(coupling::field::returned_impulse, owed);

@@ -37,6 +37,7 @@ class RigidSolid(poretwin.Phase):
             "solid_volume_fraction": 1.0 - of_soil("porosity", 0.4),
             "grain_density": np.full(len(self.points), UNMOVABLE),
             "constrained_modulus": np.zeros(len(self.points)),
+            "yielding": np.zeros(len(self.points)),
             "hydraulic_conductivity": of_soil("hydraulic_conductivity", 1e-4),
             "returned_impulse": still,
         }

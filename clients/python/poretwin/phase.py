@@ -35,6 +35,7 @@ def standard_fields(role, dimension):
         Field("solid_volume_fraction", "1"),
         Field("grain_density", "kg/m3"),
         Field("constrained_modulus", "Pa"),
+        Field("yielding", "1"),
         Field("hydraulic_conductivity", "m/s"),
         Field("forchheimer_coefficient", "s2/m2"),
         Field("returned_impulse", "N s", dimension, conservative=True),
