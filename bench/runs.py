@@ -2,6 +2,7 @@
 import csv
 import json
 import pathlib
+import signal
 import subprocess
 import tempfile
 
@@ -19,11 +20,14 @@ class Run:
             command = [program, "run", case, "--out", folder, "--no-pictures", "--quiet", "--restarts", "0"]
             for text in overrides:
                 command += ["--set", text]
-            try:
-                done = subprocess.run(command, capture_output=True, text=True, timeout=longest, check=False)
-                self.exit, self.reason = done.returncode, done.stderr.strip()
-            except subprocess.TimeoutExpired:
-                self.exit, self.reason = 124, f"stopped after {longest:g} s"
+            with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
+                try:
+                    self.reason = process.communicate(timeout=longest)[1].strip()
+                    self.exit = process.returncode
+                except subprocess.TimeoutExpired:
+                    process.send_signal(signal.SIGINT)  # it ends its processes
+                    process.communicate()
+                    self.exit, self.reason = 124, f"stopped after {longest:g} s"
             folder = pathlib.Path(folder)
             self.summaries = {path.name.split(".")[0]: json.loads(path.read_text())
                               for path in folder.glob("*.summary.json")}

@@ -7,8 +7,10 @@
     front   water arrives on a dry column from above, and leaves it again
     block   a block of soil falls into water
 
-A run counts as bounded when it ends by itself, nothing is infinite, the plate has not moved farther than 1.5 times the drained
+A run counts as bounded when it ends by itself and, in its second half, the plate has not moved farther than 1.5 times the drained
 settlement (1 % of the height more), and the water at the base carries no more than 1.5 times the load more than its rest.
+`overshoot`: the largest excess pressure at the base over the load. 1.5 to 3 at first is common where windows are shorter than
+the water takes to drain three rows of particles: docs/theory.md.
 """
 import argparse
 import itertools
@@ -96,8 +98,8 @@ def judge(row, run, bounds):
     else:
         row["verdict"] = "bounded"
         for name, (low, high) in bounds.items():
-            values = run.gauges[name][1]
-            values = values[~np.isnan(values)]
+            times, values = run.gauges[name]
+            values = values[(times >= 0.5 * times[-1]) & ~np.isnan(values)]
             if len(values) and not (low <= values.min() and values.max() <= high):
                 row["verdict"] = "unbounded"
                 row["why"] += f"{name} {values.min():.3g} .. {values.max():.3g}, expected {low:.3g} .. {high:.3g}; "
@@ -113,6 +115,9 @@ def column(a, k, E, n, factor):
         f"soil.0.hydraulic_conductivity={k}", f"soil.0.youngs_modulus={E}", f"soil.0.porosity={n}", "case.gravity=[0, -9.81]",
         f"coupling.interval={window}", f"case.end_time={end:.12g}", "output.interval=0", "fluid.particle_spacing=0.02",
         "solid.particle_spacing=0.02"], a.program, a.longest)
+    row["overshoot"] = ""
+    if run.exit == 0:
+        row["overshoot"] = round((np.nanmax(run.gauges["base_pressure"][1]) - WEIGHT * HEIGHT) / LOAD, 2)
     settlement = LOAD * HEIGHT / M
     weight = ((1.0 - n) * (GRAINS - 1000.0) * 9.81) * HEIGHT**2 / (2.0 * M)
     return judge(row, run, {"settlement": (-1.5 * (settlement + weight) - 0.01 * HEIGHT, 0.01 * HEIGHT),
@@ -128,12 +133,12 @@ def written(a, text, row, bounds):
 
 def front(a, k, E, n):
     half = max(1, round(0.5 * n * HEIGHT / k))  # s, for the front to come half-way or so
-    row = {"scene": "front", "k": k, "E": E, "n": n, "factor": "", "window_s": "", "why": ""}
+    row = {"scene": "front", "k": k, "E": E, "n": n, "factor": "", "window_s": "", "why": "", "overshoot": ""}
     return written(a, FRONT.format(k=k, E=E, n=n, half=half, later=1.1 * half, end=2 * half), row, {"speed": (0.0, 3.0), "water_error": (-1e-5, 1e-5)})
 
 
 def block(a, k, E, n, model="elastic"):
-    row = {"scene": "block", "k": k, "E": E, "n": n, "factor": "", "window_s": "", "why": ""}
+    row = {"scene": "block", "k": k, "E": E, "n": n, "factor": "", "window_s": "", "why": "", "overshoot": ""}
     return written(a, BLOCK.format(k=k, E=E, n=n, model=model), row, {"speed": (0.0, 3.0), "water": (0.17, 0.19)})
 
 
@@ -157,7 +162,7 @@ def main():
         rows.append(scene(a, *job))
         r = rows[-1]
         print(f"{r['scene']:<7} k={r['k']:g} E={r['E']:g} n={r['n']:g} factor={r['factor']} {r['verdict']} ({r['windows']} windows, {r['cpu_s']} CPU s) "
-              f"{r['why'][:300]}", flush=True)
+              f"{r['overshoot']} {r['why'][:300]}", flush=True)
         write_csv(a.out / "stress.csv", rows)
     bad = sum(row["verdict"] not in ("bounded", "refused") for row in rows)
     print(f"{len(rows)} runs: {sum(row['verdict'] == 'bounded' for row in rows)} bounded, "
