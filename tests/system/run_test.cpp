@@ -2,6 +2,8 @@
 // something is wrong with its input, its partners or its machine.
 #include "tests/system/real_run.hpp"
 
+#include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 
 namespace poretwin::testing_tools {
@@ -36,13 +38,13 @@ TEST_F(RealRun, AProfilePutsAllThreeProcessesOnOneTimeLine) {
   const auto trace = nlohmann::json::parse(text_of(out() / "trace.json"));
   std::map<int, std::string> names;
   for (const auto& event : trace["traceEvents"])
-    if (event["name"] == "process_name") names[event["pid"]] = event["args"]["name"];
+    if (event["name"] == "process_name") names[event["pid"].get<int>()] = event["args"]["name"].get<std::string>();
   using Spans = std::vector<std::pair<double, double>>;
   std::map<std::string, std::map<std::string, Spans>> spans;
   for (const auto& event : trace["traceEvents"])
     if (event["ph"] == "X") {
-      const double begin = event["ts"], duration = event["dur"];
-      spans[names.at(event["pid"])][event["name"]].emplace_back(begin, begin + duration);
+      const double begin = event["ts"].get<double>(), end = begin + event["dur"].get<double>();
+      spans[names.at(event["pid"].get<int>())][event["name"].get<std::string>()].emplace_back(begin, end);
     }
   for (const char* process : {"coupler", "fluid", "solid"}) {
     const auto summary = nlohmann::json::parse(text_of(out() / (std::string(process) + ".summary.json")));
