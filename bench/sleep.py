@@ -8,16 +8,14 @@ by 1 mm, over the one without sleep.
 """
 import argparse
 import csv
-import json
 import pathlib
-import subprocess
-import tempfile
 
 import matplotlib
 import numpy as np
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (after the backend is chosen)
+from runs import PROGRAM, Run  # noqa: E402
 
 HERE = pathlib.Path(__file__).resolve().parent
 CRITICAL, BASE = 0.99, 0.99 * 9810.0  # gradient; Pa, effective stress at the base without flow
@@ -31,18 +29,11 @@ SETTINGS = [(1e-4, 1e-3, True), (1e-3, 3e-3, True), (1e-3, 5e-3, True), (1e-3, 1
 
 
 def run(program, overrides):
-    """Gauges of one run as {name: (times, values)}, and the solid's summary."""
-    with tempfile.TemporaryDirectory() as folder:
-        command = [program, "run", "upward_seepage", "--out", folder, "--no-pictures", "--quiet"]
-        for text in overrides:
-            command += ["--set", text]
-        subprocess.run(command, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        gauges = {}
-        with open(pathlib.Path(folder) / "gauges.csv") as stream:
-            for row in csv.DictReader(stream):
-                gauges.setdefault(row["gauge"], []).append((float(row["time_s"]), float(row["value"])))
-        summary = json.loads((pathlib.Path(folder) / "solid.summary.json").read_text())
-    return {name: np.array(rows).T for name, rows in gauges.items()}, summary
+    """Gauges of one run, and the solid's summary."""
+    done = Run("upward_seepage", overrides, program)
+    if done.exit != 0:
+        raise SystemExit(done.reason)
+    return done.gauges, done.summaries["solid"]
 
 
 def stress_error(gauges, full):
@@ -76,7 +67,7 @@ def draw(rows):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--poretwin", default=str(HERE.parent / "build" / "release" / "bin" / "poretwin"))
+    parser.add_argument("--poretwin", default=PROGRAM)
     program = parser.parse_args().poretwin
     rows = []
     for scene, overrides in SCENES.items():

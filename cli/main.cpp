@@ -38,7 +38,7 @@ struct Arguments {
   std::string fluid, solid;
   double until = 0.0, tolerance = 0.01;
   std::vector<std::string> set;
-  bool no_pictures = false, quiet = false, resume = false;
+  bool no_pictures = false, quiet = false, resume = false, profile = false;
   std::optional<double> checkpoint_every;
   int restarts = 2;
 };
@@ -59,6 +59,7 @@ int run(const Arguments& a) {
   options.resume = a.resume;
   options.checkpoint_every = a.checkpoint_every;
   options.restarts = a.restarts;
+  options.profile = a.profile;
   const RunResult result = run_case(options);
   if (result.exit != 0) fmt::print(stderr, "poretwin: {}\n", result.reason);
   return result.exit;
@@ -120,6 +121,8 @@ void declare(CLI::App& app, Arguments& a, VerifyOptions& v, std::vector<std::str
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   run_command->add_flag("--no-pictures", a.no_pictures, "draw no pictures at the end");
+  run_command->add_flag("--profile", a.profile,
+                        "leave trace.json: what each process did when, for chrome://tracing or ui.perfetto.dev");
   run_command->add_flag("--quiet", a.quiet, "neither progress nor summary");
   run_command->callback([&] { action = [&] { return run(a); }; });
 

@@ -6,6 +6,7 @@
 #include "common/case/case.hpp"
 #include "common/checkpoint/store.hpp"
 #include "common/core/error.hpp"
+#include "common/coupling/trace.hpp"
 #include "common/output/build_info.hpp"
 #include "common/output/gauge_log.hpp"
 #include "common/output/undo_driver.hpp"
@@ -78,6 +79,8 @@ std::vector<Program> programs_of(const RunOptions& options, const Case& scene, c
     const bool leads = name == "coupler" || !scene.coupled();
     if (leads && options.checkpoint_every)
       p.arguments.insert(p.arguments.end(), {"--checkpoint-every", fmt::format("{}", *options.checkpoint_every)});
+    const std::string* other = name == "fluid" ? &options.fluid : name == "solid" ? &options.solid : nullptr;
+    if (options.profile && (!other || other->empty())) p.arguments.push_back("--profile");
     for (const auto& assignment : options.overrides) p.arguments.insert(p.arguments.end(), {"--set", assignment});
     p.environment = {{"OMP_NUM_THREADS", std::to_string(std::max(1, count))}};
     p.log = options.out / "log" / (name + ".log");
@@ -272,6 +275,7 @@ RunResult run_case(const RunOptions& options) {
   for (const char* phase : {"fluid", "solid"}) hdf5::roll_back(options.out / (std::string(phase) + ".vtkhdf"));
   result.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (result.exit == 0) fs::remove_all(options.out / "checkpoints");
+  coupling::join_traces(options.out);
   result.summaries = read_summaries(options.out);
   merge_gauges({options.out / "gauges.fluid.csv", options.out / "gauges.solid.csv"}, options.out / "gauges.csv");
   write_run_file(options, started, &result);

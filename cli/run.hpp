@@ -30,6 +30,7 @@ struct RunOptions {
   std::filesystem::path programs;  ///< folder of poretwin-fluid, poretwin-solid, poretwin-coupler
   bool quiet = false;              ///< neither progress nor summary
   bool pictures = true;
+  bool profile = false;                    ///< leave trace.json: what each process did when
   bool resume = false;                     ///< from the newest checkpoint in `out`
   std::optional<double> checkpoint_every;  ///< s of wall-clock; absent: as the processes hold it
   int restarts = 2;                        ///< after a crash, at most

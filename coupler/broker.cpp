@@ -131,12 +131,10 @@ class Broker::Implementation {
     auto& p = peer(role);
     const auto start = Clock::now();
     auto said = start;
-    // The participant may be lost while a long wait is under way: count the time all the same.
-    struct Count {
-      double& total;
-      Clock::time_point start;
-      ~Count() { total += seconds_since(start); }
-    } count{role == Role::fluid ? totals_.waiting_for_fluid : totals_.waiting_for_solid, start};
+    // The participant may be lost while a long wait is under way: its time counts all the same.
+    const bool fluid = role == Role::fluid;
+    const Span span(fluid ? totals_.waiting_for_fluid : totals_.waiting_for_solid, options_.trace,
+                    fluid ? "waiting for fluid" : "waiting for solid");
     while (p.queue.empty()) {
       if (Clock::now() - said >= options_.say_every) {
         said = Clock::now();
@@ -154,9 +152,11 @@ class Broker::Implementation {
   void send(Role role, Message message) {
     auto& p = peer(role);
     p.step = std::max(p.step, message.step);
-    const auto start = Clock::now();
-    const bool sent = send_to(p, std::move(message));
-    totals_.sending += seconds_since(start);
+    bool sent = false;
+    {
+      const Span span(totals_.sending, options_.trace, "sending");
+      sent = send_to(p, std::move(message));
+    }
     if (!sent) fail(p, "is unreachable: nobody at the end of its line");
   }
 

@@ -2,6 +2,7 @@
 // messages, not their meaning for the physics; the schedule decides what is sent when.
 #pragma once
 
+#include "common/coupling/trace.hpp"
 #include "common/coupling/transport.hpp"
 
 #include <functional>
@@ -26,6 +27,7 @@ struct BrokerOptions {
   std::function<void(const std::string&)> say;      ///< one line for the log
   std::function<void(const std::string&)> waiting;  ///< whom for; called several times per second while waiting
   std::function<bool()> interrupted;
+  Trace* trace = nullptr;
 };
 
 struct BrokerTotals {

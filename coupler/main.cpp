@@ -60,6 +60,7 @@ std::optional<IterationSettings> iteration_of(const CouplingCase& c) {
 
 /// Everything that outlives a failure, so that the summary can still be written.
 struct Run {
+  std::optional<Trace> trace;
   std::unique_ptr<Hub> hub;
   std::optional<CheckpointStore> checkpoints;
   std::optional<Broker> broker;
@@ -73,6 +74,7 @@ void execute(const Arguments& arguments, Run& run) {
   run.hub = bind_socket(arguments.address, arguments.allow_any_address, keys);
   auto lines = std::make_shared<ProgressLines>(arguments.progress_descriptor);
   BrokerOptions options;
+  if (arguments.profile) options.trace = &run.trace.emplace(arguments.out, "coupler");
   options.dimension = scene.general.dimension;
   options.case_digest = scene.digest();
   options.case_part = scene.coupled_part();
@@ -86,13 +88,15 @@ void execute(const Arguments& arguments, Run& run) {
     if (run.schedule) run.schedule->note_waiting(whom);
   };
   run.checkpoints.emplace(arguments.out, "coupler", run_identity(scene), log_line);
+  Trace* const trace = options.trace;
   run.broker.emplace(*run.hub, std::move(options));
   run.schedule.emplace(
       *run.broker, scene.general.dimension,
       WindowClock::Settings{scene.general.end_time, scene.coupling.interval, scene.output.interval,
                             scene.output.gauge_interval},
       [lines](const Progress& p) { lines->write(p, p.time >= p.end); },
-      Checkpoints{&*run.checkpoints, arguments.checkpoint_every, arguments.resume}, iteration_of(scene.coupling));
+      Checkpoints{&*run.checkpoints, arguments.checkpoint_every, arguments.resume}, iteration_of(scene.coupling),
+      trace);
   log_line("coupler: listening at " + run.hub->address());
   run.schedule->run();
 }

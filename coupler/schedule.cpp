@@ -12,8 +12,6 @@
 namespace poretwin::coupling {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 Role other(Role role) { return role == Role::fluid ? Role::solid : Role::fluid; }
 
 /// Of all that the rest of a run can depend on.
@@ -37,14 +35,15 @@ class Schedule::Implementation {
  public:
   Implementation(Broker& broker, int dimension, WindowClock::Settings settings,
                  std::function<void(const Progress&)> progress, Checkpoints checkpoints,
-                 std::optional<IterationSettings> iteration)
+                 std::optional<IterationSettings> iteration, Trace* trace)
       : broker_(broker),
         clock_(settings),
         mapping_(make_mapping(dimension)),
         progress_(std::move(progress)),
         iteration_settings_(iteration),
         checkpoints_(checkpoints),
-        checkpoint_schedule_(checkpoints) {}
+        checkpoint_schedule_(checkpoints),
+        trace_(trace) {}
 
   void run() {
     try {
@@ -117,7 +116,7 @@ class Schedule::Implementation {
 
   /// Everybody writes; the coupler's own file, written last, is what makes it count.
   void checkpoint() {
-    const auto start = Clock::now();
+    const Span span(report_.checkpointing, trace_, "checkpointing");
     const std::string name = checkpoint_schedule_.name(step_);
     for (const Role role : {Role::fluid, Role::solid}) {
       Message message = message_of(CheckpointOrder{name, checkpoint_schedule_.kept()}, step_);
@@ -136,7 +135,6 @@ class Schedule::Implementation {
     checkpoint_schedule_.committed(name);
     checkpoints_.store->keep_only(checkpoint_schedule_.kept());
     ++report_.checkpoints;
-    report_.checkpointing += std::chrono::duration<double>(Clock::now() - start).count();
   }
 
   /// From the newest checkpoint that all three hold.
@@ -294,12 +292,10 @@ class Schedule::Implementation {
   }
 
   void send_mapped(Role role, Message message, const Snapshot* start, const Snapshot& end, const Snapshot& amounts) {
-    const auto begin = Clock::now();
     const auto& receiver = *now(role).points;
     const auto& specs = broker_.contract(role).takes;
     Inbox inbox = mapped(role, start, end, amounts);
     report_.fields_skipped += end.fields.size() - inbox.fields.size();
-    report_.mapping += std::chrono::duration<double>(Clock::now() - begin).count();
     message.points = {receiver.dimension, receiver.revision, receiver.n_active, receiver.n_active, false};
     message.arrays.push_back({std::string(coverage_array), "1", 1, std::move(inbox.coverage)});
     message.arrays.push_back({std::string(asymmetry_array), "1", 1, std::move(inbox.asymmetry)});
@@ -317,6 +313,7 @@ class Schedule::Implementation {
   /// The other side's fields at this side's points; those wanted in time also as they were at the window's start, when
   /// the other side's points may have been elsewhere.
   Inbox mapped(Role role, const Snapshot* start, const Snapshot& end, const Snapshot& amounts) {
+    const Span span(report_.mapping, trace_, "mapping");
     const Role giver = other(role);
     const auto& receiver = *now(role).points;
     std::vector<FieldSpec> intensities, shared, in_time;
@@ -365,14 +362,15 @@ class Schedule::Implementation {
   ScheduleReport report_;
   Checkpoints checkpoints_;
   CheckpointSchedule checkpoint_schedule_;
+  Trace* trace_;
   std::pair<std::uint64_t, std::uint64_t> digests_{};  ///< of what fluid and solid published at the checkpoint
 };
 
 Schedule::Schedule(Broker& broker, int dimension, WindowClock::Settings settings,
                    std::function<void(const Progress&)> progress, Checkpoints checkpoints,
-                   std::optional<IterationSettings> iteration)
-    : implementation_(
-          std::make_unique<Implementation>(broker, dimension, settings, std::move(progress), checkpoints, iteration)) {}
+                   std::optional<IterationSettings> iteration, Trace* trace)
+    : implementation_(std::make_unique<Implementation>(broker, dimension, settings, std::move(progress), checkpoints,
+                                                       iteration, trace)) {}
 Schedule::~Schedule() = default;
 void Schedule::run() { implementation_->run(); }
 void Schedule::note_waiting(const std::string& whom) { implementation_->note_waiting(whom); }

@@ -46,7 +46,7 @@ class Schedule {
   /// `progress` may be empty. Without `iteration`: one pass a window.
   Schedule(Broker& broker, int dimension, WindowClock::Settings settings,
            std::function<void(const Progress&)> progress = {}, Checkpoints checkpoints = {},
-           std::optional<IterationSettings> iteration = {});
+           std::optional<IterationSettings> iteration = {}, Trace* trace = nullptr);
   ~Schedule();
   Schedule(const Schedule&) = delete;
   Schedule& operator=(const Schedule&) = delete;

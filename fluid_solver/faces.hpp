@@ -33,6 +33,7 @@ struct FaceColumn {
   double net = 0.0;                ///< volume of particles born here, less that of those deleted [m^D]
   bool in_soil = false;            ///< the ground behind the face is soil
   bool wet = false;                ///< acts now
+  bool held = false;               ///< a wall holds the soil at the face: a filter
   double stored = 0.0;             ///< water of the outermost spacing that is in the domain but in no particle [m^D]
   [[nodiscard]] double inside(const Vec<D>& x) const { return normal.dot(x - foot); }
   /// Volume of water that the first buffer has inside the face [m^D]; negative: that the last particle has outside.
@@ -58,6 +59,20 @@ bool in_scene(const Case& scene, const Vec<D>& x) {
   return false;
 }
 
+/// Whether a wall holds the soil at a place on it.
+template <int D>
+bool soil_held(const Case& scene, const Vec<D>& x, double tolerance) {
+  for (const auto& wall : scene.walls) {
+    if (wall.soil != Wall::ForSoil::fixed && wall.soil != Wall::ForSoil::rough) continue;
+    for (const auto& piece : planes_of<D>(wall.face, 0, tolerance)) {
+      const double along = piece.tangent.dot(x);
+      const bool beside = piece.to > piece.from && (along < piece.from || along > piece.to);
+      if (!beside && std::abs(piece.normal.dot(x - piece.point)) <= tolerance) return true;
+    }
+  }
+  return false;
+}
+
 template <int D>
 void add_column(const Case& scene, int face, const Vec<D>& foot, const Vec<D>& normal, double area, double width,
                 std::vector<FaceColumn<D>>& columns) {
@@ -73,6 +88,7 @@ void add_column(const Case& scene, int face, const Vec<D>& foot, const Vec<D>& n
   c.spacing = c.volume / area;
   c.width = width;
   c.in_soil = soil != nullptr;
+  c.held = soil_held<D>(scene, foot, 1e-6 * dx);
   c.void_fraction = soil ? fillable_porosity(*soil) : 1.0;
   c.mass = scene.water.density * c.void_fraction * c.volume;
   c.offset = 0.5 * c.spacing;

@@ -235,7 +235,10 @@ WindowProblem<D> Fluid<D>::problem(double interval) const {
   in.source.assign(state_.particles.size(), 0.0);
   const auto& mask = state_.particles.mask;
   if (std::none_of(mask.begin(), mask.end(), [](double m) { return m > 0.5; })) in.tolerance = free_water_tolerance;
-  for (const auto& c : state_.columns) in.face_pressure.push_back(c.pressure);
+  for (const auto& c : state_.columns) {
+    in.face_pressure.push_back(c.pressure);
+    in.face_holds.push_back(c.held);
+  }
   return in;
 }
 

@@ -255,6 +255,12 @@ class WindowSolver {
       H_preconditioner_[a] = H_diagonal_[a];
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
         const Index j = s_.other[k], b = s_.parent[j];
+        if (b >= n_ && in_.face_holds[s_.column[b - n_]]) {
+          const double w =
+              s_.volume[a] * 2.0 * s_.volume[j] * dt * q_[a].M * s_.strength[k] * s_.amplified(a, b) * s_.reflection[k];
+          H_diagonal_[a] += w;
+          H_preconditioner_[a] += w;
+        }
         if (b >= n_ || !q_[b].responds) continue;
         const double w =
             s_.volume[a] * 2.0 * s_.volume[j] * dt * harmonic(q_[a].M, q_[b].M) * s_.strength[k] * s_.amplified(a, b);

@@ -18,6 +18,7 @@ struct WindowProblem {
   VecArray<D> velocity;            ///< [n] of the water, viscosity already in it, m/s
   ScalarArray source;              ///< [n] volume to be given off, 1/s
   ScalarArray face_pressure;       ///< [columns] piezometric, Pa
+  std::vector<bool> face_holds;    ///< [columns] the soil
   double tolerance = 1e-4;         ///< of the pressure residual, relative, where no skeleton responds
   std::uint32_t fixed_soil = 0;    ///< boundaries that hold the soil, by bits
   int sweeps = 0;                  ///< explicit sweeps in place of the solve; 0: solve

@@ -11,14 +11,18 @@
 namespace poretwin::coupling {
 namespace {
 
-/// Runs f and adds the seconds it took to `total`, also when it throws.
+/// What a phase's time goes into.
+struct Activity {
+  const char* name;
+  double DriveReport::*seconds;
+};
+constexpr Activity computing{"computing", &DriveReport::computing}, waiting{"waiting", &DriveReport::waiting},
+    sending{"sending", &DriveReport::sending}, writing{"writing", &DriveReport::writing};
+
+/// Runs f and accounts for the time it took, also when it throws.
 template <class F>
-decltype(auto) timed(double& total, F&& f) {
-  struct Stopwatch {
-    double& sum;
-    std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
-    ~Stopwatch() { sum += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); }
-  } stopwatch{total};
+decltype(auto) timed(DriveReport& report, const Activity& activity, F&& f) {
+  const Span span(report.*activity.seconds, report.trace, activity.name);
   return f();
 }
 
@@ -37,7 +41,7 @@ class PendingRecord {
   void write() { write_now(frame_, gauges_); }
   /// Also what was not asked for, unless this state is in the files already.
   void write_now(bool frame, bool gauges) {
-    timed(report_.writing, [&] {
+    timed(report_, writing, [&] {
       if (frame && !frame_written_) recorder_.frame(phase_.frame());
       if (gauges && !gauges_written_) recorder_.gauges(report_.time, phase_.gauges());
     });
@@ -65,10 +69,10 @@ class CoupledRun {
         checkpoints_(checkpoints) {}
 
   void run() {
-    timed(report_.waiting, [&] { participant_.join(); });
+    timed(report_, waiting, [&] { participant_.join(); });
     publish();
     for (;;) {
-      const Command command = timed(report_.waiting, [&] { return participant_.receive(); });
+      const Command command = timed(report_, waiting, [&] { return participant_.receive(); });
       switch (command.kind) {
         case Command::Kind::initialise:
           initialise(command);
@@ -94,13 +98,13 @@ class CoupledRun {
 
  private:
   void publish() {
-    Publication publication = timed(report_.computing, [&] { return phase_.publish(); });
-    timed(report_.sending, [&] { participant_.publish(std::move(publication)); });
+    Publication publication = timed(report_, computing, [&] { return phase_.publish(); });
+    timed(report_, sending, [&] { participant_.publish(std::move(publication)); });
   }
 
   void initialise(const Command& command) {
     if (checkpoints_) checkpoints_->keep_only({});
-    timed(report_.computing, [&] { phase_.initialise(command.inbox); });
+    timed(report_, computing, [&] { phase_.initialise(command.inbox); });
     publish();
     pending_.ask(command.record_frame, command.record_gauges);
     pending_.write();
@@ -111,7 +115,7 @@ class CoupledRun {
   void write_checkpoint(const Command& command) {
     if (!checkpoints_) throw PeerError("the coupler asks for a checkpoint, none was promised");
     pending_.write();
-    timed(report_.writing, [&] {
+    timed(report_, writing, [&] {
       // Before the new one is begun: its name may be committed only once this process has said so.
       checkpoints_->keep_only(command.keep);
       Archive state;
@@ -123,7 +127,7 @@ class CoupledRun {
 
   void resume(const Command& command) {
     if (!checkpoints_) throw PeerError("the coupler asks to resume, no checkpoint was promised");
-    timed(report_.writing, [&] {
+    timed(report_, writing, [&] {
       Archive state = checkpoints_->read(command.checkpoint);
       archive(state);
       state.expect_end();
@@ -134,13 +138,13 @@ class CoupledRun {
   void advance(const Command& command) {
     pending_.write();
     advanced_ = false;
-    const Outcome outcome = timed(report_.computing, [&] {
+    const Outcome outcome = timed(report_, computing, [&] {
       phase_.save();
       return phase_.advance(command.window, command.inbox);
     });
     if (!outcome.accepted) {
       ++report_.rejected;
-      timed(report_.sending, [&] { participant_.reject(outcome); });
+      timed(report_, sending, [&] { participant_.reject(outcome); });
       return;
     }
     publish();
@@ -152,7 +156,7 @@ class CoupledRun {
   }
 
   void restore() {
-    timed(report_.computing, [&] { phase_.restore(); });
+    timed(report_, computing, [&] { phase_.restore(); });
     pending_.forget();
     if (!advanced_) return;
     // This phase had accepted; the other one did not.
@@ -219,7 +223,7 @@ void drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const Prog
   CheckpointSchedule schedule(checkpoints);
   auto archive = [&](Archive& state) { state(phase, recorder, report, record, clock, step); };
   auto write_checkpoint = [&] {
-    timed(report.writing, [&] {
+    timed(report, writing, [&] {
       const std::string name = schedule.name(step);
       Archive state;
       archive(state);
@@ -239,17 +243,17 @@ void drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const Prog
     schedule.set_kept(names);
   } else {
     if (checkpoints.store) checkpoints.store->keep_only({});
-    timed(report.computing, [&] { phase.initialise(nothing); });
+    timed(report, computing, [&] { phase.initialise(nothing); });
     record.write_now(true, true);
   }
   while (!clock.finished() && !interrupted()) {
-    const auto [proposed, cause] = timed(report.computing, [&] {
+    const auto [proposed, cause] = timed(report, computing, [&] {
       Publication publication = phase.publish();
       return std::pair{publication.proposed_interval, std::move(publication.limited_by)};
     });
     const auto plan = clock.plan(std::min(proposed, limit));
     const Window window{step + 1, plan.start, plan.interval};
-    const Outcome outcome = timed(report.computing, [&] {
+    const Outcome outcome = timed(report, computing, [&] {
       phase.save();
       return phase.advance(window, nothing);
     });
@@ -258,7 +262,7 @@ void drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const Prog
       if (++rejections > most_rejections)
         throw DivergedError(fmt::format("window {} from t = {:g} s was rejected {} times, last at {:g} s: {}",
                                         window.step, window.time, rejections, window.interval, outcome.reason));
-      timed(report.computing, [&] { phase.restore(); });
+      timed(report, computing, [&] { phase.restore(); });
       limit = retry_interval(plan.interval, outcome.suggested_interval);
       continue;
     }

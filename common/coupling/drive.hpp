@@ -6,6 +6,7 @@
 #include "common/coupling/participant.hpp"
 #include "common/coupling/phase.hpp"
 #include "common/coupling/summary.hpp"
+#include "common/coupling/trace.hpp"
 #include "common/output/recorder.hpp"
 
 #include <functional>
@@ -21,6 +22,7 @@ struct DriveReport {
   double time = 0.0;                                ///< s, end of the last accepted window
   bool interrupted = false;
   std::string reason = "end";
+  Trace* trace = nullptr;  ///< what happens goes there too
 
   /// What a run that is resumed counts on from.
   void archive(Archive& archive) { archive(windows, rejected, limited_by, time); }

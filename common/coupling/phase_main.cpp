@@ -16,6 +16,7 @@ struct Run {
   std::unique_ptr<Phase> phase;
   std::unique_ptr<Recorder> recorder;
   DriveReport report;
+  std::optional<Trace> trace;
   std::uint64_t bytes_sent = 0, bytes_received = 0;
 };
 
@@ -34,6 +35,7 @@ Case case_of_coupler(Transport& line, Role role, const Arguments& arguments, con
 void execute(const Arguments& arguments, Role role, const std::function<std::unique_ptr<Phase>(const Case&)>& make,
              Run& run) {
   const std::string name(to_string(role));
+  if (arguments.profile) run.report.trace = &run.trace.emplace(arguments.out, name);
   ParticipantOptions options;
   options.welcome_deadline = Milliseconds(static_cast<long>(1000.0 * arguments.wait_deadline));
   options.coupler_deadline = Milliseconds(static_cast<long>(2000.0 * arguments.frozen_deadline));

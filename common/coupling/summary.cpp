@@ -125,6 +125,8 @@ Arguments parse_arguments(int argc, char** argv, Program program) {
       out.allow_any_address = true;
     else if (name == "--resume")
       out.resume = true;
+    else if (name == "--profile")
+      out.profile = true;
     else if (name == "--checkpoint-every")
       out.checkpoint_every = number_after(name, value(), true);
     else if (name == "--wait-deadline")
@@ -153,10 +155,11 @@ std::string usage(const std::string& name, Program program) {
                                       : "(--connect ADDRESS [--case FILE] | --alone --case FILE)";
   text +=
       " [--keys FILE] [--set key=value]... [--progress-fd N] [--wait-deadline S] [--frozen-deadline S]\n"
-      "       [--resume] [--checkpoint-every S]\n"
+      "       [--resume] [--checkpoint-every S] [--profile]\n"
       "--resume: go on from the checkpoint in DIR, all three processes; --checkpoint-every: s of wall-clock (60), 0: "
       "every\n"
       "window, inf: only when interrupted; the coupler's or a lone solver's word counts\n"
+      "--profile: what was done when, to OUT/trace.NAME.json\n"
       "ADDRESS: ipc:///path or tcp://127.0.0.1:port; without --case FILE the coupler sends its case\n"
       "FILE of --keys: coupler.key or participant.key, made by `poretwin keys`\n"
       "exit codes: 0 done, 1 unforeseen, 2 bad case or arguments, 3 a peer failed, 4 diverged, 5 files, 130 "

@@ -2,6 +2,10 @@
 // something is wrong with its input, its partners or its machine.
 #include "tests/system/real_run.hpp"
 
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+
 namespace poretwin::testing_tools {
 namespace {
 
@@ -24,6 +28,43 @@ TEST_F(RealRun, LeavesReadableFilesAndTheRightPressure) {
   for (const char* part : {"case = \"terzaghi\"", "overrides = [\"case.end_time=0.02\"]", "exit = 0", "[exits]"})
     EXPECT_THAT(run, HasSubstr(part));
   EXPECT_THAT(outcome.out, HasSubstr("where the time went"));
+}
+
+TEST_F(RealRun, AProfilePutsAllThreeProcessesOnOneTimeLine) {
+  auto profiled = briefly;
+  profiled.emplace_back("--profile");
+  const auto outcome = poretwin(arguments(terzaghi(), profiled));
+  ASSERT_EQ(outcome.exit, 0) << outcome.err;
+  const auto trace = nlohmann::json::parse(text_of(out() / "trace.json"));
+  std::map<int, std::string> names;
+  for (const auto& event : trace["traceEvents"])
+    if (event["name"] == "process_name") names[event["pid"].get<int>()] = event["args"]["name"].get<std::string>();
+  using Spans = std::vector<std::pair<double, double>>;
+  std::map<std::string, std::map<std::string, Spans>> spans;
+  for (const auto& event : trace["traceEvents"])
+    if (event["ph"] == "X") {
+      const double begin = event["ts"].get<double>(), end = begin + event["dur"].get<double>();
+      spans[names.at(event["pid"].get<int>())][event["name"].get<std::string>()].emplace_back(begin, end);
+    }
+  for (const char* process : {"coupler", "fluid", "solid"}) {
+    const auto summary = nlohmann::json::parse(text_of(out() / (std::string(process) + ".summary.json")));
+    for (const auto& [what, seconds] : summary["seconds"].items()) {
+      std::string name = what;
+      std::replace(name.begin(), name.end(), '_', ' ');
+      double sum = 0.0;
+      for (const auto& [begin, end] : spans[process][name]) sum += 1e-6 * (end - begin);
+      EXPECT_NEAR(sum, seconds.get<double>(), 1e-6 + 1e-3 * sum) << process << ' ' << name;
+    }
+  }
+  // The fluid crosses ten windows, each while the coupler waits for it.
+  const auto& waits = spans["coupler"]["waiting for fluid"];
+  int seen = 0;
+  for (const auto& [begin, end] : spans["fluid"]["computing"]) {
+    const double middle = 0.5 * (begin + end);
+    seen +=
+        std::any_of(waits.begin(), waits.end(), [&](const auto& w) { return w.first < middle && middle < w.second; });
+  }
+  EXPECT_GE(seen, 10);
 }
 
 TEST_F(RealRun, ThreeProcessesMeetOverTcp) {

@@ -1,0 +1,99 @@
+#!/usr/bin/python3
+"""cases/terzaghi over its whole range: permeabilities 1e-2 .. 1e-6 m/s, exchange windows 1e-5 .. 1 s. OUT/consolidation.csv.
+
+Errors are the largest of the degree of consolidation and of the base pressure over the load, from Tv = 0.1 on; where that
+takes more than --windows windows, over the second half of those. The promise: 0.01 where a window is shorter than 0.005
+in Tv, 0.03 below 0.025, bounded beyond.
+
+The reference is Terzaghi's series with the inertia of both phases, which rules at k = 1e-2 m/s: over a tight base the water
+goes where the grains come from, n v_w = -n_s v_s, and the two momentum equations become one,
+
+    m u_tt + (gamma_w / k) u_t = M u_zz,    m = n_s rho_s + rho_w n_s^2 / n,
+    p_z = rho_w (n_s / n) u_tt + (gamma_w / k) u_t.
+"""
+import argparse
+import pathlib
+import sys
+
+import numpy as np
+from plot import write_csv
+from runs import PROGRAM, Run
+
+HEIGHT, MODULUS, WEIGHT, LOAD = 0.4, 3e6 * 0.7 / (1.3 * 0.4), 9810.0, 1e3  # m, Pa (constrained), N/m3, Pa
+POROSITY, GRAINS, WATER = 0.4, 2600.0, 1000.0  # kg/m3
+CONDUCTIVITIES = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6]
+WINDOWS = [1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0]
+
+
+def reference(k, t):
+    """Degree of consolidation and base pressure over the load at times t [s]."""
+    kappa = (np.pi / HEIGHT * (np.arange(2000) + 0.5))[:, None]
+    start = 2.0 * LOAD / (MODULUS * HEIGHT * kappa**2) * (-1.0) ** np.arange(2000)[:, None]  # LOAD z / M as a series of sin(kappa z)
+    mass, drag = (1.0 - POROSITY) * GRAINS + WATER * (1.0 - POROSITY) ** 2 / POROSITY, WEIGHT / k
+    t = np.asarray(t)[None, :]
+    # Roots of m s^2 + drag s + M kappa^2 = 0; the smaller one without cancellation.
+    root = np.sqrt(drag**2 - 4.0 * mass * MODULUS * kappa**2 + 0j)
+    fast = -(drag + root) / (2.0 * mass)
+    slow = MODULUS * kappa**2 / (mass * fast)
+    share = fast / (fast - slow)
+    a = [start * (share * slow**n * np.exp(slow * t) + (1.0 - share) * fast**n * np.exp(fast * t)).real for n in range(3)]
+    top = np.sin(kappa * HEIGHT)
+    consolidation = 1.0 - np.sum(a[0] * top, axis=0) * MODULUS / (LOAD * HEIGHT)
+    pressure = -np.sum((WATER * (1.0 - POROSITY) / POROSITY * a[2] + drag * a[1]) / kappa, axis=0)
+    return consolidation, pressure / LOAD
+
+
+def promise(step):
+    return 0.01 if step <= 0.005 else 0.03 if step <= 0.025 else 1.0
+
+
+def one(a, k, window):
+    unit = HEIGHT**2 * WEIGHT / (k * MODULUS)  # s, Tv = 1
+    whole = 1.2 * unit
+    count = min(max(whole / window, 10), a.windows)
+    end = count * window
+    settings = [f"soil.0.hydraulic_conductivity={k}", f"coupling.interval={window}", f"case.end_time={end:.12g}", "output.interval=0",
+                f"fluid.particle_spacing={a.spacing}", f"solid.particle_spacing={a.spacing}", *a.set]
+    run = Run(a.case, settings, a.program, a.longest)
+    row = {"k": k, "window_s": window, "step_in_Tv": window / unit, "windows": int(run.counter("coupler", "end_time_s") / window + 0.5),
+           "Tv_end": end / unit, "error_U": np.nan, "error_p": np.nan, "promise": promise(window / unit), "exit": run.exit,
+           "relaxed": int(run.counter("solid", "windows relaxed")), "cpu_s": round(run.cpu, 2), "verdict": ""}
+    if run.exit == 0:
+        (t, s), (tp, p) = run.gauges["settlement"], run.gauges["base_pressure"]
+        final = LOAD * HEIGHT / MODULUS
+        first = 0.1 * unit if end > 0.2 * unit else 0.5 * end
+        late, late_p = t >= first, tp >= first
+        row["error_U"] = np.abs(-s[late] / final - reference(k, t[late])[0]).max()
+        row["error_p"] = np.abs(p[late_p] / LOAD - reference(k, tp[late_p])[1]).max()
+        worst = max(row["error_U"], row["error_p"])
+        row["verdict"] = "" if worst <= row["promise"] else "missed"
+    else:
+        row["verdict"] = run.reason.replace("\n", " ")[:200]
+    return row
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--program", default=PROGRAM)
+    parser.add_argument("--case", default="terzaghi")
+    parser.add_argument("--spacing", type=float, default=0.01, help="m")
+    parser.add_argument("--conductivities", type=float, nargs="+", default=CONDUCTIVITIES)
+    parser.add_argument("--window", type=float, nargs="+", default=WINDOWS)
+    parser.add_argument("--windows", type=int, default=2000, help="at most, of one run")
+    parser.add_argument("--longest", type=float, default=600.0, help="s, of one run")
+    parser.add_argument("--set", action="append", default=[], help="override a key of every run")
+    parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("bench-results"))
+    a = parser.parse_args()
+    rows = []
+    for k in a.conductivities:
+        for window in a.window:
+            rows.append(one(a, k, window))
+            print(" ".join(f"{key}={value:.3g}" if isinstance(value, float) else f"{key}={value}" for key, value in rows[-1].items()), flush=True)
+            write_csv(a.out / "consolidation.csv", rows)
+    missed = sum(row["verdict"] != "" for row in rows)
+    print(f"{len(rows) - missed} of {len(rows)} keep the promise")
+    sys.exit(missed > 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,43 @@
+"""A run of poretwin from a benchmark: its gauges, its end, what it cost."""
+import csv
+import json
+import pathlib
+import signal
+import subprocess
+import tempfile
+
+import numpy as np
+
+PROGRAM = pathlib.Path(__file__).resolve().parent.parent / "build" / "release" / "bin" / "poretwin"
+
+
+class Run:
+    """exit: the exit code (124: stopped after `longest` seconds); reason: its last words; gauges: {name: (times, values)};
+    summaries: {process: its summary}."""
+
+    def __init__(self, case, overrides, program=PROGRAM, longest=None):
+        with tempfile.TemporaryDirectory() as folder:
+            command = [program, "run", case, "--out", folder, "--no-pictures", "--quiet", "--restarts", "0"]
+            for text in overrides:
+                command += ["--set", text]
+            with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
+                try:
+                    self.reason = process.communicate(timeout=longest)[1].strip()
+                    self.exit = process.returncode
+                except subprocess.TimeoutExpired:
+                    process.send_signal(signal.SIGINT)  # it ends its processes
+                    process.communicate()
+                    self.exit, self.reason = 124, f"stopped after {longest:g} s"
+            folder = pathlib.Path(folder)
+            self.summaries = {path.name.split(".")[0]: json.loads(path.read_text())
+                              for path in folder.glob("*.summary.json")}
+            self.cpu = sum(summary["cpu_s"] for summary in self.summaries.values())
+            rows = {}
+            if (folder / "gauges.csv").exists():
+                with open(folder / "gauges.csv") as stream:
+                    for row in csv.DictReader(stream):
+                        rows.setdefault(row["gauge"], []).append((float(row["time_s"]), float(row["value"])))
+            self.gauges = {name: np.array(pairs).T for name, pairs in rows.items()}
+
+    def counter(self, process, name):
+        return self.summaries.get(process, {}).get("counters", {}).get(name, 0.0)

@@ -1,0 +1,50 @@
+// Where the wall-clock goes: sums for the summary and, for `poretwin run --profile`, every span on a time line.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+namespace poretwin::coupling {
+
+using Instant = std::chrono::steady_clock::time_point;
+
+/// What one process did when, in Chrome's trace format, an event a line: OUT/trace.<process>.json. All processes of a
+/// machine share the clock, so that their lines make one time line.
+class Trace {
+ public:
+  /// Adds to what is there (a run that goes on). Throws FileError.
+  Trace(const std::filesystem::path& out, const std::string& process);
+  void add(const char* what, Instant begin, Instant end);
+
+ private:
+  std::ofstream stream_;
+  int number_;  ///< of the process, on the time line
+};
+
+/// File of that process's part.
+std::filesystem::path trace_part(const std::filesystem::path& out, const std::string& process);
+/// OUT/trace.json from the parts that are there, which go. False: there is none. Throws FileError.
+bool join_traces(const std::filesystem::path& out);
+
+/// Adds the seconds of its own life to a sum and, where there is one, its span to the trace.
+class Span {
+ public:
+  Span(double& seconds, Trace* trace, const char* what) : seconds_(seconds), trace_(trace), what_(what) {}
+  Span(const Span&) = delete;
+  Span& operator=(const Span&) = delete;
+  ~Span() {
+    const Instant end = std::chrono::steady_clock::now();
+    seconds_ += std::chrono::duration<double>(end - begin_).count();
+    if (trace_) trace_->add(what_, begin_, end);
+  }
+
+ private:
+  double& seconds_;
+  Trace* trace_;
+  const char* what_;
+  Instant begin_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace poretwin::coupling
