@@ -1,4 +1,5 @@
 // A DEALER socket behind the Transport interface. One thread owns the socket; the others meet it at two queues.
+#include "common/coupling/shared_memory.hpp"
 #include "common/coupling/socket_options.hpp"
 #include "common/coupling/transport.hpp"
 
@@ -24,6 +25,8 @@ class Socket final : public Transport {
     if (wake_ < 0) throw Error(ExitCode::failure, "no event descriptor left (ulimit -n)");
     try {
       set_common_options(dealer_, address_);
+      if (may_share(address_, keys))
+        if (const auto name = lent_.name()) dealer_.set(zmq::sockopt::routing_id, sharing::routing_id(name));
       if (keys) {
         dealer_.set(zmq::sockopt::curve_publickey, keys->public_key);
         dealer_.set(zmq::sockopt::curve_secretkey, keys->secret_key);
@@ -127,14 +130,20 @@ class Socket final : public Transport {
       batch.swap(out_);
       stop = stopping_;
     }
-    for (auto& frames : batch) send_frames(dealer_, std::move(frames));
+    for (auto& frames : batch) send_frames(dealer_, may_lend_ ? lent_.lend(std::move(frames)) : std::move(frames));
     return stop;
   }
 
   void receive_ready() {
     while (auto frames = receive_frames(dealer_)) {
+      if (const auto name = sharing::read_offer(*frames)) {
+        may_lend_ = true;
+        if (borrowed_.reaches(*name)) send_frames(dealer_, sharing::accept());
+        continue;
+      }
+      auto message = borrowed_.borrow(std::move(*frames));
       const std::lock_guard lock(mutex_);
-      in_.push_back(std::move(*frames));
+      in_.push_back(std::move(message));
       arrived_.notify_all();
     }
   }
@@ -149,6 +158,9 @@ class Socket final : public Transport {
   bool stopping_ = false;
   std::atomic<bool> lost_ = false, rejected_ = false;
   std::atomic<int> descriptor_ = -1;
+  LentMemory lent_;  ///< this and the next two are the thread's
+  BorrowedMemory borrowed_;
+  bool may_lend_ = false;  ///< the other end has said that it reaches it
   std::thread thread_;
 };
 
