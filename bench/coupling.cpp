@@ -166,9 +166,14 @@ void time_pass_through(Line line, std::size_t n) {
                       {"vector", "m/s", 2, std::vector<double>(2 * n, 1.0)}};
     return message;
   };
-  const auto await = [](Transport& there) {
+  const auto await = [](Transport& there) {  // until the values are in arrays of the receiver's own
     for (;;)
-      if (auto frames = there.receive(Milliseconds(1000))) return decode(*frames);
+      if (auto frames = there.receive(Milliseconds(1000))) {
+        Message message = decode(*frames);
+        std::vector<std::vector<double>> arrays;
+        for (auto& array : message.arrays) arrays.push_back(array.take());
+        return arrays;
+      }
   };
   a->send(encode(made()));
   std::this_thread::sleep_for(Milliseconds(50));

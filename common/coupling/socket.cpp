@@ -57,6 +57,9 @@ class Socket final : public Transport {
 
   void send(Frames frames) override {
     {
+      // Held until it is in the queue: what is sent in one order arrives in it.
+      const std::lock_guard sending(sending_);
+      if (may_lend_) frames = lent_.lend(std::move(frames));
       const std::lock_guard lock(mutex_);
       out_.push_back(std::move(frames));
     }
@@ -130,7 +133,7 @@ class Socket final : public Transport {
       batch.swap(out_);
       stop = stopping_;
     }
-    for (auto& frames : batch) send_frames(dealer_, may_lend_ ? lent_.lend(std::move(frames)) : std::move(frames));
+    for (auto& frames : batch) send_frames(dealer_, std::move(frames));
     return stop;
   }
 
@@ -158,9 +161,10 @@ class Socket final : public Transport {
   bool stopping_ = false;
   std::atomic<bool> lost_ = false, rejected_ = false;
   std::atomic<int> descriptor_ = -1;
-  LentMemory lent_;  ///< this and the next two are the thread's
-  BorrowedMemory borrowed_;
-  bool may_lend_ = false;  ///< the other end has said that it reaches it
+  std::mutex sending_;
+  LentMemory lent_;
+  std::atomic<bool> may_lend_ = false;  ///< the other end has said that it reaches it
+  BorrowedMemory borrowed_;             ///< the thread's
   std::thread thread_;
 };
 
