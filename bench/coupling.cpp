@@ -11,8 +11,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <ctime>
+#include <span>
+#include <string>
 #include <thread>
 
 using namespace poretwin;
@@ -231,13 +234,19 @@ void time_step(Line line, std::size_t n) {
 
 }  // namespace
 
-/// Usage: [mapping] [passing] [steps]; nothing: all three.
+/// Usage: [mapping] [passing] [steps] [POINTS...]; what is not said: all.
 int main(int argc, char** argv) {
-  const auto wanted = [&](std::string_view part) {
-    return argc == 1 || std::any_of(argv + 1, argv + argc, [&](const char* word) { return word == part; });
-  };
+  std::vector<std::string> parts;
+  std::vector<std::size_t> sizes;
+  for (const std::string word : std::span(argv + 1, static_cast<std::size_t>(argc - 1)))
+    if (const auto n = std::strtoul(word.c_str(), nullptr, 10); n > 0)
+      sizes.push_back(n);
+    else
+      parts.push_back(word);
+  if (parts.empty()) parts = {"mapping", "passing", "steps"};
+  const auto wanted = [&](std::string_view part) { return std::find(parts.begin(), parts.end(), part) != parts.end(); };
   keep_freed_memory();
-  for (const std::size_t n : {std::size_t{4900}, std::size_t{48400}, std::size_t{490000}}) {
+  for (const auto n : sizes.empty() ? std::vector<std::size_t>{4900, 48400, 490000} : sizes) {
     const double spacing = 1.0 / std::sqrt(static_cast<double>(n));
     for (const auto& fields : {two_fields(), all_fields()}) {
       if (!wanted("mapping")) break;
