@@ -167,31 +167,6 @@ template <int D>
   }
 }
 
-/// Adds N columns of the neighbours' values to their sums; First: the coefficients are made, the least one kept.
-template <int D, Size N, bool First>
-[[gnu::always_inline]] inline void sum_columns(const typename PairBlocks<D>::Node* nodes, const std::array<Quad, D>& x,
-                                               std::span<const Index> near, const Quad* weight, const Plane<D>& plane,
-                                               const double* values, Size width, Quad* coefficient, Lanes& least,
-                                               Quad* total) {
-  std::array<Quad, N> sum{};
-  for (Size c = 0; c < near.size(); ++c) {
-    Lanes k;
-    if constexpr (First) {
-      const auto& node = nodes[near[c]];
-      k = plane.constant;
-      for (Size a = 0; a < D; ++a) k -= plane.slope[a].v * (node.x[a] - x[a].v);
-      k *= weight[c].v;
-      lower_to(least, k);
-      coefficient[c].v = k;
-    } else {
-      k = coefficient[c].v;
-    }
-    const double* const value = values + near[c] * width;
-    for (Size q = 0; q < N; ++q) sum[q].v += k * value[q];
-  }
-  for (Size q = 0; q < N; ++q) total[q] = sum[q];
-}
-
 /// The values of all columns at a block's points.
 template <int D>
 [[gnu::always_inline]] inline void interpolate(const typename PairBlocks<D>::Node* nodes, const std::array<Quad, D>& x,
@@ -201,18 +176,26 @@ template <int D>
   Plane<D> plane;
   fit(moments, plane);
   Lanes least{};
-  const auto sum = [&]<Size N, bool First>(Size column) __attribute__((always_inline)) {
-    sum_columns<D, N, First>(nodes, x, near, weight, plane, columns.values.data() + column, columns.width, coefficient,
-                             least, total + column);
-  };
-  if (columns.n <= 2)
-    sum.template operator()<2, true>(0);
-  else if (columns.n == 3)
-    sum.template operator()<3, true>(0);
-  else
-    sum.template operator()<columns_at_once, true>(0);
-  for (Size column = columns_at_once; column < columns.n; column += columns_at_once)
-    sum.template operator()<columns_at_once, false>(column);
+  for (Size column = 0; column < columns.width; column += columns_at_once) {
+    const double* const values = columns.values.data() + column;
+    std::array<Quad, columns_at_once> sum{};
+    for (Size c = 0; c < near.size(); ++c) {
+      Lanes k;
+      if (column == 0) {
+        const auto& node = nodes[near[c]];
+        k = plane.constant;
+        for (Size a = 0; a < D; ++a) k -= plane.slope[a].v * (node.x[a] - x[a].v);
+        k *= weight[c].v;
+        lower_to(least, k);
+        coefficient[c].v = k;
+      } else {
+        k = coefficient[c].v;
+      }
+      const double* const value = values + near[c] * columns.width;
+      for (Size q = 0; q < columns_at_once; ++q) sum[q].v += k * value[q];
+    }
+    for (Size q = 0; q < columns_at_once; ++q) total[column + q] = sum[q];
+  }
   // A plane that may leave the range of the neighbours' values is cut there.
   const LaneMask leaves = least < 0.0;
   if (!any(leaves)) return;
