@@ -1,17 +1,21 @@
 // What an exchange costs: bytes passed through a coupler, mapping, a whole step of two mocks. Run by hand; the figures
 // stand in docs/protocol.md.
+#include "common/core/memory.hpp"
 #include "common/coupling/mock.hpp"
 #include "coupler/mapping.hpp"
 #include "tests/coupling/coupled_run.hpp"
 
 #include <fmt/format.h>
-#include <malloc.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <ctime>
-#include <limits>
+#include <span>
+#include <string>
 #include <thread>
 
 using namespace poretwin;
@@ -77,21 +81,67 @@ void time_mapping(std::size_t n, double move, const char* what, const Fields& fi
              1e3 * taken[taken.size() / 2], fields.what);
 }
 
+/// Median of `repeat` times of what work() does [s].
+template <class Work>
+double median_wall(int repeat, Work&& work) {
+  std::vector<double> taken;
+  for (int k = 0; k <= repeat; ++k) {
+    const double start = wall();
+    work();
+    if (k > 0) taken.push_back(wall() - start);
+  }
+  std::sort(taken.begin(), taken.end());
+  return taken[taken.size() / 2];
+}
+
+/// What the kernel alone takes for the way of time_pass_through over bare stream sockets: no message, no queue, one
+/// buffer on each side.
+double bare_sockets(std::size_t bytes, int steps) {
+  int left[2], right[2];
+  if (::socketpair(AF_UNIX, SOCK_STREAM, 0, left) != 0 || ::socketpair(AF_UNIX, SOCK_STREAM, 0, right) != 0) return 0.0;
+  const auto pass = [bytes](auto transfer, int file, char* buffer) {
+    for (std::size_t done = 0; done < bytes;) {
+      const auto count = transfer(file, buffer + done, bytes - done);
+      if (count <= 0) std::abort();
+      done += static_cast<std::size_t>(count);
+    }
+  };
+  std::thread relay([&] {
+    std::vector<char> buffer(bytes);
+    for (int k = 0; k <= steps; ++k) {
+      pass(::read, left[1], buffer.data());
+      pass(::write, right[1], buffer.data());
+      pass(::read, right[1], buffer.data());
+      pass(::write, left[1], buffer.data());
+    }
+  });
+  std::thread echo([&] {
+    std::vector<char> buffer(bytes);
+    for (int k = 0; k <= steps; ++k) {
+      pass(::read, right[0], buffer.data());
+      pass(::write, right[0], buffer.data());
+    }
+  });
+  std::vector<char> buffer(bytes);
+  const double median = median_wall(steps, [&] {
+    pass(::write, left[0], buffer.data());
+    pass(::read, left[0], buffer.data());
+  });
+  relay.join();
+  echo.join();
+  for (const int file : {left[0], left[1], right[0], right[1]}) ::close(file);
+  return median;
+}
+
 /// One scalar and one vector each way through a hub that looks at every message and sends it on; no mapping.
 /// The floor: memcpy of the same 48 n bytes.
 void time_pass_through(Line line, std::size_t n) {
   std::vector<double> from(6 * n, 1.0), to(6 * n);
   const int steps = n > 100'000 ? 20 : 200;
-  std::vector<double> copied;
-  double start = 0.0;
-  for (int k = 0; k < steps; ++k) {
-    start = wall();
+  const double floor = median_wall(steps, [&] {
     std::memcpy(to.data(), from.data(), 48 * n);
-    copied.push_back(wall() - start);
-    from[static_cast<std::size_t>(k)] = to[static_cast<std::size_t>(k) + 1];
-  }
-  std::sort(copied.begin(), copied.end());
-  const double floor = copied[copied.size() / 2];
+    from.swap(to);
+  });
 
   InProcess process;
   const std::string path = "/tmp/poretwin-bench";
@@ -119,9 +169,14 @@ void time_pass_through(Line line, std::size_t n) {
                       {"vector", "m/s", 2, std::vector<double>(2 * n, 1.0)}};
     return message;
   };
-  const auto await = [](Transport& there) {
+  const auto await = [](Transport& there) {  // until the values are in arrays of the receiver's own
     for (;;)
-      if (auto frames = there.receive(Milliseconds(1000))) return decode(*frames);
+      if (auto frames = there.receive(Milliseconds(1000))) {
+        Message message = decode(*frames);
+        std::vector<std::vector<double>> arrays;
+        for (auto& array : message.arrays) arrays.push_back(array.take());
+        return arrays;
+      }
   };
   a->send(encode(made()));
   std::this_thread::sleep_for(Milliseconds(50));
@@ -130,7 +185,7 @@ void time_pass_through(Line line, std::size_t n) {
   std::vector<double> taken;
   for (int k = 0; k <= steps; ++k) {
     auto there = made(), back = made();  // a solver hands over what it has computed anyway
-    start = wall();
+    const double start = wall();
     a->send(encode(std::move(there)));
     await(*b);
     b->send(encode(std::move(back)));
@@ -143,6 +198,9 @@ void time_pass_through(Line line, std::size_t n) {
   fmt::print(
       "{:7} points a side, {:10}: {:8.3f} ms passing a step through, median; memcpy of the bytes {:.3f} ms: {:.1f} x\n",
       n, line_name(line), 1e3 * median, 1e3 * floor, median / floor);
+  if (line != Line::ipc) return;
+  const double bare = bare_sockets(24 * n, steps);
+  fmt::print("{:7} points a side, bare unix sockets: {:.3f} ms: {:.1f} x\n", n, 1e3 * bare, bare / floor);
 }
 
 void time_step(Line line, std::size_t n) {
@@ -176,19 +234,30 @@ void time_step(Line line, std::size_t n) {
 
 }  // namespace
 
-int main() {
-  // As the coupler has it (process_main.cpp).
-  ::mallopt(M_MMAP_THRESHOLD, 32 << 20);
-  ::mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
-  for (const std::size_t n : {std::size_t{4900}, std::size_t{48400}, std::size_t{490000}}) {
+/// Usage: [mapping] [passing] [steps] [POINTS...]; what is not said: all.
+int main(int argc, char** argv) {
+  std::vector<std::string> parts;
+  std::vector<std::size_t> sizes;
+  for (const std::string word : std::span(argv + 1, static_cast<std::size_t>(argc - 1)))
+    if (const auto n = std::strtoul(word.c_str(), nullptr, 10); n > 0)
+      sizes.push_back(n);
+    else
+      parts.push_back(word);
+  if (parts.empty()) parts = {"mapping", "passing", "steps"};
+  const auto wanted = [&](std::string_view part) { return std::find(parts.begin(), parts.end(), part) != parts.end(); };
+  keep_freed_memory();
+  for (const auto n : sizes.empty() ? std::vector<std::size_t>{4900, 48400, 490000} : sizes) {
     const double spacing = 1.0 / std::sqrt(static_cast<double>(n));
     for (const auto& fields : {two_fields(), all_fields()}) {
+      if (!wanted("mapping")) break;
       time_mapping(n, 0.0, "still", fields);
       time_mapping(n, 0.004 * spacing, "reused", fields);
       time_mapping(n, 1.0 * spacing, "rebuilt", fields);
     }
-    for (const Line line : {Line::in_process, Line::ipc, Line::tcp}) time_pass_through(line, n);
+    if (wanted("passing"))
+      for (const Line line : {Line::in_process, Line::ipc, Line::tcp}) time_pass_through(line, n);
   }
   for (const std::size_t n : {std::size_t{4}, std::size_t{4900}})
-    for (const Line line : {Line::in_process, Line::ipc, Line::tcp}) time_step(line, n);
+    if (wanted("steps"))
+      for (const Line line : {Line::in_process, Line::ipc, Line::tcp}) time_step(line, n);
 }

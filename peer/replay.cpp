@@ -119,23 +119,24 @@ class Replay final : public Phase {
     out.points.n_active = message.points.n_active;
     for (auto& array : message.arrays) {
       if (array.name == position_array)
-        out.points.position = std::move(array.values);
+        out.points.position = array.take();
       else if (array.name == volume_array)
-        out.points.volume = std::move(array.values);
+        out.points.volume = array.take();
       else if (array.name == smoothing_length_array)
-        out.points.smoothing_length = std::move(array.values);
+        out.points.smoothing_length = array.take();
       else if (array.name == owner_array)
-        out.points.owner = std::move(array.values);
+        out.points.owner = array.take();
       else
-        out.fields.push_back({array.name, array.components, std::move(array.values)});
+        out.fields.push_back({array.name, array.components, array.take()});
     }
     return out;
   }
 
   /// Bit by bit; the first difference is kept and said.
-  void compare(const Message& then, const Inbox& inbox) {
+  void compare(Message then, const Inbox& inbox) {
     std::string found;
-    for (const auto& array : then.arrays) {
+    for (auto& array : then.arrays) {
+      const auto values = array.take();
       const std::vector<double>* now = nullptr;
       if (array.name == coverage_array)
         now = &inbox.coverage;
@@ -146,14 +147,14 @@ class Replay final : public Phase {
           if (field.name == array.name) now = &field.values;
       for (const auto& field : inbox.at_start)
         if (field.name + std::string(start_suffix) == array.name) now = &field.values;
-      if (!now || now->size() != array.values.size()) {
-        found = fmt::format("'{}' had {} values then, {} now", array.name, array.values.size(), now ? now->size() : 0);
+      if (!now || now->size() != values.size()) {
+        found = fmt::format("'{}' had {} values then, {} now", array.name, values.size(), now ? now->size() : 0);
         break;
       }
       for (std::size_t k = 0; k < now->size() && found.empty(); ++k)
-        if (std::memcmp(&(*now)[k], &array.values[k], sizeof(double)) != 0)
+        if (std::memcmp(&(*now)[k], &values[k], sizeof(double)) != 0)
           found = fmt::format("'{}' of point {} was {} then, is {} now", array.name,
-                              k / static_cast<std::size_t>(array.components), array.values[k], (*now)[k]);
+                              k / static_cast<std::size_t>(array.components), values[k], (*now)[k]);
       if (!found.empty()) break;
     }
     if (found.empty()) {

@@ -85,9 +85,10 @@ std::shared_ptr<const PointSet> points_of(Message& message, const Contract& cont
     const auto found =
         std::find_if(message.arrays.begin(), message.arrays.end(), [&](const Array& a) { return a.name == name; });
     if (found == message.arrays.end()) border.refuse(fmt::format("array '{}' is missing", name));
-    border.size(found->name, found->values.size(), info.n * static_cast<std::size_t>(components));
-    border.values(found->name, components, found->values, nullptr);
-    return std::move(found->values);
+    border.size(found->name, found->size(), info.n * static_cast<std::size_t>(components));
+    auto values = found->take();
+    border.values(found->name, components, values, nullptr);
+    return values;
   };
   points->position = take(position_array, info.dimension);
   points->volume = take(volume_array, 1);
@@ -126,9 +127,10 @@ Snapshot admit(Message message, const Contract& contract, const std::shared_ptr<
         std::find_if(message.arrays.begin(), message.arrays.end(), [&](const Array& a) { return a.name == spec.name; });
     if (found == message.arrays.end()) border.refuse("field '" + spec.name + "' is missing");
     border.unit(*found, spec);
-    border.size(spec.name, found->values.size(), out.points->size() * static_cast<std::size_t>(spec.components));
-    border.values(spec.name, spec.components, found->values, out.points.get());
-    out.fields.push_back({spec.name, spec.components, std::move(found->values)});
+    border.size(spec.name, found->size(), out.points->size() * static_cast<std::size_t>(spec.components));
+    auto values = found->take();
+    border.values(spec.name, spec.components, values, out.points.get());
+    out.fields.push_back({spec.name, spec.components, std::move(values)});
   }
   return out;
 }

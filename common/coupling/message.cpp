@@ -217,7 +217,8 @@ Body read_body(const wire::Header& header) {
                               header.sender(), header.sequence(), protocol_major, protocol_minor));
 }
 
-std::vector<double> read_array(const wire::Array& in, const Frame& frame, const wire::Header& header) {
+/// Its size is what is announced.
+const Frame& checked(const wire::Array& in, const Frame& frame, const wire::Header& header) {
   auto refuse = [&](const std::string& what) {
     throw PeerError(fmt::format("array '{}' of '{}' (step {}, sequence {}): {}", in.name(), header.sender(),
                                 header.step(), header.sequence(), what));
@@ -231,12 +232,18 @@ std::vector<double> read_array(const wire::Array& in, const Frame& frame, const 
   if (in.n() != points || frame.size != points * sizeof(double) * in.components())
     refuse(fmt::format("expected {} points x {} components x 8 bytes, got a frame of {} bytes", in.n(), in.components(),
                        frame.size));
-  std::vector<double> values(frame.size / sizeof(double));
-  if (!values.empty()) std::memcpy(values.data(), frame.data, frame.size);
-  return values;
+  return frame;
 }
 
 }  // namespace
+
+std::vector<double> Array::take() {
+  if (received.size == 0) return std::move(values);
+  std::vector<double> copy(received.size / sizeof(double));
+  std::memcpy(copy.data(), received.data, copy.size() * sizeof(double));
+  received = {};
+  return copy;
+}
 
 Message message_of(Body body, std::uint64_t step) {
   Message message;
@@ -285,8 +292,8 @@ Frames encode(Message message) {
     out.set_unit(array.unit);
     out.set_components(static_cast<std::uint32_t>(array.components));
     out.set_element(wire::FLOAT64_LE);
-    out.set_n(array.values.size() / static_cast<std::size_t>(array.components));
-    frames.push_back(Frame::of(std::move(array.values)));
+    out.set_n(array.size() / static_cast<std::size_t>(array.components));
+    frames.push_back(array.values.empty() ? std::move(array.received) : Frame::of(std::move(array.values)));
   }
   frames.front() = Frame::of(header.SerializeAsString());
   return frames;
@@ -320,8 +327,11 @@ Message decode(const Frames& frames) {
                                 header.arrays_size(), frames.size() - 1));
   for (int k = 0; k < header.arrays_size(); ++k) {
     const auto& in = header.arrays(k);
-    message.arrays.push_back({in.name(), in.unit(), static_cast<int>(in.components()),
-                              read_array(in, frames[static_cast<std::size_t>(k) + 1], header)});
+    message.arrays.push_back({in.name(),
+                              in.unit(),
+                              static_cast<int>(in.components()),
+                              {},
+                              checked(in, frames[static_cast<std::size_t>(k) + 1], header)});
   }
   return message;
 }

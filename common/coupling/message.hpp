@@ -38,12 +38,17 @@ struct Frame {
 /// [Header][raw frame]*
 using Frames = std::vector<Frame>;
 
-/// One named array of a message: n * components values.
+/// One named array of a message: n * components values. Made here: `values`; decoded: `received`, and not copied before
+/// somebody takes them.
 struct Array {
   std::string name;
   std::string unit;
   int components = 1;
   std::vector<double> values;
+  Frame received = {};
+  [[nodiscard]] std::size_t size() const { return values.empty() ? received.size / sizeof(double) : values.size(); }
+  /// The values, once. What is in memory that somebody else can write is looked at only after this.
+  std::vector<double> take();
 };
 
 struct PointsInfo {

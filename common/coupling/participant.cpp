@@ -285,23 +285,23 @@ class Participant::Implementation {
   Inbox inbox_of(Message& message) const {
     Inbox inbox;
     for (auto& array : message.arrays) {
-      if (array.values.size() != n_active_ * static_cast<std::size_t>(array.components))
+      if (array.size() != n_active_ * static_cast<std::size_t>(array.components))
         fail(fmt::format("field '{}' came for {} points, {} were expected", array.name,
-                         array.values.size() / static_cast<std::size_t>(array.components), n_active_));
-      const auto bad =
-          std::find_if_not(array.values.begin(), array.values.end(), [](double v) { return std::isfinite(v); });
-      if (bad != array.values.end())
+                         array.size() / static_cast<std::size_t>(array.components), n_active_));
+      auto values = array.take();
+      const auto bad = std::find_if_not(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+      if (bad != values.end())
         fail(fmt::format("field '{}' holds {} at point {}", array.name, *bad,
-                         (bad - array.values.begin()) / array.components));
+                         (bad - values.begin()) / array.components));
       if (array.name == coverage_array)
-        inbox.coverage = std::move(array.values);
+        inbox.coverage = std::move(values);
       else if (array.name == asymmetry_array)
-        inbox.asymmetry = std::move(array.values);
+        inbox.asymmetry = std::move(values);
       else if (array.name.ends_with(start_suffix))
         inbox.at_start.push_back(
-            {array.name.substr(0, array.name.size() - start_suffix.size()), array.components, std::move(array.values)});
+            {array.name.substr(0, array.name.size() - start_suffix.size()), array.components, std::move(values)});
       else
-        inbox.fields.push_back({std::move(array.name), array.components, std::move(array.values)});
+        inbox.fields.push_back({std::move(array.name), array.components, std::move(values)});
     }
     if (inbox.coverage.size() != n_active_) fail("the coverage is missing from " + describe(message));
     if (inbox.asymmetry.size() != n_active_) fail("the asymmetry is missing from " + describe(message));

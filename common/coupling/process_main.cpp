@@ -1,27 +1,14 @@
 #include "common/coupling/process_main.hpp"
 
+#include "common/core/memory.hpp"
 #include "common/coupling/interrupt.hpp"
-
-#include <malloc.h>
 
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
-#include <limits>
 #include <new>
 
 namespace poretwin::coupling {
-namespace {
-
-/// Every window allocates and frees the same arrays: what is freed is kept, or the kernel hands out and clears the same
-/// pages over and over (a tenth of the coupler's time).
-void keep_freed_memory() {
-  ::mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the largest that glibc takes
-  ::mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
-}
-
-}  // namespace
-
 int process_main(int argc, char** argv, const std::string& name, Program program, const ProcessBody& body) {
   const auto start = std::chrono::steady_clock::now();
   const InterruptGuard guard;

@@ -1,5 +1,6 @@
 // A ROUTER socket behind the Hub interface. The socket monitor tells which descriptor closed, the messages tell whose
 // it was.
+#include "common/coupling/shared_memory.hpp"
 #include "common/coupling/socket_options.hpp"
 #include "common/coupling/transport.hpp"
 
@@ -60,6 +61,7 @@ class Router final : public Hub {
           "will not listen on '" + address +
               "': expected ipc:///path or tcp://127.0.0.1:port; anyone who reaches another address can steer the "
               "run, so it needs keys (`poretwin keys`, --keys) or --allow-any-address");
+    may_share_ = may_share(address, keys);
     try {
       set_common_options(router_, address);
       router_.set(zmq::sockopt::router_mandatory, 1);
@@ -80,7 +82,9 @@ class Router final : public Hub {
   bool send(const std::string& line, Frames frames) override {
     try {
       router_.send(zmq::buffer(line), zmq::send_flags::sndmore | zmq::send_flags::dontwait);
-      send_frames(router_, std::move(frames));
+      const auto found = shared_.find(line);
+      send_frames(router_, found != shared_.end() && found->second.may_lend ? found->second.lent.lend(std::move(frames))
+                                                                            : std::move(frames));
       return true;
     } catch (const zmq::error_t& error) {
       if (error.num() == EHOSTUNREACH || error.num() == EAGAIN) return false;
@@ -117,7 +121,41 @@ class Router final : public Hub {
     if (told_.size() < 100 && told_.insert(what).second) notice_ = what;
   }
 
+  /// What both ends of a line on this machine show each other.
+  struct Shared {
+    LentMemory lent;
+    BorrowedMemory borrowed;
+    bool may_lend = false;
+  };
+
+  /// Of a line whose other end has memory that we reach; the first time it is offered ours.
+  Shared* shared_with(const std::string& line) {
+    if (const auto found = shared_.find(line); found != shared_.end()) return &found->second;
+    const auto theirs = may_share_ ? sharing::read_routing_id(line) : std::nullopt;
+    if (!theirs || !asked_.insert(line).second) return nullptr;
+    Shared shared;
+    const auto ours = shared.lent.name();
+    if (!ours || !shared.borrowed.reaches(*theirs) || !send(line, sharing::offer(*ours))) return nullptr;
+    return &shared_.emplace(line, std::move(shared)).first->second;
+  }
+
+  /// The next message that is meant for the coupler.
   std::optional<Event> receive_message() {
+    while (auto event = receive_any()) {
+      auto* shared = shared_with(event->line);
+      if (!shared) return event;
+      if (sharing::is_accept(event->frames)) {
+        shared->may_lend = true;
+        continue;
+      }
+      event->frames = shared->borrowed.borrow(std::move(event->frames));
+      // Its sender is gone, and with it what it said last; else the gap in its numbers will tell.
+      if (!sharing::is_table(event->frames)) return event;
+    }
+    return std::nullopt;
+  }
+
+  std::optional<Event> receive_any() {
     zmq::message_t line;
     if (!router_.recv(line, zmq::recv_flags::dontwait)) return std::nullopt;
     Event event{line.to_string(), {}};
@@ -144,6 +182,8 @@ class Router final : public Hub {
       if (event->kind != ZMQ_EVENT_DISCONNECTED || found == line_of_.end()) continue;
       Event closing{found->second, {}};
       line_of_.erase(found);
+      shared_.erase(closing.line);
+      asked_.erase(closing.line);
       return closing;
     }
     return std::nullopt;
@@ -154,6 +194,9 @@ class Router final : public Hub {
   zmq::socket_t router_, monitor_;
   std::optional<Doorkeeper> doorkeeper_;
   std::map<int, std::string> line_of_;
+  bool may_share_ = false;
+  std::map<std::string, Shared> shared_;  ///< by line
+  std::set<std::string> asked_;           ///< lines whose memory has been tried
   std::string notice_;
   std::set<std::string> told_;
 };

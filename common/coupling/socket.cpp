@@ -1,4 +1,5 @@
 // A DEALER socket behind the Transport interface. One thread owns the socket; the others meet it at two queues.
+#include "common/coupling/shared_memory.hpp"
 #include "common/coupling/socket_options.hpp"
 #include "common/coupling/transport.hpp"
 
@@ -24,6 +25,8 @@ class Socket final : public Transport {
     if (wake_ < 0) throw Error(ExitCode::failure, "no event descriptor left (ulimit -n)");
     try {
       set_common_options(dealer_, address_);
+      if (may_share(address_, keys))
+        if (const auto name = lent_.name()) dealer_.set(zmq::sockopt::routing_id, sharing::routing_id(name));
       if (keys) {
         dealer_.set(zmq::sockopt::curve_publickey, keys->public_key);
         dealer_.set(zmq::sockopt::curve_secretkey, keys->secret_key);
@@ -54,6 +57,9 @@ class Socket final : public Transport {
 
   void send(Frames frames) override {
     {
+      // Held until it is in the queue: what is sent in one order arrives in it.
+      const std::lock_guard sending(sending_);
+      if (may_lend_) frames = lent_.lend(std::move(frames));
       const std::lock_guard lock(mutex_);
       out_.push_back(std::move(frames));
     }
@@ -133,8 +139,14 @@ class Socket final : public Transport {
 
   void receive_ready() {
     while (auto frames = receive_frames(dealer_)) {
+      if (const auto name = sharing::read_offer(*frames)) {
+        may_lend_ = true;
+        if (borrowed_.reaches(*name)) send_frames(dealer_, sharing::accept());
+        continue;
+      }
+      auto message = borrowed_.borrow(std::move(*frames));
       const std::lock_guard lock(mutex_);
-      in_.push_back(std::move(*frames));
+      in_.push_back(std::move(message));
       arrived_.notify_all();
     }
   }
@@ -149,6 +161,10 @@ class Socket final : public Transport {
   bool stopping_ = false;
   std::atomic<bool> lost_ = false, rejected_ = false;
   std::atomic<int> descriptor_ = -1;
+  std::mutex sending_;
+  LentMemory lent_;
+  std::atomic<bool> may_lend_ = false;  ///< the other end has said that it reaches it
+  BorrowedMemory borrowed_;             ///< the thread's
   std::thread thread_;
 };
 

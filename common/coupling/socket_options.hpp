@@ -48,6 +48,11 @@ inline bool unacknowledged(int descriptor) {
          (info.tcpi_retransmits > 0 || info.tcpi_last_ack_recv > patience);
 }
 
+/// Two processes of one machine may share memory; with keys nothing may pass in the clear.
+inline bool may_share(const std::string& address, const std::optional<CurveKeys>& keys) {
+  return !keys && address.starts_with("ipc:");
+}
+
 /// A message that lends the frame's bytes to the socket and keeps their owner alive until they are sent.
 inline zmq::message_t lend(Frame frame) {
   if (frame.size == 0) return zmq::message_t{};

@@ -36,10 +36,10 @@ struct Result {
   double time = 0.0;
 };
 
-class EveryCase : public testing::TestWithParam<std::string> {
+class CaseRun : public testing::Test {
  protected:
-  void SetUp() override {
-    scene_ = read_case(fs::path(PORETWIN_SOURCE_DIR) / "cases" / GetParam() / "case.toml");
+  void read(const std::string& name, const std::vector<std::string>& overrides = {}) {
+    scene_ = read_case(fs::path(PORETWIN_SOURCE_DIR) / "cases" / name / "case.toml", overrides);
     scene_.output.interval = 0.0;  // windows as long as the phases like them
   }
   void TearDown() override { fs::remove_all(folder_); }
@@ -61,11 +61,14 @@ class EveryCase : public testing::TestWithParam<std::string> {
     run.broker.case_digest = scene_.digest();
     run.broker.frozen_deadline = Milliseconds(60'000);
     run.stop_after = stop;
+    run.iteration = iteration_;
     run.checkpoints = folder_;
     run.checkpoint_every = every_;
     run.resume = resume;
     run.run(fluid.get(), solid.get());
     run.expect_success();
+    passes_ = run.report.passes;
+    at_rest_ = solid->counters().at("windows at rest");
     return {{bytes_of(*fluid), bytes_of(*solid)},
             {bytes_of(run.fluid_record), bytes_of(run.solid_record)},
             run.report.windows,
@@ -86,25 +89,57 @@ class EveryCase : public testing::TestWithParam<std::string> {
     return {{bytes_of(*phase)}, {bytes_of(recorder)}, report.windows, report.time};
   }
 
+  /// Stopped in the middle and resumed: the same as `whole`.
+  void expect_the_same_resumed(const Result& whole) {
+    ASSERT_EQ(whole.windows, last);
+    run(middle, Taking::all, false);
+    const Result resumed = run(last, Taking::none, true);
+    EXPECT_EQ(resumed.windows, whole.windows);
+    EXPECT_EQ(resumed.time, whole.time);
+    // Not EXPECT_EQ: nobody wants to see megabytes.
+    EXPECT_TRUE(resumed.states == whole.states) << "the states differ";
+    EXPECT_TRUE(resumed.records == whole.records) << "the records differ";
+  }
+
   Case scene_;
-  double every_ = no_limit;  // s
+  std::optional<IterationSettings> iteration_;
+  std::uint64_t passes_ = 0;  // of the last coupled run
+  double at_rest_ = 0.0;      // windows in which its soil slept
+  double every_ = no_limit;   // s
   fs::path folder_ = testing_tools::fresh_folder("poretwin-resume");
 };
 
+class EveryCase : public CaseRun, public testing::WithParamInterface<std::string> {};
+
 TEST_P(EveryCase, ResumesToTheBit) {
+  read(GetParam());
   Result whole = run(last, Taking::none, false);
   if (whole.windows < last) {
     scene_.coupling.interval = scene_.general.end_time / (last + 2);
     whole = run(last, Taking::none, false);
   }
-  ASSERT_EQ(whole.windows, last);
-  run(middle, Taking::all, false);
-  const Result resumed = run(last, Taking::none, true);
-  EXPECT_EQ(resumed.windows, whole.windows);
-  EXPECT_EQ(resumed.time, whole.time);
-  // Not EXPECT_EQ: nobody wants to see megabytes.
-  EXPECT_TRUE(resumed.states == whole.states) << "the states differ";
-  EXPECT_TRUE(resumed.records == whole.records) << "the records differ";
+  expect_the_same_resumed(whole);
+}
+
+/// Both solvers in every window several times, with what the acceleration has learned in it.
+TEST_F(CaseRun, ResumesIteratedToTheBit) {
+  for (const auto kind : {AccelerationKind::aitken, AccelerationKind::quasi_newton}) {
+    read("terzaghi", {"fluid.particle_spacing=0.05", "solid.particle_spacing=0.05"});
+    iteration_ = IterationSettings{kind, 1e-4};
+    const Result whole = run(last, Taking::none, false);
+    EXPECT_GT(passes_, last);
+    expect_the_same_resumed(whole);
+    fs::remove_all(folder_);
+  }
+}
+
+/// Long windows of soil that nothing disturbs.
+TEST_F(CaseRun, ResumesAsleepToTheBit) {
+  read("embankment_seepage", {"fluid.particle_spacing=0.04"});
+  scene_.coupling.interval = 0.1;
+  const Result whole = run(last, Taking::none, false);
+  EXPECT_GT(at_rest_, static_cast<double>(middle)) << "the soil was to sleep, before and after the checkpoint";
+  expect_the_same_resumed(whole);
 }
 
 std::vector<std::string> all_cases() {

@@ -262,7 +262,7 @@ TEST(Wire, FrameSizesAreCheckedBeforeUse) {
   message.sender = "fluid";
   message.arrays.push_back({"pore_pressure", "Pa", 2, {1.0, 2.0, 3.0, 4.0}});
   const Frames good = encode(message);
-  EXPECT_EQ(decode(good).arrays[0].values, message.arrays[0].values);
+  EXPECT_EQ(decode(good).arrays[0].take(), message.arrays[0].values);
   auto refused = [](const Frames& frames) {
     try {
       decode(frames);

@@ -1,5 +1,6 @@
 // Iterated windows: two masses that move as one, where plain iteration diverges, held against the monolithic answer.
 #include "coupler/acceleration.hpp"
+#include "tests/child.hpp"
 #include "tests/coupling/coupled_run.hpp"
 
 #include <gtest/gtest.h>
@@ -186,6 +187,36 @@ TEST(Iteration, AHeavyMassDrivenByALightOneNeedsAcceleration) {
   CoupledRun run;
   iterate(run, fluid, solid, AccelerationKind::none, 0.01, 1.0);
   EXPECT_NE(run.coupler.error.find("not converged after 50 iterations"), std::string::npos) << run.coupler.error;
+}
+
+/// Whatever the acceleration knows belongs to one window: a checkpoint between two windows lacks nothing of it.
+TEST(Iteration, ResumesToTheBit) {
+  const Oscillators what{{20.0, 8.0, 3.0, 0.5}, {1.0, 1.0, 1.0, 4.0}};
+  const Oscillators one{{10.0}, {1.0}};
+  for (const auto kind : {AccelerationKind::aitken, AccelerationKind::quasi_newton}) {
+    const auto& masses = kind == AccelerationKind::aitken ? one : what;
+    const auto folder = testing_tools::fresh_folder("poretwin-iterated");
+    const auto states = [&](std::uint64_t stop_after, bool resume) {
+      MassPhase fluid(Role::fluid, masses, 3), solid(Role::solid, masses, 2);
+      CoupledRun run;
+      run.checkpoints = folder;
+      run.checkpoint_every = resume ? no_limit : 0.0;
+      run.stop_after = stop_after;
+      run.resume = resume;
+      iterate(run, fluid, solid, kind, 0.01, 0.3, 1e-10);
+      run.expect_success();
+      EXPECT_GT(run.report.passes, 2 * run.report.windows);
+      Archive archive;
+      fluid.archive(archive);
+      solid.archive(archive);
+      return std::tuple(archive.bytes(), run.report.windows, run.report.passes);
+    };
+    const auto whole = states(0, false);
+    EXPECT_EQ(std::get<1>(whole), 30u);
+    EXPECT_EQ(std::get<1>(states(13, false)), 13u);
+    EXPECT_TRUE(states(0, true) == whole) << static_cast<int>(kind);
+    std::filesystem::remove_all(folder);
+  }
 }
 
 TEST(Iteration, ALightMassDrivenByAHeavyOneDoesWithout) {

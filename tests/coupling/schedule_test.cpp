@@ -147,6 +147,30 @@ TEST_P(EveryLine, CopesWithMovingGrowingShrinkingAndEmptySets) {
                   1e-12 * (1.0 + std::abs(account.given[c])));
 }
 
+/// A refused window takes back the points that came in it: the next attempt brings values for those of the window's
+/// start.
+TEST(Schedule, ARefusedWindowTakesItsPointsBack) {
+  const auto accepted = [](MockKnobs fluid_knobs, MockKnobs solid_knobs) {
+    MockPhase fluid(Role::fluid, 2, tide, std::move(fluid_knobs)),
+        solid(Role::solid, 2, still_square(Role::solid), std::move(solid_knobs));
+    CoupledRun run;
+    run.settings = {1.0, 0.1, 0.1, 0.0};
+    run.run(&fluid, &solid);
+    run.expect_success();
+    const auto& windows = fluid.seen().windows;
+    const auto& inboxes = fluid.seen().inboxes;  // the first is that of initialise
+    EXPECT_EQ(inboxes.size(), windows.size() + 1);
+    for (std::size_t k = 0; k < windows.size(); ++k)
+      EXPECT_EQ(inboxes[k + 1].coverage.size(), tide(windows[k].time).points.n_active) << "step " << windows[k].step;
+    return run.report.rejected_by_fluid + run.report.rejected_by_solid;
+  };
+  EXPECT_EQ(accepted({}, {}), 0u);
+  MockKnobs refusing;
+  refusing.rejections = {{2, 1}, {4, 2}, {9, 1}};  // the set grows, and shrinks
+  EXPECT_EQ(accepted({}, refusing), 4u);
+  EXPECT_EQ(accepted(refusing, {}), 4u);
+}
+
 TEST(Schedule, BothSetsMayBeEmpty) {
   auto empty = [](Role role) {
     return [role](double t) { return formula_publication(role, t, lattice_points(2, {0.0, 0.0}, {0.0, 0.0}, 0.1)); };

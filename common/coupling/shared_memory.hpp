@@ -1,0 +1,73 @@
+// Large frames between two processes of one machine: they lie in memory that both see, and only a table of their sizes
+// goes through the socket, which would copy every byte into the kernel and out again. The memory is anonymous (memfd):
+// it has no name that could stay behind, and ends with the processes. Messages are the same either way.
+#pragma once
+
+#include "common/coupling/message.hpp"
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace poretwin::coupling {
+
+/// Where another process of the same user finds memory, and how it knows that it is what was meant: process numbers
+/// can mean somebody else in another container.
+struct MemoryName {
+  std::int32_t process = 0, descriptor = 0;
+  std::uint64_t token = 0;
+};
+
+/// What one line's end lends to the other. One thread.
+class LentMemory {
+ public:
+  /// As many messages can be under way at once; what is beyond goes through the socket.
+  static constexpr std::size_t most_slots = 4;
+  /// Messages with smaller frames are as fast through the socket [bytes].
+  static constexpr std::size_t worthwhile = 32 << 10;
+
+  /// Memory to try: whoever reaches it will reach the rest. Nothing where the kernel gives none.
+  [[nodiscard]] std::optional<MemoryName> name();
+  /// [header][frame]* becomes [table][header][frame or empty]*, the frames' bytes in memory; a small message, and one
+  /// for which no memory is free, stays as it is.
+  Frames lend(Frames frames);
+
+ private:
+  struct Slot;
+  std::shared_ptr<Slot> free_slot(std::size_t bytes);
+  std::vector<std::shared_ptr<Slot>> slots_;
+};
+
+/// What is seen of another process's memory. One thread; the frames may go anywhere.
+class BorrowedMemory {
+ public:
+  [[nodiscard]] bool reaches(const MemoryName& name);
+  /// The message that lend() took: the frames lie in shared memory until their last owner lets go. A message without a
+  /// table stays as it is, and so does one whose table says what is not true: decode() then refuses it.
+  Frames borrow(Frames frames);
+
+ private:
+  struct View;
+  std::shared_ptr<View> view(const MemoryName& name);
+  std::map<std::uint64_t, std::shared_ptr<View>> views_;  ///< by token
+};
+
+/// What the two ends say to each other before they lend; the user of a line never sees it. A DEALER names its memory in
+/// its routing id; the ROUTER that reaches it names its own in an offer; the DEALER that reaches that one accepts.
+namespace sharing {
+
+/// "" when there is no memory.
+std::string routing_id(const std::optional<MemoryName>& name);
+std::optional<MemoryName> read_routing_id(const std::string& id);
+Frames offer(const MemoryName& name);
+std::optional<MemoryName> read_offer(const Frames& frames);
+/// A message whose bytes are in memory that could not be reached: left behind by borrow().
+bool is_table(const Frames& frames);
+Frames accept();
+bool is_accept(const Frames& frames);
+
+}  // namespace sharing
+}  // namespace poretwin::coupling
