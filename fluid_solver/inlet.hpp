@@ -7,6 +7,7 @@
 #include "common/core/vector.hpp"
 #include "common/sph/images.hpp"
 
+#include <cmath>
 #include <vector>
 
 namespace poretwin::fluid {
