@@ -62,7 +62,7 @@ Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> p
     c.length.push_back(c.length[q]);
     c.owner.push_back(c.owner[q]);
     c.pressure.push_back(c.pressure[q]);
-    c.velocity.push_back(images.map[i] * c.velocity[q]);
+    c.velocity.push_back(images.map[i] * c.velocity[q] + images.carried[i]);
     c.solid_velocity.push_back(images.map[i] * c.solid_velocity[q]);
     c.mask.push_back(c.mask[q]);
     c.void_fraction.push_back(c.void_fraction[q]);

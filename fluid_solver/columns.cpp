@@ -1,8 +1,12 @@
 // Water that comes and goes through the faces of prescribed head or pressure.
 #include "fluid_solver/fluid_phase.hpp"
 
+#include "common/case/geometry.hpp"
+#include "common/core/error.hpp"
 #include "fluid_solver/basin.hpp"
 #include "fluid_solver/operators.hpp"
+
+#include <fmt/format.h>
 
 #include <cmath>
 
@@ -14,12 +18,20 @@ void Fluid<D>::fill_basins(double time, double interval) {
   const auto through = passed();
   for (std::size_t f = 0; f < scene_.water_faces.size(); ++f) {
     const auto& face = scene_.water_faces[f];
-    if (!face.discharge) continue;
+    if (!face.basin_area) continue;
     state_.supplied[f] += face.discharge->integral(time, time + interval);
     double leaves = 0.0;
     for (const auto& c : state_.columns)
       if (c.face == static_cast<int>(f) && c.wet) leaves += interval * c.speed * c.mass / (density_ * c.spacing);
     state_.basin_level[f] = basin_level(*face.basin_area, state_.supplied[f] - through[f] - leaves);
+    if (const auto top = free_top(scene_, face); top && state_.basin_level[f] > *top)
+      throw DivergedError(fmt::format(
+          "fluid: the basin behind water_face[{}]{} has risen to {:.4g} m at t = {:.4g} s, above the face's upper end "
+          "at "
+          "{:.4g} m: it would run over, and water behind a face is in no particles; give it less discharge or more "
+          "area, "
+          "a wall up to the level, or a reservoir of real water (an inlet away from the soil)",
+          f, face.name.empty() ? "" : " \"" + face.name + "\"", state_.basin_level[f], time + interval, *top));
   }
 }
 
@@ -28,6 +40,7 @@ template <int D>
 ScalarArray Fluid<D>::passed() const {
   ScalarArray sum(scene_.water_faces.size(), 0.0);
   for (const auto& c : state_.columns) sum[static_cast<std::size_t>(c.face)] += c.passed(density_);
+  for (const auto& inlet : state_.inlets) sum[static_cast<std::size_t>(inlet.face)] += inlet.passed();
   return sum;
 }
 

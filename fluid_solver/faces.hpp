@@ -79,7 +79,7 @@ void add_column(const Case& scene, int face, const Vec<D>& foot, const Vec<D>& n
   const double dx = scene.fluid.particle_spacing;
   const Vec<D> probe = foot + 0.25 * dx * normal;
   const Soil* soil = soil_at(scene, to_point3<D>(probe));
-  if (!soil && !in_scene<D>(scene, probe)) return;
+  if (!soil && !in_scene<D>(scene, probe) && !scene.water_faces[static_cast<std::size_t>(face)].outlet) return;
   FaceColumn<D> c;
   c.foot = foot;
   c.normal = normal;
@@ -103,6 +103,7 @@ std::vector<FaceColumn<D>> make_columns(const Case& scene) {
   std::vector<FaceColumn<D>> columns;
   const double dx = scene.fluid.particle_spacing;
   for (std::size_t f = 0; f < scene.water_faces.size(); ++f) {
+    if (is_inlet(scene, scene.water_faces[f])) continue;
     const Face& face = scene.water_faces[f].face;
     const int number = static_cast<int>(f);
     if constexpr (D == 2) {
@@ -209,7 +210,7 @@ void update_columns(const Case& scene, double time, std::span<const double> basi
     const WaterFace& face = scene.water_faces[static_cast<std::size_t>(c.face)];
     const double elevation = magnitude > 0.0 ? -weight.dot(c.foot) / magnitude : 0.0;
     double total = -1.0;
-    if (face.discharge)
+    if (face.basin_area)
       total = magnitude * (basin_level[static_cast<std::size_t>(c.face)] - elevation);
     else if (face.head)
       total = magnitude * (face.head->at(time) - elevation);

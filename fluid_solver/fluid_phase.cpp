@@ -16,7 +16,6 @@ namespace poretwin::fluid {
 
 namespace {
 
-constexpr int periodic_boundary = 31;
 /// Of the pressure solve where no water is in soil: a dam break's front and energy are the same as with 1e-4.
 constexpr double free_water_tolerance = 1e-3;
 /// A window is solved again when the drag's tangent misses the law by more than this share of inertia and drag (rms).
@@ -68,15 +67,15 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
   if (!(dx_ > 0.0)) throw CaseError("fluid.particle_spacing must be positive");
   if (scene.fluid.regions.empty() && scene.water_faces.empty())
     throw CaseError("the fluid has nothing to do: no [[fluid.region]] and no [[water_face]]");
-  if (scene.walls.size() > 31) throw CaseError("at most 31 walls");
+  if (scene.walls.size() > piston_boundary) throw CaseError(fmt::format("at most {} walls", piston_boundary));
   for (std::size_t w = 0; w < scene.walls.size(); ++w) {
     const auto& wall = scene.walls[w];
     if (wall.water == Wall::ForWater::none) continue;
     if (wall.water == Wall::ForWater::no_slip) no_slip_ |= 1u << w;
     if (wall.soil == Wall::ForSoil::fixed || wall.soil == Wall::ForSoil::rough) fixed_soil_ |= 1u << w;
-    for (const auto& plane : planes_of<D>(wall.face, static_cast<int>(w), 6.0 * dx_)) planes_.push_back(plane);
   }
-  for (const auto& plane : periodic_planes<D>(scene.general, periodic_boundary)) planes_.push_back(plane);
+  state_.inlets = make_inlets<D>(scene);
+  place_pistons();
 
   std::tie(lower_, upper_) = reach_of<D>(scene);
 
@@ -99,15 +98,10 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
     }
   }
   const double depth = p.size() > 0 ? top - bottom : dx_;
-  // Inviscid free water is slowly unstable: a trace of viscosity on the scale of the particles. Explicit sweeps let
-  // sound through and need what weakly compressible SPH needs, alpha h c/(2 (D + 2)) with alpha = 0.03 at least,
-  // c = 10 sqrt(g H) (Monaghan 1994).
-  const double share = scene.fluid.scheme == FluidCase::Scheme::projection ? shear_viscosity : 0.05;
-  wave_speed_ = std::sqrt(scene.general.gravity.norm() * depth);
-  viscosity_ = std::max(scene.water.kinematic_viscosity, share * dx_ * wave_speed_);
+  state_.wave_speed = std::sqrt(scene.general.gravity.norm() * depth);
   state_.columns = make_columns<D>(scene);
   for (const auto& face : scene.water_faces) {
-    const bool basin = face.discharge.has_value();
+    const bool basin = face.basin_area.has_value();
     const double lowest = basin ? face.basin_area->knots.front().first : 0.0;
     state_.basin_level.push_back(basin && face.head ? std::max(lowest, face.head->at(0.0)) : lowest);
     state_.supplied.push_back(basin ? basin_volume(*face.basin_area, state_.basin_level.back()) : 0.0);
@@ -116,6 +110,15 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
   // The soil looks for its rest under what is published before the first exchange.
   settle(rigid_soil<D>(scene_, p.position));
   saved_ = state_;
+}
+
+/// Inviscid free water is slowly unstable: a trace of viscosity on the scale of the particles. Explicit sweeps let
+/// sound through and need what weakly compressible SPH needs, alpha h c/(2 (D + 2)) with alpha = 0.03 at least,
+/// c = 10 sqrt(g H) (Monaghan 1994).
+template <int D>
+double Fluid<D>::viscosity() const {
+  const double share = scene_.fluid.scheme == FluidCase::Scheme::projection ? shear_viscosity : 0.05;
+  return std::max(scene_.water.kinematic_viscosity, share * dx_ * state_.wave_speed);
 }
 
 template <int D>
@@ -248,7 +251,7 @@ void Fluid<D>::settle(const SoilView<D>& view) {
   auto& p = state_.particles;
   if (p.size() == 0) return;
   auto s = stencil();
-  p.surface = find_surface<D>(s, view.mask);
+  p.surface = find_surface<D>(s, p.seeps);
   auto in = problem(1.0);
   in.response = false;
   in.tolerance = 1e-8;
@@ -271,6 +274,7 @@ void Fluid<D>::initialise(const coupling::Inbox& inbox) {
     p.void_fraction[a] = 1.0 - view.fraction[a];
     p.mass[a] = p.void_fraction[a] * density_ * p.volume[a];
     p.mask[a] = view.mask[a];
+    p.seeps[a] = view.mask[a] > 0.5 ? 1.0 : 0.0;
     stiffest = std::max(stiffest, view.modulus[a]);
   }
   first_interval_ = stiffest > 0.0 ? 0.2 * dx_ / std::sqrt(stiffest / density_) : 0.0;
@@ -291,8 +295,8 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
   const auto& v = state_.particles.velocity;
   VecArray<D> result = v;
   for (auto& u : result) u += interval * pull_;
-  const double noise = noise_viscosity * dx_ * wave_speed_;
-  const VecArray<D> all = extended<D>(s, v);
+  const double noise = noise_viscosity * dx_ * state_.wave_speed, viscosity = this->viscosity();
+  const VecArray<D> all = extended<D>(s, v, Carried::yes);
   MatArray<D> gradient(s.size(), Mat<D>::Zero());
   std::copy(velocity_gradient.begin(), velocity_gradient.end(), gradient.begin());
   for (std::size_t j = s.n_base; j < s.size(); ++j)
@@ -314,7 +318,7 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
       const double along = difference.dot(ba), approach = along < 0.0 ? -along / ba.norm() : 0.0;
       const double weight = interval * 2.0 * s.volume[j] * s.strength[k];
       const double impact = impact_viscosity * 0.5 * (s.length[a] + s.length[j]) * approach;
-      result[a] += weight * ((viscosity_ + impact) * (sticks ? Vec<D>(-v[q] - v[a]) : difference) +
+      result[a] += weight * ((viscosity + impact) * (sticks ? Vec<D>(-v[q] - v[a]) : difference) +
                              noise * (difference - 0.5 * (velocity_gradient[a] + gradient[j]) * ba));
     }
   }
@@ -338,11 +342,11 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
     if (p.surface[a] != Surface::interior || s.ghost_distance[a] > 0.0) excess = std::max(0.0, excess);
     // In free water the repair of a disordered start, begun at once, would be a blow.
     const double begun =
-        view.mask[a] > 0.5 ? 1.0 : std::min(1.0, state_.time / free_repair_time(spacing_of<D>(p.volume[a])));
+        p.seeps[a] > 0.5 ? 1.0 : std::min(1.0, state_.time / free_repair_time(spacing_of<D>(p.volume[a])));
     source[a] = begun * motion[a] * p.void_fraction[a] * excess / repair_time(a, view, interval);
     // Displacements of the velocity's length keep the volume to second order: det(1 + dt grad v) = 1. Without it a
     // strain rate s compresses by dt s^2, and the repair of that feeds energy in.
-    if (view.mask[a] <= 0.5)
+    if (p.seeps[a] <= 0.5)
       source[a] += std::clamp(0.5 * interval * (velocity_gradient[a] * velocity_gradient[a]).trace(), -0.2 / interval,
                               0.2 / interval);
   }
@@ -441,14 +445,18 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
     p.void_fraction[a] = 1.0 - view.fraction[a];
     p.volume[a] = p.mass[a] / (p.void_fraction[a] * density_);
     p.mask[a] = view.mask[a];
+    p.seeps[a] = view.mask[a] > 0.5 ? 1.0 : 0.0;
   }
   fill_basins(window.time, dt);
   update_columns<D>(scene_, window.time + dt, state_.basin_level, weight_, origin_, state_.columns);
+  set_inlets(window.time, dt);
+  push_pistons(0.5 * dt);
   drift(dt);
   auto s = stencil();
   ++state_.counts.stencils;
-  p.surface = find_surface<D>(s, view.mask, p.row, std::min(1.0, dt / (row_memory * free_repair_time(dx_))));
+  p.surface = find_surface<D>(s, p.seeps, p.row, std::min(1.0, dt / (row_memory * free_repair_time(dx_))));
   if (scene_.coupled()) take_back(s, view, dt);
+  check_room(window.time);
 
   auto in = problem(dt);
   const auto gradient = velocity_gradient<D>(s, p.velocity);
@@ -496,12 +504,31 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   control_interval(before, dt);
   limit_scheme(view);
   advance_columns(s, view, dt);
+  push_pistons(0.5 * dt);
   move(s, out, gradient, velocity_before, dt);
   give_birth_and_delete();
+  serve_inlets();
   state_.time = window.time + dt;
   state_.last_interval = dt;
   ++state_.revision;
   return coupling::Outcome::accept();
+}
+
+/// Water that fills its walls takes no more.
+template <int D>
+void Fluid<D>::check_room(double time) const {
+  const auto& p = state_.particles;
+  double inflow = 0.0;
+  for (const auto& inlet : state_.inlets) inflow += inlet.speed * inlet.width;
+  if (inflow == 0.0 || p.size() == 0 ||
+      std::any_of(p.surface.begin(), p.surface.end(), [](Surface f) { return f != Surface::interior; }) ||
+      std::any_of(state_.columns.begin(), state_.columns.end(), [](const auto& c) { return c.wet; }))
+    return;
+  throw DivergedError(
+      fmt::format("fluid: at t = {:.4g} s water fills all the room between the walls, and the inlets still ask for "
+                  "{:.4g} m2/s; give "
+                  "it an outlet, a free surface or less discharge",
+                  time, inflow));
 }
 
 template <int D>

@@ -21,8 +21,14 @@ class Fluid final : public Phase {
   void initialise(const coupling::Inbox& inbox) override;
   coupling::Outcome advance(const coupling::Window& window, const coupling::Inbox& inbox) override;
   void save() override { saved_ = state_; }
-  void restore() override { state_ = saved_; }
-  void archive(Archive& archive) override { archive(state_, first_interval_); }
+  void restore() override {
+    state_ = saved_;
+    place_pistons();
+  }
+  void archive(Archive& archive) override {
+    archive(state_, first_interval_);
+    place_pistons();
+  }
   [[nodiscard]] OutputFrame frame() const override;
   [[nodiscard]] std::vector<GaugeReading> gauges() const override;
   [[nodiscard]] std::map<std::string, double> counters() const override;
@@ -53,6 +59,11 @@ class Fluid final : public Phase {
             std::span<const Vec<D>> velocity_before, double interval);
   void keep_inside(Vec<D>& x, Vec<D>& v, double spacing) const;
   void fill_basins(double time, double interval);
+  void place_pistons();
+  void push_pistons(double interval);
+  void set_inlets(double time, double interval);
+  void serve_inlets();
+  [[nodiscard]] double viscosity() const;
   ScalarArray passed() const;
   void advance_columns(const Stencil<D>& s, const SoilView<D>& soil, double interval);
   void wet_dry_ground(FaceColumn<D>& c, double interval) const;
@@ -63,13 +74,14 @@ class Fluid final : public Phase {
   void control_interval(const ScalarArray& before, double interval);
   void limit_scheme(const SoilView<D>& view);
   void take_back(const Stencil<D>& s, const SoilView<D>& view, double interval);
+  void check_room(double time) const;
   void check_finite(const WindowSolution<D>& solution, double time) const;
   std::pair<double, std::string> time_limit() const;
   [[nodiscard]] bool responds() const;
   WindowProblem<D> problem(double interval) const;
 
   Case scene_;
-  double dx_ = 0.0, density_ = 1000.0, viscosity_ = 0.0, wave_speed_ = 0.0, first_interval_ = 0.0;
+  double dx_ = 0.0, density_ = 1000.0, first_interval_ = 0.0;
   /// Weight of water [N/m3], where its potential is: gravity along a periodic axis, which has none, pulls [m/s2].
   Vec<D> weight_ = Vec<D>::Zero(), pull_ = Vec<D>::Zero(), origin_ = Vec<D>::Zero();
   std::vector<sph::ImagePlane<D>> planes_;

@@ -193,6 +193,9 @@ class Reader {
       if (inside(gauge, p.position[a])) sum += p.mass[a];
     for (const auto& c : state_.columns)
       if (inside(gauge, c.foot + 1e-6 * c.spacing * c.normal)) sum += c.share(1.0);
+    for (const auto& inlet : state_.inlets)
+      if (inside(gauge, inlet.foot + 1e-6 * inlet.spacing * inlet.normal))
+        sum += scene_.water.density * inlet.piston * inlet.width;
     return sum / scene_.water.density;
   }
 
@@ -201,8 +204,10 @@ class Reader {
     for (std::size_t f = 0; f < scene_.water_faces.size(); ++f) {
       const auto& face = scene_.water_faces[f];
       if (face.name != gauge.quantity) continue;
-      return face.discharge ? basin_level(*face.basin_area, state_.supplied[f] - passed_[f])
-                            : face.head->at(state_.time);
+      for (const auto& inlet : state_.inlets)
+        if (inlet.face == static_cast<int>(f)) return inlet.level;
+      return face.basin_area ? basin_level(*face.basin_area, state_.supplied[f] - passed_[f])
+                             : face.head->at(state_.time);
     }
     return nan;
   }

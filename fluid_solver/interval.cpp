@@ -86,12 +86,12 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
   double fastest = 0.0, fastest_free = 0.0;
   bool free_surface = false, free_water = false, table = false;
   for (std::size_t a = 0; a < p.size(); ++a) {
-    double& highest = p.mask[a] <= 0.5 ? fastest_free : fastest;
+    double& highest = p.seeps[a] <= 0.5 ? fastest_free : fastest;
     highest = std::max(highest, p.velocity[a].norm() / spacing_of<D>(p.volume[a]));
-    free_water = free_water || p.mask[a] <= 0.5;
+    free_water = free_water || p.seeps[a] <= 0.5;
     if (p.surface[a] == Surface::interior) continue;
-    free_surface = free_surface || p.mask[a] < 0.5;
-    table = table || p.mask[a] >= 0.5;
+    free_surface = free_surface || p.seeps[a] < 0.5;
+    table = table || p.seeps[a] >= 0.5;
   }
   for (const auto& c : state_.columns) fastest = std::max(fastest, std::abs(c.speed) / c.spacing);
   if (fastest > 0.0) apply(0.25 / fastest, "a quarter spacing per window at the highest speed in soil or at a face");
@@ -108,13 +108,23 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
             "a quarter spacing per window of a water table that falls");
     }
   if (scene_.general.central_force > 0.0) apply(0.02 / std::sqrt(scene_.general.central_force), "central force");
-  if (const double viscosity = viscosity_ + noise_viscosity * dx_ * wave_speed_; free_water && viscosity > 0.0)
+  if (const double viscosity = this->viscosity() + noise_viscosity * dx_ * state_.wave_speed;
+      free_water && viscosity > 0.0)
     apply(0.2 * dx_ * dx_ / viscosity, "viscosity");
   for (std::size_t f = 0; f < scene_.water_faces.size(); ++f)
-    if (const auto& face = scene_.water_faces[f]; face.discharge) {
+    if (const auto& face = scene_.water_faces[f]; face.basin_area) {
       const double inflow = std::abs(face.discharge->at(state_.time));
       if (inflow > 0.0) apply(0.5 * dx_ * face.basin_area->at(state_.basin_level[f]) / inflow, "rise of a basin");
     }
+  for (const auto& inlet : state_.inlets) {
+    // The longest window in which its piston moves by a quarter spacing at most.
+    const auto far = [&](double interval) {
+      return std::abs(inlet_speed(scene_, inlet, state_.time, interval)) * interval > 0.25 * inlet.spacing;
+    };
+    double longest = limit.first;
+    for (int halvings = 0; halvings < 60 && far(longest); ++halvings) longest *= 0.5;
+    if (longest < limit.first) apply(longest, "a quarter spacing per window at an inlet");
+  }
   // A face with nothing behind it yet: the time in which the front comes half a spacing in.
   if (p.size() == 0)
     for (const auto& c : state_.columns) {

@@ -40,7 +40,7 @@ ScalarArray Fluid<D>::moved() const {
   ScalarArray result(p.size());
   for (std::size_t a = 0; a < p.size(); ++a) {
     const double spacing = spacing_of<D>(p.volume[a]);
-    const double counts = (p.mask[a] > 0.5 ? repair_displacement : free_repair_displacement) * spacing;
+    const double counts = (p.seeps[a] > 0.5 ? repair_displacement : free_repair_displacement) * spacing;
     result[a] = std::min(1.0, (p.position[a] - p.birthplace[a]).norm() / counts);
   }
   return result;
@@ -70,7 +70,7 @@ template <int D>
 void Fluid<D>::drift(double interval) {
   auto& p = state_.particles;
   for (std::size_t a = 0; a < p.size(); ++a)
-    if (p.mask[a] <= 0.5) displace(a, 0.5 * interval * p.velocity[a], false);
+    if (p.seeps[a] <= 0.5) displace(a, 0.5 * interval * p.velocity[a], false);
 }
 
 template <int D>
@@ -99,20 +99,20 @@ void Fluid<D>::move(const Stencil<D>& s, const WindowSolution<D>& solution, std:
     const double spacing = spacing_of<D>(p.volume[a]);
     motion[a] *= std::min(1.0, p.velocity[a].norm() * interval / (0.02 * spacing));
   }
-  const auto shift = packing_displacements<D>(s, p.velocity, motion, p.surface, p.mask, interval);
-  collide<D>(s, p.mask, p.mass, p.velocity);
+  const auto shift = packing_displacements<D>(s, p.velocity, motion, p.surface, p.seeps, interval);
+  collide<D>(s, p.seeps, p.mass, p.velocity);
   for (std::size_t a = 0; a < p.size(); ++a) {
     Vec<D> d = interval * p.velocity[a];
-    if (p.mask[a] > 0.5)
+    if (p.seeps[a] > 0.5)
       d += interval * look_ahead(interval) * (p.velocity[a] - velocity_before[a]);
     else
       d *= 0.5;
     d += shift[a];
-    if (p.mask[a] <= 0.5 && p.surface[a] == Surface::surface)
+    if (p.seeps[a] <= 0.5 && p.surface[a] == Surface::surface)
       d += interval * surface_lead<D>(velocity_gradient[a], s.normal[a], s.surface_distance[a], interval);
-    p.pressure[a] += solution.gradient[a].dot(p.mask[a] > 0.5 ? d : shift[a]);
+    p.pressure[a] += solution.gradient[a].dot(p.seeps[a] > 0.5 ? d : shift[a]);
     // What is shifted arrives where the water moves at another speed.
-    if (p.mask[a] <= 0.5 && s.ghost_distance[a] == 0.0 && p.surface[a] == Surface::interior)
+    if (p.seeps[a] <= 0.5 && s.ghost_distance[a] == 0.0 && p.surface[a] == Surface::interior)
       p.velocity[a] += velocity_gradient[a] * shift[a];
     displace(a, d, true);
   }
@@ -130,7 +130,7 @@ void Fluid<D>::keep_inside(Vec<D>& x, Vec<D>& v, double spacing) const {
       if (along < plane.from || along > plane.to) continue;
     }
     x -= 2.0 * distance * plane.normal;
-    v -= std::min(0.0, plane.normal.dot(v)) * plane.normal;
+    v -= std::min(0.0, plane.normal.dot(v) - plane.speed) * plane.normal;
   }
 }
 

@@ -8,14 +8,20 @@
 
 namespace poretwin::fluid {
 
+/// What a vector field is: behind a wall that moves, a velocity of the water is not the mirrored one alone.
+enum class Carried : bool { no, yes };
+
 /// Values at all points from values at real particles: images take their parent's, through the linear map for vectors.
 /// Buffers and their images get zero: nothing here reads them.
 template <int D>
-VecArray<D> extended(const Stencil<D>& s, std::span<const Vec<D>> f) {
+VecArray<D> extended(const Stencil<D>& s, std::span<const Vec<D>> f, Carried carried = Carried::no) {
   VecArray<D> all(s.size(), Vec<D>::Zero());
   std::copy(f.begin(), f.end(), all.begin());
   for (std::size_t j = s.n_base; j < s.size(); ++j)
-    if (s.parent[j] < s.n_real) all[j] = s.map[j - s.n_base] * f[s.parent[j]];
+    if (s.parent[j] < s.n_real) {
+      all[j] = s.map[j - s.n_base] * f[s.parent[j]];
+      if (carried == Carried::yes) all[j] += s.carried[j - s.n_base];
+    }
   return all;
 }
 
@@ -69,10 +75,10 @@ VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Fa
   return result;
 }
 
-/// Corrected gradient of a velocity, G_ij = d v_i / d x_j, buffers left out.
+/// Corrected gradient of the water's velocity, G_ij = d v_i / d x_j, buffers left out.
 template <int D>
 MatArray<D> velocity_gradient(const Stencil<D>& s, std::span<const Vec<D>> f) {
-  const VecArray<D> all = extended<D>(s, f);
+  const VecArray<D> all = extended<D>(s, f, Carried::yes);
   MatArray<D> result(s.n_real);
   for (std::size_t a = 0; a < s.n_real; ++a) {
     Mat<D> sum = Mat<D>::Zero();
@@ -87,8 +93,8 @@ MatArray<D> velocity_gradient(const Stencil<D>& s, std::span<const Vec<D>> f) {
 
 /// Corrected divergence of a velocity-like field, buffers left out (one-sided at faces).
 template <int D>
-ScalarArray divergence(const Stencil<D>& s, std::span<const Vec<D>> f) {
-  const VecArray<D> all = extended<D>(s, f);
+ScalarArray divergence(const Stencil<D>& s, std::span<const Vec<D>> f, Carried carried = Carried::no) {
+  const VecArray<D> all = extended<D>(s, f, carried);
   ScalarArray result(s.n_real);
   for (std::size_t a = 0; a < s.n_real; ++a) {
     Mat<D> sum = Mat<D>::Zero();

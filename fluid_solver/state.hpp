@@ -2,6 +2,7 @@
 #pragma once
 
 #include "fluid_solver/faces.hpp"
+#include "fluid_solver/inlet.hpp"
 #include "fluid_solver/surface.hpp"
 
 #include <string>
@@ -20,6 +21,7 @@ struct Particles {
   VecArray<D> drag_impulse;    ///< given to the soil in the last window, N s
   VecArray<D> owed;            ///< to the soil, for later windows, N s: no longer counts as the water's momentum
   ScalarArray mask;            ///< soil membership
+  ScalarArray seeps;           ///< 1 in soil; 0 in water that moves and has a surface as free water
   ScalarArray volume_debt;     ///< strain the soil made beyond the prediction, not yet given to the water
   VecArray<D> birthplace;      ///< m: a particle that never moved has no packing to repair
   ScalarArray row;             ///< thickness of the row of surface particles it lies in, in spacings
@@ -37,6 +39,7 @@ struct Particles {
     drag_impulse.push_back(Vec<D>::Zero());
     owed.push_back(Vec<D>::Zero());
     mask.push_back(n < 1.0 ? 1.0 : 0.0);
+    seeps.push_back(mask.back());
     volume_debt.push_back(0.0);
     birthplace.push_back(x);
     row.push_back(1.0);
@@ -61,6 +64,7 @@ struct Particles {
     filter_one(drag_impulse);
     filter_one(owed);
     filter_one(mask);
+    filter_one(seeps);
     filter_one(volume_debt);
     filter_one(birthplace);
     filter_one(row);
@@ -95,6 +99,8 @@ struct State {
   std::uint64_t revision = 0;
   Particles<D> particles;
   std::vector<FaceColumn<D>> columns;
+  std::vector<Inlet<D>> inlets;
+  double wave_speed = 0.0;  ///< of long waves on the deepest free water so far, m/s
   bool multigrid = false;   ///< the last window's pressure was worth it
   ScalarArray supplied;     ///< [faces] volume of the basin at first, and poured in since [m^D]; 0 where it is none
   ScalarArray basin_level;  ///< [faces] m

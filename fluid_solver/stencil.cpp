@@ -67,6 +67,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
     s.length.push_back(s.length[images.parent[i]]);
   }
   s.map = std::move(images.map);
+  s.carried = std::move(images.carried);
   s.boundaries = std::move(images.boundaries);
 
   const std::size_t n = s.n_real;

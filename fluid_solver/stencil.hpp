@@ -60,6 +60,7 @@ struct Stencil {
   ScalarArray volume, length;             ///< [all] V [m^D], h [m]
   std::vector<Index> parent;              ///< [all] base point an image belongs to; itself for base points
   MatArray<D> map;                        ///< [images] linear part for vectors
+  VecArray<D> carried;                    ///< [images] added to velocities: 2 U n behind a piston [m/s]
   std::vector<std::uint32_t> boundaries;  ///< [images]
   std::vector<Index> column;              ///< [base - real] face column of each buffer
   ScalarArray outside;                    ///< [base - real] distance from its face [m]

@@ -27,7 +27,8 @@ inline constexpr double least_inverted = 0.4;
 /// need not be a lattice's. In a tank at rest particles join it, up to 15 % more, and a surface held half a spacing
 /// above it sinks by as much of that: the pressure fell by 0.3 % of the depth of 20 spacings in a minute.
 template <int D>
-double row_thickness(const Stencil<D>& s, std::size_t a, std::span<const Surface> flags, std::span<const double> mask) {
+double row_thickness(const Stencil<D>& s, std::size_t a, std::span<const Surface> flags,
+                     std::span<const double> seeps) {
   static const double lattice = [] {
     const auto part = [](double r) { return Kernel<D>::value(r, smoothing_ratio); };
     if constexpr (D == 3) return lattice_sum<2>(part);
@@ -42,7 +43,7 @@ double row_thickness(const Stencil<D>& s, std::size_t a, std::span<const Surface
   Vec<D> centre = Vec<D>::Zero();
   for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
     const Index j = s.other[k], q = s.parent[j];
-    if (q >= s.n_real || flags[q] != Surface::surface || mask[q] >= 0.5) continue;
+    if (q >= s.n_real || flags[q] != Surface::surface || seeps[q] >= 0.5) continue;
     const Vec<D> d = s.position[j] - s.position[a];
     const double out = n.dot(d);
     if (std::abs(out) > 0.5 * spacing) continue;
@@ -57,10 +58,10 @@ double row_thickness(const Stencil<D>& s, std::size_t a, std::span<const Surface
 /// rows: thickness of the row each particle lies in, in spacings, of which `share` is what it is now: slowly, for the
 /// surface particles themselves are moved as the surface does (surface_lead) while a row is stretched.
 /// Free water: the moment's smallest eigenvalue, then an umbrella of neighbours (Marrone et al. 2010).
-/// Water in soil (mask >= 0.5), a wetting front: the deficit of the divergence of position (Lee et al. 2008), where no
+/// Water in soil (seeps >= 0.5), a wetting front: the deficit of the divergence of position (Lee et al. 2008), where no
 /// water stands opposite: a hole under pressure taken for a surface draws a reservoir in at full head.
 template <int D>
-std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> mask, std::span<double> rows = {},
+std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> seeps, std::span<double> rows = {},
                                   double share = 0.0) {
   std::vector<Surface> flags(s.n_real, Surface::interior);
   const auto outward = [&](Index j) {
@@ -88,7 +89,7 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> mask, s
     return false;
   };
   for (std::size_t a = 0; a < s.n_real; ++a) {
-    if (mask[a] >= 0.5) {
+    if (seeps[a] >= 0.5) {
       s.covered[a] = s.divergence[a] < surface::few * D && opposite(a);
       if (s.covered[a]) continue;
       if (s.divergence[a] < 0.4 * D)
@@ -109,13 +110,13 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> mask, s
     }
   }
   for (std::size_t a = 0; a < rows.size(); ++a) {
-    const bool in_row = flags[a] == Surface::surface && mask[a] < 0.5;
-    rows[a] += share * ((in_row ? row_thickness<D>(s, a, flags, mask) : 1.0) - rows[a]);
+    const bool in_row = flags[a] == Surface::surface && seeps[a] < 0.5;
+    rows[a] += share * ((in_row ? row_thickness<D>(s, a, flags, seeps) : 1.0) - rows[a]);
     if (in_row) s.surface_distance[a] *= rows[a];
   }
   for (std::size_t a = 0; a < s.n_real; ++a) {
     const double amount = s.normal[a].norm(), h = s.length[a];
-    if (mask[a] >= 0.5 || flags[a] == Surface::lone || amount * h <= surface::second_row) continue;
+    if (seeps[a] >= 0.5 || flags[a] == Surface::lone || amount * h <= surface::second_row) continue;
     if (flags[a] == Surface::surface) {
       s.ghost_distance[a] = s.surface_distance[a];
     } else {
@@ -124,7 +125,7 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> mask, s
       Vec<D> normal = Vec<D>::Zero();
       for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
         const Index j = s.other[k], q = s.parent[j];
-        if (q >= s.n_real || flags[q] != Surface::surface || mask[q] >= 0.5) continue;
+        if (q >= s.n_real || flags[q] != Surface::surface || seeps[q] >= 0.5) continue;
         const Vec<D> n = outward(j);
         weight += s.value[k];
         normal += s.value[k] * n;
@@ -147,7 +148,7 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> mask, s
   // small.
   for (std::size_t a = 0; a < s.n_real; ++a)
     if (const double deficit = s.divergence[a] / D;
-        mask[a] < 0.5 && deficit < surface::few && flags[a] == Surface::interior && s.ghost_distance[a] == 0.0)
+        seeps[a] < 0.5 && deficit < surface::few && flags[a] == Surface::interior && s.ghost_distance[a] == 0.0)
       s.amplification[a] = 1.0 / std::max(deficit, surface::least_inverted);
   return flags;
 }

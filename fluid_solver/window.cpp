@@ -90,7 +90,7 @@ class WindowSolver {
       if (!q_[a].responds) out.solid_velocity[a] = soil_.velocity[a];
     VecArray<D> flux(n_);
     for (std::size_t a = 0; a < n_; ++a) flux[a] = in_.void_fraction[a] * q_[a].aw / (q_[a].aw + q_[a].C) * pushed(a);
-    const ScalarArray outflow = divergence<D>(s_, flux);
+    const ScalarArray outflow = divergence<D>(s_, flux, Carried::yes);
     ScalarArray b(n_);
     for (std::size_t a = 0; a < n_; ++a) b[a] = s_.volume[a] * (in_.source[a] - outflow[a]) + boundary_[a];
     if (any_response_) {

@@ -104,13 +104,13 @@ struct Wall {
 
 /// [[water_face]]: a face through which water comes and goes. Behind it stands water of a prescribed head or pressure
 /// (pond, reservoir, drain), or a basin whose level follows from what is poured in and what leaves through the face, or
-/// nothing: water only leaves.
+/// nothing: water only leaves. A face that no soil touches lets real water in and out: by discharge, or to keep a head.
 struct WaterFace {
   std::string name;
   Face face;
   std::optional<Series> head;        ///< m: elevation (along -gravity) of the free surface behind; of a basin: at first
   std::optional<Series> pressure;    ///< Pa, uniform on the face
-  std::optional<Series> discharge;   ///< m3/s (2D: m2/s) poured into the basin
+  std::optional<Series> discharge;   ///< m3/s (2D: m2/s) poured into the basin, or let in
   std::optional<Series> basin_area;  ///< m2 (2D: m), horizontal, against elevation [m]: from the bottom up
   bool outlet = false;               ///< nothing behind it
 };

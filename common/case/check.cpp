@@ -274,8 +274,9 @@ class Checker {
       if (kinds != 1)
         fail(key, fmt::format("expected one of 'head', 'pressure', 'discharge' and 'outlet', found {}",
                               kinds == 0 ? "none" : "more"));
-      if (f.discharge.has_value() != f.basin_area.has_value())
-        fail(key, "'discharge' and 'basin_area' belong together: what is poured in, and into what");
+      if (f.basin_area && !f.discharge)
+        fail(key, "'basin_area' belongs to a 'discharge': expected what is poured into the basin");
+      inlet(f, key);
       if (f.basin_area)
         for (std::size_t j = 0; j < f.basin_area->knots.size(); ++j) {
           const auto [z, area] = f.basin_area->knots[j];
@@ -284,6 +285,31 @@ class Checker {
         }
     }
     for (std::size_t i = 0; i < scene_.loads.size(); ++i) face(scene_.loads[i].face, fmt::format("load[{}]", i));
+  }
+
+  /// What a ghost reservoir, which needs no water in particles, and an inlet of real water each stand for.
+  void inlet(const WaterFace& f, const std::string& key) const {
+    const bool real = is_inlet(scene_, f);
+    if (f.discharge && !f.basin_area && !real)
+      fail(key + ".discharge",
+           scene_.general.dimension == 2
+               ? "soil touches the face; expected 'basin_area' with it (a basin behind soil), or an inlet before which "
+                 "no soil lies"
+               : "inlets of real water are for dimension = 2; expected 'basin_area' with it");
+    if (real && f.face.points.size() != 2)
+      fail(key + ".points",
+           fmt::format("an inlet is one straight opening; expected 2 points, found {}", f.face.points.size()));
+    if (real || !f.head || f.face.points.empty()) return;
+    const auto top = free_top(scene_, f);
+    double highest = -HUGE_VAL;
+    for (const auto& [time, value] : f.head->knots) highest = std::max(highest, value);
+    if (top && highest > *top + 1e-9)
+      fail(key + ".head",
+           fmt::format(
+               "the water behind the face rises to {} m, above the face's upper end at {} m, where no wall touches "
+               "it: it would run over, and water behind a face is in no particles; expected a lower head, a "
+               "face or wall up to it, or a reservoir of real water (an inlet away from the soil)",
+               highest, *top));
   }
 
   struct Piece {
@@ -432,6 +458,7 @@ class Checker {
           right += ground(place.right);
         }
       if (face.points.empty() || left > 0 || scene_.water_faces[i].outlet) continue;
+      if (right == 0 && is_inlet(scene_, scene_.water_faces[i])) continue;
       if (right > 0)
         fail(key,
              "soil and water lie to the right of the walk; expected the domain on the left: turn the order of the "

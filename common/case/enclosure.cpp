@@ -103,8 +103,10 @@ class Flood {
       if (face.pressure)
         for (const auto& [time, value] : face.pressure->knots)
           highest = std::max(highest, value / (scene_.water.density * scene_.general.gravity.norm()));
-      if (face.basin_area)
-        for (const auto& x : face.face.points) level_ = std::max(level_, up_.dot(x));
+      // What an inlet lets in stands before it.
+      const double above = is_inlet(scene_, face) ? 2.0 * spacing : 0.0;
+      if (face.discharge)
+        for (const auto& x : face.face.points) level_ = std::max(level_, up_.dot(x) + above);
       if (face.outlet) continue;
       // Water enters just inside.
       for (std::size_t k = 0; k + 1 < face.face.points.size(); ++k) {

@@ -65,6 +65,53 @@ Lattice<D> fill(const Shape& shape, double spacing, const Point3& offset, double
   return lattice;
 }
 
+bool is_inlet(const Case& scene, const WaterFace& face) {
+  const auto& points = face.face.points;
+  if (face.basin_area || points.size() < 2 || (!face.discharge && !face.head)) return false;
+  const double spacing = scene.fluid.particle_spacing;
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+    const Point3 along = points[i + 1] - points[i], left = Point3(-along.y(), along.x(), 0.0).normalized();
+    const int parts = std::clamp(static_cast<int>(along.norm() / spacing), 1, 10000);
+    for (int k = 0; k < parts; ++k) {
+      const Point3 x = points[i] + (k + 0.5) / parts * along + 0.25 * spacing * left;
+      for (const auto& soil : scene.soils)
+        if (contains(soil.shape, x, scene.general.dimension)) return false;
+    }
+  }
+  return true;
+}
+
+std::optional<double> free_top(const Case& scene, const WaterFace& face) {
+  const auto& points = face.face.points;
+  const double g = scene.general.gravity.norm();
+  if (points.size() < 2 || g == 0.0) return std::nullopt;
+  const Point3 up = -scene.general.gravity / g;
+  const Point3 &a = points.front(), &b = points.back();
+  // A level face is held by what stands at both its ends.
+  const double slack = 1e-6 * (b - a).norm();
+  const Point3& top = up.dot(a) > up.dot(b) ? a : b;
+  const auto goes_on = [&](const Face& other, const Point3& end) {
+    if (&other == &face.face) return false;
+    if (other.points.empty()) return std::abs(other.normal.normalized().dot(end - other.point)) < slack;
+    for (std::size_t i = 0; i + 1 < other.points.size(); ++i) {
+      const Point3 s = other.points[i + 1] - other.points[i];
+      const double along = std::clamp(s.dot(end - other.points[i]) / s.squaredNorm(), 0.0, 1.0);
+      if ((other.points[i] + along * s - end).norm() < slack) return true;
+    }
+    return false;
+  };
+  const auto held = [&](const Point3& end) {
+    if (!scene.general.periodic.empty()) return true;
+    for (const auto& wall : scene.walls)
+      if (wall.water != Wall::ForWater::none && goes_on(wall.face, end)) return true;
+    return std::any_of(scene.water_faces.begin(), scene.water_faces.end(),
+                       [&](const WaterFace& other) { return goes_on(other.face, end); });
+  };
+  const bool level = std::abs(up.dot(a - b)) < slack;
+  if (level ? held(a) && held(b) : held(top)) return std::nullopt;
+  return up.dot(top);
+}
+
 template <int D>
 std::vector<sph::ImagePlane<D>> planes_of(const Face& face, int boundary, double margin) {
   std::vector<sph::ImagePlane<D>> planes;

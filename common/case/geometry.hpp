@@ -13,6 +13,14 @@ bool contains(const Shape& shape, const Point3& x, int dimension);
 /// Smallest box around the shape.
 std::pair<Point3, Point3> bounds(const Shape& shape);
 
+/// Does real water come and go through the face, an opening that no soil touches (2D)? Otherwise water stands behind it
+/// that no particles are needed for.
+bool is_inlet(const Case& scene, const WaterFace& face);
+
+/// Elevation [m] of the upper end of a face if no wall or other face touches it there: water behind the
+/// face that stands higher runs over it.
+std::optional<double> free_top(const Case& scene, const WaterFace& face);
+
 /// Particles on a lattice that fills a shape.
 template <int D>
 struct Lattice {

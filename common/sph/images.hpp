@@ -4,6 +4,7 @@
 
 #include "common/core/vector.hpp"
 
+#include <array>
 #include <span>
 
 namespace poretwin::sph {
@@ -20,16 +21,24 @@ struct ImagePlane {
   /// default.
   Vec<D> tangent = Vec<D>::Zero();
   double from = 0.0, to = 0.0;
-  int boundary = 0;  ///< the solver's own number of the boundary, 0..31
+  /// Where the next piece goes on straight or turns away from the domain, images beyond the bisector are that piece's:
+  /// out . (x - at) > 0. No such end: out is zero.
+  struct End {
+    Vec<D> at = Vec<D>::Zero(), out = Vec<D>::Zero();
+  };
+  std::array<End, 2> ends{};
+  double speed = 0.0;  ///< of a mirror along its normal [m/s]: a piston
+  int boundary = 0;    ///< the solver's own number of the boundary, 0..31
 };
 
-/// Images, in the order made; parent is the index of a real particle, map its linear part for vectors (v_image = map
-/// v).
+/// Images, in the order made; parent is the index of a real particle; v_image = map v + carried for velocities, map v
+/// for other vectors.
 template <int D>
 struct Images {
   VecArray<D> position;
   std::vector<Index> parent;
   MatArray<D> map;
+  VecArray<D> carried;                    ///< m/s, from mirrors that move
   std::vector<std::uint32_t> boundaries;  ///< bit b: reached through boundary b
   [[nodiscard]] std::size_t size() const { return parent.size(); }
 };
@@ -39,7 +48,8 @@ struct Images {
 template <int D>
 Images<D> make_images(std::span<const Vec<D>> points, std::span<const ImagePlane<D>> planes, double range) {
   Images<D> images;
-  auto add = [&](const ImagePlane<D>& plane, const Vec<D>& x, Index parent, const Mat<D>& map, std::uint32_t bits) {
+  auto add = [&](const ImagePlane<D>& plane, const Vec<D>& x, Index parent, const Mat<D>& map, const Vec<D>& carried,
+                 std::uint32_t bits) {
     const double distance = plane.normal.dot(x - plane.point);
     if (distance < 0.0 || distance > range) return;
     if (plane.to > plane.from) {
@@ -47,11 +57,15 @@ Images<D> make_images(std::span<const Vec<D>> points, std::span<const ImagePlane
       if (along < plane.from || along > plane.to) return;
     }
     const bool mirror = plane.kind == ImagePlane<D>::Kind::mirror;
+    const Vec<D> image = mirror ? Vec<D>(x - 2.0 * distance * plane.normal) : Vec<D>(x + plane.shift);
+    for (const auto& end : plane.ends)
+      if (end.out.dot(image - end.at) > 0.0) return;
     Mat<D> own = Mat<D>::Identity();
     if (mirror) own -= 2.0 * plane.normal * plane.normal.transpose();
-    images.position.push_back(mirror ? Vec<D>(x - 2.0 * distance * plane.normal) : Vec<D>(x + plane.shift));
+    images.position.push_back(image);
     images.parent.push_back(parent);
     images.map.push_back(own * map);
+    images.carried.push_back(own * carried + 2.0 * plane.speed * plane.normal);
     images.boundaries.push_back(bits | (1u << plane.boundary));
   };
   // An image shifted out through one periodic side is never shifted back through the other: on the side itself it would
@@ -66,10 +80,11 @@ Images<D> make_images(std::span<const Vec<D>> points, std::span<const ImagePlane
     const auto& plane = planes[p];
     const std::size_t made = images.size();
     for (std::size_t i = 0; i < points.size(); ++i)
-      add(plane, points[i], static_cast<Index>(i), Mat<D>::Identity(), 0u);
+      add(plane, points[i], static_cast<Index>(i), Mat<D>::Identity(), Vec<D>::Zero(), 0u);
     for (std::size_t k = 0; k < made; ++k)
       if (!shifted_back(k, plane))
-        add(plane, Vec<D>(images.position[k]), images.parent[k], Mat<D>(images.map[k]), images.boundaries[k]);
+        add(plane, Vec<D>(images.position[k]), images.parent[k], Mat<D>(images.map[k]), Vec<D>(images.carried[k]),
+            images.boundaries[k]);
     made_by.resize(images.size(), p);
   }
   return images;

@@ -284,6 +284,54 @@ TEST_F(CaseFile, LetsWaterThroughWhereItIsMeantTo) {
             "no complaint");
 }
 
+TEST_F(CaseFile, ChecksInletsOfRealWater) {
+  // The left part of the floor is an opening.
+  const std::string open = changed(tank_case, "[[0, 0], [1, 0]]", "[[0.4, 0], [1, 0]]");
+  const auto inlet = [&](const std::string& tank, const std::string& keys) {
+    return complaint(tank + "[[water_face]]\n" + keys + "\n");
+  };
+  const std::string dry = changed(open, "[[fluid.region]]\nmin = [0, 0]\nmax = [1, 0.5]\n", "");
+  for (const auto& tank : {open, dry}) {
+    EXPECT_EQ(inlet(tank, "points = [[0, 0], [0.4, 0]]\ndischarge = 0.01"), "no complaint");
+    EXPECT_EQ(inlet(tank, "points = [[0, 0], [0.4, 0]]\nhead = [[0, 0], [9, 0.6]]"), "no complaint");
+    EXPECT_THAT(inlet(tank, "points = [[0, 0], [0.3, 0]]\ndischarge = 0.01"), HasSubstr("water can run out at"));
+  }
+  EXPECT_THAT(inlet(tank_case, "points = [[0.2, 0], [0.4, 0]]\ndischarge = 0.01"),
+              HasSubstr("lies on wall[1] \"floor\" from [0.2, 0] to [0.4, 0] m"));
+  EXPECT_THAT(inlet(tank_case, "points = [[-0.5, 0.2], [-0.5, 0]]\ndischarge = 0.01"),
+              HasSubstr("water can run out at"));
+  EXPECT_THAT(inlet(open, "points = [[0, 0], [0.2, -0.1], [0.4, 0]]\ndischarge = 0.01"),
+              HasSubstr("an inlet is one straight opening; expected 2 points, found 3"));
+  EXPECT_THAT(inlet(open, "points = [[0, 0], [0.4, 0]]\ndischarge = 0.01\n[[soil]]\nmin = [0, 0]\nmax = [0.3, 0.2]"),
+              HasSubstr("key 'water_face[0].discharge': soil touches the face; expected 'basin_area' with it"));
+}
+
+TEST_F(CaseFile, GhostWaterThatWouldRunOverIsNamed) {
+  const std::string dam = R"([case]
+end_time = 1
+[[soil]]
+shape = "polygon"
+points = [[0, 0], [1.2, 0], [0.8, 0.4], [0.4, 0.4]]
+[fluid]
+particle_spacing = 0.05
+[solid]
+model = "rigid"
+[[wall]]
+points = [[0, 0], [1.2, 0]]
+[[water_face]]
+points = [[0.4, 0.4], [0, 0]]
+head = 0.3
+[[water_face]]
+points = [[1.2, 0], [0.8, 0.4]]
+head = 0
+)";
+  EXPECT_EQ(complaint(dam), "no complaint");
+  EXPECT_THAT(
+      complaint(changed(dam, "head = 0.3", "head = [[0, 0], [10, 0.45]]")),
+      HasSubstr("key 'water_face[0].head': the water behind the face rises to 0.45 m, above the face's upper end "
+                "at 0.4 m, where no wall touches it: it would run over"));
+}
+
 TEST_F(CaseFile, NamesWallsAndFacesInTheWrongPlace) {
   EXPECT_THAT(complaint(changed(tank_case, "[[0, 0], [1, 0]]", "[[1, 0], [0, 0]]")),
               HasSubstr("key 'wall[1].points': water or soil lies to the right of the walk from [1, 0] to [0, 0]"));

@@ -1,0 +1,209 @@
+#include "fluid_solver/inlet.hpp"
+
+#include "common/case/geometry.hpp"
+#include "fluid_solver/fluid_phase.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace poretwin::fluid {
+
+template <int D>
+std::vector<Inlet<D>> make_inlets(const Case& scene) {
+  std::vector<Inlet<D>> inlets;
+  const double dx = scene.fluid.particle_spacing;
+  const Vec<D> weight = scene.general.gravity.head<D>();
+  const Vec<D> up = weight.norm() > 0.0 ? Vec<D>(-weight.normalized()) : Vec<D>(Vec<D>::Zero());
+  for (std::size_t f = 0; f < scene.water_faces.size(); ++f) {
+    const auto& face = scene.water_faces[f];
+    if (!is_inlet(scene, face)) continue;
+    const Vec<D> a = face.face.points.front().head<D>(), b = face.face.points.back().head<D>();
+    Inlet<D> inlet;
+    inlet.face = static_cast<int>(f);
+    inlet.foot = 0.5 * (a + b);
+    inlet.width = (b - a).norm();
+    inlet.tangent = (b - a) / inlet.width;
+    inlet.normal[0] = -inlet.tangent[1];
+    inlet.normal[1] = inlet.tangent[0];
+    inlet.row = std::max(1, static_cast<int>(std::lround(inlet.width / dx)));
+    inlet.spacing = inlet.row * std::pow(dx, D) / inlet.width;
+    inlet.lowest = std::min(up.dot(a), up.dot(b));
+    inlet.highest = std::max(up.dot(a), up.dot(b));
+    inlet.level = inlet.lowest;
+    inlets.push_back(inlet);
+  }
+  return inlets;
+}
+
+template <int D>
+double inlet_speed(const Case& scene, const Inlet<D>& inlet, double time, double interval) {
+  const auto& face = scene.water_faces[static_cast<std::size_t>(inlet.face)];
+  double discharge = 0.0;
+  if (face.discharge) {
+    discharge = face.discharge->integral(time, time + interval) / interval;
+  } else {
+    const double wanted = face.head->at(time + interval);
+    const double depth = std::max(wanted - inlet.lowest, scene.fluid.particle_spacing);
+    discharge = std::sqrt(scene.general.gravity.norm() * depth) * (std::max(wanted, inlet.lowest) - inlet.level);
+  }
+  // An opening draws water as far as it lies under water.
+  if (discharge < 0.0 && !scene.general.gravity.isZero() && inlet.level < inlet.highest + 0.5 * inlet.spacing)
+    return 0.0;
+  return discharge / inlet.width;
+}
+
+template <int D>
+std::vector<sph::ImagePlane<D>> water_planes(const Case& scene, const std::vector<Inlet<D>>& inlets, double margin) {
+  std::vector<sph::ImagePlane<D>> planes;
+  for (std::size_t w = 0; w < scene.walls.size(); ++w)
+    if (scene.walls[w].water != Wall::ForWater::none)
+      for (const auto& plane : planes_of<D>(scene.walls[w].face, static_cast<int>(w), 0.0)) planes.push_back(plane);
+  const std::size_t walls = planes.size();
+  for (const auto& inlet : inlets)
+    planes.push_back(
+        planes_of<D>(scene.water_faces[static_cast<std::size_t>(inlet.face)].face, piston_boundary, 0.0)[0]);
+  // Pieces are walked with the domain on the left: the next one begins where this one ends.
+  std::vector<std::array<Vec<D>, 2>> corners;
+  for (const auto& plane : planes)
+    corners.push_back({plane.point + (plane.from - plane.tangent.dot(plane.point)) * plane.tangent,
+                       plane.point + (plane.to - plane.tangent.dot(plane.point)) * plane.tangent});
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    auto& plane = planes[i];
+    if (plane.tangent.isZero()) continue;
+    std::array<double, 2> longer{margin, margin};
+    for (std::size_t j = 0; j < planes.size(); ++j) {
+      if (i == j || planes[j].tangent.isZero()) continue;
+      for (const std::size_t e : {0, 1}) {
+        const std::size_t across = 1 - e;
+        if ((corners[i][e] - corners[j][across]).norm() > 0.01 * margin) continue;
+        // Does the wall turn towards the domain here? A little less than straight counts as straight.
+        const Vec<D> outward = e == 1 ? plane.tangent : Vec<D>(-plane.tangent);
+        const Vec<D> onward = e == 1 ? planes[j].tangent : Vec<D>(-planes[j].tangent);
+        if (plane.normal.dot(onward) > 0.01) continue;
+        longer[e] = 0.0;
+        const Vec<D> bisector = (outward + onward).normalized();
+        // On the bisector itself the image is the earlier piece's.
+        plane.ends[e] = {corners[i][e] + (e == 1 ? 1e-9 : -1e-9) * margin * bisector, bisector};
+      }
+    }
+    plane.from -= longer[0];
+    plane.to += longer[1];
+  }
+  for (std::size_t i = 0; i < inlets.size(); ++i) {
+    planes[walls + i].point += inlets[i].piston * inlets[i].normal;
+    planes[walls + i].speed = inlets[i].speed;
+  }
+  for (const auto& plane : periodic_planes<D>(scene.general, periodic_boundary)) planes.push_back(plane);
+  return planes;
+}
+
+template <int D>
+void Fluid<D>::place_pistons() {
+  planes_ = water_planes<D>(scene_, state_.inlets, 6.0 * dx_);
+}
+
+/// What the inlets do in the window that begins: the levels before them from the free water's surface near by.
+template <int D>
+void Fluid<D>::set_inlets(double time, double interval) {
+  if (state_.inlets.empty()) return;
+  const auto& p = state_.particles;
+  const double near = 4.0 * dx_;
+  const Vec<D> up = weight_.norm() > 0.0 ? Vec<D>(-weight_.normalized()) : Vec<D>(Vec<D>::Zero());
+  double lowest = HUGE_VAL, highest = -HUGE_VAL;
+  for (std::size_t a = 0; a < p.size(); ++a) {
+    if (p.mask[a] > 0.5 || p.surface[a] == Surface::lone) continue;
+    lowest = std::min(lowest, up.dot(p.position[a]) - 0.5 * dx_);
+    highest = std::max(highest, up.dot(p.position[a]) + 0.5 * dx_);
+  }
+  if (highest > lowest)
+    state_.wave_speed = std::max(state_.wave_speed, std::sqrt(scene_.general.gravity.norm() * (highest - lowest)));
+  for (auto& inlet : state_.inlets) {
+    double level = 0.0, surface = 0.0, head = 0.0, water = 0.0;
+    for (std::size_t a = 0; a < p.size(); ++a) {
+      const Vec<D> way = p.position[a] - inlet.foot;
+      const double height = up.dot(p.position[a]), aside = (way - up.dot(way) * up).norm();
+      const double half = 0.5 * inlet.width * (inlet.tangent - up.dot(inlet.tangent) * up).norm();
+      if (p.mask[a] > 0.5 || height < inlet.lowest || aside > half + near) continue;
+      if (p.surface[a] == Surface::surface) {
+        surface += 1.0;
+        level += height + 0.5 * spacing_of<D>(p.volume[a]) * p.row[a];
+      } else if (p.surface[a] == Surface::interior && inlet.before(p.position[a]) &&
+                 inlet.depth(p.position[a]) < 2.0 * inlet.spacing) {
+        water += 1.0;
+        head += p.pressure[a];
+      }
+    }
+    // A pipe that runs full has no surface.
+    if (surface > 0.0)
+      inlet.level = level / surface;
+    else
+      inlet.level = water > 0.0 ? head / (water * weight_.norm()) + up.dot(origin_) : inlet.lowest;
+    inlet.speed = inlet_speed(scene_, inlet, time, interval);
+    const double volume = inlet.speed * inlet.width * interval;
+    (volume > 0.0 ? state_.balance.in : state_.balance.out) += std::abs(volume);
+  }
+  place_pistons();
+}
+
+template <int D>
+void Fluid<D>::push_pistons(double interval) {
+  if (state_.inlets.empty()) return;
+  for (auto& inlet : state_.inlets) inlet.piston += interval * inlet.speed;
+  place_pistons();
+}
+
+/// Rows for what pistons pushed in, and water taken away that has followed them out.
+template <int D>
+void Fluid<D>::serve_inlets() {
+  auto& p = state_.particles;
+  for (auto& inlet : state_.inlets) {
+    while (inlet.piston >= 0.5 * inlet.spacing) {
+      double pressure = 0.0, count = 0.0;
+      for (std::size_t a = 0; a < p.size(); ++a)
+        if (inlet.before(p.position[a]) && std::abs(inlet.depth(p.position[a])) < inlet.spacing) {
+          pressure += p.pressure[a];
+          count += 1.0;
+        }
+      inlet.piston -= inlet.spacing;
+      const double volume = inlet.width * inlet.spacing / inlet.row;
+      for (int i = 0; i < inlet.row; ++i) {
+        const Vec<D> x = inlet.foot + ((i + 0.5) / inlet.row - 0.5) * inlet.width * inlet.tangent +
+                         (inlet.piston + 0.5 * inlet.spacing) * inlet.normal;
+        p.add(x, inlet.speed * inlet.normal, density_ * volume, 1.0, volume,
+              count > 0.0 ? pressure / count : -weight_.dot(x - origin_));
+        ++state_.counts.born;
+        inlet.net += volume;
+      }
+    }
+    if (inlet.piston > -inlet.spacing) continue;
+    std::vector<std::pair<double, std::size_t>> nearest;
+    for (std::size_t a = 0; a < p.size(); ++a)
+      if (const double depth = inlet.depth(p.position[a]);
+          p.mask[a] <= 0.5 && inlet.before(p.position[a]) && depth < 2.0 * inlet.spacing)
+        nearest.emplace_back(depth, a);
+    std::sort(nearest.begin(), nearest.end());
+    nearest.resize(std::min(nearest.size(), static_cast<std::size_t>(inlet.row)));
+    std::vector<bool> keep(p.size(), true);
+    for (const auto& [depth, a] : nearest) {
+      keep[a] = false;
+      const double volume = p.mass[a] / density_;
+      inlet.net -= volume;
+      inlet.piston += volume / inlet.width;
+      ++state_.counts.deleted;
+    }
+    p.filter(keep);
+  }
+  place_pistons();
+}
+
+#define PORETWIN_INSTANTIATE(D)                                                 \
+  template std::vector<Inlet<D>> make_inlets<D>(const Case&);                   \
+  template double inlet_speed<D>(const Case&, const Inlet<D>&, double, double); \
+  template std::vector<sph::ImagePlane<D>> water_planes<D>(const Case&, const std::vector<Inlet<D>>&, double);
+PORETWIN_INSTANTIATE(2)
+PORETWIN_INSTANTIATE(3)
+#undef PORETWIN_INSTANTIATE
+template class Fluid<2>;
+template class Fluid<3>;
+
+}  // namespace poretwin::fluid
