@@ -144,12 +144,12 @@ void internal_force(const std::vector<Node<D>>& nodes, const Pairs& pairs, Size 
               for (Size c = 0; c < D * D; ++c) other[c] += self[N::at_flux + c];
               times<D>(other, kr, felt);
               const Lanes share = k * (self[N::at_density] + head[N::at_density]);
-              Lanes resist = viscosity * share * approach / (squared + clip);
+              Lanes resist = share * approach / (squared + clip);
               Lanes rubbing =
                   head[N::at_rubbing] > self[N::at_rubbing] ? head[N::at_rubbing] : Lanes{} + self[N::at_rubbing];
               const LaneMask rubs = rubbing > 0.0;
               if (any(rubs)) {
-                resist *= rubs ? Lanes{} + collision / viscosity : Lanes{} + 1.0;
+                resist *= rubs ? Lanes{} + collision : Lanes{} + viscosity;
                 // Coulomb's friction of the collision.
                 const LaneMask collides = rubs & (approach > 0.0);
                 const Lanes pull = approach / (collides ? squared : Lanes{} + 1.0);
@@ -163,6 +163,7 @@ void internal_force(const std::vector<Node<D>>& nodes, const Pairs& pairs, Size 
                 friction = collides ? friction : Lanes{};
                 for (Size d = 0; d < D; ++d) felt[D + d] = friction * along[d] - resist * r[d];
               } else {
+                resist *= viscosity;
                 for (Size d = 0; d < D; ++d) felt[D + d] = -resist * r[d];
               }
               const Lanes firm = head[N::at_firmness] < firmness ? head[N::at_firmness] : Lanes{} + firmness;
