@@ -6,7 +6,6 @@
 #include "solid_solver/rough_walls.hpp"
 
 #include <fmt/format.h>
-#include <omp.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,8 +14,6 @@
 namespace poretwin::solid {
 namespace {
 
-/// Fewer particles a thread are not worth the waiting.
-constexpr std::size_t least_per_thread = 10000;
 constexpr double lengths_per_spacing = 1.2;  // h / dx, the paper's
 
 /// Particles near a straight piece of face, nearest piece first taken. reach [m]: two supports, because a surface
@@ -105,7 +102,6 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
     throw CaseError("no soil particle lies in any [[soil]] shape: check shapes and solid.particle_spacing");
   hold_soil_behind_rough_walls<D>(scene.walls, setup, particles);
   const std::size_t n = particles.size();
-  setup.threads = std::clamp<std::size_t>(n / least_per_thread, 1, static_cast<std::size_t>(omp_get_max_threads()));
   particles.displacement.assign(n, Vec<D>::Zero());
   particles.velocity.assign(n, Vec<D>::Zero());
   std::fill_n(particles.velocity.begin(), particles.free(), Vec<D>(scene.solid.initial_velocity.head<D>()));
