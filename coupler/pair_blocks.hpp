@@ -3,9 +3,9 @@
 // cache, they never change a result: candidates stand in the caller's order, and those out of reach weigh exactly 0.
 #pragma once
 
+#include "common/core/lanes.hpp"
 #include "common/core/vector.hpp"
 #include "common/coupling/exchange.hpp"
-#include "coupler/lanes.hpp"
 
 #include <array>
 #include <cstdint>

@@ -86,8 +86,8 @@ void wrap_periodic(const Boundaries<D>& boundaries, VecArray<D>& positions) {
 }
 
 template <int D>
-void build_neighbourhood(const Boundaries<D>& boundaries, double range, const Particles<D>& particles,
-                         Neighbourhood<D>& near) {
+void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::size_t n_parts,
+                         const Particles<D>& particles, Neighbourhood<D>& near) {
   near.built_at = particles.position;
   const auto images = sph::make_images<D>(std::span<const Vec<D>>(particles.position),
                                           std::span<const sph::ImagePlane<D>>(boundaries.planes), range);
@@ -103,7 +103,7 @@ void build_neighbourhood(const Boundaries<D>& boundaries, double range, const Pa
     find_crossings(boundaries, images.boundaries[k], rule);
     rule.periodic = only_periodic(boundaries, images.boundaries[k]);
   }
-  pair_up<D>(sources, particles.free(), particles.size(), range, near.pairs);
+  pair_up<D>(sources, particles.free(), particles.size(), range, n_parts, near.pairs);
 }
 
 template <int D>
@@ -111,7 +111,7 @@ void fill_nodes(const Particles<D>& p, const Neighbourhood<D>& near, const VecAr
                 std::vector<Node<D>>& nodes) {
   const std::size_t n = p.size();
   nodes.resize(n + near.images.size());
-  for (std::size_t i = 0; i < n; ++i) {
+  for_rows(near.pairs, 0, n, [&](std::size_t i) {
     Node<D>& node = nodes[i];
     node.position = p.position[i];
     node.velocity = p.velocity[i];
@@ -121,10 +121,11 @@ void fill_nodes(const Particles<D>& p, const Neighbourhood<D>& near, const VecAr
     node.displacement = p.displacement[i];
     node.deformation = p.deformation[i];
     node.flux.noalias() = matrix_of<D>(p.stress[i]) * p.correction[i];
-    node.elastic = p.plastic_strain[i] <= 0.0;
-    node.rubbing = p.rubbing[i];
-    node.control = p.plastic_strain[i] > flow_limit ? 0.0 : 1.0;
-  }
+    node.firmness = p.plastic_strain[i] <= 0.0          ? Node<D>::elastic
+                    : p.plastic_strain[i] <= flow_limit ? Node<D>::yielded
+                                                        : Node<D>::flows;
+    node.rubbing = static_cast<double>(p.rubbing[i]);
+  });
   for (std::size_t k = 0; k < near.images.size(); ++k) {
     const ImageRule<D>& rule = near.images[k];
     Node<D>& node = nodes[n + k];
@@ -140,7 +141,7 @@ void fill_nodes(const Particles<D>& p, const Neighbourhood<D>& near, const VecAr
       const double distance = wall.normal.dot(nodes[rule.parent].position) - wall.level;
       const Vec<D> row = rule.map * (p.correction[rule.parent] * (rule.map.transpose() * wall.normal));
       double carried = 1.0;
-      if (!node.elastic) {
+      if (node.firmness < Node<D>::elastic) {
         // Soil that yields at a wall has no more slope than the wall's reaction to it: none once it has come loose.
         const double weight = distance * std::abs(wall.normal.dot(body[rule.parent]));
         const double reaction = -wall.normal.dot(matrix_of<D>(p.stress[rule.parent]) * wall.normal);
@@ -154,7 +155,7 @@ void fill_nodes(const Particles<D>& p, const Neighbourhood<D>& near, const VecAr
 template <int D>
 void fill_velocities(const Particles<D>& p, const Neighbourhood<D>& near, std::vector<Node<D>>& nodes) {
   const std::size_t n = p.size();
-  for (std::size_t i = 0; i < n; ++i) nodes[i].velocity = p.velocity[i];
+  for_rows(near.pairs, 0, n, [&](std::size_t i) { nodes[i].velocity = p.velocity[i]; });
   for (std::size_t k = 0; k < near.images.size(); ++k) {
     const ImageRule<D>& rule = near.images[k];
     nodes[n + k].velocity = rule.velocity * nodes[rule.parent].velocity;
@@ -167,8 +168,8 @@ template Boundaries<2> make_boundaries<2>(const Case&, double);
 template Boundaries<3> make_boundaries<3>(const Case&, double);
 template void wrap_periodic<2>(const Boundaries<2>&, VecArray<2>&);
 template void wrap_periodic<3>(const Boundaries<3>&, VecArray<3>&);
-template void build_neighbourhood<2>(const Boundaries<2>&, double, const Particles<2>&, Neighbourhood<2>&);
-template void build_neighbourhood<3>(const Boundaries<3>&, double, const Particles<3>&, Neighbourhood<3>&);
+template void build_neighbourhood<2>(const Boundaries<2>&, double, std::size_t, const Particles<2>&, Neighbourhood<2>&);
+template void build_neighbourhood<3>(const Boundaries<3>&, double, std::size_t, const Particles<3>&, Neighbourhood<3>&);
 template void fill_nodes<2>(const Particles<2>&, const Neighbourhood<2>&, const VecArray<2>&, double,
                             std::vector<Node<2>>&);
 template void fill_nodes<3>(const Particles<3>&, const Neighbourhood<3>&, const VecArray<3>&, double,

@@ -1,8 +1,9 @@
 #include "solid_solver/flow.hpp"
 
+#include "solid_solver/pair_loops.hpp"
+
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 namespace poretwin::solid {
 namespace {
@@ -21,84 +22,156 @@ constexpr double largest_excess = 0.1;  // of relative density
 /// h^2 sum V |W'/r| over a full neighbourhood, in 2D and in 3D.
 constexpr double full_weight = 3.5;
 
-/// The particle whose stress and volume node j shows: itself, its original across a periodic side; none behind walls.
-template <int D>
-std::optional<std::size_t> source_of(const State<D>& state, std::size_t j) {
-  const std::size_t n = state.particles.size();
-  if (j < n) return j;
-  const ImageRule<D>& rule = state.near.images[j - n];
-  return rule.periodic ? std::optional<std::size_t>(rule.parent) : std::nullopt;
-}
-
 /// How many of a stress's components can differ from zero.
 template <int D>
 constexpr int n_components = D == 2 ? 4 : 6;
-template <int D>
-using Components = Eigen::Matrix<double, n_components<D>, 1>;
 
+/// What the sums read of nodes, four at a time.
 template <int D>
-Components<D> components(const Tensor& t) {
-  return t.template head<n_components<D>>();
+void fill_grains(const State<D>& state, Scratch<D>& scratch) {
+  const auto& p = state.particles;
+  scratch.grains.resize(state.nodes.size());
+  auto fill = [&](std::size_t j) {
+    const Node<D>& node = state.nodes[j];
+    Grain<D>& grain = scratch.grains[j];
+    const ImageRule<D>* const image = j < p.size() ? nullptr : &state.near.images[j - p.size()];
+    const std::size_t source = image ? image->parent : j;
+    grain.position = node.position;
+    grain.volume = node.volume;
+    grain.mass = node.volume * node.density;
+    grain.shown = image && !image->periodic ? 0.0 : p.volume[source];
+    grain.swollen = p.volume[source] / p.mass[source];
+    grain.flows = scratch.flows[source] ? 1.0 : 0.0;
+    grain.stress = p.stress[source].template head<n_components<D>>();
+  };
+  for_rows(state.near.pairs, 0, p.size(), fill);
+  for (std::size_t j = p.size(); j < state.nodes.size(); ++j) fill(j);
 }
 
 /// Stress gradients [Pa/m] of the particles that flow, exact for linear stress up to the soil's surface.
 template <int D>
 void stress_slopes(const State<D>& state, Scratch<D>& scratch) {
-  const auto& p = state.particles;
-  const std::size_t n = p.size();
-  scratch.slope.assign(n, Eigen::Matrix<double, n_components<D>, D>::Zero());
-  scratch.moment.assign(n, Mat<D>::Zero());
-  for_each_pair(state.near.pairs, [&](std::size_t i, std::size_t node, std::size_t m, bool both) {
-    const auto j = source_of(state, node);
-    if (!j || !(scratch.flows[i] || (both && scratch.flows[*j]))) return;
-    const Vec<D> r = state.nodes[i].position - state.nodes[node].position, w = state.kernel[m] * r;
-    const Eigen::Matrix<double, n_components<D>, D> rise =
-        (components<D>(p.stress[*j]) - components<D>(p.stress[i])) * w.transpose();
-    const Mat<D> square = r * w.transpose();
-    scratch.slope[i] += p.volume[*j] * rise;
-    scratch.moment[i] -= p.volume[*j] * square;
-    if (!both) return;
-    scratch.slope[*j] += p.volume[i] * rise;
-    scratch.moment[*j] -= p.volume[i] * square;
+  using G = Grain<D>;
+  using Own = typename decltype(scratch.slope_sums)::value_type;
+  constexpr std::size_t n_stress = n_components<D>;
+  const std::size_t n = state.particles.size();
+  const Pairs& pairs = state.near.pairs;
+  scratch.slope_sums.assign(n, {});
+  const G* const grains = scratch.grains.data();
+  Own* const sums = scratch.slope_sums.data();
+  for_rows_in_lanes(
+      pairs, 0, n, [&](std::size_t i) __attribute__((always_inline)) {
+        const double* const self = grains[i].row();
+        const double shown = grains[i].shown;
+        Lanes own[Own::size] = {};
+        for_four_pairs(
+            pairs, i, [&](std::size_t m, bool both) __attribute__((always_inline)) {
+              const Index* const index = &pairs.index[m];
+              const auto rows = rows_at(grains, index);
+              Lanes head[G::at_stress], stress[n_stress], w[D], r[D], felt[Own::size] = {};
+              gather<0, G::at_stress>(rows, head);
+              if (self[G::at_flows] == 0.0 && !(both && any(head[G::at_flows] > 0.0))) return;
+              gather<G::at_stress, n_stress>(rows, stress);
+              const Lanes k = *reinterpret_cast<const LooseLanes*>(&state.kernel[m]);
+              for (std::size_t d = 0; d < D; ++d) {
+                r[d] = self[d] - head[d];
+                w[d] = k * r[d];
+              }
+              std::size_t c = 0;
+              for (std::size_t d = 0; d < D; ++d)
+                for (std::size_t a = 0; a < n_stress; ++a) felt[c++] = (stress[a] - self[G::at_stress + a]) * w[d];
+              for (std::size_t b = 0; b < D; ++b)
+                for (std::size_t a = 0; a <= b; ++a) felt[c++] = -r[a] * w[b];
+              for (std::size_t q = 0; q < c; ++q) own[q] += head[G::at_shown] * felt[q];
+              if (!both) return;
+              for (std::size_t q = 0; q < c; ++q) felt[q] *= shown;
+              scatter_add<Own::size>(felt, sums_at(sums, index));
+            });
+        add_lanes<Own::size>(own, sums[i].x.data());
+      });
+  for_rows(pairs, 0, n, [&](std::size_t i) {
+    if (!scratch.flows[i]) return;
+    const double* const sum = scratch.slope_sums[i].x.data();
+    const double* square = sum + n_stress * D;
+    Mat<D> moment;
+    for (int b = 0; b < D; ++b)
+      for (int a = 0; a <= b; ++a) moment(a, b) = moment(b, a) = *square++;
+    scratch.grains[i].slope =
+        Eigen::Map<const Eigen::Matrix<double, n_components<D>, D>>(sum) * invert_moment<D>(moment);
   });
-  for (std::size_t i = 0; i < n; ++i)
-    if (scratch.flows[i]) scratch.slope[i] = (scratch.slope[i] * invert_moment<D>(scratch.moment[i])).eval();
+  for (std::size_t j = n; j < scratch.grains.size(); ++j)
+    scratch.grains[j].slope = scratch.grains[state.near.images[j - n].parent].slope;
 }
 
-/// Kernel sums around the particles that flow: what neighbours' linear stresses do not explain, how much larger the
-/// neighbours' volumes are, how crowded and how covered each place is.
+/// Kernel sums around the particles that flow (Around): what neighbours' linear stresses do not explain, how much
+/// larger the neighbours' volumes are, how crowded and how covered each place is.
 template <int D>
 void sum_neighbours(const State<D>& state, double h, Scratch<D>& scratch) {
-  const auto& p = state.particles;
-  const std::size_t n = p.size();
-  scratch.noise.assign(n, Components<D>::Zero());
-  scratch.swelling.assign(n, 0.0);
-  scratch.crowding.assign(n, Vec<D>::Zero());
-  scratch.cover.resize(n);
-  for (std::size_t i = 0; i < n; ++i) scratch.cover[i] = p.volume[i] * sph::WendlandC2<D>::value(0.0, h);
-  for_each_pair(state.near.pairs, [&](std::size_t i, std::size_t node, std::size_t m, bool both) {
-    const Node<D>&self = state.nodes[i], &other = state.nodes[node];
-    const bool own = scratch.flows[i], theirs = both && scratch.flows[node];
-    if (!own && !theirs) return;
-    const Vec<D> r = self.position - other.position;
-    const double k = state.kernel[m], value = sph::WendlandC2<D>::value(r.norm(), h);
-    scratch.crowding[i] += (other.volume * other.density * k) * r;
-    scratch.cover[i] += other.volume * value;
-    if (both) {
-      scratch.crowding[node] -= (self.volume * self.density * k) * r;
-      scratch.cover[node] += self.volume * value;
-    }
-    const auto j = source_of(state, node);
-    if (!j || !own || !scratch.flows[*j]) return;
-    const Components<D> noise = k * (components<D>(p.stress[*j]) - components<D>(p.stress[i]) +
-                                     0.5 * ((scratch.slope[i] + scratch.slope[*j]) * r));
-    const double ratio = p.volume[*j] * p.mass[i] / (p.mass[*j] * p.volume[i]);
-    scratch.noise[i] -= p.volume[*j] * noise;
-    scratch.swelling[i] -= p.volume[*j] * k * (ratio - 1.0);
-    if (!both) return;
-    scratch.noise[*j] += p.volume[i] * noise;
-    scratch.swelling[*j] -= p.volume[i] * k * (1.0 / ratio - 1.0);
-  });
+  using G = Grain<D>;
+  using A = Around<D>;
+  using Own = typename decltype(scratch.around)::value_type;
+  constexpr std::size_t n_stress = n_components<D>;
+  const std::size_t n = state.particles.size();
+  const Pairs& pairs = state.near.pairs;
+  const double centre = sph::WendlandC2<D>::value(0.0, h), half_inverse = 0.5 / h;
+  scratch.around.assign(n, {});
+  const G* const grains = scratch.grains.data();
+  Own* const sums = scratch.around.data();
+  for_rows_in_lanes(
+      pairs, 0, n, [&](std::size_t i) __attribute__((always_inline)) {
+        const double* const self = grains[i].row();
+        Lanes own[Own::size] = {};
+        for_four_pairs(
+            pairs, i, [&](std::size_t m, bool both) __attribute__((always_inline)) {
+              const Index* const index = &pairs.index[m];
+              const auto rows = rows_at(grains, index);
+              Lanes head[G::at_stress], other[n_stress], slope[n_stress * D], r[D], felt[Own::size] = {},
+                                                                                    theirs[Own::size] = {};
+              gather<0, G::at_stress>(rows, head);
+              const bool flows = self[G::at_flows] > 0.0;
+              if (!flows && !(both && any(head[G::at_flows] > 0.0))) return;
+              const Lanes k = *reinterpret_cast<const LooseLanes*>(&state.kernel[m]);
+              Lanes distance{};
+              for (std::size_t d = 0; d < D; ++d) {
+                r[d] = self[d] - head[d];
+                distance += r[d] * r[d];
+              }
+              take_root(distance);
+              Lanes u = 1.0 - half_inverse * distance;
+              raise_to(u, Lanes{});
+              const Lanes value = centre * (u * u) * (u * u) * (5.0 - 4.0 * u);
+              felt[A::at_cover] = head[G::at_volume] * value;
+              theirs[A::at_cover] = self[G::at_volume] * value;
+              for (std::size_t d = 0; d < D; ++d) {
+                felt[A::at_crowding + d] = head[G::at_mass] * k * r[d];
+                theirs[A::at_crowding + d] = -self[G::at_mass] * k * r[d];
+              }
+              if (flows) {
+                gather<G::at_stress, n_stress>(rows, other);
+                gather<G::at_slope, n_stress * D>(rows, slope);
+                const Lanes weight = -k * head[G::at_flows], they = weight * head[G::at_shown],
+                            me = weight * self[G::at_shown];
+                for (std::size_t a = 0; a < n_stress; ++a) {
+                  Lanes unexplained = other[a] - self[G::at_stress + a];
+                  for (std::size_t d = 0; d < D; ++d)
+                    unexplained += 0.5 * (self[G::at_slope + n_stress * d + a] + slope[n_stress * d + a]) * r[d];
+                  felt[a] = they * unexplained;
+                  theirs[a] = -me * unexplained;
+                }
+                felt[A::at_swelling] = they * (head[G::at_swollen] / self[G::at_swollen] - 1.0);
+                theirs[A::at_swelling] = me * (self[G::at_swollen] / head[G::at_swollen] - 1.0);
+              }
+              // A pair with itself fills the list up.
+              const Lanes real = distance > 0.0 ? Lanes{} + 1.0 : Lanes{};
+              felt[A::at_cover] *= real;
+              for (std::size_t q = 0; q < A::size; ++q) own[q] += felt[q];
+              if (!both) return;
+              theirs[A::at_cover] *= real;
+              scatter_add<Own::size>(theirs, sums_at(sums, index));
+            });
+        own[A::at_cover][0] += state.particles.volume[i] * centre;
+        add_lanes<Own::size>(own, sums[i].x.data());
+      });
 }
 
 }  // namespace
@@ -122,23 +195,27 @@ void keep_flow_regular(const Setup<D>& setup, double dt, State<D>& state) {
         p.stress[i], Tensor::Zero(),
         {state.external.saturation[i], setup.grain_density[p.material[i]] * p.volume[i] / p.mass[i] - 1.0});
   };
+  fill_grains<D>(state, scratch);
   stress_slopes<D>(state, scratch);
   sum_neighbours<D>(state, h, scratch);
-  for (std::size_t i = 0; i < n; ++i) {
-    if (!scratch.flows[i]) continue;
+  for_rows(state.near.pairs, 0, n, [&](std::size_t i) {
+    if (!scratch.flows[i]) return;
     const double density = setup.density[p.material[i]], reference = p.mass[i] / density;
-    const Vec<D> crowding = scratch.crowding[i] / density;
+    const double* const around = scratch.around[i].x.data();
+    const double cover = around[Around<D>::at_cover];
+    const Vec<D> crowding = Eigen::Map<const Vec<D>>(around + Around<D>::at_crowding) / density;
     Tensor& stress = p.stress[i];
     const double mean = trace(stress) / 3.0;
     double& volume = p.volume[i];
-    stress.template head<n_components<D>>() += stress_share * scale * scratch.noise[i];
-    volume *= 1.0 + volume_share * scale * scratch.swelling[i];
-    if (crowding.norm() * h > surface || scratch.cover[i] < 0.8) {
+    stress.template head<n_components<D>>() +=
+        stress_share * scale * Eigen::Map<const Eigen::Matrix<double, n_components<D>, 1>>(around);
+    volume *= 1.0 + volume_share * scale * around[Around<D>::at_swelling];
+    if (crowding.norm() * h > surface || cover < 0.8) {
       models(i);
-      continue;
+      return;
     }
     // In wet soil the water's pressure keeps the volume; a density taken from the positions would squeeze it.
-    if (state.external.coverage[i] <= 0.5) volume *= 1.0 - packing_share * (scratch.cover[i] - 1.0);
+    if (state.external.coverage[i] <= 0.5) volume *= 1.0 - packing_share * (cover - 1.0);
     const double strain = std::min(largest_strain, interval * 2.0 * root_j2(strain_rate<D>(p.gradient[i])));
     if (setup.constant_volume[p.material[i]]) {
       const double bulk = setup.models[p.material[i]]->elasticity().bulk;
@@ -147,12 +224,12 @@ void keep_flow_regular(const Setup<D>& setup, double dt, State<D>& state) {
       for (int d = 0; d < 3; ++d) stress[d] -= rise;
     }
     models(i);
-    if (i >= p.free()) continue;
+    if (i >= p.free()) return;
     Vec<D> move = -(evening * strain * h * h) * crowding;
     const double length = move.norm(), most = longest_move * setup.spacing;
     if (length > most) move *= most / length;
     p.position[i] += move;
-  }
+  });
 }
 
 template void keep_flow_regular<2>(const Setup<2>&, double, State<2>&);

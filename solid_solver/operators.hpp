@@ -50,69 +50,16 @@ inline Mat<D> invert_moment(const Mat<D>& moment) {
   return invert_above<D>(moment, floor);
 }
 
-/// The positive part; by value and in this form it costs no branch.
-inline double positive(double x) { return 0.5 * (x + std::abs(x)); }
-
-/// W'/r of a pair at distance r [1/m^(D+2)]: scale u^3 with u = 1 - r / 2h.
-template <int D>
-struct PairKernel {
-  double scale, half_inverse;
-  explicit PairKernel(double h) : scale(-5.0 * sph::WendlandC2<D>::normalisation(h) / (h * h)), half_inverse(0.5 / h) {}
-  double operator()(double squared_distance) const {
-    const double u = positive(1.0 - half_inverse * std::sqrt(squared_distance));
-    return scale * u * u * u;
-  }
-};
-
 /// W'/r of the pairs of the rows from `first` on.
 template <int D>
 void pair_kernels(const std::vector<Node<D>>& nodes, const Pairs& pairs, double h, std::size_t first,
-                  ScalarArray& kernel) {
-  const PairKernel<D> derivative(h);
-  kernel.resize(pairs.index.size());
-  for (std::size_t i = first; i < pairs.size(); ++i)
-    for (std::size_t m = pairs.offset[i]; m < pairs.offset[i + 1]; ++m)
-      kernel[m] = derivative((nodes[i].position - nodes[pairs.index[m]].position).squaredNorm());
-}
+                  ScalarArray& kernel);
 
 /// Corrected velocity gradient, Eqs. (88), (89) made exact for linear fields near images and free surfaces alike;
 /// the correction B it needs comes with it.
 template <int D>
 void velocity_gradient(const std::vector<Node<D>>& nodes, const Pairs& pairs, const ScalarArray& kernel,
-                       Scratch<D>& scratch, MatArray<D>& gradient, MatArray<D>& correction) {
-  scratch.raw.assign(pairs.size(), Mat<D>::Zero());
-  scratch.moment.assign(pairs.size(), Mat<D>::Zero());
-  Mat<D>* const raws = scratch.raw.data();
-  Mat<D>* const moments = scratch.moment.data();
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    const Vec<D> x = nodes[i].position, v = nodes[i].velocity;
-    const double volume = nodes[i].volume;
-    Mat<D> raw = raws[i], moment = moments[i];
-    const std::size_t alone = pairs.alone[i], end = pairs.offset[i + 1];
-    for (std::size_t m = pairs.offset[i]; m < alone; ++m) {
-      const std::size_t j = pairs.index[m];
-      const Node<D>& other = nodes[j];
-      const Vec<D> r = x - other.position, w = kernel[m] * r;
-      const Mat<D> stretch = (other.velocity - v) * w.transpose(), square = r * w.transpose();
-      raw += other.volume * stretch;
-      moment -= other.volume * square;
-      raws[j] += volume * stretch;
-      moments[j] -= volume * square;
-    }
-    for (std::size_t m = alone; m < end; ++m) {
-      const Node<D>& other = nodes[pairs.index[m]];
-      const Vec<D> r = x - other.position, w = (other.volume * kernel[m]) * r;
-      raw += (other.velocity - v) * w.transpose();
-      moment -= r * w.transpose();
-    }
-    if (moment(0, 0) == 0.0) {  // no neighbours at all
-      gradient[i].setZero();
-      continue;
-    }
-    correction[i] = invert_moment<D>(moment);
-    gradient[i].noalias() = raw * correction[i];
-  }
-}
+                       Scratch<D>& scratch, MatArray<D>& gradient, MatArray<D>& correction);
 
 /// Internal force per volume, the exact adjoint of velocity_gradient (cf. Eq. (60)):
 ///   f_i = sum_j V_j (sigma_i B_i + sigma_j B_j) grad W_ij.   Node::flux holds sigma B.
@@ -124,61 +71,8 @@ void velocity_gradient(const std::vector<Node<D>>& nodes, const Pairs& pairs, co
 /// particles; kernels of their rows are left in `kernel`.
 template <int D>
 void internal_force(const std::vector<Node<D>>& nodes, const Pairs& pairs, std::size_t n_free, double h,
-                    const Stabilisers& stabilisers, ScalarArray& kernel, VecArray<D>& internal,
-                    VecArray<D>& stabilising) {
-  const PairKernel<D> derivative(h);
-  const double control = 0.25 * stabilisers.zero_energy * stabilisers.sound_speed * h;
-  const double stiffness = stabilisers.stiffness * stabilisers.modulus;
-  const double viscosity = 0.5 * stabilisers.artificial * stabilisers.sound_speed * h;
-  const double collision = 0.5 * stabilisers.collision * stabilisers.sound_speed * h;
-  const double clip = 0.01 * h * h;
-  kernel.resize(pairs.index.size());
-  std::fill(internal.begin(), internal.end(), Vec<D>::Zero());
-  std::fill(stabilising.begin(), stabilising.end(), Vec<D>::Zero());
-  for (std::size_t i = 0; i < n_free; ++i) {
-    const Node<D> self = nodes[i];
-    Vec<D> force = internal[i], viscous = stabilising[i];
-    auto feel = [&](const Node<D>& other, std::size_t m, Vec<D>& push, Vec<D>& drag) __attribute__((always_inline)) {
-      const Vec<D> r = self.position - other.position, u = self.velocity - other.velocity;
-      const double squared = r.squaredNorm(), k = derivative(squared), share = k * (self.density + other.density);
-      kernel[m] = k;
-      push.noalias() = (self.flux + other.flux) * (k * r);
-      if (self.elastic && other.elastic)
-        push += (stiffness * k) *
-                (self.displacement - other.displacement - 0.5 * ((self.deformation + other.deformation) * r));
-      const double rubbing = static_cast<double>(std::max(self.rubbing, other.rubbing));
-      const double approach = positive(-u.dot(r));
-      const double resist = (rubbing > 0.0 ? collision : viscosity) * share * approach / (squared + clip);
-      drag = -resist * r;
-      if (rubbing * approach > 0.0) {  // Coulomb's friction of the collision
-        const double length = std::sqrt(squared);
-        const Vec<D> along = u + (approach / squared) * r;
-        drag += (rubbing * resist * length / (along.norm() + approach / length)) * along;
-      }
-      const double weight = self.control * other.control;
-      if (weight > 0.0) drag += (control * weight * share) * (2.0 * u - (self.gradient + other.gradient) * r);
-    };
-    Vec<D> push, drag;
-    const std::size_t alone = pairs.alone[i], end = pairs.offset[i + 1];
-    for (std::size_t m = pairs.offset[i]; m < alone; ++m) {
-      const std::size_t j = pairs.index[m];
-      const Node<D>& other = nodes[j];
-      feel(other, m, push, drag);
-      force += other.volume * push;
-      viscous += other.volume * drag;
-      internal[j] -= self.volume * push;
-      stabilising[j] -= self.volume * drag;
-    }
-    for (std::size_t m = alone; m < end; ++m) {
-      const Node<D>& other = nodes[pairs.index[m]];
-      feel(other, m, push, drag);
-      force += other.volume * push;
-      viscous += other.volume * drag;
-    }
-    internal[i] = force;
-    stabilising[i] = viscous;
-  }
-}
+                    const Stabilisers& stabilisers, ScalarArray& kernel, Scratch<D>& scratch, VecArray<D>& internal,
+                    VecArray<D>& stabilising);
 
 /// q_i = sum_j V_j (B_i + B_j) grad W_ij [1/m], B of images mirrored as geometry: zero inside, -(outward normal) times
 /// a surface delta function at a free surface. The force of a uniform stress S is S q, so a traction T acts as -T (n .

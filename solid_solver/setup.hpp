@@ -24,6 +24,7 @@ struct Setup {
   double spacing = 0.0;           ///< m
   double smoothing_length = 0.0;  ///< m
   double skin = 0.0;              ///< m, pair lists hold until something moved half of it
+  std::size_t threads = 1;        ///< that share the particles
   double courant = 0.8;           ///< of dx / sqrt(M / rho_bar)
   bool regular_flow = true;       ///< see flow.hpp
   double flow_limit = 0.01;    ///< plastic strain above which the zero-energy control is off: it would brake the flow

@@ -32,21 +32,26 @@ struct Particles {
   [[nodiscard]] std::size_t free() const { return mass.size() - held; }  ///< how many, at the front, are free to move
 };
 
-/// What the pair loops read of a particle or an image, packed: neighbours are visited in scattered order. The first 64
-/// bytes (in 2D) are all that the velocity gradient needs.
+/// What the pair loops read of a particle or an image, packed, four numbers to a register: neighbours are visited in
+/// scattered order. The first 64 bytes (in 2D) are all that the velocity gradient needs.
 template <int D>
 struct alignas(64) Node {
   Vec<D> position = Vec<D>::Zero();
   Vec<D> velocity = Vec<D>::Zero();      ///< m/s
   double volume = 0.0;                   ///< m^D
   double density = 0.0;                  ///< kg/m3, rho_bar
-  double control = 1.0;                  ///< weight of the viscous zero-energy-mode control, 0 where the soil flows
-  float rubbing = 0.0F;                  ///< see Particles
-  bool elastic = true;                   ///< never yielded: displacements may be held to be smooth
+  double firmness = elastic;             ///< of the zero-energy-mode control: of two particles the lesser counts
+  double rubbing = 0.0;                  ///< see Particles
   Mat<D> flux = Mat<D>::Zero();          ///< sigma B [Pa]: the stress as its neighbours feel it
   Mat<D> gradient = Mat<D>::Zero();      ///< 1/s
-  Vec<D> displacement = Vec<D>::Zero();  ///< m
   Mat<D> deformation = Mat<D>::Zero();   ///< 1
+  Vec<D> displacement = Vec<D>::Zero();  ///< m
+  static constexpr double flows = 0.0, yielded = 1.0,
+                          elastic = 2.0;  ///< no control; of velocities; of displacements, too (never yielded)
+  static constexpr std::size_t at_velocity = D, at_volume = 2 * D, at_density = 2 * D + 1, at_firmness = 2 * D + 2,
+                               at_rubbing = 2 * D + 3, at_flux = 2 * D + 4, at_gradient = at_flux + D * D,
+                               at_deformation = at_gradient + D * D, at_displacement = at_deformation + D * D;
+  [[nodiscard]] const double* row() const { return position.data(); }
 };
 
 /// One wall that an image lies behind. Acceleration vanishes at a wall (its normal part at a roller), hence stress
@@ -120,15 +125,44 @@ struct Motion {
   }
 };
 
+/// Sums over pairs of n numbers, as the loops over four pairs add to them.
+template <std::size_t n>
+struct alignas(32) Sums {
+  static constexpr std::size_t size = (n + 3) / 4 * 4;
+  std::array<double, size> x{};
+};
+
+/// What keep_flow_regular reads of a particle or an image, packed.
+template <int D>
+struct alignas(32) Grain {
+  Vec<D> position = Vec<D>::Zero();
+  double volume = 0.0, mass = 0.0;
+  double shown = 0.0;    ///< the volume where the stress may be read, 0 behind walls
+  double swollen = 0.0;  ///< volume over mass
+  double flows = 0.0;    ///< 1 or 0
+  Eigen::Matrix<double, D == 2 ? 4 : 6, 1> stress = Eigen::Matrix < double, D == 2 ? 4 : 6, 1 > ::Zero();
+  Eigen::Matrix<double, D == 2 ? 4 : 6, D> slope = Eigen::Matrix < double, D == 2 ? 4 : 6, D > ::Zero();
+  static constexpr std::size_t at_volume = D, at_mass = D + 1, at_shown = D + 2, at_swollen = D + 3, at_flows = D + 4,
+                               at_stress = 8, at_slope = at_stress + (D == 2 ? 4 : 6);
+  [[nodiscard]] const double* row() const { return position.data(); }
+};
+
+/// Where the kernel sums of keep_flow_regular stand; the stress's come first.
+template <int D>
+struct Around {
+  static constexpr std::size_t at_swelling = D == 2 ? 4 : 6, at_cover = at_swelling + 1, at_crowding = at_cover + 1,
+                               size = at_crowding + D;
+};
+
 /// Memory that the loops reuse from step to step; it holds nothing between them, so that a copy starts empty.
 template <int D>
 struct Scratch {
-  MatArray<D> raw, moment;  ///< velocity_gradient
-  std::vector<char> flows;  ///< keep_flow_regular, as all below
-  std::vector<Eigen::Matrix<double, D == 2 ? 4 : 6, 1>> noise;
-  std::vector<Eigen::Matrix<double, D == 2 ? 4 : 6, D>> slope;
-  ScalarArray cover, swelling;
-  VecArray<D> crowding;
+  std::vector<Sums<2 * D>> force;                     ///< internal_force
+  std::vector<Sums<D * D + D*(D + 1) / 2>> gradient;  ///< velocity_gradient
+  std::vector<char> flows;                            ///< keep_flow_regular, as all below
+  std::vector<Grain<D>> grains;
+  std::vector<Sums<(D == 2 ? 4 : 6) * D + D*(D + 1) / 2>> slope_sums;
+  std::vector<Sums<Around<D>::size>> around;
   Scratch() = default;
   Scratch(const Scratch&) {}
   Scratch(Scratch&&) = default;

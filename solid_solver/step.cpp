@@ -15,7 +15,7 @@ namespace {
 template <int D>
 void rebuild_lists(const Setup<D>& setup, State<D>& state) {
   wrap_periodic<D>(setup.boundaries, state.particles.position);
-  build_neighbourhood<D>(setup.boundaries, setup.range(), state.particles, state.near);
+  build_neighbourhood<D>(setup.boundaries, setup.range(), setup.threads, state.particles, state.near);
   state.rebuilds += 1.0;
 }
 
@@ -33,8 +33,9 @@ void rebuild(const Setup<D>& setup, State<D>& state) {
 template <int D>
 bool rebuild_if_moved(const Setup<D>& setup, State<D>& state) {
   const double limit = 0.25 * setup.skin * setup.skin;
-  for (std::size_t i = 0; i < state.particles.free(); ++i)
-    if ((state.particles.position[i] - state.near.built_at[i]).squaredNorm() > limit) {
+  const auto& p = state.particles;
+  for (std::size_t i = 0; i < p.free(); ++i)
+    if ((p.position[i] - state.near.built_at[i]).squaredNorm() > limit) {
       rebuild_lists(setup, state);
       return true;
     }
@@ -46,7 +47,7 @@ void evaluate_forces(const Setup<D>& setup, State<D>& state) {
   const std::size_t n_free = state.particles.free();
   fill_nodes<D>(state.particles, state.near, state.body, setup.flow_limit, state.nodes);
   internal_force<D>(state.nodes, state.near.pairs, n_free, setup.smoothing_length, setup.stabilisers, state.kernel,
-                    state.internal, state.stabilising);
+                    state.scratch, state.internal, state.stabilising);
   pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, n_free, state.kernel);
 }
 
@@ -54,7 +55,8 @@ template <int D>
 void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& state) {
   Particles<D>& p = state.particles;
   const std::size_t n = p.size();
-  for (std::size_t i = 0; i < p.free(); ++i) {
+  const Pairs& pairs = state.near.pairs;
+  for_rows(pairs, 0, p.free(), [&](std::size_t i) {
     Vec<D> force = p.volume[i] * (state.internal[i] + state.stabilising[i]) + p.mass[i] * setup.gravity;
     force += drive.distributed[i];
     if (!drive.traction.empty()) force += drive.traction[i];
@@ -62,24 +64,24 @@ void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& 
     const double rate = dt / p.mass[i];
     if (drive.tracking.empty()) {
       p.velocity[i] = (p.velocity[i] + rate * force) / (1.0 + dt * drive.damping);
-      continue;
+      return;
     }
     const double z = drive.tracking[i];
     p.velocity[i] = (p.velocity[i] + rate * (force + z * drive.target[i])) / (1.0 + rate * z + dt * drive.damping);
     state.returned_impulse[i] += dt * z * (drive.target[i] - p.velocity[i]);
-  }
+  });
   fill_velocities<D>(p, state.near, state.nodes);
   velocity_gradient<D>(state.nodes, state.near.pairs, state.kernel, state.scratch, p.gradient, p.correction);
-  for (std::size_t i = 0; i < p.free(); ++i) {
+  for_rows(pairs, 0, p.free(), [&](std::size_t i) {
     const Vec<D> moved = dt * p.velocity[i];
     p.position[i] += moved;
     p.displacement[i] += moved;
     // Of du/dx at a place that moves along: d(1 - F^-1)/dt = F^-1 L.
     p.deformation[i] += dt * (p.gradient[i] - p.deformation[i] * p.gradient[i]);
-  }
-  for (std::size_t i = 0; i < n; ++i) {
+  });
+  for_rows(pairs, 0, n, [&](std::size_t i) {
     const Mat<D> gradient = p.gradient[i];
-    if (i >= p.free() && gradient.squaredNorm() == 0.0) continue;
+    if (i >= p.free() && gradient.squaredNorm() == 0.0) return;
     // Mass kept: n_s = m / (rho_s V), Eq. (50) by its rate. Bounded: a crack that opens is not porosity.
     const double reference = p.mass[i] / setup.density[p.material[i]];
     p.volume[i] = std::clamp(p.volume[i] * (1.0 + dt * gradient.trace()), 0.5 * reference, 2.0 * reference);
@@ -94,9 +96,10 @@ void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& 
     if (plastic > 0.0) {
       p.plastic_strain[i] += plastic;
       state.yielded[i] = 1;
-      state.any_yielded = true;
     }
-  }
+  });
+  state.any_yielded =
+      state.any_yielded || std::any_of(state.yielded.begin(), state.yielded.end(), [](char y) { return y; });
   keep_flow_regular(setup, dt, state);
   rebuild_if_moved(setup, state);
   evaluate_forces(setup, state);
@@ -106,6 +109,8 @@ template <int D>
 VecArray<D> pressure_gradient(const State<D>& state, SolidCase::PressureGradient form, const Vec<D>& water_weight,
                               std::span<const double> pressure) {
   if (form == SolidCase::PressureGradient::sum) return pressure_gradient_sum<D>(state, pressure, water_weight);
+  if (std::all_of(pressure.begin(), pressure.end(), [](double p) { return p == 0.0; }))
+    return VecArray<D>(pressure.size(), Vec<D>::Zero());  // dry
   return pressure_gradient_difference<D>(state, pressure);
 }
 

@@ -89,12 +89,19 @@ double integrate(Tensor& stress, const Tensor& strain, const Cone& cone, const E
   };
   const double ss = product(s, s), sd = product(s, ds), dd = product(ds, ds), trial = ss + 2.0 * sd + dd;
   const double i1_before = 3.0 * mean, i1_trial = i1_before + 3.0 * elasticity.bulk * volumetric;
-  const double j_trial = std::sqrt(0.5 * std::max(0.0, trial));
-  double i1 = i1_trial, j = j_trial;
-  const double plastic = return_invariants(i1, j, cone, elasticity);
+  double i1 = i1_trial;
   auto set = [&](double old_part, double new_part) {
     for (int d = 0; d < 6; ++d) stress[d] = old_part * s[d] + new_part * ds[d] + (d < 3 ? i1 / 3.0 : 0.0);
   };
+  // Inside the cone, hence below its apex: without a root or a division.
+  const double room = cone.k - cone.alpha * i1_trial;
+  if (room >= 0.0 && trial <= 2.0 * room * room && i1_trial <= 3.0 * cone.tensile_strength) {
+    set(1.0, 1.0);
+    return 0.0;
+  }
+  const double j_trial = std::sqrt(0.5 * std::max(0.0, trial));
+  double j = j_trial;
+  const double plastic = return_invariants(i1, j, cone, elasticity);
   const double along_trial = ss + sd;  // s . (s + ds)
   const bool turns = ss * trial - along_trial * along_trial > little * little * ss * trial;
   if (plastic <= 0.0 || !turns || i1 >= cone.tension_limit() || j <= 0.0) {

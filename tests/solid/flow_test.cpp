@@ -2,6 +2,7 @@
 #include "solid_solver/flow.hpp"
 #include "scenes.hpp"
 #include "solid_solver/rough_walls.hpp"
+#include "solid_solver/step.hpp"
 
 #include <gtest/gtest.h>
 
@@ -48,6 +49,38 @@ double mean_speed(const Solid<2>& solid) {
   double sum = 0.0;
   for (std::size_t i = 0; i < p.free(); ++i) sum += p.velocity[i].x() / static_cast<double>(p.free());
   return sum;
+}
+
+/// Thirty substeps of grains that flow down a slope, shared out over threads.
+Particles<2> thirty_substeps(std::size_t threads) {
+  auto [setup, particles] = set_up<2>(layer(0.6, 0.3));
+  setup.threads = threads;
+  State<2> state;
+  state.particles = std::move(particles);
+  const std::size_t n = state.particles.size();
+  for (auto* field : {&state.body, &state.internal, &state.stabilising, &state.returned_impulse})
+    field->assign(n, Vec<2>::Zero());
+  state.external.saturation.assign(n, 0.0);
+  state.yielded.assign(n, 0);
+  state.particles.plastic_strain.assign(n, 0.1);
+  rebuild(setup, state);
+  evaluate_forces(setup, state);
+  Drive<2> drive;
+  drive.distributed.assign(n, Vec<2>::Zero());
+  for (int k = 0; k < 30; ++k) substep(setup, setup.longest_substep, drive, state);
+  EXPECT_GT(state.rebuilds, 1.0);
+  return state.particles;
+}
+
+TEST(Threads, ChangeNothingButRounding) {
+  const auto one = thirty_substeps(1), three = thirty_substeps(3);
+  double stress = 0.0;
+  for (const auto& s : one.stress) stress = std::max(stress, s.norm());
+  EXPECT_GT(stress, 0.0);
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    EXPECT_LT((one.position[i] - three.position[i]).norm(), 1e-10 * spacing);
+    EXPECT_LT((one.stress[i] - three.stress[i]).norm(), 1e-8 * stress);
+  }
 }
 
 TEST(RoughWall, HoldsThreeRowsOfTheSoilAndClosesCorners) {

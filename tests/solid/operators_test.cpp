@@ -1,6 +1,8 @@
 // The operators are exact for linear fields, near walls and free surfaces too, and forces do the work that strains
 // store.
 #include "solid_solver/operators.hpp"
+
+#include "common/core/lanes.hpp"
 #include "solid_solver/step.hpp"
 #include "tests/solid/plain_twin.hpp"
 #include "tests/solid/scenes.hpp"
@@ -119,8 +121,10 @@ TEST(InternalForce, DoesTheWorkThatStrainsStoreInThreeDimensions) {
 
 /// Against the plain twin: everything random, some soil elastic, some flowing, images on three sides.
 template <int D>
-void expect_twin(ColumnSpec spec) {
+void expect_twin(ColumnSpec spec, std::size_t threads = 1) {
   auto [setup, state] = jittered<D>(spec, 0.1);
+  setup.threads = threads;
+  rebuild(setup, state);
   std::mt19937_64 generator(11);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
   auto& p = state.particles;
@@ -157,6 +161,23 @@ TEST(PairLoops, AreThoseOfThePlainTwin) {
     spec.width = spec.height = 0.3;
     expect_twin<3>(spec);
   }
+}
+
+TEST(PairLoops, AreThoseOfThePlainTwinOnThreeThreads) {
+  ColumnSpec spec;
+  expect_twin<2>(spec, 3);
+  spec.width = spec.height = 0.3;
+  expect_twin<3>(spec, 3);
+}
+
+TEST(PairLoops, AreThoseOfThePlainTwinOnEveryProcessor) {
+  const Instructions best = instructions();
+  for (const auto lower : {Instructions::plain, Instructions::avx2}) {
+    if (lower > best) continue;
+    instructions() = lower;
+    expect_twin<2>({});
+  }
+  instructions() = best;
 }
 
 TEST(InternalForce, KeepsMomentumWithoutWalls) {

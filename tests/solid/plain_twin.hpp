@@ -33,15 +33,16 @@ TwinResult<D> plain_twin(const Setup<D>& setup, const State<D>& state) {
       raw += b.volume * (b.velocity - a.velocity) * gradient_w.transpose();
       moment -= b.volume * r * gradient_w.transpose();
       internal += b.volume * (a.flux + b.flux) * gradient_w;
-      if (a.elastic && b.elastic) {
+      const double firmness = std::min(a.firmness, b.firmness);
+      if (firmness == Node<D>::elastic) {
         const Vec<D> linear = 0.5 * (a.deformation + b.deformation) * r;
         internal += s.stiffness * s.modulus * b.volume * derivative * (a.displacement - b.displacement - linear);
       }
       const double share = b.volume * derivative * (a.density + b.density);
       const Vec<D> rest = u - 0.5 * (a.gradient + b.gradient) * r;
-      viscous += 0.5 * s.zero_energy * s.sound_speed * h * a.control * b.control * share * rest;
+      viscous += 0.5 * s.zero_energy * s.sound_speed * h * (firmness > Node<D>::flows ? share : 0.0) * rest;
       if (u.dot(r) >= 0.0) continue;
-      const auto rubbing = static_cast<double>(std::max(a.rubbing, b.rubbing));
+      const double rubbing = std::max(a.rubbing, b.rubbing);
       const Vec<D> normal = 0.5 * (rubbing > 0.0 ? s.collision : s.artificial) * s.sound_speed * h * share * u.dot(r) /
                             (r.squaredNorm() + 0.01 * h * h) * r;
       const Vec<D> along = u - u.dot(r) / r.squaredNorm() * r;

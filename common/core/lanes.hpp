@@ -2,10 +2,11 @@
 // the machine they run on. The choice is made at run time, so that one binary serves every processor.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 
-namespace poretwin::coupling {
+namespace poretwin {
 
 inline constexpr std::size_t n_lanes = 4;
 // The alignment is said again because gcc takes a smaller one for processors without registers of this size.
@@ -24,6 +25,54 @@ struct alignas(Lanes) Quad {
 [[gnu::always_inline]] inline void raise_to(Lanes& a, const Lanes& least) { a = a > least ? a : least; }
 [[gnu::always_inline]] inline void lower_to(Lanes& a, const Lanes& most) { a = a < most ? a : most; }
 [[gnu::always_inline]] inline bool any(const LaneMask& mask) { return (mask[0] | mask[1] | mask[2] | mask[3]) != 0; }
+
+/// Four doubles anywhere in memory.
+using LooseLanes = double __attribute__((vector_size(n_lanes * sizeof(double)), aligned(sizeof(double)), may_alias));
+
+[[gnu::always_inline]] inline void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& d) {
+  const Lanes low_ab = __builtin_shufflevector(a, b, 0, 4, 2, 6), high_ab = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+  const Lanes low_cd = __builtin_shufflevector(c, d, 0, 4, 2, 6), high_cd = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+  a = __builtin_shufflevector(low_ab, low_cd, 0, 1, 4, 5);
+  b = __builtin_shufflevector(high_ab, high_cd, 0, 1, 4, 5);
+  c = __builtin_shufflevector(low_ab, low_cd, 2, 3, 6, 7);
+  d = __builtin_shufflevector(high_ab, high_cd, 2, 3, 6, 7);
+}
+
+/// Four rows of numbers, of which the same columns are wanted.
+template <class Number>
+using FourRows = std::array<Number*, n_lanes>;
+
+/// Columns first .. first + n - 1 of four rows, one row per lane. Reads no column behind these, unless it is one of the
+/// first four.
+template <std::size_t first, std::size_t n>
+[[gnu::always_inline]] inline void gather(const FourRows<const double>& rows, Lanes* column) {
+  constexpr std::size_t taken = n < n_lanes ? n : n_lanes, skipped = first + taken < n_lanes ? 0 : n_lanes - taken;
+  Lanes x[n_lanes];
+  for (std::size_t l = 0; l < n_lanes; ++l) x[l] = *reinterpret_cast<const LooseLanes*>(rows[l] + first - skipped);
+  transpose(x[0], x[1], x[2], x[3]);
+  for (std::size_t k = 0; k < taken; ++k) column[k] = x[skipped + k];
+  if constexpr (n > n_lanes) gather<first + n_lanes, n - n_lanes>(rows, column + n_lanes);
+}
+
+/// Adds columns 0 .. n - 1 to four rows (n a multiple of four; all rows differ or what they get is zero).
+template <std::size_t n>
+[[gnu::always_inline]] inline void scatter_add(const Lanes* column, const FourRows<double>& rows) {
+  for (std::size_t k = 0; k < n; k += n_lanes) {
+    Lanes x[n_lanes] = {column[k], column[k + 1], column[k + 2], column[k + 3]};
+    transpose(x[0], x[1], x[2], x[3]);
+    for (std::size_t l = 0; l < n_lanes; ++l) *reinterpret_cast<LooseLanes*>(rows[l] + k) += x[l];
+  }
+}
+
+/// Adds to each of n numbers (a multiple of four) the sum over a column's lanes.
+template <std::size_t n>
+[[gnu::always_inline]] inline void add_lanes(const Lanes* column, double* row) {
+  for (std::size_t k = 0; k < n; k += n_lanes) {
+    Lanes x[n_lanes] = {column[k], column[k + 1], column[k + 2], column[k + 3]};
+    transpose(x[0], x[1], x[2], x[3]);
+    *reinterpret_cast<LooseLanes*>(row + k) += (x[0] + x[1]) + (x[2] + x[3]);
+  }
+}
 
 /// What this machine has, by the levels of the x86-64 psABI. Tests set it lower to judge the other forms too.
 enum class Instructions { plain, avx2, avx512 };
@@ -68,4 +117,4 @@ void run_lanes(const Job& job) {
   run_plain(job);
 }
 
-}  // namespace poretwin::coupling
+}  // namespace poretwin

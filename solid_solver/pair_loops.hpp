@@ -1,0 +1,41 @@
+// Loops over pairs, four at a time, each part of the rows on a thread of its own.
+#pragma once
+
+#include "common/core/lanes.hpp"
+#include "solid_solver/state.hpp"
+
+namespace poretwin::solid {
+
+/// Calls visit(i) for the rows from `first` to `last` - 1, compiled for this machine; mark it always_inline.
+template <class Visit>
+void for_rows_in_lanes(const Pairs& pairs, std::size_t first, std::size_t last, const Visit& visit) {
+  for_each_part(pairs.n_parts(), [&](std::size_t part) {
+    const std::size_t begin = std::max<std::size_t>(first, pairs.part[part]);
+    const std::size_t end = std::min<std::size_t>(last, pairs.part[part + 1]);
+    run_lanes([&]() __attribute__((always_inline)) {
+      for (std::size_t i = begin; i < end; ++i) visit(i);
+    });
+  });
+}
+
+/// Calls visit(m, both) for the pairs of row i, four from m on.
+template <class Visit>
+[[gnu::always_inline]] inline void for_four_pairs(const Pairs& pairs, std::size_t i, Visit&& visit) {
+  const std::size_t alone = pairs.alone[i], end = pairs.offset[i + 1];
+  for (std::size_t m = pairs.offset[i]; m < alone; m += n_lanes) visit(m, true);
+  for (std::size_t m = alone; m < end; m += n_lanes) visit(m, false);
+}
+
+/// The packed numbers of four particles or images.
+template <class Packed>
+[[gnu::always_inline]] inline FourRows<const double> rows_at(const Packed* all, const Index* index) {
+  return {all[index[0]].row(), all[index[1]].row(), all[index[2]].row(), all[index[3]].row()};
+}
+
+/// Where four particles' sums are gathered.
+template <std::size_t n>
+[[gnu::always_inline]] inline FourRows<double> sums_at(Sums<n>* sums, const Index* index) {
+  return {sums[index[0]].x.data(), sums[index[1]].x.data(), sums[index[2]].x.data(), sums[index[3]].x.data()};
+}
+
+}  // namespace poretwin::solid
