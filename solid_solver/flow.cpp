@@ -191,9 +191,8 @@ void keep_flow_regular(const Setup<D>& setup, double dt, State<D>& state) {
   if (std::none_of(scratch.flows.begin(), scratch.flows.end(), [](char flows) { return flows; })) return;
   const double h = setup.smoothing_length, scale = h * h / full_weight;
   auto models = [&](std::size_t i) {  // brings the stress back to what the soil can bear
-    setup.models[p.material[i]]->advance(
-        p.stress[i], Tensor::Zero(),
-        {state.external.saturation[i], setup.grain_density[p.material[i]] * p.volume[i] / p.mass[i] - 1.0});
+    setup.models[p.material[i]]->advance(p.stress[i], Tensor::Zero(),
+                                         condition(setup, p, i, state.external.saturation[i]));
   };
   fill_grains<D>(state, scratch);
   stress_slopes<D>(state, scratch);

@@ -235,9 +235,9 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
     if (state_.external.coverage[i] <= 0.0 || soil_seen[i] <= 1e-6) continue;
     double z = setup_.inertia_share * p.mass[i] / (p.volume[i] * interval);
     if (scene_.fluid.drag) {
-      const double porosity = void_fraction(setup_, p, i);
-      const auto law = porous::resistance(setup_.water_weight, porosity,
-                                          porous::seepage_at(scene_, scene_.soils[p.material[i]], porosity));
+      const auto law = porous::resistance(
+          setup_.water_weight, 1.0 - solid_fraction(setup_, p, i),
+          porous::seepage_at(scene_, scene_.soils[p.material[i]], void_fraction(setup_, p, i)));
       const double force = Eigen::Map<const Vec<D>>(impulse.data() + i * D).norm() / (p.volume[i] * interval);
       z += law.slope(law.speed(force));
     }

@@ -79,7 +79,10 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   for (std::size_t s = 0; s < scene.soils.size(); ++s) {
     const Soil& soil = scene.soils[s];
     setup.models.push_back(make_constitutive(scene.solid.model, weakened(soil, scene.solid.strength_reduction)));
-    setup.grain_density.push_back(soil.grain_density);
+    const double residual = soil.porosity * soil.initial_saturation, solid = 1.0 - soil.porosity;
+    const double density = solid * soil.grain_density + residual * scene.water.density;
+    setup.grain_density.push_back(density / (solid + residual));
+    setup.grain_share.push_back(solid / (solid + residual));
     setup.constant_volume.push_back(soil.dilation_angle <= 0.0 ? 1 : 0);
     const bool grains = soil.dilation_angle <= 0.0 && soil.cohesion <= 0.0 && scene.solid.regular_flow &&
                         scene.solid.model != SolidCase::Model::elastic;
@@ -88,7 +91,6 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
     setup.softened_by_water.push_back(soil.saturated_cohesion ? 1 : 0);
     const auto lattice = fill<D>(soil.shape, setup.spacing, scene.solid.offset, scene.solid.jitter,
                                  scene.solid.seed + static_cast<unsigned>(s));
-    const double density = (1.0 - soil.porosity) * soil.grain_density;
     setup.density.push_back(density);
     fastest = std::max(fastest, std::sqrt(setup.models.back()->elasticity().constrained() / density));
     for (const auto& x : lattice.position) {

@@ -38,7 +38,8 @@ struct Setup {
   std::vector<LoadedPatch<D>> loads;
   std::vector<std::unique_ptr<ConstitutiveModel>> models;  ///< one per soil
   ScalarArray density;                                     ///< kg/m3, initial rho_bar_s, one per soil
-  ScalarArray grain_density;                               ///< kg/m3, one per soil
+  ScalarArray grain_density;  ///< kg/m3, of the grains with the residual water that moves with them, one per soil
+  ScalarArray grain_share;    ///< of the grains in the volume of both, one per soil
   std::vector<char> constant_volume;                       ///< one per soil: sheared without dilation
   /// Bulk volume over its initial one beyond which grains of soil without cohesion and dilation are apart (porosity
   /// 0.40 -> 0.45, the loosest random packing of spheres): no stress, only collisions.
@@ -48,16 +49,23 @@ struct Setup {
   [[nodiscard]] double range() const { return sph::support_radius * smoothing_length + skin; }
 };
 
-/// Volume fraction of the grains, n_s = m / (rho_s V), Eq. (50).
+/// Volume fraction of what moves with the skeleton, n_s = m / (rho_s V), Eq. (50): the grains and, in soil that starts
+/// moist, the residual water. The rest is what water can fill.
 template <int D>
 double solid_fraction(const Setup<D>& setup, const Particles<D>& particles, std::size_t i) {
   return particles.mass[i] / (setup.grain_density[particles.material[i]] * particles.volume[i]);
 }
 
-/// Porosity, n_w = 1 - n_s.
+/// Porosity: the volume fraction of all but the grains.
 template <int D>
 double void_fraction(const Setup<D>& setup, const Particles<D>& particles, std::size_t i) {
-  return 1.0 - solid_fraction(setup, particles, i);
+  return 1.0 - setup.grain_share[particles.material[i]] * solid_fraction(setup, particles, i);
+}
+
+/// What the constitutive models follow: saturation, and the void ratio.
+template <int D>
+Condition condition(const Setup<D>& setup, const Particles<D>& particles, std::size_t i, double saturation) {
+  return {saturation, 1.0 / (1.0 - void_fraction(setup, particles, i)) - 1.0};
 }
 
 /// Unit vector against gravity; the last axis without any.

@@ -89,7 +89,7 @@ void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& 
     stress += dt * spin_rate<D>(stress, gradient);
     const double plastic = setup.models[p.material[i]]->advance(
         stress, dt * strain_rate<D>(gradient),
-        {state.external.saturation[i], setup.grain_density[p.material[i]] * p.volume[i] / p.mass[i] - 1.0});
+        condition(setup, p, i, state.external.saturation[i]));
     const bool apart = setup.loose_friction[p.material[i]] > 0.0F && p.volume[i] > Setup<D>::loosest * reference;
     p.rubbing[i] = apart ? setup.loose_friction[p.material[i]] : 0.0F;
     if (apart) stress.setZero();

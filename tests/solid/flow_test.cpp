@@ -61,6 +61,7 @@ Particles<2> thirty_substeps(std::size_t threads) {
   for (auto* field : {&state.body, &state.internal, &state.stabilising, &state.returned_impulse})
     field->assign(n, Vec<2>::Zero());
   state.external.saturation.assign(n, 0.0);
+  state.external.coverage.assign(n, 0.0);
   state.yielded.assign(n, 0);
   state.particles.plastic_strain.assign(n, 0.1);
   rebuild(setup, state);
