@@ -119,10 +119,10 @@ void Fluid<D>::set_inlets(double time, double interval) {
     state_.wave_speed = std::max(state_.wave_speed, std::sqrt(scene_.general.gravity.norm() * (highest - lowest)));
   for (auto& inlet : state_.inlets) {
     double level = 0.0, surface = 0.0, head = 0.0, water = 0.0;
+    const double half = 0.5 * inlet.width * (inlet.tangent - up.dot(inlet.tangent) * up).norm();
     for (std::size_t a = 0; a < p.size(); ++a) {
       const Vec<D> way = p.position[a] - inlet.foot;
       const double height = up.dot(p.position[a]), aside = (way - up.dot(way) * up).norm();
-      const double half = 0.5 * inlet.width * (inlet.tangent - up.dot(inlet.tangent) * up).norm();
       if (p.mask[a] > 0.5 || height < inlet.lowest || aside > half + near) continue;
       if (p.surface[a] == Surface::surface) {
         surface += 1.0;
@@ -142,7 +142,6 @@ void Fluid<D>::set_inlets(double time, double interval) {
     const double volume = inlet.speed * inlet.width * interval;
     (volume > 0.0 ? state_.balance.in : state_.balance.out) += std::abs(volume);
   }
-  place_pistons();
 }
 
 template <int D>
@@ -155,6 +154,7 @@ void Fluid<D>::push_pistons(double interval) {
 /// Rows for what pistons pushed in, and water taken away that has followed them out.
 template <int D>
 void Fluid<D>::serve_inlets() {
+  if (state_.inlets.empty()) return;
   auto& p = state_.particles;
   for (auto& inlet : state_.inlets) {
     while (inlet.piston >= 0.5 * inlet.spacing) {

@@ -274,8 +274,7 @@ class WindowSolver {
   }
 
   /// Where soil yields, the shear that is going on goes on at constant stress: only what departs from the present
-  /// motion meets the stiffness. Otherwise it would flow as a liquid of viscosity Dt M. [N s/m times m/s] on every
-  /// particle.
+  /// motion meets the stiffness. Otherwise it would flow as a liquid of viscosity Dt M. A force on every particle [N].
   void prepare_flow() {
     flow_.assign(n_, Vec<D>::Zero());
     if (std::all_of(soil_.yielding.begin(), soil_.yielding.end(), [](double y) { return y <= 0.0; })) return;

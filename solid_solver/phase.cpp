@@ -235,9 +235,9 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
     if (state_.external.coverage[i] <= 0.0 || soil_seen[i] <= 1e-6) continue;
     double z = setup_.inertia_share * p.mass[i] / (p.volume[i] * interval);
     if (scene_.fluid.drag) {
-      const auto law = porous::resistance(
-          setup_.water_weight, 1.0 - solid_fraction(setup_, p, i),
-          porous::seepage_at(scene_, scene_.soils[p.material[i]], void_fraction(setup_, p, i)));
+      const auto law =
+          porous::resistance(setup_.water_weight, 1.0 - solid_fraction(setup_, p, i),
+                             porous::seepage_at(scene_, scene_.soils[p.material[i]], void_fraction(setup_, p, i)));
       const double force = Eigen::Map<const Vec<D>>(impulse.data() + i * D).norm() / (p.volume[i] * interval);
       z += law.slope(law.speed(force));
     }
@@ -314,12 +314,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   ++state_.revision;
   if (!scene_.coupled()) return Outcome::accept();
   const double slow = woken_by * reference_acceleration(setup_, state_, drive) / near_critical_damping(setup_);
-  double moves = 0.0, whole = 0.0;
-  for (std::size_t i = 0; i < p.free(); ++i) {
-    whole += p.mass[i];
-    if (p.velocity[i].norm() > slow) moves += p.mass[i];
-  }
-  const bool hardly_moved = moves < local_share * whole;
+  const bool hardly_moved = share_of_mass(p, [&](std::size_t i) { return p.velocity[i].norm() > slow; }) < local_share;
   if (state_.motion.moving && state_.motion.calms(interval, hardly_moved))
     fmt::print(stderr, "the soil is calm again at t = {:g} s\n", state_.time);
   else if (!state_.motion.moving && state_.any_yielded && !hardly_moved)

@@ -51,21 +51,29 @@ double reference_acceleration(const Setup<D>& setup, const State<D>& state, cons
   return reference;
 }
 
+/// Share of the mass of the free particles i for which moves(i).
+template <int D, class Moves>
+double share_of_mass(const Particles<D>& p, Moves&& moves) {
+  double share = 0.0, whole = 0.0;
+  for (std::size_t i = 0; i < p.free(); ++i) {
+    whole += p.mass[i];
+    if (moves(i)) share += p.mass[i];
+  }
+  return share / whole;
+}
+
 template <int D>
 Unrest unrest(const Setup<D>& setup, const State<D>& state, std::span<const Vec<D>> force, double reference) {
   const Particles<D>& p = state.particles;
   const double rate = near_critical_damping(setup);
   Unrest result;
   if (reference <= 0.0) return result;
-  double whole = 0.0;
-  for (std::size_t i = 0; i < p.free(); ++i) {
+  result.share = share_of_mass(p, [&](std::size_t i) {
     const double departure = std::max(force[i].norm() / p.mass[i], rate * p.velocity[i].norm()) / reference;
     result.largest = std::max(result.largest, departure);
     result.rms += departure * departure / static_cast<double>(p.free());
-    whole += p.mass[i];
-    if (departure > restless) result.share += p.mass[i];
-  }
-  result.share /= whole;
+    return departure > restless;
+  });
   result.rms = std::sqrt(result.rms);
   return result;
 }
