@@ -33,12 +33,19 @@ void find_pairs(double largest, Stencil<D>& s) {
   std::vector<Index> row(64);
   for (std::size_t a = 0; a < s.n_real; ++a) {
     std::size_t count = 0;
-    grid.for_each_within(s.position[a], reach * (s.length[a] + largest), [&](Index j, double r2) {
-      const double support = reach * (s.length[a] + s.length[j]);
+    const auto add = [&](Index j, bool near) {
       if (count == row.size()) row.resize(2 * count);
       row[count] = j;
-      count += static_cast<std::size_t>(j != a) & static_cast<std::size_t>(even || r2 < support * support);
-    });
+      count += static_cast<std::size_t>(j != a) & static_cast<std::size_t>(near);
+    };
+    const double range = reach * (s.length[a] + largest);
+    if (even)
+      grid.for_each_within(s.position[a], range, [&](Index j, double) { add(j, true); });
+    else
+      grid.for_each_within(s.position[a], range, [&](Index j, double r2) {
+        const double support = reach * (s.length[a] + s.length[j]);
+        add(j, r2 < support * support);
+      });
     s.other.insert(s.other.end(), row.begin(), row.begin() + static_cast<std::ptrdiff_t>(count));
     while (s.other.size() % n_lanes != 0) s.other.push_back(static_cast<Index>(a));
     s.offset.push_back(static_cast<Index>(s.other.size()));
