@@ -31,7 +31,7 @@ void for_each_part(std::size_t n_parts, Work&& work) {
 /// single entries, which cannot depend on the parts.
 template <class Work>
 void side_by_side(std::size_t n, Work&& work) {
-  constexpr std::size_t least = 2048;
+  constexpr std::size_t least = 8192;
   const std::size_t parts = std::clamp<std::size_t>(n / least, 1, threads());
   for_each_part(parts, [&](std::size_t part) { work(n * part / parts, n * (part + 1) / parts); });
 }
