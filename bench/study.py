@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Error against resolution and against run time, by scheme: OUT/CASE.csv, OUT/CASE.png and one page, OUT/performance.md.
 
-    poretwin bench                                      every study of bench/studies.toml
+    poretwin bench                                      the whole page: jobs, kernels, sizes, every study of studies.toml
     poretwin bench rectangular_dam --schemes default    one case, one scheme
     poretwin bench terzaghi --spacings 0.02 0.002
 
@@ -18,7 +18,9 @@ import sys
 import tempfile
 import tomllib
 
+import scaling
 from plot import error_curves, write_csv
+from runs import Run
 
 HERE = pathlib.Path(__file__).resolve().parent
 
@@ -66,25 +68,59 @@ def is_front(row, rows):
         for other in rows)
 
 
-def page(drawn, studies):
-    """One table per case, Markdown; `*` marks the runs that no other one beats in error and time at once."""
-    lines = ["# Error against run time", "",
-             "Made by `poretwin bench`: the error of each case's own `verify`, CPU and wall-clock seconds of all processes.",
-             "`*`: no other run of the case has a smaller error in less time. A dash: the run did not end."]
-    for case, rows in drawn.items():
-        axis = "exchange interval [s]" if studies[case]["spacing"].startswith("coupling") else "spacing [m]"
-        lines += ["", f"## {case}", "", f"{rows[0]['metric']} (asked: {rows[0]['bound']:g})", "", f"![](bench/{case}.png)",
-                  "", f"| scheme | {axis} | error | CPU s | wall s | windows | particles | |",
-                  "| --- | --- | --- | --- | --- | --- | --- | --- |"]
-        for row in rows:
-            error = "-" if row["error"] is None else f"{row['error']:.2g}"
-            lines.append(f"| {row['scheme']} | {row['spacing']:g} | {error} | {row['cpu_s']:.2f} | {row['wall_s']:.2f} "
-                         f"| {row['windows']} | {row['particles']} | {'*' if is_front(row, rows) else ''} |")
-    return "\n".join(lines) + "\n"
+def job_table(a, jobs):
+    """What a user waits for: CPU seconds of whole runs beside what was asked for, the median of --repeats."""
+    lines = ["", "## Jobs", "", "| job | particles | steps | million particle-steps/s | CPU s | asked |",
+             "| --- | --- | --- | --- | --- | --- |"]
+    for name, job in jobs.items():
+        runs = [Run(job["case"], job["set"], a.program, a.longest) for _ in range(a.repeats)]
+        if any(run.exit != 0 for run in runs):
+            lines.append(f"| {name} | - | - | - | {runs[-1].reason} | {job['asked']} |")
+            continue
+        phase = "solid" if "solid" in runs[0].summaries else "fluid"
+        cpu = statistics.median(run.summaries[phase]["cpu_s"] for run in runs)
+        particles = runs[0].counter(phase, "particles")
+        steps = runs[0].counter(phase, "substeps") + runs[0].counter(phase, "rest steps")
+        steps = steps if phase == "solid" else runs[0].counter(phase, "windows")
+        lines.append(f"| {name} | {particles:.0f} | {steps:.0f} | {1e-6 * particles * steps / cpu:.2f} | {cpu:.2f} | {job['asked']} |")
+        print(lines[-1], flush=True)
+    return lines
+
+
+def kernel_table(program):
+    """What bin/pair_loops says, when it has been built."""
+    path = pathlib.Path(program).resolve().parent / "pair_loops"
+    if not path.exists():
+        return ["", "## Pair loops", "", f"(build it first: `ninja pair_loops`; there is no {path.name} beside poretwin)"]
+    text = subprocess.run([path], capture_output=True, text=True, check=True).stdout
+    head, table = text.split("\n", 1)
+    return ["", "## Pair loops", "", head + ".", "", table.strip()]
+
+
+def size_table(a):
+    rows = scaling.measure_all(a.program, scaling.PHASES, a.sizes, a.threads)
+    write_csv(a.out / "scaling.csv", rows)
+    scaling.draw(a.out / "scaling.png", rows)
+    return ["", "## Size", "", "Cost of a step without the start, memory without that of a small run (bench/scaling.py).", "",
+            "![](bench/scaling.png)", "", *scaling.table(rows)]
+
+
+def study_table(case, study, rows):
+    """Markdown; `*` marks the runs that no other one beats in error and time at once."""
+    axis = "exchange interval [s]" if study["spacing"].startswith("coupling") else "spacing [m]"
+    lines = ["", f"## {case}", "", f"{rows[0]['metric']} (asked: {rows[0]['bound']:g})", "", f"![](bench/{case}.png)", "",
+             f"| scheme | {axis} | error | CPU s | wall s | windows | particles | |",
+             "| --- | --- | --- | --- | --- | --- | --- | --- |"]
+    for row in rows:
+        error = "-" if row["error"] is None else f"{row['error']:.2g}"
+        lines.append(f"| {row['scheme']} | {row['spacing']:g} | {error} | {row['cpu_s']:.2f} | {row['wall_s']:.2f} "
+                     f"| {row['windows']} | {row['particles']} | {'*' if is_front(row, rows) else ''} |")
+    return lines
 
 
 def main():
     studies = tomllib.loads((HERE / "studies.toml").read_text())
+    jobs = studies.pop("job")
     parser = argparse.ArgumentParser(prog="poretwin bench", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("cases", nargs="*", metavar="CASE", help=f"default: {', '.join(studies)}")
@@ -92,10 +128,17 @@ def main():
     parser.add_argument("--spacings", nargs="+", type=float, help="coarse to fine; default: the study's own")
     parser.add_argument("--repeats", type=int, default=1, help="runs of which the median is taken (default 1)")
     parser.add_argument("--longest", type=float, default=600.0, help="wall-clock seconds of a run (default 600)")
+    parser.add_argument("--sizes", type=float, nargs="+", default=[1e4, 1e5, 1e6], help="particles, of the whole page")
+    parser.add_argument("--threads", type=int, nargs="+", default=[1], help="of the solvers, in the table of sizes")
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("runs/bench"))
     parser.add_argument("--program", default="poretwin", help=argparse.SUPPRESS)
     a = parser.parse_args()
-    drawn = {}
+    lines = ["# Performance", "",
+             "Made by `poretwin bench`. Studies: the error of each case's own `verify`, CPU and wall-clock seconds of all processes;",
+             "`*`: no other run of the case has a smaller error in less time; a dash: the run did not end."]
+    a.out.mkdir(parents=True, exist_ok=True)
+    if not a.cases:
+        lines += job_table(a, jobs) + kernel_table(a.program) + size_table(a)
     for case in a.cases or studies:
         if case not in studies:
             parser.error(f"{case}: no such study; expected one of: {', '.join(studies)}")
@@ -114,11 +157,11 @@ def main():
             continue
         metric = study.get("metric", rows[0]["metric"])
         write_csv(a.out / f"{case}.csv", rows)
-        drawn[case] = [row for row in rows if row["metric"] == metric]
-        error_curves(a.out / f"{case}.png", f"{case}: {metric}", drawn[case],
-                     {"spacing": study["spacing"], "cpu_s": "run time [CPU s]"}, bound=drawn[case][0]["bound"])
-    a.out.mkdir(parents=True, exist_ok=True)
-    (a.out / "performance.md").write_text(page(drawn, studies))
+        drawn = [row for row in rows if row["metric"] == metric]
+        error_curves(a.out / f"{case}.png", f"{case}: {metric}", drawn,
+                     {"spacing": study["spacing"], "cpu_s": "run time [CPU s]"}, bound=drawn[0]["bound"])
+        lines += study_table(case, study, drawn)
+    (a.out / "performance.md").write_text("\n".join(lines) + "\n")
     print(f"tables, pictures and performance.md: {a.out}")
 
 

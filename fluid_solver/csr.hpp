@@ -1,8 +1,11 @@
 // Sparse rows and conjugate gradients, small and allocation-free inside the iteration.
 #pragma once
 
+#include "common/core/lanes.hpp"
+#include "common/core/threads.hpp"
 #include "common/core/vector.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <span>
@@ -16,24 +19,42 @@ struct PairMatrix {
   ScalarArray weight;    ///< per entry, >= 0
   ScalarArray diagonal;  ///< per row
   [[nodiscard]] std::size_t size() const { return diagonal.size(); }
-  /// y = A x, for scalars or small vectors.
-  template <class T>
-  void apply(std::span<const T> x, std::span<T> y) const {
-    // Two sums side by side: one alone waits for each addition.
-    for (std::size_t a = 0; a < size(); ++a) {
-      T even = diagonal[a] * x[a], odd = 0.0 * x[a];
-      Index k = offset[a];
-      for (; k + 1 < offset[a + 1]; k += 2) {
-        even -= weight[k] * x[column[k]];
-        odd -= weight[k + 1] * x[column[k + 1]];
-      }
-      if (k < offset[a + 1]) even -= weight[k] * x[column[k]];
-      y[a] = even + odd;
-    }
+  /// y = A x
+  void apply(std::span<const double> x, std::span<double> y) const {
+    side_by_side(size(), [&](std::size_t first, std::size_t last) {
+      run_lanes([&]() __attribute__((always_inline)) {
+        for (std::size_t a = first; a < last; ++a) {
+          Lanes sums{};
+          Index k = offset[a];
+          for (; k + n_lanes <= offset[a + 1]; k += n_lanes) {
+            const Index* const c = &column[k];
+            sums += *reinterpret_cast<const LooseLanes*>(&weight[k]) * Lanes{x[c[0]], x[c[1]], x[c[2]], x[c[3]]};
+          }
+          double sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
+          for (; k < offset[a + 1]; ++k) sum += weight[k] * x[column[k]];
+          y[a] = diagonal[a] * x[a] - sum;
+        }
+      });
+    });
   }
 };
 
+/// Of at most `block` numbers each, so that the result does not depend on the number of threads.
 inline double dot(std::span<const double> a, std::span<const double> b) {
+  constexpr std::size_t block = 8192;
+  if (a.size() > block) {
+    ScalarArray parts((a.size() + block - 1) / block);
+    side_by_side(a.size(), [&](std::size_t first, std::size_t last) {
+      // Blocks that begin in this part.
+      for (std::size_t i = (first + block - 1) / block; i * block < last; ++i) {
+        const std::size_t n = std::min(block, a.size() - i * block);
+        parts[i] = dot(a.subspan(i * block, n), b.subspan(i * block, n));
+      }
+    });
+    double sum = 0.0;
+    for (const double part : parts) sum += part;
+    return sum;
+  }
   std::array<double, 4> sum{};
   std::size_t i = 0;
   for (; i + 4 <= a.size(); i += 4)
@@ -70,15 +91,19 @@ SolveReport conjugate_gradients(Apply&& apply, Precondition&& precondition, std:
     const double pq = dot(p, q);
     if (!(pq > 0.0)) break;
     const double alpha = rz / pq;
-    for (std::size_t i = 0; i < n; ++i) {
-      x[i] += alpha * p[i];
-      r[i] -= alpha * q[i];
-    }
+    side_by_side(n, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) {
+        x[i] += alpha * p[i];
+        r[i] -= alpha * q[i];
+      }
+    });
     if (norm(r) <= tolerance) return report;
     precondition(std::span<const double>(r), std::span<double>(z));
     const double beta = -dot(z, q) / pq;
     rz = dot(r, z);
-    for (std::size_t i = 0; i < n; ++i) p[i] = z[i] + beta * p[i];
+    side_by_side(n, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) p[i] = z[i] + beta * p[i];
+    });
   }
   report.converged = false;
   return report;

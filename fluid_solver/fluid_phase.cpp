@@ -295,33 +295,61 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
   const auto& v = state_.particles.velocity;
   VecArray<D> result = v;
   for (auto& u : result) u += interval * pull_;
+  // In soil drag damps what the trace of viscosity is for, unless inertia rules there as well.
+  std::vector<char> drags(s.n_real);
+  for (std::size_t a = 0; a < s.n_real; ++a)
+    drags[a] =
+        view.mask[a] > 0.5 && !inertia_rules(state_.particles.void_fraction[a], density_, view.drag[a],
+                                             spacing_of<D>(state_.particles.volume[a]), weight_.norm() / density_);
+  if (std::all_of(drags.begin(), drags.end(), [](char drag) { return drag; })) return result;
   const double noise = noise_viscosity * dx_ * state_.wave_speed, viscosity = this->viscosity();
   const VecArray<D> all = extended<D>(s, v, Carried::yes);
-  MatArray<D> gradient(s.size(), Mat<D>::Zero());
-  std::copy(velocity_gradient.begin(), velocity_gradient.end(), gradient.begin());
-  for (std::size_t j = s.n_base; j < s.size(); ++j)
-    if (s.parent[j] < s.n_real) {
-      const Mat<D>& map = s.map[j - s.n_base];
-      gradient[j] = map * velocity_gradient[s.parent[j]] * map.transpose();
-    }
-  for (std::size_t a = 0; a < s.n_real; ++a) {
-    // In soil drag damps what the trace of viscosity is for, unless inertia rules there as well.
-    if (view.mask[a] > 0.5 && !inertia_rules(state_.particles.void_fraction[a], density_, view.drag[a],
-                                             spacing_of<D>(state_.particles.volume[a]), weight_.norm() / density_))
-      continue;
-    result[a] -= interval * scene_.general.central_force * s.position[a];
-    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
-      const Index j = s.other[k], q = s.parent[j];
-      if (q >= s.n_real) continue;
-      const Vec<D> ba = s.position[j] - s.position[a], difference = all[j] - v[a];
-      const bool sticks = j >= s.n_base && (s.boundaries[j - s.n_base] & no_slip_) != 0;
-      const double along = difference.dot(ba), approach = along < 0.0 ? -along / ba.norm() : 0.0;
-      const double weight = interval * 2.0 * s.volume[j] * s.strength[k];
-      const double impact = impact_viscosity * 0.5 * (s.length[a] + s.length[j]) * approach;
-      result[a] += weight * ((viscosity + impact) * (sticks ? Vec<D>(-v[q] - v[a]) : difference) +
-                             noise * (difference - 0.5 * (velocity_gradient[a] + gradient[j]) * ba));
-    }
+  // Of a point: velocity, that which sticking water sees, velocity gradient, smoothing length, whether it counts.
+  constexpr std::size_t at_stuck = D, at_gradient = 2 * D, at_length = at_gradient + D * D, at_counts = at_length + 1;
+  std::vector<PackedPoint<D, at_counts + 1>> points(s.size());
+  for (std::size_t j = 0; j < s.size(); ++j) {
+    const Index q = s.parent[j];
+    const bool real = q < s.n_real, image = j >= s.n_base;
+    const bool sticks = image && real && (s.boundaries[j - s.n_base] & no_slip_) != 0;
+    const Vec<D> stuck = sticks ? Vec<D>(-v[q]) : all[j];
+    Mat<D> gradient = Mat<D>::Zero();
+    if (real) gradient = velocity_gradient[q];
+    if (real && image) gradient = s.map[j - s.n_base] * gradient * s.map[j - s.n_base].transpose();
+    double* const row = points[j].x.data();
+    Eigen::Map<Vec<D>>{row} = s.position[j];
+    Eigen::Map<Vec<D>>{row + D} = all[j];
+    Eigen::Map<Vec<D>>{row + D + at_stuck} = stuck;
+    Eigen::Map<Mat<D>>{row + D + at_gradient} = gradient;
+    row[D + at_length] = s.length[j];
+    row[D + at_counts] = real ? 1.0 : 0.0;
   }
+  for_pairs_in_lanes<D, at_counts + 1, D>(
+      s, points,
+      [&](const double* self, std::size_t m, const Lanes* w, const Lanes* point, Lanes* sums)
+          __attribute__((always_inline)) {
+            // w = pull ba: the speed of approach is that of the points times the pull over that of w.
+            const Lanes pull = *reinterpret_cast<const LooseLanes*>(&s.pull[m]);
+            Lanes approach{}, size = Lanes{} + 1e-300;
+            for (std::size_t d = 0; d < D; ++d) {
+              approach -= (point[d] - self[d]) * w[d];
+              size += w[d] * w[d];
+            }
+            take_root(size);
+            raise_to(approach, Lanes{});
+            const Lanes impact = 0.5 * impact_viscosity * (self[at_length] + point[at_length]) * approach / size;
+            for (std::size_t d = 0; d < D; ++d) {
+              Lanes unexplained = pull * (point[d] - self[d]);
+              for (std::size_t e = 0; e < D; ++e)
+                unexplained -= 0.5 * (self[at_gradient + d + D * e] + point[at_gradient + d + D * e]) * w[e];
+              sums[d] += point[at_counts] *
+                         ((viscosity + impact) * pull * (point[at_stuck + d] - self[d]) + noise * unexplained);
+            }
+          },
+      [&](std::size_t a, const double* total) __attribute__((always_inline)) {
+        if (drags[a]) return;
+        result[a] += 2.0 * interval * Eigen::Map<const Vec<D>>(total);
+        result[a] -= interval * scene_.general.central_force * s.position[a];
+      });
   return result;
 }
 

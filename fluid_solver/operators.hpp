@@ -1,9 +1,12 @@
 // Differential operators on a stencil: corrected gradient and divergence, pairwise Laplacian, interpolation.
 #pragma once
 
+#include "common/core/lanes.hpp"
 #include "fluid_solver/csr.hpp"
 #include "fluid_solver/stencil.hpp"
 
+#include <algorithm>
+#include <array>
 #include <optional>
 
 namespace poretwin::fluid {
@@ -41,98 +44,191 @@ std::optional<double> face_slope(const Stencil<D>& s, Index column, std::span<co
   return slope;
 }
 
+/// What pair loops read of a point, packed: its place and some numbers.
+template <int D, std::size_t n_values>
+struct alignas(32) PackedPoint {
+  static constexpr std::size_t size = (D + n_values + 3) / 4 * 4;
+  std::array<double, size> x{};
+  [[nodiscard]] const double* row() const { return x.data(); }
+};
+
+/// Calls sum(a, m, r, points) for the pairs m .. m + 3 of every real particle a, compiled for this machine: r the
+/// vectors to their points times the pull, points the numbers packed with these.
+template <int D, std::size_t n_values, std::size_t n_sums, class Sum, class Take>
+void for_pairs_in_lanes(const Stencil<D>& s, const std::vector<PackedPoint<D, n_values>>& points, const Sum& sum,
+                        const Take& take) {
+  constexpr std::size_t size = (n_sums + 3) / 4 * 4;
+  const auto rows = [&](std::size_t first, std::size_t last) __attribute__((always_inline)) {
+    for (std::size_t a = first; a < last; ++a) {
+      const double* const self = points[a].row();
+      Lanes sums[size] = {};
+      for (std::size_t m = s.offset[a]; m < s.offset[a + 1]; m += n_lanes) {
+        const Index* const i = &s.other[m];
+        Lanes point[D + n_values], w[D];
+        gather<0, D + n_values>({points[i[0]].row(), points[i[1]].row(), points[i[2]].row(), points[i[3]].row()},
+                                point);
+        const Lanes pull = *reinterpret_cast<const LooseLanes*>(&s.pull[m]);
+        for (std::size_t d = 0; d < D; ++d) w[d] = pull * (point[d] - self[d]);
+        sum(self + D, m, w, point + D, sums);
+      }
+      alignas(32) double total[size] = {};
+      add_lanes<size>(sums, total);
+      take(a, total);
+    }
+  };
+  side_by_side(s.n_real, [&](std::size_t first, std::size_t last) {
+    run_lanes([&]() __attribute__((always_inline)) { rows(first, last); });
+  });
+}
+
 /// Corrected gradient of a piezometric pressure; face_pressure(column) is the pressure at a face (0 for increments).
-/// mobility(a, parent of b) multiplies each pair; blind_gradient is taken in directions without neighbours;
-/// surface_pressure(a) is that of the free surface next to particle a (0 for increments); increment: p is a change of
-/// pressure.
-template <int D, class Face, class Mobility, class SurfacePressure>
-VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Face&& face_pressure, Mobility&& mobility,
-                              const Vec<D>& blind_gradient, SurfacePressure&& surface_pressure,
-                              bool increment = false) {
-  VecArray<D> result(s.n_real);
+/// mobility: of the real particles, pairs get the harmonic mean; 1 where there is none; blind_gradient is taken in
+/// directions without neighbours; surface_pressure(a) is that of the free surface next to particle a (0 for
+/// increments); increment: p is a change of pressure.
+template <int D, class Face, class SurfacePressure>
+VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Face&& face_pressure,
+                              std::span<const double> mobility, const Vec<D>& blind_gradient,
+                              SurfacePressure&& surface_pressure, bool increment = false) {
   // Pressures of the buffers. Reflecting particle by particle, as the Laplacian does, would magnify the error of a
   // particle that lies on the face itself.
   ScalarArray buffer(s.n_base - s.n_real);
   std::vector<bool> fitted(buffer.size());
+  bool all_fitted = true;
   for (std::size_t i = 0; i < buffer.size(); ++i) {
     const double at_face = face_pressure(s.column[i]);
     const auto slope = face_slope(s, s.column[i], p, at_face, increment);
     fitted[i] = slope.has_value();
+    all_fitted = all_fitted && fitted[i];
     buffer[i] = at_face - slope.value_or(0.0) * s.outside[i];
   }
-  for (std::size_t a = 0; a < s.n_real; ++a) {
-    Vec<D> sum = Vec<D>::Zero();
-    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
-      const Index j = s.other[k], q = s.parent[j];
-      const double difference = q < s.n_real           ? p[q] - p[a]
-                                : fitted[q - s.n_real] ? buffer[q - s.n_real] - p[a]
-                                                       : s.reflection[k] * (buffer[q - s.n_real] - p[a]);
-      sum += s.volume[j] * mobility(a, q) * difference * s.gradient[k];
-    }
-    if (s.ghost_distance[a] > 0.0) sum += 2.0 * mobility(a, a) * (p[a] - surface_pressure(a)) * s.normal[a];
-    result[a] = s.correction[a] * sum + mobility(a, a) * (s.blind[a] * blind_gradient);
+  // A buffer moves as the particle that asks: a mobility of zero stands for that.
+  std::vector<PackedPoint<D, 2>> points(s.size());
+  for (std::size_t j = 0; j < s.size(); ++j) {
+    const Index q = s.parent[j];
+    const bool real = q < s.n_real;
+    for (std::size_t d = 0; d < D; ++d) points[j].x[d] = s.position[j][static_cast<int>(d)];
+    points[j].x[D] = real ? p[q] : buffer[q - s.n_real];
+    points[j].x[D + 1] = !real ? 0.0 : mobility.empty() ? 1.0 : mobility[q];
   }
+  VecArray<D> result(s.n_real);
+  for_pairs_in_lanes<D, 2, D>(
+      s, points,
+      [&](const double* self, std::size_t m, const Lanes* w, const Lanes* point, Lanes* sums)
+          __attribute__((always_inline)) {
+            Lanes difference = point[0] - self[0];
+            if (!all_fitted)
+              for (std::size_t l = 0; l < n_lanes; ++l)
+                if (const Index q = s.parent[s.other[m + l]]; q >= s.n_real && !fitted[q - s.n_real])
+                  difference[l] *= s.reflection[m + l];
+            if (!mobility.empty()) {
+              const Lanes theirs = point[1] > 0.0 ? point[1] : Lanes{} + self[1];
+              difference *= 2.0 * self[1] * theirs / (self[1] + theirs);
+            }
+            for (std::size_t d = 0; d < D; ++d) sums[d] += w[d] * difference;
+          },
+      [&](std::size_t a, const double* total) __attribute__((always_inline)) {
+        const double own = mobility.empty() ? 1.0 : mobility[a];
+        Vec<D> sum = Eigen::Map<const Vec<D>>(total);
+        if (s.ghost_distance[a] > 0.0) sum += 2.0 * own * (p[a] - surface_pressure(a)) * s.normal[a];
+        result[a] = s.correction[a] * sum + own * (s.blind[a] * blind_gradient);
+      });
   return result;
+}
+
+/// Calls take(a, sum) with sum_b V_b (f_b - f_a) grad W^T of every real particle, buffers left out.
+template <int D, class Take>
+void sum_differences(const Stencil<D>& s, std::span<const Vec<D>> f, Carried carried, const Take& take) {
+  const VecArray<D> all = extended<D>(s, f, carried);
+  const bool buffers = s.n_base > s.n_real;
+  std::vector<PackedPoint<D, D>> points(s.size());
+  for (std::size_t j = 0; j < s.size(); ++j)
+    for (std::size_t d = 0; d < D; ++d) {
+      points[j].x[d] = s.position[j][static_cast<int>(d)];
+      points[j].x[D + d] = all[j][static_cast<int>(d)];
+    }
+  for_pairs_in_lanes<D, D, D * D>(
+      s, points,
+      [&](const double* self, std::size_t m, const Lanes* w, const Lanes* point, Lanes* sums)
+          __attribute__((always_inline)) {
+            Lanes open = Lanes{} + 1.0;
+            if (buffers)
+              for (std::size_t l = 0; l < n_lanes; ++l) open[l] = s.is_buffer(s.other[m + l]) ? 0.0 : 1.0;
+            for (std::size_t c = 0; c < D; ++c) {
+              const Lanes difference = open * (point[c] - self[c]);
+              for (std::size_t d = 0; d < D; ++d) sums[c + D * d] += w[d] * difference;
+            }
+          },
+      [&](std::size_t a, const double* total)
+          __attribute__((always_inline)) { take(a, Mat<D>(Eigen::Map<const Mat<D>>(total))); });
 }
 
 /// Corrected gradient of the water's velocity, G_ij = d v_i / d x_j, buffers left out.
 template <int D>
 MatArray<D> velocity_gradient(const Stencil<D>& s, std::span<const Vec<D>> f) {
-  const VecArray<D> all = extended<D>(s, f, Carried::yes);
   MatArray<D> result(s.n_real);
-  for (std::size_t a = 0; a < s.n_real; ++a) {
-    Mat<D> sum = Mat<D>::Zero();
-    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
-      const Index j = s.other[k];
-      if (!s.is_buffer(j)) sum += s.volume[j] * (all[j] - all[a]) * s.gradient[k].transpose();
-    }
-    result[a] = sum * s.correction_open[a];
-  }
+  sum_differences<D>(
+      s, f, Carried::yes, [&](std::size_t a, const Mat<D>& sum) __attribute__((always_inline)) {
+        result[a].noalias() = sum * s.correction_open[a];
+      });
   return result;
 }
 
 /// Corrected divergence of a velocity-like field, buffers left out (one-sided at faces).
 template <int D>
 ScalarArray divergence(const Stencil<D>& s, std::span<const Vec<D>> f, Carried carried = Carried::no) {
-  const VecArray<D> all = extended<D>(s, f, carried);
-  ScalarArray result(s.n_real);
-  for (std::size_t a = 0; a < s.n_real; ++a) {
-    Mat<D> sum = Mat<D>::Zero();
-    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
-      const Index j = s.other[k];
-      if (s.is_buffer(j)) continue;
-      sum += s.volume[j] * (all[j] - all[a]) * s.gradient[k].transpose();
-    }
-    result[a] = sum.cwiseProduct(s.correction_open[a].transpose()).sum();
-  }
+  ScalarArray result(s.n_real, 0.0);
+  if (carried == Carried::no && std::all_of(f.begin(), f.end(), [](const Vec<D>& v) { return v.isZero(0.0); }))
+    return result;
+  sum_differences<D>(
+      s, f, carried, [&](std::size_t a, const Mat<D>& sum) __attribute__((always_inline)) {
+        result[a] = sum.cwiseProduct(s.correction_open[a].transpose()).sum();
+      });
   return result;
 }
 
 /// V_a sum_b 2 V_b mobility_ab G_ab (p_a - p_b): minus the Laplacian, weighted with the volume so that it is symmetric.
-/// With buffers, their pairs go to the diagonal, (1 + r) (p_a - p_face); without, they are left out (natural).
-template <int D, class Mobility>
-PairMatrix laplacian(const Stencil<D>& s, Mobility&& mobility, bool buffers) {
+/// mobility: of the real particles, pairs get the harmonic mean; 1 where there is none. With buffers, their pairs go to
+/// the diagonal, (1 + r) (p_a - p_face). Entries that stand for no coupling have weight 0 and the row's own column.
+template <int D>
+PairMatrix laplacian(const Stencil<D>& s, std::span<const double> mobility) {
   PairMatrix m;
-  m.offset.reserve(s.n_real + 1);
-  m.column.reserve(s.other.size());
-  m.weight.reserve(s.other.size());
-  m.diagonal.assign(s.n_real, 0.0);
-  for (std::size_t a = 0; a < s.n_real; ++a) {
-    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
-      const Index j = s.other[k], q = s.parent[j];
-      if (q == a) continue;
-      const double w = s.volume[a] * 2.0 * s.volume[j] * mobility(a, q) * s.strength[k] * s.amplified(a, q);
-      if (w == 0.0) continue;
-      if (q < s.n_real) {
-        m.diagonal[a] += w;
-        m.column.push_back(q);
-        m.weight.push_back(w);
-      } else if (buffers) {
-        m.diagonal[a] += w * s.reflection[k];
+  m.offset = s.offset;
+  m.column.resize(s.other.size());
+  m.weight.resize(s.other.size());
+  m.diagonal.resize(s.n_real);
+  const bool buffers = s.n_base > s.n_real;
+  const auto row = [&](std::size_t a) __attribute__((always_inline)) {
+    Lanes sum{};
+    for (std::size_t k = s.offset[a]; k < s.offset[a + 1]; k += n_lanes) {
+      Lanes amplified, theirs, coupled;
+      for (std::size_t l = 0; l < n_lanes; ++l) {
+        const Index q = s.parent[s.other[k + l]], b = q < s.n_real ? q : static_cast<Index>(a);
+        m.column[k + l] = b;
+        amplified[l] = s.amplification[b];
+        theirs[l] = mobility.empty() ? 1.0 : mobility[b];
+        coupled[l] = b != a ? 1.0 : 0.0;
       }
+      Lanes w = *reinterpret_cast<const LooseLanes*>(&s.pull[k]);
+      w *= s.volume[a] * (s.amplification[a] + amplified);
+      if (!mobility.empty()) {
+        Lanes whole = mobility[a] + theirs;
+        raise_to(whole, Lanes{} + 1e-300);
+        w *= 2.0 * mobility[a] * theirs / whole;
+      }
+      if (buffers)
+        for (std::size_t l = 0; l < n_lanes; ++l)
+          if (s.parent[s.other[k + l]] >= s.n_real) sum[l] += w[l] * s.reflection[k + l];
+      w *= coupled;
+      sum += w;
+      *reinterpret_cast<LooseLanes*>(&m.weight[k]) = w;
     }
-    m.offset.push_back(static_cast<Index>(m.column.size()));
-  }
+    m.diagonal[a] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+  };
+  side_by_side(s.n_real, [&](std::size_t first, std::size_t last) {
+    run_lanes([&]() __attribute__((always_inline)) {
+      for (std::size_t a = first; a < last; ++a) row(a);
+    });
+  });
   return m;
 }
 

@@ -31,7 +31,8 @@ VecArray<D> packing_displacements(const Stencil<D>& s, std::span<const Vec<D>> v
       const Vec<D> normal = s.normal[a].normalized();
       d -= normal.dot(d) * normal;
     }
-    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+    const bool crowded = s.closest[a] * smoothing_ratio < law.closest;
+    for (Index k = s.offset[a]; crowded && k < s.offset[a + 1]; ++k) {
       const Index j = s.other[k];
       const Vec<D> ba = s.position[j] - s.position[a];
       const double r2 = ba.squaredNorm(), limit = law.closest * 0.5 * (h + s.length[j]) / smoothing_ratio;
@@ -52,7 +53,7 @@ template <int D>
 void collide(const Stencil<D>& s, std::span<const double> seeps, std::span<const double> mass,
              std::span<Vec<D>> velocity) {
   for (std::size_t a = 0; a < s.n_real; ++a) {
-    if (seeps[a] > 0.5) continue;
+    if (seeps[a] > 0.5 || s.closest[a] * smoothing_ratio >= collision) continue;
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
       const Index j = s.other[k], b = s.parent[j];
       const Vec<D> ba = s.position[j] - s.position[a];

@@ -1,5 +1,7 @@
 #include "fluid_solver/stencil.hpp"
 
+#include "common/core/lanes.hpp"
+#include "common/core/threads.hpp"
 #include "common/sph/neighbours.hpp"
 
 #include <Eigen/Dense>
@@ -10,6 +12,88 @@ namespace {
 /// Least eigenvalue of a moment that is inverted in full: gradients in directions with fewer neighbours are taken
 /// short rather than amplified.
 constexpr double least_inverted = 0.3;
+
+/// What the sums over pairs read of a point, packed.
+template <int D>
+struct alignas(32) Summed {
+  Vec<D> position;
+  double volume, length;
+  [[nodiscard]] const double* row() const { return position.data(); }
+};
+
+/// Rows of all points nearer than the supports of the two reach on average.
+template <int D>
+void find_pairs(double largest, Stencil<D>& s) {
+  sph::CellGrid<D> grid;
+  constexpr double reach = 0.5 * sph::support_radius;
+  grid.build(s.position, reach * largest);
+  const bool even = std::all_of(s.length.begin(), s.length.end(), [&](double h) { return h == largest; });
+  s.offset.reserve(s.n_real + 1);
+  s.other.reserve(s.n_real * (D == 2 ? 28 : 96));
+  std::vector<Index> row(64);
+  for (std::size_t a = 0; a < s.n_real; ++a) {
+    std::size_t count = 0;
+    const auto add = [&](Index j, bool near) {
+      if (count == row.size()) row.resize(2 * count);
+      row[count] = j;
+      count += static_cast<std::size_t>(j != a) & static_cast<std::size_t>(near);
+    };
+    const double range = reach * (s.length[a] + largest);
+    if (even)
+      grid.for_each_within(s.position[a], range, [&](Index j, double) { add(j, true); });
+    else
+      grid.for_each_within(s.position[a], range, [&](Index j, double r2) {
+        const double support = reach * (s.length[a] + s.length[j]);
+        add(j, r2 < support * support);
+      });
+    s.other.insert(s.other.end(), row.begin(), row.begin() + static_cast<std::ptrdiff_t>(count));
+    while (s.other.size() % n_lanes != 0) s.other.push_back(static_cast<Index>(a));
+    s.offset.push_back(static_cast<Index>(s.other.size()));
+  }
+}
+
+/// Kernels of the pairs of particle a, and its sums over them.
+template <int D>
+[[gnu::always_inline]] inline void sum_pairs(const Summed<D>* points, std::size_t a, Stencil<D>& s) {
+  constexpr std::size_t n_moments = D * (D + 1) / 2, n_sums = 1 + D + n_moments, size = (n_sums + 3) / 4 * 4;
+  static const double scale = Kernel<D>::normalisation(1.0);
+  const double* const self = points[a].row();
+  const double length = self[D + 1];
+  Lanes sum[size] = {}, least = Lanes{} + sph::support_radius;
+  for (std::size_t m = s.offset[a]; m < s.offset[a + 1]; m += n_lanes) {
+    const Index* const index = &s.other[m];
+    Lanes point[D + 2], ba[D], r{}, real;
+    gather<0, D + 2>({points[index[0]].row(), points[index[1]].row(), points[index[2]].row(), points[index[3]].row()},
+                     point);
+    for (std::size_t l = 0; l < n_lanes; ++l) real[l] = index[l] == a ? 0.0 : scale;
+    for (std::size_t d = 0; d < D; ++d) {
+      ba[d] = point[d] - self[d];
+      r += ba[d] * ba[d];
+    }
+    take_root(r);
+    const Lanes inverse = 2.0 / (length + point[D + 1]), q = r * inverse, square = inverse * inverse;
+    Lanes u = 1.0 - 0.5 * q;
+    lower_to(least, real > 0.0 ? q : least);
+    raise_to(u, Lanes{});
+    const Lanes cube = u * u * u * real * square * (D == 2 ? Lanes{} + 1.0 : inverse);
+    const Lanes value = cube * u * (2.0 * q + 1.0), pull = 5.0 * square * cube * point[D];
+    *reinterpret_cast<LooseLanes*>(&s.value[m]) = value;
+    *reinterpret_cast<LooseLanes*>(&s.pull[m]) = pull;
+    std::size_t c = 0;
+    sum[c++] += point[D] * value;
+    for (std::size_t d = 0; d < D; ++d) sum[c++] += pull * ba[d];
+    for (std::size_t d = 0; d < D; ++d)
+      for (std::size_t e = 0; e <= d; ++e) sum[c++] += pull * ba[d] * ba[e];
+  }
+  double total[size] = {};
+  add_lanes<size>(sum, total);
+  const double* next = total;
+  s.closest[a] = std::min(std::min(least[0], least[1]), std::min(least[2], least[3]));
+  s.fullness[a] = *next++ + self[D] * Kernel<D>::value(0.0, length);
+  for (int d = 0; d < D; ++d) s.normal[a][d] = *next++;
+  for (int d = 0; d < D; ++d)
+    for (int e = 0; e <= d; ++e) s.moment[a](d, e) = s.moment[a](e, d) = *next++;
+}
 
 }  // namespace
 
@@ -72,6 +156,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
 
   const std::size_t n = s.n_real;
   s.fullness.assign(n, 0.0);
+  s.closest.assign(n, 0.0);
   s.divergence.assign(n, 0.0);
   s.amplification.assign(n, 1.0);
   s.normal.assign(n, Vec<D>::Zero());
@@ -86,54 +171,40 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   s.least_moment.assign(n, 0.0);
   s.ghost_distance.assign(n, 0.0);
   if (n == 0) return s;
-  sph::CellGrid<D> grid;
-  const double reach = 0.5 * sph::support_radius;
-  grid.build(s.position, reach * largest);
-  s.offset.reserve(n + 1);
-  const std::size_t pairs = n * (D == 2 ? 24 : 80);
-  s.other.reserve(pairs);
-  s.value.reserve(pairs);
-  s.strength.reserve(pairs);
-  s.gradient.reserve(pairs);
-  if (!buffers.empty()) s.reflection.reserve(pairs);
+  find_pairs(largest, s);
+  for (auto* per_pair : {&s.pull, &s.value}) per_pair->resize(s.other.size());
+  if (!buffers.empty()) s.reflection.assign(s.other.size(), 0.0);
+  std::vector<Summed<D>> points(s.size());
+  for (std::size_t j = 0; j < s.size(); ++j) points[j] = {s.position[j], s.volume[j], s.length[j]};
   const double full = lattice_fullness<D>();
-  for (std::size_t a = 0; a < n; ++a) {
-    Mat<D> moment = Mat<D>::Zero(), moment_open = Mat<D>::Zero();
-    double sum = s.volume[a] * Kernel<D>::value(0.0, s.length[a]);
-    grid.for_each_within(s.position[a], reach * (s.length[a] + largest), [&](Index j, double r2) {
-      const double h = 0.5 * (s.length[a] + s.length[j]);
-      if (j == a || r2 >= 4.0 * h * h) return;
-      const auto [w, g] = Kernel<D>::pair(std::sqrt(r2), h);
-      const Vec<D> ba = s.position[j] - s.position[a];
-      const bool buffer = s.is_buffer(j);
-      s.other.push_back(j);
-      s.value.push_back(w);
-      s.strength.push_back(g);
-      s.gradient.push_back(g * ba);
-      if (buffer) {
-        const auto& b = buffers[s.parent[j] - n];
-        const double inside = b.normal.dot(s.position[a] - b.foot), outside = b.outside;
-        s.reflection.push_back(1.0 + (30.0 * inside <= outside ? 30.0 : outside / inside));
-      } else if (!buffers.empty()) {
-        s.reflection.push_back(0.0);
-      }
-      const double v = s.volume[j];
-      sum += v * w;
-      s.normal[a] += v * g * ba;
-      const Mat<D> outer = v * g * ba * ba.transpose();
-      moment += outer;
-      if (!buffer) moment_open += outer;
+  side_by_side(n, [&](std::size_t first, std::size_t last) {
+    run_lanes([&]() __attribute__((always_inline)) {
+      for (std::size_t a = first; a < last; ++a) sum_pairs<D>(points.data(), a, s);
     });
-    s.fullness[a] = sum / full;
-    s.divergence[a] = moment.trace();
+  });
+  for (std::size_t a = 0; a < n; ++a) {
+    s.fullness[a] /= full;
+    s.divergence[a] = s.moment[a].trace();
     // The pair Laplacian of a quadratic is off by the kernel's moment, 2.6 % on a lattice at this smoothing length:
     // that much too fast or slow a consolidation. Far from 1 it means a surface, not disorder.
     const double deficit = s.divergence[a] / D;
     s.amplification[a] = 1.0 / (deficit > 0.75 ? std::clamp(deficit, 0.93, 1.07) : 1.0);
-    s.moment[a] = moment;
-    s.correction[a] = bounded_inverse<D>(moment, least_inverted, &s.blind[a], &s.least_moment[a]);
-    s.correction_open[a] = n == s.n_base ? s.correction[a] : bounded_inverse<D>(moment_open, least_inverted, nullptr);
-    s.offset.push_back(static_cast<Index>(s.other.size()));
+    s.correction[a] = bounded_inverse<D>(s.moment[a], least_inverted, &s.blind[a], &s.least_moment[a]);
+    s.correction_open[a] = s.correction[a];
+    if (n == s.n_base) continue;
+    Mat<D> open = s.moment[a];
+    bool near_face = false;
+    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+      const Index j = s.other[k];
+      if (!s.is_buffer(j)) continue;
+      near_face = true;
+      const Vec<D> ba = s.position[j] - s.position[a];
+      open -= s.pull[k] * ba * ba.transpose();
+      const auto& b = buffers[s.parent[j] - n];
+      const double inside = b.normal.dot(s.position[a] - b.foot), outside = b.outside;
+      s.reflection[k] = 1.0 + (30.0 * inside <= outside ? 30.0 : outside / inside);
+    }
+    if (near_face) s.correction_open[a] = bounded_inverse<D>(open, least_inverted, nullptr);
   }
   return s;
 }

@@ -72,14 +72,15 @@ struct Stencil {
   ScalarArray fit_weight;    ///< 1/m
   ScalarArray fit_constant;  ///< [columns] Pa/m, added to the slope of a pressure, not to that of an increment
 
-  std::vector<Index> offset{0};  ///< pairs of real a: offset[a] .. offset[a + 1]
-  std::vector<Index> other;      ///< [pairs]
-  VecArray<D> gradient;          ///< [pairs] grad_a W_ab, 1/m^(D+1)
-  ScalarArray strength;          ///< [pairs] -W'/r, 1/m^(D+2)
-  ScalarArray value;             ///< [pairs] W, 1/m^D
-  ScalarArray reflection;        ///< [pairs] 0, or 1 + |d_b|/d_a where b is a buffer; empty without buffers
+  /// Pairs of real a: offset[a] .. offset[a + 1], a multiple of four: filled up with a itself, of which all is zero.
+  std::vector<Index> offset{0};
+  std::vector<Index> other;  ///< [pairs]
+  ScalarArray pull;          ///< [pairs] -V_b W'/r, 1/m^2: V_b grad_a W_ab is pull (r_b - r_a)
+  ScalarArray value;         ///< [pairs] W, 1/m^D
+  ScalarArray reflection;    ///< [pairs] 0, or 1 + |d_b|/d_a where b is a buffer; empty without buffers
 
   ScalarArray fullness;    ///< [real] sum V W over that of a lattice
+  ScalarArray closest;     ///< [real] least distance to another point, in units of the pair's smoothing length
   ScalarArray divergence;  ///< [real] sum V div r: D inside
   ScalarArray
       amplification;   ///< [real] of pair sums of second derivatives, to make them exact for a quadratic on average

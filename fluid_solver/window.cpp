@@ -61,15 +61,15 @@ class WindowSolver {
                         soil.density[a], soil.modulus[a], in_.response);
       any_response_ = any_response_ || q_[a].responds;
     }
-    fluid_ = laplacian(
-        s_, [&](std::size_t a, std::size_t b) { return harmonic(q_[a].kf, kf(b, a)); }, true);
+    ScalarArray mobility(n_);
+    for (std::size_t a = 0; a < n_; ++a) mobility[a] = q_[a].kf;
+    fluid_ = laplacian<D>(s_, mobility);
     boundary_.assign(n_, 0.0);
     for (std::size_t a = 0; a < n_; ++a) {
-      for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
+      for (Index k = s_.offset[a]; s_.n_base > n_ && k < s_.offset[a + 1]; ++k) {
         const Index j = s_.other[k];
         if (!s_.is_buffer(j)) continue;
-        const double w = s_.volume[a] * 2.0 * s_.volume[j] * q_[a].kf * s_.strength[k] * s_.amplified(a, s_.parent[j]) *
-                         s_.reflection[k];
+        const double w = 2.0 * s_.volume[a] * q_[a].kf * s_.pull[k] * s_.amplified(a, s_.parent[j]) * s_.reflection[k];
         boundary_[a] += w * in_.face_pressure[s_.column[s_.parent[j] - n_]];
         closed_ = false;
       }
@@ -105,8 +105,6 @@ class WindowSolver {
   }
 
  private:
-  double kf(std::size_t b, std::size_t otherwise) const { return b < n_ ? q_[b].kf : q_[otherwise].kf; }
-
   /// Distance to the surface, 0 where it is out of reach.
   double surface_distance(std::size_t a) const {
     if (s_.ghost_distance[a] > 0.0) return s_.ghost_distance[a];
@@ -188,8 +186,10 @@ class WindowSolver {
     fluid_.apply(std::span<const double>(known), std::span<double>(drive));
     for (std::size_t a = 0; a < n_; ++a) drive[a] = pinned(a) ? 0.0 : b[a] - drive[a];
     const auto apply = [&](std::span<const double> x, std::span<double> y) { fluid_.apply(x, y); };
+    ScalarArray inverse(n_);
+    for (std::size_t a = 0; a < n_; ++a) inverse[a] = fluid_.diagonal[a] > 0.0 ? 1.0 / fluid_.diagonal[a] : 0.0;
     const auto by_diagonal = [&](std::span<const double> r, std::span<double> z) {
-      for (std::size_t a = 0; a < n_; ++a) z[a] = fluid_.diagonal[a] > 0.0 ? r[a] / fluid_.diagonal[a] : 0.0;
+      for (std::size_t a = 0; a < n_; ++a) z[a] = inverse[a] * r[a];
       if (closed_) remove_mean(z);
     };
     // Where all particles are pinned nothing drives; rounding is the floor then.
@@ -230,17 +230,12 @@ class WindowSolver {
     // Vectors change on reflection: keep the image each weight belongs to.
     build_vector_stiffness();
     prepare_flow();
-    skeleton_ = laplacian(
-        s_,
-        [&](std::size_t a, std::size_t b) {
-          if (b >= n_) return q_[a].mS * q_[a].e;
-          return harmonic(q_[a].mS * q_[a].e, q_[b].mS * q_[b].e);
-        },
-        true);
+    ScalarArray mobility(n_);
+    for (std::size_t a = 0; a < n_; ++a) mobility[a] = q_[a].mS * q_[a].e;
+    skeleton_ = laplacian<D>(s_, mobility);
     for (std::size_t a = 0; a < n_; ++a)
       if (q_[a].responds) add_surface(skeleton_, a, q_[a].mS * q_[a].e, nullptr);
-    plain_ = laplacian(
-        s_, [](std::size_t, std::size_t) { return 1.0; }, true);
+    plain_ = laplacian<D>(s_, {});
     for (std::size_t a = 0; a < n_; ++a) add_surface(plain_, a, 1.0, nullptr);
   }
 
@@ -256,14 +251,12 @@ class WindowSolver {
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
         const Index j = s_.other[k], b = s_.parent[j];
         if (b >= n_ && in_.face_holds[s_.column[b - n_]]) {
-          const double w =
-              s_.volume[a] * 2.0 * s_.volume[j] * dt * q_[a].M * s_.strength[k] * s_.amplified(a, b) * s_.reflection[k];
+          const double w = 2.0 * s_.volume[a] * dt * q_[a].M * s_.pull[k] * s_.amplified(a, b) * s_.reflection[k];
           H_diagonal_[a] += w;
           H_preconditioner_[a] += w;
         }
         if (b >= n_ || !q_[b].responds) continue;
-        const double w =
-            s_.volume[a] * 2.0 * s_.volume[j] * dt * harmonic(q_[a].M, q_[b].M) * s_.strength[k] * s_.amplified(a, b);
+        const double w = 2.0 * s_.volume[a] * dt * harmonic(q_[a].M, q_[b].M) * s_.pull[k] * s_.amplified(a, b);
         image_weight_[k] = w;
         H_diagonal_[a] += w;
         H_preconditioner_[a] += b == a ? 0.0 : w;
@@ -355,8 +348,7 @@ class WindowSolver {
   VecArray<D> plain_gradient(std::span<const double> p, bool homogeneous) const {
     const Vec<D> blind = homogeneous ? Vec<D>(Vec<D>::Zero()) : Vec<D>(-in_.weight);
     return pressure_gradient<D>(
-        s_, p, [&](Index c) { return homogeneous ? 0.0 : in_.face_pressure[c]; },
-        [](std::size_t, std::size_t) { return 1.0; }, blind,
+        s_, p, [&](Index c) { return homogeneous ? 0.0 : in_.face_pressure[c]; }, {}, blind,
         [&](std::size_t a) { return homogeneous ? 0.0 : surface_pressure(a); }, homogeneous);
   }
 
@@ -451,16 +443,22 @@ class WindowSolver {
   /// solve.
   void finish(WindowSolution<D>& out) const {
     out.velocity.resize(n_);
-    const VecArray<D> flux = pressure_gradient<D>(
-        s_, out.pressure, [&](Index c) { return in_.face_pressure[c]; },
-        [&](std::size_t a, std::size_t b) { return harmonic(q_[a].kf, kf(b, a)); }, Vec<D>(-in_.weight),
-        [&](std::size_t a) { return surface_pressure(a); });
+    out.gradient = plain_gradient(out.pressure, false);
+    VecArray<D> flux = out.gradient;
+    if (std::all_of(q_.begin(), q_.end(), [&](const Elimination& q) { return q.kf == q_[0].kf; })) {
+      for (auto& f : flux) f *= q_[0].kf;
+    } else {
+      ScalarArray mobility(n_);
+      for (std::size_t a = 0; a < n_; ++a) mobility[a] = q_[a].kf;
+      flux = pressure_gradient<D>(
+          s_, out.pressure, [&](Index c) { return in_.face_pressure[c]; }, mobility, Vec<D>(-in_.weight),
+          [&](std::size_t a) { return surface_pressure(a); });
+    }
     for (std::size_t a = 0; a < n_; ++a) {
       const auto& q = q_[a];
       out.velocity[a] =
           (q.aw * pushed(a) + q.C * out.solid_velocity[a]) / (q.aw + q.C) - flux[a] / in_.void_fraction[a];
     }
-    out.gradient = plain_gradient(out.pressure, false);
   }
 
   const Stencil<D>& s_;

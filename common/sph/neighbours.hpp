@@ -90,17 +90,25 @@ class CellGrid {
   /// be guessed wrong too often.
   void append_within(const Vec<D>& x, double radius, Index first, std::vector<Index>& found) const {
     const double limit = radius * radius;
-    std::size_t count = found.size();
+    constexpr std::size_t room = 256, batch = 128;
+    std::array<Index, room> near;
+    std::size_t n = 0;
+    const auto flush = [&] {
+      found.insert(found.end(), near.begin(), near.begin() + static_cast<std::ptrdiff_t>(n));
+      n = 0;
+    };
     for_each_row((x.array() - radius).matrix(), (x.array() + radius).matrix(), [&](Index begin, Index end) {
-      found.resize(count + (end - begin));
-      for (Index m = begin; m < end; ++m) {
-        const Index j = order_[m];
-        found[count] = j;
-        count +=
-            static_cast<std::size_t>((sorted_[m] - x).squaredNorm() < limit) & static_cast<std::size_t>(j >= first);
+      for (std::size_t from = begin; from < end; from += batch) {
+        const std::size_t to = std::min<std::size_t>(end, from + batch);
+        if (n + (to - from) > room) flush();
+        for (std::size_t m = from; m < to; ++m) {
+          const Index j = order_[m];
+          near[n] = j;
+          n += static_cast<std::size_t>((sorted_[m] - x).squaredNorm() < limit) & static_cast<std::size_t>(j >= first);
+        }
       }
     });
-    found.resize(count);
+    flush();
   }
 
   /// Point indices in cell order: a permutation under which neighbours lie close in memory.

@@ -36,8 +36,9 @@ void measure(std::size_t n, bool layered) {
   const auto s = make_stencil<D>(x, volume, std::span<const Buffer<D>>(), {});
   const double stencil = cpu() - begin;
   const auto mobility = [&](std::size_t a) { return layered && x[a][0] > 0.5 ? 1e-3 : 1.0; };
-  PairMatrix A = laplacian(
-      s, [&](std::size_t a, std::size_t b) { return harmonic(mobility(a), mobility(b)); }, true);
+  ScalarArray mobilities(x.size());
+  for (std::size_t a = 0; a < x.size(); ++a) mobilities[a] = mobility(a);
+  PairMatrix A = laplacian<D>(s, mobilities);
   ScalarArray b(x.size()), known(x.size(), 0.0);
   std::uniform_real_distribution<double> noise(-1.0, 1.0);
   for (std::size_t a = 0; a < x.size(); ++a) {

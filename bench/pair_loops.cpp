@@ -1,0 +1,204 @@
+// Pair loops against what this machine can do: one fused pass of density divergence, pressure gradient and Laplacian
+// over the pairs of a jittered lattice, as a neighbour list, as a list in lanes and as a half list in lanes; beside it
+// the loops of both solvers on the same points. By hand: `ninja pair_loops && bin/pair_loops [PARTICLES]`.
+#include "solid_solver/pair_loops.hpp"
+#include "fluid_solver/operators.hpp"
+#include "solid_solver/operators.hpp"
+
+#include <fmt/format.h>
+
+#include <ctime>
+#include <random>
+
+using namespace poretwin;
+
+namespace {
+
+double cpu() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
+
+/// Least CPU seconds of one call, of as many as fit into half a second (three at least).
+template <class Job>
+double seconds(Job&& job) {
+  double least = 1e300;
+  int runs = 0;
+  for (const double end = cpu() + 0.5; runs < 3 || cpu() < end; ++runs) {
+    const double begin = cpu();
+    job();
+    least = std::min(least, cpu() - begin);
+  }
+  return least;
+}
+
+/// What the floor's pass reads: x, y, u, v, p, V; and what it adds up: divergence, gradient, Laplacian.
+struct alignas(64) Point {
+  double x[8]{};
+  [[nodiscard]] const double* row() const { return x; }
+};
+
+double scale_of(double h) { return 5.0 * sph::WendlandC2<2>::normalisation(h) / (h * h); }
+
+/// List of all neighbours, one at a time.
+void plain_pass(const std::vector<Point>& points, const sph::PairList& list, double h,
+                std::vector<solid::Sums<4>>& sums) {
+  const double scale = scale_of(h);
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const double* const a = points[i].x;
+    double divergence = 0.0, gx = 0.0, gy = 0.0, laplacian = 0.0;
+    for (const Index j : list.of(i)) {
+      const double* const b = points[j].x;
+      const double rx = b[0] - a[0], ry = b[1] - a[1], u = std::max(0.0, 1.0 - 0.5 / h * std::sqrt(rx * rx + ry * ry));
+      const double pull = scale * u * u * u * b[5], difference = b[4] - a[4];
+      divergence += pull * ((b[2] - a[2]) * rx + (b[3] - a[3]) * ry);
+      gx += pull * difference * rx;
+      gy += pull * difference * ry;
+      laplacian += 2.0 * pull * difference;
+    }
+    sums[i].x = {divergence, gx, gy, laplacian};
+  }
+}
+
+[[gnu::always_inline]] inline void four_pairs(const double* a, const FourRows<const double>& rows, double scale,
+                                              double half_inverse, Lanes& pull, Lanes* felt, Lanes& volume) {
+  Lanes b[8], r[2], u;
+  gather<0, 8>(rows, b);
+  for (int d = 0; d < 2; ++d) r[d] = b[d] - a[d];
+  u = r[0] * r[0] + r[1] * r[1];
+  take_root(u);
+  u = 1.0 - half_inverse * u;
+  raise_to(u, Lanes{});
+  pull = scale * u * u * u;
+  const Lanes difference = pull * (b[4] - a[4]);
+  felt[0] = pull * ((b[2] - a[2]) * r[0] + (b[3] - a[3]) * r[1]);
+  felt[1] = difference * r[0];
+  felt[2] = difference * r[1];
+  felt[3] = 2.0 * difference;
+  volume = b[5];
+}
+
+/// Pairs stored once or twice, four at a time.
+void lane_pass(const std::vector<Point>& points, const solid::Pairs& pairs, double h,
+               std::vector<solid::Sums<4>>& sums) {
+  sums.assign(points.size(), {});
+  const double scale = scale_of(h), half_inverse = 0.5 / h;
+  solid::Sums<4>* const all = sums.data();
+  solid::for_rows_in_lanes(
+      pairs, 0, pairs.size(), [&](std::size_t i) __attribute__((always_inline)) {
+        Lanes own[4] = {};
+        const double* const a = points[i].x;
+        solid::for_four_pairs(
+            pairs, i, [&](std::size_t m, bool both) __attribute__((always_inline)) {
+              Lanes pull, felt[4], volume;
+              four_pairs(a, solid::rows_at(points.data(), &pairs.index[m]), scale, half_inverse, pull, felt, volume);
+              for (int n = 0; n < 4; ++n) own[n] += volume * felt[n];
+              if (!both) return;
+              felt[0] *= a[5];
+              for (int n = 1; n < 3; ++n) felt[n] *= a[5];
+              felt[3] *= -a[5];
+              scatter_add<4>(felt, solid::sums_at(all, &pairs.index[m]));
+            });
+        add_lanes<4>(own, sums[i].x.data());
+      });
+}
+
+/// The same pairs, each at both of its particles.
+solid::Pairs doubled(const sph::PairList& list) {
+  solid::Pairs pairs;
+  pairs.part = {0, static_cast<Index>(list.size())};
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    pairs.alone.push_back(static_cast<Index>(pairs.index.size()));
+    for (const Index j : list.of(i)) pairs.index.push_back(j);
+    while (pairs.index.size() % n_lanes != 0) pairs.index.push_back(static_cast<Index>(i));
+    pairs.offset.push_back(static_cast<Index>(pairs.index.size()));
+  }
+  return pairs;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::size_t n = argc > 1 ? std::stoul(argv[1]) : 100000;
+  const auto side = static_cast<std::size_t>(std::sqrt(static_cast<double>(n)));
+  const double dx = 1.0 / static_cast<double>(side), volume = dx * dx, h = 1.25 * dx;
+  std::mt19937_64 generator(1);
+  std::uniform_real_distribution<double> jitter(-0.2 * dx, 0.2 * dx), any(-1.0, 1.0);
+  VecArray<2> x, v;
+  ScalarArray p, volumes(side * side, volume);
+  for (std::size_t j = 0; j < side; ++j)
+    for (std::size_t i = 0; i < side; ++i) {
+      x.emplace_back((static_cast<double>(i) + 0.5) * dx + jitter(generator),
+                     (static_cast<double>(j) + 0.5) * dx + jitter(generator));
+      v.emplace_back(any(generator), any(generator));
+      p.push_back(any(generator));
+    }
+  std::vector<Point> points(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) points[i] = {{x[i][0], x[i][1], v[i][0], v[i][1], p[i], volume, 0.0, 0.0}};
+  const ScalarArray radius(x.size(), 2.0 * h);
+  const auto list = sph::find_pairs<2>(x, x, radius, true);
+  const auto n_pairs = static_cast<double>(list.index.size());
+  fmt::print("{} particles, {:.1f} neighbours, one thread; million directed pairs a CPU second\n", x.size(),
+             n_pairs / static_cast<double>(x.size()));
+  double floor = 0.0;
+  const auto report = [&](const char* name, double pairs, double time, bool is_floor) {
+    const double rate = 1e-6 * pairs / time;
+    if (is_floor) floor = std::max(floor, rate);
+    fmt::print("| {} | {:.0f} | {} |\n", name, rate, is_floor ? "" : fmt::format("{:.0f} %", 100.0 * rate / floor));
+  };
+  fmt::print("| loop | rate | of the floor |\n| --- | --- | --- |\n");
+  std::vector<solid::Sums<4>> sums(x.size());
+  report("floor: list, one pair at a time", n_pairs, seconds([&] { plain_pass(points, list, h, sums); }), true);
+  const solid::Pairs both = doubled(list);
+  report("floor: list, four at a time", n_pairs, seconds([&] { lane_pass(points, both, h, sums); }), true);
+  solid::Pairs half;
+  solid::pair_up<2>(x, x.size(), x.size(), 2.0 * h, 1, half);
+  report("floor: half list, four at a time", n_pairs, seconds([&] { lane_pass(points, half, h, sums); }), true);
+
+  // The water's loops, on its own smoothing length.
+  fluid::Stencil<2> s;
+  const double search = seconds([&] { s = fluid::make_stencil<2>(x, volumes, {}, {}); });
+  double in_rows = 0.0;  // without what rows are filled up with
+  for (std::size_t a = 0; a < x.size(); ++a)
+    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) in_rows += s.other[k] != a ? 1.0 : 0.0;
+  report("fluid: search, kernels, moments", in_rows, search, false);
+  report("fluid: velocity gradient", in_rows, seconds([&] { fluid::velocity_gradient<2>(s, v); }), false);
+  report("fluid: divergence", in_rows, seconds([&] { fluid::divergence<2>(s, v); }), false);
+  const auto none = [](std::size_t) { return 0.0; };
+  report("fluid: pressure gradient", in_rows,
+         seconds([&] { fluid::pressure_gradient<2>(s, p, none, {}, Vec<2>::Zero(), none); }), false);
+  fluid::PairMatrix matrix;
+  report("fluid: Laplacian's matrix", in_rows, seconds([&] { matrix = fluid::laplacian<2>(s, {}); }), false);
+  ScalarArray y(p.size());
+  report("fluid: matrix pass", in_rows,
+         seconds([&] { matrix.apply(std::span<const double>(p), std::span<double>(y)); }), false);
+
+  // The soil's loops: its own skin in the lists.
+  const double soil_h = 1.2 * dx, range = 2.0 * soil_h + 0.2 * dx;
+  solid::Pairs pairs;
+  const double pairing = seconds([&] { solid::pair_up<2>(x, x.size(), x.size(), range, 1, pairs); });
+  double near = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    for (Index m = pairs.offset[i]; m < pairs.offset[i + 1]; ++m)
+      if (pairs.index[m] != i && (x[pairs.index[m]] - x[i]).norm() < 2.0 * soil_h) near += 2.0;
+  report("solid: pair list", near, pairing, false);
+  std::vector<solid::Node<2>> nodes(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    nodes[i].position = x[i];
+    nodes[i].velocity = v[i];
+    nodes[i].volume = volume;
+    nodes[i].density = 1560.0;
+    nodes[i].flux = 1e3 * Mat<2>::Identity();
+  }
+  ScalarArray kernel;
+  solid::Scratch<2> scratch;
+  solid::Stabilisers stabilisers;
+  stabilisers.modulus = 1e6;
+  stabilisers.sound_speed = 30.0;
+  VecArray<2> internal(x.size()), stabilising(x.size());
+  const auto force = [&] {
+    solid::internal_force<2>(nodes, pairs, x.size(), soil_h, stabilisers, kernel, scratch, internal, stabilising);
+  };
+  report("solid: force, elastic", near, seconds(force), false);
+  for (auto& node : nodes) node.firmness = solid::Node<2>::flows;
+  report("solid: force, flowing", near, seconds(force), false);
+  report("solid: velocity gradient", near, seconds([&] { solid::sum_gradient<2>(nodes, pairs, kernel, scratch); }),
+         false);
+}

@@ -1,0 +1,128 @@
+#!/usr/bin/python3
+"""Cost per particle and step, memory and iterations against the number of particles and of threads: scaling.csv, .png.
+
+    bench/scaling.py                                        one thread, 10 thousand to 1 million particles
+    bench/scaling.py --threads 1 2 --sizes 100000           speed-up of both solvers (on a quiet machine)
+
+Water: seepage through a filled aquifer of rigid soil (cases/confined_flow). Soil: the dry embankment (cases/embankment_dry),
+unloaded at first. A step's cost is the difference between a long and a short run, over the steps between them: reading,
+the first search and writing fall out. Memory is the largest of any process, less that of a run of 1000 particles.
+"""
+import argparse
+import json
+import os
+import pathlib
+import subprocess
+import tempfile
+
+from plot import write_csv
+from runs import PROGRAM
+
+import matplotlib.pyplot as plt  # after plot has chosen the backend
+
+QUIET = ["output.interval=1e9", "output.gauge_interval=1e9"]
+
+
+def water(n, windows):
+    dx = (0.4 * 0.2 / n) ** 0.5
+    end = windows * 0.25 * dx / 6.9e-5  # a quarter spacing a window
+    return "confined_flow", [f"fluid.particle_spacing={dx}", f"case.end_time={end}"]
+
+
+def soil(n, steps):
+    dx = (0.32 / n) ** 0.5
+    end = steps * 0.8 * dx / 51.0  # Courant number over the speed of sound
+    return "embankment_dry", [f"solid.particle_spacing={dx}", f"case.end_time={end}", "solid.initial_rest=false"]
+
+
+PHASES = {"fluid": (water, (3, 11), "windows"), "solid": (soil, (10, 50), "substeps")}
+
+
+def run(program, phase, scene, threads):
+    """The phase's summary, and the peak memory of its processes [bytes]."""
+    case, overrides = scene
+    with tempfile.TemporaryDirectory() as folder:
+        command = [program, "run", case, "--out", folder, "--no-pictures", "--quiet", "--restarts", "0"]
+        for text in overrides + QUIET:
+            command += ["--set", text]
+        process = subprocess.Popen(command, env={**os.environ, "PORETWIN_THREADS": str(threads)})
+        _, status, usage = os.wait4(process.pid, 0)
+        if status != 0:
+            raise SystemExit(f"{case} with {overrides}: status {status}")
+        return json.loads((pathlib.Path(folder) / f"{phase}.summary.json").read_text()), 1024.0 * usage.ru_maxrss
+
+
+def measured(program, phase, n, threads, base):
+    scene, (few, many), steps_of = PHASES[phase]
+    short, _ = run(program, phase, scene(n, few), threads)
+    long, memory = run(program, phase, scene(n, many), threads)
+    c = long["counters"]
+    difference = lambda name: c.get(name, 0.0) - short["counters"].get(name, 0.0)  # noqa: E731
+    steps, particles = difference(steps_of), c["particles"]
+    work = 1e-6 * steps * particles
+    return {"phase": phase, "particles": int(particles), "threads": threads, "steps": int(steps),
+            "cpu_us": round((long["cpu_s"] - short["cpu_s"]) / work, 4),
+            "wall_us": round((long["seconds"]["computing"] - short["seconds"]["computing"]) / work, 4),
+            "bytes": round((memory - base) / particles),
+            "iterations": round((difference("pressure iterations") + difference("multigrid cycles")) / steps, 1)}
+
+
+def measure_all(program, phases, sizes, threads):
+    rows = []
+    for phase in phases:
+        scene, (few, _), _ = PHASES[phase]
+        _, base = run(program, phase, scene(1000, few), 1)
+        for n in sizes:
+            for count in threads:
+                rows.append(measured(program, phase, n, count, base))
+                print(rows[-1], flush=True)
+    return rows
+
+
+def table(rows):
+    """Markdown."""
+    lines = ["| phase | particles | threads | CPU us a particle and step | wall us | speed-up | bytes a particle | iterations |",
+             "| --- | --- | --- | --- | --- | --- | --- | --- |"]
+    for r in rows:
+        single = next((q["wall_us"] for q in rows if (q["phase"], q["particles"]) == (r["phase"], r["particles"])
+                       and q["threads"] == 1), None)
+        gain = f"{single / r['wall_us']:.2f}" if single and r["threads"] > 1 else ""
+        lines.append(f"| {r['phase']} | {r['particles']} | {r['threads']} | {r['cpu_us']:.3f} | {r['wall_us']:.3f} | {gain} "
+                     f"| {r['bytes']} | {r['iterations'] or ''} |")
+    return lines
+
+
+def draw(path, rows):
+    figure, panels = plt.subplots(1, 3, figsize=(12, 3.6), constrained_layout=True)
+    texts = {"wall_us": "microseconds per particle and step", "bytes": "bytes per particle",
+             "iterations": "iterations and cycles per window"}
+    for panel, (key, text) in zip(panels, texts.items()):
+        for phase, threads in dict.fromkeys((r["phase"], r["threads"]) for r in rows):
+            if key == "iterations" and phase != "fluid":
+                continue
+            mine = [r for r in rows if (r["phase"], r["threads"]) == (phase, threads)]
+            panel.semilogx([r["particles"] for r in mine], [r[key] for r in mine], "o-", label=f"{phase}, {threads} thread(s)")
+        panel.set_xlabel("particles")
+        panel.set_ylabel(text)
+        panel.set_ylim(bottom=0.0)
+        panel.grid(True, alpha=0.3)
+        panel.legend()
+    figure.savefig(path, dpi=120)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--sizes", type=float, nargs="+", default=[1e4, 1e5, 1e6])
+    parser.add_argument("--threads", type=int, nargs="+", default=[1])
+    parser.add_argument("--phases", nargs="+", choices=list(PHASES), default=list(PHASES))
+    parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("runs/bench"))
+    parser.add_argument("--program", default=str(PROGRAM), help=argparse.SUPPRESS)
+    a = parser.parse_args()
+    rows = measure_all(a.program, a.phases, a.sizes, a.threads)
+    write_csv(a.out / "scaling.csv", rows)
+    draw(a.out / "scaling.png", rows)
+    print("\n".join(table(rows)), f"\n\ntable and picture: {a.out}/scaling.csv, scaling.png")
+
+
+if __name__ == "__main__":
+    main()
