@@ -274,7 +274,7 @@ void Fluid<D>::initialise(const coupling::Inbox& inbox) {
     p.void_fraction[a] = 1.0 - view.fraction[a];
     p.mass[a] = p.void_fraction[a] * density_ * p.volume[a];
     p.mask[a] = view.mask[a];
-    p.seeps[a] = view.mask[a] > 0.5 ? 1.0 : 0.0;
+    p.seeps[a] = seeps(view, a) ? 1.0 : 0.0;
     stiffest = std::max(stiffest, view.modulus[a]);
   }
   first_interval_ = stiffest > 0.0 ? 0.2 * dx_ / std::sqrt(stiffest / density_) : 0.0;
@@ -402,7 +402,7 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
 /// a kernel's reach, none of it to the free water beside the soil, and taken at the rate at which that water's inertia
 /// answers to the drag: where drag rules, the pressure already answers for the soil's motion, through the volume debt.
 /// Where the soil yields it shears without squeezing, which no pressure answers for: there the water goes along at
-/// once, but not at a surface, which it would tear up. No faster than its weight or the drag would take it: what a long
+/// once. No faster than its weight or the drag would take it: what a long
 /// window left, a short one must not ask for at once. The sum of what is owed and taken is kept.
 template <int D>
 void Fluid<D>::take_back(const Stencil<D>& s, const SoilView<D>& view, double interval) {
@@ -425,8 +425,7 @@ void Fluid<D>::take_back(const Stencil<D>& s, const SoilView<D>& view, double in
   }
   for (std::size_t a = 0; a < p.size(); ++a) {
     const double aw = p.void_fraction[a] * density_ / interval;
-    const double along = p.surface[a] == Surface::interior ? view.yielding[a] : 0.0;
-    Vec<D> taken = std::max(along, aw / (aw + view.drag[a])) * owed[a];
+    Vec<D> taken = std::max(view.yielding[a], aw / (aw + view.drag[a])) * owed[a];
     const double slip = (p.velocity[a] - view.velocity[a]).norm();
     const double most = interval * (p.mass[a] * gravity_or_standard() + p.volume[a] * view.drag[a] * slip);
     if (const double size = taken.norm(); size > most) taken *= most / size;
@@ -473,7 +472,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
     p.void_fraction[a] = 1.0 - view.fraction[a];
     p.volume[a] = p.mass[a] / (p.void_fraction[a] * density_);
     p.mask[a] = view.mask[a];
-    p.seeps[a] = view.mask[a] > 0.5 ? 1.0 : 0.0;
+    p.seeps[a] = seeps(view, a) ? 1.0 : 0.0;
   }
   fill_basins(window.time, dt);
   update_columns<D>(scene_, window.time + dt, state_.basin_level, weight_, origin_, state_.columns);

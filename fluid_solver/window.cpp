@@ -236,7 +236,13 @@ class WindowSolver {
     for (std::size_t a = 0; a < n_; ++a)
       if (q_[a].responds) add_surface(skeleton_, a, q_[a].mS * q_[a].e, nullptr);
     plain_ = laplacian<D>(s_, {});
-    for (std::size_t a = 0; a < n_; ++a) add_surface(plain_, a, 1.0, nullptr);
+    fixed_.assign(n_, 0.0);
+    for (std::size_t a = 0; a < n_; ++a) {
+      for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k)
+        if (const Index j = s_.other[k], q = s_.parent[j]; s_.is_buffer(j))
+          fixed_[a] += 2.0 * s_.volume[a] * s_.pull[k] * s_.amplified(a, q) * s_.reflection[k] * in_.face_pressure[s_.column[q - n_]];
+      add_surface(plain_, a, 1.0, &fixed_[a]);
+    }
   }
 
   void build_vector_stiffness() {
@@ -269,8 +275,9 @@ class WindowSolver {
   /// Where soil yields, the shear that is going on goes on at constant stress: only what departs from the present
   /// motion meets the stiffness. Otherwise it would flow as a liquid of viscosity Dt M. A force on every particle [N].
   void prepare_flow() {
-    flow_.assign(n_, Vec<D>::Zero());
+    flow_.clear();
     if (std::all_of(soil_.yielding.begin(), soil_.yielding.end(), [](double y) { return y <= 0.0; })) return;
+    flow_.assign(n_, Vec<D>::Zero());
     const VecArray<D> going = skeleton_extended(soil_.velocity);
     for (std::size_t a = 0; a < n_; ++a)
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
@@ -279,6 +286,20 @@ class WindowSolver {
         const double share = 0.5 * (soil_.yielding[a] + soil_.yielding[s_.parent[j]]);
         if (share > 0.0) flow_[a] += share * image_weight_[k] * (going[a] - going[j]);
       }
+  }
+
+  Vec<D> going(std::size_t a) const { return flow_.empty() ? Vec<D>(Vec<D>::Zero()) : flow_[a]; }
+
+  /// The stabilisation acts on the window's change of pressure, since consolidation takes care of what a pressure has
+  /// that the wide gradient does not see. Soil that flows has no stiffness to do so: there it acts on the whole
+  /// pressure, as in free water, whose projection is the compact one.
+  void stabilise_flow(const ScalarArray& pressure, ScalarArray& residual) const {
+    if (flow_.empty()) return;
+    ScalarArray compact(n_);
+    plain_.apply(std::span<const double>(pressure), std::span<double>(compact));
+    const ScalarArray wide = divergence<D>(s_, plain_gradient(pressure, false));
+    for (std::size_t a = 0; a < n_; ++a)
+      residual[a] -= soil_.yielding[a] * stabilisation_[a] * (compact[a] - fixed_[a] + s_.volume[a] * wide[a]);
   }
 
   /// A velocity of the skeleton at all points: turned round behind walls that hold the soil.
@@ -362,7 +383,7 @@ class WindowSolver {
       // The exchanged force carries the soil's full weight; the piezometric pressure leaves its buoyant part.
       const Vec<D> r = soil_.force[a] - soil_.fraction[a] * in_.weight - soil_.drag_offset[a];
       rhs[a] = q.ss / (q.aw + q.C) * (q.C * q.aw * pushed(a) + (q.aw + q.C) * (q.as * soil_.velocity[a] + r)) -
-               q.mS * G[a] + q.ss / s_.volume[a] * (anchor(a) * soil_.velocity[a] + flow_[a]);
+               q.mS * G[a] + q.ss / s_.volume[a] * (anchor(a) * soil_.velocity[a] + going(a));
     }
     out.skeleton_iterations += solve_H(rhs, out.solid_velocity, tolerance);
   }
@@ -374,6 +395,7 @@ class WindowSolver {
     ScalarArray residual(n_), row(n_);
     fluid_.apply(std::span<const double>(start), std::span<double>(row));
     for (std::size_t a = 0; a < n_; ++a) residual[a] = b[a] - row[a] - squeeze[a];
+    stabilise_flow(start, residual);
     if (closed_) remove_mean(residual);
     const auto apply = [&](std::span<const double> x, std::span<double> y) {
       const VecArray<D> G = plain_gradient(x, true);
@@ -468,9 +490,9 @@ class WindowSolver {
   std::size_t n_;
   std::vector<Elimination> q_;
   bool any_response_ = false, closed_ = true;
-  VecArray<D> flow_;
+  VecArray<D> flow_;  ///< empty: nothing yields
   PairMatrix fluid_, skeleton_, plain_;
-  ScalarArray boundary_, stabilisation_, storage_, image_weight_, H_diagonal_, H_preconditioner_;
+  ScalarArray boundary_, fixed_, stabilisation_, storage_, image_weight_, H_diagonal_, H_preconditioner_;
 };
 
 }  // namespace
