@@ -274,7 +274,7 @@ void Fluid<D>::initialise(const coupling::Inbox& inbox) {
     p.void_fraction[a] = 1.0 - view.fraction[a];
     p.mass[a] = p.void_fraction[a] * density_ * p.volume[a];
     p.mask[a] = view.mask[a];
-    p.seeps[a] = view.mask[a] > 0.5 ? 1.0 : 0.0;
+    p.seeps[a] = seeps<D>(view, a, p.velocity[a], density_, spacing_of<D>(p.volume[a])) ? 1.0 : 0.0;
     stiffest = std::max(stiffest, view.modulus[a]);
   }
   first_interval_ = stiffest > 0.0 ? 0.2 * dx_ / std::sqrt(stiffest / density_) : 0.0;
@@ -445,7 +445,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
     p.void_fraction[a] = 1.0 - view.fraction[a];
     p.volume[a] = p.mass[a] / (p.void_fraction[a] * density_);
     p.mask[a] = view.mask[a];
-    p.seeps[a] = view.mask[a] > 0.5 ? 1.0 : 0.0;
+    p.seeps[a] = seeps<D>(view, a, p.velocity[a], density_, spacing_of<D>(p.volume[a])) ? 1.0 : 0.0;
   }
   fill_basins(window.time, dt);
   update_columns<D>(scene_, window.time + dt, state_.basin_level, weight_, origin_, state_.columns);

@@ -65,6 +65,14 @@ inline bool inertia_rules(double n, double density, double drag, double spacing,
   return gravity > 0.0 && drag * 0.1 * std::sqrt(spacing / gravity) < n * density;
 }
 
+/// Does water seep? In soil it flows as free water does where drag needs more than a spacing to stop it, C spacing < n rho
+/// |w|, w the slip.
+template <int D>
+bool seeps(const SoilView<D>& soil, std::size_t a, const Vec<D>& velocity, double density, double spacing) {
+  const double slip = (velocity - soil.velocity[a]).norm();
+  return soil.mask[a] > 0.5 && soil.drag[a] * spacing >= (1.0 - soil.fraction[a]) * density * slip;
+}
+
 /// Asymmetry of the soil's points about a place, to soil membership: a ramp about its value on a flat edge, 0.47, flat
 /// below 0.31: disorder inside the soil (0.3 at most, for particles anywhere in their cells) does not change the
 /// porosity.

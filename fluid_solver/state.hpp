@@ -21,7 +21,7 @@ struct Particles {
   VecArray<D> drag_impulse;    ///< given to the soil in the last window, N s
   VecArray<D> owed;            ///< to the soil, for later windows, N s: no longer counts as the water's momentum
   ScalarArray mask;            ///< soil membership
-  ScalarArray seeps;           ///< 1 in soil; 0 in water that moves and has a surface as free water
+  ScalarArray seeps;           ///< 1: it seeps; 0: it moves and has a surface as free water
   ScalarArray volume_debt;     ///< strain the soil made beyond the prediction, not yet given to the water
   VecArray<D> birthplace;      ///< m: a particle that never moved has no packing to repair
   ScalarArray row;             ///< thickness of the row of surface particles it lies in, in spacings
