@@ -65,8 +65,8 @@ inline bool inertia_rules(double n, double density, double drag, double spacing,
   return gravity > 0.0 && drag * 0.1 * std::sqrt(spacing / gravity) < n * density;
 }
 
-/// Does water seep? In soil it flows as free water does where drag needs more than a spacing to stop it, C spacing < n rho
-/// |w|, w the slip.
+/// Does water seep? In soil it flows as free water does where drag needs more than a spacing to stop it, C spacing < n
+/// rho |w|, w the slip.
 template <int D>
 bool seeps(const SoilView<D>& soil, std::size_t a, const Vec<D>& velocity, double density, double spacing) {
   const double slip = (velocity - soil.velocity[a]).norm();
