@@ -236,6 +236,7 @@ WindowProblem<D> Fluid<D>::problem(double interval) const {
   in.void_fraction = state_.particles.void_fraction;
   in.velocity = state_.particles.velocity;
   in.source.assign(state_.particles.size(), 0.0);
+  in.cavity = state_.particles.cavity;
   const auto& mask = state_.particles.mask;
   if (std::none_of(mask.begin(), mask.end(), [](double m) { return m > 0.5; })) in.tolerance = free_water_tolerance;
   for (const auto& c : state_.columns) {
@@ -274,7 +275,7 @@ void Fluid<D>::initialise(const coupling::Inbox& inbox) {
     p.void_fraction[a] = 1.0 - view.fraction[a];
     p.mass[a] = p.void_fraction[a] * density_ * p.volume[a];
     p.mask[a] = view.mask[a];
-    p.seeps[a] = seeps(view, a) ? 1.0 : 0.0;
+    p.seeps[a] = seeps<D>(view, a, p.velocity[a], density_, spacing_of<D>(p.volume[a])) ? 1.0 : 0.0;
     stiffest = std::max(stiffest, view.modulus[a]);
   }
   first_interval_ = stiffest > 0.0 ? 0.2 * dx_ / std::sqrt(stiffest / density_) : 0.0;
@@ -363,8 +364,17 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
   const bool open = std::any_of(p.surface.begin(), p.surface.end(), [](Surface f) { return f != Surface::interior; }) ||
                     std::any_of(state_.columns.begin(), state_.columns.end(), [](const auto& c) { return c.wet; });
   const auto motion = open ? moved() : ScalarArray(p.size(), 0.0);
+  // The voids of torn water are no packing error.
+  const bool torn = std::any_of(p.cavity.begin(), p.cavity.end(), [](double c) { return c > 0.0; });
+  const auto voids_near = [&](std::size_t a) {
+    if (!torn) return 0.0;
+    double sum = p.cavity[a] / p.void_fraction[a] * Kernel<D>::value(0.0, s.length[a]);
+    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
+      if (const Index q = s.parent[s.other[k]]; q < s.n_real) sum += p.cavity[q] / p.void_fraction[q] * s.value[k];
+    return sum / lattice_fullness<D>();
+  };
   for (std::size_t a = 0; a < p.size(); ++a) {
-    double excess = s.fullness[a] - 1.0;
+    double excess = s.fullness[a] + voids_near(a) - 1.0;
     // Near a surface the sum is short by nature, not by error.
     if (excess < 0.0 && !s.covered[a]) excess *= std::clamp(1.0 - 5.0 * s.length[a] * s.normal[a].norm(), 0.0, 1.0);
     if (p.surface[a] != Surface::interior || s.ghost_distance[a] > 0.0) excess = std::max(0.0, excess);
@@ -472,7 +482,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
     p.void_fraction[a] = 1.0 - view.fraction[a];
     p.volume[a] = p.mass[a] / (p.void_fraction[a] * density_);
     p.mask[a] = view.mask[a];
-    p.seeps[a] = seeps(view, a) ? 1.0 : 0.0;
+    p.seeps[a] = seeps<D>(view, a, p.velocity[a], density_, spacing_of<D>(p.volume[a])) ? 1.0 : 0.0;
   }
   fill_basins(window.time, dt);
   update_columns<D>(scene_, window.time + dt, state_.basin_level, weight_, origin_, state_.columns);
@@ -486,6 +496,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   check_room(window.time);
 
   auto in = problem(dt);
+  in.cavitation = scene_.water.cavitation_pressure;
   const auto gradient = velocity_gradient<D>(s, p.velocity);
   in.velocity = forced_velocity(s, view, gradient, dt);
   in.source = volume_source(s, view, gradient, dt);
@@ -516,6 +527,13 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   p.pressure = out.pressure;
   p.solid_velocity = out.solid_velocity;
   p.velocity = out.velocity;
+  p.cavity = out.cavity;
+  if (const auto torn =
+          static_cast<double>(std::count_if(p.cavity.begin(), p.cavity.end(), [](double c) { return c > 0.0; }));
+      torn > 0.0) {
+    if (state_.counts.cavitating == 0.0) state_.counts.first_cavitation = window.time + dt;
+    state_.counts.cavitating = std::max(state_.counts.cavitating, torn);
+  }
   for (std::size_t a = 0; a < p.size(); ++a)
     p.drag_impulse[a] =
         p.volume[a] * dt *

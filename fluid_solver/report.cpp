@@ -37,18 +37,23 @@ OutputFrame Fluid<D>::frame() const {
 template <int D>
 std::map<std::string, double> Fluid<D>::counters() const {
   const auto& c = state_.counts;
-  return {{"particles", static_cast<double>(state_.particles.size())},
-          {"windows", c.windows},
-          {"pressure iterations", c.pressure_iterations},
-          {"multigrid cycles", c.multigrid_cycles},
-          {"skeleton iterations", c.skeleton_iterations},
-          {"outer iterations", c.outer_iterations},
-          {"solves that missed their tolerance", c.unconverged},
-          {"list rebuilds", c.stencils},
-          {"further rounds of quadratic drag", c.drag_rounds},
-          {"born", c.born},
-          {"deleted", c.deleted},
-          {"lost, far outside", c.lost}};
+  std::map<std::string, double> counters{{"particles", static_cast<double>(state_.particles.size())},
+                                         {"windows", c.windows},
+                                         {"pressure iterations", c.pressure_iterations},
+                                         {"multigrid cycles", c.multigrid_cycles},
+                                         {"skeleton iterations", c.skeleton_iterations},
+                                         {"outer iterations", c.outer_iterations},
+                                         {"solves that missed their tolerance", c.unconverged},
+                                         {"list rebuilds", c.stencils},
+                                         {"further rounds of quadratic drag", c.drag_rounds},
+                                         {"born", c.born},
+                                         {"deleted", c.deleted},
+                                         {"lost, far outside", c.lost}};
+  if (c.cavitating > 0.0) {
+    counters["particles that cavitated, most at once"] = c.cavitating;
+    counters["s: first cavitation"] = c.first_cavitation;
+  }
+  return counters;
 }
 
 template class Fluid<2>;

@@ -65,13 +65,16 @@ inline bool inertia_rules(double n, double density, double drag, double spacing,
   return gravity > 0.0 && drag * 0.1 * std::sqrt(spacing / gravity) < n * density;
 }
 
-/// Does water move through the soil there, as a front that creeps? Where the soil itself flows, its water moves with it
+/// Does water move through the soil there, as a front that creeps? Not where drag needs more than a spacing to stop it,
+/// C spacing < n rho |w|, w the slip: it flows as free water does. Where the soil itself flows, its water moves with it
 /// and has a surface as free water. A front's pressure is a natural condition, which the gradient does not know of:
 /// that drives a front whose speed follows the pressure, but a mixture that falls freely would be pushed in where it
 /// already goes in (a surface wave over liquefied soil grew sevenfold in 2 ms).
 template <int D>
-bool seeps(const SoilView<D>& soil, std::size_t a) {
-  return soil.mask[a] > 0.5 && soil.yielding[a] <= 0.5;
+bool seeps(const SoilView<D>& soil, std::size_t a, const Vec<D>& velocity, double density, double spacing) {
+  const double slip = (velocity - soil.velocity[a]).norm();
+  return soil.mask[a] > 0.5 && soil.yielding[a] <= 0.5 &&
+         soil.drag[a] * spacing >= (1.0 - soil.fraction[a]) * density * slip;
 }
 
 /// Asymmetry of the soil's points about a place, to soil membership: a ramp about its value on a flat edge, 0.47, flat

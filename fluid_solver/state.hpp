@@ -21,7 +21,8 @@ struct Particles {
   VecArray<D> drag_impulse;    ///< given to the soil in the last window, N s
   VecArray<D> owed;            ///< to the soil, for later windows, N s: no longer counts as the water's momentum
   ScalarArray mask;            ///< soil membership
-  ScalarArray seeps;           ///< 1 in soil; 0 in water that moves and has a surface as free water
+  ScalarArray seeps;           ///< 1: it seeps; 0: it moves and has a surface as free water
+  ScalarArray cavity;          ///< voids torn open in the water, m^D
   ScalarArray volume_debt;     ///< strain the soil made beyond the prediction, not yet given to the water
   VecArray<D> birthplace;      ///< m: a particle that never moved has no packing to repair
   ScalarArray row;             ///< thickness of the row of surface particles it lies in, in spacings
@@ -40,6 +41,7 @@ struct Particles {
     owed.push_back(Vec<D>::Zero());
     mask.push_back(n < 1.0 ? 1.0 : 0.0);
     seeps.push_back(mask.back());
+    cavity.push_back(0.0);
     volume_debt.push_back(0.0);
     birthplace.push_back(x);
     row.push_back(1.0);
@@ -65,6 +67,7 @@ struct Particles {
     filter_one(owed);
     filter_one(mask);
     filter_one(seeps);
+    filter_one(cavity);
     filter_one(volume_debt);
     filter_one(birthplace);
     filter_one(row);
@@ -82,6 +85,7 @@ struct TimeLimit {
 struct Counts {
   double windows = 0, pressure_iterations = 0, multigrid_cycles = 0, skeleton_iterations = 0, outer_iterations = 0,
          stencils = 0, born = 0, deleted = 0, unconverged = 0, drag_rounds = 0, lost = 0;
+  double cavitating = 0, first_cavitation = 0;  ///< particles, most at once; s, while there are any
 };
 
 /// Volumes of water that came and went through faces since the start, and what there was then [m^D].

@@ -17,6 +17,11 @@ constexpr double response_tolerance = 1e-2, skeleton_tolerance = 1e-2;
 constexpr int patience = 60;
 /// and a solve that takes multigrid no more cycles than this is left to the diagonal next time.
 constexpr int few_cycles = 2;
+/// Rounds in which the particles are found that stand at the cavitation pressure.
+constexpr int most_cavity_rounds = 30;
+/// How far below it, in its own units, water must be found to be torn, and let go when no more keeps it there: above
+/// what a solve leaves undone.
+constexpr double cavity_tolerance = 1e-4;
 
 /// Per particle: the two momentum equations of one backward Euler window, eliminated for v_w' and v_s'.
 struct Elimination {
@@ -65,6 +70,7 @@ class WindowSolver {
     for (std::size_t a = 0; a < n_; ++a) mobility[a] = q_[a].kf;
     fluid_ = laplacian<D>(s_, mobility);
     boundary_.assign(n_, 0.0);
+    torn_.assign(n_, false);
     for (std::size_t a = 0; a < n_; ++a) {
       for (Index k = s_.offset[a]; s_.n_base > n_ && k < s_.offset[a + 1]; ++k) {
         const Index j = s_.other[k];
@@ -76,6 +82,7 @@ class WindowSolver {
       add_surface(fluid_, a, q_[a].kf, &boundary_[a]);
       if (flags_[a] != Surface::interior) closed_ = false;
     }
+    free_closed_ = closed_;
   }
 
   /// The water's velocity with the explicit part of a quadratic drag in it.
@@ -91,20 +98,105 @@ class WindowSolver {
     VecArray<D> flux(n_);
     for (std::size_t a = 0; a < n_; ++a) flux[a] = in_.void_fraction[a] * q_[a].aw / (q_[a].aw + q_[a].C) * pushed(a);
     const ScalarArray outflow = divergence<D>(s_, flux, Carried::yes);
-    ScalarArray b(n_);
-    for (std::size_t a = 0; a < n_; ++a) b[a] = s_.volume[a] * (in_.source[a] - outflow[a]) + boundary_[a];
-    if (any_response_) {
-      prepare_response();
-      solve_response(b, out);
-    } else {
-      const ScalarArray squeeze = squeezed(out.solid_velocity);
-      for (std::size_t a = 0; a < n_; ++a) b[a] -= squeeze[a];
-      solve_fluid(b, out);
+    ScalarArray sources(n_), b(n_);
+    for (std::size_t a = 0; a < n_; ++a)
+      sources[a] = s_.volume[a] * (in_.source[a] - outflow[a]) - in_.cavity[a] / in_.interval;
+    stabilisation_.assign(n_, 0.0);
+    if (any_response_) prepare_response();
+    start_ = out.pressure;
+    // What is torn mostly stays so: to begin with closing its voids would ask for pressures that the solve's tolerance
+    // follows.
+    std::vector<bool> torn(n_);
+    for (std::size_t a = 0; a < n_; ++a) torn[a] = in_.cavity[a] > 0.0 && !pinned(a);
+    if (torn != torn_) hold(std::move(torn), out);
+    for (int round = 1;; ++round) {
+      for (std::size_t a = 0; a < n_; ++a) b[a] = sources[a] + boundary_[a];
+      if (any_response_)
+        solve_response(b, out);
+      else
+        solve_fluid(b, out);
+      if (!tear(sources, out) || round == most_cavity_rounds) break;
     }
     finish(out);
   }
 
  private:
+  /// Water tears rather than be pulled below a pressure, and while it is torn it is at that pressure: of the pressure
+  /// over it and the voids at the window's end one is zero, neither is negative. Found by their active set: rows of the
+  /// torn are held at the pressure; what they miss in continuity is the voids. Returns whether the set has changed.
+  bool tear(std::span<const double> sources, WindowSolution<D>& out) {
+    std::vector<bool> torn(n_);
+    bool any = any_torn_;
+    for (std::size_t a = 0; a < n_; ++a) {
+      torn[a] = !pinned(a) && out.pressure[a] < torn_pressure(a) + cavity_tolerance * in_.cavitation;
+      any = any || torn[a];
+    }
+    out.cavity.assign(n_, 0.0);
+    if (!any) return false;
+    if (any_torn_) {
+      const ScalarArray missed = imbalance(sources, free_boundary_, out);
+      for (std::size_t a = 0; a < n_; ++a) {
+        if (!torn_[a]) continue;
+        const double opening = (free_diagonal_[a] - fluid_.diagonal[a]) * out.pressure[a] - missed[a];
+        torn[a] = opening > cavity_tolerance * std::abs(in_.cavitation) * free_diagonal_[a];
+        out.cavity[a] = std::max(0.0, in_.interval * opening);
+      }
+    }
+    if (torn == torn_) return false;
+    hold(std::move(torn), out);
+    return true;
+  }
+  /// Holds these rows at the cavitation pressure, and no others.
+  void hold(std::vector<bool> torn, WindowSolution<D>& out) {
+    if (free_diagonal_.empty()) {
+      free_diagonal_ = fluid_.diagonal;
+      free_boundary_ = boundary_;
+    }
+    torn_ = std::move(torn);
+    any_torn_ = std::find(torn_.begin(), torn_.end(), true) != torn_.end();
+    closed_ = free_closed_ && !any_torn_;
+    fluid_.diagonal = free_diagonal_;
+    boundary_ = free_boundary_;
+    for (std::size_t a = 0; a < n_; ++a) {
+      if (!torn_[a]) continue;
+      const double h = s_.length[a], weight = 1e6 * (fluid_.diagonal[a] + s_.volume[a] * q_[a].kf / (h * h));
+      fluid_.diagonal[a] += weight;
+      boundary_[a] += weight * torn_pressure(a);
+      out.pressure[a] = torn_pressure(a);
+    }
+  }
+
+  /// What the rows of continuity miss [m^D/s].
+  ScalarArray imbalance(std::span<const double> sources, std::span<const double> boundary,
+                        const WindowSolution<D>& out) const {
+    ScalarArray row(n_), change(n_), rest(n_);
+    fluid_.apply(std::span<const double>(out.pressure), std::span<double>(row));
+    const ScalarArray squeeze = squeezed(out.solid_velocity);
+    for (std::size_t a = 0; a < n_; ++a) {
+      change[a] = out.pressure[a] - start_[a];
+      rest[a] = sources[a] + boundary[a] - row[a] - squeeze[a];
+    }
+    if (any_response_ && any_torn_) {
+      const ScalarArray held_back = stabilised(change);
+      for (std::size_t a = 0; a < n_; ++a) rest[a] -= held_back[a];
+    }
+    stabilise_flow(start_, rest);
+    return rest;
+  }
+
+  /// st (Lp + D.G) of a change of pressure, weighted with the volume.
+  ScalarArray stabilised(std::span<const double> change) const {
+    return stabilised(change, plain_gradient(change, true));
+  }
+  ScalarArray stabilised(std::span<const double> change, std::span<const Vec<D>> gradient) const {
+    ScalarArray result(n_);
+    plain_.apply(change, std::span<double>(result));
+    const ScalarArray wide = divergence<D>(s_, gradient);
+    for (std::size_t a = 0; a < n_; ++a) result[a] = stabilisation_[a] * (result[a] + s_.volume[a] * wide[a]);
+    return result;
+  }
+  double torn_pressure(std::size_t a) const { return in_.cavitation - in_.weight.dot(s_.position[a] - in_.origin); }
+
   /// Distance to the surface, 0 where it is out of reach.
   double surface_distance(std::size_t a) const {
     if (s_.ghost_distance[a] > 0.0) return s_.ghost_distance[a];
@@ -155,7 +247,9 @@ class WindowSolver {
   }
 
   /// Rigid soil, free water, or a skeleton of known velocity: one symmetric system.
-  void solve_fluid(ScalarArray& b, WindowSolution<D>& out) {
+  void solve_fluid(ScalarArray b, WindowSolution<D>& out) {
+    const ScalarArray squeeze = squeezed(out.solid_velocity);
+    for (std::size_t a = 0; a < n_; ++a) b[a] -= squeeze[a];
     // Datum out of the way: the tolerance refers to what drives the flow.
     double reference = 0.0;
     if (closed_) {
@@ -176,7 +270,8 @@ class WindowSolver {
     // the datum.
     ScalarArray known(n_, 0.0), drive(n_);
     for (std::size_t a = 0; a < n_; ++a)
-      if (pinned(a)) out.pressure[a] = known[a] = pinned_pressure(a) - reference;
+      if (pinned(a) || torn_[a])
+        out.pressure[a] = known[a] = (torn_[a] ? torn_pressure(a) : pinned_pressure(a)) - reference;
     if (in_.sweeps > 0) {
       relaxed_sweeps(fluid_, b, out.pressure, in_.sweeps);
       out.pressure_iterations += in_.sweeps;
@@ -184,7 +279,7 @@ class WindowSolver {
       return;
     }
     fluid_.apply(std::span<const double>(known), std::span<double>(drive));
-    for (std::size_t a = 0; a < n_; ++a) drive[a] = pinned(a) ? 0.0 : b[a] - drive[a];
+    for (std::size_t a = 0; a < n_; ++a) drive[a] = pinned(a) || torn_[a] ? 0.0 : b[a] - drive[a];
     const auto apply = [&](std::span<const double> x, std::span<double> y) { fluid_.apply(x, y); };
     ScalarArray inverse(n_);
     for (std::size_t a = 0; a < n_; ++a) inverse[a] = fluid_.diagonal[a] > 0.0 ? 1.0 / fluid_.diagonal[a] : 0.0;
@@ -218,7 +313,6 @@ class WindowSolver {
 
   void prepare_response() {
     const double dt = in_.interval;
-    stabilisation_.assign(n_, 0.0);
     storage_.assign(n_, 0.0);
     for (std::size_t a = 0; a < n_; ++a) {
       const auto& q = q_[a];
@@ -240,7 +334,8 @@ class WindowSolver {
     for (std::size_t a = 0; a < n_; ++a) {
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k)
         if (const Index j = s_.other[k], q = s_.parent[j]; s_.is_buffer(j))
-          fixed_[a] += 2.0 * s_.volume[a] * s_.pull[k] * s_.amplified(a, q) * s_.reflection[k] * in_.face_pressure[s_.column[q - n_]];
+          fixed_[a] += 2.0 * s_.volume[a] * s_.pull[k] * s_.amplified(a, q) * s_.reflection[k] *
+                       in_.face_pressure[s_.column[q - n_]];
       add_surface(plain_, a, 1.0, &fixed_[a]);
     }
   }
@@ -389,25 +484,17 @@ class WindowSolver {
   }
 
   void solve_response(const ScalarArray& b, WindowSolution<D>& out) {
-    const ScalarArray start = out.pressure;
-    skeleton_velocity(start, out, skeleton_tolerance);
-    const ScalarArray squeeze = squeezed(out.solid_velocity);
-    ScalarArray residual(n_), row(n_);
-    fluid_.apply(std::span<const double>(start), std::span<double>(row));
-    for (std::size_t a = 0; a < n_; ++a) residual[a] = b[a] - row[a] - squeeze[a];
-    stabilise_flow(start, residual);
+    skeleton_velocity(out.pressure, out, skeleton_tolerance);
+    ScalarArray residual = imbalance(b, ScalarArray(n_, 0.0), out);
     if (closed_) remove_mean(residual);
     const auto apply = [&](std::span<const double> x, std::span<double> y) {
       const VecArray<D> G = plain_gradient(x, true);
       VecArray<D> rhs(n_, Vec<D>::Zero()), ds(n_, Vec<D>::Zero());
       for (std::size_t a = 0; a < n_; ++a) rhs[a] = -q_[a].mS * G[a];
       out.skeleton_iterations += solve_H(rhs, ds, 1e-2);
-      const ScalarArray squeeze_x = squeezed(ds), wide = divergence<D>(s_, G);
-      ScalarArray compact(n_);
-      plain_.apply(x, std::span<double>(compact));
+      const ScalarArray squeeze_x = squeezed(ds), held_back = stabilised(x, G);
       fluid_.apply(x, y);
-      for (std::size_t a = 0; a < n_; ++a)
-        y[a] += squeeze_x[a] + stabilisation_[a] * (compact[a] + s_.volume[a] * wide[a]);
+      for (std::size_t a = 0; a < n_; ++a) y[a] += squeeze_x[a] + held_back[a];
       if (closed_) remove_mean(y);
     };
     const auto precondition = [&](std::span<const double> r, std::span<double> z) {
@@ -489,9 +576,11 @@ class WindowSolver {
   const WindowProblem<D>& in_;
   std::size_t n_;
   std::vector<Elimination> q_;
-  bool any_response_ = false, closed_ = true;
-  VecArray<D> flow_;  ///< empty: nothing yields
+  bool any_response_ = false, closed_ = true, free_closed_ = true, any_torn_ = false;
+  std::vector<bool> torn_;  ///< water at the cavitation pressure
+  VecArray<D> flow_;        ///< empty: nothing yields
   PairMatrix fluid_, skeleton_, plain_;
+  ScalarArray start_, free_diagonal_, free_boundary_;  ///< the pressure at first; the system with nothing torn
   ScalarArray boundary_, fixed_, stabilisation_, storage_, image_weight_, H_diagonal_, H_preconditioner_;
 };
 

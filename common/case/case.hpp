@@ -55,6 +55,7 @@ struct General {
 struct Water {
   double density = 1000.0;              ///< kg/m3
   double kinematic_viscosity = 1.0e-6;  ///< m2/s
+  double cavitation_pressure = -98986;  ///< Pa over the air's: of vapour at 20 degrees, 2339, less 101325
 };
 
 /// [[soil]]: a region of soil and its material. With solid.model = "rigid" only shape, porosity and the law of seepage

@@ -1,5 +1,7 @@
 // A reservoir whose level follows from its balance.
 #include "fluid_solver/basin.hpp"
+
+#include "common/core/error.hpp"
 #include "fluid_solver/fluid_phase.hpp"
 #include "tests/fluid/scenes.hpp"
 
@@ -52,6 +54,32 @@ TEST(Basin, DrainsThroughSoilAtItsClosedForm) {
     std::printf("t %.0f s: level %.5f m, exact %.5f m\n", t, level, exact);
     EXPECT_NEAR(level, exact, 0.01 * (H0 - H2));
     EXPECT_NEAR(A * (level - H0), Q * t - reading(fluid, "in"), 1e-12);  // what it lost went through the face
+  }
+}
+
+TEST(Basin, StopsBeforeItRunsOver) {
+  // 0.05 m of freeboard over 0.05 m of basin, filled at 1e-3 m2/s: full after 2.5 s, the ground drinking little of it.
+  Case scene;
+  scene.solid.model = SolidCase::Model::rigid;
+  scene.fluid.particle_spacing = 0.01;
+  scene.soils = {sand()};
+  scene.soils[0].shape = box(0.0, 0.0, 0.2, 0.1);
+  scene.walls = {wall(line(0.0, 0.0, 0.2, 0.0))};
+  scene.water_faces = {head_face(line(0.0, 0.1, 0.0, 0.0), 0.05)};
+  scene.water_faces[0].discharge = constant(1e-3);
+  scene.water_faces[0].basin_area = Series{{{0.0, 0.05}, {1.0, 0.05}}};
+  scene.water_faces[0].name = "basin";
+  Fluid<2> fluid(scene);
+  fluid.initialise({});
+  double time = 0.0;
+  try {
+    run_to(fluid, time, 10.0);
+    FAIL() << "ran on to " << time << " s";
+  } catch (const DivergedError& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("water_face[0] \"basin\" has risen to 0.1"), std::string::npos) << text;
+    EXPECT_NE(text.find("above the face's upper end at 0.1 m"), std::string::npos) << text;
+    EXPECT_NEAR(time, 2.5, 0.3);
   }
 }
 

@@ -1,5 +1,5 @@
 // Free water and three dimensions: first checks, against energy and hydrostatics.
-#include "fluid_solver/fluid_phase.hpp"
+#include "tests/fluid/energy.hpp"
 #include "tests/fluid/scenes.hpp"
 
 #include <gtest/gtest.h>
@@ -17,15 +17,6 @@ Case tank(double dx, double length) {
   scene.walls = {wall(line(0.0, 1.0, 0.0, 0.0)), wall(line(0.0, 0.0, length, 0.0)),
                  wall(line(length, 0.0, length, 1.0))};
   return scene;
-}
-
-/// Kinetic and potential [J/m].
-double energy(const Fluid<2>& fluid) {
-  const auto& p = fluid.state().particles;
-  double sum = 0.0;
-  for (std::size_t a = 0; a < p.size(); ++a)
-    sum += p.mass[a] * (0.5 * p.velocity[a].squaredNorm() + 9.81 * p.position[a].y());
-  return sum;
 }
 
 TEST(FreeWater, DisorderedTankStaysQuiet) {

@@ -1,0 +1,67 @@
+// Water in soil so coarse that it keeps moving: inertia and drag together.
+#include "tests/fluid/energy.hpp"
+#include "tests/fluid/scenes.hpp"
+
+#include <gtest/gtest.h>
+
+namespace poretwin::fluid {
+namespace {
+
+using namespace test;
+
+Soil gravel(double conductivity, Shape shape) {
+  Soil soil = sand();
+  soil.hydraulic_conductivity = conductivity;
+  soil.shape = std::move(shape);
+  return soil;
+}
+
+// A slab with air on both sides falls through the pores: v = (k/n) (1 - exp(-g n t/k)), no pressure anywhere.
+TEST(CoarseSoil, ASlabFallsAgainstItsDrag) {
+  const double k = 1.0, rate = 9.81 * 0.4 / k;
+  Case scene;
+  scene.solid.model = SolidCase::Model::rigid;
+  scene.general.periodic = {0};
+  scene.general.domain_max = Point3(0.2, 2.0, 0.0);
+  scene.fluid.particle_spacing = 0.01;
+  scene.fluid.regions = {box(0.0, 1.5, 0.2, 1.6)};
+  scene.soils = {gravel(k, box(0.0, 0.0, 0.2, 2.0))};
+  scene.walls = {wall(line(0.0, 0.0, 0.2, 0.0))};
+  Fluid<2> fluid(scene);
+  fluid.initialise({});
+  double time = 0.0;
+  for (const double end : {0.05, 0.1, 0.2, 0.3}) {
+    run_to(fluid, time, end);
+    const double exact = 9.81 / rate * (1.0 - std::exp(-rate * time)), fallen = (9.81 * time - exact) / rate;
+    const auto& p = fluid.state().particles;
+    Vec<2> place = Vec<2>::Zero();
+    for (std::size_t a = 0; a < p.size(); ++a) {
+      place += p.position[a] / static_cast<double>(p.size());
+      EXPECT_NEAR((p.velocity[a] + Vec<2>(0.0, exact)).norm() / exact, 0.0, 0.01) << time << " s";  // 0.006 measured
+    }
+    EXPECT_NEAR(1.55 - place.y(), fallen, 0.001);  // a tenth of a spacing; 0.0008 measured, of the first 0.05 s
+  }
+}
+
+// From sand to rockfill: water that plunges into soil and out of it again gains nothing from its drag.
+TEST(CoarseSoil, ADamBreakOverItLosesEnergy) {
+  for (const double k : {0.01, 0.1, 1.0, 15.0}) {
+    Case scene;
+    scene.solid.model = SolidCase::Model::rigid;
+    scene.fluid.particle_spacing = 0.02;
+    scene.fluid.regions = {box(0.0, 0.0, 0.4, 0.6)};
+    scene.soils = {gravel(k, box(0.0, 0.0, 1.6, 0.1))};
+    scene.walls = {wall(line(0.0, 1.0, 0.0, 0.0)), wall(line(0.0, 0.0, 1.6, 0.0)), wall(line(1.6, 0.0, 1.6, 1.0))};
+    Fluid<2> fluid(scene);
+    fluid.initialise({});
+    double time = 0.0, before = energy(fluid);
+    for (int tenth = 1; tenth <= 10; ++tenth) {
+      run_to(fluid, time, 0.1 * tenth);
+      EXPECT_LT(energy(fluid), before) << time << " s, k = " << k;
+      before = energy(fluid);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace poretwin::fluid
