@@ -282,8 +282,10 @@ void declare(Keys& keys, SolidCase& s) {
                "Cohesion and tan(friction) of all soil are divided by it (`poretwin safety` finds the factor of "
                "safety)."},
               positive());
-  keys.optional_table("quiet", "Work saved while the soil hardly moves; absent: all its motion is computed.", s.quiet,
-                      [](Keys& inner, Quiet& quiet) { declare(inner, quiet); });
+  keys.optional_table("quiet",
+                      "Work saved while the soil hardly moves; absent: all its motion is computed. Elastic soil with "
+                      "water is then in equilibrium at the end of every window, as it is of long ones anyway.",
+                      s.quiet, [](Keys& inner, Quiet& quiet) { declare(inner, quiet); });
   keys.number("courant", s.courant, {"", "Substep over spacing / wave speed; stable to about 2."},
               between(0, true, 2, false));
   keys.number("artificial_viscosity", s.artificial_viscosity,
