@@ -47,8 +47,8 @@ def page(found):
         lines.append(f"| [{case['case']}](#{case['case']}) | {case['form']} | {f'**{missed} missed**' if missed else 'yes'} "
                      f"| {len(case['metrics'])} | {case['cpu_s']:.1f} |")
     for case in cases:
-        pictures = ROOT / "docs" / "pictures" if case["case"] in PICTURED else None
-        lines += ["", f'<a id="{case["case"]}"></a>', ""] + report.section(case, pictures)
+        pictured = 1 if case["case"] in PICTURED else 0
+        lines += ["", f'<a id="{case["case"]}"></a>', ""] + report.section(case, ROOT / "docs" / "pictures", pictured)
     return "\n".join(lines) + "\n"
 
 

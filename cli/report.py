@@ -57,8 +57,8 @@ def draw_gauges(folder, names, target, prefix):
             yield path
 
 
-def section(case, folder_of_pictures):
-    """Markdown of one case; its pictures go into that folder, None: without pictures."""
+def section(case, folder_of_pictures, pictured=None):
+    """Markdown of one case; pictures of its first `pictured` runs (None: of all) go into that folder."""
     title, about = introduction(pathlib.Path(case["folder"]))
     lines = [f"## {case['case']}: {title}", "", about, ""]
     pictures = {}
@@ -69,10 +69,10 @@ def section(case, folder_of_pictures):
         lines.append(f"| {m['name']} | {text(m['value'])} {m['unit']} | {text(m['reference'])} | {text(m['error'])} "
                      f"| {m['tolerance']:g} | {'' if m['passed'] else '**missed**'} |")
     lines += ["", "| run | particles | windows | wall s | CPU s |", "| --- | --- | --- | --- | --- |"]
-    for run in case["runs"]:
+    for number, run in enumerate(case["runs"]):
         counts = ", ".join(f"{n:.0f} {phase}" for phase, n in run["particles"].items())
         lines.append(f"| {run['name']} | {counts} | {run['windows']:.0f} | {run['wall_s']:.1f} | {run['cpu_s']:.1f} |")
-        if folder_of_pictures is None:
+        if pictured is not None and number >= pictured:
             continue
         folder, prefix = pathlib.Path(run["folder"]), f"{case['case']}_{run['name']}".replace(" ", "_")
         judged = [m["gauge"] for m in case["metrics"] if m["run"] == run["name"] and m["gauge"]]
