@@ -26,13 +26,13 @@ PICTURED = ("dam_break", "submerged_soil", "terzaghi", "embankment_seepage", "ro
 
 def verify(poretwin, name, full, found):
     """Runs the verify of one case; what it found goes to found/NAME.json."""
-    file = found / f"{name}.json"
-    file.unlink(missing_ok=True)
-    subprocess.run([poretwin, "verify", ROOT / "cases" / name, "--json", file, "--out", found / "runs"]
+    raw = found / "unfinished"
+    raw.unlink(missing_ok=True)
+    subprocess.run([poretwin, "verify", ROOT / "cases" / name, "--json", raw, "--out", found / "runs"]
                    + ([] if full else ["--short"]), check=False)
-    if file.exists():
-        case = json.loads(file.read_text())
-        file.write_text(json.dumps(case | {"case": name, "form": "full" if full else "short"}))
+    if raw.exists():
+        case = json.loads(raw.read_text())
+        (found / f"{name}.json").write_text(json.dumps(case | {"case": name, "form": "full" if full else "short"}))
 
 
 def page(found):
