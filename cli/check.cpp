@@ -43,9 +43,15 @@ std::vector<Limit> limits(const Case& scene) {
   if (gravity > 0.0 && scene.has_water())
     result.push_back(
         {0.3 * std::sqrt(scene.fluid.particle_spacing / gravity), "free surface under gravity, 0.3 sqrt(dx / g)"});
+  const auto named = [](const Soil& soil) { return soil.name.empty() ? "" : " in '" + soil.name + "'"; };
+  if (scene.fluid.scheme == FluidCase::Scheme::eisph_explicit_drag && scene.has_water() && scene.fluid.drag)
+    for (const auto& soil : scene.soils)
+      result.push_back(
+          {porous::seepage_at(scene, soil, soil.porosity).conductivity / (soil.porosity * standard_gravity),
+           "explicit drag" + named(soil) + ", k / (n g); lifted by any other fluid.scheme"});
   if (!scene.deformable()) return result;
   for (const auto& soil : scene.soils) {
-    const std::string where = soil.name.empty() ? "" : " in '" + soil.name + "'";
+    const std::string where = named(soil);
     const double density = (1.0 - soil.porosity) * soil.grain_density;
     result.push_back({scene.solid.particle_spacing / std::sqrt(constrained_modulus(soil) / density),
                       "elastic wave across one particle" + where +

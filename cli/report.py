@@ -57,10 +57,11 @@ def draw_gauges(folder, names, target, prefix):
             yield path
 
 
-def section(case, pictures):
-    """Markdown of one case."""
+def section(case, folder_of_pictures, pictured=None):
+    """Markdown of one case; pictures of its first `pictured` runs (None: of all) go into that folder."""
     title, about = introduction(pathlib.Path(case["folder"]))
     lines = [f"## {case['case']}: {title}", "", about, ""]
+    pictures = {}
     if case["source"]:
         lines += [f"Reference: {case['source']}.", ""]
     lines += ["| metric | value | reference | error | bound | |", "| --- | --- | --- | --- | --- | --- |"]
@@ -68,17 +69,19 @@ def section(case, pictures):
         lines.append(f"| {m['name']} | {text(m['value'])} {m['unit']} | {text(m['reference'])} | {text(m['error'])} "
                      f"| {m['tolerance']:g} | {'' if m['passed'] else '**missed**'} |")
     lines += ["", "| run | particles | windows | wall s | CPU s |", "| --- | --- | --- | --- | --- |"]
-    for run in case["runs"]:
+    for number, run in enumerate(case["runs"]):
         counts = ", ".join(f"{n:.0f} {phase}" for phase, n in run["particles"].items())
         lines.append(f"| {run['name']} | {counts} | {run['windows']:.0f} | {run['wall_s']:.1f} | {run['cpu_s']:.1f} |")
+        if pictured is not None and number >= pictured:
+            continue
         folder, prefix = pathlib.Path(run["folder"]), f"{case['case']}_{run['name']}".replace(" ", "_")
         judged = [m["gauge"] for m in case["metrics"] if m["run"] == run["name"] and m["gauge"]]
-        pictures[run["name"]] = [*draw_fields(folder, run["figures"], pictures["folder"], prefix),
-                                 *draw_gauges(folder, judged, pictures["folder"], prefix)]
-    for run in case["runs"]:
-        if pictures[run["name"]]:
-            lines += ["", f"Run `{run['name']}`:", ""]
-            lines += [f"![{path.stem}](pictures/{path.name})" for path in pictures[run["name"]]]
+        pictures[run["name"]] = [*draw_fields(folder, run["figures"], folder_of_pictures, prefix),
+                                 *draw_gauges(folder, judged, folder_of_pictures, prefix)]
+    for name, paths in pictures.items():
+        if paths:
+            lines += ["", f"Run `{name}`:", ""]
+            lines += [f"![{path.stem}](pictures/{path.name})" for path in paths]
     return lines
 
 
@@ -94,7 +97,7 @@ def main():
     lines = ["# Validation", "", f"Made by `poretwin verify --report` from the runs themselves: {passed} of {len(cases)} "
              "cases within all their bounds.", ""]
     for case in cases:
-        lines += section(case, {"folder": a.out / "pictures"}) + [""]
+        lines += section(case, a.out / "pictures") + [""]
     (a.out / "validation.md").write_text("\n".join(lines))
     print(a.out / "validation.md")
 

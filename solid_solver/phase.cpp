@@ -5,7 +5,6 @@
 #include "solid_solver/gauges.hpp"
 #include "solid_solver/pore_water.hpp"
 #include "solid_solver/readout.hpp"
-#include "solid_solver/rest.hpp"
 #include "solid_solver/saturation.hpp"
 #include "solid_solver/solid.hpp"
 
@@ -46,6 +45,9 @@ constexpr double substeps_while_moving = 10.0;
 /// third of these: stress within 0.2 %, settlement within 0.1 %.
 constexpr double woken_by = 5e-3, equilibrium = restless, most_ways = 100.0;
 
+/// The same for soil that does not yield: error of its stress, in the energy's norm, over that under gravity.
+constexpr double elastic_error = 2e-3;
+
 /// Loads begin within rounding of their time.
 bool has_begun(double start, double time) { return time >= start - 1e-9 * std::max(1.0, std::abs(start)); }
 
@@ -56,6 +58,7 @@ Solid<D>::Solid(const Case& scene) : scene_(scene) {
   auto [setup, particles] = set_up<D>(scene);
   setup_ = std::move(setup);
   state_.particles = std::move(particles);
+  lattice_ = state_.particles.position;
   const std::size_t n = state_.particles.size();
   state_.body.assign(n, Vec<D>::Zero());
   state_.internal.assign(n, Vec<D>::Zero());
@@ -245,12 +248,14 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
     for (int d = 0; d < D; ++d) drive.target[i][d] = predicted[i * D + static_cast<std::size_t>(d)];
   }
 
-  if (scene_.solid.quiet && sleeps_on(drive, to, impulse, window)) return Outcome::accept();
+  const bool always_at_rest = scene_.coupled() && scene_.solid.quiet && cannot_yield();
+  const bool may_sleep = scene_.solid.quiet && !always_at_rest;
+  if (may_sleep && sleeps_on(drive, to, impulse, window)) return Outcome::accept();
   for (auto& r : state_.returned_impulse) r.setZero();
   std::fill(state_.yielded.begin(), state_.yielded.end(), char{0});
   std::fill(state_.yielding.begin(), state_.yielding.end(), 0.0);
   state_.any_yielded = false;
-  if (scene_.coupled() && !state_.motion.moving && interval > long_window(setup_))
+  if (scene_.coupled() && !state_.motion.moving && (always_at_rest || interval > long_window(setup_)))
     return advance_at_rest(window, to, impulse, drive);
 
   const auto steps =
@@ -280,7 +285,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
       drive.distributed[i] = water_force(i, (1.0 - share) * from[i] + share * to[i]);
       for (int d = 0; d < D; ++d) drive.distributed[i][d] += impulse[i * D + static_cast<std::size_t>(d)] / interval;
     }
-    if (scene_.solid.quiet && k == 0) {
+    if (may_sleep && k == 0) {
       reference = reference_acceleration(setup_, state_, drive);
       const auto& quiet = *scene_.solid.quiet;
       constexpr double quasi_static = 10.0;  // of wake_above
@@ -308,7 +313,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
     const double strain = interval * 2.0 / std::numbers::sqrt3 * root_j2(strain_rate<D>(p.gradient[i]));
     if (plastic > 0.0) state_.yielding[i] = strain > plastic ? plastic / strain : 1.0;
   }
-  if (scene_.solid.quiet) fall_asleep_if_quiet(drive, reference);
+  if (may_sleep) fall_asleep_if_quiet(drive, reference);
   state_.time = window.time + interval;
   state_.substeps += static_cast<double>(steps);
   ++state_.revision;
@@ -320,6 +325,24 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   else if (!state_.motion.moving && state_.any_yielded && !hardly_moved)
     state_.motion.begins(long_window(setup_));
   return Outcome::accept();
+}
+
+template <int D>
+const Stiffness<D>& Solid<D>::stiffness_with(const ScalarArray& resistance) {
+  // What a window adds matters where it is not small against the stiffness of the slowest mode, c^2 (pi / 2 H)^2 m.
+  const Particles<D>& p = state_.particles;
+  const double slowest = std::pow(0.5 * near_critical_damping(setup_), 2);
+  ScalarArray& held = state_.resistance;
+  double change = 0.0, whole = 0.0;
+  for (std::size_t i = 0; i < p.free() && !held.empty(); ++i) {
+    change += std::abs(resistance[i] - held[i]);
+    whole += held[i] + slowest * p.mass[i];
+  }
+  constexpr double serves = 0.5;
+  if (held.empty() || change > serves * whole) held = resistance;
+  if (!stiffness_ || stiffness_->resistance() != held)
+    stiffness_ = std::make_unique<Stiffness<D>>(setup_, p, lattice_, held);
+  return *stiffness_;
 }
 
 template <int D>
@@ -348,11 +371,26 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const VecArray<D>& gradi
   external(drive, true);
   drive.distributed = standing;
   for (auto& v : p.velocity) v.setZero();
-  const double residual = unrest(setup_, state_, drive, reference_acceleration(setup_, state_, drive)).largest;
-  const bool asleep = residual <= woken_by && !softened(setup_, state_);
+  const Stiffness<D>* stiffness = nullptr;
+  if (cannot_yield()) {
+    ScalarArray resistance(p.free());
+    for (std::size_t i = 0; i < p.free(); ++i) resistance[i] = (p.mass[i] / interval + tracking.tracking[i]) / interval;
+    stiffness = &stiffness_with(resistance);
+  }
+  const double reference = reference_acceleration(setup_, state_, drive);
+  const double residual =
+      stiffness ? departure(setup_, *stiffness, state_, drive) : unrest(setup_, state_, drive, reference).largest;
+  const double let_be = stiffness ? elastic_error : woken_by;
+  const bool asleep = residual <= let_be && !softened(setup_, state_);
   if (!asleep) {
-    const RestSearch search{equilibrium, most_ways, most_ways, local_share, 0.5 * setup_.spacing};
-    const auto report = find_rest<D>(setup_, search, state_, external, [](const RestReport&) {});
+    RestReport report;
+    if (stiffness) report = find_elastic_rest(setup_, *stiffness, 0.2 * elastic_error, 200, state_, external);
+    if (!stiffness || !report.reached()) {
+      const RestSearch search{equilibrium, most_ways, most_ways, local_share, 0.5 * setup_.spacing};
+      const std::size_t steps = report.steps;
+      report = find_rest<D>(setup_, search, state_, external, [](const RestReport&) {});
+      report.steps += steps;
+    }
     if (!report.reached()) {
       for (auto* s : {&state_, &saved_}) s->motion.begins(long_window(setup_));
       fmt::print(stderr, "the soil moves at t = {:g} s: no equilibrium within {} steps, {:.2g} of gravity left\n",
@@ -373,7 +411,7 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const VecArray<D>& gradi
   }
   state_.external.pressure_gradient = gradient;
   state_.time = end;
-  ++state_.revision;
+  if (!asleep) ++state_.revision;  // the points stand where they stood
   return Outcome::accept();
 }
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "common/coupling/phase.hpp"
-#include "solid_solver/rest.hpp"
+#include "solid_solver/equilibrium.hpp"
 #include "solid_solver/setup.hpp"
 
 namespace poretwin::solid {
@@ -29,6 +29,7 @@ class Solid final : public Phase {
  private:
   /// Coverage and pressure [Pa] of the water at the soil's points: from the partner, or from the case for soil alone.
   ScalarArray take_pressure(const coupling::Inbox& inbox, double time);
+  [[nodiscard]] bool cannot_yield() const { return scene_.solid.model == SolidCase::Model::elastic; }
   [[nodiscard]] bool water_is_prescribed() const { return !scene_.pore_pressures.empty(); }
   /// Force [N] of the pore water on particle i: buoyancy -n_s grad p. Where the case prescribes the water, which then
   /// flows without inertia, also the seepage force n (rho_w g - grad p) of Eq. (27): n rho_w g - grad p in all.
@@ -46,11 +47,15 @@ class Solid final : public Phase {
   /// m (u/Dt - v)/Dt = forces(u) + V Z (v_s' - u/Dt) for the displacement u. Rejects the window where there is none.
   coupling::Outcome advance_at_rest(const coupling::Window& window, const VecArray<D>& gradient,
                                     const ScalarArray& impulse, const Drive<D>& tracking);
+  /// The soil's stiffness with the resistance that a window adds [N/m]: the last one, where it serves.
+  const Stiffness<D>& stiffness_with(const ScalarArray& resistance);
 
   Case scene_;
   Setup<D> setup_;
   State<D> state_, saved_;
   RestReport rest_;
+  VecArray<D> lattice_;  ///< m, the particles as they were laid
+  std::unique_ptr<Stiffness<D>> stiffness_;
 };
 
 }  // namespace poretwin::solid

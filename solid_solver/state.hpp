@@ -192,6 +192,7 @@ struct State {
   bool any_yielded = false;
   Sleep<D> sleep;
   Motion motion;
+  ScalarArray resistance;     ///< N/m, added by a window, with which the stiffness was last factorised
   bool still_yields = false;  ///< something yielded since the soil was last quiet: its motion must not be damped
   double since_upkeep = 0.0;  ///< s, since the flowing soil was last kept regular
   Scratch<D> scratch;

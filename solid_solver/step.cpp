@@ -54,9 +54,7 @@ void evaluate_forces(const Setup<D>& setup, State<D>& state) {
 template <int D>
 void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& state) {
   Particles<D>& p = state.particles;
-  const std::size_t n = p.size();
-  const Pairs& pairs = state.near.pairs;
-  for_rows(pairs, 0, p.free(), [&](std::size_t i) {
+  for_rows(state.near.pairs, 0, p.free(), [&](std::size_t i) {
     Vec<D> force = p.volume[i] * (state.internal[i] + state.stabilising[i]) + p.mass[i] * setup.gravity;
     force += drive.distributed[i];
     if (!drive.traction.empty()) force += drive.traction[i];
@@ -70,6 +68,17 @@ void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& 
     p.velocity[i] = (p.velocity[i] + rate * (force + z * drive.target[i])) / (1.0 + rate * z + dt * drive.damping);
     state.returned_impulse[i] += dt * z * (drive.target[i] - p.velocity[i]);
   });
+  deform(setup, dt, state);
+  keep_flow_regular(setup, dt, state);
+  rebuild_if_moved(setup, state);
+  evaluate_forces(setup, state);
+}
+
+template <int D>
+void deform(const Setup<D>& setup, double dt, State<D>& state) {
+  Particles<D>& p = state.particles;
+  const std::size_t n = p.size();
+  const Pairs& pairs = state.near.pairs;
   fill_velocities<D>(p, state.near, state.nodes);
   velocity_gradient<D>(state.nodes, state.near.pairs, state.kernel, state.scratch, p.gradient, p.correction);
   for_rows(pairs, 0, p.free(), [&](std::size_t i) {
@@ -87,9 +96,8 @@ void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& 
     p.volume[i] = std::clamp(p.volume[i] * (1.0 + dt * gradient.trace()), 0.5 * reference, 2.0 * reference);
     Tensor& stress = p.stress[i];
     stress += dt * spin_rate<D>(stress, gradient);
-    const double plastic = setup.models[p.material[i]]->advance(
-        stress, dt * strain_rate<D>(gradient),
-        condition(setup, p, i, state.external.saturation[i]));
+    const double plastic = setup.models[p.material[i]]->advance(stress, dt * strain_rate<D>(gradient),
+                                                                condition(setup, p, i, state.external.saturation[i]));
     const bool apart = setup.loose_friction[p.material[i]] > 0.0F && p.volume[i] > Setup<D>::loosest * reference;
     p.rubbing[i] = apart ? setup.loose_friction[p.material[i]] : 0.0F;
     if (apart) stress.setZero();
@@ -100,9 +108,6 @@ void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& 
   });
   state.any_yielded =
       state.any_yielded || std::any_of(state.yielded.begin(), state.yielded.end(), [](char y) { return y; });
-  keep_flow_regular(setup, dt, state);
-  rebuild_if_moved(setup, state);
-  evaluate_forces(setup, state);
 }
 
 template <int D>
@@ -150,6 +155,7 @@ void check_sound(const Setup<D>& setup, const State<D>& state, double last_good_
   template bool rebuild_if_moved<D>(const Setup<D>&, State<D>&);                                         \
   template void evaluate_forces<D>(const Setup<D>&, State<D>&);                                          \
   template void substep<D>(const Setup<D>&, double, const Drive<D>&, State<D>&);                         \
+  template void deform<D>(const Setup<D>&, double, State<D>&);                                           \
   template VecArray<D> pressure_gradient<D>(const State<D>&, SolidCase::PressureGradient, const Vec<D>&, \
                                             std::span<const double>);                                    \
   template VecArray<D> load_forces<D>(const Setup<D>&, const State<D>&, double);                         \

@@ -31,6 +31,10 @@ void evaluate_forces(const Setup<D>& setup, State<D>& state);
 template <int D>
 void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& state);
 
+/// The part of it that follows the velocities as they are: places, volumes and stresses.
+template <int D>
+void deform(const Setup<D>& setup, double dt, State<D>& state);
+
 /// Pore-pressure gradient [Pa/m] at the soil's points, by the operator the case chose.
 template <int D>
 VecArray<D> pressure_gradient(const State<D>& state, SolidCase::PressureGradient form, const Vec<D>& water_weight,

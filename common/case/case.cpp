@@ -24,6 +24,9 @@ constexpr std::array water_words{Word<Wall::ForWater>{"none", Wall::ForWater::no
 constexpr std::array soil_words{
     Word<Wall::ForSoil>{"none", Wall::ForSoil::none}, Word<Wall::ForSoil>{"roller", Wall::ForSoil::roller},
     Word<Wall::ForSoil>{"fixed", Wall::ForSoil::fixed}, Word<Wall::ForSoil>{"rough", Wall::ForSoil::rough}};
+/// Which defaults the sections of a solver have.
+enum class Preset { own, paper };
+constexpr std::array preset_words{Word<Preset>{"own", Preset::own}, Word<Preset>{"paper", Preset::paper}};
 constexpr std::array scheme_words{
     Word<FluidCase::Scheme>{"projection", FluidCase::Scheme::projection},
     Word<FluidCase::Scheme>{"eisph", FluidCase::Scheme::eisph},
@@ -57,6 +60,11 @@ constexpr std::array gradient_words{
 void declare(Keys& keys, General& g) {
   std::int64_t dimension = g.dimension;
   keys.text("title", g.title, {"", "What the case is about."});
+  Preset preset = Preset::own;  // read_case() looks it up before it reads
+  keys.choice<Preset>("scheme", preset, preset_words,
+                      {"",
+                       "Defaults of `[fluid]` and `[solid]`: `own`, or `paper`: the scheme of Bui & Nguyen (2017) as "
+                       "far as it is built (docs/theory.md); what the case says otherwise still holds."});
   keys.integer("dimension", dimension, {"", "2 (plane strain, z is ignored) or 3."}, between(2, false, 3, false));
   g.dimension = static_cast<int>(dimension);
   keys.dimension = g.dimension;
@@ -285,8 +293,10 @@ void declare(Keys& keys, SolidCase& s) {
                "Cohesion and tan(friction) of all soil are divided by it (`poretwin safety` finds the factor of "
                "safety)."},
               positive());
-  keys.optional_table("quiet", "Work saved while the soil hardly moves; absent: all its motion is computed.", s.quiet,
-                      [](Keys& inner, Quiet& quiet) { declare(inner, quiet); });
+  keys.optional_table("quiet",
+                      "Work saved while the soil hardly moves; absent: all its motion is computed. Elastic soil with "
+                      "water is then in equilibrium at the end of every window, as it is of long ones anyway.",
+                      s.quiet, [](Keys& inner, Quiet& quiet) { declare(inner, quiet); });
   keys.number("courant", s.courant, {"", "Substep over spacing / wave speed; stable to about 2."},
               between(0, true, 2, false));
   keys.number("artificial_viscosity", s.artificial_viscosity,
@@ -398,6 +408,20 @@ double Series::integral(double t0, double t1) const {
   return sum + 0.5 * (t1 - from) * (at(from) + at(t1));
 }
 
+namespace {
+
+/// Defaults of the scheme as published; docs/theory.md, 'The paper's own scheme', lists them.
+void take_paper_defaults(Case& c) {
+  c.fluid.scheme = FluidCase::Scheme::eisph_explicit_drag;
+  c.fluid.drag_form = FluidCase::DragForm::smoothed;
+  c.fluid.skeleton_response = false;
+  c.solid.courant = 0.2;
+  c.solid.zero_energy_viscosity = c.solid.zero_energy_stiffness = 0.0;
+  c.solid.regular_flow = false;
+}
+
+}  // namespace
+
 std::string Case::coupled_part() const {
   Case copy = *this;
   return list_keys([&](Keys& keys) { declare_shared(keys, copy); });
@@ -412,14 +436,24 @@ Case read_case(const std::filesystem::path& path, const std::vector<std::string>
   scene.text = read_text(path);
   Node root = parse_document(scene.text, path.string());
   for (const auto& assignment : overrides) apply_override(root, assignment);
+  const Node* general = root.find("case");
+  const Node* preset = general ? general->find("scheme") : nullptr;
+  const bool paper = preset && preset->text == "paper";
   Places places;
   read_keys(
       root,
       [&](Keys& keys) {
         declare_shared(keys, scene);
+        if (paper) take_paper_defaults(scene);
         declare_own(keys, scene);
       },
       &places);
+  if (paper) {
+    if (scene.solid.model == SolidCase::Model::drucker_prager)
+      scene.solid.model = SolidCase::Model::drucker_prager_rate;
+    // The sum over pairs is built for soil at rest only.
+    if (scene.coupled() && !places.contains("fluid.drag_form")) scene.fluid.drag_form = FluidCase::DragForm::pointwise;
+  }
   if (scene.solid.particle_spacing <= 0.0) scene.solid.particle_spacing = scene.fluid.particle_spacing;
   check_case(scene, places);
   return scene;

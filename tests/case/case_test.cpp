@@ -151,6 +151,22 @@ TEST_F(CaseFile, NamesTheOverride) {
   EXPECT_THAT(complaint(sound_case, {"nonsense"}), HasSubstr("expected section.key=value"));
 }
 
+TEST_F(CaseFile, TakesThePapersDefaultsByName) {
+  const Case own = read(sound_case, {"solid.model=drucker_prager"});
+  EXPECT_EQ(own.fluid.scheme, FluidCase::Scheme::projection);
+  const Case moving = read(sound_case, {"case.scheme=paper", "solid.model=drucker_prager", "solid.courant=0.3"});
+  EXPECT_EQ(moving.fluid.scheme, FluidCase::Scheme::eisph_explicit_drag);
+  EXPECT_FALSE(moving.fluid.skeleton_response);
+  EXPECT_EQ(moving.fluid.drag_form, FluidCase::DragForm::pointwise);
+  EXPECT_EQ(moving.solid.model, SolidCase::Model::drucker_prager_rate);
+  EXPECT_EQ(moving.solid.zero_energy_stiffness, 0.0);
+  EXPECT_EQ(moving.solid.courant, 0.3);  // the case's own word holds
+  const std::string water_alone = sound_case.substr(0, sound_case.find("[[gauge]]"));
+  const Case rigid = read(water_alone, {"case.scheme=paper", "solid.model=rigid"});
+  EXPECT_EQ(rigid.fluid.drag_form, FluidCase::DragForm::smoothed);
+  EXPECT_NE(complaint(sound_case, {"case.scheme=papr"}).find("\"paper\""), std::string::npos);
+}
+
 TEST_F(CaseFile, ChecksSoilAndGeometry) {
   EXPECT_THAT(complaint(changed(sound_case, "porosity = 0.4", "friction_angle = 20\ndilation_angle = 30")),
               HasSubstr("key 'soil[0].dilation_angle': expected at most the friction angle of 20 degrees, found 30"));

@@ -1,0 +1,73 @@
+#!/usr/bin/python3
+"""docs/validation.md from the runs themselves: per case the reference, the error table, particles, windows, run time, and for
+the main cases pictures.
+
+bench/validation.py                 every case, in the short form of its verify.toml
+bench/validation.py --full          every case in full (hours)
+bench/validation.py [--full] CASE.. these again; the others stay as they were last found (runs/validation)
+bench/validation.py --page          the page alone, from what was found
+"""
+import argparse
+import json
+import pathlib
+import subprocess
+import sys
+
+import matplotlib.pyplot as plt
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "cli"))
+import plot  # noqa: E402
+import report  # noqa: E402
+
+PICTURED = ("dam_break", "submerged_soil", "terzaghi", "embankment_seepage", "rockfill_dam", "rockfill_flood",
+            "embankment_failure", "column_collapse", "quicksand")
+
+
+def verify(poretwin, name, full, found):
+    """Runs the verify of one case; what it found goes to found/NAME.json."""
+    raw = found / "unfinished"
+    raw.unlink(missing_ok=True)
+    subprocess.run([poretwin, "verify", ROOT / "cases" / name, "--json", raw, "--out", found / "runs"]
+                   + ([] if full else ["--short"]), check=False)
+    if raw.exists():
+        case = json.loads(raw.read_text())
+        (found / f"{name}.json").write_text(json.dumps(case | {"case": name, "form": "full" if full else "short"}))
+
+
+def page(found):
+    """Markdown of all that was found."""
+    cases = [json.loads(file.read_text()) for file in sorted(found.glob("*.json"))]
+    lines = ["# Validation", "", "Made by `bench/validation.py` from the runs themselves; the reference numbers and their sources stand in "
+             "`cases/*/reference`.", "The short form of a case is coarser or ends sooner than the full one, against the same bounds "
+             "unless its verify.toml says otherwise.", "",
+             "| case | form | within its bounds | metrics | CPU s |", "| --- | --- | --- | --- | --- |"]
+    for case in cases:
+        missed = sum(not m["passed"] for m in case["metrics"])
+        lines.append(f"| [{case['case']}](#{case['case']}) | {case['form']} | {f'**{missed} missed**' if missed else 'yes'} "
+                     f"| {len(case['metrics'])} | {case['cpu_s']:.1f} |")
+    for case in cases:
+        pictured = 1 if case["case"] in PICTURED else 0
+        lines += ["", f'<a id="{case["case"]}"></a>', ""] + report.section(case, ROOT / "docs" / "pictures", pictured)
+    return "\n".join(lines) + "\n"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("cases", nargs="*", help="names of cases; none: all")
+    parser.add_argument("--full", action="store_true", help="full runs, not short ones")
+    parser.add_argument("--page", action="store_true", help="run nothing")
+    parser.add_argument("--poretwin", default=ROOT / "build" / "release" / "bin" / "poretwin", help="the program")
+    parser.add_argument("--found", type=pathlib.Path, default=ROOT / "runs" / "validation", help="folder of what was found")
+    a = parser.parse_args()
+    a.found.mkdir(parents=True, exist_ok=True)
+    names = [] if a.page else a.cases or sorted(f.parent.name for f in (ROOT / "cases").glob("*/verify.toml"))
+    for name in names:
+        verify(a.poretwin, name, a.full, a.found)
+    plt.rcParams.update(plot.STYLE | {"savefig.dpi": 50})
+    (ROOT / "docs" / "validation.md").write_text(page(a.found))
+    print(ROOT / "docs" / "validation.md")
+
+
+if __name__ == "__main__":
+    main()
