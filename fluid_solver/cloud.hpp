@@ -24,9 +24,16 @@ struct Cloud {
   [[nodiscard]] std::size_t size() const { return position.size(); }
 };
 
+/// Still water in no particle: a place behind a face of prescribed head, and the bulk volume it stands for.
+template <int D>
+struct StillWater {
+  Vec<D> position;
+  double volume = 0.0, pressure = 0.0;  ///< m^D; piezometric, Pa
+};
+
 template <int D>
 Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> planes, const Vec<D>& weight,
-                    const Vec<D>& origin) {
+                    const Vec<D>& origin, std::span<const StillWater<D>> reservoir = {}) {
   const auto& p = state.particles;
   Cloud<D> c;
   c.n_real = p.size();
@@ -46,6 +53,15 @@ Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> p
     c.solid_velocity.push_back(Vec<D>::Zero());
     c.mask.push_back(0.0);
     c.void_fraction.push_back(column.void_fraction);
+  }
+  for (const auto& w : reservoir) {
+    c.position.push_back(w.position);
+    c.volume.push_back(w.volume);
+    c.pressure.push_back(w.pressure);
+    c.velocity.push_back(Vec<D>::Zero());
+    c.solid_velocity.push_back(Vec<D>::Zero());
+    c.mask.push_back(0.0);
+    c.void_fraction.push_back(1.0);
   }
   double largest = 0.0;
   for (const double v : c.volume) {

@@ -132,15 +132,73 @@ void Fluid<D>::limit_surface(Stencil<D>& s) const {
     const int i = finder.nearest(s.position[a]);
     const auto* c = i < 0 ? nullptr : &state_.columns[static_cast<std::size_t>(i)];
     const double d = c ? c->inside(s.position[a]) : spacing;
-    if (c && c->in_soil && !c->wet && d < 0.5 * spacing)
+    const bool at_face = c && c->in_soil && !c->wet && d < 0.5 * spacing;
+    if (at_face && (!faces_follow_ || d > -deletion_depth * c->spacing))
       s.surface_distance[a] = std::max(d, 0.1 * spacing);
     else if (const Soil* here = soil_at(scene_, to_point3<D>(s.position[a])))
       s.surface_pressure[a] = -gamma * here->suction_head;
   }
 }
 
+/// Water that the soil has left belongs to the reservoir: the column steps back to where there is soil.
 template <int D>
-void Fluid<D>::give_birth_and_delete() {
+void Fluid<D>::follow_soil(const SoilView<D>& view) {
+  const auto& p = state_.particles;
+  const ColumnFinder<D> finder(state_.columns);
+  std::vector<double> step(state_.columns.size(), 0.0);
+  for (std::size_t a = 0; a < p.size(); ++a) {
+    if (view.coverage[a] >= left_by_soil) continue;
+    const int i = finder.nearest(p.position[a]);
+    if (i < 0) continue;
+    const auto& c = state_.columns[static_cast<std::size_t>(i)];
+    if (!c.wet || !c.in_soil || c.held) continue;
+    step[static_cast<std::size_t>(i)] =
+        std::max(step[static_cast<std::size_t>(i)], c.inside(p.position[a]) + 0.5 * c.spacing);
+  }
+  for (std::size_t i = 0; i < step.size(); ++i) {
+    auto& c = state_.columns[i];
+    if (step[i] <= 0.0) continue;
+    c.foot += step[i] * c.normal;
+    c.offset = 0.5 * c.spacing;
+  }
+}
+
+/// The water behind faces with a head, as far as soil may slide into it: the columns' rows beyond those that the
+/// water's own operators need, and more columns where a face ends in the open. Its piezometric pressure is the face's.
+template <int D>
+std::vector<StillWater<D>> Fluid<D>::reservoir() const {
+  std::vector<StillWater<D>> still;
+  if (!faces_follow_) return still;
+  const auto add = [&](const FaceColumn<D>& c, const Vec<D>& x) {
+    if (weight_.dot(x - origin_) + c.pressure < 0.0 || soil_at(scene_, to_point3<D>(x))) return;
+    for (const auto& plane : planes_) {
+      const double along = plane.tangent.dot(x);
+      const bool beside = plane.to > plane.from && (along < plane.from || along > plane.to);
+      if (!beside && plane.normal.dot(x - plane.point) < 0.0) return;
+    }
+    still.push_back({x, c.volume, c.pressure});
+  };
+  for (std::size_t i = 0; i < state_.columns.size(); ++i) {
+    const auto& c = state_.columns[i];
+    if (!c.wet || !c.in_soil || c.held || scene_.water_faces[static_cast<std::size_t>(c.face)].pressure) continue;
+    for (int j = buffers_per_column + 1; j <= reservoir_rows; ++j)
+      add(c, c.foot + (c.offset - j * c.spacing) * c.normal);
+    if constexpr (D == 2) {
+      for (const double side : {-1.0, 1.0}) {
+        const Vec<D> next = 2.0 * side * c.width * Vec<D>(-c.normal[1], c.normal[0]);
+        if (std::any_of(feet_.begin(), feet_.end(),
+                        [&](const Vec<D>& foot) { return (foot - feet_[i] - next).norm() < 1.5 * c.width; }))
+          continue;
+        for (int k = 1; k <= reservoir_rows; ++k)
+          for (int j = 1; j <= reservoir_rows; ++j) add(c, c.foot + k * next + (c.offset - j * c.spacing) * c.normal);
+      }
+    }
+  }
+  return still;
+}
+
+template <int D>
+void Fluid<D>::give_birth_and_delete(const SoilView<D>& view) {
   auto& p = state_.particles;
   const ColumnFinder<D> finder(state_.columns);
   std::vector<bool> keep(p.size(), true);
@@ -155,11 +213,21 @@ void Fluid<D>::give_birth_and_delete() {
       ++state_.counts.lost;
       continue;
     }
-    const int i = finder.nearest(p.position[a]);
+    const bool left = faces_follow_ && view.coverage[a] < left_by_soil;
+    int i = finder.nearest(p.position[a]);
+    if (i < 0 && left)
+      i = static_cast<int>(std::min_element(state_.columns.begin(), state_.columns.end(),
+                                            [&](const auto& b, const auto& c) {
+                                              return (b.foot - p.position[a]).squaredNorm() <
+                                                     (c.foot - p.position[a]).squaredNorm();
+                                            }) -
+                           state_.columns.begin());
     if (i < 0) continue;
     auto& c = state_.columns[static_cast<std::size_t>(i)];
     const double d = c.inside(p.position[a]);
-    if (d >= -deletion_depth * c.spacing) continue;
+    // Soil that slides out of a seepage face takes its water along.
+    const bool passed = d < -deletion_depth * c.spacing && (!faces_follow_ || c.wet || view.coverage[a] < 0.5);
+    if (!passed && !left) continue;
     keep[a] = false;
     c.net -= p.mass[a] / density_;
     any = true;

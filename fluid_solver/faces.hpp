@@ -15,6 +15,10 @@ namespace poretwin::fluid {
 inline constexpr int buffers_per_column = 4;
 /// A particle that has left through a face by more than this many spacings is deleted; the column steps back by one.
 inline constexpr double deletion_depth = 0.25;
+/// Rows of still water that soil can slide into behind a face with a head, and columns of them beyond its ends.
+inline constexpr int reservoir_rows = 16;
+/// Coverage by the soil below which its water is out of it: on the steps of a lattice along a slope it is 0.28.
+inline constexpr double left_by_soil = 0.2;
 
 template <int D>
 struct FaceColumn {

@@ -100,6 +100,7 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
   const double depth = p.size() > 0 ? top - bottom : dx_;
   state_.wave_speed = std::sqrt(scene.general.gravity.norm() * depth);
   state_.columns = make_columns<D>(scene);
+  for (const auto& c : state_.columns) feet_.push_back(c.foot);
   for (const auto& face : scene.water_faces) {
     const bool basin = face.basin_area.has_value();
     const double lowest = basin ? face.basin_area->knots.front().first : 0.0;
@@ -107,6 +108,9 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
     state_.supplied.push_back(basin ? basin_volume(*face.basin_area, state_.basin_level.back()) : 0.0);
   }
   update_columns<D>(scene_, 0.0, state_.basin_level, weight_, origin_, state_.columns);
+  const auto& here = p.void_fraction;
+  faces_follow_ = scene.coupled() && scene.solid.model != SolidCase::Model::elastic && !state_.columns.empty() &&
+                  state_.inlets.empty() && std::all_of(here.begin(), here.end(), [](double n) { return n < 1.0; });
   // The soil looks for its rest under what is published before the first exchange.
   settle(rigid_soil<D>(scene_, p.position));
   saved_ = state_;
@@ -152,7 +156,8 @@ coupling::Contract Fluid<D>::contract() const {
 
 template <int D>
 coupling::Publication Fluid<D>::publish() const {
-  const auto cloud = make_cloud<D>(state_, planes_, weight_, origin_);
+  const auto still = reservoir();
+  const auto cloud = make_cloud<D>(state_, planes_, weight_, origin_, std::span<const StillWater<D>>(still));
   coupling::Publication out;
   out.time = state_.time;
   std::tie(out.proposed_interval, out.limited_by) = time_limit();
@@ -389,8 +394,10 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
                               0.2 / interval);
   }
   if (!responds() || state_.last_interval <= 0.0) return source;
-  // The soil moved by its own account; what that squeezed beyond the prediction is made good now, no faster than it
-  // came.
+  // The soil moved by its own account; what that squeezed beyond the prediction is made good no faster than it came:
+  // after a long window, short ones take their share of it only.
+  const double came = state_.last_interval, due = std::max(state_.debt_due, interval);
+  state_.debt_due = std::max({0.0, state_.debt_due - interval, came - interval});
   VecArray<D> beyond(p.size(), Vec<D>::Zero());
   for (std::size_t a = 0; a < p.size(); ++a) {
     if (view.fraction[a] == 0.0) continue;
@@ -400,10 +407,9 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
   }
   const auto rate = divergence<D>(s, beyond);
   for (std::size_t a = 0; a < p.size(); ++a) {
-    p.volume_debt[a] += state_.last_interval * rate[a];
-    const double released = p.volume_debt[a] / std::max(interval, state_.last_interval);
+    const double debt = came * rate[a], released = debt / std::max(interval, came) + p.volume_debt[a] / due;
     source[a] -= released;
-    p.volume_debt[a] -= released * interval;
+    p.volume_debt[a] += debt - released * interval;
   }
   return source;
 }
@@ -433,9 +439,10 @@ void Fluid<D>::take_back(const Stencil<D>& s, const SoilView<D>& view, double in
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
       if (const double w = share(k); w > 0.0) owed[s.other[k]] += w / sum * mine;
   }
+  const double no_faster = interval / std::max({interval, state_.last_interval, state_.debt_due});  // than it came
   for (std::size_t a = 0; a < p.size(); ++a) {
     const double aw = p.void_fraction[a] * density_ / interval;
-    Vec<D> taken = std::max(view.yielding[a], aw / (aw + view.drag[a])) * owed[a];
+    Vec<D> taken = std::min(no_faster, std::max(view.yielding[a], aw / (aw + view.drag[a]))) * owed[a];
     const double slip = (p.velocity[a] - view.velocity[a]).norm();
     const double most = interval * (p.mass[a] * gravity_or_standard() + p.volume[a] * view.drag[a] * slip);
     if (const double size = taken.norm(); size > most) taken *= most / size;
@@ -551,7 +558,8 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   advance_columns(s, view, dt);
   push_pistons(0.5 * dt);
   move(s, out, gradient, velocity_before, dt);
-  give_birth_and_delete();
+  if (faces_follow_) follow_soil(view);
+  give_birth_and_delete(view);
   serve_inlets();
   state_.time = window.time + dt;
   state_.last_interval = dt;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/coupling/phase.hpp"
+#include "fluid_solver/cloud.hpp"
 #include "fluid_solver/state.hpp"
 #include "fluid_solver/window.hpp"
 
@@ -70,7 +71,10 @@ class Fluid final : public Phase {
   double head_pressure(const FaceColumn<D>& c) const;
   InfiltrationSpeed infiltration_speed(const FaceColumn<D>& c) const;
   void limit_surface(Stencil<D>& s) const;
-  void give_birth_and_delete();
+  /// Faces of a prescribed head step back with the soil's surface.
+  void follow_soil(const SoilView<D>& soil);
+  [[nodiscard]] std::vector<StillWater<D>> reservoir() const;
+  void give_birth_and_delete(const SoilView<D>& soil);
   void control_interval(const ScalarArray& before, double interval);
   void limit_scheme(const SoilView<D>& view);
   void take_back(const Stencil<D>& s, const SoilView<D>& view, double interval);
@@ -87,6 +91,8 @@ class Fluid final : public Phase {
   std::vector<sph::ImagePlane<D>> planes_;
   Vec<D> lower_, upper_;                        ///< beyond, water is lost [m]
   std::uint32_t no_slip_ = 0, fixed_soil_ = 0;  ///< boundary bits
+  bool faces_follow_ = false;  ///< all water is in soil that can leave its place: faces stay on its surface
+  VecArray<D> feet_;           ///< of the columns, where the case has them
   State<D> state_, saved_;
 };
 

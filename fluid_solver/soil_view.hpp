@@ -15,6 +15,7 @@ namespace poretwin::fluid {
 template <int D>
 struct SoilView {
   ScalarArray mask;                            ///< [n] 1 inside soil, 0 in free water
+  ScalarArray coverage;                        ///< [n] by the soil's points: 1 inside, 0 out of their reach
   ScalarArray fraction;                        ///< [n] n_s, the residual water of moist soil counted in
   std::vector<porous::Resistance> resistance;  ///< [n] none in free water
   /// [n] the resistance about the present slip w, R = C w' - f: C [N s/m4], f [N/m3] (Newton's tangent along the flow;
@@ -30,7 +31,7 @@ struct SoilView {
   VecArray<D> force;          ///< [n] r: unbalanced force per volume with the soil's weight, no pressure, no drag, N/m3
   VecArray<D> owed;           ///< [n] impulse the soil took beyond the drag of its last window, N s
   void resize(std::size_t n) {
-    for (auto* a : {&mask, &fraction, &drag, &density, &modulus, &yielding}) a->assign(n, 0.0);
+    for (auto* a : {&mask, &coverage, &fraction, &drag, &density, &modulus, &yielding}) a->assign(n, 0.0);
     for (auto* a : {&velocity, &mean_velocity, &force, &owed, &drag_offset}) a->assign(n, Vec<D>::Zero());
     resistance.assign(n, {});
   }
@@ -107,7 +108,7 @@ SoilView<D> rigid_soil(const Case& scene, std::span<const Vec<D>> points) {
   for (std::size_t a = 0; a < points.size(); ++a) {
     const Soil* here = soil_at(scene, to_point3<D>(points[a]));
     if (!here) continue;
-    soil.mask[a] = 1.0;
+    soil.mask[a] = soil.coverage[a] = 1.0;
     const double fillable = fillable_porosity(*here);
     soil.fraction[a] = 1.0 - fillable;
     soil.density[a] = (1.0 - here->porosity) * here->grain_density + (here->porosity - fillable) * scene.water.density;
@@ -140,6 +141,7 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::si
   vectors(inbox.at(field::unbalanced_force), soil.force);
   vectors(inbox.at(field::returned_impulse), soil.owed);
   for (std::size_t a = 0; a < n; ++a) {
+    soil.coverage[a] = inbox.coverage[a];
     const double mask = inbox.coverage[a] > 0.0 ? membership(inbox.asymmetry[a]) : 0.0;
     const double n_s = std::min(fraction[a], 1.0 - 1e-3) * mask;
     if (n_s < least_solid_fraction || !(conductivity[a] > 0.0)) {

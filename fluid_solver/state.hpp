@@ -97,6 +97,7 @@ template <int D>
 struct State {
   double time = 0.0;
   double last_interval = 0.0;    ///< s
+  double debt_due = 0.0;         ///< s, until when the particles' volume debt is to be made good
   double pressure_change = 0.0;  ///< rms over the last window, of the pressure's range
   double widest_range = 0.0;     ///< of piezometric pressure so far, Pa
   double controlled = 0.0;       ///< interval the controller would take next, s; 0: not started

@@ -391,6 +391,13 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const VecArray<D>& gradi
       report = find_rest<D>(setup_, search, state_, external, [](const RestReport&) {});
       report.steps += steps;
     }
+    // Creep that water limits finds its equilibrium in a window in which less of it happens.
+    if (const double shorter = 0.25 * interval; !report.reached() && shorter > 4.0 * long_window(setup_)) {
+      saved_.motion.longest = shorter;
+      fmt::print(stderr, "no equilibrium at t = {:g} s in a window of {:g} s: {} steps, {:.2g} of gravity left\n",
+                 window.time, interval, report.steps, report.residual);
+      return Outcome::reject(shorter, "no equilibrium in so long a window");
+    }
     if (!report.reached()) {
       for (auto* s : {&state_, &saved_}) s->motion.begins(long_window(setup_));
       fmt::print(stderr, "the soil moves at t = {:g} s: no equilibrium within {} steps, {:.2g} of gravity left\n",
@@ -402,6 +409,7 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const VecArray<D>& gradi
     state_.motion.relaxed += 1.0;
     if (report.creeps && report.residual >= equilibrium) state_.motion.creeping += 1.0;
     state_.motion.patience = 0.0;
+    state_.motion.longest = std::max(state_.motion.longest, 1.25 * interval);
   } else {
     state_.motion.at_rest += 1.0;
   }
@@ -438,6 +446,10 @@ Publication Solid<D>::publish() const {
   if (((state_.any_yielded && !scene_.coupled()) || state_.motion.moving) && short_window < out.proposed_interval) {
     out.proposed_interval = short_window;
     out.limited_by = "the soil moves";
+  }
+  if (!state_.motion.moving && state_.motion.longest < out.proposed_interval) {
+    out.proposed_interval = state_.motion.longest;
+    out.limited_by = "the soil creeps";
   }
   out.points.dimension = D;
   out.points.revision = state_.revision;

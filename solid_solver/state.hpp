@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <vector>
 
 namespace poretwin::solid {
@@ -110,6 +111,7 @@ struct Motion {
          begun = 0.0;     ///< counters: windows, steps of relaxation, beginnings
   double damping = 0.0;   ///< 1/s, critical for the motion that is left
   double duration = 0.0;  ///< s, in motion so far
+  double longest = std::numeric_limits<double>::infinity();  ///< s, window in which an equilibrium is looked for
   void begins(double long_window) {
     moving = true;
     calm = damping = 0.0;
