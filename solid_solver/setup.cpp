@@ -67,6 +67,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
     throw CaseError(fmt::format("solid.particle_spacing: expected a length above 0 m, found {}", setup.spacing));
   setup.smoothing_length = lengths_per_spacing * setup.spacing;
   setup.skin = 0.2 * setup.spacing;
+  setup.threads = threads();
   setup.courant = scene.solid.courant;
   setup.regular_flow = scene.solid.regular_flow;
   setup.stabilisers.artificial = scene.solid.artificial_viscosity;
