@@ -72,11 +72,8 @@ class WindowSolver {
     boundary_.assign(n_, 0.0);
     torn_.assign(n_, false);
     for (std::size_t a = 0; a < n_; ++a) {
-      for (Index k = s_.offset[a]; s_.n_base > n_ && k < s_.offset[a + 1]; ++k) {
-        const Index j = s_.other[k];
-        if (!s_.is_buffer(j)) continue;
-        const double w = 2.0 * s_.volume[a] * q_[a].kf * s_.pull[k] * s_.amplified(a, s_.parent[j]) * s_.reflection[k];
-        boundary_[a] += w * in_.face_pressure[s_.column[s_.parent[j] - n_]];
+      if (const auto faces = from_faces(a, q_[a].kf)) {
+        boundary_[a] = *faces;
         closed_ = false;
       }
       add_surface(fluid_, a, q_[a].kf, &boundary_[a]);
@@ -196,6 +193,18 @@ class WindowSolver {
     return result;
   }
   double torn_pressure(std::size_t a) const { return in_.cavitation - in_.weight.dot(s_.position[a] - in_.origin); }
+
+  /// What the faces' pressures drive through row a of a Laplacian of this mobility; nothing where none is in reach.
+  std::optional<double> from_faces(std::size_t a, double mobility) const {
+    std::optional<double> sum;
+    for (Index k = s_.offset[a]; s_.n_base > n_ && k < s_.offset[a + 1]; ++k) {
+      const Index j = s_.other[k], q = s_.parent[j];
+      if (!s_.is_buffer(j)) continue;
+      const double w = 2.0 * s_.volume[a] * mobility * s_.pull[k] * s_.amplified(a, q) * s_.reflection[k];
+      sum = sum.value_or(0.0) + w * in_.face_pressure[s_.column[q - n_]];
+    }
+    return sum;
+  }
 
   /// Distance to the surface, 0 where it is out of reach.
   double surface_distance(std::size_t a) const {
@@ -332,10 +341,7 @@ class WindowSolver {
     plain_ = laplacian<D>(s_, {});
     fixed_.assign(n_, 0.0);
     for (std::size_t a = 0; a < n_; ++a) {
-      for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k)
-        if (const Index j = s_.other[k], q = s_.parent[j]; s_.is_buffer(j))
-          fixed_[a] += 2.0 * s_.volume[a] * s_.pull[k] * s_.amplified(a, q) * s_.reflection[k] *
-                       in_.face_pressure[s_.column[q - n_]];
+      if (!flow_.empty()) fixed_[a] = from_faces(a, 1.0).value_or(0.0);
       add_surface(plain_, a, 1.0, &fixed_[a]);
     }
   }
@@ -390,11 +396,8 @@ class WindowSolver {
   /// pressure, as in free water, whose projection is the compact one.
   void stabilise_flow(const ScalarArray& pressure, ScalarArray& residual) const {
     if (flow_.empty()) return;
-    ScalarArray compact(n_);
-    plain_.apply(std::span<const double>(pressure), std::span<double>(compact));
-    const ScalarArray wide = divergence<D>(s_, plain_gradient(pressure, false));
-    for (std::size_t a = 0; a < n_; ++a)
-      residual[a] -= soil_.yielding[a] * stabilisation_[a] * (compact[a] - fixed_[a] + s_.volume[a] * wide[a]);
+    const ScalarArray whole = stabilised(pressure, plain_gradient(pressure, false));
+    for (std::size_t a = 0; a < n_; ++a) residual[a] -= soil_.yielding[a] * (whole[a] - stabilisation_[a] * fixed_[a]);
   }
 
   /// A velocity of the skeleton at all points: turned round behind walls that hold the soil.
