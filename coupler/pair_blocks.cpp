@@ -1,7 +1,6 @@
 #include "coupler/pair_blocks.hpp"
 
 #include "common/sph/kernel.hpp"
-#include "common/sph/neighbours.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -78,20 +77,22 @@ bool PairBlocks<D>::lists_hold(const PointSet& of, const PointSet& around) const
 
 template <int D>
 void PairBlocks<D>::search(const PointSet& of, const PointSet& around) {
+  const double longest = std::max(largest(of.smoothing_length), largest(around.smoothing_length));
+  const bool first = skin_ <= 0.0;
+  skin_ = relative_skin * sph::support_radius * longest;
+  // One cloud moves, the other often does not: of that, blocks and cells stay.
+  if (first || !around_then_.stands(around)) sort_cells(around);
+  if (first || n_active_ != of.n_active || !of_then_.stands(of)) {
+    n_of_ = of.size();
+    n_active_ = of.n_active;
+    blocks_.clear();
+    make_blocks(of, 0, of.n_active, sph::support_radius * longest);
+    n_active_blocks_ = blocks_.size();
+    make_blocks(of, of.n_active, of.size(), sph::support_radius * longest);
+  }
   of_then_ = {of.position, of.smoothing_length};
   around_then_ = {around.position, around.smoothing_length};
-  n_of_ = of.size();
-  n_active_ = of.n_active;
-  blocks_.clear();
-  candidate_.clear();
-  order_.resize(around.size());
-  skin_ = 0.0;
-  longest_ = 0;
-  const double reach = sph::support_radius * std::max(largest(of.smoothing_length), largest(around.smoothing_length));
-  make_blocks(of, 0, of.n_active, reach);
-  n_active_blocks_ = blocks_.size();
-  make_blocks(of, of.n_active, of.size(), reach);
-  if (around.size() > 0) find_candidates(of, around, relative_skin * reach);
+  find_candidates(of);
 }
 
 /// Points of one block lie close together: four of some neighbouring cells of two spacings, and never farther apart
@@ -127,44 +128,80 @@ void PairBlocks<D>::make_blocks(const PointSet& of, Size begin, Size end, double
 }
 
 template <int D>
-void PairBlocks<D>::find_candidates(const PointSet& of, const PointSet& around, double skin) {
-  skin_ = skin;
+void PairBlocks<D>::sort_cells(const PointSet& around) {
   const Size n = around.size();
-  const double own = largest(around.smoothing_length);
-  const auto points = all_points<D>(around, 0, n);
-  sph::CellGrid<D> order;
-  order.build(points, 0.5 * sph::support_radius * own);
-  order_.assign(order.order().begin(), order.order().end());
-  VecArray<D> sorted(n);
-  std::vector<double> length(n);
-  for (Size j = 0; j < n; ++j) {
-    sorted[j] = points[order_[j]];
-    length[j] = around.smoothing_length[order_[j]];
+  grid_ = {};
+  if (n > 0) grid_.build(all_points<D>(around, 0, n), 0.5 * sph::support_radius * largest(around.smoothing_length));
+  for (auto& x : x_) x.resize(n + n_lanes);  // four at a time are read
+  reach_.resize(n + n_lanes);
+  key_.resize(n + n_lanes);
+  for (Size m = 0; m < n; ++m) {
+    const Size j = grid_.order()[m];
+    for (Size d = 0; d < D; ++d) x_[d][m] = around.position[j * D + d];
+    reach_[m] = sph::support_radius * around.smoothing_length[j];
+    key_[m] = static_cast<std::uint64_t>(j) << 32 | m;
   }
-  sph::CellGrid<D> grid;
-  grid.build(sorted, 0.5 * sph::support_radius * own);
-  std::vector<std::uint64_t> found;  // the caller's index, then ours: sorted by the first
+}
+
+/// Keys of the points of pieces_ that are within reach of a box, to found_; how many.
+template <int D>
+std::size_t PairBlocks<D>::take_near(const Vec<D>& lower, const Vec<D>& upper, double own) {
+  Size room = n_lanes;
+  for (const auto& [begin, end] : pieces_) room += end - begin;
+  if (found_.size() < room) found_.resize(2 * room);
+  Size n = 0;
+  run_lanes([&]() __attribute__((always_inline)) {
+    constexpr LaneMask ahead{0, 1, 2, 3};
+    auto* const found = found_.data();
+    for (const auto& [begin, end] : pieces_)
+      for (Size m = begin; m < end; m += n_lanes) {
+        Lanes square{}, radius = *reinterpret_cast<const LooseLanes*>(reach_.data() + m);
+        for (Size d = 0; d < D; ++d) {
+          const Lanes x = *reinterpret_cast<const LooseLanes*>(x_[d].data() + m);
+          Lanes apart = lower[static_cast<Eigen::Index>(d)] - x;
+          raise_to(apart, x - upper[static_cast<Eigen::Index>(d)]);
+          raise_to(apart, Lanes{});
+          square += apart * apart;
+        }
+        raise_to(radius, Lanes{} + own);
+        radius += skin_;
+        const LaneMask near = (square < radius * radius) & (ahead < static_cast<long long>(end - m));
+        // All are written, those out of reach are written over: a branch would be guessed wrong too often.
+        for (Size l = 0; l < n_lanes; ++l) {
+          found[n] = key_[m + l];
+          n += static_cast<Size>(near[l] & 1);
+        }
+      }
+  });
+  return n;
+}
+
+template <int D>
+void PairBlocks<D>::find_candidates(const PointSet& of) {
+  const double longest = largest(reach_);
+  candidate_.clear();
+  longest_ = 0;
   for (auto& block : blocks_) {
     Vec<D> lower = point<D>(of, block.point[0]), upper = lower;
-    double h = 0.0;
+    double own = 0.0;
     for (Size l = 0; l < block.used; ++l) {
       const Vec<D> x = point<D>(of, block.point[l]);
       lower = lower.cwiseMin(x);
       upper = upper.cwiseMax(x);
-      h = std::max(h, of.smoothing_length[block.point[l]]);
+      own = std::max(own, sph::support_radius * of.smoothing_length[block.point[l]]);
     }
-    const double reach = sph::support_radius * std::max(h, own) + skin;
-    found.clear();
-    grid.for_each_near((lower.array() - reach).matrix(), (upper.array() + reach).matrix(), [&](Index j) {
-      const Vec<D> apart = (lower - sorted[j]).cwiseMax(sorted[j] - upper).cwiseMax(0.0);
-      const double radius = sph::support_radius * std::max(h, length[j]) + skin;
-      if (apart.squaredNorm() < radius * radius) found.push_back(static_cast<std::uint64_t>(order_[j]) << 32 | j);
-    });
-    std::sort(found.begin(), found.end());
+    const double reach = std::max(own, longest) + skin_;
+    pieces_.clear();
+    grid_.for_each_piece_near((lower.array() - reach).matrix(), (upper.array() + reach).matrix(),
+                              [&](Index begin, Index end) {
+                                pieces_.push_back({begin, end});
+                              });
+    const Size n = take_near(lower, upper, own);
+    std::sort(found_.begin(), found_.begin() + static_cast<std::ptrdiff_t>(n));
     block.first = candidate_.size();
-    for (const auto key : found) candidate_.push_back(static_cast<Index>(key & 0xffffffffu));
+    for (Size k = 0; k < n; ++k) candidate_.push_back(static_cast<Index>(found_[k] & 0xffffffffu));
     block.last = candidate_.size();
-    longest_ = std::max(longest_, found.size());
+    longest_ = std::max(longest_, n);
   }
 }
 
@@ -183,7 +220,7 @@ typename PairBlocks<D>::Node PairBlocks<D>::node_of(const PointSet& points, Size
 template <int D>
 void PairBlocks<D>::gather(const PointSet& of, const PointSet& around) {
   nodes_.resize(around.size());
-  for (Size j = 0; j < nodes_.size(); ++j) nodes_[j] = node_of(around, order_[j]);
+  for (Size j = 0; j < nodes_.size(); ++j) nodes_[j] = node_of(around, order()[j]);
   for (auto& block : blocks_)
     for (Size l = 0; l < n_lanes; ++l)
       for (Size d = 0; d < D; ++d) block.x[d].v[l] = of.position[block.point[l] * D + d];

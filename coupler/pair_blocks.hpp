@@ -6,6 +6,7 @@
 #include "common/core/lanes.hpp"
 #include "common/core/vector.hpp"
 #include "common/coupling/exchange.hpp"
+#include "common/sph/neighbours.hpp"
 
 #include <array>
 #include <cstdint>
@@ -51,7 +52,7 @@ class PairBlocks {
   /// In cell order: neighbours in space lie close in memory.
   [[nodiscard]] std::span<const Node> nodes() const { return nodes_; }
   /// Cell order -> the caller's, of `around`.
-  [[nodiscard]] std::span<const Index> order() const { return order_; }
+  [[nodiscard]] std::span<const Index> order() const { return grid_.order(); }
   /// Points of `of`.
   [[nodiscard]] std::size_t size() const { return n_of_; }
   [[nodiscard]] std::size_t n_active() const { return n_active_; }
@@ -66,20 +67,30 @@ class PairBlocks {
   [[nodiscard]] bool lists_hold(const PointSet& of, const PointSet& around) const;
   void search(const PointSet& of, const PointSet& around);
   void make_blocks(const PointSet& of, std::size_t begin, std::size_t end, double reach);
-  void find_candidates(const PointSet& of, const PointSet& around, double skin);
+  void sort_cells(const PointSet& around);
+  void find_candidates(const PointSet& of);
+  std::size_t take_near(const Vec<D>& lower, const Vec<D>& upper, double own);
   void gather(const PointSet& of, const PointSet& around);
 
   std::vector<Block> blocks_;
   std::size_t n_active_blocks_ = 0, n_of_ = 0, n_active_ = 0, longest_ = 0;
   std::vector<Index> candidate_;  ///< into nodes_
   std::vector<Node> nodes_;
-  std::vector<Index> order_;
   std::uint64_t rebuilds_ = 0, reuses_ = 0;
-  // As they were when the lists were made.
+  /// A cloud as it was when the lists were made.
   struct Then {
     std::vector<double> position, length;
+    [[nodiscard]] bool stands(const PointSet& now) const {
+      return now.position == position && now.smoothing_length == length;
+    }
   } of_then_, around_then_;
-  double skin_ = 0.0;  ///< m
+  double skin_ = 0.0;      ///< m
+  sph::CellGrid<D> grid_;  ///< of `around`, and in its order:
+  std::array<std::vector<double>, D> x_;
+  std::vector<double> reach_;       ///< m, radius of support
+  std::vector<std::uint64_t> key_;  ///< the caller's index, then ours
+  std::vector<std::uint64_t> found_;
+  std::vector<std::pair<Index, Index>> pieces_;
 };
 
 /// V W(|x_i - x_j|, h) of one candidate for a block's four points; h and V are the candidate's (numbers) or the block's

@@ -321,13 +321,15 @@ class Schedule::Implementation {
       (spec.mapping == Mapping::conservative && &amounts != &end ? shared : intensities).push_back(spec);
       if (start && spec.in_time && spec.mapping == Mapping::consistent) in_time.push_back(spec);
     }
+    // The start first: its points are those of the last window's end, whose lists stand.
+    std::vector<Field> at_start;
+    if (!in_time.empty()) at_start = mapping_->map(giver, *start->points, start->fields, in_time, receiver).fields;
     Inbox inbox = mapping_->map(giver, *end.points, end.fields, intensities, receiver);
+    inbox.at_start = std::move(at_start);
     if (!shared.empty()) {
       auto got = mapping_->map(giver, *amounts.points, amounts.fields, shared, receiver).fields;
       std::move(got.begin(), got.end(), std::back_inserter(inbox.fields));
     }
-    if (!in_time.empty())
-      inbox.at_start = mapping_->map(giver, *start->points, start->fields, in_time, receiver).fields;
     return inbox;
   }
 

@@ -78,12 +78,10 @@ class CellGrid {
     });
   }
 
-  /// Calls f(j) for all points in the box, and some around it.
+  /// Calls f(begin, end) for pieces of order() that hold all points in the box, and some around it.
   template <class F>
-  void for_each_near(const Vec<D>& lower, const Vec<D>& upper, F&& f) const {
-    for_each_row(lower, upper, [&](Index begin, Index end) {
-      for (Index m = begin; m < end; ++m) f(order_[m]);
-    });
+  void for_each_piece_near(const Vec<D>& lower, const Vec<D>& upper, F&& f) const {
+    for_each_row(lower, upper, f);
   }
 
   /// Appends every point j >= first with |x - x_j| < radius. Free of branches that depend on the distance: they would

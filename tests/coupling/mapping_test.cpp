@@ -316,6 +316,12 @@ TEST(Mapping, ReusedListsGiveWhatFreshOnesGive) {
   for (int k = 0; k < 40; ++k) {
     for (Size p = 0; p < source.position.size(); ++p) source.position[p] += 0.001 * step[p];
     for (auto& h : source.smoothing_length) h *= 1.0005;
+    if (k % 7 == 6) {  // the moving cloud loses a point, the other stands
+      source.position.resize(source.position.size() - 2);
+      for (auto* values : {&source.volume, &source.smoothing_length, &source.owner}) values->pop_back();
+    }
+    if (k == 20)
+      for (auto& x : target.position) x += 0.02;
     CloudPairs<2> fresh;
     kept.update(source, target);
     fresh.update(source, target);
