@@ -6,6 +6,8 @@
 #include "tests/coupling/coupled_run.hpp"
 
 #include <fmt/format.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -94,11 +96,33 @@ double median_wall(int repeat, Work&& work) {
   return taken[taken.size() / 2];
 }
 
+/// Two ends of one stream between two threads: a unix socket, or tcp over the loopback interface.
+void connect_pair(Line line, int ends[2]) {
+  if (line == Line::ipc) {
+    if (::socketpair(AF_UNIX, SOCK_STREAM, 0, ends) != 0) std::abort();
+    return;
+  }
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  auto* const where = reinterpret_cast<sockaddr*>(&address);
+  const int listener = ::socket(AF_INET, SOCK_STREAM, 0), one = 1;
+  if (::bind(listener, where, size) != 0 || ::listen(listener, 1) != 0 || ::getsockname(listener, where, &size) != 0)
+    std::abort();
+  ends[0] = ::socket(AF_INET, SOCK_STREAM, 0);
+  if (::connect(ends[0], where, size) != 0) std::abort();
+  ends[1] = ::accept(listener, nullptr, nullptr);
+  for (const int* end = ends; end != ends + 2; ++end) ::setsockopt(*end, IPPROTO_TCP, TCP_NODELAY, &one, sizeof one);
+  ::close(listener);
+}
+
 /// What the kernel alone takes for the way of time_pass_through over bare stream sockets: no message, no queue, one
-/// buffer on each side.
-double bare_sockets(std::size_t bytes, int steps) {
+/// buffer on each side. With a single byte: its four wake-ups.
+double bare_sockets(Line line, std::size_t bytes, int steps) {
   int left[2], right[2];
-  if (::socketpair(AF_UNIX, SOCK_STREAM, 0, left) != 0 || ::socketpair(AF_UNIX, SOCK_STREAM, 0, right) != 0) return 0.0;
+  connect_pair(line, left);
+  connect_pair(line, right);
   const auto pass = [bytes](auto transfer, int file, char* buffer) {
     for (std::size_t done = 0; done < bytes;) {
       const auto count = transfer(file, buffer + done, bytes - done);
@@ -198,9 +222,10 @@ void time_pass_through(Line line, std::size_t n) {
   fmt::print(
       "{:7} points a side, {:10}: {:8.3f} ms passing a step through, median; memcpy of the bytes {:.3f} ms: {:.1f} x\n",
       n, line_name(line), 1e3 * median, 1e3 * floor, median / floor);
-  if (line != Line::ipc) return;
-  const double bare = bare_sockets(24 * n, steps);
-  fmt::print("{:7} points a side, bare unix sockets: {:.3f} ms: {:.1f} x\n", n, 1e3 * bare, bare / floor);
+  if (line == Line::in_process) return;
+  const double bare = bare_sockets(line, 24 * n, steps), turns = bare_sockets(line, 1, steps);
+  fmt::print("{:7} points a side, bare {} sockets: {:.3f} ms: {:.1f} x; with one byte a message {:.3f} ms\n", n,
+             line_name(line), 1e3 * bare, bare / floor, 1e3 * turns);
 }
 
 void time_step(Line line, std::size_t n) {

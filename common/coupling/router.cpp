@@ -81,7 +81,8 @@ class Router final : public Hub {
 
   bool send(const std::string& line, Frames frames) override {
     try {
-      router_.send(zmq::buffer(line), zmq::send_flags::sndmore | zmq::send_flags::dontwait);
+      uninterrupted(
+          [&] { return router_.send(zmq::buffer(line), zmq::send_flags::sndmore | zmq::send_flags::dontwait); });
       const auto found = shared_.find(line);
       send_frames(router_, found != shared_.end() && found->second.may_lend ? found->second.lent.lend(std::move(frames))
                                                                             : std::move(frames));
@@ -157,12 +158,12 @@ class Router final : public Hub {
 
   std::optional<Event> receive_any() {
     zmq::message_t line;
-    if (!router_.recv(line, zmq::recv_flags::dontwait)) return std::nullopt;
+    if (!receive_part(router_, line)) return std::nullopt;
     Event event{line.to_string(), {}};
     bool more = line.more();
     while (more) {
       zmq::message_t part;
-      if (!router_.recv(part)) break;
+      if (!receive_part(router_, part, zmq::recv_flags::none)) break;
       more = part.more();
       if (!more)
         if (const char* descriptor = zmq_msg_gets(part.handle(), "__fd")) line_of_[std::atoi(descriptor)] = event.line;

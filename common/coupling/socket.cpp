@@ -1,16 +1,16 @@
-// A DEALER socket behind the Transport interface. One thread owns the socket; the others meet it at two queues.
+// A DEALER socket behind the Transport interface, without a thread of its own: a message that passes through one more
+// thread is later by one more wake-up. Whoever sends or receives holds the socket for as long as that takes.
 #include "common/coupling/shared_memory.hpp"
 #include "common/coupling/socket_options.hpp"
 #include "common/coupling/transport.hpp"
 
+#include <poll.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
-#include <condition_variable>
-#include <deque>
 #include <mutex>
-#include <thread>
 
 namespace poretwin::coupling {
 namespace {
@@ -36,43 +36,44 @@ class Socket final : public Transport {
             ZMQ_EVENT_CONNECTED | ZMQ_EVENT_HANDSHAKE_SUCCEEDED | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL |
                 ZMQ_EVENT_HANDSHAKE_FAILED_AUTH | ZMQ_EVENT_DISCONNECTED);
       dealer_.connect(address_);
+      signals_ = {{{dealer_.get(zmq::sockopt::fd), POLLIN, 0},
+                   {monitor_.get(zmq::sockopt::fd), POLLIN, 0},
+                   {wake_, POLLIN, 0}}};
     } catch (const zmq::error_t& error) {
       ::close(wake_);
       throw Error(ExitCode::bad_case,
                   "cannot connect to '" + address_ + "': " + error.what() +
                       "; expected an address such as ipc:///tmp/run/socket or tcp://127.0.0.1:5555");
     }
-    thread_ = std::thread([this] { run(); });
   }
 
   ~Socket() override {
-    {
-      const std::lock_guard lock(mutex_);
-      stopping_ = true;
+    while (look()) {
     }
-    wake();
-    thread_.join();
+    if (!open_ || lost_) dealer_.set(zmq::sockopt::linger, 0);  // there is nobody to hear the rest
+    dealer_.close();
+    monitor_.close();
     ::close(wake_);
   }
 
   void send(Frames frames) override {
-    {
-      // Held until it is in the queue: what is sent in one order arrives in it.
-      const std::lock_guard sending(sending_);
-      if (may_lend_) frames = lent_.lend(std::move(frames));
-      const std::lock_guard lock(mutex_);
-      out_.push_back(std::move(frames));
-    }
-    wake();
+    const std::lock_guard lock(mutex_);
+    send_frames(dealer_, may_lend_ ? lent_.lend(std::move(frames)) : std::move(frames));
+    // Sending takes note of what has come in, and with it the signal that receive() may be waiting for.
+    if ((uninterrupted([&] { return dealer_.get(zmq::sockopt::events); }) & ZMQ_POLLIN) != 0) wake();
   }
 
   std::optional<Frames> receive(Milliseconds timeout) override {
-    std::unique_lock lock(mutex_);
-    arrived_.wait_for(lock, timeout, [&] { return !in_.empty() || lost_; });
-    if (in_.empty()) return std::nullopt;
-    Frames frames = std::move(in_.front());
-    in_.pop_front();
-    return frames;
+    const auto end = std::chrono::steady_clock::now() + timeout;
+    for (;;) {
+      if (auto frames = look()) return frames;
+      const auto left = std::chrono::ceil<Milliseconds>(end - std::chrono::steady_clock::now()).count();
+      if (lost_ || left <= 0) return std::nullopt;
+      auto items = signals_;
+      if (::poll(items.data(), items.size(), static_cast<int>(left)) < 0) return std::nullopt;  // a person's
+      std::uint64_t count = 0;
+      [[maybe_unused]] const auto got = ::read(wake_, &count, sizeof count);
+    }
   }
 
   bool lost() const override { return lost_; }
@@ -92,80 +93,50 @@ class Socket final : public Transport {
     [[maybe_unused]] const auto written = ::write(wake_, &one, sizeof one);
   }
 
-  void run() {
-    bool open = false;
-    for (;;) {
-      std::array<zmq::pollitem_t, 3> items{{{dealer_.handle(), 0, ZMQ_POLLIN, 0},
-                                            {monitor_.handle(), 0, ZMQ_POLLIN, 0},
-                                            {nullptr, wake_, ZMQ_POLLIN, 0}}};
-      if (!poll_all(items, Milliseconds(1000))) break;
-      std::uint64_t count = 0;
-      [[maybe_unused]] const auto got = ::read(wake_, &count, sizeof count);
-      const bool stop = send_queued();
-      receive_ready();
-      while (const auto event = next_event(monitor_)) {
-        if (event->kind == ZMQ_EVENT_CONNECTED) descriptor_ = event->value;
-        if (event->kind == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) {
-          open = true;
-          rejected_ = false;
-        } else if (event->kind != ZMQ_EVENT_CONNECTED && !open) {
-          rejected_ = true;
-        }
-        if (event->kind == ZMQ_EVENT_DISCONNECTED && open) {
-          receive_ready();
-          const std::lock_guard lock(mutex_);
-          lost_ = true;
-          arrived_.notify_all();
-        }
+  /// The next message if one is there; takes note of what has happened to the connection.
+  std::optional<Frames> look() {
+    const std::lock_guard lock(mutex_);
+    if (auto frames = next_message()) return frames;
+    bool something = false;
+    while (const auto event = next_event(monitor_)) {
+      something = true;
+      if (event->kind == ZMQ_EVENT_CONNECTED) {
+        descriptor_ = event->value;
+      } else if (event->kind == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) {
+        open_ = true;
+        rejected_ = false;
+      } else if (!open_) {
+        rejected_ = true;
+      } else if (event->kind == ZMQ_EVENT_DISCONNECTED) {
+        lost_ = true;
       }
-      if (stop) break;
     }
-    if (!open || lost_) dealer_.set(zmq::sockopt::linger, 0);  // there is nobody to hear the rest
-    dealer_.close();
-    monitor_.close();
+    // What the other end said last came in before its closing did.
+    return something ? next_message() : std::nullopt;
   }
 
-  bool send_queued() {
-    std::deque<Frames> batch;
-    bool stop = false;
-    {
-      const std::lock_guard lock(mutex_);
-      batch.swap(out_);
-      stop = stopping_;
-    }
-    for (auto& frames : batch) send_frames(dealer_, std::move(frames));
-    return stop;
-  }
-
-  void receive_ready() {
+  std::optional<Frames> next_message() {
     while (auto frames = receive_frames(dealer_)) {
-      if (const auto name = sharing::read_offer(*frames)) {
-        may_lend_ = true;
-        if (borrowed_.reaches(*name)) send_frames(dealer_, sharing::accept());
-        continue;
-      }
-      auto message = borrowed_.borrow(std::move(*frames));
-      const std::lock_guard lock(mutex_);
-      in_.push_back(std::move(message));
-      arrived_.notify_all();
+      const auto name = sharing::read_offer(*frames);
+      if (!name) return borrowed_.borrow(std::move(*frames));
+      may_lend_ = true;
+      if (borrowed_.reaches(*name)) send_frames(dealer_, sharing::accept());
     }
+    return std::nullopt;
   }
 
   std::string address_;
   int wake_;
   zmq::context_t context_{1};
   zmq::socket_t dealer_, monitor_;
-  mutable std::mutex mutex_;
-  std::condition_variable arrived_;
-  std::deque<Frames> in_, out_;
-  bool stopping_ = false;
+  std::array<pollfd, 3> signals_{};  ///< that there may be something to look at
+  std::mutex mutex_;                 ///< of the two sockets and of the memory
+  bool open_ = false;
   std::atomic<bool> lost_ = false, rejected_ = false;
   std::atomic<int> descriptor_ = -1;
-  std::mutex sending_;
   LentMemory lent_;
-  std::atomic<bool> may_lend_ = false;  ///< the other end has said that it reaches it
-  BorrowedMemory borrowed_;             ///< the thread's
-  std::thread thread_;
+  BorrowedMemory borrowed_;
+  bool may_lend_ = false;  ///< the other end has said that it reaches it
 };
 
 }  // namespace

@@ -63,11 +63,27 @@ inline zmq::message_t lend(Frame frame) {
       const_cast<char*>(kept->data), kept->size, [](void*, void* hint) { delete static_cast<Frame*>(hint); }, kept);
 }
 
+/// Signals that a process handles, such as a person's Ctrl-C, end calls of ZeroMQ that do not even wait.
+template <class Call>
+auto uninterrupted(Call&& call) {
+  for (;;) try {
+      return call();
+    } catch (const zmq::error_t& error) {
+      if (error.num() != EINTR) throw;
+    }
+}
+
+inline bool receive_part(zmq::socket_t& socket, zmq::message_t& part,
+                         zmq::recv_flags flags = zmq::recv_flags::dontwait) {
+  return uninterrupted([&] { return socket.recv(part, flags); }).has_value();
+}
+
 /// Sends all frames as one multipart message, without blocking (there is no high-water mark).
 inline void send_frames(zmq::socket_t& socket, Frames frames) {
   for (std::size_t k = 0; k < frames.size(); ++k) {
     const auto flags = k + 1 < frames.size() ? zmq::send_flags::sndmore : zmq::send_flags::none;
-    socket.send(lend(std::move(frames[k])), flags | zmq::send_flags::dontwait);
+    auto part = lend(std::move(frames[k]));
+    uninterrupted([&] { return socket.send(part, flags | zmq::send_flags::dontwait); });
   }
 }
 
@@ -85,7 +101,8 @@ inline std::optional<Frames> receive_frames(zmq::socket_t& socket) {
   bool more = true;
   while (more) {
     zmq::message_t part;
-    if (!socket.recv(part, frames.empty() ? zmq::recv_flags::dontwait : zmq::recv_flags::none)) return std::nullopt;
+    if (!receive_part(socket, part, frames.empty() ? zmq::recv_flags::dontwait : zmq::recv_flags::none))
+      return std::nullopt;
     more = part.more();
     frames.push_back(keep(std::move(part)));
   }
@@ -107,8 +124,8 @@ inline void watch(zmq::socket_t& socket, zmq::socket_t& monitor, int events) {
 
 inline std::optional<MonitorEvent> next_event(zmq::socket_t& monitor) {
   zmq::message_t head, endpoint;
-  if (!monitor.recv(head, zmq::recv_flags::dontwait)) return std::nullopt;
-  if (head.more() && !monitor.recv(endpoint)) return std::nullopt;
+  if (!receive_part(monitor, head)) return std::nullopt;
+  if (head.more() && !receive_part(monitor, endpoint, zmq::recv_flags::none)) return std::nullopt;
   if (head.size() < 6) return std::nullopt;
   std::uint16_t kind = 0;
   std::int32_t value = 0;
