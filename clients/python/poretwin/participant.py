@@ -1,11 +1,13 @@
 """The client by which a phase takes part in a coupled run: handshake, commands with deadlines, heartbeats."""
 
 import argparse
+import contextlib
 import hashlib
 import json
 import os
 import pickle
 import re
+import select
 import signal
 import socket
 import sys
@@ -48,24 +50,53 @@ class Line:
         self.socket.set(zmq.RECONNECT_IVL, 50)
         self.monitor = self.socket.get_monitor_socket(zmq.EVENT_HANDSHAKE_SUCCEEDED | zmq.EVENT_DISCONNECTED)
         self.lock = threading.Lock()
+        self.woken, self.waker = os.pipe()
+        os.set_blocking(self.woken, False)
+        os.set_blocking(self.waker, False)
+        self.signals = select.poll()
+        for file in (self.socket.fd, self.monitor.fd, self.woken):
+            self.signals.register(file, select.POLLIN)
         self.address = address
         self.open = False
         self.lost = False
         self.socket.connect(address)
 
     def send(self, frames):
+        """With the lock held."""
         self.socket.send_multipart(frames, copy=True)
+        # Sending takes note of what has come in, and with it the signal that receive() may be waiting for.
+        if self.socket.get(zmq.EVENTS) & zmq.POLLIN:
+            self.wake()
+
+    def wake(self):
+        with contextlib.suppress(BlockingIOError):
+            os.write(self.waker, b"!")
 
     def receive(self, milliseconds):
+        """The next message, or nothing; does not hold the lock while it waits: heartbeats go out meanwhile."""
+        frames = self.look()
+        if frames is None and not self.lost:
+            self.signals.poll(milliseconds)
+            with contextlib.suppress(BlockingIOError):
+                os.read(self.woken, 4096)
+            frames = self.look()
+        return frames
+
+    def look(self):
         with self.lock:
-            if self.socket.poll(milliseconds):
-                return self.socket.recv_multipart()
+            if (frames := self.take()) is not None:
+                return frames
             while self.monitor.poll(0):
                 event = recv_monitor_message(self.monitor)["event"]
                 if event == zmq.EVENT_HANDSHAKE_SUCCEEDED:
                     self.open = True
                 elif self.open:
                     self.lost = True
+            return self.take()  # what the other end said last came in before its closing did
+
+    def take(self):
+        with contextlib.suppress(zmq.Again):
+            return self.socket.recv_multipart(zmq.NOBLOCK)
         return None
 
     def close(self):
@@ -74,6 +105,8 @@ class Line:
             self.monitor.close(linger=0)
             self.socket.close(linger=0 if self.lost or not self.open else 2000)
         self.context.term()
+        os.close(self.woken)
+        os.close(self.waker)
 
 
 class Participant:
