@@ -26,8 +26,9 @@ struct alignas(Lanes) Quad {
 [[gnu::always_inline]] inline void lower_to(Lanes& a, const Lanes& most) { a = a < most ? a : most; }
 [[gnu::always_inline]] inline bool any(const LaneMask& mask) { return (mask[0] | mask[1] | mask[2] | mask[3]) != 0; }
 
-/// Four doubles anywhere in memory.
-using LooseLanes = double __attribute__((vector_size(n_lanes * sizeof(double)), aligned(sizeof(double)), may_alias));
+/// Four doubles anywhere in memory. The alignment belongs to the name: clang forgets one that is said with the size.
+using LooseLanes __attribute__((aligned(sizeof(double)), may_alias)) =
+    double __attribute__((vector_size(n_lanes * sizeof(double))));
 
 [[gnu::always_inline]] inline void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& d) {
   const Lanes low_ab = __builtin_shufflevector(a, b, 0, 4, 2, 6), high_ab = __builtin_shufflevector(a, b, 1, 5, 3, 7);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <bit>
+#include <cstdint>
 #include <cstring>
 
 #include <google/protobuf/stubs/logging.h>
@@ -239,9 +240,15 @@ const Frame& checked(const wire::Array& in, const Frame& frame, const wire::Head
 
 std::vector<double> Array::take() {
   if (received.size == 0) return std::move(values);
-  using Loose [[gnu::aligned(1), gnu::may_alias]] = double;  // a frame begins at any byte
-  const auto* const first = reinterpret_cast<const Loose*>(received.data);
-  std::vector<double> copy(first, first + received.size / sizeof(double));  // not cleared before it is filled
+  const std::size_t n = received.size / sizeof(double);
+  std::vector<double> copy;
+  if (reinterpret_cast<std::uintptr_t>(received.data) % alignof(double) == 0) {
+    const auto* const first = reinterpret_cast<const double*>(received.data);
+    copy.assign(first, first + n);  // what is resized is cleared first, a pass over the memory more
+  } else {
+    copy.resize(n);
+    std::memcpy(copy.data(), received.data, n * sizeof(double));
+  }
   received = {};
   return copy;
 }

@@ -53,9 +53,9 @@ TEST_P(FailureOnEveryLine, AFrozenPeerIsNamedAtOnceAndMayComeBack) {
   CoupledRun run;
   run.line = GetParam();
   run.settings.end = 0.3;
-  run.broker.frozen_notice = Milliseconds(300);
+  run.broker.frozen_notice = Milliseconds(700);  // a busy machine may hold the coupler up for a third of it
   knobs.freeze_at = 2;
-  knobs.freeze_for = Milliseconds(1000);
+  knobs.freeze_for = Milliseconds(1500);
   knobs.on_freeze = [&] { run.silence(Role::solid); };
   MockPhase fluid(Role::fluid, 2, still_square(Role::fluid)), solid(Role::solid, 2, still_square(Role::solid), knobs);
   run.run(&fluid, &solid);
