@@ -1,7 +1,9 @@
 // Any bytes as a message: either a PeerError or a message whose wire form reads back the same; then any publication at
-// the border. Input: frames, each as two bytes of length (little-endian) and its bytes.
+// the border; and any table of shared memory (docs/decisions/0008): no byte behind its end is read. Input: frames, each
+// as two bytes of length (little-endian) and its bytes.
 #include "common/core/error.hpp"
 #include "common/coupling/border.hpp"
+#include "common/coupling/shared_memory.hpp"
 
 #include <cstdint>
 #include <cstdlib>
@@ -30,11 +32,33 @@ bool same(const Frames& a, const Frames& b) {
   return true;
 }
 
+/// A table that names true memory, and whose sizes are the first frame's bytes.
+void borrow(const Frames& frames) {
+  static LentMemory lent;
+  static BorrowedMemory borrowed;
+  static const std::string name = [] {
+    std::vector<double> large(LentMemory::worthwhile / sizeof(double));
+    const Frames honest = lent.lend({Frame::of(std::string()), Frame::of(std::move(large))});
+    if (!sharing::is_table(honest)) std::abort();
+    return std::string(honest.front().data, honest.front().size - sizeof(std::uint64_t));
+  }();
+  if (frames.empty()) return;
+  Frames told{Frame::of(name + std::string(frames.front().data, frames.front().size))};
+  told.insert(told.end(), frames.begin(), frames.end());
+  unsigned sum = 0;
+  for (const Frame& frame : borrowed.borrow(std::move(told)))
+    for (std::size_t k = 0; k < frame.size; ++k) sum += static_cast<unsigned char>(frame.data[k]);
+  [[maybe_unused]] static volatile unsigned looked_at = 0;
+  looked_at = sum;
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const Frames frames = frames_of(data, size);
+  borrow(frames);
   try {
-    const Message message = decode(frames_of(data, size));
+    const Message message = decode(frames);
     if (message.major != protocol_major) return 0;
     const Frames once = encode(message);
     if (!same(once, encode(decode(once)))) std::abort();
