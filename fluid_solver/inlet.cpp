@@ -82,6 +82,20 @@ SillFlow flow_over(double head, const SillFlow& before, double gravity) {
 template <int D>
 std::vector<sph::ImagePlane<D>> water_planes(const Case& scene, const std::vector<Inlet<D>>& inlets, double margin) {
   std::vector<sph::ImagePlane<D>> planes;
+  // Sills' pistons, from the crest up, before the walls: a floor on the crest mirrors what they mirror.
+  for (const auto& inlet : inlets) {
+    if (!inlet.sill || !inlet.flows) continue;
+    sph::ImagePlane<D> plane;
+    plane.normal = inlet.normal;
+    plane.tangent = inlet.tangent;
+    plane.to = inlet.tangent.dot(inlet.foot) + 0.5 * inlet.width;
+    plane.from = plane.to - 1e6 * margin;
+    plane.boundary = sill_boundary;
+    plane.point = inlet.foot + inlet.piston * inlet.normal;
+    plane.speed = inlet.speed;
+    planes.push_back(plane);
+  }
+  const std::size_t sills = planes.size();
   for (std::size_t w = 0; w < scene.walls.size(); ++w)
     if (scene.walls[w].water != Wall::ForWater::none)
       for (const auto& plane : planes_of<D>(scene.walls[w].face, static_cast<int>(w), 0.0)) planes.push_back(plane);
@@ -95,11 +109,11 @@ std::vector<sph::ImagePlane<D>> water_planes(const Case& scene, const std::vecto
   for (const auto& plane : planes)
     corners.push_back({plane.point + (plane.from - plane.tangent.dot(plane.point)) * plane.tangent,
                        plane.point + (plane.to - plane.tangent.dot(plane.point)) * plane.tangent});
-  for (std::size_t i = 0; i < planes.size(); ++i) {
+  for (std::size_t i = sills; i < planes.size(); ++i) {
     auto& plane = planes[i];
     if (plane.tangent.isZero()) continue;
     std::array<double, 2> longer{margin, margin};
-    for (std::size_t j = 0; j < planes.size(); ++j) {
+    for (std::size_t j = sills; j < planes.size(); ++j) {
       if (i == j || planes[j].tangent.isZero()) continue;
       for (const std::size_t e : {0, 1}) {
         const std::size_t across = 1 - e;
@@ -119,20 +133,7 @@ std::vector<sph::ImagePlane<D>> water_planes(const Case& scene, const std::vecto
   }
   std::size_t next = walls;
   for (const auto& inlet : inlets) {
-    if (inlet.sill) {
-      if (!inlet.flows) continue;
-      // From the crest up.
-      sph::ImagePlane<D> plane;
-      plane.normal = inlet.normal;
-      plane.tangent = inlet.tangent;
-      plane.to = inlet.tangent.dot(inlet.foot) + 0.5 * inlet.width;
-      plane.from = plane.to - 1e6 * margin;
-      plane.boundary = sill_boundary;
-      plane.point = inlet.foot + inlet.piston * inlet.normal;
-      plane.speed = inlet.speed;
-      planes.push_back(plane);
-      continue;
-    }
+    if (inlet.sill) continue;
     planes[next].point += inlet.piston * inlet.normal;
     planes[next++].speed = inlet.speed;
   }

@@ -101,7 +101,11 @@ std::optional<Crest> crest_of(const Case& scene, const WaterFace& face) {
     for (std::size_t i = 0; i + 1 < other.points.size(); ++i) {
       const Point3 s = other.points[i + 1] - other.points[i];
       const double along = std::clamp(s.dot(end - other.points[i]) / s.squaredNorm(), 0.0, 1.0);
-      if ((other.points[i] + along * s - end).norm() < slack) return true;
+      if ((other.points[i] + along * s - end).norm() >= slack) continue;
+      // A floor that goes on from there, no higher, holds nothing.
+      const bool floor = up.dot(Point3(-s.y(), s.x(), 0.0)) > slack &&
+                         std::max(up.dot(other.points[i]), up.dot(other.points[i + 1])) < up.dot(end) + slack;
+      if (!floor) return true;
     }
     return false;
   };

@@ -21,16 +21,19 @@ Gauge gauge(const std::string& name, const std::string& kind, const std::string&
   return result;
 }
 
-/// A sill of nearly tight soil, 0.1 m high, between a basin on its left and tailwater at 0.02 m on its right.
+/// A rigid sill, its crest at 0.1 m, on 0.05 m of nearly tight wet soil, between a basin on its left and tailwater at
+/// 0.02 m on its right.
 Case sill(double length, double area, double level, double inflow) {
   Case scene;
   scene.solid.model = SolidCase::Model::rigid;
   scene.fluid.particle_spacing = dx;
   scene.soils = {sand()};
   scene.soils[0].hydraulic_conductivity = 1e-9;
-  scene.soils[0].shape = box(0.0, 0.0, length, 0.1);
-  scene.walls = {wall(line(0.0, 0.0, length, 0.0))};
-  scene.water_faces = {head_face(line(0.0, 0.1, 0.0, 0.0), level), head_face(line(length, 0.0, length, 0.1), 0.02)};
+  scene.soils[0].shape = box(0.0, 0.0, length, 0.05);
+  scene.fluid.regions = {scene.soils[0].shape};
+  scene.walls = {wall(line(0.0, 0.0, length, 0.0)), wall(line(length, 0.05, 0.0, 0.05)),
+                 wall(line(0.0, 0.1, length, 0.1)), wall(line(length, 0.1, length, 0.05))};
+  scene.water_faces = {head_face(line(0.0, 0.1, 0.0, 0.0), level), head_face(line(length, 0.0, length, 0.05), 0.02)};
   scene.water_faces[0].name = "basin";
   scene.water_faces[0].discharge = constant(inflow);
   scene.water_faces[0].basin_area = Series{{{0.0, area}, {1.0, area}}};
@@ -61,7 +64,7 @@ TEST(Passage, OverASillTheDischargeIsCritical) {
 
 TEST(Passage, WaterThatFallsIntoABasinRaisesItByItsVolume) {
   auto scene = sill(0.2, 0.5, 0.05, 0.0);
-  scene.fluid.regions = {box(-0.2, 0.15, -0.1, 0.25)};
+  scene.fluid.regions.push_back(box(-0.2, 0.15, -0.1, 0.25));
   Fluid<2> fluid(scene);
   fluid.initialise({});
   double time = 0.0;
