@@ -8,6 +8,13 @@
 
 namespace poretwin::fluid {
 
+namespace {
+
+/// Time in which the current before a sill is told, in those that a wave takes past the water that is asked.
+constexpr double current_waves = 10.0;
+
+}  // namespace
+
 template <int D>
 std::vector<Inlet<D>> make_inlets(const Case& scene) {
   std::vector<Inlet<D>> inlets;
@@ -53,7 +60,6 @@ std::vector<Inlet<D>> make_inlets(const Case& scene) {
 
 template <int D>
 double inlet_speed(const Case& scene, const Inlet<D>& inlet, double time, double interval) {
-  if (inlet.sill) return inlet.speed;
   const auto& face = scene.water_faces[static_cast<std::size_t>(inlet.face)];
   double discharge = 0.0;
   if (face.discharge) {
@@ -190,13 +196,17 @@ void Fluid<D>::set_inlets(double time, double interval) {
       inlet.level = water > 0.0 ? head / (water * weight_.norm()) + up.dot(origin_) : inlet.lowest;
     if (inlet.sill) {
       const double over = level_behind(inlet.face, time) - inlet.lowest;
-      const auto flow = flow_over(over, {std::max(0.0, inlet.level - inlet.lowest), moving > 0.0 ? speed / moving : 0.0},
+      // The water before a piston moves as it does: the present speed would only say what the piston did.
+      const double told = current_waves * near / std::sqrt(gravity_or_standard() * std::max(dx_, over));
+      inlet.current += std::min(1.0, interval / told) * ((moving > 0.0 ? speed / moving : 0.0) - inlet.current);
+      const auto flow = flow_over(over, {std::max(0.0, inlet.level - inlet.lowest), inlet.current},
                                   gravity_or_standard());
       inlet.flows = over > 0.0;
       inlet.speed = flow.speed;
       inlet.open(flow.depth, dx_);
+    } else {
+      inlet.speed = inlet_speed(scene_, inlet, time, interval);
     }
-    inlet.speed = inlet_speed(scene_, inlet, time, interval);
     const double volume = inlet.speed * inlet.width * interval;
     (volume > 0.0 ? state_.balance.in : state_.balance.out) += std::abs(volume);
   }

@@ -26,7 +26,8 @@ struct Inlet {
   double speed = 0.0;                                        ///< inwards [m/s]
   double level = 0.0;                                        ///< of the water before it [m]
   double net = 0.0;                                          ///< volume of particles born less taken away [m^D]
-  bool flows = true;                                         ///< a sill: water stands above it
+  bool flows = false;                                        ///< a sill: its reservoir stands above it
+  double current = 0.0;                                      ///< a sill: mean speed before it, slowly told [m/s]
   [[nodiscard]] double depth(const Vec<D>& x) const { return normal.dot(x - foot) - piston; }
   [[nodiscard]] bool before(const Vec<D>& x) const { return 2.0 * std::abs(tangent.dot(x - foot)) <= width; }
   /// Volume of water that has come in, less what has gone out [m^D].
