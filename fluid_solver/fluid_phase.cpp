@@ -101,6 +101,13 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
   state_.wave_speed = std::sqrt(scene.general.gravity.norm() * depth);
   state_.columns = make_columns<D>(scene);
   for (const auto& c : state_.columns) feet_.push_back(c.foot);
+  // What lies on a face of soil to rounding is the soil's.
+  const ColumnFinder<D> finder(state_.columns);
+  for (std::size_t a = 0; a < p.size(); ++a)
+    if (const int i = finder.nearest(p.position[a]); i >= 0) {
+      const auto& c = state_.columns[static_cast<std::size_t>(i)];
+      if (c.in_soil && std::abs(c.inside(p.position[a])) < 1e-6 * c.spacing) p.mask[a] = 1.0;
+    }
   for (const auto& face : scene.water_faces) {
     const bool basin = face.basin_area.has_value();
     const double lowest = basin ? face.basin_area->knots.front().first : 0.0;

@@ -94,8 +94,8 @@ class Fluid final : public Phase {
   std::vector<sph::ImagePlane<D>> planes_;
   Vec<D> lower_, upper_;                        ///< beyond, water is lost [m]
   std::uint32_t no_slip_ = 0, fixed_soil_ = 0;  ///< boundary bits
-  bool faces_follow_ = false;  ///< all water is in soil that can leave its place: faces stay on its surface
-  VecArray<D> feet_;           ///< of the columns, where the case has them
+  bool faces_follow_ = false;    ///< all water is in soil that can leave its place: faces stay on its surface
+  VecArray<D> feet_;             ///< of the columns, where the case has them
   std::vector<int> reservoirs_;  ///< faces of soil behind which still water stands, in no particles
   State<D> state_, saved_;
 };

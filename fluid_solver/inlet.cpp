@@ -199,8 +199,8 @@ void Fluid<D>::set_inlets(double time, double interval) {
       // The water before a piston moves as it does: the present speed would only say what the piston did.
       const double told = current_waves * near / std::sqrt(gravity_or_standard() * std::max(dx_, over));
       inlet.current += std::min(1.0, interval / told) * ((moving > 0.0 ? speed / moving : 0.0) - inlet.current);
-      const auto flow = flow_over(over, {std::max(0.0, inlet.level - inlet.lowest), inlet.current},
-                                  gravity_or_standard());
+      const auto flow =
+          flow_over(over, {std::max(0.0, inlet.level - inlet.lowest), inlet.current}, gravity_or_standard());
       inlet.flows = over > 0.0;
       inlet.speed = flow.speed;
       inlet.open(flow.depth, dx_);

@@ -348,8 +348,9 @@ head = 0
   EXPECT_THAT(complaint(changed(over, "head = 0\n", "pressure = 0\n")), HasSubstr("water can run out at"));
   EXPECT_THAT(
       complaint(changed(over, "model = \"rigid\"", "model = \"elastic\"")),
-      HasSubstr("key 'water_face[0].head': the water behind the face rises to 0.45 m, above the face's upper end "
-                "at 0.4 m, where no wall touches it, and cannot run over there: the soil moves, and its crest with it"));
+      HasSubstr(
+          "key 'water_face[0].head': the water behind the face rises to 0.45 m, above the face's upper end "
+          "at 0.4 m, where no wall touches it, and cannot run over there: the soil moves, and its crest with it"));
   // A wall that goes up from the crest holds the water, a floor along it does not.
   const auto with_wall = [&](const std::string& points) {
     return complaint(changed(over, "model = \"rigid\"", "model = \"elastic\"") + "[[wall]]\npoints = " + points);

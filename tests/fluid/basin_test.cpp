@@ -78,8 +78,7 @@ TEST(Basin, StopsWhereItCannotRunOver) {
   } catch (const DivergedError& error) {
     const std::string text = error.what();
     EXPECT_NE(text.find("water_face[0] \"pond\" has risen to 0.1"), std::string::npos) << text;
-    EXPECT_NE(text.find("at 0.1 m, and cannot run over there: the face is level and open at an end"),
-              std::string::npos)
+    EXPECT_NE(text.find("at 0.1 m, and cannot run over there: the face is level and open at an end"), std::string::npos)
         << text;
   }
 }

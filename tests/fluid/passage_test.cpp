@@ -86,6 +86,26 @@ TEST(Passage, FlowOverACrestKeepsEnergyOrIsCritical) {
   EXPECT_EQ(flow_over(-0.01, {0.05, -0.3}, g).speed, 0.0);  // no still water to meet: it falls
 }
 
+TEST(Passage, ResumesOverACrestToTheBit) {
+  Fluid<2> fluid(sill(0.3, 0.1, 0.1, 0.025));
+  fluid.initialise({});
+  double time = 0.0;
+  run_to(fluid, time, 1.5);
+  ASSERT_GT(fluid.counters().at("born"), 50.0);
+  Archive saved;
+  fluid.archive(saved);
+  Fluid<2> other(sill(0.3, 0.1, 0.1, 0.025));
+  Archive bytes(saved.bytes());
+  other.archive(bytes);
+  double again = time;
+  run_to(fluid, time, 2.0);
+  run_to(other, again, 2.0);
+  EXPECT_EQ(reading(fluid, "level"), reading(other, "level"));
+  ASSERT_EQ(fluid.state().particles.size(), other.state().particles.size());
+  for (std::size_t a = 0; a < fluid.state().particles.size(); ++a)
+    EXPECT_EQ(fluid.state().particles.position[a], other.state().particles.position[a]);
+}
+
 // The water on the crest ends at a wall: it comes to rest at the reservoir's level, follows it down, and runs off into
 // a reservoir below the crest.
 TEST(Passage, ATankBehindASillFollowsItsReservoirAndRunsBackIntoIt) {
