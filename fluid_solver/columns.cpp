@@ -75,7 +75,7 @@ void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, dou
     const double h = smoothing_ratio * spacing_of<D>(c.volume);
     double sum = 0.0, speed = 0.0;
     grid.for_each_within(probe, sph::support_radius * h, [&](Index a, double r2) {
-      if (c.in_soil && p.mask[a] <= 0.5) return;
+      if (c.in_soil && is_free(a)) return;
       const double w = p.volume[a] * Kernel<D>::value(std::sqrt(r2), h);
       sum += w;
       const double spacing = spacing_of<D>(p.volume[a]);
@@ -138,7 +138,7 @@ void Fluid<D>::limit_surface(Stencil<D>& s) const {
   const double gamma = porous::specific_weight(scene_);
   const ColumnFinder<D> finder(state_.columns);
   for (std::size_t a = 0; a < s.n_real; ++a) {
-    if (s.divergence[a] > D || state_.particles.mask[a] <= 0.5) continue;
+    if (s.divergence[a] > D || is_free(a)) continue;
     const double spacing = 2.0 * s.surface_distance[a];
     const int i = finder.nearest(s.position[a]);
     const auto* c = i < 0 ? nullptr : &state_.columns[static_cast<std::size_t>(i)];
@@ -208,6 +208,12 @@ std::vector<StillWater<D>> Fluid<D>::reservoir() const {
   return still;
 }
 
+/// Does particle a belong to no soil? Where faces follow the soil all water is the soil's or the reservoirs'.
+template <int D>
+bool Fluid<D>::is_free(std::size_t a) const {
+  return !faces_follow_ && state_.particles.mask[a] <= 0.5;
+}
+
 /// The face behind which still water takes in what is at x, below its level; -1: none. Above a crest the sill's piston
 /// does that.
 template <int D>
@@ -237,7 +243,7 @@ void Fluid<D>::give_birth_and_delete(const SoilView<D>& view) {
       continue;
     }
     const bool left = faces_follow_ && view.coverage[a] < left_by_soil;
-    const bool free = p.mask[a] <= 0.5;
+    const bool free = is_free(a);
     if (const int f = free ? taker(p.position[a]) : -1; f >= 0) {
       keep[a] = false;
       any = true;
@@ -256,8 +262,7 @@ void Fluid<D>::give_birth_and_delete(const SoilView<D>& view) {
     if (i < 0) continue;
     auto& c = state_.columns[static_cast<std::size_t>(i)];
     // Water that runs down the soil's face passes it by, to the still water behind it.
-    if (free && !left && c.in_soil && std::find(reservoirs_.begin(), reservoirs_.end(), c.face) != reservoirs_.end())
-      continue;
+    if (free && c.in_soil && std::find(reservoirs_.begin(), reservoirs_.end(), c.face) != reservoirs_.end()) continue;
     const double d = c.inside(p.position[a]);
     // Soil that slides out of a seepage face takes its water along.
     const bool passed = d < -deletion_depth * c.spacing && (!faces_follow_ || c.wet || view.coverage[a] < 0.5);

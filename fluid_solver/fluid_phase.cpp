@@ -217,7 +217,7 @@ SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox) const {
   if (!scene_.coupled()) {
     VecArray<D> where = x;
     for (std::size_t a = 0; a < n; ++a)
-      if (auto& point = where[a]; state_.particles.mask[a] > 0.5 && !soil_at(scene_, to_point3<D>(point)))
+      if (auto& point = where[a]; !is_free(a) && !soil_at(scene_, to_point3<D>(point)))
         if (const auto* c = nearest_column(point)) point = c->foot + 0.25 * c->spacing * c->normal;
     auto view = rigid_soil<D>(scene_, where);
     if (scene_.fluid.drag_form != FluidCase::DragForm::pointwise) view.drag_form = smoothed_drag<D>(scene_, x);
@@ -229,8 +229,7 @@ SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox) const {
   auto complete = inbox;
   if (!state_.columns.empty())
     for (std::size_t a = 0; a < n; ++a)
-      if (complete.coverage[a] > 0.0 && state_.particles.mask[a] > 0.5 && nearest_column(x[a]))
-        complete.asymmetry[a] = 0.0;
+      if (complete.coverage[a] > 0.0 && !is_free(a) && nearest_column(x[a])) complete.asymmetry[a] = 0.0;
   return mapped_soil<D>(scene_, complete, n);
 }
 
@@ -238,8 +237,10 @@ template <int D>
 Stencil<D> Fluid<D>::stencil() const {
   const auto& p = state_.particles;
   const auto buffers = make_buffers(state_.columns);
-  auto s = make_stencil<D>(p.position, p.volume, std::span<const Buffer<D>>(buffers), planes_, p.mask);
-  fit_columns<D>(state_.columns, p.mask, s);
+  std::vector<char> free(p.size());
+  for (std::size_t a = 0; a < p.size(); ++a) free[a] = is_free(a);
+  auto s = make_stencil<D>(p.position, p.volume, std::span<const Buffer<D>>(buffers), planes_, free);
+  fit_columns<D>(state_.columns, free, s);
   limit_surface(s);
   return s;
 }

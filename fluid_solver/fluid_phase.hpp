@@ -76,6 +76,7 @@ class Fluid final : public Phase {
   /// Faces of a prescribed head step back with the soil's surface.
   void follow_soil(const SoilView<D>& soil);
   [[nodiscard]] std::vector<StillWater<D>> reservoir() const;
+  [[nodiscard]] bool is_free(std::size_t a) const;
   [[nodiscard]] int taker(const Vec<D>& x) const;
   void give_birth_and_delete(const SoilView<D>& soil);
   void control_interval(const ScalarArray& before, double interval);

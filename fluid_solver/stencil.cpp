@@ -58,7 +58,7 @@ void find_pairs(double largest, Stencil<D>& s) {
 /// sill. Each is seen by the water that meets it: pairs across become pairs of the particle with itself, which are
 /// zero.
 template <int D>
-void part_ghosts(std::span<const Buffer<D>> buffers, std::span<const double> mask, Stencil<D>& s) {
+void part_ghosts(std::span<const Buffer<D>> buffers, std::span<const char> free, Stencil<D>& s) {
   const std::size_t n = s.n_real;
   std::vector<char> soils(s.size(), 0), sills(s.size(), 0);  // kinds of ghosts
   bool any = false;
@@ -70,7 +70,7 @@ void part_ghosts(std::span<const Buffer<D>> buffers, std::span<const double> mas
   }
   if (!any) return;
   for (std::size_t a = 0; a < n; ++a) {
-    const auto& hidden = !mask.empty() && mask[a] > 0.5 ? sills : soils;
+    const auto& hidden = free.empty() || free[a] ? soils : sills;
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
       if (hidden[s.other[k]]) s.other[k] = static_cast<Index>(a);
   }
@@ -148,7 +148,7 @@ Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* blind, double
 
 template <int D>
 Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volume, std::span<const Buffer<D>> buffers,
-                        std::span<const sph::ImagePlane<D>> planes, std::span<const double> mask) {
+                        std::span<const sph::ImagePlane<D>> planes, std::span<const char> free) {
   Stencil<D> s;
   s.n_real = x.size();
   s.n_base = s.n_real + buffers.size();
@@ -196,7 +196,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   s.ghost_distance.assign(n, 0.0);
   if (n == 0) return s;
   find_pairs(largest, s);
-  part_ghosts(buffers, mask, s);
+  part_ghosts(buffers, free, s);
   for (auto* per_pair : {&s.pull, &s.value}) per_pair->resize(s.other.size());
   if (!buffers.empty()) s.reflection.assign(s.other.size(), 0.0);
   std::vector<Summed<D>> points(s.size());
@@ -237,7 +237,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
 #define PORETWIN_INSTANTIATE(D)                                                                                     \
   template Mat<D> bounded_inverse<D>(const Mat<D>&, double, Mat<D>*, double*);                                      \
   template Stencil<D> make_stencil<D>(std::span<const Vec<D>>, std::span<const double>, std::span<const Buffer<D>>, \
-                                      std::span<const sph::ImagePlane<D>>, std::span<const double>);
+                                      std::span<const sph::ImagePlane<D>>, std::span<const char>);
 PORETWIN_INSTANTIATE(2)
 PORETWIN_INSTANTIATE(3)
 #undef PORETWIN_INSTANTIATE

@@ -111,9 +111,9 @@ template <int D>
 Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* blind, double* smallest = nullptr);
 
 /// Surroundings of the particles at x (bulk volumes in m^D), with buffers outside faces and images behind planes.
-/// mask: [n] soil membership; none: 0. Water in soil does not see behind a sill, nor free water behind a face of soil.
+/// free: [n] in no soil; none: all. Water in soil does not see behind a sill, nor free water behind a face of soil.
 template <int D>
 Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volume, std::span<const Buffer<D>> buffers,
-                        std::span<const sph::ImagePlane<D>> planes, std::span<const double> mask = {});
+                        std::span<const sph::ImagePlane<D>> planes, std::span<const char> free = {});
 
 }  // namespace poretwin::fluid

@@ -33,7 +33,7 @@ std::optional<Crest> crest_of(const Case& scene, const WaterFace& face);
 /// Does x [m] lie on the side of a face where its reservoir is? Above its crest the upright through it divides.
 bool is_behind(const Case& scene, const WaterFace& face, const Point3& x);
 
-/// Where real water can run over the crest of a reservoir, and why not, if it cannot: empty where it can.
+/// Why no real water can run over the crest of a reservoir; empty where it can.
 std::string no_way_over(const Case& scene, const Crest& crest);
 
 /// Particles on a lattice that fills a shape.
