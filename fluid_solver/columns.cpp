@@ -23,22 +23,32 @@ void Fluid<D>::fill_basins(double time, double interval) {
     double leaves = 0.0;
     for (const auto& c : state_.columns)
       if (c.face == static_cast<int>(f) && c.wet) leaves += interval * c.speed * c.mass / (density_ * c.spacing);
+    for (const auto& inlet : state_.inlets)
+      if (inlet.face == static_cast<int>(f)) leaves += interval * inlet.speed * inlet.width;
     state_.basin_level[f] = basin_level(*face.basin_area, state_.supplied[f] - through[f] - leaves);
-    if (const auto top = free_top(scene_, face); top && state_.basin_level[f] > *top)
+    const auto crest = crest_of(scene_, face);
+    if (!crest || state_.basin_level[f] <= crest->elevation) continue;
+    if (const std::string why = no_way_over(scene_, *crest); !why.empty())
       throw DivergedError(fmt::format(
           "fluid: the basin behind water_face[{}]{} has risen to {:.4g} m at t = {:.4g} s, above the face's upper end "
-          "at "
-          "{:.4g} m: it would run over, and water behind a face is in no particles; give it less discharge or more "
-          "area, "
-          "a wall up to the level, or a reservoir of real water (an inlet away from the soil)",
-          f, face.name.empty() ? "" : " \"" + face.name + "\"", state_.basin_level[f], time + interval, *top));
+          "at {:.4g} m, and cannot run over there: {}; give it less discharge or more area, a wall up to the level, or "
+          "a reservoir of real water (an inlet away from the soil)",
+          f, face.name.empty() ? "" : " \"" + face.name + "\"", state_.basin_level[f], time + interval,
+          crest->elevation, why));
   }
+}
+
+template <int D>
+double Fluid<D>::level_behind(int face, double time) const {
+  const auto f = static_cast<std::size_t>(face);
+  return scene_.water_faces[f].basin_area ? state_.basin_level[f] : scene_.water_faces[f].head->at(time);
 }
 
 /// Volume that has come in through each face, less what has gone out [m^D].
 template <int D>
 ScalarArray Fluid<D>::passed() const {
   ScalarArray sum(scene_.water_faces.size(), 0.0);
+  for (std::size_t f = 0; f < sum.size(); ++f) sum[f] = -state_.taken[f];
   for (const auto& c : state_.columns) sum[static_cast<std::size_t>(c.face)] += c.passed(density_);
   for (const auto& inlet : state_.inlets) sum[static_cast<std::size_t>(inlet.face)] += inlet.passed();
   return sum;
@@ -65,6 +75,7 @@ void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, dou
     const double h = smoothing_ratio * spacing_of<D>(c.volume);
     double sum = 0.0, speed = 0.0;
     grid.for_each_within(probe, sph::support_radius * h, [&](Index a, double r2) {
+      if (c.in_soil && is_free(a)) return;
       const double w = p.volume[a] * Kernel<D>::value(std::sqrt(r2), h);
       sum += w;
       const double spacing = spacing_of<D>(p.volume[a]);
@@ -127,7 +138,7 @@ void Fluid<D>::limit_surface(Stencil<D>& s) const {
   const double gamma = porous::specific_weight(scene_);
   const ColumnFinder<D> finder(state_.columns);
   for (std::size_t a = 0; a < s.n_real; ++a) {
-    if (s.divergence[a] > D) continue;
+    if (s.divergence[a] > D || is_free(a)) continue;
     const double spacing = 2.0 * s.surface_distance[a];
     const int i = finder.nearest(s.position[a]);
     const auto* c = i < 0 ? nullptr : &state_.columns[static_cast<std::size_t>(i)];
@@ -197,6 +208,24 @@ std::vector<StillWater<D>> Fluid<D>::reservoir() const {
   return still;
 }
 
+/// Does particle a belong to no soil? Where faces follow the soil all water is the soil's or the reservoirs'.
+template <int D>
+bool Fluid<D>::is_free(std::size_t a) const {
+  return !faces_follow_ && state_.particles.mask[a] <= 0.5;
+}
+
+/// The face behind which still water takes in what is at x, below its level; -1: none. Above a crest the sill's piston
+/// does that.
+template <int D>
+int Fluid<D>::taker(const Vec<D>& x) const {
+  const Point3 point = to_point3<D>(x);
+  for (const int f : reservoirs_)
+    if (-weight_.dot(x) <= weight_.norm() * level_behind(f, state_.time) &&
+        is_behind(scene_, scene_.water_faces[static_cast<std::size_t>(f)], point))
+      return f;
+  return -1;
+}
+
 template <int D>
 void Fluid<D>::give_birth_and_delete(const SoilView<D>& view) {
   auto& p = state_.particles;
@@ -214,6 +243,14 @@ void Fluid<D>::give_birth_and_delete(const SoilView<D>& view) {
       continue;
     }
     const bool left = faces_follow_ && view.coverage[a] < left_by_soil;
+    const bool free = is_free(a);
+    if (const int f = free ? taker(p.position[a]) : -1; f >= 0) {
+      keep[a] = false;
+      any = true;
+      state_.taken[static_cast<std::size_t>(f)] += p.mass[a] / density_;
+      state_.balance.out += p.mass[a] / density_;
+      continue;
+    }
     int i = finder.nearest(p.position[a]);
     if (i < 0 && left)
       i = static_cast<int>(std::min_element(state_.columns.begin(), state_.columns.end(),
@@ -224,6 +261,8 @@ void Fluid<D>::give_birth_and_delete(const SoilView<D>& view) {
                            state_.columns.begin());
     if (i < 0) continue;
     auto& c = state_.columns[static_cast<std::size_t>(i)];
+    // Water that runs down the soil's face passes it by, to the still water behind it.
+    if (free && c.in_soil && std::find(reservoirs_.begin(), reservoirs_.end(), c.face) != reservoirs_.end()) continue;
     const double d = c.inside(p.position[a]);
     // Soil that slides out of a seepage face takes its water along.
     const bool passed = d < -deletion_depth * c.spacing && (!faces_follow_ || c.wet || view.coverage[a] < 0.5);

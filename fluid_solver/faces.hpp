@@ -233,7 +233,7 @@ std::vector<Buffer<D>> make_buffers(const std::vector<FaceColumn<D>>& columns) {
     if (!c.wet) continue;
     for (int j = 1; j <= buffers_per_column; ++j) {
       const double d = c.offset - j * c.spacing;
-      buffers.push_back({c.foot + d * c.normal, c.volume, static_cast<Index>(i), -d, c.foot, c.normal});
+      buffers.push_back({c.foot + d * c.normal, c.volume, static_cast<Index>(i), -d, c.foot, c.normal, c.in_soil});
     }
   }
   return buffers;
@@ -241,9 +241,9 @@ std::vector<Buffer<D>> make_buffers(const std::vector<FaceColumn<D>>& columns) {
 
 /// Fits of the pressure's slope at every column: weighted least squares through the face, over the first spacings
 /// inside, images behind walls included. As far as there are only particles on the face itself, which say nothing of
-/// it, the slope of the window before stands in.
+/// it, the slope of the window before stands in. free: [n] in no soil; at a face of soil that does not count.
 template <int D>
-void fit_columns(const std::vector<FaceColumn<D>>& columns, Stencil<D>& s) {
+void fit_columns(const std::vector<FaceColumn<D>>& columns, std::span<const char> free, Stencil<D>& s) {
   s.fit_offset.assign(1, 0);
   s.fit_constant.clear();
   if (columns.empty()) return;
@@ -259,7 +259,7 @@ void fit_columns(const std::vector<FaceColumn<D>>& columns, Stencil<D>& s) {
       grid.for_each_within(c.foot + 0.75 * c.spacing * c.normal, sph::support_radius * h, [&](Index j, double r2) {
         const Index a = s.parent[j];
         const double d = c.inside(s.position[j]);
-        if (a >= s.n_real || d <= 0.0) return;
+        if (a >= s.n_real || d <= 0.0 || (c.in_soil && free[a])) return;
         const double w = s.volume[a] * Kernel<D>::value(std::sqrt(r2), h);
         if (w == 0.0) return;
         sum += w * d * d;

@@ -67,7 +67,7 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
   if (!(dx_ > 0.0)) throw CaseError("fluid.particle_spacing must be positive");
   if (scene.fluid.regions.empty() && scene.water_faces.empty())
     throw CaseError("the fluid has nothing to do: no [[fluid.region]] and no [[water_face]]");
-  if (scene.walls.size() > piston_boundary) throw CaseError(fmt::format("at most {} walls", piston_boundary));
+  if (scene.walls.size() > sill_boundary) throw CaseError(fmt::format("at most {} walls", sill_boundary));
   for (std::size_t w = 0; w < scene.walls.size(); ++w) {
     const auto& wall = scene.walls[w];
     if (wall.water == Wall::ForWater::none) continue;
@@ -101,12 +101,25 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
   state_.wave_speed = std::sqrt(scene.general.gravity.norm() * depth);
   state_.columns = make_columns<D>(scene);
   for (const auto& c : state_.columns) feet_.push_back(c.foot);
+  // What lies on a face of soil to rounding is the soil's.
+  const ColumnFinder<D> finder(state_.columns);
+  for (std::size_t a = 0; a < p.size(); ++a)
+    if (const int i = finder.nearest(p.position[a]); i >= 0) {
+      const auto& c = state_.columns[static_cast<std::size_t>(i)];
+      if (c.in_soil && std::abs(c.inside(p.position[a])) < 1e-6 * c.spacing) p.mask[a] = 1.0;
+    }
   for (const auto& face : scene.water_faces) {
     const bool basin = face.basin_area.has_value();
     const double lowest = basin ? face.basin_area->knots.front().first : 0.0;
     state_.basin_level.push_back(basin && face.head ? std::max(lowest, face.head->at(0.0)) : lowest);
+    state_.taken.push_back(0.0);
     state_.supplied.push_back(basin ? basin_volume(*face.basin_area, state_.basin_level.back()) : 0.0);
   }
+  for (std::size_t f = 0; f < scene.water_faces.size(); ++f)
+    if (is_reservoir(scene, scene.water_faces[f]) &&
+        std::all_of(state_.columns.begin(), state_.columns.end(),
+                    [&](const auto& c) { return c.face != static_cast<int>(f) || c.in_soil; }))
+      reservoirs_.push_back(static_cast<int>(f));
   update_columns<D>(scene_, 0.0, state_.basin_level, weight_, origin_, state_.columns);
   const auto& here = p.void_fraction;
   faces_follow_ = scene.coupled() && scene.solid.model != SolidCase::Model::elastic && !state_.columns.empty() &&
@@ -192,7 +205,8 @@ template <int D>
 SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox) const {
   const auto& x = state_.particles.position;
   const std::size_t n = x.size();
-  // A particle about to enter or leave through a face of soil still counts as in it.
+  // A particle of the soil's water about to enter or leave through its face still counts as in it; water that runs down
+  // the soil does not.
   const ColumnFinder<D> finder(state_.columns);
   const auto nearest_column = [&](const Vec<D>& point) -> const FaceColumn<D>* {
     const int i = finder.nearest(point);
@@ -202,8 +216,8 @@ SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox) const {
   };
   if (!scene_.coupled()) {
     VecArray<D> where = x;
-    for (auto& point : where)
-      if (!soil_at(scene_, to_point3<D>(point)))
+    for (std::size_t a = 0; a < n; ++a)
+      if (auto& point = where[a]; !is_free(a) && !soil_at(scene_, to_point3<D>(point)))
         if (const auto* c = nearest_column(point)) point = c->foot + 0.25 * c->spacing * c->normal;
     auto view = rigid_soil<D>(scene_, where);
     if (scene_.fluid.drag_form != FluidCase::DragForm::pointwise) view.drag_form = smoothed_drag<D>(scene_, x);
@@ -215,7 +229,7 @@ SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox) const {
   auto complete = inbox;
   if (!state_.columns.empty())
     for (std::size_t a = 0; a < n; ++a)
-      if (complete.coverage[a] > 0.0 && nearest_column(x[a])) complete.asymmetry[a] = 0.0;
+      if (complete.coverage[a] > 0.0 && !is_free(a) && nearest_column(x[a])) complete.asymmetry[a] = 0.0;
   return mapped_soil<D>(scene_, complete, n);
 }
 
@@ -223,8 +237,10 @@ template <int D>
 Stencil<D> Fluid<D>::stencil() const {
   const auto& p = state_.particles;
   const auto buffers = make_buffers(state_.columns);
-  auto s = make_stencil<D>(p.position, p.volume, std::span<const Buffer<D>>(buffers), planes_);
-  fit_columns(state_.columns, s);
+  std::vector<char> free(p.size());
+  for (std::size_t a = 0; a < p.size(); ++a) free[a] = is_free(a);
+  auto s = make_stencil<D>(p.position, p.volume, std::span<const Buffer<D>>(buffers), planes_, free);
+  fit_columns<D>(state_.columns, free, s);
   limit_surface(s);
   return s;
 }
@@ -491,9 +507,9 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
     p.mask[a] = view.mask[a];
     p.seeps[a] = seeps<D>(view, a, p.velocity[a], density_, spacing_of<D>(p.volume[a])) ? 1.0 : 0.0;
   }
+  set_inlets(window.time, dt);
   fill_basins(window.time, dt);
   update_columns<D>(scene_, window.time + dt, state_.basin_level, weight_, origin_, state_.columns);
-  set_inlets(window.time, dt);
   push_pistons(0.5 * dt);
   drift(dt);
   auto s = stencil();

@@ -60,6 +60,8 @@ class Fluid final : public Phase {
             std::span<const Vec<D>> velocity_before, double interval);
   void keep_inside(Vec<D>& x, Vec<D>& v, double spacing) const;
   void fill_basins(double time, double interval);
+  /// Level of the still water behind a face [m].
+  [[nodiscard]] double level_behind(int face, double time) const;
   void place_pistons();
   void push_pistons(double interval);
   void set_inlets(double time, double interval);
@@ -74,6 +76,8 @@ class Fluid final : public Phase {
   /// Faces of a prescribed head step back with the soil's surface.
   void follow_soil(const SoilView<D>& soil);
   [[nodiscard]] std::vector<StillWater<D>> reservoir() const;
+  [[nodiscard]] bool is_free(std::size_t a) const;
+  [[nodiscard]] int taker(const Vec<D>& x) const;
   void give_birth_and_delete(const SoilView<D>& soil);
   void control_interval(const ScalarArray& before, double interval);
   void limit_scheme(const SoilView<D>& view);
@@ -91,8 +95,9 @@ class Fluid final : public Phase {
   std::vector<sph::ImagePlane<D>> planes_;
   Vec<D> lower_, upper_;                        ///< beyond, water is lost [m]
   std::uint32_t no_slip_ = 0, fixed_soil_ = 0;  ///< boundary bits
-  bool faces_follow_ = false;  ///< all water is in soil that can leave its place: faces stay on its surface
-  VecArray<D> feet_;           ///< of the columns, where the case has them
+  bool faces_follow_ = false;    ///< all water is in soil that can leave its place: faces stay on its surface
+  VecArray<D> feet_;             ///< of the columns, where the case has them
+  std::vector<int> reservoirs_;  ///< faces of soil behind which still water stands, in no particles
   State<D> state_, saved_;
 };
 

@@ -205,7 +205,7 @@ class Reader {
       const auto& face = scene_.water_faces[f];
       if (face.name != gauge.quantity) continue;
       for (const auto& inlet : state_.inlets)
-        if (inlet.face == static_cast<int>(f)) return inlet.level;
+        if (inlet.face == static_cast<int>(f) && !inlet.sill) return inlet.level;
       return face.basin_area ? basin_level(*face.basin_area, state_.supplied[f] - passed_[f])
                              : face.head->at(state_.time);
     }

@@ -8,6 +8,13 @@
 
 namespace poretwin::fluid {
 
+namespace {
+
+/// Time in which the current before a sill is told, in those that a wave takes past the water that is asked.
+constexpr double current_waves = 10.0;
+
+}  // namespace
+
 template <int D>
 std::vector<Inlet<D>> make_inlets(const Case& scene) {
   std::vector<Inlet<D>> inlets;
@@ -16,6 +23,22 @@ std::vector<Inlet<D>> make_inlets(const Case& scene) {
   const Vec<D> up = weight.norm() > 0.0 ? Vec<D>(-weight.normalized()) : Vec<D>(Vec<D>::Zero());
   for (std::size_t f = 0; f < scene.water_faces.size(); ++f) {
     const auto& face = scene.water_faces[f];
+    if (is_reservoir(scene, face)) {
+      const auto crest = crest_of(scene, face);
+      if (!crest || !no_way_over(scene, *crest).empty()) continue;
+      Inlet<D> sill;
+      sill.face = static_cast<int>(f);
+      sill.sill = true;
+      sill.normal = crest->inward.head<D>();
+      sill.tangent[0] = sill.normal[1];
+      sill.tangent[1] = -sill.normal[0];
+      sill.lowest = sill.level = crest->elevation;
+      sill.highest = HUGE_VAL;
+      sill.foot = crest->end.head<D>();
+      sill.open(0.0, dx);
+      inlets.push_back(sill);
+      continue;
+    }
     if (!is_inlet(scene, face)) continue;
     const Vec<D> a = face.face.points.front().head<D>(), b = face.face.points.back().head<D>();
     Inlet<D> inlet;
@@ -52,26 +75,51 @@ double inlet_speed(const Case& scene, const Inlet<D>& inlet, double time, double
   return discharge / inlet.width;
 }
 
+SillFlow flow_over(double head, const SillFlow& before, double gravity) {
+  if (head <= 0.0) return {};
+  const double still = std::sqrt(gravity * head), wave = std::sqrt(gravity * before.depth);
+  const double kept = before.speed - 2.0 * wave;
+  if (const double out = kept + 2.0 * still; out < 0.0) return before.speed < -wave ? before : SillFlow{head, out};
+  const double critical = std::sqrt(2.0 / 3.0) * still;
+  const double c = kept >= -critical ? critical : (std::sqrt(3.0 * still * still - 0.5 * kept * kept) - kept) / 3.0;
+  return {c * c / gravity, std::min(critical, kept >= -critical ? critical : kept + 2.0 * c)};
+}
+
 template <int D>
 std::vector<sph::ImagePlane<D>> water_planes(const Case& scene, const std::vector<Inlet<D>>& inlets, double margin) {
   std::vector<sph::ImagePlane<D>> planes;
+  // Sills' pistons, from the crest up, before the walls: a floor on the crest mirrors what they mirror.
+  for (const auto& inlet : inlets) {
+    if (!inlet.sill || !inlet.flows) continue;
+    sph::ImagePlane<D> plane;
+    plane.normal = inlet.normal;
+    plane.tangent = inlet.tangent;
+    plane.to = inlet.tangent.dot(inlet.foot) + 0.5 * inlet.width;
+    plane.from = plane.to - 1e6 * margin;
+    plane.boundary = sill_boundary;
+    plane.point = inlet.foot + inlet.piston * inlet.normal;
+    plane.speed = inlet.speed;
+    planes.push_back(plane);
+  }
+  const std::size_t sills = planes.size();
   for (std::size_t w = 0; w < scene.walls.size(); ++w)
     if (scene.walls[w].water != Wall::ForWater::none)
       for (const auto& plane : planes_of<D>(scene.walls[w].face, static_cast<int>(w), 0.0)) planes.push_back(plane);
   const std::size_t walls = planes.size();
   for (const auto& inlet : inlets)
-    planes.push_back(
-        planes_of<D>(scene.water_faces[static_cast<std::size_t>(inlet.face)].face, piston_boundary, 0.0)[0]);
+    if (!inlet.sill)
+      planes.push_back(
+          planes_of<D>(scene.water_faces[static_cast<std::size_t>(inlet.face)].face, piston_boundary, 0.0)[0]);
   // Pieces are walked with the domain on the left: the next one begins where this one ends.
   std::vector<std::array<Vec<D>, 2>> corners;
   for (const auto& plane : planes)
     corners.push_back({plane.point + (plane.from - plane.tangent.dot(plane.point)) * plane.tangent,
                        plane.point + (plane.to - plane.tangent.dot(plane.point)) * plane.tangent});
-  for (std::size_t i = 0; i < planes.size(); ++i) {
+  for (std::size_t i = sills; i < planes.size(); ++i) {
     auto& plane = planes[i];
     if (plane.tangent.isZero()) continue;
     std::array<double, 2> longer{margin, margin};
-    for (std::size_t j = 0; j < planes.size(); ++j) {
+    for (std::size_t j = sills; j < planes.size(); ++j) {
       if (i == j || planes[j].tangent.isZero()) continue;
       for (const std::size_t e : {0, 1}) {
         const std::size_t across = 1 - e;
@@ -89,9 +137,11 @@ std::vector<sph::ImagePlane<D>> water_planes(const Case& scene, const std::vecto
     plane.from -= longer[0];
     plane.to += longer[1];
   }
-  for (std::size_t i = 0; i < inlets.size(); ++i) {
-    planes[walls + i].point += inlets[i].piston * inlets[i].normal;
-    planes[walls + i].speed = inlets[i].speed;
+  std::size_t next = walls;
+  for (const auto& inlet : inlets) {
+    if (inlet.sill) continue;
+    planes[next].point += inlet.piston * inlet.normal;
+    planes[next++].speed = inlet.speed;
   }
   for (const auto& plane : periodic_planes<D>(scene.general, periodic_boundary)) planes.push_back(plane);
   return planes;
@@ -118,12 +168,16 @@ void Fluid<D>::set_inlets(double time, double interval) {
   if (highest > lowest)
     state_.wave_speed = std::max(state_.wave_speed, std::sqrt(scene_.general.gravity.norm() * (highest - lowest)));
   for (auto& inlet : state_.inlets) {
-    double level = 0.0, surface = 0.0, head = 0.0, water = 0.0;
+    double level = 0.0, surface = 0.0, head = 0.0, water = 0.0, moving = 0.0, speed = 0.0;
     const double half = 0.5 * inlet.width * (inlet.tangent - up.dot(inlet.tangent) * up).norm();
     for (std::size_t a = 0; a < p.size(); ++a) {
       const Vec<D> way = p.position[a] - inlet.foot;
       const double height = up.dot(p.position[a]), aside = (way - up.dot(way) * up).norm();
       if (p.mask[a] > 0.5 || height < inlet.lowest || aside > half + near) continue;
+      if (p.surface[a] != Surface::lone) {
+        moving += p.mass[a];
+        speed += p.mass[a] * inlet.normal.dot(p.velocity[a]);
+      }
       if (p.surface[a] == Surface::surface) {
         surface += 1.0;
         level += height + 0.5 * spacing_of<D>(p.volume[a]) * p.row[a];
@@ -136,9 +190,23 @@ void Fluid<D>::set_inlets(double time, double interval) {
     // A pipe that runs full has no surface.
     if (surface > 0.0)
       inlet.level = level / surface;
+    else if (inlet.sill)
+      inlet.level = inlet.lowest;
     else
       inlet.level = water > 0.0 ? head / (water * weight_.norm()) + up.dot(origin_) : inlet.lowest;
-    inlet.speed = inlet_speed(scene_, inlet, time, interval);
+    if (inlet.sill) {
+      const double over = level_behind(inlet.face, time) - inlet.lowest;
+      // The water before a piston moves as it does: the present speed would only say what the piston did.
+      const double told = current_waves * near / std::sqrt(gravity_or_standard() * std::max(dx_, over));
+      inlet.current += std::min(1.0, interval / told) * ((moving > 0.0 ? speed / moving : 0.0) - inlet.current);
+      const auto flow =
+          flow_over(over, {std::max(0.0, inlet.level - inlet.lowest), inlet.current}, gravity_or_standard());
+      inlet.flows = over > 0.0;
+      inlet.speed = flow.speed;
+      inlet.open(flow.depth, dx_);
+    } else {
+      inlet.speed = inlet_speed(scene_, inlet, time, interval);
+    }
     const double volume = inlet.speed * inlet.width * interval;
     (volume > 0.0 ? state_.balance.in : state_.balance.out) += std::abs(volume);
   }

@@ -117,9 +117,15 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
       if (inflow > 0.0) apply(0.5 * dx_ * face.basin_area->at(state_.basin_level[f]) / inflow, "rise of a basin");
     }
   for (const auto& inlet : state_.inlets) {
-    // The longest window in which its piston moves by a quarter spacing at most.
+    // The longest window in which its piston moves by a quarter spacing at most; no crest is passed unawares.
+    const auto& face = scene_.water_faces[static_cast<std::size_t>(inlet.face)];
+    const double over = inlet.sill ? std::max(0.0, level_behind(inlet.face, state_.time) - inlet.lowest) : 0.0;
+    const double fastest_over = std::max(std::abs(inlet.speed), std::sqrt(2.0 / 3.0 * gravity_or_standard() * over));
     const auto far = [&](double interval) {
-      return std::abs(inlet_speed(scene_, inlet, state_.time, interval)) * interval > 0.25 * inlet.spacing;
+      if (!inlet.sill)
+        return std::abs(inlet_speed(scene_, inlet, state_.time, interval)) * interval > 0.25 * inlet.spacing;
+      return fastest_over * interval > 0.25 * dx_ ||
+             (!face.basin_area && face.head->at(state_.time + interval) - inlet.lowest > over + 0.5 * dx_);
     };
     double longest = limit.first;
     for (int halvings = 0; halvings < 60 && far(longest); ++halvings) longest *= 0.5;

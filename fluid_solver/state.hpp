@@ -109,6 +109,7 @@ struct State {
   bool multigrid = false;   ///< the last window's pressure was worth it
   ScalarArray supplied;     ///< [faces] volume of the basin at first, and poured in since [m^D]; 0 where it is none
   ScalarArray basin_level;  ///< [faces] m
+  ScalarArray taken;        ///< [faces] real water that ran into the still water behind them [m^D]
   std::vector<TimeLimit> scheme_limits;  ///< of explicit schemes, from the last window
   Counts counts;
   Balance balance;

@@ -1,5 +1,7 @@
 #include "fluid_solver/stencil.hpp"
 
+#include "fluid_solver/inlet.hpp"
+
 #include "common/core/lanes.hpp"
 #include "common/core/threads.hpp"
 #include "common/sph/neighbours.hpp"
@@ -49,6 +51,28 @@ void find_pairs(double largest, Stencil<D>& s) {
     s.other.insert(s.other.end(), row.begin(), row.begin() + static_cast<std::ptrdiff_t>(count));
     while (s.other.size() % n_lanes != 0) s.other.push_back(static_cast<Index>(a));
     s.offset.push_back(static_cast<Index>(s.other.size()));
+  }
+}
+
+/// Two kinds of still water stand side by side at a crest: buffers behind the soil's face and the images behind the
+/// sill. Each is seen by the water that meets it: pairs across become pairs of the particle with itself, which are
+/// zero.
+template <int D>
+void part_ghosts(std::span<const Buffer<D>> buffers, std::span<const char> free, Stencil<D>& s) {
+  const std::size_t n = s.n_real;
+  std::vector<char> soils(s.size(), 0), sills(s.size(), 0);  // kinds of ghosts
+  bool any = false;
+  for (std::size_t j = n; j < s.size(); ++j) {
+    const Index q = s.parent[j];
+    soils[j] = q >= n && buffers[q - n].in_soil;
+    sills[j] = j >= s.n_base && (s.boundaries[j - s.n_base] >> sill_boundary & 1u) != 0;
+    any = any || soils[j] || sills[j];
+  }
+  if (!any) return;
+  for (std::size_t a = 0; a < n; ++a) {
+    const auto& hidden = free.empty() || free[a] ? soils : sills;
+    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
+      if (hidden[s.other[k]]) s.other[k] = static_cast<Index>(a);
   }
 }
 
@@ -124,7 +148,7 @@ Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* blind, double
 
 template <int D>
 Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volume, std::span<const Buffer<D>> buffers,
-                        std::span<const sph::ImagePlane<D>> planes) {
+                        std::span<const sph::ImagePlane<D>> planes, std::span<const char> free) {
   Stencil<D> s;
   s.n_real = x.size();
   s.n_base = s.n_real + buffers.size();
@@ -172,6 +196,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   s.ghost_distance.assign(n, 0.0);
   if (n == 0) return s;
   find_pairs(largest, s);
+  part_ghosts(buffers, free, s);
   for (auto* per_pair : {&s.pull, &s.value}) per_pair->resize(s.other.size());
   if (!buffers.empty()) s.reflection.assign(s.other.size(), 0.0);
   std::vector<Summed<D>> points(s.size());
@@ -212,7 +237,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
 #define PORETWIN_INSTANTIATE(D)                                                                                     \
   template Mat<D> bounded_inverse<D>(const Mat<D>&, double, Mat<D>*, double*);                                      \
   template Stencil<D> make_stencil<D>(std::span<const Vec<D>>, std::span<const double>, std::span<const Buffer<D>>, \
-                                      std::span<const sph::ImagePlane<D>>);
+                                      std::span<const sph::ImagePlane<D>>, std::span<const char>);
 PORETWIN_INSTANTIATE(2)
 PORETWIN_INSTANTIATE(3)
 #undef PORETWIN_INSTANTIATE

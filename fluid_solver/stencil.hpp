@@ -51,6 +51,7 @@ struct Buffer {
   Index column = 0;                                       ///< of the face columns
   double outside = 0.0;                                   ///< distance from the face [m]
   Vec<D> foot = Vec<D>::Zero(), normal = Vec<D>::Zero();  ///< of its column on the face [m], unit into the domain
+  bool in_soil = false;                                   ///< the ground before the face is soil
 };
 
 template <int D>
@@ -110,8 +111,9 @@ template <int D>
 Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* blind, double* smallest = nullptr);
 
 /// Surroundings of the particles at x (bulk volumes in m^D), with buffers outside faces and images behind planes.
+/// free: [n] in no soil; none: all. Water in soil does not see behind a sill, nor free water behind a face of soil.
 template <int D>
 Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volume, std::span<const Buffer<D>> buffers,
-                        std::span<const sph::ImagePlane<D>> planes);
+                        std::span<const sph::ImagePlane<D>> planes, std::span<const char> free = {});
 
 }  // namespace poretwin::fluid

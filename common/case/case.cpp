@@ -189,18 +189,22 @@ void declare(Keys& keys, Wall& w) {
 void declare(Keys& keys, WaterFace& f) {
   keys.text("name", f.name, {"", "Name, for messages."});
   declare(keys, f.face);
-  keys.series("head", f.head,
-              {"m",
-               "Elevation (along -gravity) of the free surface of the water behind the face. Where no soil touches the "
-               "face (2D), it is an opening that keeps real water at that level: what is let in per time is sqrt(g d) "
-               "times what the level before it is short of `head`, d the depth; drawn off as far as the opening lies "
-               "under water."});
+  keys.series(
+      "head", f.head,
+      {"m",
+       "Elevation (along -gravity) of the free surface of the water behind the face. Above the upper end of a face "
+       "of rigid soil (2D) that no wall rises from, it runs over that crest as real water, critically or "
+       "drowned; real water that comes below the level behind the face is taken in. Where no soil touches the "
+       "face (2D), it is an opening that keeps real water at that level: what is let in per time is sqrt(g d) "
+       "times what the level before it is short of `head`, d the depth; drawn off as far as the opening lies "
+       "under water."});
   keys.series("pressure", f.pressure, {"Pa", "Instead of `head`: pressure, uniform on the face."});
   keys.series(
       "discharge", f.discharge,
       {"m3/s",
        "With `basin_area`: poured into the basin behind the face (2D: m2/s); its level follows from the balance "
-       "of its water, `head` is then the level at time zero; absent: empty. Alone: let in (below zero: drawn off) "
+       "of its water, what runs over its crest and back counted, `head` is then the level at time zero; absent: empty. "
+       "Alone: let in (below zero: drawn off) "
        "through the face, an inlet of real water that no soil touches (2D)."});
   keys.series(
       "basin_area", f.basin_area,

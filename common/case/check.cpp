@@ -300,16 +300,16 @@ class Checker {
       fail(key + ".points",
            fmt::format("an inlet is one straight opening; expected 2 points, found {}", f.face.points.size()));
     if (real || !f.head || f.face.points.empty()) return;
-    const auto top = free_top(scene_, f);
+    const auto crest = crest_of(scene_, f);
     double highest = -HUGE_VAL;
     for (const auto& [time, value] : f.head->knots) highest = std::max(highest, value);
-    if (top && highest > *top + 1e-9)
+    if (!crest || highest <= crest->elevation + 1e-9) return;
+    if (const std::string why = no_way_over(scene_, *crest); !why.empty())
       fail(key + ".head",
-           fmt::format(
-               "the water behind the face rises to {} m, above the face's upper end at {} m, where no wall touches "
-               "it: it would run over, and water behind a face is in no particles; expected a lower head, a "
-               "face or wall up to it, or a reservoir of real water (an inlet away from the soil)",
-               highest, *top));
+           fmt::format("the water behind the face rises to {} m, above the face's upper end at {} m, where no wall "
+                       "touches it, and cannot run over there: {}; expected a lower head, a face or wall up to it, or "
+                       "a reservoir of real water (an inlet away from the soil)",
+                       highest, crest->elevation, why));
   }
 
   struct Piece {

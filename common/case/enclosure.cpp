@@ -107,6 +107,18 @@ class Flood {
       const double above = is_inlet(scene_, face) ? 2.0 * spacing : 0.0;
       if (face.discharge)
         for (const auto& x : face.face.points) level_ = std::max(level_, up_.dot(x) + above);
+      if (face.outlet) takers_.push_back(&face);
+      if (is_reservoir(scene_, face)) {
+        takers_.push_back(&face);
+        if (const auto crest = crest_of(scene_, face); crest && no_way_over(scene_, *crest).empty()) {
+          const bool over = face.basin_area || std::any_of(face.head->knots.begin(), face.head->knots.end(),
+                                                           [&](const auto& k) { return k.second > crest->elevation; });
+          if (over) {
+            level_ = std::max(level_, crest->elevation + 2.0 * spacing);
+            springs_.push_back(crest->end + 0.25 * spacing * (crest->inward + up_));
+          }
+        }
+      }
       if (face.outlet) continue;
       // Water enters just inside.
       for (std::size_t k = 0; k + 1 < face.face.points.size(); ++k) {
@@ -172,7 +184,7 @@ class Flood {
         inside = inside && i >= 0 && i < n;
         cell += static_cast<std::size_t>(std::max(0, i)) * stride[static_cast<std::size_t>(d)];
       }
-      if (!inside || from[cell] != unseen || blocked(x, centre(cell))) continue;
+      if (!inside || from[cell] != unseen || blocked(x, centre(cell)) || taken(x)) continue;
       from[cell] = cell;
       queue.push_back(cell);
     }
@@ -191,7 +203,7 @@ class Flood {
           y[d] += step * size_;
           if (up_.dot(y) > level_ - 2.0 * size_) continue;  // over the rim of a basin that is full, not through it
           const std::size_t next = step > 0 ? cell + stride[axis] : cell - stride[axis];
-          if (from[next] != unseen || blocked(x, y)) continue;
+          if (from[next] != unseen || blocked(x, y) || taken(y)) continue;
           from[next] = cell;
           queue.push_back(next);
         }
@@ -199,6 +211,14 @@ class Flood {
     return std::nullopt;
   }
 
+  /// Does the water there fall into what stands behind a face? Below the face it has slipped through.
+  [[nodiscard]] bool taken(const Point3& x) const {
+    return std::any_of(takers_.begin(), takers_.end(), [&](const WaterFace* face) {
+      const auto& points = face->face.points;
+      return !points.empty() && up_.dot(x) > std::min(up_.dot(points.front()), up_.dot(points.back())) &&
+             is_behind(scene_, *face, x);
+    });
+  }
   [[nodiscard]] bool blocked(const Point3& x, const Point3& y) const {
     return std::any_of(barriers_.begin(), barriers_.end(), [&](const Barrier& b) { return crossed(b, x, y); });
   }
@@ -271,6 +291,7 @@ class Flood {
   Point3 lower_ = Point3::Constant(HUGE_VAL), upper_ = Point3::Constant(-HUGE_VAL), origin_ = Point3::Zero();
   std::vector<Barrier> barriers_;
   std::vector<Point3> springs_;
+  std::vector<const WaterFace*> takers_;  ///< what stands behind them takes water
   std::size_t walls_ = 0;
   double level_ = -HUGE_VAL, size_ = 0.0;
   std::array<int, 3> count_{1, 1, 1};

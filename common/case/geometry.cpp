@@ -81,7 +81,11 @@ bool is_inlet(const Case& scene, const WaterFace& face) {
   return true;
 }
 
-std::optional<double> free_top(const Case& scene, const WaterFace& face) {
+bool is_reservoir(const Case& scene, const WaterFace& face) {
+  return (face.head || face.basin_area) && !is_inlet(scene, face);
+}
+
+std::optional<Crest> crest_of(const Case& scene, const WaterFace& face) {
   const auto& points = face.face.points;
   const double g = scene.general.gravity.norm();
   if (points.size() < 2 || g == 0.0) return std::nullopt;
@@ -89,14 +93,19 @@ std::optional<double> free_top(const Case& scene, const WaterFace& face) {
   const Point3 &a = points.front(), &b = points.back();
   // A level face is held by what stands at both its ends.
   const double slack = 1e-6 * (b - a).norm();
-  const Point3& top = up.dot(a) > up.dot(b) ? a : b;
+  const bool first = up.dot(a) > up.dot(b);
+  const Point3& top = first ? a : b;
   const auto goes_on = [&](const Face& other, const Point3& end) {
     if (&other == &face.face) return false;
     if (other.points.empty()) return std::abs(other.normal.normalized().dot(end - other.point)) < slack;
     for (std::size_t i = 0; i + 1 < other.points.size(); ++i) {
       const Point3 s = other.points[i + 1] - other.points[i];
       const double along = std::clamp(s.dot(end - other.points[i]) / s.squaredNorm(), 0.0, 1.0);
-      if ((other.points[i] + along * s - end).norm() < slack) return true;
+      if ((other.points[i] + along * s - end).norm() >= slack) continue;
+      // A floor that goes on from there, no higher, holds nothing.
+      const bool floor = up.dot(Point3(-s.y(), s.x(), 0.0)) > slack &&
+                         std::max(up.dot(other.points[i]), up.dot(other.points[i + 1])) < up.dot(end) + slack;
+      if (!floor) return true;
     }
     return false;
   };
@@ -109,7 +118,41 @@ std::optional<double> free_top(const Case& scene, const WaterFace& face) {
   };
   const bool level = std::abs(up.dot(a - b)) < slack;
   if (level ? held(a) && held(b) : held(top)) return std::nullopt;
-  return up.dot(top);
+  Crest crest{top, up.dot(top), Point3::Zero()};
+  const Point3 along = first ? Point3(points[1] - points[0]) : Point3(points.back() - points[points.size() - 2]);
+  const Point3 left(-along.y(), along.x(), 0.0), across = left - up.dot(left) * up;
+  if (!level && across.norm() > 1e-6 * along.norm()) crest.inward = across.normalized();
+  return crest;
+}
+
+bool is_behind(const Case& scene, const WaterFace& face, const Point3& x) {
+  const auto& points = face.face.points;
+  if (points.empty()) return face.face.normal.dot(x - face.face.point) < 0.0;
+  double least = HUGE_VAL;
+  Point3 nearest = Point3::Zero(), normal = Point3::Zero();
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+    const Point3 s = points[i + 1] - points[i], left = Point3(-s.y(), s.x(), 0.0).normalized();
+    const Point3 foot = points[i] + std::clamp(s.dot(x - points[i]) / s.squaredNorm(), 0.0, 1.0) * s;
+    const double distance = (x - foot).norm();
+    // At a corner both pieces are as near.
+    if (distance < least * (1.0 - 1e-9))
+      normal = left;
+    else if (distance <= least * (1.0 + 1e-9))
+      normal += left;
+    if (distance < least) nearest = foot;
+    least = std::min(least, distance);
+  }
+  const Point3 up = -scene.general.gravity.normalized();
+  if ((nearest == points.front() || nearest == points.back()) && up.dot(x - nearest) > 0.0 &&
+      up.dot(nearest) >= std::max(up.dot(points.front()), up.dot(points.back())))
+    if (const Point3 across = normal - up.dot(normal) * up; across.norm() > 1e-6 * normal.norm()) normal = across;
+  return normal.dot(x - nearest) < 0.0;
+}
+
+std::string no_way_over(const Case& scene, const Crest& crest) {
+  if (crest.inward.isZero()) return "the face is level and open at an end, there is no crest";
+  if (scene.coupled()) return "the soil moves, and its crest with it";
+  return {};
 }
 
 template <int D>

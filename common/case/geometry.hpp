@@ -5,6 +5,8 @@
 #include "common/core/vector.hpp"
 #include "common/sph/images.hpp"
 
+#include <string>
+
 namespace poretwin {
 
 /// Is x [m] inside the shape (borders included)? Boxes in 2D ignore z.
@@ -17,9 +19,22 @@ std::pair<Point3, Point3> bounds(const Shape& shape);
 /// that no particles are needed for.
 bool is_inlet(const Case& scene, const WaterFace& face);
 
-/// Elevation [m] of the upper end of a face if no wall or other face touches it there: water behind the
-/// face that stands higher runs over it.
-std::optional<double> free_top(const Case& scene, const WaterFace& face);
+/// Does still water stand behind the face, in no particles, up to a level: of a head or of a basin's balance?
+bool is_reservoir(const Case& scene, const WaterFace& face);
+
+/// The upper end of a face that no wall or other face touches: water behind the face that stands higher runs over it.
+struct Crest {
+  Point3 end = Point3::Zero();     ///< m
+  double elevation = 0.0;          ///< m
+  Point3 inward = Point3::Zero();  ///< unit, level, into the domain; zero where the face itself is level
+};
+std::optional<Crest> crest_of(const Case& scene, const WaterFace& face);
+
+/// Does x [m] lie on the side of a face where its reservoir is? Above its crest the upright through it divides.
+bool is_behind(const Case& scene, const WaterFace& face, const Point3& x);
+
+/// Why no real water can run over the crest of a reservoir; empty where it can.
+std::string no_way_over(const Case& scene, const Crest& crest);
 
 /// Particles on a lattice that fills a shape.
 template <int D>

@@ -342,10 +342,21 @@ points = [[1.2, 0], [0.8, 0.4]]
 head = 0
 )";
   EXPECT_EQ(complaint(dam), "no complaint");
+  // Over the crest, down the other slope and into what stands behind that.
+  const std::string over = changed(dam, "head = 0.3", "head = [[0, 0], [10, 0.45]]");
+  EXPECT_EQ(complaint(over), "no complaint");
+  EXPECT_THAT(complaint(changed(over, "head = 0\n", "pressure = 0\n")), HasSubstr("water can run out at"));
   EXPECT_THAT(
-      complaint(changed(dam, "head = 0.3", "head = [[0, 0], [10, 0.45]]")),
-      HasSubstr("key 'water_face[0].head': the water behind the face rises to 0.45 m, above the face's upper end "
-                "at 0.4 m, where no wall touches it: it would run over"));
+      complaint(changed(over, "model = \"rigid\"", "model = \"elastic\"")),
+      HasSubstr(
+          "key 'water_face[0].head': the water behind the face rises to 0.45 m, above the face's upper end "
+          "at 0.4 m, where no wall touches it, and cannot run over there: the soil moves, and its crest with it"));
+  // A wall that goes up from the crest holds the water, a floor along it does not.
+  const auto with_wall = [&](const std::string& points) {
+    return complaint(changed(over, "model = \"rigid\"", "model = \"elastic\"") + "[[wall]]\npoints = " + points);
+  };
+  EXPECT_EQ(with_wall("[[0.4, 0.6], [0.4, 0.4]]"), "no complaint");
+  EXPECT_THAT(with_wall("[[0.4, 0.4], [0.8, 0.4]]"), HasSubstr("cannot run over there"));
 }
 
 TEST_F(CaseFile, NamesWallsAndFacesInTheWrongPlace) {
