@@ -11,6 +11,7 @@ A scheme's finer runs are left out once one has taken longer than --longest.
 """
 import argparse
 import json
+import math
 import pathlib
 import statistics
 import subprocess
@@ -105,15 +106,24 @@ def size_table(a):
             "![](bench/scaling.png)", "", *scaling.table(rows)]
 
 
+def order(row, rows):
+    """Observed order between the next coarser spacing of the same scheme and this one; empty where there is none."""
+    coarser = [other for other in rows if other["scheme"] == row["scheme"] and other["spacing"] > row["spacing"]]
+    if not coarser or not row["error"] or not coarser[-1]["error"]:
+        return ""
+    before = coarser[-1]
+    return f'{math.log(before["error"] / row["error"]) / math.log(before["spacing"] / row["spacing"]):.1f}'
+
+
 def study_table(case, study, rows):
     """Markdown; `*` marks the runs that no other one beats in error and time at once."""
     axis = "exchange interval [s]" if study["spacing"].startswith("coupling") else "spacing [m]"
     lines = ["", f"## {case}", "", f"{rows[0]['metric']} (asked: {rows[0]['bound']:g})", "", f"![](bench/{case}.png)", "",
-             f"| scheme | {axis} | error | CPU s | wall s | windows | particles | |",
-             "| --- | --- | --- | --- | --- | --- | --- | --- |"]
+             f"| scheme | {axis} | error | order | CPU s | wall s | windows | particles | |",
+             "| --- | --- | --- | --- | --- | --- | --- | --- | --- |"]
     for row in rows:
         error = "-" if row["error"] is None else f"{row['error']:.2g}"
-        lines.append(f"| {row['scheme']} | {row['spacing']:g} | {error} | {row['cpu_s']:.2f} | {row['wall_s']:.2f} "
+        lines.append(f"| {row['scheme']} | {row['spacing']:g} | {error} | {order(row, rows)} | {row['cpu_s']:.2f} | {row['wall_s']:.2f} "
                      f"| {row['windows']} | {row['particles']} | {'*' if is_front(row, rows) else ''} |")
     return lines
 

@@ -508,7 +508,10 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   in.velocity = forced_velocity(s, view, gradient, dt);
   in.source = volume_source(s, view, gradient, dt);
   const auto& scheme = scene_.fluid.scheme;
-  if (scheme != FluidCase::Scheme::projection) in.sweeps = scene_.fluid.sweeps;
+  if (scheme != FluidCase::Scheme::projection) {
+    in.sweeps = scene_.fluid.sweeps;
+    in.sweep_pressure = state_.sweep_pressure;
+  }
   VecArray<D> drag_force(p.size(), Vec<D>::Zero());
   const ScalarArray drag = view.drag;
   if (scheme == FluidCase::Scheme::eisph_explicit_drag) {
