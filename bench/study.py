@@ -13,6 +13,7 @@ import argparse
 import json
 import math
 import pathlib
+import signal
 import statistics
 import subprocess
 import sys
@@ -35,13 +36,16 @@ def verified(program, case, study, settings, longest):
             command += ["--run", study["run"]]
         for setting in settings:
             command += ["--set", setting]
-        try:
-            done = subprocess.run(command, timeout=longest, capture_output=True, text=True, check=False)
-        except subprocess.TimeoutExpired:
-            print(f"{case}: stopped after {longest:g} s", flush=True)
-            return None
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+            try:
+                output, error = process.communicate(timeout=longest)
+            except subprocess.TimeoutExpired:
+                process.send_signal(signal.SIGINT)  # it ends its processes
+                process.communicate()
+                print(f"{case}: stopped after {longest:g} s", flush=True)
+                return None
         if not result.exists():
-            sys.exit(f"{case}: {done.stderr.strip() or done.stdout.strip()}")
+            sys.exit(f"{case}: {error.strip() or output.strip()}")
         return json.loads(result.read_text())
 
 
