@@ -64,29 +64,24 @@ double lattice_diagonal() {
   return value;
 }
 
-/// How far water seems compressed. Swept once, water of mobility kf = n^2/(n rho/dt + C) answers to a divergence like a
-/// compressible fluid, by dt kf diagonal/omega of its volume per pressure: in free water that grows with dt^2 (an
-/// artificial sound of about one spacing per window), in soil with dt (pressure diffuses one spacing per window). Of
-/// what is allowed it is quadratic dt^2/(linear dt + constant) under the whole relaxation.
+/// Longest window [s] of the sweep. Swept once, water of mobility kf = n^2/(n rho/dt + C) answers to a divergence like
+/// a compressible fluid, by dt kf diagonal/omega of its volume per pressure: in free water that grows with dt^2 (an
+/// artificial sound of about one spacing per window), in soil with dt (pressure diffuses one spacing per window).
+/// n: void fraction; drag: C [N s/m4]; pressure: that drives or may be relieved [Pa]; spacing: of the particles [m].
 template <int D>
-struct SweepCompression {
-  /// n: void fraction; drag: C [N s/m4]; pressure: that drives or may be relieved [Pa]; spacing: of the particles [m].
-  SweepCompression(double n, double drag, double density, double pressure, double spacing, int sweeps)
-      : quadratic(n * pressure * lattice_diagonal<D>() / (spacing * spacing * sweep_relaxation * sweeps)),
-        linear(soil_compression * drag),
-        constant(free_compression * n * density) {}
-  /// Longest window [s].
-  [[nodiscard]] double interval() const {
-    if (!(quadratic > 0.0)) return HUGE_VAL;
-    return (linear + std::sqrt(linear * linear + 4.0 * quadratic * constant)) / (2.0 * quadratic);
-  }
-  /// In a shorter window so much of the relaxation that water stays as stiff as in the longest. With the whole of it a
-  /// window of a hundredth answers to what the one before left over with a pressure ten thousand times as large, which
-  /// is there still when the next one is long again.
-  [[nodiscard]] double relaxation(double dt) const {
-    return sweep_relaxation * (quadratic > 0.0 ? std::min(1.0, quadratic * dt * dt / (linear * dt + constant)) : 1.0);
-  }
-  double quadratic, linear, constant;
-};
+double sweep_interval(double n, double drag, double density, double pressure, double spacing, int sweeps) {
+  const double quadratic = n * pressure * lattice_diagonal<D>() / (spacing * spacing * sweep_relaxation * sweeps);
+  const double linear = soil_compression * drag, constant = free_compression * n * density;
+  if (!(quadratic > 0.0)) return HUGE_VAL;
+  return (linear + std::sqrt(linear * linear + 4.0 * quadratic * constant)) / (2.0 * quadratic);
+}
+
+/// Relaxation in a window shorter than the phase asked for, by `share` of that: so much less that water stays as stiff.
+/// With the whole of it a window of a hundredth answers to what the one before left over with a pressure ten thousand
+/// times as large, which is there still when the next one is long again. inertia: n rho/dt; drag: C [N s/m4].
+inline double relaxation_in(double share, double inertia, double drag) {
+  if (share >= 1.0) return sweep_relaxation;
+  return sweep_relaxation * share * (inertia * share + drag) / (inertia + drag);
+}
 
 }  // namespace poretwin::fluid

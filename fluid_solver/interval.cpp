@@ -59,14 +59,12 @@ void Fluid<D>::limit_scheme(const SoilView<D>& view) {
   for (const auto& c : state_.columns)
     if (c.wet) pressure = std::max(pressure, c.pressure + weight_.dot(c.foot - origin_));
   pressure = std::max(pressure, density_ * fastest * fastest);
-  state_.sweep_pressure = pressure;
   double sweep = HUGE_VAL, drag = HUGE_VAL, skeleton = HUGE_VAL;
   const bool implicit_drag = scene_.fluid.scheme != FluidCase::Scheme::eisph_explicit_drag;
   for (std::size_t a = 0; a < p.size(); ++a) {
     const double n = p.void_fraction[a], C = view.drag[a];
-    sweep = std::min(sweep, SweepCompression<D>(n, implicit_drag ? C : 0.0, density_, pressure,
-                                                spacing_of<D>(p.volume[a]), scene_.fluid.sweeps)
-                                .interval());
+    sweep = std::min(sweep, sweep_interval<D>(n, implicit_drag ? C : 0.0, density_, pressure,
+                                              spacing_of<D>(p.volume[a]), scene_.fluid.sweeps));
     if (C <= 0.0) continue;
     drag = std::min(drag, n * density_ / C);
     if (scene_.coupled()) skeleton = std::min(skeleton, view.density[a] * n * n / C);

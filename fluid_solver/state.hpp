@@ -105,11 +105,10 @@ struct State {
   Particles<D> particles;
   std::vector<FaceColumn<D>> columns;
   std::vector<Inlet<D>> inlets;
-  double wave_speed = 0.0;      ///< of long waves on the deepest free water so far, m/s
-  bool multigrid = false;       ///< the last window's pressure was worth it
-  ScalarArray supplied;         ///< [faces] volume of the basin at first, and poured in since [m^D]; 0 where it is none
-  ScalarArray basin_level;      ///< [faces] m
-  double sweep_pressure = 0.0;  ///< under which explicit sweeps let water seem compressed, from the last window, Pa
+  double wave_speed = 0.0;  ///< of long waves on the deepest free water so far, m/s
+  bool multigrid = false;   ///< the last window's pressure was worth it
+  ScalarArray supplied;     ///< [faces] volume of the basin at first, and poured in since [m^D]; 0 where it is none
+  ScalarArray basin_level;  ///< [faces] m
   std::vector<TimeLimit> scheme_limits;  ///< of explicit schemes, from the last window
   Counts counts;
   Balance balance;

@@ -285,10 +285,7 @@ class WindowSolver {
         out.pressure[a] = known[a] = (torn_[a] ? torn_pressure(a) : pinned_pressure(a)) - reference;
     if (in_.sweeps > 0) {
       ScalarArray relaxation(n_);
-      for (std::size_t a = 0; a < n_; ++a)
-        relaxation[a] = SweepCompression<D>(in_.void_fraction[a], q_[a].C, in_.density, in_.sweep_pressure,
-                                            spacing_of<D>(s_.volume[a]), in_.sweeps)
-                            .relaxation(in_.interval);
+      for (std::size_t a = 0; a < n_; ++a) relaxation[a] = relaxation_in(in_.share, q_[a].aw, q_[a].C);
       relaxed_sweeps(fluid_, b, relaxation, out.pressure, in_.sweeps);
       out.pressure_iterations += in_.sweeps;
       for (auto& p : out.pressure) p += reference;
