@@ -11,7 +11,9 @@ A scheme's finer runs are left out once one has taken longer than --longest.
 """
 import argparse
 import json
+import math
 import pathlib
+import signal
 import statistics
 import subprocess
 import sys
@@ -34,13 +36,16 @@ def verified(program, case, study, settings, longest):
             command += ["--run", study["run"]]
         for setting in settings:
             command += ["--set", setting]
-        try:
-            done = subprocess.run(command, timeout=longest, capture_output=True, text=True, check=False)
-        except subprocess.TimeoutExpired:
-            print(f"{case}: stopped after {longest:g} s", flush=True)
-            return None
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+            try:
+                output, error = process.communicate(timeout=longest)
+            except subprocess.TimeoutExpired:
+                process.send_signal(signal.SIGINT)  # it ends its processes
+                process.communicate()
+                print(f"{case}: stopped after {longest:g} s", flush=True)
+                return None
         if not result.exists():
-            sys.exit(f"{case}: {done.stderr.strip() or done.stdout.strip()}")
+            sys.exit(f"{case}: {error.strip() or output.strip()}")
         return json.loads(result.read_text())
 
 
@@ -105,15 +110,24 @@ def size_table(a):
             "![](bench/scaling.png)", "", *scaling.table(rows)]
 
 
+def order(row, rows):
+    """Observed order between the next coarser spacing of the same scheme and this one; empty where there is none."""
+    coarser = [other for other in rows if other["scheme"] == row["scheme"] and other["spacing"] > row["spacing"]]
+    if not coarser or not row["error"] or not coarser[-1]["error"]:
+        return ""
+    before = coarser[-1]
+    return f'{math.log(before["error"] / row["error"]) / math.log(before["spacing"] / row["spacing"]):.1f}'
+
+
 def study_table(case, study, rows):
     """Markdown; `*` marks the runs that no other one beats in error and time at once."""
     axis = "exchange interval [s]" if study["spacing"].startswith("coupling") else "spacing [m]"
     lines = ["", f"## {case}", "", f"{rows[0]['metric']} (asked: {rows[0]['bound']:g})", "", f"![](bench/{case}.png)", "",
-             f"| scheme | {axis} | error | CPU s | wall s | windows | particles | |",
-             "| --- | --- | --- | --- | --- | --- | --- | --- |"]
+             f"| scheme | {axis} | error | order | CPU s | wall s | windows | particles | |",
+             "| --- | --- | --- | --- | --- | --- | --- | --- | --- |"]
     for row in rows:
         error = "-" if row["error"] is None else f"{row['error']:.2g}"
-        lines.append(f"| {row['scheme']} | {row['spacing']:g} | {error} | {row['cpu_s']:.2f} | {row['wall_s']:.2f} "
+        lines.append(f"| {row['scheme']} | {row['spacing']:g} | {error} | {order(row, rows)} | {row['cpu_s']:.2f} | {row['wall_s']:.2f} "
                      f"| {row['windows']} | {row['particles']} | {'*' if is_front(row, rows) else ''} |")
     return lines
 

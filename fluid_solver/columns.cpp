@@ -266,6 +266,9 @@ void Fluid<D>::give_birth_and_delete(const SoilView<D>& view) {
     const double d = c.inside(p.position[a]);
     // Soil that slides out of a seepage face takes its water along.
     const bool passed = d < -deletion_depth * c.spacing && (!faces_follow_ || c.wet || view.coverage[a] < 0.5);
+    // What has passed a seepage face is in the air; its pressure, carried along with the slope inside, is not.
+    if (!faces_follow_ && c.in_soil && !c.wet && d < 0.0)
+      p.pressure[a] = std::max(p.pressure[a], -weight_.dot(p.position[a] - origin_));
     if (!passed && !left) continue;
     keep[a] = false;
     c.net -= p.mass[a] / density_;

@@ -497,7 +497,7 @@ WindowSolution<D> Fluid<D>::solve(const Stencil<D>& s, SoilView<D>& view, const 
 template <int D>
 coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupling::Inbox& inbox) {
   auto& p = state_.particles;
-  const double dt = window.interval;
+  const double dt = window.interval, asked = time_limit().first;
   auto view = soil(inbox);
   view.linearise(p.velocity, view.velocity);
   const VecArray<D> velocity_before = p.velocity;
@@ -524,7 +524,10 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   in.velocity = forced_velocity(s, view, gradient, dt);
   in.source = volume_source(s, view, gradient, dt);
   const auto& scheme = scene_.fluid.scheme;
-  if (scheme != FluidCase::Scheme::projection) in.sweeps = scene_.fluid.sweeps;
+  if (scheme != FluidCase::Scheme::projection) {
+    in.sweeps = scene_.fluid.sweeps;
+    in.share = dt / asked;
+  }
   VecArray<D> drag_force(p.size(), Vec<D>::Zero());
   const ScalarArray drag = view.drag;
   if (scheme == FluidCase::Scheme::eisph_explicit_drag) {

@@ -94,7 +94,9 @@ class WindowSolver {
       if (!q_[a].responds) out.solid_velocity[a] = soil_.velocity[a];
     VecArray<D> flux(n_);
     for (std::size_t a = 0; a < n_; ++a) flux[a] = in_.void_fraction[a] * q_[a].aw / (q_[a].aw + q_[a].C) * pushed(a);
-    const ScalarArray outflow = divergence<D>(s_, flux, Carried::yes);
+    ScalarArray outflow = divergence<D>(s_, flux, Carried::yes);
+    if (in_.sweeps > 0)
+      for (std::size_t a = 0; a < n_; ++a) outflow[a] *= sweep_trust(s_, a);
     ScalarArray sources(n_), b(n_);
     for (std::size_t a = 0; a < n_; ++a)
       sources[a] = s_.volume[a] * (in_.source[a] - outflow[a]) - in_.cavity[a] / in_.interval;
@@ -282,7 +284,9 @@ class WindowSolver {
       if (pinned(a) || torn_[a])
         out.pressure[a] = known[a] = (torn_[a] ? torn_pressure(a) : pinned_pressure(a)) - reference;
     if (in_.sweeps > 0) {
-      relaxed_sweeps(fluid_, b, out.pressure, in_.sweeps);
+      ScalarArray relaxation(n_);
+      for (std::size_t a = 0; a < n_; ++a) relaxation[a] = relaxation_in(in_.share, q_[a].aw, q_[a].C);
+      relaxed_sweeps(fluid_, b, relaxation, out.pressure, in_.sweeps);
       out.pressure_iterations += in_.sweeps;
       for (auto& p : out.pressure) p += reference;
       return;

@@ -24,6 +24,7 @@ struct WindowProblem {
   double tolerance = 1e-4;         ///< of the pressure residual, relative, where no skeleton responds
   std::uint32_t fixed_soil = 0;    ///< boundaries that hold the soil, by bits
   int sweeps = 0;                  ///< explicit sweeps in place of the solve; 0: solve
+  double share = 1.0;              ///< this window's, of what the phase asked for: less makes sweeps no stiffer
 };
 
 template <int D>
