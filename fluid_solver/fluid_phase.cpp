@@ -290,17 +290,14 @@ template <int D>
 void Fluid<D>::initialise(const coupling::Inbox& inbox) {
   auto& p = state_.particles;
   const auto view = soil(inbox);
-  double stiffest = 0.0;
   for (std::size_t a = 0; a < p.size(); ++a) {
     // The lattice's cells are the particles' bulk volumes; what water they hold follows from the soil as it is.
     p.void_fraction[a] = 1.0 - view.fraction[a];
     p.mass[a] = p.void_fraction[a] * density_ * p.volume[a];
     p.mask[a] = view.mask[a];
     p.seeps[a] = seeps<D>(view, a, p.velocity[a], density_, spacing_of<D>(p.volume[a])) ? 1.0 : 0.0;
-    stiffest = std::max(stiffest, view.modulus[a]);
   }
-  first_interval_ = stiffest > 0.0 ? 0.2 * dx_ / std::sqrt(stiffest / density_) : 0.0;
-  if (responds()) state_.controlled = first_interval_;
+  begin_control(view, 0.0);
   settle(view);
   limit_scheme(view);
   p.solid_velocity = view.velocity;
@@ -572,6 +569,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
         p.solid_velocity[a] += dt / view.density[a] * (view.force[a] - view.fraction[a] * (weight_ + out.gradient[a])) +
                                p.drag_impulse[a] / (p.volume[a] * view.density[a]);
   }
+  if (state_.controlled <= 0.0) begin_control(view, dt);
   control_interval(before, dt);
   limit_scheme(view);
   advance_columns(s, view, dt);

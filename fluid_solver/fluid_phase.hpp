@@ -27,7 +27,7 @@ class Fluid final : public Phase {
     place_pistons();
   }
   void archive(Archive& archive) override {
-    archive(state_, first_interval_);
+    archive(state_, first_interval_, quasi_static_interval_);
     place_pistons();
   }
   [[nodiscard]] OutputFrame frame() const override;
@@ -58,7 +58,6 @@ class Fluid final : public Phase {
   void displace(std::size_t a, const Vec<D>& d, bool stop_at_walls);
   void move(const Stencil<D>& s, const WindowSolution<D>& solution, std::span<const Mat<D>> velocity_gradient,
             std::span<const Vec<D>> velocity_before, double interval);
-  void keep_inside(Vec<D>& x, Vec<D>& v, double spacing) const;
   void fill_basins(double time, double interval);
   /// Level of the still water behind a face [m].
   [[nodiscard]] double level_behind(int face, double time) const;
@@ -79,6 +78,7 @@ class Fluid final : public Phase {
   [[nodiscard]] bool is_free(std::size_t a) const;
   [[nodiscard]] int taker(const Vec<D>& x) const;
   void give_birth_and_delete(const SoilView<D>& soil);
+  void begin_control(const SoilView<D>& view, double interval);
   void control_interval(const ScalarArray& before, double interval);
   void limit_scheme(const SoilView<D>& view);
   void take_back(const Stencil<D>& s, const SoilView<D>& view, double interval);
@@ -89,7 +89,7 @@ class Fluid final : public Phase {
   WindowProblem<D> problem(double interval) const;
 
   Case scene_;
-  double dx_ = 0.0, density_ = 1000.0, first_interval_ = 0.0;
+  double dx_ = 0.0, density_ = 1000.0, first_interval_ = 0.0, quasi_static_interval_ = 0.0;
   /// Weight of water [N/m3], where its potential is: gravity along a periodic axis, which has none, pulls [m/s2].
   Vec<D> weight_ = Vec<D>::Zero(), pull_ = Vec<D>::Zero(), origin_ = Vec<D>::Zero();
   std::vector<sph::ImagePlane<D>> planes_;

@@ -16,6 +16,26 @@ constexpr double longest_interval = 8.0;  // s: of slow seepage; with longer one
 
 }  // namespace
 
+/// The shortest windows that a change of pressure asks for: a fifth of the way of the soil's waves through a spacing.
+/// Soil that was dry is wetted, not struck: there, while nothing else asks for shorter ones, windows that are
+/// successions of equilibria, as long as waves take through all of the soil and back. interval [s]: of the window in
+/// which soil answers for the first time, 0 before the first.
+template <int D>
+void Fluid<D>::begin_control(const SoilView<D>& view, double interval) {
+  double stiffest = 0.0;
+  for (const double modulus : view.modulus) stiffest = std::max(stiffest, modulus);
+  if (!responds() || stiffest <= 0.0) return;
+  const double speed = std::sqrt(stiffest / density_);
+  first_interval_ = 0.2 * dx_ / speed;
+  if (interval > 0.0)
+    for (const auto& soil : scene_.soils) {
+      const auto [lower, upper] = bounds(soil.shape);
+      const double height = std::abs(weight_.normalized().dot((upper - lower).template head<D>()));
+      quasi_static_interval_ = std::max(quasi_static_interval_, 2.0 * height / speed);
+    }
+  state_.controlled = std::max(first_interval_, interval);
+}
+
 /// Next interval from the pressure change of this one; never from a clock.
 template <int D>
 void Fluid<D>::control_interval(const ScalarArray& before, double interval) {
@@ -37,12 +57,14 @@ void Fluid<D>::control_interval(const ScalarArray& before, double interval) {
     }
   state_.widest_range = std::max(state_.widest_range, upper - lower);
   // Water at rest has no range of its own: rounding must not shorten its windows.
-  const double range = std::max({upper - lower, 1e-3 * state_.widest_range, hydrostatic_share * (heaviest - lightest)});
+  // No pressure is told better than to a share of the weight of one spacing.
+  const double range = std::max(
+      {upper - lower, 1e-3 * state_.widest_range, hydrostatic_share * (heaviest - lightest), weight_.norm() * dx_});
   state_.pressure_change = range > 0.0 ? std::sqrt(sum / static_cast<double>(now.size())) / range : 0.0;
   const double target =
       state_.pressure_change > 0.0 ? interval * wanted_change / state_.pressure_change : longest_interval;
-  state_.controlled = std::clamp(std::clamp(target, 0.3 * state_.controlled, 1.5 * state_.controlled), first_interval_,
-                                 longest_interval);
+  const double least = 0.3 * std::min(interval, state_.controlled);  // something else may have kept this one short
+  state_.controlled = std::clamp(std::clamp(target, least, 1.5 * state_.controlled), first_interval_, longest_interval);
 }
 
 /// What an explicit scheme asks of the next window, from the water and soil as they are.

@@ -79,7 +79,7 @@ void Fluid<D>::displace(std::size_t a, const Vec<D>& d, bool stop_at_walls) {
   const auto& general = scene_.general;
   p.position[a] += d;
   Vec<D> v = p.velocity[a];
-  keep_inside(p.position[a], v, spacing_of<D>(p.volume[a]));
+  sph::keep_inside<D>(planes_, spacing_of<D>(p.volume[a]), p.position[a], v);
   if (stop_at_walls) p.velocity[a] = v;
   for (const int axis : general.periodic) {
     const double length = general.domain_max[axis] - general.domain_min[axis];
@@ -115,22 +115,6 @@ void Fluid<D>::move(const Stencil<D>& s, const WindowSolution<D>& solution, std:
     if (p.seeps[a] <= 0.5 && s.ghost_distance[a] == 0.0 && p.surface[a] == Surface::interior)
       p.velocity[a] += velocity_gradient[a] * shift[a];
     displace(a, d, true);
-  }
-}
-
-/// A particle that slipped through a wall is mirrored back.
-template <int D>
-void Fluid<D>::keep_inside(Vec<D>& x, Vec<D>& v, double spacing) const {
-  for (const auto& plane : planes_) {
-    if (plane.kind != sph::ImagePlane<D>::Kind::mirror) continue;
-    const double distance = plane.normal.dot(x - plane.point);
-    if (distance >= 0.0 || distance < -spacing) continue;
-    if (plane.to > plane.from) {
-      const double along = plane.tangent.dot(x);
-      if (along < plane.from || along > plane.to) continue;
-    }
-    x -= 2.0 * distance * plane.normal;
-    v -= std::min(0.0, plane.normal.dot(v) - plane.speed) * plane.normal;
   }
 }
 

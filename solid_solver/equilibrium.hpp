@@ -1,15 +1,15 @@
-// Equilibrium of soil that does not yield: conjugate gradients on the forces that the soil itself returns.
+// The equilibrium of soil at the end of a window: displacements by which nothing is missing in its balance of forces.
 #pragma once
 
+#include "solid_solver/anderson.hpp"
 #include "solid_solver/rest.hpp"
-
 #include "solid_solver/stiffness.hpp"
 
 namespace poretwin::solid {
 
-/// All forces on soil that stands still [N], those that hold the zero-energy modes included.
+/// All forces on the particles [N], those that hold the zero-energy modes and viscosity included.
 template <int D>
-VecArray<D> standing_forces(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive) {
+VecArray<D> all_forces(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive) {
   VecArray<D> force = forces(setup, state, drive);
   for (std::size_t i = 0; i < force.size(); ++i) force[i] += state.particles.volume[i] * state.stabilising[i];
   return force;
@@ -18,74 +18,71 @@ VecArray<D> standing_forces(const Setup<D>& setup, const State<D>& state, const 
 /// How far from rest the soil is, as Stiffness::departure() measures it.
 template <int D>
 double departure(const Setup<D>& setup, const Stiffness<D>& stiffness, const State<D>& state, const Drive<D>& drive) {
-  const VecArray<D> force = standing_forces(setup, state, drive), moved = stiffness.displacements(force);
+  const VecArray<D> force = all_forces(setup, state, drive), moved = stiffness.displacements(force);
   double work = 0.0;
   for (std::size_t i = 0; i < force.size(); ++i) work += force[i].dot(moved[i]);
   return stiffness.departure(work, reference_acceleration(setup, state, drive));
 }
 
-/// Moves the soil by a displacement [m] without regard to time; external(drive, rebuilt) then fills what acts on it.
-template <int D, class ExternalForce>
-void displace(const Setup<D>& setup, const VecArray<D>& by, State<D>& state, Drive<D>& drive,
-              ExternalForce&& external) {
-  Particles<D>& p = state.particles;
-  std::copy(by.begin(), by.end(), p.velocity.begin());
-  deform(setup, 1.0, state);
-  for (auto& v : p.velocity) v.setZero();
-  for (auto& g : p.gradient) g.setZero();
-  external(drive, rebuild_if_moved(setup, state));
-  for (std::size_t i = 0; i < p.free(); ++i)
-    state.body[i] = (p.mass[i] * setup.gravity + drive.distributed[i]) / p.volume[i];
-  evaluate_forces(setup, state);
-}
+/// When an equilibrium is found and when the search is given up.
+struct EquilibriumSearch {
+  double criterion = 4e-4;  ///< departure from rest as Stiffness::departure() measures it
+  std::size_t most = 150;   ///< displacements tried
+};
 
-/// Finds the rest of soil that does not yield: preconditioned conjugate gradients, one displacement an iteration, whose
-/// product of stiffness and direction is the change of force that it made. `criterion`: departure from rest in the norm
-/// of Stiffness::departure() at which it ends. Where the soil yields, or after `most` displacements, the search is
-/// given up and the report says not reached.
+/// Finds where the soil stands at the end of a window of `interval` [s] under the forces that external(drive, rebuilt)
+/// fills for a displacement tried: one step of backward Euler. Stress is returned to the cone once, over the window's
+/// whole strain, whatever was tried on the way: a search that follows its way through the cone gathers the plastic
+/// strain of its detours. Given up when nothing is found in time, or something moves by more than half a spacing; the
+/// state is then as it was.
 template <int D, class ExternalForce>
-RestReport find_elastic_rest(const Setup<D>& setup, const Stiffness<D>& stiffness, double criterion, std::size_t most,
-                             State<D>& state, ExternalForce&& external) {
+RestReport find_equilibrium(const Setup<D>& setup, const Stiffness<D>& stiffness, const EquilibriumSearch& search,
+                            double interval, State<D>& state, ExternalForce&& external) {
+  constexpr Eigen::Index depth = 12;
+  using Flat = Eigen::Map<Eigen::VectorXd>;
   RestReport report;
-  report.criterion = criterion;
+  report.criterion = search.criterion;
   const std::size_t n = state.particles.free();
-  const auto dot = [n](const VecArray<D>& a, const VecArray<D>& b) {
-    double sum = 0.0;
-    for (std::size_t i = 0; i < n; ++i) sum += a[i].dot(b[i]);
-    return sum;
-  };
+  const auto size = static_cast<Eigen::Index>(n * D);
+  const State<D> start = state;
+  ScalarArray held = start.particles.plastic_strain;
   Drive<D> drive;
   external(drive, true);
   const double reference = reference_acceleration(setup, state, drive);
-  VecArray<D> force = standing_forces(setup, state, drive), balanced = stiffness.displacements(force);
-  VecArray<D> direction = balanced, move(n, Vec<D>::Zero()), change(n), left(n);
-  double work = dot(force, balanced), step = 1.0;
-  report.residual = stiffness.departure(work, reference);
-  while (!report.reached() && report.steps < most) {
-    for (std::size_t i = 0; i < n; ++i) move[i] += step * direction[i];
-    displace(setup, move, state, drive, external);
-    ++report.steps;
-    const VecArray<D> now = standing_forces(setup, state, drive);
-    for (std::size_t i = 0; i < n; ++i) change[i] = (force[i] - now[i]) / step;
-    const double stiff = dot(direction, change);
-    if (state.any_yielded || !(stiff > 0.0)) break;
-    const double best = dot(direction, force) / stiff;
-    for (std::size_t i = 0; i < n; ++i) {
-      left[i] = force[i] - best * change[i];
-      move[i] = (best - step) * direction[i];  // what the next displacement makes good
+  VecArray<D> moved(n, Vec<D>::Zero());
+  Flat all(moved.data()->data(), size);
+  Anderson accelerated(size, depth);
+  for (;; ++report.steps) {
+    if (report.steps > 0) state = start;
+    for (std::size_t i = 0; i < n; ++i) state.particles.velocity[i] = moved[i] / interval;
+    deform(setup, interval, state);
+    external(drive, rebuild_if_moved(setup, state));
+    for (std::size_t i = 0; i < n; ++i)
+      state.body[i] = (state.particles.mass[i] * setup.gravity + drive.distributed[i]) / state.particles.volume[i];
+    std::swap(state.particles.plastic_strain, held);
+    evaluate_forces(setup, state);
+    std::swap(state.particles.plastic_strain, held);
+    VecArray<D> force = all_forces(setup, state, drive), step = stiffness.displacements(force);
+    const Flat missing(force.data()->data(), size), towards(step.data()->data(), size);
+    report.residual = stiffness.departure(missing.dot(towards), reference);
+    if (report.steps == search.most || !std::isfinite(report.residual)) break;
+    if (report.reached()) {
+      // What holds the zero-energy modes lets go of soil that yields; back and forth with every trial there would be no
+      // equilibrium to find.
+      bool lets_go = false;
+      for (std::size_t i = 0; i < held.size(); ++i) {
+        if (held[i] > 0.0 || state.particles.plastic_strain[i] <= 0.0) continue;
+        held[i] = state.particles.plastic_strain[i];
+        lets_go = true;
+      }
+      if (!lets_go) break;
+      accelerated = Anderson(size, depth);
+      continue;
     }
-    step = best;
-    balanced = stiffness.displacements(left);
-    const double overlap = dot(left, balanced) - dot(force, balanced);  // Polak & Ribiere: forgets what does not fit
-    const double carried = std::max(0.0, overlap / work);
-    work = dot(left, balanced);
-    std::swap(force, left);
-    for (std::size_t i = 0; i < n; ++i) direction[i] = balanced[i] + carried * direction[i];
-    report.residual = stiffness.departure(work, reference);
+    all += accelerated.move(missing, towards);
+    if (all.cwiseAbs().maxCoeff() > 0.5 * setup.spacing) break;
   }
-  displace(setup, move, state, drive, external);
-  check_sound(setup, state, state.time);
-  if (state.any_yielded) report.residual = std::numeric_limits<double>::infinity();
+  if (!report.reached()) state = start;
   return report;
 }
 

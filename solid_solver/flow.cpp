@@ -14,6 +14,7 @@ constexpr double volume_share = 0.2;    // of the neighbours' average
 constexpr double packing_share = 0.1;   // of the error of sum V W
 constexpr double evening = 1.0;         // h^2 of motion per crowding and shear strain
 constexpr double longest_move = 0.05;   // in spacings
+constexpr double renewing = 1e-3;       // shear strain in which a stress at yield is made anew, tau / G
 constexpr double surface = 0.25;        // |sum V grad W| h beyond which a particle lies at a surface (flat: 0.7)
 constexpr double dilatancy = 2.0;       // volumetric strain per shear strain and relative density
 constexpr double largest_strain = 0.1;  // between two treatments: loose particles see more
@@ -206,16 +207,18 @@ void keep_flow_regular(const Setup<D>& setup, double dt, State<D>& state) {
     Tensor& stress = p.stress[i];
     const double mean = trace(stress) / 3.0;
     double& volume = p.volume[i];
+    const double shear = interval * 2.0 * root_j2(strain_rate<D>(p.gradient[i]));
+    const double flowed = std::min(1.0, shear / renewing);
     stress.template head<n_components<D>>() +=
-        stress_share * scale * Eigen::Map<const Eigen::Matrix<double, n_components<D>, 1>>(around);
-    volume *= 1.0 + volume_share * scale * around[Around<D>::at_swelling];
+        flowed * stress_share * scale * Eigen::Map<const Eigen::Matrix<double, n_components<D>, 1>>(around);
+    volume *= 1.0 + flowed * volume_share * scale * around[Around<D>::at_swelling];
     if (crowding.norm() * h > surface || cover < 0.8) {
       models(i);
       return;
     }
     // In wet soil the water's pressure keeps the volume; a density taken from the positions would squeeze it.
     if (state.external.coverage[i] <= 0.5) volume *= 1.0 - packing_share * (cover - 1.0);
-    const double strain = std::min(largest_strain, interval * 2.0 * root_j2(strain_rate<D>(p.gradient[i])));
+    const double strain = std::min(largest_strain, shear);
     if (setup.constant_volume[p.material[i]]) {
       const double bulk = setup.models[p.material[i]]->elasticity().bulk;
       const double excess = reference / volume - 1.0 + mean / bulk;

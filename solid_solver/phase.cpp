@@ -2,6 +2,7 @@
 
 #include "common/core/error.hpp"
 #include "common/porous/seepage.hpp"
+#include "solid_solver/flow.hpp"
 #include "solid_solver/gauges.hpp"
 #include "solid_solver/pore_water.hpp"
 #include "solid_solver/readout.hpp"
@@ -40,13 +41,14 @@ ScalarArray coverage_of(const Inbox& inbox, std::size_t n) {
 /// Exchange while the soil moves, in substeps.
 constexpr double substeps_while_moving = 10.0;
 
-/// Long windows of coupled soil: the largest departure from rest, over gravity, that is let be, and that ends the
-/// search for equilibrium; how long the search may be (RestSearch). A seepage front through an embankment, against a
-/// third of these: stress within 0.2 %, settlement within 0.1 %.
-constexpr double woken_by = 5e-3, equilibrium = restless, most_ways = 100.0;
-
-/// The same for soil that does not yield: error of its stress, in the energy's norm, over that under gravity.
+/// Long windows of soil that cannot yield: error of its stress, in the energy's norm and over that under gravity, that
+/// is let be; a fifth of it ends the search for equilibrium.
 constexpr double elastic_error = 2e-3;
+
+/// Of soil that can yield: the largest departure from rest, over gravity, that is let be; error of the stress that ends
+/// the search, since soil creeps by what is left in every window. Where that is not to be had, dynamic relaxation: how
+/// long, and what ends it (RestSearch).
+constexpr double woken_by = 5e-3, plastic_error = 1e-4, relaxed = restless, most_ways = 100.0;
 
 /// Loads begin within rounding of their time.
 bool has_begun(double start, double time) { return time >= start - 1e-9 * std::max(1.0, std::abs(start)); }
@@ -371,28 +373,27 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const VecArray<D>& gradi
   external(drive, true);
   drive.distributed = standing;
   for (auto& v : p.velocity) v.setZero();
-  const Stiffness<D>* stiffness = nullptr;
-  if (cannot_yield()) {
-    ScalarArray resistance(p.free());
-    for (std::size_t i = 0; i < p.free(); ++i) resistance[i] = (p.mass[i] / interval + tracking.tracking[i]) / interval;
-    stiffness = &stiffness_with(resistance);
-  }
-  const double reference = reference_acceleration(setup_, state_, drive);
-  const double residual =
-      stiffness ? departure(setup_, *stiffness, state_, drive) : unrest(setup_, state_, drive, reference).largest;
-  const double let_be = stiffness ? elastic_error : woken_by;
-  const bool asleep = residual <= let_be && !softened(setup_, state_);
+  ScalarArray resistance(p.free());
+  for (std::size_t i = 0; i < p.free(); ++i) resistance[i] = (p.mass[i] / interval + tracking.tracking[i]) / interval;
+  const Stiffness<D>& stiffness = stiffness_with(resistance);
+  const bool asleep =
+      cannot_yield()
+          ? departure(setup_, stiffness, state_, drive) <= elastic_error
+          : !softened(setup_, state_) &&
+                unrest(setup_, state_, drive, reference_acceleration(setup_, state_, drive)).largest <= woken_by;
+  bool moved = false;
   if (!asleep) {
-    RestReport report;
-    if (stiffness) report = find_elastic_rest(setup_, *stiffness, 0.2 * elastic_error, 200, state_, external);
-    if (!stiffness || !report.reached()) {
-      const RestSearch search{equilibrium, most_ways, most_ways, local_share, 0.5 * setup_.spacing};
-      const std::size_t steps = report.steps;
-      report = find_rest<D>(setup_, search, state_, external, [](const RestReport&) {});
-      report.steps += steps;
+    const EquilibriumSearch search{cannot_yield() ? 0.2 * elastic_error : plastic_error};
+    RestReport report = find_equilibrium(setup_, stiffness, search, interval, state_, external);
+    if (!report.reached() && !cannot_yield()) {
+      const std::size_t tried = report.steps;
+      const RestSearch until{relaxed, most_ways, most_ways, local_share, 0.5 * setup_.spacing};
+      report = find_rest<D>(setup_, until, state_, external, [](const RestReport&) {});
+      report.steps += tried;
     }
     // Creep that water limits finds its equilibrium in a window in which less of it happens.
-    if (const double shorter = 0.25 * interval; !report.reached() && shorter > 4.0 * long_window(setup_)) {
+    const double shorter = 0.25 * interval;
+    if (!report.reached() && shorter > long_window(setup_)) {
       saved_.motion.longest = shorter;
       fmt::print(stderr, "no equilibrium at t = {:g} s in a window of {:g} s: {} steps, {:.2g} of gravity left\n",
                  window.time, interval, report.steps, report.residual);
@@ -400,14 +401,16 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const VecArray<D>& gradi
     }
     if (!report.reached()) {
       for (auto* s : {&state_, &saved_}) s->motion.begins(long_window(setup_));
-      fmt::print(stderr, "the soil moves at t = {:g} s: no equilibrium within {} steps, {:.2g} of gravity left\n",
+      fmt::print(stderr, "the soil moves at t = {:g} s: no equilibrium in {} steps, {:.2g} of gravity left\n",
                  window.time, report.steps, report.residual);
       return Outcome::reject(substeps_while_moving * setup_.longest_substep, "the soil moves: it finds no equilibrium");
     }
     state_.sleep.saturation = state_.external.saturation;
+    moved = report.steps > 0;
+    if (moved) keep_flow_regular(setup_, interval, state_);
+    if (rebuild_if_moved(setup_, state_) || moved) evaluate_forces(setup_, state_);
     state_.motion.steps += static_cast<double>(report.steps);
-    state_.motion.relaxed += 1.0;
-    if (report.creeps && report.residual >= equilibrium) state_.motion.creeping += 1.0;
+    (moved ? state_.motion.relaxed : state_.motion.at_rest) += 1.0;
     state_.motion.patience = 0.0;
     state_.motion.longest = std::max(state_.motion.longest, 1.25 * interval);
   } else {
@@ -419,7 +422,7 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const VecArray<D>& gradi
   }
   state_.external.pressure_gradient = gradient;
   state_.time = end;
-  if (!asleep) ++state_.revision;  // the points stand where they stood
+  if (moved) ++state_.revision;  // otherwise the points stand where they stood
   return Outcome::accept();
 }
 
@@ -565,8 +568,7 @@ std::map<std::string, double> Solid<D>::counters() const {
           {"list rebuilds", state_.rebuilds},
           {"windows relaxed", state_.motion.relaxed},
           {"windows at rest", state_.motion.at_rest},
-          {"windows with local creep", state_.motion.creeping},
-          {"relaxation steps", state_.motion.steps},
+          {"displacements tried", state_.motion.steps},
           {"times the soil began to move", state_.motion.begun},
           {"time in motion", state_.motion.duration},
           {"rest steps", static_cast<double>(rest_.steps)},

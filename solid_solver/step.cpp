@@ -14,8 +14,11 @@ namespace {
 
 template <int D>
 void rebuild_lists(const Setup<D>& setup, State<D>& state) {
-  wrap_periodic<D>(setup.boundaries, state.particles.position);
-  build_neighbourhood<D>(setup.boundaries, setup.range(), setup.threads, state.particles, state.near);
+  Particles<D>& p = state.particles;
+  wrap_periodic<D>(setup.boundaries, p.position);
+  for (std::size_t i = 0; i < p.free(); ++i)
+    sph::keep_inside<D>(setup.boundaries.planes, setup.spacing, p.position[i], p.velocity[i]);
+  build_neighbourhood<D>(setup.boundaries, setup.range(), setup.threads, p, state.near);
   state.rebuilds += 1.0;
 }
 

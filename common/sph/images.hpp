@@ -4,6 +4,7 @@
 
 #include "common/core/vector.hpp"
 
+#include <algorithm>
 #include <array>
 #include <span>
 
@@ -88,6 +89,23 @@ Images<D> make_images(std::span<const Vec<D>> points, std::span<const ImagePlane
     made_by.resize(images.size(), p);
   }
   return images;
+}
+
+/// A point that slipped through a mirror, by less than `reach` [m], is mirrored back; its velocity towards the mirror
+/// [m/s] is stopped.
+template <int D>
+void keep_inside(std::span<const ImagePlane<D>> planes, double reach, Vec<D>& x, Vec<D>& v) {
+  for (const auto& plane : planes) {
+    if (plane.kind != ImagePlane<D>::Kind::mirror) continue;
+    const double distance = plane.normal.dot(x - plane.point);
+    if (distance >= 0.0 || distance < -reach) continue;
+    if (plane.to > plane.from) {
+      const double along = plane.tangent.dot(x);
+      if (along < plane.from || along > plane.to) continue;
+    }
+    x -= 2.0 * distance * plane.normal;
+    v -= std::min(0.0, plane.normal.dot(v) - plane.speed) * plane.normal;
+  }
 }
 
 }  // namespace poretwin::sph

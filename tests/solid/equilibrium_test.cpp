@@ -1,10 +1,13 @@
-// The equilibrium of soil that cannot yield, by conjugate gradients: held against dynamic relaxation.
+// The equilibrium at the end of a window: held against dynamic relaxation, and against many small windows where soil
+// yields.
 #include "solid_solver/phase.hpp"
 #include "tests/solid/scenes.hpp"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdio>
+#include <utility>
 
 namespace poretwin::solid {
 namespace {
@@ -12,7 +15,7 @@ namespace {
 using test::column;
 using test::ColumnSpec;
 
-/// Gravity put on soil without stress, by dynamic relaxation and by conjugate gradients.
+/// Gravity put on soil without stress, by dynamic relaxation and at once.
 template <int D>
 void expect_the_same_equilibrium(const ColumnSpec& spec) {
   Case scene = column(spec);
@@ -30,7 +33,7 @@ void expect_the_same_equilibrium(const ColumnSpec& spec) {
   Drive<D> drive;
   weight_alone(drive, true);
   EXPECT_NEAR(departure(setup, stiffness, solved, drive), 1.0, 1e-9);  // all of the weight is missing
-  const auto fast = find_elastic_rest<D>(setup, stiffness, 1e-4, 200, solved, weight_alone);
+  const auto fast = find_equilibrium<D>(setup, stiffness, {1e-4}, 1.0, solved, weight_alone);
   ASSERT_TRUE(fast.reached());
   EXPECT_LT(departure(setup, stiffness, solved, drive), 2e-4);
 
@@ -63,6 +66,70 @@ TEST(Equilibrium, InThreeDimensions) {
   spec.sides = false;
   spec.height = 0.5;
   expect_the_same_equilibrium<3>(spec);
+}
+
+/// Plastic strain and displacement [m] of a block whose foot yields as its weight comes on in so many equal parts.
+std::pair<double, double> loaded_in_parts(std::size_t parts, double criterion) {
+  ColumnSpec spec;
+  spec.sides = false;
+  Case scene = column(spec);
+  scene.solid.initial_rest = false;
+  scene.solid.model = SolidCase::Model::drucker_prager;
+  scene.soils[0].friction_angle = 30.0;
+  scene.soils[0].dilation_angle = 5.0;
+  scene.soils[0].cohesion = 5000.0;  // Pa: stands, but its foot yields
+  const Solid<2> solid(scene);
+  const Setup<2>& setup = solid.setup();
+  State<2> state = solid.state();
+  const std::size_t n = state.particles.free();
+  const Stiffness<2> stiffness(setup, state.particles, state.particles.position, ScalarArray(n, 0.0));
+  for (std::size_t k = 1; k <= parts; ++k) {
+    const double missing = static_cast<double>(k) / static_cast<double>(parts) - 1.0;
+    const auto weight = [&](Drive<2>& drive, bool) {
+      drive.distributed.resize(n);
+      for (std::size_t i = 0; i < n; ++i) drive.distributed[i] = missing * state.particles.mass[i] * setup.gravity;
+    };
+    const auto report = find_equilibrium<2>(setup, stiffness, {criterion}, 1.0, state, weight);
+    EXPECT_TRUE(report.reached()) << "part " << k << ": " << report.residual << " after " << report.steps;
+    std::printf("part %zu of %zu: %zu displacements\n", k, parts, report.steps);
+  }
+  double plastic = 0.0, moved = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    plastic += state.particles.plastic_strain[i] / static_cast<double>(n);
+    moved = std::max(moved, state.particles.displacement[i].norm());
+  }
+  return {plastic, moved};
+}
+
+TEST(Equilibrium, OfSoilThatYieldsHoldsNoStrainOfTheSearch) {
+  const auto [strain, moved] = loaded_in_parts(4, 1e-4);
+  const auto [exact_strain, exact_moved] = loaded_in_parts(32, 1e-6);
+  std::printf("plastic strain %.4g (%.4g in small parts), moved %.4g mm (%.4g)\n", strain, exact_strain, 1e3 * moved,
+              1e3 * exact_moved);
+  ASSERT_GT(exact_strain, 1e-5);
+  EXPECT_NEAR(strain, exact_strain, 0.03 * exact_strain);
+  EXPECT_NEAR(moved, exact_moved, 0.01 * exact_moved);
+}
+
+TEST(Equilibrium, ThatDoesNotExistLeavesTheSoilAsItWas) {
+  Case scene = column({});
+  scene.solid.model = SolidCase::Model::drucker_prager;
+  scene.soils[0].friction_angle = 30.0;
+  Solid<2> solid(scene);
+  solid.initialise({});
+  const auto& setup = solid.setup();
+  State<2> state = solid.state();
+  const std::size_t n = state.particles.free();
+  const Stiffness<2> stiffness(setup, state.particles, state.particles.position, ScalarArray(n, 0.0));
+  const auto lifted = [&](Drive<2>& drive, bool) {  // by twice its weight: sand does not hang from its base
+    drive.distributed.resize(n);
+    for (std::size_t i = 0; i < n; ++i) drive.distributed[i] = -2.0 * state.particles.mass[i] * setup.gravity;
+  };
+  EXPECT_FALSE(find_equilibrium<2>(setup, stiffness, {1e-4}, 1.0, state, lifted).reached());
+  for (std::size_t i = 0; i < n; ++i) {
+    ASSERT_EQ(state.particles.position[i], solid.state().particles.position[i]);
+    ASSERT_EQ(state.particles.stress[i], solid.state().particles.stress[i]);
+  }
 }
 
 }  // namespace

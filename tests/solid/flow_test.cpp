@@ -194,9 +194,11 @@ TEST(SymmetricSide, ShowsTheOtherHalf) {
   EXPECT_NEAR(front(a), front(b), 0.02 * spacing);
 }
 
-TEST(RegularFlow, LeavesAloneWhatHasNotFlowedAndWhatIsLinear) {
-  Solid<2> solid(layer(0.0, 0.0));
-  const auto [setup, unused] = set_up<2>(layer(0.0, 0.0));
+TEST(RegularFlow, LeavesAloneWhatDoesNotFlowAndWhatIsLinear) {
+  Case scene = layer(0.0, 0.0);
+  scene.soils[0].dilation_angle = 5.0;  // a density of its own
+  Solid<2> solid(scene);
+  const auto [setup, unused] = set_up<2>(scene);
   State<2> state = solid.state();
   auto linear = [](const Vec<2>& x) {
     Tensor s = Tensor::Zero();
@@ -211,7 +213,13 @@ TEST(RegularFlow, LeavesAloneWhatHasNotFlowedAndWhatIsLinear) {
   State<2> expected = resting;
   keep_flow_regular<2>(setup, 1.0, resting);
   EXPECT_EQ(resting.particles.stress[44], expected.particles.stress[44]);
+  // What has flowed and rests is left alone as well.
   std::fill_n(state.particles.plastic_strain.begin(), state.particles.free(), 1.0);
+  State<2> stopped = state;
+  disturb(stopped);
+  keep_flow_regular<2>(setup, 1.0, stopped);
+  EXPECT_EQ(stopped.particles.stress[44], expected.particles.stress[44]);
+  for (auto& gradient : state.particles.gradient) gradient << 0.0, 0.01, 0.0, 0.0;  // 1/s, in 1 s
   State<2> smooth = state, noisy = state;
   keep_flow_regular<2>(setup, 1.0, smooth);
   for (std::size_t i = 0; i < state.particles.size(); ++i)
