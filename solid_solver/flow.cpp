@@ -14,7 +14,7 @@ constexpr double volume_share = 0.2;    // of the neighbours' average
 constexpr double packing_share = 0.1;   // of the error of sum V W
 constexpr double evening = 1.0;         // h^2 of motion per crowding and shear strain
 constexpr double longest_move = 0.05;   // in spacings
-constexpr double renewing = 1e-3;       // shear strain in which a stress at yield is made anew, tau / G
+constexpr double renewing = 0.1;        // shear strain in which a stress is evened out, over the elastic one, tau / G
 constexpr double surface = 0.25;        // |sum V grad W| h beyond which a particle lies at a surface (flat: 0.7)
 constexpr double dilatancy = 2.0;       // volumetric strain per shear strain and relative density
 constexpr double largest_strain = 0.1;  // between two treatments: loose particles see more
@@ -208,7 +208,8 @@ void keep_flow_regular(const Setup<D>& setup, double dt, State<D>& state) {
     const double mean = trace(stress) / 3.0;
     double& volume = p.volume[i];
     const double shear = interval * 2.0 * root_j2(strain_rate<D>(p.gradient[i]));
-    const double flowed = std::min(1.0, shear / renewing);
+    const double elastic = root_j2(stress) / setup.models[p.material[i]]->elasticity().shear;
+    const double flowed = shear < renewing * elastic ? shear / (renewing * elastic) : 1.0;
     stress.template head<n_components<D>>() +=
         flowed * stress_share * scale * Eigen::Map<const Eigen::Matrix<double, n_components<D>, 1>>(around);
     volume *= 1.0 + flowed * volume_share * scale * around[Around<D>::at_swelling];
