@@ -176,10 +176,18 @@ void VtkHdfWriter::append(const OutputFrame& frame) {
   total_ += count;
   file_.attribute("VTKHDF/Steps", "NSteps", static_cast<std::int64_t>(steps_.size()));
   file_.flush();
-  write_sidecar();
+  constexpr std::size_t always = 64;
+  if (steps_.size() <= always || 16 * (steps_.size() - in_sidecar_) >= in_sidecar_) write_sidecar();
 }
 
-void VtkHdfWriter::write_sidecar() const {
+VtkHdfWriter::~VtkHdfWriter() {
+  try {
+    if (in_sidecar_ < steps_.size()) write_sidecar();
+  } catch (const std::exception&) {  // the data are complete without it
+  }
+}
+
+void VtkHdfWriter::write_sidecar() {
   const std::string file = path_.filename().string();
   std::string text =
       "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
@@ -209,6 +217,7 @@ void VtkHdfWriter::write_sidecar() const {
   if (stream) std::filesystem::rename(fresh, target, error);
   if (!stream || error)
     throw FileError(fmt::format("{}: cannot be written (disk full or folder gone?)", target.string()));
+  in_sidecar_ = steps_.size();
 }
 
 }  // namespace poretwin

@@ -20,6 +20,10 @@ class VtkHdfWriter {
   explicit VtkHdfWriter(const std::filesystem::path& path);
   /// Goes on with the file where archive() left it; later steps are removed. Throws FileError.
   VtkHdfWriter(const std::filesystem::path& path, Archive& checkpoint);
+  VtkHdfWriter(const VtkHdfWriter&) = delete;
+  VtkHdfWriter& operator=(const VtkHdfWriter&) = delete;
+  /// Completes the side-car.
+  ~VtkHdfWriter();
 
   /// Appends one step. Every frame holds the fields of the first. Data first, then the step's rows, then NSteps, then a
   /// flush: neither a reader nor a crash ever sees half a step.
@@ -48,7 +52,9 @@ class VtkHdfWriter {
   void bind_columns(bool create);
   void declare(const OutputFrame& frame);
   void check(const OutputFrame& frame) const;
-  void write_sidecar() const;
+  /// The side-car is text that is written as a whole: after every step at first, then whenever it has grown by a
+  /// sixteenth, and at the end.
+  void write_sidecar();
 
   std::filesystem::path path_;
   hdf5::File file_;
@@ -57,6 +63,7 @@ class VtkHdfWriter {
   std::vector<Column> columns_;
   std::vector<Step> steps_;
   std::int64_t total_ = 0;
+  std::size_t in_sidecar_ = 0;  ///< steps
 };
 
 }  // namespace poretwin

@@ -119,6 +119,28 @@ TEST_F(Output, EarlierStepsAreReadableWhileTheRunGoesOn) {
   }
 }
 
+TEST_F(Output, SidecarOfManyStepsIsCompleteAtTheEnd) {
+  const auto steps = [&] {
+    std::ostringstream text;
+    text << std::ifstream(folder_ / "many.xmf").rdbuf();
+    std::size_t count = 0;
+    for (std::size_t at = 0; (at = text.str().find("<Time", at)) != std::string::npos; ++at) ++count;
+    return count;
+  };
+  {
+    VtkHdfWriter writer(folder_ / "many.vtkhdf");
+    for (int k = 0; k < 210; ++k) {
+      writer.append(frame_of(1, k));
+      if (k == 50) {
+        EXPECT_EQ(steps(), 51u);
+      }
+    }
+    EXPECT_GE(steps(), 197u);
+    EXPECT_LT(steps(), 210u);
+  }
+  EXPECT_EQ(steps(), 210u);
+}
+
 TEST_F(Output, FieldsCarryTheirMeaning) {
   VtkHdfWriter(folder_ / "a.vtkhdf").append(frame_of(2, 0.0));
   const auto file = hdf5::File::open_to_read(folder_ / "a.vtkhdf");
