@@ -305,9 +305,10 @@ void Fluid<D>::initialise(const coupling::Inbox& inbox) {
   ++state_.revision;
 }
 
-/// Viscosity of the water itself, Eq. (76) as corrected; a von Neumann-Richtmyer term on approaching pairs for impacts,
-/// of third order where the flow is smooth; and a viscosity on what is not linear in the neighbourhood, for the noise
-/// of single particles. All pairwise antisymmetric.
+/// Viscosity of the water itself, Eq. (76) as corrected, its pairs amplified as the pressure's are to be exact for a
+/// quadratic on average; a von Neumann-Richtmyer term on approaching pairs for impacts, of third order where the flow
+/// is smooth; and a viscosity on what is not linear in the neighbourhood, for the noise of single particles. All
+/// pairwise antisymmetric.
 template <int D>
 VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& view,
                                       std::span<const Mat<D>> velocity_gradient, double interval) const {
@@ -322,10 +323,14 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
                                              spacing_of<D>(state_.particles.volume[a]), weight_.norm() / density_);
   if (std::all_of(drags.begin(), drags.end(), [](char drag) { return drag; })) return result;
   const double noise = noise_viscosity * dx_ * state_.wave_speed, viscosity = this->viscosity();
+  // That of the scheme is a damping, not a property: nothing is gained by its being exact.
+  const bool own = viscosity <= scene_.water.kinematic_viscosity;
   const VecArray<D> all = extended<D>(s, v, Carried::yes);
-  // Of a point: velocity, that which sticking water sees, velocity gradient, smoothing length, whether it counts.
-  constexpr std::size_t at_stuck = D, at_gradient = 2 * D, at_length = at_gradient + D * D, at_counts = at_length + 1;
-  std::vector<PackedPoint<D, at_counts + 1>> points(s.size());
+  // Of a point: velocity, that which sticking water sees, velocity gradient, smoothing length, amplification (0: does
+  // not count).
+  constexpr std::size_t at_stuck = D, at_gradient = 2 * D, at_length = at_gradient + D * D,
+                        at_amplified = at_length + 1;
+  std::vector<PackedPoint<D, at_amplified + 1>> points(s.size());
   for (std::size_t j = 0; j < s.size(); ++j) {
     const Index q = s.parent[j];
     const bool real = q < s.n_real, image = j >= s.n_base;
@@ -340,9 +345,9 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
     Eigen::Map<Vec<D>>{row + D + at_stuck} = stuck;
     Eigen::Map<Mat<D>>{row + D + at_gradient} = gradient;
     row[D + at_length] = s.length[j];
-    row[D + at_counts] = real ? 1.0 : 0.0;
+    row[D + at_amplified] = !real ? 0.0 : own ? s.amplification[q] : 1.0;
   }
-  for_pairs_in_lanes<D, at_counts + 1, D>(
+  for_pairs_in_lanes<D, at_amplified + 1, D>(
       s, points,
       [&](const double* self, std::size_t m, const Lanes* w, const Lanes* point, Lanes* sums)
           __attribute__((always_inline)) {
@@ -356,12 +361,13 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
             take_root(size);
             raise_to(approach, Lanes{});
             const Lanes impact = 0.5 * impact_viscosity * (self[at_length] + point[at_length]) * approach / size;
+            const Lanes shear = 0.5 * viscosity * (self[at_amplified] + point[at_amplified]) + impact;
             for (std::size_t d = 0; d < D; ++d) {
               Lanes unexplained = pull * (point[d] - self[d]);
               for (std::size_t e = 0; e < D; ++e)
                 unexplained -= 0.5 * (self[at_gradient + d + D * e] + point[at_gradient + d + D * e]) * w[e];
-              sums[d] += point[at_counts] *
-                         ((viscosity + impact) * pull * (point[at_stuck + d] - self[d]) + noise * unexplained);
+              const Lanes part = shear * pull * (point[at_stuck + d] - self[d]) + noise * unexplained;
+              sums[d] += point[at_amplified] > 0.0 ? part : Lanes{};
             }
           },
       [&](std::size_t a, const double* total) __attribute__((always_inline)) {
