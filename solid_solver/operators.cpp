@@ -95,8 +95,9 @@ void velocity_gradient(const std::vector<Node<D>>& nodes, const Pairs& pairs, co
     Mat<D> moment;
     for (int b = 0; b < D; ++b)
       for (int a = 0; a <= b; ++a) moment(a, b) = moment(b, a) = *square++;
-    correction[i] = invert_moment<D>(moment);
-    gradient[i].noalias() = Eigen::Map<const Mat<D>>(sum) * correction[i];
+    const Mat<D> inverse = invert_moment<D>(moment);  // in registers, as long as it is copied number by number
+    for (int c = 0; c < D * D; ++c) correction[i].data()[c] = inverse.data()[c];
+    gradient[i].noalias() = Eigen::Map<const Mat<D>>(sum) * inverse;
   });
 }
 

@@ -38,16 +38,25 @@ template <int D>
 template <int D>
 inline Mat<D> invert_moment(const Mat<D>& moment) {
   constexpr double floor = D == 2 ? 0.2 : 0.1;
+  bool above = false;
   if constexpr (D == 2) {
     // The lowest eigenvalue lies above the floor when both of M - floor I are positive.
     const double a = moment(0, 0) - floor, b = moment(1, 1) - floor;
-    if (a + b > 0.0 && a * b > moment(0, 1) * moment(0, 1)) return moment.inverse();
+    above = a + b > 0.0 && a * b > moment(0, 1) * moment(0, 1);
   } else {
     // The lowest eigenvalue is at least det / (trace / 2)^2.
     const double half = 0.5 * moment.trace();
-    if (moment.determinant() > floor * half * half) return moment.inverse();
+    above = moment.determinant() > floor * half * half;
   }
-  return invert_above<D>(moment, floor);
+  Mat<D> inverse;
+  if (above) {
+    inverse = moment.inverse();
+  } else {
+    // Number by number: an inverse that a call returns into would stay in memory on the common way, too.
+    const Mat<D> held = invert_above<D>(moment, floor);
+    for (int c = 0; c < D * D; ++c) inverse.data()[c] = held.data()[c];
+  }
+  return inverse;
 }
 
 /// W'/r of the pairs of the rows from `first` on.

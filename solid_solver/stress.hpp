@@ -46,14 +46,13 @@ Mat<D> matrix_of(const Tensor& t) {
 /// Symmetric part of a velocity gradient, L_ab = d v_a / d x_b (Eq. (88), both derivative components).
 template <int D>
 Tensor strain_rate(const Mat<D>& gradient) {
-  Tensor t = Tensor::Zero();
-  t[0] = gradient(0, 0);
-  t[1] = gradient(1, 1);
-  t[3] = 0.5 * (gradient(0, 1) + gradient(1, 0));
-  if constexpr (D == 3) {
-    t[2] = gradient(2, 2);
-    t[4] = 0.5 * (gradient(1, 2) + gradient(2, 1));
-    t[5] = 0.5 * (gradient(0, 2) + gradient(2, 0));
+  Tensor t;
+  auto half = [&](int a, int b) { return 0.5 * (gradient(a, b) + gradient(b, a)); };
+  // All six at once, here and below: single ones written over zeros stay in memory, and a wide load of them waits.
+  if constexpr (D == 2) {
+    t << gradient(0, 0), gradient(1, 1), 0.0, half(0, 1), 0.0, 0.0;
+  } else {
+    t << gradient(0, 0), gradient(1, 1), gradient(2, 2), half(0, 1), half(1, 2), half(0, 2);
   }
   return t;
 }
@@ -61,12 +60,10 @@ Tensor strain_rate(const Mat<D>& gradient) {
 /// Rotation part of the Jaumann rate in Eq. (86): W sigma - sigma W with the spin W of Eq. (89).
 template <int D>
 Tensor spin_rate(const Tensor& s, const Mat<D>& gradient) {
-  Tensor t = Tensor::Zero();
+  Tensor t;
   if constexpr (D == 2) {
-    const double w = 0.5 * (gradient(0, 1) - gradient(1, 0));
-    t[0] = 2.0 * w * s[3];
-    t[1] = -t[0];
-    t[3] = w * (s[1] - s[0]);
+    const double w = 0.5 * (gradient(0, 1) - gradient(1, 0)), rate = 2.0 * w * s[3];
+    t << rate, -rate, 0.0, w * (s[1] - s[0]), 0.0, 0.0;
   } else {
     const Mat<3> w = 0.5 * (gradient - gradient.transpose());
     const Mat<3> m = matrix_of<3>(s);

@@ -51,8 +51,8 @@ double mean_speed(const Solid<2>& solid) {
   return sum;
 }
 
-/// Thirty substeps of grains that flow down a slope, shared out over threads.
-Particles<2> thirty_substeps(std::size_t threads) {
+/// Sixty substeps of grains that flow down a slope, shared out over threads.
+Particles<2> sixty_substeps(std::size_t threads) {
   auto [setup, particles] = set_up<2>(layer(0.6, 0.3));
   setup.threads = threads;
   State<2> state;
@@ -68,13 +68,13 @@ Particles<2> thirty_substeps(std::size_t threads) {
   evaluate_forces(setup, state);
   Drive<2> drive;
   drive.distributed.assign(n, Vec<2>::Zero());
-  for (int k = 0; k < 30; ++k) substep(setup, setup.longest_substep, drive, state);
+  for (int k = 0; k < 60; ++k) substep(setup, setup.longest_substep, drive, state);
   EXPECT_GT(state.rebuilds, 1.0);
   return state.particles;
 }
 
 TEST(Threads, ChangeNothingButRounding) {
-  const auto one = thirty_substeps(1), three = thirty_substeps(3);
+  const auto one = sixty_substeps(1), three = sixty_substeps(3);
   double stress = 0.0;
   for (const auto& s : one.stress) stress = std::max(stress, s.norm());
   EXPECT_GT(stress, 0.0);
