@@ -575,7 +575,8 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
         p.solid_velocity[a] += dt / view.density[a] * (view.force[a] - view.fraction[a] * (weight_ + out.gradient[a])) +
                                p.drag_impulse[a] / (p.volume[a] * view.density[a]);
   }
-  if (state_.controlled <= 0.0) begin_control(view, dt);
+  // Soil that was dry and cannot yield takes windows of any length; its noise would only shorten them.
+  if (state_.controlled <= 0.0 && scene_.solid.model != SolidCase::Model::elastic) begin_control(view, dt);
   control_interval(before, dt);
   limit_scheme(view);
   advance_columns(s, view, dt);

@@ -27,7 +27,7 @@ class Fluid final : public Phase {
     place_pistons();
   }
   void archive(Archive& archive) override {
-    archive(state_, first_interval_, quasi_static_interval_);
+    archive(state_, first_interval_);
     place_pistons();
   }
   [[nodiscard]] OutputFrame frame() const override;
@@ -89,7 +89,7 @@ class Fluid final : public Phase {
   WindowProblem<D> problem(double interval) const;
 
   Case scene_;
-  double dx_ = 0.0, density_ = 1000.0, first_interval_ = 0.0, quasi_static_interval_ = 0.0;
+  double dx_ = 0.0, density_ = 1000.0, first_interval_ = 0.0;
   /// Weight of water [N/m3], where its potential is: gravity along a periodic axis, which has none, pulls [m/s2].
   Vec<D> weight_ = Vec<D>::Zero(), pull_ = Vec<D>::Zero(), origin_ = Vec<D>::Zero();
   std::vector<sph::ImagePlane<D>> planes_;

@@ -16,23 +16,14 @@ constexpr double longest_interval = 8.0;  // s: of slow seepage; with longer one
 
 }  // namespace
 
-/// The shortest windows that a change of pressure asks for: a fifth of the way of the soil's waves through a spacing.
-/// Soil that was dry is wetted, not struck: there, while nothing else asks for shorter ones, windows that are
-/// successions of equilibria, as long as waves take through all of the soil and back. interval [s]: of the window in
-/// which soil answers for the first time, 0 before the first.
+/// The shortest window that a change of pressure asks for: a fifth of the way of the soil's waves through a spacing.
+/// interval [s]: of the window in which soil answers for the first time, 0 before the first.
 template <int D>
 void Fluid<D>::begin_control(const SoilView<D>& view, double interval) {
   double stiffest = 0.0;
   for (const double modulus : view.modulus) stiffest = std::max(stiffest, modulus);
   if (!responds() || stiffest <= 0.0) return;
-  const double speed = std::sqrt(stiffest / density_);
-  first_interval_ = 0.2 * dx_ / speed;
-  if (interval > 0.0)
-    for (const auto& soil : scene_.soils) {
-      const auto [lower, upper] = bounds(soil.shape);
-      const double height = std::abs(weight_.normalized().dot((upper - lower).template head<D>()));
-      quasi_static_interval_ = std::max(quasi_static_interval_, 2.0 * height / speed);
-    }
+  first_interval_ = 0.2 * dx_ / std::sqrt(stiffest / density_);
   state_.controlled = std::max(first_interval_, interval);
 }
 
