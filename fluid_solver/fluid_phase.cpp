@@ -500,7 +500,8 @@ WindowSolution<D> Fluid<D>::solve(const Stencil<D>& s, SoilView<D>& view, const 
 template <int D>
 coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupling::Inbox& inbox) {
   auto& p = state_.particles;
-  const double dt = window.interval, asked = time_limit().first;
+  const bool sweeps = scene_.fluid.scheme != FluidCase::Scheme::projection;
+  const double dt = window.interval, asked = sweeps ? time_limit().first : dt;
   auto view = soil(inbox);
   view.linearise(p.velocity, view.velocity);
   const VecArray<D> velocity_before = p.velocity;
@@ -527,7 +528,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   in.velocity = forced_velocity(s, view, gradient, dt);
   in.source = volume_source(s, view, gradient, dt);
   const auto& scheme = scene_.fluid.scheme;
-  if (scheme != FluidCase::Scheme::projection) {
+  if (sweeps) {
     in.sweeps = scene_.fluid.sweeps;
     in.share = dt / asked;
   }

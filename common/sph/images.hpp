@@ -30,6 +30,12 @@ struct ImagePlane {
   std::array<End, 2> ends{};
   double speed = 0.0;  ///< of a mirror along its normal [m/s]: a piston
   int boundary = 0;    ///< the solver's own number of the boundary, 0..31
+  /// Does the piece lie across from x, within its extent?
+  [[nodiscard]] bool faces(const Vec<D>& x) const {
+    if (to <= from) return true;
+    const double along = tangent.dot(x);
+    return along >= from && along <= to;
+  }
 };
 
 /// Images, in the order made; parent is the index of a real particle; v_image = map v + carried for velocities, map v
@@ -52,11 +58,7 @@ Images<D> make_images(std::span<const Vec<D>> points, std::span<const ImagePlane
   auto add = [&](const ImagePlane<D>& plane, const Vec<D>& x, Index parent, const Mat<D>& map, const Vec<D>& carried,
                  std::uint32_t bits) {
     const double distance = plane.normal.dot(x - plane.point);
-    if (distance < 0.0 || distance > range) return;
-    if (plane.to > plane.from) {
-      const double along = plane.tangent.dot(x);
-      if (along < plane.from || along > plane.to) return;
-    }
+    if (distance < 0.0 || distance > range || !plane.faces(x)) return;
     const bool mirror = plane.kind == ImagePlane<D>::Kind::mirror;
     const Vec<D> image = mirror ? Vec<D>(x - 2.0 * distance * plane.normal) : Vec<D>(x + plane.shift);
     for (const auto& end : plane.ends)
@@ -98,11 +100,7 @@ void keep_inside(std::span<const ImagePlane<D>> planes, double reach, Vec<D>& x,
   for (const auto& plane : planes) {
     if (plane.kind != ImagePlane<D>::Kind::mirror) continue;
     const double distance = plane.normal.dot(x - plane.point);
-    if (distance >= 0.0 || distance < -reach) continue;
-    if (plane.to > plane.from) {
-      const double along = plane.tangent.dot(x);
-      if (along < plane.from || along > plane.to) continue;
-    }
+    if (distance >= 0.0 || distance < -reach || !plane.faces(x)) continue;
     x -= 2.0 * distance * plane.normal;
     v -= std::min(0.0, plane.normal.dot(v) - plane.speed) * plane.normal;
   }
