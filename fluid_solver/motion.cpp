@@ -47,14 +47,18 @@ ScalarArray Fluid<D>::moved() const {
 }
 
 /// Time in which a packing error is undone [s]: physical, not a number of windows. In soil, a third of what a unit
-/// gradient needs to push water through one spacing; in free water twenty times that of a fall through one. Never less
-/// than two windows: a repair that overtakes its window swings.
+/// gradient needs to push water through one spacing, and no longer than the flow takes to pass one: pair sums keep the
+/// square of the concentration times the velocity, so that what is loose runs ahead and loosens as it goes. In free
+/// water twenty times that of a fall through one spacing, or of the drag's where that is what holds the water. Never
+/// less than two windows: a repair that overtakes its window swings.
 template <int D>
 double Fluid<D>::repair_time(std::size_t a, const SoilView<D>& view, double interval) const {
-  const double spacing = spacing_of<D>(state_.particles.volume[a]);
-  const double g = gravity_or_standard();
-  return std::max({2.0 * interval, free_repair_time(spacing),
-                   0.3 * spacing * view.drag[a] / (density_ * g * state_.particles.void_fraction[a])});
+  const auto& p = state_.particles;
+  const double spacing = spacing_of<D>(p.volume[a]), weight = density_ * gravity_or_standard() * p.void_fraction[a];
+  const double pushed = 0.3 * spacing * view.drag[a] / weight;
+  const double passed = spacing / std::max(p.velocity[a].norm(), 1e-300);
+  const double held = view.drag[a] > 0.0 ? 20.0 * p.void_fraction[a] * density_ / view.drag[a] : HUGE_VAL;
+  return std::max({2.0 * interval, std::min(free_repair_time(spacing), held), std::min(pushed, passed)});
 }
 
 /// Seepage is as slow or fast as its geometry makes it, and the window's velocity belongs to the geometry at its start:

@@ -261,6 +261,7 @@ class WindowSolver {
   void solve_fluid(ScalarArray b, WindowSolution<D>& out) {
     const ScalarArray squeeze = squeezed(out.solid_velocity);
     for (std::size_t a = 0; a < n_; ++a) b[a] -= squeeze[a];
+    const double rounding = 1e-12 * norm(b);
     // Datum out of the way: the tolerance refers to what drives the flow.
     double reference = 0.0;
     if (closed_) {
@@ -300,8 +301,8 @@ class WindowSolver {
       for (std::size_t a = 0; a < n_; ++a) z[a] = inverse[a] * r[a];
       if (closed_) remove_mean(z);
     };
-    // Where all particles are pinned nothing drives; rounding is the floor then.
-    const double tolerance = std::max(in_.tolerance * norm(drive), 1e-12 * norm(b));
+    // Where all particles are pinned, or all have one pressure, nothing drives; rounding is the floor then.
+    const double tolerance = std::max(in_.tolerance * norm(drive), rounding);
     SolveReport report;
     report.converged = false;
     if (!out.multigrid) {

@@ -156,6 +156,40 @@ TEST(Seepage, PondedWaterInfiltratesDryGround) {
   for (const auto& [name, value] : fluid.counters()) std::printf("  %s %g\n", name.c_str(), value);
 }
 
+TEST(Seepage, WaterPressedIntoDrySoilKeepsItsPacking) {
+  // Without gravity z = sqrt(2 k H t / n). Two rows between walls, too: there all particles have one pressure at first.
+  for (const double dx : {0.0125, 0.00625, 0.0025}) {
+    Case scene;
+    scene.general.gravity.setZero();
+    scene.solid.model = SolidCase::Model::rigid;
+    scene.fluid.particle_spacing = dx;
+    scene.soils = {sand()};
+    scene.soils[0].shape = box(0.0, 0.0, 0.4, 0.025);
+    scene.walls = {wall(line(0.0, 0.0, 0.4, 0.0)), wall(line(0.4, 0.025, 0.0, 0.025))};
+    scene.water_faces = {pressure_face(line(0.0, 0.025, 0.0, 0.0), 4905.0)};
+    Gauge front;
+    front.name = "front";
+    front.phase = "fluid";
+    front.kind = "front";
+    front.points = {Point3(0.0, 0.0125, 0.0), Point3(0.4, 0.0125, 0.0)};
+    Gauge volume;
+    volume.name = "volume";
+    volume.phase = "fluid";
+    volume.kind = "volume";
+    scene.gauges = {front, volume};
+    Fluid<2> fluid(scene);
+    fluid.initialise({});
+    double time = 0.0;
+    for (const double z : {0.05, 0.1}) {
+      run_to(fluid, time, 0.4 * z * z / (2.0 * 1.1e-4 * 4905.0 / 9810.0));
+      const double ahead = reading(fluid, "front") / z - 1.0, more = reading(fluid, "volume") / (0.01 * z) - 1.0;
+      std::printf("spacing %g m, depth %g m: front %+.4f, volume %+.4f\n", dx, z, ahead, more);
+      EXPECT_LT(std::abs(ahead), 0.003);
+      EXPECT_LT(std::abs(more), 0.01);
+    }
+  }
+}
+
 TEST(Seepage, RestoredStateRepeatsItself) {
   const auto scene = ponded_column(0.02);
   Fluid<2> fluid(scene);
