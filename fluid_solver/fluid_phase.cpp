@@ -81,7 +81,7 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
 
   auto& p = state_.particles;
   unsigned seed = scene.fluid.seed;
-  double top = -1e300, bottom = 1e300;
+  double top = -1e300, bottom = 1e300, farthest = 0.0;
   const Vec<D> up = weight_.norm() > 0.0 ? Vec<D>(-weight_.normalized()) : Vec<D>::Zero();
   for (const auto& region : scene.fluid.regions) {
     const auto lattice = fill<D>(region, dx_, scene.fluid.offset, scene.fluid.jitter, seed++);
@@ -90,6 +90,7 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
       const double n = soil ? fillable_porosity(*soil) : 1.0;
       p.add(x, initial_velocity(x), n * density_ * lattice.volume, n, lattice.volume, 0.0);
       const double height = up.dot(x) + 0.5 * dx_;
+      farthest = std::max(farthest, x.norm());
       if (height > top) {
         top = height;
         origin_ = height * up;
@@ -98,7 +99,8 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
     }
   }
   const double depth = p.size() > 0 ? top - bottom : dx_;
-  state_.wave_speed = std::sqrt(scene.general.gravity.norm() * depth);
+  state_.wave_speed =
+      std::sqrt(scene.general.gravity.norm() * depth + scene.general.central_force * farthest * farthest);
   state_.columns = make_columns<D>(scene);
   for (const auto& c : state_.columns) feet_.push_back(c.foot);
   // What lies on a face of soil to rounding is the soil's.

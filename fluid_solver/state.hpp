@@ -105,7 +105,7 @@ struct State {
   Particles<D> particles;
   std::vector<FaceColumn<D>> columns;
   std::vector<Inlet<D>> inlets;
-  double wave_speed = 0.0;  ///< of long waves on the deepest free water so far, m/s
+  double wave_speed = 0.0;  ///< of long waves on the deepest free water so far, or of a drop in its central force, m/s
   bool multigrid = false;   ///< the last window's pressure was worth it
   ScalarArray supplied;     ///< [faces] volume of the basin at first, and poured in since [m^D]; 0 where it is none
   ScalarArray basin_level;  ///< [faces] m
