@@ -17,8 +17,8 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 const std::vector<std::string> operations{
-    "value", "relative", "mean",   "l2",       "profile", "max_abs", "decay_rate", "monotone", "drift",  "exceeds",
-    "curve", "exit",     "period", "crossing", "counter", "rise",    "noise",      "order",    "largest"};
+    "value", "relative", "mean",   "l2",       "profile", "max_abs", "decay_rate", "monotone", "drift",   "exceeds",
+    "curve", "exit",     "period", "crossing", "counter", "rise",    "noise",      "order",    "largest", "smallest"};
 
 void declare(Keys& keys, VerifyRun& r) {
   keys.text("name", r.name, {"", "Name that metrics refer to.", true});
@@ -42,7 +42,8 @@ void declare(Keys& keys, Metric& m) {
        "`value`, `relative`, `mean` (over the range; relative error), `l2`, `profile`, `max_abs`, `decay_rate`, "
        "`monotone`, `drift`, `exceeds`, `curve`, `exit`, `period` "
        "(mean, between upward passages of `limit`; relative error), `crossing` (time at which the readings first pass "
-       "`limit`; relative error), `counter` (at most `reference`), `largest` (relative error), `rise` (greatest climb "
+       "`limit`; relative error), `counter` (at most `reference`), `largest` (relative error), `smallest` (at least "
+       "`reference`), `rise` (greatest climb "
        "above an earlier reading), "
        "`noise` (rms distance from the running mean over `window`) or `order` (the order at which the relative error "
        "of "
@@ -143,6 +144,10 @@ class Judge {
       const auto series = within_range(readings());
       return *std::max_element(series.value.begin(), series.value.end());
     }
+    if (m_.op == "smallest") {
+      const auto series = within_range(readings());
+      return *std::min_element(series.value.begin(), series.value.end());
+    }
     if (m_.op == "noise") return noise();
     if (m_.op == "period") return period();
     if (m_.op == "crossing") return crossings(false).front();
@@ -154,6 +159,7 @@ class Judge {
     if (m_.op == "value" || m_.op == "exit") return std::abs(value - m_.reference.value_or(0.0));
     if (m_.op == "max_abs") return std::abs(value - m_.reference.value_or(0.0));
     if (m_.op == "counter") return std::max(0.0, value - *m_.reference);
+    if (m_.op == "smallest") return std::max(0.0, *m_.reference - value);
     if (needs_relative_error(m_.op)) return std::abs(value - *m_.reference) / std::abs(*m_.reference);
     return value;
   }
@@ -405,7 +411,8 @@ class VerifyChecker {
     if (m.op == "counter" && m.counter.empty()) fail(key + ".counter", "is missing");
     if (m.op != "exit" && m.op != "counter" && m.gauge.empty() && m.gauges.empty()) fail(key + ".gauge", "is missing");
     const bool relative = needs_relative_error(m.op);
-    const bool single = m.op == "value" || m.op == "exceeds" || m.op == "exit" || m.op == "counter";
+    const bool single =
+        m.op == "value" || m.op == "exceeds" || m.op == "exit" || m.op == "counter" || m.op == "smallest";
     if ((relative || single) && !m.reference) fail(key + ".reference", "is missing");
     if (relative && *m.reference == 0.0) fail(key + ".reference", "a relative error needs a reference other than zero");
     if (m.norm != "max" && m.norm != "rms")

@@ -144,10 +144,12 @@ void Fluid<D>::limit_surface(Stencil<D>& s) const {
     const auto* c = i < 0 ? nullptr : &state_.columns[static_cast<std::size_t>(i)];
     const double d = c ? c->inside(s.position[a]) : spacing;
     const bool at_face = c && c->in_soil && !c->wet && d < 0.5 * spacing;
-    if (at_face && (!faces_follow_ || d > -deletion_depth * c->spacing))
+    if (at_face && (!faces_follow_ || d > -deletion_depth * c->spacing)) {
+      s.at_face[a] = true;
       s.surface_distance[a] = std::max(d, 0.1 * spacing);
-    else if (const Soil* here = soil_at(scene_, to_point3<D>(s.position[a])))
+    } else if (const Soil* here = soil_at(scene_, to_point3<D>(s.position[a]))) {
       s.surface_pressure[a] = -gamma * here->suction_head;
+    }
   }
 }
 
@@ -266,8 +268,9 @@ void Fluid<D>::give_birth_and_delete(const SoilView<D>& view) {
     const double d = c.inside(p.position[a]);
     // Soil that slides out of a seepage face takes its water along.
     const bool passed = d < -deletion_depth * c.spacing && (!faces_follow_ || c.wet || view.coverage[a] < 0.5);
-    // What has passed a seepage face is in the air; its pressure, carried along with the slope inside, is not.
-    if (!faces_follow_ && c.in_soil && !c.wet && d < 0.0)
+    // What has passed a face is in the air or in still water; its pressure, carried along with the slope inside, is not
+    // below the air's.
+    if (!faces_follow_ && c.in_soil && d < 0.0)
       p.pressure[a] = std::max(p.pressure[a], -weight_.dot(p.position[a] - origin_));
     if (!passed && !left) continue;
     keep[a] = false;

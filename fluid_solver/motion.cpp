@@ -114,11 +114,16 @@ void Fluid<D>::move(const Stencil<D>& s, const WindowSolution<D>& solution, std:
     d += shift[a];
     if (p.seeps[a] <= 0.5 && p.surface[a] == Surface::surface)
       d += interval * surface_lead<D>(velocity_gradient[a], s.normal[a], s.surface_distance[a], interval);
+    const double before = p.pressure[a] + weight_.dot(p.position[a] - origin_);
     p.pressure[a] += solution.gradient[a].dot(p.seeps[a] > 0.5 ? d : shift[a]);
     // What is shifted arrives where the water moves at another speed.
     if (p.seeps[a] <= 0.5 && s.ghost_distance[a] == 0.0 && p.surface[a] == Surface::interior)
       p.velocity[a] += velocity_gradient[a] * shift[a];
     displace(a, d, true);
+    // Water that seeps towards its surface arrives at the surface's pressure, not beyond it.
+    if (p.seeps[a] > 0.5 && p.surface[a] != Surface::interior)
+      p.pressure[a] =
+          std::max(p.pressure[a], std::min(before, s.surface_pressure[a]) - weight_.dot(p.position[a] - origin_));
   }
 }
 

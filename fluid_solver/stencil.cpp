@@ -186,6 +186,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   s.normal.assign(n, Vec<D>::Zero());
   s.surface_pressure.assign(n, 0.0);
   s.covered.assign(n, false);
+  s.at_face.assign(n, false);
   s.surface_distance.resize(n);
   for (std::size_t a = 0; a < n; ++a) s.surface_distance[a] = 0.5 * spacing_of<D>(volume[a]);
   s.correction.resize(n);

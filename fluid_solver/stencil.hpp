@@ -87,6 +87,7 @@ struct Stencil {
       amplification;   ///< [real] of pair sums of second derivatives, to make them exact for a quadratic on average
   VecArray<D> normal;  ///< [real] sum V grad W: inward where the surroundings are one-sided, 1/m
   std::vector<bool> covered;     ///< [real] in soil, with water in the cone outwards: a loose place, no surface
+  std::vector<bool> at_face;     ///< [real] in soil, within half a spacing of a seepage face: that is where water ends
   ScalarArray surface_distance;  ///< [real] of a surface particle to the surface, m: half a spacing, less at a face
   ScalarArray surface_pressure;  ///< [real] total, on the surface, Pa: 0, or a suction
   MatArray<D> correction;        ///< [real] of the kernel gradient, buffers counted (pressures)

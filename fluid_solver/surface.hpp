@@ -13,8 +13,8 @@ enum class Surface : std::uint8_t { interior, surface, lone };
 namespace surface {
 /// Eigenvalue of the moment above which a particle is inside, and below which it has too few neighbours for a pressure.
 inline constexpr double inside = 0.88, sparse = 0.35, alone = 0.1;
-/// Divergence of position over D below which neighbours are few: a surface, in soil.
-inline constexpr double few = 0.75;
+/// Divergence of position over D below which neighbours are few: a surface, in soil; at a seepage face.
+inline constexpr double few = 0.75, few_at_face = 0.9;
 /// Cosine of half the opening of the cone about the outward normal that is empty above a surface particle.
 inline constexpr double cone = 0.5, narrow_cone = 0.7071;
 /// Least |sum V grad W| h that a missing side makes: of a surface particle, and of one below it.
@@ -79,10 +79,13 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> seeps, 
     }
     return false;
   };
-  // The surface in soil is rough on the scale of a spacing: the narrow cone only.
+  // The surface in soil is rough on the scale of a spacing: the narrow cone only. At a seepage face the soil's water
+  // ends there, whatever of it has passed the face already; only free water that runs down the face covers it.
   const auto opposite = [&](std::size_t a) {
     const Vec<D> n = -s.normal[a].normalized();
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+      const Index q = s.parent[s.other[k]];
+      if (s.at_face[a] && (q >= s.n_real || seeps[q] >= 0.5)) continue;
       const Vec<D> d = s.position[s.other[k]] - s.position[a];
       if (d.dot(n) > surface::narrow_cone * d.norm()) return true;
     }
@@ -90,11 +93,12 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> seeps, 
   };
   for (std::size_t a = 0; a < s.n_real; ++a) {
     if (seeps[a] >= 0.5) {
-      s.covered[a] = s.divergence[a] < surface::few * D && opposite(a);
+      const double few = s.at_face[a] ? surface::few_at_face : surface::few;
+      s.covered[a] = s.divergence[a] < few * D && opposite(a);
       if (s.covered[a]) continue;
       if (s.divergence[a] < 0.4 * D)
         flags[a] = Surface::lone;
-      else if (s.divergence[a] < surface::few * D)
+      else if (s.divergence[a] < few * D)
         flags[a] = Surface::surface;
       continue;
     }

@@ -81,6 +81,8 @@ TEST(Metrics, MaxAbsDriftAndExceeds) {
   EXPECT_NEAR(judge(m, ramp, 0).error, 0.5, 1e-12);
   EXPECT_TRUE(judge(metric("exceeds", 1.9, 0.0), ramp, 0).passed);
   EXPECT_FALSE(judge(metric("exceeds", 2.1, 0.0), ramp, 0).passed);
+  EXPECT_TRUE(judge(metric("smallest", -0.5, 0.0), ramp, 0).passed);
+  EXPECT_NEAR(judge(metric("smallest", 0.5, 0.4), ramp, 0).error, 0.5, 1e-12);
 }
 
 TEST(Metrics, SumsOfGauges) {
