@@ -67,7 +67,8 @@ double inlet_speed(const Case& scene, const Inlet<D>& inlet, double time, double
   } else {
     const double wanted = face.head->at(time + interval);
     const double depth = std::max(wanted - inlet.lowest, scene.fluid.particle_spacing);
-    discharge = std::sqrt(scene.general.gravity.norm() * depth) * (std::max(wanted, inlet.lowest) - inlet.level);
+    discharge = std::sqrt(scene.general.gravity.norm() * depth) * (std::max(wanted, inlet.lowest) - inlet.level) +
+                inlet.current * inlet.width;
   }
   // An opening draws water as far as it lies under water.
   if (discharge < 0.0 && !scene.general.gravity.isZero() && inlet.level < inlet.highest + 0.5 * inlet.spacing)
@@ -160,10 +161,13 @@ void Fluid<D>::set_inlets(double time, double interval) {
   const double near = 4.0 * dx_;
   const Vec<D> up = weight_.norm() > 0.0 ? Vec<D>(-weight_.normalized()) : Vec<D>(Vec<D>::Zero());
   double lowest = HUGE_VAL, highest = -HUGE_VAL;
+  Vec<D> least = Vec<D>::Constant(HUGE_VAL), most = -least;  // of free water's places
   for (std::size_t a = 0; a < p.size(); ++a) {
     if (p.mask[a] > 0.5 || p.surface[a] == Surface::lone) continue;
     lowest = std::min(lowest, up.dot(p.position[a]) - 0.5 * dx_);
     highest = std::max(highest, up.dot(p.position[a]) + 0.5 * dx_);
+    least = least.cwiseMin(p.position[a]);
+    most = most.cwiseMax(p.position[a]);
   }
   if (highest > lowest)
     state_.wave_speed = std::max(state_.wave_speed, std::sqrt(scene_.general.gravity.norm() * (highest - lowest)));
@@ -205,7 +209,16 @@ void Fluid<D>::set_inlets(double time, double interval) {
       inlet.speed = flow.speed;
       inlet.open(flow.depth, dx_);
     } else {
+      if (const auto& face = scene_.water_faces[static_cast<std::size_t>(inlet.face)];
+          !face.discharge && highest > lowest) {
+        // Water L long answers a discharge within L / sqrt(g d); told in four times that the current does not swing.
+        // No more than a spacing's wave of it: a reservoir that fills draws nothing off.
+        const double wave = std::sqrt(gravity_or_standard() * std::max(dx_, face.head->at(time) - inlet.lowest));
+        const double missing = std::clamp(face.head->at(time) - inlet.level, -dx_, dx_);
+        inlet.current += interval * wave * wave / (4.0 * (most - least).norm()) * missing / inlet.width;
+      }
       inlet.speed = inlet_speed(scene_, inlet, time, interval);
+      if (inlet.speed == 0.0) inlet.current = std::max(0.0, inlet.current);  // an opening that cannot draw
     }
     const double volume = inlet.speed * inlet.width * interval;
     (volume > 0.0 ? state_.balance.in : state_.balance.out) += std::abs(volume);

@@ -27,7 +27,7 @@ struct Inlet {
   double level = 0.0;                                        ///< of the water before it [m]
   double net = 0.0;                                          ///< volume of particles born less taken away [m^D]
   bool flows = false;                                        ///< a sill: its reservoir stands above it
-  double current = 0.0;                                      ///< a sill: mean speed before it, slowly told [m/s]
+  double current = 0.0;  ///< slowly told: mean speed before a sill; what a reservoir's head has called for [m/s]
   [[nodiscard]] double depth(const Vec<D>& x) const { return normal.dot(x - foot) - piston; }
   [[nodiscard]] bool before(const Vec<D>& x) const { return 2.0 * std::abs(tangent.dot(x - foot)) <= width; }
   /// Volume of water that has come in, less what has gone out [m^D].
@@ -58,7 +58,8 @@ SillFlow flow_over(double head, const SillFlow& before, double gravity);
 
 /// Speed inwards through one window [m/s]: of the discharge prescribed, or of what brings the water before the opening
 /// to the level prescribed, Q = sqrt(g d) (H - level), the discharge of a long wave of that height in water d deep: it
-/// neither sends a wave that comes in back nor needs the area of the reservoir.
+/// neither sends a wave that comes in back nor needs the area of the reservoir. What is drawn off for long comes as
+/// Inlet::current.
 template <int D>
 double inlet_speed(const Case& scene, const Inlet<D>& inlet, double time, double interval);
 
