@@ -130,6 +130,10 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   setup.height = setup.spacing +
                  (g > 0.0 ? (upper - lower).cwiseAbs().dot(setup.gravity.cwiseAbs()) / g : (upper - lower).maxCoeff());
   setup.boundaries = make_boundaries<D>(scene, setup.range());
+  if (setup.boundaries.any_frictional()) {
+    particles.slip = particles.velocity;
+    particles.slipped.assign(n, Vec<D>::Zero());
+  }
   for (const auto& load : scene.loads)
     attach_load<D>(load, 2.0 * sph::support_radius * setup.smoothing_length, 0.01 * setup.spacing, particles.position,
                    setup);

@@ -96,11 +96,12 @@ struct Soil {
 /// [[wall]]: one wall, its meaning for either phase.
 struct Wall {
   enum class ForWater { none, free_slip, no_slip };
-  enum class ForSoil { none, roller, fixed, rough };
+  enum class ForSoil { none, roller, fixed, frictional, rough };
   std::string name;
   Face face;
   ForWater water = ForWater::free_slip;
   ForSoil soil = ForSoil::roller;
+  double friction_angle = 0.0;  ///< degrees, between a frictional wall and the soil
 };
 
 /// [[water_face]]: a face through which water comes and goes. Behind it stands water of a prescribed head or pressure
