@@ -53,6 +53,9 @@ void evaluate_forces(const Setup<D>& setup, State<D>& state) {
   internal_force<D>(state.nodes, state.near.pairs, n_free, setup.smoothing_length, setup.stabilisers, state.kernel,
                     state.scratch, state.internal, state.stabilising);
   pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, n_free, state.kernel);
+  if (setup.stabilisers.artificial_stress > 0.0)
+    add_artificial_stress<D>(state, setup.stabilisers.artificial_stress, setup.spacing, setup.smoothing_length,
+                             state.stabilising);
 }
 
 template <int D>

@@ -311,6 +311,11 @@ void declare(Keys& keys, SolidCase& s) {
               between(0, true, 2, false));
   keys.number("artificial_viscosity", s.artificial_viscosity,
               {"", "Alpha of Monaghan's artificial viscosity, on approaching particles."}, not_negative());
+  keys.number(
+      "artificial_stress", s.artificial_stress,
+      {"",
+       "Epsilon of the artificial stress of Gray et al. (2001), which keeps cohesive soil in tension from clumping."},
+      not_negative());
   keys.number("zero_energy_viscosity", s.zero_energy_viscosity,
               {"", "Viscosity on what a linear field does not explain of the velocity; off where the soil flows."},
               not_negative());

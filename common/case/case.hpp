@@ -184,6 +184,7 @@ struct SolidCase {
   std::optional<Quiet> quiet;          ///< absent: all motion is computed
   double courant = 0.8;                ///< of dx / sqrt(M / rho_bar_s)
   double artificial_viscosity = 0.1;   ///< alpha of Monaghan's, on approaching particles
+  double artificial_stress = 0.0;      ///< epsilon of Gray et al. (2001), in tension
   double zero_energy_viscosity = 0.1;  ///< on the part of the velocity that is not linear around a particle
   bool regular_flow = true;            ///< averages that keep stress, density and packing of flowing soil regular
   double zero_energy_stiffness = 0.1;  ///< the same on the displacement, of M, between particles that never yielded
