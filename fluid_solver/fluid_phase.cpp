@@ -72,7 +72,7 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
     const auto& wall = scene.walls[w];
     if (wall.water == Wall::ForWater::none) continue;
     if (wall.water == Wall::ForWater::no_slip) no_slip_ |= 1u << w;
-    if (wall.soil == Wall::ForSoil::fixed || wall.soil == Wall::ForSoil::rough) fixed_soil_ |= 1u << w;
+    if (wall.soil != Wall::ForSoil::none && wall.soil != Wall::ForSoil::roller) fixed_soil_ |= 1u << w;
   }
   state_.inlets = make_inlets<D>(scene);
   place_pistons();

@@ -111,33 +111,7 @@ std::vector<sph::ImagePlane<D>> water_planes(const Case& scene, const std::vecto
     if (!inlet.sill)
       planes.push_back(
           planes_of<D>(scene.water_faces[static_cast<std::size_t>(inlet.face)].face, piston_boundary, 0.0)[0]);
-  // Pieces are walked with the domain on the left: the next one begins where this one ends.
-  std::vector<std::array<Vec<D>, 2>> corners;
-  for (const auto& plane : planes)
-    corners.push_back({plane.point + (plane.from - plane.tangent.dot(plane.point)) * plane.tangent,
-                       plane.point + (plane.to - plane.tangent.dot(plane.point)) * plane.tangent});
-  for (std::size_t i = sills; i < planes.size(); ++i) {
-    auto& plane = planes[i];
-    if (plane.tangent.isZero()) continue;
-    std::array<double, 2> longer{margin, margin};
-    for (std::size_t j = sills; j < planes.size(); ++j) {
-      if (i == j || planes[j].tangent.isZero()) continue;
-      for (const std::size_t e : {0, 1}) {
-        const std::size_t across = 1 - e;
-        if ((corners[i][e] - corners[j][across]).norm() > 0.01 * margin) continue;
-        // Does the wall turn towards the domain here? A little less than straight counts as straight.
-        const Vec<D> outward = e == 1 ? plane.tangent : Vec<D>(-plane.tangent);
-        const Vec<D> onward = e == 1 ? planes[j].tangent : Vec<D>(-planes[j].tangent);
-        if (plane.normal.dot(onward) > 0.01) continue;
-        longer[e] = 0.0;
-        const Vec<D> bisector = (outward + onward).normalized();
-        // On the bisector itself the image is the earlier piece's.
-        plane.ends[e] = {corners[i][e] + (e == 1 ? 1e-9 : -1e-9) * margin * bisector, bisector};
-      }
-    }
-    plane.from -= longer[0];
-    plane.to += longer[1];
-  }
+  meet_at_corners<D>(std::span(planes).subspan(sills), margin);
   std::size_t next = walls;
   for (const auto& inlet : inlets) {
     if (inlet.sill) continue;

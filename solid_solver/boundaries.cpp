@@ -1,11 +1,13 @@
 #include "solid_solver/boundaries.hpp"
 
 #include "common/core/error.hpp"
+#include "solid_solver/wall_friction.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace poretwin::solid {
 
@@ -13,18 +15,23 @@ template <int D>
 Boundaries<D> make_boundaries(const Case& scene, double margin) {
   using Kind = typename Boundaries<D>::Kind;
   Boundaries<D> boundaries;
-  auto add = [&](std::vector<sph::ImagePlane<D>> planes, Kind kind) {
+  auto add = [&](std::vector<sph::ImagePlane<D>> planes, Kind kind, double friction_angle) {
     for (auto& plane : planes) {
       plane.boundary = static_cast<int>(boundaries.planes.size());
       boundaries.planes.push_back(plane);
       boundaries.kinds.push_back(kind);
+      boundaries.friction.push_back(std::tan(friction_angle * std::numbers::pi / 180.0));
     }
   };
-  add(periodic_planes<D>(scene.general, 0), Kind::periodic);
+  add(periodic_planes<D>(scene.general, 0), Kind::periodic, 0.0);
   for (const auto& wall : scene.walls) {
     if (wall.soil == Wall::ForSoil::none || wall.soil == Wall::ForSoil::rough) continue;
-    add(planes_of<D>(wall.face, 0, margin), wall.soil == Wall::ForSoil::fixed ? Kind::fixed : Kind::roller);
+    const Kind kind = wall.soil == Wall::ForSoil::fixed        ? Kind::fixed
+                      : wall.soil == Wall::ForSoil::frictional ? Kind::frictional
+                                                               : Kind::roller;
+    add(planes_of<D>(wall.face, 0, 0.0), kind, wall.friction_angle);
   }
+  meet_at_corners<D>(boundaries.planes, margin);
   if (boundaries.planes.size() > 32)
     throw CaseError(
         fmt::format("the walls of the soil have {} straight pieces; at most 32 are possible: use fewer corners",
@@ -34,19 +41,22 @@ Boundaries<D> make_boundaries(const Case& scene, double margin) {
 
 namespace {
 
-/// Linear map of velocities through a chain of boundaries: mirrored at rollers, reversed at fixed walls.
+/// Linear maps of velocities through a chain of boundaries: mirrored at rollers, reversed at fixed walls; at frictional
+/// ones reversed about the slip, v' = 2 s - v.
 template <int D>
-Mat<D> velocity_map(const Boundaries<D>& boundaries, std::uint32_t passed) {
-  Mat<D> map = Mat<D>::Identity();
+void find_velocity_maps(const Boundaries<D>& boundaries, std::uint32_t passed, ImageRule<D>& rule) {
+  using Kind = typename Boundaries<D>::Kind;
   for (std::size_t k = 0; k < boundaries.planes.size(); ++k) {
-    if (!(passed >> k & 1u)) continue;
-    if (boundaries.kinds[k] == Boundaries<D>::Kind::fixed) map = -map;
-    if (boundaries.kinds[k] == Boundaries<D>::Kind::roller) {
-      const Vec<D>& n = boundaries.planes[k].normal;
-      map = (Mat<D>::Identity() - 2.0 * n * n.transpose()) * map;
-    }
+    if (!(passed >> k & 1u) || boundaries.kinds[k] == Kind::periodic) continue;
+    const Vec<D>& n = boundaries.planes[k].normal;
+    const Mat<D> reversed = boundaries.kinds[k] == Kind::roller ? Mat<D>(Mat<D>::Identity() - 2.0 * n * n.transpose())
+                                                                : Mat<D>(-Mat<D>::Identity());
+    rule.velocity = (reversed * rule.velocity).eval();
+    rule.slip = (reversed * rule.slip).eval();
+    if (boundaries.kinds[k] != Kind::frictional) continue;
+    rule.slip += 2.0 * (Mat<D>::Identity() - n * n.transpose());
+    rule.slips = true;
   }
-  return map;
 }
 
 /// The walls among the boundaries passed (periodic sides change nothing).
@@ -63,6 +73,7 @@ void find_crossings(const Boundaries<D>& boundaries, std::uint32_t passed, Image
     // The body force as seen behind the other walls of the chain: rule.map without this wall's own mirror.
     crossing.share = rule.map * (Mat<D>::Identity() - 2.0 * normal_part);
     if (boundaries.kinds[k] == Kind::roller) crossing.share = normal_part * crossing.share;
+    if (boundaries.kinds[k] == Kind::frictional) crossing.friction = boundaries.friction[k];
   }
 }
 
@@ -99,7 +110,7 @@ void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::siz
     rule.parent = images.parent[k];
     rule.map = images.map[k];
     rule.shift = images.position[k] - rule.map * particles.position[rule.parent];
-    rule.velocity = velocity_map(boundaries, images.boundaries[k]);
+    find_velocity_maps(boundaries, images.boundaries[k], rule);
     find_crossings(boundaries, images.boundaries[k], rule);
     rule.periodic = only_periodic(boundaries, images.boundaries[k]);
   }
@@ -131,23 +142,26 @@ void fill_nodes(const Particles<D>& p, const Neighbourhood<D>& near, const VecAr
     Node<D>& node = nodes[n + k];
     node = nodes[rule.parent];
     node.position = rule.map * nodes[rule.parent].position + rule.shift;
-    node.velocity = rule.velocity * nodes[rule.parent].velocity;
+    node.velocity = rule.moved(p.velocity[rule.parent], p.slip);
     node.gradient = rule.velocity * nodes[rule.parent].gradient * rule.map.transpose();
-    node.displacement = rule.velocity * nodes[rule.parent].displacement;
+    node.displacement = rule.moved(p.displacement[rule.parent], p.slipped);
     node.deformation = rule.velocity * nodes[rule.parent].deformation * rule.map.transpose();
     node.flux = rule.velocity * nodes[rule.parent].flux * rule.map.transpose();
     for (std::size_t c = 0; c < rule.n_crossings; ++c) {
       const Crossing<D>& wall = rule.crossings[c];
       const double distance = wall.normal.dot(nodes[rule.parent].position) - wall.level;
       const Vec<D> row = rule.map * (p.correction[rule.parent] * (rule.map.transpose() * wall.normal));
-      double carried = 1.0;
-      if (node.firmness < Node<D>::elastic) {
-        // Soil that yields at a wall has no more slope than the wall's reaction to it: none once it has come loose.
-        const double weight = distance * std::abs(wall.normal.dot(body[rule.parent]));
-        const double reaction = -wall.normal.dot(matrix_of<D>(p.stress[rule.parent]) * wall.normal);
-        if (reaction < weight) carried = std::max(0.0, reaction / weight);
-      }
-      node.flux += (carried * 2.0 * distance) * (wall.share * body[rule.parent]) * row.transpose();
+      const double reach = distance * slope_carried<D>(p, rule.parent, wall.normal, distance, body[rule.parent]);
+      node.flux += 2.0 * reach * (wall.share * body[rule.parent]) * row.transpose();
+      if (std::isinf(wall.friction)) continue;
+      const WallShear<D> shear = wall_shear<D>(p.stress[rule.parent], wall.normal, reach, body[rule.parent]);
+      node.flux -= 2.0 * shear.excess(wall.friction) * (wall.share * shear.traction) * row.transpose();
+      if (rule.n_crossings > 1 || p.slip[rule.parent].isZero(0.0)) continue;
+      // What slips is mirrored along the wall as at a roller: soil that spreads on it is held by friction only.
+      const Mat<D> along = (Mat<D>::Identity() - wall.normal * wall.normal.transpose()) * rule.map.transpose();
+      node.flux += rule.slip * nodes[rule.parent].flux * along;
+      node.gradient += rule.slip * nodes[rule.parent].gradient * along;
+      node.deformation += rule.slip * nodes[rule.parent].deformation * along;
     }
   }
 }
@@ -158,7 +172,7 @@ void fill_velocities(const Particles<D>& p, const Neighbourhood<D>& near, std::v
   for_rows(near.pairs, 0, n, [&](std::size_t i) { nodes[i].velocity = p.velocity[i]; });
   for (std::size_t k = 0; k < near.images.size(); ++k) {
     const ImageRule<D>& rule = near.images[k];
-    nodes[n + k].velocity = rule.velocity * nodes[rule.parent].velocity;
+    nodes[n + k].velocity = rule.moved(p.velocity[rule.parent], p.slip);
   }
 }
 

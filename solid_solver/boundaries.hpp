@@ -4,14 +4,20 @@
 #include "common/case/geometry.hpp"
 #include "solid_solver/state.hpp"
 
+#include <algorithm>
+
 namespace poretwin::solid {
 
 /// All planes that make images of the soil.
 template <int D>
 struct Boundaries {
-  enum class Kind { roller, fixed, periodic };
+  enum class Kind { roller, fixed, frictional, periodic };
   std::vector<sph::ImagePlane<D>> planes;  ///< plane k has boundary number k
   std::vector<Kind> kinds;
+  ScalarArray friction;  ///< Coulomb's coefficient of frictional planes
+  [[nodiscard]] bool any_frictional() const {
+    return std::find(kinds.begin(), kinds.end(), Kind::frictional) != kinds.end();
+  }
 };
 
 /// From the case's walls and periodic axes; margin [m]: how far walls reach beyond their ends so that corners close.

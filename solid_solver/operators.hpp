@@ -16,12 +16,13 @@ namespace poretwin::solid {
 
 /// Strengths of the stabilising terms.
 struct Stabilisers {
-  double zero_energy = 0.1;  ///< hg: viscosity on the part of the velocity that is not linear around a particle
-  double stiffness = 0.1;    ///< the same on the displacement, of M, between particles that never yielded
-  double modulus = 0.0;      ///< Pa, M
-  double artificial = 0.1;   ///< alpha of Monaghan's artificial viscosity
-  double collision = 1.0;    ///< the same where grains that are apart collide: inelastically
-  double sound_speed = 0.0;  ///< m/s
+  double zero_energy = 0.1;        ///< hg: viscosity on the part of the velocity that is not linear around a particle
+  double stiffness = 0.1;          ///< the same on the displacement, of M, between particles that never yielded
+  double modulus = 0.0;            ///< Pa, M
+  double artificial = 0.1;         ///< alpha of Monaghan's artificial viscosity
+  double artificial_stress = 0.0;  ///< epsilon, in tension
+  double collision = 1.0;          ///< the same where grains that are apart collide: inelastically
+  double sound_speed = 0.0;        ///< m/s
 };
 
 /// Inverse with the eigenvalues held above a floor.
@@ -82,6 +83,36 @@ template <int D>
 void internal_force(const std::vector<Node<D>>& nodes, const Pairs& pairs, std::size_t n_free, double h,
                     const Stabilisers& stabilisers, ScalarArray& kernel, Scratch<D>& scratch, VecArray<D>& internal,
                     VecArray<D>& stabilising);
+
+/// Artificial stress of Gray, Monaghan & Swift (2001) [N/m3]: close pairs in tension repel one another,
+///   f_i = sum_j V_j (W(r)/W(dx))^n (R_i + R_j) grad W_ij,   n = 2.55,
+/// R = -epsilon times the tensile principal stresses. Of the first n_free particles; added to `force`.
+template <int D>
+void add_artificial_stress(const State<D>& state, double epsilon, double spacing, double h, VecArray<D>& force) {
+  constexpr double exponent = 2.55;
+  const std::size_t n = state.particles.size();
+  MatArray<D> repulsion(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    Eigen::SelfAdjointEigenSolver<Mat<D>> solver;
+    solver.computeDirect(matrix_of<D>(state.particles.stress[i]));
+    const Vec<D> tension = solver.eigenvalues().cwiseMax(0.0);
+    repulsion[i] = -epsilon * solver.eigenvectors() * tension.asDiagonal() * solver.eigenvectors().transpose();
+  }
+  const double laid = sph::WendlandC2<D>::value(spacing, h);
+  for_each_felt(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t m) {
+    if (i >= state.particles.free()) return;
+    Mat<D> both = repulsion[i];
+    if (j < n) {
+      both += repulsion[j];
+    } else {
+      const auto& rule = state.near.images[j - n];
+      both += rule.map * repulsion[rule.parent] * rule.map.transpose();
+    }
+    const Vec<D> r = state.nodes[i].position - state.nodes[j].position;
+    const double closeness = std::pow(sph::WendlandC2<D>::value(r.norm(), h) / laid, exponent);
+    force[i] += (state.nodes[j].volume * closeness * state.kernel[m]) * (both * r);
+  });
+}
 
 /// q_i = sum_j V_j (B_i + B_j) grad W_ij [1/m], B of images mirrored as geometry: zero inside, -(outward normal) times
 /// a surface delta function at a free surface. The force of a uniform stress S is S q, so a traction T acts as -T (n .

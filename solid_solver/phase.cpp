@@ -139,9 +139,8 @@ void Solid<D>::initialise(const Inbox& inbox) {
   const std::size_t n = state_.particles.size();
   state_.external.pressure = take_pressure(inbox, state_.time);
   if (scene_.solid.initial_rest) {
-    const VecArray<D> initial = state_.particles.velocity;
-    for (auto& v : state_.particles.velocity) v.setZero();
-    evaluate_forces(setup_, state_);
+    const VecArray<D> initial = state_.particles.velocity, slip = state_.particles.slip;
+    stop(setup_, state_);
     constexpr double before_everything = -1e300;  // standing loads only
     auto external = [&](Drive<D>& drive, bool rebuilt) {
       if (!rebuilt) return;
@@ -164,6 +163,7 @@ void Solid<D>::initialise(const Inbox& inbox) {
     if (rest_.steps > 0 && !rest_.reached())
       fmt::print(stderr, "rest of the soil: not reached, the run starts in motion\n");
     state_.particles.velocity = initial;
+    state_.particles.slip = slip;
     if (water_is_prescribed()) state_.external.pressure = take_pressure(inbox, state_.time);  // where the soil is now
     rebuild(setup_, state_);
     evaluate_forces(setup_, state_);
@@ -480,7 +480,7 @@ Publication Solid<D>::publish() const {
     out.fields.push_back(std::move(f));
   };
   auto moved = [&](const VecArray<D>& v) {
-    return [&](std::size_t i) { return i < n ? v[i] : Vec<D>(images[i - n].velocity * v[images[i - n].parent]); };
+    return [&](std::size_t i) { return i < n ? v[i] : images[i - n].moved(v[images[i - n].parent], p.slip); };
   };
   vectors(field::solid_velocity, moved(p.velocity));
   vectors(field::mean_solid_velocity, moved(state_.mean_velocity));

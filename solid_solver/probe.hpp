@@ -12,7 +12,7 @@ namespace poretwin::solid {
 /// Which images a quantity may be read from.
 enum class Reach {
   material,  ///< periodic images only: stresses, pressures and fractions have a kink in the mirror
-  motion,    ///< all images: velocities and displacements are odd at fixed walls, mirrored at rollers
+  motion,    ///< images but those of frictional walls: velocities are odd at fixed walls, mirrored at rollers
 };
 
 /// Interpolates value(particle, velocity map of the image) at x [m]; NaN outside the soil.
@@ -35,7 +35,7 @@ double probe(const Setup<D>& setup, const State<D>& state, const Vec<D>& x, Reac
     const double weight = state.particles.volume[parent] * sph::WendlandC2<D>::value(r.norm(), h);
     if (weight <= 0.0) continue;
     cover += weight;
-    if (rule && reach == Reach::material && !rule->periodic) continue;
+    if (rule && (reach == Reach::material || rule->slips) && !rule->periodic) continue;
     Basis basis;
     basis << 1.0, r / h;
     moment += weight * basis * basis.transpose();

@@ -88,6 +88,7 @@ Unrest unrest(const Setup<D>& setup, const State<D>& state, const Drive<D>& driv
 template <int D>
 void stop(const Setup<D>& setup, State<D>& state) {
   for (auto& v : state.particles.velocity) v.setZero();
+  for (auto& s : state.particles.slip) s.setZero();
   for (auto& gradient : state.particles.gradient) gradient.setZero();
   evaluate_forces(setup, state);
 }

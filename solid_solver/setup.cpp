@@ -73,6 +73,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   setup.courant = scene.solid.courant;
   setup.regular_flow = scene.solid.regular_flow;
   setup.stabilisers.artificial = scene.solid.artificial_viscosity;
+  setup.stabilisers.artificial_stress = scene.solid.artificial_stress;
   setup.stabilisers.zero_energy = scene.solid.zero_energy_viscosity;
   setup.stabilisers.stiffness = scene.solid.zero_energy_stiffness;
   setup.gravity = scene.general.gravity.head<D>();
@@ -130,6 +131,10 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   setup.height = setup.spacing +
                  (g > 0.0 ? (upper - lower).cwiseAbs().dot(setup.gravity.cwiseAbs()) / g : (upper - lower).maxCoeff());
   setup.boundaries = make_boundaries<D>(scene, setup.range());
+  if (setup.boundaries.any_frictional()) {
+    particles.slip = particles.velocity;
+    particles.slipped.assign(n, Vec<D>::Zero());
+  }
   for (const auto& load : scene.loads)
     attach_load<D>(load, 2.0 * sph::support_radius * setup.smoothing_length, 0.01 * setup.spacing, particles.position,
                    setup);

@@ -28,6 +28,8 @@ struct Particles {
   MatArray<D> gradient;         ///< 1/s, velocity gradient d v_a / d x_b
   MatArray<D> deformation;      ///< 1, displacement gradient d u_a / d x_b
   MatArray<D> correction;       ///< kernel-gradient correction B
+  VecArray<D> slip;             ///< m/s, of the soil along frictional walls (wall_friction.hpp); empty without such
+  VecArray<D> slipped;          ///< m, displacement that goes with it
   std::size_t held = 0;         ///< how many, at the end, are held
   [[nodiscard]] std::size_t size() const { return mass.size(); }
   [[nodiscard]] std::size_t free() const { return mass.size() - held; }  ///< how many, at the front, are free to move
@@ -62,18 +64,26 @@ struct Crossing {
   Vec<D> normal = Vec<D>::Zero();  ///< unit, into the soil
   double level = 0.0;              ///< normal . point of the wall [m]
   Mat<D> share = Mat<D>::Zero();   ///< of the parent's body force: all of it (fixed) or its normal part (roller)
+  double friction = std::numeric_limits<double>::infinity();  ///< Coulomb's coefficient; infinite where nothing slips
 };
 
-/// How one image follows its parent: x' = map x + shift, v' = velocity v, (sigma B)' = velocity (sigma B) map^T.
+/// How one image follows its parent: x' = map x + shift, v' = velocity v + slip s with the parent's slip s along
+/// frictional walls, (sigma B)' = velocity (sigma B) map^T.
 template <int D>
 struct ImageRule {
   Index parent = 0;
   Mat<D> map = Mat<D>::Identity();
   Vec<D> shift = Vec<D>::Zero();
   Mat<D> velocity = Mat<D>::Identity();
+  Mat<D> slip = Mat<D>::Zero();
+  bool slips = false;  ///< some wall passed is frictional
   std::array<Crossing<D>, D> crossings{};
   std::size_t n_crossings = 0;
   bool periodic = false;  ///< the domain truly goes on: scalars carry over unchanged
+  /// Velocity [m/s] or displacement [m] of the image, with that of the slip.
+  [[nodiscard]] Vec<D> moved(const Vec<D>& v, const VecArray<D>& s) const {
+    return slips ? Vec<D>(velocity * v + slip * s[parent]) : Vec<D>(velocity * v);
+  }
 };
 
 /// Who is near whom: real particles and images. Survives displacements below half the skin.
@@ -161,6 +171,7 @@ template <int D>
 struct Scratch {
   std::vector<Sums<2 * D>> force;                     ///< internal_force
   std::vector<Sums<D * D + D*(D + 1) / 2>> gradient;  ///< velocity_gradient
+  std::vector<char> touches;                          ///< slide_on_walls
   std::vector<char> flows;                            ///< keep_flow_regular, as all below
   std::vector<Grain<D>> grains;
   std::vector<Sums<(D == 2 ? 4 : 6) * D + D*(D + 1) / 2>> slope_sums;

@@ -2,6 +2,7 @@
 
 #include "common/core/error.hpp"
 #include "solid_solver/flow.hpp"
+#include "solid_solver/wall_friction.hpp"
 
 #include <fmt/format.h>
 
@@ -52,6 +53,9 @@ void evaluate_forces(const Setup<D>& setup, State<D>& state) {
   internal_force<D>(state.nodes, state.near.pairs, n_free, setup.smoothing_length, setup.stabilisers, state.kernel,
                     state.scratch, state.internal, state.stabilising);
   pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, n_free, state.kernel);
+  if (setup.stabilisers.artificial_stress > 0.0)
+    add_artificial_stress<D>(state, setup.stabilisers.artificial_stress, setup.spacing, setup.smoothing_length,
+                             state.stabilising);
 }
 
 template <int D>
@@ -71,6 +75,7 @@ void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& 
     p.velocity[i] = (p.velocity[i] + rate * (force + z * drive.target[i])) / (1.0 + rate * z + dt * drive.damping);
     state.returned_impulse[i] += dt * z * (drive.target[i] - p.velocity[i]);
   });
+  rub_on_walls(setup, dt, state);
   deform(setup, dt, state);
   keep_flow_regular(setup, dt, state);
   rebuild_if_moved(setup, state);
@@ -113,6 +118,7 @@ void deform(const Setup<D>& setup, double dt, State<D>& state) {
       state.yielded[i] = 1;
     }
   });
+  slide_on_walls(setup, dt, state);
   state.any_yielded =
       state.any_yielded || std::any_of(state.yielded.begin(), state.yielded.end(), [](char y) { return y; });
 }

@@ -43,6 +43,19 @@ Mat<D> matrix_of(const Tensor& t) {
   return m;
 }
 
+/// Writes the in-plane block.
+template <int D>
+void set_matrix(const Mat<D>& m, Tensor& t) {
+  t[0] = m(0, 0);
+  t[1] = m(1, 1);
+  t[3] = m(0, 1);
+  if constexpr (D == 3) {
+    t[2] = m(2, 2);
+    t[4] = m(1, 2);
+    t[5] = m(0, 2);
+  }
+}
+
 /// Symmetric part of a velocity gradient, L_ab = d v_a / d x_b (Eq. (88), both derivative components).
 template <int D>
 Tensor strain_rate(const Mat<D>& gradient) {

@@ -23,7 +23,8 @@ constexpr std::array water_words{Word<Wall::ForWater>{"none", Wall::ForWater::no
                                  Word<Wall::ForWater>{"no_slip", Wall::ForWater::no_slip}};
 constexpr std::array soil_words{
     Word<Wall::ForSoil>{"none", Wall::ForSoil::none}, Word<Wall::ForSoil>{"roller", Wall::ForSoil::roller},
-    Word<Wall::ForSoil>{"fixed", Wall::ForSoil::fixed}, Word<Wall::ForSoil>{"rough", Wall::ForSoil::rough}};
+    Word<Wall::ForSoil>{"fixed", Wall::ForSoil::fixed}, Word<Wall::ForSoil>{"frictional", Wall::ForSoil::frictional},
+    Word<Wall::ForSoil>{"rough", Wall::ForSoil::rough}};
 /// Which defaults the sections of a solver have.
 enum class Preset { own, paper };
 constexpr std::array preset_words{Word<Preset>{"own", Preset::own}, Word<Preset>{"paper", Preset::paper}};
@@ -182,8 +183,13 @@ void declare(Keys& keys, Wall& w) {
       "soil", w.soil, soil_words,
       {"",
        "What the wall is for soil; `none`: not there, `roller`: no friction, `fixed`: no slip, of soil that stays in "
-       "place, `rough`: no slip, three rows of the soil held still behind the wall, for soil that flows over it "
+       "place, `frictional`: soil slips once its shear on the wall reaches Coulomb's, tan(`friction_angle`) times its "
+       "pressure, `rough`: no slip, three rows of the soil held still behind the wall, for soil that flows over it "
        "(2D)."});
+  const bool frictional = w.soil == Wall::ForSoil::frictional;
+  keys.number("friction_angle", w.friction_angle,
+              {"degrees", "Between the soil and a frictional wall (required there).", frictional},
+              between(0, false, 90, true));
 }
 
 void declare(Keys& keys, WaterFace& f) {
@@ -305,6 +311,11 @@ void declare(Keys& keys, SolidCase& s) {
               between(0, true, 2, false));
   keys.number("artificial_viscosity", s.artificial_viscosity,
               {"", "Alpha of Monaghan's artificial viscosity, on approaching particles."}, not_negative());
+  keys.number(
+      "artificial_stress", s.artificial_stress,
+      {"",
+       "Epsilon of the artificial stress of Gray et al. (2001), which keeps cohesive soil in tension from clumping."},
+      not_negative());
   keys.number("zero_energy_viscosity", s.zero_energy_viscosity,
               {"", "Viscosity on what a linear field does not explain of the velocity; off where the soil flows."},
               not_negative());

@@ -96,11 +96,12 @@ struct Soil {
 /// [[wall]]: one wall, its meaning for either phase.
 struct Wall {
   enum class ForWater { none, free_slip, no_slip };
-  enum class ForSoil { none, roller, fixed, rough };
+  enum class ForSoil { none, roller, fixed, frictional, rough };
   std::string name;
   Face face;
   ForWater water = ForWater::free_slip;
   ForSoil soil = ForSoil::roller;
+  double friction_angle = 0.0;  ///< degrees, between a frictional wall and the soil
 };
 
 /// [[water_face]]: a face through which water comes and goes. Behind it stands water of a prescribed head or pressure
@@ -183,6 +184,7 @@ struct SolidCase {
   std::optional<Quiet> quiet;          ///< absent: all motion is computed
   double courant = 0.8;                ///< of dx / sqrt(M / rho_bar_s)
   double artificial_viscosity = 0.1;   ///< alpha of Monaghan's, on approaching particles
+  double artificial_stress = 0.0;      ///< epsilon of Gray et al. (2001), in tension
   double zero_energy_viscosity = 0.1;  ///< on the part of the velocity that is not linear around a particle
   bool regular_flow = true;            ///< averages that keep stress, density and packing of flowing soil regular
   double zero_energy_stiffness = 0.1;  ///< the same on the displacement, of M, between particles that never yielded

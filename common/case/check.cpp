@@ -361,6 +361,8 @@ class Checker {
       return walls[i].name.empty() ? fmt::format("wall[{}]", i) : fmt::format("wall[{}] \"{}\"", i, walls[i].name);
     };
     for (std::size_t i = 0; i < walls.size(); ++i) {
+      if (walls[i].soil != Wall::ForSoil::frictional && walls[i].friction_angle > 0.0)
+        fail(fmt::format("wall[{}].friction_angle", i), "belongs to soil = \"frictional\"");
       for (std::size_t j = i + 1; j < walls.size(); ++j) {
         const bool both_water = walls[i].water != Wall::ForWater::none && walls[j].water != Wall::ForWater::none;
         const bool both_soil = walls[i].soil != Wall::ForSoil::none && walls[j].soil != Wall::ForSoil::none;

@@ -183,6 +183,40 @@ std::vector<sph::ImagePlane<D>> planes_of(const Face& face, int boundary, double
 }
 
 template <int D>
+void meet_at_corners(std::span<sph::ImagePlane<D>> planes, double margin) {
+  // Images fill what is behind a corner of 120 degrees and more once when divided at its bisector, behind one of 90
+  // degrees with images of images: in between the lesser error.
+  constexpr double narrow = 0.26;  // cosine of the turn at 105 degrees
+  // Pieces are walked with the domain on the left: the next one begins where this one ends.
+  std::vector<std::array<Vec<D>, 2>> corners;
+  for (const auto& plane : planes)
+    corners.push_back({plane.point + (plane.from - plane.tangent.dot(plane.point)) * plane.tangent,
+                       plane.point + (plane.to - plane.tangent.dot(plane.point)) * plane.tangent});
+  for (std::size_t i = 0; i < planes.size(); ++i) {
+    auto& plane = planes[i];
+    if (plane.tangent.isZero()) continue;
+    std::array<double, 2> longer{margin, margin};
+    for (std::size_t j = 0; j < planes.size(); ++j) {
+      if (i == j || planes[j].tangent.isZero()) continue;
+      for (const std::size_t e : {0, 1}) {
+        const std::size_t across = 1 - e;
+        if ((corners[i][e] - corners[j][across]).norm() > 0.01 * margin) continue;
+        const Vec<D> outward = e == 1 ? plane.tangent : Vec<D>(-plane.tangent);
+        const Vec<D> onward = e == 1 ? planes[j].tangent : Vec<D>(-planes[j].tangent);
+        const double towards = plane.normal.dot(onward);  // sine of the turn towards the domain
+        if (towards > 0.01 && outward.dot(onward) < narrow) continue;
+        if (towards <= 0.01) longer[e] = 0.0;
+        const Vec<D> bisector = (outward + onward).normalized();
+        // On the bisector itself the image is the earlier piece's.
+        plane.ends[e] = {corners[i][e] + (e == 1 ? 1e-9 : -1e-9) * margin * bisector, bisector};
+      }
+    }
+    plane.from -= longer[0];
+    plane.to += longer[1];
+  }
+}
+
+template <int D>
 std::vector<sph::ImagePlane<D>> periodic_planes(const General& general, int boundary) {
   std::vector<sph::ImagePlane<D>> planes;
   for (const int axis : general.periodic) {
@@ -204,6 +238,8 @@ template Lattice<2> fill<2>(const Shape&, double, const Point3&, double, unsigne
 template Lattice<3> fill<3>(const Shape&, double, const Point3&, double, unsigned);
 template std::vector<sph::ImagePlane<2>> planes_of<2>(const Face&, int, double);
 template std::vector<sph::ImagePlane<3>> planes_of<3>(const Face&, int, double);
+template void meet_at_corners<2>(std::span<sph::ImagePlane<2>>, double);
+template void meet_at_corners<3>(std::span<sph::ImagePlane<3>>, double);
 template std::vector<sph::ImagePlane<2>> periodic_planes<2>(const General&, int);
 template std::vector<sph::ImagePlane<3>> periodic_planes<3>(const General&, int);
 

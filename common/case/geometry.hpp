@@ -5,6 +5,7 @@
 #include "common/core/vector.hpp"
 #include "common/sph/images.hpp"
 
+#include <span>
 #include <string>
 
 namespace poretwin {
@@ -53,6 +54,11 @@ Lattice<D> fill(const Shape& shape, double spacing, const Point3& offset, double
 /// corners close.
 template <int D>
 std::vector<sph::ImagePlane<D>> planes_of(const Face& face, int boundary, double margin);
+
+/// Extends pieces of walls (made without a margin) by `margin` [m] beyond their ends so that corners close; where the
+/// next piece goes on straight, turns away from the domain or hardly towards it, images are divided at the bisector.
+template <int D>
+void meet_at_corners(std::span<sph::ImagePlane<D>> planes, double margin);
 
 /// The two shifting planes of every periodic axis of the case.
 template <int D>

@@ -22,7 +22,7 @@ struct ImagePlane {
   /// default.
   Vec<D> tangent = Vec<D>::Zero();
   double from = 0.0, to = 0.0;
-  /// Where the next piece goes on straight or turns away from the domain, images beyond the bisector are that piece's:
+  /// Where images are divided at a corner (meet_at_corners), those beyond the bisector are the next piece's:
   /// out . (x - at) > 0. No such end: out is zero.
   struct End {
     Vec<D> at = Vec<D>::Zero(), out = Vec<D>::Zero();

@@ -1,8 +1,12 @@
 // Images of a lattice in a box continue the lattice through walls and corners.
 #include "common/sph/images.hpp"
 #include "common/case/geometry.hpp"
+#include "common/sph/kernel.hpp"
 
 #include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
 
 namespace poretwin {
 namespace {
@@ -27,6 +31,34 @@ TEST(Images, ContinueTheLatticeThroughWallsAndCorners) {
     const Vec<2> velocity(0.3, 0.7);
     const Vec<2> image_velocity = images.map[k] * velocity;
     EXPECT_NEAR(image_velocity.norm(), velocity.norm(), 1e-15);
+  }
+}
+
+TEST(Images, FillOnceWhatLiesBehindACorner) {
+  // Kernel sums over soil in a corner and its images, for corners seen from the domain under many angles.
+  constexpr double dx = 0.05, h = 2.0 * dx, turn = std::numbers::pi / 180.0;
+  for (const double angle : {90.0, 120.0, 150.0, 170.0, 180.0, 200.0, 240.0, 270.0}) {
+    const auto ray = [&](double degrees) { return Point3(std::cos(degrees * turn), std::sin(degrees * turn), 0.0); };
+    Face face;  // walked with the domain on the left
+    face.points = {ray(angle), Point3::Zero(), ray(0.0)};
+    Shape fan;
+    fan.kind = Shape::Kind::polygon;
+    fan.points = {Point3::Zero()};
+    for (int k = 0; k <= 10; ++k) fan.points.push_back(ray(0.1 * k * angle));
+    const auto lattice = fill<2>(fan, dx, Point3(0.5, 0.5, 0.5), 0.0, 1);
+    auto planes = planes_of<2>(face, 0, 0.0);
+    meet_at_corners<2>(planes, 2.0 * h);
+    const auto images = sph::make_images<2>(lattice.position, planes, 2.0 * h);
+    const auto sum_at = [&](const Vec<2>& x) {
+      double sum = 0.0;
+      for (const auto* points : {&lattice.position, &images.position})
+        for (const auto& y : *points) sum += lattice.volume * sph::WendlandC2<2>::value((y - x).norm(), h);
+      return sum;
+    };
+    for (const double share : {0.25, 0.5, 0.75}) {
+      const Vec<2> x = dx * ray(share * angle).head<2>();
+      EXPECT_NEAR(sum_at(x), 1.0, 0.15) << angle << " degrees, at " << share;
+    }
   }
 }
 

@@ -102,6 +102,33 @@ void expect_adjoint(const ColumnSpec& spec, double jitter) {
   EXPECT_NEAR(external, stored, 1e-12 * scale);
 }
 
+TEST(ArtificialStress, PartsTheCloseOnesInTensionAndKeepsMomentum) {
+  ColumnSpec spec;
+  spec.base = Wall::ForSoil::none;
+  spec.sides = false;
+  Case scene = column(spec);
+  auto [setup, particles] = set_up<2>(scene);
+  State<2> state;
+  state.particles = std::move(particles);
+  const std::size_t n = state.particles.size(), moved = n / 2 + 4;  // inside the column
+  state.body.assign(n, Vec<2>::Zero());
+  const Vec<2> shift(0.0, 0.3 * spec.spacing);  // towards the one above
+  state.particles.position[moved] += shift;
+  rebuild(setup, state);
+  const auto force = [&](double stress) {
+    for (auto& s : state.particles.stress) s << stress, stress, stress, 0.0, 0.0, 0.0;
+    VecArray<2> f(n, Vec<2>::Zero());
+    add_artificial_stress<2>(state, 0.5, spec.spacing, setup.smoothing_length, f);
+    return f;
+  };
+  for (const auto& f : force(-1000.0)) EXPECT_EQ(f.norm(), 0.0);
+  const VecArray<2> pulled = force(1000.0);
+  EXPECT_LT(pulled[moved].dot(shift), 0.0);
+  Vec<2> sum = Vec<2>::Zero();
+  for (std::size_t i = 0; i < n; ++i) sum += state.particles.volume[i] * pulled[i];
+  EXPECT_LT(sum.norm(), 1e-10 * state.particles.volume[moved] * pulled[moved].norm());
+}
+
 TEST(InternalForce, DoesTheWorkThatStrainsStore) {
   for (const auto base : {Wall::ForSoil::none, Wall::ForSoil::roller, Wall::ForSoil::fixed})
     for (const bool sides : {false, true}) {
