@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 """Error against resolution and against run time, by scheme: OUT/CASE.csv, OUT/CASE.png and one page, OUT/performance.md.
 
-    poretwin bench                                      the whole page: jobs, kernels, sizes, every study of studies.toml
+    poretwin bench                                      the whole page: jobs, kernels, sizes, skipped work, every study
+                                                        of studies.toml
     poretwin bench rectangular_dam --schemes default    one case, one scheme
     poretwin bench terzaghi --spacings 0.02 0.002
 
@@ -21,6 +22,7 @@ import tempfile
 import tomllib
 
 import scaling
+import skipping
 from plot import error_curves, write_csv
 from runs import Run
 
@@ -110,6 +112,13 @@ def size_table(a):
             "![](bench/scaling.png)", "", *scaling.table(rows)]
 
 
+def skipping_table(a):
+    rows = skipping.measure_all(a.program, a.repeats)
+    write_csv(a.out / "skipping.csv", rows)
+    return ["", "## Skipped work", "", "What is not computed, and what it costs and changes to compute it (bench/skipping.py).", "",
+            *skipping.table(rows)]
+
+
 def order(row, rows):
     """Observed order between the next coarser spacing of the same scheme and this one; empty where there is none."""
     coarser = [other for other in rows if other["scheme"] == row["scheme"] and other["spacing"] > row["spacing"]]
@@ -152,7 +161,7 @@ def main():
              "`*`: no other run of the case has a smaller error in less time; a dash: the run did not end."]
     a.out.mkdir(parents=True, exist_ok=True)
     if not a.cases:
-        lines += job_table(a, jobs) + kernel_table(a.program) + size_table(a)
+        lines += job_table(a, jobs) + kernel_table(a.program) + size_table(a) + skipping_table(a)
     for case in a.cases or studies:
         if case not in studies:
             parser.error(f"{case}: no such study; expected one of: {', '.join(studies)}")

@@ -137,8 +137,8 @@ template <int D>
 void Fluid<D>::limit_surface(Stencil<D>& s) const {
   const double gamma = porous::specific_weight(scene_);
   const ColumnFinder<D> finder(state_.columns);
-  for (std::size_t a = 0; a < s.n_real; ++a) {
-    if (s.divergence[a] > D || is_free(a)) continue;
+  for_each_side_by_side(s.n_real, [&](std::size_t a) {
+    if (s.divergence[a] > D || is_free(a)) return;
     const double spacing = 2.0 * s.surface_distance[a];
     const int i = finder.nearest(s.position[a]);
     const auto* c = i < 0 ? nullptr : &state_.columns[static_cast<std::size_t>(i)];
@@ -150,7 +150,7 @@ void Fluid<D>::limit_surface(Stencil<D>& s) const {
     } else if (const Soil* here = soil_at(scene_, to_point3<D>(s.position[a]))) {
       s.surface_pressure[a] = -gamma * here->suction_head;
     }
-  }
+  });
 }
 
 /// Water that the soil has left belongs to the reservoir: the column steps back to where there is soil.

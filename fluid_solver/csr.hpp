@@ -12,32 +12,44 @@
 
 namespace poretwin::fluid {
 
+/// Four numbers of an array of doubles or floats.
+[[gnu::always_inline]] inline void take(const double* from, Lanes& to) {
+  to = *reinterpret_cast<const LooseLanes*>(from);
+}
+using poretwin::take;
+
 /// Graph Laplacian with a diagonal: (A x)_a = diagonal_a x_a - sum_k weight_k x_column(k); symmetric by construction.
-struct PairMatrix {
+template <class Weight>
+struct GraphMatrix {
   std::vector<Index> offset{0};
   std::vector<Index> column;
-  ScalarArray weight;    ///< per entry, >= 0
-  ScalarArray diagonal;  ///< per row
+  std::vector<Weight> weight;  ///< per entry, >= 0
+  ScalarArray diagonal;        ///< per row
   [[nodiscard]] std::size_t size() const { return diagonal.size(); }
   /// y = A x
   void apply(std::span<const double> x, std::span<double> y) const {
     side_by_side(size(), [&](std::size_t first, std::size_t last) {
       run_lanes([&]() __attribute__((always_inline)) {
         for (std::size_t a = first; a < last; ++a) {
-          Lanes sums{};
+          Lanes sums{}, w;
           Index k = offset[a];
           for (; k + n_lanes <= offset[a + 1]; k += n_lanes) {
             const Index* const c = &column[k];
-            sums += *reinterpret_cast<const LooseLanes*>(&weight[k]) * Lanes{x[c[0]], x[c[1]], x[c[2]], x[c[3]]};
+            take(&weight[k], w);
+            sums += w * Lanes{x[c[0]], x[c[1]], x[c[2]], x[c[3]]};
           }
           double sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
-          for (; k < offset[a + 1]; ++k) sum += weight[k] * x[column[k]];
+          for (; k < offset[a + 1]; ++k) sum += static_cast<double>(weight[k]) * x[column[k]];
           y[a] = diagonal[a] * x[a] - sum;
         }
       });
     });
   }
 };
+
+/// Of pairs of particles. Weights are rounded to half the memory, the same for both of a pair; what they add to the
+/// diagonal is what is kept of them, so that constants stay in the kernel.
+using PairMatrix = GraphMatrix<float>;
 
 /// Of at most `block` numbers each, so that the result does not depend on the number of threads.
 inline double dot(std::span<const double> a, std::span<const double> b) {
@@ -79,7 +91,7 @@ SolveReport conjugate_gradients(Apply&& apply, Precondition&& precondition, std:
   const std::size_t n = b.size();
   ScalarArray r(n), z(n), p(n), q(n);
   apply(std::span<const double>(x), std::span<double>(q));
-  for (std::size_t i = 0; i < n; ++i) r[i] = b[i] - q[i];
+  for_each_side_by_side(n, [&](std::size_t i) { r[i] = b[i] - q[i]; });
   SolveReport report;
   if (norm(r) <= tolerance) return report;
   precondition(std::span<const double>(r), std::span<double>(z));
@@ -91,19 +103,15 @@ SolveReport conjugate_gradients(Apply&& apply, Precondition&& precondition, std:
     const double pq = dot(p, q);
     if (!(pq > 0.0)) break;
     const double alpha = rz / pq;
-    side_by_side(n, [&](std::size_t first, std::size_t last) {
-      for (std::size_t i = first; i < last; ++i) {
-        x[i] += alpha * p[i];
-        r[i] -= alpha * q[i];
-      }
+    for_each_side_by_side(n, [&](std::size_t i) {
+      x[i] += alpha * p[i];
+      r[i] -= alpha * q[i];
     });
     if (norm(r) <= tolerance) return report;
     precondition(std::span<const double>(r), std::span<double>(z));
     const double beta = -dot(z, q) / pq;
     rz = dot(r, z);
-    side_by_side(n, [&](std::size_t first, std::size_t last) {
-      for (std::size_t i = first; i < last; ++i) p[i] = z[i] + beta * p[i];
-    });
+    for_each_side_by_side(n, [&](std::size_t i) { p[i] = z[i] + beta * p[i]; });
   }
   report.converged = false;
   return report;

@@ -85,6 +85,7 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
   const Vec<D> up = weight_.norm() > 0.0 ? Vec<D>(-weight_.normalized()) : Vec<D>::Zero();
   for (const auto& region : scene.fluid.regions) {
     const auto lattice = fill<D>(region, dx_, scene.fluid.offset, scene.fluid.jitter, seed++);
+    p.reserve(p.size() + lattice.position.size());
     for (const auto& x : lattice.position) {
       const Soil* soil = soil_at(scene, to_point3<D>(x));
       const double n = soil ? fillable_porosity(*soil) : 1.0;
@@ -127,8 +128,8 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
   faces_follow_ = scene.coupled() && scene.solid.model != SolidCase::Model::elastic && !state_.columns.empty() &&
                   state_.inlets.empty() && std::all_of(here.begin(), here.end(), [](double n) { return n < 1.0; });
   // The soil looks for its rest under what is published before the first exchange.
-  settle(rigid_soil<D>(scene_, p.position));
-  saved_ = state_;
+  auto view = rigid_soil<D>(scene_, p.position);
+  settle(view);
 }
 
 /// Inviscid free water is slowly unstable: a trace of viscosity on the scale of the particles. Explicit sweeps let
@@ -175,7 +176,7 @@ coupling::Publication Fluid<D>::publish() const {
   const auto cloud = make_cloud<D>(state_, planes_, weight_, origin_, std::span<const StillWater<D>>(still));
   coupling::Publication out;
   out.time = state_.time;
-  std::tie(out.proposed_interval, out.limited_by) = time_limit();
+  std::tie(out.proposed_interval, out.limited_by) = proposal();
   out.points.dimension = D;
   out.points.revision = state_.revision;
   out.points.n_active = cloud.n_real;
@@ -218,9 +219,10 @@ SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox) const {
   };
   if (!scene_.coupled()) {
     VecArray<D> where = x;
-    for (std::size_t a = 0; a < n; ++a)
+    for_each_side_by_side(n, [&](std::size_t a) {
       if (auto& point = where[a]; !is_free(a) && !soil_at(scene_, to_point3<D>(point)))
         if (const auto* c = nearest_column(point)) point = c->foot + 0.25 * c->spacing * c->normal;
+    });
     auto view = rigid_soil<D>(scene_, where);
     if (scene_.fluid.drag_form != FluidCase::DragForm::pointwise) view.drag_form = smoothed_drag<D>(scene_, x);
     return view;
@@ -262,6 +264,7 @@ WindowProblem<D> Fluid<D>::problem(double interval) const {
   in.cavity = state_.particles.cavity;
   const auto& mask = state_.particles.mask;
   if (std::none_of(mask.begin(), mask.end(), [](double m) { return m > 0.5; })) in.tolerance = free_water_tolerance;
+  if (scene_.fluid.pressure_tolerance) in.tolerance = *scene_.fluid.pressure_tolerance;
   for (const auto& c : state_.columns) {
     in.face_pressure.push_back(c.pressure);
     in.face_holds.push_back(c.held);
@@ -271,7 +274,7 @@ WindowProblem<D> Fluid<D>::problem(double interval) const {
 
 /// Pressure of water at rest: no source, no velocity, the skeleton holds still.
 template <int D>
-void Fluid<D>::settle(const SoilView<D>& view) {
+void Fluid<D>::settle(SoilView<D>& view) {
   auto& p = state_.particles;
   if (p.size() == 0) return;
   auto s = stencil();
@@ -280,18 +283,17 @@ void Fluid<D>::settle(const SoilView<D>& view) {
   in.response = false;
   in.tolerance = 1e-8;
   for (auto& v : in.velocity) v.setZero();
-  auto still = view;
-  for (auto& v : still.velocity) v.setZero();
+  for (auto& v : view.velocity) v.setZero();
   WindowSolution<D> out;
   out.pressure = p.pressure;
-  solve_window<D>(s, still, p.surface, in, out);
-  p.pressure = out.pressure;
+  solve_window<D>(s, view, p.surface, in, out);
+  p.pressure = std::move(out.pressure);
 }
 
 template <int D>
 void Fluid<D>::initialise(const coupling::Inbox& inbox) {
   auto& p = state_.particles;
-  const auto view = soil(inbox);
+  auto view = soil(inbox);
   for (std::size_t a = 0; a < p.size(); ++a) {
     // The lattice's cells are the particles' bulk volumes; what water they hold follows from the soil as it is.
     p.void_fraction[a] = 1.0 - view.fraction[a];
@@ -300,9 +302,9 @@ void Fluid<D>::initialise(const coupling::Inbox& inbox) {
     p.seeps[a] = seeps<D>(view, a, p.velocity[a], density_, spacing_of<D>(p.volume[a])) ? 1.0 : 0.0;
   }
   begin_control(view, 0.0);
+  p.solid_velocity = view.velocity;
   settle(view);
   limit_scheme(view);
-  p.solid_velocity = view.velocity;
   for (const double m : p.mass) state_.balance.initial += m / density_;
   ++state_.revision;
 }
@@ -354,7 +356,8 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
       [&](const double* self, std::size_t m, const Lanes* w, const Lanes* point, Lanes* sums)
           __attribute__((always_inline)) {
             // w = pull ba: the speed of approach is that of the points times the pull over that of w.
-            const Lanes pull = *reinterpret_cast<const LooseLanes*>(&s.pull[m]);
+            Lanes pull;
+            take(&s.pull[m], pull);
             Lanes approach{}, size = Lanes{} + 1e-300;
             for (std::size_t d = 0; d < D; ++d) {
               approach -= (point[d] - self[d]) * w[d];
@@ -396,10 +399,11 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
     if (!torn) return 0.0;
     double sum = p.cavity[a] / p.void_fraction[a] * Kernel<D>::value(0.0, s.length[a]);
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
-      if (const Index q = s.parent[s.other[k]]; q < s.n_real) sum += p.cavity[q] / p.void_fraction[q] * s.value[k];
+      if (const Index q = s.parent[s.other[k]]; q < s.n_real && p.cavity[q] > 0.0)
+        sum += p.cavity[q] / p.void_fraction[q] * s.value(a, s.other[k]);
     return sum / lattice_fullness<D>();
   };
-  for (std::size_t a = 0; a < p.size(); ++a) {
+  for_each_side_by_side(p.size(), [&](std::size_t a) {
     double excess = s.fullness[a] + voids_near(a) - 1.0;
     // Near a surface the sum is short by nature, not by error.
     if (excess < 0.0 && !s.covered[a]) excess *= std::clamp(1.0 - 5.0 * s.length[a] * s.normal[a].norm(), 0.0, 1.0);
@@ -413,7 +417,7 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
     if (p.seeps[a] <= 0.5)
       source[a] += std::clamp(0.5 * interval * (velocity_gradient[a] * velocity_gradient[a]).trace(), -0.2 / interval,
                               0.2 / interval);
-  }
+  });
   if (!responds() || state_.last_interval <= 0.0) return source;
   // The soil moved by its own account; what that squeezed beyond the prediction is made good no faster than it came:
   // after a long window, short ones take their share of it only.
@@ -445,20 +449,22 @@ template <int D>
 void Fluid<D>::take_back(const Stencil<D>& s, const SoilView<D>& view, double interval) {
   auto& p = state_.particles;
   VecArray<D> owed(p.size(), Vec<D>::Zero());
+  ScalarArray share;  // of each neighbour
   for (std::size_t a = 0; a < p.size(); ++a) {
     const Vec<D> mine = p.owed[a] + view.owed[a];
     if (mine.isZero(0.0)) continue;
     const double own = view.mask[a] * p.volume[a] * Kernel<D>::value(0.0, s.length[a]);
-    const auto share = [&](Index k) {
-      const Index b = s.other[k];
-      return b < s.n_real ? view.mask[b] * p.volume[b] * s.value[k] : 0.0;
-    };
+    share.clear();
     double sum = own;
-    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) sum += share(k);
+    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+      const Index b = s.other[k];
+      share.push_back(b < s.n_real && view.mask[b] > 0.0 ? view.mask[b] * p.volume[b] * s.value(a, b) : 0.0);
+      sum += share.back();
+    }
     owed[a] += sum > 0.0 ? Vec<D>(own / sum * mine) : mine;
     if (!(sum > 0.0)) continue;
-    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
-      if (const double w = share(k); w > 0.0) owed[s.other[k]] += w / sum * mine;
+    for (std::size_t k = 0; k < share.size(); ++k)
+      if (share[k] > 0.0) owed[s.other[s.offset[a] + k]] += share[k] / sum * mine;
   }
   const double no_faster = interval / std::max({interval, state_.last_interval, state_.debt_due});  // than it came
   for (std::size_t a = 0; a < p.size(); ++a) {
@@ -507,12 +513,12 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   auto view = soil(inbox);
   view.linearise(p.velocity, view.velocity);
   const VecArray<D> velocity_before = p.velocity;
-  for (std::size_t a = 0; a < p.size(); ++a) {
+  for_each_side_by_side(p.size(), [&](std::size_t a) {
     p.void_fraction[a] = 1.0 - view.fraction[a];
     p.volume[a] = p.mass[a] / (p.void_fraction[a] * density_);
     p.mask[a] = view.mask[a];
     p.seeps[a] = seeps<D>(view, a, p.velocity[a], density_, spacing_of<D>(p.volume[a])) ? 1.0 : 0.0;
-  }
+  });
   set_inlets(window.time, dt);
   fill_basins(window.time, dt);
   update_columns<D>(scene_, window.time + dt, state_.basin_level, weight_, origin_, state_.columns);
@@ -534,9 +540,10 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
     in.sweeps = scene_.fluid.sweeps;
     in.share = dt / asked;
   }
-  VecArray<D> drag_force(p.size(), Vec<D>::Zero());
+  VecArray<D> drag_force;  // of the prediction
   const ScalarArray drag = view.drag;
   if (scheme == FluidCase::Scheme::eisph_explicit_drag) {
+    drag_force.resize(p.size());
     // Eq. (75) as corrected: the drag belongs to the prediction.
     for (std::size_t a = 0; a < p.size(); ++a) {
       drag_force[a] = drag[a] * (in.velocity[a] - view.velocity[a]) - view.drag_offset[a];
@@ -555,21 +562,22 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   state_.counts.outer_iterations += out.outer;
   state_.counts.unconverged += out.converged ? 0.0 : 1.0;
 
-  const ScalarArray before = p.pressure;
-  p.pressure = out.pressure;
-  p.solid_velocity = out.solid_velocity;
-  p.velocity = out.velocity;
-  p.cavity = out.cavity;
+  const ScalarArray before = std::move(p.pressure);
+  p.pressure = std::move(out.pressure);
+  p.solid_velocity = std::move(out.solid_velocity);
+  p.velocity = std::move(out.velocity);
+  p.cavity = std::move(out.cavity);
   if (const auto torn =
           static_cast<double>(std::count_if(p.cavity.begin(), p.cavity.end(), [](double c) { return c > 0.0; }));
       torn > 0.0) {
     if (state_.counts.cavitating == 0.0) state_.counts.first_cavitation = window.time + dt;
     state_.counts.cavitating = std::max(state_.counts.cavitating, torn);
   }
-  for (std::size_t a = 0; a < p.size(); ++a)
-    p.drag_impulse[a] =
-        p.volume[a] * dt *
-        (drag_force[a] + view.drag[a] * (out.velocity[a] - out.solid_velocity[a]) - view.drag_offset[a]);
+  for_each_side_by_side(p.size(), [&](std::size_t a) {
+    Vec<D> force = view.drag[a] * (p.velocity[a] - p.solid_velocity[a]) - view.drag_offset[a];
+    if (!drag_force.empty()) force += drag_force[a];
+    p.drag_impulse[a] = p.volume[a] * dt * force;
+  });
   view.drag = drag;
   if (scene_.coupled() && !responds()) {
     // Plain staggering: the skeleton was taken as it moved; where it goes now is an explicit guess.

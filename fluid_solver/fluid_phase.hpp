@@ -19,6 +19,8 @@ class Fluid final : public Phase {
 
   [[nodiscard]] coupling::Contract contract() const override;
   [[nodiscard]] coupling::Publication publish() const override;
+  [[nodiscard]] std::pair<double, std::string> proposal() const override { return time_limit(); }
+  [[nodiscard]] bool may_reject() const override { return false; }
   void initialise(const coupling::Inbox& inbox) override;
   coupling::Outcome advance(const coupling::Window& window, const coupling::Inbox& inbox) override;
   void save() override { saved_ = state_; }
@@ -38,7 +40,8 @@ class Fluid final : public Phase {
 
  private:
   Vec<D> initial_velocity(const Vec<D>& x) const;
-  void settle(const SoilView<D>& view);
+  /// Pressure of water at rest in soil at rest: the view's velocities are taken away.
+  void settle(SoilView<D>& view);
   WindowSolution<D> solve(const Stencil<D>& s, SoilView<D>& view, const WindowProblem<D>& in);
   SoilView<D> soil(const coupling::Inbox& inbox) const;
   Stencil<D> stencil() const;

@@ -3,6 +3,8 @@
 
 #include "fluid_solver/packing.hpp"
 
+#include "common/core/threads.hpp"
+
 #include <cmath>
 
 namespace poretwin::fluid {
@@ -38,11 +40,11 @@ template <int D>
 ScalarArray Fluid<D>::moved() const {
   const auto& p = state_.particles;
   ScalarArray result(p.size());
-  for (std::size_t a = 0; a < p.size(); ++a) {
+  for_each_side_by_side(p.size(), [&](std::size_t a) {
     const double spacing = spacing_of<D>(p.volume[a]);
     const double counts = (p.seeps[a] > 0.5 ? repair_displacement : free_repair_displacement) * spacing;
     result[a] = std::min(1.0, (p.position[a] - p.birthplace[a]).norm() / counts);
-  }
+  });
   return result;
 }
 
@@ -99,13 +101,13 @@ void Fluid<D>::move(const Stencil<D>& s, const WindowSolution<D>& solution, std:
                     std::span<const Vec<D>> velocity_before, double interval) {
   auto& p = state_.particles;
   auto motion = moved();
-  for (std::size_t a = 0; a < p.size(); ++a) {
+  for_each_side_by_side(p.size(), [&](std::size_t a) {
     const double spacing = spacing_of<D>(p.volume[a]);
     motion[a] *= std::min(1.0, p.velocity[a].norm() * interval / (0.02 * spacing));
-  }
+  });
   const auto shift = packing_displacements<D>(s, p.velocity, motion, p.surface, p.seeps, interval);
   collide<D>(s, p.seeps, p.mass, p.velocity);
-  for (std::size_t a = 0; a < p.size(); ++a) {
+  for_each_side_by_side(p.size(), [&](std::size_t a) {
     Vec<D> d = interval * p.velocity[a];
     if (p.seeps[a] > 0.5)
       d += interval * look_ahead(interval) * (p.velocity[a] - velocity_before[a]);
@@ -124,7 +126,7 @@ void Fluid<D>::move(const Stencil<D>& s, const WindowSolution<D>& solution, std:
     if (p.seeps[a] > 0.5 && p.surface[a] != Surface::interior)
       p.pressure[a] =
           std::max(p.pressure[a], std::min(before, s.surface_pressure[a]) - weight_.dot(p.position[a] - origin_));
-  }
+  });
 }
 
 template class Fluid<2>;

@@ -16,7 +16,8 @@ constexpr double good_enough = 0.25;
 }  // namespace
 
 /// Each row with the strongest free neighbour.
-std::vector<Index> Multigrid::match(const PairMatrix& m, Index& count) {
+template <class Matrix>
+std::vector<Index> Multigrid::match(const Matrix& m, Index& count) {
   std::vector<Index> aggregate(m.size(), none);
   std::vector<bool> done(m.size(), false);
   count = 0;
@@ -25,7 +26,7 @@ std::vector<Index> Multigrid::match(const PairMatrix& m, Index& count) {
     double sum = 0.0, strongest = 0.0;
     for (Index k = m.offset[a]; k < m.offset[a + 1]; ++k) {
       sum += m.weight[k];
-      strongest = std::max(strongest, m.weight[k]);
+      strongest = std::max<double>(strongest, m.weight[k]);
     }
     done[a] = true;
     if (m.diagonal[a] >= dominance * sum) continue;
@@ -48,7 +49,8 @@ std::vector<Index> Multigrid::match(const PairMatrix& m, Index& count) {
 }
 
 /// Sums over aggregates; couplings to rows that have none stay in the diagonal.
-PairMatrix Multigrid::coarsen(const PairMatrix& m, const std::vector<Index>& aggregate, std::size_t count) {
+template <class Matrix>
+Multigrid::CoarseMatrix Multigrid::coarsen(const Matrix& m, const std::vector<Index>& aggregate, std::size_t count) {
   std::vector<Index> first(count + 1, 0), rows(m.size());
   for (const Index g : aggregate)
     if (g != none) ++first[g + 1];
@@ -56,7 +58,7 @@ PairMatrix Multigrid::coarsen(const PairMatrix& m, const std::vector<Index>& agg
   std::vector<Index> next(first.begin(), first.end() - 1);
   for (std::size_t a = 0; a < m.size(); ++a)
     if (aggregate[a] != none) rows[next[aggregate[a]]++] = static_cast<Index>(a);
-  PairMatrix c;
+  CoarseMatrix c;
   c.diagonal.assign(count, 0.0);
   c.offset.reserve(count + 1);
   c.column.reserve(m.column.size() / 2);
@@ -88,44 +90,56 @@ PairMatrix Multigrid::coarsen(const PairMatrix& m, const std::vector<Index>& agg
   return c;
 }
 
-Multigrid::Multigrid(const PairMatrix& matrix) : finest_(matrix) {
-  for (const PairMatrix* m = &finest_; m->size() > coarsest; m = &levels_.back().coarse) {
-    // Pairs of pairs.
-    Index pairs = 0, count = 0;
-    std::vector<Index> aggregate = match(*m, pairs);
-    const PairMatrix half = coarsen(*m, aggregate, pairs);
-    const std::vector<Index> again = match(half, count);
-    if (count == 0 || 4 * count > 3 * m->size()) break;
-    for (Index& g : aggregate)
-      if (g != none) g = again[g];
-    Level level;
-    level.coarse = coarsen(half, again, count);
-    level.aggregate = std::move(aggregate);
-    level.residual.resize(m->size());
-    for (auto* work : {&level.b, &level.x, &level.v, &level.w, &level.d, &level.r}) work->resize(count);
-    // The loop holds a pointer into the vector.
-    levels_.reserve(64);
-    levels_.push_back(std::move(level));
-  }
-  const PairMatrix& last = this->matrix(levels_.size());
-  if (last.size() > 10 * coarsest) return;
-  const auto n = static_cast<Eigen::Index>(last.size());
+template <class Matrix>
+bool Multigrid::add_level(const Matrix& m) {
+  // Pairs of pairs.
+  Index pairs = 0, count = 0;
+  std::vector<Index> aggregate = match(m, pairs);
+  const CoarseMatrix half = coarsen(m, aggregate, pairs);
+  const std::vector<Index> again = match(half, count);
+  if (count == 0 || 4 * count > 3 * m.size()) return false;
+  for (Index& g : aggregate)
+    if (g != none) g = again[g];
+  Level level;
+  level.coarse = coarsen(half, again, count);
+  level.aggregate = std::move(aggregate);
+  level.residual.resize(m.size());
+  for (auto* work : {&level.b, &level.x, &level.v, &level.w, &level.d, &level.r}) work->resize(count);
+  levels_.push_back(std::move(level));
+  return true;
+}
+
+/// A closed domain leaves the mean undetermined: inverted where the matrix acts.
+template <class Matrix>
+void Multigrid::invert(const Matrix& m) {
+  if (m.size() > 10 * coarsest) return;
+  const auto n = static_cast<Eigen::Index>(m.size());
   Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(n, n);
-  for (std::size_t a = 0; a < last.size(); ++a) {
+  for (std::size_t a = 0; a < m.size(); ++a) {
     const auto i = static_cast<Eigen::Index>(a);
-    dense(i, i) += last.diagonal[a];
-    for (Index k = last.offset[a]; k < last.offset[a + 1]; ++k)
-      dense(i, static_cast<Eigen::Index>(last.column[k])) -= last.weight[k];
+    dense(i, i) += m.diagonal[a];
+    for (Index k = m.offset[a]; k < m.offset[a + 1]; ++k) dense(i, static_cast<Eigen::Index>(m.column[k])) -= m.weight[k];
   }
-  // A closed domain leaves the mean undetermined: inverted where the matrix acts.
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(dense);
   const double least = 1e-12 * eigen.eigenvalues().cwiseAbs().maxCoeff();
   const Eigen::VectorXd inverse = (eigen.eigenvalues().array() > least).select(eigen.eigenvalues().cwiseInverse(), 0.0);
   inverse_ = eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
-void Multigrid::cycle(std::size_t level, std::span<const double> b, std::span<double> x) {
-  const PairMatrix& m = matrix(level);
+Multigrid::Multigrid(const PairMatrix& matrix) : finest_(matrix) {
+  levels_.reserve(64);  // add_level reads from one while it adds the next
+  bool coarser = matrix.size() > coarsest && add_level(matrix);
+  while (coarser && levels_.back().coarse.size() > coarsest) coarser = add_level(levels_.back().coarse);
+  if (levels_.empty())
+    invert(finest_);
+  else
+    invert(levels_.back().coarse);
+}
+
+void Multigrid::cycle(std::span<const double> r, std::span<double> z) { cycle(finest_, 0, r, z); }
+
+template <class Matrix>
+void Multigrid::cycle(const Matrix& m, std::size_t level, std::span<const double> b, std::span<double> x) {
   const auto relax = [&](std::size_t a) {
     double sum = b[a];
     for (Index k = m.offset[a]; k < m.offset[a + 1]; ++k) sum += m.weight[k] * x[m.column[k]];
@@ -158,12 +172,12 @@ void Multigrid::cycle(std::size_t level, std::span<const double> b, std::span<do
 /// l.x from l.b on the next level: one step of conjugate gradients around its cycle, a second where that is not enough.
 void Multigrid::correct(std::size_t level) {
   Level& l = levels_[level];
-  if (level + 1 == levels_.size()) return cycle(level + 1, l.b, l.x);
+  if (level + 1 == levels_.size()) return cycle(l.coarse, level + 1, l.b, l.x);
   const auto multiply = [&](const ScalarArray& from, ScalarArray& to) {
     l.coarse.apply(std::span<const double>(from), std::span<double>(to));
   };
   const std::size_t n = l.b.size();
-  cycle(level + 1, l.b, l.x);
+  cycle(l.coarse, level + 1, l.b, l.x);
   multiply(l.x, l.v);
   const double rho = dot(l.x, l.v), alpha = dot(l.x, l.b);
   if (!(rho > 0.0)) return;
@@ -172,7 +186,7 @@ void Multigrid::correct(std::size_t level) {
     for (double& x : l.x) x *= alpha / rho;
     return;
   }
-  cycle(level + 1, l.r, l.d);
+  cycle(l.coarse, level + 1, l.r, l.d);
   multiply(l.d, l.w);
   const double gamma = dot(l.d, l.v), second = dot(l.d, l.w) - gamma * gamma / rho, beta = dot(l.d, l.r);
   const double share = second > 0.0 ? beta / second : 0.0;

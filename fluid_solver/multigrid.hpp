@@ -12,14 +12,15 @@ namespace poretwin::fluid {
 /// Memory is taken when it is built, none in a cycle. The matrix must outlive it.
 class Multigrid {
  public:
+  using CoarseMatrix = GraphMatrix<double>;
   explicit Multigrid(const PairMatrix& matrix);
   /// z = about A^-1 r. Not quite linear in r: wants the flexible form of conjugate gradients.
-  void cycle(std::span<const double> r, std::span<double> z) { cycle(0, r, z); }
+  void cycle(std::span<const double> r, std::span<double> z);
   [[nodiscard]] std::size_t levels() const { return levels_.size(); }
 
  private:
   struct Level {
-    PairMatrix coarse;             ///< of the next level
+    CoarseMatrix coarse;           ///< of the next level
     std::vector<Index> aggregate;  ///< of each row; `none`: left to the smoother
     ScalarArray residual;          ///< of this level
     ScalarArray b, x;              ///< of the next level, as the rest
@@ -27,12 +28,17 @@ class Multigrid {
   };
   static constexpr Index none = static_cast<Index>(-1);
 
-  static std::vector<Index> match(const PairMatrix& m, Index& count);
-  static PairMatrix coarsen(const PairMatrix& m, const std::vector<Index>& aggregate, std::size_t count);
-  [[nodiscard]] const PairMatrix& matrix(std::size_t level) const {
-    return level == 0 ? finest_ : levels_[level - 1].coarse;
-  }
-  void cycle(std::size_t level, std::span<const double> b, std::span<double> x);
+  template <class Matrix>
+  static std::vector<Index> match(const Matrix& m, Index& count);
+  template <class Matrix>
+  static CoarseMatrix coarsen(const Matrix& m, const std::vector<Index>& aggregate, std::size_t count);
+  /// Adds the level below m; false where that would hardly be smaller.
+  template <class Matrix>
+  bool add_level(const Matrix& m);
+  template <class Matrix>
+  void invert(const Matrix& m);
+  template <class Matrix>
+  void cycle(const Matrix& m, std::size_t level, std::span<const double> b, std::span<double> x);
   void correct(std::size_t level);
 
   const PairMatrix& finest_;

@@ -67,7 +67,8 @@ void for_pairs_in_lanes(const Stencil<D>& s, const std::vector<PackedPoint<D, n_
         Lanes point[D + n_values], w[D];
         gather<0, D + n_values>({points[i[0]].row(), points[i[1]].row(), points[i[2]].row(), points[i[3]].row()},
                                 point);
-        const Lanes pull = *reinterpret_cast<const LooseLanes*>(&s.pull[m]);
+        Lanes pull;
+        poretwin::take(&s.pull[m], pull);
         for (std::size_t d = 0; d < D; ++d) w[d] = pull * (point[d] - self[d]);
         sum(self + D, m, w, point + D, sums);
       }
@@ -103,13 +104,13 @@ VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Fa
   }
   // A buffer moves as the particle that asks: a mobility of zero stands for that.
   std::vector<PackedPoint<D, 2>> points(s.size());
-  for (std::size_t j = 0; j < s.size(); ++j) {
+  for_each_side_by_side(s.size(), [&](std::size_t j) {
     const Index q = s.parent[j];
     const bool real = q < s.n_real;
     for (std::size_t d = 0; d < D; ++d) points[j].x[d] = s.position[j][static_cast<int>(d)];
     points[j].x[D] = real ? p[q] : buffer[q - s.n_real];
     points[j].x[D + 1] = !real ? 0.0 : mobility.empty() ? 1.0 : mobility[q];
-  }
+  });
   VecArray<D> result(s.n_real);
   for_pairs_in_lanes<D, 2, D>(
       s, points,
@@ -119,7 +120,7 @@ VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Fa
             if (!all_fitted)
               for (std::size_t l = 0; l < n_lanes; ++l)
                 if (const Index q = s.parent[s.other[m + l]]; q >= s.n_real && !fitted[q - s.n_real])
-                  difference[l] *= s.reflection[m + l];
+                  difference[l] *= static_cast<double>(s.reflection[m + l]);
             if (!mobility.empty()) {
               const Lanes theirs = point[1] > 0.0 ? point[1] : Lanes{} + self[1];
               difference *= 2.0 * self[1] * theirs / (self[1] + theirs);
@@ -130,7 +131,8 @@ VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Fa
         const double own = mobility.empty() ? 1.0 : mobility[a];
         Vec<D> sum = Eigen::Map<const Vec<D>>(total);
         if (s.ghost_distance[a] > 0.0) sum += 2.0 * own * (p[a] - surface_pressure(a)) * s.normal[a];
-        result[a] = s.correction[a] * sum + own * (s.blind[a] * blind_gradient);
+        result[a] = s.correction[a] * sum;
+        if (s.edge_of[a] > 0) result[a] += own * (s.edges[s.edge_of[a] - 1].blind * blind_gradient);
       });
   return result;
 }
@@ -141,11 +143,12 @@ void sum_differences(const Stencil<D>& s, std::span<const Vec<D>> f, Carried car
   const VecArray<D> all = extended<D>(s, f, carried);
   const bool buffers = s.n_base > s.n_real;
   std::vector<PackedPoint<D, D>> points(s.size());
-  for (std::size_t j = 0; j < s.size(); ++j)
+  for_each_side_by_side(s.size(), [&](std::size_t j) {
     for (std::size_t d = 0; d < D; ++d) {
       points[j].x[d] = s.position[j][static_cast<int>(d)];
       points[j].x[D + d] = all[j][static_cast<int>(d)];
     }
+  });
   for_pairs_in_lanes<D, D, D * D>(
       s, points,
       [&](const double* self, std::size_t m, const Lanes* w, const Lanes* point, Lanes* sums)
@@ -168,7 +171,7 @@ MatArray<D> velocity_gradient(const Stencil<D>& s, std::span<const Vec<D>> f) {
   MatArray<D> result(s.n_real);
   sum_differences<D>(
       s, f, Carried::yes, [&](std::size_t a, const Mat<D>& sum) __attribute__((always_inline)) {
-        result[a].noalias() = sum * s.correction_open[a];
+        result[a].noalias() = sum * s.correction_open(a);
       });
   return result;
 }
@@ -181,7 +184,7 @@ ScalarArray divergence(const Stencil<D>& s, std::span<const Vec<D>> f, Carried c
     return result;
   sum_differences<D>(
       s, f, carried, [&](std::size_t a, const Mat<D>& sum) __attribute__((always_inline)) {
-        result[a] = sum.cwiseProduct(s.correction_open[a].transpose()).sum();
+        result[a] = sum.cwiseProduct(s.correction_open(a).transpose()).sum();
       });
   return result;
 }
@@ -196,33 +199,47 @@ PairMatrix laplacian(const Stencil<D>& s, std::span<const double> mobility) {
   m.column.resize(s.other.size());
   m.weight.resize(s.other.size());
   m.diagonal.resize(s.n_real);
+  std::vector<PackedPoint<D, 2>> points(s.size());
+  for_each_side_by_side(s.size(), [&](std::size_t j) {
+    Eigen::Map<Vec<D>>{points[j].x.data()} = s.position[j];
+    points[j].x[D] = s.volume[j];
+    points[j].x[D + 1] = s.length[j];
+  });
   const bool buffers = s.n_base > s.n_real;
   const auto row = [&](std::size_t a) __attribute__((always_inline)) {
+    const double* const self = points[a].row();
     Lanes sum{};
+    double faces = 0.0;
     for (std::size_t k = s.offset[a]; k < s.offset[a + 1]; k += n_lanes) {
-      Lanes amplified, theirs, coupled;
+      const Index* const i = &s.other[k];
+      Lanes amplified, theirs, coupled, point[D + 2], w;
+      gather<0, D + 2>({points[i[0]].row(), points[i[1]].row(), points[i[2]].row(), points[i[3]].row()}, point);
       for (std::size_t l = 0; l < n_lanes; ++l) {
-        const Index q = s.parent[s.other[k + l]], b = q < s.n_real ? q : static_cast<Index>(a);
+        const Index q = s.parent[i[l]], b = q < s.n_real ? q : static_cast<Index>(a);
         m.column[k + l] = b;
         amplified[l] = s.amplification[b];
         theirs[l] = mobility.empty() ? 1.0 : mobility[b];
         coupled[l] = b != a ? 1.0 : 0.0;
+        if (buffers && q >= s.n_real)
+          faces += static_cast<double>(s.pull[k + l]) * static_cast<double>(s.reflection[k + l]);
       }
-      Lanes w = *reinterpret_cast<const LooseLanes*>(&s.pull[k]);
-      w *= s.volume[a] * (s.amplification[a] + amplified);
+      // The kernel anew: that of the list is rounded with the volume of one of the two.
+      Lanes r{}, scale;
+      for (std::size_t d = 0; d < D; ++d) r += (point[d] - self[d]) * (point[d] - self[d]);
+      take_root(r);
+      pair_pull<D>(r, 2.0 / (self[D + 1] + point[D + 1]), scale);
+      w = coupled * (self[D] * point[D]) * (scale * (s.amplification[a] + amplified));
       if (!mobility.empty()) {
         Lanes whole = mobility[a] + theirs;
         raise_to(whole, Lanes{} + 1e-300);
         w *= 2.0 * mobility[a] * theirs / whole;
       }
-      if (buffers)
-        for (std::size_t l = 0; l < n_lanes; ++l)
-          if (s.parent[s.other[k + l]] >= s.n_real) sum[l] += w[l] * s.reflection[k + l];
-      w *= coupled;
+      put(w, &m.weight[k]);
+      poretwin::take(&m.weight[k], w);
       sum += w;
-      *reinterpret_cast<LooseLanes*>(&m.weight[k]) = w;
     }
-    m.diagonal[a] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+    const double own = mobility.empty() ? 1.0 : mobility[a];
+    m.diagonal[a] = (sum[0] + sum[1]) + (sum[2] + sum[3]) + 2.0 * s.volume[a] * own * s.amplification[a] * faces;
   };
   side_by_side(s.n_real, [&](std::size_t first, std::size_t last) {
     run_lanes([&]() __attribute__((always_inline)) {

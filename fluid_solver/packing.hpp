@@ -2,6 +2,7 @@
 // close.
 #pragma once
 
+#include "common/core/threads.hpp"
 #include "fluid_solver/stencil.hpp"
 #include "fluid_solver/surface.hpp"
 
@@ -21,8 +22,8 @@ template <int D>
 VecArray<D> packing_displacements(const Stencil<D>& s, std::span<const Vec<D>> velocity, std::span<const double> moved,
                                   std::span<const Surface> flags, std::span<const double> seeps, double interval) {
   VecArray<D> shift(s.n_real, Vec<D>::Zero());
-  for (std::size_t a = 0; a < s.n_real; ++a) {
-    if (moved[a] == 0.0 || flags[a] == Surface::lone) continue;
+  for_each_side_by_side(s.n_real, [&](std::size_t a) {
+    if (moved[a] == 0.0 || flags[a] == Surface::lone) return;
     const PackingLaw& law = seeps[a] > 0.5 ? packing_in_soil : packing_in_free_water;
     const double h = s.length[a], spacing = h / smoothing_ratio;
     // Even surroundings have sum V grad W = 0; it points to where particles are.
@@ -43,7 +44,7 @@ VecArray<D> packing_displacements(const Stencil<D>& s, std::span<const Vec<D>> v
     const double length = d.norm(), most = 0.1 * spacing;
     if (length > most) d *= most / length;
     shift[a] = moved[a] * d;
-  }
+  });
   return shift;
 }
 

@@ -23,14 +23,14 @@ OutputFrame Fluid<D>::frame() const {
     relative[a] =
         p.mask[a] > 0.0 ? Vec<D>(p.void_fraction[a] * (p.velocity[a] - p.solid_velocity[a])) : Vec<D>(Vec<D>::Zero());
   }
-  out.fields = {
-      {"velocity", "m/s", "velocity of the water between the grains (intrinsic)", 3, three(p.velocity)},
-      {"pore_pressure", "Pa", "total pressure of the water", 1, pressure},
-      {"void_fraction", "1", "n_w, water's share of the volume where saturated; 1 in free water", 1, p.void_fraction},
-      {"relative_flux", "m/s", "n (v_w - v_s), the discharge through the skeleton; zero in free water", 3,
-       three(relative)},
-      {"surface", "1", "1 on the free surface", 1, flag},
-  };
+  // One by one: a list of them all would be copied.
+  const auto add = [&](OutputField&& field) { out.fields.push_back(std::move(field)); };
+  add({"velocity", "m/s", "velocity of the water between the grains (intrinsic)", 3, three(p.velocity)});
+  add({"pore_pressure", "Pa", "total pressure of the water", 1, std::move(pressure)});
+  add({"void_fraction", "1", "n_w, water's share of the volume where saturated; 1 in free water", 1, p.void_fraction});
+  add({"relative_flux", "m/s", "n (v_w - v_s), the discharge through the skeleton; zero in free water", 3,
+       three(relative)});
+  add({"surface", "1", "1 on the free surface", 1, std::move(flag)});
   return out;
 }
 

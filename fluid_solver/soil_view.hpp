@@ -3,14 +3,39 @@
 #pragma once
 
 #include "common/case/geometry.hpp"
+#include "common/core/threads.hpp"
 #include "common/core/vector.hpp"
 #include "common/coupling/exchange.hpp"
 #include "common/porous/seepage.hpp"
 
 #include <cmath>
 #include <span>
+#include <type_traits>
 
 namespace poretwin::fluid {
+
+/// Values at the particles that are zero everywhere until they are laid out: soil at rest has none of them.
+template <class T>
+class OrZero {
+ public:
+  void lay_out(std::size_t n) { values_.assign(n, zero()); }
+  void set(std::size_t a, const T& value) { values_[a] = value; }
+  [[nodiscard]] const T& operator[](std::size_t a) const { return values_.empty() ? zero() : values_[a]; }
+  [[nodiscard]] auto begin() const { return values_.begin(); }
+  [[nodiscard]] auto end() const { return values_.end(); }
+
+ private:
+  static const T& zero() {
+    static const T value = [] {
+      if constexpr (std::is_arithmetic_v<T>)
+        return T{};
+      else
+        return T(T::Zero());
+    }();
+    return value;
+  }
+  std::vector<T> values_;
+};
 
 template <int D>
 struct SoilView {
@@ -21,18 +46,18 @@ struct SoilView {
   /// [n] the resistance about the present slip w, R = C w' - f: C [N s/m4], f [N/m3] (Newton's tangent along the flow;
   /// f is zero under Darcy's law)
   ScalarArray drag;
-  VecArray<D> drag_offset;
-  MatArray<D> drag_form;      ///< [n] that multiplies the slip in a smoothed drag; empty: none
-  ScalarArray density;        ///< [n] R = n_s rho_s, kg/m3
-  ScalarArray modulus;        ///< [n] M = K + 4 G / 3, Pa
-  ScalarArray yielding;       ///< [n] share of the shear that was plastic
-  VecArray<D> velocity;       ///< [n] v_s, m/s
-  VecArray<D> mean_velocity;  ///< [n] over the soil's last window, m/s
-  VecArray<D> force;          ///< [n] r: unbalanced force per volume with the soil's weight, no pressure, no drag, N/m3
-  VecArray<D> owed;           ///< [n] impulse the soil took beyond the drag of its last window, N s
+  OrZero<Vec<D>> drag_offset;
+  MatArray<D> drag_form;         ///< [n] that multiplies the slip in a smoothed drag; empty: none
+  ScalarArray density;           ///< [n] R = n_s rho_s, kg/m3
+  OrZero<double> modulus;        ///< [n] M = K + 4 G / 3, Pa
+  OrZero<double> yielding;       ///< [n] share of the shear that was plastic
+  VecArray<D> velocity;          ///< [n] v_s, m/s
+  OrZero<Vec<D>> mean_velocity;  ///< [n] over the soil's last window, m/s
+  OrZero<Vec<D>> force;  ///< [n] r: unbalanced force per volume with the soil's weight, no pressure, no drag, N/m3
+  OrZero<Vec<D>> owed;   ///< [n] impulse the soil took beyond the drag of its last window, N s
   void resize(std::size_t n) {
-    for (auto* a : {&mask, &coverage, &fraction, &drag, &density, &modulus, &yielding}) a->assign(n, 0.0);
-    for (auto* a : {&velocity, &mean_velocity, &force, &owed, &drag_offset}) a->assign(n, Vec<D>::Zero());
+    for (auto* a : {&mask, &coverage, &fraction, &drag, &density}) a->assign(n, 0.0);
+    velocity.assign(n, Vec<D>::Zero());
     resistance.assign(n, {});
   }
   [[nodiscard]] std::size_t size() const { return mask.size(); }
@@ -43,11 +68,14 @@ struct SoilView {
   }
   /// Takes the resistance about the slip between these velocities.
   void linearise(std::span<const Vec<D>> water, std::span<const Vec<D>> soil) {
+    const bool curved = nonlinear();
+    drag_offset.lay_out(curved ? size() : 0);
     for (std::size_t a = 0; a < size(); ++a) {
       const Vec<D> slip = water[a] - soil[a];
       drag[a] = resistance[a].slope(slip.norm());
+      if (!curved) continue;
       if (!drag_form.empty()) drag[a] *= drag_form[a].trace() / D;
-      drag_offset[a] = drag[a] * slip - drag_force(a, slip);
+      drag_offset.set(a, drag[a] * slip - drag_force(a, slip));
     }
   }
   /// Force on the water against the slip, per volume [N/m3].
@@ -105,9 +133,9 @@ SoilView<D> rigid_soil(const Case& scene, std::span<const Vec<D>> points) {
   SoilView<D> soil;
   soil.resize(points.size());
   const double weight = porous::specific_weight(scene);
-  for (std::size_t a = 0; a < points.size(); ++a) {
+  const auto fill = [&](std::size_t a) {
     const Soil* here = soil_at(scene, to_point3<D>(points[a]));
-    if (!here) continue;
+    if (!here) return;
     soil.mask[a] = soil.coverage[a] = 1.0;
     const double fillable = fillable_porosity(*here);
     soil.fraction[a] = 1.0 - fillable;
@@ -115,7 +143,10 @@ SoilView<D> rigid_soil(const Case& scene, std::span<const Vec<D>> points) {
     if (scene.fluid.drag)
       soil.resistance[a] = porous::resistance(weight, fillable, porous::seepage_at(scene, *here, here->porosity));
     soil.drag[a] = soil.resistance[a].linear;
-  }
+  };
+  side_by_side(points.size(), [&](std::size_t first, std::size_t last) {
+    for (std::size_t a = first; a < last; ++a) fill(a);
+  });
   return soil;
 }
 
@@ -132,30 +163,27 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::si
   const auto& conductivity = inbox.at(field::hydraulic_conductivity).values;
   const auto& quadratic = inbox.at(field::forchheimer_coefficient).values;
   const double weight = porous::specific_weight(scene);
-  const auto vectors = [n](const Field& from, VecArray<D>& to) {
-    for (std::size_t a = 0; a < n; ++a)
-      for (std::size_t d = 0; d < D; ++d) to[a][static_cast<int>(d)] = from.values[a * D + d];
+  for (auto* values : {&soil.modulus, &soil.yielding}) values->lay_out(n);
+  for (auto* values : {&soil.mean_velocity, &soil.force, &soil.owed}) values->lay_out(n);
+  const auto vector = [](const Field& from, std::size_t a) {
+    return Vec<D>(Eigen::Map<const Vec<D>>(from.values.data() + a * D));
   };
-  vectors(inbox.at(field::solid_velocity), soil.velocity);
-  vectors(inbox.at(field::mean_solid_velocity), soil.mean_velocity);
-  vectors(inbox.at(field::unbalanced_force), soil.force);
-  vectors(inbox.at(field::returned_impulse), soil.owed);
+  const Field &velocity = inbox.at(field::solid_velocity), &mean_velocity = inbox.at(field::mean_solid_velocity),
+              &force = inbox.at(field::unbalanced_force), &owed = inbox.at(field::returned_impulse);
   for (std::size_t a = 0; a < n; ++a) {
     soil.coverage[a] = inbox.coverage[a];
+    soil.owed.set(a, vector(owed, a));
     const double mask = inbox.coverage[a] > 0.0 ? membership(inbox.asymmetry[a]) : 0.0;
     const double n_s = std::min(fraction[a], 1.0 - 1e-3) * mask;
-    if (n_s < least_solid_fraction || !(conductivity[a] > 0.0)) {
-      soil.velocity[a].setZero();
-      soil.mean_velocity[a].setZero();
-      soil.force[a].setZero();
-      continue;
-    }
+    if (n_s < least_solid_fraction || !(conductivity[a] > 0.0)) continue;
+    soil.velocity[a] = vector(velocity, a);
+    soil.mean_velocity.set(a, vector(mean_velocity, a));
+    soil.force.set(a, mask * vector(force, a));
     soil.mask[a] = mask;
     soil.fraction[a] = n_s;
     soil.density[a] = n_s * grain[a];
-    soil.modulus[a] = modulus[a];
-    soil.yielding[a] = std::clamp(yielding[a], 0.0, 1.0);
-    soil.force[a] *= mask;
+    soil.modulus.set(a, modulus[a]);
+    soil.yielding.set(a, std::clamp(yielding[a], 0.0, 1.0));
     const double porosity = 1.0 - n_s;
     if (scene.fluid.drag)
       soil.resistance[a] = porous::resistance(

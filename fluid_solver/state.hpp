@@ -29,7 +29,35 @@ struct Particles {
   std::vector<Surface> surface;
   [[nodiscard]] std::size_t size() const { return position.size(); }
 
+  /// Calls visit(array) for every array.
+  template <class Visit>
+  void for_each_array(const Visit& visit) {
+    visit(position);
+    visit(velocity);
+    visit(mass);
+    visit(void_fraction);
+    visit(volume);
+    visit(pressure);
+    visit(solid_velocity);
+    visit(drag_impulse);
+    visit(owed);
+    visit(mask);
+    visit(seeps);
+    visit(cavity);
+    visit(volume_debt);
+    visit(birthplace);
+    visit(row);
+    visit(surface);
+  }
+
+  /// Room for n particles, and no more.
+  void reserve(std::size_t n) {
+    for_each_array([n](auto& array) { array.reserve(n); });
+  }
+
   void add(const Vec<D>& x, const Vec<D>& v, double m, double n, double V, double p) {
+    // Arrays that doubled would stand half empty.
+    if (size() == position.capacity()) reserve(size() + size() / 16 + 16);
     position.push_back(x);
     velocity.push_back(v);
     mass.push_back(m);
@@ -50,28 +78,12 @@ struct Particles {
 
   /// Keeps the particles for which keep[a], in order.
   void filter(const std::vector<bool>& keep) {
-    const auto filter_one = [&](auto& array) {
+    for_each_array([&keep](auto& array) {
       std::size_t to = 0;
       for (std::size_t a = 0; a < keep.size(); ++a)
         if (keep[a]) array[to++] = array[a];
       array.resize(to);
-    };
-    filter_one(position);
-    filter_one(velocity);
-    filter_one(mass);
-    filter_one(void_fraction);
-    filter_one(volume);
-    filter_one(pressure);
-    filter_one(solid_velocity);
-    filter_one(drag_impulse);
-    filter_one(owed);
-    filter_one(mask);
-    filter_one(seeps);
-    filter_one(cavity);
-    filter_one(volume_debt);
-    filter_one(birthplace);
-    filter_one(row);
-    filter_one(surface);
+    });
   }
 };
 

@@ -23,34 +23,51 @@ struct alignas(32) Summed {
   [[nodiscard]] const double* row() const { return position.data(); }
 };
 
-/// Rows of all points nearer than the supports of the two reach on average.
+/// Rows of all points nearer than the supports of the two reach on average, each filled up to a multiple of four.
 template <int D>
 void find_pairs(double largest, Stencil<D>& s) {
   sph::CellGrid<D> grid;
   constexpr double reach = 0.5 * sph::support_radius;
   grid.build(s.position, reach * largest);
   const bool even = std::all_of(s.length.begin(), s.length.end(), [&](double h) { return h == largest; });
+  const auto find = [&](std::size_t first, std::size_t last, std::vector<Index>& offset, std::vector<Index>& other) {
+    other.reserve((last - first) * (D == 2 ? 28 : 96));
+    std::vector<Index> row(64);
+    for (std::size_t a = first; a < last; ++a) {
+      std::size_t count = 0;
+      const auto add = [&](Index j, bool near) {
+        if (count == row.size()) row.resize(2 * count);
+        row[count] = j;
+        count += static_cast<std::size_t>(j != a) & static_cast<std::size_t>(near);
+      };
+      const double range = reach * (s.length[a] + largest);
+      if (even)
+        grid.for_each_within(s.position[a], range, [&](Index j, double) { add(j, true); });
+      else
+        grid.for_each_within(s.position[a], range, [&](Index j, double r2) {
+          const double support = reach * (s.length[a] + s.length[j]);
+          add(j, r2 < support * support);
+        });
+      other.insert(other.end(), row.begin(), row.begin() + static_cast<std::ptrdiff_t>(count));
+      while (other.size() % n_lanes != 0) other.push_back(static_cast<Index>(a));
+      offset.push_back(static_cast<Index>(other.size()));
+    }
+  };
   s.offset.reserve(s.n_real + 1);
-  s.other.reserve(s.n_real * (D == 2 ? 28 : 96));
-  std::vector<Index> row(64);
-  for (std::size_t a = 0; a < s.n_real; ++a) {
-    std::size_t count = 0;
-    const auto add = [&](Index j, bool near) {
-      if (count == row.size()) row.resize(2 * count);
-      row[count] = j;
-      count += static_cast<std::size_t>(j != a) & static_cast<std::size_t>(near);
-    };
-    const double range = reach * (s.length[a] + largest);
-    if (even)
-      grid.for_each_within(s.position[a], range, [&](Index j, double) { add(j, true); });
-    else
-      grid.for_each_within(s.position[a], range, [&](Index j, double r2) {
-        const double support = reach * (s.length[a] + s.length[j]);
-        add(j, r2 < support * support);
-      });
-    s.other.insert(s.other.end(), row.begin(), row.begin() + static_cast<std::ptrdiff_t>(count));
-    while (s.other.size() % n_lanes != 0) s.other.push_back(static_cast<Index>(a));
-    s.offset.push_back(static_cast<Index>(s.other.size()));
+  const std::size_t parts = parts_for(s.n_real);
+  if (parts == 1) return find(0, s.n_real, s.offset, s.other);
+  std::vector<std::vector<Index>> offsets(parts), others(parts);
+  for_each_part(parts, [&](std::size_t part) {
+    find(s.n_real * part / parts, s.n_real * (part + 1) / parts, offsets[part], others[part]);
+  });
+  std::size_t size = 0;
+  for (const auto& other : others) size += other.size();
+  s.other.reserve(size);
+  for (std::size_t part = 0; part < parts; ++part) {
+    const auto begin = static_cast<Index>(s.other.size());
+    s.other.insert(s.other.end(), others[part].begin(), others[part].end());
+    for (const Index end : offsets[part]) s.offset.push_back(begin + end);
+    others[part] = {};
   }
 }
 
@@ -76,7 +93,7 @@ void part_ghosts(std::span<const Buffer<D>> buffers, std::span<const char> free,
   }
 }
 
-/// Kernels of the pairs of particle a, and its sums over them.
+/// Kernels of the pairs of particle a, and its sums over them; its moment stands in for the correction.
 template <int D>
 [[gnu::always_inline]] inline void sum_pairs(const Summed<D>* points, std::size_t a, Stencil<D>& s) {
   constexpr std::size_t n_moments = D * (D + 1) / 2, n_sums = 1 + D + n_moments, size = (n_sums + 3) / 4 * 4;
@@ -100,9 +117,10 @@ template <int D>
     lower_to(least, real > 0.0 ? q : least);
     raise_to(u, Lanes{});
     const Lanes cube = u * u * u * real * square * (D == 2 ? Lanes{} + 1.0 : inverse);
-    const Lanes value = cube * u * (2.0 * q + 1.0), pull = 5.0 * square * cube * point[D];
-    *reinterpret_cast<LooseLanes*>(&s.value[m]) = value;
-    *reinterpret_cast<LooseLanes*>(&s.pull[m]) = pull;
+    const Lanes value = cube * u * (2.0 * q + 1.0);
+    Lanes pull = 5.0 * square * cube * point[D];
+    put(pull, &s.pull[m]);
+    take(&s.pull[m], pull);
     std::size_t c = 0;
     sum[c++] += point[D] * value;
     for (std::size_t d = 0; d < D; ++d) sum[c++] += pull * ba[d];
@@ -116,7 +134,7 @@ template <int D>
   s.fullness[a] = *next++ + self[D] * Kernel<D>::value(0.0, length);
   for (int d = 0; d < D; ++d) s.normal[a][d] = *next++;
   for (int d = 0; d < D; ++d)
-    for (int e = 0; e <= d; ++e) s.moment[a](d, e) = s.moment[a](e, d) = *next++;
+    for (int e = 0; e <= d; ++e) s.correction[a](d, e) = s.correction[a](e, d) = *next++;
 }
 
 }  // namespace
@@ -152,28 +170,31 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   Stencil<D> s;
   s.n_real = x.size();
   s.n_base = s.n_real + buffers.size();
-  s.position.assign(x.begin(), x.end());
-  s.volume.assign(volume.begin(), volume.end());
-  for (const auto& b : buffers) {
-    s.position.push_back(b.position);
-    s.volume.push_back(b.volume);
-    s.column.push_back(b.column);
-    s.outside.push_back(b.outside);
-  }
+  VecArray<D> base(s.n_base);
+  std::copy(x.begin(), x.end(), base.begin());
   double largest = 0.0;
-  for (const double v : s.volume) {
-    s.length.push_back(smoothing_ratio * spacing_of<D>(v));
-    largest = std::max(largest, s.length.back());
+  for (const double v : volume) largest = std::max(largest, v);
+  for (std::size_t i = 0; i < buffers.size(); ++i) {
+    base[s.n_real + i] = buffers[i].position;
+    largest = std::max(largest, buffers[i].volume);
+    s.column.push_back(buffers[i].column);
+    s.outside.push_back(buffers[i].outside);
   }
-  for (std::size_t i = 0; i < s.n_base; ++i) s.parent.push_back(static_cast<Index>(i));
-  const VecArray<D> base = s.position;
+  largest = smoothing_ratio * spacing_of<D>(largest);
   auto images = sph::make_images<D>(base, planes, sph::support_radius * largest);
-  for (std::size_t i = 0; i < images.size(); ++i) {
-    s.position.push_back(images.position[i]);
-    s.parent.push_back(images.parent[i]);
-    s.volume.push_back(s.volume[images.parent[i]]);
-    s.length.push_back(s.length[images.parent[i]]);
-  }
+  const std::size_t all = s.n_base + images.size();
+  s.position.resize(all);
+  s.parent.resize(all);
+  s.volume.resize(all);
+  s.length.resize(all);
+  for_each_side_by_side(all, [&](std::size_t i) {
+    const std::size_t q = i < s.n_base ? i : images.parent[i - s.n_base];
+    s.position[i] = i < s.n_base ? base[i] : images.position[i - s.n_base];
+    s.parent[i] = static_cast<Index>(q);
+    s.volume[i] = q < s.n_real ? volume[q] : buffers[q - s.n_real].volume;
+    s.length[i] = smoothing_ratio * spacing_of<D>(s.volume[i]);
+  });
+  base = {};
   s.map = std::move(images.map);
   s.carried = std::move(images.carried);
   s.boundaries = std::move(images.boundaries);
@@ -190,47 +211,51 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   s.surface_distance.resize(n);
   for (std::size_t a = 0; a < n; ++a) s.surface_distance[a] = 0.5 * spacing_of<D>(volume[a]);
   s.correction.resize(n);
-  s.correction_open.resize(n);
-  s.blind.resize(n);
-  s.moment.resize(n);
+  s.edge_of.assign(n, 0);
   s.least_moment.assign(n, 0.0);
   s.ghost_distance.assign(n, 0.0);
   if (n == 0) return s;
   find_pairs(largest, s);
   part_ghosts(buffers, free, s);
-  for (auto* per_pair : {&s.pull, &s.value}) per_pair->resize(s.other.size());
-  if (!buffers.empty()) s.reflection.assign(s.other.size(), 0.0);
+  s.pull.resize(s.other.size());
+  if (!buffers.empty()) s.reflection.assign(s.other.size(), 0.0F);
   std::vector<Summed<D>> points(s.size());
-  for (std::size_t j = 0; j < s.size(); ++j) points[j] = {s.position[j], s.volume[j], s.length[j]};
+  for_each_side_by_side(s.size(), [&](std::size_t j) { points[j] = {s.position[j], s.volume[j], s.length[j]}; });
   const double full = lattice_fullness<D>();
   side_by_side(n, [&](std::size_t first, std::size_t last) {
     run_lanes([&]() __attribute__((always_inline)) {
       for (std::size_t a = first; a < last; ++a) sum_pairs<D>(points.data(), a, s);
     });
   });
-  for (std::size_t a = 0; a < n; ++a) {
+  std::vector<char> near_face(n, 0);
+  for_each_side_by_side(n, [&](std::size_t a) {
     s.fullness[a] /= full;
-    s.divergence[a] = s.moment[a].trace();
+    const Mat<D> moment = s.correction[a];
+    s.divergence[a] = moment.trace();
     // The pair Laplacian of a quadratic is off by the kernel's moment, 2.6 % on a lattice at this smoothing length:
     // that much too fast or slow a consolidation. Far from 1 it means a surface, not disorder.
     const double deficit = s.divergence[a] / D;
     s.amplification[a] = 1.0 / (deficit > 0.75 ? std::clamp(deficit, 0.93, 1.07) : 1.0);
-    s.correction[a] = bounded_inverse<D>(s.moment[a], least_inverted, &s.blind[a], &s.least_moment[a]);
-    s.correction_open[a] = s.correction[a];
-    if (n == s.n_base) continue;
-    Mat<D> open = s.moment[a];
-    bool near_face = false;
+    s.correction[a] = bounded_inverse<D>(moment, least_inverted, nullptr, &s.least_moment[a]);
+    for (Index k = s.offset[a]; s.n_base > n && k < s.offset[a + 1]; ++k)
+      if (s.other[k] >= n && s.is_buffer(s.other[k])) near_face[a] = 1;
+  });
+  for (std::size_t a = 0; a < n; ++a) {
+    if (s.least_moment[a] < least_inverted) bounded_inverse<D>(s.moment(a), least_inverted, &s.edge(a).blind);
+    if (!near_face[a]) continue;
+    Mat<D> open = Mat<D>::Zero();
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
       const Index j = s.other[k];
-      if (!s.is_buffer(j)) continue;
-      near_face = true;
       const Vec<D> ba = s.position[j] - s.position[a];
-      open -= s.pull[k] * ba * ba.transpose();
+      if (!s.is_buffer(j)) {
+        open += static_cast<double>(s.pull[k]) * ba * ba.transpose();
+        continue;
+      }
       const auto& b = buffers[s.parent[j] - n];
       const double inside = b.normal.dot(s.position[a] - b.foot), outside = b.outside;
-      s.reflection[k] = 1.0 + (30.0 * inside <= outside ? 30.0 : outside / inside);
+      s.reflection[k] = static_cast<float>(1.0 + (30.0 * inside <= outside ? 30.0 : outside / inside));
     }
-    if (near_face) s.correction_open[a] = bounded_inverse<D>(open, least_inverted, nullptr);
+    s.edge(a).open = bounded_inverse<D>(open, least_inverted, nullptr);
   }
   return s;
 }

@@ -2,6 +2,7 @@
 // the images of both behind walls and periodic sides; pairs, kernel gradients and their corrections.
 #pragma once
 
+#include "common/core/lanes.hpp"
 #include "common/core/vector.hpp"
 #include "common/sph/images.hpp"
 #include "common/sph/kernel.hpp"
@@ -42,6 +43,16 @@ double lattice_fullness() {
   return value;
 }
 
+/// -W'/r of pairs at distance r, with the inverses of their smoothing lengths: [1/m^(D+2)]; zero beyond the support.
+template <int D>
+[[gnu::always_inline]] inline void pair_pull(const Lanes& r, const Lanes& inverse, Lanes& pull) {
+  static const double scale = 5.0 * Kernel<D>::normalisation(1.0);
+  const Lanes square = inverse * inverse;
+  Lanes u = 1.0 - 0.5 * (r * inverse);
+  raise_to(u, Lanes{});
+  pull = scale * (u * u * u) * (square * square) * (D == 2 ? Lanes{} + 1.0 : inverse);
+}
+
 /// A buffer particle stands for the water behind a face: it has no unknown of its own, its pressure lies on the
 /// straight line from the particle that asks through the face's pressure.
 template <int D>
@@ -76,9 +87,10 @@ struct Stencil {
   /// Pairs of real a: offset[a] .. offset[a + 1], a multiple of four: filled up with a itself, of which all is zero.
   std::vector<Index> offset{0};
   std::vector<Index> other;  ///< [pairs]
-  ScalarArray pull;          ///< [pairs] -V_b W'/r, 1/m^2: V_b grad_a W_ab is pull (r_b - r_a)
-  ScalarArray value;         ///< [pairs] W, 1/m^D
-  ScalarArray reflection;    ///< [pairs] 0, or 1 + |d_b|/d_a where b is a buffer; empty without buffers
+  /// [pairs] -V_b W'/r, 1/m^2: V_b grad_a W_ab is pull (r_b - r_a). Rounded to half the memory; moments are sums of what
+  /// is kept, so that gradients of linear fields stay exact.
+  std::vector<float> pull;
+  std::vector<float> reflection;  ///< [pairs] 0, or 1 + |d_b|/d_a where b is a buffer; empty without buffers
 
   ScalarArray fullness;    ///< [real] sum V W over that of a lattice
   ScalarArray closest;     ///< [real] least distance to another point, in units of the pair's smoothing length
@@ -87,17 +99,48 @@ struct Stencil {
       amplification;   ///< [real] of pair sums of second derivatives, to make them exact for a quadratic on average
   VecArray<D> normal;  ///< [real] sum V grad W: inward where the surroundings are one-sided, 1/m
   std::vector<bool> covered;     ///< [real] in soil, with water in the cone outwards: a loose place, no surface
-  std::vector<bool> at_face;     ///< [real] in soil, within half a spacing of a seepage face: that is where water ends
+  std::vector<char> at_face;     ///< [real] in soil, within half a spacing of a seepage face: that is where water ends
   ScalarArray surface_distance;  ///< [real] of a surface particle to the surface, m: half a spacing, less at a face
   ScalarArray surface_pressure;  ///< [real] total, on the surface, Pa: 0, or a suction
-  MatArray<D> correction;        ///< [real] of the kernel gradient, buffers counted (pressures)
-  MatArray<D> correction_open;   ///< [real] buffers left out (velocities)
-  MatArray<D> blind;   ///< [real] 1 - correction moment: the part of a gradient that neighbours are too few to tell
-  MatArray<D> moment;  ///< [real] sum V r grad W, the inverse of the correction
-  ScalarArray least_moment;  ///< [real] its smallest eigenvalue: 1 inside, 0 where a direction is empty
+  MatArray<D> correction;        ///< [real] of the kernel gradient, buffers and the free surface counted (pressures)
+  ScalarArray least_moment;  ///< [real] smallest eigenvalue of the moment: 1 inside, 0 where a direction is empty
   /// [real] distance to the free surface along -normal [m], 0: out of the kernel's reach. Set by find_surface; the
   /// kernel's missing part is then a ghost at twice the distance, antisymmetric about the surface's pressure.
   ScalarArray ghost_distance;
+
+  /// What only particles at a surface or a face have.
+  struct Edge {
+    Mat<D> open;   ///< correction with buffers and the free surface left out (velocities)
+    Mat<D> blind;  ///< 1 - correction moment: the part of a gradient that neighbours are too few to tell
+  };
+  std::vector<Index> edge_of;  ///< [real] one more than its place among the edges; 0: inside
+  std::vector<Edge> edges;
+  [[nodiscard]] const Mat<D>& correction_open(std::size_t a) const {
+    return edge_of[a] == 0 ? correction[a] : edges[edge_of[a] - 1].open;
+  }
+  /// Particle a's, made of its correction as it is where there is none yet.
+  Edge& edge(std::size_t a) {
+    if (edge_of[a] == 0) {
+      edges.push_back({correction[a], Mat<D>::Zero()});
+      edge_of[a] = static_cast<Index>(edges.size());
+    }
+    return edges[edge_of[a] - 1];
+  }
+
+  /// W of real particle a and any point, 1/m^D; 0 for itself, with which rows are filled up.
+  [[nodiscard]] double value(std::size_t a, Index j) const {
+    if (j == a) return 0.0;
+    return Kernel<D>::value((position[j] - position[a]).norm(), 0.5 * (length[a] + length[j]));
+  }
+  /// sum V r grad W of real particle a, which the correction is the inverse of.
+  [[nodiscard]] Mat<D> moment(std::size_t a) const {
+    Mat<D> sum = Mat<D>::Zero();
+    for (Index k = offset[a]; k < offset[a + 1]; ++k) {
+      const Vec<D> ba = position[other[k]] - position[a];
+      sum += static_cast<double>(pull[k]) * ba * ba.transpose();
+    }
+    return sum;
+  }
 
   /// Of the pair of real particle a with a point whose parent is q.
   [[nodiscard]] double amplified(std::size_t a, Index q) const {

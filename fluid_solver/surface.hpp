@@ -47,8 +47,9 @@ double row_thickness(const Stencil<D>& s, std::size_t a, std::span<const Surface
     const Vec<D> d = s.position[j] - s.position[a];
     const double out = n.dot(d);
     if (std::abs(out) > 0.5 * spacing) continue;
-    sum += s.value[k];
-    centre += s.value[k] * (d - out * n);
+    const double value = s.value(a, j);
+    sum += value;
+    centre += value * (d - out * n);
   }
   const double thickness = sum * std::pow(spacing, D) / lattice;
   if (centre.norm() > balanced * h * sum || std::abs(thickness - 1.0) > 0.25) return 1.0;
@@ -109,8 +110,8 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> seeps, 
       flags[a] = Surface::surface;
     } else if (s.least_moment[a] < surface::sparse) {
       flags[a] = Surface::lone;
+      s.edge(a).blind.setIdentity();
       s.correction[a].setZero();
-      s.blind[a].setIdentity();
     }
   }
   for (std::size_t a = 0; a < rows.size(); ++a) {
@@ -131,9 +132,10 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> seeps, 
         const Index j = s.other[k], q = s.parent[j];
         if (q >= s.n_real || flags[q] != Surface::surface || seeps[q] >= 0.5) continue;
         const Vec<D> n = outward(j);
-        weight += s.value[k];
-        normal += s.value[k] * n;
-        height += s.value[k] * (n.dot(s.position[j] - s.position[a]) + s.surface_distance[q]);
+        const double value = s.value(a, j);
+        weight += value;
+        normal += value * n;
+        height += value * (n.dot(s.position[j] - s.position[a]) + s.surface_distance[q]);
       }
       if (weight == 0.0 || normal.isZero(0.0)) continue;
       const double cosine = -normal.dot(s.normal[a]) / (normal.norm() * amount);
@@ -144,8 +146,9 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> seeps, 
     }
     // The ghost at twice the distance completes the moment.
     const Vec<D> n = s.normal[a] / amount;
-    s.correction[a] = bounded_inverse<D>(s.moment[a] + 2.0 * s.ghost_distance[a] * amount * n * n.transpose(),
-                                         surface::least_inverted, &s.blind[a]);
+    Mat<D>& blind = s.edge(a).blind;
+    s.correction[a] = bounded_inverse<D>(s.moment(a) + 2.0 * s.ghost_distance[a] * amount * n * n.transpose(),
+                                         surface::least_inverted, &blind);
   }
   // Inside, where neighbours are few, the pair sums of the Laplacian are short and the gradient's are not: a pressure
   // found from the one and applied by the other would correct the velocity more than once. In soil drag keeps that

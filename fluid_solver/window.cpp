@@ -23,34 +23,42 @@ constexpr int most_cavity_rounds = 30;
 /// what a solve leaves undone.
 constexpr double cavity_tolerance = 1e-4;
 
-/// Per particle: the two momentum equations of one backward Euler window, eliminated for v_w' and v_s'.
+/// Per particle: the two momentum equations of one backward Euler window, eliminated for v_w' ..
 struct Elimination {
   double aw = 0.0;  ///< n rho_w / dt
-  double as = 0.0;  ///< R / dt
   double C = 0.0;   ///< drag coefficient: the resistance is C (v_w' - v_s') - f
   double kf = 0.0;  ///< mobility of the water at fixed skeleton
+  double e = 0.0;   ///< share of a skeleton velocity in the mixture's flux
+};
+
+/// .. and for v_s', where the skeleton responds.
+struct Response {
+  double as = 0.0;  ///< R / dt
   double ss = 0.0;  ///< mobility of the skeleton with the water dragged along
   double mS = 0.0;  ///< skeleton velocity per pressure gradient
-  double e = 0.0;   ///< share of a skeleton velocity in the mixture's flux
   double M = 0.0;   ///< Pa
   bool responds = false;
 };
 
-Elimination eliminate(double dt, double density, double n, double n_s, double C, double R, double M, bool response) {
+Elimination eliminate(double dt, double density, double n, double n_s, double C) {
   Elimination q;
   q.C = C;
   q.aw = n * density / dt;
-  q.as = R / dt;
   q.kf = n * n / (q.aw + C);
   q.e = n_s + n * C / (q.aw + C);
-  q.responds = response && M > 0.0 && R > 1e-6 * density && n_s > 0.0;
-  if (q.responds) {
-    const double det = q.aw * q.as + C * (q.aw + q.as);
-    q.mS = (C * n + (q.aw + C) * n_s) / det;
-    q.ss = (q.aw + C) / det;
-    q.M = M;
-  }
   return q;
+}
+
+Response eliminate_skeleton(double dt, double density, double n, double n_s, const Elimination& q, double R, double M) {
+  Response r;
+  r.as = R / dt;
+  r.responds = M > 0.0 && R > 1e-6 * density && n_s > 0.0;
+  if (!r.responds) return r;
+  const double det = q.aw * r.as + q.C * (q.aw + r.as);
+  r.mS = (q.C * n + (q.aw + q.C) * n_s) / det;
+  r.ss = (q.aw + q.C) / det;
+  r.M = M;
+  return r;
 }
 
 /// The operators of one window and their solution.
@@ -61,10 +69,16 @@ class WindowSolver {
                const WindowProblem<D>& problem)
       : s_(stencil), soil_(soil), flags_(flags), in_(problem), n_(stencil.n_real) {
     q_.resize(n_);
-    for (std::size_t a = 0; a < n_; ++a) {
-      q_[a] = eliminate(in_.interval, in_.density, in_.void_fraction[a], soil.fraction[a], soil.drag[a],
-                        soil.density[a], soil.modulus[a], in_.response);
-      any_response_ = any_response_ || q_[a].responds;
+    for_each_side_by_side(n_, [&](std::size_t a) {
+      q_[a] = eliminate(in_.interval, in_.density, in_.void_fraction[a], soil.fraction[a], soil.drag[a]);
+    });
+    if (in_.response) {
+      r_.resize(n_);
+      for (std::size_t a = 0; a < n_; ++a) {
+        r_[a] = eliminate_skeleton(in_.interval, in_.density, in_.void_fraction[a], soil.fraction[a], q_[a],
+                                   soil.density[a], soil.modulus[a]);
+        any_response_ = any_response_ || r_[a].responds;
+      }
     }
     ScalarArray mobility(n_);
     for (std::size_t a = 0; a < n_; ++a) mobility[a] = q_[a].kf;
@@ -82,6 +96,7 @@ class WindowSolver {
     free_closed_ = closed_;
   }
 
+  [[nodiscard]] bool responds(std::size_t a) const { return !r_.empty() && r_[a].responds; }
   /// The water's velocity with the explicit part of a quadratic drag in it.
   [[nodiscard]] Vec<D> pushed(std::size_t a) const { return in_.velocity[a] + soil_.drag_offset[a] / q_[a].aw; }
 
@@ -91,15 +106,17 @@ class WindowSolver {
     out.solid_velocity.resize(n_, Vec<D>::Zero());
     if (n_ == 0) return finish(out);
     for (std::size_t a = 0; a < n_; ++a)
-      if (!q_[a].responds) out.solid_velocity[a] = soil_.velocity[a];
+      if (!responds(a)) out.solid_velocity[a] = soil_.velocity[a];
     VecArray<D> flux(n_);
-    for (std::size_t a = 0; a < n_; ++a) flux[a] = in_.void_fraction[a] * q_[a].aw / (q_[a].aw + q_[a].C) * pushed(a);
+    for_each_side_by_side(
+        n_, [&](std::size_t a) { flux[a] = in_.void_fraction[a] * q_[a].aw / (q_[a].aw + q_[a].C) * pushed(a); });
     ScalarArray outflow = divergence<D>(s_, flux, Carried::yes);
     if (in_.sweeps > 0)
       for (std::size_t a = 0; a < n_; ++a) outflow[a] *= sweep_trust(s_, a);
     ScalarArray sources(n_), b(n_);
-    for (std::size_t a = 0; a < n_; ++a)
+    for_each_side_by_side(n_, [&](std::size_t a) {
       sources[a] = s_.volume[a] * (in_.source[a] - outflow[a]) - in_.cavity[a] / in_.interval;
+    });
     stabilisation_.assign(n_, 0.0);
     if (any_response_) prepare_response();
     start_ = out.pressure;
@@ -201,7 +218,7 @@ class WindowSolver {
     std::optional<double> sum;
     for (Index k = s_.offset[a]; s_.n_base > n_ && k < s_.offset[a + 1]; ++k) {
       const Index j = s_.other[k], q = s_.parent[j];
-      if (!s_.is_buffer(j)) continue;
+      if (j < n_ || !s_.is_buffer(j)) continue;
       const double w = 2.0 * s_.volume[a] * mobility * s_.pull[k] * s_.amplified(a, q) * s_.reflection[k];
       sum = sum.value_or(0.0) + w * in_.face_pressure[s_.column[q - n_]];
     }
@@ -298,7 +315,7 @@ class WindowSolver {
     ScalarArray inverse(n_);
     for (std::size_t a = 0; a < n_; ++a) inverse[a] = fluid_.diagonal[a] > 0.0 ? 1.0 / fluid_.diagonal[a] : 0.0;
     const auto by_diagonal = [&](std::span<const double> r, std::span<double> z) {
-      for (std::size_t a = 0; a < n_; ++a) z[a] = inverse[a] * r[a];
+      for_each_side_by_side(n_, [&](std::size_t a) { z[a] = inverse[a] * r[a]; });
       if (closed_) remove_mean(z);
     };
     // Where all particles are pinned, or all have one pressure, nothing drives; rounding is the floor then.
@@ -329,20 +346,20 @@ class WindowSolver {
     const double dt = in_.interval;
     storage_.assign(n_, 0.0);
     for (std::size_t a = 0; a < n_; ++a) {
-      const auto& q = q_[a];
-      if (!q.responds) continue;
-      const double dx2 = std::pow(s_.volume[a], 2.0 / D);
-      stabilisation_[a] = 1.0 / (q.ss / (q.mS * q.mS) + dt * q.M * 4.0 / dx2);
-      storage_[a] = s_.volume[a] * q.e * q.e / (dt * q.M);
+      const auto& r = r_[a];
+      if (!r.responds) continue;
+      const double dx2 = std::pow(s_.volume[a], 2.0 / D), e = q_[a].e;
+      stabilisation_[a] = 1.0 / (r.ss / (r.mS * r.mS) + dt * r.M * 4.0 / dx2);
+      storage_[a] = s_.volume[a] * e * e / (dt * r.M);
     }
     // Vectors change on reflection: keep the image each weight belongs to.
     build_vector_stiffness();
     prepare_flow();
     ScalarArray mobility(n_);
-    for (std::size_t a = 0; a < n_; ++a) mobility[a] = q_[a].mS * q_[a].e;
+    for (std::size_t a = 0; a < n_; ++a) mobility[a] = r_[a].mS * q_[a].e;
     skeleton_ = laplacian<D>(s_, mobility);
     for (std::size_t a = 0; a < n_; ++a)
-      if (q_[a].responds) add_surface(skeleton_, a, q_[a].mS * q_[a].e, nullptr);
+      if (responds(a)) add_surface(skeleton_, a, r_[a].mS * q_[a].e, nullptr);
     plain_ = laplacian<D>(s_, {});
     fixed_.assign(n_, 0.0);
     for (std::size_t a = 0; a < n_; ++a) {
@@ -353,23 +370,24 @@ class WindowSolver {
 
   void build_vector_stiffness() {
     const double dt = in_.interval;
-    image_weight_.assign(s_.other.size(), 0.0);
+    image_weight_.assign(s_.other.size(), 0.0F);
     H_diagonal_.assign(n_, 1.0);
     H_preconditioner_.assign(n_, 1.0);
     for (std::size_t a = 0; a < n_; ++a) {
-      if (!q_[a].responds) continue;
-      H_diagonal_[a] = s_.volume[a] / q_[a].ss;
+      if (!responds(a)) continue;
+      H_diagonal_[a] = s_.volume[a] / r_[a].ss;
       H_preconditioner_[a] = H_diagonal_[a];
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
         const Index j = s_.other[k], b = s_.parent[j];
         if (b >= n_ && in_.face_holds[s_.column[b - n_]]) {
-          const double w = 2.0 * s_.volume[a] * dt * q_[a].M * s_.pull[k] * s_.amplified(a, b) * s_.reflection[k];
+          const double w = 2.0 * s_.volume[a] * dt * r_[a].M * s_.pull[k] * s_.amplified(a, b) * s_.reflection[k];
           H_diagonal_[a] += w;
           H_preconditioner_[a] += w;
         }
-        if (b >= n_ || !q_[b].responds) continue;
-        const double w = 2.0 * s_.volume[a] * dt * harmonic(q_[a].M, q_[b].M) * s_.pull[k] * s_.amplified(a, b);
-        image_weight_[k] = w;
+        if (b >= n_ || !responds(b)) continue;
+        image_weight_[k] =
+            static_cast<float>(2.0 * s_.volume[a] * dt * harmonic(r_[a].M, r_[b].M) * s_.pull[k] * s_.amplified(a, b));
+        const double w = image_weight_[k];  // as it is kept: the skeleton moves as a whole without force
         H_diagonal_[a] += w;
         H_preconditioner_[a] += b == a ? 0.0 : w;
       }
@@ -387,10 +405,10 @@ class WindowSolver {
     const VecArray<D> going = skeleton_extended(soil_.velocity);
     for (std::size_t a = 0; a < n_; ++a)
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
-        if (image_weight_[k] == 0.0) continue;
+        if (image_weight_[k] == 0.0F) continue;
         const Index j = s_.other[k];
         const double share = 0.5 * (soil_.yielding[a] + soil_.yielding[s_.parent[j]]);
-        if (share > 0.0) flow_[a] += share * image_weight_[k] * (going[a] - going[j]);
+        if (share > 0.0) flow_[a] += share * static_cast<double>(image_weight_[k]) * (going[a] - going[j]);
       }
   }
 
@@ -418,10 +436,10 @@ class WindowSolver {
   /// that ends nowhere, but a small wet zone is held over its own width (Saint-Venant), and the exchange was unstable
   /// with either.
   double anchor(std::size_t a) const {
-    if (!q_[a].responds || flags_[a] == Surface::interior || soil_.mask[a] < 0.5) return 0.0;
+    if (!responds(a) || flags_[a] == Surface::interior || soil_.mask[a] < 0.5) return 0.0;
     const double spacing = spacing_of<D>(s_.volume[a]);
     const double amount = std::max(s_.normal[a].norm(), flags_[a] == Surface::lone ? 1.0 / spacing : 0.0);
-    return s_.volume[a] * 2.0 * in_.interval * q_[a].M * amount / (0.5 * spacing);
+    return s_.volume[a] * 2.0 * in_.interval * r_[a].M * amount / (0.5 * spacing);
   }
 
   /// y = (V/ss) H x on responding particles, identity elsewhere; symmetric.
@@ -432,9 +450,9 @@ class WindowSolver {
     const VecArray<D> all = skeleton_extended(f);
     for (std::size_t a = 0; a < n_; ++a) {
       Vec<D> sum = H_diagonal_[a] * f[a];
-      if (q_[a].responds)
+      if (responds(a))
         for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k)
-          if (image_weight_[k] != 0.0) sum -= image_weight_[k] * all[s_.other[k]];
+          if (image_weight_[k] != 0.0F) sum -= static_cast<double>(image_weight_[k]) * all[s_.other[k]];
       for (std::size_t d = 0; d < D; ++d) y[a * D + d] = sum[static_cast<int>(d)];
     }
   }
@@ -443,9 +461,9 @@ class WindowSolver {
   int solve_H(std::span<const Vec<D>> rhs, std::span<Vec<D>> s, double tolerance) const {
     ScalarArray b(n_ * D, 0.0), x(n_ * D, 0.0);
     for (std::size_t a = 0; a < n_; ++a) {
-      if (!q_[a].responds) continue;
+      if (!responds(a)) continue;
       for (std::size_t d = 0; d < D; ++d) {
-        b[a * D + d] = s_.volume[a] / q_[a].ss * rhs[a][static_cast<int>(d)];
+        b[a * D + d] = s_.volume[a] / r_[a].ss * rhs[a][static_cast<int>(d)];
         x[a * D + d] = s[a][static_cast<int>(d)];
       }
     }
@@ -460,7 +478,7 @@ class WindowSolver {
     const double scale = std::max(norm(change), 1e-9 * norm(b));
     const auto report = conjugate_gradients(apply, precondition, b, x, tolerance * scale, 3000);
     for (std::size_t a = 0; a < n_; ++a)
-      if (q_[a].responds)
+      if (responds(a))
         for (std::size_t d = 0; d < D; ++d) s[a][static_cast<int>(d)] = x[a * D + d];
     return report.iterations;
   }
@@ -482,11 +500,13 @@ class WindowSolver {
     VecArray<D> rhs(n_, Vec<D>::Zero());
     for (std::size_t a = 0; a < n_; ++a) {
       const auto& q = q_[a];
-      if (!q.responds) continue;
+      const auto& skeleton = r_[a];
+      if (!skeleton.responds) continue;
       // The exchanged force carries the soil's full weight; the piezometric pressure leaves its buoyant part.
       const Vec<D> r = soil_.force[a] - soil_.fraction[a] * in_.weight - soil_.drag_offset[a];
-      rhs[a] = q.ss / (q.aw + q.C) * (q.C * q.aw * pushed(a) + (q.aw + q.C) * (q.as * soil_.velocity[a] + r)) -
-               q.mS * G[a] + q.ss / s_.volume[a] * (anchor(a) * soil_.velocity[a] + going(a));
+      rhs[a] =
+          skeleton.ss / (q.aw + q.C) * (q.C * q.aw * pushed(a) + (q.aw + q.C) * (skeleton.as * soil_.velocity[a] + r)) -
+          skeleton.mS * G[a] + skeleton.ss / s_.volume[a] * (anchor(a) * soil_.velocity[a] + going(a));
     }
     out.skeleton_iterations += solve_H(rhs, out.solid_velocity, tolerance);
   }
@@ -498,7 +518,7 @@ class WindowSolver {
     const auto apply = [&](std::span<const double> x, std::span<double> y) {
       const VecArray<D> G = plain_gradient(x, true);
       VecArray<D> rhs(n_, Vec<D>::Zero()), ds(n_, Vec<D>::Zero());
-      for (std::size_t a = 0; a < n_; ++a) rhs[a] = -q_[a].mS * G[a];
+      for (std::size_t a = 0; a < n_; ++a) rhs[a] = -r_[a].mS * G[a];
       out.skeleton_iterations += solve_H(rhs, ds, 1e-2);
       const ScalarArray squeeze_x = squeezed(ds), held_back = stabilised(x, G);
       fluid_.apply(x, y);
@@ -530,13 +550,13 @@ class WindowSolver {
         const double t = storage_[a] * (u[a] - u[n_ + a]);
         y[a] += t;
         y[n_ + a] -= t;
-        if (!q_[a].responds) y[n_ + a] = u[n_ + a];
+        if (!responds(a)) y[n_ + a] = u[n_ + a];
       }
     };
     const auto precondition = [&](std::span<const double> u, std::span<double> y) {
       for (std::size_t a = 0; a < n_; ++a) {
         const double d0 = fluid_.diagonal[a] + storage_[a], d1 = skeleton_.diagonal[a] + storage_[a], o = storage_[a];
-        if (!q_[a].responds) {
+        if (!responds(a)) {
           y[a] = d0 > 0.0 ? u[a] / d0 : 0.0;
           y[n_ + a] = u[n_ + a];
           continue;
@@ -571,11 +591,11 @@ class WindowSolver {
           s_, out.pressure, [&](Index c) { return in_.face_pressure[c]; }, mobility, Vec<D>(-in_.weight),
           [&](std::size_t a) { return surface_pressure(a); });
     }
-    for (std::size_t a = 0; a < n_; ++a) {
+    for_each_side_by_side(n_, [&](std::size_t a) {
       const auto& q = q_[a];
       out.velocity[a] =
           (q.aw * pushed(a) + q.C * out.solid_velocity[a]) / (q.aw + q.C) - flux[a] / in_.void_fraction[a];
-    }
+    });
   }
 
   const Stencil<D>& s_;
@@ -584,12 +604,14 @@ class WindowSolver {
   const WindowProblem<D>& in_;
   std::size_t n_;
   std::vector<Elimination> q_;
+  std::vector<Response> r_;  ///< empty: no skeleton is asked
   bool any_response_ = false, closed_ = true, free_closed_ = true, any_torn_ = false;
   std::vector<bool> torn_;  ///< water at the cavitation pressure
   VecArray<D> flow_;        ///< empty: nothing yields
   PairMatrix fluid_, skeleton_, plain_;
   ScalarArray start_, free_diagonal_, free_boundary_;  ///< the pressure at first; the system with nothing torn
-  ScalarArray boundary_, fixed_, stabilisation_, storage_, image_weight_, H_diagonal_, H_preconditioner_;
+  ScalarArray boundary_, fixed_, stabilisation_, storage_, H_diagonal_, H_preconditioner_;
+  std::vector<float> image_weight_;  ///< [pairs] of the skeleton's stiffness, N s/m
 };
 
 }  // namespace

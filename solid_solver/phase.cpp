@@ -78,7 +78,6 @@ Solid<D>::Solid(const Case& scene) : scene_(scene) {
   rebuild(setup_, state_);
   state_.rebuilds = 0.0;
   evaluate_forces(setup_, state_);
-  saved_ = state_;
 }
 
 template <int D>
@@ -200,6 +199,7 @@ bool Solid<D>::sleeps_on(Drive<D>& drive, const VecArray<D>& gradient, const Sca
   for (auto& r : state_.returned_impulse) r.setZero();
   state_.external.pressure_gradient = gradient;
   state_.time = window.time + window.interval;
+  if (!scene_.coupling.keep_points) ++state_.revision;
   state_.slept += std::ceil(window.interval / setup_.longest_substep - 1e-9);
   return true;
 }
@@ -234,9 +234,12 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   // prediction.
   Drive<D> drive;
   drive.distributed.assign(n, Vec<D>::Zero());
-  drive.tracking.assign(n, 0.0);
-  drive.target.assign(n, Vec<D>::Zero());
-  for (std::size_t i = 0; i < n; ++i) {
+  const bool tracks = !inbox.fields.empty();
+  if (tracks) {
+    drive.tracking.assign(n, 0.0);
+    drive.target.assign(n, Vec<D>::Zero());
+  }
+  for (std::size_t i = 0; i < n && tracks; ++i) {
     if (state_.external.coverage[i] <= 0.0 || soil_seen[i] <= 1e-6) continue;
     double z = setup_.inertia_share * p.mass[i] / (p.volume[i] * interval);
     if (scene_.fluid.drag) {
@@ -271,6 +274,10 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   bool jump = false;
   for (const auto& patch : setup_.loads)
     jump = jump || (has_begun(patch.start, window.time) && !has_begun(patch.start, window.time - 0.5 * interval));
+  const auto acts = [](double x) { return x != 0.0; };
+  const bool dry = std::none_of(impulse.begin(), impulse.end(), acts) &&
+                   std::none_of(state_.external.coverage.begin(), state_.external.coverage.end(), acts) &&
+                   std::all_of(from.begin(), from.end(), [](const Vec<D>& g) { return g.isZero(0.0); });
   double loaded_at = -1.0, loaded_rebuilds = -1.0, next_start = -1.0;
   for (std::size_t k = 0; k < steps; ++k) {
     const double now = window.time + static_cast<double>(k) * dt;
@@ -283,7 +290,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
       next_start = next_load_after(now);
     }
     const double share = jump ? 1.0 : static_cast<double>(k + 1) / static_cast<double>(steps);
-    for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t i = 0; i < n && !dry; ++i) {
       drive.distributed[i] = water_force(i, (1.0 - share) * from[i] + share * to[i]);
       for (int d = 0; d < D; ++d) drive.distributed[i][d] += impulse[i * D + static_cast<std::size_t>(d)] / interval;
     }
@@ -422,8 +429,26 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const VecArray<D>& gradi
   }
   state_.external.pressure_gradient = gradient;
   state_.time = end;
-  if (moved) ++state_.revision;  // otherwise the points stand where they stood
+  // Otherwise the points stand where they stood.
+  if (moved || !scene_.coupling.keep_points) ++state_.revision;
   return Outcome::accept();
+}
+
+template <int D>
+std::pair<double, std::string> Solid<D>::proposal() const {
+  std::pair<double, std::string> limit{no_limit, ""};
+  const auto apply = [&](double interval, const char* why) {
+    if (interval < limit.first) limit = {interval, why};
+  };
+  apply(next_load_after(state_.time) - state_.time, "the next load begins");
+  const double substeps_alone = state_.sleep.asleep ? 200.0 : 20.0;
+  double alone = scene_.coupled() ? no_limit : substeps_alone * setup_.longest_substep;
+  if (!scene_.coupled() && scene_.output.gauge_interval > 0.0) alone = std::min(alone, scene_.output.gauge_interval);
+  apply(alone, "soil alone: gauges and prescribed water are seen between windows");
+  if ((state_.any_yielded && !scene_.coupled()) || state_.motion.moving)
+    apply(substeps_while_moving * setup_.longest_substep, "the soil moves");
+  if (!state_.motion.moving) apply(state_.motion.longest, "the soil creeps");
+  return limit;
 }
 
 template <int D>
@@ -433,27 +458,7 @@ Publication Solid<D>::publish() const {
   const std::size_t n = p.size(), all = n + images.size();
   Publication out;
   out.time = state_.time;
-  const double next = next_load_after(state_.time);
-  if (next < no_limit) {
-    out.proposed_interval = next - state_.time;
-    out.limited_by = "the next load begins";
-  }
-  const double substeps_alone = state_.sleep.asleep ? 200.0 : 20.0;
-  double alone = scene_.coupled() ? no_limit : substeps_alone * setup_.longest_substep;
-  if (!scene_.coupled() && scene_.output.gauge_interval > 0.0) alone = std::min(alone, scene_.output.gauge_interval);
-  if (alone < out.proposed_interval) {
-    out.proposed_interval = alone;
-    out.limited_by = "soil alone: gauges and prescribed water are seen between windows";
-  }
-  const double short_window = substeps_while_moving * setup_.longest_substep;
-  if (((state_.any_yielded && !scene_.coupled()) || state_.motion.moving) && short_window < out.proposed_interval) {
-    out.proposed_interval = short_window;
-    out.limited_by = "the soil moves";
-  }
-  if (!state_.motion.moving && state_.motion.longest < out.proposed_interval) {
-    out.proposed_interval = state_.motion.longest;
-    out.limited_by = "the soil creeps";
-  }
+  std::tie(out.proposed_interval, out.limited_by) = proposal();
   out.points.dimension = D;
   out.points.revision = state_.revision;
   out.points.n_active = n;
@@ -530,27 +535,28 @@ OutputFrame Solid<D>::frame() const {
   };
   const Vec<D> up = upwards(setup_);
   frame.position = padded(p.position);
-  std::vector<double> stress;
-  for (std::size_t i = 0; i < n; ++i) stress.insert(stress.end(), p.stress[i].data(), p.stress[i].data() + 6);
-  frame.fields = {
-      {"displacement", "m", "displacement of the skeleton since the unloaded state", 3, padded(p.displacement)},
-      {"velocity", "m/s", "velocity of the skeleton", 3, padded(p.velocity)},
-      {"effective_stress", "Pa", "effective stress (xx yy zz xy yz xz), compression negative", 6, std::move(stress)},
-      {"pore_pressure", "Pa", "pressure of the water at the soil's points", 1,
-       scalars([&](std::size_t i) { return state_.external.pressure[i]; })},
-      {"void_fraction", "1", "porosity n_w = 1 - n_s", 1,
-       scalars([&](std::size_t i) { return void_fraction(setup_, p, i); })},
-      {"degree_of_saturation", "1", "water's share of the soil's surroundings, Eq. (90)", 1,
-       scalars([&](std::size_t i) { return state_.external.saturation[i]; })},
-      {"accumulated_plastic_strain", "1", "accumulated equivalent deviatoric plastic strain", 1,
-       scalars([&](std::size_t i) { return p.plastic_strain[i]; })},
-      {"mobilised_friction", "degrees", "mobilised friction angle, sin phi_m = (s1 - s3) / (s1 + s3)", 1,
-       scalars([&](std::size_t i) { return mobilised_friction(p.stress[i]); })},
-      {"pore_pressure_ratio", "1", "r_u = pore pressure / total vertical stress; 1: liquefied", 1,
+  std::vector<double> stress(6 * n);
+  for (std::size_t i = 0; i < n; ++i)
+    std::copy_n(p.stress[i].data(), 6, stress.begin() + static_cast<std::ptrdiff_t>(6 * i));
+  // One by one: a list of them all would be copied.
+  const auto add = [&](OutputField&& field) { frame.fields.push_back(std::move(field)); };
+  add({"displacement", "m", "displacement of the skeleton since the unloaded state", 3, padded(p.displacement)});
+  add({"velocity", "m/s", "velocity of the skeleton", 3, padded(p.velocity)});
+  add({"effective_stress", "Pa", "effective stress (xx yy zz xy yz xz), compression negative", 6, std::move(stress)});
+  add({"pore_pressure", "Pa", "pressure of the water at the soil's points", 1,
+       scalars([&](std::size_t i) { return state_.external.pressure[i]; })});
+  add({"void_fraction", "1", "porosity n_w = 1 - n_s", 1,
+       scalars([&](std::size_t i) { return void_fraction(setup_, p, i); })});
+  add({"degree_of_saturation", "1", "water's share of the soil's surroundings, Eq. (90)", 1,
+       scalars([&](std::size_t i) { return state_.external.saturation[i]; })});
+  add({"accumulated_plastic_strain", "1", "accumulated equivalent deviatoric plastic strain", 1,
+       scalars([&](std::size_t i) { return p.plastic_strain[i]; })});
+  add({"mobilised_friction", "degrees", "mobilised friction angle, sin phi_m = (s1 - s3) / (s1 + s3)", 1,
+       scalars([&](std::size_t i) { return mobilised_friction(p.stress[i]); })});
+  add({"pore_pressure_ratio", "1", "r_u = pore pressure / total vertical stress; 1: liquefied", 1,
        scalars([&](std::size_t i) {
          return pore_pressure_ratio(state_.external.pressure[i], up.dot(matrix_of<D>(p.stress[i]) * up));
-       })},
-  };
+       })});
   return frame;
 }
 

@@ -13,6 +13,9 @@ class Solid final : public Phase {
   explicit Solid(const Case& scene);
   [[nodiscard]] coupling::Contract contract() const override;
   [[nodiscard]] coupling::Publication publish() const override;
+  [[nodiscard]] std::pair<double, std::string> proposal() const override;
+  /// Only searches for equilibrium, of coupled soil, can fail.
+  [[nodiscard]] bool may_reject() const override { return scene_.coupled(); }
   void initialise(const coupling::Inbox& inbox) override;
   coupling::Outcome advance(const coupling::Window& window, const coupling::Inbox& inbox) override;
   void save() override { saved_ = state_; }

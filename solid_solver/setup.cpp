@@ -68,7 +68,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   setup.smoothing_length = lengths_per_spacing * setup.spacing;
   // Up to just below a lattice's neighbours at sqrt(8) spacings: as few lists as possible in soil that flows, no pair
   // more in soil that stands.
-  setup.skin = 0.35 * setup.spacing;
+  setup.skin = scene.solid.list_skin * setup.spacing;
   setup.threads = threads();
   setup.courant = scene.solid.courant;
   setup.regular_flow = scene.solid.regular_flow;

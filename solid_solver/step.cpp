@@ -1,6 +1,7 @@
 #include "solid_solver/step.hpp"
 
 #include "common/core/error.hpp"
+#include "common/core/threads.hpp"
 #include "solid_solver/flow.hpp"
 #include "solid_solver/wall_friction.hpp"
 
@@ -38,12 +39,15 @@ template <int D>
 bool rebuild_if_moved(const Setup<D>& setup, State<D>& state) {
   const double limit = 0.25 * setup.skin * setup.skin;
   const auto& p = state.particles;
-  for (std::size_t i = 0; i < p.free(); ++i)
-    if ((p.position[i] - state.near.built_at[i]).squaredNorm() > limit) {
-      rebuild_lists(setup, state);
-      return true;
-    }
-  return false;
+  const std::size_t parts = parts_for(p.free());
+  std::vector<char> moved(parts, 0);
+  for_each_part(parts, [&](std::size_t part) {
+    for (std::size_t i = p.free() * part / parts; i < p.free() * (part + 1) / parts && !moved[part]; ++i)
+      moved[part] = (p.position[i] - state.near.built_at[i]).squaredNorm() > limit;
+  });
+  if (std::none_of(moved.begin(), moved.end(), [](char m) { return m; })) return false;
+  rebuild_lists(setup, state);
+  return true;
 }
 
 template <int D>

@@ -255,6 +255,11 @@ void declare(Keys& keys, FluidCase& f) {
   std::int64_t sweeps = f.sweeps;
   keys.integer("sweeps", sweeps, {"", "Of `eisph`, per window."}, between(1, false, 1000, false));
   f.sweeps = static_cast<int>(sweeps);
+  keys.number("pressure_tolerance", f.pressure_tolerance,
+              {"",
+               "Of `projection`, where no skeleton responds: residual that is left, over what drives the flow; absent: "
+               "1e-4, in free water without soil 1e-3."},
+              between(0, true, 1, true));
   keys.point("initial_velocity", f.initial_velocity, {"m/s", "Of all water at time zero."});
   keys.number("initial_strain", f.initial_strain,
               {"1/s", "Adds the plane straining flow (s x, -s y) about the origin to the initial velocity."});
@@ -309,6 +314,10 @@ void declare(Keys& keys, SolidCase& s) {
                       s.quiet, [](Keys& inner, Quiet& quiet) { declare(inner, quiet); });
   keys.number("courant", s.courant, {"", "Substep over spacing / wave speed; stable to about 2."},
               between(0, true, 2, false));
+  keys.number(
+      "list_skin", s.list_skin,
+      {"spacings", "How far beyond the kernel's reach pair lists go: kept until something has moved by half of it."},
+      not_negative());
   keys.number("artificial_viscosity", s.artificial_viscosity,
               {"", "Alpha of Monaghan's artificial viscosity, on approaching particles."}, not_negative());
   keys.number(
@@ -343,6 +352,10 @@ void declare(Keys& keys, CouplingCase& c) {
   keys.number("tolerance", c.tolerance,
               {"1", "Of the iteration: what one changes of every velocity or force, relative to its norm."},
               positive());
+  keys.flag("keep_points", c.keep_points,
+            {"",
+             "Soil whose points stand where they stood does not send them again, and the coupler keeps its pairs; "
+             "false: to show what that saves."});
 }
 
 void declare(Keys& keys, OutputCase& o) {

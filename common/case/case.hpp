@@ -143,7 +143,8 @@ struct FluidCase {
   enum class Scheme { projection, eisph, eisph_explicit_drag };
   double particle_spacing = 0.0;  ///< m
   Scheme scheme = Scheme::projection;
-  int sweeps = 1;              ///< of eisph, per window
+  int sweeps = 1;                            ///< of eisph, per window
+  std::optional<double> pressure_tolerance;  ///< of projection: residual left over what drives the flow
   std::vector<Shape> regions;  ///< [[fluid.region]]: where water stands at time zero (inside soil it fills the pores)
   Point3 initial_velocity = Point3::Zero();
   double initial_strain = 0.0;    ///< 1/s: adds (s x, -s y)
@@ -183,6 +184,7 @@ struct SolidCase {
   double strength_reduction = 1.0;     ///< cohesion and tan(friction) are divided by it
   std::optional<Quiet> quiet;          ///< absent: all motion is computed
   double courant = 0.8;                ///< of dx / sqrt(M / rho_bar_s)
+  double list_skin = 0.35;             ///< of the pair lists, in spacings
   double artificial_viscosity = 0.1;   ///< alpha of Monaghan's, on approaching particles
   double artificial_stress = 0.0;      ///< epsilon of Gray et al. (2001), in tension
   double zero_energy_viscosity = 0.1;  ///< on the part of the velocity that is not linear around a particle
@@ -198,6 +200,7 @@ struct CouplingCase {
   Scheme scheme = Scheme::serial;
   Acceleration acceleration = Acceleration::quasi_newton;  ///< of the iterated scheme
   double tolerance = 1e-6;                                 ///< of the iterated scheme
+  bool keep_points = true;                                 ///< points that have not moved are not sent again
 };
 
 /// [output]

@@ -30,6 +30,16 @@ struct alignas(Lanes) Quad {
 using LooseLanes __attribute__((aligned(sizeof(double)), may_alias)) =
     double __attribute__((vector_size(n_lanes * sizeof(double))));
 
+/// Four floats anywhere in memory, to and from lanes.
+using LooseFloats __attribute__((aligned(sizeof(float)), may_alias)) =
+    float __attribute__((vector_size(n_lanes * sizeof(float))));
+[[gnu::always_inline]] inline void take(const float* from, Lanes& to) {
+  to = __builtin_convertvector(*reinterpret_cast<const LooseFloats*>(from), Lanes);
+}
+[[gnu::always_inline]] inline void put(const Lanes& from, float* to) {
+  *reinterpret_cast<LooseFloats*>(to) = __builtin_convertvector(from, LooseFloats);
+}
+
 [[gnu::always_inline]] inline void transpose(Lanes& a, Lanes& b, Lanes& c, Lanes& d) {
   const Lanes low_ab = __builtin_shufflevector(a, b, 0, 4, 2, 6), high_ab = __builtin_shufflevector(a, b, 1, 5, 3, 7);
   const Lanes low_cd = __builtin_shufflevector(c, d, 0, 4, 2, 6), high_cd = __builtin_shufflevector(c, d, 1, 5, 3, 7);

@@ -27,13 +27,25 @@ void for_each_part(std::size_t n_parts, Work&& work) {
   for (std::size_t part = 0; part < n_parts; ++part) work(part);
 }
 
-/// Calls work(first, last) for parts of 0 .. n - 1, as many as there are threads, if each is worth one. For work on
-/// single entries, which cannot depend on the parts.
+/// Into how many parts n entries are shared out: as many as there are threads, if each is worth one.
+inline std::size_t parts_for(std::size_t n) {
+  constexpr std::size_t least = 8192;
+  return std::clamp<std::size_t>(n / least, 1, threads());
+}
+
+/// Calls work(first, last) for parts of 0 .. n - 1. For work on single entries, which cannot depend on the parts.
 template <class Work>
 void side_by_side(std::size_t n, Work&& work) {
-  constexpr std::size_t least = 8192;
-  const std::size_t parts = std::clamp<std::size_t>(n / least, 1, threads());
+  const std::size_t parts = parts_for(n);
   for_each_part(parts, [&](std::size_t part) { work(n * part / parts, n * (part + 1) / parts); });
+}
+
+/// Calls work(i) for every entry of 0 .. n - 1, side by side.
+template <class Work>
+void for_each_side_by_side(std::size_t n, Work&& work) {
+  side_by_side(n, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last; ++i) work(i);
+  });
 }
 
 }  // namespace poretwin

@@ -247,14 +247,11 @@ void drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const Prog
     record.write_now(true, true);
   }
   while (!clock.finished() && !interrupted()) {
-    const auto [proposed, cause] = timed(report, computing, [&] {
-      Publication publication = phase.publish();
-      return std::pair{publication.proposed_interval, std::move(publication.limited_by)};
-    });
+    const auto [proposed, cause] = timed(report, computing, [&] { return phase.proposal(); });
     const auto plan = clock.plan(std::min(proposed, limit));
     const Window window{step + 1, plan.start, plan.interval};
     const Outcome outcome = timed(report, computing, [&] {
-      phase.save();
+      if (phase.may_reject()) phase.save();
       return phase.advance(window, nothing);
     });
     if (!outcome.accepted) {
@@ -262,7 +259,7 @@ void drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const Prog
       if (++rejections > most_rejections)
         throw DivergedError(fmt::format("window {} from t = {:g} s was rejected {} times, last at {:g} s: {}",
                                         window.step, window.time, rejections, window.interval, outcome.reason));
-      timed(report, computing, [&] { phase.restore(); });
+      if (phase.may_reject()) timed(report, computing, [&] { phase.restore(); });
       limit = retry_interval(plan.interval, outcome.suggested_interval);
       continue;
     }

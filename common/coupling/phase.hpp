@@ -7,6 +7,7 @@
 
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace poretwin {
@@ -47,6 +48,12 @@ class Phase {
   /// Fields, points and proposed interval at the current time.
   [[nodiscard]] virtual coupling::Publication publish() const = 0;
 
+  /// Of a publication, what is read where no other phase listens: the proposed interval [s] and what sets it.
+  [[nodiscard]] virtual std::pair<double, std::string> proposal() const {
+    auto publication = publish();
+    return {publication.proposed_interval, std::move(publication.limited_by)};
+  }
+
   /// Once, before the first window, with the other side's fields at time zero (the solid finds its rest under gravity
   /// here).
   virtual void initialise(const coupling::Inbox& inbox) = 0;
@@ -57,6 +64,9 @@ class Phase {
   /// Keeps / brings back the complete state: particles, lists that affect results, warm starts, controllers.
   virtual void save() = 0;
   virtual void restore() = 0;
+
+  /// Does it ever reject a window by itself? Where nobody does, nothing is kept.
+  [[nodiscard]] virtual bool may_reject() const { return true; }
 
   /// The same complete state, to a checkpoint and back, between windows: the run goes on bit by bit as if nothing had
   /// been. Loading happens in a phase newly made from the same case, in place of initialise().

@@ -13,11 +13,20 @@
 namespace poretwin::coupling {
 namespace {
 
-double cpu_seconds() {
+/// Of the process, or of the calling thread.
+double cpu_seconds(int of) {
   rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
+  getrusage(of, &usage);
   auto seconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); };
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+/// The most memory the process has held so far [bytes]; 0 where the system does not tell.
+double peak_memory() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.rfind("VmHWM:", 0) == 0) return 1024.0 * std::stod(line.substr(6));
+  return 0.0;
 }
 
 std::string json_object(const NamedNumbers& numbers) {
@@ -62,11 +71,12 @@ void write_summary(const std::filesystem::path& path, const RunSummary& summary)
   std::string files;
   for (const auto& file : summary.files) files += (files.empty() ? "" : ", ") + json_string(file);
   const std::string text = fmt::format(
-      "{{\n  \"process\": {},\n  \"exit\": {},\n  \"reason\": {},\n  \"wall_s\": {},\n  \"cpu_s\": {},\n  \"seconds\": "
-      "{},\n"
+      "{{\n  \"process\": {},\n  \"exit\": {},\n  \"reason\": {},\n  \"wall_s\": {},\n  \"cpu_s\": {},\n  "
+      "\"cpu_first_thread_s\": {},\n  \"memory_bytes\": {},\n  \"seconds\": {},\n"
       "  \"steps\": {},\n  \"counters\": {},\n  \"files\": [{}]\n}}\n",
       json_string(summary.process), static_cast<int>(summary.exit), json_string(summary.reason),
-      json_number(summary.wall), json_number(cpu_seconds()), json_object(summary.seconds), json_object(summary.steps),
+      json_number(summary.wall), json_number(cpu_seconds(RUSAGE_SELF)), json_number(cpu_seconds(RUSAGE_THREAD)),
+      json_number(peak_memory()), json_object(summary.seconds), json_object(summary.steps),
       json_object(summary.counters), files);
   auto part = path;
   part += ".part";

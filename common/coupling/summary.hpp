@@ -25,8 +25,8 @@ struct RunSummary {
   std::vector<std::string> files;
 };
 
-/// {"process","exit","reason","wall_s","cpu_s","seconds":{},"steps":{},"counters":{},"files":[]}, written whole or not
-/// at all. Throws FileError.
+/// {"process","exit","reason","wall_s","cpu_s","cpu_first_thread_s","memory_bytes","seconds":{},"steps":{},"counters":{},
+/// "files":[]}, written whole or not at all, by the first thread; memory: the most that was held. Throws FileError.
 void write_summary(const std::filesystem::path& path, const RunSummary& summary);
 
 /// A JSON string literal, quotes included.

@@ -30,8 +30,8 @@ PairMatrix grid(std::size_t side, bool closed) {
     double sum = 0.0;
     for (const auto& [b, w] : rows[a]) {
       m.column.push_back(b);
-      m.weight.push_back(w);
-      sum += w;
+      m.weight.push_back(static_cast<float>(w));
+      sum += static_cast<double>(m.weight.back());
     }
     m.offset.push_back(static_cast<Index>(m.column.size()));
     m.diagonal.push_back(!closed && a < side ? 1e3 * sum : sum);
