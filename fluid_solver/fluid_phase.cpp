@@ -309,6 +309,13 @@ void Fluid<D>::initialise(const coupling::Inbox& inbox) {
   ++state_.revision;
 }
 
+/// Whether the drag of the soil around it rules the water's motion, not its inertia.
+template <int D>
+bool Fluid<D>::drags(const SoilView<D>& view, std::size_t a) const {
+  return view.mask[a] > 0.5 && !inertia_rules(state_.particles.void_fraction[a], density_, view.drag[a],
+                                              spacing_of<D>(state_.particles.volume[a]), weight_.norm() / density_);
+}
+
 /// Viscosity of the water itself, Eq. (76) as corrected, its pairs amplified as the pressure's are to be exact for a
 /// quadratic on average; a von Neumann-Richtmyer term on approaching pairs for impacts, of third order where the flow
 /// is smooth; and a viscosity on what is not linear in the neighbourhood, for the noise of single particles. All
@@ -320,12 +327,9 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
   VecArray<D> result = v;
   for (auto& u : result) u += interval * pull_;
   // In soil drag damps what the trace of viscosity is for, unless inertia rules there as well.
-  std::vector<char> drags(s.n_real);
-  for (std::size_t a = 0; a < s.n_real; ++a)
-    drags[a] =
-        view.mask[a] > 0.5 && !inertia_rules(state_.particles.void_fraction[a], density_, view.drag[a],
-                                             spacing_of<D>(state_.particles.volume[a]), weight_.norm() / density_);
-  if (std::all_of(drags.begin(), drags.end(), [](char drag) { return drag; })) return result;
+  std::vector<char> damped(s.n_real);
+  for (std::size_t a = 0; a < s.n_real; ++a) damped[a] = drags(view, a);
+  if (std::all_of(damped.begin(), damped.end(), [](char drag) { return drag; })) return result;
   const double noise = noise_viscosity * dx_ * state_.wave_speed, viscosity = this->viscosity();
   // That of the scheme is a damping, not a property: nothing is gained by its being exact.
   const bool own = viscosity <= scene_.water.kinematic_viscosity;
@@ -376,11 +380,41 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
             }
           },
       [&](std::size_t a, const double* total) __attribute__((always_inline)) {
-        if (drags[a]) return;
+        if (damped[a]) return;
         result[a] += 2.0 * interval * Eigen::Map<const Vec<D>>(total);
         result[a] -= interval * scene_.general.central_force * s.position[a];
       });
   return result;
+}
+
+/// What is left for later windows of the divergence [1/s] that free water in uneven surroundings has before this one's
+/// forces act, in windows shorter than three tenths of the longest that its motion allows: all but their share of that.
+/// Where neighbours are few and on one side, the gradient of a pressure can turn a divergence round and leave it
+/// larger, by a few percent a solve, whatever the window's length: in windows much shorter than the water's own it
+/// would grow until the water flies apart.
+template <int D>
+ScalarArray Fluid<D>::left_for_later(const Stencil<D>& s, const SoilView<D>& view, double interval) const {
+  constexpr double short_window = 0.3;  // of the longest
+  constexpr double even = 0.1;          // |sum V grad W| h up to which surroundings are even; at a flat surface 0.7
+  const auto& p = state_.particles;
+  ScalarArray left(p.size(), 0.0);
+  for_each_side_by_side(p.size(), [&](std::size_t a) {
+    if (p.seeps[a] > 0.5 || drags(view, a) || s.length[a] * s.normal[a].norm() < even) return;
+    double fastest = p.velocity[a].norm();
+    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
+      if (const Index b = s.parent[s.other[k]]; b < s.n_real) fastest = std::max(fastest, p.velocity[b].norm());
+    const double spacing = spacing_of<D>(p.volume[a]);
+    const double longest = std::min({free_courant * spacing / std::max(fastest, 1e-300), wave_interval(spacing),
+                                     central_interval(), viscous_interval(spacing)});
+    left[a] = std::max(0.0, 1.0 - interval / (short_window * longest));
+  });
+  if (std::all_of(left.begin(), left.end(), [](double share) { return share == 0.0; })) return left;
+  VecArray<D> flux(p.size());
+  for (std::size_t a = 0; a < p.size(); ++a)
+    flux[a] = p.void_fraction[a] * p.velocity[a] + view.fraction[a] * view.velocity[a];
+  const ScalarArray outflow = divergence<D>(s, flux, Carried::yes);
+  for (std::size_t a = 0; a < p.size(); ++a) left[a] *= outflow[a];
+  return left;
 }
 
 template <int D>
@@ -403,6 +437,8 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
         sum += p.cavity[q] / p.void_fraction[q] * s.value(a, s.other[k]);
     return sum / lattice_fullness<D>();
   };
+  ScalarArray let_be(p.size(), 0.0);
+  if (scene_.fluid.scheme == FluidCase::Scheme::projection) let_be = left_for_later(s, view, interval);
   for_each_side_by_side(p.size(), [&](std::size_t a) {
     double excess = s.fullness[a] + voids_near(a) - 1.0;
     // Near a surface the sum is short by nature, not by error.
@@ -412,6 +448,7 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
     const double begun =
         p.seeps[a] > 0.5 ? 1.0 : std::min(1.0, state_.time / free_repair_time(spacing_of<D>(p.volume[a])));
     source[a] = begun * motion[a] * p.void_fraction[a] * excess / repair_time(a, view, interval);
+    source[a] += let_be[a];
     // Displacements of the velocity's length keep the volume to second order: det(1 + dt grad v) = 1. Without it a
     // strain rate s compresses by dt s^2, and the repair of that feeds energy in.
     if (p.seeps[a] <= 0.5)

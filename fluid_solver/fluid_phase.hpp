@@ -8,6 +8,9 @@
 
 namespace poretwin::fluid {
 
+/// Way of free water in a window at most, in spacings.
+inline constexpr double free_courant = 0.4;
+
 /// Numerical viscosities of free water: on the shear itself and on its non-linear part, in units of the spacing times
 /// the speed of long waves; on pairs that approach, in units of h times the speed of approach.
 inline constexpr double shear_viscosity = 0.01, noise_viscosity = 0.05, impact_viscosity = 0.5;
@@ -50,11 +53,16 @@ class Fluid final : public Phase {
                               double interval) const;
   /// Volume each particle must give off [1/s]: packing repair, the window's curvature in time and the soil's
   /// deformation beyond the prediction.
+  bool drags(const SoilView<D>& soil, std::size_t a) const;
+  ScalarArray left_for_later(const Stencil<D>& s, const SoilView<D>& soil, double interval) const;
   ScalarArray volume_source(const Stencil<D>& s, const SoilView<D>& soil, std::span<const Mat<D>> velocity_gradient,
                             double interval);
   ScalarArray moved() const;
   double gravity_or_standard() const;
   double free_repair_time(double spacing) const;
+  double wave_interval(double spacing) const;
+  double central_interval() const;
+  double viscous_interval(double spacing) const;
   double repair_time(std::size_t a, const SoilView<D>& soil, double interval) const;
   double look_ahead(double interval) const;
   void drift(double interval);

@@ -87,6 +87,26 @@ void Fluid<D>::limit_scheme(const SoilView<D>& view) {
   state_.scheme_limits.push_back({skeleton, "a skeleton that does not respond inside the window"});
 }
 
+/// Longest window in which gravity waves of one spacing [m] on a free surface are followed [s].
+template <int D>
+double Fluid<D>::wave_interval(double spacing) const {
+  return weight_.norm() > 0.0 ? 0.3 * std::sqrt(spacing * density_ / weight_.norm()) : HUGE_VAL;
+}
+
+/// Longest window in which particles follow the central force [s].
+template <int D>
+double Fluid<D>::central_interval() const {
+  const double force = scene_.general.central_force;
+  return force > 0.0 ? 0.02 / std::sqrt(force) : HUGE_VAL;
+}
+
+/// Longest window in which the viscosities of free water are stable [s].
+template <int D>
+double Fluid<D>::viscous_interval(double spacing) const {
+  const double viscosity = this->viscosity() + noise_viscosity * spacing * state_.wave_speed;
+  return viscosity > 0.0 ? 0.2 * spacing * spacing / viscosity : HUGE_VAL;
+}
+
 template <int D>
 std::pair<double, std::string> Fluid<D>::time_limit() const {
   const auto& p = state_.particles;
@@ -109,21 +129,19 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
   for (const auto& c : state_.columns) fastest = std::max(fastest, std::abs(c.speed) / c.spacing);
   if (fastest > 0.0) apply(0.25 / fastest, "a quarter spacing per window at the highest speed in soil or at a face");
   if (fastest_free > 0.0)
-    apply(0.4 / fastest_free, "two fifths of a spacing per window at the highest speed of free water");
+    apply(free_courant / fastest_free, "two fifths of a spacing per window at the highest speed of free water");
   if (free_surface && weight_.norm() > 0.0)
-    apply(0.3 * std::sqrt(dx_ * density_ / weight_.norm()), "gravity waves of one spacing on the free surface");
+    apply(wave_interval(dx_), "gravity waves of one spacing on the free surface");
   // In soil the surface falls no faster than under a unit gradient, nor than freely.
   if (table && weight_.norm() > 0.0)
     for (const auto& soil : scene_.soils) {
       const double n = soil.porosity, gamma = weight_.norm();
       const double fall = porous::resistance(gamma, n, porous::seepage_at(scene_, soil, n)).speed(n * gamma);
-      apply(std::max(0.3 * std::sqrt(dx_ * density_ / gamma), 0.25 * dx_ / fall),
+      apply(std::max(wave_interval(dx_), 0.25 * dx_ / fall),
             "a quarter spacing per window of a water table that falls");
     }
-  if (scene_.general.central_force > 0.0) apply(0.02 / std::sqrt(scene_.general.central_force), "central force");
-  if (const double viscosity = this->viscosity() + noise_viscosity * dx_ * state_.wave_speed;
-      free_water && viscosity > 0.0)
-    apply(0.2 * dx_ * dx_ / viscosity, "viscosity");
+  apply(central_interval(), "central force");
+  if (free_water) apply(viscous_interval(dx_), "viscosity");
   for (std::size_t f = 0; f < scene_.water_faces.size(); ++f)
     if (const auto& face = scene_.water_faces[f]; face.basin_area) {
       const double inflow = std::abs(face.discharge->at(state_.time));

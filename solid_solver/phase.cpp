@@ -390,7 +390,7 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const VecArray<D>& gradi
                 unrest(setup_, state_, drive, reference_acceleration(setup_, state_, drive)).largest <= woken_by;
   bool moved = false;
   if (!asleep) {
-    const EquilibriumSearch search{cannot_yield() ? 0.2 * elastic_error : plastic_error};
+    const EquilibriumSearch search{cannot_yield() ? 0.2 * elastic_error : plastic_error, local_share};
     RestReport report = find_equilibrium(setup_, stiffness, search, interval, state_, external);
     if (!report.reached() && !cannot_yield()) {
       const std::size_t tried = report.steps;

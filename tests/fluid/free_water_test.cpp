@@ -49,6 +49,20 @@ TEST(FreeWater, DamBreakKeepsItsEnergy) {
   EXPECT_LT(tip, 0.4 + 2.0 * std::sqrt(9.81 * 0.2) * 0.3 + 0.02);  // Ritter's tip is the fastest there can be
 }
 
+// Against the walls of a tank, in windows of a sixth and of a sixtieth of the water's own.
+TEST(FreeWater, ShortWindowsFeedItNoEnergy) {
+  for (const double interval : {1e-3, 1e-4}) {
+    Fluid<2> fluid(tank(0.02, 0.8));
+    fluid.initialise({});
+    const double start = energy(fluid);
+    double time = 0.0;
+    for (const double end : {0.3, 0.6, 0.9, 1.2}) {
+      run_to(fluid, time, end, interval);
+      EXPECT_LT(energy(fluid), start) << time << " s in windows of " << interval << " s";
+    }
+  }
+}
+
 // Half a spacing outside the foremost particle a wedge ends 0.83 spacings early, on the average of its places.
 TEST(FreeWater, AWedgeReachesAsFarAsItsTip) {
   Case scene = tank(0.02, 2.0);
