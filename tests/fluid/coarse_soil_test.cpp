@@ -43,9 +43,7 @@ TEST(CoarseSoil, ASlabFallsAgainstItsDrag) {
   }
 }
 
-// From sand to rockfill: water that plunges into soil and out of it again gains nothing from its drag. Over rockfill
-// single splashes do, as rounding has it: of five starts that differ by 1e-9 to 1e-6 spacings one did in one tenth of a
-// second, by 4.2 % (by 0.8 % with pulls rounded).
+// From sand to rockfill: water that plunges into soil and out of it again gains nothing from its drag.
 TEST(CoarseSoil, ADamBreakOverItLosesEnergy) {
   for (const double k : {0.01, 0.1, 1.0, 15.0}) {
     Case scene;
@@ -56,14 +54,12 @@ TEST(CoarseSoil, ADamBreakOverItLosesEnergy) {
     scene.walls = {wall(line(0.0, 1.0, 0.0, 0.0)), wall(line(0.0, 0.0, 1.6, 0.0)), wall(line(1.6, 0.0, 1.6, 1.0))};
     Fluid<2> fluid(scene);
     fluid.initialise({});
-    const double start = energy(fluid);
-    double time = 0.0, before = start;
+    double time = 0.0, before = energy(fluid);
     for (int tenth = 1; tenth <= 10; ++tenth) {
       run_to(fluid, time, 0.1 * tenth);
-      EXPECT_LT(energy(fluid), (k < 10.0 ? 1.0 : 1.05) * before) << time << " s, k = " << k;
+      EXPECT_LT(energy(fluid), before) << time << " s, k = " << k;
       before = energy(fluid);
     }
-    EXPECT_LT(energy(fluid), 0.9 * start) << "k = " << k;
   }
 }
 
