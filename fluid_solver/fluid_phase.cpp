@@ -388,32 +388,23 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
 }
 
 /// What is left for later windows of the divergence [1/s] that free water in uneven surroundings has before this one's
-/// forces act, in windows shorter than three tenths of the longest that its motion allows: all but their share of that.
-/// Where neighbours are few and on one side, the gradient of a pressure can turn a divergence round and leave it
+/// forces act, in windows shorter than half the longest that the water's motion allows: all but their share of that
+/// half. Where neighbours are few and on one side, the gradient of a pressure can turn a divergence round and leave it
 /// larger, by a few percent a solve, whatever the window's length: in windows much shorter than the water's own it
-/// would grow until the water flies apart.
+/// would grow until the water flies apart. The first window removes whatever water starts with.
 template <int D>
 ScalarArray Fluid<D>::left_for_later(const Stencil<D>& s, const SoilView<D>& view, double interval) const {
-  constexpr double short_window = 0.3;  // of the longest
-  constexpr double even = 0.1;          // |sum V grad W| h up to which surroundings are even; at a flat surface 0.7
+  constexpr double even = 0.05;  // |sum V grad W| h up to which surroundings are even; at a flat surface 0.7
   const auto& p = state_.particles;
   ScalarArray left(p.size(), 0.0);
-  for_each_side_by_side(p.size(), [&](std::size_t a) {
-    if (p.seeps[a] > 0.5 || drags(view, a) || s.length[a] * s.normal[a].norm() < even) return;
-    double fastest = p.velocity[a].norm();
-    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
-      if (const Index b = s.parent[s.other[k]]; b < s.n_real) fastest = std::max(fastest, p.velocity[b].norm());
-    const double spacing = spacing_of<D>(p.volume[a]);
-    const double longest = std::min({free_courant * spacing / std::max(fastest, 1e-300), wave_interval(spacing),
-                                     central_interval(), viscous_interval(spacing)});
-    left[a] = std::max(0.0, 1.0 - interval / (short_window * longest));
-  });
-  if (std::all_of(left.begin(), left.end(), [](double share) { return share == 0.0; })) return left;
+  const double later = 1.0 - interval / (0.5 * free_interval());
+  if (later <= 0.0 || state_.last_interval <= 0.0) return left;
   VecArray<D> flux(p.size());
   for (std::size_t a = 0; a < p.size(); ++a)
     flux[a] = p.void_fraction[a] * p.velocity[a] + view.fraction[a] * view.velocity[a];
   const ScalarArray outflow = divergence<D>(s, flux, Carried::yes);
-  for (std::size_t a = 0; a < p.size(); ++a) left[a] *= outflow[a];
+  for (std::size_t a = 0; a < p.size(); ++a)
+    if (p.seeps[a] <= 0.5 && !drags(view, a) && s.length[a] * s.normal[a].norm() > even) left[a] = later * outflow[a];
   return left;
 }
 

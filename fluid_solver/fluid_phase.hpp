@@ -60,9 +60,10 @@ class Fluid final : public Phase {
   ScalarArray moved() const;
   double gravity_or_standard() const;
   double free_repair_time(double spacing) const;
-  double wave_interval(double spacing) const;
+  double wave_interval() const;
   double central_interval() const;
-  double viscous_interval(double spacing) const;
+  double free_interval() const;
+  double viscous_interval() const;
   double repair_time(std::size_t a, const SoilView<D>& soil, double interval) const;
   double look_ahead(double interval) const;
   void drift(double interval);

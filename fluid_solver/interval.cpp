@@ -87,10 +87,10 @@ void Fluid<D>::limit_scheme(const SoilView<D>& view) {
   state_.scheme_limits.push_back({skeleton, "a skeleton that does not respond inside the window"});
 }
 
-/// Longest window in which gravity waves of one spacing [m] on a free surface are followed [s].
+/// Longest window in which gravity waves of one spacing on a free surface are followed [s].
 template <int D>
-double Fluid<D>::wave_interval(double spacing) const {
-  return weight_.norm() > 0.0 ? 0.3 * std::sqrt(spacing * density_ / weight_.norm()) : HUGE_VAL;
+double Fluid<D>::wave_interval() const {
+  return weight_.norm() > 0.0 ? 0.3 * std::sqrt(dx_ * density_ / weight_.norm()) : HUGE_VAL;
 }
 
 /// Longest window in which particles follow the central force [s].
@@ -102,9 +102,20 @@ double Fluid<D>::central_interval() const {
 
 /// Longest window in which the viscosities of free water are stable [s].
 template <int D>
-double Fluid<D>::viscous_interval(double spacing) const {
-  const double viscosity = this->viscosity() + noise_viscosity * spacing * state_.wave_speed;
-  return viscosity > 0.0 ? 0.2 * spacing * spacing / viscosity : HUGE_VAL;
+double Fluid<D>::viscous_interval() const {
+  const double viscosity = this->viscosity() + noise_viscosity * dx_ * state_.wave_speed;
+  return viscosity > 0.0 ? 0.2 * dx_ * dx_ / viscosity : HUGE_VAL;
+}
+
+/// Longest window that the motion of free water allows [s].
+template <int D>
+double Fluid<D>::free_interval() const {
+  const auto& p = state_.particles;
+  double longest = std::min({wave_interval(), central_interval(), viscous_interval()});
+  for (std::size_t a = 0; a < p.size(); ++a)
+    if (p.seeps[a] <= 0.5)
+      longest = std::min(longest, free_courant * spacing_of<D>(p.volume[a]) / std::max(p.velocity[a].norm(), 1e-300));
+  return longest;
 }
 
 template <int D>
@@ -130,18 +141,16 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
   if (fastest > 0.0) apply(0.25 / fastest, "a quarter spacing per window at the highest speed in soil or at a face");
   if (fastest_free > 0.0)
     apply(free_courant / fastest_free, "two fifths of a spacing per window at the highest speed of free water");
-  if (free_surface && weight_.norm() > 0.0)
-    apply(wave_interval(dx_), "gravity waves of one spacing on the free surface");
+  if (free_surface && weight_.norm() > 0.0) apply(wave_interval(), "gravity waves of one spacing on the free surface");
   // In soil the surface falls no faster than under a unit gradient, nor than freely.
   if (table && weight_.norm() > 0.0)
     for (const auto& soil : scene_.soils) {
       const double n = soil.porosity, gamma = weight_.norm();
       const double fall = porous::resistance(gamma, n, porous::seepage_at(scene_, soil, n)).speed(n * gamma);
-      apply(std::max(wave_interval(dx_), 0.25 * dx_ / fall),
-            "a quarter spacing per window of a water table that falls");
+      apply(std::max(wave_interval(), 0.25 * dx_ / fall), "a quarter spacing per window of a water table that falls");
     }
   apply(central_interval(), "central force");
-  if (free_water) apply(viscous_interval(dx_), "viscosity");
+  if (free_water) apply(viscous_interval(), "viscosity");
   for (std::size_t f = 0; f < scene_.water_faces.size(); ++f)
     if (const auto& face = scene_.water_faces[f]; face.basin_area) {
       const double inflow = std::abs(face.discharge->at(state_.time));

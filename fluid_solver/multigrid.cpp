@@ -118,7 +118,8 @@ void Multigrid::invert(const Matrix& m) {
   for (std::size_t a = 0; a < m.size(); ++a) {
     const auto i = static_cast<Eigen::Index>(a);
     dense(i, i) += m.diagonal[a];
-    for (Index k = m.offset[a]; k < m.offset[a + 1]; ++k) dense(i, static_cast<Eigen::Index>(m.column[k])) -= m.weight[k];
+    for (Index k = m.offset[a]; k < m.offset[a + 1]; ++k)
+      dense(i, static_cast<Eigen::Index>(m.column[k])) -= m.weight[k];
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(dense);
   const double least = 1e-12 * eigen.eigenvalues().cwiseAbs().maxCoeff();

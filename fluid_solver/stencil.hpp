@@ -87,8 +87,8 @@ struct Stencil {
   /// Pairs of real a: offset[a] .. offset[a + 1], a multiple of four: filled up with a itself, of which all is zero.
   std::vector<Index> offset{0};
   std::vector<Index> other;  ///< [pairs]
-  /// [pairs] -V_b W'/r, 1/m^2: V_b grad_a W_ab is pull (r_b - r_a). Rounded to half the memory; moments are sums of what
-  /// is kept, so that gradients of linear fields stay exact.
+  /// [pairs] -V_b W'/r, 1/m^2: V_b grad_a W_ab is pull (r_b - r_a). Rounded to half the memory; moments are sums of
+  /// what is kept, so that gradients of linear fields stay exact.
   std::vector<float> pull;
   std::vector<float> reflection;  ///< [pairs] 0, or 1 + |d_b|/d_a where b is a buffer; empty without buffers
 
@@ -103,7 +103,7 @@ struct Stencil {
   ScalarArray surface_distance;  ///< [real] of a surface particle to the surface, m: half a spacing, less at a face
   ScalarArray surface_pressure;  ///< [real] total, on the surface, Pa: 0, or a suction
   MatArray<D> correction;        ///< [real] of the kernel gradient, buffers and the free surface counted (pressures)
-  ScalarArray least_moment;  ///< [real] smallest eigenvalue of the moment: 1 inside, 0 where a direction is empty
+  ScalarArray least_moment;      ///< [real] smallest eigenvalue of the moment: 1 inside, 0 where a direction is empty
   /// [real] distance to the free surface along -normal [m], 0: out of the kernel's reach. Set by find_surface; the
   /// kernel's missing part is then a ghost at twice the distance, antisymmetric about the surface's pressure.
   ScalarArray ghost_distance;
