@@ -103,9 +103,13 @@ void deform(const Setup<D>& setup, double dt, State<D>& state) {
   for_rows(pairs, 0, n, [&](std::size_t i) {
     const Mat<D> gradient = p.gradient[i];
     if (i >= p.free() && gradient.squaredNorm() == 0.0) return;
-    // Mass kept: n_s = m / (rho_s V), Eq. (50) by its rate. Bounded: a crack that opens is not porosity.
+    // Mass kept: n_s = m / (rho_s V), Eq. (50) by its rate. Bounded: a crack that opens is not porosity, and grains
+    // that strike together keep a tenth of their pores.
+    constexpr double pores_left = 0.1;
     const double reference = p.mass[i] / setup.density[p.material[i]];
-    p.volume[i] = std::clamp(p.volume[i] * (1.0 + dt * gradient.trace()), 0.5 * reference, 2.0 * reference);
+    const double grains = p.mass[i] / setup.grain_density[p.material[i]];
+    const double closest = std::max(0.5 * reference, grains + pores_left * (reference - grains));
+    p.volume[i] = std::clamp(p.volume[i] * (1.0 + dt * gradient.trace()), closest, 2.0 * reference);
     Tensor& stress = p.stress[i];
     const Tensor turning = spin_rate<D>(stress, gradient), straining = strain_rate<D>(gradient);
     Tensor strain;
