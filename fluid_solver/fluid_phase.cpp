@@ -397,14 +397,17 @@ ScalarArray Fluid<D>::left_for_later(const Stencil<D>& s, const SoilView<D>& vie
   constexpr double even = 0.05;  // |sum V grad W| h up to which surroundings are even; at a flat surface 0.7
   const auto& p = state_.particles;
   ScalarArray left(p.size(), 0.0);
+  if (scene_.fluid.scheme != FluidCase::Scheme::projection || state_.last_interval <= 0.0) return left;
   const double later = 1.0 - interval / (0.5 * free_interval());
-  if (later <= 0.0 || state_.last_interval <= 0.0) return left;
+  if (later <= 0.0) return left;
+  for (std::size_t a = 0; a < p.size(); ++a)
+    if (p.seeps[a] <= 0.5 && !drags(view, a) && s.length[a] * s.normal[a].norm() > even) left[a] = later;
+  if (std::all_of(left.begin(), left.end(), [](double share) { return share == 0.0; })) return left;
   VecArray<D> flux(p.size());
   for (std::size_t a = 0; a < p.size(); ++a)
     flux[a] = p.void_fraction[a] * p.velocity[a] + view.fraction[a] * view.velocity[a];
   const ScalarArray outflow = divergence<D>(s, flux, Carried::yes);
-  for (std::size_t a = 0; a < p.size(); ++a)
-    if (p.seeps[a] <= 0.5 && !drags(view, a) && s.length[a] * s.normal[a].norm() > even) left[a] = later * outflow[a];
+  for (std::size_t a = 0; a < p.size(); ++a) left[a] *= outflow[a];
   return left;
 }
 
@@ -412,7 +415,7 @@ template <int D>
 ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view,
                                     std::span<const Mat<D>> velocity_gradient, double interval) {
   auto& p = state_.particles;
-  ScalarArray source(p.size(), 0.0);
+  ScalarArray source = left_for_later(s, view, interval);
   // A packing error is made good by moving the surface or the inflow; in a closed domain there is neither, and shifting
   // alone evens the packing: pressure would only push on the grains.
   const bool open = std::any_of(p.surface.begin(), p.surface.end(), [](Surface f) { return f != Surface::interior; }) ||
@@ -428,8 +431,6 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
         sum += p.cavity[q] / p.void_fraction[q] * s.value(a, s.other[k]);
     return sum / lattice_fullness<D>();
   };
-  ScalarArray let_be(p.size(), 0.0);
-  if (scene_.fluid.scheme == FluidCase::Scheme::projection) let_be = left_for_later(s, view, interval);
   for_each_side_by_side(p.size(), [&](std::size_t a) {
     double excess = s.fullness[a] + voids_near(a) - 1.0;
     // Near a surface the sum is short by nature, not by error.
@@ -438,8 +439,7 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
     // In free water the repair of a disordered start, begun at once, would be a blow.
     const double begun =
         p.seeps[a] > 0.5 ? 1.0 : std::min(1.0, state_.time / free_repair_time(spacing_of<D>(p.volume[a])));
-    source[a] = begun * motion[a] * p.void_fraction[a] * excess / repair_time(a, view, interval);
-    source[a] += let_be[a];
+    source[a] += begun * motion[a] * p.void_fraction[a] * excess / repair_time(a, view, interval);
     // Displacements of the velocity's length keep the volume to second order: det(1 + dt grad v) = 1. Without it a
     // strain rate s compresses by dt s^2, and the repair of that feeds energy in.
     if (p.seeps[a] <= 0.5)

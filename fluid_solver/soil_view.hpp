@@ -133,7 +133,7 @@ SoilView<D> rigid_soil(const Case& scene, std::span<const Vec<D>> points) {
   SoilView<D> soil;
   soil.resize(points.size());
   const double weight = porous::specific_weight(scene);
-  const auto fill = [&](std::size_t a) {
+  for_each_side_by_side(points.size(), [&](std::size_t a) {
     const Soil* here = soil_at(scene, to_point3<D>(points[a]));
     if (!here) return;
     soil.mask[a] = soil.coverage[a] = 1.0;
@@ -143,9 +143,6 @@ SoilView<D> rigid_soil(const Case& scene, std::span<const Vec<D>> points) {
     if (scene.fluid.drag)
       soil.resistance[a] = porous::resistance(weight, fillable, porous::seepage_at(scene, *here, here->porosity));
     soil.drag[a] = soil.resistance[a].linear;
-  };
-  side_by_side(points.size(), [&](std::size_t first, std::size_t last) {
-    for (std::size_t a = first; a < last; ++a) fill(a);
   });
   return soil;
 }

@@ -49,6 +49,17 @@ inline Soil sand() {
   return soil;
 }
 
+/// The gauges "front", along a line, and "volume".
+inline std::vector<Gauge> front_and_volume(const Point3& from, const Point3& to) {
+  Gauge front;
+  front.name = front.kind = "front";
+  front.points = {from, to};
+  Gauge volume;
+  volume.name = volume.kind = "volume";
+  for (auto* gauge : {&front, &volume}) gauge->phase = "fluid";
+  return {front, volume};
+}
+
 /// Rigid dry ground, 0.4 m deep, under water of 0.1 m at a ghost reservoir; gauges "front" and "volume".
 inline Case ponded_column(double dx) {
   Case scene;
@@ -58,16 +69,7 @@ inline Case ponded_column(double dx) {
   scene.soils[0].shape = box(0.0, 0.0, 0.1, 0.4);
   scene.walls = {wall(line(0.0, 0.5, 0.0, 0.0)), wall(line(0.0, 0.0, 0.1, 0.0)), wall(line(0.1, 0.0, 0.1, 0.5))};
   scene.water_faces = {head_face(line(0.1, 0.4, 0.0, 0.4), 0.5)};
-  Gauge front;
-  front.name = "front";
-  front.phase = "fluid";
-  front.kind = "front";
-  front.points = {Point3(0.05, 0.4, 0.0), Point3(0.05, 0.0, 0.0)};
-  Gauge volume;
-  volume.name = "volume";
-  volume.phase = "fluid";
-  volume.kind = "volume";
-  scene.gauges = {front, volume};
+  scene.gauges = front_and_volume(Point3(0.05, 0.4, 0.0), Point3(0.05, 0.0, 0.0));
   return scene;
 }
 

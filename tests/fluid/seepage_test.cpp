@@ -167,16 +167,7 @@ TEST(Seepage, WaterPressedIntoDrySoilKeepsItsPacking) {
     scene.soils[0].shape = box(0.0, 0.0, 0.4, 0.025);
     scene.walls = {wall(line(0.0, 0.0, 0.4, 0.0)), wall(line(0.4, 0.025, 0.0, 0.025))};
     scene.water_faces = {pressure_face(line(0.0, 0.025, 0.0, 0.0), 4905.0)};
-    Gauge front;
-    front.name = "front";
-    front.phase = "fluid";
-    front.kind = "front";
-    front.points = {Point3(0.0, 0.0125, 0.0), Point3(0.4, 0.0125, 0.0)};
-    Gauge volume;
-    volume.name = "volume";
-    volume.phase = "fluid";
-    volume.kind = "volume";
-    scene.gauges = {front, volume};
+    scene.gauges = front_and_volume(Point3(0.0, 0.0125, 0.0), Point3(0.4, 0.0125, 0.0));
     Fluid<2> fluid(scene);
     fluid.initialise({});
     double time = 0.0;
