@@ -54,20 +54,56 @@ VecArray<D> averaged(const Setup<D>& setup, const State<D>& state, const VecArra
 struct EquilibriumSearch {
   double criterion = 4e-4;  ///< departure from rest as Stiffness::departure() measures it
   double local = 0.0;       ///< share of the mass of soil that yields that may go on moving, once the rest is at rest
+  double moving = 5e-3;     ///< averaged force from which on it counts as moving, over the reference acceleration
   std::size_t most = 300;   ///< displacements tried
 };
 
-/// Whether all but a share of the mass is at rest: the averaged forces on it are below `restless` of the reference
-/// acceleration, and without them the rest meets the criterion.
+/// What is left to find: the share of the mass on which averaged forces act, and the departure from rest of the others.
+struct Unsettled {
+  double share = 1.0;
+  double rest = 0.0;
+};
 template <int D>
-bool rests_but_locally(const Setup<D>& setup, const Stiffness<D>& stiffness, const EquilibriumSearch& search,
-                       const State<D>& state, const VecArray<D>& force, double reference) {
+Unsettled unsettled(const Setup<D>& setup, const Stiffness<D>& stiffness, double moving, const State<D>& state,
+                    const VecArray<D>& force, double reference) {
   VecArray<D> left = averaged(setup, state, force);
-  const auto moves = [&](std::size_t i) { return left[i].norm() > restless * reference * state.particles.mass[i]; };
-  if (share_of_mass(state.particles, moves) >= search.local) return false;
+  const auto moves = [&](std::size_t i) { return left[i].norm() > moving * reference * state.particles.mass[i]; };
+  Unsettled result;
+  result.share = share_of_mass(state.particles, moves);
   for (std::size_t i = 0; i < left.size(); ++i)
     if (moves(i)) left[i].setZero();
-  return departure(stiffness, left, reference) < search.criterion;
+  result.rest = departure(stiffness, left, reference);
+  return result;
+}
+
+/// Whether all but a local part is at rest: less than the share that may move, or less than twice that where trying on
+/// gains nothing. Looked at now and then.
+class Patience {
+ public:
+  static constexpr std::size_t looks_every = 10;  ///< displacements tried
+  bool ends(const EquilibriumSearch& search, const Unsettled& left) {
+    const bool stalls = left.share > gains * shares_.back();
+    std::rotate(shares_.begin(), shares_.end() - 1, shares_.end());
+    shares_.front() = left.share;
+    return left.rest < search.criterion && (left.share < search.local || (stalls && left.share < 2.0 * search.local));
+  }
+
+ private:
+  static constexpr double gains = 0.9;  ///< of the share of four looks before
+  std::array<double, 4> shares_{1.0, 1.0, 1.0, 1.0};
+};
+
+/// Grains that are apart, or have been in one of the displacements tried, carry no stress: contacts that come and go with
+/// every trial would leave no equilibrium to find.
+template <int D>
+void leave_out(const Setup<D>& setup, State<D>& state, std::vector<char>& apart) {
+  Particles<D>& p = state.particles;
+  for (std::size_t i = 0; i < apart.size(); ++i) {
+    if (p.rubbing[i] > 0.0F) apart[i] = 1;
+    if (!apart[i]) continue;
+    p.stress[i].setZero();
+    p.rubbing[i] = setup.loose_friction[p.material[i]];
+  }
 }
 
 /// Finds where the soil stands at the end of a window of `interval` [s] under the forces that external(drive, rebuilt)
@@ -86,29 +122,44 @@ RestReport find_equilibrium(const Setup<D>& setup, const Stiffness<D>& stiffness
   const auto size = static_cast<Eigen::Index>(n * D);
   const State<D> start = state;
   ScalarArray held = start.particles.plastic_strain;
+  std::vector<char> apart(n, 0);
   Drive<D> drive;
   external(drive, true);
   const double reference = reference_acceleration(setup, state, drive);
   VecArray<D> moved(n, Vec<D>::Zero());
   Flat all(moved.data()->data(), size);
   Anderson accelerated(size, depth);
+  Patience patience;
   for (;; ++report.steps) {
-    if (report.steps > 0) state = start;
+    if (report.steps > 0) {
+      if (state.rebuilds > start.rebuilds) state.near = start.near;
+      state.rebuilds = start.rebuilds;
+      state.particles = start.particles;
+      state.nodes = start.nodes;
+      state.kernel = start.kernel;
+      state.yielded = start.yielded;
+      state.any_yielded = start.any_yielded;
+    }
     for (std::size_t i = 0; i < n; ++i) state.particles.velocity[i] = moved[i] / interval;
     deform(setup, interval, state);
+    leave_out(setup, state, apart);
     external(drive, rebuild_if_moved(setup, state));
     for (std::size_t i = 0; i < n; ++i)
       state.body[i] = (state.particles.mass[i] * setup.gravity + drive.distributed[i]) / state.particles.volume[i];
     std::swap(state.particles.plastic_strain, held);
     evaluate_forces(setup, state);
     std::swap(state.particles.plastic_strain, held);
-    VecArray<D> force = all_forces(setup, state, drive), step = stiffness.displacements(force);
+    VecArray<D> force = all_forces(setup, state, drive);
+    for (std::size_t i = 0; i < n; ++i)
+      if (apart[i]) force[i].setZero();
+    VecArray<D> step = stiffness.displacements(force);
     const Flat missing(force.data()->data(), size), towards(step.data()->data(), size);
     report.residual = stiffness.departure(missing.dot(towards), reference);
     if (report.steps == search.most || !std::isfinite(report.residual)) break;
-    constexpr double near = 5.0;  // times the criterion: worth a look at what is left
-    report.creeps = search.local > 0.0 && state.any_yielded && report.residual < near * search.criterion &&
-                    rests_but_locally(setup, stiffness, search, state, force, reference);
+    constexpr double near = 10.0;  // times the criterion: worth a look at what is left
+    report.creeps = search.local > 0.0 && state.any_yielded && report.steps % Patience::looks_every == 0 &&
+                    report.residual < near * search.criterion &&
+                    patience.ends(search, unsettled(setup, stiffness, search.moving, state, force, reference));
     if (report.reached()) {
       // What holds the zero-energy modes lets go of soil that yields; back and forth with every trial there would be no
       // equilibrium to find.

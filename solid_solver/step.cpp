@@ -103,6 +103,9 @@ void deform(const Setup<D>& setup, double dt, State<D>& state) {
   for_rows(pairs, 0, n, [&](std::size_t i) {
     const Mat<D> gradient = p.gradient[i];
     if (i >= p.free() && gradient.squaredNorm() == 0.0) return;
+    // Dilation ends by the void ratio at the start: by that at the end it would begin and end with every displacement
+    // that a search for equilibrium tries.
+    const Condition before = condition(setup, p, i, state.external.saturation[i]);
     // Mass kept: n_s = m / (rho_s V), Eq. (50) by its rate. Bounded: a crack that opens is not porosity, and grains
     // that strike together keep a tenth of their pores.
     constexpr double pores_left = 0.1;
@@ -116,8 +119,7 @@ void deform(const Setup<D>& setup, double dt, State<D>& state) {
     // Number by number: both rates stay in registers. Wide loads of what was just written singly cost a seventh of all.
     for (int d = 0; d < 6; ++d) stress[d] += dt * turning[d];
     for (int d = 0; d < 6; ++d) strain[d] = dt * straining[d];
-    const double plastic =
-        setup.models[p.material[i]]->advance(stress, strain, condition(setup, p, i, state.external.saturation[i]));
+    const double plastic = setup.models[p.material[i]]->advance(stress, strain, before);
     const bool apart = setup.loose_friction[p.material[i]] > 0.0F && p.volume[i] > Setup<D>::loosest * reference;
     p.rubbing[i] = apart ? setup.loose_friction[p.material[i]] : 0.0F;
     if (apart) stress.setZero();

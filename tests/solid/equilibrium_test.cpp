@@ -132,5 +132,31 @@ TEST(Equilibrium, ThatDoesNotExistLeavesTheSoilAsItWas) {
   }
 }
 
+// With a jump there a search finds no equilibrium: what it tries lies on either side in turn.
+TEST(Equilibrium, ForcesDoNotJumpWhereDilationEnds) {
+  Case scene = column({});
+  scene.solid.model = SolidCase::Model::drucker_prager;
+  Soil& soil = scene.soils[0];
+  soil.friction_angle = 30.0;
+  soil.dilation_angle = 10.0;
+  soil.maximum_void_ratio = 0.67;  // from 0.6667: where the volume is larger by 0.002
+  const Solid<2> solid(scene);
+  const std::size_t n = solid.state().particles.free();
+  const auto mean_stress_after = [&](double share) {
+    State<2> state = solid.state();
+    for (std::size_t i = 0; i < n; ++i) {
+      state.particles.stress[i] << -1e4, -1e4, -1e4, 0.0, 0.0, 0.0;
+      const double height = state.particles.position[i][1];
+      state.particles.velocity[i] = share * Vec<2>(0.02 * height, 0.002 * height);
+    }
+    deform(solid.setup(), 1.0, state);
+    const std::size_t middle = n / 2;
+    EXPECT_TRUE(state.yielded[middle]);
+    return trace(state.particles.stress[middle]) / 3.0;
+  };
+  const double before = mean_stress_after(1.0 - 1e-6), after = mean_stress_after(1.0 + 1e-6);
+  EXPECT_NEAR(after, before, 1e-4 * std::abs(before));
+}
+
 }  // namespace
 }  // namespace poretwin::solid
