@@ -106,6 +106,20 @@ inline double dot(std::span<const double> a, std::span<const double> b) {
   return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
+/// Sum of part(i) over 0 .. n - 1, in the same blocks.
+template <class Part>
+double sum_over(std::size_t n, const Part& part) {
+  constexpr std::size_t block = 8192;
+  ScalarArray sums((n + block - 1) / block, 0.0);
+  side_by_side(n, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = (first + block - 1) / block; i * block < last; ++i)
+      for (std::size_t a = i * block; a < std::min(n, (i + 1) * block); ++a) sums[i] += part(a);
+  });
+  double sum = 0.0;
+  for (const double s : sums) sum += s;
+  return sum;
+}
+
 inline double norm(std::span<const double> a) { return std::sqrt(dot(a, a)); }
 
 struct SolveReport {
