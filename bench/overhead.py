@@ -22,7 +22,7 @@ from runs import PROGRAM, Run
 
 SCENES = {
     "3000 particles, every substep": ("terzaghi", ["fluid.particle_spacing=0.00516", "solid.particle_spacing=0.00516",
-                                                   "coupling.interval=6e-5", "case.end_time=0.06", "output.interval=0",
+                                                   "coupling.interval=6e-5", "case.end_time=0.018", "output.interval=0",
                                                    "output.gauge_interval=0.01"]),
     "embankment_seepage, own windows": ("embankment_seepage", ["case.end_time=300"]),
 }

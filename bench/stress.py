@@ -14,7 +14,8 @@ Verdicts:
     bounded    it ends by itself; in its second half the column's plate has not moved farther than 1.5 times the drained
                settlement (1 % of the height more); the water at its base never carries more than 3.5 times the load more or less
                than at rest, and in the second half no more than 1.2 times as much as in the first, or 1.5 times the load; a run that
-               misses this is repeated with ten times as many windows: what is unstable goes on growing. A block and the soil under a front move no faster than they could fall; water is neither lost nor made
+               misses this is repeated with ten times as many windows: what is unstable goes on growing. A block and the
+               soil under a front move no faster than they could fall; water is neither lost nor made
     refused    before the first window, with the reason
     unbounded, diverged, too slow (--longest)
 
@@ -24,6 +25,7 @@ the water takes to drain three rows of particles: docs/theory.md.
 import argparse
 import itertools
 import pathlib
+import re
 import sys
 import tempfile
 
@@ -100,7 +102,8 @@ def judge(row, run, complaints):
     """complaints: of a run that ended by itself."""
     row["cpu_s"] = round(run.cpu, 2)
     row["windows"] = int(run.summaries.get("coupler", {}).get("steps", {}).get("windows", 0))
-    row["why"] = " ".join(run.reason.split())
+    said = re.sub(r"\[[\d:]+\] | ?\(all of it: .*?\)|\S+/(?=case\.toml)", "", run.reason)  # no times and places of this run
+    row["why"] = " ".join(said.split())
     if run.exit == 0:
         row["why"] = "; ".join(complaints(run))
         row["verdict"] = "unbounded" if row["why"] else "bounded"
