@@ -13,11 +13,11 @@ PROGRAM = pathlib.Path(__file__).resolve().parent.parent / "build" / "release" /
 
 class Run:
     """exit: the exit code (124: stopped after `longest` seconds); reason: its last words; gauges: {name: (times, values)};
-    summaries: {process: its summary}."""
+    summaries: {process: its summary}; trace: the events of its time line, with `profile`."""
 
-    def __init__(self, case, overrides, program=PROGRAM, longest=None):
+    def __init__(self, case, overrides, program=PROGRAM, longest=None, profile=False):
         with tempfile.TemporaryDirectory() as folder:
-            command = [program, "run", case, "--out", folder, "--no-pictures", "--quiet", "--restarts", "0"]
+            command = [program, "run", case, "--out", folder, "--no-pictures", "--quiet", "--restarts", "0"] + ["--profile"] * profile
             for text in overrides:
                 command += ["--set", text]
             with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
@@ -32,6 +32,7 @@ class Run:
             self.summaries = {path.name.split(".")[0]: json.loads(path.read_text())
                               for path in folder.glob("*.summary.json")}
             self.cpu = sum(summary["cpu_s"] for summary in self.summaries.values())
+            self.trace = json.loads((folder / "trace.json").read_text())["traceEvents"] if profile else []
             rows = {}
             if (folder / "gauges.csv").exists():
                 with open(folder / "gauges.csv") as stream:

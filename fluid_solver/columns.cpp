@@ -235,6 +235,8 @@ void Fluid<D>::give_birth_and_delete(const SoilView<D>& view) {
   std::vector<bool> keep(p.size(), true);
   bool any = false;
   ScalarArray crossed(state_.columns.size(), 0.0);  // in particles, inwards
+  std::vector<int> nearest(p.size());
+  for_each_side_by_side(p.size(), [&](std::size_t a) { nearest[a] = finder.nearest(p.position[a]); });
   for (std::size_t a = 0; a < p.size(); ++a) {
     // Far outside, and no faster than a fall makes it: water that diverges is not hushed up.
     if (((p.position[a] - lower_).array() < 0.0 || (upper_ - p.position[a]).array() < 0.0).any() &&
@@ -253,7 +255,7 @@ void Fluid<D>::give_birth_and_delete(const SoilView<D>& view) {
       state_.balance.out += p.mass[a] / density_;
       continue;
     }
-    int i = finder.nearest(p.position[a]);
+    int i = nearest[a];
     if (i < 0 && left)
       i = static_cast<int>(std::min_element(state_.columns.begin(), state_.columns.end(),
                                             [&](const auto& b, const auto& c) {

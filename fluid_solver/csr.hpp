@@ -18,28 +18,59 @@ namespace poretwin::fluid {
 }
 using poretwin::take;
 
+/// Where the entries of sparse rows stand.
+struct Columns {
+  std::vector<Index> offset{0}, index;
+  [[nodiscard]] Index operator()(std::size_t, std::size_t k) const { return index[k]; }
+  [[gnu::always_inline]] void take_four(std::size_t, std::size_t k, Index* columns) const {
+    for (std::size_t l = 0; l < n_lanes; ++l) columns[l] = index[k + l];
+  }
+};
+
+/// The same, read from the pairs of particles themselves, which must outlive them: the column of a point that is no
+/// particle is its parent's or, where that is none either, the row's own.
+struct PairColumns {
+  std::span<const Index> offset, index, parent;  ///< [rows + 1], [pairs], [points]
+  [[nodiscard]] Index operator()(std::size_t a, std::size_t k) const { return particle(a, index[k]); }
+  [[gnu::always_inline]] void take_four(std::size_t a, std::size_t k, Index* columns) const {
+    for (std::size_t l = 0; l < n_lanes; ++l) columns[l] = index[k + l];
+    if (std::max(std::max(columns[0], columns[1]), std::max(columns[2], columns[3])) < offset.size() - 1) return;
+    for (std::size_t l = 0; l < n_lanes; ++l) columns[l] = particle(a, columns[l]);
+  }
+
+ private:
+  [[nodiscard]] Index particle(std::size_t a, Index j) const {
+    const std::size_t n = offset.size() - 1;
+    if (j < n) return j;
+    return parent[j] < n ? parent[j] : static_cast<Index>(a);
+  }
+};
+
 /// Graph Laplacian with a diagonal: (A x)_a = diagonal_a x_a - sum_k weight_k x_column(k); symmetric by construction.
-template <class Weight>
+template <class Weight, class Columns>
 struct GraphMatrix {
-  std::vector<Index> offset{0};
-  std::vector<Index> column;
+  Columns column;
   std::vector<Weight> weight;  ///< per entry, >= 0
   ScalarArray diagonal;        ///< per row
   [[nodiscard]] std::size_t size() const { return diagonal.size(); }
+  [[nodiscard]] std::size_t begin(std::size_t a) const { return column.offset[a]; }
+  [[nodiscard]] std::size_t end(std::size_t a) const { return column.offset[a + 1]; }
   /// y = A x
   void apply(std::span<const double> x, std::span<double> y) const {
     side_by_side(size(), [&](std::size_t first, std::size_t last) {
       run_lanes([&]() __attribute__((always_inline)) {
         for (std::size_t a = first; a < last; ++a) {
           Lanes sums{}, w;
-          Index k = offset[a];
-          for (; k + n_lanes <= offset[a + 1]; k += n_lanes) {
-            const Index* const c = &column[k];
+          std::size_t k = begin(a);
+          const std::size_t stop = end(a);
+          Index c[n_lanes];
+          for (; k + n_lanes <= stop; k += n_lanes) {
+            column.take_four(a, k, c);
             take(&weight[k], w);
             sums += w * Lanes{x[c[0]], x[c[1]], x[c[2]], x[c[3]]};
           }
           double sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
-          for (; k < offset[a + 1]; ++k) sum += static_cast<double>(weight[k]) * x[column[k]];
+          for (; k < stop; ++k) sum += static_cast<double>(weight[k]) * x[column(a, k)];
           y[a] = diagonal[a] * x[a] - sum;
         }
       });
@@ -49,7 +80,7 @@ struct GraphMatrix {
 
 /// Of pairs of particles. Weights are rounded to half the memory, the same for both of a pair; what they add to the
 /// diagonal is what is kept of them, so that constants stay in the kernel.
-using PairMatrix = GraphMatrix<float>;
+using PairMatrix = GraphMatrix<float, PairColumns>;
 
 /// Of at most `block` numbers each, so that the result does not depend on the number of threads.
 inline double dot(std::span<const double> a, std::span<const double> b) {
@@ -73,6 +104,20 @@ inline double dot(std::span<const double> a, std::span<const double> b) {
     for (std::size_t k = 0; k < 4; ++k) sum[k] += a[i + k] * b[i + k];
   for (; i < a.size(); ++i) sum[0] += a[i] * b[i];
   return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
+/// Sum of part(i) over 0 .. n - 1, in the same blocks.
+template <class Part>
+double sum_over(std::size_t n, const Part& part) {
+  constexpr std::size_t block = 8192;
+  ScalarArray sums((n + block - 1) / block, 0.0);
+  side_by_side(n, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = (first + block - 1) / block; i * block < last; ++i)
+      for (std::size_t a = i * block; a < std::min(n, (i + 1) * block); ++a) sums[i] += part(a);
+  });
+  double sum = 0.0;
+  for (const double s : sums) sum += s;
+  return sum;
 }
 
 inline double norm(std::span<const double> a) { return std::sqrt(dot(a, a)); }

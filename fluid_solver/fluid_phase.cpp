@@ -242,7 +242,7 @@ Stencil<D> Fluid<D>::stencil() const {
   const auto& p = state_.particles;
   const auto buffers = make_buffers(state_.columns);
   std::vector<char> free(p.size());
-  for (std::size_t a = 0; a < p.size(); ++a) free[a] = is_free(a);
+  for_each_side_by_side(p.size(), [&](std::size_t a) { free[a] = is_free(a); });
   auto s = make_stencil<D>(p.position, p.volume, std::span<const Buffer<D>>(buffers), planes_, free);
   fit_columns<D>(state_.columns, free, s);
   limit_surface(s);
@@ -328,7 +328,7 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
   for (auto& u : result) u += interval * pull_;
   // In soil drag damps what the trace of viscosity is for, unless inertia rules there as well.
   std::vector<char> damped(s.n_real);
-  for (std::size_t a = 0; a < s.n_real; ++a) damped[a] = drags(view, a);
+  for_each_side_by_side(s.n_real, [&](std::size_t a) { damped[a] = drags(view, a); });
   if (std::all_of(damped.begin(), damped.end(), [](char drag) { return drag; })) return result;
   const double noise = noise_viscosity * dx_ * state_.wave_speed, viscosity = this->viscosity();
   // That of the scheme is a damping, not a property: nothing is gained by its being exact.
@@ -339,7 +339,7 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
   constexpr std::size_t at_stuck = D, at_gradient = 2 * D, at_length = at_gradient + D * D,
                         at_amplified = at_length + 1;
   std::vector<PackedPoint<D, at_amplified + 1>> points(s.size());
-  for (std::size_t j = 0; j < s.size(); ++j) {
+  for_each_side_by_side(s.size(), [&](std::size_t j) {
     const Index q = s.parent[j];
     const bool real = q < s.n_real, image = j >= s.n_base;
     const bool sticks = image && real && (s.boundaries[j - s.n_base] & no_slip_) != 0;
@@ -354,7 +354,7 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
     Eigen::Map<Mat<D>>{row + D + at_gradient} = gradient;
     row[D + at_length] = s.length[j];
     row[D + at_amplified] = !real ? 0.0 : own ? s.amplification[q] : 1.0;
-  }
+  });
   for_pairs_in_lanes<D, at_amplified + 1, D>(
       s, points,
       [&](const double* self, std::size_t m, const Lanes* w, const Lanes* point, Lanes* sums)
@@ -400,12 +400,14 @@ ScalarArray Fluid<D>::left_for_later(const Stencil<D>& s, const SoilView<D>& vie
   if (scene_.fluid.scheme != FluidCase::Scheme::projection || state_.last_interval <= 0.0) return left;
   const double later = 1.0 - interval / (0.5 * free_interval());
   if (later <= 0.0) return left;
-  for (std::size_t a = 0; a < p.size(); ++a)
+  for_each_side_by_side(p.size(), [&](std::size_t a) {
     if (p.seeps[a] <= 0.5 && !drags(view, a) && s.length[a] * s.normal[a].norm() > even) left[a] = later;
+  });
   if (std::all_of(left.begin(), left.end(), [](double share) { return share == 0.0; })) return left;
   VecArray<D> flux(p.size());
-  for (std::size_t a = 0; a < p.size(); ++a)
+  for_each_side_by_side(p.size(), [&](std::size_t a) {
     flux[a] = p.void_fraction[a] * p.velocity[a] + view.fraction[a] * view.velocity[a];
+  });
   const ScalarArray outflow = divergence<D>(s, flux, Carried::yes);
   for (std::size_t a = 0; a < p.size(); ++a) left[a] *= outflow[a];
   return left;
@@ -569,8 +571,10 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
     in.share = dt / asked;
   }
   VecArray<D> drag_force;  // of the prediction
-  const ScalarArray drag = view.drag;
-  if (scheme == FluidCase::Scheme::eisph_explicit_drag) {
+  const bool explicit_drag = scheme == FluidCase::Scheme::eisph_explicit_drag;
+  const bool returns = view.nonlinear() || explicit_drag;  // to the drag the window began with
+  const ScalarArray drag = returns ? view.drag : ScalarArray();
+  if (explicit_drag) {
     drag_force.resize(p.size());
     // Eq. (75) as corrected: the drag belongs to the prediction.
     for (std::size_t a = 0; a < p.size(); ++a) {
@@ -606,7 +610,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
     if (!drag_force.empty()) force += drag_force[a];
     p.drag_impulse[a] = p.volume[a] * dt * force;
   });
-  view.drag = drag;
+  if (returns) view.drag = drag;
   if (scene_.coupled() && !responds()) {
     // Plain staggering: the skeleton was taken as it moved; where it goes now is an explicit guess.
     for (std::size_t a = 0; a < p.size(); ++a)

@@ -24,7 +24,7 @@ std::vector<Index> Multigrid::match(const Matrix& m, Index& count) {
   for (std::size_t a = 0; a < m.size(); ++a) {
     if (done[a]) continue;
     double sum = 0.0, strongest = 0.0;
-    for (Index k = m.offset[a]; k < m.offset[a + 1]; ++k) {
+    for (std::size_t k = m.begin(a); k < m.end(a); ++k) {
       sum += m.weight[k];
       strongest = std::max<double>(strongest, m.weight[k]);
     }
@@ -32,8 +32,8 @@ std::vector<Index> Multigrid::match(const Matrix& m, Index& count) {
     if (m.diagonal[a] >= dominance * sum) continue;
     Index partner = none;
     double best = strong * strongest;
-    for (Index k = m.offset[a]; k < m.offset[a + 1]; ++k) {
-      const Index b = m.column[k];
+    for (std::size_t k = m.begin(a); k < m.end(a); ++k) {
+      const Index b = m.column(a, k);
       if (done[b] || b == a || m.weight[k] < best) continue;
       best = m.weight[k];
       partner = b;
@@ -60,32 +60,32 @@ Multigrid::CoarseMatrix Multigrid::coarsen(const Matrix& m, const std::vector<In
     if (aggregate[a] != none) rows[next[aggregate[a]]++] = static_cast<Index>(a);
   CoarseMatrix c;
   c.diagonal.assign(count, 0.0);
-  c.offset.reserve(count + 1);
-  c.column.reserve(m.column.size() / 2);
-  c.weight.reserve(m.column.size() / 2);
+  c.column.offset.reserve(count + 1);
+  c.column.index.reserve(m.weight.size() / 2);
+  c.weight.reserve(m.weight.size() / 2);
   std::vector<Index> place(count, none);
   for (std::size_t g = 0; g < count; ++g) {
-    const std::size_t begin = c.column.size();
+    const std::size_t begin = c.weight.size();
     for (Index i = first[g]; i < first[g + 1]; ++i) {
       const Index a = rows[i];
       c.diagonal[g] += m.diagonal[a];
-      for (Index k = m.offset[a]; k < m.offset[a + 1]; ++k) {
-        const Index other = aggregate[m.column[k]];
+      for (std::size_t k = m.begin(a); k < m.end(a); ++k) {
+        const Index other = aggregate[m.column(a, k)];
         if (other == none) continue;
         if (other == g) {
           c.diagonal[g] -= m.weight[k];
           continue;
         }
         if (place[other] == none || place[other] < begin) {
-          place[other] = static_cast<Index>(c.column.size());
-          c.column.push_back(other);
+          place[other] = static_cast<Index>(c.weight.size());
+          c.column.index.push_back(other);
           c.weight.push_back(m.weight[k]);
         } else {
           c.weight[place[other]] += m.weight[k];
         }
       }
     }
-    c.offset.push_back(static_cast<Index>(c.column.size()));
+    c.column.offset.push_back(static_cast<Index>(c.weight.size()));
   }
   return c;
 }
@@ -118,8 +118,8 @@ void Multigrid::invert(const Matrix& m) {
   for (std::size_t a = 0; a < m.size(); ++a) {
     const auto i = static_cast<Eigen::Index>(a);
     dense(i, i) += m.diagonal[a];
-    for (Index k = m.offset[a]; k < m.offset[a + 1]; ++k)
-      dense(i, static_cast<Eigen::Index>(m.column[k])) -= m.weight[k];
+    for (std::size_t k = m.begin(a); k < m.end(a); ++k)
+      dense(i, static_cast<Eigen::Index>(m.column(a, k))) -= m.weight[k];
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(dense);
   const double least = 1e-12 * eigen.eigenvalues().cwiseAbs().maxCoeff();
@@ -143,7 +143,7 @@ template <class Matrix>
 void Multigrid::cycle(const Matrix& m, std::size_t level, std::span<const double> b, std::span<double> x) {
   const auto relax = [&](std::size_t a) {
     double sum = b[a];
-    for (Index k = m.offset[a]; k < m.offset[a + 1]; ++k) sum += m.weight[k] * x[m.column[k]];
+    for (std::size_t k = m.begin(a); k < m.end(a); ++k) sum += m.weight[k] * x[m.column(a, k)];
     if (m.diagonal[a] > 0.0) x[a] = sum / m.diagonal[a];
   };
   if (level == levels_.size()) {

@@ -191,12 +191,11 @@ ScalarArray divergence(const Stencil<D>& s, std::span<const Vec<D>> f, Carried c
 
 /// V_a sum_b 2 V_b mobility_ab G_ab (p_a - p_b): minus the Laplacian, weighted with the volume so that it is symmetric.
 /// mobility: of the real particles, pairs get the harmonic mean; 1 where there is none. With buffers, their pairs go to
-/// the diagonal, (1 + r) (p_a - p_face). Entries that stand for no coupling have weight 0 and the row's own column.
+/// the diagonal, (1 + r) (p_a - p_face). Entries that stand for no coupling have weight 0. The stencil must outlive it.
 template <int D>
 PairMatrix laplacian(const Stencil<D>& s, std::span<const double> mobility) {
   PairMatrix m;
-  m.offset = s.offset;
-  m.column.resize(s.other.size());
+  m.column = {s.offset, s.other, s.parent};
   m.weight.resize(s.other.size());
   m.diagonal.resize(s.n_real);
   std::vector<PackedPoint<D, 2>> points(s.size());
@@ -216,7 +215,6 @@ PairMatrix laplacian(const Stencil<D>& s, std::span<const double> mobility) {
       gather<0, D + 2>({points[i[0]].row(), points[i[1]].row(), points[i[2]].row(), points[i[3]].row()}, point);
       for (std::size_t l = 0; l < n_lanes; ++l) {
         const Index q = s.parent[i[l]], b = q < s.n_real ? q : static_cast<Index>(a);
-        m.column[k + l] = b;
         amplified[l] = s.amplification[b];
         theirs[l] = mobility.empty() ? 1.0 : mobility[b];
         coupled[l] = b != a ? 1.0 : 0.0;

@@ -70,13 +70,13 @@ struct SoilView {
   void linearise(std::span<const Vec<D>> water, std::span<const Vec<D>> soil) {
     const bool curved = nonlinear();
     drag_offset.lay_out(curved ? size() : 0);
-    for (std::size_t a = 0; a < size(); ++a) {
+    for_each_side_by_side(size(), [&](std::size_t a) {
       const Vec<D> slip = water[a] - soil[a];
       drag[a] = resistance[a].slope(slip.norm());
-      if (!curved) continue;
+      if (!curved) return;
       if (!drag_form.empty()) drag[a] *= drag_form[a].trace() / D;
       drag_offset.set(a, drag[a] * slip - drag_force(a, slip));
-    }
+    });
   }
   /// Force on the water against the slip, per volume [N/m3].
   [[nodiscard]] Vec<D> drag_force(std::size_t a, const Vec<D>& slip) const {

@@ -67,7 +67,7 @@ void find_pairs(double largest, Stencil<D>& s) {
     const auto begin = static_cast<Index>(s.other.size());
     s.other.insert(s.other.end(), others[part].begin(), others[part].end());
     for (const Index end : offsets[part]) s.offset.push_back(begin + end);
-    others[part] = {};
+    others[part] = std::vector<Index>();
   }
 }
 
@@ -194,7 +194,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
     s.volume[i] = q < s.n_real ? volume[q] : buffers[q - s.n_real].volume;
     s.length[i] = smoothing_ratio * spacing_of<D>(s.volume[i]);
   });
-  base = {};
+  base = VecArray<D>();
   s.map = std::move(images.map);
   s.carried = std::move(images.carried);
   s.boundaries = std::move(images.boundaries);
@@ -209,7 +209,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   s.covered.assign(n, false);
   s.at_face.assign(n, false);
   s.surface_distance.resize(n);
-  for (std::size_t a = 0; a < n; ++a) s.surface_distance[a] = 0.5 * spacing_of<D>(volume[a]);
+  for_each_side_by_side(n, [&](std::size_t a) { s.surface_distance[a] = 0.5 * spacing_of<D>(volume[a]); });
   s.correction.resize(n);
   s.edge_of.assign(n, 0);
   s.least_moment.assign(n, 0.0);
@@ -227,7 +227,8 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
       for (std::size_t a = first; a < last; ++a) sum_pairs<D>(points.data(), a, s);
     });
   });
-  std::vector<char> near_face(n, 0);
+  constexpr char surface = 1, face = 2;
+  std::vector<char> edge(n, 0);
   for_each_side_by_side(n, [&](std::size_t a) {
     s.fullness[a] /= full;
     const Mat<D> moment = s.correction[a];
@@ -238,11 +239,13 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
     s.amplification[a] = 1.0 / (deficit > 0.75 ? std::clamp(deficit, 0.93, 1.07) : 1.0);
     s.correction[a] = bounded_inverse<D>(moment, least_inverted, nullptr, &s.least_moment[a]);
     for (Index k = s.offset[a]; s.n_base > n && k < s.offset[a + 1]; ++k)
-      if (s.other[k] >= n && s.is_buffer(s.other[k])) near_face[a] = 1;
+      if (s.other[k] >= n && s.is_buffer(s.other[k])) edge[a] = face;
+    if (s.least_moment[a] < least_inverted) edge[a] |= surface;
   });
   for (std::size_t a = 0; a < n; ++a) {
-    if (s.least_moment[a] < least_inverted) bounded_inverse<D>(s.moment(a), least_inverted, &s.edge(a).blind);
-    if (!near_face[a]) continue;
+    if (edge[a] == 0) continue;
+    if ((edge[a] & surface) != 0) bounded_inverse<D>(s.moment(a), least_inverted, &s.edge(a).blind);
+    if ((edge[a] & face) == 0) continue;
     Mat<D> open = Mat<D>::Zero();
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
       const Index j = s.other[k];

@@ -4,6 +4,8 @@
 #include "fluid_solver/multigrid.hpp"
 #include "fluid_solver/operators.hpp"
 
+#include <atomic>
+
 namespace poretwin::fluid {
 namespace {
 
@@ -81,19 +83,18 @@ class WindowSolver {
       }
     }
     ScalarArray mobility(n_);
-    for (std::size_t a = 0; a < n_; ++a) mobility[a] = q_[a].kf;
+    for_each_side_by_side(n_, [&](std::size_t a) { mobility[a] = q_[a].kf; });
     fluid_ = laplacian<D>(s_, mobility);
     boundary_.assign(n_, 0.0);
     torn_.assign(n_, false);
-    for (std::size_t a = 0; a < n_; ++a) {
-      if (const auto faces = from_faces(a, q_[a].kf)) {
-        boundary_[a] = *faces;
-        closed_ = false;
-      }
+    std::atomic<bool> closed{true};
+    for_each_side_by_side(n_, [&](std::size_t a) {
+      const auto faces = from_faces(a, q_[a].kf);
+      boundary_[a] = faces.value_or(0.0);
       add_surface(fluid_, a, q_[a].kf, &boundary_[a]);
-      if (flags_[a] != Surface::interior) closed_ = false;
-    }
-    free_closed_ = closed_;
+      if (faces || flags_[a] != Surface::interior) closed = false;
+    });
+    free_closed_ = closed_ = closed;
   }
 
   [[nodiscard]] bool responds(std::size_t a) const { return !r_.empty() && r_[a].responds; }
@@ -105,19 +106,10 @@ class WindowSolver {
     out.pressure.resize(n_, 0.0);
     out.solid_velocity.resize(n_, Vec<D>::Zero());
     if (n_ == 0) return finish(out);
-    for (std::size_t a = 0; a < n_; ++a)
-      if (!responds(a)) out.solid_velocity[a] = soil_.velocity[a];
-    VecArray<D> flux(n_);
-    for_each_side_by_side(
-        n_, [&](std::size_t a) { flux[a] = in_.void_fraction[a] * q_[a].aw / (q_[a].aw + q_[a].C) * pushed(a); });
-    ScalarArray outflow = divergence<D>(s_, flux, Carried::yes);
-    if (in_.sweeps > 0)
-      for (std::size_t a = 0; a < n_; ++a) outflow[a] *= sweep_trust(s_, a);
-    ScalarArray sources(n_), b(n_);
     for_each_side_by_side(n_, [&](std::size_t a) {
-      sources[a] = s_.volume[a] * (in_.source[a] - outflow[a]) - in_.cavity[a] / in_.interval;
+      if (!responds(a)) out.solid_velocity[a] = soil_.velocity[a];
     });
-    stabilisation_.assign(n_, 0.0);
+    const ScalarArray sources = make_sources();
     if (any_response_) prepare_response();
     start_ = out.pressure;
     // What is torn mostly stays so: to begin with closing its voids would ask for pressures that the solve's tolerance
@@ -126,29 +118,48 @@ class WindowSolver {
     for (std::size_t a = 0; a < n_; ++a) torn[a] = in_.cavity[a] > 0.0 && !pinned(a);
     if (torn != torn_) hold(std::move(torn), out);
     for (int round = 1;; ++round) {
-      for (std::size_t a = 0; a < n_; ++a) b[a] = sources[a] + boundary_[a];
+      ScalarArray b(n_);
+      for_each_side_by_side(n_, [&](std::size_t a) { b[a] = sources[a] + boundary_[a]; });
       if (any_response_)
         solve_response(b, out);
       else
-        solve_fluid(b, out);
+        solve_fluid(std::move(b), out);
       if (!tear(sources, out) || round == most_cavity_rounds) break;
     }
+    // The matrices are not needed to finish, and what finishing needs does not stand beside them.
+    for (auto* matrix : {&fluid_, &skeleton_, &plain_}) *matrix = PairMatrix();
     finish(out);
   }
 
  private:
+  /// What the window's divergence asks of every row [m^D/s].
+  ScalarArray make_sources() const {
+    VecArray<D> flux(n_);
+    for_each_side_by_side(
+        n_, [&](std::size_t a) { flux[a] = in_.void_fraction[a] * q_[a].aw / (q_[a].aw + q_[a].C) * pushed(a); });
+    ScalarArray sources = divergence<D>(s_, flux, Carried::yes);
+    if (in_.sweeps > 0) for_each_side_by_side(n_, [&](std::size_t a) { sources[a] *= sweep_trust(s_, a); });
+    for_each_side_by_side(n_, [&](std::size_t a) {
+      sources[a] = s_.volume[a] * (in_.source[a] - sources[a]) - in_.cavity[a] / in_.interval;
+    });
+    return sources;
+  }
+
   /// Water tears rather than be pulled below a pressure, and while it is torn it is at that pressure: of the pressure
   /// over it and the voids at the window's end one is zero, neither is negative. Found by their active set: rows of the
   /// torn are held at the pressure; what they miss in continuity is the voids. Returns whether the set has changed.
   bool tear(std::span<const double> sources, WindowSolution<D>& out) {
-    std::vector<bool> torn(n_);
-    bool any = any_torn_;
-    for (std::size_t a = 0; a < n_; ++a) {
-      torn[a] = !pinned(a) && out.pressure[a] < torn_pressure(a) + cavity_tolerance * in_.cavitation;
-      any = any || torn[a];
-    }
+    const auto tears = [&](std::size_t a) {
+      return out.pressure[a] < torn_pressure(a) + cavity_tolerance * in_.cavitation && !pinned(a);
+    };
+    std::atomic<bool> any{any_torn_};
+    for_each_side_by_side(n_, [&](std::size_t a) {
+      if (tears(a)) any = true;
+    });
     out.cavity.assign(n_, 0.0);
     if (!any) return false;
+    std::vector<bool> torn(n_);
+    for (std::size_t a = 0; a < n_; ++a) torn[a] = tears(a);
     if (any_torn_) {
       const ScalarArray missed = imbalance(sources, free_boundary_, out);
       for (std::size_t a = 0; a < n_; ++a) {
@@ -244,6 +255,9 @@ class WindowSolver {
     return surface_row(s_, a, s_.surface_distance[a], 1.0, in_.weight, in_.origin).pressure;
   }
 
+  bool is_known(std::size_t a) const { return torn_[a] || pinned(a); }
+  double known_pressure(std::size_t a) const { return torn_[a] ? torn_pressure(a) : pinned_pressure(a); }
+
   void add_surface(PairMatrix& m, std::size_t a, double mobility, double* rhs) const {
     SurfaceRow row;
     if (pinned(a)) {
@@ -261,46 +275,38 @@ class WindowSolver {
   /// V D(e s)
   ScalarArray squeezed(std::span<const Vec<D>> s) const {
     VecArray<D> f(n_);
-    for (std::size_t a = 0; a < n_; ++a) f[a] = q_[a].e * s[a];
+    for_each_side_by_side(n_, [&](std::size_t a) { f[a] = q_[a].e * s[a]; });
     ScalarArray d = divergence<D>(s_, f);
-    for (std::size_t a = 0; a < n_; ++a) d[a] *= s_.volume[a];
+    for_each_side_by_side(n_, [&](std::size_t a) { d[a] *= s_.volume[a]; });
     return d;
   }
 
   void remove_mean(std::span<double> x) const {
-    double mean = 0.0;
-    for (const double v : x) mean += v;
-    mean /= static_cast<double>(n_);
-    for (auto& v : x) v -= mean;
+    const double mean = sum_over(n_, [&](std::size_t a) { return x[a]; }) / static_cast<double>(n_);
+    for_each_side_by_side(n_, [&](std::size_t a) { x[a] -= mean; });
   }
 
   /// Rigid soil, free water, or a skeleton of known velocity: one symmetric system.
   void solve_fluid(ScalarArray b, WindowSolution<D>& out) {
-    const ScalarArray squeeze = squeezed(out.solid_velocity);
-    for (std::size_t a = 0; a < n_; ++a) b[a] -= squeeze[a];
+    {
+      const ScalarArray squeeze = squeezed(out.solid_velocity);
+      for_each_side_by_side(n_, [&](std::size_t a) { b[a] -= squeeze[a]; });
+    }
     const double rounding = 1e-12 * norm(b);
     // Datum out of the way: the tolerance refers to what drives the flow.
     double reference = 0.0;
     if (closed_) {
       remove_mean(b);
     } else {
-      ScalarArray one(n_, 1.0), row(n_);
-      fluid_.apply(std::span<const double>(one), std::span<double>(row));
-      double num = 0.0, den = 0.0;
-      for (std::size_t a = 0; a < n_; ++a) {
-        num += boundary_[a];
-        den += row[a];
-      }
+      ScalarArray row(n_);
+      fluid_.apply(ScalarArray(n_, 1.0), std::span<double>(row));
+      const double num = sum_over(n_, [&](std::size_t a) { return boundary_[a]; });
+      const double den = sum_over(n_, [&](std::size_t a) { return row[a]; });
       reference = den > 0.0 ? num / den : 0.0;
-      for (std::size_t a = 0; a < n_; ++a) b[a] -= reference * row[a];
+      for_each_side_by_side(n_, [&](std::size_t a) { b[a] -= reference * row[a]; });
     }
-    for (auto& p : out.pressure) p -= reference;
-    // What drives the flow, for the tolerance: the residual with pinned particles at their pressure and all others at
-    // the datum.
-    ScalarArray known(n_, 0.0), drive(n_);
-    for (std::size_t a = 0; a < n_; ++a)
-      if (pinned(a) || torn_[a])
-        out.pressure[a] = known[a] = (torn_[a] ? torn_pressure(a) : pinned_pressure(a)) - reference;
+    for_each_side_by_side(
+        n_, [&](std::size_t a) { out.pressure[a] = (is_known(a) ? known_pressure(a) : out.pressure[a]) - reference; });
     if (in_.sweeps > 0) {
       ScalarArray relaxation(n_);
       for (std::size_t a = 0; a < n_; ++a) relaxation[a] = relaxation_in(in_.share, q_[a].aw, q_[a].C);
@@ -309,17 +315,16 @@ class WindowSolver {
       for (auto& p : out.pressure) p += reference;
       return;
     }
-    fluid_.apply(std::span<const double>(known), std::span<double>(drive));
-    for (std::size_t a = 0; a < n_; ++a) drive[a] = pinned(a) || torn_[a] ? 0.0 : b[a] - drive[a];
+    // Where all particles are pinned, or all have one pressure, nothing drives; rounding is the floor then.
+    const double tolerance = std::max(in_.tolerance * drive(b, reference), rounding);
     const auto apply = [&](std::span<const double> x, std::span<double> y) { fluid_.apply(x, y); };
     ScalarArray inverse(n_);
-    for (std::size_t a = 0; a < n_; ++a) inverse[a] = fluid_.diagonal[a] > 0.0 ? 1.0 / fluid_.diagonal[a] : 0.0;
+    for_each_side_by_side(
+        n_, [&](std::size_t a) { inverse[a] = fluid_.diagonal[a] > 0.0 ? 1.0 / fluid_.diagonal[a] : 0.0; });
     const auto by_diagonal = [&](std::span<const double> r, std::span<double> z) {
       for_each_side_by_side(n_, [&](std::size_t a) { z[a] = inverse[a] * r[a]; });
       if (closed_) remove_mean(z);
     };
-    // Where all particles are pinned, or all have one pressure, nothing drives; rounding is the floor then.
-    const double tolerance = std::max(in_.tolerance * norm(drive), rounding);
     SolveReport report;
     report.converged = false;
     if (!out.multigrid) {
@@ -339,12 +344,23 @@ class WindowSolver {
     }
     out.converged = report.converged;
     out.outer = 1;
-    for (auto& p : out.pressure) p += reference;
+    for_each_side_by_side(n_, [&](std::size_t a) { out.pressure[a] += reference; });
+  }
+
+  /// What drives the flow, for the tolerance: the residual with pinned particles at their pressure and all others at
+  /// the datum.
+  double drive(const ScalarArray& b, double reference) const {
+    ScalarArray known(n_), residual(n_);
+    for_each_side_by_side(n_, [&](std::size_t a) { known[a] = is_known(a) ? known_pressure(a) - reference : 0.0; });
+    fluid_.apply(std::span<const double>(known), std::span<double>(residual));
+    for_each_side_by_side(n_, [&](std::size_t a) { residual[a] = is_known(a) ? 0.0 : b[a] - residual[a]; });
+    return norm(residual);
   }
 
   void prepare_response() {
     const double dt = in_.interval;
     storage_.assign(n_, 0.0);
+    stabilisation_.assign(n_, 0.0);
     for (std::size_t a = 0; a < n_; ++a) {
       const auto& r = r_[a];
       if (!r.responds) continue;
@@ -581,20 +597,19 @@ class WindowSolver {
   void finish(WindowSolution<D>& out) const {
     out.velocity.resize(n_);
     out.gradient = plain_gradient(out.pressure, false);
-    VecArray<D> flux = out.gradient;
-    if (std::all_of(q_.begin(), q_.end(), [&](const Elimination& q) { return q.kf == q_[0].kf; })) {
-      for (auto& f : flux) f *= q_[0].kf;
-    } else {
-      ScalarArray mobility(n_);
-      for (std::size_t a = 0; a < n_; ++a) mobility[a] = q_[a].kf;
+    VecArray<D> flux;  // none: the mobility is the same everywhere
+    const double mobility = q_.empty() ? 0.0 : q_[0].kf;
+    if (!std::all_of(q_.begin(), q_.end(), [&](const Elimination& q) { return q.kf == mobility; })) {
+      ScalarArray own(n_);
+      for_each_side_by_side(n_, [&](std::size_t a) { own[a] = q_[a].kf; });
       flux = pressure_gradient<D>(
-          s_, out.pressure, [&](Index c) { return in_.face_pressure[c]; }, mobility, Vec<D>(-in_.weight),
+          s_, out.pressure, [&](Index c) { return in_.face_pressure[c]; }, own, Vec<D>(-in_.weight),
           [&](std::size_t a) { return surface_pressure(a); });
     }
     for_each_side_by_side(n_, [&](std::size_t a) {
       const auto& q = q_[a];
-      out.velocity[a] =
-          (q.aw * pushed(a) + q.C * out.solid_velocity[a]) / (q.aw + q.C) - flux[a] / in_.void_fraction[a];
+      const Vec<D> driven = flux.empty() ? Vec<D>(mobility * out.gradient[a]) : flux[a];
+      out.velocity[a] = (q.aw * pushed(a) + q.C * out.solid_velocity[a]) / (q.aw + q.C) - driven / in_.void_fraction[a];
     });
   }
 

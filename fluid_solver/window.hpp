@@ -9,22 +9,22 @@ namespace poretwin::fluid {
 
 template <int D>
 struct WindowProblem {
-  double interval = 0.0;           ///< s
-  double density = 1000.0;         ///< of water, kg/m3
-  Vec<D> weight = Vec<D>::Zero();  ///< rho g, N/m3
-  Vec<D> origin = Vec<D>::Zero();  ///< piezometric pressure ph = p - rho g.(x - origin)
-  bool response = true;            ///< the skeleton answers inside the solve
-  ScalarArray void_fraction;       ///< [n]
-  VecArray<D> velocity;            ///< [n] of the water, viscosity already in it, m/s
-  ScalarArray source;              ///< [n] volume to be given off, 1/s
-  double cavitation = -1e300;      ///< total pressure at which water tears, Pa
-  ScalarArray cavity;              ///< [n] voids in it so far, m^D
-  ScalarArray face_pressure;       ///< [columns] piezometric, Pa
-  std::vector<bool> face_holds;    ///< [columns] the soil
-  double tolerance = 1e-4;         ///< of the pressure residual, relative, where no skeleton responds
-  std::uint32_t fixed_soil = 0;    ///< boundaries that hold the soil, by bits
-  int sweeps = 0;                  ///< explicit sweeps in place of the solve; 0: solve
-  double share = 1.0;              ///< this window's, of what the phase asked for: less makes sweeps no stiffer
+  double interval = 0.0;                  ///< s
+  double density = 1000.0;                ///< of water, kg/m3
+  Vec<D> weight = Vec<D>::Zero();         ///< rho g, N/m3
+  Vec<D> origin = Vec<D>::Zero();         ///< piezometric pressure ph = p - rho g.(x - origin)
+  bool response = true;                   ///< the skeleton answers inside the solve
+  std::span<const double> void_fraction;  ///< [n]
+  VecArray<D> velocity;                   ///< [n] of the water, viscosity already in it, m/s
+  ScalarArray source;                     ///< [n] volume to be given off, 1/s
+  double cavitation = -1e300;             ///< total pressure at which water tears, Pa
+  std::span<const double> cavity;         ///< [n] voids in it so far, m^D
+  ScalarArray face_pressure;              ///< [columns] piezometric, Pa
+  std::vector<bool> face_holds;           ///< [columns] the soil
+  double tolerance = 1e-4;                ///< of the pressure residual, relative, where no skeleton responds
+  std::uint32_t fixed_soil = 0;           ///< boundaries that hold the soil, by bits
+  int sweeps = 0;                         ///< explicit sweeps in place of the solve; 0: solve
+  double share = 1.0;                     ///< this window's, of what the phase asked for: less makes sweeps no stiffer
 };
 
 template <int D>

@@ -189,7 +189,8 @@ class Checker {
     return false;
   }
 
-  /// Every soil must rest on a wall, or on a soil that does.
+  /// Every soil must rest on a wall, or on a soil that does, unless it starts in motion; soil that is to fall into
+  /// water must not hold it too tightly (docs/stability.md).
   void soils_are_supported() const {
     const Point3& gravity = scene_.general.gravity;
     if (!scene_.deformable() || !(gravity.norm() > 0.0)) return;
@@ -228,10 +229,21 @@ class Checker {
           more = more || supported[i];
         }
     }
-    for (std::size_t i = 0; i < n; ++i)
-      if (!supported[i])
-        fail(fmt::format("soil[{}]", i),
-             "nothing holds the soil up: expected a [[wall]] for soil under it, or a soil that rests on one");
+    constexpr double least = 1e-3;  // m/s, measured
+    for (std::size_t i = 0; i < n; ++i) {
+      if (supported[i]) continue;
+      const std::string key = fmt::format("soil[{}]", i);
+      const Soil& soil = scene_.soils[i];
+      if (scene_.solid.initial_rest)
+        fail(key,
+             "nothing holds the soil up: expected a [[wall]] for soil under it, a soil that rests on one, or "
+             "solid.initial_rest = false for soil that falls");
+      if (scene_.coupled() && soil.seepage_law != Soil::SeepageLaw::ergun && soil.hydraulic_conductivity < least)
+        fail(key + ".hydraulic_conductivity",
+             fmt::format("soil that falls, beside water, has no stable exchange with it below {:g} m/s: expected at "
+                         "least that, or a [[wall]] that holds it up, found {:g}",
+                         least, soil.hydraulic_conductivity));
+    }
   }
 
   void fluid_regions() const {

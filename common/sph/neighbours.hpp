@@ -1,6 +1,7 @@
 // Neighbour search: a cell grid over sorted points, and pair lists that outlive small displacements (a skin).
 #pragma once
 
+#include "common/core/threads.hpp"
 #include "common/core/vector.hpp"
 
 #include <algorithm>
@@ -18,12 +19,20 @@ class CellGrid {
   void build(std::span<const Vec<D>> points, double cell_size) {
     lower_ = Vec<D>::Zero();
     std::array<double, D> extent{};
+    const std::size_t n = points.size(), parts = parts_for(n);
     if (!points.empty()) {
-      Vec<D> upper = points[0];
-      lower_ = points[0];
-      for (const auto& x : points) {
-        lower_ = lower_.cwiseMin(x);
-        upper = upper.cwiseMax(x);
+      VecArray<D> lowers(parts, points[0]), uppers(parts, points[0]);
+      for_each_part(parts, [&](std::size_t part) {
+        for (std::size_t i = n * part / parts; i < n * (part + 1) / parts; ++i) {
+          lowers[part] = lowers[part].cwiseMin(points[i]);
+          uppers[part] = uppers[part].cwiseMax(points[i]);
+        }
+      });
+      Vec<D> upper = uppers[0];
+      lower_ = lowers[0];
+      for (std::size_t part = 1; part < parts; ++part) {
+        lower_ = lower_.cwiseMin(lowers[part]);
+        upper = upper.cwiseMax(uppers[part]);
       }
       for (int d = 0; d < D; ++d) extent[static_cast<std::size_t>(d)] = upper[d] - lower_[d];
     }
@@ -41,18 +50,35 @@ class CellGrid {
       count_[d] = static_cast<int>(std::floor(extent[d] / size_)) + 1;
       n_cells *= static_cast<std::size_t>(count_[d]);
     }
-    first_.assign(n_cells + 1, 0);
-    cell_of_.resize(points.size());
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      cell_of_[i] = flat(cell(points[i]));
-      ++first_[cell_of_[i] + 1];
+    // Counted by parts, so that all of them sort at once, and points of a cell stay in order.
+    cell_of_.resize(n);
+    std::vector<std::vector<Index>> next(parts);
+    for_each_part(parts, [&](std::size_t part) {
+      next[part].assign(n_cells, 0);
+      for (std::size_t i = n * part / parts; i < n * (part + 1) / parts; ++i) {
+        cell_of_[i] = static_cast<Index>(flat(cell(points[i])));
+        ++next[part][cell_of_[i]];
+      }
+    });
+    first_.resize(n_cells + 1);
+    first_[0] = 0;
+    for (std::size_t c = 0; c < n_cells; ++c) {
+      Index place = first_[c];
+      for (auto& counts : next) {
+        const Index count = counts[c];
+        counts[c] = place;
+        place += count;
+      }
+      first_[c + 1] = place;
     }
-    for (std::size_t c = 0; c < n_cells; ++c) first_[c + 1] += first_[c];
-    order_.resize(points.size());
-    std::vector<Index> next(first_.begin(), first_.end() - 1);
-    for (std::size_t i = 0; i < points.size(); ++i) order_[next[cell_of_[i]]++] = static_cast<Index>(i);
-    sorted_.resize(points.size());
-    for (std::size_t m = 0; m < points.size(); ++m) sorted_[m] = points[order_[m]];
+    order_.resize(n);
+    for_each_part(parts, [&](std::size_t part) {
+      for (std::size_t i = n * part / parts; i < n * (part + 1) / parts; ++i)
+        order_[next[part][cell_of_[i]]++] = static_cast<Index>(i);
+    });
+    cell_of_ = std::vector<Index>();  // "= {}" would keep its memory
+    sorted_.resize(n);
+    for_each_side_by_side(n, [&](std::size_t m) { sorted_[m] = points[order_[m]]; });
   }
 
   /// Calls f(j, squared distance) for every point j with |x - x_j| < radius; fastest for radius <= 2 cell_size.
@@ -159,7 +185,7 @@ class CellGrid {
   double size_ = 1.0;
   std::array<int, D> count_{};
   std::vector<Index> first_, order_;
-  std::vector<std::size_t> cell_of_;
+  std::vector<Index> cell_of_;
 };
 
 /// Neighbours of every target among the sources, compressed rows: of target a, index[offset[a] .. offset[a+1]).

@@ -200,6 +200,11 @@ TEST_F(CaseFile, SoilNeedsSupport) {
   EXPECT_EQ(complaint(changed(heavy, "[[wall]]", stacked)), "no complaint");
   const std::string hovering = "[[soil]]\nmin = [0, 0.5]\nmax = [0.1, 0.6]\n[[wall]]";
   EXPECT_THAT(complaint(changed(heavy, "[[wall]]", hovering)), HasSubstr("key 'soil[1]': nothing holds the soil up"));
+  const std::string falling = changed(heavy, "[[wall]]", hovering) + "[solid]\ninitial_rest = false\n";
+  EXPECT_THAT(complaint(falling), HasSubstr("key 'soil[1].hydraulic_conductivity'"));
+  EXPECT_EQ(complaint(changed(falling, "[[soil]]\nmin = [0, 0.5]",
+                              "[[soil]]\nhydraulic_conductivity = 1e-3\nmin = [0, 0.5]")),
+            "no complaint");
 }
 
 TEST_F(CaseFile, ChecksPrescribedPressure) {

@@ -8,9 +8,14 @@
 namespace poretwin::fluid {
 namespace {
 
+struct Grid {
+  std::vector<Index> offset{0}, neighbour;
+  PairMatrix matrix;
+};
+
 /// Five-point Laplacian on a square of side^2 rows, weights scattered and stronger along one axis on one half; one side
 /// held, or none.
-PairMatrix grid(std::size_t side, bool closed) {
+Grid grid(std::size_t side, bool closed) {
   std::mt19937_64 generator(3);
   std::uniform_real_distribution<double> scatter(0.5, 1.5);
   const auto at = [&](std::size_t i, std::size_t j) { return j * side + i; };
@@ -25,21 +30,24 @@ PairMatrix grid(std::size_t side, bool closed) {
       if (i + 1 < side) join(at(i, j), at(i + 1, j), along * scatter(generator));
       if (j + 1 < side) join(at(i, j), at(i, j + 1), scatter(generator));
     }
-  PairMatrix m;
+  Grid g;
+  PairMatrix& m = g.matrix;
   for (std::size_t a = 0; a < rows.size(); ++a) {
     double sum = 0.0;
     for (const auto& [b, w] : rows[a]) {
-      m.column.push_back(b);
+      g.neighbour.push_back(b);
       m.weight.push_back(static_cast<float>(w));
       sum += static_cast<double>(m.weight.back());
     }
-    m.offset.push_back(static_cast<Index>(m.column.size()));
+    g.offset.push_back(static_cast<Index>(g.neighbour.size()));
     m.diagonal.push_back(!closed && a < side ? 1e3 * sum : sum);
   }
-  return m;
+  return g;
 }
 
-int solve(const PairMatrix& m, bool closed, ScalarArray& x) {
+int solve(Grid g, bool closed, ScalarArray& x) {
+  PairMatrix& m = g.matrix;
+  m.column = {g.offset, g.neighbour, {}};
   std::mt19937_64 generator(7);
   std::uniform_real_distribution<double> noise(-1.0, 1.0);
   ScalarArray b(m.size());
@@ -69,13 +77,13 @@ TEST(Multigrid, CyclesDoNotGrowWithSize) {
 }
 
 TEST(Multigrid, RowsWithoutNeighboursAreNoProblem) {
-  PairMatrix m = grid(12, false);
+  Grid g = grid(12, false);
   for (int i = 0; i < 30; ++i) {
-    m.offset.push_back(m.offset.back());
-    m.diagonal.push_back(2.0);
+    g.offset.push_back(g.offset.back());
+    g.matrix.diagonal.push_back(2.0);
   }
   ScalarArray x;
-  EXPECT_LE(solve(m, false, x), 20);
+  EXPECT_LE(solve(std::move(g), false, x), 20);
 }
 
 }  // namespace

@@ -1,0 +1,87 @@
+#!/usr/bin/python3
+"""What the coupling costs besides the solvers' own work, from the time line of `poretwin run --profile`: overhead.csv.
+
+Every instant of the exchange counts once: to whoever computes, else to who writes, maps or sends, else to nobody.
+
+    overhead       (mapping + sending + nobody) / whole: in a serial schedule one solver computes while the other waits for
+                   it, and that is no overhead
+    critical path  whole / (whole - nobody): the run against the work of its own schedule as measured, one thing after
+                   the other where they depend on each other
+
+The first scene is a column of 3000 particles (cases/terzaghi) exchanging every substep of the soil; the second one
+cases/embankment_seepage, with the windows that it chooses. --trace judges a time line that is there. On a busy machine
+whoever is not given a core stands for `nobody`, too: the least of --repeat runs is told.
+"""
+import argparse
+import collections
+import json
+import pathlib
+
+from plot import write_csv
+from runs import PROGRAM, Run
+
+SCENES = {
+    "3000 particles, every substep": ("terzaghi", ["fluid.particle_spacing=0.00516", "solid.particle_spacing=0.00516",
+                                                   "coupling.interval=6e-5", "case.end_time=0.018", "output.interval=0",
+                                                   "output.gauge_interval=0.01"]),
+    "embankment_seepage, own windows": ("embankment_seepage", ["case.end_time=300"]),
+}
+ACTIVITIES = ["computing", "writing", "checkpointing", "mapping", "sending", "nobody"]
+
+
+def shares(events):
+    """Seconds of each activity, from the second window's mapping to the last one's."""
+    spans = [(e["ts"], e["ts"] + e["dur"], e["name"]) for e in events if e["ph"] == "X" and e["name"] in ACTIVITIES]
+    mapped = sorted(begin for begin, _, name in spans if name == "mapping")
+    first, last = mapped[min(4, len(mapped) - 1)], mapped[-1]
+    edges = sorted(edge for begin, end, name in spans
+                   for edge in ((min(max(begin, first), last), 1, name), (min(max(end, first), last), -1, name)))
+    under_way, seconds, now = collections.Counter(), collections.Counter(), first
+    for time, step, name in edges:
+        who = next((activity for activity in ACTIVITIES if under_way[activity] > 0), "nobody")
+        seconds[who] += 1e-6 * (time - now)
+        under_way[name] += step
+        now = time
+    return seconds
+
+
+def judged(scene, events, windows):
+    seconds = shares(events)
+    whole = sum(seconds.values())
+    overhead = seconds["mapping"] + seconds["sending"] + seconds["nobody"]
+    return {"scene": scene, "windows": windows, "wall_s": round(whole, 4), **{name: round(seconds[name], 4) for name in ACTIVITIES},
+            "overhead": round(overhead / whole, 4), "critical_path": round(whole / (whole - seconds["nobody"]), 4)}
+
+
+def table(rows):
+    """Markdown."""
+    lines = ["| scene | windows | wall s | " + " | ".join(ACTIVITIES) + " | overhead | over the critical path |", "| --- " * (len(ACTIVITIES) + 5) + "|"]
+    for row in rows:
+        parts = " | ".join(f"{100 * row[name] / row['wall_s']:.1f} %" for name in ACTIVITIES)
+        lines.append(f"| {row['scene']} | {row['windows']} | {row['wall_s']:.2f} | {parts} | {100 * row['overhead']:.1f} % | {row['critical_path']:.3f} |")
+    return lines
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--trace", type=pathlib.Path, nargs="+", help="judge these time lines, run nothing")
+    parser.add_argument("--repeat", type=int, default=3)
+    parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("runs/bench"))
+    parser.add_argument("--program", default=PROGRAM, help=argparse.SUPPRESS)
+    a = parser.parse_args()
+    rows = [judged(str(path), json.loads(path.read_text())["traceEvents"], "") for path in a.trace or []]
+    for scene, (case, settings) in SCENES.items() if not a.trace else ():
+        runs = []
+        for _ in range(a.repeat):
+            run = Run(case, settings, a.program, profile=True)
+            if run.exit != 0:
+                raise SystemExit(f"{case}: exit {run.exit}: {run.reason}")
+            runs.append(judged(scene, run.trace, int(run.summaries["coupler"]["steps"]["windows"])))
+            print(runs[-1], flush=True)
+        rows.append(min(runs, key=lambda row: row["wall_s"]))
+    write_csv(a.out / "overhead.csv", rows)
+    print("\n".join(table(rows)))
+
+
+if __name__ == "__main__":
+    main()
