@@ -222,8 +222,13 @@ TEST(RegularFlow, LeavesAloneWhatDoesNotFlowAndWhatIsLinear) {
   for (auto& gradient : state.particles.gradient) gradient << 0.0, 0.01, 0.0, 0.0;  // 1/s, in 1 s
   State<2> smooth = state, noisy = state;
   keep_flow_regular<2>(setup, 1.0, smooth);
-  for (std::size_t i = 0; i < state.particles.size(); ++i)
+  for (std::size_t i = 0; i < state.particles.size(); ++i) {
     EXPECT_LT((smooth.particles.stress[i] - state.particles.stress[i]).norm(), 1e-9 * 1000.0);
+    const double depth = 0.5 - state.particles.position[i].y();
+    if (i >= state.particles.free() || depth < 3.0 * spacing) continue;
+    EXPECT_NEAR(smooth.particles.volume[i], state.particles.volume[i],
+                1e-12 * state.particles.volume[i]);  // as dense as it was laid
+  }
   disturb(noisy);
   keep_flow_regular<2>(setup, 1.0, noisy);
   const double left = noisy.particles.stress[44][1] - state.particles.stress[44][1];
