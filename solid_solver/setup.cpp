@@ -87,6 +87,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   setup.courant = scene.solid.courant;
   setup.regular_flow = scene.solid.regular_flow;
   setup.stabilisers.artificial = scene.solid.artificial_viscosity;
+  setup.stabilisers.quadratic = scene.solid.quadratic_viscosity;
   setup.stabilisers.artificial_stress = scene.solid.artificial_stress;
   setup.stabilisers.zero_energy = scene.solid.zero_energy_viscosity;
   setup.stabilisers.stiffness = scene.solid.zero_energy_stiffness;

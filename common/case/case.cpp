@@ -320,6 +320,8 @@ void declare(Keys& keys, SolidCase& s) {
       not_negative());
   keys.number("artificial_viscosity", s.artificial_viscosity,
               {"", "Alpha of Monaghan's artificial viscosity, on approaching particles."}, not_negative());
+  keys.number("quadratic_viscosity", s.quadratic_viscosity,
+              {"", "Beta of the same: what grows with the square of the speed of approach."}, not_negative());
   keys.number(
       "artificial_stress", s.artificial_stress,
       {"",
