@@ -121,7 +121,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   }
   if (particles.size() == 0)
     throw CaseError("no soil particle lies in any [[soil]] shape: check shapes and solid.particle_spacing");
-  hold_soil_behind_rough_walls<D>(scene.walls, setup, particles);
+  hold_soil_behind_rough_walls<D>(scene, setup, particles);
   const std::size_t n = particles.size();
   particles.displacement.assign(n, Vec<D>::Zero());
   particles.velocity.assign(n, Vec<D>::Zero());
