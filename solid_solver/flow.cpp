@@ -202,7 +202,7 @@ void keep_flow_regular(const Setup<D>& setup, double dt, State<D>& state) {
     if (!scratch.flows[i]) return;
     const double density = setup.density[p.material[i]], reference = p.mass[i] / density;
     const double* const around = scratch.around[i].x.data();
-    const double cover = around[Around<D>::at_cover];
+    const double cover = around[Around<D>::at_cover] / setup.full_cover;
     const Vec<D> crowding = Eigen::Map<const Vec<D>>(around + Around<D>::at_crowding) / density;
     Tensor& stress = p.stress[i];
     const double mean = trace(stress) / 3.0;

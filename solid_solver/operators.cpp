@@ -112,6 +112,7 @@ void internal_force(const std::vector<Node<D>>& nodes, const Pairs& pairs, Size 
   const double control = 0.25 * stabilisers.zero_energy * stabilisers.sound_speed * h;
   const double stiffness = stabilisers.stiffness * stabilisers.modulus;
   const double viscosity = 0.5 * stabilisers.artificial * stabilisers.sound_speed * h;
+  const double quadratic = 0.5 * stabilisers.quadratic * h * h;
   const double collision = 0.5 * stabilisers.collision * stabilisers.sound_speed * h;
   const double clip = 0.01 * h * h;
   kernel.resize(pairs.index.size());
@@ -145,12 +146,14 @@ void internal_force(const std::vector<Node<D>>& nodes, const Pairs& pairs, Size 
               for (Size c = 0; c < D * D; ++c) other[c] += self[N::at_flux + c];
               times<D>(other, kr, felt);
               const Lanes share = k * (self[N::at_density] + head[N::at_density]);
-              Lanes resist = share * approach / (squared + clip);
+              const Lanes closing = approach / (squared + clip);  // 1/s
+              const Lanes viscous = viscosity + quadratic * closing;
+              Lanes resist = share * closing;
               Lanes rubbing =
                   head[N::at_rubbing] > self[N::at_rubbing] ? head[N::at_rubbing] : Lanes{} + self[N::at_rubbing];
               const LaneMask rubs = rubbing > 0.0;
               if (any(rubs)) {
-                resist *= rubs ? Lanes{} + collision : Lanes{} + viscosity;
+                resist *= rubs ? Lanes{} + collision : viscous;
                 // Coulomb's friction of the collision.
                 const LaneMask collides = rubs & (approach > 0.0);
                 const Lanes pull = approach / (collides ? squared : Lanes{} + 1.0);
@@ -164,7 +167,7 @@ void internal_force(const std::vector<Node<D>>& nodes, const Pairs& pairs, Size 
                 friction = collides ? friction : Lanes{};
                 for (Size d = 0; d < D; ++d) felt[D + d] = friction * along[d] - resist * r[d];
               } else {
-                resist *= viscosity;
+                resist *= viscous;
                 for (Size d = 0; d < D; ++d) felt[D + d] = -resist * r[d];
               }
               const Lanes firm = head[N::at_firmness] < firmness ? head[N::at_firmness] : Lanes{} + firmness;

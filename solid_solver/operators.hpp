@@ -20,6 +20,7 @@ struct Stabilisers {
   double stiffness = 0.1;          ///< the same on the displacement, of M, between particles that never yielded
   double modulus = 0.0;            ///< Pa, M
   double artificial = 0.1;         ///< alpha of Monaghan's artificial viscosity
+  double quadratic = 0.0;          ///< beta of the same
   double artificial_stress = 0.0;  ///< epsilon, in tension
   double collision = 1.0;          ///< the same where grains that are apart collide: inelastically
   double sound_speed = 0.0;        ///< m/s

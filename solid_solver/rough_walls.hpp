@@ -7,8 +7,9 @@
 namespace poretwin::solid {
 
 /// Appends the held particles of all rough walls, of the soil that lies nearest, and counts them in particles.held.
-/// Only position, mass, volume and material are filled. Throws CaseError in 3D, where a plane has no extent to fill.
+/// Only position, mass, volume and material are filled. Walls have ends in 2D; in 3D, where they are planes, the rows
+/// end with the domain's box. Throws CaseError without ends or box.
 template <int D>
-void hold_soil_behind_rough_walls(const std::vector<Wall>& walls, const Setup<D>& setup, Particles<D>& particles);
+void hold_soil_behind_rough_walls(const Case& scene, const Setup<D>& setup, Particles<D>& particles);
 
 }  // namespace poretwin::solid

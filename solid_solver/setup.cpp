@@ -16,6 +16,19 @@ namespace {
 
 constexpr double lengths_per_spacing = 1.2;  // h / dx, the paper's
 
+/// sum V W at a point of a lattice, that point included: 1.018 in 2D, 1.017 in 3D.
+template <int D>
+double lattice_cover() {
+  constexpr int reach = 2;  // spacings; the kernel's support is 2.4
+  constexpr int across = D == 3 ? reach : 0;
+  double sum = 0.0;
+  for (int i = -reach; i <= reach; ++i)
+    for (int j = -reach; j <= reach; ++j)
+      for (int k = -across; k <= across; ++k)
+        sum += sph::WendlandC2<D>::value(std::sqrt(i * i + j * j + k * k), lengths_per_spacing);
+  return sum;
+}
+
 /// Particles near a straight piece of face, nearest piece first taken. reach [m]: two supports, because a surface
 /// changes the correction of the first and the force of unit stress within the second.
 template <int D>
@@ -66,6 +79,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   if (!(setup.spacing > 0.0))
     throw CaseError(fmt::format("solid.particle_spacing: expected a length above 0 m, found {}", setup.spacing));
   setup.smoothing_length = lengths_per_spacing * setup.spacing;
+  setup.full_cover = lattice_cover<D>();
   // Up to just below a lattice's neighbours at sqrt(8) spacings: as few lists as possible in soil that flows, no pair
   // more in soil that stands.
   setup.skin = scene.solid.list_skin * setup.spacing;
@@ -73,6 +87,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   setup.courant = scene.solid.courant;
   setup.regular_flow = scene.solid.regular_flow;
   setup.stabilisers.artificial = scene.solid.artificial_viscosity;
+  setup.stabilisers.quadratic = scene.solid.quadratic_viscosity;
   setup.stabilisers.artificial_stress = scene.solid.artificial_stress;
   setup.stabilisers.zero_energy = scene.solid.zero_energy_viscosity;
   setup.stabilisers.stiffness = scene.solid.zero_energy_stiffness;
@@ -106,7 +121,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   }
   if (particles.size() == 0)
     throw CaseError("no soil particle lies in any [[soil]] shape: check shapes and solid.particle_spacing");
-  hold_soil_behind_rough_walls<D>(scene.walls, setup, particles);
+  hold_soil_behind_rough_walls<D>(scene, setup, particles);
   const std::size_t n = particles.size();
   particles.displacement.assign(n, Vec<D>::Zero());
   particles.velocity.assign(n, Vec<D>::Zero());

@@ -23,6 +23,7 @@ template <int D>
 struct Setup {
   double spacing = 0.0;           ///< m
   double smoothing_length = 0.0;  ///< m
+  double full_cover = 1.0;        ///< sum V W in soil as dense as it was laid
   double skin = 0.0;              ///< m, pair lists hold until something moved half of it
   std::size_t threads = 1;        ///< that share the particles
   double courant = 0.8;           ///< of dx / sqrt(M / rho_bar)
@@ -40,7 +41,7 @@ struct Setup {
   ScalarArray density;                                     ///< kg/m3, initial rho_bar_s, one per soil
   ScalarArray grain_density;  ///< kg/m3, of the grains with the residual water that moves with them, one per soil
   ScalarArray grain_share;    ///< of the grains in the volume of both, one per soil
-  std::vector<char> constant_volume;                       ///< one per soil: sheared without dilation
+  std::vector<char> constant_volume;  ///< one per soil: sheared without dilation
   /// Bulk volume over its initial one beyond which grains of soil without cohesion and dilation are apart (porosity
   /// 0.40 -> 0.45, the loosest random packing of spheres): no stress, only collisions.
   static constexpr double loosest = 1.1;

@@ -53,14 +53,16 @@ void rub_on_walls(const Setup<D>& setup, double dt, State<D>& state) {
   for_each_touch(setup, state, [&](std::size_t i, std::size_t wall, const Vec<D>& normal, double) {
     if (p.slip[i].isZero(0.0)) return;
     const double alpha = p.rubbing[i] > 0.0F ? setup.stabilisers.collision : setup.stabilisers.artificial;
+    const double beta = p.rubbing[i] > 0.0F ? 0.0 : setup.stabilisers.quadratic;
     double lift = 0.0;  // m/s2
     for_each_image(state, i, [&](const ImageRule<D>& image, const Node<D>& node, const Vec<D>& weight) {
       if (!image.slips) return;
       const Vec<D> r = state.nodes[i].position - node.position;
       const double approach = -r.dot(state.nodes[i].velocity - node.velocity);
-      if (approach > 0.0) lift -= approach / (r.squaredNorm() + 0.01 * h * h) * weight.dot(normal);
+      if (approach <= 0.0) return;
+      const double closing = approach / (r.squaredNorm() + 0.01 * h * h);
+      lift -= (alpha * setup.stabilisers.sound_speed + beta * h * closing) * h * closing * weight.dot(normal);
     });
-    lift *= alpha * setup.stabilisers.sound_speed * h;
     const Vec<D> along = p.velocity[i] - normal.dot(p.velocity[i]) * normal;
     const double speed = along.norm(), most = setup.boundaries.friction[wall] * lift * dt;
     if (lift > 0.0 && speed > 0.0) p.velocity[i] -= std::min(1.0, most / speed) * along;

@@ -74,7 +74,8 @@ void declare(Keys& keys, General& g) {
   keys.number("central_force", g.central_force,
               {"1/s2", "Acceleration of the water towards the origin, per distance from it."}, not_negative());
   keys.number("end_time", g.end_time, {"s", "Simulated time at which the run ends.", true}, positive());
-  keys.point("domain_min", g.domain_min, {"m", "Lower corner of the periodic box; used along periodic axes only."});
+  keys.point("domain_min", g.domain_min,
+             {"m", "Lower corner of the periodic box; used along periodic axes, and by rough walls in 3D."});
   keys.point("domain_max", g.domain_max, {"m", "Upper corner of the periodic box."});
   keys.axes("periodic", g.periodic, {"", "Axes along which the domain repeats."});
 }
@@ -185,7 +186,7 @@ void declare(Keys& keys, Wall& w) {
        "What the wall is for soil; `none`: not there, `roller`: no friction, `fixed`: no slip, of soil that stays in "
        "place, `frictional`: soil slips once its shear on the wall reaches Coulomb's, tan(`friction_angle`) times its "
        "pressure, `rough`: no slip, three rows of the soil held still behind the wall, for soil that flows over it "
-       "(2D)."});
+       "(in 3D as far as the box from `case.domain_min` to `case.domain_max` goes)."});
   const bool frictional = w.soil == Wall::ForSoil::frictional;
   keys.number("friction_angle", w.friction_angle,
               {"degrees", "Between the soil and a frictional wall (required there).", frictional},
@@ -320,6 +321,8 @@ void declare(Keys& keys, SolidCase& s) {
       not_negative());
   keys.number("artificial_viscosity", s.artificial_viscosity,
               {"", "Alpha of Monaghan's artificial viscosity, on approaching particles."}, not_negative());
+  keys.number("quadratic_viscosity", s.quadratic_viscosity,
+              {"", "Beta of the same: what grows with the square of the speed of approach."}, not_negative());
   keys.number(
       "artificial_stress", s.artificial_stress,
       {"",

@@ -186,6 +186,7 @@ struct SolidCase {
   double courant = 0.8;                ///< of dx / sqrt(M / rho_bar_s)
   double list_skin = 0.35;             ///< of the pair lists, in spacings
   double artificial_viscosity = 0.1;   ///< alpha of Monaghan's, on approaching particles
+  double quadratic_viscosity = 0.0;    ///< beta of the same
   double artificial_stress = 0.0;      ///< epsilon of Gray et al. (2001), in tension
   double zero_energy_viscosity = 0.1;  ///< on the part of the velocity that is not linear around a particle
   bool regular_flow = true;            ///< averages that keep stress, density and packing of flowing soil regular

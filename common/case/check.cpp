@@ -372,7 +372,15 @@ class Checker {
     const auto named = [&](std::size_t i) {
       return walls[i].name.empty() ? fmt::format("wall[{}]", i) : fmt::format("wall[{}] \"{}\"", i, walls[i].name);
     };
+    const auto& g = scene_.general;
     for (std::size_t i = 0; i < walls.size(); ++i) {
+      if (walls[i].soil == Wall::ForSoil::rough && g.dimension == 3 &&
+          !((g.domain_max - g.domain_min).minCoeff() > 0.0))
+        fail(fmt::format("wall[{}].soil", i),
+             fmt::format(
+                 "\"rough\" holds soil still behind the wall, in 3D within a box; expected case.domain_min below "
+                 "case.domain_max along every axis, found {} and {}; give the box that the soil may reach",
+                 shown(g.domain_min), shown(g.domain_max)));
       if (walls[i].soil != Wall::ForSoil::frictional && walls[i].friction_angle > 0.0)
         fail(fmt::format("wall[{}].friction_angle", i), "belongs to soil = \"frictional\"");
       for (std::size_t j = i + 1; j < walls.size(); ++j) {

@@ -21,30 +21,34 @@ Face line(std::vector<Point3> points) {
 }
 
 /// Ten rows of grains (angle of repose 31 degrees) on a rough base, periodic along x, gravity turned by `slope`.
-Case layer(double slope, double speed) {
+Case layer(double slope, double speed, int dimension = 2) {
   ColumnSpec spec;
+  spec.dimension = dimension;
   spec.width = 0.4;
   spec.height = 0.5;
   spec.spacing = spacing;
   spec.base = Wall::ForSoil::none;
   spec.sides = false;
   Case scene = column(spec);
-  scene.general.gravity = 9.81 * Point3(std::sin(slope), -std::cos(slope), 0.0);
+  const Point3 up = Point3::Unit(dimension - 1);
+  scene.general.gravity = 9.81 * (std::sin(slope) * Point3::UnitX() - std::cos(slope) * up);
   scene.general.periodic = {0};
-  scene.general.domain_max = {0.4, 1.0, 0.0};
+  if (dimension == 3) scene.general.periodic = {0, 1};
+  scene.general.domain_max = dimension == 3 ? Point3(0.4, 0.4, 1.0) : Point3(0.4, 1.0, 0.0);
   scene.soils[0].friction_angle = 31.0;
   scene.soils[0].cone = Soil::Cone::repose;
   scene.solid.model = SolidCase::Model::drucker_prager;
   scene.solid.initial_velocity = {speed, 0.0, 0.0};
   Wall base;
   base.name = "base";
-  base.face = line({{0.0, 0.0, 0.0}, {0.4, 0.0, 0.0}});
+  base.face = dimension == 3 ? plane(Point3::Zero(), up) : line({{0.0, 0.0, 0.0}, {0.4, 0.0, 0.0}});
   base.soil = Wall::ForSoil::rough;
   scene.walls = {base};
   return scene;
 }
 
-double mean_speed(const Solid<2>& solid) {
+template <int D>
+double mean_speed(const Solid<D>& solid) {
   const auto& p = solid.state().particles;
   double sum = 0.0;
   for (std::size_t i = 0; i < p.free(); ++i) sum += p.velocity[i].x() / static_cast<double>(p.free());
@@ -108,10 +112,32 @@ TEST(RoughWall, AsksForAWallWithEnds) {
   EXPECT_THROW(Solid<2>{scene}, std::exception);
 }
 
-TEST(InfiniteSlope, SlowsDownBelowItsAngleOfReposeAndSpeedsUpAboveIt) {
+TEST(RoughWall, InThreeDimensionsHoldsThreeRowsWithinTheDomainAndClosesCorners) {
+  Case scene = layer(0.0, 0.0, 3);
+  scene.general.periodic = {1};
+  Wall side = scene.walls[0], back = side;
+  side.face = plane(Point3::Zero(), Point3::UnitX());
+  back.face = plane(0.4 * Point3::UnitX(), -Point3::UnitX());
+  back.soil = Wall::ForSoil::roller;
+  scene.walls = {scene.walls[0], side, back};
+  const Solid<3> solid(scene);
+  const auto& p = solid.state().particles;
+  EXPECT_EQ(p.free(), 640u);
+  EXPECT_EQ(p.held, 8u * 3u * (8 + 3 + 20 + 3));  // the base with its corner, the side up to three rows over the box
+  for (std::size_t i = p.free(); i < p.size(); ++i) {
+    const Vec<3> x = p.position[i];
+    EXPECT_TRUE(x.x() < 0.4 && (x.x() < 0.0 || x.z() < 0.0)) << x.transpose();
+    for (std::size_t j = 0; j < i; ++j) EXPECT_GT((p.position[j] - x).norm(), 0.99 * spacing);
+  }
+  scene.general.domain_max = Point3(0.0, 0.4, 0.0);
+  EXPECT_THROW(Solid<3>{scene}, CaseError);
+}
+
+template <int D>
+void expect_coulomb() {
   for (const double degrees : {27.0, 35.0}) {
     const double slope = degrees * 3.14159265358979 / 180.0, friction = std::tan(31.0 * 3.14159265358979 / 180.0);
-    Solid<2> solid(layer(slope, 1.0));
+    Solid<D> solid(layer(slope, 1.0, D));
     solid.initialise({});
     run_dry(solid, 0.1, 0.01);
     const double before = mean_speed(solid);
@@ -124,6 +150,11 @@ TEST(InfiniteSlope, SlowsDownBelowItsAngleOfReposeAndSpeedsUpAboveIt) {
       EXPECT_LE(x.x(), 0.4);
     }
   }
+}
+
+TEST(InfiniteSlope, SlowsDownBelowItsAngleOfReposeAndSpeedsUpAboveIt) {
+  expect_coulomb<2>();
+  expect_coulomb<3>();
 }
 
 TEST(InfiniteSlope, FrictionDoesNotDependOnTheThicknessOfTheSheet) {
@@ -222,8 +253,13 @@ TEST(RegularFlow, LeavesAloneWhatDoesNotFlowAndWhatIsLinear) {
   for (auto& gradient : state.particles.gradient) gradient << 0.0, 0.01, 0.0, 0.0;  // 1/s, in 1 s
   State<2> smooth = state, noisy = state;
   keep_flow_regular<2>(setup, 1.0, smooth);
-  for (std::size_t i = 0; i < state.particles.size(); ++i)
+  for (std::size_t i = 0; i < state.particles.size(); ++i) {
     EXPECT_LT((smooth.particles.stress[i] - state.particles.stress[i]).norm(), 1e-9 * 1000.0);
+    const double depth = 0.5 - state.particles.position[i].y();
+    if (i >= state.particles.free() || depth < 3.0 * spacing) continue;
+    EXPECT_NEAR(smooth.particles.volume[i], state.particles.volume[i],
+                1e-12 * state.particles.volume[i]);  // as dense as it was laid
+  }
   disturb(noisy);
   keep_flow_regular<2>(setup, 1.0, noisy);
   const double left = noisy.particles.stress[44][1] - state.particles.stress[44][1];

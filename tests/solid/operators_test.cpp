@@ -151,6 +151,7 @@ template <int D>
 void expect_twin(ColumnSpec spec, std::size_t threads = 1) {
   auto [setup, state] = jittered<D>(spec, 0.1);
   setup.threads = threads;
+  setup.stabilisers.quadratic = 1.0;
   rebuild(setup, state);
   std::mt19937_64 generator(11);
   std::uniform_real_distribution<double> any(-1.0, 1.0);

@@ -43,8 +43,10 @@ TwinResult<D> plain_twin(const Setup<D>& setup, const State<D>& state) {
       viscous += 0.5 * s.zero_energy * s.sound_speed * h * (firmness > Node<D>::flows ? share : 0.0) * rest;
       if (u.dot(r) >= 0.0) continue;
       const double rubbing = std::max(a.rubbing, b.rubbing);
-      const Vec<D> normal = 0.5 * (rubbing > 0.0 ? s.collision : s.artificial) * s.sound_speed * h * share * u.dot(r) /
-                            (r.squaredNorm() + 0.01 * h * h) * r;
+      const double closing = -u.dot(r) / (r.squaredNorm() + 0.01 * h * h);
+      const double viscosity = rubbing > 0.0 ? s.collision * s.sound_speed * h
+                                             : s.artificial * s.sound_speed * h + s.quadratic * h * h * closing;
+      const Vec<D> normal = -0.5 * viscosity * share * closing * r;
       const Vec<D> along = u - u.dot(r) / r.squaredNorm() * r;
       viscous += normal;
       const double slip = along.norm() / (along.norm() - u.dot(r) / r.norm());
