@@ -3,6 +3,7 @@
 
 #include "fluid_solver/stencil.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <numbers>
 
@@ -141,10 +142,13 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> seeps, 
     if (distance <= 0.0 || distance >= sph::support_radius * s.length[a]) return {};
     return {std::max(distance, s.surface_distance[a]), pressure / weight};
   };
+  // Beside free water windows are short, and the gradient of seeping water does not know of its surface: left as it is.
+  const bool all_seep = std::all_of(seeps.begin(), seeps.end(), [](double one) { return one >= 0.5; });
   for (std::size_t a = 0; a < s.n_real; ++a) {
     const double amount = s.normal[a].norm(), h = s.length[a];
     if (flags[a] == Surface::lone || amount * h <= surface::second_row) continue;
     if (seeps[a] >= 0.5) {
+      if (!all_seep) continue;
       if (flags[a] == Surface::interior && !s.covered[a])
         if (const auto [distance, pressure] = below(a); distance > 0.0) {
           s.front_distance[a] = distance;
