@@ -79,7 +79,8 @@ void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, dou
       const double w = p.volume[a] * Kernel<D>::value(std::sqrt(r2), h);
       sum += w;
       const double spacing = spacing_of<D>(p.volume[a]);
-      const double loose = motion[a] * 0.5 * (1.0 - s.fullness[a]) * spacing / repair_time(a, view, interval);
+      const double loose =
+          -motion[a] * 0.5 * packing_error(s, a, s.fullness[a]) * spacing / repair_time(a, view, interval);
       speed += w * (c.normal.dot(p.velocity[a]) + loose);
     });
     if (sum < 0.05) {

@@ -259,7 +259,8 @@ void fit_columns(const std::vector<FaceColumn<D>>& columns, std::span<const char
       grid.for_each_within(c.foot + 0.75 * c.spacing * c.normal, sph::support_radius * h, [&](Index j, double r2) {
         const Index a = s.parent[j];
         const double d = c.inside(s.position[j]);
-        if (a >= s.n_real || d <= 0.0 || (c.in_soil && free[a])) return;
+        // One that has just been born lies on the face, to rounding.
+        if (a >= s.n_real || d < -1e-6 * c.spacing || (c.in_soil && free[a])) return;
         const double w = s.volume[a] * Kernel<D>::value(std::sqrt(r2), h);
         if (w == 0.0) return;
         sum += w * d * d;

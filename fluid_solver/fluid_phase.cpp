@@ -413,6 +413,16 @@ ScalarArray Fluid<D>::left_for_later(const Stencil<D>& s, const SoilView<D>& vie
   return left;
 }
 
+/// By how much particle a's surroundings are fuller than a lattice, full: their sum V W over a lattice's.
+template <int D>
+double Fluid<D>::packing_error(const Stencil<D>& s, std::size_t a, double full) const {
+  double excess = full - 1.0;
+  // Near a surface the sum is short by nature, not by error.
+  if (excess < 0.0 && !s.covered[a]) excess *= std::clamp(1.0 - 5.0 * s.length[a] * s.normal[a].norm(), 0.0, 1.0);
+  const bool below = s.ghost_distance[a] > 0.0;
+  return below || state_.particles.surface[a] != Surface::interior ? std::max(0.0, excess) : excess;
+}
+
 template <int D>
 ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view,
                                     std::span<const Mat<D>> velocity_gradient, double interval) {
@@ -434,10 +444,7 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
     return sum / lattice_fullness<D>();
   };
   for_each_side_by_side(p.size(), [&](std::size_t a) {
-    double excess = s.fullness[a] + voids_near(a) - 1.0;
-    // Near a surface the sum is short by nature, not by error.
-    if (excess < 0.0 && !s.covered[a]) excess *= std::clamp(1.0 - 5.0 * s.length[a] * s.normal[a].norm(), 0.0, 1.0);
-    if (p.surface[a] != Surface::interior || s.ghost_distance[a] > 0.0) excess = std::max(0.0, excess);
+    const double excess = packing_error(s, a, s.fullness[a] + voids_near(a));
     // In free water the repair of a disordered start, begun at once, would be a blow.
     const double begun =
         p.seeps[a] > 0.5 ? 1.0 : std::min(1.0, state_.time / free_repair_time(spacing_of<D>(p.volume[a])));
@@ -621,6 +628,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   // Soil that was dry and cannot yield takes windows of any length; its noise would only shorten them.
   if (state_.controlled <= 0.0 && scene_.solid.model != SolidCase::Model::elastic) begin_control(view, dt);
   control_interval(before, dt);
+  limit_by_slowing(velocity_before, dt);
   limit_scheme(view);
   advance_columns(s, view, dt);
   push_pistons(0.5 * dt);

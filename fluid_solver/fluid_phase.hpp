@@ -55,6 +55,7 @@ class Fluid final : public Phase {
   /// deformation beyond the prediction.
   bool drags(const SoilView<D>& soil, std::size_t a) const;
   ScalarArray left_for_later(const Stencil<D>& s, const SoilView<D>& soil, double interval) const;
+  [[nodiscard]] double packing_error(const Stencil<D>& s, std::size_t a, double full) const;
   ScalarArray volume_source(const Stencil<D>& s, const SoilView<D>& soil, std::span<const Mat<D>> velocity_gradient,
                             double interval);
   ScalarArray moved() const;
@@ -92,6 +93,7 @@ class Fluid final : public Phase {
   void give_birth_and_delete(const SoilView<D>& soil);
   void begin_control(const SoilView<D>& view, double interval);
   void control_interval(const ScalarArray& before, double interval);
+  void limit_by_slowing(const VecArray<D>& velocity_before, double interval);
   void limit_scheme(const SoilView<D>& view);
   void take_back(const Stencil<D>& s, const SoilView<D>& view, double interval);
   void check_room(double time) const;

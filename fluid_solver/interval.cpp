@@ -12,6 +12,9 @@ namespace {
 constexpr double wanted_change = 0.03;
 /// Pressure changes below this share of the hydrostatic range are no reason for shorter windows.
 constexpr double hydrostatic_share = 0.05;
+/// By how much of a spacing a change of speed may alter the way of seepage through rigid soil in a window (rms): a
+/// front a few spacings deep, which slows down as it goes in, takes shorter ones than a quarter spacing.
+constexpr double wanted_slowing = 0.0125;
 constexpr double longest_interval = 8.0;  // s: of slow seepage; with longer ones the ponded front lags
 
 }  // namespace
@@ -58,10 +61,30 @@ void Fluid<D>::control_interval(const ScalarArray& before, double interval) {
   state_.controlled = std::clamp(std::clamp(target, least, 1.5 * state_.controlled), first_interval_, longest_interval);
 }
 
+/// What seepage asks of the next window, where all water seeps: particles' motion is extrapolated from two windows.
+/// Noise of single particles, which is no slowing, cancels in the sum.
+template <int D>
+void Fluid<D>::limit_by_slowing(const VecArray<D>& velocity_before, double interval) {
+  state_.window_limits.clear();
+  const auto& p = state_.particles;
+  if (scene_.coupled() || scene_.fluid.scheme != FluidCase::Scheme::projection ||
+      std::any_of(p.seeps.begin(), p.seeps.end(), [](double seeps) { return seeps <= 0.5; }))
+    return;
+  double change = 0.0, whole = 0.0, mass = 0.0;
+  for (std::size_t a = 0; a < p.size(); ++a) {
+    change += p.mass[a] * p.velocity[a].dot(p.velocity[a] - velocity_before[a]);
+    whole += p.mass[a] * p.velocity[a].squaredNorm();
+    mass += p.mass[a];
+  }
+  if (change == 0.0) return;
+  const double altered = interval * std::abs(change) / std::sqrt(whole * mass) / dx_;
+  state_.window_limits.push_back(
+      {interval * std::max(0.5, std::sqrt(wanted_slowing / altered)), "seepage that slows down"});
+}
+
 /// What an explicit scheme asks of the next window, from the water and soil as they are.
 template <int D>
 void Fluid<D>::limit_scheme(const SoilView<D>& view) {
-  state_.scheme_limits.clear();
   const auto& p = state_.particles;
   if (scene_.fluid.scheme == FluidCase::Scheme::projection) return;
   double pressure = 0.0, fastest = 0.0;
@@ -82,9 +105,9 @@ void Fluid<D>::limit_scheme(const SoilView<D>& view) {
     drag = std::min(drag, n * density_ / C);
     if (scene_.coupled()) skeleton = std::min(skeleton, view.density[a] * n * n / C);
   }
-  state_.scheme_limits.push_back({sweep, "compression under explicit sweeps"});
-  if (!implicit_drag) state_.scheme_limits.push_back({drag, "explicit drag"});
-  state_.scheme_limits.push_back({skeleton, "a skeleton that does not respond inside the window"});
+  state_.window_limits.push_back({sweep, "compression under explicit sweeps"});
+  if (!implicit_drag) state_.window_limits.push_back({drag, "explicit drag"});
+  state_.window_limits.push_back({skeleton, "a skeleton that does not respond inside the window"});
 }
 
 /// Longest window in which gravity waves of one spacing on a free surface are followed [s].
@@ -126,7 +149,7 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
     if (interval < limit.first) limit = {interval, why};
   };
   if (state_.controlled > 0.0) apply(state_.controlled, "pressure change per window");
-  for (const auto& l : state_.scheme_limits) apply(l.interval, l.reason);
+  for (const auto& l : state_.window_limits) apply(l.interval, l.reason);
   double fastest = 0.0, fastest_free = 0.0;
   bool free_surface = false, free_water = false, table = false;
   for (std::size_t a = 0; a < p.size(); ++a) {

@@ -122,7 +122,7 @@ struct State {
   ScalarArray supplied;     ///< [faces] volume of the basin at first, and poured in since [m^D]; 0 where it is none
   ScalarArray basin_level;  ///< [faces] m
   ScalarArray taken;        ///< [faces] real water that ran into the still water behind them [m^D]
-  std::vector<TimeLimit> scheme_limits;  ///< of explicit schemes, from the last window
+  std::vector<TimeLimit> window_limits;  ///< that the last window told
   Counts counts;
   Balance balance;
 };

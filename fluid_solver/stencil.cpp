@@ -214,6 +214,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   s.edge_of.assign(n, 0);
   s.least_moment.assign(n, 0.0);
   s.ghost_distance.assign(n, 0.0);
+  s.front_distance.assign(n, 0.0);
   if (n == 0) return s;
   find_pairs(largest, s);
   part_ghosts(buffers, free, s);

@@ -43,6 +43,15 @@ double lattice_fullness() {
   return value;
 }
 
+/// Amplification of pair sums of second derivatives inside a lattice.
+template <int D>
+double lattice_amplification() {
+  static const double value = D / lattice_sum<D>([](double r) {
+                                return r > 0.0 ? -r * Kernel<D>::derivative_over_r(r, smoothing_ratio) * r : 0.0;
+                              });
+  return value;
+}
+
 /// -W'/r of pairs at distance r, with the inverses of their smoothing lengths: [1/m^(D+2)]; zero beyond the support.
 template <int D>
 [[gnu::always_inline]] inline void pair_pull(const Lanes& r, const Lanes& inverse, Lanes& pull) {
@@ -107,6 +116,9 @@ struct Stencil {
   /// [real] distance to the free surface along -normal [m], 0: out of the kernel's reach. Set by find_surface; the
   /// kernel's missing part is then a ghost at twice the distance, antisymmetric about the surface's pressure.
   ScalarArray ghost_distance;
+  /// [real] of water that seeps, below the row of particles on its surface: distance to the surface along -normal [m],
+  /// 0: out of the kernel's reach. Set by find_surface; the surface's pressure is then in the Laplacian, too.
+  ScalarArray front_distance;
 
   /// What only particles at a surface or a face have.
   struct Edge {

@@ -3,6 +3,7 @@
 
 #include "fluid_solver/stencil.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <numbers>
 
@@ -119,31 +120,45 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> seeps, 
     rows[a] += share * ((in_row ? row_thickness<D>(s, a, flags, seeps) : 1.0) - rows[a]);
     if (in_row) s.surface_distance[a] *= rows[a];
   }
+  // Below the surface: the distance of the plane that the surface particles of its own kind in reach put it at, and the
+  // pressure there; 0: none.
+  const auto below = [&](std::size_t a) -> std::pair<double, double> {
+    double weight = 0.0, height = 0.0, pressure = 0.0;
+    Vec<D> normal = Vec<D>::Zero();
+    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+      const Index j = s.other[k], q = s.parent[j];
+      if (q >= s.n_real || flags[q] != Surface::surface || (seeps[q] >= 0.5) != (seeps[a] >= 0.5)) continue;
+      const Vec<D> n = outward(j);
+      const double value = s.value(a, j);
+      weight += value;
+      normal += value * n;
+      pressure += value * s.surface_pressure[q];
+      height += value * (n.dot(s.position[j] - s.position[a]) + s.surface_distance[q]);
+    }
+    if (weight == 0.0 || normal.isZero(0.0)) return {};
+    const double cosine = -normal.dot(s.normal[a]) / (normal.norm() * s.normal[a].norm());
+    if (cosine < 0.5) return {};
+    const double distance = height / (weight * cosine);
+    if (distance <= 0.0 || distance >= sph::support_radius * s.length[a]) return {};
+    return {std::max(distance, s.surface_distance[a]), pressure / weight};
+  };
+  // Beside free water windows are short, and the gradient of seeping water does not know of its surface: left as it is.
+  const bool all_seep = std::all_of(seeps.begin(), seeps.end(), [](double one) { return one >= 0.5; });
   for (std::size_t a = 0; a < s.n_real; ++a) {
     const double amount = s.normal[a].norm(), h = s.length[a];
-    if (seeps[a] >= 0.5 || flags[a] == Surface::lone || amount * h <= surface::second_row) continue;
-    if (flags[a] == Surface::surface) {
-      s.ghost_distance[a] = s.surface_distance[a];
-    } else {
-      // Below the surface: the plane that the surface particles in reach put the surface at.
-      double weight = 0.0, height = 0.0;
-      Vec<D> normal = Vec<D>::Zero();
-      for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
-        const Index j = s.other[k], q = s.parent[j];
-        if (q >= s.n_real || flags[q] != Surface::surface || seeps[q] >= 0.5) continue;
-        const Vec<D> n = outward(j);
-        const double value = s.value(a, j);
-        weight += value;
-        normal += value * n;
-        height += value * (n.dot(s.position[j] - s.position[a]) + s.surface_distance[q]);
-      }
-      if (weight == 0.0 || normal.isZero(0.0)) continue;
-      const double cosine = -normal.dot(s.normal[a]) / (normal.norm() * amount);
-      if (cosine < 0.5) continue;
-      const double distance = height / (weight * cosine);
-      if (distance <= 0.0 || distance >= sph::support_radius * h) continue;
-      s.ghost_distance[a] = std::max(distance, s.surface_distance[a]);
+    if (flags[a] == Surface::lone || amount * h <= surface::second_row) continue;
+    if (seeps[a] >= 0.5) {
+      if (!all_seep) continue;
+      if (flags[a] == Surface::interior && !s.covered[a])
+        if (const auto [distance, pressure] = below(a); distance > 0.0) {
+          s.front_distance[a] = distance;
+          s.surface_pressure[a] = pressure;
+        }
+      if (flags[a] == Surface::surface || s.front_distance[a] > 0.0) s.amplification[a] = lattice_amplification<D>();
+      continue;
     }
+    s.ghost_distance[a] = flags[a] == Surface::surface ? s.surface_distance[a] : below(a).first;
+    if (s.ghost_distance[a] == 0.0) continue;
     // The ghost at twice the distance completes the moment.
     const Vec<D> n = s.normal[a] / amount;
     Mat<D>& blind = s.edge(a).blind;

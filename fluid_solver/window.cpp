@@ -239,7 +239,7 @@ class WindowSolver {
   /// Distance to the surface, 0 where it is out of reach.
   double surface_distance(std::size_t a) const {
     if (s_.ghost_distance[a] > 0.0) return s_.ghost_distance[a];
-    return flags_[a] == Surface::surface ? s_.surface_distance[a] : 0.0;
+    return flags_[a] == Surface::surface ? s_.surface_distance[a] : s_.front_distance[a];
   }
 
   /// Lone particles, and in coarse soil, where the water's inertia rules, the front itself: there the softer condition
@@ -265,6 +265,7 @@ class WindowSolver {
       row = {1e3 * (m.diagonal[a] + s_.volume[a] * mobility / (h * h)), pinned_pressure(a)};
     } else if (const double distance = surface_distance(a); distance > 0.0) {
       row = surface_row(s_, a, distance, mobility, in_.weight, in_.origin);
+      if (s_.ghost_distance[a] == 0.0) row.coefficient *= s_.amplification[a];
     } else {
       return;
     }

@@ -76,6 +76,15 @@ class Checker {
       fail("solid.particle_spacing", "expected a length > 0 m, found none");
   }
 
+  /// A lattice is fitted into the box around a shape; one much thinner than a spacing has no row of its own.
+  void extent(const Shape& s, const char* what, const std::string& key, double spacing) const {
+    const auto [lower, upper] = bounds(s);
+    for (int d = 0; d < scene_.general.dimension; ++d)
+      if (upper[d] - lower[d] < 0.5 * spacing)
+        fail(key, fmt::format("no particle fits: the {} measures {} m along {}, the particle spacing is {} m", what,
+                              upper[d] - lower[d], "xyz"[d], spacing));
+  }
+
   void shape(const Shape& s, const std::string& key, double spacing) const {
     const int dimension = scene_.general.dimension;
     if (s.kind == Shape::Kind::box) {
@@ -85,11 +94,8 @@ class Checker {
         if (!(s.max[d] > s.min[d]))
           fail(key + ".max",
                fmt::format("expected every coordinate above that of 'min' {}, found {}", shown(s.min), shown(s.max)));
-        if (s.max[d] - s.min[d] < 0.5 * spacing)
-          fail(key, fmt::format("no particle fits: the box measures {} m along {}, the particle spacing is {} m",
-                                s.max[d] - s.min[d], "xyz"[d], spacing));
       }
-      return;
+      return extent(s, "box", key, spacing);
     }
     if (s.kind == Shape::Kind::ball) {
       if (s.radius < 0.5 * spacing)
@@ -103,6 +109,7 @@ class Checker {
       fail(key, "a polygon takes 'points'; 'min' and 'max' belong to shape = \"box\"");
     if (s.points.size() < 3)
       fail(key + ".points", fmt::format("expected 3 corners or more, found {}", s.points.size()));
+    extent(s, "polygon", key, spacing);
     if (fill<2>(s, spacing, {0.5, 0.5, 0.5}, 0.0, 1).position.empty())
       fail(key, fmt::format("no particle fits into the polygon at a particle spacing of {} m", spacing));
   }
@@ -299,6 +306,36 @@ class Checker {
     for (std::size_t i = 0; i < scene_.loads.size(); ++i) face(scene_.loads[i].face, fmt::format("load[{}]", i));
   }
 
+  /// An inlet closes a gap between walls: one of its ends at least meets one, and no water stands behind it.
+  void is_an_opening(const WaterFace& f, const std::string& key) const {
+    const auto &a = f.face.points.front(), &b = f.face.points.back();
+    const double slack = 1e-6 * (b - a).norm();
+    const auto meets = [&](const Point3& end, const Face& wall) {
+      if (wall.points.empty()) return std::abs(wall.normal.normalized().dot(end - wall.point)) <= slack;
+      for (const auto& piece : pieces(wall)) {
+        const Point3 s = piece.b - piece.a;
+        const double along = std::clamp(s.dot(end - piece.a) / s.squaredNorm(), 0.0, 1.0);
+        if ((piece.a + along * s - end).norm() <= slack) return true;
+      }
+      return false;
+    };
+    const bool met = std::any_of(scene_.walls.begin(), scene_.walls.end(), [&](const Wall& wall) {
+      return wall.water != Wall::ForWater::none && (meets(a, wall.face) || meets(b, wall.face));
+    });
+    if (!met)
+      fail(
+          key + ".points",
+          fmt::format("an inlet is an opening in a wall, but neither of its ends, {} and {} m, meets one: it is inside "
+                      "a wall, off the domain or amid the water; expected a gap between walls",
+                      shown(a), shown(b)));
+    for (const auto& piece : pieces(f.face))
+      for (const auto& place : places_on(piece))
+        if (wet(place.right))
+          fail(key + ".points", fmt::format("a [[fluid.region]] lies behind the inlet, for example at {} m; expected "
+                                            "water on its left side only",
+                                            shown(place.at)));
+  }
+
   /// What a ghost reservoir, which needs no water in particles, and an inlet of real water each stand for.
   void inlet(const WaterFace& f, const std::string& key) const {
     const bool real = is_inlet(scene_, f);
@@ -311,6 +348,7 @@ class Checker {
     if (real && f.face.points.size() != 2)
       fail(key + ".points",
            fmt::format("an inlet is one straight opening; expected 2 points, found {}", f.face.points.size()));
+    if (real) is_an_opening(f, key);
     if (real || !f.head || f.face.points.empty()) return;
     const auto crest = crest_of(scene_, f);
     double highest = -HUGE_VAL;

@@ -177,6 +177,9 @@ TEST_F(CaseFile, ChecksSoilAndGeometry) {
   EXPECT_THAT(complaint(changed(sound_case, "shape = \"box\"\nmin = [0, 0]\nmax = [0.1, 0.4]",
                                 "shape = \"polygon\"\npoints = [[0, 0], [1, 0]]")),
               HasSubstr("expected 3 corners or more, found 2"));
+  EXPECT_THAT(complaint(changed(sound_case, "shape = \"box\"\nmin = [0, 0]\nmax = [0.1, 0.4]",
+                                "shape = \"polygon\"\npoints = [[0, 0], [0.1, 0], [0.1, 0.001]]")),
+              HasSubstr("no particle fits: the polygon measures 0.001 m along y"));
 }
 
 TEST_F(CaseFile, NamesBadSoilParameters) {
@@ -320,7 +323,10 @@ TEST_F(CaseFile, ChecksInletsOfRealWater) {
   EXPECT_THAT(inlet(tank_case, "points = [[0.2, 0], [0.4, 0]]\ndischarge = 0.01"),
               HasSubstr("lies on wall[1] \"floor\" from [0.2, 0] to [0.4, 0] m"));
   EXPECT_THAT(inlet(tank_case, "points = [[-0.5, 0.2], [-0.5, 0]]\ndischarge = 0.01"),
-              HasSubstr("water can run out at"));
+              HasSubstr("key 'water_face[0].points': an inlet is an opening in a wall, but neither of its ends, "
+                        "[-0.5, 0.2] and [-0.5, 0] m, meets one: it is inside a wall"));
+  EXPECT_THAT(inlet(tank_case, "points = [[0.5, 0.3], [0.5, 0]]\ndischarge = 0.01"),
+              HasSubstr("a [[fluid.region]] lies behind the inlet, for example at [0.5, 0."));
   EXPECT_THAT(inlet(open, "points = [[0, 0], [0.2, -0.1], [0.4, 0]]\ndischarge = 0.01"),
               HasSubstr("an inlet is one straight opening; expected 2 points, found 3"));
   EXPECT_THAT(inlet(open, "points = [[0, 0], [0.4, 0]]\ndischarge = 0.01\n[[soil]]\nmin = [0, 0]\nmax = [0.3, 0.2]"),
