@@ -58,43 +58,45 @@ struct EquilibriumSearch {
   std::size_t most = 300;   ///< displacements tried
 };
 
-/// What is left to find: the share of the mass on which averaged forces act, and the departure from rest of the others.
+/// What is left to find: departure from rest, the share of the mass on which averaged forces act, and the departure of
+/// the others.
 struct Unsettled {
-  double share = 1.0;
-  double rest = 0.0;
+  double all = 0.0, share = 1.0, rest = 0.0;
 };
 template <int D>
 Unsettled unsettled(const Setup<D>& setup, const Stiffness<D>& stiffness, double moving, const State<D>& state,
-                    const VecArray<D>& force, double reference) {
+                    const VecArray<D>& force, double all, double reference) {
   VecArray<D> left = averaged(setup, state, force);
   const auto moves = [&](std::size_t i) { return left[i].norm() > moving * reference * state.particles.mass[i]; };
-  Unsettled result;
-  result.share = share_of_mass(state.particles, moves);
+  Unsettled result{all, share_of_mass(state.particles, moves)};
   for (std::size_t i = 0; i < left.size(); ++i)
     if (moves(i)) left[i].setZero();
   result.rest = departure(stiffness, left, reference);
   return result;
 }
 
-/// Whether all but a local part is at rest: less than the share that may move, or less than twice that where trying on
-/// gains nothing. Looked at now and then.
+/// Whether all but a local part is at rest. That part may be twice as large, and farther from rest, where trying on
+/// gains nothing: it creeps on in the next window. Looked at now and then.
 class Patience {
  public:
   static constexpr std::size_t looks_every = 10;  ///< displacements tried
   bool ends(const EquilibriumSearch& search, const Unsettled& left) {
-    const bool stalls = left.share > gains * shares_.back();
+    constexpr double near = 5.0, far = 20.0;  // times the criterion
+    constexpr double gain = 0.1;              // of the share, since four looks ago
+    const bool stalls = left.share > (1.0 - gain) * shares_.back();
     std::rotate(shares_.begin(), shares_.end() - 1, shares_.end());
     shares_.front() = left.share;
-    return left.rest < search.criterion && (left.share < search.local || (stalls && left.share < 2.0 * search.local));
+    if (left.rest >= search.criterion) return false;
+    return (left.share < search.local && left.all < near * search.criterion) ||
+           (left.share < 2.0 * search.local && left.all < far * search.criterion && stalls);
   }
 
  private:
-  static constexpr double gains = 0.9;  ///< of the share of four looks before
   std::array<double, 4> shares_{1.0, 1.0, 1.0, 1.0};
 };
 
-/// Grains that are apart, or have been in one of the displacements tried, carry no stress: contacts that come and go with
-/// every trial would leave no equilibrium to find.
+/// Grains that are apart, or have been in one of the displacements tried, carry no stress: contacts that come and go
+/// with every trial would leave no equilibrium to find.
 template <int D>
 void leave_out(const Setup<D>& setup, State<D>& state, std::vector<char>& apart) {
   Particles<D>& p = state.particles;
@@ -156,10 +158,9 @@ RestReport find_equilibrium(const Setup<D>& setup, const Stiffness<D>& stiffness
     const Flat missing(force.data()->data(), size), towards(step.data()->data(), size);
     report.residual = stiffness.departure(missing.dot(towards), reference);
     if (report.steps == search.most || !std::isfinite(report.residual)) break;
-    constexpr double near = 10.0;  // times the criterion: worth a look at what is left
-    report.creeps = search.local > 0.0 && state.any_yielded && report.steps % Patience::looks_every == 0 &&
-                    report.residual < near * search.criterion &&
-                    patience.ends(search, unsettled(setup, stiffness, search.moving, state, force, reference));
+    report.creeps =
+        search.local > 0.0 && state.any_yielded && report.steps % Patience::looks_every == 0 &&
+        patience.ends(search, unsettled(setup, stiffness, search.moving, state, force, report.residual, reference));
     if (report.reached()) {
       // What holds the zero-energy modes lets go of soil that yields; back and forth with every trial there would be no
       // equilibrium to find.
