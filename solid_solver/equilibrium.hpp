@@ -75,7 +75,7 @@ Unsettled unsettled(const Setup<D>& setup, const Stiffness<D>& stiffness, double
   return result;
 }
 
-/// Whether all but a local part is at rest. That part may be twice as large, and farther from rest, where trying on
+/// Whether all but a local part is at rest. That part may be three times as large, and farther from rest, where trying on
 /// gains nothing: it creeps on in the next window. Looked at now and then.
 class Patience {
  public:
@@ -88,7 +88,7 @@ class Patience {
     shares_.front() = left.share;
     if (left.rest >= search.criterion) return false;
     return (left.share < search.local && left.all < near * search.criterion) ||
-           (left.share < 2.0 * search.local && left.all < far * search.criterion && stalls);
+           (left.share < 3.0 * search.local && left.all < far * search.criterion && stalls);
   }
 
  private:

@@ -50,9 +50,6 @@ constexpr double elastic_error = 2e-3;
 /// long, and what ends it (RestSearch).
 constexpr double woken_by = 5e-3, plastic_error = 1e-4, relaxed = restless, most_ways = 100.0;
 
-/// Where no equilibrium is found shorter windows are taken down to so many waves' ways, then dynamic relaxation.
-constexpr double ways_of_creep = 30.0;
-
 /// Loads begin within rounding of their time.
 bool has_begun(double start, double time) { return time >= start - 1e-9 * std::max(1.0, std::abs(start)); }
 
@@ -395,14 +392,14 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const VecArray<D>& gradi
   if (!asleep) {
     const EquilibriumSearch search{cannot_yield() ? 0.2 * elastic_error : plastic_error, local_share, woken_by};
     RestReport report = find_equilibrium(setup_, stiffness, search, interval, state_, external);
-    // Creep that water limits finds its equilibrium in a window in which less of it happens.
-    const double shorter = 0.25 * interval;
-    if (!report.reached() && !cannot_yield() && shorter < ways_of_creep * long_window(setup_)) {
+    if (!report.reached() && !cannot_yield()) {
       const std::size_t tried = report.steps;
       const RestSearch until{relaxed, most_ways, most_ways, local_share, 0.5 * setup_.spacing};
       report = find_rest<D>(setup_, until, state_, external, [](const RestReport&) {});
       report.steps += tried;
     }
+    // Creep that water limits finds its equilibrium in a window in which less of it happens.
+    const double shorter = 0.25 * interval;
     if (!report.reached() && shorter > long_window(setup_)) {
       saved_.motion.longest = shorter;
       fmt::print(stderr, "no equilibrium at t = {:g} s in a window of {:g} s: {} steps, {:.2g} of gravity left\n",
