@@ -81,14 +81,13 @@ class Patience {
  public:
   static constexpr std::size_t looks_every = 10;  ///< displacements tried
   bool ends(const EquilibriumSearch& search, const Unsettled& left) {
-    constexpr double near = 5.0, far = 20.0;  // times the criterion
+    constexpr double near = 10.0;  // times the criterion
     constexpr double gain = 0.1;              // of the share, since four looks ago
     const bool stalls = left.share > (1.0 - gain) * shares_.back();
     std::rotate(shares_.begin(), shares_.end() - 1, shares_.end());
     shares_.front() = left.share;
-    if (left.rest >= search.criterion) return false;
-    return (left.share < search.local && left.all < near * search.criterion) ||
-           (left.share < 3.0 * search.local && left.all < far * search.criterion && stalls);
+    if (left.rest >= search.criterion || left.all >= near * search.criterion) return false;
+    return left.share < search.local || (stalls && left.share < 2.0 * search.local);
   }
 
  private:
