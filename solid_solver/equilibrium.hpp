@@ -75,14 +75,14 @@ Unsettled unsettled(const Setup<D>& setup, const Stiffness<D>& stiffness, double
   return result;
 }
 
-/// Whether all but a local part is at rest. That part may be three times as large, and farther from rest, where trying on
-/// gains nothing: it creeps on in the next window. Looked at now and then.
+/// Whether all but a local part is at rest. That part may be twice as large where trying on gains nothing: it creeps on
+/// in the next window. Looked at now and then.
 class Patience {
  public:
   static constexpr std::size_t looks_every = 10;  ///< displacements tried
   bool ends(const EquilibriumSearch& search, const Unsettled& left) {
     constexpr double near = 10.0;  // times the criterion
-    constexpr double gain = 0.1;              // of the share, since four looks ago
+    constexpr double gain = 0.1;   // of the share, since four looks ago
     const bool stalls = left.share > (1.0 - gain) * shares_.back();
     std::rotate(shares_.begin(), shares_.end() - 1, shares_.end());
     shares_.front() = left.share;
