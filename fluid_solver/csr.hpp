@@ -82,42 +82,41 @@ struct GraphMatrix {
 /// diagonal is what is kept of them, so that constants stay in the kernel.
 using PairMatrix = GraphMatrix<float, PairColumns>;
 
-/// Of at most `block` numbers each, so that the result does not depend on the number of threads.
-inline double dot(std::span<const double> a, std::span<const double> b) {
+/// Sum over 0 .. n - 1 of what of_block(first, last) gives for blocks of fixed size, so that the result does not depend
+/// on the number of threads.
+template <class Block>
+double sum_in_blocks(std::size_t n, const Block& of_block) {
   constexpr std::size_t block = 8192;
-  if (a.size() > block) {
-    ScalarArray parts((a.size() + block - 1) / block);
-    side_by_side(a.size(), [&](std::size_t first, std::size_t last) {
-      // Blocks that begin in this part.
-      for (std::size_t i = (first + block - 1) / block; i * block < last; ++i) {
-        const std::size_t n = std::min(block, a.size() - i * block);
-        parts[i] = dot(a.subspan(i * block, n), b.subspan(i * block, n));
-      }
-    });
-    double sum = 0.0;
-    for (const double part : parts) sum += part;
-    return sum;
-  }
-  std::array<double, 4> sum{};
-  std::size_t i = 0;
-  for (; i + 4 <= a.size(); i += 4)
-    for (std::size_t k = 0; k < 4; ++k) sum[k] += a[i + k] * b[i + k];
-  for (; i < a.size(); ++i) sum[0] += a[i] * b[i];
-  return (sum[0] + sum[1]) + (sum[2] + sum[3]);
-}
-
-/// Sum of part(i) over 0 .. n - 1, in the same blocks.
-template <class Part>
-double sum_over(std::size_t n, const Part& part) {
-  constexpr std::size_t block = 8192;
-  ScalarArray sums((n + block - 1) / block, 0.0);
+  if (n <= block) return of_block(std::size_t{0}, n);
+  ScalarArray sums((n + block - 1) / block);
   side_by_side(n, [&](std::size_t first, std::size_t last) {
+    // Blocks that begin in this part.
     for (std::size_t i = (first + block - 1) / block; i * block < last; ++i)
-      for (std::size_t a = i * block; a < std::min(n, (i + 1) * block); ++a) sums[i] += part(a);
+      sums[i] = of_block(i * block, std::min(n, (i + 1) * block));
   });
   double sum = 0.0;
-  for (const double s : sums) sum += s;
+  for (const double one : sums) sum += one;
   return sum;
+}
+
+inline double dot(std::span<const double> a, std::span<const double> b) {
+  return sum_in_blocks(a.size(), [&](std::size_t i, std::size_t last) {
+    std::array<double, 4> sum{};
+    for (; i + 4 <= last; i += 4)
+      for (std::size_t k = 0; k < 4; ++k) sum[k] += a[i + k] * b[i + k];
+    for (; i < last; ++i) sum[0] += a[i] * b[i];
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+  });
+}
+
+/// Sum of part(i) over 0 .. n - 1.
+template <class Part>
+double sum_over(std::size_t n, const Part& part) {
+  return sum_in_blocks(n, [&](std::size_t i, std::size_t last) {
+    double sum = 0.0;
+    for (; i < last; ++i) sum += part(i);
+    return sum;
+  });
 }
 
 inline double norm(std::span<const double> a) { return std::sqrt(dot(a, a)); }

@@ -58,17 +58,16 @@ struct EquilibriumSearch {
   std::size_t most = 300;   ///< displacements tried
 };
 
-/// What is left to find: departure from rest, the share of the mass on which averaged forces act, and the departure of
-/// the others.
+/// What is left to find: the share of the mass on which averaged forces act, and the departure of the others.
 struct Unsettled {
-  double all = 0.0, share = 1.0, rest = 0.0;
+  double share = 1.0, rest = 0.0;
 };
 template <int D>
 Unsettled unsettled(const Setup<D>& setup, const Stiffness<D>& stiffness, double moving, const State<D>& state,
-                    const VecArray<D>& force, double all, double reference) {
+                    const VecArray<D>& force, double reference) {
   VecArray<D> left = averaged(setup, state, force);
   const auto moves = [&](std::size_t i) { return left[i].norm() > moving * reference * state.particles.mass[i]; };
-  Unsettled result{all, share_of_mass(state.particles, moves)};
+  Unsettled result{share_of_mass(state.particles, moves)};
   for (std::size_t i = 0; i < left.size(); ++i)
     if (moves(i)) left[i].setZero();
   result.rest = departure(stiffness, left, reference);
@@ -80,13 +79,14 @@ Unsettled unsettled(const Setup<D>& setup, const Stiffness<D>& stiffness, double
 class Patience {
  public:
   static constexpr std::size_t looks_every = 10;  ///< displacements tried
-  bool ends(const EquilibriumSearch& search, const Unsettled& left) {
+  /// departure: of all the soil.
+  bool ends(const EquilibriumSearch& search, double departure, const Unsettled& left) {
     constexpr double near = 10.0;  // times the criterion
     constexpr double gain = 0.1;   // of the share, since four looks ago
     const bool stalls = left.share > (1.0 - gain) * shares_.back();
     std::rotate(shares_.begin(), shares_.end() - 1, shares_.end());
     shares_.front() = left.share;
-    if (left.rest >= search.criterion || left.all >= near * search.criterion) return false;
+    if (left.rest >= search.criterion || departure >= near * search.criterion) return false;
     return left.share < search.local || (stalls && left.share < 2.0 * search.local);
   }
 
@@ -105,6 +105,18 @@ void leave_out(const Setup<D>& setup, State<D>& state, std::vector<char>& apart)
     p.stress[i].setZero();
     p.rubbing[i] = setup.loose_friction[p.material[i]];
   }
+}
+
+/// Undoes the displacement tried last: all that it changed and that its forces do not tell anew.
+template <int D>
+void take_back(const State<D>& start, State<D>& state) {
+  if (state.rebuilds > start.rebuilds) state.near = start.near;
+  state.rebuilds = start.rebuilds;
+  state.particles = start.particles;
+  state.nodes = start.nodes;
+  state.kernel = start.kernel;
+  state.yielded = start.yielded;
+  state.any_yielded = start.any_yielded;
 }
 
 /// Finds where the soil stands at the end of a window of `interval` [s] under the forces that external(drive, rebuilt)
@@ -132,15 +144,7 @@ RestReport find_equilibrium(const Setup<D>& setup, const Stiffness<D>& stiffness
   Anderson accelerated(size, depth);
   Patience patience;
   for (;; ++report.steps) {
-    if (report.steps > 0) {
-      if (state.rebuilds > start.rebuilds) state.near = start.near;
-      state.rebuilds = start.rebuilds;
-      state.particles = start.particles;
-      state.nodes = start.nodes;
-      state.kernel = start.kernel;
-      state.yielded = start.yielded;
-      state.any_yielded = start.any_yielded;
-    }
+    if (report.steps > 0) take_back(start, state);
     for (std::size_t i = 0; i < n; ++i) state.particles.velocity[i] = moved[i] / interval;
     deform(setup, interval, state);
     leave_out(setup, state, apart);
@@ -159,7 +163,7 @@ RestReport find_equilibrium(const Setup<D>& setup, const Stiffness<D>& stiffness
     if (report.steps == search.most || !std::isfinite(report.residual)) break;
     report.creeps =
         search.local > 0.0 && state.any_yielded && report.steps % Patience::looks_every == 0 &&
-        patience.ends(search, unsettled(setup, stiffness, search.moving, state, force, report.residual, reference));
+        patience.ends(search, report.residual, unsettled(setup, stiffness, search.moving, state, force, reference));
     if (report.reached()) {
       // What holds the zero-energy modes lets go of soil that yields; back and forth with every trial there would be no
       // equilibrium to find.
