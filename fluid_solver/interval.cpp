@@ -152,13 +152,16 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
   for (const auto& l : state_.window_limits) apply(l.interval, l.reason);
   double fastest = 0.0, fastest_free = 0.0;
   bool free_surface = false, free_water = false, table = false;
+  // The water of soil that creeps has no waves, whatever it counts as.
+  const double creeps = 0.01 * wave_interval() * weight_.norm() / density_;
   for (std::size_t a = 0; a < p.size(); ++a) {
-    double& highest = p.seeps[a] <= 0.5 ? fastest_free : fastest;
+    const bool flows = p.seeps[a] <= 0.5 && (p.mask[a] <= 0.5 || p.velocity[a].norm() > creeps);
+    double& highest = flows ? fastest_free : fastest;
     highest = std::max(highest, p.velocity[a].norm() / spacing_of<D>(p.volume[a]));
-    free_water = free_water || p.seeps[a] <= 0.5;
+    free_water = free_water || flows;
     if (p.surface[a] == Surface::interior) continue;
-    free_surface = free_surface || p.seeps[a] < 0.5;
-    table = table || p.seeps[a] >= 0.5;
+    free_surface = free_surface || flows;
+    table = table || !flows;
   }
   for (const auto& c : state_.columns) fastest = std::max(fastest, std::abs(c.speed) / c.spacing);
   if (fastest > 0.0) apply(0.25 / fastest, "a quarter spacing per window at the highest speed in soil or at a face");

@@ -96,14 +96,16 @@ inline bool inertia_rules(double n, double density, double drag, double spacing,
 
 /// Does water move through the soil there, as a front that creeps? Not where drag needs more than a spacing to stop it,
 /// C spacing < n rho |w|, w the slip: it flows as free water does. Where the soil itself flows, its water moves with it
-/// and has a surface as free water. A front's pressure is a natural condition, which the gradient does not know of:
-/// that drives a front whose speed follows the pressure, but a mixture that falls freely would be pushed in where it
-/// already goes in (a surface wave over liquefied soil grew sevenfold in 2 ms).
+/// and has a surface as free water, but for long windows, in which it creeps from equilibrium to equilibrium. A front's
+/// pressure is a natural condition, which the gradient does not know of: that drives a front whose speed follows the
+/// pressure, but a mixture that falls freely would be pushed in where it already goes in (a surface wave over liquefied
+/// soil grew sevenfold in 2 ms).
 template <int D>
-bool seeps(const SoilView<D>& soil, std::size_t a, const Vec<D>& velocity, double density, double spacing) {
+bool seeps(const SoilView<D>& soil, std::size_t a, const Vec<D>& velocity, double density, double spacing,
+           bool long_window) {
   const double slip = (velocity - soil.velocity[a]).norm();
-  return soil.mask[a] > 0.5 && soil.yielding[a] <= 0.5 &&
-         soil.drag[a] * spacing >= (1.0 - soil.fraction[a]) * density * slip;
+  const bool flows = soil.yielding[a] > 0.5 && !long_window;
+  return soil.mask[a] > 0.5 && !flows && soil.drag[a] * spacing >= (1.0 - soil.fraction[a]) * density * slip;
 }
 
 /// Asymmetry of the soil's points about a place, to soil membership: a ramp about its value on a flat edge, 0.47, flat

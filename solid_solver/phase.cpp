@@ -316,12 +316,8 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   }
   check_sound(setup_, state_, window.time);
   state_.external.pressure_gradient = to;
-  for (std::size_t i = 0; i < n; ++i) {
-    state_.mean_velocity[i] = (p.displacement[i] - displacement[i]) / interval;
-    const double plastic = p.plastic_strain[i] - plastic_before[i];
-    const double strain = interval * 2.0 / std::numbers::sqrt3 * root_j2(strain_rate<D>(p.gradient[i]));
-    if (plastic > 0.0) state_.yielding[i] = strain > plastic ? plastic / strain : 1.0;
-  }
+  for (std::size_t i = 0; i < n; ++i) state_.mean_velocity[i] = (p.displacement[i] - displacement[i]) / interval;
+  tell_yielding(plastic_before, interval);
   if (may_sleep) fall_asleep_if_quiet(drive, reference);
   state_.time = window.time + interval;
   state_.substeps += static_cast<double>(steps);
@@ -334,6 +330,16 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   else if (!state_.motion.moving && state_.any_yielded && !hardly_moved)
     state_.motion.begins(long_window(setup_));
   return Outcome::accept();
+}
+
+template <int D>
+void Solid<D>::tell_yielding(std::span<const double> plastic_before, double interval) {
+  const Particles<D>& p = state_.particles;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    const double plastic = p.plastic_strain[i] - plastic_before[i];
+    const double strain = interval * 2.0 / std::numbers::sqrt3 * root_j2(strain_rate<D>(p.gradient[i]));
+    if (plastic > 0.0) state_.yielding[i] = strain > plastic ? plastic / strain : 1.0;
+  }
 }
 
 template <int D>
@@ -361,6 +367,7 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const VecArray<D>& gradi
   const std::size_t n = p.size();
   const double interval = window.interval, end = window.time + interval;
   const VecArray<D> start = p.displacement, velocity = p.velocity;
+  const ScalarArray plastic_before = p.plastic_strain;
   VecArray<D> standing(n);
   auto external = [&](Drive<D>& drive, bool rebuilt) {
     if (rebuilt && !setup_.loads.empty())
@@ -426,6 +433,11 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const VecArray<D>& gradi
   for (std::size_t i = 0; i < n; ++i) {
     p.velocity[i] = state_.mean_velocity[i] = (p.displacement[i] - start[i]) / interval;
     if (!asleep) state_.returned_impulse[i] = interval * tracking.tracking[i] * (tracking.target[i] - p.velocity[i]);
+  }
+  if (moved && state_.any_yielded) {
+    fill_velocities<D>(p, state_.near, state_.nodes);
+    velocity_gradient<D>(state_.nodes, state_.near.pairs, state_.kernel, state_.scratch, p.gradient, p.correction);
+    tell_yielding(plastic_before, interval);
   }
   state_.external.pressure_gradient = gradient;
   state_.time = end;

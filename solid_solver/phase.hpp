@@ -51,6 +51,8 @@ class Solid final : public Phase {
   coupling::Outcome advance_at_rest(const coupling::Window& window, const VecArray<D>& gradient,
                                     const ScalarArray& impulse, const Drive<D>& tracking);
   /// The soil's stiffness with the resistance that a window adds [N/m]: the last one, where it serves.
+  /// Share of the window's shear that was plastic; `plastic_before`: plastic strain at its start.
+  void tell_yielding(std::span<const double> plastic_before, double interval);
   const Stiffness<D>& stiffness_with(const ScalarArray& resistance);
 
   Case scene_;

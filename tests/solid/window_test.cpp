@@ -150,8 +150,8 @@ TEST(Window, ConsolidatesWithAnAnalyticPartner) {
 }
 
 /// A column with water, of which the test stands for the other side.
-Case wet_column() {
-  Case scene = column({});
+Case wet_column(const ColumnSpec& spec = {}) {
+  Case scene = column(spec);
   scene.gauges = {test::point_gauge<2>("base", "effective_stress_yy", {Point3(0.2, 0.0, 0.0)})};
   Shape water;
   water.max = Point3(0.4, 1.0, 0.0);
@@ -178,6 +178,36 @@ TEST(LongWindow, EndsInEquilibrium) {
   ASSERT_TRUE(solid.advance({1, 1.0, 1.0}, inbox).accepted);
   EXPECT_EQ(solid.counters().at("windows at rest"), 1.0);
   for (const auto& r : solid.state().returned_impulse) EXPECT_EQ(r.norm(), 0.0);
+}
+
+TEST(LongWindow, TellsWhichShareOfTheShearWasPlastic) {
+  ColumnSpec spec;
+  spec.sides = false;
+  Case scene = wet_column(spec);
+  scene.solid.initial_rest = false;  // the first window brings the weight on
+  scene.solid.model = SolidCase::Model::drucker_prager;
+  scene.soils[0].friction_angle = 30.0;
+  scene.soils[0].cohesion = 5000.0;  // Pa: stands, but its foot yields
+  Solid<2> solid(scene);
+  const auto dry = test::wet_inbox<2>(
+      solid, [](const Vec<2>&) { return 0.0; }, 0.0);
+  solid.initialise(dry);
+  ASSERT_TRUE(solid.advance({0, 0.0, 1.0}, dry).accepted);
+  ASSERT_EQ(solid.counters().at("windows relaxed"), 1.0);
+  const auto publication = solid.publish();
+  const auto& yielding = test::field_of(publication, field::yielding).values;
+  const auto& p = solid.state().particles;
+  double most = 0.0;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    // Of the shear of its first loading; what held the particle before it yielded was elastic.
+    EXPECT_EQ(yielding[i] > 0.0, p.plastic_strain[i] > 0.0);
+    most = std::max(most, yielding[i]);
+    if (p.position[i].y() > 0.8) {
+      EXPECT_EQ(yielding[i], 0.0);
+    }
+  }
+  EXPECT_GT(most, 0.05);
+  EXPECT_LT(most, 1.0);
 }
 
 TEST(LongWindow, IsRefusedWhereSoilCannotStandAndTakenAgainOnceItIsCalm) {
