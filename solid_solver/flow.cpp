@@ -199,7 +199,7 @@ void keep_flow_regular(const Setup<D>& setup, double dt, State<D>& state) {
   stress_slopes<D>(state, scratch);
   sum_neighbours<D>(state, h, scratch);
   for_rows(state.near.pairs, 0, n, [&](std::size_t i) {
-    if (!scratch.flows[i]) return;
+    if (!scratch.flows[i] || state.regions.sleeps(i)) return;
     const double density = setup.density[p.material[i]], reference = p.mass[i] / density;
     const double* const around = scratch.around[i].x.data();
     const double cover = around[Around<D>::at_cover] / setup.full_cover;
