@@ -45,7 +45,7 @@ void fill_grains(const State<D>& state, Scratch<D>& scratch) {
     grain.flows = scratch.flows[source] ? 1.0 : 0.0;
     grain.stress = p.stress[source].template head<n_components<D>>();
   };
-  for_rows(state.near.pairs, 0, p.size(), fill);
+  for_each_side_by_side(p.size(), fill);  // those asleep, too: others feel them
   for (std::size_t j = p.size(); j < state.nodes.size(); ++j) fill(j);
 }
 

@@ -161,7 +161,7 @@ void watch_regions(const Setup<D>& setup, const Drive<D>& drive, double dt, Stat
     if (std::none_of(p.plastic_strain.begin(), p.plastic_strain.end(), flows)) return;
     regions.stirred.assign(p.free(), regions.clock);
     regions.mark = p.displacement;
-    regions.outside.resize(p.free());
+    regions.outside.assign(p.free(), Vec<D>::Zero());
     regions.sheared = p.plastic_strain;
     regions.saturation = state.external.saturation;
     regions.calm.assign(p.free(), 0);

@@ -125,7 +125,7 @@ struct Regions {
   ScalarArray saturation;  ///< when it fell asleep
   std::vector<char> calm, asleep;     ///< 1 or 0; no `asleep` while nothing sleeps
   double watched = 0.0, slept = 0.0;  ///< counters: s times particles, looked at and asleep of these
-  [[nodiscard]] bool sleeps(std::size_t i) const { return !asleep.empty() && asleep[i] != 0; }
+  [[nodiscard]] bool sleeps(std::size_t i) const { return i < asleep.size() && asleep[i] != 0; }
   [[nodiscard]] bool is_calm(std::size_t i) const { return !calm.empty() && calm[i] != 0; }
 };
 

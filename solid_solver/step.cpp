@@ -112,7 +112,7 @@ void deform(const Setup<D>& setup, double dt, State<D>& state) {
   });
   for_rows(pairs, 0, n, [&](std::size_t i) {
     const Mat<D> gradient = p.gradient[i];
-    if (i >= p.free() ? gradient.squaredNorm() == 0.0 : state.regions.sleeps(i)) return;
+    if (state.regions.sleeps(i) || (i >= p.free() && gradient.squaredNorm() == 0.0)) return;
     // Dilation ends by the void ratio at the start: by that at the end it would begin and end with every displacement
     // that a search for equilibrium tries.
     const Condition before = condition(setup, p, i, state.external.saturation[i]);
