@@ -147,7 +147,8 @@ TEST_F(CaseRun, ResumesAsleepToTheBit) {
 
 /// A collapse whose core sleeps: checkpoints after many windows, when some of it does.
 TEST_F(CaseRun, ResumesRegionsAsleepToTheBit) {
-  read("column_collapse", {"soil.0.max=[0.2, 0.05]", "solid.particle_spacing=0.005", "solid.quiet.regions=0.005", "case.end_time=10"});
+  read("column_collapse",
+       {"soil.0.max=[0.2, 0.05]", "solid.particle_spacing=0.005", "solid.quiet.regions=0.005", "case.end_time=10"});
   middle_ = 250;
   last_ = 350;
   const Result whole = run(last_, Taking::none, false);
