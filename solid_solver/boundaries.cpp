@@ -98,7 +98,7 @@ void wrap_periodic(const Boundaries<D>& boundaries, VecArray<D>& positions) {
 
 template <int D>
 void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::size_t n_parts,
-                         const Particles<D>& particles, Neighbourhood<D>& near) {
+                         const Particles<D>& particles, std::span<const char> asleep, Neighbourhood<D>& near) {
   near.built_at = particles.position;
   const auto images = sph::make_images<D>(std::span<const Vec<D>>(particles.position),
                                           std::span<const sph::ImagePlane<D>>(boundaries.planes), range);
@@ -114,7 +114,7 @@ void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::siz
     find_crossings(boundaries, images.boundaries[k], rule);
     rule.periodic = only_periodic(boundaries, images.boundaries[k]);
   }
-  pair_up<D>(sources, particles.free(), particles.size(), range, n_parts, near.pairs);
+  pair_up<D>(sources, particles.free(), particles.size(), range, n_parts, asleep, near.pairs);
 }
 
 template <int D>
@@ -182,8 +182,10 @@ template Boundaries<2> make_boundaries<2>(const Case&, double);
 template Boundaries<3> make_boundaries<3>(const Case&, double);
 template void wrap_periodic<2>(const Boundaries<2>&, VecArray<2>&);
 template void wrap_periodic<3>(const Boundaries<3>&, VecArray<3>&);
-template void build_neighbourhood<2>(const Boundaries<2>&, double, std::size_t, const Particles<2>&, Neighbourhood<2>&);
-template void build_neighbourhood<3>(const Boundaries<3>&, double, std::size_t, const Particles<3>&, Neighbourhood<3>&);
+template void build_neighbourhood<2>(const Boundaries<2>&, double, std::size_t, const Particles<2>&,
+                                     std::span<const char>, Neighbourhood<2>&);
+template void build_neighbourhood<3>(const Boundaries<3>&, double, std::size_t, const Particles<3>&,
+                                     std::span<const char>, Neighbourhood<3>&);
 template void fill_nodes<2>(const Particles<2>&, const Neighbourhood<2>&, const VecArray<2>&, double,
                             std::vector<Node<2>>&);
 template void fill_nodes<3>(const Particles<3>&, const Neighbourhood<3>&, const VecArray<3>&, double,

@@ -28,10 +28,11 @@ Boundaries<D> make_boundaries(const Case& scene, double margin);
 template <int D>
 void wrap_periodic(const Boundaries<D>& boundaries, VecArray<D>& positions);
 
-/// Images and pair lists for the current positions, in parts for n_parts threads; range [m]: kernel support plus skin.
+/// Images and pair lists for the current positions, in parts for n_parts threads; range [m]: kernel support plus skin;
+/// asleep: see pair_up.
 template <int D>
 void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::size_t n_parts,
-                         const Particles<D>& particles, Neighbourhood<D>& near);
+                         const Particles<D>& particles, std::span<const char> asleep, Neighbourhood<D>& near);
 
 /// Position, velocity, gradient, flux and weights of the nodes from the particles, images included.
 /// body: N/m3 on each particle, for the stress's slope at walls.

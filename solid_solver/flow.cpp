@@ -45,7 +45,7 @@ void fill_grains(const State<D>& state, Scratch<D>& scratch) {
     grain.flows = scratch.flows[source] ? 1.0 : 0.0;
     grain.stress = p.stress[source].template head<n_components<D>>();
   };
-  for_rows(state.near.pairs, 0, p.size(), fill);
+  for_each_side_by_side(p.size(), fill);  // those asleep, too: others feel them
   for (std::size_t j = p.size(); j < state.nodes.size(); ++j) fill(j);
 }
 
@@ -199,7 +199,7 @@ void keep_flow_regular(const Setup<D>& setup, double dt, State<D>& state) {
   stress_slopes<D>(state, scratch);
   sum_neighbours<D>(state, h, scratch);
   for_rows(state.near.pairs, 0, n, [&](std::size_t i) {
-    if (!scratch.flows[i]) return;
+    if (!scratch.flows[i] || state.regions.sleeps(i)) return;
     const double density = setup.density[p.material[i]], reference = p.mass[i] / density;
     const double* const around = scratch.around[i].x.data();
     const double cover = around[Around<D>::at_cover] / setup.full_cover;

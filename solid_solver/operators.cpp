@@ -35,7 +35,7 @@ template <int D>
 void pair_kernels(const std::vector<Node<D>>& nodes, const Pairs& pairs, double h, Size first, ScalarArray& kernel) {
   const PairKernel<D> derivative(h);
   kernel.resize(pairs.index.size());
-  for_rows_in_lanes(
+  for_all_rows_in_lanes(
       pairs, first, pairs.size(), [&](Size i) __attribute__((always_inline)) {
         const double* const self = nodes[i].row();
         for_four_pairs(

@@ -6,9 +6,10 @@
 
 namespace poretwin::solid {
 
-/// Calls visit(i) for the rows from `first` to `last` - 1, compiled for this machine; mark it always_inline.
+/// Calls visit(i) for the rows from `first` to `last` - 1, the skipped ones too, compiled for this machine; mark it
+/// always_inline.
 template <class Visit>
-void for_rows_in_lanes(const Pairs& pairs, std::size_t first, std::size_t last, const Visit& visit) {
+void for_all_rows_in_lanes(const Pairs& pairs, std::size_t first, std::size_t last, const Visit& visit) {
   for_each_part(pairs.n_parts(), [&](std::size_t part) {
     const std::size_t begin = std::max<std::size_t>(first, pairs.part[part]);
     const std::size_t end = std::min<std::size_t>(last, pairs.part[part + 1]);
@@ -16,6 +17,15 @@ void for_rows_in_lanes(const Pairs& pairs, std::size_t first, std::size_t last, 
       for (std::size_t i = begin; i < end; ++i) visit(i);
     });
   });
+}
+
+/// The same for those that are not skipped.
+template <class Visit>
+void for_rows_in_lanes(const Pairs& pairs, std::size_t first, std::size_t last, const Visit& visit) {
+  for_all_rows_in_lanes(
+      pairs, first, last, [&](std::size_t i) __attribute__((always_inline)) {
+        if (!pairs.skips(i)) visit(i);
+      });
 }
 
 /// Calls visit(m, both) for the pairs of row i, four from m on.

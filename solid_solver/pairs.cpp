@@ -2,6 +2,8 @@
 
 #include "common/core/lanes.hpp"
 
+#include <array>
+
 namespace poretwin::solid {
 namespace {
 
@@ -14,21 +16,23 @@ struct Rows {
   }
 };
 
-/// Held particles that have soil in range.
-std::vector<char> reached(const std::vector<Rows>& parts, std::size_t n_free, std::size_t n_real) {
+/// Still particles that have others in range.
+std::vector<char> reached(const std::vector<Rows>& parts, std::size_t n_real, const auto& still) {
   std::vector<char> near(n_real, 0);
   for (const auto& rows : parts)
     for (const Index j : rows.index)
-      if (j >= n_free && j < n_real) near[j] = 1;
+      if (j < n_real && still(j)) near[j] = 1;
   return near;
 }
 
-void append(const std::vector<Rows>& parts, Pairs& pairs) {
-  for (const auto& rows : parts) {
-    const auto begin = static_cast<Index>(pairs.index.size());
-    pairs.index.insert(pairs.index.end(), rows.index.begin(), rows.index.end());
-    for (const Index m : rows.alone) pairs.alone.push_back(begin + m);
-    for (const Index m : rows.offset) pairs.offset.push_back(begin + m);
+/// Appends the rows from `row` on, `count` of them.
+void append(const Rows& rows, std::size_t row, std::size_t count, Pairs& pairs) {
+  const Index from = row == 0 ? 0 : rows.offset[row - 1], to = rows.offset[row + count - 1];
+  const auto begin = static_cast<Index>(pairs.index.size());
+  pairs.index.insert(pairs.index.end(), rows.index.begin() + from, rows.index.begin() + to);
+  for (std::size_t r = row; r < row + count; ++r) {
+    pairs.alone.push_back(begin + rows.alone[r] - from);
+    pairs.offset.push_back(begin + rows.offset[r] - from);
   }
 }
 
@@ -36,7 +40,7 @@ void append(const std::vector<Rows>& parts, Pairs& pairs) {
 
 template <int D>
 void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t n_real, double range,
-             std::size_t n_parts, Pairs& pairs) {
+             std::size_t n_parts, std::span<const char> asleep, Pairs& pairs) {
   sph::CellGrid<D> particles, images;
   particles.build(positions.first(n_real), range);
   images.build(positions.subspan(n_real), range);
@@ -45,25 +49,28 @@ void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t 
   pairs.index.clear();
   pairs.part.clear();
   for (std::size_t k = 0; k <= n_parts; ++k) pairs.part.push_back(static_cast<Index>(n_real * k / n_parts));
+  const auto still = [&](std::size_t i) { return i >= n_free || (!asleep.empty() && asleep[i] != 0); };
   auto append_images = [&](std::size_t i, std::vector<Index>& index) {
     const std::size_t begin = index.size();
     images.append_within(positions[i], range, 0, index);
     for (std::size_t m = begin; m < index.size(); ++m) index[m] += static_cast<Index>(n_real);
   };
-  std::vector<Rows> free(n_parts), held(n_parts);
+  // Pairs of two that move stand in the row of the first, pairs with one that is still in the row of the other.
+  std::vector<Rows> moving(n_parts), resting(n_parts);
   for_each_part(n_parts, [&](std::size_t part) {
-    Rows& rows = free[part];
+    Rows& rows = moving[part];
     const Index first = pairs.part[part], last = pairs.part[part + 1];
     std::vector<Index> around;
     for (std::size_t i = first; i < std::min<std::size_t>(last, n_free); ++i) {
-      if (n_parts == 1) {
+      if (still(i)) continue;
+      if (n_parts == 1 && asleep.empty()) {
         particles.append_within(positions[i], range, static_cast<Index>(i + 1), rows.index);
         rows.alone.push_back(rows.fill_up(i));
       } else {
         around.clear();
         particles.append_within(positions[i], range, 0, around);
         for (const Index j : around)
-          if (j > i && j < last) rows.index.push_back(j);
+          if (j >= first && j < last && (j > i || still(j))) rows.index.push_back(j);
         rows.alone.push_back(rows.fill_up(i));
         for (const Index j : around)
           if (j < first || j >= last) rows.index.push_back(j);
@@ -72,29 +79,44 @@ void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t 
       rows.offset.push_back(rows.fill_up(i));
     }
   });
-  const std::vector<char> near = reached(free, n_free, n_real);
+  const std::vector<char> near = reached(moving, n_real, still);
   for_each_part(n_parts, [&](std::size_t part) {
-    Rows& rows = held[part];
+    Rows& rows = resting[part];
     const Index first = pairs.part[part], last = pairs.part[part + 1];
     std::vector<Index> around;
-    for (std::size_t i = std::max<std::size_t>(first, n_free); i < last; ++i) {
+    for (std::size_t i = asleep.empty() ? std::max<std::size_t>(first, n_free) : first; i < last; ++i) {
+      if (!still(i)) continue;
       around.clear();
-      if (near[i]) particles.append_within(positions[i], range, n_parts == 1 ? static_cast<Index>(n_free) : 0, around);
-      auto shared = [&](Index j) { return j >= first && j < last && (j < n_free || near[j]); };
+      const bool all = n_parts > 1 || !asleep.empty(), felt = near[i] || i < n_free;
+      if (felt) particles.append_within(positions[i], range, all ? 0 : static_cast<Index>(n_free), around);
+      auto shared = [&](Index j) { return j >= first && j < last && (!still(j) || near[j] == near[i]); };
       for (const Index j : around)
-        if (j > i && shared(j)) rows.index.push_back(j);
+        if (j > i && still(j) && shared(j)) rows.index.push_back(j);
       rows.alone.push_back(rows.fill_up(i));
-      if (near[i]) append_images(i, rows.index);
+      if (felt) append_images(i, rows.index);
       for (const Index j : around)
         if (!shared(j)) rows.index.push_back(j);
       rows.offset.push_back(rows.fill_up(i));
     }
   });
-  append(free, pairs);
-  append(held, pairs);
+  for (std::size_t part = 0; part < n_parts; ++part) {
+    std::array<std::size_t, 2> done{};  // rows of those that move, and of the others
+    for (std::size_t i = pairs.part[part], next = i; i < pairs.part[part + 1]; i = next) {
+      const bool rests = still(i);
+      while (next < pairs.part[part + 1] && still(next) == rests) ++next;
+      append(rests ? resting[part] : moving[part], done[rests], next - i, pairs);
+      done[rests] += next - i;
+    }
+  }
+  pairs.skipped.clear();
+  if (asleep.empty()) return;
+  pairs.skipped.assign(n_real, 0);
+  for (std::size_t i = 0; i < n_free; ++i) pairs.skipped[i] = asleep[i] != 0 && near[i] == 0;
 }
 
-template void pair_up<2>(std::span<const Vec<2>>, std::size_t, std::size_t, double, std::size_t, Pairs&);
-template void pair_up<3>(std::span<const Vec<3>>, std::size_t, std::size_t, double, std::size_t, Pairs&);
+template void pair_up<2>(std::span<const Vec<2>>, std::size_t, std::size_t, double, std::size_t, std::span<const char>,
+                         Pairs&);
+template void pair_up<3>(std::span<const Vec<3>>, std::size_t, std::size_t, double, std::size_t, std::span<const char>,
+                         Pairs&);
 
 }  // namespace poretwin::solid

@@ -6,24 +6,28 @@
 
 namespace poretwin::solid {
 
-/// Compressed rows. Row i holds first the real particles j > i (the pair is felt by both), then from alone[i] on those
-/// that i feels without being felt: images, and held particles too far from the soil to take part. Both parts are
-/// filled up to multiples of four with i itself, of which nothing is felt: loops take four pairs at a time.
-/// Rows fall into parts, one a thread; of a pair across parts each particle has its own copy, felt alone.
+/// Compressed rows. Row i holds first the real particles of pairs that both feel, each pair in one of its two rows,
+/// then from alone[i] on those that i feels without being felt: images, and still particles too far from the others to
+/// take part. Still are those held and those asleep. Both parts are filled up to multiples of four with i itself, of
+/// which nothing is felt: loops take four pairs at a time. Rows fall into parts, one a thread; of a pair across parts
+/// each particle has its own copy, felt alone.
 struct Pairs {
   std::vector<Index> offset{0}, alone;
   std::vector<Index> index;
   std::vector<Index> part{0, 0};  ///< part k has the rows part[k] .. part[k + 1] - 1
+  std::vector<char> skipped;      ///< 1 or 0: rows of soil that sleeps among sleeping soil; empty while nothing sleeps
+  [[nodiscard]] bool skips(std::size_t i) const { return !skipped.empty() && skipped[i] != 0; }
   [[nodiscard]] std::size_t size() const { return alone.size(); }
   [[nodiscard]] std::size_t n_parts() const { return part.size() - 1; }
 };
 
-/// Calls visit(i) for the rows from `first` to `last` - 1, the parts side by side.
+/// Calls visit(i) for the rows from `first` to `last` - 1 that are not skipped, the parts side by side.
 template <class Visit>
 void for_rows(const Pairs& pairs, std::size_t first, std::size_t last, Visit&& visit) {
   for_each_part(pairs.n_parts(), [&](std::size_t part) {
     const std::size_t end = std::min<std::size_t>(last, pairs.part[part + 1]);
-    for (std::size_t i = std::max<std::size_t>(first, pairs.part[part]); i < end; ++i) visit(i);
+    for (std::size_t i = std::max<std::size_t>(first, pairs.part[part]); i < end; ++i)
+      if (!pairs.skips(i)) visit(i);
   });
 }
 
@@ -48,10 +52,11 @@ void for_each_felt(const Pairs& pairs, Feel&& feel) {
 }
 
 /// Pairs of the first positions, n_real of them, among themselves and with the images that follow, nearer than range
-/// [m]. Of the real ones those from n_free on are held; held particles without soil in range have empty rows.
-/// n_parts: of the rows, of much the same size.
+/// [m]. Of the real ones those from n_free on are held, and the free ones i with asleep[i] sleep (asleep: empty where
+/// none does); without others in range the held ones
+/// have empty rows, and rows of the sleeping ones are skipped. n_parts: of the rows, of much the same size.
 template <int D>
 void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t n_real, double range,
-             std::size_t n_parts, Pairs& pairs);
+             std::size_t n_parts, std::span<const char> asleep, Pairs& pairs);
 
 }  // namespace poretwin::solid

@@ -6,6 +6,7 @@
 #include "solid_solver/gauges.hpp"
 #include "solid_solver/pore_water.hpp"
 #include "solid_solver/readout.hpp"
+#include "solid_solver/regions.hpp"
 #include "solid_solver/saturation.hpp"
 #include "solid_solver/solid.hpp"
 
@@ -260,8 +261,10 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   std::fill(state_.yielded.begin(), state_.yielded.end(), char{0});
   std::fill(state_.yielding.begin(), state_.yielding.end(), 0.0);
   state_.any_yielded = false;
-  if (scene_.coupled() && !state_.motion.moving && (always_at_rest || interval > long_window(setup_)))
+  if (scene_.coupled() && !state_.motion.moving && (always_at_rest || interval > long_window(setup_))) {
+    wake_regions(setup_, state_);
     return advance_at_rest(window, to, impulse, drive);
+  }
 
   const auto steps =
       std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(interval / setup_.longest_substep - 1e-9)));
@@ -278,6 +281,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   const bool dry = std::none_of(impulse.begin(), impulse.end(), acts) &&
                    std::none_of(state_.external.coverage.begin(), state_.external.coverage.end(), acts) &&
                    std::all_of(from.begin(), from.end(), [](const Vec<D>& g) { return g.isZero(0.0); });
+  drive.damping_of_calm = setup_.quiet.damping ? near_critical_damping(setup_) : 0.0;
   double loaded_at = -1.0, loaded_rebuilds = -1.0, next_start = -1.0;
   for (std::size_t k = 0; k < steps; ++k) {
     const double now = window.time + static_cast<double>(k) * dt;
@@ -304,12 +308,14 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
     }
     if (!state_.motion.moving) {
       substep<D>(setup_, dt, drive, state_);
+      watch_regions<D>(setup_, drive, dt, state_);
       continue;
     }
     drive.damping = state_.motion.damping;
     const double rebuilt = state_.rebuilds;
     const VecArray<D> before = forces(setup_, state_, drive);
     substep<D>(setup_, dt, drive, state_);
+    watch_regions<D>(setup_, drive, dt, state_);
     if (state_.rebuilds > rebuilt) continue;
     const double rate = critical_rate(state_, before, forces(setup_, state_, drive), dt);
     state_.motion.damping += damping_follows * (std::min(rate, near_critical_damping(setup_)) - state_.motion.damping);
@@ -583,6 +589,8 @@ std::map<std::string, double> Solid<D>::counters() const {
           {"substeps", state_.substeps},
           {"substeps asleep", state_.slept},
           {"substeps damped", state_.damped},
+          {"share asleep beside soil that flows",
+           state_.regions.watched > 0.0 ? state_.regions.slept / state_.regions.watched : 0.0},
           {"list rebuilds", state_.rebuilds},
           {"windows relaxed", state_.motion.relaxed},
           {"windows at rest", state_.motion.at_rest},

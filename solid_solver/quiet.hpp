@@ -93,16 +93,17 @@ void stop(const Setup<D>& setup, State<D>& state) {
   evaluate_forces(setup, state);
 }
 
-/// Whether the saturation has changed by more than a hundredth, where a cohesion follows it, since the soil was last
-/// found at rest.
+/// Change of the saturation that disturbs a rest, where a cohesion follows it.
+inline constexpr double softening = 0.01;
+
+/// Whether the saturation has changed by more, where a cohesion follows it, since the soil was last found at rest.
 template <int D>
 bool softened(const Setup<D>& setup, const State<D>& state) {
-  constexpr double saturation_change = 0.01;
   const auto& now = state.external.saturation;
   const auto& before = state.sleep.saturation;
   for (std::size_t i = 0; i < state.particles.free(); ++i)
     if (setup.softened_by_water[state.particles.material[i]] &&
-        (before.empty() || std::abs(now[i] - before[i]) > saturation_change))
+        (before.empty() || std::abs(now[i] - before[i]) > softening))
       return true;
   return false;
 }

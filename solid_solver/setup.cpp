@@ -86,6 +86,8 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   setup.threads = threads();
   setup.courant = scene.solid.courant;
   setup.regular_flow = scene.solid.regular_flow;
+  setup.quiet = scene.solid.quiet.value_or(Quiet{});
+  if (!scene.general.periodic.empty()) setup.quiet.regions = 0.0;
   setup.stabilisers.artificial = scene.solid.artificial_viscosity;
   setup.stabilisers.quadratic = scene.solid.quadratic_viscosity;
   setup.stabilisers.artificial_stress = scene.solid.artificial_stress;

@@ -35,6 +35,7 @@ struct Setup {
   double longest_substep = 0.0;  ///< s
   double height = 0.0;           ///< m, extent of the soil along gravity
   Stabilisers stabilisers;
+  Quiet quiet;  ///< of the case; regions = 0 where none sleep
   Boundaries<D> boundaries;
   std::vector<LoadedPatch<D>> loads;
   std::vector<std::unique_ptr<ConstitutiveModel>> models;  ///< one per soil

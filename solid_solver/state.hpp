@@ -111,6 +111,24 @@ struct Sleep {
   std::size_t loads = 0;  ///< that had begun
 };
 
+/// Regions at rest around soil that flows (regions.hpp); arrays of the free particles, empty before any soil has
+/// flowed.
+template <int D>
+struct Regions {
+  double clock = 0.0;        ///< s, of the steps taken
+  double looked = 0.0;       ///< clock, when it was last asked what moves
+  double sent_to_bed = 0.0;  ///< the same of who falls asleep
+  ScalarArray stirred;       ///< clock, when a particle had last moved or yielded
+  VecArray<D> mark;        ///< m, its displacement then; while it sleeps: N, its neighbours' force when it fell asleep
+  VecArray<D> outside;     ///< N, force from outside when it fell asleep
+  ScalarArray sheared;     ///< its plastic strain then
+  ScalarArray saturation;  ///< when it fell asleep
+  std::vector<char> calm, asleep;     ///< 1 or 0; no `asleep` while nothing sleeps
+  double watched = 0.0, slept = 0.0;  ///< counters: s times particles, looked at and asleep of these
+  [[nodiscard]] bool sleeps(std::size_t i) const { return i < asleep.size() && asleep[i] != 0; }
+  [[nodiscard]] bool is_calm(std::size_t i) const { return !calm.empty() && calm[i] != 0; }
+};
+
 /// Whether a coupled soil moves: then every elastic wave is followed; otherwise long windows are taken as equilibria.
 /// Waves in soil that stands are damped out; soil that slides is soft, and its damping fades (Rayleigh's quotient).
 struct Motion {
@@ -204,6 +222,7 @@ struct State {
   ScalarArray yielding;           ///< share of the last window's shear that was plastic
   bool any_yielded = false;
   Sleep<D> sleep;
+  Regions<D> regions;
   Motion motion;
   ScalarArray resistance;     ///< N/m, added by a window, with which the stiffness was last factorised
   bool still_yields = false;  ///< something yielded since the soil was last quiet: its motion must not be damped

@@ -12,19 +12,18 @@
 
 namespace poretwin::solid {
 
-namespace {
-
 template <int D>
 void rebuild_lists(const Setup<D>& setup, State<D>& state) {
   Particles<D>& p = state.particles;
   wrap_periodic<D>(setup.boundaries, p.position);
   for (std::size_t i = 0; i < p.free(); ++i)
     sph::keep_inside<D>(setup.boundaries.planes, setup.spacing, p.position[i], p.velocity[i]);
-  build_neighbourhood<D>(setup.boundaries, setup.range(), setup.threads, p, state.near);
+  build_neighbourhood<D>(setup.boundaries, setup.range(), setup.threads, p, state.regions.asleep, state.near);
   state.rebuilds += 1.0;
+  if (state.near.pairs.skipped.empty()) return;
+  fill_nodes<D>(p, state.near, state.body, setup.flow_limit, state.nodes);
+  pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, 0, state.kernel);
 }
-
-}  // namespace
 
 template <int D>
 void rebuild(const Setup<D>& setup, State<D>& state) {
@@ -66,17 +65,24 @@ template <int D>
 void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& state) {
   Particles<D>& p = state.particles;
   for_rows(state.near.pairs, 0, p.free(), [&](std::size_t i) {
+    if (state.regions.sleeps(i)) {
+      // Lets waves through: a push of the neighbours moves it as fast as a wave would, until that is seen for a change.
+      const Vec<D> push = p.volume[i] * state.internal[i] - state.regions.mark[i];
+      const double let_through = 0.5 * setup.stabilisers.sound_speed / setup.spacing;
+      p.velocity[i] = (p.velocity[i] + dt / p.mass[i] * push) / (1.0 + dt * let_through);
+      return;
+    }
     Vec<D> force = p.volume[i] * (state.internal[i] + state.stabilising[i]) + p.mass[i] * setup.gravity;
     force += drive.distributed[i];
     if (!drive.traction.empty()) force += drive.traction[i];
     state.body[i] = (p.mass[i] * setup.gravity + drive.distributed[i]) / p.volume[i];
-    const double rate = dt / p.mass[i];
+    const double rate = dt / p.mass[i], damping = state.regions.is_calm(i) ? drive.damping_of_calm : drive.damping;
     if (drive.tracking.empty()) {
-      p.velocity[i] = (p.velocity[i] + rate * force) / (1.0 + dt * drive.damping);
+      p.velocity[i] = (p.velocity[i] + rate * force) / (1.0 + dt * damping);
       return;
     }
     const double z = drive.tracking[i];
-    p.velocity[i] = (p.velocity[i] + rate * (force + z * drive.target[i])) / (1.0 + rate * z + dt * drive.damping);
+    p.velocity[i] = (p.velocity[i] + rate * (force + z * drive.target[i])) / (1.0 + rate * z + dt * damping);
     state.returned_impulse[i] += dt * z * (drive.target[i] - p.velocity[i]);
   });
   rub_on_walls(setup, dt, state);
@@ -94,6 +100,10 @@ void deform(const Setup<D>& setup, double dt, State<D>& state) {
   fill_velocities<D>(p, state.near, state.nodes);
   velocity_gradient<D>(state.nodes, state.near.pairs, state.kernel, state.scratch, p.gradient, p.correction);
   for_rows(pairs, 0, p.free(), [&](std::size_t i) {
+    if (state.regions.sleeps(i)) {
+      p.gradient[i].setZero();
+      return;
+    }
     const Vec<D> moved = dt * p.velocity[i];
     p.position[i] += moved;
     p.displacement[i] += moved;
@@ -102,7 +112,7 @@ void deform(const Setup<D>& setup, double dt, State<D>& state) {
   });
   for_rows(pairs, 0, n, [&](std::size_t i) {
     const Mat<D> gradient = p.gradient[i];
-    if (i >= p.free() && gradient.squaredNorm() == 0.0) return;
+    if (state.regions.sleeps(i) || (i >= p.free() && gradient.squaredNorm() == 0.0)) return;
     // Dilation ends by the void ratio at the start: by that at the end it would begin and end with every displacement
     // that a search for equilibrium tries.
     const Condition before = condition(setup, p, i, state.external.saturation[i]);
@@ -174,6 +184,7 @@ void check_sound(const Setup<D>& setup, const State<D>& state, double last_good_
 }
 
 #define PORETWIN_INSTANTIATE(D)                                                                          \
+  template void rebuild_lists<D>(const Setup<D>&, State<D>&);                                            \
   template void rebuild<D>(const Setup<D>&, State<D>&);                                                  \
   template bool rebuild_if_moved<D>(const Setup<D>&, State<D>&);                                         \
   template void evaluate_forces<D>(const Setup<D>&, State<D>&);                                          \

@@ -8,12 +8,17 @@ namespace poretwin::solid {
 /// Forces from outside during one substep, besides gravity; empty arrays mean none.
 template <int D>
 struct Drive {
-  VecArray<D> distributed;  ///< N on each particle: the water's pressure and seepage (always filled)
-  VecArray<D> traction;     ///< N on each particle near a loaded face
-  ScalarArray tracking;     ///< V Z [N s/m], of the force V Z (target - v)
-  VecArray<D> target;       ///< m/s
-  double damping = 0.0;     ///< 1/s, only while the initial rest is sought
+  VecArray<D> distributed;       ///< N on each particle: the water's pressure and seepage (always filled)
+  VecArray<D> traction;          ///< N on each particle near a loaded face
+  ScalarArray tracking;          ///< V Z [N s/m], of the force V Z (target - v)
+  VecArray<D> target;            ///< m/s
+  double damping = 0.0;          ///< 1/s, only while the initial rest is sought
+  double damping_of_calm = 0.0;  ///< 1/s, of regions that are calm while others move
 };
+
+/// Builds lists and images anew; forces are to be evaluated then.
+template <int D>
+void rebuild_lists(const Setup<D>& setup, State<D>& state);
 
 /// Builds lists and images anew and everything that hangs on them.
 template <int D>

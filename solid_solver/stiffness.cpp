@@ -12,7 +12,7 @@ Stiffness<D>::Stiffness(const Setup<D>& setup, const Particles<D>& particles, co
   Particles<D> laid = particles;
   laid.position = lattice;
   Neighbourhood<D> near;
-  build_neighbourhood<D>(setup.boundaries, sph::support_radius * setup.smoothing_length, 1, laid, near);
+  build_neighbourhood<D>(setup.boundaries, sph::support_radius * setup.smoothing_length, 1, laid, {}, near);
   const auto place = [&](std::size_t j) -> Vec<D> {
     if (j < n) return lattice[j];
     return near.images[j - n].map * lattice[near.images[j - n].parent] + near.images[j - n].shift;

@@ -36,6 +36,7 @@ void for_each_touch(const Setup<D>& setup, const State<D>& state, Visit&& visit)
     if (walls.kinds[k] != Boundaries<D>::Kind::frictional) continue;
     const Vec<D>& normal = walls.planes[k].normal;
     for (std::size_t i = 0; i < state.particles.free(); ++i) {
+      if (state.regions.sleeps(i)) continue;
       const Vec<D>& x = state.nodes[i].position;  // the kernels'
       const double distance = normal.dot(x - walls.planes[k].point);
       if (distance >= 0.0 && distance < setup.spacing && walls.planes[k].faces(x)) visit(i, k, normal, distance);
@@ -105,7 +106,7 @@ void slide_on_walls(const Setup<D>& setup, double dt, State<D>& state) {
     }
   });
   for (std::size_t i = 0; i < p.free(); ++i) {
-    if (touches[i]) continue;
+    if (touches[i] || state.regions.sleeps(i)) continue;
     Vec<D> slip = Vec<D>::Zero(), slipped = slip;
     double weights = 0.0;
     for_each_image(state, i, [&](const ImageRule<D>& image, const Node<D>&, const Vec<D>& weight) {

@@ -173,7 +173,16 @@ void declare(Keys& keys, Quiet& q) {
       "damping", q.damping,
       {"",
        "Near-critical damping in quasi-static windows: while the departure from rest is below 10 `wake_above`, and "
-       "off from the first yielding until quiet again."});
+       "off from the first yielding until quiet again. The same of regions before they sleep."});
+  keys.number("regions", q.regions,
+              {"g",
+               "Regions at rest around soil that flows (plastic strain above 1 %) sleep, too: what has dissipated "
+               "next to nothing and not moved by more than this acceleration moves it in the time that waves take "
+               "eight times through the soil. Their pairs and stresses are not computed; for those that move they "
+               "stand still. They wake when a force from outside changes by more than `wake_above`, that of their "
+               "neighbours by as much as such an error of the stress makes, or something moves beside them. 5e-3 is "
+               "what docs/performance.md measures; 0: the soil sleeps as a whole only. Not with periodic sides."},
+              not_negative());
 }
 
 void declare(Keys& keys, Wall& w) {

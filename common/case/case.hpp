@@ -166,7 +166,8 @@ struct FluidCase {
 struct Quiet {
   double sleep_below = 1e-3;  ///< of g, root mean square of the departure from rest
   double wake_above = 5e-3;   ///< of g, change of the force on any particle
-  bool damping = true;        ///< near-critical, in quasi-static windows only
+  bool damping = true;        ///< near-critical, in quasi-static windows only, and in regions that are calm
+  double regions = 0.0;       ///< of g: regions at rest around soil that flows sleep below; 0: never
 };
 
 /// [solid]
