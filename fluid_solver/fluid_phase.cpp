@@ -413,11 +413,12 @@ ScalarArray Fluid<D>::left_for_later(const Stencil<D>& s, const SoilView<D>& vie
   return left;
 }
 
-/// Water without soil, in 2D: how full its surroundings are is told nearly free of their order. Over soil a thin fast
-/// layer gained 1 % of its energy so; in 3D it gains nothing.
+/// Water without soil, in 2D, its pressure solved for: how full its surroundings are is told nearly free of their
+/// order. Over soil a thin fast layer gained 1 % of its energy so; in 3D there is no gain, and under explicit sweeps a
+/// loss.
 template <int D>
 bool Fluid<D>::open_water() const {
-  return D == 2 && scene_.soils.empty();
+  return D == 2 && scene_.soils.empty() && scene_.fluid.scheme == FluidCase::Scheme::projection;
 }
 
 /// By how much particle a's surroundings are fuller than a lattice, full: their sum V W over a lattice's, or what
