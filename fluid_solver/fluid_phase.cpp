@@ -243,7 +243,7 @@ Stencil<D> Fluid<D>::stencil() const {
   const auto buffers = make_buffers(state_.columns);
   std::vector<char> free(p.size());
   for_each_side_by_side(p.size(), [&](std::size_t a) { free[a] = is_free(a); });
-  auto s = make_stencil<D>(p.position, p.volume, std::span<const Buffer<D>>(buffers), planes_, free);
+  auto s = make_stencil<D>(p.position, p.volume, std::span<const Buffer<D>>(buffers), planes_, free, open_water());
   fit_columns<D>(state_.columns, free, s);
   limit_surface(s);
   return s;
@@ -413,14 +413,30 @@ ScalarArray Fluid<D>::left_for_later(const Stencil<D>& s, const SoilView<D>& vie
   return left;
 }
 
-/// By how much particle a's surroundings are fuller than a lattice, full: their sum V W over a lattice's.
+/// Water without soil, in 2D, its pressure solved for: how full its surroundings are is told nearly free of their
+/// order. Over soil a thin fast layer gained 1 % of its energy so; in 3D there is no gain, and under explicit sweeps a
+/// loss.
+template <int D>
+bool Fluid<D>::open_water() const {
+  return D == 2 && scene_.soils.empty() && scene_.fluid.scheme == FluidCase::Scheme::projection;
+}
+
+/// By how much particle a's surroundings are fuller than a lattice, full: their sum V W over a lattice's, or what
+/// stands for it in open water.
 template <int D>
 double Fluid<D>::packing_error(const Stencil<D>& s, std::size_t a, double full) const {
+  const auto& p = state_.particles;
+  if (open_water() && p.surface[a] != Surface::lone)
+    if (const double below = depth<D>(s, a, p.surface, p.seeps); below > 0.0) {
+      // The missing side is filled with a lattice; a surface may be loose.
+      static const double whole = lattice_density<D>();
+      return std::max(0.0, full + lattice_density<D>(0.5 + below * smoothing_ratio / s.length[a]) / whole - 1.0);
+    }
   double excess = full - 1.0;
   // Near a surface the sum is short by nature, not by error.
   if (excess < 0.0 && !s.covered[a]) excess *= std::clamp(1.0 - 5.0 * s.length[a] * s.normal[a].norm(), 0.0, 1.0);
   const bool below = s.ghost_distance[a] > 0.0;
-  return below || state_.particles.surface[a] != Surface::interior ? std::max(0.0, excess) : excess;
+  return below || p.surface[a] != Surface::interior ? std::max(0.0, excess) : excess;
 }
 
 /// How much of a volume debt is made good at once where soil yields. A block that slides on a band as soft as nothing

@@ -55,6 +55,7 @@ class Fluid final : public Phase {
   /// deformation beyond the prediction.
   bool drags(const SoilView<D>& soil, std::size_t a) const;
   ScalarArray left_for_later(const Stencil<D>& s, const SoilView<D>& soil, double interval) const;
+  [[nodiscard]] bool open_water() const;
   [[nodiscard]] double packing_error(const Stencil<D>& s, std::size_t a, double full) const;
   ScalarArray volume_source(const Stencil<D>& s, const SoilView<D>& soil, std::span<const Mat<D>> velocity_gradient,
                             double interval);

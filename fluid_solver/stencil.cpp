@@ -95,8 +95,8 @@ void part_ghosts(std::span<const Buffer<D>> buffers, std::span<const char> free,
 
 /// Kernels of the pairs of particle a, and its sums over them; its moment stands in for the correction.
 template <int D>
-[[gnu::always_inline]] inline void sum_pairs(const Summed<D>* points, std::size_t a, Stencil<D>& s) {
-  constexpr std::size_t n_moments = D * (D + 1) / 2, n_sums = 1 + D + n_moments, size = (n_sums + 3) / 4 * 4;
+[[gnu::always_inline]] inline void sum_pairs(const Summed<D>* points, std::size_t a, bool open_water, Stencil<D>& s) {
+  constexpr std::size_t n_moments = D * (D + 1) / 2, n_sums = 2 + D + n_moments, size = (n_sums + 3) / 4 * 4;
   static const double scale = Kernel<D>::normalisation(1.0);
   const double* const self = points[a].row();
   const double length = self[D + 1];
@@ -118,11 +118,15 @@ template <int D>
     raise_to(u, Lanes{});
     const Lanes cube = u * u * u * real * square * (D == 2 ? Lanes{} + 1.0 : inverse);
     const Lanes value = cube * u * (2.0 * q + 1.0);
+    Lanes weight;
+    density_weight(u, weight);
+    weight *= real * square * (D == 2 ? Lanes{} + 1.0 : inverse);
     Lanes pull = 5.0 * square * cube * point[D];
     put(pull, &s.pull[m]);
     take(&s.pull[m], pull);
     std::size_t c = 0;
     sum[c++] += point[D] * value;
+    sum[c++] += point[D] * weight;
     for (std::size_t d = 0; d < D; ++d) sum[c++] += pull * ba[d];
     for (std::size_t d = 0; d < D; ++d)
       for (std::size_t e = 0; e <= d; ++e) sum[c++] += pull * ba[d] * ba[e];
@@ -131,7 +135,11 @@ template <int D>
   add_lanes<size>(sum, total);
   const double* next = total;
   s.closest[a] = std::min(std::min(least[0], least[1]), std::min(least[2], least[3]));
-  s.fullness[a] = *next++ + self[D] * Kernel<D>::value(0.0, length);
+  static const double full = lattice_fullness<D>(),
+                      full_density = lattice_density<D>() * Kernel<D>::normalisation(smoothing_ratio);
+  const double own = self[D] * Kernel<D>::value(0.0, length), fullness = (*next++ + own) / full;
+  s.fullness[a] = open_water ? (*next + own) / full_density : fullness;
+  ++next;
   for (int d = 0; d < D; ++d) s.normal[a][d] = *next++;
   for (int d = 0; d < D; ++d)
     for (int e = 0; e <= d; ++e) s.correction[a](d, e) = s.correction[a](e, d) = *next++;
@@ -166,7 +174,7 @@ Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* blind, double
 
 template <int D>
 Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volume, std::span<const Buffer<D>> buffers,
-                        std::span<const sph::ImagePlane<D>> planes, std::span<const char> free) {
+                        std::span<const sph::ImagePlane<D>> planes, std::span<const char> free, bool open_water) {
   Stencil<D> s;
   s.n_real = x.size();
   s.n_base = s.n_real + buffers.size();
@@ -222,16 +230,14 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   if (!buffers.empty()) s.reflection.assign(s.other.size(), 0.0F);
   std::vector<Summed<D>> points(s.size());
   for_each_side_by_side(s.size(), [&](std::size_t j) { points[j] = {s.position[j], s.volume[j], s.length[j]}; });
-  const double full = lattice_fullness<D>();
   side_by_side(n, [&](std::size_t first, std::size_t last) {
     run_lanes([&]() __attribute__((always_inline)) {
-      for (std::size_t a = first; a < last; ++a) sum_pairs<D>(points.data(), a, s);
+      for (std::size_t a = first; a < last; ++a) sum_pairs<D>(points.data(), a, open_water, s);
     });
   });
   constexpr char surface = 1, face = 2;
   std::vector<char> edge(n, 0);
   for_each_side_by_side(n, [&](std::size_t a) {
-    s.fullness[a] /= full;
     const Mat<D> moment = s.correction[a];
     s.divergence[a] = moment.trace();
     // The pair Laplacian of a quadratic is off by the kernel's moment, 2.6 % on a lattice at this smoothing length:
@@ -267,7 +273,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
 #define PORETWIN_INSTANTIATE(D)                                                                                     \
   template Mat<D> bounded_inverse<D>(const Mat<D>&, double, Mat<D>*, double*);                                      \
   template Stencil<D> make_stencil<D>(std::span<const Vec<D>>, std::span<const double>, std::span<const Buffer<D>>, \
-                                      std::span<const sph::ImagePlane<D>>, std::span<const char>);
+                                      std::span<const sph::ImagePlane<D>>, std::span<const char>, bool);
 PORETWIN_INSTANTIATE(2)
 PORETWIN_INSTANTIATE(3)
 #undef PORETWIN_INSTANTIATE

@@ -7,6 +7,7 @@
 #include "common/sph/images.hpp"
 #include "common/sph/kernel.hpp"
 
+#include <optional>
 #include <span>
 
 namespace poretwin::fluid {
@@ -41,6 +42,30 @@ template <int D>
 double lattice_fullness() {
   static const double value = lattice_sum<D>([](double r) { return Kernel<D>::value(r, smoothing_ratio); });
   return value;
+}
+
+/// By what points count in the density of open water (2D), u = 1 - r / support, unit at the point itself: nearly Hann's
+/// window, whose spectrum is next to nothing where that of a packing is not, so that the sum hardly knows in which
+/// order the points lie: 0.3 % above a lattice's at a jitter of 0.2, where sum V W is 1.5 %, 0.0 % in flowing water
+/// (0.4 %). In 3D it would know as well (0.3 %).
+template <class Number>
+[[gnu::always_inline]] inline void density_weight(const Number& u, Number& weight) {
+  weight = u * u * (3.0 - 2.0 * u);
+}
+
+/// Sum of that over a lattice, or over those of its planes that lie `distance` or more away on one side, in spacings.
+template <int D>
+double lattice_density(std::optional<double> distance = {}) {
+  constexpr double support = sph::support_radius * smoothing_ratio;
+  constexpr int reach = 3;
+  double sum = 0.0, weight = 0.0;
+  for (double z = distance.value_or(-reach); z < support; z += 1.0)
+    for (int i = -reach; i <= reach; ++i)
+      for (int j = (D == 3 ? -reach : 0); j <= (D == 3 ? reach : 0); ++j) {
+        density_weight(std::max(0.0, 1.0 - std::sqrt(z * z + i * i + j * j) / support), weight);
+        sum += weight;
+      }
+  return sum;
 }
 
 /// Amplification of pair sums of second derivatives inside a lattice.
@@ -101,7 +126,7 @@ struct Stencil {
   std::vector<float> pull;
   std::vector<float> reflection;  ///< [pairs] 0, or 1 + |d_b|/d_a where b is a buffer; empty without buffers
 
-  ScalarArray fullness;    ///< [real] sum V W over that of a lattice
+  ScalarArray fullness;    ///< [real] sum V W over that of a lattice; of open water sum V density_weight
   ScalarArray closest;     ///< [real] least distance to another point, in units of the pair's smoothing length
   ScalarArray divergence;  ///< [real] sum V div r: D inside
   ScalarArray
@@ -168,8 +193,10 @@ Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* blind, double
 
 /// Surroundings of the particles at x (bulk volumes in m^D), with buffers outside faces and images behind planes.
 /// free: [n] in no soil; none: all. Water in soil does not see behind a sill, nor free water behind a face of soil.
+/// open_water: fullness is told by density_weight.
 template <int D>
 Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volume, std::span<const Buffer<D>> buffers,
-                        std::span<const sph::ImagePlane<D>> planes, std::span<const char> free = {});
+                        std::span<const sph::ImagePlane<D>> planes, std::span<const char> free = {},
+                        bool open_water = false);
 
 }  // namespace poretwin::fluid

@@ -60,6 +60,41 @@ double row_thickness(const Stencil<D>& s, std::size_t a, std::span<const Surface
   return thickness;
 }
 
+/// What the surface particles of its own kind in reach say of the surface above particle a, sums weighted with W: the
+/// outward normal, the surface's height above the particle along it [m], its pressure [Pa].
+template <int D>
+struct SurfacePlane {
+  double weight = 0.0, height = 0.0, pressure = 0.0;
+  Vec<D> normal = Vec<D>::Zero();
+};
+template <int D>
+SurfacePlane<D> surface_plane(const Stencil<D>& s, std::size_t a, std::span<const Surface> flags,
+                              std::span<const double> seeps) {
+  SurfacePlane<D> plane;
+  for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+    const Index j = s.other[k], q = s.parent[j];
+    if (q >= s.n_real || flags[q] != Surface::surface || (seeps[q] >= 0.5) != (seeps[a] >= 0.5)) continue;
+    Vec<D> n = -s.normal[q].normalized();
+    if (j >= s.n_base) n = s.map[j - s.n_base] * n;
+    const double value = s.value(a, j);
+    plane.weight += value;
+    plane.normal += value * n;
+    plane.pressure += value * s.surface_pressure[q];
+    plane.height += value * (n.dot(s.position[j] - s.position[a]) + s.surface_distance[q]);
+  }
+  return plane;
+}
+
+/// Depth of particle a of free water below the surface in its kernel's reach [m]; 0: none, or no plane.
+template <int D>
+double depth(const Stencil<D>& s, std::size_t a, std::span<const Surface> flags, std::span<const double> seeps) {
+  if (s.ghost_distance[a] > 0.0) return s.ghost_distance[a];
+  constexpr double plane_enough = 0.9;
+  const auto plane = surface_plane<D>(s, a, flags, seeps);
+  if (plane.normal.norm() <= plane_enough * plane.weight) return 0.0;
+  return std::max(plane.height / plane.weight, s.surface_distance[a]);
+}
+
 /// rows: thickness of the row each particle lies in, in spacings, of which `share` is what it is now: slowly, for the
 /// surface particles themselves are moved as the surface does (surface_lead) while a row is stretched.
 /// Free water: the moment's smallest eigenvalue, then an umbrella of neighbours (Marrone et al. 2010).
@@ -69,11 +104,6 @@ template <int D>
 std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> seeps, std::span<double> rows = {},
                                   double share = 0.0) {
   std::vector<Surface> flags(s.n_real, Surface::interior);
-  const auto outward = [&](Index j) {
-    const Index q = s.parent[j];
-    const Vec<D> n = -s.normal[q].normalized();
-    return j < s.n_base ? n : Vec<D>(s.map[j - s.n_base] * n);
-  };
   const auto umbrella = [&](std::size_t a) {
     const double h = s.length[a];
     const Vec<D> n = -s.normal[a].normalized();
@@ -128,24 +158,13 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> seeps, 
   // Below the surface: the distance of the plane that the surface particles of its own kind in reach put it at, and the
   // pressure there; 0: none.
   const auto below = [&](std::size_t a) -> std::pair<double, double> {
-    double weight = 0.0, height = 0.0, pressure = 0.0;
-    Vec<D> normal = Vec<D>::Zero();
-    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
-      const Index j = s.other[k], q = s.parent[j];
-      if (q >= s.n_real || flags[q] != Surface::surface || (seeps[q] >= 0.5) != (seeps[a] >= 0.5)) continue;
-      const Vec<D> n = outward(j);
-      const double value = s.value(a, j);
-      weight += value;
-      normal += value * n;
-      pressure += value * s.surface_pressure[q];
-      height += value * (n.dot(s.position[j] - s.position[a]) + s.surface_distance[q]);
-    }
-    if (weight == 0.0 || normal.isZero(0.0)) return {};
-    const double cosine = -normal.dot(s.normal[a]) / (normal.norm() * s.normal[a].norm());
+    const auto plane = surface_plane<D>(s, a, flags, seeps);
+    if (plane.weight == 0.0 || plane.normal.isZero(0.0)) return {};
+    const double cosine = -plane.normal.dot(s.normal[a]) / (plane.normal.norm() * s.normal[a].norm());
     if (cosine < 0.5) return {};
-    const double distance = height / (weight * cosine);
+    const double distance = plane.height / (plane.weight * cosine);
     if (distance <= 0.0 || distance >= sph::support_radius * s.length[a]) return {};
-    return {std::max(distance, s.surface_distance[a]), pressure / weight};
+    return {std::max(distance, s.surface_distance[a]), plane.pressure / plane.weight};
   };
   // Beside free water windows are short, and the gradient of seeping water does not know of its surface: left as it is.
   const bool all_seep = std::all_of(seeps.begin(), seeps.end(), [](double one) { return one >= 0.5; });

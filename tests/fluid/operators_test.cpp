@@ -11,7 +11,7 @@ namespace {
 
 template <int D>
 Stencil<D> box(double jitter, std::size_t count, std::span<const sph::ImagePlane<D>> planes,
-               std::vector<Vec<D>>* points = nullptr) {
+               std::vector<Vec<D>>* points = nullptr, bool open_water = false) {
   VecArray<D> x;
   std::mt19937_64 generator(3);
   std::uniform_real_distribution<double> noise(-jitter, jitter);
@@ -26,7 +26,7 @@ Stencil<D> box(double jitter, std::size_t count, std::span<const sph::ImagePlane
       }
   if (points) *points = x;
   const ScalarArray volume(x.size(), std::pow(dx, D));
-  return make_stencil<D>(x, volume, std::span<const Buffer<D>>(), planes);
+  return make_stencil<D>(x, volume, std::span<const Buffer<D>>(), planes, {}, open_water);
 }
 
 template <int D>
@@ -140,6 +140,20 @@ TEST(Operators, DirectionsWithoutNeighboursAreBlind) {
       s, p, [](Index) { return 0.0; }, {}, fallback, [](std::size_t) { return 0.0; });
   EXPECT_NEAR(g[5].x(), 2.0, 1e-10);
   EXPECT_NEAR(g[5].y(), 7.0, 1e-10);
+}
+
+// As many points in the same box: how full it is must not depend on their order.
+TEST(Operators, DensityOfOpenWaterHardlyKnowsThePackingsOrder) {
+  const auto planes = walls<2>();
+  const auto mean = [&](double jitter, bool open_water) {
+    const auto s = box<2>(jitter, 20, planes, nullptr, open_water);
+    double sum = 0.0;
+    for (const double fullness : s.fullness) sum += fullness;
+    return sum / static_cast<double>(s.n_real);
+  };
+  EXPECT_NEAR(mean(0.0, true), 1.0, 1e-12);
+  EXPECT_NEAR(mean(0.2, true), 1.0, 0.005);
+  EXPECT_GT(mean(0.2, false), 1.01);
 }
 
 // A row of the surface with 23 particles where a lattice has 20 is 1.15 spacings thick.
