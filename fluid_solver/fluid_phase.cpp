@@ -607,7 +607,8 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   drift(dt);
   auto s = stencil();
   ++state_.counts.stencils;
-  p.surface = find_surface<D>(s, p.seeps, p.row, std::min(1.0, dt / (row_memory * free_repair_time(dx_))));
+  p.surface =
+      find_surface<D>(s, p.seeps, p.row, std::min(1.0, dt / (row_memory * free_repair_time(dx_))), scene_.coupled());
   if (scene_.coupled()) take_back(s, view, dt);
   check_room(window.time);
 

@@ -97,12 +97,13 @@ double depth(const Stencil<D>& s, std::size_t a, std::span<const Surface> flags,
 
 /// rows: thickness of the row each particle lies in, in spacings, of which `share` is what it is now: slowly, for the
 /// surface particles themselves are moved as the surface does (surface_lead) while a row is stretched.
+/// splashes: small holes in free water are surfaces.
 /// Free water: the moment's smallest eigenvalue, then an umbrella of neighbours (Marrone et al. 2010).
 /// Water in soil (seeps >= 0.5), a wetting front: the deficit of the divergence of position (Lee et al. 2008), where no
 /// water stands opposite: a hole under pressure taken for a surface draws a reservoir in at full head.
 template <int D>
 std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> seeps, std::span<double> rows = {},
-                                  double share = 0.0) {
+                                  double share = 0.0, bool splashes = false) {
   std::vector<Surface> flags(s.n_real, Surface::interior);
   const auto umbrella = [&](std::size_t a) {
     const double h = s.length[a];
@@ -139,7 +140,7 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> seeps, 
     }
     const double amount = s.normal[a].norm();
     if (s.least_moment[a] >= surface::inside) continue;
-    const bool hole = s.divergence[a] < surface::few * D && amount * s.length[a] > surface::hole;
+    const bool hole = splashes && s.divergence[a] < surface::few * D && amount * s.length[a] > surface::hole;
     const bool edge =
         s.least_moment[a] >= surface::alone && (hole || (amount * s.length[a] > surface::first_row && !umbrella(a)));
     if (edge) {
