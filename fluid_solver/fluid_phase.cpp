@@ -439,27 +439,6 @@ double Fluid<D>::packing_error(const Stencil<D>& s, std::size_t a, double full) 
   return below || p.surface[a] != Surface::interior ? std::max(0.0, excess) : excess;
 }
 
-/// How much of a volume debt is made good at once where soil yields. A block that slides on a band as soft as nothing
-/// overdoes it: what it squeezed beyond the prediction (rate [1/s]) then comes back with its sign turned, larger with
-/// every window, until windows of milliseconds follow the waves. Told by what the last two windows have in common. Soil
-/// that flows in short windows owes its volume at once.
-template <int D>
-void Fluid<D>::settle_debts(const SoilView<D>& view, const ScalarArray& rate, bool long_window) {
-  const auto& p = state_.particles;
-  double common = 0.0, before = 0.0;
-  for (std::size_t a = 0; a < p.size(); ++a) {
-    common += view.yielding[a] * p.volume[a] * rate[a] * p.squeeze[a];
-    before += view.yielding[a] * p.volume[a] * p.squeeze[a] * p.squeeze[a];
-  }
-  constexpr double least = 0.125, turned = -0.25;
-  if (!long_window)
-    state_.settles = 1.0;
-  else if (common < turned * before)
-    state_.settles = std::max(least, 0.5 * state_.settles);
-  else
-    state_.settles = std::min(1.0, 1.25 * state_.settles);
-}
-
 template <int D>
 ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view,
                                     std::span<const Mat<D>> velocity_gradient, double interval) {
@@ -505,13 +484,10 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
     beyond[a] = e * (view.mean_velocity[a] - p.solid_velocity[a]);
   }
   const auto rate = divergence<D>(s, beyond);
-  settle_debts(view, rate, interval > wave_interval());
   for (std::size_t a = 0; a < p.size(); ++a) {
-    const double debt = came * rate[a], settled = 1.0 - (1.0 - state_.settles) * view.yielding[a];
-    const double released = settled * (debt / std::max(interval, came) + p.volume_debt[a] / due);
+    const double debt = came * rate[a], released = debt / std::max(interval, came) + p.volume_debt[a] / due;
     source[a] -= released;
     p.volume_debt[a] += debt - released * interval;
-    p.squeeze[a] = rate[a];
   }
   return source;
 }

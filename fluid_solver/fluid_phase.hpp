@@ -96,7 +96,6 @@ class Fluid final : public Phase {
   void control_interval(const ScalarArray& before, double interval);
   void limit_by_slowing(const VecArray<D>& velocity_before, double interval);
   void limit_scheme(const SoilView<D>& view);
-  void settle_debts(const SoilView<D>& view, const ScalarArray& rate, bool long_window);
   void take_back(const Stencil<D>& s, const SoilView<D>& view, double interval);
   void check_room(double time) const;
   void check_finite(const WindowSolution<D>& solution, double time) const;

@@ -24,7 +24,6 @@ struct Particles {
   ScalarArray seeps;           ///< 1: it seeps; 0: it moves and has a surface as free water
   ScalarArray cavity;          ///< voids torn open in the water, m^D
   ScalarArray volume_debt;     ///< strain the soil made beyond the prediction, not yet given to the water
-  ScalarArray squeeze;         ///< 1/s, what came of it in the last window
   VecArray<D> birthplace;      ///< m: a particle that never moved has no packing to repair
   ScalarArray row;             ///< thickness of the row of surface particles it lies in, in spacings
   std::vector<Surface> surface;
@@ -46,7 +45,6 @@ struct Particles {
     visit(seeps);
     visit(cavity);
     visit(volume_debt);
-    visit(squeeze);
     visit(birthplace);
     visit(row);
     visit(surface);
@@ -73,7 +71,6 @@ struct Particles {
     seeps.push_back(mask.back());
     cavity.push_back(0.0);
     volume_debt.push_back(0.0);
-    squeeze.push_back(0.0);
     birthplace.push_back(x);
     row.push_back(1.0);
     surface.push_back(Surface::interior);
@@ -113,7 +110,6 @@ struct State {
   double time = 0.0;
   double last_interval = 0.0;    ///< s
   double debt_due = 0.0;         ///< s, until when the particles' volume debt is to be made good
-  double settles = 1.0;          ///< share of a volume debt made good at once where soil yields
   double pressure_change = 0.0;  ///< rms over the last window, of the pressure's range
   double widest_range = 0.0;     ///< of piezometric pressure so far, Pa
   double controlled = 0.0;       ///< interval the controller would take next, s; 0: not started

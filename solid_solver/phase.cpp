@@ -339,6 +339,17 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
 }
 
 template <int D>
+double Solid<D>::drained_window() const {
+  double slowest = 0.0;
+  for (std::size_t m = 0; m < setup_.models.size(); ++m) {
+    const Soil& soil = scene_.soils[m];
+    const double k = porous::seepage_at(scene_, soil, soil.porosity).conductivity;
+    slowest = std::max(slowest, setup_.water_weight / (k * setup_.models[m]->elasticity().constrained()));
+  }
+  return setup_.height * setup_.height * slowest;
+}
+
+template <int D>
 void Solid<D>::tell_yielding(std::span<const double> plastic_before, double interval) {
   const Particles<D>& p = state_.particles;
   for (std::size_t i = 0; i < p.size(); ++i) {
@@ -440,7 +451,7 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const VecArray<D>& gradi
     p.velocity[i] = state_.mean_velocity[i] = (p.displacement[i] - start[i]) / interval;
     if (!asleep) state_.returned_impulse[i] = interval * tracking.tracking[i] * (tracking.target[i] - p.velocity[i]);
   }
-  if (moved && state_.any_yielded) {
+  if (moved && state_.any_yielded && interval > drained_window()) {
     fill_velocities<D>(p, state_.near, state_.nodes);
     velocity_gradient<D>(state_.nodes, state_.near.pairs, state_.kernel, state_.scratch, p.gradient, p.correction);
     tell_yielding(plastic_before, interval);
