@@ -199,7 +199,7 @@ int main(int argc, char** argv) {
   report("solid: force, elastic", near, seconds(force), false);
   for (auto& node : nodes) node.firmness = solid::Node<2>::flows;
   report("solid: force, flowing", near, seconds(force), false);
-  MatArray<2> gradient(x.size()), correction(x.size());
+  MatArray<2> correction(x.size());
   report("solid: velocity gradient", near,
-         seconds([&] { solid::velocity_gradient<2>(nodes, pairs, kernel, scratch, gradient, correction); }), false);
+         seconds([&] { solid::velocity_gradient<2>(pairs, kernel, scratch, nodes, correction); }), false);
 }

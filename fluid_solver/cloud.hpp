@@ -19,7 +19,8 @@ struct Cloud {
   ScalarArray volume, length;
   ScalarArray owner;     ///< the particle an image belongs to; -1: a buffer, or its image
   ScalarArray pressure;  ///< total, Pa
-  VecArray<D> velocity, solid_velocity;
+  VecArray<D> velocity;
+  OrZero<Vec<D>> solid_velocity;
   ScalarArray mask, void_fraction;
   [[nodiscard]] std::size_t size() const { return position.size(); }
 };
@@ -50,7 +51,7 @@ Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> p
     c.volume.push_back(b.volume);
     c.pressure.push_back(column.pressure - column.slope * b.outside);
     c.velocity.push_back(column.speed * column.normal);
-    c.solid_velocity.push_back(Vec<D>::Zero());
+    c.solid_velocity.grow();
     c.mask.push_back(0.0);
     c.void_fraction.push_back(column.void_fraction);
   }
@@ -59,7 +60,7 @@ Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> p
     c.volume.push_back(w.volume);
     c.pressure.push_back(w.pressure);
     c.velocity.push_back(Vec<D>::Zero());
-    c.solid_velocity.push_back(Vec<D>::Zero());
+    c.solid_velocity.grow();
     c.mask.push_back(0.0);
     c.void_fraction.push_back(1.0);
   }
@@ -79,7 +80,7 @@ Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> p
     c.owner.push_back(c.owner[q]);
     c.pressure.push_back(c.pressure[q]);
     c.velocity.push_back(images.map[i] * c.velocity[q] + images.carried[i]);
-    c.solid_velocity.push_back(images.map[i] * c.solid_velocity[q]);
+    if (c.solid_velocity.is_laid_out()) c.solid_velocity.values().push_back(images.map[i] * c.solid_velocity[q]);
     c.mask.push_back(c.mask[q]);
     c.void_fraction.push_back(c.void_fraction[q]);
   }

@@ -138,18 +138,24 @@ template <int D>
 void Fluid<D>::limit_surface(Stencil<D>& s) const {
   const double gamma = porous::specific_weight(scene_);
   const ColumnFinder<D> finder(state_.columns);
+  const auto& columns = state_.columns;
+  if (std::any_of(columns.begin(), columns.end(), [](const auto& c) { return c.in_soil && !c.wet; }))
+    s.told_distance.lay_out(s.n_real);
+  const auto& soils = scene_.soils;
+  if (std::any_of(soils.begin(), soils.end(), [](const Soil& soil) { return soil.suction_head != 0.0; }))
+    s.surface_pressure.lay_out(s.n_real);
   for_each_side_by_side(s.n_real, [&](std::size_t a) {
     if (s.divergence[a] > D || is_free(a)) return;
-    const double spacing = 2.0 * s.surface_distance[a];
+    const double spacing = 2.0 * s.surface_distance(a);
     const int i = finder.nearest(s.position[a]);
     const auto* c = i < 0 ? nullptr : &state_.columns[static_cast<std::size_t>(i)];
     const double d = c ? c->inside(s.position[a]) : spacing;
     const bool at_face = c && c->in_soil && !c->wet && d < 0.5 * spacing;
     if (at_face && (!faces_follow_ || d > -deletion_depth * c->spacing)) {
       s.at_face[a] = true;
-      s.surface_distance[a] = std::max(d, 0.1 * spacing);
-    } else if (const Soil* here = soil_at(scene_, to_point3<D>(s.position[a]))) {
-      s.surface_pressure[a] = -gamma * here->suction_head;
+      s.told_distance.set(a, std::max(d, 0.1 * spacing));
+    } else if (const Soil* here = soil_at(scene_, to_point3<D>(s.position[a])); here && here->suction_head != 0.0) {
+      s.surface_pressure.set(a, -gamma * here->suction_head);
     }
   });
 }

@@ -127,15 +127,15 @@ struct SolveReport {
 };
 
 /// Preconditioned conjugate gradients on plain doubles: apply(x, y): y = A x; precondition(r, z): z = P^-1 r, which may
-/// change a little from step to step (flexible: each direction is made conjugate to the last; Notay 2000).
-/// Stops when |residual| <= tolerance (absolute).
+/// change a little from step to step (flexible: each direction is made conjugate to the last; Notay 2000). r: b, on the
+/// way the residual. Stops when |residual| <= tolerance (absolute).
 template <class Apply, class Precondition>
-SolveReport conjugate_gradients(Apply&& apply, Precondition&& precondition, std::span<const double> b,
-                                std::span<double> x, double tolerance, int limit) {
-  const std::size_t n = b.size();
-  ScalarArray r(n), z(n), p(n), q(n);
+SolveReport conjugate_gradients(Apply&& apply, Precondition&& precondition, ScalarArray r, std::span<double> x,
+                                double tolerance, int limit) {
+  const std::size_t n = r.size();
+  ScalarArray z(n), p(n), q(n);
   apply(std::span<const double>(x), std::span<double>(q));
-  for_each_side_by_side(n, [&](std::size_t i) { r[i] = b[i] - q[i]; });
+  for_each_side_by_side(n, [&](std::size_t i) { r[i] -= q[i]; });
   SolveReport report;
   if (norm(r) <= tolerance) return report;
   precondition(std::span<const double>(r), std::span<double>(z));

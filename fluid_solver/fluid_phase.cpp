@@ -85,7 +85,7 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
   const Vec<D> up = weight_.norm() > 0.0 ? Vec<D>(-weight_.normalized()) : Vec<D>::Zero();
   for (const auto& region : scene.fluid.regions) {
     const auto lattice = fill<D>(region, dx_, scene.fluid.offset, scene.fluid.jitter, seed++);
-    p.reserve(p.size() + lattice.position.size());
+    p.reserve(p.size() + lattice.position.size(), !scene.water_faces.empty());
     for (const auto& x : lattice.position) {
       const Soil* soil = soil_at(scene, to_point3<D>(x));
       const double n = soil ? fillable_porosity(*soil) : 1.0;
@@ -183,9 +183,10 @@ coupling::Publication Fluid<D>::publish() const {
   out.points.volume = cloud.volume;
   out.points.smoothing_length = cloud.length;
   out.points.owner = cloud.owner;
-  const auto flat = [](const VecArray<D>& from, std::size_t size) {
-    std::vector<double> values(size * D, 0.0);
-    for (std::size_t a = 0; a < from.size(); ++a)
+  // Of the first n points, and zero behind.
+  const auto flat = [&cloud](const auto& from, std::size_t n) {
+    std::vector<double> values(cloud.size() * D, 0.0);
+    for (std::size_t a = 0; a < n; ++a)
       for (std::size_t d = 0; d < D; ++d) values[a * D + d] = from[a][static_cast<int>(d)];
     return values;
   };
@@ -193,7 +194,7 @@ coupling::Publication Fluid<D>::publish() const {
   const auto name = [](std::string_view n) { return std::string(n); };
   out.fields = {{name(coupling::field::pore_pressure), 1, cloud.pressure},
                 {name(coupling::field::predicted_solid_velocity), D, flat(cloud.solid_velocity, cloud.size())},
-                {name(coupling::field::drag_impulse), D, flat(state_.particles.drag_impulse, cloud.size())},
+                {name(coupling::field::drag_impulse), D, flat(state_.particles.drag_impulse, cloud.n_real)},
                 {name(coupling::field::soil_fraction), 1, cloud.mask}};
   return out;
 }
@@ -259,9 +260,7 @@ WindowProblem<D> Fluid<D>::problem(double interval) const {
   in.response = responds();
   in.fixed_soil = fixed_soil_;
   in.void_fraction = state_.particles.void_fraction;
-  in.velocity = state_.particles.velocity;
-  in.source.assign(state_.particles.size(), 0.0);
-  in.cavity = state_.particles.cavity;
+  in.cavity = state_.particles.cavity.values();
   const auto& mask = state_.particles.mask;
   if (std::none_of(mask.begin(), mask.end(), [](double m) { return m > 0.5; })) in.tolerance = free_water_tolerance;
   if (scene_.fluid.pressure_tolerance) in.tolerance = *scene_.fluid.pressure_tolerance;
@@ -272,22 +271,30 @@ WindowProblem<D> Fluid<D>::problem(double interval) const {
   return in;
 }
 
+template <int D>
+void Fluid<D>::mark_surface(Stencil<D>& s, std::span<double> rows, double share) {
+  auto& p = state_.particles;
+  const auto flags = find_surface<D>(s, p.seeps, rows, share, scene_.coupled());
+  s.forget_moments();
+  p.surface = flags;
+}
+
 /// Pressure of water at rest: no source, no velocity, the skeleton holds still.
 template <int D>
 void Fluid<D>::settle(SoilView<D>& view) {
   auto& p = state_.particles;
   if (p.size() == 0) return;
   auto s = stencil();
-  p.surface = find_surface<D>(s, p.seeps);
+  mark_surface(s, {}, 0.0);
   auto in = problem(1.0);
   in.response = false;
   in.tolerance = 1e-8;
-  for (auto& v : in.velocity) v.setZero();
-  for (auto& v : view.velocity) v.setZero();
+  view.velocity = {};
+  view.forget_law();
   WindowSolution<D> out;
   out.pressure = p.pressure;
   solve_window<D>(s, view, p.surface, in, out);
-  p.pressure = std::move(out.pressure);
+  p.pressure = out.pressure;
 }
 
 template <int D>
@@ -314,6 +321,14 @@ template <int D>
 bool Fluid<D>::drags(const SoilView<D>& view, std::size_t a) const {
   return view.mask[a] > 0.5 && !inertia_rules(state_.particles.void_fraction[a], density_, view.drag[a],
                                               spacing_of<D>(state_.particles.volume[a]), weight_.norm() / density_);
+}
+
+/// Whether no water moves as free water does.
+template <int D>
+bool Fluid<D>::all_creep(const SoilView<D>& view) const {
+  for (std::size_t a = 0; a < view.size(); ++a)
+    if (state_.particles.seeps[a] <= 0.5 || !drags(view, a)) return false;
+  return true;
 }
 
 /// Viscosity of the water itself, Eq. (76) as corrected, its pairs amplified as the pressure's are to be exact for a
@@ -352,12 +367,12 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
     Eigen::Map<Vec<D>>{row + D} = all[j];
     Eigen::Map<Vec<D>>{row + D + at_stuck} = stuck;
     Eigen::Map<Mat<D>>{row + D + at_gradient} = gradient;
-    row[D + at_length] = s.length[j];
+    row[D + at_length] = s.length(j);
     row[D + at_amplified] = !real ? 0.0 : own ? s.amplification[q] : 1.0;
   });
   for_pairs_in_lanes<D, at_amplified + 1, D>(
       s, points,
-      [&](const double* self, std::size_t m, const Lanes* w, const Lanes* point, Lanes* sums)
+      [&](std::size_t, const double* self, std::size_t m, const Lanes* w, const Lanes* point, Lanes* sums)
           __attribute__((always_inline)) {
             // w = pull ba: the speed of approach is that of the points times the pull over that of w.
             Lanes pull;
@@ -401,7 +416,7 @@ ScalarArray Fluid<D>::left_for_later(const Stencil<D>& s, const SoilView<D>& vie
   const double later = 1.0 - interval / (0.5 * free_interval());
   if (later <= 0.0) return left;
   for_each_side_by_side(p.size(), [&](std::size_t a) {
-    if (p.seeps[a] <= 0.5 && !drags(view, a) && s.length[a] * s.normal[a].norm() > even) left[a] = later;
+    if (p.seeps[a] <= 0.5 && !drags(view, a) && s.length(a) * s.normal[a].norm() > even) left[a] = later;
   });
   if (std::all_of(left.begin(), left.end(), [](double share) { return share == 0.0; })) return left;
   VecArray<D> flux(p.size());
@@ -430,11 +445,11 @@ double Fluid<D>::packing_error(const Stencil<D>& s, std::size_t a, double full) 
     if (const double below = depth<D>(s, a, p.surface, p.seeps); below > 0.0) {
       // The missing side is filled with a lattice; a surface may be loose.
       static const double whole = lattice_density<D>();
-      return std::max(0.0, full + lattice_density<D>(0.5 + below * smoothing_ratio / s.length[a]) / whole - 1.0);
+      return std::max(0.0, full + lattice_density<D>(0.5 + below * smoothing_ratio / s.length(a)) / whole - 1.0);
     }
   double excess = full - 1.0;
   // Near a surface the sum is short by nature, not by error.
-  if (excess < 0.0 && !s.covered[a]) excess *= std::clamp(1.0 - 5.0 * s.length[a] * s.normal[a].norm(), 0.0, 1.0);
+  if (excess < 0.0 && !s.covered[a]) excess *= std::clamp(1.0 - 5.0 * s.length(a) * s.normal[a].norm(), 0.0, 1.0);
   const bool below = s.ghost_distance[a] > 0.0;
   return below || p.surface[a] != Surface::interior ? std::max(0.0, excess) : excess;
 }
@@ -453,7 +468,7 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
   const bool torn = std::any_of(p.cavity.begin(), p.cavity.end(), [](double c) { return c > 0.0; });
   const auto voids_near = [&](std::size_t a) {
     if (!torn) return 0.0;
-    double sum = p.cavity[a] / p.void_fraction[a] * Kernel<D>::value(0.0, s.length[a]);
+    double sum = p.cavity[a] / p.void_fraction[a] * Kernel<D>::value(0.0, s.length(a));
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
       if (const Index q = s.parent[s.other[k]]; q < s.n_real && p.cavity[q] > 0.0)
         sum += p.cavity[q] / p.void_fraction[q] * s.value(a, s.other[k]);
@@ -476,6 +491,7 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
   // after a long window, short ones take their share of it only.
   const double came = state_.last_interval, due = std::max(state_.debt_due, interval);
   state_.debt_due = std::max({0.0, state_.debt_due - interval, came - interval});
+  if (!p.volume_debt.is_laid_out()) p.volume_debt.lay_out(p.size());
   VecArray<D> beyond(p.size(), Vec<D>::Zero());
   for (std::size_t a = 0; a < p.size(); ++a) {
     if (view.fraction[a] == 0.0) continue;
@@ -487,7 +503,7 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
   for (std::size_t a = 0; a < p.size(); ++a) {
     const double debt = came * rate[a], released = debt / std::max(interval, came) + p.volume_debt[a] / due;
     source[a] -= released;
-    p.volume_debt[a] += debt - released * interval;
+    p.volume_debt.set(a, p.volume_debt[a] + (debt - released * interval));
   }
   return source;
 }
@@ -507,7 +523,7 @@ void Fluid<D>::take_back(const Stencil<D>& s, const SoilView<D>& view, double in
   for (std::size_t a = 0; a < p.size(); ++a) {
     const Vec<D> mine = p.owed[a] + view.owed[a];
     if (mine.isZero(0.0)) continue;
-    const double own = view.mask[a] * p.volume[a] * Kernel<D>::value(0.0, s.length[a]);
+    const double own = view.mask[a] * p.volume[a] * Kernel<D>::value(0.0, s.length(a));
     share.clear();
     double sum = own;
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
@@ -530,8 +546,9 @@ void Fluid<D>::take_back(const Stencil<D>& s, const SoilView<D>& view, double in
         interval * ((p.mass[a] + p.volume[a] * view.density[a]) * gravity_or_standard() + p.volume[a] * dragged * slip);
     if (const double size = taken.norm(); size > most) taken *= most / size;
     p.velocity[a] -= taken / p.mass[a];
-    p.owed[a] = owed[a] - taken;
+    owed[a] -= taken;
   }
+  p.owed = OrZero<Vec<D>>(owed);
 }
 
 /// One window; with a quadratic drag again, about the slip just found, while that still matters.
@@ -568,7 +585,8 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   const double dt = window.interval, asked = sweeps ? time_limit().first : dt;
   auto view = soil(inbox);
   view.linearise(p.velocity, view.velocity);
-  const VecArray<D> velocity_before = p.velocity;
+  VecArray<D> velocity_before;
+  if (scene_.coupled()) velocity_before = p.velocity;  // the soil's impulse changes it
   const bool long_window = dt > wave_interval();
   for_each_side_by_side(p.size(), [&](std::size_t a) {
     p.void_fraction[a] = 1.0 - view.fraction[a];
@@ -583,14 +601,14 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   drift(dt);
   auto s = stencil();
   ++state_.counts.stencils;
-  p.surface =
-      find_surface<D>(s, p.seeps, p.row, std::min(1.0, dt / (row_memory * free_repair_time(dx_))), scene_.coupled());
+  mark_surface(s, p.row, std::min(1.0, dt / (row_memory * free_repair_time(dx_))));
   if (scene_.coupled()) take_back(s, view, dt);
   check_room(window.time);
 
   auto in = problem(dt);
   in.cavitation = scene_.water.cavitation_pressure;
-  const auto gradient = velocity_gradient<D>(s, p.velocity);
+  MatArray<D> gradient;  // none where all water creeps through soil
+  if (!all_creep(view)) gradient = velocity_gradient<D>(s, p.velocity);
   in.velocity = forced_velocity(s, view, gradient, dt);
   in.source = volume_source(s, view, gradient, dt);
   const auto& scheme = scene_.fluid.scheme;
@@ -607,9 +625,9 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
     // Eq. (75) as corrected: the drag belongs to the prediction.
     for (std::size_t a = 0; a < p.size(); ++a) {
       drag_force[a] = drag[a] * (in.velocity[a] - view.velocity[a]) - view.drag_offset[a];
-      in.velocity[a] -= dt / (p.void_fraction[a] * density_) * drag_force[a];
-      view.resistance[a] = {};
+      in.velocity.values()[a] -= dt / (p.void_fraction[a] * density_) * drag_force[a];
     }
+    view.resistance.assign(p.size(), {});
     view.linearise(p.velocity, view.velocity);
   }
   auto out = solve(s, view, in);
@@ -622,29 +640,35 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   state_.counts.outer_iterations += out.outer;
   state_.counts.unconverged += out.converged ? 0.0 : 1.0;
 
-  const ScalarArray before = std::move(p.pressure);
-  p.pressure = std::move(out.pressure);
-  p.solid_velocity = std::move(out.solid_velocity);
-  p.velocity = std::move(out.velocity);
-  p.cavity = std::move(out.cavity);
+  // Copied, not moved: arrays of the state that moved into the window's memory would leave holes behind.
+  const ScalarArray before = p.pressure;
+  if (!scene_.coupled()) velocity_before = p.velocity;
+  p.pressure = out.pressure;
+  p.solid_velocity = out.solid_velocity;
+  p.velocity = out.velocity;
+  p.cavity = out.cavity;
   if (const auto torn =
           static_cast<double>(std::count_if(p.cavity.begin(), p.cavity.end(), [](double c) { return c > 0.0; }));
       torn > 0.0) {
     if (state_.counts.cavitating == 0.0) state_.counts.first_cavitation = window.time + dt;
     state_.counts.cavitating = std::max(state_.counts.cavitating, torn);
   }
-  for_each_side_by_side(p.size(), [&](std::size_t a) {
-    Vec<D> force = view.drag[a] * (p.velocity[a] - p.solid_velocity[a]) - view.drag_offset[a];
-    if (!drag_force.empty()) force += drag_force[a];
-    p.drag_impulse[a] = p.volume[a] * dt * force;
-  });
+  if (scene_.coupled()) {
+    p.drag_impulse.lay_out(p.size());
+    for_each_side_by_side(p.size(), [&](std::size_t a) {
+      Vec<D> force = view.drag[a] * (p.velocity[a] - p.solid_velocity[a]) - view.drag_offset[a];
+      if (!drag_force.empty()) force += drag_force[a];
+      p.drag_impulse.set(a, p.volume[a] * dt * force);
+    });
+  }
   if (returns) view.drag = drag;
   if (scene_.coupled() && !responds()) {
     // Plain staggering: the skeleton was taken as it moved; where it goes now is an explicit guess.
     for (std::size_t a = 0; a < p.size(); ++a)
       if (view.density[a] > 0.0)
-        p.solid_velocity[a] += dt / view.density[a] * (view.force[a] - view.fraction[a] * (weight_ + out.gradient[a])) +
-                               p.drag_impulse[a] / (p.volume[a] * view.density[a]);
+        p.solid_velocity.values()[a] +=
+            dt / view.density[a] * (view.force[a] - view.fraction[a] * (weight_ + out.gradient[a])) +
+            p.drag_impulse[a] / (p.volume[a] * view.density[a]);
   }
   // Soil that was dry and cannot yield takes windows of any length; its noise would only shorten them.
   if (state_.controlled <= 0.0 && scene_.solid.model != SolidCase::Model::elastic) begin_control(view, dt);

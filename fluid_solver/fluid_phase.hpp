@@ -46,6 +46,8 @@ class Fluid final : public Phase {
   /// Pressure of water at rest in soil at rest: the view's velocities are taken away.
   void settle(SoilView<D>& view);
   WindowSolution<D> solve(const Stencil<D>& s, SoilView<D>& view, const WindowProblem<D>& in);
+  /// Finds the surface, whose thickness of rows enters `rows` by a share (find_surface).
+  void mark_surface(Stencil<D>& s, std::span<double> rows, double share);
   SoilView<D> soil(const coupling::Inbox& inbox) const;
   Stencil<D> stencil() const;
   /// Velocity after what is explicit: shear stress of the water outside soil, and the central force.
@@ -54,6 +56,7 @@ class Fluid final : public Phase {
   /// Volume each particle must give off [1/s]: packing repair, the window's curvature in time and the soil's
   /// deformation beyond the prediction.
   bool drags(const SoilView<D>& soil, std::size_t a) const;
+  bool all_creep(const SoilView<D>& soil) const;
   ScalarArray left_for_later(const Stencil<D>& s, const SoilView<D>& soil, double interval) const;
   [[nodiscard]] bool open_water() const;
   [[nodiscard]] double packing_error(const Stencil<D>& s, std::size_t a, double full) const;

@@ -115,7 +115,7 @@ void Fluid<D>::move(const Stencil<D>& s, const WindowSolution<D>& solution, std:
       d *= 0.5;
     d += shift[a];
     if (p.seeps[a] <= 0.5 && p.surface[a] == Surface::surface)
-      d += interval * surface_lead<D>(velocity_gradient[a], s.normal[a], s.surface_distance[a], interval);
+      d += interval * surface_lead<D>(velocity_gradient[a], s.normal[a], s.surface_distance(a), interval);
     const double before = p.pressure[a] + weight_.dot(p.position[a] - origin_);
     p.pressure[a] += solution.gradient[a].dot(p.seeps[a] > 0.5 ? d : shift[a]);
     // What is shifted arrives where the water moves at another speed.

@@ -10,33 +10,102 @@ constexpr double dominance = 5.0;
 /// Pairs are made of neighbours at least this strong, of a row's strongest.
 constexpr double strong = 0.25;
 constexpr std::size_t coarsest = 40;
+constexpr Index none = static_cast<Index>(-1);
 /// A coarse solution this good is not improved by a second step.
 constexpr double good_enough = 0.25;
 
-}  // namespace
+/// A matrix, row by row: visit(a, take_diagonal, take_entry).
+template <class Matrix>
+struct RowsOf {
+  const Matrix& m;
+  [[nodiscard]] std::size_t size() const { return m.size(); }
+  template <class TakeDiagonal, class TakeEntry>
+  void visit(std::size_t a, const TakeDiagonal& take_diagonal, const TakeEntry& take_entry) {
+    take_diagonal(m.diagonal[a]);
+    for (std::size_t k = m.begin(a); k < m.end(a); ++k) take_entry(m.column(a, k), static_cast<double>(m.weight[k]));
+  }
+};
+
+/// The sums of rows over aggregates, each made when it is visited: the matrix of pairs, on the way to pairs of pairs,
+/// would be the largest of all. Couplings to rows that have no aggregate stay in the diagonal.
+template <class Fine>
+class MergedRows {
+ public:
+  MergedRows(Fine& fine, const std::vector<Index>& aggregate, std::size_t count)
+      : fine_(fine), aggregate_(aggregate), first_(count + 1, 0), members_(fine.size()), place_(count, none) {
+    for (const Index g : aggregate)
+      if (g != none) ++first_[g + 1];
+    for (std::size_t g = 0; g < count; ++g) first_[g + 1] += first_[g];
+    std::vector<Index> next(first_.begin(), first_.end() - 1);
+    for (std::size_t a = 0; a < fine.size(); ++a)
+      if (aggregate[a] != none) members_[next[aggregate[a]]++] = static_cast<Index>(a);
+  }
+  [[nodiscard]] std::size_t size() const { return place_.size(); }
+  template <class TakeDiagonal, class TakeEntry>
+  void visit(std::size_t g, const TakeDiagonal& take_diagonal, const TakeEntry& take_entry) {
+    double diagonal = 0.0;
+    column_.clear();
+    weight_.clear();
+    for (Index i = first_[g]; i < first_[g + 1]; ++i)
+      fine_.visit(
+          members_[i], [&](double own) { diagonal += own; },
+          [&](Index column, double weight) {
+            const Index other = aggregate_[column];
+            if (other == none) return;
+            if (other == g) {
+              diagonal -= weight;
+            } else if (place_[other] == none) {
+              place_[other] = static_cast<Index>(column_.size());
+              column_.push_back(other);
+              weight_.push_back(weight);
+            } else {
+              weight_[place_[other]] += weight;
+            }
+          });
+    take_diagonal(diagonal);
+    for (std::size_t k = 0; k < column_.size(); ++k) {
+      place_[column_[k]] = none;
+      take_entry(column_[k], weight_[k]);
+    }
+  }
+
+ private:
+  Fine& fine_;
+  const std::vector<Index>& aggregate_;
+  std::vector<Index> first_, members_;  ///< rows of each aggregate: members_[first_[g]] ..
+  std::vector<Index> place_;            ///< of each column in the row at hand
+  std::vector<Index> column_;           ///< of the row at hand, as its weights
+  ScalarArray weight_;
+};
 
 /// Each row with the strongest free neighbour.
-template <class Matrix>
-std::vector<Index> Multigrid::match(const Matrix& m, Index& count) {
-  std::vector<Index> aggregate(m.size(), none);
-  std::vector<bool> done(m.size(), false);
+template <class Rows>
+std::vector<Index> match(Rows& rows, Index& count) {
+  std::vector<Index> aggregate(rows.size(), none), column;
+  std::vector<bool> done(rows.size(), false);
+  ScalarArray weight;
   count = 0;
-  for (std::size_t a = 0; a < m.size(); ++a) {
+  for (std::size_t a = 0; a < rows.size(); ++a) {
     if (done[a]) continue;
-    double sum = 0.0, strongest = 0.0;
-    for (std::size_t k = m.begin(a); k < m.end(a); ++k) {
-      sum += m.weight[k];
-      strongest = std::max<double>(strongest, m.weight[k]);
-    }
+    double diagonal = 0.0, sum = 0.0, strongest = 0.0;
+    column.clear();
+    weight.clear();
+    rows.visit(
+        a, [&](double own) { diagonal = own; },
+        [&](Index b, double w) {
+          column.push_back(b);
+          weight.push_back(w);
+          sum += w;
+          strongest = std::max(strongest, w);
+        });
     done[a] = true;
-    if (m.diagonal[a] >= dominance * sum) continue;
+    if (diagonal >= dominance * sum) continue;
     Index partner = none;
     double best = strong * strongest;
-    for (std::size_t k = m.begin(a); k < m.end(a); ++k) {
-      const Index b = m.column(a, k);
-      if (done[b] || b == a || m.weight[k] < best) continue;
-      best = m.weight[k];
-      partner = b;
+    for (std::size_t k = 0; k < column.size(); ++k) {
+      if (done[column[k]] || column[k] == a || weight[k] < best) continue;
+      best = weight[k];
+      partner = column[k];
     }
     aggregate[a] = count;
     if (partner != none) {
@@ -48,60 +117,41 @@ std::vector<Index> Multigrid::match(const Matrix& m, Index& count) {
   return aggregate;
 }
 
-/// Sums over aggregates; couplings to rows that have none stay in the diagonal.
-template <class Matrix>
-Multigrid::CoarseMatrix Multigrid::coarsen(const Matrix& m, const std::vector<Index>& aggregate, std::size_t count) {
-  std::vector<Index> first(count + 1, 0), rows(m.size());
-  for (const Index g : aggregate)
-    if (g != none) ++first[g + 1];
-  for (std::size_t g = 0; g < count; ++g) first[g + 1] += first[g];
-  std::vector<Index> next(first.begin(), first.end() - 1);
-  for (std::size_t a = 0; a < m.size(); ++a)
-    if (aggregate[a] != none) rows[next[aggregate[a]]++] = static_cast<Index>(a);
-  CoarseMatrix c;
-  c.diagonal.assign(count, 0.0);
-  c.column.offset.reserve(count + 1);
-  c.column.index.reserve(m.weight.size() / 2);
-  c.weight.reserve(m.weight.size() / 2);
-  std::vector<Index> place(count, none);
-  for (std::size_t g = 0; g < count; ++g) {
-    const std::size_t begin = c.weight.size();
-    for (Index i = first[g]; i < first[g + 1]; ++i) {
-      const Index a = rows[i];
-      c.diagonal[g] += m.diagonal[a];
-      for (std::size_t k = m.begin(a); k < m.end(a); ++k) {
-        const Index other = aggregate[m.column(a, k)];
-        if (other == none) continue;
-        if (other == g) {
-          c.diagonal[g] -= m.weight[k];
-          continue;
-        }
-        if (place[other] == none || place[other] < begin) {
-          place[other] = static_cast<Index>(c.weight.size());
-          c.column.index.push_back(other);
-          c.weight.push_back(m.weight[k]);
-        } else {
-          c.weight[place[other]] += m.weight[k];
-        }
-      }
-    }
+template <class Rows>
+Multigrid::CoarseMatrix matrix_of(Rows& rows) {
+  Multigrid::CoarseMatrix c;
+  c.diagonal.reserve(rows.size());
+  c.column.offset.reserve(rows.size() + 1);
+  for (std::size_t g = 0; g < rows.size(); ++g) {
+    rows.visit(
+        g, [&](double diagonal) { c.diagonal.push_back(diagonal); },
+        [&](Index column, double weight) {
+          c.column.index.push_back(column);
+          c.weight.push_back(weight);
+        });
     c.column.offset.push_back(static_cast<Index>(c.weight.size()));
   }
+  c.column.index.shrink_to_fit();
+  c.weight.shrink_to_fit();
   return c;
 }
+
+}  // namespace
 
 template <class Matrix>
 bool Multigrid::add_level(const Matrix& m) {
   // Pairs of pairs.
-  Index pairs = 0, count = 0;
-  std::vector<Index> aggregate = match(m, pairs);
-  const CoarseMatrix half = coarsen(m, aggregate, pairs);
-  const std::vector<Index> again = match(half, count);
+  Index n_pairs = 0, count = 0;
+  RowsOf<Matrix> rows{m};
+  std::vector<Index> aggregate = match(rows, n_pairs);
+  MergedRows pairs(rows, aggregate, n_pairs);
+  const std::vector<Index> again = match(pairs, count);
   if (count == 0 || 4 * count > 3 * m.size()) return false;
+  MergedRows fours(pairs, again, count);
+  Level level;
+  level.coarse = matrix_of(fours);
   for (Index& g : aggregate)
     if (g != none) g = again[g];
-  Level level;
-  level.coarse = coarsen(half, again, count);
   level.aggregate = std::move(aggregate);
   level.residual.resize(m.size());
   for (auto* work : {&level.b, &level.x, &level.v, &level.w, &level.d, &level.r}) work->resize(count);

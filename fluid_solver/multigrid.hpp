@@ -21,17 +21,11 @@ class Multigrid {
  private:
   struct Level {
     CoarseMatrix coarse;           ///< of the next level
-    std::vector<Index> aggregate;  ///< of each row; `none`: left to the smoother
+    std::vector<Index> aggregate;  ///< of each row; none: left to the smoother
     ScalarArray residual;          ///< of this level
     ScalarArray b, x;              ///< of the next level, as the rest
     ScalarArray v, w, d, r;
   };
-  static constexpr Index none = static_cast<Index>(-1);
-
-  template <class Matrix>
-  static std::vector<Index> match(const Matrix& m, Index& count);
-  template <class Matrix>
-  static CoarseMatrix coarsen(const Matrix& m, const std::vector<Index>& aggregate, std::size_t count);
   /// Adds the level below m; false where that would hardly be smaller.
   template <class Matrix>
   bool add_level(const Matrix& m);

@@ -52,8 +52,8 @@ struct alignas(32) PackedPoint {
   [[nodiscard]] const double* row() const { return x.data(); }
 };
 
-/// Calls sum(a, m, r, points) for the pairs m .. m + 3 of every real particle a, compiled for this machine: r the
-/// vectors to their points times the pull, points the numbers packed with these.
+/// Calls sum(a, self, m, r, points, sums) for the pairs m .. m + 3 of every real particle a, compiled for this machine:
+/// r the vectors to their points times the pull, points the numbers packed with these.
 template <int D, std::size_t n_values, std::size_t n_sums, class Sum, class Take>
 void for_pairs_in_lanes(const Stencil<D>& s, const std::vector<PackedPoint<D, n_values>>& points, const Sum& sum,
                         const Take& take) {
@@ -70,7 +70,7 @@ void for_pairs_in_lanes(const Stencil<D>& s, const std::vector<PackedPoint<D, n_
         Lanes pull;
         poretwin::take(&s.pull[m], pull);
         for (std::size_t d = 0; d < D; ++d) w[d] = pull * (point[d] - self[d]);
-        sum(self + D, m, w, point + D, sums);
+        sum(a, self + D, m, w, point + D, sums);
       }
       alignas(32) double total[size] = {};
       add_lanes<size>(sums, total);
@@ -96,11 +96,11 @@ VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Fa
   std::vector<bool> fitted(buffer.size());
   bool all_fitted = true;
   for (std::size_t i = 0; i < buffer.size(); ++i) {
-    const double at_face = face_pressure(s.column[i]);
-    const auto slope = face_slope(s, s.column[i], p, at_face, increment);
+    const double at_face = face_pressure(s.buffers[i].column);
+    const auto slope = face_slope(s, s.buffers[i].column, p, at_face, increment);
     fitted[i] = slope.has_value();
     all_fitted = all_fitted && fitted[i];
-    buffer[i] = at_face - slope.value_or(0.0) * s.outside[i];
+    buffer[i] = at_face - slope.value_or(0.0) * s.buffers[i].outside;
   }
   // A buffer moves as the particle that asks: a mobility of zero stands for that.
   std::vector<PackedPoint<D, 2>> points(s.size());
@@ -114,13 +114,13 @@ VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Fa
   VecArray<D> result(s.n_real);
   for_pairs_in_lanes<D, 2, D>(
       s, points,
-      [&](const double* self, std::size_t m, const Lanes* w, const Lanes* point, Lanes* sums)
+      [&](std::size_t a, const double* self, std::size_t m, const Lanes* w, const Lanes* point, Lanes* sums)
           __attribute__((always_inline)) {
             Lanes difference = point[0] - self[0];
             if (!all_fitted)
               for (std::size_t l = 0; l < n_lanes; ++l)
                 if (const Index q = s.parent[s.other[m + l]]; q >= s.n_real && !fitted[q - s.n_real])
-                  difference[l] *= static_cast<double>(s.reflection[m + l]);
+                  difference[l] *= s.reflection(a, q);
             if (!mobility.empty()) {
               const Lanes theirs = point[1] > 0.0 ? point[1] : Lanes{} + self[1];
               difference *= 2.0 * self[1] * theirs / (self[1] + theirs);
@@ -151,7 +151,7 @@ void sum_differences(const Stencil<D>& s, std::span<const Vec<D>> f, Carried car
   });
   for_pairs_in_lanes<D, D, D * D>(
       s, points,
-      [&](const double* self, std::size_t m, const Lanes* w, const Lanes* point, Lanes* sums)
+      [&](std::size_t, const double* self, std::size_t m, const Lanes* w, const Lanes* point, Lanes* sums)
           __attribute__((always_inline)) {
             Lanes open = Lanes{} + 1.0;
             if (buffers)
@@ -202,7 +202,7 @@ PairMatrix laplacian(const Stencil<D>& s, std::span<const double> mobility) {
   for_each_side_by_side(s.size(), [&](std::size_t j) {
     Eigen::Map<Vec<D>>{points[j].x.data()} = s.position[j];
     points[j].x[D] = s.volume[j];
-    points[j].x[D + 1] = s.length[j];
+    points[j].x[D + 1] = s.length(j);
   });
   const bool buffers = s.n_base > s.n_real;
   const auto row = [&](std::size_t a) __attribute__((always_inline)) {
@@ -218,8 +218,7 @@ PairMatrix laplacian(const Stencil<D>& s, std::span<const double> mobility) {
         amplified[l] = s.amplification[b];
         theirs[l] = mobility.empty() ? 1.0 : mobility[b];
         coupled[l] = b != a ? 1.0 : 0.0;
-        if (buffers && q >= s.n_real)
-          faces += static_cast<double>(s.pull[k + l]) * static_cast<double>(s.reflection[k + l]);
+        if (buffers && q >= s.n_real) faces += static_cast<double>(s.pull[k + l]) * s.reflection(a, q);
       }
       // The kernel anew: that of the list is rounded with the volume of one of the two.
       Lanes r{}, scale;

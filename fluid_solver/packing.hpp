@@ -25,7 +25,7 @@ VecArray<D> packing_displacements(const Stencil<D>& s, std::span<const Vec<D>> v
   for_each_side_by_side(s.n_real, [&](std::size_t a) {
     if (moved[a] == 0.0 || flags[a] == Surface::lone) return;
     const PackingLaw& law = seeps[a] > 0.5 ? packing_in_soil : packing_in_free_water;
-    const double h = s.length[a], spacing = h / smoothing_ratio;
+    const double h = s.length(a), spacing = h / smoothing_ratio;
     // Even surroundings have sum V grad W = 0; it points to where particles are.
     Vec<D> d = -(law.by_speed * h * velocity[a].norm() * interval + law.by_length * h * h) * s.normal[a];
     if (flags[a] == Surface::surface || s.ghost_distance[a] > 0.0) {
@@ -36,7 +36,7 @@ VecArray<D> packing_displacements(const Stencil<D>& s, std::span<const Vec<D>> v
     for (Index k = s.offset[a]; crowded && k < s.offset[a + 1]; ++k) {
       const Index j = s.other[k];
       const Vec<D> ba = s.position[j] - s.position[a];
-      const double r2 = ba.squaredNorm(), limit = law.closest * 0.5 * (h + s.length[j]) / smoothing_ratio;
+      const double r2 = ba.squaredNorm(), limit = law.closest * 0.5 * (h + s.length(j)) / smoothing_ratio;
       if (r2 >= limit * limit || r2 == 0.0) continue;
       const double r = std::sqrt(r2);
       d -= 0.25 * (limit - r) / r * ba;
@@ -58,7 +58,7 @@ void collide(const Stencil<D>& s, std::span<const double> seeps, std::span<const
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
       const Index j = s.other[k], b = s.parent[j];
       const Vec<D> ba = s.position[j] - s.position[a];
-      const double r2 = ba.squaredNorm(), limit = collision * 0.5 * (s.length[a] + s.length[j]) / smoothing_ratio;
+      const double r2 = ba.squaredNorm(), limit = collision * 0.5 * (s.length(a) + s.length(j)) / smoothing_ratio;
       if (r2 >= limit * limit || r2 == 0.0) continue;
       if (b >= s.n_real || seeps[b] > 0.5 || (j < s.n_real && b < a) || (j >= s.n_real && b != a)) continue;
       const double r = std::sqrt(r2);

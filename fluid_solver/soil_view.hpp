@@ -3,6 +3,7 @@
 #pragma once
 
 #include "common/case/geometry.hpp"
+#include "common/core/or_zero.hpp"
 #include "common/core/threads.hpp"
 #include "common/core/vector.hpp"
 #include "common/coupling/exchange.hpp"
@@ -10,54 +11,29 @@
 
 #include <cmath>
 #include <span>
-#include <type_traits>
 
 namespace poretwin::fluid {
 
-/// Values at the particles that are zero everywhere until they are laid out: soil at rest has none of them.
-template <class T>
-class OrZero {
- public:
-  void lay_out(std::size_t n) { values_.assign(n, zero()); }
-  void set(std::size_t a, const T& value) { values_[a] = value; }
-  [[nodiscard]] const T& operator[](std::size_t a) const { return values_.empty() ? zero() : values_[a]; }
-  [[nodiscard]] auto begin() const { return values_.begin(); }
-  [[nodiscard]] auto end() const { return values_.end(); }
-
- private:
-  static const T& zero() {
-    static const T value = [] {
-      if constexpr (std::is_arithmetic_v<T>)
-        return T{};
-      else
-        return T(T::Zero());
-    }();
-    return value;
-  }
-  std::vector<T> values_;
-};
-
 template <int D>
 struct SoilView {
-  ScalarArray mask;                            ///< [n] 1 inside soil, 0 in free water
-  ScalarArray coverage;                        ///< [n] by the soil's points: 1 inside, 0 out of their reach
-  ScalarArray fraction;                        ///< [n] n_s, the residual water of moist soil counted in
-  std::vector<porous::Resistance> resistance;  ///< [n] none in free water
+  ScalarArray mask;         ///< [n] 1 inside soil, 0 in free water
+  OrZero<double> coverage;  ///< [n] by the soil's points: 1 inside, 0 out of their reach; of soil that moves
+  ScalarArray fraction;     ///< [n] n_s, the residual water of moist soil counted in
+  std::vector<porous::Resistance> resistance;  ///< [n] none in free water; empty where `drag` says it all
   /// [n] the resistance about the present slip w, R = C w' - f: C [N s/m4], f [N/m3] (Newton's tangent along the flow;
   /// f is zero under Darcy's law)
   ScalarArray drag;
   OrZero<Vec<D>> drag_offset;
   MatArray<D> drag_form;         ///< [n] that multiplies the slip in a smoothed drag; empty: none
-  ScalarArray density;           ///< [n] R = n_s rho_s, kg/m3
+  OrZero<double> density;        ///< [n] R = n_s rho_s, kg/m3; of soil that moves
   OrZero<double> modulus;        ///< [n] M = K + 4 G / 3, Pa
   OrZero<double> yielding;       ///< [n] share of the shear that was plastic
-  VecArray<D> velocity;          ///< [n] v_s, m/s
+  OrZero<Vec<D>> velocity;       ///< [n] v_s, m/s
   OrZero<Vec<D>> mean_velocity;  ///< [n] over the soil's last window, m/s
   OrZero<Vec<D>> force;  ///< [n] r: unbalanced force per volume with the soil's weight, no pressure, no drag, N/m3
   OrZero<Vec<D>> owed;   ///< [n] impulse the soil took beyond the drag of its last window, N s
   void resize(std::size_t n) {
-    for (auto* a : {&mask, &coverage, &fraction, &drag, &density}) a->assign(n, 0.0);
-    velocity.assign(n, Vec<D>::Zero());
+    for (auto* a : {&mask, &fraction, &drag}) a->assign(n, 0.0);
     resistance.assign(n, {});
   }
   [[nodiscard]] std::size_t size() const { return mask.size(); }
@@ -67,7 +43,7 @@ struct SoilView {
            std::any_of(resistance.begin(), resistance.end(), [](const auto& r) { return r.quadratic > 0.0; });
   }
   /// Takes the resistance about the slip between these velocities.
-  void linearise(std::span<const Vec<D>> water, std::span<const Vec<D>> soil) {
+  void linearise(std::span<const Vec<D>> water, const OrZero<Vec<D>>& soil) {
     const bool curved = nonlinear();
     drag_offset.lay_out(curved ? size() : 0);
     for_each_side_by_side(size(), [&](std::size_t a) {
@@ -77,6 +53,11 @@ struct SoilView {
       if (!drag_form.empty()) drag[a] *= drag_form[a].trace() / D;
       drag_offset.set(a, drag[a] * slip - drag_force(a, slip));
     });
+    forget_law();
+  }
+  /// Lets go of the law where the tangent says it all.
+  void forget_law() {
+    if (!nonlinear()) resistance = std::vector<porous::Resistance>();
   }
   /// Force on the water against the slip, per volume [N/m3].
   [[nodiscard]] Vec<D> drag_force(std::size_t a, const Vec<D>& slip) const {
@@ -138,10 +119,9 @@ SoilView<D> rigid_soil(const Case& scene, std::span<const Vec<D>> points) {
   for_each_side_by_side(points.size(), [&](std::size_t a) {
     const Soil* here = soil_at(scene, to_point3<D>(points[a]));
     if (!here) return;
-    soil.mask[a] = soil.coverage[a] = 1.0;
+    soil.mask[a] = 1.0;
     const double fillable = fillable_porosity(*here);
     soil.fraction[a] = 1.0 - fillable;
-    soil.density[a] = (1.0 - here->porosity) * here->grain_density + (here->porosity - fillable) * scene.water.density;
     if (scene.fluid.drag)
       soil.resistance[a] = porous::resistance(weight, fillable, porous::seepage_at(scene, *here, here->porosity));
     soil.drag[a] = soil.resistance[a].linear;
@@ -162,25 +142,25 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::si
   const auto& conductivity = inbox.at(field::hydraulic_conductivity).values;
   const auto& quadratic = inbox.at(field::forchheimer_coefficient).values;
   const double weight = porous::specific_weight(scene);
-  for (auto* values : {&soil.modulus, &soil.yielding}) values->lay_out(n);
-  for (auto* values : {&soil.mean_velocity, &soil.force, &soil.owed}) values->lay_out(n);
+  for (auto* values : {&soil.coverage, &soil.density, &soil.modulus, &soil.yielding}) values->lay_out(n);
+  for (auto* values : {&soil.velocity, &soil.mean_velocity, &soil.force, &soil.owed}) values->lay_out(n);
   const auto vector = [](const Field& from, std::size_t a) {
     return Vec<D>(Eigen::Map<const Vec<D>>(from.values.data() + a * D));
   };
   const Field &velocity = inbox.at(field::solid_velocity), &mean_velocity = inbox.at(field::mean_solid_velocity),
               &force = inbox.at(field::unbalanced_force), &owed = inbox.at(field::returned_impulse);
   for (std::size_t a = 0; a < n; ++a) {
-    soil.coverage[a] = inbox.coverage[a];
+    soil.coverage.set(a, inbox.coverage[a]);
     soil.owed.set(a, vector(owed, a));
     const double mask = inbox.coverage[a] > 0.0 ? membership(inbox.asymmetry[a]) : 0.0;
     const double n_s = std::min(fraction[a], 1.0 - 1e-3) * mask;
     if (n_s < least_solid_fraction || !(conductivity[a] > 0.0)) continue;
-    soil.velocity[a] = vector(velocity, a);
+    soil.velocity.set(a, vector(velocity, a));
     soil.mean_velocity.set(a, vector(mean_velocity, a));
     soil.force.set(a, mask * vector(force, a));
     soil.mask[a] = mask;
     soil.fraction[a] = n_s;
-    soil.density[a] = n_s * grain[a];
+    soil.density.set(a, n_s * grain[a]);
     soil.modulus.set(a, modulus[a]);
     soil.yielding.set(a, std::clamp(yielding[a], 0.0, 1.0));
     const double porosity = 1.0 - n_s;

@@ -1,6 +1,7 @@
 // Everything the fluid remembers between windows, as one value: saving is a copy.
 #pragma once
 
+#include "common/core/or_zero.hpp"
 #include "fluid_solver/faces.hpp"
 #include "fluid_solver/inlet.hpp"
 #include "fluid_solver/surface.hpp"
@@ -11,25 +12,25 @@ namespace poretwin::fluid {
 
 template <int D>
 struct Particles {
-  VecArray<D> position;        ///< m
-  VecArray<D> velocity;        ///< m/s
-  ScalarArray mass;            ///< kg
-  ScalarArray void_fraction;   ///< n
-  ScalarArray volume;          ///< V = m / (n rho), bulk, m^D
-  ScalarArray pressure;        ///< piezometric, Pa
-  VecArray<D> solid_velocity;  ///< predicted v_s', m/s
-  VecArray<D> drag_impulse;    ///< given to the soil in the last window, N s
-  VecArray<D> owed;            ///< to the soil, for later windows, N s: no longer counts as the water's momentum
-  ScalarArray mask;            ///< soil membership
-  ScalarArray seeps;           ///< 1: it seeps; 0: it moves and has a surface as free water
-  ScalarArray cavity;          ///< voids torn open in the water, m^D
-  ScalarArray volume_debt;     ///< strain the soil made beyond the prediction, not yet given to the water
-  VecArray<D> birthplace;      ///< m: a particle that never moved has no packing to repair
-  ScalarArray row;             ///< thickness of the row of surface particles it lies in, in spacings
+  VecArray<D> position;           ///< m
+  VecArray<D> velocity;           ///< m/s
+  ScalarArray mass;               ///< kg
+  ScalarArray void_fraction;      ///< n
+  ScalarArray volume;             ///< V = m / (n rho), bulk, m^D
+  ScalarArray pressure;           ///< piezometric, Pa
+  OrZero<Vec<D>> solid_velocity;  ///< predicted v_s', m/s
+  OrZero<Vec<D>> drag_impulse;    ///< given to the soil in the last window, N s
+  OrZero<Vec<D>> owed;            ///< to the soil, for later windows, N s: no longer counts as the water's momentum
+  ScalarArray mask;               ///< soil membership
+  ScalarArray seeps;              ///< 1: it seeps; 0: it moves and has a surface as free water
+  OrZero<double> cavity;          ///< voids torn open in the water, m^D
+  OrZero<double> volume_debt;     ///< strain the soil made beyond the prediction, not yet given to the water
+  VecArray<D> birthplace;         ///< m: a particle that never moved has no packing to repair
+  ScalarArray row;                ///< thickness of the row of surface particles it lies in, in spacings
   std::vector<Surface> surface;
   [[nodiscard]] std::size_t size() const { return position.size(); }
 
-  /// Calls visit(array) for every array.
+  /// Calls visit(array) for every array that is there.
   template <class Visit>
   void for_each_array(const Visit& visit) {
     visit(position);
@@ -38,42 +39,43 @@ struct Particles {
     visit(void_fraction);
     visit(volume);
     visit(pressure);
-    visit(solid_velocity);
-    visit(drag_impulse);
-    visit(owed);
     visit(mask);
     visit(seeps);
-    visit(cavity);
-    visit(volume_debt);
     visit(birthplace);
     visit(row);
     visit(surface);
+    const auto visit_if_there = [&visit](auto& array) {
+      if (array.is_laid_out()) visit(array.values());
+    };
+    visit_if_there(solid_velocity);
+    visit_if_there(drag_impulse);
+    visit_if_there(owed);
+    visit_if_there(cavity);
+    visit_if_there(volume_debt);
   }
 
-  /// Room for n particles, and no more.
-  void reserve(std::size_t n) {
-    for_each_array([n](auto& array) { array.reserve(n); });
+  /// Room for n particles, and no more than a sixteenth beside them for those to come: arrays that doubled would stand
+  /// half empty, and arrays that move while others stand leave holes.
+  void reserve(std::size_t n, bool others_come) {
+    const std::size_t room = others_come ? n + n / 16 + 16 : n;
+    for_each_array([room](auto& array) { array.reserve(room); });
   }
 
   void add(const Vec<D>& x, const Vec<D>& v, double m, double n, double V, double p) {
-    // Arrays that doubled would stand half empty.
-    if (size() == position.capacity()) reserve(size() + size() / 16 + 16);
+    if (size() == position.capacity()) reserve(size(), true);
     position.push_back(x);
     velocity.push_back(v);
     mass.push_back(m);
     void_fraction.push_back(n);
     volume.push_back(V);
     pressure.push_back(p);
-    solid_velocity.push_back(Vec<D>::Zero());
-    drag_impulse.push_back(Vec<D>::Zero());
-    owed.push_back(Vec<D>::Zero());
     mask.push_back(n < 1.0 ? 1.0 : 0.0);
     seeps.push_back(mask.back());
-    cavity.push_back(0.0);
-    volume_debt.push_back(0.0);
     birthplace.push_back(x);
     row.push_back(1.0);
     surface.push_back(Surface::interior);
+    for (auto* array : {&solid_velocity, &drag_impulse, &owed}) array->grow();
+    for (auto* array : {&cavity, &volume_debt}) array->grow();
   }
 
   /// Keeps the particles for which keep[a], in order.

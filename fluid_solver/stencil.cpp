@@ -29,7 +29,9 @@ void find_pairs(double largest, Stencil<D>& s) {
   sph::CellGrid<D> grid;
   constexpr double reach = 0.5 * sph::support_radius;
   grid.build(s.position, reach * largest);
-  const bool even = std::all_of(s.length.begin(), s.length.end(), [&](double h) { return h == largest; });
+  ScalarArray length(s.size());
+  for (std::size_t j = 0; j < s.size(); ++j) length[j] = s.length(j);
+  const bool even = std::all_of(length.begin(), length.end(), [&](double h) { return h == largest; });
   const auto find = [&](std::size_t first, std::size_t last, std::vector<Index>& offset, std::vector<Index>& other) {
     other.reserve((last - first) * (D == 2 ? 28 : 96));
     std::vector<Index> row(64);
@@ -40,12 +42,12 @@ void find_pairs(double largest, Stencil<D>& s) {
         row[count] = j;
         count += static_cast<std::size_t>(j != a) & static_cast<std::size_t>(near);
       };
-      const double range = reach * (s.length[a] + largest);
+      const double range = reach * (length[a] + largest);
       if (even)
         grid.for_each_within(s.position[a], range, [&](Index j, double) { add(j, true); });
       else
         grid.for_each_within(s.position[a], range, [&](Index j, double r2) {
-          const double support = reach * (s.length[a] + s.length[j]);
+          const double support = reach * (length[a] + length[j]);
           add(j, r2 < support * support);
         });
       other.insert(other.end(), row.begin(), row.begin() + static_cast<std::ptrdiff_t>(count));
@@ -53,13 +55,15 @@ void find_pairs(double largest, Stencil<D>& s) {
       offset.push_back(static_cast<Index>(other.size()));
     }
   };
-  s.offset.reserve(s.n_real + 1);
-  const std::size_t parts = parts_for(s.n_real);
-  if (parts == 1) return find(0, s.n_real, s.offset, s.other);
+  // Piece by piece: one array for all would need room for the most that there may be.
+  constexpr std::size_t piece = 16384;
+  const std::size_t n_threads = parts_for(s.n_real), parts = std::max(n_threads, s.n_real / piece);
   std::vector<std::vector<Index>> offsets(parts), others(parts);
-  for_each_part(parts, [&](std::size_t part) {
-    find(s.n_real * part / parts, s.n_real * (part + 1) / parts, offsets[part], others[part]);
+  for_each_part(n_threads, [&](std::size_t thread) {
+    for (std::size_t part = parts * thread / n_threads; part < parts * (thread + 1) / n_threads; ++part)
+      find(s.n_real * part / parts, s.n_real * (part + 1) / parts, offsets[part], others[part]);
   });
+  s.offset.reserve(s.n_real + 1);
   std::size_t size = 0;
   for (const auto& other : others) size += other.size();
   s.other.reserve(size);
@@ -178,6 +182,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   Stencil<D> s;
   s.n_real = x.size();
   s.n_base = s.n_real + buffers.size();
+  s.buffers.assign(buffers.begin(), buffers.end());
   VecArray<D> base(s.n_base);
   std::copy(x.begin(), x.end(), base.begin());
   double largest = 0.0;
@@ -185,8 +190,6 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   for (std::size_t i = 0; i < buffers.size(); ++i) {
     base[s.n_real + i] = buffers[i].position;
     largest = std::max(largest, buffers[i].volume);
-    s.column.push_back(buffers[i].column);
-    s.outside.push_back(buffers[i].outside);
   }
   largest = smoothing_ratio * spacing_of<D>(largest);
   auto images = sph::make_images<D>(base, planes, sph::support_radius * largest);
@@ -194,13 +197,11 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   s.position.resize(all);
   s.parent.resize(all);
   s.volume.resize(all);
-  s.length.resize(all);
   for_each_side_by_side(all, [&](std::size_t i) {
     const std::size_t q = i < s.n_base ? i : images.parent[i - s.n_base];
     s.position[i] = i < s.n_base ? base[i] : images.position[i - s.n_base];
     s.parent[i] = static_cast<Index>(q);
     s.volume[i] = q < s.n_real ? volume[q] : buffers[q - s.n_real].volume;
-    s.length[i] = smoothing_ratio * spacing_of<D>(s.volume[i]);
   });
   base = VecArray<D>();
   s.map = std::move(images.map);
@@ -208,28 +209,23 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   s.boundaries = std::move(images.boundaries);
 
   const std::size_t n = s.n_real;
+  if (n == 0) return s;
+  find_pairs(largest, s);
+  part_ghosts(buffers, free, s);
+  // The largest arrays first: what is smaller fits between.
+  s.pull.resize(s.other.size());
   s.fullness.assign(n, 0.0);
   s.closest.assign(n, 0.0);
   s.divergence.assign(n, 0.0);
   s.amplification.assign(n, 1.0);
   s.normal.assign(n, Vec<D>::Zero());
-  s.surface_pressure.assign(n, 0.0);
   s.covered.assign(n, false);
   s.at_face.assign(n, false);
-  s.surface_distance.resize(n);
-  for_each_side_by_side(n, [&](std::size_t a) { s.surface_distance[a] = 0.5 * spacing_of<D>(volume[a]); });
   s.correction.resize(n);
   s.edge_of.assign(n, 0);
   s.least_moment.assign(n, 0.0);
-  s.ghost_distance.assign(n, 0.0);
-  s.front_distance.assign(n, 0.0);
-  if (n == 0) return s;
-  find_pairs(largest, s);
-  part_ghosts(buffers, free, s);
-  s.pull.resize(s.other.size());
-  if (!buffers.empty()) s.reflection.assign(s.other.size(), 0.0F);
   std::vector<Summed<D>> points(s.size());
-  for_each_side_by_side(s.size(), [&](std::size_t j) { points[j] = {s.position[j], s.volume[j], s.length[j]}; });
+  for_each_side_by_side(s.size(), [&](std::size_t j) { points[j] = {s.position[j], s.volume[j], s.length(j)}; });
   side_by_side(n, [&](std::size_t first, std::size_t last) {
     run_lanes([&]() __attribute__((always_inline)) {
       for (std::size_t a = first; a < last; ++a) sum_pairs<D>(points.data(), a, open_water, s);
@@ -257,13 +253,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
       const Index j = s.other[k];
       const Vec<D> ba = s.position[j] - s.position[a];
-      if (!s.is_buffer(j)) {
-        open += static_cast<double>(s.pull[k]) * ba * ba.transpose();
-        continue;
-      }
-      const auto& b = buffers[s.parent[j] - n];
-      const double inside = b.normal.dot(s.position[a] - b.foot), outside = b.outside;
-      s.reflection[k] = static_cast<float>(1.0 + (30.0 * inside <= outside ? 30.0 : outside / inside));
+      if (!s.is_buffer(j)) open += static_cast<double>(s.pull[k]) * ba * ba.transpose();
     }
     s.edge(a).open = bounded_inverse<D>(open, least_inverted, nullptr);
   }

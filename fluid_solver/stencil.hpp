@@ -3,6 +3,7 @@
 #pragma once
 
 #include "common/core/lanes.hpp"
+#include "common/core/or_zero.hpp"
 #include "common/core/vector.hpp"
 #include "common/sph/images.hpp"
 #include "common/sph/kernel.hpp"
@@ -103,13 +104,12 @@ template <int D>
 struct Stencil {
   std::size_t n_real = 0, n_base = 0;     ///< real particles; with buffers
   VecArray<D> position;                   ///< [all]
-  ScalarArray volume, length;             ///< [all] V [m^D], h [m]
+  ScalarArray volume;                     ///< [all] V, m^D
   std::vector<Index> parent;              ///< [all] base point an image belongs to; itself for base points
   MatArray<D> map;                        ///< [images] linear part for vectors
   VecArray<D> carried;                    ///< [images] added to velocities: 2 U n behind a piston [m/s]
   std::vector<std::uint32_t> boundaries;  ///< [images]
-  std::vector<Index> column;              ///< [base - real] face column of each buffer
-  ScalarArray outside;                    ///< [base - real] distance from its face [m]
+  std::vector<Buffer<D>> buffers;         ///< [base - real]
 
   /// Slope of the pressure at each face column, a straight line through the face's pressure fitted to the particles
   /// inside: slope = sum fit_weight (p - p_face) over fit_index[fit_offset[c] .. fit_offset[c + 1]); none where the
@@ -124,26 +124,26 @@ struct Stencil {
   /// [pairs] -V_b W'/r, 1/m^2: V_b grad_a W_ab is pull (r_b - r_a). Rounded to half the memory; moments are sums of
   /// what is kept, so that gradients of linear fields stay exact.
   std::vector<float> pull;
-  std::vector<float> reflection;  ///< [pairs] 0, or 1 + |d_b|/d_a where b is a buffer; empty without buffers
 
   ScalarArray fullness;    ///< [real] sum V W over that of a lattice; of open water sum V density_weight
   ScalarArray closest;     ///< [real] least distance to another point, in units of the pair's smoothing length
-  ScalarArray divergence;  ///< [real] sum V div r: D inside
+  ScalarArray divergence;  ///< [real] sum V div r: D inside; of use until the surface has been found
   ScalarArray
       amplification;   ///< [real] of pair sums of second derivatives, to make them exact for a quadratic on average
   VecArray<D> normal;  ///< [real] sum V grad W: inward where the surroundings are one-sided, 1/m
   std::vector<bool> covered;     ///< [real] in soil, with water in the cone outwards: a loose place, no surface
   std::vector<char> at_face;     ///< [real] in soil, within half a spacing of a seepage face: that is where water ends
-  ScalarArray surface_distance;  ///< [real] of a surface particle to the surface, m: half a spacing, less at a face
-  ScalarArray surface_pressure;  ///< [real] total, on the surface, Pa: 0, or a suction
-  MatArray<D> correction;        ///< [real] of the kernel gradient, buffers and the free surface counted (pressures)
-  ScalarArray least_moment;      ///< [real] smallest eigenvalue of the moment: 1 inside, 0 where a direction is empty
+  OrZero<double> told_distance;  ///< [real] of a surface particle to the surface, m, where it is not half a spacing
+  OrZero<double> surface_pressure;  ///< [real] total, on the surface, Pa: 0, or a suction
+  MatArray<D> correction;           ///< [real] of the kernel gradient, buffers and the free surface counted (pressures)
+  ScalarArray
+      least_moment;  ///< [real] smallest eigenvalue of the moment: 1 inside, 0 where a direction is empty; as long
   /// [real] distance to the free surface along -normal [m], 0: out of the kernel's reach. Set by find_surface; the
   /// kernel's missing part is then a ghost at twice the distance, antisymmetric about the surface's pressure.
-  ScalarArray ghost_distance;
+  OrZero<double> ghost_distance;
   /// [real] of water that seeps, below the row of particles on its surface: distance to the surface along -normal [m],
   /// 0: out of the kernel's reach. Set by find_surface; the surface's pressure is then in the Laplacian, too.
-  ScalarArray front_distance;
+  OrZero<double> front_distance;
 
   /// What only particles at a surface or a face have.
   struct Edge {
@@ -164,10 +164,20 @@ struct Stencil {
     return edges[edge_of[a] - 1];
   }
 
+  /// h [m] of any point.
+  [[nodiscard]] double length(std::size_t j) const { return smoothing_ratio * spacing_of<D>(volume[j]); }
+  /// Of a surface particle to the surface [m].
+  [[nodiscard]] double surface_distance(std::size_t a) const {
+    return told_distance[a] > 0.0 ? told_distance[a] : 0.5 * spacing_of<D>(volume[a]);
+  }
+  void forget_moments() {
+    for (auto* told : {&divergence, &least_moment}) *told = ScalarArray();
+  }
+
   /// W of real particle a and any point, 1/m^D; 0 for itself, with which rows are filled up.
   [[nodiscard]] double value(std::size_t a, Index j) const {
     if (j == a) return 0.0;
-    return Kernel<D>::value((position[j] - position[a]).norm(), 0.5 * (length[a] + length[j]));
+    return Kernel<D>::value((position[j] - position[a]).norm(), 0.5 * (length(a) + length(j)));
   }
   /// sum V r grad W of real particle a, which the correction is the inverse of.
   [[nodiscard]] Mat<D> moment(std::size_t a) const {
@@ -182,6 +192,13 @@ struct Stencil {
   /// Of the pair of real particle a with a point whose parent is q.
   [[nodiscard]] double amplified(std::size_t a, Index q) const {
     return 0.5 * (amplification[a] + amplification[q < n_real ? q : a]);
+  }
+  /// 1 + |d_b|/d_a of the pair of real particle a with a point whose parent q is a buffer; the same wherever it is
+  /// asked.
+  [[nodiscard, gnu::noinline]] double reflection(std::size_t a, Index q) const {
+    const auto& b = buffers[q - n_real];
+    const double inside = b.normal.dot(position[a] - b.foot);
+    return static_cast<float>(1.0 + (30.0 * inside <= b.outside ? 30.0 : b.outside / inside));
   }
   [[nodiscard]] bool is_buffer(Index j) const { return parent[j] >= n_real && parent[j] < n_base; }
   [[nodiscard]] std::size_t size() const { return position.size(); }

@@ -41,7 +41,7 @@ double row_thickness(const Stencil<D>& s, std::size_t a, std::span<const Surface
     return sum;
   }();
   constexpr double balanced = 0.15;  // of h: a row that ends here tells nothing
-  const double h = s.length[a], spacing = h / smoothing_ratio;
+  const double h = s.length(a), spacing = h / smoothing_ratio;
   const Vec<D> n = s.normal[a].normalized();
   double sum = Kernel<D>::value(0.0, h);
   Vec<D> centre = Vec<D>::Zero();
@@ -80,7 +80,7 @@ SurfacePlane<D> surface_plane(const Stencil<D>& s, std::size_t a, std::span<cons
     plane.weight += value;
     plane.normal += value * n;
     plane.pressure += value * s.surface_pressure[q];
-    plane.height += value * (n.dot(s.position[j] - s.position[a]) + s.surface_distance[q]);
+    plane.height += value * (n.dot(s.position[j] - s.position[a]) + s.surface_distance(q));
   }
   return plane;
 }
@@ -92,7 +92,7 @@ double depth(const Stencil<D>& s, std::size_t a, std::span<const Surface> flags,
   constexpr double plane_enough = 0.9;
   const auto plane = surface_plane<D>(s, a, flags, seeps);
   if (plane.normal.norm() <= plane_enough * plane.weight) return 0.0;
-  return std::max(plane.height / plane.weight, s.surface_distance[a]);
+  return std::max(plane.height / plane.weight, s.surface_distance(a));
 }
 
 /// rows: thickness of the row each particle lies in, in spacings, of which `share` is what it is now: slowly, for the
@@ -106,7 +106,7 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> seeps, 
                                   double share = 0.0, bool splashes = false) {
   std::vector<Surface> flags(s.n_real, Surface::interior);
   const auto umbrella = [&](std::size_t a) {
-    const double h = s.length[a];
+    const double h = s.length(a);
     const Vec<D> n = -s.normal[a].normalized();
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
       const Vec<D> d = s.position[s.other[k]] - s.position[a];
@@ -140,9 +140,9 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> seeps, 
     }
     const double amount = s.normal[a].norm();
     if (s.least_moment[a] >= surface::inside) continue;
-    const bool hole = splashes && s.divergence[a] < surface::few * D && amount * s.length[a] > surface::hole;
+    const bool hole = splashes && s.divergence[a] < surface::few * D && amount * s.length(a) > surface::hole;
     const bool edge =
-        s.least_moment[a] >= surface::alone && (hole || (amount * s.length[a] > surface::first_row && !umbrella(a)));
+        s.least_moment[a] >= surface::alone && (hole || (amount * s.length(a) > surface::first_row && !umbrella(a)));
     if (edge) {
       flags[a] = Surface::surface;
     } else if (s.least_moment[a] < surface::sparse) {
@@ -154,7 +154,7 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> seeps, 
   for (std::size_t a = 0; a < rows.size(); ++a) {
     const bool in_row = flags[a] == Surface::surface && seeps[a] < 0.5;
     rows[a] += share * ((in_row ? row_thickness<D>(s, a, flags, seeps) : 1.0) - rows[a]);
-    if (in_row) s.surface_distance[a] *= rows[a];
+    if (in_row) s.told_distance.set(a, s.surface_distance(a) * rows[a], s.n_real);
   }
   // Below the surface: the distance of the plane that the surface particles of its own kind in reach put it at, and the
   // pressure there; 0: none.
@@ -164,31 +164,32 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> seeps, 
     const double cosine = -plane.normal.dot(s.normal[a]) / (plane.normal.norm() * s.normal[a].norm());
     if (cosine < 0.5) return {};
     const double distance = plane.height / (plane.weight * cosine);
-    if (distance <= 0.0 || distance >= sph::support_radius * s.length[a]) return {};
-    return {std::max(distance, s.surface_distance[a]), plane.pressure / plane.weight};
+    if (distance <= 0.0 || distance >= sph::support_radius * s.length(a)) return {};
+    return {std::max(distance, s.surface_distance(a)), plane.pressure / plane.weight};
   };
   // Beside free water windows are short, and the gradient of seeping water does not know of its surface: left as it is.
   const bool all_seep = std::all_of(seeps.begin(), seeps.end(), [](double one) { return one >= 0.5; });
   for (std::size_t a = 0; a < s.n_real; ++a) {
-    const double amount = s.normal[a].norm(), h = s.length[a];
+    const double amount = s.normal[a].norm(), h = s.length(a);
     if (flags[a] == Surface::lone || amount * h <= surface::second_row) continue;
     if (seeps[a] >= 0.5) {
       if (!all_seep) continue;
       if (flags[a] == Surface::interior && !s.covered[a])
         if (const auto [distance, pressure] = below(a); distance > 0.0) {
-          s.front_distance[a] = distance;
-          s.surface_pressure[a] = pressure;
+          s.front_distance.set(a, distance, s.n_real);
+          s.surface_pressure.set(a, pressure, s.n_real);
         }
       if (flags[a] == Surface::surface || s.front_distance[a] > 0.0) s.amplification[a] = lattice_amplification<D>();
       continue;
     }
-    s.ghost_distance[a] = flags[a] == Surface::surface ? s.surface_distance[a] : below(a).first;
-    if (s.ghost_distance[a] == 0.0) continue;
+    const double distance = flags[a] == Surface::surface ? s.surface_distance(a) : below(a).first;
+    if (distance == 0.0) continue;
+    s.ghost_distance.set(a, distance, s.n_real);
     // The ghost at twice the distance completes the moment.
     const Vec<D> n = s.normal[a] / amount;
     Mat<D>& blind = s.edge(a).blind;
-    s.correction[a] = bounded_inverse<D>(s.moment(a) + 2.0 * s.ghost_distance[a] * amount * n * n.transpose(),
-                                         surface::least_inverted, &blind);
+    s.correction[a] =
+        bounded_inverse<D>(s.moment(a) + 2.0 * distance * amount * n * n.transpose(), surface::least_inverted, &blind);
   }
   // Inside, where neighbours are few, the pair sums of the Laplacian are short and the gradient's are not: a pressure
   // found from the one and applied by the other would correct the velocity more than once. In soil drag keeps that

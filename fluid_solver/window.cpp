@@ -51,6 +51,16 @@ Elimination eliminate(double dt, double density, double n, double n_s, double C)
   return q;
 }
 
+/// Told when asked for: to keep them would take more than they cost.
+template <int D>
+struct Eliminations {
+  const WindowProblem<D>& in;
+  const SoilView<D>& soil;
+  Elimination operator[](std::size_t a) const {
+    return eliminate(in.interval, in.density, in.void_fraction[a], soil.fraction[a], soil.drag[a]);
+  }
+};
+
 Response eliminate_skeleton(double dt, double density, double n, double n_s, const Elimination& q, double R, double M) {
   Response r;
   r.as = R / dt;
@@ -69,11 +79,7 @@ class WindowSolver {
  public:
   WindowSolver(const Stencil<D>& stencil, const SoilView<D>& soil, std::span<const Surface> flags,
                const WindowProblem<D>& problem)
-      : s_(stencil), soil_(soil), flags_(flags), in_(problem), n_(stencil.n_real) {
-    q_.resize(n_);
-    for_each_side_by_side(n_, [&](std::size_t a) {
-      q_[a] = eliminate(in_.interval, in_.density, in_.void_fraction[a], soil.fraction[a], soil.drag[a]);
-    });
+      : s_(stencil), soil_(soil), flags_(flags), in_(problem), n_(stencil.n_real), q_{problem, soil} {
     if (in_.response) {
       r_.resize(n_);
       for (std::size_t a = 0; a < n_; ++a) {
@@ -82,9 +88,12 @@ class WindowSolver {
         any_response_ = any_response_ || r_[a].responds;
       }
     }
-    ScalarArray mobility(n_);
-    for_each_side_by_side(n_, [&](std::size_t a) { mobility[a] = q_[a].kf; });
-    fluid_ = laplacian<D>(s_, mobility);
+    sources_ = make_sources();  // before the matrix, with which its work would not fit
+    {
+      ScalarArray mobility(n_);
+      for_each_side_by_side(n_, [&](std::size_t a) { mobility[a] = q_[a].kf; });
+      fluid_ = laplacian<D>(s_, mobility);
+    }
     boundary_.assign(n_, 0.0);
     torn_.assign(n_, false);
     std::atomic<bool> closed{true};
@@ -104,27 +113,30 @@ class WindowSolver {
   /// In: warm starts; out: everything.
   void solve(WindowSolution<D>& out) {
     out.pressure.resize(n_, 0.0);
-    out.solid_velocity.resize(n_, Vec<D>::Zero());
     if (n_ == 0) return finish(out);
+    const bool moves = any_response_ || soil_.velocity.is_laid_out();
+    if (!moves) out.solid_velocity = {};
+    if (moves && !out.solid_velocity.is_laid_out()) out.solid_velocity.lay_out(n_);
     for_each_side_by_side(n_, [&](std::size_t a) {
-      if (!responds(a)) out.solid_velocity[a] = soil_.velocity[a];
+      if (moves && !responds(a)) out.solid_velocity.set(a, soil_.velocity[a]);
     });
-    const ScalarArray sources = make_sources();
-    if (any_response_) prepare_response();
-    start_ = out.pressure;
+    if (any_response_) {
+      prepare_response();
+      start_ = out.pressure;
+    }
     // What is torn mostly stays so: to begin with closing its voids would ask for pressures that the solve's tolerance
     // follows.
     std::vector<bool> torn(n_);
-    for (std::size_t a = 0; a < n_; ++a) torn[a] = in_.cavity[a] > 0.0 && !pinned(a);
+    for (std::size_t a = 0; a < n_; ++a) torn[a] = !in_.cavity.empty() && in_.cavity[a] > 0.0 && !pinned(a);
     if (torn != torn_) hold(std::move(torn), out);
     for (int round = 1;; ++round) {
       ScalarArray b(n_);
-      for_each_side_by_side(n_, [&](std::size_t a) { b[a] = sources[a] + boundary_[a]; });
+      for_each_side_by_side(n_, [&](std::size_t a) { b[a] = sources_[a] + boundary_[a]; });
       if (any_response_)
         solve_response(b, out);
       else
         solve_fluid(std::move(b), out);
-      if (!tear(sources, out) || round == most_cavity_rounds) break;
+      if (!tear(out) || round == most_cavity_rounds) break;
     }
     // The matrices are not needed to finish, and what finishing needs does not stand beside them.
     for (auto* matrix : {&fluid_, &skeleton_, &plain_}) *matrix = PairMatrix();
@@ -140,7 +152,8 @@ class WindowSolver {
     ScalarArray sources = divergence<D>(s_, flux, Carried::yes);
     if (in_.sweeps > 0) for_each_side_by_side(n_, [&](std::size_t a) { sources[a] *= sweep_trust(s_, a); });
     for_each_side_by_side(n_, [&](std::size_t a) {
-      sources[a] = s_.volume[a] * (in_.source[a] - sources[a]) - in_.cavity[a] / in_.interval;
+      sources[a] = s_.volume[a] * (in_.source[a] - sources[a]);
+      if (!in_.cavity.empty()) sources[a] -= in_.cavity[a] / in_.interval;
     });
     return sources;
   }
@@ -148,7 +161,7 @@ class WindowSolver {
   /// Water tears rather than be pulled below a pressure, and while it is torn it is at that pressure: of the pressure
   /// over it and the voids at the window's end one is zero, neither is negative. Found by their active set: rows of the
   /// torn are held at the pressure; what they miss in continuity is the voids. Returns whether the set has changed.
-  bool tear(std::span<const double> sources, WindowSolution<D>& out) {
+  bool tear(WindowSolution<D>& out) {
     const auto tears = [&](std::size_t a) {
       return out.pressure[a] < torn_pressure(a) + cavity_tolerance * in_.cavitation && !pinned(a);
     };
@@ -156,17 +169,18 @@ class WindowSolver {
     for_each_side_by_side(n_, [&](std::size_t a) {
       if (tears(a)) any = true;
     });
-    out.cavity.assign(n_, 0.0);
+    out.cavity = {};
     if (!any) return false;
+    out.cavity.lay_out(n_);
     std::vector<bool> torn(n_);
     for (std::size_t a = 0; a < n_; ++a) torn[a] = tears(a);
     if (any_torn_) {
-      const ScalarArray missed = imbalance(sources, free_boundary_, out);
+      const ScalarArray missed = imbalance(sources_, free_boundary_, out);
       for (std::size_t a = 0; a < n_; ++a) {
         if (!torn_[a]) continue;
         const double opening = (free_diagonal_[a] - fluid_.diagonal[a]) * out.pressure[a] - missed[a];
         torn[a] = opening > cavity_tolerance * std::abs(in_.cavitation) * free_diagonal_[a];
-        out.cavity[a] = std::max(0.0, in_.interval * opening);
+        out.cavity.set(a, std::max(0.0, in_.interval * opening));
       }
     }
     if (torn == torn_) return false;
@@ -186,7 +200,7 @@ class WindowSolver {
     boundary_ = free_boundary_;
     for (std::size_t a = 0; a < n_; ++a) {
       if (!torn_[a]) continue;
-      const double h = s_.length[a], weight = 1e6 * (fluid_.diagonal[a] + s_.volume[a] * q_[a].kf / (h * h));
+      const double h = s_.length(a), weight = 1e6 * (fluid_.diagonal[a] + s_.volume[a] * q_[a].kf / (h * h));
       fluid_.diagonal[a] += weight;
       boundary_[a] += weight * torn_pressure(a);
       out.pressure[a] = torn_pressure(a);
@@ -196,14 +210,13 @@ class WindowSolver {
   /// What the rows of continuity miss [m^D/s].
   ScalarArray imbalance(std::span<const double> sources, std::span<const double> boundary,
                         const WindowSolution<D>& out) const {
-    ScalarArray row(n_), change(n_), rest(n_);
+    ScalarArray row(n_), rest(n_);
     fluid_.apply(std::span<const double>(out.pressure), std::span<double>(row));
     const ScalarArray squeeze = squeezed(out.solid_velocity);
-    for (std::size_t a = 0; a < n_; ++a) {
-      change[a] = out.pressure[a] - start_[a];
-      rest[a] = sources[a] + boundary[a] - row[a] - squeeze[a];
-    }
+    for (std::size_t a = 0; a < n_; ++a) rest[a] = sources[a] + boundary[a] - row[a] - squeeze[a];
     if (any_response_ && any_torn_) {
+      ScalarArray change(n_);
+      for (std::size_t a = 0; a < n_; ++a) change[a] = out.pressure[a] - start_[a];
       const ScalarArray held_back = stabilised(change);
       for (std::size_t a = 0; a < n_; ++a) rest[a] -= held_back[a];
     }
@@ -230,8 +243,8 @@ class WindowSolver {
     for (Index k = s_.offset[a]; s_.n_base > n_ && k < s_.offset[a + 1]; ++k) {
       const Index j = s_.other[k], q = s_.parent[j];
       if (j < n_ || !s_.is_buffer(j)) continue;
-      const double w = 2.0 * s_.volume[a] * mobility * s_.pull[k] * s_.amplified(a, q) * s_.reflection[k];
-      sum = sum.value_or(0.0) + w * in_.face_pressure[s_.column[q - n_]];
+      const double w = 2.0 * s_.volume[a] * mobility * s_.pull[k] * s_.amplified(a, q) * s_.reflection(a, q);
+      sum = sum.value_or(0.0) + w * in_.face_pressure[s_.buffers[q - n_].column];
     }
     return sum;
   }
@@ -239,7 +252,7 @@ class WindowSolver {
   /// Distance to the surface, 0 where it is out of reach.
   double surface_distance(std::size_t a) const {
     if (s_.ghost_distance[a] > 0.0) return s_.ghost_distance[a];
-    return flags_[a] == Surface::surface ? s_.surface_distance[a] : s_.front_distance[a];
+    return flags_[a] == Surface::surface ? s_.surface_distance(a) : s_.front_distance[a];
   }
 
   /// Lone particles, and in coarse soil, where the water's inertia rules, the front itself: there the softer condition
@@ -252,7 +265,7 @@ class WindowSolver {
   }
   double pinned_pressure(std::size_t a) const {
     if (flags_[a] == Surface::lone) return -in_.weight.dot(s_.position[a] - in_.origin);
-    return surface_row(s_, a, s_.surface_distance[a], 1.0, in_.weight, in_.origin).pressure;
+    return surface_row(s_, a, s_.surface_distance(a), 1.0, in_.weight, in_.origin).pressure;
   }
 
   bool is_known(std::size_t a) const { return torn_[a] || pinned(a); }
@@ -261,7 +274,7 @@ class WindowSolver {
   void add_surface(PairMatrix& m, std::size_t a, double mobility, double* rhs) const {
     SurfaceRow row;
     if (pinned(a)) {
-      const double h = s_.length[a];
+      const double h = s_.length(a);
       row = {1e3 * (m.diagonal[a] + s_.volume[a] * mobility / (h * h)), pinned_pressure(a)};
     } else if (const double distance = surface_distance(a); distance > 0.0) {
       row = surface_row(s_, a, distance, mobility, in_.weight, in_.origin);
@@ -274,7 +287,8 @@ class WindowSolver {
   }
 
   /// V D(e s)
-  ScalarArray squeezed(std::span<const Vec<D>> s) const {
+  template <class Velocity>
+  ScalarArray squeezed(const Velocity& s) const {
     VecArray<D> f(n_);
     for_each_side_by_side(n_, [&](std::size_t a) { f[a] = q_[a].e * s[a]; });
     ScalarArray d = divergence<D>(s_, f);
@@ -289,7 +303,7 @@ class WindowSolver {
 
   /// Rigid soil, free water, or a skeleton of known velocity: one symmetric system.
   void solve_fluid(ScalarArray b, WindowSolution<D>& out) {
-    {
+    if (out.solid_velocity.is_laid_out()) {
       const ScalarArray squeeze = squeezed(out.solid_velocity);
       for_each_side_by_side(n_, [&](std::size_t a) { b[a] -= squeeze[a]; });
     }
@@ -319,16 +333,16 @@ class WindowSolver {
     // Where all particles are pinned, or all have one pressure, nothing drives; rounding is the floor then.
     const double tolerance = std::max(in_.tolerance * drive(b, reference), rounding);
     const auto apply = [&](std::span<const double> x, std::span<double> y) { fluid_.apply(x, y); };
-    ScalarArray inverse(n_);
-    for_each_side_by_side(
-        n_, [&](std::size_t a) { inverse[a] = fluid_.diagonal[a] > 0.0 ? 1.0 / fluid_.diagonal[a] : 0.0; });
-    const auto by_diagonal = [&](std::span<const double> r, std::span<double> z) {
-      for_each_side_by_side(n_, [&](std::size_t a) { z[a] = inverse[a] * r[a]; });
-      if (closed_) remove_mean(z);
-    };
     SolveReport report;
     report.converged = false;
     if (!out.multigrid) {
+      ScalarArray inverse(n_);
+      for_each_side_by_side(
+          n_, [&](std::size_t a) { inverse[a] = fluid_.diagonal[a] > 0.0 ? 1.0 / fluid_.diagonal[a] : 0.0; });
+      const auto by_diagonal = [&](std::span<const double> r, std::span<double> z) {
+        for_each_side_by_side(n_, [&](std::size_t a) { z[a] = inverse[a] * r[a]; });
+        if (closed_) remove_mean(z);
+      };
       report = conjugate_gradients(apply, by_diagonal, b, out.pressure, tolerance, patience);
       out.pressure_iterations += report.iterations;
       out.multigrid = !report.converged;
@@ -339,7 +353,7 @@ class WindowSolver {
         multigrid.cycle(r, z);
         if (closed_) remove_mean(z);
       };
-      report = conjugate_gradients(apply, by_cycle, b, out.pressure, tolerance, 2000);
+      report = conjugate_gradients(apply, by_cycle, std::move(b), out.pressure, tolerance, 2000);
       out.multigrid_cycles += report.iterations;
       out.multigrid = report.iterations > few_cycles;
     }
@@ -396,8 +410,8 @@ class WindowSolver {
       H_preconditioner_[a] = H_diagonal_[a];
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
         const Index j = s_.other[k], b = s_.parent[j];
-        if (b >= n_ && in_.face_holds[s_.column[b - n_]]) {
-          const double w = 2.0 * s_.volume[a] * dt * r_[a].M * s_.pull[k] * s_.amplified(a, b) * s_.reflection[k];
+        if (b >= n_ && in_.face_holds[s_.buffers[b - n_].column]) {
+          const double w = 2.0 * s_.volume[a] * dt * r_[a].M * s_.pull[k] * s_.amplified(a, b) * s_.reflection(a, b);
           H_diagonal_[a] += w;
           H_preconditioner_[a] += w;
         }
@@ -419,7 +433,7 @@ class WindowSolver {
     flow_.clear();
     if (std::all_of(soil_.yielding.begin(), soil_.yielding.end(), [](double y) { return y <= 0.0; })) return;
     flow_.assign(n_, Vec<D>::Zero());
-    const VecArray<D> going = skeleton_extended(soil_.velocity);
+    const VecArray<D> going = skeleton_extended(soil_.velocity.values());
     for (std::size_t a = 0; a < n_; ++a)
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
         if (image_weight_[k] == 0.0F) continue;
@@ -529,7 +543,7 @@ class WindowSolver {
           skeleton.ss / (q.aw + q.C) * (q.C * q.aw * pushed(a) + (q.aw + q.C) * (skeleton.as * soil_.velocity[a] + r)) -
           skeleton.mS * G[a] + skeleton.ss / s_.volume[a] * (anchor(a) * soil_.velocity[a] + going(a));
     }
-    out.skeleton_iterations += solve_H(rhs, out.solid_velocity, tolerance);
+    out.skeleton_iterations += solve_H(rhs, out.solid_velocity.values(), tolerance);
   }
 
   void solve_response(const ScalarArray& b, WindowSolution<D>& out) {
@@ -603,8 +617,10 @@ class WindowSolver {
     out.velocity.resize(n_);
     out.gradient = plain_gradient(out.pressure, false);
     VecArray<D> flux;  // none: the mobility is the same everywhere
-    const double mobility = q_.empty() ? 0.0 : q_[0].kf;
-    if (!std::all_of(q_.begin(), q_.end(), [&](const Elimination& q) { return q.kf == mobility; })) {
+    const double mobility = n_ == 0 ? 0.0 : q_[0].kf;
+    bool even = true;
+    for (std::size_t a = 0; a < n_ && even; ++a) even = q_[a].kf == mobility;
+    if (!even) {
       ScalarArray own(n_);
       for_each_side_by_side(n_, [&](std::size_t a) { own[a] = q_[a].kf; });
       flux = pressure_gradient<D>(
@@ -623,12 +639,13 @@ class WindowSolver {
   std::span<const Surface> flags_;
   const WindowProblem<D>& in_;
   std::size_t n_;
-  std::vector<Elimination> q_;
+  Eliminations<D> q_;
   std::vector<Response> r_;  ///< empty: no skeleton is asked
   bool any_response_ = false, closed_ = true, free_closed_ = true, any_torn_ = false;
   std::vector<bool> torn_;  ///< water at the cavitation pressure
   VecArray<D> flow_;        ///< empty: nothing yields
   PairMatrix fluid_, skeleton_, plain_;
+  ScalarArray sources_;
   ScalarArray start_, free_diagonal_, free_boundary_;  ///< the pressure at first; the system with nothing torn
   ScalarArray boundary_, fixed_, stabilisation_, storage_, H_diagonal_, H_preconditioner_;
   std::vector<float> image_weight_;  ///< [pairs] of the skeleton's stiffness, N s/m

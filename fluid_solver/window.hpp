@@ -15,10 +15,10 @@ struct WindowProblem {
   Vec<D> origin = Vec<D>::Zero();         ///< piezometric pressure ph = p - rho g.(x - origin)
   bool response = true;                   ///< the skeleton answers inside the solve
   std::span<const double> void_fraction;  ///< [n]
-  VecArray<D> velocity;                   ///< [n] of the water, viscosity already in it, m/s
-  ScalarArray source;                     ///< [n] volume to be given off, 1/s
+  OrZero<Vec<D>> velocity;                ///< [n] of the water, viscosity already in it, m/s
+  OrZero<double> source;                  ///< [n] volume to be given off, 1/s
   double cavitation = -1e300;             ///< total pressure at which water tears, Pa
-  std::span<const double> cavity;         ///< [n] voids in it so far, m^D
+  std::span<const double> cavity;         ///< [n] voids in it so far, m^D; none: no voids
   ScalarArray face_pressure;              ///< [columns] piezometric, Pa
   std::vector<bool> face_holds;           ///< [columns] the soil
   double tolerance = 1e-4;                ///< of the pressure residual, relative, where no skeleton responds
@@ -29,11 +29,11 @@ struct WindowProblem {
 
 template <int D>
 struct WindowSolution {
-  ScalarArray pressure;        ///< [n] piezometric, Pa; in: warm start
-  VecArray<D> solid_velocity;  ///< [n] predicted v_s', m/s; in: warm start
-  VecArray<D> velocity;        ///< [n] v_w', m/s
-  VecArray<D> gradient;        ///< [n] of the piezometric pressure, Pa/m
-  ScalarArray cavity;          ///< [n] voids in the water, m^D
+  ScalarArray pressure;           ///< [n] piezometric, Pa; in: warm start
+  OrZero<Vec<D>> solid_velocity;  ///< [n] predicted v_s', m/s; in: warm start
+  VecArray<D> velocity;           ///< [n] v_w', m/s
+  VecArray<D> gradient;           ///< [n] of the piezometric pressure, Pa/m
+  OrZero<double> cavity;          ///< [n] voids in the water, m^D
   int outer = 0, pressure_iterations = 0, multigrid_cycles = 0, skeleton_iterations = 0;
   bool multigrid = false;  ///< in: begin with it; out: worth beginning with next time
   bool converged = true;

@@ -128,9 +128,7 @@ void fill_nodes(const Particles<D>& p, const Neighbourhood<D>& near, const VecAr
     node.velocity = p.velocity[i];
     node.volume = p.volume[i];
     node.density = p.mass[i] / p.volume[i];
-    node.gradient = p.gradient[i];
     node.displacement = p.displacement[i];
-    node.deformation = p.deformation[i];
     node.flux.noalias() = matrix_of<D>(p.stress[i]) * p.correction[i];
     node.firmness = p.plastic_strain[i] <= 0.0          ? Node<D>::elastic
                     : p.plastic_strain[i] <= flow_limit ? Node<D>::yielded

@@ -53,13 +53,13 @@ void fill_grains(const State<D>& state, Scratch<D>& scratch) {
 template <int D>
 void stress_slopes(const State<D>& state, Scratch<D>& scratch) {
   using G = Grain<D>;
-  using Own = typename decltype(scratch.slope_sums)::value_type;
+  constexpr std::size_t n_slopes = n_components<D> * D + D * (D + 1) / 2;
+  using Own = Sums<n_slopes>;
   constexpr std::size_t n_stress = n_components<D>;
   const std::size_t n = state.particles.size();
   const Pairs& pairs = state.near.pairs;
-  scratch.slope_sums.assign(n, {});
   const G* const grains = scratch.grains.data();
-  Own* const sums = scratch.slope_sums.data();
+  Own* const sums = scratch.template zero_sums<n_slopes>(n);
   for_rows_in_lanes(
       pairs, 0, n, [&](std::size_t i) __attribute__((always_inline)) {
         const double* const self = grains[i].row();
@@ -92,7 +92,7 @@ void stress_slopes(const State<D>& state, Scratch<D>& scratch) {
       });
   for_rows(pairs, 0, n, [&](std::size_t i) {
     if (!scratch.flows[i]) return;
-    const double* const sum = scratch.slope_sums[i].x.data();
+    const double* const sum = sums[i].x.data();
     const double* square = sum + n_stress * D;
     Mat<D> moment;
     for (int b = 0; b < D; ++b)
@@ -107,17 +107,16 @@ void stress_slopes(const State<D>& state, Scratch<D>& scratch) {
 /// Kernel sums around the particles that flow (Around): what neighbours' linear stresses do not explain, how much
 /// larger the neighbours' volumes are, how crowded and how covered each place is.
 template <int D>
-void sum_neighbours(const State<D>& state, double h, Scratch<D>& scratch) {
+const Sums<Around<D>::size>* sum_neighbours(const State<D>& state, double h, Scratch<D>& scratch) {
   using G = Grain<D>;
   using A = Around<D>;
-  using Own = typename decltype(scratch.around)::value_type;
+  using Own = Sums<A::size>;
   constexpr std::size_t n_stress = n_components<D>;
   const std::size_t n = state.particles.size();
   const Pairs& pairs = state.near.pairs;
   const double centre = sph::WendlandC2<D>::value(0.0, h), half_inverse = 0.5 / h;
-  scratch.around.assign(n, {});
   const G* const grains = scratch.grains.data();
-  Own* const sums = scratch.around.data();
+  Own* const sums = scratch.template zero_sums<A::size>(n);
   for_rows_in_lanes(
       pairs, 0, n, [&](std::size_t i) __attribute__((always_inline)) {
         const double* const self = grains[i].row();
@@ -173,6 +172,7 @@ void sum_neighbours(const State<D>& state, double h, Scratch<D>& scratch) {
         own[A::at_cover][0] += state.particles.volume[i] * centre;
         add_lanes<Own::size>(own, sums[i].x.data());
       });
+  return sums;
 }
 
 }  // namespace
@@ -197,17 +197,17 @@ void keep_flow_regular(const Setup<D>& setup, double dt, State<D>& state) {
   };
   fill_grains<D>(state, scratch);
   stress_slopes<D>(state, scratch);
-  sum_neighbours<D>(state, h, scratch);
+  const auto* const sums = sum_neighbours<D>(state, h, scratch);
   for_rows(state.near.pairs, 0, n, [&](std::size_t i) {
     if (!scratch.flows[i] || state.regions.sleeps(i)) return;
     const double density = setup.density[p.material[i]], reference = p.mass[i] / density;
-    const double* const around = scratch.around[i].x.data();
+    const double* const around = sums[i].x.data();
     const double cover = around[Around<D>::at_cover] / setup.full_cover;
     const Vec<D> crowding = Eigen::Map<const Vec<D>>(around + Around<D>::at_crowding) / density;
     Tensor& stress = p.stress[i];
     const double mean = trace(stress) / 3.0;
     double& volume = p.volume[i];
-    const double shear = interval * 2.0 * root_j2(strain_rate<D>(p.gradient[i]));
+    const double shear = interval * 2.0 * root_j2(strain_rate<D>(state.nodes[i].gradient));
     const double elastic = root_j2(stress) / setup.models[p.material[i]]->elasticity().shear;
     const double flowed = shear < renewing * elastic ? shear / (renewing * elastic) : 1.0;
     stress.template head<n_components<D>>() +=

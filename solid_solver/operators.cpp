@@ -51,11 +51,10 @@ void pair_kernels(const std::vector<Node<D>>& nodes, const Pairs& pairs, double 
 }
 
 template <int D>
-void velocity_gradient(const std::vector<Node<D>>& nodes, const Pairs& pairs, const ScalarArray& kernel,
-                       Scratch<D>& scratch, MatArray<D>& gradient, MatArray<D>& correction) {
-  using Own = typename decltype(scratch.gradient)::value_type;
-  scratch.gradient.assign(pairs.size(), {});
-  Own* const sums = scratch.gradient.data();
+void velocity_gradient(const Pairs& pairs, const ScalarArray& kernel, Scratch<D>& scratch, std::vector<Node<D>>& nodes,
+                       MatArray<D>& correction) {
+  using Own = Sums<D * D + D*(D + 1) / 2>;
+  Own* const sums = scratch.template zero_sums<D * D + D*(D + 1) / 2>(pairs.size());
   for_rows_in_lanes(
       pairs, 0, pairs.size(), [&](Size i) __attribute__((always_inline)) {
         const double* const self = nodes[i].row();
@@ -86,10 +85,10 @@ void velocity_gradient(const std::vector<Node<D>>& nodes, const Pairs& pairs, co
         add_lanes<Own::size>(own, sums[i].x.data());
       });
   for_rows(pairs, 0, pairs.size(), [&](Size i) {
-    const double* const sum = scratch.gradient[i].x.data();
+    const double* const sum = sums[i].x.data();
     const double* square = sum + D * D;
     if (*square == 0.0) {  // no neighbours at all
-      gradient[i].setZero();
+      nodes[i].gradient.setZero();
       return;
     }
     Mat<D> moment;
@@ -97,7 +96,7 @@ void velocity_gradient(const std::vector<Node<D>>& nodes, const Pairs& pairs, co
       for (int a = 0; a <= b; ++a) moment(a, b) = moment(b, a) = *square++;
     const Mat<D> inverse = invert_moment<D>(moment);  // in registers, as long as it is copied number by number
     for (int c = 0; c < D * D; ++c) correction[i].data()[c] = inverse.data()[c];
-    gradient[i].noalias() = Eigen::Map<const Mat<D>>(sum) * inverse;
+    nodes[i].gradient.noalias() = Eigen::Map<const Mat<D>>(sum) * inverse;
   });
 }
 
@@ -105,7 +104,7 @@ template <int D>
 void internal_force(const std::vector<Node<D>>& nodes, const Pairs& pairs, Size n_free, double h,
                     const Stabilisers& stabilisers, ScalarArray& kernel, Scratch<D>& scratch, VecArray<D>& internal,
                     VecArray<D>& stabilising) {
-  using Own = typename decltype(scratch.force)::value_type;
+  using Own = Sums<2 * D>;
   using N = Node<D>;
   constexpr Size n_head = N::at_flux;
   const PairKernel<D> derivative(h);
@@ -116,8 +115,7 @@ void internal_force(const std::vector<Node<D>>& nodes, const Pairs& pairs, Size 
   const double collision = 0.5 * stabilisers.collision * stabilisers.sound_speed * h;
   const double clip = 0.01 * h * h;
   kernel.resize(pairs.index.size());
-  scratch.force.assign(pairs.size(), {});
-  Own* const sums = scratch.force.data();
+  Own* const sums = scratch.template zero_sums<2 * D>(pairs.size());
   for_rows_in_lanes(
       pairs, 0, n_free, [&](Size i) __attribute__((always_inline)) {
         const double* const self = nodes[i].row();
@@ -198,17 +196,17 @@ void internal_force(const std::vector<Node<D>>& nodes, const Pairs& pairs, Size 
       });
   for_rows(pairs, 0, n_free, [&](Size i) {
     for (Size d = 0; d < D; ++d) {
-      internal[i][static_cast<int>(d)] = scratch.force[i].x[d];
-      stabilising[i][static_cast<int>(d)] = scratch.force[i].x[D + d];
+      internal[i][static_cast<int>(d)] = sums[i].x[d];
+      stabilising[i][static_cast<int>(d)] = sums[i].x[D + d];
     }
   });
 }
 
-#define PORETWIN_INSTANTIATE(D)                                                                                  \
-  template void pair_kernels<D>(const std::vector<Node<D>>&, const Pairs&, double, Size, ScalarArray&);          \
-  template void velocity_gradient<D>(const std::vector<Node<D>>&, const Pairs&, const ScalarArray&, Scratch<D>&, \
-                                     MatArray<D>&, MatArray<D>&);                                                \
-  template void internal_force<D>(const std::vector<Node<D>>&, const Pairs&, Size, double, const Stabilisers&,   \
+#define PORETWIN_INSTANTIATE(D)                                                                                \
+  template void pair_kernels<D>(const std::vector<Node<D>>&, const Pairs&, double, Size, ScalarArray&);        \
+  template void velocity_gradient<D>(const Pairs&, const ScalarArray&, Scratch<D>&, std::vector<Node<D>>&,     \
+                                     MatArray<D>&);                                                            \
+  template void internal_force<D>(const std::vector<Node<D>>&, const Pairs&, Size, double, const Stabilisers&, \
                                   ScalarArray&, Scratch<D>&, VecArray<D>&, VecArray<D>&);
 PORETWIN_INSTANTIATE(2)
 PORETWIN_INSTANTIATE(3)

@@ -67,10 +67,10 @@ void pair_kernels(const std::vector<Node<D>>& nodes, const Pairs& pairs, double 
                   ScalarArray& kernel);
 
 /// Corrected velocity gradient, Eqs. (88), (89) made exact for linear fields near images and free surfaces alike;
-/// the correction B it needs comes with it.
+/// the correction B it needs comes with it. Of the particles' nodes; those of images follow in fill_nodes.
 template <int D>
-void velocity_gradient(const std::vector<Node<D>>& nodes, const Pairs& pairs, const ScalarArray& kernel,
-                       Scratch<D>& scratch, MatArray<D>& gradient, MatArray<D>& correction);
+void velocity_gradient(const Pairs& pairs, const ScalarArray& kernel, Scratch<D>& scratch, std::vector<Node<D>>& nodes,
+                       MatArray<D>& correction);
 
 /// Internal force per volume, the exact adjoint of velocity_gradient (cf. Eq. (60)):
 ///   f_i = sum_j V_j (sigma_i B_i + sigma_j B_j) grad W_ij.   Node::flux holds sigma B.

@@ -20,9 +20,9 @@ namespace {
 
 using namespace coupling;  // NOLINT: the names of the contract
 
-/// Values of a field at the soil's points; zeros when the inbox is empty (a solid alone).
-ScalarArray field_or_zero(const Inbox& inbox, std::string_view name, std::size_t n, std::size_t components) {
-  if (inbox.coverage.empty() && inbox.fields.empty()) return ScalarArray(n * components, 0.0);
+/// Values of a field at the soil's points; zero when the inbox is empty (a solid alone).
+OrZero<double> field_or_zero(const Inbox& inbox, std::string_view name, std::size_t n, std::size_t components) {
+  if (inbox.coverage.empty() && inbox.fields.empty()) return {};
   const Field& field = inbox.at(name);
   if (field.values.size() != n * components)
     throw PeerError(fmt::format("field '{}': expected {} values ({} soil points of {} components), found {}", name,
@@ -30,8 +30,8 @@ ScalarArray field_or_zero(const Inbox& inbox, std::string_view name, std::size_t
   return field.values;
 }
 
-ScalarArray coverage_of(const Inbox& inbox, std::size_t n) {
-  if (inbox.coverage.empty()) return ScalarArray(n, 0.0);
+OrZero<double> coverage_of(const Inbox& inbox, std::size_t n) {
+  if (inbox.coverage.empty()) return {};
   if (inbox.coverage.size() != n)
     throw PeerError(fmt::format("coverage: expected {} values, found {}", n, inbox.coverage.size()));
   ScalarArray coverage = inbox.coverage;
@@ -61,21 +61,15 @@ Solid<D>::Solid(const Case& scene) : scene_(scene) {
   auto [setup, particles] = set_up<D>(scene);
   setup_ = std::move(setup);
   state_.particles = std::move(particles);
-  lattice_ = state_.particles.position;
+  if (scene.coupled()) lattice_ = state_.particles.position;
   const std::size_t n = state_.particles.size();
   state_.body.assign(n, Vec<D>::Zero());
   state_.internal.assign(n, Vec<D>::Zero());
   state_.stabilising.assign(n, Vec<D>::Zero());
-  state_.external.pressure.assign(n, 0.0);
-  state_.external.coverage.assign(n, 0.0);
+  state_.external.saturation.reserve(n);
   for (const Index soil : state_.particles.material)
     state_.external.saturation.push_back(scene.soils[soil].initial_saturation);
-  state_.external.pressure_gradient.assign(n, Vec<D>::Zero());
-  state_.mean_velocity.assign(n, Vec<D>::Zero());
-  state_.returned_impulse.assign(n, Vec<D>::Zero());
-  state_.rest_displacement.assign(n, Vec<D>::Zero());
   state_.yielded.assign(n, 0);
-  state_.yielding.assign(n, 0.0);
   rebuild(setup_, state_);
   state_.rebuilds = 0.0;
   evaluate_forces(setup_, state_);
@@ -87,30 +81,33 @@ Contract Solid<D>::contract() const {
 }
 
 template <int D>
-VecArray<D> Solid<D>::gradient_of(const ScalarArray& pressure) const {
-  return pressure_gradient<D>(state_, scene_.solid.pressure_gradient, scene_.water.density * setup_.gravity, pressure);
+OrZero<Vec<D>> Solid<D>::gradient_of(const OrZero<double>& pressure) const {
+  if (!pressure.is_laid_out()) return {};
+  return pressure_gradient<D>(state_, scene_.solid.pressure_gradient, scene_.water.density * setup_.gravity,
+                              pressure.values());
 }
 
 template <int D>
-ScalarArray Solid<D>::take_pressure(const Inbox& inbox, double time) {
+OrZero<double> Solid<D>::take_pressure(const Inbox& inbox, double time) {
   const std::size_t n = state_.particles.size();
-  ScalarArray& coverage = state_.external.coverage;
+  OrZero<double>& coverage = state_.external.coverage;
   if (!water_is_prescribed()) {
     coverage = coverage_of(inbox, n);
-    ScalarArray pressure = field_or_zero(inbox, field::pore_pressure, n, 1);
+    OrZero<double> pressure = field_or_zero(inbox, field::pore_pressure, n, 1);
+    if (!pressure.is_laid_out()) return pressure;
     for (std::size_t i = 0; i < n; ++i)
-      if (coverage[i] <= 0.0) pressure[i] = 0.0;
+      if (coverage[i] <= 0.0) pressure.set(i, 0.0);
     degree_of_saturation<D>(scene_.soils, setup_, state_, coverage, state_.external.saturation);
     return pressure;
   }
-  ScalarArray pressure(n, 0.0);
-  coverage.assign(n, 0.0);
+  OrZero<double> pressure;
+  for (auto* array : {&pressure, &coverage}) array->lay_out(n);
   for (std::size_t i = 0; i < n; ++i) {
     Point3 x = Point3::Zero();
     x.head<D>() = state_.particles.position[i];
     if (const auto p = prescribed_pressure(scene_, x, time)) {
-      pressure[i] = *p;
-      coverage[i] = 1.0;
+      pressure.set(i, *p);
+      coverage.set(i, 1.0);
     }
   }
   degree_of_saturation<D>(scene_.soils, setup_, state_, coverage, state_.external.saturation);
@@ -169,7 +166,9 @@ void Solid<D>::initialise(const Inbox& inbox) {
     evaluate_forces(setup_, state_);
   }
   state_.external.pressure_gradient = gradient_of(state_.external.pressure);
-  state_.rest_displacement = state_.particles.displacement;
+  const auto& moved = state_.particles.displacement;
+  if (std::any_of(moved.begin(), moved.end(), [](const Vec<D>& u) { return !u.isZero(0.0); }))
+    state_.rest_displacement = moved;
   std::fill(state_.yielded.begin(), state_.yielded.end(), char{0});
   state_.any_yielded = false;
   ++state_.revision;
@@ -182,7 +181,7 @@ std::size_t Solid<D>::loads_begun(double time) const {
 }
 
 template <int D>
-bool Solid<D>::sleeps_on(Drive<D>& drive, const VecArray<D>& gradient, const ScalarArray& impulse,
+bool Solid<D>::sleeps_on(Drive<D>& drive, const OrZero<Vec<D>>& gradient, const OrZero<double>& impulse,
                          const Window& window) {
   if (!state_.sleep.asleep) return false;
   const std::size_t n = state_.particles.size();
@@ -196,8 +195,7 @@ bool Solid<D>::sleeps_on(Drive<D>& drive, const VecArray<D>& gradient, const Sca
     state_.sleep.asleep = false;
     return false;
   }
-  for (auto& v : state_.mean_velocity) v.setZero();
-  for (auto& r : state_.returned_impulse) r.setZero();
+  for (auto* still : {&state_.mean_velocity, &state_.returned_impulse}) *still = {};
   state_.external.pressure_gradient = gradient;
   state_.time = window.time + window.interval;
   if (!scene_.coupling.keep_points) ++state_.revision;
@@ -222,13 +220,13 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   const double interval = window.interval;
   if (!(interval > 0.0)) return Outcome::reject(setup_.longest_substep, "a window must be longer than 0 s");
 
-  ScalarArray pressure = take_pressure(inbox, window.time + interval);
-  const ScalarArray impulse = field_or_zero(inbox, field::drag_impulse, n, D);
-  const ScalarArray predicted = field_or_zero(inbox, field::predicted_solid_velocity, n, D);
-  const ScalarArray soil_seen = field_or_zero(inbox, field::soil_fraction, n, 1);
+  OrZero<double> pressure = take_pressure(inbox, window.time + interval);
+  const OrZero<double> impulse = field_or_zero(inbox, field::drag_impulse, n, D);
+  const OrZero<double> predicted = field_or_zero(inbox, field::predicted_solid_velocity, n, D);
+  const OrZero<double> soil_seen = field_or_zero(inbox, field::soil_fraction, n, 1);
 
   // The pressure ramps linearly; its gradient is linear in it and taken once, at the window's start.
-  const VecArray<D> from = state_.external.pressure_gradient, to = gradient_of(pressure);
+  const OrZero<Vec<D>> from = state_.external.pressure_gradient, to = gradient_of(pressure);
   state_.external.pressure = std::move(pressure);
 
   // Tracking: the seepage force follows the skeleton's own motion (C) and damps the difference to the fluid's
@@ -247,7 +245,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
       const auto law =
           porous::resistance(setup_.water_weight, 1.0 - solid_fraction(setup_, p, i),
                              porous::seepage_at(scene_, scene_.soils[p.material[i]], void_fraction(setup_, p, i)));
-      const double force = Eigen::Map<const Vec<D>>(impulse.data() + i * D).norm() / (p.volume[i] * interval);
+      const double force = Eigen::Map<const Vec<D>>(impulse.values().data() + i * D).norm() / (p.volume[i] * interval);
       z += law.slope(law.speed(force));
     }
     drive.tracking[i] = state_.external.coverage[i] * p.volume[i] * z;
@@ -257,9 +255,9 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   const bool always_at_rest = scene_.coupled() && scene_.solid.quiet && cannot_yield();
   const bool may_sleep = scene_.solid.quiet && !always_at_rest;
   if (may_sleep && sleeps_on(drive, to, impulse, window)) return Outcome::accept();
-  for (auto& r : state_.returned_impulse) r.setZero();
+  state_.returned_impulse.lay_out(tracks ? n : 0);
   std::fill(state_.yielded.begin(), state_.yielded.end(), char{0});
-  std::fill(state_.yielding.begin(), state_.yielding.end(), 0.0);
+  state_.yielding.lay_out(tracks ? n : 0);
   state_.any_yielded = false;
   if (scene_.coupled() && !state_.motion.moving && (always_at_rest || interval > long_window(setup_))) {
     wake_regions(setup_, state_);
@@ -269,8 +267,12 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   const auto steps =
       std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(interval / setup_.longest_substep - 1e-9)));
   const double dt = interval / static_cast<double>(steps);
-  const VecArray<D> displacement = p.displacement;
-  const ScalarArray plastic_before = p.plastic_strain;
+  VecArray<D> displacement;
+  ScalarArray plastic_before;
+  if (tracks) {
+    displacement = p.displacement;
+    plastic_before = p.plastic_strain;
+  }
   double reference = 0.0;
 
   // A load that begins with the window raises the water's pressure at once: no ramp then.
@@ -322,8 +324,10 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   }
   check_sound(setup_, state_, window.time);
   state_.external.pressure_gradient = to;
-  for (std::size_t i = 0; i < n; ++i) state_.mean_velocity[i] = (p.displacement[i] - displacement[i]) / interval;
-  tell_yielding(plastic_before, interval);
+  state_.mean_velocity.lay_out(tracks ? n : 0);
+  for (std::size_t i = 0; i < n && tracks; ++i)
+    state_.mean_velocity.set(i, (p.displacement[i] - displacement[i]) / interval);
+  if (tracks) tell_yielding(plastic_before, interval);
   if (may_sleep) fall_asleep_if_quiet(drive, reference);
   state_.time = window.time + interval;
   state_.substeps += static_cast<double>(steps);
@@ -354,8 +358,8 @@ void Solid<D>::tell_yielding(std::span<const double> plastic_before, double inte
   const Particles<D>& p = state_.particles;
   for (std::size_t i = 0; i < p.size(); ++i) {
     const double plastic = p.plastic_strain[i] - plastic_before[i];
-    const double strain = interval * 2.0 / std::numbers::sqrt3 * root_j2(strain_rate<D>(p.gradient[i]));
-    if (plastic > 0.0) state_.yielding[i] = strain > plastic ? plastic / strain : 1.0;
+    const double strain = interval * 2.0 / std::numbers::sqrt3 * root_j2(strain_rate<D>(state_.nodes[i].gradient));
+    if (plastic > 0.0) state_.yielding.set(i, strain > plastic ? plastic / strain : 1.0);
   }
 }
 
@@ -378,7 +382,7 @@ const Stiffness<D>& Solid<D>::stiffness_with(const ScalarArray& resistance) {
 }
 
 template <int D>
-Outcome Solid<D>::advance_at_rest(const Window& window, const VecArray<D>& gradient, const ScalarArray& impulse,
+Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gradient, const OrZero<double>& impulse,
                                   const Drive<D>& tracking) {
   Particles<D>& p = state_.particles;
   const std::size_t n = p.size();
@@ -448,12 +452,13 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const VecArray<D>& gradi
     state_.motion.at_rest += 1.0;
   }
   for (std::size_t i = 0; i < n; ++i) {
-    p.velocity[i] = state_.mean_velocity[i] = (p.displacement[i] - start[i]) / interval;
-    if (!asleep) state_.returned_impulse[i] = interval * tracking.tracking[i] * (tracking.target[i] - p.velocity[i]);
+    p.velocity[i] = (p.displacement[i] - start[i]) / interval;
+    if (!asleep) state_.returned_impulse.set(i, interval * tracking.tracking[i] * (tracking.target[i] - p.velocity[i]));
   }
+  state_.mean_velocity = p.velocity;
   if (moved && state_.any_yielded && interval > drained_window()) {
     fill_velocities<D>(p, state_.near, state_.nodes);
-    velocity_gradient<D>(state_.nodes, state_.near.pairs, state_.kernel, state_.scratch, p.gradient, p.correction);
+    velocity_gradient<D>(state_.near.pairs, state_.kernel, state_.scratch, state_.nodes, p.correction);
     tell_yielding(plastic_before, interval);
   }
   state_.external.pressure_gradient = gradient;
@@ -513,7 +518,7 @@ Publication Solid<D>::publish() const {
     }
     out.fields.push_back(std::move(f));
   };
-  auto moved = [&](const VecArray<D>& v) {
+  auto moved = [&](const auto& v) {
     return [&](std::size_t i) { return i < n ? v[i] : images[i - n].moved(v[images[i - n].parent], p.slip); };
   };
   vectors(field::solid_velocity, moved(p.velocity));

@@ -31,25 +31,25 @@ class Solid final : public Phase {
 
  private:
   /// Coverage and pressure [Pa] of the water at the soil's points: from the partner, or from the case for soil alone.
-  ScalarArray take_pressure(const coupling::Inbox& inbox, double time);
+  OrZero<double> take_pressure(const coupling::Inbox& inbox, double time);
   [[nodiscard]] bool cannot_yield() const { return scene_.solid.model == SolidCase::Model::elastic; }
   [[nodiscard]] bool water_is_prescribed() const { return !scene_.pore_pressures.empty(); }
   /// Force [N] of the pore water on particle i: buoyancy -n_s grad p. Where the case prescribes the water, which then
   /// flows without inertia, also the seepage force n (rho_w g - grad p) of Eq. (27): n rho_w g - grad p in all.
   [[nodiscard]] Vec<D> water_force(std::size_t i, const Vec<D>& pressure_gradient) const;
-  [[nodiscard]] VecArray<D> gradient_of(const ScalarArray& pressure) const;
+  [[nodiscard]] OrZero<Vec<D>> gradient_of(const OrZero<double>& pressure) const;
   [[nodiscard]] double next_load_after(double time) const;
   [[nodiscard]] std::size_t loads_begun(double time) const;
   /// Passes the window asleep, if the soil is and nothing disturbs it.
-  bool sleeps_on(Drive<D>& drive, const VecArray<D>& gradient, const ScalarArray& impulse,
+  bool sleeps_on(Drive<D>& drive, const OrZero<Vec<D>>& gradient, const OrZero<double>& impulse,
                  const coupling::Window& window);
   /// At the end of a window that was computed.
   void fall_asleep_if_quiet(const Drive<D>& drive, double reference);
 
   /// A long window of soil that does not move by itself, as one step of backward Euler to the equilibrium at its end:
   /// m (u/Dt - v)/Dt = forces(u) + V Z (v_s' - u/Dt) for the displacement u. Rejects the window where there is none.
-  coupling::Outcome advance_at_rest(const coupling::Window& window, const VecArray<D>& gradient,
-                                    const ScalarArray& impulse, const Drive<D>& tracking);
+  coupling::Outcome advance_at_rest(const coupling::Window& window, const OrZero<Vec<D>>& gradient,
+                                    const OrZero<double>& impulse, const Drive<D>& tracking);
   /// The soil's stiffness with the resistance that a window adds [N/m]: the last one, where it serves.
   /// In longer windows [s] the soil's motion is drained: the time of consolidation over its height, H^2 gamma_w / (k
   /// M). In shorter ones its dilation sets the next window's pressure and that its motion: to take it as going on, or
@@ -63,7 +63,7 @@ class Solid final : public Phase {
   Setup<D> setup_;
   State<D> state_, saved_;
   RestReport rest_;
-  VecArray<D> lattice_;  ///< m, the particles as they were laid
+  VecArray<D> lattice_;  ///< m, the particles of coupled soil as they were laid
   std::unique_ptr<Stiffness<D>> stiffness_;
 };
 

@@ -89,7 +89,7 @@ template <int D>
 void stop(const Setup<D>& setup, State<D>& state) {
   for (auto& v : state.particles.velocity) v.setZero();
   for (auto& s : state.particles.slip) s.setZero();
-  for (auto& gradient : state.particles.gradient) gradient.setZero();
+  for (auto& node : state.nodes) node.gradient.setZero();
   evaluate_forces(setup, state);
 }
 

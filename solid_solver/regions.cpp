@@ -127,7 +127,7 @@ bool fall_asleep(const Bounds<D>& bounds, const Drive<D>& drive, State<D>& state
     regions.outside[i] = force_from_outside(drive, i);
     regions.saturation[i] = state.external.saturation[i];
     p.velocity[i].setZero();
-    p.gradient[i].setZero();
+    state.nodes[i].gradient.setZero();
     if (!p.slip.empty()) p.slip[i].setZero();
     any = true;
   }

@@ -12,7 +12,7 @@ namespace poretwin::solid {
 /// scatters by some percent: 95 % counts as full.
 template <int D>
 void degree_of_saturation(const std::vector<Soil>& soils, const Setup<D>& setup, const State<D>& state,
-                          const ScalarArray& coverage, ScalarArray& saturation) {
+                          const OrZero<double>& coverage, ScalarArray& saturation) {
   constexpr double full = 0.95;
   const double h = setup.smoothing_length, self = sph::WendlandC2<D>::value(0.0, h);
   const std::size_t n = state.particles.size();

@@ -114,6 +114,10 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
                                  scene.solid.seed + static_cast<unsigned>(s));
     setup.density.push_back(density);
     fastest = std::max(fastest, std::sqrt(setup.models.back()->elasticity().constrained() / density));
+    const std::size_t all = particles.size() + lattice.position.size();
+    particles.position.reserve(all);
+    for (auto* array : {&particles.mass, &particles.volume}) array->reserve(all);
+    particles.material.reserve(all);
     for (const auto& x : lattice.position) {
       particles.position.push_back(x);
       particles.mass.push_back(density * lattice.volume);
@@ -131,8 +135,6 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   particles.stress.assign(n, Tensor::Zero());
   particles.plastic_strain.assign(n, 0.0);
   particles.rubbing.assign(n, 0.0F);
-  particles.gradient.assign(n, Mat<D>::Zero());
-  particles.deformation.assign(n, Mat<D>::Zero());
   particles.correction.assign(n, Mat<D>::Identity());
   setup.stabilisers.sound_speed = fastest;
   setup.stabilisers.modulus = setup.models.front()->elasticity().constrained();

@@ -2,6 +2,8 @@
 #pragma once
 
 #include "common/core/archive.hpp"
+#include "common/core/lanes.hpp"
+#include "common/core/or_zero.hpp"
 #include "common/core/vector.hpp"
 #include "solid_solver/pairs.hpp"
 #include "solid_solver/stress.hpp"
@@ -25,8 +27,6 @@ struct Particles {
   ScalarArray plastic_strain;   ///< accumulated equivalent deviatoric plastic strain
   std::vector<Index> material;  ///< index of the soil
   std::vector<float> rubbing;   ///< friction coefficient where grains are apart and only collide, 0 elsewhere
-  MatArray<D> gradient;         ///< 1/s, velocity gradient d v_a / d x_b
-  MatArray<D> deformation;      ///< 1, displacement gradient d u_a / d x_b
   MatArray<D> correction;       ///< kernel-gradient correction B
   VecArray<D> slip;             ///< m/s, of the soil along frictional walls (wall_friction.hpp); empty without such
   VecArray<D> slipped;          ///< m, displacement that goes with it
@@ -36,7 +36,8 @@ struct Particles {
 };
 
 /// What the pair loops read of a particle or an image, packed, four numbers to a register: neighbours are visited in
-/// scattered order. The first 64 bytes (in 2D) are all that the velocity gradient needs.
+/// scattered order. The first 64 bytes (in 2D) are all that the velocity gradient needs. Gradients stand nowhere else;
+/// the rest is told anew of the particles before every force (fill_nodes).
 template <int D>
 struct alignas(64) Node {
   Vec<D> position = Vec<D>::Zero();
@@ -46,8 +47,8 @@ struct alignas(64) Node {
   double firmness = elastic;             ///< of the zero-energy-mode control: of two particles the lesser counts
   double rubbing = 0.0;                  ///< see Particles
   Mat<D> flux = Mat<D>::Zero();          ///< sigma B [Pa]: the stress as its neighbours feel it
-  Mat<D> gradient = Mat<D>::Zero();      ///< 1/s
-  Mat<D> deformation = Mat<D>::Zero();   ///< 1
+  Mat<D> gradient = Mat<D>::Zero();      ///< 1/s, of the velocity, d v_a / d x_b
+  Mat<D> deformation = Mat<D>::Zero();   ///< 1, of the displacement, d u_a / d x_b
   Vec<D> displacement = Vec<D>::Zero();  ///< m
   static constexpr double flows = 0.0, yielded = 1.0,
                           elastic = 2.0;  ///< no control; of velocities; of displacements, too (never yielded)
@@ -97,9 +98,9 @@ struct Neighbourhood {
 /// Water and loads as they act during a window.
 template <int D>
 struct External {
-  ScalarArray pressure, coverage;  ///< Pa; 0..1
-  ScalarArray saturation;          ///< degree of saturation s_r
-  VecArray<D> pressure_gradient;   ///< Pa/m, SPH form of Eq. (62) (or (61)), at the end of the last window
+  OrZero<double> pressure, coverage;  ///< Pa; 0..1
+  ScalarArray saturation;             ///< degree of saturation s_r
+  OrZero<Vec<D>> pressure_gradient;   ///< Pa/m, SPH form of Eq. (62) (or (61)), at the end of the last window
 };
 
 /// While the soil sleeps its particles stand still; what acted on it when it fell asleep.
@@ -187,13 +188,16 @@ struct Around {
 /// Memory that the loops reuse from step to step; it holds nothing between them, so that a copy starts empty.
 template <int D>
 struct Scratch {
-  std::vector<Sums<2 * D>> force;                     ///< internal_force
-  std::vector<Sums<D * D + D*(D + 1) / 2>> gradient;  ///< velocity_gradient
-  std::vector<char> touches;                          ///< slide_on_walls
-  std::vector<char> flows;                            ///< keep_flow_regular, as all below
+  std::vector<Quad> sums;     ///< of whichever loop over pairs is at it
+  std::vector<char> touches;  ///< slide_on_walls
+  std::vector<char> flows;    ///< keep_flow_regular, as all below
   std::vector<Grain<D>> grains;
-  std::vector<Sums<(D == 2 ? 4 : 6) * D + D*(D + 1) / 2>> slope_sums;
-  std::vector<Sums<Around<D>::size>> around;
+  /// n numbers of every one of `count` particles, all zero, until the next loop asks for its own.
+  template <std::size_t n>
+  Sums<n>* zero_sums(std::size_t count) {
+    sums.assign(count * (Sums<n>::size / n_lanes), Quad{});
+    return reinterpret_cast<Sums<n>*>(sums.data());
+  }
   Scratch() = default;
   Scratch(const Scratch&) {}
   Scratch(Scratch&&) = default;
@@ -215,11 +219,11 @@ struct State {
   VecArray<D> internal;        ///< N/m3, div sigma' (adjoint form) of the current state
   VecArray<D> stabilising;     ///< N/m3, zero-energy-mode control and artificial viscosity
   External<D> external;
-  VecArray<D> mean_velocity;      ///< m/s over the last window
-  VecArray<D> returned_impulse;   ///< N s, last window
-  VecArray<D> rest_displacement;  ///< m, after initialise: where uplift counts from
-  std::vector<char> yielded;      ///< during the last window
-  ScalarArray yielding;           ///< share of the last window's shear that was plastic
+  OrZero<Vec<D>> mean_velocity;      ///< m/s over the last window, of coupled soil
+  OrZero<Vec<D>> returned_impulse;   ///< N s, last window
+  OrZero<Vec<D>> rest_displacement;  ///< m, after initialise: where uplift counts from
+  std::vector<char> yielded;         ///< during the last window
+  OrZero<double> yielding;           ///< share of the last window's shear that was plastic, of coupled soil
   bool any_yielded = false;
   Sleep<D> sleep;
   Regions<D> regions;

@@ -30,8 +30,7 @@ void rebuild(const Setup<D>& setup, State<D>& state) {
   rebuild_lists(setup, state);
   fill_nodes<D>(state.particles, state.near, state.body, setup.flow_limit, state.nodes);
   pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, 0, state.kernel);
-  velocity_gradient<D>(state.nodes, state.near.pairs, state.kernel, state.scratch, state.particles.gradient,
-                       state.particles.correction);
+  velocity_gradient<D>(state.near.pairs, state.kernel, state.scratch, state.nodes, state.particles.correction);
 }
 
 template <int D>
@@ -83,7 +82,7 @@ void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& 
     }
     const double z = drive.tracking[i];
     p.velocity[i] = (p.velocity[i] + rate * (force + z * drive.target[i])) / (1.0 + rate * z + dt * damping);
-    state.returned_impulse[i] += dt * z * (drive.target[i] - p.velocity[i]);
+    state.returned_impulse.values()[i] += dt * z * (drive.target[i] - p.velocity[i]);
   });
   rub_on_walls(setup, dt, state);
   deform(setup, dt, state);
@@ -98,20 +97,21 @@ void deform(const Setup<D>& setup, double dt, State<D>& state) {
   const std::size_t n = p.size();
   const Pairs& pairs = state.near.pairs;
   fill_velocities<D>(p, state.near, state.nodes);
-  velocity_gradient<D>(state.nodes, state.near.pairs, state.kernel, state.scratch, p.gradient, p.correction);
+  velocity_gradient<D>(pairs, state.kernel, state.scratch, state.nodes, p.correction);
   for_rows(pairs, 0, p.free(), [&](std::size_t i) {
     if (state.regions.sleeps(i)) {
-      p.gradient[i].setZero();
+      state.nodes[i].gradient.setZero();
       return;
     }
     const Vec<D> moved = dt * p.velocity[i];
     p.position[i] += moved;
     p.displacement[i] += moved;
     // Of du/dx at a place that moves along: d(1 - F^-1)/dt = F^-1 L.
-    p.deformation[i] += dt * (p.gradient[i] - p.deformation[i] * p.gradient[i]);
+    Node<D>& node = state.nodes[i];
+    node.deformation += dt * (node.gradient - node.deformation * node.gradient);
   });
   for_rows(pairs, 0, n, [&](std::size_t i) {
-    const Mat<D> gradient = p.gradient[i];
+    const Mat<D> gradient = state.nodes[i].gradient;
     if (state.regions.sleeps(i) || (i >= p.free() && gradient.squaredNorm() == 0.0)) return;
     // Dilation ends by the void ratio at the start: by that at the end it would begin and end with every displacement
     // that a search for equilibrium tries.

@@ -93,10 +93,10 @@ void slide_on_walls(const Setup<D>& setup, double dt, State<D>& state) {
     const Vec<D> change = (1.0 - excess) * stuck.traction - found.traction;
     p.slip[i] += slip - before;
     const Mat<D> unsheared = effect * (slip - before) * normal.transpose();
-    p.gradient[i] += unsheared;
-    p.deformation[i] += dt * unsheared;
+    state.nodes[i].gradient += unsheared;
+    state.nodes[i].deformation += dt * unsheared;
     if (excess > 0.0)  // the wall is as far behind as the soil's own shear explains
-      p.slipped[i] += tangential(p.displacement[i] - distance * p.deformation[i] * normal - p.slipped[i]);
+      p.slipped[i] += tangential(p.displacement[i] - distance * state.nodes[i].deformation * normal - p.slipped[i]);
     set_matrix<D>(matrix_of<D>(p.stress[i]) + change * normal.transpose() + normal * change.transpose(), p.stress[i]);
     const double plastic =
         model.advance(p.stress[i], Tensor::Zero(), condition(setup, p, i, state.external.saturation[i]));

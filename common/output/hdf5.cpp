@@ -101,19 +101,27 @@ void File::group(const std::string& name) {
                         "creating group " + name);
 }
 
+/// What is appended needs no more of a data set at hand than its last chunk; by default a megabyte of each is kept.
+Id File::cache_of_a_chunk(const std::string& action) const {
+  constexpr std::size_t bytes = std::size_t{1} << 17;
+  Id access = check(H5Pcreate(H5P_DATASET_ACCESS), close_properties, action);
+  check(H5Pset_chunk_cache(access.get(), H5D_CHUNK_CACHE_NSLOTS_DEFAULT, bytes, H5D_CHUNK_CACHE_W0_DEFAULT), action);
+  return access;
+}
+
 Dataset File::dataset(const std::string& name, Type type, std::size_t columns, std::size_t chunk_rows) {
   const std::string action = "creating data set " + name;
   const int rank = columns == 0 ? 1 : 2;
   const hsize_t size[2] = {0, columns}, most[2] = {H5S_UNLIMITED, columns};
   const hsize_t chunk[2] = {std::max<hsize_t>(1, chunk_rows), columns};
-  const Id space = check(H5Screate_simple(rank, size, most), close_space, action);
+  const Id space = check(H5Screate_simple(rank, size, most), close_space, action), access = cache_of_a_chunk(action);
   const Id properties = check(H5Pcreate(H5P_DATASET_CREATE), close_properties, action);
   check(H5Pset_chunk(properties.get(), rank, chunk), action);
   check(H5Pset_shuffle(properties.get()), action);
   check(H5Pset_deflate(properties.get(), 4), action);
   Dataset result;
   result.id_ = check(
-      H5Dcreate2(id_.get(), name.c_str(), disk_type(type), space.get(), H5P_DEFAULT, properties.get(), H5P_DEFAULT),
+      H5Dcreate2(id_.get(), name.c_str(), disk_type(type), space.get(), H5P_DEFAULT, properties.get(), access.get()),
       close_object, action);
   result.columns_ = columns;
   result.what_ = path_ + ": " + name;
@@ -126,7 +134,9 @@ Dataset File::cut_dataset(const std::string& name, std::size_t rows) {
     throw FileError(
         fmt::format("{}: {}: expected at least {} rows, found {}", path_, name, rows, size.empty() ? 0 : size.front()));
   Dataset result;
-  result.id_ = check(H5Dopen2(id_.get(), name.c_str(), H5P_DEFAULT), close_object, "opening data set " + name);
+  const std::string action = "opening data set " + name;
+  const Id access = cache_of_a_chunk(action);
+  result.id_ = check(H5Dopen2(id_.get(), name.c_str(), access.get()), close_object, action);
   result.columns_ = size.size() > 1 ? size[1] : 0;
   result.rows_ = rows;
   result.what_ = path_ + ": " + name;

@@ -92,6 +92,7 @@ class File {
   [[noreturn]] void fail(const std::string& action) const;
   [[nodiscard]] Id check(Id::Value value, Id::Close close, const std::string& action) const;
   void check(int status, const std::string& action) const;
+  [[nodiscard]] Id cache_of_a_chunk(const std::string& action) const;
   std::string path_;
   Id id_;
 };

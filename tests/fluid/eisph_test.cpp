@@ -102,7 +102,7 @@ TEST(Eisph, SweepsTrustADivergenceWhereThePressureAnswersIt) {
   EXPECT_EQ(sweep_trust(s, 40), 1.0);
   EXPECT_EQ(sweep_trust(s, 4), 0.0);
   // The free surface's ghost turns its own part round.
-  s.ghost_distance[4] = 0.05;
+  s.ghost_distance.set(4, 0.05, s.n_real);
   EXPECT_EQ(sweep_trust(s, 4), 1.0);
 }
 

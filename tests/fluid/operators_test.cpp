@@ -168,8 +168,8 @@ TEST(Operators, TheSurfaceLiesHalfARowsThicknessAboveIt) {
     ScalarArray rows(x.size(), 1.0);
     const auto flags = find_surface<2>(s, ScalarArray(x.size(), 0.0), rows, 1.0);
     ASSERT_EQ(flags[30], Surface::surface);
-    EXPECT_NEAR(s.surface_distance[30], 0.5 * more, 0.01);
-    EXPECT_EQ(s.ghost_distance[30], s.surface_distance[30]);
+    EXPECT_NEAR(s.surface_distance(30), 0.5 * more, 0.01);
+    EXPECT_EQ(s.ghost_distance[30], s.surface_distance(30));
   }
 }
 

@@ -62,10 +62,9 @@ Particles<2> sixty_substeps(std::size_t threads) {
   State<2> state;
   state.particles = std::move(particles);
   const std::size_t n = state.particles.size();
-  for (auto* field : {&state.body, &state.internal, &state.stabilising, &state.returned_impulse})
+  for (auto* field : {&state.body, &state.internal, &state.stabilising})
     field->assign(n, Vec<2>::Zero());
   state.external.saturation.assign(n, 0.0);
-  state.external.coverage.assign(n, 0.0);
   state.yielded.assign(n, 0);
   state.particles.plastic_strain.assign(n, 0.1);
   rebuild(setup, state);
@@ -250,7 +249,7 @@ TEST(RegularFlow, LeavesAloneWhatDoesNotFlowAndWhatIsLinear) {
   disturb(stopped);
   keep_flow_regular<2>(setup, 1.0, stopped);
   EXPECT_EQ(stopped.particles.stress[44], expected.particles.stress[44]);
-  for (auto& gradient : state.particles.gradient) gradient << 0.0, 0.01, 0.0, 0.0;  // 1/s, in 1 s
+  for (auto& node : state.nodes) node.gradient << 0.0, 0.01, 0.0, 0.0;  // 1/s, in 1 s
   State<2> smooth = state, noisy = state;
   keep_flow_regular<2>(setup, 1.0, smooth);
   for (std::size_t i = 0; i < state.particles.size(); ++i) {
