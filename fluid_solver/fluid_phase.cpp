@@ -513,8 +513,8 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
 /// answers to the drag: where drag rules, the pressure already answers for the soil's motion, through the volume debt.
 /// Where the soil yields it shears without squeezing, which no pressure answers for: there the water goes along at
 /// once. No faster than the weight of water and grains or the drag could take it in a window: what a long window left,
-/// a short one must not ask for at once, and a wave in the soil must not shake its water (over a bed that yields under
-/// a splash the water gained 0.3 to 58 % of its energy so). The sum of what is owed and taken is kept.
+/// a short one must not ask for at once, and a wave in the soil must not shake its water (7 of 8 histories of a splash
+/// over a bed that yields gained energy so). The sum of what is owed and taken is kept.
 template <int D>
 void Fluid<D>::take_back(const Stencil<D>& s, const SoilView<D>& view, double interval) {
   auto& p = state_.particles;
