@@ -32,9 +32,10 @@ struct StillWater {
   double volume = 0.0, pressure = 0.0;  ///< m^D; piezometric, Pa
 };
 
+/// sticky: walls to which water sticks, by bits.
 template <int D>
 Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> planes, const Vec<D>& weight,
-                    const Vec<D>& origin, std::span<const StillWater<D>> reservoir = {}) {
+                    const Vec<D>& origin, std::span<const StillWater<D>> reservoir = {}, std::uint32_t sticky = 0) {
   const auto& p = state.particles;
   Cloud<D> c;
   c.n_real = p.size();
@@ -79,7 +80,8 @@ Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> p
     c.length.push_back(c.length[q]);
     c.owner.push_back(c.owner[q]);
     c.pressure.push_back(c.pressure[q]);
-    c.velocity.push_back(images.map[i] * c.velocity[q] + images.carried[i]);
+    const bool sticks = (images.boundaries[i] & sticky) != 0;
+    c.velocity.push_back(sticks ? Vec<D>(-c.velocity[q]) : Vec<D>(images.map[i] * c.velocity[q] + images.carried[i]));
     if (c.solid_velocity.is_laid_out()) c.solid_velocity.values().push_back(images.map[i] * c.solid_velocity[q]);
     c.mask.push_back(c.mask[q]);
     c.void_fraction.push_back(c.void_fraction[q]);

@@ -348,24 +348,22 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
   const double noise = noise_viscosity * dx_ * state_.wave_speed, viscosity = this->viscosity();
   // That of the scheme is a damping, not a property: nothing is gained by its being exact.
   const bool own = viscosity <= scene_.water.kinematic_viscosity;
-  const VecArray<D> all = extended<D>(s, v, Carried::yes);
-  // Of a point: velocity, that which sticking water sees, velocity gradient, smoothing length, amplification (0: does
-  // not count).
-  constexpr std::size_t at_stuck = D, at_gradient = 2 * D, at_length = at_gradient + D * D,
-                        at_amplified = at_length + 1;
+  const VecArray<D> all = extended<D>(s, v, Carried::yes, no_slip_);
+  // Of a point: velocity, velocity gradient, smoothing length, amplification (0: does not count).
+  constexpr std::size_t at_gradient = D, at_length = at_gradient + D * D, at_amplified = at_length + 1;
   std::vector<PackedPoint<D, at_amplified + 1>> points(s.size());
   for_each_side_by_side(s.size(), [&](std::size_t j) {
     const Index q = s.parent[j];
-    const bool real = q < s.n_real, image = j >= s.n_base;
-    const bool sticks = image && real && (s.boundaries[j - s.n_base] & no_slip_) != 0;
-    const Vec<D> stuck = sticks ? Vec<D>(-v[q]) : all[j];
+    const bool real = q < s.n_real;
     Mat<D> gradient = Mat<D>::Zero();
     if (real) gradient = velocity_gradient[q];
-    if (real && image) gradient = s.map[j - s.n_base] * gradient * s.map[j - s.n_base].transpose();
+    if (real && j >= s.n_base) {
+      const Mat<D>& map = s.map[j - s.n_base];
+      gradient = s.sticks(j, no_slip_) ? Mat<D>(-gradient * map.transpose()) : Mat<D>(map * gradient * map.transpose());
+    }
     double* const row = points[j].x.data();
     Eigen::Map<Vec<D>>{row} = s.position[j];
     Eigen::Map<Vec<D>>{row + D} = all[j];
-    Eigen::Map<Vec<D>>{row + D + at_stuck} = stuck;
     Eigen::Map<Mat<D>>{row + D + at_gradient} = gradient;
     row[D + at_length] = s.length(j);
     row[D + at_amplified] = !real ? 0.0 : own ? s.amplification[q] : 1.0;
@@ -390,7 +388,7 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
               Lanes unexplained = pull * (point[d] - self[d]);
               for (std::size_t e = 0; e < D; ++e)
                 unexplained -= 0.5 * (self[at_gradient + d + D * e] + point[at_gradient + d + D * e]) * w[e];
-              const Lanes part = shear * pull * (point[at_stuck + d] - self[d]) + noise * unexplained;
+              const Lanes part = shear * pull * (point[d] - self[d]) + noise * unexplained;
               sums[d] += point[at_amplified] > 0.0 ? part : Lanes{};
             }
           },
@@ -608,7 +606,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   auto in = problem(dt);
   in.cavitation = scene_.water.cavitation_pressure;
   MatArray<D> gradient;  // none where all water creeps through soil
-  if (!all_creep(view)) gradient = velocity_gradient<D>(s, p.velocity);
+  if (!all_creep(view)) gradient = velocity_gradient<D>(s, p.velocity, no_slip_);
   in.velocity = forced_velocity(s, view, gradient, dt);
   in.source = volume_source(s, view, gradient, dt);
   const auto& scheme = scene_.fluid.scheme;

@@ -14,16 +14,19 @@ namespace poretwin::fluid {
 /// What a vector field is: behind a wall that moves, a velocity of the water is not the mirrored one alone.
 enum class Carried : bool { no, yes };
 
-/// Values at all points from values at real particles: images take their parent's, through the linear map for vectors.
-/// Buffers and their images get zero: nothing here reads them.
+/// Values at all points from values at real particles: images take their parent's, through the linear map for vectors;
+/// behind walls to which water sticks (`sticky`, by bits) turned round. Buffers and their images get zero: nothing here
+/// reads them.
 template <int D>
-VecArray<D> extended(const Stencil<D>& s, std::span<const Vec<D>> f, Carried carried = Carried::no) {
+VecArray<D> extended(const Stencil<D>& s, std::span<const Vec<D>> f, Carried carried = Carried::no,
+                     std::uint32_t sticky = 0) {
   VecArray<D> all(s.size(), Vec<D>::Zero());
   std::copy(f.begin(), f.end(), all.begin());
   for (std::size_t j = s.n_base; j < s.size(); ++j)
     if (s.parent[j] < s.n_real) {
       all[j] = s.map[j - s.n_base] * f[s.parent[j]];
       if (carried == Carried::yes) all[j] += s.carried[j - s.n_base];
+      if (s.sticks(j, sticky)) all[j] = -f[s.parent[j]];
     }
   return all;
 }
@@ -137,10 +140,38 @@ VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Fa
   return result;
 }
 
+/// The harmonic mean of a pair's mobilities is right across an interface between two soils; along it, it holds back the
+/// water of the one and drives that of the other. Along it each side's pressure drives its own mobility: that part of
+/// the flux is scaled by it over the pairs' mean. flux: of pressure_gradient with the same mobility; in_soil: [n] above
+/// one half in soil, which alone is asked.
+template <int D>
+void free_along_interfaces(const Stencil<D>& s, std::span<const double> mobility, std::span<const double> in_soil,
+                           std::span<Vec<D>> flux) {
+  for_each_side_by_side(s.n_real, [&](std::size_t a) {
+    if (in_soil[a] <= 0.5) return;
+    Vec<D> change = Vec<D>::Zero();
+    Mat<D> plain = Mat<D>::Zero(), weighted = Mat<D>::Zero();
+    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+      const Index j = s.other[k], q = s.parent[j];
+      const double theirs = q < s.n_real && in_soil[q] > 0.5 ? mobility[q] : mobility[a];
+      const Vec<D> ba = s.position[j] - s.position[a], w = static_cast<double>(s.pull[k]) * ba;
+      change += (theirs - mobility[a]) * w;
+      plain += w * ba.transpose();
+      weighted += harmonic(mobility[a], theirs) * w * ba.transpose();
+    }
+    if (change.isZero(0.0)) return;
+    const Vec<D> n = change.normalized(), across = n.dot(flux[a]) * n;
+    const double own = mobility[a] * (plain.trace() - n.dot(plain * n)), mean = weighted.trace() - n.dot(weighted * n);
+    // A flat interface asks for 0.7 to 1.7; an island of one soil in the other has no direction along it.
+    if (mean > 0.0) flux[a] = across + std::clamp(own / mean, 0.5, 2.0) * (flux[a] - across);
+  });
+}
+
 /// Calls take(a, sum) with sum_b V_b (f_b - f_a) grad W^T of every real particle, buffers left out.
 template <int D, class Take>
-void sum_differences(const Stencil<D>& s, std::span<const Vec<D>> f, Carried carried, const Take& take) {
-  const VecArray<D> all = extended<D>(s, f, carried);
+void sum_differences(const Stencil<D>& s, std::span<const Vec<D>> f, Carried carried, std::uint32_t sticky,
+                     const Take& take) {
+  const VecArray<D> all = extended<D>(s, f, carried, sticky);
   const bool buffers = s.n_base > s.n_real;
   std::vector<PackedPoint<D, D>> points(s.size());
   for_each_side_by_side(s.size(), [&](std::size_t j) {
@@ -165,12 +196,13 @@ void sum_differences(const Stencil<D>& s, std::span<const Vec<D>> f, Carried car
           __attribute__((always_inline)) { take(a, Mat<D>(Eigen::Map<const Mat<D>>(total))); });
 }
 
-/// Corrected gradient of the water's velocity, G_ij = d v_i / d x_j, buffers left out.
+/// Corrected gradient of the water's velocity, G_ij = d v_i / d x_j, buffers left out; sticky: walls to which water
+/// sticks, by bits.
 template <int D>
-MatArray<D> velocity_gradient(const Stencil<D>& s, std::span<const Vec<D>> f) {
+MatArray<D> velocity_gradient(const Stencil<D>& s, std::span<const Vec<D>> f, std::uint32_t sticky = 0) {
   MatArray<D> result(s.n_real);
   sum_differences<D>(
-      s, f, Carried::yes, [&](std::size_t a, const Mat<D>& sum) __attribute__((always_inline)) {
+      s, f, Carried::yes, sticky, [&](std::size_t a, const Mat<D>& sum) __attribute__((always_inline)) {
         result[a].noalias() = sum * s.correction_open(a);
       });
   return result;
@@ -183,7 +215,7 @@ ScalarArray divergence(const Stencil<D>& s, std::span<const Vec<D>> f, Carried c
   if (carried == Carried::no && std::all_of(f.begin(), f.end(), [](const Vec<D>& v) { return v.isZero(0.0); }))
     return result;
   sum_differences<D>(
-      s, f, carried, [&](std::size_t a, const Mat<D>& sum) __attribute__((always_inline)) {
+      s, f, carried, 0, [&](std::size_t a, const Mat<D>& sum) __attribute__((always_inline)) {
         result[a] = sum.cwiseProduct(s.correction_open(a).transpose()).sum();
       });
   return result;

@@ -200,6 +200,10 @@ struct Stencil {
     const double inside = b.normal.dot(position[a] - b.foot);
     return static_cast<float>(1.0 + (30.0 * inside <= b.outside ? 30.0 : b.outside / inside));
   }
+  /// Is point j an image behind one of these walls (by bits)?
+  [[nodiscard]] bool sticks(std::size_t j, std::uint32_t sticky) const {
+    return j >= n_base && (boundaries[j - n_base] & sticky) != 0;
+  }
   [[nodiscard]] bool is_buffer(Index j) const { return parent[j] >= n_real && parent[j] < n_base; }
   [[nodiscard]] std::size_t size() const { return position.size(); }
 };

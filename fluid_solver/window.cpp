@@ -626,6 +626,7 @@ class WindowSolver {
       flux = pressure_gradient<D>(
           s_, out.pressure, [&](Index c) { return in_.face_pressure[c]; }, own, Vec<D>(-in_.weight),
           [&](std::size_t a) { return surface_pressure(a); });
+      if (!any_response_) free_along_interfaces<D>(s_, own, soil_.mask, flux);
     }
     for_each_side_by_side(n_, [&](std::size_t a) {
       const auto& q = q_[a];

@@ -117,6 +117,27 @@ TEST(FreeWater, VorticesDecayAtTheRateOfTheViscosity) {
   }
 }
 
+// Drops of one, four and nine particles: nothing holds them but gravity.
+TEST(FreeWater, DropsFallFreely) {
+  for (const double size : {0.02, 0.04, 0.06}) {
+    Case scene = tank(0.02, 2.0);
+    scene.fluid.regions = {box(1.0, 0.5, 1.0 + size, 0.5 + size)};
+    scene.fluid.initial_velocity = Point3(0.5, 1.0, 0.0);
+    Fluid<2> fluid(scene);
+    fluid.initialise({});
+    double time = 0.0;
+    run_to(fluid, time, 0.3, 2e-3);
+    const auto& p = fluid.state().particles;
+    Vec<2> place = Vec<2>::Zero();
+    for (std::size_t a = 0; a < p.size(); ++a) {
+      place += p.position[a] / static_cast<double>(p.size());
+      EXPECT_NEAR((p.velocity[a] - Vec<2>(0.5, 1.0 - 9.81 * time)).norm(), 0.0, 1e-3) << size;
+    }
+    const Vec<2> exact(1.0 + 0.5 * size + 0.5 * time, 0.5 + 0.5 * size + time - 0.5 * 9.81 * time * time);
+    EXPECT_NEAR((place - exact).norm(), 0.0, 1e-4) << size;
+  }
+}
+
 TEST(FreeWater, SlidingOverSoilItLosesEnergy) {
   // A shallow layer over water-filled sand, fast and disordered, its particles loose: nothing throws them off the bed.
   for (const unsigned seed : {1u, 2u}) {

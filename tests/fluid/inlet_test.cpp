@@ -190,5 +190,39 @@ TEST(Walls, WaterAtRestAroundCornersThatTurnAway) {
   }
 }
 
+// A basin of no right angle: water at rest within walls of any slope.
+TEST(Walls, WaterAtRestInABowl) {
+  Case scene;
+  scene.solid.model = SolidCase::Model::rigid;
+  scene.fluid.particle_spacing = dx;
+  Face walls;
+  for (const auto& [x, y] : std::vector<std::pair<double, double>>{
+           {-0.2, 0.6}, {0.0, 0.15}, {0.15, 0.0}, {0.4, 0.0}, {0.8, 0.15}, {0.9, 0.6}})
+    walls.points.push_back({x, y, 0.0});
+  scene.walls = {wall(walls)};
+  Shape water;
+  water.kind = Shape::Kind::polygon;
+  water.points = walls.points;
+  water.points.front() = {-0.2 / 0.45 * 0.15, 0.3, 0.0};
+  water.points.back() = {0.8 + 0.1 / 0.45 * 0.15, 0.3, 0.0};
+  scene.fluid.regions = {water};
+  scene.gauges = {gauge("pressure", "point", "pore_pressure"), gauge("kinetic", "kinetic_energy")};
+  scene.gauges[0].points = {{0.2, 0.0, 0.0}, {0.6, 0.075, 0.0}, {0.075, 0.075, 0.0}, {0.4, 0.2, 0.0}};
+  Fluid<2> fluid(scene);
+  fluid.initialise({});
+  const auto particles = fluid.state().particles.size();
+  double time = 0.0;
+  run_to(fluid, time, 10.0);
+  const double depth = 0.3;
+  for (const auto& [point, y] :
+       {std::pair{"pressure[0]", 0.0}, {"pressure[1]", 0.075}, {"pressure[2]", 0.075}, {"pressure[3]", 0.2}}) {
+    std::printf("%s: %+.4f of the depth\n", point, reading(fluid, point) / (9810.0 * depth) - (depth - y) / depth);
+    EXPECT_NEAR(reading(fluid, point) / (9810.0 * depth), (depth - y) / depth, 0.02);
+  }
+  std::printf("%.2g J\n", reading(fluid, "kinetic"));
+  EXPECT_EQ(fluid.state().particles.size(), particles);
+  EXPECT_EQ(fluid.counters().at("lost, far outside"), 0.0);
+}
+
 }  // namespace
 }  // namespace poretwin::fluid

@@ -1,0 +1,128 @@
+// What every gauge of the water reads where the answer is known: water at rest in moist soil, level flow through it.
+#include "fluid_solver/fluid_phase.hpp"
+#include "tests/fluid/scenes.hpp"
+
+#include <gtest/gtest.h>
+
+namespace poretwin::fluid {
+namespace {
+
+using namespace test;
+
+constexpr double dx = 0.01;
+
+Gauge gauge(const std::string& name, const std::string& kind, const std::vector<Point3>& points = {},
+            const std::string& quantity = {}) {
+  Gauge g;
+  g.name = name;
+  g.phase = "fluid";
+  g.kind = kind;
+  g.points = points;
+  g.quantity = quantity;
+  return g;
+}
+
+/// Soil 0.4 x 0.3 m, its pores filled by a tenth before the water came.
+Case moist_soil() {
+  Case scene;
+  scene.solid.model = SolidCase::Model::rigid;
+  scene.fluid.particle_spacing = dx;
+  scene.soils = {sand()};
+  scene.soils[0].initial_saturation = 0.1;
+  scene.soils[0].shape = box(0.0, 0.0, 0.4, 0.3);
+  return scene;
+}
+
+// A water table inside the soil, at rest from the first window on.
+TEST(Gauges, OfAWaterTableAtRest) {
+  auto scene = moist_soil();
+  scene.fluid.regions = {box(0.0, 0.0, 0.4, 0.2)};
+  scene.walls = {wall(line(0.0, 0.3, 0.0, 0.0)), wall(line(0.0, 0.0, 0.4, 0.0)), wall(line(0.4, 0.0, 0.4, 0.3))};
+  scene.gauges = {gauge("head", "point", {{0.1, 0.05, 0.0}, {0.3, 0.15, 0.0}, {0.2, 0.0, 0.0}}, "head"),
+                  gauge("pressure", "point", {{0.1, 0.05, 0.0}}, "pore_pressure"),
+                  gauge("pressure_head", "point", {{0.3, 0.15, 0.0}}, "pressure_head"),
+                  gauge("dry", "point", {{0.2, 0.27, 0.0}}, "head"),
+                  gauge("saturation", "point", {{0.2, 0.1, 0.0}, {0.2, 0.27, 0.0}}, "degree_of_saturation"),
+                  gauge("table", "front", {{0.2, 0.0, 0.0}, {0.2, 0.3, 0.0}}),
+                  gauge("lowest", "min_pressure"),
+                  gauge("speed", "max_speed"),
+                  gauge("volume", "volume"),
+                  gauge("left_half", "volume"),
+                  gauge("potential", "potential_energy"),
+                  gauge("energy", "energy"),
+                  gauge("particles", "particles"),
+                  gauge("water", "balance")};
+  scene.gauges[9].region = box(0.0, 0.0, 0.2, 0.3);
+  Fluid<2> fluid(scene);
+  fluid.initialise({});
+  const double stored = 0.4 * 0.9 * 0.4 * 0.2;  // m2
+  double time = 0.0;
+  for (const double end : {0.0, 1.0, 500.0}) {
+    if (end > 0.0) run_to(fluid, time, end);
+    for (const auto* point : {"head[0]", "head[1]", "head[2]"}) EXPECT_NEAR(reading(fluid, point), 0.2, 1e-5) << end;
+    EXPECT_NEAR(reading(fluid, "pressure"), 9810.0 * 0.15, 0.1) << end;
+    EXPECT_NEAR(reading(fluid, "pressure_head"), 0.05, 1e-5) << end;
+    EXPECT_TRUE(std::isnan(reading(fluid, "dry"))) << end;
+    EXPECT_NEAR(reading(fluid, "saturation[0]"), 1.0, 0.02) << end;  // between the sites of a lattice
+    EXPECT_EQ(reading(fluid, "saturation[1]"), 0.1) << end;
+    EXPECT_NEAR(reading(fluid, "table"), 0.2, 0.05 * dx) << end;
+    EXPECT_NEAR(reading(fluid, "lowest"), 9810.0 * 0.5 * dx, 0.1) << end;
+    EXPECT_NEAR(reading(fluid, "speed"), 0.0, 1e-10) << end;
+    EXPECT_NEAR(reading(fluid, "volume") / stored, 1.0, 1e-12) << end;
+    EXPECT_NEAR(reading(fluid, "left_half") / stored, 0.5, 1e-12) << end;
+    EXPECT_NEAR(reading(fluid, "potential") / (9810.0 * stored * 0.1), 1.0, 1e-9) << end;
+    EXPECT_NEAR(reading(fluid, "energy") / reading(fluid, "potential"), 1.0, 1e-9) << end;
+    EXPECT_EQ(reading(fluid, "particles"), 800.0) << end;
+    EXPECT_NEAR(reading(fluid, "water_error"), 0.0, 1e-15) << end;
+  }
+}
+
+// Level flow between two reservoirs under a lid: i = 0.25, q = k i h.
+TEST(Gauges, OfLevelFlow) {
+  auto scene = moist_soil();
+  scene.soils[0].initial_saturation = 0.0;
+  scene.fluid.regions = {scene.soils[0].shape};
+  scene.walls = {wall(line(0.0, 0.0, 0.4, 0.0)), wall(line(0.4, 0.3, 0.0, 0.3))};
+  scene.water_faces = {head_face(line(0.0, 0.3, 0.0, 0.0), 0.5), head_face(line(0.4, 0.0, 0.4, 0.3), 0.4)};
+  scene.water_faces[0].name = "left";
+  scene.water_faces[1].name = "right";
+  scene.gauges = {gauge("to_the_right", "discharge", {{0.2, 0.3, 0.0}, {0.2, 0.0, 0.0}}),
+                  gauge("to_the_left", "discharge", {{0.2, 0.0, 0.0}, {0.2, 0.3, 0.0}}),
+                  gauge("upper_half", "discharge", {{0.2, 0.3, 0.0}, {0.2, 0.15, 0.0}}),
+                  gauge("in", "exit_gradient", {{0.0, 0.3, 0.0}, {0.0, 0.0, 0.0}}),
+                  gauge("out", "exit_gradient", {{0.4, 0.0, 0.0}, {0.4, 0.3, 0.0}}),
+                  gauge("head", "point", {{0.1, 0.1, 0.0}, {0.3, 0.2, 0.0}}, "head"),
+                  gauge("velocity", "point", {{0.2, 0.1, 0.0}}, "velocity"),
+                  gauge("left", "passed_volume", {}, "left"),
+                  gauge("right", "passed_volume", {}, "right"),
+                  gauge("all", "passed_volume"),
+                  gauge("momentum", "momentum"),
+                  gauge("kinetic", "kinetic_energy"),
+                  gauge("water", "balance")};
+  Fluid<2> fluid(scene);
+  fluid.initialise({});
+  const double q = 1.1e-4 * 0.25 * 0.3, v = 1.1e-4 * 0.25 / 0.4, mass = 1000.0 * 0.4 * 0.4 * 0.3;
+  double time = 0.0;
+  run_to(fluid, time, 40.0);
+  EXPECT_NEAR(reading(fluid, "to_the_right") / q, 1.0, 2e-3);
+  EXPECT_NEAR(reading(fluid, "to_the_left") / q, -1.0, 2e-3);
+  EXPECT_NEAR(reading(fluid, "upper_half") / q, 0.5, 2e-3);
+  EXPECT_NEAR(reading(fluid, "out"), 0.25, 0.0025);
+  EXPECT_NEAR(reading(fluid, "in"), -0.25, 0.0025);  // what goes in has a gradient below zero
+  EXPECT_NEAR(reading(fluid, "head[0]"), 0.475, 1e-4);
+  EXPECT_NEAR(reading(fluid, "head[1]"), 0.425, 1e-4);
+  EXPECT_NEAR(reading(fluid, "velocity_x") / v, 1.0, 2e-3);
+  EXPECT_NEAR(reading(fluid, "velocity_y") / v, 0.0, 2e-3);
+  EXPECT_NEAR(reading(fluid, "momentum_x") / (mass * v), 1.0, 0.03);  // the outermost row comes and goes
+  EXPECT_NEAR(reading(fluid, "kinetic") / (0.5 * mass * v * v), 1.0, 0.03);
+  EXPECT_NEAR(reading(fluid, "left") / (q * time), 1.0, 5e-3);
+  EXPECT_NEAR(reading(fluid, "right") / (q * time), -1.0, 5e-3);
+  EXPECT_NEAR(reading(fluid, "all"), reading(fluid, "left") + reading(fluid, "right"), 1e-15);
+  EXPECT_NEAR(reading(fluid, "water_in") - reading(fluid, "water_out"), reading(fluid, "all"), 1e-12);
+  EXPECT_NEAR(reading(fluid, "water_in") / (q * time), 1.0, 5e-3);
+  EXPECT_NEAR(reading(fluid, "water_stored") / (0.4 * 0.4 * 0.3), 1.0, 1e-3);
+  EXPECT_NEAR(reading(fluid, "water_error"), 0.0, 1e-12);
+}
+
+}  // namespace
+}  // namespace poretwin::fluid
