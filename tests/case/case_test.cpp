@@ -296,6 +296,11 @@ TEST_F(CaseFile, NamesTheHoleInAWall) {
               HasSubstr("past [1, 0.4], where wall[2] \"right\" ends"));
 }
 
+TEST_F(CaseFile, NamesARegionWithoutParticles) {
+  EXPECT_THAT(complaint(tank_case + "[[fluid.region]]\nmin = [0.2, 0.6]\nmax = [0.8, 0.61]\n"),
+              HasSubstr("key 'fluid.region[1]': no particle fits: the box measures 0.01"));
+}
+
 TEST_F(CaseFile, LetsWaterThroughWhereItIsMeantTo) {
   const std::string face = "[[water_face]]\npoints = [[0.7, 0], [1, 0]]\npressure = 0\n";
   EXPECT_EQ(complaint(changed(tank_case, "[[0, 0], [1, 0]]", "[[0, 0], [0.7, 0]]") + face), "no complaint");
