@@ -74,8 +74,12 @@ void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, dou
     const Vec<D> probe = c.foot + 0.75 * c.spacing * c.normal;
     const double h = smoothing_ratio * spacing_of<D>(c.volume);
     double sum = 0.0, speed = 0.0;
+    // Of two soils side by side each moves its own columns.
+    const Soil* here = scene_.soils.size() > 1 && !scene_.coupled() ? soil_at(scene_, to_point3<D>(probe)) : nullptr;
     grid.for_each_within(probe, sph::support_radius * h, [&](Index a, double r2) {
       if (c.in_soil && is_free(a)) return;
+      if (const Soil* there = here ? soil_at(scene_, to_point3<D>(p.position[a])) : nullptr; there != here && there)
+        return;
       const double w = p.volume[a] * Kernel<D>::value(std::sqrt(r2), h);
       sum += w;
       const double spacing = spacing_of<D>(p.volume[a]);
