@@ -522,6 +522,7 @@ void Fluid<D>::take_back(const Stencil<D>& s, const SoilView<D>& view, double in
   ScalarArray share;  // of each neighbour
   for (std::size_t a = 0; a < p.size(); ++a) {
     const Vec<D> mine = p.owed[a] + view.owed[a];
+    state_.exchanged.received -= view.owed[a];
     if (mine.isZero(0.0)) continue;
     const double own = view.mask[a] * p.volume[a] * Kernel<D>::value(0.0, s.length(a));
     share.clear();
@@ -660,6 +661,10 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
       if (!drag_force.empty()) force += drag_force[a];
       p.drag_impulse.set(a, p.volume[a] * dt * force);
     });
+    for (std::size_t a = 0; a < p.size(); ++a) {
+      state_.exchanged.received -= p.drag_impulse[a];
+      state_.exchanged.drag_work -= p.drag_impulse[a].dot(p.velocity[a] - p.solid_velocity[a]);
+    }
   }
   if (returns) view.drag = drag;
   if (scene_.coupled() && !responds()) {

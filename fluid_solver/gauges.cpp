@@ -244,10 +244,12 @@ class Reader {
       lowest = std::fmin(lowest, cloud_.pressure[a]);
       count += 1.0;
     }
-    if (gauge.kind == "momentum")
+    if (gauge.kind == "received_impulse") momentum = state_.exchanged.received;
+    if (gauge.kind == "momentum" || gauge.kind == "received_impulse")
       for (int d = 0; d < D; ++d) add(gauge.name + axes[static_cast<std::size_t>(d)], momentum[d], "N s");
     if (gauge.kind == "kinetic_energy") add(gauge.name, kinetic, "J");
     if (gauge.kind == "potential_energy") add(gauge.name, potential, "J");
+    if (gauge.kind == "drag_work") add(gauge.name, state_.exchanged.drag_work, "J");
     if (gauge.kind == "energy") add(gauge.name, kinetic + potential, "J");
     if (gauge.kind == "particles") add(gauge.name, count, "1");
     if (gauge.kind == "max_speed") add(gauge.name, fastest, "m/s");

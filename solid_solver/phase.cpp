@@ -222,6 +222,10 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
 
   OrZero<double> pressure = take_pressure(inbox, window.time + interval);
   const OrZero<double> impulse = field_or_zero(inbox, field::drag_impulse, n, D);
+  for (std::size_t i = 0; i < n; ++i) {
+    state_.received += state_.returned_impulse[i];
+    for (int d = 0; d < D; ++d) state_.received[d] += impulse[i * D + static_cast<std::size_t>(d)];
+  }
   const OrZero<double> predicted = field_or_zero(inbox, field::predicted_solid_velocity, n, D);
   const OrZero<double> soil_seen = field_or_zero(inbox, field::soil_fraction, n, 1);
 
@@ -246,7 +250,10 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
           porous::resistance(setup_.water_weight, 1.0 - solid_fraction(setup_, p, i),
                              porous::seepage_at(scene_, scene_.soils[p.material[i]], void_fraction(setup_, p, i)));
       const double force = Eigen::Map<const Vec<D>>(impulse.values().data() + i * D).norm() / (p.volume[i] * interval);
-      z += law.slope(law.speed(force));
+      // At the same time as the fluid it gets the prediction of the last window, and the pressure with it: what goes
+      // beyond them meets at once, too, what the pressure would hold against it where water flows back as the grains
+      // come, n v_w = -n_s v_s, C / n^2 in all.
+      z += law.slope(law.speed(force)) / (setup_.late_prediction ? std::pow(void_fraction(setup_, p, i), 2) : 1.0);
     }
     drive.tracking[i] = state_.external.coverage[i] * p.volume[i] * z;
     for (int d = 0; d < D; ++d) drive.target[i][d] = predicted[i * D + static_cast<std::size_t>(d)];

@@ -30,6 +30,7 @@ struct Setup {
   bool regular_flow = true;       ///< see flow.hpp
   double flow_limit = 0.01;    ///< plastic strain above which the zero-energy control is off: it would brake the flow
   double inertia_share = 0.5;  ///< zr of the tracking coefficient Z = C + zr rho_bar / Dt
+  bool late_prediction = false;  ///< the fluid's prediction is that of the last window; Z = C / n^2 + .. then
   Vec<D> gravity = Vec<D>::Zero();
   double water_weight = 0.0;     ///< N/m3, behind the word "conductivity"
   double longest_substep = 0.0;  ///< s

@@ -221,6 +221,7 @@ struct State {
   External<D> external;
   OrZero<Vec<D>> mean_velocity;      ///< m/s over the last window, of coupled soil
   OrZero<Vec<D>> returned_impulse;   ///< N s, last window
+  Vec<D> received = Vec<D>::Zero();  ///< N s, from the water in all windows but for what is returned of the last one
   OrZero<Vec<D>> rest_displacement;  ///< m, after initialise: where uplift counts from
   std::vector<char> yielded;         ///< during the last window
   OrZero<double> yielding;           ///< share of the last window's shear that was plastic, of coupled soil
