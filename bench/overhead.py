@@ -28,8 +28,6 @@ COLUMN = ["fluid.particle_spacing=0.00516", "solid.particle_spacing=0.00516", "c
 SCENES = {
     "3000 particles, every substep": ("terzaghi", COLUMN),
     "the same, parallel": ("terzaghi", COLUMN + ["coupling.scheme=\"parallel\""]),
-    "ten substeps a window": ("terzaghi", COLUMN + ["coupling.interval=6e-4", "case.end_time=0.18"]),
-    "the same, parallel ": ("terzaghi", COLUMN + ["coupling.interval=6e-4", "case.end_time=0.18", "coupling.scheme=\"parallel\""]),
     "embankment_seepage, own windows": ("embankment_seepage", ["case.end_time=300"]),
 }
 ACTIVITIES = ["computing", "writing", "checkpointing", "mapping", "sending", "nobody"]

@@ -96,8 +96,7 @@ void execute(const Arguments& arguments, Run& run) {
       WindowClock::Settings{scene.general.end_time, scene.coupling.interval, scene.output.interval,
                             scene.output.gauge_interval},
       [lines](const Progress& p) { lines->write(p, p.time >= p.end); },
-      Checkpoints{&*run.checkpoints, arguments.checkpoint_every, arguments.resume}, scheme_of(scene.coupling),
-      trace);
+      Checkpoints{&*run.checkpoints, arguments.checkpoint_every, arguments.resume}, scheme_of(scene.coupling), trace);
   log_line("coupler: listening at " + run.hub->address());
   run.schedule->run();
 }

@@ -242,8 +242,8 @@ class Schedule::Implementation {
     return rejection;
   }
 
-  /// Once through both solvers, one after the other. `solid_end`: what the fluid is given of the solid at the window's end; null: its start
-  /// is all there is.
+  /// Once through both solvers, one after the other. `solid_end`: what the fluid is given of the solid at the window's
+  /// end; null: its start is all there is.
   std::optional<Reject> pass(const WindowClock::Plan& plan, const Snapshot& fluid_start, const Snapshot& solid_start,
                              const Snapshot* solid_end) {
     ++report_.passes;

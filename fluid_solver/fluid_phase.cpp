@@ -1,5 +1,6 @@
 #include "fluid_solver/fluid_phase.hpp"
 
+#include "common/case/gauge_kinds.hpp"
 #include "common/core/error.hpp"
 #include "fluid_solver/basin.hpp"
 #include "fluid_solver/cloud.hpp"
@@ -674,6 +675,10 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
         p.solid_velocity.values()[a] +=
             dt / view.density[a] * (view.force[a] - view.fraction[a] * (weight_ + out.gradient[a])) +
             p.drag_impulse[a] / (p.volume[a] * view.density[a]);
+  }
+  if (asks_for(scene_.gauges, "fluid", "unexplained_impulse")) {
+    state_.exchanged.from_outside += dt * wall_force();
+    for (const double m : p.mass) state_.exchanged.from_outside += dt * m * scene_.general.gravity.head<D>();
   }
   // Soil that was dry and cannot yield takes windows of any length; its noise would only shorten them.
   if (state_.controlled <= 0.0 && scene_.solid.model != SolidCase::Model::elastic) begin_control(view, dt);

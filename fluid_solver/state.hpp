@@ -110,8 +110,9 @@ struct Balance {
 /// What passed between water and soil since the start.
 template <int D>
 struct Exchanged {
-  Vec<D> received = Vec<D>::Zero();  ///< N s, from the soil: less the drag's impulse, less what the soil asked back
-  double drag_work = 0.0;            ///< J, of the drag on both phases
+  Vec<D> received = Vec<D>::Zero();      ///< N s, from the soil: less the drag's impulse, less what the soil asked back
+  double drag_work = 0.0;                ///< J, of the drag on both phases
+  Vec<D> from_outside = Vec<D>::Zero();  ///< N s, of weight and of the pressure on walls; where a gauge asks for it
 };
 
 template <int D>

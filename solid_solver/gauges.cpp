@@ -150,8 +150,8 @@ std::vector<GaugeReading> read_gauges(const Case& scene, const Setup<D>& setup, 
       continue;
     }
     Vec<D> momentum = Vec<D>::Zero(), pending = Vec<D>::Zero();
-    double kinetic = 0.0, potential = 0.0, stored = 0.0, grains = 0.0, count = 0.0, plastic = 0.0, speed = 0.0, displacement = 0.0,
-           uplift = 0.0;
+    double kinetic = 0.0, potential = 0.0, stored = 0.0, grains = 0.0, count = 0.0, plastic = 0.0, speed = 0.0,
+           displacement = 0.0, uplift = 0.0;
     const Vec<D> up = upwards(setup);
     for (std::size_t i = 0; i < p.free(); ++i) {
       if (!within<D>(gauge, p.position[i])) continue;
@@ -168,10 +168,13 @@ std::vector<GaugeReading> read_gauges(const Case& scene, const Setup<D>& setup, 
       uplift = std::max(uplift, up.dot(p.displacement[i] - state.rest_displacement[i]));
     }
     const std::string per = D == 2 ? "/m" : "";
-    if (gauge.kind == "momentum" || gauge.kind == "pending_impulse" || gauge.kind == "received_impulse") {
-      const Vec<D> sum = gauge.kind == "momentum"          ? momentum
-                         : gauge.kind == "pending_impulse" ? pending
-                                                           : Vec<D>(state.received + pending);
+    if (gauge.kind == "momentum" || gauge.kind == "pending_impulse" || gauge.kind == "received_impulse" ||
+        gauge.kind == "unexplained_impulse") {
+      const Vec<D> received = state.received + pending;
+      const Vec<D> sum = gauge.kind == "momentum"           ? momentum
+                         : gauge.kind == "pending_impulse"  ? pending
+                         : gauge.kind == "received_impulse" ? received
+                                                            : Vec<D>(momentum - received - state.from_outside);
       for (int d = 0; d < D; ++d)
         readings.push_back({fmt::format("{}_{}", gauge.name, axes[static_cast<std::size_t>(d)]), sum[d], "N s" + per});
     } else if (gauge.kind == "kinetic_energy") {

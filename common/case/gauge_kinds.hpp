@@ -23,6 +23,9 @@ inline constexpr GaugeKind gauge_kinds[] = {
     {"kinetic_energy", "either", "sum over the particles"},
     {"energy", "either", "kinetic and potential, of the soil elastic, too"},
     {"received_impulse", "either", "from the other phase, since the start"},
+    {"unexplained_impulse", "either",
+     "momentum less what weight, walls and the other phase gave since the start; of the water's pressure on walls "
+     "`wall`s count (2D), also what acts on the soil: the two phases' sum is what the discretisation makes"},
     {"particles", "either", "their number"},
     {"max_speed", "either", "of any particle"},
     {"volume", "fluid", "of water"},
@@ -55,6 +58,14 @@ inline const GaugeKind* find_gauge_kind(std::string_view name) {
   for (const auto& kind : gauge_kinds)
     if (kind.name == name) return &kind;
   return nullptr;
+}
+
+/// Whether one of the gauges is of this kind and reads this phase, "fluid" or "solid".
+template <class Gauges>
+bool asks_for(const Gauges& gauges, std::string_view phase, std::string_view kind) {
+  for (const auto& gauge : gauges)
+    if (gauge.phase == phase && gauge.kind == kind) return true;
+  return false;
 }
 
 /// One sentence for the reference of keys.

@@ -87,7 +87,8 @@ TEST_P(EveryLine, ParallelWindowsAreCrossedAtTheSameTime) {
     for (int k = 0; k < 3000 && here < 2; ++k) std::this_thread::sleep_for(Milliseconds(1));
     met += here == 2;
   };
-  MockPhase fluid(Role::fluid, 2, still_square(Role::fluid), knobs), solid(Role::solid, 2, still_square(Role::solid), knobs);
+  MockPhase fluid(Role::fluid, 2, still_square(Role::fluid), knobs),
+      solid(Role::solid, 2, still_square(Role::solid), knobs);
   CoupledRun run;
   run.line = GetParam();
   run.scheme = Parallel{};
