@@ -24,8 +24,8 @@ inline constexpr GaugeKind gauge_kinds[] = {
     {"energy", "either", "kinetic and potential, of the soil elastic, too"},
     {"received_impulse", "either", "from the other phase, since the start"},
     {"unexplained_impulse", "either",
-     "momentum less what weight, walls and the other phase gave since the start; of the water's pressure on walls "
-     "`wall`s count (2D), also what acts on the soil: the two phases' sum is what the discretisation makes"},
+     "momentum less what weight, walls and the other phase gave since the start; the water counts all that its pressure "
+     "on walls does (2D), on the soil too: of the two phases' sum the discretisation is left"},
     {"particles", "either", "their number"},
     {"max_speed", "either", "of any particle"},
     {"volume", "fluid", "of water"},

@@ -138,7 +138,8 @@ TEST_F(CaseRun, ResumesIteratedToTheBit) {
 
 /// What is under way between two windows, impulses too, belongs to the checkpoint.
 TEST_F(CaseRun, ResumesParallelToTheBit) {
-  read("terzaghi", {"fluid.particle_spacing=0.05", "solid.particle_spacing=0.05", "coupling.interval=1e-5"});
+  read("terzaghi", {"fluid.particle_spacing=0.05", "solid.particle_spacing=0.05", "coupling.interval=1e-5",
+                    "coupling.scheme=\"parallel\""});
   scheme_ = Parallel{};
   const Result whole = run(last, Taking::none, false);
   expect_the_same_resumed(whole);
