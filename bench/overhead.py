@@ -8,8 +8,11 @@ Every instant of the exchange counts once: to whoever computes, else to who writ
     critical path  whole / (whole - nobody): the run against the work of its own schedule as measured, one thing after
                    the other where they depend on each other
 
-The first scene is a column of 3000 particles (cases/terzaghi) exchanging every substep of the soil; the second one
-cases/embankment_seepage, with the windows that it chooses. --trace judges a time line that is there. On a busy machine
+    waiting        of each solver, over the whole: for the other one and for the coupler
+    both           computing at the same time, over the whole
+
+The first scene is a column of 3000 particles (cases/terzaghi) exchanging every substep of the soil, serial and parallel
+(docs/theory.md, "Schemes"); the last one cases/embankment_seepage, with the windows that it chooses. --trace judges a time line that is there. On a busy machine
 whoever is not given a core stands for `nobody`, too: the least of --repeat runs is told.
 """
 import argparse
@@ -20,13 +23,15 @@ import pathlib
 from plot import write_csv
 from runs import PROGRAM, Run
 
+COLUMN = ["fluid.particle_spacing=0.00516", "solid.particle_spacing=0.00516", "coupling.interval=6e-5", "case.end_time=0.018",
+          "output.interval=0", "output.gauge_interval=0.01"]
 SCENES = {
-    "3000 particles, every substep": ("terzaghi", ["fluid.particle_spacing=0.00516", "solid.particle_spacing=0.00516",
-                                                   "coupling.interval=6e-5", "case.end_time=0.018", "output.interval=0",
-                                                   "output.gauge_interval=0.01"]),
+    "3000 particles, every substep": ("terzaghi", COLUMN),
+    "the same, parallel": ("terzaghi", COLUMN + ["coupling.scheme=\"parallel\""]),
     "embankment_seepage, own windows": ("embankment_seepage", ["case.end_time=300"]),
 }
 ACTIVITIES = ["computing", "writing", "checkpointing", "mapping", "sending", "nobody"]
+OVERLAP = ["fluid waits", "solid waits", "both"]
 
 
 def shares(events):
@@ -40,25 +45,33 @@ def shares(events):
     for time, step, name in edges:
         who = next((activity for activity in ACTIVITIES if under_way[activity] > 0), "nobody")
         seconds[who] += 1e-6 * (time - now)
+        seconds["both"] += 1e-6 * (time - now) * (under_way["computing"] > 1)
         under_way[name] += step
         now = time
+    names = {e["pid"]: e["args"]["name"] for e in events if e["name"] == "process_name"}
+    for e in events:
+        if e["ph"] == "X" and e["name"] == "waiting":
+            seconds[f"{names[e['pid']]} waits"] += 1e-6 * max(0.0, min(e["ts"] + e["dur"], last) - max(e["ts"], first))
     return seconds
 
 
 def judged(scene, events, windows):
     seconds = shares(events)
-    whole = sum(seconds.values())
+    whole = sum(seconds[name] for name in ACTIVITIES)
     overhead = seconds["mapping"] + seconds["sending"] + seconds["nobody"]
     return {"scene": scene, "windows": windows, "wall_s": round(whole, 4), **{name: round(seconds[name], 4) for name in ACTIVITIES},
-            "overhead": round(overhead / whole, 4), "critical_path": round(whole / (whole - seconds["nobody"]), 4)}
+            "overhead": round(overhead / whole, 4), "critical_path": round(whole / (whole - seconds["nobody"]), 4),
+            **{name: round(seconds[name], 4) for name in OVERLAP}}
 
 
 def table(rows):
     """Markdown."""
-    lines = ["| scene | windows | wall s | " + " | ".join(ACTIVITIES) + " | overhead | over the critical path |", "| --- " * (len(ACTIVITIES) + 5) + "|"]
+    lines = ["| scene | windows | wall s | " + " | ".join(ACTIVITIES) + " | overhead | over the critical path | " + " | ".join(OVERLAP) + " |",
+             "| --- " * (len(ACTIVITIES) + len(OVERLAP) + 5) + "|"]
     for row in rows:
         parts = " | ".join(f"{100 * row[name] / row['wall_s']:.1f} %" for name in ACTIVITIES)
-        lines.append(f"| {row['scene']} | {row['windows']} | {row['wall_s']:.2f} | {parts} | {100 * row['overhead']:.1f} % | {row['critical_path']:.3f} |")
+        lines.append(f"| {row['scene']} | {row['windows']} | {row['wall_s']:.2f} | {parts} | {100 * row['overhead']:.1f} % | {row['critical_path']:.3f} | "
+                     + " | ".join(f"{100 * row[name] / row['wall_s']:.1f} %" for name in OVERLAP) + " |")
     return lines
 
 

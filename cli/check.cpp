@@ -56,11 +56,17 @@ std::vector<Limit> limits(const Case& scene) {
     result.push_back({scene.solid.particle_spacing / std::sqrt(constrained_modulus(soil) / density),
                       "elastic wave across one particle" + where +
                           ", dx / sqrt(M / rho_bar_s); the solid sub-cycles or relaxes below it"});
-    if (scene.coupled() && scene.fluid.drag)
-      result.push_back(
-          {1.2 * density * porous::seepage_at(scene, soil, soil.porosity).conductivity /
-               (scene.water.density * standard_gravity),
-           "plain serial coupling" + where + ", 1.2 rho_bar_s k / gamma_w; lifted by fluid.skeleton_response"});
+    if (!scene.coupled() || !scene.fluid.drag) continue;
+    // Stability of the exchange where nothing predicts the skeleton's response (docs/theory.md, "Schemes").
+    const bool parallel = scene.coupling.scheme == CouplingCase::Scheme::parallel;
+    const double n_s = 1.0 - soil.porosity;
+    const double b = n_s * n_s * scene.water.density / (soil.porosity * density);
+    const double unit = density * porous::seepage_at(scene, soil, soil.porosity).conductivity /
+                        (scene.water.density * standard_gravity);
+    result.push_back({std::max(0.0, parallel ? 1.0 - b * b : 2.0 - 2.0 * b) * unit,
+                      fmt::format("plain {} coupling{}, {} rho_bar_s k / gamma_w with b = n_s^2 rho_w / (n rho_bar_s); "
+                                  "lifted by fluid.skeleton_response",
+                                  parallel ? "parallel" : "serial", where, parallel ? "(1 - b^2)" : "2 (1 - b)")});
   }
   if (scene.coupling.interval) result.push_back({*scene.coupling.interval, "coupling.interval of the case"});
   std::sort(result.begin(), result.end(), [](const Limit& a, const Limit& b) { return a.seconds < b.seconds; });

@@ -51,8 +51,9 @@ RunSummary summarise(const Broker& broker, const ScheduleReport& report) {
   return out;
 }
 
-std::optional<IterationSettings> iteration_of(const CouplingCase& c) {
-  if (c.scheme == CouplingCase::Scheme::serial) return std::nullopt;
+Scheme scheme_of(const CouplingCase& c) {
+  if (c.scheme == CouplingCase::Scheme::serial) return Serial{};
+  if (c.scheme == CouplingCase::Scheme::parallel) return Parallel{};
   IterationSettings out{AccelerationKind::none, c.tolerance};
   if (c.acceleration == CouplingCase::Acceleration::aitken) out.acceleration = AccelerationKind::aitken;
   if (c.acceleration == CouplingCase::Acceleration::quasi_newton) out.acceleration = AccelerationKind::quasi_newton;
@@ -96,8 +97,7 @@ void execute(const Arguments& arguments, Run& run) {
       WindowClock::Settings{scene.general.end_time, scene.coupling.interval, scene.output.interval,
                             scene.output.gauge_interval},
       [lines](const Progress& p) { lines->write(p, p.time >= p.end); },
-      Checkpoints{&*run.checkpoints, arguments.checkpoint_every, arguments.resume}, iteration_of(scene.coupling),
-      trace);
+      Checkpoints{&*run.checkpoints, arguments.checkpoint_every, arguments.resume}, scheme_of(scene.coupling), trace);
   log_line("coupler: listening at " + run.hub->address());
   keep_freed_memory();
   run.schedule->run();

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <optional>
 
 namespace poretwin::coupling {
 namespace {
@@ -34,13 +35,12 @@ std::string listed(const std::vector<std::string>& names) {
 class Schedule::Implementation {
  public:
   Implementation(Broker& broker, int dimension, WindowClock::Settings settings,
-                 std::function<void(const Progress&)> progress, Checkpoints checkpoints,
-                 std::optional<IterationSettings> iteration, Trace* trace)
+                 std::function<void(const Progress&)> progress, Checkpoints checkpoints, Scheme scheme, Trace* trace)
       : broker_(broker),
         clock_(settings),
         mapping_(make_mapping(dimension)),
         progress_(std::move(progress)),
-        iteration_settings_(iteration),
+        scheme_(scheme),
         checkpoints_(checkpoints),
         checkpoint_schedule_(checkpoints),
         trace_(trace) {}
@@ -205,8 +205,10 @@ class Schedule::Implementation {
     fluid_limit_ = fluid_.proposed_interval;
     solid_limit_ = solid_.proposed_interval;
     const Snapshot fluid_start = fluid_, solid_start = solid_;
-    if (!iteration_settings_) return pass(plan, fluid_start, solid_start, nullptr);
-    WindowIteration iteration(*iteration_settings_, broker_.contract(Role::solid));
+    if (std::holds_alternative<Parallel>(scheme_)) return pass_at_once(plan, fluid_start, solid_start);
+    const auto* const settings = std::get_if<IterationSettings>(&scheme_);
+    if (!settings) return pass(plan, fluid_start, solid_start, nullptr);
+    WindowIteration iteration(*settings, broker_.contract(Role::solid));
     std::optional<Snapshot> given;  // the solid's end as the fluid is to see it; in the first pass its start
     for (int k = 0; k < most_iterations; ++k) {
       if (auto rejection = pass(plan, fluid_start, solid_start, given ? &*given : nullptr)) return rejection;
@@ -224,8 +226,24 @@ class Schedule::Implementation {
                   fmt::format("not converged after {} iterations", most_iterations)};
   }
 
-  /// Once through both solvers. `solid_end`: what the fluid is given of the solid at the window's end; null: its start
-  /// is all there is.
+  /// Through both solvers at the same time: each is given the other's start, and what it gave away in the last window.
+  std::optional<Reject> pass_at_once(const WindowClock::Plan& plan, const Snapshot& fluid_start,
+                                     const Snapshot& solid_start) {
+    ++report_.passes;
+    order(Role::fluid, plan, nullptr, solid_start, solid_start);
+    order(Role::solid, plan, nullptr, fluid_start, fluid_start);
+    auto rejection = answer(Role::fluid, plan), of_solid = answer(Role::solid, plan);
+    if (!rejection && !of_solid) return std::nullopt;
+    if (rejection) ++report_.rejected_by_fluid;
+    if (of_solid) ++report_.rejected_by_solid;
+    const auto retry = [&](const Reject& r) { return retry_interval(plan.interval, r.suggested_interval); };
+    if (!rejection || (of_solid && retry(*of_solid) < retry(*rejection))) rejection = std::move(of_solid);
+    take_back(fluid_start, solid_start, rejection->reason);
+    return rejection;
+  }
+
+  /// Once through both solvers, one after the other. `solid_end`: what the fluid is given of the solid at the window's
+  /// end; null: its start is all there is.
   std::optional<Reject> pass(const WindowClock::Plan& plan, const Snapshot& fluid_start, const Snapshot& solid_start,
                              const Snapshot* solid_end) {
     ++report_.passes;
@@ -251,9 +269,15 @@ class Schedule::Implementation {
     solid_ = solid_start;
   }
 
-  /// `start` (or null) and `end`: the other side at the ends of the window; `amounts`: what it has given away.
   std::optional<Reject> advance(Role role, const WindowClock::Plan& plan, const Snapshot* start, const Snapshot& end,
                                 const Snapshot& amounts) {
+    order(role, plan, start, end, amounts);
+    return answer(role, plan);
+  }
+
+  /// `start` (or null) and `end`: the other side at the ends of the window; `amounts`: what it has given away.
+  void order(Role role, const WindowClock::Plan& plan, const Snapshot* start, const Snapshot& end,
+             const Snapshot& amounts) {
     Message message;
     message.step = step_ + 1;
     message.iteration = iteration_;
@@ -261,6 +285,10 @@ class Schedule::Implementation {
     message.interval = plan.interval;
     message.body = Advance{plan.record_frame, plan.record_gauges};
     send_mapped(role, std::move(message), start, end, amounts);
+  }
+
+  /// The refusal, or nothing: the window is crossed.
+  std::optional<Reject> answer(Role role, const WindowClock::Plan& plan) {
     Message answer = broker_.wait(role);
     if (answer.step != step_ + 1 || answer.iteration != iteration_)
       throw PeerError(fmt::format("{} answered {} (attempt {}), expected step {} (attempt {})", to_string(role),
@@ -355,7 +383,7 @@ class Schedule::Implementation {
   WindowClock clock_;
   std::unique_ptr<SpatialMapping> mapping_;
   std::function<void(const Progress&)> progress_;
-  std::optional<IterationSettings> iteration_settings_;
+  Scheme scheme_;
   Snapshot fluid_, solid_;
   std::uint64_t step_ = 0;  ///< windows that stand
   std::uint32_t iteration_ = 0;
@@ -369,10 +397,9 @@ class Schedule::Implementation {
 };
 
 Schedule::Schedule(Broker& broker, int dimension, WindowClock::Settings settings,
-                   std::function<void(const Progress&)> progress, Checkpoints checkpoints,
-                   std::optional<IterationSettings> iteration, Trace* trace)
+                   std::function<void(const Progress&)> progress, Checkpoints checkpoints, Scheme scheme, Trace* trace)
     : implementation_(std::make_unique<Implementation>(broker, dimension, settings, std::move(progress), checkpoints,
-                                                       iteration, trace)) {}
+                                                       scheme, trace)) {}
 Schedule::~Schedule() = default;
 void Schedule::run() { implementation_->run(); }
 void Schedule::note_waiting(const std::string& whom) { implementation_->note_waiting(whom); }

@@ -1,6 +1,7 @@
 // Temporal coupling: who advances when, with whose fields, and what happens when a window is refused.
 // Serial, fluid first: the fluid crosses the window with the solid's fields of its start, the solid with the fluid's
-// new ones. One pass, or iterated until the solid's fields at the window's end are those that the fluid was given.
+// new ones. Parallel: both at the same time, each with the other's fields of its start. Iterated: serial, until the
+// solid's fields at the window's end are those that the fluid was given.
 // docs/protocol.md shows the sequence.
 #pragma once
 
@@ -15,7 +16,7 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <optional>
+#include <variant>
 
 namespace poretwin::coupling {
 
@@ -41,12 +42,16 @@ struct ScheduleReport {
   }
 };
 
+struct Serial {};
+struct Parallel {};
+using Scheme = std::variant<Serial, Parallel, IterationSettings>;
+
 class Schedule {
  public:
-  /// `progress` may be empty. Without `iteration`: one pass a window.
+  /// `progress` may be empty.
   Schedule(Broker& broker, int dimension, WindowClock::Settings settings,
            std::function<void(const Progress&)> progress = {}, Checkpoints checkpoints = {},
-           std::optional<IterationSettings> iteration = {}, Trace* trace = nullptr);
+           Scheme scheme = {}, Trace* trace = nullptr);
   ~Schedule();
   Schedule(const Schedule&) = delete;
   Schedule& operator=(const Schedule&) = delete;

@@ -1,5 +1,6 @@
 #include "fluid_solver/fluid_phase.hpp"
 
+#include "common/case/gauge_kinds.hpp"
 #include "common/core/error.hpp"
 #include "fluid_solver/basin.hpp"
 #include "fluid_solver/cloud.hpp"
@@ -520,6 +521,7 @@ void Fluid<D>::take_back(const Stencil<D>& s, const SoilView<D>& view, double in
   ScalarArray share;  // of each neighbour
   for (std::size_t a = 0; a < p.size(); ++a) {
     const Vec<D> mine = p.owed[a] + view.owed[a];
+    state_.exchanged.received -= view.owed[a];
     if (mine.isZero(0.0)) continue;
     const double own = view.mask[a] * p.volume[a] * Kernel<D>::value(0.0, s.length(a));
     share.clear();
@@ -658,6 +660,10 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
       if (!drag_force.empty()) force += drag_force[a];
       p.drag_impulse.set(a, p.volume[a] * dt * force);
     });
+    for (std::size_t a = 0; a < p.size(); ++a) {
+      state_.exchanged.received -= p.drag_impulse[a];
+      state_.exchanged.drag_work -= p.drag_impulse[a].dot(p.velocity[a] - p.solid_velocity[a]);
+    }
   }
   if (returns) view.drag = drag;
   if (scene_.coupled() && !responds()) {
@@ -667,6 +673,10 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
         p.solid_velocity.values()[a] +=
             dt / view.density[a] * (view.force[a] - view.fraction[a] * (weight_ + out.gradient[a])) +
             p.drag_impulse[a] / (p.volume[a] * view.density[a]);
+  }
+  if (asks_for(scene_.gauges, "fluid", "unexplained_impulse")) {
+    state_.exchanged.from_outside += dt * wall_force();
+    for (const double m : p.mass) state_.exchanged.from_outside += dt * m * scene_.general.gravity.head<D>();
   }
   // Soil that was dry and cannot yield takes windows of any length; its noise would only shorten them.
   if (state_.controlled <= 0.0 && scene_.solid.model != SolidCase::Model::elastic) begin_control(view, dt);

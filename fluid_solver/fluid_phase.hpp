@@ -84,6 +84,8 @@ class Fluid final : public Phase {
   void serve_inlets();
   [[nodiscard]] double viscosity() const;
   ScalarArray passed() const;
+  /// Of the walls on water and soil, by the water's pressure [N, 2D: N/m].
+  [[nodiscard]] Vec<D> wall_force() const;
   void advance_columns(const Stencil<D>& s, const SoilView<D>& soil, double interval);
   void wet_dry_ground(FaceColumn<D>& c, double interval) const;
   double head_pressure(const FaceColumn<D>& c) const;

@@ -244,10 +244,13 @@ class Reader {
       lowest = std::fmin(lowest, cloud_.pressure[a]);
       count += 1.0;
     }
-    if (gauge.kind == "momentum")
+    if (gauge.kind == "received_impulse") momentum = state_.exchanged.received;
+    if (gauge.kind == "unexplained_impulse") momentum -= state_.exchanged.received + state_.exchanged.from_outside;
+    if (gauge.kind == "momentum" || gauge.kind == "received_impulse" || gauge.kind == "unexplained_impulse")
       for (int d = 0; d < D; ++d) add(gauge.name + axes[static_cast<std::size_t>(d)], momentum[d], "N s");
     if (gauge.kind == "kinetic_energy") add(gauge.name, kinetic, "J");
     if (gauge.kind == "potential_energy") add(gauge.name, potential, "J");
+    if (gauge.kind == "drag_work") add(gauge.name, state_.exchanged.drag_work, "J");
     if (gauge.kind == "energy") add(gauge.name, kinetic + potential, "J");
     if (gauge.kind == "particles") add(gauge.name, count, "1");
     if (gauge.kind == "max_speed") add(gauge.name, fastest, "m/s");
@@ -316,6 +319,25 @@ class Reader {
 }  // namespace
 
 template <int D>
+Vec<D> Fluid<D>::wall_force() const {
+  Vec<D> force = Vec<D>::Zero();
+  const auto cloud = make_cloud<D>(state_, planes_, weight_, origin_);
+  const Probe<D> probe(cloud);
+  for (const auto& wall : scene_.walls) {
+    if (wall.water == Wall::ForWater::none) continue;
+    for (std::size_t i = 0; i + 1 < wall.face.points.size(); ++i) {
+      const Line<D> line(wall.face.points[i].template head<D>(), wall.face.points[i + 1].template head<D>());
+      const auto count = static_cast<int>(std::ceil(2.0 * line.length / dx_));
+      const double step = line.length / count;
+      for (int k = 0; k < count; ++k)
+        if (const double p = probe.pressure(line.at((k + 0.5) * step)).value; std::isfinite(p))
+          force += step * p * line.left;
+    }
+  }
+  return force;
+}
+
+template <int D>
 std::vector<GaugeReading> Fluid<D>::gauges() const {
   const bool any =
       std::any_of(scene_.gauges.begin(), scene_.gauges.end(), [](const Gauge& g) { return g.phase == "fluid"; });
@@ -327,6 +349,8 @@ std::vector<GaugeReading> Fluid<D>::gauges() const {
   return reader.take();
 }
 
+template Vec<2> Fluid<2>::wall_force() const;
+template Vec<3> Fluid<3>::wall_force() const;
 template std::vector<GaugeReading> Fluid<2>::gauges() const;
 template std::vector<GaugeReading> Fluid<3>::gauges() const;
 

@@ -107,6 +107,14 @@ struct Balance {
   double in = 0.0, out = 0.0, initial = 0.0;
 };
 
+/// What passed between water and soil since the start.
+template <int D>
+struct Exchanged {
+  Vec<D> received = Vec<D>::Zero();      ///< N s, from the soil: less the drag's impulse, less what the soil asked back
+  double drag_work = 0.0;                ///< J, of the drag on both phases
+  Vec<D> from_outside = Vec<D>::Zero();  ///< N s, of weight and of the pressure on walls; where a gauge asks for it
+};
+
 template <int D>
 struct State {
   double time = 0.0;
@@ -127,6 +135,7 @@ struct State {
   std::vector<TimeLimit> window_limits;  ///< that the last window told
   Counts counts;
   Balance balance;
+  Exchanged<D> exchanged;
 };
 
 }  // namespace poretwin::fluid

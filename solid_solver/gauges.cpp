@@ -150,14 +150,15 @@ std::vector<GaugeReading> read_gauges(const Case& scene, const Setup<D>& setup, 
       continue;
     }
     Vec<D> momentum = Vec<D>::Zero(), pending = Vec<D>::Zero();
-    double kinetic = 0.0, stored = 0.0, grains = 0.0, count = 0.0, plastic = 0.0, speed = 0.0, displacement = 0.0,
-           uplift = 0.0;
+    double kinetic = 0.0, potential = 0.0, stored = 0.0, grains = 0.0, count = 0.0, plastic = 0.0, speed = 0.0,
+           displacement = 0.0, uplift = 0.0;
     const Vec<D> up = upwards(setup);
     for (std::size_t i = 0; i < p.free(); ++i) {
       if (!within<D>(gauge, p.position[i])) continue;
       momentum += p.mass[i] * p.velocity[i];
       pending += state.returned_impulse[i];
       kinetic += 0.5 * p.mass[i] * p.velocity[i].squaredNorm();
+      potential -= p.mass[i] * setup.gravity.dot(p.position[i]);
       stored += p.volume[i] * strain_energy(p.stress[i], setup.models[p.material[i]]->elasticity());
       grains += p.mass[i] / setup.grain_density[p.material[i]] * setup.grain_share[p.material[i]];
       count += 1.0;
@@ -167,12 +168,19 @@ std::vector<GaugeReading> read_gauges(const Case& scene, const Setup<D>& setup, 
       uplift = std::max(uplift, up.dot(p.displacement[i] - state.rest_displacement[i]));
     }
     const std::string per = D == 2 ? "/m" : "";
-    if (gauge.kind == "momentum" || gauge.kind == "pending_impulse") {
-      const Vec<D>& sum = gauge.kind == "momentum" ? momentum : pending;
+    if (gauge.kind == "momentum" || gauge.kind == "pending_impulse" || gauge.kind == "received_impulse" ||
+        gauge.kind == "unexplained_impulse") {
+      const Vec<D> received = state.received + pending;
+      const Vec<D> sum = gauge.kind == "momentum"           ? momentum
+                         : gauge.kind == "pending_impulse"  ? pending
+                         : gauge.kind == "received_impulse" ? received
+                                                            : Vec<D>(momentum - received - state.from_outside);
       for (int d = 0; d < D; ++d)
         readings.push_back({fmt::format("{}_{}", gauge.name, axes[static_cast<std::size_t>(d)]), sum[d], "N s" + per});
     } else if (gauge.kind == "kinetic_energy") {
       readings.push_back({gauge.name, kinetic, "J" + per});
+    } else if (gauge.kind == "energy") {
+      readings.push_back({gauge.name, kinetic + potential + stored, "J" + per});
     } else if (gauge.kind == "strain_energy") {
       readings.push_back({gauge.name, stored, "J" + per});
     } else if (gauge.kind == "grain_volume") {

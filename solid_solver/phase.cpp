@@ -171,6 +171,7 @@ void Solid<D>::initialise(const Inbox& inbox) {
     state_.rest_displacement = moved;
   std::fill(state_.yielded.begin(), state_.yielded.end(), char{0});
   state_.any_yielded = false;
+  state_.from_outside.setZero();
   ++state_.revision;
 }
 
@@ -221,7 +222,18 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   if (!(interval > 0.0)) return Outcome::reject(setup_.longest_substep, "a window must be longer than 0 s");
 
   OrZero<double> pressure = take_pressure(inbox, window.time + interval);
-  const OrZero<double> impulse = field_or_zero(inbox, field::drag_impulse, n, D);
+  OrZero<double> impulse = field_or_zero(inbox, field::drag_impulse, n, D);
+  for (std::size_t i = 0; i < n; ++i) {
+    state_.received += state_.returned_impulse[i];
+    for (int d = 0; d < D; ++d) state_.received[d] += impulse[i * D + static_cast<std::size_t>(d)];
+  }
+  // At the same time as the fluid the soil feels the last window's drag, as a force: what it takes so beyond the
+  // impulse it was given, in a window of another length, the water owes.
+  const double beyond = setup_.parallel && state_.last_interval > 0.0 ? interval / state_.last_interval - 1.0 : 0.0;
+  state_.last_interval = interval;
+  const OrZero<double> given = beyond != 0.0 ? impulse : OrZero<double>();
+  if (beyond != 0.0 && impulse.is_laid_out())
+    for (double& j : impulse.values()) j *= 1.0 + beyond;
   const OrZero<double> predicted = field_or_zero(inbox, field::predicted_solid_velocity, n, D);
   const OrZero<double> soil_seen = field_or_zero(inbox, field::soil_fraction, n, 1);
 
@@ -246,7 +258,11 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
           porous::resistance(setup_.water_weight, 1.0 - solid_fraction(setup_, p, i),
                              porous::seepage_at(scene_, scene_.soils[p.material[i]], void_fraction(setup_, p, i)));
       const double force = Eigen::Map<const Vec<D>>(impulse.values().data() + i * D).norm() / (p.volume[i] * interval);
-      z += law.slope(law.speed(force));
+      // At the same time as the fluid it gets the prediction of the last window, and the pressure with it: what goes
+      // beyond them meets at once, too, what the pressure would hold against it where water flows back as the grains
+      // come, n v_w = -n_s v_s, C / n^2 in all.
+      const double n_w = setup_.parallel && setup_.inertia_share > 0.0 ? void_fraction(setup_, p, i) : 1.0;
+      z += law.slope(law.speed(force)) / (n_w * n_w);
     }
     drive.tracking[i] = state_.external.coverage[i] * p.volume[i] * z;
     for (int d = 0; d < D; ++d) drive.target[i][d] = predicted[i * D + static_cast<std::size_t>(d)];
@@ -256,6 +272,9 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   const bool may_sleep = scene_.solid.quiet && !always_at_rest;
   if (may_sleep && sleeps_on(drive, to, impulse, window)) return Outcome::accept();
   state_.returned_impulse.lay_out(tracks ? n : 0);
+  for (std::size_t i = 0; i < n && given.is_laid_out(); ++i)
+    for (int d = 0; d < D; ++d)
+      state_.returned_impulse.values()[i][d] = beyond * given[i * D + static_cast<std::size_t>(d)];
   std::fill(state_.yielded.begin(), state_.yielded.end(), char{0});
   state_.yielding.lay_out(tracks ? n : 0);
   state_.any_yielded = false;
@@ -388,6 +407,7 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
   const std::size_t n = p.size();
   const double interval = window.interval, end = window.time + interval;
   const VecArray<D> start = p.displacement, velocity = p.velocity;
+  const Vec<D> from_outside = state_.from_outside;  // what the search tries does not count
   const ScalarArray plastic_before = p.plastic_strain;
   VecArray<D> standing(n);
   auto external = [&](Drive<D>& drive, bool rebuilt) {
@@ -453,9 +473,12 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
   }
   for (std::size_t i = 0; i < n; ++i) {
     p.velocity[i] = (p.displacement[i] - start[i]) / interval;
-    if (!asleep) state_.returned_impulse.set(i, interval * tracking.tracking[i] * (tracking.target[i] - p.velocity[i]));
+    if (!asleep)
+      state_.returned_impulse.values()[i] += interval * tracking.tracking[i] * (tracking.target[i] - p.velocity[i]);
   }
   state_.mean_velocity = p.velocity;
+  state_.from_outside = from_outside;
+  if (setup_.counts_impulses) state_.from_outside += interval * force_from_outside(setup_, state_, drive);
   if (moved && state_.any_yielded && interval > drained_window()) {
     fill_velocities<D>(p, state_.near, state_.nodes);
     velocity_gradient<D>(state_.near.pairs, state_.kernel, state_.scratch, state_.nodes, p.correction);

@@ -1,5 +1,6 @@
 #include "solid_solver/setup.hpp"
 
+#include "common/case/gauge_kinds.hpp"
 #include "common/core/error.hpp"
 #include "common/porous/seepage.hpp"
 #include "solid_solver/constitutive/cone.hpp"
@@ -102,6 +103,8 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   setup.gravity = scene.general.gravity.head<D>();
   setup.water_weight = porous::specific_weight(scene);
   setup.inertia_share = scene.fluid.skeleton_response ? 0.5 : 0.0;
+  setup.counts_impulses = asks_for(scene.gauges, "solid", "unexplained_impulse");
+  setup.parallel = scene.coupling.scheme == CouplingCase::Scheme::parallel;
   double fastest = 0.0;
   for (std::size_t s = 0; s < scene.soils.size(); ++s) {
     const Soil& soil = scene.soils[s];

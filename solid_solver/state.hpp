@@ -209,7 +209,8 @@ struct Scratch {
 
 template <int D>
 struct State {
-  double time = 0.0;  ///< s
+  double time = 0.0;           ///< s
+  double last_interval = 0.0;  ///< s, of the last window; 0 before the first
   std::uint64_t revision = 1;
   Particles<D> particles;
   Neighbourhood<D> near;
@@ -221,9 +222,11 @@ struct State {
   External<D> external;
   OrZero<Vec<D>> mean_velocity;      ///< m/s over the last window, of coupled soil
   OrZero<Vec<D>> returned_impulse;   ///< N s, last window
-  OrZero<Vec<D>> rest_displacement;  ///< m, after initialise: where uplift counts from
-  std::vector<char> yielded;         ///< during the last window
-  OrZero<double> yielding;           ///< share of the last window's shear that was plastic, of coupled soil
+  Vec<D> received = Vec<D>::Zero();  ///< N s, from the water in all windows but for what is returned of the last one
+  Vec<D> from_outside = Vec<D>::Zero();  ///< N s, of weight, loads and walls; where a gauge asks for it
+  OrZero<Vec<D>> rest_displacement;      ///< m, after initialise: where uplift counts from
+  std::vector<char> yielded;             ///< during the last window
+  OrZero<double> yielding;               ///< share of the last window's shear that was plastic, of coupled soil
   bool any_yielded = false;
   Sleep<D> sleep;
   Regions<D> regions;

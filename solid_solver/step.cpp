@@ -62,8 +62,20 @@ void evaluate_forces(const Setup<D>& setup, State<D>& state) {
 }
 
 template <int D>
+Vec<D> force_from_outside(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive) {
+  const Particles<D>& p = state.particles;
+  Vec<D> sum = Vec<D>::Zero();
+  for (std::size_t i = 0; i < p.free(); ++i) {
+    sum += p.volume[i] * (state.internal[i] + state.stabilising[i]) + p.mass[i] * setup.gravity;
+    if (!drive.traction.empty()) sum += drive.traction[i];
+  }
+  return sum;
+}
+
+template <int D>
 void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& state) {
   Particles<D>& p = state.particles;
+  if (setup.counts_impulses) state.from_outside += dt * force_from_outside(setup, state, drive);
   for_rows(state.near.pairs, 0, p.free(), [&](std::size_t i) {
     if (state.regions.sleeps(i)) {
       // Lets waves through: a push of the neighbours moves it as fast as a wave would, until that is seen for a change.
@@ -161,6 +173,7 @@ void check_sound(const Setup<D>& setup, const State<D>& state, double last_good_
   template void rebuild<D>(const Setup<D>&, State<D>&);                                                  \
   template bool rebuild_if_moved<D>(const Setup<D>&, State<D>&);                                         \
   template void evaluate_forces<D>(const Setup<D>&, State<D>&);                                          \
+  template Vec<D> force_from_outside<D>(const Setup<D>&, const State<D>&, const Drive<D>&);              \
   template void substep<D>(const Setup<D>&, double, const Drive<D>&, State<D>&);                         \
   template void deform<D>(const Setup<D>&, double, State<D>&);                                           \
   template VecArray<D> pressure_gradient<D>(const State<D>&, SolidCase::PressureGradient, const Vec<D>&, \

@@ -32,6 +32,11 @@ bool rebuild_if_moved(const Setup<D>& setup, State<D>& state);
 template <int D>
 void evaluate_forces(const Setup<D>& setup, State<D>& state);
 
+/// Sum of what acts on the free particles from outside the soil [N, 2D: N/m]: weight, loads, and through their images
+/// the walls. Not the water.
+template <int D>
+Vec<D> force_from_outside(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive);
+
 /// One substep of dt [s] from a state with current forces to the next. Tracking impulse adds to state.returned_impulse.
 template <int D>
 void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& state);

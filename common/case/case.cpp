@@ -33,6 +33,7 @@ constexpr std::array scheme_words{
     Word<FluidCase::Scheme>{"eisph", FluidCase::Scheme::eisph},
     Word<FluidCase::Scheme>{"eisph_explicit_drag", FluidCase::Scheme::eisph_explicit_drag}};
 constexpr std::array coupling_words{Word<CouplingCase::Scheme>{"serial", CouplingCase::Scheme::serial},
+                                    Word<CouplingCase::Scheme>{"parallel", CouplingCase::Scheme::parallel},
                                     Word<CouplingCase::Scheme>{"iterated", CouplingCase::Scheme::iterated}};
 constexpr std::array acceleration_words{
     Word<CouplingCase::Acceleration>{"none", CouplingCase::Acceleration::none},
@@ -355,9 +356,9 @@ void declare(Keys& keys, CouplingCase& c) {
   keys.choice<CouplingCase::Scheme>(
       "scheme", c.scheme, coupling_words,
       {"",
-       "`serial`: every window is crossed once, the fluid first; `iterated`: until the solid's motion at the window's "
-       "end "
-       "is the one that the fluid was given (for solvers that predict nothing of each other)."});
+       "`serial`: every window is crossed once, the fluid first; `parallel`: by both at the same time, each with the "
+       "other's fields of the window's start; `iterated`: until the solid's motion at the window's end is the one that "
+       "the fluid was given (for solvers that predict nothing of each other). Their limits: docs/theory.md."});
   keys.choice<CouplingCase::Acceleration>(
       "acceleration", c.acceleration, acceleration_words,
       {"", "Of the iteration: `none`, `aitken` (one factor), `quasi_newton` (IQN-ILS)."});

@@ -196,7 +196,7 @@ struct SolidCase {
 
 /// [coupling]
 struct CouplingCase {
-  enum class Scheme { serial, iterated };
+  enum class Scheme { serial, parallel, iterated };
   enum class Acceleration { none, aitken, quasi_newton };
   std::optional<double> interval;  ///< s: longest exchange interval; absent: what the solvers propose
   Scheme scheme = Scheme::serial;

@@ -21,11 +21,17 @@ inline constexpr GaugeKind gauge_kinds[] = {
      "`thickness`"},
     {"momentum", "either", "sum over the particles"},
     {"kinetic_energy", "either", "sum over the particles"},
+    {"energy", "either", "kinetic and potential, of the soil elastic, too"},
+    {"received_impulse", "either", "from the other phase, since the start"},
+    {"unexplained_impulse", "either",
+     "momentum less what weight, walls and the other phase gave since the start; the water counts all that its "
+     "pressure "
+     "on walls does (2D), on the soil too: of the two phases' sum the discretisation is left"},
     {"particles", "either", "their number"},
     {"max_speed", "either", "of any particle"},
     {"volume", "fluid", "of water"},
     {"potential_energy", "fluid", "in gravity and the central force"},
-    {"energy", "fluid", "kinetic and potential"},
+    {"drag_work", "fluid", "of the drag on both phases, since the start"},
     {"extent", "fluid", "how far the water reaches from the first of `points` towards the second"},
     {"spread", "fluid", "rms distance from the water's mean position, along the line of `points`"},
     {"level", "fluid", "of the water behind the face named by `quantity`"},
@@ -53,6 +59,14 @@ inline const GaugeKind* find_gauge_kind(std::string_view name) {
   for (const auto& kind : gauge_kinds)
     if (kind.name == name) return &kind;
   return nullptr;
+}
+
+/// Whether one of the gauges is of this kind and reads this phase, "fluid" or "solid".
+template <class Gauges>
+bool asks_for(const Gauges& gauges, std::string_view phase, std::string_view kind) {
+  for (const auto& gauge : gauges)
+    if (gauge.phase == phase && gauge.kind == kind) return true;
+  return false;
 }
 
 /// One sentence for the reference of keys.

@@ -61,7 +61,7 @@ class CaseRun : public testing::Test {
     run.broker.case_digest = scene_.digest();
     run.broker.frozen_deadline = Milliseconds(60'000);
     run.stop_after = stop;
-    run.iteration = iteration_;
+    run.scheme = scheme_;
     run.checkpoints = folder_;
     run.checkpoint_every = every_;
     run.resume = resume;
@@ -103,7 +103,7 @@ class CaseRun : public testing::Test {
   }
 
   Case scene_;
-  std::optional<IterationSettings> iteration_;
+  Scheme scheme_;
   std::uint64_t middle_ = middle, last_ = last;  // windows, of the checkpoint and in all
   std::uint64_t passes_ = 0;                     // of the last coupled run
   double at_rest_ = 0.0;                         // windows in which its soil slept
@@ -128,12 +128,21 @@ TEST_P(EveryCase, ResumesToTheBit) {
 TEST_F(CaseRun, ResumesIteratedToTheBit) {
   for (const auto kind : {AccelerationKind::aitken, AccelerationKind::quasi_newton}) {
     read("terzaghi", {"fluid.particle_spacing=0.05", "solid.particle_spacing=0.05"});
-    iteration_ = IterationSettings{kind, 1e-4};
+    scheme_ = IterationSettings{kind, 1e-4};
     const Result whole = run(last, Taking::none, false);
     EXPECT_GT(passes_, last);
     expect_the_same_resumed(whole);
     fs::remove_all(folder_);
   }
+}
+
+/// What is under way between two windows, impulses too, belongs to the checkpoint.
+TEST_F(CaseRun, ResumesParallelToTheBit) {
+  read("terzaghi", {"fluid.particle_spacing=0.05", "solid.particle_spacing=0.05", "coupling.interval=1e-5",
+                    "coupling.scheme=\"parallel\""});
+  scheme_ = Parallel{};
+  const Result whole = run(last, Taking::none, false);
+  expect_the_same_resumed(whole);
 }
 
 /// Long windows of soil that nothing disturbs.

@@ -41,7 +41,7 @@ struct CoupledRun {
   double checkpoint_every = no_limit;  ///< s
   bool resume = false, only_coupler_keeps = false;
   std::uint64_t stop_after = 0;  ///< windows, as if a person had pressed Ctrl-C; 0: never
-  std::optional<IterationSettings> iteration;
+  Scheme scheme;
   std::function<std::string(const std::string&)> route;  ///< the address at which participants find the coupler's
   // To be looked at.
   Fate fluid, solid, coupler;
@@ -81,7 +81,7 @@ struct CoupledRun {
       Broker b(*hub, options);
       Schedule schedule(
           b, dimension, settings, [&](const Progress& progress) { step = progress.step; },
-          {checkpoints.empty() ? nullptr : &store, checkpoint_every, resume}, iteration);
+          {checkpoints.empty() ? nullptr : &store, checkpoint_every, resume}, scheme);
       try {
         schedule.run();
       } catch (...) {

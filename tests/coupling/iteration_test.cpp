@@ -166,7 +166,7 @@ double monolithic(const Oscillators& what, Size i, double dt, int steps) {
 void iterate(CoupledRun& run, MassPhase& fluid, MassPhase& solid, AccelerationKind kind, double interval, double end,
              double tolerance = 1e-12) {
   run.settings = {end, interval, 0.0, 0.0};
-  run.iteration = IterationSettings{kind, tolerance};
+  run.scheme = IterationSettings{kind, tolerance};
   run.run(&fluid, &solid);
 }
 

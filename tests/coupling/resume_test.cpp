@@ -121,6 +121,26 @@ TEST_F(Resume, ADeadPeersRunGoesOnAsIfNothingHadBeen) {
   expect_same(resumed.inboxes, whole.inboxes);
 }
 
+TEST_F(Resume, SoDoesAParallelRun) {
+  const auto parallel = [&](const std::function<void(CoupledRun&)>& set, MockKnobs knobs = {}) {
+    return run(
+        [&](CoupledRun& r) {
+          r.scheme = Parallel{};
+          set(r);
+        },
+        std::move(knobs));
+  };
+  const auto whole = parallel([](CoupledRun& r) { r.checkpoints.clear(); });
+  MockKnobs dying;
+  dying.die_at = 13;
+  parallel([](CoupledRun& r) { r.checkpoint_every = 0.0; }, dying);
+  const auto resumed = parallel([](CoupledRun& r) { r.resume = true; });
+  EXPECT_EQ(resumed.coupler_error, "");
+  EXPECT_EQ(resumed.records, whole.records);
+  EXPECT_LT(resumed.inboxes.size(), whole.inboxes.size());
+  expect_same(resumed.inboxes, whole.inboxes);
+}
+
 TEST_F(Resume, ADamagedCheckpointGivesWayToTheOneBefore) {
   const auto whole = run([](CoupledRun& r) { r.checkpoints.clear(); });
   die();

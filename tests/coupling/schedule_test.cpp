@@ -2,6 +2,7 @@
 // transport.
 #include "tests/coupling/coupled_run.hpp"
 
+#include <atomic>
 #include <cmath>
 
 namespace poretwin::coupling {
@@ -45,6 +46,80 @@ TEST(Schedule, TheSolidSeesTheFluidsNewFieldsTheFluidTheSolidsOld) {
     EXPECT_NEAR(to_fluid.at(field::constrained_modulus).values[55], window.time, 1e-12);
     EXPECT_NEAR(to_solid.at(field::pore_pressure).values[55], window.time + window.interval, 1e-12);
   }
+}
+
+/// Each with the other's fields of the window's start; impulses one window later, and none of them lost.
+TEST(Parallel, EachSeesTheOthersOldFields) {
+  const FieldFormula time_everywhere = [](const std::string& name, int, const double*, double t) {
+    return name == field::soil_fraction ? 1.0 : name == field::solid_volume_fraction ? 0.6 : t;
+  };
+  MockPhase fluid(Role::fluid, 2, still_square(Role::fluid, 0.1, time_everywhere));
+  MockPhase solid(Role::solid, 2, still_square(Role::solid, 0.1, time_everywhere));
+  CoupledRun run;
+  run.scheme = Parallel{};
+  run.run(&fluid, &solid);
+  run.expect_success();
+  EXPECT_EQ(run.report.passes, 10u);
+  const auto sum = [](const Inbox& inbox, std::string_view name) {
+    double out = 0.0;
+    for (const double value : inbox.at(name).values) out += value;
+    return out;
+  };
+  for (std::size_t k = 0; k < 10; ++k) {
+    const double start = fluid.seen().windows[k].time;
+    const auto& to_fluid = fluid.seen().inboxes[k + 1];  // the first is that of initialise
+    const auto& to_solid = solid.seen().inboxes[k + 1];
+    EXPECT_NEAR(to_fluid.at(field::constrained_modulus).values[55], start, 1e-12);
+    EXPECT_NEAR(to_solid.at(field::pore_pressure).values[55], start, 1e-12);
+    // 100 points, two components, an amount of t each.
+    EXPECT_NEAR(sum(to_fluid, field::returned_impulse), 200.0 * start, 1e-9);
+    EXPECT_NEAR(sum(to_solid, field::drag_impulse), 200.0 * start, 1e-9);
+  }
+}
+
+/// Neither would get past its third window if the other were not in it, too.
+TEST_P(EveryLine, ParallelWindowsAreCrossedAtTheSameTime) {
+  std::atomic<int> here{0}, met{0};
+  MockKnobs knobs;
+  knobs.freeze_at = 3;
+  knobs.on_freeze = [&] {
+    ++here;
+    for (int k = 0; k < 3000 && here < 2; ++k) std::this_thread::sleep_for(Milliseconds(1));
+    met += here == 2;
+  };
+  MockPhase fluid(Role::fluid, 2, still_square(Role::fluid), knobs),
+      solid(Role::solid, 2, still_square(Role::solid), knobs);
+  CoupledRun run;
+  run.line = GetParam();
+  run.scheme = Parallel{};
+  run.run(&fluid, &solid);
+  run.expect_success();
+  EXPECT_EQ(met, 2);
+}
+
+/// Whoever refuses, both go back, also when both do; the points too.
+TEST(Parallel, ARefusedWindowIsRestoredOnBothSides) {
+  MockKnobs of_fluid, of_solid;
+  of_fluid.rejections = {{2, 1}, {6, 2}};
+  of_solid.rejections = {{4, 2}, {6, 1}};
+  MockPhase fluid(Role::fluid, 2, still_square(Role::fluid), of_fluid),
+      solid(Role::solid, 2, still_square(Role::solid), of_solid);
+  CoupledRun run;
+  run.scheme = Parallel{};
+  run.settings = {1.0, 0.1, 0.1, 0.0};
+  run.run(&fluid, &solid);
+  run.expect_success();
+  EXPECT_EQ(run.report.rejected_by_fluid, 3u);
+  EXPECT_EQ(run.report.rejected_by_solid, 3u);
+  EXPECT_EQ(fluid.seen().restores, 5);  // one window was refused by both
+  EXPECT_EQ(solid.seen().restores, 5);
+  EXPECT_EQ(run.fluid.report.windows, run.report.windows);
+  EXPECT_EQ(run.solid.report.windows, run.report.windows);
+  ASSERT_EQ(run.fluid_record.frames.size(), 11u);
+  ASSERT_EQ(run.solid_record.frames.size(), 11u);
+  for (std::size_t k = 0; k <= 10; ++k)
+    for (const auto* record : {&run.fluid_record, &run.solid_record})
+      EXPECT_NEAR(record->frames[k].time, 0.1 * static_cast<double>(k), 1e-12);
 }
 
 TEST(Schedule, HitsOutputInstantsExactly) {
@@ -150,10 +225,11 @@ TEST_P(EveryLine, CopesWithMovingGrowingShrinkingAndEmptySets) {
 /// A refused window takes back the points that came in it: the next attempt brings values for those of the window's
 /// start.
 TEST(Schedule, ARefusedWindowTakesItsPointsBack) {
-  const auto accepted = [](MockKnobs fluid_knobs, MockKnobs solid_knobs) {
+  const auto accepted = [](MockKnobs fluid_knobs, MockKnobs solid_knobs, Scheme scheme = {}) {
     MockPhase fluid(Role::fluid, 2, tide, std::move(fluid_knobs)),
         solid(Role::solid, 2, still_square(Role::solid), std::move(solid_knobs));
     CoupledRun run;
+    run.scheme = scheme;
     run.settings = {1.0, 0.1, 0.1, 0.0};
     run.run(&fluid, &solid);
     run.expect_success();
@@ -169,6 +245,8 @@ TEST(Schedule, ARefusedWindowTakesItsPointsBack) {
   refusing.rejections = {{2, 1}, {4, 2}, {9, 1}};  // the set grows, and shrinks
   EXPECT_EQ(accepted({}, refusing), 4u);
   EXPECT_EQ(accepted(refusing, {}), 4u);
+  EXPECT_EQ(accepted({}, refusing, Parallel{}), 4u);
+  EXPECT_EQ(accepted(refusing, {}, Parallel{}), 4u);
 }
 
 TEST(Schedule, BothSetsMayBeEmpty) {

@@ -279,7 +279,7 @@ TEST(Coupled, TerzaghiWithPointsThatDoNotCoincide) {
 }
 
 TEST(Coupled, WithoutTheSkeletonsResponseWindowsAreLimited) {
-  // The limit of serial staggering is 1.2 R k / gamma_w = 1.9e-5 s here.
+  // The limit of serial staggering is 2 (1 - b) R k / gamma_w, b = n_s^2 rho_w / (n R): 1.4e-5 s here.
   Options o;
   o.response = false;
   o.end = 0.06;
