@@ -235,7 +235,10 @@ SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox) const {
   if (!state_.columns.empty())
     for (std::size_t a = 0; a < n; ++a)
       if (complete.coverage[a] > 0.0 && !is_free(a) && nearest_column(x[a])) complete.asymmetry[a] = 0.0;
-  return mapped_soil<D>(scene_, complete, n);
+  auto view = mapped_soil<D>(scene_, complete, n);
+  for (std::size_t a = 0; a < n; ++a)
+    if (view.mask[a] > 0.0) view.force.set(a, view.force[a] - state_.particles.force[a]);
+  return view;
 }
 
 template <int D>
@@ -295,6 +298,16 @@ void Fluid<D>::settle(SoilView<D>& view) {
   out.pressure = p.pressure;
   solve_window<D>(s, view, p.surface, in, out);
   p.pressure = out.pressure;
+  keep_force(view, out.gradient);
+}
+
+/// What the water's pressure does to the soil in it, by the water's own account.
+template <int D>
+void Fluid<D>::keep_force(const SoilView<D>& view, std::span<const Vec<D>> gradient) {
+  auto& p = state_.particles;
+  if (!scene_.coupled()) return;
+  p.force.lay_out(p.size());
+  for_each_side_by_side(p.size(), [&](std::size_t a) { p.force.set(a, -view.fraction[a] * (gradient[a] + weight_)); });
 }
 
 template <int D>
@@ -660,6 +673,8 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
       if (!drag_force.empty()) force += drag_force[a];
       p.drag_impulse.set(a, p.volume[a] * dt * force);
     });
+    keep_force(view, out.gradient);
+    for (std::size_t a = 0; a < p.size(); ++a) p.force.values()[a] += p.drag_impulse[a] / (p.volume[a] * dt);
   }
   if (returns) view.drag = drag;
   if (scene_.coupled() && !responds()) {

@@ -83,8 +83,12 @@ Contract Solid<D>::contract() const {
 template <int D>
 OrZero<Vec<D>> Solid<D>::gradient_of(const OrZero<double>& pressure) const {
   if (!pressure.is_laid_out()) return {};
-  return pressure_gradient<D>(state_, scene_.solid.pressure_gradient, scene_.water.density * setup_.gravity,
-                              pressure.values());
+  VecArray<D> gradient = pressure_gradient<D>(state_, scene_.solid.pressure_gradient,
+                                              scene_.water.density * setup_.gravity, pressure.values());
+  for (const auto& patch : setup_.loads)
+    if (has_begun(patch.start, state_.time))
+      pressure_gradient_adjoint<D>(state_, pressure.values(), 0.0, patch.particles, gradient);
+  return gradient;
 }
 
 template <int D>
@@ -121,6 +125,20 @@ Vec<D> Solid<D>::water_force(std::size_t i, const Vec<D>& pressure_gradient) con
   if (!water_is_prescribed()) return -p.volume[i] * solid * pressure_gradient;
   const Vec<D> weight = state_.external.coverage[i] * (1.0 - solid) * scene_.water.density * setup_.gravity;
   return p.volume[i] * (weight - pressure_gradient);
+}
+
+template <int D>
+void Solid<D>::keep_water_force(const OrZero<Vec<D>>& gradient, const OrZero<double>& impulse, double interval) {
+  const Particles<D>& p = state_.particles;
+  auto& kept = state_.external.force;
+  kept = {};
+  if (!scene_.coupled() || (!gradient.is_laid_out() && !impulse.is_laid_out())) return;
+  kept.lay_out(p.size());
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    Vec<D> force = water_force(i, gradient[i]);
+    for (int d = 0; d < D && interval > 0.0; ++d) force[d] += impulse[i * D + static_cast<std::size_t>(d)] / interval;
+    kept.set(i, force / p.volume[i]);
+  }
 }
 
 template <int D>
@@ -166,6 +184,7 @@ void Solid<D>::initialise(const Inbox& inbox) {
     evaluate_forces(setup_, state_);
   }
   state_.external.pressure_gradient = gradient_of(state_.external.pressure);
+  keep_water_force(state_.external.pressure_gradient, {}, 0.0);
   const auto& moved = state_.particles.displacement;
   if (std::any_of(moved.begin(), moved.end(), [](const Vec<D>& u) { return !u.isZero(0.0); }))
     state_.rest_displacement = moved;
@@ -197,6 +216,7 @@ bool Solid<D>::sleeps_on(Drive<D>& drive, const OrZero<Vec<D>>& gradient, const 
   }
   for (auto* still : {&state_.mean_velocity, &state_.returned_impulse}) *still = {};
   state_.external.pressure_gradient = gradient;
+  keep_water_force(gradient, impulse, window.interval);
   state_.time = window.time + window.interval;
   if (!scene_.coupling.keep_points) ++state_.revision;
   state_.slept += std::ceil(window.interval / setup_.longest_substep - 1e-9);
@@ -324,6 +344,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   }
   check_sound(setup_, state_, window.time);
   state_.external.pressure_gradient = to;
+  keep_water_force(to, impulse, interval);
   state_.mean_velocity.lay_out(tracks ? n : 0);
   for (std::size_t i = 0; i < n && tracks; ++i)
     state_.mean_velocity.set(i, (p.displacement[i] - displacement[i]) / interval);
@@ -462,6 +483,7 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
     tell_yielding(plastic_before, interval);
   }
   state_.external.pressure_gradient = gradient;
+  keep_water_force(gradient, impulse, interval);
   state_.time = end;
   // Otherwise the points stand where they stood.
   if (moved || !scene_.coupling.keep_points) ++state_.revision;
@@ -524,14 +546,11 @@ Publication Solid<D>::publish() const {
   vectors(field::solid_velocity, moved(p.velocity));
   vectors(field::mean_solid_velocity, moved(state_.mean_velocity));
   const VecArray<D> load = load_forces<D>(setup_, state_, state_.time + 1e-9 * std::max(1.0, std::abs(state_.time)));
-  const Vec<D> weight = scene_.water.density * setup_.gravity;
   vectors(field::unbalanced_force, [&](std::size_t i) -> Vec<D> {
-    // At a wall only the part that would move the soil is mirrored: at rest under water r = n_s rho_w g everywhere.
     const std::size_t j = parent(i);
-    const Vec<D> r = state_.internal[j] + (load[j] + p.mass[j] * setup_.gravity) / p.volume[j];
-    if (i < n) return r;
-    const Vec<D> rest = state_.external.coverage[j] * solid_fraction(setup_, p, j) * weight;
-    return images[i - n].map * (r - rest) + rest;
+    const Vec<D> r =
+        state_.internal[j] + (load[j] + p.mass[j] * setup_.gravity) / p.volume[j] + state_.external.force[j];
+    return i < n ? r : Vec<D>(images[i - n].map * r);
   });
   scalars(field::solid_volume_fraction, [&](std::size_t i) { return solid_fraction(setup_, p, i); });
   scalars(field::grain_density, [&](std::size_t i) { return setup_.grain_density[p.material[i]]; });
