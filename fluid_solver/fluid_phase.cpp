@@ -194,6 +194,7 @@ coupling::Publication Fluid<D>::publish() const {
   const auto name = [](std::string_view n) { return std::string(n); };
   out.fields = {{name(coupling::field::pore_pressure), 1, cloud.pressure},
                 {name(coupling::field::predicted_solid_velocity), D, flat(cloud.solid_velocity, cloud.size())},
+                {name(coupling::field::predicted_change), D, flat(cloud.solid_change, cloud.size())},
                 {name(coupling::field::drag_impulse), D, flat(state_.particles.drag_impulse, cloud.n_real)},
                 {name(coupling::field::soil_fraction), 1, cloud.mask}};
   return out;
@@ -298,16 +299,20 @@ void Fluid<D>::settle(SoilView<D>& view) {
   out.pressure = p.pressure;
   solve_window<D>(s, view, p.surface, in, out);
   p.pressure = out.pressure;
-  keep_force(view, out.gradient);
+  if (scene_.coupled()) keep_force(view, out.gradient, 0.0);
 }
 
-/// What the water's pressure does to the soil in it, by the water's own account.
+/// What pressure and drag do to the soil, by the water's own account: the soil's tells its balance with its own account
+/// of them in it, and what the two operators differ by must not move it.
 template <int D>
-void Fluid<D>::keep_force(const SoilView<D>& view, std::span<const Vec<D>> gradient) {
+void Fluid<D>::keep_force(const SoilView<D>& view, std::span<const Vec<D>> gradient, double interval) {
   auto& p = state_.particles;
-  if (!scene_.coupled()) return;
   p.force.lay_out(p.size());
-  for_each_side_by_side(p.size(), [&](std::size_t a) { p.force.set(a, -view.fraction[a] * (gradient[a] + weight_)); });
+  for_each_side_by_side(p.size(), [&](std::size_t a) {
+    Vec<D> force = -view.fraction[a] * (gradient[a] + weight_);
+    if (interval > 0.0) force += p.drag_impulse[a] / (p.volume[a] * interval);
+    p.force.set(a, force);
+  });
 }
 
 template <int D>
@@ -673,8 +678,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
       if (!drag_force.empty()) force += drag_force[a];
       p.drag_impulse.set(a, p.volume[a] * dt * force);
     });
-    keep_force(view, out.gradient);
-    for (std::size_t a = 0; a < p.size(); ++a) p.force.values()[a] += p.drag_impulse[a] / (p.volume[a] * dt);
+    keep_force(view, out.gradient, dt);
   }
   if (returns) view.drag = drag;
   if (scene_.coupled() && !responds()) {
@@ -684,6 +688,10 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
         p.solid_velocity.values()[a] +=
             dt / view.density[a] * (view.force[a] - view.fraction[a] * (weight_ + out.gradient[a])) +
             p.drag_impulse[a] / (p.volume[a] * view.density[a]);
+  }
+  if (scene_.coupled()) {
+    p.solid_change.lay_out(p.size());
+    for (std::size_t a = 0; a < p.size(); ++a) p.solid_change.set(a, p.solid_velocity[a] - view.velocity[a]);
   }
   // Soil that was dry and cannot yield takes windows of any length; its noise would only shorten them.
   if (state_.controlled <= 0.0 && scene_.solid.model != SolidCase::Model::elastic) begin_control(view, dt);

@@ -45,7 +45,7 @@ class Fluid final : public Phase {
   Vec<D> initial_velocity(const Vec<D>& x) const;
   /// Pressure of water at rest in soil at rest: the view's velocities are taken away.
   void settle(SoilView<D>& view);
-  void keep_force(const SoilView<D>& view, std::span<const Vec<D>> gradient);
+  void keep_force(const SoilView<D>& view, std::span<const Vec<D>> gradient, double interval);
   WindowSolution<D> solve(const Stencil<D>& s, SoilView<D>& view, const WindowProblem<D>& in);
   /// Finds the surface, whose thickness of rows enters `rows` by a share (find_surface).
   void mark_surface(Stencil<D>& s, std::span<double> rows, double share);

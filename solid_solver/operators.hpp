@@ -159,11 +159,11 @@ VecArray<D> pressure_gradient_difference(const State<D>& state, std::span<const 
   return gradient;
 }
 
-/// Pore-pressure gradient [Pa/m] below a loaded face, by the adjoint form that the stress has: the load is carried by
-/// stress and pressure alike, row by row, however sharply the pressure falls at the face. outside [Pa]: that of the
-/// water beyond the face. Written to the particles given.
+/// Pore-pressure gradient [Pa/m] below a loaded face, in the adjoint form that the stress has: the load is carried by
+/// stress and pressure alike, row by row, however sharply the pressure falls at the face. pressure: over that beyond
+/// the face. Written to the particles given.
 template <int D>
-void pressure_gradient_adjoint(const State<D>& state, std::span<const double> pressure, double outside,
+void pressure_gradient_adjoint(const State<D>& state, std::span<const double> pressure,
                                const std::vector<Index>& particles, VecArray<D>& gradient) {
   const std::size_t n = state.particles.size();
   std::vector<char> wanted(n, 0);
@@ -182,8 +182,7 @@ void pressure_gradient_adjoint(const State<D>& state, std::span<const double> pr
       other = rule.map * state.particles.correction[source] * rule.map.transpose();
     }
     const Vec<D> w = (state.nodes[j].volume * state.kernel[m]) * (state.nodes[i].position - state.nodes[j].position);
-    gradient[i] +=
-        ((pressure[i] - outside) * state.particles.correction[i] + (pressure[source] - outside) * other) * w;
+    gradient[i] += (pressure[i] * state.particles.correction[i] + pressure[source] * other) * w;
   });
 }
 

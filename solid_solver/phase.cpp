@@ -81,14 +81,30 @@ Contract Solid<D>::contract() const {
 }
 
 template <int D>
-OrZero<Vec<D>> Solid<D>::gradient_of(const OrZero<double>& pressure) const {
+OrZero<Vec<D>> Solid<D>::gradient_of(const OrZero<double>& pressure, double time) const {
   if (!pressure.is_laid_out()) return {};
   VecArray<D> gradient = pressure_gradient<D>(state_, scene_.solid.pressure_gradient,
                                               scene_.water.density * setup_.gravity, pressure.values());
   for (const auto& patch : setup_.loads)
-    if (has_begun(patch.start, state_.time))
-      pressure_gradient_adjoint<D>(state_, pressure.values(), 0.0, patch.particles, gradient);
+    if (has_begun(patch.start, time)) share_load(patch, pressure, time, gradient);
   return gradient;
+}
+
+template <int D>
+void Solid<D>::share_load(const LoadedPatch<D>& patch, const OrZero<double>& pressure, double time,
+                          VecArray<D>& gradient) const {
+  ScalarArray excess = pressure.values();
+  Vec<D> beyond = Vec<D>::Zero();
+  if (patch.water_face) {
+    const WaterFace& face = scene_.water_faces[*patch.water_face];
+    if (!face.pressure && (!face.head || face.basin_area)) return;
+    if (face.head) beyond = scene_.water.density * setup_.gravity;
+    const double datum = face.pressure ? face.pressure->at(time) : beyond.norm() * face.head->at(time);
+    for (std::size_t i = 0; i < excess.size(); ++i)
+      if (state_.external.coverage[i] > 0.0) excess[i] -= datum + beyond.dot(state_.particles.position[i]);
+  }
+  pressure_gradient_adjoint<D>(state_, excess, patch.particles, gradient);
+  for (const Index i : patch.particles) gradient[i] += beyond;
 }
 
 template <int D>
@@ -132,7 +148,7 @@ void Solid<D>::keep_water_force(const OrZero<Vec<D>>& gradient, const OrZero<dou
   const Particles<D>& p = state_.particles;
   auto& kept = state_.external.force;
   kept = {};
-  if (!scene_.coupled() || (!gradient.is_laid_out() && !impulse.is_laid_out())) return;
+  if (water_is_prescribed() || (!gradient.is_laid_out() && !impulse.is_laid_out())) return;
   kept.lay_out(p.size());
   for (std::size_t i = 0; i < p.size(); ++i) {
     Vec<D> force = water_force(i, gradient[i]);
@@ -159,7 +175,7 @@ void Solid<D>::initialise(const Inbox& inbox) {
     constexpr double before_everything = -1e300;  // standing loads only
     auto external = [&](Drive<D>& drive, bool rebuilt) {
       if (!rebuilt) return;
-      state_.external.pressure_gradient = gradient_of(state_.external.pressure);
+      state_.external.pressure_gradient = gradient_of(state_.external.pressure, before_everything);
       drive.traction = load_forces<D>(setup_, state_, before_everything);
       drive.distributed.resize(n);
       for (std::size_t i = 0; i < n; ++i) drive.distributed[i] = water_force(i, state_.external.pressure_gradient[i]);
@@ -183,7 +199,7 @@ void Solid<D>::initialise(const Inbox& inbox) {
     rebuild(setup_, state_);
     evaluate_forces(setup_, state_);
   }
-  state_.external.pressure_gradient = gradient_of(state_.external.pressure);
+  state_.external.pressure_gradient = gradient_of(state_.external.pressure, state_.time);
   keep_water_force(state_.external.pressure_gradient, {}, 0.0);
   const auto& moved = state_.particles.displacement;
   if (std::any_of(moved.begin(), moved.end(), [](const Vec<D>& u) { return !u.isZero(0.0); }))
@@ -243,14 +259,16 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   OrZero<double> pressure = take_pressure(inbox, window.time + interval);
   const OrZero<double> impulse = field_or_zero(inbox, field::drag_impulse, n, D);
   const OrZero<double> predicted = field_or_zero(inbox, field::predicted_solid_velocity, n, D);
+  const OrZero<double> change = field_or_zero(inbox, field::predicted_change, n, D);
   const OrZero<double> soil_seen = field_or_zero(inbox, field::soil_fraction, n, 1);
 
   // The pressure ramps linearly; its gradient is linear in it and taken once, at the window's start.
-  const OrZero<Vec<D>> from = state_.external.pressure_gradient, to = gradient_of(pressure);
+  const OrZero<Vec<D>> from = state_.external.pressure_gradient, to = gradient_of(pressure, window.time);
   state_.external.pressure = std::move(pressure);
 
-  // Tracking: the seepage force follows the skeleton's own motion (C) and damps the difference to the fluid's
-  // prediction.
+  // Tracking: the seepage force follows the skeleton's own motion (C), and inertia holds the skeleton to the change of
+  // velocity that the fluid predicts: the velocity itself, which has been to the water and back, would come back
+  // smoothed, a viscosity of some spacing^2 / window.
   Drive<D> drive;
   drive.distributed.assign(n, Vec<D>::Zero());
   const bool tracks = !inbox.fields.empty();
@@ -260,7 +278,8 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   }
   for (std::size_t i = 0; i < n && tracks; ++i) {
     if (state_.external.coverage[i] <= 0.0 || soil_seen[i] <= 1e-6) continue;
-    double z = setup_.inertia_share * p.mass[i] / (p.volume[i] * interval);
+    const double inertia = setup_.inertia_share * p.mass[i] / (p.volume[i] * interval);
+    double z = inertia;
     if (scene_.fluid.drag) {
       const auto law =
           porous::resistance(setup_.water_weight, 1.0 - solid_fraction(setup_, p, i),
@@ -269,7 +288,10 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
       z += law.slope(law.speed(force));
     }
     drive.tracking[i] = state_.external.coverage[i] * p.volume[i] * z;
-    for (int d = 0; d < D; ++d) drive.target[i][d] = predicted[i * D + static_cast<std::size_t>(d)];
+    for (int d = 0; d < D; ++d) {
+      const std::size_t c = i * D + static_cast<std::size_t>(d);
+      drive.target[i][d] = predicted[c] + inertia / z * (p.velocity[i][d] - (predicted[c] - change[c]));
+    }
   }
 
   const bool always_at_rest = scene_.coupled() && scene_.solid.quiet && cannot_yield();

@@ -7,6 +7,7 @@
 
 #include <limits>
 #include <memory>
+#include <optional>
 
 namespace poretwin::solid {
 
@@ -17,6 +18,7 @@ struct LoadedPatch {
   Vec<D> normal = Vec<D>::Zero();                           ///< unit, into the soil
   double start = -std::numeric_limits<double>::infinity();  ///< s; standing loads have always been there
   std::vector<Index> particles;
+  std::optional<std::size_t> water_face;  ///< of the case, that lies on it
 };
 
 template <int D>
