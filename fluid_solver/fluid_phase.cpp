@@ -697,6 +697,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   if (state_.controlled <= 0.0 && scene_.solid.model != SolidCase::Model::elastic) begin_control(view, dt);
   control_interval(before, dt);
   limit_by_slowing(velocity_before, dt);
+  limit_by_acceleration(view, velocity_before, window.time + dt, dt);
   limit_scheme(view);
   advance_columns(s, view, dt);
   push_pistons(0.5 * dt);

@@ -98,6 +98,7 @@ class Fluid final : public Phase {
   void give_birth_and_delete(const SoilView<D>& soil);
   void begin_control(const SoilView<D>& view, double interval);
   void control_interval(const ScalarArray& before, double interval);
+  void limit_by_acceleration(const SoilView<D>& view, const VecArray<D>& velocity_before, double now, double interval);
   void limit_by_slowing(const VecArray<D>& velocity_before, double interval);
   void limit_scheme(const SoilView<D>& view);
   void take_back(const Stencil<D>& s, const SoilView<D>& view, double interval);
