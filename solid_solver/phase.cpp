@@ -93,6 +93,11 @@ OrZero<Vec<D>> Solid<D>::gradient_of(const OrZero<double>& pressure, double time
 template <int D>
 void Solid<D>::share_load(const LoadedPatch<D>& patch, const OrZero<double>& pressure, double time,
                           VecArray<D>& gradient) const {
+  // Where the soil has settled away from the face, water lies between: how its pressure falls there is not known.
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Index i : patch.particles)
+    nearest = std::min(nearest, patch.normal.dot(state_.particles.position[i]) - patch.level);
+  if (std::abs(nearest - 0.5 * setup_.spacing) > 0.25 * setup_.spacing) return;
   ScalarArray excess = pressure.values();
   Vec<D> beyond = Vec<D>::Zero();
   if (patch.water_face) {

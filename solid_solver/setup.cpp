@@ -39,6 +39,7 @@ void attach_load(const Case& scene, const Load& load, double reach, double margi
   for (std::size_t k = 0; k < planes.size(); ++k) {
     patches[k].traction = load.traction.head<D>();
     patches[k].normal = planes[k].normal;
+    patches[k].level = planes[k].normal.dot(planes[k].point);
     if (load.start) patches[k].start = *load.start;
     const Vec<D> middle =
         planes[k].to > planes[k].from
