@@ -68,8 +68,7 @@ Program in_place(const std::string& command, Program solver) {
 
 std::vector<Program> programs_of(const RunOptions& options, const Case& scene, const std::string& address, bool resume,
                                  bool again) {
-  const int threads = available_threads();
-  const auto program = [&](const std::string& name, std::vector<std::string> first, int count) {
+  const auto program = [&](const std::string& name, std::vector<std::string> first) {
     Program p;
     p.name = name;
     p.file = options.programs / ("poretwin-" + name);
@@ -82,21 +81,23 @@ std::vector<Program> programs_of(const RunOptions& options, const Case& scene, c
     const std::string* other = name == "fluid" ? &options.fluid : name == "solid" ? &options.solid : nullptr;
     if (options.profile && (!other || other->empty())) p.arguments.push_back("--profile");
     for (const auto& assignment : options.overrides) p.arguments.insert(p.arguments.end(), {"--set", assignment});
-    p.environment = {{"OMP_NUM_THREADS", std::to_string(std::max(1, count))}};
+    p.environment = {{"OMP_NUM_THREADS", std::to_string(available_threads())}};
+    // They take turns: who waits leaves the cores to the others.
+    if (std::getenv("OMP_WAIT_POLICY") == nullptr) p.environment.emplace("OMP_WAIT_POLICY", "passive");
     p.log = options.out / "log" / (name + ".log");
     p.goes_on = resume || again;
     return p;
   };
   std::vector<Program> programs;
   if (!scene.coupled()) {
-    programs.push_back(program(scene.deformable() ? "solid" : "fluid", {"--alone"}, threads));
+    programs.push_back(program(scene.deformable() ? "solid" : "fluid", {"--alone"}));
     programs.back().reports_progress = true;
     return programs;
   }
-  programs.push_back(program("coupler", {"--bind", address}, 1));
+  programs.push_back(program("coupler", {"--bind", address}));
   programs.back().reports_progress = true;
-  programs.push_back(in_place(options.fluid, program("fluid", {"--connect", address}, (threads + 1) / 2)));
-  programs.push_back(in_place(options.solid, program("solid", {"--connect", address}, threads / 2)));
+  programs.push_back(in_place(options.fluid, program("fluid", {"--connect", address})));
+  programs.push_back(in_place(options.solid, program("solid", {"--connect", address})));
   return programs;
 }
 

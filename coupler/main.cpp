@@ -1,6 +1,7 @@
 // poretwin-coupler: reads the case, binds the address, runs the schedule, writes OUT/coupler.summary.json.
 #include "common/case/case.hpp"
 #include "common/case/identity.hpp"
+#include "common/core/memory.hpp"
 #include "common/coupling/interrupt.hpp"
 #include "common/coupling/process_main.hpp"
 #include "coupler/broker.hpp"
@@ -98,6 +99,7 @@ void execute(const Arguments& arguments, Run& run) {
       Checkpoints{&*run.checkpoints, arguments.checkpoint_every, arguments.resume}, iteration_of(scene.coupling),
       trace);
   log_line("coupler: listening at " + run.hub->address());
+  keep_freed_memory();
   run.schedule->run();
 }
 

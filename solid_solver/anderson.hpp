@@ -12,24 +12,29 @@ namespace poretwin::solid {
 /// this is GMRES; kinks of f, such as yielding, do not stop it.
 class Anderson {
  public:
-  Anderson(Eigen::Index size, Eigen::Index depth) : moves_(size, depth), changes_(size, depth), turns_(size, depth) {}
+  Anderson(Eigen::Index size, Eigen::Index depth)
+      : moves_(size, depth), changes_(size, depth), turns_(size, depth), products_(depth, depth) {}
 
   /// The next move of x. missing: f(x); step: P^-1 f(x), at the x that the last move led to.
   Eigen::VectorXd move(const Eigen::VectorXd& missing, const Eigen::VectorXd& step) {
+    const auto held = std::min(count_, moves_.cols());
     if (count_ > 0) {
       const Eigen::Index last = (count_ - 1) % moves_.cols();
       changes_.col(last) = missing - missing_;
       turns_.col(last) = step - step_;
+      products_.col(last).head(held).noalias() = turns_.leftCols(held).transpose() * changes_.col(last);
+      products_.row(last).head(held) = products_.col(last).head(held).transpose();
     }
     missing_ = missing;
     step_ = step;
-    const auto held = std::min(count_, moves_.cols());
     Eigen::VectorXd move = step;
     if (held > 0) {
       const auto turns = turns_.leftCols(held);
-      const Eigen::MatrixXd products = turns.transpose() * changes_.leftCols(held);
       const Eigen::VectorXd expected = turns.transpose() * missing;
-      move -= (moves_.leftCols(held) + turns) * products.completeOrthogonalDecomposition().solve(expected);
+      const Eigen::VectorXd share =
+          products_.topLeftCorner(held, held).completeOrthogonalDecomposition().solve(expected);
+      move.noalias() -= moves_.leftCols(held) * share;
+      move.noalias() -= turns * share;
     }
     moves_.col(count_++ % moves_.cols()) = move;
     return move;
@@ -37,6 +42,7 @@ class Anderson {
 
  private:
   Eigen::MatrixXd moves_, changes_, turns_;  ///< of the last moves: x, f, P^-1 f
+  Eigen::MatrixXd products_;                 ///< turns^T changes, symmetric as P is
   Eigen::VectorXd missing_, step_;
   Eigen::Index count_ = 0;
 };

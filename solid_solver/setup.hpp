@@ -28,7 +28,7 @@ struct Setup {
   double smoothing_length = 0.0;  ///< m
   double full_cover = 1.0;        ///< sum V W in soil as dense as it was laid
   double skin = 0.0;              ///< m, pair lists hold until something moved half of it
-  std::size_t threads = 1;        ///< that share the particles
+  std::size_t parts = 1;          ///< of the particles, that threads share: as many on every machine
   double courant = 0.8;           ///< of dx / sqrt(M / rho_bar)
   bool regular_flow = true;       ///< see flow.hpp
   double flow_limit = 0.01;    ///< plastic strain above which the zero-energy control is off: it would brake the flow

@@ -3,6 +3,7 @@
 #include "common/core/error.hpp"
 #include "common/core/threads.hpp"
 #include "solid_solver/flow.hpp"
+#include "solid_solver/straining.hpp"
 #include "solid_solver/wall_friction.hpp"
 
 #include <fmt/format.h>
@@ -18,7 +19,7 @@ void rebuild_lists(const Setup<D>& setup, State<D>& state) {
   wrap_periodic<D>(setup.boundaries, p.position);
   for (std::size_t i = 0; i < p.free(); ++i)
     sph::keep_inside<D>(setup.boundaries.planes, setup.spacing, p.position[i], p.velocity[i]);
-  build_neighbourhood<D>(setup.boundaries, setup.range(), setup.threads, p, state.regions.asleep, state.near);
+  build_neighbourhood<D>(setup.boundaries, setup.range(), setup.parts, p, state.regions.asleep, state.near);
   state.rebuilds += 1.0;
   if (state.near.pairs.skipped.empty()) return;
   fill_nodes<D>(p, state.near, state.body, setup.flow_limit, state.nodes);
@@ -94,7 +95,6 @@ void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& 
 template <int D>
 void deform(const Setup<D>& setup, double dt, State<D>& state) {
   Particles<D>& p = state.particles;
-  const std::size_t n = p.size();
   const Pairs& pairs = state.near.pairs;
   fill_velocities<D>(p, state.near, state.nodes);
   velocity_gradient<D>(pairs, state.kernel, state.scratch, state.nodes, p.correction);
@@ -110,34 +110,7 @@ void deform(const Setup<D>& setup, double dt, State<D>& state) {
     Node<D>& node = state.nodes[i];
     node.deformation += dt * (node.gradient - node.deformation * node.gradient);
   });
-  for_rows(pairs, 0, n, [&](std::size_t i) {
-    const Mat<D> gradient = state.nodes[i].gradient;
-    if (state.regions.sleeps(i) || (i >= p.free() && gradient.squaredNorm() == 0.0)) return;
-    // Dilation ends by the void ratio at the start: by that at the end it would begin and end with every displacement
-    // that a search for equilibrium tries.
-    const Condition before = condition(setup, p, i, state.external.saturation[i]);
-    // Mass kept: n_s = m / (rho_s V), Eq. (50) by its rate. Bounded: a crack that opens is not porosity, and grains
-    // that strike together keep a tenth of their pores.
-    constexpr double pores_left = 0.1;
-    const double reference = p.mass[i] / setup.density[p.material[i]];
-    const double grains = p.mass[i] / setup.grain_density[p.material[i]];
-    const double closest = std::max(0.5 * reference, grains + pores_left * (reference - grains));
-    p.volume[i] = std::clamp(p.volume[i] * (1.0 + dt * gradient.trace()), closest, 2.0 * reference);
-    Tensor& stress = p.stress[i];
-    const Tensor turning = spin_rate<D>(stress, gradient), straining = strain_rate<D>(gradient);
-    Tensor strain;
-    // Number by number: both rates stay in registers. Wide loads of what was just written singly cost a seventh of all.
-    for (int d = 0; d < 6; ++d) stress[d] += dt * turning[d];
-    for (int d = 0; d < 6; ++d) strain[d] = dt * straining[d];
-    const double plastic = setup.models[p.material[i]]->advance(stress, strain, before);
-    const bool apart = setup.loose_friction[p.material[i]] > 0.0F && p.volume[i] > Setup<D>::loosest * reference;
-    p.rubbing[i] = apart ? setup.loose_friction[p.material[i]] : 0.0F;
-    if (apart) stress.setZero();
-    if (plastic > 0.0) {
-      p.plastic_strain[i] += plastic;
-      state.yielded[i] = 1;
-    }
-  });
+  strain<D>(setup, dt, state);
   slide_on_walls(setup, dt, state);
   state.any_yielded =
       state.any_yielded || std::any_of(state.yielded.begin(), state.yielded.end(), [](char y) { return y; });

@@ -2,6 +2,8 @@
 
 #include "common/core/error.hpp"
 
+#include <Eigen/SparseCholesky>
+
 namespace poretwin::solid {
 
 template <int D>
@@ -18,7 +20,8 @@ Stiffness<D>::Stiffness(const Setup<D>& setup, const Particles<D>& particles, co
     return near.images[j - n].map * lattice[near.images[j - n].parent] + near.images[j - n].shift;
   };
   const auto volume = [&](std::size_t i) { return laid.mass[i] / setup.density[laid.material[i]]; };
-  for (std::size_t axis = 0; axis < D; ++axis) {
+  using Matrix = Eigen::SparseMatrix<double>;
+  for (Eigen::Index axis = 0; axis < D; ++axis) {
     std::vector<Eigen::Triplet<double>> entries;
     const auto add = [&](std::size_t i, std::size_t j, double value) {
       entries.emplace_back(static_cast<int>(i), static_cast<int>(j), value);
@@ -32,21 +35,41 @@ Stiffness<D>::Stiffness(const Setup<D>& setup, const Particles<D>& particles, co
       const Elasticity &a = setup.models[laid.material[i]]->elasticity(),
                        &b = setup.models[laid.material[parent]]->elasticity();
       const double shear = 0.5 * (a.shear + b.shear), constrained = 0.5 * (a.constrained() + b.constrained());
-      const double along = r[static_cast<Eigen::Index>(axis)] / distance;
+      const double along = r[axis] / distance;
       // Positive, so that the matrix is.
       const double form = std::max(2.0 * shear + (constrained - shear) * ((D + 2) * along * along - 1.0), 0.1 * shear);
       const double strength =
           -volume(i) * volume(parent) * sph::WendlandC2<D>::derivative_over_r(distance, setup.smoothing_length) * form;
       add(i, i, strength);
       if (parent >= n_free) return;
-      const auto a_axis = static_cast<Eigen::Index>(axis);
-      add(i, parent, j < n ? -strength : -strength * near.images[j - n].velocity(a_axis, a_axis));
+      add(i, parent, j < n ? -strength : -strength * near.images[j - n].velocity(axis, axis));
     });
     Matrix matrix(static_cast<Eigen::Index>(n_free), static_cast<Eigen::Index>(n_free));
     matrix.setFromTriplets(entries.begin(), entries.end());
-    factor_[axis] = std::make_unique<Eigen::SimplicialLLT<Matrix>>(matrix);
-    if (factor_[axis]->info() != Eigen::Success)
+    const Eigen::SimplicialLLT<Matrix> done(matrix);
+    if (done.info() != Eigen::Success)
       throw DivergedError("the soil's stiffness along an axis is not positive: report the case");
+    const Matrix lower = done.matrixL();
+    if (axis == 0) {
+      const auto& order = done.permutationP().indices();
+      place_.assign(order.data(), order.data() + order.size());
+      offset_.assign(1, 0);
+      inverse_.resize(n_free);
+      for (Eigen::Index column = 0; column < lower.outerSize(); ++column) {
+        for (Matrix::InnerIterator entry(lower, column); entry; ++entry)
+          if (entry.row() > column) row_.push_back(static_cast<Index>(entry.row()));
+        offset_.push_back(static_cast<Index>(row_.size()));
+      }
+      factor_.resize(row_.size());
+    }
+    std::size_t next = 0;
+    for (Eigen::Index column = 0; column < lower.outerSize(); ++column)
+      for (Matrix::InnerIterator entry(lower, column); entry; ++entry) {
+        if (entry.row() > column)
+          factor_[next++][axis] = static_cast<float>(entry.value());
+        else
+          inverse_[static_cast<std::size_t>(column)][axis] = 1.0 / entry.value();
+      }
   }
   VecArray<D> weight(n_free);
   for (std::size_t i = 0; i < n_free; ++i) weight[i] = laid.mass[i] * upwards(setup);
@@ -56,13 +79,26 @@ Stiffness<D>::Stiffness(const Setup<D>& setup, const Particles<D>& particles, co
 
 template <int D>
 VecArray<D> Stiffness<D>::displacements(const VecArray<D>& forces) const {
-  VecArray<D> moved(forces.size());
-  Eigen::VectorXd b(static_cast<Eigen::Index>(forces.size()));
-  for (Eigen::Index axis = 0; axis < D; ++axis) {
-    for (std::size_t i = 0; i < forces.size(); ++i) b[static_cast<Eigen::Index>(i)] = forces[i][axis];
-    const Eigen::VectorXd x = factor_[static_cast<std::size_t>(axis)]->solve(b);
-    for (std::size_t i = 0; i < forces.size(); ++i) moved[i][axis] = x[static_cast<Eigen::Index>(i)];
+  const std::size_t n = forces.size();
+  std::vector<EachAxis> x(n);
+  for (std::size_t i = 0; i < n; ++i) x[place_[i]] = forces[i].array();
+  for (std::size_t column = 0; column < n; ++column) {
+    const EachAxis solved = x[column] *= inverse_[column];
+    for (std::size_t m = offset_[column]; m < offset_[column + 1]; ++m)
+      x[row_[m]] -= factor_[m].template cast<double>() * solved;
   }
+  for (std::size_t column = n; column-- > 0;) {
+    const std::size_t first = offset_[column], last = offset_[column + 1], pairs = first + (last - first) / 2 * 2;
+    EachAxis left = x[column], other = EachAxis::Zero();  // two sums, so that neither waits for the other
+    for (std::size_t m = first; m < pairs; m += 2) {
+      left -= factor_[m].template cast<double>() * x[row_[m]];
+      other -= factor_[m + 1].template cast<double>() * x[row_[m + 1]];
+    }
+    if (pairs < last) left -= factor_[pairs].template cast<double>() * x[row_[pairs]];
+    x[column] = (left + other) * inverse_[column];
+  }
+  VecArray<D> moved(n);
+  for (std::size_t i = 0; i < n; ++i) moved[i] = x[place_[i]].matrix();
   return moved;
 }
 

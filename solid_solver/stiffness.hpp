@@ -4,19 +4,17 @@
 
 #include "solid_solver/setup.hpp"
 
-#include <Eigen/SparseCholesky>
-
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <memory>
 
 namespace poretwin::solid {
 
 /// The elastic operator without what couples the axes, (M - G) d2/dx_a2 + G lap for the displacement along axis a
 /// (second derivatives: Espanol & Revenga 2003), on the soil's points as they were laid, plus a given resistance
 /// [N/m] of each particle; one sparse Cholesky factor an axis. Its eigenvalues are those of the elastic operator
-/// within a factor that Poisson's ratio sets, whatever the size (Korn's inequality).
+/// within a factor that Poisson's ratio sets, whatever the size (Korn's inequality). The factors have one pattern and
+/// are kept side by side, rounded to floats: what they are multiplied to is symmetric and positive still, and solving
+/// is a matter of reading them.
 template <int D>
 class Stiffness {
  public:
@@ -34,10 +32,13 @@ class Stiffness {
   [[nodiscard]] const ScalarArray& resistance() const { return resistance_; }
 
  private:
-  using Matrix = Eigen::SparseMatrix<double>;
+  using EachAxis = Eigen::Array<double, D, 1>;
   ScalarArray resistance_;
-  double unit_work_ = 0.0;  ///< J s4/m2, of unit acceleration
-  std::array<std::unique_ptr<Eigen::SimplicialLLT<Matrix>>, D> factor_;
+  double unit_work_ = 0.0;           ///< J s4/m2, of unit acceleration
+  std::vector<Index> place_;         ///< of each particle in the order of elimination
+  std::vector<Index> offset_, row_;  ///< the factors by columns, without their diagonals
+  std::vector<Eigen::Array<float, D, 1>> factor_;
+  std::vector<EachAxis> inverse_;  ///< of the diagonals
 };
 
 }  // namespace poretwin::solid

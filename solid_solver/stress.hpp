@@ -56,34 +56,44 @@ void set_matrix(const Mat<D>& m, Tensor& t) {
   }
 }
 
-/// Symmetric part of a velocity gradient, L_ab = d v_a / d x_b (Eq. (88), both derivative components).
+/// Where the component ab of a symmetric tensor stands.
+constexpr int component(int a, int b) {
+  constexpr int places[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
+  return places[a][b];
+}
+
+/// Symmetric part of a velocity gradient in columns, L_ab = d v_a / d x_b (Eq. (88), both derivative components); of
+/// one particle or of four (Number: double or Lanes).
+template <int D, class Number>
+[[gnu::always_inline]] inline void strain_rate(const Number* gradient, Number* rate) {
+  for (int c = 0; c < 6; ++c) rate[c] = Number{};
+  for (int a = 0; a < D; ++a)
+    for (int b = a; b < D; ++b) rate[component(a, b)] = 0.5 * (gradient[a + D * b] + gradient[b + D * a]);
+}
+
 template <int D>
 Tensor strain_rate(const Mat<D>& gradient) {
+  double rate[6];
+  strain_rate<D>(gradient.data(), rate);
   Tensor t;
-  auto half = [&](int a, int b) { return 0.5 * (gradient(a, b) + gradient(b, a)); };
-  // All six at once, here and below: single ones written over zeros stay in memory, and a wide load of them waits.
-  if constexpr (D == 2) {
-    t << gradient(0, 0), gradient(1, 1), 0.0, half(0, 1), 0.0, 0.0;
-  } else {
-    t << gradient(0, 0), gradient(1, 1), gradient(2, 2), half(0, 1), half(1, 2), half(0, 2);
-  }
+  t << rate[0], rate[1], rate[2], rate[3], rate[4], rate[5];
   return t;
 }
 
-/// Rotation part of the Jaumann rate in Eq. (86): W sigma - sigma W with the spin W of Eq. (89).
-template <int D>
-Tensor spin_rate(const Tensor& s, const Mat<D>& gradient) {
-  Tensor t;
-  if constexpr (D == 2) {
-    const double w = 0.5 * (gradient(0, 1) - gradient(1, 0)), rate = 2.0 * w * s[3];
-    t << rate, -rate, 0.0, w * (s[1] - s[0]), 0.0, 0.0;
-  } else {
-    const Mat<3> w = 0.5 * (gradient - gradient.transpose());
-    const Mat<3> m = matrix_of<3>(s);
-    const Mat<3> r = w * m - m * w;
-    t << r(0, 0), r(1, 1), r(2, 2), r(0, 1), r(1, 2), r(0, 2);
-  }
-  return t;
+/// Rotation part of the Jaumann rate in Eq. (86): W sigma - sigma W with the spin W of Eq. (89). The same.
+template <int D, class Number>
+[[gnu::always_inline]] inline void spin_rate(const Number* stress, const Number* gradient, Number* rate) {
+  for (int c = 0; c < 6; ++c) rate[c] = Number{};
+  for (int c = 0; c < D; ++c)
+    for (int d = 0; d < D; ++d) {
+      if (c == d) continue;
+      const Number spin = 0.5 * (gradient[c + D * d] - gradient[d + D * c]);  // W_cd
+      // Of W sigma in row c, of -sigma W in column d.
+      for (int b = 0; b < D; ++b) {
+        const Number part = spin * stress[component(d, b)];
+        rate[component(c, b)] += b == c ? 2.0 * part : part;
+      }
+    }
 }
 
 }  // namespace poretwin::solid

@@ -26,6 +26,32 @@ struct alignas(Lanes) Quad {
 [[gnu::always_inline]] inline void lower_to(Lanes& a, const Lanes& most) { a = a < most ? a : most; }
 [[gnu::always_inline]] inline bool any(const LaneMask& mask) { return (mask[0] | mask[1] | mask[2] | mask[3]) != 0; }
 
+/// What a text that serves one particle or four is written in. (As a template's argument Lanes would lose their
+/// alignment.)
+struct InOnes {
+  using Number = double;
+  using Mask = bool;
+};
+struct InFours {
+  using Number = Lanes;
+  using Mask = LaneMask;
+};
+
+inline void take_root(double& a) { a = std::sqrt(a); }
+inline void raise_to(double& a, double least) { a = a > least ? a : least; }
+inline void lower_to(double& a, double most) { a = a < most ? a : most; }
+inline bool any(bool yes) { return yes; }
+
+/// a = function(a), one number after the other.
+template <class Function>
+[[gnu::always_inline]] inline void apply(const Function& function, Lanes& a) {
+  for (std::size_t l = 0; l < n_lanes; ++l) a[l] = function(a[l]);
+}
+template <class Function>
+void apply(const Function& function, double& a) {
+  a = function(a);
+}
+
 /// Four doubles anywhere in memory. The alignment belongs to the name: clang forgets one that is said with the size.
 using LooseLanes __attribute__((aligned(sizeof(double)), may_alias)) =
     double __attribute__((vector_size(n_lanes * sizeof(double))));

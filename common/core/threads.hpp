@@ -1,37 +1,37 @@
 // Work shared out over threads in fixed parts: results depend on the number of parts only, not on who is faster.
 #pragma once
 
+#include <omp.h>
+
 #include <algorithm>
 #include <cstddef>
-#include <cstdlib>
 
 namespace poretwin {
 
-/// How many threads a solver may use: the environment's PORETWIN_THREADS, 1 without it.
-inline std::size_t& threads() {
-  static std::size_t n = [] {
-    const char* const text = std::getenv("PORETWIN_THREADS");
-    return text ? static_cast<std::size_t>(std::clamp(std::atol(text), 1L, 256L)) : std::size_t{1};
-  }();
+/// How many threads a solver may use: OMP_NUM_THREADS, all cores without it.
+inline std::size_t threads() {
+  static const auto n = static_cast<std::size_t>(std::max(1, omp_get_max_threads()));
   return n;
 }
 
-/// Calls work(part) for every part, each on a thread of its own; a single one in place. Nothing may be thrown.
+/// Calls work(part) for every part, side by side on as many threads as there are. Nothing may be thrown.
 template <class Work>
 void for_each_part(std::size_t n_parts, Work&& work) {
-  if (n_parts == 1) {
-    work(std::size_t{0});
+  const std::size_t n_threads = std::min(n_parts, threads());
+  if (n_threads < 2) {
+    for (std::size_t part = 0; part < n_parts; ++part) work(part);
     return;
   }
-#pragma omp parallel for schedule(static, 1) num_threads(static_cast <int>(n_parts))
+#pragma omp parallel for schedule(static, 1) num_threads(static_cast <int>(n_threads))
   for (std::size_t part = 0; part < n_parts; ++part) work(part);
 }
 
-/// Into how many parts n entries are shared out: as many as there are threads, if each is worth one.
-inline std::size_t parts_for(std::size_t n) {
-  constexpr std::size_t least = 8192;
-  return std::clamp<std::size_t>(n / least, 1, threads());
-}
+/// How many entries or particles are worth more than one thread: those wait for each other in every loop, which on a
+/// busy machine takes longer than the work on fewer.
+inline constexpr std::size_t worth_threads = 32768;
+
+/// Into how many parts n entries are shared out.
+inline std::size_t parts_for(std::size_t n) { return n < worth_threads ? 1 : threads(); }
 
 /// Calls work(first, last) for parts of 0 .. n - 1. For work on single entries, which cannot depend on the parts.
 template <class Work>

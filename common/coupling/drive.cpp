@@ -1,5 +1,6 @@
 #include "common/coupling/drive.hpp"
 
+#include "common/core/memory.hpp"
 #include "common/coupling/interrupt.hpp"
 #include "common/coupling/window_clock.hpp"
 
@@ -105,6 +106,7 @@ class CoupledRun {
   void initialise(const Command& command) {
     if (checkpoints_) checkpoints_->keep_only({});
     timed(report_, computing, [&] { phase_.initialise(command.inbox); });
+    keep_freed_memory();
     publish();
     pending_.ask(command.record_frame, command.record_gauges);
     pending_.write();
@@ -133,6 +135,7 @@ class CoupledRun {
       state.expect_end();
     });
     publish();
+    keep_freed_memory();
   }
 
   void advance(const Command& command) {
@@ -246,6 +249,7 @@ void drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const Prog
     timed(report, computing, [&] { phase.initialise(nothing); });
     record.write_now(true, true);
   }
+  keep_freed_memory();
   while (!clock.finished() && !interrupted()) {
     const auto [proposed, cause] = timed(report, computing, [&] { return phase.proposal(); });
     const auto plan = clock.plan(std::min(proposed, limit));

@@ -12,7 +12,7 @@ namespace poretwin::coupling {
 int process_main(int argc, char** argv, const std::string& name, Program program, const ProcessBody& body) {
   const auto start = std::chrono::steady_clock::now();
   const InterruptGuard guard;
-  keep_freed_memory();
+  return_freed_memory();
   Arguments arguments;
   ExitCode code = ExitCode::success;
   std::string reason;

@@ -40,13 +40,6 @@ Cone fit_cone(double cohesion, double friction_angle, double dilation_angle, Soi
   return cone;
 }
 
-double cohesion_at(const Soil& soil, double saturation) {
-  if (!soil.saturated_cohesion) return soil.cohesion;
-  const double initial = soil.initial_saturation;
-  const double share = initial < 1.0 ? std::clamp((1.0 - saturation) / (1.0 - initial), 0.0, 1.0) : 0.0;
-  return *soil.saturated_cohesion + (soil.cohesion - *soil.saturated_cohesion) * share;
-}
-
 Soil weakened(Soil soil, double factor) {
   constexpr double degree = std::numbers::pi / 180.0;
   soil.cohesion /= factor;

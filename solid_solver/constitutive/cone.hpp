@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/case/case.hpp"
+#include "common/core/lanes.hpp"
 #include "solid_solver/stress.hpp"
 
 #include <limits>
@@ -29,9 +30,25 @@ inline double yield_function(const Tensor& stress, const Cone& cone) {
   return cone.alpha * trace(stress) + root_j2(stress) - cone.k;
 }
 
-/// Cohesion [Pa] at a degree of saturation, Eq. (36) as corrected: c(s_r0) is the soil's `cohesion`, c(1) the saturated
-/// one.
-double cohesion_at(const Soil& soil, double saturation);
+/// Cohesion [Pa] of one particle or of four at a degree of saturation, Eq. (36) as corrected:
+/// c(s_r0) is the soil's `cohesion`, c(1) the saturated one.
+template <class In>
+[[gnu::always_inline]] inline void cohesion_at(const Soil& soil, const typename In::Number& saturation,
+                                               typename In::Number& cohesion) {
+  using Number = typename In::Number;
+  cohesion = Number{} + soil.cohesion;
+  if (!soil.saturated_cohesion) return;
+  Number share{};
+  if (soil.initial_saturation < 1.0) share = (1.0 - saturation) / (1.0 - soil.initial_saturation);
+  raise_to(share, Number{});
+  lower_to(share, Number{} + 1.0);
+  cohesion = *soil.saturated_cohesion + (soil.cohesion - *soil.saturated_cohesion) * share;
+}
+inline double cohesion_at(const Soil& soil, double saturation) {
+  double cohesion = 0.0;
+  cohesion_at<InOnes>(soil, saturation, cohesion);
+  return cohesion;
+}
 
 /// The soil with its strength divided by a factor: c / F, tan(phi) / F, tensile strength / F; dilation at most the
 /// reduced friction.

@@ -22,9 +22,9 @@ class DruckerPragerSoil : public ConstitutiveModel {
   /// Cohesion falls with saturation, Eq. (36); dilation ends at the soil's largest void ratio.
   [[nodiscard]] Cone cone(const Condition& condition) const;
 
- private:
+ protected:
   Soil soil_;
-  Cone dilating_, spent_;  // for unit cohesion
+  Cone dilating_, spent_;  ///< for unit cohesion
 };
 
 class DruckerPrager final : public DruckerPragerSoil {
@@ -33,6 +33,7 @@ class DruckerPrager final : public DruckerPragerSoil {
   double advance(Tensor& stress, const Tensor& strain, const Condition& condition = {}) const override {
     return integrate(stress, strain, cone(condition), elasticity());
   }
+  void advance(std::span<Four> many) const override;
 };
 
 }  // namespace poretwin::solid

@@ -9,6 +9,7 @@ namespace poretwin::solid {
 /// scaling-back afterwards (Bui et al. 2008). First-order accurate: its error grows with the increment.
 class DruckerPragerRate final : public DruckerPragerSoil {
  public:
+  using ConstitutiveModel::advance;
   using DruckerPragerSoil::DruckerPragerSoil;
   double advance(Tensor& stress, const Tensor& strain, const Condition& condition = {}) const override;
 };

@@ -2,10 +2,12 @@
 #pragma once
 
 #include "common/case/case.hpp"
+#include "common/core/lanes.hpp"
 #include "solid_solver/stress.hpp"
 
 #include <algorithm>
 #include <memory>
+#include <span>
 
 namespace poretwin::solid {
 
@@ -18,12 +20,13 @@ struct Elasticity {
   }
   /// Constrained modulus M = K + 4 G / 3 [Pa].
   [[nodiscard]] double constrained() const { return bulk + 4.0 / 3.0 * shear; }
-  /// Stress increment [Pa] of a strain increment: K tr(e) 1 + 2 G dev(e), Eq. (86) with its deviatoric rate.
-  [[nodiscard]] Tensor stress_of(const Tensor& strain) const {
-    const double volumetric = trace(strain);
-    Tensor stress = 2.0 * shear * strain;
+  /// Adds the stress increment [Pa] of a strain increment: K tr(e) 1 + 2 G dev(e), Eq. (86) with its deviatoric rate;
+  /// of one particle or of four (Number: double or Lanes).
+  template <class Number>
+  [[gnu::always_inline]] void add_stress(const Number* strain, Number* stress) const {
+    const Number volumetric = strain[0] + strain[1] + strain[2];
+    for (int d = 0; d < 6; ++d) stress[d] += 2.0 * shear * strain[d];
     for (int d = 0; d < 3; ++d) stress[d] += (bulk - 2.0 / 3.0 * shear) * volumetric;
-    return stress;
   }
 };
 
@@ -31,6 +34,14 @@ struct Elasticity {
 struct Condition {
   double saturation = 0.0;  ///< degree of saturation s_r
   double void_ratio = 0.0;  ///< e = n / (1 - n)
+};
+
+/// Four particles of one soil, a lane each: what a model brings forward, by what, and what it tells.
+struct Four {
+  Lanes stress[6];               ///< Pa, in the order of Tensor
+  Lanes strain[6];               ///< of the increment
+  Lanes saturation, void_ratio;  ///< see Condition
+  Lanes plastic;                 ///< told: the equivalent deviatoric plastic strain it took
 };
 
 /// Effective stress from strain increments. Rotation is the caller's business (Jaumann rate).
@@ -42,6 +53,8 @@ class ConstitutiveModel {
   virtual ~ConstitutiveModel() = default;
   /// Advances `stress` [Pa] by a strain increment; returns the equivalent deviatoric plastic strain it took.
   virtual double advance(Tensor& stress, const Tensor& strain, const Condition& condition = {}) const = 0;
+  /// The same of many particles; this one takes them one by one.
+  virtual void advance(std::span<Four> many) const;
   [[nodiscard]] const Elasticity& elasticity() const { return elasticity_; }
   /// Safe tangent constrained modulus [Pa] while yielding: without the shear part, never below half of M.
   [[nodiscard]] double yielding_modulus() const { return std::max(elasticity_.bulk, 0.5 * elasticity_.constrained()); }

@@ -55,10 +55,10 @@ double mean_speed(const Solid<D>& solid) {
   return sum;
 }
 
-/// Sixty substeps of grains that flow down a slope, shared out over threads.
-Particles<2> sixty_substeps(std::size_t threads) {
+/// Sixty substeps of grains that flow down a slope, shared out over parts.
+Particles<2> sixty_substeps(std::size_t parts) {
   auto [setup, particles] = set_up<2>(layer(0.6, 0.3));
-  setup.threads = threads;
+  setup.parts = parts;
   State<2> state;
   state.particles = std::move(particles);
   const std::size_t n = state.particles.size();

@@ -148,9 +148,9 @@ TEST(InternalForce, DoesTheWorkThatStrainsStoreInThreeDimensions) {
 
 /// Against the plain twin: everything random, some soil elastic, some flowing, images on three sides.
 template <int D>
-void expect_twin(ColumnSpec spec, std::size_t threads = 1) {
+void expect_twin(ColumnSpec spec, std::size_t parts = 1) {
   auto [setup, state] = jittered<D>(spec, 0.1);
-  setup.threads = threads;
+  setup.parts = parts;
   setup.stabilisers.quadratic = 1.0;
   rebuild(setup, state);
   std::mt19937_64 generator(11);

@@ -114,11 +114,11 @@ TEST(Regions, WakeForWater) {
   EXPECT_GT(core_stress(solid), stress + 1000.0) << "no buoyancy";
 }
 
-/// Forces on what is not skipped do not depend on who sleeps, on any number of threads.
+/// Forces on what is not skipped do not depend on who sleeps, on any number of parts.
 TEST(Regions, FeelAllTheirNeighbours) {
-  for (const std::size_t threads : {1u, 3u}) {
+  for (const std::size_t parts : {1u, 3u}) {
     auto [setup, particles] = set_up<2>(collapse(5e-3));
-    setup.threads = threads;
+    setup.parts = parts;
     State<2> state;
     state.particles = std::move(particles);
     const std::size_t n = state.particles.size(), free = state.particles.free();
