@@ -43,6 +43,18 @@ def reference(k, t):
     return consolidation, pressure / LOAD
 
 
+def write_references(folder):
+    """The curves that verify.toml holds the range against, one of each permeability and gauge: 60 times per decade."""
+    for k in CONDUCTIVITIES:
+        unit = HEIGHT**2 * WEIGHT / (k * MODULUS)
+        t = np.geomspace(1e-5 * unit, 1.2 * unit, 300)
+        t = t[t > 1e-4]
+        for name, values, what in zip(("consolidation", "base_pressure"), reference(k, t), ("degree of consolidation", "base pressure over the load")):
+            rows = "".join(f"{x:.6g},{y:.6g}\n" for x, y in zip(t, values))
+            head = f"# {what}, k = {k:g} m/s: Terzaghi (1943) with the inertia of both phases, by bench/consolidation.py --references\n"
+            (folder / f"{name}_{k:g}.csv").write_text(head + "time_s,value\n" + rows)
+
+
 def promise(step):
     return 0.01 if step <= 0.005 else 0.03 if step <= 0.025 else 1.0
 
@@ -82,8 +94,11 @@ def main():
     parser.add_argument("--windows", type=int, default=2000, help="at most, of one run")
     parser.add_argument("--longest", type=float, default=600.0, help="s, of one run")
     parser.add_argument("--set", action="append", default=[], help="override a key of every run")
+    parser.add_argument("--references", type=pathlib.Path, help="write the curves of the range there and stop")
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("bench-results"))
     a = parser.parse_args()
+    if a.references:
+        return write_references(a.references)
     rows = []
     for k in a.conductivities:
         for window in a.window:

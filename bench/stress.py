@@ -19,8 +19,8 @@ Verdicts:
     refused    before the first window, with the reason
     unbounded, diverged, too slow (--longest)
 
-`overshoot`: the largest excess pressure at the base over the load. 1.5 to 3 at first is common where windows are shorter than
-the water takes to drain three rows of particles: docs/theory.md.
+`overshoot`: the largest excess pressure at the base over the load: 1.4 to 1.7 for a window or two after it is put on, more in soil
+that has settled away from the loaded face before (docs/stability.md).
 """
 import argparse
 import itertools

@@ -20,7 +20,7 @@ struct Cloud {
   ScalarArray owner;     ///< the particle an image belongs to; -1: a buffer, or its image
   ScalarArray pressure;  ///< total, Pa
   VecArray<D> velocity;
-  OrZero<Vec<D>> solid_velocity;
+  OrZero<Vec<D>> solid_velocity, solid_change;
   ScalarArray mask, void_fraction;
   [[nodiscard]] std::size_t size() const { return position.size(); }
 };
@@ -44,6 +44,7 @@ Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> p
   c.pressure = p.pressure;
   c.velocity = p.velocity;
   c.solid_velocity = p.solid_velocity;
+  c.solid_change = p.solid_change;
   c.mask = p.mask;
   c.void_fraction = p.void_fraction;
   for (const auto& b : make_buffers(state.columns)) {
@@ -53,6 +54,7 @@ Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> p
     c.pressure.push_back(column.pressure - column.slope * b.outside);
     c.velocity.push_back(column.speed * column.normal);
     c.solid_velocity.grow();
+    c.solid_change.grow();
     c.mask.push_back(0.0);
     c.void_fraction.push_back(column.void_fraction);
   }
@@ -62,6 +64,7 @@ Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> p
     c.pressure.push_back(w.pressure);
     c.velocity.push_back(Vec<D>::Zero());
     c.solid_velocity.grow();
+    c.solid_change.grow();
     c.mask.push_back(0.0);
     c.void_fraction.push_back(1.0);
   }
@@ -82,7 +85,8 @@ Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> p
     c.pressure.push_back(c.pressure[q]);
     const bool sticks = (images.boundaries[i] & sticky) != 0;
     c.velocity.push_back(sticks ? Vec<D>(-c.velocity[q]) : Vec<D>(images.map[i] * c.velocity[q] + images.carried[i]));
-    if (c.solid_velocity.is_laid_out()) c.solid_velocity.values().push_back(images.map[i] * c.solid_velocity[q]);
+    for (auto* v : {&c.solid_velocity, &c.solid_change})
+      if (v->is_laid_out()) v->values().push_back(images.map[i] * (*v)[q]);
     c.mask.push_back(c.mask[q]);
     c.void_fraction.push_back(c.void_fraction[q]);
   }

@@ -195,6 +195,7 @@ coupling::Publication Fluid<D>::publish() const {
   const auto name = [](std::string_view n) { return std::string(n); };
   out.fields = {{name(coupling::field::pore_pressure), 1, cloud.pressure},
                 {name(coupling::field::predicted_solid_velocity), D, flat(cloud.solid_velocity, cloud.size())},
+                {name(coupling::field::predicted_change), D, flat(cloud.solid_change, cloud.size())},
                 {name(coupling::field::drag_impulse), D, flat(state_.particles.drag_impulse, cloud.n_real)},
                 {name(coupling::field::soil_fraction), 1, cloud.mask}};
   return out;
@@ -236,7 +237,10 @@ SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox) const {
   if (!state_.columns.empty())
     for (std::size_t a = 0; a < n; ++a)
       if (complete.coverage[a] > 0.0 && !is_free(a) && nearest_column(x[a])) complete.asymmetry[a] = 0.0;
-  return mapped_soil<D>(scene_, complete, n);
+  auto view = mapped_soil<D>(scene_, complete, n);
+  for (std::size_t a = 0; a < n; ++a)
+    if (view.mask[a] > 0.0) view.force.set(a, view.force[a] - state_.particles.force[a]);
+  return view;
 }
 
 template <int D>
@@ -296,6 +300,20 @@ void Fluid<D>::settle(SoilView<D>& view) {
   out.pressure = p.pressure;
   solve_window<D>(s, view, p.surface, in, out);
   p.pressure = out.pressure;
+  if (scene_.coupled()) keep_force(view, out.gradient, 0.0);
+}
+
+/// What pressure and drag do to the soil, by the water's own account: the soil's tells its balance with its own account
+/// of them in it, and what the two operators differ by must not move it.
+template <int D>
+void Fluid<D>::keep_force(const SoilView<D>& view, std::span<const Vec<D>> gradient, double interval) {
+  auto& p = state_.particles;
+  p.force.lay_out(p.size());
+  for_each_side_by_side(p.size(), [&](std::size_t a) {
+    Vec<D> force = -view.fraction[a] * (gradient[a] + weight_);
+    if (interval > 0.0) force += p.drag_impulse[a] / (p.volume[a] * interval);
+    p.force.set(a, force);
+  });
 }
 
 template <int D>
@@ -664,6 +682,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
       state_.exchanged.received -= p.drag_impulse[a];
       state_.exchanged.drag_work -= p.drag_impulse[a].dot(p.velocity[a] - p.solid_velocity[a]);
     }
+    keep_force(view, out.gradient, dt);
   }
   if (returns) view.drag = drag;
   if (scene_.coupled() && !responds()) {
@@ -678,10 +697,15 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
     state_.exchanged.from_outside += dt * wall_force();
     for (const double m : p.mass) state_.exchanged.from_outside += dt * m * scene_.general.gravity.head<D>();
   }
+  if (scene_.coupled()) {
+    p.solid_change.lay_out(p.size());
+    for (std::size_t a = 0; a < p.size(); ++a) p.solid_change.set(a, p.solid_velocity[a] - view.velocity[a]);
+  }
   // Soil that was dry and cannot yield takes windows of any length; its noise would only shorten them.
   if (state_.controlled <= 0.0 && scene_.solid.model != SolidCase::Model::elastic) begin_control(view, dt);
   control_interval(before, dt);
   limit_by_slowing(velocity_before, dt);
+  limit_by_acceleration(view, velocity_before, window.time + dt, dt);
   limit_scheme(view);
   advance_columns(s, view, dt);
   push_pistons(0.5 * dt);

@@ -45,6 +45,7 @@ class Fluid final : public Phase {
   Vec<D> initial_velocity(const Vec<D>& x) const;
   /// Pressure of water at rest in soil at rest: the view's velocities are taken away.
   void settle(SoilView<D>& view);
+  void keep_force(const SoilView<D>& view, std::span<const Vec<D>> gradient, double interval);
   WindowSolution<D> solve(const Stencil<D>& s, SoilView<D>& view, const WindowProblem<D>& in);
   /// Finds the surface, whose thickness of rows enters `rows` by a share (find_surface).
   void mark_surface(Stencil<D>& s, std::span<double> rows, double share);
@@ -99,6 +100,7 @@ class Fluid final : public Phase {
   void give_birth_and_delete(const SoilView<D>& soil);
   void begin_control(const SoilView<D>& view, double interval);
   void control_interval(const ScalarArray& before, double interval);
+  void limit_by_acceleration(const SoilView<D>& view, const VecArray<D>& velocity_before, double now, double interval);
   void limit_by_slowing(const VecArray<D>& velocity_before, double interval);
   void limit_scheme(const SoilView<D>& view);
   void take_back(const Stencil<D>& s, const SoilView<D>& view, double interval);

@@ -82,6 +82,35 @@ void Fluid<D>::limit_by_slowing(const VecArray<D>& velocity_before, double inter
       {interval * std::max(0.5, std::sqrt(wanted_slowing / altered)), "seepage that slows down"});
 }
 
+/// What the water of coarse soil asks of the next window, where its inertia rules: no more than a quarter spacing of
+/// way at its speed and the acceleration of the last window. When it has just been stopped, by the base or by the
+/// surface that has come down on it, its speed alone says nothing of the next window. Nor does it of a level that
+/// changes behind a face: no more than by half a spacing, as a basin's.
+template <int D>
+void Fluid<D>::limit_by_acceleration(const SoilView<D>& view, const VecArray<D>& velocity_before, double now,
+                                     double interval) {
+  const auto& p = state_.particles;
+  double longest = HUGE_VAL;
+  bool coarse = false;
+  for (std::size_t a = 0; a < p.size(); ++a) {
+    if (p.seeps[a] <= 0.5 || view.mask[a] <= 0.5 || drags(view, a)) continue;
+    coarse = true;
+    const double spacing = spacing_of<D>(p.volume[a]), speed = p.velocity[a].norm();
+    const double acceleration = (p.velocity[a] - velocity_before[a]).norm() / interval;
+    if (acceleration == 0.0) continue;
+    longest = std::min(longest, 0.5 * spacing / (speed + std::sqrt(speed * speed + acceleration * spacing)));
+  }
+  if (std::isfinite(longest))
+    state_.window_limits.push_back({longest, "a quarter spacing per window of water in coarse soil that accelerates"});
+  for (const auto& face : scene_.water_faces) {
+    if (!coarse || !face.head || face.basin_area) continue;
+    double level = longest_interval;
+    while (level > wave_interval() && std::abs(face.head->at(now + level) - face.head->at(now)) > 0.5 * dx_)
+      level *= 0.5;
+    if (level < longest_interval) state_.window_limits.push_back({level, "a level that changes behind coarse soil"});
+  }
+}
+
 /// What an explicit scheme asks of the next window, from the water and soil as they are.
 template <int D>
 void Fluid<D>::limit_scheme(const SoilView<D>& view) {

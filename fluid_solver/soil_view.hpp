@@ -147,8 +147,9 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::si
   const auto vector = [](const Field& from, std::size_t a) {
     return Vec<D>(Eigen::Map<const Vec<D>>(from.values.data() + a * D));
   };
+  const Field force{"", D, inbox.between(field::unbalanced_force, 0.0)};  // at the window's start
   const Field &velocity = inbox.at(field::solid_velocity), &mean_velocity = inbox.at(field::mean_solid_velocity),
-              &force = inbox.at(field::unbalanced_force), &owed = inbox.at(field::returned_impulse);
+              &owed = inbox.at(field::returned_impulse);
   for (std::size_t a = 0; a < n; ++a) {
     soil.coverage.set(a, inbox.coverage[a]);
     soil.owed.set(a, vector(owed, a));

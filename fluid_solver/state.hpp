@@ -19,7 +19,9 @@ struct Particles {
   ScalarArray volume;             ///< V = m / (n rho), bulk, m^D
   ScalarArray pressure;           ///< piezometric, Pa
   OrZero<Vec<D>> solid_velocity;  ///< predicted v_s', m/s
+  OrZero<Vec<D>> solid_change;    ///< of that in the window, v_s' - v_s, m/s
   OrZero<Vec<D>> drag_impulse;    ///< given to the soil in the last window, N s
+  OrZero<Vec<D>> force;           ///< of pressure and drag on the soil at the end of the last window, N/m3
   OrZero<Vec<D>> owed;            ///< to the soil, for later windows, N s: no longer counts as the water's momentum
   ScalarArray mask;               ///< soil membership
   ScalarArray seeps;              ///< 1: it seeps; 0: it moves and has a surface as free water
@@ -48,7 +50,9 @@ struct Particles {
       if (array.is_laid_out()) visit(array.values());
     };
     visit_if_there(solid_velocity);
+    visit_if_there(solid_change);
     visit_if_there(drag_impulse);
+    visit_if_there(force);
     visit_if_there(owed);
     visit_if_there(cavity);
     visit_if_there(volume_debt);
@@ -74,7 +78,7 @@ struct Particles {
     birthplace.push_back(x);
     row.push_back(1.0);
     surface.push_back(Surface::interior);
-    for (auto* array : {&solid_velocity, &drag_impulse, &owed}) array->grow();
+    for (auto* array : {&solid_velocity, &solid_change, &drag_impulse, &force, &owed}) array->grow();
     for (auto* array : {&cavity, &volume_debt}) array->grow();
   }
 

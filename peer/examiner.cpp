@@ -200,7 +200,7 @@ void Examiner::send_mapped(Message message, const Sight& sight) {
     Array field{spec.name, spec.unit, spec.components, {}};
     for (std::size_t i = 0; i < places.size(); ++i)
       for (int c = 0; c < spec.components; ++c)
-        field.values.push_back(coverage.values[i] > 0.0 ? still_value(scene_, spec.name, c, places[i]) : 0.0);
+        field.values.push_back(coverage.values[i] > 0.0 ? still_value(scene_, spec.name, places[i]) : 0.0);
     fields.push_back(std::move(field));
   }
   message.arrays.push_back(std::move(coverage));

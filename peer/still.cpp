@@ -70,7 +70,7 @@ PointSet points_in(const Case& scene, Role role) {
 
 }  // namespace
 
-double still_value(const Case& scene, const std::string& name, int component, const Point3& x) {
+double still_value(const Case& scene, const std::string& name, const Point3& x) {
   const double weight = scene.water.density * scene.general.gravity.norm();
   if (name == field::pore_pressure) {
     if (weight <= 0.0) return 0.0;
@@ -93,8 +93,6 @@ double still_value(const Case& scene, const std::string& name, int component, co
     const double nu = soil->poissons_ratio;
     return soil->youngs_modulus * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu));
   }
-  // div sigma' + weight at rest under still water: what the pressure's gradient carries.
-  if (name == field::unbalanced_force) return solid * scene.water.density * scene.general.gravity[component];
   return 0.0;
 }
 
@@ -104,8 +102,8 @@ PointSet still_points(const Case& scene, Role role) {
 
 std::unique_ptr<Phase> make_still(const Case& scene, Role role) {
   const int dimension = scene.general.dimension;
-  const auto formula = [scene, dimension](const std::string& name, int component, const double* x, double) {
-    return still_value(scene, name, component, Point3(x[0], x[1], dimension == 3 ? x[2] : 0.0));
+  const auto formula = [scene, dimension](const std::string& name, int, const double* x, double) {
+    return still_value(scene, name, Point3(x[0], x[1], dimension == 3 ? x[2] : 0.0));
   };
   const Publication still = formula_publication(role, 0.0, still_points(scene, role), formula);
   MockKnobs knobs;

@@ -10,7 +10,7 @@
 namespace poretwin::peer {
 
 /// A field of the standard contract at x [m]; 0 for a field it does not know.
-double still_value(const Case& scene, const std::string& field, int component, const Point3& x);
+double still_value(const Case& scene, const std::string& field, const Point3& x);
 
 /// Lattice points of the case's soils, or of its water regions (its soils, where there are none), with images behind
 /// the walls as ghosts.

@@ -159,6 +159,33 @@ VecArray<D> pressure_gradient_difference(const State<D>& state, std::span<const 
   return gradient;
 }
 
+/// Pore-pressure gradient [Pa/m] below a loaded face, in the adjoint form that the stress has: the load is carried by
+/// stress and pressure alike, row by row, however sharply the pressure falls at the face. pressure: over that beyond
+/// the face. Written to the particles given.
+template <int D>
+void pressure_gradient_adjoint(const State<D>& state, std::span<const double> pressure,
+                               const std::vector<Index>& particles, VecArray<D>& gradient) {
+  const std::size_t n = state.particles.size();
+  std::vector<char> wanted(n, 0);
+  for (const Index i : particles) {
+    wanted[i] = 1;
+    gradient[i].setZero();
+  }
+  for_each_felt(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t m) {
+    if (!wanted[i]) return;
+    Mat<D> other;
+    const std::size_t source = j < n ? j : state.near.images[j - n].parent;
+    if (j < n) {
+      other = state.particles.correction[j];
+    } else {
+      const auto& rule = state.near.images[j - n];
+      other = rule.map * state.particles.correction[source] * rule.map.transpose();
+    }
+    const Vec<D> w = (state.nodes[j].volume * state.kernel[m]) * (state.nodes[i].position - state.nodes[j].position);
+    gradient[i] += (pressure[i] * state.particles.correction[i] + pressure[source] * other) * w;
+  });
+}
+
 /// Pore-pressure gradient of Eq. (61): sum_j m_j rho_i (p_i/rho_i^2 + p_j/rho_j^2) grad W [Pa/m]. It takes a free soil
 /// surface for a jump of the water's pressure to zero and expels the particles there; kept to show that. Images carry
 /// the hydrostatic mirror p' = p + rho_w g . (x' - x).

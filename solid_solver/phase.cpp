@@ -81,10 +81,35 @@ Contract Solid<D>::contract() const {
 }
 
 template <int D>
-OrZero<Vec<D>> Solid<D>::gradient_of(const OrZero<double>& pressure) const {
+OrZero<Vec<D>> Solid<D>::gradient_of(const OrZero<double>& pressure, double time) const {
   if (!pressure.is_laid_out()) return {};
-  return pressure_gradient<D>(state_, scene_.solid.pressure_gradient, scene_.water.density * setup_.gravity,
-                              pressure.values());
+  VecArray<D> gradient = pressure_gradient<D>(state_, scene_.solid.pressure_gradient,
+                                              scene_.water.density * setup_.gravity, pressure.values());
+  for (const auto& patch : setup_.loads)
+    if (has_begun(patch.start, time)) share_load(patch, pressure, time, gradient);
+  return gradient;
+}
+
+template <int D>
+void Solid<D>::share_load(const LoadedPatch<D>& patch, const OrZero<double>& pressure, double time,
+                          VecArray<D>& gradient) const {
+  // Where the soil has settled away from the face, water lies between: how its pressure falls there is not known.
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Index i : patch.particles)
+    nearest = std::min(nearest, patch.normal.dot(state_.particles.position[i]) - patch.level);
+  if (std::abs(nearest - 0.5 * setup_.spacing) > 0.25 * setup_.spacing) return;
+  ScalarArray excess = pressure.values();
+  Vec<D> beyond = Vec<D>::Zero();
+  if (patch.water_face) {
+    const WaterFace& face = scene_.water_faces[*patch.water_face];
+    if (!face.pressure && (!face.head || face.basin_area)) return;
+    if (face.head) beyond = scene_.water.density * setup_.gravity;
+    const double datum = face.pressure ? face.pressure->at(time) : beyond.norm() * face.head->at(time);
+    for (std::size_t i = 0; i < excess.size(); ++i)
+      if (state_.external.coverage[i] > 0.0) excess[i] -= datum + beyond.dot(state_.particles.position[i]);
+  }
+  pressure_gradient_adjoint<D>(state_, excess, patch.particles, gradient);
+  for (const Index i : patch.particles) gradient[i] += beyond;
 }
 
 template <int D>
@@ -124,6 +149,20 @@ Vec<D> Solid<D>::water_force(std::size_t i, const Vec<D>& pressure_gradient) con
 }
 
 template <int D>
+void Solid<D>::keep_water_force(const OrZero<Vec<D>>& gradient, const OrZero<double>& impulse, double interval) {
+  const Particles<D>& p = state_.particles;
+  auto& kept = state_.external.force;
+  kept = {};
+  if (water_is_prescribed() || (!gradient.is_laid_out() && !impulse.is_laid_out())) return;
+  kept.lay_out(p.size());
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    Vec<D> force = water_force(i, gradient[i]);
+    for (int d = 0; d < D && interval > 0.0; ++d) force[d] += impulse[i * D + static_cast<std::size_t>(d)] / interval;
+    kept.set(i, force / p.volume[i]);
+  }
+}
+
+template <int D>
 double Solid<D>::next_load_after(double time) const {
   double next = next_change_after(scene_, time);
   for (const auto& patch : setup_.loads)
@@ -141,7 +180,7 @@ void Solid<D>::initialise(const Inbox& inbox) {
     constexpr double before_everything = -1e300;  // standing loads only
     auto external = [&](Drive<D>& drive, bool rebuilt) {
       if (!rebuilt) return;
-      state_.external.pressure_gradient = gradient_of(state_.external.pressure);
+      state_.external.pressure_gradient = gradient_of(state_.external.pressure, before_everything);
       drive.traction = load_forces<D>(setup_, state_, before_everything);
       drive.distributed.resize(n);
       for (std::size_t i = 0; i < n; ++i) drive.distributed[i] = water_force(i, state_.external.pressure_gradient[i]);
@@ -165,7 +204,8 @@ void Solid<D>::initialise(const Inbox& inbox) {
     rebuild(setup_, state_);
     evaluate_forces(setup_, state_);
   }
-  state_.external.pressure_gradient = gradient_of(state_.external.pressure);
+  state_.external.pressure_gradient = gradient_of(state_.external.pressure, state_.time);
+  keep_water_force(state_.external.pressure_gradient, {}, 0.0);
   const auto& moved = state_.particles.displacement;
   if (std::any_of(moved.begin(), moved.end(), [](const Vec<D>& u) { return !u.isZero(0.0); }))
     state_.rest_displacement = moved;
@@ -198,6 +238,7 @@ bool Solid<D>::sleeps_on(Drive<D>& drive, const OrZero<Vec<D>>& gradient, const 
   }
   for (auto* still : {&state_.mean_velocity, &state_.returned_impulse}) *still = {};
   state_.external.pressure_gradient = gradient;
+  keep_water_force(gradient, impulse, window.interval);
   state_.time = window.time + window.interval;
   if (!scene_.coupling.keep_points) ++state_.revision;
   state_.slept += std::ceil(window.interval / setup_.longest_substep - 1e-9);
@@ -235,14 +276,16 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   if (beyond != 0.0 && impulse.is_laid_out())
     for (double& j : impulse.values()) j *= 1.0 + beyond;
   const OrZero<double> predicted = field_or_zero(inbox, field::predicted_solid_velocity, n, D);
+  const OrZero<double> change = field_or_zero(inbox, field::predicted_change, n, D);
   const OrZero<double> soil_seen = field_or_zero(inbox, field::soil_fraction, n, 1);
 
   // The pressure ramps linearly; its gradient is linear in it and taken once, at the window's start.
-  const OrZero<Vec<D>> from = state_.external.pressure_gradient, to = gradient_of(pressure);
+  const OrZero<Vec<D>> from = state_.external.pressure_gradient, to = gradient_of(pressure, window.time);
   state_.external.pressure = std::move(pressure);
 
-  // Tracking: the seepage force follows the skeleton's own motion (C) and damps the difference to the fluid's
-  // prediction.
+  // Tracking: the seepage force follows the skeleton's own motion (C), and inertia holds the skeleton to the change of
+  // velocity that the fluid predicts: the velocity itself, which has been to the water and back, would come back
+  // smoothed, a viscosity of some spacing^2 / window.
   Drive<D> drive;
   drive.distributed.assign(n, Vec<D>::Zero());
   const bool tracks = !inbox.fields.empty();
@@ -252,7 +295,8 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   }
   for (std::size_t i = 0; i < n && tracks; ++i) {
     if (state_.external.coverage[i] <= 0.0 || soil_seen[i] <= 1e-6) continue;
-    double z = setup_.inertia_share * p.mass[i] / (p.volume[i] * interval);
+    const double inertia = setup_.inertia_share * p.mass[i] / (p.volume[i] * interval);
+    double z = inertia;
     if (scene_.fluid.drag) {
       const auto law =
           porous::resistance(setup_.water_weight, 1.0 - solid_fraction(setup_, p, i),
@@ -265,7 +309,11 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
       z += law.slope(law.speed(force)) / (n_w * n_w);
     }
     drive.tracking[i] = state_.external.coverage[i] * p.volume[i] * z;
-    for (int d = 0; d < D; ++d) drive.target[i][d] = predicted[i * D + static_cast<std::size_t>(d)];
+    const double kept = z > 0.0 ? inertia / z : 0.0;
+    for (int d = 0; d < D; ++d) {
+      const std::size_t c = i * D + static_cast<std::size_t>(d);
+      drive.target[i][d] = predicted[c] + kept * (p.velocity[i][d] - (predicted[c] - change[c]));
+    }
   }
 
   const bool always_at_rest = scene_.coupled() && scene_.solid.quiet && cannot_yield();
@@ -343,6 +391,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   }
   check_sound(setup_, state_, window.time);
   state_.external.pressure_gradient = to;
+  keep_water_force(to, impulse, interval);
   state_.mean_velocity.lay_out(tracks ? n : 0);
   for (std::size_t i = 0; i < n && tracks; ++i)
     state_.mean_velocity.set(i, (p.displacement[i] - displacement[i]) / interval);
@@ -485,6 +534,7 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
     tell_yielding(plastic_before, interval);
   }
   state_.external.pressure_gradient = gradient;
+  keep_water_force(gradient, impulse, interval);
   state_.time = end;
   // Otherwise the points stand where they stood.
   if (moved || !scene_.coupling.keep_points) ++state_.revision;
@@ -547,14 +597,11 @@ Publication Solid<D>::publish() const {
   vectors(field::solid_velocity, moved(p.velocity));
   vectors(field::mean_solid_velocity, moved(state_.mean_velocity));
   const VecArray<D> load = load_forces<D>(setup_, state_, state_.time + 1e-9 * std::max(1.0, std::abs(state_.time)));
-  const Vec<D> weight = scene_.water.density * setup_.gravity;
   vectors(field::unbalanced_force, [&](std::size_t i) -> Vec<D> {
-    // At a wall only the part that would move the soil is mirrored: at rest under water r = n_s rho_w g everywhere.
     const std::size_t j = parent(i);
-    const Vec<D> r = state_.internal[j] + (load[j] + p.mass[j] * setup_.gravity) / p.volume[j];
-    if (i < n) return r;
-    const Vec<D> rest = state_.external.coverage[j] * solid_fraction(setup_, p, j) * weight;
-    return images[i - n].map * (r - rest) + rest;
+    const Vec<D> r =
+        state_.internal[j] + (load[j] + p.mass[j] * setup_.gravity) / p.volume[j] + state_.external.force[j];
+    return i < n ? r : Vec<D>(images[i - n].map * r);
   });
   scalars(field::solid_volume_fraction, [&](std::size_t i) { return solid_fraction(setup_, p, i); });
   scalars(field::grain_density, [&](std::size_t i) { return setup_.grain_density[p.material[i]]; });

@@ -37,7 +37,12 @@ class Solid final : public Phase {
   /// Force [N] of the pore water on particle i: buoyancy -n_s grad p. Where the case prescribes the water, which then
   /// flows without inertia, also the seepage force n (rho_w g - grad p) of Eq. (27): n rho_w g - grad p in all.
   [[nodiscard]] Vec<D> water_force(std::size_t i, const Vec<D>& pressure_gradient) const;
-  [[nodiscard]] OrZero<Vec<D>> gradient_of(const OrZero<double>& pressure) const;
+  /// What pressure and drag do at the end of a window, as the fluid is told.
+  void keep_water_force(const OrZero<Vec<D>>& gradient, const OrZero<double>& impulse, double interval);
+  [[nodiscard]] OrZero<Vec<D>> gradient_of(const OrZero<double>& pressure, double time) const;
+  /// Below a loaded face: the load is carried by stress and pressure alike, that of the water beyond it left out.
+  void share_load(const LoadedPatch<D>& patch, const OrZero<double>& pressure, double time,
+                  VecArray<D>& gradient) const;
   [[nodiscard]] double next_load_after(double time) const;
   [[nodiscard]] std::size_t loads_begun(double time) const;
   /// Passes the window asleep, if the soil is and nothing disturbs it.

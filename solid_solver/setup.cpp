@@ -40,13 +40,28 @@ double lattice_cover() {
 /// Particles near a straight piece of face, nearest piece first taken. reach [m]: two supports, because a surface
 /// changes the correction of the first and the force of unit stress within the second.
 template <int D>
-void attach_load(const Load& load, double reach, double margin, const VecArray<D>& positions, Setup<D>& setup) {
+void attach_load(const Case& scene, const Load& load, double reach, double margin, const VecArray<D>& positions,
+                 Setup<D>& setup) {
   const auto planes = planes_of<D>(load.face, 0, margin);
   std::vector<LoadedPatch<D>> patches(planes.size());
   for (std::size_t k = 0; k < planes.size(); ++k) {
     patches[k].traction = load.traction.head<D>();
     patches[k].normal = planes[k].normal;
+    patches[k].level = planes[k].normal.dot(planes[k].point);
     if (load.start) patches[k].start = *load.start;
+    const Vec<D> middle =
+        planes[k].to > planes[k].from
+            ? Vec<D>(planes[k].point +
+                     0.5 * (planes[k].from + planes[k].to - 2.0 * planes[k].tangent.dot(planes[k].point)) *
+                         planes[k].tangent)
+            : planes[k].point;
+    for (std::size_t f = 0; f < scene.water_faces.size(); ++f)
+      for (const auto& other : planes_of<D>(scene.water_faces[f].face, 0, margin)) {
+        const double along = other.tangent.dot(middle);
+        const bool beside = other.to > other.from && (along < other.from || along > other.to);
+        if (!beside && std::abs(other.normal.dot(middle - other.point)) <= 1e-6 * setup.spacing)
+          patches[k].water_face = f;
+      }
   }
   for (std::size_t i = 0; i < positions.size(); ++i) {
     double nearest = reach;
@@ -165,8 +180,8 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
     particles.slipped.assign(n, Vec<D>::Zero());
   }
   for (const auto& load : scene.loads)
-    attach_load<D>(load, 2.0 * sph::support_radius * setup.smoothing_length, 0.01 * setup.spacing, particles.position,
-                   setup);
+    attach_load<D>(scene, load, 2.0 * sph::support_radius * setup.smoothing_length, 0.01 * setup.spacing,
+                   particles.position, setup);
   return {std::move(setup), std::move(particles)};
 }
 

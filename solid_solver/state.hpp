@@ -101,6 +101,7 @@ struct External {
   OrZero<double> pressure, coverage;  ///< Pa; 0..1
   ScalarArray saturation;             ///< degree of saturation s_r
   OrZero<Vec<D>> pressure_gradient;   ///< Pa/m, SPH form of Eq. (62) (or (61)), at the end of the last window
+  OrZero<Vec<D>> force;               ///< N/m3 on the skeleton, of pressure and drag, at the end of the last window
 };
 
 /// While the soil sleeps its particles stand still; what acted on it when it fell asleep.

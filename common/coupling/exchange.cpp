@@ -18,6 +18,7 @@ std::vector<FieldSpec> standard_fields(Role giver, int dimension) {
     return {
         spec(field::pore_pressure, "Pa", 1),
         spec(field::predicted_solid_velocity, "m/s", dimension, consistent, field::soil_fraction),
+        spec(field::predicted_change, "m/s", dimension, consistent, field::soil_fraction),
         spec(field::drag_impulse, "N s", dimension, conservative),
         spec(field::soil_fraction, "1", 1),
     };

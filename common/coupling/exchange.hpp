@@ -38,13 +38,16 @@ namespace field {
 // fluid -> solid
 inline constexpr std::string_view pore_pressure = "pore_pressure";  // Pa
 inline constexpr std::string_view predicted_solid_velocity =
-    "predicted_solid_velocity";                                     // m/s, v_s' of the fluid's solve
+    "predicted_solid_velocity";  // m/s, v_s' of the fluid's solve
+inline constexpr std::string_view predicted_change =
+    "predicted_change";                                             // m/s, of the skeleton's velocity in the window
 inline constexpr std::string_view drag_impulse = "drag_impulse";    // N s given to the solid in the window
 inline constexpr std::string_view soil_fraction = "soil_fraction";  // 1 inside soil, 0 in free water: mask
 // solid -> fluid
 inline constexpr std::string_view solid_velocity = "solid_velocity";            // m/s at the window's end
 inline constexpr std::string_view mean_solid_velocity = "mean_solid_velocity";  // m/s, mean over the window
-inline constexpr std::string_view unbalanced_force = "unbalanced_force";        // N/m3: div sigma' + traction + weight
+inline constexpr std::string_view unbalanced_force =
+    "unbalanced_force";  // N/m3: div sigma' + traction + weight + pressure and drag at the window's end
 inline constexpr std::string_view solid_volume_fraction = "solid_volume_fraction";  // n_s = 1 - porosity
 inline constexpr std::string_view grain_density = "grain_density";                  // kg/m3, rho_s (intrinsic)
 inline constexpr std::string_view constrained_modulus = "constrained_modulus";      // Pa, M = K + 4 G / 3

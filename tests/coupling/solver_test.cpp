@@ -60,7 +60,7 @@ Gauge point(const std::string& phase, const std::string& quantity, double y) {
 }
 
 /// What the other phase says of the resting column.
-double at_rest(const std::string& name, int component, const double* x, double) {
+double at_rest(const std::string& name, int, const double* x, double) {
   const double porous = 1.0 - porosity;
   if (name == field::pore_pressure) return gamma_w * std::max(0.0, height - x[1]);
   if (name == field::soil_fraction) return 1.0;
@@ -68,8 +68,6 @@ double at_rest(const std::string& name, int component, const double* x, double) 
   if (name == field::grain_density) return grain;
   if (name == field::constrained_modulus) return 4e6;
   if (name == field::hydraulic_conductivity) return 1e-4;
-  // Held by the water's buoyancy and its own stress: what is left is the weight that the pressure carries.
-  if (name == field::unbalanced_force) return component == 1 ? -porous * gamma_w : 0.0;
   return 0.0;
 }
 

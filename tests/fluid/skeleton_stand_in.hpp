@@ -22,6 +22,7 @@ struct ElasticColumn {
   double load = 1000.0;  // Pa on top
   double weight_density = 9810.0;
   std::vector<double> u, v, mean, extra, old_p;
+  std::vector<double> water;    // N/m3, of pressure and drag at the end of the last window
   double extra_momentum = 0.0;  // N s per m2 of cross-section taken beyond the drag impulse in the last window
   std::uint64_t substeps = 0;
 
@@ -29,10 +30,11 @@ struct ElasticColumn {
     const auto n = static_cast<std::size_t>(std::lround(height / spacing));
     spacing = height / static_cast<double>(n);
     u.assign(n, 0.0);
-    v = mean = extra = old_p = u;
+    v = mean = extra = old_p = water = u;
   }
   double density() const { return solid_fraction * grain_density; }
   double at(std::size_t i) const { return (static_cast<double>(i) + 0.5) * spacing; }
+  /// Of stress and load, N/m3.
   std::vector<double> force() const {
     const std::size_t n = u.size();
     std::vector<double> sigma(n + 1), f(n);
@@ -42,11 +44,18 @@ struct ElasticColumn {
     for (std::size_t i = 0; i < n; ++i) f[i] = (sigma[i + 1] - sigma[i]) / spacing;
     return f;
   }
+  /// With the water's.
+  std::vector<double> unbalanced() const {
+    auto f = force();
+    for (std::size_t i = 0; i < f.size(); ++i) f[i] += water[i];
+    return f;
+  }
   double settlement() const { return -u.back() - load / modulus * -0.5 * spacing; }
 
-  /// One window; pressure, drag force per volume and predicted velocity as functions of y.
+  /// One window; pressure, drag force per volume, predicted velocity and its predicted change as functions of y.
   void advance(double dt, const std::function<double(double)>& p, const std::function<double(double)>& drag,
-               const std::function<double(double)>& predicted, double porosity) {
+               const std::function<double(double)>& predicted, const std::function<double(double)>& change,
+               double porosity) {
     const std::size_t n = u.size();
     const double R = density(), C = weight_density * porosity * porosity / conductivity, Z = C + 0.5 * R / dt;
     const auto count = static_cast<std::size_t>(std::ceil(dt / (0.5 * spacing / std::sqrt(modulus / R))));
@@ -54,7 +63,7 @@ struct ElasticColumn {
     std::vector<double> new_p(n), s(n), d(n), start = u;
     for (std::size_t i = 0; i < n; ++i) {
       new_p[i] = p(at(i));
-      s[i] = predicted(at(i));
+      s[i] = predicted(at(i)) + 0.5 * R / dt / Z * (v[i] - (predicted(at(i)) - change(at(i))));
       d[i] = drag(at(i));
     }
     extra.assign(n, 0.0);
@@ -65,7 +74,8 @@ struct ElasticColumn {
         const auto pressure = [&](std::size_t k) { return old_p[k] + ramp * (new_p[k] - old_p[k]); };
         const double below = i > 0 ? pressure(i - 1) : pressure(0),
                      above = i + 1 < n ? pressure(i + 1) : -pressure(n - 1);
-        const double total = f[i] - solid_fraction * (above - below) / (2.0 * spacing) + d[i];
+        water[i] = d[i] - solid_fraction * (above - below) / (2.0 * spacing);
+        const double total = f[i] + water[i];
         v[i] = (v[i] + h / R * (total + Z * s[i])) / (1.0 + h * Z / R);
         extra[i] += h * Z * (s[i] - v[i]);
       }

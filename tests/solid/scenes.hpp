@@ -81,6 +81,7 @@ coupling::Inbox wet_inbox(const Solid<D>& solid, const std::function<double(cons
   for (const auto& at : x) p.values.push_back(pressure(at));
   inbox.fields = {p,
                   {std::string(coupling::field::predicted_solid_velocity), D, std::vector<double>(n * D, 0.0)},
+                  {std::string(coupling::field::predicted_change), D, std::vector<double>(n * D, 0.0)},
                   {std::string(coupling::field::drag_impulse), D, std::vector<double>(n * D, 0.0)},
                   {std::string(coupling::field::soil_fraction), 1, std::vector<double>(n, 1.0)}};
   return inbox;

@@ -92,6 +92,7 @@ class SeepageGrid(poretwin.Phase):
         return poretwin.Publication(self.points, {
             "pore_pressure": self.pressure,
             "predicted_solid_velocity": np.zeros((len(self.points), 2)),
+            "predicted_change": np.zeros((len(self.points), 2)),
             "drag_impulse": self.impulse,
             "soil_fraction": np.ones(len(self.points)),
         })

@@ -25,6 +25,7 @@ def standard_fields(role, dimension):
         return [
             Field("pore_pressure", "Pa"),
             Field("predicted_solid_velocity", "m/s", dimension, mask="soil_fraction"),
+            Field("predicted_change", "m/s", dimension, mask="soil_fraction"),
             Field("drag_impulse", "N s", dimension, conservative=True),
             Field("soil_fraction", "1"),
         ]
