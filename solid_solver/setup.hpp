@@ -17,7 +17,7 @@ struct LoadedPatch {
   Vec<D> traction = Vec<D>::Zero();                         ///< Pa
   Vec<D> normal = Vec<D>::Zero();                           ///< unit, into the soil
   double start = -std::numeric_limits<double>::infinity();  ///< s; standing loads have always been there
-  double level = 0.0;  ///< normal . point of the face [m]
+  double level = 0.0;                                       ///< normal . point of the face [m]
   std::vector<Index> particles;
   std::optional<std::size_t> water_face;  ///< of the case, that lies on it
 };
