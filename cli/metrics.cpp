@@ -202,8 +202,15 @@ class Judge {
         part.value.push_back(all.value[i]);
       }
     if (part.time.empty()) throw Failure{fmt::format("no readings of gauge '{}' in the range", m_.gauge)};
-    for (const double x : part.value)
-      if (!std::isfinite(x)) throw Failure{fmt::format("gauge '{}' is not a number in the range", m_.gauge)};
+    auto lost = std::find_if(part.value.begin(), part.value.end(), [](double x) { return !std::isfinite(x); });
+    // A first passage is not undone by what has gone later.
+    if (m_.op == "crossing") {
+      part.value.erase(lost, part.value.end());
+      part.time.resize(part.value.size());
+      lost = part.value.end();
+    }
+    if (part.value.empty() || lost != part.value.end())
+      throw Failure{fmt::format("gauge '{}' is not a number in the range", m_.gauge)};
     return part;
   }
   [[nodiscard]] double at_time(const GaugeSeries& series) const {

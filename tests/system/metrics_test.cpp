@@ -111,6 +111,14 @@ TEST(Metrics, CrossingPeriodAndCounter) {
   EXPECT_NEAR(judge(m, ramp, 0).value, 0.25, 1e-9);
   m.limit = 5.0;
   EXPECT_EQ(judge(m, ramp, 0).complaint, "gauge 'g' never passes 5");
+  Gauges lost = ramp;  // what has passed may go; what goes before has not
+  lost["g"].value.back() = NAN;
+  m.limit = 0.5;
+  EXPECT_NEAR(judge(m, lost, 0).value, 0.25, 1e-9);
+  lost["g"].value[1] = NAN;
+  EXPECT_FALSE(judge(m, lost, 0).passed);
+  lost["g"].value[0] = NAN;
+  EXPECT_EQ(judge(m, lost, 0).complaint, "gauge 'g' is not a number in the range");
   const Gauges wave = sampled("g", [](double t) { return 1.0 + std::sin(2.0 * 3.14159265358979 * (t - 0.05) / 0.3); });
   m = metric("period", 0.3, 0.01);
   m.limit = 1.0;
