@@ -238,8 +238,9 @@ SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox) const {
     for (std::size_t a = 0; a < n; ++a)
       if (complete.coverage[a] > 0.0 && !is_free(a) && nearest_column(x[a])) complete.asymmetry[a] = 0.0;
   auto view = mapped_soil<D>(scene_, complete, n);
+  const auto& felt = computes_beside() ? state_.particles.felt : state_.particles.force;
   for (std::size_t a = 0; a < n; ++a)
-    if (view.mask[a] > 0.0) view.force.set(a, view.force[a] - state_.particles.force[a]);
+    if (view.mask[a] > 0.0) view.force.set(a, view.force[a] - felt[a]);
   return view;
 }
 
@@ -308,12 +309,14 @@ void Fluid<D>::settle(SoilView<D>& view) {
 template <int D>
 void Fluid<D>::keep_force(const SoilView<D>& view, std::span<const Vec<D>> gradient, double interval) {
   auto& p = state_.particles;
+  if (computes_beside()) p.felt = p.force;
   p.force.lay_out(p.size());
   for_each_side_by_side(p.size(), [&](std::size_t a) {
     Vec<D> force = -view.fraction[a] * (gradient[a] + weight_);
     if (interval > 0.0) force += p.drag_impulse[a] / (p.volume[a] * interval);
     p.force.set(a, force);
   });
+  if (computes_beside() && !p.felt.is_laid_out()) p.felt = p.force;
 }
 
 template <int D>

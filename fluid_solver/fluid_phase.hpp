@@ -45,6 +45,7 @@ class Fluid final : public Phase {
   Vec<D> initial_velocity(const Vec<D>& x) const;
   /// Pressure of water at rest in soil at rest: the view's velocities are taken away.
   void settle(SoilView<D>& view);
+  /// Keeps what pressure and drag do to the soil [N/m3], which its unbalanced force will have in it.
   void keep_force(const SoilView<D>& view, std::span<const Vec<D>> gradient, double interval);
   WindowSolution<D> solve(const Stencil<D>& s, SoilView<D>& view, const WindowProblem<D>& in);
   /// Finds the surface, whose thickness of rows enters `rows` by a share (find_surface).
@@ -108,6 +109,8 @@ class Fluid final : public Phase {
   void check_finite(const WindowSolution<D>& solution, double time) const;
   std::pair<double, std::string> time_limit() const;
   [[nodiscard]] bool responds() const;
+  /// Whether the soil crosses each window at the same time.
+  [[nodiscard]] bool computes_beside() const { return scene_.coupling.scheme == CouplingCase::Scheme::parallel; }
   WindowProblem<D> problem(double interval) const;
 
   Case scene_;

@@ -22,13 +22,14 @@ struct Particles {
   OrZero<Vec<D>> solid_change;    ///< of that in the window, v_s' - v_s, m/s
   OrZero<Vec<D>> drag_impulse;    ///< given to the soil in the last window, N s
   OrZero<Vec<D>> force;           ///< of pressure and drag on the soil at the end of the last window, N/m3
-  OrZero<Vec<D>> owed;            ///< to the soil, for later windows, N s: no longer counts as the water's momentum
-  ScalarArray mask;               ///< soil membership
-  ScalarArray seeps;              ///< 1: it seeps; 0: it moves and has a surface as free water
-  OrZero<double> cavity;          ///< voids torn open in the water, m^D
-  OrZero<double> volume_debt;     ///< strain the soil made beyond the prediction, not yet given to the water
-  VecArray<D> birthplace;         ///< m: a particle that never moved has no packing to repair
-  ScalarArray row;                ///< thickness of the row of surface particles it lies in, in spacings
+  OrZero<Vec<D>> felt;         ///< the same of the window before: what a soil that computes at the same time has felt
+  OrZero<Vec<D>> owed;         ///< to the soil, for later windows, N s: no longer counts as the water's momentum
+  ScalarArray mask;            ///< soil membership
+  ScalarArray seeps;           ///< 1: it seeps; 0: it moves and has a surface as free water
+  OrZero<double> cavity;       ///< voids torn open in the water, m^D
+  OrZero<double> volume_debt;  ///< strain the soil made beyond the prediction, not yet given to the water
+  VecArray<D> birthplace;      ///< m: a particle that never moved has no packing to repair
+  ScalarArray row;             ///< thickness of the row of surface particles it lies in, in spacings
   std::vector<Surface> surface;
   [[nodiscard]] std::size_t size() const { return position.size(); }
 
@@ -53,6 +54,7 @@ struct Particles {
     visit_if_there(solid_change);
     visit_if_there(drag_impulse);
     visit_if_there(force);
+    visit_if_there(felt);
     visit_if_there(owed);
     visit_if_there(cavity);
     visit_if_there(volume_debt);
@@ -78,7 +80,7 @@ struct Particles {
     birthplace.push_back(x);
     row.push_back(1.0);
     surface.push_back(Surface::interior);
-    for (auto* array : {&solid_velocity, &solid_change, &drag_impulse, &force, &owed}) array->grow();
+    for (auto* array : {&solid_velocity, &solid_change, &drag_impulse, &force, &felt, &owed}) array->grow();
     for (auto* array : {&cavity, &volume_debt}) array->grow();
   }
 

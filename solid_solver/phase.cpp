@@ -309,7 +309,8 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
       z += law.slope(law.speed(force)) / (n_w * n_w);
     }
     drive.tracking[i] = state_.external.coverage[i] * p.volume[i] * z;
-    const double kept = z > 0.0 ? inertia / z : 0.0;
+    // Of a window that the fluid crosses at the same time the change is not known yet.
+    const double kept = z > 0.0 && !setup_.parallel ? inertia / z : 0.0;
     for (int d = 0; d < D; ++d) {
       const std::size_t c = i * D + static_cast<std::size_t>(d);
       drive.target[i][d] = predicted[c] + kept * (p.velocity[i][d] - (predicted[c] - change[c]));
