@@ -483,13 +483,21 @@ class WindowSolver {
     for (std::size_t a = 0; a < n_; ++a)
       for (std::size_t d = 0; d < D; ++d) f[a][static_cast<int>(d)] = x[a * D + d];
     const VecArray<D> all = skeleton_extended(f);
-    for (std::size_t a = 0; a < n_; ++a) {
-      Vec<D> sum = H_diagonal_[a] * f[a];
-      if (responds(a))
-        for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k)
-          if (image_weight_[k] != 0.0F) sum -= static_cast<double>(image_weight_[k]) * all[s_.other[k]];
-      for (std::size_t d = 0; d < D; ++d) y[a * D + d] = sum[static_cast<int>(d)];
-    }
+    run_lanes([&]() __attribute__((always_inline)) {
+      for (std::size_t a = 0; a < n_; ++a) {
+        Lanes sums[D] = {}, w;
+        if (responds(a))
+          for (std::size_t k = s_.offset[a]; k < s_.offset[a + 1]; k += n_lanes) {
+            const Index* const c = &s_.other[k];
+            take(&image_weight_[k], w);
+            for (int d = 0; d < D; ++d) sums[d] += w * Lanes{all[c[0]][d], all[c[1]][d], all[c[2]][d], all[c[3]][d]};
+          }
+        for (int d = 0; d < D; ++d) {
+          const Lanes& sum = sums[d];
+          y[a * D + static_cast<std::size_t>(d)] = H_diagonal_[a] * f[a][d] - ((sum[0] + sum[1]) + (sum[2] + sum[3]));
+        }
+      }
+    });
   }
 
   /// H s = rhs; rhs and s at responding particles only.
