@@ -115,6 +115,15 @@ void add_artificial_stress(const State<D>& state, double epsilon, double spacing
   });
 }
 
+/// The correction B of a particle or of an image, that of its parent mirrored as geometry.
+template <int D>
+Mat<D> correction_at(const State<D>& state, std::size_t j) {
+  const std::size_t n = state.particles.size();
+  if (j < n) return state.particles.correction[j];
+  const auto& rule = state.near.images[j - n];
+  return rule.map * state.particles.correction[rule.parent] * rule.map.transpose();
+}
+
 /// q_i = sum_j V_j (B_i + B_j) grad W_ij [1/m], B of images mirrored as geometry: zero inside, -(outward normal) times
 /// a surface delta function at a free surface. The force of a uniform stress S is S q, so a traction T acts as -T (n .
 /// q).
@@ -123,13 +132,7 @@ VecArray<D> surface_vectors(const State<D>& state) {
   const std::size_t n = state.particles.size();
   VecArray<D> q(n, Vec<D>::Zero());
   for_each_felt(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t m) {
-    Mat<D> other;
-    if (j < n) {
-      other = state.particles.correction[j];
-    } else {
-      const auto& rule = state.near.images[j - n];
-      other = rule.map * state.particles.correction[rule.parent] * rule.map.transpose();
-    }
+    const Mat<D> other = correction_at(state, j);
     const Vec<D> w = (state.nodes[j].volume * state.kernel[m]) * (state.nodes[i].position - state.nodes[j].position);
     q[i] += (state.particles.correction[i] + other) * w;
   });
@@ -173,14 +176,8 @@ void pressure_gradient_adjoint(const State<D>& state, std::span<const double> pr
   }
   for_each_felt(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t m) {
     if (!wanted[i]) return;
-    Mat<D> other;
     const std::size_t source = j < n ? j : state.near.images[j - n].parent;
-    if (j < n) {
-      other = state.particles.correction[j];
-    } else {
-      const auto& rule = state.near.images[j - n];
-      other = rule.map * state.particles.correction[source] * rule.map.transpose();
-    }
+    const Mat<D> other = correction_at(state, j);
     const Vec<D> w = (state.nodes[j].volume * state.kernel[m]) * (state.nodes[i].position - state.nodes[j].position);
     gradient[i] += (pressure[i] * state.particles.correction[i] + pressure[source] * other) * w;
   });

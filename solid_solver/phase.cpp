@@ -149,17 +149,21 @@ Vec<D> Solid<D>::water_force(std::size_t i, const Vec<D>& pressure_gradient) con
 }
 
 template <int D>
+Vec<D> Solid<D>::water_force(std::size_t i, const Vec<D>& pressure_gradient, const OrZero<double>& impulse,
+                             double interval) const {
+  Vec<D> force = water_force(i, pressure_gradient);
+  for (int d = 0; d < D; ++d) force[d] += impulse[i * D + static_cast<std::size_t>(d)] / interval;
+  return force;
+}
+
+template <int D>
 void Solid<D>::keep_water_force(const OrZero<Vec<D>>& gradient, const OrZero<double>& impulse, double interval) {
   const Particles<D>& p = state_.particles;
   auto& kept = state_.external.force;
   kept = {};
   if (water_is_prescribed() || (!gradient.is_laid_out() && !impulse.is_laid_out())) return;
   kept.lay_out(p.size());
-  for (std::size_t i = 0; i < p.size(); ++i) {
-    Vec<D> force = water_force(i, gradient[i]);
-    for (int d = 0; d < D && interval > 0.0; ++d) force[d] += impulse[i * D + static_cast<std::size_t>(d)] / interval;
-    kept.set(i, force / p.volume[i]);
-  }
+  for (std::size_t i = 0; i < p.size(); ++i) kept.set(i, water_force(i, gradient[i], impulse, interval) / p.volume[i]);
 }
 
 template <int D>
@@ -205,7 +209,7 @@ void Solid<D>::initialise(const Inbox& inbox) {
     evaluate_forces(setup_, state_);
   }
   state_.external.pressure_gradient = gradient_of(state_.external.pressure, state_.time);
-  keep_water_force(state_.external.pressure_gradient, {}, 0.0);
+  keep_water_force(state_.external.pressure_gradient, {}, 1.0);
   const auto& moved = state_.particles.displacement;
   if (std::any_of(moved.begin(), moved.end(), [](const Vec<D>& u) { return !u.isZero(0.0); }))
     state_.rest_displacement = moved;
@@ -226,11 +230,7 @@ bool Solid<D>::sleeps_on(Drive<D>& drive, const OrZero<Vec<D>>& gradient, const 
                          const Window& window) {
   if (!state_.sleep.asleep) return false;
   const std::size_t n = state_.particles.size();
-  for (std::size_t i = 0; i < n; ++i) {
-    drive.distributed[i] = water_force(i, gradient[i]);
-    for (int d = 0; d < D; ++d)
-      drive.distributed[i][d] += impulse[i * D + static_cast<std::size_t>(d)] / window.interval;
-  }
+  for (std::size_t i = 0; i < n; ++i) drive.distributed[i] = water_force(i, gradient[i], impulse, window.interval);
   const double reference = reference_acceleration(setup_, state_, drive);
   if (disturbed(setup_, state_, drive, loads_begun(window.time), reference, scene_.solid.quiet->wake_above)) {
     state_.sleep.asleep = false;
@@ -364,10 +364,8 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
       next_start = next_load_after(now);
     }
     const double share = jump ? 1.0 : static_cast<double>(k + 1) / static_cast<double>(steps);
-    for (std::size_t i = 0; i < n && !dry; ++i) {
-      drive.distributed[i] = water_force(i, (1.0 - share) * from[i] + share * to[i]);
-      for (int d = 0; d < D; ++d) drive.distributed[i][d] += impulse[i * D + static_cast<std::size_t>(d)] / interval;
-    }
+    for (std::size_t i = 0; i < n && !dry; ++i)
+      drive.distributed[i] = water_force(i, (1.0 - share) * from[i] + share * to[i], impulse, interval);
     if (may_sleep && k == 0) {
       reference = reference_acceleration(setup_, state_, drive);
       const auto& quiet = *scene_.solid.quiet;
@@ -470,10 +468,7 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
                              tracking.tracking[i] * (tracking.target[i] - mean);
     }
   };
-  for (std::size_t i = 0; i < n; ++i) {
-    standing[i] = water_force(i, gradient[i]);
-    for (int d = 0; d < D; ++d) standing[i][d] += impulse[i * D + static_cast<std::size_t>(d)] / interval;
-  }
+  for (std::size_t i = 0; i < n; ++i) standing[i] = water_force(i, gradient[i], impulse, interval);
   Drive<D> drive;
   external(drive, true);
   drive.distributed = standing;

@@ -37,6 +37,9 @@ class Solid final : public Phase {
   /// Force [N] of the pore water on particle i: buoyancy -n_s grad p. Where the case prescribes the water, which then
   /// flows without inertia, also the seepage force n (rho_w g - grad p) of Eq. (27): n rho_w g - grad p in all.
   [[nodiscard]] Vec<D> water_force(std::size_t i, const Vec<D>& pressure_gradient) const;
+  /// The same with the drag, an impulse [N s] handed over in a window [s].
+  [[nodiscard]] Vec<D> water_force(std::size_t i, const Vec<D>& pressure_gradient, const OrZero<double>& impulse,
+                                   double interval) const;
   /// What pressure and drag do at the end of a window, as the fluid is told.
   void keep_water_force(const OrZero<Vec<D>>& gradient, const OrZero<double>& impulse, double interval);
   [[nodiscard]] OrZero<Vec<D>> gradient_of(const OrZero<double>& pressure, double time) const;

@@ -25,8 +25,7 @@ inline constexpr GaugeKind gauge_kinds[] = {
     {"received_impulse", "either", "from the other phase, since the start"},
     {"unexplained_impulse", "either",
      "momentum less what weight, walls and the other phase gave since the start; the water counts all that its "
-     "pressure "
-     "on walls does (2D), on the soil too: of the two phases' sum the discretisation is left"},
+     "pressure on walls does (2D), on the soil too: of the two phases' sum the discretisation is left"},
     {"particles", "either", "their number"},
     {"max_speed", "either", "of any particle"},
     {"volume", "fluid", "of water"},

@@ -11,17 +11,6 @@ using namespace test;
 
 constexpr double dx = 0.01;
 
-Gauge gauge(const std::string& name, const std::string& kind, const std::vector<Point3>& points = {},
-            const std::string& quantity = {}) {
-  Gauge g;
-  g.name = name;
-  g.phase = "fluid";
-  g.kind = kind;
-  g.points = points;
-  g.quantity = quantity;
-  return g;
-}
-
 /// Soil 0.4 x 0.3 m, its pores filled by a tenth before the water came.
 Case moist_soil() {
   Case scene;

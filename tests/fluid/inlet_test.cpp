@@ -13,15 +13,6 @@ using namespace test;
 
 constexpr double dx = 0.02;
 
-Gauge gauge(const std::string& name, const std::string& kind, const std::string& quantity = {}) {
-  Gauge g;
-  g.name = name;
-  g.phase = "fluid";
-  g.kind = kind;
-  g.quantity = quantity;
-  return g;
-}
-
 /// A tank 0.4 m wide with an opening in its floor, from 0 to 0.2 m.
 Case tank() {
   Case scene;
@@ -32,8 +23,8 @@ Case tank() {
   opening.name = "opening";
   opening.face = line(0.0, 0.0, 0.2, 0.0);
   scene.water_faces = {opening};
-  scene.gauges = {gauge("water", "balance"), gauge("level", "level", "opening"),
-                  gauge("through", "passed_volume", "opening"), gauge("kinetic", "kinetic_energy")};
+  scene.gauges = {gauge("water", "balance"), gauge("level", "level", {}, "opening"),
+                  gauge("through", "passed_volume", {}, "opening"), gauge("kinetic", "kinetic_energy")};
   return scene;
 }
 
@@ -206,7 +197,7 @@ TEST(Walls, WaterAtRestInABowl) {
   water.points.front() = {-0.2 / 0.45 * 0.15, 0.3, 0.0};
   water.points.back() = {0.8 + 0.1 / 0.45 * 0.15, 0.3, 0.0};
   scene.fluid.regions = {water};
-  scene.gauges = {gauge("pressure", "point", "pore_pressure"), gauge("kinetic", "kinetic_energy")};
+  scene.gauges = {gauge("pressure", "point", {}, "pore_pressure"), gauge("kinetic", "kinetic_energy")};
   scene.gauges[0].points = {{0.2, 0.0, 0.0}, {0.6, 0.075, 0.0}, {0.075, 0.075, 0.0}, {0.4, 0.2, 0.0}};
   Fluid<2> fluid(scene);
   fluid.initialise({});

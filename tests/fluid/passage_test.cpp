@@ -12,15 +12,6 @@ using namespace test;
 
 constexpr double dx = 0.01, g = 9.81;
 
-Gauge gauge(const std::string& name, const std::string& kind, const std::string& quantity = {}) {
-  Gauge result;
-  result.name = name;
-  result.phase = "fluid";
-  result.kind = kind;
-  result.quantity = quantity;
-  return result;
-}
-
 /// A rigid sill, its crest at 0.1 m, on 0.05 m of nearly tight wet soil, between a basin on its left and tailwater at
 /// 0.02 m on its right.
 Case sill(double length, double area, double level, double inflow) {
@@ -38,7 +29,7 @@ Case sill(double length, double area, double level, double inflow) {
   scene.water_faces[0].discharge = constant(inflow);
   scene.water_faces[0].basin_area = Series{{{0.0, area}, {1.0, area}}};
   scene.water_faces[1].name = "tailwater";
-  scene.gauges = {gauge("level", "level", "basin"), gauge("through", "passed_volume", "basin"),
+  scene.gauges = {gauge("level", "level", {}, "basin"), gauge("through", "passed_volume", {}, "basin"),
                   gauge("water", "balance"), gauge("depth", "front")};
   scene.gauges.back().points = {Point3(0.5 * length, 0.1, 0.0), Point3(0.5 * length, 0.3, 0.0)};
   return scene;
@@ -117,7 +108,7 @@ TEST(Passage, ATankBehindASillFollowsItsReservoirAndRunsBackIntoIt) {
   reservoir.discharge.reset();
   reservoir.basin_area.reset();
   reservoir.head = Series{{{0.0, 0.05}, {4.0, 0.16}, {12.0, 0.16}, {16.0, 0.12}, {22.0, 0.12}, {23.0, 0.05}}};
-  scene.gauges = {gauge("through", "passed_volume", "basin"), gauge("water", "balance"),
+  scene.gauges = {gauge("through", "passed_volume", {}, "basin"), gauge("water", "balance"),
                   gauge("kinetic", "kinetic_energy")};
   Fluid<2> fluid(scene);
   fluid.initialise({});

@@ -49,15 +49,21 @@ inline Soil sand() {
   return soil;
 }
 
+/// A gauge of the fluid.
+inline Gauge gauge(const std::string& name, const std::string& kind, const std::vector<Point3>& points = {},
+                   const std::string& quantity = {}) {
+  Gauge result;
+  result.name = name;
+  result.phase = "fluid";
+  result.kind = kind;
+  result.points = points;
+  result.quantity = quantity;
+  return result;
+}
+
 /// The gauges "front", along a line, and "volume".
 inline std::vector<Gauge> front_and_volume(const Point3& from, const Point3& to) {
-  Gauge front;
-  front.name = front.kind = "front";
-  front.points = {from, to};
-  Gauge volume;
-  volume.name = volume.kind = "volume";
-  for (auto* gauge : {&front, &volume}) gauge->phase = "fluid";
-  return {front, volume};
+  return {gauge("front", "front", {from, to}), gauge("volume", "volume")};
 }
 
 /// Rigid dry ground, 0.4 m deep, under water of 0.1 m at a ghost reservoir; gauges "front" and "volume".

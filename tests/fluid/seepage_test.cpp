@@ -308,11 +308,7 @@ TEST(Seepage, AWaterTableFollowsAHeadThatRisesAndFalls) {
       scene.water_faces = {head_face(line(0.0, 0.0, width, 0.0), 0.0)};
       scene.water_faces[0].head = head;
       scene.gauges = front_and_volume(Point3(0.5 * width, 0.0, 0.0), Point3(0.5 * width, 0.4, 0.0));
-      Gauge balance;
-      balance.name = "water";
-      balance.phase = "fluid";
-      balance.kind = "balance";
-      scene.gauges.push_back(balance);
+      scene.gauges.push_back(gauge("water", "balance"));
       Fluid<2> fluid(scene);
       fluid.initialise({});
       double time = 0.0, squared = 0.0, t = 0.0, worst = 0.0;
@@ -355,11 +351,7 @@ TEST(Seepage, WaterPassesThroughTheGroundsSurfaceBothWays) {
     scene.water_faces = {head_face(line(0.0, 0.0, 0.1, 0.0), 0.2)};
     scene.water_faces[0].head = Series{{{0.0, 0.2}, {10.0, 0.2}, {10.01, 0.08}, {20.0, 0.08}}};
     scene.gauges = front_and_volume(Point3(0.05, 0.0, 0.0), Point3(0.05, 0.4, 0.0));
-    Gauge balance;
-    balance.name = "water";
-    balance.phase = "fluid";
-    balance.kind = "balance";
-    scene.gauges.push_back(balance);
+    scene.gauges.push_back(gauge("water", "balance"));
     Fluid<2> fluid(scene);
     fluid.initialise({});
     double time = 0.0;
