@@ -8,6 +8,7 @@
 #include <map>
 #include <random>
 #include <sstream>
+#include <utility>
 
 namespace poretwin::coupling {
 namespace {
@@ -157,7 +158,7 @@ class Broker::Implementation {
       const Span span(totals_.sending, options_.trace, "sending");
       sent = send_to(p, std::move(message));
     }
-    if (!sent) fail(p, "is unreachable: nobody at the end of its line");
+    if (!sent) fail_unreachable(p);
   }
 
   void abort(const Error& error, const std::string& culprit) {
@@ -211,6 +212,12 @@ class Broker::Implementation {
                                 state_of(p)));
   }
 
+  /// Nobody took what was sent: a connection that has closed since the last look tells of it first.
+  [[noreturn]] void fail_unreachable(const Peer& p) {
+    while (auto event = hub_.receive(Milliseconds(0))) handle(std::move(*event));
+    fail(p, "is unreachable: nobody at the end of its line");
+  }
+
   bool send_to(Peer& p, Message message) {
     message.session = session_;
     message.sender = "coupler";
@@ -245,7 +252,7 @@ class Broker::Implementation {
       auto& p = peer(role);
       if (p.line.empty() || p.left) continue;
       const Heartbeat beat{"waiting", waiting_for == p.name ? "" : waiting_for, 0.0, false};
-      if (!send_to(p, message_of(beat, p.step))) fail(p, "is unreachable: nobody at the end of its line");
+      if (!send_to(p, message_of(beat, p.step))) fail_unreachable(p);
     }
   }
 
@@ -280,8 +287,8 @@ class Broker::Implementation {
   void handle(Hub::Event event) {
     Peer* known = peer_on(event.line);
     if (event.frames.empty()) {
-      if (known && !known->left) fail(*known, "died: its connection closed without a goodbye");
-      if (known) known->left = true;
+      // Nothing is sent to it any more: what is put on a line that closes would be waited for at the end.
+      if (known && !std::exchange(known->left, true)) fail(*known, "died: its connection closed without a goodbye");
       return;
     }
     if (known) {
