@@ -88,6 +88,16 @@ template <int D>
   pull = scale * (u * u * u) * (square * square) * (D == 2 ? Lanes{} + 1.0 : inverse);
 }
 
+/// W of pairs at distances r with 1/h [1/m^D].
+template <int D>
+[[gnu::always_inline]] inline void pair_value(const Lanes& r, const Lanes& inverse, Lanes& value) {
+  static const double scale = Kernel<D>::normalisation(1.0);
+  const Lanes q = r * inverse;
+  Lanes u = 1.0 - 0.5 * q;
+  raise_to(u, Lanes{});
+  value = scale * (u * u) * (u * u) * (2.0 * q + 1.0) * (inverse * inverse) * (D == 2 ? Lanes{} + 1.0 : inverse);
+}
+
 /// A buffer particle stands for the water behind a face: it has no unknown of its own, its pressure lies on the
 /// straight line from the particle that asks through the face's pressure.
 template <int D>

@@ -409,27 +409,40 @@ class WindowSolver {
     image_weight_.assign(s_.other.size(), 0.0F);
     H_diagonal_.assign(n_, 1.0);
     H_preconditioner_.assign(n_, 1.0);
-    for (std::size_t a = 0; a < n_; ++a) {
-      if (!responds(a)) continue;
-      H_diagonal_[a] = s_.volume[a] / r_[a].ss;
-      H_preconditioner_[a] = H_diagonal_[a];
-      for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
-        const Index j = s_.other[k], b = s_.parent[j];
-        if (b >= n_ && in_.face_holds[s_.buffers[b - n_].column]) {
-          const double w = 2.0 * s_.volume[a] * dt * r_[a].M * s_.pull[k] * s_.amplified(a, b) * s_.reflection(a, b);
-          H_diagonal_[a] += w;
-          H_preconditioner_[a] += w;
+    // Of a point: its parent's modulus, 0 where none responds, and amplification.
+    std::vector<std::array<double, 2>> points(s_.size(), {0.0, 0.0});
+    for (std::size_t j = 0; j < s_.size(); ++j)
+      if (const Index b = s_.parent[j]; b < n_ && responds(b)) points[j] = {r_[b].M, s_.amplification[b]};
+    const bool buffers = s_.n_base > n_;
+    run_lanes([&]() __attribute__((always_inline)) {
+      for (std::size_t a = 0; a < n_; ++a) {
+        if (!responds(a)) continue;
+        H_diagonal_[a] = s_.volume[a] / r_[a].ss;
+        double turned = 0.0, held = anchor(a);  // by own images, which walls turn round; by faces and by dry soil
+        Lanes sum{};
+        for (Index k = s_.offset[a]; k < s_.offset[a + 1]; k += n_lanes) {
+          const Index* const i = &s_.other[k];
+          const Lanes M = {points[i[0]][0], points[i[1]][0], points[i[2]][0], points[i[3]][0]},
+                      amplification = {points[i[0]][1], points[i[1]][1], points[i[2]][1], points[i[3]][1]};
+          Lanes w;
+          take(&s_.pull[k], w);
+          w *= s_.volume[a] * dt * (s_.amplification[a] + amplification) * (2.0 * r_[a].M * M / (r_[a].M + M));
+          put(w, &image_weight_[k]);
+          take(&image_weight_[k], w);  // as it is kept: the skeleton moves as a whole without force
+          sum += w;
+          for (std::size_t l = 0; l < n_lanes; ++l) {
+            const Index j = i[l], b = s_.parent[j];
+            if (b == a) turned += w[l];
+            if (buffers && b >= n_ && in_.face_holds[s_.buffers[b - n_].column])
+              held += 2.0 * s_.volume[a] * dt * r_[a].M * static_cast<double>(s_.pull[k + l]) * s_.amplified(a, b) *
+                      s_.reflection(a, b);
+          }
         }
-        if (b >= n_ || !responds(b)) continue;
-        image_weight_[k] =
-            static_cast<float>(2.0 * s_.volume[a] * dt * harmonic(r_[a].M, r_[b].M) * s_.pull[k] * s_.amplified(a, b));
-        const double w = image_weight_[k];  // as it is kept: the skeleton moves as a whole without force
-        H_diagonal_[a] += w;
-        H_preconditioner_[a] += b == a ? 0.0 : w;
+        const double all = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+        H_diagonal_[a] += all + held;
+        H_preconditioner_[a] = H_diagonal_[a] - turned;
       }
-      H_diagonal_[a] += anchor(a);
-      H_preconditioner_[a] += anchor(a);
-    }
+    });
     double spacing = 0.0;
     for (std::size_t a = 0; a < n_; ++a)
       if (responds(a)) spacing = std::max(spacing, spacing_of<D>(s_.volume[a]));
