@@ -20,9 +20,11 @@ void degree_of_saturation(const std::vector<Soil>& soils, const Setup<D>& setup,
   ScalarArray own(n);
   for (std::size_t i = 0; i < n; ++i) own[i] = state.nodes[i].volume * self;
   if (std::any_of(coverage.begin(), coverage.end(), [](double c) { return c > 0.0; }))
-    for_each_felt(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t) {
-      const Node<D>& other = state.nodes[j];
-      own[i] += other.volume * sph::WendlandC2<D>::value((state.nodes[i].position - other.position).norm(), h);
+    for_each_pair(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t, bool both) {
+      const Node<D>&a = state.nodes[i], &b = state.nodes[j];
+      const double value = sph::WendlandC2<D>::value((a.position - b.position).norm(), h);
+      own[i] += b.volume * value;
+      if (both) own[j] += a.volume * value;
     });
   for (std::size_t i = 0; i < n; ++i) {
     const double initial = soils[state.particles.material[i]].initial_saturation;
