@@ -239,9 +239,32 @@ std::vector<Buffer<D>> make_buffers(const std::vector<FaceColumn<D>>& columns) {
   return buffers;
 }
 
-/// Fits of the pressure's slope at every column: weighted least squares through the face, over the first spacings
-/// inside, images behind walls included. As far as there are only particles on the face itself, which say nothing of
-/// it, the slope of the window before stands in. free: [n] in no soil; at a face of soil that does not count.
+/// Depth behind the face, in spacings, of the point through which a slope must go for an even pressure's gradients to
+/// sum to its fall at the face, where the first row stands half a spacing inside. Of pairs across a face in a lattice,
+/// rows s apart: half of sum_s s^3 F over sum_s s^2 F, F = -W'/r summed along a row, less half a spacing.
+template <int D>
+double depth_of_even_pressure() {
+  static const double value = [] {
+    constexpr int reach = 3;
+    double second = 0.0, third = 0.0;
+    for (int s = 1; s <= reach; ++s)
+      for (int i = -reach; i <= reach; ++i)
+        for (int j = (D == 3 ? -reach : 0); j <= (D == 3 ? reach : 0); ++j) {
+          const double F = -Kernel<D>::derivative_over_r(std::sqrt(1.0 * (s * s + i * i + j * j)), smoothing_ratio);
+          second += s * s * F;
+          third += s * s * s * F;
+        }
+    return 0.5 * third / second;
+  }();
+  return value;
+}
+
+/// Fits of the pressure's slope at every column, straight lines through the face, over the first spacings inside,
+/// images behind walls included: weighted least squares, mixed with the first row's own slope as far as the gradients of
+/// an even pressure then sum to its fall at the face. That fall has to be carried by the grains, whole, before
+/// anything has drained; the fit alone made 0.86 of it. As far as there are only particles on the face itself, which say
+/// nothing of the slope, that of the window before stands in. free: [n] in no soil; at a face of soil that does not
+/// count.
 template <int D>
 void fit_columns(const std::vector<FaceColumn<D>>& columns, std::span<const char> free, Stencil<D>& s) {
   s.fit_offset.assign(1, 0);
@@ -251,9 +274,11 @@ void fit_columns(const std::vector<FaceColumn<D>>& columns, std::span<const char
   double widest = 0.0;
   for (const auto& c : columns) widest = std::max(widest, 1.3 * spacing_of<D>(c.volume));
   grid.build(s.position, widest);
+  ScalarArray first;  // weights of the first row alone
   for (const auto& c : columns) {
     const std::size_t begin = s.fit_index.size();
-    double sum = 0.0, least = 0.0;
+    double sum = 0.0, least = 0.0, whole = 0.0, first_sum = 0.0, first_whole = 0.0;
+    first.clear();
     if (c.wet) {
       const double h = 0.65 * spacing_of<D>(c.volume);
       grid.for_each_within(c.foot + 0.75 * c.spacing * c.normal, sph::support_radius * h, [&](Index j, double r2) {
@@ -263,14 +288,29 @@ void fit_columns(const std::vector<FaceColumn<D>>& columns, std::span<const char
         if (a >= s.n_real || d < -1e-6 * c.spacing || (c.in_soil && free[a])) return;
         const double w = s.volume[a] * Kernel<D>::value(std::sqrt(r2), h);
         if (w == 0.0) return;
+        const double near = w * std::max(0.0, 1.0 - d / c.spacing);
         sum += w * d * d;
+        whole += w * d;
+        first_sum += near * d * d;
+        first_whole += near * d;
         least += w * 0.04 * c.spacing * c.spacing;
         s.fit_index.push_back(a);
         s.fit_weight.push_back(w * d);
+        first.push_back(near * d);
       });
     }
     const double total = std::max(sum, least);
-    for (std::size_t k = begin; k < s.fit_index.size(); ++k) s.fit_weight[k] /= total;
+    double share = 0.0;
+    if (sum >= least && first_sum > 0.0) {
+      // Slopes of an even pressure of 1: the fit's, the first row's, and what is wanted.
+      const double fitted = whole / sum, steepest = first_whole / first_sum;
+      const double wanted = 1.0 / (c.spacing * (0.5 + depth_of_even_pressure<D>()) - c.offset);
+      if (steepest > fitted) share = std::clamp((wanted - fitted) / (steepest - fitted), 0.0, 1.0);
+    }
+    for (std::size_t k = begin; k < s.fit_index.size(); ++k) {
+      s.fit_weight[k] *= (1.0 - share) / total;
+      if (share > 0.0) s.fit_weight[k] += share / first_sum * first[k - begin];
+    }
     s.fit_constant.push_back(total > 0.0 ? (1.0 - sum / total) * c.slope : 0.0);
     s.fit_offset.push_back(static_cast<Index>(s.fit_index.size()));
   }
