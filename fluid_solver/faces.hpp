@@ -38,6 +38,7 @@ struct FaceColumn {
   bool in_soil = false;            ///< the ground behind the face is soil
   bool wet = false;                ///< acts now
   bool held = false;               ///< a wall holds the soil at the face: a filter
+  bool loaded = false;             ///< the face carries a load
   double stored = 0.0;             ///< water of the outermost spacing that is in the domain but in no particle [m^D]
   [[nodiscard]] double inside(const Vec<D>& x) const { return normal.dot(x - foot); }
   /// Volume of water that the first buffer has inside the face [m^D]; negative: that the last particle has outside.
@@ -63,16 +64,13 @@ bool in_scene(const Case& scene, const Vec<D>& x) {
   return false;
 }
 
-/// Whether a wall holds the soil at a place on it.
+/// Whether a place lies on a face.
 template <int D>
-bool soil_held(const Case& scene, const Vec<D>& x, double tolerance) {
-  for (const auto& wall : scene.walls) {
-    if (wall.soil != Wall::ForSoil::fixed && wall.soil != Wall::ForSoil::rough) continue;
-    for (const auto& piece : planes_of<D>(wall.face, 0, tolerance)) {
-      const double along = piece.tangent.dot(x);
-      const bool beside = piece.to > piece.from && (along < piece.from || along > piece.to);
-      if (!beside && std::abs(piece.normal.dot(x - piece.point)) <= tolerance) return true;
-    }
+bool lies_on(const Face& face, const Vec<D>& x, double tolerance) {
+  for (const auto& piece : planes_of<D>(face, 0, tolerance)) {
+    const double along = piece.tangent.dot(x);
+    const bool beside = piece.to > piece.from && (along < piece.from || along > piece.to);
+    if (!beside && std::abs(piece.normal.dot(x - piece.point)) <= tolerance) return true;
   }
   return false;
 }
@@ -92,7 +90,12 @@ void add_column(const Case& scene, int face, const Vec<D>& foot, const Vec<D>& n
   c.spacing = c.volume / area;
   c.width = width;
   c.in_soil = soil != nullptr;
-  c.held = soil_held<D>(scene, foot, 1e-6 * dx);
+  c.held = std::any_of(scene.walls.begin(), scene.walls.end(), [&](const Wall& wall) {
+    return (wall.soil == Wall::ForSoil::fixed || wall.soil == Wall::ForSoil::rough) &&
+           lies_on<D>(wall.face, foot, 1e-6 * dx);
+  });
+  c.loaded = std::any_of(scene.loads.begin(), scene.loads.end(),
+                         [&](const Load& load) { return lies_on<D>(load.face, foot, 1e-6 * dx); });
   c.void_fraction = soil ? fillable_porosity(*soil) : 1.0;
   c.mass = scene.water.density * c.void_fraction * c.volume;
   c.offset = 0.5 * c.spacing;
@@ -260,10 +263,10 @@ double depth_of_even_pressure() {
 }
 
 /// Fits of the pressure's slope at every column, straight lines through the face, over the first spacings inside,
-/// images behind walls included: weighted least squares, mixed with the first row's own slope as far as the gradients of
-/// an even pressure then sum to its fall at the face. That fall has to be carried by the grains, whole, before
-/// anything has drained; the fit alone made 0.86 of it. As far as there are only particles on the face itself, which say
-/// nothing of the slope, that of the window before stands in. free: [n] in no soil; at a face of soil that does not
+/// images behind walls included: weighted least squares. As far as there are only particles on the face itself, which
+/// say nothing of the slope, that of the window before stands in. Below a load the grains have to carry the whole fall
+/// of an even pressure, before anything has drained: there the first row's own slope is mixed in as far as the
+/// gradients then sum to it (the fit alone makes 0.86 of it). free: [n] in no soil; at a face of soil that does not
 /// count.
 template <int D>
 void fit_columns(const std::vector<FaceColumn<D>>& columns, std::span<const char> free, Stencil<D>& s) {
@@ -301,7 +304,7 @@ void fit_columns(const std::vector<FaceColumn<D>>& columns, std::span<const char
     }
     const double total = std::max(sum, least);
     double share = 0.0;
-    if (sum >= least && first_sum > 0.0) {
+    if (c.loaded && sum >= least && first_sum > 0.0) {
       // Slopes of an even pressure of 1: the fit's, the first row's, and what is wanted.
       const double fitted = whole / sum, steepest = first_whole / first_sum;
       const double wanted = 1.0 / (c.spacing * (0.5 + depth_of_even_pressure<D>()) - c.offset);

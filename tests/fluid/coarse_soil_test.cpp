@@ -51,8 +51,8 @@ double told_limit(const Fluid<2>& fluid, const std::string& reason) {
   return 0.0;
 }
 
-// The slab again, thrown down: at the speed and the acceleration of the last window the fastest goes (v + a t) t = dx/4.
-// Not asked are sand's water, and what moves so fast (C dx < n rho w, 0.04 m/s) that it counts as free.
+// The slab again, thrown down: at the speed and the acceleration of the last window the fastest goes (v + a t) t =
+// dx/4. Not asked are sand's water, and what moves so fast (C dx < n rho w, 0.04 m/s) that it counts as free.
 TEST(CoarseSoil, WindowsEndAfterAQuarterSpacingOfAcceleratedWay) {
   for (const auto& [k, thrown] : {std::pair(1.0, 0.02), std::pair(1e-3, 0.02), std::pair(1.0, 0.5)}) {
     const double dx = 0.01, dt = 1e-4;

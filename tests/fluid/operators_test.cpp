@@ -1,6 +1,6 @@
 // Discrete operators against fields whose derivatives are known.
-#include "fluid_solver/faces.hpp"
 #include "fluid_solver/operators.hpp"
+#include "fluid_solver/faces.hpp"
 #include "fluid_solver/surface.hpp"
 
 #include <gtest/gtest.h>
@@ -143,7 +143,7 @@ TEST(Operators, DirectionsWithoutNeighboursAreBlind) {
   EXPECT_NEAR(g[5].y(), 7.0, 1e-10);
 }
 
-// Columns of water below a face, closed at the sides and the base; the first row `offset` spacings below it.
+// Columns of water below a loaded face, closed at the sides and the base; the first row `offset` spacings below it.
 Stencil<2> below_a_face(double offset, VecArray<2>& x) {
   constexpr int count = 8;
   const double dx = 0.1, width = count * dx;
@@ -156,7 +156,7 @@ Stencil<2> below_a_face(double offset, VecArray<2>& x) {
     c.width = 0.5 * dx;
     c.volume = dx * dx;
     c.offset = offset * dx;
-    c.wet = true;
+    c.wet = c.loaded = true;
     columns.push_back(c);
     for (int j = 0; j < count; ++j) x.emplace_back(c.foot.x(), -(offset + j) * dx);
   }
