@@ -345,6 +345,39 @@ TEST(Frame, ShowsTheDocumentedFields) {
                                              "mobilised_friction", "pore_pressure_ratio"}));
 }
 
+// Soil that has settled under its weight is told to the water as the case draws it, unless it can flow; what it moves
+// by afterwards is told of both.
+TEST(Publication, ShowsElasticSoilAsItWasDrawn) {
+  for (const auto model : {SolidCase::Model::elastic, SolidCase::Model::drucker_prager}) {
+    ColumnSpec spec;
+    Case scene = column(spec);
+    scene.solid.model = model;
+    scene.soils[0].youngs_modulus = 1e5;
+    scene.soils[0].cohesion = 1e6;
+    scene.solid.initial_velocity = Point3(0.0, -0.1, 0.0);
+    Solid<2> solid(scene);
+    const VecArray<2> drawn = solid.state().particles.position;
+    solid.initialise({});
+    const VecArray<2> settled = solid.state().particles.position;
+    const auto farthest = [&](const VecArray<2>& right) {
+      const auto published = solid.publish();
+      double most = 0.0;
+      for (std::size_t i = 0; i < right.size(); ++i)
+        most = std::max(most, (Eigen::Map<const Vec<2>>(published.points.position.data() + 2 * i) - right[i]).norm());
+      return most;
+    };
+    const bool elastic = model == SolidCase::Model::elastic;
+    EXPECT_GT((settled.back() - drawn.back()).norm(), 0.5 * spec.spacing);
+    EXPECT_LT(farthest(elastic ? drawn : settled), 1e-12);
+    solid.advance({0, 0.0, 1e-3}, {});
+    const VecArray<2>& now = solid.state().particles.position;
+    VecArray<2> expected = now;
+    for (std::size_t i = 0; i < now.size() && elastic; ++i) expected[i] = drawn[i] + (now[i] - settled[i]);
+    EXPECT_GT((now.back() - settled.back()).norm(), 1e-5);
+    EXPECT_LT(farthest(expected), 1e-12);
+  }
+}
+
 TEST(Publication, MatchesTheContract) {
   ColumnSpec spec;
   Solid<2> solid(column(spec));
