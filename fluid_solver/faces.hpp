@@ -242,11 +242,11 @@ std::vector<Buffer<D>> make_buffers(const std::vector<FaceColumn<D>>& columns) {
   return buffers;
 }
 
-/// Depth behind the face, in spacings, of the point through which a slope must go for an even pressure's gradients to
-/// sum to its fall at the face, where the first row stands half a spacing inside. Of pairs across a face in a lattice,
-/// rows s apart: half of sum_s s^3 F over sum_s s^2 F, F = -W'/r summed along a row, less half a spacing.
+/// Length over which the slope at a face lets an even pressure fall to the face's so that its gradients sum to that
+/// fall, in spacings, the first row half a spacing inside: half of sum_s s^3 F over sum_s s^2 F, F = -W'/r summed along
+/// a row s rows away (docs/theory.md, "The range of one column").
 template <int D>
-double depth_of_even_pressure() {
+double length_of_even_fall() {
   static const double value = [] {
     constexpr int reach = 3;
     double second = 0.0, third = 0.0;
@@ -307,12 +307,12 @@ void fit_columns(const std::vector<FaceColumn<D>>& columns, std::span<const char
     if (c.loaded && sum >= least && first_sum > 0.0) {
       // Slopes of an even pressure of 1: the fit's, the first row's, and what is wanted.
       const double fitted = whole / sum, steepest = first_whole / first_sum;
-      const double wanted = 1.0 / (c.spacing * (0.5 + depth_of_even_pressure<D>()) - c.offset);
+      const double wanted = 1.0 / (c.spacing * (0.5 + length_of_even_fall<D>()) - c.offset);
       if (steepest > fitted) share = std::clamp((wanted - fitted) / (steepest - fitted), 0.0, 1.0);
     }
     for (std::size_t k = begin; k < s.fit_index.size(); ++k) {
-      s.fit_weight[k] *= (1.0 - share) / total;
-      if (share > 0.0) s.fit_weight[k] += share / first_sum * first[k - begin];
+      s.fit_weight[k] /= total;
+      if (share > 0.0) s.fit_weight[k] += share * (first[k - begin] / first_sum - s.fit_weight[k]);
     }
     s.fit_constant.push_back(total > 0.0 ? (1.0 - sum / total) * c.slope : 0.0);
     s.fit_offset.push_back(static_cast<Index>(s.fit_index.size()));
