@@ -161,13 +161,17 @@ SolveReport conjugate_gradients(Apply&& apply, Precondition&& precondition, Scal
   return report;
 }
 
+struct GmresReport : SolveReport {
+  Eigen::VectorXd shares;  ///< of each direction that was applied, in their order, in x
+};
+
 /// Flexible GMRES (Saad 1993) without restart, from x = 0: the preconditioner may itself be an iteration.
 template <class Apply, class Precondition>
-SolveReport flexible_gmres(Apply&& apply, Precondition&& precondition, std::span<const double> b, std::span<double> x,
+GmresReport flexible_gmres(Apply&& apply, Precondition&& precondition, std::span<const double> b, std::span<double> x,
                            double tolerance, int limit) {
   const std::size_t n = b.size();
   std::fill(x.begin(), x.end(), 0.0);
-  SolveReport report;
+  GmresReport report;
   const double beta = norm(b);
   if (beta <= tolerance || beta == 0.0) return report;
   const auto m = static_cast<std::size_t>(limit);
@@ -213,9 +217,9 @@ SolveReport flexible_gmres(Apply&& apply, Precondition&& precondition, std::span
     for (auto& e : w) e /= length;
     v.push_back(std::move(w));
   }
-  Eigen::VectorXd y = h.topLeftCorner(k, k).template triangularView<Eigen::Upper>().solve(g.head(k));
+  report.shares = h.topLeftCorner(k, k).template triangularView<Eigen::Upper>().solve(g.head(k));
   for (int j = 0; j < k; ++j)
-    for (std::size_t e = 0; e < n; ++e) x[e] += y[j] * z[static_cast<std::size_t>(j)][e];
+    for (std::size_t e = 0; e < n; ++e) x[e] += report.shares[j] * z[static_cast<std::size_t>(j)][e];
   return report;
 }
 

@@ -230,11 +230,19 @@ PairMatrix laplacian(const Stencil<D>& s, std::span<const double> mobility) {
   m.column = {s.offset, s.other, s.parent};
   m.weight.resize(s.other.size());
   m.diagonal.resize(s.n_real);
-  std::vector<PackedPoint<D, 2>> points(s.size());
+  // Of a point: smoothing length, volume (0: coupled to nobody), amplification, mobility, and whose row it is.
+  constexpr std::size_t at_length = D, at_volume = D + 1, at_amplified = D + 2, at_mobility = D + 3, at_row = D + 4;
+  std::vector<PackedPoint<D, 5>> points(s.size());
   for_each_side_by_side(s.size(), [&](std::size_t j) {
-    Eigen::Map<Vec<D>>{points[j].x.data()} = s.position[j];
-    points[j].x[D] = s.volume[j];
-    points[j].x[D + 1] = s.length(j);
+    auto& x = points[j].x;
+    Eigen::Map<Vec<D>>{x.data()} = s.position[j];
+    x[at_length] = s.length(j);
+    const Index q = s.parent[j];
+    if (q >= s.n_real) return;
+    x[at_volume] = s.volume[j];
+    x[at_amplified] = s.amplification[q];
+    x[at_mobility] = mobility.empty() ? 1.0 : mobility[q];
+    x[at_row] = q;
   });
   const bool buffers = s.n_base > s.n_real;
   const auto row = [&](std::size_t a) __attribute__((always_inline)) {
@@ -243,32 +251,26 @@ PairMatrix laplacian(const Stencil<D>& s, std::span<const double> mobility) {
     double faces = 0.0;
     for (std::size_t k = s.offset[a]; k < s.offset[a + 1]; k += n_lanes) {
       const Index* const i = &s.other[k];
-      Lanes amplified, theirs, coupled, point[D + 2], w;
-      gather<0, D + 2>({points[i[0]].row(), points[i[1]].row(), points[i[2]].row(), points[i[3]].row()}, point);
-      for (std::size_t l = 0; l < n_lanes; ++l) {
-        const Index q = s.parent[i[l]], b = q < s.n_real ? q : static_cast<Index>(a);
-        amplified[l] = s.amplification[b];
-        theirs[l] = mobility.empty() ? 1.0 : mobility[b];
-        coupled[l] = b != a ? 1.0 : 0.0;
-        if (buffers && q >= s.n_real) faces += static_cast<double>(s.pull[k + l]) * s.reflection(a, q);
-      }
+      Lanes point[D + 5];
+      gather<0, D + 5>({points[i[0]].row(), points[i[1]].row(), points[i[2]].row(), points[i[3]].row()}, point);
+      for (std::size_t l = 0; buffers && l < n_lanes; ++l)
+        if (const Index q = s.parent[i[l]]; q >= s.n_real)
+          faces += static_cast<double>(s.pull[k + l]) * s.reflection(a, q);
       // The kernel anew: that of the list is rounded with the volume of one of the two.
-      Lanes r{}, scale;
+      Lanes r{}, scale, whole = self[at_mobility] + point[at_mobility];
       for (std::size_t d = 0; d < D; ++d) r += (point[d] - self[d]) * (point[d] - self[d]);
       take_root(r);
-      pair_pull<D>(r, 2.0 / (self[D + 1] + point[D + 1]), scale);
-      w = coupled * (self[D] * point[D]) * (scale * (s.amplification[a] + amplified));
-      if (!mobility.empty()) {
-        Lanes whole = mobility[a] + theirs;
-        raise_to(whole, Lanes{} + 1e-300);
-        w *= 2.0 * mobility[a] * theirs / whole;
-      }
+      pair_pull<D>(r, 2.0 / (self[at_length] + point[at_length]), scale);
+      raise_to(whole, Lanes{} + 1e-300);
+      Lanes w = (self[at_volume] * point[at_volume]) * (scale * (self[at_amplified] + point[at_amplified])) *
+                (2.0 * self[at_mobility] * point[at_mobility] / whole);
+      w = point[at_row] != self[at_row] ? w : Lanes{};
       put(w, &m.weight[k]);
       poretwin::take(&m.weight[k], w);
       sum += w;
     }
-    const double own = mobility.empty() ? 1.0 : mobility[a];
-    m.diagonal[a] = (sum[0] + sum[1]) + (sum[2] + sum[3]) + 2.0 * s.volume[a] * own * s.amplification[a] * faces;
+    m.diagonal[a] =
+        (sum[0] + sum[1]) + (sum[2] + sum[3]) + 2.0 * self[at_volume] * self[at_mobility] * self[at_amplified] * faces;
   };
   side_by_side(s.n_real, [&](std::size_t first, std::size_t last) {
     run_lanes([&]() __attribute__((always_inline)) {

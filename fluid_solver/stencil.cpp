@@ -32,25 +32,21 @@ void find_pairs(double largest, Stencil<D>& s) {
   ScalarArray length(s.size());
   for (std::size_t j = 0; j < s.size(); ++j) length[j] = s.length(j);
   const bool even = std::all_of(length.begin(), length.end(), [&](double h) { return h == largest; });
-  const auto find = [&](std::size_t first, std::size_t last, std::vector<Index>& offset, std::vector<Index>& other) {
+  const auto find = [&](std::size_t first, std::size_t last, std::vector<Index> & offset, std::vector<Index> & other)
+      __attribute__((always_inline)) {
     other.reserve((last - first) * (D == 2 ? 28 : 96));
-    std::vector<Index> row(64);
+    offset.reserve(last - first);
     for (std::size_t a = first; a < last; ++a) {
-      std::size_t count = 0;
-      const auto add = [&](Index j, bool near) {
-        if (count == row.size()) row.resize(2 * count);
-        row[count] = j;
-        count += static_cast<std::size_t>(j != a) & static_cast<std::size_t>(near);
-      };
       const double range = reach * (length[a] + largest);
       if (even)
-        grid.for_each_within(s.position[a], range, [&](Index j, double) { add(j, true); });
+        grid.append_within(
+            s.position[a], range, other, [&](Index j, double) __attribute__((always_inline)) { return j != a; });
       else
-        grid.for_each_within(s.position[a], range, [&](Index j, double r2) {
-          const double support = reach * (length[a] + length[j]);
-          add(j, r2 < support * support);
-        });
-      other.insert(other.end(), row.begin(), row.begin() + static_cast<std::ptrdiff_t>(count));
+        grid.append_within(
+            s.position[a], range, other, [&](Index j, double r2) __attribute__((always_inline)) {
+              const double support = reach * (length[a] + length[j]);
+              return static_cast<bool>(static_cast<int>(j != a) & static_cast<int>(r2 < support * support));
+            });
       while (other.size() % n_lanes != 0) other.push_back(static_cast<Index>(a));
       offset.push_back(static_cast<Index>(other.size()));
     }
@@ -60,8 +56,10 @@ void find_pairs(double largest, Stencil<D>& s) {
   const std::size_t n_threads = parts_for(s.n_real), parts = std::max(n_threads, s.n_real / piece);
   std::vector<std::vector<Index>> offsets(parts), others(parts);
   for_each_part(n_threads, [&](std::size_t thread) {
-    for (std::size_t part = parts * thread / n_threads; part < parts * (thread + 1) / n_threads; ++part)
-      find(s.n_real * part / parts, s.n_real * (part + 1) / parts, offsets[part], others[part]);
+    run_lanes([&]() __attribute__((always_inline)) {
+      for (std::size_t part = parts * thread / n_threads; part < parts * (thread + 1) / n_threads; ++part)
+        find(s.n_real * part / parts, s.n_real * (part + 1) / parts, offsets[part], others[part]);
+    });
   });
   s.offset.reserve(s.n_real + 1);
   std::size_t size = 0;

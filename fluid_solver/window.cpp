@@ -3,6 +3,7 @@
 #include "fluid_solver/eisph.hpp"
 #include "fluid_solver/multigrid.hpp"
 #include "fluid_solver/operators.hpp"
+#include "fluid_solver/patches.hpp"
 
 #include <atomic>
 
@@ -13,6 +14,10 @@ namespace {
 /// the skeleton's velocity. Measured on consolidation: a hundred times tighter changes the errors by 2e-4 of the load
 /// at most and doubles the cost.
 constexpr double response_tolerance = 1e-2, skeleton_tolerance = 1e-2;
+
+/// Spacings along a patch of the skeleton's coarse space: 4 to 6 take the fewest CPU seconds, in embankment_seepage
+/// and in rockfill_dam.
+constexpr double patch_edge = 5.0;
 
 /// Conjugate gradients on the diagonal take as long for so many iterations as multigrid does for the whole solve,
 /// its building included, at any size (multigrid_timing.cpp)
@@ -425,6 +430,20 @@ class WindowSolver {
       H_diagonal_[a] += anchor(a);
       H_preconditioner_[a] += anchor(a);
     }
+    double spacing = 0.0;
+    for (std::size_t a = 0; a < n_; ++a)
+      if (responds(a)) spacing = std::max(spacing, spacing_of<D>(s_.volume[a]));
+    patches_.emplace(std::span<const Vec<D>>(s_.position).first(n_), patch_edge * spacing,
+                     [&](std::size_t a) { return responds(a); });
+    patches_->factorise([&](const auto& add) {
+      for (std::size_t a = 0; a < n_; ++a) {
+        if (!responds(a)) continue;
+        add(a, a, H_preconditioner_[a]);
+        for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k)
+          if (const Index b = s_.parent[s_.other[k]]; b != a && b < n_)
+            add(a, b, -static_cast<double>(image_weight_[k]));
+      }
+    });
   }
 
   /// Where soil yields, the shear that is going on goes on at constant stress: only what departs from the present
@@ -500,26 +519,29 @@ class WindowSolver {
     });
   }
 
-  /// H s = rhs; rhs and s at responding particles only.
-  int solve_H(std::span<const Vec<D>> rhs, std::span<Vec<D>> s, double tolerance) const {
-    ScalarArray b(n_ * D, 0.0), x(n_ * D, 0.0);
-    for (std::size_t a = 0; a < n_; ++a) {
-      if (!responds(a)) continue;
-      for (std::size_t d = 0; d < D; ++d) {
-        b[a * D + d] = s_.volume[a] / r_[a].ss * rhs[a][static_cast<int>(d)];
-        x[a * D + d] = s[a][static_cast<int>(d)];
-      }
-    }
+  /// H s = rhs; rhs and s at responding particles only. To `tolerance` of what the solution changes from `before`
+  /// on, down to where rounding begins; the search goes on from s.
+  int solve_H(std::span<const Vec<D>> rhs, std::span<const Vec<D>> before, std::span<Vec<D>> s,
+              double tolerance) const {
+    const auto flat = [&](std::span<const Vec<D>> f, auto&& factor) {
+      ScalarArray x(n_ * D, 0.0);
+      for (std::size_t a = 0; a < n_; ++a)
+        if (responds(a))
+          for (std::size_t d = 0; d < D; ++d) x[a * D + d] = factor(a) * f[a][static_cast<int>(d)];
+      return x;
+    };
+    const auto one = [](std::size_t) { return 1.0; };
+    ScalarArray b = flat(rhs, [&](std::size_t a) { return s_.volume[a] / r_[a].ss; }), change(n_ * D);
+    apply_H(flat(before, one), change);
+    for (std::size_t i = 0; i < change.size(); ++i) change[i] = b[i] - change[i];
+    const double scale = std::max(norm(change), 1e-9 * norm(b));
     const auto apply = [&](std::span<const double> u, std::span<double> y) { apply_H(u, y); };
     const auto precondition = [&](std::span<const double> r, std::span<double> z) {
       for (std::size_t i = 0; i < r.size(); ++i) z[i] = r[i] / H_preconditioner_[i / D];
+      patches_->correct(r, z);
     };
-    // Relative to what changes, down to where rounding begins.
-    ScalarArray change(n_ * D);
-    apply_H(x, change);
-    for (std::size_t i = 0; i < change.size(); ++i) change[i] = b[i] - change[i];
-    const double scale = std::max(norm(change), 1e-9 * norm(b));
-    const auto report = conjugate_gradients(apply, precondition, b, x, tolerance * scale, 3000);
+    ScalarArray x = flat(s, one);
+    const auto report = conjugate_gradients(apply, precondition, std::move(b), x, tolerance * scale, 3000);
     for (std::size_t a = 0; a < n_; ++a)
       if (responds(a))
         for (std::size_t d = 0; d < D; ++d) s[a][static_cast<int>(d)] = x[a * D + d];
@@ -537,8 +559,8 @@ class WindowSolver {
         [&](std::size_t a) { return homogeneous ? 0.0 : surface_pressure(a); }, homogeneous);
   }
 
-  /// Skeleton velocity under a pressure field: H s = sb - mS G p.
-  void skeleton_velocity(std::span<const double> p, WindowSolution<D>& out, double tolerance) const {
+  /// Skeleton velocity under a pressure field: H s = sb - mS G p, for what changes from `before` on.
+  void skeleton_velocity(std::span<const double> p, std::span<const Vec<D>> before, WindowSolution<D>& out) const {
     const VecArray<D> G = plain_gradient(p, false);
     VecArray<D> rhs(n_, Vec<D>::Zero());
     for (std::size_t a = 0; a < n_; ++a) {
@@ -551,19 +573,23 @@ class WindowSolver {
           skeleton.ss / (q.aw + q.C) * (q.C * q.aw * pushed(a) + (q.aw + q.C) * (skeleton.as * soil_.velocity[a] + r)) -
           skeleton.mS * G[a] + skeleton.ss / s_.volume[a] * (anchor(a) * soil_.velocity[a] + going(a));
     }
-    out.skeleton_iterations += solve_H(rhs, out.solid_velocity.values(), tolerance);
+    out.skeleton_iterations += solve_H(rhs, before, out.solid_velocity.values(), skeleton_tolerance);
   }
 
   void solve_response(const ScalarArray& b, WindowSolution<D>& out) {
-    skeleton_velocity(out.pressure, out, skeleton_tolerance);
+    const std::span<Vec<D>> velocity = out.solid_velocity.values();
+    const VecArray<D> before(velocity.begin(), velocity.end());
+    skeleton_velocity(out.pressure, before, out);
     ScalarArray residual = imbalance(b, ScalarArray(n_, 0.0), out);
     if (closed_) remove_mean(residual);
+    std::vector<VecArray<D>> answers;  // of the skeleton to the directions of the search
     const auto apply = [&](std::span<const double> x, std::span<double> y) {
-      const VecArray<D> G = plain_gradient(x, true);
-      VecArray<D> rhs(n_, Vec<D>::Zero()), ds(n_, Vec<D>::Zero());
+      const VecArray<D> G = plain_gradient(x, true), still(n_, Vec<D>::Zero());
+      VecArray<D> rhs(n_, Vec<D>::Zero());
       for (std::size_t a = 0; a < n_; ++a) rhs[a] = -r_[a].mS * G[a];
-      out.skeleton_iterations += solve_H(rhs, ds, 1e-2);
-      const ScalarArray squeeze_x = squeezed(ds), held_back = stabilised(x, G);
+      answers.push_back(still);
+      out.skeleton_iterations += solve_H(rhs, still, answers.back(), skeleton_tolerance);
+      const ScalarArray squeeze_x = squeezed(answers.back()), held_back = stabilised(x, G);
       fluid_.apply(x, y);
       for (std::size_t a = 0; a < n_; ++a) y[a] += squeeze_x[a] + held_back[a];
       if (closed_) remove_mean(y);
@@ -578,7 +604,9 @@ class WindowSolver {
     out.outer += report.iterations;
     out.converged = report.converged;
     for (std::size_t a = 0; a < n_; ++a) out.pressure[a] += dp[a];
-    skeleton_velocity(out.pressure, out, skeleton_tolerance);
+    for (Eigen::Index k = 0; k < report.shares.size(); ++k)
+      for (std::size_t a = 0; a < n_; ++a) velocity[a] += report.shares[k] * answers[static_cast<std::size_t>(k)][a];
+    skeleton_velocity(out.pressure, before, out);
   }
 
   /// Preconditioner: water and skeleton as two potentials joined by the storage e^2/(M dt),
@@ -657,7 +685,8 @@ class WindowSolver {
   ScalarArray sources_;
   ScalarArray start_, free_diagonal_, free_boundary_;  ///< the pressure at first; the system with nothing torn
   ScalarArray boundary_, fixed_, stabilisation_, storage_, H_diagonal_, H_preconditioner_;
-  std::vector<float> image_weight_;  ///< [pairs] of the skeleton's stiffness, N s/m
+  std::optional<Patches<D>> patches_;  ///< coarse space of the skeleton's stiffness
+  std::vector<float> image_weight_;    ///< [pairs] of the skeleton's stiffness, N s/m
 };
 
 }  // namespace

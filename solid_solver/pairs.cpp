@@ -50,25 +50,28 @@ void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t 
   pairs.part.clear();
   for (std::size_t k = 0; k <= n_parts; ++k) pairs.part.push_back(static_cast<Index>(n_real * k / n_parts));
   const auto still = [&](std::size_t i) { return i >= n_free || (!asleep.empty() && asleep[i] != 0); };
-  auto append_images = [&](std::size_t i, std::vector<Index>& index) {
+  const auto from = [](std::size_t first) {
+    return [first](Index j, double) __attribute__((always_inline)) { return j >= first; };
+  };
+  auto append_images = [&](std::size_t i, std::vector<Index> & index) __attribute__((always_inline)) {
     const std::size_t begin = index.size();
-    images.append_within(positions[i], range, 0, index);
+    images.append_within(positions[i], range, index, from(0));
     for (std::size_t m = begin; m < index.size(); ++m) index[m] += static_cast<Index>(n_real);
   };
   // Pairs of two that move stand in the row of the first, pairs with one that is still in the row of the other.
   std::vector<Rows> moving(n_parts), resting(n_parts);
-  for_each_part(n_parts, [&](std::size_t part) {
+  const auto pair_moving = [&](std::size_t part) __attribute__((always_inline)) {
     Rows& rows = moving[part];
     const Index first = pairs.part[part], last = pairs.part[part + 1];
     std::vector<Index> around;
     for (std::size_t i = first; i < std::min<std::size_t>(last, n_free); ++i) {
       if (still(i)) continue;
       if (n_parts == 1 && asleep.empty()) {
-        particles.append_within(positions[i], range, static_cast<Index>(i + 1), rows.index);
+        particles.append_within(positions[i], range, rows.index, from(i + 1));
         rows.alone.push_back(rows.fill_up(i));
       } else {
         around.clear();
-        particles.append_within(positions[i], range, 0, around);
+        particles.append_within(positions[i], range, around, from(0));
         for (const Index j : around)
           if (j >= first && j < last && (j > i || still(j))) rows.index.push_back(j);
         rows.alone.push_back(rows.fill_up(i));
@@ -78,9 +81,13 @@ void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t 
       append_images(i, rows.index);
       rows.offset.push_back(rows.fill_up(i));
     }
-  });
+  };
+  const auto in_lanes = [&](const auto& pair) {
+    for_each_part(n_parts, [&](std::size_t part) { run_lanes([&]() __attribute__((always_inline)) { pair(part); }); });
+  };
+  in_lanes(pair_moving);
   const std::vector<char> near = reached(moving, n_real, still);
-  for_each_part(n_parts, [&](std::size_t part) {
+  in_lanes([&](std::size_t part) __attribute__((always_inline)) {
     Rows& rows = resting[part];
     const Index first = pairs.part[part], last = pairs.part[part + 1];
     std::vector<Index> around;
@@ -88,7 +95,7 @@ void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t 
       if (!still(i)) continue;
       around.clear();
       const bool all = n_parts > 1 || !asleep.empty(), felt = near[i] || i < n_free;
-      if (felt) particles.append_within(positions[i], range, all ? 0 : static_cast<Index>(n_free), around);
+      if (felt) particles.append_within(positions[i], range, around, from(all ? 0 : n_free));
       auto shared = [&](Index j) { return j >= first && j < last && (!still(j) || near[j] == near[i]); };
       for (const Index j : around)
         if (j > i && still(j) && shared(j)) rows.index.push_back(j);

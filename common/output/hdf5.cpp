@@ -118,7 +118,7 @@ Dataset File::dataset(const std::string& name, Type type, std::size_t columns, s
   const Id properties = check(H5Pcreate(H5P_DATASET_CREATE), close_properties, action);
   check(H5Pset_chunk(properties.get(), rank, chunk), action);
   check(H5Pset_shuffle(properties.get()), action);
-  check(H5Pset_deflate(properties.get(), 4), action);
+  check(H5Pset_deflate(properties.get(), 1), action);
   Dataset result;
   result.id_ = check(
       H5Dcreate2(id_.get(), name.c_str(), disk_type(type), space.get(), H5P_DEFAULT, properties.get(), access.get()),

@@ -1,6 +1,7 @@
 // Neighbour search: a cell grid over sorted points, and pair lists that outlive small displacements (a skin).
 #pragma once
 
+#include "common/core/lanes.hpp"
 #include "common/core/threads.hpp"
 #include "common/core/vector.hpp"
 
@@ -77,8 +78,10 @@ class CellGrid {
         order_[next[part][cell_of_[i]]++] = static_cast<Index>(i);
     });
     cell_of_ = std::vector<Index>();  // "= {}" would keep its memory
-    sorted_.resize(n);
-    for_each_side_by_side(n, [&](std::size_t m) { sorted_[m] = points[order_[m]]; });
+    for (std::size_t d = 0; d < D; ++d) {
+      axis_[d].resize(n + n_lanes);  // what is read by lanes may begin at the last point
+      for_each_side_by_side(n, [&](std::size_t m) { axis_[d][m] = points[order_[m]][static_cast<int>(d)]; });
+    }
   }
 
   /// Calls f(j, squared distance) for every point j with |x - x_j| < radius; fastest for radius <= 2 cell_size.
@@ -94,7 +97,11 @@ class CellGrid {
         const Index to = std::min(end, from + batch);
         std::size_t n = 0;
         for (Index m = from; m < to; ++m) {
-          const double r2 = (sorted_[m] - x).squaredNorm();
+          double r2 = 0.0;
+          for (std::size_t d = 0; d < D; ++d) {
+            const double apart = axis_[d][m] - x[static_cast<int>(d)];
+            r2 += apart * apart;
+          }
           near[n] = m;
           distance[n] = r2;
           n += r2 < limit ? 1 : 0;
@@ -110,29 +117,42 @@ class CellGrid {
     for_each_row(lower, upper, f);
   }
 
-  /// Appends every point j >= first with |x - x_j| < radius. Free of branches that depend on the distance: they would
-  /// be guessed wrong too often.
-  void append_within(const Vec<D>& x, double radius, Index first, std::vector<Index>& found) const {
+  /// Appends every point j with |x - x_j| < radius that admit(j, squared distance) takes. Distances by lanes, and no
+  /// branch that depends on them: it would be guessed wrong too often. Inline in what run_lanes() runs.
+  template <class Admit>
+  [[gnu::always_inline]] inline void append_within(const Vec<D>& x, double radius, std::vector<Index>& found,
+                                                   const Admit& admit) const {
     const double limit = radius * radius;
-    constexpr std::size_t room = 256, batch = 128;
+    constexpr std::size_t room = 256, batch = 64;
     std::array<Index, room> near;
+    std::array<Quad, batch / n_lanes> lanes;
+    const double* distance = reinterpret_cast<const double*>(lanes.data());
     std::size_t n = 0;
-    const auto flush = [&] {
-      found.insert(found.end(), near.begin(), near.begin() + static_cast<std::ptrdiff_t>(n));
-      n = 0;
-    };
-    for_each_row((x.array() - radius).matrix(), (x.array() + radius).matrix(), [&](Index begin, Index end) {
+    const auto search = [&](Index begin, Index end) __attribute__((always_inline)) {
       for (std::size_t from = begin; from < end; from += batch) {
         const std::size_t to = std::min<std::size_t>(end, from + batch);
-        if (n + (to - from) > room) flush();
+        if (n + (to - from) > room) {
+          found.insert(found.end(), near.begin(), near.begin() + static_cast<std::ptrdiff_t>(n));
+          n = 0;
+        }
+        for (std::size_t m = from; m < to; m += n_lanes) {
+          Lanes r2{};
+          for (std::size_t d = 0; d < D; ++d) {
+            const Lanes apart = *reinterpret_cast<const LooseLanes*>(&axis_[d][m]) - x[static_cast<int>(d)];
+            r2 += apart * apart;
+          }
+          lanes[(m - from) / n_lanes].v = r2;
+        }
         for (std::size_t m = from; m < to; ++m) {
           const Index j = order_[m];
+          const double r2 = distance[m - from];
           near[n] = j;
-          n += static_cast<std::size_t>((sorted_[m] - x).squaredNorm() < limit) & static_cast<std::size_t>(j >= first);
+          n += static_cast<std::size_t>(r2 < limit) & static_cast<std::size_t>(admit(j, r2));
         }
       }
-    });
-    flush();
+    };
+    for_each_row((x.array() - radius).matrix(), (x.array() + radius).matrix(), search);
+    found.insert(found.end(), near.begin(), near.begin() + static_cast<std::ptrdiff_t>(n));
   }
 
   /// Point indices in cell order: a permutation under which neighbours lie close in memory.
@@ -141,7 +161,7 @@ class CellGrid {
  private:
   /// Calls f(begin, end) of order_ for every row of cells in the box: the cells of a row lie one after the other.
   template <class F>
-  void for_each_row(const Vec<D>& lower, const Vec<D>& upper, F&& f) const {
+  [[gnu::always_inline]] inline void for_each_row(const Vec<D>& lower, const Vec<D>& upper, F&& f) const {
     if (order_.empty()) return;
     std::array<int, D> lo{}, hi{};
     for (std::size_t d = 0; d < D; ++d) {
@@ -152,7 +172,7 @@ class CellGrid {
       hi[d] = std::min(hi[d], count_[d] - 1);
       if (lo[d] > hi[d]) return;
     }
-    const auto row = [&](std::array<int, D> c) {
+    const auto row = [&](std::array<int, D> c) __attribute__((always_inline)) {
       c[0] = lo[0];
       const Index begin = first_[flat(c)];
       c[0] = hi[0];
@@ -174,13 +194,13 @@ class CellGrid {
                         count_[d] - 1);
     return c;
   }
-  std::size_t flat(const std::array<int, D>& c) const {
+  [[gnu::always_inline]] inline std::size_t flat(const std::array<int, D>& c) const {
     std::size_t k = static_cast<std::size_t>(c[D - 1]);
     for (std::size_t d = D - 1; d-- > 0;) k = k * static_cast<std::size_t>(count_[d]) + static_cast<std::size_t>(c[d]);
     return k;
   }
 
-  VecArray<D> sorted_;  ///< in cell order
+  std::array<ScalarArray, D> axis_;  ///< coordinates in cell order, and room for lanes behind them
   Vec<D> lower_ = Vec<D>::Zero();
   double size_ = 1.0;
   std::array<int, D> count_{};

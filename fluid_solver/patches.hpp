@@ -1,0 +1,90 @@
+// A coarse space for fields that change over many particles.
+#pragma once
+
+#include "common/core/vector.hpp"
+
+#include <Eigen/Dense>
+
+#include <array>
+#include <limits>
+#include <span>
+
+namespace poretwin::fluid {
+
+/// Constants on square patches of particles, the part of a solution that a preconditioner of single rows is slow to
+/// find (two levels, additive: Nicolaides 1987).
+template <int D>
+class Patches {
+ public:
+  static constexpr Index none = static_cast<Index>(-1);
+
+  /// Patches of `edge` [m], wider ones where that would be too many for a dense matrix; particles with member(a) =
+  /// false belong to none.
+  template <class Member>
+  Patches(std::span<const Vec<D>> position, double edge, const Member& member) : of_(position.size(), none) {
+    Vec<D> lower = Vec<D>::Constant(std::numeric_limits<double>::max()), upper = -lower;
+    for (std::size_t a = 0; a < position.size(); ++a) {
+      if (!member(a)) continue;
+      lower = lower.cwiseMin(position[a]);
+      upper = upper.cwiseMax(position[a]);
+    }
+    if (!(lower[0] <= upper[0])) return;
+    const Vec<D> extent = upper - lower;
+    std::array<std::size_t, D> count{};
+    std::size_t cells = 0;
+    for (;; edge *= 1.2) {
+      cells = 1;
+      for (std::size_t d = 0; d < D; ++d) {
+        count[d] = static_cast<std::size_t>(extent[static_cast<int>(d)] / edge) + 1;
+        cells *= count[d];
+      }
+      if (cells <= most) break;
+    }
+    std::vector<Index> number(cells, none);
+    for (std::size_t a = 0; a < position.size(); ++a) {
+      if (!member(a)) continue;
+      std::size_t cell = 0;
+      for (std::size_t d = D; d-- > 0;)
+        cell = cell * count[d] +
+               static_cast<std::size_t>((position[a][static_cast<int>(d)] - lower[static_cast<int>(d)]) / edge);
+      if (number[cell] == none) number[cell] = n_++;
+      of_[a] = number[cell];
+    }
+  }
+
+  [[nodiscard]] Index size() const { return n_; }
+  /// The patch of a particle, or none.
+  [[nodiscard]] Index of(std::size_t a) const { return of_[a]; }
+
+  /// The matrix of the patches, from what tell(add) tells: add(a, b, value) for every entry of the particles' matrix.
+  template <class Tell>
+  void factorise(const Tell& tell) {
+    Eigen::MatrixXd coarse = Eigen::MatrixXd::Zero(n_, n_);
+    tell([&](std::size_t a, std::size_t b, double value) {
+      if (of_[a] != none && of_[b] != none) coarse(of_[a], of_[b]) += value;
+    });
+    factor_.compute(coarse);
+    if (factor_.info() != Eigen::Success) n_ = 0;  // not finite: the caller will find out, without a correction
+  }
+
+  /// z += P A^-1 P^T r, every component by itself [particles x D].
+  void correct(std::span<const double> r, std::span<double> z) const {
+    if (n_ == 0) return;
+    Eigen::Matrix<double, Eigen::Dynamic, D> sums = Eigen::Matrix<double, Eigen::Dynamic, D>::Zero(n_, D);
+    for (std::size_t a = 0; a < of_.size(); ++a)
+      if (of_[a] != none)
+        for (int d = 0; d < D; ++d) sums(of_[a], d) += r[a * D + static_cast<std::size_t>(d)];
+    factor_.solveInPlace(sums);
+    for (std::size_t a = 0; a < of_.size(); ++a)
+      if (of_[a] != none)
+        for (int d = 0; d < D; ++d) z[a * D + static_cast<std::size_t>(d)] += sums(of_[a], d);
+  }
+
+ private:
+  static constexpr std::size_t most = 256;
+  std::vector<Index> of_;
+  Index n_ = 0;
+  Eigen::LLT<Eigen::MatrixXd> factor_;
+};
+
+}  // namespace poretwin::fluid

@@ -1,0 +1,89 @@
+// The coarse space of the skeleton's solve: what is constant on its patches it solves, and the iterations it saves.
+#include "fluid_solver/patches.hpp"
+#include "fluid_solver/csr.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace poretwin::fluid {
+namespace {
+
+/// A Laplacian of a square lattice with a little on its diagonal, for two components; one particle in a corner is
+/// left out.
+struct Lattice {
+  std::size_t side;
+  std::vector<Vec<2>> position;
+  explicit Lattice(std::size_t n) : side(n) {
+    for (std::size_t k = 0; k < n * n; ++k)
+      position.emplace_back(static_cast<double>(k % n), static_cast<double>(k / n));
+  }
+  [[nodiscard]] bool member(std::size_t a) const { return a != 0; }
+  template <class Visit>
+  void each_entry(const Visit& visit) const {
+    for (std::size_t a = 1; a < position.size(); ++a) {
+      double sum = 1e-3;
+      for (std::size_t b = 1; b < position.size(); ++b) {
+        if (std::abs((position[a] - position[b]).norm() - 1.0) > 1e-9) continue;
+        visit(a, b, -1.0);
+        sum += 1.0;
+      }
+      visit(a, a, sum);
+    }
+  }
+  void apply(std::span<const double> x, std::span<double> y) const {
+    std::fill(y.begin(), y.end(), 0.0);
+    each_entry([&](std::size_t a, std::size_t b, double value) {
+      for (std::size_t d = 0; d < 2; ++d) y[2 * a + d] += value * x[2 * b + d];
+    });
+  }
+  [[nodiscard]] Patches<2> patches(double edge) const {
+    Patches<2> made(position, edge, [&](std::size_t a) { return member(a); });
+    made.factorise([&](const auto& add) { each_entry(add); });
+    return made;
+  }
+};
+
+TEST(Patches, SolveWhatIsConstantOnThem) {
+  const Lattice lattice(12);
+  const auto patches = lattice.patches(4.0);
+  EXPECT_EQ(patches.size(), 9U);
+  EXPECT_EQ(patches.of(0), Patches<2>::none);
+  ScalarArray x(2 * 144, 0.0), r(2 * 144), z(2 * 144, 0.0);
+  for (std::size_t a = 1; a < 144; ++a)
+    for (std::size_t d = 0; d < 2; ++d) x[2 * a + d] = std::sin(1.0 + 3.0 * patches.of(a) + static_cast<double>(d));
+  lattice.apply(x, r);
+  patches.correct(r, z);
+  for (std::size_t i = 0; i < x.size(); ++i) EXPECT_NEAR(z[i], x[i], 1e-10) << i;
+}
+
+TEST(Patches, SaveIterations) {
+  const Lattice lattice(24);
+  const auto patches = lattice.patches(4.0);
+  const std::size_t n = 2 * lattice.position.size();
+  ScalarArray b(n, 0.0);
+  b[n / 2 + 7] = 1.0;
+  const auto iterations = [&](bool corrected) {
+    ScalarArray x(n, 0.0);
+    const auto report =
+        conjugate_gradients([&](std::span<const double> u, std::span<double> y) { lattice.apply(u, y); },
+                            [&](std::span<const double> r, std::span<double> z) {
+                              for (std::size_t i = 0; i < n; ++i) z[i] = r[i] / 4.0;
+                              if (corrected) patches.correct(r, z);
+                            },
+                            b, x, 1e-6 * norm(b), 1000);
+    EXPECT_TRUE(report.converged);
+    return report.iterations;
+  };
+  EXPECT_LT(3 * iterations(true), 2 * iterations(false));
+}
+
+TEST(Patches, AreWiderWhereTheyWouldBeTooMany) {
+  const Lattice lattice(60);
+  const auto patches = lattice.patches(1.0);
+  EXPECT_LE(patches.size(), 256U);
+  EXPECT_GT(patches.size(), 100U);
+}
+
+}  // namespace
+}  // namespace poretwin::fluid
