@@ -19,8 +19,7 @@ Verdicts:
     refused    before the first window, with the reason
     unbounded, diverged, too slow (--longest)
 
-`overshoot`: the largest excess pressure at the base over the load: 1.4 to 1.7 for a window or two after it is put on, more in soil
-that has settled away from the loaded face before (docs/stability.md).
+`overshoot`: the largest excess pressure at the base over the load: 1 to 1.7 for a window or two after it is put on.
 """
 import argparse
 import itertools

@@ -38,6 +38,7 @@ struct FaceColumn {
   bool in_soil = false;            ///< the ground behind the face is soil
   bool wet = false;                ///< acts now
   bool held = false;               ///< a wall holds the soil at the face: a filter
+  bool loaded = false;             ///< the face carries a load
   double stored = 0.0;             ///< water of the outermost spacing that is in the domain but in no particle [m^D]
   [[nodiscard]] double inside(const Vec<D>& x) const { return normal.dot(x - foot); }
   /// Volume of water that the first buffer has inside the face [m^D]; negative: that the last particle has outside.
@@ -63,16 +64,13 @@ bool in_scene(const Case& scene, const Vec<D>& x) {
   return false;
 }
 
-/// Whether a wall holds the soil at a place on it.
+/// Whether a place lies on a face.
 template <int D>
-bool soil_held(const Case& scene, const Vec<D>& x, double tolerance) {
-  for (const auto& wall : scene.walls) {
-    if (wall.soil != Wall::ForSoil::fixed && wall.soil != Wall::ForSoil::rough) continue;
-    for (const auto& piece : planes_of<D>(wall.face, 0, tolerance)) {
-      const double along = piece.tangent.dot(x);
-      const bool beside = piece.to > piece.from && (along < piece.from || along > piece.to);
-      if (!beside && std::abs(piece.normal.dot(x - piece.point)) <= tolerance) return true;
-    }
+bool lies_on(const Face& face, const Vec<D>& x, double tolerance) {
+  for (const auto& piece : planes_of<D>(face, 0, tolerance)) {
+    const double along = piece.tangent.dot(x);
+    const bool beside = piece.to > piece.from && (along < piece.from || along > piece.to);
+    if (!beside && std::abs(piece.normal.dot(x - piece.point)) <= tolerance) return true;
   }
   return false;
 }
@@ -92,7 +90,12 @@ void add_column(const Case& scene, int face, const Vec<D>& foot, const Vec<D>& n
   c.spacing = c.volume / area;
   c.width = width;
   c.in_soil = soil != nullptr;
-  c.held = soil_held<D>(scene, foot, 1e-6 * dx);
+  c.held = std::any_of(scene.walls.begin(), scene.walls.end(), [&](const Wall& wall) {
+    return (wall.soil == Wall::ForSoil::fixed || wall.soil == Wall::ForSoil::rough) &&
+           lies_on<D>(wall.face, foot, 1e-6 * dx);
+  });
+  c.loaded = std::any_of(scene.loads.begin(), scene.loads.end(),
+                         [&](const Load& load) { return lies_on<D>(load.face, foot, 1e-6 * dx); });
   c.void_fraction = soil ? fillable_porosity(*soil) : 1.0;
   c.mass = scene.water.density * c.void_fraction * c.volume;
   c.offset = 0.5 * c.spacing;
@@ -239,9 +242,32 @@ std::vector<Buffer<D>> make_buffers(const std::vector<FaceColumn<D>>& columns) {
   return buffers;
 }
 
-/// Fits of the pressure's slope at every column: weighted least squares through the face, over the first spacings
-/// inside, images behind walls included. As far as there are only particles on the face itself, which say nothing of
-/// it, the slope of the window before stands in. free: [n] in no soil; at a face of soil that does not count.
+/// Length over which the slope at a face lets an even pressure fall to the face's so that its gradients sum to that
+/// fall, in spacings, the first row half a spacing inside: half of sum_s s^3 F over sum_s s^2 F, F = -W'/r summed along
+/// a row s rows away (docs/theory.md, "The range of one column").
+template <int D>
+double length_of_even_fall() {
+  static const double value = [] {
+    constexpr int reach = 3;
+    double second = 0.0, third = 0.0;
+    for (int s = 1; s <= reach; ++s)
+      for (int i = -reach; i <= reach; ++i)
+        for (int j = (D == 3 ? -reach : 0); j <= (D == 3 ? reach : 0); ++j) {
+          const double F = -Kernel<D>::derivative_over_r(std::sqrt(1.0 * (s * s + i * i + j * j)), smoothing_ratio);
+          second += s * s * F;
+          third += s * s * s * F;
+        }
+    return 0.5 * third / second;
+  }();
+  return value;
+}
+
+/// Fits of the pressure's slope at every column, straight lines through the face, over the first spacings inside,
+/// images behind walls included: weighted least squares. As far as there are only particles on the face itself, which
+/// say nothing of the slope, that of the window before stands in. Below a load the grains have to carry the whole fall
+/// of an even pressure, before anything has drained: there the first row's own slope is mixed in as far as the
+/// gradients then sum to it (the fit alone makes 0.86 of it). free: [n] in no soil; at a face of soil that does not
+/// count.
 template <int D>
 void fit_columns(const std::vector<FaceColumn<D>>& columns, std::span<const char> free, Stencil<D>& s) {
   s.fit_offset.assign(1, 0);
@@ -251,9 +277,11 @@ void fit_columns(const std::vector<FaceColumn<D>>& columns, std::span<const char
   double widest = 0.0;
   for (const auto& c : columns) widest = std::max(widest, 1.3 * spacing_of<D>(c.volume));
   grid.build(s.position, widest);
+  ScalarArray first;  // weights of the first row alone
   for (const auto& c : columns) {
     const std::size_t begin = s.fit_index.size();
-    double sum = 0.0, least = 0.0;
+    double sum = 0.0, least = 0.0, whole = 0.0, first_sum = 0.0, first_whole = 0.0;
+    first.clear();
     if (c.wet) {
       const double h = 0.65 * spacing_of<D>(c.volume);
       grid.for_each_within(c.foot + 0.75 * c.spacing * c.normal, sph::support_radius * h, [&](Index j, double r2) {
@@ -263,14 +291,29 @@ void fit_columns(const std::vector<FaceColumn<D>>& columns, std::span<const char
         if (a >= s.n_real || d < -1e-6 * c.spacing || (c.in_soil && free[a])) return;
         const double w = s.volume[a] * Kernel<D>::value(std::sqrt(r2), h);
         if (w == 0.0) return;
+        const double near = w * std::max(0.0, 1.0 - d / c.spacing);
         sum += w * d * d;
+        whole += w * d;
+        first_sum += near * d * d;
+        first_whole += near * d;
         least += w * 0.04 * c.spacing * c.spacing;
         s.fit_index.push_back(a);
         s.fit_weight.push_back(w * d);
+        first.push_back(near * d);
       });
     }
     const double total = std::max(sum, least);
-    for (std::size_t k = begin; k < s.fit_index.size(); ++k) s.fit_weight[k] /= total;
+    double share = 0.0;
+    if (c.loaded && sum >= least && first_sum > 0.0) {
+      // Slopes of an even pressure of 1: the fit's, the first row's, and what is wanted.
+      const double fitted = whole / sum, steepest = first_whole / first_sum;
+      const double wanted = 1.0 / (c.spacing * (0.5 + length_of_even_fall<D>()) - c.offset);
+      if (steepest > fitted) share = std::clamp((wanted - fitted) / (steepest - fitted), 0.0, 1.0);
+    }
+    for (std::size_t k = begin; k < s.fit_index.size(); ++k) {
+      s.fit_weight[k] /= total;
+      if (share > 0.0) s.fit_weight[k] += share * (first[k - begin] / first_sum - s.fit_weight[k]);
+    }
     s.fit_constant.push_back(total > 0.0 ? (1.0 - sum / total) * c.slope : 0.0);
     s.fit_offset.push_back(static_cast<Index>(s.fit_index.size()));
   }

@@ -93,11 +93,11 @@ OrZero<Vec<D>> Solid<D>::gradient_of(const OrZero<double>& pressure, double time
 template <int D>
 void Solid<D>::share_load(const LoadedPatch<D>& patch, const OrZero<double>& pressure, double time,
                           VecArray<D>& gradient) const {
-  // Where the soil has settled away from the face, water lies between: how its pressure falls there is not known.
+  // Where the soil has moved away from the face, the water predicts a balance that the soil does not have: in coarse,
+  // soft soil what they differ by grew from 0.14 spacings on, in every window.
   double nearest = std::numeric_limits<double>::infinity();
-  for (const Index i : patch.particles)
-    nearest = std::min(nearest, patch.normal.dot(state_.particles.position[i]) - patch.level);
-  if (std::abs(nearest - 0.5 * setup_.spacing) > 0.25 * setup_.spacing) return;
+  for (const Index i : patch.particles) nearest = std::min(nearest, patch.normal.dot(seen_at(i)) - patch.level);
+  if (std::abs(nearest - 0.5 * setup_.spacing) > 0.1 * setup_.spacing) return;
   ScalarArray excess = pressure.values();
   Vec<D> beyond = Vec<D>::Zero();
   if (patch.water_face) {
@@ -106,10 +106,18 @@ void Solid<D>::share_load(const LoadedPatch<D>& patch, const OrZero<double>& pre
     if (face.head) beyond = scene_.water.density * setup_.gravity;
     const double datum = face.pressure ? face.pressure->at(time) : beyond.norm() * face.head->at(time);
     for (std::size_t i = 0; i < excess.size(); ++i)
-      if (state_.external.coverage[i] > 0.0) excess[i] -= datum + beyond.dot(state_.particles.position[i]);
+      if (state_.external.coverage[i] > 0.0) excess[i] -= datum + beyond.dot(seen_at(i));
   }
   pressure_gradient_adjoint<D>(state_, excess, patch.particles, gradient);
   for (const Index i : patch.particles) gradient[i] += beyond;
+}
+
+/// Where the water sees a particle: soil that cannot yield stands as the case draws it once it has settled under its
+/// weight, to its faces and not below them.
+template <int D>
+Vec<D> Solid<D>::seen_at(std::size_t i) const {
+  const Vec<D>& x = state_.particles.position[i];
+  return cannot_yield() ? Vec<D>(x - state_.rest_displacement[i]) : x;
 }
 
 template <int D>
@@ -568,7 +576,7 @@ Publication Solid<D>::publish() const {
   auto parent = [&](std::size_t i) { return i < n ? i : static_cast<std::size_t>(images[i - n].parent); };
   for (std::size_t i = 0; i < all; ++i) {
     const Vec<D> x =
-        i < n ? p.position[i] : Vec<D>(images[i - n].map * p.position[images[i - n].parent] + images[i - n].shift);
+        i < n ? seen_at(i) : Vec<D>(images[i - n].map * seen_at(images[i - n].parent) + images[i - n].shift);
     out.points.position.insert(out.points.position.end(), x.data(), x.data() + D);
     out.points.volume.push_back(p.volume[parent(i)]);
     out.points.smoothing_length.push_back(setup_.smoothing_length);

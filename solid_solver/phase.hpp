@@ -43,6 +43,7 @@ class Solid final : public Phase {
   /// What pressure and drag do at the end of a window, as the fluid is told.
   void keep_water_force(const OrZero<Vec<D>>& gradient, const OrZero<double>& impulse, double interval);
   [[nodiscard]] OrZero<Vec<D>> gradient_of(const OrZero<double>& pressure, double time) const;
+  [[nodiscard]] Vec<D> seen_at(std::size_t particle) const;  ///< m
   /// Below a loaded face: the load is carried by stress and pressure alike, that of the water beyond it left out.
   void share_load(const LoadedPatch<D>& patch, const OrZero<double>& pressure, double time,
                   VecArray<D>& gradient) const;

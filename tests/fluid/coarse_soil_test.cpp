@@ -1,4 +1,5 @@
 // Water in soil so coarse that it keeps moving: inertia and drag together.
+#include "fluid_solver/fluid_phase.hpp"
 #include "tests/fluid/energy.hpp"
 #include "tests/fluid/scenes.hpp"
 
@@ -40,6 +41,59 @@ TEST(CoarseSoil, ASlabFallsAgainstItsDrag) {
       EXPECT_NEAR((p.velocity[a] + Vec<2>(0.0, exact)).norm() / exact, 0.0, 0.01) << time << " s";  // 0.006 measured
     }
     EXPECT_NEAR(1.55 - place.y(), fallen, 0.001);  // a tenth of a spacing; 0.0008 measured, of the first 0.05 s
+  }
+}
+
+/// Of the last window, the limit whose reason begins so [s]; 0: none was told.
+double told_limit(const Fluid<2>& fluid, const std::string& reason) {
+  for (const auto& limit : fluid.state().window_limits)
+    if (limit.reason.starts_with(reason)) return limit.interval;
+  return 0.0;
+}
+
+// The slab again, thrown down: at the speed and the acceleration of the last window the fastest goes (v + a t) t =
+// dx/4. Not asked are sand's water, and what moves so fast (C dx < n rho w, 0.04 m/s) that it counts as free.
+TEST(CoarseSoil, WindowsEndAfterAQuarterSpacingOfAcceleratedWay) {
+  for (const auto& [k, thrown] : {std::pair(1.0, 0.02), std::pair(1e-3, 0.02), std::pair(1.0, 0.5)}) {
+    const double dx = 0.01, dt = 1e-4;
+    Case scene;
+    scene.solid.model = SolidCase::Model::rigid;
+    scene.general.periodic = {0};
+    scene.general.domain_max = Point3(0.2, 2.0, 0.0);
+    scene.fluid.particle_spacing = dx;
+    scene.fluid.regions = {box(0.0, 1.5, 0.2, 1.6)};
+    scene.fluid.initial_velocity = Point3(0.0, -thrown, 0.0);
+    scene.soils = {gravel(k, box(0.0, 0.0, 0.2, 2.0))};
+    scene.walls = {wall(line(0.0, 0.0, 0.2, 0.0))};
+    Fluid<2> fluid(scene);
+    fluid.initialise({});
+    fluid.advance({0, 0.0, dt}, {});
+    const double limit = told_limit(fluid, "a quarter spacing per window of water in coarse soil");
+    if (k < 0.01 || thrown > 0.04) {
+      EXPECT_EQ(limit, 0.0);
+      continue;
+    }
+    double farthest = 0.0;
+    for (const auto& v : fluid.state().particles.velocity) {
+      const double acceleration = (v + Vec<2>(0.0, thrown)).norm() / dt;
+      EXPECT_NEAR(acceleration, 9.81, 2.0);
+      farthest = std::max(farthest, (v.norm() + acceleration * limit) * limit);
+    }
+    EXPECT_NEAR(farthest, 0.25 * dx, 1e-9 * dx);
+  }
+}
+
+// No more than half a spacing of a level that changes behind it: 8 s halved until 0.1 m/s makes no more than 5 mm.
+TEST(CoarseSoil, WindowsEndBeforeItsLevelIsHalfASpacingOff) {
+  for (const double k : {0.1, 1e-4}) {
+    Case scene = ponded_column(0.01);
+    scene.soils[0].hydraulic_conductivity = k;
+    scene.fluid.regions = {box(0.0, 0.3, 0.1, 0.4)};
+    scene.water_faces[0].head = Series{{{0.0, 0.5}, {10.0, 1.5}}};
+    Fluid<2> fluid(scene);
+    fluid.initialise({});
+    fluid.advance({0, 0.0, 1e-4}, {});
+    EXPECT_DOUBLE_EQ(told_limit(fluid, "a level that changes"), k > 0.01 ? 8.0 / 256.0 : 0.0);
   }
 }
 

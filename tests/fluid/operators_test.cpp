@@ -1,5 +1,6 @@
 // Discrete operators against fields whose derivatives are known.
 #include "fluid_solver/operators.hpp"
+#include "fluid_solver/faces.hpp"
 #include "fluid_solver/surface.hpp"
 
 #include <gtest/gtest.h>
@@ -140,6 +141,64 @@ TEST(Operators, DirectionsWithoutNeighboursAreBlind) {
       s, p, [](Index) { return 0.0; }, {}, fallback, [](std::size_t) { return 0.0; });
   EXPECT_NEAR(g[5].x(), 2.0, 1e-10);
   EXPECT_NEAR(g[5].y(), 7.0, 1e-10);
+}
+
+// Columns of water below a loaded face, closed at the sides and the base; the first row `offset` spacings below it.
+Stencil<2> below_a_face(double offset, VecArray<2>& x) {
+  constexpr int count = 8;
+  const double dx = 0.1, width = count * dx;
+  std::vector<FaceColumn<2>> columns;
+  for (int i = 0; i < count; ++i) {
+    FaceColumn<2> c;
+    c.foot = Vec<2>((i + 0.5) * dx, 0.0);
+    c.normal = Vec<2>(0.0, -1.0);
+    c.spacing = dx;
+    c.width = 0.5 * dx;
+    c.volume = dx * dx;
+    c.offset = offset * dx;
+    c.wet = c.loaded = true;
+    columns.push_back(c);
+    for (int j = 0; j < count; ++j) x.emplace_back(c.foot.x(), -(offset + j) * dx);
+  }
+  auto planes = walls<2>();  // left, right, base
+  planes.resize(3);
+  planes[1].point = Vec<2>(width, 0.0);
+  planes[2].point = Vec<2>(0.0, -(offset + count - 0.5) * dx);
+  const ScalarArray volume(x.size(), dx * dx);
+  const auto buffers = make_buffers(columns);
+  auto s = make_stencil<2>(x, volume, std::span<const Buffer<2>>(buffers), planes);
+  fit_columns<2>(columns, std::vector<char>(x.size(), 0), s);
+  return s;
+}
+
+VecArray<2> gradient_below_a_face(const Stencil<2>& s, const ScalarArray& p) {
+  return pressure_gradient<2>(
+      s, p, [](Index) { return 0.0; }, {}, Vec<2>::Zero(), [](std::size_t) { return 0.0; });
+}
+
+// What an undrained load asks of a drained face: all of it is carried by the gradient of the first rows.
+TEST(Faces, AnEvenPressuresGradientSumsToItsFall) {
+  for (const double offset : {0.2, 0.35, 0.5}) {
+    VecArray<2> x;
+    const auto s = below_a_face(offset, x);
+    double sum = 0.0;
+    for (const auto& g : gradient_below_a_face(s, ScalarArray(x.size(), 1.0))) sum += g.y() * s.volume[0];
+    EXPECT_NEAR(sum, -0.8, 1e-6) << offset;  // 1 Pa over 0.8 m
+  }
+}
+
+TEST(Faces, SlopesAreExactForLinearPressures) {
+  for (const double offset : {0.01, 0.2, 0.5, 0.8, 0.99}) {
+    VecArray<2> x;
+    const auto s = below_a_face(offset, x);
+    ScalarArray p;
+    for (const auto& point : x) p.push_back(-3.0 * point.y());
+    const auto gradient = gradient_below_a_face(s, p);
+    for (std::size_t a = 0; a < x.size(); ++a) {
+      if (x[a].y() < -0.3) continue;  // the base turns the slope
+      EXPECT_NEAR(gradient[a].y(), -3.0, 1e-5) << offset;
+    }
+  }
 }
 
 // As many points in the same box: how full it is must not depend on their order.

@@ -86,6 +86,35 @@ TEST(Window, SoilFollowsThePrediction) {
   for (const auto& v : dry.state().particles.velocity) EXPECT_EQ(v.norm(), 0.0);
 }
 
+// Inertia holds soil to its own velocity and the change that the fluid predicts, drag to the velocity predicted. A
+// window of n substeps: every one of them backward Euler, all soil alike. Without drag what is
+// told of the velocity does not matter: the target is 0.023 m/s.
+TEST(Window, InertiaHoldsSoilToItsOwnVelocityAndThePredictedChange) {
+  ColumnSpec spec;
+  spec.base = Wall::ForSoil::none;
+  spec.sides = false;
+  spec.gravity = 0.0;
+  for (const bool drag : {false, true}) {
+    Case scene = column(spec);
+    scene.fluid.drag = drag;
+    scene.solid.initial_velocity = Point3(0.02, 0.0, 0.0);
+    Solid<2> solid(scene);
+    auto inbox = test::wet_inbox<2>(solid, [](const Vec<2>&) { return 0.0; });
+    solid.initialise(inbox);
+    const double told = 0.05, change = 0.003, interval = 1e-3;
+    for (std::size_t i = 0; i < solid.state().particles.size(); ++i) {
+      values(inbox, field::predicted_solid_velocity)[2 * i] = told;
+      values(inbox, field::predicted_change)[2 * i] = change;
+    }
+    solid.advance({0, 0.0, interval}, inbox);
+    const double rho = 0.6 * 2600.0, inertia = 0.5 * rho / interval;
+    const double C = drag ? 9810.0 * 0.4 * 0.4 / scene.soils[0].hydraulic_conductivity : 0.0;
+    const double target = told + inertia / (C + inertia) * (0.02 - (told - change)), n = solid.state().substeps;
+    const double expected = target + (0.02 - target) * std::pow(1.0 + (C + inertia) * interval / (n * rho), -n);
+    for (const auto& v : solid.state().particles.velocity) EXPECT_NEAR(v.x(), expected, 1e-12);
+  }
+}
+
 /// Terzaghi (1923): pressure and settlement of a layer drained at the top, loaded with p0 at t = 0.
 struct Terzaghi {
   double p0, height, cv, modulus;
@@ -314,6 +343,39 @@ TEST(Frame, ShowsTheDocumentedFields) {
   EXPECT_EQ(names, (std::vector<std::string>{"displacement", "velocity", "effective_stress", "pore_pressure",
                                              "void_fraction", "degree_of_saturation", "accumulated_plastic_strain",
                                              "mobilised_friction", "pore_pressure_ratio"}));
+}
+
+// Soil that has settled under its weight is told to the water as the case draws it, unless it can flow; what it moves
+// by afterwards is told of both.
+TEST(Publication, ShowsElasticSoilAsItWasDrawn) {
+  for (const auto model : {SolidCase::Model::elastic, SolidCase::Model::drucker_prager}) {
+    ColumnSpec spec;
+    Case scene = column(spec);
+    scene.solid.model = model;
+    scene.soils[0].youngs_modulus = 1e5;
+    scene.soils[0].cohesion = 1e6;
+    scene.solid.initial_velocity = Point3(0.0, -0.1, 0.0);
+    Solid<2> solid(scene);
+    const VecArray<2> drawn = solid.state().particles.position;
+    solid.initialise({});
+    const VecArray<2> settled = solid.state().particles.position;
+    const auto farthest = [&](const VecArray<2>& right) {
+      const auto published = solid.publish();
+      double most = 0.0;
+      for (std::size_t i = 0; i < right.size(); ++i)
+        most = std::max(most, (Eigen::Map<const Vec<2>>(published.points.position.data() + 2 * i) - right[i]).norm());
+      return most;
+    };
+    const bool elastic = model == SolidCase::Model::elastic;
+    EXPECT_GT((settled.back() - drawn.back()).norm(), 0.5 * spec.spacing);
+    EXPECT_LT(farthest(elastic ? drawn : settled), 1e-12);
+    solid.advance({0, 0.0, 1e-3}, {});
+    const VecArray<2>& now = solid.state().particles.position;
+    VecArray<2> expected = now;
+    for (std::size_t i = 0; i < now.size() && elastic; ++i) expected[i] = drawn[i] + (now[i] - settled[i]);
+    EXPECT_GT((now.back() - settled.back()).norm(), 1e-5);
+    EXPECT_LT(farthest(expected), 1e-12);
+  }
 }
 
 TEST(Publication, MatchesTheContract) {
