@@ -120,12 +120,16 @@ class Reader {
     return {wet, where_pressure_ends(line, probe_, std::max(0.0, wet - dx_), wet)};
   }
 
-  /// The last place on a line before `wet` over which water stands as deep as a kernel reaches, by its pressure. In the
-  /// tip of a wedge, a row or two of particles, pressure does not fall as in the water behind.
+  /// The last place on a line before `wet` over which water stands as deep as a kernel reaches, by its pressure, in the
+  /// same ground; NaN where there is none. In the tip of a wedge, a row or two of particles, pressure does not fall as in
+  /// the water behind.
   [[nodiscard]] double under_water(const Line<D>& line, double wet) const {
     constexpr double farthest = 12.0;  // spacings
     const double deep = sph::support_radius * smoothing_ratio * dx_;
+    const Soil* ground = soil_at(scene_, to_point3<D>(line.at(wet)));
+    if (!ground) return nan;
     for (double z = wet - dx_; z >= std::max(0.0, wet - farthest * dx_); z -= 0.5 * dx_) {
+      if (soil_at(scene_, to_point3<D>(line.at(z))) != ground) break;
       const double p = wide_.pressure(line.at(z)).value;
       if (p - surface_pressure(line.at(z)) >= gamma_ * deep) return z;
     }
