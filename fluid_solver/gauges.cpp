@@ -33,7 +33,13 @@ template <int D>
 class Reader {
  public:
   Reader(const Case& scene, const State<D>& state, const Cloud<D>& cloud, const Vec<D>& weight, ScalarArray passed)
-      : scene_(scene), state_(state), cloud_(cloud), probe_(cloud), wide_(cloud, 2.0), weight_(weight), passed_(std::move(passed)) {
+      : scene_(scene),
+        state_(state),
+        cloud_(cloud),
+        probe_(cloud),
+        wide_(cloud, 2.0),
+        weight_(weight),
+        passed_(std::move(passed)) {
     gamma_ = porous::specific_weight(scene);
     dx_ = scene.fluid.particle_spacing;
   }
@@ -121,8 +127,8 @@ class Reader {
   }
 
   /// The last place on a line before `wet` over which water stands as deep as a kernel reaches, by its pressure, in the
-  /// same ground; NaN where there is none. In the tip of a wedge, a row or two of particles, pressure does not fall as in
-  /// the water behind.
+  /// same ground; NaN where there is none. In the tip of a wedge, a row or two of particles, pressure does not fall as
+  /// in the water behind.
   [[nodiscard]] double under_water(const Line<D>& line, double wet) const {
     constexpr double farthest = 12.0;  // spacings
     const double deep = sph::support_radius * smoothing_ratio * dx_;

@@ -335,7 +335,8 @@ TEST(Seepage, AWaterTableFollowsAHeadThatRisesAndFalls) {
   }
 }
 
-// Water on an impermeable base whose surface falls evenly by s is in uniform flow, k s: a wedge that travels at k s / n.
+// Water on an impermeable base whose surface falls evenly by s is in uniform flow, k s: a wedge that travels at k s /
+// n.
 TEST(Seepage, AWedgeTravelsAlongItsBase) {
   constexpr double k = 1.1e-4, n = 0.4, length = 0.4, width = 0.7, end = 1500.0;
   for (const double dx : {0.01, 0.005})
