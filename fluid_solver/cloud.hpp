@@ -94,14 +94,14 @@ Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> p
   return c;
 }
 
-/// Interpolation in the water around any place.
+/// Interpolation in the water around any place. width: of the kernel, in smoothing lengths.
 template <int D>
 class Probe {
  public:
-  explicit Probe(const Cloud<D>& cloud) : cloud_(cloud) {
+  explicit Probe(const Cloud<D>& cloud, double width = 1.0) : cloud_(cloud), width_(width) {
     double largest = 1e-300;
     for (const double h : cloud.length) largest = std::max(largest, h);
-    reach_ = sph::support_radius * largest;
+    reach_ = sph::support_radius * width * largest;
     grid_.build(cloud.position, reach_);
   }
   Probe(const Probe&) = delete;
@@ -116,7 +116,7 @@ class Probe {
   /// Sum of V W at x, of a lattice's: 1 in the water, 0 outside.
   [[nodiscard]] double fullness(const Vec<D>& x) const {
     double sum = 0.0;
-    near(x, [&](Index j, double r) { sum += cloud_.volume[j] * Kernel<D>::value(r, cloud_.length[j]); });
+    near(x, [&](Index j, double r) { sum += cloud_.volume[j] * Kernel<D>::value(r, length(j)); });
     return sum / lattice_fullness<D>();
   }
 
@@ -126,20 +126,20 @@ class Probe {
     using Row = Eigen::Matrix<double, D + 1, 1>;
     Eigen::Matrix<double, D + 1, D + 1> moment = Eigen::Matrix<double, D + 1, D + 1>::Zero();
     Row rhs = Row::Zero();
-    double length = 0.0;
+    double scale = 0.0;
     near(x, [&](Index j, double r) {
-      const double w = cloud_.volume[j] * Kernel<D>::value(r, cloud_.length[j]);
+      const double w = cloud_.volume[j] * Kernel<D>::value(r, length(j));
       Row row;
       row[0] = 1.0;
       row.template tail<D>() = (cloud_.position[j] - x) / reach_;
       moment += w * row * row.transpose();
       rhs += w * f(j) * row;
-      length += w * cloud_.length[j];
+      scale += w * length(j);
     });
     if (moment(0, 0) < 0.3) return {};
-    length /= moment(0, 0);
+    scale /= moment(0, 0);
     // Directions without points on either side say nothing.
-    Row unit = Row::Constant(reach_ / length);
+    Row unit = Row::Constant(reach_ / scale);
     unit[0] = 1.0;
     const Eigen::Matrix<double, D + 1, D + 1> scaled = unit.asDiagonal() * moment * unit.asDiagonal();
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, D + 1, D + 1>> eigen(scaled);
@@ -157,16 +157,17 @@ class Probe {
   }
 
  private:
+  [[nodiscard]] double length(Index j) const { return width_ * cloud_.length[j]; }
   template <class F>
   void near(const Vec<D>& x, F&& f) const {
     grid_.for_each_within(x, reach_, [&](Index j, double r2) {
-      const double support = sph::support_radius * cloud_.length[j];
+      const double support = sph::support_radius * length(j);
       if (r2 < support * support) f(j, std::sqrt(r2));
     });
   }
 
   const Cloud<D>& cloud_;
-  double reach_ = 0.0;
+  double width_ = 1.0, reach_ = 0.0;
   sph::CellGrid<D> grid_;
 };
 

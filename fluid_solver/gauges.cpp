@@ -33,7 +33,13 @@ template <int D>
 class Reader {
  public:
   Reader(const Case& scene, const State<D>& state, const Cloud<D>& cloud, const Vec<D>& weight, ScalarArray passed)
-      : scene_(scene), state_(state), cloud_(cloud), probe_(cloud), weight_(weight), passed_(std::move(passed)) {
+      : scene_(scene),
+        state_(state),
+        cloud_(cloud),
+        probe_(cloud),
+        wide_(cloud, 2.0),
+        weight_(weight),
+        passed_(std::move(passed)) {
     gamma_ = porous::specific_weight(scene);
     dx_ = scene.fluid.particle_spacing;
   }
@@ -99,7 +105,9 @@ class Reader {
     double by_fullness = 0.0, by_pressure = nan;
   };
   [[nodiscard]] double front(const Line<D>& line) const {
-    const auto r = reach(line);
+    Reach r = reach(line);
+    if (const double inside = under_water(line, r.by_fullness); std::isfinite(inside))
+      r.by_pressure = where_pressure_ends(line, wide_, inside, r.by_fullness);
     return std::fmax(r.by_fullness, r.by_pressure);
   }
   [[nodiscard]] Reach reach(const Line<D>& line) const {
@@ -115,12 +123,36 @@ class Reader {
       const double middle = 0.5 * (wet + dry);
       (probe_.fullness(line.at(middle)) < 0.5 ? dry : wet) = middle;
     }
-    const double inside = std::max(0.0, wet - dx_);
-    const auto p = probe_.pressure(line.at(inside));
+    return {wet, where_pressure_ends(line, probe_, std::max(0.0, wet - dx_), wet)};
+  }
+
+  /// The last place on a line before `wet` over which water stands as deep as a kernel reaches, by its pressure, in the
+  /// same ground; NaN where there is none. In the tip of a wedge, a row or two of particles, pressure does not fall as
+  /// in the water behind.
+  [[nodiscard]] double under_water(const Line<D>& line, double wet) const {
+    constexpr double farthest = 12.0;  // spacings
+    const double deep = sph::support_radius * smoothing_ratio * dx_;
+    const Soil* ground = soil_at(scene_, to_point3<D>(line.at(wet)));
+    if (!ground) return nan;
+    for (double z = wet - dx_; z >= std::max(0.0, wet - farthest * dx_); z -= 0.5 * dx_) {
+      if (soil_at(scene_, to_point3<D>(line.at(z))) != ground) break;
+      const double p = wide_.pressure(line.at(z)).value;
+      if (p - surface_pressure(line.at(z)) >= gamma_ * deep) return z;
+    }
+    return nan;
+  }
+
+  /// Where on a line the pressure, as it falls at `inside`, comes to that of the surface; NaN where it is flat, or ends
+  /// farther from `wet` than single particles can be from the surface. A wedge whose surface falls by s along its base
+  /// is in uniform flow, and its pressure falls by gamma s: two particles fill its last 2/sqrt(s) spacings.
+  [[nodiscard]] double where_pressure_ends(const Line<D>& line, const Probe<D>& probe, double inside,
+                                           double wet) const {
+    const auto p = probe.pressure(line.at(inside));
     const double slope = p.gradient.dot(line.direction);
-    if (!(slope < -0.1 * gamma_)) return {wet, nan};
-    const double crossing = inside + (surface_pressure(line.at(inside)) - p.value) / slope;
-    return {wet, std::abs(crossing - wet) < 1.5 * dx_ ? std::min(crossing, line.length) : nan};
+    if (!(slope < -0.1 * gamma_)) return nan;
+    const double end = std::min(inside + (surface_pressure(line.at(inside)) - p.value) / slope, line.length);
+    const double farthest = std::max(1.5, 2.0 / std::sqrt(-slope / gamma_) - 0.5);
+    return std::abs(end - wet) < farthest * dx_ ? end : nan;
   }
 
   /// Volume per time through the wet part of a line, positive from its right to its left.
@@ -309,7 +341,7 @@ class Reader {
   const Case& scene_;
   const State<D>& state_;
   const Cloud<D>& cloud_;
-  Probe<D> probe_;
+  Probe<D> probe_, wide_;
   Vec<D> weight_;
   ScalarArray passed_;
   double gamma_ = 0.0, dx_ = 0.0;

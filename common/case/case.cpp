@@ -313,7 +313,7 @@ void declare(Keys& keys, SolidCase& s) {
             {"", "Find the rest under gravity, water and standing loads before time zero."});
   keys.choice<SolidCase::PressureGradient>(
       "pressure_gradient", s.pressure_gradient, gradient_words,
-      {"", "`difference`: Eq. (62) as corrected; `sum`: Eq. (61), which expels surface particles."});
+      {"", "`difference`: Eq. (62) as corrected; `sum`: Eq. (61), which pulls at the surface."});
   keys.number("strength_reduction", s.strength_reduction,
               {"",
                "Cohesion and tan(friction) of all soil are divided by it (`poretwin safety` finds the factor of "

@@ -173,7 +173,7 @@ struct Quiet {
 /// [solid]
 struct SolidCase {
   enum class Model { rigid, elastic, drucker_prager, drucker_prager_rate };
-  enum class PressureGradient { difference, sum };  ///< Eq. (62) as corrected; Eq. (61), which expels surface particles
+  enum class PressureGradient { difference, sum };  ///< Eq. (62) as corrected; Eq. (61), which pulls at the surface
   Model model = Model::elastic;
   double particle_spacing = 0.0;  ///< m
   Point3 initial_velocity = Point3::Zero();

@@ -335,6 +335,43 @@ TEST(Seepage, AWaterTableFollowsAHeadThatRisesAndFalls) {
   }
 }
 
+// Water on an impermeable base whose surface falls evenly by s is in uniform flow, k s: a wedge that travels at k s /
+// n.
+TEST(Seepage, AWedgeTravelsAlongItsBase) {
+  constexpr double k = 1.1e-4, n = 0.4, length = 0.4, width = 0.7, end = 1500.0;
+  for (const double dx : {0.01, 0.005})
+    for (const double slope : {0.25, 0.4, 0.7}) {
+      const double speed = k * slope / n, height = slope * (length + speed * end) + 0.05;
+      Case scene;
+      scene.solid.model = SolidCase::Model::rigid;
+      scene.fluid.particle_spacing = dx;
+      scene.soils = {sand()};
+      scene.soils[0].shape = box(0.0, 0.0, width, height);
+      Shape wedge;
+      wedge.kind = Shape::Kind::polygon;
+      wedge.points = {{0.0, 0.0, 0.0}, {length, 0.0, 0.0}, {0.0, slope * length, 0.0}};
+      scene.fluid.regions = {wedge};
+      scene.walls = {wall(line(0.0, 0.0, width, 0.0))};
+      scene.water_faces = {head_face(line(0.0, height, 0.0, 0.0), 0.0)};
+      scene.water_faces[0].head = Series{{{0.0, slope * length}, {end, slope * (length + speed * end)}}};
+      scene.gauges = front_and_volume({0.0, 0.0, 0.0}, {width, 0.0, 0.0});
+      Fluid<2> fluid(scene);
+      fluid.initialise({});
+      double time = 0.0, farthest = 0.0, back = 0.0, worst = 0.0;
+      while (time < end) {
+        run_to(fluid, time, std::min(time + 10.0, end));
+        const double front = reading(fluid, "front");
+        back = std::max(back, farthest - front);
+        farthest = std::max(farthest, front);
+        worst = std::max(worst, std::abs(front - length - speed * time));
+      }
+      std::printf("spacing %g, slope %g: front %+.4f at the end, %.4f off at most, %.4f back\n", dx, slope,
+                  reading(fluid, "front") - length - speed * end, worst, back);
+      EXPECT_LT(back, 0.2 * dx) << slope;
+      EXPECT_LT(worst, 1.2 * dx) << slope;
+    }
+}
+
 TEST(Seepage, WaterPassesThroughTheGroundsSurfaceBothWays) {
   // Soil L deep under open air, its foot at a head above the ground, later below it: water comes up, stands on the
   // ground as real water, h deep with dh/dt = k (H - L - h) / L, and goes down again.
