@@ -30,6 +30,10 @@ def error_curves(path, title, rows, abscissae, error="error", label="scheme", bo
             panel.axhline(bound, color="0.6", linestyle=":", label="bound")
         panel.set_xlabel(text)
         panel.grid(True, which="both", alpha=0.3)
+        values = sorted({row[key] for row in rows if row[error]})
+        if values and values[-1] < 10 * values[0]:  # too few decades for the labels of a logarithmic axis
+            panel.set_xticks(values, [f"{value:.2g}" for value in values])
+            panel.set_xticks([], minor=True)
     panels[0][0].set_ylabel("error")
     panels[0][0].legend()
     figure.suptitle(title)
