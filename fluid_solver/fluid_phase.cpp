@@ -566,7 +566,7 @@ void Fluid<D>::take_back(const Stencil<D>& s, const SoilView<D>& view, double in
       const double sum = own + ((sums[0] + sums[1]) + (sums[2] + sums[3]));
       owed[a] += sum > 0.0 ? Vec<D>(own / sum * mine) : mine;
       if (!(sum > 0.0)) continue;
-      const Index* other = &s.other[s.offset[a]];
+      const Index* other = s.other.data() + s.offset[a];
       for (const Quad& four : share)
         for (std::size_t l = 0; l < n_lanes; ++l, ++other)
           if (four.v[l] > 0.0) owed[*other] += four.v[l] / sum * mine;
