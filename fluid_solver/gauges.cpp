@@ -33,13 +33,7 @@ template <int D>
 class Reader {
  public:
   Reader(const Case& scene, const State<D>& state, const Cloud<D>& cloud, const Vec<D>& weight, ScalarArray passed)
-      : scene_(scene),
-        state_(state),
-        cloud_(cloud),
-        probe_(cloud),
-        wide_(cloud, 2.0),
-        weight_(weight),
-        passed_(std::move(passed)) {
+      : scene_(scene), state_(state), cloud_(cloud), probe_(cloud), weight_(weight), passed_(std::move(passed)) {
     gamma_ = porous::specific_weight(scene);
     dx_ = scene.fluid.particle_spacing;
   }
@@ -106,8 +100,9 @@ class Reader {
   };
   [[nodiscard]] double front(const Line<D>& line) const {
     Reach r = reach(line);
-    if (const double inside = under_water(line, r.by_fullness); std::isfinite(inside))
-      r.by_pressure = where_pressure_ends(line, wide_, inside, r.by_fullness);
+    const Probe<D> wide(cloud_, 2.0);
+    if (const double inside = under_water(line, wide, r.by_fullness); std::isfinite(inside))
+      r.by_pressure = where_pressure_ends(line, wide, inside, r.by_fullness);
     return std::fmax(r.by_fullness, r.by_pressure);
   }
   [[nodiscard]] Reach reach(const Line<D>& line) const {
@@ -129,14 +124,14 @@ class Reader {
   /// The last place on a line before `wet` over which water stands as deep as a kernel reaches, by its pressure, in the
   /// same ground; NaN where there is none. In the tip of a wedge, a row or two of particles, pressure does not fall as
   /// in the water behind.
-  [[nodiscard]] double under_water(const Line<D>& line, double wet) const {
+  [[nodiscard]] double under_water(const Line<D>& line, const Probe<D>& probe, double wet) const {
     constexpr double farthest = 12.0;  // spacings
     const double deep = sph::support_radius * smoothing_ratio * dx_;
     const Soil* ground = soil_at(scene_, to_point3<D>(line.at(wet)));
     if (!ground) return nan;
     for (double z = wet - dx_; z >= std::max(0.0, wet - farthest * dx_); z -= 0.5 * dx_) {
       if (soil_at(scene_, to_point3<D>(line.at(z))) != ground) break;
-      const double p = wide_.pressure(line.at(z)).value;
+      const double p = probe.pressure(line.at(z)).value;
       if (p - surface_pressure(line.at(z)) >= gamma_ * deep) return z;
     }
     return nan;
@@ -341,7 +336,7 @@ class Reader {
   const Case& scene_;
   const State<D>& state_;
   const Cloud<D>& cloud_;
-  Probe<D> probe_, wide_;
+  Probe<D> probe_;
   Vec<D> weight_;
   ScalarArray passed_;
   double gamma_ = 0.0, dx_ = 0.0;

@@ -532,10 +532,9 @@ class WindowSolver {
     });
   }
 
-  /// H s = rhs; rhs and s at responding particles only. To `tolerance` of what the solution changes from `before`
+  /// H s = rhs; rhs and s at responding particles only. To the tolerance of what the solution changes from `before`
   /// on, down to where rounding begins; the search goes on from s.
-  int solve_H(std::span<const Vec<D>> rhs, std::span<const Vec<D>> before, std::span<Vec<D>> s,
-              double tolerance) const {
+  int solve_H(std::span<const Vec<D>> rhs, std::span<const Vec<D>> before, std::span<Vec<D>> s) const {
     const auto flat = [&](std::span<const Vec<D>> f, auto&& factor) {
       ScalarArray x(n_ * D, 0.0);
       for (std::size_t a = 0; a < n_; ++a)
@@ -554,7 +553,7 @@ class WindowSolver {
       patches_->correct(r, z);
     };
     ScalarArray x = flat(s, one);
-    const auto report = conjugate_gradients(apply, precondition, std::move(b), x, tolerance * scale, 3000);
+    const auto report = conjugate_gradients(apply, precondition, std::move(b), x, skeleton_tolerance * scale, 3000);
     for (std::size_t a = 0; a < n_; ++a)
       if (responds(a))
         for (std::size_t d = 0; d < D; ++d) s[a][static_cast<int>(d)] = x[a * D + d];
@@ -586,7 +585,7 @@ class WindowSolver {
           skeleton.ss / (q.aw + q.C) * (q.C * q.aw * pushed(a) + (q.aw + q.C) * (skeleton.as * soil_.velocity[a] + r)) -
           skeleton.mS * G[a] + skeleton.ss / s_.volume[a] * (anchor(a) * soil_.velocity[a] + going(a));
     }
-    out.skeleton_iterations += solve_H(rhs, before, out.solid_velocity.values(), skeleton_tolerance);
+    out.skeleton_iterations += solve_H(rhs, before, out.solid_velocity.values());
   }
 
   void solve_response(const ScalarArray& b, WindowSolution<D>& out) {
@@ -601,7 +600,7 @@ class WindowSolver {
       VecArray<D> rhs(n_, Vec<D>::Zero());
       for (std::size_t a = 0; a < n_; ++a) rhs[a] = -r_[a].mS * G[a];
       answers.push_back(still);
-      out.skeleton_iterations += solve_H(rhs, still, answers.back(), skeleton_tolerance);
+      out.skeleton_iterations += solve_H(rhs, still, answers.back());
       const ScalarArray squeeze_x = squeezed(answers.back()), held_back = stabilised(x, G);
       fluid_.apply(x, y);
       for (std::size_t a = 0; a < n_; ++a) y[a] += squeeze_x[a] + held_back[a];
