@@ -253,9 +253,10 @@ Interpolation consistent(const PairBlocks<D>& pairs, std::span<const FieldGroup>
   std::vector<Quad> weight(pairs.longest_list()), masked(weight), coefficient(weight), total(widest);
   run_lanes([&]() __attribute__((always_inline)) {
     for (const auto& block : pairs.active_blocks()) {
+      const auto near = pairs.candidates(block);
+      if (near.empty()) continue;  // all is 0 there
       const std::array<Quad, D> x = block.x;
       Moments<D> whole;
-      const auto near = pairs.candidates(block);
       for (Size c = 0; c < near.size(); ++c) {
         const auto& node = nodes[near[c]];
         Lanes w;

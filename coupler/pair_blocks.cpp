@@ -3,6 +3,7 @@
 #include "common/sph/kernel.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace poretwin::coupling {
@@ -134,16 +135,18 @@ void PairBlocks<D>::sort_cells(const PointSet& around) {
   if (n > 0) grid_.build(all_points<D>(around, 0, n), 0.5 * sph::support_radius * largest(around.smoothing_length));
   for (auto& x : x_) x.resize(n + n_lanes);  // four at a time are read
   reach_.resize(n + n_lanes);
-  key_.resize(n + n_lanes);
+  place_.resize(n);
+  bits_.assign((n + 63) / 64, 0);
+  words_.assign((bits_.size() + 63) / 64, 0);
   for (Size m = 0; m < n; ++m) {
     const Size j = grid_.order()[m];
     for (Size d = 0; d < D; ++d) x_[d][m] = around.position[j * D + d];
     reach_[m] = sph::support_radius * around.smoothing_length[j];
-    key_[m] = static_cast<std::uint64_t>(j) << 32 | m;
+    place_[j] = static_cast<Index>(m);
   }
 }
 
-/// Keys of the points of pieces_ that are within reach of a box, to found_; how many.
+/// The points of pieces_ that are within reach of a box, to found_; how many.
 template <int D>
 std::size_t PairBlocks<D>::take_near(const Vec<D>& lower, const Vec<D>& upper, double own) {
   Size room = n_lanes;
@@ -168,12 +171,32 @@ std::size_t PairBlocks<D>::take_near(const Vec<D>& lower, const Vec<D>& upper, d
         const LaneMask near = (square < radius * radius) & (ahead < static_cast<long long>(end - m));
         // All are written, those out of reach are written over: a branch would be guessed wrong too often.
         for (Size l = 0; l < n_lanes; ++l) {
-          found[n] = key_[m + l];
+          found[n] = static_cast<Index>(m + l);
           n += static_cast<Size>(near[l] & 1);
         }
       }
   });
   return n;
+}
+
+/// The first n of found_, in the caller's order, to candidate_: by bits, some five times as fast as sorting.
+template <int D>
+void PairBlocks<D>::append_in_order(Size n) {
+  Size first = words_.size(), last = 0;
+  for (Size k = 0; k < n; ++k) {
+    const Size j = grid_.order()[found_[k]], word = j / 64;
+    bits_[word] |= std::uint64_t{1} << j % 64;
+    words_[word / 64] |= std::uint64_t{1} << word % 64;
+    first = std::min(first, word / 64);
+    last = std::max(last, word / 64 + 1);
+  }
+  const auto take_bits = [](std::uint64_t& bits, const auto& take) {
+    for (; bits != 0; bits &= bits - 1) take(static_cast<Size>(std::countr_zero(bits)));
+  };
+  for (Size w = first; w < last; ++w)
+    take_bits(words_[w], [&](Size word) {
+      take_bits(bits_[w * 64 + word], [&](Size bit) { candidate_.push_back(place_[(w * 64 + word) * 64 + bit]); });
+    });
 }
 
 template <int D>
@@ -197,9 +220,8 @@ void PairBlocks<D>::find_candidates(const PointSet& of) {
                                 pieces_.push_back({begin, end});
                               });
     const Size n = take_near(lower, upper, own);
-    std::sort(found_.begin(), found_.begin() + static_cast<std::ptrdiff_t>(n));
     block.first = candidate_.size();
-    for (Size k = 0; k < n; ++k) candidate_.push_back(static_cast<Index>(found_[k] & 0xffffffffu));
+    append_in_order(n);
     block.last = candidate_.size();
     longest_ = std::max(longest_, n);
   }

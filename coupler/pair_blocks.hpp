@@ -70,6 +70,7 @@ class PairBlocks {
   void sort_cells(const PointSet& around);
   void find_candidates(const PointSet& of);
   std::size_t take_near(const Vec<D>& lower, const Vec<D>& upper, double own);
+  void append_in_order(std::size_t n);
   void gather(const PointSet& of, const PointSet& around);
 
   std::vector<Block> blocks_;
@@ -87,9 +88,11 @@ class PairBlocks {
   double skin_ = 0.0;      ///< m
   sph::CellGrid<D> grid_;  ///< of `around`, and in its order:
   std::array<std::vector<double>, D> x_;
-  std::vector<double> reach_;       ///< m, radius of support
-  std::vector<std::uint64_t> key_;  ///< the caller's index, then ours
-  std::vector<std::uint64_t> found_;
+  std::vector<double> reach_;  ///< m, radius of support
+  std::vector<Index> place_;   ///< the caller's order -> cell order
+  std::vector<Index> found_;   ///< in cell order
+  /// Bits of what was found, by the caller's index, and of words with any: to put it into the caller's order.
+  std::vector<std::uint64_t> bits_, words_;
   std::vector<std::pair<Index, Index>> pieces_;
 };
 

@@ -128,10 +128,11 @@ struct SolveReport {
 
 /// Preconditioned conjugate gradients on plain doubles: apply(x, y): y = A x; precondition(r, z): z = P^-1 r, which may
 /// change a little from step to step (flexible: each direction is made conjugate to the last; Notay 2000). r: b, on the
-/// way the residual. Stops when |residual| <= tolerance (absolute).
+/// way the residual. Stops when |residual| <= tolerance (absolute), or when residual . z, of the order of the error's
+/// energy x . A x, is no more than `energy`.
 template <class Apply, class Precondition>
 SolveReport conjugate_gradients(Apply&& apply, Precondition&& precondition, ScalarArray r, std::span<double> x,
-                                double tolerance, int limit) {
+                                double tolerance, int limit, double energy = 0.0) {
   const std::size_t n = r.size();
   ScalarArray z(n), p(n), q(n);
   apply(std::span<const double>(x), std::span<double>(q));
@@ -141,6 +142,7 @@ SolveReport conjugate_gradients(Apply&& apply, Precondition&& precondition, Scal
   precondition(std::span<const double>(r), std::span<double>(z));
   p = z;
   double rz = dot(r, z);
+  if (rz <= energy) return report;
   for (; report.iterations < limit;) {
     apply(std::span<const double>(p), std::span<double>(q));
     ++report.iterations;
@@ -155,6 +157,7 @@ SolveReport conjugate_gradients(Apply&& apply, Precondition&& precondition, Scal
     precondition(std::span<const double>(r), std::span<double>(z));
     const double beta = -dot(z, q) / pq;
     rz = dot(r, z);
+    if (rz <= energy) return report;
     for_each_side_by_side(n, [&](std::size_t i) { p[i] = z[i] + beta * p[i]; });
   }
   report.converged = false;

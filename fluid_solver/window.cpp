@@ -14,6 +14,10 @@ namespace {
 /// the skeleton's velocity. Of the latter 1e-2 would be seen, as pressure in nearly tight soil at rest and as momentum
 /// (docs/theory_fluid.md).
 constexpr double response_tolerance = 1e-2, skeleton_tolerance = 1e-3;
+/// Error of the skeleton's velocity that is let be in any case, over the water's slip, both weighed by the drag and the
+/// inertia that hold them (the energy's norm): as much of the drag and of the flow as the pressure's own tolerance. In
+/// rockfill, which moves by far less than its water, this is what ends the search.
+constexpr double slip_tolerance = 1e-4;
 
 /// Spacings along a patch of the skeleton's coarse space: 4 to 6 take the fewest CPU seconds, in embankment_seepage
 /// and in rockfill_dam.
@@ -390,6 +394,10 @@ class WindowSolver {
     }
     // Vectors change on reflection: keep the image each weight belongs to.
     build_vector_stiffness();
+    const double slip = sum_over(n_, [&](std::size_t a) {
+      return responds(a) ? s_.volume[a] / r_[a].ss * (in_.velocity[a] - soil_.velocity[a]).squaredNorm() : 0.0;
+    });
+    let_be_ = slip_tolerance * slip_tolerance * slip;
     prepare_flow();
     ScalarArray mobility(n_);
     for (std::size_t a = 0; a < n_; ++a) mobility[a] = r_[a].mS * q_[a].e;
@@ -533,8 +541,8 @@ class WindowSolver {
   }
 
   /// H s = rhs; rhs and s at responding particles only. To the tolerance of what the solution changes from `before`
-  /// on, down to where rounding begins; the search goes on from s.
-  int solve_H(std::span<const Vec<D>> rhs, std::span<const Vec<D>> before, std::span<Vec<D>> s) const {
+  /// on, down to where rounding begins or the error's energy is let be; the search goes on from s.
+  int solve_H(std::span<const Vec<D>> rhs, std::span<const Vec<D>> before, double let_be, std::span<Vec<D>> s) const {
     const auto flat = [&](std::span<const Vec<D>> f, auto&& factor) {
       ScalarArray x(n_ * D, 0.0);
       for (std::size_t a = 0; a < n_; ++a)
@@ -553,7 +561,8 @@ class WindowSolver {
       patches_->correct(r, z);
     };
     ScalarArray x = flat(s, one);
-    const auto report = conjugate_gradients(apply, precondition, std::move(b), x, skeleton_tolerance * scale, 3000);
+    const auto report =
+        conjugate_gradients(apply, precondition, std::move(b), x, skeleton_tolerance * scale, 3000, let_be);
     for (std::size_t a = 0; a < n_; ++a)
       if (responds(a))
         for (std::size_t d = 0; d < D; ++d) s[a][static_cast<int>(d)] = x[a * D + d];
@@ -585,7 +594,7 @@ class WindowSolver {
           skeleton.ss / (q.aw + q.C) * (q.C * q.aw * pushed(a) + (q.aw + q.C) * (skeleton.as * soil_.velocity[a] + r)) -
           skeleton.mS * G[a] + skeleton.ss / s_.volume[a] * (anchor(a) * soil_.velocity[a] + going(a));
     }
-    out.skeleton_iterations += solve_H(rhs, before, out.solid_velocity.values());
+    out.skeleton_iterations += solve_H(rhs, before, let_be_, out.solid_velocity.values());
   }
 
   void solve_response(const ScalarArray& b, WindowSolution<D>& out) {
@@ -594,13 +603,14 @@ class WindowSolver {
     skeleton_velocity(out.pressure, before, out);
     ScalarArray residual = imbalance(b, ScalarArray(n_, 0.0), out);
     if (closed_) remove_mean(residual);
-    std::vector<VecArray<D>> answers;  // of the skeleton to the directions of the search
+    const double size = norm(residual);  // of what the directions add up to
+    std::vector<VecArray<D>> answers;    // of the skeleton to the directions of the search
     const auto apply = [&](std::span<const double> x, std::span<double> y) {
       const VecArray<D> G = plain_gradient(x, true), still(n_, Vec<D>::Zero());
       VecArray<D> rhs(n_, Vec<D>::Zero());
       for (std::size_t a = 0; a < n_; ++a) rhs[a] = -r_[a].mS * G[a];
       answers.push_back(still);
-      out.skeleton_iterations += solve_H(rhs, still, answers.back());
+      out.skeleton_iterations += solve_H(rhs, still, let_be_ / (size * size), answers.back());
       const ScalarArray squeeze_x = squeezed(answers.back()), held_back = stabilised(x, G);
       fluid_.apply(x, y);
       for (std::size_t a = 0; a < n_; ++a) y[a] += squeeze_x[a] + held_back[a];
@@ -611,7 +621,7 @@ class WindowSolver {
       if (closed_) remove_mean(z);
     };
     ScalarArray dp(n_, 0.0);
-    const double scale = response_tolerance * norm(residual);
+    const double scale = response_tolerance * size;
     const auto report = flexible_gmres(apply, precondition, residual, dp, scale, 12);
     out.outer += report.iterations;
     out.converged = report.converged;
@@ -696,6 +706,7 @@ class WindowSolver {
   PairMatrix fluid_, skeleton_, plain_;
   ScalarArray sources_;
   ScalarArray start_, free_diagonal_, free_boundary_;  ///< the pressure at first; the system with nothing torn
+  double let_be_ = 0.0;                                ///< error of the skeleton's velocity, by its energy [N m/s]
   ScalarArray boundary_, fixed_, stabilisation_, storage_, H_diagonal_, H_preconditioner_;
   std::optional<Patches<D>> patches_;  ///< coarse space of the skeleton's stiffness
   std::vector<float> image_weight_;    ///< [pairs] of the skeleton's stiffness, N s/m

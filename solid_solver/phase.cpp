@@ -121,16 +121,42 @@ Vec<D> Solid<D>::seen_at(std::size_t i) const {
 }
 
 template <int D>
+typename Solid<D>::Standing& Solid<D>::standing() const {
+  if (standing_.revision != state_.revision) standing_ = {state_.revision, {}, {}};
+  return standing_;
+}
+
+template <int D>
+const ScalarArray& Solid<D>::covered_by_soil() const {
+  auto& coverage = standing().coverage;
+  if (coverage.empty()) coverage = own_coverage(setup_, state_);
+  return coverage;
+}
+
+template <int D>
+const std::vector<porous::Seepage>& Solid<D>::seepage() const {
+  auto& laws = standing().seepage;
+  const Particles<D>& p = state_.particles;
+  for (std::size_t i = laws.size(); i < p.size(); ++i)
+    laws.push_back(porous::seepage_at(scene_, scene_.soils[p.material[i]], void_fraction(setup_, p, i)));
+  return laws;
+}
+
+template <int D>
 OrZero<double> Solid<D>::take_pressure(const Inbox& inbox, double time) {
   const std::size_t n = state_.particles.size();
   OrZero<double>& coverage = state_.external.coverage;
+  const auto saturate = [&] {
+    const auto own = [&]() -> const ScalarArray& { return covered_by_soil(); };
+    degree_of_saturation<D>(scene_.soils, state_, coverage, own, state_.external.saturation);
+  };
   if (!water_is_prescribed()) {
     coverage = coverage_of(inbox, n);
     OrZero<double> pressure = field_or_zero(inbox, field::pore_pressure, n, 1);
     if (!pressure.is_laid_out()) return pressure;
     for (std::size_t i = 0; i < n; ++i)
       if (coverage[i] <= 0.0) pressure.set(i, 0.0);
-    degree_of_saturation<D>(scene_.soils, setup_, state_, coverage, state_.external.saturation);
+    saturate();
     return pressure;
   }
   OrZero<double> pressure;
@@ -143,7 +169,7 @@ OrZero<double> Solid<D>::take_pressure(const Inbox& inbox, double time) {
       coverage.set(i, 1.0);
     }
   }
-  degree_of_saturation<D>(scene_.soils, setup_, state_, coverage, state_.external.saturation);
+  saturate();
   return pressure;
 }
 
@@ -212,6 +238,7 @@ void Solid<D>::initialise(const Inbox& inbox) {
       fmt::print(stderr, "rest of the soil: not reached, the run starts in motion\n");
     state_.particles.velocity = initial;
     state_.particles.slip = slip;
+    standing_ = {};
     if (water_is_prescribed()) state_.external.pressure = take_pressure(inbox, state_.time);  // where the soil is now
     rebuild(setup_, state_);
     evaluate_forces(setup_, state_);
@@ -306,9 +333,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
     const double inertia = setup_.inertia_share * p.mass[i] / (p.volume[i] * interval);
     double z = inertia;
     if (scene_.fluid.drag) {
-      const auto law =
-          porous::resistance(setup_.water_weight, 1.0 - solid_fraction(setup_, p, i),
-                             porous::seepage_at(scene_, scene_.soils[p.material[i]], void_fraction(setup_, p, i)));
+      const auto law = porous::resistance(setup_.water_weight, 1.0 - solid_fraction(setup_, p, i), seepage()[i]);
       const double force = Eigen::Map<const Vec<D>>(impulse.values().data() + i * D).norm() / (p.volume[i] * interval);
       // At the same time as the fluid it gets the prediction of the last window, and the pressure with it: what goes
       // beyond them meets at once, too, what the pressure would hold against it where water flows back as the grains
@@ -614,11 +639,9 @@ Publication Solid<D>::publish() const {
     return state_.yielded[i] ? model.yielding_modulus() : model.elasticity().constrained();
   });
   scalars(field::yielding, [&](std::size_t i) { return state_.yielding[i]; });
-  const auto seepage = [&](std::size_t i) {
-    return porous::seepage_at(scene_, scene_.soils[p.material[i]], void_fraction(setup_, p, i));
-  };
-  scalars(field::hydraulic_conductivity, [&](std::size_t i) { return seepage(i).conductivity; });
-  scalars(field::forchheimer_coefficient, [&](std::size_t i) { return seepage(i).quadratic; });
+  const auto& seepage = this->seepage();
+  scalars(field::hydraulic_conductivity, [&](std::size_t i) { return seepage[i].conductivity; });
+  scalars(field::forchheimer_coefficient, [&](std::size_t i) { return seepage[i].quadratic; });
   vectors(field::returned_impulse,
           [&](std::size_t i) { return i < n ? state_.returned_impulse[i] : Vec<D>(Vec<D>::Zero()); });
   return out;

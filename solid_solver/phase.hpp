@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/coupling/phase.hpp"
+#include "common/porous/seepage.hpp"
 #include "solid_solver/equilibrium.hpp"
 #include "solid_solver/setup.hpp"
 
@@ -19,8 +20,14 @@ class Solid final : public Phase {
   void initialise(const coupling::Inbox& inbox) override;
   coupling::Outcome advance(const coupling::Window& window, const coupling::Inbox& inbox) override;
   void save() override { saved_ = state_; }
-  void restore() override { state_ = saved_; }
-  void archive(Archive& archive) override { archive(state_, rest_); }
+  void restore() override {
+    state_ = saved_;
+    standing_ = {};
+  }
+  void archive(Archive& archive) override {
+    archive(state_, rest_);
+    standing_ = {};
+  }
   [[nodiscard]] OutputFrame frame() const override;
   [[nodiscard]] std::vector<GaugeReading> gauges() const override;
   [[nodiscard]] std::map<std::string, double> counters() const override;
@@ -30,6 +37,15 @@ class Solid final : public Phase {
   [[nodiscard]] const Setup<D>& setup() const { return setup_; }
 
  private:
+  /// What follows from where the particles stand: told when asked for, once while they do.
+  struct Standing {
+    std::uint64_t revision = 0;
+    ScalarArray coverage;                  ///< [n] own_coverage()
+    std::vector<porous::Seepage> seepage;  ///< [n] the law at the void fraction
+  };
+  Standing& standing() const;
+  const ScalarArray& covered_by_soil() const;
+  const std::vector<porous::Seepage>& seepage() const;
   /// Coverage and pressure [Pa] of the water at the soil's points: from the partner, or from the case for soil alone.
   OrZero<double> take_pressure(const coupling::Inbox& inbox, double time);
   [[nodiscard]] bool cannot_yield() const { return scene_.solid.model == SolidCase::Model::elastic; }
@@ -74,6 +90,7 @@ class Solid final : public Phase {
   RestReport rest_;
   VecArray<D> lattice_;  ///< m, the particles of coupled soil as they were laid
   std::unique_ptr<Stiffness<D>> stiffness_;
+  mutable Standing standing_;
 };
 
 }  // namespace poretwin::solid
