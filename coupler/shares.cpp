@@ -16,14 +16,15 @@ using Size = std::size_t;
 enum class Kernel { of_candidate, of_block };
 
 template <Kernel K, int D>
-void weigh_all(const PairBlocks<D>& pairs, const PointSet& of, typename Sharing<D>::Weights& out) {
+void weigh_all(const PairBlocks<D>& pairs, std::span<const typename PairBlocks<D>::Block> blocks, const PointSet& of,
+               typename Sharing<D>::Weights& out) {
   const auto* const nodes = pairs.nodes().data();
   out.first.assign(1, 0);
   out.candidate.resize(pairs.n_candidates());
   out.weight.resize(pairs.n_candidates());
   run_lanes([&]() __attribute__((always_inline)) {
     Size n = 0;
-    for (const auto& block : pairs.blocks()) {
+    for (const auto& block : blocks) {
       const std::array<Quad, D> x = block.x;
       Lanes shrink{}, amplitude{};
       if constexpr (K == Kernel::of_block)
@@ -51,12 +52,11 @@ void weigh_all(const PairBlocks<D>& pairs, const PointSet& of, typename Sharing<
 /// sum_j w_ij value_j for every point i of the blocks, K values a point; `value` in cell order, the sums in the
 /// caller's.
 template <Size K, int D>
-void multiply(const PairBlocks<D>& pairs, const typename Sharing<D>::Weights& weights, const std::vector<double>& value,
-              std::vector<double>& sum) {
-  sum.resize(pairs.size() * K);
+void multiply(std::span<const typename PairBlocks<D>::Block> blocks, const typename Sharing<D>::Weights& weights,
+              const std::vector<double>& value, std::vector<double>& sum) {
   run_lanes([&]() __attribute__((always_inline)) {
     Size b = 0;
-    for (const auto& block : pairs.blocks()) {
+    for (const auto& block : blocks) {
       std::array<Quad, K> total{};
       for (Size p = weights.first[b]; p < weights.first[b + 1]; ++p) {
         const double* const v = value.data() + weights.candidate[p] * K;
@@ -87,8 +87,8 @@ class Shares {
         size_(givers.size(), 0.0),
         scale_(receivers.n_active, 1.0) {
     // Receivers weigh by their own kernels on either side.
-    weigh_all<Kernel::of_candidate>(at_givers, givers, by_giver);
-    weigh_all<Kernel::of_block>(at_receivers, receivers, by_receiver);
+    weigh_all<Kernel::of_candidate, D>(at_givers, at_givers.active_blocks(), givers, by_giver);
+    weigh_all<Kernel::of_block, D>(at_receivers, at_receivers.blocks(), receivers, by_receiver);
     for (Size i = 0; i < givers.n_active; ++i)
       for (Size c = 0; c < components_; ++c) size_[i] += std::abs(amounts.values[i * components_ + c]);
   }
@@ -98,10 +98,10 @@ class Shares {
   /// balanced; at its edge the shares stay as the kernel has them.
   void balance() {
     const auto inside = receivers_inside();
-    std::vector<double> part(givers_.size()), load;
+    std::vector<double> part(givers_.size(), 0.0), load;
     for (int round = 0; round < balancing_rounds; ++round) {
       const auto& total = totals();
-      for (Size i = 0; i < part.size(); ++i)
+      for (Size i = 0; i < total.size(); ++i)
         part[i] = size_[i] > 0.0 && total[i] > no_weight ? givers_.volume[i] / total[i] : 0.0;
       receive<1>(part, load);
       double worst = 0.0;
@@ -116,7 +116,7 @@ class Shares {
     }
   }
 
-  /// Of all givers: the sum of their receivers' weights.
+  /// Of the active givers: the sum of their receivers' weights.
   const std::vector<double>& totals() {
     const auto order = at_givers_.order();
     in_order_.resize(order.size());
@@ -124,7 +124,8 @@ class Shares {
       const double owner = receivers_.owner[order[k]];
       in_order_[k] = owner < 0.0 ? 0.0 : scale_[static_cast<Size>(owner)];
     }
-    multiply<1>(at_givers_, by_giver_, in_order_, total_);
+    total_.resize(givers_.n_active);
+    multiply<1, D>(at_givers_.active_blocks(), by_giver_, in_order_, total_);
     return total_;
   }
 
@@ -135,7 +136,8 @@ class Shares {
     in_order_.resize(order.size() * K);
     for (Size k = 0; k < order.size(); ++k)
       for (Size c = 0; c < K; ++c) in_order_[k * K + c] = value[order[k] * K + c];
-    multiply<K>(at_receivers_, by_receiver_, in_order_, got);
+    got.resize(receivers_.size() * K);
+    multiply<K, D>(at_receivers_.blocks(), by_receiver_, in_order_, got);
     for (Size j = receivers_.n_active; j < receivers_.size(); ++j) {
       const double owner = receivers_.owner[j];
       if (owner < 0.0) continue;

@@ -233,11 +233,11 @@ SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox) const {
   if (inbox.coverage.size() != n)
     throw PeerError(
         fmt::format("the exchange brought values for {} fluid particles, there are {}", inbox.coverage.size(), n));
-  auto complete = inbox;
+  ScalarArray asymmetry = inbox.asymmetry;
   if (!state_.columns.empty())
     for (std::size_t a = 0; a < n; ++a)
-      if (complete.coverage[a] > 0.0 && !is_free(a) && nearest_column(x[a])) complete.asymmetry[a] = 0.0;
-  auto view = mapped_soil<D>(scene_, complete, n);
+      if (inbox.coverage[a] > 0.0 && !is_free(a) && nearest_column(x[a])) asymmetry[a] = 0.0;
+  auto view = mapped_soil<D>(scene_, inbox, asymmetry);
   const auto& felt = computes_beside() ? state_.particles.felt : state_.particles.force;
   for (std::size_t a = 0; a < n; ++a)
     if (view.mask[a] > 0.0) view.force.set(a, view.force[a] - felt[a]);

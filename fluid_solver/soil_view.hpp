@@ -129,10 +129,12 @@ SoilView<D> rigid_soil(const Case& scene, std::span<const Vec<D>> points) {
   return soil;
 }
 
-/// Soil of the other process, as mapped to the fluid particles.
+/// Soil of the other process, as mapped to the fluid particles; asymmetry [n]: that of the exchange, 0 where a particle
+/// counts as in the soil wherever any is in reach.
 template <int D>
-SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::size_t n) {
+SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::span<const double> asymmetry) {
   using namespace coupling;
+  const std::size_t n = asymmetry.size();
   SoilView<D> soil;
   soil.resize(n);
   const auto& fraction = inbox.at(field::solid_volume_fraction).values;
@@ -153,7 +155,7 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::si
   for (std::size_t a = 0; a < n; ++a) {
     soil.coverage.set(a, inbox.coverage[a]);
     soil.owed.set(a, vector(owed, a));
-    const double mask = inbox.coverage[a] > 0.0 ? membership(inbox.asymmetry[a]) : 0.0;
+    const double mask = inbox.coverage[a] > 0.0 ? membership(asymmetry[a]) : 0.0;
     const double n_s = std::min(fraction[a], 1.0 - 1e-3) * mask;
     if (n_s < least_solid_fraction || !(conductivity[a] > 0.0)) continue;
     soil.velocity.set(a, vector(velocity, a));

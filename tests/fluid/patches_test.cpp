@@ -78,6 +78,39 @@ TEST(Patches, SaveIterations) {
   EXPECT_LT(3 * iterations(true), 2 * iterations(false));
 }
 
+/// A search that ends by its energy has come that close: residual . z tells it, thanks to the patches, within a factor.
+TEST(Patches, TellTheEnergyOfTheError) {
+  const Lattice lattice(24);
+  const auto patches = lattice.patches(4.0);
+  const std::size_t n = 2 * lattice.position.size();
+  ScalarArray b(n, 0.0);
+  b[n / 2 + 7] = 1.0;
+  const auto apply = [&](std::span<const double> u, std::span<double> y) { lattice.apply(u, y); };
+  const auto solve = [&](double tolerance, double energy, ScalarArray& x) {
+    return conjugate_gradients(
+        apply,
+        [&](std::span<const double> r, std::span<double> z) {
+          for (std::size_t i = 0; i < n; ++i) z[i] = r[i] / 4.0;
+          patches.correct(r, z);
+        },
+        b, x, tolerance, 1000, energy);
+  };
+  ScalarArray exact(n, 0.0), work(n);
+  const auto whole = solve(1e-12, 0.0, exact);
+  ASSERT_TRUE(whole.converged);
+  for (const double share : {1e-2, 1e-4, 1e-6}) {
+    const double asked = share * dot(exact, b);
+    ScalarArray x(n, 0.0);
+    const auto report = solve(0.0, asked, x);
+    EXPECT_TRUE(report.converged);
+    EXPECT_LT(2 * report.iterations, whole.iterations + 10);
+    for (std::size_t i = 0; i < n; ++i) x[i] -= exact[i];
+    apply(x, work);
+    EXPECT_LT(dot(x, work), 5.0 * asked) << share;
+    EXPECT_GT(dot(x, work), 0.01 * asked) << share;
+  }
+}
+
 TEST(Patches, AreWiderWhereTheyWouldBeTooMany) {
   const Lattice lattice(60);
   const auto patches = lattice.patches(1.0);
