@@ -14,11 +14,6 @@ namespace {
 /// the skeleton's velocity. Of the latter 1e-2 would be seen, as pressure in nearly tight soil at rest and as momentum
 /// (docs/theory_fluid.md).
 constexpr double response_tolerance = 1e-2, skeleton_tolerance = 1e-3;
-/// Error of the skeleton's velocity that is let be in any case, over the water's slip, both weighed by the drag and the
-/// inertia that hold them (the energy's norm): as much of the drag and of the flow as the pressure's own tolerance. In
-/// rockfill, which moves by far less than its water, this is what ends the search.
-constexpr double slip_tolerance = 1e-4;
-
 /// Spacings along a patch of the skeleton's coarse space: 4 to 6 take the fewest CPU seconds, in embankment_seepage
 /// and in rockfill_dam.
 constexpr double patch_edge = 5.0;
@@ -394,10 +389,12 @@ class WindowSolver {
     }
     // Vectors change on reflection: keep the image each weight belongs to.
     build_vector_stiffness();
-    const double slip = sum_over(n_, [&](std::size_t a) {
-      return responds(a) ? s_.volume[a] / r_[a].ss * (in_.velocity[a] - soil_.velocity[a]).squaredNorm() : 0.0;
-    });
-    let_be_ = slip_tolerance * slip_tolerance * slip;
+    // What the slip's drag would do in the window to grains that are free is told no better than the change.
+    let_be_ = skeleton_tolerance * skeleton_tolerance * sum_over(n_, [&](std::size_t a) {
+                if (!responds(a)) return 0.0;
+                const Vec<D> dragged = (1.0 - r_[a].as * r_[a].ss) * (in_.velocity[a] - soil_.velocity[a]);
+                return s_.volume[a] / r_[a].ss * dragged.squaredNorm();
+              });
     prepare_flow();
     ScalarArray mobility(n_);
     for (std::size_t a = 0; a < n_; ++a) mobility[a] = r_[a].mS * q_[a].e;
