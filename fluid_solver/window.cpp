@@ -11,9 +11,10 @@ namespace poretwin::fluid {
 namespace {
 
 /// Relative tolerances of the solve with a responding skeleton: of the window's pressure change, and of the change of
-/// the skeleton's velocity. Of the latter 1e-2 would be seen, as pressure in nearly tight soil at rest and as momentum
-/// (docs/theory_fluid.md).
+/// the skeleton's velocity or of what the slip's drag alone would make of it, whichever is more. Of the latter 1e-2
+/// would be seen, as pressure in nearly tight soil at rest and as momentum (docs/theory_fluid.md).
 constexpr double response_tolerance = 1e-2, skeleton_tolerance = 1e-3;
+
 /// Spacings along a patch of the skeleton's coarse space: 4 to 6 take the fewest CPU seconds, in embankment_seepage
 /// and in rockfill_dam.
 constexpr double patch_edge = 5.0;
@@ -389,7 +390,7 @@ class WindowSolver {
     }
     // Vectors change on reflection: keep the image each weight belongs to.
     build_vector_stiffness();
-    // What the slip's drag would do in the window to grains that are free is told no better than the change.
+    // The energy of what the slip's drag would do in the window to grains that are free.
     let_be_ = skeleton_tolerance * skeleton_tolerance * sum_over(n_, [&](std::size_t a) {
                 if (!responds(a)) return 0.0;
                 const Vec<D> dragged = (1.0 - r_[a].as * r_[a].ss) * (in_.velocity[a] - soil_.velocity[a]);
@@ -703,7 +704,7 @@ class WindowSolver {
   PairMatrix fluid_, skeleton_, plain_;
   ScalarArray sources_;
   ScalarArray start_, free_diagonal_, free_boundary_;  ///< the pressure at first; the system with nothing torn
-  double let_be_ = 0.0;                                ///< error of the skeleton's velocity, by its energy [N m/s]
+  double let_be_ = 0.0;                                ///< energy of an error of the skeleton's velocity [N m/s]
   ScalarArray boundary_, fixed_, stabilisation_, storage_, H_diagonal_, H_preconditioner_;
   std::optional<Patches<D>> patches_;  ///< coarse space of the skeleton's stiffness
   std::vector<float> image_weight_;    ///< [pairs] of the skeleton's stiffness, N s/m
