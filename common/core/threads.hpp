@@ -35,10 +35,12 @@ inline constexpr std::size_t worth_threads = 32768;
 /// Into how many parts n entries are shared out.
 inline std::size_t parts_for(std::size_t n) { return n < worth_threads ? 1 : threads(); }
 
-/// Calls work(first, last) for parts of 0 .. n - 1. For work on single entries, which cannot depend on the parts.
+/// Calls work(first, last) for parts of 0 .. n - 1, some for each thread, so that one that comes late finds work, too.
+/// For work on single entries, which cannot depend on the parts.
 template <class Work>
 void side_by_side(std::size_t n, Work&& work) {
-  const std::size_t parts = parts_for(n);
+  constexpr std::size_t each = 4;
+  const std::size_t parts = parts_for(n) > 1 ? each * threads() : 1;
   for_each_part(parts, [&](std::size_t part) { work(n * part / parts, n * (part + 1) / parts); });
 }
 
