@@ -64,8 +64,7 @@ Solid<D>::Solid(const Case& scene) : scene_(scene) {
   if (scene.coupled()) lattice_ = state_.particles.position;
   const std::size_t n = state_.particles.size();
   state_.body.assign(n, Vec<D>::Zero());
-  state_.internal.assign(n, Vec<D>::Zero());
-  state_.stabilising.assign(n, Vec<D>::Zero());
+  state_.force.assign(n, {});
   state_.external.saturation.reserve(n);
   for (const Index soil : state_.particles.material)
     state_.external.saturation.push_back(scene.soils[soil].initial_saturation);
@@ -534,7 +533,7 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
   if (setup_.counts_impulses) state_.from_outside += interval * force_from_outside(setup_, state_, drive);
   if (moved && state_.any_yielded && interval > drained_window()) {
     fill_velocities<D>(p, state_.near, state_.nodes);
-    velocity_gradient<D>(state_.near.pairs, state_.kernel, state_.scratch, state_.nodes, p.correction);
+    velocity_gradient<D>(state_.near.pairs, state_.kernel, state_.nodes);
     tell_yielding(plastic_before, interval);
   }
   state_.external.pressure_gradient = gradient;
@@ -604,7 +603,7 @@ Publication Solid<D>::publish() const {
   vectors(field::unbalanced_force, [&](std::size_t i) -> Vec<D> {
     const std::size_t j = parent(i);
     const Vec<D> r =
-        state_.internal[j] + (load[j] + p.mass[j] * setup_.gravity) / p.volume[j] + state_.external.force[j];
+        state_.force[j].internal() + (load[j] + p.mass[j] * setup_.gravity) / p.volume[j] + state_.external.force[j];
     return i < n ? r : Vec<D>(images[i - n].map * r);
   });
   scalars(field::solid_volume_fraction, [&](std::size_t i) { return solid_fraction(setup_, p, i); });

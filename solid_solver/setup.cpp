@@ -160,7 +160,6 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   particles.stress.assign(n, Tensor::Zero());
   particles.plastic_strain.assign(n, 0.0);
   particles.rubbing.assign(n, 0.0F);
-  particles.correction.assign(n, Mat<D>::Identity());
   setup.stabilisers.sound_speed = fastest;
   setup.stabilisers.modulus = setup.models.front()->elasticity().constrained();
   for (const auto& model : setup.models)  // the softest: no soil may be held by another's stiffness

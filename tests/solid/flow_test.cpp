@@ -62,8 +62,8 @@ Particles<2> sixty_substeps(std::size_t parts) {
   State<2> state;
   state.particles = std::move(particles);
   const std::size_t n = state.particles.size();
-  for (auto* field : {&state.body, &state.internal, &state.stabilising})
-    field->assign(n, Vec<2>::Zero());
+  state.body.assign(n, Vec<2>::Zero());
+  state.force.assign(n, {});
   state.external.saturation.assign(n, 0.0);
   state.yielded.assign(n, 0);
   state.particles.plastic_strain.assign(n, 0.1);
