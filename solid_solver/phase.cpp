@@ -626,44 +626,33 @@ Publication Solid<D>::publish() const {
 template <int D>
 OutputFrame Solid<D>::frame() const {
   const Particles<D>& p = state_.particles;
-  const std::size_t n = p.free();
   OutputFrame frame;
   frame.time = state_.time;
-  auto padded = [&](const VecArray<D>& v) {
-    std::vector<double> values(3 * n, 0.0);
-    for (std::size_t i = 0; i < n; ++i)
-      for (int d = 0; d < D; ++d) values[3 * i + static_cast<std::size_t>(d)] = v[i][d];
-    return values;
-  };
-  auto scalars = [&](auto&& value) {
-    std::vector<double> values(n);
-    for (std::size_t i = 0; i < n; ++i) values[i] = value(i);
-    return values;
-  };
+  frame.count = p.free();
+  frame.position = tell_vectors<D>(p.position);
   const Vec<D> up = upwards(setup_);
-  frame.position = padded(p.position);
-  std::vector<double> stress(6 * n);
-  for (std::size_t i = 0; i < n; ++i)
-    std::copy_n(p.stress[i].data(), 6, stress.begin() + static_cast<std::ptrdiff_t>(6 * i));
-  // One by one: a list of them all would be copied.
-  const auto add = [&](OutputField&& field) { frame.fields.push_back(std::move(field)); };
-  add({"displacement", "m", "displacement of the skeleton since the unloaded state", 3, padded(p.displacement)});
-  add({"velocity", "m/s", "velocity of the skeleton", 3, padded(p.velocity)});
-  add({"effective_stress", "Pa", "effective stress (xx yy zz xy yz xz), compression negative", 6, std::move(stress)});
-  add({"pore_pressure", "Pa", "pressure of the water at the soil's points", 1,
-       scalars([&](std::size_t i) { return state_.external.pressure[i]; })});
-  add({"void_fraction", "1", "porosity n_w = 1 - n_s", 1,
-       scalars([&](std::size_t i) { return void_fraction(setup_, p, i); })});
-  add({"degree_of_saturation", "1", "water's share of the soil's surroundings, Eq. (90)", 1,
-       scalars([&](std::size_t i) { return state_.external.saturation[i]; })});
-  add({"accumulated_plastic_strain", "1", "accumulated equivalent deviatoric plastic strain", 1,
-       scalars([&](std::size_t i) { return p.plastic_strain[i]; })});
-  add({"mobilised_friction", "degrees", "mobilised friction angle, sin phi_m = (s1 - s3) / (s1 + s3)", 1,
-       scalars([&](std::size_t i) { return mobilised_friction(p.stress[i]); })});
-  add({"pore_pressure_ratio", "1", "r_u = pore pressure / total vertical stress; 1: liquefied", 1,
-       scalars([&](std::size_t i) {
-         return pore_pressure_ratio(state_.external.pressure[i], up.dot(matrix_of<D>(p.stress[i]) * up));
-       })});
+  const auto stress = [&p](std::size_t i, double* components) { std::copy_n(p.stress[i].data(), 6, components); };
+  const auto add = [&](FieldDeclaration&& declared, TellParticle&& tell) {
+    frame.fields.push_back({std::move(declared), std::move(tell)});
+  };
+  add({"displacement", "m", "displacement of the skeleton since the unloaded state", 3},
+      tell_vectors<D>(p.displacement));
+  add({"velocity", "m/s", "velocity of the skeleton", 3}, tell_vectors<D>(p.velocity));
+  add({"effective_stress", "Pa", "effective stress (xx yy zz xy yz xz), compression negative", 6}, stress);
+  add({"pore_pressure", "Pa", "pressure of the water at the soil's points", 1},
+      tell_scalars([this](std::size_t i) { return state_.external.pressure[i]; }));
+  add({"void_fraction", "1", "porosity n_w = 1 - n_s", 1},
+      tell_scalars([&p, this](std::size_t i) { return void_fraction(setup_, p, i); }));
+  add({"degree_of_saturation", "1", "water's share of the soil's surroundings, Eq. (90)", 1},
+      tell_scalars([this](std::size_t i) { return state_.external.saturation[i]; }));
+  add({"accumulated_plastic_strain", "1", "accumulated equivalent deviatoric plastic strain", 1},
+      tell_scalars([&p](std::size_t i) { return p.plastic_strain[i]; }));
+  add({"mobilised_friction", "degrees", "mobilised friction angle, sin phi_m = (s1 - s3) / (s1 + s3)", 1},
+      tell_scalars([&p](std::size_t i) { return mobilised_friction(p.stress[i]); }));
+  add({"pore_pressure_ratio", "1", "r_u = pore pressure / total vertical stress; 1: liquefied", 1},
+      tell_scalars([&p, this, up](std::size_t i) {
+        return pore_pressure_ratio(state_.external.pressure[i], up.dot(matrix_of<D>(p.stress[i]) * up));
+      }));
   return frame;
 }
 

@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t particle_chunk = 16384, step_chunk = 256;
 constexpr std::uint8_t vtk_vertex = 1;
 
-std::string components_of(const OutputField& field) {
+std::string components_of(const FieldDeclaration& field) {
   if (field.components == 3) return "x y z";
   if (field.components == 6) return "xx yy zz xy yz xz";
   return "scalar";
@@ -128,42 +128,51 @@ void VtkHdfWriter::declare(const OutputFrame& frame) {
       throw FileError(fmt::format("{}: field name '{}' is empty or holds '/' or '.', which VTKHDF readers cannot take",
                                   path_.string(), field.name));
     Column column;
-    column.declaration = {field.name, field.unit, field.description, field.components, {}};
+    column.declaration = field;
     columns_.push_back(std::move(column));
   }
   bind_columns(true);
 }
 
 void VtkHdfWriter::check(const OutputFrame& frame) const {
-  const std::size_t n = frame.position.size() / 3;
-  if (n * 3 != frame.position.size() || frame.fields.size() != columns_.size())
-    throw FileError(fmt::format("{}: a frame of {} coordinates and {} fields does not fit a file of {} fields",
-                                path_.string(), frame.position.size(), frame.fields.size(), columns_.size()));
+  if (frame.fields.size() != columns_.size())
+    throw FileError(fmt::format("{}: a frame of {} fields does not fit a file of {} fields", path_.string(),
+                                frame.fields.size(), columns_.size()));
   for (std::size_t i = 0; i < columns_.size(); ++i) {
     const auto& field = frame.fields[i];
     const auto& declared = columns_[i].declaration;
-    if (field.name != declared.name || field.components != declared.components ||
-        field.values.size() != n * static_cast<std::size_t>(declared.components))
-      throw FileError(fmt::format("{}: field '{}' with {} values does not fit '{}' with {} components at {} particles",
-                                  path_.string(), field.name, field.values.size(), declared.name, declared.components,
-                                  n));
+    if (field.name != declared.name || field.components != declared.components)
+      throw FileError(fmt::format("{}: field '{}' of {} components does not fit '{}' of {}", path_.string(), field.name,
+                                  field.components, declared.name, declared.components));
+  }
+}
+
+void VtkHdfWriter::append_told(std::size_t count, std::size_t components, const TellParticle& tell,
+                               hdf5::Dataset& data) {
+  const std::size_t rows = std::min(count, particle_chunk / components);
+  std::vector<double> numbers(rows * components);
+  for (std::size_t first = 0; first < count; first += rows) {
+    const std::size_t told = std::min(rows, count - first);
+    for (std::size_t i = 0; i < told; ++i) tell(first + i, &numbers[i * components]);
+    data.append(std::span<const double>(numbers.data(), told * components));
   }
 }
 
 void VtkHdfWriter::append(const OutputFrame& frame) {
   if (steps_.empty()) declare(frame);
   check(frame);
-  const std::size_t n = frame.position.size() / 3;
+  const std::size_t n = frame.count;
   const auto count = static_cast<std::int64_t>(n), first = total_, step = static_cast<std::int64_t>(steps_.size());
 
   std::vector<std::int64_t> sequence(n + 1);
   std::iota(sequence.begin(), sequence.end(), 0);
-  points_.append(frame.position);
+  append_told(n, 3, frame.position, points_);
   connectivity_.append(std::span<const std::int64_t>(sequence.data(), n));
   // Every step holds one offset more than it has cells, an empty step too.
   offsets_.append(sequence);
   types_.append(std::vector<std::uint8_t>(n, vtk_vertex));
-  for (std::size_t i = 0; i < columns_.size(); ++i) columns_[i].values.append(frame.fields[i].values);
+  for (std::size_t i = 0; i < columns_.size(); ++i)
+    append_told(n, static_cast<std::size_t>(frame.fields[i].components), frame.fields[i].tell, columns_[i].values);
   for (auto* counter : {&number_of_points_, &number_of_cells_, &number_of_ids_}) append_one(*counter, count);
 
   times_.append(std::span<const double>(&frame.time, 1));

@@ -43,7 +43,7 @@ class VtkHdfWriter {
     std::int64_t points, first;
   };
   struct Column {
-    OutputField declaration;  ///< without values
+    FieldDeclaration declaration;
     hdf5::Dataset values, offsets;
     void archive(Archive& archive) { archive(declaration); }
   };
@@ -52,6 +52,8 @@ class VtkHdfWriter {
   void bind_columns(bool create);
   void declare(const OutputFrame& frame);
   void check(const OutputFrame& frame) const;
+  /// Appends the numbers of `count` particles, a chunk at a time.
+  static void append_told(std::size_t count, std::size_t components, const TellParticle& tell, hdf5::Dataset& data);
   /// The side-car is text that is written as a whole: after every step at first, then whenever it has grown by a
   /// sixteenth, and at the end.
   void write_sidecar();
