@@ -16,14 +16,13 @@ OutputFrame Fluid<D>::frame() const {
       flux[d] = d < D && p.mask[a] > 0.0 ? p.void_fraction[a] * (p.velocity[a][d] - p.solid_velocity[a][d]) : 0.0;
   };
   const auto surface = [&p](std::size_t a) { return p.surface[a] == Surface::interior ? 0.0 : 1.0; };
-  out.fields = {{{"velocity", "m/s", "velocity of the water between the grains (intrinsic)", 3},
-                 tell_vectors<D>(p.velocity)},
-                {{"pore_pressure", "Pa", "total pressure of the water", 1}, tell_scalars(pressure)},
-                {{"void_fraction", "1", "n_w, water's share of the volume where saturated; 1 in free water", 1},
-                 tell_scalars([&p](std::size_t a) { return p.void_fraction[a]; })},
-                {{"relative_flux", "m/s", "n (v_w - v_s), the discharge through the skeleton; zero in free water", 3},
-                 relative},
-                {{"surface", "1", "1 on the free surface", 1}, tell_scalars(surface)}};
+  out.fields = {
+      {{"velocity", "m/s", "velocity of the water between the grains (intrinsic)", 3}, tell_vectors<D>(p.velocity)},
+      {{"pore_pressure", "Pa", "total pressure of the water", 1}, tell_scalars(pressure)},
+      {{"void_fraction", "1", "n_w, water's share of the volume where saturated; 1 in free water", 1},
+       tell_scalars([&p](std::size_t a) { return p.void_fraction[a]; })},
+      {{"relative_flux", "m/s", "n (v_w - v_s), the discharge through the skeleton; zero in free water", 3}, relative},
+      {{"surface", "1", "1 on the free surface", 1}, tell_scalars(surface)}};
   return out;
 }
 

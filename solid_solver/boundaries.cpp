@@ -99,7 +99,8 @@ void wrap_periodic(const Boundaries<D>& boundaries, VecArray<D>& positions) {
 template <int D>
 void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::size_t n_parts,
                          const Particles<D>& particles, std::span<const char> asleep, Neighbourhood<D>& near) {
-  near.built_at = particles.position;
+  near.built_at.resize(particles.size());
+  for (std::size_t i = 0; i < particles.size(); ++i) near.built_at[i] = particles.position[i].template cast<float>();
   const auto images = sph::make_images<D>(std::span<const Vec<D>>(particles.position),
                                           std::span<const sph::ImagePlane<D>>(boundaries.planes), range);
   near.images.assign(images.size(), {});

@@ -154,7 +154,10 @@ void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& n
                   head[N::at_rubbing] > self[N::at_rubbing] ? head[N::at_rubbing] : Lanes{} + self[N::at_rubbing];
               const LaneMask rubs = rubbing > 0.0;
               if (any(rubs)) {
-                resist *= rubs ? Lanes{} + collision : viscous;
+                // Implicit in the pair: grains that meet closely, or have swollen, would be thrown back.
+                const Lanes stop = stabilisers.step * collision * share *
+                                   (volume / head[N::at_density] + head[N::at_volume] / self[N::at_density]);
+                resist *= rubs ? collision / (1.0 - stop) : viscous;
                 // Coulomb's friction of the collision.
                 const LaneMask collides = rubs & (approach > 0.0);
                 const Lanes pull = approach / (collides ? squared : Lanes{} + 1.0);

@@ -24,6 +24,7 @@ struct Stabilisers {
   double artificial_stress = 0.0;  ///< epsilon, in tension
   double collision = 1.0;          ///< the same where grains that are apart collide: inelastically
   double sound_speed = 0.0;        ///< m/s
+  double step = 0.0;               ///< s, in which no collision may throw back
 };
 
 /// Inverse with the eigenvalues held above a floor.

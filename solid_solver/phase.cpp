@@ -65,9 +65,11 @@ Solid<D>::Solid(const Case& scene) : scene_(scene) {
   const std::size_t n = state_.particles.size();
   state_.body.assign(n, Vec<D>::Zero());
   state_.force.assign(n, {});
-  state_.external.saturation.reserve(n);
-  for (const Index soil : state_.particles.material)
-    state_.external.saturation.push_back(scene.soils[soil].initial_saturation);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Index soil = state_.particles.material[i];
+    const double initial = scene.soils[soil].initial_saturation;
+    if (initial > 0.0 || setup_.softened_by_water[soil]) state_.external.saturation.set(i, initial, n);
+  }
   state_.yielded.assign(n, 0);
   rebuild(setup_, state_);
   state_.rebuilds = 0.0;
@@ -193,8 +195,9 @@ void Solid<D>::initialise(const Inbox& inbox) {
       if (!rebuilt) return;
       state_.external.pressure_gradient = gradient_of(state_.external.pressure, before_everything);
       drive.traction = load_forces<D>(setup_, state_, before_everything);
-      drive.distributed.resize(n);
-      for (std::size_t i = 0; i < n; ++i) drive.distributed[i] = water_force(i, state_.external.pressure_gradient[i]);
+      drive.distributed.lay_out(n);
+      for (std::size_t i = 0; i < n; ++i)
+        drive.distributed.set(i, water_force(i, state_.external.pressure_gradient[i]));
     };
     if (std::any_of(scene_.soils.begin(), scene_.soils.end(),
                     [](const Soil& soil) { return soil.earth_pressure_at_rest.has_value(); })) {
@@ -237,7 +240,8 @@ bool Solid<D>::sleeps_on(Drive<D>& drive, const OrZero<Vec<D>>& gradient, const 
                          const Window& window) {
   if (!state_.sleep.asleep) return false;
   const std::size_t n = state_.particles.size();
-  for (std::size_t i = 0; i < n; ++i) drive.distributed[i] = water_force(i, gradient[i], impulse, window.interval);
+  drive.distributed.lay_out(n);
+  for (std::size_t i = 0; i < n; ++i) drive.distributed.set(i, water_force(i, gradient[i], impulse, window.interval));
   const double reference = reference_acceleration(setup_, state_, drive);
   if (disturbed(setup_, state_, drive, loads_begun(window.time), reference, scene_.solid.quiet->wake_above)) {
     state_.sleep.asleep = false;
@@ -294,7 +298,6 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   // velocity that the fluid predicts: the velocity itself, which has been to the water and back, would come back
   // smoothed, a viscosity of some spacing^2 / window.
   Drive<D> drive;
-  drive.distributed.assign(n, Vec<D>::Zero());
   const bool tracks = !inbox.fields.empty();
   if (tracks) {
     drive.tracking.assign(n, 0.0);
@@ -372,7 +375,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
     }
     const double share = jump ? 1.0 : static_cast<double>(k + 1) / static_cast<double>(steps);
     for (std::size_t i = 0; i < n && !dry; ++i)
-      drive.distributed[i] = water_force(i, (1.0 - share) * from[i] + share * to[i], impulse, interval);
+      drive.distributed.set(i, water_force(i, (1.0 - share) * from[i] + share * to[i], impulse, interval), n);
     if (may_sleep && k == 0) {
       reference = reference_acceleration(setup_, state_, drive);
       const auto& quiet = *scene_.solid.quiet;
@@ -468,11 +471,12 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
   auto external = [&](Drive<D>& drive, bool rebuilt) {
     if (rebuilt && !setup_.loads.empty())
       drive.traction = load_forces<D>(setup_, state_, end - 1e-9 * std::max(1.0, std::abs(end)));
-    drive.distributed.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
       const Vec<D> mean = (p.displacement[i] - start[i]) / interval;
-      drive.distributed[i] = standing[i] + p.mass[i] / interval * (velocity[i] - mean) +
-                             tracking.tracking[i] * (tracking.target[i] - mean);
+      drive.distributed.set(i,
+                            standing[i] + p.mass[i] / interval * (velocity[i] - mean) +
+                                tracking.tracking[i] * (tracking.target[i] - mean),
+                            n);
     }
   };
   for (std::size_t i = 0; i < n; ++i) standing[i] = water_force(i, gradient[i], impulse, interval);

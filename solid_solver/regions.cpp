@@ -125,7 +125,7 @@ bool fall_asleep(const Bounds<D>& bounds, const Drive<D>& drive, State<D>& state
     regions.asleep[i] = 1;
     regions.mark[i] = p.volume[i] * state.force[i].internal();
     regions.outside[i] = force_from_outside(drive, i);
-    regions.saturation[i] = state.external.saturation[i];
+    regions.saturation.set(i, state.external.saturation[i], p.free());
     p.velocity[i].setZero();
     state.nodes[i].gradient.setZero();
     if (!p.slip.empty()) p.slip[i].setZero();

@@ -12,11 +12,11 @@ namespace poretwin::solid {
 /// scatters by some percent: 95 % counts as full.
 template <int D>
 void degree_of_saturation(const std::vector<Soil>& soils, const Setup<D>& setup, const State<D>& state,
-                          const OrZero<double>& coverage, ScalarArray& saturation) {
+                          const OrZero<double>& coverage, OrZero<double>& saturation) {
   constexpr double full = 0.95;
   const double h = setup.smoothing_length, self = sph::WendlandC2<D>::value(0.0, h);
   const std::size_t n = state.particles.size();
-  saturation.resize(n);
+  saturation.lay_out(n);
   ScalarArray own(n);
   for (std::size_t i = 0; i < n; ++i) own[i] = state.nodes[i].volume * self;
   if (std::any_of(coverage.begin(), coverage.end(), [](double c) { return c > 0.0; }))
@@ -29,7 +29,7 @@ void degree_of_saturation(const std::vector<Soil>& soils, const Setup<D>& setup,
   for (std::size_t i = 0; i < n; ++i) {
     const double initial = soils[state.particles.material[i]].initial_saturation;
     const double share = coverage[i] > 0.0 ? std::min(1.0, coverage[i] / (full * std::min(1.0, own[i]))) : 0.0;
-    saturation[i] = initial + (1.0 - initial) * share;
+    saturation.set(i, initial + (1.0 - initial) * share);
   }
 }
 

@@ -18,18 +18,18 @@ namespace poretwin::solid {
 /// The real particles: those of the soil, then those that rough walls hold still.
 template <int D>
 struct Particles {
-  VecArray<D> position;         ///< m
-  VecArray<D> displacement;     ///< m, since the unloaded lattice
-  VecArray<D> velocity;         ///< m/s
-  ScalarArray mass;             ///< kg (per metre in 2D) of solid matter
-  ScalarArray volume;           ///< m^D, bulk volume V = m / (n_s rho_s)
-  std::vector<Tensor> stress;   ///< Pa, effective, compression negative
-  ScalarArray plastic_strain;   ///< accumulated equivalent deviatoric plastic strain
-  std::vector<Index> material;  ///< index of the soil
-  std::vector<float> rubbing;   ///< friction coefficient where grains are apart and only collide, 0 elsewhere
-  VecArray<D> slip;             ///< m/s, of the soil along frictional walls (wall_friction.hpp); empty without such
-  VecArray<D> slipped;          ///< m, displacement that goes with it
-  std::size_t held = 0;         ///< how many, at the end, are held
+  VecArray<D> position;                ///< m
+  VecArray<D> displacement;            ///< m, since the unloaded lattice
+  VecArray<D> velocity;                ///< m/s
+  ScalarArray mass;                    ///< kg (per metre in 2D) of solid matter
+  ScalarArray volume;                  ///< m^D, bulk volume V = m / (n_s rho_s)
+  std::vector<Tensor> stress;          ///< Pa, effective, compression negative
+  ScalarArray plastic_strain;          ///< accumulated equivalent deviatoric plastic strain
+  std::vector<std::uint8_t> material;  ///< index of the soil
+  std::vector<float> rubbing;          ///< friction coefficient where grains are apart and only collide, 0 elsewhere
+  VecArray<D> slip;      ///< m/s, of the soil along frictional walls (wall_friction.hpp); empty without such
+  VecArray<D> slipped;   ///< m, displacement that goes with it
+  std::size_t held = 0;  ///< how many, at the end, are held
   [[nodiscard]] std::size_t size() const { return mass.size(); }
   [[nodiscard]] std::size_t free() const { return mass.size() - held; }  ///< how many, at the front, are free to move
 };
@@ -110,7 +110,8 @@ struct ImageRule {
 /// Who is near whom: real particles and images. Survives displacements below half the skin.
 template <int D>
 struct Neighbourhood {
-  VecArray<D> built_at;  ///< positions of the real particles when built [m]
+  /// Positions of the real particles when built [m]; in floats, of which 1e5 spacings of extent lose 0.006 spacings.
+  std::vector<Eigen::Matrix<float, D, 1>> built_at;
   std::vector<ImageRule<D>> images;
   Pairs pairs;
 };
@@ -119,7 +120,7 @@ struct Neighbourhood {
 template <int D>
 struct External {
   OrZero<double> pressure, coverage;  ///< Pa; 0..1
-  ScalarArray saturation;             ///< degree of saturation s_r
+  OrZero<double> saturation;          ///< degree of saturation s_r
   OrZero<Vec<D>> pressure_gradient;   ///< Pa/m, SPH form of Eq. (62) (or (61)), at the end of the last window
   OrZero<Vec<D>> force;               ///< N/m3 on the skeleton, of pressure and drag, at the end of the last window
 };
@@ -128,8 +129,8 @@ struct External {
 template <int D>
 struct Sleep {
   bool asleep = false;
-  VecArray<D> force;  ///< N on each particle, from the water
-  ScalarArray saturation;
+  OrZero<Vec<D>> force;  ///< N on each particle, from the water
+  OrZero<double> saturation;
   std::size_t loads = 0;  ///< that had begun
 };
 
@@ -141,10 +142,10 @@ struct Regions {
   double looked = 0.0;       ///< clock, when it was last asked what moves
   double sent_to_bed = 0.0;  ///< the same of who falls asleep
   ScalarArray stirred;       ///< clock, when a particle had last moved or yielded
-  VecArray<D> mark;        ///< m, its displacement then; while it sleeps: N, its neighbours' force when it fell asleep
-  VecArray<D> outside;     ///< N, force from outside when it fell asleep
-  ScalarArray sheared;     ///< its plastic strain then
-  ScalarArray saturation;  ///< when it fell asleep
+  VecArray<D> mark;     ///< m, its displacement then; while it sleeps: N, its neighbours' force when it fell asleep
+  VecArray<D> outside;  ///< N, force from outside when it fell asleep
+  ScalarArray sheared;  ///< its plastic strain then
+  OrZero<double> saturation;          ///< when it fell asleep
   std::vector<char> calm, asleep;     ///< 1 or 0; no `asleep` while nothing sleeps
   double watched = 0.0, slept = 0.0;  ///< counters: s times particles, looked at and asleep of these
   [[nodiscard]] bool sleeps(std::size_t i) const { return i < asleep.size() && asleep[i] != 0; }

@@ -42,7 +42,7 @@ bool rebuild_if_moved(const Setup<D>& setup, State<D>& state) {
   std::vector<char> moved(parts, 0);
   for_each_part(parts, [&](std::size_t part) {
     for (std::size_t i = p.free() * part / parts; i < p.free() * (part + 1) / parts && !moved[part]; ++i)
-      moved[part] = (p.position[i] - state.near.built_at[i]).squaredNorm() > limit;
+      moved[part] = (p.position[i] - state.near.built_at[i].template cast<double>()).squaredNorm() > limit;
   });
   if (std::none_of(moved.begin(), moved.end(), [](char m) { return m; })) return false;
   rebuild_lists(setup, state);

@@ -52,8 +52,6 @@ class VtkHdfWriter {
   void bind_columns(bool create);
   void declare(const OutputFrame& frame);
   void check(const OutputFrame& frame) const;
-  /// Appends the numbers of `count` particles, a chunk at a time.
-  static void append_told(std::size_t count, std::size_t components, const TellParticle& tell, hdf5::Dataset& data);
   /// The side-car is text that is written as a whole: after every step at first, then whenever it has grown by a
   /// sixteenth, and at the end.
   void write_sidecar();

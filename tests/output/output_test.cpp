@@ -94,7 +94,8 @@ void expect_steps(const std::filesystem::path& path, const std::vector<OutputFra
     ASSERT_EQ(cells, points);
     ASSERT_EQ(ids, points);
     EXPECT_EQ(times[s], frames[s].time);
-    EXPECT_EQ(rows(file.read_numbers(top + "Points"), point_offsets[s], points, 3), told(frames[s], 3, frames[s].position));
+    EXPECT_EQ(rows(file.read_numbers(top + "Points"), point_offsets[s], points, 3),
+              told(frames[s], 3, frames[s].position));
     EXPECT_THAT(rows(file.read_integers(top + "Types"), cell_offsets[s], cells, 1), testing::Each(1));
     // The reader's rule: a step's row of `Offsets` starts at its cell offset plus one more per part before it.
     const auto offsets = rows(file.read_integers(top + "Offsets"), cell_offsets[s] + part_offsets[s], cells + 1, 1);

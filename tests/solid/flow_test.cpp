@@ -64,13 +64,11 @@ Particles<2> sixty_substeps(std::size_t parts) {
   const std::size_t n = state.particles.size();
   state.body.assign(n, Vec<2>::Zero());
   state.force.assign(n, {});
-  state.external.saturation.assign(n, 0.0);
   state.yielded.assign(n, 0);
   state.particles.plastic_strain.assign(n, 0.1);
   rebuild(setup, state);
   evaluate_forces(setup, state);
   Drive<2> drive;
-  drive.distributed.assign(n, Vec<2>::Zero());
   for (int k = 0; k < 60; ++k) substep(setup, setup.longest_substep, drive, state);
   EXPECT_GT(state.rebuilds, 1.0);
   return state.particles;

@@ -48,8 +48,11 @@ TwinResult<D> plain_twin(const Setup<D>& setup, const State<D>& state) {
       if (u.dot(r) >= 0.0) continue;
       const double rubbing = std::max(a.rubbing, b.rubbing);
       const double closing = -u.dot(r) / (r.squaredNorm() + 0.01 * h * h);
-      const double viscosity = rubbing > 0.0 ? s.collision * s.sound_speed * h
-                                             : s.artificial * s.sound_speed * h + s.quadratic * h * h * closing;
+      const double collision = s.collision * s.sound_speed * h;
+      const double stop = -0.5 * s.step * collision * derivative * (a.density + b.density) *
+                          (a.volume / b.density + b.volume / a.density);
+      const double viscosity =
+          rubbing > 0.0 ? collision / (1.0 + stop) : s.artificial * s.sound_speed * h + s.quadratic * h * h * closing;
       const Vec<D> normal = -0.5 * viscosity * share * closing * r;
       const Vec<D> along = u - u.dot(r) / r.squaredNorm() * r;
       viscous += normal;
