@@ -59,7 +59,7 @@ def run(program, solver, scene, threads):
         command = [program, "run", case, "--out", folder, "--no-pictures", "--quiet", "--restarts", "0"]
         for text in overrides + QUIET:
             command += ["--set", text]
-        done = subprocess.run(command, env={**os.environ, "OMP_NUM_THREADS": str(threads), "OMP_WAIT_POLICY": "passive"})
+        done = subprocess.run(command, env={**os.environ, "OMP_NUM_THREADS": str(threads)})
         if done.returncode != 0:
             raise SystemExit(f"{case} with {overrides}: status {done.returncode}")
         return json.loads((pathlib.Path(folder) / f"{solver}.summary.json").read_text())

@@ -82,8 +82,6 @@ std::vector<Program> programs_of(const RunOptions& options, const Case& scene, c
     if (options.profile && (!other || other->empty())) p.arguments.push_back("--profile");
     for (const auto& assignment : options.overrides) p.arguments.insert(p.arguments.end(), {"--set", assignment});
     p.environment = {{"OMP_NUM_THREADS", std::to_string(available_threads())}};
-    // They take turns: who waits leaves the cores to the others.
-    if (std::getenv("OMP_WAIT_POLICY") == nullptr) p.environment.emplace("OMP_WAIT_POLICY", "passive");
     p.log = options.out / "log" / (name + ".log");
     p.goes_on = resume || again;
     return p;

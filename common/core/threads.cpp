@@ -1,0 +1,111 @@
+#include "common/core/threads.hpp"
+
+#include <atomic>
+#include <cstdint>
+#include <cstdlib>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace poretwin {
+namespace {
+
+/// Threads that help the one that has work.
+class Team {
+ public:
+  explicit Team(std::size_t members) {
+    for (std::size_t k = 0; k < members; ++k) members_.emplace_back([this] { serve(); });
+  }
+  Team(const Team&) = delete;
+  Team& operator=(const Team&) = delete;
+  ~Team() {
+    closed_ = true;
+    wake();
+    for (auto& member : members_) member.join();
+  }
+
+  /// One call at a time.
+  void share(std::size_t n_parts, void (*work)(const void*, std::size_t), const void* object) {
+    work_ = work;
+    object_ = object;
+    done_.store(0, std::memory_order_relaxed);
+    const std::uint64_t job = (ticket_.load(std::memory_order_relaxed) >> 32) + 1;
+    ticket_.store(job << 32 | n_parts << 16, std::memory_order_release);
+    wake();
+    take_parts();
+    const auto all = static_cast<std::uint32_t>(n_parts);
+    for (std::uint32_t done = done_.load(std::memory_order_acquire); done != all;) done = await_change(done_, done);
+  }
+
+ private:
+  /// Waits until the value is another one, awake for as long as waking up would take.
+  static std::uint32_t await_change(const std::atomic<std::uint32_t>& value, std::uint32_t from) {
+    constexpr int looks = 1000;
+    for (int look = 0; look < looks; ++look) {
+      if (const std::uint32_t found = value.load(std::memory_order_acquire); found != from) return found;
+      __builtin_ia32_pause();
+    }
+    value.wait(from, std::memory_order_acquire);
+    return value.load(std::memory_order_acquire);
+  }
+
+  void wake() {
+    calls_.fetch_add(1, std::memory_order_release);
+    calls_.notify_all();
+  }
+
+  void serve() {
+    for (std::uint32_t seen = 0; !closed_;) {
+      seen = await_change(calls_, seen);
+      take_parts();
+    }
+  }
+
+  /// Works on parts until all are taken. What the work is may be read only once a part of it is taken: until that is
+  /// done it stays.
+  void take_parts() {
+    std::uint64_t ticket = ticket_.load(std::memory_order_acquire);
+    for (;;) {
+      const std::uint64_t n_parts = ticket >> 16 & 0xffff, part = ticket & 0xffff;
+      if (part == n_parts) return;
+      if (!ticket_.compare_exchange_weak(ticket, ticket + 1, std::memory_order_acq_rel)) continue;
+      work_(object_, static_cast<std::size_t>(part));
+      if (done_.fetch_add(1, std::memory_order_acq_rel) + 1 == n_parts) done_.notify_all();
+      ticket = ticket_.load(std::memory_order_acquire);
+    }
+  }
+
+  std::atomic<std::uint64_t> ticket_{0};  ///< number of the call, its parts, the next part to be taken
+  std::atomic<std::uint32_t> done_{0}, calls_{0};
+  std::atomic<bool> closed_{false};
+  void (*work_)(const void*, std::size_t) = nullptr;
+  const void* object_ = nullptr;
+  std::vector<std::thread> members_;
+};
+
+}  // namespace
+
+std::size_t threads() {
+  static const auto n = [] {
+    const char* given = std::getenv("OMP_NUM_THREADS");
+    const int asked = given == nullptr ? 0 : std::atoi(given);
+    return asked > 0 ? static_cast<std::size_t>(asked) : std::max<std::size_t>(1, std::thread::hardware_concurrency());
+  }();
+  return n;
+}
+
+void share_parts(std::size_t n_parts, void (*work)(const void* object, std::size_t part), const void* object) {
+  static std::mutex busy;
+  thread_local bool within = false;
+  std::unique_lock<std::mutex> alone(busy, std::defer_lock);
+  if (threads() < 2 || within || !alone.try_lock()) {
+    for (std::size_t part = 0; part < n_parts; ++part) work(object, part);
+    return;
+  }
+  static Team team(threads() - 1);
+  within = true;
+  team.share(n_parts, work, object);
+  within = false;
+}
+
+}  // namespace poretwin

@@ -1,0 +1,50 @@
+// The weakest link of a slip surface, on paths drawn by hand.
+#include "solid_solver/slip_surface.hpp"
+
+#include "solid_solver/gauges.hpp"
+#include "tests/solid/scenes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace poretwin::solid {
+namespace {
+
+TEST(SlipSurface, IsAsStrongAsItsWeakestLink) {
+  test::ColumnSpec spec;
+  spec.gravity = 0.0;
+  Case scene = test::column(spec);
+  Gauge gauge;
+  gauge.name = gauge.kind = "slip_surface";
+  gauge.phase = "solid";
+  gauge.points = {{0.0, 0.2, 0.0}, {0.0, 0.3, 0.0}, {0.4, 0.0, 0.0}, {0.4, 1.0, 0.0}};
+  scene.gauges = {gauge};
+  Solid<2> solid(scene);
+  solid.initialise({});
+  State<2> state = solid.state();
+  const auto read = [&] { return read_gauges<2>(scene, solid.setup(), state).front().value; };
+  EXPECT_EQ(read(), 0.0);  // nothing is sheared
+
+  // A band that rises by a row a column from the left side's (0, 0.225) on, 0.5 but for 0.07 on its way; beside it soil
+  // sheared by 0.01, and high up a stronger band that does not begin where the slip surface shall.
+  const auto at = [&](std::size_t i, int d) {
+    return static_cast<int>(std::floor(state.particles.position[i][d] / spec.spacing));
+  };
+  const auto draw = [&](double link) {
+    for (std::size_t i = 0; i < state.particles.free(); ++i) {
+      const int column = at(i, 0), row = at(i, 1);
+      const bool band = row == 4 + column;
+      state.particles.plastic_strain[i] = row == 18 ? 1.0 : !band ? 0.01 : column == 4 ? link : 0.5;
+    }
+  };
+  draw(0.07);
+  EXPECT_EQ(read(), 0.07);
+  draw(0.0);
+  EXPECT_EQ(read(), 0.01);  // around the gap
+  scene.gauges[0].points[2] = scene.gauges[0].points[3] = {0.8, 0.5, 0.0};
+  EXPECT_EQ(read(), 0.0);  // no soil there
+}
+
+}  // namespace
+}  // namespace poretwin::solid
