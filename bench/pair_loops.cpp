@@ -172,7 +172,8 @@ int main(int argc, char** argv) {
 
   // The soil's loops: its own skin in the lists.
   const double soil_h = 1.2 * dx, range = 2.0 * soil_h + 0.2 * dx;
-  solid::Pairs pairs;
+  solid::Neighbourhood<2> around;
+  solid::Pairs& pairs = around.pairs;
   const double pairing = seconds([&] { solid::pair_up<2>(x, x.size(), x.size(), range, 1, {}, pairs); });
   double near = 0.0;
   for (std::size_t i = 0; i < x.size(); ++i)
@@ -187,19 +188,17 @@ int main(int argc, char** argv) {
     nodes[i].density = 1560.0;
     nodes[i].flux = 1e3 * Mat<2>::Identity();
   }
-  ScalarArray kernel;
-  solid::Scratch<2> scratch;
+  solid::Kernels kernel;
   solid::Stabilisers stabilisers;
   stabilisers.modulus = 1e6;
   stabilisers.sound_speed = 30.0;
-  VecArray<2> internal(x.size()), stabilising(x.size());
+  const VecArray<2> displacement(x.size(), Vec<2>::Zero());
+  std::vector<solid::Force<2>> forces(x.size());
   const auto force = [&] {
-    solid::internal_force<2>(nodes, pairs, x.size(), soil_h, stabilisers, kernel, scratch, internal, stabilising);
+    solid::internal_force<2>(nodes, around, displacement, x.size(), soil_h, stabilisers, kernel, forces);
   };
   report("solid: force, elastic", near, seconds(force), false);
   for (auto& node : nodes) node.firmness = solid::Node<2>::flows;
   report("solid: force, flowing", near, seconds(force), false);
-  MatArray<2> correction(x.size());
-  report("solid: velocity gradient", near,
-         seconds([&] { solid::velocity_gradient<2>(pairs, kernel, scratch, nodes, correction); }), false);
+  report("solid: velocity gradient", near, seconds([&] { solid::velocity_gradient<2>(pairs, kernel, nodes); }), false);
 }

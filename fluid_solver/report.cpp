@@ -8,29 +8,21 @@ OutputFrame Fluid<D>::frame() const {
   const auto& p = state_.particles;
   OutputFrame out;
   out.time = state_.time;
-  const auto three = [](const VecArray<D>& from) {
-    std::vector<double> values(3 * from.size(), 0.0);
-    for (std::size_t a = 0; a < from.size(); ++a)
-      for (std::size_t d = 0; d < D; ++d) values[3 * a + d] = from[a][static_cast<int>(d)];
-    return values;
+  out.count = p.size();
+  out.position = tell_vectors<D>(p.position);
+  const auto pressure = [&p, this](std::size_t a) { return p.pressure[a] + weight_.dot(p.position[a] - origin_); };
+  const auto relative = [&p](std::size_t a, double* flux) {
+    for (int d = 0; d < 3; ++d)
+      flux[d] = d < D && p.mask[a] > 0.0 ? p.void_fraction[a] * (p.velocity[a][d] - p.solid_velocity[a][d]) : 0.0;
   };
-  out.position = three(p.position);
-  ScalarArray pressure(p.size()), flag(p.size());
-  VecArray<D> relative(p.size());
-  for (std::size_t a = 0; a < p.size(); ++a) {
-    pressure[a] = p.pressure[a] + weight_.dot(p.position[a] - origin_);
-    flag[a] = p.surface[a] == Surface::interior ? 0.0 : 1.0;
-    relative[a] =
-        p.mask[a] > 0.0 ? Vec<D>(p.void_fraction[a] * (p.velocity[a] - p.solid_velocity[a])) : Vec<D>(Vec<D>::Zero());
-  }
-  // One by one: a list of them all would be copied.
-  const auto add = [&](OutputField&& field) { out.fields.push_back(std::move(field)); };
-  add({"velocity", "m/s", "velocity of the water between the grains (intrinsic)", 3, three(p.velocity)});
-  add({"pore_pressure", "Pa", "total pressure of the water", 1, std::move(pressure)});
-  add({"void_fraction", "1", "n_w, water's share of the volume where saturated; 1 in free water", 1, p.void_fraction});
-  add({"relative_flux", "m/s", "n (v_w - v_s), the discharge through the skeleton; zero in free water", 3,
-       three(relative)});
-  add({"surface", "1", "1 on the free surface", 1, std::move(flag)});
+  const auto surface = [&p](std::size_t a) { return p.surface[a] == Surface::interior ? 0.0 : 1.0; };
+  out.fields = {
+      {{"velocity", "m/s", "velocity of the water between the grains (intrinsic)", 3}, tell_vectors<D>(p.velocity)},
+      {{"pore_pressure", "Pa", "total pressure of the water", 1}, tell_scalars(pressure)},
+      {{"void_fraction", "1", "n_w, water's share of the volume where saturated; 1 in free water", 1},
+       tell_scalars([&p](std::size_t a) { return p.void_fraction[a]; })},
+      {{"relative_flux", "m/s", "n (v_w - v_s), the discharge through the skeleton; zero in free water", 3}, relative},
+      {{"surface", "1", "1 on the free surface", 1}, tell_scalars(surface)}};
   return out;
 }
 

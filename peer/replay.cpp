@@ -70,9 +70,11 @@ class Replay final : public Phase {
   [[nodiscard]] OutputFrame frame() const override {
     OutputFrame out;
     out.time = now_.time;
-    const auto d = static_cast<std::size_t>(now_.points.dimension);
-    for (std::size_t i = 0; i < now_.points.n_active; ++i)
-      for (std::size_t c = 0; c < 3; ++c) out.position.push_back(c < d ? now_.points.position[i * d + c] : 0.0);
+    out.count = now_.points.n_active;
+    out.position = [this](std::size_t i, double* x) {
+      const auto d = static_cast<std::size_t>(now_.points.dimension);
+      for (std::size_t c = 0; c < 3; ++c) x[c] = c < d ? now_.points.position[i * d + c] : 0.0;
+    };
     return out;
   }
   [[nodiscard]] std::vector<GaugeReading> gauges() const override { return {}; }

@@ -99,7 +99,8 @@ void wrap_periodic(const Boundaries<D>& boundaries, VecArray<D>& positions) {
 template <int D>
 void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::size_t n_parts,
                          const Particles<D>& particles, std::span<const char> asleep, Neighbourhood<D>& near) {
-  near.built_at = particles.position;
+  near.built_at.resize(particles.size());
+  for (std::size_t i = 0; i < particles.size(); ++i) near.built_at[i] = particles.position[i].template cast<float>();
   const auto images = sph::make_images<D>(std::span<const Vec<D>>(particles.position),
                                           std::span<const sph::ImagePlane<D>>(boundaries.planes), range);
   near.images.assign(images.size(), {});
@@ -118,7 +119,7 @@ void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::siz
 }
 
 template <int D>
-void fill_nodes(const Particles<D>& p, const Neighbourhood<D>& near, const VecArray<D>& body, double flow_limit,
+void fill_nodes(const Particles<D>& p, Neighbourhood<D>& near, const VecArray<D>& body, double flow_limit,
                 std::vector<Node<D>>& nodes) {
   const std::size_t n = p.size();
   nodes.resize(n + near.images.size());
@@ -128,27 +129,26 @@ void fill_nodes(const Particles<D>& p, const Neighbourhood<D>& near, const VecAr
     node.velocity = p.velocity[i];
     node.volume = p.volume[i];
     node.density = p.mass[i] / p.volume[i];
-    node.displacement = p.displacement[i];
-    node.flux.noalias() = matrix_of<D>(p.stress[i]) * p.correction[i];
+    node.flux.noalias() = matrix_of<D>(p.stress[i]) * node.correction();
     node.firmness = p.plastic_strain[i] <= 0.0          ? Node<D>::elastic
                     : p.plastic_strain[i] <= flow_limit ? Node<D>::yielded
                                                         : Node<D>::flows;
     node.rubbing = static_cast<double>(p.rubbing[i]);
   });
   for (std::size_t k = 0; k < near.images.size(); ++k) {
-    const ImageRule<D>& rule = near.images[k];
+    ImageRule<D>& rule = near.images[k];
     Node<D>& node = nodes[n + k];
     node = nodes[rule.parent];
     node.position = rule.map * nodes[rule.parent].position + rule.shift;
     node.velocity = rule.moved(p.velocity[rule.parent], p.slip);
     node.gradient = rule.velocity * nodes[rule.parent].gradient * rule.map.transpose();
-    node.displacement = rule.moved(p.displacement[rule.parent], p.slipped);
+    rule.displacement = rule.moved(p.displacement[rule.parent], p.slipped);
     node.deformation = rule.velocity * nodes[rule.parent].deformation * rule.map.transpose();
     node.flux = rule.velocity * nodes[rule.parent].flux * rule.map.transpose();
     for (std::size_t c = 0; c < rule.n_crossings; ++c) {
       const Crossing<D>& wall = rule.crossings[c];
       const double distance = wall.normal.dot(nodes[rule.parent].position) - wall.level;
-      const Vec<D> row = rule.map * (p.correction[rule.parent] * (rule.map.transpose() * wall.normal));
+      const Vec<D> row = rule.map * (nodes[rule.parent].correction() * (rule.map.transpose() * wall.normal));
       const double reach = distance * slope_carried<D>(p, rule.parent, wall.normal, distance, body[rule.parent]);
       node.flux += 2.0 * reach * (wall.share * body[rule.parent]) * row.transpose();
       if (std::isinf(wall.friction)) continue;
@@ -184,10 +184,8 @@ template void build_neighbourhood<2>(const Boundaries<2>&, double, std::size_t, 
                                      std::span<const char>, Neighbourhood<2>&);
 template void build_neighbourhood<3>(const Boundaries<3>&, double, std::size_t, const Particles<3>&,
                                      std::span<const char>, Neighbourhood<3>&);
-template void fill_nodes<2>(const Particles<2>&, const Neighbourhood<2>&, const VecArray<2>&, double,
-                            std::vector<Node<2>>&);
-template void fill_nodes<3>(const Particles<3>&, const Neighbourhood<3>&, const VecArray<3>&, double,
-                            std::vector<Node<3>>&);
+template void fill_nodes<2>(const Particles<2>&, Neighbourhood<2>&, const VecArray<2>&, double, std::vector<Node<2>>&);
+template void fill_nodes<3>(const Particles<3>&, Neighbourhood<3>&, const VecArray<3>&, double, std::vector<Node<3>>&);
 template void fill_velocities<2>(const Particles<2>&, const Neighbourhood<2>&, std::vector<Node<2>>&);
 template void fill_velocities<3>(const Particles<3>&, const Neighbourhood<3>&, std::vector<Node<3>>&);
 

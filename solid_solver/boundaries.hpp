@@ -37,7 +37,7 @@ void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::siz
 /// Position, velocity, gradient, flux and weights of the nodes from the particles, images included.
 /// body: N/m3 on each particle, for the stress's slope at walls.
 template <int D>
-void fill_nodes(const Particles<D>& particles, const Neighbourhood<D>& near, const VecArray<D>& body, double flow_limit,
+void fill_nodes(const Particles<D>& particles, Neighbourhood<D>& near, const VecArray<D>& body, double flow_limit,
                 std::vector<Node<D>>& nodes);
 
 /// Velocities only (between the halves of a step).

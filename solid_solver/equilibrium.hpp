@@ -11,7 +11,7 @@ namespace poretwin::solid {
 template <int D>
 VecArray<D> all_forces(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive) {
   VecArray<D> force = forces(setup, state, drive);
-  for (std::size_t i = 0; i < force.size(); ++i) force[i] += state.particles.volume[i] * state.stabilising[i];
+  for (std::size_t i = 0; i < force.size(); ++i) force[i] += state.particles.volume[i] * state.force[i].stabilising();
   return force;
 }
 

@@ -73,7 +73,8 @@ void stress_slopes(const State<D>& state, Scratch<D>& scratch) {
               gather<0, G::at_stress>(rows, head);
               if (self[G::at_flows] == 0.0 && !(both && any(head[G::at_flows] > 0.0))) return;
               gather<G::at_stress, n_stress>(rows, stress);
-              const Lanes k = *reinterpret_cast<const LooseLanes*>(&state.kernel[m]);
+              Lanes k;
+              take(&state.kernel[m], k);
               for (std::size_t d = 0; d < D; ++d) {
                 r[d] = self[d] - head[d];
                 w[d] = k * r[d];
@@ -130,7 +131,8 @@ const Sums<Around<D>::size>* sum_neighbours(const State<D>& state, double h, Scr
               gather<0, G::at_stress>(rows, head);
               const bool flows = self[G::at_flows] > 0.0;
               if (!flows && !(both && any(head[G::at_flows] > 0.0))) return;
-              const Lanes k = *reinterpret_cast<const LooseLanes*>(&state.kernel[m]);
+              Lanes k;
+              take(&state.kernel[m], k);
               Lanes distance{};
               for (std::size_t d = 0; d < D; ++d) {
                 r[d] = self[d] - head[d];

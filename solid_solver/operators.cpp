@@ -32,7 +32,7 @@ template <int D>
 }  // namespace
 
 template <int D>
-void pair_kernels(const std::vector<Node<D>>& nodes, const Pairs& pairs, double h, Size first, ScalarArray& kernel) {
+void pair_kernels(const std::vector<Node<D>>& nodes, const Pairs& pairs, double h, Size first, Kernels& kernel) {
   const PairKernel<D> derivative(h);
   kernel.resize(pairs.index.size());
   for_all_rows_in_lanes(
@@ -45,29 +45,28 @@ void pair_kernels(const std::vector<Node<D>>& nodes, const Pairs& pairs, double 
               for (int d = 0; d < D; ++d) distance += (self[d] - x[d]) * (self[d] - x[d]);
               take_root(distance);
               derivative.at(distance, k);
-              *reinterpret_cast<LooseLanes*>(&kernel[m]) = k;
+              put(k, &kernel[m]);
             });
       });
 }
 
 template <int D>
-void velocity_gradient(const Pairs& pairs, const ScalarArray& kernel, Scratch<D>& scratch, std::vector<Node<D>>& nodes,
-                       MatArray<D>& correction) {
-  using Own = Sums<D * D + D*(D + 1) / 2>;
-  Own* const sums = scratch.template zero_sums<D * D + D*(D + 1) / 2>(pairs.size());
+void velocity_gradient(const Pairs& pairs, const Kernels& kernel, std::vector<Node<D>>& nodes) {
+  constexpr Size n_sums = Node<D>::n_sums;
+  for_rows(pairs, 0, pairs.size(), [&](Size i) { std::fill_n(nodes[i].sums(), n_sums, 0.0); });
   for_rows_in_lanes(
       pairs, 0, pairs.size(), [&](Size i) __attribute__((always_inline)) {
         const double* const self = nodes[i].row();
         const double volume = nodes[i].volume;
-        Lanes own[Own::size] = {};
+        Lanes own[n_sums] = {};
         for_four_pairs(
             pairs, i, [&](Size m, bool both) __attribute__((always_inline)) {
               const auto rows = rows_at(nodes.data(), &pairs.index[m]);
               const Lanes volumes = {rows[0][Node<D>::at_volume], rows[1][Node<D>::at_volume],
                                      rows[2][Node<D>::at_volume], rows[3][Node<D>::at_volume]};
-              Lanes other[2 * D], r[D], w[D], felt[Own::size] = {};
+              Lanes other[2 * D], r[D], w[D], k, felt[n_sums] = {};
               gather<0, 2 * D>(rows, other);
-              const Lanes k = *reinterpret_cast<const LooseLanes*>(&kernel[m]);
+              take(&kernel[m], k);
               for (Size d = 0; d < D; ++d) {
                 r[d] = self[d] - other[d];
                 w[d] = k * r[d];
@@ -80,33 +79,36 @@ void velocity_gradient(const Pairs& pairs, const ScalarArray& kernel, Scratch<D>
               for (Size n = 0; n < c; ++n) own[n] += volumes * felt[n];
               if (!both) return;
               for (Size n = 0; n < c; ++n) felt[n] *= volume;
-              scatter_add<Own::size>(felt, sums_at(sums, &pairs.index[m]));
+              const Index* const j = &pairs.index[m];
+              scatter_add<n_sums>(felt,
+                                  {nodes[j[0]].sums(), nodes[j[1]].sums(), nodes[j[2]].sums(), nodes[j[3]].sums()});
             });
-        add_lanes<Own::size>(own, sums[i].x.data());
+        add_lanes<n_sums>(own, nodes[i].sums());
       });
   for_rows(pairs, 0, pairs.size(), [&](Size i) {
-    const double* const sum = sums[i].x.data();
-    const double* square = sum + D * D;
-    if (*square == 0.0) {  // no neighbours at all
-      nodes[i].gradient.setZero();
+    Node<D>& node = nodes[i];
+    const Mat<D> moment = node.correction();
+    if (moment(0, 0) == 0.0) {  // no neighbours at all
+      node.set_correction(Mat<D>::Identity());
       return;
     }
-    Mat<D> moment;
-    for (int b = 0; b < D; ++b)
-      for (int a = 0; a <= b; ++a) moment(a, b) = moment(b, a) = *square++;
-    const Mat<D> inverse = invert_moment<D>(moment);  // in registers, as long as it is copied number by number
-    for (int c = 0; c < D * D; ++c) correction[i].data()[c] = inverse.data()[c];
-    nodes[i].gradient.noalias() = Eigen::Map<const Mat<D>>(sum) * inverse;
+    const Mat<D> inverse = invert_moment<D>(moment);
+    node.set_correction(inverse);
+    node.gradient = (node.gradient * inverse).eval();
   });
 }
 
 template <int D>
-void internal_force(const std::vector<Node<D>>& nodes, const Pairs& pairs, Size n_free, double h,
-                    const Stabilisers& stabilisers, ScalarArray& kernel, Scratch<D>& scratch, VecArray<D>& internal,
-                    VecArray<D>& stabilising) {
+void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& near, const VecArray<D>& displacement,
+                    Size n_free, double h, const Stabilisers& stabilisers, Kernels& kernel,
+                    std::vector<Force<D>>& force) {
   using Own = Sums<2 * D>;
   using N = Node<D>;
-  constexpr Size n_head = N::at_flux;
+  constexpr Size n_head = N::at_gradient;
+  const Pairs& pairs = near.pairs;
+  const auto shown = [&](Index j) __attribute__((always_inline)) {
+    return j < displacement.size() ? displacement[j].data() : near.images[j - displacement.size()].displacement.data();
+  };
   const PairKernel<D> derivative(h);
   const double control = 0.25 * stabilisers.zero_energy * stabilisers.sound_speed * h;
   const double stiffness = stabilisers.stiffness * stabilisers.modulus;
@@ -115,7 +117,7 @@ void internal_force(const std::vector<Node<D>>& nodes, const Pairs& pairs, Size 
   const double collision = 0.5 * stabilisers.collision * stabilisers.sound_speed * h;
   const double clip = 0.01 * h * h;
   kernel.resize(pairs.index.size());
-  Own* const sums = scratch.template zero_sums<2 * D>(pairs.size());
+  for_rows(pairs, 0, pairs.size(), [&](Size i) { force[i] = {}; });
   for_rows_in_lanes(
       pairs, 0, n_free, [&](Size i) __attribute__((always_inline)) {
         const double* const self = nodes[i].row();
@@ -138,7 +140,8 @@ void internal_force(const std::vector<Node<D>>& nodes, const Pairs& pairs, Size 
               Lanes distance = squared;
               take_root(distance);
               derivative.at(distance, k);
-              *reinterpret_cast<LooseLanes*>(&kernel[m]) = k;
+              put(k, &kernel[m]);
+              take(&kernel[m], k);
               for (Size d = 0; d < D; ++d) kr[d] = k * r[d];
               gather<N::at_flux, D * D>(rows, other);
               for (Size c = 0; c < D * D; ++c) other[c] += self[N::at_flux + c];
@@ -151,7 +154,10 @@ void internal_force(const std::vector<Node<D>>& nodes, const Pairs& pairs, Size 
                   head[N::at_rubbing] > self[N::at_rubbing] ? head[N::at_rubbing] : Lanes{} + self[N::at_rubbing];
               const LaneMask rubs = rubbing > 0.0;
               if (any(rubs)) {
-                resist *= rubs ? Lanes{} + collision : viscous;
+                // Implicit in the pair: grains that meet closely, or have swollen, would be thrown back.
+                const Lanes stop = stabilisers.step * collision * share *
+                                   (volume / head[N::at_density] + head[N::at_volume] / self[N::at_density]);
+                resist *= rubs ? collision / (1.0 - stop) : viscous;
                 // Coulomb's friction of the collision.
                 const LaneMask collides = rubs & (approach > 0.0);
                 const Lanes pull = approach / (collides ? squared : Lanes{} + 1.0);
@@ -178,36 +184,35 @@ void internal_force(const std::vector<Node<D>>& nodes, const Pairs& pairs, Size 
                 for (Size d = 0; d < D; ++d) felt[D + d] += weight * (2.0 * u[d] - turned[d]);
               }
               if (firmness == N::elastic && any(firm > N::yielded)) {
-                Lanes shift[D], linear[D];
+                Lanes linear[D];
                 gather<N::at_deformation, D * D>(rows, other);
-                gather<N::at_displacement, D>(rows, shift);
+                const Index* const j = &pairs.index[m];
+                const FourRows<const double> theirs{shown(j[0]), shown(j[1]), shown(j[2]), shown(j[3])};
                 for (Size c = 0; c < D * D; ++c) other[c] += self[N::at_deformation + c];
                 times<D>(other, r, linear);
                 const Lanes weight = firm > N::yielded ? stiffness * k : Lanes{};
-                for (Size d = 0; d < D; ++d)
-                  felt[d] += weight * (self[N::at_displacement + d] - shift[d] - 0.5 * linear[d]);
+                for (Size d = 0; d < D; ++d) {
+                  const Lanes shift = {theirs[0][d], theirs[1][d], theirs[2][d], theirs[3][d]};
+                  felt[d] += weight * (displacement[i][static_cast<int>(d)] - shift - 0.5 * linear[d]);
+                }
               }
               for (Size n = 0; n < 2 * D; ++n) own[n] += head[N::at_volume] * felt[n];
               if (!both) return;
               for (Size n = 0; n < 2 * D; ++n) felt[n] *= -volume;
-              scatter_add<Own::size>(felt, sums_at(sums, &pairs.index[m]));
+              const Index* const j = &pairs.index[m];
+              scatter_add<Own::size>(felt, {force[j[0]].sum.x.data(), force[j[1]].sum.x.data(),
+                                            force[j[2]].sum.x.data(), force[j[3]].sum.x.data()});
             });
-        add_lanes<Own::size>(own, sums[i].x.data());
+        add_lanes<Own::size>(own, force[i].sum.x.data());
       });
-  for_rows(pairs, 0, n_free, [&](Size i) {
-    for (Size d = 0; d < D; ++d) {
-      internal[i][static_cast<int>(d)] = sums[i].x[d];
-      stabilising[i][static_cast<int>(d)] = sums[i].x[D + d];
-    }
-  });
+  for_rows(pairs, n_free, pairs.size(), [&](Size i) { force[i] = {}; });
 }
 
-#define PORETWIN_INSTANTIATE(D)                                                                                \
-  template void pair_kernels<D>(const std::vector<Node<D>>&, const Pairs&, double, Size, ScalarArray&);        \
-  template void velocity_gradient<D>(const Pairs&, const ScalarArray&, Scratch<D>&, std::vector<Node<D>>&,     \
-                                     MatArray<D>&);                                                            \
-  template void internal_force<D>(const std::vector<Node<D>>&, const Pairs&, Size, double, const Stabilisers&, \
-                                  ScalarArray&, Scratch<D>&, VecArray<D>&, VecArray<D>&);
+#define PORETWIN_INSTANTIATE(D)                                                                                   \
+  template void pair_kernels<D>(const std::vector<Node<D>>&, const Pairs&, double, Size, Kernels&);               \
+  template void velocity_gradient<D>(const Pairs&, const Kernels&, std::vector<Node<D>>&);                        \
+  template void internal_force<D>(const std::vector<Node<D>>&, const Neighbourhood<D>&, const VecArray<D>&, Size, \
+                                  double, const Stabilisers&, Kernels&, std::vector<Force<D>>&);
 PORETWIN_INSTANTIATE(2)
 PORETWIN_INSTANTIATE(3)
 #undef PORETWIN_INSTANTIATE

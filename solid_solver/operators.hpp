@@ -24,6 +24,7 @@ struct Stabilisers {
   double artificial_stress = 0.0;  ///< epsilon, in tension
   double collision = 1.0;          ///< the same where grains that are apart collide: inelastically
   double sound_speed = 0.0;        ///< m/s
+  double step = 0.0;               ///< s, in which no collision may throw back
 };
 
 /// Inverse with the eigenvalues held above a floor.
@@ -63,14 +64,12 @@ inline Mat<D> invert_moment(const Mat<D>& moment) {
 
 /// W'/r of the pairs of the rows from `first` on.
 template <int D>
-void pair_kernels(const std::vector<Node<D>>& nodes, const Pairs& pairs, double h, std::size_t first,
-                  ScalarArray& kernel);
+void pair_kernels(const std::vector<Node<D>>& nodes, const Pairs& pairs, double h, std::size_t first, Kernels& kernel);
 
 /// Corrected velocity gradient, Eqs. (88), (89) made exact for linear fields near images and free surfaces alike;
 /// the correction B it needs comes with it. Of the particles' nodes; those of images follow in fill_nodes.
 template <int D>
-void velocity_gradient(const Pairs& pairs, const ScalarArray& kernel, Scratch<D>& scratch, std::vector<Node<D>>& nodes,
-                       MatArray<D>& correction);
+void velocity_gradient(const Pairs& pairs, const Kernels& kernel, std::vector<Node<D>>& nodes);
 
 /// Internal force per volume, the exact adjoint of velocity_gradient (cf. Eq. (60)):
 ///   f_i = sum_j V_j (sigma_i B_i + sigma_j B_j) grad W_ij.   Node::flux holds sigma B.
@@ -79,11 +78,11 @@ void velocity_gradient(const Pairs& pairs, const ScalarArray& kernel, Scratch<D>
 /// the same as a viscosity, and artificial viscosity on approaching pairs; where grains that are apart collide, more of
 /// it and with Coulomb's friction (it would else carry thin sheets without any: 23 degrees instead of 31). Every pair's
 /// force is V_i V_j times what is opposite for its two particles, hence momentum is kept. Forces of the first n_free
-/// particles; kernels of their rows are left in `kernel`.
+/// particles, which have these displacements [m]; kernels of their rows are left in `kernel`.
 template <int D>
-void internal_force(const std::vector<Node<D>>& nodes, const Pairs& pairs, std::size_t n_free, double h,
-                    const Stabilisers& stabilisers, ScalarArray& kernel, Scratch<D>& scratch, VecArray<D>& internal,
-                    VecArray<D>& stabilising);
+void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& near, const VecArray<D>& displacement,
+                    std::size_t n_free, double h, const Stabilisers& stabilisers, Kernels& kernel,
+                    std::vector<Force<D>>& force);
 
 /// Artificial stress of Gray, Monaghan & Swift (2001) [N/m3]: close pairs in tension repel one another,
 ///   f_i = sum_j V_j (W(r)/W(dx))^n (R_i + R_j) grad W_ij,   n = 2.55,
@@ -119,9 +118,9 @@ void add_artificial_stress(const State<D>& state, double epsilon, double spacing
 template <int D>
 Mat<D> correction_at(const State<D>& state, std::size_t j) {
   const std::size_t n = state.particles.size();
-  if (j < n) return state.particles.correction[j];
+  if (j < n) return state.nodes[j].correction();
   const auto& rule = state.near.images[j - n];
-  return rule.map * state.particles.correction[rule.parent] * rule.map.transpose();
+  return rule.map * state.nodes[rule.parent].correction() * rule.map.transpose();
 }
 
 /// q_i = sum_j V_j (B_i + B_j) grad W_ij [1/m], B of images mirrored as geometry: zero inside, -(outward normal) times
@@ -134,7 +133,7 @@ VecArray<D> surface_vectors(const State<D>& state) {
   for_each_felt(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t m) {
     const Mat<D> other = correction_at(state, j);
     const Vec<D> w = (state.nodes[j].volume * state.kernel[m]) * (state.nodes[i].position - state.nodes[j].position);
-    q[i] += (state.particles.correction[i] + other) * w;
+    q[i] += (state.nodes[i].correction() + other) * w;
   });
   return q;
 }
@@ -179,7 +178,7 @@ void pressure_gradient_adjoint(const State<D>& state, std::span<const double> pr
     const std::size_t source = j < n ? j : state.near.images[j - n].parent;
     const Mat<D> other = correction_at(state, j);
     const Vec<D> w = (state.nodes[j].volume * state.kernel[m]) * (state.nodes[i].position - state.nodes[j].position);
-    gradient[i] += (pressure[i] * state.particles.correction[i] + pressure[source] * other) * w;
+    gradient[i] += (pressure[i] * state.nodes[i].correction() + pressure[source] * other) * w;
   });
 }
 

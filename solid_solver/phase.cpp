@@ -64,11 +64,12 @@ Solid<D>::Solid(const Case& scene) : scene_(scene) {
   if (scene.coupled()) lattice_ = state_.particles.position;
   const std::size_t n = state_.particles.size();
   state_.body.assign(n, Vec<D>::Zero());
-  state_.internal.assign(n, Vec<D>::Zero());
-  state_.stabilising.assign(n, Vec<D>::Zero());
-  state_.external.saturation.reserve(n);
-  for (const Index soil : state_.particles.material)
-    state_.external.saturation.push_back(scene.soils[soil].initial_saturation);
+  state_.force.assign(n, {});
+  for (std::size_t i = 0; i < n; ++i) {
+    const Index soil = state_.particles.material[i];
+    const double initial = scene.soils[soil].initial_saturation;
+    if (initial > 0.0 || setup_.softened_by_water[soil]) state_.external.saturation.set(i, initial, n);
+  }
   state_.yielded.assign(n, 0);
   rebuild(setup_, state_);
   state_.rebuilds = 0.0;
@@ -220,8 +221,9 @@ void Solid<D>::initialise(const Inbox& inbox) {
       if (!rebuilt) return;
       state_.external.pressure_gradient = gradient_of(state_.external.pressure, before_everything);
       drive.traction = load_forces<D>(setup_, state_, before_everything);
-      drive.distributed.resize(n);
-      for (std::size_t i = 0; i < n; ++i) drive.distributed[i] = water_force(i, state_.external.pressure_gradient[i]);
+      drive.distributed.lay_out(n);
+      for (std::size_t i = 0; i < n; ++i)
+        drive.distributed.set(i, water_force(i, state_.external.pressure_gradient[i]));
     };
     if (std::any_of(scene_.soils.begin(), scene_.soils.end(),
                     [](const Soil& soil) { return soil.earth_pressure_at_rest.has_value(); })) {
@@ -265,7 +267,8 @@ bool Solid<D>::sleeps_on(Drive<D>& drive, const OrZero<Vec<D>>& gradient, const 
                          const Window& window) {
   if (!state_.sleep.asleep) return false;
   const std::size_t n = state_.particles.size();
-  for (std::size_t i = 0; i < n; ++i) drive.distributed[i] = water_force(i, gradient[i], impulse, window.interval);
+  drive.distributed.lay_out(n);
+  for (std::size_t i = 0; i < n; ++i) drive.distributed.set(i, water_force(i, gradient[i], impulse, window.interval));
   const double reference = reference_acceleration(setup_, state_, drive);
   if (disturbed(setup_, state_, drive, loads_begun(window.time), reference, scene_.solid.quiet->wake_above)) {
     state_.sleep.asleep = false;
@@ -322,7 +325,6 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   // velocity that the fluid predicts: the velocity itself, which has been to the water and back, would come back
   // smoothed, a viscosity of some spacing^2 / window.
   Drive<D> drive;
-  drive.distributed.assign(n, Vec<D>::Zero());
   const bool tracks = !inbox.fields.empty();
   if (tracks) {
     drive.tracking.assign(n, 0.0);
@@ -398,7 +400,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
     }
     const double share = jump ? 1.0 : static_cast<double>(k + 1) / static_cast<double>(steps);
     for (std::size_t i = 0; i < n && !dry; ++i)
-      drive.distributed[i] = water_force(i, (1.0 - share) * from[i] + share * to[i], impulse, interval);
+      drive.distributed.set(i, water_force(i, (1.0 - share) * from[i] + share * to[i], impulse, interval), n);
     if (may_sleep && k == 0) {
       reference = reference_acceleration(setup_, state_, drive);
       const auto& quiet = *scene_.solid.quiet;
@@ -494,11 +496,12 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
   auto external = [&](Drive<D>& drive, bool rebuilt) {
     if (rebuilt && !setup_.loads.empty())
       drive.traction = load_forces<D>(setup_, state_, end - 1e-9 * std::max(1.0, std::abs(end)));
-    drive.distributed.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
       const Vec<D> mean = (p.displacement[i] - start[i]) / interval;
-      drive.distributed[i] = standing[i] + p.mass[i] / interval * (velocity[i] - mean) +
-                             tracking.tracking[i] * (tracking.target[i] - mean);
+      drive.distributed.set(i,
+                            standing[i] + p.mass[i] / interval * (velocity[i] - mean) +
+                                tracking.tracking[i] * (tracking.target[i] - mean),
+                            n);
     }
   };
   for (std::size_t i = 0; i < n; ++i) standing[i] = water_force(i, gradient[i], impulse, interval);
@@ -559,7 +562,7 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
   if (setup_.counts_impulses) state_.from_outside += interval * force_from_outside(setup_, state_, drive);
   if (moved && state_.any_yielded && interval > drained_window()) {
     fill_velocities<D>(p, state_.near, state_.nodes);
-    velocity_gradient<D>(state_.near.pairs, state_.kernel, state_.scratch, state_.nodes, p.correction);
+    velocity_gradient<D>(state_.near.pairs, state_.kernel, state_.nodes);
     tell_yielding(plastic_before, interval);
   }
   state_.external.pressure_gradient = gradient;
@@ -629,7 +632,7 @@ Publication Solid<D>::publish() const {
   vectors(field::unbalanced_force, [&](std::size_t i) -> Vec<D> {
     const std::size_t j = parent(i);
     const Vec<D> r =
-        state_.internal[j] + (load[j] + p.mass[j] * setup_.gravity) / p.volume[j] + state_.external.force[j];
+        state_.force[j].internal() + (load[j] + p.mass[j] * setup_.gravity) / p.volume[j] + state_.external.force[j];
     return i < n ? r : Vec<D>(images[i - n].map * r);
   });
   scalars(field::solid_volume_fraction, [&](std::size_t i) { return solid_fraction(setup_, p, i); });
@@ -650,44 +653,33 @@ Publication Solid<D>::publish() const {
 template <int D>
 OutputFrame Solid<D>::frame() const {
   const Particles<D>& p = state_.particles;
-  const std::size_t n = p.free();
   OutputFrame frame;
   frame.time = state_.time;
-  auto padded = [&](const VecArray<D>& v) {
-    std::vector<double> values(3 * n, 0.0);
-    for (std::size_t i = 0; i < n; ++i)
-      for (int d = 0; d < D; ++d) values[3 * i + static_cast<std::size_t>(d)] = v[i][d];
-    return values;
-  };
-  auto scalars = [&](auto&& value) {
-    std::vector<double> values(n);
-    for (std::size_t i = 0; i < n; ++i) values[i] = value(i);
-    return values;
-  };
+  frame.count = p.free();
+  frame.position = tell_vectors<D>(p.position);
   const Vec<D> up = upwards(setup_);
-  frame.position = padded(p.position);
-  std::vector<double> stress(6 * n);
-  for (std::size_t i = 0; i < n; ++i)
-    std::copy_n(p.stress[i].data(), 6, stress.begin() + static_cast<std::ptrdiff_t>(6 * i));
-  // One by one: a list of them all would be copied.
-  const auto add = [&](OutputField&& field) { frame.fields.push_back(std::move(field)); };
-  add({"displacement", "m", "displacement of the skeleton since the unloaded state", 3, padded(p.displacement)});
-  add({"velocity", "m/s", "velocity of the skeleton", 3, padded(p.velocity)});
-  add({"effective_stress", "Pa", "effective stress (xx yy zz xy yz xz), compression negative", 6, std::move(stress)});
-  add({"pore_pressure", "Pa", "pressure of the water at the soil's points", 1,
-       scalars([&](std::size_t i) { return state_.external.pressure[i]; })});
-  add({"void_fraction", "1", "porosity n_w = 1 - n_s", 1,
-       scalars([&](std::size_t i) { return void_fraction(setup_, p, i); })});
-  add({"degree_of_saturation", "1", "water's share of the soil's surroundings, Eq. (90)", 1,
-       scalars([&](std::size_t i) { return state_.external.saturation[i]; })});
-  add({"accumulated_plastic_strain", "1", "accumulated equivalent deviatoric plastic strain", 1,
-       scalars([&](std::size_t i) { return p.plastic_strain[i]; })});
-  add({"mobilised_friction", "degrees", "mobilised friction angle, sin phi_m = (s1 - s3) / (s1 + s3)", 1,
-       scalars([&](std::size_t i) { return mobilised_friction(p.stress[i]); })});
-  add({"pore_pressure_ratio", "1", "r_u = pore pressure / total vertical stress; 1: liquefied", 1,
-       scalars([&](std::size_t i) {
-         return pore_pressure_ratio(state_.external.pressure[i], up.dot(matrix_of<D>(p.stress[i]) * up));
-       })});
+  const auto stress = [&p](std::size_t i, double* components) { std::copy_n(p.stress[i].data(), 6, components); };
+  const auto add = [&](FieldDeclaration&& declared, TellParticle&& tell) {
+    frame.fields.push_back({std::move(declared), std::move(tell)});
+  };
+  add({"displacement", "m", "displacement of the skeleton since the unloaded state", 3},
+      tell_vectors<D>(p.displacement));
+  add({"velocity", "m/s", "velocity of the skeleton", 3}, tell_vectors<D>(p.velocity));
+  add({"effective_stress", "Pa", "effective stress (xx yy zz xy yz xz), compression negative", 6}, stress);
+  add({"pore_pressure", "Pa", "pressure of the water at the soil's points", 1},
+      tell_scalars([this](std::size_t i) { return state_.external.pressure[i]; }));
+  add({"void_fraction", "1", "porosity n_w = 1 - n_s", 1},
+      tell_scalars([&p, this](std::size_t i) { return void_fraction(setup_, p, i); }));
+  add({"degree_of_saturation", "1", "water's share of the soil's surroundings, Eq. (90)", 1},
+      tell_scalars([this](std::size_t i) { return state_.external.saturation[i]; }));
+  add({"accumulated_plastic_strain", "1", "accumulated equivalent deviatoric plastic strain", 1},
+      tell_scalars([&p](std::size_t i) { return p.plastic_strain[i]; }));
+  add({"mobilised_friction", "degrees", "mobilised friction angle, sin phi_m = (s1 - s3) / (s1 + s3)", 1},
+      tell_scalars([&p](std::size_t i) { return mobilised_friction(p.stress[i]); }));
+  add({"pore_pressure_ratio", "1", "r_u = pore pressure / total vertical stress; 1: liquefied", 1},
+      tell_scalars([&p, this, up](std::size_t i) {
+        return pore_pressure_ratio(state_.external.pressure[i], up.dot(matrix_of<D>(p.stress[i]) * up));
+      }));
   return frame;
 }
 

@@ -37,7 +37,7 @@ VecArray<D> forces(const Setup<D>& setup, const State<D>& state, const Drive<D>&
   const Particles<D>& p = state.particles;
   VecArray<D> force(p.free());
   for (std::size_t i = 0; i < p.free(); ++i)
-    force[i] = p.volume[i] * state.internal[i] + force_from_outside(drive, i) + p.mass[i] * setup.gravity;
+    force[i] = p.volume[i] * state.force[i].internal() + force_from_outside(drive, i) + p.mass[i] * setup.gravity;
   return force;
 }
 
@@ -103,7 +103,7 @@ bool softened(const Setup<D>& setup, const State<D>& state) {
   const auto& before = state.sleep.saturation;
   for (std::size_t i = 0; i < state.particles.free(); ++i)
     if (setup.softened_by_water[state.particles.material[i]] &&
-        (before.empty() || std::abs(now[i] - before[i]) > softening))
+        (!before.is_laid_out() || std::abs(now[i] - before[i]) > softening))
       return true;
   return false;
 }

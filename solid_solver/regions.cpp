@@ -62,7 +62,7 @@ bool roused(const Setup<D>& setup, const Bounds<D>& bounds, const Drive<D>& driv
   const double push = bounds.push * p.mass[i];
   if ((force_from_outside(drive, i) - regions.outside[i]).norm() > push) return true;
   return !state.near.pairs.skips(i) &&
-         (p.volume[i] * state.internal[i] - regions.mark[i]).norm() > bounds.within * push;
+         (p.volume[i] * state.force[i].internal() - regions.mark[i]).norm() > bounds.within * push;
 }
 
 /// Notes what has moved or yielded; places of that and of sleepers that are roused.
@@ -123,9 +123,9 @@ bool fall_asleep(const Bounds<D>& bounds, const Drive<D>& drive, State<D>& state
     if (regions.sleeps(i) || regions.stirred[i] > since || happening.near(p.position[i])) continue;
     regions.asleep.resize(p.free(), 0);
     regions.asleep[i] = 1;
-    regions.mark[i] = p.volume[i] * state.internal[i];
+    regions.mark[i] = p.volume[i] * state.force[i].internal();
     regions.outside[i] = force_from_outside(drive, i);
-    regions.saturation[i] = state.external.saturation[i];
+    regions.saturation.set(i, state.external.saturation[i], p.free());
     p.velocity[i].setZero();
     state.nodes[i].gradient.setZero();
     if (!p.slip.empty()) p.slip[i].setZero();

@@ -24,20 +24,19 @@ ScalarArray own_coverage(const Setup<D>& setup, const State<D>& state) {
 
 /// Degree of saturation s_r of every particle, Eq. (90): water's coverage [0..1] over the soil's own, so that a wetted
 /// face is as wet as the soil behind it, from the soil's initial saturation up to 1. The coverage of disordered points
-/// scatters by some percent: 95 % counts as full. own(): own_coverage(), by reference; asked for
-/// where there is water.
+/// scatters by some percent: 95 % counts as full. own(): own_coverage(), by reference; asked for where there is water.
 template <int D, class Own>
 void degree_of_saturation(const std::vector<Soil>& soils, const State<D>& state, const OrZero<double>& coverage,
-                          Own&& own, ScalarArray& saturation) {
+                          Own&& own, OrZero<double>& saturation) {
   constexpr double full = 0.95;
   const std::size_t n = state.particles.size();
-  saturation.resize(n);
+  saturation.lay_out(n);
   const bool wet = std::any_of(coverage.begin(), coverage.end(), [](double c) { return c > 0.0; });
-  const ScalarArray& covered = wet ? own() : saturation;
+  const ScalarArray* around = wet ? &own() : nullptr;
   for (std::size_t i = 0; i < n; ++i) {
     const double initial = soils[state.particles.material[i]].initial_saturation;
-    const double share = coverage[i] > 0.0 ? std::min(1.0, coverage[i] / (full * std::min(1.0, covered[i]))) : 0.0;
-    saturation[i] = initial + (1.0 - initial) * share;
+    const double share = coverage[i] > 0.0 ? std::min(1.0, coverage[i] / (full * std::min(1.0, (*around)[i]))) : 0.0;
+    saturation.set(i, initial + (1.0 - initial) * share);
   }
 }
 

@@ -120,6 +120,9 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   setup.inertia_share = scene.fluid.skeleton_response ? 0.5 : 0.0;
   setup.counts_impulses = asks_for(scene.gauges, "solid", "unexplained_impulse");
   setup.parallel = scene.coupling.scheme == CouplingCase::Scheme::parallel;
+  constexpr std::size_t most_soils = std::numeric_limits<std::uint8_t>::max();
+  if (scene.soils.size() > most_soils)
+    throw CaseError(fmt::format("{} soils: the solid takes at most {}", scene.soils.size(), most_soils));
   double fastest = 0.0;
   for (std::size_t s = 0; s < scene.soils.size(); ++s) {
     const Soil& soil = scene.soils[s];
@@ -146,7 +149,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
       particles.position.push_back(x);
       particles.mass.push_back(density * lattice.volume);
       particles.volume.push_back(lattice.volume);
-      particles.material.push_back(static_cast<Index>(s));
+      particles.material.push_back(static_cast<std::uint8_t>(s));
     }
   }
   if (particles.size() == 0)
@@ -160,12 +163,11 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   particles.stress.assign(n, Tensor::Zero());
   particles.plastic_strain.assign(n, 0.0);
   particles.rubbing.assign(n, 0.0F);
-  particles.correction.assign(n, Mat<D>::Identity());
   setup.stabilisers.sound_speed = fastest;
   setup.stabilisers.modulus = setup.models.front()->elasticity().constrained();
   for (const auto& model : setup.models)  // the softest: no soil may be held by another's stiffness
     setup.stabilisers.modulus = std::min(setup.stabilisers.modulus, model->elasticity().constrained());
-  setup.longest_substep = setup.courant * setup.spacing / fastest;
+  setup.longest_substep = setup.stabilisers.step = setup.courant * setup.spacing / fastest;
   Vec<D> lower = particles.position[0], upper = lower;
   for (std::size_t i = 0; i < particles.free(); ++i) {
     lower = lower.cwiseMin(particles.position[i]);

@@ -18,44 +18,63 @@ namespace poretwin::solid {
 /// The real particles: those of the soil, then those that rough walls hold still.
 template <int D>
 struct Particles {
-  VecArray<D> position;         ///< m
-  VecArray<D> displacement;     ///< m, since the unloaded lattice
-  VecArray<D> velocity;         ///< m/s
-  ScalarArray mass;             ///< kg (per metre in 2D) of solid matter
-  ScalarArray volume;           ///< m^D, bulk volume V = m / (n_s rho_s)
-  std::vector<Tensor> stress;   ///< Pa, effective, compression negative
-  ScalarArray plastic_strain;   ///< accumulated equivalent deviatoric plastic strain
-  std::vector<Index> material;  ///< index of the soil
-  std::vector<float> rubbing;   ///< friction coefficient where grains are apart and only collide, 0 elsewhere
-  MatArray<D> correction;       ///< kernel-gradient correction B
-  VecArray<D> slip;             ///< m/s, of the soil along frictional walls (wall_friction.hpp); empty without such
-  VecArray<D> slipped;          ///< m, displacement that goes with it
-  std::size_t held = 0;         ///< how many, at the end, are held
+  VecArray<D> position;                ///< m
+  VecArray<D> displacement;            ///< m, since the unloaded lattice
+  VecArray<D> velocity;                ///< m/s
+  ScalarArray mass;                    ///< kg (per metre in 2D) of solid matter
+  ScalarArray volume;                  ///< m^D, bulk volume V = m / (n_s rho_s)
+  std::vector<Tensor> stress;          ///< Pa, effective, compression negative
+  ScalarArray plastic_strain;          ///< accumulated equivalent deviatoric plastic strain
+  std::vector<std::uint8_t> material;  ///< index of the soil
+  std::vector<float> rubbing;          ///< friction coefficient where grains are apart and only collide, 0 elsewhere
+  VecArray<D> slip;      ///< m/s, of the soil along frictional walls (wall_friction.hpp); empty without such
+  VecArray<D> slipped;   ///< m, displacement that goes with it
+  std::size_t held = 0;  ///< how many, at the end, are held
   [[nodiscard]] std::size_t size() const { return mass.size(); }
   [[nodiscard]] std::size_t free() const { return mass.size() - held; }  ///< how many, at the front, are free to move
 };
 
+/// Room for n numbers that loops over four pairs add to.
+constexpr std::size_t room_for(std::size_t n) { return (n + 3) / 4 * 4; }
+
 /// What the pair loops read of a particle or an image, packed, four numbers to a register: neighbours are visited in
-/// scattered order. The first 64 bytes (in 2D) are all that the velocity gradient needs. Gradients stand nowhere else;
-/// the rest is told anew of the particles before every force (fill_nodes).
+/// scattered order. In 2D these are three lines of 64 bytes: what the velocity gradient needs, what it sums up, and
+/// what forces need besides. Gradients and the correction stand nowhere else; the rest is told anew of the particles
+/// before every force (fill_nodes).
 template <int D>
 struct alignas(64) Node {
   Vec<D> position = Vec<D>::Zero();
-  Vec<D> velocity = Vec<D>::Zero();      ///< m/s
-  double volume = 0.0;                   ///< m^D
-  double density = 0.0;                  ///< kg/m3, rho_bar
-  double firmness = elastic;             ///< of the zero-energy-mode control: of two particles the lesser counts
-  double rubbing = 0.0;                  ///< see Particles
-  Mat<D> flux = Mat<D>::Zero();          ///< sigma B [Pa]: the stress as its neighbours feel it
-  Mat<D> gradient = Mat<D>::Zero();      ///< 1/s, of the velocity, d v_a / d x_b
-  Mat<D> deformation = Mat<D>::Zero();   ///< 1, of the displacement, d u_a / d x_b
-  Vec<D> displacement = Vec<D>::Zero();  ///< m
+  Vec<D> velocity = Vec<D>::Zero();  ///< m/s
+  double volume = 0.0;               ///< m^D
+  double density = 0.0;              ///< kg/m3, rho_bar
+  double firmness = elastic;         ///< of the zero-energy-mode control: of two particles the lesser counts
+  double rubbing = 0.0;              ///< see Particles
+  Mat<D> gradient = Mat<D>::Zero();  ///< 1/s, of the velocity, d v_a / d x_b
+  std::array<double, room_for(D* D + D * (D + 1) / 2) - D * D> upper{};  ///< columns of B (correction), to the diagonal
+  Mat<D> flux = Mat<D>::Zero();         ///< sigma B [Pa]: the stress as its neighbours feel it
+  Mat<D> deformation = Mat<D>::Zero();  ///< 1, of the displacement, d u_a / d x_b
   static constexpr double flows = 0.0, yielded = 1.0,
                           elastic = 2.0;  ///< no control; of velocities; of displacements, too (never yielded)
   static constexpr std::size_t at_velocity = D, at_volume = 2 * D, at_density = 2 * D + 1, at_firmness = 2 * D + 2,
-                               at_rubbing = 2 * D + 3, at_flux = 2 * D + 4, at_gradient = at_flux + D * D,
-                               at_deformation = at_gradient + D * D, at_displacement = at_deformation + D * D;
+                               at_rubbing = 2 * D + 3, at_gradient = 2 * D + 4,
+                               n_sums = room_for(D * D + D * (D + 1) / 2), at_flux = at_gradient + n_sums,
+                               at_deformation = at_flux + D * D;
   [[nodiscard]] const double* row() const { return position.data(); }
+  /// Where the gradient's loop sums up: the gradient, then the upper half of the moments' matrix.
+  [[nodiscard]] double* sums() { return gradient.data(); }
+  /// Kernel-gradient correction B, symmetric; of images that of their parents (correction_at).
+  [[nodiscard]] Mat<D> correction() const {
+    Mat<D> full;
+    const double* next = upper.data();
+    for (int b = 0; b < D; ++b)
+      for (int a = 0; a <= b; ++a) full(a, b) = full(b, a) = *next++;
+    return full;
+  }
+  void set_correction(const Mat<D>& full) {
+    double* next = upper.data();
+    for (int b = 0; b < D; ++b)
+      for (int a = 0; a <= b; ++a) *next++ = full(a, b);
+  }
 };
 
 /// One wall that an image lies behind. Acceleration vanishes at a wall (its normal part at a roller), hence stress
@@ -80,7 +99,8 @@ struct ImageRule {
   bool slips = false;  ///< some wall passed is frictional
   std::array<Crossing<D>, D> crossings{};
   std::size_t n_crossings = 0;
-  bool periodic = false;  ///< the domain truly goes on: scalars carry over unchanged
+  bool periodic = false;                 ///< the domain truly goes on: scalars carry over unchanged
+  Vec<D> displacement = Vec<D>::Zero();  ///< m, of the image; told with its node
   /// Velocity [m/s] or displacement [m] of the image, with that of the slip.
   [[nodiscard]] Vec<D> moved(const Vec<D>& v, const VecArray<D>& s) const {
     return slips ? Vec<D>(velocity * v + slip * s[parent]) : Vec<D>(velocity * v);
@@ -90,7 +110,8 @@ struct ImageRule {
 /// Who is near whom: real particles and images. Survives displacements below half the skin.
 template <int D>
 struct Neighbourhood {
-  VecArray<D> built_at;  ///< positions of the real particles when built [m]
+  /// Positions of the real particles when built [m]; in floats, of which 1e5 spacings of extent lose 0.006 spacings.
+  std::vector<Eigen::Matrix<float, D, 1>> built_at;
   std::vector<ImageRule<D>> images;
   Pairs pairs;
 };
@@ -99,7 +120,7 @@ struct Neighbourhood {
 template <int D>
 struct External {
   OrZero<double> pressure, coverage;  ///< Pa; 0..1
-  ScalarArray saturation;             ///< degree of saturation s_r
+  OrZero<double> saturation;          ///< degree of saturation s_r
   OrZero<Vec<D>> pressure_gradient;   ///< Pa/m, SPH form of Eq. (62) (or (61)), at the end of the last window
   OrZero<Vec<D>> force;               ///< N/m3 on the skeleton, of pressure and drag, at the end of the last window
 };
@@ -108,8 +129,8 @@ struct External {
 template <int D>
 struct Sleep {
   bool asleep = false;
-  VecArray<D> force;  ///< N on each particle, from the water
-  ScalarArray saturation;
+  OrZero<Vec<D>> force;  ///< N on each particle, from the water
+  OrZero<double> saturation;
   std::size_t loads = 0;  ///< that had begun
 };
 
@@ -121,10 +142,10 @@ struct Regions {
   double looked = 0.0;       ///< clock, when it was last asked what moves
   double sent_to_bed = 0.0;  ///< the same of who falls asleep
   ScalarArray stirred;       ///< clock, when a particle had last moved or yielded
-  VecArray<D> mark;        ///< m, its displacement then; while it sleeps: N, its neighbours' force when it fell asleep
-  VecArray<D> outside;     ///< N, force from outside when it fell asleep
-  ScalarArray sheared;     ///< its plastic strain then
-  ScalarArray saturation;  ///< when it fell asleep
+  VecArray<D> mark;     ///< m, its displacement then; while it sleeps: N, its neighbours' force when it fell asleep
+  VecArray<D> outside;  ///< N, force from outside when it fell asleep
+  ScalarArray sheared;  ///< its plastic strain then
+  OrZero<double> saturation;          ///< when it fell asleep
   std::vector<char> calm, asleep;     ///< 1 or 0; no `asleep` while nothing sleeps
   double watched = 0.0, slept = 0.0;  ///< counters: s times particles, looked at and asleep of these
   [[nodiscard]] bool sleeps(std::size_t i) const { return i < asleep.size() && asleep[i] != 0; }
@@ -160,9 +181,24 @@ struct Motion {
 /// Sums over pairs of n numbers, as the loops over four pairs add to them.
 template <std::size_t n>
 struct alignas(32) Sums {
-  static constexpr std::size_t size = (n + 3) / 4 * 4;
+  static constexpr std::size_t size = room_for(n);
   std::array<double, size> x{};
 };
+
+/// Forces on a particle per volume [N/m3], as the loop over pairs adds to them.
+template <int D>
+struct Force {
+  Sums<2 * D> sum;
+  /// div sigma' (adjoint form).
+  [[nodiscard]] Vec<D> internal() const { return Eigen::Map<const Vec<D>>(sum.x.data()); }
+  /// Zero-energy-mode control and artificial viscosity.
+  [[nodiscard]] Vec<D> stabilising() const { return Eigen::Map<const Vec<D>>(sum.x.data() + D); }
+  void add_stabilising(const Vec<D>& f) { Eigen::Map<Vec<D>>(sum.x.data() + D) += f; }
+};
+
+/// W'/r of every stored pair [1/m^(D+2)], rounded to floats: all loops see the same numbers, so that gradients stay
+/// exact for linear fields and forces their adjoint.
+using Kernels = std::vector<float>;
 
 /// What keep_flow_regular reads of a particle or an image, packed.
 template <int D>
@@ -215,11 +251,10 @@ struct State {
   std::uint64_t revision = 1;
   Particles<D> particles;
   Neighbourhood<D> near;
-  std::vector<Node<D>> nodes;  ///< real particles, then images
-  ScalarArray kernel;          ///< W'/r of every stored pair at the current positions [1/m^(D+2)]
-  VecArray<D> body;            ///< N/m3, all distributed forces that act now: weight, water; not tractions
-  VecArray<D> internal;        ///< N/m3, div sigma' (adjoint form) of the current state
-  VecArray<D> stabilising;     ///< N/m3, zero-energy-mode control and artificial viscosity
+  std::vector<Node<D>> nodes;   ///< real particles, then images
+  Kernels kernel;               ///< at the current positions
+  VecArray<D> body;             ///< N/m3, all distributed forces that act now: weight, water; not tractions
+  std::vector<Force<D>> force;  ///< of the current state; zero on held particles
   External<D> external;
   OrZero<Vec<D>> mean_velocity;      ///< m/s over the last window, of coupled soil
   OrZero<Vec<D>> returned_impulse;   ///< N s, last window

@@ -31,7 +31,7 @@ void rebuild(const Setup<D>& setup, State<D>& state) {
   rebuild_lists(setup, state);
   fill_nodes<D>(state.particles, state.near, state.body, setup.flow_limit, state.nodes);
   pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, 0, state.kernel);
-  velocity_gradient<D>(state.near.pairs, state.kernel, state.scratch, state.nodes, state.particles.correction);
+  velocity_gradient<D>(state.near.pairs, state.kernel, state.nodes);
 }
 
 template <int D>
@@ -42,7 +42,7 @@ bool rebuild_if_moved(const Setup<D>& setup, State<D>& state) {
   std::vector<char> moved(parts, 0);
   for_each_part(parts, [&](std::size_t part) {
     for (std::size_t i = p.free() * part / parts; i < p.free() * (part + 1) / parts && !moved[part]; ++i)
-      moved[part] = (p.position[i] - state.near.built_at[i]).squaredNorm() > limit;
+      moved[part] = (p.position[i] - state.near.built_at[i].template cast<double>()).squaredNorm() > limit;
   });
   if (std::none_of(moved.begin(), moved.end(), [](char m) { return m; })) return false;
   rebuild_lists(setup, state);
@@ -53,12 +53,15 @@ template <int D>
 void evaluate_forces(const Setup<D>& setup, State<D>& state) {
   const std::size_t n_free = state.particles.free();
   fill_nodes<D>(state.particles, state.near, state.body, setup.flow_limit, state.nodes);
-  internal_force<D>(state.nodes, state.near.pairs, n_free, setup.smoothing_length, setup.stabilisers, state.kernel,
-                    state.scratch, state.internal, state.stabilising);
+  internal_force<D>(state.nodes, state.near, state.particles.displacement, n_free, setup.smoothing_length,
+                    setup.stabilisers, state.kernel, state.force);
   pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, n_free, state.kernel);
-  if (setup.stabilisers.artificial_stress > 0.0)
+  if (setup.stabilisers.artificial_stress > 0.0) {
+    VecArray<D> repelling(n_free, Vec<D>::Zero());
     add_artificial_stress<D>(state, setup.stabilisers.artificial_stress, setup.spacing, setup.smoothing_length,
-                             state.stabilising);
+                             repelling);
+    for (std::size_t i = 0; i < n_free; ++i) state.force[i].add_stabilising(repelling[i]);
+  }
 }
 
 template <int D>
@@ -66,7 +69,7 @@ Vec<D> force_from_outside(const Setup<D>& setup, const State<D>& state, const Dr
   const Particles<D>& p = state.particles;
   Vec<D> sum = Vec<D>::Zero();
   for (std::size_t i = 0; i < p.free(); ++i) {
-    sum += p.volume[i] * (state.internal[i] + state.stabilising[i]) + p.mass[i] * setup.gravity;
+    sum += p.volume[i] * (state.force[i].internal() + state.force[i].stabilising()) + p.mass[i] * setup.gravity;
     if (!drive.traction.empty()) sum += drive.traction[i];
   }
   return sum;
@@ -79,12 +82,12 @@ void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& 
   for_rows(state.near.pairs, 0, p.free(), [&](std::size_t i) {
     if (state.regions.sleeps(i)) {
       // Lets waves through: a push of the neighbours moves it as fast as a wave would, until that is seen for a change.
-      const Vec<D> push = p.volume[i] * state.internal[i] - state.regions.mark[i];
+      const Vec<D> push = p.volume[i] * state.force[i].internal() - state.regions.mark[i];
       const double let_through = 0.5 * setup.stabilisers.sound_speed / setup.spacing;
       p.velocity[i] = (p.velocity[i] + dt / p.mass[i] * push) / (1.0 + dt * let_through);
       return;
     }
-    Vec<D> force = p.volume[i] * (state.internal[i] + state.stabilising[i]) + p.mass[i] * setup.gravity;
+    Vec<D> force = p.volume[i] * (state.force[i].internal() + state.force[i].stabilising()) + p.mass[i] * setup.gravity;
     force += drive.distributed[i];
     if (!drive.traction.empty()) force += drive.traction[i];
     state.body[i] = (p.mass[i] * setup.gravity + drive.distributed[i]) / p.volume[i];
@@ -109,7 +112,7 @@ void deform(const Setup<D>& setup, double dt, State<D>& state) {
   Particles<D>& p = state.particles;
   const Pairs& pairs = state.near.pairs;
   fill_velocities<D>(p, state.near, state.nodes);
-  velocity_gradient<D>(pairs, state.kernel, state.scratch, state.nodes, p.correction);
+  velocity_gradient<D>(pairs, state.kernel, state.nodes);
   for_rows(pairs, 0, p.free(), [&](std::size_t i) {
     if (state.regions.sleeps(i)) {
       state.nodes[i].gradient.setZero();

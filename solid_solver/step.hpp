@@ -8,7 +8,7 @@ namespace poretwin::solid {
 /// Forces from outside during one substep, besides gravity; empty arrays mean none.
 template <int D>
 struct Drive {
-  VecArray<D> distributed;       ///< N on each particle: the water's pressure and seepage (always filled)
+  OrZero<Vec<D>> distributed;    ///< N on each particle: the water's pressure and seepage
   VecArray<D> traction;          ///< N on each particle near a loaded face
   ScalarArray tracking;          ///< V Z [N s/m], of the force V Z (target - v)
   VecArray<D> target;            ///< m/s

@@ -33,7 +33,7 @@ void follow(const Setup<D>& setup, double dt, const State<D>& state, Index soil,
       gather<Node<D>::at_gradient, D * D>(rows_at(state.nodes.data(), i), gradient);
       gather<0, 6>({p.stress[i[0]].data(), p.stress[i[1]].data(), p.stress[i[2]].data(), p.stress[i[3]].data()},
                    four.stress);
-      const auto of_each = [&](const ScalarArray& values) __attribute__((always_inline)) {
+      const auto of_each = [&](const auto& values) __attribute__((always_inline)) {
         return Quad{{values[i[0]], values[i[1]], values[i[2]], values[i[3]]}};
       };
       const Lanes mass = of_each(p.mass).v, reference = mass / density, grains = mass / grain_density;

@@ -19,7 +19,7 @@ void for_each_image(const State<D>& state, std::size_t i, Visit&& visit) {
 /// How much a slip changes the soil's velocity gradient across the wall, d(dv_t/dn)/ds [1/m], at particle i; negative.
 template <int D>
 double effect_of_slip(const State<D>& state, std::size_t i, const Vec<D>& normal) {
-  const Vec<D> row = state.particles.correction[i] * normal;
+  const Vec<D> row = state.nodes[i].correction() * normal;
   const Mat<D> along = Mat<D>::Identity() - normal * normal.transpose();
   double effect = 0.0;
   for_each_image(state, i, [&](const ImageRule<D>& image, const Node<D>&, const Vec<D>& weight) {

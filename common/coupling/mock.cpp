@@ -109,10 +109,11 @@ OutputFrame MockPhase::frame() const {
   OutputFrame out;
   out.time = state_.time;
   const auto points = formula_(state_.time).points;
-  const auto dimension = static_cast<std::size_t>(points.dimension);
-  for (std::size_t i = 0; i < points.size(); ++i)
-    for (std::size_t d = 0; d < 3; ++d)
-      out.position.push_back(d < dimension ? points.position[i * dimension + d] : 0.0);
+  out.count = points.size();
+  out.position = [points](std::size_t i, double* x) {
+    const auto dimension = static_cast<std::size_t>(points.dimension);
+    for (std::size_t d = 0; d < 3; ++d) x[d] = d < dimension ? points.position[i * dimension + d] : 0.0;
+  };
   return out;
 }
 

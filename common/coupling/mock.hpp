@@ -85,9 +85,9 @@ class MemoryRecorder final : public Recorder {
     double time = 0.0;
     std::vector<GaugeReading> readings;
   };
-  std::vector<OutputFrame> frames;
+  std::vector<double> frames;  ///< s, their times
   std::vector<Readings> series;
-  void frame(const OutputFrame& frame) override { frames.push_back(frame); }
+  void frame(const OutputFrame& frame) override { frames.push_back(frame.time); }
   void gauges(double time, const std::vector<GaugeReading>& readings) override { series.push_back({time, readings}); }
   void archive(Archive& archive) override { archive(frames, series); }
   [[nodiscard]] std::vector<std::string> files() const override { return {}; }

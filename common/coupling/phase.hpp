@@ -3,8 +3,10 @@
 #pragma once
 
 #include "common/core/archive.hpp"
+#include "common/core/vector.hpp"
 #include "common/coupling/exchange.hpp"
 
+#include <functional>
 #include <map>
 #include <string>
 #include <utility>
@@ -12,21 +14,42 @@
 
 namespace poretwin {
 
-/// One field of the output, declared with its meaning (it lands in the file's metadata).
-struct OutputField {
+/// Writes the numbers of one particle to `numbers`.
+using TellParticle = std::function<void(std::size_t particle, double* numbers)>;
+
+/// What a field of the output means (it lands in the file's metadata).
+struct FieldDeclaration {
   std::string name;  ///< no '/' and no '.'
   std::string unit;
   std::string description;
   int components = 1;  ///< 1, 3 (vectors; z = 0 in 2D) or 6 (symmetric tensors: xx yy zz xy yz xz)
-  std::vector<double> values;
 };
 
-/// Everything of one phase at one time, as a file shows it.
+struct OutputField : FieldDeclaration {
+  TellParticle tell;  ///< all its components
+};
+
+/// Everything of one phase at one time, as a file shows it; told particle by particle, so that it never lies in memory
+/// as a whole. Holds until the phase changes.
 struct OutputFrame {
   double time = 0.0;
-  std::vector<double> position;  ///< [n * 3], z = 0 in 2D
+  std::size_t count = 0;  ///< of particles
+  TellParticle position;  ///< three numbers, z = 0 in 2D
   std::vector<OutputField> fields;
 };
+
+/// Tells an array of vectors, one of each particle, with z = 0 in 2D. The array must outlive what is told.
+template <int D>
+TellParticle tell_vectors(const VecArray<D>& values) {
+  return [&values](std::size_t i, double* numbers) {
+    for (int d = 0; d < 3; ++d) numbers[d] = d < D ? values[i][d] : 0.0;
+  };
+}
+/// Tells one number of each particle.
+template <class Value>
+TellParticle tell_scalars(Value value) {
+  return [value](std::size_t i, double* number) { *number = value(i); };
+}
 
 struct GaugeReading {
   std::string gauge;

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
-#include <numeric>
 
 namespace poretwin {
 namespace {
@@ -15,7 +14,7 @@ namespace {
 constexpr std::size_t particle_chunk = 16384, step_chunk = 256;
 constexpr std::uint8_t vtk_vertex = 1;
 
-std::string components_of(const OutputField& field) {
+std::string components_of(const FieldDeclaration& field) {
   if (field.components == 3) return "x y z";
   if (field.components == 6) return "xx yy zz xy yz xz";
   return "scalar";
@@ -29,6 +28,18 @@ std::string_view xdmf_type(int components) {
 
 /// One row of a data set per step.
 void append_one(hdf5::Dataset& data, std::int64_t value) { data.append(std::span<const std::int64_t>(&value, 1)); }
+
+/// Appends `count` rows of so many columns, a chunk at a time; tell(i, numbers) writes row i.
+template <class Number, class Tell>
+void append_rows(hdf5::Dataset& data, std::size_t count, std::size_t columns, const Tell& tell) {
+  const std::size_t rows = std::min(count, particle_chunk / columns);
+  std::vector<Number> numbers(rows * columns);
+  for (std::size_t first = 0; first < count; first += rows) {
+    const std::size_t told = std::min(rows, count - first);
+    for (std::size_t i = 0; i < told; ++i) tell(first + i, &numbers[i * columns]);
+    data.append(std::span<const Number>(numbers.data(), told * columns));
+  }
+}
 
 std::string slab(const std::string& file, const std::string& name, std::int64_t first, std::int64_t count,
                  std::int64_t total, int columns) {
@@ -128,42 +139,40 @@ void VtkHdfWriter::declare(const OutputFrame& frame) {
       throw FileError(fmt::format("{}: field name '{}' is empty or holds '/' or '.', which VTKHDF readers cannot take",
                                   path_.string(), field.name));
     Column column;
-    column.declaration = {field.name, field.unit, field.description, field.components, {}};
+    column.declaration = field;
     columns_.push_back(std::move(column));
   }
   bind_columns(true);
 }
 
 void VtkHdfWriter::check(const OutputFrame& frame) const {
-  const std::size_t n = frame.position.size() / 3;
-  if (n * 3 != frame.position.size() || frame.fields.size() != columns_.size())
-    throw FileError(fmt::format("{}: a frame of {} coordinates and {} fields does not fit a file of {} fields",
-                                path_.string(), frame.position.size(), frame.fields.size(), columns_.size()));
+  if (frame.fields.size() != columns_.size())
+    throw FileError(fmt::format("{}: a frame of {} fields does not fit a file of {} fields", path_.string(),
+                                frame.fields.size(), columns_.size()));
   for (std::size_t i = 0; i < columns_.size(); ++i) {
     const auto& field = frame.fields[i];
     const auto& declared = columns_[i].declaration;
-    if (field.name != declared.name || field.components != declared.components ||
-        field.values.size() != n * static_cast<std::size_t>(declared.components))
-      throw FileError(fmt::format("{}: field '{}' with {} values does not fit '{}' with {} components at {} particles",
-                                  path_.string(), field.name, field.values.size(), declared.name, declared.components,
-                                  n));
+    if (field.name != declared.name || field.components != declared.components)
+      throw FileError(fmt::format("{}: field '{}' of {} components does not fit '{}' of {}", path_.string(), field.name,
+                                  field.components, declared.name, declared.components));
   }
 }
 
 void VtkHdfWriter::append(const OutputFrame& frame) {
   if (steps_.empty()) declare(frame);
   check(frame);
-  const std::size_t n = frame.position.size() / 3;
+  const std::size_t n = frame.count;
   const auto count = static_cast<std::int64_t>(n), first = total_, step = static_cast<std::int64_t>(steps_.size());
 
-  std::vector<std::int64_t> sequence(n + 1);
-  std::iota(sequence.begin(), sequence.end(), 0);
-  points_.append(frame.position);
-  connectivity_.append(std::span<const std::int64_t>(sequence.data(), n));
+  const auto number = [](std::size_t i, std::int64_t* itself) { *itself = static_cast<std::int64_t>(i); };
+  append_rows<double>(points_, n, 3, frame.position);
+  append_rows<std::int64_t>(connectivity_, n, 1, number);
   // Every step holds one offset more than it has cells, an empty step too.
-  offsets_.append(sequence);
-  types_.append(std::vector<std::uint8_t>(n, vtk_vertex));
-  for (std::size_t i = 0; i < columns_.size(); ++i) columns_[i].values.append(frame.fields[i].values);
+  append_rows<std::int64_t>(offsets_, n + 1, 1, number);
+  append_rows<std::uint8_t>(types_, n, 1, [](std::size_t, std::uint8_t* type) { *type = vtk_vertex; });
+  for (std::size_t k = 0; k < columns_.size(); ++k)
+    append_rows<double>(columns_[k].values, n, static_cast<std::size_t>(frame.fields[k].components),
+                        frame.fields[k].tell);
   for (auto* counter : {&number_of_points_, &number_of_cells_, &number_of_ids_}) append_one(*counter, count);
 
   times_.append(std::span<const double>(&frame.time, 1));

@@ -43,7 +43,7 @@ class VtkHdfWriter {
     std::int64_t points, first;
   };
   struct Column {
-    OutputField declaration;  ///< without values
+    FieldDeclaration declaration;
     hdf5::Dataset values, offsets;
     void archive(Archive& archive) { archive(declaration); }
   };

@@ -119,7 +119,7 @@ TEST(Parallel, ARefusedWindowIsRestoredOnBothSides) {
   ASSERT_EQ(run.solid_record.frames.size(), 11u);
   for (std::size_t k = 0; k <= 10; ++k)
     for (const auto* record : {&run.fluid_record, &run.solid_record})
-      EXPECT_NEAR(record->frames[k].time, 0.1 * static_cast<double>(k), 1e-12);
+      EXPECT_NEAR(record->frames[k], 0.1 * static_cast<double>(k), 1e-12);
 }
 
 TEST(Schedule, HitsOutputInstantsExactly) {
@@ -137,7 +137,7 @@ TEST(Schedule, HitsOutputInstantsExactly) {
   run.expect_success();
   for (const auto* record : {&run.fluid_record, &run.solid_record}) {
     ASSERT_EQ(record->frames.size(), 11u);
-    for (std::size_t k = 0; k <= 10; ++k) EXPECT_NEAR(record->frames[k].time, 0.1 * static_cast<double>(k), 1e-15);
+    for (std::size_t k = 0; k <= 10; ++k) EXPECT_NEAR(record->frames[k], 0.1 * static_cast<double>(k), 1e-15);
     EXPECT_EQ(record->series.size(), 5u);
   }
   double time = 0.0;
@@ -169,7 +169,7 @@ TEST_P(EveryLine, ARejectedWindowIsRestoredOnBothSidesAndRepeatedShorter) {
   ASSERT_EQ(run.fluid_record.frames.size(), 11u);
   ASSERT_EQ(run.solid_record.frames.size(), 11u);
   for (std::size_t k = 0; k <= 10; ++k)
-    EXPECT_NEAR(run.fluid_record.frames[k].time, 0.1 * static_cast<double>(k), 1e-12);
+    EXPECT_NEAR(run.fluid_record.frames[k], 0.1 * static_cast<double>(k), 1e-12);
   EXPECT_EQ(run.fluid.report.windows, run.report.windows);
   EXPECT_EQ(run.solid.report.windows, run.report.windows);
   // The repeated attempt starts where the refused one did, and is shorter.
@@ -288,7 +288,7 @@ TEST(Alone, HitsOutputsAndRepeatsRejectedWindows) {
   EXPECT_EQ(report.rejected, 2u);
   EXPECT_DOUBLE_EQ(report.time, 1.0);
   ASSERT_EQ(record.frames.size(), 6u);
-  for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(record.frames[k].time, 0.2 * static_cast<double>(k), 1e-15);
+  for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(record.frames[k], 0.2 * static_cast<double>(k), 1e-15);
   EXPECT_EQ(seen.size(), report.windows);
   EXPECT_TRUE(fluid.seen().inboxes.front().fields.empty());
 }

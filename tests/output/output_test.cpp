@@ -39,16 +39,29 @@ class Output : public testing::Test {
 OutputFrame frame_of(std::size_t n, double time) {
   OutputFrame frame;
   frame.time = time;
-  frame.fields = {{"pore_pressure", "Pa", "Pressure of the water", 1, {}},
-                  {"velocity", "m/s", "Velocity", 3, {}},
-                  {"effective_stress", "Pa", "Effective stress, compression negative", 6, {}}};
-  for (std::size_t i = 0; i < n; ++i) {
-    const double base = 1000.0 * time + static_cast<double>(i) + 1.0 / 3.0;
-    frame.position.insert(frame.position.end(), {base, -base, 0.0});
-    for (auto& field : frame.fields)
-      for (int c = 0; c < field.components; ++c) field.values.push_back(base * (1.0 + c) + 1e-13 * c);
-  }
+  frame.count = n;
+  const auto base = [time](std::size_t i) { return 1000.0 * time + static_cast<double>(i) + 1.0 / 3.0; };
+  frame.position = [base](std::size_t i, double* x) {
+    x[0] = base(i);
+    x[1] = -base(i);
+    x[2] = 0.0;
+  };
+  frame.fields = {{{"pore_pressure", "Pa", "Pressure of the water", 1}, {}},
+                  {{"velocity", "m/s", "Velocity", 3}, {}},
+                  {{"effective_stress", "Pa", "Effective stress, compression negative", 6}, {}}};
+  for (auto& field : frame.fields)
+    field.tell = [base, components = field.components](std::size_t i, double* numbers) {
+      for (int c = 0; c < components; ++c) numbers[c] = base(i) * (1.0 + c) + 1e-13 * c;
+    };
   return frame;
+}
+
+/// The numbers of all particles.
+std::vector<double> told(const OutputFrame& frame, int components, const TellParticle& tell) {
+  const auto each = static_cast<std::size_t>(components);
+  std::vector<double> numbers(frame.count * each);
+  for (std::size_t i = 0; i < frame.count; ++i) tell(i, &numbers[i * each]);
+  return numbers;
 }
 
 template <class T>
@@ -77,11 +90,12 @@ void expect_steps(const std::filesystem::path& path, const std::vector<OutputFra
     const auto points = file.read_integers(top + "NumberOfPoints")[part];
     const auto cells = file.read_integers(top + "NumberOfCells")[part];
     const auto ids = file.read_integers(top + "NumberOfConnectivityIds")[part];
-    ASSERT_EQ(points, static_cast<std::int64_t>(frames[s].position.size() / 3));
+    ASSERT_EQ(points, static_cast<std::int64_t>(frames[s].count));
     ASSERT_EQ(cells, points);
     ASSERT_EQ(ids, points);
     EXPECT_EQ(times[s], frames[s].time);
-    EXPECT_EQ(rows(file.read_numbers(top + "Points"), point_offsets[s], points, 3), frames[s].position);
+    EXPECT_EQ(rows(file.read_numbers(top + "Points"), point_offsets[s], points, 3),
+              told(frames[s], 3, frames[s].position));
     EXPECT_THAT(rows(file.read_integers(top + "Types"), cell_offsets[s], cells, 1), testing::Each(1));
     // The reader's rule: a step's row of `Offsets` starts at its cell offset plus one more per part before it.
     const auto offsets = rows(file.read_integers(top + "Offsets"), cell_offsets[s] + part_offsets[s], cells + 1, 1);
@@ -91,7 +105,7 @@ void expect_steps(const std::filesystem::path& path, const std::vector<OutputFra
     for (const auto& field : frames[s].fields) {
       const auto offset = file.read_integers(steps + "PointDataOffsets/" + field.name)[s];
       EXPECT_EQ(rows(file.read_numbers(top + "PointData/" + field.name), offset, points, field.components),
-                field.values);
+                told(frames[s], field.components, field.tell));
     }
   }
 }
@@ -170,7 +184,9 @@ TEST_F(Output, MisfitFramesAndPathsAreNamed) {
   VtkHdfWriter writer(folder_ / "a.vtkhdf");
   writer.append(frame_of(3, 0.0));
   auto wrong = frame_of(3, 0.1);
-  wrong.fields[1].values.pop_back();
+  wrong.fields[1].components = 6;
+  EXPECT_THROW(writer.append(wrong), FileError);
+  wrong.fields.pop_back();
   EXPECT_THROW(writer.append(wrong), FileError);
   auto dotted = frame_of(1, 0.0);
   dotted.fields[0].name = "a.b";

@@ -62,15 +62,13 @@ Particles<2> sixty_substeps(std::size_t parts) {
   State<2> state;
   state.particles = std::move(particles);
   const std::size_t n = state.particles.size();
-  for (auto* field : {&state.body, &state.internal, &state.stabilising})
-    field->assign(n, Vec<2>::Zero());
-  state.external.saturation.assign(n, 0.0);
+  state.body.assign(n, Vec<2>::Zero());
+  state.force.assign(n, {});
   state.yielded.assign(n, 0);
   state.particles.plastic_strain.assign(n, 0.1);
   rebuild(setup, state);
   evaluate_forces(setup, state);
   Drive<2> drive;
-  drive.distributed.assign(n, Vec<2>::Zero());
   for (int k = 0; k < 60; ++k) substep(setup, setup.longest_substep, drive, state);
   EXPECT_GT(state.rebuilds, 1.0);
   return state.particles;

@@ -19,6 +19,10 @@ TwinResult<D> plain_twin(const Setup<D>& setup, const State<D>& state) {
   const auto& s = setup.stabilisers;
   const double h = setup.smoothing_length;
   TwinResult<D> out;
+  const std::size_t n = state.particles.size();
+  const auto displacement = [&](std::size_t i) {
+    return i < n ? state.particles.displacement[i] : state.near.images[i - n].displacement;
+  };
   for (std::size_t i = 0; i < state.particles.size(); ++i) {
     const Node<D>& a = state.nodes[i];
     Vec<D> internal = Vec<D>::Zero(), viscous = Vec<D>::Zero();
@@ -28,7 +32,7 @@ TwinResult<D> plain_twin(const Setup<D>& setup, const State<D>& state) {
       const Node<D>& b = state.nodes[j];
       const Vec<D> r = a.position - b.position;
       const Vec<D> u = a.velocity - b.velocity;
-      const double derivative = sph::WendlandC2<D>::derivative_over_r(r.norm(), h);
+      const double derivative = static_cast<float>(sph::WendlandC2<D>::derivative_over_r(r.norm(), h));
       const Vec<D> gradient_w = derivative * r;
       raw += b.volume * (b.velocity - a.velocity) * gradient_w.transpose();
       moment -= b.volume * r * gradient_w.transpose();
@@ -36,7 +40,7 @@ TwinResult<D> plain_twin(const Setup<D>& setup, const State<D>& state) {
       const double firmness = std::min(a.firmness, b.firmness);
       if (firmness == Node<D>::elastic) {
         const Vec<D> linear = 0.5 * (a.deformation + b.deformation) * r;
-        internal += s.stiffness * s.modulus * b.volume * derivative * (a.displacement - b.displacement - linear);
+        internal += s.stiffness * s.modulus * b.volume * derivative * (displacement(i) - displacement(j) - linear);
       }
       const double share = b.volume * derivative * (a.density + b.density);
       const Vec<D> rest = u - 0.5 * (a.gradient + b.gradient) * r;
@@ -44,8 +48,11 @@ TwinResult<D> plain_twin(const Setup<D>& setup, const State<D>& state) {
       if (u.dot(r) >= 0.0) continue;
       const double rubbing = std::max(a.rubbing, b.rubbing);
       const double closing = -u.dot(r) / (r.squaredNorm() + 0.01 * h * h);
-      const double viscosity = rubbing > 0.0 ? s.collision * s.sound_speed * h
-                                             : s.artificial * s.sound_speed * h + s.quadratic * h * h * closing;
+      const double collision = s.collision * s.sound_speed * h;
+      const double stop = -0.5 * s.step * collision * derivative * (a.density + b.density) *
+                          (a.volume / b.density + b.volume / a.density);
+      const double viscosity =
+          rubbing > 0.0 ? collision / (1.0 + stop) : s.artificial * s.sound_speed * h + s.quadratic * h * h * closing;
       const Vec<D> normal = -0.5 * viscosity * share * closing * r;
       const Vec<D> along = u - u.dot(r) / r.squaredNorm() * r;
       viscous += normal;

@@ -122,7 +122,8 @@ TEST(Regions, FeelAllTheirNeighbours) {
     State<2> state;
     state.particles = std::move(particles);
     const std::size_t n = state.particles.size(), free = state.particles.free();
-    for (auto* field : {&state.body, &state.internal, &state.stabilising}) field->assign(n, Vec<2>::Zero());
+    state.body.assign(n, Vec<2>::Zero());
+    state.force.assign(n, {});
     for (std::size_t i = 0; i < n; ++i) {
       const Vec<2>& x = state.particles.position[i];
       state.particles.stress[i] << -1e3 * x.y() * x.x(), -3e3 * (0.5 - x.y()), -1e3, 300.0 * std::sin(5.0 * x.x()), 0.0,
@@ -130,7 +131,7 @@ TEST(Regions, FeelAllTheirNeighbours) {
     }
     rebuild(setup, state);
     evaluate_forces(setup, state);
-    const VecArray<2> all = state.internal;
+    const auto all = state.force;
     const auto neighbours = [&] {
       std::vector<std::size_t> count(free, 0);
       for_each_felt(state.near.pairs, [&](std::size_t i, std::size_t, std::size_t) {
@@ -142,16 +143,17 @@ TEST(Regions, FeelAllTheirNeighbours) {
     state.regions.asleep.assign(free, 0);
     for (std::size_t i = 0; i < free; ++i) state.regions.asleep[i] = state.particles.position[i].x() < 1.0 ? 1 : 0;
     rebuild_lists(setup, state);
-    for (auto& f : state.internal) f.setConstant(1e30);
+    for (auto& f : state.force) f.sum.x.fill(1e30);
     evaluate_forces(setup, state);
     std::size_t skipped = 0;
     for (std::size_t i = 0; i < free; ++i) {
       if (state.near.pairs.skips(i)) {
         EXPECT_LT(state.particles.position[i].x(), 1.0);
-        EXPECT_EQ(state.internal[i].x(), 1e30);
+        EXPECT_EQ(state.force[i].internal().x(), 1e30);
         ++skipped;
       } else {
-        EXPECT_NEAR((state.internal[i] - all[i]).norm(), 0.0, 1e-9 * (1.0 + all[i].norm()));
+        EXPECT_NEAR((state.force[i].internal() - all[i].internal()).norm(), 0.0,
+                    1e-9 * (1.0 + all[i].internal().norm()));
       }
     }
     EXPECT_GT(skipped, free / 3);

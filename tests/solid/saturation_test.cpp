@@ -24,7 +24,7 @@ Case wetting_column(const ColumnSpec& spec) {
 TEST(Saturation, WaterCountsAgainstTheSoilsOwnShareOfTheSurroundings) {
   ColumnSpec spec;
   Solid<2> solid(wetting_column(spec));
-  const auto& s = solid.state().external.saturation;
+  const auto& s = solid.state().external.saturation.values();
   solid.initialise({});
   for (const double x : s) EXPECT_EQ(x, 0.2);  // alone and dry: the case's own
   solid.advance({1, 0.0, 1e-4}, wet_inbox<2>(
