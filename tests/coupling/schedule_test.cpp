@@ -119,7 +119,7 @@ TEST(Parallel, ARefusedWindowIsRestoredOnBothSides) {
   ASSERT_EQ(run.solid_record.frames.size(), 11u);
   for (std::size_t k = 0; k <= 10; ++k)
     for (const auto* record : {&run.fluid_record, &run.solid_record})
-      EXPECT_NEAR(record->frames[k].time, 0.1 * static_cast<double>(k), 1e-12);
+      EXPECT_NEAR(record->frames[k], 0.1 * static_cast<double>(k), 1e-12);
 }
 
 TEST(Schedule, HitsOutputInstantsExactly) {
@@ -137,7 +137,7 @@ TEST(Schedule, HitsOutputInstantsExactly) {
   run.expect_success();
   for (const auto* record : {&run.fluid_record, &run.solid_record}) {
     ASSERT_EQ(record->frames.size(), 11u);
-    for (std::size_t k = 0; k <= 10; ++k) EXPECT_NEAR(record->frames[k].time, 0.1 * static_cast<double>(k), 1e-15);
+    for (std::size_t k = 0; k <= 10; ++k) EXPECT_NEAR(record->frames[k], 0.1 * static_cast<double>(k), 1e-15);
     EXPECT_EQ(record->series.size(), 5u);
   }
   double time = 0.0;
