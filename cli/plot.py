@@ -11,6 +11,7 @@ import sys
 
 import h5py
 import matplotlib
+import matplotlib.colors
 import numpy as np
 
 matplotlib.use("Agg")
@@ -22,6 +23,7 @@ MAIN_FIELDS = {
     "fluid": ["pore_pressure", "velocity"],
     "solid": ["effective_stress", "accumulated_plastic_strain", "displacement"],
 }
+LEAST_STRAIN = 1e-3  # plastic strain is drawn by its logarithm, from here on
 TENSOR = ["xx", "yy", "zz", "xy", "yz", "xz"]
 STYLE = {"font.size": 9, "axes.linewidth": 0.8, "figure.dpi": 100, "savefig.dpi": 200, "axes.grid": False}
 
@@ -123,6 +125,8 @@ def draw_field(frames, phase, name, step, target):
     # A diverging map only where both signs matter: a little noise around zero does not.
     signed = min(-np.nanmin(values), np.nanmax(values)) > 0.05 * largest
     limits = {"vmin": -largest / factor, "vmax": largest / factor} if signed else {}
+    if name == "accumulated_plastic_strain" and largest > LEAST_STRAIN:  # slip bands beside grains that have rolled away
+        values, limits = np.maximum(values, LEAST_STRAIN), {"norm": matplotlib.colors.LogNorm(LEAST_STRAIN, largest)}
     drawn = axes.scatter(x[:, 0], x[:, 1], c=values / factor, marker="s", linewidths=0, cmap="RdBu_r" if signed else "viridis", **limits)
     bar = figure.colorbar(drawn, cax=make_axes_locatable(axes).append_axes("right", size=0.12, pad=0.08))
     bar.set_label(f"{label.replace('_', ' ')} [{sign}{unit}]")

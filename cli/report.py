@@ -58,7 +58,8 @@ def draw_gauges(folder, names, target, prefix):
 
 
 def section(case, folder_of_pictures, pictured=None):
-    """Markdown of one case; pictures of its first `pictured` runs (None: of all) go into that folder."""
+    """Markdown of one case; pictures go into that folder: of all runs (None), or of those that say which figures they have,
+    without such of the first `pictured`."""
     title, about = introduction(pathlib.Path(case["folder"]))
     lines = [f"## {case['case']}: {title}", "", about, ""]
     pictures = {}
@@ -69,10 +70,11 @@ def section(case, folder_of_pictures, pictured=None):
         lines.append(f"| {m['name']} | {text(m['value'])} {m['unit']} | {text(m['reference'])} | {text(m['error'])} "
                      f"| {m['tolerance']:g} | {'' if m['passed'] else '**missed**'} |")
     lines += ["", "| run | particles | windows | wall s | CPU s |", "| --- | --- | --- | --- | --- |"]
-    for number, run in enumerate(case["runs"]):
+    chosen = [run for run in case["runs"] if run["figures"]][:pictured] or case["runs"][:pictured]
+    for run in case["runs"]:
         counts = ", ".join(f"{n:.0f} {phase}" for phase, n in run["particles"].items())
         lines.append(f"| {run['name']} | {counts} | {run['windows']:.0f} | {run['wall_s']:.1f} | {run['cpu_s']:.1f} |")
-        if pictured is not None and number >= pictured:
+        if run not in chosen and pictured is not None:
             continue
         folder, prefix = pathlib.Path(run["folder"]), f"{case['case']}_{run['name']}".replace(" ", "_")
         judged = [m["gauge"] for m in case["metrics"] if m["run"] == run["name"] and m["gauge"]]
