@@ -18,10 +18,7 @@ VecArray<D> all_forces(const Setup<D>& setup, const State<D>& state, const Drive
 /// How far from rest soil is on which these forces [N] act, as Stiffness::departure() measures it.
 template <int D>
 double departure(const Stiffness<D>& stiffness, const VecArray<D>& force, double reference) {
-  const VecArray<D> moved = stiffness.displacements(force);
-  double work = 0.0;
-  for (std::size_t i = 0; i < force.size(); ++i) work += force[i].dot(moved[i]);
-  return stiffness.departure(work, reference);
+  return stiffness.departure(stiffness.work(force), reference);
 }
 template <int D>
 double departure(const Setup<D>& setup, const Stiffness<D>& stiffness, const State<D>& state, const Drive<D>& drive) {

@@ -20,6 +20,15 @@ struct PairKernel {
   }
 };
 
+/// What the pressure's gradient reads of a particle or an image, packed.
+template <int D>
+struct alignas(32) Soaked {
+  Vec<D> position;
+  double volume = 0.0;  ///< m^D; 0 of an image behind a wall, which is not felt
+  double pressure = 0.0;
+  [[nodiscard]] const double* row() const { return position.data(); }
+};
+
 /// M x of matrices in columns, four at a time.
 template <int D>
 [[gnu::always_inline]] inline void times(const Lanes* matrix, const Lanes* x, Lanes* product) {
@@ -96,6 +105,55 @@ void velocity_gradient(const Pairs& pairs, const Kernels& kernel, std::vector<No
     node.set_correction(inverse);
     node.gradient = (node.gradient * inverse).eval();
   });
+}
+
+template <int D>
+VecArray<D> pressure_gradient_difference(const State<D>& state, std::span<const double> pressure) {
+  const Pairs& pairs = state.near.pairs;
+  const Size n = state.particles.size();
+  std::vector<Soaked<D>> soaked(state.nodes.size());
+  for (Size j = 0; j < soaked.size(); ++j) {
+    const bool felt = j < n || state.near.images[j - n].periodic;
+    soaked[j] = {state.nodes[j].position, felt ? state.nodes[j].volume : 0.0,
+                 pressure[j < n ? j : state.near.images[j - n].parent]};
+  }
+  // The gradient, then the upper half of the moments' matrix.
+  constexpr Size n_moments = D * (D + 1) / 2;
+  using Own = Sums<D + n_moments>;
+  std::vector<Own> sums(n);
+  for_all_rows_in_lanes(
+      pairs, 0, n, [&](Size i) __attribute__((always_inline)) {
+        const Soaked<D>& self = soaked[i];
+        Lanes own[Own::size] = {};
+        for_four_pairs(
+            pairs, i, [&](Size m, bool both) __attribute__((always_inline)) {
+              Lanes other[D + 2], r[D], w[D], k, felt[Own::size] = {};
+              gather<0, D + 2>(rows_at(soaked.data(), &pairs.index[m]), other);
+              take(&state.kernel[m], k);
+              for (Size d = 0; d < D; ++d) {
+                r[d] = self.position[static_cast<Eigen::Index>(d)] - other[d];
+                w[d] = k * r[d];
+              }
+              Size c = 0;
+              for (Size d = 0; d < D; ++d) felt[c++] = (other[D + 1] - self.pressure) * w[d];
+              for (Size b = 0; b < D; ++b)
+                for (Size a = 0; a <= b; ++a) felt[c++] = -r[a] * w[b];
+              for (Size s = 0; s < c; ++s) own[s] += other[D] * felt[s];
+              if (!both) return;
+              for (Size s = 0; s < c; ++s) felt[s] *= self.volume;
+              scatter_add<Own::size>(felt, sums_at(sums.data(), &pairs.index[m]));
+            });
+        add_lanes<Own::size>(own, sums[i].x.data());
+      });
+  VecArray<D> gradient(n);
+  for_each_side_by_side(n, [&](Size i) {
+    Mat<D> moment;
+    const double* next = sums[i].x.data() + D;
+    for (int b = 0; b < D; ++b)
+      for (int a = 0; a <= b; ++a) moment(a, b) = moment(b, a) = *next++;
+    gradient[i] = invert_moment<D>(moment) * Eigen::Map<const Vec<D>>(sums[i].x.data());
+  });
+  return gradient;
 }
 
 template <int D>
@@ -211,6 +269,7 @@ void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& n
 #define PORETWIN_INSTANTIATE(D)                                                                                   \
   template void pair_kernels<D>(const std::vector<Node<D>>&, const Pairs&, double, Size, Kernels&);               \
   template void velocity_gradient<D>(const Pairs&, const Kernels&, std::vector<Node<D>>&);                        \
+  template VecArray<D> pressure_gradient_difference<D>(const State<D>&, std::span<const double>);                 \
   template void internal_force<D>(const std::vector<Node<D>>&, const Neighbourhood<D>&, const VecArray<D>&, Size, \
                                   double, const Stabilisers&, Kernels&, std::vector<Force<D>>&);
 PORETWIN_INSTANTIATE(2)

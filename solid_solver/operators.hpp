@@ -142,24 +142,7 @@ VecArray<D> surface_vectors(const State<D>& state) {
 /// p_j - p_i, kernel-gradient corrected, hence exact for linear pressure (buoyancy) and blind to the water's surface.
 /// Real particles and periodic images only: what the water does behind a wall the soil cannot know.
 template <int D>
-VecArray<D> pressure_gradient_difference(const State<D>& state, std::span<const double> pressure) {
-  const std::size_t n = state.particles.size();
-  VecArray<D> gradient(n, Vec<D>::Zero());
-  MatArray<D> moment(n, Mat<D>::Zero());
-  for_each_felt(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t m) {
-    std::size_t source = j;
-    if (j >= n) {
-      if (!state.near.images[j - n].periodic) return;
-      source = state.near.images[j - n].parent;
-    }
-    const Vec<D> r = state.nodes[i].position - state.nodes[j].position;
-    const Vec<D> w = (state.nodes[j].volume * state.kernel[m]) * r;
-    gradient[i] += (pressure[source] - pressure[i]) * w;
-    moment[i] -= r * w.transpose();
-  });
-  for (std::size_t i = 0; i < n; ++i) gradient[i] = invert_moment<D>(moment[i]) * gradient[i];
-  return gradient;
-}
+VecArray<D> pressure_gradient_difference(const State<D>& state, std::span<const double> pressure);
 
 /// Pore-pressure gradient [Pa/m] below a loaded face, in the adjoint form that the stress has: the load is carried by
 /// stress and pressure alike, row by row, however sharply the pressure falls at the face. pressure: over that beyond

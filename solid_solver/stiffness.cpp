@@ -73,12 +73,11 @@ Stiffness<D>::Stiffness(const Setup<D>& setup, const Particles<D>& particles, co
   }
   VecArray<D> weight(n_free);
   for (std::size_t i = 0; i < n_free; ++i) weight[i] = laid.mass[i] * upwards(setup);
-  const VecArray<D> moved = displacements(weight);
-  for (std::size_t i = 0; i < n_free; ++i) unit_work_ += weight[i].dot(moved[i]);
+  unit_work_ = work(weight);
 }
 
 template <int D>
-VecArray<D> Stiffness<D>::displacements(const VecArray<D>& forces) const {
+std::vector<Eigen::Array<double, D, 1>> Stiffness<D>::eliminated(const VecArray<D>& forces) const {
   const std::size_t n = forces.size();
   std::vector<EachAxis> x(n);
   for (std::size_t i = 0; i < n; ++i) x[place_[i]] = forces[i].array();
@@ -87,6 +86,20 @@ VecArray<D> Stiffness<D>::displacements(const VecArray<D>& forces) const {
     for (std::size_t m = offset_[column]; m < offset_[column + 1]; ++m)
       x[row_[m]] -= factor_[m].template cast<double>() * solved;
   }
+  return x;
+}
+
+template <int D>
+double Stiffness<D>::work(const VecArray<D>& forces) const {
+  EachAxis sum = EachAxis::Zero();
+  for (const EachAxis& x : eliminated(forces)) sum += x.square();
+  return sum.sum();
+}
+
+template <int D>
+VecArray<D> Stiffness<D>::displacements(const VecArray<D>& forces) const {
+  const std::size_t n = forces.size();
+  std::vector<EachAxis> x = eliminated(forces);
   for (std::size_t column = n; column-- > 0;) {
     const std::size_t first = offset_[column], last = offset_[column + 1], pairs = first + (last - first) / 2 * 2;
     EachAxis left = x[column], other = EachAxis::Zero();  // two sums, so that neither waits for the other

@@ -23,6 +23,8 @@ class Stiffness {
   Stiffness(const Setup<D>& setup, const Particles<D>& particles, const VecArray<D>& lattice, ScalarArray resistance);
   /// Displacements [m] that would balance the forces [N], about.
   [[nodiscard]] VecArray<D> displacements(const VecArray<D>& forces) const;
+  /// The work [J] that the forces [N] would do on these displacements: half of the way to them tells it.
+  [[nodiscard]] double work(const VecArray<D>& forces) const;
   /// How far from rest soil is on whose forces that displacement would do this work [J]: the error of its stress in
   /// the energy's norm, over the stress that the reference acceleration [m/s2], upwards, makes.
   [[nodiscard]] double departure(double work, double reference) const {
@@ -33,6 +35,8 @@ class Stiffness {
 
  private:
   using EachAxis = Eigen::Array<double, D, 1>;
+  /// L^-1 of the forces, in the order of elimination.
+  [[nodiscard]] std::vector<EachAxis> eliminated(const VecArray<D>& forces) const;
   ScalarArray resistance_;
   double unit_work_ = 0.0;           ///< J s4/m2, of unit acceleration
   std::vector<Index> place_;         ///< of each particle in the order of elimination

@@ -33,6 +33,10 @@ void expect_the_same_equilibrium(const ColumnSpec& spec) {
   Drive<D> drive;
   weight_alone(drive, true);
   EXPECT_NEAR(departure(setup, stiffness, solved, drive), 1.0, 1e-9);  // all of the weight is missing
+  const VecArray<D> weight = all_forces(setup, solved, drive), moved_by_it = stiffness.displacements(weight);
+  double done = 0.0;
+  for (std::size_t i = 0; i < n; ++i) done += weight[i].dot(moved_by_it[i]);
+  EXPECT_NEAR(stiffness.work(weight), done, 1e-12 * done);
   const auto fast = find_equilibrium<D>(setup, stiffness, {1e-4}, 1.0, solved, weight_alone);
   ASSERT_TRUE(fast.reached());
   EXPECT_LT(departure(setup, stiffness, solved, drive), 2e-4);

@@ -164,20 +164,26 @@ void expect_twin(ColumnSpec spec, std::size_t parts = 1) {
     p.rubbing[i] = i % 5 == 0 ? 0.6F : 0.0F;
     p.plastic_strain[i] = i % 3 == 0 ? 0.0 : i % 3 == 1 ? 0.005 : 0.1;
   }
+  ScalarArray pressure(p.size());
+  for (double& value : pressure) value = 1e3 * any(generator);
   evaluate_forces(setup, state);
   const auto twin = plain_twin<D>(setup, state);  // of the gradient that the forces felt
   velocity_gradient<D>(state.near.pairs, state.kernel, state.nodes);
-  double force = 0.0, drag = 0.0, gradient = 0.0;
+  const auto push = pressure_gradient_difference<D>(state, pressure),
+             pushed = plain_pressure_gradient<D>(setup, state, pressure);
+  double force = 0.0, drag = 0.0, gradient = 0.0, steepest = 0.0;
   for (std::size_t i = 0; i < p.size(); ++i) {
     force = std::max(force, twin.internal[i].norm());
     drag = std::max(drag, twin.stabilising[i].norm());
     gradient = std::max(gradient, twin.gradient[i].norm());
+    steepest = std::max(steepest, pushed[i].norm());
   }
-  EXPECT_GT(std::min({force, drag, gradient}), 0.0);
+  EXPECT_GT(std::min({force, drag, gradient, steepest}), 0.0);
   for (std::size_t i = 0; i < p.size(); ++i) {
     EXPECT_LT((state.force[i].internal() - twin.internal[i]).norm(), 1e-12 * force);
     EXPECT_LT((state.force[i].stabilising() - twin.stabilising[i]).norm(), 1e-12 * drag);
     EXPECT_LT((state.nodes[i].gradient - twin.gradient[i]).norm(), 1e-12 * gradient);
+    EXPECT_LT((push[i] - pushed[i]).norm(), 1e-12 * steepest);
   }
 }
 

@@ -66,4 +66,25 @@ TwinResult<D> plain_twin(const Setup<D>& setup, const State<D>& state) {
   return out;
 }
 
+/// Gradient of the pressure [Pa/m]; behind walls nothing is felt.
+template <int D>
+VecArray<D> plain_pressure_gradient(const Setup<D>& setup, const State<D>& state, const ScalarArray& pressure) {
+  const std::size_t n = state.particles.size();
+  VecArray<D> out(n, Vec<D>::Zero());
+  for (std::size_t i = 0; i < n; ++i) {
+    Mat<D> moment = Mat<D>::Zero();
+    for (std::size_t j = 0; j < state.nodes.size(); ++j) {
+      if (j == i || (j >= n && !state.near.images[j - n].periodic)) continue;
+      const Vec<D> r = state.nodes[i].position - state.nodes[j].position;
+      const double derivative =
+          static_cast<float>(sph::WendlandC2<D>::derivative_over_r(r.norm(), setup.smoothing_length));
+      const Vec<D> w = state.nodes[j].volume * derivative * r;
+      out[i] += (pressure[j < n ? j : state.near.images[j - n].parent] - pressure[i]) * w;
+      moment -= r * w.transpose();
+    }
+    out[i] = invert_moment<D>(moment) * out[i];
+  }
+  return out;
+}
+
 }  // namespace poretwin::solid
