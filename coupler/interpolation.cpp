@@ -1,4 +1,5 @@
 // Consistent mapping: a weighted least-squares plane through the neighbours, four targets at a time.
+#include "common/core/threads.hpp"
 #include "coupler/mapping.hpp"
 
 #include <Eigen/Eigenvalues>
@@ -125,14 +126,16 @@ Columns pack(const FieldGroup& group, std::span<const Index> order) {
   for (const Field* field : group.fields) out.n += static_cast<Size>(field->components);
   out.width = (out.n + columns_at_once - 1) / columns_at_once * columns_at_once;
   out.values.assign(order.size() * out.width, 0.0);
-  Size column = 0;
-  for (const Field* field : group.fields) {
-    const Size components = static_cast<Size>(field->components);
-    for (Size j = 0; j < order.size(); ++j)
-      for (Size c = 0; c < components; ++c)
-        out.values[j * out.width + column + c] = field->values[order[j] * components + c];
-    column += components;
-  }
+  side_by_side(order.size(), worth_threads_in_points, [&](Size begin, Size end) {
+    Size column = 0;
+    for (const Field* field : group.fields) {
+      const Size components = static_cast<Size>(field->components);
+      for (Size j = begin; j < end; ++j)
+        for (Size c = 0; c < components; ++c)
+          out.values[j * out.width + column + c] = field->values[order[j] * components + c];
+      column += components;
+    }
+  });
   if (group.mask.empty()) return out;
   out.mask.resize(order.size());
   for (Size j = 0; j < order.size(); ++j) out.mask[j] = group.mask[order[j]];
@@ -250,39 +253,43 @@ Interpolation consistent(const PairBlocks<D>& pairs, std::span<const FieldGroup>
           {field->name, field->components, std::vector<double>(m * static_cast<Size>(field->components), 0.0)});
   }
   const auto* const nodes = pairs.nodes().data();
-  std::vector<Quad> weight(pairs.longest_list()), masked(weight), coefficient(weight), total(widest);
-  run_lanes([&]() __attribute__((always_inline)) {
-    for (const auto& block : pairs.active_blocks()) {
-      const auto near = pairs.candidates(block);
-      if (near.empty()) continue;  // all is 0 there
-      const std::array<Quad, D> x = block.x;
-      Moments<D> whole;
-      for (Size c = 0; c < near.size(); ++c) {
-        const auto& node = nodes[near[c]];
-        Lanes w;
-        weigh<D>(node, x, node.shrink, node.amplitude, w);
-        weight[c].v = w;
-        add<D>(whole, w, node, x);
-      }
-      tell_surroundings<D>(block, whole, out);
-      std::span<Field> fields(out.fields);
-      for (Size g = 0; g < groups.size(); ++g) {
-        const auto& columns = packed[g];
-        if (columns.mask.empty()) {
-          interpolate<D>(nodes, x, near, weight.data(), whole, columns, coefficient.data(), total.data());
-        } else {  // other weights, other moments
-          Moments<D> part;
-          for (Size c = 0; c < near.size(); ++c) {
-            const Lanes w = weight[c].v * columns.mask[near[c]];
-            masked[c].v = w;
-            add<D>(part, w, nodes[near[c]], x);
-          }
-          interpolate<D>(nodes, x, near, masked.data(), part, columns, coefficient.data(), total.data());
+  const auto blocks = pairs.active_blocks();
+  side_by_side(blocks.size(), worth_threads_in_blocks, [&](Size begin, Size end) {
+    std::vector<Quad> weight(pairs.longest_list()), masked(weight), coefficient(weight), total(widest);
+    run_lanes([&]() __attribute__((always_inline)) {
+      for (Size b = begin; b < end; ++b) {
+        const auto& block = blocks[b];
+        const auto near = pairs.candidates(block);
+        if (near.empty()) continue;  // all is 0 there
+        const std::array<Quad, D> x = block.x;
+        Moments<D> whole;
+        for (Size c = 0; c < near.size(); ++c) {
+          const auto& node = nodes[near[c]];
+          Lanes w;
+          weigh<D>(node, x, node.shrink, node.amplitude, w);
+          weight[c].v = w;
+          add<D>(whole, w, node, x);
         }
-        hand_out<D>(block, total.data(), fields.first(groups[g].fields.size()));
-        fields = fields.subspan(groups[g].fields.size());
+        tell_surroundings<D>(block, whole, out);
+        std::span<Field> fields(out.fields);
+        for (Size g = 0; g < groups.size(); ++g) {
+          const auto& columns = packed[g];
+          if (columns.mask.empty()) {
+            interpolate<D>(nodes, x, near, weight.data(), whole, columns, coefficient.data(), total.data());
+          } else {  // other weights, other moments
+            Moments<D> part;
+            for (Size c = 0; c < near.size(); ++c) {
+              const Lanes w = weight[c].v * columns.mask[near[c]];
+              masked[c].v = w;
+              add<D>(part, w, nodes[near[c]], x);
+            }
+            interpolate<D>(nodes, x, near, masked.data(), part, columns, coefficient.data(), total.data());
+          }
+          hand_out<D>(block, total.data(), fields.first(groups[g].fields.size()));
+          fields = fields.subspan(groups[g].fields.size());
+        }
       }
-    }
+    });
   });
   return out;
 }

@@ -73,9 +73,10 @@ class Sharing {
   Delivery conservative(const PairBlocks<D>& at_givers, const PairBlocks<D>& at_receivers, const PointSet& givers,
                         const PointSet& receivers, const Field& amounts, std::span<const double> carried);
 
-  /// The weights of all pairs of two clouds, block by block, pairs out of reach left out.
+  /// The weights of all pairs of two clouds, those out of reach left out: a block's from where its candidates begin, to
+  /// `last`.
   struct Weights {
-    std::vector<std::size_t> first;
+    std::vector<std::size_t> last;
     std::vector<Index> candidate;  ///< in cell order
     std::vector<Quad> weight;
   };

@@ -1,5 +1,6 @@
 #include "coupler/pair_blocks.hpp"
 
+#include "common/core/threads.hpp"
 #include "common/sph/kernel.hpp"
 
 #include <algorithm>
@@ -136,8 +137,6 @@ void PairBlocks<D>::sort_cells(const PointSet& around) {
   for (auto& x : x_) x.resize(n + n_lanes);  // four at a time are read
   reach_.resize(n + n_lanes);
   place_.resize(n);
-  bits_.assign((n + 63) / 64, 0);
-  words_.assign((bits_.size() + 63) / 64, 0);
   for (Size m = 0; m < n; ++m) {
     const Size j = grid_.order()[m];
     for (Size d = 0; d < D; ++d) x_[d][m] = around.position[j * D + d];
@@ -146,17 +145,17 @@ void PairBlocks<D>::sort_cells(const PointSet& around) {
   }
 }
 
-/// The points of pieces_ that are within reach of a box, to found_; how many.
+/// The points of the pieces that are within reach of a box, to `found`; how many.
 template <int D>
-std::size_t PairBlocks<D>::take_near(const Vec<D>& lower, const Vec<D>& upper, double own) {
+std::size_t PairBlocks<D>::take_near(const Vec<D>& lower, const Vec<D>& upper, double own, Finder& finder) const {
   Size room = n_lanes;
-  for (const auto& [begin, end] : pieces_) room += end - begin;
-  if (found_.size() < room) found_.resize(2 * room);
+  for (const auto& [begin, end] : finder.pieces) room += end - begin;
+  if (finder.found.size() < room) finder.found.resize(2 * room);
   Size n = 0;
   run_lanes([&]() __attribute__((always_inline)) {
     constexpr LaneMask ahead{0, 1, 2, 3};
-    auto* const found = found_.data();
-    for (const auto& [begin, end] : pieces_)
+    auto* const found = finder.found.data();
+    for (const auto& [begin, end] : finder.pieces)
       for (Size m = begin; m < end; m += n_lanes) {
         Lanes square{}, radius = *reinterpret_cast<const LooseLanes*>(reach_.data() + m);
         for (Size d = 0; d < D; ++d) {
@@ -179,51 +178,72 @@ std::size_t PairBlocks<D>::take_near(const Vec<D>& lower, const Vec<D>& upper, d
   return n;
 }
 
-/// The first n of found_, in the caller's order, to candidate_: by bits, some five times as fast as sorting.
+/// The first n of `found`, in the caller's order, to the candidates: by bits, some five times as fast as sorting.
 template <int D>
-void PairBlocks<D>::append_in_order(Size n) {
-  Size first = words_.size(), last = 0;
+void PairBlocks<D>::append_in_order(Size n, Finder& finder) const {
+  auto &bits = finder.bits, &words = finder.words;
+  Size first = words.size(), last = 0;
   for (Size k = 0; k < n; ++k) {
-    const Size j = grid_.order()[found_[k]], word = j / 64;
-    bits_[word] |= std::uint64_t{1} << j % 64;
-    words_[word / 64] |= std::uint64_t{1} << word % 64;
+    const Size j = grid_.order()[finder.found[k]], word = j / 64;
+    bits[word] |= std::uint64_t{1} << j % 64;
+    words[word / 64] |= std::uint64_t{1} << word % 64;
     first = std::min(first, word / 64);
     last = std::max(last, word / 64 + 1);
   }
-  const auto take_bits = [](std::uint64_t& bits, const auto& take) {
-    for (; bits != 0; bits &= bits - 1) take(static_cast<Size>(std::countr_zero(bits)));
+  const auto take_bits = [](std::uint64_t& word, const auto& take) {
+    for (; word != 0; word &= word - 1) take(static_cast<Size>(std::countr_zero(word)));
   };
   for (Size w = first; w < last; ++w)
-    take_bits(words_[w], [&](Size word) {
-      take_bits(bits_[w * 64 + word], [&](Size bit) { candidate_.push_back(place_[(w * 64 + word) * 64 + bit]); });
+    take_bits(words[w], [&](Size word) {
+      take_bits(bits[w * 64 + word], [&](Size bit) { finder.candidate.push_back(place_[(w * 64 + word) * 64 + bit]); });
     });
 }
 
+/// The candidates of all blocks. Parts of the blocks side by side, each into a list of its own; then one after the
+/// other.
 template <int D>
 void PairBlocks<D>::find_candidates(const PointSet& of) {
   const double longest = largest(reach_);
+  const Size parts = parts_for(blocks_.size(), worth_threads_in_blocks);
+  const auto begin = [&](Size part) { return blocks_.size() * part / parts; };
+  finders_.resize(parts);
+  for_each_part(parts, [&](Size part) {
+    Finder& finder = finders_[part];
+    finder.candidate.clear();
+    finder.bits.assign((place_.size() + 63) / 64, 0);
+    finder.words.assign((finder.bits.size() + 63) / 64, 0);
+    for (Size b = begin(part); b < begin(part + 1); ++b) {
+      auto& block = blocks_[b];
+      Vec<D> lower = point<D>(of, block.point[0]), upper = lower;
+      double own = 0.0;
+      for (Size l = 0; l < block.used; ++l) {
+        const Vec<D> x = point<D>(of, block.point[l]);
+        lower = lower.cwiseMin(x);
+        upper = upper.cwiseMax(x);
+        own = std::max(own, sph::support_radius * of.smoothing_length[block.point[l]]);
+      }
+      const double reach = std::max(own, longest) + skin_;
+      finder.pieces.clear();
+      grid_.for_each_piece_near((lower.array() - reach).matrix(), (upper.array() + reach).matrix(),
+                                [&](Index first, Index last) {
+                                  finder.pieces.push_back({first, last});
+                                });
+      const Size n = take_near(lower, upper, own, finder);
+      block.first = finder.candidate.size();
+      append_in_order(n, finder);
+      block.last = finder.candidate.size();
+    }
+  });
   candidate_.clear();
   longest_ = 0;
-  for (auto& block : blocks_) {
-    Vec<D> lower = point<D>(of, block.point[0]), upper = lower;
-    double own = 0.0;
-    for (Size l = 0; l < block.used; ++l) {
-      const Vec<D> x = point<D>(of, block.point[l]);
-      lower = lower.cwiseMin(x);
-      upper = upper.cwiseMax(x);
-      own = std::max(own, sph::support_radius * of.smoothing_length[block.point[l]]);
+  for (Size part = 0; part < parts; ++part) {
+    const Size shift = candidate_.size();
+    for (Size b = begin(part); b < begin(part + 1); ++b) {
+      blocks_[b].first += shift;
+      blocks_[b].last += shift;
+      longest_ = std::max(longest_, blocks_[b].last - blocks_[b].first);
     }
-    const double reach = std::max(own, longest) + skin_;
-    pieces_.clear();
-    grid_.for_each_piece_near((lower.array() - reach).matrix(), (upper.array() + reach).matrix(),
-                              [&](Index begin, Index end) {
-                                pieces_.push_back({begin, end});
-                              });
-    const Size n = take_near(lower, upper, own);
-    block.first = candidate_.size();
-    append_in_order(n);
-    block.last = candidate_.size();
-    longest_ = std::max(longest_, n);
+    candidate_.insert(candidate_.end(), finders_[part].candidate.begin(), finders_[part].candidate.end());
   }
 }
 
@@ -242,10 +262,14 @@ typename PairBlocks<D>::Node PairBlocks<D>::node_of(const PointSet& points, Size
 template <int D>
 void PairBlocks<D>::gather(const PointSet& of, const PointSet& around) {
   nodes_.resize(around.size());
-  for (Size j = 0; j < nodes_.size(); ++j) nodes_[j] = node_of(around, order()[j]);
-  for (auto& block : blocks_)
-    for (Size l = 0; l < n_lanes; ++l)
-      for (Size d = 0; d < D; ++d) block.x[d].v[l] = of.position[block.point[l] * D + d];
+  side_by_side(nodes_.size(), worth_threads_in_points, [&](Size begin, Size end) {
+    for (Size j = begin; j < end; ++j) nodes_[j] = node_of(around, order()[j]);
+  });
+  side_by_side(blocks_.size(), worth_threads_in_points, [&](Size begin, Size end) {
+    for (auto& block : std::span(blocks_).subspan(begin, end - begin))
+      for (Size l = 0; l < n_lanes; ++l)
+        for (Size d = 0; d < D; ++d) block.x[d].v[l] = of.position[block.point[l] * D + d];
+  });
 }
 
 template class PairBlocks<2>;

@@ -19,6 +19,9 @@ namespace poretwin::coupling {
 /// together.
 inline constexpr double relative_skin = 0.1;
 
+/// How many blocks, or points of which little is asked, are worth more than one thread.
+inline constexpr std::size_t worth_threads_in_blocks = 128, worth_threads_in_points = 1024;
+
 template <int D>
 class PairBlocks {
  public:
@@ -69,8 +72,16 @@ class PairBlocks {
   void make_blocks(const PointSet& of, std::size_t begin, std::size_t end, double reach);
   void sort_cells(const PointSet& around);
   void find_candidates(const PointSet& of);
-  std::size_t take_near(const Vec<D>& lower, const Vec<D>& upper, double own);
-  void append_in_order(std::size_t n);
+  /// What one thread needs to find candidates, and those it has found.
+  struct Finder {
+    std::vector<Index> found;  ///< in cell order
+    /// Bits of what was found, by the caller's index, and of words with any: to put it into the caller's order.
+    std::vector<std::uint64_t> bits, words;
+    std::vector<std::pair<Index, Index>> pieces;
+    std::vector<Index> candidate;
+  };
+  std::size_t take_near(const Vec<D>& lower, const Vec<D>& upper, double own, Finder& finder) const;
+  void append_in_order(std::size_t n, Finder& finder) const;
   void gather(const PointSet& of, const PointSet& around);
 
   std::vector<Block> blocks_;
@@ -90,10 +101,7 @@ class PairBlocks {
   std::array<std::vector<double>, D> x_;
   std::vector<double> reach_;  ///< m, radius of support
   std::vector<Index> place_;   ///< the caller's order -> cell order
-  std::vector<Index> found_;   ///< in cell order
-  /// Bits of what was found, by the caller's index, and of words with any: to put it into the caller's order.
-  std::vector<std::uint64_t> bits_, words_;
-  std::vector<std::pair<Index, Index>> pieces_;
+  std::vector<Finder> finders_;
 };
 
 /// V W(|x_i - x_j|, h) of one candidate for a block's four points; h and V are the candidate's (numbers) or the block's

@@ -1,6 +1,7 @@
 // Conservative mapping: amounts shared out by balanced weights. Weights stand twice, by giver and by receiver, so that
 // sums over either run four at a time and in an order of their own that no list can change.
 #include "common/core/error.hpp"
+#include "common/core/threads.hpp"
 #include "coupler/mapping.hpp"
 
 #include <algorithm>
@@ -12,6 +13,16 @@ namespace {
 
 using Size = std::size_t;
 
+/// Calls work(b) for the blocks 0 .. n - 1, side by side, compiled for this machine; mark it always_inline.
+template <class Work>
+void for_blocks_in_lanes(Size n, const Work& work) {
+  side_by_side(n, worth_threads_in_blocks, [&](Size begin, Size end) {
+    run_lanes([&]() __attribute__((always_inline)) {
+      for (Size b = begin; b < end; ++b) work(b);
+    });
+  });
+}
+
 /// Whose smoothing length a pair's kernel has.
 enum class Kernel { of_candidate, of_block };
 
@@ -19,34 +30,34 @@ template <Kernel K, int D>
 void weigh_all(const PairBlocks<D>& pairs, std::span<const typename PairBlocks<D>::Block> blocks, const PointSet& of,
                typename Sharing<D>::Weights& out) {
   const auto* const nodes = pairs.nodes().data();
-  out.first.assign(1, 0);
+  out.last.resize(blocks.size());
   out.candidate.resize(pairs.n_candidates());
   out.weight.resize(pairs.n_candidates());
-  run_lanes([&]() __attribute__((always_inline)) {
-    Size n = 0;
-    for (const auto& block : blocks) {
-      const std::array<Quad, D> x = block.x;
-      Lanes shrink{}, amplitude{};
-      if constexpr (K == Kernel::of_block)
-        for (Size l = 0; l < n_lanes; ++l) {
-          const auto own = PairBlocks<D>::node_of(of, block.point[l]);
-          shrink[l] = own.shrink;
-          amplitude[l] = own.amplitude;
-        }
-      for (const Index candidate : pairs.candidates(block)) {
-        const auto& node = nodes[candidate];
-        Lanes w;
+  for_blocks_in_lanes(
+      blocks.size(), [&](Size b) __attribute__((always_inline)) {
+        const auto& block = blocks[b];
+        const std::array<Quad, D> x = block.x;
+        Lanes shrink{}, amplitude{};
         if constexpr (K == Kernel::of_block)
-          weigh<D>(node, x, shrink, amplitude, w);
-        else
-          weigh<D>(node, x, node.shrink, node.amplitude, w);
-        out.candidate[n] = candidate;
-        out.weight[n].v = w;
-        n += any(w > 0.0) ? 1 : 0;
-      }
-      out.first.push_back(n);
-    }
-  });
+          for (Size l = 0; l < n_lanes; ++l) {
+            const auto own = PairBlocks<D>::node_of(of, block.point[l]);
+            shrink[l] = own.shrink;
+            amplitude[l] = own.amplitude;
+          }
+        Size n = block.first;
+        for (const Index candidate : pairs.candidates(block)) {
+          const auto& node = nodes[candidate];
+          Lanes w;
+          if constexpr (K == Kernel::of_block)
+            weigh<D>(node, x, shrink, amplitude, w);
+          else
+            weigh<D>(node, x, node.shrink, node.amplitude, w);
+          out.candidate[n] = candidate;
+          out.weight[n].v = w;
+          n += any(w > 0.0) ? 1 : 0;
+        }
+        out.last[b] = n;
+      });
 }
 
 /// sum_j w_ij value_j for every point i of the blocks, K values a point; `value` in cell order, the sums in the
@@ -54,20 +65,18 @@ void weigh_all(const PairBlocks<D>& pairs, std::span<const typename PairBlocks<D
 template <Size K, int D>
 void multiply(std::span<const typename PairBlocks<D>::Block> blocks, const typename Sharing<D>::Weights& weights,
               const std::vector<double>& value, std::vector<double>& sum) {
-  run_lanes([&]() __attribute__((always_inline)) {
-    Size b = 0;
-    for (const auto& block : blocks) {
-      std::array<Quad, K> total{};
-      for (Size p = weights.first[b]; p < weights.first[b + 1]; ++p) {
-        const double* const v = value.data() + weights.candidate[p] * K;
-        const Lanes w = weights.weight[p].v;
-        for (Size k = 0; k < K; ++k) total[k].v += w * v[k];
-      }
-      for (Size l = 0; l < block.used; ++l)
-        for (Size k = 0; k < K; ++k) sum[block.point[l] * K + k] = total[k].v[l];
-      ++b;
-    }
-  });
+  for_blocks_in_lanes(
+      blocks.size(), [&](Size b) __attribute__((always_inline)) {
+        const auto& block = blocks[b];
+        std::array<Quad, K> total{};
+        for (Size p = block.first; p < weights.last[b]; ++p) {
+          const double* const v = value.data() + weights.candidate[p] * K;
+          const Lanes w = weights.weight[p].v;
+          for (Size k = 0; k < K; ++k) total[k].v += w * v[k];
+        }
+        for (Size l = 0; l < block.used; ++l)
+          for (Size k = 0; k < K; ++k) sum[block.point[l] * K + k] = total[k].v[l];
+      });
 }
 
 /// Givers and receivers of one field, and how the receivers' weights are to be scaled.
@@ -156,25 +165,24 @@ class Shares {
     std::vector<double> giving(at_receivers_.nodes().size());
     for (Size k = 0; k < giving.size(); ++k) giving[k] = size_[at_receivers_.order()[k]] > 0.0 ? 1.0 : 0.0;
     std::vector<double> sums(receivers_.size() * K, 0.0);
-    run_lanes([&]() __attribute__((always_inline)) {
-      Size b = 0;
-      for (const auto& block : at_receivers_.blocks()) {
-        Lanes weight{};
-        std::array<Quad, D> moment{};
-        for (Size p = by_receiver_.first[b]; p < by_receiver_.first[b + 1]; ++p) {
-          const auto& node = at_receivers_.nodes()[by_receiver_.candidate[p]];
-          const Lanes w = by_receiver_.weight[p].v * giving[by_receiver_.candidate[p]];
-          weight += w;
-          for (Size a = 0; a < D; ++a) moment[a].v += w * (node.x[a] - block.x[a].v);
-        }
-        for (Size l = 0; l < block.used; ++l) {
-          double* const out = sums.data() + block.point[l] * K;
-          out[0] = weight[l] * receivers_.smoothing_length[block.point[l]];
-          for (Size a = 0; a < D; ++a) out[1 + a] = moment[a].v[l];
-        }
-        ++b;
-      }
-    });
+    const auto blocks = at_receivers_.blocks();
+    for_blocks_in_lanes(
+        blocks.size(), [&](Size b) __attribute__((always_inline)) {
+          const auto& block = blocks[b];
+          Lanes weight{};
+          std::array<Quad, D> moment{};
+          for (Size p = block.first; p < by_receiver_.last[b]; ++p) {
+            const auto& node = at_receivers_.nodes()[by_receiver_.candidate[p]];
+            const Lanes w = by_receiver_.weight[p].v * giving[by_receiver_.candidate[p]];
+            weight += w;
+            for (Size a = 0; a < D; ++a) moment[a].v += w * (node.x[a] - block.x[a].v);
+          }
+          for (Size l = 0; l < block.used; ++l) {
+            double* const out = sums.data() + block.point[l] * K;
+            out[0] = weight[l] * receivers_.smoothing_length[block.point[l]];
+            for (Size a = 0; a < D; ++a) out[1 + a] = moment[a].v[l];
+          }
+        });
     for (Size j = receivers_.n_active; j < receivers_.size(); ++j)
       if (const double owner = receivers_.owner[j]; owner >= 0.0)
         for (Size c = 0; c < K; ++c) sums[static_cast<Size>(owner) * K + c] += sums[j * K + c];

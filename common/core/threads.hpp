@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <memory>
 #include <type_traits>
+#include <utility>
 
 namespace poretwin {
 
@@ -32,16 +33,21 @@ void for_each_part(std::size_t n_parts, Work&& work) {
 /// How many entries are worth more than one thread where little is done for each.
 inline constexpr std::size_t worth_threads = 32768;
 
-/// Into how many parts n entries are shared out.
-inline std::size_t parts_for(std::size_t n) { return n < worth_threads ? 1 : threads(); }
+/// Into how many parts n entries are shared out, `worth` of which are worth more than one thread.
+inline std::size_t parts_for(std::size_t n, std::size_t worth = worth_threads) { return n < worth ? 1 : threads(); }
 
 /// Calls work(first, last) for parts of 0 .. n - 1, some for each thread, so that one that comes late finds work, too.
 /// For work on single entries, which cannot depend on the parts.
 template <class Work>
-void side_by_side(std::size_t n, Work&& work) {
+void side_by_side(std::size_t n, std::size_t worth, Work&& work) {
   constexpr std::size_t each = 4;
-  const std::size_t parts = parts_for(n) > 1 ? each * threads() : 1;
+  const std::size_t parts = parts_for(n, worth) > 1 ? each * threads() : 1;
   for_each_part(parts, [&](std::size_t part) { work(n * part / parts, n * (part + 1) / parts); });
+}
+
+template <class Work>
+void side_by_side(std::size_t n, Work&& work) {
+  side_by_side(n, worth_threads, std::forward<Work>(work));
 }
 
 /// Calls work(i) for every entry of 0 .. n - 1, side by side.
