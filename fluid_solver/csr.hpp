@@ -56,14 +56,20 @@ struct GraphMatrix {
         for (std::size_t a = first; a < last; ++a) {
           Lanes sums{}, w;
           std::size_t k = begin(a);
-          const std::size_t stop = column.direct(a) ? end(a) : k;
+          const std::size_t stop = end(a);
+          const bool direct = column.direct(a);
           for (; k + n_lanes <= stop; k += n_lanes) {
-            const Index* const c = &column.index[k];
+            const Index* c = &column.index[k];
+            Index turned[n_lanes];
+            if (!direct) {
+              for (std::size_t l = 0; l < n_lanes; ++l) turned[l] = column(a, k + l);
+              c = turned;
+            }
             take(&weight[k], w);
             sums += w * Lanes{x[c[0]], x[c[1]], x[c[2]], x[c[3]]};
           }
           double sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
-          for (; k < end(a); ++k) sum += static_cast<double>(weight[k]) * x[column(a, k)];
+          for (; k < stop; ++k) sum += static_cast<double>(weight[k]) * x[column(a, k)];
           y[a] = diagonal[a] * x[a] - sum;
         }
       });
