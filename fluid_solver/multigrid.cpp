@@ -127,7 +127,8 @@ Multigrid::CoarseMatrix matrix_of(Rows& rows) {
         g, [&](double diagonal) { c.diagonal.push_back(diagonal); },
         [&](Index column, double weight) {
           c.column.index.push_back(column);
-          c.weight.push_back(weight);
+          c.weight.push_back(static_cast<float>(weight));
+          c.diagonal.back() += static_cast<double>(c.weight.back()) - weight;
         });
     c.column.offset.push_back(static_cast<Index>(c.weight.size()));
   }
@@ -167,9 +168,16 @@ void Multigrid::invert(const Matrix& m) {
   Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(n, n);
   for (std::size_t a = 0; a < m.size(); ++a) {
     const auto i = static_cast<Eigen::Index>(a);
+    // Half of each pair from either row: symmetric, with constants in the kernel, however weights have been rounded.
     dense(i, i) += m.diagonal[a];
-    for (std::size_t k = m.begin(a); k < m.end(a); ++k)
-      dense(i, static_cast<Eigen::Index>(m.column(a, k))) -= m.weight[k];
+    for (std::size_t k = m.begin(a); k < m.end(a); ++k) {
+      const auto j = static_cast<Eigen::Index>(m.column(a, k));
+      const double half = 0.5 * static_cast<double>(m.weight[k]);
+      dense(i, j) -= half;
+      dense(j, i) -= half;
+      dense(i, i) -= half;
+      dense(j, j) += half;
+    }
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(dense);
   const double least = 1e-12 * eigen.eigenvalues().cwiseAbs().maxCoeff();
@@ -191,10 +199,18 @@ void Multigrid::cycle(std::span<const double> r, std::span<double> z) { cycle(fi
 
 template <class Matrix>
 void Multigrid::cycle(const Matrix& m, std::size_t level, std::span<const double> b, std::span<double> x) {
-  const auto relax = [&](std::size_t a) {
-    double sum = b[a];
-    for (std::size_t k = m.begin(a); k < m.end(a); ++k) sum += m.weight[k] * x[m.column(a, k)];
-    if (m.diagonal[a] > 0.0) x[a] = sum / m.diagonal[a];
+  const auto relax = [&](std::size_t a) __attribute__((always_inline)) {
+    if (m.diagonal[a] > 0.0) x[a] = (b[a] + m.sum_of_row(a, x)) / m.diagonal[a];
+  };
+  const auto forwards = [&] {
+    run_lanes([&]() __attribute__((always_inline)) {
+      for (std::size_t a = 0; a < m.size(); ++a) relax(a);
+    });
+  };
+  const auto backwards = [&] {
+    run_lanes([&]() __attribute__((always_inline)) {
+      for (std::size_t a = m.size(); a-- > 0;) relax(a);
+    });
   };
   if (level == levels_.size()) {
     if (inverse_.size() > 0) {
@@ -203,13 +219,13 @@ void Multigrid::cycle(const Matrix& m, std::size_t level, std::span<const double
       return;
     }
     std::fill(x.begin(), x.end(), 0.0);
-    for (std::size_t a = 0; a < m.size(); ++a) relax(a);
-    for (std::size_t a = m.size(); a-- > 0;) relax(a);
+    forwards();
+    backwards();
     return;
   }
   Level& l = levels_[level];
   std::fill(x.begin(), x.end(), 0.0);
-  for (std::size_t a = 0; a < m.size(); ++a) relax(a);
+  forwards();
   m.apply(std::span<const double>(x.data(), x.size()), std::span<double>(l.residual));
   std::fill(l.b.begin(), l.b.end(), 0.0);
   for (std::size_t a = 0; a < m.size(); ++a)
@@ -217,7 +233,7 @@ void Multigrid::cycle(const Matrix& m, std::size_t level, std::span<const double
   correct(level);
   for (std::size_t a = 0; a < m.size(); ++a)
     if (l.aggregate[a] != none) x[a] += l.x[l.aggregate[a]];
-  for (std::size_t a = m.size(); a-- > 0;) relax(a);
+  backwards();
 }
 
 /// l.x from l.b on the next level: one step of conjugate gradients around its cycle, a second where that is not enough.
