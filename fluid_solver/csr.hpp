@@ -49,31 +49,29 @@ struct GraphMatrix {
   [[nodiscard]] std::size_t size() const { return diagonal.size(); }
   [[nodiscard]] std::size_t begin(std::size_t a) const { return column.offset[a]; }
   [[nodiscard]] std::size_t end(std::size_t a) const { return column.offset[a + 1]; }
-  /// sum_k weight_k x_column(k) of row a. Inline in what run_lanes() runs.
-  [[gnu::always_inline]] double sum_of_row(std::size_t a, std::span<const double> x) const {
-    Lanes sums{}, w;
-    std::size_t k = begin(a);
-    const std::size_t stop = end(a);
-    const bool direct = column.direct(a);
-    for (; k + n_lanes <= stop; k += n_lanes) {
-      const Index* c = &column.index[k];
-      Index turned[n_lanes];
-      if (!direct) {
-        for (std::size_t l = 0; l < n_lanes; ++l) turned[l] = column(a, k + l);
-        c = turned;
-      }
-      take(&weight[k], w);
-      sums += w * Lanes{x[c[0]], x[c[1]], x[c[2]], x[c[3]]};
-    }
-    double sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
-    for (; k < stop; ++k) sum += static_cast<double>(weight[k]) * x[column(a, k)];
-    return sum;
-  }
   /// y = A x
   void apply(std::span<const double> x, std::span<double> y) const {
     side_by_side(size(), [&](std::size_t first, std::size_t last) {
       run_lanes([&]() __attribute__((always_inline)) {
-        for (std::size_t a = first; a < last; ++a) y[a] = diagonal[a] * x[a] - sum_of_row(a, x);
+        for (std::size_t a = first; a < last; ++a) {
+          Lanes sums{}, w;
+          std::size_t k = begin(a);
+          const std::size_t stop = end(a);
+          const bool direct = column.direct(a);
+          for (; k + n_lanes <= stop; k += n_lanes) {
+            const Index* c = &column.index[k];
+            Index turned[n_lanes];
+            if (!direct) {
+              for (std::size_t l = 0; l < n_lanes; ++l) turned[l] = column(a, k + l);
+              c = turned;
+            }
+            take(&weight[k], w);
+            sums += w * Lanes{x[c[0]], x[c[1]], x[c[2]], x[c[3]]};
+          }
+          double sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
+          for (; k < stop; ++k) sum += static_cast<double>(weight[k]) * x[column(a, k)];
+          y[a] = diagonal[a] * x[a] - sum;
+        }
       });
     });
   }

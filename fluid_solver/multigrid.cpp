@@ -199,18 +199,10 @@ void Multigrid::cycle(std::span<const double> r, std::span<double> z) { cycle(fi
 
 template <class Matrix>
 void Multigrid::cycle(const Matrix& m, std::size_t level, std::span<const double> b, std::span<double> x) {
-  const auto relax = [&](std::size_t a) __attribute__((always_inline)) {
-    if (m.diagonal[a] > 0.0) x[a] = (b[a] + m.sum_of_row(a, x)) / m.diagonal[a];
-  };
-  const auto forwards = [&] {
-    run_lanes([&]() __attribute__((always_inline)) {
-      for (std::size_t a = 0; a < m.size(); ++a) relax(a);
-    });
-  };
-  const auto backwards = [&] {
-    run_lanes([&]() __attribute__((always_inline)) {
-      for (std::size_t a = m.size(); a-- > 0;) relax(a);
-    });
+  const auto relax = [&](std::size_t a) {
+    double sum = b[a];
+    for (std::size_t k = m.begin(a); k < m.end(a); ++k) sum += static_cast<double>(m.weight[k]) * x[m.column(a, k)];
+    if (m.diagonal[a] > 0.0) x[a] = sum / m.diagonal[a];
   };
   if (level == levels_.size()) {
     if (inverse_.size() > 0) {
@@ -219,13 +211,13 @@ void Multigrid::cycle(const Matrix& m, std::size_t level, std::span<const double
       return;
     }
     std::fill(x.begin(), x.end(), 0.0);
-    forwards();
-    backwards();
+    for (std::size_t a = 0; a < m.size(); ++a) relax(a);
+    for (std::size_t a = m.size(); a-- > 0;) relax(a);
     return;
   }
   Level& l = levels_[level];
   std::fill(x.begin(), x.end(), 0.0);
-  forwards();
+  for (std::size_t a = 0; a < m.size(); ++a) relax(a);
   m.apply(std::span<const double>(x.data(), x.size()), std::span<double>(l.residual));
   std::fill(l.b.begin(), l.b.end(), 0.0);
   for (std::size_t a = 0; a < m.size(); ++a)
@@ -233,7 +225,7 @@ void Multigrid::cycle(const Matrix& m, std::size_t level, std::span<const double
   correct(level);
   for (std::size_t a = 0; a < m.size(); ++a)
     if (l.aggregate[a] != none) x[a] += l.x[l.aggregate[a]];
-  backwards();
+  for (std::size_t a = m.size(); a-- > 0;) relax(a);
 }
 
 /// l.x from l.b on the next level: one step of conjugate gradients around its cycle, a second where that is not enough.
