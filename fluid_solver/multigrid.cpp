@@ -127,8 +127,7 @@ Multigrid::CoarseMatrix matrix_of(Rows& rows) {
         g, [&](double diagonal) { c.diagonal.push_back(diagonal); },
         [&](Index column, double weight) {
           c.column.index.push_back(column);
-          c.weight.push_back(static_cast<float>(weight));
-          c.diagonal.back() += static_cast<double>(c.weight.back()) - weight;
+          c.weight.push_back(weight);
         });
     c.column.offset.push_back(static_cast<Index>(c.weight.size()));
   }
@@ -168,16 +167,9 @@ void Multigrid::invert(const Matrix& m) {
   Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(n, n);
   for (std::size_t a = 0; a < m.size(); ++a) {
     const auto i = static_cast<Eigen::Index>(a);
-    // Half of each pair from either row: symmetric, with constants in the kernel, however weights have been rounded.
     dense(i, i) += m.diagonal[a];
-    for (std::size_t k = m.begin(a); k < m.end(a); ++k) {
-      const auto j = static_cast<Eigen::Index>(m.column(a, k));
-      const double half = 0.5 * static_cast<double>(m.weight[k]);
-      dense(i, j) -= half;
-      dense(j, i) -= half;
-      dense(i, i) -= half;
-      dense(j, j) += half;
-    }
+    for (std::size_t k = m.begin(a); k < m.end(a); ++k)
+      dense(i, static_cast<Eigen::Index>(m.column(a, k))) -= m.weight[k];
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(dense);
   const double least = 1e-12 * eigen.eigenvalues().cwiseAbs().maxCoeff();
@@ -201,7 +193,7 @@ template <class Matrix>
 void Multigrid::cycle(const Matrix& m, std::size_t level, std::span<const double> b, std::span<double> x) {
   const auto relax = [&](std::size_t a) {
     double sum = b[a];
-    for (std::size_t k = m.begin(a); k < m.end(a); ++k) sum += static_cast<double>(m.weight[k]) * x[m.column(a, k)];
+    for (std::size_t k = m.begin(a); k < m.end(a); ++k) sum += m.weight[k] * x[m.column(a, k)];
     if (m.diagonal[a] > 0.0) x[a] = sum / m.diagonal[a];
   };
   if (level == levels_.size()) {

@@ -12,7 +12,7 @@ namespace poretwin::fluid {
 /// Memory is taken when it is built, none in a cycle. The matrix must outlive it.
 class Multigrid {
  public:
-  using CoarseMatrix = GraphMatrix<float, Columns>;  ///< rounded as the finest is
+  using CoarseMatrix = GraphMatrix<double, Columns>;
   explicit Multigrid(const PairMatrix& matrix);
   /// z = about A^-1 r. Not quite linear in r: wants the flexible form of conjugate gradients.
   void cycle(std::span<const double> r, std::span<double> z);
