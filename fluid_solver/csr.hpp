@@ -22,28 +22,22 @@ using poretwin::take;
 struct Columns {
   std::vector<Index> offset{0}, index;
   [[nodiscard]] Index operator()(std::size_t, std::size_t k) const { return index[k]; }
-  [[gnu::always_inline]] void take_four(std::size_t, std::size_t k, Index* columns) const {
-    for (std::size_t l = 0; l < n_lanes; ++l) columns[l] = index[k + l];
-  }
+  [[nodiscard]] bool direct(std::size_t) const { return true; }
 };
 
 /// The same, read from the pairs of particles themselves, which must outlive them: the column of a point that is no
 /// particle is its parent's or, where that is none either, the row's own.
 struct PairColumns {
   std::span<const Index> offset, index, parent;  ///< [rows + 1], [pairs], [points]
-  [[nodiscard]] Index operator()(std::size_t a, std::size_t k) const { return particle(a, index[k]); }
-  [[gnu::always_inline]] void take_four(std::size_t a, std::size_t k, Index* columns) const {
-    for (std::size_t l = 0; l < n_lanes; ++l) columns[l] = index[k + l];
-    if (std::max(std::max(columns[0], columns[1]), std::max(columns[2], columns[3])) < offset.size() - 1) return;
-    for (std::size_t l = 0; l < n_lanes; ++l) columns[l] = particle(a, columns[l]);
-  }
-
- private:
-  [[nodiscard]] Index particle(std::size_t a, Index j) const {
+  std::span<const char> beyond;                  ///< [rows] with points that are no particles; none: no row has any
+  [[nodiscard]] Index operator()(std::size_t a, std::size_t k) const {
+    const Index j = index[k];
     const std::size_t n = offset.size() - 1;
     if (j < n) return j;
     return parent[j] < n ? parent[j] : static_cast<Index>(a);
   }
+  /// Whether the columns of row a stand in `index` as they are.
+  [[nodiscard]] bool direct(std::size_t a) const { return beyond.empty() || beyond[a] == 0; }
 };
 
 /// Graph Laplacian with a diagonal: (A x)_a = diagonal_a x_a - sum_k weight_k x_column(k); symmetric by construction.
@@ -63,9 +57,14 @@ struct GraphMatrix {
           Lanes sums{}, w;
           std::size_t k = begin(a);
           const std::size_t stop = end(a);
-          Index c[n_lanes];
+          const bool direct = column.direct(a);
           for (; k + n_lanes <= stop; k += n_lanes) {
-            column.take_four(a, k, c);
+            const Index* c = &column.index[k];
+            Index turned[n_lanes];
+            if (!direct) {
+              for (std::size_t l = 0; l < n_lanes; ++l) turned[l] = column(a, k + l);
+              c = turned;
+            }
             take(&weight[k], w);
             sums += w * Lanes{x[c[0]], x[c[1]], x[c[2]], x[c[3]]};
           }

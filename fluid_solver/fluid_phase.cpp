@@ -65,6 +65,7 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
   Vec<D> bounded = scene.general.gravity.head<D>();
   for (const int axis : scene.general.periodic) std::swap(pull_[axis], bounded[axis]);
   weight_ = density_ * bounded;
+  if (weight_.norm() > 0.0) gravity_or_standard_ = weight_.norm() / density_;
   if (!(dx_ > 0.0)) throw CaseError("fluid.particle_spacing must be positive");
   if (scene.fluid.regions.empty() && scene.water_faces.empty())
     throw CaseError("the fluid has nothing to do: no [[fluid.region]] and no [[water_face]]");
@@ -462,7 +463,7 @@ template <int D>
 double Fluid<D>::packing_error(const Stencil<D>& s, std::size_t a, double full) const {
   const auto& p = state_.particles;
   if (open_water() && p.surface[a] != Surface::lone)
-    if (const double below = depth<D>(s, a, p.surface, p.seeps); below > 0.0) {
+    if (const double below = depth<D>(s, a); below > 0.0) {
       // The missing side is filled with a lattice; a surface may be loose.
       static const double whole = lattice_density<D>();
       return std::max(0.0, full + lattice_density<D>(0.5 + below * smoothing_ratio / s.length(a)) / whole - 1.0);
@@ -579,7 +580,7 @@ void Fluid<D>::take_back(const Stencil<D>& s, const SoilView<D>& view, double in
     const double slip = (p.velocity[a] - view.velocity[a]).norm();
     const double dragged = aw * view.drag[a] / (aw + view.drag[a]);  // in a window
     const double most =
-        interval * ((p.mass[a] + p.volume[a] * view.density[a]) * gravity_or_standard() + p.volume[a] * dragged * slip);
+        interval * ((p.mass[a] + p.volume[a] * view.density[a]) * gravity_or_standard_ + p.volume[a] * dragged * slip);
     if (const double size = taken.norm(); size > most) taken *= most / size;
     p.velocity[a] -= taken / p.mass[a];
     owed[a] -= taken;

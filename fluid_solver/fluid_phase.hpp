@@ -65,7 +65,6 @@ class Fluid final : public Phase {
   ScalarArray volume_source(const Stencil<D>& s, const SoilView<D>& soil, std::span<const Mat<D>> velocity_gradient,
                             double interval);
   ScalarArray moved() const;
-  double gravity_or_standard() const;
   double free_repair_time(double spacing) const;
   double wave_interval() const;
   double central_interval() const;
@@ -115,6 +114,7 @@ class Fluid final : public Phase {
 
   Case scene_;
   double dx_ = 0.0, density_ = 1000.0, first_interval_ = 0.0;
+  double gravity_or_standard_ = 9.81;  ///< m/s2
   /// Weight of water [N/m3], where its potential is: gravity along a periodic axis, which has none, pulls [m/s2].
   Vec<D> weight_ = Vec<D>::Zero(), pull_ = Vec<D>::Zero(), origin_ = Vec<D>::Zero();
   std::vector<sph::ImagePlane<D>> planes_;

@@ -175,10 +175,10 @@ void Fluid<D>::set_inlets(double time, double interval) {
     if (inlet.sill) {
       const double over = level_behind(inlet.face, time) - inlet.lowest;
       // The water before a piston moves as it does: the present speed would only say what the piston did.
-      const double told = current_waves * near / std::sqrt(gravity_or_standard() * std::max(dx_, over));
+      const double told = current_waves * near / std::sqrt(gravity_or_standard_ * std::max(dx_, over));
       inlet.current += std::min(1.0, interval / told) * ((moving > 0.0 ? speed / moving : 0.0) - inlet.current);
       const auto flow =
-          flow_over(over, {std::max(0.0, inlet.level - inlet.lowest), inlet.current}, gravity_or_standard());
+          flow_over(over, {std::max(0.0, inlet.level - inlet.lowest), inlet.current}, gravity_or_standard_);
       inlet.flows = over > 0.0;
       inlet.speed = flow.speed;
       inlet.open(flow.depth, dx_);
@@ -187,7 +187,7 @@ void Fluid<D>::set_inlets(double time, double interval) {
           !face.discharge && highest > lowest) {
         // Water L long answers a discharge within L / sqrt(g d); told in four times that the current does not swing.
         // No more than a spacing's wave of it: a reservoir that fills draws nothing off.
-        const double wave = std::sqrt(gravity_or_standard() * std::max(dx_, face.head->at(time) - inlet.lowest));
+        const double wave = std::sqrt(gravity_or_standard_ * std::max(dx_, face.head->at(time) - inlet.lowest));
         const double missing = std::clamp(face.head->at(time) - inlet.level, -dx_, dx_);
         inlet.current += interval * wave * wave / (4.0 * (most - least).norm()) * missing / inlet.width;
       }

@@ -215,7 +215,7 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
     // The longest window in which its piston moves by a quarter spacing at most; no crest is passed unawares.
     const auto& face = scene_.water_faces[static_cast<std::size_t>(inlet.face)];
     const double over = inlet.sill ? std::max(0.0, level_behind(inlet.face, state_.time) - inlet.lowest) : 0.0;
-    const double fastest_over = std::max(std::abs(inlet.speed), std::sqrt(2.0 / 3.0 * gravity_or_standard() * over));
+    const double fastest_over = std::max(std::abs(inlet.speed), std::sqrt(2.0 / 3.0 * gravity_or_standard_ * over));
     const auto far = [&](double interval) {
       if (!inlet.sill)
         return std::abs(inlet_speed(scene_, inlet, state_.time, interval)) * interval > 0.25 * inlet.spacing;

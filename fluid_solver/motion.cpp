@@ -27,13 +27,8 @@ Vec<D> surface_lead(const Mat<D>& velocity_gradient, const Vec<D>& inward, doubl
 }  // namespace
 
 template <int D>
-double Fluid<D>::gravity_or_standard() const {
-  return weight_.norm() > 0.0 ? weight_.norm() / density_ : 9.81;
-}
-
-template <int D>
 double Fluid<D>::free_repair_time(double spacing) const {
-  return 20.0 * std::sqrt(spacing / gravity_or_standard());
+  return 20.0 * std::sqrt(spacing / gravity_or_standard_);
 }
 
 template <int D>
@@ -56,7 +51,7 @@ ScalarArray Fluid<D>::moved() const {
 template <int D>
 double Fluid<D>::repair_time(std::size_t a, const SoilView<D>& view, double interval) const {
   const auto& p = state_.particles;
-  const double spacing = spacing_of<D>(p.volume[a]), weight = density_ * gravity_or_standard() * p.void_fraction[a];
+  const double spacing = spacing_of<D>(p.volume[a]), weight = density_ * gravity_or_standard_ * p.void_fraction[a];
   const double pushed = 0.3 * spacing * view.drag[a] / weight;
   const double passed = spacing / std::max(p.velocity[a].norm(), 1e-300);
   const double held = view.drag[a] > 0.0 ? 20.0 * p.void_fraction[a] * density_ / view.drag[a] : HUGE_VAL;

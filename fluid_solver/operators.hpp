@@ -227,9 +227,40 @@ ScalarArray divergence(const Stencil<D>& s, std::span<const Vec<D>> f, Carried c
 template <int D>
 PairMatrix laplacian(const Stencil<D>& s, std::span<const double> mobility) {
   PairMatrix m;
-  m.column = {s.offset, s.other, s.parent};
+  m.column = {s.offset, s.other, s.parent, s.beyond};
   m.weight.resize(s.other.size());
   m.diagonal.resize(s.n_real);
+  const bool buffers = s.n_base > s.n_real;
+  const auto same = [](std::span<const double> values) {
+    return std::all_of(values.begin(), values.end(), [&](double value) { return value == values[0]; });
+  };
+  if (!buffers && same(s.volume) && same(mobility)) {
+    // The list's kernels are the same for both of a pair.
+    ScalarArray amplified(s.size());
+    for_each_side_by_side(s.size(), [&](std::size_t j) { amplified[j] = s.amplification[s.parent[j]]; });
+    const double factor = s.n_real == 0 ? 0.0 : s.volume[0] * (mobility.empty() ? 1.0 : mobility[0]);
+    const auto row = [&](std::size_t a) __attribute__((always_inline)) {
+      Lanes sum{};
+      for (std::size_t k = s.offset[a]; k < s.offset[a + 1]; k += n_lanes) {
+        const Index* const i = &s.other[k];
+        Lanes w;
+        poretwin::take(&s.pull[k], w);
+        w *= factor * (amplified[a] + Lanes{amplified[i[0]], amplified[i[1]], amplified[i[2]], amplified[i[3]]});
+        for (std::size_t l = 0; s.beyond[a] != 0 && l < n_lanes; ++l)
+          if (s.parent[i[l]] == a) w[l] = 0.0;
+        put(w, &m.weight[k]);
+        poretwin::take(&m.weight[k], w);
+        sum += w;
+      }
+      m.diagonal[a] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+    };
+    side_by_side(s.n_real, [&](std::size_t first, std::size_t last) {
+      run_lanes([&]() __attribute__((always_inline)) {
+        for (std::size_t a = first; a < last; ++a) row(a);
+      });
+    });
+    return m;
+  }
   // Of a point: smoothing length, volume (0: coupled to nobody), amplification, mobility, and whose row it is.
   constexpr std::size_t at_length = D, at_volume = D + 1, at_amplified = D + 2, at_mobility = D + 3, at_row = D + 4;
   std::vector<PackedPoint<D, 5>> points(s.size());
@@ -244,7 +275,6 @@ PairMatrix laplacian(const Stencil<D>& s, std::span<const double> mobility) {
     x[at_mobility] = mobility.empty() ? 1.0 : mobility[q];
     x[at_row] = q;
   });
-  const bool buffers = s.n_base > s.n_real;
   const auto row = [&](std::size_t a) __attribute__((always_inline)) {
     const double* const self = points[a].row();
     Lanes sum{};

@@ -32,12 +32,14 @@ void find_pairs(double largest, Stencil<D>& s) {
   ScalarArray length(s.size());
   for (std::size_t j = 0; j < s.size(); ++j) length[j] = s.length(j);
   const bool even = std::all_of(length.begin(), length.end(), [&](double h) { return h == largest; });
+  s.beyond.resize(s.n_real);
   const auto find = [&](std::size_t first, std::size_t last, std::vector<Index> & offset, std::vector<Index> & other)
       __attribute__((always_inline)) {
     other.reserve((last - first) * (D == 2 ? 28 : 96));
     offset.reserve(last - first);
     for (std::size_t a = first; a < last; ++a) {
       const double range = reach * (length[a] + largest);
+      const std::size_t begin = other.size();
       if (even)
         grid.append_within(
             s.position[a], range, other, [&](Index j, double) __attribute__((always_inline)) { return j != a; });
@@ -48,6 +50,9 @@ void find_pairs(double largest, Stencil<D>& s) {
               return static_cast<bool>(static_cast<int>(j != a) & static_cast<int>(r2 < support * support));
             });
       while (other.size() % n_lanes != 0) other.push_back(static_cast<Index>(a));
+      Index highest = 0;
+      for (std::size_t m = begin; m < other.size(); ++m) highest = std::max(highest, other[m]);
+      s.beyond[a] = highest >= s.n_real;
       offset.push_back(static_cast<Index>(other.size()));
     }
   };

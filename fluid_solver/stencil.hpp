@@ -131,6 +131,7 @@ struct Stencil {
   /// Pairs of real a: offset[a] .. offset[a + 1], a multiple of four: filled up with a itself, of which all is zero.
   std::vector<Index> offset{0};
   std::vector<Index> other;  ///< [pairs]
+  std::vector<char> beyond;  ///< [real] whether some of its pairs are with points that are no real particles
   /// [pairs] -V_b W'/r, 1/m^2: V_b grad_a W_ab is pull (r_b - r_a). Rounded to half the memory; moments are sums of
   /// what is kept, so that gradients of linear fields stay exact.
   std::vector<float> pull;
@@ -154,6 +155,9 @@ struct Stencil {
   /// [real] of water that seeps, below the row of particles on its surface: distance to the surface along -normal [m],
   /// 0: out of the kernel's reach. Set by find_surface; the surface's pressure is then in the Laplacian, too.
   OrZero<double> front_distance;
+  /// [all] of points that belong to particles on the surface: 1 of free water, 2 of water that seeps; 0: others. Set by
+  /// find_surface.
+  std::vector<char> on_surface;
 
   /// What only particles at a surface or a face have.
   struct Edge {

@@ -31,8 +31,7 @@ inline constexpr double least_inverted = 0.4;
 /// need not be a lattice's. In a tank at rest particles join it, up to 15 % more, and a surface held half a spacing
 /// above it sinks by as much of that: the pressure fell by 0.3 % of the depth of 20 spacings in a minute.
 template <int D>
-double row_thickness(const Stencil<D>& s, std::size_t a, std::span<const Surface> flags,
-                     std::span<const double> seeps) {
+double row_thickness(const Stencil<D>& s, std::size_t a) {
   static const double lattice = [] {
     const auto part = [](double r) { return Kernel<D>::value(r, smoothing_ratio); };
     if constexpr (D == 3) return lattice_sum<2>(part);
@@ -46,8 +45,8 @@ double row_thickness(const Stencil<D>& s, std::size_t a, std::span<const Surface
   double sum = Kernel<D>::value(0.0, h);
   Vec<D> centre = Vec<D>::Zero();
   for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
-    const Index j = s.other[k], q = s.parent[j];
-    if (q >= s.n_real || flags[q] != Surface::surface || seeps[q] >= 0.5) continue;
+    const Index j = s.other[k];
+    if (s.on_surface[j] != 1) continue;
     const Vec<D> d = s.position[j] - s.position[a];
     const double out = n.dot(d);
     if (std::abs(out) > 0.5 * spacing) continue;
@@ -68,12 +67,12 @@ struct SurfacePlane {
   Vec<D> normal = Vec<D>::Zero();
 };
 template <int D>
-SurfacePlane<D> surface_plane(const Stencil<D>& s, std::size_t a, std::span<const Surface> flags,
-                              std::span<const double> seeps) {
+SurfacePlane<D> surface_plane(const Stencil<D>& s, std::size_t a, bool seeps) {
   SurfacePlane<D> plane;
+  const char own_kind = seeps ? 2 : 1;
   for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
     const Index j = s.other[k], q = s.parent[j];
-    if (q >= s.n_real || flags[q] != Surface::surface || (seeps[q] >= 0.5) != (seeps[a] >= 0.5)) continue;
+    if (s.on_surface[j] != own_kind) continue;
     Vec<D> n = -s.normal[q].normalized();
     if (j >= s.n_base) n = s.map[j - s.n_base] * n;
     const double value = s.value(a, j);
@@ -87,10 +86,10 @@ SurfacePlane<D> surface_plane(const Stencil<D>& s, std::size_t a, std::span<cons
 
 /// Depth of particle a of free water below the surface in its kernel's reach [m]; 0: none, or no plane.
 template <int D>
-double depth(const Stencil<D>& s, std::size_t a, std::span<const Surface> flags, std::span<const double> seeps) {
+double depth(const Stencil<D>& s, std::size_t a) {
   if (s.ghost_distance[a] > 0.0) return s.ghost_distance[a];
   constexpr double plane_enough = 0.9;
-  const auto plane = surface_plane<D>(s, a, flags, seeps);
+  const auto plane = surface_plane<D>(s, a, false);
   if (plane.normal.norm() <= plane_enough * plane.weight) return 0.0;
   return std::max(plane.height / plane.weight, s.surface_distance(a));
 }
@@ -151,15 +150,20 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> seeps, 
       s.correction[a].setZero();
     }
   }
+  s.on_surface.resize(s.size());
+  for (std::size_t j = 0; j < s.size(); ++j) {
+    const Index q = s.parent[j];
+    s.on_surface[j] = q >= s.n_real || flags[q] != Surface::surface ? 0 : seeps[q] < 0.5 ? 1 : 2;
+  }
   for (std::size_t a = 0; a < rows.size(); ++a) {
     const bool in_row = flags[a] == Surface::surface && seeps[a] < 0.5;
-    rows[a] += share * ((in_row ? row_thickness<D>(s, a, flags, seeps) : 1.0) - rows[a]);
+    rows[a] += share * ((in_row ? row_thickness<D>(s, a) : 1.0) - rows[a]);
     if (in_row) s.told_distance.set(a, s.surface_distance(a) * rows[a], s.n_real);
   }
   // Below the surface: the distance of the plane that the surface particles of its own kind in reach put it at, and the
   // pressure there; 0: none.
   const auto below = [&](std::size_t a) -> std::pair<double, double> {
-    const auto plane = surface_plane<D>(s, a, flags, seeps);
+    const auto plane = surface_plane<D>(s, a, seeps[a] >= 0.5);
     if (plane.weight == 0.0 || plane.normal.isZero(0.0)) return {};
     const double cosine = -plane.normal.dot(s.normal[a]) / (plane.normal.norm() * s.normal[a].norm());
     if (cosine < 0.5) return {};

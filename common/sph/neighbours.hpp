@@ -72,14 +72,14 @@ class CellGrid {
       }
       first_[c + 1] = place;
     }
-    order_.resize(n);
+    order_.assign(n == 0 ? 0 : n + n_lanes, 0);  // what is read by lanes may begin at the last point
     for_each_part(parts, [&](std::size_t part) {
       for (std::size_t i = n * part / parts; i < n * (part + 1) / parts; ++i)
         order_[next[part][cell_of_[i]]++] = static_cast<Index>(i);
     });
     cell_of_ = std::vector<Index>();  // "= {}" would keep its memory
     for (std::size_t d = 0; d < D; ++d) {
-      axis_[d].resize(n + n_lanes);  // what is read by lanes may begin at the last point
+      axis_[d].resize(n + n_lanes);
       for_each_side_by_side(n, [&](std::size_t m) { axis_[d][m] = points[order_[m]][static_cast<int>(d)]; });
     }
   }
@@ -124,9 +124,7 @@ class CellGrid {
                                                    const Admit& admit) const {
     const double limit = radius * radius;
     constexpr std::size_t room = 256, batch = 64;
-    std::array<Index, room> near;
-    std::array<Quad, batch / n_lanes> lanes;
-    const double* distance = reinterpret_cast<const double*>(lanes.data());
+    std::array<Index, room + n_lanes> near;
     std::size_t n = 0;
     const auto search = [&](Index begin, Index end) __attribute__((always_inline)) {
       for (std::size_t from = begin; from < end; from += batch) {
@@ -141,13 +139,12 @@ class CellGrid {
             const Lanes apart = *reinterpret_cast<const LooseLanes*>(&axis_[d][m]) - x[static_cast<int>(d)];
             r2 += apart * apart;
           }
-          lanes[(m - from) / n_lanes].v = r2;
-        }
-        for (std::size_t m = from; m < to; ++m) {
-          const Index j = order_[m];
-          const double r2 = distance[m - from];
-          near[n] = j;
-          n += static_cast<std::size_t>(r2 < limit) & static_cast<std::size_t>(admit(j, r2));
+          for (std::size_t l = 0; l < n_lanes; ++l) {
+            const Index j = order_[m + l];
+            near[n] = j;
+            n += static_cast<std::size_t>(m + l < to) & static_cast<std::size_t>(r2[l] < limit) &
+                 static_cast<std::size_t>(admit(j, r2[l]));
+          }
         }
       }
     };
@@ -156,7 +153,9 @@ class CellGrid {
   }
 
   /// Point indices in cell order: a permutation under which neighbours lie close in memory.
-  [[nodiscard]] std::span<const Index> order() const { return order_; }
+  [[nodiscard]] std::span<const Index> order() const {
+    return std::span(order_).first(order_.empty() ? 0 : order_.size() - n_lanes);
+  }
 
  private:
   /// Calls f(begin, end) of order_ for every row of cells in the box: the cells of a row lie one after the other.
@@ -204,7 +203,7 @@ class CellGrid {
   Vec<D> lower_ = Vec<D>::Zero();
   double size_ = 1.0;
   std::array<int, D> count_{};
-  std::vector<Index> first_, order_;
+  std::vector<Index> first_, order_;  ///< order_: with room for lanes behind it
   std::vector<Index> cell_of_;
 };
 

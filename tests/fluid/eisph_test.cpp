@@ -57,7 +57,7 @@ TEST(Eisph, SweepsTendToTheSolution) {
   // A chain of three between fixed ends: p = 1, 2, 3.
   const std::vector<Index> offset{0, 1, 3, 4}, neighbour{1, 0, 2, 1};
   PairMatrix A;
-  A.column = {offset, neighbour, {}};
+  A.column = {offset, neighbour, {}, {}};
   A.weight = {1, 1, 1, 1};
   A.diagonal = {2, 2, 2};
   const ScalarArray b{0.0, 0.0, 4.0};

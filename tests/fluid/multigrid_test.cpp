@@ -47,7 +47,7 @@ Grid grid(std::size_t side, bool closed) {
 
 int solve(Grid g, bool closed, ScalarArray& x) {
   PairMatrix& m = g.matrix;
-  m.column = {g.offset, g.neighbour, {}};
+  m.column = {g.offset, g.neighbour, {}, {}};
   std::mt19937_64 generator(7);
   std::uniform_real_distribution<double> noise(-1.0, 1.0);
   ScalarArray b(m.size());
