@@ -16,7 +16,6 @@ constexpr double hydrostatic_share = 0.05;
 /// front a few spacings deep, which slows down as it goes in, takes shorter ones than a quarter spacing.
 constexpr double wanted_slowing = 0.0125;
 constexpr double longest_interval = 8.0;  // s: of slow seepage; with longer ones the ponded front lags
-constexpr const char* accelerates = "a quarter spacing per window of water in coarse soil that accelerates";
 
 }  // namespace
 
@@ -101,7 +100,8 @@ void Fluid<D>::limit_by_acceleration(const SoilView<D>& view, const VecArray<D>&
     if (acceleration == 0.0) continue;
     longest = std::min(longest, 0.5 * spacing / (speed + std::sqrt(speed * speed + acceleration * spacing)));
   }
-  if (coarse) state_.window_limits.push_back({longest, accelerates});
+  if (std::isfinite(longest))
+    state_.window_limits.push_back({longest, "a quarter spacing per window of water in coarse soil that accelerates"});
   for (const auto& face : scene_.water_faces) {
     if (!coarse || !face.head || face.basin_area) continue;
     double level = longest_interval;
@@ -197,15 +197,11 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
   if (fastest_free > 0.0)
     apply(free_courant / fastest_free, "two fifths of a spacing per window at the highest speed of free water");
   if (free_surface && weight_.norm() > 0.0) apply(wave_interval(), "gravity waves of one spacing on the free surface");
-  // In soil the surface falls no faster than under a unit gradient, nor than freely; where inertia rules, acceleration
-  // tells how fast it will.
-  const bool accelerated = std::any_of(state_.window_limits.begin(), state_.window_limits.end(),
-                                       [](const auto& l) { return l.reason == accelerates; });
+  // In soil the surface falls no faster than under a unit gradient, nor than freely.
   if (table && weight_.norm() > 0.0)
     for (const auto& soil : scene_.soils) {
       const double n = soil.porosity, gamma = weight_.norm();
       const double fall = porous::resistance(gamma, n, porous::seepage_at(scene_, soil, n)).speed(n * gamma);
-      if (accelerated && inertia_rules(n, density_, n * gamma / fall, dx_, gamma / density_)) continue;
       apply(std::max(wave_interval(), 0.25 * dx_ / fall), "a quarter spacing per window of a water table that falls");
     }
   apply(central_interval(), "central force");
