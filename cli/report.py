@@ -70,11 +70,12 @@ def section(case, folder_of_pictures, pictured=None):
         lines.append(f"| {m['name']} | {text(m['value'])} {m['unit']} | {text(m['reference'])} | {text(m['error'])} "
                      f"| {m['tolerance']:g} | {'' if m['passed'] else '**missed**'} |")
     lines += ["", "| run | particles | windows | wall s | CPU s |", "| --- | --- | --- | --- | --- |"]
-    chosen = [run for run in case["runs"] if run["figures"]][:pictured] or case["runs"][:pictured]
+    named = [run for run in case["runs"] if run["figures"]]
+    chosen = case["runs"] if pictured is None else (named or case["runs"])[:pictured]
     for run in case["runs"]:
         counts = ", ".join(f"{n:.0f} {phase}" for phase, n in run["particles"].items())
         lines.append(f"| {run['name']} | {counts} | {run['windows']:.0f} | {run['wall_s']:.1f} | {run['cpu_s']:.1f} |")
-        if run not in chosen and pictured is not None:
+        if run not in chosen:
             continue
         folder, prefix = pathlib.Path(run["folder"]), f"{case['case']}_{run['name']}".replace(" ", "_")
         judged = [m["gauge"] for m in case["metrics"] if m["run"] == run["name"] and m["gauge"]]

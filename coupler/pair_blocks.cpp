@@ -182,9 +182,10 @@ std::size_t PairBlocks<D>::take_near(const Vec<D>& lower, const Vec<D>& upper, d
 template <int D>
 void PairBlocks<D>::append_in_order(Size n, Finder& finder) const {
   auto &bits = finder.bits, &words = finder.words;
+  const auto order = grid_.order();
   Size first = words.size(), last = 0;
   for (Size k = 0; k < n; ++k) {
-    const Size j = grid_.order()[finder.found[k]], word = j / 64;
+    const Size j = order[finder.found[k]], word = j / 64;
     bits[word] |= std::uint64_t{1} << j % 64;
     words[word / 64] |= std::uint64_t{1} << word % 64;
     first = std::min(first, word / 64);

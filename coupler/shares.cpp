@@ -1,7 +1,7 @@
 // Conservative mapping: amounts shared out by balanced weights. Weights stand twice, by giver and by receiver, so that
 // sums over either run four at a time and in an order of their own that no list can change.
 #include "common/core/error.hpp"
-#include "common/core/threads.hpp"
+#include "common/core/in_lanes.hpp"
 #include "coupler/mapping.hpp"
 
 #include <algorithm>
@@ -13,16 +13,6 @@ namespace {
 
 using Size = std::size_t;
 
-/// Calls work(b) for the blocks 0 .. n - 1, side by side, compiled for this machine; mark it always_inline.
-template <class Work>
-void for_blocks_in_lanes(Size n, const Work& work) {
-  side_by_side(n, worth_threads_in_blocks, [&](Size begin, Size end) {
-    run_lanes([&]() __attribute__((always_inline)) {
-      for (Size b = begin; b < end; ++b) work(b);
-    });
-  });
-}
-
 /// Whose smoothing length a pair's kernel has.
 enum class Kernel { of_candidate, of_block };
 
@@ -33,8 +23,8 @@ void weigh_all(const PairBlocks<D>& pairs, std::span<const typename PairBlocks<D
   out.last.resize(blocks.size());
   out.candidate.resize(pairs.n_candidates());
   out.weight.resize(pairs.n_candidates());
-  for_blocks_in_lanes(
-      blocks.size(), [&](Size b) __attribute__((always_inline)) {
+  for_each_in_lanes(
+      blocks.size(), worth_threads_in_blocks, [&](Size b) __attribute__((always_inline)) {
         const auto& block = blocks[b];
         const std::array<Quad, D> x = block.x;
         Lanes shrink{}, amplitude{};
@@ -65,8 +55,8 @@ void weigh_all(const PairBlocks<D>& pairs, std::span<const typename PairBlocks<D
 template <Size K, int D>
 void multiply(std::span<const typename PairBlocks<D>::Block> blocks, const typename Sharing<D>::Weights& weights,
               const std::vector<double>& value, std::vector<double>& sum) {
-  for_blocks_in_lanes(
-      blocks.size(), [&](Size b) __attribute__((always_inline)) {
+  for_each_in_lanes(
+      blocks.size(), worth_threads_in_blocks, [&](Size b) __attribute__((always_inline)) {
         const auto& block = blocks[b];
         std::array<Quad, K> total{};
         for (Size p = block.first; p < weights.last[b]; ++p) {
@@ -166,8 +156,8 @@ class Shares {
     for (Size k = 0; k < giving.size(); ++k) giving[k] = size_[at_receivers_.order()[k]] > 0.0 ? 1.0 : 0.0;
     std::vector<double> sums(receivers_.size() * K, 0.0);
     const auto blocks = at_receivers_.blocks();
-    for_blocks_in_lanes(
-        blocks.size(), [&](Size b) __attribute__((always_inline)) {
+    for_each_in_lanes(
+        blocks.size(), worth_threads_in_blocks, [&](Size b) __attribute__((always_inline)) {
           const auto& block = blocks[b];
           Lanes weight{};
           std::array<Quad, D> moment{};

@@ -1,8 +1,7 @@
 // Sparse rows and conjugate gradients, small and allocation-free inside the iteration.
 #pragma once
 
-#include "common/core/lanes.hpp"
-#include "common/core/threads.hpp"
+#include "common/core/in_lanes.hpp"
 #include "common/core/vector.hpp"
 
 #include <algorithm>
@@ -51,9 +50,8 @@ struct GraphMatrix {
   [[nodiscard]] std::size_t end(std::size_t a) const { return column.offset[a + 1]; }
   /// y = A x
   void apply(std::span<const double> x, std::span<double> y) const {
-    side_by_side(size(), [&](std::size_t first, std::size_t last) {
-      run_lanes([&]() __attribute__((always_inline)) {
-        for (std::size_t a = first; a < last; ++a) {
+    for_each_in_lanes(
+        size(), [&](std::size_t a) __attribute__((always_inline)) {
           Lanes sums{}, w;
           std::size_t k = begin(a);
           const std::size_t stop = end(a);
@@ -71,9 +69,7 @@ struct GraphMatrix {
           double sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
           for (; k < stop; ++k) sum += static_cast<double>(weight[k]) * x[column(a, k)];
           y[a] = diagonal[a] * x[a] - sum;
-        }
-      });
-    });
+        });
   }
 };
 

@@ -221,6 +221,30 @@ ScalarArray divergence(const Stencil<D>& s, std::span<const Vec<D>> f, Carried c
   return result;
 }
 
+/// The entries of a laplacian without buffers in which all volumes and mobilities are the same, `factor` their product:
+/// the list's kernels are the same for both of a pair there.
+template <int D>
+void fill_even_laplacian(const Stencil<D>& s, double factor, PairMatrix& m) {
+  ScalarArray amplified(s.size());
+  for_each_side_by_side(s.size(), [&](std::size_t j) { amplified[j] = s.amplification[s.parent[j]]; });
+  for_each_in_lanes(
+      s.n_real, [&](std::size_t a) __attribute__((always_inline)) {
+        Lanes sum{};
+        for (std::size_t k = s.offset[a]; k < s.offset[a + 1]; k += n_lanes) {
+          const Index* const i = &s.other[k];
+          Lanes w;
+          poretwin::take(&s.pull[k], w);
+          w *= factor * (amplified[a] + Lanes{amplified[i[0]], amplified[i[1]], amplified[i[2]], amplified[i[3]]});
+          for (std::size_t l = 0; s.beyond[a] != 0 && l < n_lanes; ++l)
+            if (s.parent[i[l]] == a) w[l] = 0.0;
+          put(w, &m.weight[k]);
+          poretwin::take(&m.weight[k], w);
+          sum += w;
+        }
+        m.diagonal[a] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+      });
+}
+
 /// V_a sum_b 2 V_b mobility_ab G_ab (p_a - p_b): minus the Laplacian, weighted with the volume so that it is symmetric.
 /// mobility: of the real particles, pairs get the harmonic mean; 1 where there is none. With buffers, their pairs go to
 /// the diagonal, (1 + r) (p_a - p_face). Entries that stand for no coupling have weight 0. The stencil must outlive it.
@@ -235,30 +259,7 @@ PairMatrix laplacian(const Stencil<D>& s, std::span<const double> mobility) {
     return std::all_of(values.begin(), values.end(), [&](double value) { return value == values[0]; });
   };
   if (!buffers && same(s.volume) && same(mobility)) {
-    // The list's kernels are the same for both of a pair.
-    ScalarArray amplified(s.size());
-    for_each_side_by_side(s.size(), [&](std::size_t j) { amplified[j] = s.amplification[s.parent[j]]; });
-    const double factor = s.n_real == 0 ? 0.0 : s.volume[0] * (mobility.empty() ? 1.0 : mobility[0]);
-    const auto row = [&](std::size_t a) __attribute__((always_inline)) {
-      Lanes sum{};
-      for (std::size_t k = s.offset[a]; k < s.offset[a + 1]; k += n_lanes) {
-        const Index* const i = &s.other[k];
-        Lanes w;
-        poretwin::take(&s.pull[k], w);
-        w *= factor * (amplified[a] + Lanes{amplified[i[0]], amplified[i[1]], amplified[i[2]], amplified[i[3]]});
-        for (std::size_t l = 0; s.beyond[a] != 0 && l < n_lanes; ++l)
-          if (s.parent[i[l]] == a) w[l] = 0.0;
-        put(w, &m.weight[k]);
-        poretwin::take(&m.weight[k], w);
-        sum += w;
-      }
-      m.diagonal[a] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
-    };
-    side_by_side(s.n_real, [&](std::size_t first, std::size_t last) {
-      run_lanes([&]() __attribute__((always_inline)) {
-        for (std::size_t a = first; a < last; ++a) row(a);
-      });
-    });
+    fill_even_laplacian(s, s.n_real == 0 ? 0.0 : s.volume[0] * (mobility.empty() ? 1.0 : mobility[0]), m);
     return m;
   }
   // Of a point: smoothing length, volume (0: coupled to nobody), amplification, mobility, and whose row it is.
@@ -302,11 +303,7 @@ PairMatrix laplacian(const Stencil<D>& s, std::span<const double> mobility) {
     m.diagonal[a] =
         (sum[0] + sum[1]) + (sum[2] + sum[3]) + 2.0 * self[at_volume] * self[at_mobility] * self[at_amplified] * faces;
   };
-  side_by_side(s.n_real, [&](std::size_t first, std::size_t last) {
-    run_lanes([&]() __attribute__((always_inline)) {
-      for (std::size_t a = first; a < last; ++a) row(a);
-    });
-  });
+  for_each_in_lanes(s.n_real, row);
   return m;
 }
 

@@ -2,8 +2,7 @@
 
 #include "fluid_solver/inlet.hpp"
 
-#include "common/core/lanes.hpp"
-#include "common/core/threads.hpp"
+#include "common/core/in_lanes.hpp"
 #include "common/sph/neighbours.hpp"
 
 #include <Eigen/Dense>
@@ -229,11 +228,8 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   s.least_moment.assign(n, 0.0);
   std::vector<Summed<D>> points(s.size());
   for_each_side_by_side(s.size(), [&](std::size_t j) { points[j] = {s.position[j], s.volume[j], s.length(j)}; });
-  side_by_side(n, [&](std::size_t first, std::size_t last) {
-    run_lanes([&]() __attribute__((always_inline)) {
-      for (std::size_t a = first; a < last; ++a) sum_pairs<D>(points.data(), a, open_water, s);
-    });
-  });
+  for_each_in_lanes(
+      n, [&](std::size_t a) __attribute__((always_inline)) { sum_pairs<D>(points.data(), a, open_water, s); });
   constexpr char surface = 1, face = 2;
   std::vector<char> edge(n, 0);
   for_each_side_by_side(n, [&](std::size_t a) {

@@ -147,11 +147,8 @@ VecArray<D> pressure_gradient_difference(const State<D>& state, std::span<const 
       });
   VecArray<D> gradient(n);
   for_each_side_by_side(n, [&](Size i) {
-    Mat<D> moment;
-    const double* next = sums[i].x.data() + D;
-    for (int b = 0; b < D; ++b)
-      for (int a = 0; a <= b; ++a) moment(a, b) = moment(b, a) = *next++;
-    gradient[i] = invert_moment<D>(moment) * Eigen::Map<const Vec<D>>(sums[i].x.data());
+    const double* const sum = sums[i].x.data();
+    gradient[i] = invert_moment<D>(symmetric<D>(sum + D)) * Eigen::Map<const Vec<D>>(sum);
   });
   return gradient;
 }

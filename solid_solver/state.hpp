@@ -34,6 +34,15 @@ struct Particles {
   [[nodiscard]] std::size_t free() const { return mass.size() - held; }  ///< how many, at the front, are free to move
 };
 
+/// The symmetric matrix whose columns, to the diagonal, stand one after the other.
+template <int D>
+Mat<D> symmetric(const double* upper) {
+  Mat<D> full;
+  for (int b = 0; b < D; ++b)
+    for (int a = 0; a <= b; ++a) full(a, b) = full(b, a) = *upper++;
+  return full;
+}
+
 /// Room for n numbers that loops over four pairs add to.
 constexpr std::size_t room_for(std::size_t n) { return (n + 3) / 4 * 4; }
 
@@ -63,13 +72,7 @@ struct alignas(64) Node {
   /// Where the gradient's loop sums up: the gradient, then the upper half of the moments' matrix.
   [[nodiscard]] double* sums() { return gradient.data(); }
   /// Kernel-gradient correction B, symmetric; of images that of their parents (correction_at).
-  [[nodiscard]] Mat<D> correction() const {
-    Mat<D> full;
-    const double* next = upper.data();
-    for (int b = 0; b < D; ++b)
-      for (int a = 0; a <= b; ++a) full(a, b) = full(b, a) = *next++;
-    return full;
-  }
+  [[nodiscard]] Mat<D> correction() const { return symmetric<D>(upper.data()); }
   void set_correction(const Mat<D>& full) {
     double* next = upper.data();
     for (int b = 0; b < D; ++b)
