@@ -114,32 +114,32 @@ template <int D>
   plane.constant = scale * constant;
 }
 
-/// Fields of one group, point by point: one cache line serves them all.
+bool all_zero(const Field& field) {
+  return std::all_of(field.values.begin(), field.values.end(), [](double v) { return v == 0.0; });
+}
+
+/// Fields of one group, point by point: one cache line serves them all. Those that are zero everywhere are left out.
 struct Columns {
+  std::vector<const Field*> given;
+  std::vector<Field*> mapped;
   Size n = 0, width = 0;       ///< columns; rounded up to whole registers
-  std::vector<double> values;  ///< [points in cell order * width]
-  std::vector<double> mask;    ///< [points in cell order], or none
+  std::vector<double> values;  ///< [points * width]
 };
 
-Columns pack(const FieldGroup& group, std::span<const Index> order) {
-  Columns out;
-  for (const Field* field : group.fields) out.n += static_cast<Size>(field->components);
+void pack(Size n_points, Columns& out) {
+  for (const Field* field : out.given) out.n += static_cast<Size>(field->components);
   out.width = (out.n + columns_at_once - 1) / columns_at_once * columns_at_once;
-  out.values.assign(order.size() * out.width, 0.0);
-  side_by_side(order.size(), worth_threads_in_points, [&](Size begin, Size end) {
+  out.values.resize(n_points * out.width);
+  side_by_side(n_points, worth_threads_in_points, [&](Size begin, Size end) {
     Size column = 0;
-    for (const Field* field : group.fields) {
+    for (const Field* field : out.given) {
       const Size components = static_cast<Size>(field->components);
       for (Size j = begin; j < end; ++j)
         for (Size c = 0; c < components; ++c)
-          out.values[j * out.width + column + c] = field->values[order[j] * components + c];
+          out.values[j * out.width + column + c] = field->values[j * components + c];
       column += components;
     }
   });
-  if (group.mask.empty()) return out;
-  out.mask.resize(order.size());
-  for (Size j = 0; j < order.size(); ++j) out.mask[j] = group.mask[order[j]];
-  return out;
 }
 
 /// Adds a neighbour to the sums.
@@ -155,18 +155,28 @@ template <int D>
   }
 }
 
-/// Range of one column among the neighbours of each point.
-[[gnu::always_inline]] inline void find_range(std::span<const Index> near, const Quad* weight, const double* values,
-                                              Size width, Lanes& low, Lanes& high) {
+/// Cuts some columns at their range among the neighbours of each point, in the lanes that are asked for.
+[[gnu::always_inline]] inline void cut_at_range(std::span<const Index> near, const Quad* weight, const double* values,
+                                                Size width, const LaneMask& asked, Quad* total) {
   constexpr double infinite = std::numeric_limits<double>::infinity();
-  low = Lanes{} + infinite;
-  high = Lanes{} - infinite;
+  std::array<Quad, columns_at_once> low, high;
+  for (Size q = 0; q < columns_at_once; ++q) {
+    low[q].v = Lanes{} + infinite;
+    high[q].v = Lanes{} - infinite;
+  }
   for (Size c = 0; c < near.size(); ++c) {
-    const Lanes value = Lanes{} + values[near[c] * width];
     const LaneMask counts = weight[c].v > 0.0;
-    const Lanes lower = counts ? value : low, higher = counts ? value : high;
-    lower_to(low, lower);
-    raise_to(high, higher);
+    const double* const value = values + near[c] * width;
+    for (Size q = 0; q < columns_at_once; ++q) {
+      lower_to(low[q].v, counts ? Lanes{} + value[q] : Lanes{} + infinite);
+      raise_to(high[q].v, counts ? Lanes{} + value[q] : Lanes{} - infinite);
+    }
+  }
+  for (Size q = 0; q < columns_at_once; ++q) {
+    Lanes kept = total[q].v;
+    raise_to(kept, low[q].v);
+    lower_to(kept, high[q].v);
+    total[q].v = asked ? kept : total[q].v;
   }
 }
 
@@ -202,22 +212,17 @@ template <int D>
   // A plane that may leave the range of the neighbours' values is cut there.
   const LaneMask leaves = least < 0.0;
   if (!any(leaves)) return;
-  for (Size column = 0; column < columns.n; ++column) {
-    Lanes low, high, kept = total[column].v;
-    find_range(near, weight, columns.values.data() + column, columns.width, low, high);
-    raise_to(kept, low);
-    lower_to(kept, high);
-    total[column].v = leaves ? kept : total[column].v;
-  }
+  for (Size column = 0; column < columns.width; column += columns_at_once)
+    cut_at_range(near, weight, columns.values.data() + column, columns.width, leaves, total + column);
 }
 
 /// A block's columns to the fields they belong to.
 template <int D>
-void hand_out(const typename PairBlocks<D>::Block& block, const Quad* total, std::span<Field> fields) {
-  for (auto& field : fields) {
-    const Size components = static_cast<Size>(field.components);
+void hand_out(const typename PairBlocks<D>::Block& block, const Quad* total, std::span<Field* const> fields) {
+  for (auto* const field : fields) {
+    const Size components = static_cast<Size>(field->components);
     for (Size l = 0; l < block.used; ++l)
-      for (Size c = 0; c < components; ++c) field.values[block.point[l] * components + c] = total[c].v[l];
+      for (Size c = 0; c < components; ++c) field->values[block.point[l] * components + c] = total[c].v[l];
     total += components;
   }
 }
@@ -243,50 +248,61 @@ template <int D>
 Interpolation consistent(const PairBlocks<D>& pairs, std::span<const FieldGroup> groups) {
   const Size m = pairs.n_active();
   Interpolation out{std::vector<double>(m, 0.0), std::vector<double>(m, 0.0), {}};
-  std::vector<Columns> packed;
-  Size widest = 0;
-  for (const auto& group : groups) {
-    packed.push_back(pack(group, pairs.order()));
-    widest = std::max(widest, packed.back().width);
+  for (const auto& group : groups)
     for (const Field* field : group.fields)
       out.fields.push_back(
           {field->name, field->components, std::vector<double>(m * static_cast<Size>(field->components), 0.0)});
+  std::vector<Columns> packed(groups.size());
+  Size widest = 0, next = 0;
+  for (Size g = 0; g < groups.size(); ++g) {
+    for (const Field* field : groups[g].fields) {
+      Field& mapped = out.fields[next++];
+      if (all_zero(*field)) continue;
+      packed[g].given.push_back(field);
+      packed[g].mapped.push_back(&mapped);
+    }
+    pack(pairs.nodes().size(), packed[g]);
+    widest = std::max(widest, packed[g].width);
   }
   const auto* const nodes = pairs.nodes().data();
   const auto blocks = pairs.active_blocks();
+  const auto* const made = pairs.made_weights();
   side_by_side(blocks.size(), worth_threads_in_blocks, [&](Size begin, Size end) {
-    std::vector<Quad> weight(pairs.longest_list()), masked(weight), coefficient(weight), total(widest);
+    std::vector<Index> found(pairs.longest_list());
+    std::vector<Quad> weighed(found.size()), masked(weighed), coefficient(weighed), total(widest);
     run_lanes([&]() __attribute__((always_inline)) {
       for (Size b = begin; b < end; ++b) {
         const auto& block = blocks[b];
-        const auto near = pairs.candidates(block);
-        if (near.empty()) continue;  // all is 0 there
         const std::array<Quad, D> x = block.x;
-        Moments<D> whole;
-        for (Size c = 0; c < near.size(); ++c) {
-          const auto& node = nodes[near[c]];
-          Lanes w;
-          weigh<D>(node, x, node.shrink, node.amplitude, w);
-          weight[c].v = w;
-          add<D>(whole, w, node, x);
+        std::span<const Index> near;
+        const Quad* weight;
+        if (made) {
+          near = std::span(made->candidate).subspan(block.first, made->last[b] - block.first);
+          weight = made->weight.data() + block.first;
+        } else {
+          near = std::span(found).first(
+              weigh_block<Kernel::of_candidate, D>(pairs, block, {}, found.data(), weighed.data()));
+          weight = weighed.data();
         }
+        if (near.empty()) continue;  // all is 0 there
+        Moments<D> whole;
+        for (Size c = 0; c < near.size(); ++c) add<D>(whole, weight[c].v, nodes[near[c]], x);
         tell_surroundings<D>(block, whole, out);
-        std::span<Field> fields(out.fields);
         for (Size g = 0; g < groups.size(); ++g) {
           const auto& columns = packed[g];
-          if (columns.mask.empty()) {
-            interpolate<D>(nodes, x, near, weight.data(), whole, columns, coefficient.data(), total.data());
+          if (columns.n == 0) continue;
+          if (groups[g].mask.empty()) {
+            interpolate<D>(nodes, x, near, weight, whole, columns, coefficient.data(), total.data());
           } else {  // other weights, other moments
             Moments<D> part;
             for (Size c = 0; c < near.size(); ++c) {
-              const Lanes w = weight[c].v * columns.mask[near[c]];
+              const Lanes w = weight[c].v * groups[g].mask[near[c]];
               masked[c].v = w;
               add<D>(part, w, nodes[near[c]], x);
             }
             interpolate<D>(nodes, x, near, masked.data(), part, columns, coefficient.data(), total.data());
           }
-          hand_out<D>(block, total.data(), fields.first(groups[g].fields.size()));
-          fields = fields.subspan(groups[g].fields.size());
+          hand_out<D>(block, total.data(), columns.mapped);
         }
       }
     });

@@ -70,19 +70,11 @@ template <int D>
 class Sharing {
  public:
   /// `carried` [components]: left from earlier windows; it goes to the receivers in proportion to what they get now.
-  Delivery conservative(const PairBlocks<D>& at_givers, const PairBlocks<D>& at_receivers, const PointSet& givers,
+  Delivery conservative(PairBlocks<D>& at_givers, const PairBlocks<D>& at_receivers, const PointSet& givers,
                         const PointSet& receivers, const Field& amounts, std::span<const double> carried);
 
-  /// The weights of all pairs of two clouds, those out of reach left out: a block's from where its candidates begin, to
-  /// `last`.
-  struct Weights {
-    std::vector<std::size_t> last;
-    std::vector<Index> candidate;  ///< in cell order
-    std::vector<Quad> weight;
-  };
-
  private:
-  Weights by_giver_, by_receiver_;
+  PairWeights by_receiver_;
 };
 
 /// Both directions between the fluid and the solid, dimension erased.

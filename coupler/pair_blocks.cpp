@@ -1,6 +1,6 @@
 #include "coupler/pair_blocks.hpp"
 
-#include "common/core/threads.hpp"
+#include "common/core/in_lanes.hpp"
 #include "common/sph/kernel.hpp"
 
 #include <algorithm>
@@ -48,6 +48,10 @@ double largest_growth(const std::vector<double>& now, const std::vector<double>&
   return largest_of(now.size(), [&](Size i) { return now[i] - then[i]; });
 }
 
+bool same(const std::vector<double>& a, const std::vector<double>& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
+}
+
 double largest(const std::vector<double>& values) {
   return values.empty() ? 0.0 : *std::max_element(values.begin(), values.end());
 }
@@ -55,45 +59,66 @@ double largest(const std::vector<double>& values) {
 }  // namespace
 
 template <int D>
+bool PairBlocks<D>::Then::stands(const PointSet& now) const {
+  return same(now.position, position) && same(now.smoothing_length, length) && same(now.volume, volume);
+}
+
+template <int D>
 void PairBlocks<D>::update(const PointSet& of, const PointSet& around) {
-  if (lists_hold(of, around)) {
+  const bool of_stands = made_ && of.n_active == n_active_ && of_last_.stands(of);
+  const bool around_stands = made_ && around_last_.stands(around);
+  if (of_stands && around_stands) {
+    ++reuses_;
+    return;
+  }
+  moves_ += 1.0;
+  const double gone = moved(of, around);
+  if (made_ && gone <= skin_) {
     ++reuses_;
   } else {
-    search(of, around);
+    const double reach = sph::support_radius * std::max(largest(of.smoothing_length), largest(around.smoothing_length));
+    search(of, around, (2.0 * gone <= relative_skin * reach * moves_ ? relative_skin : no_skin) * reach);
     ++rebuilds_;
+    moves_ = 0.0;
   }
+  if (!of_stands) of_last_ = {of.position, of.smoothing_length, of.volume};
+  if (!around_stands) around_last_ = {around.position, around.smoothing_length, around.volume};
   gather(of, around);
+  weighed_ = false;
 }
 
 template <int D>
-bool PairBlocks<D>::lists_hold(const PointSet& of, const PointSet& around) const {
-  if (skin_ <= 0.0 || of.n_active != n_active_ || of.position.size() != of_then_.position.size() ||
-      around.position.size() != around_then_.position.size())
-    return false;
-  const double moved =
-      largest_move<D>(of.position, of_then_.position) + largest_move<D>(around.position, around_then_.position);
-  const double growth = std::max(largest_growth(of.smoothing_length, of_then_.length),
-                                 largest_growth(around.smoothing_length, around_then_.length));
-  return moved + sph::support_radius * growth <= skin_;
+double PairBlocks<D>::moved(const PointSet& of, const PointSet& around) const {
+  if (!made_) return 0.0;
+  if (of.n_active != n_active_ || of.position.size() != of_listed_.position.size() ||
+      around.position.size() != around_listed_.position.size())
+    return std::numeric_limits<double>::infinity();
+  const double growth = std::max(largest_growth(of.smoothing_length, of_listed_.length),
+                                 largest_growth(around.smoothing_length, around_listed_.length));
+  return largest_move<D>(of.position, of_listed_.position) + largest_move<D>(around.position, around_listed_.position) +
+         sph::support_radius * growth;
 }
 
 template <int D>
-void PairBlocks<D>::search(const PointSet& of, const PointSet& around) {
-  const double longest = std::max(largest(of.smoothing_length), largest(around.smoothing_length));
-  const bool first = skin_ <= 0.0;
-  skin_ = relative_skin * sph::support_radius * longest;
+void PairBlocks<D>::search(const PointSet& of, const PointSet& around, double skin) {
+  const double reach = sph::support_radius * std::max(largest(of.smoothing_length), largest(around.smoothing_length));
   // One cloud moves, the other often does not: of that, blocks and cells stay.
-  if (first || !around_then_.stands(around)) sort_cells(around);
-  if (first || n_active_ != of.n_active || !of_then_.stands(of)) {
+  if (!made_ || !around_listed_.stands(around)) {
+    sort_cells(around);
+    around_listed_ = {around.position, around.smoothing_length, around.volume};
+  }
+  if (!made_ || n_active_ != of.n_active || !of_listed_.stands(of)) {
     n_of_ = of.size();
     n_active_ = of.n_active;
     blocks_.clear();
-    make_blocks(of, 0, of.n_active, sph::support_radius * longest);
+    make_blocks(of, 0, of.n_active, reach);
     n_active_blocks_ = blocks_.size();
-    make_blocks(of, of.n_active, of.size(), sph::support_radius * longest);
+    make_blocks(of, of.n_active, of.size(), reach);
+    of_listed_ = {of.position, of.smoothing_length, of.volume};
   }
-  of_then_ = {of.position, of.smoothing_length};
-  around_then_ = {around.position, around.smoothing_length};
+  nodes_.resize(around.size());
+  made_ = true;
+  skin_ = skin;
   find_candidates(of);
 }
 
@@ -136,12 +161,12 @@ void PairBlocks<D>::sort_cells(const PointSet& around) {
   if (n > 0) grid_.build(all_points<D>(around, 0, n), 0.5 * sph::support_radius * largest(around.smoothing_length));
   for (auto& x : x_) x.resize(n + n_lanes);  // four at a time are read
   reach_.resize(n + n_lanes);
-  place_.resize(n);
+  index_.resize(n + n_lanes);
   for (Size m = 0; m < n; ++m) {
     const Size j = grid_.order()[m];
     for (Size d = 0; d < D; ++d) x_[d][m] = around.position[j * D + d];
     reach_[m] = sph::support_radius * around.smoothing_length[j];
-    place_[j] = static_cast<Index>(m);
+    index_[m] = static_cast<Index>(j);
   }
 }
 
@@ -170,7 +195,7 @@ std::size_t PairBlocks<D>::take_near(const Vec<D>& lower, const Vec<D>& upper, d
         const LaneMask near = (square < radius * radius) & (ahead < static_cast<long long>(end - m));
         // All are written, those out of reach are written over: a branch would be guessed wrong too often.
         for (Size l = 0; l < n_lanes; ++l) {
-          found[n] = static_cast<Index>(m + l);
+          found[n] = index_[m + l];
           n += static_cast<Size>(near[l] & 1);
         }
       }
@@ -180,23 +205,24 @@ std::size_t PairBlocks<D>::take_near(const Vec<D>& lower, const Vec<D>& upper, d
 
 /// The first n of `found`, in the caller's order, to the candidates: by bits, some five times as fast as sorting.
 template <int D>
-void PairBlocks<D>::append_in_order(Size n, Finder& finder) const {
+void PairBlocks<D>::append_in_order(Size n, Finder& finder) {
   auto &bits = finder.bits, &words = finder.words;
-  const auto order = grid_.order();
   Size first = words.size(), last = 0;
   for (Size k = 0; k < n; ++k) {
-    const Size j = order[finder.found[k]], word = j / 64;
+    const Size j = finder.found[k], word = j / 64;
     bits[word] |= std::uint64_t{1} << j % 64;
     words[word / 64] |= std::uint64_t{1} << word % 64;
     first = std::min(first, word / 64);
     last = std::max(last, word / 64 + 1);
   }
+  finder.candidate.resize(finder.candidate.size() + n);
+  Index* next = finder.candidate.data() + finder.candidate.size() - n;
   const auto take_bits = [](std::uint64_t& word, const auto& take) {
     for (; word != 0; word &= word - 1) take(static_cast<Size>(std::countr_zero(word)));
   };
   for (Size w = first; w < last; ++w)
     take_bits(words[w], [&](Size word) {
-      take_bits(bits[w * 64 + word], [&](Size bit) { finder.candidate.push_back(place_[(w * 64 + word) * 64 + bit]); });
+      take_bits(bits[w * 64 + word], [&](Size bit) { *next++ = static_cast<Index>((w * 64 + word) * 64 + bit); });
     });
 }
 
@@ -205,13 +231,13 @@ void PairBlocks<D>::append_in_order(Size n, Finder& finder) const {
 template <int D>
 void PairBlocks<D>::find_candidates(const PointSet& of) {
   const double longest = largest(reach_);
-  const Size parts = parts_for(blocks_.size(), worth_threads_in_blocks);
+  const Size parts = small_parts_for(blocks_.size(), worth_threads_in_blocks);
   const auto begin = [&](Size part) { return blocks_.size() * part / parts; };
   finders_.resize(parts);
   for_each_part(parts, [&](Size part) {
     Finder& finder = finders_[part];
     finder.candidate.clear();
-    finder.bits.assign((place_.size() + 63) / 64, 0);
+    finder.bits.assign((nodes_.size() + 63) / 64, 0);
     finder.words.assign((finder.bits.size() + 63) / 64, 0);
     for (Size b = begin(part); b < begin(part + 1); ++b) {
       auto& block = blocks_[b];
@@ -262,9 +288,8 @@ typename PairBlocks<D>::Node PairBlocks<D>::node_of(const PointSet& points, Size
 
 template <int D>
 void PairBlocks<D>::gather(const PointSet& of, const PointSet& around) {
-  nodes_.resize(around.size());
   side_by_side(nodes_.size(), worth_threads_in_points, [&](Size begin, Size end) {
-    for (Size j = begin; j < end; ++j) nodes_[j] = node_of(around, order()[j]);
+    for (Size j = begin; j < end; ++j) nodes_[j] = node_of(around, j);
   });
   side_by_side(blocks_.size(), worth_threads_in_points, [&](Size begin, Size end) {
     for (auto& block : std::span(blocks_).subspan(begin, end - begin))
@@ -273,7 +298,30 @@ void PairBlocks<D>::gather(const PointSet& of, const PointSet& around) {
   });
 }
 
+template <int D>
+template <Kernel K>
+void PairBlocks<D>::weigh_all(std::span<const Block> blocks, const PointSet& of, PairWeights& out) const {
+  out.last.resize(blocks.size());
+  out.candidate.resize(n_candidates());
+  out.weight.resize(n_candidates());
+  for_each_in_lanes(
+      blocks.size(), worth_threads_in_blocks, [&](Size b) __attribute__((always_inline)) {
+        const Size first = blocks[b].first;
+        out.last[b] =
+            first + weigh_block<K, D>(*this, blocks[b], of, out.candidate.data() + first, out.weight.data() + first);
+      });
+}
+
+template <int D>
+const PairWeights& PairBlocks<D>::weights() {
+  if (!weighed_) weigh_all<Kernel::of_candidate>(active_blocks(), {}, weights_);
+  weighed_ = true;
+  return weights_;
+}
+
 template class PairBlocks<2>;
+template void PairBlocks<2>::weigh_all<Kernel::of_block>(std::span<const Block>, const PointSet&, PairWeights&) const;
+template void PairBlocks<3>::weigh_all<Kernel::of_block>(std::span<const Block>, const PointSet&, PairWeights&) const;
 template class PairBlocks<3>;
 
 }  // namespace poretwin::coupling

@@ -16,11 +16,23 @@
 namespace poretwin::coupling {
 
 /// Room added to every support radius, in units of the largest one: lists hold until points have moved that far, taken
-/// together.
-inline constexpr double relative_skin = 0.1;
+/// together. Where they would not hold for two moves, there is room for rounding only: they would be longer for
+/// nothing.
+inline constexpr double relative_skin = 0.1, no_skin = 1e-6;
 
 /// How many blocks, or points of which little is asked, are worth more than one thread.
 inline constexpr std::size_t worth_threads_in_blocks = 128, worth_threads_in_points = 1024;
+
+/// Whose smoothing length and volume a pair's weight has.
+enum class Kernel { of_candidate, of_block };
+
+/// Weights of all pairs of two clouds, those out of reach left out: a block's from where its candidates begin, to
+/// `last`.
+struct PairWeights {
+  std::vector<std::size_t> last;
+  std::vector<Index> candidate;
+  std::vector<Quad> weight;
+};
 
 template <int D>
 class PairBlocks {
@@ -52,13 +64,19 @@ class PairBlocks {
   }
   [[nodiscard]] std::size_t longest_list() const { return longest_; }
   [[nodiscard]] std::size_t n_candidates() const { return candidate_.size(); }
-  /// In cell order: neighbours in space lie close in memory.
+  /// The points of `around`.
   [[nodiscard]] std::span<const Node> nodes() const { return nodes_; }
-  /// Cell order -> the caller's, of `around`.
-  [[nodiscard]] std::span<const Index> order() const { return grid_.order(); }
   /// Points of `of`.
   [[nodiscard]] std::size_t size() const { return n_of_; }
   [[nodiscard]] std::size_t n_active() const { return n_active_; }
+
+  /// Weights V W(r, h) at the points `of` of these blocks (from the first on).
+  template <Kernel K>
+  void weigh_all(std::span<const Block> blocks, const PointSet& of, PairWeights& out) const;
+  /// Those of the candidates' kernels at the active blocks, made once for points that stand.
+  const PairWeights& weights();
+  /// The same if they are made already, or null.
+  [[nodiscard]] const PairWeights* made_weights() const { return weighed_ ? &weights_ : nullptr; }
 
   /// A point as a candidate.
   static Node node_of(const PointSet& points, std::size_t i);
@@ -67,21 +85,23 @@ class PairBlocks {
   [[nodiscard]] std::uint64_t reuses() const { return reuses_; }
 
  private:
-  [[nodiscard]] bool lists_hold(const PointSet& of, const PointSet& around) const;
-  void search(const PointSet& of, const PointSet& around);
+  /// How far points have moved since the lists were made, taken together, growth of their supports included [m];
+  /// infinite where others have come or gone.
+  [[nodiscard]] double moved(const PointSet& of, const PointSet& around) const;
+  void search(const PointSet& of, const PointSet& around, double skin);
   void make_blocks(const PointSet& of, std::size_t begin, std::size_t end, double reach);
   void sort_cells(const PointSet& around);
   void find_candidates(const PointSet& of);
   /// What one thread needs to find candidates, and those it has found.
   struct Finder {
-    std::vector<Index> found;  ///< in cell order
-    /// Bits of what was found, by the caller's index, and of words with any: to put it into the caller's order.
+    std::vector<Index> found;
+    /// Bits of what was found, and of words with any: to put it into the caller's order.
     std::vector<std::uint64_t> bits, words;
     std::vector<std::pair<Index, Index>> pieces;
     std::vector<Index> candidate;
   };
   std::size_t take_near(const Vec<D>& lower, const Vec<D>& upper, double own, Finder& finder) const;
-  void append_in_order(std::size_t n, Finder& finder) const;
+  static void append_in_order(std::size_t n, Finder& finder);
   void gather(const PointSet& of, const PointSet& around);
 
   std::vector<Block> blocks_;
@@ -89,18 +109,22 @@ class PairBlocks {
   std::vector<Index> candidate_;  ///< into nodes_
   std::vector<Node> nodes_;
   std::uint64_t rebuilds_ = 0, reuses_ = 0;
-  /// A cloud as it was when the lists were made.
+  /// A cloud as it was at some time.
   struct Then {
-    std::vector<double> position, length;
-    [[nodiscard]] bool stands(const PointSet& now) const {
-      return now.position == position && now.smoothing_length == length;
-    }
-  } of_then_, around_then_;
-  double skin_ = 0.0;      ///< m
+    std::vector<double> position, length, volume;
+    [[nodiscard]] bool stands(const PointSet& now) const;
+  };
+  Then of_listed_, around_listed_;  ///< when the lists were made
+  Then of_last_, around_last_;      ///< when they were last brought up to date
+  bool made_ = false;               ///< there are lists
+  double moves_ = 0.0;              ///< updates since then in which something had moved
+  double skin_ = 0.0;               ///< m
+  bool weighed_ = false;            ///< weights_ are those of the last update
+  PairWeights weights_;
   sph::CellGrid<D> grid_;  ///< of `around`, and in its order:
   std::array<std::vector<double>, D> x_;
   std::vector<double> reach_;  ///< m, radius of support
-  std::vector<Index> place_;   ///< the caller's order -> cell order
+  std::vector<Index> index_;   ///< the caller's
   std::vector<Finder> finders_;
 };
 
@@ -119,6 +143,35 @@ template <int D, class Value>
   raise_to(u, Lanes{});
   const Lanes u2 = u * u;
   weight = amplitude * (u2 * u2) * (5.0 - 4.0 * u);
+}
+
+/// The candidates that reach a block and their weights at its points, to arrays that have room for all; how many.
+template <Kernel K, int D>
+[[gnu::always_inline]] inline std::size_t weigh_block(const PairBlocks<D>& pairs,
+                                                      const typename PairBlocks<D>::Block& block, const PointSet& of,
+                                                      Index* candidate, Quad* weight) {
+  const auto* const nodes = pairs.nodes().data();
+  const std::array<Quad, D> x = block.x;
+  Lanes shrink{}, amplitude{};
+  if constexpr (K == Kernel::of_block)
+    for (std::size_t l = 0; l < n_lanes; ++l) {
+      const auto own = PairBlocks<D>::node_of(of, block.point[l]);
+      shrink[l] = own.shrink;
+      amplitude[l] = own.amplitude;
+    }
+  std::size_t n = 0;
+  for (const Index near : pairs.candidates(block)) {
+    const auto& node = nodes[near];
+    Lanes w;
+    if constexpr (K == Kernel::of_block)
+      weigh<D>(node, x, shrink, amplitude, w);
+    else
+      weigh<D>(node, x, node.shrink, node.amplitude, w);
+    candidate[n] = near;
+    weight[n].v = w;
+    n += any(w > 0.0) ? 1 : 0;
+  }
+  return n;
 }
 
 }  // namespace poretwin::coupling

@@ -13,47 +13,9 @@ namespace {
 
 using Size = std::size_t;
 
-/// Whose smoothing length a pair's kernel has.
-enum class Kernel { of_candidate, of_block };
-
-template <Kernel K, int D>
-void weigh_all(const PairBlocks<D>& pairs, std::span<const typename PairBlocks<D>::Block> blocks, const PointSet& of,
-               typename Sharing<D>::Weights& out) {
-  const auto* const nodes = pairs.nodes().data();
-  out.last.resize(blocks.size());
-  out.candidate.resize(pairs.n_candidates());
-  out.weight.resize(pairs.n_candidates());
-  for_each_in_lanes(
-      blocks.size(), worth_threads_in_blocks, [&](Size b) __attribute__((always_inline)) {
-        const auto& block = blocks[b];
-        const std::array<Quad, D> x = block.x;
-        Lanes shrink{}, amplitude{};
-        if constexpr (K == Kernel::of_block)
-          for (Size l = 0; l < n_lanes; ++l) {
-            const auto own = PairBlocks<D>::node_of(of, block.point[l]);
-            shrink[l] = own.shrink;
-            amplitude[l] = own.amplitude;
-          }
-        Size n = block.first;
-        for (const Index candidate : pairs.candidates(block)) {
-          const auto& node = nodes[candidate];
-          Lanes w;
-          if constexpr (K == Kernel::of_block)
-            weigh<D>(node, x, shrink, amplitude, w);
-          else
-            weigh<D>(node, x, node.shrink, node.amplitude, w);
-          out.candidate[n] = candidate;
-          out.weight[n].v = w;
-          n += any(w > 0.0) ? 1 : 0;
-        }
-        out.last[b] = n;
-      });
-}
-
-/// sum_j w_ij value_j for every point i of the blocks, K values a point; `value` in cell order, the sums in the
-/// caller's.
+/// sum_j w_ij value_j for every point i of the blocks, K values a point.
 template <Size K, int D>
-void multiply(std::span<const typename PairBlocks<D>::Block> blocks, const typename Sharing<D>::Weights& weights,
+void multiply(std::span<const typename PairBlocks<D>::Block> blocks, const PairWeights& weights,
               const std::vector<double>& value, std::vector<double>& sum) {
   for_each_in_lanes(
       blocks.size(), worth_threads_in_blocks, [&](Size b) __attribute__((always_inline)) {
@@ -73,9 +35,9 @@ void multiply(std::span<const typename PairBlocks<D>::Block> blocks, const typen
 template <int D>
 class Shares {
  public:
-  using Weights = typename Sharing<D>::Weights;
-  Shares(Weights& by_giver, Weights& by_receiver, const PairBlocks<D>& at_givers, const PairBlocks<D>& at_receivers,
-         const PointSet& givers, const PointSet& receivers, const Field& amounts)
+  /// Receivers weigh by their own kernels on either side.
+  Shares(const PairBlocks<D>& at_givers, const PairBlocks<D>& at_receivers, const PairWeights& by_giver,
+         const PairWeights& by_receiver, const PointSet& givers, const PointSet& receivers, const Field& amounts)
       : at_givers_(at_givers),
         at_receivers_(at_receivers),
         givers_(givers),
@@ -84,76 +46,61 @@ class Shares {
         by_receiver_(by_receiver),
         components_(static_cast<Size>(amounts.components)),
         size_(givers.size(), 0.0),
-        scale_(receivers.n_active, 1.0) {
-    // Receivers weigh by their own kernels on either side.
-    weigh_all<Kernel::of_candidate, D>(at_givers, at_givers.active_blocks(), givers, by_giver);
-    weigh_all<Kernel::of_block, D>(at_receivers, at_receivers.blocks(), receivers, by_receiver);
+        scale_(receivers.size() + n_lanes, 0.0),
+        total_(givers.n_active),
+        got_(receivers.size() + n_lanes) {
     for (Size i = 0; i < givers.n_active; ++i)
       for (Size c = 0; c < components_; ++c) size_[i] += std::abs(amounts.values[i * components_ + c]);
+    std::fill_n(scale_.begin(), receivers.n_active, 1.0);
   }
 
   /// Factors under which an even giving arrives evenly however disordered the points are: what reaches a receiver from
   /// the giving volumes is to be its own volume (Sinkhorn 1967). Only receivers inside the cloud of those that give are
   /// balanced; at its edge the shares stay as the kernel has them.
   void balance() {
-    const auto inside = receivers_inside();
-    std::vector<double> part(givers_.size(), 0.0), load;
+    const auto wanted = wanted_inside();
+    std::vector<double> part(givers_.size(), 0.0);
     for (int round = 0; round < balancing_rounds; ++round) {
       const auto& total = totals();
-      for (Size i = 0; i < total.size(); ++i)
-        part[i] = size_[i] > 0.0 && total[i] > no_weight ? givers_.volume[i] / total[i] : 0.0;
-      receive<1>(part, load);
-      double worst = 0.0;
-      for (Size j = 0; j < scale_.size(); ++j) {
-        const double got = load[j] * scale_[j];
-        if (!(got > 0.0) || !inside[j]) continue;
-        const double ratio = receivers_.volume[j] / got;
-        worst = std::max(worst, std::abs(ratio - 1.0));
-        scale_[j] = std::clamp(scale_[j] * ratio, 0.25, 4.0);
+      for (Size i = 0; i < total.size(); ++i) {
+        const bool gives = size_[i] > 0.0 && total[i] > no_weight;
+        part[i] = gives ? givers_.volume[i] / (gives ? total[i] : 1.0) : 0.0;
       }
-      if (worst < balancing_tolerance) break;
+      if (rescale(wanted, receive<1>(part, got_)) < balancing_tolerance) break;
     }
   }
 
   /// Of the active givers: the sum of their receivers' weights.
   const std::vector<double>& totals() {
-    const auto order = at_givers_.order();
-    in_order_.resize(order.size());
-    for (Size k = 0; k < order.size(); ++k) {
-      const double owner = receivers_.owner[order[k]];
-      in_order_[k] = owner < 0.0 ? 0.0 : scale_[static_cast<Size>(owner)];
+    for (Size j = receivers_.n_active; j < receivers_.size(); ++j) {
+      const double owner = receivers_.owner[j];
+      scale_[j] = owner < 0.0 ? 0.0 : scale_[static_cast<Size>(owner)];
     }
-    total_.resize(givers_.n_active);
-    multiply<1, D>(at_givers_.active_blocks(), by_giver_, in_order_, total_);
+    multiply<1, D>(at_givers_.active_blocks(), by_giver_, scale_, total_);
     return total_;
   }
 
   /// sum_i w_ij value_i of the active receivers, what their ghosts get included; K values a point, not yet scaled.
   template <Size K>
-  void receive(const std::vector<double>& value, std::vector<double>& got) {
-    const auto order = at_receivers_.order();
-    in_order_.resize(order.size() * K);
-    for (Size k = 0; k < order.size(); ++k)
-      for (Size c = 0; c < K; ++c) in_order_[k * K + c] = value[order[k] * K + c];
-    got.resize(receivers_.size() * K);
-    multiply<K, D>(at_receivers_.blocks(), by_receiver_, in_order_, got);
+  const std::vector<double>& receive(const std::vector<double>& value, std::vector<double>& got) {
+    multiply<K, D>(at_receivers_.blocks(), by_receiver_, value, got);
     for (Size j = receivers_.n_active; j < receivers_.size(); ++j) {
       const double owner = receivers_.owner[j];
       if (owner < 0.0) continue;
       for (Size c = 0; c < K; ++c) got[static_cast<Size>(owner) * K + c] += got[j * K + c];
     }
-    got.resize(receivers_.n_active * K);
+    return got;
   }
 
   [[nodiscard]] const std::vector<double>& size() const { return size_; }
   [[nodiscard]] const std::vector<double>& scale() const { return scale_; }
 
  private:
-  /// Do those that give lie all around?
-  std::vector<char> receivers_inside() {
+  /// What is to reach the active receivers: their volume, or 0 where those that give do not lie all around.
+  std::vector<double> wanted_inside() const {
     constexpr Size K = D + 1;
-    std::vector<double> giving(at_receivers_.nodes().size());
-    for (Size k = 0; k < giving.size(); ++k) giving[k] = size_[at_receivers_.order()[k]] > 0.0 ? 1.0 : 0.0;
+    std::vector<double> giving(givers_.size());
+    for (Size i = 0; i < giving.size(); ++i) giving[i] = size_[i] > 0.0 ? 1.0 : 0.0;
     std::vector<double> sums(receivers_.size() * K, 0.0);
     const auto blocks = at_receivers_.blocks();
     for_each_in_lanes(
@@ -176,22 +123,44 @@ class Shares {
     for (Size j = receivers_.n_active; j < receivers_.size(); ++j)
       if (const double owner = receivers_.owner[j]; owner >= 0.0)
         for (Size c = 0; c < K; ++c) sums[static_cast<Size>(owner) * K + c] += sums[j * K + c];
-    std::vector<char> inside(receivers_.n_active);
-    for (Size j = 0; j < inside.size(); ++j) {
+    std::vector<double> wanted(receivers_.n_active + n_lanes, 0.0);
+    for (Size j = 0; j < receivers_.n_active; ++j) {
       double square = 0.0;
       for (Size a = 0; a < D; ++a) square += sums[j * K + 1 + a] * sums[j * K + 1 + a];
-      inside[j] = std::sqrt(square) <= inside_asymmetry * sums[j * K];
+      if (std::sqrt(square) <= inside_asymmetry * sums[j * K]) wanted[j] = receivers_.volume[j];
     }
-    return inside;
+    return wanted;
+  }
+
+  /// Changes the scale by what was wanted over what was got; the largest relative change that was due.
+  double rescale(const std::vector<double>& wanted, const std::vector<double>& got) {
+    Quad worst{};
+    run_lanes([&]() __attribute__((always_inline)) {
+      for (Size j = 0; j < receivers_.n_active; j += n_lanes) {
+        const Lanes before = *reinterpret_cast<const LooseLanes*>(scale_.data() + j),
+                    want = *reinterpret_cast<const LooseLanes*>(wanted.data() + j),
+                    have = *reinterpret_cast<const LooseLanes*>(got.data() + j) * before;
+        const LaneMask balanced = (have > 0.0) & (want > 0.0);
+        const Lanes ratio = balanced ? want / (balanced ? have : Lanes{} + 1.0) : Lanes{} + 1.0;
+        const Lanes off = ratio - 1.0;
+        raise_to(worst.v, off);
+        raise_to(worst.v, -off);
+        Lanes after = before * ratio;
+        raise_to(after, Lanes{} + 0.25);
+        lower_to(after, Lanes{} + 4.0);
+        *reinterpret_cast<LooseLanes*>(scale_.data() + j) = balanced ? after : before;
+      }
+    });
+    return *std::max_element(&worst.v[0], &worst.v[0] + n_lanes);
   }
 
   const PairBlocks<D>&at_givers_, &at_receivers_;
   const PointSet &givers_, &receivers_;
-  const Weights &by_giver_, &by_receiver_;
+  const PairWeights &by_giver_, &by_receiver_;
   Size components_;
   std::vector<double> size_;   ///< [givers] sum of the absolute components: 0, nothing is given
-  std::vector<double> scale_;  ///< [active receivers]
-  std::vector<double> in_order_, total_;
+  std::vector<double> scale_;  ///< [receivers and a few more] a ghost's is its owner's
+  std::vector<double> total_, got_;
 };
 
 /// What the receivers get of the amounts, and of the key by which carried amounts are shared out.
@@ -207,7 +176,7 @@ Delivery share_out(Shares<D> shares, const PointSet& givers, const PointSet& rec
   shares.balance();
   const auto& total = shares.totals();
   const auto& size = shares.size();
-  std::vector<double> given(givers.size() * K, 0.0), got;
+  std::vector<double> given(givers.size() * K, 0.0), got(receivers.size() * K);
   double parts = 0.0;
   for (Size i = 0; i < givers.n_active; ++i) {
     const double* const amount = amounts.values.data() + i * Components;
@@ -240,10 +209,10 @@ Delivery share_out(Shares<D> shares, const PointSet& givers, const PointSet& rec
 }  // namespace
 
 template <int D>
-Delivery Sharing<D>::conservative(const PairBlocks<D>& at_givers, const PairBlocks<D>& at_receivers,
-                                  const PointSet& givers, const PointSet& receivers, const Field& amounts,
-                                  std::span<const double> carried) {
-  Shares<D> shares(by_giver_, by_receiver_, at_givers, at_receivers, givers, receivers, amounts);
+Delivery Sharing<D>::conservative(PairBlocks<D>& at_givers, const PairBlocks<D>& at_receivers, const PointSet& givers,
+                                  const PointSet& receivers, const Field& amounts, std::span<const double> carried) {
+  at_receivers.template weigh_all<Kernel::of_block>(at_receivers.blocks(), receivers, by_receiver_);
+  Shares<D> shares(at_givers, at_receivers, at_givers.weights(), by_receiver_, givers, receivers, amounts);
   if (amounts.components == 1) return share_out<D, 1>(std::move(shares), givers, receivers, amounts, carried);
   if (amounts.components == D) return share_out<D, D>(std::move(shares), givers, receivers, amounts, carried);
   throw PeerError("field '" + amounts.name + "' is shared out: expected a number or a vector of " + std::to_string(D) +

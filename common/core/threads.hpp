@@ -36,12 +36,17 @@ inline constexpr std::size_t worth_threads = 32768;
 /// Into how many parts n entries are shared out, `worth` of which are worth more than one thread.
 inline std::size_t parts_for(std::size_t n, std::size_t worth = worth_threads) { return n < worth ? 1 : threads(); }
 
-/// Calls work(first, last) for parts of 0 .. n - 1, some for each thread, so that one that comes late finds work, too.
-/// For work on single entries, which cannot depend on the parts.
+/// The same, some parts for each thread, so that one that comes late finds work, too.
+inline std::size_t small_parts_for(std::size_t n, std::size_t worth = worth_threads) {
+  constexpr std::size_t each = 4;
+  const std::size_t parts = parts_for(n, worth);
+  return parts > 1 ? each * parts : 1;
+}
+
+/// Calls work(first, last) for small parts of 0 .. n - 1. For work on single entries, which cannot depend on the parts.
 template <class Work>
 void side_by_side(std::size_t n, std::size_t worth, Work&& work) {
-  constexpr std::size_t each = 4;
-  const std::size_t parts = parts_for(n, worth) > 1 ? each * threads() : 1;
+  const std::size_t parts = small_parts_for(n, worth);
   for_each_part(parts, [&](std::size_t part) { work(n * part / parts, n * (part + 1) / parts); });
 }
 

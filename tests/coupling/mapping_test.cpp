@@ -320,6 +320,8 @@ TEST(Mapping, ReusedListsGiveWhatFreshOnesGive) {
       source.position.resize(source.position.size() - 2);
       for (auto* values : {&source.volume, &source.smoothing_length, &source.owner}) values->pop_back();
     }
+    if (k % 5 == 3)
+      for (auto& v : source.volume) v *= 1.01;
     if (k == 20)
       for (auto& x : target.position) x += 0.02;
     CloudPairs<2> fresh;
@@ -328,9 +330,32 @@ TEST(Mapping, ReusedListsGiveWhatFreshOnesGive) {
     const auto a = kept.consistent(fields, {}).at(0).values, b = fresh.consistent(fields, {}).at(0).values;
     ASSERT_EQ(a, b) << "step " << k;  // bit for bit: a list is a cache, whose age nobody can tell
     ASSERT_EQ(kept.conservative(f, {}).values, fresh.conservative(f, {}).values) << "step " << k;
+    kept.update(source, target);  // nothing has moved: weights of the shares stand
+    ASSERT_EQ(kept.consistent(fields, {}).at(0).values, b) << "step " << k;
   }
   EXPECT_GT(kept.reuses(), 20u);
   EXPECT_GT(kept.rebuilds(), 2u);
+}
+
+TEST(Mapping, FieldsThatAreZeroEverywhereStayZeroAndDoNotDisturbOthers) {
+  const auto source = cloud(2, 1.0, 0.05, 1), target = cloud(2, 1.3, 0.06, 2);
+  const Size n = source.size();
+  const Field zero{"z", 2, std::vector<double>(2 * n, 0.0)}, negative{"n", 1, std::vector<double>(n, -0.0)},
+      f{"f", 2, random_values(2 * n, 5)}, g{"g", 1, random_values(n, 6)};
+  auto mask = random_values(n, 3);
+  for (auto& m : mask) m = std::max(0.0, m);
+  CloudPairs<2> pairs;
+  pairs.update(source, target);
+  for (const std::span<const double> weights : {std::span<const double>(), std::span<const double>(mask)}) {
+    const auto alone = pairs.consistent({&f, &g}, weights),
+               among = pairs.consistent({&zero, &f, &negative, &g}, weights);
+    ASSERT_EQ(among.size(), 4u);
+    EXPECT_EQ(among[0].values, std::vector<double>(2 * target.n_active, 0.0));
+    EXPECT_EQ(among[1].values, alone[0].values);
+    EXPECT_EQ(among[2].values, std::vector<double>(target.n_active, 0.0));
+    EXPECT_EQ(among[3].values, alone[1].values);
+    for (Size c = 0; c < 4; ++c) EXPECT_EQ(among[c].name, (std::array{"z", "f", "n", "g"})[c]);
+  }
 }
 
 TEST(Mapping, EmptySetsOnEitherSide) {
