@@ -114,10 +114,6 @@ template <int D>
   plane.constant = scale * constant;
 }
 
-bool all_zero(const Field& field) {
-  return std::all_of(field.values.begin(), field.values.end(), [](double v) { return v == 0.0; });
-}
-
 /// Fields of one group, point by point: one cache line serves them all. Those that are zero everywhere are left out.
 struct Columns {
   std::vector<const Field*> given;
@@ -244,6 +240,16 @@ template <int D>
 
 }  // namespace
 
+bool all_zero(const std::vector<double>& values) {
+  constexpr Size at_once = 64;
+  for (Size k = 0; k < values.size(); k += at_once) {
+    bool zero = true;
+    for (Size i = k; i < std::min(k + at_once, values.size()); ++i) zero &= values[i] == 0.0;
+    if (!zero) return false;
+  }
+  return true;
+}
+
 template <int D>
 Interpolation consistent(const PairBlocks<D>& pairs, std::span<const FieldGroup> groups) {
   const Size m = pairs.n_active();
@@ -257,7 +263,7 @@ Interpolation consistent(const PairBlocks<D>& pairs, std::span<const FieldGroup>
   for (Size g = 0; g < groups.size(); ++g) {
     for (const Field* field : groups[g].fields) {
       Field& mapped = out.fields[next++];
-      if (all_zero(*field)) continue;
+      if (all_zero(field->values)) continue;
       packed[g].given.push_back(field);
       packed[g].mapped.push_back(&mapped);
     }

@@ -16,23 +16,25 @@ class CloudMapping final : public SpatialMapping {
             std::span<const FieldSpec> specs, const PointSet& receiver_points) override {
     auto& at_receivers = giver == Role::fluid ? at_solid_ : at_fluid_;
     auto& at_givers = giver == Role::fluid ? at_fluid_ : at_solid_;
-    at_receivers.update(receiver_points, giver_points);
+    const auto shared_out = [&](const FieldSpec& spec) {
+      return spec.mapping == coupling::Mapping::conservative &&
+             !(all_zero(find(giver_fields, spec.name).values) && all_zero(account_of(giver, spec).undelivered));
+    };
+    const typename PairBlocks<D>::Update both[] = {{&at_receivers, receiver_points, giver_points},
+                                                   {&at_givers, giver_points, receiver_points}};
+    PairBlocks<D>::update(std::span(both).first(std::any_of(specs.begin(), specs.end(), shared_out) ? 2 : 1));
     Inbox inbox = map_consistent(at_receivers, giver_fields, specs);
-    bool ready = false;
     for (const auto& spec : specs) {
       if (spec.mapping != coupling::Mapping::conservative) continue;
-      auto& account = account_of(giver, spec);
-      const Field& amounts = find(giver_fields, spec.name);
-      if (all_zero(amounts.values) && all_zero(account.undelivered)) {
+      if (!shared_out(spec)) {
         inbox.fields.push_back(
             {spec.name, spec.components,
              std::vector<double>(receiver_points.n_active * static_cast<Size>(spec.components), 0.0)});
         continue;
       }
-      if (!ready) at_givers.update(giver_points, receiver_points);
-      ready = true;
-      auto delivery =
-          sharing_.conservative(at_givers, at_receivers, giver_points, receiver_points, amounts, account.undelivered);
+      auto& account = account_of(giver, spec);
+      auto delivery = sharing_.conservative(at_givers, at_receivers, giver_points, receiver_points,
+                                            find(giver_fields, spec.name), account.undelivered);
       for (Size c = 0; c < delivery.given.size(); ++c) {
         account.given[c] += delivery.given[c];
         account.delivered[c] += delivery.delivered[c];
@@ -53,9 +55,6 @@ class CloudMapping final : public SpatialMapping {
  private:
   static bool is_fraction(std::string_view name) {
     return name == field::soil_fraction || name == field::solid_volume_fraction;
-  }
-  static bool all_zero(const std::vector<double>& values) {
-    return std::all_of(values.begin(), values.end(), [](double v) { return v == 0.0; });
   }
 
   static const Field& find(const std::vector<Field>& fields, const std::string& name) {

@@ -54,7 +54,10 @@ struct Interpolation {
   std::vector<Field> fields;      ///< group by group
 };
 
-/// `at_receivers`: blocks over the receivers, the givers around them.
+/// Nothing needs to be done for such values; told at their first that is not.
+bool all_zero(const std::vector<double>& values);
+
+/// `at_receivers`: blocks over the receivers, the givers around them. Fields that are zero everywhere cost nothing.
 template <int D>
 Interpolation consistent(const PairBlocks<D>& at_receivers, std::span<const FieldGroup> groups);
 

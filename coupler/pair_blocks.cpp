@@ -64,12 +64,37 @@ bool PairBlocks<D>::Then::stands(const PointSet& now) const {
 }
 
 template <int D>
-void PairBlocks<D>::update(const PointSet& of, const PointSet& around) {
+void PairBlocks<D>::update(std::span<const Update> updates) {
+  Size n_points = 0;
+  for (const auto& [pairs, of, around] : updates) n_points += of.size() + around.size();
+  std::vector<char> moved(updates.size());
+  const auto prepare = [&](Size k) { moved[k] = updates[k].pairs->prepare(updates[k].of, updates[k].around); };
+  if (n_points < worth_threads_in_points)
+    for (Size k = 0; k < updates.size(); ++k) prepare(k);
+  else
+    for_each_part(updates.size(), prepare);
+  std::vector<std::pair<Size, Size>> parts;
+  for (Size k = 0; k < updates.size(); ++k)
+    for (Size part = 0; part < updates[k].pairs->parts_; ++part) parts.emplace_back(k, part);
+  for_each_part(parts.size(), [&](Size p) {
+    const auto& [k, part] = parts[p];
+    updates[k].pairs->find_candidates(updates[k].of, part);
+  });
+  for (Size k = 0; k < updates.size(); ++k) {
+    if (!moved[k]) continue;
+    updates[k].pairs->join_candidates();
+    updates[k].pairs->gather(updates[k].of, updates[k].around);
+  }
+}
+
+template <int D>
+bool PairBlocks<D>::prepare(const PointSet& of, const PointSet& around) {
+  parts_ = 0;
   const bool of_stands = made_ && of.n_active == n_active_ && of_last_.stands(of);
   const bool around_stands = made_ && around_last_.stands(around);
   if (of_stands && around_stands) {
     ++reuses_;
-    return;
+    return false;
   }
   moves_ += 1.0;
   const double gone = moved(of, around);
@@ -77,14 +102,14 @@ void PairBlocks<D>::update(const PointSet& of, const PointSet& around) {
     ++reuses_;
   } else {
     const double reach = sph::support_radius * std::max(largest(of.smoothing_length), largest(around.smoothing_length));
-    search(of, around, (2.0 * gone <= relative_skin * reach * moves_ ? relative_skin : no_skin) * reach);
+    prepare_search(of, around, (2.0 * gone <= relative_skin * reach * moves_ ? relative_skin : no_skin) * reach);
     ++rebuilds_;
     moves_ = 0.0;
   }
   if (!of_stands) of_last_ = {of.position, of.smoothing_length, of.volume};
   if (!around_stands) around_last_ = {around.position, around.smoothing_length, around.volume};
-  gather(of, around);
   weighed_ = false;
+  return true;
 }
 
 template <int D>
@@ -100,7 +125,7 @@ double PairBlocks<D>::moved(const PointSet& of, const PointSet& around) const {
 }
 
 template <int D>
-void PairBlocks<D>::search(const PointSet& of, const PointSet& around, double skin) {
+void PairBlocks<D>::prepare_search(const PointSet& of, const PointSet& around, double skin) {
   const double reach = sph::support_radius * std::max(largest(of.smoothing_length), largest(around.smoothing_length));
   // One cloud moves, the other often does not: of that, blocks and cells stay.
   if (!made_ || !around_listed_.stands(around)) {
@@ -119,7 +144,8 @@ void PairBlocks<D>::search(const PointSet& of, const PointSet& around, double sk
   nodes_.resize(around.size());
   made_ = true;
   skin_ = skin;
-  find_candidates(of);
+  parts_ = small_parts_for(blocks_.size(), worth_threads_in_blocks);
+  finders_.resize(parts_);
 }
 
 /// Points of one block lie close together: four of some neighbouring cells of two spacings, and never farther apart
@@ -226,46 +252,46 @@ void PairBlocks<D>::append_in_order(Size n, Finder& finder) {
     });
 }
 
-/// The candidates of all blocks. Parts of the blocks side by side, each into a list of its own; then one after the
-/// other.
+/// The candidates of a part of the blocks, into a list of its own.
 template <int D>
-void PairBlocks<D>::find_candidates(const PointSet& of) {
+void PairBlocks<D>::find_candidates(const PointSet& of, Size part) {
   const double longest = largest(reach_);
-  const Size parts = small_parts_for(blocks_.size(), worth_threads_in_blocks);
-  const auto begin = [&](Size part) { return blocks_.size() * part / parts; };
-  finders_.resize(parts);
-  for_each_part(parts, [&](Size part) {
-    Finder& finder = finders_[part];
-    finder.candidate.clear();
-    finder.bits.assign((nodes_.size() + 63) / 64, 0);
-    finder.words.assign((finder.bits.size() + 63) / 64, 0);
-    for (Size b = begin(part); b < begin(part + 1); ++b) {
-      auto& block = blocks_[b];
-      Vec<D> lower = point<D>(of, block.point[0]), upper = lower;
-      double own = 0.0;
-      for (Size l = 0; l < block.used; ++l) {
-        const Vec<D> x = point<D>(of, block.point[l]);
-        lower = lower.cwiseMin(x);
-        upper = upper.cwiseMax(x);
-        own = std::max(own, sph::support_radius * of.smoothing_length[block.point[l]]);
-      }
-      const double reach = std::max(own, longest) + skin_;
-      finder.pieces.clear();
-      grid_.for_each_piece_near((lower.array() - reach).matrix(), (upper.array() + reach).matrix(),
-                                [&](Index first, Index last) {
-                                  finder.pieces.push_back({first, last});
-                                });
-      const Size n = take_near(lower, upper, own, finder);
-      block.first = finder.candidate.size();
-      append_in_order(n, finder);
-      block.last = finder.candidate.size();
+  Finder& finder = finders_[part];
+  finder.candidate.clear();
+  finder.bits.assign((nodes_.size() + 63) / 64, 0);
+  finder.words.assign((finder.bits.size() + 63) / 64, 0);
+  for (Size b = first_block(part); b < first_block(part + 1); ++b) {
+    auto& block = blocks_[b];
+    Vec<D> lower = point<D>(of, block.point[0]), upper = lower;
+    double own = 0.0;
+    for (Size l = 0; l < block.used; ++l) {
+      const Vec<D> x = point<D>(of, block.point[l]);
+      lower = lower.cwiseMin(x);
+      upper = upper.cwiseMax(x);
+      own = std::max(own, sph::support_radius * of.smoothing_length[block.point[l]]);
     }
-  });
+    const double reach = std::max(own, longest) + skin_;
+    finder.pieces.clear();
+    grid_.for_each_piece_near((lower.array() - reach).matrix(), (upper.array() + reach).matrix(),
+                              [&](Index first, Index last) {
+                                finder.pieces.push_back({first, last});
+                              });
+    const Size n = take_near(lower, upper, own, finder);
+    block.first = finder.candidate.size();
+    append_in_order(n, finder);
+    block.last = finder.candidate.size();
+  }
+}
+
+/// The lists of all parts, one after the other; nothing where the lists hold.
+template <int D>
+void PairBlocks<D>::join_candidates() {
+  if (parts_ == 0) return;
   candidate_.clear();
   longest_ = 0;
-  for (Size part = 0; part < parts; ++part) {
+  for (Size part = 0; part < parts_; ++part) {
     const Size shift = candidate_.size();
-    for (Size b = begin(part); b < begin(part + 1); ++b) {
+    for (Size b = first_block(part); b < first_block(part + 1); ++b) {
       blocks_[b].first += shift;
       blocks_[b].last += shift;
       longest_ = std::max(longest_, blocks_[b].last - blocks_[b].first);

@@ -52,9 +52,18 @@ class PairBlocks {
     std::size_t first, last;  ///< candidates
   };
 
+  /// What is to be brought up to date, and for which clouds.
+  struct Update {
+    PairBlocks* pairs;
+    const PointSet &of, &around;
+  };
   /// Brings the blocks over all points of `of`, their candidates among all points of `around`, and the positions up to
-  /// date.
-  void update(const PointSet& of, const PointSet& around);
+  /// date; of several pairs of clouds side by side.
+  static void update(std::span<const Update> updates);
+  void update(const PointSet& of, const PointSet& around) {
+    const Update one{this, of, around};
+    update(std::span(&one, 1));
+  }
 
   /// Those of active points come first.
   [[nodiscard]] std::span<const Block> blocks() const { return blocks_; }
@@ -88,10 +97,15 @@ class PairBlocks {
   /// How far points have moved since the lists were made, taken together, growth of their supports included [m];
   /// infinite where others have come or gone.
   [[nodiscard]] double moved(const PointSet& of, const PointSet& around) const;
-  void search(const PointSet& of, const PointSet& around, double skin);
+  /// Whether anything has moved; cells and blocks are new then where the lists do not hold, and `parts_` of blocks.
+  bool prepare(const PointSet& of, const PointSet& around);
+  void prepare_search(const PointSet& of, const PointSet& around, double skin);
   void make_blocks(const PointSet& of, std::size_t begin, std::size_t end, double reach);
   void sort_cells(const PointSet& around);
-  void find_candidates(const PointSet& of);
+  /// The first block of a part whose candidates are found at once.
+  [[nodiscard]] std::size_t first_block(std::size_t part) const { return blocks_.size() * part / parts_; }
+  void find_candidates(const PointSet& of, std::size_t part);
+  void join_candidates();
   /// What one thread needs to find candidates, and those it has found.
   struct Finder {
     std::vector<Index> found;
@@ -123,8 +137,9 @@ class PairBlocks {
   PairWeights weights_;
   sph::CellGrid<D> grid_;  ///< of `around`, and in its order:
   std::array<std::vector<double>, D> x_;
-  std::vector<double> reach_;  ///< m, radius of support
-  std::vector<Index> index_;   ///< the caller's
+  std::vector<double> reach_;    ///< m, radius of support
+  std::vector<Index> index_;     ///< the caller's
+  std::size_t parts_ = 0;  ///< into which the blocks are cut while candidates are found; none, the lists hold
   std::vector<Finder> finders_;
 };
 

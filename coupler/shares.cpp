@@ -13,10 +13,10 @@ namespace {
 
 using Size = std::size_t;
 
-/// sum_j w_ij value_j for every point i of the blocks, K values a point.
-template <Size K, int D>
+/// sum_j w_ij value_j, K values a point, for every point i of the blocks; take(i, sums, lane) has them.
+template <Size K, int D, class Take>
 void multiply(std::span<const typename PairBlocks<D>::Block> blocks, const PairWeights& weights,
-              const std::vector<double>& value, std::vector<double>& sum) {
+              const std::vector<double>& value, const Take& take) {
   for_each_in_lanes(
       blocks.size(), worth_threads_in_blocks, [&](Size b) __attribute__((always_inline)) {
         const auto& block = blocks[b];
@@ -26,8 +26,7 @@ void multiply(std::span<const typename PairBlocks<D>::Block> blocks, const PairW
           const Lanes w = weights.weight[p].v;
           for (Size k = 0; k < K; ++k) total[k].v += w * v[k];
         }
-        for (Size l = 0; l < block.used; ++l)
-          for (Size k = 0; k < K; ++k) sum[block.point[l] * K + k] = total[k].v[l];
+        for (Size l = 0; l < block.used; ++l) take(block.point[l], total, l);
       });
 }
 
@@ -47,7 +46,6 @@ class Shares {
         components_(static_cast<Size>(amounts.components)),
         size_(givers.size(), 0.0),
         scale_(receivers.size() + n_lanes, 0.0),
-        total_(givers.n_active),
         got_(receivers.size() + n_lanes) {
     for (Size i = 0; i < givers.n_active; ++i)
       for (Size c = 0; c < components_; ++c) size_[i] += std::abs(amounts.values[i * components_ + c]);
@@ -61,35 +59,37 @@ class Shares {
     const auto wanted = wanted_inside();
     std::vector<double> part(givers_.size(), 0.0);
     for (int round = 0; round < balancing_rounds; ++round) {
-      const auto& total = totals();
-      for (Size i = 0; i < total.size(); ++i) {
-        const bool gives = size_[i] > 0.0 && total[i] > no_weight;
-        part[i] = gives ? givers_.volume[i] / (gives ? total[i] : 1.0) : 0.0;
-      }
-      if (rescale(wanted, receive<1>(part, got_)) < balancing_tolerance) break;
+      weigh_receivers([&](Size i, double total) {
+        const bool gives = size_[i] > 0.0 && total > no_weight;
+        part[i] = gives ? givers_.volume[i] / total : 0.0;
+      });
+      receive<1>(part, got_);
+      if (rescale(wanted) < balancing_tolerance) break;
     }
   }
 
-  /// Of the active givers: the sum of their receivers' weights.
-  const std::vector<double>& totals() {
+  /// Of the active givers: the sum of their receivers' weights, to take(giver, sum).
+  template <class Take>
+  void weigh_receivers(const Take& take) {
     for (Size j = receivers_.n_active; j < receivers_.size(); ++j) {
       const double owner = receivers_.owner[j];
       scale_[j] = owner < 0.0 ? 0.0 : scale_[static_cast<Size>(owner)];
     }
-    multiply<1, D>(at_givers_.active_blocks(), by_giver_, scale_, total_);
-    return total_;
+    multiply<1, D>(at_givers_.active_blocks(), by_giver_, scale_,
+                   [&](Size i, const auto& total, Size lane) { take(i, total[0].v[lane]); });
   }
 
   /// sum_i w_ij value_i of the active receivers, what their ghosts get included; K values a point, not yet scaled.
   template <Size K>
-  const std::vector<double>& receive(const std::vector<double>& value, std::vector<double>& got) {
-    multiply<K, D>(at_receivers_.blocks(), by_receiver_, value, got);
+  void receive(const std::vector<double>& value, std::vector<double>& got) const {
+    multiply<K, D>(at_receivers_.blocks(), by_receiver_, value, [&](Size j, const auto& total, Size lane) {
+      for (Size k = 0; k < K; ++k) got[j * K + k] = total[k].v[lane];
+    });
     for (Size j = receivers_.n_active; j < receivers_.size(); ++j) {
       const double owner = receivers_.owner[j];
       if (owner < 0.0) continue;
       for (Size c = 0; c < K; ++c) got[static_cast<Size>(owner) * K + c] += got[j * K + c];
     }
-    return got;
   }
 
   [[nodiscard]] const std::vector<double>& size() const { return size_; }
@@ -133,13 +133,13 @@ class Shares {
   }
 
   /// Changes the scale by what was wanted over what was got; the largest relative change that was due.
-  double rescale(const std::vector<double>& wanted, const std::vector<double>& got) {
+  double rescale(const std::vector<double>& wanted) {
     Quad worst{};
     run_lanes([&]() __attribute__((always_inline)) {
       for (Size j = 0; j < receivers_.n_active; j += n_lanes) {
         const Lanes before = *reinterpret_cast<const LooseLanes*>(scale_.data() + j),
                     want = *reinterpret_cast<const LooseLanes*>(wanted.data() + j),
-                    have = *reinterpret_cast<const LooseLanes*>(got.data() + j) * before;
+                    have = *reinterpret_cast<const LooseLanes*>(got_.data() + j) * before;
         const LaneMask balanced = (have > 0.0) & (want > 0.0);
         const Lanes ratio = balanced ? want / (balanced ? have : Lanes{} + 1.0) : Lanes{} + 1.0;
         const Lanes off = ratio - 1.0;
@@ -160,7 +160,7 @@ class Shares {
   Size components_;
   std::vector<double> size_;   ///< [givers] sum of the absolute components: 0, nothing is given
   std::vector<double> scale_;  ///< [receivers and a few more] a ghost's is its owner's
-  std::vector<double> total_, got_;
+  std::vector<double> got_;    ///< [receivers and a few more] by those, before it is scaled
 };
 
 /// What the receivers get of the amounts, and of the key by which carried amounts are shared out.
@@ -174,7 +174,8 @@ Delivery share_out(Shares<D> shares, const PointSet& givers, const PointSet& rec
   out.delivered.assign(Components, 0.0);
   out.undelivered.assign(Components, 0.0);
   shares.balance();
-  const auto& total = shares.totals();
+  std::vector<double> total(givers.n_active);
+  shares.weigh_receivers([&](Size i, double sum) { total[i] = sum; });
   const auto& size = shares.size();
   std::vector<double> given(givers.size() * K, 0.0), got(receivers.size() * K);
   double parts = 0.0;
@@ -195,10 +196,10 @@ Delivery share_out(Shares<D> shares, const PointSet& givers, const PointSet& rec
     for (Size c = 0; c < K; ++c) got[j * K + c] *= shares.scale()[j];
   for (Size c = 0; c < Components; ++c) {
     const double rest = c < carried.size() ? carried[c] : 0.0;
-    const bool taken = parts > 0.0;
+    const bool taken = parts > 0.0, more = taken && rest != 0.0;
     if (!taken) out.undelivered[c] += rest;
     for (Size j = 0; j < receivers.n_active; ++j) {
-      const double value = got[j * K + c] + (taken ? rest * got[j * K + Components] / parts : 0.0);
+      const double value = got[j * K + c] + (more ? rest * got[j * K + Components] / parts : 0.0);
       out.values[j * Components + c] = value;
       out.delivered[c] += value;
     }
