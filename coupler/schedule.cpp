@@ -75,7 +75,9 @@ class Schedule::Implementation {
   }
 
  private:
-  Snapshot& now(Role role) { return role == Role::fluid ? fluid_ : solid_; }
+  /// A side's last publication: shared by whoever may want it back.
+  using State = std::shared_ptr<const Snapshot>;
+  State& now(Role role) { return role == Role::fluid ? fluid_ : solid_; }
 
   void start() {
     fluid_ = receive_publication(Role::fluid, 0.0, nullptr);
@@ -98,8 +100,8 @@ class Schedule::Implementation {
     for (const Role role : {Role::fluid, Role::solid}) {
       Message message;
       message.body = Initialise{true, true};
-      send_mapped(role, std::move(message), nullptr, now(other(role)), now(other(role)));
-      now(role) = receive_publication(role, 0.0, now(role).points);
+      send_mapped(role, std::move(message), nullptr, *now(other(role)), *now(other(role)));
+      now(role) = receive_publication(role, 0.0, now(role)->points);
     }
   }
 
@@ -107,8 +109,8 @@ class Schedule::Implementation {
   void archive(Archive& archive) {
     std::uint64_t fluid = 0, solid = 0;
     if (!archive.loading()) {
-      fluid = digest_of(fluid_);
-      solid = digest_of(solid_);
+      fluid = digest_of(*fluid_);
+      solid = digest_of(*solid_);
     }
     archive(clock_, step_, *mapping_, report_, fluid, solid);
     if (archive.loading()) digests_ = {fluid, solid};
@@ -163,8 +165,8 @@ class Schedule::Implementation {
       Message message = message_of(Resume{chosen->name}, step_);
       message.time = clock_.time();
       broker_.send(role, std::move(message));
-      now(role) = receive_publication(role, clock_.time(), now(role).points);
-      if (digest_of(now(role)) != (role == Role::fluid ? digests_.first : digests_.second))
+      now(role) = receive_publication(role, clock_.time(), now(role)->points);
+      if (digest_of(*now(role)) != (role == Role::fluid ? digests_.first : digests_.second))
         throw PeerError(fmt::format("the {} came back from checkpoint {} with another state than it went with",
                                     to_string(role), chosen->name));
     }
@@ -172,9 +174,9 @@ class Schedule::Implementation {
 
   void window() {
     const auto accounts = mapping_->accounts();
-    double limit = std::min(fluid_.proposed_interval, solid_.proposed_interval);
-    const std::string& cause =
-        fluid_.proposed_interval <= solid_.proposed_interval ? fluid_.limited_by : solid_.limited_by;
+    double limit = std::min(fluid_->proposed_interval, solid_->proposed_interval);
+    const std::string cause =  // its publication is gone by the end of the window
+        fluid_->proposed_interval <= solid_->proposed_interval ? fluid_->limited_by : solid_->limited_by;
     iteration_ = 0;
     for (int attempt = 0;; ++attempt) {
       const auto plan = clock_.plan(limit);
@@ -202,9 +204,9 @@ class Schedule::Implementation {
   /// Nothing when the window stands; else the refusal, with both sides restored.
   std::optional<Reject> try_window(const WindowClock::Plan& plan,
                                    const std::vector<SpatialMapping::Account>& accounts) {
-    fluid_limit_ = fluid_.proposed_interval;
-    solid_limit_ = solid_.proposed_interval;
-    const Snapshot fluid_start = fluid_, solid_start = solid_;
+    fluid_limit_ = fluid_->proposed_interval;
+    solid_limit_ = solid_->proposed_interval;
+    const State fluid_start = fluid_, solid_start = solid_;
     if (std::holds_alternative<Parallel>(scheme_)) return pass_at_once(plan, fluid_start, solid_start);
     const auto* const settings = std::get_if<IterationSettings>(&scheme_);
     if (!settings) return pass(plan, fluid_start, solid_start, nullptr);
@@ -212,7 +214,7 @@ class Schedule::Implementation {
     std::optional<Snapshot> given;  // the solid's end as the fluid is to see it; in the first pass its start
     for (int k = 0; k < most_iterations; ++k) {
       if (auto rejection = pass(plan, fluid_start, solid_start, given ? &*given : nullptr)) return rejection;
-      given = iteration.next(given ? *given : solid_start, solid_);
+      given = iteration.next(given ? *given : *solid_start, *solid_);
       if (!given) return std::nullopt;
       take_back(fluid_start, solid_start, "iteration");
       mapping_->set_accounts(accounts);
@@ -227,11 +229,11 @@ class Schedule::Implementation {
   }
 
   /// Through both solvers at the same time: each is given the other's start, and what it gave away in the last window.
-  std::optional<Reject> pass_at_once(const WindowClock::Plan& plan, const Snapshot& fluid_start,
-                                     const Snapshot& solid_start) {
+  std::optional<Reject> pass_at_once(const WindowClock::Plan& plan, const State& fluid_start,
+                                     const State& solid_start) {
     ++report_.passes;
-    order(Role::fluid, plan, nullptr, solid_start, solid_start);
-    order(Role::solid, plan, nullptr, fluid_start, fluid_start);
+    order(Role::fluid, plan, nullptr, *solid_start, *solid_start);
+    order(Role::solid, plan, nullptr, *fluid_start, *fluid_start);
     auto rejection = answer(Role::fluid, plan), of_solid = answer(Role::solid, plan);
     if (!rejection && !of_solid) return std::nullopt;
     if (rejection) ++report_.rejected_by_fluid;
@@ -244,17 +246,17 @@ class Schedule::Implementation {
 
   /// Once through both solvers, one after the other. `solid_end`: what the fluid is given of the solid at the window's
   /// end; null: its start is all there is.
-  std::optional<Reject> pass(const WindowClock::Plan& plan, const Snapshot& fluid_start, const Snapshot& solid_start,
+  std::optional<Reject> pass(const WindowClock::Plan& plan, const State& fluid_start, const State& solid_start,
                              const Snapshot* solid_end) {
     ++report_.passes;
-    const auto rejection_of_fluid = solid_end ? advance(Role::fluid, plan, &solid_start, *solid_end, solid_start)
-                                              : advance(Role::fluid, plan, nullptr, solid_start, solid_start);
+    const auto rejection_of_fluid = solid_end ? advance(Role::fluid, plan, solid_start.get(), *solid_end, *solid_start)
+                                              : advance(Role::fluid, plan, nullptr, *solid_start, *solid_start);
     if (rejection_of_fluid) {
       ++report_.rejected_by_fluid;
       restore(Role::fluid, rejection_of_fluid->reason);
       return rejection_of_fluid;
     }
-    if (auto rejection = advance(Role::solid, plan, &fluid_start, fluid_, fluid_)) {
+    if (auto rejection = advance(Role::solid, plan, fluid_start.get(), *fluid_, *fluid_)) {
       ++report_.rejected_by_solid;
       take_back(fluid_start, solid_start, rejection->reason);
       return rejection;
@@ -262,7 +264,7 @@ class Schedule::Implementation {
     return std::nullopt;
   }
 
-  void take_back(const Snapshot& fluid_start, const Snapshot& solid_start, const std::string& reason) {
+  void take_back(const State& fluid_start, const State& solid_start, const std::string& reason) {
     restore(Role::solid, reason);
     restore(Role::fluid, reason);
     fluid_ = fluid_start;
@@ -294,7 +296,7 @@ class Schedule::Implementation {
       throw PeerError(fmt::format("{} answered {} (attempt {}), expected step {} (attempt {})", to_string(role),
                                   describe(answer), answer.iteration, step_ + 1, iteration_));
     if (auto* reject = std::get_if<Reject>(&answer.body)) return *reject;
-    now(role) = admitted(role, std::move(answer), plan.end, now(role).points);
+    now(role) = admitted(role, std::move(answer), plan.end, now(role)->points);
     return std::nullopt;
   }
 
@@ -320,7 +322,7 @@ class Schedule::Implementation {
   }
 
   void send_mapped(Role role, Message message, const Snapshot* start, const Snapshot& end, const Snapshot& amounts) {
-    const auto& receiver = *now(role).points;
+    const auto& receiver = *now(role)->points;
     const auto& specs = broker_.contract(role).takes;
     Inbox inbox = mapped(role, start, end, amounts);
     report_.fields_skipped += end.fields.size() - inbox.fields.size();
@@ -343,7 +345,7 @@ class Schedule::Implementation {
   Inbox mapped(Role role, const Snapshot* start, const Snapshot& end, const Snapshot& amounts) {
     const Span span(report_.mapping, trace_, "mapping");
     const Role giver = other(role);
-    const auto& receiver = *now(role).points;
+    const auto& receiver = *now(role)->points;
     std::vector<FieldSpec> intensities, shared, in_time;
     for (const auto& spec : broker_.contract(role).takes) {
       (spec.mapping == Mapping::conservative && &amounts != &end ? shared : intensities).push_back(spec);
@@ -361,18 +363,18 @@ class Schedule::Implementation {
     return inbox;
   }
 
-  Snapshot receive_publication(Role role, double time, const std::shared_ptr<const PointSet>& previous) {
+  State receive_publication(Role role, double time, const std::shared_ptr<const PointSet>& previous) {
     return admitted(role, broker_.wait(role), time, previous);
   }
 
-  Snapshot admitted(Role role, Message message, double time, const std::shared_ptr<const PointSet>& previous) {
+  State admitted(Role role, Message message, double time, const std::shared_ptr<const PointSet>& previous) {
     if (!message.points.sent) ++report_.points_unchanged;
     Snapshot snapshot = admit(std::move(message), broker_.contract(role), previous);
     // Both clocks must tell the same time, rounding apart.
     if (std::abs(snapshot.time - time) > 1e-9 * std::max(std::abs(time), 1e-3 * clock_.end()))
       throw PeerError(fmt::format("{} is at t = {} s after step {}, expected t = {} s", to_string(role), snapshot.time,
                                   step_ + 1, time));
-    return snapshot;
+    return std::make_shared<const Snapshot>(std::move(snapshot));
   }
 
   void tell_progress(const std::string& waiting_for, bool) {
@@ -384,7 +386,7 @@ class Schedule::Implementation {
   std::unique_ptr<SpatialMapping> mapping_;
   std::function<void(const Progress&)> progress_;
   Scheme scheme_;
-  Snapshot fluid_, solid_;
+  State fluid_, solid_;
   std::uint64_t step_ = 0;  ///< windows that stand
   std::uint32_t iteration_ = 0;
   WindowClock::Plan plan_;

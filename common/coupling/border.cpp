@@ -21,13 +21,12 @@ class Border {
   void values(const std::string& name, int components, const std::vector<double>& values,
               const PointSet* points) const {
     const Bounds bounds = bounds_of(name);
-    for (std::size_t k = 0; k < values.size(); ++k) {
-      if (values[k] >= bounds.low && values[k] <= bounds.high) continue;  // false for NaN
-      const std::size_t i = k / static_cast<std::size_t>(components);
-      refuse(fmt::format("field '{}', point {}{}, component {}: expected {}, got {}", name, i,
-                         points ? position(*points, i) : "", k % static_cast<std::size_t>(components), bounds.expected,
-                         values[k]));
-    }
+    const std::size_t k = first_outside(values, bounds.low, bounds.high);
+    if (k == values.size()) return;
+    const std::size_t i = k / static_cast<std::size_t>(components);
+    refuse(fmt::format("field '{}', point {}{}, component {}: expected {}, got {}", name, i,
+                       points ? position(*points, i) : "", k % static_cast<std::size_t>(components), bounds.expected,
+                       values[k]));
   }
 
   void size(const std::string& name, std::size_t got, std::size_t want) const {
@@ -108,6 +107,20 @@ std::shared_ptr<const PointSet> points_of(Message& message, const Contract& cont
 }
 
 }  // namespace
+
+std::size_t first_outside(std::span<const double> values, double low, double high) {
+  constexpr std::size_t at_once = 64;  // looked at side by side
+  const auto within = [&](std::size_t k) { return (values[k] >= low) & (values[k] <= high); };
+  for (std::size_t first = 0; first < values.size(); first += at_once) {
+    const std::size_t last = std::min(first + at_once, values.size());
+    bool all = true;
+    for (std::size_t k = first; k < last; ++k) all &= within(k);
+    if (all) continue;
+    for (std::size_t k = first; k < last; ++k)
+      if (!within(k)) return k;
+  }
+  return values.size();
+}
 
 Snapshot admit(Message message, const Contract& contract, const std::shared_ptr<const PointSet>& previous) {
   const Border border(message);

@@ -5,6 +5,7 @@
 #include "common/coupling/message.hpp"
 
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace poretwin::coupling {
@@ -17,6 +18,9 @@ struct Snapshot {
   std::shared_ptr<const PointSet> points;
   std::vector<Field> fields;
 };
+
+/// The first value that is not in [low, high], NaN included; their number when all are.
+std::size_t first_outside(std::span<const double> values, double low, double high);
 
 /// From a PUBLICATION to a snapshot. `previous` holds the points when the message does not. Throws PeerError that names
 /// sender, step, field, point and value.

@@ -1,5 +1,7 @@
 #include "common/coupling/participant.hpp"
 
+#include "common/coupling/border.hpp"
+
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -7,6 +9,7 @@
 #include <atomic>
 #include <cmath>
 #include <condition_variable>
+#include <limits>
 #include <mutex>
 #include <thread>
 
@@ -289,10 +292,10 @@ class Participant::Implementation {
         fail(fmt::format("field '{}' came for {} points, {} were expected", array.name,
                          array.size() / static_cast<std::size_t>(array.components), n_active_));
       auto values = array.take();
-      const auto bad = std::find_if_not(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
-      if (bad != values.end())
-        fail(fmt::format("field '{}' holds {} at point {}", array.name, *bad,
-                         (bad - values.begin()) / array.components));
+      constexpr double largest = std::numeric_limits<double>::max();
+      if (const auto bad = first_outside(values, -largest, largest); bad != values.size())
+        fail(fmt::format("field '{}' holds {} at point {}", array.name, values[bad],
+                         bad / static_cast<std::size_t>(array.components)));
       if (array.name == coverage_array)
         inbox.coverage = std::move(values);
       else if (array.name == asymmetry_array)

@@ -94,6 +94,20 @@ TEST(Failure, NanNamesFieldPointValueSenderAndStep) {
   }
 }
 
+TEST(Failure, TheFirstBadValueIsFoundWhereverItStands) {
+  for (const double bad : {std::nan(""), 1.0 + 1e-15, -1e-300, std::log(0.0), -std::log(0.0)})
+    for (const std::size_t n : {1u, 63u, 64u, 65u, 200u}) {
+      std::vector<double> values(n, 1.0);
+      values[0] = 0.0;
+      ASSERT_EQ(first_outside(values, 0.0, 1.0), n);
+      for (std::size_t k = n; k-- > 0;) {  // those behind it are bad already
+        values[k] = bad;
+        ASSERT_EQ(first_outside(values, 0.0, 1.0), k) << bad << " among " << n;
+      }
+    }
+  EXPECT_EQ(first_outside({}, 0.0, 1.0), 0u);
+}
+
 TEST(Failure, FractionsAndLengthsAreBounded) {
   auto bad_fraction = [](double t) {
     return formula_publication(Role::solid, t, lattice_points(2, {0.0, 0.0}, {1.0, 1.0}, 0.25),

@@ -149,6 +149,23 @@ TEST(Schedule, HitsOutputInstantsExactly) {
   }
 }
 
+TEST(Schedule, CountsWhatHasSetEveryWindow) {
+  auto formula = still_square(Role::fluid, 0.25);
+  MockPhase fluid(Role::fluid, 2, [&](double t) {
+    auto out = formula(t);
+    out.proposed_interval = t < 0.4 ? 0.25 : 0.125;
+    out.limited_by = t < 0.4 ? "early" : "late";
+    return out;
+  });
+  MockPhase solid(Role::solid, 2, still_square(Role::solid, 0.25));
+  CoupledRun run;
+  run.settings = {1.0, std::nullopt, 0.0, 0.0};
+  run.run(&fluid, &solid);
+  run.expect_success();
+  const std::map<std::string, std::uint64_t> expected = {{"early", 2}, {"late", 4}};
+  EXPECT_EQ(run.report.limited_by, expected);
+}
+
 TEST_P(EveryLine, ARejectedWindowIsRestoredOnBothSidesAndRepeatedShorter) {
   MockKnobs fluid_knobs, solid_knobs;
   fluid_knobs.rejections = {{2, 1}};
