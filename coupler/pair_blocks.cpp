@@ -96,15 +96,16 @@ bool PairBlocks<D>::prepare(const PointSet& of, const PointSet& around) {
     ++reuses_;
     return false;
   }
-  moves_ += 1.0;
   const double gone = moved(of, around);
   if (made_ && gone <= skin_) {
     ++reuses_;
+    served_ = true;
   } else {
     const double reach = sph::support_radius * std::max(largest(of.smoothing_length), largest(around.smoothing_length));
-    prepare_search(of, around, (2.0 * gone <= relative_skin * reach * moves_ ? relative_skin : no_skin) * reach);
+    in_vain_ = served_ || gone <= relative_skin * reach ? 0 : in_vain_ + 1;
+    prepare_search(of, around, (in_vain_ < vain_lists ? relative_skin : no_skin) * reach);
     ++rebuilds_;
-    moves_ = 0.0;
+    served_ = false;
   }
   if (!of_stands) of_last_ = {of.position, of.smoothing_length, of.volume};
   if (!around_stands) around_last_ = {around.position, around.smoothing_length, around.volume};

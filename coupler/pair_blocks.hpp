@@ -16,9 +16,10 @@
 namespace poretwin::coupling {
 
 /// Room added to every support radius, in units of the largest one: lists hold until points have moved that far, taken
-/// together. Where they would not hold for two moves, there is room for rounding only: they would be longer for
-/// nothing.
+/// together. Where several lists in a row did not hold for a single move, or would not have with that room, there is
+/// room for rounding only: they would be longer for nothing.
 inline constexpr double relative_skin = 0.1, no_skin = 1e-6;
+inline constexpr int vain_lists = 4;
 
 /// How many blocks, or points of which little is asked, are worth more than one thread.
 inline constexpr std::size_t worth_threads_in_blocks = 128, worth_threads_in_points = 1024;
@@ -131,15 +132,16 @@ class PairBlocks {
   Then of_listed_, around_listed_;  ///< when the lists were made
   Then of_last_, around_last_;      ///< when they were last brought up to date
   bool made_ = false;               ///< there are lists
-  double moves_ = 0.0;              ///< updates since then in which something had moved
+  bool served_ = false;             ///< they have been kept though something had moved
+  int in_vain_ = 0;                 ///< lists in a row for which room was of no use
   double skin_ = 0.0;               ///< m
   bool weighed_ = false;            ///< weights_ are those of the last update
   PairWeights weights_;
   sph::CellGrid<D> grid_;  ///< of `around`, and in its order:
   std::array<std::vector<double>, D> x_;
-  std::vector<double> reach_;    ///< m, radius of support
-  std::vector<Index> index_;     ///< the caller's
-  std::size_t parts_ = 0;  ///< into which the blocks are cut while candidates are found; none, the lists hold
+  std::vector<double> reach_;  ///< m, radius of support
+  std::vector<Index> index_;   ///< the caller's
+  std::size_t parts_ = 0;      ///< into which the blocks are cut while candidates are found; none, the lists hold
   std::vector<Finder> finders_;
 };
 
