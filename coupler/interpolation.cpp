@@ -251,7 +251,7 @@ bool all_zero(const std::vector<double>& values) {
 }
 
 template <int D>
-Interpolation consistent(const PairBlocks<D>& pairs, std::span<const FieldGroup> groups) {
+Interpolation consistent(const PairBlocks<D>& pairs, std::span<const FieldGroup> groups, const PairWeights* made) {
   const Size m = pairs.n_active();
   Interpolation out{std::vector<double>(m, 0.0), std::vector<double>(m, 0.0), {}};
   for (const auto& group : groups)
@@ -272,7 +272,6 @@ Interpolation consistent(const PairBlocks<D>& pairs, std::span<const FieldGroup>
   }
   const auto* const nodes = pairs.nodes().data();
   const auto blocks = pairs.active_blocks();
-  const auto* const made = pairs.made_weights();
   side_by_side(blocks.size(), worth_threads_in_blocks, [&](Size begin, Size end) {
     std::vector<Index> found(pairs.longest_list());
     std::vector<Quad> weighed(found.size()), masked(weighed), coefficient(weighed), total(widest);
@@ -316,7 +315,7 @@ Interpolation consistent(const PairBlocks<D>& pairs, std::span<const FieldGroup>
   return out;
 }
 
-template Interpolation consistent<2>(const PairBlocks<2>&, std::span<const FieldGroup>);
-template Interpolation consistent<3>(const PairBlocks<3>&, std::span<const FieldGroup>);
+template Interpolation consistent<2>(const PairBlocks<2>&, std::span<const FieldGroup>, const PairWeights*);
+template Interpolation consistent<3>(const PairBlocks<3>&, std::span<const FieldGroup>, const PairWeights*);
 
 }  // namespace poretwin::coupling

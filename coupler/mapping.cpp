@@ -23,7 +23,7 @@ class CloudMapping final : public SpatialMapping {
     const typename PairBlocks<D>::Update both[] = {{&at_receivers, receiver_points, giver_points},
                                                    {&at_givers, giver_points, receiver_points}};
     PairBlocks<D>::update(std::span(both).first(std::any_of(specs.begin(), specs.end(), shared_out) ? 2 : 1));
-    Inbox inbox = map_consistent(at_receivers, giver_fields, specs);
+    Inbox inbox = map_consistent(at_receivers, giver_fields, specs, sharing_.weights_at(at_receivers));
     for (const auto& spec : specs) {
       if (spec.mapping != coupling::Mapping::conservative) continue;
       if (!shared_out(spec)) {
@@ -65,7 +65,7 @@ class CloudMapping final : public SpatialMapping {
 
   /// Fields with one mask share their moments: one group per mask.
   static Inbox map_consistent(const PairBlocks<D>& pairs, const std::vector<Field>& fields,
-                              std::span<const FieldSpec> specs) {
+                              std::span<const FieldSpec> specs, const PairWeights* weights) {
     std::vector<std::string> masks;
     std::vector<FieldGroup> groups;
     for (const auto& spec : specs) {
@@ -77,7 +77,7 @@ class CloudMapping final : public SpatialMapping {
       }
       groups[g].fields.push_back(&find(fields, spec.name));
     }
-    auto mapped = consistent(pairs, groups);
+    auto mapped = consistent(pairs, groups, weights);
     // A mean of fractions may leave [0, 1] by a rounding; nobody should have to think of that.
     for (auto& field : mapped.fields)
       if (is_fraction(field.name))

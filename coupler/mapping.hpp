@@ -58,8 +58,10 @@ struct Interpolation {
 bool all_zero(const std::vector<double>& values);
 
 /// `at_receivers`: blocks over the receivers, the givers around them. Fields that are zero everywhere cost nothing.
+/// `weights`: those of the active blocks by the givers' kernels, if there are any already.
 template <int D>
-Interpolation consistent(const PairBlocks<D>& at_receivers, std::span<const FieldGroup> groups);
+Interpolation consistent(const PairBlocks<D>& at_receivers, std::span<const FieldGroup> groups,
+                         const PairWeights* weights = nullptr);
 
 /// Amounts shared out.
 struct Delivery {
@@ -67,17 +69,24 @@ struct Delivery {
   std::vector<double> given, delivered, undelivered;  ///< [components]; carried + given = delivered + undelivered
 };
 
-/// Shares amounts of the active givers out among the active receivers. Keeps its memory from window to window, and
-/// nothing else.
+/// Shares amounts of the active givers out among the active receivers. Keeps from window to window its memory, and
+/// weights for as long as points stand.
 template <int D>
 class Sharing {
  public:
   /// `carried` [components]: left from earlier windows; it goes to the receivers in proportion to what they get now.
-  Delivery conservative(PairBlocks<D>& at_givers, const PairBlocks<D>& at_receivers, const PointSet& givers,
+  Delivery conservative(const PairBlocks<D>& at_givers, const PairBlocks<D>& at_receivers, const PointSet& givers,
                         const PointSet& receivers, const Field& amounts, std::span<const double> carried);
 
+  /// Those that the receivers have had about the givers, if these are the blocks and nothing has moved since; or null.
+  [[nodiscard]] const PairWeights* weights_at(const PairBlocks<D>& givers) const {
+    return weighed_ == &givers && weighed_state_ == givers.state() ? &by_giver_ : nullptr;
+  }
+
  private:
-  PairWeights by_receiver_;
+  PairWeights by_giver_, by_receiver_;
+  const PairBlocks<D>* weighed_ = nullptr;  ///< whose by_giver_ are
+  std::uint64_t weighed_state_ = 0;
 };
 
 /// Both directions between the fluid and the solid, dimension erased.

@@ -109,7 +109,7 @@ bool PairBlocks<D>::prepare(const PointSet& of, const PointSet& around) {
   }
   if (!of_stands) of_last_ = {of.position, of.smoothing_length, of.volume};
   if (!around_stands) around_last_ = {around.position, around.smoothing_length, around.volume};
-  weighed_ = false;
+  ++state_;
   return true;
 }
 
@@ -339,16 +339,13 @@ void PairBlocks<D>::weigh_all(std::span<const Block> blocks, const PointSet& of,
       });
 }
 
-template <int D>
-const PairWeights& PairBlocks<D>::weights() {
-  if (!weighed_) weigh_all<Kernel::of_candidate>(active_blocks(), {}, weights_);
-  weighed_ = true;
-  return weights_;
-}
-
 template class PairBlocks<2>;
-template void PairBlocks<2>::weigh_all<Kernel::of_block>(std::span<const Block>, const PointSet&, PairWeights&) const;
-template void PairBlocks<3>::weigh_all<Kernel::of_block>(std::span<const Block>, const PointSet&, PairWeights&) const;
 template class PairBlocks<3>;
+template void PairBlocks<2>::weigh_all<Kernel::of_block>(std::span<const Block>, const PointSet&, PairWeights&) const;
+template void PairBlocks<2>::weigh_all<Kernel::of_candidate>(std::span<const Block>, const PointSet&,
+                                                             PairWeights&) const;
+template void PairBlocks<3>::weigh_all<Kernel::of_block>(std::span<const Block>, const PointSet&, PairWeights&) const;
+template void PairBlocks<3>::weigh_all<Kernel::of_candidate>(std::span<const Block>, const PointSet&,
+                                                             PairWeights&) const;
 
 }  // namespace poretwin::coupling

@@ -83,10 +83,8 @@ class PairBlocks {
   /// Weights V W(r, h) at the points `of` of these blocks (from the first on).
   template <Kernel K>
   void weigh_all(std::span<const Block> blocks, const PointSet& of, PairWeights& out) const;
-  /// Those of the candidates' kernels at the active blocks, made once for points that stand.
-  const PairWeights& weights();
-  /// The same if they are made already, or null.
-  [[nodiscard]] const PairWeights* made_weights() const { return weighed_ ? &weights_ : nullptr; }
+  /// Another one whenever an update has changed anything.
+  [[nodiscard]] std::uint64_t state() const { return state_; }
 
   /// A point as a candidate.
   static Node node_of(const PointSet& points, std::size_t i);
@@ -135,8 +133,7 @@ class PairBlocks {
   bool served_ = false;             ///< they have been kept though something had moved
   int in_vain_ = 0;                 ///< lists in a row for which room was of no use
   double skin_ = 0.0;               ///< m
-  bool weighed_ = false;            ///< weights_ are those of the last update
-  PairWeights weights_;
+  std::uint64_t state_ = 0;
   sph::CellGrid<D> grid_;  ///< of `around`, and in its order:
   std::array<std::vector<double>, D> x_;
   std::vector<double> reach_;  ///< m, radius of support

@@ -210,10 +210,16 @@ Delivery share_out(Shares<D> shares, const PointSet& givers, const PointSet& rec
 }  // namespace
 
 template <int D>
-Delivery Sharing<D>::conservative(PairBlocks<D>& at_givers, const PairBlocks<D>& at_receivers, const PointSet& givers,
-                                  const PointSet& receivers, const Field& amounts, std::span<const double> carried) {
+Delivery Sharing<D>::conservative(const PairBlocks<D>& at_givers, const PairBlocks<D>& at_receivers,
+                                  const PointSet& givers, const PointSet& receivers, const Field& amounts,
+                                  std::span<const double> carried) {
+  if (!weights_at(at_givers)) {
+    at_givers.template weigh_all<Kernel::of_candidate>(at_givers.active_blocks(), givers, by_giver_);
+    weighed_ = &at_givers;
+    weighed_state_ = at_givers.state();
+  }
   at_receivers.template weigh_all<Kernel::of_block>(at_receivers.blocks(), receivers, by_receiver_);
-  Shares<D> shares(at_givers, at_receivers, at_givers.weights(), by_receiver_, givers, receivers, amounts);
+  Shares<D> shares(at_givers, at_receivers, by_giver_, by_receiver_, givers, receivers, amounts);
   if (amounts.components == 1) return share_out<D, 1>(std::move(shares), givers, receivers, amounts, carried);
   if (amounts.components == D) return share_out<D, D>(std::move(shares), givers, receivers, amounts, carried);
   throw PeerError("field '" + amounts.name + "' is shared out: expected a number or a vector of " + std::to_string(D) +

@@ -24,7 +24,7 @@ class CloudPairs {
   }
   Interpolation interpolate(const std::vector<const Field*>& fields, std::span<const double> mask) const {
     const FieldGroup groups[] = {{fields, mask}};
-    return coupling::consistent(at_target_, groups);
+    return coupling::consistent(at_target_, groups, sharing_.weights_at(at_target_));
   }
   std::uint64_t rebuilds() const { return at_target_.rebuilds(); }
   std::uint64_t reuses() const { return at_target_.reuses(); }
