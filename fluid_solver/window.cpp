@@ -94,11 +94,7 @@ class WindowSolver {
       }
     }
     sources_ = make_sources();  // before the matrix, with which its work would not fit
-    {
-      ScalarArray mobility(n_);
-      for_each_side_by_side(n_, [&](std::size_t a) { mobility[a] = q_[a].kf; });
-      fluid_ = laplacian<D>(s_, mobility);
-    }
+    make_laplacians();
     boundary_.assign(n_, 0.0);
     torn_.assign(n_, false);
     std::atomic<bool> closed{true};
@@ -161,6 +157,21 @@ class WindowSolver {
       if (!in_.cavity.empty()) sources[a] -= in_.cavity[a] / in_.interval;
     });
     return sources;
+  }
+
+  /// Of the water; where a skeleton responds, its own and that of the pressure itself as well.
+  void make_laplacians() {
+    ScalarArray mobility(n_), of_skeleton(any_response_ ? n_ : 0);
+    for_each_side_by_side(n_, [&](std::size_t a) { mobility[a] = q_[a].kf; });
+    for_each_side_by_side(of_skeleton.size(), [&](std::size_t a) { of_skeleton[a] = r_[a].mS * q_[a].e; });
+    if (any_response_) {
+      auto matrices = laplacians<D, 3>(s_, {mobility, of_skeleton, {}});
+      fluid_ = std::move(matrices[0]);
+      skeleton_ = std::move(matrices[1]);
+      plain_ = std::move(matrices[2]);
+    } else {
+      fluid_ = laplacian<D>(s_, mobility);
+    }
   }
 
   /// Water tears rather than be pulled below a pressure, and while it is torn it is at that pressure: of the pressure
@@ -397,12 +408,8 @@ class WindowSolver {
                 return s_.volume[a] / r_[a].ss * dragged.squaredNorm();
               });
     prepare_flow();
-    ScalarArray mobility(n_);
-    for (std::size_t a = 0; a < n_; ++a) mobility[a] = r_[a].mS * q_[a].e;
-    skeleton_ = laplacian<D>(s_, mobility);
     for (std::size_t a = 0; a < n_; ++a)
       if (responds(a)) add_surface(skeleton_, a, r_[a].mS * q_[a].e, nullptr);
-    plain_ = laplacian<D>(s_, {});
     fixed_.assign(n_, 0.0);
     for (std::size_t a = 0; a < n_; ++a) {
       if (!flow_.empty()) fixed_[a] = from_faces(a, 1.0).value_or(0.0);
