@@ -80,7 +80,7 @@ void for_pairs_in_lanes(const Stencil<D>& s, const std::vector<PackedPoint<D, n_
       take(a, total);
     }
   };
-  side_by_side(s.n_real, [&](std::size_t first, std::size_t last) {
+  side_by_side(s.n_real, worth_threads_in_pairs, [&](std::size_t first, std::size_t last) {
     run_lanes([&]() __attribute__((always_inline)) { rows(first, last); });
   });
 }
@@ -221,6 +221,58 @@ ScalarArray divergence(const Stencil<D>& s, std::span<const Vec<D>> f, Carried c
   return result;
 }
 
+/// Shares out amounts of the real particles [n], in place: each among the real particles around it, itself included, by
+/// the kernel's value times what they count [n]. What finds nobody that counts stays where it is; the sum is kept.
+template <int D>
+void share_out(const Stencil<D>& s, std::span<const double> counts, std::span<Vec<D>> amounts) {
+  // Of a point: what it counts, smoothing length.
+  std::vector<PackedPoint<D, 2>> points(s.size());
+  for_each_side_by_side(s.size(), [&](std::size_t j) {
+    auto& x = points[j].x;
+    Eigen::Map<Vec<D>>{x.data()} = s.position[j];
+    x[D] = j < s.n_real ? counts[j] : 0.0;
+    x[D + 1] = s.length(j);
+  });
+  const auto own = [&](std::size_t a) { return counts[a] * Kernel<D>::value(0.0, s.length(a)); };
+  std::vector<float> value(s.other.size());  // of the kernel, the same for both of a pair
+  VecArray<D> parts(s.size(), Vec<D>::Zero());
+  for_each_in_lanes(
+      s.n_real, worth_threads_in_pairs, [&](std::size_t a) __attribute__((always_inline)) {
+        const double* const self = points[a].row();
+        Lanes sums{};
+        for (std::size_t k = s.offset[a]; k < s.offset[a + 1]; k += n_lanes) {
+          const Index* const i = &s.other[k];
+          Lanes point[D + 2], r{}, w;
+          gather<0, D + 2>({points[i[0]].row(), points[i[1]].row(), points[i[2]].row(), points[i[3]].row()}, point);
+          for (std::size_t d = 0; d < D; ++d) r += (point[d] - self[d]) * (point[d] - self[d]);
+          take_root(r);
+          pair_value<D>(r, 2.0 / (self[D + 1] + point[D + 1]), w);
+          for (std::size_t l = 0; l < n_lanes; ++l) w[l] = i[l] == a ? 0.0 : w[l];
+          put(w, &value[k]);
+          poretwin::take(&value[k], w);
+          sums += w * point[D];
+        }
+        const double sum = own(a) + ((sums[0] + sums[1]) + (sums[2] + sums[3]));
+        if (!(sum > 0.0)) return;
+        parts[a] = amounts[a] / sum;
+        amounts[a].setZero();
+      });
+  for_each_in_lanes(
+      s.n_real, worth_threads_in_pairs, [&](std::size_t a) __attribute__((always_inline)) {
+        if (counts[a] == 0.0) return;
+        Lanes sums[D] = {}, w;
+        for (std::size_t k = s.offset[a]; k < s.offset[a + 1]; k += n_lanes) {
+          const Index* const i = &s.other[k];
+          poretwin::take(&value[k], w);
+          for (int d = 0; d < D; ++d)
+            sums[d] += w * Lanes{parts[i[0]][d], parts[i[1]][d], parts[i[2]][d], parts[i[3]][d]};
+        }
+        Vec<D> sum = Kernel<D>::value(0.0, s.length(a)) * parts[a];
+        for (int d = 0; d < D; ++d) sum[d] += (sums[d][0] + sums[d][1]) + (sums[d][2] + sums[d][3]);
+        amounts[a] += counts[a] * sum;
+      });
+}
+
 /// The entries of a laplacian without buffers in which all volumes and mobilities are the same, `factor` their product:
 /// the list's kernels are the same for both of a pair there.
 template <int D>
@@ -228,7 +280,7 @@ void fill_even_laplacian(const Stencil<D>& s, double factor, PairMatrix& m) {
   ScalarArray amplified(s.size());
   for_each_side_by_side(s.size(), [&](std::size_t j) { amplified[j] = s.amplification[s.parent[j]]; });
   for_each_in_lanes(
-      s.n_real, [&](std::size_t a) __attribute__((always_inline)) {
+      s.n_real, worth_threads_in_pairs, [&](std::size_t a) __attribute__((always_inline)) {
         Lanes sum{};
         for (std::size_t k = s.offset[a]; k < s.offset[a + 1]; k += n_lanes) {
           const Index* const i = &s.other[k];
@@ -283,7 +335,7 @@ std::array<PairMatrix, n_mobilities> laplacians(const Stencil<D>& s,
     for (std::size_t i = 0; i < n_mobilities; ++i) x[at_mobility + i] = mobilities[i].empty() ? 1.0 : mobilities[i][q];
   });
   for_each_in_lanes(
-      s.n_real, [&](std::size_t a) __attribute__((always_inline)) {
+      s.n_real, worth_threads_in_pairs, [&](std::size_t a) __attribute__((always_inline)) {
         const double* const self = points[a].row();
         Lanes sums[n_mobilities] = {};
         double faces = 0.0;

@@ -57,12 +57,12 @@ void find_pairs(double largest, Stencil<D>& s) {
   };
   // Piece by piece: one array for all would need room for the most that there may be.
   constexpr std::size_t piece = 16384;
-  const std::size_t n_threads = parts_for(s.n_real), parts = std::max(n_threads, s.n_real / piece);
+  const std::size_t n_threads = parts_for(s.n_real, worth_threads_in_pairs),
+                    parts = std::max(n_threads == 1 ? 1 : 4 * n_threads, s.n_real / piece);
   std::vector<std::vector<Index>> offsets(parts), others(parts);
-  for_each_part(n_threads, [&](std::size_t thread) {
+  for_each_part(parts, [&](std::size_t part) {
     run_lanes([&]() __attribute__((always_inline)) {
-      for (std::size_t part = parts * thread / n_threads; part < parts * (thread + 1) / n_threads; ++part)
-        find(s.n_real * part / parts, s.n_real * (part + 1) / parts, offsets[part], others[part]);
+      find(s.n_real * part / parts, s.n_real * (part + 1) / parts, offsets[part], others[part]);
     });
   });
   s.offset.reserve(s.n_real + 1);
@@ -229,7 +229,9 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   std::vector<Summed<D>> points(s.size());
   for_each_side_by_side(s.size(), [&](std::size_t j) { points[j] = {s.position[j], s.volume[j], s.length(j)}; });
   for_each_in_lanes(
-      n, [&](std::size_t a) __attribute__((always_inline)) { sum_pairs<D>(points.data(), a, open_water, s); });
+      n, worth_threads_in_pairs, [&](std::size_t a) __attribute__((always_inline)) {
+        sum_pairs<D>(points.data(), a, open_water, s);
+      });
   constexpr char surface = 1, face = 2;
   std::vector<char> edge(n, 0);
   for_each_side_by_side(n, [&](std::size_t a) {

@@ -98,6 +98,10 @@ template <int D>
   value = scale * (u * u) * (u * u) * (2.0 * q + 1.0) * (inverse * inverse) * (D == 2 ? Lanes{} + 1.0 : inverse);
 }
 
+/// How many particles are worth more than one thread in a loop over the pairs of each: with fewer it takes less than
+/// 0.1 ms, and to wake a thread takes some of that.
+inline constexpr std::size_t worth_threads_in_pairs = 2048;
+
 /// A buffer particle stands for the water behind a face: it has no unknown of its own, its pressure lies on the
 /// straight line from the particle that asks through the face's pressure.
 template <int D>
