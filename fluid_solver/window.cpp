@@ -427,35 +427,34 @@ class WindowSolver {
     for (std::size_t j = 0; j < s_.size(); ++j)
       if (const Index b = s_.parent[j]; b < n_ && responds(b)) points[j] = {r_[b].M, s_.amplification[b]};
     const bool buffers = s_.n_base > n_;
-    run_lanes([&]() __attribute__((always_inline)) {
-      for (std::size_t a = 0; a < n_; ++a) {
-        if (!responds(a)) continue;
-        H_diagonal_[a] = s_.volume[a] / r_[a].ss;
-        double turned = 0.0, held = anchor(a);  // by own images, which walls turn round; by faces and by dry soil
-        Lanes sum{};
-        for (Index k = s_.offset[a]; k < s_.offset[a + 1]; k += n_lanes) {
-          const Index* const i = &s_.other[k];
-          const Lanes M = {points[i[0]][0], points[i[1]][0], points[i[2]][0], points[i[3]][0]},
-                      amplification = {points[i[0]][1], points[i[1]][1], points[i[2]][1], points[i[3]][1]};
-          Lanes w;
-          take(&s_.pull[k], w);
-          w *= s_.volume[a] * dt * (s_.amplification[a] + amplification) * (2.0 * r_[a].M * M / (r_[a].M + M));
-          put(w, &image_weight_[k]);
-          take(&image_weight_[k], w);  // as it is kept: the skeleton moves as a whole without force
-          sum += w;
-          for (std::size_t l = 0; l < n_lanes; ++l) {
-            const Index j = i[l], b = s_.parent[j];
-            if (b == a) turned += w[l];
-            if (buffers && b >= n_ && in_.face_holds[s_.buffers[b - n_].column])
-              held += 2.0 * s_.volume[a] * dt * r_[a].M * static_cast<double>(s_.pull[k + l]) * s_.amplified(a, b) *
-                      s_.reflection(a, b);
+    for_each_in_lanes(
+        n_, worth_threads_in_pairs, [&](std::size_t a) __attribute__((always_inline)) {
+          if (!responds(a)) return;
+          H_diagonal_[a] = s_.volume[a] / r_[a].ss;
+          double turned = 0.0, held = anchor(a);  // by own images, which walls turn round; by faces and by dry soil
+          Lanes sum{};
+          for (Index k = s_.offset[a]; k < s_.offset[a + 1]; k += n_lanes) {
+            const Index* const i = &s_.other[k];
+            const Lanes M = {points[i[0]][0], points[i[1]][0], points[i[2]][0], points[i[3]][0]},
+                        amplification = {points[i[0]][1], points[i[1]][1], points[i[2]][1], points[i[3]][1]};
+            Lanes w;
+            take(&s_.pull[k], w);
+            w *= s_.volume[a] * dt * (s_.amplification[a] + amplification) * (2.0 * r_[a].M * M / (r_[a].M + M));
+            put(w, &image_weight_[k]);
+            take(&image_weight_[k], w);  // as it is kept: the skeleton moves as a whole without force
+            sum += w;
+            for (std::size_t l = 0; l < n_lanes; ++l) {
+              const Index j = i[l], b = s_.parent[j];
+              if (b == a) turned += w[l];
+              if (buffers && b >= n_ && in_.face_holds[s_.buffers[b - n_].column])
+                held += 2.0 * s_.volume[a] * dt * r_[a].M * static_cast<double>(s_.pull[k + l]) * s_.amplified(a, b) *
+                        s_.reflection(a, b);
+            }
           }
-        }
-        const double all = (sum[0] + sum[1]) + (sum[2] + sum[3]);
-        H_diagonal_[a] += all + held;
-        H_preconditioner_[a] = H_diagonal_[a] - turned;
-      }
-    });
+          const double all = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+          H_diagonal_[a] += all + held;
+          H_preconditioner_[a] = H_diagonal_[a] - turned;
+        });
     double spacing = 0.0;
     for (std::size_t a = 0; a < n_; ++a)
       if (responds(a)) spacing = std::max(spacing, spacing_of<D>(s_.volume[a]));
@@ -525,21 +524,21 @@ class WindowSolver {
   /// (V/ss) H s on responding particles, s itself elsewhere; symmetric [n * D].
   void apply_H(std::span<const double> s, std::span<double> y) const {
     const VecArray<D> all = skeleton_extended(as_vectors(s));
-    run_lanes([&]() __attribute__((always_inline)) {
-      for (std::size_t a = 0; a < n_; ++a) {
-        Lanes sums[D] = {}, w;
-        if (responds(a))
-          for (std::size_t k = s_.offset[a]; k < s_.offset[a + 1]; k += n_lanes) {
-            const Index* const c = &s_.other[k];
-            take(&image_weight_[k], w);
-            for (int d = 0; d < D; ++d) sums[d] += w * Lanes{all[c[0]][d], all[c[1]][d], all[c[2]][d], all[c[3]][d]};
+    for_each_in_lanes(
+        n_, worth_threads_in_pairs, [&](std::size_t a) __attribute__((always_inline)) {
+          Lanes sums[D] = {}, w;
+          if (responds(a))
+            for (std::size_t k = s_.offset[a]; k < s_.offset[a + 1]; k += n_lanes) {
+              const Index* const c = &s_.other[k];
+              take(&image_weight_[k], w);
+              for (int d = 0; d < D; ++d) sums[d] += w * Lanes{all[c[0]][d], all[c[1]][d], all[c[2]][d], all[c[3]][d]};
+            }
+          for (int d = 0; d < D; ++d) {
+            const Lanes& sum = sums[d];
+            y[a * D + static_cast<std::size_t>(d)] =
+                H_diagonal_[a] * all[a][d] - ((sum[0] + sum[1]) + (sum[2] + sum[3]));
           }
-        for (int d = 0; d < D; ++d) {
-          const Lanes& sum = sums[d];
-          y[a * D + static_cast<std::size_t>(d)] = H_diagonal_[a] * all[a][d] - ((sum[0] + sum[1]) + (sum[2] + sum[3]));
-        }
-      }
-    });
+        });
   }
   ScalarArray apply_H(std::span<const Vec<D>> s) const {
     ScalarArray y(n_ * D);
