@@ -251,7 +251,8 @@ Stencil<D> Fluid<D>::stencil() const {
   const auto buffers = make_buffers(state_.columns);
   std::vector<char> free(p.size());
   for_each_side_by_side(p.size(), [&](std::size_t a) { free[a] = is_free(a); });
-  auto s = make_stencil<D>(p.position, p.volume, std::span<const Buffer<D>>(buffers), planes_, free, open_water());
+  auto s = make_stencil<D>(p.position, p.volume, std::span<const Buffer<D>>(buffers), planes_, free, open_water(),
+                           scene_.coupled() ? worth_threads_while_others_wait : worth_threads_in_pairs);
   fit_columns<D>(state_.columns, free, s);
   limit_surface(s);
   return s;

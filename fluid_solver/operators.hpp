@@ -80,7 +80,7 @@ void for_pairs_in_lanes(const Stencil<D>& s, const std::vector<PackedPoint<D, n_
       take(a, total);
     }
   };
-  side_by_side(s.n_real, worth_threads_in_pairs, [&](std::size_t first, std::size_t last) {
+  side_by_side(s.n_real, s.worth_threads, [&](std::size_t first, std::size_t last) {
     run_lanes([&]() __attribute__((always_inline)) { rows(first, last); });
   });
 }
@@ -237,7 +237,7 @@ void share_out(const Stencil<D>& s, std::span<const double> counts, std::span<Ve
   std::vector<float> value(s.other.size());  // of the kernel, the same for both of a pair
   VecArray<D> parts(s.size(), Vec<D>::Zero());
   for_each_in_lanes(
-      s.n_real, worth_threads_in_pairs, [&](std::size_t a) __attribute__((always_inline)) {
+      s.n_real, s.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
         const double* const self = points[a].row();
         Lanes sums{};
         for (std::size_t k = s.offset[a]; k < s.offset[a + 1]; k += n_lanes) {
@@ -258,7 +258,7 @@ void share_out(const Stencil<D>& s, std::span<const double> counts, std::span<Ve
         amounts[a].setZero();
       });
   for_each_in_lanes(
-      s.n_real, worth_threads_in_pairs, [&](std::size_t a) __attribute__((always_inline)) {
+      s.n_real, s.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
         if (counts[a] == 0.0) return;
         Lanes sums[D] = {}, w;
         for (std::size_t k = s.offset[a]; k < s.offset[a + 1]; k += n_lanes) {
@@ -280,7 +280,7 @@ void fill_even_laplacian(const Stencil<D>& s, double factor, PairMatrix& m) {
   ScalarArray amplified(s.size());
   for_each_side_by_side(s.size(), [&](std::size_t j) { amplified[j] = s.amplification[s.parent[j]]; });
   for_each_in_lanes(
-      s.n_real, worth_threads_in_pairs, [&](std::size_t a) __attribute__((always_inline)) {
+      s.n_real, s.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
         Lanes sum{};
         for (std::size_t k = s.offset[a]; k < s.offset[a + 1]; k += n_lanes) {
           const Index* const i = &s.other[k];
@@ -335,7 +335,7 @@ std::array<PairMatrix, n_mobilities> laplacians(const Stencil<D>& s,
     for (std::size_t i = 0; i < n_mobilities; ++i) x[at_mobility + i] = mobilities[i].empty() ? 1.0 : mobilities[i][q];
   });
   for_each_in_lanes(
-      s.n_real, worth_threads_in_pairs, [&](std::size_t a) __attribute__((always_inline)) {
+      s.n_real, s.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
         const double* const self = points[a].row();
         Lanes sums[n_mobilities] = {};
         double faces = 0.0;

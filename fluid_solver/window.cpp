@@ -428,7 +428,7 @@ class WindowSolver {
       if (const Index b = s_.parent[j]; b < n_ && responds(b)) points[j] = {r_[b].M, s_.amplification[b]};
     const bool buffers = s_.n_base > n_;
     for_each_in_lanes(
-        n_, worth_threads_in_pairs, [&](std::size_t a) __attribute__((always_inline)) {
+        n_, s_.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
           if (!responds(a)) return;
           H_diagonal_[a] = s_.volume[a] / r_[a].ss;
           double turned = 0.0, held = anchor(a);  // by own images, which walls turn round; by faces and by dry soil
@@ -525,7 +525,7 @@ class WindowSolver {
   void apply_H(std::span<const double> s, std::span<double> y) const {
     const VecArray<D> all = skeleton_extended(as_vectors(s));
     for_each_in_lanes(
-        n_, worth_threads_in_pairs, [&](std::size_t a) __attribute__((always_inline)) {
+        n_, s_.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
           Lanes sums[D] = {}, w;
           if (responds(a))
             for (std::size_t k = s_.offset[a]; k < s_.offset[a + 1]; k += n_lanes) {
