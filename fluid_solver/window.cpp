@@ -421,7 +421,7 @@ class WindowSolver {
     const double dt = in_.interval;
     image_weight_.assign(s_.other.size(), 0.0F);
     H_diagonal_.assign(n_, 1.0);
-    H_preconditioner_.assign(n_, 1.0);
+    ScalarArray preconditioner(n_, 1.0);
     // Of a point: its parent's modulus, 0 where none responds, and amplification.
     std::vector<std::array<double, 2>> points(s_.size(), {0.0, 0.0});
     for (std::size_t j = 0; j < s_.size(); ++j)
@@ -453,7 +453,7 @@ class WindowSolver {
           }
           const double all = (sum[0] + sum[1]) + (sum[2] + sum[3]);
           H_diagonal_[a] += all + held;
-          H_preconditioner_[a] = H_diagonal_[a] - turned;
+          preconditioner[a] = H_diagonal_[a] - turned;
         });
     double spacing = 0.0;
     for (std::size_t a = 0; a < n_; ++a)
@@ -463,12 +463,14 @@ class WindowSolver {
     patches_->factorise([&](const auto& add) {
       for (std::size_t a = 0; a < n_; ++a) {
         if (!responds(a)) continue;
-        add(a, a, H_preconditioner_[a]);
+        add(a, a, preconditioner[a]);
         for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k)
           if (const Index b = s_.parent[s_.other[k]]; b != a && b < n_)
             add(a, b, -static_cast<double>(image_weight_[k]));
       }
     });
+    H_inverse_.resize(n_);
+    for (std::size_t a = 0; a < n_; ++a) H_inverse_[a] = 1.0 / preconditioner[a];
   }
 
   /// Where soil yields, the shear that is going on goes on at constant stress: only what departs from the present
@@ -559,7 +561,8 @@ class WindowSolver {
   int solve_H(ScalarArray residual, double size, double let_be, std::span<Vec<D>> s) const {
     const auto apply = [&](std::span<const double> u, std::span<double> y) { apply_H(u, y); };
     const auto precondition = [&](std::span<const double> r, std::span<double> z) {
-      for (std::size_t i = 0; i < r.size(); ++i) z[i] = r[i] / H_preconditioner_[i / D];
+      for (std::size_t a = 0; a < n_; ++a)
+        for (std::size_t d = 0; d < D; ++d) z[a * D + d] = H_inverse_[a] * r[a * D + d];
       patches_->correct(r, z);
     };
     return reduce_residual(apply, precondition, std::move(residual), as_numbers(s), skeleton_tolerance * size, 3000,
@@ -727,7 +730,8 @@ class WindowSolver {
   ScalarArray sources_;
   ScalarArray start_, free_diagonal_, free_boundary_;  ///< the pressure at first; the system with nothing torn
   double let_be_ = 0.0;                                ///< energy of an error of the skeleton's velocity [N m/s]
-  ScalarArray boundary_, fixed_, stabilisation_, storage_, H_diagonal_, H_preconditioner_;
+  ScalarArray boundary_, fixed_, stabilisation_, storage_, H_diagonal_;
+  ScalarArray H_inverse_;              ///< of the preconditioner's diagonal
   std::optional<Patches<D>> patches_;  ///< coarse space of the skeleton's stiffness
   std::vector<float> image_weight_;    ///< [pairs] of the skeleton's stiffness, N s/m
 };
