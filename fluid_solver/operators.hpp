@@ -260,15 +260,15 @@ void share_out(const Stencil<D>& s, std::span<const double> counts, std::span<Ve
   for_each_in_lanes(
       s.n_real, s.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
         if (counts[a] == 0.0) return;
-        Lanes sums[D] = {}, w;
+        VectorSum<D> sums;
+        Lanes w;
         for (std::size_t k = s.offset[a]; k < s.offset[a + 1]; k += n_lanes) {
           const Index* const i = &s.other[k];
           poretwin::take(&value[k], w);
-          for (int d = 0; d < D; ++d)
-            sums[d] += w * Lanes{parts[i[0]][d], parts[i[1]][d], parts[i[2]][d], parts[i[3]][d]};
+          sums.add(w, {parts[i[0]].data(), parts[i[1]].data(), parts[i[2]].data(), parts[i[3]].data()});
         }
         Vec<D> sum = Kernel<D>::value(0.0, s.length(a)) * parts[a];
-        for (int d = 0; d < D; ++d) sum[d] += (sums[d][0] + sums[d][1]) + (sums[d][2] + sums[d][3]);
+        for (int d = 0; d < D; ++d) sum[d] += sums.total(static_cast<std::size_t>(d));
         amounts[a] += counts[a] * sum;
       });
 }

@@ -528,18 +528,16 @@ class WindowSolver {
     const VecArray<D> all = skeleton_extended(as_vectors(s));
     for_each_in_lanes(
         n_, s_.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
-          Lanes sums[D] = {}, w;
+          VectorSum<D> sum;
+          Lanes w;
           if (responds(a))
             for (std::size_t k = s_.offset[a]; k < s_.offset[a + 1]; k += n_lanes) {
               const Index* const c = &s_.other[k];
               take(&image_weight_[k], w);
-              for (int d = 0; d < D; ++d) sums[d] += w * Lanes{all[c[0]][d], all[c[1]][d], all[c[2]][d], all[c[3]][d]};
+              sum.add(w, {all[c[0]].data(), all[c[1]].data(), all[c[2]].data(), all[c[3]].data()});
             }
-          for (int d = 0; d < D; ++d) {
-            const Lanes& sum = sums[d];
-            y[a * D + static_cast<std::size_t>(d)] =
-                H_diagonal_[a] * all[a][d] - ((sum[0] + sum[1]) + (sum[2] + sum[3]));
-          }
+          for (std::size_t d = 0; d < D; ++d)
+            y[a * D + d] = H_diagonal_[a] * all[a][static_cast<int>(d)] - sum.total(d);
         });
   }
   ScalarArray apply_H(std::span<const Vec<D>> s) const {
