@@ -122,18 +122,16 @@ struct SolveReport {
 };
 
 /// Preconditioned conjugate gradients on plain doubles: apply(x, y): y = A x; precondition(r, z): z = P^-1 r, which may
-/// change a little from step to step (flexible: each direction is made conjugate to the last; Notay 2000). r: b, on the
-/// way the residual. Stops when |residual| <= tolerance (absolute), or when residual . z, of the order of the error's
+/// change a little from step to step (flexible: each direction is made conjugate to the last; Notay 2000). r: the
+/// residual b - A x. Stops when |residual| <= tolerance (absolute), or when residual . z, of the order of the error's
 /// energy x . A x, is no more than `energy`.
 template <class Apply, class Precondition>
-SolveReport conjugate_gradients(Apply&& apply, Precondition&& precondition, ScalarArray r, std::span<double> x,
-                                double tolerance, int limit, double energy = 0.0) {
+SolveReport reduce_residual(Apply&& apply, Precondition&& precondition, ScalarArray r, std::span<double> x,
+                            double tolerance, int limit, double energy = 0.0) {
   const std::size_t n = r.size();
-  ScalarArray z(n), p(n), q(n);
-  apply(std::span<const double>(x), std::span<double>(q));
-  for_each_side_by_side(n, [&](std::size_t i) { r[i] -= q[i]; });
   SolveReport report;
   if (norm(r) <= tolerance) return report;
+  ScalarArray z(n), p, q(n);
   precondition(std::span<const double>(r), std::span<double>(z));
   p = z;
   double rz = dot(r, z);
@@ -157,6 +155,18 @@ SolveReport conjugate_gradients(Apply&& apply, Precondition&& precondition, Scal
   }
   report.converged = false;
   return report;
+}
+
+/// The same for A x = b, from x on.
+template <class Apply, class Precondition>
+SolveReport conjugate_gradients(Apply&& apply, Precondition&& precondition, ScalarArray b, std::span<double> x,
+                                double tolerance, int limit) {
+  {
+    ScalarArray product(b.size());
+    apply(std::span<const double>(x), std::span<double>(product));
+    for_each_side_by_side(b.size(), [&](std::size_t i) { b[i] -= product[i]; });
+  }
+  return reduce_residual(apply, precondition, std::move(b), x, tolerance, limit);
 }
 
 struct GmresReport : SolveReport {

@@ -251,7 +251,8 @@ Stencil<D> Fluid<D>::stencil() const {
   const auto buffers = make_buffers(state_.columns);
   std::vector<char> free(p.size());
   for_each_side_by_side(p.size(), [&](std::size_t a) { free[a] = is_free(a); });
-  auto s = make_stencil<D>(p.position, p.volume, std::span<const Buffer<D>>(buffers), planes_, free, open_water());
+  auto s = make_stencil<D>(p.position, p.volume, std::span<const Buffer<D>>(buffers), planes_, free, open_water(),
+                           scene_.coupled() ? worth_threads_while_others_wait : worth_threads_in_pairs);
   fit_columns<D>(state_.columns, free, s);
   limit_surface(s);
   return s;
@@ -539,40 +540,14 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
 template <int D>
 void Fluid<D>::take_back(const Stencil<D>& s, const SoilView<D>& view, double interval) {
   auto& p = state_.particles;
-  VecArray<D> owed(p.size(), Vec<D>::Zero());
-  ScalarArray counts(p.size());  // by its kernel's value
-  for (std::size_t a = 0; a < p.size(); ++a) counts[a] = view.mask[a] * p.volume[a];
-  run_lanes([&]() __attribute__((always_inline)) {
-    std::vector<Quad> share;  // of the neighbours
-    for (std::size_t a = 0; a < p.size(); ++a) {
-      const Vec<D> mine = p.owed[a] + view.owed[a];
-      state_.exchanged.received -= view.owed[a];
-      if (mine.isZero(0.0)) continue;
-      const double own = counts[a] * Kernel<D>::value(0.0, s.length(a));
-      share.clear();
-      Lanes sums{};
-      for (Index k = s.offset[a]; k < s.offset[a + 1]; k += n_lanes) {
-        Lanes distance{}, inverse{}, counted{}, value;
-        for (std::size_t l = 0; l < n_lanes; ++l) {
-          const Index b = s.other[k + l];
-          distance[l] = (s.position[b] - s.position[a]).squaredNorm();
-          inverse[l] = 2.0 / (s.length(a) + s.length(b));
-          counted[l] = b < s.n_real && b != a ? counts[b] : 0.0;
-        }
-        take_root(distance);
-        pair_value<D>(distance, inverse, value);
-        share.push_back({counted * value});
-        sums += share.back().v;
-      }
-      const double sum = own + ((sums[0] + sums[1]) + (sums[2] + sums[3]));
-      owed[a] += sum > 0.0 ? Vec<D>(own / sum * mine) : mine;
-      if (!(sum > 0.0)) continue;
-      const Index* other = s.other.data() + s.offset[a];
-      for (const Quad& four : share)
-        for (std::size_t l = 0; l < n_lanes; ++l, ++other)
-          if (four.v[l] > 0.0) owed[*other] += four.v[l] / sum * mine;
-    }
-  });
+  VecArray<D> owed(p.size());
+  ScalarArray counts(p.size());
+  for (std::size_t a = 0; a < p.size(); ++a) {
+    owed[a] = p.owed[a] + view.owed[a];
+    counts[a] = view.mask[a] * p.volume[a];
+    state_.exchanged.received -= view.owed[a];
+  }
+  share_out<D>(s, counts, owed);
   const double no_faster = interval / std::max({interval, state_.last_interval, state_.debt_due});  // than it came
   for (std::size_t a = 0; a < p.size(); ++a) {
     const double aw = p.void_fraction[a] * density_ / interval;

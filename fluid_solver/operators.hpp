@@ -80,7 +80,7 @@ void for_pairs_in_lanes(const Stencil<D>& s, const std::vector<PackedPoint<D, n_
       take(a, total);
     }
   };
-  side_by_side(s.n_real, [&](std::size_t first, std::size_t last) {
+  side_by_side(s.n_real, s.worth_threads, [&](std::size_t first, std::size_t last) {
     run_lanes([&]() __attribute__((always_inline)) { rows(first, last); });
   });
 }
@@ -221,6 +221,58 @@ ScalarArray divergence(const Stencil<D>& s, std::span<const Vec<D>> f, Carried c
   return result;
 }
 
+/// Shares out amounts of the real particles [n], in place: each among the real particles around it, itself included, by
+/// the kernel's value times what they count [n]. What finds nobody that counts stays where it is; the sum is kept.
+template <int D>
+void share_out(const Stencil<D>& s, std::span<const double> counts, std::span<Vec<D>> amounts) {
+  // Of a point: what it counts, smoothing length.
+  std::vector<PackedPoint<D, 2>> points(s.size());
+  for_each_side_by_side(s.size(), [&](std::size_t j) {
+    auto& x = points[j].x;
+    Eigen::Map<Vec<D>>{x.data()} = s.position[j];
+    x[D] = j < s.n_real ? counts[j] : 0.0;
+    x[D + 1] = s.length(j);
+  });
+  const auto own = [&](std::size_t a) { return counts[a] * Kernel<D>::value(0.0, s.length(a)); };
+  std::vector<float> value(s.other.size());  // of the kernel, the same for both of a pair
+  VecArray<D> parts(s.size(), Vec<D>::Zero());
+  for_each_in_lanes(
+      s.n_real, s.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
+        const double* const self = points[a].row();
+        Lanes sums{};
+        for (std::size_t k = s.offset[a]; k < s.offset[a + 1]; k += n_lanes) {
+          const Index* const i = &s.other[k];
+          Lanes point[D + 2], r{}, w;
+          gather<0, D + 2>({points[i[0]].row(), points[i[1]].row(), points[i[2]].row(), points[i[3]].row()}, point);
+          for (std::size_t d = 0; d < D; ++d) r += (point[d] - self[d]) * (point[d] - self[d]);
+          take_root(r);
+          pair_value<D>(r, 2.0 / (self[D + 1] + point[D + 1]), w);
+          for (std::size_t l = 0; l < n_lanes; ++l) w[l] = i[l] == a ? 0.0 : w[l];
+          put(w, &value[k]);
+          poretwin::take(&value[k], w);
+          sums += w * point[D];
+        }
+        const double sum = own(a) + ((sums[0] + sums[1]) + (sums[2] + sums[3]));
+        if (!(sum > 0.0)) return;
+        parts[a] = amounts[a] / sum;
+        amounts[a].setZero();
+      });
+  for_each_in_lanes(
+      s.n_real, s.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
+        if (counts[a] == 0.0) return;
+        VectorSum<D> sums;
+        Lanes w;
+        for (std::size_t k = s.offset[a]; k < s.offset[a + 1]; k += n_lanes) {
+          const Index* const i = &s.other[k];
+          poretwin::take(&value[k], w);
+          sums.add(w, {parts[i[0]].data(), parts[i[1]].data(), parts[i[2]].data(), parts[i[3]].data()});
+        }
+        Vec<D> sum = Kernel<D>::value(0.0, s.length(a)) * parts[a];
+        for (int d = 0; d < D; ++d) sum[d] += sums.total(static_cast<std::size_t>(d));
+        amounts[a] += counts[a] * sum;
+      });
+}
+
 /// The entries of a laplacian without buffers in which all volumes and mobilities are the same, `factor` their product:
 /// the list's kernels are the same for both of a pair there.
 template <int D>
@@ -228,7 +280,7 @@ void fill_even_laplacian(const Stencil<D>& s, double factor, PairMatrix& m) {
   ScalarArray amplified(s.size());
   for_each_side_by_side(s.size(), [&](std::size_t j) { amplified[j] = s.amplification[s.parent[j]]; });
   for_each_in_lanes(
-      s.n_real, [&](std::size_t a) __attribute__((always_inline)) {
+      s.n_real, s.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
         Lanes sum{};
         for (std::size_t k = s.offset[a]; k < s.offset[a + 1]; k += n_lanes) {
           const Index* const i = &s.other[k];
@@ -246,25 +298,31 @@ void fill_even_laplacian(const Stencil<D>& s, double factor, PairMatrix& m) {
 }
 
 /// V_a sum_b 2 V_b mobility_ab G_ab (p_a - p_b): minus the Laplacian, weighted with the volume so that it is symmetric.
-/// mobility: of the real particles, pairs get the harmonic mean; 1 where there is none. With buffers, their pairs go to
-/// the diagonal, (1 + r) (p_a - p_face). Entries that stand for no coupling have weight 0. The stencil must outlive it.
-template <int D>
-PairMatrix laplacian(const Stencil<D>& s, std::span<const double> mobility) {
-  PairMatrix m;
-  m.column = {s.offset, s.other, s.parent, s.beyond};
-  m.weight.resize(s.other.size());
-  m.diagonal.resize(s.n_real);
+/// One for each of the mobilities: of the real particles, pairs get the harmonic mean; 1 where there is none. With
+/// buffers, their pairs go to the diagonal, (1 + r) (p_a - p_face). Entries that stand for no coupling have weight 0.
+/// The stencil must outlive them.
+template <int D, std::size_t n_mobilities>
+std::array<PairMatrix, n_mobilities> laplacians(const Stencil<D>& s,
+                                                const std::array<std::span<const double>, n_mobilities>& mobilities) {
+  std::array<PairMatrix, n_mobilities> matrices;
+  for (auto& m : matrices) {
+    m.column = {s.offset, s.other, s.parent, s.beyond};
+    m.weight.resize(s.other.size());
+    m.diagonal.resize(s.n_real);
+  }
   const bool buffers = s.n_base > s.n_real;
   const auto same = [](std::span<const double> values) {
     return std::all_of(values.begin(), values.end(), [&](double value) { return value == values[0]; });
   };
-  if (!buffers && same(s.volume) && same(mobility)) {
-    fill_even_laplacian(s, s.n_real == 0 ? 0.0 : s.volume[0] * (mobility.empty() ? 1.0 : mobility[0]), m);
-    return m;
+  if (!buffers && same(s.volume) && std::all_of(mobilities.begin(), mobilities.end(), same)) {
+    for (std::size_t i = 0; i < n_mobilities && s.n_real > 0; ++i)
+      fill_even_laplacian(s, s.volume[0] * (mobilities[i].empty() ? 1.0 : mobilities[i][0]), matrices[i]);
+    return matrices;
   }
-  // Of a point: smoothing length, volume (0: coupled to nobody), amplification, mobility, and whose row it is.
-  constexpr std::size_t at_length = D, at_volume = D + 1, at_amplified = D + 2, at_mobility = D + 3, at_row = D + 4;
-  std::vector<PackedPoint<D, 5>> points(s.size());
+  // Of a point: smoothing length, volume (0: coupled to nobody), amplification, whose row it is, and mobilities.
+  constexpr std::size_t at_length = D, at_volume = D + 1, at_amplified = D + 2, at_row = D + 3, at_mobility = D + 4;
+  constexpr std::size_t n_numbers = 4 + n_mobilities;
+  std::vector<PackedPoint<D, n_numbers>> points(s.size());
   for_each_side_by_side(s.size(), [&](std::size_t j) {
     auto& x = points[j].x;
     Eigen::Map<Vec<D>>{x.data()} = s.position[j];
@@ -273,38 +331,52 @@ PairMatrix laplacian(const Stencil<D>& s, std::span<const double> mobility) {
     if (q >= s.n_real) return;
     x[at_volume] = s.volume[j];
     x[at_amplified] = s.amplification[q];
-    x[at_mobility] = mobility.empty() ? 1.0 : mobility[q];
     x[at_row] = q;
+    for (std::size_t i = 0; i < n_mobilities; ++i) x[at_mobility + i] = mobilities[i].empty() ? 1.0 : mobilities[i][q];
   });
-  const auto row = [&](std::size_t a) __attribute__((always_inline)) {
-    const double* const self = points[a].row();
-    Lanes sum{};
-    double faces = 0.0;
-    for (std::size_t k = s.offset[a]; k < s.offset[a + 1]; k += n_lanes) {
-      const Index* const i = &s.other[k];
-      Lanes point[D + 5];
-      gather<0, D + 5>({points[i[0]].row(), points[i[1]].row(), points[i[2]].row(), points[i[3]].row()}, point);
-      for (std::size_t l = 0; buffers && l < n_lanes; ++l)
-        if (const Index q = s.parent[i[l]]; q >= s.n_real)
-          faces += static_cast<double>(s.pull[k + l]) * s.reflection(a, q);
-      // The kernel anew: that of the list is rounded with the volume of one of the two.
-      Lanes r{}, scale, whole = self[at_mobility] + point[at_mobility];
-      for (std::size_t d = 0; d < D; ++d) r += (point[d] - self[d]) * (point[d] - self[d]);
-      take_root(r);
-      pair_pull<D>(r, 2.0 / (self[at_length] + point[at_length]), scale);
-      raise_to(whole, Lanes{} + 1e-300);
-      Lanes w = (self[at_volume] * point[at_volume]) * (scale * (self[at_amplified] + point[at_amplified])) *
-                (2.0 * self[at_mobility] * point[at_mobility] / whole);
-      w = point[at_row] != self[at_row] ? w : Lanes{};
-      put(w, &m.weight[k]);
-      poretwin::take(&m.weight[k], w);
-      sum += w;
-    }
-    m.diagonal[a] =
-        (sum[0] + sum[1]) + (sum[2] + sum[3]) + 2.0 * self[at_volume] * self[at_mobility] * self[at_amplified] * faces;
-  };
-  for_each_in_lanes(s.n_real, row);
-  return m;
+  for_each_in_lanes(
+      s.n_real, s.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
+        const double* const self = points[a].row();
+        Lanes sums[n_mobilities] = {};
+        double faces = 0.0;
+        for (std::size_t k = s.offset[a]; k < s.offset[a + 1]; k += n_lanes) {
+          const Index* const i = &s.other[k];
+          Lanes point[D + n_numbers];
+          gather<0, D + n_numbers>({points[i[0]].row(), points[i[1]].row(), points[i[2]].row(), points[i[3]].row()},
+                                   point);
+          for (std::size_t l = 0; buffers && l < n_lanes; ++l)
+            if (const Index q = s.parent[i[l]]; q >= s.n_real)
+              faces += static_cast<double>(s.pull[k + l]) * s.reflection(a, q);
+          // The kernel anew: that of the list is rounded with the volume of one of the two.
+          Lanes r{}, scale;
+          for (std::size_t d = 0; d < D; ++d) r += (point[d] - self[d]) * (point[d] - self[d]);
+          take_root(r);
+          pair_pull<D>(r, 2.0 / (self[at_length] + point[at_length]), scale);
+          scale = (self[at_volume] * point[at_volume]) * (scale * (self[at_amplified] + point[at_amplified]));
+          for (std::size_t m = 0; m < n_mobilities; ++m) {
+            const Lanes& mobility = point[at_mobility + m];
+            Lanes w, whole = self[at_mobility + m] + mobility;
+            raise_to(whole, Lanes{} + 1e-300);
+            w = scale * (2.0 * self[at_mobility + m] * mobility / whole);
+            w = point[at_row] != self[at_row] ? w : Lanes{};
+            put(w, &matrices[m].weight[k]);
+            poretwin::take(&matrices[m].weight[k], w);
+            sums[m] += w;
+          }
+        }
+        for (std::size_t m = 0; m < n_mobilities; ++m) {
+          const Lanes& sum = sums[m];
+          matrices[m].diagonal[a] = (sum[0] + sum[1]) + (sum[2] + sum[3]) +
+                                    2.0 * self[at_volume] * self[at_mobility + m] * self[at_amplified] * faces;
+        }
+      });
+  return matrices;
+}
+
+/// That of one mobility.
+template <int D>
+PairMatrix laplacian(const Stencil<D>& s, std::span<const double> mobility) {
+  return std::move(laplacians<D, 1>(s, {mobility})[0]);
 }
 
 }  // namespace poretwin::fluid

@@ -57,12 +57,12 @@ void find_pairs(double largest, Stencil<D>& s) {
   };
   // Piece by piece: one array for all would need room for the most that there may be.
   constexpr std::size_t piece = 16384;
-  const std::size_t n_threads = parts_for(s.n_real), parts = std::max(n_threads, s.n_real / piece);
+  const std::size_t n_threads = parts_for(s.n_real, s.worth_threads),
+                    parts = std::max(n_threads == 1 ? 1 : 4 * n_threads, s.n_real / piece);
   std::vector<std::vector<Index>> offsets(parts), others(parts);
-  for_each_part(n_threads, [&](std::size_t thread) {
+  for_each_part(parts, [&](std::size_t part) {
     run_lanes([&]() __attribute__((always_inline)) {
-      for (std::size_t part = parts * thread / n_threads; part < parts * (thread + 1) / n_threads; ++part)
-        find(s.n_real * part / parts, s.n_real * (part + 1) / parts, offsets[part], others[part]);
+      find(s.n_real * part / parts, s.n_real * (part + 1) / parts, offsets[part], others[part]);
     });
   });
   s.offset.reserve(s.n_real + 1);
@@ -180,8 +180,10 @@ Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* blind, double
 
 template <int D>
 Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volume, std::span<const Buffer<D>> buffers,
-                        std::span<const sph::ImagePlane<D>> planes, std::span<const char> free, bool open_water) {
+                        std::span<const sph::ImagePlane<D>> planes, std::span<const char> free, bool open_water,
+                        std::size_t worth_threads) {
   Stencil<D> s;
+  s.worth_threads = worth_threads;
   s.n_real = x.size();
   s.n_base = s.n_real + buffers.size();
   s.buffers.assign(buffers.begin(), buffers.end());
@@ -229,7 +231,9 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   std::vector<Summed<D>> points(s.size());
   for_each_side_by_side(s.size(), [&](std::size_t j) { points[j] = {s.position[j], s.volume[j], s.length(j)}; });
   for_each_in_lanes(
-      n, [&](std::size_t a) __attribute__((always_inline)) { sum_pairs<D>(points.data(), a, open_water, s); });
+      n, s.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
+        sum_pairs<D>(points.data(), a, open_water, s);
+      });
   constexpr char surface = 1, face = 2;
   std::vector<char> edge(n, 0);
   for_each_side_by_side(n, [&](std::size_t a) {
@@ -262,7 +266,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
 #define PORETWIN_INSTANTIATE(D)                                                                                     \
   template Mat<D> bounded_inverse<D>(const Mat<D>&, double, Mat<D>*, double*);                                      \
   template Stencil<D> make_stencil<D>(std::span<const Vec<D>>, std::span<const double>, std::span<const Buffer<D>>, \
-                                      std::span<const sph::ImagePlane<D>>, std::span<const char>, bool);
+                                      std::span<const sph::ImagePlane<D>>, std::span<const char>, bool, std::size_t);
 PORETWIN_INSTANTIATE(2)
 PORETWIN_INSTANTIATE(3)
 #undef PORETWIN_INSTANTIATE

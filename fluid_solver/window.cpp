@@ -94,11 +94,7 @@ class WindowSolver {
       }
     }
     sources_ = make_sources();  // before the matrix, with which its work would not fit
-    {
-      ScalarArray mobility(n_);
-      for_each_side_by_side(n_, [&](std::size_t a) { mobility[a] = q_[a].kf; });
-      fluid_ = laplacian<D>(s_, mobility);
-    }
+    make_laplacians();
     boundary_.assign(n_, 0.0);
     torn_.assign(n_, false);
     std::atomic<bool> closed{true};
@@ -161,6 +157,21 @@ class WindowSolver {
       if (!in_.cavity.empty()) sources[a] -= in_.cavity[a] / in_.interval;
     });
     return sources;
+  }
+
+  /// Of the water; where a skeleton responds, its own and that of the pressure itself as well.
+  void make_laplacians() {
+    ScalarArray mobility(n_), of_skeleton(any_response_ ? n_ : 0);
+    for_each_side_by_side(n_, [&](std::size_t a) { mobility[a] = q_[a].kf; });
+    for_each_side_by_side(of_skeleton.size(), [&](std::size_t a) { of_skeleton[a] = r_[a].mS * q_[a].e; });
+    if (any_response_) {
+      auto matrices = laplacians<D, 3>(s_, {mobility, of_skeleton, {}});
+      fluid_ = std::move(matrices[0]);
+      skeleton_ = std::move(matrices[1]);
+      plain_ = std::move(matrices[2]);
+    } else {
+      fluid_ = laplacian<D>(s_, mobility);
+    }
   }
 
   /// Water tears rather than be pulled below a pressure, and while it is torn it is at that pressure: of the pressure
@@ -397,12 +408,8 @@ class WindowSolver {
                 return s_.volume[a] / r_[a].ss * dragged.squaredNorm();
               });
     prepare_flow();
-    ScalarArray mobility(n_);
-    for (std::size_t a = 0; a < n_; ++a) mobility[a] = r_[a].mS * q_[a].e;
-    skeleton_ = laplacian<D>(s_, mobility);
     for (std::size_t a = 0; a < n_; ++a)
       if (responds(a)) add_surface(skeleton_, a, r_[a].mS * q_[a].e, nullptr);
-    plain_ = laplacian<D>(s_, {});
     fixed_.assign(n_, 0.0);
     for (std::size_t a = 0; a < n_; ++a) {
       if (!flow_.empty()) fixed_[a] = from_faces(a, 1.0).value_or(0.0);
@@ -414,41 +421,40 @@ class WindowSolver {
     const double dt = in_.interval;
     image_weight_.assign(s_.other.size(), 0.0F);
     H_diagonal_.assign(n_, 1.0);
-    H_preconditioner_.assign(n_, 1.0);
+    ScalarArray preconditioner(n_, 1.0);
     // Of a point: its parent's modulus, 0 where none responds, and amplification.
     std::vector<std::array<double, 2>> points(s_.size(), {0.0, 0.0});
     for (std::size_t j = 0; j < s_.size(); ++j)
       if (const Index b = s_.parent[j]; b < n_ && responds(b)) points[j] = {r_[b].M, s_.amplification[b]};
     const bool buffers = s_.n_base > n_;
-    run_lanes([&]() __attribute__((always_inline)) {
-      for (std::size_t a = 0; a < n_; ++a) {
-        if (!responds(a)) continue;
-        H_diagonal_[a] = s_.volume[a] / r_[a].ss;
-        double turned = 0.0, held = anchor(a);  // by own images, which walls turn round; by faces and by dry soil
-        Lanes sum{};
-        for (Index k = s_.offset[a]; k < s_.offset[a + 1]; k += n_lanes) {
-          const Index* const i = &s_.other[k];
-          const Lanes M = {points[i[0]][0], points[i[1]][0], points[i[2]][0], points[i[3]][0]},
-                      amplification = {points[i[0]][1], points[i[1]][1], points[i[2]][1], points[i[3]][1]};
-          Lanes w;
-          take(&s_.pull[k], w);
-          w *= s_.volume[a] * dt * (s_.amplification[a] + amplification) * (2.0 * r_[a].M * M / (r_[a].M + M));
-          put(w, &image_weight_[k]);
-          take(&image_weight_[k], w);  // as it is kept: the skeleton moves as a whole without force
-          sum += w;
-          for (std::size_t l = 0; l < n_lanes; ++l) {
-            const Index j = i[l], b = s_.parent[j];
-            if (b == a) turned += w[l];
-            if (buffers && b >= n_ && in_.face_holds[s_.buffers[b - n_].column])
-              held += 2.0 * s_.volume[a] * dt * r_[a].M * static_cast<double>(s_.pull[k + l]) * s_.amplified(a, b) *
-                      s_.reflection(a, b);
+    for_each_in_lanes(
+        n_, s_.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
+          if (!responds(a)) return;
+          H_diagonal_[a] = s_.volume[a] / r_[a].ss;
+          double turned = 0.0, held = anchor(a);  // by own images, which walls turn round; by faces and by dry soil
+          Lanes sum{};
+          for (Index k = s_.offset[a]; k < s_.offset[a + 1]; k += n_lanes) {
+            const Index* const i = &s_.other[k];
+            const Lanes M = {points[i[0]][0], points[i[1]][0], points[i[2]][0], points[i[3]][0]},
+                        amplification = {points[i[0]][1], points[i[1]][1], points[i[2]][1], points[i[3]][1]};
+            Lanes w;
+            take(&s_.pull[k], w);
+            w *= s_.volume[a] * dt * (s_.amplification[a] + amplification) * (2.0 * r_[a].M * M / (r_[a].M + M));
+            put(w, &image_weight_[k]);
+            take(&image_weight_[k], w);  // as it is kept: the skeleton moves as a whole without force
+            sum += w;
+            for (std::size_t l = 0; l < n_lanes; ++l) {
+              const Index j = i[l], b = s_.parent[j];
+              if (b == a) turned += w[l];
+              if (buffers && b >= n_ && in_.face_holds[s_.buffers[b - n_].column])
+                held += 2.0 * s_.volume[a] * dt * r_[a].M * static_cast<double>(s_.pull[k + l]) * s_.amplified(a, b) *
+                        s_.reflection(a, b);
+            }
           }
-        }
-        const double all = (sum[0] + sum[1]) + (sum[2] + sum[3]);
-        H_diagonal_[a] += all + held;
-        H_preconditioner_[a] = H_diagonal_[a] - turned;
-      }
-    });
+          const double all = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+          H_diagonal_[a] += all + held;
+          preconditioner[a] = H_diagonal_[a] - turned;
+        });
     double spacing = 0.0;
     for (std::size_t a = 0; a < n_; ++a)
       if (responds(a)) spacing = std::max(spacing, spacing_of<D>(s_.volume[a]));
@@ -457,12 +463,14 @@ class WindowSolver {
     patches_->factorise([&](const auto& add) {
       for (std::size_t a = 0; a < n_; ++a) {
         if (!responds(a)) continue;
-        add(a, a, H_preconditioner_[a]);
+        add(a, a, preconditioner[a]);
         for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k)
           if (const Index b = s_.parent[s_.other[k]]; b != a && b < n_)
             add(a, b, -static_cast<double>(image_weight_[k]));
       }
     });
+    H_inverse_.resize(n_);
+    for (std::size_t a = 0; a < n_; ++a) H_inverse_[a] = 1.0 / preconditioner[a];
   }
 
   /// Where soil yields, the shear that is going on goes on at constant stress: only what departs from the present
@@ -515,56 +523,49 @@ class WindowSolver {
     return s_.volume[a] * 2.0 * in_.interval * r_[a].M * amount * per_length;
   }
 
-  /// y = (V/ss) H x on responding particles, identity elsewhere; symmetric.
-  void apply_H(std::span<const double> x, std::span<double> y) const {
-    VecArray<D> f(n_);
-    for (std::size_t a = 0; a < n_; ++a)
-      for (std::size_t d = 0; d < D; ++d) f[a][static_cast<int>(d)] = x[a * D + d];
-    const VecArray<D> all = skeleton_extended(f);
-    run_lanes([&]() __attribute__((always_inline)) {
-      for (std::size_t a = 0; a < n_; ++a) {
-        Lanes sums[D] = {}, w;
-        if (responds(a))
-          for (std::size_t k = s_.offset[a]; k < s_.offset[a + 1]; k += n_lanes) {
-            const Index* const c = &s_.other[k];
-            take(&image_weight_[k], w);
-            for (int d = 0; d < D; ++d) sums[d] += w * Lanes{all[c[0]][d], all[c[1]][d], all[c[2]][d], all[c[3]][d]};
-          }
-        for (int d = 0; d < D; ++d) {
-          const Lanes& sum = sums[d];
-          y[a * D + static_cast<std::size_t>(d)] = H_diagonal_[a] * f[a][d] - ((sum[0] + sum[1]) + (sum[2] + sum[3]));
-        }
-      }
-    });
+  /// (V/ss) H s on responding particles, s itself elsewhere; symmetric [n * D].
+  void apply_H(std::span<const double> s, std::span<double> y) const {
+    const VecArray<D> all = skeleton_extended(as_vectors(s));
+    for_each_in_lanes(
+        n_, s_.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
+          VectorSum<D> sum;
+          Lanes w;
+          if (responds(a))
+            for (std::size_t k = s_.offset[a]; k < s_.offset[a + 1]; k += n_lanes) {
+              const Index* const c = &s_.other[k];
+              take(&image_weight_[k], w);
+              sum.add(w, {all[c[0]].data(), all[c[1]].data(), all[c[2]].data(), all[c[3]].data()});
+            }
+          for (std::size_t d = 0; d < D; ++d)
+            y[a * D + d] = H_diagonal_[a] * all[a][static_cast<int>(d)] - sum.total(d);
+        });
   }
+  ScalarArray apply_H(std::span<const Vec<D>> s) const {
+    ScalarArray y(n_ * D);
+    apply_H(as_numbers(s), y);
+    // Of those that do not respond nothing is asked.
+    for (std::size_t a = 0; a < n_; ++a)
+      if (!responds(a)) std::fill_n(y.begin() + static_cast<std::ptrdiff_t>(a * D), D, 0.0);
+    return y;
+  }
+  static std::span<const Vec<D>> as_vectors(std::span<const double> x) {
+    static_assert(sizeof(Vec<D>) == D * sizeof(double));
+    return {reinterpret_cast<const Vec<D>*>(x.data()), x.size() / D};
+  }
+  static std::span<const double> as_numbers(std::span<const Vec<D>> x) { return {x.data()->data(), x.size() * D}; }
+  static std::span<double> as_numbers(std::span<Vec<D>> x) { return {x.data()->data(), x.size() * D}; }
 
-  /// H s = rhs; rhs and s at responding particles only. To the tolerance of what the solution changes from `before`
-  /// on, down to where rounding begins or the error's energy is let be; the search goes on from s.
-  int solve_H(std::span<const Vec<D>> rhs, std::span<const Vec<D>> before, double let_be, std::span<Vec<D>> s) const {
-    const auto flat = [&](std::span<const Vec<D>> f, auto&& factor) {
-      ScalarArray x(n_ * D, 0.0);
-      for (std::size_t a = 0; a < n_; ++a)
-        if (responds(a))
-          for (std::size_t d = 0; d < D; ++d) x[a * D + d] = factor(a) * f[a][static_cast<int>(d)];
-      return x;
-    };
-    const auto one = [](std::size_t) { return 1.0; };
-    ScalarArray b = flat(rhs, [&](std::size_t a) { return s_.volume[a] / r_[a].ss; }), change(n_ * D);
-    apply_H(flat(before, one), change);
-    for (std::size_t i = 0; i < change.size(); ++i) change[i] = b[i] - change[i];
-    const double scale = std::max(norm(change), 1e-9 * norm(b));
+  /// Adds to s what brings the residual [n * D] of H s to this share of `size` or lets the error's energy be.
+  int solve_H(ScalarArray residual, double size, double let_be, std::span<Vec<D>> s) const {
     const auto apply = [&](std::span<const double> u, std::span<double> y) { apply_H(u, y); };
     const auto precondition = [&](std::span<const double> r, std::span<double> z) {
-      for (std::size_t i = 0; i < r.size(); ++i) z[i] = r[i] / H_preconditioner_[i / D];
+      for (std::size_t a = 0; a < n_; ++a)
+        for (std::size_t d = 0; d < D; ++d) z[a * D + d] = H_inverse_[a] * r[a * D + d];
       patches_->correct(r, z);
     };
-    ScalarArray x = flat(s, one);
-    const auto report =
-        conjugate_gradients(apply, precondition, std::move(b), x, skeleton_tolerance * scale, 3000, let_be);
-    for (std::size_t a = 0; a < n_; ++a)
-      if (responds(a))
-        for (std::size_t d = 0; d < D; ++d) s[a][static_cast<int>(d)] = x[a * D + d];
-    return report.iterations;
+    return reduce_residual(apply, precondition, std::move(residual), as_numbers(s), skeleton_tolerance * size, 3000,
+                           let_be)
+        .iterations;
   }
 
   double surface_pressure(std::size_t a) const {
@@ -578,37 +579,58 @@ class WindowSolver {
         [&](std::size_t a) { return homogeneous ? 0.0 : surface_pressure(a); }, homogeneous);
   }
 
-  /// Skeleton velocity under a pressure field: H s = sb - mS G p, for what changes from `before` on.
-  void skeleton_velocity(std::span<const double> p, std::span<const Vec<D>> before, WindowSolution<D>& out) const {
+  /// What H s is to be under a pressure field: V/ss (sb - mS G p) [n * D].
+  ScalarArray skeleton_drive(std::span<const double> p) const {
     const VecArray<D> G = plain_gradient(p, false);
-    VecArray<D> rhs(n_, Vec<D>::Zero());
+    ScalarArray drive(n_ * D, 0.0);
     for (std::size_t a = 0; a < n_; ++a) {
       const auto& q = q_[a];
       const auto& skeleton = r_[a];
       if (!skeleton.responds) continue;
       // The exchanged force carries the soil's full weight; the piezometric pressure leaves its buoyant part.
       const Vec<D> r = soil_.force[a] - soil_.fraction[a] * in_.weight - soil_.drag_offset[a];
-      rhs[a] =
+      const Vec<D> velocity =
           skeleton.ss / (q.aw + q.C) * (q.C * q.aw * pushed(a) + (q.aw + q.C) * (skeleton.as * soil_.velocity[a] + r)) -
           skeleton.mS * G[a] + skeleton.ss / s_.volume[a] * (anchor(a) * soil_.velocity[a] + going(a));
+      set_drive(drive, a, velocity);
     }
-    out.skeleton_iterations += solve_H(rhs, before, let_be_, out.solid_velocity.values());
+    return drive;
+  }
+  void set_drive(ScalarArray& drive, std::size_t a, const Vec<D>& velocity) const {
+    for (std::size_t d = 0; d < D; ++d) drive[a * D + d] = s_.volume[a] / r_[a].ss * velocity[static_cast<int>(d)];
+  }
+
+  /// Skeleton velocity under a pressure field, to the tolerance of what changes from the window's start on, where H s
+  /// is `at_start`, down to where rounding begins. The search goes on from where H s is `now`.
+  void skeleton_velocity(std::span<const double> p, const ScalarArray& at_start, const ScalarArray& now,
+                         WindowSolution<D>& out) const {
+    ScalarArray residual = skeleton_drive(p);
+    const double rounding = 1e-9 * norm(residual);
+    double change = 0.0;
+    for (std::size_t i = 0; i < residual.size(); ++i) {
+      change += (residual[i] - at_start[i]) * (residual[i] - at_start[i]);
+      residual[i] -= now[i];
+    }
+    out.skeleton_iterations +=
+        solve_H(std::move(residual), std::max(std::sqrt(change), rounding), let_be_, out.solid_velocity.values());
   }
 
   void solve_response(const ScalarArray& b, WindowSolution<D>& out) {
     const std::span<Vec<D>> velocity = out.solid_velocity.values();
-    const VecArray<D> before(velocity.begin(), velocity.end());
-    skeleton_velocity(out.pressure, before, out);
+    const ScalarArray at_start = apply_H(velocity);
+    skeleton_velocity(out.pressure, at_start, at_start, out);
     ScalarArray residual = imbalance(b, ScalarArray(n_, 0.0), out);
     if (closed_) remove_mean(residual);
     const double size = norm(residual);  // of what the directions add up to
     std::vector<VecArray<D>> answers;    // of the skeleton to the directions of the search
     const auto apply = [&](std::span<const double> x, std::span<double> y) {
-      const VecArray<D> G = plain_gradient(x, true), still(n_, Vec<D>::Zero());
-      VecArray<D> rhs(n_, Vec<D>::Zero());
-      for (std::size_t a = 0; a < n_; ++a) rhs[a] = -r_[a].mS * G[a];
-      answers.push_back(still);
-      out.skeleton_iterations += solve_H(rhs, still, let_be_ / (size * size), answers.back());
+      const VecArray<D> G = plain_gradient(x, true);
+      ScalarArray drive(n_ * D, 0.0);
+      for (std::size_t a = 0; a < n_; ++a)
+        if (responds(a)) set_drive(drive, a, -r_[a].mS * G[a]);
+      answers.emplace_back(n_, Vec<D>::Zero());
+      const double whole = norm(drive);
+      out.skeleton_iterations += solve_H(std::move(drive), whole, let_be_ / (size * size), answers.back());
       const ScalarArray squeeze_x = squeezed(answers.back()), held_back = stabilised(x, G);
       fluid_.apply(x, y);
       for (std::size_t a = 0; a < n_; ++a) y[a] += squeeze_x[a] + held_back[a];
@@ -626,7 +648,7 @@ class WindowSolver {
     for (std::size_t a = 0; a < n_; ++a) out.pressure[a] += dp[a];
     for (Eigen::Index k = 0; k < report.shares.size(); ++k)
       for (std::size_t a = 0; a < n_; ++a) velocity[a] += report.shares[k] * answers[static_cast<std::size_t>(k)][a];
-    skeleton_velocity(out.pressure, before, out);
+    skeleton_velocity(out.pressure, at_start, apply_H(velocity), out);
   }
 
   /// Preconditioner: water and skeleton as two potentials joined by the storage e^2/(M dt),
@@ -662,7 +684,8 @@ class WindowSolver {
         y[n_ + a] = (o * u[a] + d0 * u[n_ + a]) / det;
       }
     };
-    const auto report = conjugate_gradients(apply, precondition, b, x, tolerance * norm(b), 2000);
+    const double whole = norm(b);
+    const auto report = reduce_residual(apply, precondition, std::move(b), x, tolerance * whole, 2000);
     std::copy(x.begin(), x.begin() + static_cast<std::ptrdiff_t>(n_), z.begin());
     return report.iterations;
   }
@@ -705,7 +728,8 @@ class WindowSolver {
   ScalarArray sources_;
   ScalarArray start_, free_diagonal_, free_boundary_;  ///< the pressure at first; the system with nothing torn
   double let_be_ = 0.0;                                ///< energy of an error of the skeleton's velocity [N m/s]
-  ScalarArray boundary_, fixed_, stabilisation_, storage_, H_diagonal_, H_preconditioner_;
+  ScalarArray boundary_, fixed_, stabilisation_, storage_, H_diagonal_;
+  ScalarArray H_inverse_;              ///< of the preconditioner's diagonal
   std::optional<Patches<D>> patches_;  ///< coarse space of the skeleton's stiffness
   std::vector<float> image_weight_;    ///< [pairs] of the skeleton's stiffness, N s/m
 };

@@ -602,13 +602,17 @@ Publication Solid<D>::publish() const {
   out.points.revision = state_.revision;
   out.points.n_active = n;
   auto parent = [&](std::size_t i) { return i < n ? i : static_cast<std::size_t>(images[i - n].parent); };
+  out.points.position.resize(all * D);
+  for (auto* array : {&out.points.volume, &out.points.smoothing_length, &out.points.owner}) array->resize(all);
   for (std::size_t i = 0; i < all; ++i) {
-    const Vec<D> x =
-        i < n ? seen_at(i) : Vec<D>(images[i - n].map * seen_at(images[i - n].parent) + images[i - n].shift);
-    out.points.position.insert(out.points.position.end(), x.data(), x.data() + D);
-    out.points.volume.push_back(p.volume[parent(i)]);
-    out.points.smoothing_length.push_back(setup_.smoothing_length);
-    out.points.owner.push_back(static_cast<double>(parent(i)));
+    Eigen::Map<Vec<D>> x(out.points.position.data() + i * D);
+    if (i < n)
+      x = seen_at(i);
+    else
+      x = images[i - n].map * seen_at(images[i - n].parent) + images[i - n].shift;
+    out.points.volume[i] = p.volume[parent(i)];
+    out.points.smoothing_length[i] = setup_.smoothing_length;
+    out.points.owner[i] = static_cast<double>(parent(i));
   }
   auto scalars = [&](std::string_view name, auto&& value) {
     Field f{std::string(name), 1, ScalarArray(all)};

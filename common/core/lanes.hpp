@@ -91,6 +91,38 @@ template <std::size_t first, std::size_t n>
   if constexpr (n > n_lanes) gather<first + n_lanes, n - n_lanes>(rows, column + n_lanes);
 }
 
+/// Sum of weighted vectors of D numbers, four at a time; the same for any machine, by lanes that are added in pairs.
+template <int D>
+struct VectorSum {
+  Lanes sums[D] = {};
+  [[gnu::always_inline]] void add(const Lanes& weight, const FourRows<const double>& vectors) {
+    for (std::size_t d = 0; d < D; ++d)
+      sums[d] += weight * Lanes{vectors[0][d], vectors[1][d], vectors[2][d], vectors[3][d]};
+  }
+  [[nodiscard, gnu::always_inline]] double total(std::size_t d) const {
+    return (sums[d][0] + sums[d][1]) + (sums[d][2] + sums[d][3]);
+  }
+};
+/// In the plane two vectors fill the lanes as they stand in memory.
+template <>
+struct VectorSum<2> {
+  Lanes first{}, second{};
+  [[gnu::always_inline]] void add(const Lanes& weight, const FourRows<const double>& vectors) {
+    using Two __attribute__((aligned(sizeof(double)), may_alias)) =
+        double __attribute__((vector_size(2 * sizeof(double))));
+    const auto two = [&](std::size_t l) __attribute__((always_inline)) {
+      return reinterpret_cast<const Two*>(vectors[l]);
+    };
+    first +=
+        __builtin_shufflevector(weight, weight, 0, 0, 1, 1) * __builtin_shufflevector(*two(0), *two(1), 0, 1, 2, 3);
+    second +=
+        __builtin_shufflevector(weight, weight, 2, 2, 3, 3) * __builtin_shufflevector(*two(2), *two(3), 0, 1, 2, 3);
+  }
+  [[nodiscard, gnu::always_inline]] double total(std::size_t d) const {
+    return (first[d] + first[2 + d]) + (second[d] + second[2 + d]);
+  }
+};
+
 /// Adds columns 0 .. n - 1 to four rows (n a multiple of four; all rows differ or what they get is zero).
 template <std::size_t n>
 [[gnu::always_inline]] inline void scatter_add(const Lanes* column, const FourRows<double>& rows) {

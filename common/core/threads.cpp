@@ -1,6 +1,7 @@
 #include "common/core/threads.hpp"
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <cstdlib>
 #include <mutex>
@@ -34,14 +35,18 @@ class Team {
     wake();
     take_parts();
     const auto all = static_cast<std::uint32_t>(n_parts);
-    for (std::uint32_t done = done_.load(std::memory_order_acquire); done != all;) done = await_change(done_, done);
+    for (std::uint32_t done = done_.load(std::memory_order_acquire); done != all;)
+      done = await_change(done_, done, looks);
   }
 
  private:
-  /// Waits until the value is another one, awake for as long as waking up would take.
-  static std::uint32_t await_change(const std::atomic<std::uint32_t>& value, std::uint32_t from) {
-    constexpr int looks = 1000;
-    for (int look = 0; look < looks; ++look) {
+  using Clock = std::chrono::steady_clock;
+  static constexpr int looks = 1000;                           ///< for about as long as waking up takes,
+  static constexpr auto soon = std::chrono::microseconds(50);  ///< this
+
+  /// Waits until the value is another one, awake for so many looks.
+  static std::uint32_t await_change(const std::atomic<std::uint32_t>& value, std::uint32_t from, int awake) {
+    for (int look = 0; look < awake; ++look) {
       if (const std::uint32_t found = value.load(std::memory_order_acquire); found != from) return found;
       __builtin_ia32_pause();
     }
@@ -50,13 +55,18 @@ class Team {
   }
 
   void wake() {
+    called_.store(Clock::now().time_since_epoch().count(), std::memory_order_relaxed);
     calls_.fetch_add(1, std::memory_order_release);
     calls_.notify_all();
   }
 
+  /// Stays awake for the next call if the last one came soon.
   void serve() {
+    bool awake = false;
     for (std::uint32_t seen = 0; !closed_;) {
-      seen = await_change(calls_, seen);
+      const auto idle = Clock::now().time_since_epoch();
+      seen = await_change(calls_, seen, awake ? looks : 0);
+      awake = Clock::duration(called_.load(std::memory_order_relaxed)) - idle < soon;
       take_parts();
     }
   }
@@ -77,6 +87,7 @@ class Team {
 
   std::atomic<std::uint64_t> ticket_{0};  ///< number of the call, its parts, the next part to be taken
   std::atomic<std::uint32_t> done_{0}, calls_{0};
+  std::atomic<Clock::rep> called_{0};
   std::atomic<bool> closed_{false};
   void (*work_)(const void*, std::size_t) = nullptr;
   const void* object_ = nullptr;

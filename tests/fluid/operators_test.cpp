@@ -128,6 +128,78 @@ TEST(Operators, LaplacianIsSymmetricWithUnequalVolumes) {
   EXPECT_NEAR(dot(u, mv), dot(v, mu), 1e-12 * norm(u) * norm(mv));
 }
 
+/// Particles of two sizes, disordered, beside walls.
+template <int D>
+Stencil<D> uneven_box(std::size_t count) {
+  VecArray<D> x;
+  const auto planes = walls<D>();
+  const auto lattice = box<D>(0.3, count, planes, &x);
+  ScalarArray volume(x.size());
+  for (std::size_t a = 0; a < x.size(); ++a) volume[a] = lattice.volume[a] * (x[a][0] > 0.5 ? 2.0 : 1.0);
+  return make_stencil<D>(x, volume, std::span<const Buffer<D>>(), planes);
+}
+
+TEST(Operators, LaplaciansOfSeveralMobilitiesAreThoseOfEach) {
+  const auto s = uneven_box<2>(9);
+  ScalarArray one(s.n_real), other(s.n_real);
+  for (std::size_t a = 0; a < s.n_real; ++a) {
+    one[a] = 1.0 + std::sin(9.0 * s.position[a].x());
+    other[a] = s.position[a].y() > 0.6 ? 0.0 : 1e-6;
+  }
+  const auto all = laplacians<2, 3>(s, {one, other, {}});
+  const std::array<PairMatrix, 3> single = {laplacian<2>(s, one), laplacian<2>(s, other), laplacian<2>(s, {})};
+  for (std::size_t m = 0; m < 3; ++m) {
+    EXPECT_EQ(all[m].weight, single[m].weight);
+    EXPECT_EQ(all[m].diagonal, single[m].diagonal);
+  }
+  // A pair's weight is that of the plain matrix times the harmonic mean.
+  for (std::size_t a = 0; a < s.n_real; ++a)
+    for (std::size_t k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+      const double mean = harmonic(one[a], one[s.parent[s.other[k]]]);
+      EXPECT_NEAR(all[0].weight[k], mean * all[2].weight[k], 1e-6 * all[2].weight[k]);
+    }
+}
+
+/// Pair by pair, from the kernel itself.
+template <int D>
+void expect_shares(std::size_t count) {
+  const auto s = uneven_box<D>(count);
+  ScalarArray counts(s.n_real);
+  VecArray<D> amounts(s.n_real);
+  Vec<D> given = Vec<D>::Zero(), kept = Vec<D>::Zero();
+  for (std::size_t a = 0; a < s.n_real; ++a) {
+    // The upper half counts for nothing, so that its inner part gives and finds nobody.
+    counts[a] = s.position[a][D - 1] > 0.5 ? 0.0 : s.volume[a];
+    for (int d = 0; d < D; ++d) amounts[a][d] = std::sin(5.0 * static_cast<double>(a) + d);
+    given += amounts[a];
+  }
+  VecArray<D> plain(s.n_real, Vec<D>::Zero());
+  std::size_t stayed = 0;
+  for (std::size_t a = 0; a < s.n_real; ++a) {
+    const auto part = [&](std::size_t b) {
+      const double h = 0.5 * (s.length(a) + s.length(b));
+      return counts[b] * Kernel<D>::value((s.position[a] - s.position[b]).norm(), h);
+    };
+    double sum = 0.0;
+    for (std::size_t b = 0; b < s.n_real; ++b) sum += part(b);
+    if (sum == 0.0) plain[a] += amounts[a];
+    stayed += sum == 0.0 ? 1 : 0;
+    for (std::size_t b = 0; b < s.n_real && sum > 0.0; ++b) plain[b] += part(b) / sum * amounts[a];
+  }
+  EXPECT_GT(stayed, 0u);
+  share_out<D>(s, counts, amounts);
+  for (std::size_t a = 0; a < s.n_real; ++a) {
+    EXPECT_LT((amounts[a] - plain[a]).norm(), 1e-6) << a;  // the kernel's values are kept as floats
+    kept += amounts[a];
+  }
+  EXPECT_LT((kept - given).norm(), 1e-12 * static_cast<double>(s.n_real));
+}
+
+TEST(Operators, WhatIsSharedOutIsKept) {
+  expect_shares<2>(16);
+  expect_shares<3>(9);
+}
+
 TEST(Operators, DirectionsWithoutNeighboursAreBlind) {
   // One row of particles: nothing can be said across it.
   VecArray<2> x;

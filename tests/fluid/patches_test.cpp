@@ -87,7 +87,7 @@ TEST(Patches, TellTheEnergyOfTheError) {
   b[n / 2 + 7] = 1.0;
   const auto apply = [&](std::span<const double> u, std::span<double> y) { lattice.apply(u, y); };
   const auto solve = [&](double tolerance, double energy, ScalarArray& x) {
-    return conjugate_gradients(
+    return reduce_residual(
         apply,
         [&](std::span<const double> r, std::span<double> z) {
           for (std::size_t i = 0; i < n; ++i) z[i] = r[i] / 4.0;
