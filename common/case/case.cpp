@@ -323,7 +323,8 @@ void declare(Keys& keys, SolidCase& s) {
                       "Work saved while the soil hardly moves; absent: all its motion is computed. Elastic soil with "
                       "water is then in equilibrium at the end of every window, as it is of long ones anyway.",
                       s.quiet, [](Keys& inner, Quiet& quiet) { declare(inner, quiet); });
-  keys.number("courant", s.courant, {"", "Substep over spacing / wave speed. Elastic soil bears 1.9, cohesive soil that slides 1."},
+  keys.number("courant", s.courant,
+              {"", "Substep over spacing / wave speed. Elastic soil bears 1.9, cohesive soil that slides 1."},
               between(0, true, 2, false));
   keys.number(
       "list_skin", s.list_skin,
