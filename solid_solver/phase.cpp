@@ -51,6 +51,21 @@ constexpr double elastic_error = 2e-3;
 /// long, and what ends it (RestSearch).
 constexpr double woken_by = 5e-3, plastic_error = 1e-4, relaxed = restless, most_ways = 100.0;
 
+/// Plastic shear strain in a window by which all but `local_share` of the soil may go on: its dilation is water that
+/// the fluid learns of in the next window only.
+constexpr double sheared_in_a_window = 1e-3;
+
+/// What all but `local_share` of the soil has sheared by at most since `before`.
+template <int D>
+double shear_of_most(const Particles<D>& p, const ScalarArray& before) {
+  ScalarArray shear(p.free());
+  for (std::size_t i = 0; i < shear.size(); ++i) shear[i] = p.plastic_strain[i] - before[i];
+  const auto most =
+      shear.begin() + static_cast<std::ptrdiff_t>((1.0 - local_share) * static_cast<double>(shear.size()));
+  std::nth_element(shear.begin(), most, shear.end());
+  return most == shear.end() ? 0.0 : *most;
+}
+
 /// Loads begin within rounding of their time.
 bool has_begun(double start, double time) { return time >= start - 1e-9 * std::max(1.0, std::abs(start)); }
 
@@ -429,7 +444,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   state_.mean_velocity.lay_out(tracks ? n : 0);
   for (std::size_t i = 0; i < n && tracks; ++i)
     state_.mean_velocity.set(i, (p.displacement[i] - displacement[i]) / interval);
-  if (tracks) tell_yielding(plastic_before, interval);
+  if (tracks) tell_yielding(plastic_before, interval, 1.0);
   if (may_sleep) fall_asleep_if_quiet(drive, reference);
   state_.time = window.time + interval;
   state_.substeps += static_cast<double>(steps);
@@ -445,23 +460,25 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
 }
 
 template <int D>
-double Solid<D>::drained_window() const {
+double Solid<D>::drained_share(double interval) const {
   double slowest = 0.0;
   for (std::size_t m = 0; m < setup_.models.size(); ++m) {
     const Soil& soil = scene_.soils[m];
     const double k = porous::seepage_at(scene_, soil, soil.porosity).conductivity;
     slowest = std::max(slowest, setup_.water_weight / (k * setup_.models[m]->elasticity().constrained()));
   }
-  return setup_.height * setup_.height * slowest;
+  constexpr double undrained = 0.2;
+  const double drained = interval / (setup_.height * setup_.height * slowest);
+  return std::clamp((drained - undrained) / (1.0 - undrained), 0.0, 1.0);
 }
 
 template <int D>
-void Solid<D>::tell_yielding(std::span<const double> plastic_before, double interval) {
+void Solid<D>::tell_yielding(std::span<const double> plastic_before, double interval, double told) {
   const Particles<D>& p = state_.particles;
   for (std::size_t i = 0; i < p.size(); ++i) {
     const double plastic = p.plastic_strain[i] - plastic_before[i];
     const double strain = interval * 2.0 / std::numbers::sqrt3 * root_j2(strain_rate<D>(state_.nodes[i].gradient));
-    if (plastic > 0.0) state_.yielding.set(i, strain > plastic ? plastic / strain : 1.0);
+    if (plastic > 0.0) state_.yielding.set(i, told * (strain > plastic ? plastic / strain : 1.0));
   }
 }
 
@@ -548,7 +565,9 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
     state_.motion.steps += static_cast<double>(report.steps);
     (moved ? state_.motion.relaxed : state_.motion.at_rest) += 1.0;
     state_.motion.patience = 0.0;
-    state_.motion.longest = std::max(state_.motion.longest, 1.25 * interval);
+    const double by_shear = interval * std::max(0.3, sheared_in_a_window / shear_of_most(p, plastic_before));
+    state_.motion.longest =
+        std::min(std::max(state_.motion.longest, 1.25 * interval), std::max(by_shear, 4.0 * long_window(setup_)));
   } else {
     state_.motion.at_rest += 1.0;
   }
@@ -560,10 +579,11 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
   state_.mean_velocity = p.velocity;
   state_.from_outside = from_outside;
   if (setup_.counts_impulses) state_.from_outside += interval * force_from_outside(setup_, state_, drive);
-  if (moved && state_.any_yielded && interval > drained_window()) {
+  const double told = drained_share(interval);
+  if (moved && state_.any_yielded && told > 0.0) {
     fill_velocities<D>(p, state_.near, state_.nodes);
     velocity_gradient<D>(state_.near.pairs, state_.kernel, state_.nodes);
-    tell_yielding(plastic_before, interval);
+    tell_yielding(plastic_before, interval, told);
   }
   state_.external.pressure_gradient = gradient;
   keep_water_force(gradient, impulse, interval);
