@@ -209,17 +209,23 @@ TEST(LongWindow, EndsInEquilibrium) {
   for (const auto& r : solid.state().returned_impulse) EXPECT_EQ(r.norm(), 0.0);
 }
 
-TEST(LongWindow, TellsWhichShareOfTheShearWasPlasticWhereItIsDrained) {
+/// A column without walls, its weight brought on by the first window: it stands, but its foot yields.
+Case yielding_column(double cohesion) {
   ColumnSpec spec;
   spec.sides = false;
   Case scene = wet_column(spec);
-  scene.solid.initial_rest = false;  // the first window brings the weight on
+  scene.solid.initial_rest = false;
   scene.solid.model = SolidCase::Model::drucker_prager;
   scene.soils[0].friction_angle = 30.0;
-  scene.soils[0].cohesion = 5000.0;              // Pa: stands, but its foot yields
+  scene.soils[0].cohesion = cohesion;
   scene.soils[0].hydraulic_conductivity = 1e-4;  // m/s
   scene.soils[0].youngs_modulus = 1e6;           // Pa, with nu = 0.3: drained after 9810 / (1e-4 1.35e6) = 73 s
   scene.soils[0].poissons_ratio = 0.3;
+  return scene;
+}
+
+TEST(LongWindow, TellsWhichShareOfTheShearWasPlasticWhereItIsDrained) {
+  const Case scene = yielding_column(5000.0);
   for (const double interval : {70.0, 80.0}) {
     Solid<2> solid(scene);
     const auto dry = test::wet_inbox<2>(
@@ -239,6 +245,33 @@ TEST(LongWindow, TellsWhichShareOfTheShearWasPlasticWhereItIsDrained) {
     EXPECT_GT(most, 0.05);
     EXPECT_LT(most, 1.0);  // what held the particle before it yielded was elastic
   }
+}
+
+// What shears is water's to fill: the next window is so long that 95 % of the soil shears by 2e-3 at most, by 0.3 of
+// this one at least.
+TEST(LongWindow, TheNextFollowsWhatSoilHasSheared) {
+  const double interval = 80.0;
+  std::vector<double> shears, next;
+  for (const double cohesion : {5000.0, 4500.0, 4000.0}) {
+    Solid<2> solid(yielding_column(cohesion));
+    const auto dry = test::wet_inbox<2>(
+        solid, [](const Vec<2>&) { return 0.0; }, 0.0);
+    solid.initialise(dry);
+    ASSERT_TRUE(solid.advance({0, 0.0, interval}, dry).accepted);
+    const auto& p = solid.state().particles;
+    std::vector<double> sheared(p.plastic_strain.begin(), p.plastic_strain.begin() + static_cast<int>(p.free()));
+    std::sort(sheared.begin(), sheared.end());
+    shears.push_back(sheared[static_cast<std::size_t>(0.95 * static_cast<double>(p.free()))]);
+    next.push_back(solid.publish().proposed_interval);
+    if (shears.back() > 0.0) EXPECT_EQ(solid.publish().limited_by, "the soil creeps");
+  }
+  std::printf("sheared by %.2g, %.2g, %.2g\n", shears[0], shears[1], shears[2]);
+  EXPECT_EQ(shears[0], 0.0);  // but in a few particles at its foot
+  EXPECT_GT(next[0], 1e9 * interval);
+  EXPECT_GT(shears[1], 2e-3);
+  EXPECT_DOUBLE_EQ(next[1], interval * 2e-3 / shears[1]);
+  EXPECT_GT(shears[2], 2e-3 / 0.3);
+  EXPECT_DOUBLE_EQ(next[2], 0.3 * interval);
 }
 
 TEST(LongWindow, IsRefusedWhereSoilCannotStandAndTakenAgainOnceItIsCalm) {
