@@ -444,7 +444,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   state_.mean_velocity.lay_out(tracks ? n : 0);
   for (std::size_t i = 0; i < n && tracks; ++i)
     state_.mean_velocity.set(i, (p.displacement[i] - displacement[i]) / interval);
-  if (tracks) tell_yielding(plastic_before, interval);
+  if (tracks) tell_yielding(plastic_before, interval, 1.0);
   if (may_sleep) fall_asleep_if_quiet(drive, reference);
   state_.time = window.time + interval;
   state_.substeps += static_cast<double>(steps);
@@ -460,23 +460,25 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
 }
 
 template <int D>
-double Solid<D>::drained_window() const {
+double Solid<D>::drained_share(double interval) const {
   double slowest = 0.0;
   for (std::size_t m = 0; m < setup_.models.size(); ++m) {
     const Soil& soil = scene_.soils[m];
     const double k = porous::seepage_at(scene_, soil, soil.porosity).conductivity;
     slowest = std::max(slowest, setup_.water_weight / (k * setup_.models[m]->elasticity().constrained()));
   }
-  return setup_.height * setup_.height * slowest;
+  constexpr double undrained = 0.2;
+  const double drained = interval / (setup_.height * setup_.height * slowest);
+  return std::clamp((drained - undrained) / (1.0 - undrained), 0.0, 1.0);
 }
 
 template <int D>
-void Solid<D>::tell_yielding(std::span<const double> plastic_before, double interval) {
+void Solid<D>::tell_yielding(std::span<const double> plastic_before, double interval, double told) {
   const Particles<D>& p = state_.particles;
   for (std::size_t i = 0; i < p.size(); ++i) {
     const double plastic = p.plastic_strain[i] - plastic_before[i];
     const double strain = interval * 2.0 / std::numbers::sqrt3 * root_j2(strain_rate<D>(state_.nodes[i].gradient));
-    if (plastic > 0.0) state_.yielding.set(i, strain > plastic ? plastic / strain : 1.0);
+    if (plastic > 0.0) state_.yielding.set(i, told * (strain > plastic ? plastic / strain : 1.0));
   }
 }
 
@@ -577,10 +579,11 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
   state_.mean_velocity = p.velocity;
   state_.from_outside = from_outside;
   if (setup_.counts_impulses) state_.from_outside += interval * force_from_outside(setup_, state_, drive);
-  if (moved && state_.any_yielded && interval > drained_window()) {
+  const double told = drained_share(interval);
+  if (moved && state_.any_yielded && told > 0.0) {
     fill_velocities<D>(p, state_.near, state_.nodes);
     velocity_gradient<D>(state_.near.pairs, state_.kernel, state_.nodes);
-    tell_yielding(plastic_before, interval);
+    tell_yielding(plastic_before, interval, told);
   }
   state_.external.pressure_gradient = gradient;
   keep_water_force(gradient, impulse, interval);

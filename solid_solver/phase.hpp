@@ -75,12 +75,13 @@ class Solid final : public Phase {
   /// m (u/Dt - v)/Dt = forces(u) + V Z (v_s' - u/Dt) for the displacement u. Rejects the window where there is none.
   coupling::Outcome advance_at_rest(const coupling::Window& window, const OrZero<Vec<D>>& gradient,
                                     const OrZero<double>& impulse, const Drive<D>& tracking);
-  /// In longer windows [s] the soil's motion is drained: the time of consolidation over its height, H^2 gamma_w / (k
-  /// M). In shorter ones its dilation sets the next window's pressure and that its motion: to take it as going on, or
-  /// to pay for it at once, then overdoes it.
-  [[nodiscard]] double drained_window() const;
-  /// Share of the window's shear that was plastic; `plastic_before`: plastic strain at its start.
-  void tell_yielding(std::span<const double> plastic_before, double interval);
+  /// How far the soil's motion in a window is drained: wholly in the time of consolidation over its height,
+  /// H^2 gamma_w / (k M), not at all in a fifth of it: there its dilation sets the next window's pressure and that its
+  /// motion, and to take it as going on, or to pay for it at once, overdoes it. Between them by degrees: soil that
+  /// creeps through a sudden change of that falls.
+  [[nodiscard]] double drained_share(double interval) const;
+  /// Share of the window's shear that was plastic, times `told`; `plastic_before`: plastic strain at its start.
+  void tell_yielding(std::span<const double> plastic_before, double interval, double told);
   /// The soil's stiffness with the resistance that a window adds [N/m]: the last one, where it serves.
   const Stiffness<D>& stiffness_with(const ScalarArray& resistance);
 
