@@ -205,8 +205,9 @@ def draw(path, rows, across, down, y, label):
         panel.set_xlabel("k, m/s")
     for row in panels:
         row[0].set_ylabel(label)
-    panels[0][0].legend(fontsize=6)
-    figure.savefig(path, dpi=110)
+    drawn = {line.get_label(): line for panel in panels.flat for line in panel.get_lines() if len(line.get_xdata())}
+    figure.legend(drawn.values(), drawn.keys(), loc="upper center", bbox_to_anchor=(0.5, 0.0), ncol=len(drawn), fontsize=8)
+    figure.savefig(path, dpi=110, bbox_inches="tight")
     plt.close(figure)
 
 
