@@ -1,5 +1,6 @@
 #include "common/core/threads.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -27,6 +28,7 @@ class Team {
 
   /// One call at a time.
   void share(std::size_t n_parts, void (*work)(const void*, std::size_t), const void* object) {
+    const auto begin = Clock::now();
     work_ = work;
     object_ = object;
     done_.store(0, std::memory_order_relaxed);
@@ -35,21 +37,25 @@ class Team {
     wake();
     take_parts();
     const auto all = static_cast<std::uint32_t>(n_parts);
+    const auto worked = Clock::now() - begin;
     for (std::uint32_t done = done_.load(std::memory_order_acquire); done != all;)
-      done = await_change(done_, done, looks);
+      done = await_change(done_, done, std::clamp<Clock::duration>(worked, waking, longest));
   }
 
  private:
   using Clock = std::chrono::steady_clock;
-  static constexpr int looks = 1000;                           ///< for about as long as waking up takes,
-  static constexpr auto soon = std::chrono::microseconds(50);  ///< this
+  /// About as long as waking up takes, and the longest that is waited awake.
+  static constexpr Clock::duration waking = std::chrono::microseconds(20), longest = std::chrono::microseconds(200);
+  static constexpr Clock::duration soon = std::chrono::microseconds(50);
 
-  /// Waits until the value is another one, awake for so many looks.
-  static std::uint32_t await_change(const std::atomic<std::uint32_t>& value, std::uint32_t from, int awake) {
-    for (int look = 0; look < awake; ++look) {
-      if (const std::uint32_t found = value.load(std::memory_order_acquire); found != from) return found;
-      __builtin_ia32_pause();
-    }
+  /// Waits until the value is another one, awake for that long.
+  static std::uint32_t await_change(const std::atomic<std::uint32_t>& value, std::uint32_t from,
+                                    Clock::duration awake) {
+    for (const auto begin = Clock::now(); Clock::now() - begin < awake;)
+      for (int look = 0; look < 16; ++look) {
+        if (const std::uint32_t found = value.load(std::memory_order_acquire); found != from) return found;
+        __builtin_ia32_pause();
+      }
     value.wait(from, std::memory_order_acquire);
     return value.load(std::memory_order_acquire);
   }
@@ -60,14 +66,16 @@ class Team {
     calls_.notify_all();
   }
 
-  /// Stays awake for the next call if the last one came soon.
+  /// Stays awake for the next call for as long as it has worked for this one, and for a moment if it came soon.
   void serve() {
-    bool awake = false;
+    Clock::duration awake{};
     for (std::uint32_t seen = 0; !closed_;) {
-      const auto idle = Clock::now().time_since_epoch();
-      seen = await_change(calls_, seen, awake ? looks : 0);
-      awake = Clock::duration(called_.load(std::memory_order_relaxed)) - idle < soon;
+      const auto idle = Clock::now();
+      seen = await_change(calls_, seen, awake);
+      const bool came_soon = Clock::duration(called_.load(std::memory_order_relaxed)) - idle.time_since_epoch() < soon;
+      const auto begin = Clock::now();
       take_parts();
+      awake = std::clamp<Clock::duration>(Clock::now() - begin, came_soon ? waking : Clock::duration{}, longest);
     }
   }
 
@@ -85,9 +93,11 @@ class Team {
     }
   }
 
-  std::atomic<std::uint64_t> ticket_{0};  ///< number of the call, its parts, the next part to be taken
-  std::atomic<std::uint32_t> done_{0}, calls_{0};
-  std::atomic<Clock::rep> called_{0};
+  // Each on a line of its own: who looks at one must not hold up who changes another.
+  alignas(64) std::atomic<std::uint64_t> ticket_{0};  ///< number of the call, its parts, the next part to be taken
+  alignas(64) std::atomic<std::uint32_t> done_{0};
+  alignas(64) std::atomic<std::uint32_t> calls_{0};
+  alignas(64) std::atomic<Clock::rep> called_{0};
   std::atomic<bool> closed_{false};
   void (*work_)(const void*, std::size_t) = nullptr;
   const void* object_ = nullptr;
