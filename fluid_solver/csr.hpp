@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/core/in_lanes.hpp"
+#include "common/core/unset.hpp"
 #include "common/core/vector.hpp"
 
 #include <algorithm>
@@ -43,8 +44,8 @@ struct PairColumns {
 template <class Weight, class Columns>
 struct GraphMatrix {
   Columns column;
-  std::vector<Weight> weight;  ///< per entry, >= 0
-  ScalarArray diagonal;        ///< per row
+  UnsetArray<Weight> weight;  ///< per entry, >= 0
+  ScalarArray diagonal;       ///< per row
   [[nodiscard]] std::size_t size() const { return diagonal.size(); }
   [[nodiscard]] std::size_t begin(std::size_t a) const { return column.offset[a]; }
   [[nodiscard]] std::size_t end(std::size_t a) const { return column.offset[a + 1]; }

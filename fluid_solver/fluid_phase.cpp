@@ -350,9 +350,8 @@ bool Fluid<D>::drags(const SoilView<D>& view, std::size_t a) const {
 /// Whether no water moves as free water does.
 template <int D>
 bool Fluid<D>::all_creep(const SoilView<D>& view) const {
-  for (std::size_t a = 0; a < view.size(); ++a)
-    if (state_.particles.seeps[a] <= 0.5 || !drags(view, a)) return false;
-  return true;
+  return all_side_by_side(view.size(),
+                          [&](std::size_t a) { return state_.particles.seeps[a] > 0.5 && drags(view, a); });
 }
 
 /// Viscosity of the water itself, Eq. (76) as corrected, its pairs amplified as the pressure's are to be exact for a
@@ -368,7 +367,7 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
   // In soil drag damps what the trace of viscosity is for, unless inertia rules there as well.
   std::vector<char> damped(s.n_real);
   for_each_side_by_side(s.n_real, [&](std::size_t a) { damped[a] = drags(view, a); });
-  if (std::all_of(damped.begin(), damped.end(), [](char drag) { return drag; })) return result;
+  if (all_side_by_side(s.n_real, [&](std::size_t a) { return damped[a]; })) return result;
   const double noise = noise_viscosity * dx_ * state_.wave_speed, viscosity = this->viscosity();
   // That of the scheme is a damping, not a property: nothing is gained by its being exact.
   const bool own = viscosity <= scene_.water.kinematic_viscosity;
@@ -440,13 +439,13 @@ ScalarArray Fluid<D>::left_for_later(const Stencil<D>& s, const SoilView<D>& vie
   for_each_side_by_side(p.size(), [&](std::size_t a) {
     if (p.seeps[a] <= 0.5 && !drags(view, a) && s.length(a) * s.normal[a].norm() > even) left[a] = later;
   });
-  if (std::all_of(left.begin(), left.end(), [](double share) { return share == 0.0; })) return left;
+  if (all_side_by_side(p.size(), [&](std::size_t a) { return left[a] == 0.0; })) return left;
   VecArray<D> flux(p.size());
   for_each_side_by_side(p.size(), [&](std::size_t a) {
     flux[a] = p.void_fraction[a] * p.velocity[a] + view.fraction[a] * view.velocity[a];
   });
   const ScalarArray outflow = divergence<D>(s, flux, Carried::yes);
-  for (std::size_t a = 0; a < p.size(); ++a) left[a] *= outflow[a];
+  for_each_side_by_side(p.size(), [&](std::size_t a) { left[a] *= outflow[a]; });
   return left;
 }
 

@@ -234,7 +234,7 @@ void share_out(const Stencil<D>& s, std::span<const double> counts, std::span<Ve
     x[D + 1] = s.length(j);
   });
   const auto own = [&](std::size_t a) { return counts[a] * Kernel<D>::value(0.0, s.length(a)); };
-  std::vector<float> value(s.other.size());  // of the kernel, the same for both of a pair
+  UnsetArray<float> value(s.other.size());  // of the kernel, the same for both of a pair
   VecArray<D> parts(s.size(), Vec<D>::Zero());
   for_each_in_lanes(
       s.n_real, s.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
@@ -312,7 +312,7 @@ std::array<PairMatrix, n_mobilities> laplacians(const Stencil<D>& s,
   }
   const bool buffers = s.n_base > s.n_real;
   const auto same = [](std::span<const double> values) {
-    return std::all_of(values.begin(), values.end(), [&](double value) { return value == values[0]; });
+    return all_side_by_side(values.size(), [&](std::size_t a) { return values[a] == values[0]; });
   };
   if (!buffers && same(s.volume) && std::all_of(mobilities.begin(), mobilities.end(), same)) {
     for (std::size_t i = 0; i < n_mobilities && s.n_real > 0; ++i)

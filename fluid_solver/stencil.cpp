@@ -65,16 +65,17 @@ void find_pairs(double largest, Stencil<D>& s) {
       find(s.n_real * part / parts, s.n_real * (part + 1) / parts, offsets[part], others[part]);
     });
   });
-  s.offset.reserve(s.n_real + 1);
-  std::size_t size = 0;
-  for (const auto& other : others) size += other.size();
-  s.other.reserve(size);
-  for (std::size_t part = 0; part < parts; ++part) {
-    const auto begin = static_cast<Index>(s.other.size());
-    s.other.insert(s.other.end(), others[part].begin(), others[part].end());
-    for (const Index end : offsets[part]) s.offset.push_back(begin + end);
+  std::vector<Index> begin(parts + 1, 0);
+  for (std::size_t part = 0; part < parts; ++part)
+    begin[part + 1] = begin[part] + static_cast<Index>(others[part].size());
+  s.offset.resize(s.n_real + 1);
+  s.other.resize(begin[parts]);
+  for_each_part(parts, [&](std::size_t part) {
+    std::copy(others[part].begin(), others[part].end(), &s.other[begin[part]]);
+    std::transform(offsets[part].begin(), offsets[part].end(), &s.offset[s.n_real * part / parts + 1],
+                   [&](Index end) { return begin[part] + end; });
     others[part] = std::vector<Index>();
-  }
+  });
 }
 
 /// Two kinds of still water stand side by side at a crest: buffers behind the soil's face and the images behind the
@@ -92,11 +93,11 @@ void part_ghosts(std::span<const Buffer<D>> buffers, std::span<const char> free,
     any = any || soils[j] || sills[j];
   }
   if (!any) return;
-  for (std::size_t a = 0; a < n; ++a) {
+  for_each_side_by_side(n, [&](std::size_t a) {
     const auto& hidden = free.empty() || free[a] ? soils : sills;
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
       if (hidden[s.other[k]]) s.other[k] = static_cast<Index>(a);
-  }
+  });
 }
 
 /// Kernels of the pairs of particle a, and its sums over them; its moment stands in for the correction.

@@ -4,6 +4,7 @@
 
 #include "common/core/lanes.hpp"
 #include "common/core/or_zero.hpp"
+#include "common/core/unset.hpp"
 #include "common/core/vector.hpp"
 #include "common/sph/images.hpp"
 #include "common/sph/kernel.hpp"
@@ -136,11 +137,11 @@ struct Stencil {
 
   /// Pairs of real a: offset[a] .. offset[a + 1], a multiple of four: filled up with a itself, of which all is zero.
   std::vector<Index> offset{0};
-  std::vector<Index> other;  ///< [pairs]
+  UnsetArray<Index> other;   ///< [pairs]
   std::vector<char> beyond;  ///< [real] whether some of its pairs are with points that are no real particles
   /// [pairs] -V_b W'/r, 1/m^2: V_b grad_a W_ab is pull (r_b - r_a). Rounded to half the memory; moments are sums of
   /// what is kept, so that gradients of linear fields stay exact.
-  std::vector<float> pull;
+  UnsetArray<float> pull;
 
   ScalarArray fullness;    ///< [real] sum V W over that of a lattice; of open water sum V density_weight
   ScalarArray closest;     ///< [real] least distance to another point, in units of the pair's smoothing length
@@ -148,7 +149,7 @@ struct Stencil {
   ScalarArray
       amplification;   ///< [real] of pair sums of second derivatives, to make them exact for a quadratic on average
   VecArray<D> normal;  ///< [real] sum V grad W: inward where the surroundings are one-sided, 1/m
-  std::vector<bool> covered;     ///< [real] in soil, with water in the cone outwards: a loose place, no surface
+  std::vector<char> covered;     ///< [real] in soil, with water in the cone outwards: a loose place, no surface
   std::vector<char> at_face;     ///< [real] in soil, within half a spacing of a seepage face: that is where water ends
   OrZero<double> told_distance;  ///< [real] of a surface particle to the surface, m, where it is not half a spacing
   OrZero<double> surface_pressure;  ///< [real] total, on the surface, Pa: 0, or a suction

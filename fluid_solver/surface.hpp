@@ -126,35 +126,37 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> seeps, 
     }
     return false;
   };
-  for (std::size_t a = 0; a < s.n_real; ++a) {
+  for_each_side_by_side(s.n_real, [&](std::size_t a) {
     if (seeps[a] >= 0.5) {
       const double few = s.at_face[a] ? surface::few_at_face : surface::few;
       s.covered[a] = s.divergence[a] < few * D && opposite(a);
-      if (s.covered[a]) continue;
+      if (s.covered[a]) return;
       if (s.divergence[a] < 0.4 * D)
         flags[a] = Surface::lone;
       else if (s.divergence[a] < few * D)
         flags[a] = Surface::surface;
-      continue;
+      return;
     }
+    if (s.least_moment[a] >= surface::inside) return;
     const double amount = s.normal[a].norm();
-    if (s.least_moment[a] >= surface::inside) continue;
     const bool hole = splashes && s.divergence[a] < surface::few * D && amount * s.length(a) > surface::hole;
     const bool edge =
         s.least_moment[a] >= surface::alone && (hole || (amount * s.length(a) > surface::first_row && !umbrella(a)));
-    if (edge) {
+    if (edge)
       flags[a] = Surface::surface;
-    } else if (s.least_moment[a] < surface::sparse) {
+    else if (s.least_moment[a] < surface::sparse)
       flags[a] = Surface::lone;
-      s.edge(a).blind.setIdentity();
-      s.correction[a].setZero();
-    }
+  });
+  for (std::size_t a = 0; a < s.n_real; ++a) {
+    if (flags[a] != Surface::lone || seeps[a] >= 0.5) continue;
+    s.edge(a).blind.setIdentity();
+    s.correction[a].setZero();
   }
   s.on_surface.resize(s.size());
-  for (std::size_t j = 0; j < s.size(); ++j) {
+  for_each_side_by_side(s.size(), [&](std::size_t j) {
     const Index q = s.parent[j];
     s.on_surface[j] = q >= s.n_real || flags[q] != Surface::surface ? 0 : seeps[q] < 0.5 ? 1 : 2;
-  }
+  });
   for (std::size_t a = 0; a < rows.size(); ++a) {
     const bool in_row = flags[a] == Surface::surface && seeps[a] < 0.5;
     rows[a] += share * ((in_row ? row_thickness<D>(s, a) : 1.0) - rows[a]);
@@ -172,10 +174,13 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> seeps, 
     return {std::max(distance, s.surface_distance(a)), plane.pressure / plane.weight};
   };
   // Beside free water windows are short, and the gradient of seeping water does not know of its surface: left as it is.
-  const bool all_seep = std::all_of(seeps.begin(), seeps.end(), [](double one) { return one >= 0.5; });
+  const bool all_seep = all_side_by_side(s.n_real, [&](std::size_t a) { return seeps[a] >= 0.5; });
+  std::vector<char> near(s.n_real);
+  for_each_side_by_side(s.n_real, [&](std::size_t a) {
+    near[a] = flags[a] != Surface::lone && s.normal[a].norm() * s.length(a) > surface::second_row;
+  });
   for (std::size_t a = 0; a < s.n_real; ++a) {
-    const double amount = s.normal[a].norm(), h = s.length(a);
-    if (flags[a] == Surface::lone || amount * h <= surface::second_row) continue;
+    if (!near[a]) continue;
     if (seeps[a] >= 0.5) {
       if (!all_seep) continue;
       if (flags[a] == Surface::interior && !s.covered[a])
@@ -190,6 +195,7 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> seeps, 
     if (distance == 0.0) continue;
     s.ghost_distance.set(a, distance, s.n_real);
     // The ghost at twice the distance completes the moment.
+    const double amount = s.normal[a].norm();
     const Vec<D> n = s.normal[a] / amount;
     Mat<D>& blind = s.edge(a).blind;
     s.correction[a] =
@@ -198,10 +204,11 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> seeps, 
   // Inside, where neighbours are few, the pair sums of the Laplacian are short and the gradient's are not: a pressure
   // found from the one and applied by the other would correct the velocity more than once. In soil drag keeps that
   // small.
-  for (std::size_t a = 0; a < s.n_real; ++a)
+  for_each_side_by_side(s.n_real, [&](std::size_t a) {
     if (const double deficit = s.divergence[a] / D;
         seeps[a] < 0.5 && deficit < surface::few && flags[a] == Surface::interior && s.ghost_distance[a] == 0.0)
       s.amplification[a] = 1.0 / std::max(deficit, surface::least_inverted);
+  });
   return flags;
 }
 

@@ -102,7 +102,7 @@ class WindowSolver {
       const auto faces = from_faces(a, q_[a].kf);
       boundary_[a] = faces.value_or(0.0);
       add_surface(fluid_, a, q_[a].kf, &boundary_[a]);
-      if (faces || flags_[a] != Surface::interior) closed = false;
+      if (faces || flags_[a] != Surface::interior) closed.store(false, std::memory_order_relaxed);
     });
     free_closed_ = closed_ = closed;
   }
@@ -181,12 +181,8 @@ class WindowSolver {
     const auto tears = [&](std::size_t a) {
       return out.pressure[a] < torn_pressure(a) + cavity_tolerance * in_.cavitation && !pinned(a);
     };
-    std::atomic<bool> any{any_torn_};
-    for_each_side_by_side(n_, [&](std::size_t a) {
-      if (tears(a)) any = true;
-    });
     out.cavity = {};
-    if (!any) return false;
+    if (!any_torn_ && all_side_by_side(n_, [&](std::size_t a) { return !tears(a); })) return false;
     out.cavity.lay_out(n_);
     std::vector<bool> torn(n_);
     for (std::size_t a = 0; a < n_; ++a) torn[a] = tears(a);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <memory>
 #include <type_traits>
@@ -61,6 +62,17 @@ void for_each_side_by_side(std::size_t n, Work&& work) {
   side_by_side(n, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) work(i);
   });
+}
+
+/// Whether holds(i) for every entry of 0 .. n - 1, asked side by side.
+template <class Holds>
+bool all_side_by_side(std::size_t n, const Holds& holds) {
+  std::atomic<bool> all{true};
+  side_by_side(n, [&](std::size_t first, std::size_t last) {
+    for (std::size_t i = first; i < last && all.load(std::memory_order_relaxed); ++i)
+      if (!holds(i)) all.store(false, std::memory_order_relaxed);
+  });
+  return all;
 }
 
 }  // namespace poretwin
