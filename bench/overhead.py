@@ -12,8 +12,9 @@ Every instant of the exchange counts once: to whoever computes, else to who writ
     both           computing at the same time, over the whole
 
 The first scene is a column of 3000 particles (cases/terzaghi) exchanging every substep of the soil, serial and parallel
-(docs/theory.md, "Schemes"); the last one cases/embankment_seepage, with the windows that it chooses. --trace judges a time line that is there. On a busy machine
-whoever is not given a core stands for `nobody`, too: the least of --repeat runs is told.
+(docs/theory.md, "Schemes"); the others cases/embankment_seepage and, to its
+end, cases/embankment_failure, with the windows that they choose. --trace judges a time line that is there. On a busy
+machine whoever is not given a core stands for `nobody`, too: the least of --repeat runs is told.
 """
 import argparse
 import collections
@@ -29,6 +30,7 @@ SCENES = {
     "3000 particles, every substep": ("terzaghi", COLUMN),
     "the same, parallel": ("terzaghi", COLUMN + ["coupling.scheme=\"parallel\""]),
     "embankment_seepage, own windows": ("embankment_seepage", ["case.end_time=300"]),
+    "embankment_failure, whole": ("embankment_failure", []),
 }
 ACTIVITIES = ["computing", "writing", "checkpointing", "mapping", "sending", "nobody"]
 OVERLAP = ["fluid waits", "solid waits", "both"]
@@ -75,6 +77,20 @@ def table(rows):
     return lines
 
 
+def measure_all(program, repeats):
+    rows = []
+    for scene, (case, settings) in SCENES.items():
+        runs = []
+        for _ in range(repeats):
+            run = Run(case, settings, program, profile=True)
+            if run.exit != 0:
+                raise SystemExit(f"{case}: exit {run.exit}: {run.reason}")
+            runs.append(judged(scene, run.trace, int(run.summaries["coupler"]["steps"]["windows"])))
+            print(runs[-1], flush=True)
+        rows.append(min(runs, key=lambda row: row["wall_s"]))
+    return rows
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--trace", type=pathlib.Path, nargs="+", help="judge these time lines, run nothing")
@@ -83,15 +99,7 @@ def main():
     parser.add_argument("--program", default=PROGRAM, help=argparse.SUPPRESS)
     a = parser.parse_args()
     rows = [judged(str(path), json.loads(path.read_text())["traceEvents"], "") for path in a.trace or []]
-    for scene, (case, settings) in SCENES.items() if not a.trace else ():
-        runs = []
-        for _ in range(a.repeat):
-            run = Run(case, settings, a.program, profile=True)
-            if run.exit != 0:
-                raise SystemExit(f"{case}: exit {run.exit}: {run.reason}")
-            runs.append(judged(scene, run.trace, int(run.summaries["coupler"]["steps"]["windows"])))
-            print(runs[-1], flush=True)
-        rows.append(min(runs, key=lambda row: row["wall_s"]))
+    rows = rows or measure_all(a.program, a.repeat)
     write_csv(a.out / "overhead.csv", rows)
     print("\n".join(table(rows)))
 

@@ -1,10 +1,12 @@
 """A run of poretwin from a benchmark: its gauges, its end, what it cost."""
 import csv
 import json
+import os
 import pathlib
 import signal
 import subprocess
 import tempfile
+import time
 
 import numpy as np
 
@@ -13,14 +15,17 @@ PROGRAM = pathlib.Path(__file__).resolve().parent.parent / "build" / "release" /
 
 class Run:
     """exit: the exit code (124: stopped after `longest` seconds); reason: its last words; gauges: {name: (times, values)};
-    summaries: {process: its summary}; trace: the events of its time line, with `profile`."""
+    summaries: {process: its summary}; cpu, wall: seconds of all processes; trace: the events of its time line, with `profile`.
+    threads: of each solver; None: all cores."""
 
-    def __init__(self, case, overrides, program=PROGRAM, longest=None, profile=False):
+    def __init__(self, case, overrides, program=PROGRAM, longest=None, profile=False, threads=None):
         with tempfile.TemporaryDirectory() as folder:
             command = [program, "run", case, "--out", folder, "--no-pictures", "--quiet", "--restarts", "0"] + ["--profile"] * profile
             for text in overrides:
                 command += ["--set", text]
-            with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
+            env = os.environ | ({"OMP_NUM_THREADS": str(threads)} if threads else {})
+            begin = time.monotonic()
+            with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=env) as process:
                 try:
                     self.reason = process.communicate(timeout=longest)[1].strip()
                     self.exit = process.returncode
@@ -28,6 +33,7 @@ class Run:
                     process.send_signal(signal.SIGINT)  # it ends its processes
                     process.communicate()
                     self.exit, self.reason = 124, f"stopped after {longest:g} s"
+            self.wall = time.monotonic() - begin
             folder = pathlib.Path(folder)
             self.summaries = {path.name.split(".")[0]: json.loads(path.read_text())
                               for path in folder.glob("*.summary.json")}

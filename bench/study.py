@@ -1,8 +1,9 @@
 #!/usr/bin/python3
 """Error against resolution and against run time, by scheme: OUT/CASE.csv, OUT/CASE.png and one page, OUT/performance.md.
 
-    poretwin bench                                      the whole page: jobs, kernels, sizes, skipped work, every study
-                                                        of studies.toml
+    poretwin bench                                      the whole page: jobs, kernels, sizes, coupling, skipped work,
+                                                        every study of studies.toml
+    poretwin bench --page                               the same into docs/, in place of what stands there
     poretwin bench rectangular_dam --schemes default    one case, one scheme
     poretwin bench terzaghi --spacings 0.02 0.002
 
@@ -14,6 +15,8 @@ import argparse
 import json
 import math
 import pathlib
+import os
+import shutil
 import signal
 import statistics
 import subprocess
@@ -21,12 +24,14 @@ import sys
 import tempfile
 import tomllib
 
+import overhead
 import scaling
 import skipping
 from plot import error_curves, write_csv
 from runs import Run
 
 HERE = pathlib.Path(__file__).resolve().parent
+DOCS = HERE.parent / "docs"
 
 
 def verified(program, case, study, settings, longest):
@@ -56,7 +61,7 @@ def measured(a, case, study, scheme, spacing):
     settings = [*study.get("set", []), f'{study["spacing"]}={spacing}', *study["schemes"][scheme]]
     verdicts = []
     for _ in range(a.repeats):
-        verdict = verified(a.program, case, study, settings, a.longest)
+        verdict = verified(a.program, case, study, settings, study.get("longest", a.longest))
         if verdict is None:
             return []
         verdicts.append(verdict)
@@ -76,32 +81,34 @@ def is_front(row, rows):
 
 
 def job_table(a, jobs):
-    """What a user waits for: CPU seconds of whole runs beside what was asked for, the median of --repeats."""
-    lines = ["", "## Jobs", "", "| job | particles | steps | million particle-steps/s | CPU s | asked |",
-             "| --- | --- | --- | --- | --- | --- |"]
+    """What a user waits for: seconds of whole runs beside what was asked for, the median of --repeats."""
+    lines = ["", "## Jobs", "", "Whole runs, all processes; threads of each solver.", "",
+             "| job | particles | steps or windows | threads | million particle-steps/s | CPU s | wall s | asked |",
+             "| --- | --- | --- | --- | --- | --- | --- | --- |"]
     for name, job in jobs.items():
-        runs = [Run(job["case"], job["set"], a.program, a.longest) for _ in range(a.repeats)]
+        runs = [Run(job["case"], job.get("set", []), a.program, threads=job.get("threads")) for _ in range(a.repeats)]
+        threads = job.get("threads", os.cpu_count())
         if any(run.exit != 0 for run in runs):
-            lines.append(f"| {name} | - | - | - | {runs[-1].reason} | {job['asked']} |")
+            lines.append(f"| {name} | - | - | {threads} | - | {runs[-1].reason} | - | {job['asked']} |")
             continue
-        phase = "solid" if "solid" in runs[0].summaries else "fluid"
-        cpu = statistics.median(run.summaries[phase]["cpu_s"] for run in runs)
-        particles = runs[0].counter(phase, "particles")
-        steps = runs[0].counter(phase, "substeps") + runs[0].counter(phase, "rest steps")
-        steps = steps if phase == "solid" else runs[0].counter(phase, "windows")
-        lines.append(f"| {name} | {particles:.0f} | {steps:.0f} | {1e-6 * particles * steps / cpu:.2f} | {cpu:.2f} | {job['asked']} |")
+        run, cpu, wall = runs[0], statistics.median(run.cpu for run in runs), statistics.median(run.wall for run in runs)
+        phases = [phase for phase in ("fluid", "solid") if phase in run.summaries]
+        particles = sum(run.counter(phase, "particles") for phase in phases)
+        steps = run.counter(phases[0], "windows") or run.counter("solid", "substeps") + run.counter("solid", "rest steps")
+        rate = f"{1e-6 * particles * steps / cpu:.2f}" if len(phases) == 1 else ""
+        lines.append(f"| {name} | {particles:.0f} | {steps:.0f} | {threads} | {rate} | {cpu:.2f} | {wall:.2f} | {job['asked']} |")
         print(lines[-1], flush=True)
     return lines
 
 
-def kernel_table(program):
-    """What bin/pair_loops says, when it has been built."""
-    path = pathlib.Path(program).resolve().parent / "pair_loops"
+def told_by(program, name, title):
+    """What a benchmark of one kernel prints, when it has been built beside the program."""
+    path = pathlib.Path(program).resolve().parent / name
     if not path.exists():
-        return ["", "## Pair loops", "", f"(build it first: `ninja pair_loops`; there is no {path.name} beside poretwin)"]
+        return ["", f"## {title}", "", f"(build it first: `ninja {name}`)"]
     text = subprocess.run([path], capture_output=True, text=True, check=True).stdout
     head, table = text.split("\n", 1)
-    return ["", "## Pair loops", "", head + ".", "", table.strip()]
+    return ["", f"## {title}", "", head + ".", "", table.strip()]
 
 
 def size_table(a):
@@ -110,6 +117,13 @@ def size_table(a):
     scaling.draw(a.out / "scaling.png", rows)
     return ["", "## Size", "", "Cost of a step without the start, memory without that of a small run (bench/scaling.py).", "",
             "![](bench/scaling.png)", "", *scaling.table(rows)]
+
+
+def coupling_table(a):
+    rows = overhead.measure_all(a.program, a.repeats)
+    write_csv(a.out / "overhead.csv", rows)
+    return ["", "## Coupling", "", "Overhead is what no solver computes in; over the critical path is what nobody works in (bench/overhead.py). "
+            "Asked: 25 % on 3000 particles, 15 % on embankment_failure, 1.15.", "", *overhead.table(rows)]
 
 
 def skipping_table(a):
@@ -131,14 +145,14 @@ def order(row, rows):
 def study_table(case, study, rows):
     """Markdown; `*` marks the runs that no other one beats in error and time at once."""
     axis = "exchange interval [s]" if study["spacing"].startswith("coupling") else "spacing [m]"
-    lines = ["", f"## {case}", "", f"{rows[0]['metric']} (asked: {rows[0]['bound']:g})", "", f"![](bench/{case}.png)", "",
+    lines = ["", f"## {case}", "", f"{rows[0]['metric']} (asked: {rows[0]['bound']:g}).", "", f"![](bench/{case}.png)", "",
              f"| scheme | {axis} | error | order | CPU s | wall s | windows | particles | |",
              "| --- | --- | --- | --- | --- | --- | --- | --- | --- |"]
     for row in rows:
         error = "-" if row["error"] is None else f"{row['error']:.2g}"
         lines.append(f"| {row['scheme']} | {row['spacing']:g} | {error} | {order(row, rows)} | {row['cpu_s']:.2f} | {row['wall_s']:.2f} "
                      f"| {row['windows']} | {row['particles']} | {'*' if is_front(row, rows) else ''} |")
-    return lines
+    return lines + (["", study["note"]] if "note" in study else [])
 
 
 def main():
@@ -154,14 +168,20 @@ def main():
     parser.add_argument("--sizes", type=float, nargs="+", default=[1e4, 1e5, 1e6], help="particles, of the whole page")
     parser.add_argument("--threads", type=int, nargs="+", default=[1], help="of the solvers, in the table of sizes")
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("runs/bench"))
+    parser.add_argument("--page", action="store_true", help="put page and pictures into docs/")
     parser.add_argument("--program", default="poretwin", help=argparse.SUPPRESS)
     a = parser.parse_args()
     lines = ["# Performance", "",
-             "Made by `poretwin bench`. Studies: the error of each case's own `verify`, CPU and wall-clock seconds of all processes;",
-             "`*`: no other run of the case has a smaller error in less time; a dash: the run did not end."]
+             f"Made by `poretwin bench`, {os.cpu_count()} cores, each run once" + (";" if a.repeats == 1 else f", the median of {a.repeats};"),
+             "docs/performance_notes.md says why it is so and what was tried. Studies: the error of each case's own `verify`, CPU and",
+             "wall-clock seconds of all processes; `*`: no other run of the case has a smaller error in less time; a dash: the run did not",
+             "end. The first scheme is the code as it comes: its defaults are the knee of these curves wherever it bears the `*` and the",
+             "next finer run costs more than its error is worth."]
     a.out.mkdir(parents=True, exist_ok=True)
     if not a.cases:
-        lines += job_table(a, jobs) + kernel_table(a.program) + size_table(a) + skipping_table(a)
+        lines += job_table(a, jobs) + told_by(a.program, "pair_loops", "Pair loops")
+        lines += size_table(a) + told_by(a.program, "multigrid_timing", "The pressure solve against size")
+        lines += coupling_table(a) + skipping_table(a)
     for case in a.cases or studies:
         if case not in studies:
             parser.error(f"{case}: no such study; expected one of: {', '.join(studies)}")
@@ -185,8 +205,13 @@ def main():
         error_curves(a.out / f"{case}.png", f"{case}: {metric}", drawn,
                      {"spacing": study["spacing"], "cpu_s": "run time [CPU s]"}, bound=drawn[0]["bound"])
         lines += study_table(case, study, drawn)
-    (a.out / "performance.md").write_text("\n".join(lines) + "\n")
-    print(f"tables, pictures and performance.md: {a.out}")
+    page = a.out / "performance.md"
+    page.write_text("\n".join(lines) + "\n")
+    if a.page:
+        page = pathlib.Path(shutil.copy(page, DOCS))
+        for picture in a.out.glob("*.png"):
+            shutil.copy(picture, DOCS / "bench")
+    print(f"tables and pictures: {a.out}; {page}")
 
 
 if __name__ == "__main__":

@@ -71,8 +71,8 @@ void find_pairs(double largest, Stencil<D>& s) {
   s.offset.resize(s.n_real + 1);
   s.other.resize(begin[parts]);
   for_each_part(parts, [&](std::size_t part) {
-    std::copy(others[part].begin(), others[part].end(), &s.other[begin[part]]);
-    std::transform(offsets[part].begin(), offsets[part].end(), &s.offset[s.n_real * part / parts + 1],
+    std::copy(others[part].begin(), others[part].end(), s.other.data() + begin[part]);
+    std::transform(offsets[part].begin(), offsets[part].end(), s.offset.data() + s.n_real * part / parts + 1,
                    [&](Index end) { return begin[part] + end; });
     others[part] = std::vector<Index>();
   });
