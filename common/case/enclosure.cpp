@@ -196,7 +196,7 @@ class Flood {
           const auto axis = static_cast<std::size_t>(d);
           const auto at = static_cast<int>(cell / stride[axis] % static_cast<std::size_t>(count_[axis]));
           if (at + step < 0 || at + step >= count_[axis]) {
-            if (periodic(d) || step * up_[d] > 0.5) continue;
+            if (periodic(d) || step * up_[d] > 0.5 || held_beyond(x, step * Point3::Unit(d))) continue;
             return told(cell, from);
           }
           Point3 y = x;
@@ -209,6 +209,14 @@ class Flood {
         }
     }
     return std::nullopt;
+  }
+
+  /// Does a plane, which may stand far from all else, close the way from x in this direction?
+  [[nodiscard]] bool held_beyond(const Point3& x, const Point3& direction) const {
+    return std::any_of(barriers_.begin(), barriers_.end(), [&](const Barrier& b) {
+      const double towards = b.b.dot(direction);
+      return b.plane && towards != 0.0 && b.b.dot(b.a - x) / towards > 0.0;
+    });
   }
 
   /// Does the water there fall into what stands behind a face? Below the face it has slipped through.

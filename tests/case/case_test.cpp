@@ -296,6 +296,21 @@ TEST_F(CaseFile, NamesTheHoleInAWall) {
               HasSubstr("past [1, 0.4], where wall[2] \"right\" ends"));
 }
 
+/// Planes have no ends, wherever the water hangs between them.
+TEST_F(CaseFile, PlanesFarFromTheWaterHoldIt) {
+  const auto plane = [](const std::string& point, const std::string& normal) {
+    return "[[wall]]\npoint = " + point + "\nnormal = " + normal + "\n";
+  };
+  const std::string drop =
+      "[case]\nend_time = 1\ndimension = 3\n[fluid]\nparticle_spacing = 0.1\n"
+      "[[fluid.region]]\nmin = [1, 1, 1]\nmax = [1.4, 1.4, 1.4]\n[solid]\nmodel = \"rigid\"\n" +
+      plane("[0, 0, 0]", "[1, 0, 0]") + plane("[9, 0, 0]", "[-1, 0, 0]") + plane("[0, 0, 0]", "[0, 1, 0]");
+  const std::string floor = plane("[0, 0, 0]", "[0, 0, 1]"), front = plane("[0, 9, 0]", "[0, -1, 0]");
+  EXPECT_EQ(complaint(drop + floor + front), "no complaint");
+  EXPECT_THAT(complaint(drop + front), HasSubstr("water can run out"));
+  EXPECT_THAT(complaint(drop + floor), HasSubstr("water can run out"));
+}
+
 TEST_F(CaseFile, NamesARegionWithoutParticles) {
   EXPECT_THAT(complaint(tank_case + "[[fluid.region]]\nmin = [0.2, 0.6]\nmax = [0.8, 0.61]\n"),
               HasSubstr("key 'fluid.region[1]': no particle fits: the box measures 0.01"));
