@@ -1,9 +1,10 @@
 #!/usr/bin/python3
 """Error against resolution and against run time, by scheme: OUT/CASE.csv, OUT/CASE.png and one page, OUT/performance.md.
 
-    poretwin bench                                      the whole page: jobs, kernels, sizes, coupling, skipped work,
+    poretwin bench                                      the whole page: jobs, kernels, sizes, solve, coupling, skipped,
                                                         every study of studies.toml
     poretwin bench --page                               the same into docs/, in place of what stands there
+    poretwin bench sizes                                one part anew; the page takes the others as they stand in OUT
     poretwin bench rectangular_dam --schemes default    one case, one scheme
     poretwin bench terzaghi --spacings 0.02 0.002
 
@@ -32,6 +33,13 @@ from runs import Run
 
 HERE = pathlib.Path(__file__).resolve().parent
 DOCS = HERE.parent / "docs"
+HEAD = """# Performance
+
+Made by `poretwin bench`, {cores} cores; docs/performance_notes.md says why it is so and what was tried. Studies: the error of each case's own
+`verify`, CPU and wall-clock seconds of all processes; `*`: no other run of the case has a smaller error in less time; a dash: the run did not
+end. A scheme's finer runs are missing once one has taken longer than a minute. The first scheme is the code as it comes: its defaults are
+the knee of these curves where it bears the `*` and a tighter tolerance or a finer run costs more than its error is worth.
+"""
 
 
 def verified(program, case, study, settings, longest):
@@ -155,58 +163,59 @@ def study_table(case, study, rows):
     return lines + (["", study["note"]] if "note" in study else [])
 
 
+def measure_study(a, case, study):
+    """The rows of all its schemes and spacings, as CSV and picture; the lines of the page."""
+    rows = []
+    for scheme in a.schemes or study["schemes"]:
+        if scheme not in study["schemes"]:
+            sys.exit(f"{case} has no scheme '{scheme}'; expected one of: {', '.join(study['schemes'])}")
+        spacings = a.spacings or study["spacings"]
+        for spacing in spacings[:1] if scheme in study.get("own_windows", []) else spacings:
+            found = measured(a, case, study, scheme, spacing)
+            if not found:
+                break
+            rows += found
+            first = next((row for row in found if row["metric"] == study.get("metric")), found[0])
+            print("{case}, {scheme}, {spacing:g}: {metric} {error}, {cpu_s} CPU s".format(**first), flush=True)
+    if not rows:
+        return ["", f"## {case}", "", f"(no run ended within {a.longest:g} s)"]
+    metric = study.get("metric", rows[0]["metric"])
+    write_csv(a.out / f"{case}.csv", rows)
+    drawn = [row for row in rows if row["metric"] == metric]
+    error_curves(a.out / f"{case}.png", f"{case}: {metric}", drawn,
+                 {"spacing": study["spacing"], "cpu_s": "run time [CPU s]"}, bound=drawn[0]["bound"])
+    return study_table(case, study, drawn)
+
+
 def main():
     studies = tomllib.loads((HERE / "studies.toml").read_text())
     jobs = studies.pop("job")
     parser = argparse.ArgumentParser(prog="poretwin bench", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("cases", nargs="*", metavar="CASE", help=f"default: {', '.join(studies)}")
+    parser.add_argument("parts", nargs="*", metavar="PART")
     parser.add_argument("--schemes", nargs="+", help="default: all of the study")
     parser.add_argument("--spacings", nargs="+", type=float, help="coarse to fine; default: the study's own")
     parser.add_argument("--repeats", type=int, default=1, help="runs of which the median is taken (default 1)")
-    parser.add_argument("--longest", type=float, default=600.0, help="wall-clock seconds of a run (default 600)")
-    parser.add_argument("--sizes", type=float, nargs="+", default=[1e4, 1e5, 1e6], help="particles, of the whole page")
-    parser.add_argument("--threads", type=int, nargs="+", default=[1], help="of the solvers, in the table of sizes")
+    parser.add_argument("--longest", type=float, default=60.0, help="wall-clock seconds of a run of a study (default 60)")
+    parser.add_argument("--sizes", type=float, nargs="+", default=[1e4, 1e5, 1e6], help="particles, of the table of sizes")
+    parser.add_argument("--threads", type=int, nargs="+", default=[1, 2], help="of the solvers, in the table of sizes")
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path("runs/bench"))
     parser.add_argument("--page", action="store_true", help="put page and pictures into docs/")
     parser.add_argument("--program", default="poretwin", help=argparse.SUPPRESS)
     a = parser.parse_args()
-    lines = ["# Performance", "",
-             f"Made by `poretwin bench`, {os.cpu_count()} cores, each run once" + (";" if a.repeats == 1 else f", the median of {a.repeats};"),
-             "docs/performance_notes.md says why it is so and what was tried. Studies: the error of each case's own `verify`, CPU and",
-             "wall-clock seconds of all processes; `*`: no other run of the case has a smaller error in less time; a dash: the run did not",
-             "end. The first scheme is the code as it comes: its defaults are the knee of these curves wherever it bears the `*` and the",
-             "next finer run costs more than its error is worth."]
+    measures = {"jobs": lambda: job_table(a, jobs), "kernels": lambda: told_by(a.program, "pair_loops", "Pair loops"),
+                "sizes": lambda: size_table(a),
+                "solve": lambda: told_by(a.program, "multigrid_timing", "The pressure solve against size"),
+                "coupling": lambda: coupling_table(a), "skipped": lambda: skipping_table(a)}
+    measures |= {case: lambda case=case, study=study: measure_study(a, case, study) for case, study in studies.items()}
+    if unknown := [part for part in a.parts if part not in measures]:
+        parser.error(f"{unknown[0]}: no such part; expected some of: {', '.join(measures)}")
     a.out.mkdir(parents=True, exist_ok=True)
-    if not a.cases:
-        lines += job_table(a, jobs) + told_by(a.program, "pair_loops", "Pair loops")
-        lines += size_table(a) + told_by(a.program, "multigrid_timing", "The pressure solve against size")
-        lines += coupling_table(a) + skipping_table(a)
-    for case in a.cases or studies:
-        if case not in studies:
-            parser.error(f"{case}: no such study; expected one of: {', '.join(studies)}")
-        study, rows = studies[case], []
-        for scheme in a.schemes or study["schemes"]:
-            if scheme not in study["schemes"]:
-                parser.error(f"{case} has no scheme '{scheme}'; expected one of: {', '.join(study['schemes'])}")
-            spacings = a.spacings or study["spacings"]
-            for spacing in spacings[:1] if scheme in study.get("own_windows", []) else spacings:
-                found = measured(a, case, study, scheme, spacing)
-                if not found:
-                    break
-                rows += found
-                first = next((row for row in found if row["metric"] == study.get("metric")), found[0])
-                print("{case}, {scheme}, {spacing:g}: {metric} {error}, {cpu_s} CPU s".format(**first), flush=True)
-        if not rows:
-            continue
-        metric = study.get("metric", rows[0]["metric"])
-        write_csv(a.out / f"{case}.csv", rows)
-        drawn = [row for row in rows if row["metric"] == metric]
-        error_curves(a.out / f"{case}.png", f"{case}: {metric}", drawn,
-                     {"spacing": study["spacing"], "cpu_s": "run time [CPU s]"}, bound=drawn[0]["bound"])
-        lines += study_table(case, study, drawn)
+    for part in a.parts or measures:
+        (a.out / f"{part}.md").write_text("\n".join(measures[part]()) + "\n")
     page = a.out / "performance.md"
-    page.write_text("\n".join(lines) + "\n")
+    page.write_text(HEAD.format(cores=os.cpu_count()) + "".join(
+        (a.out / f"{part}.md").read_text() for part in measures if (a.out / f"{part}.md").exists()))
     if a.page:
         page = pathlib.Path(shutil.copy(page, DOCS))
         for picture in a.out.glob("*.png"):

@@ -172,7 +172,7 @@ void declare(CLI::App& app, Arguments& a, VerifyOptions& v, std::vector<std::str
       app.add_subcommand("bench", "Error against run time, by scheme and resolution: tables, pictures");
   bench_command->prefix_command();
   bench_command->footer(
-      "poretwin bench [CASE...] [--schemes S...] [--spacings X...] [--repeats N] [--longest S] [--out DIR]");
+      "poretwin bench [PART...] [--schemes S...] [--spacings X...] [--repeats N] [--longest S] [--out DIR] [--page]");
   bench_command->callback([&, bench_command] {
     script_arguments = bench_command->remaining();
     action = [&] {
