@@ -108,21 +108,27 @@ def table(rows):
 
 
 def draw(path, rows):
-    figure, panels = plt.subplots(1, 3, figsize=(12, 3.6), constrained_layout=True)
-    texts = {"cpu_us": "CPU microseconds per particle and step", "bytes": "bytes per particle",
+    figure, panels = plt.subplots(1, 3, figsize=(13.5, 3.6), constrained_layout=True)
+    texts = {"wall_us": "wall microseconds per particle and step", "bytes": "bytes per particle",
              "iterations": "iterations and cycles per window"}
+    colours = {phase: f"C{k}" for k, phase in enumerate(dict.fromkeys(r["phase"] for r in rows))}
     for panel, (key, text) in zip(panels, texts.items()):
         for phase, threads in dict.fromkeys((r["phase"], r["threads"]) for r in rows):
-            if key == "iterations" and phase == "solid":
+            if key == "iterations" and (phase == "solid" or threads > 1):  # the same on any number of threads
                 continue
             mine = [r for r in rows if (r["phase"], r["threads"]) == (phase, threads)]
-            panel.semilogx([r["particles"] for r in mine], [r[key] for r in mine], "o-", label=f"{phase}, {threads} thread(s)")
+            panel.semilogx([r["particles"] for r in mine], [r[key] for r in mine], "o-" if threads == 1 else "o--",
+                           color=colours[phase], label=f"{phase}, {threads} thread{'s' if threads > 1 else ''}")
         panel.set_xlabel("particles")
         panel.set_ylabel(text)
-        panel.set_ylim(bottom=0.0)
-        panel.grid(True, alpha=0.3)
-        panel.legend()
+        if key == "iterations":
+            panel.set_ylim(bottom=0.0)
+        else:
+            panel.set_yscale("log")
+        panel.grid(True, which="both", alpha=0.3)
+    panels[-1].legend(*panels[0].get_legend_handles_labels(), loc="upper left", bbox_to_anchor=(1.02, 1.0))
     figure.savefig(path, dpi=120)
+    plt.close(figure)
 
 
 def main():
