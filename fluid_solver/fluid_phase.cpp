@@ -270,7 +270,7 @@ WindowProblem<D> Fluid<D>::problem(double interval) const {
   in.void_fraction = state_.particles.void_fraction;
   in.cavity = state_.particles.cavity.values();
   const auto& mask = state_.particles.mask;
-  if (std::none_of(mask.begin(), mask.end(), [](double m) { return m > 0.5; })) in.tolerance = free_water_tolerance;
+  if (all_side_by_side(mask.size(), [&](std::size_t a) { return mask[a] <= 0.5; })) in.tolerance = free_water_tolerance;
   if (scene_.fluid.pressure_tolerance) in.tolerance = *scene_.fluid.pressure_tolerance;
   for (const auto& c : state_.columns) {
     in.face_pressure.push_back(c.pressure);
@@ -363,7 +363,7 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
                                       std::span<const Mat<D>> velocity_gradient, double interval) const {
   const auto& v = state_.particles.velocity;
   VecArray<D> result = v;
-  for (auto& u : result) u += interval * pull_;
+  if (!pull_.isZero(0.0)) for_each_side_by_side(result.size(), [&](std::size_t a) { result[a] += interval * pull_; });
   // In soil drag damps what the trace of viscosity is for, unless inertia rules there as well.
   std::vector<char> damped(s.n_real);
   for_each_side_by_side(s.n_real, [&](std::size_t a) { damped[a] = drags(view, a); });
@@ -374,7 +374,7 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
   const VecArray<D> all = extended<D>(s, v, Carried::yes, no_slip_);
   // Of a point: velocity, velocity gradient, smoothing length, amplification (0: does not count).
   constexpr std::size_t at_gradient = D, at_length = at_gradient + D * D, at_amplified = at_length + 1;
-  std::vector<PackedPoint<D, at_amplified + 1>> points(s.size());
+  PackedPoints<D, at_amplified + 1> points(s.size());
   for_each_side_by_side(s.size(), [&](std::size_t j) {
     const Index q = s.parent[j];
     const bool real = q < s.n_real;
@@ -482,7 +482,7 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
   ScalarArray source = left_for_later(s, view, interval);
   // A packing error is made good by moving the surface or the inflow; in a closed domain there is neither, and shifting
   // alone evens the packing: pressure would only push on the grains.
-  const bool open = std::any_of(p.surface.begin(), p.surface.end(), [](Surface f) { return f != Surface::interior; }) ||
+  const bool open = !all_side_by_side(p.size(), [&](std::size_t a) { return p.surface[a] == Surface::interior; }) ||
                     std::any_of(state_.columns.begin(), state_.columns.end(), [](const auto& c) { return c.wet; });
   const auto motion = open ? moved() : ScalarArray(p.size(), 0.0);
   // The voids of torn water are no packing error.
@@ -732,13 +732,16 @@ void Fluid<D>::check_room(double time) const {
 template <int D>
 void Fluid<D>::check_finite(const WindowSolution<D>& solution, double time) const {
   const auto& x = state_.particles.position;
+  const auto wrong = [&](std::size_t a) {
+    return !std::isfinite(solution.pressure[a])      ? "pore_pressure"
+           : !solution.velocity[a].allFinite()       ? "velocity"
+           : !solution.solid_velocity[a].allFinite() ? "predicted_solid_velocity"
+           : solution.velocity[a].norm() > 1e6       ? "velocity (beyond 1e6 m/s)"
+                                                     : nullptr;
+  };
+  if (all_side_by_side(x.size(), [&](std::size_t a) { return wrong(a) == nullptr; })) return;
   for (std::size_t a = 0; a < x.size(); ++a) {
-    const char* term = !std::isfinite(solution.pressure[a])      ? "pore_pressure"
-                       : !solution.velocity[a].allFinite()       ? "velocity"
-                       : !solution.solid_velocity[a].allFinite() ? "predicted_solid_velocity"
-                       : solution.velocity[a].norm() > 1e6       ? "velocity (beyond 1e6 m/s)"
-                                                                 : nullptr;
-    if (term)
+    if (const char* term = wrong(a))
       throw DivergedError(fmt::format("fluid: {} of particle {} at ({}) is not finite; last good state at t = {} s",
                                       term, a,
                                       D == 2 ? fmt::format("{:.4g}, {:.4g}", x[a][0], x[a][1])

@@ -68,15 +68,13 @@ void Fluid<D>::limit_by_slowing(const VecArray<D>& velocity_before, double inter
   state_.window_limits.clear();
   const auto& p = state_.particles;
   if (scene_.coupled() || scene_.fluid.scheme != FluidCase::Scheme::projection ||
-      std::any_of(p.seeps.begin(), p.seeps.end(), [](double seeps) { return seeps <= 0.5; }))
+      !all_side_by_side(p.size(), [&](std::size_t a) { return p.seeps[a] > 0.5; }))
     return;
-  double change = 0.0, whole = 0.0, mass = 0.0;
-  for (std::size_t a = 0; a < p.size(); ++a) {
-    change += p.mass[a] * p.velocity[a].dot(p.velocity[a] - velocity_before[a]);
-    whole += p.mass[a] * p.velocity[a].squaredNorm();
-    mass += p.mass[a];
-  }
+  const double change = sum_over(
+      p.size(), [&](std::size_t a) { return p.mass[a] * p.velocity[a].dot(p.velocity[a] - velocity_before[a]); });
   if (change == 0.0) return;
+  const double whole = sum_over(p.size(), [&](std::size_t a) { return p.mass[a] * p.velocity[a].squaredNorm(); });
+  const double mass = sum_over(p.size(), [&](std::size_t a) { return p.mass[a]; });
   const double altered = interval * std::abs(change) / std::sqrt(whole * mass) / dx_;
   state_.window_limits.push_back(
       {interval * std::max(0.5, std::sqrt(wanted_slowing / altered)), "seepage that slows down"});
@@ -90,11 +88,11 @@ template <int D>
 void Fluid<D>::limit_by_acceleration(const SoilView<D>& view, const VecArray<D>& velocity_before, double now,
                                      double interval) {
   const auto& p = state_.particles;
+  const auto in_coarse = [&](std::size_t a) { return p.seeps[a] > 0.5 && view.mask[a] > 0.5 && !drags(view, a); };
+  const bool coarse = !all_side_by_side(p.size(), [&](std::size_t a) { return !in_coarse(a); });
   double longest = HUGE_VAL;
-  bool coarse = false;
-  for (std::size_t a = 0; a < p.size(); ++a) {
-    if (p.seeps[a] <= 0.5 || view.mask[a] <= 0.5 || drags(view, a)) continue;
-    coarse = true;
+  for (std::size_t a = 0; coarse && a < p.size(); ++a) {
+    if (!in_coarse(a)) continue;
     const double spacing = spacing_of<D>(p.volume[a]), speed = p.velocity[a].norm();
     const double acceleration = (p.velocity[a] - velocity_before[a]).norm() / interval;
     if (acceleration == 0.0) continue;
@@ -163,11 +161,11 @@ double Fluid<D>::viscous_interval() const {
 template <int D>
 double Fluid<D>::free_interval() const {
   const auto& p = state_.particles;
-  double longest = std::min({wave_interval(), central_interval(), viscous_interval()});
-  for (std::size_t a = 0; a < p.size(); ++a)
-    if (p.seeps[a] <= 0.5)
-      longest = std::min(longest, free_courant * spacing_of<D>(p.volume[a]) / std::max(p.velocity[a].norm(), 1e-300));
-  return longest;
+  const double longest = -most_side_by_side(p.size(), -HUGE_VAL, [&](std::size_t a) {
+    if (p.seeps[a] > 0.5) return -HUGE_VAL;
+    return -(free_courant * spacing_of<D>(p.volume[a]) / std::max(p.velocity[a].norm(), 1e-300));
+  });
+  return std::min({wave_interval(), central_interval(), viscous_interval(), longest});
 }
 
 template <int D>
@@ -179,19 +177,25 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
   };
   if (state_.controlled > 0.0) apply(state_.controlled, "pressure change per window");
   for (const auto& l : state_.window_limits) apply(l.interval, l.reason);
-  double fastest = 0.0, fastest_free = 0.0;
-  bool free_surface = false, free_water = false, table = false;
   // The water of soil that creeps has no waves, whatever it counts as.
   const double creeps = 0.01 * wave_interval() * weight_.norm() / density_;
-  for (std::size_t a = 0; a < p.size(); ++a) {
-    const bool flows = p.seeps[a] <= 0.5 && (p.mask[a] <= 0.5 || p.velocity[a].norm() > creeps);
-    double& highest = flows ? fastest_free : fastest;
-    highest = std::max(highest, p.velocity[a].norm() / spacing_of<D>(p.volume[a]));
-    free_water = free_water || flows;
-    if (p.surface[a] == Surface::interior) continue;
-    free_surface = free_surface || flows;
-    table = table || !flows;
-  }
+  const auto flows = [&](std::size_t a) {
+    return p.seeps[a] <= 0.5 && (p.mask[a] <= 0.5 || p.velocity[a].norm() > creeps);
+  };
+  const auto fastest_of = [&](bool flowing) {
+    return most_side_by_side(p.size(), 0.0, [&](std::size_t a) {
+      return flows(a) == flowing ? p.velocity[a].norm() / spacing_of<D>(p.volume[a]) : 0.0;
+    });
+  };
+  const auto any_is = [&](const auto& what) {
+    return !all_side_by_side(p.size(), [&](std::size_t a) { return !what(a); });
+  };
+  const bool free_water = any_is(flows);
+  const bool free_surface =
+      free_water && any_is([&](std::size_t a) { return p.surface[a] != Surface::interior && flows(a); });
+  const bool table = any_is([&](std::size_t a) { return p.surface[a] != Surface::interior && !flows(a); });
+  double fastest = fastest_of(false);
+  const double fastest_free = free_water ? fastest_of(true) : 0.0;
   for (const auto& c : state_.columns) fastest = std::max(fastest, std::abs(c.speed) / c.spacing);
   if (fastest > 0.0) apply(0.25 / fastest, "a quarter spacing per window at the highest speed in soil or at a face");
   if (fastest_free > 0.0)

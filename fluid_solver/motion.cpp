@@ -70,8 +70,9 @@ double Fluid<D>::look_ahead(double interval) const {
 template <int D>
 void Fluid<D>::drift(double interval) {
   auto& p = state_.particles;
-  for (std::size_t a = 0; a < p.size(); ++a)
+  for_each_side_by_side(p.size(), [&](std::size_t a) {
     if (p.seeps[a] <= 0.5) displace(a, 0.5 * interval * p.velocity[a], false);
+  });
 }
 
 template <int D>

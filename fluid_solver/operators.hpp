@@ -14,20 +14,27 @@ namespace poretwin::fluid {
 /// What a vector field is: behind a wall that moves, a velocity of the water is not the mirrored one alone.
 enum class Carried : bool { no, yes };
 
-/// Values at all points from values at real particles: images take their parent's, through the linear map for vectors;
-/// behind walls to which water sticks (`sticky`, by bits) turned round. Buffers and their images get zero: nothing here
-/// reads them.
+/// The value at point j from those at real particles: an image takes its parent's, through the linear map for vectors;
+/// behind walls to which the field sticks (`sticky`, by bits) turned round. Buffers and their images get zero: nothing
+/// here reads them.
+template <int D>
+[[gnu::always_inline]] inline Vec<D> extended_to(const Stencil<D>& s, std::span<const Vec<D>> f, std::size_t j,
+                                                 Carried carried, std::uint32_t sticky) {
+  const Index q = s.parent[j];
+  if (q >= s.n_real) return Vec<D>::Zero();
+  if (j < s.n_base) return f[q];
+  if (s.sticks(j, sticky)) return -f[q];
+  Vec<D> image = s.map[j - s.n_base] * f[q];
+  if (carried == Carried::yes) image += s.carried[j - s.n_base];
+  return image;
+}
+
+/// The values at all points.
 template <int D>
 VecArray<D> extended(const Stencil<D>& s, std::span<const Vec<D>> f, Carried carried = Carried::no,
                      std::uint32_t sticky = 0) {
-  VecArray<D> all(s.size(), Vec<D>::Zero());
-  std::copy(f.begin(), f.end(), all.begin());
-  for (std::size_t j = s.n_base; j < s.size(); ++j)
-    if (s.parent[j] < s.n_real) {
-      all[j] = s.map[j - s.n_base] * f[s.parent[j]];
-      if (carried == Carried::yes) all[j] += s.carried[j - s.n_base];
-      if (s.sticks(j, sticky)) all[j] = -f[s.parent[j]];
-    }
+  VecArray<D> all(s.size());
+  for_each_side_by_side(s.size(), [&](std::size_t j) { all[j] = extended_to<D>(s, f, j, carried, sticky); });
   return all;
 }
 
@@ -51,14 +58,16 @@ std::optional<double> face_slope(const Stencil<D>& s, Index column, std::span<co
 template <int D, std::size_t n_values>
 struct alignas(32) PackedPoint {
   static constexpr std::size_t size = (D + n_values + 3) / 4 * 4;
-  std::array<double, size> x{};
+  std::array<double, size> x;  ///< unset: who packs a point says all that is read of it
   [[nodiscard]] const double* row() const { return x.data(); }
 };
+template <int D, std::size_t n_values>
+using PackedPoints = UnsetArray<PackedPoint<D, n_values>>;
 
 /// Calls sum(a, self, m, r, points, sums) for the pairs m .. m + 3 of every real particle a, compiled for this machine:
 /// r the vectors to their points times the pull, points the numbers packed with these.
 template <int D, std::size_t n_values, std::size_t n_sums, class Sum, class Take>
-void for_pairs_in_lanes(const Stencil<D>& s, const std::vector<PackedPoint<D, n_values>>& points, const Sum& sum,
+void for_pairs_in_lanes(const Stencil<D>& s, const PackedPoints<D, n_values>& points, const Sum& sum,
                         const Take& take) {
   constexpr std::size_t size = (n_sums + 3) / 4 * 4;
   const auto rows = [&](std::size_t first, std::size_t last) __attribute__((always_inline)) {
@@ -106,7 +115,7 @@ VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Fa
     buffer[i] = at_face - slope.value_or(0.0) * s.buffers[i].outside;
   }
   // A buffer moves as the particle that asks: a mobility of zero stands for that.
-  std::vector<PackedPoint<D, 2>> points(s.size());
+  PackedPoints<D, 2> points(s.size());
   for_each_side_by_side(s.size(), [&](std::size_t j) {
     const Index q = s.parent[j];
     const bool real = q < s.n_real;
@@ -171,14 +180,11 @@ void free_along_interfaces(const Stencil<D>& s, std::span<const double> mobility
 template <int D, class Take>
 void sum_differences(const Stencil<D>& s, std::span<const Vec<D>> f, Carried carried, std::uint32_t sticky,
                      const Take& take) {
-  const VecArray<D> all = extended<D>(s, f, carried, sticky);
   const bool buffers = s.n_base > s.n_real;
-  std::vector<PackedPoint<D, D>> points(s.size());
+  PackedPoints<D, D> points(s.size());
   for_each_side_by_side(s.size(), [&](std::size_t j) {
-    for (std::size_t d = 0; d < D; ++d) {
-      points[j].x[d] = s.position[j][static_cast<int>(d)];
-      points[j].x[D + d] = all[j][static_cast<int>(d)];
-    }
+    Eigen::Map<Vec<D>>{points[j].x.data()} = s.position[j];
+    Eigen::Map<Vec<D>>{points[j].x.data() + D} = extended_to<D>(s, f, j, carried, sticky);
   });
   for_pairs_in_lanes<D, D, D * D>(
       s, points,
@@ -212,7 +218,7 @@ MatArray<D> velocity_gradient(const Stencil<D>& s, std::span<const Vec<D>> f, st
 template <int D>
 ScalarArray divergence(const Stencil<D>& s, std::span<const Vec<D>> f, Carried carried = Carried::no) {
   ScalarArray result(s.n_real, 0.0);
-  if (carried == Carried::no && std::all_of(f.begin(), f.end(), [](const Vec<D>& v) { return v.isZero(0.0); }))
+  if (carried == Carried::no && all_side_by_side(f.size(), [&](std::size_t a) { return f[a].isZero(0.0); }))
     return result;
   sum_differences<D>(
       s, f, carried, 0, [&](std::size_t a, const Mat<D>& sum) __attribute__((always_inline)) {
@@ -226,7 +232,7 @@ ScalarArray divergence(const Stencil<D>& s, std::span<const Vec<D>> f, Carried c
 template <int D>
 void share_out(const Stencil<D>& s, std::span<const double> counts, std::span<Vec<D>> amounts) {
   // Of a point: what it counts, smoothing length.
-  std::vector<PackedPoint<D, 2>> points(s.size());
+  PackedPoints<D, 2> points(s.size());
   for_each_side_by_side(s.size(), [&](std::size_t j) {
     auto& x = points[j].x;
     Eigen::Map<Vec<D>>{x.data()} = s.position[j];
@@ -322,9 +328,10 @@ std::array<PairMatrix, n_mobilities> laplacians(const Stencil<D>& s,
   // Of a point: smoothing length, volume (0: coupled to nobody), amplification, whose row it is, and mobilities.
   constexpr std::size_t at_length = D, at_volume = D + 1, at_amplified = D + 2, at_row = D + 3, at_mobility = D + 4;
   constexpr std::size_t n_numbers = 4 + n_mobilities;
-  std::vector<PackedPoint<D, n_numbers>> points(s.size());
+  PackedPoints<D, n_numbers> points(s.size());
   for_each_side_by_side(s.size(), [&](std::size_t j) {
     auto& x = points[j].x;
+    x.fill(0.0);
     Eigen::Map<Vec<D>>{x.data()} = s.position[j];
     x[at_length] = s.length(j);
     const Index q = s.parent[j];

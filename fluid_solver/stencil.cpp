@@ -28,9 +28,9 @@ void find_pairs(double largest, Stencil<D>& s) {
   sph::CellGrid<D> grid;
   constexpr double reach = 0.5 * sph::support_radius;
   grid.build(s.position, reach * largest);
-  ScalarArray length(s.size());
-  for (std::size_t j = 0; j < s.size(); ++j) length[j] = s.length(j);
-  const bool even = std::all_of(length.begin(), length.end(), [&](double h) { return h == largest; });
+  UnsetArray<double> length(s.size());
+  for_each_side_by_side(s.size(), [&](std::size_t j) { length[j] = s.length(j); });
+  const bool even = all_side_by_side(s.size(), [&](std::size_t j) { return length[j] == largest; });
   s.beyond.resize(s.n_real);
   const auto find = [&](std::size_t first, std::size_t last, std::vector<Index> & offset, std::vector<Index> & other)
       __attribute__((always_inline)) {
@@ -190,8 +190,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   s.buffers.assign(buffers.begin(), buffers.end());
   VecArray<D> base(s.n_base);
   std::copy(x.begin(), x.end(), base.begin());
-  double largest = 0.0;
-  for (const double v : volume) largest = std::max(largest, v);
+  double largest = most_side_by_side(volume.size(), 0.0, [&](std::size_t a) { return volume[a]; });
   for (std::size_t i = 0; i < buffers.size(); ++i) {
     base[s.n_real + i] = buffers[i].position;
     largest = std::max(largest, buffers[i].volume);
@@ -219,17 +218,13 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   part_ghosts(buffers, free, s);
   // The largest arrays first: what is smaller fits between.
   s.pull.resize(s.other.size());
-  s.fullness.assign(n, 0.0);
-  s.closest.assign(n, 0.0);
-  s.divergence.assign(n, 0.0);
-  s.amplification.assign(n, 1.0);
-  s.normal.assign(n, Vec<D>::Zero());
+  for (auto* told : {&s.fullness, &s.closest, &s.divergence, &s.amplification, &s.least_moment}) told->resize(n);
+  s.normal.resize(n);
   s.covered.assign(n, false);
   s.at_face.assign(n, false);
   s.correction.resize(n);
   s.edge_of.assign(n, 0);
-  s.least_moment.assign(n, 0.0);
-  std::vector<Summed<D>> points(s.size());
+  UnsetArray<Summed<D>> points(s.size());
   for_each_side_by_side(s.size(), [&](std::size_t j) { points[j] = {s.position[j], s.volume[j], s.length(j)}; });
   for_each_in_lanes(
       n, s.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {

@@ -143,10 +143,10 @@ struct Stencil {
   /// what is kept, so that gradients of linear fields stay exact.
   UnsetArray<float> pull;
 
-  ScalarArray fullness;    ///< [real] sum V W over that of a lattice; of open water sum V density_weight
-  ScalarArray closest;     ///< [real] least distance to another point, in units of the pair's smoothing length
-  ScalarArray divergence;  ///< [real] sum V div r: D inside; of use until the surface has been found
-  ScalarArray
+  UnsetArray<double> fullness;    ///< [real] sum V W over that of a lattice; of open water sum V density_weight
+  UnsetArray<double> closest;     ///< [real] least distance to another point, in units of the pair's smoothing length
+  UnsetArray<double> divergence;  ///< [real] sum V div r: D inside; of use until the surface has been found
+  UnsetArray<double>
       amplification;   ///< [real] of pair sums of second derivatives, to make them exact for a quadratic on average
   VecArray<D> normal;  ///< [real] sum V grad W: inward where the surroundings are one-sided, 1/m
   std::vector<char> covered;     ///< [real] in soil, with water in the cone outwards: a loose place, no surface
@@ -154,7 +154,7 @@ struct Stencil {
   OrZero<double> told_distance;  ///< [real] of a surface particle to the surface, m, where it is not half a spacing
   OrZero<double> surface_pressure;  ///< [real] total, on the surface, Pa: 0, or a suction
   MatArray<D> correction;           ///< [real] of the kernel gradient, buffers and the free surface counted (pressures)
-  ScalarArray
+  UnsetArray<double>
       least_moment;  ///< [real] smallest eigenvalue of the moment: 1 inside, 0 where a direction is empty; as long
   /// [real] distance to the free surface along -normal [m], 0: out of the kernel's reach. Set by find_surface; the
   /// kernel's missing part is then a ghost at twice the distance, antisymmetric about the surface's pressure.
@@ -192,7 +192,7 @@ struct Stencil {
     return told_distance[a] > 0.0 ? told_distance[a] : 0.5 * spacing_of<D>(volume[a]);
   }
   void forget_moments() {
-    for (auto* told : {&divergence, &least_moment}) *told = ScalarArray();
+    for (auto* told : {&divergence, &least_moment}) *told = UnsetArray<double>();
   }
 
   /// W of real particle a and any point, 1/m^D; 0 for itself, with which rows are filled up.

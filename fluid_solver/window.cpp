@@ -118,18 +118,21 @@ class WindowSolver {
     const bool moves = any_response_ || soil_.velocity.is_laid_out();
     if (!moves) out.solid_velocity = {};
     if (moves && !out.solid_velocity.is_laid_out()) out.solid_velocity.lay_out(n_);
-    for_each_side_by_side(n_, [&](std::size_t a) {
-      if (moves && !responds(a)) out.solid_velocity.set(a, soil_.velocity[a]);
-    });
+    if (moves)
+      for_each_side_by_side(n_, [&](std::size_t a) {
+        if (!responds(a)) out.solid_velocity.set(a, soil_.velocity[a]);
+      });
     if (any_response_) {
       prepare_response();
       start_ = out.pressure;
     }
     // What is torn mostly stays so: to begin with closing its voids would ask for pressures that the solve's tolerance
     // follows.
-    std::vector<bool> torn(n_);
-    for (std::size_t a = 0; a < n_; ++a) torn[a] = !in_.cavity.empty() && in_.cavity[a] > 0.0 && !pinned(a);
-    if (torn != torn_) hold(std::move(torn), out);
+    if (!in_.cavity.empty()) {
+      std::vector<bool> torn(n_);
+      for (std::size_t a = 0; a < n_; ++a) torn[a] = in_.cavity[a] > 0.0 && !pinned(a);
+      if (torn != torn_) hold(std::move(torn), out);
+    }
     for (int round = 1;; ++round) {
       ScalarArray b(n_);
       for_each_side_by_side(n_, [&](std::size_t a) { b[a] = sources_[a] + boundary_[a]; });
@@ -498,10 +501,7 @@ class WindowSolver {
 
   /// A velocity of the skeleton at all points: turned round behind walls that hold the soil.
   VecArray<D> skeleton_extended(std::span<const Vec<D>> f) const {
-    VecArray<D> all = extended<D>(s_, f);
-    for (std::size_t j = s_.n_base; j < s_.size(); ++j)
-      if ((s_.boundaries[j - s_.n_base] & in_.fixed_soil) != 0 && s_.parent[j] < n_) all[j] = -f[s_.parent[j]];
-    return all;
+    return extended<D>(s_, f, Carried::no, in_.fixed_soil);
   }
 
   /// Dry soil beyond a wetting front holds the skeleton: it is taken to go on as it moves, half a spacing away beside
@@ -693,9 +693,7 @@ class WindowSolver {
     out.gradient = plain_gradient(out.pressure, false);
     VecArray<D> flux;  // none: the mobility is the same everywhere
     const double mobility = n_ == 0 ? 0.0 : q_[0].kf;
-    bool even = true;
-    for (std::size_t a = 0; a < n_ && even; ++a) even = q_[a].kf == mobility;
-    if (!even) {
+    if (!all_side_by_side(n_, [&](std::size_t a) { return q_[a].kf == mobility; })) {
       ScalarArray own(n_);
       for_each_side_by_side(n_, [&](std::size_t a) { own[a] = q_[a].kf; });
       flux = pressure_gradient<D>(

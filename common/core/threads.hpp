@@ -7,6 +7,7 @@
 #include <memory>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 namespace poretwin {
 
@@ -73,6 +74,19 @@ bool all_side_by_side(std::size_t n, const Holds& holds) {
       if (!holds(i)) all.store(false, std::memory_order_relaxed);
   });
   return all;
+}
+
+/// The most of value(i) over 0 .. n - 1, asked side by side; `least` where there is none.
+template <class Value>
+double most_side_by_side(std::size_t n, double least, const Value& value) {
+  const std::size_t parts = small_parts_for(n);
+  std::vector<double> most(parts, least);
+  for_each_part(parts, [&](std::size_t part) {
+    double here = least;
+    for (std::size_t i = n * part / parts; i < n * (part + 1) / parts; ++i) here = std::max(here, value(i));
+    most[part] = here;
+  });
+  return *std::max_element(most.begin(), most.end());
 }
 
 }  // namespace poretwin
