@@ -3,6 +3,7 @@
 #include "common/core/lanes.hpp"
 
 #include <array>
+#include <limits>
 
 namespace poretwin::solid {
 namespace {
@@ -14,6 +15,38 @@ struct Rows {
     while (index.size() % n_lanes != 0) index.push_back(static_cast<Index>(i));
     return static_cast<Index>(index.size());
   }
+};
+
+/// Either row of a pair will do: what is beyond a multiple of four in the one is put off to the other, which comes
+/// later, so that hardly any row is filled up (a sixth of all entries, else).
+class PutOff {
+ public:
+  PutOff(Index first, Index last) : first_(first), newest_(last - first, none) {}
+  /// Row i, which begins at `begin`, takes what was put off to it and puts off what it can: to rows that may take more.
+  template <class MayTake>
+  void even_out(Index i, std::size_t begin, const MayTake& may_take, std::vector<Index>& index) {
+    std::size_t own = index.size();
+    for (Index k = newest_[i - first_]; k != none; k = pairs_[k].older) index.push_back(pairs_[k].with);
+    for (std::size_t surplus = (index.size() - begin) % n_lanes, m = own; surplus > 0 && m-- > begin;) {
+      const Index j = index[m];
+      if (!may_take(j)) continue;
+      index[m] = index[--own];
+      index[own] = index.back();
+      index.pop_back();
+      pairs_.push_back({i, newest_[j - first_]});
+      newest_[j - first_] = static_cast<Index>(pairs_.size() - 1);
+      --surplus;
+    }
+  }
+
+ private:
+  static constexpr Index none = std::numeric_limits<Index>::max();
+  struct Pair {
+    Index with, older;
+  };
+  Index first_;
+  std::vector<Index> newest_;  ///< of each row, among the pairs
+  std::vector<Pair> pairs_;
 };
 
 /// Still particles that have others in range.
@@ -58,22 +91,27 @@ void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t 
     images.append_within(positions[i], range, index, from(0));
     for (std::size_t m = begin; m < index.size(); ++m) index[m] += static_cast<Index>(n_real);
   };
-  // Pairs of two that move stand in the row of the first, pairs with one that is still in the row of the other.
+  // Pairs with one that is still stand in the row of the other.
   std::vector<Rows> moving(n_parts), resting(n_parts);
   const auto pair_moving = [&](std::size_t part) __attribute__((always_inline)) {
     Rows& rows = moving[part];
     const Index first = pairs.part[part], last = pairs.part[part + 1];
     std::vector<Index> around;
-    for (std::size_t i = first; i < std::min<std::size_t>(last, n_free); ++i) {
+    PutOff later(first, last);
+    const auto moves = [&](Index j) { return !still(j); };
+    for (Index i = first; i < std::min<std::size_t>(last, n_free); ++i) {
       if (still(i)) continue;
+      const std::size_t begin = rows.index.size();
       if (n_parts == 1 && asleep.empty()) {
         particles.append_within(positions[i], range, rows.index, from(i + 1));
+        later.even_out(i, begin, moves, rows.index);
         rows.alone.push_back(rows.fill_up(i));
       } else {
         around.clear();
         particles.append_within(positions[i], range, around, from(0));
         for (const Index j : around)
           if (j >= first && j < last && (j > i || still(j))) rows.index.push_back(j);
+        later.even_out(i, begin, moves, rows.index);
         rows.alone.push_back(rows.fill_up(i));
         for (const Index j : around)
           if (j < first || j >= last) rows.index.push_back(j);
