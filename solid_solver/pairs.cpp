@@ -96,26 +96,36 @@ void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t 
   const auto pair_moving = [&](std::size_t part) __attribute__((always_inline)) {
     Rows& rows = moving[part];
     const Index first = pairs.part[part], last = pairs.part[part + 1];
-    std::vector<Index> around;
+    std::vector<Index> beyond;  // the part
     PutOff later(first, last);
     const auto moves = [&](Index j) { return !still(j); };
     for (Index i = first; i < std::min<std::size_t>(last, n_free); ++i) {
       if (still(i)) continue;
       const std::size_t begin = rows.index.size();
-      if (n_parts == 1 && asleep.empty()) {
-        particles.append_within(positions[i], range, rows.index, from(i + 1));
-        later.even_out(i, begin, moves, rows.index);
-        rows.alone.push_back(rows.fill_up(i));
-      } else {
-        around.clear();
-        particles.append_within(positions[i], range, around, from(0));
-        for (const Index j : around)
-          if (j >= first && j < last && (j > i || still(j))) rows.index.push_back(j);
-        later.even_out(i, begin, moves, rows.index);
-        rows.alone.push_back(rows.fill_up(i));
-        for (const Index j : around)
-          if (j < first || j >= last) rows.index.push_back(j);
+      if (asleep.empty())
+        particles.append_within(
+            positions[i], range, rows.index, [&](Index j, double) __attribute__((always_inline)) {
+              return static_cast<bool>(static_cast<int>(j > i) | static_cast<int>(j < first));
+            });
+      else
+        particles.append_within(
+            positions[i], range,
+            rows.index, [&](Index j, double) __attribute__((always_inline)) { return j > i || j < first || still(j); });
+      beyond.clear();
+      if (n_parts > 1) {
+        std::size_t own = begin;
+        for (std::size_t m = begin; m < rows.index.size(); ++m) {
+          const Index j = rows.index[m];
+          if (j >= first && j < last)
+            rows.index[own++] = j;
+          else
+            beyond.push_back(j);
+        }
+        rows.index.resize(own);
       }
+      later.even_out(i, begin, moves, rows.index);
+      rows.alone.push_back(rows.fill_up(i));
+      rows.index.insert(rows.index.end(), beyond.begin(), beyond.end());
       append_images(i, rows.index);
       rows.offset.push_back(rows.fill_up(i));
     }
