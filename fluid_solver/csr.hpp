@@ -53,7 +53,7 @@ struct GraphMatrix {
   void apply(std::span<const double> x, std::span<double> y) const {
     for_each_in_lanes(
         size(), [&](std::size_t a) __attribute__((always_inline)) {
-          Lanes sums{}, w;
+          Lanes sums{}, w{};
           std::size_t k = begin(a);
           const std::size_t stop = end(a);
           const bool direct = column.direct(a);

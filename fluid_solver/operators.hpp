@@ -267,7 +267,7 @@ void share_out(const Stencil<D>& s, std::span<const double> counts, std::span<Ve
       s.n_real, s.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
         if (counts[a] == 0.0) return;
         VectorSum<D> sums;
-        Lanes w;
+        Lanes w{};
         for (std::size_t k = s.offset[a]; k < s.offset[a + 1]; k += n_lanes) {
           const Index* const i = &s.other[k];
           poretwin::take(&value[k], w);

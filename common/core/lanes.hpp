@@ -60,7 +60,9 @@ using LooseLanes __attribute__((aligned(sizeof(double)), may_alias)) =
 using LooseFloats __attribute__((aligned(sizeof(float)), may_alias)) =
     float __attribute__((vector_size(n_lanes * sizeof(float))));
 [[gnu::always_inline]] inline void take(const float* from, Lanes& to) {
-  to = __builtin_convertvector(*reinterpret_cast<const LooseFloats*>(from), Lanes);
+  // One by one: gcc 12 turns a vector of floats into doubles half by half.
+  to = Lanes{static_cast<double>(from[0]), static_cast<double>(from[1]), static_cast<double>(from[2]),
+             static_cast<double>(from[3])};
 }
 [[gnu::always_inline]] inline void put(const Lanes& from, float* to) {
   *reinterpret_cast<LooseFloats*>(to) = __builtin_convertvector(from, LooseFloats);
