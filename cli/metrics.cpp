@@ -39,7 +39,8 @@ void declare(Keys& keys, Metric& m) {
   keys.text(
       "op", m.op,
       {"",
-       "`value`, `relative`, `mean` (over the range; relative error), `l2`, `profile`, `max_abs`, `decay_rate`, "
+       "`value` (a reading, or with `from` the mean over the range), `relative`, `mean` (over the range; relative "
+       "error), `l2`, `profile`, `max_abs`, `decay_rate`, "
        "`monotone`, `drift`, `exceeds`, `curve`, `exit`, `period` "
        "(mean, between upward passages of `limit`; relative error), `crossing` (time at which the readings first pass "
        "`limit`; relative error), `counter` (at most `reference`), `largest` (relative error), `smallest` (at least "
@@ -132,6 +133,7 @@ class Judge {
  private:
   [[nodiscard]] double value() const {
     if (m_.op == "exit") return exit_;
+    if (m_.op == "value" && m_.from) return mean();
     if (m_.op == "value" || m_.op == "relative") return at_time(readings());
     if (m_.op == "mean") return mean();
     if (m_.op == "l2" || m_.op == "profile") return profile();

@@ -45,6 +45,16 @@ TEST(Metrics, ValueInterpolatesAndScales) {
   EXPECT_EQ(judge(m, ramp, 0).complaint, "no readings of gauge 'absent'");
 }
 
+TEST(Metrics, ValueOfARangeIsItsMean) {
+  auto m = metric("value", 1.7, 1e-9);
+  m.from = 0.8;
+  m.to = 0.9;
+  EXPECT_NEAR(judge(m, ramp, 0).value, 1.7, 1e-12);
+  m.reference = 0.0;
+  m.tolerance = 1.69;
+  EXPECT_FALSE(judge(m, ramp, 0).passed) << "held against zero as a single reading is";
+}
+
 TEST(Metrics, RelativeAndLast) { EXPECT_NEAR(judge(metric("relative", 1.6, 0.3), ramp, 0).error, 0.25, 1e-12); }
 
 TEST(Metrics, NotANumberNeverPasses) {
