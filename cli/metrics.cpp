@@ -122,6 +122,7 @@ class Judge {
       if (m_.op == "exceeds") return exceeds(v);
       v.value = value();
       v.error = error(v.value);
+      v.marks = marks();
     } catch (const Failure& failure) {
       v.value = v.error = nan;
       v.complaint = failure.text;
@@ -231,11 +232,16 @@ class Judge {
     const double span = series.time.back() - series.time.front();
     return span > 0.0 ? sum / span : series.value.front();
   }
-  [[nodiscard]] double profile() const {
+  /// The gauges of a profile.
+  [[nodiscard]] std::vector<std::string> along() const {
     std::vector<std::string> names = m_.gauges;
     for (std::size_t i = 0; names.size() == i && m_.gauges.empty(); ++i)
       if (const auto name = fmt::format("{}[{}]", m_.gauge, i); gauges_.find(name) != gauges_.end())
         names.push_back(name);
+    return names;
+  }
+  [[nodiscard]] double profile() const {
+    const auto names = along();
     if (names.empty() || names.size() != m_.references.size())
       throw Failure{
           fmt::format("{} gauges '{}' and {} references do not match", names.size(), m_.gauge, m_.references.size())};
@@ -359,15 +365,24 @@ class Judge {
     }
     throw Failure{fmt::format("gauge '{}' or its curve never passes {}", m_.gauge, *m_.align)};
   }
+  /// By how much the clock of the readings is behind that of the curve [s].
+  [[nodiscard]] double shift() const {
+    return m_.align ? first_passage(readings()) - first_passage(curve_as_readings()) : 0.0;
+  }
+  /// The curve's points that are judged, by the clock of the readings.
+  [[nodiscard]] std::vector<std::pair<double, double>> judged_knots() const {
+    const double later = shift();
+    std::vector<std::pair<double, double>> knots;
+    for (const auto& [t, right] : m_.curve->knots)
+      if (t >= m_.from.value_or(-HUGE_VAL) && t <= m_.to.value_or(HUGE_VAL)) knots.emplace_back(t + later, right);
+    return knots;
+  }
   [[nodiscard]] double curve() const {
     const auto series = readings();
-    const double shift = m_.align ? first_passage(series) - first_passage(curve_as_readings()) : 0.0;
     double most = 0.0, sum = 0.0, count = 0.0;
-    for (const auto& [t, right] : m_.curve->knots) {
-      if (t < m_.from.value_or(-HUGE_VAL) || t > m_.to.value_or(HUGE_VAL)) continue;
-      const double found = reading(series, t + shift);
-      if (!std::isfinite(found))
-        throw Failure{fmt::format("gauge '{}' has no number at t = {} s", m_.gauge, t + shift)};
+    for (const auto& [t, right] : judged_knots()) {
+      const double found = reading(series, t);
+      if (!std::isfinite(found)) throw Failure{fmt::format("gauge '{}' has no number at t = {} s", m_.gauge, t)};
       const double e = std::abs(found - right) / m_.normaliser.value_or(std::abs(right));
       most = std::max(most, e);
       sum += e * e;
@@ -375,6 +390,26 @@ class Judge {
     }
     if (count == 0.0) throw Failure{"the reference curve has no point in the range"};
     return m_.norm == "rms" ? std::sqrt(sum / count) : most;
+  }
+
+  [[nodiscard]] std::vector<Mark> marks() const {
+    if (!m_.plus.empty() || !m_.minus.empty() || m_.scale == 0.0) return {};
+    std::vector<Mark> found;
+    const auto add = [&](const std::string& name, double t, double right, double off_by_time, double off_by) {
+      found.push_back({name, t, right / m_.scale, off_by_time, off_by / std::abs(m_.scale)});
+    };
+    const auto judged_at = [&](const std::string& name) { return m_.at.value_or(gauge(name).time.back()); };
+    if (m_.op == "value" && !m_.from)
+      add(m_.gauge, judged_at(m_.gauge), *m_.reference, 0.0, m_.tolerance);
+    else if (m_.op == "relative")
+      add(m_.gauge, judged_at(m_.gauge), *m_.reference, 0.0, m_.tolerance * std::abs(*m_.reference));
+    else if (m_.op == "crossing")
+      add(m_.gauge, *m_.reference, m_.limit.value_or(0.0), m_.tolerance * std::abs(*m_.reference), 0.0);
+    else if (m_.op == "curve")
+      for (const auto& [t, right] : judged_knots()) add(m_.gauge, t, right, 0.0, 0.0);
+    else if (m_.op == "l2" || m_.op == "profile")
+      for (std::size_t i = 0; const auto& name : along()) add(name, judged_at(name), m_.references[i++], 0.0, 0.0);
+    return found;
   }
 
   const Metric& m_;

@@ -34,11 +34,18 @@ struct VerifyFile {
   std::vector<Metric> metrics;
 };
 
+/// Where a gauge should read what, for pictures: in the gauge's own unit, with what the bound lets it be off by.
+struct Mark {
+  std::string gauge;
+  double time = 0.0, value = 0.0, time_error = 0.0, value_error = 0.0;
+};
+
 /// What became of a metric. NaN never passes.
 struct Verdict {
   double value = 0.0, reference = 0.0, error = 0.0;
   bool passed = false;
-  std::string complaint;  ///< why there is no value
+  std::string complaint;    ///< why there is no value
+  std::vector<Mark> marks;  ///< of operations that say what readings should be, and when
 };
 
 using Gauges = std::map<std::string, GaugeSeries>;

@@ -13,6 +13,7 @@ import h5py
 import matplotlib
 import matplotlib.colors
 import numpy as np
+from cells import Canvas, spacing
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (after the backend is chosen)
@@ -23,6 +24,8 @@ MAIN_FIELDS = {
     "fluid": ["pore_pressure", "velocity"],
     "solid": ["effective_stress", "accumulated_plastic_strain", "displacement"],
 }
+AROUND = {"fluid": "#d8d5cf", "solid": "#d3e5f3"}  # behind the water: soil; behind the soil: water
+WATER_LINE = "#2b7bba"
 LEAST_STRAIN = 1e-3  # plastic strain is drawn by its logarithm, from here on
 TENSOR = ["xx", "yy", "zz", "xy", "yz", "xz"]
 STYLE = {"font.size": 9, "axes.linewidth": 0.8, "figure.dpi": 100, "savefig.dpi": 200, "axes.grid": False}
@@ -80,16 +83,6 @@ def is_3d(frames, step):
     return len(x) > 0 and np.ptp(x[:, 2]) > 0
 
 
-def spacing(x):
-    """Typical distance between neighbours, from the area or volume they fill."""
-    if len(x) < 2:
-        return 1.0
-    sample = x[np.random.default_rng(0).choice(len(x), min(len(x), 300), replace=False)]
-    d = np.linalg.norm(sample[:, None, :] - x[None, :, :], axis=2)
-    d[d == 0] = np.inf
-    return float(np.median(d.min(axis=1)))
-
-
 def prefix(value):
     """A scale that keeps numbers short: kPa, mm."""
     for factor, sign in ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ")):
@@ -98,45 +91,78 @@ def prefix(value):
     return 1.0, ""
 
 
-def draw_field(frames, phase, name, step, target):
-    x = frames.positions(step)
-    if len(x) == 0:
-        print(f"{phase}: no particles at t = {frames.times[step]:g} s")
-        return
+class Body:
+    """The particles of one frame in the plane of the picture: of a 3D run its middle slice, seen from the front."""
+
+    def __init__(self, frames, phase, step, values=None):
+        x = frames.positions(step)
+        self.three = is_3d(frames, step)
+        dimensions = 3 if self.three else 2
+        wide = np.ones(len(x))
+        if phase == "fluid" and "void_fraction" in frames.fields():  # in pores water takes the more room
+            wide = np.maximum(frames.values("void_fraction", step), 0.1) ** (-1.0 / dimensions)
+        self.dx = spacing(x[:, :dimensions], wide)
+        keep = np.abs(x[:, 1] - np.median(x[:, 1])) <= 0.75 * self.dx if self.three else np.ones(len(x), dtype=bool)
+        self.x, self.size = x[keep][:, [0, 2] if self.three else [0, 1]], self.dx * wide[keep]
+        self.values = None if values is None else values[keep]
+
+
+def other_body(frames, phase, step):
+    """The other phase of the same run at the same time, where there is one."""
+    other = "solid" if phase == "fluid" else "fluid"
+    path = pathlib.Path(frames.file.filename).with_name(f"{other}.vtkhdf")
+    if not path.exists():
+        return None
+    there = Frames(path)
+    if there.n_steps == 0:
+        return None
+    nearest = int(np.argmin(np.abs(there.times - frames.times[step])))
+    return Body(there, other, nearest) if len(there.positions(nearest)) > 0 else None
+
+
+def paint(axes, frames, phase, name, step):
+    """One field of one phase, in its surroundings: grey soil around the water, or pale blue water and its outline over the soil."""
     values, label = scalar(frames, name, step)
     unit = frames.unit(name if name in frames.fields() else name.rpartition("_")[0])
-    largest = np.nanmax(np.abs(values)) if np.isfinite(values).any() else 0.0
+    body, around = Body(frames, phase, step, values), other_body(frames, phase, step)
+    values, largest = body.values, np.nanmax(np.abs(body.values)) if np.isfinite(body.values).any() else 0.0
     factor, sign = prefix(largest) if unit in ("Pa", "m", "m/s", "N") else (1.0, "")
-    three = is_3d(frames, step)
-    if three:  # the middle slice, seen from the front
-        dx = spacing(x)
-        keep = np.abs(x[:, 1] - np.median(x[:, 1])) <= 0.75 * dx
-        x, values = x[keep][:, [0, 2]], values[keep]
-    else:
-        x = x[:, :2]
-    dx = spacing(x)
-    lower, upper = x.min(axis=0) - 1.5 * dx, x.max(axis=0) + 1.5 * dx
-    size = upper - lower
-    width = min(7.0, max(2.0, 5.0 * size[0] / size[1]))
-    figure, axes = plt.subplots(figsize=(width + 1.2, width * size[1] / size[0] + 0.9), layout="tight")
-    axes.set_xlim(lower[0], upper[0])
-    axes.set_ylim(lower[1], upper[1])
-    axes.set_aspect("equal")
     # A diverging map only where both signs matter: a little noise around zero does not.
     signed = min(-np.nanmin(values), np.nanmax(values)) > 0.05 * largest
     limits = {"vmin": -largest / factor, "vmax": largest / factor} if signed else {}
     if name == "accumulated_plastic_strain" and largest > LEAST_STRAIN:  # slip bands beside grains that have rolled away
         values, limits = np.maximum(values, LEAST_STRAIN), {"norm": matplotlib.colors.LogNorm(LEAST_STRAIN, largest)}
-    drawn = axes.scatter(x[:, 0], x[:, 1], c=values / factor, marker="s", linewidths=0, cmap="RdBu_r" if signed else "viridis", **limits)
-    bar = figure.colorbar(drawn, cax=make_axes_locatable(axes).append_axes("right", size=0.12, pad=0.08))
+    corners = np.vstack([b.x for b in (body, around) if b is not None])
+    lower, upper = corners.min(axis=0) - 2.5 * body.dx, corners.max(axis=0) + 2.5 * body.dx
+    canvas = Canvas(lower, upper, body.dx)
+    place = {"extent": canvas.extent, "origin": "lower", "interpolation": "nearest"}
+    outline = None if around is None else canvas.cover(around.x, around.size)
+    if outline is not None:
+        shade = np.zeros((*canvas.shape, 4))
+        shade[outline > 0.5] = matplotlib.colors.to_rgba(AROUND[phase])
+        axes.imshow(shade, **place)
+    drawn = axes.imshow(canvas.fill(body.x, values / factor, body.size), cmap="RdBu_r" if signed else "viridis", **limits, **place)
+    about = ""
+    if outline is not None and phase == "solid":
+        axes.contour(outline, levels=[0.5], colors=WATER_LINE, linewidths=0.9, extent=canvas.extent)
+        about = "; blue: outline of the water"
+    axes.set(xlim=(lower[0], upper[0]), ylim=(lower[1], upper[1]), aspect="equal", xlabel="x [m]",
+             ylabel="z [m], middle slice" if body.three else "y [m]")
+    axes.set_title(f"{phase}, t = {frames.times[step]:.4g} s{about}", fontsize=9)
+    bar = axes.figure.colorbar(drawn, cax=make_axes_locatable(axes).append_axes("right", size=0.12, pad=0.08))
     bar.set_label(f"{label.replace('_', ' ')} [{sign}{unit}]")
-    axes.set_xlabel("x [m]")
-    axes.set_ylabel("z [m], middle slice" if three else "y [m]")
-    axes.set_title(f"{phase}, t = {frames.times[step]:.4g} s", fontsize=9)
-    # Squares as wide as the spacing: particles fill the body without covering each other.
-    figure.canvas.draw()
-    points_per_metre = np.diff(axes.transData.transform([[0, 0], [1, 0]])[:, 0])[0] * 72 / figure.dpi
-    drawn.set_sizes([(dx * points_per_metre) ** 2])
+
+
+def draw_field(frames, phase, name, step, target):
+    """A picture of one field, as large as its body's shape asks for."""
+    if len(frames.positions(step)) == 0:
+        print(f"{phase}: no particles at t = {frames.times[step]:g} s")
+        return
+    figure, axes = plt.subplots(layout="tight")
+    paint(axes, frames, phase, name, step)
+    size = np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim())
+    width = min(7.0, max(2.0, 5.0 * size[0] / size[1]))
+    figure.set_size_inches(width + 1.2, width * size[1] / size[0] + 0.9)
     figure.savefig(target, bbox_inches="tight")
     plt.close(figure)
     print(target)
@@ -175,19 +201,27 @@ def reference_of(run, gauge):
     return np.array(rows) if rows and len(rows[0]) == 2 else None
 
 
-def draw_gauges(run, names, title, series, target):
+def draw_gauges(run, names, title, series, target, marks=()):
+    """Gauges against time. marks: what they should read, [gauge, time, value, and by how much either may be off]."""
     figure, axes = plt.subplots(figsize=(5.5, 3.4))
+    legend = len(names) > 1
     for i, name in enumerate(names):
-        entry = series[name]
-        axes.plot(entry["t"], entry["v"], lw=1.4, color=f"C{i % 10}", label=name)
-        reference = reference_of(run, name)
-        if reference is not None:
-            axes.plot(reference[:, 0], reference[:, 1], "o", ms=4, mfc="none", color=f"C{i % 10}", label=f"{name}, reference")
+        entry, colour = series[name], f"C{i % 10}"
+        axes.plot(entry["t"], entry["v"], lw=1.4, color=colour, label=name)
+        own = np.array([mark[1:] for mark in marks if mark[0] == name], dtype=float).reshape(-1, 4)
+        reference = reference_of(run, name) if len(own) == 0 else own[:, :2]
+        if reference is None:
+            continue
+        axes.plot(reference[:, 0], reference[:, 1], "o", ms=4, mfc="white", color=colour, zorder=3,
+                  label=None if len(names) > 1 and i > 0 else "reference" if len(own) else f"{name}, reference")
+        off = np.where(own[:, 2:] > 0.0, own[:, 2:], np.nan)  # a bar of no length would still have its caps
+        axes.errorbar(own[:, 0], own[:, 1], xerr=off[:, 0], yerr=off[:, 1], fmt="none", ecolor=colour, elinewidth=0.9, capsize=2.5)
+        legend = True
     axes.set_xlabel("time [s]")
     axes.set_ylabel(f"{title.replace('_', ' ')} [{series[names[0]]['unit']}]")
     axes.margins(x=0.02)
     axes.grid(alpha=0.3, lw=0.5)
-    if len(axes.get_legend_handles_labels()[0]) > 1:
+    if legend:
         axes.legend(fontsize=7, frameon=False, ncols=2 if len(names) > 6 else 1)
     figure.savefig(target, bbox_inches="tight")
     plt.close(figure)

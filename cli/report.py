@@ -46,14 +46,15 @@ def draw_fields(folder, figures, target, prefix):
                 yield path
 
 
-def draw_gauges(folder, names, target, prefix):
-    """One picture per gauge, or per array of gauges. Yields paths."""
+def draw_gauges(folder, judged, target, prefix):
+    """One picture per gauge, or per array of gauges, that these metrics judge, with what they should have read. Yields paths."""
     series = plot.read_gauges(folder)
-    for title in dict.fromkeys(name.partition("[")[0] for name in names):
+    for title in dict.fromkeys(m["gauge"].partition("[")[0] for m in judged):
         group = [name for name in series if name.partition("[")[0] == title and len(series[name]["t"]) > 1]
         if group:
             path = target / f"{prefix}_{title.replace('/', '_')}.png"
-            plot.draw_gauges(folder, group, title, series, path)
+            marks = [mark for m in judged for mark in m.get("marks", []) if mark[0] in group]
+            plot.draw_gauges(folder, group, title, series, path, marks)
             yield path
 
 
@@ -78,7 +79,7 @@ def section(case, folder_of_pictures, pictured=None):
         if run not in chosen:
             continue
         folder, prefix = pathlib.Path(run["folder"]), f"{case['case']}_{run['name']}".replace(" ", "_")
-        judged = [m["gauge"] for m in case["metrics"] if m["run"] == run["name"] and m["gauge"]]
+        judged = [m for m in case["metrics"] if m["run"] == run["name"] and m["gauge"]]
         pictures[run["name"]] = [*draw_fields(folder, run["figures"], folder_of_pictures, prefix),
                                  *draw_gauges(folder, judged, folder_of_pictures, prefix)]
     for name, paths in pictures.items():

@@ -60,7 +60,7 @@ class CaseCheck {
       Metric metric;
       metric.name = "wall-clock time";
       metric.unit = "s";
-      add(metric, {wall_, *file.wall, std::max(0.0, wall_ - *file.wall), false, "took too long"});
+      add(metric, {wall_, *file.wall, std::max(0.0, wall_ - *file.wall), false, "took too long", {}});
     }
     json_["passed"] = passed_;
     json_["wall_s"] = wall_;
@@ -107,7 +107,7 @@ class CaseCheck {
     if (result.exit != 0 && !failure_expected) {
       Metric metric;
       metric.name = fmt::format("run '{}' ends well", run.name);
-      add(metric, {static_cast<double>(result.exit), 0.0, static_cast<double>(result.exit), false, result.reason});
+      add(metric, {static_cast<double>(result.exit), 0.0, static_cast<double>(result.exit), false, result.reason, {}});
     }
   }
 
@@ -132,6 +132,9 @@ class CaseCheck {
 
   void add(const Metric& metric, const Verdict& v) {
     passed_ = passed_ && v.passed;
+    Json marks = Json::array();
+    for (const auto& mark : v.marks)
+      marks.push_back({mark.gauge, mark.time, mark.value, mark.time_error, mark.value_error});
     json_["metrics"].push_back({{"name", metric.name},
                                 {"run", metric.run},
                                 {"gauge", metric.gauge},
@@ -140,7 +143,8 @@ class CaseCheck {
                                 {"error", number(v.error)},
                                 {"tolerance", metric.tolerance},
                                 {"unit", metric.unit},
-                                {"passed", v.passed}});
+                                {"passed", v.passed},
+                                {"marks", std::move(marks)}});
     fmt::print("{:<22} {:<44} {:>12.5g} {:>12.5g} {:>10.3g} {:>10.3g}  {:<6} {}\n", place_.name, metric.name, v.value,
                v.reference, v.error, metric.tolerance, metric.unit, v.passed ? "pass" : "FAIL");
     if (!v.complaint.empty()) fmt::print("    {}\n", v.complaint);

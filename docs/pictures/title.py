@@ -1,72 +1,78 @@
 #!/usr/bin/python3
-"""The README's picture, from runs/submerged_soil and runs/terzaghi: title.py RUNS OUT.png"""
-import csv
+"""The README's picture: title.py RUNS OUT.png, from these runs in that folder:
+
+poretwin run embankment_seepage --until 3000 --set output.interval=200
+poretwin run embankment_failure
+poretwin run submerged_soil
+poretwin run terzaghi
+"""
 import pathlib
 import sys
 
-import h5py
-import matplotlib
 import numpy as np
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402
-
-
-def last_frame(path, field):
-    with h5py.File(path, "r", locking=False) as file:
-        root = file["VTKHDF"]
-        first, count = root["Steps/PointOffsets"][-1], root["NumberOfPoints"][-1]
-        rows = slice(first, first + count)
-        return root["Points"][rows], root["PointData"][field][rows]
-
-
-def gauges(run):
-    series = {}
-    with open(run / "gauges.csv") as file:
-        for row in csv.DictReader(file):
-            series.setdefault(row["gauge"], []).append((float(row["time_s"]), float(row["value"])))
-    return {name: np.array(values) for name, values in series.items()}
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "cli"))
+import plot  # noqa: E402
+from cells import Canvas  # noqa: E402
+from plot import plt  # noqa: E402
 
 
 def reference(path):
-    rows = [line.split(",") for line in open(path) if not line.startswith("#")]
-    return np.array([[float(v) for v in row[:2]] for row in rows[1:]])
+    rows = [line.split(",") for line in open(ROOT / "cases" / path) if not line.startswith("#")]
+    return np.array([[float(v) for v in row] for row in rows[1:]])
+
+
+def seepage(axes, run):
+    frames, fronts = plot.Frames(run / "fluid.vtkhdf"), reference("embankment_seepage/reference/front.csv")
+    plot.paint(axes, frames, "fluid", "pore_pressure", frames.n_steps - 1)
+    for t in (200, 800, 3000):
+        body = plot.Body(frames, "fluid", int(np.argmin(np.abs(frames.times - t))))
+        canvas = Canvas([0, 0], [1.2, 0.4], body.dx)
+        axes.contour(canvas.cover(body.x, body.size), levels=[0.5], colors="white", linewidths=0.8, extent=canvas.extent)
+        right = fronts[fronts[:, 0] == t]
+        axes.plot(right[:, 2], right[:, 1], "o", ms=3.8, mfc="white", mec="black", mew=0.8)
+        axes.annotate(f"{t} s", right[0, [2, 1]], (5, 6), textcoords="offset points", fontsize=8)
+    axes.set_title("Water enters a dry embankment: fronts (lines) and an independent reference (o)")
+
+
+def failure(axes, run):
+    frames = plot.Frames(run / "solid.vtkhdf")
+    plot.paint(axes, frames, "solid", "accumulated_plastic_strain", frames.n_steps - 1)
+    axes.set_title(f"... and it fails: slip surface from toe to crest, {frames.times[-1]:.0f} s; blue: the water")
+
+
+def at_rest(axes, run):
+    series, depth = plot.read_gauges(run), np.arange(11)
+    for name, label, slope, surface in [("sv_eff", "vertical, effective", 11.333, 0), ("sh_eff", "horizontal, effective", 4.857, 0),
+                                        ("sv_total", "vertical, total", 21.143, 19.62), ("p_water", "pore pressure", 9.81, 19.62)]:
+        sign = 1 if name == "p_water" else -1
+        values = [sign * series[f"{name}[{i}]"]["v"][-1] / 1e3 for i in depth]
+        (line,) = axes.plot(surface + slope * depth, depth, lw=1)
+        axes.plot(values, depth, "o", ms=4, mfc="none", color=line.get_color(), label=label)
+    axes.invert_yaxis()
+    axes.set(xlabel="[kPa]", ylabel="depth below ground [m]", title="Stresses in soil under water: computed (o), exact (line)")
+    axes.legend(frameon=False, fontsize=8)
+
+
+def consolidation(axes, run):
+    series = plot.read_gauges(run)
+    for gauge, name, scale, label in [("settlement", "settlement", -1 / 9.9047619e-05, "consolidation"),
+                                      ("base_pressure", "base_pressure", 1e-3, "base pressure over load")]:
+        exact = reference(f"terzaghi/reference/{name}.csv")
+        t, v = np.array(series[gauge]["t"]), np.array(series[gauge]["v"])
+        shown = t > 0.01
+        (line,) = axes.plot(t[shown], v[shown] * scale, lw=1.2, label=label)
+        axes.plot(exact[:, 0], exact[:, 1] * scale, "o", ms=4, mfc="none", color=line.get_color())
+    axes.set(xlabel="time [s]", title="Terzaghi's consolidation: computed (line), exact (o)")
+    axes.legend(frameon=False, fontsize=8)
 
 
 runs, out = pathlib.Path(sys.argv[1]), sys.argv[2]
-plt.rcParams.update({"font.size": 9, "axes.titlesize": 9, "axes.linewidth": 0.8})
-figure, axes = plt.subplots(1, 3, figsize=(11.5, 3.9), width_ratios=[1.25, 1, 1], constrained_layout=True)
-
-bed = runs / "submerged_soil"
-x, p = last_frame(bed / "fluid.vtkhdf", "pore_pressure")
-y, stress = last_frame(bed / "solid.vtkhdf", "effective_stress")
-water = x[:, 1] > 10
-axes[0].scatter(x[water, 0], x[water, 1], c="#9ecae1", s=8, marker="s", linewidths=0)
-drawn = axes[0].scatter(y[:, 0], y[:, 1], c=-stress[:, 1] / 1e3, s=12, marker="s", linewidths=0, cmap="YlOrBr")
-figure.colorbar(drawn, ax=axes[0], label="vertical effective stress [kPa]", shrink=0.9)
-axes[0].set(aspect="equal", xlabel="x [m]", ylabel="y [m]", title="Soil at rest under water (Bui & Nguyen 2017, 5.1)")
-
-series, depth = gauges(bed), np.arange(11)
-for name, label, slope, surface in [("sv_eff", "vertical, effective", 11.333, 0), ("sh_eff", "horizontal, effective", 4.857, 0),
-                                    ("sv_total", "vertical, total", 21.143, 19.62), ("p_water", "pore pressure", 9.81, 19.62)]:
-    sign = 1 if name == "p_water" else -1
-    values = [sign * series[f"{name}[{i}]"][-1, 1] / 1e3 for i in depth]
-    (line,) = axes[1].plot(surface + slope * depth, depth, lw=1)
-    axes[1].plot(values, depth, "o", ms=4, mfc="none", color=line.get_color(), label=label)
-axes[1].invert_yaxis()
-axes[1].set(xlabel="[kPa]", ylabel="depth below ground [m]", title="On its centre line: computed (o), exact (line)")
-axes[1].legend(frameon=False, fontsize=8)
-
-column = runs / "terzaghi"
-series = gauges(column)
-here = pathlib.Path(__file__).resolve().parents[2] / "cases/terzaghi/reference"
-settlement, exact = series["settlement"], reference(here / "settlement.csv")
-axes[2].plot(settlement[:, 0], settlement[:, 1] / -9.9047619e-05, lw=1.2, label="consolidation")
-axes[2].plot(exact[:, 0], exact[:, 1] / -9.9047619e-05, "o", ms=4, mfc="none", color="C0")
-pressure, exact = series["base_pressure"], reference(here / "base_pressure.csv")
-late = pressure[:, 0] > 0.01
-axes[2].plot(pressure[late, 0], pressure[late, 1] / 1e3, lw=1.2, color="C1", label="base pressure over load")
-axes[2].plot(exact[:, 0], exact[:, 1] / 1e3, "o", ms=4, mfc="none", color="C1")
-axes[2].set(xlabel="time [s]", title="Terzaghi: computed (line), exact (o)")
-axes[2].legend(frameon=False, fontsize=8)
+plt.rcParams.update(plot.STYLE | {"axes.titlesize": 9})
+figure, axes = plt.subplots(2, 2, figsize=(12.5, 6.2), height_ratios=[1, 0.95], layout="tight")
+seepage(axes[0, 0], runs / "embankment_seepage")
+failure(axes[0, 1], runs / "embankment_failure")
+at_rest(axes[1, 0], runs / "submerged_soil")
+consolidation(axes[1, 1], runs / "terzaghi")
 figure.savefig(out, dpi=110)

@@ -55,6 +55,34 @@ TEST(Metrics, ValueOfARangeIsItsMean) {
   EXPECT_FALSE(judge(m, ramp, 0).passed) << "held against zero as a single reading is";
 }
 
+TEST(Metrics, MarksStandWhereReadingsShouldBeInTheirOwnUnit) {
+  auto m = metric("value", 10.0, 0.2);
+  m.at = 0.5;
+  m.scale = 10.0;
+  auto marks = judge(m, ramp, 0).marks;
+  ASSERT_EQ(marks.size(), 1U);
+  EXPECT_EQ(marks[0].gauge, "g");
+  EXPECT_EQ(marks[0].time, 0.5);
+  EXPECT_DOUBLE_EQ(marks[0].value, 1.0);
+  EXPECT_DOUBLE_EQ(marks[0].value_error, 0.02);
+  EXPECT_EQ(marks[0].time_error, 0.0);
+  m = metric("crossing", 0.4, 0.1);
+  m.limit = 0.8;
+  marks = judge(m, ramp, 0).marks;
+  ASSERT_EQ(marks.size(), 1U);
+  EXPECT_DOUBLE_EQ(marks[0].time, 0.4);
+  EXPECT_DOUBLE_EQ(marks[0].value, 0.8);
+  EXPECT_DOUBLE_EQ(marks[0].time_error, 0.04);
+  m = metric("curve", 0.0, 1.0);
+  m.curve.emplace();
+  m.curve->knots = {{0.1, 0.3}, {0.3, 0.7}};  // the ramp, a twentieth of a second earlier
+  m.align = 0.5;
+  marks = judge(m, ramp, 0).marks;
+  ASSERT_EQ(marks.size(), 2U);
+  EXPECT_NEAR(marks[0].time, 0.15, 1e-9) << "by the clock of the readings";
+  EXPECT_TRUE(judge(metric("max_abs", 0.0, 3.0), ramp, 0).marks.empty());
+}
+
 TEST(Metrics, RelativeAndLast) { EXPECT_NEAR(judge(metric("relative", 1.6, 0.3), ramp, 0).error, 0.25, 1e-12); }
 
 TEST(Metrics, NotANumberNeverPasses) {
