@@ -85,8 +85,10 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
   unsigned seed = scene.fluid.seed;
   double top = -1e300, bottom = 1e300, farthest = 0.0;
   const Vec<D> up = weight_.norm() > 0.0 ? Vec<D>(-weight_.normalized()) : Vec<D>::Zero();
+  std::span<const Shape> later = scene.fluid.regions;
   for (const auto& region : scene.fluid.regions) {
-    const auto lattice = fill<D>(region, dx_, scene.fluid.offset, scene.fluid.jitter, seed++);
+    later = later.subspan(1);
+    const auto lattice = fill<D>(region, dx_, scene.fluid.offset, scene.fluid.jitter, seed++, later);
     p.reserve(p.size() + lattice.position.size(), !scene.water_faces.empty());
     for (const auto& x : lattice.position) {
       const Soil* soil = soil_at(scene, to_point3<D>(x));

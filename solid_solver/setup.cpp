@@ -123,6 +123,8 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   constexpr std::size_t most_soils = std::numeric_limits<std::uint8_t>::max();
   if (scene.soils.size() > most_soils)
     throw CaseError(fmt::format("{} soils: the solid takes at most {}", scene.soils.size(), most_soils));
+  std::vector<Shape> shapes;
+  for (const Soil& soil : scene.soils) shapes.push_back(soil.shape);
   double fastest = 0.0;
   for (std::size_t s = 0; s < scene.soils.size(); ++s) {
     const Soil& soil = scene.soils[s];
@@ -138,7 +140,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
                                           : 0.0F);
     setup.softened_by_water.push_back(soil.saturated_cohesion ? 1 : 0);
     const auto lattice = fill<D>(soil.shape, setup.spacing, scene.solid.offset, scene.solid.jitter,
-                                 scene.solid.seed + static_cast<unsigned>(s));
+                                 scene.solid.seed + static_cast<unsigned>(s), std::span(shapes).subspan(s + 1));
     setup.density.push_back(density);
     fastest = std::max(fastest, std::sqrt(setup.models.back()->elasticity().constrained() / density));
     const std::size_t all = particles.size() + lattice.position.size();

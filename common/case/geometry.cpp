@@ -36,8 +36,25 @@ std::pair<Point3, Point3> bounds(const Shape& shape) {
   return {lower, upper};
 }
 
+namespace {
+
+/// Does x lie on an edge of a polygon, to within rounding?
+bool on_edge(const Shape& shape, const Point3& x, double slack) {
+  if (shape.kind != Shape::Kind::polygon) return false;
+  const auto& p = shape.points;
+  for (std::size_t i = 0, j = p.size() - 1; i < p.size(); j = i++) {
+    const Point3 edge = p[i] - p[j], from = x - p[j];
+    const double along = std::clamp(from.head<2>().dot(edge.head<2>()) / edge.head<2>().squaredNorm(), 0.0, 1.0);
+    if ((from - along * edge).head<2>().norm() < slack) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
 template <int D>
-Lattice<D> fill(const Shape& shape, double spacing, const Point3& offset, double jitter, unsigned seed) {
+Lattice<D> fill(const Shape& shape, double spacing, const Point3& offset, double jitter, unsigned seed,
+                std::span<const Shape> later) {
   Lattice<D> lattice;
   const auto [lower, upper] = bounds(shape);
   std::array<int, 3> count{1, 1, 1};
@@ -57,7 +74,10 @@ Lattice<D> fill(const Shape& shape, double spacing, const Point3& offset, double
         Point3 x = Point3::Zero();
         const Point3 cell(i, j, k);
         for (int d = 0; d < D; ++d) x[d] = lower[d] + (cell[d] + offset[d]) * step[d];
-        if (!contains(shape, x, D)) continue;
+        const auto bounds_it = [&](const Shape& other) { return on_edge(other, x, 1e-6 * spacing); };
+        const bool inside =
+            bounds_it(shape) ? std::any_of(later.begin(), later.end(), bounds_it) : contains(shape, x, D);
+        if (!inside) continue;
         if (jitter > 0.0)
           for (int d = 0; d < D; ++d) x[d] += displacement(generator) * step[d];
         lattice.position.push_back(x.template head<D>());
@@ -234,8 +254,8 @@ std::vector<sph::ImagePlane<D>> periodic_planes(const General& general, int boun
   return planes;
 }
 
-template Lattice<2> fill<2>(const Shape&, double, const Point3&, double, unsigned);
-template Lattice<3> fill<3>(const Shape&, double, const Point3&, double, unsigned);
+template Lattice<2> fill<2>(const Shape&, double, const Point3&, double, unsigned, std::span<const Shape>);
+template Lattice<3> fill<3>(const Shape&, double, const Point3&, double, unsigned, std::span<const Shape>);
 template std::vector<sph::ImagePlane<2>> planes_of<2>(const Face&, int, double);
 template std::vector<sph::ImagePlane<3>> planes_of<3>(const Face&, int, double);
 template void meet_at_corners<2>(std::span<sph::ImagePlane<2>>, double);

@@ -46,9 +46,11 @@ struct Lattice {
 
 /// Fills a shape; the spacing is stretched a little where the shape's bounding box is not a whole number of spacings.
 /// offset: of the first particle from the lower corner, in spacings; jitter: uniform random displacement +- jitter
-/// spacings.
+/// spacings. What lies on an edge of a polygon is outside, or rounding would choose, unless another shape that is yet
+/// to be filled has it on an edge, too (`later`).
 template <int D>
-Lattice<D> fill(const Shape& shape, double spacing, const Point3& offset, double jitter, unsigned seed);
+Lattice<D> fill(const Shape& shape, double spacing, const Point3& offset, double jitter, unsigned seed,
+                std::span<const Shape> later = {});
 
 /// The straight pieces of a face as mirror planes; pieces are extended by `margin` [m] beyond their ends so that
 /// corners close.
