@@ -214,8 +214,10 @@ def draw_gauges(run, names, title, series, target, marks=()):
             continue
         axes.plot(reference[:, 0], reference[:, 1], "o", ms=4, mfc="white", color=colour, zorder=3,
                   label=None if len(names) > 1 and i > 0 else "reference" if len(own) else f"{name}, reference")
-        off = np.where(own[:, 2:] > 0.0, own[:, 2:], np.nan)  # a bar of no length would still have its caps
-        axes.errorbar(own[:, 0], own[:, 1], xerr=off[:, 0], yerr=off[:, 1], fmt="none", ecolor=colour, elinewidth=0.9, capsize=2.5)
+        for direction, off in ("xerr", own[:, 2]), ("yerr", own[:, 3]):
+            some = off > 0.0  # a bar of no length would still have its caps
+            if some.any():
+                axes.errorbar(own[some, 0], own[some, 1], **{direction: off[some]}, fmt="none", ecolor=colour, elinewidth=0.9, capsize=2.5)
         legend = True
     axes.set_xlabel("time [s]")
     axes.set_ylabel(f"{title.replace('_', ' ')} [{series[names[0]]['unit']}]")
