@@ -2,22 +2,23 @@
 import numpy as np
 
 
-def spacing(x, wide=1.0):
-    """Distance between neighbours inside a body [m], from how many lie within a few of them; x: [n, 2 or 3]. wide: [n] by how
-    much each stands for more room than others do, by its edge; the distance is that of particles of 1."""
+def spacing(x):
+    """Distance between neighbours inside a body [m], from how many lie within a few of them; x: [n, 2 or 3]."""
     n, dimensions = x.shape
     if n < 2:
         return 1.0
     chosen = np.random.default_rng(0).choice(n, min(n, int(np.clip(4e6 / n, 20, 200))), replace=False)
-    wide = np.broadcast_to(wide, n)
     near = [np.sqrt(np.partition(((x - x[i]) ** 2).sum(axis=1), 1)[1]) for i in chosen]
-    reach = 4.0 * float(np.median(near))
+    reach = 4.69 * float(np.median(near))  # a circle of as much room in a lattice as it holds points, 69
     if reach == 0.0:
         return 1.0
     volume = np.pi * reach**2 if dimensions == 2 else 4.0 / 3.0 * np.pi * reach**3
     count = np.array([np.count_nonzero(((x - x[i]) ** 2).sum(axis=1) <= reach**2) for i in chosen])
-    own = (volume / count) ** (1.0 / dimensions) / wide[chosen]
+    own = (volume / count) ** (1.0 / dimensions)
     return float(np.quantile(own, 0.25))  # those near a surface have fewer
+
+
+SURFACE = 0.7
 
 
 class Canvas:
@@ -51,7 +52,7 @@ class Canvas:
         return found
 
     def cover(self, x, size):
-        """How far each pixel lies inside the body of these particles: 1 inside, 0 outside, smooth over a spacing."""
+        """How far each pixel lies inside the body of these particles: 1 inside, 0 outside, SURFACE half a spacing from the last."""
         inside = np.isfinite(self.nearest(x, np.ones(len(x)), size, 0.75)).astype(float)  # half a diagonal, and a little
         width = max(1, int(round(0.35 * float(np.median(size)) / self.pixel)))
         box = np.ones(2 * width + 1) / (2 * width + 1)
@@ -61,4 +62,4 @@ class Canvas:
 
     def fill(self, x, values, size):
         """The same as `nearest`, without holes, in the body that the particles make."""
-        return np.where(self.cover(x, size) > 0.5, self.nearest(x, values, size, 1.5), np.nan)
+        return np.where(self.cover(x, size) > SURFACE, self.nearest(x, values, size, 1.5), np.nan)

@@ -13,7 +13,7 @@ import h5py
 import matplotlib
 import matplotlib.colors
 import numpy as np
-from cells import Canvas, spacing
+from cells import SURFACE, Canvas, spacing
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (after the backend is chosen)
@@ -94,16 +94,17 @@ def prefix(value):
 class Body:
     """The particles of one frame in the plane of the picture: of a 3D run its middle slice, seen from the front."""
 
-    def __init__(self, frames, phase, step, values=None):
+    def __init__(self, frames, step, values=None):
         x = frames.positions(step)
         self.three = is_3d(frames, step)
         dimensions = 3 if self.three else 2
-        wide = np.ones(len(x))
-        if phase == "fluid" and "void_fraction" in frames.fields():  # in pores water takes the more room
-            wide = np.maximum(frames.values("void_fraction", step), 0.1) ** (-1.0 / dimensions)
-        self.dx = spacing(x[:, :dimensions], wide)
+        if "volume" in frames.fields():
+            size = frames.values("volume", step) ** (1.0 / dimensions)
+        else:  # of a solver that does not tell it
+            size = np.full(len(x), spacing(x[:, :dimensions]))
+        self.dx = float(np.median(size))
         keep = np.abs(x[:, 1] - np.median(x[:, 1])) <= 0.75 * self.dx if self.three else np.ones(len(x), dtype=bool)
-        self.x, self.size = x[keep][:, [0, 2] if self.three else [0, 1]], self.dx * wide[keep]
+        self.x, self.size = x[keep][:, [0, 2] if self.three else [0, 1]], size[keep]
         self.values = None if values is None else values[keep]
 
 
@@ -117,14 +118,14 @@ def other_body(frames, phase, step):
     if there.n_steps == 0:
         return None
     nearest = int(np.argmin(np.abs(there.times - frames.times[step])))
-    return Body(there, other, nearest) if len(there.positions(nearest)) > 0 else None
+    return Body(there, nearest) if len(there.positions(nearest)) > 0 else None
 
 
 def paint(axes, frames, phase, name, step):
     """One field of one phase, in its surroundings: grey soil around the water, or pale blue water and its outline over the soil."""
     values, label = scalar(frames, name, step)
     unit = frames.unit(name if name in frames.fields() else name.rpartition("_")[0])
-    body, around = Body(frames, phase, step, values), other_body(frames, phase, step)
+    body, around = Body(frames, step, values), other_body(frames, phase, step)
     values, largest = body.values, np.nanmax(np.abs(body.values)) if np.isfinite(body.values).any() else 0.0
     factor, sign = prefix(largest) if unit in ("Pa", "m", "m/s", "N") else (1.0, "")
     # A diverging map only where both signs matter: a little noise around zero does not.
@@ -139,12 +140,12 @@ def paint(axes, frames, phase, name, step):
     outline = None if around is None else canvas.cover(around.x, around.size)
     if outline is not None:
         shade = np.zeros((*canvas.shape, 4))
-        shade[outline > 0.5] = matplotlib.colors.to_rgba(AROUND[phase])
+        shade[outline > SURFACE] = matplotlib.colors.to_rgba(AROUND[phase])
         axes.imshow(shade, **place)
     drawn = axes.imshow(canvas.fill(body.x, values / factor, body.size), cmap="RdBu_r" if signed else "viridis", **limits, **place)
     about = ""
     if outline is not None and phase == "solid":
-        axes.contour(outline, levels=[0.5], colors=WATER_LINE, linewidths=0.9, extent=canvas.extent)
+        axes.contour(outline, levels=[SURFACE], colors=WATER_LINE, linewidths=0.9, extent=canvas.extent)
         about = "; blue: outline of the water"
     axes.set(xlim=(lower[0], upper[0]), ylim=(lower[1], upper[1]), aspect="equal", xlabel="x [m]",
              ylabel="z [m], middle slice" if body.three else "y [m]")

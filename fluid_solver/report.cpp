@@ -22,7 +22,9 @@ OutputFrame Fluid<D>::frame() const {
       {{"void_fraction", "1", "n_w, water's share of the volume where saturated; 1 in free water", 1},
        tell_scalars([&p](std::size_t a) { return p.void_fraction[a]; })},
       {{"relative_flux", "m/s", "n (v_w - v_s), the discharge through the skeleton; zero in free water", 3}, relative},
-      {{"surface", "1", "1 on the free surface", 1}, tell_scalars(surface)}};
+      {{"surface", "1", "1 on the free surface", 1}, tell_scalars(surface)},
+      {{"volume", D == 2 ? "m2" : "m3", "bulk volume that the particle stands for", 1},
+       tell_scalars([&p](std::size_t a) { return p.volume[a]; })}};
   return out;
 }
 

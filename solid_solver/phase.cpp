@@ -704,6 +704,8 @@ OutputFrame Solid<D>::frame() const {
       tell_scalars([&p, this, up](std::size_t i) {
         return pore_pressure_ratio(state_.external.pressure[i], up.dot(matrix_of<D>(p.stress[i]) * up));
       }));
+  add({"volume", D == 2 ? "m2" : "m3", "bulk volume that the particle stands for", 1},
+      tell_scalars([&p](std::size_t i) { return p.volume[i]; }));
   return frame;
 }
 

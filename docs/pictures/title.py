@@ -14,7 +14,7 @@ import numpy as np
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "cli"))
 import plot  # noqa: E402
-from cells import Canvas  # noqa: E402
+from cells import SURFACE, Canvas  # noqa: E402
 from plot import plt  # noqa: E402
 
 
@@ -27,9 +27,9 @@ def seepage(axes, run):
     frames, fronts = plot.Frames(run / "fluid.vtkhdf"), reference("embankment_seepage/reference/front.csv")
     plot.paint(axes, frames, "fluid", "pore_pressure", frames.n_steps - 1)
     for t in (200, 800, 3000):
-        body = plot.Body(frames, "fluid", int(np.argmin(np.abs(frames.times - t))))
+        body = plot.Body(frames, int(np.argmin(np.abs(frames.times - t))))
         canvas = Canvas([0, 0], [1.2, 0.4], body.dx)
-        axes.contour(canvas.cover(body.x, body.size), levels=[0.5], colors="white", linewidths=0.8, extent=canvas.extent)
+        axes.contour(canvas.cover(body.x, body.size), levels=[SURFACE], colors="white", linewidths=0.8, extent=canvas.extent)
         right = fronts[fronts[:, 0] == t]
         axes.plot(right[:, 2], right[:, 1], "o", ms=3.8, mfc="white", mec="black", mew=0.8)
         axes.annotate(f"{t} s", right[0, [2, 1]], (5, 6), textcoords="offset points", fontsize=8)
