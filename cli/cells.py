@@ -61,5 +61,6 @@ class Canvas:
         return inside
 
     def fill(self, x, values, size):
-        """The same as `nearest`, without holes, in the body that the particles make."""
-        return np.where(self.cover(x, size) > SURFACE, self.nearest(x, values, size, 1.5), np.nan)
+        """The same as `nearest`, without holes, in the body that the particles make; and its cover."""
+        cover = self.cover(x, size)
+        return np.where(cover > SURFACE, self.nearest(x, values, size, 1.5), np.nan), cover

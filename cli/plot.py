@@ -142,7 +142,9 @@ def paint(axes, frames, phase, name, step):
         shade = np.zeros((*canvas.shape, 4))
         shade[outline > SURFACE] = matplotlib.colors.to_rgba(AROUND[phase])
         axes.imshow(shade, **place)
-    drawn = axes.imshow(canvas.fill(body.x, values / factor, body.size), cmap="RdBu_r" if signed else "viridis", **limits, **place)
+    filled, own = canvas.fill(body.x, values / factor, body.size)
+    drawn = axes.imshow(filled, cmap="RdBu_r" if signed else "viridis", **limits, **place)
+    axes.contour(own, levels=[SURFACE], colors="0.35", linewidths=0.5, extent=canvas.extent)  # pale colours need a border
     about = ""
     if outline is not None and phase == "solid":
         axes.contour(outline, levels=[SURFACE], colors=WATER_LINE, linewidths=0.9, extent=canvas.extent)

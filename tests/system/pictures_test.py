@@ -26,7 +26,7 @@ class Cells(unittest.TestCase):
         x = lattice(30, 20, dx)
         x += np.random.default_rng(2).uniform(-0.2 * dx, 0.2 * dx, x.shape)
         canvas = Canvas([-0.05, -0.05], [0.35, 0.25], dx)
-        drawn = canvas.fill(x, x[:, 0], np.full(len(x), dx))
+        drawn, _ = canvas.fill(x, x[:, 0], np.full(len(x), dx))
         rows, columns = np.indices(canvas.shape)
         at = canvas.lower + (np.stack([columns, rows], axis=2) + 0.5) * canvas.pixel
         inside = (at > 0.5 * dx).all(axis=2) & (at[:, :, 0] < 0.295) & (at[:, :, 1] < 0.195)
@@ -41,7 +41,7 @@ class Cells(unittest.TestCase):
         dx = 0.01
         x = np.vstack([lattice(10, 10, dx), lattice(10, 10, dx) + (0.13, 0.0)])
         canvas = Canvas([0.0, 0.0], [0.23, 0.1], dx)
-        drawn = canvas.fill(x, np.ones(len(x)), np.full(len(x), dx))
+        drawn, _ = canvas.fill(x, np.ones(len(x)), np.full(len(x), dx))
         middle = int(0.115 / canvas.pixel)
         self.assertFalse(np.isfinite(drawn[:, middle]).any())
 
