@@ -378,7 +378,7 @@ TEST(Frame, ShowsTheDocumentedFields) {
   }
   EXPECT_EQ(names, (std::vector<std::string>{"displacement", "velocity", "effective_stress", "pore_pressure",
                                              "void_fraction", "degree_of_saturation", "accumulated_plastic_strain",
-                                             "mobilised_friction", "pore_pressure_ratio"}));
+                                             "mobilised_friction", "pore_pressure_ratio", "volume"}));
 }
 
 // Soil that has settled under its weight is told to the water as the case draws it, unless it can flow; what it moves
