@@ -40,7 +40,7 @@ def page(found):
     cases = [json.loads(file.read_text()) for file in sorted(found.glob("*.json"))]
     lines = ["# Validation", "", "Made by `bench/validation.py` from the runs themselves; the reference numbers and their sources stand in "
              "`cases/*/reference`.", "The short form of a case is coarser or ends sooner than the full one, against the same bounds "
-             "unless its verify.toml says otherwise.", "",
+             "unless its verify.toml says otherwise. Run times are those of the machine and of what else ran on it; docs/performance.md has the others.", "",
              "| case | form | within its bounds | metrics | CPU s |", "| --- | --- | --- | --- | --- |"]
     for case in cases:
         missed = sum(not m["passed"] for m in case["metrics"])
@@ -64,7 +64,7 @@ def main():
     names = [] if a.page else a.cases or sorted(f.parent.name for f in (ROOT / "cases").glob("*/verify.toml"))
     for name in names:
         verify(a.poretwin, name, a.full, a.found)
-    plt.rcParams.update(plot.STYLE | {"savefig.dpi": 50})
+    plt.rcParams.update(plot.STYLE | {"savefig.dpi": 70})
     (ROOT / "docs" / "validation.md").write_text(page(a.found))
     print(ROOT / "docs" / "validation.md")
 

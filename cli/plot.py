@@ -121,6 +121,13 @@ def other_body(frames, phase, step):
     return Body(there, nearest) if len(there.positions(nearest)) > 0 else None
 
 
+def view(points, margin):
+    """Corners of what is drawn: all of the points, but for some of a splash that fly far off."""
+    low, high = np.quantile(points, 0.005, axis=0), np.quantile(points, 0.995, axis=0)
+    far = 0.5 * (high - low).max()
+    return np.maximum(points.min(axis=0), low - far) - margin, np.minimum(points.max(axis=0), high + far) + margin
+
+
 def paint(axes, frames, phase, name, step):
     """One field of one phase, in its surroundings: grey soil around the water, or pale blue water and its outline over the soil."""
     values, label = scalar(frames, name, step)
@@ -133,8 +140,9 @@ def paint(axes, frames, phase, name, step):
     limits = {"vmin": -largest / factor, "vmax": largest / factor} if signed else {}
     if name == "accumulated_plastic_strain" and largest > LEAST_STRAIN:  # slip bands beside grains that have rolled away
         values, limits = np.maximum(values, LEAST_STRAIN), {"norm": matplotlib.colors.LogNorm(LEAST_STRAIN, largest)}
-    corners = np.vstack([b.x for b in (body, around) if b is not None])
-    lower, upper = corners.min(axis=0) - 2.5 * body.dx, corners.max(axis=0) + 2.5 * body.dx
+    points = np.vstack([b.x for b in (body, around) if b is not None])
+    lower, upper = view(points, 2.5 * body.dx)
+    beyond = np.count_nonzero(((body.x < lower) | (body.x > upper)).any(axis=1))
     canvas = Canvas(lower, upper, body.dx)
     place = {"extent": canvas.extent, "origin": "lower", "interpolation": "nearest"}
     outline = None if around is None else canvas.cover(around.x, around.size)
@@ -149,6 +157,8 @@ def paint(axes, frames, phase, name, step):
     if outline is not None and phase == "solid":
         axes.contour(outline, levels=[SURFACE], colors=WATER_LINE, linewidths=0.9, extent=canvas.extent)
         about = "; blue: outline of the water"
+    if beyond:
+        about += f"; {beyond} particle{'s' if beyond > 1 else ''} beyond"
     axes.set(xlim=(lower[0], upper[0]), ylim=(lower[1], upper[1]), aspect="equal", xlabel="x [m]",
              ylabel="z [m], middle slice" if body.three else "y [m]")
     axes.set_title(f"{phase}, t = {frames.times[step]:.4g} s{about}", fontsize=9)
