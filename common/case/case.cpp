@@ -95,7 +95,8 @@ void declare(Keys& keys, Shape& s) {
   keys.point("min", s.min, {"m", "Lower corner of a box.", box});
   keys.point("max", s.max, {"m", "Upper corner of a box.", box});
   keys.points("points", s.points,
-              {"m", "Corners of a polygon, in order (required for a polygon).", s.kind == Shape::Kind::polygon});
+              {"m", "Corners of a polygon, in order (required for a polygon); no particle lies on its edges.",
+               s.kind == Shape::Kind::polygon});
   keys.point("centre", s.centre, {"m", "Centre of a ball.", s.kind == Shape::Kind::ball});
   keys.number("radius", s.radius, {"m", "Radius of a ball.", s.kind == Shape::Kind::ball}, not_negative());
 }
