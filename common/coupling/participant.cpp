@@ -141,6 +141,7 @@ class Participant::Implementation {
     const auto start = Clock::now();
     auto said = start;
     for (;;) {
+      if (interrupted() && !told_interrupt_) send_heartbeat();
       if (auto message = take(Milliseconds(100))) {
         if (std::holds_alternative<Heartbeat>(message->body)) continue;
         totals_.waiting += seconds_since(start);
@@ -151,7 +152,6 @@ class Participant::Implementation {
         fail(fmt::format("the coupler is {}: no heartbeat for {:.1f} s",
                          transport_->cut() ? "unreachable, the line is cut or its host is down" : "frozen",
                          seconds_since(heard_)));
-      if (interrupted() && !told_interrupt_) send_heartbeat();
       if (Clock::now() - said >= options_.say_every) {
         said = Clock::now();
         say(fmt::format("{}: waiting for {} ({:.0f} s), last message {}", name_,

@@ -69,6 +69,7 @@ class Processes : public testing::Test {
       EXPECT_NE(all.find(part), std::string::npos) << "'" << part << "' is not in " << file << ":\n" << all;
   }
 
+  const Strings endless{"--set", "case.end_time=1000.0"};  // on any machine it is stopped long before
   std::filesystem::path folder_;
 };
 
@@ -92,7 +93,7 @@ TEST_F(Processes, TheCaseFileChoosesTheIteratedScheme) {
 }
 
 TEST_F(Processes, AKilledSolverEndsTheRunWithItsName) {
-  auto c = coupler(), fluid = peer("fluid"), solid = peer("solid");
+  auto c = coupler(endless), fluid = peer("fluid", endless), solid = peer("solid", endless);
   wait_until_running();
   solid->signal(SIGKILL);
   const auto start = std::chrono::steady_clock::now();
@@ -104,7 +105,7 @@ TEST_F(Processes, AKilledSolverEndsTheRunWithItsName) {
 }
 
 TEST_F(Processes, AKilledCouplerEndsBothSolvers) {
-  auto c = coupler(), fluid = peer("fluid"), solid = peer("solid");
+  auto c = coupler(endless), fluid = peer("fluid", endless), solid = peer("solid", endless);
   wait_until_running();
   c->signal(SIGKILL);
   EXPECT_EQ(fluid->wait(), 3);
@@ -130,7 +131,8 @@ TEST_F(Processes, AStoppedSolverIsNamedWithinThreeSecondsAndGoesOnWhenItIsContin
 }
 
 TEST_F(Processes, AStoppedSolverIsCalledFrozen) {
-  auto c = coupler({"--frozen-deadline", "2.5"}), fluid = peer("fluid"), solid = peer("solid");
+  auto c = coupler({"--frozen-deadline", "2.5", endless[0], endless[1]}), fluid = peer("fluid", endless),
+       solid = peer("solid", endless);
   wait_until_running();
   fluid->signal(SIGSTOP);
   EXPECT_EQ(c->wait(), 3);
@@ -140,7 +142,7 @@ TEST_F(Processes, AStoppedSolverIsCalledFrozen) {
 
 TEST_F(Processes, CtrlCOnAnyOneFinishesTheWindowEverywhere) {
   for (const int who : {0, 1, 2}) {
-    auto c = coupler(), fluid = peer("fluid"), solid = peer("solid");
+    auto c = coupler(endless), fluid = peer("fluid", endless), solid = peer("solid", endless);
     wait_until_running();
     (who == 0 ? c : who == 1 ? fluid : solid)->signal(SIGINT);
     EXPECT_EQ(c->wait(), 130) << text("coupler.log");

@@ -48,6 +48,28 @@ TEST(Schedule, TheSolidSeesTheFluidsNewFieldsTheFluidTheSolidsOld) {
   }
 }
 
+/// However rare its heartbeats and however short its waits: the coupler hears of it with the window under way.
+TEST_P(EveryLine, ASolversInterruptEndsTheRunWithinTwoWindows) {
+  std::atomic<bool> pressed = false;
+  const auto square = still_square(Role::fluid);
+  MockPhase fluid(Role::fluid, 2, [&](double t) {
+    if (t > 0.35) pressed = true;
+    return square(t);
+  });
+  MockPhase solid(Role::solid, 2, still_square(Role::solid));
+  CoupledRun run;
+  run.line = GetParam();
+  run.settings = {100.0, 0.1, 0.0, 0.0};
+  run.broker.heartbeat = Milliseconds(10000);
+  run.participant.interrupted = [&] { return pressed.load(); };
+  run.run(&fluid, &solid);
+  run.expect_success();
+  EXPECT_TRUE(run.report.interrupted);
+  EXPECT_TRUE(run.fluid.report.interrupted);
+  EXPECT_GE(run.report.windows, 4u);
+  EXPECT_LE(run.report.windows, 6u);
+}
+
 /// Each with the other's fields of the window's start; impulses one window later, and none of them lost.
 TEST(Parallel, EachSeesTheOthersOldFields) {
   const FieldFormula time_everywhere = [](const std::string& name, int, const double*, double t) {
