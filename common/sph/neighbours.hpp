@@ -1,6 +1,7 @@
 // Neighbour search: a cell grid over sorted points, and pair lists that outlive small displacements (a skin).
 #pragma once
 
+#include "common/core/error.hpp"
 #include "common/core/lanes.hpp"
 #include "common/core/threads.hpp"
 #include "common/core/vector.hpp"
@@ -10,25 +11,32 @@
 #include <cmath>
 #include <span>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 namespace poretwin::sph {
 
 /// Points binned into square cells; memory is bounded by the number of points, not by the extent of the domain.
 template <int D>
 class CellGrid {
  public:
-  /// cell_size [m]: about the search radius, or half of it. Points need not be inside any box.
+  /// cell_size [m]: about the search radius, or half of it. Points need not be inside any box. Throws DivergedError
+  /// where a point is not finite.
   void build(std::span<const Vec<D>> points, double cell_size) {
     lower_ = Vec<D>::Zero();
     std::array<double, D> extent{};
     const std::size_t n = points.size(), parts = parts_for(n);
     if (!points.empty()) {
       VecArray<D> lowers(parts, points[0]), uppers(parts, points[0]);
+      ScalarArray doubt(parts, 0.0);
       for_each_part(parts, [&](std::size_t part) {
         for (std::size_t i = n * part / parts; i < n * (part + 1) / parts; ++i) {
           lowers[part] = lowers[part].cwiseMin(points[i]);
           uppers[part] = uppers[part].cwiseMax(points[i]);
+          doubt[part] += 0.0 * points[i].sum();
         }
       });
+      if (std::ranges::any_of(doubt, [](double sum) { return sum != 0.0; })) refuse(points);
       Vec<D> upper = uppers[0];
       lower_ = lowers[0];
       for (std::size_t part = 1; part < parts; ++part) {
@@ -158,6 +166,12 @@ class CellGrid {
   }
 
  private:
+  [[noreturn]] static void refuse(std::span<const Vec<D>> points) {
+    const auto lost = std::ranges::find_if(points, [](const Vec<D>& x) { return !x.allFinite(); });
+    throw DivergedError(fmt::format("particle or image {} of {} is at ({}): the motion diverged", lost - points.begin(),
+                                    points.size(), fmt::join(lost->data(), lost->data() + D, ", ")));
+  }
+
   /// Calls f(begin, end) of order_ for every row of cells in the box: the cells of a row lie one after the other.
   template <class F>
   [[gnu::always_inline]] inline void for_each_row(const Vec<D>& lower, const Vec<D>& upper, F&& f) const {

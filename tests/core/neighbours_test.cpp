@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
 #include <random>
 
 namespace poretwin::sph {
@@ -44,6 +46,19 @@ TEST(Neighbours, EmptySetsAndStrayPoints) {
   auto sources = random_points<2>(50, 1.0, 5);
   sources.push_back(Vec<2>(1e9, -1e9));  // one particle blown away must not cost memory
   check<2>(random_points<2>(50, 1.0, 6), sources, std::vector<double>(51, 0.2));
+}
+
+TEST(Neighbours, APointThatIsNowhereIsRefusedByName) {
+  for (const std::size_t lost : {0, 7, 49}) {
+    auto points = random_points<2>(50, 1.0, 7);
+    points[lost].y() = lost == 7 ? std::numeric_limits<double>::infinity() : std::nan("");
+    try {
+      CellGrid<2>().build(points, 0.1);
+      FAIL() << "taken: point " << lost;
+    } catch (const DivergedError& error) {
+      EXPECT_NE(std::string(error.what()).find(fmt::format("{} of 50", lost)), std::string::npos) << error.what();
+    }
+  }
 }
 
 }  // namespace
