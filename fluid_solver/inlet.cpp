@@ -189,7 +189,8 @@ void Fluid<D>::set_inlets(double time, double interval) {
         // No more than a spacing's wave of it: a reservoir that fills draws nothing off.
         const double wave = std::sqrt(gravity_or_standard_ * std::max(dx_, face.head->at(time) - inlet.lowest));
         const double missing = std::clamp(face.head->at(time) - inlet.level, -dx_, dx_);
-        inlet.current += interval * wave * wave / (4.0 * (most - least).norm()) * missing / inlet.width;
+        const double length = std::max(dx_, (most - least).norm());  // one particle is a spacing long
+        inlet.current += interval * wave * wave / (4.0 * length) * missing / inlet.width;
       }
       inlet.speed = inlet_speed(scene_, inlet, time, interval);
       if (inlet.speed == 0.0) inlet.current = std::max(0.0, inlet.current);  // an opening that cannot draw
