@@ -12,10 +12,12 @@ namespace poretwin::fluid {
 enum class Surface : std::uint8_t { interior, surface, lone };
 
 namespace surface {
-/// Eigenvalue of the moment above which a particle is inside, and below which it has too few neighbours for a pressure.
-inline constexpr double inside = 0.88, sparse = 0.35, alone = 0.1;
-/// Divergence of position over D below which neighbours are few: a surface, in soil; at a seepage face.
-inline constexpr double few = 0.75, few_at_face = 0.9;
+/// Least eigenvalue of the moment above which a particle is inside, and below which it is on no surface.
+inline constexpr double inside = 0.88, alone = 0.1;
+/// Divergence of position over D below which neighbours are few (a surface, in soil), also at a seepage face; and too
+/// few for a pressure. The least eigenvalue would not tell these: what sinks out of a crowded surface has a small one,
+/// and fell freely until it had passed its row, one window's kick in a tank at rest every few seconds.
+inline constexpr double few = 0.75, few_at_face = 0.9, too_few = 0.4;
 /// Cosine of half the opening of the cone about the outward normal that is empty above a surface particle.
 inline constexpr double cone = 0.5, narrow_cone = 0.7071;
 /// Least |sum V grad W| h that a missing side makes: of a surface particle, and of one below it.
@@ -131,7 +133,7 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> seeps, 
       const double few = s.at_face[a] ? surface::few_at_face : surface::few;
       s.covered[a] = s.divergence[a] < few * D && opposite(a);
       if (s.covered[a]) return;
-      if (s.divergence[a] < 0.4 * D)
+      if (s.divergence[a] < surface::too_few * D)
         flags[a] = Surface::lone;
       else if (s.divergence[a] < few * D)
         flags[a] = Surface::surface;
@@ -144,7 +146,7 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const double> seeps, 
         s.least_moment[a] >= surface::alone && (hole || (amount * s.length(a) > surface::first_row && !umbrella(a)));
     if (edge)
       flags[a] = Surface::surface;
-    else if (s.least_moment[a] < surface::sparse)
+    else if (s.divergence[a] < surface::too_few * D)
       flags[a] = Surface::lone;
   });
   for (std::size_t a = 0; a < s.n_real; ++a) {
