@@ -26,6 +26,19 @@ struct RowsOf {
   }
 };
 
+/// Sum of weight times x over row a, in two: one would wait for each of its additions.
+double pull(const PairMatrix& m, std::size_t a, std::span<const double> x) {
+  double even = 0.0, odd = 0.0;
+  std::size_t k = m.begin(a);
+  const std::size_t stop = m.end(a);
+  for (; k + 2 <= stop; k += 2) {
+    even += static_cast<double>(m.weight[k]) * x[m.column(a, k)];
+    odd += static_cast<double>(m.weight[k + 1]) * x[m.column(a, k + 1)];
+  }
+  if (k < stop) even += static_cast<double>(m.weight[k]) * x[m.column(a, k)];
+  return even + odd;
+}
+
 /// The sums of rows over aggregates, each made when it is visited: the matrix of pairs, on the way to pairs of pairs,
 /// would be the largest of all. Couplings to rows that have no aggregate stay in the diagonal.
 template <class Fine>
@@ -117,9 +130,11 @@ std::vector<Index> match(Rows& rows, Index& count) {
   return aggregate;
 }
 
+using WholeMatrix = GraphMatrix<double, Columns>;
+
 template <class Rows>
-Multigrid::CoarseMatrix matrix_of(Rows& rows) {
-  Multigrid::CoarseMatrix c;
+WholeMatrix matrix_of(Rows& rows) {
+  WholeMatrix c;
   c.diagonal.reserve(rows.size());
   c.column.offset.reserve(rows.size() + 1);
   for (std::size_t g = 0; g < rows.size(); ++g) {
@@ -131,15 +146,67 @@ Multigrid::CoarseMatrix matrix_of(Rows& rows) {
         });
     c.column.offset.push_back(static_cast<Index>(c.weight.size()));
   }
-  c.column.index.shrink_to_fit();
-  c.weight.shrink_to_fit();
   return c;
+}
+
+/// Gauss-Seidel forwards from x = 0; left = b - A x.
+void sweep_forwards(const PairMatrix& m, std::span<const double> b, std::span<double> x, std::span<double> left) {
+  std::fill(x.begin(), x.end(), 0.0);
+  for (std::size_t a = 0; a < m.size(); ++a)
+    if (m.diagonal[a] > 0.0) x[a] = (b[a] + pull(m, a, x)) / m.diagonal[a];
+  m.apply(x, left);
+  for (std::size_t a = 0; a < m.size(); ++a) left[a] = b[a] - left[a];
+}
+
+/// The same: what is before a row is in its balance, what is behind it has no value yet, and is what it leaves.
+void sweep_forwards(const CoarseMatrix& m, std::span<const double> b, std::span<double> x, std::span<double> left) {
+  for (std::size_t a = 0; a < m.size(); ++a) {
+    x[a] = m.diagonal(a) > 0.0 ? (b[a] + m.pull(a, x.data())) / m.diagonal(a) : 0.0;
+    left[a] = 0.0;
+    m.push(a, x[a], left.data());
+  }
+}
+
+/// Gauss-Seidel backwards from x.
+void sweep_backwards(const PairMatrix& m, std::span<const double> b, std::span<double> x, std::span<double>) {
+  for (std::size_t a = m.size(); a-- > 0;)
+    if (m.diagonal[a] > 0.0) x[a] = (b[a] + pull(m, a, x)) / m.diagonal[a];
+}
+
+/// The same; left: what it adds to x. Until a row is reached its place there takes what the rows behind it push.
+void sweep_backwards(const CoarseMatrix& m, std::span<const double> b, std::span<double> x, std::span<double> left) {
+  std::fill(left.begin(), left.end(), 0.0);
+  for (std::size_t a = m.size(); a-- > 0;) {
+    const double before = x[a];
+    if (m.diagonal(a) > 0.0) x[a] = (b[a] + left[a] + m.pull(a, x.data())) / m.diagonal(a);
+    left[a] = x[a] - before;
+    m.push(a, x[a], left.data());
+  }
 }
 
 }  // namespace
 
+CoarseMatrix::CoarseMatrix(const GraphMatrix<double, Columns>& whole) : diagonal_(whole.diagonal) {
+  const auto put = [&](Index column, float weight) {
+    column_.push_back(column);
+    weight_.push_back(weight);
+  };
+  offset_.reserve(whole.size() + 1);
+  for (std::size_t a = 0; a < whole.size(); ++a) {
+    for (std::size_t k = whole.begin(a); k < whole.end(a); ++k) {
+      const auto rounded = static_cast<float>(whole.weight[k]);
+      diagonal_[a] += static_cast<double>(rounded) - whole.weight[k];
+      if (whole.column(a, k) < a) put(whole.column(a, k), rounded);
+    }
+    while (column_.size() % in_step != 0) put(static_cast<Index>(a), 0.0F);
+    offset_.push_back(static_cast<Index>(column_.size()));
+  }
+  column_.shrink_to_fit();
+  weight_.shrink_to_fit();
+}
+
 template <class Matrix>
-bool Multigrid::add_level(const Matrix& m) {
+bool Multigrid::add_level(const Matrix& m, WholeMatrix& next) {
   // Pairs of pairs.
   Index n_pairs = 0, count = 0;
   RowsOf<Matrix> rows{m};
@@ -148,14 +215,13 @@ bool Multigrid::add_level(const Matrix& m) {
   const std::vector<Index> again = match(pairs, count);
   if (count == 0 || 4 * count > 3 * m.size()) return false;
   MergedRows fours(pairs, again, count);
-  Level level;
-  level.coarse = matrix_of(fours);
+  next = matrix_of(fours);
   for (Index& g : aggregate)
     if (g != none) g = again[g];
+  Level& level = levels_.emplace_back();
+  level.coarse = CoarseMatrix(next);
   level.aggregate = std::move(aggregate);
-  level.residual.resize(m.size());
-  for (auto* work : {&level.b, &level.x, &level.v, &level.w, &level.d, &level.r}) work->resize(count);
-  levels_.push_back(std::move(level));
+  for (auto* work : {&level.b, &level.x, &level.v, &level.d, &level.r, &level.left}) work->resize(count);
   return true;
 }
 
@@ -177,71 +243,79 @@ void Multigrid::invert(const Matrix& m) {
   inverse_ = eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
-Multigrid::Multigrid(const PairMatrix& matrix) : finest_(matrix) {
-  levels_.reserve(64);  // add_level reads from one while it adds the next
-  bool coarser = matrix.size() > coarsest && add_level(matrix);
-  while (coarser && levels_.back().coarse.size() > coarsest) coarser = add_level(levels_.back().coarse);
+Multigrid::Multigrid(const PairMatrix& matrix) : finest_(matrix), left_(matrix.size()) {
+  WholeMatrix coarse;
+  bool coarser = matrix.size() > coarsest && add_level(matrix, coarse);
+  while (coarser && coarse.size() > coarsest) {
+    WholeMatrix next;
+    coarser = add_level(coarse, next);
+    if (coarser) coarse = std::move(next);
+  }
   if (levels_.empty())
     invert(finest_);
   else
-    invert(levels_.back().coarse);
+    invert(coarse);
 }
 
-void Multigrid::cycle(std::span<const double> r, std::span<double> z) { cycle(finest_, 0, r, z); }
+void Multigrid::cycle(std::span<const double> r, std::span<double> z) { cycle(finest_, 0, r, z, left_); }
 
 template <class Matrix>
-void Multigrid::cycle(const Matrix& m, std::size_t level, std::span<const double> b, std::span<double> x) {
-  const auto relax = [&](std::size_t a) {
-    double sum = b[a];
-    for (std::size_t k = m.begin(a); k < m.end(a); ++k) sum += m.weight[k] * x[m.column(a, k)];
-    if (m.diagonal[a] > 0.0) x[a] = sum / m.diagonal[a];
-  };
-  if (level == levels_.size()) {
-    if (inverse_.size() > 0) {
-      Eigen::Map<Eigen::VectorXd>(x.data(), inverse_.rows()).noalias() =
-          inverse_ * Eigen::Map<const Eigen::VectorXd>(b.data(), inverse_.rows());
-      return;
-    }
-    std::fill(x.begin(), x.end(), 0.0);
-    for (std::size_t a = 0; a < m.size(); ++a) relax(a);
-    for (std::size_t a = m.size(); a-- > 0;) relax(a);
+void Multigrid::cycle(const Matrix& m, std::size_t level, std::span<const double> b, std::span<double> x,
+                      std::span<double> left) {
+  if (level == levels_.size() && inverse_.size() > 0) {
+    Eigen::Map<Eigen::VectorXd>(x.data(), inverse_.rows()).noalias() =
+        inverse_ * Eigen::Map<const Eigen::VectorXd>(b.data(), inverse_.rows());
     return;
   }
-  Level& l = levels_[level];
-  std::fill(x.begin(), x.end(), 0.0);
-  for (std::size_t a = 0; a < m.size(); ++a) relax(a);
-  m.apply(std::span<const double>(x.data(), x.size()), std::span<double>(l.residual));
-  std::fill(l.b.begin(), l.b.end(), 0.0);
-  for (std::size_t a = 0; a < m.size(); ++a)
-    if (l.aggregate[a] != none) l.b[l.aggregate[a]] += b[a] - l.residual[a];
-  correct(level);
-  for (std::size_t a = 0; a < m.size(); ++a)
-    if (l.aggregate[a] != none) x[a] += l.x[l.aggregate[a]];
-  for (std::size_t a = m.size(); a-- > 0;) relax(a);
+  sweep_forwards(m, b, x, left);
+  if (level < levels_.size()) {
+    Level& l = levels_[level];
+    std::fill(l.b.begin(), l.b.end(), 0.0);
+    for (std::size_t a = 0; a < m.size(); ++a)
+      if (l.aggregate[a] != none) l.b[l.aggregate[a]] += left[a];
+    correct(level);
+    for (std::size_t a = 0; a < m.size(); ++a)
+      if (l.aggregate[a] != none) x[a] += l.x[l.aggregate[a]];
+  }
+  sweep_backwards(m, b, x, left);
 }
 
 /// l.x from l.b on the next level: one step of conjugate gradients around its cycle, a second where that is not enough.
 void Multigrid::correct(std::size_t level) {
   Level& l = levels_[level];
-  if (level + 1 == levels_.size()) return cycle(l.coarse, level + 1, l.b, l.x);
-  const auto multiply = [&](const ScalarArray& from, ScalarArray& to) {
-    l.coarse.apply(std::span<const double>(from), std::span<double>(to));
+  const CoarseMatrix& m = l.coarse;
+  cycle(m, level + 1, l.b, l.x, l.left);
+  if (level + 1 == levels_.size()) return;
+  // A row of A x for the x that the last cycle made of b: its sweep back left in a row what it then changed before it.
+  const auto product = [&](std::size_t a, double b) {
+    return m.diagonal(a) > 0.0 ? b - m.pull(a, l.left.data()) : 0.0;
   };
-  const std::size_t n = l.b.size();
-  cycle(l.coarse, level + 1, l.b, l.x);
-  multiply(l.x, l.v);
-  const double rho = dot(l.x, l.v), alpha = dot(l.x, l.b);
+  const std::size_t n = m.size();
+  double rho = 0.0, alpha = 0.0, before = 0.0, after = 0.0;
+  for (std::size_t a = 0; a < n; ++a) {
+    l.v[a] = product(a, l.b[a]);
+    rho += l.x[a] * l.v[a];
+    alpha += l.x[a] * l.b[a];
+    before += l.b[a] * l.b[a];
+  }
   if (!(rho > 0.0)) return;
-  for (std::size_t i = 0; i < n; ++i) l.r[i] = l.b[i] - alpha / rho * l.v[i];
-  if (norm(l.r) <= good_enough * norm(l.b)) {
+  for (std::size_t a = 0; a < n; ++a) {
+    l.r[a] = l.b[a] - alpha / rho * l.v[a];
+    after += l.r[a] * l.r[a];
+  }
+  if (after <= good_enough * good_enough * before) {
     for (double& x : l.x) x *= alpha / rho;
     return;
   }
-  cycle(l.coarse, level + 1, l.r, l.d);
-  multiply(l.d, l.w);
-  const double gamma = dot(l.d, l.v), second = dot(l.d, l.w) - gamma * gamma / rho, beta = dot(l.d, l.r);
-  const double share = second > 0.0 ? beta / second : 0.0;
-  for (std::size_t i = 0; i < n; ++i) l.x[i] = (alpha - gamma * share) / rho * l.x[i] + share * l.d[i];
+  cycle(m, level + 1, l.r, l.d, l.left);
+  double gamma = 0.0, beta = 0.0, energy = 0.0;
+  for (std::size_t a = 0; a < n; ++a) {
+    gamma += l.d[a] * l.v[a];
+    beta += l.d[a] * l.r[a];
+    energy += l.d[a] * product(a, l.r[a]);
+  }
+  const double second = energy - gamma * gamma / rho, share = second > 0.0 ? beta / second : 0.0;
+  for (std::size_t a = 0; a < n; ++a) l.x[a] = (alpha - gamma * share) / rho * l.x[a] + share * l.d[a];
 }
 
 }  // namespace poretwin::fluid
