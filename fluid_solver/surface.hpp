@@ -1,6 +1,7 @@
 // The free surface: which particles lie on it, how far the others are from it, and what that does to the pressure.
 #pragma once
 
+#include "common/core/threads.hpp"
 #include "fluid_solver/stencil.hpp"
 
 #include <algorithm>

@@ -35,6 +35,22 @@ TEST(FreeWater, DisorderedTankStaysQuiet) {
   EXPECT_LT(std::sqrt(error) / (9810.0 * 0.2), 0.04);
 }
 
+// What sinks out of a crowded row of the surface has neighbours, and a pressure: it does not fall freely.
+TEST(FreeWater, NothingFallsInATankAtRest) {
+  auto scene = tank(0.01, 0.4);
+  scene.fluid.jitter = 0.2;
+  Fluid<2> fluid(scene);
+  fluid.initialise({});
+  double time = 0.0;
+  run_to(fluid, time, 3.0);
+  for (int i = 1; i <= 500; ++i) {
+    run_to(fluid, time, 3.0 + 0.01 * i);
+    const auto& p = fluid.state().particles;
+    for (std::size_t a = 0; a < p.size(); ++a)
+      ASSERT_NE(p.surface[a], Surface::lone) << "at " << time << " s, " << p.position[a].transpose();
+  }
+}
+
 TEST(FreeWater, DamBreakKeepsItsEnergy) {
   const auto scene = tank(0.02, 1.6);
   Fluid<2> fluid(scene);
