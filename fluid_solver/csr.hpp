@@ -12,21 +12,8 @@
 
 namespace poretwin::fluid {
 
-/// Four numbers of an array of doubles or floats.
-[[gnu::always_inline]] inline void take(const double* from, Lanes& to) {
-  to = *reinterpret_cast<const LooseLanes*>(from);
-}
-using poretwin::take;
-
-/// Where the entries of sparse rows stand.
-struct Columns {
-  std::vector<Index> offset{0}, index;
-  [[nodiscard]] Index operator()(std::size_t, std::size_t k) const { return index[k]; }
-  [[nodiscard]] bool direct(std::size_t) const { return true; }
-};
-
-/// The same, read from the pairs of particles themselves, which must outlive them: the column of a point that is no
-/// particle is its parent's or, where that is none either, the row's own.
+/// Where the entries of sparse rows stand, read from the pairs of particles themselves, which must outlive them: the
+/// column of a point that is no particle is its parent's or, where that is none either, the row's own.
 struct PairColumns {
   std::span<const Index> offset, index, parent;  ///< [rows + 1], [pairs], [points]
   std::span<const char> beyond;                  ///< [rows] with points that are no particles; none: no row has any
@@ -40,12 +27,13 @@ struct PairColumns {
   [[nodiscard]] bool direct(std::size_t a) const { return beyond.empty() || beyond[a] == 0; }
 };
 
-/// Graph Laplacian with a diagonal: (A x)_a = diagonal_a x_a - sum_k weight_k x_column(k); symmetric by construction.
-template <class Weight, class Columns>
-struct GraphMatrix {
-  Columns column;
-  UnsetArray<Weight> weight;  ///< per entry, >= 0
-  ScalarArray diagonal;       ///< per row
+/// Graph Laplacian of pairs of particles, with a diagonal: (A x)_a = diagonal_a x_a - sum_k weight_k x_column(k);
+/// symmetric by construction. Weights are rounded to half the memory, the same for both of a pair; what they add to the
+/// diagonal is what is kept of them, so that constants stay in the kernel.
+struct PairMatrix {
+  PairColumns column;
+  UnsetArray<float> weight;  ///< per entry, >= 0
+  ScalarArray diagonal;      ///< per row
   [[nodiscard]] std::size_t size() const { return diagonal.size(); }
   [[nodiscard]] std::size_t begin(std::size_t a) const { return column.offset[a]; }
   [[nodiscard]] std::size_t end(std::size_t a) const { return column.offset[a + 1]; }
@@ -73,10 +61,6 @@ struct GraphMatrix {
         });
   }
 };
-
-/// Of pairs of particles. Weights are rounded to half the memory, the same for both of a pair; what they add to the
-/// diagonal is what is kept of them, so that constants stay in the kernel.
-using PairMatrix = GraphMatrix<float, PairColumns>;
 
 /// Sum over 0 .. n - 1 of what of_block(first, last) gives for blocks of fixed size, so that the result does not depend
 /// on the number of threads.

@@ -26,19 +26,6 @@ struct RowsOf {
   }
 };
 
-/// Sum of weight times x over row a, in two: one would wait for each of its additions.
-double pull(const PairMatrix& m, std::size_t a, std::span<const double> x) {
-  double even = 0.0, odd = 0.0;
-  std::size_t k = m.begin(a);
-  const std::size_t stop = m.end(a);
-  for (; k + 2 <= stop; k += 2) {
-    even += static_cast<double>(m.weight[k]) * x[m.column(a, k)];
-    odd += static_cast<double>(m.weight[k + 1]) * x[m.column(a, k + 1)];
-  }
-  if (k < stop) even += static_cast<double>(m.weight[k]) * x[m.column(a, k)];
-  return even + odd;
-}
-
 /// The sums of rows over aggregates, each made when it is visited: the matrix of pairs, on the way to pairs of pairs,
 /// would be the largest of all. Couplings to rows that have no aggregate stay in the diagonal.
 template <class Fine>
@@ -130,23 +117,34 @@ std::vector<Index> match(Rows& rows, Index& count) {
   return aggregate;
 }
 
-using WholeMatrix = GraphMatrix<double, Columns>;
-
 template <class Rows>
 WholeMatrix matrix_of(Rows& rows) {
   WholeMatrix c;
   c.diagonal.reserve(rows.size());
-  c.column.offset.reserve(rows.size() + 1);
+  c.offset.reserve(rows.size() + 1);
   for (std::size_t g = 0; g < rows.size(); ++g) {
     rows.visit(
         g, [&](double diagonal) { c.diagonal.push_back(diagonal); },
         [&](Index column, double weight) {
-          c.column.index.push_back(column);
+          c.index.push_back(column);
           c.weight.push_back(weight);
         });
-    c.column.offset.push_back(static_cast<Index>(c.weight.size()));
+    c.offset.push_back(static_cast<Index>(c.weight.size()));
   }
   return c;
+}
+
+/// Sum of weight times x over row a, in two: one would wait for each of its additions.
+double pull(const PairMatrix& m, std::size_t a, std::span<const double> x) {
+  double even = 0.0, odd = 0.0;
+  std::size_t k = m.begin(a);
+  const std::size_t stop = m.end(a);
+  for (; k + 2 <= stop; k += 2) {
+    even += static_cast<double>(m.weight[k]) * x[m.column(a, k)];
+    odd += static_cast<double>(m.weight[k + 1]) * x[m.column(a, k + 1)];
+  }
+  if (k < stop) even += static_cast<double>(m.weight[k]) * x[m.column(a, k)];
+  return even + odd;
 }
 
 /// Gauss-Seidel forwards from x = 0; left = b - A x.
@@ -186,7 +184,7 @@ void sweep_backwards(const CoarseMatrix& m, std::span<const double> b, std::span
 
 }  // namespace
 
-CoarseMatrix::CoarseMatrix(const GraphMatrix<double, Columns>& whole) : diagonal_(whole.diagonal) {
+CoarseMatrix::CoarseMatrix(const WholeMatrix& whole) : diagonal_(whole.diagonal) {
   const auto put = [&](Index column, float weight) {
     column_.push_back(column);
     weight_.push_back(weight);
@@ -246,11 +244,7 @@ void Multigrid::invert(const Matrix& m) {
 Multigrid::Multigrid(const PairMatrix& matrix) : finest_(matrix), left_(matrix.size()) {
   WholeMatrix coarse;
   bool coarser = matrix.size() > coarsest && add_level(matrix, coarse);
-  while (coarser && coarse.size() > coarsest) {
-    WholeMatrix next;
-    coarser = add_level(coarse, next);
-    if (coarser) coarse = std::move(next);
-  }
+  while (coarser && coarse.size() > coarsest) coarser = add_level(coarse, coarse);
   if (levels_.empty())
     invert(finest_);
   else

@@ -9,13 +9,23 @@
 
 namespace poretwin::fluid {
 
+/// Rows as levels are made of them; signs as of a PairMatrix.
+struct WholeMatrix {
+  std::vector<Index> offset{0}, index;
+  ScalarArray weight, diagonal;
+  [[nodiscard]] std::size_t size() const { return diagonal.size(); }
+  [[nodiscard]] std::size_t begin(std::size_t a) const { return offset[a]; }
+  [[nodiscard]] std::size_t end(std::size_t a) const { return offset[a + 1]; }
+  [[nodiscard]] Index column(std::size_t, std::size_t k) const { return index[k]; }
+};
+
 /// A level below the finest: of each row what stands before its diagonal, the rest being the same. What a row has
 /// behind it the later rows push to it, so that a sweep reads half the matrix, which sets the cost of large ones.
 /// Weights are rounded as those of pairs are, and the diagonal with them.
 class CoarseMatrix {
  public:
   CoarseMatrix() = default;
-  explicit CoarseMatrix(const GraphMatrix<double, Columns>& whole);
+  explicit CoarseMatrix(const WholeMatrix& whole);
   [[nodiscard]] std::size_t size() const { return diagonal_.size(); }
   [[nodiscard]] double diagonal(std::size_t a) const { return diagonal_[a]; }
   /// Sum of weight times x over the columns before row a.
@@ -56,9 +66,10 @@ class Multigrid {
     ScalarArray v, d, r;
     ScalarArray left;  ///< the residual after its sweep forwards; what its sweep backwards changed
   };
-  /// Adds the level below m, whose matrix becomes `next`; false where that would hardly be smaller.
+  /// Adds the level below m, whose matrix becomes `next`, which may be m itself; false where that would hardly be
+  /// smaller: `next` stays as it is.
   template <class Matrix>
-  bool add_level(const Matrix& m, GraphMatrix<double, Columns>& next);
+  bool add_level(const Matrix& m, WholeMatrix& next);
   template <class Matrix>
   void invert(const Matrix& m);
   template <class Matrix>

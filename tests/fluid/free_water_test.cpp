@@ -9,20 +9,19 @@ namespace {
 
 using namespace test;
 
-Case tank(double dx, double length) {
+Case tank(double dx, double length, double jitter = 0.0) {
   Case scene;
   scene.solid.model = SolidCase::Model::rigid;
   scene.fluid.particle_spacing = dx;
   scene.fluid.regions = {box(0.0, 0.0, 0.4, 0.2)};
+  scene.fluid.jitter = jitter;
   scene.walls = {wall(line(0.0, 1.0, 0.0, 0.0)), wall(line(0.0, 0.0, length, 0.0)),
                  wall(line(length, 0.0, length, 1.0))};
   return scene;
 }
 
 TEST(FreeWater, DisorderedTankStaysQuiet) {
-  auto scene = tank(0.02, 0.4);
-  scene.fluid.jitter = 0.2;
-  Fluid<2> fluid(scene);
+  Fluid<2> fluid(tank(0.02, 0.4, 0.2));
   fluid.initialise({});
   double time = 0.0;
   run_to(fluid, time, 3.0);
@@ -37,9 +36,7 @@ TEST(FreeWater, DisorderedTankStaysQuiet) {
 
 // What sinks out of a crowded row of the surface has neighbours, and a pressure: it does not fall freely.
 TEST(FreeWater, NothingFallsInATankAtRest) {
-  auto scene = tank(0.01, 0.4);
-  scene.fluid.jitter = 0.2;
-  Fluid<2> fluid(scene);
+  Fluid<2> fluid(tank(0.01, 0.4, 0.2));
   fluid.initialise({});
   double time = 0.0;
   run_to(fluid, time, 3.0);
