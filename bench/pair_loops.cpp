@@ -80,23 +80,25 @@ void lane_pass(const std::vector<Point>& points, const solid::Pairs& pairs, doub
                std::vector<solid::Sums<4>>& sums) {
   sums.assign(points.size(), {});
   const double scale = scale_of(h), half_inverse = 0.5 / h;
-  solid::Sums<4>* const all = sums.data();
+  const solid::PairView list(pairs);
+  const Point* const all = points.data();
+  solid::Sums<4>* const sum_of = sums.data();
   solid::for_rows_in_lanes(
-      pairs, 0, pairs.size(), [&](std::size_t i) __attribute__((always_inline)) {
+      pairs, 0, pairs.size(), [=](std::size_t i) __attribute__((always_inline)) {
         Lanes own[4] = {};
-        const double* const a = points[i].x;
+        const double* const a = all[i].x;
         solid::for_four_pairs(
-            pairs, i, [&](std::size_t m, bool both) __attribute__((always_inline)) {
+            list, i, [&](std::size_t m, bool both) __attribute__((always_inline)) {
               Lanes pull, felt[4], volume;
-              four_pairs(a, solid::rows_at(points.data(), &pairs.index[m]), scale, half_inverse, pull, felt, volume);
+              four_pairs(a, solid::rows_at(all, &list.index[m]), scale, half_inverse, pull, felt, volume);
               for (int n = 0; n < 4; ++n) own[n] += volume * felt[n];
               if (!both) return;
               felt[0] *= a[5];
               for (int n = 1; n < 3; ++n) felt[n] *= a[5];
               felt[3] *= -a[5];
-              scatter_add<4>(felt, solid::sums_at(all, &pairs.index[m]));
+              scatter_add<4>(felt, solid::sums_at(sum_of, &list.index[m]));
             });
-        add_lanes<4>(own, sums[i].x.data());
+        add_lanes<4>(own, sum_of[i].x.data());
       });
 }
 

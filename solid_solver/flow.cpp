@@ -58,23 +58,25 @@ void stress_slopes(const State<D>& state, Scratch<D>& scratch) {
   constexpr std::size_t n_stress = n_components<D>;
   const std::size_t n = state.particles.size();
   const Pairs& pairs = state.near.pairs;
+  const PairView list(pairs);
   const G* const grains = scratch.grains.data();
+  const float* const kernels = state.kernel.data();
   Own* const sums = scratch.template zero_sums<n_slopes>(n);
   for_rows_in_lanes(
-      pairs, 0, n, [&](std::size_t i) __attribute__((always_inline)) {
+      pairs, 0, n, [=](std::size_t i) __attribute__((always_inline)) {
         const double* const self = grains[i].row();
         const double shown = grains[i].shown;
         Lanes own[Own::size] = {};
         for_four_pairs(
-            pairs, i, [&](std::size_t m, bool both) __attribute__((always_inline)) {
-              const Index* const index = &pairs.index[m];
+            list, i, [&](std::size_t m, bool both) __attribute__((always_inline)) {
+              const Index* const index = &list.index[m];
               const auto rows = rows_at(grains, index);
               Lanes head[G::at_stress], stress[n_stress], w[D], r[D], felt[Own::size] = {};
               gather<0, G::at_stress>(rows, head);
               if (self[G::at_flows] == 0.0 && !(both && any(head[G::at_flows] > 0.0))) return;
               gather<G::at_stress, n_stress>(rows, stress);
               Lanes k;
-              take(&state.kernel[m], k);
+              take(&kernels[m], k);
               for (std::size_t d = 0; d < D; ++d) {
                 r[d] = self[d] - head[d];
                 w[d] = k * r[d];
@@ -116,15 +118,18 @@ const Sums<Around<D>::size>* sum_neighbours(const State<D>& state, double h, Scr
   const std::size_t n = state.particles.size();
   const Pairs& pairs = state.near.pairs;
   const double centre = sph::WendlandC2<D>::value(0.0, h), half_inverse = 0.5 / h;
+  const PairView list(pairs);
   const G* const grains = scratch.grains.data();
+  const float* const kernels = state.kernel.data();
+  const double* const volumes = state.particles.volume.data();
   Own* const sums = scratch.template zero_sums<A::size>(n);
   for_rows_in_lanes(
-      pairs, 0, n, [&](std::size_t i) __attribute__((always_inline)) {
+      pairs, 0, n, [=](std::size_t i) __attribute__((always_inline)) {
         const double* const self = grains[i].row();
         Lanes own[Own::size] = {};
         for_four_pairs(
-            pairs, i, [&](std::size_t m, bool both) __attribute__((always_inline)) {
-              const Index* const index = &pairs.index[m];
+            list, i, [&](std::size_t m, bool both) __attribute__((always_inline)) {
+              const Index* const index = &list.index[m];
               const auto rows = rows_at(grains, index);
               Lanes head[G::at_stress], other[n_stress], slope[n_stress * D], r[D], felt[Own::size] = {},
                                                                                     theirs[Own::size] = {};
@@ -132,7 +137,7 @@ const Sums<Around<D>::size>* sum_neighbours(const State<D>& state, double h, Scr
               const bool flows = self[G::at_flows] > 0.0;
               if (!flows && !(both && any(head[G::at_flows] > 0.0))) return;
               Lanes k;
-              take(&state.kernel[m], k);
+              take(&kernels[m], k);
               Lanes distance{};
               for (std::size_t d = 0; d < D; ++d) {
                 r[d] = self[d] - head[d];
@@ -171,7 +176,7 @@ const Sums<Around<D>::size>* sum_neighbours(const State<D>& state, double h, Scr
               theirs[A::at_cover] *= real;
               scatter_add<Own::size>(theirs, sums_at(sums, index));
             });
-        own[A::at_cover][0] += state.particles.volume[i] * centre;
+        own[A::at_cover][0] += volumes[i] * centre;
         add_lanes<Own::size>(own, sums[i].x.data());
       });
   return sums;

@@ -44,17 +44,20 @@ template <int D>
 void pair_kernels(const std::vector<Node<D>>& nodes, const Pairs& pairs, double h, Size first, Kernels& kernel) {
   const PairKernel<D> derivative(h);
   kernel.resize(pairs.index.size());
+  const PairView list(pairs);
+  const Node<D>* const all = nodes.data();
+  float* const kernels = kernel.data();
   for_all_rows_in_lanes(
-      pairs, first, pairs.size(), [&](Size i) __attribute__((always_inline)) {
-        const double* const self = nodes[i].row();
+      pairs, first, pairs.size(), [=](Size i) __attribute__((always_inline)) {
+        const double* const self = all[i].row();
         for_four_pairs(
-            pairs, i, [&](Size m, bool) __attribute__((always_inline)) {
+            list, i, [&](Size m, bool) __attribute__((always_inline)) {
               Lanes x[D], distance{}, k;
-              gather<0, D>(rows_at(nodes.data(), &pairs.index[m]), x);
+              gather<0, D>(rows_at(all, &list.index[m]), x);
               for (int d = 0; d < D; ++d) distance += (self[d] - x[d]) * (self[d] - x[d]);
               take_root(distance);
               derivative.at(distance, k);
-              put(k, &kernel[m]);
+              put(k, &kernels[m]);
             });
       });
 }
@@ -63,19 +66,22 @@ template <int D>
 void velocity_gradient(const Pairs& pairs, const Kernels& kernel, std::vector<Node<D>>& nodes) {
   constexpr Size n_sums = Node<D>::n_sums;
   for_rows(pairs, 0, pairs.size(), [&](Size i) { std::fill_n(nodes[i].sums(), n_sums, 0.0); });
+  const PairView list(pairs);
+  Node<D>* const all = nodes.data();
+  const float* const kernels = kernel.data();
   for_rows_in_lanes(
-      pairs, 0, pairs.size(), [&](Size i) __attribute__((always_inline)) {
-        const double* const self = nodes[i].row();
-        const double volume = nodes[i].volume;
+      pairs, 0, pairs.size(), [=](Size i) __attribute__((always_inline)) {
+        const double* const self = all[i].row();
+        const double volume = all[i].volume;
         Lanes own[n_sums] = {};
         for_four_pairs(
-            pairs, i, [&](Size m, bool both) __attribute__((always_inline)) {
-              const auto rows = rows_at(nodes.data(), &pairs.index[m]);
+            list, i, [&](Size m, bool both) __attribute__((always_inline)) {
+              const auto rows = rows_at(all, &list.index[m]);
               const Lanes volumes = {rows[0][Node<D>::at_volume], rows[1][Node<D>::at_volume],
                                      rows[2][Node<D>::at_volume], rows[3][Node<D>::at_volume]};
               Lanes other[2 * D], r[D], w[D], k, felt[n_sums] = {};
               gather<0, 2 * D>(rows, other);
-              take(&kernel[m], k);
+              take(&kernels[m], k);
               for (Size d = 0; d < D; ++d) {
                 r[d] = self[d] - other[d];
                 w[d] = k * r[d];
@@ -88,11 +94,11 @@ void velocity_gradient(const Pairs& pairs, const Kernels& kernel, std::vector<No
               for (Size n = 0; n < c; ++n) own[n] += volumes * felt[n];
               if (!both) return;
               for (Size n = 0; n < c; ++n) felt[n] *= volume;
-              const Index* const j = &pairs.index[m];
+              const Index* const j = &list.index[m];
               scatter_add<n_sums>(felt,
-                                  {nodes[j[0]].sums(), nodes[j[1]].sums(), nodes[j[2]].sums(), nodes[j[3]].sums()});
+                                  {all[j[0]].sums(), all[j[1]].sums(), all[j[2]].sums(), all[j[3]].sums()});
             });
-        add_lanes<n_sums>(own, nodes[i].sums());
+        add_lanes<n_sums>(own, all[i].sums());
       });
   for_rows(pairs, 0, pairs.size(), [&](Size i) {
     Node<D>& node = nodes[i];
@@ -121,15 +127,19 @@ VecArray<D> pressure_gradient_difference(const State<D>& state, std::span<const 
   constexpr Size n_moments = D * (D + 1) / 2;
   using Own = Sums<D + n_moments>;
   std::vector<Own> sums(n);
+  const PairView list(pairs);
+  const Soaked<D>* const all = soaked.data();
+  const float* const kernels = state.kernel.data();
+  Own* const sum_of = sums.data();
   for_all_rows_in_lanes(
-      pairs, 0, n, [&](Size i) __attribute__((always_inline)) {
-        const Soaked<D>& self = soaked[i];
+      pairs, 0, n, [=](Size i) __attribute__((always_inline)) {
+        const Soaked<D>& self = all[i];
         Lanes own[Own::size] = {};
         for_four_pairs(
-            pairs, i, [&](Size m, bool both) __attribute__((always_inline)) {
+            list, i, [&](Size m, bool both) __attribute__((always_inline)) {
               Lanes other[D + 2], r[D], w[D], k, felt[Own::size] = {};
-              gather<0, D + 2>(rows_at(soaked.data(), &pairs.index[m]), other);
-              take(&state.kernel[m], k);
+              gather<0, D + 2>(rows_at(all, &list.index[m]), other);
+              take(&kernels[m], k);
               for (Size d = 0; d < D; ++d) {
                 r[d] = self.position[static_cast<Eigen::Index>(d)] - other[d];
                 w[d] = k * r[d];
@@ -141,9 +151,9 @@ VecArray<D> pressure_gradient_difference(const State<D>& state, std::span<const 
               for (Size s = 0; s < c; ++s) own[s] += other[D] * felt[s];
               if (!both) return;
               for (Size s = 0; s < c; ++s) felt[s] *= self.volume;
-              scatter_add<Own::size>(felt, sums_at(sums.data(), &pairs.index[m]));
+              scatter_add<Own::size>(felt, sums_at(sum_of, &list.index[m]));
             });
-        add_lanes<Own::size>(own, sums[i].x.data());
+        add_lanes<Own::size>(own, sum_of[i].x.data());
       });
   VecArray<D> gradient(n);
   for_each_side_by_side(n, [&](Size i) {
@@ -161,26 +171,33 @@ void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& n
   using N = Node<D>;
   constexpr Size n_head = N::at_gradient;
   const Pairs& pairs = near.pairs;
-  const auto shown = [&](Index j) __attribute__((always_inline)) {
-    return j < displacement.size() ? displacement[j].data() : near.images[j - displacement.size()].displacement.data();
-  };
   const PairKernel<D> derivative(h);
   const double control = 0.25 * stabilisers.zero_energy * stabilisers.sound_speed * h;
   const double stiffness = stabilisers.stiffness * stabilisers.modulus;
   const double viscosity = 0.5 * stabilisers.artificial * stabilisers.sound_speed * h;
   const double quadratic = 0.5 * stabilisers.quadratic * h * h;
   const double collision = 0.5 * stabilisers.collision * stabilisers.sound_speed * h;
-  const double clip = 0.01 * h * h;
+  const double step = stabilisers.step, clip = 0.01 * h * h;
   kernel.resize(pairs.index.size());
   for_rows(pairs, 0, pairs.size(), [&](Size i) { force[i] = {}; });
+  const PairView list(pairs);
+  const Node<D>* const all = nodes.data();
+  const Vec<D>* const displaced = displacement.data();
+  const ImageRule<D>* const images = near.images.data();
+  const Size n_real = displacement.size();
+  float* const kernels = kernel.data();
+  Force<D>* const forces = force.data();
   for_rows_in_lanes(
-      pairs, 0, n_free, [&](Size i) __attribute__((always_inline)) {
-        const double* const self = nodes[i].row();
-        const double volume = nodes[i].volume, firmness = nodes[i].firmness;
+      pairs, 0, n_free, [=](Size i) __attribute__((always_inline)) {
+        const auto shown = [&](Index j) __attribute__((always_inline)) {
+          return j < n_real ? displaced[j].data() : images[j - n_real].displacement.data();
+        };
+        const double* const self = all[i].row();
+        const double volume = all[i].volume, firmness = all[i].firmness;
         Lanes own[Own::size] = {};
         for_four_pairs(
-            pairs, i, [&](Size m, bool both) __attribute__((always_inline)) {
-              const auto rows = rows_at(nodes.data(), &pairs.index[m]);
+            list, i, [&](Size m, bool both) __attribute__((always_inline)) {
+              const auto rows = rows_at(all, &list.index[m]);
               Lanes head[n_head], other[D * D], r[D], u[D], kr[D];
               Lanes felt[Own::size] = {};  // the force without and with what stabilises
               gather<0, n_head>(rows, head);
@@ -195,8 +212,8 @@ void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& n
               Lanes distance = squared;
               take_root(distance);
               derivative.at(distance, k);
-              put(k, &kernel[m]);
-              take(&kernel[m], k);
+              put(k, &kernels[m]);
+              take(&kernels[m], k);
               for (Size d = 0; d < D; ++d) kr[d] = k * r[d];
               gather<N::at_flux, D * D>(rows, other);
               for (Size c = 0; c < D * D; ++c) other[c] += self[N::at_flux + c];
@@ -210,7 +227,7 @@ void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& n
               const LaneMask rubs = rubbing > 0.0;
               if (any(rubs)) {
                 // Implicit in the pair: grains that meet closely, or have swollen, would be thrown back.
-                const Lanes stop = stabilisers.step * collision * share *
+                const Lanes stop = step * collision * share *
                                    (volume / head[N::at_density] + head[N::at_volume] / self[N::at_density]);
                 resist *= rubs ? collision / (1.0 - stop) : viscous;
                 // Coulomb's friction of the collision.
@@ -230,7 +247,7 @@ void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& n
                 for (Size d = 0; d < D; ++d) felt[D + d] = -resist * r[d];
               }
               const Lanes firm = head[N::at_firmness] < firmness ? head[N::at_firmness] : Lanes{} + firmness;
-              if (firmness > N::flows && any(firm > N::flows)) {
+              if (firmness > N::flows) {
                 Lanes turned[D];
                 gather<N::at_gradient, D * D>(rows, other);
                 for (Size c = 0; c < D * D; ++c) other[c] += self[N::at_gradient + c];
@@ -238,27 +255,27 @@ void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& n
                 const Lanes weight = firm > N::flows ? control * share : Lanes{};
                 for (Size d = 0; d < D; ++d) felt[D + d] += weight * (2.0 * u[d] - turned[d]);
               }
-              if (firmness == N::elastic && any(firm > N::yielded)) {
+              if (firmness == N::elastic) {
                 Lanes linear[D];
                 gather<N::at_deformation, D * D>(rows, other);
-                const Index* const j = &pairs.index[m];
+                const Index* const j = &list.index[m];
                 const FourRows<const double> theirs{shown(j[0]), shown(j[1]), shown(j[2]), shown(j[3])};
                 for (Size c = 0; c < D * D; ++c) other[c] += self[N::at_deformation + c];
                 times<D>(other, r, linear);
                 const Lanes weight = firm > N::yielded ? stiffness * k : Lanes{};
                 for (Size d = 0; d < D; ++d) {
                   const Lanes shift = {theirs[0][d], theirs[1][d], theirs[2][d], theirs[3][d]};
-                  felt[d] += weight * (displacement[i][static_cast<int>(d)] - shift - 0.5 * linear[d]);
+                  felt[d] += weight * (displaced[i][static_cast<int>(d)] - shift - 0.5 * linear[d]);
                 }
               }
               for (Size n = 0; n < 2 * D; ++n) own[n] += head[N::at_volume] * felt[n];
               if (!both) return;
               for (Size n = 0; n < 2 * D; ++n) felt[n] *= -volume;
-              const Index* const j = &pairs.index[m];
-              scatter_add<Own::size>(felt, {force[j[0]].sum.x.data(), force[j[1]].sum.x.data(),
-                                            force[j[2]].sum.x.data(), force[j[3]].sum.x.data()});
+              const Index* const j = &list.index[m];
+              scatter_add<Own::size>(felt, {forces[j[0]].sum.x.data(), forces[j[1]].sum.x.data(),
+                                            forces[j[2]].sum.x.data(), forces[j[3]].sum.x.data()});
             });
-        add_lanes<Own::size>(own, force[i].sum.x.data());
+        add_lanes<Own::size>(own, forces[i].sum.x.data());
       });
   for_rows(pairs, n_free, pairs.size(), [&](Size i) { force[i] = {}; });
 }

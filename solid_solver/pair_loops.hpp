@@ -1,10 +1,19 @@
-// Loops over pairs, four at a time, each part of the rows on a thread of its own.
+// Loops over pairs, four at a time, each part of the rows on a thread of its own. What such a loop reads it holds by
+// value, as plain pointers: what it held by reference would be read anew after every store by lanes, which may have
+// changed anything for all the compiler knows.
 #pragma once
 
 #include "common/core/lanes.hpp"
 #include "solid_solver/state.hpp"
 
 namespace poretwin::solid {
+
+/// The list as loops hold it.
+struct PairView {
+  const Index *offset, *alone, *index;
+  explicit PairView(const Pairs& pairs)
+      : offset(pairs.offset.data()), alone(pairs.alone.data()), index(pairs.index.data()) {}
+};
 
 /// Calls visit(i) for the rows from `first` to `last` - 1, the skipped ones too, compiled for this machine; mark it
 /// always_inline.
@@ -13,8 +22,9 @@ void for_all_rows_in_lanes(const Pairs& pairs, std::size_t first, std::size_t la
   for_each_part(pairs.n_parts(), [&](std::size_t part) {
     const std::size_t begin = std::max<std::size_t>(first, pairs.part[part]);
     const std::size_t end = std::min<std::size_t>(last, pairs.part[part + 1]);
-    run_lanes([&]() __attribute__((always_inline)) {
-      for (std::size_t i = begin; i < end; ++i) visit(i);
+    run_lanes([=]() __attribute__((always_inline)) {
+      const Visit here = visit;
+      for (std::size_t i = begin; i < end; ++i) here(i);
     });
   });
 }
@@ -22,15 +32,16 @@ void for_all_rows_in_lanes(const Pairs& pairs, std::size_t first, std::size_t la
 /// The same for those that are not skipped.
 template <class Visit>
 void for_rows_in_lanes(const Pairs& pairs, std::size_t first, std::size_t last, const Visit& visit) {
+  const char* const skipped = pairs.skipped.empty() ? nullptr : pairs.skipped.data();
   for_all_rows_in_lanes(
-      pairs, first, last, [&](std::size_t i) __attribute__((always_inline)) {
-        if (!pairs.skips(i)) visit(i);
+      pairs, first, last, [=](std::size_t i) __attribute__((always_inline)) {
+        if (skipped == nullptr || skipped[i] == 0) visit(i);
       });
 }
 
 /// Calls visit(m, both) for the pairs of row i, four from m on.
 template <class Visit>
-[[gnu::always_inline]] inline void for_four_pairs(const Pairs& pairs, std::size_t i, Visit&& visit) {
+[[gnu::always_inline]] inline void for_four_pairs(const PairView& pairs, std::size_t i, Visit&& visit) {
   const std::size_t alone = pairs.alone[i], end = pairs.offset[i + 1];
   for (std::size_t m = pairs.offset[i]; m < alone; m += n_lanes) visit(m, true);
   for (std::size_t m = alone; m < end; m += n_lanes) visit(m, false);
