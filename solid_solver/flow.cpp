@@ -1,6 +1,6 @@
 #include "solid_solver/flow.hpp"
 
-#include "solid_solver/pair_loops.hpp"
+#include "solid_solver/batch.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -182,6 +182,70 @@ const Sums<Around<D>::size>* sum_neighbours(const State<D>& state, double h, Scr
   return sums;
 }
 
+/// Stresses and volumes of a batch as its surroundings want them, before the model has its say; moves [m]: by how much
+/// its particles are shifted.
+template <int D>
+void even_out(const Setup<D>& setup, double interval, const State<D>& state, const Sums<Around<D>::size>* sums,
+              Batch& batch, std::array<Quad, D>* moves) {
+  using A = Around<D>;
+  const Particles<D>& p = state.particles;
+  const Index soil = batch.soil;
+  const Elasticity elasticity = setup.models[soil]->elasticity();
+  const double h = setup.smoothing_length, scale = h * h / full_weight, density = setup.density[soil];
+  const double longest = longest_move * setup.spacing;
+  const double grains = setup.grain_share[soil] / setup.grain_density[soil];
+  const bool dilates = setup.constant_volume[soil] != 0;
+  run_lanes([&]() __attribute__((always_inline)) {
+    for (std::size_t q = 0; q < batch.n_fours(); ++q) {
+      const Index* const i = &batch.who[q * n_lanes];
+      Four& four = batch.fours[q];
+      Lanes gradient[D * D], around[A::size], rate[6], mass, volume, coverage, shear, elastic;
+      gather<Node<D>::at_gradient, D * D>(rows_at(state.nodes.data(), i), gradient);
+      gather<0, A::size>({sums[i[0]].x.data(), sums[i[1]].x.data(), sums[i[2]].x.data(), sums[i[3]].x.data()}, around);
+      take_stresses(p.stress, i, four.stress);
+      take_each(p.mass, i, mass);
+      take_each(p.volume, i, volume);
+      take_each(state.external.coverage, i, coverage);
+      take_each(state.external.saturation, i, four.saturation);
+      const Lanes mean = (four.stress[0] + four.stress[1] + four.stress[2]) / 3.0;
+      strain_rate<D>(gradient, rate);
+      root_j2(rate, shear);
+      shear *= 2.0 * interval;
+      root_j2(four.stress, elastic);
+      elastic *= renewing / elasticity.shear;
+      const Lanes flowed = shear < elastic ? shear / elastic : Lanes{} + 1.0;
+      for (int a = 0; a < n_components<D>; ++a) four.stress[a] += stress_share * scale * flowed * around[a];
+      volume *= 1.0 + volume_share * scale * flowed * around[A::at_swelling];
+      const Lanes cover = around[A::at_cover] / setup.full_cover;
+      Lanes* const crowding = &around[A::at_crowding];
+      Lanes crowded{};
+      for (int d = 0; d < D; ++d) {
+        crowding[d] /= density;
+        crowded += crowding[d] * crowding[d];
+      }
+      take_root(crowded);
+      const LaneMask inside = (crowded * h <= surface) & (cover >= 0.8);
+      // In wet soil the water's pressure keeps the volume; a density taken from the positions would squeeze it.
+      volume *= inside & (coverage <= 0.5) ? 1.0 - packing_share * (cover - 1.0) : Lanes{} + 1.0;
+      Lanes strain = shear;
+      lower_to(strain, Lanes{} + largest_strain);
+      if (dilates) {
+        Lanes excess = mass / (density * volume) - 1.0 + mean / elasticity.bulk;
+        raise_to(excess, Lanes{} - largest_excess);
+        lower_to(excess, Lanes{} + largest_excess);
+        const Lanes rise = inside ? elasticity.bulk * dilatancy * strain * excess : Lanes{};
+        for (int d = 0; d < 3; ++d) four.stress[d] -= rise;
+      }
+      Lanes move = evening * h * h * strain, most = longest / (crowded > 0.0 ? crowded : Lanes{} + longest);
+      lower_to(move, most);
+      for (std::size_t d = 0; d < D; ++d) moves[q][d].v = inside ? -move * crowding[d] : Lanes{};
+      for (Lanes& none : four.strain) none = Lanes{};
+      four.void_ratio = volume / (grains * mass) - 1.0;
+      batch.volume[q].v = volume;
+    }
+  });
+}
+
 }  // namespace
 
 template <int D>
@@ -197,48 +261,24 @@ void keep_flow_regular(const Setup<D>& setup, double dt, State<D>& state) {
   scratch.flows.resize(n);
   for (std::size_t i = 0; i < n; ++i) scratch.flows[i] = p.plastic_strain[i] > setup.flow_limit;
   if (std::none_of(scratch.flows.begin(), scratch.flows.end(), [](char flows) { return flows; })) return;
-  const double h = setup.smoothing_length, scale = h * h / full_weight;
-  auto models = [&](std::size_t i) {  // brings the stress back to what the soil can bear
-    setup.models[p.material[i]]->advance(p.stress[i], Tensor::Zero(),
-                                         condition(setup, p, i, state.external.saturation[i]));
-  };
   fill_grains<D>(state, scratch);
   stress_slopes<D>(state, scratch);
-  const auto* const sums = sum_neighbours<D>(state, h, scratch);
-  for_rows(state.near.pairs, 0, n, [&](std::size_t i) {
-    if (!scratch.flows[i] || state.regions.sleeps(i)) return;
-    const double density = setup.density[p.material[i]], reference = p.mass[i] / density;
-    const double* const around = sums[i].x.data();
-    const double cover = around[Around<D>::at_cover] / setup.full_cover;
-    const Vec<D> crowding = Eigen::Map<const Vec<D>>(around + Around<D>::at_crowding) / density;
-    Tensor& stress = p.stress[i];
-    const double mean = trace(stress) / 3.0;
-    double& volume = p.volume[i];
-    const double shear = interval * 2.0 * root_j2(strain_rate<D>(state.nodes[i].gradient));
-    const double elastic = root_j2(stress) / setup.models[p.material[i]]->elasticity().shear;
-    const double flowed = shear < renewing * elastic ? shear / (renewing * elastic) : 1.0;
-    stress.template head<n_components<D>>() +=
-        flowed * stress_share * scale * Eigen::Map<const Eigen::Matrix<double, n_components<D>, 1>>(around);
-    volume *= 1.0 + flowed * volume_share * scale * around[Around<D>::at_swelling];
-    if (crowding.norm() * h > surface || cover < 0.8) {
-      models(i);
-      return;
+  const auto* const sums = sum_neighbours<D>(state, setup.smoothing_length, scratch);
+  const auto treated = [&](Index i) {
+    return scratch.flows[i] && !state.near.pairs.skips(i) && !state.regions.sleeps(i);
+  };
+  for_batches(state, treated, [&](Batch& batch) {
+    std::array<std::array<Quad, D>, Batch::most / n_lanes> moves;
+    even_out<D>(setup, interval, state, sums, batch, moves.data());
+    setup.models[batch.soil]->advance(std::span(batch.fours).first(batch.n_fours()));  // back to what the soil can bear
+    for (std::size_t k = 0; k < batch.count; ++k) {
+      const Index i = batch.who[k];
+      const std::size_t q = k / n_lanes, lane = k % n_lanes;
+      p.volume[i] = batch.volume[q].v[lane];
+      for (int c = 0; c < 6; ++c) p.stress[i][c] = batch.fours[q].stress[c][lane];
+      for (std::size_t d = 0; d < D && i < p.free(); ++d)
+        p.position[i][static_cast<Eigen::Index>(d)] += moves[q][d].v[lane];
     }
-    // In wet soil the water's pressure keeps the volume; a density taken from the positions would squeeze it.
-    if (state.external.coverage[i] <= 0.5) volume *= 1.0 - packing_share * (cover - 1.0);
-    const double strain = std::min(largest_strain, shear);
-    if (setup.constant_volume[p.material[i]]) {
-      const double bulk = setup.models[p.material[i]]->elasticity().bulk;
-      const double excess = reference / volume - 1.0 + mean / bulk;
-      const double rise = bulk * dilatancy * strain * std::clamp(excess, -largest_excess, largest_excess);
-      for (int d = 0; d < 3; ++d) stress[d] -= rise;
-    }
-    models(i);
-    if (i >= p.free()) return;
-    Vec<D> move = -(evening * strain * h * h) * crowding;
-    const double length = move.norm(), most = longest_move * setup.spacing;
-    if (length > most) move *= most / length;
-    p.position[i] += move;
   });
 }
 

@@ -95,8 +95,7 @@ void velocity_gradient(const Pairs& pairs, const Kernels& kernel, std::vector<No
               if (!both) return;
               for (Size n = 0; n < c; ++n) felt[n] *= volume;
               const Index* const j = &list.index[m];
-              scatter_add<n_sums>(felt,
-                                  {all[j[0]].sums(), all[j[1]].sums(), all[j[2]].sums(), all[j[3]].sums()});
+              scatter_add<n_sums>(felt, {all[j[0]].sums(), all[j[1]].sums(), all[j[2]].sums(), all[j[3]].sums()});
             });
         add_lanes<n_sums>(own, all[i].sums());
       });

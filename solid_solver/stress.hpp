@@ -2,6 +2,7 @@
 // Compression is negative.
 #pragma once
 
+#include "common/core/lanes.hpp"
 #include "common/core/vector.hpp"
 
 #include <cmath>
@@ -25,10 +26,17 @@ inline Tensor deviator(Tensor t) {
   return t;
 }
 
-/// Square root of the second invariant of the deviator.
+/// Square root of the second invariant of the deviator; of one tensor or of four (Number: double or Lanes).
+template <class Number>
+[[gnu::always_inline]] inline void root_j2(const Number* t, Number& root) {
+  const Number mean = (t[0] + t[1] + t[2]) / 3.0, x = t[0] - mean, y = t[1] - mean, z = t[2] - mean;
+  root = 0.5 * (x * x + y * y + z * z + 2.0 * (t[3] * t[3] + t[4] * t[4] + t[5] * t[5]));
+  take_root(root);
+}
 inline double root_j2(const Tensor& t) {
-  const Tensor s = deviator(t);
-  return std::sqrt(0.5 * contract(s, s));
+  double root = 0.0;
+  root_j2(t.data(), root);
+  return root;
 }
 
 /// The in-plane block as a matrix.
