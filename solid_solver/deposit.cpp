@@ -17,16 +17,23 @@ double flat_kernel(double r, double h) {
   return (D == 2 ? 0.75 / h : 7.0 / (4.0 * pi * h * h)) * u2 * u2 * (2.0 * q + 1.0);
 }
 
-/// Volume of soil, packed as at the start, over a unit of ground at x [m].
+/// Volume of soil, packed as at the start, over a unit of ground [m] at the places x, x - step, x - 2 step, ...
 template <int D>
-double thickness_at(const Setup<D>& setup, const State<D>& state, const Vec<D>& x) {
+ScalarArray thicknesses(const Setup<D>& setup, const State<D>& state, const Vec<D>& x, const Vec<D>& step,
+                        std::size_t n_places) {
   const auto& p = state.particles;
-  const Vec<D> up = upwards(setup);
-  double sum = 0.0;
+  const Vec<D> up = upwards(setup), back = up.dot(step) * up - step;
+  const double h = setup.smoothing_length, length = back.norm(), last = static_cast<double>(n_places) - 1.0;
+  const double reach = length > 0.0 ? sph::support_radius * h / length : last;  // in steps
+  ScalarArray sum(n_places, 0.0);
   for (std::size_t i = 0; i < p.free(); ++i) {
-    const Vec<D> r = p.position[i] - x;
-    sum +=
-        p.mass[i] / setup.density[p.material[i]] * flat_kernel<D>((r - up.dot(r) * up).norm(), setup.smoothing_length);
+    Vec<D> r = p.position[i] - x;
+    r -= up.dot(r) * up;
+    const double nearest = length > 0.0 ? r.dot(back) / (length * length) : 0.0;
+    const double first = std::max(0.0, std::ceil(nearest - reach)), end = std::min(last, nearest + reach);
+    for (double k = first; k <= end; k += 1.0)
+      sum[static_cast<std::size_t>(k)] +=
+          p.mass[i] / setup.density[p.material[i]] * flat_kernel<D>((r - k * back).norm(), h);
   }
   return sum;
 }
@@ -85,12 +92,14 @@ double front_position(const Setup<D>& setup, const State<D>& state, const Vec<D>
   for (std::size_t i = 0; i < p.free(); ++i) tip = std::max(tip, along.dot(p.position[i] - from));
   tip = std::clamp(tip + 0.5 * setup.spacing, 0.0, length);
   if (thickness <= 0.0) return tip;
-  const double step = 0.25 * setup.spacing;
+  const double step = 0.25 * setup.spacing, begin = std::min(length, tip + 2.0 * setup.smoothing_length);
+  const auto n_places = static_cast<std::size_t>(begin / step) + 1;
+  const ScalarArray found = thicknesses<D>(setup, state, from + begin * along, step * along, n_places);
   double beyond = 0.0;
-  for (double s = std::min(length, tip + 2.0 * setup.smoothing_length); s >= 0.0; s -= step) {
-    const double here = thickness_at<D>(setup, state, from + s * along);
-    if (here >= thickness) return s + step * (here - thickness) / std::max(here - beyond, 1e-300);
-    beyond = here;
+  for (std::size_t k = 0; k < n_places; ++k) {
+    const double s = begin - static_cast<double>(k) * step;
+    if (found[k] >= thickness) return s + step * (found[k] - thickness) / std::max(found[k] - beyond, 1e-300);
+    beyond = found[k];
   }
   return 0.0;
 }

@@ -68,7 +68,7 @@ RestReport find_rest(const Setup<D>& setup, const RestSearch& search, State<D>& 
   if (reference <= 0.0) return report;
   const double elastic_rate = near_critical_damping(setup);
   drive.damping = elastic_rate;
-  const double dt = setup.longest_substep;
+  const double dt = setup.rest_substep;
   const auto limit = [&] {
     const double ways = state.any_yielded ? search.yielding : search.ways;
     return static_cast<std::size_t>(ways * setup.height / (setup.stabilisers.sound_speed * dt)) + 200;

@@ -29,7 +29,6 @@ struct Setup {
   double full_cover = 1.0;        ///< sum V W in soil as dense as it was laid
   double skin = 0.0;              ///< m, pair lists hold until something moved half of it
   std::size_t parts = 1;          ///< of the particles, that threads share: as many on every machine
-  double courant = 0.8;           ///< of dx / sqrt(M / rho_bar)
   bool regular_flow = true;       ///< see flow.hpp
   double flow_limit = 0.01;      ///< plastic strain above which the zero-energy control is off: it would brake the flow
   double inertia_share = 0.5;    ///< zr of the tracking coefficient Z = C + zr rho_bar / Dt
@@ -38,6 +37,7 @@ struct Setup {
   Vec<D> gravity = Vec<D>::Zero();
   double water_weight = 0.0;     ///< N/m3, behind the word "conductivity"
   double longest_substep = 0.0;  ///< s
+  double rest_substep = 0.0;     ///< s, of dynamic relaxation
   double height = 0.0;           ///< m, extent of the soil along gravity
   Stabilisers stabilisers;
   Quiet quiet;  ///< of the case; regions = 0 where none sleep

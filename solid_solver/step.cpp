@@ -3,6 +3,7 @@
 #include "common/core/error.hpp"
 #include "common/core/threads.hpp"
 #include "solid_solver/flow.hpp"
+#include "solid_solver/lists_hold.hpp"
 #include "solid_solver/straining.hpp"
 #include "solid_solver/wall_friction.hpp"
 
@@ -36,15 +37,7 @@ void rebuild(const Setup<D>& setup, State<D>& state) {
 
 template <int D>
 bool rebuild_if_moved(const Setup<D>& setup, State<D>& state) {
-  const double limit = 0.25 * setup.skin * setup.skin;
-  const auto& p = state.particles;
-  const std::size_t parts = parts_for(p.free());
-  std::vector<char> moved(parts, 0);
-  for_each_part(parts, [&](std::size_t part) {
-    for (std::size_t i = p.free() * part / parts; i < p.free() * (part + 1) / parts && !moved[part]; ++i)
-      moved[part] = (p.position[i] - state.near.built_at[i].template cast<double>()).squaredNorm() > limit;
-  });
-  if (std::none_of(moved.begin(), moved.end(), [](char m) { return m; })) return false;
+  if (lists_hold(setup, state.particles, state.near)) return false;
   rebuild_lists(setup, state);
   return true;
 }

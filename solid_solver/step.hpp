@@ -24,7 +24,7 @@ void rebuild_lists(const Setup<D>& setup, State<D>& state);
 template <int D>
 void rebuild(const Setup<D>& setup, State<D>& state);
 
-/// Rebuilds when something moved more than half the skin; says whether it did.
+/// Rebuilds when the lists no longer hold (lists_hold.hpp); says whether it did.
 template <int D>
 bool rebuild_if_moved(const Setup<D>& setup, State<D>& state);
 

@@ -324,13 +324,15 @@ void declare(Keys& keys, SolidCase& s) {
                       "Work saved while the soil hardly moves; absent: all its motion is computed. Elastic soil with "
                       "water is then in equilibrium at the end of every window, as it is of long ones anyway.",
                       s.quiet, [](Keys& inner, Quiet& quiet) { declare(inner, quiet); });
-  keys.number("courant", s.courant,
-              {"", "Substep over spacing / wave speed. Elastic soil bears 1.9, cohesive soil that slides 1."},
-              between(0, true, 2, false));
   keys.number(
-      "list_skin", s.list_skin,
-      {"spacings", "How far beyond the kernel's reach pair lists go: kept until something has moved by half of it."},
-      not_negative());
+      "courant", s.courant,
+      {"", "Substep over spacing / wave speed; searches for rest take 0.8 of it. Tips of elastic slopes bear 1.07."},
+      between(0, true, 2, false));
+  keys.number("list_skin", s.list_skin,
+              {"spacings",
+               "How far beyond the kernel's reach pair lists go: kept until neighbours have moved against each other "
+               "by as much."},
+              not_negative());
   keys.number("artificial_viscosity", s.artificial_viscosity,
               {"", "Alpha of Monaghan's artificial viscosity, on approaching particles."}, not_negative());
   keys.number("quadratic_viscosity", s.quadratic_viscosity,
