@@ -69,36 +69,39 @@ void velocity_gradient(const Pairs& pairs, const Kernels& kernel, std::vector<No
   const PairView list(pairs);
   Node<D>* const all = nodes.data();
   const float* const kernels = kernel.data();
-  for_rows_in_lanes(
-      pairs, 0, pairs.size(), [=](Size i) __attribute__((always_inline)) {
-        const double* const self = all[i].row();
-        const double volume = all[i].volume;
-        Lanes own[n_sums] = {};
-        for_four_pairs(
-            list, i, [&](Size m, bool both) __attribute__((always_inline)) {
-              const auto rows = rows_at(all, &list.index[m]);
-              const Lanes volumes = {rows[0][Node<D>::at_volume], rows[1][Node<D>::at_volume],
-                                     rows[2][Node<D>::at_volume], rows[3][Node<D>::at_volume]};
-              Lanes other[2 * D], r[D], w[D], k, felt[n_sums] = {};
-              gather<0, 2 * D>(rows, other);
-              take(&kernels[m], k);
-              for (Size d = 0; d < D; ++d) {
-                r[d] = self[d] - other[d];
-                w[d] = k * r[d];
-              }
-              Size c = 0;
-              for (Size b = 0; b < D; ++b)
-                for (Size a = 0; a < D; ++a) felt[c++] = (other[D + a] - self[D + a]) * w[b];
-              for (Size b = 0; b < D; ++b)
-                for (Size a = 0; a <= b; ++a) felt[c++] = -r[a] * w[b];
-              for (Size n = 0; n < c; ++n) own[n] += volumes * felt[n];
-              if (!both) return;
-              for (Size n = 0; n < c; ++n) felt[n] *= volume;
-              const Index* const j = &list.index[m];
-              scatter_add<n_sums>(felt, {all[j[0]].sums(), all[j[1]].sums(), all[j[2]].sums(), all[j[3]].sums()});
-            });
-        add_lanes<n_sums>(own, all[i].sums());
-      });
+  fetching_if_many(nodes.size(), [&](auto fetches) {
+    for_rows_in_lanes(
+        pairs, 0, pairs.size(), [=](Size i) __attribute__((always_inline)) {
+          const double* const self = all[i].row();
+          const double volume = all[i].volume;
+          Lanes own[n_sums] = {};
+          for_four_pairs(
+              list, i, [&](Size m, bool both) __attribute__((always_inline)) {
+                if constexpr (fetches) fetch_ahead<0, 2>(list, all, m);
+                const auto rows = rows_at(all, &list.index[m]);
+                const Lanes volumes = {rows[0][Node<D>::at_volume], rows[1][Node<D>::at_volume],
+                                       rows[2][Node<D>::at_volume], rows[3][Node<D>::at_volume]};
+                Lanes other[2 * D], r[D], w[D], k, felt[n_sums] = {};
+                gather<0, 2 * D>(rows, other);
+                take(&kernels[m], k);
+                for (Size d = 0; d < D; ++d) {
+                  r[d] = self[d] - other[d];
+                  w[d] = k * r[d];
+                }
+                Size c = 0;
+                for (Size b = 0; b < D; ++b)
+                  for (Size a = 0; a < D; ++a) felt[c++] = (other[D + a] - self[D + a]) * w[b];
+                for (Size b = 0; b < D; ++b)
+                  for (Size a = 0; a <= b; ++a) felt[c++] = -r[a] * w[b];
+                for (Size n = 0; n < c; ++n) own[n] += volumes * felt[n];
+                if (!both) return;
+                for (Size n = 0; n < c; ++n) felt[n] *= volume;
+                const Index* const j = &list.index[m];
+                scatter_add<n_sums>(felt, {all[j[0]].sums(), all[j[1]].sums(), all[j[2]].sums(), all[j[3]].sums()});
+              });
+          add_lanes<n_sums>(own, all[i].sums());
+        });
+  });
   for_rows(pairs, 0, pairs.size(), [&](Size i) {
     Node<D>& node = nodes[i];
     const Mat<D> moment = node.correction();
@@ -186,96 +189,99 @@ void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& n
   const Size n_real = displacement.size();
   float* const kernels = kernel.data();
   Force<D>* const forces = force.data();
-  for_rows_in_lanes(
-      pairs, 0, n_free, [=](Size i) __attribute__((always_inline)) {
-        const auto shown = [&](Index j) __attribute__((always_inline)) {
-          return j < n_real ? displaced[j].data() : images[j - n_real].displacement.data();
-        };
-        const double* const self = all[i].row();
-        const double volume = all[i].volume, firmness = all[i].firmness;
-        Lanes own[Own::size] = {};
-        for_four_pairs(
-            list, i, [&](Size m, bool both) __attribute__((always_inline)) {
-              const auto rows = rows_at(all, &list.index[m]);
-              Lanes head[n_head], other[D * D], r[D], u[D], kr[D];
-              Lanes felt[Own::size] = {};  // the force without and with what stabilises
-              gather<0, n_head>(rows, head);
-              Lanes squared{}, approach{}, k;
-              for (Size d = 0; d < D; ++d) {
-                r[d] = self[d] - head[d];
-                u[d] = self[D + d] - head[D + d];
-                squared += r[d] * r[d];
-                approach -= r[d] * u[d];
-              }
-              raise_to(approach, Lanes{});
-              Lanes distance = squared;
-              take_root(distance);
-              derivative.at(distance, k);
-              put(k, &kernels[m]);
-              take(&kernels[m], k);
-              for (Size d = 0; d < D; ++d) kr[d] = k * r[d];
-              gather<N::at_flux, D * D>(rows, other);
-              for (Size c = 0; c < D * D; ++c) other[c] += self[N::at_flux + c];
-              times<D>(other, kr, felt);
-              const Lanes share = k * (self[N::at_density] + head[N::at_density]);
-              const Lanes closing = approach / (squared + clip);  // 1/s
-              const Lanes viscous = viscosity + quadratic * closing;
-              Lanes resist = share * closing;
-              Lanes rubbing =
-                  head[N::at_rubbing] > self[N::at_rubbing] ? head[N::at_rubbing] : Lanes{} + self[N::at_rubbing];
-              const LaneMask rubs = rubbing > 0.0;
-              if (any(rubs)) {
-                // Implicit in the pair: grains that meet closely, or have swollen, would be thrown back.
-                const Lanes stop = step * collision * share *
-                                   (volume / head[N::at_density] + head[N::at_volume] / self[N::at_density]);
-                resist *= rubs ? collision / (1.0 - stop) : viscous;
-                // Coulomb's friction of the collision.
-                const LaneMask collides = rubs & (approach > 0.0);
-                const Lanes pull = approach / (collides ? squared : Lanes{} + 1.0);
-                Lanes along[D], slip{};
+  fetching_if_many(nodes.size(), [&](auto fetches) {
+    for_rows_in_lanes(
+        pairs, 0, n_free, [=](Size i) __attribute__((always_inline)) {
+          const auto shown = [&](Index j) __attribute__((always_inline)) {
+            return j < n_real ? displaced[j].data() : images[j - n_real].displacement.data();
+          };
+          const double* const self = all[i].row();
+          const double volume = all[i].volume, firmness = all[i].firmness;
+          Lanes own[Own::size] = {};
+          for_four_pairs(
+              list, i, [&](Size m, bool both) __attribute__((always_inline)) {
+                if constexpr (fetches) fetch_ahead<0, 3>(list, all, m);
+                const auto rows = rows_at(all, &list.index[m]);
+                Lanes head[n_head], other[D * D], r[D], u[D], kr[D];
+                Lanes felt[Own::size] = {};  // the force without and with what stabilises
+                gather<0, n_head>(rows, head);
+                Lanes squared{}, approach{}, k;
                 for (Size d = 0; d < D; ++d) {
-                  along[d] = u[d] + pull * r[d];
-                  slip += along[d] * along[d];
+                  r[d] = self[d] - head[d];
+                  u[d] = self[D + d] - head[D + d];
+                  squared += r[d] * r[d];
+                  approach -= r[d] * u[d];
                 }
-                take_root(slip);
-                Lanes friction = rubbing * resist * distance / (slip + pull * distance);
-                friction = collides ? friction : Lanes{};
-                for (Size d = 0; d < D; ++d) felt[D + d] = friction * along[d] - resist * r[d];
-              } else {
-                resist *= viscous;
-                for (Size d = 0; d < D; ++d) felt[D + d] = -resist * r[d];
-              }
-              const Lanes firm = head[N::at_firmness] < firmness ? head[N::at_firmness] : Lanes{} + firmness;
-              if (firmness > N::flows) {
-                Lanes turned[D];
-                gather<N::at_gradient, D * D>(rows, other);
-                for (Size c = 0; c < D * D; ++c) other[c] += self[N::at_gradient + c];
-                times<D>(other, r, turned);
-                const Lanes weight = firm > N::flows ? control * share : Lanes{};
-                for (Size d = 0; d < D; ++d) felt[D + d] += weight * (2.0 * u[d] - turned[d]);
-              }
-              if (firmness == N::elastic) {
-                Lanes linear[D];
-                gather<N::at_deformation, D * D>(rows, other);
+                raise_to(approach, Lanes{});
+                Lanes distance = squared;
+                take_root(distance);
+                derivative.at(distance, k);
+                put(k, &kernels[m]);
+                take(&kernels[m], k);
+                for (Size d = 0; d < D; ++d) kr[d] = k * r[d];
+                gather<N::at_flux, D * D>(rows, other);
+                for (Size c = 0; c < D * D; ++c) other[c] += self[N::at_flux + c];
+                times<D>(other, kr, felt);
+                const Lanes share = k * (self[N::at_density] + head[N::at_density]);
+                const Lanes closing = approach / (squared + clip);  // 1/s
+                const Lanes viscous = viscosity + quadratic * closing;
+                Lanes resist = share * closing;
+                Lanes rubbing =
+                    head[N::at_rubbing] > self[N::at_rubbing] ? head[N::at_rubbing] : Lanes{} + self[N::at_rubbing];
+                const LaneMask rubs = rubbing > 0.0;
+                if (any(rubs)) {
+                  // Implicit in the pair: grains that meet closely, or have swollen, would be thrown back.
+                  const Lanes stop = step * collision * share *
+                                     (volume / head[N::at_density] + head[N::at_volume] / self[N::at_density]);
+                  resist *= rubs ? collision / (1.0 - stop) : viscous;
+                  // Coulomb's friction of the collision.
+                  const LaneMask collides = rubs & (approach > 0.0);
+                  const Lanes pull = approach / (collides ? squared : Lanes{} + 1.0);
+                  Lanes along[D], slip{};
+                  for (Size d = 0; d < D; ++d) {
+                    along[d] = u[d] + pull * r[d];
+                    slip += along[d] * along[d];
+                  }
+                  take_root(slip);
+                  Lanes friction = rubbing * resist * distance / (slip + pull * distance);
+                  friction = collides ? friction : Lanes{};
+                  for (Size d = 0; d < D; ++d) felt[D + d] = friction * along[d] - resist * r[d];
+                } else {
+                  resist *= viscous;
+                  for (Size d = 0; d < D; ++d) felt[D + d] = -resist * r[d];
+                }
+                const Lanes firm = head[N::at_firmness] < firmness ? head[N::at_firmness] : Lanes{} + firmness;
+                if (firmness > N::flows) {
+                  Lanes turned[D];
+                  gather<N::at_gradient, D * D>(rows, other);
+                  for (Size c = 0; c < D * D; ++c) other[c] += self[N::at_gradient + c];
+                  times<D>(other, r, turned);
+                  const Lanes weight = firm > N::flows ? control * share : Lanes{};
+                  for (Size d = 0; d < D; ++d) felt[D + d] += weight * (2.0 * u[d] - turned[d]);
+                }
+                if (firmness == N::elastic) {
+                  Lanes linear[D];
+                  gather<N::at_deformation, D * D>(rows, other);
+                  const Index* const j = &list.index[m];
+                  const FourRows<const double> theirs{shown(j[0]), shown(j[1]), shown(j[2]), shown(j[3])};
+                  for (Size c = 0; c < D * D; ++c) other[c] += self[N::at_deformation + c];
+                  times<D>(other, r, linear);
+                  const Lanes weight = firm > N::yielded ? stiffness * k : Lanes{};
+                  for (Size d = 0; d < D; ++d) {
+                    const Lanes shift = {theirs[0][d], theirs[1][d], theirs[2][d], theirs[3][d]};
+                    felt[d] += weight * (displaced[i][static_cast<int>(d)] - shift - 0.5 * linear[d]);
+                  }
+                }
+                for (Size n = 0; n < 2 * D; ++n) own[n] += head[N::at_volume] * felt[n];
+                if (!both) return;
+                for (Size n = 0; n < 2 * D; ++n) felt[n] *= -volume;
                 const Index* const j = &list.index[m];
-                const FourRows<const double> theirs{shown(j[0]), shown(j[1]), shown(j[2]), shown(j[3])};
-                for (Size c = 0; c < D * D; ++c) other[c] += self[N::at_deformation + c];
-                times<D>(other, r, linear);
-                const Lanes weight = firm > N::yielded ? stiffness * k : Lanes{};
-                for (Size d = 0; d < D; ++d) {
-                  const Lanes shift = {theirs[0][d], theirs[1][d], theirs[2][d], theirs[3][d]};
-                  felt[d] += weight * (displaced[i][static_cast<int>(d)] - shift - 0.5 * linear[d]);
-                }
-              }
-              for (Size n = 0; n < 2 * D; ++n) own[n] += head[N::at_volume] * felt[n];
-              if (!both) return;
-              for (Size n = 0; n < 2 * D; ++n) felt[n] *= -volume;
-              const Index* const j = &list.index[m];
-              scatter_add<Own::size>(felt, {forces[j[0]].sum.x.data(), forces[j[1]].sum.x.data(),
-                                            forces[j[2]].sum.x.data(), forces[j[3]].sum.x.data()});
-            });
-        add_lanes<Own::size>(own, forces[i].sum.x.data());
-      });
+                scatter_add<Own::size>(felt, {forces[j[0]].sum.x.data(), forces[j[1]].sum.x.data(),
+                                              forces[j[2]].sum.x.data(), forces[j[3]].sum.x.data()});
+              });
+          add_lanes<Own::size>(own, forces[i].sum.x.data());
+        });
+  });
   for_rows(pairs, n_free, pairs.size(), [&](Size i) { force[i] = {}; });
 }
 

@@ -6,14 +6,40 @@
 #include "common/core/lanes.hpp"
 #include "solid_solver/state.hpp"
 
+#include <algorithm>
+#include <type_traits>
+
 namespace poretwin::solid {
 
 /// The list as loops hold it.
 struct PairView {
   const Index *offset, *alone, *index;
+  std::size_t size;
   explicit PairView(const Pairs& pairs)
-      : offset(pairs.offset.data()), alone(pairs.alone.data()), index(pairs.index.data()) {}
+      : offset(pairs.offset.data()), alone(pairs.alone.data()), index(pairs.index.data()), size(pairs.index.size()) {}
 };
+
+/// Asks the memory for what is packed for four pairs that come some rows after m: lines of 64 bytes from `first` to
+/// `last` - 1 of each.
+template <std::size_t first, std::size_t last, class Packed>
+[[gnu::always_inline]] inline void fetch_ahead(const PairView& pairs, const Packed* all, std::size_t m) {
+  constexpr std::size_t ahead = 64, line = 64;
+  const Index* const index = &pairs.index[std::min(m + ahead, pairs.size - n_lanes)];
+  for (std::size_t l = 0; l < n_lanes; ++l)
+    for (std::size_t k = first; k < last; ++k)
+      __builtin_prefetch(reinterpret_cast<const char*>(&all[index[l]]) + k * line);
+}
+
+/// Calls loop(std::true_type{}) where what is packed for so many particles outgrows a core's caches, so that asking for
+/// it ahead pays, else loop(std::false_type{}).
+template <class Loop>
+void fetching_if_many(std::size_t n_packed, const Loop& loop) {
+  constexpr std::size_t many = 16384;
+  if (n_packed > many)
+    loop(std::true_type{});
+  else
+    loop(std::false_type{});
+}
 
 /// Calls visit(i) for the rows from `first` to `last` - 1, the skipped ones too, compiled for this machine; mark it
 /// always_inline.
