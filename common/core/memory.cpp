@@ -62,7 +62,7 @@ class LargeArrays {
   }
 
  private:
-  static constexpr std::size_t least = 16 << 10, line = 64, room = std::size_t{1} << 38;
+  static constexpr std::size_t least = 64 << 10, line = 64, room = std::size_t{1} << 38;
   std::atomic<char*> begin_{nullptr};
   std::mutex busy_;
   std::map<char*, std::size_t> gaps_;  ///< where they begin, bytes
