@@ -332,7 +332,7 @@ void Fluid<D>::initialise(const coupling::Inbox& inbox) {
     p.void_fraction[a] = 1.0 - view.fraction[a];
     p.mass[a] = p.void_fraction[a] * density_ * p.volume[a];
     p.mask[a] = view.mask[a];
-    p.seeps[a] = seeps<D>(view, a, p.velocity[a], density_, spacing_of<D>(p.volume[a]), true) ? 1.0 : 0.0;
+    p.seeps[a] = seeps<D>(view, a, p.velocity[a], density_, spacing_of<D>(p.volume[a]), true) ? 1 : 0;
   }
   begin_control(view, 0.0);
   p.solid_velocity = view.velocity;
@@ -352,8 +352,7 @@ bool Fluid<D>::drags(const SoilView<D>& view, std::size_t a) const {
 /// Whether no water moves as free water does.
 template <int D>
 bool Fluid<D>::all_creep(const SoilView<D>& view) const {
-  return all_side_by_side(view.size(),
-                          [&](std::size_t a) { return state_.particles.seeps[a] > 0.5 && drags(view, a); });
+  return all_side_by_side(view.size(), [&](std::size_t a) { return state_.particles.seeps[a] != 0 && drags(view, a); });
 }
 
 /// Viscosity of the water itself, Eq. (76) as corrected, its pairs amplified as the pressure's are to be exact for a
@@ -364,12 +363,16 @@ template <int D>
 VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& view,
                                       std::span<const Mat<D>> velocity_gradient, double interval) const {
   const auto& v = state_.particles.velocity;
-  VecArray<D> result = v;
-  if (!pull_.isZero(0.0)) for_each_side_by_side(result.size(), [&](std::size_t a) { result[a] += interval * pull_; });
+  VecArray<D> result;
+  if (!pull_.isZero(0.0)) {
+    result = v;
+    for_each_side_by_side(result.size(), [&](std::size_t a) { result[a] += interval * pull_; });
+  }
   // In soil drag damps what the trace of viscosity is for, unless inertia rules there as well.
   std::vector<char> damped(s.n_real);
   for_each_side_by_side(s.n_real, [&](std::size_t a) { damped[a] = drags(view, a); });
   if (all_side_by_side(s.n_real, [&](std::size_t a) { return damped[a]; })) return result;
+  if (result.empty()) result = v;
   const double noise = noise_viscosity * dx_ * state_.wave_speed, viscosity = this->viscosity();
   // That of the scheme is a damping, not a property: nothing is gained by its being exact.
   const bool own = viscosity <= scene_.water.kinematic_viscosity;
@@ -439,7 +442,7 @@ ScalarArray Fluid<D>::left_for_later(const Stencil<D>& s, const SoilView<D>& vie
   const double later = 1.0 - interval / (0.5 * free_interval());
   if (later <= 0.0) return left;
   for_each_side_by_side(p.size(), [&](std::size_t a) {
-    if (p.seeps[a] <= 0.5 && !drags(view, a) && s.length(a) * s.normal[a].norm() > even) left[a] = later;
+    if (p.seeps[a] == 0 && !drags(view, a) && s.length(a) * s.normal[a].norm() > even) left[a] = later;
   });
   if (all_side_by_side(p.size(), [&](std::size_t a) { return left[a] == 0.0; })) return left;
   VecArray<D> flux(p.size());
@@ -501,11 +504,11 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
     const double excess = packing_error(s, a, s.fullness[a] + voids_near(a));
     // In free water the repair of a disordered start, begun at once, would be a blow.
     const double begun =
-        p.seeps[a] > 0.5 ? 1.0 : std::min(1.0, state_.time / free_repair_time(spacing_of<D>(p.volume[a])));
+        p.seeps[a] != 0 ? 1.0 : std::min(1.0, state_.time / free_repair_time(spacing_of<D>(p.volume[a])));
     source[a] += begun * motion[a] * p.void_fraction[a] * excess / repair_time(a, view, interval);
     // Displacements of the velocity's length keep the volume to second order: det(1 + dt grad v) = 1. Without it a
     // strain rate s compresses by dt s^2, and the repair of that feeds energy in.
-    if (p.seeps[a] <= 0.5)
+    if (p.seeps[a] == 0)
       source[a] += std::clamp(0.5 * interval * (velocity_gradient[a] * velocity_gradient[a]).trace(), -0.2 / interval,
                               0.2 / interval);
   });
@@ -605,7 +608,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
     p.void_fraction[a] = 1.0 - view.fraction[a];
     p.volume[a] = p.mass[a] / (p.void_fraction[a] * density_);
     p.mask[a] = view.mask[a];
-    p.seeps[a] = seeps<D>(view, a, p.velocity[a], density_, spacing_of<D>(p.volume[a]), long_window) ? 1.0 : 0.0;
+    p.seeps[a] = seeps<D>(view, a, p.velocity[a], density_, spacing_of<D>(p.volume[a]), long_window) ? 1 : 0;
   });
   set_inlets(window.time, dt);
   fill_basins(window.time, dt);
@@ -622,7 +625,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   in.cavitation = scene_.water.cavitation_pressure;
   MatArray<D> gradient;  // none where all water creeps through soil
   if (!all_creep(view)) gradient = velocity_gradient<D>(s, p.velocity, no_slip_);
-  in.velocity = forced_velocity(s, view, gradient, dt);
+  VecArray<D> forced = forced_velocity(s, view, gradient, dt);
   in.source = volume_source(s, view, gradient, dt);
   const auto& scheme = scene_.fluid.scheme;
   if (sweeps) {
@@ -635,14 +638,16 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   const ScalarArray drag = returns ? view.drag : ScalarArray();
   if (explicit_drag) {
     drag_force.resize(p.size());
+    if (forced.empty()) forced = p.velocity;
     // Eq. (75) as corrected: the drag belongs to the prediction.
     for (std::size_t a = 0; a < p.size(); ++a) {
-      drag_force[a] = drag[a] * (in.velocity[a] - view.velocity[a]) - view.drag_offset[a];
-      in.velocity.values()[a] -= dt / (p.void_fraction[a] * density_) * drag_force[a];
+      drag_force[a] = drag[a] * (forced[a] - view.velocity[a]) - view.drag_offset[a];
+      forced[a] -= dt / (p.void_fraction[a] * density_) * drag_force[a];
     }
     view.resistance.assign(p.size(), {});
     view.linearise(p.velocity, view.velocity);
   }
+  in.velocity = forced.empty() ? p.velocity : forced;
   auto out = solve(s, view, in);
   check_finite(out, window.time);
   state_.counts.windows += 1;

@@ -52,7 +52,7 @@ class Fluid final : public Phase {
   void mark_surface(Stencil<D>& s, std::span<double> rows, double share);
   SoilView<D> soil(const coupling::Inbox& inbox) const;
   Stencil<D> stencil() const;
-  /// Velocity after what is explicit: shear stress of the water outside soil, and the central force.
+  /// Velocity after what is explicit: shear stress of the water outside soil, and the central force. None: as it is.
   VecArray<D> forced_velocity(const Stencil<D>& s, const SoilView<D>& soil, std::span<const Mat<D>> velocity_gradient,
                               double interval) const;
   /// Volume each particle must give off [1/s]: packing repair, the window's curvature in time and the soil's

@@ -68,7 +68,7 @@ void Fluid<D>::limit_by_slowing(const VecArray<D>& velocity_before, double inter
   state_.window_limits.clear();
   const auto& p = state_.particles;
   if (scene_.coupled() || scene_.fluid.scheme != FluidCase::Scheme::projection ||
-      !all_side_by_side(p.size(), [&](std::size_t a) { return p.seeps[a] > 0.5; }))
+      !all_side_by_side(p.size(), [&](std::size_t a) { return p.seeps[a] != 0; }))
     return;
   const double change = sum_over(
       p.size(), [&](std::size_t a) { return p.mass[a] * p.velocity[a].dot(p.velocity[a] - velocity_before[a]); });
@@ -88,7 +88,7 @@ template <int D>
 void Fluid<D>::limit_by_acceleration(const SoilView<D>& view, const VecArray<D>& velocity_before, double now,
                                      double interval) {
   const auto& p = state_.particles;
-  const auto in_coarse = [&](std::size_t a) { return p.seeps[a] > 0.5 && view.mask[a] > 0.5 && !drags(view, a); };
+  const auto in_coarse = [&](std::size_t a) { return p.seeps[a] != 0 && view.mask[a] > 0.5 && !drags(view, a); };
   const bool coarse = !all_side_by_side(p.size(), [&](std::size_t a) { return !in_coarse(a); });
   double longest = HUGE_VAL;
   for (std::size_t a = 0; coarse && a < p.size(); ++a) {
@@ -162,7 +162,7 @@ template <int D>
 double Fluid<D>::free_interval() const {
   const auto& p = state_.particles;
   const double longest = -most_side_by_side(p.size(), -HUGE_VAL, [&](std::size_t a) {
-    if (p.seeps[a] > 0.5) return -HUGE_VAL;
+    if (p.seeps[a] != 0) return -HUGE_VAL;
     return -(free_courant * spacing_of<D>(p.volume[a]) / std::max(p.velocity[a].norm(), 1e-300));
   });
   return std::min({wave_interval(), central_interval(), viscous_interval(), longest});
@@ -180,7 +180,7 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
   // The water of soil that creeps has no waves, whatever it counts as.
   const double creeps = 0.01 * wave_interval() * weight_.norm() / density_;
   const auto flows = [&](std::size_t a) {
-    return p.seeps[a] <= 0.5 && (p.mask[a] <= 0.5 || p.velocity[a].norm() > creeps);
+    return p.seeps[a] == 0 && (p.mask[a] <= 0.5 || p.velocity[a].norm() > creeps);
   };
   const auto fastest_of = [&](bool flowing) {
     return most_side_by_side(p.size(), 0.0, [&](std::size_t a) {

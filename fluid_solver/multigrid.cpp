@@ -209,17 +209,17 @@ bool Multigrid::add_level(const Matrix& m, WholeMatrix& next) {
   Index n_pairs = 0, count = 0;
   RowsOf<Matrix> rows{m};
   std::vector<Index> aggregate = match(rows, n_pairs);
-  MergedRows pairs(rows, aggregate, n_pairs);
-  const std::vector<Index> again = match(pairs, count);
-  if (count == 0 || 4 * count > 3 * m.size()) return false;
-  MergedRows fours(pairs, again, count);
-  next = matrix_of(fours);
-  for (Index& g : aggregate)
-    if (g != none) g = again[g];
-  Level& level = levels_.emplace_back();
-  level.coarse = CoarseMatrix(next);
-  level.aggregate = std::move(aggregate);
-  for (auto* work : {&level.b, &level.x, &level.v, &level.d, &level.r, &level.left}) work->resize(count);
+  {
+    MergedRows pairs(rows, aggregate, n_pairs);
+    const std::vector<Index> again = match(pairs, count);
+    if (count == 0 || 4 * count > 3 * m.size()) return false;
+    MergedRows fours(pairs, again, count);
+    next = matrix_of(fours);
+    for (Index& g : aggregate)
+      if (g != none) g = again[g];
+  }
+  levels_.emplace_back().aggregate = std::move(aggregate);
+  levels_.back().coarse = CoarseMatrix(next);
   return true;
 }
 
@@ -249,6 +249,9 @@ Multigrid::Multigrid(const PairMatrix& matrix) : finest_(matrix), left_(matrix.s
     invert(finest_);
   else
     invert(coarse);
+  coarse = {};
+  for (Level& l : levels_)
+    for (auto* work : {&l.b, &l.x, &l.v, &l.d, &l.r, &l.left}) work->resize(l.coarse.size());
 }
 
 void Multigrid::cycle(std::span<const double> r, std::span<double> z) { cycle(finest_, 0, r, z, left_); }

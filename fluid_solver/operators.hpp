@@ -54,10 +54,10 @@ std::optional<double> face_slope(const Stencil<D>& s, Index column, std::span<co
   return slope;
 }
 
-/// What pair loops read of a point, packed: its place and some numbers.
-template <int D, std::size_t n_values>
-struct alignas(32) PackedPoint {
-  static constexpr std::size_t size = (D + n_values + 3) / 4 * 4;
+/// What pair loops read of a point, packed: its place and some numbers, filled up to a multiple of `step`.
+template <int D, std::size_t n_values, std::size_t step = n_lanes>
+struct alignas(step * sizeof(double)) PackedPoint {
+  static constexpr std::size_t size = (D + n_values + step - 1) / step * step;
   std::array<double, size> x;  ///< unset: who packs a point says all that is read of it
   [[nodiscard]] const double* row() const { return x.data(); }
 };
@@ -325,27 +325,39 @@ std::array<PairMatrix, n_mobilities> laplacians(const Stencil<D>& s,
       fill_even_laplacian(s, s.volume[0] * (mobilities[i].empty() ? 1.0 : mobilities[i][0]), matrices[i]);
     return matrices;
   }
-  // Of a point: smoothing length, volume (0: coupled to nobody), amplification, whose row it is, and mobilities.
-  constexpr std::size_t at_length = D, at_volume = D + 1, at_amplified = D + 2, at_row = D + 3, at_mobility = D + 4;
-  constexpr std::size_t n_numbers = 4 + n_mobilities;
-  PackedPoints<D, n_numbers> points(s.size());
+  // Of a point: volume (0: coupled to nobody), amplification, mobilities; in 3D the smoothing length, too, which would
+  // ask for a cube root.
+  constexpr std::size_t at_volume = D, at_amplified = D + 1, at_mobility = D + 2,
+                        at_length = at_mobility + n_mobilities;
+  constexpr std::size_t n_numbers = at_length - D + (D == 3 ? 1 : 0);
+  const auto length_of = [](const auto* point, auto& length) __attribute__((always_inline)) {
+    if constexpr (D == 3) {
+      length = point[at_length];
+    } else {
+      length = point[at_volume];
+      take_root(length);
+      length = smoothing_ratio * length;
+    }
+  };
+  // Not filled up: beside the matrix there is the least room.
+  UnsetArray<PackedPoint<D, n_numbers, 1>> points(s.size());
   for_each_side_by_side(s.size(), [&](std::size_t j) {
     auto& x = points[j].x;
     x.fill(0.0);
     Eigen::Map<Vec<D>>{x.data()} = s.position[j];
-    x[at_length] = s.length(j);
+    if constexpr (D == 3) x[at_length] = s.length(j);
     const Index q = s.parent[j];
     if (q >= s.n_real) return;
     x[at_volume] = s.volume[j];
     x[at_amplified] = s.amplification[q];
-    x[at_row] = q;
     for (std::size_t i = 0; i < n_mobilities; ++i) x[at_mobility + i] = mobilities[i].empty() ? 1.0 : mobilities[i][q];
   });
   for_each_in_lanes(
       s.n_real, s.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
         const double* const self = points[a].row();
         Lanes sums[n_mobilities] = {};
-        double faces = 0.0;
+        double faces = 0.0, own_length = 0.0;
+        length_of(self, own_length);
         for (std::size_t k = s.offset[a]; k < s.offset[a + 1]; k += n_lanes) {
           const Index* const i = &s.other[k];
           Lanes point[D + n_numbers];
@@ -355,17 +367,20 @@ std::array<PairMatrix, n_mobilities> laplacians(const Stencil<D>& s,
             if (const Index q = s.parent[i[l]]; q >= s.n_real)
               faces += static_cast<double>(s.pull[k + l]) * s.reflection(a, q);
           // The kernel anew: that of the list is rounded with the volume of one of the two.
-          Lanes r{}, scale;
+          Lanes r{}, scale, length, others;
           for (std::size_t d = 0; d < D; ++d) r += (point[d] - self[d]) * (point[d] - self[d]);
           take_root(r);
-          pair_pull<D>(r, 2.0 / (self[at_length] + point[at_length]), scale);
+          length_of(point, length);
+          pair_pull<D>(r, 2.0 / (own_length + length), scale);
+          for (std::size_t l = 0; l < n_lanes; ++l)
+            others[l] = (s.beyond[a] != 0 ? s.parent[i[l]] : i[l]) == a ? 0.0 : 1.0;
           scale = (self[at_volume] * point[at_volume]) * (scale * (self[at_amplified] + point[at_amplified]));
           for (std::size_t m = 0; m < n_mobilities; ++m) {
             const Lanes& mobility = point[at_mobility + m];
             Lanes w, whole = self[at_mobility + m] + mobility;
             raise_to(whole, Lanes{} + 1e-300);
             w = scale * (2.0 * self[at_mobility + m] * mobility / whole);
-            w = point[at_row] != self[at_row] ? w : Lanes{};
+            w = others > 0.0 ? w : Lanes{};
             put(w, &matrices[m].weight[k]);
             poretwin::take(&matrices[m].weight[k], w);
             sums[m] += w;

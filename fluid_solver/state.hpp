@@ -25,7 +25,7 @@ struct Particles {
   OrZero<Vec<D>> felt;         ///< the same of the window before: what a soil that computes at the same time has felt
   OrZero<Vec<D>> owed;         ///< to the soil, for later windows, N s: no longer counts as the water's momentum
   ScalarArray mask;            ///< soil membership
-  ScalarArray seeps;           ///< 1: it seeps; 0: it moves and has a surface as free water
+  std::vector<char> seeps;     ///< 1: it seeps; 0: it moves and has a surface as free water
   OrZero<double> cavity;       ///< voids torn open in the water, m^D
   OrZero<double> volume_debt;  ///< strain the soil made beyond the prediction, not yet given to the water
   VecArray<D> birthplace;      ///< m: a particle that never moved has no packing to repair
@@ -76,7 +76,7 @@ struct Particles {
     volume.push_back(V);
     pressure.push_back(p);
     mask.push_back(n < 1.0 ? 1.0 : 0.0);
-    seeps.push_back(mask.back());
+    seeps.push_back(n < 1.0 ? 1 : 0);
     birthplace.push_back(x);
     row.push_back(1.0);
     surface.push_back(Surface::interior);

@@ -109,7 +109,10 @@ class WindowSolver {
 
   [[nodiscard]] bool responds(std::size_t a) const { return !r_.empty() && r_[a].responds; }
   /// The water's velocity with the explicit part of a quadratic drag in it.
-  [[nodiscard]] Vec<D> pushed(std::size_t a) const { return in_.velocity[a] + soil_.drag_offset[a] / q_[a].aw; }
+  [[nodiscard]] Vec<D> pushed(std::size_t a) const { return before(a) + soil_.drag_offset[a] / q_[a].aw; }
+  [[nodiscard]] Vec<D> before(std::size_t a) const {
+    return in_.velocity.empty() ? Vec<D>(Vec<D>::Zero()) : in_.velocity[a];
+  }
 
   /// In: warm starts; out: everything.
   void solve(WindowSolution<D>& out) {
@@ -403,7 +406,7 @@ class WindowSolver {
     // The energy of what the slip's drag would do in the window to grains that are free.
     let_be_ = skeleton_tolerance * skeleton_tolerance * sum_over(n_, [&](std::size_t a) {
                 if (!responds(a)) return 0.0;
-                const Vec<D> dragged = (1.0 - r_[a].as * r_[a].ss) * (in_.velocity[a] - soil_.velocity[a]);
+                const Vec<D> dragged = (1.0 - r_[a].as * r_[a].ss) * (before(a) - soil_.velocity[a]);
                 return s_.volume[a] / r_[a].ss * dragged.squaredNorm();
               });
     prepare_flow();

@@ -297,7 +297,7 @@ TEST(Operators, TheSurfaceLiesHalfARowsThicknessAboveIt) {
     const ScalarArray volume(x.size(), 1.0);
     auto s = make_stencil<2>(x, volume, {}, {});
     ScalarArray rows(x.size(), 1.0);
-    const auto flags = find_surface<2>(s, ScalarArray(x.size(), 0.0), rows, 1.0);
+    const auto flags = find_surface<2>(s, std::vector<char>(x.size(), 0), rows, 1.0);
     ASSERT_EQ(flags[30], Surface::surface);
     EXPECT_NEAR(s.surface_distance(30), 0.5 * more, 0.01);
     EXPECT_EQ(s.ghost_distance[30], s.surface_distance(30));
