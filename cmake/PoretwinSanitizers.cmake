@@ -3,6 +3,7 @@ set(PORETWIN_SANITIZE "" CACHE STRING "Sanitizers, as -fsanitize takes them")
 if(PORETWIN_SANITIZE)
   add_compile_options(-fsanitize=${PORETWIN_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${PORETWIN_SANITIZE})
+  add_compile_definitions(PORETWIN_SANITIZED)
 endif()
 # The build type of the sanitizer presets: lines in reports and the libraries' own assertions, without the price of -O2 -g.
 set(CMAKE_CXX_FLAGS_SANITIZED "-O1 -g1")

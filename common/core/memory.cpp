@@ -18,8 +18,8 @@ namespace {
 class LargeArrays {
  public:
   /// Nothing where it is not large, or there is no room. Of the smallest gaps that hold it, the lowest.
-  void* take(std::size_t size) {
-    if (size < least || begin_ == nullptr) return nullptr;
+  void* take(std::size_t size, std::size_t alignment = line) {
+    if (size < least || alignment > line || begin_ == nullptr) return nullptr;
     const std::lock_guard lock(busy_);
     const std::size_t whole = (size + 2 * line - 1) / line * line;  // a line before it says so
     auto best = gaps_.end();
@@ -93,15 +93,16 @@ void keep_freed_memory() {
 
 }  // namespace poretwin
 
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+// Sanitizers watch over what they hand out themselves.
+#ifndef PORETWIN_SANITIZED
 void* operator new(std::size_t size) {
   if (void* const array = poretwin::large_arrays().take(size)) return array;
   if (void* const array = std::malloc(size)) return array;
   throw std::bad_alloc();
 }
 void* operator new(std::size_t size, std::align_val_t alignment) {
-  if (void* const array = poretwin::large_arrays().take(size)) return array;
   const auto step = static_cast<std::size_t>(alignment);
+  if (void* const array = poretwin::large_arrays().take(size, step)) return array;
   if (void* const array = std::aligned_alloc(step, (size + step - 1) / step * step)) return array;
   throw std::bad_alloc();
 }
