@@ -100,7 +100,12 @@ template <int D>
 void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::size_t n_parts,
                          const Particles<D>& particles, std::span<const char> asleep, Neighbourhood<D>& near) {
   near.built_at.resize(particles.size());
-  for (std::size_t i = 0; i < particles.size(); ++i) near.built_at[i] = particles.position[i].template cast<float>();
+  near.lower = near.upper = particles.position.front();
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    near.built_at[i] = particles.position[i].template cast<float>();
+    near.lower = near.lower.cwiseMin(particles.position[i]);
+    near.upper = near.upper.cwiseMax(particles.position[i]);
+  }
   const auto images = sph::make_images<D>(std::span<const Vec<D>>(particles.position),
                                           std::span<const sph::ImagePlane<D>>(boundaries.planes), range);
   near.images.assign(images.size(), {});

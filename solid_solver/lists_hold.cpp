@@ -2,6 +2,7 @@
 
 #include "common/core/threads.hpp"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
@@ -35,22 +36,19 @@ Vec<D> moved_by(const Particles<D>& p, const Neighbourhood<D>& near, std::size_t
 template <int D>
 class Tiles {
  public:
-  Tiles(const Neighbourhood<D>& near, double size) : size_(size) {
-    Vec<D> upper = lower_ = near.built_at[0].template cast<double>();
-    for (const auto& x : near.built_at) {
-      lower_ = lower_.cwiseMin(x.template cast<double>());
-      upper = upper.cwiseMax(x.template cast<double>());
-    }
+  Tiles(const Neighbourhood<D>& near, double size) : lower_(near.lower), per_metre_(1.0 / size) {
     double all = 1.0;
     for (std::size_t d = 0; d < D; ++d) {
-      count_[d] = std::floor((upper - lower_)[static_cast<Eigen::Index>(d)] / size) + 1.0;
-      all *= count_[d];
+      const double extent = (near.upper - near.lower)[static_cast<Eigen::Index>(d)];
+      const double count = std::floor(per_metre_ * extent) + 1.0;
+      all *= count;
+      if (all > static_cast<double>(near.built_at.size()) + 64.0) return;
+      count_[d] = static_cast<long>(count);
     }
-    few_ = all <= static_cast<double>(near.built_at.size()) + 64.0;
-    n_ = few_ ? static_cast<std::size_t>(all) : 0;
+    n_ = static_cast<std::size_t>(all);
   }
   /// Not so where grains have flown far: lists are built anew then as if there were no tiles.
-  [[nodiscard]] bool are_few() const { return few_; }
+  [[nodiscard]] bool are_few() const { return n_ > 0; }
 
   /// Whether all that has moved stays within the skin of what has moved near it.
   [[nodiscard]] bool move_along(const Particles<D>& p, const Neighbourhood<D>& near, double skin) const {
@@ -67,16 +65,18 @@ class Tiles {
     std::array<long, D> at{};
     for (std::size_t k = 0; k < n_; ++k) {
       if (!touching_move_along(moved[0], k, at, skin)) return false;
-      for (std::size_t d = 0; d < D && ++at[d] == static_cast<long>(count_[d]); ++d) at[d] = 0;
+      for (std::size_t d = 0; d < D && ++at[d] == count_[d]; ++d) at[d] = 0;
     }
     return true;
   }
 
  private:
   [[nodiscard]] std::size_t tile(const Vec<D>& x) const {
-    double k = 0.0;
-    for (std::size_t d = D; d-- > 0;)
-      k = k * count_[d] + std::floor((x - lower_)[static_cast<Eigen::Index>(d)] / size_);
+    long k = 0;
+    for (std::size_t d = D; d-- > 0;) {
+      const auto place = static_cast<long>(per_metre_ * (x - lower_)[static_cast<Eigen::Index>(d)]);
+      k = k * count_[d] + std::clamp(place, 0L, count_[d] - 1);
+    }
     return static_cast<std::size_t>(k);
   }
   /// Of tile k at this place and those that touch it and come after it, itself among them.
@@ -88,20 +88,19 @@ class Tiles {
       bool inside = true;
       for (std::size_t d = 0, rest = static_cast<std::size_t>(code); d < D; ++d, rest /= 3) {
         const long place = at[d] + static_cast<long>(rest % 3) - 1;
-        inside = inside && place >= 0 && place < static_cast<long>(count_[d]);
+        inside = inside && place >= 0 && place < count_[d];
         other += stride * place;
-        stride *= static_cast<long>(count_[d]);
+        stride *= count_[d];
       }
       if (inside && moved[k].against(moved[static_cast<std::size_t>(other)]) > skin) return false;
     }
     return true;
   }
 
-  double size_;
   Vec<D> lower_;
-  std::array<double, D> count_{};
+  double per_metre_;
+  std::array<long, D> count_{};
   std::size_t n_ = 0;
-  bool few_ = true;
 };
 
 }  // namespace

@@ -115,6 +115,7 @@ template <int D>
 struct Neighbourhood {
   /// Positions of the real particles when built [m]; in floats, of which 1e5 spacings of extent lose 0.006 spacings.
   std::vector<Eigen::Matrix<float, D, 1>> built_at;
+  Vec<D> lower = Vec<D>::Zero(), upper = Vec<D>::Zero();  ///< m, the box they filled
   std::vector<ImageRule<D>> images;
   Pairs pairs;
 };
