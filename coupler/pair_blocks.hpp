@@ -106,7 +106,7 @@ class PairBlocks {
   void find_candidates(const PointSet& of, std::size_t part);
   void join_candidates();
   /// What one thread needs to find candidates, and those it has found.
-  struct Finder {
+  struct alignas(64) Finder {
     std::vector<Index> found;
     /// Bits of what was found, and of words with any: to put it into the caller's order.
     std::vector<std::uint64_t> bits, words;

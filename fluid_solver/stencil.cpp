@@ -22,6 +22,11 @@ struct alignas(32) Summed {
   [[nodiscard]] const double* row() const { return position.data(); }
 };
 
+/// The rows that a part finds, apart from those of others: what parts share a line of memory of is slow to write.
+struct alignas(64) FoundRows {
+  std::vector<Index> offset, other;
+};
+
 /// Rows of all points nearer than the supports of the two reach on average, each filled up to a multiple of four.
 template <int D>
 void find_pairs(double largest, Stencil<D>& s) {
@@ -32,8 +37,8 @@ void find_pairs(double largest, Stencil<D>& s) {
   for_each_side_by_side(s.size(), [&](std::size_t j) { length[j] = s.length(j); });
   const bool even = all_side_by_side(s.size(), [&](std::size_t j) { return length[j] == largest; });
   s.beyond.resize(s.n_real);
-  const auto find = [&](std::size_t first, std::size_t last, std::vector<Index> & offset, std::vector<Index> & other)
-      __attribute__((always_inline)) {
+  const auto find = [&](std::size_t first, std::size_t last, FoundRows & rows) __attribute__((always_inline)) {
+    auto& [offset, other] = rows;
     other.reserve((last - first) * (D == 2 ? 28 : 96));
     offset.reserve(last - first);
     for (std::size_t a = first; a < last; ++a) {
@@ -59,22 +64,23 @@ void find_pairs(double largest, Stencil<D>& s) {
   constexpr std::size_t piece = 16384;
   const std::size_t n_threads = parts_for(s.n_real, s.worth_threads),
                     parts = std::max(n_threads == 1 ? 1 : 4 * n_threads, s.n_real / piece);
-  std::vector<std::vector<Index>> offsets(parts), others(parts);
+  std::vector<FoundRows> found(parts);
   for_each_part(parts, [&](std::size_t part) {
     run_lanes([&]() __attribute__((always_inline)) {
-      find(s.n_real * part / parts, s.n_real * (part + 1) / parts, offsets[part], others[part]);
+      find(s.n_real * part / parts, s.n_real * (part + 1) / parts, found[part]);
     });
   });
   std::vector<Index> begin(parts + 1, 0);
   for (std::size_t part = 0; part < parts; ++part)
-    begin[part + 1] = begin[part] + static_cast<Index>(others[part].size());
+    begin[part + 1] = begin[part] + static_cast<Index>(found[part].other.size());
   s.offset.resize(s.n_real + 1);
   s.other.resize(begin[parts]);
   for_each_part(parts, [&](std::size_t part) {
-    std::copy(others[part].begin(), others[part].end(), s.other.data() + begin[part]);
-    std::transform(offsets[part].begin(), offsets[part].end(), s.offset.data() + s.n_real * part / parts + 1,
+    auto& [offset, other] = found[part];
+    std::copy(other.begin(), other.end(), s.other.data() + begin[part]);
+    std::transform(offset.begin(), offset.end(), s.offset.data() + s.n_real * part / parts + 1,
                    [&](Index end) { return begin[part] + end; });
-    others[part] = std::vector<Index>();
+    other = std::vector<Index>();
   });
 }
 

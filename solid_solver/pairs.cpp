@@ -8,8 +8,9 @@
 namespace poretwin::solid {
 namespace {
 
-/// Rows of one part; offsets count from its own beginning.
-struct Rows {
+/// Rows of one part; offsets count from its own beginning. On lines of memory of their own: shared ones are slow to
+/// write.
+struct alignas(64) Rows {
   std::vector<Index> offset, alone, index;
   Index fill_up(std::size_t i) {
     while (index.size() % n_lanes != 0) index.push_back(static_cast<Index>(i));

@@ -30,11 +30,16 @@ class CellGrid {
       VecArray<D> lowers(parts, points[0]), uppers(parts, points[0]);
       ScalarArray doubt(parts, 0.0);
       for_each_part(parts, [&](std::size_t part) {
+        Vec<D> least = points[0], most = points[0];  // of its own: what parts share a line of is slow to write
+        double sum = 0.0;
         for (std::size_t i = n * part / parts; i < n * (part + 1) / parts; ++i) {
-          lowers[part] = lowers[part].cwiseMin(points[i]);
-          uppers[part] = uppers[part].cwiseMax(points[i]);
-          doubt[part] += 0.0 * points[i].sum();
+          least = least.cwiseMin(points[i]);
+          most = most.cwiseMax(points[i]);
+          sum += 0.0 * points[i].sum();
         }
+        lowers[part] = least;
+        uppers[part] = most;
+        doubt[part] = sum;
       });
       if (std::ranges::any_of(doubt, [](double sum) { return sum != 0.0; })) refuse(points);
       Vec<D> upper = uppers[0];
