@@ -52,7 +52,7 @@ class Tiles {
 
   /// Whether all that has moved stays within the skin of what has moved near it.
   [[nodiscard]] bool move_along(const Particles<D>& p, const Neighbourhood<D>& near, double skin) const {
-    const std::size_t n = p.size(), parts = parts_for(n);
+    const std::size_t n = p.size(), parts = near.pairs.n_parts();
     std::vector<std::vector<Moved<D>>> moved(parts, std::vector<Moved<D>>(n_));
     for_each_part(parts, [&](std::size_t part) {
       for (std::size_t i = n * part / parts; i < n * (part + 1) / parts; ++i) {

@@ -82,7 +82,14 @@ void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t 
   pairs.alone.clear();
   pairs.index.clear();
   pairs.part.clear();
-  for (std::size_t k = 0; k <= n_parts; ++k) pairs.part.push_back(static_cast<Index>(n_real * k / n_parts));
+  // Rows of held particles, of which only some have others in range, cost less than half of what free ones do.
+  constexpr std::size_t free_weight = 5, held_weight = 2;
+  const std::size_t moving_work = free_weight * n_free, work = moving_work + held_weight * (n_real - n_free);
+  for (std::size_t k = 0; k <= n_parts; ++k) {
+    const std::size_t share = work * k / n_parts;
+    pairs.part.push_back(
+        static_cast<Index>(share < moving_work ? share / free_weight : n_free + (share - moving_work) / held_weight));
+  }
   const auto still = [&](std::size_t i) { return i >= n_free || (!asleep.empty() && asleep[i] != 0); };
   const auto from = [](std::size_t first) {
     return [first](Index j, double) __attribute__((always_inline)) { return j >= first; };
