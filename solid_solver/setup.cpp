@@ -168,9 +168,11 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   setup.stabilisers.modulus = setup.models.front()->elasticity().constrained();
   for (const auto& model : setup.models)  // the softest: no soil may be held by another's stiffness
     setup.stabilisers.modulus = std::min(setup.stabilisers.modulus, model->elasticity().constrained());
-  setup.longest_substep = setup.stabilisers.step = scene.solid.courant * setup.spacing / fastest;
-  // Soil whose rest is sought bears shorter steps than soil that moves (theory_solid.md, "Courant number").
-  setup.rest_substep = 0.8 * setup.longest_substep;
+  // Soil whose rest is sought bears shorter steps than soil that moves (theory_solid.md, "Courant number"); with water,
+  // as many substeps make the windows of an exchange, whose length decides how embankments fail.
+  const double careful = 0.8, courant = scene.solid.courant.value_or(scene.coupled() ? careful : 1.0);
+  setup.longest_substep = setup.stabilisers.step = courant * setup.spacing / fastest;
+  setup.rest_substep = scene.solid.courant.value_or(careful) * setup.spacing / fastest;
   Vec<D> lower = particles.position[0], upper = lower;
   for (std::size_t i = 0; i < particles.free(); ++i) {
     lower = lower.cwiseMin(particles.position[i]);

@@ -326,7 +326,9 @@ void declare(Keys& keys, SolidCase& s) {
                       s.quiet, [](Keys& inner, Quiet& quiet) { declare(inner, quiet); });
   keys.number(
       "courant", s.courant,
-      {"", "Substep over spacing / wave speed; searches for rest take 0.8 of it. Tips of elastic slopes bear 1.07."},
+      {"",
+       "Substep over spacing / wave speed; absent: 1 where soil moves by itself, 0.8 with water and in searches for "
+       "rest. Tips of elastic slopes bear 1.07."},
       between(0, true, 2, false));
   keys.number("list_skin", s.list_skin,
               {"spacings",

@@ -184,7 +184,7 @@ struct SolidCase {
   PressureGradient pressure_gradient = PressureGradient::difference;
   double strength_reduction = 1.0;     ///< cohesion and tan(friction) are divided by it
   std::optional<Quiet> quiet;          ///< absent: all motion is computed
-  double courant = 1.0;                ///< of dx / sqrt(M / rho_bar_s)
+  std::optional<double> courant;       ///< of dx / sqrt(M / rho_bar_s); absent: what soil bears best (set_up)
   double list_skin = 0.35;             ///< of the pair lists, in spacings
   double artificial_viscosity = 0.1;   ///< alpha of Monaghan's, on approaching particles
   double quadratic_viscosity = 0.0;    ///< beta of the same
