@@ -6,11 +6,14 @@
 #include "solid_solver/constitutive/cone.hpp"
 #include "solid_solver/rough_walls.hpp"
 
+#include <Eigen/Geometry>
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 namespace poretwin::solid {
 namespace {
@@ -22,6 +25,28 @@ constexpr double lengths_per_spacing = 1.2;  // h / dx, the paper's
 std::size_t parts_of(std::size_t particles) {
   constexpr std::size_t worth_two = 3072, least = 4096, most = 16;
   return particles < worth_two ? 1 : std::clamp(particles / least, std::size_t{2}, most);
+}
+
+/// Sorts new particles into slices across the soil's longest extent: what their parts share is then short.
+template <int D>
+void lay_in_slices(double spacing, Particles<D>& particles) {
+  Eigen::AlignedBox<double, D> box;
+  for (const auto& x : particles.position) box.extend(x);
+  int longest = 0;
+  box.sizes().maxCoeff(&longest);
+  const auto slice = [&](Index i) { return std::floor((particles.position[i] - box.min())[longest] / spacing + 0.5); };
+  std::vector<Index> order(particles.size());
+  std::iota(order.begin(), order.end(), Index{0});
+  std::ranges::stable_sort(order, {}, slice);
+  const auto sort = [&](auto& array) {
+    auto sorted = array;
+    for (std::size_t i = 0; i < order.size(); ++i) sorted[i] = array[order[i]];
+    array = std::move(sorted);
+  };
+  sort(particles.position);
+  sort(particles.mass);
+  sort(particles.volume);
+  sort(particles.material);
 }
 
 /// sum V W at a point of a lattice, that point included: 1.018 in 2D, 1.017 in 3D.
@@ -155,6 +180,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   }
   if (particles.size() == 0)
     throw CaseError("no soil particle lies in any [[soil]] shape: check shapes and solid.particle_spacing");
+  lay_in_slices(setup.spacing, particles);
   hold_soil_behind_rough_walls<D>(scene, setup, particles);
   const std::size_t n = particles.size();
   setup.parts = parts_of(n);

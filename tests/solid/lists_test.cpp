@@ -72,6 +72,32 @@ TEST(Lists, HoldWhileNeighboursMoveAlong) {
   }
 }
 
+/// Of a box without walls in two parts: how often particles feel one of the other part.
+template <int D>
+double felt_across(const Vec<D>& extent, double spacing) {
+  Case scene = column({.dimension = D, .spacing = spacing, .base = Wall::ForSoil::none, .sides = false});
+  scene.soils[0].shape.max.head<D>() = extent;
+  const auto [setup, laid] = set_up<D>(scene);
+  Neighbourhood<D> near;
+  build_neighbourhood<D>(setup.boundaries, setup.range(), 2, laid, {}, near);
+  double count = 0.0;
+  for_each_felt(near.pairs, [&](std::size_t i, std::size_t j, std::size_t) {
+    count += (i < near.pairs.part[1]) != (j < near.pairs.part[1]) ? 1.0 : 0.0;
+  });
+  return count;
+}
+
+TEST(Lists, PartsMeetWhereTheSoilIsNarrow) {
+  // Twice 11 pairs a row of a lattice: 5 a spacing apart along the normal, 2 times 3 two spacings apart.
+  const double square = 22.0 * 20.0;
+  EXPECT_NEAR(felt_across<2>({4.0, 1.0}, 0.05), square, 0.1 * square);
+  EXPECT_NEAR(felt_across<2>({1.0, 4.0}, 0.05), square, 0.1 * square);
+  const double wide = felt_across<3>({2.0, 1.0, 1.0}, 0.1);
+  EXPECT_GT(wide, 0.0);
+  EXPECT_EQ(felt_across<3>({1.0, 2.0, 1.0}, 0.1), wide);
+  EXPECT_EQ(felt_across<3>({1.0, 1.0, 2.0}, 0.1), wide);
+}
+
 TEST(Lists, DoNotHoldWhereSomethingPassesOrNearsAWall) {
   auto [setup, laid] = set_up<2>(column({.width = 1.0, .height = 1.0}));
   Neighbourhood<2> built;
