@@ -207,11 +207,13 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   s.position.resize(all);
   s.parent.resize(all);
   s.volume.resize(all);
+  if (D == 3) s.smoothing.resize(all);
   for_each_side_by_side(all, [&](std::size_t i) {
     const std::size_t q = i < s.n_base ? i : images.parent[i - s.n_base];
     s.position[i] = i < s.n_base ? base[i] : images.position[i - s.n_base];
     s.parent[i] = static_cast<Index>(q);
     s.volume[i] = q < s.n_real ? volume[q] : buffers[q - s.n_real].volume;
+    if (D == 3) s.smoothing[i] = smoothing_ratio * spacing_of<D>(s.volume[i]);
   });
   base = VecArray<D>();
   s.map = std::move(images.map);

@@ -122,6 +122,7 @@ struct Stencil {
   std::size_t worth_threads = worth_threads_in_pairs;
   VecArray<D> position;                   ///< [all]
   ScalarArray volume;                     ///< [all] V, m^D
+  ScalarArray smoothing;                  ///< [all] h, m, in 3D: cube roots take long; 2D has none
   std::vector<Index> parent;              ///< [all] base point an image belongs to; itself for base points
   MatArray<D> map;                        ///< [images] linear part for vectors
   VecArray<D> carried;                    ///< [images] added to velocities: 2 U n behind a piston [m/s]
@@ -186,7 +187,9 @@ struct Stencil {
   }
 
   /// h [m] of any point.
-  [[nodiscard]] double length(std::size_t j) const { return smoothing_ratio * spacing_of<D>(volume[j]); }
+  [[nodiscard]] double length(std::size_t j) const {
+    return D == 3 ? smoothing[j] : smoothing_ratio * spacing_of<D>(volume[j]);
+  }
   /// Of a surface particle to the surface [m].
   [[nodiscard]] double surface_distance(std::size_t a) const {
     return told_distance[a] > 0.0 ? told_distance[a] : 0.5 * spacing_of<D>(volume[a]);
