@@ -46,7 +46,7 @@ def soil(n, steps):
 
 
 # Solver, scene, steps of the short and the long run, what they are called.
-PHASES = {"fluid": ("fluid", water, (3, 27), "windows"), "fluid 3D": ("fluid", water_3d, (2, 4), "windows"),
+PHASES = {"fluid": ("fluid", water, (3, 27), "windows"), "fluid 3D": ("fluid", water_3d, (2, 8), "windows"),
           "solid": ("solid", soil, (10, 50), "substeps")}
 
 
