@@ -8,7 +8,8 @@
 namespace poretwin::solid {
 namespace {
 
-constexpr double travel = 3.0;          // of waves between two treatments, in spacings
+constexpr double travel = 3.0;          // of waves between two treatments, at least, in spacings
+constexpr double steps = 3.5;           // between two, at least, of the longest: every fourth is one
 constexpr double stress_share = 0.5;    // of the neighbours' average
 constexpr double volume_share = 0.2;    // of the neighbours' average
 constexpr double packing_share = 0.1;   // of the error of sum V W
@@ -252,7 +253,9 @@ template <int D>
 void keep_flow_regular(const Setup<D>& setup, double dt, State<D>& state) {
   if (!setup.regular_flow) return;
   state.since_upkeep += dt;
-  if (state.since_upkeep * setup.stabilisers.sound_speed < travel * setup.spacing) return;
+  if (state.since_upkeep <
+      std::max(travel * setup.spacing / setup.stabilisers.sound_speed, steps * setup.longest_substep))
+    return;
   const double interval = state.since_upkeep;
   state.since_upkeep = 0.0;
   Particles<D>& p = state.particles;

@@ -283,5 +283,48 @@ TEST(GravityColumn, EdgesOfAWedgeLeaveRoom) {
   EXPECT_ANY_THROW(growth(1.2, 1.0)) << "else the default is too careful";
 }
 
+// Rows of particles behind a rough wall leave a wedge's tip its neighbours, so that grains take longer steps there.
+TEST(GravityColumn, AWedgeOfGrainsOnARoughWallTakesLongerSteps) {
+  const auto scene = [](Wall::ForSoil kind, double cohesion, std::optional<double> courant) {
+    ColumnSpec spec;
+    spec.base = Wall::ForSoil::none;
+    spec.sides = false;
+    Case wedge = column(spec);
+    Soil& soil = wedge.soils[0];
+    soil.shape.kind = Shape::Kind::polygon;
+    soil.shape.points = {{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {0.0, 0.5, 0.0}};
+    soil.friction_angle = 35.0;
+    soil.cohesion = cohesion;
+    wedge.solid.model = SolidCase::Model::drucker_prager;
+    wedge.solid.courant = courant;
+    Wall base, back;
+    base.name = "base";
+    base.face.points = {{0.0, 0.0, 0.0}, {1.4, 0.0, 0.0}};
+    base.soil = kind;
+    back.name = "back";
+    back.face.points = {{0.0, 0.8, 0.0}, {0.0, -0.2, 0.0}};
+    back.soil = Wall::ForSoil::roller;
+    wedge.walls = {base, back};
+    return wedge;
+  };
+  const auto courant = [](const Case& wedge) {
+    const auto setup = set_up<2>(wedge).first;
+    return setup.longest_substep * setup.stabilisers.sound_speed / setup.spacing;
+  };
+  EXPECT_NEAR(courant(scene(Wall::ForSoil::rough, 0.0, {})), 1.1, 1e-12);
+  EXPECT_NEAR(courant(scene(Wall::ForSoil::rough, 100.0, {})), 1.0, 1e-12) << "cohesion holds a tip that rings";
+  EXPECT_NEAR(courant(scene(Wall::ForSoil::fixed, 0.0, {})), 1.0, 1e-12);
+  const auto fastest_at_rest = [&](double steps) {
+    Solid<2> solid(scene(Wall::ForSoil::rough, 0.0, steps));
+    solid.initialise({});
+    test::run_dry(solid, 1.0, 0.01);
+    double most = 0.0;
+    for (const auto& v : solid.state().particles.velocity) most = std::max(most, v.norm());
+    return most;
+  };
+  EXPECT_LT(fastest_at_rest(1.2), 1e-6) << "the default, 1.1, leaves a tenth";
+  EXPECT_GT(fastest_at_rest(1.35), 1e-4) << "else the default is too careful";
+}
+
 }  // namespace
 }  // namespace poretwin::solid
