@@ -33,6 +33,7 @@ from runs import Run
 
 HERE = pathlib.Path(__file__).resolve().parent
 DOCS = HERE.parent / "docs"
+ASKED_PAIR_RATE = 202  # million directed pairs a CPU second, one at a time, of the machine for which the bounds were set
 HEAD = """# Performance
 
 Made by `poretwin bench`, {cores} cores; docs/performance_notes.md says why it is so and what was tried. Studies: the error of each case's own
@@ -90,32 +91,45 @@ def is_front(row, rows):
 
 def job_table(a, jobs):
     """What a user waits for: seconds of whole runs beside what was asked for, the median of --repeats."""
-    lines = ["", "## Jobs", "", "Whole runs, all processes; threads of each solver.", "",
-             "| job | particles | steps or windows | threads | million particle-steps/s | CPU s | wall s | asked |",
-             "| --- | --- | --- | --- | --- | --- | --- | --- |"]
+    pace = pair_rate(a.program)
+    lines = ["", "## Jobs", "", "Whole runs, all processes; threads of each solver. CPU seconds are carried to the machine for which the bounds were set by the "
+             f"plainest of the pair loops below, of which that machine does {ASKED_PAIR_RATE} million pairs a second and this one did {pace:.0f} just before.", "",
+             "| job | particles | steps or windows | threads | million particle-steps/s | CPU s | carried | wall s | asked |",
+             "| --- | --- | --- | --- | --- | --- | --- | --- | --- |"]
     for name, job in jobs.items():
         runs = [Run(job["case"], job.get("set", []), a.program, threads=job.get("threads")) for _ in range(a.repeats)]
         threads = job.get("threads", os.cpu_count())
         if any(run.exit != 0 for run in runs):
-            lines.append(f"| {name} | - | - | {threads} | - | {runs[-1].reason} | - | {job['asked']} |")
+            lines.append(f"| {name} | - | - | {threads} | - | {runs[-1].reason} | - | - | {job['asked']} |")
             continue
         run, cpu, wall = runs[0], statistics.median(run.cpu for run in runs), statistics.median(run.wall for run in runs)
         phases = [phase for phase in ("fluid", "solid") if phase in run.summaries]
         particles = sum(run.counter(phase, "particles") for phase in phases)
         steps = run.counter(phases[0], "windows") or run.counter("solid", "substeps") + run.counter("solid", "rest steps")
         rate = f"{1e-6 * particles * steps / cpu:.2f}" if len(phases) == 1 else ""
-        lines.append(f"| {name} | {particles:.0f} | {steps:.0f} | {threads} | {rate} | {cpu:.2f} | {wall:.2f} | {job['asked']} |")
+        carried = f"{cpu * pace / ASKED_PAIR_RATE:.2f}" if threads == 1 else ""
+        lines.append(f"| {name} | {particles:.0f} | {steps:.0f} | {threads} | {rate} | {cpu:.2f} | {carried} | {wall:.2f} | {job['asked']} |")
         print(lines[-1], flush=True)
     return lines
 
 
-def told_by(program, name, title):
-    """What a benchmark of one kernel prints, when it has been built beside the program."""
+def printed_by(program, name):
+    """What a benchmark of one kernel, built beside the program, prints."""
     path = pathlib.Path(program).resolve().parent / name
     if not path.exists():
-        return ["", f"## {title}", "", f"(build it first: `ninja {name}`)"]
-    text = subprocess.run([path], capture_output=True, text=True, check=True).stdout
-    head, table = text.split("\n", 1)
+        sys.exit(f"{path} is not there; build the benchmarks of kernels first: ninja pair_loops multigrid_timing")
+    return subprocess.run([path], capture_output=True, text=True, check=True).stdout
+
+
+def pair_rate(program):
+    """Million directed pairs a CPU second of the plainest pair loop."""
+    row = next(line for line in printed_by(program, "pair_loops").splitlines() if "one pair at a time" in line)
+    return float(row.split("|")[2])
+
+
+def told_by(program, name, title):
+    """The section that a benchmark of one kernel prints."""
+    head, table = printed_by(program, name).split("\n", 1)
     return ["", f"## {title}", "", head + ".", "", table.strip()]
 
 
