@@ -33,7 +33,7 @@ from runs import Run
 
 HERE = pathlib.Path(__file__).resolve().parent
 DOCS = HERE.parent / "docs"
-ASKED_PAIR_RATE = 202  # million directed pairs a CPU second, one at a time, of the machine for which the bounds were set
+ASKED_PAIR_RATE = 202  # million directed pairs a CPU second, one at a time, where the public codes were timed
 HEAD = """# Performance
 
 Made by `poretwin bench`, {cores} cores; docs/performance_notes.md says why it is so and what was tried. Studies: the error of each case's own
@@ -92,8 +92,8 @@ def is_front(row, rows):
 def job_table(a, jobs):
     """What a user waits for: seconds of whole runs beside what was asked for, the median of --repeats."""
     pace = pair_rate(a.program)
-    lines = ["", "## Jobs", "", "Whole runs, all processes; threads of each solver. CPU seconds are carried to the machine for which the bounds were set by the "
-             f"plainest of the pair loops below, of which that machine does {ASKED_PAIR_RATE} million pairs a second and this one did {pace:.0f} just before.", "",
+    lines = ["", "## Jobs", "", "Whole runs, all processes; threads of each solver. CPU seconds are carried to the machine on which the public codes were timed that "
+             f"the bounds look at: a plain pair loop does {ASKED_PAIR_RATE} million pairs a second there, the plainest of those below did {pace:.0f} here just before.", "",
              "| job | particles | steps or windows | threads | million particle-steps/s | CPU s | carried | wall s | asked |",
              "| --- | --- | --- | --- | --- | --- | --- | --- | --- |"]
     for name, job in jobs.items():
