@@ -27,11 +27,10 @@ std::size_t parts_of(std::size_t particles) {
   return particles < worth_two ? 1 : std::clamp(particles / least, std::size_t{2}, most);
 }
 
-/// Sorts new particles into slices across the soil's longest extent: what their parts share is then short.
+/// Sorts new particles, which lie in this box, into slices across its longest extent: what their parts share is then
+/// short.
 template <int D>
-void lay_in_slices(double spacing, Particles<D>& particles) {
-  Eigen::AlignedBox<double, D> box;
-  for (const auto& x : particles.position) box.extend(x);
+void lay_in_slices(const Eigen::AlignedBox<double, D>& box, double spacing, Particles<D>& particles) {
   int longest = 0;
   box.sizes().maxCoeff(&longest);
   const auto slice = [&](Index i) { return std::floor((particles.position[i] - box.min())[longest] / spacing + 0.5); };
@@ -201,7 +200,9 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   }
   if (particles.size() == 0)
     throw CaseError("no soil particle lies in any [[soil]] shape: check shapes and solid.particle_spacing");
-  lay_in_slices(setup.spacing, particles);
+  Eigen::AlignedBox<double, D> box;  // of the soil that is free to move
+  for (const auto& x : particles.position) box.extend(x);
+  lay_in_slices(box, setup.spacing, particles);
   hold_soil_behind_rough_walls<D>(scene, setup, particles);
   const std::size_t n = particles.size();
   setup.parts = parts_of(n);
@@ -219,14 +220,8 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   const double courant = scene.solid.courant.value_or(courant_number(scene, setup));
   setup.longest_substep = setup.stabilisers.step = courant * setup.spacing / fastest;
   setup.rest_substep = scene.solid.courant.value_or(careful) * setup.spacing / fastest;
-  Vec<D> lower = particles.position[0], upper = lower;
-  for (std::size_t i = 0; i < particles.free(); ++i) {
-    lower = lower.cwiseMin(particles.position[i]);
-    upper = upper.cwiseMax(particles.position[i]);
-  }
   const double g = setup.gravity.norm();
-  setup.height = setup.spacing +
-                 (g > 0.0 ? (upper - lower).cwiseAbs().dot(setup.gravity.cwiseAbs()) / g : (upper - lower).maxCoeff());
+  setup.height = setup.spacing + (g > 0.0 ? box.sizes().dot(setup.gravity.cwiseAbs()) / g : box.sizes().maxCoeff());
   if (setup.boundaries.any_frictional()) {
     particles.slip = particles.velocity;
     particles.slipped.assign(n, Vec<D>::Zero());

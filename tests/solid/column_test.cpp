@@ -251,6 +251,12 @@ TEST(LoadedColumn, LoadsWaitForTheirStart) {
   EXPECT_NEAR(momentum, -1e4 * 0.4 * 0.01, 2e-3 * 1e4 * 0.4 * 0.01);
 }
 
+double fastest(const Solid<2>& solid) {
+  double most = 0.0;
+  for (const auto& v : solid.state().particles.velocity) most = std::max(most, v.norm());
+  return most;
+}
+
 // Where neighbours are missing corrected gradients are long: the shortest steps are asked for by the tips of wedges
 // (2 / omega of the highest mode is 1.07 to 1.09 dx / c there, 1.24 at plain faces, 1.94 inside).
 TEST(GravityColumn, EdgesOfAWedgeLeaveRoom) {
@@ -266,14 +272,9 @@ TEST(GravityColumn, EdgesOfAWedgeLeaveRoom) {
     scene.solid.courant = courant;
     Solid<2> solid(scene);
     solid.initialise({});
-    const auto fastest = [&] {
-      double most = 0.0;
-      for (const auto& v : solid.state().particles.velocity) most = std::max(most, v.norm());
-      return most;
-    };
-    const double before = fastest();
+    const double before = fastest(solid);
     test::run_dry(solid, 2.0, 0.01);
-    return fastest() / before;
+    return fastest(solid) / before;
   };
   for (const double run : {0.5, 1.0}) {
     const double within = growth(1.05, run);
@@ -318,9 +319,7 @@ TEST(GravityColumn, AWedgeOfGrainsOnARoughWallTakesLongerSteps) {
     Solid<2> solid(scene(Wall::ForSoil::rough, 0.0, steps));
     solid.initialise({});
     test::run_dry(solid, 1.0, 0.01);
-    double most = 0.0;
-    for (const auto& v : solid.state().particles.velocity) most = std::max(most, v.norm());
-    return most;
+    return fastest(solid);
   };
   EXPECT_LT(fastest_at_rest(1.2), 1e-6) << "the default, 1.1, leaves a tenth";
   EXPECT_GT(fastest_at_rest(1.35), 1e-4) << "else the default is too careful";
