@@ -6,6 +6,7 @@
 #include "common/coupling/process_main.hpp"
 #include "common/output/run_recorder.hpp"
 
+#include <fmt/format.h>
 #include <fstream>
 
 namespace poretwin::coupling {
@@ -32,6 +33,20 @@ Case case_of_coupler(Transport& line, Role role, const Arguments& arguments, con
   return read_case(path, file.overrides);
 }
 
+/// Alone, nobody sends a phase what it follows: the case must be its own. Throws CaseError.
+void expect_own(const Case& scene, Role role) {
+  const auto fail = [&](std::string_view found, std::string_view hint) {
+    throw CaseError(fmt::format("{}: --alone: expected a case of the {} alone, found {}; {}", scene.path.string(),
+                                to_string(role), found, hint));
+  };
+  if (scene.coupled())
+    fail("water and soil that moves",
+         "`poretwin run` starts both phases, --set 'solid.model=\"rigid\"' leaves the water in soil at rest");
+  if (scene.deformable() != (role == Role::solid))
+    fail(scene.deformable() ? "soil without water" : "no soil that moves",
+         fmt::format("start poretwin-{}", scene.deformable() ? "solid" : "fluid"));
+}
+
 void execute(const Arguments& arguments, Role role, const std::function<std::unique_ptr<Phase>(const Case&)>& make,
              Run& run) {
   const std::string name(to_string(role));
@@ -46,6 +61,7 @@ void execute(const Arguments& arguments, Role role, const std::function<std::uni
   auto line = arguments.alone ? nullptr : connect_socket(arguments.address, keys);
   const Case scene = arguments.case_file.empty() ? case_of_coupler(*line, role, arguments, options)
                                                  : read_case(arguments.case_file, arguments.overrides);
+  if (arguments.alone) expect_own(scene, role);
   run.phase = make(scene);
   run.recorder = make_run_recorder(arguments.out, name, scene, arguments.resume);
   const CheckpointStore checkpoints(arguments.out, name, run_identity(scene), log_line);

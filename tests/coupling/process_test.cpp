@@ -165,9 +165,14 @@ TEST_F(Processes, AnotherCaseIsRefused) {
 }
 
 TEST_F(Processes, AloneAndBadArguments) {
-  auto alone = start({MOCK_PROCESS, "fluid"}, {"--alone"}, "alone");
+  const std::vector<std::string> rigid{"--alone", "--set", "solid.model=\"rigid\""};
+  auto alone = start({MOCK_PROCESS, "fluid"}, rigid, "alone");
   EXPECT_EQ(alone->wait(), 0) << text("alone.log");
   expect_in("out/fluid.summary.json", {"\"exit\": 0", "\"windows\": 100"});
+  EXPECT_EQ(start({MOCK_PROCESS, "solid"}, {"--alone"}, "both")->wait(), 2);
+  expect_in("both.log", {"case.toml: --alone: expected a case of the solid alone, found water and soil that moves"});
+  EXPECT_EQ(start({MOCK_PROCESS, "solid"}, rigid, "other")->wait(), 2);
+  expect_in("other.log", {"found no soil that moves; start poretwin-fluid"});
   EXPECT_EQ(start({MOCK_PROCESS, "fluid"}, {}, "bad")->wait(), 2);
   expect_in("bad.log", {"--connect ADDRESS or --alone is missing"});
   EXPECT_EQ(start({COUPLER}, {"--bind", "tcp://0.0.0.0:5555"}, "open")->wait(), 2);
