@@ -16,7 +16,8 @@ struct Batch {
   std::size_t count = 0;
   std::array<Index, most> who;
   std::array<Four, most / n_lanes> fours;
-  std::array<Quad, most / n_lanes> volume;  ///< m^D, as it becomes
+  std::array<Quad, most / n_lanes> volume;     ///< m^D, as it becomes
+  std::array<Quad, most / n_lanes> stiffness;  ///< shares of the elastic moduli that strains are taken with
   [[nodiscard]] std::size_t n_fours() const { return (count + n_lanes - 1) / n_lanes; }
 };
 

@@ -52,21 +52,26 @@ void lay_in_slices(const Eigen::AlignedBox<double, D>& box, double spacing, Part
 /// exchange, whose length decides how embankments fail.
 constexpr double careful = 0.8;
 
-/// Of the substeps of soil that moves (theory_solid.md, "Courant number"). The shortest are asked for by tips of wedges
-/// that walls by images cut off, 1.07; faces bear 1.24. Grains without cohesion come to no such tip on rough walls,
-/// behind which rows of particles are held, and beside upright rollers.
+/// Grains without cohesion that nothing loads, on rough walls, behind which rows of particles are held, and beside
+/// upright rollers: all stress ends at their surfaces, so that any stiffness of these serves.
 template <int D>
-double courant_number(const Case& scene, const Setup<D>& setup) {
-  if (scene.coupled()) return careful;
+bool surfaces_carry_nothing(const Case& scene, const Setup<D>& setup) {
   using Kind = typename Boundaries<D>::Kind;
   const auto& planes = setup.boundaries.planes;
   const auto& kinds = setup.boundaries.kinds;
-  bool blunt = true;
+  bool plain = !scene.coupled() && scene.loads.empty();
   for (std::size_t k = 0; k < planes.size(); ++k)
-    blunt = blunt && (kinds[k] == Kind::periodic ||
+    plain = plain && (kinds[k] == Kind::periodic ||
                       (kinds[k] == Kind::roller && std::abs(planes[k].normal.dot(upwards(setup))) < 1e-9));
-  const bool grains = std::ranges::all_of(setup.loose_friction, [](float tangent) { return tangent > 0.0F; });
-  return D == 2 && blunt && grains && scene.loads.empty() ? 1.1 : 1.0;
+  return plain && std::ranges::all_of(setup.loose_friction, [](float tangent) { return tangent > 0.0F; });
+}
+
+/// Of the substeps of soil that moves (theory_solid.md, "Courant number"). The shortest are asked for by tips of wedges
+/// that walls by images cut off, 1.07; faces bear 1.24, disordered soil with soft edges 1.6, in 3D 1.5.
+template <int D>
+double courant_number(const Case& scene, const Setup<D>& setup) {
+  if (scene.coupled()) return careful;
+  return !setup.soft_edges ? 1.0 : D == 2 ? 1.4 : 1.3;
 }
 
 /// sum V W at a point of a lattice, that point included: 1.018 in 2D, 1.017 in 3D.
@@ -217,6 +222,9 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   for (const auto& model : setup.models)  // the softest: no soil may be held by another's stiffness
     setup.stabilisers.modulus = std::min(setup.stabilisers.modulus, model->elasticity().constrained());
   setup.boundaries = make_boundaries<D>(scene, setup.range());
+  setup.soft_edges = surfaces_carry_nothing(scene, setup);
+  // Waves that such steps resolve poorly shake the flow, which costs it friction.
+  if (setup.soft_edges) setup.bulk_viscosity = 0.35 * fastest * setup.spacing;
   const double courant = scene.solid.courant.value_or(courant_number(scene, setup));
   setup.longest_substep = setup.stabilisers.step = courant * setup.spacing / fastest;
   setup.rest_substep = scene.solid.courant.value_or(careful) * setup.spacing / fastest;

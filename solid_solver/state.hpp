@@ -65,7 +65,7 @@ struct alignas(64) Node {
   static constexpr double flows = 0.0, yielded = 1.0,
                           elastic = 2.0;  ///< no control; of velocities; of displacements, too (never yielded)
   static constexpr std::size_t at_velocity = D, at_volume = 2 * D, at_density = 2 * D + 1, at_firmness = 2 * D + 2,
-                               at_rubbing = 2 * D + 3, at_gradient = 2 * D + 4,
+                               at_rubbing = 2 * D + 3, at_gradient = 2 * D + 4, at_correction = at_gradient + D * D,
                                n_sums = room_for(D * D + D * (D + 1) / 2), at_flux = at_gradient + n_sums,
                                at_deformation = at_flux + D * D;
   [[nodiscard]] const double* row() const { return position.data(); }
@@ -79,6 +79,19 @@ struct alignas(64) Node {
       for (int a = 0; a <= b; ++a) *next++ = full(a, b);
   }
 };
+
+/// Share of its elastic moduli that a particle keeps beside a free surface, whose corrected gradients are long: their
+/// stiffness, which goes as |B|^2, would set the substep of all soil (theory_solid.md, "Courant number"). From the
+/// upper half of B; of one particle or of four (Number: double or Lanes).
+template <int D, class Number>
+[[gnu::always_inline]] inline void edge_stiffness(const Number* upper, Number& share) {
+  constexpr double inside = 1.2;  // |B|^2 / D that soil away from surfaces comes to
+  Number squared{};
+  for (int b = 0; b < D; ++b)
+    for (int a = 0; a <= b; ++a, ++upper) squared += (a == b ? 1.0 : 2.0) * *upper * *upper;
+  share = inside * D / squared;
+  lower_to(share, Number{} + 1.0);
+}
 
 /// One wall that an image lies behind. Acceleration vanishes at a wall (its normal part at a roller), hence stress
 /// varies across it as d(sigma n)/dn = -b with the body force b: the mirrored stress gets 2 d (share b) n^T.

@@ -39,9 +39,16 @@ void follow(const Setup<D>& setup, double dt, const State<D>& state, Batch& batc
       batch.volume[q].v = volume;
       spin_rate<D>(four.stress, gradient, turning);
       strain_rate<D>(gradient, four.strain);
+      Lanes share = Lanes{} + 1.0;
+      if (setup.soft_edges) {
+        Lanes upper[D * (D + 1) / 2];
+        gather<Node<D>::at_correction, D*(D + 1) / 2>(rows_at(state.nodes.data(), i), upper);
+        edge_stiffness<D>(upper, share);
+      }
+      batch.stiffness[q].v = share;
       for (int c = 0; c < 6; ++c) {
         four.stress[c] += dt * turning[c];
-        four.strain[c] *= dt;
+        four.strain[c] *= dt * share;  // the stress that lower moduli would give
       }
     }
   });
@@ -69,7 +76,7 @@ void strain(const Setup<D>& setup, double dt, State<D>& state) {
       p.rubbing[i] = apart ? friction : 0.0F;
       for (int c = 0; c < 6; ++c) p.stress[i][c] = apart ? 0.0 : four.stress[c][lane];
       if (four.plastic[lane] <= 0.0) continue;
-      p.plastic_strain[i] += four.plastic[lane];
+      p.plastic_strain[i] += four.plastic[lane] / batch.stiffness[k / n_lanes].v[lane];
       state.yielded[i] = 1;
     }
   });

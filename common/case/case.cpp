@@ -327,8 +327,8 @@ void declare(Keys& keys, SolidCase& s) {
   keys.number(
       "courant", s.courant,
       {"",
-       "Substep over spacing / wave speed; absent: 1 where soil moves by itself (1.1 of grains without cohesion on "
-       "rough walls in 2D), 0.8 with water and in searches for rest. Tips of elastic slopes bear 1.07."},
+       "Substep over spacing / wave speed; absent: 1 where soil moves by itself (of grains without cohesion on "
+       "rough walls 1.4, in 3D 1.3), 0.8 with water and in searches for rest. Tips of elastic slopes bear 1.07."},
       between(0, true, 2, false));
   keys.number("list_skin", s.list_skin,
               {"spacings",

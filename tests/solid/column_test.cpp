@@ -284,7 +284,7 @@ TEST(GravityColumn, EdgesOfAWedgeLeaveRoom) {
   EXPECT_ANY_THROW(growth(1.2, 1.0)) << "else the default is too careful";
 }
 
-// Rows of particles behind a rough wall leave a wedge's tip its neighbours, so that grains take longer steps there.
+// Where all stress ends at the surfaces these may be as soft as their long gradients ask for.
 TEST(GravityColumn, AWedgeOfGrainsOnARoughWallTakesLongerSteps) {
   const auto scene = [](Wall::ForSoil kind, double cohesion, std::optional<double> courant) {
     ColumnSpec spec;
@@ -298,6 +298,7 @@ TEST(GravityColumn, AWedgeOfGrainsOnARoughWallTakesLongerSteps) {
     soil.cohesion = cohesion;
     wedge.solid.model = SolidCase::Model::drucker_prager;
     wedge.solid.courant = courant;
+    wedge.solid.jitter = 0.1;
     Wall base, back;
     base.name = "base";
     base.face.points = {{0.0, 0.0, 0.0}, {1.4, 0.0, 0.0}};
@@ -312,8 +313,8 @@ TEST(GravityColumn, AWedgeOfGrainsOnARoughWallTakesLongerSteps) {
     const auto setup = set_up<2>(wedge).first;
     return setup.longest_substep * setup.stabilisers.sound_speed / setup.spacing;
   };
-  EXPECT_NEAR(courant(scene(Wall::ForSoil::rough, 0.0, {})), 1.1, 1e-12);
-  EXPECT_NEAR(courant(scene(Wall::ForSoil::rough, 100.0, {})), 1.0, 1e-12) << "cohesion holds a tip that rings";
+  EXPECT_NEAR(courant(scene(Wall::ForSoil::rough, 0.0, {})), 1.4, 1e-12);
+  EXPECT_NEAR(courant(scene(Wall::ForSoil::rough, 100.0, {})), 1.0, 1e-12) << "its surface bears stress";
   EXPECT_NEAR(courant(scene(Wall::ForSoil::fixed, 0.0, {})), 1.0, 1e-12);
   const auto fastest_at_rest = [&](double steps) {
     Solid<2> solid(scene(Wall::ForSoil::rough, 0.0, steps));
@@ -321,8 +322,8 @@ TEST(GravityColumn, AWedgeOfGrainsOnARoughWallTakesLongerSteps) {
     test::run_dry(solid, 1.0, 0.01);
     return fastest(solid);
   };
-  EXPECT_LT(fastest_at_rest(1.2), 1e-6) << "the default, 1.1, leaves a tenth";
-  EXPECT_GT(fastest_at_rest(1.35), 1e-4) << "else the default is too careful";
+  EXPECT_LT(fastest_at_rest(1.6), 1e-5) << "the default, 1.4, leaves a seventh";
+  EXPECT_GT(fastest_at_rest(1.8), 1e-3) << "else the default is too careful";
 }
 
 }  // namespace

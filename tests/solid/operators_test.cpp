@@ -4,6 +4,7 @@
 
 #include "common/core/lanes.hpp"
 #include "solid_solver/step.hpp"
+#include "solid_solver/straining.hpp"
 #include "tests/solid/plain_twin.hpp"
 #include "tests/solid/scenes.hpp"
 
@@ -36,7 +37,7 @@ std::pair<Setup<D>, State<D>> jittered(ColumnSpec spec, double jitter) {
 template <int D>
 void set_velocity(const Setup<D>& setup, State<D>& state, const std::function<Vec<D>(const Vec<D>&)>& v) {
   for (std::size_t i = 0; i < state.particles.size(); ++i) state.particles.velocity[i] = v(state.particles.position[i]);
-  fill_nodes<D>(state.particles, state.near, state.body, setup.flow_limit, state.nodes);
+  fill_nodes<D>(state.particles, state.near, state.body, setup.flow_limit, setup.bulk_viscosity, state.nodes);
   velocity_gradient<D>(state.near.pairs, state.kernel, state.nodes);
 }
 
@@ -249,6 +250,95 @@ TEST(Stabilisers, LeaveUniformStrainRatesAlone) {
   evaluate_forces(setup, state);
   for (const auto& f : state.force)
     EXPECT_LT(f.stabilising().norm(), 1e-6);  // of 1e3 kg/m3 x 60 m/s x 1/s / 0.05 m = 1e6
+}
+
+/// A block without walls that deforms by the same gradient everywhere, its stresses zero.
+template <int D>
+std::pair<Setup<D>, State<D>> deforming_block(const Mat<D>& gradient, SolidCase::Model model) {
+  ColumnSpec spec;
+  spec.dimension = D;
+  spec.width = spec.height = 0.5;
+  spec.base = Wall::ForSoil::none;
+  spec.sides = false;
+  Case scene = column(spec);
+  scene.solid.model = model;
+  scene.soils[0].friction_angle = 30.0;
+  auto [setup, particles] = set_up<D>(scene);
+  State<D> state;
+  state.particles = std::move(particles);
+  const std::size_t n = state.particles.size();
+  state.body.assign(n, Vec<D>::Zero());
+  state.force.resize(n);
+  state.yielded.assign(n, 0);
+  rebuild(setup, state);
+  set_velocity<D>(setup, state, [&](const Vec<D>& x) { return Vec<D>(gradient * x); });
+  return {std::move(setup), std::move(state)};
+}
+
+template <int D>
+double share_at_edge(const State<D>& state, std::size_t i) {
+  return std::min(1.0, 1.2 * D / state.nodes[i].correction().squaredNorm());
+}
+
+template <int D>
+void expect_lower_moduli_at_edges() {
+  Mat<D> gradient = Mat<D>::Zero();
+  gradient.row(0).setConstant(0.2);
+  gradient(1, 1) = -0.5;
+  auto [setup, state] = deforming_block<D>(gradient, SolidCase::Model::elastic);
+  State<D> stiff = state;
+  strain<D>(setup, 1e-3, stiff);
+  setup.soft_edges = true;
+  strain<D>(setup, 1e-3, state);
+  double least = 1.0;
+  for (std::size_t i = 0; i < state.particles.size(); ++i) {
+    const double share = share_at_edge(state, i);
+    const Vec<D> from_middle = state.particles.position[i] - Vec<D>::Constant(0.25);
+    if (from_middle.cwiseAbs().maxCoeff() < 0.15) {
+      EXPECT_EQ(share, 1.0) << "two rows and more inside";
+    }
+    least = std::min(least, share);
+    const Tensor expected = share * stiff.particles.stress[i];
+    EXPECT_LT((state.particles.stress[i] - expected).norm(), 1e-12 * expected.norm());
+    EXPECT_EQ(state.particles.volume[i], stiff.particles.volume[i]);
+  }
+  EXPECT_LT(least, 0.2) << "in the corners";
+}
+
+TEST(SoftEdges, HaveTheStressOfLowerModuli) {
+  expect_lower_moduli_at_edges<2>();
+  expect_lower_moduli_at_edges<3>();
+}
+
+TEST(SoftEdges, CountAllOfThePlasticStrain) {
+  // Soil without cohesion that is torn apart bears nothing: all strain is plastic, whatever the moduli.
+  auto [setup, state] = deforming_block<2>(Mat<2>{{0.4, 0.0}, {0.0, 0.1}}, SolidCase::Model::drucker_prager);
+  State<2> stiff = state;
+  strain<2>(setup, 1e-3, stiff);
+  setup.soft_edges = true;
+  strain<2>(setup, 1e-3, state);
+  for (std::size_t i = 0; i < state.particles.size(); ++i) {
+    EXPECT_GT(stiff.particles.plastic_strain[i], 1e-4);
+    EXPECT_NEAR(state.particles.plastic_strain[i], stiff.particles.plastic_strain[i], 1e-15);
+  }
+}
+
+TEST(BulkViscosity, ResistsChangesOfVolumeAlone) {
+  const Mat<2> shear{{0.3, -0.7}, {0.2, -0.3}}, swelling{{0.3, -0.7}, {0.2, 0.5}};
+  for (const Mat<2>& gradient : {shear, swelling}) {
+    auto [setup, state] = deforming_block<2>(gradient, SolidCase::Model::elastic);
+    setup.bulk_viscosity = 0.5;  // m2/s
+    state.particles.stress[7] << -100.0, -200.0, -50.0, 30.0, 0.0, 0.0;
+    state.particles.rubbing[8] = 0.5F;  // apart: it only collides
+    evaluate_forces(setup, state);
+    for (std::size_t i = 0; i < state.particles.size(); ++i) {
+      const Mat<2> B = state.nodes[i].correction();
+      const double density = state.particles.mass[i] / state.particles.volume[i], share = share_at_edge(state, i);
+      const double pressure = i == 8 ? 0.0 : share * share * 0.5 * density * gradient.trace();
+      const Mat<2> expected = (matrix_of<2>(state.particles.stress[i]) + pressure * Mat<2>::Identity()) * B;
+      EXPECT_LT((state.nodes[i].flux - expected).norm(), 1e-9 * (1.0 + expected.norm()));
+    }
+  }
 }
 
 TEST(PressureGradient, DifferenceFormIsExactForLinearPressureEverywhere) {

@@ -57,8 +57,8 @@ double core_stress(const Solid<2>& solid) {
 }
 
 constexpr double at_rest = 1.2, window = 0.01;  // s
-// At this time 58 to 289 of the core's 400 particles sleep, as substeps go from 0.6 to 1.05 of the Courant number: waves
-// in the row on the base are as strong as what wakes it.
+// At this time 58 to 289 of the core's 400 particles sleep, as substeps go from 0.6 to 1.05 of the Courant number:
+// waves in the row on the base are as strong as what wakes it.
 constexpr std::size_t many = 50;
 
 TEST(Regions, OfACollapseSleepAndErrLittle) {
