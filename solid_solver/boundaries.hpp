@@ -35,7 +35,7 @@ void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::siz
                          const Particles<D>& particles, std::span<const char> asleep, Neighbourhood<D>& near);
 
 /// Position, velocity, gradient, flux and weights of the nodes from the particles, images included.
-/// body: N/m3 on each particle, for the stress's slope at walls; bulk_viscosity: m2/s, see Setup.
+/// body: N/m3 on each particle, for the stress's slope at walls; bulk_viscosity: m2/s, see Stabilisers.
 template <int D>
 void fill_nodes(const Particles<D>& particles, Neighbourhood<D>& near, const VecArray<D>& body, double flow_limit,
                 double bulk_viscosity, std::vector<Node<D>>& nodes);

@@ -21,6 +21,7 @@ struct Stabilisers {
   double modulus = 0.0;            ///< Pa, M
   double artificial = 0.1;         ///< alpha of Monaghan's artificial viscosity
   double quadratic = 0.0;          ///< beta of the same
+  double bulk = 0.0;               ///< m2/s, against changes of volume away from surfaces (linear, Landshoff 1955)
   double artificial_stress = 0.0;  ///< epsilon, in tension
   double collision = 1.0;          ///< the same where grains that are apart collide: inelastically
   double sound_speed = 0.0;        ///< m/s

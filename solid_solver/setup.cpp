@@ -224,7 +224,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   setup.boundaries = make_boundaries<D>(scene, setup.range());
   setup.soft_edges = surfaces_carry_nothing(scene, setup);
   // Waves that such steps resolve poorly shake the flow, which costs it friction.
-  if (setup.soft_edges) setup.bulk_viscosity = 0.35 * fastest * setup.spacing;
+  if (setup.soft_edges) setup.stabilisers.bulk = 0.35 * fastest * setup.spacing;
   const double courant = scene.solid.courant.value_or(courant_number(scene, setup));
   setup.longest_substep = setup.stabilisers.step = courant * setup.spacing / fastest;
   setup.rest_substep = scene.solid.courant.value_or(careful) * setup.spacing / fastest;

@@ -19,25 +19,33 @@ namespace {
 using test::column;
 using test::ColumnSpec;
 
-/// A column whose particles are jittered, lists and kernels current.
+/// Soil as it is laid, lists and kernels current.
+template <int D>
+std::pair<Setup<D>, State<D>> laid(const Case& scene) {
+  auto [setup, particles] = set_up<D>(scene);
+  State<D> state;
+  state.particles = std::move(particles);
+  const std::size_t n = state.particles.size();
+  state.body.assign(n, Vec<D>::Zero());
+  state.force.resize(n);
+  state.yielded.assign(n, 0);
+  rebuild(setup, state);
+  return {std::move(setup), std::move(state)};
+}
+
+/// A column whose particles are jittered.
 template <int D>
 std::pair<Setup<D>, State<D>> jittered(ColumnSpec spec, double jitter) {
   spec.dimension = D;
   Case scene = column(spec);
   scene.solid.jitter = jitter;
-  auto [setup, particles] = set_up<D>(scene);
-  State<D> state;
-  state.particles = std::move(particles);
-  state.body.assign(state.particles.size(), Vec<D>::Zero());
-  state.force.resize(state.particles.size());
-  rebuild(setup, state);
-  return {std::move(setup), std::move(state)};
+  return laid<D>(scene);
 }
 
 template <int D>
 void set_velocity(const Setup<D>& setup, State<D>& state, const std::function<Vec<D>(const Vec<D>&)>& v) {
   for (std::size_t i = 0; i < state.particles.size(); ++i) state.particles.velocity[i] = v(state.particles.position[i]);
-  fill_nodes<D>(state.particles, state.near, state.body, setup.flow_limit, setup.bulk_viscosity, state.nodes);
+  fill_nodes<D>(state.particles, state.near, state.body, setup.flow_limit, setup.stabilisers.bulk, state.nodes);
   velocity_gradient<D>(state.near.pairs, state.kernel, state.nodes);
 }
 
@@ -263,16 +271,9 @@ std::pair<Setup<D>, State<D>> deforming_block(const Mat<D>& gradient, SolidCase:
   Case scene = column(spec);
   scene.solid.model = model;
   scene.soils[0].friction_angle = 30.0;
-  auto [setup, particles] = set_up<D>(scene);
-  State<D> state;
-  state.particles = std::move(particles);
-  const std::size_t n = state.particles.size();
-  state.body.assign(n, Vec<D>::Zero());
-  state.force.resize(n);
-  state.yielded.assign(n, 0);
-  rebuild(setup, state);
-  set_velocity<D>(setup, state, [&](const Vec<D>& x) { return Vec<D>(gradient * x); });
-  return {std::move(setup), std::move(state)};
+  auto block = laid<D>(scene);
+  set_velocity<D>(block.first, block.second, [&](const Vec<D>& x) { return Vec<D>(gradient * x); });
+  return block;
 }
 
 template <int D>
@@ -327,7 +328,7 @@ TEST(BulkViscosity, ResistsChangesOfVolumeAlone) {
   const Mat<2> shear{{0.3, -0.7}, {0.2, -0.3}}, swelling{{0.3, -0.7}, {0.2, 0.5}};
   for (const Mat<2>& gradient : {shear, swelling}) {
     auto [setup, state] = deforming_block<2>(gradient, SolidCase::Model::elastic);
-    setup.bulk_viscosity = 0.5;  // m2/s
+    setup.stabilisers.bulk = 0.5;  // m2/s
     state.particles.stress[7] << -100.0, -200.0, -50.0, 30.0, 0.0, 0.0;
     state.particles.rubbing[8] = 0.5F;  // apart: it only collides
     evaluate_forces(setup, state);
