@@ -28,8 +28,9 @@ struct PairColumns {
 };
 
 /// Graph Laplacian of pairs of particles, with a diagonal: (A x)_a = diagonal_a x_a - sum_k weight_k x_column(k);
-/// symmetric by construction. Weights are rounded to half the memory, the same for both of a pair; what they add to the
-/// diagonal is what is kept of them, so that constants stay in the kernel.
+/// symmetric by construction. Rows are filled up to multiples of four with weights of zero. Weights are rounded to half
+/// the memory, the same for both of a pair; what they add to the diagonal is what is kept of them, so that constants
+/// stay in the kernel.
 struct PairMatrix {
   PairColumns column;
   UnsetArray<float> weight;  ///< per entry, >= 0
@@ -37,28 +38,25 @@ struct PairMatrix {
   [[nodiscard]] std::size_t size() const { return diagonal.size(); }
   [[nodiscard]] std::size_t begin(std::size_t a) const { return column.offset[a]; }
   [[nodiscard]] std::size_t end(std::size_t a) const { return column.offset[a + 1]; }
+  /// Sum of weight times x over row a.
+  [[nodiscard, gnu::always_inline]] double pull(std::size_t a, const double* x) const {
+    std::array<double, n_lanes> sum{};
+    const Index* const index = column.index.data();
+    const float* const w = weight.data();
+    const std::size_t stop = end(a);
+    if (column.direct(a)) {
+      for (std::size_t k = begin(a); k < stop; k += n_lanes)
+        for (std::size_t l = 0; l < n_lanes; ++l) sum[l] += static_cast<double>(w[k + l]) * x[index[k + l]];
+    } else {
+      for (std::size_t k = begin(a); k < stop; k += n_lanes)
+        for (std::size_t l = 0; l < n_lanes; ++l) sum[l] += static_cast<double>(w[k + l]) * x[column(a, k + l)];
+    }
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+  }
   /// y = A x
   void apply(std::span<const double> x, std::span<double> y) const {
     for_each_in_lanes(
-        size(), [&](std::size_t a) __attribute__((always_inline)) {
-          Lanes sums{}, w{};
-          std::size_t k = begin(a);
-          const std::size_t stop = end(a);
-          const bool direct = column.direct(a);
-          for (; k + n_lanes <= stop; k += n_lanes) {
-            const Index* c = &column.index[k];
-            Index turned[n_lanes];
-            if (!direct) {
-              for (std::size_t l = 0; l < n_lanes; ++l) turned[l] = column(a, k + l);
-              c = turned;
-            }
-            take(&weight[k], w);
-            sums += w * Lanes{x[c[0]], x[c[1]], x[c[2]], x[c[3]]};
-          }
-          double sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
-          for (; k < stop; ++k) sum += static_cast<double>(weight[k]) * x[column(a, k)];
-          y[a] = diagonal[a] * x[a] - sum;
-        });
+        size(), [&](std::size_t a) __attribute__((always_inline)) { y[a] = diagonal[a] * x[a] - pull(a, x.data()); });
   }
 };
 

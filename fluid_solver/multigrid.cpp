@@ -134,24 +134,11 @@ WholeMatrix matrix_of(Rows& rows) {
   return c;
 }
 
-/// Sum of weight times x over row a, in two: one would wait for each of its additions.
-double pull(const PairMatrix& m, std::size_t a, std::span<const double> x) {
-  double even = 0.0, odd = 0.0;
-  std::size_t k = m.begin(a);
-  const std::size_t stop = m.end(a);
-  for (; k + 2 <= stop; k += 2) {
-    even += static_cast<double>(m.weight[k]) * x[m.column(a, k)];
-    odd += static_cast<double>(m.weight[k + 1]) * x[m.column(a, k + 1)];
-  }
-  if (k < stop) even += static_cast<double>(m.weight[k]) * x[m.column(a, k)];
-  return even + odd;
-}
-
 /// Gauss-Seidel forwards from x = 0; left = b - A x.
 void sweep_forwards(const PairMatrix& m, std::span<const double> b, std::span<double> x, std::span<double> left) {
   std::fill(x.begin(), x.end(), 0.0);
   for (std::size_t a = 0; a < m.size(); ++a)
-    if (m.diagonal[a] > 0.0) x[a] = (b[a] + pull(m, a, x)) / m.diagonal[a];
+    if (m.diagonal[a] > 0.0) x[a] = (b[a] + m.pull(a, x.data())) / m.diagonal[a];
   m.apply(x, left);
   for (std::size_t a = 0; a < m.size(); ++a) left[a] = b[a] - left[a];
 }
@@ -168,7 +155,7 @@ void sweep_forwards(const CoarseMatrix& m, std::span<const double> b, std::span<
 /// Gauss-Seidel backwards from x.
 void sweep_backwards(const PairMatrix& m, std::span<const double> b, std::span<double> x, std::span<double>) {
   for (std::size_t a = m.size(); a-- > 0;)
-    if (m.diagonal[a] > 0.0) x[a] = (b[a] + pull(m, a, x)) / m.diagonal[a];
+    if (m.diagonal[a] > 0.0) x[a] = (b[a] + m.pull(a, x.data())) / m.diagonal[a];
 }
 
 /// The same; left: what it adds to x. Until a row is reached its place there takes what the rows behind it push.

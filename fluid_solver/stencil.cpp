@@ -100,6 +100,7 @@ void part_ghosts(std::span<const Buffer<D>> buffers, std::span<const char> free,
   }
   if (!any) return;
   for_each_side_by_side(n, [&](std::size_t a) {
+    if (s.beyond[a] == 0) return;
     const auto& hidden = free.empty() || free[a] ? soils : sills;
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
       if (hidden[s.other[k]]) s.other[k] = static_cast<Index>(a);
@@ -162,14 +163,17 @@ template <int D>
 
 template <int D>
 Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* blind, double* smallest) {
-  if constexpr (D == 2) {
-    const double mean = 0.5 * moment.trace(), half = 0.5 * (moment(0, 0) - moment(1, 1));
-    const double lower = mean - std::sqrt(half * half + moment(0, 1) * moment(1, 0));
-    if (lower >= least) {
-      if (blind) blind->setZero();
-      if (smallest) *smallest = lower;
-      return moment.inverse();
-    }
+  // The least eigenvalue, in 3D a bound of it: as far below the mean as the others can be above.
+  const double mean = moment.trace() / D;
+  const double lower = mean - std::sqrt((D - 1.0) / D * (moment - mean * Mat<D>::Identity()).squaredNorm());
+  if (lower >= least) {
+    if (blind) blind->setZero();
+    if (smallest && (D == 2 || lower >= inside_moment))
+      *smallest = lower;
+    else if (smallest)
+      *smallest =
+          Eigen::SelfAdjointEigenSolver<Mat<D>>().computeDirect(moment, Eigen::EigenvaluesOnly).eigenvalues()[0];
+    return moment.inverse();
   }
   Eigen::SelfAdjointEigenSolver<Mat<D>> eigen;
   eigen.computeDirect(moment);
@@ -248,14 +252,15 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
     const double deficit = s.divergence[a] / D;
     s.amplification[a] = 1.0 / (deficit > 0.75 ? std::clamp(deficit, 0.93, 1.07) : 1.0);
     s.correction[a] = bounded_inverse<D>(moment, least_inverted, nullptr, &s.least_moment[a]);
-    for (Index k = s.offset[a]; s.n_base > n && k < s.offset[a + 1]; ++k)
-      if (s.other[k] >= n && s.is_buffer(s.other[k])) edge[a] = face;
+    for (Index k = s.offset[a]; s.beyond[a] != 0 && k < s.offset[a + 1]; ++k)
+      if (s.is_buffer(s.other[k])) edge[a] = face;
     if (s.least_moment[a] < least_inverted) edge[a] |= surface;
   });
-  for (std::size_t a = 0; a < n; ++a) {
-    if (edge[a] == 0) continue;
+  for (std::size_t a = 0; a < n; ++a)
+    if (edge[a] != 0) s.edge(a);
+  const auto fill_edge = [&](std::size_t a) {
     if ((edge[a] & surface) != 0) bounded_inverse<D>(s.moment(a), least_inverted, &s.edge(a).blind);
-    if ((edge[a] & face) == 0) continue;
+    if ((edge[a] & face) == 0) return;
     Mat<D> open = Mat<D>::Zero();
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
       const Index j = s.other[k];
@@ -263,7 +268,11 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
       if (!s.is_buffer(j)) open += static_cast<double>(s.pull[k]) * ba * ba.transpose();
     }
     s.edge(a).open = bounded_inverse<D>(open, least_inverted, nullptr);
-  }
+  };
+  side_by_side(n, s.worth_threads, [&](std::size_t first, std::size_t last) {
+    for (std::size_t a = first; a < last; ++a)
+      if (edge[a] != 0) fill_edge(a);
+  });
   return s;
 }
 

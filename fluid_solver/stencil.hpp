@@ -17,13 +17,23 @@ namespace poretwin::fluid {
 template <int D>
 using Kernel = sph::WendlandC2<D>;
 
+/// Least eigenvalue of its moment above which a particle is inside.
+inline constexpr double inside_moment = 0.88;
+
 /// Smoothing length in units of the cube root (2D: square root) of the bulk volume.
 inline constexpr double smoothing_ratio = 1.3;
 
 /// Edge of a square or cube of that volume [m]: the spacing of particles on a lattice.
 template <int D>
 double spacing_of(double volume) {
-  return D == 2 ? std::sqrt(volume) : std::cbrt(volume);
+  if constexpr (D == 2) return std::sqrt(volume);
+  // Particles are mostly alike, and cube roots take long.
+  thread_local double last = 0.0, root = 0.0;
+  if (volume != last) {
+    root = std::cbrt(volume);
+    last = volume;
+  }
+  return root;
 }
 
 /// Sum of a pair's part, a function of the distance (unit spacing), over an infinite square lattice, the point itself
@@ -155,8 +165,9 @@ struct Stencil {
   OrZero<double> told_distance;  ///< [real] of a surface particle to the surface, m, where it is not half a spacing
   OrZero<double> surface_pressure;  ///< [real] total, on the surface, Pa: 0, or a suction
   MatArray<D> correction;           ///< [real] of the kernel gradient, buffers and the free surface counted (pressures)
-  UnsetArray<double>
-      least_moment;  ///< [real] smallest eigenvalue of the moment: 1 inside, 0 where a direction is empty; as long
+  /// [real] smallest eigenvalue of the moment, or a bound of it above inside_moment: 1 inside, 0 where a direction is
+  /// empty; as long
+  UnsetArray<double> least_moment;
   /// [real] distance to the free surface along -normal [m], 0: out of the kernel's reach. Set by find_surface; the
   /// kernel's missing part is then a ghost at twice the distance, antisymmetric about the surface's pressure.
   OrZero<double> ghost_distance;
@@ -232,7 +243,8 @@ struct Stencil {
   [[nodiscard]] std::size_t size() const { return position.size(); }
 };
 
-/// Inverse of a symmetric moment matrix with its eigenvalues held at or above `least`; blind: what that leaves out.
+/// Inverse of a symmetric moment matrix with its eigenvalues held at or above `least`; blind: what that leaves out;
+/// smallest: as Stencil::least_moment.
 template <int D>
 Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* blind, double* smallest = nullptr);
 

@@ -13,8 +13,8 @@ namespace poretwin::fluid {
 enum class Surface : std::uint8_t { interior, surface, lone };
 
 namespace surface {
-/// Least eigenvalue of the moment above which a particle is inside, and below which it is on no surface.
-inline constexpr double inside = 0.88, alone = 0.1;
+/// Least eigenvalue of the moment below which a particle is on no surface.
+inline constexpr double alone = 0.1;
 /// Divergence of position over D below which neighbours are few (a surface, in soil), also at a seepage face; and too
 /// few for a pressure. The least eigenvalue would not tell these: what sinks out of a crowded surface has a small one,
 /// and fell freely until it had passed its row, one window's kick in a tank at rest every few seconds.
@@ -140,7 +140,7 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> seeps, st
         flags[a] = Surface::surface;
       return;
     }
-    if (s.least_moment[a] >= surface::inside) return;
+    if (s.least_moment[a] >= inside_moment) return;
     const double amount = s.normal[a].norm();
     const bool hole = splashes && s.divergence[a] < surface::few * D && amount * s.length(a) > surface::hole;
     const bool edge =

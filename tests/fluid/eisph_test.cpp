@@ -55,10 +55,10 @@ double unrest(const Fluid<2>& fluid, double& speed) {
 
 TEST(Eisph, SweepsTendToTheSolution) {
   // A chain of three between fixed ends: p = 1, 2, 3.
-  const std::vector<Index> offset{0, 1, 3, 4}, neighbour{1, 0, 2, 1};
+  const std::vector<Index> offset{0, 4, 8, 12}, neighbour{1, 0, 0, 0, 0, 2, 1, 1, 1, 2, 2, 2};
   PairMatrix A;
   A.column = {offset, neighbour, {}, {}};
-  A.weight = {1, 1, 1, 1};
+  A.weight = {1, 0, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0};
   A.diagonal = {2, 2, 2};
   const ScalarArray b{0.0, 0.0, 4.0};
   ScalarArray p(3, 0.0);

@@ -39,6 +39,7 @@ Grid grid(std::size_t side, bool closed) {
       m.weight.push_back(static_cast<float>(w));
       sum += static_cast<double>(m.weight.back());
     }
+    for (; g.neighbour.size() % n_lanes != 0; m.weight.push_back(0.0F)) g.neighbour.push_back(static_cast<Index>(a));
     g.offset.push_back(static_cast<Index>(g.neighbour.size()));
     m.diagonal.push_back(!closed && a < side ? 1e3 * sum : sum);
   }

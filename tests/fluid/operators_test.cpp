@@ -200,6 +200,38 @@ TEST(Operators, WhatIsSharedOutIsKept) {
   expect_shares<3>(9);
 }
 
+template <int D>
+void check_bounded_inverse() {
+  std::mt19937_64 generator(11);
+  std::uniform_real_distribution<double> value(0.0, 1.2), entry(-1.0, 1.0);
+  constexpr double least = 0.3;
+  for (int i = 0; i < 300; ++i) {
+    Mat<D> any;
+    for (int d = 0; d < D; ++d)
+      for (int e = 0; e < D; ++e) any(d, e) = entry(generator);
+    const Mat<D> turn = any.colPivHouseholderQr().householderQ();
+    Vec<D> eigen = Vec<D>::Constant(1.0 + 0.05 * entry(generator));
+    if (i % 3 != 0)  // every third nearly isotropic, as inside
+      for (int d = 0; d < D; ++d) eigen[d] = value(generator);
+    const Mat<D> moment = turn * eigen.asDiagonal() * turn.transpose();
+    Mat<D> blind;
+    double smallest = 0.0;
+    const Mat<D> inverse = bounded_inverse<D>(moment, least, &blind, &smallest);
+    const Vec<D> held = eigen.cwiseMax(least);
+    EXPECT_LT((inverse - turn * held.cwiseInverse().asDiagonal() * turn.transpose()).norm(), 1e-6);
+    EXPECT_LT((blind - (Mat<D>::Identity() - inverse * moment)).norm(), 1e-6);
+    EXPECT_LE(smallest, eigen.minCoeff() + 1e-7);
+    if (smallest < inside_moment || D == 2) {
+      EXPECT_NEAR(smallest, eigen.minCoeff(), 1e-7);
+    }
+    EXPECT_NEAR(bounded_inverse<D>(moment, least, nullptr).trace(), inverse.trace(), 1e-9);
+  }
+}
+TEST(Operators, MomentsAreInvertedWhereNeighboursAreEnough) {
+  check_bounded_inverse<2>();
+  check_bounded_inverse<3>();
+}
+
 TEST(Operators, DirectionsWithoutNeighboursAreBlind) {
   // One row of particles: nothing can be said across it.
   VecArray<2> x;
