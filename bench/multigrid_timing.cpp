@@ -1,7 +1,8 @@
-// Iterations and seconds of the pressure solve against size, diagonal and multigrid: a tank and a Darcy column, in
-// disorder; what a product with the matrix and a cycle cost a particle. Not a test: run by hand.
+// Iterations and seconds of the pressure solve against size, on the diagonal, with patches, by multigrid: a tank and a
+// Darcy column, in disorder; what a product with the matrix and a cycle cost a particle. Not a test: run by hand.
 #include "fluid_solver/multigrid.hpp"
 #include "fluid_solver/operators.hpp"
+#include "fluid_solver/patches.hpp"
 
 #include <algorithm>
 #include <cstdio>
@@ -51,14 +52,28 @@ void measure(std::size_t n, bool layered) {
   }
   const auto apply = [&](std::span<const double> u, std::span<double> y) { A.apply(u, y); };
   ScalarArray p(x.size(), 0.0);
+  const auto by_diagonal = [&](std::span<const double> r, std::span<double> z) {
+    for (std::size_t a = 0; a < r.size(); ++a) z[a] = r[a] / A.diagonal[a];
+  };
   double t = cpu();
-  const auto plain = conjugate_gradients(
+  const auto plain = conjugate_gradients(apply, by_diagonal, b, p, 1e-4 * norm(b), 5000);
+  const double diagonal = cpu() - t;
+  std::fill(p.begin(), p.end(), 0.0);
+  t = cpu();
+  Patches<D> patches(x, dx * std::pow(static_cast<double>(x.size()), 0.5 / D),
+                     [&](std::size_t a) { return x[a][D - 1] <= 1.0 - 1.2 * dx; });
+  patches.factorise([&](std::size_t a, const auto& add) {
+    add(a, A.diagonal[a]);
+    for (std::size_t k = A.begin(a); k < A.end(a); ++k) add(A.column(a, k), -static_cast<double>(A.weight[k]));
+  });
+  const auto corrected = conjugate_gradients(
       apply,
       [&](std::span<const double> r, std::span<double> z) {
-        for (std::size_t a = 0; a < r.size(); ++a) z[a] = r[a] / A.diagonal[a];
+        by_diagonal(r, z);
+        patches.template correct<1>(r, z);
       },
       b, p, 1e-4 * norm(b), 5000);
-  const double diagonal = cpu() - t;
+  const double in_patches = cpu() - t;
   std::fill(p.begin(), p.end(), 0.0);
   t = cpu();
   Multigrid multigrid(A);
@@ -78,8 +93,9 @@ void measure(std::size_t n, bool layered) {
   };
   ScalarArray q(x.size());
   const double product = nanoseconds([&] { A.apply(p, q); }), cycle = nanoseconds([&] { multigrid.cycle(b, q); });
-  std::printf("| %dD %s | %zu | %.3f | %d | %.3f | %d | %.3f | %.3f | %.1f | %.1f |\n", D, layered ? "layered" : "tank",
-              x.size(), stencil, plain.iterations, diagonal, quick.iterations, whole, build, product, cycle);
+  std::printf("| %dD %s | %zu | %.3f | %d | %.3f | %d | %.3f | %d | %.3f | %.3f | %.1f | %.1f |\n", D,
+              layered ? "layered" : "tank", x.size(), stencil, plain.iterations, diagonal, corrected.iterations,
+              in_patches, quick.iterations, whole, build, product, cycle);
   std::fflush(stdout);
 }
 
@@ -87,12 +103,14 @@ void measure(std::size_t n, bool layered) {
 
 int main() {
   std::puts(
-      "Seconds of the stencil, of the solve to 1e-4 on the diagonal and by multigrid (its building included), and "
+      "Seconds of the stencil, of the solve to 1e-4 on the diagonal, with patches and by multigrid (their building "
+      "included), and "
       "nanoseconds a particle of a product with the matrix and of a cycle; points in disorder, one run");
   std::puts(
-      "| scene | particles | stencil | on the diagonal: iterations | s | by multigrid: cycles | s | building | product "
+      "| scene | particles | stencil | on the diagonal: iterations | s | with patches | s | by multigrid: cycles | s | "
+      "building | product "
       "| cycle |");
-  std::puts("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
+  std::puts("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");
   for (const bool layered : {false, true})
     for (const std::size_t n : {1000, 10000, 100000, 1000000}) measure<2>(n, layered);
   for (const std::size_t n : {1000, 10000, 100000}) measure<3>(n, false);

@@ -19,9 +19,13 @@ constexpr double response_tolerance = 1e-2, skeleton_tolerance = 1e-3;
 /// and in rockfill_dam.
 constexpr double patch_edge = 5.0;
 
-/// Conjugate gradients on the diagonal take as long for so many iterations as multigrid does for the whole solve,
-/// its building included, at any size (multigrid_timing.cpp)
-constexpr int patience = 60;
+/// Iterations for the pressure of free water on the diagonal alone: a solve that takes no more is done sooner without a
+/// coarse space.
+constexpr int without_patches = 4;
+
+/// Conjugate gradients with patches take as long for so many iterations as multigrid does for the whole solve, its
+/// building included, from 10,000 particles on: 55 to 80 (multigrid_timing.cpp)
+constexpr int patience = 70;
 /// and a solve that takes multigrid no more cycles than this is left to the diagonal next time.
 constexpr int few_cycles = 2;
 /// Rounds in which the particles are found that stand at the cavitation pressure.
@@ -357,8 +361,14 @@ class WindowSolver {
       ScalarArray inverse(n_);
       for_each_side_by_side(
           n_, [&](std::size_t a) { inverse[a] = fluid_.diagonal[a] > 0.0 ? 1.0 / fluid_.diagonal[a] : 0.0; });
+      // Where all water seeps solves are short, and no faster for a coarse space (embankment_seepage_rigid).
+      const bool seeps = all_side_by_side(n_, [&](std::size_t a) { return q_[a].C > 0.0; });
+      std::optional<Patches<D>> patches;
+      int calls = 0;
       const auto by_diagonal = [&](std::span<const double> r, std::span<double> z) {
         for_each_side_by_side(n_, [&](std::size_t a) { z[a] = inverse[a] * r[a]; });
+        if (!seeps && calls++ == without_patches) patches.emplace(pressure_patches());
+        if (patches) patches->template correct<1>(r, z);
         if (closed_) remove_mean(z);
       };
       report = conjugate_gradients(apply, by_diagonal, b, out.pressure, tolerance, patience);
@@ -378,6 +388,21 @@ class WindowSolver {
     out.converged = report.converged;
     out.outer = 1;
     for_each_side_by_side(n_, [&](std::size_t a) { out.pressure[a] += reference; });
+  }
+
+  /// As many patches as each has particles: what is solved for on them takes about as long as to sum up over them.
+  Patches<D> pressure_patches() const {
+    const double whole = sum_over(n_, [&](std::size_t a) { return s_.volume[a]; });
+    Patches<D> patches(std::span<const Vec<D>>(s_.position).first(n_),
+                       spacing_of<D>(whole / std::sqrt(static_cast<double>(n_))),
+                       [&](std::size_t a) { return !is_known(a) && fluid_.diagonal[a] > 0.0; });
+    // A little is added for water whose mean pressure nothing tells.
+    patches.factorise([&](std::size_t a, const auto& add) {
+      add(a, (1.0 + 1e-8) * fluid_.diagonal[a]);
+      for (std::size_t k = fluid_.begin(a); k < fluid_.end(a); ++k)
+        add(fluid_.column(a, k), -static_cast<double>(fluid_.weight[k]));
+    });
+    return patches;
   }
 
   /// What drives the flow, for the tolerance: the residual with pinned particles at their pressure and all others at
@@ -462,14 +487,10 @@ class WindowSolver {
       if (responds(a)) spacing = std::max(spacing, spacing_of<D>(s_.volume[a]));
     patches_.emplace(std::span<const Vec<D>>(s_.position).first(n_), patch_edge * spacing,
                      [&](std::size_t a) { return responds(a); });
-    patches_->factorise([&](const auto& add) {
-      for (std::size_t a = 0; a < n_; ++a) {
-        if (!responds(a)) continue;
-        add(a, a, preconditioner[a]);
-        for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k)
-          if (const Index b = s_.parent[s_.other[k]]; b != a && b < n_)
-            add(a, b, -static_cast<double>(image_weight_[k]));
-      }
+    patches_->factorise([&](std::size_t a, const auto& add) {
+      add(a, preconditioner[a]);
+      for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k)
+        if (const Index b = s_.parent[s_.other[k]]; b != a && b < n_) add(b, -static_cast<double>(image_weight_[k]));
     });
     H_inverse_.resize(n_);
     for (std::size_t a = 0; a < n_; ++a) H_inverse_[a] = 1.0 / preconditioner[a];
