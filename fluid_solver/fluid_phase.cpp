@@ -276,6 +276,7 @@ WindowProblem<D> Fluid<D>::problem(double interval) const {
   if (scene_.fluid.pressure_tolerance) in.tolerance = *scene_.fluid.pressure_tolerance;
   for (const auto& c : state_.columns) {
     in.face_pressure.push_back(c.pressure);
+    in.face_slope.push_back(c.slope);
     in.face_holds.push_back(c.held);
   }
   return in;

@@ -19,8 +19,7 @@ constexpr double response_tolerance = 1e-2, skeleton_tolerance = 1e-3;
 /// and in rockfill_dam.
 constexpr double patch_edge = 5.0;
 
-/// Iterations for the pressure of free water on the diagonal alone: a solve that takes no more is done sooner without a
-/// coarse space.
+/// Iterations for the pressure on the diagonal alone: a solve that takes no more is done sooner without a coarse space.
 constexpr int without_patches = 4;
 
 /// Conjugate gradients with patches take as long for so many iterations as multigrid does for the whole solve, its
@@ -266,7 +265,11 @@ class WindowSolver {
       const Index j = s_.other[k], q = s_.parent[j];
       if (j < n_ || !s_.is_buffer(j)) continue;
       const double w = 2.0 * s_.volume[a] * mobility * s_.pull[k] * s_.amplified(a, q) * s_.reflection(a, q);
-      sum = sum.value_or(0.0) + w * in_.face_pressure[s_.buffers[q - n_].column];
+      const auto& b = s_.buffers[q - n_];
+      // Where water leaves, a row beyond the face goes on with the slope there.
+      const double beyond = std::min(0.0, b.normal.dot(s_.position[a] - b.foot));
+      const double slope = std::max(0.0, in_.face_slope[b.column]);
+      sum = sum.value_or(0.0) + w * (in_.face_pressure[b.column] + beyond * slope);
     }
     return sum;
   }
@@ -361,13 +364,11 @@ class WindowSolver {
       ScalarArray inverse(n_);
       for_each_side_by_side(
           n_, [&](std::size_t a) { inverse[a] = fluid_.diagonal[a] > 0.0 ? 1.0 / fluid_.diagonal[a] : 0.0; });
-      // Where all water seeps solves are short, and no faster for a coarse space (embankment_seepage_rigid).
-      const bool seeps = all_side_by_side(n_, [&](std::size_t a) { return q_[a].C > 0.0; });
       std::optional<Patches<D>> patches;
       int calls = 0;
       const auto by_diagonal = [&](std::span<const double> r, std::span<double> z) {
         for_each_side_by_side(n_, [&](std::size_t a) { z[a] = inverse[a] * r[a]; });
-        if (!seeps && calls++ == without_patches) patches.emplace(pressure_patches());
+        if (calls++ == without_patches) patches.emplace(pressure_patches());
         if (patches) patches->template correct<1>(r, z);
         if (closed_) remove_mean(z);
       };

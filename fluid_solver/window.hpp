@@ -20,8 +20,9 @@ struct WindowProblem {
   double cavitation = -1e300;             ///< total pressure at which water tears, Pa
   std::span<const double> cavity;         ///< [n] voids in it so far, m^D; none: no voids
   ScalarArray face_pressure;              ///< [columns] piezometric, Pa
+  ScalarArray face_slope;                 ///< [columns] of that along the face's normal, into the domain, so far, Pa/m
   std::vector<bool> face_holds;           ///< [columns] the soil
-  double tolerance = 1e-4;                ///< of the pressure residual, relative, where no skeleton responds
+  double tolerance = 2e-5;                ///< of the pressure residual, relative, where no skeleton responds
   std::uint32_t fixed_soil = 0;           ///< boundaries that hold the soil, by bits
   int sweeps = 0;                         ///< explicit sweeps in place of the solve; 0: solve
   double share = 1.0;                     ///< this window's, of what the phase asked for: less makes sweeps no stiffer
