@@ -124,6 +124,7 @@ struct Buffer {
   double outside = 0.0;                                   ///< distance from the face [m]
   Vec<D> foot = Vec<D>::Zero(), normal = Vec<D>::Zero();  ///< of its column on the face [m], unit into the domain
   bool in_soil = false;                                   ///< the ground before the face is soil
+  [[nodiscard]] double inside(const Vec<D>& x) const { return normal.dot(x - foot); }
 };
 
 template <int D>
@@ -232,7 +233,7 @@ struct Stencil {
   /// asked.
   [[nodiscard, gnu::noinline]] double reflection(std::size_t a, Index q) const {
     const auto& b = buffers[q - n_real];
-    const double inside = b.normal.dot(position[a] - b.foot);
+    const double inside = b.inside(position[a]);
     return static_cast<float>(1.0 + (30.0 * inside <= b.outside ? 30.0 : b.outside / inside));
   }
   /// Is point j an image behind one of these walls (by bits)?

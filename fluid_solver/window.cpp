@@ -267,7 +267,7 @@ class WindowSolver {
       const double w = 2.0 * s_.volume[a] * mobility * s_.pull[k] * s_.amplified(a, q) * s_.reflection(a, q);
       const auto& b = s_.buffers[q - n_];
       // Where water leaves soil that stands still, a row beyond the face goes on with the slope there.
-      const double beyond = std::min(0.0, b.normal.dot(s_.position[a] - b.foot));
+      const double beyond = std::min(0.0, b.inside(s_.position[a]));
       const double slope = any_response_ ? 0.0 : std::max(0.0, in_.face_slope[b.column]);
       sum = sum.value_or(0.0) + w * (in_.face_pressure[b.column] + beyond * slope);
     }

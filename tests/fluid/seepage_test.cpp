@@ -40,6 +40,13 @@ Case confined_flow() {
   return scene;
 }
 
+double mean_velocity_x(const Fluid<2>& fluid) {
+  const auto& velocity = fluid.state().particles.velocity;
+  double sum = 0.0;
+  for (const auto& v : velocity) sum += v.x();
+  return sum / static_cast<double>(velocity.size());
+}
+
 TEST(Seepage, ConfinedFlowObeysDarcy) {
   Fluid<2> fluid(confined_flow());
   fluid.initialise({});
@@ -58,8 +65,7 @@ TEST(Seepage, ConfinedFlowObeysDarcy) {
   run_to(fluid, time, 2.0 * 0.4 / exact);
   const auto& p = fluid.state().particles;
   EXPECT_NEAR(static_cast<double>(p.size()), static_cast<double>(before), 0.06 * static_cast<double>(before));
-  double mean = 0.0;
-  for (const auto& v : p.velocity) mean += v.x() / exact / static_cast<double>(p.size());
+  const double mean = mean_velocity_x(fluid) / exact;
   EXPECT_NEAR(mean, 1.0, 0.02);
   RecordProperty("mean_velocity_over_exact", std::to_string(mean));
 }
@@ -75,10 +81,7 @@ TEST(Seepage, RowsBeyondAFaceGoOnWithItsSlope) {
   double time = 0.0;
   while (time < 2.0 * 0.02 / exact) {
     run_to(fluid, time, time + 8.0);
-    const auto& p = fluid.state().particles;
-    double mean = 0.0;
-    for (const auto& v : p.velocity) mean += v.x() / exact / static_cast<double>(p.size());
-    EXPECT_NEAR(mean, 1.0, 0.004) << time;
+    EXPECT_NEAR(mean_velocity_x(fluid) / exact, 1.0, 0.004) << time;
   }
   EXPECT_GT(fluid.counters().at("deleted"), 15.0);
 }
@@ -95,16 +98,11 @@ TEST(Seepage, SmoothedDragIsAsStrongAsItsKernelSum) {
        {Row{pointwise, 0.0, 0.0, 1.0}, Row{smoothed, 0.0, 0.0, 2.0 * 0.3415652},
         Row{smoothed, 0.5, 0.5, 2.0 * 0.5006536}, Row{smoothed, 0.5, 0.0, 2.0 * 0.6692462},
         Row{smoothed, 0.0, 0.5, 2.0 * 0.3259724}, Row{smoothed_as_printed, 0.0, 0.0, 0.5 * 0.3415652}}) {
-    Case scene;
-    scene.solid.model = SolidCase::Model::rigid;
-    scene.fluid.particle_spacing = scene.solid.particle_spacing = 0.02;
+    Case scene = confined_flow();
+    scene.solid.particle_spacing = 0.02;
     scene.fluid.drag_form = row.form;
     scene.solid.offset = {0.5 + row.shift_x, 0.5 + row.shift_y, 0.0};
-    scene.soils = {sand()};
     scene.soils[0].shape = box(-0.2, -0.2, 0.6, 0.4);  // no truncated sums at the ends
-    scene.fluid.regions = {box(0.0, 0.0, 0.4, 0.2)};
-    scene.walls = {wall(line(0.0, 0.0, 0.4, 0.0)), wall(line(0.4, 0.2, 0.0, 0.2))};
-    scene.water_faces = {head_face(line(0.0, 0.2, 0.0, 0.0), 0.4), head_face(line(0.4, 0.0, 0.4, 0.2), 0.3)};
     Fluid<2> fluid(scene);
     fluid.initialise({});
     // The part that differs between directions is iterated, to 2 % in a window from rest: a few short windows
@@ -121,18 +119,13 @@ TEST(Seepage, SmoothedDragIsAsStrongAsItsKernelSum) {
 TEST(Seepage, QuadraticFlowFromRestFollowsItsClosedForm) {
   // n rho dw/dt = n gamma i - (c1 + c2 w) w from rest: w = w+ (1 - e) / (1 - w+/w- e), e = exp(-c2 (w+ - w-) t / (n
   // rho)), w+ and w- the roots of the right side.
-  Case scene;
-  scene.solid.model = SolidCase::Model::rigid;
-  scene.fluid.particle_spacing = 0.02;
+  Case scene = confined_flow();
   Soil rock;
   rock.porosity = 0.4052;
   rock.seepage_law = Soil::SeepageLaw::ergun;
   rock.grain_diameter = 0.03504;
   rock.shape = box(0.0, 0.0, 0.4, 0.2);
   scene.soils = {rock};
-  scene.fluid.regions = {box(0.0, 0.0, 0.4, 0.2)};
-  scene.walls = {wall(line(0.0, 0.0, 0.4, 0.0)), wall(line(0.4, 0.2, 0.0, 0.2))};
-  scene.water_faces = {head_face(line(0.0, 0.2, 0.0, 0.0), 0.4), head_face(line(0.4, 0.0, 0.4, 0.2), 0.3)};
   const double n = rock.porosity, i = 0.25, c1 = 9810.0 * n * n * 0.066226, c2 = 9810.0 * n * n * n * 45.516;
   const double root = std::sqrt(c1 * c1 + 4.0 * c2 * n * 9810.0 * i);
   const double up = (root - c1) / (2.0 * c2), down = -(root + c1) / (2.0 * c2);
@@ -146,8 +139,7 @@ TEST(Seepage, QuadraticFlowFromRestFollowsItsClosedForm) {
       time += dt;
       const double e = std::exp(-c2 * (up - down) * time / (n * 1000.0));
       const double exact = up * (1.0 - e) / (1.0 - up / down * e);
-      double mean = 0.0;
-      for (const auto& v : p.velocity) mean += v.x() / static_cast<double>(p.size());
+      const double mean = mean_velocity_x(fluid);
       for (const auto& v : p.velocity) spread = std::max(spread, (v - Vec<2>(mean, 0.0)).norm() / up);
       worst = std::max(worst, std::abs(mean - exact) / up);
       if (time > 0.9) {
@@ -252,8 +244,7 @@ TEST(Seepage, WaterEndsAtASeepageFace) {
 /// Two soils, ten times apart in conductivity, between two reservoirs and under a lid, side by side or one behind the
 /// other.
 Case two_soils(bool side_by_side, double dx, double jitter) {
-  Case scene;
-  scene.solid.model = SolidCase::Model::rigid;
+  Case scene = confined_flow();
   scene.fluid.particle_spacing = dx;
   scene.fluid.jitter = jitter;
   scene.soils = {sand(), sand()};
@@ -262,9 +253,6 @@ Case two_soils(bool side_by_side, double dx, double jitter) {
   scene.soils[1].porosity = 0.3;
   scene.soils[0].shape = side_by_side ? box(0.0, 0.1, 0.4, 0.2) : box(0.0, 0.0, 0.2, 0.2);
   scene.soils[1].shape = side_by_side ? box(0.0, 0.0, 0.4, 0.1) : box(0.2, 0.0, 0.4, 0.2);
-  scene.fluid.regions = {box(0.0, 0.0, 0.4, 0.2)};
-  scene.walls = {wall(line(0.0, 0.0, 0.4, 0.0)), wall(line(0.4, 0.2, 0.0, 0.2))};
-  scene.water_faces = {head_face(line(0.0, 0.2, 0.0, 0.0), 0.4), head_face(line(0.4, 0.0, 0.4, 0.2), 0.3)};
   for (const int i : {0, 1}) {
     auto& name = scene.water_faces[static_cast<std::size_t>(i)].name;
     name = i == 0 ? "left" : "right";
