@@ -333,7 +333,7 @@ void Fluid<D>::initialise(const coupling::Inbox& inbox) {
     p.void_fraction[a] = 1.0 - view.fraction[a];
     p.mass[a] = p.void_fraction[a] * density_ * p.volume[a];
     p.mask[a] = view.mask[a];
-    p.seeps[a] = seeps<D>(view, a, p.velocity[a], density_, spacing_of<D>(p.volume[a]), true) ? 1 : 0;
+    p.seeps[a] = seeps<D>(view, a, p.velocity[a], spacing_of<D>(p.volume[a]), {density_, creeping_speed(), true}) ? 1 : 0;
   }
   begin_control(view, 0.0);
   p.solid_velocity = view.velocity;
@@ -535,37 +535,18 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
   return source;
 }
 
-/// What the soil took beyond the drag comes from the water in its pores. It is shared out among the soil's water within
-/// a kernel's reach, none of it to the free water beside the soil, and taken at the rate at which that water's inertia
-/// answers to the drag: where drag rules, the pressure already answers for the soil's motion, through the volume debt.
-/// Where the soil yields it shears without squeezing, which no pressure answers for: there the water goes along at
-/// once. No faster than the weight of water and grains or the drag could take it in a window: what a long window left,
-/// a short one must not ask for at once, and a wave in the soil must not shake its water (7 of 8 histories of a splash
-/// over a bed that yields gained energy so). The sum of what is owed and taken is kept.
+/// Where the soil has moved otherwise than the last window reckoned, its water goes along, as (27) has it at the
+/// pressure of that window: by C / (a + C) of the departure of the velocity. The soil met that water's inertia at once
+/// (Solid::advance).
 template <int D>
-void Fluid<D>::take_back(const Stencil<D>& s, const SoilView<D>& view, double interval) {
+void Fluid<D>::follow_skeleton(const SoilView<D>& view) {
   auto& p = state_.particles;
-  VecArray<D> owed(p.size());
-  ScalarArray counts(p.size());
   for (std::size_t a = 0; a < p.size(); ++a) {
-    owed[a] = p.owed[a] + view.owed[a];
-    counts[a] = view.mask[a] * p.volume[a];
-    state_.exchanged.received -= view.owed[a];
+    if (view.mask[a] <= 0.0) continue;
+    const Vec<D> along = p.follows[a] * (view.velocity[a] - p.solid_velocity[a]);
+    p.velocity[a] += along;
+    state_.exchanged.received += p.mass[a] * along;
   }
-  share_out<D>(s, counts, owed);
-  const double no_faster = interval / std::max({interval, state_.last_interval, state_.debt_due});  // than it came
-  for (std::size_t a = 0; a < p.size(); ++a) {
-    const double aw = p.void_fraction[a] * density_ / interval;
-    Vec<D> taken = std::min(no_faster, std::max(view.yielding[a], aw / (aw + view.drag[a]))) * owed[a];
-    const double slip = (p.velocity[a] - view.velocity[a]).norm();
-    const double dragged = aw * view.drag[a] / (aw + view.drag[a]);  // in a window
-    const double most =
-        interval * ((p.mass[a] + p.volume[a] * view.density[a]) * gravity_or_standard_ + p.volume[a] * dragged * slip);
-    if (const double size = taken.norm(); size > most) taken *= most / size;
-    p.velocity[a] -= taken / p.mass[a];
-    owed[a] -= taken;
-  }
-  p.owed = OrZero<Vec<D>>(owed);
 }
 
 /// One window; with a quadratic drag again, about the slip just found, while that still matters.
@@ -604,12 +585,12 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   view.linearise(p.velocity, view.velocity);
   VecArray<D> velocity_before;
   if (scene_.coupled()) velocity_before = p.velocity;  // the soil's impulse changes it
-  const bool long_window = dt > wave_interval();
+  const Creep creep{density_, creeping_speed(), dt > wave_interval()};
   for_each_side_by_side(p.size(), [&](std::size_t a) {
     p.void_fraction[a] = 1.0 - view.fraction[a];
     p.volume[a] = p.mass[a] / (p.void_fraction[a] * density_);
     p.mask[a] = view.mask[a];
-    p.seeps[a] = seeps<D>(view, a, p.velocity[a], density_, spacing_of<D>(p.volume[a]), long_window) ? 1 : 0;
+    p.seeps[a] = seeps<D>(view, a, p.velocity[a], spacing_of<D>(p.volume[a]), creep) ? 1 : 0;
   });
   set_inlets(window.time, dt);
   fill_basins(window.time, dt);
@@ -619,11 +600,17 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   auto s = stencil();
   ++state_.counts.stencils;
   mark_surface(s, p.row, std::min(1.0, dt / (row_memory * free_repair_time(dx_))));
-  if (scene_.coupled()) take_back(s, view, dt);
+  if (scene_.coupled()) follow_skeleton(view);
   check_room(window.time);
 
   auto in = problem(dt);
   in.cavitation = scene_.water.cavitation_pressure;
+  std::vector<char> flows;
+  if (scene_.coupled()) {
+    flows.resize(p.size());
+    for_each_side_by_side(p.size(), [&](std::size_t a) { flows[a] = p.seeps[a] == 0; });
+    in.flows = flows;
+  }
   MatArray<D> gradient;  // none where all water creeps through soil
   if (!all_creep(view)) gradient = velocity_gradient<D>(s, p.velocity, no_slip_);
   VecArray<D> forced = forced_velocity(s, view, gradient, dt);
@@ -674,10 +661,12 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   }
   if (scene_.coupled()) {
     p.drag_impulse.lay_out(p.size());
+    p.follows.lay_out(p.size());
     for_each_side_by_side(p.size(), [&](std::size_t a) {
       Vec<D> force = view.drag[a] * (p.velocity[a] - p.solid_velocity[a]) - view.drag_offset[a];
       if (!drag_force.empty()) force += drag_force[a];
       p.drag_impulse.set(a, p.volume[a] * dt * force);
+      p.follows.set(a, view.drag[a] / (p.void_fraction[a] * density_ / dt + view.drag[a]));
     });
     for (std::size_t a = 0; a < p.size(); ++a) {
       state_.exchanged.received -= p.drag_impulse[a];

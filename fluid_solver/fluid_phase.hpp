@@ -67,6 +67,7 @@ class Fluid final : public Phase {
   ScalarArray moved() const;
   double free_repair_time(double spacing) const;
   double wave_interval() const;
+  [[nodiscard]] double creeping_speed() const;
   double central_interval() const;
   double free_interval() const;
   double viscous_interval() const;
@@ -103,7 +104,7 @@ class Fluid final : public Phase {
   void limit_by_acceleration(const SoilView<D>& view, const VecArray<D>& velocity_before, double now, double interval);
   void limit_by_slowing(const VecArray<D>& velocity_before, double interval);
   void limit_scheme(const SoilView<D>& view);
-  void take_back(const Stencil<D>& s, const SoilView<D>& view, double interval);
+  void follow_skeleton(const SoilView<D>& view);
   void check_room(double time) const;
   void check_finite(const WindowSolution<D>& solution, double time) const;
   std::pair<double, std::string> time_limit() const;

@@ -264,7 +264,7 @@ class Reader {
     for (std::size_t a = 0; a < p.size(); ++a) {
       const Vec<D>& x = p.position[a];
       if (!inside(gauge, x)) continue;
-      momentum += p.mass[a] * p.velocity[a] - p.owed[a];
+      momentum += p.mass[a] * p.velocity[a];
       kinetic += 0.5 * p.mass[a] * p.velocity[a].squaredNorm();
       potential += p.mass[a] * (0.5 * scene_.general.central_force * x.squaredNorm() - gravity.dot(x));
       fastest = std::max(fastest, p.velocity[a].norm());

@@ -143,6 +143,13 @@ double Fluid<D>::wave_interval() const {
   return weight_.norm() > 0.0 ? 0.3 * std::sqrt(dx_ * density_ / weight_.norm()) : HUGE_VAL;
 }
 
+/// Speed below which soil and the water in it are as good as at rest: a hundredth of what gravity gives in the window of
+/// the shortest waves [m/s].
+template <int D>
+double Fluid<D>::creeping_speed() const {
+  return weight_.norm() > 0.0 ? 0.01 * wave_interval() * weight_.norm() / density_ : HUGE_VAL;
+}
+
 /// Longest window in which particles follow the central force [s].
 template <int D>
 double Fluid<D>::central_interval() const {
@@ -178,7 +185,7 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
   if (state_.controlled > 0.0) apply(state_.controlled, "pressure change per window");
   for (const auto& l : state_.window_limits) apply(l.interval, l.reason);
   // The water of soil that creeps has no waves, whatever it counts as.
-  const double creeps = 0.01 * wave_interval() * weight_.norm() / density_;
+  const double creeps = creeping_speed();
   const auto flows = [&](std::size_t a) {
     return p.seeps[a] == 0 && (p.mask[a] <= 0.5 || p.velocity[a].norm() > creeps);
   };

@@ -75,18 +75,24 @@ inline bool inertia_rules(double n, double density, double drag, double spacing,
   return gravity > 0.0 && drag * 0.1 * std::sqrt(spacing / gravity) < n * density;
 }
 
+/// How water moves in soil: what decides whether it creeps through it or goes along with it.
+struct Creep {
+  double density = 0.0;      ///< kg/m3, of water
+  double speed = 0.0;        ///< m/s, of soil that is as good as at rest
+  bool long_window = false;  ///< longer than waves of free water on a surface take
+};
+
 /// Does water move through the soil there, as a front that creeps? Not where drag needs more than a spacing to stop it,
-/// C spacing < n rho |w|, w the slip: it flows as free water does. Where the soil itself flows, its water moves with it
-/// and has a surface as free water, but for long windows, in which it creeps from equilibrium to equilibrium. A front's
-/// pressure is a natural condition, which the gradient does not know of: that drives a front whose speed follows the
-/// pressure, but a mixture that falls freely would be pushed in where it already goes in (a surface wave over liquefied
+/// C spacing < n rho |w|, w the slip: it flows as free water does. Where the soil itself moves, its water moves with it
+/// and has a surface as free water, but for long windows, in which both creep from equilibrium to equilibrium. A
+/// front's pressure is a natural condition, which the gradient does not know of: that drives a front whose speed follows
+/// the pressure, but a mixture with inertia would be pushed in where it already goes in (a surface wave over liquefied
 /// soil grew sevenfold in 2 ms).
 template <int D>
-bool seeps(const SoilView<D>& soil, std::size_t a, const Vec<D>& velocity, double density, double spacing,
-           bool long_window) {
+bool seeps(const SoilView<D>& soil, std::size_t a, const Vec<D>& velocity, double spacing, const Creep& creep) {
   const double slip = (velocity - soil.velocity[a]).norm();
-  const bool flows = soil.yielding[a] > 0.5 && !long_window;
-  return soil.mask[a] > 0.5 && !flows && soil.drag[a] * spacing >= (1.0 - soil.fraction[a]) * density * slip;
+  const bool moves = (soil.yielding[a] > 0.5 || soil.velocity[a].norm() > creep.speed) && !creep.long_window;
+  return soil.mask[a] > 0.5 && !moves && soil.drag[a] * spacing >= (1.0 - soil.fraction[a]) * creep.density * slip;
 }
 
 /// Asymmetry of the soil's points about a place, to soil membership: a ramp about its value on a flat edge, 0.47, flat

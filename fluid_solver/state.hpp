@@ -23,7 +23,7 @@ struct Particles {
   OrZero<Vec<D>> drag_impulse;    ///< given to the soil in the last window, N s
   OrZero<Vec<D>> force;           ///< of pressure and drag on the soil at the end of the last window, N/m3
   OrZero<Vec<D>> felt;         ///< the same of the window before: what a soil that computes at the same time has felt
-  OrZero<Vec<D>> owed;         ///< to the soil, for later windows, N s: no longer counts as the water's momentum
+  OrZero<double> follows;      ///< C / (a + C) of the last window: share of a departure of the skeleton that it follows
   ScalarArray mask;            ///< soil membership
   std::vector<char> seeps;     ///< 1: it seeps; 0: it moves and has a surface as free water
   OrZero<double> cavity;       ///< voids torn open in the water, m^D
@@ -55,7 +55,7 @@ struct Particles {
     visit_if_there(drag_impulse);
     visit_if_there(force);
     visit_if_there(felt);
-    visit_if_there(owed);
+    visit_if_there(follows);
     visit_if_there(cavity);
     visit_if_there(volume_debt);
   }
@@ -80,8 +80,8 @@ struct Particles {
     birthplace.push_back(x);
     row.push_back(1.0);
     surface.push_back(Surface::interior);
-    for (auto* array : {&solid_velocity, &solid_change, &drag_impulse, &force, &felt, &owed}) array->grow();
-    for (auto* array : {&cavity, &volume_debt}) array->grow();
+    for (auto* array : {&solid_velocity, &solid_change, &drag_impulse, &force, &felt}) array->grow();
+    for (auto* array : {&follows, &cavity, &volume_debt}) array->grow();
   }
 
   /// Keeps the particles for which keep[a], in order.

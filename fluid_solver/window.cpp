@@ -168,6 +168,28 @@ class WindowSolver {
     return sources;
   }
 
+  /// Free water beside soil that moves with the water in it: the flux between them is the mean of both sides, and the
+  /// soil's side of it goes with the skeleton. What the pressure drives is then half the free water's mobility, not the
+  /// harmonic mean, which is right only where the skeleton stands still.
+  [[nodiscard]] bool beside_moving_soil(std::size_t a, Index q) const {
+    const auto moves = [&](std::size_t i) { return soil_.mask[i] > 0.5 && responds(i) && in_.flows[i] != 0; };
+    return (soil_.mask[a] <= 0.5 && moves(q)) || (soil_.mask[q] <= 0.5 && moves(a));
+  }
+  void free_beside_moving_soil() {
+    if (in_.flows.empty()) return;
+    beside_moving_.assign(n_, 0);
+    for_each_side_by_side(n_, [&](std::size_t a) {
+      for (std::size_t k = fluid_.begin(a); k < fluid_.end(a); ++k) {
+        const Index q = s_.parent[s_.other[static_cast<Index>(k)]];
+        if (q >= n_ || fluid_.weight[k] == 0.0F || !beside_moving_soil(a, q)) continue;
+        beside_moving_[a] = 1;
+        const double before = fluid_.weight[k], both = q_[a].kf + q_[q].kf;
+        fluid_.weight[k] = static_cast<float>(before * 0.25 * both * both / (q_[a].kf * q_[q].kf));
+        fluid_.diagonal[a] += fluid_.weight[k] - before;
+      }
+    });
+  }
+
   /// Of the water; where a skeleton responds, its own and that of the pressure itself as well.
   void make_laplacians() {
     ScalarArray mobility(n_), of_skeleton(any_response_ ? n_ : 0);
@@ -178,6 +200,7 @@ class WindowSolver {
       fluid_ = std::move(matrices[0]);
       skeleton_ = std::move(matrices[1]);
       plain_ = std::move(matrices[2]);
+      free_beside_moving_soil();
     } else {
       fluid_ = laplacian<D>(s_, mobility);
     }
@@ -440,7 +463,7 @@ class WindowSolver {
       if (responds(a)) add_surface(skeleton_, a, r_[a].mS * q_[a].e, nullptr);
     fixed_.assign(n_, 0.0);
     for (std::size_t a = 0; a < n_; ++a) {
-      if (!flow_.empty()) fixed_[a] = from_faces(a, 1.0).value_or(0.0);
+      fixed_[a] = from_faces(a, 1.0).value_or(0.0);
       add_surface(plain_, a, 1.0, &fixed_[a]);
     }
   }
@@ -516,12 +539,15 @@ class WindowSolver {
   Vec<D> going(std::size_t a) const { return flow_.empty() ? Vec<D>(Vec<D>::Zero()) : flow_[a]; }
 
   /// The stabilisation acts on the window's change of pressure, since consolidation takes care of what a pressure has
-  /// that the wide gradient does not see. Soil that flows has no stiffness to do so: there it acts on the whole
-  /// pressure, as in free water, whose projection is the compact one.
+  /// that the wide gradient does not see. In short windows of soil that moves nothing does so: there it acts on the
+  /// whole pressure, as in free water, whose projection is the compact one.
   void stabilise_flow(const ScalarArray& pressure, ScalarArray& residual) const {
-    if (flow_.empty()) return;
+    if (!any_response_ || in_.flows.empty() ||
+        std::all_of(in_.flows.begin(), in_.flows.end(), [](char flows) { return flows == 0; }))
+      return;
     const ScalarArray whole = stabilised(pressure, plain_gradient(pressure, false));
-    for (std::size_t a = 0; a < n_; ++a) residual[a] -= soil_.yielding[a] * (whole[a] - stabilisation_[a] * fixed_[a]);
+    for (std::size_t a = 0; a < n_; ++a)
+      if (in_.flows[a] != 0) residual[a] -= whole[a] - stabilisation_[a] * fixed_[a];
   }
 
   /// A velocity of the skeleton at all points: turned round behind walls that hold the soil.
@@ -724,7 +750,12 @@ class WindowSolver {
       flux = pressure_gradient<D>(
           s_, out.pressure, [&](Index c) { return in_.face_pressure[c]; }, own, Vec<D>(-in_.weight),
           [&](std::size_t a) { return surface_pressure(a); });
-      if (!any_response_) free_along_interfaces<D>(s_, own, soil_.mask, flux);
+      if (any_response_)
+        for_each_side_by_side(n_, [&](std::size_t a) {
+          if (!beside_moving_.empty() && beside_moving_[a] && soil_.mask[a] <= 0.5) flux[a] = q_[a].kf * out.gradient[a];
+        });
+      else
+        free_along_interfaces<D>(s_, own, soil_.mask, flux);
     }
     for_each_side_by_side(n_, [&](std::size_t a) {
       const auto& q = q_[a];
@@ -741,6 +772,7 @@ class WindowSolver {
   Eliminations<D> q_;
   std::vector<Response> r_;  ///< empty: no skeleton is asked
   bool any_response_ = false, closed_ = true, free_closed_ = true, any_torn_ = false;
+  std::vector<char> beside_moving_;  ///< 1: of free water and moving soil that meet; empty: nothing moves
   std::vector<bool> torn_;  ///< water at the cavitation pressure
   VecArray<D> flow_;        ///< empty: nothing yields
   PairMatrix fluid_, skeleton_, plain_;

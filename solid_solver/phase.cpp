@@ -39,8 +39,10 @@ OrZero<double> coverage_of(const Inbox& inbox, std::size_t n) {
   return coverage;
 }
 
-/// Exchange while the soil moves, in substeps.
-constexpr double substeps_while_moving = 10.0;
+/// The longest window in which waves in the soil are followed, in substeps. With more of them the shortest waves swing
+/// many times in a window, which the fluid's prediction does not know of (the exchange of a column grows from some 20
+/// on, Coupled.Terzaghi*); a shear wave of 150 substeps loses 4 % in five periods.
+constexpr double substeps_while_moving = 4.0;
 
 /// Long windows of soil that cannot yield: error of its stress, in the energy's norm and over that under gravity, that
 /// is let be; a fifth of it ends the search for equilibrium.
@@ -336,39 +338,46 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   const OrZero<Vec<D>> from = state_.external.pressure_gradient, to = gradient_of(pressure, window.time);
   state_.external.pressure = std::move(pressure);
 
-  // Tracking: the seepage force follows the skeleton's own motion (C), and inertia holds the skeleton to the change of
-  // velocity that the fluid predicts: the velocity itself, which has been to the water and back, would come back
-  // smoothed, a viscosity of some spacing^2 / window.
+  const bool rests = scene_.coupled() && !state_.motion.moving && interval > followed_window();
+  const auto steps =
+      rests ? 1 : std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(interval / setup_.longest_substep - 1e-9)));
+  const double dt = interval / static_cast<double>(steps);
+  // The water answers to the soil's own motion: where the soil departs from the velocity that the fluid reckoned with,
+  // the drag takes the water along while the pressure stays. Backward Euler of (27), the water eliminated, leaves the
+  // impedance Z = C a / (a + C), a = n rho_w / Dt, against the departure at the window's end. In the window departures
+  // grow linearly; `whole` makes their mean over the substeps the one at the end.
+  const double whole = 2.0 * static_cast<double>(steps) / static_cast<double>(steps + 1);
   Drive<D> drive;
   const bool tracks = !inbox.fields.empty();
+  VecArray<D> start, change_in_window;  // of the soil's velocity: as it is, and as the fluid reckons
   if (tracks) {
     drive.tracking.assign(n, 0.0);
     drive.target.assign(n, Vec<D>::Zero());
+    start = p.velocity;
+    change_in_window.assign(n, Vec<D>::Zero());
   }
   for (std::size_t i = 0; i < n && tracks; ++i) {
     if (state_.external.coverage[i] <= 0.0 || soil_seen[i] <= 1e-6) continue;
-    const double inertia = setup_.inertia_share * p.mass[i] / (p.volume[i] * interval);
-    double z = inertia;
+    double z = setup_.inertia_share * p.mass[i] / (p.volume[i] * interval);
     if (scene_.fluid.drag) {
-      const auto law = porous::resistance(setup_.water_weight, 1.0 - solid_fraction(setup_, p, i), seepage()[i]);
+      const double n_w = void_fraction(setup_, p, i);
+      const auto law = porous::resistance(setup_.water_weight, n_w, seepage()[i]);
       const double force = Eigen::Map<const Vec<D>>(impulse.values().data() + i * D).norm() / (p.volume[i] * interval);
-      // At the same time as the fluid it gets the prediction of the last window, and the pressure with it: what goes
-      // beyond them meets at once, too, what the pressure would hold against it where water flows back as the grains
-      // come, n v_w = -n_s v_s, C / n^2 in all.
-      const double n_w = setup_.parallel && setup_.inertia_share > 0.0 ? void_fraction(setup_, p, i) : 1.0;
-      z += law.slope(law.speed(force)) / (n_w * n_w);
+      const double C = law.slope(law.speed(force)), a = n_w * scene_.water.density / interval;
+      // At the same time as the fluid the soil gets the prediction of the last window, and the pressure with it: what
+      // goes beyond them meets at once, too, what the pressure would hold against it where water flows back as the
+      // grains come, n v_w = -n_s v_s, C / n^2 in all.
+      z += setup_.inertia_share > 0.0 ? C / (n_w * n_w) : C * a / (a + C);
     }
-    drive.tracking[i] = state_.external.coverage[i] * p.volume[i] * z;
-    // Of a window that the fluid crosses at the same time the change is not known yet.
-    const double kept = z > 0.0 && !setup_.parallel ? inertia / z : 0.0;
+    drive.tracking[i] = state_.external.coverage[i] * p.volume[i] * whole * z;
     for (int d = 0; d < D; ++d) {
       const std::size_t c = i * D + static_cast<std::size_t>(d);
-      drive.target[i][d] = predicted[c] + kept * (p.velocity[i][d] - (predicted[c] - change[c]));
+      change_in_window[i][d] = setup_.parallel ? predicted[c] - p.velocity[i][d] : change[c];
     }
+    drive.target[i] = p.velocity[i] + change_in_window[i];
   }
 
-  const bool always_at_rest = scene_.coupled() && scene_.solid.quiet && cannot_yield();
-  const bool may_sleep = scene_.solid.quiet && !always_at_rest;
+  const bool may_sleep = scene_.solid.quiet && !(scene_.coupled() && cannot_yield());
   if (may_sleep && sleeps_on(drive, to, impulse, window)) return Outcome::accept();
   state_.returned_impulse.lay_out(tracks ? n : 0);
   for (std::size_t i = 0; i < n && given.is_laid_out(); ++i)
@@ -377,14 +386,11 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   std::fill(state_.yielded.begin(), state_.yielded.end(), char{0});
   state_.yielding.lay_out(tracks ? n : 0);
   state_.any_yielded = false;
-  if (scene_.coupled() && !state_.motion.moving && (always_at_rest || interval > long_window(setup_))) {
+  if (rests) {
     wake_regions(setup_, state_);
     return advance_at_rest(window, to, impulse, drive);
   }
 
-  const auto steps =
-      std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(interval / setup_.longest_substep - 1e-9)));
-  const double dt = interval / static_cast<double>(steps);
   VecArray<D> displacement;
   ScalarArray plastic_before;
   if (tracks) {
@@ -393,10 +399,11 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   }
   double reference = 0.0;
 
-  // A load that begins with the window raises the water's pressure at once: no ramp then.
-  bool jump = false;
+  // The fluid's pressure is the window's mean, which moving soil feels all along; soil that is led from rest to rest
+  // takes it as a ramp, unless a load begins with the window and raises it at once.
+  bool held = state_.motion.moving;
   for (const auto& patch : setup_.loads)
-    jump = jump || (has_begun(patch.start, window.time) && !has_begun(patch.start, window.time - 0.5 * interval));
+    held = held || (has_begun(patch.start, window.time) && !has_begun(patch.start, window.time - 0.5 * interval));
   const auto acts = [](double x) { return x != 0.0; };
   const bool dry = std::none_of(impulse.begin(), impulse.end(), acts) &&
                    std::none_of(state_.external.coverage.begin(), state_.external.coverage.end(), acts) &&
@@ -413,7 +420,9 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
       loaded_rebuilds = state_.rebuilds;
       next_start = next_load_after(now);
     }
-    const double share = jump ? 1.0 : static_cast<double>(k + 1) / static_cast<double>(steps);
+    for (std::size_t i = 0; i < n && tracks; ++i)
+      drive.target[i] = start[i] + static_cast<double>(k + 1) / static_cast<double>(steps) * change_in_window[i];
+    const double share = held ? 1.0 : static_cast<double>(k + 1) / static_cast<double>(steps);
     for (std::size_t i = 0; i < n && !dry; ++i)
       drive.distributed.set(i, water_force(i, (1.0 - share) * from[i] + share * to[i], impulse, interval), n);
     if (may_sleep && k == 0) {
@@ -424,19 +433,8 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
       drive.damping = quiet.damping && calm && !state_.still_yields ? near_critical_damping(setup_) : 0.0;
       if (drive.damping > 0.0) state_.damped += static_cast<double>(steps);
     }
-    if (!state_.motion.moving) {
-      substep<D>(setup_, dt, drive, state_);
-      watch_regions<D>(setup_, drive, dt, state_);
-      continue;
-    }
-    drive.damping = state_.motion.damping;
-    const double rebuilt = state_.rebuilds;
-    const VecArray<D> before = forces(setup_, state_, drive);
     substep<D>(setup_, dt, drive, state_);
     watch_regions<D>(setup_, drive, dt, state_);
-    if (state_.rebuilds > rebuilt) continue;
-    const double rate = critical_rate(state_, before, forces(setup_, state_, drive), dt);
-    state_.motion.damping += damping_follows * (std::min(rate, near_critical_damping(setup_)) - state_.motion.damping);
   }
   check_sound(setup_, state_, window.time);
   state_.external.pressure_gradient = to;
@@ -450,13 +448,27 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   state_.substeps += static_cast<double>(steps);
   ++state_.revision;
   if (!scene_.coupled()) return Outcome::accept();
-  const double slow = woken_by * reference_acceleration(setup_, state_, drive) / near_critical_damping(setup_);
-  const bool hardly_moved = share_of_mass(p, [&](std::size_t i) { return p.velocity[i].norm() > slow; }) < local_share;
-  if (state_.motion.moving && state_.motion.calms(interval, hardly_moved))
+  const bool moves = moves_by_itself(start, interval, reference_acceleration(setup_, state_, drive));
+  if (state_.motion.moving && state_.motion.calms(interval, !moves))
     fmt::print(stderr, "the soil is calm again at t = {:g} s\n", state_.time);
-  else if (!state_.motion.moving && state_.any_yielded && !hardly_moved)
+  else if (!state_.motion.moving && moves)
     state_.motion.begins(long_window(setup_));
   return Outcome::accept();
+}
+
+template <int D>
+double Solid<D>::followed_window() const {
+  return (1.0 + 1e-9) * substeps_while_moving * setup_.longest_substep;
+}
+
+template <int D>
+bool Solid<D>::moves_by_itself(std::span<const Vec<D>> before, double interval, double reference) const {
+  const Particles<D>& p = state_.particles;
+  const double slow = woken_by * reference / near_critical_damping(setup_);
+  return share_of_mass(p, [&](std::size_t i) {
+           const double gained = before.empty() ? 0.0 : (p.velocity[i] - before[i]).norm();
+           return gained > woken_by * reference * interval || (state_.any_yielded && p.velocity[i].norm() > slow);
+         }) >= local_share;
 }
 
 template <int D>
@@ -556,7 +568,7 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
       for (auto* s : {&state_, &saved_}) s->motion.begins(long_window(setup_));
       fmt::print(stderr, "the soil moves at t = {:g} s: no equilibrium in {} steps, {:.2g} of gravity left\n",
                  window.time, report.steps, report.residual);
-      return Outcome::reject(substeps_while_moving * setup_.longest_substep, "the soil moves: it finds no equilibrium");
+      return Outcome::reject(followed_window(), "the soil moves: it finds no equilibrium");
     }
     state_.sleep.saturation = state_.external.saturation;
     moved = report.steps > 0;
@@ -575,6 +587,10 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
     p.velocity[i] = (p.displacement[i] - start[i]) / interval;
     if (!asleep)
       state_.returned_impulse.values()[i] += interval * tracking.tracking[i] * (tracking.target[i] - p.velocity[i]);
+  }
+  if (moves_by_itself(velocity, interval, reference_acceleration(setup_, state_, drive))) {
+    for (auto* s : {&state_, &saved_}) s->motion.begins(long_window(setup_));
+    return Outcome::reject(followed_window(), "the soil moves: inertia matters");
   }
   state_.mean_velocity = p.velocity;
   state_.from_outside = from_outside;
@@ -605,7 +621,7 @@ std::pair<double, std::string> Solid<D>::proposal() const {
   if (!scene_.coupled() && scene_.output.gauge_interval > 0.0) alone = std::min(alone, scene_.output.gauge_interval);
   apply(alone, "soil alone: gauges and prescribed water are seen between windows");
   if ((state_.any_yielded && !scene_.coupled()) || state_.motion.moving)
-    apply(substeps_while_moving * setup_.longest_substep, "the soil moves");
+    apply(followed_window(), "the soil moves");
   if (!state_.motion.moving) apply(state_.motion.longest, "the soil creeps");
   return limit;
 }

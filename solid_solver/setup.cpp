@@ -166,9 +166,9 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   setup.stabilisers.stiffness = scene.solid.zero_energy_stiffness;
   setup.gravity = scene.general.gravity.head<D>();
   setup.water_weight = porous::specific_weight(scene);
-  setup.inertia_share = scene.fluid.skeleton_response ? 0.5 : 0.0;
   setup.counts_impulses = asks_for(scene.gauges, "solid", "unexplained_impulse");
   setup.parallel = scene.coupling.scheme == CouplingCase::Scheme::parallel;
+  setup.inertia_share = setup.parallel && scene.fluid.skeleton_response ? 0.5 : 0.0;
   constexpr std::size_t most_soils = std::numeric_limits<std::uint8_t>::max();
   if (scene.soils.size() > most_soils)
     throw CaseError(fmt::format("{} soils: the solid takes at most {}", scene.soils.size(), most_soils));

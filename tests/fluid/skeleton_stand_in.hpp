@@ -25,6 +25,7 @@ struct ElasticColumn {
   std::vector<double> water;    // N/m3, of pressure and drag at the end of the last window
   double extra_momentum = 0.0;  // N s per m2 of cross-section taken beyond the drag impulse in the last window
   std::uint64_t substeps = 0;
+  static constexpr std::size_t followed = 4;  // substeps of a window in which waves are followed
 
   void start() {
     const auto n = static_cast<std::size_t>(std::lround(height / spacing));
@@ -52,34 +53,53 @@ struct ElasticColumn {
   }
   double settlement() const { return -u.back() - load / modulus * -0.5 * spacing; }
 
-  /// One window; pressure, drag force per volume, predicted velocity and its predicted change as functions of y.
+  /// v of (mass - stiffness d2/dy2) v = impulse, v held at half a spacing below the first point, free at the top.
+  static std::vector<double> solved(std::vector<double> impulse, double mass, double stiffness) {
+    const std::size_t n = impulse.size();
+    std::vector<double> upper(n), v(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const double below = i > 0 ? stiffness : 0.0, above = i + 1 < n ? stiffness : 0.0;
+      const double diagonal = mass + (i > 0 ? below : 2.0 * stiffness) + above - (i > 0 ? below * upper[i - 1] : 0.0);
+      upper[i] = above / diagonal;
+      impulse[i] = (impulse[i] + (i > 0 ? below * impulse[i - 1] : 0.0)) / diagonal;
+    }
+    for (std::size_t i = n; i-- > 0;) v[i] = impulse[i] + (i + 1 < n ? upper[i] * v[i + 1] : 0.0);
+    return v;
+  }
+
+  /// One window; pressure, drag force per volume and the predicted change of velocity as functions of y.
   void advance(double dt, const std::function<double(double)>& p, const std::function<double(double)>& drag,
-               const std::function<double(double)>& predicted, const std::function<double(double)>& change,
-               double porosity) {
+               const std::function<double(double)>& change, double porosity) {
     const std::size_t n = u.size();
-    const double R = density(), C = weight_density * porosity * porosity / conductivity, Z = C + 0.5 * R / dt;
-    const auto count = static_cast<std::size_t>(std::ceil(dt / (0.5 * spacing / std::sqrt(modulus / R))));
+    const double R = density(), C = weight_density * porosity * porosity / conductivity, a = porosity * weight_density / 9.81 / dt;
+    auto count = static_cast<std::size_t>(std::ceil(dt / (0.5 * spacing / std::sqrt(modulus / R)) - 1e-9));
+    const bool rests = count > followed;  // then one step of backward Euler
+    if (rests) count = 1;
     const double h = dt / static_cast<double>(count);
-    std::vector<double> new_p(n), s(n), d(n), start = u;
+    // Of the water that goes along; departures grow linearly in the window, and their mean is to be that at its end.
+    const double whole = 2.0 * static_cast<double>(count) / static_cast<double>(count + 1), Z = whole * C * a / (a + C);
+    std::vector<double> new_p(n), ds(n), d(n), start = u, v_start = v;
     for (std::size_t i = 0; i < n; ++i) {
       new_p[i] = p(at(i));
-      s[i] = predicted(at(i)) + 0.5 * R / dt / Z * (v[i] - (predicted(at(i)) - change(at(i))));
+      ds[i] = change(at(i));
       d[i] = drag(at(i));
     }
     extra.assign(n, 0.0);
     for (std::size_t step = 0; step < count; ++step) {
       const double ramp = (static_cast<double>(step) + 1.0) / static_cast<double>(count);
-      const auto f = force();
+      std::vector<double> impulse = force();
       for (std::size_t i = 0; i < n; ++i) {
         const auto pressure = [&](std::size_t k) { return old_p[k] + ramp * (new_p[k] - old_p[k]); };
         const double below = i > 0 ? pressure(i - 1) : pressure(0),
                      above = i + 1 < n ? pressure(i + 1) : -pressure(n - 1);
         water[i] = d[i] - solid_fraction * (above - below) / (2.0 * spacing);
-        const double total = f[i] + water[i];
-        v[i] = (v[i] + h / R * (total + Z * s[i])) / (1.0 + h * Z / R);
-        extra[i] += h * Z * (s[i] - v[i]);
+        impulse[i] = R * v[i] + h * (impulse[i] + water[i] + Z * (v_start[i] + ramp * ds[i]));
       }
-      for (std::size_t i = 0; i < n; ++i) u[i] += h * v[i];
+      v = solved(impulse, R + h * Z, rests ? h * h * modulus / (spacing * spacing) : 0.0);
+      for (std::size_t i = 0; i < n; ++i) {
+        extra[i] += h * Z * (v_start[i] + ramp * ds[i] - v[i]);
+        u[i] += h * v[i];
+      }
       ++substeps;
     }
     old_p = new_p;
