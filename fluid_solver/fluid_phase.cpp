@@ -537,16 +537,24 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
 
 /// Where the soil has moved otherwise than the last window reckoned, its water goes along, as (27) has it at the
 /// pressure of that window: by C / (a + C) of the departure of the velocity. The soil met that water's inertia at once
-/// (Solid::advance).
+/// (Solid::advance), by its own account; what the two accounts differ by, which is small and uneven, is shared out among
+/// the soil's water within a kernel's reach, so that their sum is kept.
 template <int D>
-void Fluid<D>::follow_skeleton(const SoilView<D>& view) {
+void Fluid<D>::follow_skeleton(const Stencil<D>& s, const SoilView<D>& view) {
   auto& p = state_.particles;
+  VecArray<D> left(p.size());
+  ScalarArray counts(p.size());
   for (std::size_t a = 0; a < p.size(); ++a) {
+    counts[a] = view.mask[a] * p.volume[a];
+    left[a] = -view.owed[a];
+    state_.exchanged.received += left[a];
     if (view.mask[a] <= 0.0) continue;
     const Vec<D> along = p.follows[a] * (view.velocity[a] - p.solid_velocity[a]);
     p.velocity[a] += along;
-    state_.exchanged.received += p.mass[a] * along;
+    left[a] -= p.mass[a] * along;
   }
+  share_out<D>(s, counts, left);
+  for (std::size_t a = 0; a < p.size(); ++a) p.velocity[a] += left[a] / p.mass[a];
 }
 
 /// One window; with a quadratic drag again, about the slip just found, while that still matters.
@@ -600,7 +608,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   auto s = stencil();
   ++state_.counts.stencils;
   mark_surface(s, p.row, std::min(1.0, dt / (row_memory * free_repair_time(dx_))));
-  if (scene_.coupled()) follow_skeleton(view);
+  if (scene_.coupled() && !computes_beside()) follow_skeleton(s, view);
   check_room(window.time);
 
   auto in = problem(dt);

@@ -104,7 +104,7 @@ class Fluid final : public Phase {
   void limit_by_acceleration(const SoilView<D>& view, const VecArray<D>& velocity_before, double now, double interval);
   void limit_by_slowing(const VecArray<D>& velocity_before, double interval);
   void limit_scheme(const SoilView<D>& view);
-  void follow_skeleton(const SoilView<D>& view);
+  void follow_skeleton(const Stencil<D>& s, const SoilView<D>& view);
   void check_room(double time) const;
   void check_finite(const WindowSolution<D>& solution, double time) const;
   std::pair<double, std::string> time_limit() const;

@@ -74,12 +74,15 @@ class Solid final : public Phase {
   /// A long window of soil that does not move by itself, as one step of backward Euler to the equilibrium at its end:
   /// m (u/Dt - v)/Dt = forces(u) + V Z (v_s' - u/Dt) for the displacement u. Rejects the window where there is none.
   coupling::Outcome advance_at_rest(const coupling::Window& window, const OrZero<Vec<D>>& gradient,
-                                    const OrZero<double>& impulse, const Drive<D>& tracking);
+                                    const OrZero<double>& impulse, const Drive<D>& tracking,
+                                    double dissipated);
   /// Windows up to this follow the waves in the soil; in longer ones it is led from equilibrium to equilibrium [s].
   [[nodiscard]] double followed_window() const;
-  /// Whether a good part of the soil gained speed in a window as if pushed by a noticeable share of the reference
-  /// acceleration [m/s2], or yields as it moves: then its inertia matters. before: velocities at the window's start.
-  [[nodiscard]] bool moves_by_itself(std::span<const Vec<D>> before, double interval, double reference) const;
+  /// Whether the soil's motion, or what it changed by since `before` (none: all of it) [m/s], holds a noticeable part of
+  /// the energy dissipated meanwhile [J], and more than creep at a speed [m/s] would.
+  [[nodiscard]] bool inertia_matters(std::span<const Vec<D>> before, double dissipated, double slow) const;
+  /// Work of the stress on the plastic shear since `plastic_before` [J].
+  [[nodiscard]] double plastic_work(std::span<const double> plastic_before) const;
   /// How far the soil's motion in a window is drained: wholly in the time of consolidation over its height,
   /// H^2 gamma_w / (k M), not at all in a fifth of it: there its dilation sets the next window's pressure and that its
   /// motion, and to take it as going on, or to pay for it at once, overdoes it. Between them by degrees: soil that

@@ -138,7 +138,7 @@ TEST_F(RealRun, APeerOfAnotherDimensionIsRefused) {
 
 TEST_F(RealRun, NanFromAPeerEndsEverybodyAndFilesStayWhole) {
   const auto outcome = poretwin(arguments(terzaghi(), {"--programs", programs_with_mock("fluid").string(), "--set",
-                                                       "case.end_time=0.2", "--set", "output.interval=0.004"}),
+                                                       "case.end_time=0.2", "--set", "output.interval=0.0005"}),
                                 {{"PORETWIN_MOCK_NAN_AT", "6"}});
   EXPECT_EQ(outcome.exit, 3) << outcome.err;
   EXPECT_LT(outcome.seconds, 15.0);

@@ -42,6 +42,7 @@ class SeepageGrid(poretwin.Phase):
         self.case_conductivity = case.get("soil.0.hydraulic_conductivity", 1e-4)
         self.porosity = np.full(n, self.case_porosity)
         self.impulse = np.zeros((n, 2))
+        self.change = np.zeros((n, 2))
         self._solve(np.full(n, self.case_conductivity))
 
     def _prescribed(self, case):
@@ -92,7 +93,7 @@ class SeepageGrid(poretwin.Phase):
         return poretwin.Publication(self.points, {
             "pore_pressure": self.pressure,
             "predicted_solid_velocity": np.zeros((len(self.points), 2)),
-            "predicted_change": np.zeros((len(self.points), 2)),
+            "predicted_change": self.change,
             "drag_impulse": self.impulse,
             "soil_fraction": np.ones(len(self.points)),
         })
@@ -102,6 +103,7 @@ class SeepageGrid(poretwin.Phase):
         self.porosity = np.where(soil, 1.0 - inbox["solid_volume_fraction"], self.case_porosity)
         self._solve(np.where(soil, inbox["hydraulic_conductivity"], self.case_conductivity))
         self.impulse = self.force * self.points.volume[:, None] * window.interval
+        self.change = -np.where(soil[:, None], inbox["solid_velocity"], 0.0)  # it reckons with soil that stands still
 
     def gauges(self):
         return {"discharge": (self.discharge, "m2/s")}
