@@ -288,7 +288,7 @@ TEST(Coupled, WithoutTheSkeletonsResponseWindowsAreLimited) {
   const auto below = consolidate(o);
   report("staggered", o, below);
   EXPECT_LT(below.worst_settlement, 0.005);
-  o.window = 4e-5;
+  o.window = 1e-4;
   o.cavitation = -1e12;  // water that tears does not let it grow
   try {
     consolidate(o);
