@@ -70,8 +70,8 @@ def fifth(k):
 
 def check():
     for k in (0.1, 1e-2, 1e-3, 1e-4, 1e-6):
-        right = np.loadtxt(CASES / "shear_wave" / "reference" / f"k_{k:g}.csv", delimiter=",", skiprows=1)
-        off = np.abs(mean_velocity(k, right[:, 0]) - right[:, 3]).max()
+        right = np.loadtxt(CASES / "shear_wave" / "reference" / f"mean_velocity_{k:g}.csv", delimiter=",", skiprows=2)
+        off = np.abs(mean_velocity(k, right[:, 0]) - right[:, 1]).max()
         print(f"k = {k:g} m/s: mean velocity off by {off:.1e} m/s; period {1e3 * period(k):.3f} ms, "
               f"first mode in the fifth period {fifth(k)[1]:.5f} m/s of {4.0 * PUSH / np.pi:.5f}")
 
@@ -122,7 +122,7 @@ def disc(run, _k):
 # judge, case, soils, end of the run [s], conductivities [m/s]
 SCENES = {
     "block": (block, "saturated_block", 2, 0.2, [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7]),
-    "shear": (shear, "shear_wave", 1, 0.15, [0.1, 1e-2, 1e-3, 1e-4, 1e-6]),
+    "shear": (shear, "shear_wave", 1, 0.17, [0.1, 1e-2, 1e-3, 1e-4, 1e-6]),
     "disc": (disc, "sinking_disc", 1, 0.15, [1e-2, 1e-3, 1e-5]),
 }
 

@@ -54,6 +54,10 @@ void declare(Keys& keys, Metric& m) {
   keys.text("gauge", m.gauge, {"", "The gauge; for `l2` and `profile`: all of `gauge[i]`."});
   keys.text("counter", m.counter, {"", "Of `counter`: process.name as in the run's summary, `solid.rest steps`."});
   keys.texts("gauges", m.gauges, {"", "For `l2` and `profile`: the gauges, one by one."});
+  keys.numbers("weights", m.weights,
+               {"",
+                "Readings of `gauge[i]` (or `gauges`) are added with these weights: a mean, a difference, the amplitude "
+                "of a mode. Not of `l2` and `profile`."});
   keys.text("plus", m.plus, {"", "A gauge to add first."});
   keys.text("minus", m.minus, {"", "A gauge to subtract first."});
   keys.number("at", m.at, {"s", "Time of the reading; absent: the last."});
@@ -189,8 +193,22 @@ class Judge {
     for (double& x : series.value) x *= m_.scale;
     return series;
   }
+  /// The gauges of a profile, added with the metric's weights.
+  [[nodiscard]] GaugeSeries weighted() const {
+    const auto names = along();
+    if (names.size() != m_.weights.size())
+      throw Failure{
+          fmt::format("{} gauges '{}' and {} weights do not match", names.size(), m_.gauge, m_.weights.size())};
+    GaugeSeries sum = gauge(names.front());
+    for (double& x : sum.value) x *= m_.weights.front();
+    for (std::size_t k = 1; k < names.size(); ++k) {
+      const GaugeSeries other = gauge(names[k]);
+      for (std::size_t i = 0; i < sum.time.size(); ++i) sum.value[i] += m_.weights[k] * reading(other, sum.time[i]);
+    }
+    return sum;
+  }
   [[nodiscard]] GaugeSeries readings() const {
-    GaugeSeries series = gauge(m_.gauge);
+    GaugeSeries series = m_.weights.empty() ? gauge(m_.gauge) : weighted();
     for (const auto& [name, sign] : {std::pair{m_.plus, 1.0}, std::pair{m_.minus, -1.0}}) {
       if (name.empty()) continue;
       const GaugeSeries other = gauge(name);
@@ -394,7 +412,7 @@ class Judge {
   }
 
   [[nodiscard]] std::vector<Mark> marks() const {
-    if (!m_.plus.empty() || !m_.minus.empty() || m_.scale == 0.0) return {};
+    if (!m_.plus.empty() || !m_.minus.empty() || !m_.weights.empty() || m_.scale == 0.0) return {};
     std::vector<Mark> found;
     const auto add = [&](const std::string& name, double t, double right, double off_by_time, double off_by) {
       found.push_back({name, t, right / m_.scale, off_by_time, off_by / std::abs(m_.scale)});
@@ -455,6 +473,11 @@ class VerifyChecker {
       fail(key + ".op", fmt::format("\"{}\" is not known; did you mean \"{}\"?", m.op, nearest(m.op, operations)));
     if (m.op == "counter" && m.counter.empty()) fail(key + ".counter", "is missing");
     if (m.op != "exit" && m.op != "counter" && m.gauge.empty() && m.gauges.empty()) fail(key + ".gauge", "is missing");
+    if (!m.weights.empty() && (m.op == "l2" || m.op == "profile"))
+      fail(key + ".weights", fmt::format("has no meaning for \"{}\", which takes each gauge by itself", m.op));
+    if (!m.weights.empty() && !m.gauges.empty() && m.weights.size() != m.gauges.size())
+      fail(key + ".weights", fmt::format("expected one for each of the {} gauges, found {}", m.gauges.size(),
+                                         m.weights.size()));
     const bool relative = needs_relative_error(m.op);
     const bool single =
         m.op == "value" || m.op == "exceeds" || m.op == "exit" || m.op == "counter" || m.op == "smallest";

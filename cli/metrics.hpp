@@ -15,7 +15,7 @@ namespace poretwin::cli {
 struct Metric {
   std::string name, run, source, op, gauge, counter, plus, minus, unit, norm = "max", reference_csv, coarse;
   std::vector<std::string> gauges;
-  std::vector<double> references;
+  std::vector<double> references, weights;
   std::optional<double> at, from, to, limit, normaliser, reference, window, align;
   std::optional<Series> curve;
   double scale = 1.0, tolerance = 0.0;

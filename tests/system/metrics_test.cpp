@@ -45,6 +45,26 @@ TEST(Metrics, ValueInterpolatesAndScales) {
   EXPECT_EQ(judge(m, ramp, 0).complaint, "no readings of gauge 'absent'");
 }
 
+// Two modes sin(pi s / 2) and sin(3 pi s / 2) at the middles of ten tenths: weights single out the first.
+TEST(Metrics, WeightsAddTheGaugesOfALine) {
+  Gauges gauges;
+  auto m = metric("value", 3.0, 1e-12);
+  for (int i = 0; i < 10; ++i) {
+    const double s = 0.05 + 0.1 * i, q = 0.5 * 3.14159265358979323846;
+    GaugeSeries series;
+    series.time = {0.0, 1.0};
+    series.value = {0.0, 3.0 * std::sin(q * s) + 5.0 * std::sin(3.0 * q * s)};
+    gauges["g[" + std::to_string(i) + "]"] = series;
+    m.weights.push_back(0.2 * std::sin(q * s));
+  }
+  EXPECT_NEAR(judge(m, gauges, 0).value, 3.0, 1e-12);
+  EXPECT_TRUE(judge(m, gauges, 0).passed);
+  m.at = 0.5;
+  EXPECT_NEAR(judge(m, gauges, 0).value, 1.5, 1e-12);
+  m.weights.pop_back();
+  EXPECT_EQ(judge(m, gauges, 0).complaint, "10 gauges 'g' and 9 weights do not match");
+}
+
 TEST(Metrics, ValueOfARangeIsItsMean) {
   auto m = metric("value", 1.7, 1e-9);
   m.from = 0.8;
