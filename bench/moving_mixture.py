@@ -110,7 +110,7 @@ def shear(run, k):
 
 
 def disc(run, _k):
-    times, momentum = run.gauges["mom_y"]
+    times, momentum = run.gauges["disc_y"]
     mass = (1.0 - POROSITY) * GRAINS * np.pi * 0.1**2  # kg/m, 49.0
     if "grains" in run.gauges:
         mass = GRAINS * run.gauges["grains"][1][0]
