@@ -65,6 +65,7 @@ void declare(Keys& keys, Metric& m) {
   keys.number("to", m.to, {"s", "End of the range; absent: the last reading."});
   keys.number("window", m.window, {"s", "Of `noise`: width of the running mean."}, positive());
   keys.text("coarse", m.coarse, {"", "Of `order`: the run of twice the spacing."});
+  keys.text("baseline", m.baseline, {"", "An earlier run; what it has is subtracted from what this one has."});
   keys.number("scale", m.scale, {"", "Readings are multiplied by it."});
   keys.number("limit", m.limit,
               {"", "What the readings tend to (`decay_rate`, `monotone`), or pass (`period`, `crossing`)."});
@@ -117,8 +118,8 @@ double reading(const GaugeSeries& series, double t) {
 
 class Judge {
  public:
-  Judge(const Metric& metric, const Gauges& gauges, int exit_status, const Counters& counters)
-      : m_(metric), gauges_(gauges), exit_(exit_status), counters_(counters) {}
+  Judge(const Metric& metric, const Gauges& gauges, int exit_status, const Counters& counters, const Verdict* base)
+      : m_(metric), gauges_(gauges), exit_(exit_status), counters_(counters), base_(base) {}
 
   Verdict verdict() const {
     Verdict v;
@@ -126,6 +127,8 @@ class Judge {
     try {
       if (m_.op == "exceeds") return exceeds(v);
       v.value = value();
+      if (base_ && !base_->complaint.empty()) throw Failure{fmt::format("'{}': {}", m_.baseline, base_->complaint)};
+      if (base_) v.value -= base_->value;
       v.error = error(v.value);
       v.marks = marks();
     } catch (const Failure& failure) {
@@ -412,7 +415,7 @@ class Judge {
   }
 
   [[nodiscard]] std::vector<Mark> marks() const {
-    if (!m_.plus.empty() || !m_.minus.empty() || !m_.weights.empty() || m_.scale == 0.0) return {};
+    if (!m_.plus.empty() || !m_.minus.empty() || !m_.weights.empty() || base_ || m_.scale == 0.0) return {};
     std::vector<Mark> found;
     const auto add = [&](const std::string& name, double t, double right, double off_by_time, double off_by) {
       found.push_back({name, t, right / m_.scale, off_by_time, off_by / std::abs(m_.scale)});
@@ -435,6 +438,7 @@ class Judge {
   const Gauges& gauges_;
   int exit_;
   const Counters& counters_;
+  const Verdict* base_;
 };
 
 class VerifyChecker {
@@ -490,6 +494,13 @@ class VerifyChecker {
     if (m.op == "order" &&
         std::none_of(file.runs.begin(), file.runs.end(), [&](const VerifyRun& r) { return r.name == m.coarse; }))
       fail(key + ".coarse", fmt::format("no [[run]] is named \"{}\"", m.coarse));
+    if (!m.baseline.empty()) {
+      const auto place = [&](const std::string& name) {
+        return std::find_if(file.runs.begin(), file.runs.end(), [&](const VerifyRun& r) { return r.name == name; });
+      };
+      if (place(m.baseline) >= place(m.run))
+        fail(key + ".baseline", fmt::format("expected a [[run]] before \"{}\", found \"{}\"", m.run, m.baseline));
+    }
     if (m.op == "curve" && !m.curve) fail(key + ".curve", "expected 'reference_csv' or 'curve'");
     if ((m.op == "l2" || m.op == "profile") && m.references.empty())
       fail(key + ".references", "expected 'reference_csv' or 'references'");
@@ -521,8 +532,9 @@ VerifyFile read_verify(const std::filesystem::path& path) {
   return file;
 }
 
-Verdict judge(const Metric& metric, const Gauges& gauges, int exit_status, const Counters& counters) {
-  return Judge(metric, gauges, exit_status, counters).verdict();
+Verdict judge(const Metric& metric, const Gauges& gauges, int exit_status, const Counters& counters,
+              const Verdict* base) {
+  return Judge(metric, gauges, exit_status, counters, base).verdict();
 }
 
 Verdict judge_order(const Metric& metric, const Gauges& coarse, const Gauges& fine) {

@@ -65,6 +65,19 @@ TEST(Metrics, WeightsAddTheGaugesOfALine) {
   EXPECT_EQ(judge(m, gauges, 0).complaint, "10 gauges 'g' and 9 weights do not match");
 }
 
+TEST(Metrics, WhatTheBaselineHasIsSubtracted) {
+  auto m = metric("decay_rate", 3.0, 1e-9);
+  m.limit = 0.0;
+  m.baseline = "sealed";
+  const Gauges fast = sampled("g", [](double t) { return 7.0 * std::exp(-5.0 * t); });
+  const Gauges slow = sampled("g", [](double t) { return 2.0 * std::exp(-2.0 * t); });
+  const Verdict base = judge(m, slow, 0);
+  EXPECT_NEAR(judge(m, fast, 0, {}, &base).value, 3.0, 1e-9);
+  EXPECT_TRUE(judge(m, fast, 0, {}, &base).passed);
+  const Verdict none = judge(m, {}, 0);
+  EXPECT_EQ(judge(m, fast, 0, {}, &none).complaint, "'sealed': no readings of gauge 'g'");
+}
+
 TEST(Metrics, ValueOfARangeIsItsMean) {
   auto m = metric("value", 1.7, 1e-9);
   m.from = 0.8;
