@@ -216,10 +216,12 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   particles.velocity.assign(n, Vec<D>::Zero());
   std::fill_n(particles.velocity.begin(), particles.free(), Vec<D>(scene.solid.initial_velocity.head<D>()));
   if (scene.solid.initial_wave != 0.0)
-    for (std::size_t i = 0; i < particles.free(); ++i)
+    for (std::size_t i = 0; i < particles.free(); ++i) {
+      Point3 x = Point3::Zero();
+      x.head<D>() = particles.position[i];
       particles.velocity[i] +=
-          scene.solid.initial_wave *
-          sloshing_mode(scene.soils.front().shape, to_point3<D>(particles.position[i]), D).template head<D>();
+          scene.solid.initial_wave * sloshing_mode(scene.soils.front().shape, x, D).template head<D>();
+    }
   particles.stress.assign(n, Tensor::Zero());
   particles.plastic_strain.assign(n, 0.0);
   particles.rubbing.assign(n, 0.0F);
