@@ -19,7 +19,8 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 const std::vector<std::string> operations{
     "value", "relative", "mean",   "l2",       "profile", "max_abs", "decay_rate", "monotone", "drift",   "exceeds",
-    "curve", "exit",     "period", "crossing", "counter", "rise",    "noise",      "order",    "largest", "smallest"};
+    "curve", "exit",     "period", "crossing", "counter", "rise",    "noise",      "order",    "largest", "smallest",
+    "damping"};
 
 void declare(Keys& keys, VerifyRun& r) {
   keys.text("name", r.name, {"", "Name that metrics refer to.", true});
@@ -41,7 +42,8 @@ void declare(Keys& keys, Metric& m) {
       "op", m.op,
       {"",
        "`value` (a reading, or with `from` the mean over the range), `relative`, `mean` (over the range; relative "
-       "error), `l2`, `profile`, `max_abs`, `decay_rate`, "
+       "error), `l2`, `profile`, `max_abs`, `decay_rate`, `damping` (the rate at which whole swings about `limit` lose "
+       "their height; relative error), "
        "`monotone`, `drift`, `exceeds`, `curve`, `exit`, `period` "
        "(mean, between upward passages of `limit`; relative error), `crossing` (time at which the readings first pass "
        "`limit`; relative error), `counter` (at most `reference`), `largest` (relative error), `smallest` (at least "
@@ -97,7 +99,7 @@ struct Failure {
 };
 
 bool needs_relative_error(const std::string& op) {
-  return op == "relative" || op == "mean" || op == "decay_rate" || op == "period" || op == "crossing" ||
+  return op == "relative" || op == "mean" || op == "decay_rate" || op == "damping" || op == "period" || op == "crossing" ||
          op == "largest";
 }
 
@@ -148,6 +150,7 @@ class Judge {
     if (m_.op == "l2" || m_.op == "profile") return profile();
     if (m_.op == "max_abs") return farthest();
     if (m_.op == "decay_rate") return decay_rate();
+    if (m_.op == "damping") return damping();
     if (m_.op == "monotone") return moving_away();
     if (m_.op == "drift") return drift();
     if (m_.op == "rise") return rise();
@@ -297,6 +300,36 @@ class Judge {
     }
     const double spread = n * stt - st * st;
     if (n < 3.0 || spread <= 0.0) throw Failure{fmt::format("too few readings of gauge '{}' for a rate", m_.gauge)};
+    return (n * sty - st * sy) / spread;
+  }
+  /// Of an oscillation about the limit: by the largest distance in each whole swing, between two passages.
+  [[nodiscard]] double damping() const {
+    const auto series = within_range(readings());
+    const auto distance = [&](std::size_t i) { return series.value[i] - m_.limit.value_or(0.0); };
+    double n = 0.0, st = 0.0, sy = 0.0, stt = 0.0, sty = 0.0;
+    std::size_t first = 0;  // of the swing; 0: none has begun
+    for (std::size_t i = 1; i < series.time.size(); ++i) {
+      if (distance(i - 1) * distance(i) > 0.0) continue;
+      if (first > 0 && i > first + 1) {
+        std::size_t top = first;
+        for (std::size_t j = first; j < i; ++j)
+          if (std::abs(distance(j)) > std::abs(distance(top))) top = j;
+        // Through the largest reading and its neighbours goes a parabola.
+        const double a = std::abs(distance(top - 1)), b = std::abs(distance(top)), c = std::abs(distance(top + 1));
+        const double bend = a - 2.0 * b + c;
+        const double off = bend < 0.0 ? 0.5 * (a - c) / bend : 0.0;  // of its top, in readings
+        const double t = series.time[top] + off * (series.time[top] - series.time[top - 1]) - series.time.front();
+        const double y = -std::log(b - 0.25 * (a - c) * off);
+        n += 1.0;
+        st += t;
+        sy += y;
+        stt += t * t;
+        sty += t * y;
+      }
+      first = i;
+    }
+    const double spread = n * stt - st * st;
+    if (n < 3.0 || spread <= 0.0) throw Failure{fmt::format("fewer than three whole swings of gauge '{}'", m_.gauge)};
     return (n * sty - st * sy) / spread;
   }
   [[nodiscard]] double moving_away() const {

@@ -78,6 +78,19 @@ TEST(Metrics, WhatTheBaselineHasIsSubtracted) {
   EXPECT_EQ(judge(m, fast, 0, {}, &none).complaint, "'sealed': no readings of gauge 'g'");
 }
 
+TEST(Metrics, DampingIsThatOfWholeSwings) {
+  GaugeSeries series;
+  for (int i = 0; i <= 400; ++i) {
+    series.time.push_back(0.01 * i);
+    series.value.push_back(1.0 + 3.0 * std::exp(-0.2 * 0.01 * i) * std::cos(7.0 * 0.01 * i));
+  }
+  auto m = metric("damping", 0.2, 1e-3);
+  m.limit = 1.0;
+  EXPECT_TRUE(judge(m, {{"g", series}}, 0).passed) << judge(m, {{"g", series}}, 0).value;
+  m.to = 1.2;
+  EXPECT_EQ(judge(m, {{"g", series}}, 0).complaint, "fewer than three whole swings of gauge 'g'");
+}
+
 TEST(Metrics, ValueOfARangeIsItsMean) {
   auto m = metric("value", 1.7, 1e-9);
   m.from = 0.8;
