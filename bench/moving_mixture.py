@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Saturated soil that moves as a mixture: cases/saturated_block, shear_wave and sinking_disc over conductivity, spacing and
+"""Saturated soil that moves as a mixture: cases/saturated_block, shear_wave, sinking_disc and sliding_slope over conductivity, spacing and
 exchange window, each beside the exact value and its dry twin (the soil without water). One table, and OUT/moving_mixture.csv.
 
     block  v/exact      speed of the block 0.1 m above the base at 0.2 s over g sin(25 degrees) t, whatever k
@@ -10,6 +10,9 @@ exchange window, each beside the exact value and its dry twin (the soil without 
            mode_5       first mode's largest amplitude in the fifth period over the exact one (dry: over undamped)
            energy       largest climb of the energy of both phases above an earlier reading, over the initial kinetic energy
     disc   a/exact      mean acceleration until 0.15 s over g (rho_sat - rho_w) / (rho_sat + C rho_w), C = 1.047 in this tank
+    slope  v/exact      speed of a frictional layer at mid-depth at 0.2 s, started with hydrostatic pressure, over
+                        g (sin - (gamma' / gamma_sat) cos tan(20 degrees)) t (dry: without the quotient); v/exact_0.1 at 0.1 s
+           stress       lowest and highest effective stress across the slope at mid-depth over that at first: 1 is right
     every  fastest      largest speed of any particle of water [m/s]
 
 Exact shear wave: mode q = (m + 1/2) pi / H starts with 2 v0 / ((m + 1/2) pi), X' = U, n_s rho_s U' = -G q^2 X - C (U - W),
@@ -119,11 +122,20 @@ def disc(run, _k):
     return {"a/exact": -momentum[-1] / mass / times[-1] / right}
 
 
+def slope(run, k):
+    share = 1.0 if np.isinf(k) else 960.0 / 1960.0
+    a = G * (np.sin(np.radians(25.0)) - share * np.cos(np.radians(25.0)) * np.tan(np.radians(20.0)))
+    times, v = run.gauges["speed[1]"]
+    stress = run.gauges["stress[1]"][1] / run.gauges["stress[1]"][1][0]
+    return {"v/exact": v[-1] / (a * times[-1]), "v/exact_0.1": at(run, "speed[1]", 0.1) / (a * 0.1), "stress_min": stress.min(), "stress_max": stress.max()}
+
+
 # judge, case, soils, end of the run [s], conductivities [m/s]
 SCENES = {
     "block": (block, "saturated_block", 2, 0.2, [1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7]),
     "shear": (shear, "shear_wave", 1, 0.17, [0.1, 1e-2, 1e-3, 1e-4, 1e-6]),
     "disc": (disc, "sinking_disc", 1, 0.15, [1e-2, 1e-3, 1e-5]),
+    "slope": (slope, "sliding_slope", 1, 0.2, [1e-3, 1e-4, 1e-6]),
 }
 
 
