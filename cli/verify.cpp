@@ -107,7 +107,11 @@ class CaseCheck {
         continue;
       }
       std::optional<Verdict> base;
-      if (!metric.baseline.empty()) base = judge(metric, done_[metric.baseline], 0);
+      if (!metric.baseline.empty()) {
+        base = judge(metric, done_[metric.baseline], 0);
+        if (!done_.contains(metric.baseline) || done_[metric.baseline].empty())
+          base->complaint = "this run comes first; it has not run, or left no readings";
+      }
       add(metric, judge(metric, gauges, result.exit, counters, base ? &*base : nullptr));
     }
     if (result.exit != 0 && !failure_expected) {

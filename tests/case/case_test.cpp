@@ -249,7 +249,7 @@ TEST_F(CaseFile, LoadsAndWavesVaryInTime) {
               HasSubstr("key 'load[0].factor': soil that sleeps does not see a load that changes"));
 
   const std::string wave = "\nwave_amplitude = [[0, 0], [1, 200]]\nwave_length = 3\nwave_period = 1.5";
-  const auto& face = read(changed(sound_case, "pressure = 0", "pressure = 1000" + wave)).water_faces[0];
+  const WaterFace face = read(changed(sound_case, "pressure = 0", "pressure = 1000" + wave)).water_faces[0];
   EXPECT_NEAR(face.wave(0.0, 3.0), 200.0, 1e-9);
   EXPECT_NEAR(face.wave(1.5, 3.0), -200.0, 1e-9);
   EXPECT_NEAR(face.wave(0.5, 0.75), -75.0, 1e-9) << "half of it still, a sixth of its length from the crest";
