@@ -19,7 +19,8 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 const std::vector<std::string> operations{
     "value", "relative", "mean",   "l2",       "profile", "max_abs", "decay_rate", "monotone", "drift",   "exceeds",
-    "curve", "exit",     "period", "crossing", "counter", "rise",    "noise",      "order",    "largest", "smallest"};
+    "curve", "exit",     "period", "crossing", "counter", "rise",    "noise",      "order",    "largest", "smallest",
+    "damping"};
 
 void declare(Keys& keys, VerifyRun& r) {
   keys.text("name", r.name, {"", "Name that metrics refer to.", true});
@@ -41,7 +42,8 @@ void declare(Keys& keys, Metric& m) {
       "op", m.op,
       {"",
        "`value` (a reading, or with `from` the mean over the range), `relative`, `mean` (over the range; relative "
-       "error), `l2`, `profile`, `max_abs`, `decay_rate`, "
+       "error), `l2`, `profile`, `max_abs`, `decay_rate`, `damping` (the rate at which whole swings about `limit` lose "
+       "their height; relative error), "
        "`monotone`, `drift`, `exceeds`, `curve`, `exit`, `period` "
        "(mean, between upward passages of `limit`; relative error), `crossing` (time at which the readings first pass "
        "`limit`; relative error), `counter` (at most `reference`), `largest` (relative error), `smallest` (at least "
@@ -54,6 +56,10 @@ void declare(Keys& keys, Metric& m) {
   keys.text("gauge", m.gauge, {"", "The gauge; for `l2` and `profile`: all of `gauge[i]`."});
   keys.text("counter", m.counter, {"", "Of `counter`: process.name as in the run's summary, `solid.rest steps`."});
   keys.texts("gauges", m.gauges, {"", "For `l2` and `profile`: the gauges, one by one."});
+  keys.numbers("weights", m.weights,
+               {"",
+                "Readings of `gauge[i]` (or `gauges`) are added with these weights: a mean, a difference, the amplitude "
+                "of a mode. Not of `l2` and `profile`."});
   keys.text("plus", m.plus, {"", "A gauge to add first."});
   keys.text("minus", m.minus, {"", "A gauge to subtract first."});
   keys.number("at", m.at, {"s", "Time of the reading; absent: the last."});
@@ -61,6 +67,7 @@ void declare(Keys& keys, Metric& m) {
   keys.number("to", m.to, {"s", "End of the range; absent: the last reading."});
   keys.number("window", m.window, {"s", "Of `noise`: width of the running mean."}, positive());
   keys.text("coarse", m.coarse, {"", "Of `order`: the run of twice the spacing."});
+  keys.text("baseline", m.baseline, {"", "An earlier run; what it has is subtracted from what this one has."});
   keys.number("scale", m.scale, {"", "Readings are multiplied by it."});
   keys.number("limit", m.limit,
               {"", "What the readings tend to (`decay_rate`, `monotone`), or pass (`period`, `crossing`)."});
@@ -92,7 +99,7 @@ struct Failure {
 };
 
 bool needs_relative_error(const std::string& op) {
-  return op == "relative" || op == "mean" || op == "decay_rate" || op == "period" || op == "crossing" ||
+  return op == "relative" || op == "mean" || op == "decay_rate" || op == "damping" || op == "period" || op == "crossing" ||
          op == "largest";
 }
 
@@ -113,8 +120,8 @@ double reading(const GaugeSeries& series, double t) {
 
 class Judge {
  public:
-  Judge(const Metric& metric, const Gauges& gauges, int exit_status, const Counters& counters)
-      : m_(metric), gauges_(gauges), exit_(exit_status), counters_(counters) {}
+  Judge(const Metric& metric, const Gauges& gauges, int exit_status, const Counters& counters, const Verdict* base)
+      : m_(metric), gauges_(gauges), exit_(exit_status), counters_(counters), base_(base) {}
 
   Verdict verdict() const {
     Verdict v;
@@ -122,6 +129,8 @@ class Judge {
     try {
       if (m_.op == "exceeds") return exceeds(v);
       v.value = value();
+      if (base_ && !base_->complaint.empty()) throw Failure{fmt::format("'{}': {}", m_.baseline, base_->complaint)};
+      if (base_) v.value -= base_->value;
       v.error = error(v.value);
       v.marks = marks();
     } catch (const Failure& failure) {
@@ -141,6 +150,7 @@ class Judge {
     if (m_.op == "l2" || m_.op == "profile") return profile();
     if (m_.op == "max_abs") return farthest();
     if (m_.op == "decay_rate") return decay_rate();
+    if (m_.op == "damping") return damping();
     if (m_.op == "monotone") return moving_away();
     if (m_.op == "drift") return drift();
     if (m_.op == "rise") return rise();
@@ -189,8 +199,22 @@ class Judge {
     for (double& x : series.value) x *= m_.scale;
     return series;
   }
+  /// The gauges of a profile, added with the metric's weights.
+  [[nodiscard]] GaugeSeries weighted() const {
+    const auto names = along();
+    if (names.size() != m_.weights.size())
+      throw Failure{
+          fmt::format("{} gauges '{}' and {} weights do not match", names.size(), m_.gauge, m_.weights.size())};
+    GaugeSeries sum = gauge(names.front());
+    for (double& x : sum.value) x *= m_.weights.front();
+    for (std::size_t k = 1; k < names.size(); ++k) {
+      const GaugeSeries other = gauge(names[k]);
+      for (std::size_t i = 0; i < sum.time.size(); ++i) sum.value[i] += m_.weights[k] * reading(other, sum.time[i]);
+    }
+    return sum;
+  }
   [[nodiscard]] GaugeSeries readings() const {
-    GaugeSeries series = gauge(m_.gauge);
+    GaugeSeries series = m_.weights.empty() ? gauge(m_.gauge) : weighted();
     for (const auto& [name, sign] : {std::pair{m_.plus, 1.0}, std::pair{m_.minus, -1.0}}) {
       if (name.empty()) continue;
       const GaugeSeries other = gauge(name);
@@ -276,6 +300,36 @@ class Judge {
     }
     const double spread = n * stt - st * st;
     if (n < 3.0 || spread <= 0.0) throw Failure{fmt::format("too few readings of gauge '{}' for a rate", m_.gauge)};
+    return (n * sty - st * sy) / spread;
+  }
+  /// Of an oscillation about the limit: by the largest distance in each whole swing, between two passages.
+  [[nodiscard]] double damping() const {
+    const auto series = within_range(readings());
+    const auto distance = [&](std::size_t i) { return series.value[i] - m_.limit.value_or(0.0); };
+    double n = 0.0, st = 0.0, sy = 0.0, stt = 0.0, sty = 0.0;
+    std::size_t first = 0;  // of the swing; 0: none has begun
+    for (std::size_t i = 1; i < series.time.size(); ++i) {
+      if (distance(i - 1) * distance(i) > 0.0) continue;
+      if (first > 0 && i > first + 1) {
+        std::size_t top = first;
+        for (std::size_t j = first; j < i; ++j)
+          if (std::abs(distance(j)) > std::abs(distance(top))) top = j;
+        // Through the largest reading and its neighbours goes a parabola.
+        const double a = std::abs(distance(top - 1)), b = std::abs(distance(top)), c = std::abs(distance(top + 1));
+        const double bend = a - 2.0 * b + c;
+        const double off = bend < 0.0 ? 0.5 * (a - c) / bend : 0.0;  // of its top, in readings
+        const double t = series.time[top] + off * (series.time[top] - series.time[top - 1]) - series.time.front();
+        const double y = -std::log(b - 0.25 * (a - c) * off);
+        n += 1.0;
+        st += t;
+        sy += y;
+        stt += t * t;
+        sty += t * y;
+      }
+      first = i;
+    }
+    const double spread = n * stt - st * st;
+    if (n < 3.0 || spread <= 0.0) throw Failure{fmt::format("fewer than three whole swings of gauge '{}'", m_.gauge)};
     return (n * sty - st * sy) / spread;
   }
   [[nodiscard]] double moving_away() const {
@@ -394,7 +448,7 @@ class Judge {
   }
 
   [[nodiscard]] std::vector<Mark> marks() const {
-    if (!m_.plus.empty() || !m_.minus.empty() || m_.scale == 0.0) return {};
+    if (!m_.plus.empty() || !m_.minus.empty() || !m_.weights.empty() || base_ || m_.scale == 0.0) return {};
     std::vector<Mark> found;
     const auto add = [&](const std::string& name, double t, double right, double off_by_time, double off_by) {
       found.push_back({name, t, right / m_.scale, off_by_time, off_by / std::abs(m_.scale)});
@@ -417,6 +471,7 @@ class Judge {
   const Gauges& gauges_;
   int exit_;
   const Counters& counters_;
+  const Verdict* base_;
 };
 
 class VerifyChecker {
@@ -455,6 +510,11 @@ class VerifyChecker {
       fail(key + ".op", fmt::format("\"{}\" is not known; did you mean \"{}\"?", m.op, nearest(m.op, operations)));
     if (m.op == "counter" && m.counter.empty()) fail(key + ".counter", "is missing");
     if (m.op != "exit" && m.op != "counter" && m.gauge.empty() && m.gauges.empty()) fail(key + ".gauge", "is missing");
+    if (!m.weights.empty() && (m.op == "l2" || m.op == "profile"))
+      fail(key + ".weights", fmt::format("has no meaning for \"{}\", which takes each gauge by itself", m.op));
+    if (!m.weights.empty() && !m.gauges.empty() && m.weights.size() != m.gauges.size())
+      fail(key + ".weights", fmt::format("expected one for each of the {} gauges, found {}", m.gauges.size(),
+                                         m.weights.size()));
     const bool relative = needs_relative_error(m.op);
     const bool single =
         m.op == "value" || m.op == "exceeds" || m.op == "exit" || m.op == "counter" || m.op == "smallest";
@@ -467,6 +527,13 @@ class VerifyChecker {
     if (m.op == "order" &&
         std::none_of(file.runs.begin(), file.runs.end(), [&](const VerifyRun& r) { return r.name == m.coarse; }))
       fail(key + ".coarse", fmt::format("no [[run]] is named \"{}\"", m.coarse));
+    if (!m.baseline.empty()) {
+      const auto place = [&](const std::string& name) {
+        return std::find_if(file.runs.begin(), file.runs.end(), [&](const VerifyRun& r) { return r.name == name; });
+      };
+      if (place(m.baseline) >= place(m.run))
+        fail(key + ".baseline", fmt::format("expected a [[run]] before \"{}\", found \"{}\"", m.run, m.baseline));
+    }
     if (m.op == "curve" && !m.curve) fail(key + ".curve", "expected 'reference_csv' or 'curve'");
     if ((m.op == "l2" || m.op == "profile") && m.references.empty())
       fail(key + ".references", "expected 'reference_csv' or 'references'");
@@ -498,8 +565,9 @@ VerifyFile read_verify(const std::filesystem::path& path) {
   return file;
 }
 
-Verdict judge(const Metric& metric, const Gauges& gauges, int exit_status, const Counters& counters) {
-  return Judge(metric, gauges, exit_status, counters).verdict();
+Verdict judge(const Metric& metric, const Gauges& gauges, int exit_status, const Counters& counters,
+              const Verdict* base) {
+  return Judge(metric, gauges, exit_status, counters, base).verdict();
 }
 
 Verdict judge_order(const Metric& metric, const Gauges& coarse, const Gauges& fine) {

@@ -13,9 +13,9 @@ namespace poretwin::cli {
 
 /// [[metric]] of verify.toml.
 struct Metric {
-  std::string name, run, source, op, gauge, counter, plus, minus, unit, norm = "max", reference_csv, coarse;
+  std::string name, run, source, op, gauge, counter, plus, minus, unit, norm = "max", reference_csv, coarse, baseline;
   std::vector<std::string> gauges;
-  std::vector<double> references;
+  std::vector<double> references, weights;
   std::optional<double> at, from, to, limit, normaliser, reference, window, align;
   std::optional<Series> curve;
   double scale = 1.0, tolerance = 0.0;
@@ -55,8 +55,9 @@ using Counters = std::map<std::string, double>;  ///< "solid.substeps", ...
 /// FileError.
 VerifyFile read_verify(const std::filesystem::path& path);
 
-/// Judges one metric by a run's gauges, exit status and counters.
-Verdict judge(const Metric& metric, const Gauges& gauges, int exit_status, const Counters& counters = {});
+/// Judges one metric by a run's gauges, exit status and counters. base: what the same metric has in its `baseline`.
+Verdict judge(const Metric& metric, const Gauges& gauges, int exit_status, const Counters& counters = {},
+              const Verdict* base = nullptr);
 
 /// Observed order of `decay_rate` from the coarse run to the fine one of half its spacing.
 Verdict judge_order(const Metric& metric, const Gauges& coarse, const Gauges& fine);

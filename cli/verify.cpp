@@ -13,6 +13,7 @@
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 namespace poretwin::cli {
 namespace fs = std::filesystem;
@@ -101,8 +102,17 @@ class CaseCheck {
     for (const auto& metric : file.metrics) {
       if (metric.run != run.name) continue;
       failure_expected = failure_expected || metric.op == "exit";
-      add(metric, metric.op == "order" ? judge_order(metric, done_[metric.coarse], gauges)
-                                       : judge(metric, gauges, result.exit, counters));
+      if (metric.op == "order") {
+        add(metric, judge_order(metric, done_[metric.coarse], gauges));
+        continue;
+      }
+      std::optional<Verdict> base;
+      if (!metric.baseline.empty()) {
+        base = judge(metric, done_[metric.baseline], 0);
+        if (!done_.contains(metric.baseline) || done_[metric.baseline].empty())
+          base->complaint = "this run comes first; it has not run, or left no readings";
+      }
+      add(metric, judge(metric, gauges, result.exit, counters, base ? &*base : nullptr));
     }
     if (result.exit != 0 && !failure_expected) {
       Metric metric;

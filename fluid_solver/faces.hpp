@@ -222,7 +222,7 @@ void update_columns(const Case& scene, double time, std::span<const double> basi
     else if (face.head)
       total = magnitude * (face.head->at(time) - elevation);
     else if (face.pressure)
-      total = face.pressure->at(time);
+      total = face.pressure->at(time) + face.wave(c.foot[0], time);
     c.wet = total >= 0.0;
     c.pressure = total - weight.dot(c.foot - origin);
   }

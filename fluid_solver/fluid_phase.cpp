@@ -151,13 +151,8 @@ Vec<D> Fluid<D>::initial_velocity(const Vec<D>& x) const {
   Vec<D> v = fluid.initial_velocity.head<D>();
   v[0] += fluid.initial_strain * x[0];
   v[1] -= fluid.initial_strain * x[1];
-  if (fluid.initial_wave != 0.0) {
-    const auto [lower, upper] = bounds(fluid.regions.front());
-    const double k = std::numbers::pi / (upper[0] - lower[0]), depth = upper[D - 1] - lower[D - 1];
-    const double s = k * (x[0] - lower[0]), z = k * (x[D - 1] - lower[D - 1]);
-    v[0] += fluid.initial_wave * std::sin(s) * std::cosh(z) / std::sinh(k * depth);
-    v[D - 1] -= fluid.initial_wave * std::cos(s) * std::sinh(z) / std::sinh(k * depth);
-  }
+  if (fluid.initial_wave != 0.0)
+    v += fluid.initial_wave * sloshing_mode(fluid.regions.front(), to_point3<D>(x), D).template head<D>();
   if (fluid.initial_vortices > 0.0) {
     const auto& box = scene_.general;
     const Vec<2> k = 2.0 * std::numbers::pi / (box.domain_max - box.domain_min).head<2>().array();

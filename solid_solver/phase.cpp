@@ -415,11 +415,12 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
                    std::none_of(state_.external.coverage.begin(), state_.external.coverage.end(), acts) &&
                    std::all_of(from.begin(), from.end(), [](const Vec<D>& g) { return g.isZero(0.0); });
   drive.damping_of_calm = setup_.quiet.damping ? near_critical_damping(setup_) : 0.0;
+  const bool varies = std::ranges::any_of(setup_.loads, [](const auto& patch) { return patch.factor.has_value(); });
   double loaded_at = -1.0, loaded_rebuilds = -1.0, next_start = -1.0;
   for (std::size_t k = 0; k < steps; ++k) {
     const double now = window.time + static_cast<double>(k) * dt;
     const bool starts = has_begun(next_start, now) && loaded_at >= 0.0;
-    if (k == 0 || starts || state_.rebuilds > loaded_rebuilds) {
+    if (k == 0 || starts || varies || state_.rebuilds > loaded_rebuilds) {
       if (!setup_.loads.empty())
         drive.traction = load_forces<D>(setup_, state_, now + 1e-9 * std::max(1.0, std::abs(now)));
       loaded_at = now;

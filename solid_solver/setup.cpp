@@ -99,6 +99,7 @@ void attach_load(const Case& scene, const Load& load, double reach, double margi
     patches[k].normal = planes[k].normal;
     patches[k].level = planes[k].normal.dot(planes[k].point);
     if (load.start) patches[k].start = *load.start;
+    patches[k].factor = load.factor;
     const Vec<D> middle =
         planes[k].to > planes[k].from
             ? Vec<D>(planes[k].point +
@@ -214,6 +215,13 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   particles.displacement.assign(n, Vec<D>::Zero());
   particles.velocity.assign(n, Vec<D>::Zero());
   std::fill_n(particles.velocity.begin(), particles.free(), Vec<D>(scene.solid.initial_velocity.head<D>()));
+  if (scene.solid.initial_wave != 0.0)
+    for (std::size_t i = 0; i < particles.free(); ++i) {
+      Point3 x = Point3::Zero();
+      x.head<D>() = particles.position[i];
+      particles.velocity[i] +=
+          scene.solid.initial_wave * sloshing_mode(scene.soils.front().shape, x, D).template head<D>();
+    }
   particles.stress.assign(n, Tensor::Zero());
   particles.plastic_strain.assign(n, 0.0);
   particles.rubbing.assign(n, 0.0F);

@@ -20,6 +20,7 @@ struct LoadedPatch {
   double level = 0.0;                                       ///< normal . point of the face [m]
   std::vector<Index> particles;
   std::optional<std::size_t> water_face;  ///< of the case, that lies on it
+  std::optional<Series> factor;           ///< on the traction; absent: 1
 };
 
 template <int D>

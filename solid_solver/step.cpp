@@ -140,8 +140,9 @@ VecArray<D> load_forces(const Setup<D>& setup, const State<D>& state, double tim
   for (const auto& patch : setup.loads) {
     if (time < patch.start) continue;
     if (q.empty()) q = surface_vectors<D>(state);
+    const Vec<D> traction = (patch.factor ? patch.factor->at(time) : 1.0) * patch.traction;
     for (const Index i : patch.particles)
-      force[i] += (state.particles.volume[i] * patch.normal.dot(q[i])) * patch.traction;
+      force[i] += (state.particles.volume[i] * patch.normal.dot(q[i])) * traction;
   }
   return force;
 }

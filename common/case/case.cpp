@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
+#include <numbers>
 
 namespace poretwin {
 namespace {
@@ -228,6 +230,12 @@ void declare(Keys& keys, WaterFace& f) {
       "basin_area", f.basin_area,
       {"m2", "With `discharge`: horizontal area of the basin (2D: length, m) against elevation [m], [[z, A], ..]."});
   keys.flag("outlet", f.outlet, {"", "Nothing stands behind the face: water that crosses it has left."});
+  keys.series("wave_amplitude", f.wave_amplitude,
+              {"Pa",
+               "With `pressure`: A of a standing wave A cos(2 pi x / `wave_length`) cos(2 pi t / `wave_period`) that is "
+               "added to it. Where the sum is below zero no water stands behind the face."});
+  keys.number("wave_length", f.wave_length, {"m", "Of that wave, along x.", f.wave_amplitude.has_value()}, positive());
+  keys.number("wave_period", f.wave_period, {"s", "Of that wave.", f.wave_amplitude.has_value()}, positive());
 }
 
 void declare(Keys& keys, Load& l) {
@@ -235,6 +243,8 @@ void declare(Keys& keys, Load& l) {
   declare(keys, l.face);
   keys.point("traction", l.traction, {"Pa", "Force per area on the soil's surface near the face.", true});
   keys.number("start", l.start, {"s", "Applied from then on. Absent: always there, part of the initial rest."});
+  keys.series("factor", l.factor,
+              {"1", "On the traction, at each time; without `start` its first value is part of the initial rest."});
 }
 
 void declare(Keys& keys, PorePressure& p) {
@@ -306,6 +316,8 @@ void declare(Keys& keys, SolidCase& s) {
   keys.number("particle_spacing", s.particle_spacing,
               {"m", "Distance between soil particles; 0: as fluid.particle_spacing."}, not_negative());
   keys.point("initial_velocity", s.initial_velocity, {"m/s", "Of all soil at time zero."});
+  keys.number("initial_wave", s.initial_wave,
+              {"m/s", "Adds the lowest sloshing mode of the first soil along x, this fast at its surface."});
   keys.point("offset", s.offset, {"spacings", "Of the first particle from a soil's lower corner."});
   keys.number("jitter", s.jitter, {"spacings", "Largest random displacement of the initial lattice."},
               between(0, false, 1, false));
@@ -441,6 +453,12 @@ double Series::at(double t) const {
     if (t <= t1) return v0 + (v1 - v0) * (t - t0) / (t1 - t0);
   }
   return knots.back().second;
+}
+
+double WaterFace::wave(double x, double t) const {
+  if (!wave_amplitude) return 0.0;
+  constexpr double turn = 2.0 * std::numbers::pi;
+  return wave_amplitude->at(t) * std::cos(turn * x / wave_length) * std::cos(turn * t / wave_period);
 }
 
 double Series::integral(double t0, double t1) const {

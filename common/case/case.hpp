@@ -115,6 +115,10 @@ struct WaterFace {
   std::optional<Series> discharge;   ///< m3/s (2D: m2/s) poured into the basin, or let in
   std::optional<Series> basin_area;  ///< m2 (2D: m), horizontal, against elevation [m]: from the bottom up
   bool outlet = false;               ///< nothing behind it
+  std::optional<Series> wave_amplitude;         ///< Pa: a standing wave on top of `pressure`
+  double wave_length = 0.0, wave_period = 0.0;  ///< m, s
+  /// Pressure of that wave at a place and time [Pa]: A cos(2 pi x / L) cos(2 pi t / T).
+  [[nodiscard]] double wave(double x, double t) const;
 };
 
 /// [[load]]: traction on the soil's surface near a face.
@@ -123,6 +127,7 @@ struct Load {
   Face face;
   Point3 traction = Point3::Zero();  ///< Pa
   std::optional<double> start;  ///< s; applied from then on. Absent: there from the beginning, part of the initial rest
+  std::optional<Series> factor;  ///< on the traction; absent: 1
 };
 
 /// [[pore_pressure]]: water in the pores of a soil that runs alone. Water fills them where the pressure is above zero
@@ -177,6 +182,7 @@ struct SolidCase {
   Model model = Model::elastic;
   double particle_spacing = 0.0;  ///< m
   Point3 initial_velocity = Point3::Zero();
+  double initial_wave = 0.0;  ///< m/s: adds the lowest sloshing mode of the first soil, this fast at the surface
   Point3 offset{0.5, 0.5, 0.5};
   double jitter = 0.0;
   unsigned seed = 2;

@@ -293,6 +293,8 @@ class Checker {
       if (kinds != 1)
         fail(key, fmt::format("expected one of 'head', 'pressure', 'discharge' and 'outlet', found {}",
                               kinds == 0 ? "none" : "more"));
+      if (f.wave_amplitude && !f.pressure)
+        fail(key + ".wave_amplitude", "is added to the pressure of the face: expected 'pressure' beside it");
       if (f.basin_area && !f.discharge)
         fail(key, "'basin_area' belongs to a 'discharge': expected what is poured into the basin");
       inlet(f, key);
@@ -303,7 +305,12 @@ class Checker {
             fail(key + ".basin_area", fmt::format("expected positive areas, found {} at elevation {} m", area, z));
         }
     }
-    for (std::size_t i = 0; i < scene_.loads.size(); ++i) face(scene_.loads[i].face, fmt::format("load[{}]", i));
+    for (std::size_t i = 0; i < scene_.loads.size(); ++i) {
+      const std::string key = fmt::format("load[{}]", i);
+      face(scene_.loads[i].face, key);
+      if (scene_.loads[i].factor && scene_.solid.quiet)
+        fail(key + ".factor", "soil that sleeps does not see a load that changes: expected no [solid.quiet] beside it");
+    }
   }
 
   /// An inlet closes a gap between walls: one of its ends at least meets one, and no water stands behind it.

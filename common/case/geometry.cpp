@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <random>
 
 namespace poretwin {
@@ -34,6 +35,17 @@ std::pair<Point3, Point3> bounds(const Shape& shape) {
     upper = upper.cwiseMax(p);
   }
   return {lower, upper};
+}
+
+Point3 sloshing_mode(const Shape& shape, const Point3& x, int dimension) {
+  const auto [lower, upper] = bounds(shape);
+  const int up = dimension - 1;
+  const double k = std::numbers::pi / (upper[0] - lower[0]), depth = upper[up] - lower[up];
+  const double s = k * (x[0] - lower[0]), z = k * (x[up] - lower[up]);
+  Point3 v = Point3::Zero();
+  v[0] = std::sin(s) * std::cosh(z) / std::sinh(k * depth);
+  v[up] = -std::cos(s) * std::sinh(z) / std::sinh(k * depth);
+  return v;
 }
 
 namespace {

@@ -16,6 +16,9 @@ bool contains(const Shape& shape, const Point3& x, int dimension);
 /// Smallest box around the shape.
 std::pair<Point3, Point3> bounds(const Shape& shape);
 
+/// Velocity at x of the lowest sloshing mode along x of what fills the shape's box, per that at its surface's ends.
+Point3 sloshing_mode(const Shape& shape, const Point3& x, int dimension);
+
 /// Does real water come and go through the face, an opening that no soil touches (2D)? Otherwise water stands behind it
 /// that no particles are needed for.
 bool is_inlet(const Case& scene, const WaterFace& face);

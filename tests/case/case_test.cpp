@@ -241,6 +241,24 @@ TEST_F(CaseFile, ChecksWalls) {
   EXPECT_THAT(with_wall("[[0.1, 0.4], [0, 0.4]]"), HasSubstr("key 'water_face[0]': lies on wall[1] \"second\""));
 }
 
+TEST_F(CaseFile, LoadsAndWavesVaryInTime) {
+  const Case ramp = read(changed(sound_case, "start = 0", "factor = [[1, 0], [3, 1]]"));
+  ASSERT_TRUE(ramp.loads[0].factor);
+  EXPECT_DOUBLE_EQ(ramp.loads[0].factor->at(2.0), 0.5);
+  EXPECT_THAT(complaint(changed(sound_case, "start = 0", "factor = [[1, 0], [3, 1]]") + "[solid.quiet]\n"),
+              HasSubstr("key 'load[0].factor': soil that sleeps does not see a load that changes"));
+
+  const std::string wave = "\nwave_amplitude = [[0, 0], [1, 200]]\nwave_length = 3\nwave_period = 1.5";
+  const WaterFace face = read(changed(sound_case, "pressure = 0", "pressure = 1000" + wave)).water_faces[0];
+  EXPECT_NEAR(face.wave(0.0, 3.0), 200.0, 1e-9);
+  EXPECT_NEAR(face.wave(1.5, 3.0), -200.0, 1e-9);
+  EXPECT_NEAR(face.wave(0.5, 0.75), -75.0, 1e-9) << "half of it still, a sixth of its length from the crest";
+  EXPECT_THAT(complaint(changed(sound_case, "pressure = 0", "head = 1" + wave)),
+              HasSubstr("key 'water_face[0].wave_amplitude': is added to the pressure of the face"));
+  EXPECT_THAT(complaint(changed(sound_case, "pressure = 0", "pressure = 0\nwave_amplitude = 1\nwave_length = 1")),
+              HasSubstr("key 'water_face[0].wave_period'"));
+}
+
 TEST_F(CaseFile, ChecksFacesGaugesAndPeriods) {
   EXPECT_THAT(complaint(changed(sound_case, "pressure = 0\n", "")),
               HasSubstr("expected one of 'head', 'pressure', 'discharge' and 'outlet', found none"));

@@ -280,6 +280,27 @@ VecArray<2> gradient_below_a_face(const Stencil<2>& s, const ScalarArray& p) {
       s, p, [](Index) { return 0.0; }, {}, Vec<2>::Zero(), [](std::size_t) { return 0.0; });
 }
 
+TEST(Faces, AWaveIsAddedToThePressure) {
+  Case scene;
+  WaterFace face;
+  face.pressure = Series{{{0.0, 1000.0}}};
+  face.wave_amplitude = Series{{{0.0, 200.0}}};
+  face.wave_length = 3.0;
+  face.wave_period = 2.0;
+  scene.water_faces = {face};
+  std::vector<FaceColumn<2>> columns(2);
+  columns[1].foot = Vec<2>(0.5, 0.0);
+  const auto at = [&](double t) {
+    update_columns<2>(scene, t, {}, Vec<2>::Zero(), Vec<2>::Zero(), columns);
+    return Vec<2>(columns[0].pressure, columns[1].pressure);
+  };
+  EXPECT_LT((at(0.0) - Vec<2>(1200.0, 1100.0)).norm(), 1e-9);
+  EXPECT_LT((at(1.0) - Vec<2>(800.0, 900.0)).norm(), 1e-9);
+  scene.water_faces[0].pressure = Series{{{0.0, 0.0}}};
+  at(1.0);
+  EXPECT_FALSE(columns[0].wet) << "no water stands behind the face where the pressure is below zero";
+}
+
 // What an undrained load asks of a drained face: all of it is carried by the gradient of the first rows.
 TEST(Faces, AnEvenPressuresGradientSumsToItsFall) {
   for (const double offset : {0.2, 0.35, 0.5}) {

@@ -251,6 +251,41 @@ TEST(LoadedColumn, LoadsWaitForTheirStart) {
   EXPECT_NEAR(momentum, -1e4 * 0.4 * 0.01, 2e-3 * 1e4 * 0.4 * 0.01);
 }
 
+// The momentum that a load gives is the integral of its factor, here (1 - cos(w t)) / 2 by straight lines.
+TEST(LoadedColumn, LoadsFollowTheirFactor) {
+  ColumnSpec spec;
+  spec.gravity = 0.0;
+  Case scene = column(spec);
+  scene.loads = {test::top_load(spec, 1e4, 0.0)};
+  scene.loads[0].factor.emplace();
+  constexpr double end = 0.01;  // s: before the wave meets the base
+  for (int i = 0; i <= 20; ++i)
+    scene.loads[0].factor->knots.emplace_back(0.05 * i * end, 0.5 - 0.5 * std::cos(0.1 * i * 3.141592653589793));
+  Solid<2> solid(scene);
+  solid.initialise({});
+  solid.advance({0, 0.0, end}, {});
+  double momentum = 0.0;
+  const auto& p = solid.state().particles;
+  for (std::size_t i = 0; i < p.size(); ++i) momentum += p.mass[i] * p.velocity[i].y();
+  EXPECT_NEAR(momentum, -1e4 * 0.4 * 0.5 * end, 0.01 * 1e4 * 0.4 * 0.5 * end);
+}
+
+// Velocities of the mode: cosh and sinh over the height, no divergence, no flow through walls and bottom.
+TEST(SloshingMode, StartsTheSoil) {
+  ColumnSpec spec;
+  Case scene = column(spec);
+  scene.solid.initial_wave = 0.1;
+  scene.solid.initial_rest = false;
+  const Solid<2> solid(scene);
+  const double k = 3.141592653589793 / 0.4;
+  const auto& p = solid.state().particles;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    const auto& x = p.position[i];
+    EXPECT_NEAR(p.velocity[i].x(), 0.1 * std::sin(k * x.x()) * std::cosh(k * x.y()) / std::sinh(k), 1e-12);
+    EXPECT_NEAR(p.velocity[i].y(), -0.1 * std::cos(k * x.x()) * std::sinh(k * x.y()) / std::sinh(k), 1e-12);
+  }
+}
+
 double fastest(const Solid<2>& solid) {
   double most = 0.0;
   for (const auto& v : solid.state().particles.velocity) most = std::max(most, v.norm());

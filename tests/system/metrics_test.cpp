@@ -45,6 +45,52 @@ TEST(Metrics, ValueInterpolatesAndScales) {
   EXPECT_EQ(judge(m, ramp, 0).complaint, "no readings of gauge 'absent'");
 }
 
+// Two modes sin(pi s / 2) and sin(3 pi s / 2) at the middles of ten tenths: weights single out the first.
+TEST(Metrics, WeightsAddTheGaugesOfALine) {
+  Gauges gauges;
+  auto m = metric("value", 3.0, 1e-12);
+  for (int i = 0; i < 10; ++i) {
+    const double s = 0.05 + 0.1 * i, q = 0.5 * 3.14159265358979323846;
+    GaugeSeries series;
+    series.time = {0.0, 1.0};
+    series.value = {0.0, 3.0 * std::sin(q * s) + 5.0 * std::sin(3.0 * q * s)};
+    gauges["g[" + std::to_string(i) + "]"] = series;
+    m.weights.push_back(0.2 * std::sin(q * s));
+  }
+  EXPECT_NEAR(judge(m, gauges, 0).value, 3.0, 1e-12);
+  EXPECT_TRUE(judge(m, gauges, 0).passed);
+  m.at = 0.5;
+  EXPECT_NEAR(judge(m, gauges, 0).value, 1.5, 1e-12);
+  m.weights.pop_back();
+  EXPECT_EQ(judge(m, gauges, 0).complaint, "10 gauges 'g' and 9 weights do not match");
+}
+
+TEST(Metrics, WhatTheBaselineHasIsSubtracted) {
+  auto m = metric("decay_rate", 3.0, 1e-9);
+  m.limit = 0.0;
+  m.baseline = "sealed";
+  const Gauges fast = sampled("g", [](double t) { return 7.0 * std::exp(-5.0 * t); });
+  const Gauges slow = sampled("g", [](double t) { return 2.0 * std::exp(-2.0 * t); });
+  const Verdict base = judge(m, slow, 0);
+  EXPECT_NEAR(judge(m, fast, 0, {}, &base).value, 3.0, 1e-9);
+  EXPECT_TRUE(judge(m, fast, 0, {}, &base).passed);
+  const Verdict none = judge(m, {}, 0);
+  EXPECT_EQ(judge(m, fast, 0, {}, &none).complaint, "'sealed': no readings of gauge 'g'");
+}
+
+TEST(Metrics, DampingIsThatOfWholeSwings) {
+  GaugeSeries series;
+  for (int i = 0; i <= 400; ++i) {
+    series.time.push_back(0.01 * i);
+    series.value.push_back(1.0 + 3.0 * std::exp(-0.2 * 0.01 * i) * std::cos(7.0 * 0.01 * i));
+  }
+  auto m = metric("damping", 0.2, 1e-3);
+  m.limit = 1.0;
+  EXPECT_TRUE(judge(m, {{"g", series}}, 0).passed) << judge(m, {{"g", series}}, 0).value;
+  m.to = 1.2;
+  EXPECT_EQ(judge(m, {{"g", series}}, 0).complaint, "fewer than three whole swings of gauge 'g'");
+}
+
 TEST(Metrics, ValueOfARangeIsItsMean) {
   auto m = metric("value", 1.7, 1e-9);
   m.from = 0.8;
