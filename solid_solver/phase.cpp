@@ -350,11 +350,15 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   // the drag takes the water along while the pressure stays. Backward Euler of (27), the water eliminated, leaves the
   // impedance Z = C a / (a + C), a = n rho_w / Dt, against the departure at the window's end. In the window departures
   // grow linearly; `whole` makes their mean over the substeps the one at the end.
+  // In a long window, one step to an equilibrium, what departs meets the drag, C, as if the water stood still: the
+  // pressure, which would answer to soil that yields and dilates, is not told of it before the next window. Of that
+  // force only the part that is the water's inertia is an impulse of the water; the rest stands for the pressure.
   const double whole = setup_.parallel ? 1.0 : 2.0 * static_cast<double>(steps) / static_cast<double>(steps + 1);
   Drive<D> drive;
   const bool tracks = !inbox.fields.empty();
   double dissipated = 0.0;              // J, by the drag
   VecArray<D> start, change_in_window;  // of the soil's velocity: as it is, and as the fluid reckons
+  ScalarArray goes_along(n, 1.0);       // share of the impedance that is the water's inertia
   if (tracks) {
     drive.tracking.assign(n, 0.0);
     drive.target.assign(n, Vec<D>::Zero());
@@ -363,22 +367,29 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   }
   for (std::size_t i = 0; i < n && tracks; ++i) {
     if (state_.external.coverage[i] <= 0.0 || soil_seen[i] <= 1e-6) continue;
-    double z = setup_.inertia_share * p.mass[i] / (p.volume[i] * interval);
+    const double R = p.mass[i] / p.volume[i];
+    double along = 0.0, z = 0.0;  // impedance of the water that goes along; of all that the departure meets
     if (scene_.fluid.drag) {
       const double n_w = void_fraction(setup_, p, i);
       const auto law = porous::resistance(setup_.water_weight, n_w, seepage()[i]);
       const double force = Eigen::Map<const Vec<D>>(impulse.values().data() + i * D).norm() / (p.volume[i] * interval);
       const double slip = law.speed(force), C = law.slope(slip), a = n_w * scene_.water.density / interval;
       dissipated += p.volume[i] * force * slip * interval;
-      // At the same time as the fluid the soil gets the prediction of the last window, and the pressure with it: what
-      // goes beyond them meets at once, too, what the pressure would hold against it where water flows back as the
-      // grains come, n v_w = -n_s v_s, C / n^2 in all.
-      z += setup_.inertia_share > 0.0 ? C / (n_w * n_w) : C * a / (a + C);
+      along = C * a / (a + C);
+      // What goes beyond the prediction of the last window, at the same time as the fluid, meets what the pressure
+      // would hold against it, too, where water flows back as the grains come, n v_w = -n_s v_s: C / n^2 in all.
+      z = setup_.inertia_share > 0.0 ? C / (n_w * n_w) : rests ? C : along;
     }
+    const double inertia = rests ? 0.5 * R / interval : setup_.inertia_share * R / interval;
+    z += inertia;
     drive.tracking[i] = state_.external.coverage[i] * p.volume[i] * whole * z;
+    goes_along[i] = rests && z > 0.0 ? along / z : 1.0;
     for (int d = 0; d < D; ++d) {
       const std::size_t c = i * D + static_cast<std::size_t>(d);
       change_in_window[i][d] = setup_.parallel ? predicted[c] - p.velocity[i][d] : change[c];
+      // Inertia holds to the change that is predicted, drag to the velocity.
+      if (rests && !setup_.parallel && z > 0.0)
+        change_in_window[i][d] = (1.0 - inertia / z) * (predicted[c] - p.velocity[i][d]) + inertia / z * change[c];
     }
     drive.target[i] = p.velocity[i] + change_in_window[i];
   }
@@ -394,7 +405,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   state_.any_yielded = false;
   if (rests) {
     wake_regions(setup_, state_);
-    return advance_at_rest(window, to, impulse, drive, dissipated);
+    return advance_at_rest(window, to, impulse, drive, goes_along, dissipated);
   }
 
   VecArray<D> displacement;
@@ -538,7 +549,8 @@ const Stiffness<D>& Solid<D>::stiffness_with(const ScalarArray& resistance) {
 
 template <int D>
 Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gradient, const OrZero<double>& impulse,
-                                  const Drive<D>& tracking, double dissipated) {
+                                  const Drive<D>& tracking, std::span<const double> goes_along,
+                                  double dissipated) {
   Particles<D>& p = state_.particles;
   const std::size_t n = p.size();
   const double interval = window.interval, end = window.time + interval;
@@ -610,7 +622,8 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
   for (std::size_t i = 0; i < n; ++i) {
     p.velocity[i] = (p.displacement[i] - start[i]) / interval;
     if (!asleep)
-      state_.returned_impulse.values()[i] += interval * tracking.tracking[i] * (tracking.target[i] - p.velocity[i]);
+      state_.returned_impulse.values()[i] +=
+          goes_along[i] * interval * tracking.tracking[i] * (tracking.target[i] - p.velocity[i]);
   }
   // Backward Euler takes away the energy of what the velocity changes by.
   const double slow = woken_by * reference_acceleration(setup_, state_, drive) / near_critical_damping(setup_);

@@ -75,7 +75,7 @@ class Solid final : public Phase {
   /// m (u/Dt - v)/Dt = forces(u) + V Z (v_s' - u/Dt) for the displacement u. Rejects the window where there is none.
   coupling::Outcome advance_at_rest(const coupling::Window& window, const OrZero<Vec<D>>& gradient,
                                     const OrZero<double>& impulse, const Drive<D>& tracking,
-                                    double dissipated);
+                                    std::span<const double> goes_along, double dissipated);
   /// Windows up to this follow the waves in the soil; in longer ones it is led from equilibrium to equilibrium [s].
   [[nodiscard]] double followed_window() const;
   /// Whether the soil's motion, or what it changed by since `before` (none: all of it) [m/s], holds a noticeable part of

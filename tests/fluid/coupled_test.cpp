@@ -117,12 +117,13 @@ Consolidation consolidate(const Options& options) {
       break;
     }
     const std::size_t rows = p.size() / columns;
-    std::vector<double> y(rows), pressure(rows), drag(rows), change(rows);
+    std::vector<double> y(rows), pressure(rows), drag(rows), predicted(rows), change(rows);
     for (std::size_t a = 0; a < rows * columns; ++a) {  // a run that diverges may have lost some
       const double w = 1.0 / static_cast<double>(columns);
       const std::size_t row = a / columns;
       y[row] += w * p.position[a].y();
       pressure[row] += w * published.fields[0].values[a];
+      predicted[row] += w * p.solid_velocity[a].y();
       change[row] += w * p.solid_change[a].y();
       drag[row] += w * p.drag_impulse[a].y() / (p.volume[a] * dt);
     }
@@ -134,7 +135,7 @@ Consolidation consolidate(const Options& options) {
         return (1.0 - w) * values[i] + w * values[i + 1];
       };
     };
-    soil.advance(dt, linear(pressure), linear(drag), linear(change), 1.0 - soil.solid_fraction);
+    soil.advance(dt, linear(pressure), linear(drag), linear(predicted), linear(change), 1.0 - soil.solid_fraction);
     const double T = cv * time / (H * H);
     result.lowest = std::min(result.lowest, *std::min_element(p.pressure.begin(), p.pressure.end()));
     const double voids = std::accumulate(p.cavity.begin(), p.cavity.end(), 0.0);

@@ -67,9 +67,10 @@ struct ElasticColumn {
     return v;
   }
 
-  /// One window; pressure, drag force per volume and the predicted change of velocity as functions of y.
+  /// One window; pressure, drag force per volume, predicted velocity and its change as functions of y.
   void advance(double dt, const std::function<double(double)>& p, const std::function<double(double)>& drag,
-               const std::function<double(double)>& change, double porosity) {
+               const std::function<double(double)>& predicted, const std::function<double(double)>& change,
+               double porosity) {
     const std::size_t n = u.size();
     const double R = density(), C = weight_density * porosity * porosity / conductivity, a = porosity * weight_density / 9.81 / dt;
     auto count = static_cast<std::size_t>(std::ceil(dt / (0.5 * spacing / std::sqrt(modulus / R)) - 1e-9));
@@ -77,11 +78,13 @@ struct ElasticColumn {
     if (rests) count = 1;
     const double h = dt / static_cast<double>(count);
     // Of the water that goes along; departures grow linearly in the window, and their mean is to be that at its end.
-    const double whole = 2.0 * static_cast<double>(count) / static_cast<double>(count + 1), Z = whole * C * a / (a + C);
+    const double whole = 2.0 * static_cast<double>(count) / static_cast<double>(count + 1), along = C * a / (a + C),
+                 inertia = rests ? 0.5 * R / dt : 0.0, Z = rests ? C + inertia : whole * along;
     std::vector<double> new_p(n), ds(n), d(n), start = u, v_start = v;
     for (std::size_t i = 0; i < n; ++i) {
       new_p[i] = p(at(i));
       ds[i] = change(at(i));
+      if (rests) ds[i] = (1.0 - inertia / Z) * (predicted(at(i)) - v[i]) + inertia / Z * ds[i];
       d[i] = drag(at(i));
     }
     extra.assign(n, 0.0);
@@ -97,7 +100,7 @@ struct ElasticColumn {
       }
       v = solved(impulse, R + h * Z, rests ? h * h * modulus / (spacing * spacing) : 0.0);
       for (std::size_t i = 0; i < n; ++i) {
-        extra[i] += h * Z * (v_start[i] + ramp * ds[i] - v[i]);
+        extra[i] += h * (rests ? along : Z) * (v_start[i] + ramp * ds[i] - v[i]);
         u[i] += h * v[i];
       }
       ++substeps;
