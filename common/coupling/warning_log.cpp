@@ -56,7 +56,7 @@ void WarningLog::note_gauges(double time) {
   for (const auto& [name, series] : series_)
     if (series.values == 0.0) empty.push_back(name);
   if (series_.empty() && gauges_.empty()) return;
-  note(time, {{"gauges without any reading", static_cast<double>(absent.size()), listed(absent), true},
+  note(time, {{"gauges without any reading", static_cast<double>(absent.size()), listed(absent), false},
               {"gauges without a value in any reading", static_cast<double>(empty.size()),
                listed(empty) + ": nan throughout, as the phase was never there", false}});
 }
