@@ -180,7 +180,7 @@ class CoupledRun {
     pending_.write_now(command.record_frame, command.record_gauges);
     report_.reason = command.reason;
     report_.interrupted = command.reason == "interrupted";
-    report_.warnings.note_gauges(report_.time);
+    if (!report_.interrupted) report_.warnings.note_gauges(report_.time);
     participant_.bye(command.reason);
   }
 
@@ -293,7 +293,7 @@ void drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const Prog
     report.reason = "interrupted";
     record.write_now(true, true);
   }
-  report.warnings.note_gauges(report.time);
+  if (!report.interrupted) report.warnings.note_gauges(report.time);
 }
 
 DriveReport drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const ProgressCallback& progress) {

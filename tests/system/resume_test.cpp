@@ -159,7 +159,7 @@ TEST_F(RealResume, WhatCannotBeResumedIsNamed) {
   other.insert(other.end(), {"--set", "soil.0.porosity=0.41"});
   const auto changed = poretwin(with({"--resume"}, other));
   EXPECT_EQ(changed.exit, 2);
-  EXPECT_THAT(changed.err, HasSubstr("--set: expected"));
+  EXPECT_THAT(changed.err, HasSubstr("--set: expected that of the run to be resumed, "));
   EXPECT_THAT(changed.err, HasSubstr("soil.0.porosity=0.41, found"));
   EXPECT_EQ(poretwin(with({"--resume"}, piece)).exit, 0) << "the checkpoint must have outlived the attempt";
 }
