@@ -678,6 +678,11 @@ class Checker : Complaints {
         const auto known = point_quantities(gauge.phase, scene_.general.dimension);
         known_word(key + ".quantity", gauge.quantity, std::vector<std::string_view>(known.begin(), known.end()));
       }
+      if (gauge.kind == "momentum" && !gauge.quantity.empty()) {
+        std::vector<std::string_view> known{"momentum_x", "momentum_y"};
+        if (scene_.general.dimension == 3) known.emplace_back("momentum_z");
+        known_word(key + ".quantity", gauge.quantity, known);
+      }
       if ((gauge.kind == "point" || gauge.kind == "height") && gauge.points.empty())
         fail(key + ".points", fmt::format("a {} gauge needs 1 point or more", gauge.kind));
       const bool line = std::find(line_kinds.begin(), line_kinds.end(), gauge.kind) != line_kinds.end();
@@ -696,8 +701,14 @@ class Checker : Complaints {
         const auto& faces = scene_.water_faces;
         const auto named = std::find_if(faces.begin(), faces.end(),
                                         [&](const WaterFace& face) { return face.name == gauge.quantity; });
-        if (named == faces.end() && !(gauge.quantity.empty() && gauge.kind == "passed_volume"))
-          fail(key + ".quantity", fmt::format("expected the name of a [[water_face]], found \"{}\"", gauge.quantity));
+        if (named == faces.end() && !(gauge.quantity.empty() && gauge.kind == "passed_volume")) {
+          std::vector<std::string_view> names;
+          for (const auto& face : faces)
+            if (!face.name.empty()) names.push_back(face.name);
+          if (!names.empty()) known_word(key + ".quantity", gauge.quantity, names);
+          fail(key + ".quantity", fmt::format("expected the name of a [[water_face]], found \"{}\": none has a name",
+                                              gauge.quantity));
+        }
         if (gauge.kind == "level" && !named->discharge && !named->head)
           fail(key + ".quantity", fmt::format("the face \"{}\" has no water level", gauge.quantity));
       }

@@ -148,6 +148,15 @@ TEST_F(Mistakes, AnUnknownQuantityIsRefusedWithTheKnownOnes) {
   EXPECT_THAT(gauge(tank, "fluid", "velocity_z"), HasSubstr("did you mean \"velocity_"));
   EXPECT_THAT(gauge(slope, "solid", "effective_stres_yy"), HasSubstr("did you mean \"effective_stress_yy\"?"));
   EXPECT_THAT(gauge(slope, "solid", "displacement"), HasSubstr("did you mean \"displacement_x\"?"));
+  const auto of = [&](const std::string& text, const std::string& kind, const std::string& quantity) {
+    return complaint(text + "[[gauge]]\nname = \"g\"\nphase = \"fluid\"\nkind = \"" + kind + "\"\nquantity = \"" +
+                     quantity + "\"\n");
+  };
+  EXPECT_EQ(of(dam, "passed_volume", "toe"), "no complaint");
+  EXPECT_THAT(of(dam, "level", "reservoi"), HasSubstr("expected one of \"reservoir\", \"toe\", found \"reservoi\"; did you "
+                                                    "mean \"reservoir\"?"));
+  EXPECT_EQ(of(tank, "momentum", "momentum_x"), "no complaint");
+  EXPECT_THAT(of(tank, "momentum", "x"), HasSubstr("expected one of \"momentum_x\", \"momentum_y\""));
 }
 
 TEST_F(Mistakes, TooMuchOfEverythingIsNamedBeforeItIsMade) {
