@@ -142,7 +142,7 @@ TEST_F(CommandWithStandIns, DoubtsAboutTheCaseAreShown) {
 TEST_F(CommandWithStandIns, CheckNamesWhatNoMachineHolds) {
   const auto outcome = poretwin({"check", terzaghi().string(), "--set", "fluid.particle_spacing=1.1e-5"});
   EXPECT_EQ(outcome.exit, 2);
-  EXPECT_THAT(outcome.err, HasSubstr("key 'fluid.particle_spacing': about 1.98e+03 GB for 6.61e+08 particles"));
+  EXPECT_THAT(outcome.err, HasSubstr("key 'fluid.particle_spacing': about 992 GB for 3.31e+08 particles"));
   EXPECT_LT(outcome.seconds, 20.0);
 }
 
