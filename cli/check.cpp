@@ -84,14 +84,12 @@ void expect_memory(const Case& scene) {
                there = pages * static_cast<double>(::sysconf(_SC_PAGESIZE));
   if (!(pages > 0.0) || a.memory_bytes <= there) return;
   const bool factors = a.factor_bytes > 0.5 * a.memory_bytes;
-  throw CaseError(fmt::format("{}: key '{}.particle_spacing': about {:.3g} GB for {:.3g} particles{}: expected what this "
-                              "machine has, {:.3g} GB; give a larger spacing, or run on a larger machine",
-                              scene.path.string(), scene.has_water() ? "fluid" : "solid", a.memory_bytes / 1e9,
-                              a.fluid + a.solid,
-                              factors ? fmt::format(", {:.3g} GB of it for the factors of the soil's stiffness",
-                                                    a.factor_bytes / 1e9)
-                                      : "",
-                              there / 1e9));
+  throw CaseError(fmt::format(
+      "{}: key '{}.particle_spacing': about {:.3g} GB for {:.3g} particles{}: expected what this "
+      "machine has, {:.3g} GB; give a larger spacing, or run on a larger machine",
+      scene.path.string(), scene.has_water() ? "fluid" : "solid", a.memory_bytes / 1e9, a.fluid + a.solid,
+      factors ? fmt::format(", {:.3g} GB of it for the factors of the soil's stiffness", a.factor_bytes / 1e9) : "",
+      there / 1e9));
 }
 
 ParticleCount count_particles(const Case& scene) {
@@ -103,12 +101,12 @@ std::string check_text(const Case& scene) {
   // Making very many only to count them takes longer than a person waits.
   constexpr double many = 2e6;
   const bool estimated = amounts.fluid + amounts.solid > many;
-  const auto particles = estimated ? ParticleCount{static_cast<std::size_t>(amounts.fluid),
-                                                   static_cast<std::size_t>(amounts.solid)}
-                                   : count_particles(scene);
+  const auto particles =
+      estimated ? ParticleCount{static_cast<std::size_t>(amounts.fluid), static_cast<std::size_t>(amounts.solid)}
+                : count_particles(scene);
   const char* about = estimated ? "about " : "";
-  std::string text = fmt::format("{}: {}\n", scene.path.string(),
-                                 scene.warnings.empty() ? "sound" : "sound, with warnings");
+  std::string text =
+      fmt::format("{}: {}\n", scene.path.string(), scene.warnings.empty() ? "sound" : "sound, with warnings");
   if (!scene.general.title.empty()) text += fmt::format("title       {}\n", scene.general.title);
   text += fmt::format("dimension   {}, simulated time {} s, {}\n", scene.general.dimension, scene.general.end_time,
                       scene.coupled()      ? "fluid and solid coupled"
@@ -118,8 +116,8 @@ std::string check_text(const Case& scene) {
     text += fmt::format("fluid       {}{} particles at the start, spacing {} m\n", about, particles.fluid,
                         scene.fluid.particle_spacing);
   if (scene.deformable())
-    text += fmt::format("solid       {}{} particles, spacing {} m\n", about, particles.solid,
-                        scene.solid.particle_spacing);
+    text +=
+        fmt::format("solid       {}{} particles, spacing {} m\n", about, particles.solid, scene.solid.particle_spacing);
   text += fmt::format("gauges      {}", scene.gauges.size());
   if (amounts.gauge_rows > 0.0) text += fmt::format(", about {:.3g} readings", amounts.gauge_rows);
   text += fmt::format("\noutput      {:.0f} frames, about {:.3g} MB\n", amounts.frames, amounts.frame_bytes / 1e6);

@@ -5,8 +5,7 @@
 
 namespace poretwin::cli {
 
-LogTail::LogTail(std::vector<std::filesystem::path> files, bool from_now,
-                 std::function<void(const std::string&)> line)
+LogTail::LogTail(std::vector<std::filesystem::path> files, bool from_now, std::function<void(const std::string&)> line)
     : line_(std::move(line)) {
   for (auto& path : files) {
     std::error_code none;

@@ -248,8 +248,11 @@ class Watch {
       return;
     }
     result_.interrupted = true;
-    std::fputs("\nstopping: the window under way is finished and a checkpoint written, a search for rest given up (Ctrl-C again: "
-               "at once)\n", stderr);
+    std::fputs(
+        "\nstopping: the window under way is finished and a checkpoint written, a search for rest given up (Ctrl-C "
+        "again: "
+        "at once)\n",
+        stderr);
     end_all(SIGINT);
     schedule(SIGTERM, patience_.after_interrupt);
   }

@@ -37,8 +37,8 @@ struct Watched {
 };
 
 struct Patience {
-  std::chrono::milliseconds by_itself{5000};         ///< for the others after a failure, before SIGTERM
-  std::chrono::milliseconds after_term{3000};        ///< before SIGKILL
+  std::chrono::milliseconds by_itself{5000};   ///< for the others after a failure, before SIGTERM
+  std::chrono::milliseconds after_term{3000};  ///< before SIGKILL
   /// For a clean stop after Ctrl-C, before SIGTERM: windows may take minutes; a person presses it again.
   std::chrono::milliseconds after_interrupt{600000};
 };

@@ -154,8 +154,8 @@ std::vector<Summary> read_summaries(const fs::path& out) {
     if (const auto warnings = data.find("warnings"); warnings != data.end() && warnings->is_array())
       for (const auto& w : *warnings)
         if (w.is_object())
-          s.warnings.push_back({w.value("what", ""), w.value("count", 0.0), w.value("detail", ""),
-                                w.value("result_in_doubt", false)});
+          s.warnings.push_back(
+              {w.value("what", ""), w.value("count", 0.0), w.value("detail", ""), w.value("result_in_doubt", false)});
     if (const auto files = data.find("files"); files != data.end() && files->is_array())
       for (const auto& file : *files)
         if (file.is_string()) s.files.push_back(file.get<std::string>());
@@ -190,7 +190,8 @@ void write_run_file(const RunOptions& options, const std::string& started, const
     for (const auto& warning : result->case_warnings) warnings += "\n  " + toml_text(warning) + ",";
     for (const auto& s : result->summaries)
       for (const auto& w : s.warnings)
-        warnings += "\n  " + toml_text(fmt::format("{}: {} ({}): {}", s.process, w.what, number(w.count), w.detail)) + ",";
+        warnings +=
+            "\n  " + toml_text(fmt::format("{}: {} ({}): {}", s.process, w.what, number(w.count), w.detail)) + ",";
     text += warnings + (warnings.empty() ? "]\n\n[exits]\n" : "\n]\n\n[exits]\n");
     for (const auto& ended : result->ended) text += fmt::format("{} = {}\n", ended.name, ended.status);
   }

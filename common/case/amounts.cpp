@@ -58,8 +58,9 @@ Amounts estimate(const Case& scene) {
   a.frame_bytes = 8.0 * a.frames * (fluid_numbers * a.fluid + solid_numbers * a.solid);
   if (scene.output.gauge_interval > 0.0)
     for (const auto& gauge : scene.gauges)
-      a.gauge_rows += instants(scene.general.end_time, scene.output.gauge_interval) *
-                      (gauge.kind == "point" || gauge.kind == "height" ? static_cast<double>(gauge.points.size()) : 1.0);
+      a.gauge_rows +=
+          instants(scene.general.end_time, scene.output.gauge_interval) *
+          (gauge.kind == "point" || gauge.kind == "height" ? static_cast<double>(gauge.points.size()) : 1.0);
   // State, neighbours and the exchange; 3D particles have four to five times as many neighbours.
   a.memory_bytes = 40e6 + (dimension == 3 ? 12e3 : 3e3) * (a.fluid + a.solid);
   if (dimension == 3 && scene.coupled()) {

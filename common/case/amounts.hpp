@@ -13,10 +13,10 @@ struct Amounts {
   double fluid = 0.0, solid = 0.0;  ///< particles at the start
   double fluid_full = 0.0;          ///< the same of water once all soil is full, where faces let it in
   double frames = 0.0;
-  double frame_bytes = 0.0;    ///< of all frames together
-  double gauge_rows = 0.0;     ///< 0 where every exchange is read: their number is not known
-  double memory_bytes = 0.0;   ///< of all processes together
-  double factor_bytes = 0.0;   ///< of that, for the factors of the soil's stiffness (3D with water)
+  double frame_bytes = 0.0;   ///< of all frames together
+  double gauge_rows = 0.0;    ///< 0 where every exchange is read: their number is not known
+  double memory_bytes = 0.0;  ///< of all processes together
+  double factor_bytes = 0.0;  ///< of that, for the factors of the soil's stiffness (3D with water)
 };
 Amounts estimate(const Case& scene);
 

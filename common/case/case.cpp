@@ -499,9 +499,10 @@ Case read_case(const std::filesystem::path& path, const std::vector<std::string>
   Node root = parse_document(scene.text, path.string());
   for (const auto& assignment : overrides) apply_override(root, assignment);
   if (root.entries.empty())
-    throw CaseError(fmt::format("{}: the file is empty; expected a case: a table [case] with end_time, and what is in it "
-                                "(docs/case-file.md lists all keys)",
-                                path.string()));
+    throw CaseError(
+        fmt::format("{}: the file is empty; expected a case: a table [case] with end_time, and what is in it "
+                    "(docs/case-file.md lists all keys)",
+                    path.string()));
   if (const Node* soils = root.find("soil")) expect_kinds(*soils, "soil");
   if (const Node* fluid = root.find("fluid"))
     if (const Node* regions = fluid->find("region")) expect_kinds(*regions, "fluid.region");

@@ -72,20 +72,23 @@ class Checker : Complaints {
     const auto too_many = [&](const char* section, const char* what, double count, double spacing) {
       if (!(count > most_particles)) return;
       fail(fmt::format("{}.particle_spacing", section),
-           fmt::format("{:.2g} {} particles at a spacing of {} m: expected {:g} at most; give a larger spacing ({:.2g} m "
-                       "for a million particles), or lengths in metres",
-                       count, what, spacing, most_particles, spacing * std::pow(count / 1e6, 1.0 / dimension)));
+           fmt::format(
+               "{:.2g} {} particles at a spacing of {} m: expected {:g} at most; give a larger spacing ({:.2g} m "
+               "for a million particles), or lengths in metres",
+               count, what, spacing, most_particles, spacing * std::pow(count / 1e6, 1.0 / dimension)));
     };
     too_many("fluid", "water", a.fluid_full, scene_.fluid.particle_spacing);
     too_many("solid", "soil", a.solid, scene_.solid.particle_spacing);
     if (a.frame_bytes > most_bytes)
-      fail("output.interval",
-           fmt::format("{:.3g} frames of {:.3g} particles would take {:.2g} TB: expected {:g} TB at most; give a longer "
-                       "interval (s), 0 for the first and the last frame only",
-                       a.frames, a.fluid + a.solid, a.frame_bytes / 1e12, most_bytes / 1e12));
+      fail(
+          "output.interval",
+          fmt::format("{:.3g} frames of {:.3g} particles would take {:.2g} TB: expected {:g} TB at most; give a longer "
+                      "interval (s), 0 for the first and the last frame only",
+                      a.frames, a.fluid + a.solid, a.frame_bytes / 1e12, most_bytes / 1e12));
     if (a.gauge_rows > most_rows)
-      fail("output.gauge_interval", fmt::format("{:.3g} gauge readings: expected {:g} at most; give a longer interval (s)",
-                                                a.gauge_rows, most_rows));
+      fail("output.gauge_interval",
+           fmt::format("{:.3g} gauge readings: expected {:g} at most; give a longer interval (s)", a.gauge_rows,
+                       most_rows));
   }
 
   /// A lattice is fitted into the box around a shape; one much thinner than a spacing has no row of its own.
@@ -132,9 +135,10 @@ class Checker : Complaints {
     const auto found = self_crossing(points, closed);
     if (!found) return;
     const auto piece = [&](std::size_t i) { return fmt::format("{}-{}", i + 1, (i + 1) % points.size() + 1); };
-    fail(key, fmt::format("edges {} and {} cross at {} m; expected a line that does not cross itself: put its points in "
-                          "the order in which one walks along it",
-                          piece(found->first), piece(found->second), shown(found->at)));
+    fail(key,
+         fmt::format("edges {} and {} cross at {} m; expected a line that does not cross itself: put its points in "
+                     "the order in which one walks along it",
+                     piece(found->first), piece(found->second), shown(found->at)));
   }
 
   /// A point well inside both shapes, if there is one.
@@ -593,11 +597,12 @@ class Checker : Complaints {
     const WaterFace& face = scene_.water_faces[i];
     if (is_inlet(scene_, face)) return;  // is_an_opening() looks
     const auto complain = [&](std::size_t region, const Point3& x) {
-      fail(fmt::format("fluid.region[{}]", region),
-           fmt::format("water lies behind {}, for example at {} m, where the face takes it away at once; expected water "
-                       "before the face only: {}, or draw walls around it instead of the face",
-                       named("water_face", i, face.name), shown(x),
-                       face.outlet ? "leave it out" : "give its level by the face's 'head'"));
+      fail(
+          fmt::format("fluid.region[{}]", region),
+          fmt::format("water lies behind {}, for example at {} m, where the face takes it away at once; expected water "
+                      "before the face only: {}, or draw walls around it instead of the face",
+                      named("water_face", i, face.name), shown(x),
+                      face.outlet ? "leave it out" : "give its level by the face's 'head'"));
     };
     for (std::size_t r = 0; r < scene_.fluid.regions.size(); ++r) {
       const Shape& region = scene_.fluid.regions[r];
@@ -706,8 +711,8 @@ class Checker : Complaints {
           for (const auto& face : faces)
             if (!face.name.empty()) names.push_back(face.name);
           if (!names.empty()) known_word(key + ".quantity", gauge.quantity, names);
-          fail(key + ".quantity", fmt::format("expected the name of a [[water_face]], found \"{}\": none has a name",
-                                              gauge.quantity));
+          fail(key + ".quantity",
+               fmt::format("expected the name of a [[water_face]], found \"{}\": none has a name", gauge.quantity));
         }
         if (gauge.kind == "level" && !named->discharge && !named->head)
           fail(key + ".quantity", fmt::format("the face \"{}\" has no water level", gauge.quantity));

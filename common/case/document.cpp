@@ -107,8 +107,7 @@ std::string likely_mistake(const std::string& text, std::size_t line) {
         depth += c == '[' ? 1 : -1;
       }
     }
-    if (quote != 0 && number == line)
-      return fmt::format("a quote {} is missing in: {}", quote, read);
+    if (quote != 0 && number == line) return fmt::format("a quote {} is missing in: {}", quote, read);
     if (depth > before && number < line) open.emplace_back(number, read);
     if (depth <= 0) {
       depth = 0;
@@ -217,8 +216,8 @@ void apply_override(Node& root, const std::string& assignment) {
       const std::size_t index = all_digits(part) && part.size() < 9 ? std::stoul(part) : many;
       if (index >= many) {
         const std::string has = fmt::format("the case has {} [[{}]]", many, so_far);
-        const std::string counted = many == 1 ? fmt::format("{}.0", so_far)
-                                              : fmt::format("{0}.0 to {0}.{1}", so_far, many - 1);
+        const std::string counted =
+            many == 1 ? fmt::format("{}.0", so_far) : fmt::format("{0}.0 to {0}.{1}", so_far, many - 1);
         throw CaseError(all_digits(part) ? fmt::format("{}: {}, counted from 0: expected {}, found {}.{}", where, has,
                                                        counted, so_far, part)
                                          : fmt::format("{}: {}: expected {} with its number, found '{}' in its place",

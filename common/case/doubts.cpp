@@ -51,7 +51,8 @@ class Doubts : Complaints {
   void units() {
     constexpr double lightest = 100.0, fastest = 1.0;
     if (scene_.has_water() && scene_.water.density < lightest)
-      doubt("water.density", fmt::format("{} kg/m3 is lighter than any water; density is in kg/m3", scene_.water.density));
+      doubt("water.density",
+            fmt::format("{} kg/m3 is lighter than any water; density is in kg/m3", scene_.water.density));
     for (std::size_t i = 0; i < scene_.soils.size(); ++i) {
       const Soil& soil = scene_.soils[i];
       const std::string key = fmt::format("soil[{}]", i);
@@ -80,13 +81,13 @@ class Doubts : Complaints {
     for (std::size_t i = 0; i < scene_.soils.size(); ++i) {
       const Soil& soil = scene_.soils[i];
       const double density = (1.0 - soil.porosity) * soil.grain_density;
-      const double strain =
-          density * scene_.general.gravity.norm() * (top - bottom) / constrained_modulus(soil);
+      const double strain = density * scene_.general.gravity.norm() * (top - bottom) / constrained_modulus(soil);
       if (strain > most)
-        doubt(fmt::format("soil[{}].youngs_modulus", i),
-              fmt::format("the weight of {:.3g} m of soil strains it by {:.3g} % (rho g H / M), expected {:g} % at most; "
-                          "youngs_modulus is in Pa, found {:g}",
-                          top - bottom, 100.0 * strain, 100.0 * most, soil.youngs_modulus));
+        doubt(
+            fmt::format("soil[{}].youngs_modulus", i),
+            fmt::format("the weight of {:.3g} m of soil strains it by {:.3g} % (rho g H / M), expected {:g} % at most; "
+                        "youngs_modulus is in Pa, found {:g}",
+                        top - bottom, 100.0 * strain, 100.0 * most, soil.youngs_modulus));
     }
   }
 
@@ -101,10 +102,11 @@ class Doubts : Complaints {
       for (const auto& x : f.face.points) lowest = std::min(lowest, up_.dot(x));
       for (const auto& [time, value] : f.head->knots) highest = std::max(highest, value);
       if (highest < lowest - dx)
-        doubt(fmt::format("water_face[{}].head", i),
-              fmt::format("never wets the face: it is {:g} m at most, the face's lowest point lies at {:g} m; a head is "
-                          "an elevation, not a depth",
-                          highest, lowest));
+        doubt(
+            fmt::format("water_face[{}].head", i),
+            fmt::format("never wets the face: it is {:g} m at most, the face's lowest point lies at {:g} m; a head is "
+                        "an elevation, not a depth",
+                        highest, lowest));
     }
     const bool comes_in = std::any_of(scene_.water_faces.begin(), scene_.water_faces.end(), [&](const WaterFace& f) {
       if (f.pressure || f.discharge || f.face.points.empty()) return !f.outlet;
@@ -114,8 +116,9 @@ class Doubts : Complaints {
       return std::any_of(f.head->knots.begin(), f.head->knots.end(), [&](const auto& k) { return k.second > lowest; });
     });
     if (scene_.fluid.regions.empty() && !comes_in)
-      doubt("water_face", "no water is there and none ever comes in: expected a [[fluid.region]], or a face with a head "
-                          "above its lowest point, a pressure or a discharge");
+      doubt("water_face",
+            "no water is there and none ever comes in: expected a [[fluid.region]], or a face with a head "
+            "above its lowest point, a pressure or a discharge");
   }
 
   void narrow_water() {
@@ -138,10 +141,11 @@ class Doubts : Complaints {
           const auto width = distance_to(sides[q].piece, x, left);
           if (!width || !(*width > 0.0) || *width >= (1.0 - 1e-6) * fewest * dx) continue;
           doubt(fmt::format("wall[{}]", sides[q].wall),
-                fmt::format("leaves {:.3g} m for water beside {} at {} m, {:.2g} particles; expected {:g} or more: give a "
-                            "fluid.particle_spacing of {:.3g} m or less",
-                            *width, named("wall", sides[p].wall, scene_.walls[sides[p].wall].name), shown(x),
-                            *width / dx, fewest, *width / fewest));
+                fmt::format(
+                    "leaves {:.3g} m for water beside {} at {} m, {:.2g} particles; expected {:g} or more: give a "
+                    "fluid.particle_spacing of {:.3g} m or less",
+                    *width, named("wall", sides[p].wall, scene_.walls[sides[p].wall].name), shown(x), *width / dx,
+                    fewest, *width / fewest));
           return;
         }
       }
@@ -185,11 +189,12 @@ class Doubts : Complaints {
     const Amounts a = estimate(scene_);
     constexpr double many = 1e9;  // bytes
     if (a.factor_bytes > many)
-      doubt("solid.particle_spacing",
-            fmt::format("{:.2g} soil particles in 3D with water: the soil's stiffness is factorised once an axis, about "
-                        "{:.2g} GB and minutes before a window ends, growing as the number of particles to the power of "
-                        "1.6; give a larger spacing, or solid.model = \"rigid\"",
-                        a.solid, a.factor_bytes / 1e9));
+      doubt(
+          "solid.particle_spacing",
+          fmt::format("{:.2g} soil particles in 3D with water: the soil's stiffness is factorised once an axis, about "
+                      "{:.2g} GB and minutes before a window ends, growing as the number of particles to the power of "
+                      "1.6; give a larger spacing, or solid.model = \"rigid\"",
+                      a.solid, a.factor_bytes / 1e9));
   }
 
   void without_effect() {
@@ -229,14 +234,12 @@ class Doubts : Complaints {
     for (const char* key : {"scheme", "acceleration", "tolerance", "keep_points"})
       idle(std::string("coupling.") + key, !scene_.coupled(), "one phase runs alone");
     for (const char* key : {"acceleration", "tolerance"})
-      idle(std::string("coupling.") + key,
-           scene_.coupled() && scene_.coupling.scheme != CouplingCase::Scheme::iterated,
+      idle(std::string("coupling.") + key, scene_.coupled() && scene_.coupling.scheme != CouplingCase::Scheme::iterated,
            "it belongs to coupling.scheme = \"iterated\"");
     idle("case.central_force", !scene_.has_water(), "it acts on water");
     const bool boxed = !scene_.general.periodic.empty() ||
-                       (d_ == 3 && std::any_of(scene_.walls.begin(), scene_.walls.end(), [](const Wall& wall) {
-                          return wall.soil == Wall::ForSoil::rough;
-                        }));
+                       (d_ == 3 && std::any_of(scene_.walls.begin(), scene_.walls.end(),
+                                               [](const Wall& wall) { return wall.soil == Wall::ForSoil::rough; }));
     for (const char* key : {"domain_min", "domain_max"})
       idle(std::string("case.") + key, !boxed && !(f.initial_vortices > 0.0),
            "no axis is periodic (case.periodic), and it is no wall");
@@ -267,12 +270,12 @@ class Doubts : Complaints {
            g.kind != "point" && g.kind != "momentum" && g.kind != "level" && g.kind != "passed_volume",
            fmt::format("a gauge of kind \"{}\" reads one quantity only", g.kind));
       idle(key + ".thickness", g.kind != "front" || g.phase != "solid", "it belongs to the \"front\" of the soil");
-      constexpr std::array with_points{"point",       "front",  "extent", "spread",       "discharge",
+      constexpr std::array with_points{"point",       "front",  "extent",        "spread",      "discharge",
                                        "exit_height", "height", "exit_gradient", "slip_surface"};
       idle(key + ".points", std::find(with_points.begin(), with_points.end(), g.kind) == with_points.end(),
            fmt::format("a gauge of kind \"{}\" is of the whole phase, or of its 'region'", g.kind));
-      constexpr std::array without_region{"point",         "front",  "discharge",     "exit_height",
-                                          "exit_gradient", "height", "slip_surface",  "level",
+      constexpr std::array without_region{"point",         "front",   "discharge",        "exit_height",
+                                          "exit_gradient", "height",  "slip_surface",     "level",
                                           "passed_volume", "balance", "received_impulse", "drag_work"};
       idle(key + ".region", std::find(without_region.begin(), without_region.end(), g.kind) != without_region.end(),
            fmt::format("a gauge of kind \"{}\" knows no region", g.kind));

@@ -57,12 +57,11 @@ void move_to_origin(Case& scene) {
   for (const auto& soil : scene.soils) enclose(soil.shape);
   for (const auto& region : scene.fluid.regions) enclose(region);
   const double spacing = finest_spacing(scene);
-  constexpr double far = 1e5;  // spacings; wrong numbers begin beyond 2e6
+  constexpr double far = 1e5;    // spacings; wrong numbers begin beyond 2e6
   if (!(spacing > 0.0)) return;  // check_case() complains
   Point3 way = Point3::Zero();
   for (int d = 0; d < g.dimension; ++d)
-    if (g.gravity[d] == 0.0 && lower[d] <= upper[d] &&
-        std::max(std::abs(lower[d]), std::abs(upper[d])) > far * spacing)
+    if (g.gravity[d] == 0.0 && lower[d] <= upper[d] && std::max(std::abs(lower[d]), std::abs(upper[d])) > far * spacing)
       way[d] = std::floor(lower[d]);
   if (way.isZero()) return;
   scene.general.origin = way;

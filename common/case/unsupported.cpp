@@ -108,10 +108,7 @@ class Supported : Complaints {
           if (!thickness || !(*thickness > 0.0) || *thickness >= 5.0 * dx) continue;
           const Point3 here = x + 0.25 * dx * left, beyond = x - (*thickness + 0.25 * dx) * left;
           const bool soils = soil_at(here) && soil_at(beyond);
-          const double least = soils                      ? 4.0
-                               : wet(here) && wet(beyond) ? 5.0
-                               : wet(here)                ? 3.0
-                                                          : 0.0;
+          const double least = soils ? 4.0 : wet(here) && wet(beyond) ? 5.0 : wet(here) ? 3.0 : 0.0;
           if (*thickness < (1.0 - 1e-6) * least * dx)
             fail(fmt::format("wall[{}]", p.wall),
                  fmt::format("is {:.4g} m thick at {} m, {:.2g} particle spacings, with {}: particles would feel each "
@@ -178,9 +175,10 @@ class Supported : Complaints {
         for (const auto& x : places_in(region, scene_.fluid.particle_spacing))
           if (soil_at(x) == nullptr)
             fail(fmt::format("soil[{}].porosity", i),
-                 fmt::format("expected {} or more beside free water, found {}: so dense a soil is a solid body, which is "
-                             "drawn as a closed [[wall]] (2D){}",
-                             least, scene_.soils[i].porosity, d_ == 3 ? "; in 3D there is none yet" : ""));
+                 fmt::format(
+                     "expected {} or more beside free water, found {}: so dense a soil is a solid body, which is "
+                     "drawn as a closed [[wall]] (2D){}",
+                     least, scene_.soils[i].porosity, d_ == 3 ? "; in 3D there is none yet" : ""));
     }
   }
 
@@ -207,10 +205,11 @@ class Supported : Complaints {
       });
       if (!lid)
         fail(fmt::format("water_face[{}].head", i),
-             fmt::format("the water behind the face rises to {:.6g} m, above the soil's upper end at {:.4g} m, and "
-                         "cannot run over there: a face by 'point' and 'normal' has no crest; expected a lower head, soil "
-                         "up to it, or a [[wall]] on the soil's top",
-                         highest, top));
+             fmt::format(
+                 "the water behind the face rises to {:.6g} m, above the soil's upper end at {:.4g} m, and "
+                 "cannot run over there: a face by 'point' and 'normal' has no crest; expected a lower head, soil "
+                 "up to it, or a [[wall]] on the soil's top",
+                 highest, top));
     }
   }
 
@@ -228,8 +227,7 @@ class Supported : Complaints {
         double from, to;
       };
       std::vector<Plane> planes;
-      if (f.points.empty())
-        planes.push_back({f.point, f.normal.normalized(), Point3::Zero(), -HUGE_VAL, HUGE_VAL});
+      if (f.points.empty()) planes.push_back({f.point, f.normal.normalized(), Point3::Zero(), -HUGE_VAL, HUGE_VAL});
       for (const auto& piece : pieces_of(f)) {
         const Point3 along = (piece.b - piece.a).normalized();
         planes.push_back({piece.a, piece.left(), along, along.dot(piece.a), along.dot(piece.b)});
@@ -242,12 +240,12 @@ class Supported : Complaints {
             const double off = std::abs(inside - 0.5 * dx);
             if (off <= (farthest + 0.25) * dx || soil_at(x - dx * plane.normal) != nullptr) continue;
             fail(fmt::format("load[{}]", i),
-                 fmt::format("the soil's surface at {} m lies {:.3g} m off the load's face, within its reach; expected "
-                             "surfaces within {:.3g} m of the face ({:g} spacings) or beyond {:.3g} m: move the face to "
-                             "the surface{}",
-                             shown(x), off, farthest * dx, farthest, reach,
-                             f.points.empty() ? ", or, as a plane goes on without end, leave out what else it meets"
-                                              : ""));
+                 fmt::format(
+                     "the soil's surface at {} m lies {:.3g} m off the load's face, within its reach; expected "
+                     "surfaces within {:.3g} m of the face ({:g} spacings) or beyond {:.3g} m: move the face to "
+                     "the surface{}",
+                     shown(x), off, farthest * dx, farthest, reach,
+                     f.points.empty() ? ", or, as a plane goes on without end, leave out what else it meets" : ""));
           }
     }
   }
@@ -314,11 +312,12 @@ class Supported : Complaints {
       const double gamma = (1.0 - soil.porosity) * soil.grain_density * scene_.general.gravity.norm();
       const double stands = 3.83 * soil.cohesion / gamma;
       if (stands >= *height || soil.cohesion <= 0.01 * gamma * *height) continue;
-      fail(fmt::format("soil[{}].tensile_strength", i),
-           fmt::format("the soil stands {:.3g} m high, more than the {:.3g} m that its cohesion bears, and with "
-                       "friction_angle = 0 the cone has no apex to limit the tension: expected the largest mean tension "
-                       "(0, or up to the cohesion of {:g} Pa), found none",
-                       *height, stands, soil.cohesion));
+      fail(
+          fmt::format("soil[{}].tensile_strength", i),
+          fmt::format("the soil stands {:.3g} m high, more than the {:.3g} m that its cohesion bears, and with "
+                      "friction_angle = 0 the cone has no apex to limit the tension: expected the largest mean tension "
+                      "(0, or up to the cohesion of {:g} Pa), found none",
+                      *height, stands, soil.cohesion));
     }
   }
 
@@ -342,11 +341,12 @@ class Supported : Complaints {
     for (std::size_t i = 0; i < scene_.walls.size(); ++i)
       for (std::size_t j = 0; j < scene_.loads.size(); ++j)
         if (scene_.walls[i].water != Wall::ForWater::none && overlap(scene_.walls[i].face, scene_.loads[j].face))
-          fail(fmt::format("wall[{}]", i),
-               fmt::format("a wall stands still, but {} moves the soil there, and the water would cling to the wall: "
-                           "there is no tight plate that moves with the soil; expected a drained surface under the load "
-                           "(a [[water_face]] with pressure = 0), or the load elsewhere",
-                           named("load", j, scene_.loads[j].name)));
+          fail(
+              fmt::format("wall[{}]", i),
+              fmt::format("a wall stands still, but {} moves the soil there, and the water would cling to the wall: "
+                          "there is no tight plate that moves with the soil; expected a drained surface under the load "
+                          "(a [[water_face]] with pressure = 0), or the load elsewhere",
+                          named("load", j, scene_.loads[j].name)));
   }
 
   int d_;

@@ -48,8 +48,7 @@ void WarningLog::note_gauges(double time) {
     // A gauge of several points or components has a series of each: name[0], name_x.
     const bool read = std::any_of(series_.begin(), series_.end(), [&](const auto& entry) {
       const std::string& name = entry.first;
-      return name == gauge ||
-             (name.starts_with(gauge) && (name[gauge.size()] == '[' || name[gauge.size()] == '_'));
+      return name == gauge || (name.starts_with(gauge) && (name[gauge.size()] == '[' || name[gauge.size()] == '_'));
     });
     if (!read) absent.push_back(gauge);
   }

@@ -96,7 +96,8 @@ TEST(Warnings, GoOnAfterARestart) {
   loaded.expect_end();
   after.note(2.0, {{"lost", 5.0, "there", true}});
   after.note_gauges(2.0);
-  EXPECT_THAT(lines, ElementsAre("warning: lost (2 by t = 1 s): there", HasSubstr("without a value in any reading (1 by")));
+  EXPECT_THAT(lines,
+              ElementsAre("warning: lost (2 by t = 1 s): there", HasSubstr("without a value in any reading (1 by")));
   ASSERT_EQ(after.all().size(), 2u);
   EXPECT_EQ(after.all()[0].count, 5.0);
   EXPECT_TRUE(after.result_in_doubt());

@@ -131,7 +131,8 @@ TEST_F(CommandWithStandIns, DoubtsAboutTheCaseAreShown) {
   const auto checked = poretwin({"check", doubtful.string(), "--set", "solid.initial_rest=false"});
   EXPECT_EQ(checked.exit, 0);
   EXPECT_THAT(checked.out, HasSubstr("sound, with warnings"));
-  EXPECT_THAT(checked.out, HasSubstr("key 'soil[0].earth_pressure_at_rest': has no effect: solid.initial_rest = false"));
+  EXPECT_THAT(checked.out,
+              HasSubstr("key 'soil[0].earth_pressure_at_rest': has no effect: solid.initial_rest = false"));
   const auto ran = poretwin({"run", doubtful.string(), "--set", "solid.initial_rest=false", "--out", out().string(),
                              "--programs", PORETWIN_FAKES, "--no-pictures"});
   EXPECT_EQ(ran.exit, 0);

@@ -1,6 +1,6 @@
 // Stands in for a process of a run. PORETWIN_FAKE_<process> says how: "good" (default), "fail N", "crash", "follow"
-// (fails with 3 a moment later, as a peer does), "wait" (until SIGINT, then 130), "deaf" (hears no signal but SIGKILL), "lossy" (ends with warnings that put the result
-// in doubt, 6).
+// (fails with 3 a moment later, as a peer does), "wait" (until SIGINT, then 130), "deaf" (hears no signal but SIGKILL),
+// "lossy" (ends with warnings that put the result in doubt, 6).
 #include <signal.h>
 #include <unistd.h>
 

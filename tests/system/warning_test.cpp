@@ -109,20 +109,20 @@ quantity = "pore_pressure"
 points = [[0.5, 0.95], [0.5, 0.2]]
 )");
   EXPECT_EQ(outcome.exit, 0) << "a dry place is no error";
-  EXPECT_THAT(outcome.err, HasSubstr("fluid: warning: gauges without a value in any reading (1 by t = 0.02 s): above[0]"));
+  EXPECT_THAT(outcome.err,
+              HasSubstr("fluid: warning: gauges without a value in any reading (1 by t = 0.02 s): above[0]"));
 }
 
 TEST_F(Warned, CtrlCEndsASearchForRestAtOnce) {
   // Fine enough that the search takes longer than anybody waits.
-  const auto outcome =
-      run(soft, {"--set", "solid.particle_spacing=0.04"}, [&](pid_t child) {
-        const auto searching = [&] {
-          return text_of(out() / "log" / "solid.log").find("rest of the soil: largest") != std::string::npos;
-        };
-        for (int k = 0; k < 3000 && (!fs::exists(out() / "log" / "solid.log") || !searching()); ++k)
-          std::this_thread::sleep_for(std::chrono::milliseconds(10));
-        ::kill(child, SIGINT);
-      });
+  const auto outcome = run(soft, {"--set", "solid.particle_spacing=0.04"}, [&](pid_t child) {
+    const auto searching = [&] {
+      return text_of(out() / "log" / "solid.log").find("rest of the soil: largest") != std::string::npos;
+    };
+    for (int k = 0; k < 3000 && (!fs::exists(out() / "log" / "solid.log") || !searching()); ++k)
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    ::kill(child, SIGINT);
+  });
   EXPECT_EQ(outcome.exit, 130);
   EXPECT_THAT(outcome.err, HasSubstr("stopping: "));
   EXPECT_THAT(text_of(out() / "log" / "solid.log"), HasSubstr("interrupted in the search for the soil's rest"));
