@@ -742,14 +742,15 @@ std::vector<Warning> Solid<D>::warnings() const {
   // Soil that ran away in the search starts from a shape that nobody drew. A layer that slides as a whole (cases/
   // sliding_layer: a third of its height) keeps its own.
   const bool far = rest_.displacement > 0.5 * setup_.height;
-  return {{"the soil's rest was not found", sought ? 1.0 : 0.0,
-           fmt::format("{} steps left {:.2g} of the driving acceleration, wanted {:g}; the run starts in motion, the soil "
-                       "moved by up to {:.3g} m before time zero: too weak to stand, too soft (youngs_modulus is in "
-                       "Pa), or solid.initial_rest = false is meant",
-                       rest_.steps, rest_.residual, rest_.criterion, rest_.displacement),
-           far},
-          {"times the soil began to move", state_.motion.begun,
-           "it found no equilibrium in a window and is followed in time from there", false}};
+  return {
+      {"the soil's rest was not found", sought ? 1.0 : 0.0,
+       fmt::format("{} steps left {:.2g} of the driving acceleration, wanted {:g}; the run starts in motion, the soil "
+                   "moved by up to {:.3g} m before time zero: too weak to stand, too soft (youngs_modulus is in "
+                   "Pa), or solid.initial_rest = false is meant",
+                   rest_.steps, rest_.residual, rest_.criterion, rest_.displacement),
+       far},
+      {"times the soil began to move", state_.motion.begun,
+       "it found no equilibrium in a window and is followed in time from there", false}};
 }
 
 template class Solid<2>;

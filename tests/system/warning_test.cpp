@@ -147,7 +147,7 @@ name = "p"
 phase = "fluid"
 kind = "point"
 quantity = "pore_pressure"
-points = [[{0}.3, 0.2]]
+points = [[{0}.25, 0.2]]
 )",
                        by, by + 1);
   };
