@@ -44,8 +44,9 @@ def judged(phase, name, entry, settings, a):
         path = pathlib.Path(folder) / "case.toml"
         path.write_text(entry["case"] + gauges(phase))
         run = Run(path, settings, a.program, a.longest)
-    why = run.reason.replace(str(path), "case.toml") if run.exit else "; ".join(complaints(run, entry))
-    verdict = {0: "unbounded" if why else "bounded", 2: "refused", 4: "diverged", 124: "too slow"}.get(run.exit, f"exit {run.exit}")
+    why = run.reason.replace(str(path), "case.toml") if run.exit not in (0, 6) else "; ".join(complaints(run, entry))
+    verdict = {0: "unbounded" if why else "bounded", 2: "refused", 4: "diverged", 124: "too slow"}.get(
+        0 if run.exit == 6 else run.exit, f"exit {run.exit}")  # 6: ended, with warnings that the result may be in doubt
     steps = run.counter(phase, "substeps") or run.counter(phase, "windows")
     return {"phase": phase, "what": name, "verdict": verdict, "particles": int(run.counter(phase, "particles")), "steps": int(steps),
             "cpu_s": round(run.cpu, 2), "why": " ".join(why.split())}

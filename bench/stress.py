@@ -103,7 +103,7 @@ def judge(row, run, complaints):
     row["windows"] = int(run.summaries.get("coupler", {}).get("steps", {}).get("windows", 0))
     said = re.sub(r"\[[\d:]+\] | ?\(all of it: .*?\)|\S+/(?=case\.toml)", "", run.reason)  # no times and places of this run
     row["why"] = " ".join(said.split())
-    if run.exit == 0:
+    if run.exit in (0, 6):  # 6: ended, with warnings that the result may be in doubt
         row["why"] = "; ".join(complaints(run))
         row["verdict"] = "unbounded" if row["why"] else "bounded"
     else:
@@ -145,7 +145,7 @@ def column(a, k, E, n, factor, plain=False):
             f"soil.0.hydraulic_conductivity={k}", f"soil.0.youngs_modulus={E}", f"soil.0.porosity={n}", "case.gravity=[0, -9.81]",
             f"coupling.interval={window}", f"case.end_time={windows * window:.12g}", "output.interval=0", "fluid.particle_spacing=0.02",
             "solid.particle_spacing=0.02"] + ["fluid.skeleton_response=false"] * plain, a.program, a.longest)
-        if run.exit == 0:
+        if run.exit in (0, 6):
             row["overshoot"] = round(max(part.max(initial=0.0) for part in excess(run)), 2)
         return judge(row, run, complaints)
 

@@ -1,9 +1,12 @@
 #include "cli/check.hpp"
 
+#include "common/case/amounts.hpp"
 #include "common/case/geometry.hpp"
+#include "common/core/error.hpp"
 #include "common/porous/seepage.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -75,30 +78,53 @@ std::vector<Limit> limits(const Case& scene) {
 
 }  // namespace
 
+void expect_memory(const Case& scene) {
+  const Amounts a = estimate(scene);
+  const double pages = static_cast<double>(::sysconf(_SC_PHYS_PAGES)),
+               there = pages * static_cast<double>(::sysconf(_SC_PAGESIZE));
+  if (!(pages > 0.0) || a.memory_bytes <= there) return;
+  const bool factors = a.factor_bytes > 0.5 * a.memory_bytes;
+  throw CaseError(fmt::format(
+      "{}: key '{}.particle_spacing': about {:.3g} GB for {:.3g} particles{}: expected what this "
+      "machine has, {:.3g} GB; give a larger spacing, or run on a larger machine",
+      scene.path.string(), scene.has_water() ? "fluid" : "solid", a.memory_bytes / 1e9, a.fluid + a.solid,
+      factors ? fmt::format(", {:.3g} GB of it for the factors of the soil's stiffness", a.factor_bytes / 1e9) : "",
+      there / 1e9));
+}
+
 ParticleCount count_particles(const Case& scene) {
   return scene.general.dimension == 3 ? count<3>(scene) : count<2>(scene);
 }
 
 std::string check_text(const Case& scene) {
-  const auto particles = count_particles(scene);
-  std::string text = fmt::format("{}: sound\n", scene.path.string());
+  const Amounts amounts = estimate(scene);
+  // Making very many only to count them takes longer than a person waits.
+  constexpr double many = 2e6;
+  const bool estimated = amounts.fluid + amounts.solid > many;
+  const auto particles =
+      estimated ? ParticleCount{static_cast<std::size_t>(amounts.fluid), static_cast<std::size_t>(amounts.solid)}
+                : count_particles(scene);
+  const char* about = estimated ? "about " : "";
+  std::string text =
+      fmt::format("{}: {}\n", scene.path.string(), scene.warnings.empty() ? "sound" : "sound, with warnings");
   if (!scene.general.title.empty()) text += fmt::format("title       {}\n", scene.general.title);
   text += fmt::format("dimension   {}, simulated time {} s, {}\n", scene.general.dimension, scene.general.end_time,
                       scene.coupled()      ? "fluid and solid coupled"
                       : scene.deformable() ? "soil alone"
                                            : "fluid alone in rigid soil");
   if (scene.has_water())
-    text += fmt::format("fluid       {} particles at the start, spacing {} m\n", particles.fluid,
+    text += fmt::format("fluid       {}{} particles at the start, spacing {} m\n", about, particles.fluid,
                         scene.fluid.particle_spacing);
   if (scene.deformable())
-    text += fmt::format("solid       {} particles, spacing {} m\n", particles.solid, scene.solid.particle_spacing);
-  text += fmt::format("gauges      {}\n", scene.gauges.size());
+    text +=
+        fmt::format("solid       {}{} particles, spacing {} m\n", about, particles.solid, scene.solid.particle_spacing);
+  text += fmt::format("gauges      {}", scene.gauges.size());
+  if (amounts.gauge_rows > 0.0) text += fmt::format(", about {:.3g} readings", amounts.gauge_rows);
+  text += fmt::format("\noutput      {:.0f} frames, about {:.3g} MB\n", amounts.frames, amounts.frame_bytes / 1e6);
   text += "intervals   estimates, smallest first\n";
   for (const auto& limit : limits(scene)) text += fmt::format("  {:10.3g} s  {}\n", limit.seconds, limit.what);
-  // State, neighbours and the exchange; 3D particles have four to five times as many neighbours.
-  const double bytes = scene.general.dimension == 3 ? 12e3 : 3e3;
-  text += fmt::format("memory      about {:.0f} MB in all\n",
-                      40.0 + bytes * static_cast<double>(particles.fluid + particles.solid) / 1e6);
+  text += fmt::format("memory      about {:.0f} MB in all\n", amounts.memory_bytes / 1e6);
+  for (const auto& warning : scene.warnings) text += fmt::format("warning: {}\n", warning);
   return text;
 }
 

@@ -13,6 +13,9 @@ struct ParticleCount {
 };
 ParticleCount count_particles(const Case& scene);
 
+/// Throws CaseError when the case needs more memory than this machine has, by estimate.
+void expect_memory(const Case& scene);
+
 /// Particles, spacing, the intervals that are stable and what sets them, memory.
 std::string check_text(const Case& scene);
 

@@ -42,6 +42,13 @@ CasePlace find_case(const std::string& name) {
       return placed(root / name / "case.toml");
   if (fs::is_directory(name) && fs::exists(fs::path(name) / "case.toml")) return placed(fs::path(name) / "case.toml");
   if (fs::is_regular_file(name)) return placed(name);
+  if (fs::is_directory(name))
+    throw FileError(fmt::format("{}: the folder has no case.toml; expected a case file, or a folder with one", name));
+  if (name.find('/') != std::string::npos || name.ends_with(".toml"))
+    throw FileError(
+        fmt::format("{}: no such file; expected a case file, a folder with a case.toml, or the name of a "
+                    "folder below cases/",
+                    name));
   const auto names = case_names("case.toml");
   std::string list;
   for (const auto& known : names) list += (list.empty() ? "" : ", ") + known;

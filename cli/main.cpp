@@ -28,8 +28,8 @@ using namespace poretwin::cli;
 
 constexpr const char* epilogue =
     "CASE is the name of a folder below cases/, or a path to a folder or TOML file.\n"
-    "Exit codes: 0 done, 1 unforeseen, 2 bad case or command line, 3 a peer failed, 4 diverged, 5 files, 6 a reference "
-    "was missed, "
+    "Exit codes: 0 done, 1 unforeseen, 2 bad case or command line, 3 a peer failed, 4 diverged, 5 files, 6 ended, "
+    "but the result is in doubt (mass lost, a reference missed, ..), "
     "130 interrupted.";
 
 struct Arguments {
@@ -84,7 +84,9 @@ int safety(const Arguments& a) {
 }
 
 int check(const Arguments& a) {
-  fmt::print("{}", check_text(read_case(find_case(a.which).file, a.set)));
+  const Case scene = read_case(find_case(a.which).file, a.set);
+  expect_memory(scene);
+  fmt::print("{}", check_text(scene));
   return 0;
 }
 

@@ -15,6 +15,7 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <optional>
@@ -234,17 +235,24 @@ class Watch {
         return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
       };
       ended.cpu = seconds(usage.ru_utime) + seconds(usage.ru_stime);
-      if (ended.status != 0 && !next_) schedule(SIGTERM, patience_.by_itself);
+      const bool well = ended.status == 0 || ended.status == static_cast<int>(ExitCode::in_doubt);
+      if (!well && !next_) schedule(SIGTERM, patience_.by_itself);
       result_.ended.push_back(ended);
     }
   }
 
   void interrupt() {
     if (result_.interrupted) {  // a second Ctrl-C: no more waiting
+      std::fputs("\nending at once\n", stderr);
       next_at_ = Clock::now();
       return;
     }
     result_.interrupted = true;
+    std::fputs(
+        "\nstopping: the window under way is finished and a checkpoint written, a search for rest given up (Ctrl-C "
+        "again: "
+        "at once)\n",
+        stderr);
     end_all(SIGINT);
     schedule(SIGTERM, patience_.after_interrupt);
   }

@@ -37,9 +37,10 @@ struct Watched {
 };
 
 struct Patience {
-  std::chrono::milliseconds by_itself{5000};         ///< for the others after a failure, before SIGTERM
-  std::chrono::milliseconds after_term{3000};        ///< before SIGKILL
-  std::chrono::milliseconds after_interrupt{20000};  ///< for a clean stop after Ctrl-C, before SIGTERM
+  std::chrono::milliseconds by_itself{5000};   ///< for the others after a failure, before SIGTERM
+  std::chrono::milliseconds after_term{3000};  ///< before SIGKILL
+  /// For a clean stop after Ctrl-C, before SIGTERM: windows may take minutes; a person presses it again.
+  std::chrono::milliseconds after_interrupt{600000};
 };
 
 /// Starts all, feeds progress lines to `progress`, calls `tick` about four times a second, returns when all have ended.

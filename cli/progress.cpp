@@ -36,9 +36,19 @@ void ProgressView::line(const std::string& json) {
   }
 }
 
+void ProgressView::doing(const std::string& what) { doing_ = what; }
+
+void ProgressView::say(const std::string& line) {
+  if (shown_ && terminal_ && !quiet_) fmt::print(stderr, "\r\033[K");
+  fmt::print(stderr, "{}\n", line);
+  std::fflush(stderr);
+}
+
 std::string ProgressView::text() const {
-  if (!known_)
-    return fmt::format("starting, {}", duration(std::chrono::duration<double>(Clock::now() - start_).count()));
+  // Nothing has moved on since the search began.
+  if (!known_ || (!doing_.empty() && time_ == 0.0))
+    return fmt::format("starting, {}{}{}", duration(std::chrono::duration<double>(Clock::now() - start_).count()),
+                       doing_.empty() ? "" : ": ", doing_);
   const double elapsed = std::max(1e-3, std::chrono::duration<double>(Clock::now() - first_).count());
   const double pace = (time_ - first_time_) / elapsed;
   std::string shown = fmt::format("{:3.0f} %  t = {:.4g} of {:.4g} s  step {:.0f} ({:.3g}/s, dt = {:.2g} s)",
@@ -55,7 +65,7 @@ void ProgressView::tick() {
   next_ = now + (terminal_ ? std::chrono::milliseconds(250) : std::chrono::milliseconds(5000));
   if (terminal_)
     fmt::print(stderr, "\r\033[K{}", text());
-  else if (known_)
+  else if (known_ || !doing_.empty())
     fmt::print(stderr, "{}\n", text());
   std::fflush(stderr);
   shown_ = true;

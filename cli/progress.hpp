@@ -11,6 +11,10 @@ class ProgressView {
   explicit ProgressView(bool quiet);
   /// A JSON line {"t","end","step","dt","waiting_for"} from a child; anything else is ignored.
   void line(const std::string& json);
+  /// What goes on while there is no progress in time yet, such as the search for rest.
+  void doing(const std::string& what);
+  /// A line that stays, also where progress is not shown.
+  void say(const std::string& line);
   /// Shows the latest state when it is due.
   void tick();
   /// Leaves the terminal's line clean.
@@ -22,7 +26,7 @@ class ProgressView {
   bool quiet_, terminal_;
   bool known_ = false, shown_ = false;
   double time_ = 0.0, end_ = 0.0, interval_ = 0.0, steps_ = 0.0, first_time_ = 0.0, first_steps_ = 0.0;
-  std::string waiting_for_;
+  std::string waiting_for_, doing_;
   Clock::time_point start_, first_, next_;
 };
 

@@ -1,6 +1,8 @@
 #include "cli/run.hpp"
 
+#include "cli/check.hpp"
 #include "cli/locate.hpp"
+#include "cli/log_tail.hpp"
 #include "cli/progress.hpp"
 #include "cli/script.hpp"
 #include "common/case/case.hpp"
@@ -149,12 +151,22 @@ std::vector<Summary> read_summaries(const fs::path& out) {
     s.seconds = numbers_of(data, "seconds");
     s.steps = numbers_of(data, "steps");
     s.counters = numbers_of(data, "counters");
+    if (const auto warnings = data.find("warnings"); warnings != data.end() && warnings->is_array())
+      for (const auto& w : *warnings)
+        if (w.is_object())
+          s.warnings.push_back(
+              {w.value("what", ""), w.value("count", 0.0), w.value("detail", ""), w.value("result_in_doubt", false)});
     if (const auto files = data.find("files"); files != data.end() && files->is_array())
       for (const auto& file : *files)
         if (file.is_string()) s.files.push_back(file.get<std::string>());
     summaries.push_back(s);
   }
   return summaries;
+}
+
+std::string number(double value) {
+  return std::abs(value) < 1e15 && value == std::floor(value) ? fmt::format("{:.0f}", value)
+                                                              : fmt::format("{:.4g}", value);
 }
 
 std::string toml_text(const std::string& text) {
@@ -172,19 +184,21 @@ void write_run_file(const RunOptions& options, const std::string& started, const
                       toml_text(build()), toml_text(host()), toml_text(started));
   if (result != nullptr) {
     text += fmt::format(
-        "ended = {}\nexit = {}\nreason = {}\nwall_s = {:.3f}\ncpu_s = {:.3f}\nrestarts = {}\n\n[exits]\n",
+        "ended = {}\nexit = {}\nreason = {}\nwall_s = {:.3f}\ncpu_s = {:.3f}\nrestarts = {}\nwarnings = [",
         toml_text(time_now()), result->exit, toml_text(result->reason), result->wall, result->cpu, result->restarts);
+    std::string warnings;
+    for (const auto& warning : result->case_warnings) warnings += "\n  " + toml_text(warning) + ",";
+    for (const auto& s : result->summaries)
+      for (const auto& w : s.warnings)
+        warnings +=
+            "\n  " + toml_text(fmt::format("{}: {} ({}): {}", s.process, w.what, number(w.count), w.detail)) + ",";
+    text += warnings + (warnings.empty() ? "]\n\n[exits]\n" : "\n]\n\n[exits]\n");
     for (const auto& ended : result->ended) text += fmt::format("{} = {}\n", ended.name, ended.status);
   }
   std::ofstream stream(options.out / "run.toml", std::ios::binary);
   stream << text;
   stream.close();
   if (!stream) throw FileError(fmt::format("{}: cannot be written", (options.out / "run.toml").string()));
-}
-
-std::string number(double value) {
-  return std::abs(value) < 1e15 && value == std::floor(value) ? fmt::format("{:.0f}", value)
-                                                              : fmt::format("{:.4g}", value);
 }
 
 /// "computing 1.2 s, waiting 0.3 s", largest first; what rounds to nothing is left out.
@@ -210,12 +224,22 @@ std::string listed_counts(const std::string& process, const Summary::Numbers& nu
   return text;
 }
 
+/// What the processes warned of: all, or only what puts the result in doubt.
+std::string listed_warnings(const std::vector<Summary>& summaries, bool in_doubt_only, const char* separator) {
+  std::string text;
+  for (const auto& s : summaries)
+    for (const auto& w : s.warnings)
+      if (w.result_in_doubt || !in_doubt_only)
+        text += fmt::format("{}{}: {} ({})", text.empty() ? "" : separator, s.process, w.what, number(w.count));
+  return text;
+}
+
 }  // namespace
 
 const Ended* root_cause(const std::vector<Ended>& ended) {
   const Ended* follower = nullptr;
   for (const auto& e : ended) {
-    if (e.status == 0) continue;
+    if (e.status == 0 || e.status == static_cast<int>(ExitCode::in_doubt)) continue;
     const bool followed = e.by_us || e.status == peer_failed;
     if (!followed) return &e;
     if (follower == nullptr || (follower->by_us && !e.by_us)) follower = &e;
@@ -228,6 +252,7 @@ RunResult run_case(const RunOptions& options) {
   if (!scene.coupled() && !(options.fluid.empty() && options.solid.empty()))
     throw CaseError(
         "the case's soil is rigid, so the fluid runs alone: expected another solid.model with --fluid or --solid");
+  expect_memory(scene);
   if (options.resume)
     expect_run_folder(options.out);
   else
@@ -242,12 +267,27 @@ RunResult run_case(const RunOptions& options) {
                              : scene.deformable() ? "solid"
                                                   : "fluid";
   RunResult result;
+  result.case_warnings = scene.warnings;
+  if (options.warnings)
+    for (const auto& warning : scene.warnings) view.say("warning: " + warning);
+  std::vector<fs::path> logs;
+  for (const char* process : {"coupler", "fluid", "solid"})
+    logs.push_back(options.out / "log" / (std::string(process) + ".log"));
+  LogTail tail(logs, options.resume, [&](const std::string& line) {
+    if (line.starts_with("rest of the soil")) view.doing(line);
+    if (options.warnings && line.find("warning: ") != std::string::npos) view.say(line);
+  });
   bool resume = options.resume;
   for (;;) {
     const Watched watched = run_together(
         programs_of(options, scene, address, resume, result.restarts > 0),
-        [&](const std::string& line) { view.line(line); }, [&] { view.tick(); });
+        [&](const std::string& line) { view.line(line); },
+        [&] {
+          tail.read();
+          view.tick();
+        });
     view.finish();
+    tail.read();
     result.ended = watched.ended;
     for (const auto& ended : watched.ended) result.cpu += ended.cpu;
     const Ended* cause = root_cause(watched.ended);
@@ -273,13 +313,18 @@ RunResult run_case(const RunOptions& options) {
   // Nobody writes any more: what a dead process left half-written goes back to the last whole frame.
   for (const char* phase : {"fluid", "solid"}) hdf5::roll_back(options.out / (std::string(phase) + ".vtkhdf"));
   result.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (result.exit == 0) fs::remove_all(options.out / "checkpoints");
-  coupling::join_traces(options.out);
   result.summaries = read_summaries(options.out);
+  if (result.exit == 0)
+    if (const auto doubts = listed_warnings(result.summaries, true, "; "); !doubts.empty()) {
+      result.exit = static_cast<int>(ExitCode::in_doubt);
+      result.reason = "ended, with warnings that put the result in doubt: " + doubts;
+    }
+  if (result.ended_well()) fs::remove_all(options.out / "checkpoints");
+  coupling::join_traces(options.out);
   merge_gauges({options.out / "gauges.fluid.csv", options.out / "gauges.solid.csv"}, options.out / "gauges.csv");
   write_run_file(options, started, &result);
   if (!options.quiet) fmt::print("{}", summary_text(result, options.out));
-  if (options.pictures && result.exit == 0) {
+  if (options.pictures && result.ended_well()) {
     const int drawn = draw_pictures({options.out.string()}, options.out / "log" / "plot.log");
     if (drawn != 0)
       fmt::print(stderr, "warning: no pictures were drawn; see {}\n", (options.out / "log" / "plot.log").string());
@@ -294,6 +339,8 @@ std::string summary_text(const RunResult& result, const fs::path& out) {
   text += "\nprocess            count  of what (steps, work done, work skipped)\n";
   for (const auto& s : result.summaries)
     text += listed_counts(s.process, s.steps) + listed_counts(s.process, s.counters);
+  if (const auto warnings = listed_warnings(result.summaries, false, "\n"); !warnings.empty())
+    text += fmt::format("\nwarnings\n{}\n", warnings);
   std::error_code error;
   text += fmt::format("\nfiles in {}:", out.string());
   for (const auto& entry : fs::directory_iterator(out, error))

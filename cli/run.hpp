@@ -2,6 +2,8 @@
 #pragma once
 
 #include "cli/process.hpp"
+#include "common/core/error.hpp"
+#include "common/core/warning.hpp"
 
 #include <filesystem>
 #include <map>
@@ -19,6 +21,7 @@ struct Summary {
   int exit = 0;
   double wall = 0.0, cpu = 0.0;  ///< s
   Numbers seconds, steps, counters;
+  std::vector<Warning> warnings;
   std::vector<std::string> files;
 };
 
@@ -29,6 +32,7 @@ struct RunOptions {
   std::string fluid, solid;        ///< commands that take a solver's place; empty: ours
   std::filesystem::path programs;  ///< folder of poretwin-fluid, poretwin-solid, poretwin-coupler
   bool quiet = false;              ///< neither progress nor summary
+  bool warnings = true;            ///< show them as they come; they are counted in any case
   bool pictures = true;
   bool profile = false;                    ///< leave trace.json: what each process did when
   bool resume = false;                     ///< from the newest checkpoint in `out`
@@ -37,12 +41,15 @@ struct RunOptions {
 };
 
 struct RunResult {
-  int exit = 0;                  ///< of the process that failed first; 130 when interrupted
+  int exit = 0;                  ///< of the process that failed first; 6: the result is in doubt; 130: interrupted
   std::string reason;            ///< empty when all went well
   double wall = 0.0, cpu = 0.0;  ///< s
   int restarts = 0;              ///< after crashes
   std::vector<Ended> ended;
   std::vector<Summary> summaries;
+  std::vector<std::string> case_warnings;  ///< what the case says and hardly means
+  /// Ended by itself, whether or not with warnings that concern the result.
+  [[nodiscard]] bool ended_well() const { return exit == 0 || exit == static_cast<int>(ExitCode::in_doubt); }
 };
 
 /// Throws CaseError and FileError before anything is started; what happens later is in the result.

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <optional>
 
 namespace poretwin::cli {
 namespace fs = std::filesystem;
@@ -44,11 +45,12 @@ class Search {
     }
     std::sort(s.trials.begin(), s.trials.end(), [](const auto& a, const auto& b) { return a.factor < b.factor; });
     s.failing = folder(s.fails);
+    if (good()) s.run.exit = 0;
     return std::move(safety_);
   }
 
  private:
-  [[nodiscard]] bool good() const { return safety_.run.exit == 0; }
+  [[nodiscard]] bool good() const { return safety_.run.ended_well(); }
   [[nodiscard]] fs::path folder(double factor) const { return options_.out / fmt::format("F_{:.4f}", factor); }
 
   bool stands(double factor) {
@@ -58,6 +60,7 @@ class Search {
     options.overrides.emplace_back("solid.initial_rest=true");
     options.overrides.emplace_back("case.end_time=1e-9");  // the rest is what is asked for
     options.quiet = true;
+    options.warnings = false;  // soil that finds no rest is an answer here
     options.pictures = false;
     options.restarts = 0;
     const RunResult result = run_case(options);
@@ -106,6 +109,34 @@ std::string listed(const std::vector<SafetyTrial>& trials) {
   return text;
 }
 
+/// What of the case a search at time zero does not look at.
+std::string ignored(const Case& scene, const RunOptions& options) {
+  std::string text;
+  const auto add = [&](const std::string& key) { text += (text.empty() ? "" : ", ") + key; };
+  for (const auto& assignment : options.overrides)
+    if (assignment.starts_with("case.end_time=") || assignment.starts_with("output.") ||
+        assignment.starts_with("solid.strength_reduction=") || assignment.starts_with("solid.initial_rest="))
+      add("--set " + assignment);
+  const auto changes = [&](const std::optional<Series>& series, const std::string& key) {
+    if (series && series->knots.size() > 1) add(key + " after time zero");
+  };
+  for (std::size_t i = 0; i < scene.water_faces.size(); ++i) {
+    const auto& f = scene.water_faces[i];
+    changes(f.head, fmt::format("water_face[{}].head", i));
+    changes(f.pressure, fmt::format("water_face[{}].pressure", i));
+    if (f.discharge) add(fmt::format("water_face[{}].discharge", i));
+  }
+  for (std::size_t i = 0; i < scene.pore_pressures.size(); ++i) {
+    const auto& p = scene.pore_pressures[i];
+    changes(p.head, fmt::format("pore_pressure[{}].head", i));
+    changes(p.pressure, fmt::format("pore_pressure[{}].pressure", i));
+    changes(p.to_head, fmt::format("pore_pressure[{}].to_head", i));
+  }
+  for (std::size_t i = 0; i < scene.loads.size(); ++i)
+    if (scene.loads[i].start) add(fmt::format("load[{}] (it has a start)", i));
+  return text;
+}
+
 /// Trials of an earlier search would stand beside this one's.
 void clear_trials(const fs::path& out) {
   std::error_code error;
@@ -125,6 +156,9 @@ Safety find_safety(const RunOptions& options, double tolerance) {
     throw CaseError(
         fmt::format("{}: key 'solid.model': a factor of safety needs soil that can fail; expected \"drucker_prager\"",
                     options.case_file.string()));
+  for (const auto& warning : scene.warnings) fmt::print(stderr, "warning: {}\n", warning);
+  if (const auto keys = ignored(scene, options); !keys.empty())
+    fmt::print(stderr, "warning: a factor of safety is that of the rest at time zero; without effect: {}\n", keys);
   clear_trials(options.out);
   Safety safety = Search(options, tolerance).run();
   if (safety.run.exit != 0) return safety;

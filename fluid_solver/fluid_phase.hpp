@@ -38,6 +38,7 @@ class Fluid final : public Phase {
   [[nodiscard]] OutputFrame frame() const override;
   [[nodiscard]] std::vector<GaugeReading> gauges() const override;
   [[nodiscard]] std::map<std::string, double> counters() const override;
+  [[nodiscard]] std::vector<Warning> warnings() const override;
 
   [[nodiscard]] const State<D>& state() const { return state_; }
 

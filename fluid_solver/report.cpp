@@ -1,6 +1,8 @@
 // What the fluid shows of itself: output frames and counters.
 #include "fluid_solver/fluid_phase.hpp"
 
+#include <fmt/format.h>
+
 namespace poretwin::fluid {
 
 template <int D>
@@ -48,6 +50,16 @@ std::map<std::string, double> Fluid<D>::counters() const {
     counters["s: first cavitation"] = c.first_cavitation;
   }
   return counters;
+}
+
+template <int D>
+std::vector<Warning> Fluid<D>::warnings() const {
+  const auto& c = state_.counts;
+  return {{"water particles lost", c.lost, "they left the scene, through a gap or a wall; their mass is gone", true},
+          {"pressure solves that missed their tolerance", c.unconverged,
+           "the pressures of these windows are less exact than fluid.pressure_tolerance says", false},
+          {"particles of water that cavitated, most at once", c.cavitating,
+           fmt::format("from t = {:g} s on; voids opened at water.cavitation_pressure", c.first_cavitation), false}};
 }
 
 template class Fluid<2>;

@@ -1,6 +1,7 @@
 #include "solid_solver/phase.hpp"
 
 #include "common/core/error.hpp"
+#include "common/coupling/interrupt.hpp"
 #include "common/porous/seepage.hpp"
 #include "solid_solver/flow.hpp"
 #include "solid_solver/gauges.hpp"
@@ -239,6 +240,9 @@ void Solid<D>::initialise(const Inbox& inbox) {
     stop(setup_, state_);
     constexpr double before_everything = -1e300;  // standing loads only
     auto external = [&](Drive<D>& drive, bool rebuilt) {
+      if (interrupted())
+        throw Error(ExitCode::interrupted,
+                    "interrupted in the search for the soil's rest: there is nothing to resume from yet");
       if (!rebuilt) return;
       state_.external.pressure_gradient = gradient_of(state_.external.pressure, before_everything);
       drive.traction = load_forces<D>(setup_, state_, before_everything);
@@ -257,8 +261,6 @@ void Solid<D>::initialise(const Inbox& inbox) {
                  "rest of the soil: largest acceleration {:.2g} of the driving one after {} steps, until {:g}\n",
                  r.residual, r.steps, r.criterion);
     });
-    if (rest_.steps > 0 && !rest_.reached())
-      fmt::print(stderr, "rest of the soil: not reached, the run starts in motion\n");
     state_.particles.velocity = initial;
     state_.particles.slip = slip;
     standing_ = {};
@@ -787,6 +789,23 @@ std::map<std::string, double> Solid<D>::counters() const {
           {"rest residual", rest_.residual},
           {"rest displacement", rest_.displacement},
           {"rest criterion", rest_.criterion}};
+}
+
+template <int D>
+std::vector<Warning> Solid<D>::warnings() const {
+  const bool sought = rest_.steps > 0 && !rest_.reached();
+  // Soil that ran away in the search starts from a shape that nobody drew. A layer that slides as a whole (cases/
+  // sliding_layer: a third of its height) keeps its own.
+  const bool far = rest_.displacement > 0.5 * setup_.height;
+  return {
+      {"the soil's rest was not found", sought ? 1.0 : 0.0,
+       fmt::format("{} steps left {:.2g} of the driving acceleration, wanted {:g}; the run starts in motion, the soil "
+                   "moved by up to {:.3g} m before time zero: too weak to stand, too soft (youngs_modulus is in "
+                   "Pa), or solid.initial_rest = false is meant",
+                   rest_.steps, rest_.residual, rest_.criterion, rest_.displacement),
+       far},
+      {"times the soil began to move", state_.motion.begun,
+       "it found no equilibrium in a window and is followed in time from there", false}};
 }
 
 template class Solid<2>;

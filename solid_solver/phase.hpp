@@ -31,6 +31,7 @@ class Solid final : public Phase {
   [[nodiscard]] OutputFrame frame() const override;
   [[nodiscard]] std::vector<GaugeReading> gauges() const override;
   [[nodiscard]] std::map<std::string, double> counters() const override;
+  [[nodiscard]] std::vector<Warning> warnings() const override;
 
   /// For tests and tools that look inside.
   [[nodiscard]] const State<D>& state() const { return state_; }

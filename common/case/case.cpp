@@ -2,7 +2,10 @@
 #include "common/case/gauge_kinds.hpp"
 
 #include "common/case/check.hpp"
+#include "common/case/doubts.hpp"
 #include "common/case/keys.hpp"
+#include "common/case/origin.hpp"
+#include "common/core/error.hpp"
 #include "common/core/hash.hpp"
 
 #include <fmt/format.h>
@@ -101,6 +104,18 @@ void declare(Keys& keys, Shape& s) {
                s.kind == Shape::Kind::polygon});
   keys.point("centre", s.centre, {"m", "Centre of a ball.", s.kind == Shape::Kind::ball});
   keys.number("radius", s.radius, {"m", "Radius of a ball.", s.kind == Shape::Kind::ball}, not_negative());
+}
+
+/// Shapes whose kind was left out: without it the keys of a box would be missed.
+void expect_kinds(const Node& tables, const std::string& path) {
+  for (std::size_t i = 0; i < tables.items.size(); ++i) {
+    const Node& table = tables.items[i];
+    if (table.find("shape") != nullptr || table.find("min") != nullptr || table.find("max") != nullptr) continue;
+    for (const auto& [key, kind] : {std::pair{"points", "polygon"}, {"centre", "ball"}, {"radius", "ball"}})
+      if (const Node* node = table.find(key))
+        throw CaseError(fmt::format("{}: key '{}[{}].shape' is missing: expected shape = \"{}\" with '{}'", node->where,
+                                    path, i, kind, key));
+  }
 }
 
 void declare(Keys& keys, Face& f) {
@@ -501,6 +516,14 @@ Case read_case(const std::filesystem::path& path, const std::vector<std::string>
   scene.text = read_text(path);
   Node root = parse_document(scene.text, path.string());
   for (const auto& assignment : overrides) apply_override(root, assignment);
+  if (root.entries.empty())
+    throw CaseError(
+        fmt::format("{}: the file is empty; expected a case: a table [case] with end_time, and what is in it "
+                    "(docs/case-file.md lists all keys)",
+                    path.string()));
+  if (const Node* soils = root.find("soil")) expect_kinds(*soils, "soil");
+  if (const Node* fluid = root.find("fluid"))
+    if (const Node* regions = fluid->find("region")) expect_kinds(*regions, "fluid.region");
   const Node* general = root.find("case");
   const Node* preset = general ? general->find("scheme") : nullptr;
   const bool paper = preset && preset->text == "paper";
@@ -520,7 +543,9 @@ Case read_case(const std::filesystem::path& path, const std::vector<std::string>
     if (scene.coupled() && !places.contains("fluid.drag_form")) scene.fluid.drag_form = FluidCase::DragForm::pointwise;
   }
   if (scene.solid.particle_spacing <= 0.0) scene.solid.particle_spacing = scene.fluid.particle_spacing;
+  move_to_origin(scene);
   check_case(scene, places);
+  scene.warnings = doubts(scene, places);
   return scene;
 }
 

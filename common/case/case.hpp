@@ -49,6 +49,9 @@ struct General {
   double end_time = 0.0;            ///< s
   Point3 domain_min = Point3::Zero(), domain_max = Point3::Zero();  ///< m, needed only with periodic sides
   std::vector<int> periodic;                                        ///< axes
+  /// m: taken off all places on reading, and added again to those of the output. Where a scene lies far from the
+  /// origin (UTM), its particles would lose the digits that their distances need.
+  Point3 origin = Point3::Zero();
 };
 
 /// [water]
@@ -244,6 +247,7 @@ struct Case {
   CouplingCase coupling;
   OutputCase output;
   std::vector<Gauge> gauges;
+  std::vector<std::string> warnings;  ///< what is allowed and hardly meant: "file:line: key '..': .."
   /// The soil is a phase of its own.
   [[nodiscard]] bool deformable() const { return solid.model != SolidCase::Model::rigid; }
   /// There is a water phase.

@@ -1,9 +1,13 @@
 #include "common/case/check.hpp"
 
+#include "common/case/amounts.hpp"
+#include "common/case/complaints.hpp"
+#include "common/case/crossing.hpp"
 #include "common/case/enclosure.hpp"
 #include "common/case/gauge_kinds.hpp"
+#include "common/case/gauge_quantities.hpp"
 #include "common/case/geometry.hpp"
-#include "common/core/error.hpp"
+#include "common/case/unsupported.hpp"
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
@@ -20,43 +24,27 @@ constexpr std::array<std::string_view, 2> phases{"fluid", "solid"};
 constexpr std::array line_kinds{std::string_view("front"), std::string_view("discharge"),
                                 std::string_view("exit_height"), std::string_view("exit_gradient")};
 
-class Checker {
+class Checker : Complaints {
  public:
-  Checker(const Case& scene, const Places& places) : scene_(scene), places_(places) {}
+  using Complaints::Complaints;
 
   void all() const {
     general();
+    amounts();
     soils();
     fluid_regions();
     faces();
     walls();
+    nothing_behind_planes();
     soils_are_supported();
     pore_pressures();
     if (scene_.has_water()) sides();
     gauges();
     if (scene_.has_water()) enclosure();
+    check_supported(scene_, places_);
   }
 
  private:
-  /// The line of the key, or of the closest table around it that stands in the file.
-  [[nodiscard]] std::string place(const std::string& key) const {
-    for (std::string path = key;;) {
-      if (const auto found = places_.find(path); found != places_.end()) return found->second;
-      const auto dot = path.find_last_of(".[");
-      if (dot == std::string::npos) return scene_.path.string();
-      path.resize(dot);
-    }
-  }
-  [[noreturn]] void fail(const std::string& key, const std::string& message) const {
-    throw CaseError(fmt::format("{}: key '{}': {}", place(key), key, message));
-  }
-  [[nodiscard]] bool given(const std::string& key) const { return places_.find(key) != places_.end(); }
-
-  [[nodiscard]] std::string shown(const Point3& x) const {
-    return scene_.general.dimension == 3 ? fmt::format("[{:.6g}, {:.6g}, {:.6g}]", x.x(), x.y(), x.z())
-                                         : fmt::format("[{:.6g}, {:.6g}]", x.x(), x.y());
-  }
-
   void general() const {
     const auto& g = scene_.general;
     for (const int axis : g.periodic)
@@ -74,6 +62,33 @@ class Checker {
       fail("fluid.particle_spacing", "there is water: expected a length > 0 m, found none");
     if (scene_.deformable() && !(scene_.solid.particle_spacing > 0.0))
       fail("solid.particle_spacing", "expected a length > 0 m, found none");
+  }
+
+  /// Beyond what any machine of today holds: said before anything is made.
+  void amounts() const {
+    const Amounts a = estimate(scene_);
+    const int dimension = scene_.general.dimension;
+    constexpr double most_particles = 1e9, most_bytes = 1e12, most_rows = 1e9;
+    const auto too_many = [&](const char* section, const char* what, double count, double spacing) {
+      if (!(count > most_particles)) return;
+      fail(fmt::format("{}.particle_spacing", section),
+           fmt::format(
+               "{:.2g} {} particles at a spacing of {} m: expected {:g} at most; give a larger spacing ({:.2g} m "
+               "for a million particles), or lengths in metres",
+               count, what, spacing, most_particles, spacing * std::pow(count / 1e6, 1.0 / dimension)));
+    };
+    too_many("fluid", "water", a.fluid_full, scene_.fluid.particle_spacing);
+    too_many("solid", "soil", a.solid, scene_.solid.particle_spacing);
+    if (a.frame_bytes > most_bytes)
+      fail(
+          "output.interval",
+          fmt::format("{:.3g} frames of {:.3g} particles would take {:.2g} TB: expected {:g} TB at most; give a longer "
+                      "interval (s), 0 for the first and the last frame only",
+                      a.frames, a.fluid + a.solid, a.frame_bytes / 1e12, most_bytes / 1e12));
+    if (a.gauge_rows > most_rows)
+      fail("output.gauge_interval",
+           fmt::format("{:.3g} gauge readings: expected {:g} at most; give a longer interval (s)", a.gauge_rows,
+                       most_rows));
   }
 
   /// A lattice is fitted into the box around a shape; one much thinner than a spacing has no row of its own.
@@ -109,9 +124,21 @@ class Checker {
       fail(key, "a polygon takes 'points'; 'min' and 'max' belong to shape = \"box\"");
     if (s.points.size() < 3)
       fail(key + ".points", fmt::format("expected 3 corners or more, found {}", s.points.size()));
+    no_crossing(s.points, true, key + ".points");
     extent(s, "polygon", key, spacing);
-    if (fill<2>(s, spacing, {0.5, 0.5, 0.5}, 0.0, 1).position.empty())
+    if (fill<2>(s, spacing_to_look_at(s, spacing, 2), {0.5, 0.5, 0.5}, 0.0, 1).position.empty())
       fail(key, fmt::format("no particle fits into the polygon at a particle spacing of {} m", spacing));
+  }
+
+  /// A polygon, or a line of walls, that crosses itself: two of its points are in the wrong order.
+  void no_crossing(const std::vector<Point3>& points, bool closed, const std::string& key) const {
+    const auto found = self_crossing(points, closed);
+    if (!found) return;
+    const auto piece = [&](std::size_t i) { return fmt::format("{}-{}", i + 1, (i + 1) % points.size() + 1); };
+    fail(key,
+         fmt::format("edges {} and {} cross at {} m; expected a line that does not cross itself: put its points in "
+                     "the order in which one walks along it",
+                     piece(found->first), piece(found->second), shown(found->at)));
   }
 
   /// A point well inside both shapes, if there is one.
@@ -124,11 +151,29 @@ class Checker {
       return Point3(0.5 * (lower + upper));
     }
     for (const auto* s : {&a, &b})
-      for (const auto& x : fill<2>(*s, spacing, {0.5, 0.5, 0.5}, 0.0, 1).position) {
-        const Point3 point(x.x(), x.y(), 0.0);
+      for (const auto& point : lattice(*s, spacing, {0.5, 0.5, 0.5})) {
         if (contains(a, point, dimension) && contains(b, point, dimension)) return point;
       }
     return std::nullopt;
+  }
+
+  /// Places of particles in a shape, of fewer where there would be very many.
+  [[nodiscard]] std::vector<Point3> lattice(const Shape& s, double spacing, const Point3& offset) const {
+    std::vector<Point3> points;
+    const auto take = [&](const auto& filled) {
+      for (const auto& x : filled.position) {
+        Point3 point = Point3::Zero();
+        point.head(x.size()) = x;
+        points.push_back(point);
+      }
+    };
+    const int dimension = scene_.general.dimension;
+    const double seen = spacing_to_look_at(s, spacing, dimension);
+    if (dimension == 3)
+      take(fill<3>(s, seen, offset, 0.0, 1));
+    else
+      take(fill<2>(s, seen, offset, 0.0, 1));
+    return points;
   }
 
   void no_overlap(const std::vector<Shape>& shapes, const std::string& section, double spacing) const {
@@ -208,28 +253,20 @@ class Checker {
     std::vector<std::vector<Point3>> points(n);
     std::vector<char> supported(n, 0);
     for (std::size_t i = 0; i < n; ++i) {
-      auto take = [&](const auto& lattice) {
-        for (const auto& x : lattice.position) {
-          Point3 point = Point3::Zero();
-          point.head(x.size()) = x;
-          points[i].push_back(point);
-        }
-      };
-      const auto& offset = scene_.solid.offset;
-      if (scene_.general.dimension == 3)
-        take(fill<3>(scene_.soils[i].shape, spacing, offset, 0.0, 1));
-      else
-        take(fill<2>(scene_.soils[i].shape, spacing, offset, 0.0, 1));
+      const Shape& shape = scene_.soils[i].shape;
+      points[i] = lattice(shape, spacing, scene_.solid.offset);
+      const double seen = spacing_to_look_at(shape, spacing, scene_.general.dimension);
       for (const auto& wall : scene_.walls)
-        if (wall.soil != Wall::ForSoil::none && holds(wall, points[i], spacing)) supported[i] = 1;
+        if (wall.soil != Wall::ForSoil::none && holds(wall, points[i], seen)) supported[i] = 1;
     }
-    const Point3 step = 1.001 * spacing * gravity.normalized();
+    const Point3 down = 1.001 * gravity.normalized();
     for (bool more = true; more;) {
       more = false;
       for (std::size_t i = 0; i < n; ++i)
         for (std::size_t j = 0; j < n && !supported[i]; ++j) {
           if (!supported[j]) continue;
           const auto& below = scene_.soils[j].shape;
+          const Point3 step = spacing_to_look_at(scene_.soils[i].shape, spacing, scene_.general.dimension) * down;
           supported[i] = std::any_of(points[i].begin(), points[i].end(), [&](const Point3& x) {
             return contains(below, Point3(x + step), scene_.general.dimension);
           });
@@ -281,6 +318,8 @@ class Checker {
     for (std::size_t i = 0; i + 1 < f.points.size(); ++i)
       if (!((f.points[i + 1] - f.points[i]).norm() > 0.0))
         fail(key + ".points", fmt::format("expected different points in a row, found {} twice", shown(f.points[i])));
+    const bool closed = f.points.front() == f.points.back();
+    no_crossing(closed ? std::vector<Point3>(f.points.begin(), f.points.end() - 1) : f.points, closed, key + ".points");
   }
 
   void faces() const {
@@ -414,9 +453,7 @@ class Checker {
 
   void walls() const {
     const auto& walls = scene_.walls;
-    const auto named = [&](std::size_t i) {
-      return walls[i].name.empty() ? fmt::format("wall[{}]", i) : fmt::format("wall[{}] \"{}\"", i, walls[i].name);
-    };
+    const auto named = [&](std::size_t i) { return Complaints::named("wall", i, walls[i].name); };
     const auto& g = scene_.general;
     for (std::size_t i = 0; i < walls.size(); ++i) {
       if (walls[i].soil == Wall::ForSoil::rough && g.dimension == 3 &&
@@ -469,10 +506,11 @@ class Checker {
     return std::any_of(scene_.fluid.regions.begin(), scene_.fluid.regions.end(),
                        [&](const Shape& region) { return contains(region, x, scene_.general.dimension); });
   }
-  [[nodiscard]] bool ground(const Point3& x) const {
-    return wet(x) || std::any_of(scene_.soils.begin(), scene_.soils.end(),
-                                 [&](const Soil& soil) { return contains(soil.shape, x, scene_.general.dimension); });
+  [[nodiscard]] bool in_soil(const Point3& x) const {
+    return std::any_of(scene_.soils.begin(), scene_.soils.end(),
+                       [&](const Soil& soil) { return contains(soil.shape, x, scene_.general.dimension); });
   }
+  [[nodiscard]] bool ground(const Point3& x) const { return wet(x) || in_soil(x); }
 
   /// A place on a piece of a line of points, and the two sides of it, a quarter spacing away.
   struct Place {
@@ -488,6 +526,28 @@ class Checker {
       result.push_back({x, x + aside, x - aside});
     }
     return result;
+  }
+
+  /// Planes go on without end: nothing may be drawn behind one.
+  void nothing_behind_planes() const {
+    for (std::size_t i = 0; i < scene_.walls.size(); ++i) {
+      const Wall& wall = scene_.walls[i];
+      if (!wall.face.points.empty()) continue;
+      const Point3 normal = wall.face.normal.normalized();
+      const auto look = [&](const Shape& s, double spacing, const std::string& key, const char* what) {
+        for (const auto& x : lattice(s, spacing, {0.5, 0.5, 0.5}))
+          if (normal.dot(x - wall.face.point) < -1e-6 * spacing)
+            fail(key, fmt::format("{} lies behind {}, for example at {} m: a wall by 'point' and 'normal' is a plane "
+                                  "without end; expected all of it on the side to which the normal points",
+                                  what, named("wall", i, wall.name), shown(x)));
+      };
+      if (wall.water != Wall::ForWater::none)
+        for (std::size_t r = 0; r < scene_.fluid.regions.size(); ++r)
+          look(scene_.fluid.regions[r], scene_.fluid.particle_spacing, fmt::format("fluid.region[{}]", r), "water");
+      if (wall.soil != Wall::ForSoil::none && scene_.deformable())
+        for (std::size_t s = 0; s < scene_.soils.size(); ++s)
+          look(scene_.soils[s].shape, scene_.solid.particle_spacing, fmt::format("soil[{}]", s), "soil");
+    }
   }
 
   /// Walls and water faces have the domain on their left, and water on that side only.
@@ -524,7 +584,10 @@ class Checker {
           left += ground(place.left);
           right += ground(place.right);
         }
-      if (face.points.empty() || left > 0 || scene_.water_faces[i].outlet) continue;
+      if (face.points.empty() || left > 0 || scene_.water_faces[i].outlet) {
+        nothing_behind(i);
+        continue;
+      }
       if (right == 0 && is_inlet(scene_, scene_.water_faces[i])) continue;
       if (right > 0)
         fail(key,
@@ -533,6 +596,30 @@ class Checker {
       fail(key, fmt::format("no [[soil]] and no [[fluid.region]] touches the face from {} to {} m: it is inside a wall "
                             "or off the domain; expected a side of one of them",
                             shown(face.points.front()), shown(face.points.back())));
+    }
+  }
+
+  /// Water drawn behind a face is gone at once: the face stands for all that is there.
+  void nothing_behind(std::size_t i) const {
+    const WaterFace& face = scene_.water_faces[i];
+    if (is_inlet(scene_, face)) return;  // is_an_opening() looks
+    const auto complain = [&](std::size_t region, const Point3& x) {
+      fail(
+          fmt::format("fluid.region[{}]", region),
+          fmt::format("water lies behind {}, for example at {} m, where the face takes it away at once; expected water "
+                      "before the face only: {}, or draw walls around it instead of the face",
+                      named("water_face", i, face.name), shown(x),
+                      face.outlet ? "leave it out" : "give its level by the face's 'head'"));
+    };
+    for (std::size_t r = 0; r < scene_.fluid.regions.size(); ++r) {
+      const Shape& region = scene_.fluid.regions[r];
+      for (const auto& piece : pieces(face.face))
+        for (const auto& place : places_on(piece))
+          if (contains(region, place.right, scene_.general.dimension)) complain(r, place.right);
+      if (!is_reservoir(scene_, face) || !face.head) continue;
+      const Point3 up = -scene_.general.gravity.normalized();
+      for (const auto& x : lattice(region, scene_.fluid.particle_spacing, {0.5, 0.5, 0.5}))
+        if (!in_soil(x) && up.dot(x) <= face.head->at(0.0) && is_behind(scene_, face, x)) complain(r, x);
     }
   }
 
@@ -569,9 +656,19 @@ class Checker {
       for (const auto& point : wall.face.points) enclose(point);
     for (const auto& face : scene_.water_faces)
       for (const auto& point : face.face.points) enclose(point);
+    // A plane has no ends to enclose; what lies before it, towards it, is inside.
+    const auto plane_beyond = [&](const Point3& direction) {
+      const auto closes = [&](const Face& f) {
+        return f.points.empty() && f.normal.dot(direction) < 0.0 && f.normal.dot(x - f.point) >= 0.0;
+      };
+      return std::any_of(scene_.walls.begin(), scene_.walls.end(), [&](const Wall& w) { return closes(w.face); }) ||
+             std::any_of(scene_.water_faces.begin(), scene_.water_faces.end(),
+                         [&](const WaterFace& f) { return closes(f.face); });
+    };
     for (int d = 0; d < dimension; ++d) {
       const double slack = 1e-6 * (upper[d] - lower[d]);
-      if (x[d] < lower[d] - slack || x[d] > upper[d] + slack) return true;
+      if (x[d] < lower[d] - slack && !plane_beyond(-Point3::Unit(d))) return true;
+      if (x[d] > upper[d] + slack && !plane_beyond(Point3::Unit(d))) return true;
     }
     return false;
   }
@@ -589,8 +686,15 @@ class Checker {
         fail(key + ".phase", "expected \"solid\": without water there is no fluid phase to measure");
       if (gauge.phase == "solid" && !scene_.deformable())
         fail(key + ".phase", "expected \"fluid\": with solid.model = \"rigid\" there is no solid phase to measure");
-      if (gauge.kind == "point" && gauge.quantity.empty())
-        fail(key + ".quantity", "a point gauge needs the name of an output field");
+      if (gauge.kind == "point") {
+        const auto known = point_quantities(gauge.phase, scene_.general.dimension);
+        known_word(key + ".quantity", gauge.quantity, std::vector<std::string_view>(known.begin(), known.end()));
+      }
+      if (gauge.kind == "momentum" && !gauge.quantity.empty()) {
+        std::vector<std::string_view> known{"momentum_x", "momentum_y"};
+        if (scene_.general.dimension == 3) known.emplace_back("momentum_z");
+        known_word(key + ".quantity", gauge.quantity, known);
+      }
       if ((gauge.kind == "point" || gauge.kind == "height") && gauge.points.empty())
         fail(key + ".points", fmt::format("a {} gauge needs 1 point or more", gauge.kind));
       const bool line = std::find(line_kinds.begin(), line_kinds.end(), gauge.kind) != line_kinds.end();
@@ -609,8 +713,14 @@ class Checker {
         const auto& faces = scene_.water_faces;
         const auto named = std::find_if(faces.begin(), faces.end(),
                                         [&](const WaterFace& face) { return face.name == gauge.quantity; });
-        if (named == faces.end() && !(gauge.quantity.empty() && gauge.kind == "passed_volume"))
-          fail(key + ".quantity", fmt::format("expected the name of a [[water_face]], found \"{}\"", gauge.quantity));
+        if (named == faces.end() && !(gauge.quantity.empty() && gauge.kind == "passed_volume")) {
+          std::vector<std::string_view> names;
+          for (const auto& face : faces)
+            if (!face.name.empty()) names.push_back(face.name);
+          if (!names.empty()) known_word(key + ".quantity", gauge.quantity, names);
+          fail(key + ".quantity",
+               fmt::format("expected the name of a [[water_face]], found \"{}\": none has a name", gauge.quantity));
+        }
         if (gauge.kind == "level" && !named->discharge && !named->head)
           fail(key + ".quantity", fmt::format("the face \"{}\" has no water level", gauge.quantity));
       }
@@ -637,9 +747,6 @@ class Checker {
     fail(key, fmt::format("expected one of {}, found \"{}\"; did you mean \"{}\"?", list, found,
                           nearest(found, std::vector<std::string>(words.begin(), words.end()))));
   }
-
-  const Case& scene_;
-  const Places& places_;
 };
 
 }  // namespace

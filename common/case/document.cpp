@@ -80,6 +80,58 @@ void mark(Node& node, const std::string& where) {
   for (auto& entry : node.entries) mark(entry.second, where);
 }
 
+bool all_digits(const std::string& word) {
+  return !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
+}
+
+/// What the parser's complaint about a line most likely comes from; the parser only knows where it stopped.
+std::string likely_mistake(const std::string& text, std::size_t line) {
+  std::istringstream stream(text);
+  std::string here;
+  std::vector<std::pair<std::size_t, std::string>> open;  // arrays that are not closed yet
+  std::size_t number = 0;
+  long depth = 0;
+  for (std::string read; number < line && std::getline(stream, read);) {
+    ++number;
+    here = read;
+    char quote = 0;
+    const long before = depth;
+    for (const char c : read) {
+      if (quote != 0) {
+        if (c == quote) quote = 0;
+      } else if (c == '"' || c == '\'') {
+        quote = c;
+      } else if (c == '#') {
+        break;
+      } else if (c == '[' || c == ']') {
+        depth += c == '[' ? 1 : -1;
+      }
+    }
+    if (quote != 0 && number == line) return fmt::format("a quote {} is missing in: {}", quote, read);
+    if (depth > before && number < line) open.emplace_back(number, read);
+    if (depth <= 0) {
+      depth = 0;
+      open.clear();
+    }
+  }
+  if (!open.empty())
+    return fmt::format("the array that begins in line {} is not closed by a ']': {}", open.front().first,
+                       open.front().second);
+  const auto equals = here.find('=');
+  if (equals == std::string::npos) return fmt::format("expected key = value, found: {}", here);
+  std::string value = here.substr(equals + 1);
+  value.erase(0, value.find_first_not_of(" \t"));
+  value.erase(value.find_last_not_of(" \t\r") + 1);
+  if (value.empty()) return fmt::format("a value is missing after '=' in: {}", here);
+  if (is_bare_word(value)) return fmt::format("a text stands in quotes, \"{}\", in: {}", value, here);
+  if (std::isdigit(static_cast<unsigned char>(value.front())) != 0 && value.find(',') != std::string::npos)
+    return fmt::format("a number has a decimal point, no comma, in: {}", here);
+  const bool plain = value.find_first_not_of("0123456789+-.eE_") == std::string::npos;
+  if (!plain && std::isdigit(static_cast<unsigned char>(value.front())) != 0)
+    return fmt::format("expected a number alone (units are SI and stay out), found: {}", here);
+  return fmt::format("in: {}", here);
+}
+
 std::vector<std::string> path_parts(const std::string& path) {
   std::vector<std::string> parts(1);
   for (const char c : path) {
@@ -141,7 +193,8 @@ Node parse_document(const std::string& text, const std::string& path) {
     root.where = path;
     return root;
   } catch (const toml::parse_error& error) {
-    throw CaseError(fmt::format("{}:{}: not valid TOML: {}", path, error.source().begin.line, error.description()));
+    throw CaseError(fmt::format("{}:{}: not valid TOML: {} ({})", path, error.source().begin.line,
+                                likely_mistake(text, error.source().begin.line), error.description()));
   }
 }
 
@@ -153,20 +206,31 @@ void apply_override(Node& root, const std::string& assignment) {
         fmt::format("{}: expected section.key=value, for example --set fluid.particle_spacing=0.01", where));
   const auto parts = path_parts(assignment.substr(0, equals));
   Node* node = &root;
-  for (const auto& part : parts) {
+  std::string so_far;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    const std::string& part = parts[k];
     if (part.empty())
       throw CaseError(fmt::format("{}: expected section.key=value, found an empty part in the key", where));
     if (node->kind == Node::Kind::array) {
-      const bool digits = std::all_of(part.begin(), part.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
-      const std::size_t index = digits && part.size() < 9 ? std::stoul(part) : node->items.size();
-      if (index >= node->items.size())
-        throw CaseError(fmt::format("{}: expected an index from 0 to {} in place of '{}'", where,
-                                    static_cast<long>(node->items.size()) - 1, part));
+      const std::size_t many = node->items.size();
+      const std::size_t index = all_digits(part) && part.size() < 9 ? std::stoul(part) : many;
+      if (index >= many) {
+        const std::string has = fmt::format("the case has {} [[{}]]", many, so_far);
+        const std::string counted =
+            many == 1 ? fmt::format("{}.0", so_far) : fmt::format("{0}.0 to {0}.{1}", so_far, many - 1);
+        throw CaseError(all_digits(part) ? fmt::format("{}: {}, counted from 0: expected {}, found {}.{}", where, has,
+                                                       counted, so_far, part)
+                                         : fmt::format("{}: {}: expected {} with its number, found '{}' in its place",
+                                                       where, has, counted, part));
+      }
       node = &node->items[index];
     } else if (node->kind == Node::Kind::table) {
       auto entry =
           std::find_if(node->entries.begin(), node->entries.end(), [&](const auto& e) { return e.first == part; });
       if (entry == node->entries.end()) {
+        if (k + 1 < parts.size() && all_digits(parts[k + 1]))
+          throw CaseError(fmt::format("{}: the case has no [[{}{}]]; expected one in the case file", where,
+                                      so_far.empty() ? "" : so_far + ".", part));
         Node fresh;
         fresh.where = where;
         entry = node->entries.insert(node->entries.end(), Node::Entry{part, fresh});
@@ -175,6 +239,7 @@ void apply_override(Node& root, const std::string& assignment) {
     } else {
       throw CaseError(fmt::format("{}: '{}' lies below a plain value", where, part));
     }
+    so_far += (so_far.empty() ? "" : ".") + part;
   }
   *node = override_value(assignment, assignment.substr(equals + 1));
   mark(*node, where);

@@ -1,5 +1,6 @@
 #include "common/case/enclosure.hpp"
 
+#include "common/case/amounts.hpp"
 #include "common/case/geometry.hpp"
 
 #include <fmt/format.h>
@@ -84,9 +85,9 @@ class Flood {
         }
       };
       if (dimension_ == 2)
-        particles(fill<2>(region, spacing, {0.5, 0.5, 0.5}, 0.0, 1));
+        particles(fill<2>(region, spacing_to_look_at(region, spacing, 2), {0.5, 0.5, 0.5}, 0.0, 1));
       else
-        particles(fill<3>(region, spacing, {0.5, 0.5, 0.5}, 0.0, 1));
+        particles(fill<3>(region, spacing_to_look_at(region, spacing, 3), {0.5, 0.5, 0.5}, 0.0, 1));
     }
     for (std::size_t i = 0; i < scene_.walls.size(); ++i) {
       const auto& wall = scene_.walls[i];
@@ -124,7 +125,7 @@ class Flood {
       for (std::size_t k = 0; k + 1 < face.face.points.size(); ++k) {
         const Point3 a = face.face.points[k], along = face.face.points[k + 1] - a;
         const Point3 inward = Point3(-along.y(), along.x(), 0.0).normalized();
-        const int parts = std::max(1, static_cast<int>(along.norm() / spacing));
+        const int parts = static_cast<int>(std::clamp(along.norm() / spacing, 1.0, 10000.0));
         for (int p = 0; p < parts; ++p) springs_.push_back(a + (p + 0.5) / parts * along + 0.25 * spacing * inward);
       }
       if (face.pressure)

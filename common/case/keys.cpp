@@ -171,6 +171,8 @@ class Reader final : public Keys {
     const Node* node = table_.find(key);
     if (node == nullptr) return;
     const std::string expected = fmt::format("tables [[{}]]", full(key));
+    if (node->kind == Node::Kind::table)
+      wrong(key, *node, expected, fmt::format("; there may be several: write [[{}]], in double brackets", full(key)));
     if (node->kind != Node::Kind::array) wrong(key, *node, expected);
     for (std::size_t i = 0; i < node->items.size(); ++i) {
       if (node->items[i].kind != Node::Kind::table) wrong(key, node->items[i], expected);

@@ -102,9 +102,11 @@ std::vector<Checkpoint> CheckpointStore::whole() const {
       const Content content = content_of(file);
       for (std::size_t k = 0; k < identity_.size(); ++k)
         if (content.identity.size() != identity_.size() || content.identity[k] != identity_[k])
-          throw CaseError(fmt::format("{}: {}: expected {}, found {}", file.string(), identity_[k].first,
-                                      identity_[k].second,
-                                      k < content.identity.size() ? content.identity[k].second : "nothing"));
+          throw CaseError(fmt::format(
+              "{}: {}: expected that of the run to be resumed, {}, found {}; resume with the same case, --set, "
+              "--until and program, or start anew without --resume",
+              file.string(), identity_[k].first, k < content.identity.size() ? content.identity[k].second : "none",
+              identity_[k].second));
       found.push_back(content.checkpoint);
     } catch (const FileError& error) {
       if (say_) say_(process_ + ": left out: " + error.what());

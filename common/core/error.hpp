@@ -14,7 +14,7 @@ enum class ExitCode : int {
   peer = 3,           ///< a peer is missing, dead, frozen, of the wrong kind, or sent nonsense
   diverged = 4,       ///< the numbers left the finite
   input_output = 5,   ///< files: missing, unreadable, unwritable, disk full
-  verify_failed = 6,  ///< a case ran to its end and missed a bound
+  in_doubt = 6,       ///< ended, but the result is in doubt: mass was lost, a bound was missed, ...
   interrupted = 130,  ///< Ctrl-C or SIGTERM
 };
 

@@ -39,12 +39,18 @@ class PendingRecord {
   }
   void forget() { frame_ = gauges_ = false; }
   void archive(Archive& archive) { archive(frame_, gauges_, frame_written_, gauges_written_); }
-  void write() { write_now(frame_, gauges_); }
+  void write() {
+    report_.warnings.note(report_.time, phase_.warnings());
+    write_now(frame_, gauges_);
+  }
   /// Also what was not asked for, unless this state is in the files already.
   void write_now(bool frame, bool gauges) {
     timed(report_, writing, [&] {
       if (frame && !frame_written_) recorder_.frame(phase_.frame());
-      if (gauges && !gauges_written_) recorder_.gauges(report_.time, phase_.gauges());
+      if (!gauges || gauges_written_) return;
+      const auto readings = phase_.gauges();
+      report_.warnings.note_readings(readings);
+      recorder_.gauges(report_.time, readings);
     });
     frame_written_ = frame_written_ || frame;
     gauges_written_ = gauges_written_ || gauges;
@@ -174,6 +180,7 @@ class CoupledRun {
     pending_.write_now(command.record_frame, command.record_gauges);
     report_.reason = command.reason;
     report_.interrupted = command.reason == "interrupted";
+    if (!report_.interrupted) report_.warnings.note_gauges(report_.time);
     participant_.bye(command.reason);
   }
 
@@ -247,6 +254,7 @@ void drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const Prog
   } else {
     if (checkpoints.store) checkpoints.store->keep_only({});
     timed(report, computing, [&] { phase.initialise(nothing); });
+    record.write();
     record.write_now(true, true);
   }
   keep_freed_memory();
@@ -285,6 +293,7 @@ void drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const Prog
     report.reason = "interrupted";
     record.write_now(true, true);
   }
+  if (!report.interrupted) report.warnings.note_gauges(report.time);
 }
 
 DriveReport drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const ProgressCallback& progress) {

@@ -7,6 +7,7 @@
 #include "common/coupling/phase.hpp"
 #include "common/coupling/summary.hpp"
 #include "common/coupling/trace.hpp"
+#include "common/coupling/warning_log.hpp"
 #include "common/output/recorder.hpp"
 
 #include <functional>
@@ -23,9 +24,10 @@ struct DriveReport {
   bool interrupted = false;
   std::string reason = "end";
   Trace* trace = nullptr;  ///< what happens goes there too
+  WarningLog warnings;
 
   /// What a run that is resumed counts on from.
-  void archive(Archive& archive) { archive(windows, rejected, limited_by, time); }
+  void archive(Archive& archive) { archive(windows, rejected, limited_by, time, warnings); }
 };
 
 /// Joins, then obeys the coupler until FINISH. Failures of the phase are told to everybody (ABORT) and rethrown;

@@ -4,6 +4,7 @@
 
 #include "common/core/archive.hpp"
 #include "common/core/vector.hpp"
+#include "common/core/warning.hpp"
 #include "common/coupling/exchange.hpp"
 
 #include <functional>
@@ -100,6 +101,9 @@ class Phase {
 
   /// Counts for the run's summary: "particles", "substeps", "pressure iterations", "steps asleep", ...
   [[nodiscard]] virtual std::map<std::string, double> counters() const = 0;
+
+  /// What a person must hear of, counted since the start; asked for after every window that stands.
+  [[nodiscard]] virtual std::vector<Warning> warnings() const { return {}; }
 };
 
 }  // namespace poretwin

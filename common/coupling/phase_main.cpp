@@ -63,6 +63,10 @@ void execute(const Arguments& arguments, Role role, const std::function<std::uni
                                                  : read_case(arguments.case_file, arguments.overrides);
   if (arguments.alone) expect_own(scene, role);
   run.phase = make(scene);
+  std::vector<std::string> gauges;
+  for (const auto& gauge : scene.gauges)
+    if (gauge.phase == name) gauges.push_back(gauge.name);
+  run.report.warnings.begin([name](const std::string& said) { log_line(name + ": " + said); }, std::move(gauges));
   run.recorder = make_run_recorder(arguments.out, name, scene, arguments.resume);
   const CheckpointStore checkpoints(arguments.out, name, run_identity(scene), log_line);
   if (arguments.alone) {
@@ -106,6 +110,7 @@ RunSummary summarise(const Run& run) {
     summary.counters.emplace_back("windows limited by " + cause, static_cast<double>(windows));
   if (run.phase)
     for (const auto& [key, value] : run.phase->counters()) summary.counters.emplace_back(key, value);
+  summary.warnings = r.warnings.all();
   if (run.recorder) summary.files = run.recorder->files();
   return summary;
 }

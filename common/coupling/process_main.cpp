@@ -3,6 +3,7 @@
 #include "common/core/memory.hpp"
 #include "common/coupling/interrupt.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -41,6 +42,12 @@ int process_main(int argc, char** argv, const std::string& name, Program program
   if (arguments.out.empty()) return static_cast<int>(code);
   try {
     RunSummary summary = body.summarise();
+    const auto& warnings = summary.warnings;
+    if (code == ExitCode::success &&
+        std::any_of(warnings.begin(), warnings.end(), [](const Warning& w) { return w.result_in_doubt; })) {
+      code = ExitCode::in_doubt;
+      reason = "ended, with warnings that put the result in doubt";
+    }
     summary.process = name;
     summary.exit = code;
     if (!reason.empty()) summary.reason = reason;

@@ -70,14 +70,19 @@ std::string json_number(double value) { return std::isfinite(value) ? fmt::forma
 void write_summary(const std::filesystem::path& path, const RunSummary& summary) {
   std::string files;
   for (const auto& file : summary.files) files += (files.empty() ? "" : ", ") + json_string(file);
+  std::string warnings;
+  for (const auto& w : summary.warnings)
+    warnings += fmt::format("{}\n    {{\"what\": {}, \"count\": {}, \"detail\": {}, \"result_in_doubt\": {}}}",
+                            warnings.empty() ? "" : ",", json_string(w.what), json_number(w.count),
+                            json_string(w.detail), w.result_in_doubt);
   const std::string text = fmt::format(
       "{{\n  \"process\": {},\n  \"exit\": {},\n  \"reason\": {},\n  \"wall_s\": {},\n  \"cpu_s\": {},\n  "
       "\"cpu_first_thread_s\": {},\n  \"memory_bytes\": {},\n  \"seconds\": {},\n"
-      "  \"steps\": {},\n  \"counters\": {},\n  \"files\": [{}]\n}}\n",
+      "  \"steps\": {},\n  \"counters\": {},\n  \"warnings\": [{}],\n  \"files\": [{}]\n}}\n",
       json_string(summary.process), static_cast<int>(summary.exit), json_string(summary.reason),
       json_number(summary.wall), json_number(cpu_seconds(RUSAGE_SELF)), json_number(cpu_seconds(RUSAGE_THREAD)),
       json_number(peak_memory()), json_object(summary.seconds), json_object(summary.steps),
-      json_object(summary.counters), files);
+      json_object(summary.counters), warnings, files);
   auto part = path;
   part += ".part";
   {
@@ -172,8 +177,8 @@ std::string usage(const std::string& name, Program program) {
       "--profile: what was done when, to OUT/trace.NAME.json\n"
       "ADDRESS: ipc:///path or tcp://127.0.0.1:port; without --case FILE the coupler sends its case\n"
       "FILE of --keys: coupler.key or participant.key, made by `poretwin keys`\n"
-      "exit codes: 0 done, 1 unforeseen, 2 bad case or arguments, 3 a peer failed, 4 diverged, 5 files, 130 "
-      "interrupted\n";
+      "exit codes: 0 done, 1 unforeseen, 2 bad case or arguments, 3 a peer failed, 4 diverged, 5 files, 6 ended with "
+      "warnings\nthat put the result in doubt, 130 interrupted\n";
   return text;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/core/error.hpp"
+#include "common/core/warning.hpp"
 
 #include <chrono>
 #include <cstdint>
@@ -22,11 +23,13 @@ struct RunSummary {
   NamedNumbers seconds;  ///< where the wall-clock went
   NamedNumbers steps;
   NamedNumbers counters;
+  std::vector<Warning> warnings;
   std::vector<std::string> files;
 };
 
 /// {"process","exit","reason","wall_s","cpu_s","cpu_first_thread_s","memory_bytes","seconds":{},"steps":{},"counters":{},
-/// "files":[]}, written whole or not at all, by the first thread; memory: the most that was held. Throws FileError.
+/// "warnings":[{"what","count","detail","result_in_doubt"}],"files":[]}, written whole or not at all, by the first
+/// thread; memory: the most that was held. Throws FileError.
 void write_summary(const std::filesystem::path& path, const RunSummary& summary);
 
 /// A JSON string literal, quotes included.

@@ -67,7 +67,14 @@ class RunRecorder final : public Recorder {
 
   void frame(const OutputFrame& frame) override {
     begin();
-    writer_->append(frame);
+    const Point3& origin = scene_.general.origin;
+    if (origin.isZero()) return writer_->append(frame);
+    OutputFrame moved = frame;
+    moved.position = [&](std::size_t i, double* x) {
+      frame.position(i, x);
+      for (int d = 0; d < 3; ++d) x[d] += origin[d];
+    };
+    writer_->append(moved);
   }
   void gauges(double time, const std::vector<GaugeReading>& readings) override {
     begin();

@@ -1,15 +1,7 @@
 // The case file: values arrive, mistakes are named with file, line, key, what was expected and what was found.
-#include "common/case/case.hpp"
+#include "tests/case/case_file.hpp"
+
 #include "common/case/document.hpp"
-#include "common/core/error.hpp"
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-
-#include <unistd.h>
-
-#include <filesystem>
-#include <fstream>
 
 namespace poretwin {
 namespace {
@@ -48,36 +40,6 @@ kind = "point"
 quantity = "displacement_y"
 points = [[0.05, 0.4]]
 )";
-
-class CaseFile : public testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() / ("poretwin-case-" + std::to_string(::getpid()));
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
-  Case read(const std::string& text, const std::vector<std::string>& overrides = {}) {
-    const auto path = folder_ / "case.toml";
-    std::ofstream(path) << text;
-    return read_case(path, overrides);
-  }
-  std::string complaint(const std::string& text, const std::vector<std::string>& overrides = {}) {
-    try {
-      read(text, overrides);
-    } catch (const CaseError& error) {
-      return error.what();
-    }
-    return "no complaint";
-  }
-  static std::string changed(std::string text, const std::string& from, const std::string& to) {
-    const auto at = text.find(from);
-    EXPECT_NE(at, std::string::npos) << from;
-    return text.replace(at, from.size(), to);
-  }
-
-  std::filesystem::path folder_;
-};
 
 TEST_F(CaseFile, ArrivesInTheStruct) {
   const Case scene = read(sound_case);
@@ -146,7 +108,10 @@ TEST_F(CaseFile, NamesTheOverride) {
   EXPECT_THAT(complaint(sound_case, {"soil[0].porosity=2"}),
               HasSubstr("--set soil[0].porosity=2: key 'soil[0].porosity': expected a number in (0, 1), found 2"));
   EXPECT_THAT(complaint(sound_case, {"soil.3.porosity=0.2"}),
-              HasSubstr("expected an index from 0 to 0 in place of '3'"));
+              HasSubstr("the case has 1 [[soil]], counted from 0: expected soil.0, found soil.3"));
+  EXPECT_THAT(complaint(sound_case, {"soil.porosity=0.2"}),
+              HasSubstr("the case has 1 [[soil]]: expected soil.0 with its number, found 'porosity'"));
+  EXPECT_THAT(complaint(sound_case, {"pore_pressure.0.head=1"}), HasSubstr("the case has no [[pore_pressure]]"));
   EXPECT_THAT(complaint(sound_case, {"fluid.jiter=0.2"}), HasSubstr("did you mean 'jitter'?"));
   EXPECT_THAT(complaint(sound_case, {"nonsense"}), HasSubstr("expected section.key=value"));
 }

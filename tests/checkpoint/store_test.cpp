@@ -83,7 +83,8 @@ TEST_F(Store, AnotherCaseIsRefusedByName) {
     static_cast<void>(store({{"case file", "b"}}).whole());
     FAIL();
   } catch (const CaseError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("fluid-x-1.state: case file: expected b, found a"));
+    EXPECT_THAT(error.what(),
+                HasSubstr("fluid-x-1.state: case file: expected that of the run to be resumed, a, found b"));
   }
 }
 

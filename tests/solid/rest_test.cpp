@@ -65,6 +65,13 @@ TEST(Rest, ReportsItsCriterion) {
   Solid<2> lost(column(falling));
   lost.initialise({});
   EXPECT_GT(lost.counters().at("rest residual"), 0.5) << "without support there is no rest";
+  const auto warned = [](const Phase& phase) {
+    for (const auto& w : phase.warnings())
+      if (w.what == "the soil's rest was not found" && w.count > 0.0) return w.result_in_doubt ? 2 : 1;
+    return 0;
+  };
+  EXPECT_EQ(warned(solid), 0);
+  EXPECT_EQ(warned(lost), 1) << "said, and not in doubt: it fell by less than half its height";
 }
 
 TEST(Rest, DivergenceIsNamed) {

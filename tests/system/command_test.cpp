@@ -111,6 +111,50 @@ TEST_F(CommandWithStandIns, TheFirstFailureIsReportedNotWhatFollows) {
   EXPECT_THAT(outcome.err, Not(HasSubstr("gave up")));
 }
 
+TEST_F(CommandWithStandIns, WarningsAreShownCountedAndEndWithSix) {
+  const auto outcome = run({{"fluid", "lossy"}});
+  EXPECT_EQ(outcome.exit, 6);
+  EXPECT_THAT(outcome.err, HasSubstr("fluid: warning: water particles lost (2 by t = 0.5 s): far outside\n"));
+  EXPECT_THAT(outcome.err,
+              HasSubstr("ended, with warnings that put the result in doubt: fluid: water particles lost (3)"));
+  EXPECT_THAT(outcome.out, HasSubstr("warnings\nfluid: water particles lost (3)\nfluid: cavitation (1)"));
+  const auto about = text_of(out() / "run.toml");
+  EXPECT_THAT(about, HasSubstr("exit = 6"));
+  EXPECT_THAT(about, HasSubstr("\"fluid: water particles lost (3): far outside\""));
+  EXPECT_TRUE(fs::exists(out() / "gauges.csv")) << "the run has ended, and what it left is gathered";
+  // What has no bearing on the result ends well.
+  EXPECT_EQ(run({}).exit, 0);
+}
+
+TEST_F(CommandWithStandIns, DoubtsAboutTheCaseAreShown) {
+  const auto doubtful = changed_case("youngs_modulus = 3e6", "youngs_modulus = 3e6\nearth_pressure_at_rest = 0.5");
+  const auto checked = poretwin({"check", doubtful.string(), "--set", "solid.initial_rest=false"});
+  EXPECT_EQ(checked.exit, 0);
+  EXPECT_THAT(checked.out, HasSubstr("sound, with warnings"));
+  EXPECT_THAT(checked.out,
+              HasSubstr("key 'soil[0].earth_pressure_at_rest': has no effect: solid.initial_rest = false"));
+  const auto ran = poretwin({"run", doubtful.string(), "--set", "solid.initial_rest=false", "--out", out().string(),
+                             "--programs", PORETWIN_FAKES, "--no-pictures"});
+  EXPECT_EQ(ran.exit, 0);
+  EXPECT_THAT(ran.err, HasSubstr("has no effect: solid.initial_rest = false"));
+  EXPECT_THAT(text_of(out() / "run.toml"), HasSubstr("earth_pressure_at_rest"));
+}
+
+TEST_F(CommandWithStandIns, CheckNamesWhatNoMachineHolds) {
+  const auto outcome = poretwin({"check", terzaghi().string(), "--set", "fluid.particle_spacing=1.1e-5"});
+  EXPECT_EQ(outcome.exit, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("key 'fluid.particle_spacing': about 992 GB for 3.31e+08 particles"));
+  EXPECT_LT(outcome.seconds, 20.0);
+}
+
+TEST_F(CommandWithStandIns, FoldersAndFilesWithoutACaseAreNamed) {
+  EXPECT_THAT(poretwin({"check", folder_.string()}).err, HasSubstr("the folder has no case.toml"));
+  const auto absent = poretwin({"check", (folder_ / "absent.toml").string()});
+  EXPECT_EQ(absent.exit, 5);
+  EXPECT_THAT(absent.err, HasSubstr("absent.toml: no such file"));
+  EXPECT_THAT(absent.err, Not(HasSubstr("did you mean")));
+}
+
 TEST_F(CommandWithStandIns, ACrashIsNamed) {
   const auto outcome = run({{"solid", "crash"}, {"coupler", "follow"}, {"fluid", "follow"}});
   EXPECT_EQ(outcome.exit, 1);
@@ -132,6 +176,7 @@ TEST_F(CommandWithStandIns, InterruptionEndsAllCleanly) {
     });
     EXPECT_EQ(outcome.exit, 130);
     EXPECT_LT(outcome.seconds, 5.0);
+    EXPECT_THAT(outcome.err, HasSubstr("stopping: the window under way is finished"));
     EXPECT_THAT(text_of(out() / "run.toml"), HasSubstr("reason = \"interrupted\""));
     EXPECT_TRUE(fs::is_empty(folder_ / "temporary"));
     fs::remove_all(out());

@@ -1,5 +1,6 @@
 // Stands in for a process of a run. PORETWIN_FAKE_<process> says how: "good" (default), "fail N", "crash", "follow"
-// (fails with 3 a moment later, as a peer does), "wait" (until SIGINT, then 130), "deaf" (hears no signal but SIGKILL).
+// (fails with 3 a moment later, as a peer does), "wait" (until SIGINT, then 130), "deaf" (hears no signal but SIGKILL),
+// "lossy" (ends with warnings that put the result in doubt, 6).
 #include <signal.h>
 #include <unistd.h>
 
@@ -19,11 +20,12 @@ void stop(int) { stopped = 1; }
 
 void sleep_ms(int ms) { std::this_thread::sleep_for(std::chrono::milliseconds(ms)); }
 
-void leave_results(const std::string& out, const std::string& name) {
+void leave_results(const std::string& out, const std::string& name, const std::string& warnings) {
   std::ofstream(out + "/" + name + ".summary.json")
       << R"({"process": ")" << name
       << R"(", "exit": 0, "reason": "end", "wall_s": 0.1, "cpu_s": 0.05, "seconds": {"computing": 0.04},)"
-      << R"( "steps": {"windows": 10}, "counters": {"particles": 7, "steps asleep": 3}, "files": []})";
+      << R"( "steps": {"windows": 10}, "counters": {"particles": 7, "steps asleep": 3}, "warnings": [)" << warnings
+      << R"(], "files": []})";
   if (name == "coupler") return;
   std::ofstream gauges(out + "/gauges." + name + ".csv");
   gauges << "time_s,gauge,value,unit\n";
@@ -65,6 +67,14 @@ int main(int argc, char** argv) {
     while (stopped == 0) sleep_ms(10);
     return 130;
   }
-  leave_results(options["--out"], name);
+  if (mood == "lossy") {
+    std::fprintf(stderr, "[12:00:00] %s: warning: water particles lost (2 by t = 0.5 s): far outside\n", name.c_str());
+    leave_results(options["--out"], name,
+                  R"({"what": "water particles lost", "count": 3, "detail": "far outside", "result_in_doubt": true},)"
+                  R"({"what": "cavitation", "count": 1, "detail": "", "result_in_doubt": false})");
+    sleep_ms(600);
+    return 6;
+  }
+  leave_results(options["--out"], name, "");
   return 0;
 }

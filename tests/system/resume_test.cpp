@@ -159,8 +159,8 @@ TEST_F(RealResume, WhatCannotBeResumedIsNamed) {
   other.insert(other.end(), {"--set", "soil.0.porosity=0.41"});
   const auto changed = poretwin(with({"--resume"}, other));
   EXPECT_EQ(changed.exit, 2);
-  EXPECT_THAT(changed.err, HasSubstr("--set: expected"));
-  EXPECT_THAT(changed.err, HasSubstr("soil.0.porosity=0.41, found"));
+  EXPECT_THAT(changed.err, HasSubstr("--set: expected that of the run to be resumed, "));
+  EXPECT_THAT(changed.err, HasSubstr("soil.0.porosity=0.41; resume with the same"));
   EXPECT_EQ(poretwin(with({"--resume"}, piece)).exit, 0) << "the checkpoint must have outlived the attempt";
 }
 

@@ -1,0 +1,28 @@
+// What the processes of a run write to their logs, seen as it comes.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace poretwin::cli {
+
+class LogTail {
+ public:
+  /// From where the files end now, or from their beginnings. `line`: each whole line, without its time of day.
+  LogTail(std::vector<std::filesystem::path> files, bool from_now, std::function<void(const std::string&)> line);
+  /// Reads what has been added. A file that has become shorter is read from its beginning.
+  void read();
+
+ private:
+  struct File {
+    std::filesystem::path path;
+    std::uintmax_t at = 0;
+  };
+  std::vector<File> files_;
+  std::function<void(const std::string&)> line_;
+};
+
+}  // namespace poretwin::cli

@@ -1,0 +1,294 @@
+#include "common/case/doubts.hpp"
+
+#include "common/case/amounts.hpp"
+#include "common/case/complaints.hpp"
+#include "common/case/geometry.hpp"
+#include "common/case/pieces.hpp"
+#include "common/porous/seepage.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace poretwin {
+namespace {
+
+double constrained_modulus(const Soil& soil) {
+  const double nu = soil.poissons_ratio;
+  return soil.youngs_modulus * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu));
+}
+
+class Doubts : Complaints {
+ public:
+  Doubts(const Case& scene, const Places& places) : Complaints(scene, places), d_(scene.general.dimension) {
+    const double g = scene.general.gravity.norm();
+    if (g > 0.0) up_ = -scene.general.gravity / g;
+  }
+
+  std::vector<std::string> all() {
+    gravity();
+    units();
+    own_weight();
+    if (scene_.has_water()) {
+      dry_faces();
+      narrow_water();
+    }
+    few_rows();
+    slow_factors();
+    without_effect();
+    return std::move(lines_);
+  }
+
+ private:
+  void doubt(const std::string& key, const std::string& message) { lines_.push_back(said(key, message)); }
+
+  void gravity() {
+    if (scene_.general.gravity[d_ - 1] > 0.0)
+      doubt("case.gravity", fmt::format("points upwards, {}; expected a negative component along {}",
+                                        shown(scene_.general.gravity - scene_.general.origin), "xyz"[d_ - 1]));
+  }
+
+  void units() {
+    constexpr double lightest = 100.0, fastest = 1.0;
+    if (scene_.has_water() && scene_.water.density < lightest)
+      doubt("water.density",
+            fmt::format("{} kg/m3 is lighter than any water; density is in kg/m3", scene_.water.density));
+    for (std::size_t i = 0; i < scene_.soils.size(); ++i) {
+      const Soil& soil = scene_.soils[i];
+      const std::string key = fmt::format("soil[{}]", i);
+      if (soil.grain_density < lightest)
+        doubt(key + ".grain_density",
+              fmt::format("{} kg/m3 is lighter than any grains; grain_density is in kg/m3", soil.grain_density));
+      // Of rockfill the quadratic law counts; its k alone may be larger.
+      const auto seepage = porous::seepage_at(scene_, soil, soil.porosity);
+      if (scene_.has_water() && seepage.quadratic == 0.0 && seepage.conductivity > fastest)
+        doubt(key + ".hydraulic_conductivity",
+              fmt::format("{:.3g} m/s is more than gravel has; hydraulic_conductivity is in m/s, and faster seepage is "
+                          "not linear (\"forchheimer\", \"ergun\")",
+                          seepage.conductivity));
+    }
+  }
+
+  void own_weight() {
+    if (!scene_.deformable() || up_.isZero()) return;
+    double bottom = HUGE_VAL, top = -HUGE_VAL;
+    for (const auto& soil : scene_.soils) {
+      const auto [lower, upper] = bounds(soil.shape);
+      bottom = std::min({bottom, up_.dot(lower), up_.dot(upper)});
+      top = std::max({top, up_.dot(lower), up_.dot(upper)});
+    }
+    constexpr double most = 0.05;
+    for (std::size_t i = 0; i < scene_.soils.size(); ++i) {
+      const Soil& soil = scene_.soils[i];
+      const double density = (1.0 - soil.porosity) * soil.grain_density;
+      const double strain = density * scene_.general.gravity.norm() * (top - bottom) / constrained_modulus(soil);
+      if (strain > most)
+        doubt(
+            fmt::format("soil[{}].youngs_modulus", i),
+            fmt::format("the weight of {:.3g} m of soil strains it by {:.3g} % (rho g H / M), expected {:g} % at most; "
+                        "youngs_modulus is in Pa, found {:g}",
+                        top - bottom, 100.0 * strain, 100.0 * most, soil.youngs_modulus));
+    }
+  }
+
+  /// A level below all of a face never wets it.
+  void dry_faces() {
+    if (up_.isZero()) return;
+    const double dx = scene_.fluid.particle_spacing;
+    for (std::size_t i = 0; i < scene_.water_faces.size(); ++i) {
+      const WaterFace& f = scene_.water_faces[i];
+      if (!f.head || f.discharge || f.face.points.empty()) continue;
+      double lowest = HUGE_VAL, highest = -HUGE_VAL;
+      for (const auto& x : f.face.points) lowest = std::min(lowest, up_.dot(x));
+      for (const auto& [time, value] : f.head->knots) highest = std::max(highest, value);
+      if (highest < lowest - dx)
+        doubt(
+            fmt::format("water_face[{}].head", i),
+            fmt::format("never wets the face: it is {:g} m at most, the face's lowest point lies at {:g} m; a head is "
+                        "an elevation, not a depth",
+                        highest, lowest));
+    }
+    const bool comes_in = std::any_of(scene_.water_faces.begin(), scene_.water_faces.end(), [&](const WaterFace& f) {
+      if (f.pressure || f.discharge || f.face.points.empty()) return !f.outlet;
+      if (!f.head) return false;
+      double lowest = HUGE_VAL;
+      for (const auto& x : f.face.points) lowest = std::min(lowest, up_.dot(x));
+      return std::any_of(f.head->knots.begin(), f.head->knots.end(), [&](const auto& k) { return k.second > lowest; });
+    });
+    if (scene_.fluid.regions.empty() && !comes_in)
+      doubt("water_face",
+            "no water is there and none ever comes in: expected a [[fluid.region]], or a face with a head "
+            "above its lowest point, a pressure or a discharge");
+  }
+
+  void narrow_water() {
+    if (d_ != 2) return;
+    const double dx = scene_.fluid.particle_spacing;
+    constexpr double fewest = 4.0;
+    struct Side {
+      std::size_t wall;
+      Piece piece;
+    };
+    std::vector<Side> sides;
+    for (std::size_t i = 0; i < scene_.walls.size(); ++i)
+      if (scene_.walls[i].water != Wall::ForWater::none)
+        for (const auto& piece : pieces_of(scene_.walls[i].face)) sides.push_back({i, piece});
+    for (std::size_t p = 0; p < sides.size(); ++p)
+      for (std::size_t q = p + 1; q < sides.size(); ++q) {
+        const Point3 left = sides[p].piece.left();
+        if (left.dot(sides[q].piece.left()) > -0.9) continue;
+        for (const auto& x : places_along(sides[p].piece, dx)) {
+          const auto width = distance_to(sides[q].piece, x, left);
+          if (!width || !(*width > 0.0) || *width >= (1.0 - 1e-6) * fewest * dx) continue;
+          doubt(fmt::format("wall[{}]", sides[q].wall),
+                fmt::format(
+                    "leaves {:.3g} m for water beside {} at {} m, {:.2g} particles; expected {:g} or more: give a "
+                    "fluid.particle_spacing of {:.3g} m or less",
+                    *width, named("wall", sides[p].wall, scene_.walls[sides[p].wall].name), shown(x), *width / dx,
+                    fewest, *width / fewest));
+          return;
+        }
+      }
+  }
+
+  void few_rows() {
+    const double dx = scene_.deformable() ? scene_.solid.particle_spacing : scene_.fluid.particle_spacing;
+    constexpr double fewest = 5.0;
+    for (std::size_t i = 0; i < scene_.soils.size(); ++i) {
+      const Soil& soil = scene_.soils[i];
+      const auto [lower, upper] = bounds(soil.shape);
+      double least = HUGE_VAL;
+      for (int d = 0; d < d_; ++d)
+        if (std::find(scene_.general.periodic.begin(), scene_.general.periodic.end(), d) ==
+            scene_.general.periodic.end())
+          least = std::min(least, upper[d] - lower[d]);
+      if (!(least < (fewest - 0.5) * dx) || goes_on(i, dx)) continue;
+      doubt(fmt::format("soil[{}]", i),
+            fmt::format("is {:.3g} m thin, {:.2g} rows of particles; expected {:g} or more: give a particle_spacing of "
+                        "{:.3g} m or less",
+                        least, std::round(least / dx), fewest, least / fewest));
+    }
+  }
+  /// Does another region of the same soil touch this one? Then they are one layer.
+  [[nodiscard]] bool goes_on(std::size_t i, double dx) const {
+    const Soil& soil = scene_.soils[i];
+    const auto [lower, upper] = bounds(soil.shape);
+    for (std::size_t j = 0; j < scene_.soils.size(); ++j) {
+      const Soil& other = scene_.soils[j];
+      if (i == j || other.hydraulic_conductivity != soil.hydraulic_conductivity || other.porosity != soil.porosity ||
+          other.youngs_modulus != soil.youngs_modulus)
+        continue;
+      const auto [low, high] = bounds(other.shape);
+      const Eigen::Array3d gap = (low - upper).cwiseMax(lower - high).array();
+      if ((gap.head(d_) <= 0.5 * dx).all()) return true;
+    }
+    return false;
+  }
+
+  void slow_factors() {
+    const Amounts a = estimate(scene_);
+    constexpr double many = 1e9;  // bytes
+    if (a.factor_bytes > many)
+      doubt(
+          "solid.particle_spacing",
+          fmt::format("{:.2g} soil particles in 3D with water: the soil's stiffness is factorised once an axis, about "
+                      "{:.2g} GB and minutes before a window ends, growing as the number of particles to the power of "
+                      "1.6; give a larger spacing, or solid.model = \"rigid\"",
+                      a.solid, a.factor_bytes / 1e9));
+  }
+
+  void without_effect() {
+    const auto idle = [&](const std::string& key, bool has_none, const std::string& why) {
+      if (has_none && given(key)) doubt(key, "has no effect: " + why);
+    };
+    const auto all_below = [&](const std::string& section, const std::string& but, const std::string& why) {
+      std::string keys;
+      for (auto it = places_.lower_bound(section + "."); it != places_.end() && it->first.starts_with(section + ".");
+           ++it)
+        if (it->first != but) keys += (keys.empty() ? "" : ", ") + it->first.substr(section.size() + 1);
+      if (!keys.empty()) doubt(section, fmt::format("has no effect ({}): {}", keys, why));
+    };
+    const auto& f = scene_.fluid;
+    const auto& s = scene_.solid;
+    const bool eisph = f.scheme != FluidCase::Scheme::projection;
+    if (!scene_.deformable()) all_below("solid", "solid.model", "with solid.model = \"rigid\" there is no solid phase");
+    if (!scene_.has_water()) all_below("fluid", "fluid.particle_spacing", "there is no water");
+    if (scene_.has_water()) {
+      idle("fluid.sweeps", !eisph, "it belongs to fluid.scheme = \"eisph\"");
+      idle("fluid.pressure_tolerance", eisph, "explicit sweeps have none; it belongs to fluid.scheme = \"projection\"");
+      idle("fluid.pressure_tolerance", !eisph && scene_.coupled() && f.skeleton_response,
+           "it holds where no skeleton responds");
+      idle("fluid.seed", f.jitter == 0.0, "fluid.jitter is 0");
+      for (const char* key : {"drag", "drag_form"})
+        idle(std::string("fluid.") + key, scene_.soils.empty(), "there is no [[soil]]");
+      idle("fluid.skeleton_response", !scene_.coupled(), "the soil does not move");
+    }
+    if (scene_.deformable()) {
+      const bool elastic = s.model == SolidCase::Model::elastic;
+      idle("solid.seed", s.jitter == 0.0, "solid.jitter is 0");
+      idle("solid.strength_reduction", elastic, "elastic soil does not fail");
+    } else {
+      for (std::size_t i = 0; i < scene_.loads.size(); ++i)
+        doubt(fmt::format("load[{}]", i), "has no effect: with solid.model = \"rigid\" nothing gives way to it");
+    }
+    for (const char* key : {"scheme", "acceleration", "tolerance", "keep_points"})
+      idle(std::string("coupling.") + key, !scene_.coupled(), "one phase runs alone");
+    for (const char* key : {"acceleration", "tolerance"})
+      idle(std::string("coupling.") + key, scene_.coupled() && scene_.coupling.scheme != CouplingCase::Scheme::iterated,
+           "it belongs to coupling.scheme = \"iterated\"");
+    idle("case.central_force", !scene_.has_water(), "it acts on water");
+    const bool boxed = !scene_.general.periodic.empty() ||
+                       (d_ == 3 && std::any_of(scene_.walls.begin(), scene_.walls.end(),
+                                               [](const Wall& wall) { return wall.soil == Wall::ForSoil::rough; }));
+    for (const char* key : {"domain_min", "domain_max"})
+      idle(std::string("case.") + key, !boxed && !(f.initial_vortices > 0.0),
+           "no axis is periodic (case.periodic), and it is no wall");
+    shapes(idle);
+    gauges(idle);
+    for (std::size_t i = 0; i < scene_.soils.size(); ++i)
+      idle(fmt::format("soil[{}].earth_pressure_at_rest", i), scene_.deformable() && !s.initial_rest,
+           "solid.initial_rest = false");
+  }
+  template <class Idle>
+  void shapes(const Idle& idle) {
+    const auto look = [&](const Shape& s, const std::string& key) {
+      for (const char* of_ball : {".centre", ".radius"})
+        idle(key + of_ball, s.kind != Shape::Kind::ball, "it belongs to shape = \"ball\"");
+      for (const char* of_box : {".min", ".max", ".points"})
+        idle(key + of_box, s.kind == Shape::Kind::ball, "a ball takes 'centre' and 'radius'");
+    };
+    for (std::size_t i = 0; i < scene_.soils.size(); ++i) look(scene_.soils[i].shape, fmt::format("soil[{}]", i));
+    for (std::size_t i = 0; i < scene_.fluid.regions.size(); ++i)
+      look(scene_.fluid.regions[i], fmt::format("fluid.region[{}]", i));
+  }
+  template <class Idle>
+  void gauges(const Idle& idle) {
+    for (std::size_t i = 0; i < scene_.gauges.size(); ++i) {
+      const Gauge& g = scene_.gauges[i];
+      const std::string key = fmt::format("gauge[{}]", i);
+      idle(key + ".quantity",
+           g.kind != "point" && g.kind != "momentum" && g.kind != "level" && g.kind != "passed_volume",
+           fmt::format("a gauge of kind \"{}\" reads one quantity only", g.kind));
+      idle(key + ".thickness", g.kind != "front" || g.phase != "solid", "it belongs to the \"front\" of the soil");
+      constexpr std::array with_points{"point",       "front",  "extent",        "spread",      "discharge",
+                                       "exit_height", "height", "exit_gradient", "slip_surface"};
+      idle(key + ".points", std::find(with_points.begin(), with_points.end(), g.kind) == with_points.end(),
+           fmt::format("a gauge of kind \"{}\" is of the whole phase, or of its 'region'", g.kind));
+      constexpr std::array without_region{"point",         "front",   "discharge",        "exit_height",
+                                          "exit_gradient", "height",  "slip_surface",     "level",
+                                          "passed_volume", "balance", "received_impulse", "drag_work"};
+      idle(key + ".region", std::find(without_region.begin(), without_region.end(), g.kind) != without_region.end(),
+           fmt::format("a gauge of kind \"{}\" knows no region", g.kind));
+    }
+  }
+
+  int d_;
+  Point3 up_ = Point3::Zero();
+  std::vector<std::string> lines_;
+};
+
+}  // namespace
+
+std::vector<std::string> doubts(const Case& scene, const Places& places) { return Doubts(scene, places).all(); }
+
+}  // namespace poretwin

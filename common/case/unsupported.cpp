@@ -1,0 +1,360 @@
+#include "common/case/unsupported.hpp"
+
+#include "common/case/amounts.hpp"
+#include "common/case/complaints.hpp"
+#include "common/case/geometry.hpp"
+#include "common/case/pieces.hpp"
+#include "common/porous/seepage.hpp"
+#include "common/sph/kernel.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <optional>
+
+namespace poretwin {
+namespace {
+
+class Supported : Complaints {
+ public:
+  Supported(const Case& scene, const Places& places) : Complaints(scene, places), d_(scene.general.dimension) {
+    const double g = scene.general.gravity.norm();
+    if (g > 0.0) up_ = -scene.general.gravity / g;
+  }
+
+  void all() const {
+    near_origin();
+    if (scene_.has_water()) {
+      partitions();
+      layers_of_one_row();
+      solid_bodies();
+      heads_below_the_soils_top();
+    }
+    if (scene_.deformable()) {
+      loads();
+      tension();
+    }
+    if (scene_.coupled()) loaded_plates();
+  }
+
+ private:
+  [[nodiscard]] const Soil* soil_at(const Point3& x) const {
+    for (const auto& soil : scene_.soils)
+      if (contains(soil.shape, x, d_)) return &soil;
+    return nullptr;
+  }
+  [[nodiscard]] bool wet(const Point3& x) const {
+    return std::any_of(scene_.fluid.regions.begin(), scene_.fluid.regions.end(),
+                       [&](const Shape& region) { return contains(region, x, d_); });
+  }
+  /// Places all over a shape, a spacing apart or more.
+  [[nodiscard]] std::vector<Point3> places_in(const Shape& shape, double spacing) const {
+    std::vector<Point3> result;
+    const auto take = [&](const auto& lattice) {
+      for (const auto& x : lattice.position) {
+        Point3 point = Point3::Zero();
+        point.head(x.size()) = x;
+        result.push_back(point);
+      }
+    };
+    const double seen = spacing_to_look_at(shape, spacing, d_);
+    if (d_ == 3)
+      take(fill<3>(shape, seen, {0.5, 0.5, 0.5}, 0.0, 1));
+    else
+      take(fill<2>(shape, seen, {0.5, 0.5, 0.5}, 0.0, 1));
+    return result;
+  }
+
+  /// Particles are sorted into cells that are counted with 21 bits an axis, and distances lose digits: measured wrong
+  /// from 2^19 m on at a spacing of 0.1 m. Along axes without gravity read_case() moves the scene, so this is left.
+  void near_origin() const {
+    const double spacing = finest_spacing(scene_);
+    constexpr double most = 1e6;
+    const auto look = [&](const Shape& s, const std::string& key) {
+      const auto [lower, upper] = bounds(s);
+      for (int d = 0; d < d_; ++d)
+        for (const double x : {lower[d], upper[d]})
+          if (std::abs(x) > most * spacing)
+            fail(key, fmt::format("lies at {} = {:.6g} m, {:.2g} particle spacings from the origin; expected {:g} at "
+                                  "most along gravity, central_force and initial_strain: move the scene to the origin",
+                                  "xyz"[d], x + scene_.general.origin[d], std::abs(x) / spacing, most));
+    };
+    for (std::size_t i = 0; i < scene_.soils.size(); ++i) look(scene_.soils[i].shape, fmt::format("soil[{}]", i));
+    for (std::size_t i = 0; i < scene_.fluid.regions.size(); ++i)
+      look(scene_.fluid.regions[i], fmt::format("fluid.region[{}]", i));
+  }
+
+  /// Water and soil see their neighbours within the kernel's reach, through walls, too. Measured: still water on both
+  /// sides is at rest from 5 spacings of wall on (0.7 m/s at 4, diverges at 2); on one side from 3 on (7 % too much
+  /// pressure at 1); seepage on both sides 1.4 % off at 4, NaN at 3.
+  void partitions() const {
+    if (d_ != 2) return;
+    const double dx = scene_.fluid.particle_spacing;
+    struct Side {
+      std::size_t wall;
+      Piece piece;
+    };
+    std::vector<Side> sides;
+    for (std::size_t i = 0; i < scene_.walls.size(); ++i)
+      if (scene_.walls[i].water != Wall::ForWater::none)
+        for (const auto& piece : pieces_of(scene_.walls[i].face)) sides.push_back({i, piece});
+    for (const auto& p : sides) {
+      const Point3 left = p.piece.left();
+      for (const auto& q : sides) {
+        if (left.dot(q.piece.left()) > -0.9) continue;
+        for (const auto& x : places_along(p.piece, dx)) {
+          const auto thickness = distance_to(q.piece, x, -left);
+          if (!thickness || !(*thickness > 0.0) || *thickness >= 5.0 * dx) continue;
+          const Point3 here = x + 0.25 * dx * left, beyond = x - (*thickness + 0.25 * dx) * left;
+          const bool soils = soil_at(here) && soil_at(beyond);
+          const double least = soils ? 4.0 : wet(here) && wet(beyond) ? 5.0 : wet(here) ? 3.0 : 0.0;
+          if (*thickness < (1.0 - 1e-6) * least * dx)
+            fail(fmt::format("wall[{}]", p.wall),
+                 fmt::format("is {:.4g} m thick at {} m, {:.2g} particle spacings, with {}: particles would feel each "
+                             "other through it; expected {:.4g} m or more, {:g} spacings: draw it thicker, or give a "
+                             "fluid.particle_spacing of {:.3g} m or less",
+                             *thickness, shown(x), *thickness / dx,
+                             soils        ? "soil on both sides"
+                             : least > 4. ? "water on both sides"
+                                          : "water on one side",
+                             least * dx, least, *thickness / least));
+        }
+      }
+    }
+  }
+
+  /// How thick a shape is, as a rectangle of the same area and circumference would be [m].
+  [[nodiscard]] double thickness(const Shape& s) const {
+    const auto [lower, upper] = bounds(s);
+    double least = HUGE_VAL;
+    for (int d = 0; d < d_; ++d) least = std::min(least, upper[d] - lower[d]);
+    if (s.kind != Shape::Kind::polygon) return least;
+    double around = 0.0;
+    for (std::size_t i = 0; i < s.points.size(); ++i)
+      around += (s.points[(i + 1) % s.points.size()] - s.points[i]).norm();
+    const double root = around * around / 16.0 - measure(s, 2);
+    return std::min(least, around / 4.0 - std::sqrt(std::max(0.0, root)));
+  }
+
+  /// The resistance of one row is that of its neighbours' rows, too: measured up to five times too much seepage through
+  /// a row of 1e-6 m/s between 1e-3 and 1e-4, and of the wrong sign through half a row; 0.7 % off with two rows.
+  void layers_of_one_row() const {
+    const double dx = scene_.fluid.particle_spacing;
+    const auto conductivity = [&](const Soil& soil) {
+      return porous::seepage_at(scene_, soil, soil.porosity).conductivity;
+    };
+    for (std::size_t i = 0; i < scene_.soils.size(); ++i) {
+      const Soil& soil = scene_.soils[i];
+      const double thin = thickness(soil.shape);
+      if (thin >= 1.5 * dx) continue;
+      const auto [lower, upper] = bounds(soil.shape);
+      for (std::size_t j = 0; j < scene_.soils.size(); ++j) {
+        if (i == j) continue;
+        const auto [low, high] = bounds(scene_.soils[j].shape);
+        const Eigen::Array3d gap = (low - upper).cwiseMax(lower - high).array();
+        if ((gap.head(d_) > 0.5 * dx).any()) continue;
+        const double k = conductivity(soil), other = conductivity(scene_.soils[j]);
+        if (std::max(k, other) <= 2.0 * std::min(k, other)) continue;
+        fail(fmt::format("soil[{}]", i),
+             fmt::format("is {:.4g} m thin, {:.2g} rows of particles, with a conductivity of {:.3g} m/s beside {} of "
+                         "{:.3g} m/s; expected 2 rows or more: give a fluid.particle_spacing of {:.3g} m or less, or a "
+                         "thicker layer with as much more conductivity",
+                         thin, thin / dx, k, named("soil", j, scene_.soils[j].name), other, 0.5 * thin));
+      }
+    }
+  }
+
+  /// Soil that hardly has pores is no wall: free water that runs against it gains energy (sevenfold at a porosity of
+  /// 0.02, a tenth at 0.1).
+  void solid_bodies() const {
+    constexpr double least = 0.1;
+    for (std::size_t i = 0; i < scene_.soils.size(); ++i) {
+      if (scene_.soils[i].porosity >= least) continue;
+      for (const auto& region : scene_.fluid.regions)
+        for (const auto& x : places_in(region, scene_.fluid.particle_spacing))
+          if (soil_at(x) == nullptr)
+            fail(fmt::format("soil[{}].porosity", i),
+                 fmt::format(
+                     "expected {} or more beside free water, found {}: so dense a soil is a solid body, which is "
+                     "drawn as a closed [[wall]] (2D){}",
+                     least, scene_.soils[i].porosity, d_ == 3 ? "; in 3D there is none yet" : ""));
+    }
+  }
+
+  /// A face by point and normal has no upper end of its own; the soil before it has.
+  void heads_below_the_soils_top() const {
+    if (up_.isZero()) return;
+    const double dx = scene_.fluid.particle_spacing;
+    for (std::size_t i = 0; i < scene_.water_faces.size(); ++i) {
+      const WaterFace& f = scene_.water_faces[i];
+      if (!f.face.points.empty() || !f.head) continue;
+      const Point3 normal = f.face.normal.normalized();
+      if (std::abs(normal.dot(up_)) > 0.99) continue;  // level: water stands over it
+      double top = -HUGE_VAL;
+      for (const auto& soil : scene_.soils)
+        for (const auto& x : places_in(soil.shape, dx))
+          if (const double before = normal.dot(x - f.face.point); before > 0.0 && before < 1.5 * dx)
+            top = std::max(top, up_.dot(x) + 0.5 * dx);
+      double highest = -HUGE_VAL;
+      for (const auto& [time, value] : f.head->knots) highest = std::max(highest, value);
+      if (!(top > -HUGE_VAL) || highest <= top + 0.5 * dx) continue;
+      const bool lid = std::any_of(scene_.walls.begin(), scene_.walls.end(), [&](const Wall& wall) {
+        return wall.water != Wall::ForWater::none && wall.face.points.empty() &&
+               up_.dot(wall.face.normal.normalized()) < -0.99 && std::abs(up_.dot(wall.face.point) - top) < dx;
+      });
+      if (!lid)
+        fail(fmt::format("water_face[{}].head", i),
+             fmt::format(
+                 "the water behind the face rises to {:.6g} m, above the soil's upper end at {:.4g} m, and "
+                 "cannot run over there: a face by 'point' and 'normal' has no crest; expected a lower head, soil "
+                 "up to it, or a [[wall]] on the soil's top",
+                 highest, top));
+    }
+  }
+
+  /// Where the soil's surface is, seen from a load: centres of particles with no soil beyond them against the load's
+  /// normal. Measured: the force is right to 0.3 % within 2 spacings of the surface, 1.5 to 2.7 times too much 4 off.
+  void loads() const {
+    const double dx = scene_.solid.particle_spacing;
+    constexpr double lengths_per_spacing = 1.2;  // smoothing length over spacing
+    const double reach = 2.0 * sph::support_radius * lengths_per_spacing * dx;
+    constexpr double farthest = 2.0;  // spacings
+    for (std::size_t i = 0; i < scene_.loads.size(); ++i) {
+      const Face& f = scene_.loads[i].face;
+      struct Plane {
+        Point3 point, normal, along;
+        double from, to;
+      };
+      std::vector<Plane> planes;
+      if (f.points.empty()) planes.push_back({f.point, f.normal.normalized(), Point3::Zero(), -HUGE_VAL, HUGE_VAL});
+      for (const auto& piece : pieces_of(f)) {
+        const Point3 along = (piece.b - piece.a).normalized();
+        planes.push_back({piece.a, piece.left(), along, along.dot(piece.a), along.dot(piece.b)});
+      }
+      for (const auto& soil : scene_.soils)
+        for (const auto& x : places_in(soil.shape, dx))
+          for (const auto& plane : planes) {
+            const double inside = plane.normal.dot(x - plane.point), along = plane.along.dot(x);
+            if (std::abs(inside) > reach || along < plane.from || along > plane.to) continue;
+            const double off = std::abs(inside - 0.5 * dx);
+            if (off <= (farthest + 0.25) * dx || soil_at(x - dx * plane.normal) != nullptr) continue;
+            fail(fmt::format("load[{}]", i),
+                 fmt::format(
+                     "the soil's surface at {} m lies {:.3g} m off the load's face, within its reach; expected "
+                     "surfaces within {:.3g} m of the face ({:g} spacings) or beyond {:.3g} m: move the face to "
+                     "the surface{}",
+                     shown(x), off, farthest * dx, farthest, reach,
+                     f.points.empty() ? ", or, as a plane goes on without end, leave out what else it meets" : ""));
+          }
+    }
+  }
+
+  /// Whether a wall for soil stands within a spacing of x.
+  [[nodiscard]] bool beside_wall(const Point3& x) const {
+    const double reach = 1.01 * scene_.solid.particle_spacing;
+    return std::any_of(scene_.walls.begin(), scene_.walls.end(), [&](const Wall& wall) {
+      if (wall.soil == Wall::ForSoil::none) return false;
+      if (wall.face.points.empty()) return std::abs(wall.face.normal.normalized().dot(x - wall.face.point)) < reach;
+      const auto pieces = pieces_of(wall.face);
+      return std::any_of(pieces.begin(), pieces.end(), [&](const Piece& p) {
+        const Point3 s = p.b - p.a;
+        return (p.a + std::clamp(s.dot(x - p.a) / s.squaredNorm(), 0.0, 1.0) * s - x).norm() < reach;
+      });
+    });
+  }
+
+  /// Height of the highest cut or slope [m]: of the soil's surface, its sides that no wall holds included.
+  [[nodiscard]] double relief() const {
+    const double dx = scene_.solid.particle_spacing;
+    struct Column {
+      Point3 top, bottom;
+    };
+    std::map<std::array<long, 3>, Column> columns;
+    for (const auto& soil : scene_.soils)
+      for (const auto& x : places_in(soil.shape, dx)) {
+        const Point3 across = x - up_.dot(x) * up_;
+        std::array<long, 3> place{};
+        for (std::size_t d = 0; d < 3; ++d)
+          place[d] = std::lround(std::floor(across[static_cast<Eigen::Index>(d)] / dx + 1e-6));
+        auto& column = columns.try_emplace(place, Column{x, x}).first->second;
+        if (up_.dot(x) > up_.dot(column.top)) column.top = x;
+        if (up_.dot(x) < up_.dot(column.bottom)) column.bottom = x;
+      }
+    double highest = -HUGE_VAL, lowest = HUGE_VAL;
+    for (const auto& [place, column] : columns) {
+      highest = std::max(highest, up_.dot(column.top));
+      lowest = std::min(lowest, up_.dot(column.top));
+      for (std::size_t d = 0; d < static_cast<std::size_t>(d_); ++d)
+        for (const long step : {-1L, 1L}) {
+          auto next = place;
+          next[d] += step;
+          const bool level = std::abs(up_[static_cast<Eigen::Index>(d)]) < 0.5;
+          const auto& periodic = scene_.general.periodic;
+          const bool goes_on = std::find(periodic.begin(), periodic.end(), static_cast<int>(d)) != periodic.end();
+          if (level && !goes_on && !columns.contains(next) && !beside_wall(column.top))
+            lowest = std::min(lowest, up_.dot(column.bottom));
+        }
+    }
+    return highest > lowest ? highest - lowest : 0.0;
+  }
+
+  /// Without friction the cone has no apex, so the soil would bear any tension, and where it slides it flies apart
+  /// (measured of a vertical cut: 200 m/s after 0.4 s). Soil that stands by its cohesion is right without a limit: a
+  /// vertical cut up to 3.83 c / gamma high. So is soil whose cohesion is nothing beside its weight.
+  void tension() const {
+    if (scene_.solid.model == SolidCase::Model::elastic || up_.isZero()) return;
+    std::optional<double> height;
+    for (std::size_t i = 0; i < scene_.soils.size(); ++i) {
+      const Soil& soil = scene_.soils[i];
+      if (soil.friction_angle > 0.0 || soil.tensile_strength) continue;
+      if (!height) height = relief();
+      const double gamma = (1.0 - soil.porosity) * soil.grain_density * scene_.general.gravity.norm();
+      const double stands = 3.83 * soil.cohesion / gamma;
+      if (stands >= *height || soil.cohesion <= 0.01 * gamma * *height) continue;
+      fail(
+          fmt::format("soil[{}].tensile_strength", i),
+          fmt::format("the soil stands {:.3g} m high, more than the {:.3g} m that its cohesion bears, and with "
+                      "friction_angle = 0 the cone has no apex to limit the tension: expected the largest mean tension "
+                      "(0, or up to the cohesion of {:g} Pa), found none",
+                      *height, stands, soil.cohesion));
+    }
+  }
+
+  /// A wall stands still; water clings to it where the load takes the soil away from it.
+  void loaded_plates() const {
+    const double dx = scene_.fluid.particle_spacing;
+    const auto overlap = [&](const Face& f, const Face& g) {
+      if (f.points.empty() && g.points.empty()) {
+        const Point3 n = f.normal.normalized();
+        return n.cross(g.normal.normalized()).norm() < 1e-6 && std::abs(n.dot(g.point - f.point)) < 0.1 * dx;
+      }
+      for (const auto& p : pieces_of(f))
+        for (const auto& q : pieces_of(g)) {
+          if (p.left().dot(q.left()) < 0.999) continue;
+          const Point3 along = (p.b - p.a).normalized();
+          const double from = std::max(0.0, along.dot(q.a - p.a)), to = std::min(p.length(), along.dot(q.b - p.a));
+          if (std::abs(p.left().dot(q.a - p.a)) < 0.1 * dx && to - from > dx) return true;
+        }
+      return false;
+    };
+    for (std::size_t i = 0; i < scene_.walls.size(); ++i)
+      for (std::size_t j = 0; j < scene_.loads.size(); ++j)
+        if (scene_.walls[i].water != Wall::ForWater::none && overlap(scene_.walls[i].face, scene_.loads[j].face))
+          fail(
+              fmt::format("wall[{}]", i),
+              fmt::format("a wall stands still, but {} moves the soil there, and the water would cling to the wall: "
+                          "there is no tight plate that moves with the soil; expected a drained surface under the load "
+                          "(a [[water_face]] with pressure = 0), or the load elsewhere",
+                          named("load", j, scene_.loads[j].name)));
+  }
+
+  int d_;
+  Point3 up_ = Point3::Zero();
+};
+
+}  // namespace
+
+void check_supported(const Case& scene, const Places& places) { Supported(scene, places).all(); }
+
+}  // namespace poretwin

@@ -1,0 +1,17 @@
+// What a person must hear of a run at once, because its result may not be what they take it for.
+#pragma once
+
+#include <string>
+
+namespace poretwin {
+
+/// Something that happened in a run, counted. A phase returns all of its own after every window; what is new is logged
+/// once, what there was in all stands in the summary.
+struct Warning {
+  std::string what;              ///< counted under this name: "water particles lost"
+  double count = 0.0;            ///< so far; at zero nothing has happened
+  std::string detail;            ///< where, why and what to do; logged with the first
+  bool result_in_doubt = false;  ///< mass was lost or numbers may be wrong: the run ends with ExitCode::in_doubt
+};
+
+}  // namespace poretwin

@@ -1,0 +1,553 @@
+// Mistakes in cases: what would run and give wrong numbers is refused, what is hardly meant is said, what is right
+// passes.
+#include "tests/case/case_file.hpp"
+
+#include "common/case/amounts.hpp"
+#include "common/case/crossing.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <set>
+
+namespace poretwin {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+class Mistakes : public CaseFile {};
+
+/// A dam of rigid soil between two faces.
+const std::string dam = R"([case]
+end_time = 100
+[[soil]]
+name = "dam"
+shape = "polygon"
+points = [[0, 0], [1.2, 0], [0.8, 0.4], [0.4, 0.4]]
+hydraulic_conductivity = 1e-4
+[[wall]]
+name = "base"
+points = [[0, 0], [1.2, 0]]
+[[water_face]]
+name = "reservoir"
+points = [[0.4, 0.4], [0, 0]]
+head = 0.3
+[[water_face]]
+name = "toe"
+points = [[1.2, 0], [0.8, 0.4]]
+head = 0
+[fluid]
+particle_spacing = 0.02
+[solid]
+model = "rigid"
+)";
+
+/// A tank of free water, one metre wide, half full.
+const std::string tank = R"([case]
+end_time = 1
+[fluid]
+particle_spacing = 0.05
+[[fluid.region]]
+min = [0, 0]
+max = [1, 0.5]
+[solid]
+model = "rigid"
+[[wall]]
+points = [[0, 1], [0, 0], [1, 0], [1, 1]]
+)";
+
+/// A slope of soil alone, 2 m high.
+const std::string slope = R"([case]
+end_time = 0.5
+[[soil]]
+shape = "polygon"
+points = [[0, 0], [6, 0], [6, 1], [3, 1], [2, 2], [0, 2]]
+porosity = 0.3
+grain_density = 2700
+youngs_modulus = 1e7
+friction_angle = 20
+cohesion = 5000
+[[wall]]
+points = [[0, 3], [0, 0]]
+[[wall]]
+points = [[0, 0], [6, 0]]
+soil = "fixed"
+[[wall]]
+points = [[6, 0], [6, 3]]
+[solid]
+model = "drucker_prager"
+particle_spacing = 0.1
+)";
+
+TEST_F(Mistakes, AllCasesOfTheProjectPass) {
+  // Rockfill under a linear law is what linear.toml is there to show.
+  const std::set<std::string> doubtful{"rockfill_dam_rigid/linear.toml"};
+  std::size_t read = 0;
+  for (const auto& folder : std::filesystem::directory_iterator(std::filesystem::path(PORETWIN_SOURCE_DIR) / "cases"))
+    for (const auto& file : std::filesystem::directory_iterator(folder)) {
+      const auto name = file.path().parent_path().filename().string() + "/" + file.path().filename().string();
+      if (file.path().extension() != ".toml" || file.path().filename() == "verify.toml") continue;
+      const Case scene = read_case(file.path());
+      EXPECT_TRUE(scene.warnings.empty() != doubtful.contains(name))
+          << name << ": " << testing::PrintToString(scene.warnings);
+      ++read;
+    }
+  EXPECT_GT(read, 40u);
+}
+
+TEST_F(Mistakes, APolygonThatCrossesItselfIsNamed) {
+  EXPECT_EQ(complaint(dam), "no complaint");
+  EXPECT_THAT(complaint(changed(dam, "[0.8, 0.4], [0.4, 0.4]", "[0.4, 0.4], [0.8, 0.4]")),
+              HasSubstr("case.toml:6: key 'soil[0].points': edges 2-3 and 4-1 cross at [0.6, 0.3] m"));
+  EXPECT_THAT(
+      complaint(dam + "[[fluid.region]]\nshape = \"polygon\"\npoints = [[0.5, 0], [0.7, 0], [0.5, 0.2], [0.7, 0.2]]\n"),
+      HasSubstr("key 'fluid.region[0].points': edges 2-3 and 4-1 cross at [0.6, 0.1] m"));
+  EXPECT_THAT(
+      complaint(changed(tank, "[[0, 1], [0, 0], [1, 0], [1, 1]]", "[[0, 1], [0, 0], [1, 0], [1, 1], [-0.5, 0.8]]")),
+      HasSubstr("key 'wall[0].points': edges 1-2 and 4-5 cross at [0, 0.866667] m"));
+  EXPECT_THAT(
+      complaint(tank + "[[gauge]]\nname = \"v\"\nphase = \"fluid\"\nkind = \"volume\"\nregion = {shape = \"polygon\", "
+                       "points = [[0, 0], [1, 1], [1, 0], [0, 1]]}\n"),
+      HasSubstr("key 'gauge[0].region.points': edges 1-2 and 3-4 cross at [0.5, 0.5] m"));
+}
+
+TEST_F(Mistakes, LinesThatOnlyTouchThemselvesDoNotCross) {
+  const auto p = [](double x, double y) { return Point3(x, y, 0.0); };
+  EXPECT_FALSE(self_crossing({p(0, 0), p(1, 0), p(1, 1), p(0, 1)}, true));
+  // A hole, reached by a bridge that is walked twice.
+  EXPECT_FALSE(self_crossing(
+      {p(0, 0), p(3, 0), p(3, 3), p(1, 3), p(1, 2), p(1, 1), p(2, 1), p(2, 2), p(1, 2), p(1, 3), p(0, 3)}, true));
+  // A point of the line lies on an edge, and the line turns back there.
+  EXPECT_FALSE(self_crossing({p(0, 0), p(4, 0), p(4, 2), p(2, 0), p(0, 2)}, true));
+  // The line goes through an edge at one of its points.
+  const auto through = self_crossing({p(0, 0), p(4, 0), p(4, 2), p(2, 0), p(1, -1), p(0, -1)}, true);
+  ASSERT_TRUE(through);
+  EXPECT_EQ(through->at, p(2, 0));
+  EXPECT_EQ(through->first, 0u);
+  // Many corners take no time: a circle of 20000.
+  std::vector<Point3> circle;
+  for (int k = 0; k < 20000; ++k) circle.push_back(p(std::cos(k * 3.14159265e-4), std::sin(k * 3.14159265e-4)));
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_FALSE(self_crossing(circle, true));
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(5));
+}
+
+TEST_F(Mistakes, AnUnknownQuantityIsRefusedWithTheKnownOnes) {
+  const auto gauge = [&](const std::string& text, const std::string& phase, const std::string& quantity) {
+    return complaint(text + "[[gauge]]\nname = \"p\"\nphase = \"" + phase + "\"\nkind = \"point\"\nquantity = \"" +
+                     quantity + "\"\npoints = [[0.5, 0.1]]\n");
+  };
+  for (const char* known : {"pore_pressure", "pressure_head", "head", "degree_of_saturation", "velocity", "velocity_y"})
+    EXPECT_EQ(gauge(tank, "fluid", known), "no complaint") << known;
+  for (const char* known : {"displacement_x", "velocity_y", "effective_stress_yy", "total_stress_xy", "pore_pressure",
+                            "pore_pressure_ratio", "mobilised_friction", "void_fraction", "accumulated_plastic_strain"})
+    EXPECT_EQ(gauge(slope, "solid", known), "no complaint") << known;
+  EXPECT_THAT(gauge(tank, "fluid", "presure"),
+              HasSubstr("key 'gauge[0].quantity': expected one of \"pore_pressure\", \"pressure_head\", \"head\""));
+  EXPECT_THAT(gauge(tank, "fluid", "presure"), HasSubstr("did you mean \"pore_pressure\"?"));
+  EXPECT_THAT(gauge(tank, "fluid", "effective_stress_yy"), HasSubstr("key 'gauge[0].quantity'"));
+  EXPECT_THAT(gauge(tank, "fluid", "velocity_z"), HasSubstr("did you mean \"velocity_"));
+  EXPECT_THAT(gauge(slope, "solid", "effective_stres_yy"), HasSubstr("did you mean \"effective_stress_yy\"?"));
+  EXPECT_THAT(gauge(slope, "solid", "displacement"), HasSubstr("did you mean \"displacement_x\"?"));
+  const auto of = [&](const std::string& text, const std::string& kind, const std::string& quantity) {
+    return complaint(text + "[[gauge]]\nname = \"g\"\nphase = \"fluid\"\nkind = \"" + kind + "\"\nquantity = \"" +
+                     quantity + "\"\n");
+  };
+  EXPECT_EQ(of(dam, "passed_volume", "toe"), "no complaint");
+  EXPECT_THAT(of(dam, "level", "reservoi"),
+              HasSubstr("expected one of \"reservoir\", \"toe\", found \"reservoi\"; did you "
+                        "mean \"reservoir\"?"));
+  EXPECT_EQ(of(tank, "momentum", "momentum_x"), "no complaint");
+  EXPECT_THAT(of(tank, "momentum", "x"), HasSubstr("expected one of \"momentum_x\", \"momentum_y\""));
+}
+
+TEST_F(Mistakes, TooMuchOfEverythingIsNamedBeforeItIsMade) {
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_THAT(
+      complaint(tank, {"fluid.particle_spacing=1e-6"}),
+      HasSubstr("key 'fluid.particle_spacing': 5e+11 water particles at a spacing of 1e-06 m: expected 1e+09 at most"));
+  EXPECT_THAT(complaint(dam, {"fluid.particle_spacing=1e-6"}), HasSubstr("3.2e+11 water particles"))
+      << "what would run in through the faces counts";
+  EXPECT_THAT(complaint(slope, {"solid.particle_spacing=1e-5"}), HasSubstr("8.5e+10 soil particles"));
+  EXPECT_THAT(complaint(tank, {"output.interval=1e-12"}),
+              HasSubstr("key 'output.interval': 1e+12 frames of 200 particles"));
+  EXPECT_THAT(complaint(tank + "[[gauge]]\nname = \"n\"\nphase = \"fluid\"\nkind = \"particles\"\n",
+                        {"output.gauge_interval=1e-10"}),
+              HasSubstr("key 'output.gauge_interval': 1e+10 gauge readings"));
+  // Millions are only looked at by sample.
+  EXPECT_EQ(complaint(tank, {"fluid.particle_spacing=1e-4"}), "no complaint");
+  EXPECT_EQ(complaint(slope, {"solid.particle_spacing=1e-3"}), "no complaint");
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(60));
+}
+
+TEST_F(Mistakes, EstimatesAreThoseOfAreasAndVolumes) {
+  const Amounts a = estimate(read(tank, {"output.interval=0.1"}));
+  EXPECT_EQ(a.fluid, 200.0);
+  EXPECT_EQ(a.frames, 11.0);
+  EXPECT_NEAR(estimate(read(slope)).solid, 850.0, 1.0);
+  EXPECT_NEAR(measure(read(slope).soils[0].shape, 2), 8.5, 1e-12);
+}
+
+TEST_F(Mistakes, WaterDrawnBehindAFaceIsRefused) {
+  const std::string pond = "[[fluid.region]]\nshape = \"polygon\"\npoints = [[-1, 0], [0, 0], [0.3, 0.3], [-1, 0.3]]\n";
+  EXPECT_THAT(complaint(dam + pond), HasSubstr("key 'fluid.region[0]': water lies behind water_face[0] \"reservoir\""));
+  EXPECT_THAT(complaint(dam + pond), HasSubstr("give its level by the face's 'head'"));
+  // Also where it does not touch the face: it is taken all the same.
+  EXPECT_THAT(complaint(dam + "[[fluid.region]]\nmin = [-1, 0]\nmax = [-0.5, 0.2]\n"),
+              HasSubstr("water lies behind water_face[0]"));
+  EXPECT_THAT(complaint(changed(dam, "head = 0\n", "outlet = true\n") +
+                        "[[fluid.region]]\nshape = \"polygon\"\npoints = [[1.2, 0], [1.4, 0], [1.4, 0.2], [1, 0.2]]\n"),
+              HasSubstr("water lies behind water_face[1] \"toe\""));
+  EXPECT_EQ(complaint(dam + "[[fluid.region]]\nmin = [0.45, 0]\nmax = [0.75, 0.2]\n"), "no complaint");
+}
+
+TEST_F(Mistakes, NothingLiesBehindAPlane) {
+  const auto plane = [](const std::string& name, const std::string& point, const std::string& normal) {
+    return "[[wall]]\nname = \"" + name + "\"\npoint = " + point + "\nnormal = " + normal + "\n";
+  };
+  const std::string box =
+      "[case]\nend_time = 1\ndimension = 3\n[fluid]\nparticle_spacing = 0.1\n[[fluid.region]]\nmin = [0, 0, 0]\nmax = "
+      "[1, "
+      "1, 0.5]\n[solid]\nmodel = \"rigid\"\n" +
+      plane("left", "[0, 0, 0]", "[1, 0, 0]") + plane("right", "[3, 0, 0]", "[-1, 0, 0]") +
+      plane("front", "[0, 0, 0]", "[0, 1, 0]") + plane("back", "[0, 1, 0]", "[0, -1, 0]") +
+      plane("floor", "[0, 0, 0]", "[0, 0, 1]");
+  EXPECT_EQ(complaint(box), "no complaint");
+  EXPECT_EQ(complaint(box + plane("block", "[2, 0, 0]", "[-1, 0, 0]")), "no complaint");
+  EXPECT_THAT(complaint(box + plane("block", "[2, 0, 0]", "[1, 0, 0]")),
+              HasSubstr("key 'fluid.region[0]': water lies behind wall[5] \"block\""));
+  const std::string block =
+      "[case]\nend_time = 1\n[[soil]]\nmin = [0, 0]\nmax = [1, 0.5]\n[solid]\nparticle_spacing = 0.1\n[[wall]]\npoint "
+      "= "
+      "[0, 0]\nnormal = [0, 1]\n[[wall]]\npoint = [0, 0]\nnormal = [1, 0]\n";
+  EXPECT_EQ(complaint(block), "no complaint");
+  EXPECT_THAT(complaint(block + "[[wall]]\nname = \"right\"\npoint = [0.5, 0]\nnormal = [-1, 0]\n"),
+              HasSubstr("key 'soil[0]': soil lies behind wall[2] \"right\""));
+}
+
+TEST_F(Mistakes, AGaugeBeforePlanesIsInside) {
+  const std::string wide = changed(tank, "[[wall]]\npoints = [[0, 1], [0, 0], [1, 0], [1, 1]]\n",
+                                   "[[wall]]\npoint = [0, 0]\nnormal = [1, 0]\n[[wall]]\npoint = [0, 0]\nnormal = [0, "
+                                   "1]\n[[wall]]\npoint = [3, 0]\nnormal = [-1, 0]\n");
+  const std::string gauge = "[[gauge]]\nname = \"h\"\nphase = \"fluid\"\nkind = \"front\"\npoints = ";
+  EXPECT_EQ(complaint(wide + gauge + "[[2, 0.02], [2, 0.4]]\n"), "no complaint");
+  EXPECT_THAT(complaint(wide + gauge + "[[4, 0.02], [4, 0.4]]\n"), HasSubstr("expected a place within the walls"));
+}
+
+TEST_F(Mistakes, WaterFeelsItselfThroughThinPartitions) {
+  const auto with = [&](double thickness, double right, double spacing = 0.04) {
+    const double there = 1.0 + thickness;
+    return complaint(fmt::format(
+        R"([case]
+end_time = 1
+[[wall]]
+points = [[0, 2], [0, 0], [1, 0], [1, 1.5], [{0}, 1.5], [{0}, 0], [2.4, 0], [2.4, 2]]
+[fluid]
+particle_spacing = {1}
+[[fluid.region]]
+min = [0, 0]
+max = [1, 1.2]
+{2}[solid]
+model = "rigid"
+)",
+        there, spacing,
+        right > 0.0 ? fmt::format("[[fluid.region]]\nmin = [{}, 0]\nmax = [2.4, {}]\n", there, right) : ""));
+  };
+  EXPECT_THAT(with(0.08, 0.4), HasSubstr("key 'wall[0]': is 0.08 m thick at [1, 0."));
+  EXPECT_THAT(with(0.08, 0.4), HasSubstr("2 particle spacings, with water on both sides"));
+  EXPECT_THAT(with(0.08, 0.4), HasSubstr("expected 0.2 m or more, 5 spacings"));
+  EXPECT_THAT(with(0.16, 0.4), HasSubstr("4 particle spacings"));
+  EXPECT_EQ(with(0.2, 0.4), "no complaint");
+  EXPECT_THAT(with(0.04, 0.0), HasSubstr("with water on one side"));
+  EXPECT_EQ(with(0.12, 0.0), "no complaint");
+  EXPECT_EQ(with(0.08, 0.4, 0.016), "no complaint");
+}
+
+TEST_F(Mistakes, SeepageFeelsItselfThroughThinPiles) {
+  const std::string pile = R"([case]
+end_time = 1
+[[soil]]
+shape = "polygon"
+points = [[0, 0], [2, 0], [2, 0.6], [1.02, 0.6], [1.02, 0.3], [0.98, 0.3], [0.98, 0.6], [0, 0.6]]
+[[wall]]
+points = [[0, 0.6], [0, 0], [2, 0], [2, 0.6]]
+[[wall]]
+name = "pile"
+points = [[1.02, 0.6], [1.02, 0.3], [0.98, 0.3], [0.98, 0.6]]
+[[water_face]]
+points = [[0.98, 0.6], [0, 0.6]]
+head = 0.9
+[[water_face]]
+points = [[2, 0.6], [1.02, 0.6]]
+head = 0.7
+[fluid]
+particle_spacing = 0.02
+[solid]
+model = "rigid"
+)";
+  EXPECT_THAT(complaint(pile),
+              HasSubstr("key 'wall[1]': is 0.04 m thick at [1.02, 0.59] m, 2 particle spacings, with soil on "
+                        "both sides"));
+  EXPECT_EQ(complaint(pile, {"fluid.particle_spacing=0.01"}), "no complaint");
+}
+
+TEST_F(Mistakes, ALayerOfOneRowIsRefusedWhereItIsAnother) {
+  const std::string layers = R"([case]
+end_time = 1
+[[soil]]
+name = "gravel"
+min = [0, 0]
+max = [0.2, 0.2]
+hydraulic_conductivity = 1e-3
+[[soil]]
+name = "fabric"
+min = [0, 0.2]
+max = [0.2, 0.22]
+hydraulic_conductivity = 1e-6
+[[soil]]
+min = [0, 0.22]
+max = [0.2, 0.5]
+[[wall]]
+points = [[0, 0.5], [0, 0]]
+[[wall]]
+points = [[0.2, 0], [0.2, 0.5]]
+[[water_face]]
+points = [[0.2, 0.5], [0, 0.5]]
+head = 0.7
+[[water_face]]
+points = [[0, 0], [0.2, 0]]
+head = 0.2
+[fluid]
+particle_spacing = 0.02
+[solid]
+model = "rigid"
+)";
+  EXPECT_THAT(complaint(layers),
+              HasSubstr("key 'soil[1]': is 0.02 m thin, 1 rows of particles, with a conductivity of 1e-06 "
+                        "m/s beside soil[0] \"gravel\" of 0.001 m/s; expected 2 rows or more"));
+  EXPECT_EQ(complaint(layers, {"fluid.particle_spacing=0.01"}), "no complaint");
+  EXPECT_THAT(warnings(layers, {"fluid.particle_spacing=0.01"}), HasSubstr("key 'soil[1]': is 0.02 m thin, 2 rows"));
+  // Rows of one soil, as slopes are drawn in 3D, are one layer.
+  EXPECT_EQ(complaint(layers, {"soil.0.hydraulic_conductivity=1e-4", "soil.1.hydraulic_conductivity=1e-4"}),
+            "no complaint");
+  EXPECT_EQ(warnings(layers, {"soil.0.hydraulic_conductivity=1e-4", "soil.1.hydraulic_conductivity=1e-4"}), "");
+  // One that lies aslant.
+  EXPECT_THAT(complaint(changed(layers, "min = [0, 0.2]\nmax = [0.2, 0.22]",
+                                "shape = \"polygon\"\npoints = [[0, 0.2], [0.2, 0.25], [0.2, 0.27], [0, 0.22]]"),
+                        {"soil.2.min=[0,0.3]", "soil.0.max=[0.2,0.2]"}),
+              HasSubstr("key 'soil[1]': is 0.01934 m thin"));
+}
+
+TEST_F(Mistakes, SoilWithoutPoresIsNoWall) {
+  const std::string block = tank + "[[soil]]\nmin = [0.8, 0]\nmax = [1, 0.2]\nporosity = ";
+  EXPECT_EQ(complaint(changed(block, "max = [1, 0.5]", "max = [0.5, 0.5]") + "0.3\n"), "no complaint");
+  EXPECT_THAT(complaint(changed(block, "max = [1, 0.5]", "max = [0.5, 0.5]") + "0.02\n"),
+              HasSubstr("key 'soil[0].porosity': expected 0.1 or more beside free water, found 0.02"));
+  EXPECT_EQ(complaint(changed(dam, "hydraulic_conductivity", "porosity = 0.05\nhydraulic_conductivity")),
+            "no complaint")
+      << "without free water it is only dense";
+}
+
+TEST_F(Mistakes, AHeadAboveTheSoilsTopIsRefusedForPlanes) {
+  const std::string block = R"([case]
+dimension = 3
+end_time = 1
+[[soil]]
+min = [0, 0, 0]
+max = [0.6, 0.2, 0.4]
+[[wall]]
+point = [0, 0, 0]
+normal = [0, 0, 1]
+[[wall]]
+point = [0, 0, 0]
+normal = [0, 1, 0]
+[[wall]]
+point = [0, 0.2, 0]
+normal = [0, -1, 0]
+[[water_face]]
+point = [0, 0, 0]
+normal = [1, 0, 0]
+head = [[0, 0], [30, 0.3]]
+[[water_face]]
+point = [0.6, 0, 0]
+normal = [-1, 0, 0]
+head = 0
+[fluid]
+particle_spacing = 0.02
+[solid]
+model = "rigid"
+)";
+  EXPECT_EQ(complaint(block), "no complaint");
+  const std::string high = changed(block, "[30, 0.3]", "[30, 0.5]");
+  EXPECT_THAT(complaint(high),
+              HasSubstr("key 'water_face[0].head': the water behind the face rises to 0.5 m, above the "
+                        "soil's upper end at 0.4 m, and cannot run over there"));
+  EXPECT_EQ(complaint(high + "[[wall]]\npoint = [0, 0, 0.4]\nnormal = [0, 0, -1]\n"), "no complaint")
+      << "a lid holds it";
+}
+
+/// A column of soil under a load.
+std::string loaded(const std::string& face) {
+  return R"([case]
+end_time = 1
+[[soil]]
+min = [0, 0]
+max = [0.4, 0.4]
+[[soil]]
+name = "pad"
+min = [0, 0.4]
+max = [0.1, 0.48]
+[[wall]]
+points = [[0, 0.5], [0, 0], [0.4, 0], [0.4, 0.5]]
+[solid]
+particle_spacing = 0.02
+[[load]]
+traction = [0, -1000]
+)" + face;
+}
+
+TEST_F(Mistakes, LoadsLieOnTheSurfaceTheyLoad) {
+  EXPECT_EQ(complaint(loaded("points = [[0.1, 0.48], [0, 0.48]]\n")), "no complaint");
+  EXPECT_EQ(complaint(loaded("points = [[0.4, 0.4], [0.1, 0.4]]\n")), "no complaint");
+  EXPECT_EQ(complaint(loaded("points = [[0.1, 0.52], [0, 0.52]]\n")), "no complaint") << "two spacings off";
+  EXPECT_THAT(
+      complaint(loaded("points = [[0.1, 0.55], [0, 0.55]]\n")),
+      HasSubstr("key 'load[0]': the soil's surface at [0.01, 0.47] m lies 0.07 m off the load's face, within its "
+                "reach; expected surfaces within 0.04 m of the face"));
+  EXPECT_THAT(complaint(loaded("point = [0, 0.48]\nnormal = [0, -1]\n")),
+              HasSubstr("as a plane goes on without end, leave out what else it meets"))
+      << "the block beside the pad is within its reach, too";
+}
+
+TEST_F(Mistakes, NoTightPlateMovesWithTheSoil) {
+  const std::string strip = R"([case]
+gravity = [0, 0]
+end_time = 8
+[[soil]]
+min = [0, 0]
+max = [0.25, 0.75]
+[[wall]]
+points = [[0, 0.75], [0, 0], [0.25, 0]]
+[[wall]]
+name = "tight end"
+points = [[0.25, 0.75], [0, 0.75]]
+soil = "none"
+[[water_face]]
+points = [[0.25, 0], [0.25, 0.75]]
+pressure = 0
+[[load]]
+name = "end load"
+points = [[0.25, 0.75], [0, 0.75]]
+traction = [0, -1000]
+[fluid]
+particle_spacing = 0.0125
+[[fluid.region]]
+min = [0, 0]
+max = [0.25, 0.75]
+)";
+  EXPECT_THAT(complaint(strip),
+              HasSubstr("key 'wall[1]': a wall stands still, but load[0] \"end load\" moves the soil there"));
+  EXPECT_EQ(complaint(strip, {"load.0.points=[[0.25,0],[0.25,0.75]]"}), "no complaint");
+}
+
+TEST_F(Mistakes, WithoutFrictionTensionNeedsALimit) {
+  const std::string cut = changed(changed(slope, "[3, 1], [2, 2]", "[3, 0.5], [3, 2.5]"), "[0, 2]", "[0, 2.5]");
+  EXPECT_EQ(complaint(cut), "no complaint");
+  EXPECT_THAT(
+      complaint(cut, {"soil.0.friction_angle=0"}),
+      HasSubstr("key 'soil[0].tensile_strength': the soil stands 2 m high, more than the 1.03 m that its cohesion "
+                "bears, and with friction_angle = 0"));
+  EXPECT_EQ(complaint(cut, {"soil.0.friction_angle=0", "soil.0.tensile_strength=0"}), "no complaint");
+  EXPECT_EQ(complaint(cut, {"soil.0.friction_angle=0", "soil.0.cohesion=12e3"}), "no complaint") << "it stands";
+  EXPECT_EQ(complaint(cut, {"soil.0.friction_angle=0", "soil.0.cohesion=1"}), "no complaint") << "it is a liquid";
+  EXPECT_EQ(complaint(cut, {"soil.0.friction_angle=0", "solid.model=elastic"}), "no complaint");
+}
+
+TEST_F(Mistakes, AFarSceneComesToTheOrigin) {
+  const auto moved = [&](double by) {
+    std::string text = slope;
+    for (const auto& [from, to] : {std::pair{"[[0, 0], [6, 0], [6, 1], [3, 1], [2, 2], [0, 2]]",
+                                             "[[{0}, 0], [{1}, 0], [{1}, 1], [{2}, 1], [{3}, 2], [{0}, 2]]"},
+                                   {"[[0, 3], [0, 0]]", "[[{0}, 3], [{0}, 0]]"},
+                                   {"[[0, 0], [6, 0]]", "[[{0}, 0], [{1}, 0]]"},
+                                   {"[[6, 0], [6, 3]]", "[[{1}, 0], [{1}, 3]]"}})
+      text = changed(text, from, fmt::format(fmt::runtime(to), by, by + 6, by + 3, by + 2));
+    return text +
+           fmt::format("[[gauge]]\nname = \"s\"\nphase = \"solid\"\nkind = \"height\"\npoints = [[{}, 0.5]]\n", by + 1);
+  };
+  const Case near = read(moved(0.0)), far = read(moved(533244.0)), farther = read(moved(1e7));
+  EXPECT_EQ(near.general.origin, Point3::Zero());
+  EXPECT_EQ(far.general.origin, Point3(533244, 0, 0));
+  EXPECT_EQ(farther.general.origin, Point3(1e7, 0, 0));
+  for (const Case* scene : {&far, &farther}) {
+    EXPECT_EQ(scene->coupled_part(), near.coupled_part());
+    EXPECT_EQ(scene->gauges[0].points[0], near.gauges[0].points[0]);
+  }
+  // Messages speak of places as the file does.
+  EXPECT_THAT(complaint(changed(moved(1e7), "[10000006, 0], [10000006, 1]", "[10000006, 1], [10000006, 0]")),
+              HasSubstr("edges 1-2 and 3-4 cross at [10000004, 0.66666"));
+  // Elevations count from zero: these cannot be moved.
+  EXPECT_THAT(complaint("[case]\nend_time = 1\n[[soil]]\nmin = [0, 600000]\nmax = [1, 600001]\n[[wall]]\npoints = [[0, "
+                        "600000], [1, 600000]]\n[solid]\nparticle_spacing = 0.1\n"),
+              HasSubstr("key 'soil[0]': lies at y = 600000 m, 6e+06 particle spacings from the origin"));
+}
+
+TEST_F(Mistakes, WhatIsHardlyMeantIsSaid) {
+  EXPECT_EQ(warnings(slope), "");
+  EXPECT_EQ(warnings(dam), "");
+  EXPECT_EQ(warnings(tank), "");
+  EXPECT_THAT(
+      warnings(slope, {"soil.0.youngs_modulus=10e3"}),
+      HasSubstr("key 'soil[0].youngs_modulus': the weight of 2 m of soil strains it by 275 % (rho g H / M), expected 5 "
+                "% at most; youngs_modulus is in Pa, found 10000"));
+  EXPECT_THAT(warnings(slope, {"soil.0.grain_density=2.7"}), HasSubstr("grain_density is in kg/m3"));
+  EXPECT_THAT(warnings(tank, {"water.density=1"}), HasSubstr("key 'water.density'"));
+  EXPECT_THAT(warnings(dam, {"soil.0.hydraulic_conductivity=10"}), HasSubstr("10 m/s is more than gravel has"));
+  EXPECT_THAT(warnings(slope, {"case.gravity=[0,9.81]", "solid.initial_rest=false"}),
+              HasSubstr("key 'case.gravity': points upwards"));
+  EXPECT_THAT(warnings(dam, {"water_face.0.head=-0.2"}), HasSubstr("key 'water_face[0].head': never wets the face"));
+  EXPECT_THAT(warnings(dam, {"water_face.0.head=0"}), HasSubstr("no water is there and none ever comes in"));
+  EXPECT_THAT(warnings(dam, {"fluid.particle_spacing=0.1"}), HasSubstr("key 'soil[0]': is 0.4 m thin, 4 rows"));
+  EXPECT_THAT(warnings(changed(tank, "[1, 0], [1, 1]", "[0.15, 0], [0.15, 1]"), {"fluid.region.0.max=[0.15,0.5]"}),
+              HasSubstr("leaves 0.15 m for water beside wall[0] at [0, 0."));
+}
+
+TEST_F(Mistakes, KeysWithoutEffectAreSaid) {
+  EXPECT_THAT(warnings(changed(dam, "model = \"rigid\"", "model = \"rigid\"\ncourant = 0.5\njitter = 0.1")),
+              HasSubstr("key 'solid': has no effect (courant, jitter): with solid.model = \"rigid\""));
+  EXPECT_THAT(warnings(tank, {"fluid.sweeps=5"}), HasSubstr("key 'fluid.sweeps': has no effect"));
+  EXPECT_THAT(warnings(tank, {"fluid.seed=5"}), HasSubstr("fluid.jitter is 0"));
+  EXPECT_THAT(warnings(tank, {"coupling.scheme=parallel"}), HasSubstr("one phase runs alone"));
+  EXPECT_THAT(warnings(slope, {"solid.initial_rest=false", "soil.0.earth_pressure_at_rest=0.5"}),
+              HasSubstr("key 'soil[0].earth_pressure_at_rest': has no effect"));
+  EXPECT_THAT(warnings(slope, {"fluid.jitter=0.2"}), HasSubstr("there is no water"));
+  EXPECT_THAT(warnings(tank, {"case.domain_max=[1,1]"}), HasSubstr("no axis is periodic"));
+  EXPECT_THAT(
+      warnings(tank +
+               "[[gauge]]\nname = \"n\"\nphase = \"fluid\"\nkind = \"particles\"\nquantity = \"x\"\nthickness = 1\n"),
+      testing::AllOf(HasSubstr("key 'gauge[0].quantity': has no effect"),
+                     HasSubstr("key 'gauge[0].thickness': has no effect")));
+  EXPECT_THAT(warnings(dam + "[[load]]\npoints = [[0.8, 0.4], [0.4, 0.4]]\ntraction = [0, -1]\n"),
+              HasSubstr("key 'load[0]': has no effect"));
+}
+
+TEST_F(Mistakes, CommonSlipsOfThePenAreNamed) {
+  EXPECT_THAT(complaint(changed(tank, "\"rigid\"", "\"rigid")),
+              HasSubstr("case.toml:9: not valid TOML: a quote \" is missing in: model = \"rigid"));
+  EXPECT_THAT(complaint(changed(tank, "\"rigid\"", "rigid")), HasSubstr("a text stands in quotes, \"rigid\""));
+  EXPECT_THAT(complaint(changed(tank, "0.05", "0,05")), HasSubstr("a number has a decimal point"));
+  EXPECT_THAT(complaint(changed(tank, "0.05", "0.05 m")), HasSubstr("expected a number alone"));
+  EXPECT_THAT(complaint(changed(tank, "[1, 0.5]", "[1, 0.5")),
+              HasSubstr("the array that begins in line 7 is not closed"));
+  EXPECT_THAT(complaint(changed(tank, "end_time = 1", "end_time = 1\nend_time = 2")), HasSubstr("cannot redefine"));
+  EXPECT_THAT(complaint(changed(tank, "[[wall]]", "[wall]")), HasSubstr("write [[wall]], in double brackets"));
+  EXPECT_THAT(complaint(changed(dam, "shape = \"polygon\"\n", "")),
+              HasSubstr("key 'soil[0].shape' is missing: expected shape = \"polygon\" with 'points'"));
+  EXPECT_THAT(complaint(""), HasSubstr("the file is empty"));
+  EXPECT_THAT(complaint("# nothing yet\n"), HasSubstr("the file is empty"));
+}
+
+}  // namespace
+}  // namespace poretwin
