@@ -94,7 +94,11 @@ struct UndoFile {
   std::uint64_t address_end = 0, end = 0;  ///< of allocated addresses; of the file
   std::uint64_t flushed = 0;               ///< length at the last flush
   std::uint64_t undo_end = 0;              ///< 0: nothing to undo
-  bool writable = false, failed = false;
+  bool writable = false;
+  std::string failure;  ///< what the first failed write said; empty: none has failed
+  // After a failure the library goes on as if nothing had been, for it cannot close a file that does not take its
+  // writes: it would try again when the process ends, and crash. What it writes is kept here for it to read.
+  std::vector<std::pair<std::uint64_t, std::vector<char>>> unwritten;
 
   /// Before [where, where + size) changes.
   bool keep(std::uint64_t where, std::uint64_t size) {
@@ -129,7 +133,7 @@ const UndoFile& own(const H5FD_t* file) { return *reinterpret_cast<const UndoFil
 
 herr_t fail(UndoFile& file, const char* action) {
   const int error = errno;
-  file.failed = true;
+  if (file.failure.empty()) file.failure = fmt::format("{}: {}", action, std::strerror(error));
   H5Epush2(H5E_DEFAULT, __FILE__, "undo_driver", 0, H5E_ERR_CLS, H5E_IO, H5E_WRITEERROR, "%s: %s", action,
            std::strerror(error));
   return -1;
@@ -164,7 +168,7 @@ H5FD_t* open_file(const char* name, unsigned flags, hid_t, haddr_t) {
 herr_t close_file(H5FD_t* general) {
   const std::unique_ptr<UndoFile> file(&own(general));
   // What the library could not finish is taken back; a process that dies leaves that to roll_back().
-  const bool good = !file->failed || undo_all(file->file, file->undo);
+  const bool good = file->failure.empty() || undo_all(file->file, file->undo);
   if (file->undo >= 0) {
     ::close(file->undo);
     if (good) ::unlink(undo_of(file->path).c_str());
@@ -197,19 +201,30 @@ herr_t set_address_end(H5FD_t* file, H5FD_mem_t, haddr_t address) {
 
 herr_t read(H5FD_t* general, H5FD_mem_t, hid_t, haddr_t at, size_t size, void* data) {
   auto& file = own(general);
-  return read_all(file.file, data, size, offset(at)) ? 0 : fail(file, "cannot be read");
+  if (!read_all(file.file, data, size, offset(at))) return fail(file, "cannot be read");
+  for (const auto& [where, bytes] : file.unwritten) {
+    const std::uint64_t first = std::max<std::uint64_t>(at, where), last = std::min(at + size, where + bytes.size());
+    if (first < last)
+      std::memcpy(static_cast<char*>(data) + (first - at), bytes.data() + (first - where), last - first);
+  }
+  return 0;
 }
 
 herr_t write(H5FD_t* general, H5FD_mem_t, hid_t, haddr_t at, size_t size, const void* data) {
   auto& file = own(general);
-  if (!file.keep(at, size) || !write_all(file.file, data, size, offset(at))) return fail(file, "cannot be written");
+  const bool lost = !file.failure.empty();
+  const auto* bytes = static_cast<const char*>(data);
+  if (lost)
+    file.unwritten.emplace_back(at, std::vector<char>(bytes, bytes + size));
+  else if (!file.keep(at, size) || !write_all(file.file, data, size, offset(at)))
+    return fail(file, "cannot be written");
   file.end = std::max<std::uint64_t>(file.end, at + size);
   return 0;
 }
 
 herr_t truncate(H5FD_t* general, hid_t, hbool_t) {
   auto& file = own(general);
-  if (file.end == file.address_end) return 0;
+  if (file.end == file.address_end || !file.failure.empty()) return 0;
   if (!file.keep(file.address_end, file.flushed) || ::ftruncate(file.file, offset(file.address_end)) != 0)
     return fail(file, "cannot be written");
   file.end = file.address_end;
@@ -219,8 +234,13 @@ herr_t truncate(H5FD_t* general, hid_t, hbool_t) {
 /// The last thing the library does in H5Fflush: all of a state is in the file.
 herr_t flush(H5FD_t* general, hid_t, hbool_t) {
   auto& file = own(general);
-  if (file.failed) return -1;
+  if (!file.failure.empty()) return 0;  // File::flush() asks undo_failure()
   return file.commit() ? 0 : fail(file, "cannot be written");
+}
+
+herr_t handle(H5FD_t* general, hid_t, void** out) {
+  *out = &own(general).failure;
+  return 0;
 }
 
 herr_t no_lock(H5FD_t*, hbool_t) { return 0; }
@@ -246,6 +266,7 @@ std::int64_t undo_driver() {
     c.write = write;
     c.flush = flush;
     c.truncate = truncate;
+    c.get_handle = handle;
     c.lock = no_lock;
     c.unlock = no_unlock;
     const H5FD_mem_t map[] = H5FD_FLMAP_DICHOTOMY;
@@ -253,6 +274,19 @@ std::int64_t undo_driver() {
     return H5FDregister(&c);
   }();
   return driver;
+}
+
+std::string undo_failure(std::int64_t object) {
+  std::string found;
+  const hid_t file = H5Iget_file_id(object);
+  if (file < 0) return found;
+  const hid_t access = H5Fget_access_plist(file);
+  void* failure = nullptr;
+  if (access >= 0 && H5Pget_driver(access) == undo_driver() && H5Fget_vfd_handle(file, access, &failure) >= 0)
+    found = *static_cast<const std::string*>(failure);
+  if (access >= 0) H5Pclose(access);
+  H5Fclose(file);
+  return found;
 }
 
 void roll_back(const std::filesystem::path& path) {
