@@ -59,7 +59,11 @@ class Signals {
   }
   Signals(const Signals&) = delete;
   Signals& operator=(const Signals&) = delete;
-  ~Signals() { ::sigprocmask(SIG_SETMASK, &before_, nullptr); }
+  /// What has arrived until now was meant for what has ended: it must not end this process.
+  ~Signals() {
+    static_cast<void>(stops());
+    ::sigprocmask(SIG_SETMASK, &before_, nullptr);
+  }
   [[nodiscard]] int descriptor() const { return descriptor_.get(); }
   [[nodiscard]] const sigset_t& before() const { return before_; }
   /// How many requests to stop have arrived since the last call.
@@ -240,11 +244,14 @@ class Watch {
   }
 
   void interrupt() {
-    if (result_.interrupted) {  // a second Ctrl-C: no more waiting
-      next_at_ = Clock::now();
+    if (result_.interrupted) {  // once more: no more waiting, unless it is the same request, sent to everybody twice
+      if (Clock::now() - interrupted_at_ >= patience_.grace) next_at_ = Clock::now();
       return;
     }
     result_.interrupted = true;
+    interrupted_at_ = Clock::now();
+    fmt::print(stderr, "\nporetwin: stopping after this window, with a checkpoint; another signal counts after {} s\n",
+               std::chrono::duration_cast<std::chrono::seconds>(patience_.grace).count());
     end_all(SIGINT);
     schedule(SIGTERM, patience_.after_interrupt);
   }
@@ -276,7 +283,7 @@ class Watch {
   std::vector<Child> children_;
   Watched result_;
   std::optional<int> next_;
-  Clock::time_point next_at_{};
+  Clock::time_point next_at_{}, interrupted_at_{};
 };
 
 }  // namespace

@@ -39,7 +39,8 @@ struct Watched {
 struct Patience {
   std::chrono::milliseconds by_itself{5000};         ///< for the others after a failure, before SIGTERM
   std::chrono::milliseconds after_term{3000};        ///< before SIGKILL
-  std::chrono::milliseconds after_interrupt{20000};  ///< for a clean stop after Ctrl-C, before SIGTERM
+  std::chrono::milliseconds after_interrupt{300000};  ///< for a clean stop after Ctrl-C, before SIGTERM
+  std::chrono::milliseconds grace{10000};             ///< after Ctrl-C, before another one ends the wait
 };
 
 /// Starts all, feeds progress lines to `progress`, calls `tick` about four times a second, returns when all have ended.

@@ -32,6 +32,8 @@ struct RunOptions {
   bool pictures = true;
   bool profile = false;                    ///< leave trace.json: what each process did when
   bool resume = false;                     ///< from the newest checkpoint in `out`
+  bool overwrite = false;                  ///< begin anew even where `out` holds a run that could go on
+  bool accept_changed_program = false;     ///< resume what another program began
   std::optional<double> checkpoint_every;  ///< s of wall-clock; absent: as the processes hold it
   int restarts = 2;                        ///< after a crash, at most
 };
@@ -45,7 +47,8 @@ struct RunResult {
   std::vector<Summary> summaries;
 };
 
-/// Throws CaseError and FileError before anything is started; what happens later is in the result.
+/// Throws CaseError and FileError before anything is started or touched; what happens later is in the result. Resuming
+/// a run that has ended does nothing.
 RunResult run_case(const RunOptions& options);
 
 /// Tables of where the time went, steps, counters and files.

@@ -1,5 +1,6 @@
 #include "cli/safety.hpp"
 
+#include "cli/run_folder.hpp"
 #include "cli/script.hpp"
 #include "common/case/case.hpp"
 #include "common/core/error.hpp"
@@ -60,6 +61,7 @@ class Search {
     options.quiet = true;
     options.pictures = false;
     options.restarts = 0;
+    options.overwrite = true;
     const RunResult result = run_case(options);
     const double wall = safety_.run.wall + result.wall, cpu = safety_.run.cpu + result.cpu;
     safety_.run = result;
@@ -112,8 +114,6 @@ void clear_trials(const fs::path& out) {
   for (const auto& entry : fs::directory_iterator(out, error))
     if (entry.path().filename().string().starts_with("F_") && fs::exists(entry.path() / "run.toml"))
       fs::remove_all(entry.path(), error);
-  fs::create_directories(out, error);
-  if (error) throw FileError(fmt::format("{}: the folder cannot be made: {}", out.string(), error.message()));
 }
 
 }  // namespace
@@ -125,6 +125,7 @@ Safety find_safety(const RunOptions& options, double tolerance) {
     throw CaseError(
         fmt::format("{}: key 'solid.model': a factor of safety needs soil that can fail; expected \"drucker_prager\"",
                     options.case_file.string()));
+  const FileLock lock = lock_folder(options.out, "poretwin safety " + options.case_name);
   clear_trials(options.out);
   Safety safety = Search(options, tolerance).run();
   if (safety.run.exit != 0) return safety;

@@ -52,11 +52,28 @@ std::string checksum_of(std::string_view head, std::string_view state) {
 
 }  // namespace
 
-CheckpointStore::CheckpointStore(const fs::path& out, std::string process, RunIdentity identity, Say say)
+void expect_same(const std::string& place, const RunIdentity& expected, const RunIdentity& found,
+                 bool accept_changed_program) {
+  for (const auto& [name, value] : expected) {
+    const auto same = std::find_if(found.begin(), found.end(), [&](const auto& entry) { return entry.first == name; });
+    const std::string other = same == found.end() ? "nothing" : same->second;
+    const bool program = name == program_entry;
+    if (other == value || (program && accept_changed_program)) continue;
+    throw CaseError(fmt::format(
+        "{}: {}: expected {}, found {}; {}", place, name, value, other,
+        program ? "resume with the program that wrote it, or go on with this one by --accept-changed-program (the "
+                  "results are then of two programs)"
+                : "resume with what it was started with, or begin anew in another folder"));
+  }
+}
+
+CheckpointStore::CheckpointStore(const fs::path& out, std::string process, RunIdentity identity, Say say,
+                                 bool accept_changed_program)
     : folder_(out / "checkpoints"),
       process_(std::move(process)),
       identity_(std::move(identity)),
-      say_(std::move(say)) {}
+      say_(std::move(say)),
+      accept_changed_program_(accept_changed_program) {}
 
 fs::path CheckpointStore::file_of(const std::string& name) const {
   // Names come over the wire: none may point elsewhere.
@@ -100,11 +117,7 @@ std::vector<Checkpoint> CheckpointStore::whole() const {
     if (file.extension() != ending) continue;
     try {
       const Content content = content_of(file);
-      for (std::size_t k = 0; k < identity_.size(); ++k)
-        if (content.identity.size() != identity_.size() || content.identity[k] != identity_[k])
-          throw CaseError(fmt::format("{}: {}: expected {}, found {}", file.string(), identity_[k].first,
-                                      identity_[k].second,
-                                      k < content.identity.size() ? content.identity[k].second : "nothing"));
+      expect_same(file.string(), identity_, content.identity, accept_changed_program_);
       found.push_back(content.checkpoint);
     } catch (const FileError& error) {
       if (say_) say_(process_ + ": left out: " + error.what());

@@ -64,7 +64,8 @@ void execute(const Arguments& arguments, Role role, const std::function<std::uni
   if (arguments.alone) expect_own(scene, role);
   run.phase = make(scene);
   run.recorder = make_run_recorder(arguments.out, name, scene, arguments.resume);
-  const CheckpointStore checkpoints(arguments.out, name, run_identity(scene), log_line);
+  const CheckpointStore checkpoints(arguments.out, name, run_identity(scene), log_line,
+                                    arguments.accept_changed_program);
   if (arguments.alone) {
     ProgressLines lines(arguments.progress_descriptor);
     drive_alone(

@@ -135,6 +135,10 @@ Arguments parse_arguments(int argc, char** argv, Program program) {
       out.allow_any_address = true;
     else if (name == "--resume")
       out.resume = true;
+    else if (name == "--overwrite")
+      out.overwrite = true;
+    else if (name == "--accept-changed-program")
+      out.accept_changed_program = true;
     else if (name == "--profile")
       out.profile = true;
     else if (name == "--checkpoint-every")
@@ -165,8 +169,9 @@ std::string usage(const std::string& name, Program program) {
                                       : "(--connect ADDRESS [--case FILE] | --alone --case FILE)";
   text +=
       " [--keys FILE] [--set key=value]... [--progress-fd N] [--wait-deadline S] [--frozen-deadline S]\n"
-      "       [--resume] [--checkpoint-every S] [--profile]\n"
-      "--resume: go on from the checkpoint in DIR, all three processes; --checkpoint-every: s of wall-clock (60), 0: "
+      "       [--resume [--accept-changed-program] | --overwrite] [--checkpoint-every S] [--profile]\n"
+      "--resume: go on from the checkpoint in DIR, all three processes; --accept-changed-program: though another "
+      "program\nwrote it; --overwrite: begin anew although there is one; --checkpoint-every: s of wall-clock (60), 0: "
       "every\n"
       "window, inf: only when interrupted; the coupler's or a lone solver's word counts\n"
       "--profile: what was done when, to OUT/trace.NAME.json\n"
