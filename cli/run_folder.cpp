@@ -28,10 +28,6 @@ bool holds_nothing(const fs::path& out) {
   });
 }
 
-bool resumable(const fs::path& out) {
-  return std::any_of(processes.begin(), processes.end(), [&](const char* name) { return has_checkpoints(out, name); });
-}
-
 bool has_frames(const fs::path& out) {
   return fs::exists(out / "fluid.vtkhdf") || fs::exists(out / "solid.vtkhdf");
 }
@@ -92,7 +88,7 @@ std::string replaced_by(const RunClaim& claim) {
   if (record->case_name != claim.case_name)
     throw FileError(fmt::format("{}: holds {}; replace it by one of {} with --overwrite, or choose another --out",
                                 out.string(), what, claim.case_name));
-  if (resumable(out))
+  if (has_checkpoints(out, claim.leader))
     throw FileError(fmt::format("{}: holds {} and can go on from a checkpoint; go on with --resume, begin anew with "
                                 "--overwrite, or choose another --out",
                                 out.string(), what));

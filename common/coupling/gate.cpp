@@ -1,0 +1,284 @@
+#include "common/coupling/gate.hpp"
+
+#include "common/coupling/socket_options.hpp"
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <netinet/in.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+namespace poretwin::coupling {
+namespace {
+
+constexpr auto tick = Milliseconds(10);  // between looks at what strangers have sent
+
+std::uint64_t cookie_of(int descriptor) {
+  std::uint64_t cookie = 0;
+  socklen_t size = sizeof cookie;
+  return ::getsockopt(descriptor, SOL_SOCKET, SO_COOKIE, &cookie, &size) == 0 ? cookie : 0;
+}
+
+/// Received over tcp so far; 0 for other kinds of connection.
+std::uint64_t bytes_received(int descriptor) {
+  tcp_info info{};
+  socklen_t size = sizeof info;
+  return ::getsockopt(descriptor, IPPROTO_TCP, TCP_INFO, &info, &size) == 0 ? info.tcpi_bytes_received : 0;
+}
+
+/// As the kernel's tables write an end of a connection: address and port in hexadecimal digits.
+std::string end_in_table(const sockaddr_storage& end) {
+  std::string text;
+  if (end.ss_family == AF_INET) {
+    const auto& v4 = reinterpret_cast<const sockaddr_in&>(end);
+    return fmt::format("{:08X}:{:04X}", v4.sin_addr.s_addr, ntohs(v4.sin_port));
+  }
+  const auto& v6 = reinterpret_cast<const sockaddr_in6&>(end);
+  for (std::size_t k = 0; k < 4; ++k) {
+    std::uint32_t word = 0;
+    std::memcpy(&word, v6.sin6_addr.s6_addr + 4 * k, sizeof word);
+    text += fmt::format("{:08X}", word);
+  }
+  return fmt::format("{}:{:04X}", text, ntohs(v6.sin6_port));
+}
+
+/// The user at the other end of a tcp connection within this machine: the kernel lists that end, too.
+std::optional<uid_t> other_user(int descriptor) {
+  sockaddr_storage ours{}, theirs{};
+  socklen_t size = sizeof ours, other_size = sizeof theirs;
+  if (::getsockname(descriptor, reinterpret_cast<sockaddr*>(&ours), &size) != 0 ||
+      ::getpeername(descriptor, reinterpret_cast<sockaddr*>(&theirs), &other_size) != 0 ||
+      (ours.ss_family != AF_INET && ours.ss_family != AF_INET6))
+    return std::nullopt;
+  const std::string here = end_in_table(ours), there = end_in_table(theirs);
+  std::ifstream table(ours.ss_family == AF_INET ? "/proc/self/net/tcp" : "/proc/self/net/tcp6");
+  for (std::string line; std::getline(table, line);) {
+    std::array<char, 64> local{}, remote{};
+    unsigned user = 0;
+    if (std::sscanf(line.c_str(), "%*s %63s %63s %*s %*s %*s %*s %u", local.data(), remote.data(), &user) == 3 &&
+        there == local.data() && here == remote.data())
+      return static_cast<uid_t>(user);
+  }
+  return std::nullopt;
+}
+
+std::size_t descriptors_open() {
+  std::error_code none;
+  return static_cast<std::size_t>(
+      std::distance(std::filesystem::directory_iterator("/proc/self/fd", none), std::filesystem::directory_iterator()));
+}
+
+/// How many strangers the process has descriptors for; its limit is raised as far as it may be.
+std::size_t room_for_strangers(const GateLimits& limits) {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return limits.connections;
+  limit.rlim_cur = limit.rlim_max;
+  ::setrlimit(RLIMIT_NOFILE, &limit);
+  ::getrlimit(RLIMIT_NOFILE, &limit);
+  const std::size_t used = descriptors_open() + limits.descriptors_kept;
+  const auto most = static_cast<std::size_t>(limit.rlim_cur);
+  return std::clamp<std::size_t>(most > used ? (most - used) / 2 : 0, 4, limits.connections);
+}
+
+}  // namespace
+
+Gate::Gate(zmq::socket_t& monitor, std::optional<GateLimits> limits, bool own_user_only)
+    : monitor_(monitor),
+      limits_(limits),
+      own_user_only_(own_user_only),
+      events_(monitor.get(zmq::sockopt::fd)),
+      signal_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
+      stop_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+  if (signal_ < 0 || stop_ < 0) throw Error(ExitCode::failure, "no event descriptor left (ulimit -n)");
+  if (limits_) most_strangers_ = room_for_strangers(*limits_);
+  thread_ = std::thread([this] { keep_looking(); });
+}
+
+Gate::~Gate() {
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const auto written = ::write(stop_, &one, sizeof one);
+  thread_.join();
+  ::close(signal_);
+  ::close(stop_);
+}
+
+void Gate::wake() const {
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const auto written = ::write(signal_, &one, sizeof one);
+}
+
+void Gate::keep_looking() {
+  for (;;) {
+    bool strangers = false;
+    {
+      const std::lock_guard lock(mutex_);
+      look();
+      enforce();
+      strangers = limits_ && std::any_of(connections_.begin(), connections_.end(),
+                                         [](const auto& c) { return !c.second.member; });
+    }
+    std::array<pollfd, 2> items{{{events_, POLLIN, 0}, {stop_, POLLIN, 0}}};
+    ::poll(items.data(), items.size(), strangers ? static_cast<int>(tick.count()) : 200);
+    if (items[1].revents != 0) return;
+  }
+}
+
+/// All that the monitor has to say, in the order in which it happened.
+void Gate::look() {
+  while (const auto event = next_event(monitor_)) {
+    const auto found = connections_.find(event->value);
+    switch (event->kind) {
+      case ZMQ_EVENT_ACCEPTED:
+        accept(event->value);
+        break;
+      case ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL:
+        say("somebody was turned away who does not speak this coupler's way: keys on one side only, or not made "
+            "together?");
+        break;
+      case ZMQ_EVENT_DISCONNECTED:
+        if (found == connections_.end()) break;
+        if (!found->second.line.empty()) {
+          closed_.push_back(found->second.line);
+          descriptor_of_.erase(found->second.line);
+          wake();
+        }
+        connections_.erase(found);
+        break;
+      default:
+        break;
+    }
+  }
+}
+
+void Gate::accept(int descriptor) {
+  auto& connection = connections_[descriptor] = Connection{};
+  connection.cookie = cookie_of(descriptor);
+  connection.since = Clock::now();
+  if (!limits_) return;
+  connection.until = connection.since + limits_->silent;
+  make_room();
+  if (connection.ended || !own_user_only_) return;
+  const auto user = other_user(descriptor);
+  if (user && *user != ::geteuid() && *user != 0)
+    end(descriptor, connection,
+        fmt::format("somebody of user {} was not let in: without keys a run is for the user who started it", *user));
+}
+
+/// The newest may be a participant that comes: who has said nothing for longest goes first.
+void Gate::make_room() {
+  std::size_t strangers = 0;
+  auto oldest = connections_.end();
+  for (auto c = connections_.begin(); c != connections_.end(); ++c) {
+    const auto& connection = c->second;
+    if (connection.member || connection.ended) continue;
+    ++strangers;
+    const auto rank = [](const Connection& x) { return std::pair(!x.line.empty(), x.since); };
+    if (oldest == connections_.end() || rank(connection) < rank(oldest->second)) oldest = c;
+  }
+  if (strangers > most_strangers_)
+    end(oldest->first, oldest->second,
+        fmt::format("more than {} connections that are no participant's: the oldest is ended", most_strangers_));
+}
+
+void Gate::end(int descriptor, Connection& connection, const std::string& why) {
+  if (!why.empty()) say(why);
+  connection.ended = true;
+  if (cookie_of(descriptor) == connection.cookie) ::shutdown(descriptor, SHUT_RDWR);
+}
+
+/// What strangers have sent and how long they have stayed.
+void Gate::enforce() {
+  if (!limits_) return;
+  const auto now = Clock::now();
+  for (auto& [descriptor, connection] : connections_) {
+    if (connection.member || connection.ended) continue;
+    if (now > connection.until)
+      end(descriptor, connection, "");
+    else if (bytes_received(descriptor) > limits_->bytes)
+      end(descriptor, connection,
+          fmt::format("a connection was ended that sent more than {} bytes without being a participant's",
+                      limits_->bytes));
+  }
+}
+
+bool Gate::heard(const std::string& line, int descriptor) {
+  const std::lock_guard lock(mutex_);
+  // What was sent before a connection closed is heard after that, too.
+  if (members_.count(line) > 0) return true;
+  look();  // who has this descriptor now
+  const auto found = connections_.find(descriptor);
+  if (found == connections_.end()) return !limits_;
+  auto& connection = found->second;
+  if (connection.line.empty()) {
+    connection.line = line;
+    descriptor_of_[line] = descriptor;
+  }
+  if (!limits_) return members_.insert(line).second;
+  if (connection.ended) return false;
+  if (++connection.messages <= limits_->messages) return true;
+  end(descriptor, connection,
+      fmt::format("a connection was ended that sent more than {} messages without being a participant's",
+                  limits_->messages));
+  return false;
+}
+
+void Gate::regard(const std::string& line, Hub::Standing standing) {
+  const std::lock_guard lock(mutex_);
+  const auto found = descriptor_of_.find(line);
+  if (found == descriptor_of_.end() || !limits_) return;
+  auto& connection = connections_[found->second];
+  if (standing == Hub::Standing::participant) {
+    connection.member = true;
+    members_.insert(line);
+  }
+  if (standing == Hub::Standing::guest) connection.until = connection.since + limits_->guest;
+  if (standing == Hub::Standing::refused)
+    connection.until = std::min(connection.until, Clock::now() + limits_->refused);
+}
+
+std::optional<std::string> Gate::closed() {
+  const std::lock_guard lock(mutex_);
+  std::uint64_t count = 0;
+  [[maybe_unused]] const auto got = ::read(signal_, &count, sizeof count);
+  if (closed_.empty()) return std::nullopt;
+  std::string line = std::move(closed_.front());
+  closed_.pop_front();
+  return line;
+}
+
+/// Who is turned away tries again several times a second: everything is said once, and not without end.
+void Gate::say(const std::string& what) {
+  const std::size_t most = limits_ ? limits_->notices : 100;
+  if (said_.size() > most || !said_.insert(what).second) return;
+  notices_.push_back(said_.size() <= most ? what : "no more is said of strangers");
+  wake();
+}
+
+void Gate::note(const std::string& what) {
+  const std::lock_guard lock(mutex_);
+  say(what);
+}
+
+std::string Gate::notice() {
+  const std::lock_guard lock(mutex_);
+  if (notices_.empty()) return {};
+  std::string text = std::move(notices_.front());
+  notices_.pop_front();
+  return text;
+}
+
+int Gate::descriptor_of(const std::string& line) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = descriptor_of_.find(line);
+  return found == descriptor_of_.end() ? -1 : found->second;
+}
+
+}  // namespace poretwin::coupling
