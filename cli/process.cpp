@@ -137,6 +137,9 @@ Child start(const Program& program, const Signals& signals) {
       ::open(program.log.c_str(), O_WRONLY | O_CREAT | (program.goes_on ? O_APPEND : O_TRUNC) | O_CLOEXEC, 0666));
   if (log.get() < 0)
     throw FileError(fmt::format("{}: cannot be written: {}", program.log.string(), std::strerror(errno)));
+  // Room for its last words, should the disk be full by then; a file system that cannot reserve it goes without.
+  constexpr off_t last_words = 16384;
+  static_cast<void>(::fallocate(log.get(), FALLOC_FL_KEEP_SIZE, ::lseek(log.get(), 0, SEEK_END), last_words));
   std::vector<std::string> texts{program.file.string()};
   texts.insert(texts.end(), program.arguments.begin(), program.arguments.end());
   std::array<Descriptor, 2> progress;

@@ -25,6 +25,7 @@
 #include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 namespace poretwin::cli {
 namespace fs = std::filesystem;
@@ -109,13 +110,26 @@ std::string leader_of(const Case& scene) {
   return scene.coupled() ? "coupler" : scene.deformable() ? "solid" : "fluid";
 }
 
+/// A person's command, with the hashes of the files that it names: a script is a program, too.
+std::string identity_of_command(const std::string& command) {
+  std::string text = "'" + command + "'";
+  std::istringstream words(command);
+  for (std::string word; words >> word;) {
+    word.erase(std::remove_if(word.begin(), word.end(), [](char c) { return c == '\'' || c == '"'; }), word.end());
+    std::error_code none;
+    if (fs::is_regular_file(word, none)) text += " " + program_hash(word);
+  }
+  return text;
+}
+
 /// What a run must have in common with one that it goes on with.
 RunIdentity identity_of(const RunOptions& options, const Case& scene) {
   RunIdentity identity = case_identity(scene);
   std::string programs = version();
   const auto add = [&](const std::string& name, const std::string& command) {
-    const auto ours = [&] { return program_hash(options.programs / ("poretwin-" + name)); };
-    programs += fmt::format(", {} {}", name, command.empty() ? ours() : "'" + command + "'");
+    programs += fmt::format(", {} {}", name,
+                            command.empty() ? program_hash(options.programs / ("poretwin-" + name))
+                                            : identity_of_command(command));
   };
   if (scene.coupled()) add("coupler", "");
   if (scene.coupled() || !scene.deformable()) add("fluid", options.fluid);

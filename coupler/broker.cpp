@@ -172,7 +172,10 @@ class Broker::Implementation {
     for (const Role role : both) {
       auto& p = peer(role);
       if (p.line.empty() || p.left) continue;
-      send_to(p, message_of(Abort{culprit, error.what(), error.code()}, p.step));
+      try {
+        send_to(p, message_of(Abort{culprit, error.what(), error.code()}, p.step));
+      } catch (const std::exception&) {  // the other one must hear of it all the same
+      }
     }
   }
 

@@ -1,5 +1,6 @@
 #include "common/checkpoint/store.hpp"
 
+#include "common/core/fault.hpp"
 #include "common/core/hash.hpp"
 
 #include <fcntl.h>
@@ -23,7 +24,8 @@ constexpr std::string_view magic = "poretwin checkpoint 1\n", ending = ".state";
 
 class Descriptor {
  public:
-  Descriptor(const fs::path& path, int flags) : value_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {
+  Descriptor(const fs::path& path, int flags)
+      : value_(fails(Fallible::open) ? -1 : ::open(path.c_str(), flags | O_CLOEXEC, 0666)) {
     if (value_ < 0) fail(path, "cannot be opened", errno);
   }
   Descriptor(const Descriptor&) = delete;
@@ -39,7 +41,7 @@ void write_durably(const fs::path& path, std::initializer_list<std::string_view>
   const Descriptor file(path, O_WRONLY | O_CREAT | O_TRUNC);
   for (std::string_view rest : pieces)
     while (!rest.empty()) {
-      const auto written = ::write(file.get(), rest.data(), rest.size());
+      const auto written = fails(Fallible::write) ? -1 : ::write(file.get(), rest.data(), rest.size());
       if (written < 0 && errno != EINTR) fail(path, "cannot be written", errno);
       if (written > 0) rest.remove_prefix(static_cast<std::size_t>(written));
     }

@@ -86,7 +86,8 @@ int process_main(int argc, char** argv, const std::string& name, Program program
     summary.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     write_summary(summary_file(arguments, name), summary);
   } catch (const std::exception& error) {
-    log_line(name + ": error: " + error.what());
+    // After a failure this is no cause: `poretwin run` shows the last error of a log.
+    log_line(name + (code == ExitCode::success ? ": error: " : ": and then: ") + error.what());
     if (code == ExitCode::success) code = ExitCode::input_output;
   }
   return static_cast<int>(code);

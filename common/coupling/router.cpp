@@ -1,4 +1,5 @@
 // A ROUTER socket behind the Hub interface. The gate knows which descriptor is whose and which has closed.
+#include "common/core/fault.hpp"
 #include "common/coupling/gate.hpp"
 #include "common/coupling/shared_memory.hpp"
 #include "common/coupling/socket_options.hpp"
@@ -84,6 +85,7 @@ class Router final : public Hub {
 
   bool send(const std::string& line, Frames frames) override {
     try {
+      if (fails(Fallible::send)) throw zmq::error_t();
       uninterrupted(
           [&] { return router_.send(zmq::buffer(line), zmq::send_flags::sndmore | zmq::send_flags::dontwait); });
       const auto found = shared_.find(line);

@@ -1,5 +1,7 @@
 #include "common/coupling/summary.hpp"
 
+#include "common/core/fault.hpp"
+
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -83,8 +85,11 @@ void write_summary(const std::filesystem::path& path, const RunSummary& summary)
   {
     std::ofstream out(part);
     out << text;
-    if (!out.flush())
+    if (fails(Fallible::write) || !out.flush()) {
+      std::error_code ignored;
+      std::filesystem::remove(part, ignored);
       throw FileError("cannot write " + part.string() + ": is the disk full or the folder write-protected?");
+    }
   }
   std::error_code error;
   std::filesystem::rename(part, path, error);

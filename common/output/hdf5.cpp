@@ -171,7 +171,8 @@ void Dataset::append_raw(const void* data, std::size_t count, Id::Value memory_t
            H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start, nullptr, block, nullptr) >= 0 &&
            H5Dwrite(id_.get(), memory_type, memory_space.get(), file_space.get(), H5P_DEFAULT, data) >= 0;
   }
-  if (!good) throw FileError(fmt::format("{}: writing failed: {}", what_, cause_at(id_.get())));
+  if (!good || !undo_failure(id_.get()).empty())
+    throw FileError(fmt::format("{}: writing failed: {}", what_, cause_at(id_.get())));
   rows_ += added;
 }
 
@@ -236,7 +237,6 @@ void File::text(const std::string& name, const std::string& value) {
 
 void File::flush() {
   check(H5Fflush(id_.get(), H5F_SCOPE_GLOBAL), "flushing");
-  // What was written meanwhile, when the library made room in its caches, may have failed unheard.
   if (!undo_failure(id_.get()).empty()) fail("flushing");
 }
 

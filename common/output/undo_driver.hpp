@@ -13,7 +13,7 @@ namespace poretwin::hdf5 {
 std::int64_t undo_driver();
 
 /// Why a write to the file of this object has failed ("cannot be written: No space left on device"); empty: none has.
-/// From then on nothing reaches the file, though the library is told so once only; closing brings it back to its last
+/// The library itself does not hear of it. From then on nothing reaches the file; closing brings it back to its last
 /// flush.
 std::string undo_failure(std::int64_t object);
 

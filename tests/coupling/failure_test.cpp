@@ -118,7 +118,7 @@ TEST(Failure, FractionsAndLengthsAreBounded) {
   MockPhase fluid(Role::fluid, 2, still_square(Role::fluid, 0.25)), solid(Role::solid, 2, bad_fraction);
   CoupledRun run;
   run.run(&fluid, &solid);
-  expect_contains(run.coupler.error, {"'solid'", "solid_volume_fraction", "[0, 1]", "1.25", "step 2"});
+  expect_contains(run.coupler.error, {"'solid'", "solid_volume_fraction", "[0, 1)", "1.25", "step 2"});
 
   auto bad_length = [](double t) {
     auto out = formula_publication(Role::fluid, t, lattice_points(2, {0.0, 0.0}, {1.0, 1.0}, 0.25));
