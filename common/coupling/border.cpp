@@ -207,7 +207,8 @@ Snapshot admit(Message message, const Contract& contract, const std::shared_ptr<
   out.time = message.time;
   if (!std::isfinite(message.time)) border.refuse(fmt::format("time: expected a finite number, got {}", message.time));
   out.proposed_interval = body->proposed_interval;
-  out.limited_by = body->limited_by;
+  constexpr std::size_t few_words = 200;  // every other wording is counted for itself, and kept
+  out.limited_by = body->limited_by.substr(0, few_words);
   if (!(out.proposed_interval > 0.0))
     border.refuse(fmt::format("proposed_interval: expected a positive number, got {} (limited by {})",
                               out.proposed_interval, out.limited_by));
