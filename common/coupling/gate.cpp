@@ -2,8 +2,10 @@
 
 #include "common/coupling/socket_options.hpp"
 
-#include <arpa/inet.h>
 #include <fmt/format.h>
+#include <linux/inet_diag.h>
+#include <linux/netlink.h>
+#include <linux/sock_diag.h>
 #include <netinet/in.h>
 #include <poll.h>
 #include <sys/eventfd.h>
@@ -12,9 +14,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <filesystem>
-#include <fstream>
 
 namespace poretwin::coupling {
 namespace {
@@ -34,40 +34,52 @@ std::uint64_t bytes_received(int descriptor) {
   return ::getsockopt(descriptor, IPPROTO_TCP, TCP_INFO, &info, &size) == 0 ? info.tcpi_bytes_received : 0;
 }
 
-/// As the kernel's tables write an end of a connection: address and port in hexadecimal digits.
-std::string end_in_table(const sockaddr_storage& end) {
-  std::string text;
+/// Address and port of an end of a connection, as the kernel's questions want them.
+bool split(const sockaddr_storage& end, std::uint32_t* address, std::uint16_t& port) {
   if (end.ss_family == AF_INET) {
     const auto& v4 = reinterpret_cast<const sockaddr_in&>(end);
-    return fmt::format("{:08X}:{:04X}", v4.sin_addr.s_addr, ntohs(v4.sin_port));
+    address[0] = v4.sin_addr.s_addr;
+    port = v4.sin_port;
+    return true;
   }
   const auto& v6 = reinterpret_cast<const sockaddr_in6&>(end);
-  for (std::size_t k = 0; k < 4; ++k) {
-    std::uint32_t word = 0;
-    std::memcpy(&word, v6.sin6_addr.s6_addr + 4 * k, sizeof word);
-    text += fmt::format("{:08X}", word);
-  }
-  return fmt::format("{}:{:04X}", text, ntohs(v6.sin6_port));
+  std::memcpy(address, &v6.sin6_addr, sizeof v6.sin6_addr);
+  port = v6.sin6_port;
+  return end.ss_family == AF_INET6;
 }
 
-/// The user at the other end of a tcp connection within this machine: the kernel lists that end, too.
+/// The user at the other end of a tcp connection within this machine. The kernel knows that end as well, and is asked
+/// for this one only (sock_diag(7)): to read its table of all would take longer the more strangers there are.
 std::optional<uid_t> other_user(int descriptor) {
   sockaddr_storage ours{}, theirs{};
   socklen_t size = sizeof ours, other_size = sizeof theirs;
   if (::getsockname(descriptor, reinterpret_cast<sockaddr*>(&ours), &size) != 0 ||
-      ::getpeername(descriptor, reinterpret_cast<sockaddr*>(&theirs), &other_size) != 0 ||
-      (ours.ss_family != AF_INET && ours.ss_family != AF_INET6))
+      ::getpeername(descriptor, reinterpret_cast<sockaddr*>(&theirs), &other_size) != 0)
     return std::nullopt;
-  const std::string here = end_in_table(ours), there = end_in_table(theirs);
-  std::ifstream table(ours.ss_family == AF_INET ? "/proc/self/net/tcp" : "/proc/self/net/tcp6");
-  for (std::string line; std::getline(table, line);) {
-    std::array<char, 64> local{}, remote{};
-    unsigned user = 0;
-    if (std::sscanf(line.c_str(), "%*s %63s %63s %*s %*s %*s %*s %u", local.data(), remote.data(), &user) == 3 &&
-        there == local.data() && here == remote.data())
-      return static_cast<uid_t>(user);
-  }
-  return std::nullopt;
+  struct {
+    nlmsghdr head{};
+    inet_diag_req_v2 question{};
+  } request;
+  auto& id = request.question.id;
+  if (!split(theirs, id.idiag_src, id.idiag_sport) || !split(ours, id.idiag_dst, id.idiag_dport)) return std::nullopt;
+  request.head.nlmsg_len = sizeof request;
+  request.head.nlmsg_type = SOCK_DIAG_BY_FAMILY;
+  request.head.nlmsg_flags = NLM_F_REQUEST;
+  request.question.sdiag_family = static_cast<std::uint8_t>(ours.ss_family);
+  request.question.sdiag_protocol = IPPROTO_TCP;
+  request.question.idiag_states = ~0U;
+  id.idiag_cookie[0] = id.idiag_cookie[1] = INET_DIAG_NOCOOKIE;
+  const int kernel = ::socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_SOCK_DIAG);
+  if (kernel < 0) return std::nullopt;
+  alignas(nlmsghdr) std::array<char, 4096> answer{};
+  ssize_t count = -1;
+  if (::send(kernel, &request, sizeof request, 0) == static_cast<ssize_t>(sizeof request))
+    count = ::recv(kernel, answer.data(), answer.size(), MSG_DONTWAIT);
+  ::close(kernel);
+  const auto* head = reinterpret_cast<const nlmsghdr*>(answer.data());
+  if (count < static_cast<ssize_t>(NLMSG_LENGTH(sizeof(inet_diag_msg))) || head->nlmsg_type != SOCK_DIAG_BY_FAMILY)
+    return std::nullopt;
+  return reinterpret_cast<const inet_diag_msg*>(answer.data() + NLMSG_HDRLEN)->idiag_uid;
 }
 
 std::size_t descriptors_open() {
@@ -118,36 +130,42 @@ void Gate::wake() const {
 void Gate::keep_looking() {
   for (;;) {
     bool strangers = false;
+    bool more = false;
     {
       const std::lock_guard lock(mutex_);
-      look();
+      more = look();
       enforce();
       strangers = limits_ && std::any_of(connections_.begin(), connections_.end(),
                                          [](const auto& c) { return !c.second.member; });
     }
     std::array<pollfd, 2> items{{{events_, POLLIN, 0}, {stop_, POLLIN, 0}}};
-    ::poll(items.data(), items.size(), strangers ? static_cast<int>(tick.count()) : 200);
+    constexpr int idle = 200;  // ms
+    ::poll(items.data(), items.size(), more ? 0 : strangers ? static_cast<int>(tick.count()) : idle);
     if (items[1].revents != 0) return;
   }
 }
 
-/// All that the monitor has to say, in the order in which it happened.
-void Gate::look() {
-  while (const auto event = next_event(monitor_)) {
+/// What the monitor has to say, in the order in which it happened. True: there may be more.
+bool Gate::look() {
+  constexpr int most_at_once = 64;
+  for (int count = 0; count < most_at_once; ++count) {
+    const auto event = next_event(monitor_);
+    if (!event) return false;
     const auto found = connections_.find(event->value);
     switch (event->kind) {
       case ZMQ_EVENT_ACCEPTED:
         accept(event->value);
         break;
       case ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL:
-        say("somebody was turned away who does not speak this coupler's way: keys on one side only, or not made "
+        note("somebody was turned away who does not speak this coupler's way: keys on one side only, or not made "
             "together?");
         break;
       case ZMQ_EVENT_DISCONNECTED:
         if (found == connections_.end()) break;
         if (!found->second.line.empty()) {
-          closed_.push_back(found->second.line);
           descriptor_of_.erase(found->second.line);
+          const std::lock_guard news(news_);
+          closed_.push_back(found->second.line);
           wake();
         }
         connections_.erase(found);
@@ -156,6 +174,7 @@ void Gate::look() {
         break;
     }
   }
+  return true;
 }
 
 void Gate::accept(int descriptor) {
@@ -189,7 +208,7 @@ void Gate::make_room() {
 }
 
 void Gate::end(int descriptor, Connection& connection, const std::string& why) {
-  if (!why.empty()) say(why);
+  if (!why.empty()) note(why);
   connection.ended = true;
   if (cookie_of(descriptor) == connection.cookie) ::shutdown(descriptor, SHUT_RDWR);
 }
@@ -210,10 +229,11 @@ void Gate::enforce() {
 }
 
 bool Gate::heard(const std::string& line, int descriptor) {
-  const std::lock_guard lock(mutex_);
   // What was sent before a connection closed is heard after that, too.
   if (members_.count(line) > 0) return true;
-  look();  // who has this descriptor now
+  const std::lock_guard lock(mutex_);
+  while (look()) {  // who has this descriptor now
+  }
   const auto found = connections_.find(descriptor);
   if (found == connections_.end()) return !limits_;
   auto& connection = found->second;
@@ -245,7 +265,7 @@ void Gate::regard(const std::string& line, Hub::Standing standing) {
 }
 
 std::optional<std::string> Gate::closed() {
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(news_);
   std::uint64_t count = 0;
   [[maybe_unused]] const auto got = ::read(signal_, &count, sizeof count);
   if (closed_.empty()) return std::nullopt;
@@ -255,20 +275,16 @@ std::optional<std::string> Gate::closed() {
 }
 
 /// Who is turned away tries again several times a second: everything is said once, and not without end.
-void Gate::say(const std::string& what) {
+void Gate::note(const std::string& what) {
+  const std::lock_guard lock(news_);
   const std::size_t most = limits_ ? limits_->notices : 100;
   if (said_.size() > most || !said_.insert(what).second) return;
   notices_.push_back(said_.size() <= most ? what : "no more is said of strangers");
   wake();
 }
 
-void Gate::note(const std::string& what) {
-  const std::lock_guard lock(mutex_);
-  say(what);
-}
-
 std::string Gate::notice() {
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(news_);
   if (notices_.empty()) return {};
   std::string text = std::move(notices_.front());
   notices_.pop_front();

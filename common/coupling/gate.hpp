@@ -31,8 +31,8 @@ struct GateLimits {
 };
 
 /// Watches a socket's monitor from a thread of its own: the coupler may map for long, and a stranger is not to use
-/// that. libzmq tells which descriptors it has accepted; a connection is ended by shutting its descriptor down, which libzmq
-/// takes for the other end's leaving.
+/// that. libzmq tells which descriptors it has accepted; a connection is ended by shutting its descriptor down, which
+/// libzmq takes for the other end's leaving.
 class Gate {
  public:
   /// `monitor` hears ZMQ_EVENT_ACCEPTED, HANDSHAKE_FAILED_PROTOCOL and DISCONNECTED, and is the gate's alone. `limits`:
@@ -66,12 +66,11 @@ class Gate {
     int messages = 0;
     bool member = false, ended = false;
   };
-  void look();
+  bool look();
   void accept(int descriptor);
   void end(int descriptor, Connection& connection, const std::string& why);
   void enforce();
   void make_room();
-  void say(const std::string& what);
   void wake() const;
   void keep_looking();
 
@@ -80,11 +79,14 @@ class Gate {
   const bool own_user_only_;
   int events_ = -1, signal_ = -1, stop_ = -1;
   std::size_t most_strangers_ = 0;
-  mutable std::mutex mutex_;  ///< of all below, and of the monitor
+  // What a participant says must never wait for what strangers do.
+  std::set<std::string> members_;  ///< of the hub's thread alone
+  mutable std::mutex mutex_;       ///< of the monitor and of the next two
   std::map<int, Connection> connections_;
   std::map<std::string, int> descriptor_of_;
+  std::mutex news_;  ///< of what the hub's thread is told; taken last
   std::deque<std::string> closed_, notices_;
-  std::set<std::string> said_, members_;
+  std::set<std::string> said_;
   std::thread thread_;
 };
 
