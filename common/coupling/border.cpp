@@ -22,7 +22,9 @@ class Border {
               const PointSet* points) const {
     const Bounds bounds = bounds_of(name);
     const std::size_t k = first_outside(values, bounds.low, bounds.high);
-    if (k != values.size()) refuse_value(name, components, k, values[k], bounds.expected, points);
+    if (k != values.size())
+      refuse_value(name, components, k, values[k], std::isfinite(values[k]) ? bounds.expected : "a finite number",
+                   points);
     if (points && (name == field::drag_impulse || name == field::returned_impulse))
       impulses(name, components, values, *points);
   }
