@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <new>
 #include <optional>
 
 namespace poretwin::coupling {
@@ -57,6 +58,9 @@ class Schedule::Implementation {
       finish();
     } catch (const Error& error) {
       broker_.abort(error, broker_.culprit());
+      throw;
+    } catch (const std::bad_alloc&) {
+      broker_.abort(Error(ExitCode::failure, "out of memory"), "coupler");
       throw;
     } catch (const std::exception& error) {
       broker_.abort(Error(ExitCode::failure, error.what()), "coupler");

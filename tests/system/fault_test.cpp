@@ -36,7 +36,7 @@ TEST_P(Faults, AreNamedAndEndTheRunInOrder) {
                    {{"PORETWIN_FAIL", fault}});
       EXPECT_EQ(outcome.exit, refusal.exit) << outcome.err;
       EXPECT_THAT(outcome.err, testing::HasSubstr(refusal.cause));
-      EXPECT_LT(outcome.seconds, 15.0);
+      EXPECT_LT(outcome.seconds, 40.0) << "on a busy machine a run of a second takes that of ten";
       EXPECT_TRUE(fs::is_empty(folder_ / "temporary"));
       for (const char* name : {"fluid.vtkhdf", "solid.vtkhdf"})
         // The sidecar comes with the first frame: without it there is nothing to read.
