@@ -134,7 +134,7 @@ void Gate::keep_looking() {
     {
       const std::lock_guard lock(mutex_);
       more = look();
-      enforce();
+      if (!more) enforce();
       strangers = limits_ && std::any_of(connections_.begin(), connections_.end(),
                                          [](const auto& c) { return !c.second.member; });
     }
@@ -154,7 +154,9 @@ bool Gate::look() {
     const auto found = connections_.find(event->value);
     switch (event->kind) {
       case ZMQ_EVENT_ACCEPTED:
-        accept(event->value);
+        connections_[event->value] = Connection{};
+        connections_[event->value].since = Clock::now();
+        if (limits_) connections_[event->value].until = Clock::now() + limits_->silent;
         break;
       case ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL:
         note("somebody was turned away who does not speak this coupler's way: keys on one side only, or not made "
@@ -177,22 +179,18 @@ bool Gate::look() {
   return true;
 }
 
-void Gate::accept(int descriptor) {
-  auto& connection = connections_[descriptor] = Connection{};
+/// Once all has been heard that the monitor has to say: until then the descriptor may be somebody else's already.
+void Gate::meet(int descriptor, Connection& connection) {
   connection.cookie = cookie_of(descriptor);
-  connection.since = Clock::now();
-  if (!limits_) return;
-  connection.until = connection.since + limits_->silent;
-  make_room();
-  if (connection.ended || !own_user_only_) return;
+  if (!own_user_only_) return;
   const auto user = other_user(descriptor);
   if (user && *user != ::geteuid() && *user != 0)
     end(descriptor, connection,
         fmt::format("somebody of user {} was not let in: without keys a run is for the user who started it", *user));
 }
 
-/// The newest may be a participant that comes: who has said nothing for longest goes first.
-void Gate::make_room() {
+/// The newest may be a participant that comes: who has said nothing for longest goes first. False: there is room.
+bool Gate::make_room() {
   std::size_t strangers = 0;
   auto oldest = connections_.end();
   for (auto c = connections_.begin(); c != connections_.end(); ++c) {
@@ -202,9 +200,10 @@ void Gate::make_room() {
     const auto rank = [](const Connection& x) { return std::pair(!x.line.empty(), x.since); };
     if (oldest == connections_.end() || rank(connection) < rank(oldest->second)) oldest = c;
   }
-  if (strangers > most_strangers_)
-    end(oldest->first, oldest->second,
-        fmt::format("more than {} connections that are no participant's: the oldest is ended", most_strangers_));
+  if (strangers <= most_strangers_) return false;
+  end(oldest->first, oldest->second,
+      fmt::format("more than {} connections that are no participant's: the oldest is ended", most_strangers_));
+  return true;
 }
 
 void Gate::end(int descriptor, Connection& connection, const std::string& why) {
@@ -213,9 +212,13 @@ void Gate::end(int descriptor, Connection& connection, const std::string& why) {
   if (cookie_of(descriptor) == connection.cookie) ::shutdown(descriptor, SHUT_RDWR);
 }
 
-/// What strangers have sent and how long they have stayed.
+/// How many strangers there are, what they have sent and how long they have stayed.
 void Gate::enforce() {
   if (!limits_) return;
+  for (auto& [descriptor, connection] : connections_)
+    if (connection.cookie == 0) meet(descriptor, connection);
+  while (make_room()) {
+  }
   const auto now = Clock::now();
   for (auto& [descriptor, connection] : connections_) {
     if (connection.member || connection.ended) continue;
@@ -242,6 +245,7 @@ bool Gate::heard(const std::string& line, int descriptor) {
     descriptor_of_[line] = descriptor;
   }
   if (!limits_) return members_.insert(line).second;
+  if (connection.cookie == 0) meet(descriptor, connection);
   if (connection.ended) return false;
   if (++connection.messages <= limits_->messages) return true;
   end(descriptor, connection,

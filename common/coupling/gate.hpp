@@ -59,7 +59,7 @@ class Gate {
  private:
   using Clock = std::chrono::steady_clock;
   struct Connection {
-    std::uint64_t cookie = 0;  ///< the kernel's name for it: descriptors are used again
+    std::uint64_t cookie = 0;  ///< the kernel's name for it, as descriptors are used again; 0: not asked for yet
     std::string line;
     Clock::time_point until;  ///< it may stay unless it becomes a participant's
     Clock::time_point since;
@@ -67,10 +67,10 @@ class Gate {
     bool member = false, ended = false;
   };
   bool look();
-  void accept(int descriptor);
+  void meet(int descriptor, Connection& connection);
   void end(int descriptor, Connection& connection, const std::string& why);
   void enforce();
-  void make_room();
+  bool make_room();
   void wake() const;
   void keep_looking();
 
