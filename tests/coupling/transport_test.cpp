@@ -15,6 +15,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <numeric>
 #include <thread>
 
@@ -152,10 +153,10 @@ class RawConnection {
 
 class Strangers : public testing::Test {
  protected:
-  /// All that the hub has to say within a time; closings and messages by line.
-  void listen(Milliseconds time) {
+  /// All that the hub has to say within a time, or until it has said enough; closings and messages by line.
+  void listen(Milliseconds time, const std::function<bool()>& enough = [] { return false; }) {
     const auto end = std::chrono::steady_clock::now() + time;
-    while (std::chrono::steady_clock::now() < end) {
+    while (std::chrono::steady_clock::now() < end && !enough()) {
       if (auto event = hub_->receive(Milliseconds(10))) {
         if (event->frames.empty())
           closed_.push_back(event->line);
@@ -169,7 +170,7 @@ class Strangers : public testing::Test {
   std::unique_ptr<Transport> participant() {
     auto line = connect_socket(hub_->address());
     line->send(numbered(1));
-    for (int k = 0; k < 200; ++k)
+    for (int k = 0; k < 1000; ++k)
       if (auto event = hub_->receive(Milliseconds(10)); event && !event->frames.empty()) {
         participant_ = event->line;
         hub_->regard(event->line, Hub::Standing::participant);
@@ -181,10 +182,13 @@ class Strangers : public testing::Test {
   void expect_heard(Transport& line) {
     line.send(numbered(42));
     heard_.clear();
-    listen(Milliseconds(300));
-    EXPECT_TRUE(std::any_of(heard_.begin(), heard_.end(), [&](const auto& e) {
-      return e.line == participant_ && decode(e.frames).step == 42;
-    }));
+    const auto heard = [&] {
+      return std::any_of(heard_.begin(), heard_.end(), [&](const auto& e) {
+        return e.line == participant_ && decode(e.frames).step == 42;
+      });
+    };
+    listen(Milliseconds(10'000), heard);
+    EXPECT_TRUE(heard());
     EXPECT_EQ(std::count(closed_.begin(), closed_.end(), participant_), 0);
   }
   static std::size_t descriptors() {
@@ -200,7 +204,7 @@ class Strangers : public testing::Test {
 TEST_F(Strangers, AParticipantMaySendWhatItLikes) {
   const auto line = participant();
   for (int k = 0; k < 100; ++k) line->send(encode(message_of(Heartbeat{std::string(100'000, 'x'), "", 0.0, false})));
-  listen(Milliseconds(1000));
+  listen(Milliseconds(10'000), [&] { return heard_.size() == 100; });
   EXPECT_EQ(heard_.size(), 100u);
   EXPECT_EQ(notices_, "");
 }
@@ -249,7 +253,7 @@ TEST_F(Strangers, ConnectionsThatSayNothingDoNotUseUpDescriptors) {
   auto other = connect_socket(hub_->address());  // who comes now is let in
   heard_.clear();
   other->send(numbered(7));
-  listen(Milliseconds(500));
+  listen(Milliseconds(10'000), [&] { return !heard_.empty(); });
   ASSERT_EQ(heard_.size(), 1u);
   EXPECT_EQ(decode(heard_.front().frames).step, 7u);
 }
