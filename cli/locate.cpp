@@ -58,32 +58,4 @@ CasePlace find_case(const std::string& name) {
 
 fs::path program_folder() { return fs::read_symlink("/proc/self/exe").parent_path(); }
 
-void expect_run_folder(const fs::path& out) {
-  if (!fs::exists(out / "run.toml"))
-    throw FileError(fmt::format("{}: nothing to resume: expected the folder of an earlier run, found no run.toml in it",
-                                out.string()));
-}
-
-void prepare_run_folder(const fs::path& out) {
-  std::error_code error;
-  if (fs::exists(out) && !fs::is_directory(out))
-    throw FileError(fmt::format("{}: expected a folder for the run, found a file", out.string()));
-  if (fs::exists(out) && !fs::is_empty(out, error)) {
-    if (!fs::exists(out / "run.toml"))
-      throw FileError(
-          fmt::format("{}: not empty and not the folder of an earlier run (no run.toml in it); choose another --out",
-                      out.string()));
-    for (const auto& entry : fs::directory_iterator(out)) {
-      const std::string file = entry.path().filename().string(), ending = entry.path().extension().string();
-      const bool ours = ending == ".vtkhdf" || ending == ".undo" || ending == ".xmf" || ending == ".h5" ||
-                        file.ends_with(".summary.json") || (file.starts_with("gauges") && ending == ".csv") ||
-                        (file.starts_with("trace") && ending == ".json") || file == "log" || file == "pictures" ||
-                        file == "checkpoints";
-      if (ours) fs::remove_all(entry.path(), error);
-    }
-  }
-  fs::create_directories(out / "log", error);
-  if (error) throw FileError(fmt::format("{}: the folder cannot be made: {}", out.string(), error.message()));
-}
-
 }  // namespace poretwin::cli

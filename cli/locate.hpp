@@ -1,4 +1,4 @@
-// Where things are: cases by name or path, the programs beside this one, the folder of a run.
+// Where things are: cases by name or path, the programs beside this one.
 #pragma once
 
 #include <filesystem>
@@ -23,12 +23,5 @@ std::vector<std::string> case_names(const std::string& with_file);
 
 /// Folder of the running executable.
 std::filesystem::path program_folder();
-
-/// Makes the folder of a run ready: new, or an older run's, whose results are removed. Anything else is refused with
-/// FileError.
-/// Throws FileError unless a run has begun there.
-void expect_run_folder(const std::filesystem::path& out);
-
-void prepare_run_folder(const std::filesystem::path& out);
 
 }  // namespace poretwin::cli

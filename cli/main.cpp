@@ -38,7 +38,8 @@ struct Arguments {
   std::string fluid, solid;
   double until = 0.0, tolerance = 0.01;
   std::vector<std::string> set;
-  bool no_pictures = false, quiet = false, resume = false, profile = false;
+  bool no_pictures = false, quiet = false, resume = false, profile = false, overwrite = false,
+       accept_changed_program = false;
   std::optional<double> checkpoint_every;
   int restarts = 2;
 };
@@ -57,6 +58,8 @@ int run(const Arguments& a) {
   options.quiet = a.quiet;
   options.pictures = !a.no_pictures;
   options.resume = a.resume;
+  options.overwrite = a.overwrite;
+  options.accept_changed_program = a.accept_changed_program;
   options.checkpoint_every = a.checkpoint_every;
   options.restarts = a.restarts;
   options.profile = a.profile;
@@ -114,7 +117,18 @@ void declare(CLI::App& app, Arguments& a, VerifyOptions& v, std::vector<std::str
   run_command->add_option("--fluid", a.fluid,
                           "command to run in place of the fluid solver, such as \"python3 my_fluid.py\"");
   run_command->add_option("--solid", a.solid, "command to run in place of the solid solver");
-  run_command->add_flag("--resume", a.resume, "go on from the last checkpoint of the run in that folder");
+  auto* resume = run_command->add_flag("--resume", a.resume,
+                                       "go on from the last checkpoint of the run in that folder; a run that has "
+                                       "finished is left as it is");
+  run_command
+      ->add_flag("--overwrite", a.overwrite,
+                 "begin anew in a folder whose run was broken off, can be resumed or is of another case: its results "
+                 "and checkpoints go")
+      ->excludes(resume);
+  run_command
+      ->add_flag("--accept-changed-program", a.accept_changed_program,
+                 "resume although the programs are not those that began: the results are then of both")
+      ->needs(resume);
   run_command
       ->add_option("--checkpoint-every", a.checkpoint_every,
                    "wall-clock between checkpoints [s] (default 60); 0: after every window, inf: on Ctrl-C only")

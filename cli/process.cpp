@@ -60,7 +60,11 @@ class Signals {
   }
   Signals(const Signals&) = delete;
   Signals& operator=(const Signals&) = delete;
-  ~Signals() { ::sigprocmask(SIG_SETMASK, &before_, nullptr); }
+  /// What has arrived until now was meant for what has ended: it must not end this process.
+  ~Signals() {
+    static_cast<void>(stops());
+    ::sigprocmask(SIG_SETMASK, &before_, nullptr);
+  }
   [[nodiscard]] int descriptor() const { return descriptor_.get(); }
   [[nodiscard]] const sigset_t& before() const { return before_; }
   /// How many requests to stop have arrived since the last call.
@@ -134,6 +138,9 @@ Child start(const Program& program, const Signals& signals) {
       ::open(program.log.c_str(), O_WRONLY | O_CREAT | (program.goes_on ? O_APPEND : O_TRUNC) | O_CLOEXEC, 0666));
   if (log.get() < 0)
     throw FileError(fmt::format("{}: cannot be written: {}", program.log.string(), std::strerror(errno)));
+  // Room for its last words, should the disk be full by then; a file system that cannot reserve it goes without.
+  constexpr off_t last_words = 16384;
+  static_cast<void>(::fallocate(log.get(), FALLOC_FL_KEEP_SIZE, ::lseek(log.get(), 0, SEEK_END), last_words));
   std::vector<std::string> texts{program.file.string()};
   texts.insert(texts.end(), program.arguments.begin(), program.arguments.end());
   std::array<Descriptor, 2> progress;
@@ -242,17 +249,18 @@ class Watch {
   }
 
   void interrupt() {
-    if (result_.interrupted) {  // a second Ctrl-C: no more waiting
+    if (result_.interrupted) {  // once more: no more waiting, unless it is the same request, sent to everybody twice
+      if (Clock::now() - interrupted_at_ < patience_.grace) return;
       std::fputs("\nending at once\n", stderr);
       next_at_ = Clock::now();
       return;
     }
     result_.interrupted = true;
-    std::fputs(
-        "\nstopping: the window under way is finished and a checkpoint written, a search for rest given up (Ctrl-C "
-        "again: "
-        "at once)\n",
-        stderr);
+    interrupted_at_ = Clock::now();
+    fmt::print(stderr,
+               "\nporetwin: stopping: the window under way is finished and a checkpoint written, a search for rest given "
+               "up; another signal ends at once after {} s\n",
+               std::chrono::duration_cast<std::chrono::seconds>(patience_.grace).count());
     end_all(SIGINT);
     schedule(SIGTERM, patience_.after_interrupt);
   }
@@ -284,7 +292,7 @@ class Watch {
   std::vector<Child> children_;
   Watched result_;
   std::optional<int> next_;
-  Clock::time_point next_at_{};
+  Clock::time_point next_at_{}, interrupted_at_{};
 };
 
 }  // namespace

@@ -41,6 +41,7 @@ struct Patience {
   std::chrono::milliseconds after_term{3000};  ///< before SIGKILL
   /// For a clean stop after Ctrl-C, before SIGTERM: windows may take minutes; a person presses it again.
   std::chrono::milliseconds after_interrupt{600000};
+  std::chrono::milliseconds grace{10000};  ///< after Ctrl-C, before another one ends the wait
 };
 
 /// Starts all, feeds progress lines to `progress`, calls `tick` about four times a second, returns when all have ended.

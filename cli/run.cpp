@@ -4,8 +4,10 @@
 #include "cli/locate.hpp"
 #include "cli/log_tail.hpp"
 #include "cli/progress.hpp"
+#include "cli/run_folder.hpp"
 #include "cli/script.hpp"
 #include "common/case/case.hpp"
+#include "common/case/identity.hpp"
 #include "common/checkpoint/store.hpp"
 #include "common/core/error.hpp"
 #include "common/coupling/trace.hpp"
@@ -19,10 +21,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <functional>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 namespace poretwin::cli {
 namespace fs = std::filesystem;
@@ -81,7 +86,9 @@ std::vector<Program> programs_of(const RunOptions& options, const Case& scene, c
     if (leads && options.checkpoint_every)
       p.arguments.insert(p.arguments.end(), {"--checkpoint-every", fmt::format("{}", *options.checkpoint_every)});
     const std::string* other = name == "fluid" ? &options.fluid : name == "solid" ? &options.solid : nullptr;
-    if (options.profile && (!other || other->empty())) p.arguments.push_back("--profile");
+    const bool ours = !other || other->empty();
+    if (options.profile && ours) p.arguments.push_back("--profile");
+    if (resume && options.accept_changed_program && ours) p.arguments.push_back("--accept-changed-program");
     for (const auto& assignment : options.overrides) p.arguments.insert(p.arguments.end(), {"--set", assignment});
     p.environment = {{"OMP_NUM_THREADS", std::to_string(available_threads())}};
     p.log = options.out / "log" / (name + ".log");
@@ -99,6 +106,38 @@ std::vector<Program> programs_of(const RunOptions& options, const Case& scene, c
   programs.push_back(in_place(options.fluid, program("fluid", {"--connect", address})));
   programs.push_back(in_place(options.solid, program("solid", {"--connect", address})));
   return programs;
+}
+
+std::string leader_of(const Case& scene) {
+  return scene.coupled() ? "coupler" : scene.deformable() ? "solid" : "fluid";
+}
+
+/// A person's command, with the hashes of the files that it names: a script is a program, too.
+std::string identity_of_command(const std::string& command) {
+  std::string text = "'" + command + "'";
+  std::istringstream words(command);
+  for (std::string word; words >> word;) {
+    word.erase(std::remove_if(word.begin(), word.end(), [](char c) { return c == '\'' || c == '"'; }), word.end());
+    std::error_code none;
+    if (fs::is_regular_file(word, none)) text += " " + program_hash(word);
+  }
+  return text;
+}
+
+/// What a run must have in common with one that it goes on with.
+RunIdentity identity_of(const RunOptions& options, const Case& scene) {
+  RunIdentity identity = case_identity(scene);
+  std::string programs = version();
+  const auto add = [&](const std::string& name, const std::string& command) {
+    programs += fmt::format(", {} {}", name,
+                            command.empty() ? program_hash(options.programs / ("poretwin-" + name))
+                                            : identity_of_command(command));
+  };
+  if (scene.coupled()) add("coupler", "");
+  if (scene.coupled() || !scene.deformable()) add("fluid", options.fluid);
+  if (scene.deformable()) add("solid", options.solid);
+  identity.emplace_back(program_entry, programs);
+  return identity;
 }
 
 std::string last_words(const fs::path& log) {
@@ -174,7 +213,8 @@ std::string toml_text(const std::string& text) {
   return nlohmann::json(text).dump();
 }
 
-void write_run_file(const RunOptions& options, const std::string& started, const RunResult* result) {
+void write_run_file(const RunOptions& options, const RunIdentity& identity, const std::string& started,
+                    const RunResult* result) {
   std::string text =
       fmt::format("# Written by poretwin; marks this folder as a run.\ncase = {}\ncase_file = {}\noverrides = [",
                   toml_text(options.case_name), toml_text(fs::absolute(options.case_file).lexically_normal().string()));
@@ -195,6 +235,8 @@ void write_run_file(const RunOptions& options, const std::string& started, const
     text += warnings + (warnings.empty() ? "]\n\n[exits]\n" : "\n]\n\n[exits]\n");
     for (const auto& ended : result->ended) text += fmt::format("{} = {}\n", ended.name, ended.status);
   }
+  text += "\n# A run that is resumed must have these in common with it.\n[identity]\n";
+  for (const auto& [name, value] : identity) text += fmt::format("{} = {}\n", toml_text(name), toml_text(value));
   std::ofstream stream(options.out / "run.toml", std::ios::binary);
   stream << text;
   stream.close();
@@ -234,6 +276,49 @@ std::string listed_warnings(const std::vector<Summary>& summaries, bool in_doubt
   return text;
 }
 
+/// While it lives, Ctrl-C and SIGTERM do nothing: a run that has ended must still be written down as such.
+class StopsIgnored {
+ public:
+  StopsIgnored() : interrupt_(std::signal(SIGINT, SIG_IGN)), terminate_(std::signal(SIGTERM, SIG_IGN)) {}
+  StopsIgnored(const StopsIgnored&) = delete;
+  StopsIgnored& operator=(const StopsIgnored&) = delete;
+  ~StopsIgnored() {
+    std::signal(SIGINT, interrupt_);
+    std::signal(SIGTERM, terminate_);
+  }
+
+ private:
+  void (*interrupt_)(int);
+  void (*terminate_)(int);
+};
+
+/// What is left to do when nobody writes any more. A full disk fails here as well: that comes after the first cause.
+void close_run(const RunOptions& options, const RunIdentity& identity, const std::string& started, RunResult& result) {
+  const auto attempt = [&](const std::function<void()>& step) {
+    try {
+      step();
+    } catch (const std::exception& error) {
+      if (result.exit == 0) result.exit = static_cast<int>(ExitCode::input_output);
+      result.reason += (result.reason.empty() ? "" : "\n  then: ") + std::string(error.what());
+    }
+  };
+  // What a dead process left half-written goes back to the last whole frame.
+  for (const char* phase : {"fluid", "solid"})
+    attempt([&] { hdf5::roll_back(options.out / (std::string(phase) + ".vtkhdf")); });
+  attempt([&] { coupling::join_traces(options.out); });
+  result.summaries = read_summaries(options.out);
+  attempt([&] {
+    merge_gauges({options.out / "gauges.fluid.csv", options.out / "gauges.solid.csv"}, options.out / "gauges.csv");
+  });
+  if (result.exit == 0)
+    if (const auto doubts = listed_warnings(result.summaries, true, "; "); !doubts.empty()) {
+      result.exit = static_cast<int>(ExitCode::in_doubt);
+      result.reason = "ended, with warnings that put the result in doubt: " + doubts;
+    }
+  if (result.ended_well()) attempt([&] { fs::remove_all(options.out / "checkpoints"); });
+  attempt([&] { write_run_file(options, identity, started, &result); });
+}
+
 }  // namespace
 
 const Ended* root_cause(const std::vector<Ended>& ended) {
@@ -253,19 +338,25 @@ RunResult run_case(const RunOptions& options) {
     throw CaseError(
         "the case's soil is rigid, so the fluid runs alone: expected another solid.model with --fluid or --solid");
   expect_memory(scene);
-  if (options.resume)
-    expect_run_folder(options.out);
-  else
-    prepare_run_folder(options.out);
+  const RunIdentity identity = identity_of(options, scene);
+  const std::string leader = leader_of(scene), out = options.out.string();
+  const RunFolder folder({options.out, options.case_name, identity, leader, options.resume, options.overwrite,
+                          options.accept_changed_program});
+  if (folder.already_finished()) {
+    fmt::print(stderr,
+               "poretwin: {}: this run has already finished: nothing is left to resume, nothing was touched; to "
+               "compute it again, leave out --resume\n",
+               out);
+    return {};
+  }
+  if (!folder.replaced().empty() && !options.quiet)
+    fmt::print(stderr, "poretwin: {}: replaces {}\n", out, folder.replaced());
   const std::string started = time_now();
-  write_run_file(options, started, nullptr);
+  write_run_file(options, identity, started, nullptr);
   const PrivateFolder socket;
   ProgressView view(options.quiet);
   const auto start = std::chrono::steady_clock::now();
-  const std::string address = "ipc://" + (socket.path() / "poretwin.sock").string(),
-                    leader = scene.coupled()      ? "coupler"
-                             : scene.deformable() ? "solid"
-                                                  : "fluid";
+  const std::string address = "ipc://" + (socket.path() / "poretwin.sock").string();
   RunResult result;
   result.case_warnings = scene.warnings;
   if (options.warnings)
@@ -291,9 +382,11 @@ RunResult run_case(const RunOptions& options) {
     result.ended = watched.ended;
     for (const auto& ended : watched.ended) result.cpu += ended.cpu;
     const Ended* cause = root_cause(watched.ended);
-    if (watched.interrupted) {
+    // A scheduler may send its signal to the processes only; and a run may have ended before it heard of one.
+    if (cause != nullptr && (watched.interrupted || cause->status == interrupted_exit)) {
       result.exit = interrupted_exit;
-      result.reason = "interrupted";
+      result.reason = has_checkpoints(options.out, leader) ? "interrupted; --resume goes on from the last checkpoint"
+                                                           : "interrupted; there is no checkpoint";
     } else if (cause != nullptr) {
       result.exit = cause->signal != 0 ? static_cast<int>(ExitCode::failure) : cause->status;
       result.reason = reason_of(*cause);
@@ -304,25 +397,19 @@ RunResult run_case(const RunOptions& options) {
       break;
     ++result.restarts;
     resume = has_checkpoints(options.out, leader);
+    // One that is not whole yet: a start from the beginning must not meet it.
+    if (!resume) fs::remove_all(options.out / "checkpoints");
     fmt::print(stderr, "poretwin: {} was killed by signal {} ({}); restart {} of {}, from {}\n", cause->name,
                cause->signal, ::strsignal(cause->signal), result.restarts, options.restarts,
                resume ? "the last checkpoint" : "the beginning: there is no checkpoint yet");
     result.exit = 0;
     result.reason.clear();
   }
-  // Nobody writes any more: what a dead process left half-written goes back to the last whole frame.
-  for (const char* phase : {"fluid", "solid"}) hdf5::roll_back(options.out / (std::string(phase) + ".vtkhdf"));
-  result.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  result.summaries = read_summaries(options.out);
-  if (result.exit == 0)
-    if (const auto doubts = listed_warnings(result.summaries, true, "; "); !doubts.empty()) {
-      result.exit = static_cast<int>(ExitCode::in_doubt);
-      result.reason = "ended, with warnings that put the result in doubt: " + doubts;
-    }
-  if (result.ended_well()) fs::remove_all(options.out / "checkpoints");
-  coupling::join_traces(options.out);
-  merge_gauges({options.out / "gauges.fluid.csv", options.out / "gauges.solid.csv"}, options.out / "gauges.csv");
-  write_run_file(options, started, &result);
+  {
+    const StopsIgnored until_the_end_is_written;
+    result.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    close_run(options, identity, started, result);
+  }
   if (!options.quiet) fmt::print("{}", summary_text(result, options.out));
   if (options.pictures && result.ended_well()) {
     const int drawn = draw_pictures({options.out.string()}, options.out / "log" / "plot.log");
@@ -344,7 +431,7 @@ std::string summary_text(const RunResult& result, const fs::path& out) {
   std::error_code error;
   text += fmt::format("\nfiles in {}:", out.string());
   for (const auto& entry : fs::directory_iterator(out, error))
-    if (entry.is_regular_file())
+    if (entry.is_regular_file() && entry.path().extension() != ".lock")
       text += fmt::format(" {} ({} kB)", entry.path().filename().string(),
                           (fs::file_size(entry.path(), error) + 1023) / 1024);
   return text + fmt::format("\ntotal: {:.2f} s wall, {:.2f} s cpu\n", result.wall, result.cpu);

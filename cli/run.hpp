@@ -36,6 +36,8 @@ struct RunOptions {
   bool pictures = true;
   bool profile = false;                    ///< leave trace.json: what each process did when
   bool resume = false;                     ///< from the newest checkpoint in `out`
+  bool overwrite = false;                  ///< begin anew even where `out` holds a run that could go on
+  bool accept_changed_program = false;     ///< resume what another program began
   std::optional<double> checkpoint_every;  ///< s of wall-clock; absent: as the processes hold it
   int restarts = 2;                        ///< after a crash, at most
 };
@@ -52,7 +54,8 @@ struct RunResult {
   [[nodiscard]] bool ended_well() const { return exit == 0 || exit == static_cast<int>(ExitCode::in_doubt); }
 };
 
-/// Throws CaseError and FileError before anything is started; what happens later is in the result.
+/// Throws CaseError and FileError before anything is started or touched; what happens later is in the result. Resuming
+/// a run that has ended does nothing.
 RunResult run_case(const RunOptions& options);
 
 /// Tables of where the time went, steps, counters and files.

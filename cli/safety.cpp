@@ -1,5 +1,6 @@
 #include "cli/safety.hpp"
 
+#include "cli/run_folder.hpp"
 #include "cli/script.hpp"
 #include "common/case/case.hpp"
 #include "common/core/error.hpp"
@@ -63,6 +64,7 @@ class Search {
     options.warnings = false;  // soil that finds no rest is an answer here
     options.pictures = false;
     options.restarts = 0;
+    options.overwrite = true;
     const RunResult result = run_case(options);
     const double wall = safety_.run.wall + result.wall, cpu = safety_.run.cpu + result.cpu;
     safety_.run = result;
@@ -143,8 +145,6 @@ void clear_trials(const fs::path& out) {
   for (const auto& entry : fs::directory_iterator(out, error))
     if (entry.path().filename().string().starts_with("F_") && fs::exists(entry.path() / "run.toml"))
       fs::remove_all(entry.path(), error);
-  fs::create_directories(out, error);
-  if (error) throw FileError(fmt::format("{}: the folder cannot be made: {}", out.string(), error.message()));
 }
 
 }  // namespace
@@ -159,6 +159,7 @@ Safety find_safety(const RunOptions& options, double tolerance) {
   for (const auto& warning : scene.warnings) fmt::print(stderr, "warning: {}\n", warning);
   if (const auto keys = ignored(scene, options); !keys.empty())
     fmt::print(stderr, "warning: a factor of safety is that of the rest at time zero; without effect: {}\n", keys);
+  const FileLock lock = lock_folder(options.out, "poretwin safety " + options.case_name);
   clear_trials(options.out);
   Safety safety = Search(options, tolerance).run();
   if (safety.run.exit != 0) return safety;

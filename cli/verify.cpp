@@ -83,6 +83,7 @@ class CaseCheck {
     options.quiet = true;
     options.pictures = false;
     options.restarts = 0;
+    options.overwrite = true;  // nobody goes on with a verification's runs
     const RunResult result = run.command == "safety" ? find_safety(options, 0.01).run : run_case(options);
     wall_ += result.wall;
     cpu_ += result.cpu;

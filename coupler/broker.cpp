@@ -29,6 +29,13 @@ std::string new_session() {
   return fmt::format("{:08x}{:08x}", source(), source());
 }
 
+/// A stranger's word as it may stand in a log: short, on one line.
+std::string shown(std::string text, std::size_t most = 64) {
+  if (text.size() > most) text = text.substr(0, most) + "..";
+  std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c >= 0x7f; }, '?');
+  return text;
+}
+
 std::string text_of(Mapping mapping) { return mapping == Mapping::conservative ? "conservative" : "consistent"; }
 
 /// What stands between this giver and this taker; nothing if they agree.
@@ -165,7 +172,10 @@ class Broker::Implementation {
     for (const Role role : both) {
       auto& p = peer(role);
       if (p.line.empty() || p.left) continue;
-      send_to(p, message_of(Abort{culprit, error.what(), error.code()}, p.step));
+      try {
+        send_to(p, message_of(Abort{culprit, error.what(), error.code()}, p.step));
+      } catch (const std::exception&) {  // the other one must hear of it all the same
+      }
     }
   }
 
@@ -233,9 +243,14 @@ class Broker::Implementation {
 
   /// Handles whatever comes within a short time; then heartbeats, and a look for frozen participants.
   void listen(const std::string& waiting_for) {
+    // However much comes in: whoever waits must be able to look at its own deadlines, and heartbeats must go out.
+    constexpr int most_at_once = 100;
+    int count = 0;
     for (auto event = hub_.receive(std::min(options_.heartbeat, Milliseconds(50))); event;
-         event = hub_.receive(Milliseconds(0)))
+         event = hub_.receive(Milliseconds(0))) {
       handle(std::move(*event));
+      if (++count == most_at_once) break;
+    }
     if (const std::string notice = hub_.notice(); !notice.empty()) say(notice);
     if (Clock::now() - beat_ >= options_.heartbeat) send_heartbeats(waiting_for);
     // This process may itself have been stopped, or have mapped, for a while: then nobody else is to blame for the
@@ -301,7 +316,7 @@ class Broker::Implementation {
       message = decode(event.frames);
     } catch (const PeerError& error) {
       if (known) fail(*known, std::string("sent nonsense: ") + error.what());
-      say(std::string("ignored a stranger: ") + error.what());
+      say_of_stranger(std::string("ignored a stranger: ") + error.what());
       return;
     }
     if (known)
@@ -340,7 +355,8 @@ class Broker::Implementation {
   void consider(const std::string& line, const Message& message) {
     const auto* hello = std::get_if<Hello>(&message.body);
     if (const auto* request = std::get_if<CaseRequest>(&message.body); request && message.major == protocol_major) {
-      say("the case goes to " + request->role);
+      say_of_stranger("the case goes to " + shown(request->role));
+      hub_.regard(line, Hub::Standing::guest);
       answer_stranger(line,
                       CaseFile{options_.case_text, options_.case_overrides, options_.case_digest, options_.dimension});
       return;
@@ -357,13 +373,17 @@ class Broker::Implementation {
       return;  // a line that was refused, or left, and still talks
     else
       reject = objection(*hello);
-    const std::string who = hello && message.major == protocol_major ? hello->role : message.sender;
+    const std::string who = shown(hello && message.major == protocol_major ? hello->role : message.sender);
     if (reject) {
-      const std::string what = fmt::format("{}: {}: expected {}, got {}{}{}", who, reject->field, reject->expected,
-                                           reject->got, reject->reason.empty() ? "" : "; ", reject->reason);
-      say("refused " + what);
-      refused_ += (refused_.empty() ? "" : ", ") + what;
+      const std::string what =
+          shown(fmt::format("{}: {}: expected {}, got {}{}{}", who, reject->field, reject->expected, reject->got,
+                            reject->reason.empty() ? "" : "; ", reject->reason),
+                500);
+      say_of_stranger("refused " + what);
+      constexpr std::size_t most_told = 2000;
+      if (refused_.size() < most_told) refused_ += (refused_.empty() ? "" : ", ") + what;
       answer_stranger(line, std::move(*reject));
+      hub_.regard(line, Hub::Standing::refused);
       return;
     }
     auto& p = peer(hello->role == "fluid" ? Role::fluid : Role::solid);
@@ -374,9 +394,18 @@ class Broker::Implementation {
     p.sequence = message.sequence;
     p.heard = Clock::now();
     p.last = describe(message);
-    say(fmt::format("{} is here ({}, process {} on {})", p.name, hello->software, hello->process, hello->host));
+    hub_.regard(line, Hub::Standing::participant);
+    say(fmt::format("{} is here ({}, process {} on {})", p.name, shown(hello->software), hello->process,
+                    shown(hello->host)));
     send_to(p, message_of(Welcome{static_cast<double>(options_.heartbeat.count()) / 1000.0,
                                   static_cast<double>(options_.frozen_deadline.count()) / 1000.0}));
+  }
+
+  /// They may come without end; the log may not.
+  void say_of_stranger(const std::string& line) {
+    constexpr int most = 50;
+    if (said_of_strangers_ < most) say(line);
+    if (++said_of_strangers_ == most) say("no more is said of who is turned away or asks for the case");
   }
 
   void answer_stranger(const std::string& line, Body body) {
@@ -418,6 +447,7 @@ class Broker::Implementation {
   std::string culprit_ = "coupler", refused_;
   Clock::time_point beat_ = Clock::now(), listened_ = Clock::now();
   bool finishing_ = false, peer_interrupted_ = false;
+  int said_of_strangers_ = 0;
 };
 
 Broker::Broker(Hub& hub, BrokerOptions options)

@@ -73,7 +73,7 @@ void execute(const Arguments& arguments, Run& run) {
   const Case scene = read_case(arguments.case_file, arguments.overrides);
   std::optional<CurveKeys> keys;
   if (!arguments.keys.empty()) keys = read_curve_keys(arguments.keys, KeyHolder::coupler);
-  run.hub = bind_socket(arguments.address, arguments.allow_any_address, keys);
+  run.hub = bind_socket(arguments.address, arguments.allow_any_address, keys, Callers::anybody);
   auto lines = std::make_shared<ProgressLines>(arguments.progress_descriptor);
   BrokerOptions options;
   if (arguments.profile) options.trace = &run.trace.emplace(arguments.out, "coupler");
@@ -89,7 +89,8 @@ void execute(const Arguments& arguments, Run& run) {
   options.waiting = [&run](const std::string& whom) {
     if (run.schedule) run.schedule->note_waiting(whom);
   };
-  run.checkpoints.emplace(arguments.out, "coupler", run_identity(scene), log_line);
+  run.checkpoints.emplace(arguments.out, "coupler", run_identity(scene), log_line,
+                          arguments.accept_changed_program);
   Trace* const trace = options.trace;
   run.broker.emplace(*run.hub, std::move(options));
   run.schedule.emplace(
@@ -97,7 +98,8 @@ void execute(const Arguments& arguments, Run& run) {
       WindowClock::Settings{scene.general.end_time, scene.coupling.interval, scene.output.interval,
                             scene.output.gauge_interval},
       [lines](const Progress& p) { lines->write(p, p.time >= p.end); },
-      Checkpoints{&*run.checkpoints, arguments.checkpoint_every, arguments.resume}, scheme_of(scene.coupling), trace);
+      Checkpoints{&*run.checkpoints, arguments.checkpoint_every, arguments.resume, arguments.accept_changed_program},
+      scheme_of(scene.coupling), trace);
   log_line("coupler: listening at " + run.hub->address());
   keep_freed_memory();
   run.schedule->run();

@@ -410,7 +410,10 @@ void declare(Keys& keys, OutputCase& o) {
 }
 
 void declare(Keys& keys, Gauge& g) {
-  keys.text("name", g.name, {"", "Name of the series; `name[i]` where there are several points.", true});
+  keys.text("name", g.name,
+            {"",
+             "Name of the series, without commas, quotes and line breaks; `name[i]` where there are several points.",
+             true});
   keys.text("phase", g.phase, {"", "`fluid` or `solid`.", true});
   keys.text("kind", g.kind, {"", gauge_kinds_text(), true});
   keys.text("quantity", g.quantity,

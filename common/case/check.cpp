@@ -677,6 +677,14 @@ class Checker : Complaints {
     for (std::size_t i = 0; i < scene_.gauges.size(); ++i) {
       const auto& gauge = scene_.gauges[i];
       const std::string key = fmt::format("gauge[{}]", i);
+      // The name stands in a cell of gauges.csv, which the simplest of readers must be able to take apart.
+      const auto control = [](unsigned char c) { return c < 0x20 || c == 0x7f; };
+      std::string visible = gauge.name;
+      std::replace_if(visible.begin(), visible.end(), control, '?');
+      if (visible != gauge.name || visible.find_first_of(",\"") != std::string::npos)
+        fail(key + ".name", fmt::format("expected a name without commas, quotes, line breaks and other control "
+                                        "characters, for it stands in gauges.csv; found '{}'",
+                                        visible));
       known_word(key + ".phase", gauge.phase, phases);
       std::vector<std::string_view> kinds;
       for (const auto& kind : gauge_kinds)

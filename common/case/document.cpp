@@ -48,6 +48,39 @@ Node converted(const toml::node& from, const std::string& path) {
   return node;
 }
 
+/// The TOML library, and the tree that is made of what it reads, go down one level for every part of a key: some
+/// thousands are more than the stack holds, and no key of a case has more than five.
+constexpr std::size_t most_parts = 64;
+
+/// Throws CaseError naming the line where a key has more parts than that.
+void expect_shallow_keys(const std::string& text, const std::string& path) {
+  std::size_t parts = 1, line = 1;
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    const char c = text[k];
+    if (c == '#') {
+      k = std::min(text.find('\n', k), text.size());
+    } else if (c == '"' || c == '\'') {
+      const std::string quotes(text.compare(k, 3, std::string(3, c)) == 0 ? 3 : 1, c);
+      for (k += quotes.size(); k < text.size() && text.compare(k, quotes.size(), quotes) != 0; ++k) {
+        if (c == '"' && text[k] == '\\') ++k;
+        if (k < text.size() && text[k] == '\n') {
+          ++line;
+          if (quotes.size() == 1) break;  // not closed on its line: for the parser to say
+        }
+      }
+      k += quotes.size() - 1;
+      continue;
+    }
+    if (k < text.size() && text[k] == '.' && ++parts > most_parts)
+      throw CaseError(fmt::format("{}:{}: expected a key of at most {} parts, found more", path, line, most_parts));
+    if (c == '=' || c == ',' || c == '{' || c == '}' || c == '[' || c == ']') parts = 1;
+    if (k < text.size() && text[k] == '\n') {
+      ++line;
+      parts = 1;
+    }
+  }
+}
+
 bool is_bare_word(std::string_view word) {
   return !word.empty() && (std::isalpha(static_cast<unsigned char>(word.front())) != 0) &&
          std::all_of(word.begin(), word.end(),
@@ -61,6 +94,7 @@ Node override_value(const std::string& assignment, const std::string& value) {
     node.kind = Node::Kind::text;
     node.text = value;
   } else {
+    expect_shallow_keys(value, where);
     try {
       const toml::table table = toml::parse("value = " + value);
       if (table.size() != 1) throw CaseError(fmt::format("{}: expected one value after '='", where));
@@ -188,6 +222,7 @@ std::string read_text(const std::filesystem::path& path) {
 }
 
 Node parse_document(const std::string& text, const std::string& path) {
+  expect_shallow_keys(text, path);
   try {
     Node root = converted(toml::parse(text), path);
     root.where = path;
@@ -205,6 +240,8 @@ void apply_override(Node& root, const std::string& assignment) {
     throw CaseError(
         fmt::format("{}: expected section.key=value, for example --set fluid.particle_spacing=0.01", where));
   const auto parts = path_parts(assignment.substr(0, equals));
+  if (parts.size() > most_parts)
+    throw CaseError(fmt::format("--set: expected a key of at most {} parts, found {}", most_parts, parts.size()));
   Node* node = &root;
   std::string so_far;
   for (std::size_t k = 0; k < parts.size(); ++k) {

@@ -10,12 +10,20 @@
 
 namespace poretwin {
 
-inline RunIdentity run_identity(const Case& scene) {
+/// What was computed: the same for all programs of a run.
+inline RunIdentity case_identity(const Case& scene) {
   std::string overrides;
   for (const auto& assignment : scene.overrides) overrides += (overrides.empty() ? "" : " ") + assignment;
-  return {{"program", version() + ", " + build()},
-          {"case file", fmt::format("{:016x}", fnv1a(scene.text))},
+  return {{"case file", fmt::format("{:016x}", fnv1a(scene.text))},
           {"--set", overrides.empty() ? "nothing" : overrides}};
+}
+
+/// The same, and the running program that computes it.
+inline RunIdentity run_identity(const Case& scene) {
+  RunIdentity identity = case_identity(scene);
+  identity.emplace_back(program_entry,
+                        fmt::format("{}, {}, hash {}", version(), build(), program_hash("/proc/self/exe")));
+  return identity;
 }
 
 }  // namespace poretwin

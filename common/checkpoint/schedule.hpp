@@ -13,6 +13,7 @@ struct Checkpoints {
   const CheckpointStore* store = nullptr;                  ///< none: no checkpoints
   double every = std::numeric_limits<double>::infinity();  ///< s of wall-clock; 0: after every window
   bool resume = false;                                     ///< start from the newest
+  bool changed_program = false;                            ///< a state that comes back may differ in what follows from it
 };
 
 class CheckpointSchedule {

@@ -1,5 +1,6 @@
 #include "common/checkpoint/store.hpp"
 
+#include "common/core/fault.hpp"
 #include "common/core/hash.hpp"
 
 #include <fcntl.h>
@@ -23,7 +24,8 @@ constexpr std::string_view magic = "poretwin checkpoint 1\n", ending = ".state";
 
 class Descriptor {
  public:
-  Descriptor(const fs::path& path, int flags) : value_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {
+  Descriptor(const fs::path& path, int flags)
+      : value_(fails(Fallible::open) ? -1 : ::open(path.c_str(), flags | O_CLOEXEC, 0666)) {
     if (value_ < 0) fail(path, "cannot be opened", errno);
   }
   Descriptor(const Descriptor&) = delete;
@@ -39,7 +41,7 @@ void write_durably(const fs::path& path, std::initializer_list<std::string_view>
   const Descriptor file(path, O_WRONLY | O_CREAT | O_TRUNC);
   for (std::string_view rest : pieces)
     while (!rest.empty()) {
-      const auto written = ::write(file.get(), rest.data(), rest.size());
+      const auto written = fails(Fallible::write) ? -1 : ::write(file.get(), rest.data(), rest.size());
       if (written < 0 && errno != EINTR) fail(path, "cannot be written", errno);
       if (written > 0) rest.remove_prefix(static_cast<std::size_t>(written));
     }
@@ -52,11 +54,28 @@ std::string checksum_of(std::string_view head, std::string_view state) {
 
 }  // namespace
 
-CheckpointStore::CheckpointStore(const fs::path& out, std::string process, RunIdentity identity, Say say)
+void expect_same(const std::string& place, const RunIdentity& expected, const RunIdentity& found,
+                 bool accept_changed_program) {
+  for (const auto& [name, value] : expected) {
+    const auto same = std::find_if(found.begin(), found.end(), [&](const auto& entry) { return entry.first == name; });
+    const std::string other = same == found.end() ? "nothing" : same->second;
+    const bool program = name == program_entry;
+    if (other == value || (program && accept_changed_program)) continue;
+    throw CaseError(fmt::format(
+        "{}: {}: expected {}, found {}; {}", place, name, value, other,
+        program ? "resume with the program that wrote it, or go on with this one by --accept-changed-program (the "
+                  "results are then of two programs)"
+                : "resume with what it was started with, or begin anew in another folder"));
+  }
+}
+
+CheckpointStore::CheckpointStore(const fs::path& out, std::string process, RunIdentity identity, Say say,
+                                 bool accept_changed_program)
     : folder_(out / "checkpoints"),
       process_(std::move(process)),
       identity_(std::move(identity)),
-      say_(std::move(say)) {}
+      say_(std::move(say)),
+      accept_changed_program_(accept_changed_program) {}
 
 fs::path CheckpointStore::file_of(const std::string& name) const {
   // Names come over the wire: none may point elsewhere.
@@ -100,13 +119,7 @@ std::vector<Checkpoint> CheckpointStore::whole() const {
     if (file.extension() != ending) continue;
     try {
       const Content content = content_of(file);
-      for (std::size_t k = 0; k < identity_.size(); ++k)
-        if (content.identity.size() != identity_.size() || content.identity[k] != identity_[k])
-          throw CaseError(fmt::format(
-              "{}: {}: expected that of the run to be resumed, {}, found {}; resume with the same case, --set, "
-              "--until and program, or start anew without --resume",
-              file.string(), identity_[k].first, k < content.identity.size() ? content.identity[k].second : "none",
-              identity_[k].second));
+      expect_same(file.string(), identity_, content.identity, accept_changed_program_);
       found.push_back(content.checkpoint);
     } catch (const FileError& error) {
       if (say_) say_(process_ + ": left out: " + error.what());

@@ -23,10 +23,18 @@ struct Checkpoint {
 /// What must be the same for a state to go on from: "what it is" and its value, told when they differ.
 using RunIdentity = std::vector<std::pair<std::string, std::string>>;
 
+/// The entry that a person may let differ (--accept-changed-program): which program wrote it.
+inline constexpr const char* program_entry = "program";
+
+/// Throws CaseError naming the first entry that differs and what can be done about it. `place`: what holds `found`.
+void expect_same(const std::string& place, const RunIdentity& expected, const RunIdentity& found,
+                 bool accept_changed_program);
+
 class CheckpointStore {
  public:
   using Say = std::function<void(const std::string&)>;
-  CheckpointStore(const std::filesystem::path& out, std::string process, RunIdentity identity, Say say = {});
+  CheckpointStore(const std::filesystem::path& out, std::string process, RunIdentity identity, Say say = {},
+                  bool accept_changed_program = false);
 
   /// Those that can be read, newest first; damaged ones are told of and left out. Throws CaseError when there are some,
   /// but of another case or program.
@@ -52,6 +60,7 @@ class CheckpointStore {
   std::string process_;
   RunIdentity identity_;
   Say say_;
+  bool accept_changed_program_;
 };
 
 /// Are there checkpoints of that process in the run's folder, whole or not?

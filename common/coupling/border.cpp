@@ -22,11 +22,49 @@ class Border {
               const PointSet* points) const {
     const Bounds bounds = bounds_of(name);
     const std::size_t k = first_outside(values, bounds.low, bounds.high);
-    if (k == values.size()) return;
-    const std::size_t i = k / static_cast<std::size_t>(components);
-    refuse(fmt::format("field '{}', point {}{}, component {}: expected {}, got {}", name, i,
-                       points ? position(*points, i) : "", k % static_cast<std::size_t>(components), bounds.expected,
-                       values[k]));
+    if (k != values.size())
+      refuse_value(name, components, k, values[k], std::isfinite(values[k]) ? bounds.expected : "a finite number",
+                   points);
+    if (points && (name == field::drag_impulse || name == field::returned_impulse))
+      impulses(name, components, values, *points);
+  }
+
+  /// Points that a sum over neighbours can be made of: none so large that it reaches everybody, none so small that it
+  /// reaches nobody, not all in one place.
+  void points(const PointSet& points) const {
+    const auto d = static_cast<std::size_t>(points.dimension);
+    const auto power = [d](double x) { return d == 2 ? x * x : x * x * x; };
+    const double most = power(most_in_reach);
+    double volume = 0.0, largest = 0.0, longest = 0.0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double v = points.volume[i], reach = power(points.smoothing_length[i]);
+      if (!(most * reach >= v && reach <= most * v))
+        refuse(fmt::format(
+            "field '{}', point {}{}: expected {} times the size of its volume of {} m^{} at most, and a {}th of it at "
+            "least, got {} m",
+            smoothing_length_array, i, position(points, i), most_in_reach, v, d, most_in_reach,
+            points.smoothing_length[i]));
+      volume += v;
+      largest = std::max(largest, v);
+      longest = std::max(longest, points.smoothing_length[i]);
+    }
+    if (points.size() < 2) return;
+    const double margin = 2.0 * longest + std::pow(largest, 1.0 / points.dimension);
+    double room = 1.0, widest = 0.0;
+    for (std::size_t c = 0; c < d; ++c) {
+      double low = points.position[c], high = low;
+      for (std::size_t k = c; k < points.position.size(); k += d) {
+        low = std::min(low, points.position[k]);
+        high = std::max(high, points.position[k]);
+      }
+      room *= high - low + margin;
+      widest = std::max(widest, high - low);
+    }
+    if (widest <= 1e-9 * longest || volume > most_overlap * room)
+      refuse(fmt::format(
+          "field '{}', point 0{}: expected {} points of {:g} m^{} together to lie side by side, got all of them within "
+          "{:g} m",
+          position_array, position(points, 0), points.size(), volume, d, widest));
   }
 
   void size(const std::string& name, std::size_t got, std::size_t want) const {
@@ -44,13 +82,53 @@ class Border {
     double low, high;
     std::string_view expected;
   };
+  // What no soil and no water does, with room for a run that is about to diverge: that is for its own solver to say.
+  static constexpr double fastest = 1e6;                       // m/s
+  static constexpr double strongest = 1e15;                    // Pa; N/m3
+  static constexpr double heaviest = 1e15;                     // kg/m3: soil that does not move is given such grains
+  static constexpr double farthest = 1e9;                      // m
+  static constexpr double largest_impulse = 1000.0 * fastest;  // N s of a m3: water that fast
+  static constexpr double most_in_reach = 100.0;               // sizes of a point within its smoothing length
+  static constexpr double most_overlap = 20.0;                 // volumes of points at one place
+
   static Bounds bounds_of(std::string_view name) {
-    constexpr double largest = std::numeric_limits<double>::max();
-    if (name == field::soil_fraction || name == field::solid_volume_fraction) return {0.0, 1.0, "a number in [0, 1]"};
-    if (name == volume_array || name == smoothing_length_array)
-      return {std::numeric_limits<double>::min(), largest, "a positive number"};
+    constexpr double largest = std::numeric_limits<double>::max(), least = std::numeric_limits<double>::min();
+    if (name == field::soil_fraction || name == field::yielding) return {0.0, 1.0, "a number in [0, 1]"};
+    // Without pores no water could be where the soil is.
+    if (name == field::solid_volume_fraction) return {0.0, std::nextafter(1.0, 0.0), "a number in [0, 1)"};
+    if (name == field::hydraulic_conductivity) return {least, fastest, "a number in (0, 1e6] m/s"};
+    if (name == field::forchheimer_coefficient) return {0.0, largest, "a number of at least 0"};
+    if (name == field::grain_density) return {least, heaviest, "a number in (0, 1e15] kg/m3"};
+    if (name == field::constrained_modulus) return {0.0, strongest, "a number in [0, 1e15] Pa"};
+    if (name == field::pore_pressure) return {-strongest, strongest, "a number in [-1e15, 1e15] Pa"};
+    if (name == field::unbalanced_force) return {-strongest, strongest, "a number in [-1e15, 1e15] N/m3"};
+    if (name == field::solid_velocity || name == field::mean_solid_velocity ||
+        name == field::predicted_solid_velocity || name == field::predicted_change)
+      return {-fastest, fastest, "a number in [-1e6, 1e6] m/s"};
+    if (name == position_array) return {-farthest, farthest, "a number in [-1e9, 1e9] m"};
+    if (name == volume_array || name == smoothing_length_array) return {least, largest, "a positive number"};
     return {-largest, largest, "a finite number"};
   }
+
+  [[noreturn]] void refuse_value(const std::string& name, int components, std::size_t k, double value,
+                                 std::string_view expected, const PointSet* points) const {
+    const auto c = static_cast<std::size_t>(components);
+    refuse(fmt::format("field '{}', point {}{}, component {}: expected {}, got {}", name, k / c,
+                       points ? position(*points, k / c) : "", k % c, expected, value));
+  }
+
+  void impulses(const std::string& name, int components, const std::vector<double>& values,
+                const PointSet& points) const {
+    const auto c = static_cast<std::size_t>(components);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      const double most = largest_impulse * points.volume[k / c];
+      if (!(std::abs(values[k]) <= most))
+        refuse_value(name, components, k, values[k],
+                     fmt::format("at most {:g} N s, {:g} of each m^{}", most, largest_impulse, points.dimension),
+                     &points);
+    }
+  }
+
   static std::string position(const PointSet& points, std::size_t i) {
     const auto d = static_cast<std::size_t>(points.dimension);
     std::string text = " at (";
@@ -93,6 +171,7 @@ std::shared_ptr<const PointSet> points_of(Message& message, const Contract& cont
   points->volume = take(volume_array, 1);
   points->smoothing_length = take(smoothing_length_array, 1);
   points->owner = take(owner_array, 1);
+  border.points(*points);
   for (std::size_t i = 0; i < points->owner.size(); ++i) {
     const double owner = points->owner[i];
     const bool fits = i < info.n_active
@@ -130,7 +209,8 @@ Snapshot admit(Message message, const Contract& contract, const std::shared_ptr<
   out.time = message.time;
   if (!std::isfinite(message.time)) border.refuse(fmt::format("time: expected a finite number, got {}", message.time));
   out.proposed_interval = body->proposed_interval;
-  out.limited_by = body->limited_by;
+  constexpr std::size_t few_words = 200;  // every other wording is counted for itself, and kept
+  out.limited_by = body->limited_by.substr(0, few_words);
   if (!(out.proposed_interval > 0.0))
     border.refuse(fmt::format("proposed_interval: expected a positive number, got {} (limited by {})",
                               out.proposed_interval, out.limited_by));

@@ -1,5 +1,5 @@
-// What comes in is checked here, before anybody computes with it: numbers finite, fractions between 0 and 1, sizes as
-// announced.
+// What comes in is checked here, before anybody computes with it: numbers finite and within the bounds of their field
+// (docs/protocol.md lists them), points that take up room, sizes as announced.
 #pragma once
 
 #include "common/coupling/message.hpp"

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 
 namespace poretwin::coupling {
 namespace {
@@ -208,6 +209,9 @@ void drive_coupled(Phase& phase, Participant& participant, Recorder& recorder, D
   } catch (const Error& error) {
     // A peer's failure is known to the coupler already, or the coupler itself is gone: telling it again does no harm.
     participant.abort(error.what(), error.code());
+    throw;
+  } catch (const std::bad_alloc&) {
+    participant.abort("out of memory", ExitCode::failure);
     throw;
   } catch (const std::exception& error) {
     participant.abort(error.what(), ExitCode::failure);

@@ -2,25 +2,29 @@
 
 #include <atomic>
 #include <csignal>
+#include <ctime>
 
 namespace poretwin::coupling {
 namespace {
 
 // A signal handler can reach nothing but static storage.
-std::atomic<int> signals_seen = 0;
-static_assert(std::atomic<int>::is_always_lock_free);
+std::atomic<long> first_signal = 0;  // s of CLOCK_MONOTONIC; 0: none
+static_assert(std::atomic<long>::is_always_lock_free);
 
 extern "C" void note_signal(int number) {
-  if (signals_seen.fetch_add(1) > 0) {
-    std::signal(number, SIG_DFL);
-    std::raise(number);
-  }
+  timespec now{};
+  ::clock_gettime(CLOCK_MONOTONIC, &now);
+  long none = 0;
+  const long seconds = now.tv_sec + 1;  // never 0
+  if (first_signal.compare_exchange_strong(none, seconds) || seconds - none <= stop_grace) return;
+  std::signal(number, SIG_DFL);
+  std::raise(number);
 }
 
 }  // namespace
 
 InterruptGuard::InterruptGuard() {
-  signals_seen = 0;
+  first_signal = 0;
   struct sigaction action {};
   action.sa_handler = note_signal;
   sigemptyset(&action.sa_mask);
@@ -36,6 +40,6 @@ InterruptGuard::~InterruptGuard() {
   std::signal(SIGTERM, SIG_DFL);
 }
 
-bool interrupted() { return signals_seen.load(std::memory_order_relaxed) > 0; }
+bool interrupted() { return first_signal.load(std::memory_order_relaxed) != 0; }
 
 }  // namespace poretwin::coupling

@@ -1,10 +1,13 @@
 #include "common/coupling/message.hpp"
 
+#include "common/core/fault.hpp"
+
 #include <fmt/format.h>
 
 #include <bit>
 #include <cstdint>
 #include <cstring>
+#include <new>
 
 #include <google/protobuf/stubs/logging.h>
 
@@ -239,6 +242,7 @@ const Frame& checked(const wire::Array& in, const Frame& frame, const wire::Head
 }  // namespace
 
 std::vector<double> Array::take() {
+  if (fails(Fallible::allocate)) throw std::bad_alloc();
   if (received.size == 0) return std::move(values);
   const std::size_t n = received.size / sizeof(double);
   std::vector<double> copy;

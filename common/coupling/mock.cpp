@@ -35,6 +35,8 @@ namespace {
 double standard_value(const std::string& name) {
   if (name == field::soil_fraction) return 1.0;
   if (name == field::solid_volume_fraction) return 0.6;
+  if (name == field::grain_density) return 2650.0;
+  if (name == field::hydraulic_conductivity) return 1e-3;
   return 0.0;
 }
 }  // namespace

@@ -162,7 +162,11 @@ class Participant::Implementation {
 
   void abort(const std::string& reason, ExitCode code) {
     if (left_.exchange(true)) return;  // everybody knows already
-    send(message_of(Abort{name_, reason, code}, step_));
+    try {
+      send(message_of(Abort{name_, reason, code}, step_));
+    } catch (const std::exception&) {
+      // The first cause is the one worth telling; the coupler sees that the connection closes.
+    }
   }
 
   void bye(const std::string& reason) {
@@ -368,7 +372,11 @@ class Participant::Implementation {
       beat_.wait_for(lock, interval_, [&] { return stopping_; });
       if (stopping_) return;
       lock.unlock();
-      if (heartbeats_ && !left_) send_heartbeat();
+      try {
+        if (heartbeats_ && !left_) send_heartbeat();
+      } catch (const std::exception& error) {
+        say(name_ + ": no heartbeat: " + error.what());
+      }
       lock.lock();
     }
   }

@@ -68,7 +68,8 @@ void execute(const Arguments& arguments, Role role, const std::function<std::uni
     if (gauge.phase == name) gauges.push_back(gauge.name);
   run.report.warnings.begin([name](const std::string& said) { log_line(name + ": " + said); }, std::move(gauges));
   run.recorder = make_run_recorder(arguments.out, name, scene, arguments.resume);
-  const CheckpointStore checkpoints(arguments.out, name, run_identity(scene), log_line);
+  const CheckpointStore checkpoints(arguments.out, name, run_identity(scene), log_line,
+                                    arguments.accept_changed_program);
   if (arguments.alone) {
     ProgressLines lines(arguments.progress_descriptor);
     drive_alone(

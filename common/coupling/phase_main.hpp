@@ -10,7 +10,7 @@
 namespace poretwin::coupling {
 
 /// Arguments: --out DIR (--connect ADDRESS [--case FILE] | --alone --case FILE) [--set key=value]... [--progress-fd N].
-/// Writes OUT/<role>.summary.json on every exit that knows OUT; prints one clear message on failure. Returns the exit
+/// Writes OUT/<role>.summary.json unless OUT is another run's; prints one clear message on failure. Returns the exit
 /// code.
 int phase_main(int argc, char** argv, Role role, std::function<std::unique_ptr<Phase>(const Case&)> make);
 

@@ -1,5 +1,7 @@
 #include "common/coupling/process_main.hpp"
 
+#include "common/checkpoint/store.hpp"
+#include "common/core/file_lock.hpp"
 #include "common/core/memory.hpp"
 #include "common/coupling/interrupt.hpp"
 
@@ -7,9 +9,37 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <new>
+#include <optional>
 
 namespace poretwin::coupling {
+namespace {
+
+std::filesystem::path summary_file(const Arguments& arguments, const std::string& name) {
+  return arguments.out / (name + ".summary.json");
+}
+
+/// Did the run that this process last wrote of in OUT end well?
+bool has_finished(const Arguments& arguments, const std::string& name) {
+  std::ifstream stream(summary_file(arguments, name));
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  return text.find("\"exit\": 0,") != std::string::npos;
+}
+
+/// `poretwin run` has looked already; a process that is started by hand looks for itself. Throws FileError. False:
+/// there is nothing to do.
+bool may_begin(const Arguments& arguments, const std::string& name) {
+  const bool stopped = has_checkpoints(arguments.out, name), finished = has_finished(arguments, name);
+  if (!arguments.resume && !arguments.overwrite && stopped && !finished)
+    throw FileError(arguments.out.string() + ": holds checkpoints of an earlier run of the " + name +
+                    "; go on with --resume, begin anew with --overwrite, or choose another --out");
+  return !(arguments.resume && finished && !stopped);
+}
+
+}  // namespace
+
 int process_main(int argc, char** argv, const std::string& name, Program program, const ProcessBody& body) {
   const auto start = std::chrono::steady_clock::now();
   const InterruptGuard guard;
@@ -17,6 +47,7 @@ int process_main(int argc, char** argv, const std::string& name, Program program
   Arguments arguments;
   ExitCode code = ExitCode::success;
   std::string reason;
+  std::optional<FileLock> lock;  // none: what lies in the folder is another run's
   auto fail = [&](ExitCode why, const std::string& what) {
     code = why;
     reason = what;
@@ -29,6 +60,14 @@ int process_main(int argc, char** argv, const std::string& name, Program program
       return 0;
     }
     std::filesystem::create_directories(arguments.out);
+    FileLock taken(arguments.out / (name + ".lock"),
+                   arguments.out.string() + ": another " + name + " writes into this folder", FileLock::Inherited::no);
+    if (!may_begin(arguments, name)) {
+      log_line(name + ": this run has already finished: nothing is left to resume, nothing was touched");
+      return 0;
+    }
+    taken.sign("poretwin-" + name);
+    lock.emplace(std::move(taken));
     if (body.run(arguments)) code = ExitCode::interrupted;
   } catch (const Error& error) {
     fail(error.code(), error.what());
@@ -39,7 +78,7 @@ int process_main(int argc, char** argv, const std::string& name, Program program
   } catch (const std::exception& error) {
     fail(ExitCode::failure, error.what());
   }
-  if (arguments.out.empty()) return static_cast<int>(code);
+  if (!lock) return static_cast<int>(code);
   try {
     RunSummary summary = body.summarise();
     const auto& warnings = summary.warnings;
@@ -52,9 +91,10 @@ int process_main(int argc, char** argv, const std::string& name, Program program
     summary.exit = code;
     if (!reason.empty()) summary.reason = reason;
     summary.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    write_summary(arguments.out / (name + ".summary.json"), summary);
+    write_summary(summary_file(arguments, name), summary);
   } catch (const std::exception& error) {
-    log_line(name + ": error: " + error.what());
+    // After a failure this is no cause: `poretwin run` shows the last error of a log.
+    log_line(name + (code == ExitCode::success ? ": error: " : ": and then: ") + error.what());
     if (code == ExitCode::success) code = ExitCode::input_output;
   }
   return static_cast<int>(code);

@@ -14,7 +14,8 @@ struct ProcessBody {
   std::function<RunSummary()> summarise;      ///< of what has been done so far; also called after a failure of `run`
 };
 
-/// Writes OUT/<name>.summary.json on every exit that knows OUT. Returns the exit code.
+/// Locks OUT for a process of this name, and writes OUT/<name>.summary.json on every exit that has the lock. Returns
+/// the exit code.
 int process_main(int argc, char** argv, const std::string& name, Program program, const ProcessBody& body);
 
 }  // namespace poretwin::coupling

@@ -1,5 +1,6 @@
-// A ROUTER socket behind the Hub interface. The socket monitor tells which descriptor closed, the messages tell whose
-// it was.
+// A ROUTER socket behind the Hub interface. The gate knows which descriptor is whose and which has closed.
+#include "common/core/fault.hpp"
+#include "common/coupling/gate.hpp"
 #include "common/coupling/shared_memory.hpp"
 #include "common/coupling/socket_options.hpp"
 #include "common/coupling/transport.hpp"
@@ -53,7 +54,7 @@ class Doorkeeper {
 
 class Router final : public Hub {
  public:
-  Router(const std::string& address, bool allow_any_address, const std::optional<CurveKeys>& keys)
+  Router(const std::string& address, bool allow_any_address, const std::optional<CurveKeys>& keys, Callers callers)
       : router_(context_, zmq::socket_type::router), monitor_(context_, zmq::socket_type::pair) {
     if (!allow_any_address && !keys && !is_loopback(address))
       throw Error(
@@ -70,7 +71,10 @@ class Router final : public Hub {
         router_.set(zmq::sockopt::curve_secretkey, keys->secret_key);
         doorkeeper_.emplace(context_, *keys);
       }
-      watch(router_, monitor_, ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL);
+      const bool guarded = callers == Callers::anybody;
+      if (guarded) router_.set(zmq::sockopt::handshake_ivl, 10'000);  // ms: who has not greeted by then is let go
+      watch(router_, monitor_, ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL);
+      gate_.emplace(monitor_, guarded ? std::optional(GateLimits{}) : std::nullopt, !keys && !allow_any_address);
       router_.bind(address);
       address_ = router_.get(zmq::sockopt::last_endpoint);
     } catch (const zmq::error_t& error) {
@@ -81,6 +85,7 @@ class Router final : public Hub {
 
   bool send(const std::string& line, Frames frames) override {
     try {
+      if (fails(Fallible::send)) throw zmq::error_t();
       uninterrupted(
           [&] { return router_.send(zmq::buffer(line), zmq::send_flags::sndmore | zmq::send_flags::dontwait); });
       const auto found = shared_.find(line);
@@ -94,32 +99,31 @@ class Router final : public Hub {
   }
 
   std::optional<Event> receive(Milliseconds timeout) override {
-    // Messages before closings: what a dying peer still said counts.
-    if (auto event = receive_message()) return event;
-    if (auto event = receive_closing()) return event;
+    if (auto event = next()) return event;
     std::array<zmq::pollitem_t, 3> items{{{router_.handle(), 0, ZMQ_POLLIN, 0},
-                                          {monitor_.handle(), 0, ZMQ_POLLIN, 0},
-                                          {doorkeeper_ ? doorkeeper_->handle() : monitor_.handle(), 0, ZMQ_POLLIN, 0}}};
+                                          {nullptr, gate_->signal(), ZMQ_POLLIN, 0},
+                                          {doorkeeper_ ? doorkeeper_->handle() : router_.handle(), 0, ZMQ_POLLIN, 0}}};
     poll_all(items, timeout);
     if (doorkeeper_)
       if (const std::string whence = doorkeeper_->answer(); !whence.empty())
-        note("somebody at " + whence + " without the participant's key was not let in");
-    if (auto event = receive_message()) return event;
-    return receive_closing();
+        gate_->note("somebody at " + whence + " without the participant's key was not let in");
+    return next();
   }
 
-  bool cut(const std::string& line) const override {
-    for (const auto& [descriptor, name] : line_of_)
-      if (name == line) return unacknowledged(descriptor);
-    return false;
-  }
-  std::string notice() override { return std::exchange(notice_, {}); }
+  bool cut(const std::string& line) const override { return unacknowledged(gate_->descriptor_of(line)); }
+  void regard(const std::string& line, Standing standing) override { gate_->regard(line, standing); }
+  std::string notice() override { return gate_->notice(); }
   std::string address() const override { return address_; }
 
  private:
-  /// Who is turned away tries again several times a second: everything is said once.
-  void note(const std::string& what) {
-    if (told_.size() < 100 && told_.insert(what).second) notice_ = what;
+  /// Messages before closings: what a dying peer still said counts, and came in before its line was closed.
+  std::optional<Event> next() {
+    if (closing_.empty()) closing_ = gate_->closed().value_or("");
+    if (auto event = receive_message()) return event;
+    if (closing_.empty()) return std::nullopt;
+    shared_.erase(closing_);
+    asked_.erase(closing_);
+    return Event{std::exchange(closing_, {}), {}};
   }
 
   /// What both ends of a line on this machine show each other.
@@ -160,53 +164,37 @@ class Router final : public Hub {
     zmq::message_t line;
     if (!receive_part(router_, line)) return std::nullopt;
     Event event{line.to_string(), {}};
+    int descriptor = -1;
     bool more = line.more();
     while (more) {
       zmq::message_t part;
       if (!receive_part(router_, part, zmq::recv_flags::none)) break;
       more = part.more();
       if (!more)
-        if (const char* descriptor = zmq_msg_gets(part.handle(), "__fd")) line_of_[std::atoi(descriptor)] = event.line;
+        if (const char* number = zmq_msg_gets(part.handle(), "__fd")) descriptor = std::atoi(number);
       event.frames.push_back(keep(std::move(part)));
     }
+    if (!gate_->heard(event.line, descriptor)) return std::nullopt;
     if (event.frames.empty()) event.frames.push_back(Frame::of(std::string()));  // an empty message is no closing
     return event;
-  }
-
-  std::optional<Event> receive_closing() {
-    while (const auto event = next_event(monitor_)) {
-      if (event->kind == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL)
-        note(
-            "somebody was turned away who does not speak this coupler's way: keys on one side only, or not made "
-            "together?");
-      const auto found = line_of_.find(event->value);
-      if (event->kind != ZMQ_EVENT_DISCONNECTED || found == line_of_.end()) continue;
-      Event closing{found->second, {}};
-      line_of_.erase(found);
-      shared_.erase(closing.line);
-      asked_.erase(closing.line);
-      return closing;
-    }
-    return std::nullopt;
   }
 
   std::string address_;
   zmq::context_t context_{1};
   zmq::socket_t router_, monitor_;
   std::optional<Doorkeeper> doorkeeper_;
-  std::map<int, std::string> line_of_;
+  std::optional<Gate> gate_;
+  std::string closing_;  ///< a line that has closed, when nothing more can come from it
   bool may_share_ = false;
   std::map<std::string, Shared> shared_;  ///< by line
   std::set<std::string> asked_;           ///< lines whose memory has been tried
-  std::string notice_;
-  std::set<std::string> told_;
 };
 
 }  // namespace
 
 std::unique_ptr<Hub> bind_socket(const std::string& address, bool allow_any_address,
-                                 const std::optional<CurveKeys>& keys) {
-  return std::make_unique<Router>(address, allow_any_address, keys);
+                                 const std::optional<CurveKeys>& keys, Callers callers) {
+  return std::make_unique<Router>(address, allow_any_address, keys, callers);
 }
 
 }  // namespace poretwin::coupling

@@ -1,5 +1,7 @@
 #include "common/coupling/shared_memory.hpp"
 
+#include "common/core/fault.hpp"
+
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/mman.h>
@@ -40,7 +42,9 @@ struct Mapped {
   std::size_t size = 0;
 
   Mapped(int descriptor, std::size_t length) : size(length) {
-    void* where = ::mmap(nullptr, length, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0);
+    void* where = fails(Fallible::map)
+                      ? MAP_FAILED
+                      : ::mmap(nullptr, length, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor, 0);
     if (where != MAP_FAILED) bytes = static_cast<char*>(where);
   }
   Mapped(const Mapped&) = delete;

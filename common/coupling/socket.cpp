@@ -1,5 +1,6 @@
 // A DEALER socket behind the Transport interface, without a thread of its own: a message that passes through one more
 // thread is later by one more wake-up. Whoever sends or receives holds the socket for as long as that takes.
+#include "common/core/fault.hpp"
 #include "common/coupling/shared_memory.hpp"
 #include "common/coupling/socket_options.hpp"
 #include "common/coupling/transport.hpp"
@@ -58,7 +59,12 @@ class Socket final : public Transport {
 
   void send(Frames frames) override {
     const std::lock_guard lock(mutex_);
-    send_frames(dealer_, may_lend_ ? lent_.lend(std::move(frames)) : std::move(frames));
+    try {
+      if (fails(Fallible::send)) throw zmq::error_t();
+      send_frames(dealer_, may_lend_ ? lent_.lend(std::move(frames)) : std::move(frames));
+    } catch (const zmq::error_t& error) {
+      throw Error(ExitCode::failure, "sending to the coupler at " + address_ + " failed: " + error.what());
+    }
     // Sending takes note of what has come in, and with it the signal that receive() may be waiting for.
     if ((uninterrupted([&] { return dealer_.get(zmq::sockopt::events); }) & ZMQ_POLLIN) != 0) wake();
   }

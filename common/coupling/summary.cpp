@@ -1,5 +1,7 @@
 #include "common/coupling/summary.hpp"
 
+#include "common/core/fault.hpp"
+
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -88,8 +90,11 @@ void write_summary(const std::filesystem::path& path, const RunSummary& summary)
   {
     std::ofstream out(part);
     out << text;
-    if (!out.flush())
+    if (fails(Fallible::write) || !out.flush()) {
+      std::error_code ignored;
+      std::filesystem::remove(part, ignored);
       throw FileError("cannot write " + part.string() + ": is the disk full or the folder write-protected?");
+    }
   }
   std::error_code error;
   std::filesystem::rename(part, path, error);
@@ -140,6 +145,10 @@ Arguments parse_arguments(int argc, char** argv, Program program) {
       out.allow_any_address = true;
     else if (name == "--resume")
       out.resume = true;
+    else if (name == "--overwrite")
+      out.overwrite = true;
+    else if (name == "--accept-changed-program")
+      out.accept_changed_program = true;
     else if (name == "--profile")
       out.profile = true;
     else if (name == "--checkpoint-every")
@@ -170,8 +179,9 @@ std::string usage(const std::string& name, Program program) {
                                       : "(--connect ADDRESS [--case FILE] | --alone --case FILE)";
   text +=
       " [--keys FILE] [--set key=value]... [--progress-fd N] [--wait-deadline S] [--frozen-deadline S]\n"
-      "       [--resume] [--checkpoint-every S] [--profile]\n"
-      "--resume: go on from the checkpoint in DIR, all three processes; --checkpoint-every: s of wall-clock (60), 0: "
+      "       [--resume [--accept-changed-program] | --overwrite] [--checkpoint-every S] [--profile]\n"
+      "--resume: go on from the checkpoint in DIR, all three processes; --accept-changed-program: though another "
+      "program\nwrote it; --overwrite: begin anew although there is one; --checkpoint-every: s of wall-clock (60), 0: "
       "every\n"
       "window, inf: only when interrupted; the coupler's or a lone solver's word counts\n"
       "--profile: what was done when, to OUT/trace.NAME.json\n"

@@ -72,6 +72,8 @@ struct Arguments {
   double wait_deadline = 60.0;    ///< s
   double frozen_deadline = 30.0;  ///< s
   bool resume = false;
+  bool overwrite = false;               ///< begin anew where checkpoints lie
+  bool accept_changed_program = false;  ///< resume what another program wrote
   bool profile = false;            ///< every span of time to OUT/trace.<process>.json
   double checkpoint_every = 60.0;  ///< s of wall-clock; infinite: only when interrupted
   std::vector<std::string> overrides;

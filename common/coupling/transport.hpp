@@ -42,6 +42,9 @@ class Hub {
     std::string line;  ///< opaque name of the line it came on
     Frames frames;     ///< empty: the line is gone
   };
+  /// What whoever is at the end of a line is to the run. A stranger, as everybody is at first, may send little and not
+  /// stay for long.
+  enum class Standing { guest, participant, refused };
   Hub() = default;
   Hub(const Hub&) = delete;
   Hub& operator=(const Hub&) = delete;
@@ -54,6 +57,10 @@ class Hub {
     static_cast<void>(line);
     return false;
   }
+  virtual void regard(const std::string& line, Standing standing) {
+    static_cast<void>(line);
+    static_cast<void>(standing);
+  }
   /// Something to be logged, such as somebody who was not let in; empty: nothing.
   virtual std::string notice() { return {}; }
   [[nodiscard]] virtual std::string address() const = 0;
@@ -63,9 +70,14 @@ class Hub {
 /// keys everything is encrypted, and only the coupler that holds the other half is believed.
 std::unique_ptr<Transport> connect_socket(const std::string& address, const std::optional<CurveKeys>& keys = {});
 
-/// ROUTER socket bound to `address`. Anything but ipc and loopback needs keys or `allow_any_address`. Throws Error.
+/// Whether whoever can reach the socket is believed to mean well.
+enum class Callers { trusted, anybody };
+
+/// ROUTER socket bound to `address`. Anything but ipc and loopback needs keys or `allow_any_address`. With
+/// Callers::anybody strangers are held to little (GateLimits), and a loopback address without keys takes connections of
+/// the same user (and of root) only. Throws Error.
 std::unique_ptr<Hub> bind_socket(const std::string& address, bool allow_any_address = false,
-                                 const std::optional<CurveKeys>& keys = {});
+                                 const std::optional<CurveKeys>& keys = {}, Callers callers = Callers::trusted);
 
 /// The lines of one coupler inside one process.
 class InProcess {

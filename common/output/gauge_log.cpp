@@ -1,6 +1,7 @@
 #include "common/output/gauge_log.hpp"
 
 #include "common/core/error.hpp"
+#include "common/core/fault.hpp"
 
 #include <fmt/format.h>
 
@@ -96,7 +97,8 @@ void GaugeLog::append(double time, const std::vector<GaugeReading>& readings) {
     series.time.push_back(time);
     series.value.push_back(reading.value);
   }
-  if (std::fwrite(text.data(), 1, text.size(), file_.get()) != text.size() || std::fflush(file_.get()) != 0)
+  if (fails(Fallible::write) || std::fwrite(text.data(), 1, text.size(), file_.get()) != text.size() ||
+      std::fflush(file_.get()) != 0)
     throw FileError(fmt::format("{}: cannot be written: {}", path_.string(), std::strerror(errno)));
   bytes_ += text.size();
 }

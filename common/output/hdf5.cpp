@@ -34,6 +34,13 @@ std::string cause() {
   return text.empty() ? "no cause given" : text;
 }
 
+/// The file's own word where it has failed: the library's stack may tell of what only followed.
+std::string cause_at(Id::Value object) {
+  const std::string told = cause();  // before the stack forgets it
+  const std::string lost = object >= 0 ? undo_failure(object) : std::string();
+  return lost.empty() ? told : lost;
+}
+
 Id::Value disk_type(Type type) {
   switch (type) {
     case Type::float64:
@@ -82,7 +89,7 @@ File File::open_to_read(const std::filesystem::path& path) { return File(path, M
 File File::open_to_write(const std::filesystem::path& path) { return File(path, Mode::write); }
 
 void File::fail(const std::string& action) const {
-  throw FileError(fmt::format("{}: {} failed: {}", path_, action, cause()));
+  throw FileError(fmt::format("{}: {} failed: {}", path_, action, cause_at(id_.get())));
 }
 
 Id File::check(Id::Value value, Id::Close close, const std::string& action) const {
@@ -164,7 +171,8 @@ void Dataset::append_raw(const void* data, std::size_t count, Id::Value memory_t
            H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start, nullptr, block, nullptr) >= 0 &&
            H5Dwrite(id_.get(), memory_type, memory_space.get(), file_space.get(), H5P_DEFAULT, data) >= 0;
   }
-  if (!good) throw FileError(fmt::format("{}: writing failed: {}", what_, cause()));
+  if (!good || !undo_failure(id_.get()).empty())
+    throw FileError(fmt::format("{}: writing failed: {}", what_, cause_at(id_.get())));
   rows_ += added;
 }
 
@@ -227,7 +235,10 @@ void File::text(const std::string& name, const std::string& value) {
   check(H5Dwrite(made.get(), type.get(), H5S_ALL, H5S_ALL, H5P_DEFAULT, padded.data()), action);
 }
 
-void File::flush() { check(H5Fflush(id_.get(), H5F_SCOPE_GLOBAL), "flushing"); }
+void File::flush() {
+  check(H5Fflush(id_.get(), H5F_SCOPE_GLOBAL), "flushing");
+  if (!undo_failure(id_.get()).empty()) fail("flushing");
+}
 
 bool File::has(const std::string& name) const { return H5Lexists(id_.get(), name.c_str(), H5P_DEFAULT) > 0; }
 

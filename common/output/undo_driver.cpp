@@ -1,6 +1,7 @@
 #include "common/output/undo_driver.hpp"
 
 #include "common/core/error.hpp"
+#include "common/core/fault.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -25,6 +26,7 @@ std::string undo_of(const std::string& path) { return path + ".undo"; }
 
 bool write_all(int descriptor, const void* data, std::size_t size, off_t at) {
   const auto* bytes = static_cast<const char*>(data);
+  if (fails(Fallible::write)) return false;
   while (size > 0) {
     const auto count = ::pwrite(descriptor, bytes, size, at);
     if (count < 0 && errno != EINTR) return false;
@@ -94,7 +96,11 @@ struct UndoFile {
   std::uint64_t address_end = 0, end = 0;  ///< of allocated addresses; of the file
   std::uint64_t flushed = 0;               ///< length at the last flush
   std::uint64_t undo_end = 0;              ///< 0: nothing to undo
-  bool writable = false, failed = false;
+  bool writable = false;
+  std::string failure;  ///< what the first failed write said; empty: none has failed
+  // The library does not hear of a failed write: it cannot close a file or a data set that does not take what it
+  // writes, tries again when the process ends, and crashes. What it has written since is kept here for it to read.
+  std::vector<std::pair<std::uint64_t, std::vector<char>>> unwritten;
 
   /// Before [where, where + size) changes.
   bool keep(std::uint64_t where, std::uint64_t size) {
@@ -127,9 +133,10 @@ struct UndoFile {
 UndoFile& own(H5FD_t* file) { return *reinterpret_cast<UndoFile*>(file); }
 const UndoFile& own(const H5FD_t* file) { return *reinterpret_cast<const UndoFile*>(file); }
 
-herr_t fail(UndoFile& file, const char* action) {
+void note_failure(UndoFile& file) { file.failure = fmt::format("cannot be written: {}", std::strerror(errno)); }
+
+herr_t fail(const char* action) {
   const int error = errno;
-  file.failed = true;
   H5Epush2(H5E_DEFAULT, __FILE__, "undo_driver", 0, H5E_ERR_CLS, H5E_IO, H5E_WRITEERROR, "%s: %s", action,
            std::strerror(error));
   return -1;
@@ -143,9 +150,10 @@ H5FD_t* open_file(const char* name, unsigned flags, hid_t, haddr_t) {
   if ((flags & H5F_ACC_TRUNC) != 0) how |= O_TRUNC;
   if ((flags & H5F_ACC_CREAT) != 0) how |= O_CREAT;
   if ((flags & H5F_ACC_EXCL) != 0) how |= O_EXCL;
-  made->file = ::open(name, how | O_CLOEXEC, 0666);
+  made->file = fails(Fallible::open) ? -1 : ::open(name, how | O_CLOEXEC, 0666);
   if (made->file >= 0 && made->writable) {
-    made->undo = ::open(undo_of(name).c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    if (!fails(Fallible::open))
+      made->undo = ::open(undo_of(name).c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
     if (made->undo < 0) {
       const int error = errno;
       ::close(made->file);
@@ -154,7 +162,7 @@ H5FD_t* open_file(const char* name, unsigned flags, hid_t, haddr_t) {
     }
   }
   if (made->file < 0) {
-    fail(*made, "cannot be opened");
+    fail("cannot be opened");
     return nullptr;
   }
   made->end = made->flushed = length_of(made->file);
@@ -164,7 +172,7 @@ H5FD_t* open_file(const char* name, unsigned flags, hid_t, haddr_t) {
 herr_t close_file(H5FD_t* general) {
   const std::unique_ptr<UndoFile> file(&own(general));
   // What the library could not finish is taken back; a process that dies leaves that to roll_back().
-  const bool good = !file->failed || undo_all(file->file, file->undo);
+  const bool good = file->failure.empty() || undo_all(file->file, file->undo);
   if (file->undo >= 0) {
     ::close(file->undo);
     if (good) ::unlink(undo_of(file->path).c_str());
@@ -197,21 +205,30 @@ herr_t set_address_end(H5FD_t* file, H5FD_mem_t, haddr_t address) {
 
 herr_t read(H5FD_t* general, H5FD_mem_t, hid_t, haddr_t at, size_t size, void* data) {
   auto& file = own(general);
-  return read_all(file.file, data, size, offset(at)) ? 0 : fail(file, "cannot be read");
+  if (!read_all(file.file, data, size, offset(at))) return fail("cannot be read");
+  for (const auto& [where, bytes] : file.unwritten) {
+    const std::uint64_t first = std::max<std::uint64_t>(at, where), last = std::min(at + size, where + bytes.size());
+    if (first < last)
+      std::memcpy(static_cast<char*>(data) + (first - at), bytes.data() + (first - where), last - first);
+  }
+  return 0;
 }
 
 herr_t write(H5FD_t* general, H5FD_mem_t, hid_t, haddr_t at, size_t size, const void* data) {
   auto& file = own(general);
-  if (!file.keep(at, size) || !write_all(file.file, data, size, offset(at))) return fail(file, "cannot be written");
+  if (file.failure.empty() && (!file.keep(at, size) || !write_all(file.file, data, size, offset(at))))
+    note_failure(file);
+  const auto* bytes = static_cast<const char*>(data);
+  if (!file.failure.empty()) file.unwritten.emplace_back(at, std::vector<char>(bytes, bytes + size));
   file.end = std::max<std::uint64_t>(file.end, at + size);
   return 0;
 }
 
 herr_t truncate(H5FD_t* general, hid_t, hbool_t) {
   auto& file = own(general);
-  if (file.end == file.address_end) return 0;
+  if (file.end == file.address_end || !file.failure.empty()) return 0;
   if (!file.keep(file.address_end, file.flushed) || ::ftruncate(file.file, offset(file.address_end)) != 0)
-    return fail(file, "cannot be written");
+    note_failure(file);
   file.end = file.address_end;
   return 0;
 }
@@ -219,8 +236,13 @@ herr_t truncate(H5FD_t* general, hid_t, hbool_t) {
 /// The last thing the library does in H5Fflush: all of a state is in the file.
 herr_t flush(H5FD_t* general, hid_t, hbool_t) {
   auto& file = own(general);
-  if (file.failed) return -1;
-  return file.commit() ? 0 : fail(file, "cannot be written");
+  if (file.failure.empty() && !file.commit()) note_failure(file);
+  return 0;
+}
+
+herr_t handle(H5FD_t* general, hid_t, void** out) {
+  *out = &own(general).failure;
+  return 0;
 }
 
 herr_t no_lock(H5FD_t*, hbool_t) { return 0; }
@@ -246,6 +268,7 @@ std::int64_t undo_driver() {
     c.write = write;
     c.flush = flush;
     c.truncate = truncate;
+    c.get_handle = handle;
     c.lock = no_lock;
     c.unlock = no_unlock;
     const H5FD_mem_t map[] = H5FD_FLMAP_DICHOTOMY;
@@ -253,6 +276,19 @@ std::int64_t undo_driver() {
     return H5FDregister(&c);
   }();
   return driver;
+}
+
+std::string undo_failure(std::int64_t object) {
+  std::string found;
+  const hid_t file = H5Iget_file_id(object);
+  if (file < 0) return found;
+  const hid_t access = H5Fget_access_plist(file);
+  void* failure = nullptr;
+  if (access >= 0 && H5Pget_driver(access) == undo_driver() && H5Fget_vfd_handle(file, access, &failure) >= 0)
+    found = *static_cast<const std::string*>(failure);
+  if (access >= 0) H5Pclose(access);
+  H5Fclose(file);
+  return found;
 }
 
 void roll_back(const std::filesystem::path& path) {

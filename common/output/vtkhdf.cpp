@@ -183,8 +183,14 @@ void VtkHdfWriter::append(const OutputFrame& frame) {
 
   steps_.push_back({frame.time, count, first});
   total_ += count;
-  file_.attribute("VTKHDF/Steps", "NSteps", static_cast<std::int64_t>(steps_.size()));
-  file_.flush();
+  try {
+    file_.attribute("VTKHDF/Steps", "NSteps", static_cast<std::int64_t>(steps_.size()));
+    file_.flush();
+  } catch (...) {  // the file is brought back to the frame before; the sidecar must not name this one
+    steps_.pop_back();
+    total_ -= count;
+    throw;
+  }
   constexpr std::size_t always = 64;
   if (steps_.size() <= always || 16 * (steps_.size() - in_sidecar_) >= in_sidecar_) write_sidecar();
 }

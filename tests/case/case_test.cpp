@@ -403,6 +403,29 @@ TEST_F(CaseFile, NamesASlipSurfaceWithoutItsLines) {
               HasSubstr("expected the 2 ends of each, found 2 points"));
 }
 
+TEST_F(CaseFile, NamesAGaugeThatACsvCouldNotHold) {
+  const auto named = [](const std::string& name) { return changed(sound_case, "\"settlement\"", "\"" + name + "\""); };
+  EXPECT_EQ(complaint(named("left side (h/2) [0]")), "no complaint");
+  for (const std::string name : {"a,b", "a\\nb", "say \\\"a\\\"", "a\\u001b[31m"})
+    EXPECT_THAT(complaint(named(name)), HasSubstr("key 'gauge[0].name': expected a name without commas")) << name;
+  EXPECT_THAT(complaint(named("a\\nb")), HasSubstr("found 'a?b'"));
+}
+
+/// The parser goes down a level for every part of a key: so many are more than the stack holds.
+TEST_F(CaseFile, NamesAKeyThatIsTooDeep) {
+  std::string deep = "a";
+  for (int k = 1; k < 100'000; ++k) deep += ".a";
+  for (const std::string& text : {deep + " = 1\n", "[" + deep + "]\n", "x = { " + deep + " = 1 }\n"})
+    EXPECT_THAT(complaint("\n" + text), HasSubstr("case.toml:2: expected a key of at most 64 parts, found more"));
+  EXPECT_THAT(complaint(sound_case, {deep + "=1"}), HasSubstr("expected a key of at most 64 parts, found 100000"));
+  EXPECT_THAT(complaint(sound_case, {"case.title={" + deep + "=1}"}), HasSubstr("a key of at most 64 parts"));
+  // Dots elsewhere are no parts of a key.
+  const std::string dots(200, '.'), title = "title = \"column\"";
+  for (const std::string& text :
+       {"\"\"\"" + dots + "\n" + dots + " \\\" it's\"\"\"", "'C:\\" + dots + "\\' # it's " + dots})
+    EXPECT_EQ(complaint("# " + dots + " it's\n" + changed(sound_case, title, "title = " + text)), "no complaint");
+}
+
 TEST_F(CaseFile, MissingFileIsNamed) {
   try {
     read_case(folder_ / "absent.toml");

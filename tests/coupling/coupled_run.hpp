@@ -155,6 +155,17 @@ struct CoupledRun {
   std::optional<Participant> fluid_participant_, solid_participant_;
 };
 
+/// A value that the border lets in: `free` where any number may stand.
+inline double within_bounds(const std::string& name, double free) {
+  if (name == field::soil_fraction) return 1.0;
+  if (name == field::solid_volume_fraction) return 0.6;
+  if (name == field::grain_density) return 2650.0;
+  if (name == field::hydraulic_conductivity) return 1e-3;
+  if (name == field::forchheimer_coefficient || name == field::yielding) return 0.0;
+  if (name == field::constrained_modulus) return std::abs(free);
+  return free;
+}
+
 /// A square of side 1 m with fields of the standard contract.
 inline MockPhase::Formula still_square(Role role, double spacing = 0.1, FieldFormula formula = {}) {
   return [=](double t) {

@@ -118,7 +118,7 @@ TEST(Failure, FractionsAndLengthsAreBounded) {
   MockPhase fluid(Role::fluid, 2, still_square(Role::fluid, 0.25)), solid(Role::solid, 2, bad_fraction);
   CoupledRun run;
   run.run(&fluid, &solid);
-  expect_contains(run.coupler.error, {"'solid'", "solid_volume_fraction", "[0, 1]", "1.25", "step 2"});
+  expect_contains(run.coupler.error, {"'solid'", "solid_volume_fraction", "[0, 1)", "1.25", "step 2"});
 
   auto bad_length = [](double t) {
     auto out = formula_publication(Role::fluid, t, lattice_points(2, {0.0, 0.0}, {1.0, 1.0}, 0.25));
@@ -129,6 +129,69 @@ TEST(Failure, FractionsAndLengthsAreBounded) {
   CoupledRun other;
   other.run(&other_fluid, &other_solid);
   expect_contains(other.coupler.error, {"'fluid'", "@smoothing_length", "point 3", "positive", "got 0"});
+}
+
+/// What no soil and no water can be, from the second window on: refused before the other side computes with it.
+TEST(Failure, NonsenseIsNamedByFieldPointValueSenderAndStep) {
+  using Spoil = std::function<void(Publication&)>;
+  const auto at = [](Publication& p, std::string_view name, double value) {
+    for (auto& field : p.fields)
+      if (field.name == name) field.values[static_cast<std::size_t>(3 * field.components)] = value;
+  };
+  const auto value = [&](std::string_view name, double bad) {
+    return Spoil([=](Publication& p) { at(p, name, bad); });
+  };
+  struct Nonsense {
+    Role sender;
+    Spoil spoil;
+    std::vector<std::string> words;
+  };
+  const std::string place = "point 3 at (0.35, 0.05)";
+  const std::vector<Nonsense> all{
+      {Role::solid, value(field::hydraulic_conductivity, 0.0), {"'hydraulic_conductivity', " + place, "(0,", "got 0"}},
+      {Role::solid, value(field::hydraulic_conductivity, -1e-3), {"'hydraulic_conductivity'", "got -0.001"}},
+      {Role::solid, value(field::solid_volume_fraction, 1.0), {"'solid_volume_fraction', " + place, "[0, 1)", "got 1"}},
+      {Role::solid, value(field::grain_density, 0.0), {"'grain_density', " + place, "kg/m3", "got 0"}},
+      {Role::solid, value(field::grain_density, -2600.0), {"'grain_density'", "got -2600"}},
+      {Role::solid, value(field::constrained_modulus, -1e6), {"'constrained_modulus'", "got -1000000"}},
+      {Role::solid, value(field::forchheimer_coefficient, -1.0), {"'forchheimer_coefficient'", "got -1"}},
+      {Role::solid, value(field::yielding, 50.0), {"'yielding'", "[0, 1]", "got 50"}},
+      {Role::solid, value(field::solid_velocity, 1e200), {"'solid_velocity', " + place, "m/s", "got 1e+200"}},
+      {Role::solid, value(field::returned_impulse, 1e300), {"'returned_impulse', " + place, "N s", "got 1e+300"}},
+      {Role::fluid, value(field::drag_impulse, -1e12), {"'drag_impulse', " + place, "N s", "got -1000000000000"}},
+      {Role::fluid, value(field::pore_pressure, 1e30), {"'pore_pressure'", "Pa", "got 1e+30"}},
+      {Role::solid, [](Publication& p) { p.points.position[6] = 1e300; }, {"'@position', point 3", "got 1e+300"}},
+      {Role::solid, [](Publication& p) { p.points.smoothing_length[3] = 1e6; }, {"'@smoothing_length', " + place}},
+      {Role::solid, [](Publication& p) { p.points.smoothing_length[3] = 1e-9; }, {"'@smoothing_length', " + place}},
+      {Role::solid,
+       [](Publication& p) {
+         for (std::size_t k = 0; k < p.points.position.size(); ++k) p.points.position[k] = 0.5;
+       },
+       {"'@position', point 0 at (0.5, 0.5)", "100 points", "side by side", "within 0 m"}},
+      {Role::solid,
+       [](Publication& p) {
+         for (auto& v : p.points.volume) v *= 1000.0;
+         for (auto& h : p.points.smoothing_length) h *= 10.0;
+       },
+       {"'@position'", "side by side"}},
+  };
+  for (const auto& one : all) {
+    std::uint64_t revision = 0;
+    const auto formula = [&](double t) {
+      auto out = still_square(one.sender)(t);
+      if (t < 0.15) return out;
+      one.spoil(out);
+      out.points.revision = ++revision;
+      return out;
+    };
+    const auto of = [&](Role role) { return role == one.sender ? MockPhase::Formula(formula) : still_square(role); };
+    MockPhase fluid(Role::fluid, 2, of(Role::fluid)), solid(Role::solid, 2, of(Role::solid));
+    CoupledRun run;
+    run.run(&fluid, &solid);
+    for (const Fate* fate : {&run.coupler, &run.fluid, &run.solid}) EXPECT_EQ(fate->code, ExitCode::peer);
+    expect_contains(run.coupler.error, one.words);
+    expect_contains(run.coupler.error, {"'" + std::string(to_string(one.sender)) + "'", "step 2", "expected"});
+  }
 }
 
 TEST(Failure, DivergenceKeepsItsExitCodeEverywhere) {

@@ -123,7 +123,7 @@ TEST_F(Peer, WhatDoesNotConformIsNamed) {
         "11 checks passed, 2 failed"}},
       {"class Bad(rigid_solid.RigidSolid):\n  def publish(self):\n    p = super().publish()\n"
        "    p.fields = dict(p.fields, solid_volume_fraction=p.fields['solid_volume_fraction'] + 1.0)\n    return p",
-       {"field 'solid_volume_fraction', point 0 at (0.01, 0.01), component 0: expected a number in [0, 1], got 1.6"}},
+       {"field 'solid_volume_fraction', point 0 at (0.01, 0.01), component 0: expected a number in [0, 1), got 1.6"}},
       {"poretwin.participant.Participant.beat = lambda self, interval: None\nBad = rigid_solid.RigidSolid",
        {"FAILED  late answer          0 heartbeats in 3 s"}}};
   for (const auto& bad : all) {

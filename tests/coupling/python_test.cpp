@@ -151,6 +151,86 @@ TEST_F(Python, ReadsAndWritesTheGoldenBytes) {
   EXPECT_EQ(text_of(folder_ / "golden.log"), "16\n");
 }
 
+/// A checkpoint is data: one that names code, as a pickle does, is refused and runs nothing.
+TEST_F(Python, ACheckpointThatHoldsCodeIsRefused) {
+  const auto trace = folder_ / "ran";
+  std::ofstream(folder_ / "pickled.py")
+      << "import sys, os, pickle, hashlib, pathlib\nsys.path.insert(0, '" << examples().parent_path().string()
+      << "')\nfrom poretwin import PeerError, state\nfrom poretwin.participant import Checkpoints\n"
+         "class Code:\n"
+         "  def __reduce__(self): return (os.mkdir, ('"
+      << trace.string()
+      << "',))\n"
+         "out = pathlib.Path(sys.argv[1])\n"
+         "(out / 'checkpoints').mkdir(parents=True)\n"
+         "data = pickle.dumps(Code())\n"
+         "(out / 'checkpoints' / 'solid-a-1.state').write_bytes(hashlib.sha256(data).digest() + data)\n"
+         "store = Checkpoints(out, 'solid')\n"
+         "assert store.names() == ['a-1']\n"
+         "try:\n"
+         "  store.read('a-1')\n"
+         "except PeerError as error:\n"
+         "  print(error.code, error)\n"
+         "try:\n"
+         "  state.dump({'a': [Code()]})\n"
+         "except state.StateError as error:\n"
+         "  print(error)\n";
+  Child child({"/usr/bin/python3", (folder_ / "pickled.py").string(), (folder_ / "run").string()}, folder_ / "log");
+  EXPECT_EQ(child.wait(), 0);
+  const auto said = text_of(folder_ / "log");
+  EXPECT_THAT(said, HasSubstr("solid-a-1.state: cannot be resumed from: not a state of this program"));
+  EXPECT_THAT(said, HasSubstr("5 "));
+  EXPECT_THAT(said, HasSubstr(".a[0] is a Code: expected numbers, text, arrays"));
+  EXPECT_FALSE(std::filesystem::exists(trace));
+}
+
+TEST_F(Python, AStateComesBackBitByBit) {
+  std::ofstream(folder_ / "state.py")
+      << "import sys\nsys.path.insert(0, '" << examples().parent_path().string()
+      << "')\nimport numpy as np, poretwin\nfrom poretwin import state\n"
+         "field = np.random.default_rng(1).normal(size=(7, 3))\n"
+         "a = {'x': 0.1 + 0.2, 'inf': float('-inf'), 'flags': (True, None, -7, 2**70), 'text': 'n\\u00e4',\n"
+         "     'raw': b'\\x00a', 'points': poretwin.lattice((0, 0), (1, 1), 0.1), 'field': field,\n"
+         "     'one': np.float64(1 / 3), 'none': np.zeros((0, 2)), 'few': {'k': [np.arange(3, dtype='>i4')]}}\n"
+         "b = state.load(state.dump(a))\n"
+         "assert list(a) == list(b)\n"
+         "for key in ('x', 'inf', 'flags', 'text', 'raw', 'one'):\n"
+         "  assert a[key] == b[key] and type(a[key]) is type(b[key]), key\n"
+         "assert b['field'].tobytes() == a['field'].tobytes() and b['field'].flags.writeable\n"
+         "assert b['none'].shape == (0, 2) and list(b['few']['k'][0]) == [0, 1, 2]\n"
+         "assert (b['points'].position == a['points'].position).all() and b['points'].n_active == 100\n"
+         "data = state.dump(a)\n"
+         "for k in range(len(data)):\n"
+         "  for bad in (data[:k], data[:k] + bytes([data[k] ^ 16]) + data[k + 1:]):\n"
+         "    try: state.load(bad)\n"
+         "    except state.StateError: pass\n"
+         "print('done')\n";
+  Child child({"/usr/bin/python3", (folder_ / "state.py").string()}, folder_ / "log");
+  EXPECT_EQ(child.wait(std::chrono::seconds(60)), 0);
+  EXPECT_EQ(text_of(folder_ / "log"), "done\n");
+}
+
+/// Installed where it cannot write, the library must not run what lies in a folder that everybody may write to.
+TEST_F(Python, NobodyElsesModuleIsRun) {
+  const auto place = folder_ / "read-only", temporary = folder_ / "temporary";
+  std::filesystem::create_directories(place);
+  const auto source = std::filesystem::path(PORETWIN_SOURCE_DIR);
+  std::filesystem::copy(source / "clients", place / "clients", std::filesystem::copy_options::recursive);
+  std::filesystem::copy(source / "proto", place / "proto", std::filesystem::copy_options::recursive);
+  std::filesystem::remove_all(place / "clients" / "python" / "poretwin" / "generated");
+  std::ofstream(place / "clients" / "python" / "poretwin" / "generated") << "no folder can be made here";
+  const auto theirs = temporary / ("poretwin-python-" + std::to_string(::getuid()));
+  std::filesystem::create_directories(theirs);
+  std::ofstream(theirs / "poretwin_pb2.py") << "print('code of a stranger')\nraise SystemExit(7)\n";
+  std::filesystem::last_write_time(theirs / "poretwin_pb2.py",
+                                   std::filesystem::file_time_type::clock::now() + std::chrono::hours(1000));
+  Child child({"/usr/bin/python3", (place / "clients" / "python" / "examples" / "rigid_solid.py").string(), "--help"},
+              folder_ / "log", folder_ / "log", {{"TMPDIR", temporary.string()}});
+  EXPECT_EQ(child.wait(), 0) << text_of(folder_ / "log");
+  EXPECT_THAT(text_of(folder_ / "log"), HasSubstr("A solid for poretwin."));
+  EXPECT_THAT(text_of(folder_ / "log"), testing::Not(HasSubstr("stranger")));
+}
+
 TEST_F(Python, AForeignSolidNeedsASoilThatMayMove) {
   const auto outcome = run({"--solid", "/bin/false", "--set", "solid.model=\"rigid\""}, 0.1);
   EXPECT_EQ(outcome.exit, 2);

@@ -19,9 +19,7 @@ MockPhase::Formula moving(Role role, double speed = 0.04) {
       points.position[k] += (0.03 + speed * t) * std::sin(17.0 * static_cast<double>(k * k % 97));
     points.revision = static_cast<std::uint64_t>(1e6 * t);
     return formula_publication(role, t, points, [=](const std::string& name, int c, const double* x, double time) {
-      if (name == field::soil_fraction) return 1.0;
-      if (name == field::solid_volume_fraction) return 0.6;
-      return std::sin(3.0 * x[0] + 5.0 * x[1] + time + c);
+      return within_bounds(name, std::sin(3.0 * x[0] + 5.0 * x[1] + time + c));
     });
   };
 }

@@ -32,7 +32,7 @@ TEST_P(EveryLine, RunsFromHandshakeToGoodbye) {
 
 TEST(Schedule, TheSolidSeesTheFluidsNewFieldsTheFluidTheSolidsOld) {
   const FieldFormula time_everywhere = [](const std::string& name, int, const double*, double t) {
-    return name == field::soil_fraction ? 1.0 : name == field::solid_volume_fraction ? 0.6 : t;
+    return within_bounds(name, t);
   };
   MockPhase fluid(Role::fluid, 2, still_square(Role::fluid, 0.1, time_everywhere));
   MockPhase solid(Role::solid, 2, still_square(Role::solid, 0.1, time_everywhere));
@@ -73,7 +73,7 @@ TEST_P(EveryLine, ASolversInterruptEndsTheRunWithinTwoWindows) {
 /// Each with the other's fields of the window's start; impulses one window later, and none of them lost.
 TEST(Parallel, EachSeesTheOthersOldFields) {
   const FieldFormula time_everywhere = [](const std::string& name, int, const double*, double t) {
-    return name == field::soil_fraction ? 1.0 : name == field::solid_volume_fraction ? 0.6 : t;
+    return within_bounds(name, t);
   };
   MockPhase fluid(Role::fluid, 2, still_square(Role::fluid, 0.1, time_everywhere));
   MockPhase solid(Role::solid, 2, still_square(Role::solid, 0.1, time_everywhere));

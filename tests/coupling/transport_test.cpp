@@ -2,15 +2,22 @@
 #include "common/coupling/transport.hpp"
 #include "common/coupling/shared_memory.hpp"
 
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
 #include <sys/mman.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
 #include <unistd.h>
 #include <zmq.hpp>
 
+#include <csignal>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <numeric>
+#include <thread>
 
 namespace poretwin::coupling {
 namespace {
@@ -92,6 +99,197 @@ TEST(SocketTransport, AClaimOfATerabyteEndsItsConnectionOnly) {
   ASSERT_TRUE(event);
   EXPECT_EQ(step_of(event->frames), 7u);
   std::filesystem::remove(path);
+}
+
+/// A connection to a hub's port, without ZeroMQ.
+class RawConnection {
+ public:
+  explicit RawConnection(const std::string& address) : descriptor_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    to.sin_port = htons(static_cast<std::uint16_t>(std::stoi(address.substr(address.rfind(':') + 1))));
+    open_ = ::connect(descriptor_, reinterpret_cast<sockaddr*>(&to), sizeof to) == 0;
+    const timeval patience{5, 0};
+    ::setsockopt(descriptor_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    ::setsockopt(descriptor_, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
+  }
+  RawConnection(const RawConnection&) = delete;
+  RawConnection& operator=(const RawConnection&) = delete;
+  ~RawConnection() { ::close(descriptor_); }
+  [[nodiscard]] bool open() const { return open_; }
+  [[nodiscard]] bool send(const std::string& bytes) const {
+    for (std::size_t at = 0; at < bytes.size();) {
+      const auto count = ::send(descriptor_, bytes.data() + at, bytes.size() - at, MSG_NOSIGNAL);
+      if (count <= 0) return false;
+      at += static_cast<std::size_t>(count);
+    }
+    return true;
+  }
+  /// Has the other end closed, within the patience?
+  [[nodiscard]] bool ended() const {
+    std::array<char, 4096> bytes{};
+    for (;;) {
+      const auto count = ::recv(descriptor_, bytes.data(), bytes.size(), 0);
+      if (count == 0) return true;
+      if (count < 0) return errno != EAGAIN && errno != EWOULDBLOCK;
+    }
+  }
+  /// As a DEALER begins, ZMTP 3.0.
+  [[nodiscard]] bool greet() const {
+    std::string greeting("\xff\0\0\0\0\0\0\0\x01\x7f\x03\0NULL", 16);
+    greeting.resize(64, '\0');
+    const std::string ready(
+        "\x05READY\x0bSocket-Type\0\0\0\x06"
+        "DEALER",
+        28);
+    return send(greeting + std::string("\x04", 1) + static_cast<char>(ready.size()) + ready);
+  }
+
+ private:
+  int descriptor_;
+  bool open_ = false;
+};
+
+class Strangers : public testing::Test {
+ protected:
+  /// All that the hub has to say within a time, or until it has said enough; closings and messages by line.
+  void listen(Milliseconds time, const std::function<bool()>& enough = [] { return false; }) {
+    const auto end = std::chrono::steady_clock::now() + time;
+    while (std::chrono::steady_clock::now() < end && !enough()) {
+      if (auto event = hub_->receive(Milliseconds(10))) {
+        if (event->frames.empty())
+          closed_.push_back(event->line);
+        else
+          heard_.push_back(std::move(*event));
+      }
+      if (auto said = hub_->notice(); !said.empty()) notices_ += said + "\n";
+    }
+  }
+  /// A line that the hub takes for a participant's.
+  std::unique_ptr<Transport> participant() {
+    auto line = connect_socket(hub_->address());
+    line->send(numbered(1));
+    for (int k = 0; k < 1000; ++k)
+      if (auto event = hub_->receive(Milliseconds(10)); event && !event->frames.empty()) {
+        participant_ = event->line;
+        hub_->regard(event->line, Hub::Standing::participant);
+        return line;
+      }
+    ADD_FAILURE() << "the participant is not heard";
+    return line;
+  }
+  void expect_heard(Transport& line) {
+    line.send(numbered(42));
+    heard_.clear();
+    const auto heard = [&] {
+      return std::any_of(heard_.begin(), heard_.end(), [&](const auto& e) {
+        return e.line == participant_ && decode(e.frames).step == 42;
+      });
+    };
+    listen(Milliseconds(10'000), heard);
+    EXPECT_TRUE(heard());
+    EXPECT_EQ(std::count(closed_.begin(), closed_.end(), participant_), 0);
+  }
+  static std::size_t descriptors() {
+    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator("/proc/self/fd"), {}));
+  }
+
+  std::unique_ptr<Hub> hub_ = bind_socket("tcp://127.0.0.1:*", false, {}, Callers::anybody);
+  std::vector<Hub::Event> heard_;
+  std::vector<std::string> closed_;
+  std::string notices_, participant_;
+};
+
+TEST_F(Strangers, AParticipantMaySendWhatItLikes) {
+  const auto line = participant();
+  for (int k = 0; k < 100; ++k) line->send(encode(message_of(Heartbeat{std::string(100'000, 'x'), "", 0.0, false})));
+  listen(Milliseconds(10'000), [&] { return heard_.size() == 100; });
+  EXPECT_EQ(heard_.size(), 100u);
+  EXPECT_EQ(notices_, "");
+}
+
+TEST_F(Strangers, AFloodOfMessagesEndsItsConnection) {
+  const auto line = participant();
+  zmq::context_t context;
+  zmq::socket_t stranger(context, zmq::socket_type::dealer);
+  stranger.set(zmq::sockopt::linger, 0);
+  stranger.set(zmq::sockopt::reconnect_ivl, -1);
+  stranger.connect(hub_->address());
+  for (int k = 0; k < 20'000; ++k) stranger.send(zmq::buffer(std::string("hello")), zmq::send_flags::dontwait);
+  listen(Milliseconds(1000));
+  EXPECT_LE(heard_.size(), 20u);
+  EXPECT_NE(notices_.find("sent more than 20 messages"), std::string::npos) << notices_;
+  expect_heard(*line);
+}
+
+/// Parts without end of a message that never does: ZeroMQ would keep them all, and tell nobody.
+TEST_F(Strangers, AMessageWithoutEndEndsItsConnection) {
+  const auto line = participant();
+  const RawConnection stranger(hub_->address());
+  ASSERT_TRUE(stranger.greet());
+  const std::string part = std::string("\x03\0\0\0\0\0\x10\0\0", 9) + std::string(1 << 20, 'x');  // 1 MB, more to come
+  int sent = 0;
+  while (sent < 500 && stranger.send(part)) ++sent;
+  EXPECT_LT(sent, 200);
+  EXPECT_TRUE(stranger.ended());
+  listen(Milliseconds(100));
+  EXPECT_NE(notices_.find("sent more than 1048576 bytes"), std::string::npos) << notices_;
+  expect_heard(*line);
+}
+
+TEST_F(Strangers, ConnectionsThatSayNothingDoNotUseUpDescriptors) {
+  const auto line = participant();
+  const auto before = descriptors();
+  std::vector<std::unique_ptr<RawConnection>> idle;
+  for (int k = 0; k < 400; ++k) {
+    idle.push_back(std::make_unique<RawConnection>(hub_->address()));
+    ASSERT_TRUE(idle.back()->open());
+  }
+  listen(Milliseconds(300));
+  EXPECT_LE(descriptors() - before, 400u + 140u) << "its own ends, and at most 128 of the hub's";
+  EXPECT_TRUE(idle.front()->ended());
+  expect_heard(*line);
+  auto other = connect_socket(hub_->address());  // who comes now is let in
+  heard_.clear();
+  other->send(numbered(7));
+  listen(Milliseconds(10'000), [&] { return !heard_.empty(); });
+  ASSERT_EQ(heard_.size(), 1u);
+  EXPECT_EQ(decode(heard_.front().frames).step, 7u);
+}
+
+/// Descriptors are used again at once: another's closing is not the participant's.
+TEST_F(Strangers, AScannersLeavingIsNotTakenForAParticipants) {
+  std::atomic<bool> stop = false;
+  std::thread scanner([&] {
+    while (!stop) RawConnection(hub_->address());
+  });
+  for (int k = 0; k < 20; ++k) {
+    closed_.clear();
+    const auto line = participant();
+    expect_heard(*line);
+  }
+  stop = true;
+  scanner.join();
+}
+
+TEST_F(Strangers, AnotherUserOfTheMachineIsNotLetIn) {
+  if (::geteuid() != 0) GTEST_SKIP() << "no other user can be played here";
+  const std::string address = hub_->address();
+  const pid_t child = ::fork();
+  if (child == 0) {
+    if (::setuid(65534) != 0) ::_exit(3);
+    const RawConnection other(address);
+    static_cast<void>(other.greet());
+    ::_exit(other.ended() ? 0 : 1);
+  }
+  listen(Milliseconds(500));
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+  EXPECT_NE(notices_.find("somebody of user 65534 was not let in"), std::string::npos) << notices_;
+  const auto line = participant();
+  expect_heard(*line);
 }
 
 /// Is that address in memory that two processes can share?

@@ -9,6 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -274,6 +275,44 @@ TEST_F(Output, AKilledWriterLosesAtMostTheFrameItWrote) {
 }
 
 /// From a checkpoint on the record is written again: the same, whatever had been written after it.
+/// Wherever the disk becomes full: the writer says so, closes, and its process ends as it wants to. (The library, told
+/// of a write that failed, crashes at the end of the process.)
+TEST_F(Output, AFullDiskIsNamedAndTheProcessEndsWell) {
+  const auto path = folder_ / "full.vtkhdf";
+  int complaints = 0;
+  for (rlim_t room = 2'000; room < 160'000; room += 2'000) {
+    const pid_t child = ::fork();
+    if (child == 0) {
+      std::signal(SIGXFSZ, SIG_IGN);
+      const rlimit limit{room, RLIM_INFINITY};
+      ::setrlimit(RLIMIT_FSIZE, &limit);
+      int code = 0;
+      try {
+        VtkHdfWriter writer(path);
+        for (int k = 0; k < 12; ++k) writer.append(frame_of(300, 0.5 * k));
+      } catch (const FileError& error) {
+        code = std::string(error.what()).find("cannot be written: File too large") != std::string::npos ? 5 : 6;
+      }
+      std::exit(code);
+    }
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    ASSERT_TRUE(WIFEXITED(status)) << "signal " << WTERMSIG(status) << " with room for " << room << " bytes";
+    if (WEXITSTATUS(status) == 0) break;
+    EXPECT_EQ(WEXITSTATUS(status), 5) << room;
+    ++complaints;
+    hdf5::roll_back(path);
+    // The sidecar comes with the first frame: without it there is nothing to read.
+    if (!std::filesystem::remove(folder_ / "full.xmf")) continue;
+    const auto file = hdf5::File::open_to_read(path);
+    const auto steps = file.read_numbers("VTKHDF/Steps/Values");
+    EXPECT_EQ(file.attribute_integers("VTKHDF/Steps", "NSteps"), std::vector<std::int64_t>{std::ssize(steps)});
+    EXPECT_EQ(file.shape("VTKHDF/Points").front(), 300 * steps.size());
+    for (std::size_t k = 0; k < steps.size(); ++k) EXPECT_EQ(steps[k], 0.5 * static_cast<double>(k));
+  }
+  EXPECT_GT(complaints, 10);
+}
+
 TEST_F(Output, ARecordGoesOnFromItsCheckpoint) {
   Case scene;
   scene.text = "[case]\n";

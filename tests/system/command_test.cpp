@@ -177,7 +177,7 @@ TEST_F(CommandWithStandIns, InterruptionEndsAllCleanly) {
     EXPECT_EQ(outcome.exit, 130);
     EXPECT_LT(outcome.seconds, 5.0);
     EXPECT_THAT(outcome.err, HasSubstr("stopping: the window under way is finished"));
-    EXPECT_THAT(text_of(out() / "run.toml"), HasSubstr("reason = \"interrupted\""));
+    EXPECT_THAT(text_of(out() / "run.toml"), HasSubstr("reason = \"interrupted"));
     EXPECT_TRUE(fs::is_empty(folder_ / "temporary"));
     fs::remove_all(out());
   }

@@ -1,6 +1,7 @@
 // Stands in for a process of a run. PORETWIN_FAKE_<process> says how: "good" (default), "fail N", "crash", "follow"
-// (fails with 3 a moment later, as a peer does), "wait" (until SIGINT, then 130), "deaf" (hears no signal but SIGKILL),
-// "lossy" (ends with warnings that put the result in doubt, 6).
+// (fails with 3 a moment later, as a peer does), "wait" (until SIGINT, then 130), "linger"
+// (the same, but a second longer), "deaf" (hears no signal but SIGKILL), "lossy" (ends with warnings that put the
+// result in doubt, 6).
 #include <signal.h>
 #include <unistd.h>
 
@@ -63,8 +64,9 @@ int main(int argc, char** argv) {
     signal(SIGTERM, SIG_IGN);
     for (;;) sleep_ms(1000);
   }
-  if (mood == "wait") {
+  if (mood == "wait" || mood == "linger") {
     while (stopped == 0) sleep_ms(10);
+    if (mood == "linger") sleep_ms(1000);
     return 130;
   }
   if (mood == "lossy") {

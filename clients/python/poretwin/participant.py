@@ -5,7 +5,6 @@ import contextlib
 import hashlib
 import json
 import os
-import pickle
 import re
 import select
 import signal
@@ -19,7 +18,7 @@ import numpy as np
 import zmq
 from zmq.utils.monitor import recv_monitor_message
 
-from . import wire
+from . import state, wire
 from .case import Case
 from .phase import Inbox, Refused, Window
 
@@ -286,7 +285,7 @@ class Record:
 
 
 class Checkpoints:
-    """OUT/checkpoints/ROLE-NAME.state: whole or not there at all, with a checksum in front."""
+    """OUT/checkpoints/ROLE-NAME.state: whole or not there at all, a checksum in front, then data only (state.py)."""
 
     def __init__(self, out, role):
         self.folder, self.role = out / "checkpoints", role
@@ -312,7 +311,7 @@ class Checkpoints:
 
     def write(self, name, content):
         self.folder.mkdir(exist_ok=True)
-        data = pickle.dumps(content)
+        data = state.dump(content)
         part = self.path(name).with_suffix(".part")
         with part.open("wb") as file:
             file.write(hashlib.sha256(data).digest() + data)
@@ -324,7 +323,11 @@ class Checkpoints:
         os.close(folder)
 
     def read(self, name):
-        return pickle.loads(self.path(name).read_bytes()[32:])
+        """Raises PeerError where the file is not what write() makes."""
+        try:
+            return state.load(self.path(name).read_bytes()[32:])
+        except state.StateError as error:
+            raise PeerError(f"{self.path(name)}: cannot be resumed from: {error}; begin anew without --resume", 5) from error
 
 
 def drive(phase, participant, record, counts, checkpoints):
@@ -345,8 +348,8 @@ def drive(phase, participant, record, counts, checkpoints):
             participant.set_doing("waiting")
             participant.send(answer)
         elif kind == "resume":
-            state, now, then, size = checkpoints.read(header.resume.name)
-            phase.resume(state)
+            content, now, then, size = checkpoints.read(header.resume.name)
+            phase.resume(content)
             counts.update(then)
             record.cut(size)
             participant.revision_sent = None

@@ -1,7 +1,6 @@
 """What a phase gives and gets, free of any transport."""
 
 import copy
-import pickle
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -139,11 +138,16 @@ class Phase:
         self._saved = saved
 
     def state(self):
-        """The same complete state as bytes, for a checkpoint; resume() brings it back in a phase newly made."""
-        return pickle.dumps({name: value for name, value in self.__dict__.items() if name != "_saved"})
+        """The same complete state as bytes, for a checkpoint; resume() brings it back in a phase newly made. Attributes that are
+        not data (state.py says which are) need a state() and a resume() of the phase's own, free of code as well."""
+        from . import state
 
-    def resume(self, state):
-        self.__dict__ = pickle.loads(state)
+        return state.dump({name: value for name, value in self.__dict__.items() if name != "_saved"})
+
+    def resume(self, data):
+        from . import state
+
+        self.__dict__ = state.load(data)
 
     def gauges(self):
         """Readings for gauges.csv: name -> (value, unit)."""

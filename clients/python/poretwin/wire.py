@@ -1,43 +1,33 @@
-"""Messages as bytes: one protobuf header and one raw frame per array. proto/poretwin.proto is compiled on first use."""
+"""Messages as bytes: one protobuf header and one raw frame per array. proto/poretwin.proto is compiled when this is imported, in
+memory: no generated file could be somebody else's."""
 
-import importlib.util
-import os
 import subprocess
-import sys
-import tempfile
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
+from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 
 PROTOCOL = (1, 2)
 PROTO = Path(__file__).resolve().parents[3] / "proto" / "poretwin.proto"
 
 
-def _generate(folder):
-    with tempfile.TemporaryDirectory(dir=folder) as scratch:
-        subprocess.run(["protoc", f"--proto_path={PROTO.parent}", f"--python_out={scratch}", str(PROTO)], check=True)
-        os.replace(Path(scratch) / "poretwin_pb2.py", folder / "poretwin_pb2.py")
-
-
 def _load():
-    """The module made from the messages: beside this file, or in the temporary folder where that cannot be written."""
-    folder = Path(__file__).resolve().parent / "generated"
-    try:
-        folder.mkdir(exist_ok=True)
-        writable = os.access(folder, os.W_OK)
-    except OSError:
-        writable = False
-    if not writable:
-        folder = Path(tempfile.gettempdir()) / f"poretwin-python-{os.getuid()}"
-        folder.mkdir(mode=0o700, exist_ok=True)
-    module = folder / "poretwin_pb2.py"
-    if not module.exists() or module.stat().st_mtime < PROTO.stat().st_mtime:
-        _generate(folder)
-    spec = importlib.util.spec_from_file_location("poretwin_pb2", module)
-    loaded = importlib.util.module_from_spec(spec)
-    sys.modules.setdefault("poretwin_pb2", loaded)
-    spec.loader.exec_module(loaded)
-    return loaded
+    """What protoc would write as a module: a class for every message, a number for every name of an enumeration."""
+    compiled = subprocess.run(["protoc", f"--proto_path={PROTO.parent}", "--descriptor_set_out=/dev/stdout", str(PROTO)], check=True,
+                              stdout=subprocess.PIPE).stdout
+    (described,) = descriptor_pb2.FileDescriptorSet.FromString(compiled).file
+    pool = descriptor_pool.DescriptorPool()
+    pool.Add(described)
+    file = pool.FindFileByName(described.name)
+    if hasattr(message_factory, "GetMessageClass"):
+        class_of = message_factory.GetMessageClass
+    else:  # protobuf before 4.22
+        class_of = message_factory.MessageFactory(pool).GetPrototype
+    names = {name: class_of(message) for name, message in file.message_types_by_name.items()}
+    for enumeration in file.enum_types_by_name.values():
+        names |= {value.name: value.number for value in enumeration.values}
+    return SimpleNamespace(**names)
 
 
 pb = _load()
