@@ -629,7 +629,10 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
   }
   // Backward Euler takes away the energy of what the velocity changes by.
   const double slow = woken_by * reference_acceleration(setup_, state_, drive) / near_critical_damping(setup_);
-  if (inertia_matters(velocity, dissipated + plastic_work(plastic_before), slow)) {
+  double work = dissipated + plastic_work(plastic_before);  // with that of the stress
+  for (std::size_t i = 0; i < p.free() && moved; ++i)
+    work += std::abs(p.volume[i] * state_.force[i].internal().dot(p.displacement[i] - start[i]));
+  if (inertia_matters(velocity, work, slow)) {
     for (auto* s : {&state_, &saved_}) s->motion.begins(long_window(setup_));
     return Outcome::reject(followed_window(), "the soil moves: inertia matters");
   }

@@ -62,10 +62,10 @@ void expect_same(const std::string& place, const RunIdentity& expected, const Ru
     const bool program = name == program_entry;
     if (other == value || (program && accept_changed_program)) continue;
     throw CaseError(fmt::format(
-        "{}: {}: expected {}, found {}; {}", place, name, value, other,
+        "{}: {}: expected that of the run to be resumed, {}, found {}; {}", place, name, other, value,
         program ? "resume with the program that wrote it, or go on with this one by --accept-changed-program (the "
                   "results are then of two programs)"
-                : "resume with what it was started with, or begin anew in another folder"));
+                : "resume with the same, or begin anew in another folder"));
   }
 }
 

@@ -83,7 +83,13 @@ particle_spacing = 0.1
 
 TEST_F(Mistakes, AllCasesOfTheProjectPass) {
   // Rockfill under a linear law is what linear.toml is there to show.
-  const std::set<std::string> doubtful{"rockfill_dam_rigid/linear.toml"};
+  const std::set<std::string> doubtful{"rockfill_dam_rigid/linear.toml",
+                                       // Soil that its weight strains, and columns four particles wide between smooth walls.
+                                       "gibson/case.toml",
+                                       "gibson/kozeny.toml",
+                                       "dynamic_column/case.toml",
+                                       "dynamic_column/deboer.toml",
+                                       "harmonic_column/case.toml"};
   std::size_t read = 0;
   for (const auto& folder : std::filesystem::directory_iterator(std::filesystem::path(PORETWIN_SOURCE_DIR) / "cases"))
     for (const auto& file : std::filesystem::directory_iterator(folder)) {
