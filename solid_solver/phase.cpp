@@ -627,8 +627,9 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
       state_.returned_impulse.values()[i] +=
           goes_along[i] * interval * tracking.tracking[i] * (tracking.target[i] - p.velocity[i]);
   }
-  // Backward Euler takes away the energy of what the velocity changes by.
-  const double slow = woken_by * reference_acceleration(setup_, state_, drive) / near_critical_damping(setup_);
+  // Backward Euler takes away the energy of what the velocity changes by: of no account below what a noticeable
+  // acceleration gives in the time of a wave.
+  const double slow = woken_by * reference_acceleration(setup_, state_, drive) * long_window(setup_);
   double work = dissipated + plastic_work(plastic_before);  // with that of the stress
   for (std::size_t i = 0; i < p.free() && moved; ++i)
     work += std::abs(p.volume[i] * state_.force[i].internal().dot(p.displacement[i] - start[i]));

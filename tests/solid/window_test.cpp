@@ -191,7 +191,8 @@ TEST(LongWindow, EndsInEquilibrium) {
   const double dry = 1560.0 * 9.81, buoyant = dry - 0.6 * 9810.0;
   EXPECT_NEAR(solid.gauges()[0].value, -dry, 0.005 * dry);
   const auto inbox = test::wet_inbox<2>(solid, standing_water);
-  ASSERT_TRUE(solid.advance({0, 0.0, 1.0}, inbox).accepted);
+  const auto outcome = solid.advance({0, 0.0, 1.0}, inbox);
+  ASSERT_TRUE(outcome.accepted) << outcome.reason;
   EXPECT_NEAR(solid.gauges()[0].value, -buoyant, 0.005 * buoyant);
   EXPECT_EQ(solid.counters().at("windows relaxed"), 1.0);
   EXPECT_EQ(solid.counters().at("substeps"), 0.0);

@@ -134,7 +134,7 @@ TEST_F(RunFolder, ResumingAFinishedRunTouchesNothing) {
   EXPECT_EQ(all_in(out()), before);
   const auto longer = played({}, {"--resume", "--until", "7"});
   EXPECT_EQ(longer.exit, 2);
-  EXPECT_THAT(longer.err, HasSubstr("--set: expected case.end_time=7, found nothing"));
+  EXPECT_THAT(longer.err, HasSubstr("--set: expected that of the run to be resumed, nothing, found case.end_time=7"));
   EXPECT_EQ(all_in(out()), before);
 }
 
