@@ -52,7 +52,8 @@ constexpr double elastic_error = 1e-3;
 /// Of soil that can yield: the largest departure from rest, over gravity, that is let be; error of the stress that ends
 /// the search, since soil creeps by what is left in every window. Where that is not to be had, dynamic relaxation: how
 /// long, and what ends it (RestSearch).
-constexpr double woken_by = 5e-3, plastic_error = 1e-4, relaxed = restless, most_ways = 100.0;
+/// `let_be`: below it no equilibrium is sought at all.
+constexpr double let_be = 3e-3, woken_by = 5e-3, plastic_error = 1e-4, relaxed = restless, most_ways = 100.0;
 
 /// Kinetic energy, over what drag and plastic flow dissipate meanwhile, from which on it is missed: soil that
 /// consolidates under a sudden load has some thousandths of it, a wave all of it.
@@ -583,7 +584,7 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
       cannot_yield()
           ? departure(setup_, stiffness, state_, drive) <= elastic_error
           : !softened(setup_, state_) &&
-                unrest(setup_, state_, drive, reference_acceleration(setup_, state_, drive)).largest <= woken_by;
+                unrest(setup_, state_, drive, reference_acceleration(setup_, state_, drive)).largest <= let_be;
   bool moved = false;
   if (!asleep) {
     const EquilibriumSearch search{cannot_yield() ? 0.2 * elastic_error : plastic_error, local_share, woken_by};
