@@ -40,10 +40,11 @@ OrZero<double> coverage_of(const Inbox& inbox, std::size_t n) {
   return coverage;
 }
 
-/// The longest window in which waves in the soil are followed, in substeps. With more of them the shortest waves swing
-/// many times in a window, which the fluid's prediction does not know of (the exchange of a column grows from some 20
-/// on, Coupled.Terzaghi*); a shear wave of 150 substeps loses 4 % in five periods.
-constexpr double substeps_while_moving = 4.0;
+/// The longest window in which waves in the soil are followed, in substeps. The pressure is held in a window: it stops
+/// the compression of undrained soil only where the shortest waves swing by less than half a period meanwhile, omega Dt
+/// < pi, and these have omega dt of about 1. Windows of four substeps kept the noise of a sudden load alive for ever in
+/// a column of k = 1e-6 m/s.
+constexpr double substeps_while_moving = 2.0;
 
 /// Long windows of soil that cannot yield: error of its stress, in the energy's norm and over that under gravity, that
 /// is let be; a fifth of it ends the search for equilibrium.
@@ -575,7 +576,7 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
   for (std::size_t i = 0; i < n; ++i) standing[i] = water_force(i, gradient[i], impulse, interval);
   Drive<D> drive;
   external(drive, true);
-  drive.distributed = standing;
+  if (!cannot_yield()) drive.distributed = standing;
   for (auto& v : p.velocity) v.setZero();
   ScalarArray resistance(p.free());
   for (std::size_t i = 0; i < p.free(); ++i) resistance[i] = (p.mass[i] / interval + tracking.tracking[i]) / interval;
@@ -616,9 +617,6 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
     state_.motion.steps += static_cast<double>(report.steps);
     (moved ? state_.motion.relaxed : state_.motion.at_rest) += 1.0;
     state_.motion.patience = 0.0;
-    const double by_shear = interval * std::max(0.3, sheared_in_a_window / shear_of_most(p, plastic_before));
-    state_.motion.longest =
-        std::min(std::max(state_.motion.longest, 1.25 * interval), std::max(by_shear, 4.0 * long_window(setup_)));
   } else {
     state_.motion.at_rest += 1.0;
   }
@@ -638,6 +636,9 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
     for (auto* s : {&state_, &saved_}) s->motion.begins(long_window(setup_));
     return Outcome::reject(followed_window(), "the soil moves: inertia matters");
   }
+  const double by_shear = interval * std::max(0.3, sheared_in_a_window / shear_of_most(p, plastic_before));
+  state_.motion.longest =
+      std::min(std::max(state_.motion.longest, 1.25 * interval), std::max(by_shear, 4.0 * long_window(setup_)));
   state_.mean_velocity = p.velocity;
   state_.from_outside = from_outside;
   if (setup_.counts_impulses) state_.from_outside += interval * force_from_outside(setup_, state_, drive);
