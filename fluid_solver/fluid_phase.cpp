@@ -608,12 +608,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
 
   auto in = problem(dt);
   in.cavitation = scene_.water.cavitation_pressure;
-  std::vector<char> flows;
-  if (scene_.coupled()) {
-    flows.resize(p.size());
-    for_each_side_by_side(p.size(), [&](std::size_t a) { flows[a] = p.seeps[a] == 0; });
-    in.flows = flows;
-  }
+  if (scene_.coupled()) in.seeps = p.seeps;
   MatArray<D> gradient;  // none where all water creeps through soil
   if (!all_creep(view)) gradient = velocity_gradient<D>(s, p.velocity, no_slip_);
   VecArray<D> forced = forced_velocity(s, view, gradient, dt);

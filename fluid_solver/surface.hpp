@@ -23,9 +23,10 @@ inline constexpr double few = 0.75, few_at_face = 0.9, too_few = 0.4;
 inline constexpr double cone = 0.5, narrow_cone = 0.7071;
 /// Least |sum V grad W| h that a missing side makes: of a surface particle, and of one below it.
 inline constexpr double first_row = 0.1, second_row = 0.03;
-/// The same, half of a flat surface's, from which on a particle whose neighbours are few lies at a hole, whatever
-/// stands opposite: in a splash, taken for one inside, its pressure would drive it to its neighbours, which raises it.
-inline constexpr double hole = 0.35;
+/// The same over the divergence of position, half of a flat surface's, from which on a particle whose neighbours are
+/// few lies at a hole, whatever stands opposite: in a splash, taken for one inside, its pressure would drive it to its
+/// neighbours, which raises it.
+inline constexpr double hole = 0.23;
 /// Least eigenvalue inverted at the surface, the ghost counted.
 inline constexpr double least_inverted = 0.4;
 }  // namespace surface
@@ -142,7 +143,7 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> seeps, st
     }
     if (s.least_moment[a] >= inside_moment) return;
     const double amount = s.normal[a].norm();
-    const bool hole = splashes && s.divergence[a] < surface::few * D && amount * s.length(a) > surface::hole;
+    const bool hole = splashes && s.divergence[a] < surface::few * D && amount * s.length(a) > surface::hole * s.divergence[a];
     const bool edge =
         s.least_moment[a] >= surface::alone && (hole || (amount * s.length(a) > surface::first_row && !umbrella(a)));
     if (edge)

@@ -172,11 +172,11 @@ class WindowSolver {
   /// soil's side of it goes with the skeleton. What the pressure drives is then half the free water's mobility, not the
   /// harmonic mean, which is right only where the skeleton stands still.
   [[nodiscard]] bool beside_moving_soil(std::size_t a, Index q) const {
-    const auto moves = [&](std::size_t i) { return soil_.mask[i] > 0.5 && responds(i) && in_.flows[i] != 0; };
+    const auto moves = [&](std::size_t i) { return soil_.mask[i] > 0.5 && responds(i) && in_.seeps[i] == 0; };
     return (soil_.mask[a] <= 0.5 && moves(q)) || (soil_.mask[q] <= 0.5 && moves(a));
   }
   void free_beside_moving_soil() {
-    if (in_.flows.empty()) return;
+    if (in_.seeps.empty()) return;
     beside_moving_.assign(n_, 0);
     for_each_side_by_side(n_, [&](std::size_t a) {
       for (std::size_t k = fluid_.begin(a); k < fluid_.end(a); ++k) {
@@ -542,12 +542,12 @@ class WindowSolver {
   /// that the wide gradient does not see. In short windows of soil that moves nothing does so: there it acts on the
   /// whole pressure, as in free water, whose projection is the compact one.
   void stabilise_flow(const ScalarArray& pressure, ScalarArray& residual) const {
-    if (!any_response_ || in_.flows.empty() ||
-        std::all_of(in_.flows.begin(), in_.flows.end(), [](char flows) { return flows == 0; }))
+    if (!any_response_ || in_.seeps.empty() ||
+        std::all_of(in_.seeps.begin(), in_.seeps.end(), [](char seeps) { return seeps != 0; }))
       return;
     const ScalarArray whole = stabilised(pressure, plain_gradient(pressure, false));
     for (std::size_t a = 0; a < n_; ++a)
-      if (in_.flows[a] != 0) residual[a] -= whole[a] - stabilisation_[a] * fixed_[a];
+      if (in_.seeps[a] == 0) residual[a] -= whole[a] - stabilisation_[a] * fixed_[a];
   }
 
   /// A velocity of the skeleton at all points: turned round behind walls that hold the soil.

@@ -19,7 +19,7 @@ struct WindowProblem {
   OrZero<double> source;                  ///< [n] volume to be given off, 1/s
   double cavitation = -1e300;             ///< total pressure at which water tears, Pa
   std::span<const double> cavity;         ///< [n] voids in it so far, m^D; none: no voids
-  std::span<const char> flows;            ///< [n] 1: its soil moves by itself or there is none; none: nothing moves
+  std::span<const char> seeps;            ///< [n] 0: its soil moves by itself or there is none; none: nothing moves
   ScalarArray face_pressure;              ///< [columns] piezometric, Pa
   ScalarArray face_slope;                 ///< [columns] of that along the face's normal, into the domain, so far, Pa/m
   std::vector<bool> face_holds;           ///< [columns] the soil

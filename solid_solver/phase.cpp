@@ -811,7 +811,7 @@ std::vector<Warning> Solid<D>::warnings() const {
                    rest_.steps, rest_.residual, rest_.criterion, rest_.displacement),
        far},
       {"times the soil began to move", state_.motion.begun,
-       "it found no equilibrium in a window and is followed in time from there", false}};
+       "its inertia matters: it is followed in short windows until it is calm again", false}};
 }
 
 template class Solid<2>;

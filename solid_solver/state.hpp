@@ -177,12 +177,11 @@ struct Motion {
   double patience = 0.0;  ///< s of calm after which rest is sought again; doubled when none is found then
   double relaxed = 0.0, at_rest = 0.0, steps = 0.0,
          begun = 0.0;     ///< counters: windows, displacements and steps of the searches, beginnings
-  double damping = 0.0;   ///< 1/s, critical for the motion that is left
   double duration = 0.0;  ///< s, in motion so far
   double longest = std::numeric_limits<double>::infinity();  ///< s, window in which an equilibrium is looked for
   void begins(double long_window) {
     moving = true;
-    calm = damping = 0.0;
+    calm = 0.0;
     patience = std::clamp(2.0 * patience, 5.0 * long_window, 100.0 * long_window);
     begun += 1.0;
   }
