@@ -20,7 +20,8 @@ struct Cloud {
   ScalarArray owner;     ///< the particle an image belongs to; -1: a buffer, or its image
   ScalarArray pressure;  ///< total, Pa
   VecArray<D> velocity;
-  OrZero<Vec<D>> solid_velocity, solid_change;
+  OrZero<Vec<D>> solid_velocity, solid_change, surface_gradient;
+  OrZero<double> surface_share;
   ScalarArray mask, void_fraction;
   [[nodiscard]] std::size_t size() const { return position.size(); }
 };
@@ -45,6 +46,8 @@ Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> p
   c.velocity = p.velocity;
   c.solid_velocity = p.solid_velocity;
   c.solid_change = p.solid_change;
+  c.surface_gradient = p.surface_gradient;
+  c.surface_share = p.surface_share;
   c.mask = p.mask;
   c.void_fraction = p.void_fraction;
   for (const auto& b : make_buffers(state.columns)) {
@@ -53,8 +56,8 @@ Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> p
     c.volume.push_back(b.volume);
     c.pressure.push_back(column.pressure - column.slope * b.outside);
     c.velocity.push_back(column.speed * column.normal);
-    c.solid_velocity.grow();
-    c.solid_change.grow();
+    for (auto* v : {&c.solid_velocity, &c.solid_change, &c.surface_gradient}) v->grow();
+    c.surface_share.grow();
     c.mask.push_back(0.0);
     c.void_fraction.push_back(column.void_fraction);
   }
@@ -63,8 +66,8 @@ Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> p
     c.volume.push_back(w.volume);
     c.pressure.push_back(w.pressure);
     c.velocity.push_back(Vec<D>::Zero());
-    c.solid_velocity.grow();
-    c.solid_change.grow();
+    for (auto* v : {&c.solid_velocity, &c.solid_change, &c.surface_gradient}) v->grow();
+    c.surface_share.grow();
     c.mask.push_back(0.0);
     c.void_fraction.push_back(1.0);
   }
@@ -85,8 +88,9 @@ Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> p
     c.pressure.push_back(c.pressure[q]);
     const bool sticks = (images.boundaries[i] & sticky) != 0;
     c.velocity.push_back(sticks ? Vec<D>(-c.velocity[q]) : Vec<D>(images.map[i] * c.velocity[q] + images.carried[i]));
-    for (auto* v : {&c.solid_velocity, &c.solid_change})
+    for (auto* v : {&c.solid_velocity, &c.solid_change, &c.surface_gradient})
       if (v->is_laid_out()) v->values().push_back(images.map[i] * (*v)[q]);
+    if (c.surface_share.is_laid_out()) c.surface_share.values().push_back(c.surface_share[q]);
     c.mask.push_back(c.mask[q]);
     c.void_fraction.push_back(c.void_fraction[q]);
   }

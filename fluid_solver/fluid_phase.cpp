@@ -190,12 +190,16 @@ coupling::Publication Fluid<D>::publish() const {
     return values;
   };
   out.points.position = flat(cloud.position, cloud.size());
+  std::vector<double> share(cloud.size(), 0.0);
+  for (std::size_t a = 0; a < cloud.size(); ++a) share[a] = cloud.surface_share[a];
   const auto name = [](std::string_view n) { return std::string(n); };
   out.fields = {{name(coupling::field::pore_pressure), 1, cloud.pressure},
                 {name(coupling::field::predicted_solid_velocity), D, flat(cloud.solid_velocity, cloud.size())},
                 {name(coupling::field::predicted_change), D, flat(cloud.solid_change, cloud.size())},
                 {name(coupling::field::drag_impulse), D, flat(state_.particles.drag_impulse, cloud.n_real)},
-                {name(coupling::field::soil_fraction), 1, cloud.mask}};
+                {name(coupling::field::soil_fraction), 1, cloud.mask},
+                {name(coupling::field::surface_gradient), D, flat(cloud.surface_gradient, cloud.size())},
+                {name(coupling::field::surface_share), 1, share}};
   return out;
 }
 
@@ -317,6 +321,44 @@ void Fluid<D>::keep_force(const SoilView<D>& view, std::span<const Vec<D>> gradi
     p.force.set(a, force);
   });
   if (computes_beside() && !p.felt.is_laid_out()) p.felt = p.force;
+}
+
+/// In short windows water among free water is free, whatever its own grains do: where most of the soil's water around it
+/// moves, a particle that stood still would have a gradient that does not know of the surface beside it, while the
+/// skeleton there gives way. At a pocket in a run-out of tailings that made a pressure of 5 MPa in one window.
+template <int D>
+void Fluid<D>::flow_together(const Stencil<D>& s) {
+  auto& p = state_.particles;
+  const auto in_soil = [&](std::size_t a, bool seeping) { return p.mask[a] > 0.5 && (p.seeps[a] != 0) == seeping; };
+  if (!scene_.coupled() || all_side_by_side(p.size(), [&](std::size_t a) { return !in_soil(a, false); })) return;
+  const std::vector<char> alone = p.seeps;
+  for_each_side_by_side(p.size(), [&](std::size_t a) {
+    if (!in_soil(a, true)) return;
+    double free = 0.0, all = 0.0;
+    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+      const Index q = s.parent[s.other[k]];
+      if (q >= p.size() || p.mask[q] <= 0.5) continue;
+      const double value = s.value(a, s.other[k]);
+      all += value;
+      if (alone[q] == 0) free += value;
+    }
+    if (free > 0.5 * all) p.seeps[a] = 0;
+  });
+}
+
+/// The water of moving soil has a free surface as free water has. The soil's own gradient knows only pressures at its
+/// points: one-sided at the surface, it takes what a grain's own motion does to its pressure for a push in the
+/// direction of that motion, and what moves off goes faster and faster. So the soil is told the gradient there.
+template <int D>
+void Fluid<D>::tell_surface(const Stencil<D>& s, std::span<const Vec<D>> gradient) {
+  auto& p = state_.particles;
+  p.surface_share = {};
+  p.surface_gradient = {};
+  for (std::size_t a = 0; a < p.size(); ++a) {
+    if (p.seeps[a] != 0 || p.mask[a] <= 0.5 || s.ghost_distance[a] <= 0.0) continue;
+    p.surface_share.set(a, 1.0, p.size());
+    p.surface_gradient.set(a, gradient[a] + weight_, p.size());
+  }
 }
 
 template <int D>
@@ -602,6 +644,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   drift(dt);
   auto s = stencil();
   ++state_.counts.stencils;
+  flow_together(s);
   mark_surface(s, p.row, std::min(1.0, dt / (row_memory * free_repair_time(dx_))));
   if (scene_.coupled() && !computes_beside()) follow_skeleton(s, view);
   check_room(window.time);
@@ -671,6 +714,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
       state_.exchanged.drag_work -= p.drag_impulse[a].dot(p.velocity[a] - p.solid_velocity[a]);
     }
     keep_force(view, out.gradient, dt);
+    tell_surface(s, out.gradient);
   }
   if (returns) view.drag = drag;
   if (scene_.coupled() && !responds()) {

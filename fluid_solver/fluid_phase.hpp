@@ -105,6 +105,8 @@ class Fluid final : public Phase {
   void limit_by_acceleration(const SoilView<D>& view, const VecArray<D>& velocity_before, double now, double interval);
   void limit_by_slowing(const VecArray<D>& velocity_before, double interval);
   void limit_scheme(const SoilView<D>& view);
+  void flow_together(const Stencil<D>& s);
+  void tell_surface(const Stencil<D>& s, std::span<const Vec<D>> gradient);
   void follow_skeleton(const Stencil<D>& s, const SoilView<D>& view);
   void check_room(double time) const;
   void check_finite(const WindowSolution<D>& solution, double time) const;

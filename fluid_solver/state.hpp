@@ -21,6 +21,8 @@ struct Particles {
   OrZero<Vec<D>> solid_velocity;  ///< predicted v_s', m/s
   OrZero<Vec<D>> solid_change;    ///< of that in the window, v_s' - v_s, m/s
   OrZero<Vec<D>> drag_impulse;    ///< given to the soil in the last window, N s
+  OrZero<double> surface_share;     ///< 1: of moving soil, bounded by its free surface
+  OrZero<Vec<D>> surface_gradient;  ///< of the total pressure there, Pa/m
   OrZero<Vec<D>> force;           ///< of pressure and drag on the soil at the end of the last window, N/m3
   OrZero<Vec<D>> felt;         ///< the same of the window before: what a soil that computes at the same time has felt
   OrZero<double> follows;      ///< C / (a + C) of the last window: share of a departure of the skeleton that it follows
@@ -55,6 +57,8 @@ struct Particles {
     visit_if_there(drag_impulse);
     visit_if_there(force);
     visit_if_there(felt);
+    visit_if_there(surface_share);
+    visit_if_there(surface_gradient);
     visit_if_there(follows);
     visit_if_there(cavity);
     visit_if_there(volume_debt);
@@ -80,8 +84,8 @@ struct Particles {
     birthplace.push_back(x);
     row.push_back(1.0);
     surface.push_back(Surface::interior);
-    for (auto* array : {&solid_velocity, &solid_change, &drag_impulse, &force, &felt}) array->grow();
-    for (auto* array : {&follows, &cavity, &volume_debt}) array->grow();
+    for (auto* array : {&solid_velocity, &solid_change, &surface_gradient, &drag_impulse, &force, &felt}) array->grow();
+    for (auto* array : {&surface_share, &follows, &cavity, &volume_debt}) array->grow();
   }
 
   /// Keeps the particles for which keep[a], in order.

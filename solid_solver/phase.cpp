@@ -343,7 +343,13 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   const OrZero<double> soil_seen = field_or_zero(inbox, field::soil_fraction, n, 1);
 
   // The pressure ramps linearly; its gradient is linear in it and taken once, at the window's start.
-  const OrZero<Vec<D>> from = state_.external.pressure_gradient, to = gradient_of(pressure, window.time);
+  const OrZero<Vec<D>> from = state_.external.pressure_gradient;
+  OrZero<Vec<D>> to = gradient_of(pressure, window.time);
+  const OrZero<double> at_surface = field_or_zero(inbox, field::surface_share, n, 1);
+  const OrZero<double> told = field_or_zero(inbox, field::surface_gradient, n, D);
+  for (std::size_t i = 0; i < n && at_surface.is_laid_out(); ++i)
+    if (const double share = at_surface[i]; share > 0.0)
+      to.set(i, (1.0 - share) * to[i] + share * Eigen::Map<const Vec<D>>(told.values().data() + i * D), n);
   state_.external.pressure = std::move(pressure);
 
   const bool rests = scene_.coupled() && !state_.motion.moving && interval > followed_window();

@@ -93,7 +93,7 @@ class Border {
 
   static Bounds bounds_of(std::string_view name) {
     constexpr double largest = std::numeric_limits<double>::max(), least = std::numeric_limits<double>::min();
-    if (name == field::soil_fraction || name == field::yielding) return {0.0, 1.0, "a number in [0, 1]"};
+    if (name == field::soil_fraction || name == field::surface_share || name == field::yielding) return {0.0, 1.0, "a number in [0, 1]"};
     // Without pores no water could be where the soil is.
     if (name == field::solid_volume_fraction) return {0.0, std::nextafter(1.0, 0.0), "a number in [0, 1)"};
     if (name == field::hydraulic_conductivity) return {least, fastest, "a number in (0, 1e6] m/s"};

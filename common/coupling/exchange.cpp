@@ -21,6 +21,8 @@ std::vector<FieldSpec> standard_fields(Role giver, int dimension) {
         spec(field::predicted_change, "m/s", dimension, consistent, field::soil_fraction),
         spec(field::drag_impulse, "N s", dimension, conservative),
         spec(field::soil_fraction, "1", 1),
+        spec(field::surface_gradient, "Pa/m", dimension, consistent, field::surface_share),
+        spec(field::surface_share, "1", 1),
     };
   return {
       spec(field::solid_velocity, "m/s", dimension),

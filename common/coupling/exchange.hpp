@@ -43,6 +43,9 @@ inline constexpr std::string_view predicted_change =
     "predicted_change";                                             // m/s, of the skeleton's velocity in the window
 inline constexpr std::string_view drag_impulse = "drag_impulse";    // N s given to the solid in the window
 inline constexpr std::string_view soil_fraction = "soil_fraction";  // 1 inside soil, 0 in free water: mask
+inline constexpr std::string_view surface_share =
+    "surface_share";  // 1 where water of moving soil is bounded by its free surface, 0 elsewhere: mask
+inline constexpr std::string_view surface_gradient = "surface_gradient";  // Pa/m, of the pressure there
 // solid -> fluid
 inline constexpr std::string_view solid_velocity = "solid_velocity";            // m/s at the window's end
 inline constexpr std::string_view mean_solid_velocity = "mean_solid_velocity";  // m/s, mean over the window

@@ -96,6 +96,8 @@ class SeepageGrid(poretwin.Phase):
             "predicted_change": self.change,
             "drag_impulse": self.impulse,
             "soil_fraction": np.ones(len(self.points)),
+            "surface_gradient": np.zeros((len(self.points), 2)),
+            "surface_share": np.zeros(len(self.points)),  # the soil may take its own gradient everywhere
         })
 
     def advance(self, window, inbox):

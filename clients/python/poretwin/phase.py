@@ -27,6 +27,8 @@ def standard_fields(role, dimension):
             Field("predicted_change", "m/s", dimension, mask="soil_fraction"),
             Field("drag_impulse", "N s", dimension, conservative=True),
             Field("soil_fraction", "1"),
+            Field("surface_gradient", "Pa/m", dimension, mask="surface_share"),
+            Field("surface_share", "1"),
         ]
     return [
         Field("solid_velocity", "m/s", dimension),
