@@ -357,5 +357,15 @@ TEST(Operators, TheSurfaceLiesHalfARowsThicknessAboveIt) {
   }
 }
 
+// In a splash a particle above few neighbours, some of which stand beside it, lies at the surface. Taken for one inside,
+// its own pressure drove it down onto them: to 4.8 m/s in twenty windows (dam_break_on_soil).
+TEST(Operators, AParticleWithFewNeighboursOnOneSideLiesAtAHole) {
+  const VecArray<2> x = {{0.0, 0.0},       {0.963, -0.924},  {1.53, 0.228},   {-1.071, -1.251}, {-1.711, 0.302},
+                         {-0.604, -1.759}, {0.158, -1.907},  {1.569, -1.308}, {2.089, 0.366},   {-2.248, -0.551},
+                         {0.924, -2.217},  {-1.508, -1.999}, {-2.427, 0.083}};
+  auto s = make_stencil<2>(x, ScalarArray(x.size(), 1.0), {}, {});
+  EXPECT_EQ(find_surface<2>(s, std::vector<char>(x.size(), 0), {}, 0.0, true)[0], Surface::surface);
+}
+
 }  // namespace
 }  // namespace poretwin::fluid

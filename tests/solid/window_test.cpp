@@ -105,6 +105,29 @@ TEST(Window, SoilMeetsTheInertiaOfTheWaterItTakesAlong) {
   for (const auto& v : dry.state().particles.velocity) EXPECT_EQ(v.norm(), 0.0);
 }
 
+// At the free surface of the water the soil takes the gradient that it is told, by the share it is told: here 3000 for
+// half of 1000 Pa/m. The pressure comes as a ramp.
+TEST(Window, SoilTakesTheGradientItIsToldAtTheWatersSurface) {
+  ColumnSpec spec;
+  spec.base = Wall::ForSoil::none;
+  spec.sides = false;
+  spec.gravity = 0.0;
+  Case scene = column(spec);
+  scene.fluid.drag = false;
+  Solid<2> solid(scene);
+  solid.initialise(test::wet_inbox<2>(solid, [](const Vec<2>&) { return 0.0; }));
+  auto inbox = test::wet_inbox<2>(solid, [](const Vec<2>& x) { return 1000.0 * x.x(); });
+  for (std::size_t i = 0; i < solid.state().particles.size(); ++i) {
+    values(inbox, field::surface_gradient)[2 * i] = 3000.0;
+    values(inbox, field::surface_share)[i] = 0.5;
+  }
+  const double interval = 5e-4, rho = 0.6 * 2600.0;
+  ASSERT_TRUE(solid.advance({0, 0.0, interval}, inbox).accepted);
+  const double steps = solid.state().substeps, ramp = (steps + 1.0) / (2.0 * steps);
+  for (const auto& v : solid.state().particles.velocity)
+    EXPECT_NEAR(v.x(), -0.6 * 2000.0 * ramp * interval / rho, 1e-9);
+}
+
 /// Terzaghi (1923): pressure and settlement of a layer drained at the top, loaded with p0 at t = 0.
 struct Terzaghi {
   double p0, height, cv, modulus;
