@@ -339,6 +339,10 @@ void declare(Keys& keys, SolidCase& s) {
   declare_seed(keys, s.seed);
   keys.flag("initial_rest", s.initial_rest,
             {"", "Find the rest under gravity, water and standing loads before time zero."});
+  keys.flag("initial_seepage", s.initial_seepage,
+            {"",
+             "That rest bears the drag, too, of water that flows steadily under the pressure of time zero: the seepage "
+             "force. Without it the water begins to flow at time zero. `poretwin safety` always does."});
   keys.choice<SolidCase::PressureGradient>(
       "pressure_gradient", s.pressure_gradient, gradient_words,
       {"", "`difference`: Eq. (62) as corrected; `sum`: Eq. (61), which pulls at the surface."});
