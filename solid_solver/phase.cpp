@@ -97,6 +97,7 @@ Solid<D>::Solid(const Case& scene) : scene_(scene) {
   state_.yielded.assign(n, 0);
   rebuild(setup_, state_);
   state_.rebuilds = 0.0;
+  measure_loads(state_, setup_);
   evaluate_forces(setup_, state_);
 }
 
@@ -134,7 +135,7 @@ void Solid<D>::share_load(const LoadedPatch<D>& patch, const OrZero<double>& pre
       if (state_.external.coverage[i] > 0.0) excess[i] -= datum + beyond.dot(seen_at(i));
   }
   pressure_gradient_adjoint<D>(state_, excess, patch.particles, gradient);
-  for (const Index i : patch.particles) gradient[i] += beyond;
+  for (const Index i : patch.particles) gradient[i] = patch.scale * gradient[i] + beyond;
 }
 
 /// Where the water sees a particle: soil that cannot yield stands as the case draws it once it has settled under its

@@ -256,7 +256,12 @@ void declare(Keys& keys, WaterFace& f) {
 void declare(Keys& keys, Load& l) {
   keys.text("name", l.name, {"", "Name, for messages."});
   declare(keys, l.face);
-  keys.point("traction", l.traction, {"Pa", "Force per area on the soil's surface near the face.", true});
+  keys.point(
+      "traction", l.traction,
+      {"Pa",
+       "Force per area on the soil's surface near the face. By `points` its sum is the traction times the length "
+       "of the line, as far as soil lies along it.",
+       true});
   keys.number("start", l.start, {"s", "Applied from then on. Absent: always there, part of the initial rest."});
   keys.series("factor", l.factor,
               {"1", "On the traction, at each time; without `start` its first value is part of the initial rest."});
