@@ -59,6 +59,7 @@ class Search {
     options.out = folder(factor);
     options.overrides.push_back(fmt::format("solid.strength_reduction={:.17g}", factor));
     options.overrides.emplace_back("solid.initial_rest=true");
+    options.overrides.emplace_back("solid.initial_seepage=true");
     options.overrides.emplace_back("case.end_time=1e-9");  // the rest is what is asked for
     options.quiet = true;
     options.warnings = false;  // soil that finds no rest is an answer here
@@ -117,7 +118,8 @@ std::string ignored(const Case& scene, const RunOptions& options) {
   const auto add = [&](const std::string& key) { text += (text.empty() ? "" : ", ") + key; };
   for (const auto& assignment : options.overrides)
     if (assignment.starts_with("case.end_time=") || assignment.starts_with("output.") ||
-        assignment.starts_with("solid.strength_reduction=") || assignment.starts_with("solid.initial_rest="))
+        assignment.starts_with("solid.strength_reduction=") || assignment.starts_with("solid.initial_rest=") ||
+        assignment.starts_with("solid.initial_seepage="))
       add("--set " + assignment);
   const auto changes = [&](const std::optional<Series>& series, const std::string& key) {
     if (series && series->knots.size() > 1) add(key + " after time zero");

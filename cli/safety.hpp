@@ -22,11 +22,11 @@ struct Safety {
 };
 
 /// Brackets and bisects the factor F by which cohesion and tan(friction) of all soils can be divided before the soil
-/// finds no equilibrium under gravity, standing loads and the water of time zero (Griffiths & Lane 1999). No
-/// equilibrium: the search for rest ends without its criterion. tolerance: width of the bracket over F. Every trial is
-/// a run of its own in OUT/F_<factor>; OUT/safety.csv lists them, OUT/gauges.csv has the factor as factor_of_safety,
-/// and a picture of the plastic strain of the nearest failing trial shows the failure surface. Throws CaseError where
-/// there is nothing to reduce.
+/// finds no equilibrium under gravity, standing loads and the water of time zero (Griffiths & Lane 1999): its pressure
+/// and, where it seeps, its drag, frozen. No equilibrium: the search for rest ends without its criterion. tolerance:
+/// width of the bracket over F. Every trial is a run of its own in OUT/F_<factor>; OUT/safety.csv lists them,
+/// OUT/gauges.csv has the factor as factor_of_safety, and a picture of the plastic strain of the nearest failing trial
+/// shows the failure surface. Throws CaseError where there is nothing to reduce.
 Safety find_safety(const RunOptions& options, double tolerance);
 
 /// Table of the trials and the factor.

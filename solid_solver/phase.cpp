@@ -97,6 +97,7 @@ Solid<D>::Solid(const Case& scene) : scene_(scene) {
   state_.yielded.assign(n, 0);
   rebuild(setup_, state_);
   state_.rebuilds = 0.0;
+  measure_loads(state_, setup_);
   evaluate_forces(setup_, state_);
 }
 
@@ -134,7 +135,7 @@ void Solid<D>::share_load(const LoadedPatch<D>& patch, const OrZero<double>& pre
       if (state_.external.coverage[i] > 0.0) excess[i] -= datum + beyond.dot(seen_at(i));
   }
   pressure_gradient_adjoint<D>(state_, excess, patch.particles, gradient);
-  for (const Index i : patch.particles) gradient[i] += beyond;
+  for (const Index i : patch.particles) gradient[i] = patch.scale * gradient[i] + beyond;
 }
 
 /// Where the water sees a particle: soil that cannot yield stands as the case draws it once it has settled under its
@@ -201,9 +202,19 @@ OrZero<double> Solid<D>::take_pressure(const Inbox& inbox, double time) {
 template <int D>
 Vec<D> Solid<D>::water_force(std::size_t i, const Vec<D>& pressure_gradient) const {
   const Particles<D>& p = state_.particles;
-  const double solid = solid_fraction(setup_, p, i);
-  if (!water_is_prescribed()) return -p.volume[i] * solid * pressure_gradient;
-  const Vec<D> weight = state_.external.coverage[i] * (1.0 - solid) * scene_.water.density * setup_.gravity;
+  if (water_is_prescribed()) return steady_water_force(i, pressure_gradient);
+  return -p.volume[i] * solid_fraction(setup_, p, i) * pressure_gradient;
+}
+
+template <int D>
+Vec<D> Solid<D>::steady_water_force(std::size_t i, const Vec<D>& pressure_gradient) const {
+  const Particles<D>& p = state_.particles;
+  double wet = state_.external.coverage[i];  // share of the pores
+  if (!water_is_prescribed()) {
+    const double residual = scene_.soils[p.material[i]].initial_saturation;
+    wet = residual < 1.0 ? (state_.external.saturation[i] - residual) / (1.0 - residual) : 0.0;
+  }
+  const Vec<D> weight = wet * (1.0 - solid_fraction(setup_, p, i)) * scene_.water.density * setup_.gravity;
   return p.volume[i] * (weight - pressure_gradient);
 }
 
@@ -249,8 +260,11 @@ void Solid<D>::initialise(const Inbox& inbox) {
       state_.external.pressure_gradient = gradient_of(state_.external.pressure, before_everything);
       drive.traction = load_forces<D>(setup_, state_, before_everything);
       drive.distributed.lay_out(n);
-      for (std::size_t i = 0; i < n; ++i)
-        drive.distributed.set(i, water_force(i, state_.external.pressure_gradient[i]));
+      const bool seeps = scene_.solid.initial_seepage && scene_.fluid.drag;
+      for (std::size_t i = 0; i < n; ++i) {
+        const Vec<D> gradient = state_.external.pressure_gradient[i];
+        drive.distributed.set(i, seeps ? steady_water_force(i, gradient) : water_force(i, gradient));
+      }
     };
     if (std::any_of(scene_.soils.begin(), scene_.soils.end(),
                     [](const Soil& soil) { return soil.earth_pressure_at_rest.has_value(); })) {

@@ -51,9 +51,11 @@ class Solid final : public Phase {
   OrZero<double> take_pressure(const coupling::Inbox& inbox, double time);
   [[nodiscard]] bool cannot_yield() const { return scene_.solid.model == SolidCase::Model::elastic; }
   [[nodiscard]] bool water_is_prescribed() const { return !scene_.pore_pressures.empty(); }
-  /// Force [N] of the pore water on particle i: buoyancy -n_s grad p. Where the case prescribes the water, which then
-  /// flows without inertia, also the seepage force n (rho_w g - grad p) of Eq. (27): n rho_w g - grad p in all.
+  /// Force [N] of the pore water on particle i: buoyancy -n_s grad p; of water that the case prescribes also the drag.
   [[nodiscard]] Vec<D> water_force(std::size_t i, const Vec<D>& pressure_gradient) const;
+  /// Buoyancy and drag [N] of water that flows without inertia: by Eq. (27) the drag is then n (rho_w g - grad p),
+  /// whatever its law, and both are n rho_w g - grad p per volume.
+  [[nodiscard]] Vec<D> steady_water_force(std::size_t i, const Vec<D>& pressure_gradient) const;
   /// The same with the drag, an impulse [N s] handed over in a window [s].
   [[nodiscard]] Vec<D> water_force(std::size_t i, const Vec<D>& pressure_gradient, const OrZero<double>& impulse,
                                    double interval) const;

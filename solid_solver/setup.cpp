@@ -1,6 +1,7 @@
 #include "solid_solver/setup.hpp"
 
 #include "common/case/gauge_kinds.hpp"
+#include "common/case/pieces.hpp"
 #include "common/core/error.hpp"
 #include "common/porous/seepage.hpp"
 #include "solid_solver/constitutive/cone.hpp"
@@ -11,7 +12,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 
@@ -87,11 +90,51 @@ double lattice_cover() {
   return sum;
 }
 
-/// Particles near a straight piece of face, nearest piece first taken. reach [m]: two supports, because a surface
+/// Length [m] of the line as far as soil lies along it; 0 of a plane.
+double length_along_soil(const Case& scene, const Face& face, double spacing) {
+  constexpr double farthest = 2.25;            // spacings that `check` lets the soil's surface lie off a load's line
+  constexpr double on_it = 1e-3, step = 5e-3;  // spacings: beside rounding, up to a tip; along the line
+  const auto is_soil = [&](const Point3& x) {
+    return std::any_of(scene.soils.begin(), scene.soils.end(),
+                       [&](const Soil& soil) { return contains(soil.shape, x, scene.general.dimension); });
+  };
+  const auto beside_soil = [&](const Point3& x, const Point3& inward) {
+    constexpr std::array depths{on_it, -on_it, farthest, -farthest};
+    return std::ranges::any_of(depths, [&](double depth) { return is_soil(x + depth * spacing * inward); });
+  };
+  double length = 0.0;
+  for (const Piece& piece : pieces_of(face)) {
+    const auto samples = static_cast<std::size_t>(std::ceil(piece.length() / (step * spacing)));
+    std::size_t found = 0;
+    for (std::size_t k = 0; k < samples; ++k) {
+      const double share = (static_cast<double>(k) + 0.5) / static_cast<double>(samples);
+      if (beside_soil(piece.a + share * (piece.b - piece.a), piece.left())) ++found;
+    }
+    length += piece.length() * static_cast<double>(found) / static_cast<double>(samples);
+  }
+  return length;
+}
+
+/// How far x lies from one piece of a line, and how far beyond its ends [m].
+struct Beside {
+  double distance = 0.0, before = 0.0, behind = 0.0;
+};
+template <int D>
+Beside beside(const sph::ImagePlane<D>& piece, const Vec<D>& x) {
+  const double across = piece.normal.dot(x - piece.point);
+  if (!(piece.to > piece.from)) return {std::abs(across), 0.0, 0.0};
+  const double along = piece.tangent.dot(x), before = piece.from - along, behind = along - piece.to;
+  return {std::hypot(across, std::max({before, behind, 0.0})), before, behind};
+}
+
+/// Particles near a face, each on the nearest of its straight pieces. reach [m]: two supports, because a surface
 /// changes the correction of the first and the force of unit stress within the second.
 template <int D>
-void attach_load(const Case& scene, const Load& load, double reach, double margin, const VecArray<D>& positions,
+void attach_load(const Case& scene, std::size_t which, double reach, double margin, const VecArray<D>& positions,
                  Setup<D>& setup) {
+  const Load& load = scene.loads[which];
+  const double length = length_along_soil(scene, load.face, setup.spacing);
+  const bool closed = load.face.points.size() > 2 && load.face.points.front() == load.face.points.back();
   const auto planes = planes_of<D>(load.face, 0, margin);
   std::vector<LoadedPatch<D>> patches(planes.size());
   for (std::size_t k = 0; k < planes.size(); ++k) {
@@ -100,6 +143,8 @@ void attach_load(const Case& scene, const Load& load, double reach, double margi
     patches[k].level = planes[k].normal.dot(planes[k].point);
     if (load.start) patches[k].start = *load.start;
     patches[k].factor = load.factor;
+    patches[k].load = which;
+    patches[k].length = length;
     const Vec<D> middle =
         planes[k].to > planes[k].from
             ? Vec<D>(planes[k].point +
@@ -118,15 +163,12 @@ void attach_load(const Case& scene, const Load& load, double reach, double margi
     double nearest = reach;
     std::size_t best = planes.size();
     for (std::size_t k = 0; k < planes.size(); ++k) {
-      const double distance = std::abs(planes[k].normal.dot(positions[i] - planes[k].point));
-      if (planes[k].to > planes[k].from) {
-        const double along = planes[k].tangent.dot(positions[i]);
-        if (along < planes[k].from || along > planes[k].to) continue;
-      }
-      if (distance < nearest) {
-        nearest = distance;
-        best = k;
-      }
+      const Beside place = beside<D>(planes[k], positions[i]);
+      if (place.distance >= nearest) continue;
+      nearest = place.distance;
+      const bool beyond_an_end =
+          !closed && ((k == 0 && place.before > 0.0) || (k + 1 == planes.size() && place.behind > 0.0));
+      best = beyond_an_end ? planes.size() : k;
     }
     if (best < planes.size()) patches[best].particles.push_back(static_cast<Index>(i));
   }
@@ -242,8 +284,8 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
     particles.slip = particles.velocity;
     particles.slipped.assign(n, Vec<D>::Zero());
   }
-  for (const auto& load : scene.loads)
-    attach_load<D>(scene, load, 2.0 * sph::support_radius * setup.smoothing_length, 0.01 * setup.spacing,
+  for (std::size_t k = 0; k < scene.loads.size(); ++k)
+    attach_load<D>(scene, k, 2.0 * sph::support_radius * setup.smoothing_length, 0.01 * setup.spacing,
                    particles.position, setup);
   return {std::move(setup), std::move(particles)};
 }

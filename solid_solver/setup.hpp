@@ -21,6 +21,9 @@ struct LoadedPatch {
   std::vector<Index> particles;
   std::optional<std::size_t> water_face;  ///< of the case, that lies on it
   std::optional<Series> factor;           ///< on the traction; absent: 1
+  std::size_t load = 0;                   ///< of the case
+  double length = 0.0;  ///< m, of the load's whole line, as far as soil lies along it; 0: a plane without end
+  double scale = 1.0;   ///< on the forces: measure_loads()
 };
 
 template <int D>

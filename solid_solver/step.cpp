@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace poretwin::solid {
 
@@ -134,13 +135,27 @@ VecArray<D> pressure_gradient(const State<D>& state, SolidCase::PressureGradient
 }
 
 template <int D>
+void measure_loads(const State<D>& state, Setup<D>& setup) {
+  VecArray<D> q;
+  std::map<std::size_t, double> measured;  // m, of each load
+  for (const auto& patch : setup.loads) {
+    if (patch.length <= 0.0) continue;
+    if (q.empty()) q = surface_vectors<D>(state);
+    for (const Index i : patch.particles) measured[patch.load] += state.particles.volume[i] * patch.normal.dot(q[i]);
+  }
+  for (auto& patch : setup.loads)
+    if (const auto found = measured.find(patch.load); found != measured.end() && found->second != 0.0)
+      patch.scale = patch.length / found->second;
+}
+
+template <int D>
 VecArray<D> load_forces(const Setup<D>& setup, const State<D>& state, double time) {
   VecArray<D> force(state.particles.size(), Vec<D>::Zero());
   VecArray<D> q;
   for (const auto& patch : setup.loads) {
     if (time < patch.start) continue;
     if (q.empty()) q = surface_vectors<D>(state);
-    const Vec<D> traction = (patch.factor ? patch.factor->at(time) : 1.0) * patch.traction;
+    const Vec<D> traction = patch.scale * (patch.factor ? patch.factor->at(time) : 1.0) * patch.traction;
     for (const Index i : patch.particles)
       force[i] += (state.particles.volume[i] * patch.normal.dot(q[i])) * traction;
   }
@@ -175,6 +190,7 @@ void check_sound(const Setup<D>& setup, const State<D>& state, double last_good_
   template void deform<D>(const Setup<D>&, double, State<D>&);                                           \
   template VecArray<D> pressure_gradient<D>(const State<D>&, SolidCase::PressureGradient, const Vec<D>&, \
                                             std::span<const double>);                                    \
+  template void measure_loads<D>(const State<D>&, Setup<D>&);                                            \
   template VecArray<D> load_forces<D>(const Setup<D>&, const State<D>&, double);                         \
   template void check_sound<D>(const Setup<D>&, const State<D>&, double);
 PORETWIN_INSTANTIATE(2)

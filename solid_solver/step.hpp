@@ -50,6 +50,11 @@ template <int D>
 VecArray<D> pressure_gradient(const State<D>& state, SolidCase::PressureGradient form, const Vec<D>& water_weight,
                               std::span<const double> pressure);
 
+/// Sets the scale of every load on a line so that its force is traction times length of the line, on the soil as it was
+/// laid: a lattice has a curved or slanting surface as steps, and a line need not end between two columns.
+template <int D>
+void measure_loads(const State<D>& state, Setup<D>& setup);
+
 /// Force of all loads that have begun at `time` [N per particle]: a traction acts as the force of unit stress does.
 template <int D>
 VecArray<D> load_forces(const Setup<D>& setup, const State<D>& state, double time);

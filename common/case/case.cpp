@@ -256,7 +256,12 @@ void declare(Keys& keys, WaterFace& f) {
 void declare(Keys& keys, Load& l) {
   keys.text("name", l.name, {"", "Name, for messages."});
   declare(keys, l.face);
-  keys.point("traction", l.traction, {"Pa", "Force per area on the soil's surface near the face.", true});
+  keys.point(
+      "traction", l.traction,
+      {"Pa",
+       "Force per area on the soil's surface near the face. By `points` its sum is the traction times the length "
+       "of the line, as far as soil lies along it.",
+       true});
   keys.number("start", l.start, {"s", "Applied from then on. Absent: always there, part of the initial rest."});
   keys.series("factor", l.factor,
               {"1", "On the traction, at each time; without `start` its first value is part of the initial rest."});
@@ -339,6 +344,10 @@ void declare(Keys& keys, SolidCase& s) {
   declare_seed(keys, s.seed);
   keys.flag("initial_rest", s.initial_rest,
             {"", "Find the rest under gravity, water and standing loads before time zero."});
+  keys.flag("initial_seepage", s.initial_seepage,
+            {"",
+             "That rest bears the drag, too, of water that flows steadily under the pressure of time zero: the seepage "
+             "force. Without it the water begins to flow at time zero. `poretwin safety` always does."});
   keys.choice<SolidCase::PressureGradient>(
       "pressure_gradient", s.pressure_gradient, gradient_words,
       {"", "`difference`: Eq. (62) as corrected; `sum`: Eq. (61), which pulls at the surface."});

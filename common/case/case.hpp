@@ -190,6 +190,7 @@ struct SolidCase {
   double jitter = 0.0;
   unsigned seed = 2;
   bool initial_rest = true;  ///< find the rest under gravity, water and standing loads before time zero
+  bool initial_seepage = false;  ///< that rest bears the seepage force of the water's steady flow, not buoyancy alone
   PressureGradient pressure_gradient = PressureGradient::difference;
   double strength_reduction = 1.0;     ///< cohesion and tan(friction) are divided by it
   std::optional<Quiet> quiet;          ///< absent: all motion is computed

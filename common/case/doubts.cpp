@@ -226,6 +226,8 @@ class Doubts : Complaints {
     if (scene_.deformable()) {
       const bool elastic = s.model == SolidCase::Model::elastic;
       idle("solid.seed", s.jitter == 0.0, "solid.jitter is 0");
+      idle("solid.initial_seepage", !s.initial_rest, "solid.initial_rest = false");
+      idle("solid.initial_seepage", s.initial_rest && (!scene_.coupled() || !f.drag), "no water drags at the soil");
       idle("solid.strength_reduction", elastic, "elastic soil does not fail");
     } else {
       for (std::size_t i = 0; i < scene_.loads.size(); ++i)

@@ -528,6 +528,10 @@ TEST_F(Mistakes, KeysWithoutEffectAreSaid) {
   EXPECT_THAT(warnings(tank, {"coupling.scheme=parallel"}), HasSubstr("one phase runs alone"));
   EXPECT_THAT(warnings(slope, {"solid.initial_rest=false", "soil.0.earth_pressure_at_rest=0.5"}),
               HasSubstr("key 'soil[0].earth_pressure_at_rest': has no effect"));
+  EXPECT_THAT(warnings(slope, {"solid.initial_seepage=true"}),
+              HasSubstr("key 'solid.initial_seepage': has no effect: no water drags at the soil"));
+  EXPECT_THAT(warnings(slope, {"solid.initial_seepage=true", "solid.initial_rest=false"}),
+              HasSubstr("key 'solid.initial_seepage': has no effect: solid.initial_rest = false"));
   EXPECT_THAT(warnings(slope, {"fluid.jitter=0.2"}), HasSubstr("there is no water"));
   EXPECT_THAT(warnings(tank, {"case.domain_max=[1,1]"}), HasSubstr("no axis is periodic"));
   EXPECT_THAT(

@@ -198,6 +198,42 @@ TEST(PrescribedWater, FlowsBetweenTwoHeads) {
   EXPECT_NEAR(reading(solid, "stress"), -(0.6 * 1600.0 * 9.81 - 0.3 * 9810.0), 0.01 * weight);
 }
 
+// An infinite slope with its water table at the surface: over the depth d shear is (rho_sat g sin) d, effective normal
+// stress (rho_sat - rho_w) g cos d (Skempton & Delory 1957). Also where some of the water was in the ground before.
+TEST(SolvedWater, SeepageAlongASlopeIsBorne) {
+  constexpr double g = 9.81, along = 0.34202014, across = 0.93969262;  // sine and cosine of 20 degrees
+  for (const double residual : {0.0, 0.3}) {
+    Case scene = column({});
+    scene.walls.resize(1);
+    scene.general.periodic = {0};
+    scene.general.domain_max = {0.4, 2.0, 0.0};
+    scene.general.gravity = {g * along, -g * across, 0.0};
+    scene.soils[0].initial_saturation = residual;
+    const auto water = [&](const Vec<2>& x) { return 1000.0 * g * across * (1.0 - x.y()); };
+    Solid<2> buoyant(scene);
+    buoyant.initialise(test::wet_inbox<2>(buoyant, water));
+    scene.solid.initial_seepage = true;
+    Solid<2> solid(scene);
+    solid.initialise(test::wet_inbox<2>(solid, water));
+    const double saturated = 0.6 * 2600.0 + 0.4 * 1000.0;
+    double normal = 0.0, shear = 0.0, without = 0.0;
+    for (std::size_t i = 0; i < solid.state().particles.size(); ++i) {
+      const double depth = 1.0 - solid.state().particles.position[i].y();
+      const Tensor& s = solid.state().particles.stress[i];
+      normal = std::max(normal, std::abs(s[1] + (saturated - 1000.0) * g * across * depth));
+      shear = std::max(shear, std::abs(s[3] - saturated * g * along * depth));
+      without = std::max(without, std::abs(buoyant.state().particles.stress[i][3] - saturated * g * along * depth));
+    }
+    const double base_normal = (saturated - 1000.0) * g * across, base_shear = saturated * g * along;
+    std::printf("largest error over that at the base: normal %.4f, shear %.4f (%.4f with buoyancy alone)\n",
+                normal / base_normal, shear / base_shear, without / base_shear);
+    EXPECT_LT(normal, 0.02 * base_normal);
+    EXPECT_LT(shear, 0.02 * base_shear);
+    // The water that seeps, 0.4 (1 - residual) of 1960 kg/m3, hangs on nothing then.
+    EXPECT_GT(without, 0.9 * (1.0 - residual) * 0.4 * 1000.0 / saturated * base_shear);
+  }
+}
+
 /// Windows of 20 ms until `end`; returns the solid's own gauge "stress" at the end.
 double run_quietly(Solid<2>& solid, double end) {
   test::run_dry(solid, end, 0.02);
