@@ -15,8 +15,9 @@ namespace poretwin::coupling {
 namespace {
 /// Instants closer than this fraction of their spacing are one instant.
 constexpr double same = 1e-9;
-/// Windows shorter than this fraction of the run end in an error rather than in a run without end.
-constexpr double collapsed = 1e-12;
+/// Windows shorter than this fraction of the run are lost in the rounding of its time. (Years of consolidation begin
+/// with windows of a millisecond, 1e-12 of the run.)
+constexpr double collapsed = 1e-15;
 /// Windows this far below the shortest time in which the scene moves hold no motion of its own: at the speed that would
 /// ask for them water would cross thousands of spacings while it falls through one. A thousand in a row are no impact.
 constexpr double far_below = 1e-4;
