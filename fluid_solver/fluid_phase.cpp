@@ -285,15 +285,21 @@ void Fluid<D>::mark_surface(Stencil<D>& s, std::span<double> rows, double share)
   p.surface = flags;
 }
 
-/// Pressure of water at rest: no source, no velocity, the skeleton holds still. In a time in which waves have died out,
-/// so that inertia counts for nothing in soil. What seeps under it bounds the first window, which no speed does yet.
+/// Pressure of water at rest: no source, no velocity, the skeleton holds still. In the time of a fall through the whole
+/// scene, so that inertia counts for little in soil. What seeps under it bounds the first window, which no speed does
+/// yet.
 template <int D>
 void Fluid<D>::settle(SoilView<D>& view) {
   auto& p = state_.particles;
   if (p.size() == 0) return;
   auto s = stencil();
   mark_surface(s, {}, 0.0);
-  auto in = problem(free_repair_time(dx_));
+  Vec<D> low = p.position[0], high = low;
+  for (const auto& x : p.position) {
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  auto in = problem(std::sqrt(2.0 * ((high - low).norm() + dx_) / gravity_or_standard_));
   in.response = false;
   in.tolerance = 1e-8;
   view.velocity = {};

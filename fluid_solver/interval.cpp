@@ -15,6 +15,9 @@ constexpr double hydrostatic_share = 0.05;
 /// By how much of a spacing a change of speed may alter the way of seepage through rigid soil in a window (rms): a
 /// front a few spacings deep, which slows down as it goes in, takes shorter ones than a quarter spacing.
 constexpr double wanted_slowing = 0.0125;
+/// How far water may go in a window where it leaves through a seepage face, in spacings: a row that goes out takes the
+/// distance of the surface with it, which is told once a window. At a quarter the discharge is 0.4 % short.
+constexpr double wanted_exit = 0.125;
 /// How far a level behind a face may move in a window, in spacings: columns are switched on and off a spacing at a time.
 constexpr double wanted_rise = 0.5;
 
@@ -93,6 +96,19 @@ void Fluid<D>::limit_by_slowing(const VecArray<D>& velocity_before, double inter
   if (scene_.coupled() || scene_.fluid.scheme != FluidCase::Scheme::projection ||
       !all_side_by_side(p.size(), [&](std::size_t a) { return p.seeps[a] != 0; }))
     return;
+  const auto open = [](const FaceColumn<D>& c) { return c.in_soil && !c.wet; };
+  if (std::any_of(state_.columns.begin(), state_.columns.end(), open)) {
+    const ColumnFinder<D> finder(state_.columns);
+    const double fastest = most_side_by_side(p.size(), 0.0, [&](std::size_t a) {
+      const int i = p.surface[a] == Surface::interior ? -1 : finder.nearest(p.position[a]);
+      if (i < 0) return 0.0;
+      const auto& c = state_.columns[static_cast<std::size_t>(i)];
+      return open(c) ? -c.normal.dot(p.velocity[a]) / c.spacing : 0.0;
+    });
+    if (fastest > 0.0)
+      state_.window_limits.push_back(
+          {wanted_exit / fastest, "an eighth of a spacing per window of water that leaves through a seepage face"});
+  }
   const double change = sum_over(
       p.size(), [&](std::size_t a) { return p.mass[a] * p.velocity[a].dot(p.velocity[a] - velocity_before[a]); });
   if (change == 0.0) return;
