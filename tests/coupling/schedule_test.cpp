@@ -332,6 +332,15 @@ TEST(Alone, HitsOutputsAndRepeatsRejectedWindows) {
   EXPECT_TRUE(fluid.seen().inboxes.front().fields.empty());
 }
 
+/// A run of thirty years may begin with windows of a tenth of a millisecond, not with what its time is rounded to.
+TEST(Schedule, OnlyWindowsThatRoundingLosesHaveCollapsed) {
+  WindowClock::Settings settings;
+  settings.end = 1e9;
+  const WindowClock clock(settings);
+  EXPECT_DOUBLE_EQ(clock.plan(1e-4).interval, 1e-4);
+  EXPECT_THROW((void)clock.plan(1e-7), Error);
+}
+
 /// A square at rest whose windows are of this length from t = 0.4 s on.
 MockPhase::Formula square_that_crawls(Role role, double interval, const std::string& why) {
   return [=, square = still_square(role, 0.25)](double t) {

@@ -70,6 +70,29 @@ TEST(Seepage, ConfinedFlowObeysDarcy) {
   RecordProperty("mean_velocity_over_exact", std::to_string(mean));
 }
 
+/// No speed tells of the first window: Darcy's, 1.1e-4 * 0.25 / 0.4 m/s, makes it 73 s at a spacing of 2 cm.
+TEST(Seepage, TheFirstWindowFollowsTheFlowThatBegins) {
+  Fluid<2> fluid(confined_flow());
+  fluid.initialise({});
+  const auto [limit, why] = fluid.proposal();
+  EXPECT_NEAR(limit, 0.25 * 0.02 / (1.1e-4 * 0.25 / 0.4), 2.0) << why;
+}
+
+/// Nothing moves yet: half a spacing of water, 98.1 Pa, makes the window, however far away the change is.
+TEST(Seepage, WindowsFollowAPressureThatChanges) {
+  Case scene = confined_flow();
+  scene.general.gravity.setZero();
+  scene.water_faces = {pressure_face(line(0.0, 0.2, 0.0, 0.0), 0.0), pressure_face(line(0.4, 0.0, 0.4, 0.2), 0.0)};
+  Fluid<2> still(scene);
+  still.initialise({});
+  EXPECT_EQ(still.proposal().first, HUGE_VAL);
+  scene.water_faces[0].pressure = Series{{{0.0, 0.0}, {1e6, 0.0}, {2e6, 981.0}, {2e6 + 1.0, 0.0}}};
+  Fluid<2> fluid(scene);
+  fluid.initialise({});
+  EXPECT_NEAR(fluid.proposal().first, 1.1e6, 1.0);
+  EXPECT_EQ(fluid.proposal().second, "a pressure that changes on a face");
+}
+
 // The last row leaves a quarter of a spacing beyond the outlet: at the face's own pressure it would make the way
 // longer, and all velocities 0.9 % lower than before it passed.
 TEST(Seepage, RowsBeyondAFaceGoOnWithItsSlope) {
