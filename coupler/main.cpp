@@ -1,6 +1,7 @@
 // poretwin-coupler: reads the case, binds the address, runs the schedule, writes OUT/coupler.summary.json.
 #include "common/case/case.hpp"
 #include "common/case/identity.hpp"
+#include "common/case/pace.hpp"
 #include "common/core/memory.hpp"
 #include "common/coupling/interrupt.hpp"
 #include "common/coupling/process_main.hpp"
@@ -93,10 +94,11 @@ void execute(const Arguments& arguments, Run& run) {
                           arguments.accept_changed_program);
   Trace* const trace = options.trace;
   run.broker.emplace(*run.hub, std::move(options));
+  auto [shortest, of_what] = shortest_time(scene);
   run.schedule.emplace(
       *run.broker, scene.general.dimension,
       WindowClock::Settings{scene.general.end_time, scene.coupling.interval, scene.output.interval,
-                            scene.output.gauge_interval},
+                            scene.output.gauge_interval, shortest, of_what},
       [lines](const Progress& p) { lines->write(p, p.time >= p.end); },
       Checkpoints{&*run.checkpoints, arguments.checkpoint_every, arguments.resume, arguments.accept_changed_program},
       scheme_of(scene.coupling), trace);

@@ -180,8 +180,9 @@ class Schedule::Implementation {
   void window() {
     const auto accounts = mapping_->accounts();
     double limit = std::min(fluid_->proposed_interval, solid_->proposed_interval);
-    const std::string cause =  // its publication is gone by the end of the window
-        fluid_->proposed_interval <= solid_->proposed_interval ? fluid_->limited_by : solid_->limited_by;
+    const bool by_fluid = fluid_->proposed_interval <= solid_->proposed_interval;
+    const std::string cause = by_fluid ? fluid_->limited_by : solid_->limited_by;  // gone by the end of the window
+    std::string refused;
     iteration_ = 0;
     for (int attempt = 0;; ++attempt) {
       const auto plan = clock_.plan(limit);
@@ -193,14 +194,17 @@ class Schedule::Implementation {
           throw PeerError(fmt::format("window {} from t = {:g} s was rejected {} times, last at {:g} s: {}", step_ + 1,
                                       plan.start, attempt + 1, plan.interval, rejection->reason));
         limit = retry_interval(plan.interval, rejection->suggested_interval);
+        refused = "a refusal of longer windows: " + rejection->reason;
         continue;
       }
       ++step_;
       ++report_.windows;
-      ++report_.limited_by[plan.interval < 0.999 * std::min(fluid_limit_, solid_limit_)
-                               ? "output instant or coupling.interval"
-                               : cause];
-      clock_.accept(plan);
+      const bool shorter = plan.interval < 0.999 * std::min(fluid_limit_, solid_limit_);
+      const std::string instant = "output instant or coupling.interval";
+      ++report_.limited_by[shorter ? instant : cause];
+      clock_.accept(plan, !refused.empty() ? refused
+                          : shorter        ? instant
+                                           : (by_fluid ? "the fluid: " : "the solid: ") + cause);
       tell_progress("", clock_.finished());
       return;
     }

@@ -96,21 +96,23 @@ void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, dou
   }
 }
 
-/// Total pressure that drives water in at a column's foot [Pa].
+/// What drives water in at a column's foot: the water's pressure and the suction of the dry ground behind it [Pa].
 template <int D>
-double Fluid<D>::head_pressure(const FaceColumn<D>& c) const {
-  return std::max(0.0, c.pressure + weight_.dot(c.foot - origin_));
+double Fluid<D>::driving_pressure(const FaceColumn<D>& c) const {
+  const Soil* here = soil_at(scene_, to_point3<D>(c.foot + 0.25 * c.spacing * c.normal));
+  return std::max(0.0, c.pressure + weight_.dot(c.foot - origin_)) +
+         (here ? porous::specific_weight(scene_) * here->suction_head : 0.0);
 }
 
 /// Water behind a wet face enters dry ground as a sharp front, before there is a particle to carry it (Green & Ampt
-/// 1911): dz/dt = (k/n) (H/z + cos), H the pressure head at the face, z = offset - spacing/2; the head's part is
-/// integrated exactly.
+/// 1911): dz/dt = (k/n) (H/z + cos), H the pressure head at the face and the suction head ahead, z = offset - spacing/2;
+/// the head's part is integrated exactly.
 template <int D>
 void Fluid<D>::wet_dry_ground(FaceColumn<D>& c, double interval) const {
   const auto speed = infiltration_speed(c);
   const double z = std::max(0.0, c.offset - 0.5 * c.spacing);
-  // No faster than a jet from this head.
-  const double total = head_pressure(c);
+  // No faster than a jet from the head that drives it, suction included: a front starts under suction alone.
+  const double total = driving_pressure(c);
   const double jet = std::sqrt(2.0 * (total + weight_.norm() * c.spacing) / density_);
   const double deeper = std::min(
       z + jet * interval, std::sqrt(z * z + 2.0 * speed.head * interval) + std::max(0.0, speed.gravity) * interval);
@@ -121,14 +123,14 @@ void Fluid<D>::wet_dry_ground(FaceColumn<D>& c, double interval) const {
   c.slope = -weight_.dot(c.normal) - total / depth;
 }
 
-/// k/n times the pressure head at the face [m2/s], and k/n times the cosine between gravity and the way in [m/s].
+/// k/n times the head that drives [m2/s], and k/n times the cosine between gravity and the way in [m/s].
 template <int D>
 InfiltrationSpeed Fluid<D>::infiltration_speed(const FaceColumn<D>& c) const {
   const double magnitude = weight_.norm();
   const Soil* here = soil_at(scene_, to_point3<D>(c.foot + 0.25 * c.spacing * c.normal));
   if (!here) return {};
   const double gamma = porous::specific_weight(scene_), n = fillable_porosity(*here);
-  const double total = head_pressure(c) + gamma * here->suction_head;
+  const double total = driving_pressure(c);
   // Darcy's conductivity of the same discharge at the gradient that the front meets half a spacing in.
   const double gradient = total / (gamma * 0.5 * c.spacing) + 1.0;
   const auto law = porous::resistance(gamma, n, porous::seepage_at(scene_, *here, here->porosity));

@@ -289,14 +289,21 @@ void Fluid<D>::mark_surface(Stencil<D>& s, std::span<double> rows, double share)
   p.surface = flags;
 }
 
-/// Pressure of water at rest: no source, no velocity, the skeleton holds still.
+/// Pressure of water at rest: no source, no velocity, the skeleton holds still. In the time of a fall through the whole
+/// scene, so that inertia counts for little in soil. What seeps under it bounds the first window, which no speed does
+/// yet.
 template <int D>
 void Fluid<D>::settle(SoilView<D>& view) {
   auto& p = state_.particles;
   if (p.size() == 0) return;
   auto s = stencil();
   mark_surface(s, {}, 0.0);
-  auto in = problem(1.0);
+  Vec<D> low = p.position[0], high = low;
+  for (const auto& x : p.position) {
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  auto in = problem(std::sqrt(2.0 * ((high - low).norm() + dx_) / gravity_or_standard_));
   in.response = false;
   in.tolerance = 1e-8;
   view.velocity = {};
@@ -306,6 +313,11 @@ void Fluid<D>::settle(SoilView<D>& view) {
   solve_window<D>(s, view, p.surface, in, out);
   p.pressure = out.pressure;
   if (scene_.coupled()) keep_force(view, out.gradient, 0.0);
+  const double fastest = most_side_by_side(p.size(), 0.0, [&](std::size_t a) {
+    return drags(view, a) ? out.velocity[a].norm() / spacing_of<D>(p.volume[a]) : 0.0;
+  });
+  state_.window_limits.clear();
+  if (fastest > 0.0) state_.window_limits.push_back({0.25 / fastest, "a quarter spacing per window of seepage that begins"});
 }
 
 /// What pressure and drag do to the soil, by the water's own account: the soil's tells its balance with its own account
@@ -735,9 +747,10 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   }
   // Soil that was dry and cannot yield takes windows of any length; its noise would only shorten them.
   if (state_.controlled <= 0.0 && scene_.solid.model != SolidCase::Model::elastic) begin_control(view, dt);
+  if (load_begins(window.time)) begin_control(view, 0.0);
   control_interval(before, dt);
   limit_by_slowing(velocity_before, dt);
-  limit_by_acceleration(view, velocity_before, window.time + dt, dt);
+  limit_by_acceleration(view, velocity_before, dt);
   limit_scheme(view);
   advance_columns(s, view, dt);
   push_pistons(0.5 * dt);

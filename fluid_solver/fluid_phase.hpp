@@ -6,6 +6,8 @@
 #include "fluid_solver/state.hpp"
 #include "fluid_solver/window.hpp"
 
+#include <functional>
+
 namespace poretwin::fluid {
 
 /// Way of free water in a window at most, in spacings.
@@ -91,7 +93,7 @@ class Fluid final : public Phase {
   [[nodiscard]] Vec<D> wall_force() const;
   void advance_columns(const Stencil<D>& s, const SoilView<D>& soil, double interval);
   void wet_dry_ground(FaceColumn<D>& c, double interval) const;
-  double head_pressure(const FaceColumn<D>& c) const;
+  double driving_pressure(const FaceColumn<D>& c) const;
   InfiltrationSpeed infiltration_speed(const FaceColumn<D>& c) const;
   void limit_surface(Stencil<D>& s) const;
   /// Faces of a prescribed head step back with the soil's surface.
@@ -102,9 +104,11 @@ class Fluid final : public Phase {
   void give_birth_and_delete(const SoilView<D>& soil);
   void begin_control(const SoilView<D>& view, double interval);
   void control_interval(const ScalarArray& before, double interval);
-  void limit_by_acceleration(const SoilView<D>& view, const VecArray<D>& velocity_before, double now, double interval);
+  void limit_by_acceleration(const SoilView<D>& view, const VecArray<D>& velocity_before, double interval);
   void limit_by_slowing(const VecArray<D>& velocity_before, double interval);
   void limit_scheme(const SoilView<D>& view);
+  void limit_by_changes(double now, const std::function<void(double, const std::string&)>& apply) const;
+  [[nodiscard]] bool load_begins(double time) const;
   void flow_together(const Stencil<D>& s);
   void tell_surface(const Stencil<D>& s, std::span<const Vec<D>> gradient);
   void follow_skeleton(const Stencil<D>& s, const SoilView<D>& view);

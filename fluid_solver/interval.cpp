@@ -15,19 +15,46 @@ constexpr double hydrostatic_share = 0.05;
 /// By how much of a spacing a change of speed may alter the way of seepage through rigid soil in a window (rms): a
 /// front a few spacings deep, which slows down as it goes in, takes shorter ones than a quarter spacing.
 constexpr double wanted_slowing = 0.0125;
-constexpr double longest_interval = 8.0;  // s: of slow seepage; with longer ones the ponded front lags
+/// How far water may go in a window where it leaves through a seepage face, in spacings: a row that goes out takes the
+/// distance of the surface with it, which is told once a window. At a quarter the discharge is 0.4 % short.
+constexpr double wanted_exit = 0.125;
+/// How far a level behind a face may move in a window, in spacings: columns are switched on and off a spacing at a time.
+constexpr double wanted_rise = 0.5;
+
+/// For how long after t a table stays within `most` of its value at t [s].
+double unchanged_for(const Series& series, double t, double most) {
+  const double value = series.at(t);
+  std::pair<double, double> last{t, value};
+  for (const auto& knot : series.knots) {
+    if (knot.first <= t) continue;
+    const double change = knot.second - value;
+    if (std::abs(change) > most) {
+      const double target = value + std::copysign(most, change);
+      return last.first - t + (knot.first - last.first) * (target - last.second) / (knot.second - last.second);
+    }
+    last = knot;
+  }
+  return HUGE_VAL;
+}
 
 }  // namespace
 
-/// The shortest window that a change of pressure asks for: a fifth of the way of the soil's waves through a spacing.
+/// The shortest window that a change of pressure asks for: a fifth of the way of the soil's waves through a spacing. The
+/// first one in soil that is wet from the start is a fifth of the time in which a spacing drains where that is longer:
+/// before that the water holds the grains and nothing moves but in shear, which the soil refuses so long a window for.
 /// interval [s]: of the window in which soil answers for the first time, 0 before the first.
 template <int D>
 void Fluid<D>::begin_control(const SoilView<D>& view, double interval) {
-  double stiffest = 0.0;
-  for (const double modulus : view.modulus) stiffest = std::max(stiffest, modulus);
+  const auto& n = state_.particles.void_fraction;
+  double stiffest = 0.0, drains = 0.0;
+  for (std::size_t a = 0; a < view.size(); ++a) {
+    stiffest = std::max(stiffest, view.modulus[a]);
+    if (view.modulus[a] > 0.0 && view.drag[a] > 0.0)
+      drains = std::max(drains, n[a] * n[a] * view.modulus[a] / (view.drag[a] * dx_ * dx_));  // c_v / dx^2
+  }
   if (!responds() || stiffest <= 0.0) return;
   first_interval_ = 0.2 * dx_ / std::sqrt(stiffest / density_);
-  state_.controlled = std::max(first_interval_, interval);
+  state_.controlled = std::max(first_interval_, interval > 0.0 ? interval : drains > 0.0 ? 0.2 / drains : 0.0);
 }
 
 /// Next interval from the pressure change of this one; never from a clock.
@@ -55,10 +82,9 @@ void Fluid<D>::control_interval(const ScalarArray& before, double interval) {
   const double range = std::max(
       {upper - lower, 1e-3 * state_.widest_range, hydrostatic_share * (heaviest - lightest), weight_.norm() * dx_});
   state_.pressure_change = range > 0.0 ? std::sqrt(sum / static_cast<double>(now.size())) / range : 0.0;
-  const double target =
-      state_.pressure_change > 0.0 ? interval * wanted_change / state_.pressure_change : longest_interval;
+  const double target = state_.pressure_change > 0.0 ? interval * wanted_change / state_.pressure_change : HUGE_VAL;
   const double least = 0.3 * std::min(interval, state_.controlled);  // something else may have kept this one short
-  state_.controlled = std::clamp(std::clamp(target, least, 1.5 * state_.controlled), first_interval_, longest_interval);
+  state_.controlled = std::max(std::clamp(target, least, 1.5 * state_.controlled), first_interval_);
 }
 
 /// What seepage asks of the next window, where all water seeps: particles' motion is extrapolated from two windows.
@@ -70,6 +96,19 @@ void Fluid<D>::limit_by_slowing(const VecArray<D>& velocity_before, double inter
   if (scene_.coupled() || scene_.fluid.scheme != FluidCase::Scheme::projection ||
       !all_side_by_side(p.size(), [&](std::size_t a) { return p.seeps[a] != 0; }))
     return;
+  const auto open = [](const FaceColumn<D>& c) { return c.in_soil && !c.wet; };
+  if (std::any_of(state_.columns.begin(), state_.columns.end(), open)) {
+    const ColumnFinder<D> finder(state_.columns);
+    const double fastest = most_side_by_side(p.size(), 0.0, [&](std::size_t a) {
+      const int i = p.surface[a] == Surface::interior ? -1 : finder.nearest(p.position[a]);
+      if (i < 0) return 0.0;
+      const auto& c = state_.columns[static_cast<std::size_t>(i)];
+      return open(c) ? -c.normal.dot(p.velocity[a]) / c.spacing : 0.0;
+    });
+    if (fastest > 0.0)
+      state_.window_limits.push_back(
+          {wanted_exit / fastest, "an eighth of a spacing per window of water that leaves through a seepage face"});
+  }
   const double change = sum_over(
       p.size(), [&](std::size_t a) { return p.mass[a] * p.velocity[a].dot(p.velocity[a] - velocity_before[a]); });
   if (change == 0.0) return;
@@ -82,10 +121,9 @@ void Fluid<D>::limit_by_slowing(const VecArray<D>& velocity_before, double inter
 
 /// What the water of coarse soil asks of the next window, where its inertia rules: no more than a quarter spacing of
 /// way at its speed and the acceleration of the last window. When it has just been stopped, by the base or by the
-/// surface that has come down on it, its speed alone says nothing of the next window. Nor does it of a level that
-/// changes behind a face: no more than by half a spacing, as a basin's.
+/// surface that has come down on it, its speed alone says nothing of the next window.
 template <int D>
-void Fluid<D>::limit_by_acceleration(const SoilView<D>& view, const VecArray<D>& velocity_before, double now,
+void Fluid<D>::limit_by_acceleration(const SoilView<D>& view, const VecArray<D>& velocity_before,
                                      double interval) {
   const auto& p = state_.particles;
   const auto in_coarse = [&](std::size_t a) { return p.seeps[a] != 0 && view.mask[a] > 0.5 && !drags(view, a); };
@@ -100,13 +138,6 @@ void Fluid<D>::limit_by_acceleration(const SoilView<D>& view, const VecArray<D>&
   }
   if (std::isfinite(longest))
     state_.window_limits.push_back({longest, "a quarter spacing per window of water in coarse soil that accelerates"});
-  for (const auto& face : scene_.water_faces) {
-    if (!coarse || !face.head || face.basin_area) continue;
-    double level = longest_interval;
-    while (level > wave_interval() && std::abs(face.head->at(now + level) - face.head->at(now)) > 0.5 * dx_)
-      level *= 0.5;
-    if (level < longest_interval) state_.window_limits.push_back({level, "a level that changes behind coarse soil"});
-  }
 }
 
 /// What an explicit scheme asks of the next window, from the water and soil as they are.
@@ -175,14 +206,44 @@ double Fluid<D>::free_interval() const {
   return std::min({wave_interval(), central_interval(), viscous_interval(), longest});
 }
 
+/// What tables of levels, pressures and loads ask of the window from `now` on, however slow the water is by then: no more
+/// than a change by half a spacing of water, as a basin's, but not less than a fall through a spacing takes, which
+/// nothing that seeps follows. Where soil responds, a load that begins is followed from its first wave on.
+template <int D>
+void Fluid<D>::limit_by_changes(double now, const std::function<void(double, const std::string&)>& apply) const {
+  const double least = 0.3 * std::sqrt(dx_ / gravity_or_standard_), rise = wanted_rise * dx_;
+  const double change = rise * density_ * gravity_or_standard_;
+  for (const auto& face : scene_.water_faces) {
+    if (is_inlet(scene_, face)) continue;
+    if (face.head && !face.basin_area)
+      apply(std::max(least, unchanged_for(*face.head, now, rise)), "a level that changes behind a face");
+    if (face.pressure)
+      apply(std::max(least, unchanged_for(*face.pressure, now, change)), "a pressure that changes on a face");
+  }
+  if (!scene_.coupled()) return;
+  for (const auto& load : scene_.loads)
+    if (load.factor && load.traction.norm() > 0.0)
+      apply(std::max(least, unchanged_for(*load.factor, now, change / load.traction.norm())), "a load that changes");
+  if (first_interval_ > 0.0 && load_begins(now)) apply(first_interval_, "a load that begins");
+}
+
+/// Whether a load begins at a time, to rounding.
+template <int D>
+bool Fluid<D>::load_begins(double time) const {
+  return std::any_of(scene_.loads.begin(), scene_.loads.end(), [&](const Load& load) {
+    return load.start && *load.start > 0.0 && std::abs(time - *load.start) <= 1e-9 * *load.start;
+  });
+}
+
 template <int D>
 std::pair<double, std::string> Fluid<D>::time_limit() const {
   const auto& p = state_.particles;
-  std::pair<double, std::string> limit{longest_interval, "slow seepage"};
+  std::pair<double, std::string> limit{HUGE_VAL, "nothing that moves"};
   const auto apply = [&](double interval, const std::string& why) {
     if (interval < limit.first) limit = {interval, why};
   };
   if (state_.controlled > 0.0) apply(state_.controlled, "pressure change per window");
+  limit_by_changes(state_.time, apply);
   for (const auto& l : state_.window_limits) apply(l.interval, l.reason);
   // The water of soil that creeps has no waves, whatever it counts as.
   const double creeps = creeping_speed();
@@ -233,19 +294,26 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
       return fastest_over * interval > 0.25 * dx_ ||
              (!face.basin_area && face.head->at(state_.time + interval) - inlet.lowest > over + 0.5 * dx_);
     };
-    double longest = limit.first;
-    for (int halvings = 0; halvings < 60 && far(longest); ++halvings) longest *= 0.5;
+    // Found by halving: from the other limits, or from far more than any run takes, 1e12 falls through a spacing.
+    double longest = std::min(limit.first, 1e12 * std::sqrt(dx_ / gravity_or_standard_));
+    for (int halvings = 0; halvings < 100 && far(longest); ++halvings) longest *= 0.5;
     if (longest < limit.first) apply(longest, "a quarter spacing per window at an inlet");
   }
-  // A face with nothing behind it yet: the time in which the front comes half a spacing in.
-  if (p.size() == 0)
-    for (const auto& c : state_.columns) {
-      if (!c.wet) continue;
+  // A face with nothing behind it yet, which no speed tells of: the time in which the front comes half a spacing in.
+  if (p.size() == 0 || state_.last_interval == 0.0) {
+    std::vector<char> water(state_.columns.size(), 0);
+    const ColumnFinder<D> finder(state_.columns);
+    for (const auto& x : p.position)
+      if (const int i = finder.nearest(x); i >= 0) water[static_cast<std::size_t>(i)] = 1;
+    for (std::size_t i = 0; i < water.size(); ++i) {
+      const auto& c = state_.columns[i];
+      if (!c.wet || water[i]) continue;
       const auto speed = infiltration_speed(c);
       const double half = 0.5 * c.spacing;
       if (speed.head > 0.0) apply(0.5 * half * half / speed.head, "first wetting of dry ground");
       if (speed.gravity > 0.0) apply(half / speed.gravity, "first wetting of dry ground");
     }
+  }
   return limit;
 }
 

@@ -87,7 +87,7 @@ class Border {
   static constexpr double strongest = 1e15;                    // Pa; N/m3
   static constexpr double heaviest = 1e15;                     // kg/m3: soil that does not move is given such grains
   static constexpr double farthest = 1e9;                      // m
-  static constexpr double largest_impulse = 1000.0 * fastest;  // N s of a m3: water that fast
+  static constexpr double largest_impulse = 1e15;              // N s of a m3: the weight of water in 3000 years
   static constexpr double most_in_reach = 100.0;               // sizes of a point within its smoothing length
   static constexpr double most_overlap = 20.0;                 // volumes of points at one place
 

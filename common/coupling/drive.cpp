@@ -226,9 +226,9 @@ DriveReport drive_coupled(Phase& phase, Participant& participant, Recorder& reco
 }
 
 void drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const ProgressCallback& progress,
-                 DriveReport& report, Checkpoints checkpoints) {
-  WindowClock clock(
-      {scene.general.end_time, scene.coupling.interval, scene.output.interval, scene.output.gauge_interval});
+                 DriveReport& report, Checkpoints checkpoints, const std::pair<double, std::string>& shortest) {
+  WindowClock clock({scene.general.end_time, scene.coupling.interval, scene.output.interval,
+                     scene.output.gauge_interval, shortest.first, shortest.second});
   PendingRecord record(phase, recorder, report);
   const Inbox nothing;
   std::uint64_t step = 0;
@@ -283,8 +283,9 @@ void drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const Prog
     limit = no_limit;
     ++step;
     ++report.windows;
-    ++report.limited_by[plan.interval < 0.999 * proposed ? "output instant or coupling.interval" : cause];
-    clock.accept(plan);
+    const std::string held_by = plan.interval < 0.999 * proposed ? "output instant or coupling.interval" : cause;
+    ++report.limited_by[held_by];
+    clock.accept(plan, held_by);
     report.time = clock.time();
     record.ask(plan.record_frame, plan.record_gauges);
     record.write();

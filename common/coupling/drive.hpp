@@ -42,8 +42,10 @@ using ProgressCallback = std::function<void(const Progress&)>;
 /// Runs a phase without a partner (empty inbox) to the case's end. Windows are as long as the phase proposes,
 /// coupling.interval and output instants allow; a rejected one is restored and repeated shorter. Asks interrupted()
 /// between windows.
+/// `shortest`: of the case and what it is of (shortest_time()); 0: windows that are stuck are not looked for.
 void drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const ProgressCallback& progress,
-                 DriveReport& report, Checkpoints checkpoints = {});
+                 DriveReport& report, Checkpoints checkpoints = {},
+                 const std::pair<double, std::string>& shortest = {0.0, ""});
 DriveReport drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const ProgressCallback& progress = {});
 
 /// The length at which to repeat a rejected window: what was suggested, and never more than half of what was tried.

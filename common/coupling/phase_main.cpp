@@ -1,6 +1,7 @@
 #include "common/coupling/phase_main.hpp"
 
 #include "common/case/identity.hpp"
+#include "common/case/pace.hpp"
 #include "common/coupling/drive.hpp"
 #include "common/coupling/interrupt.hpp"
 #include "common/coupling/process_main.hpp"
@@ -74,7 +75,7 @@ void execute(const Arguments& arguments, Role role, const std::function<std::uni
     ProgressLines lines(arguments.progress_descriptor);
     drive_alone(
         *run.phase, scene, *run.recorder, [&](const Progress& p) { lines.write(p, p.time >= p.end); }, run.report,
-        Checkpoints{&checkpoints, arguments.checkpoint_every, arguments.resume});
+        Checkpoints{&checkpoints, arguments.checkpoint_every, arguments.resume}, shortest_time(scene));
     return;
   }
   Contract contract = run.phase->contract();

@@ -7,14 +7,21 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 namespace poretwin::coupling {
 
 namespace {
 /// Instants closer than this fraction of their spacing are one instant.
 constexpr double same = 1e-9;
-/// Windows shorter than this fraction of the run end in an error rather than in a run without end.
-constexpr double collapsed = 1e-12;
+/// Windows shorter than this fraction of the run are lost in the rounding of its time. (Years of consolidation begin
+/// with windows of a millisecond, 1e-12 of the run.)
+constexpr double collapsed = 1e-15;
+/// Windows this far below the shortest time in which the scene moves hold no motion of its own: at the speed that would
+/// ask for them water would cross thousands of spacings while it falls through one. A thousand in a row are no impact.
+constexpr double far_below = 1e-4;
+constexpr std::uint64_t most_stuck = 1000;
 }  // namespace
 
 double WindowClock::next_multiple(double interval, std::uint64_t passed) const {
@@ -49,11 +56,32 @@ WindowClock::Plan WindowClock::plan(double proposed) const {
   return plan;
 }
 
-void WindowClock::accept(const Plan& plan) {
+void WindowClock::accept(const Plan& plan, const std::string& held_by) {
   time_ = plan.end;
   if (plan.record_frame) ++frames_;
   if (settings_.gauge_interval > 0.0)
     while (next_multiple(settings_.gauge_interval, gauges_) <= time_ + same * settings_.gauge_interval) ++gauges_;
+  if (!(plan.interval < far_below * settings_.shortest_time)) {
+    stuck_ = 0;
+    held_by_.clear();
+    return;
+  }
+  ++held_by_[held_by];
+  if (++stuck_ < most_stuck) return;
+  std::vector<std::pair<std::uint64_t, std::string>> held;
+  for (const auto& [cause, windows] : held_by_) held.emplace_back(windows, cause);
+  std::sort(held.rbegin(), held.rend());
+  std::string causes;
+  constexpr std::size_t most_named = 3;
+  for (std::size_t i = 0; i < std::min(held.size(), most_named); ++i)
+    causes += fmt::format("{}{} ({} windows)", causes.empty() ? "" : "; ", held[i].second, held[i].first);
+  throw DivergedError(fmt::format(
+      "the exchange windows are stuck: {} in a row up to t = {:g} s were shorter than {:.2g} s, a ten-thousandth of the "
+      "shortest time in which this scene moves ({:.2g} s, {}), the last one {:.2g} s; the rest would take {:.2g} more. "
+      "Held by {}. Look at the last frame and gauges for water or soil that flies apart there; another "
+      "particle_spacing, or less sudden faces and loads, may avoid it",
+      most_stuck, time_, far_below * settings_.shortest_time, settings_.shortest_time, settings_.of_what, plan.interval,
+      (settings_.end - time_) / plan.interval, causes));
 }
 
 }  // namespace poretwin::coupling

@@ -5,7 +5,9 @@
 #include "common/core/archive.hpp"
 
 #include <cstdint>
+#include <map>
 #include <optional>
+#include <string>
 
 namespace poretwin::coupling {
 
@@ -16,6 +18,10 @@ class WindowClock {
     std::optional<double> longest;  ///< s, of a window
     double output_interval = 0.0;   ///< s between frames; 0: only the first and the last
     double gauge_interval = 0.0;    ///< s between gauge readings; 0: every window. Gauges do not shorten windows
+    /// s: the shortest time in which the scene moves (shortest_time()); a run whose windows stay far below it is over.
+    /// 0: not known, and not looked at
+    double shortest_time = 0.0;
+    std::string of_what = {};  ///< that time is
   };
   struct Plan {
     double start = 0.0, interval = 0.0, end = 0.0;  ///< s; end is exact where it is an output instant
@@ -26,8 +32,9 @@ class WindowClock {
 
   /// The next window, no longer than `proposed` [s]. Throws Error when the window has collapsed to nothing.
   [[nodiscard]] Plan plan(double proposed) const;
-  /// The window stands: time moves on.
-  void accept(const Plan& plan);
+  /// The window stands: time moves on. held_by: who limited it and why. Throws DivergedError when windows have stayed
+  /// so far below the scene's shortest time for so long that the run would not end.
+  void accept(const Plan& plan, const std::string& held_by = {});
   [[nodiscard]] bool finished() const { return time_ >= settings_.end; }
   [[nodiscard]] double time() const { return time_; }
   [[nodiscard]] double end() const { return settings_.end; }
@@ -40,6 +47,10 @@ class WindowClock {
   Settings settings_;
   double time_ = 0.0;
   std::uint64_t frames_ = 0, gauges_ = 0;  ///< output and gauge instants passed
+  /// Windows in a row that were far too short, and what held them. Not kept in checkpoints: a run that is resumed is
+  /// watched anew.
+  std::uint64_t stuck_ = 0;
+  std::map<std::string, std::uint64_t> held_by_;
 };
 
 }  // namespace poretwin::coupling

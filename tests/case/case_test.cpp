@@ -2,6 +2,9 @@
 #include "tests/case/case_file.hpp"
 
 #include "common/case/document.hpp"
+#include "common/case/pace.hpp"
+
+#include <cmath>
 
 namespace poretwin {
 namespace {
@@ -55,6 +58,35 @@ TEST_F(CaseFile, ArrivesInTheStruct) {
   EXPECT_DOUBLE_EQ(scene.solid.particle_spacing, 0.01);
   EXPECT_TRUE(scene.coupled());
   EXPECT_EQ(scene.text, sound_case);
+}
+
+/// Of all that moves, the fastest over one spacing.
+TEST_F(CaseFile, HasAShortestTime) {
+  Case scene = read(sound_case);
+  const auto is = [&](double time, const char* of_what) {
+    const auto [shortest, said] = shortest_time(scene);
+    EXPECT_NEAR(shortest, time, 1e-6 * time);
+    EXPECT_THAT(said, HasSubstr(of_what));
+  };
+  // E = 3 MPa, nu = 0.3, n = 0.4, grains of 2600 kg/m3: M = 4.0385 MPa.
+  is(0.01 / std::sqrt(4.0384615e6 / 1560.0), "a wave of the soil");
+  scene.solid.model = SolidCase::Model::rigid;
+  is(std::sqrt(0.01 / 9.81), "a fall");
+  scene.water.kinematic_viscosity = 1e-2;
+  is(0.01, "viscosity");
+  scene.water_faces[0].pressure->knots = {{0.0, 2e6}};
+  is(0.01 / std::sqrt(4e3), "a jet");
+  scene.fluid.initial_velocity.x() = 100.0;
+  is(1e-4, "initial speed");
+  scene.coupling.interval = 1e-5;
+  is(1e-5, "coupling.interval");
+  scene.output.interval = 1e-6;
+  is(1e-6, "output.interval");
+  scene.general.end_time = 1e-7;
+  is(1e-7, "the whole run");
+  scene.fluid.scheme = FluidCase::Scheme::eisph;
+  scene.soils[0].hydraulic_conductivity = 1e-8;
+  is(1e-8 / 9.81, "the drag");
 }
 
 TEST_F(CaseFile, GravityPointsDownTheLastAxis) {

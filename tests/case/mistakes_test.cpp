@@ -484,10 +484,14 @@ TEST_F(Mistakes, AFarSceneComesToTheOrigin) {
            fmt::format("[[gauge]]\nname = \"s\"\nphase = \"solid\"\nkind = \"height\"\npoints = [[{}, 0.5]]\n", by + 1);
   };
   const Case near = read(moved(0.0)), far = read(moved(533244.0)), farther = read(moved(1e7));
+  const Case not_far = read(moved(9000.0)), left = read(moved(-9000.0)), beside = read(moved(5.0));
   EXPECT_EQ(near.general.origin, Point3::Zero());
   EXPECT_EQ(far.general.origin, Point3(533244, 0, 0));
   EXPECT_EQ(farther.general.origin, Point3(1e7, 0, 0));
-  for (const Case* scene : {&far, &farther}) {
+  EXPECT_EQ(not_far.general.origin, Point3(9000, 0, 0));
+  EXPECT_EQ(left.general.origin, Point3(-9000, 0, 0));
+  EXPECT_EQ(beside.general.origin, Point3::Zero()) << "near";
+  for (const Case* scene : {&far, &farther, &not_far, &left}) {
     EXPECT_EQ(scene->coupled_part(), near.coupled_part());
     EXPECT_EQ(scene->gauges[0].points[0], near.gauges[0].points[0]);
   }

@@ -332,5 +332,63 @@ TEST(Alone, HitsOutputsAndRepeatsRejectedWindows) {
   EXPECT_TRUE(fluid.seen().inboxes.front().fields.empty());
 }
 
+/// A run of thirty years may begin with windows of a tenth of a millisecond, not with what its time is rounded to.
+TEST(Schedule, OnlyWindowsThatRoundingLosesHaveCollapsed) {
+  WindowClock::Settings settings;
+  settings.end = 1e9;
+  const WindowClock clock(settings);
+  EXPECT_DOUBLE_EQ(clock.plan(1e-4).interval, 1e-4);
+  EXPECT_THROW((void)clock.plan(1e-7), Error);
+}
+
+/// A square at rest whose windows are of this length from t = 0.4 s on.
+MockPhase::Formula square_that_crawls(Role role, double interval, const std::string& why) {
+  return [=, square = still_square(role, 0.25)](double t) {
+    auto out = square(t);
+    out.proposed_interval = t < 0.4 ? 0.1 : interval;
+    out.limited_by = why;
+    return out;
+  };
+}
+
+/// Far below the scene's own time, for a thousand windows: an error that says who held them, and why.
+TEST(Schedule, WindowsThatAreStuckEndTheRun) {
+  MockPhase fluid(Role::fluid, 2, square_that_crawls(Role::fluid, 0.9e-6, "the highest speed of free water"));
+  MockPhase solid(Role::solid, 2, still_square(Role::solid, 0.25));
+  CoupledRun run;
+  run.settings = {1.0, std::nullopt, 0.0, 0.0, 0.01, "a fall through one spacing"};
+  run.run(&fluid, &solid);
+  EXPECT_EQ(run.coupler.code, ExitCode::diverged);
+  for (const char* said : {"1000 in a row", "the fluid: the highest speed of free water (1000 windows)",
+                           "a fall through one spacing"})
+    EXPECT_NE(run.coupler.error.find(said), std::string::npos) << run.coupler.error;
+  EXPECT_EQ(run.report.windows, 1004u);
+}
+
+/// Short windows that are not that short, or that other windows interrupt, are none of its business.
+TEST(Schedule, ShortWindowsAreNotStuck) {
+  MockPhase fluid(Role::fluid, 2, square_that_crawls(Role::fluid, 1.1e-4, "mock"));
+  MockPhase solid(Role::solid, 2, still_square(Role::solid, 0.25));
+  CoupledRun run;
+  run.settings = {0.6, std::nullopt, 0.0, 0.0, 1.0, "mock"};
+  run.run(&fluid, &solid);
+  run.expect_success();
+}
+
+TEST(Alone, WindowsThatAreStuckEndTheRun) {
+  MockPhase fluid(Role::fluid, 2, square_that_crawls(Role::fluid, 0.9e-6, "the highest speed of free water"));
+  Case scene;
+  scene.general.end_time = 1.0;
+  MemoryRecorder record;
+  DriveReport report;
+  try {
+    drive_alone(fluid, scene, record, {}, report, {}, {0.01, "a fall through one spacing"});
+    FAIL() << "it ended";
+  } catch (const DivergedError& error) {
+    EXPECT_NE(std::string(error.what()).find("the highest speed of free water (1000 windows)"), std::string::npos)
+        << error.what();
+  }
+}
+
 }  // namespace
 }  // namespace poretwin::coupling

@@ -70,6 +70,29 @@ TEST(Seepage, ConfinedFlowObeysDarcy) {
   RecordProperty("mean_velocity_over_exact", std::to_string(mean));
 }
 
+/// No speed tells of the first window: Darcy's, 1.1e-4 * 0.25 / 0.4 m/s, makes it 73 s at a spacing of 2 cm.
+TEST(Seepage, TheFirstWindowFollowsTheFlowThatBegins) {
+  Fluid<2> fluid(confined_flow());
+  fluid.initialise({});
+  const auto [limit, why] = fluid.proposal();
+  EXPECT_NEAR(limit, 0.25 * 0.02 / (1.1e-4 * 0.25 / 0.4), 2.0) << why;
+}
+
+/// Nothing moves yet: half a spacing of water, 98.1 Pa, makes the window, however far away the change is.
+TEST(Seepage, WindowsFollowAPressureThatChanges) {
+  Case scene = confined_flow();
+  scene.general.gravity.setZero();
+  scene.water_faces = {pressure_face(line(0.0, 0.2, 0.0, 0.0), 0.0), pressure_face(line(0.4, 0.0, 0.4, 0.2), 0.0)};
+  Fluid<2> still(scene);
+  still.initialise({});
+  EXPECT_EQ(still.proposal().first, HUGE_VAL);
+  scene.water_faces[0].pressure = Series{{{0.0, 0.0}, {1e6, 0.0}, {2e6, 981.0}, {2e6 + 1.0, 0.0}}};
+  Fluid<2> fluid(scene);
+  fluid.initialise({});
+  EXPECT_NEAR(fluid.proposal().first, 1.1e6, 1.0);
+  EXPECT_EQ(fluid.proposal().second, "a pressure that changes on a face");
+}
+
 // The last row leaves a quarter of a spacing beyond the outlet: at the face's own pressure it would make the way
 // longer, and all velocities 0.9 % lower than before it passed.
 TEST(Seepage, RowsBeyondAFaceGoOnWithItsSlope) {
@@ -299,6 +322,52 @@ TEST(Seepage, SoilsInSeriesAndSideBySide) {
         EXPECT_NEAR(error, 0.0, dx) << side_by_side << " " << jitter << " " << dx;  // 1 % at 10 mm
       }
   }
+}
+
+/// Green and Ampt without gravity: z = sqrt(2 k psi t / n). The face's own pressure is zero.
+TEST(Seepage, AFrontStartsUnderSuctionAlone) {
+  const double k = 1.1e-4, n = 0.4, psi = 0.4, dx = 0.01;
+  Case scene = ponded_column(dx);
+  scene.general.gravity.setZero();
+  scene.soils[0].suction_head = psi;
+  scene.water_faces = {pressure_face(line(0.1, 0.4, 0.0, 0.4), 0.0)};
+  Fluid<2> fluid(scene);
+  fluid.initialise({});
+  double time = 0.0;
+  for (const double rows : {10.0, 20.0}) {
+    const double z = rows * dx;
+    run_to(fluid, time, z * z * n / (2.0 * k * psi));
+    EXPECT_NEAR(reading(fluid, "front"), z, 0.01 * z);
+    EXPECT_NEAR(reading(fluid, "volume"), 0.1 * n * z, 0.01 * 0.1 * n * z);
+  }
+}
+
+/// A pond of four spacings whose head is a twentieth of the suction: t = (n/k) [z - H ln(1 + z/H)], H = 0.42 m, is 0.093 m
+/// at 5 s. Where the face's pressure alone drove the first layer in, its particles tore, and the windows ended at 2e-8 s.
+TEST(Seepage, AShallowPondOnDrySoilWithSuctionComesIn) {
+  Case scene;
+  scene.solid.model = SolidCase::Model::rigid;
+  scene.fluid.particle_spacing = 0.005;
+  scene.soils = {sand()};
+  scene.soils[0].shape = box(0.0, 0.0, 0.1, 0.2);
+  scene.soils[0].porosity = 0.45;
+  scene.soils[0].hydraulic_conductivity = 8e-4;
+  scene.soils[0].suction_head = 0.4;
+  scene.walls = {wall(line(0.0, 0.2, 0.0, 0.0)), wall(line(0.0, 0.0, 0.1, 0.0)), wall(line(0.1, 0.0, 0.1, 0.2))};
+  scene.water_faces = {head_face(line(0.1, 0.2, 0.0, 0.2), 0.22)};
+  scene.gauges = front_and_volume(Point3(0.05, 0.2, 0.0), Point3(0.05, 0.0, 0.0));
+  Fluid<2> fluid(scene);
+  fluid.initialise({});
+  const double H = 0.42;
+  double time = 0.0;
+  for (std::uint64_t step = 0; time < 5.0; ++step) {
+    ASSERT_LT(step, 200u) << "at " << time << " s";
+    const double dt = std::min(fluid.publish().proposed_interval, 5.0 - time);
+    fluid.advance({step, time, dt}, {});
+    time = dt < 5.0 - time ? time + dt : 5.0;
+  }
+  const double depth = reading(fluid, "front");
+  EXPECT_NEAR(0.45 / 8e-4 * (depth - H * std::log(1.0 + depth / H)), 5.0, 0.05);
 }
 
 TEST(Seepage, AWaterTableFollowsAHeadThatRisesAndFalls) {
