@@ -60,9 +60,6 @@ constexpr double let_be = 3e-3, woken_by = 5e-3, plastic_error = 1e-4, relaxed =
 /// consolidates under a sudden load has some thousandths of it, a wave all of it.
 constexpr double noticed = 0.05;
 
-/// Force that holds soil in a long window though neither phase bears it, over the weight, that is let be.
-constexpr double from_nowhere = 0.01;
-
 /// Plastic shear strain in a window by which all but `local_share` of the soil may go on: its dilation is water that
 /// the fluid learns of in the next window only.
 constexpr double sheared_in_a_window = 2e-3;
@@ -662,24 +659,6 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
   const double by_shear = interval * std::max(0.3, sheared_in_a_window / shear_of_most(p, plastic_before));
   state_.motion.longest =
       std::min(std::max(state_.motion.longest, 1.25 * interval), std::max(by_shear, 4.0 * long_window(setup_)));
-  // What stood for the pressure in the equilibrium is no one's force: momentum from nowhere, and soil that nothing holds
-  // would hang on it.
-  Vec<D> nobodys = Vec<D>::Zero();
-  double weight = 0.0;
-  const double reference = reference_acceleration(setup_, state_, drive);
-  for (std::size_t i = 0; i < p.free() && !asleep; ++i) {
-    nobodys += (1.0 - goes_along[i]) * tracking.tracking[i] * (tracking.target[i] - p.velocity[i]);
-    weight += p.mass[i] * reference;
-  }
-  if (nobodys.norm() > from_nowhere * weight) {
-    const double shorter = 0.25 * interval;
-    if (shorter > long_window(setup_)) {
-      saved_.motion.longest = shorter;
-      return Outcome::reject(shorter, "the soil goes where the fluid did not reckon with");
-    }
-    for (auto* s : {&state_, &saved_}) s->motion.begins(long_window(setup_));
-    return Outcome::reject(followed_window(), "the soil moves: nothing holds it where the fluid reckoned with it");
-  }
   state_.mean_velocity = p.velocity;
   state_.from_outside = from_outside;
   if (setup_.counts_impulses) state_.from_outside += interval * force_from_outside(setup_, state_, drive);
