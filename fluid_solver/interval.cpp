@@ -40,16 +40,18 @@ double unchanged_for(const Series& series, double t, double most) {
 }  // namespace
 
 /// The shortest window that a change of pressure asks for: a fifth of the way of the soil's waves through a spacing. The
-/// first one in soil that is wet from the start is a fifth of the time in which a spacing drains where that is longer:
-/// before that the water holds the grains and nothing moves but in shear, which the soil refuses so long a window for.
+/// first one in elastic soil that is wet from the start is a fifth of the time in which a spacing drains where that is
+/// longer: before that the water holds the grains and nothing moves but in shear, which the soil refuses so long a
+/// window for. Soil that may slide begins to at once.
 /// interval [s]: of the window in which soil answers for the first time, 0 before the first.
 template <int D>
 void Fluid<D>::begin_control(const SoilView<D>& view, double interval) {
   const auto& n = state_.particles.void_fraction;
+  const bool yields = scene_.solid.model != SolidCase::Model::elastic;
   double stiffest = 0.0, drains = 0.0;
   for (std::size_t a = 0; a < view.size(); ++a) {
     stiffest = std::max(stiffest, view.modulus[a]);
-    if (view.modulus[a] > 0.0 && view.drag[a] > 0.0)
+    if (!yields && view.modulus[a] > 0.0 && view.drag[a] > 0.0)
       drains = std::max(drains, n[a] * n[a] * view.modulus[a] / (view.drag[a] * dx_ * dx_));  // c_v / dx^2
   }
   if (!responds() || stiffest <= 0.0) return;
@@ -242,6 +244,8 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
   const auto apply = [&](double interval, const std::string& why) {
     if (interval < limit.first) limit = {interval, why};
   };
+  // What is found by halving begins with the other limits, or with far more than any run takes.
+  const double ever = 1e12 * std::sqrt(dx_ / gravity_or_standard_);
   if (state_.controlled > 0.0) apply(state_.controlled, "pressure change per window");
   limit_by_changes(state_.time, apply);
   for (const auto& l : state_.window_limits) apply(l.interval, l.reason);
@@ -280,8 +284,14 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
   if (free_water) apply(viscous_interval(), "viscosity");
   for (std::size_t f = 0; f < scene_.water_faces.size(); ++f)
     if (const auto& face = scene_.water_faces[f]; face.basin_area) {
-      const double inflow = std::abs(face.discharge->at(state_.time));
-      if (inflow > 0.0) apply(0.5 * dx_ * face.basin_area->at(state_.basin_level[f]) / inflow, "rise of a basin");
+      // Half a spacing at what flows in now, and by the table: it may begin or grow before the window ends.
+      const double room = wanted_rise * dx_ * face.basin_area->at(state_.basin_level[f]), now = state_.time;
+      const double inflow = std::abs(face.discharge->at(now));
+      double longest = std::min(limit.first, inflow > 0.0 ? room / inflow : ever);
+      for (int halvings = 0; halvings < 100 && std::abs(face.discharge->integral(now, now + longest)) > 1.001 * room;
+           ++halvings)
+        longest *= 0.5;
+      if (longest < limit.first) apply(longest, "rise of a basin");
     }
   for (const auto& inlet : state_.inlets) {
     // The longest window in which its piston moves by a quarter spacing at most; no crest is passed unawares.
@@ -294,8 +304,7 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
       return fastest_over * interval > 0.25 * dx_ ||
              (!face.basin_area && face.head->at(state_.time + interval) - inlet.lowest > over + 0.5 * dx_);
     };
-    // Found by halving: from the other limits, or from far more than any run takes, 1e12 falls through a spacing.
-    double longest = std::min(limit.first, 1e12 * std::sqrt(dx_ / gravity_or_standard_));
+    double longest = std::min(limit.first, ever);
     for (int halvings = 0; halvings < 100 && far(longest); ++halvings) longest *= 0.5;
     if (longest < limit.first) apply(longest, "a quarter spacing per window at an inlet");
   }

@@ -161,7 +161,7 @@ inline double within_bounds(const std::string& name, double free) {
   if (name == field::solid_volume_fraction) return 0.6;
   if (name == field::grain_density) return 2650.0;
   if (name == field::hydraulic_conductivity) return 1e-3;
-  if (name == field::forchheimer_coefficient || name == field::yielding) return 0.0;
+  if (name == field::forchheimer_coefficient || name == field::yielding || name == field::surface_share) return 0.0;
   if (name == field::constrained_modulus) return std::abs(free);
   return free;
 }
