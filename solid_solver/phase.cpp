@@ -76,7 +76,7 @@ double shear_of_most(const Particles<D>& p, const ScalarArray& before) {
 }
 
 /// Loads begin within rounding of their time.
-bool has_begun(double start, double time) { return time >= start - 1e-9 * std::max(1.0, std::abs(start)); }
+bool has_begun(double start, double time) { return time >= start - 1e-9 * std::abs(start); }
 
 }  // namespace
 
@@ -457,7 +457,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
     const bool starts = has_begun(next_start, now) && loaded_at >= 0.0;
     if (k == 0 || starts || varies || state_.rebuilds > loaded_rebuilds) {
       if (!setup_.loads.empty())
-        drive.traction = load_forces<D>(setup_, state_, now + 1e-9 * std::max(1.0, std::abs(now)));
+        drive.traction = load_forces<D>(setup_, state_, now + 1e-9 * std::abs(now));
       loaded_at = now;
       loaded_rebuilds = state_.rebuilds;
       next_start = next_load_after(now);
@@ -584,7 +584,7 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
   VecArray<D> standing(n);
   auto external = [&](Drive<D>& drive, bool rebuilt) {
     if (rebuilt && !setup_.loads.empty())
-      drive.traction = load_forces<D>(setup_, state_, end - 1e-9 * std::max(1.0, std::abs(end)));
+      drive.traction = load_forces<D>(setup_, state_, end - 1e-9 * std::abs(end));
     for (std::size_t i = 0; i < n; ++i) {
       const Vec<D> mean = (p.displacement[i] - start[i]) / interval;
       drive.distributed.set(i,
@@ -735,7 +735,7 @@ Publication Solid<D>::publish() const {
   };
   vectors(field::solid_velocity, moved(p.velocity));
   vectors(field::mean_solid_velocity, moved(state_.mean_velocity));
-  const VecArray<D> load = load_forces<D>(setup_, state_, state_.time + 1e-9 * std::max(1.0, std::abs(state_.time)));
+  const VecArray<D> load = load_forces<D>(setup_, state_, state_.time + 1e-9 * std::abs(state_.time));
   vectors(field::unbalanced_force, [&](std::size_t i) -> Vec<D> {
     const std::size_t j = parent(i);
     const Vec<D> r =

@@ -32,7 +32,7 @@ double next_change_after(const Case& scene, double t) {
     for (const auto* series : {&water.pressure, &water.head, &water.to_head}) {
       if (!*series) continue;
       for (const auto& knot : (*series)->knots)
-        if (knot.first > t + 1e-9 * std::max(1.0, std::abs(t))) next = std::min(next, knot.first);
+        if (knot.first > t + 1e-9 * std::abs(t)) next = std::min(next, knot.first);
     }
   return next;
 }
