@@ -360,7 +360,7 @@ void Fluid<D>::flow_together(const Stencil<D>& s) {
 
 /// The water of moving soil has a free surface as free water has. The soil's own gradient knows only pressures at its
 /// points: one-sided at the surface, it takes what a grain's own motion does to its pressure for a push in the
-/// direction of that motion, and what moves off goes faster and faster. So the soil is told the gradient there.
+/// direction of that motion, and what moves off goes faster and faster. So the soil is given the gradient there.
 template <int D>
 void Fluid<D>::tell_surface(const Stencil<D>& s, std::span<const Vec<D>> gradient) {
   auto& p = state_.particles;

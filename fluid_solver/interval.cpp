@@ -16,7 +16,7 @@ constexpr double hydrostatic_share = 0.05;
 /// front a few spacings deep, which slows down as it goes in, takes shorter ones than a quarter spacing.
 constexpr double wanted_slowing = 0.0125;
 /// How far water may go in a window where it leaves through a seepage face, in spacings: a row that goes out takes the
-/// distance of the surface with it, which is told once a window. At a quarter the discharge is 0.4 % short.
+/// distance of the surface with it, which is found once a window. At a quarter the discharge is 0.4 % short.
 constexpr double wanted_exit = 0.125;
 /// How far a level behind a face may move in a window, in spacings: columns are switched on and off a spacing at a time.
 constexpr double wanted_rise = 0.5;

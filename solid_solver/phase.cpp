@@ -360,10 +360,10 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   const OrZero<Vec<D>> from = state_.external.pressure_gradient;
   OrZero<Vec<D>> to = gradient_of(pressure, window.time);
   const OrZero<double> at_surface = field_or_zero(inbox, field::surface_share, n, 1);
-  const OrZero<double> told = field_or_zero(inbox, field::surface_gradient, n, D);
+  const OrZero<double> given_gradient = field_or_zero(inbox, field::surface_gradient, n, D);
   for (std::size_t i = 0; i < n && at_surface.is_laid_out(); ++i)
     if (const double share = at_surface[i]; share > 0.0)
-      to.set(i, (1.0 - share) * to[i] + share * Eigen::Map<const Vec<D>>(told.values().data() + i * D), n);
+      to.set(i, (1.0 - share) * to[i] + share * Eigen::Map<const Vec<D>>(given_gradient.values().data() + i * D), n);
   state_.external.pressure = std::move(pressure);
 
   const bool rests = scene_.coupled() && !state_.motion.moving && interval > followed_window();
@@ -656,7 +656,8 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
     for (auto* s : {&state_, &saved_}) s->motion.begins(long_window(setup_));
     return Outcome::reject(followed_window(), "the soil moves: inertia matters");
   }
-  const double by_shear = interval * std::max(0.3, sheared_in_a_window / shear_of_most(p, plastic_before));
+  const double by_shear =
+      moved ? interval * std::max(0.3, sheared_in_a_window / shear_of_most(p, plastic_before)) : no_limit;
   state_.motion.longest =
       std::min(std::max(state_.motion.longest, 1.25 * interval), std::max(by_shear, 4.0 * long_window(setup_)));
   state_.mean_velocity = p.velocity;

@@ -105,7 +105,7 @@ TEST(Window, SoilMeetsTheInertiaOfTheWaterItTakesAlong) {
   for (const auto& v : dry.state().particles.velocity) EXPECT_EQ(v.norm(), 0.0);
 }
 
-// At the free surface of the water the soil takes the gradient that it is told, by the share it is told: here 3000 for
+// At the free surface of the water the soil takes the gradient that it is given, by the share that it is given: here 3000 for
 // half of 1000 Pa/m. The pressure comes as a ramp.
 TEST(Window, SoilTakesTheGradientItIsToldAtTheWatersSurface) {
   ColumnSpec spec;
