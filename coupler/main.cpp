@@ -52,10 +52,14 @@ RunSummary summarise(const Broker& broker, const ScheduleReport& report) {
   return out;
 }
 
-Scheme scheme_of(const CouplingCase& c) {
+Scheme scheme_of(const Case& scene) {
+  const CouplingCase& c = scene.coupling;
   if (c.scheme == CouplingCase::Scheme::serial) return Serial{};
   if (c.scheme == CouplingCase::Scheme::parallel) return Parallel{};
-  IterationSettings out{AccelerationKind::none, c.tolerance};
+  if (scene.predicts()) return c.tolerance ? Settled{*c.tolerance} : Settled{};
+  IterationSettings out;
+  out.acceleration = AccelerationKind::none;
+  if (c.tolerance) out.tolerance = *c.tolerance;
   if (c.acceleration == CouplingCase::Acceleration::aitken) out.acceleration = AccelerationKind::aitken;
   if (c.acceleration == CouplingCase::Acceleration::quasi_newton) out.acceleration = AccelerationKind::quasi_newton;
   return out;
@@ -90,8 +94,7 @@ void execute(const Arguments& arguments, Run& run) {
   options.waiting = [&run](const std::string& whom) {
     if (run.schedule) run.schedule->note_waiting(whom);
   };
-  run.checkpoints.emplace(arguments.out, "coupler", run_identity(scene), log_line,
-                          arguments.accept_changed_program);
+  run.checkpoints.emplace(arguments.out, "coupler", run_identity(scene), log_line, arguments.accept_changed_program);
   Trace* const trace = options.trace;
   run.broker.emplace(*run.hub, std::move(options));
   auto [shortest, of_what] = shortest_time(scene);
@@ -101,7 +104,7 @@ void execute(const Arguments& arguments, Run& run) {
                             scene.output.gauge_interval, shortest, of_what},
       [lines](const Progress& p) { lines->write(p, p.time >= p.end); },
       Checkpoints{&*run.checkpoints, arguments.checkpoint_every, arguments.resume, arguments.accept_changed_program},
-      scheme_of(scene.coupling), trace);
+      scheme_of(scene), trace);
   log_line("coupler: listening at " + run.hub->address());
   keep_freed_memory();
   run.schedule->run();

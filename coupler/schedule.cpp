@@ -50,6 +50,10 @@ class Schedule::Implementation {
     try {
       broker_.gather();
       start();
+      if (std::holds_alternative<Settled>(scheme_) && found_wanted().empty()) {
+        broker_.say("the fluid does not take what a pass found: every window is crossed once");
+        scheme_ = Serial{};
+      }
       while (!clock_.finished() && !broker_.interrupted()) {
         window();
         if (checkpoint_schedule_.due() && !clock_.finished()) checkpoint();
@@ -217,6 +221,8 @@ class Schedule::Implementation {
     solid_limit_ = solid_->proposed_interval;
     const State fluid_start = fluid_, solid_start = solid_;
     if (std::holds_alternative<Parallel>(scheme_)) return pass_at_once(plan, fluid_start, solid_start);
+    if (const auto* settled = std::get_if<Settled>(&scheme_))
+      return settle(plan, fluid_start, solid_start, accounts, settled->tolerance);
     const auto* const settings = std::get_if<IterationSettings>(&scheme_);
     if (!settings) return pass(plan, fluid_start, solid_start, nullptr);
     WindowIteration iteration(*settings, broker_.contract(Role::solid));
@@ -235,6 +241,29 @@ class Schedule::Implementation {
                   "",
                   0.5 * plan.interval,
                   fmt::format("not converged after {} iterations", most_iterations)};
+  }
+
+  /// Serial, again and again until the solid's motion is the one that the fluid reckoned with.
+  std::optional<Reject> settle(const WindowClock::Plan& plan, const State& fluid_start, const State& solid_start,
+                               const std::vector<SpatialMapping::Account>& accounts, double tolerance) {
+    State found;
+    pass_ = 0;
+    for (;;) {
+      found_ = found.get();
+      auto rejection = pass(plan, fluid_start, solid_start, nullptr);
+      found_ = nullptr;
+      if (rejection) return rejection;
+      if (solid_->unsettled <= tolerance) return std::nullopt;
+      ++pass_;
+      const auto reason = fmt::format("{:.2g} of the weight not settled, {:g} allowed", solid_->unsettled, tolerance);
+      found = solid_;
+      take_back(fluid_start, solid_start, reason);
+      mapping_->set_accounts(accounts);
+      ++iteration_;
+      if (pass_ == most_passes)
+        return Reject{
+            RejectCode::step, "", "", "", 0.5 * plan.interval, fmt::format("{}, after {} passes", reason, most_passes)};
+    }
   }
 
   /// Through both solvers at the same time: each is given the other's start, and what it gave away in the last window.
@@ -294,7 +323,7 @@ class Schedule::Implementation {
     message.iteration = iteration_;
     message.time = plan.start;
     message.interval = plan.interval;
-    message.body = Advance{plan.record_frame, plan.record_gauges};
+    message.body = Advance{plan.record_frame, plan.record_gauges, std::holds_alternative<Settled>(scheme_) ? pass_ : 0};
     send_mapped(role, std::move(message), start, end, amounts);
   }
 
@@ -346,6 +375,7 @@ class Schedule::Implementation {
     };
     for (auto& field : inbox.fields) add(field, "");
     for (auto& field : inbox.at_start) add(field, start_suffix);
+    for (auto& field : inbox.found) add(field, found_suffix);
     broker_.send(role, std::move(message));
   }
 
@@ -365,11 +395,21 @@ class Schedule::Implementation {
     if (!in_time.empty()) at_start = mapping_->map(giver, *start->points, start->fields, in_time, receiver).fields;
     Inbox inbox = mapping_->map(giver, *end.points, end.fields, intensities, receiver);
     inbox.at_start = std::move(at_start);
+    if (found_ && role == Role::fluid)
+      inbox.found = mapping_->map(giver, *found_->points, found_->fields, found_wanted(), receiver).fields;
     if (!shared.empty()) {
       auto got = mapping_->map(giver, *amounts.points, amounts.fields, shared, receiver).fields;
       std::move(got.begin(), got.end(), std::back_inserter(inbox.fields));
     }
     return inbox;
+  }
+
+  /// What the fluid takes of a pass through a window that is repeated.
+  [[nodiscard]] std::vector<FieldSpec> found_wanted() const {
+    std::vector<FieldSpec> wanted;
+    for (const auto& spec : broker_.contract(Role::fluid).takes)
+      if (spec.found && spec.mapping == Mapping::consistent) wanted.push_back(spec);
+    return wanted;
   }
 
   State receive_publication(Role role, double time, const std::shared_ptr<const PointSet>& previous) {
@@ -398,6 +438,8 @@ class Schedule::Implementation {
   State fluid_, solid_;
   std::uint64_t step_ = 0;  ///< windows that stand
   std::uint32_t iteration_ = 0;
+  unsigned pass_ = 0;                ///< of the settled scheme
+  const Snapshot* found_ = nullptr;  ///< where a window is repeated: how the solid's last pass ended
   WindowClock::Plan plan_;
   double fluid_limit_ = no_limit, solid_limit_ = no_limit;
   ScheduleReport report_;

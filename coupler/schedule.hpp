@@ -1,7 +1,8 @@
 // Temporal coupling: who advances when, with whose fields, and what happens when a window is refused.
 // Serial, fluid first: the fluid crosses the window with the solid's fields of its start, the solid with the fluid's
 // new ones. Parallel: both at the same time, each with the other's fields of its start. Iterated: serial, until the
-// solid's fields at the window's end are those that the fluid was given.
+// solid's fields at the window's end are those that the fluid was given. Settled: serial, and again until the solid moves
+// as the fluid, which predicts it and learns from each pass what the last one found, reckoned.
 // docs/protocol.md shows the sequence.
 #pragma once
 
@@ -44,7 +45,13 @@ struct ScheduleReport {
 
 struct Serial {};
 struct Parallel {};
-using Scheme = std::variant<Serial, Parallel, IterationSettings>;
+struct Settled {
+  double tolerance = 3e-3;  ///< of what the solid tells as `unsettled`
+};
+using Scheme = std::variant<Serial, Parallel, IterationSettings, Settled>;
+
+/// Through one window of the settled scheme, before it is refused and tried again at half its length.
+inline constexpr unsigned most_passes = 12;
 
 class Schedule {
  public:

@@ -165,8 +165,11 @@ Vec<D> Fluid<D>::initial_velocity(const Vec<D>& x) const {
 
 template <int D>
 coupling::Contract Fluid<D>::contract() const {
-  return {D, scene_.digest(), coupling::standard_fields(coupling::Role::fluid, D),
-          coupling::standard_fields(coupling::Role::solid, D)};
+  auto takes = coupling::standard_fields(coupling::Role::solid, D);
+  if (responds())
+    for (auto& spec : takes)
+      spec.found = spec.name == coupling::field::mean_solid_velocity || spec.name == coupling::field::unbalanced_force;
+  return {D, scene_.digest(), coupling::standard_fields(coupling::Role::fluid, D), std::move(takes)};
 }
 
 template <int D>
@@ -614,8 +617,10 @@ WindowSolution<D> Fluid<D>::solve(const Stencil<D>& s, SoilView<D>& view, const 
   WindowSolution<D> out;
   out.multigrid = state_.multigrid;
   for (int round = 1;; ++round) {
-    out.pressure = p.pressure;
+    const bool again = !passes_.pressure().empty();
+    out.pressure = again ? passes_.pressure() : p.pressure;
     out.solid_velocity = p.solid_velocity;
+    if (again) out.solid_velocity.values() = passes_.predicted();
     solve_window<D>(s, view, p.surface, in, out);
     if (!nonlinear || round == most_drag_rounds) break;
     double error = 0.0, whole = 0.0;
@@ -689,6 +694,8 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
     view.linearise(p.velocity, view.velocity);
   }
   in.velocity = forced.empty() ? p.velocity : forced;
+  passes_.begin(window.pass, view);
+  if (!passes_.pressure().empty()) in.pressure = p.pressure;
   auto out = solve(s, view, in);
   check_finite(out, window.time);
   state_.counts.windows += 1;
@@ -726,6 +733,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
       state_.exchanged.drag_work -= p.drag_impulse[a].dot(p.velocity[a] - p.solid_velocity[a]);
     }
     keep_force(view, out.gradient, dt);
+    passes_.end(p.pressure, p.solid_velocity, p.force);
     tell_surface(s, out.gradient);
   }
   if (returns) view.drag = drag;
@@ -743,7 +751,8 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   }
   if (scene_.coupled()) {
     p.solid_change.lay_out(p.size());
-    for (std::size_t a = 0; a < p.size(); ++a) p.solid_change.set(a, p.solid_velocity[a] - view.velocity[a]);
+    const auto& from = window.pass > 0 ? passes_.found() : view.velocity;
+    for (std::size_t a = 0; a < p.size(); ++a) p.solid_change.set(a, p.solid_velocity[a] - from[a]);
   }
   // Soil that was dry and cannot yield takes windows of any length; its noise would only shorten them.
   if (state_.controlled <= 0.0 && scene_.solid.model != SolidCase::Model::elastic) begin_control(view, dt);

@@ -3,6 +3,7 @@
 
 #include "common/coupling/phase.hpp"
 #include "fluid_solver/cloud.hpp"
+#include "fluid_solver/passes.hpp"
 #include "fluid_solver/state.hpp"
 #include "fluid_solver/window.hpp"
 
@@ -132,6 +133,7 @@ class Fluid final : public Phase {
   VecArray<D> feet_;             ///< of the columns, where the case has them
   std::vector<int> reservoirs_;  ///< faces of soil behind which still water stands, in no particles
   State<D> state_, saved_;
+  Passes<D> passes_;  ///< through the present window
 };
 
 }  // namespace poretwin::fluid

@@ -31,7 +31,10 @@ struct SoilView {
   OrZero<Vec<D>> velocity;       ///< [n] v_s, m/s
   OrZero<Vec<D>> mean_velocity;  ///< [n] over the soil's last window, m/s
   OrZero<Vec<D>> force;  ///< [n] r: unbalanced force per volume with the soil's weight, no pressure, no drag, N/m3
-  OrZero<Vec<D>> owed;   ///< [n] impulse the soil took beyond the drag of its last window, N s
+  /// Where a window is repeated: the mean velocity that the last pass found, m/s, and the unbalanced force that it
+  /// left, without pressure and drag, N/m3.
+  OrZero<Vec<D>> found_velocity, found_force;
+  OrZero<Vec<D>> owed;  ///< [n] impulse the soil took beyond the drag of its last window, N s
   void resize(std::size_t n) {
     for (auto* a : {&mask, &fraction, &drag}) a->assign(n, 0.0);
     resistance.assign(n, {});
@@ -85,9 +88,9 @@ struct Creep {
 /// Does water move through the soil there, as a front that creeps? Not where drag needs more than a spacing to stop it,
 /// C spacing < n rho |w|, w the slip: it flows as free water does. Where the soil itself moves, its water moves with it
 /// and has a surface as free water, but for long windows, in which both creep from equilibrium to equilibrium. A
-/// front's pressure is a natural condition, which the gradient does not know of: that drives a front whose speed follows
-/// the pressure, but a mixture with inertia would be pushed in where it already goes in (a surface wave over liquefied
-/// soil grew sevenfold in 2 ms).
+/// front's pressure is a natural condition, which the gradient does not know of: that drives a front whose speed
+/// follows the pressure, but a mixture with inertia would be pushed in where it already goes in (a surface wave over
+/// liquefied soil grew sevenfold in 2 ms).
 template <int D>
 bool seeps(const SoilView<D>& soil, std::size_t a, const Vec<D>& velocity, double spacing, const Creep& creep) {
   const double slip = (velocity - soil.velocity[a]).norm();
@@ -158,6 +161,9 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::sp
   const Field force{"", D, inbox.between(field::unbalanced_force, 0.0)};  // at the window's start
   const Field &velocity = inbox.at(field::solid_velocity), &mean_velocity = inbox.at(field::mean_solid_velocity),
               &owed = inbox.at(field::returned_impulse);
+  const bool repeated = !inbox.found.empty();
+  if (repeated)
+    for (auto* values : {&soil.found_velocity, &soil.found_force}) values->lay_out(n);
   for (std::size_t a = 0; a < n; ++a) {
     soil.coverage.set(a, inbox.coverage[a]);
     soil.owed.set(a, vector(owed, a));
@@ -167,6 +173,10 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::sp
     soil.velocity.set(a, vector(velocity, a));
     soil.mean_velocity.set(a, vector(mean_velocity, a));
     soil.force.set(a, mask * vector(force, a));
+    if (repeated) {
+      soil.found_velocity.set(a, vector(inbox.found_at(field::mean_solid_velocity), a));
+      soil.found_force.set(a, mask * vector(inbox.found_at(field::unbalanced_force), a));
+    }
     soil.mask[a] = mask;
     soil.fraction[a] = n_s;
     soil.density.set(a, n_s * grain[a]);

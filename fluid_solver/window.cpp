@@ -130,7 +130,7 @@ class WindowSolver {
       });
     if (any_response_) {
       prepare_response();
-      start_ = out.pressure;
+      start_ = in_.pressure.empty() ? out.pressure : ScalarArray(in_.pressure.begin(), in_.pressure.end());
     }
     // What is torn mostly stays so: to begin with closing its voids would ask for pressures that the solve's tolerance
     // follows.
@@ -524,8 +524,18 @@ class WindowSolver {
   /// motion meets the stiffness. Otherwise it would flow as a liquid of viscosity Dt M. A force on every particle [N].
   void prepare_flow() {
     flow_.clear();
-    if (std::all_of(soil_.yielding.begin(), soil_.yielding.end(), [](double y) { return y <= 0.0; })) return;
+    // What a pass has found is the motion to depart from: there the skeleton's force is known.
+    if (soil_.found_velocity.is_laid_out()) {
+      const ScalarArray held = apply_H(soil_.found_velocity.values());
+      flow_.resize(n_, Vec<D>::Zero());
+      for (std::size_t a = 0; a < n_; ++a)
+        if (responds(a))
+          flow_[a] = Eigen::Map<const Vec<D>>(held.data() + a * D) - s_.volume[a] / r_[a].ss * soil_.found_velocity[a];
+      return;
+    }
     flow_.assign(n_, Vec<D>::Zero());
+    for (std::size_t a = 0; a < n_; ++a) flow_[a] = anchor(a) * soil_.velocity[a];
+    if (std::all_of(soil_.yielding.begin(), soil_.yielding.end(), [](double y) { return y <= 0.0; })) return;
     const VecArray<D> going = skeleton_extended(soil_.velocity.values());
     for (std::size_t a = 0; a < n_; ++a)
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
@@ -635,10 +645,11 @@ class WindowSolver {
       const auto& skeleton = r_[a];
       if (!skeleton.responds) continue;
       // The exchanged force carries the soil's full weight; the piezometric pressure leaves its buoyant part.
-      const Vec<D> r = soil_.force[a] - soil_.fraction[a] * in_.weight - soil_.drag_offset[a];
+      const Vec<D>& force = soil_.found_force.is_laid_out() ? soil_.found_force[a] : soil_.force[a];
+      const Vec<D> r = force - soil_.fraction[a] * in_.weight - soil_.drag_offset[a];
       const Vec<D> velocity =
           skeleton.ss / (q.aw + q.C) * (q.C * q.aw * pushed(a) + (q.aw + q.C) * (skeleton.as * soil_.velocity[a] + r)) -
-          skeleton.mS * G[a] + skeleton.ss / s_.volume[a] * (anchor(a) * soil_.velocity[a] + going(a));
+          skeleton.mS * G[a] + skeleton.ss / s_.volume[a] * going(a);
       set_drive(drive, a, velocity);
     }
     return drive;
@@ -667,6 +678,12 @@ class WindowSolver {
     const ScalarArray at_start = apply_H(velocity);
     skeleton_velocity(out.pressure, at_start, at_start, out);
     ScalarArray residual = imbalance(b, ScalarArray(n_, 0.0), out);
+    if (!in_.pressure.empty() && !any_torn_) {
+      ScalarArray change(n_);
+      for (std::size_t a = 0; a < n_; ++a) change[a] = out.pressure[a] - start_[a];
+      const ScalarArray held_back = stabilised(change);
+      for (std::size_t a = 0; a < n_; ++a) residual[a] -= held_back[a];
+    }
     if (closed_) remove_mean(residual);
     const double size = norm(residual);  // of what the directions add up to
     std::vector<VecArray<D>> answers;    // of the skeleton to the directions of the search

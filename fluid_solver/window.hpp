@@ -15,6 +15,7 @@ struct WindowProblem {
   Vec<D> origin = Vec<D>::Zero();         ///< piezometric pressure ph = p - rho g.(x - origin)
   bool response = true;                   ///< the skeleton answers inside the solve
   std::span<const double> void_fraction;  ///< [n]
+  std::span<const double> pressure;       ///< [n] at the window's start, piezometric, Pa; none: the warm start's
   std::span<const Vec<D>> velocity;       ///< [n] of the water, viscosity already in it, m/s; none: at rest
   OrZero<double> source;                  ///< [n] volume to be given off, 1/s
   double cavitation = -1e300;             ///< total pressure at which water tears, Pa

@@ -339,6 +339,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   const double interval = window.interval;
   if (!(interval > 0.0)) return Outcome::reject(setup_.longest_substep, "a window must be longer than 0 s");
 
+  unsettled_ = 0.0;
   OrZero<double> pressure = take_pressure(inbox, window.time + interval);
   OrZero<double> impulse = field_or_zero(inbox, field::drag_impulse, n, D);
   for (std::size_t i = 0; i < n; ++i) {
@@ -414,6 +415,8 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
       // Inertia holds to the change that is predicted, drag to the velocity.
       if (rests && !setup_.parallel && z > 0.0)
         change_in_window[i][d] = (1.0 - inertia / z) * (predicted[c] - p.velocity[i][d]) + inertia / z * change[c];
+      // Where the window is repeated the fluid tells how its prediction differs from what the last pass found.
+      if (rests && window.pass > 0) change_in_window[i][d] = found_[i][d] + change[c] - p.velocity[i][d];
     }
     drive.target[i] = p.velocity[i] + change_in_window[i];
   }
@@ -554,6 +557,38 @@ void Solid<D>::tell_yielding(std::span<const double> plastic_before, double inte
 }
 
 template <int D>
+double Solid<D>::unsettled(double interval, const Drive<D>& tracking, double reference) {
+  Particles<D>& p = state_.particles;
+  const std::size_t n = p.free();
+  const double height = setup_.height;
+  VecArray<D> velocity = p.velocity;
+  for (std::size_t i = 0; i < p.size(); ++i)
+    p.velocity[i] = tracking.tracking[i] > 0.0 ? Vec<D>(tracking.target[i] - velocity[i]) : Vec<D>(Vec<D>::Zero());
+  fill_velocities<D>(p, state_.near, state_.nodes);
+  velocity_gradient<D>(state_.near.pairs, state_.kernel, state_.nodes);
+  std::vector<std::pair<double, double>> squares;  // and masses
+  for (std::size_t i = 0; i < n; ++i) {
+    if (tracking.tracking[i] <= 0.0) continue;
+    const double stiff = interval * setup_.models[p.material[i]]->elasticity().constrained() / (height * height);
+    const double drag = tracking.tracking[i] / p.volume[i], R = p.mass[i] / p.volume[i];
+    const double answer = stiff * drag / (stiff + drag);
+    const double slip = p.velocity[i].norm(), strain = state_.nodes[i].gradient.norm();
+    const double force = (answer + R / interval) * slip + answer * height * strain;
+    squares.emplace_back(std::pow(force / (R * reference), 2), p.mass[i]);
+  }
+  p.velocity = std::move(velocity);
+  // Of all but a local part, which the search for equilibrium leaves to creep, too.
+  std::sort(squares.begin(), squares.end());
+  squares.resize(squares.size() - static_cast<std::size_t>(local_share * static_cast<double>(squares.size())));
+  double sum = 0.0, mass = 0.0;
+  for (const auto& [square, m] : squares) {
+    sum += m * square;
+    mass += m;
+  }
+  return mass > 0.0 ? std::sqrt(sum / mass) : 0.0;
+}
+
+template <int D>
 const Stiffness<D>& Solid<D>::stiffness_with(const ScalarArray& resistance) {
   // What a window adds matters where it is not small against the stiffness of the slowest mode, c^2 (pi / 2 H)^2 m.
   const Particles<D>& p = state_.particles;
@@ -613,7 +648,12 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
     if (!report.reached() && !cannot_yield()) {
       const std::size_t tried = report.steps;
       const RestSearch until{relaxed, most_ways, most_ways, local_share, 0.5 * setup_.spacing};
-      report = find_rest<D>(setup_, until, state_, external, [](const RestReport&) {});
+      // Soil that nothing holds runs away in the search: that is no rest either.
+      try {
+        report = find_rest<D>(setup_, until, state_, external, [](const RestReport&) {});
+      } catch (const DivergedError&) {
+        report.slides = true;
+      }
       report.steps += tried;
     }
     // Creep that water limits finds its equilibrium in a window in which less of it happens.
@@ -661,6 +701,10 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
   state_.motion.longest =
       std::min(std::max(state_.motion.longest, 1.25 * interval), std::max(by_shear, 4.0 * long_window(setup_)));
   state_.mean_velocity = p.velocity;
+  if (scene_.predicts() && scene_.coupling.scheme == CouplingCase::Scheme::iterated) {
+    unsettled_ = unsettled(interval, tracking, reference_acceleration(setup_, state_, drive));
+    found_ = p.velocity;
+  }
   state_.from_outside = from_outside;
   if (setup_.counts_impulses) state_.from_outside += interval * force_from_outside(setup_, state_, drive);
   const double told = drained_share(interval);
@@ -702,6 +746,7 @@ Publication Solid<D>::publish() const {
   Publication out;
   out.time = state_.time;
   std::tie(out.proposed_interval, out.limited_by) = proposal();
+  out.unsettled = unsettled_;
   out.points.dimension = D;
   out.points.revision = state_.revision;
   out.points.n_active = n;

@@ -93,6 +93,9 @@ class Solid final : public Phase {
   [[nodiscard]] double drained_share(double interval) const;
   /// Share of the window's shear that was plastic, times `told`; `plastic_before`: plastic strain at its start.
   void tell_yielding(std::span<const double> plastic_before, double interval, double told);
+  /// How far the soil's motion in a window departs from the predicted one: the force that the pressure would answer
+  /// with, less where it drains, over the weight (rms).
+  [[nodiscard]] double unsettled(double interval, const Drive<D>& tracking, double reference);
   /// The soil's stiffness with the resistance that a window adds [N/m]: the last one, where it serves.
   const Stiffness<D>& stiffness_with(const ScalarArray& resistance);
 
@@ -100,6 +103,8 @@ class Solid final : public Phase {
   Setup<D> setup_;
   State<D> state_, saved_;
   RestReport rest_;
+  VecArray<D> found_;       ///< m/s, mean velocity that the last pass through the present window found
+  double unsettled_ = 0.0;  ///< of the last window: Publication::unsettled
   VecArray<D> lattice_;  ///< m, the particles of coupled soil as they were laid
   std::unique_ptr<Stiffness<D>> stiffness_;
   mutable Standing standing_;

@@ -399,13 +399,18 @@ void declare(Keys& keys, CouplingCase& c) {
       "scheme", c.scheme, coupling_words,
       {"",
        "`serial`: every window is crossed once, the fluid first; `parallel`: by both at the same time, each with the "
-       "other's fields of the window's start; `iterated`: until the solid's motion at the window's end is the one that "
-       "the fluid was given (for solvers that predict nothing of each other). Their limits: docs/theory.md."});
+       "other's fields of the window's start; `iterated`: until the solid's motion is the one that the "
+       "fluid reckoned with. Their limits: docs/theory.md."});
   keys.choice<CouplingCase::Acceleration>(
       "acceleration", c.acceleration, acceleration_words,
-      {"", "Of the iteration: `none`, `aitken` (one factor), `quasi_newton` (IQN-ILS)."});
+      {"",
+       "Of the iteration where the fluid predicts nothing (fluid.skeleton_response = false): `none`, `aitken` (one "
+       "factor), `quasi_newton` (IQN-ILS)."});
   keys.number("tolerance", c.tolerance,
-              {"1", "Of the iteration: what one changes of every velocity or force, relative to its norm."},
+              {"1",
+               "Of the iteration: of the force that the soil's departure from the predicted motion calls for, over the "
+               "weight (0.003 if absent); where nothing is predicted, what a pass changes of every velocity or force, "
+               "relative to its norm (1e-6 if absent)."},
               positive());
   keys.flag("keep_points", c.keep_points,
             {"",

@@ -211,7 +211,7 @@ struct CouplingCase {
   std::optional<double> interval;  ///< s: longest exchange interval; absent: what the solvers propose
   Scheme scheme = Scheme::serial;
   Acceleration acceleration = Acceleration::quasi_newton;  ///< of the iterated scheme
-  double tolerance = 1e-6;                                 ///< of the iterated scheme
+  std::optional<double> tolerance;                         ///< of the iterated scheme; absent: its own
   bool keep_points = true;                                 ///< points that have not moved are not sent again
 };
 
@@ -255,6 +255,10 @@ struct Case {
   [[nodiscard]] bool has_water() const { return !fluid.regions.empty() || !water_faces.empty(); }
   /// Both phases run; otherwise the water alone in rigid soil, or the soil alone.
   [[nodiscard]] bool coupled() const { return deformable() && has_water(); }
+  /// The water's solve predicts the skeleton's motion.
+  [[nodiscard]] bool predicts() const {
+    return coupled() && fluid.skeleton_response && fluid.scheme == FluidCase::Scheme::projection;
+  }
   /// Hex digest of everything both solvers must agree on; independent of comments, order and paths.
   [[nodiscard]] std::string digest() const;
   /// What the digest is of: "key = value" lines.

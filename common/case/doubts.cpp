@@ -238,6 +238,8 @@ class Doubts : Complaints {
     for (const char* key : {"acceleration", "tolerance"})
       idle(std::string("coupling.") + key, scene_.coupled() && scene_.coupling.scheme != CouplingCase::Scheme::iterated,
            "it belongs to coupling.scheme = \"iterated\"");
+    idle("coupling.acceleration", scene_.coupling.scheme == CouplingCase::Scheme::iterated && scene_.predicts(),
+         "the fluid's prediction takes its place (fluid.skeleton_response)");
     idle("case.central_force", !scene_.has_water(), "it acts on water");
     const bool boxed = !scene_.general.periodic.empty() ||
                        (d_ == 3 && std::any_of(scene_.walls.begin(), scene_.walls.end(),

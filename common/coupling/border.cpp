@@ -214,6 +214,9 @@ Snapshot admit(Message message, const Contract& contract, const std::shared_ptr<
   if (!(out.proposed_interval > 0.0))
     border.refuse(fmt::format("proposed_interval: expected a positive number, got {} (limited by {})",
                               out.proposed_interval, out.limited_by));
+  out.unsettled = body->unsettled;
+  if (!(out.unsettled >= 0.0) || !std::isfinite(out.unsettled))
+    border.refuse(fmt::format("unsettled: expected a number that is not negative, got {}", out.unsettled));
   out.points = points_of(message, contract, previous, border);
   for (const auto& spec : contract.gives) {
     const auto found =

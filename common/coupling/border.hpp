@@ -15,6 +15,7 @@ struct Snapshot {
   double time = 0.0;                    ///< s
   double proposed_interval = no_limit;  ///< s
   std::string limited_by;
+  double unsettled = 0.0;
   std::shared_ptr<const PointSet> points;
   std::vector<Field> fields;
 };

@@ -38,12 +38,19 @@ std::vector<FieldSpec> standard_fields(Role giver, int dimension) {
   };
 }
 
-const Field& Inbox::at(std::string_view name) const {
-  const auto found = std::find_if(fields.begin(), fields.end(), [&](const Field& f) { return f.name == name; });
-  if (found == fields.end())
+namespace {
+
+const Field& named(const std::vector<Field>& fields, std::string_view name) {
+  const auto field = std::find_if(fields.begin(), fields.end(), [&](const Field& f) { return f.name == name; });
+  if (field == fields.end())
     throw PeerError("field '" + std::string(name) + "' was expected in the exchange and did not arrive");
-  return *found;
+  return *field;
 }
+
+}  // namespace
+
+const Field& Inbox::at(std::string_view name) const { return named(fields, name); }
+const Field& Inbox::found_at(std::string_view name) const { return named(found, name); }
 
 std::vector<double> Inbox::between(std::string_view name, double share) const {
   std::vector<double> values = at(name).values;

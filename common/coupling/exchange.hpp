@@ -30,6 +30,8 @@ struct FieldSpec {
       mask;  ///< optional: a one-component field of the same message, in [0,1], that multiplies the giver's weight
   /// of a taker that crosses a window in steps of its own: the value at the window's start is wanted too (consistent)
   bool in_time = false;
+  /// of a taker that repeats windows: what the giver's last pass ended with is wanted too (consistent)
+  bool found = false;
   bool operator==(const FieldSpec&) const = default;
 };
 
@@ -102,6 +104,8 @@ struct Publication {
   double time = 0.0;                    ///< s
   double proposed_interval = no_limit;  ///< s, the longest window this side holds to be stable and accurate now
   std::string limited_by;               ///< what sets proposed_interval, in a few words
+  /// Of a solid: how far its motion departs from the one predicted, as the force that this calls for over the weight.
+  double unsettled = 0.0;
   PointSet points;
   std::vector<Field> fields;
 };
@@ -116,8 +120,11 @@ struct Inbox {
   std::vector<Field> fields;  ///< [n_active * components]; zero where coverage is zero
   /// Those asked for `in_time`, at the window's start; absent where the giver's values do not change in the window.
   std::vector<Field> at_start;
+  std::vector<Field> found;  ///< those that want it, where a window is repeated: what its last pass ended with
   /// The field of that name; throws PeerError naming it when it is missing.
   [[nodiscard]] const Field& at(std::string_view name) const;
+  /// Of `found`, likewise.
+  [[nodiscard]] const Field& found_at(std::string_view name) const;
   /// Values at a time within the window, linear in it: `share` 0 at its start, 1 at its end.
   [[nodiscard]] std::vector<double> between(std::string_view name, double share) const;
 };
@@ -127,6 +134,7 @@ struct Window {
   std::uint64_t step = 0;
   double time = 0.0;      ///< s, start
   double interval = 0.0;  ///< s
+  unsigned pass = 0;      ///< passes through this very window so far
 };
 
 /// A phase's answer to a window.

@@ -45,6 +45,7 @@ void write(wire::FieldSpec& out, const FieldSpec& spec) {
   out.set_mapping(spec.mapping == Mapping::conservative ? wire::CONSERVATIVE : wire::CONSISTENT);
   out.set_mask(spec.mask);
   out.set_in_time(spec.in_time);
+  out.set_found(spec.found);
 }
 
 FieldSpec read(const wire::FieldSpec& in) {
@@ -53,7 +54,8 @@ FieldSpec read(const wire::FieldSpec& in) {
           static_cast<int>(in.components()),
           in.mapping() == wire::CONSERVATIVE ? Mapping::conservative : Mapping::consistent,
           in.mask(),
-          in.in_time()};
+          in.in_time(),
+          in.found()};
 }
 
 void write_body(wire::Header& header, const Body& body) {
@@ -88,6 +90,7 @@ void write_body(wire::Header& header, const Body& body) {
                  [&](const PublicationBody& b) {
                    header.mutable_publication()->set_proposed_interval(b.proposed_interval);
                    header.mutable_publication()->set_limited_by(b.limited_by);
+                   header.mutable_publication()->set_unsettled(b.unsettled);
                  },
                  [&](const Initialise& b) {
                    header.mutable_initialise()->set_record_frame(b.record_frame);
@@ -96,6 +99,7 @@ void write_body(wire::Header& header, const Body& body) {
                  [&](const Advance& b) {
                    header.mutable_advance()->set_record_frame(b.record_frame);
                    header.mutable_advance()->set_record_gauges(b.record_gauges);
+                   header.mutable_advance()->set_pass(b.pass);
                  },
                  [&](const Restore& b) { header.mutable_restore()->set_reason(b.reason); },
                  [&](const Finish& b) {
@@ -182,11 +186,12 @@ Body read_body(const wire::Header& header) {
                     in.reason()};
     }
     case Case::kPublication:
-      return PublicationBody{header.publication().proposed_interval(), header.publication().limited_by()};
+      return PublicationBody{header.publication().proposed_interval(), header.publication().limited_by(),
+                             header.publication().unsettled()};
     case Case::kInitialise:
       return Initialise{header.initialise().record_frame(), header.initialise().record_gauges()};
     case Case::kAdvance:
-      return Advance{header.advance().record_frame(), header.advance().record_gauges()};
+      return Advance{header.advance().record_frame(), header.advance().record_gauges(), header.advance().pass()};
     case Case::kRestore:
       return Restore{header.restore().reason()};
     case Case::kFinish:

@@ -25,7 +25,7 @@ inline constexpr std::string_view owner_array = "@owner";
 inline constexpr std::string_view coverage_array = "@coverage";
 inline constexpr std::string_view asymmetry_array = "@asymmetry";
 /// Behind a field's name: its values at the window's start.
-inline constexpr std::string_view start_suffix = "@start";
+inline constexpr std::string_view start_suffix = "@start", found_suffix = "@found";
 
 /// Bytes with an owner that lives as long as anybody, a socket included, still reads them.
 struct Frame {
@@ -92,12 +92,14 @@ struct Reject {
 struct PublicationBody {
   double proposed_interval = no_limit;  ///< s
   std::string limited_by;
+  double unsettled = 0.0;
 };
 struct Initialise {
   bool record_frame = false, record_gauges = false;
 };
 struct Advance {
   bool record_frame = false, record_gauges = false;
+  unsigned pass = 0;
 };
 struct Restore {
   std::string reason;

@@ -111,7 +111,7 @@ class Participant::Implementation {
                                 [&](const Field& f) { return f.name == spec.name; });
       message.arrays.push_back({spec.name, spec.unit, spec.components, std::move(found->values)});
     }
-    message.body = PublicationBody{publication.proposed_interval, publication.limited_by};
+    message.body = PublicationBody{publication.proposed_interval, publication.limited_by, publication.unsettled};
     set_doing("waiting");
     send(std::move(message));
   }
@@ -258,6 +258,7 @@ class Participant::Implementation {
       command.kind = Command::Kind::advance;
       command.record_frame = a->record_frame;
       command.record_gauges = a->record_gauges;
+      command.window.pass = a->pass;
       window_ = command.window;
       if (!(window_.interval > 0.0) || !std::isfinite(window_.interval) || !std::isfinite(window_.time))
         fail(fmt::format("a window of {} s from t = {} s makes no sense", window_.interval, window_.time));
@@ -307,6 +308,9 @@ class Participant::Implementation {
       else if (array.name.ends_with(start_suffix))
         inbox.at_start.push_back(
             {array.name.substr(0, array.name.size() - start_suffix.size()), array.components, std::move(values)});
+      else if (array.name.ends_with(found_suffix))
+        inbox.found.push_back(
+            {array.name.substr(0, array.name.size() - found_suffix.size()), array.components, std::move(values)});
       else
         inbox.fields.push_back({std::move(array.name), array.components, std::move(values)});
     }
@@ -316,10 +320,13 @@ class Participant::Implementation {
       if (inbox.at(spec.name).components != spec.components)
         fail(fmt::format("field '{}': expected {} components, got {}", spec.name, spec.components,
                          inbox.at(spec.name).components));
-    for (const auto& start : inbox.at_start)
-      if (inbox.at(start.name).components != start.components)
-        fail(fmt::format("field '{}': expected {} components at the window's start, got {}", start.name,
-                         inbox.at(start.name).components, start.components));
+    for (const auto* more : {&inbox.at_start, &inbox.found})
+      for (const auto& field : *more)
+        if (inbox.at(field.name).components != field.components)
+          fail(fmt::format("field '{}': expected {} components at {}, got {}", field.name,
+                           inbox.at(field.name).components,
+                           more == &inbox.at_start ? "the window's start" : "the end that a pass found",
+                           field.components));
     return inbox;
   }
 

@@ -170,6 +170,101 @@ void iterate(CoupledRun& run, MassPhase& fluid, MassPhase& solid, AccelerationKi
   run.run(&fluid, &solid);
 }
 
+/// A solid whose motion in a window depends on the pass alone: `unsettled` halves from one to the next. A fluid that
+/// wants what the last pass found.
+class SettlingPhase final : public Phase {
+ public:
+  SettlingPhase(Role role, double gain, bool takes_found = true)
+      : role_(role), gain_(gain), takes_found_(takes_found) {}
+
+  Contract contract() const override {
+    const FieldSpec force{"force", "N", 1, Mapping::consistent, ""};
+    FieldSpec velocity{"velocity", "m/s", 1, Mapping::consistent, ""};
+    if (role_ == Role::solid) return {2, "mock", {velocity}, {force}};
+    velocity.found = takes_found_;
+    return {2, "mock", {force}, {velocity}};
+  }
+  Publication publish() const override {
+    Publication out;
+    out.time = time_;
+    out.points.position = {0.0, 0.0};
+    out.points.volume = out.points.smoothing_length = {1.0};
+    out.points.owner = {0.0};
+    out.points.n_active = 1;
+    out.fields = {{role_ == Role::fluid ? "force" : "velocity", 1, {value_}}};
+    if (role_ == Role::solid) out.unsettled = time_ > 0.0 ? std::pow(gain_, pass_) : 0.0;
+    return out;
+  }
+  Outcome advance(const Window& window, const Inbox& inbox) override {
+    pass_ = window.pass;
+    if (role_ == Role::fluid) {
+      passes.push_back(window.pass);
+      given.push_back(inbox.at("velocity").values[0]);
+      found.push_back(inbox.found.empty() ? -1.0 : inbox.found_at("velocity").values[0]);
+    }
+    value_ += 1.0 + window.pass;
+    time_ = window.time + window.interval;
+    return Outcome::accept();
+  }
+  void initialise(const Inbox&) override {}
+  void save() override { saved_ = {time_, value_}; }
+  void restore() override { std::tie(time_, value_) = saved_; }
+  void archive(Archive& archive) override { archive(time_, value_); }
+  OutputFrame frame() const override { return {}; }
+  std::vector<GaugeReading> gauges() const override { return {}; }
+  std::map<std::string, double> counters() const override { return {}; }
+
+  std::vector<unsigned> passes;
+  std::vector<double> given, found;
+
+ private:
+  Role role_;
+  double gain_;
+  bool takes_found_;
+  double time_ = 0.0, value_ = 0.0;
+  unsigned pass_ = 0;
+  std::tuple<double, double> saved_;
+};
+
+TEST(Settled, AWindowIsRepeatedWithWhatTheLastPassFound) {
+  SettlingPhase fluid(Role::fluid, 0.5), solid(Role::solid, 0.5);
+  CoupledRun run;
+  run.settings = {0.2, 0.1, 0.0, 0.0};
+  run.scheme = Settled{0.3};  // met after the third pass: 1, 0.5, 0.25
+  run.run(&fluid, &solid);
+  run.expect_success();
+  EXPECT_EQ(run.report.windows, 2u);
+  EXPECT_EQ(run.report.passes, 6u);
+  EXPECT_EQ(fluid.passes, (std::vector<unsigned>{0, 1, 2, 0, 1, 2}));
+  // The window's start stays what it was; the passes ended with 1, 2 and 3 more.
+  EXPECT_EQ(fluid.given, (std::vector<double>{0.0, 0.0, 0.0, 3.0, 3.0, 3.0}));
+  EXPECT_EQ(fluid.found, (std::vector<double>{-1.0, 1.0, 2.0, -1.0, 4.0, 5.0}));
+}
+
+TEST(Settled, AFluidThatDoesNotTakeWhatAPassFoundGetsOne) {
+  SettlingPhase fluid(Role::fluid, 1.0, false), solid(Role::solid, 1.0);
+  CoupledRun run;
+  run.settings = {0.2, 0.1, 0.0, 0.0};
+  run.scheme = Settled{0.3};
+  run.run(&fluid, &solid);
+  run.expect_success();
+  EXPECT_EQ(run.report.passes, 2u);
+  EXPECT_NE(std::find(run.log.begin(), run.log.end(),
+                      "coupler: the fluid does not take what a pass found: every window is crossed once"),
+            run.log.end());
+}
+
+TEST(Settled, WhatNeverSettlesEndsTheRunWithTheReason) {
+  SettlingPhase fluid(Role::fluid, 1.0), solid(Role::solid, 1.0);
+  CoupledRun run;
+  run.settings = {0.2, 0.1, 0.0, 0.0};
+  run.scheme = Settled{0.3};
+  run.run(&fluid, &solid);
+  EXPECT_NE(run.coupler.error.find("1 of the weight not settled, 0.3 allowed, after 12 passes"), std::string::npos)
+      << run.coupler.error;
+  EXPECT_EQ(fluid.passes.size(), 12u * 21u);
+}
+
 TEST(Iteration, AHeavyMassDrivenByALightOneNeedsAcceleration) {
   const Oscillators what{{10.0}, {1.0}};
   for (const auto kind : {AccelerationKind::aitken, AccelerationKind::quasi_newton}) {
