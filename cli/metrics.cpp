@@ -17,10 +17,10 @@ namespace poretwin::cli {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-const std::vector<std::string> operations{
-    "value", "relative", "mean",   "l2",       "profile", "max_abs", "decay_rate", "monotone", "drift",   "exceeds",
-    "curve", "exit",     "period", "crossing", "counter", "rise",    "noise",      "order",    "largest", "smallest",
-    "damping"};
+const std::vector<std::string> operations{"value",      "relative", "mean",    "l2",      "profile", "max_abs",
+                                          "decay_rate", "monotone", "drift",   "exceeds", "curve",   "exit",
+                                          "period",     "crossing", "counter", "rise",    "noise",   "order",
+                                          "largest",    "smallest", "damping"};
 
 void declare(Keys& keys, VerifyRun& r) {
   keys.text("name", r.name, {"", "Name that metrics refer to.", true});
@@ -30,6 +30,14 @@ void declare(Keys& keys, VerifyRun& r) {
   keys.texts("set", r.set, {"", "Overrides, as for `--set`."});
   keys.texts("short", r.short_set, {"", "Further overrides with `--short`."});
   keys.text("when", r.when, {"", "`always`, or `full`: left out with `--short`."});
+  keys.integer(
+      "histories", r.histories,
+      {"",
+       "How often it is run, the first as it is, the others with particles displaced by a millionth of a spacing "
+       "and what `vary` lists: means are held against the references. One with `--short`."},
+      between(1, false, 1000, false));
+  keys.texts("vary", r.vary, {"", "Numbers that differ between histories, KEY=VALUE: `soil.0.cohesion=550`."});
+  keys.number("variation", r.variation, {"1", "By how much, of the value, either way."}, positive());
   keys.texts("figures", r.figures,
              {"", "Fields that a report shows, FIELD or FIELD@TIME in s; absent: the main ones at the end."});
 }
@@ -56,10 +64,11 @@ void declare(Keys& keys, Metric& m) {
   keys.text("gauge", m.gauge, {"", "The gauge; for `l2` and `profile`: all of `gauge[i]`."});
   keys.text("counter", m.counter, {"", "Of `counter`: process.name as in the run's summary, `solid.rest steps`."});
   keys.texts("gauges", m.gauges, {"", "For `l2` and `profile`: the gauges, one by one."});
-  keys.numbers("weights", m.weights,
-               {"",
-                "Readings of `gauge[i]` (or `gauges`) are added with these weights: a mean, a difference, the amplitude "
-                "of a mode. Not of `l2` and `profile`."});
+  keys.numbers(
+      "weights", m.weights,
+      {"",
+       "Readings of `gauge[i]` (or `gauges`) are added with these weights: a mean, a difference, the amplitude "
+       "of a mode. Not of `l2` and `profile`."});
   keys.text("plus", m.plus, {"", "A gauge to add first."});
   keys.text("minus", m.minus, {"", "A gauge to subtract first."});
   keys.number("at", m.at, {"s", "Time of the reading; absent: the last."});
@@ -82,6 +91,11 @@ void declare(Keys& keys, Metric& m) {
   keys.number("align", m.align,
               {"", "Of `curve`: both clocks start where the curve and the readings first pass this value."});
   keys.number("tolerance", m.tolerance, {"", "Largest error that passes."}, not_negative());
+  keys.number("spread", m.spread,
+              {"",
+               "Largest standard deviation of several histories that passes, as the tolerance is given: relative "
+               "where that is."},
+              positive());
   keys.text("unit", m.unit, {"", "Unit of the value."});
 }
 
@@ -99,8 +113,8 @@ struct Failure {
 };
 
 bool needs_relative_error(const std::string& op) {
-  return op == "relative" || op == "mean" || op == "decay_rate" || op == "damping" || op == "period" || op == "crossing" ||
-         op == "largest";
+  return op == "relative" || op == "mean" || op == "decay_rate" || op == "damping" || op == "period" ||
+         op == "crossing" || op == "largest";
 }
 
 /// Linear between readings; NaN outside them or where a reading is NaN.
@@ -118,6 +132,16 @@ double reading(const GaugeSeries& series, double t) {
   return series.value[i - 1] + share * (series.value[i] - series.value[i - 1]);
 }
 
+/// Operations that already yield an error are held against zero; the others against the reference.
+double error_of(const Metric& m, double value) {
+  if (m.op == "exceeds") return std::max(0.0, m.reference.value_or(0.0) - value);
+  if (m.op == "value" || m.op == "exit" || m.op == "max_abs") return std::abs(value - m.reference.value_or(0.0));
+  if (m.op == "counter") return std::max(0.0, value - *m.reference);
+  if (m.op == "smallest") return std::max(0.0, *m.reference - value);
+  if (needs_relative_error(m.op)) return std::abs(value - *m.reference) / std::abs(*m.reference);
+  return value;
+}
+
 class Judge {
  public:
   Judge(const Metric& metric, const Gauges& gauges, int exit_status, const Counters& counters, const Verdict* base)
@@ -131,7 +155,7 @@ class Judge {
       v.value = value();
       if (base_ && !base_->complaint.empty()) throw Failure{fmt::format("'{}': {}", m_.baseline, base_->complaint)};
       if (base_) v.value -= base_->value;
-      v.error = error(v.value);
+      v.error = error_of(m_, v.value);
       v.marks = marks();
     } catch (const Failure& failure) {
       v.value = v.error = nan;
@@ -168,21 +192,11 @@ class Judge {
     if (m_.op == "counter") return counter();
     return curve();
   }
-  /// Operations that already yield an error are held against zero; the others against the reference.
-  [[nodiscard]] double error(double value) const {
-    if (m_.op == "value" || m_.op == "exit") return std::abs(value - m_.reference.value_or(0.0));
-    if (m_.op == "max_abs") return std::abs(value - m_.reference.value_or(0.0));
-    if (m_.op == "counter") return std::max(0.0, value - *m_.reference);
-    if (m_.op == "smallest") return std::max(0.0, *m_.reference - value);
-    if (needs_relative_error(m_.op)) return std::abs(value - *m_.reference) / std::abs(*m_.reference);
-    return value;
-  }
-
   Verdict exceeds(Verdict v) const {
     try {
       const auto series = within_range(readings());
       v.value = m_.at ? at_time(series) : *std::max_element(series.value.begin(), series.value.end());
-      v.error = std::max(0.0, v.reference - v.value);
+      v.error = error_of(m_, v.value);
       v.passed = v.value > v.reference;
     } catch (const Failure& failure) {
       v.value = v.error = nan;
@@ -486,6 +500,13 @@ class VerifyChecker {
     for (std::size_t i = 0; i < file.runs.size(); ++i) {
       word(fmt::format("run[{}].when", i), file.runs[i].when, {"always", "full"});
       word(fmt::format("run[{}].command", i), file.runs[i].command, {"run", "safety"});
+      for (const auto& key : file.runs[i].vary) {
+        char* end = nullptr;
+        const auto sign = key.find('=');
+        if (sign != std::string::npos) std::strtod(key.c_str() + sign + 1, &end);
+        if (sign == 0 || end == nullptr || end == key.c_str() + sign + 1 || *end != '\0')
+          fail(fmt::format("run[{}].vary", i), fmt::format("expected KEY=NUMBER, found \"{}\"", key));
+      }
     }
     if (file.metrics.empty()) fail("metric", "expected one [[metric]] or more");
     for (std::size_t i = 0; i < file.metrics.size(); ++i) metric(file, file.metrics[i], fmt::format("metric[{}]", i));
@@ -513,8 +534,8 @@ class VerifyChecker {
     if (!m.weights.empty() && (m.op == "l2" || m.op == "profile"))
       fail(key + ".weights", fmt::format("has no meaning for \"{}\", which takes each gauge by itself", m.op));
     if (!m.weights.empty() && !m.gauges.empty() && m.weights.size() != m.gauges.size())
-      fail(key + ".weights", fmt::format("expected one for each of the {} gauges, found {}", m.gauges.size(),
-                                         m.weights.size()));
+      fail(key + ".weights",
+           fmt::format("expected one for each of the {} gauges, found {}", m.gauges.size(), m.weights.size()));
     const bool relative = needs_relative_error(m.op);
     const bool single =
         m.op == "value" || m.op == "exceeds" || m.op == "exit" || m.op == "counter" || m.op == "smallest";
@@ -568,6 +589,47 @@ VerifyFile read_verify(const std::filesystem::path& path) {
 Verdict judge(const Metric& metric, const Gauges& gauges, int exit_status, const Counters& counters,
               const Verdict* base) {
   return Judge(metric, gauges, exit_status, counters, base).verdict();
+}
+
+Verdict judge_mean(const Metric& metric, const std::vector<Verdict>& histories) {
+  Verdict v = histories.front();
+  if (histories.size() == 1) return v;
+  const auto n = static_cast<double>(histories.size());
+  v.histories = histories.size();
+  v.value = 0.0;
+  for (const auto& one : histories) {
+    v.value += one.value / n;
+    if (v.complaint.empty()) v.complaint = one.complaint;
+  }
+  double squares = 0.0;
+  for (const auto& one : histories) squares += (one.value - v.value) * (one.value - v.value);
+  v.spread = std::sqrt(squares / (n - 1.0));
+  v.error = error_of(metric, v.value);
+  v.passed = std::isfinite(v.error) && (metric.op == "exceeds" ? v.value > v.reference : v.error <= metric.tolerance);
+  if (!metric.spread || !v.passed) return v;
+  const double allowed = *metric.spread * (needs_relative_error(metric.op) ? std::abs(*metric.reference) : 1.0);
+  if (v.spread <= allowed) return v;
+  v.passed = false;
+  v.complaint = fmt::format("the histories spread by {:.3g}, {:.3g} allowed", v.spread, allowed);
+  return v;
+}
+
+std::vector<std::string> history(const VerifyRun& run, std::size_t number) {
+  std::vector<std::string> set;
+  if (number == 0) return set;
+  for (const char* phase : {"fluid", "solid"}) {
+    set.push_back(fmt::format("{}.jitter=1e-6", phase));
+    set.push_back(fmt::format("{}.seed={}", phase, number));
+  }
+  // Even steps of the golden ratio fill the range evenly, however many they are.
+  const double turn = 0.6180339887498949 * static_cast<double>(number);
+  const double share = 2.0 * (turn - std::floor(turn)) - 1.0;
+  for (const auto& key : run.vary) {
+    const auto sign = key.find('=');
+    const double value = std::strtod(key.c_str() + sign + 1, nullptr);
+    set.push_back(fmt::format("{}={:.12g}", key.substr(0, sign), value * (1.0 + run.variation * share)));
+  }
+  return set;
 }
 
 Verdict judge_order(const Metric& metric, const Gauges& coarse, const Gauges& fine) {

@@ -18,13 +18,16 @@ struct Metric {
   std::vector<double> references, weights;
   std::optional<double> at, from, to, limit, normaliser, reference, window, align;
   std::optional<Series> curve;
+  std::optional<double> spread;
   double scale = 1.0, tolerance = 0.0;
 };
 
 /// [[run]] of verify.toml.
 struct VerifyRun {
   std::string name, case_file = "case.toml", when = "always", command = "run";
-  std::vector<std::string> set, short_set, figures;
+  std::vector<std::string> set, short_set, figures, vary;
+  std::int64_t histories = 1;
+  double variation = 0.01;
 };
 
 struct VerifyFile {
@@ -44,7 +47,9 @@ struct Mark {
 struct Verdict {
   double value = 0.0, reference = 0.0, error = 0.0;
   bool passed = false;
-  std::string complaint;    ///< why there is no value
+  std::string complaint;  ///< why there is no value
+  double spread = 0.0;    ///< of several histories: standard deviation of their values
+  std::size_t histories = 1;
   std::vector<Mark> marks;  ///< of operations that say what readings should be, and when
 };
 
@@ -58,6 +63,14 @@ VerifyFile read_verify(const std::filesystem::path& path);
 /// Judges one metric by a run's gauges, exit status and counters. base: what the same metric has in its `baseline`.
 Verdict judge(const Metric& metric, const Gauges& gauges, int exit_status, const Counters& counters = {},
               const Verdict* base = nullptr);
+
+/// The mean of what several histories of a run have, held against the reference, and their spread. One without a value
+/// leaves none.
+Verdict judge_mean(const Metric& metric, const std::vector<Verdict>& histories);
+
+/// Overrides that make a history of a run, from 0 on: none for the first; for the others particles displaced at random
+/// by a millionth of a spacing, by a seed of its own, and the values listed in `vary` changed by up to the variation.
+std::vector<std::string> history(const VerifyRun& run, std::size_t number);
 
 /// Observed order of `decay_rate` from the coarse run to the fine one of half its spacing.
 Verdict judge_order(const Metric& metric, const Gauges& coarse, const Gauges& fine);

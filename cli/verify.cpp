@@ -61,7 +61,12 @@ class CaseCheck {
       Metric metric;
       metric.name = "wall-clock time";
       metric.unit = "s";
-      add(metric, {wall_, *file.wall, std::max(0.0, wall_ - *file.wall), false, "took too long", {}});
+      Verdict late;
+      late.value = wall_;
+      late.reference = *file.wall;
+      late.error = wall_ - *file.wall;
+      late.complaint = "took too long";
+      add(metric, late);
     }
     json_["passed"] = passed_;
     json_["wall_s"] = wall_;
@@ -70,14 +75,62 @@ class CaseCheck {
   }
 
  private:
+  /// What one history of a run left.
+  struct History {
+    Gauges gauges;
+    Counters counters;
+    RunResult result;
+  };
+
   void execute(const VerifyFile& file, const VerifyRun& run) {
+    const auto wanted = options_.short_runs ? 1 : static_cast<std::size_t>(run.histories);
+    std::vector<History> histories;
+    for (std::size_t number = 0; number < wanted; ++number) {
+      histories.push_back(execute(run, number));
+      if (stopped_) return;
+    }
+    done_[run.name] = histories.front().gauges;
+    bool failure_expected = false;
+    for (const auto& metric : file.metrics) {
+      if (metric.run != run.name) continue;
+      failure_expected = failure_expected || metric.op == "exit";
+      std::vector<Verdict> verdicts;
+      for (const auto& one : histories) verdicts.push_back(judged(metric, one));
+      add(metric, judge_mean(metric, verdicts));
+    }
+    for (const auto& [gauges, counters, result] : histories) {
+      if (result.exit == 0 || failure_expected) continue;
+      Metric metric;
+      metric.name = fmt::format("run '{}' ends well", run.name);
+      const auto exit = static_cast<double>(result.exit);
+      Verdict failed;
+      failed.value = failed.error = exit;
+      failed.complaint = result.reason;
+      add(metric, failed);
+    }
+  }
+
+  Verdict judged(const Metric& metric, const History& one) {
+    if (metric.op == "order") return judge_order(metric, done_[metric.coarse], one.gauges);
+    std::optional<Verdict> base;
+    if (!metric.baseline.empty()) {
+      base = judge(metric, done_[metric.baseline], 0);
+      if (!done_.contains(metric.baseline) || done_[metric.baseline].empty())
+        base->complaint = "this run comes first; it has not run, or left no readings";
+    }
+    return judge(metric, one.gauges, one.result.exit, one.counters, base ? &*base : nullptr);
+  }
+
+  History execute(const VerifyRun& run, std::size_t number) {
     RunOptions options;
     options.case_file = place_.folder() / run.case_file;
     options.case_name = place_.name;
-    options.out = options_.out / place_.name / run.name;
+    options.out = options_.out / place_.name / (number == 0 ? run.name : fmt::format("{}.{}", run.name, number + 1));
     options.overrides = run.set;
     if (options_.short_runs)
       options.overrides.insert(options.overrides.end(), run.short_set.begin(), run.short_set.end());
+    const auto varied = history(run, number);
+    options.overrides.insert(options.overrides.end(), varied.begin(), varied.end());
     options.overrides.insert(options.overrides.end(), options_.overrides.begin(), options_.overrides.end());
     options.programs = options_.programs;
     options.quiet = true;
@@ -90,39 +143,17 @@ class CaseCheck {
     if (result.exit == interrupted) {
       stopped_ = true;
       passed_ = false;
-      return;
+      return {{}, {}, result};
     }
-    account(run, options.out, result);
-    const Gauges gauges = read_gauges(options.out / "gauges.csv");
+    account(run, options.out, result, number == 0);
     Counters counters;
     for (const auto& summary : result.summaries)
       for (const auto* numbers : {&summary.steps, &summary.counters})
         for (const auto& [name, value] : *numbers) counters[fmt::format("{}.{}", summary.process, name)] = value;
-    done_[run.name] = gauges;
-    bool failure_expected = false;
-    for (const auto& metric : file.metrics) {
-      if (metric.run != run.name) continue;
-      failure_expected = failure_expected || metric.op == "exit";
-      if (metric.op == "order") {
-        add(metric, judge_order(metric, done_[metric.coarse], gauges));
-        continue;
-      }
-      std::optional<Verdict> base;
-      if (!metric.baseline.empty()) {
-        base = judge(metric, done_[metric.baseline], 0);
-        if (!done_.contains(metric.baseline) || done_[metric.baseline].empty())
-          base->complaint = "this run comes first; it has not run, or left no readings";
-      }
-      add(metric, judge(metric, gauges, result.exit, counters, base ? &*base : nullptr));
-    }
-    if (result.exit != 0 && !failure_expected) {
-      Metric metric;
-      metric.name = fmt::format("run '{}' ends well", run.name);
-      add(metric, {static_cast<double>(result.exit), 0.0, static_cast<double>(result.exit), false, result.reason, {}});
-    }
+    return {read_gauges(options.out / "gauges.csv"), std::move(counters), result};
   }
 
-  void account(const VerifyRun& run, const fs::path& folder, const RunResult& result) {
+  void account(const VerifyRun& run, const fs::path& folder, const RunResult& result, bool shown) {
     Json one = {{"name", run.name},      {"folder", folder.string()}, {"figures", run.figures},     {"windows", 0.0},
                 {"wall_s", result.wall}, {"cpu_s", result.cpu},       {"particles", Json::object()}};
     for (const auto& summary : result.summaries) {
@@ -138,7 +169,7 @@ class CaseCheck {
           one["particles"][summary.process] = value;
         }
     }
-    json_["runs"].push_back(std::move(one));
+    if (shown) json_["runs"].push_back(std::move(one));
   }
 
   void add(const Metric& metric, const Verdict& v) {
@@ -154,10 +185,14 @@ class CaseCheck {
                                 {"error", number(v.error)},
                                 {"tolerance", metric.tolerance},
                                 {"unit", metric.unit},
+                                {"spread", number(v.spread)},
+                                {"histories", v.histories},
                                 {"passed", v.passed},
                                 {"marks", std::move(marks)}});
-    fmt::print("{:<22} {:<44} {:>12.5g} {:>12.5g} {:>10.3g} {:>10.3g}  {:<6} {}\n", place_.name, metric.name, v.value,
-               v.reference, v.error, metric.tolerance, metric.unit, v.passed ? "pass" : "FAIL");
+    const std::string scatter =
+        v.histories > 1 ? fmt::format("  mean of {}, +- {:.2g}", v.histories, v.spread) : std::string();
+    fmt::print("{:<22} {:<44} {:>12.5g} {:>12.5g} {:>10.3g} {:>10.3g}  {:<6} {}{}\n", place_.name, metric.name, v.value,
+               v.reference, v.error, metric.tolerance, metric.unit, v.passed ? "pass" : "FAIL", scatter);
     if (!v.complaint.empty()) fmt::print("    {}\n", v.complaint);
     std::fflush(stdout);
   }

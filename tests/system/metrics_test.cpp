@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <set>
 
 namespace poretwin::cli {
 namespace {
@@ -43,6 +44,51 @@ TEST(Metrics, ValueInterpolatesAndScales) {
   EXPECT_FALSE(judge(m, ramp, 0).passed) << "outside the readings is no value";
   m.gauge = "absent";
   EXPECT_EQ(judge(m, ramp, 0).complaint, "no readings of gauge 'absent'");
+}
+
+TEST(Metrics, HistoriesAreJudgedByTheirMeanAndTheirSpread) {
+  auto m = metric("relative", 10.0, 0.02);
+  const auto of = [&](double value) {
+    Verdict v;
+    v.value = value;
+    v.reference = 10.0;
+    return v;
+  };
+  // Neither history alone is within 2 %, their mean is.
+  auto v = judge_mean(m, {of(9.7), of(10.3), of(10.0)});
+  EXPECT_NEAR(v.value, 10.0, 1e-12);
+  EXPECT_NEAR(v.spread, 0.3, 1e-12);
+  EXPECT_EQ(v.histories, 3u);
+  EXPECT_TRUE(v.passed);
+  m.spread = 0.02;  // of the reference
+  v = judge_mean(m, {of(9.7), of(10.3), of(10.0)});
+  EXPECT_FALSE(v.passed);
+  EXPECT_EQ(v.complaint, "the histories spread by 0.3, 0.2 allowed");
+  m.spread = 0.04;
+  EXPECT_TRUE(judge_mean(m, {of(9.7), of(10.3), of(10.0)}).passed);
+  EXPECT_FALSE(judge_mean(m, {of(10.5), of(10.3), of(10.4)}).passed) << "a mean that is off";
+  Verdict none = of(std::nan(""));
+  none.complaint = "no readings of gauge 'g'";
+  v = judge_mean(m, {of(10.0), none});
+  EXPECT_FALSE(v.passed);
+  EXPECT_EQ(v.complaint, none.complaint);
+}
+
+TEST(Metrics, AHistoryDiffersByItsSeedAndWhatVaries) {
+  VerifyRun run;
+  run.vary = {"soil.0.cohesion=550"};
+  EXPECT_TRUE(history(run, 0).empty()) << "the first is the case as it is";
+  std::set<std::string> all;
+  for (std::size_t number = 1; number < 9; ++number) {
+    const auto set = history(run, number);
+    ASSERT_EQ(set.size(), 5u);
+    EXPECT_EQ(set[0], "fluid.jitter=1e-6");
+    EXPECT_EQ(set[3], "solid.seed=" + std::to_string(number));
+    const double cohesion = std::stod(set[4].substr(set[4].find('=') + 1));
+    EXPECT_LE(std::abs(cohesion - 550.0), 5.5);
+    all.insert(set[4]);
+  }
+  EXPECT_EQ(all.size(), 8u);
 }
 
 // Two modes sin(pi s / 2) and sin(3 pi s / 2) at the middles of ten tenths: weights single out the first.
