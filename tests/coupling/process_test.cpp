@@ -86,10 +86,20 @@ TEST_F(Processes, RunToTheEndInAnyStartOrder) {
 }
 
 TEST_F(Processes, TheCaseFileChoosesTheIteratedScheme) {
-  const Strings iterated = {"--set", "coupling.scheme=iterated", "--set", "coupling.acceleration=aitken"};
+  const Strings iterated = {"--set", "coupling.scheme=iterated",     "--set", "coupling.acceleration=aitken",
+                            "--set", "fluid.skeleton_response=false"};
   auto c = coupler(iterated), fluid = peer("fluid", iterated), solid = peer("solid", iterated);
   EXPECT_EQ(c->wait(), 0) << text("coupler.log");
   expect_in("out/coupler.summary.json", {"\"exit\": 0", "\"windows\": 100", "\"passes\": 300"});
+}
+
+/// Where the water predicts the skeleton's motion; the mock of it does not take what a pass found.
+TEST_F(Processes, AFluidThatTakesNothingFoundIsToldSo) {
+  const Strings iterated = {"--set", "coupling.scheme=iterated"};
+  auto c = coupler(iterated), fluid = peer("fluid", iterated), solid = peer("solid", iterated);
+  EXPECT_EQ(c->wait(), 0) << text("coupler.log");
+  expect_in("out/coupler.summary.json", {"\"exit\": 0", "\"windows\": 100", "\"passes\": 100"});
+  expect_in("coupler.log", {"the fluid does not take what a pass found"});
 }
 
 TEST_F(Processes, AKilledSolverEndsTheRunWithItsName) {
