@@ -126,8 +126,9 @@ class Doubts : Complaints {
   }
 
   /// What the water feels of soil that moves is a mean over a kernel, of the conductivity, too: the first row of a slow
-  /// soil beside a fast one conducts as the fast one. Measured, consolidation of two layers of 10 rows each, the slow one
-  /// below: pore pressure off by 4, 16, 25 % of the load at contrasts of 10, 100, 1e4, by half of that with 20 rows.
+  /// soil beside a fast one conducts as the fast one. Measured, consolidation of two layers of 10 rows each, the slow
+  /// one below: pore pressure off by 4, 16, 25 % of the load at contrasts of 10, 100, 1e4, by half of that with 20
+  /// rows.
   void smeared_conductivity() {
     if (!scene_.coupled()) return;
     const double dx = scene_.fluid.particle_spacing;
@@ -143,11 +144,12 @@ class Doubts : Complaints {
         };
         if (k(j) <= most * k(i)) continue;
         doubt(fmt::format("soil[{}].hydraulic_conductivity", i),
-              fmt::format("is {:.2g} times less than that of {} beside it: in soil that moves the conductivity is a mean "
-                          "over neighbours, and the slow layer acts about a row of {:.3g} m thinner than it is (pore "
-                          "pressures off by 25 % of a load with 10 rows, 10 % with 20); expected many rows in it, or "
-                          "solid.model = \"rigid\"",
-                          k(j) / k(i), named("soil", j, scene_.soils[j].name), dx));
+              fmt::format(
+                  "is {:.2g} times less than that of {} beside it: in soil that moves the conductivity is a mean "
+                  "over neighbours, and the slow layer acts about a row of {:.3g} m thinner than it is (pore "
+                  "pressures off by 4 to 25 % of a load with 10 rows, half with 20); expected many rows in it, or "
+                  "solid.model = \"rigid\"",
+                  k(j) / k(i), named("soil", j, scene_.soils[j].name), dx));
         return;
       }
   }

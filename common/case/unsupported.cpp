@@ -130,8 +130,8 @@ class Supported : Complaints {
   }
   /// Rows that a layer of conductivity k needs beside another. Kernels smear its resistance over its neighbours' rows.
   /// Measured through a slow layer at any angle to the lattice: within 2 % with two rows at a contrast of 10 (5 % with
-  /// 1.6), with three from 100 on (with two up to 14 %, with one five times too much, with half a row of the wrong sign);
-  /// through a fast one with 1.6 rows at any contrast.
+  /// 1.6), with three from 100 on (with two up to 14 %, with one five times too much, with half a row of the wrong
+  /// sign); through a fast one with 1.6 rows at any contrast.
   [[nodiscard]] static double rows_needed(double k, double other) {
     const double contrast = std::max(k / other, other / k);
     if (contrast <= 2.0) return 0.0;
@@ -140,12 +140,13 @@ class Supported : Complaints {
   }
   [[noreturn]] void too_thin(std::size_t i, double thin, std::size_t beside, double rows) const {
     const double dx = scene_.fluid.particle_spacing;
-    fail(fmt::format("soil[{}]", i),
-         fmt::format("is {:.4g} m thin, {:.2g} rows of particles, with a conductivity of {:.3g} m/s beside {} of {:.3g} "
-                     "m/s; expected {:g} rows or more: give a fluid.particle_spacing of {:.3g} m or less, or a "
-                     "thicker layer with as much more conductivity",
-                     thin, thin / dx, conductivity(scene_.soils[i]), named("soil", beside, scene_.soils[beside].name),
-                     conductivity(scene_.soils[beside]), rows, thin / rows));
+    fail(
+        fmt::format("soil[{}]", i),
+        fmt::format("is {:.4g} m thin, {:.2g} rows of particles, with a conductivity of {:.3g} m/s beside {} of {:.3g} "
+                    "m/s; expected {:g} rows or more: give a fluid.particle_spacing of {:.3g} m or less, or a "
+                    "thicker layer with as much more conductivity",
+                    thin, thin / dx, conductivity(scene_.soils[i]), named("soil", beside, scene_.soils[beside].name),
+                    conductivity(scene_.soils[beside]), rows, thin / rows));
   }
 
   void layers_of_few_rows() const {

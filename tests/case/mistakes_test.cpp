@@ -83,16 +83,13 @@ particle_spacing = 0.1
 
 TEST_F(Mistakes, AllCasesOfTheProjectPass) {
   // Rockfill under a linear law is what linear.toml is there to show.
-  const std::set<std::string> doubtful{"rockfill_dam_rigid/linear.toml",
-                                       // Soil that its weight strains, and columns four particles wide between smooth walls.
-                                       "gibson/case.toml",
-                                       "gibson/kozeny.toml",
-                                       // A moving clay beside gravel; a slope whose toe is held by a wall along it.
-                                       "blow_out/case.toml",
-                                       "embankment_failure_held/case.toml",
-                                       "dynamic_column/case.toml",
-                                       "dynamic_column/deboer.toml",
-                                       "harmonic_column/case.toml"};
+  const std::set<std::string> doubtful{
+      "rockfill_dam_rigid/linear.toml",
+      // Soil that its weight strains, and columns four particles wide between smooth walls.
+      "gibson/case.toml", "gibson/kozeny.toml",
+      // A moving clay beside gravel; a slope whose toe is held by a wall along it.
+      "blow_out/case.toml", "embankment_failure_held/case.toml", "dynamic_column/case.toml",
+      "dynamic_column/deboer.toml", "harmonic_column/case.toml"};
   std::size_t read = 0;
   for (const auto& folder : std::filesystem::directory_iterator(std::filesystem::path(PORETWIN_SOURCE_DIR) / "cases"))
     for (const auto& file : std::filesystem::directory_iterator(folder)) {
@@ -371,7 +368,8 @@ end_time = 1
 [[soil]]
 name = "core"
 shape = "polygon"
-points = )" + points + R"(
+points = )" +
+           points + R"(
 hydraulic_conductivity = 1e-7
 [[soil]]
 name = "sand"
@@ -389,7 +387,8 @@ model = "rigid"
 )";
   };
   EXPECT_EQ(complaint(with_core("[[0, 0], [0, -0.4], [1, -0.4], [0.4, 0], [0.4, 0.4], [0, 0.4]]")), "no complaint");
-  EXPECT_THAT(complaint(with_core("[[0, 0.4], [0, -0.4], [0.4, -0.4], [0.4, -0.04], [1, -0.04], [1, 0], [0.4, 0], [0.4, 0.4]]")),
+  EXPECT_THAT(complaint(with_core(
+                  "[[0, 0.4], [0, -0.4], [0.4, -0.4], [0.4, -0.04], [1, -0.04], [1, 0], [0.4, 0], [0.4, 0.4]]")),
               HasSubstr("soil[0]': is 0.04 m thin, 2 rows"));
   // Rows of one soil, as slopes are drawn in 3D, are one layer.
   EXPECT_EQ(complaint(layers, {"soil.0.hydraulic_conductivity=1e-4", "soil.1.hydraulic_conductivity=1e-4"}),
