@@ -19,8 +19,8 @@ namespace {
 
 /// Of the pressure solve where no water is in soil: a dam break's front and energy are the same as with 1e-4.
 constexpr double free_water_tolerance = 1e-3;
-/// Of the pressure solve between soils: what drives the flow is told by the fastest soil, what flows through the
-/// slowest, and what a solve leaves undone there moves the fast soil's water. Tighter than this is lost in rounding.
+/// Of the pressure solve between soils: what drives the flow is told by the fastest soil, what flows through the slowest,
+/// and what a solve leaves undone there moves the fast soil's water. Tighter than this is lost in rounding.
 constexpr double tightest_tolerance = 1e-11;
 /// A window is solved again when the drag's tangent misses the law by more than this share of inertia and drag (rms).
 constexpr double drag_tolerance = 0.02;
@@ -334,8 +334,7 @@ void Fluid<D>::settle(SoilView<D>& view) {
     return drags(view, a) ? out.velocity[a].norm() / spacing_of<D>(p.volume[a]) : 0.0;
   });
   state_.window_limits.clear();
-  if (fastest > 0.0)
-    state_.window_limits.push_back({0.25 / fastest, "a quarter spacing per window of seepage that begins"});
+  if (fastest > 0.0) state_.window_limits.push_back({0.25 / fastest, "a quarter spacing per window of seepage that begins"});
 }
 
 /// What pressure and drag do to the soil, by the water's own account: the soil's tells its balance with its own account
@@ -353,8 +352,8 @@ void Fluid<D>::keep_force(const SoilView<D>& view, std::span<const Vec<D>> gradi
   if (computes_beside() && !p.felt.is_laid_out()) p.felt = p.force;
 }
 
-/// In short windows water among free water is free, whatever its own grains do: where most of the soil's water around
-/// it moves, a particle that stood still would have a gradient that does not know of the surface beside it, while the
+/// In short windows water among free water is free, whatever its own grains do: where most of the soil's water around it
+/// moves, a particle that stood still would have a gradient that does not know of the surface beside it, while the
 /// skeleton there gives way. At a pocket in a run-out of tailings that made a pressure of 5 MPa in one window.
 template <int D>
 void Fluid<D>::flow_together(const Stencil<D>& s) {
@@ -400,8 +399,7 @@ void Fluid<D>::initialise(const coupling::Inbox& inbox) {
     p.void_fraction[a] = 1.0 - view.fraction[a];
     p.mass[a] = p.void_fraction[a] * density_ * p.volume[a];
     p.mask[a] = view.mask[a];
-    p.seeps[a] =
-        seeps<D>(view, a, p.velocity[a], spacing_of<D>(p.volume[a]), {density_, creeping_speed(), true}) ? 1 : 0;
+    p.seeps[a] = seeps<D>(view, a, p.velocity[a], spacing_of<D>(p.volume[a]), {density_, creeping_speed(), true}) ? 1 : 0;
   }
   begin_control(view, 0.0);
   p.solid_velocity = view.velocity;
@@ -605,8 +603,8 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
 
 /// Where the soil has moved otherwise than the last window reckoned, its water goes along, as (27) has it at the
 /// pressure of that window: by C / (a + C) of the departure of the velocity. The soil met that water's inertia at once
-/// (Solid::advance), by its own account; what the two accounts differ by, which is small and uneven, is shared out
-/// among the soil's water within a kernel's reach, so that their sum is kept.
+/// (Solid::advance), by its own account; what the two accounts differ by, which is small and uneven, is shared out among
+/// the soil's water within a kernel's reach, so that their sum is kept.
 template <int D>
 void Fluid<D>::follow_skeleton(const Stencil<D>& s, const SoilView<D>& view) {
   auto& p = state_.particles;
