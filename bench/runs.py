@@ -1,4 +1,5 @@
 """A run of poretwin from a benchmark: its gauges, its end, what it cost."""
+import contextlib
 import csv
 import json
 import os
@@ -16,10 +17,10 @@ PROGRAM = pathlib.Path(__file__).resolve().parent.parent / "build" / "release" /
 class Run:
     """exit: the exit code (124: stopped after `longest` seconds); reason: its last words; gauges: {name: (times, values)};
     summaries: {process: its summary}; cpu, wall: seconds of all processes; trace: the events of its time line, with `profile`.
-    threads: of each solver; None: all cores."""
+    threads: of each solver; None: all cores. folder: that stays; None: none does."""
 
-    def __init__(self, case, overrides, program=PROGRAM, longest=None, profile=False, threads=None):
-        with tempfile.TemporaryDirectory() as folder:
+    def __init__(self, case, overrides, program=PROGRAM, longest=None, profile=False, threads=None, folder=None):
+        with contextlib.nullcontext(folder) if folder else tempfile.TemporaryDirectory() as folder:
             command = [program, "run", case, "--out", folder, "--no-pictures", "--quiet", "--restarts", "0"] + ["--profile"] * profile
             for text in overrides:
                 command += ["--set", text]

@@ -19,11 +19,25 @@ namespace {
 
 /// Of the pressure solve where no water is in soil: a dam break's front and energy are the same as with 1e-4.
 constexpr double free_water_tolerance = 1e-3;
+/// Of the pressure solve between soils: what drives the flow is told by the fastest soil, what flows through the slowest,
+/// and what a solve leaves undone there moves the fast soil's water. Tighter than this is lost in rounding.
+constexpr double tightest_tolerance = 1e-11;
 /// A window is solved again when the drag's tangent misses the law by more than this share of inertia and drag (rms).
 constexpr double drag_tolerance = 0.02;
 /// Time in which the thickness of a surface's row is told, in times of repair: longer than any wave that is resolved.
 constexpr double row_memory = 10.0;
 constexpr int most_drag_rounds = 10;
+
+/// Conductivity of the fastest soil over that of the slowest.
+double contrast_of(const Case& scene) {
+  double slowest = HUGE_VAL, fastest = 0.0;
+  for (const auto& soil : scene.soils) {
+    const double k = porous::seepage_at(scene, soil, soil.porosity).conductivity;
+    slowest = std::min(slowest, k);
+    fastest = std::max(fastest, k);
+  }
+  return scene.soils.empty() ? 1.0 : fastest / slowest;
+}
 
 /// The box around everything in the case, widened by its diagonal on all sides; without bound along periodic axes.
 template <int D>
@@ -274,7 +288,10 @@ WindowProblem<D> Fluid<D>::problem(double interval) const {
   in.void_fraction = state_.particles.void_fraction;
   in.cavity = state_.particles.cavity.values();
   const auto& mask = state_.particles.mask;
-  if (all_side_by_side(mask.size(), [&](std::size_t a) { return mask[a] <= 0.5; })) in.tolerance = free_water_tolerance;
+  if (all_side_by_side(mask.size(), [&](std::size_t a) { return mask[a] <= 0.5; }))
+    in.tolerance = free_water_tolerance;
+  else
+    in.tolerance = std::max(in.tolerance / contrast_of(scene_), tightest_tolerance);
   if (scene_.fluid.pressure_tolerance) in.tolerance = *scene_.fluid.pressure_tolerance;
   for (const auto& c : state_.columns) {
     in.face_pressure.push_back(c.pressure);

@@ -2,7 +2,7 @@
 
 packages="cmake ninja-build g++ pkg-config libzmq3-dev cppzmq-dev libprotobuf-dev protobuf-compiler libhdf5-dev libeigen3-dev
 libtomlplusplus-dev libcli11-dev libspdlog-dev libfmt-dev libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev
-nlohmann-json3-dev iproute2 python3-zmq python3-protobuf python3-numpy python3-h5py python3-matplotlib"
+nlohmann-json3-dev iproute2 python3-zmq python3-protobuf python3-numpy python3-scipy python3-h5py python3-matplotlib"
 
 say() { printf '== %s\n' "$*"; }
 

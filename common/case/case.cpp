@@ -300,7 +300,7 @@ void declare(Keys& keys, FluidCase& f) {
   keys.number("pressure_tolerance", f.pressure_tolerance,
               {"",
                "Of `projection`, where no skeleton responds: residual that is left, over what drives the flow; absent: "
-               "2e-5, in free water without soil 1e-3."},
+               "2e-5 over the contrast between the conductivities of the soils, in free water without soil 1e-3."},
               between(0, true, 1, true));
   keys.point("initial_velocity", f.initial_velocity, {"m/s", "Of all water at time zero."});
   keys.number("initial_strain", f.initial_strain,

@@ -1,6 +1,7 @@
 #include "common/case/enclosure.hpp"
 
 #include "common/case/amounts.hpp"
+#include "common/case/extent.hpp"
 #include "common/case/geometry.hpp"
 
 #include <fmt/format.h>
@@ -76,7 +77,7 @@ class Flood {
       const auto [lower, upper] = bounds(region);
       enclose(lower);
       enclose(upper);
-      level_ = std::max({level_, up_.dot(lower), up_.dot(upper)});
+      level_ = std::max(level_, extent(region, up_, dimension_).second);
       const auto particles = [&](const auto& lattice) {
         for (const auto& x : lattice.position) {
           Point3 point = Point3::Zero();

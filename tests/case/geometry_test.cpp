@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
 
 namespace poretwin {
 namespace {
@@ -43,6 +44,20 @@ TEST(Fill, WhatLiesOnAnEdgeOfTwoIsTakenOnce) {
 TEST(Fill, NothingIsLostWhereNoPointLiesOnAnEdge) {
   const Shape slope = polygon({Point3(0, 0, 0), Point3(2, 0, 0), Point3(0, 1, 0)});
   EXPECT_NEAR(static_cast<double>(filled(slope, 0.013)) * 0.013 * 0.013, 1.0, 0.01);
+}
+
+TEST(Fill, ATurnedRectangleHasRowsAlongItsSides) {
+  const double c = std::cos(0.4), s = std::sin(0.4);
+  const auto turned = [&](double x, double y) { return Point3(3.0 + c * x - s * y, -1.0 + s * x + c * y, 0.0); };
+  const Shape rectangle = polygon({turned(0, 0), turned(2, 0), turned(2, 1), turned(0, 1)});
+  const auto lattice = fill<2>(rectangle, 0.1, Point3(0.5, 0.5, 0.5), 0.0, 1);
+  ASSERT_EQ(lattice.position.size(), 200u);
+  EXPECT_NEAR(lattice.volume, 0.01, 1e-12);
+  const Vec<2> first = turned(0.05, 0.05).head<2>(), next = turned(0.15, 0.05).head<2>(),
+               last = turned(1.95, 0.95).head<2>();
+  EXPECT_LT((lattice.position[0] - first).norm(), 1e-12);
+  EXPECT_LT((lattice.position[1] - next).norm(), 1e-12);
+  EXPECT_LT((lattice.position[199] - last).norm(), 1e-12);
 }
 
 }  // namespace
