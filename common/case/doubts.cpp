@@ -127,8 +127,8 @@ class Doubts : Complaints {
 
   /// What the water feels of soil that moves is a mean over a kernel, of the conductivity, too: the first row of a slow
   /// soil beside a fast one conducts as the fast one. Measured, consolidation of two layers of 10 rows each, the slow
-  /// one below: pore pressure off by 4, 16, 25 % of the load at contrasts of 10, 100, 1e4, by half of that with 20
-  /// rows.
+  /// one below: pore pressure off by 4, 16, 25 % of the load at contrasts of 10, 100, 1e4; with 20 rows still by up to
+  /// 10 % in the slow layer.
   void smeared_conductivity() {
     if (!scene_.coupled()) return;
     const double dx = scene_.fluid.particle_spacing;
@@ -143,13 +143,13 @@ class Doubts : Complaints {
           return porous::seepage_at(scene_, scene_.soils[of], scene_.soils[of].porosity).conductivity;
         };
         if (k(j) <= most * k(i)) continue;
-        doubt(fmt::format("soil[{}].hydraulic_conductivity", i),
-              fmt::format(
-                  "is {:.2g} times less than that of {} beside it: in soil that moves the conductivity is a mean "
-                  "over neighbours, and the slow layer acts about a row of {:.3g} m thinner than it is (pore "
-                  "pressures off by 4 to 25 % of a load with 10 rows, half with 20); expected many rows in it, or "
-                  "solid.model = \"rigid\"",
-                  k(j) / k(i), named("soil", j, scene_.soils[j].name), dx));
+        doubt(
+            fmt::format("soil[{}].hydraulic_conductivity", i),
+            fmt::format("is {:.2g} times less than that of {} beside it: in soil that moves the conductivity is a mean "
+                        "over neighbours, and the slow layer acts about a row of {:.3g} m thinner than it is (pore "
+                        "pressures off by 4 to 25 % of a load with 10 rows); expected many rows in it, or "
+                        "solid.model = \"rigid\"",
+                        k(j) / k(i), named("soil", j, scene_.soils[j].name), dx));
         return;
       }
   }
