@@ -31,6 +31,7 @@ class Supported : Complaints {
       layers_of_few_rows();
       solid_bodies();
       heads_below_the_soils_top();
+      openings_under_water();
     }
     if (scene_.deformable()) {
       loads();
@@ -227,6 +228,31 @@ class Supported : Complaints {
                      "expected {} or more beside free water, found {}: so dense a soil is a solid body, which is "
                      "drawn as a closed [[wall]] (2D){}",
                      least, scene_.soils[i].porosity, d_ == 3 ? "; in 3D there is none yet" : ""));
+    }
+  }
+
+  /// What leaves through an opening under free water is no jet: nothing passes an outlet, a hundredth of it a pressure,
+  /// more than the opening can pass a head, and beside a discharge that draws particles are lost.
+  void openings_under_water() const {
+    if (up_.isZero() || d_ != 2) return;
+    const double dx = scene_.fluid.particle_spacing;
+    for (std::size_t i = 0; i < scene_.water_faces.size(); ++i) {
+      const WaterFace& f = scene_.water_faces[i];
+      const bool draws = f.discharge && std::any_of(f.discharge->knots.begin(), f.discharge->knots.end(),
+                                                    [](const auto& knot) { return knot.second < 0.0; });
+      const std::string key = f.outlet ? "outlet" : f.pressure ? "pressure" : f.head ? "head" : draws ? "discharge" : "";
+      if (f.face.points.size() != 2 || key.empty()) continue;
+      const Point3 &a = f.face.points.front(), &b = f.face.points.back();
+      const Point3 along = (b - a).normalized(), inwards(-along.y(), along.x(), 0.0);
+      const Point3 before = 0.5 * (a + b) + 0.25 * dx * inwards;
+      const Point3 above = (up_.dot(a) > up_.dot(b) ? a : b) + 0.25 * dx * inwards + dx * up_;
+      const auto free = [&](const Point3& x) { return wet(x) && !soil_at(x); };
+      if (!free(before) || !free(above)) continue;
+      fail(fmt::format("water_face[{}].{}", i, key),
+           fmt::format("the opening from {} to {} m lies under water, and what a submerged opening passes by '{}' is "
+                       "wrong: not the flow of its head; expected an opening that reaches the water's surface{}, or a "
+                       "gap between the walls with a floor behind it that ends at an outlet in the air",
+                       shown(a), shown(b), key, f.discharge ? ", a discharge that comes in" : ""));
     }
   }
 

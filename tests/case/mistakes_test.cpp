@@ -196,6 +196,58 @@ TEST_F(Mistakes, EstimatesAreThoseOfAreasAndVolumes) {
   EXPECT_NEAR(measure(read(slope).soils[0].shape, 2), 8.5, 1e-12);
 }
 
+TEST_F(Mistakes, AFaceThatEndsWhereAWallGoesStraightOnIsDoubted) {
+  const std::string scene = R"(
+[case]
+end_time = 1
+[[soil]]
+min = [0, 0]
+max = [0.8, 0.4]
+hydraulic_conductivity = 1e-4
+[[wall]]
+points = [[0, 0], [0.8, 0]]
+[[wall]]
+name = "lid"
+points = [[0.8, 0.2], [0.8, 0.4], [0, 0.4]]
+[[water_face]]
+points = [[0, 0.4], [0, 0]]
+head = 0.7
+[[water_face]]
+points = [[0.8, 0], [0.8, 0.2]]
+head = 0.5
+[fluid]
+particle_spacing = 0.02
+[[fluid.region]]
+min = [0, 0]
+max = [0.8, 0.4]
+[solid]
+model = "rigid"
+)";
+  EXPECT_THAT(warnings(scene), HasSubstr("key 'water_face[1]': wall 'lid' goes straight on where it ends"));
+  EXPECT_THAT(warnings(scene), HasSubstr("it has 10: expected a smaller fluid.particle_spacing"));
+  // A whole side between corners is exact.
+  EXPECT_EQ(warnings(changed(changed(scene, "[0.8, 0], [0.8, 0.2]]", "[0.8, 0], [0.8, 0.4]]"),
+                             "[[0.8, 0.2], [0.8, 0.4], [0, 0.4]]", "[[0.8, 0.4], [0, 0.4]]")),
+            "");
+}
+
+TEST_F(Mistakes, OpeningsUnderWaterThatDrawAreRefused) {
+  const auto with = [](const std::string& height, const std::string& kind) {
+    return changed(tank, "[[0, 1], [0, 0], [1, 0], [1, 1]]", "[[0, 1], [0, 0], [1, 0]]") + "[[wall]]\npoints = [[1, " +
+           height + "], [1, 1]]\n[[water_face]]\nname = \"slot\"\npoints = [[1, 0], [1, " + height + "]]\n" + kind +
+           "\n";
+  };
+  for (const std::string kind : {"outlet = true", "pressure = 0", "head = 0.05", "discharge = -0.2"}) {
+    const std::string key = kind.substr(0, kind.find(' '));
+    EXPECT_THAT(complaint(with("0.1", kind)), HasSubstr("key 'water_face[0]." + key +
+                                                        "': the opening from [1, 0] to [1, "
+                                                        "0.1] m lies under water"))
+        << kind;
+    EXPECT_THAT(complaint(with("0.6", kind)), Not(HasSubstr("lies under water"))) << kind;
+  }
+  EXPECT_EQ(complaint(with("0.1", "discharge = 0.2")), "no complaint");
+}
+
 TEST_F(Mistakes, WaterDrawnBehindAFaceIsRefused) {
   const std::string pond = "[[fluid.region]]\nshape = \"polygon\"\npoints = [[-1, 0], [0, 0], [0.3, 0.3], [-1, 0.3]]\n";
   EXPECT_THAT(complaint(dam + pond), HasSubstr("key 'fluid.region[0]': water lies behind water_face[0] \"reservoir\""));
