@@ -236,11 +236,19 @@ class Supported : Complaints {
   void openings_under_water() const {
     if (up_.isZero() || d_ != 2) return;
     const double dx = scene_.fluid.particle_spacing;
+    double level = -HUGE_VAL;
+    for (const auto& region : scene_.fluid.regions) level = std::max(level, extent(region, up_, d_).second);
     for (std::size_t i = 0; i < scene_.water_faces.size(); ++i) {
       const WaterFace& f = scene_.water_faces[i];
-      const bool draws = f.discharge && std::any_of(f.discharge->knots.begin(), f.discharge->knots.end(),
-                                                    [](const auto& knot) { return knot.second < 0.0; });
-      const std::string key = f.outlet ? "outlet" : f.pressure ? "pressure" : f.head ? "head" : draws ? "discharge" : "";
+      const auto draws = [](const std::optional<Series>& series, double below) {
+        return series && std::any_of(series->knots.begin(), series->knots.end(),
+                                     [&](const auto& knot) { return knot.second < below; });
+      };
+      const std::string key = f.outlet                          ? "outlet"
+                              : f.pressure                      ? "pressure"
+                              : draws(f.head, level - 0.5 * dx) ? "head"
+                              : draws(f.discharge, 0.0)         ? "discharge"
+                                                                : "";
       if (f.face.points.size() != 2 || key.empty()) continue;
       const Point3 &a = f.face.points.front(), &b = f.face.points.back();
       const Point3 along = (b - a).normalized(), inwards(-along.y(), along.x(), 0.0);

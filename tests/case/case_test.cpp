@@ -332,7 +332,7 @@ TEST_F(CaseFile, NamesARegionWithoutParticles) {
 }
 
 TEST_F(CaseFile, LetsWaterThroughWhereItIsMeantTo) {
-  const std::string face = "[[water_face]]\npoints = [[0.7, 0], [1, 0]]\npressure = 0\n";
+  const std::string face = "[[water_face]]\npoints = [[0.7, 0], [1, 0]]\ndischarge = 0.01\n";
   EXPECT_EQ(complaint(changed(tank_case, "[[0, 0], [1, 0]]", "[[0, 0], [0.7, 0]]") + face), "no complaint");
   EXPECT_EQ(complaint(changed(changed(tank_case, "end_time = 1",
                                       "end_time = 1\nperiodic = [\"x\"]\ndomain_min = [0, 0]\ndomain_max = [1, 1]"),
@@ -352,7 +352,7 @@ TEST_F(CaseFile, ChecksInletsOfRealWater) {
   const std::string dry = changed(open, "[[fluid.region]]\nmin = [0, 0]\nmax = [1, 0.5]\n", "");
   for (const auto& tank : {open, dry}) {
     EXPECT_EQ(inlet(tank, "points = [[0, 0], [0.4, 0]]\ndischarge = 0.01"), "no complaint");
-    EXPECT_EQ(inlet(tank, "points = [[0, 0], [0.4, 0]]\nhead = [[0, 0], [9, 0.6]]"), "no complaint");
+    EXPECT_EQ(inlet(tank, "points = [[0, 0], [0.4, 0]]\nhead = [[0, 0.5], [9, 0.6]]"), "no complaint");
     EXPECT_THAT(inlet(tank, "points = [[0, 0], [0.3, 0]]\ndischarge = 0.01"), HasSubstr("water can run out at"));
   }
   EXPECT_THAT(inlet(tank_case, "points = [[0.2, 0], [0.4, 0]]\ndischarge = 0.01"),
