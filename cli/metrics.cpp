@@ -132,6 +132,17 @@ double reading(const GaugeSeries& series, double t) {
   return series.value[i - 1] + share * (series.value[i] - series.value[i - 1]);
 }
 
+/// KEY=NUMBER of `vary`; nothing where it is not that.
+std::optional<std::pair<std::string, double>> assignment(const std::string& text) {
+  const auto sign = text.find('=');
+  if (sign == std::string::npos || sign == 0) return std::nullopt;
+  char* end = nullptr;
+  const char* const number = text.c_str() + sign + 1;
+  const double value = std::strtod(number, &end);
+  if (end == number || *end != '\0') return std::nullopt;
+  return std::pair{text.substr(0, sign), value};
+}
+
 /// Operations that already yield an error are held against zero; the others against the reference.
 double error_of(const Metric& m, double value) {
   if (m.op == "exceeds") return std::max(0.0, m.reference.value_or(0.0) - value);
@@ -500,13 +511,9 @@ class VerifyChecker {
     for (std::size_t i = 0; i < file.runs.size(); ++i) {
       word(fmt::format("run[{}].when", i), file.runs[i].when, {"always", "full"});
       word(fmt::format("run[{}].command", i), file.runs[i].command, {"run", "safety"});
-      for (const auto& key : file.runs[i].vary) {
-        char* end = nullptr;
-        const auto sign = key.find('=');
-        if (sign != std::string::npos) std::strtod(key.c_str() + sign + 1, &end);
-        if (sign == 0 || end == nullptr || end == key.c_str() + sign + 1 || *end != '\0')
-          fail(fmt::format("run[{}].vary", i), fmt::format("expected KEY=NUMBER, found \"{}\"", key));
-      }
+      for (const auto& text : file.runs[i].vary)
+        if (!assignment(text))
+          fail(fmt::format("run[{}].vary", i), fmt::format("expected KEY=NUMBER, found \"{}\"", text));
     }
     if (file.metrics.empty()) fail("metric", "expected one [[metric]] or more");
     for (std::size_t i = 0; i < file.metrics.size(); ++i) metric(file, file.metrics[i], fmt::format("metric[{}]", i));
@@ -624,10 +631,9 @@ std::vector<std::string> history(const VerifyRun& run, std::size_t number) {
   // Even steps of the golden ratio fill the range evenly, however many they are.
   const double turn = 0.6180339887498949 * static_cast<double>(number);
   const double share = 2.0 * (turn - std::floor(turn)) - 1.0;
-  for (const auto& key : run.vary) {
-    const auto sign = key.find('=');
-    const double value = std::strtod(key.c_str() + sign + 1, nullptr);
-    set.push_back(fmt::format("{}={:.12g}", key.substr(0, sign), value * (1.0 + run.variation * share)));
+  for (const auto& text : run.vary) {
+    const auto [key, value] = assignment(text).value();
+    set.push_back(fmt::format("{}={:.12g}", key, value * (1.0 + run.variation * share)));
   }
   return set;
 }

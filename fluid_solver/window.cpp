@@ -258,7 +258,7 @@ class WindowSolver {
     fluid_.apply(std::span<const double>(out.pressure), std::span<double>(row));
     const ScalarArray squeeze = squeezed(out.solid_velocity);
     for (std::size_t a = 0; a < n_; ++a) rest[a] = sources[a] + boundary[a] - row[a] - squeeze[a];
-    if (any_response_ && any_torn_) {
+    if (any_response_ && (any_torn_ || !in_.pressure.empty())) {
       ScalarArray change(n_);
       for (std::size_t a = 0; a < n_; ++a) change[a] = out.pressure[a] - start_[a];
       const ScalarArray held_back = stabilised(change);
@@ -523,17 +523,15 @@ class WindowSolver {
   /// Where soil yields, the shear that is going on goes on at constant stress: only what departs from the present
   /// motion meets the stiffness. Otherwise it would flow as a liquid of viscosity Dt M. A force on every particle [N].
   void prepare_flow() {
-    flow_.clear();
+    flow_.assign(n_, Vec<D>::Zero());
     // What a pass has found is the motion to depart from: there the skeleton's force is known.
     if (soil_.found_velocity.is_laid_out()) {
       const ScalarArray held = apply_H(soil_.found_velocity.values());
-      flow_.resize(n_, Vec<D>::Zero());
       for (std::size_t a = 0; a < n_; ++a)
         if (responds(a))
           flow_[a] = Eigen::Map<const Vec<D>>(held.data() + a * D) - s_.volume[a] / r_[a].ss * soil_.found_velocity[a];
       return;
     }
-    flow_.assign(n_, Vec<D>::Zero());
     for (std::size_t a = 0; a < n_; ++a) flow_[a] = anchor(a) * soil_.velocity[a];
     if (std::all_of(soil_.yielding.begin(), soil_.yielding.end(), [](double y) { return y <= 0.0; })) return;
     const VecArray<D> going = skeleton_extended(soil_.velocity.values());
@@ -545,8 +543,6 @@ class WindowSolver {
         if (share > 0.0) flow_[a] += share * static_cast<double>(image_weight_[k]) * (going[a] - going[j]);
       }
   }
-
-  Vec<D> going(std::size_t a) const { return flow_.empty() ? Vec<D>(Vec<D>::Zero()) : flow_[a]; }
 
   /// The stabilisation acts on the window's change of pressure, since consolidation takes care of what a pressure has
   /// that the wide gradient does not see. In short windows of soil that moves nothing does so: there it acts on the
@@ -649,7 +645,7 @@ class WindowSolver {
       const Vec<D> r = force - soil_.fraction[a] * in_.weight - soil_.drag_offset[a];
       const Vec<D> velocity =
           skeleton.ss / (q.aw + q.C) * (q.C * q.aw * pushed(a) + (q.aw + q.C) * (skeleton.as * soil_.velocity[a] + r)) -
-          skeleton.mS * G[a] + skeleton.ss / s_.volume[a] * going(a);
+          skeleton.mS * G[a] + skeleton.ss / s_.volume[a] * flow_[a];
       set_drive(drive, a, velocity);
     }
     return drive;
@@ -678,12 +674,6 @@ class WindowSolver {
     const ScalarArray at_start = apply_H(velocity);
     skeleton_velocity(out.pressure, at_start, at_start, out);
     ScalarArray residual = imbalance(b, ScalarArray(n_, 0.0), out);
-    if (!in_.pressure.empty() && !any_torn_) {
-      ScalarArray change(n_);
-      for (std::size_t a = 0; a < n_; ++a) change[a] = out.pressure[a] - start_[a];
-      const ScalarArray held_back = stabilised(change);
-      for (std::size_t a = 0; a < n_; ++a) residual[a] -= held_back[a];
-    }
     if (closed_) remove_mean(residual);
     const double size = norm(residual);  // of what the directions add up to
     std::vector<VecArray<D>> answers;    // of the skeleton to the directions of the search
@@ -791,7 +781,7 @@ class WindowSolver {
   bool any_response_ = false, closed_ = true, free_closed_ = true, any_torn_ = false;
   std::vector<char> beside_moving_;  ///< 1: of free water and moving soil that meet; empty: nothing moves
   std::vector<bool> torn_;  ///< water at the cavitation pressure
-  VecArray<D> flow_;        ///< empty: nothing yields
+  VecArray<D> flow_;        ///< force of the motion that the skeleton departs from [N]
   PairMatrix fluid_, skeleton_, plain_;
   ScalarArray sources_;
   ScalarArray start_, free_diagonal_, free_boundary_;  ///< the pressure at first; the system with nothing torn
