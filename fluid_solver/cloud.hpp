@@ -3,6 +3,7 @@
 #pragma once
 
 #include "common/sph/neighbours.hpp"
+#include "common/sph/sight.hpp"
 #include "fluid_solver/state.hpp"
 #include "fluid_solver/stencil.hpp"
 
@@ -23,6 +24,9 @@ struct Cloud {
   OrZero<Vec<D>> solid_velocity, solid_change, surface_gradient;
   OrZero<double> surface_share;
   ScalarArray mask, void_fraction;
+  sph::Sight<D> sight;        ///< past the walls
+  std::size_t n_base = 0;     ///< points that are no images
+  std::vector<Index> by, of;  ///< [images] as sph::Images has them, where sight is limited
   [[nodiscard]] std::size_t size() const { return position.size(); }
 };
 
@@ -35,8 +39,9 @@ struct StillWater {
 
 /// sticky: walls to which water sticks, by bits.
 template <int D>
-Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> planes, const Vec<D>& weight,
-                    const Vec<D>& origin, std::span<const StillWater<D>> reservoir = {}, std::uint32_t sticky = 0) {
+Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> planes, const sph::Sight<D>& sight,
+                    const Vec<D>& weight, const Vec<D>& origin, std::span<const StillWater<D>> reservoir = {},
+                    std::uint32_t sticky = 0) {
   const auto& p = state.particles;
   Cloud<D> c;
   c.n_real = p.size();
@@ -78,7 +83,13 @@ Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> p
   }
   for (std::size_t i = 0; i < c.size(); ++i) c.owner.push_back(i < c.n_real ? static_cast<double>(i) : -1.0);
   const VecArray<D> base = c.position;
-  const auto images = sph::make_images<D>(base, planes, sph::support_radius * largest);
+  const double reach = sph::support_radius * largest;
+  auto images = sight.limited() ? sph::images_in_all_orders<D>(base, sight.planes(), reach)
+                                : sph::make_images<D>(base, planes, reach);
+  c.sight = sight;
+  c.n_base = base.size();
+  c.by = std::move(images.by);
+  c.of = std::move(images.of);
   for (std::size_t i = 0; i < images.size(); ++i) {
     const Index q = images.parent[i];
     c.position.push_back(images.position[i]);
@@ -164,10 +175,18 @@ class Probe {
   [[nodiscard]] double length(Index j) const { return width_ * cloud_.length[j]; }
   template <class F>
   void near(const Vec<D>& x, F&& f) const {
+    typename sph::Sight<D>::Near walls;
+    if (cloud_.sight.limited()) cloud_.sight.find_near(x, reach_, walls);
     grid_.for_each_within(x, reach_, [&](Index j, double r2) {
       const double support = sph::support_radius * length(j);
-      if (r2 < support * support) f(j, std::sqrt(r2));
+      if (r2 < support * support && (!cloud_.sight.limited() || seen(x, j, walls))) f(j, std::sqrt(r2));
     });
+  }
+
+  [[nodiscard]] bool seen(const Vec<D>& x, Index j, const typename sph::Sight<D>::Near& walls) const {
+    const auto& c = cloud_;
+    return j < c.n_base ? c.sight.open(x, c.position[j], walls)
+                        : c.sight.sees(x, j, c.n_base, c.position, c.by, c.of, walls);
   }
 
   const Cloud<D>& cloud_;

@@ -12,6 +12,9 @@
 
 namespace poretwin::fluid {
 
+/// Depth in which a face's outermost particle is looked for, in spacings: the first row stands at a half.
+constexpr double outermost_within = 0.75;
+
 /// Levels of the basins at the end of a window, the flow through their faces taken as it was in the last one.
 template <int D>
 void Fluid<D>::fill_basins(double time, double interval) {
@@ -49,13 +52,48 @@ template <int D>
 ScalarArray Fluid<D>::passed() const {
   ScalarArray sum(scene_.water_faces.size(), 0.0);
   for (std::size_t f = 0; f < sum.size(); ++f) sum[f] = -state_.taken[f];
-  for (const auto& c : state_.columns) sum[static_cast<std::size_t>(c.face)] += c.passed(density_);
+  for (const auto& c : state_.columns) sum[static_cast<std::size_t>(c.face)] += c.passed;
   for (const auto& inlet : state_.inlets) sum[static_cast<std::size_t>(inlet.face)] += inlet.passed();
   return sum;
 }
 
+/// Whether the flow through a column is told by the matrix of the pressure: where water creeps through soil at rest.
+/// Elsewhere, where the skeleton or inertia carries part of it, the column moves as the water before it does.
 template <int D>
-void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, double interval) {
+bool Fluid<D>::is_told(const FaceColumn<D>& c) const {
+  return c.creeps && !scene_.coupled() && scene_.fluid.scheme == FluidCase::Scheme::projection;
+}
+
+/// Counts water that comes in through a column, or goes out.
+template <int D>
+void Fluid<D>::count(FaceColumn<D>& c, double volume) {
+  c.passed += volume;
+  came_.resize(scene_.water_faces.size(), 0.0);
+  came_[static_cast<std::size_t>(c.face)] += volume;
+}
+
+/// What came through a face in the window, less what went: from column to column it goes in and out with the packing.
+template <int D>
+void Fluid<D>::close_accounts() {
+  for (double& volume : came_) {
+    (volume > 0.0 ? state_.balance.in : state_.balance.out) += std::abs(volume);
+    volume = 0.0;
+  }
+}
+
+/// What the faces' account has let in beyond what the particles' water has grown by [m^D].
+template <int D>
+double Fluid<D>::missing_water() const {
+  double stored = 0.0;
+  for (const double m : state_.particles.mass) stored += m / density_;
+  for (const auto& c : state_.columns) stored += c.share(density_);
+  for (const auto& inlet : state_.inlets) stored += inlet.piston * inlet.width;
+  return state_.balance.in - state_.balance.out - (stored - state_.balance.initial);
+}
+
+template <int D>
+void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, const WindowSolution<D>& solution,
+                               double interval) {
   const auto& p = state_.particles;
   if (state_.columns.empty()) return;
   const auto motion = moved();
@@ -64,9 +102,15 @@ void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, dou
   for (const auto& c : state_.columns)
     widest = std::max(widest, 2.0 * smoothing_ratio * std::max(c.spacing, 2.0 * c.width));
   grid.build(p.position, widest);
+  typename sph::Sight<D>::Near near;
   for (std::size_t i = 0; i < state_.columns.size(); ++i) {
     auto& c = state_.columns[i];
     const double speed_before = c.speed;
+    // A column that a head has reached or left holds water or none.
+    if (is_told(c)) {
+      count(c, c.share(density_) - c.stored);
+      c.stored = c.share(density_);
+    }
     c.speed = 0.0;
     c.slope = 0.0;
     if (!c.wet) continue;
@@ -76,8 +120,10 @@ void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, dou
     double sum = 0.0, speed = 0.0;
     // Of two soils side by side each moves its own columns.
     const Soil* here = scene_.soils.size() > 1 && !scene_.coupled() ? soil_at(scene_, to_point3<D>(probe)) : nullptr;
+    if (sight_.limited()) sight_.find_near(probe, sph::support_radius * h, near);
     grid.for_each_within(probe, sph::support_radius * h, [&](Index a, double r2) {
       if (c.in_soil && is_free(a)) return;
+      if (!near.empty() && !sight_.open(probe, p.position[a], near)) return;
       if (const Soil* there = here ? soil_at(scene_, to_point3<D>(p.position[a])) : nullptr; there != here && there)
         return;
       const double w = p.volume[a] * Kernel<D>::value(std::sqrt(r2), h);
@@ -88,11 +134,17 @@ void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, dou
       speed += w * (c.normal.dot(p.velocity[a]) + loose);
     });
     if (sum < 0.05) {
+      const double before = c.offset;
       wet_dry_ground(c, interval);
+      if (is_told(c)) count(c, c.mass / density_ * (c.offset - before) / c.spacing);
       continue;
     }
-    c.speed = speed / sum;
-    c.offset += interval * (c.speed + (c.in_soil ? look_ahead(interval) * (c.speed - speed_before) : 0.0));
+    const double area = c.volume / c.spacing;
+    const double told = (solution.face_carry[i] + solution.face_flow[i] / area) / c.void_fraction;
+    c.speed = is_told(c) && std::isfinite(told) ? told : speed / sum;
+    const double advance = interval * (c.speed + (c.in_soil ? look_ahead(interval) * (c.speed - speed_before) : 0.0));
+    c.offset += advance;
+    if (is_told(c)) count(c, c.mass / density_ * advance / c.spacing);
   }
 }
 
@@ -105,8 +157,8 @@ double Fluid<D>::driving_pressure(const FaceColumn<D>& c) const {
 }
 
 /// Water behind a wet face enters dry ground as a sharp front, before there is a particle to carry it (Green & Ampt
-/// 1911): dz/dt = (k/n) (H/z + cos), H the pressure head at the face and the suction head ahead, z = offset - spacing/2;
-/// the head's part is integrated exactly.
+/// 1911): dz/dt = (k/n) (H/z + cos), H the pressure head at the face and the suction head ahead, z = offset -
+/// spacing/2; the head's part is integrated exactly.
 template <int D>
 void Fluid<D>::wet_dry_ground(FaceColumn<D>& c, double interval) const {
   const auto speed = infiltration_speed(c);
@@ -288,11 +340,39 @@ void Fluid<D>::give_birth_and_delete(const SoilView<D>& view) {
     if (!faces_follow_ && c.in_soil && d < 0.0)
       p.pressure[a] = std::max(p.pressure[a], -weight_.dot(p.position[a] - origin_));
     if (!passed && !left) continue;
+    if (is_told(c) && c.wet) {
+      // It goes when the flow through the column has taken it (below). Far outside it is given back to the column.
+      if (d > -c.spacing) continue;
+      keep[a] = false;
+      any = true;
+      c.offset += c.spacing;
+      continue;
+    }
     keep[a] = false;
-    c.net -= p.mass[a] / density_;
     any = true;
     crossed[static_cast<std::size_t>(i)] -= p.mass[a] / density_;
     c.offset = std::clamp(d + c.spacing, 0.0, 0.999 * c.spacing);
+  }
+  // What the flow has taken out through a column is its outermost particle, wherever in the first spacing that stands:
+  // beside a wall on which the face ends the velocity has no bound, and particles move more slowly than the flow. Where
+  // a column has none there left, its neighbour's goes.
+  for (auto& c : state_.columns) {
+    if (!is_told(c) || !c.wet || c.offset >= -deletion_depth * c.spacing) continue;
+    std::size_t found = p.size();
+    double nearest_yet = 0.0;
+    for (std::size_t a = 0; a < p.size(); ++a) {
+      if (!keep[a] || nearest[a] < 0) continue;
+      const auto& own = state_.columns[static_cast<std::size_t>(nearest[a])];
+      if (own.face != c.face || own.inside(p.position[a]) >= outermost_within * own.spacing) continue;
+      const double distance = (p.position[a] - c.foot).norm();
+      if (found != p.size() && distance >= nearest_yet) continue;
+      found = a;
+      nearest_yet = distance;
+    }
+    if (found == p.size()) continue;
+    keep[found] = false;
+    any = true;
+    c.offset += c.spacing * p.mass[found] / c.mass;
   }
   if (any) {
     const std::size_t had = p.size();
@@ -306,14 +386,11 @@ void Fluid<D>::give_birth_and_delete(const SoilView<D>& view) {
       p.add(c.foot + c.offset * c.normal, c.speed * c.normal, c.mass, c.void_fraction, c.volume,
             c.pressure + c.slope * c.offset);
       crossed[i] += c.mass / density_;
-      c.net += c.mass / density_;
       ++state_.counts.born;
     }
     // The part of the stack's outermost particle that is inside counts as water that came.
-    const double stored = c.share(density_);
-    const double gained = crossed[i] + stored - c.stored;
-    (gained > 0.0 ? state_.balance.in : state_.balance.out) += std::abs(gained);
-    c.stored = stored;
+    if (!is_told(c) || !c.wet) count(c, crossed[i] + c.share(density_) - c.stored);
+    c.stored = c.share(density_);
   }
 }
 

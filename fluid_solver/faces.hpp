@@ -34,17 +34,20 @@ struct FaceColumn {
   double speed = 0.0;              ///< of the stack [m/s]
   double pressure = 0.0;           ///< at the foot, piezometric [Pa]
   double slope = 0.0;              ///< of the piezometric pressure along the normal [Pa/m]
-  double net = 0.0;                ///< volume of particles born here, less that of those deleted [m^D]
   bool in_soil = false;            ///< the ground behind the face is soil
+  bool creeps = false;             ///< and its drag rules the water there, not inertia
   bool wet = false;                ///< acts now
   bool held = false;               ///< a wall holds the soil at the face: a filter
   bool loaded = false;             ///< the face carries a load
   double stored = 0.0;             ///< water of the outermost spacing that is in the domain but in no particle [m^D]
+  double passed = 0.0;             ///< volume of water that has come in here, less what has gone out [m^D]
+  double before = 0.0;             ///< length of the wall that goes on straight before the face's end here [m]
+  double after = 0.0;              ///< and after it [m]
   [[nodiscard]] double inside(const Vec<D>& x) const { return normal.dot(x - foot); }
   /// Volume of water that the first buffer has inside the face [m^D]; negative: that the last particle has outside.
-  [[nodiscard]] double share(double density) const { return wet ? mass / density * (offset / spacing - 0.5) : 0.0; }
-  /// Volume of water that has come in here, less what has gone out [m^D].
-  [[nodiscard]] double passed(double density) const { return net + share(density); }
+  [[nodiscard]] double share(double density) const {
+    return wet ? mass / density * std::clamp(offset / spacing - 0.5, -0.5 - deletion_depth, 0.5) : 0.0;
+  }
 };
 
 /// What drives a front into dry ground behind a face.
@@ -97,12 +100,48 @@ void add_column(const Case& scene, int face, const Vec<D>& foot, const Vec<D>& n
   c.loaded = std::any_of(scene.loads.begin(), scene.loads.end(),
                          [&](const Load& load) { return lies_on<D>(load.face, foot, 1e-6 * dx); });
   c.void_fraction = soil ? fillable_porosity(*soil) : 1.0;
+  if (soil && scene.fluid.drag) {
+    const double weight = porous::specific_weight(scene);
+    const auto law = porous::resistance(weight, c.void_fraction, porous::seepage_at(scene, *soil, soil->porosity));
+    c.creeps = !inertia_rules(c.void_fraction, scene.water.density, law.linear, dx, weight / scene.water.density);
+  }
   c.mass = scene.water.density * c.void_fraction * c.volume;
   c.offset = 0.5 * c.spacing;
   columns.push_back(c);
 }
 
 }  // namespace detail
+
+/// Where walls end and faces of columns begin.
+template <int D>
+std::vector<Joint<D>> make_joints(const Case& scene) {
+  std::vector<Joint<D>> joints;
+  if constexpr (D == 2) {
+    const double tolerance = 0.05 * scene.fluid.particle_spacing;
+    const auto ends = [](const sph::ImagePlane<D>& p) {
+      const double at = p.tangent.dot(p.point);
+      return std::array<Vec<D>, 2>{p.point + (p.from - at) * p.tangent, p.point + (p.to - at) * p.tangent};
+    };
+    for (const auto& face : scene.water_faces) {
+      if (is_inlet(scene, face) || face.face.points.empty()) continue;
+      for (const auto& next : planes_of<D>(face.face, 0, 0.0))
+        for (std::size_t w = 0; w < scene.walls.size(); ++w) {
+          const auto& wall = scene.walls[w];
+          if (wall.water == Wall::ForWater::none || wall.face.points.empty()) continue;
+          for (const auto& piece : planes_of<D>(wall.face, static_cast<int>(w), 0.0))
+            for (const std::size_t e : {0, 1}) {
+              if ((ends(piece)[e] - ends(next)[1 - e]).norm() > tolerance) continue;
+              const double sign = e == 1 ? 1.0 : -1.0;
+              // Towards the domain it is a corner, which images of the columns fill.
+              if (sign * piece.normal.dot(next.tangent) > 0.01) continue;
+              joints.push_back(
+                  {ends(piece)[e], sign * piece.tangent, piece.normal, piece.to - piece.from, static_cast<int>(w)});
+            }
+        }
+    }
+  }
+  return joints;
+}
 
 /// Columns of all water faces. A face given as a plane is tiled where soil or water regions lie behind it.
 template <int D>
@@ -119,9 +158,19 @@ std::vector<FaceColumn<D>> make_columns(const Case& scene) {
           const double length = piece.to - piece.from;
           const int count = std::max(1, static_cast<int>(std::lround(length / dx)));
           const double width = length / count;
+          const std::size_t first = columns.size();
           for (int i = 0; i < count; ++i)
             detail::add_column<2>(scene, number, piece.point + (i + 0.5) * width * piece.tangent, piece.normal, width,
                                   0.5 * width, columns);
+          if (columns.size() == first) continue;
+          for (const auto& joint : make_joints<2>(scene)) {
+            if (joint.normal.dot(piece.normal) < 0.9999 ||
+                std::abs(piece.normal.dot(joint.at - piece.point)) > 0.05 * dx)
+              continue;
+            auto& c = joint.along.dot(piece.tangent) > 0.0 ? columns[first] : columns.back();
+            if ((c.foot - joint.at).norm() > 1.05 * c.width) continue;
+            (joint.along.dot(piece.tangent) > 0.0 ? c.before : c.after) = joint.length;
+          }
         }
         continue;
       }
@@ -228,15 +277,27 @@ void update_columns(const Case& scene, double time, std::span<const double> basi
   }
 }
 
+/// beyond: where a wall goes on straight from a face, the face's last column is repeated behind it, as far as a line of
+/// sight through the face comes (Joint).
 template <int D>
-std::vector<Buffer<D>> make_buffers(const std::vector<FaceColumn<D>>& columns) {
+std::vector<Buffer<D>> make_buffers(const std::vector<FaceColumn<D>>& columns, bool beyond = false) {
   std::vector<Buffer<D>> buffers;
   for (std::size_t i = 0; i < columns.size(); ++i) {
     const auto& c = columns[i];
     if (!c.wet) continue;
-    for (int j = 1; j <= buffers_per_column; ++j) {
-      const double d = c.offset - j * c.spacing;
-      buffers.push_back({c.foot + d * c.normal, c.volume, static_cast<Index>(i), -d, c.foot, c.normal, c.in_soil});
+    const auto add = [&](const Vec<D>& foot) {
+      for (int j = 1; j <= buffers_per_column; ++j) {
+        const double d = c.offset - j * c.spacing;
+        buffers.push_back({foot + d * c.normal, c.volume, static_cast<Index>(i), -d, foot, c.normal, c.in_soil});
+      }
+    };
+    add(c.foot);
+    if constexpr (D == 2) {
+      const Vec<D> step = 2.0 * c.width * Vec<D>(c.normal[1], -c.normal[0]);
+      for (int k = 1; beyond && k < buffers_per_column; ++k) {
+        if ((k - 0.5) * 2.0 * c.width < c.before) add(c.foot - k * step);
+        if ((k - 0.5) * 2.0 * c.width < c.after) add(c.foot + k * step);
+      }
     }
   }
   return buffers;
@@ -262,6 +323,13 @@ double length_of_even_fall() {
   return value;
 }
 
+/// Does a place see point j of a stencil?
+template <int D>
+bool sees(const sph::Sight<D>& sight, const Stencil<D>& s, const Vec<D>& x, Index j,
+          const typename sph::Sight<D>::Near& near) {
+  return j < s.n_base ? sight.open(x, s.position[j], near) : sight.sees(x, j, s.n_base, s.position, s.by, s.of, near);
+}
+
 /// Fits of the pressure's slope at every column, straight lines through the face, over the first spacings inside,
 /// images behind walls included: weighted least squares. As far as there are only particles on the face itself, which
 /// say nothing of the slope, that of the window before stands in. Below a load the grains have to carry the whole fall
@@ -269,7 +337,9 @@ double length_of_even_fall() {
 /// gradients then sum to it (the fit alone makes 0.86 of it). free: [n] in no soil; at a face of soil that does not
 /// count.
 template <int D>
-void fit_columns(const std::vector<FaceColumn<D>>& columns, std::span<const char> free, Stencil<D>& s) {
+void fit_columns(const std::vector<FaceColumn<D>>& columns, std::span<const char> free, Stencil<D>& s,
+                 const sph::Sight<D>& sight = {}) {
+  typename sph::Sight<D>::Near near_by;
   s.fit_offset.assign(1, 0);
   s.fit_constant.clear();
   if (columns.empty()) return;
@@ -284,8 +354,11 @@ void fit_columns(const std::vector<FaceColumn<D>>& columns, std::span<const char
     first.clear();
     if (c.wet) {
       const double h = 0.65 * spacing_of<D>(c.volume);
-      grid.for_each_within(c.foot + 0.75 * c.spacing * c.normal, sph::support_radius * h, [&](Index j, double r2) {
+      const Vec<D> probe = c.foot + 0.75 * c.spacing * c.normal;
+      if (sight.limited()) sight.find_near(probe, sph::support_radius * h, near_by);
+      grid.for_each_within(probe, sph::support_radius * h, [&](Index j, double r2) {
         const Index a = s.parent[j];
+        if (sight.limited() && !sees<D>(sight, s, probe, j, near_by)) return;
         const double d = c.inside(s.position[j]);
         // One that has just been born lies on the face, to rounding.
         if (a >= s.n_real || d < -1e-6 * c.spacing || (c.in_soil && free[a])) return;

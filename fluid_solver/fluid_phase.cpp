@@ -19,8 +19,8 @@ namespace {
 
 /// Of the pressure solve where no water is in soil: a dam break's front and energy are the same as with 1e-4.
 constexpr double free_water_tolerance = 1e-3;
-/// Of the pressure solve between soils: what drives the flow is told by the fastest soil, what flows through the slowest,
-/// and what a solve leaves undone there moves the fast soil's water. Tighter than this is lost in rounding.
+/// Of the pressure solve between soils: what drives the flow is told by the fastest soil, what flows through the
+/// slowest, and what a solve leaves undone there moves the fast soil's water. Tighter than this is lost in rounding.
 constexpr double tightest_tolerance = 1e-11;
 /// A window is solved again when the drag's tangent misses the law by more than this share of inertia and drag (rms).
 constexpr double drag_tolerance = 0.02;
@@ -121,6 +121,7 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
   state_.wave_speed =
       std::sqrt(scene.general.gravity.norm() * depth + scene.general.central_force * farthest * farthest);
   state_.columns = make_columns<D>(scene);
+  joints_ = make_joints<D>(scene);
   for (const auto& c : state_.columns) feet_.push_back(c.foot);
   // What lies on a face of soil to rounding is the soil's.
   const ColumnFinder<D> finder(state_.columns);
@@ -189,7 +190,7 @@ coupling::Contract Fluid<D>::contract() const {
 template <int D>
 coupling::Publication Fluid<D>::publish() const {
   const auto still = reservoir();
-  const auto cloud = make_cloud<D>(state_, planes_, weight_, origin_, std::span<const StillWater<D>>(still));
+  const auto cloud = make_cloud<D>(state_, planes_, sight_, weight_, origin_, std::span<const StillWater<D>>(still));
   coupling::Publication out;
   out.time = state_.time;
   std::tie(out.proposed_interval, out.limited_by) = proposal();
@@ -266,12 +267,13 @@ SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox) const {
 template <int D>
 Stencil<D> Fluid<D>::stencil() const {
   const auto& p = state_.particles;
-  const auto buffers = make_buffers(state_.columns);
+  const auto buffers = make_buffers(state_.columns, true);
   std::vector<char> free(p.size());
   for_each_side_by_side(p.size(), [&](std::size_t a) { free[a] = is_free(a); });
-  auto s = make_stencil<D>(p.position, p.volume, std::span<const Buffer<D>>(buffers), planes_, free, open_water(),
-                           scene_.coupled() ? worth_threads_while_others_wait : worth_threads_in_pairs);
-  fit_columns<D>(state_.columns, free, s);
+  auto s =
+      make_stencil<D>(p.position, p.volume, std::span<const Buffer<D>>(buffers), planes_, free, open_water(),
+                      scene_.coupled() ? worth_threads_while_others_wait : worth_threads_in_pairs, sight_, joints_);
+  fit_columns<D>(state_.columns, free, s, sight_);
   limit_surface(s);
   return s;
 }
@@ -304,9 +306,16 @@ WindowProblem<D> Fluid<D>::problem(double interval) const {
 template <int D>
 void Fluid<D>::mark_surface(Stencil<D>& s, std::span<double> rows, double share) {
   auto& p = state_.particles;
-  const auto flags = find_surface<D>(s, p.seeps, rows, share, scene_.coupled());
+  // Where soil at rest is full of water and behind every face there is more, no air can come in, and a hole of a
+  // spacing at the end of a face is none: taken for a surface it would draw in what fills several.
+  const bool closed =
+      !state_.columns.empty() && p.size() > 0 && (state_.full || state_.time == 0.0) &&
+      std::all_of(state_.columns.begin(), state_.columns.end(), [&](const auto& c) { return is_told(c) && c.wet; }) &&
+      all_side_by_side(p.size(), [&](std::size_t a) { return p.mask[a] > 0.5; });
+  const auto flags = find_surface<D>(s, p.seeps, rows, share, scene_.coupled(), closed && state_.full);
   s.forget_moments();
   p.surface = flags;
+  state_.full = closed && all_side_by_side(p.size(), [&](std::size_t a) { return flags[a] == Surface::interior; });
 }
 
 /// Pressure of water at rest: no source, no velocity, the skeleton holds still. In the time of a fall through the whole
@@ -337,7 +346,8 @@ void Fluid<D>::settle(SoilView<D>& view) {
     return drags(view, a) ? out.velocity[a].norm() / spacing_of<D>(p.volume[a]) : 0.0;
   });
   state_.window_limits.clear();
-  if (fastest > 0.0) state_.window_limits.push_back({0.25 / fastest, "a quarter spacing per window of seepage that begins"});
+  if (fastest > 0.0)
+    state_.window_limits.push_back({0.25 / fastest, "a quarter spacing per window of seepage that begins"});
 }
 
 /// What pressure and drag do to the soil, by the water's own account: the soil's tells its balance with its own account
@@ -355,8 +365,8 @@ void Fluid<D>::keep_force(const SoilView<D>& view, std::span<const Vec<D>> gradi
   if (computes_beside() && !p.felt.is_laid_out()) p.felt = p.force;
 }
 
-/// In short windows water among free water is free, whatever its own grains do: where most of the soil's water around it
-/// moves, a particle that stood still would have a gradient that does not know of the surface beside it, while the
+/// In short windows water among free water is free, whatever its own grains do: where most of the soil's water around
+/// it moves, a particle that stood still would have a gradient that does not know of the surface beside it, while the
 /// skeleton there gives way. At a pocket in a run-out of tailings that made a pressure of 5 MPa in one window.
 template <int D>
 void Fluid<D>::flow_together(const Stencil<D>& s) {
@@ -402,7 +412,8 @@ void Fluid<D>::initialise(const coupling::Inbox& inbox) {
     p.void_fraction[a] = 1.0 - view.fraction[a];
     p.mass[a] = p.void_fraction[a] * density_ * p.volume[a];
     p.mask[a] = view.mask[a];
-    p.seeps[a] = seeps<D>(view, a, p.velocity[a], spacing_of<D>(p.volume[a]), {density_, creeping_speed(), true}) ? 1 : 0;
+    p.seeps[a] =
+        seeps<D>(view, a, p.velocity[a], spacing_of<D>(p.volume[a]), {density_, creeping_speed(), true}) ? 1 : 0;
   }
   begin_control(view, 0.0);
   p.solid_velocity = view.velocity;
@@ -582,6 +593,13 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
       source[a] += std::clamp(0.5 * interval * (velocity_gradient[a] * velocity_gradient[a]).trace(), -0.2 / interval,
                               0.2 / interval);
   });
+  // Saturated soil at rest keeps its water: what is repaired there moves, and none of it comes or goes through a face.
+  // Disordered points have a sum V W above a lattice's, and water would be pressed out for ever.
+  if (state_.full) {
+    const double whole = sum_over(p.size(), [&](std::size_t a) { return p.volume[a]; });
+    const double made = sum_over(p.size(), [&](std::size_t a) { return p.volume[a] * source[a]; });
+    for_each_side_by_side(p.size(), [&](std::size_t a) { source[a] -= made / whole; });
+  }
   if (!responds() || state_.last_interval <= 0.0) return source;
   // The soil moved by its own account; what that squeezed beyond the prediction is made good no faster than it came:
   // after a long window, short ones take their share of it only.
@@ -606,8 +624,8 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
 
 /// Where the soil has moved otherwise than the last window reckoned, its water goes along, as (27) has it at the
 /// pressure of that window: by C / (a + C) of the departure of the velocity. The soil met that water's inertia at once
-/// (Solid::advance), by its own account; what the two accounts differ by, which is small and uneven, is shared out among
-/// the soil's water within a kernel's reach, so that their sum is kept.
+/// (Solid::advance), by its own account; what the two accounts differ by, which is small and uneven, is shared out
+/// among the soil's water within a kernel's reach, so that their sum is kept.
 template <int D>
 void Fluid<D>::follow_skeleton(const Stencil<D>& s, const SoilView<D>& view) {
   auto& p = state_.particles;
@@ -778,11 +796,12 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   limit_by_slowing(velocity_before, dt);
   limit_by_acceleration(view, velocity_before, dt);
   limit_scheme(view);
-  advance_columns(s, view, dt);
+  advance_columns(s, view, out, dt);
   push_pistons(0.5 * dt);
   move(s, out, gradient, velocity_before, dt);
   if (faces_follow_) follow_soil(view);
   give_birth_and_delete(view);
+  close_accounts();
   serve_inlets();
   state_.time = window.time + dt;
   state_.last_interval = dt;

@@ -92,7 +92,12 @@ class Fluid final : public Phase {
   ScalarArray passed() const;
   /// Of the walls on water and soil, by the water's pressure [N, 2D: N/m].
   [[nodiscard]] Vec<D> wall_force() const;
-  void advance_columns(const Stencil<D>& s, const SoilView<D>& soil, double interval);
+  void advance_columns(const Stencil<D>& s, const SoilView<D>& soil, const WindowSolution<D>& solution,
+                       double interval);
+  [[nodiscard]] bool is_told(const FaceColumn<D>& c) const;
+  [[nodiscard]] double missing_water() const;
+  void count(FaceColumn<D>& c, double volume);
+  void close_accounts();
   void wet_dry_ground(FaceColumn<D>& c, double interval) const;
   double driving_pressure(const FaceColumn<D>& c) const;
   InfiltrationSpeed infiltration_speed(const FaceColumn<D>& c) const;
@@ -127,6 +132,9 @@ class Fluid final : public Phase {
   /// Weight of water [N/m3], where its potential is: gravity along a periodic axis, which has none, pulls [m/s2].
   Vec<D> weight_ = Vec<D>::Zero(), pull_ = Vec<D>::Zero(), origin_ = Vec<D>::Zero();
   std::vector<sph::ImagePlane<D>> planes_;
+  sph::Sight<D> sight_;
+  std::vector<Joint<D>> joints_;
+  ScalarArray came_;                            ///< [faces] through columns in this window so far, m^D
   Vec<D> lower_, upper_;                        ///< beyond, water is lost [m]
   std::uint32_t no_slip_ = 0, fixed_soil_ = 0;  ///< boundary bits
   bool faces_follow_ = false;    ///< all water is in soil that can leave its place: faces stay on its surface

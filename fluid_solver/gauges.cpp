@@ -348,7 +348,7 @@ class Reader {
 template <int D>
 Vec<D> Fluid<D>::wall_force() const {
   Vec<D> force = Vec<D>::Zero();
-  const auto cloud = make_cloud<D>(state_, planes_, weight_, origin_);
+  const auto cloud = make_cloud<D>(state_, planes_, sight_, weight_, origin_);
   const Probe<D> probe(cloud);
   for (const auto& wall : scene_.walls) {
     if (wall.water == Wall::ForWater::none) continue;
@@ -369,7 +369,7 @@ std::vector<GaugeReading> Fluid<D>::gauges() const {
   const bool any =
       std::any_of(scene_.gauges.begin(), scene_.gauges.end(), [](const Gauge& g) { return g.phase == "fluid"; });
   if (!any) return {};
-  const auto cloud = make_cloud<D>(state_, planes_, weight_, origin_, {}, no_slip_);
+  const auto cloud = make_cloud<D>(state_, planes_, sight_, weight_, origin_, {}, no_slip_);
   Reader<D> reader(scene_, state_, cloud, weight_, passed());
   for (const auto& gauge : scene_.gauges)
     if (gauge.phase == "fluid") reader.read(gauge);

@@ -1,6 +1,7 @@
 #include "fluid_solver/inlet.hpp"
 
 #include "common/case/geometry.hpp"
+#include "common/case/thin_walls.hpp"
 #include "fluid_solver/fluid_phase.hpp"
 
 #include <algorithm>
@@ -123,8 +124,24 @@ std::vector<sph::ImagePlane<D>> water_planes(const Case& scene, const std::vecto
 }
 
 template <int D>
+sph::Sight<D> water_sight(const Case& scene, double margin) {
+  if constexpr (D == 2) {
+    if (!sight_matters(scene)) return {};
+    auto planes = sides_of_walls(scene, margin);
+    return sph::Sight<D>(std::move(planes), sight_slack * margin);
+  } else {
+    return {};
+  }
+}
+
+template <int D>
 void Fluid<D>::place_pistons() {
-  planes_ = water_planes<D>(scene_, state_.inlets, 6.0 * dx_);
+  const double margin = wall_margin * sph::support_radius * smoothing_ratio * dx_;
+  if (sight_.limited() || planes_.empty()) sight_ = water_sight<D>(scene_, margin);
+  if (sight_.limited())
+    planes_.assign(sight_.planes().begin(), sight_.planes().end());
+  else
+    planes_ = water_planes<D>(scene_, state_.inlets, margin);
 }
 
 /// What the inlets do in the window that begins: the levels before them from the free water's surface near by.
@@ -252,10 +269,11 @@ void Fluid<D>::serve_inlets() {
   place_pistons();
 }
 
-#define PORETWIN_INSTANTIATE(D)                                                 \
-  template std::vector<Inlet<D>> make_inlets<D>(const Case&);                   \
-  template double inlet_speed<D>(const Case&, const Inlet<D>&, double, double); \
-  template std::vector<sph::ImagePlane<D>> water_planes<D>(const Case&, const std::vector<Inlet<D>>&, double);
+#define PORETWIN_INSTANTIATE(D)                                                                                \
+  template std::vector<Inlet<D>> make_inlets<D>(const Case&);                                                  \
+  template double inlet_speed<D>(const Case&, const Inlet<D>&, double, double);                                \
+  template std::vector<sph::ImagePlane<D>> water_planes<D>(const Case&, const std::vector<Inlet<D>>&, double); \
+  template sph::Sight<D> water_sight<D>(const Case&, double);
 PORETWIN_INSTANTIATE(2)
 PORETWIN_INSTANTIATE(3)
 #undef PORETWIN_INSTANTIATE

@@ -6,6 +6,7 @@
 #include "common/case/case.hpp"
 #include "common/core/vector.hpp"
 #include "common/sph/images.hpp"
+#include "common/sph/sight.hpp"
 
 #include <cmath>
 #include <vector>
@@ -67,6 +68,11 @@ double inlet_speed(const Case& scene, const Inlet<D>& inlet, double time, double
 /// of less than 180 degrees, go on for `margin` [m], to fill the corner.
 template <int D>
 std::vector<sph::ImagePlane<D>> water_planes(const Case& scene, const std::vector<Inlet<D>>& inlets, double margin);
+
+/// What the water sees past its walls, and the mirrors it sees them as, where that matters (`sight_matters`); nothing
+/// otherwise. Walls end where they are drawn, but at a water face, behind which they go on for `margin` [m].
+template <int D>
+sph::Sight<D> water_sight(const Case& scene, double margin);
 
 /// Number of the boundary for the sills' pistons, for the others and for periodic sides.
 inline constexpr int sill_boundary = 29, piston_boundary = 30, periodic_boundary = 31;

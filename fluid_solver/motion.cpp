@@ -79,9 +79,13 @@ template <int D>
 void Fluid<D>::displace(std::size_t a, const Vec<D>& d, bool stop_at_walls) {
   auto& p = state_.particles;
   const auto& general = scene_.general;
+  const Vec<D> before = p.position[a];
   p.position[a] += d;
   Vec<D> v = p.velocity[a];
-  sph::keep_inside<D>(planes_, spacing_of<D>(p.volume[a]), p.position[a], v);
+  if (sight_.limited())
+    sight_.keep_inside(before, p.position[a], v);
+  else
+    sph::keep_inside<D>(planes_, spacing_of<D>(p.volume[a]), p.position[a], v);
   if (stop_at_walls) p.velocity[a] = v;
   for (const int axis : general.periodic) {
     const double length = general.domain_max[axis] - general.domain_min[axis];

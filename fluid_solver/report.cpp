@@ -45,6 +45,9 @@ std::map<std::string, double> Fluid<D>::counters() const {
                                          {"born", c.born},
                                          {"deleted", c.deleted},
                                          {"lost, far outside", c.lost}};
+  if (!state_.columns.empty() || !state_.inlets.empty())
+    counters[D == 2 ? "m2: water that faces let in and particles lack"
+                    : "m3: water that faces let in and particles lack"] = missing_water();
   if (c.cavitating > 0.0) {
     counters["particles that cavitated, most at once"] = c.cavitating;
     counters["s: first cavitation"] = c.first_cavitation;

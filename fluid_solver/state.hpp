@@ -12,18 +12,18 @@ namespace poretwin::fluid {
 
 template <int D>
 struct Particles {
-  VecArray<D> position;           ///< m
-  VecArray<D> velocity;           ///< m/s
-  ScalarArray mass;               ///< kg
-  ScalarArray void_fraction;      ///< n
-  ScalarArray volume;             ///< V = m / (n rho), bulk, m^D
-  ScalarArray pressure;           ///< piezometric, Pa
-  OrZero<Vec<D>> solid_velocity;  ///< predicted v_s', m/s
-  OrZero<Vec<D>> solid_change;    ///< of that in the window, v_s' - v_s, m/s
-  OrZero<Vec<D>> drag_impulse;    ///< given to the soil in the last window, N s
+  VecArray<D> position;             ///< m
+  VecArray<D> velocity;             ///< m/s
+  ScalarArray mass;                 ///< kg
+  ScalarArray void_fraction;        ///< n
+  ScalarArray volume;               ///< V = m / (n rho), bulk, m^D
+  ScalarArray pressure;             ///< piezometric, Pa
+  OrZero<Vec<D>> solid_velocity;    ///< predicted v_s', m/s
+  OrZero<Vec<D>> solid_change;      ///< of that in the window, v_s' - v_s, m/s
+  OrZero<Vec<D>> drag_impulse;      ///< given to the soil in the last window, N s
   OrZero<double> surface_share;     ///< 1: of moving soil, bounded by its free surface
   OrZero<Vec<D>> surface_gradient;  ///< of the total pressure there, Pa/m
-  OrZero<Vec<D>> force;           ///< of pressure and drag on the soil at the end of the last window, N/m3
+  OrZero<Vec<D>> force;             ///< of pressure and drag on the soil at the end of the last window, N/m3
   OrZero<Vec<D>> felt;         ///< the same of the window before: what a soil that computes at the same time has felt
   OrZero<double> follows;      ///< C / (a + C) of the last window: share of a departure of the skeleton that it follows
   ScalarArray mask;            ///< soil membership
@@ -138,6 +138,7 @@ struct State {
   std::vector<FaceColumn<D>> columns;
   std::vector<Inlet<D>> inlets;
   double wave_speed = 0.0;  ///< of long waves on the deepest free water so far, or of a drop in its central force, m/s
+  bool full = false;        ///< soil at rest, full of water from the start on, all faces wet: no surface can form
   bool multigrid = false;   ///< the last window's pressure was worth it
   ScalarArray supplied;     ///< [faces] volume of the basin at first, and poured in since [m^D]; 0 where it is none
   ScalarArray basin_level;  ///< [faces] m

@@ -107,6 +107,55 @@ void part_ghosts(std::span<const Buffer<D>> buffers, std::span<const char> free,
   });
 }
 
+/// What walls hide is no neighbour: its pairs become pairs of the particle with itself, which are zero.
+template <int D>
+void hide_behind_walls(const sph::Sight<D>& sight, double reach, Stencil<D>& s) {
+  side_by_side(s.n_real, s.worth_threads, [&](std::size_t first, std::size_t last) {
+    typename sph::Sight<D>::Near near;
+    for (std::size_t a = first; a < last; ++a) {
+      const Vec<D>& x = s.position[a];
+      sight.find_near(x, reach, near);
+      if (near.empty() && s.beyond[a] == 0) continue;
+      for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+        const Index j = s.other[k];
+        // Both of a pair are asked alike, or it might be one's and not the other's.
+        const bool seen = j >= s.n_base ? sight.sees(x, j, s.n_base, s.position, s.by, s.of, near)
+                                        : sight.open(s.position[std::min<std::size_t>(a, j)],
+                                                     s.position[std::max<std::size_t>(a, j)], near);
+        if (!seen) s.other[k] = static_cast<Index>(a);
+      }
+    }
+  });
+}
+
+/// Where a wall ends at a face, pairs whose line of sight crosses the other of the two become pairs of the particle
+/// with itself, which are zero.
+template <int D>
+void part_at_joints(std::span<const Joint<D>> joints, double reach, Stencil<D>& s) {
+  for (const auto& joint : joints) {
+    // Images go on for a margin beyond the wall's end, and pairs for a kernel's reach.
+    const double near = wall_margin * reach + reach, rounding = 1e-9 * reach;
+    for_each_side_by_side(s.n_real, [&](std::size_t a) {
+      if (s.beyond[a] == 0) return;
+      const Vec<D> from = s.position[a] - joint.at;
+      const double inside = joint.normal.dot(from), place = joint.along.dot(from);
+      if (inside < -reach || inside > reach || std::abs(place) > near + reach) return;
+      for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+        const Index j = s.other[k];
+        if (j < s.n_real || j == a) continue;
+        const Vec<D> to = s.position[j] - joint.at;
+        const double behind = joint.normal.dot(to);
+        if (!(inside >= 0.0 && behind < 0.0)) continue;
+        const double crossing = place + (joint.along.dot(to) - place) * inside / (inside - behind);
+        const bool image = j >= s.n_base && (s.boundaries[j - s.n_base] >> joint.boundary & 1u) != 0;
+        const bool by_wall = crossing <= rounding && crossing >= -joint.length;
+        const bool by_face = crossing > rounding && crossing < near;
+        if ((image && by_face) || (!image && s.is_buffer(j) && by_wall)) s.other[k] = static_cast<Index>(a);
+      }
+    });
+  }
+}
+
 /// Kernels of the pairs of particle a, and its sums over them; its moment stands in for the correction.
 template <int D>
 [[gnu::always_inline]] inline void sum_pairs(const Summed<D>* points, std::size_t a, bool open_water, Stencil<D>& s) {
@@ -192,7 +241,7 @@ Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* blind, double
 template <int D>
 Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volume, std::span<const Buffer<D>> buffers,
                         std::span<const sph::ImagePlane<D>> planes, std::span<const char> free, bool open_water,
-                        std::size_t worth_threads) {
+                        std::size_t worth_threads, const sph::Sight<D>& sight, std::span<const Joint<D>> joints) {
   Stencil<D> s;
   s.worth_threads = worth_threads;
   s.n_real = x.size();
@@ -206,7 +255,9 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
     largest = std::max(largest, buffers[i].volume);
   }
   largest = smoothing_ratio * spacing_of<D>(largest);
-  auto images = sph::make_images<D>(base, planes, sph::support_radius * largest);
+  const double reach = sph::support_radius * largest;
+  auto images = sight.limited() ? sph::images_in_all_orders<D>(base, sight.planes(), reach)
+                                : sph::make_images<D>(base, planes, reach);
   const std::size_t all = s.n_base + images.size();
   s.position.resize(all);
   s.parent.resize(all);
@@ -223,11 +274,15 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   s.map = std::move(images.map);
   s.carried = std::move(images.carried);
   s.boundaries = std::move(images.boundaries);
+  s.by = std::move(images.by);
+  s.of = std::move(images.of);
 
   const std::size_t n = s.n_real;
   if (n == 0) return s;
   find_pairs(largest, s);
   part_ghosts(buffers, free, s);
+  if (sight.limited()) hide_behind_walls(sight, reach, s);
+  part_at_joints(joints, reach, s);
   // The largest arrays first: what is smaller fits between.
   s.pull.resize(s.other.size());
   for (auto* told : {&s.fullness, &s.closest, &s.divergence, &s.amplification, &s.least_moment}) told->resize(n);
@@ -276,10 +331,11 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   return s;
 }
 
-#define PORETWIN_INSTANTIATE(D)                                                                                     \
-  template Mat<D> bounded_inverse<D>(const Mat<D>&, double, Mat<D>*, double*);                                      \
-  template Stencil<D> make_stencil<D>(std::span<const Vec<D>>, std::span<const double>, std::span<const Buffer<D>>, \
-                                      std::span<const sph::ImagePlane<D>>, std::span<const char>, bool, std::size_t);
+#define PORETWIN_INSTANTIATE(D)                                                                                      \
+  template Mat<D> bounded_inverse<D>(const Mat<D>&, double, Mat<D>*, double*);                                       \
+  template Stencil<D> make_stencil<D>(std::span<const Vec<D>>, std::span<const double>, std::span<const Buffer<D>>,  \
+                                      std::span<const sph::ImagePlane<D>>, std::span<const char>, bool, std::size_t, \
+                                      const sph::Sight<D>&, std::span<const Joint<D>>);
 PORETWIN_INSTANTIATE(2)
 PORETWIN_INSTANTIATE(3)
 #undef PORETWIN_INSTANTIATE

@@ -8,6 +8,7 @@
 #include "common/core/vector.hpp"
 #include "common/sph/images.hpp"
 #include "common/sph/kernel.hpp"
+#include "common/sph/sight.hpp"
 
 #include <optional>
 #include <span>
@@ -114,6 +115,9 @@ template <int D>
 /// some 0.02 ms, and between two loops it is idle: a tenth less wall time for a sixth more CPU time.
 inline constexpr std::size_t worth_threads_in_pairs = 8192, worth_threads_while_others_wait = 2048;
 
+/// How far walls' images go on beyond a wall's end, in the kernel's reach.
+inline constexpr double wall_margin = 6.0 / (sph::support_radius * smoothing_ratio);
+
 /// A buffer particle stands for the water behind a face: it has no unknown of its own, its pressure lies on the
 /// straight line from the particle that asks through the face's pressure.
 template <int D>
@@ -127,6 +131,17 @@ struct Buffer {
   [[nodiscard]] double inside(const Vec<D>& x) const { return normal.dot(x - foot); }
 };
 
+/// Where a wall ends and a face of columns begins, straight on or turned away from the domain. Both stand for what is
+/// behind them as if they went on without end; of two points on either side of the wall's line what the line of sight
+/// between them crosses counts, the same for both: there the matrix stays symmetric, and nothing is seen twice.
+template <int D>
+struct Joint {
+  Vec<D> at = Vec<D>::Zero();                              ///< m
+  Vec<D> along = Vec<D>::Zero(), normal = Vec<D>::Zero();  ///< unit; the wall's line, away from it; into the domain
+  double length = 0.0;                                     ///< of the wall's piece [m]
+  int boundary = 0;                                        ///< the wall's
+};
+
 template <int D>
 struct Stencil {
   std::size_t n_real = 0, n_base = 0;  ///< real particles; with buffers
@@ -138,6 +153,7 @@ struct Stencil {
   MatArray<D> map;                        ///< [images] linear part for vectors
   VecArray<D> carried;                    ///< [images] added to velocities: 2 U n behind a piston [m/s]
   std::vector<std::uint32_t> boundaries;  ///< [images]
+  std::vector<Index> by, of;              ///< [images] as sph::Images has them, where sight is limited
   std::vector<Buffer<D>> buffers;         ///< [base - real]
 
   /// Slope of the pressure at each face column, a straight line through the face's pressure fitted to the particles
@@ -252,9 +268,12 @@ Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* blind, double
 /// Surroundings of the particles at x (bulk volumes in m^D), with buffers outside faces and images behind planes.
 /// free: [n] in no soil; none: all. Water in soil does not see behind a sill, nor free water behind a face of soil.
 /// open_water: fullness is told by density_weight. worth_threads: so many particles are worth more than one thread.
+/// sight: where it is limited, its planes are those asked.
+/// joints: of walls and faces; images and buffers beyond them are seen as far as the line of sight says.
 template <int D>
 Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volume, std::span<const Buffer<D>> buffers,
                         std::span<const sph::ImagePlane<D>> planes, std::span<const char> free = {},
-                        bool open_water = false, std::size_t worth_threads = worth_threads_in_pairs);
+                        bool open_water = false, std::size_t worth_threads = worth_threads_in_pairs,
+                        const sph::Sight<D>& sight = {}, std::span<const Joint<D>> joints = {});
 
 }  // namespace poretwin::fluid

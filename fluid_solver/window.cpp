@@ -281,9 +281,10 @@ class WindowSolver {
   }
   double torn_pressure(std::size_t a) const { return in_.cavitation - in_.weight.dot(s_.position[a] - in_.origin); }
 
-  /// What the faces' pressures drive through row a of a Laplacian of this mobility; nothing where none is in reach.
-  std::optional<double> from_faces(std::size_t a, double mobility) const {
-    std::optional<double> sum;
+  /// Calls take(column, weight, pressure) for every term weight (p - pressure) with which the faces stand in row a of a
+  /// Laplacian of this mobility.
+  template <class Take>
+  void for_faces(std::size_t a, double mobility, const Take& take) const {
     for (Index k = s_.offset[a]; s_.n_base > n_ && k < s_.offset[a + 1]; ++k) {
       const Index j = s_.other[k], q = s_.parent[j];
       if (j < n_ || !s_.is_buffer(j)) continue;
@@ -292,9 +293,42 @@ class WindowSolver {
       // Where water leaves soil that stands still, a row beyond the face goes on with the slope there.
       const double beyond = std::min(0.0, b.inside(s_.position[a]));
       const double slope = any_response_ ? 0.0 : std::max(0.0, in_.face_slope[b.column]);
-      sum = sum.value_or(0.0) + w * (in_.face_pressure[b.column] + beyond * slope);
+      take(b.column, w, in_.face_pressure[b.column] + beyond * slope);
     }
+  }
+
+  /// What the faces' pressures drive through row a; nothing where none is in reach.
+  std::optional<double> from_faces(std::size_t a, double mobility) const {
+    std::optional<double> sum;
+    for_faces(a, mobility, [&](Index, double w, double pressure) { sum = sum.value_or(0.0) + w * pressure; });
     return sum;
+  }
+
+  /// What passes each column is what couples it to the rows of the matrix: as much as they lack or have too much. Where
+  /// a surface is within reach of the face, pairs are missing beyond it, and the sum is short (7 % under a front that
+  /// has come a few spacings).
+  void tell_face_flow(WindowSolution<D>& out) const {
+    const std::size_t count = in_.face_pressure.size();
+    out.face_flow.assign(count, 0.0);
+    out.face_carry.assign(count, 0.0);
+    for (std::size_t a = 0; s_.n_base > n_ && a < n_; ++a) {
+      if (s_.beyond[a] == 0) continue;
+      const bool whole = flags_[a] != Surface::lone && !(surface_distance(a) > 0.0);
+      for_faces(a, q_[a].kf, [&](Index column, double w, double pressure) {
+        out.face_flow[column] += whole ? w * (pressure - out.pressure[a]) : std::nan("");
+      });
+    }
+    VecArray<D> normal(count, Vec<D>::Zero());
+    for (const auto& b : s_.buffers) normal[b.column] = b.normal;
+    for (std::size_t c = 0; c < count && c + 1 < s_.fit_offset.size(); ++c) {
+      double sum = 0.0, carried = 0.0;
+      for (Index k = s_.fit_offset[c]; k < s_.fit_offset[c + 1]; ++k) {
+        const Index a = s_.fit_index[k];
+        sum += s_.fit_weight[k];
+        carried += s_.fit_weight[k] * in_.void_fraction[a] * q_[a].aw / (q_[a].aw + q_[a].C) * normal[c].dot(pushed(a));
+      }
+      if (sum > 0.0) out.face_carry[c] = carried / sum;
+    }
   }
 
   /// Distance to the surface, 0 where it is out of reach.
@@ -749,6 +783,7 @@ class WindowSolver {
   void finish(WindowSolution<D>& out) const {
     out.velocity.resize(n_);
     out.gradient = plain_gradient(out.pressure, false);
+    tell_face_flow(out);
     VecArray<D> flux;  // none: the mobility is the same everywhere
     const double mobility = n_ == 0 ? 0.0 : q_[0].kf;
     if (!all_side_by_side(n_, [&](std::size_t a) { return q_[a].kf == mobility; })) {
@@ -759,7 +794,8 @@ class WindowSolver {
           [&](std::size_t a) { return surface_pressure(a); });
       if (any_response_)
         for_each_side_by_side(n_, [&](std::size_t a) {
-          if (!beside_moving_.empty() && beside_moving_[a] && soil_.mask[a] <= 0.5) flux[a] = q_[a].kf * out.gradient[a];
+          if (!beside_moving_.empty() && beside_moving_[a] && soil_.mask[a] <= 0.5)
+            flux[a] = q_[a].kf * out.gradient[a];
         });
       else
         free_along_interfaces<D>(s_, own, soil_.mask, flux);
@@ -780,8 +816,8 @@ class WindowSolver {
   std::vector<Response> r_;  ///< empty: no skeleton is asked
   bool any_response_ = false, closed_ = true, free_closed_ = true, any_torn_ = false;
   std::vector<char> beside_moving_;  ///< 1: of free water and moving soil that meet; empty: nothing moves
-  std::vector<bool> torn_;  ///< water at the cavitation pressure
-  VecArray<D> flow_;        ///< force of the motion that the skeleton departs from [N]
+  std::vector<bool> torn_;           ///< water at the cavitation pressure
+  VecArray<D> flow_;                 ///< force of the motion that the skeleton departs from [N]
   PairMatrix fluid_, skeleton_, plain_;
   ScalarArray sources_;
   ScalarArray start_, free_diagonal_, free_boundary_;  ///< the pressure at first; the system with nothing torn

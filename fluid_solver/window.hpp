@@ -37,6 +37,8 @@ struct WindowSolution {
   VecArray<D> velocity;           ///< [n] v_w', m/s
   VecArray<D> gradient;           ///< [n] of the piezometric pressure, Pa/m
   OrZero<double> cavity;          ///< [n] voids in the water, m^D
+  ScalarArray face_flow;          ///< [columns] water that the face's pressure drives in, m^D/s; NaN beside a surface
+  ScalarArray face_carry;         ///< [columns] discharge per area that comes in without it, by inertia, m/s
   int outer = 0, pressure_iterations = 0, multigrid_cycles = 0, skeleton_iterations = 0;
   bool multigrid = false;  ///< in: begin with it; out: worth beginning with next time
   bool converged = true;

@@ -560,10 +560,6 @@ class Checker : Complaints {
         std::size_t left = 0;
         std::optional<Point3> right;
         for (const auto& place : places_on(piece)) {
-          if (wet(place.left) && wet(place.right))
-            fail(key, fmt::format("runs through a [[fluid.region]], for example at {} m; expected water on its left "
-                                  "side only",
-                                  shown(place.at)));
           left += ground(place.left);
           if (ground(place.right)) right = place.at;
         }

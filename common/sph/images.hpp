@@ -30,6 +30,12 @@ struct ImagePlane {
   std::array<End, 2> ends{};
   double speed = 0.0;  ///< of a mirror along its normal [m/s]: a piston
   int boundary = 0;    ///< the solver's own number of the boundary, 0..31
+  /// Where points see only what no wall hides (sight.hpp): the piece's number as what stands in the way, on both sides
+  /// the same; -1: none. Its own extent along `tangent` [m], and whether at its start the piece before it counts.
+  int screen = -1;
+  double seen_from = 0.0, seen_to = 0.0;
+  bool back = false, taken = false;  ///< back: the far side of a wall that is a line
+  [[nodiscard]] Vec<D> at(double along) const { return point + (along - tangent.dot(point)) * tangent; }
   /// Does the piece lie across from x, within its extent?
   [[nodiscard]] bool faces(const Vec<D>& x) const {
     if (to <= from) return true;
@@ -47,6 +53,9 @@ struct Images {
   MatArray<D> map;
   VecArray<D> carried;                    ///< m/s, from mirrors that move
   std::vector<std::uint32_t> boundaries;  ///< bit b: reached through boundary b
+  /// By all orders of mirrors only: the plane an image was made by, and the point it was made of, images counted behind
+  /// the points.
+  std::vector<Index> by, of;
   [[nodiscard]] std::size_t size() const { return parent.size(); }
 };
 

@@ -204,6 +204,7 @@ end_time = 1
 min = [0, 0]
 max = [0.8, 0.4]
 hydraulic_conductivity = 1e-4
+youngs_modulus = 1e7
 [[wall]]
 points = [[0, 0], [0.8, 0]]
 [[wall]]
@@ -221,10 +222,12 @@ particle_spacing = 0.02
 min = [0, 0]
 max = [0.8, 0.4]
 [solid]
-model = "rigid"
+model = "elastic"
 )";
   EXPECT_THAT(warnings(scene), HasSubstr("key 'water_face[1]': wall[1] \"lid\" goes straight on where it ends"));
   EXPECT_THAT(warnings(scene), HasSubstr("it has 10: expected a smaller fluid.particle_spacing"));
+  // In rigid soil the matrix of the pressure tells what passes.
+  EXPECT_EQ(warnings(changed(scene, "\"elastic\"", "\"rigid\"")), "");
   // A whole side between corners is exact.
   EXPECT_EQ(warnings(changed(changed(scene, "[0.8, 0], [0.8, 0.2]]", "[0.8, 0], [0.8, 0.4]]"),
                              "[[0.8, 0.2], [0.8, 0.4], [0, 0.4]]", "[[0.8, 0.4], [0, 0.4]]")),
@@ -295,12 +298,18 @@ TEST_F(Mistakes, AGaugeBeforePlanesIsInside) {
   EXPECT_THAT(complaint(wide + gauge + "[[4, 0.02], [4, 0.4]]\n"), HasSubstr("expected a place within the walls"));
 }
 
-TEST_F(Mistakes, WaterFeelsItselfThroughThinPartitions) {
-  const auto with = [&](double thickness, double right, double spacing = 0.04) {
+// Water sees past walls by a line of sight, but not beside soil that moves.
+TEST_F(Mistakes, BesideSoilThatMovesWaterFeelsItselfThroughThinWalls) {
+  const auto with = [&](double thickness, double right, double spacing = 0.04, const char* model = "elastic") {
     const double there = 1.0 + thickness;
     return complaint(fmt::format(
         R"([case]
 end_time = 1
+[[soil]]
+min = [0, 0]
+max = [0.4, 0.2]
+youngs_modulus = 1e7
+hydraulic_conductivity = 1e-4
 [[wall]]
 points = [[0, 2], [0, 0], [1, 0], [1, 1.5], [{0}, 1.5], [{0}, 0], [2.4, 0], [2.4, 2]]
 [fluid]
@@ -309,47 +318,87 @@ particle_spacing = {1}
 min = [0, 0]
 max = [1, 1.2]
 {2}[solid]
-model = "rigid"
+model = "{3}"
 )",
         there, spacing,
-        right > 0.0 ? fmt::format("[[fluid.region]]\nmin = [{}, 0]\nmax = [2.4, {}]\n", there, right) : ""));
+        right > 0.0 ? fmt::format("[[fluid.region]]\nmin = [{}, 0]\nmax = [2.4, {}]\n", there, right) : "", model));
   };
   EXPECT_THAT(with(0.08, 0.4), HasSubstr("key 'wall[0]': is 0.08 m thick at [1, 0."));
-  EXPECT_THAT(with(0.08, 0.4), HasSubstr("2 particle spacings, with water on both sides"));
-  EXPECT_THAT(with(0.08, 0.4), HasSubstr("expected 0.2 m or more, 5 spacings"));
+  EXPECT_THAT(with(0.08, 0.4),
+              HasSubstr("2 particle spacings, with water on both sides: particles would feel each other "
+                        "through it beside soil that moves; expected 0.2 m or more, 5 spacings"));
   EXPECT_THAT(with(0.16, 0.4), HasSubstr("4 particle spacings"));
   EXPECT_EQ(with(0.2, 0.4), "no complaint");
   EXPECT_THAT(with(0.04, 0.0), HasSubstr("with water on one side"));
   EXPECT_EQ(with(0.12, 0.0), "no complaint");
   EXPECT_EQ(with(0.08, 0.4, 0.016), "no complaint");
+  for (const double thickness : {0.16, 0.08, 0.04, 0.02})
+    EXPECT_EQ(with(thickness, 0.4, 0.04, "rigid"), "no complaint");
 }
 
-TEST_F(Mistakes, SeepageFeelsItselfThroughThinPiles) {
-  const std::string pile = R"([case]
+TEST_F(Mistakes, APileOfOneSpacingIsDoubted) {
+  const auto with = [&](double thickness) {
+    const double a = 1.0 - 0.5 * thickness, b = 1.0 + 0.5 * thickness;
+    return warnings(fmt::format(R"([case]
 end_time = 1
 [[soil]]
 shape = "polygon"
-points = [[0, 0], [2, 0], [2, 0.6], [1.02, 0.6], [1.02, 0.3], [0.98, 0.3], [0.98, 0.6], [0, 0.6]]
+points = [[0, 0], [2, 0], [2, 0.6], [{1}, 0.6], [{1}, 0.3], [{0}, 0.3], [{0}, 0.6], [0, 0.6]]
+hydraulic_conductivity = 1e-4
 [[wall]]
 points = [[0, 0.6], [0, 0], [2, 0], [2, 0.6]]
 [[wall]]
-name = "pile"
-points = [[1.02, 0.6], [1.02, 0.3], [0.98, 0.3], [0.98, 0.6]]
+points = [[{1}, 0.6], [{1}, 0.3], [{0}, 0.3], [{0}, 0.6]]
 [[water_face]]
-points = [[0.98, 0.6], [0, 0.6]]
+points = [[{0}, 0.6], [0, 0.6]]
 head = 0.9
 [[water_face]]
-points = [[2, 0.6], [1.02, 0.6]]
+points = [[2, 0.6], [{1}, 0.6]]
 head = 0.7
+[fluid]
+particle_spacing = 0.02
+[[fluid.region]]
+shape = "polygon"
+points = [[0, 0], [2, 0], [2, 0.6], [{1}, 0.6], [{1}, 0.3], [{0}, 0.3], [{0}, 0.6], [0, 0.6]]
+[solid]
+model = "rigid"
+)",
+                                a, b));
+  };
+  EXPECT_THAT(with(0.02), HasSubstr("key 'wall[1]': is a particle spacing thick in soil: the flow past its end"));
+  EXPECT_EQ(with(0.04), "");
+}
+
+TEST_F(Mistakes, ADrainWithoutPressureIsAnOutlet) {
+  const std::string drained = R"([case]
+end_time = 1
+[[soil]]
+shape = "polygon"
+points = [[0, 0], [1.6, 0], [1.0, 0.4], [0.8, 0.4]]
+hydraulic_conductivity = 1e-3
+[[wall]]
+points = [[0, 0], [1.2, 0]]
+[[water_face]]
+points = [[1.2, 0], [1.6, 0]]
+pressure = 0
+[[water_face]]
+points = [[0.8, 0.4], [0, 0]]
+head = [[0, 0], [30, 0.3]]
+[[water_face]]
+points = [[1.6, 0], [1.0, 0.4]]
+head = 0
 [fluid]
 particle_spacing = 0.02
 [solid]
 model = "rigid"
 )";
-  EXPECT_THAT(complaint(pile),
-              HasSubstr("key 'wall[1]': is 0.04 m thick at [1.02, 0.59] m, 2 particle spacings, with soil on "
-                        "both sides"));
-  EXPECT_EQ(complaint(pile, {"fluid.particle_spacing=0.01"}), "no complaint");
+  EXPECT_THAT(complaint(drained),
+              HasSubstr("key 'water_face[0].pressure': the pressure is zero along the face from [1.2, 0] "
+                        "to [1.6, 0] m, before which the soil is dry"));
+  EXPECT_THAT(complaint(changed(drained, "pressure = 0", "head = 0")),
+              HasSubstr("key 'water_face[0].head': the pressure"));
+  EXPECT_EQ(complaint(changed(drained, "pressure = 0", "outlet = true")), "no complaint");
+  EXPECT_EQ(complaint(changed(drained, "pressure = 0", "pressure = 500")), "no complaint");
 }
 
 // Turned with its gravity by 160 degrees: the water's level is that of its own corners, not of the box around them.

@@ -1,0 +1,127 @@
+// Faces of prescribed head that end where a wall goes on: what passes them, and the account of it.
+#include "fluid_solver/fluid_phase.hpp"
+#include "fluid_solver/operators.hpp"
+#include "tests/fluid/scenes.hpp"
+
+#include <gtest/gtest.h>
+
+namespace poretwin::fluid {
+namespace {
+
+using namespace test;
+
+std::vector<Gauge> accounts() {
+  return {gauge("in", "passed_volume", {}, "up"), gauge("out", "passed_volume", {}, "down"), gauge("water", "balance")};
+}
+
+WaterFace named(WaterFace face, const std::string& name) {
+  face.name = name;
+  return face;
+}
+
+/// Sand, 0.8 m by 0.4 m, between a whole side at 0.7 m and the lower half of the other at 0.5 m.
+Case outlet_on_half_a_side(double dx) {
+  Case scene;
+  scene.solid.model = SolidCase::Model::rigid;
+  scene.fluid.particle_spacing = dx;
+  scene.soils = {sand()};
+  scene.soils[0].hydraulic_conductivity = 1e-4;
+  scene.soils[0].shape = box(0.0, 0.0, 0.8, 0.4);
+  scene.fluid.regions = {box(0.0, 0.0, 0.8, 0.4)};
+  scene.walls = {wall(line(0.0, 0.0, 0.8, 0.0)), wall(line(0.8, 0.2, 0.8, 0.4)), wall(line(0.8, 0.4, 0.0, 0.4))};
+  scene.water_faces = {named(head_face(line(0.0, 0.4, 0.0, 0.0), 0.7), "up"),
+                       named(head_face(line(0.8, 0.0, 0.8, 0.2), 0.5), "down")};
+  scene.gauges = accounts();
+  scene.gauges.push_back(gauge("q", "discharge", {Point3(0.3, 0.4, 0.0), Point3(0.3, 0.0, 0.0)}));
+  return scene;
+}
+
+/// A layer of sand, 3 m by 0.6 m, below a floor from 1.1 to 1.9 m between heads of 0.9 and 0.7 m.
+Case concrete_apron(double dx) {
+  Case scene = outlet_on_half_a_side(dx);
+  scene.soils[0].shape = box(0.0, 0.0, 3.0, 0.6);
+  scene.fluid.regions = {box(0.0, 0.0, 3.0, 0.6)};
+  scene.walls = {wall(line(0.0, 0.6, 0.0, 0.0)), wall(line(0.0, 0.0, 3.0, 0.0)), wall(line(3.0, 0.0, 3.0, 0.6)),
+                 wall(line(1.9, 0.6, 1.1, 0.6))};
+  scene.water_faces = {named(head_face(line(1.1, 0.6, 0.0, 0.6), 0.9), "up"),
+                       named(head_face(line(3.0, 0.6, 1.9, 0.6), 0.7), "down")};
+  scene.gauges.back().points = {Point3(1.5, 0.6, 0.0), Point3(1.5, 0.0, 0.0)};
+  return scene;
+}
+
+/// Mean flows into, through and out of a scene between two times, and what its water has grown by.
+struct Flow {
+  double in = 0.0, through = 0.0, out = 0.0, gained = 0.0;
+};
+Flow flow_of(const Case& scene, double from, double to) {
+  Fluid<2> fluid(scene);
+  fluid.initialise({});
+  double time = 0.0;
+  run_to(fluid, time, from);
+  const double in = reading(fluid, "in"), out = reading(fluid, "out"), water = reading(fluid, "water_stored");
+  double through = 0.0;
+  constexpr int readings = 20;
+  for (int i = 1; i <= readings; ++i) {
+    run_to(fluid, time, from + i * (to - from) / readings);
+    through += reading(fluid, "q") / readings;
+  }
+  EXPECT_NEAR(reading(fluid, "water_error"), 0.0, 1e-9);
+  return {(reading(fluid, "in") - in) / (to - from), through, -(reading(fluid, "out") - out) / (to - from),
+          reading(fluid, "water_stored") - water};
+}
+
+// Finite volumes of 10, 5 and 2.5 mm: 8.970, 8.989, 8.998e-6 m2/s; in the limit 9.007e-6.
+TEST(Faces, AFaceThatEndsOnAWallPassesTheFlowOfItsHeads) {
+  const Flow flow = flow_of(outlet_on_half_a_side(0.02), 100.0, 400.0);
+  EXPECT_NEAR(flow.through / 9.007e-6, 1.0, 0.02);
+  EXPECT_NEAR(flow.out / flow.in, 1.0, 0.005);
+  EXPECT_NEAR(flow.gained, 0.0, 2e-3 * 0.128);
+}
+
+// Finite volumes of 20, 10 and 5 mm: 8.923, 8.971, 8.995e-6 m2/s; in the limit 9.02e-6. Low by 2.2 % here, by 1 % at
+// 10 mm.
+TEST(Faces, SeepageBelowAFloorIsThatOfFiniteVolumes) {
+  const Flow flow = flow_of(concrete_apron(0.02), 100.0, 1000.0);
+  EXPECT_NEAR(flow.through / 9.02e-6, 1.0, 0.03);
+  EXPECT_NEAR(flow.out / flow.in, 1.0, 0.005);
+  EXPECT_NEAR(flow.gained, 0.0, 2e-3 * 0.72);
+}
+
+// Where a wall goes on from a face, images and buffers fill what is behind them once, and the pairs that cross are the
+// same for both of their particles.
+TEST(Faces, BehindAWallThatEndsAtAFaceEverythingIsSeenOnce) {
+  const Case scene = outlet_on_half_a_side(0.02);
+  const auto columns = [&] {
+    auto result = make_columns<2>(scene);
+    update_columns<2>(scene, 0.0, {}, Vec<2>(0.0, -9810.0), Vec<2>::Zero(), result);
+    for (auto& c : result) {
+      c.wet = true;
+      c.offset = 0.5 * c.spacing;  // a lattice
+    }
+    return result;
+  }();
+  VecArray<2> x;
+  for (int j = 0; j < 20; ++j)
+    for (int i = 0; i < 40; ++i) x.emplace_back(0.02 * (i + 0.5), 0.02 * (j + 0.5));
+  const ScalarArray volume(x.size(), 4e-4);
+  const auto buffers = make_buffers(columns, true);
+  const auto planes = water_planes<2>(scene, std::vector<Inlet<2>>{}, 0.12);
+  const auto joints = make_joints<2>(scene);
+  ASSERT_EQ(joints.size(), 1u);
+  const auto s = make_stencil<2>(x, volume, std::span<const Buffer<2>>(buffers),
+                                 std::span<const sph::ImagePlane<2>>(planes), std::vector<char>(x.size(), 0), false,
+                                 worth_threads_in_pairs, {}, std::span<const Joint<2>>(joints));
+  for (std::size_t a = 0; a < x.size(); ++a) EXPECT_NEAR(s.fullness[a], 1.0, 1e-9) << x[a].transpose();
+  const auto matrix = laplacian<2>(s, ScalarArray(x.size(), 1.0));
+  ScalarArray u(x.size()), v(x.size()), Au(x.size()), Av(x.size());
+  for (std::size_t a = 0; a < x.size(); ++a) {
+    u[a] = std::sin(7.0 * x[a].x() + 3.0 * x[a].y());
+    v[a] = std::cos(5.0 * x[a].x() - 11.0 * x[a].y());
+  }
+  matrix.apply(u, std::span<double>(Au));
+  matrix.apply(v, std::span<double>(Av));
+  EXPECT_NEAR(dot(v, Au) / dot(u, Av), 1.0, 1e-6);
+}
+
+}  // namespace
+}  // namespace poretwin::fluid
