@@ -1,0 +1,173 @@
+// The particles of one phase, and their arrows, as objects of a scene.
+import * as THREE from "three";
+import { NO_VALUE, table } from "./colour.js";
+import { arrowFragment, arrowVertex, particleFragment, particleVertex } from "./shaders.js";
+
+const NAN = -3e38; // stands for "no value": comparisons with NaN differ between drivers
+const ARROWS_ALONG = 48; // arrows along the longest side at most
+
+const tables = new Map();
+
+function texture(map) {
+  if (!tables.has(map)) {
+    const made = new THREE.DataTexture(table(map), 256, 1);
+    made.magFilter = made.minFilter = THREE.NearestFilter;
+    made.needsUpdate = true;
+    tables.set(map, made);
+  }
+  return tables.get(map);
+}
+
+export function particleMaterial() {
+  return new THREE.ShaderMaterial({
+    glslVersion: THREE.GLSL3,
+    vertexShader: particleVertex,
+    fragmentShader: particleFragment,
+    transparent: true,
+    uniforms: {
+      size: { value: 1 }, height: { value: 1 }, clip: { value: new THREE.Vector4(0, 0, 0, 1) },
+      colours: { value: texture("viridis") }, range: { value: new THREE.Vector2(0, 1) }, logarithmic: { value: false },
+      plain: { value: true }, colour: { value: new THREE.Vector3(0.5, 0.5, 0.5) }, noValue: { value: new THREE.Vector3(...NO_VALUE) },
+      opacity: { value: 1 }, sphere: { value: false }, ring: { value: false },
+    },
+  });
+}
+
+/// One triangle strip each for shaft and head; z tells which.
+const ARROW = new Float32Array([
+  0, -1, 0, 1, -1, 0, 1, 1, 0, 0, -1, 0, 1, 1, 0, 0, 1, 0, //
+  0, -1, 1, 1, 0, 1, 0, 1, 1,
+]);
+
+export class Cloud {
+  constructor(order) {
+    this.material = particleMaterial();
+    this.points = new THREE.Points(new THREE.BufferGeometry(), this.material);
+    this.points.frustumCulled = false;
+    this.points.renderOrder = order;
+    this.arrowMaterial = new THREE.ShaderMaterial({
+      glslVersion: THREE.GLSL3, vertexShader: arrowVertex, fragmentShader: arrowFragment, side: THREE.DoubleSide,
+      uniforms: { scale: { value: 1 }, viewport: { value: new THREE.Vector2(1, 1) }, width: { value: 1.6 },
+                  clip: { value: new THREE.Vector4(0, 0, 0, 1) }, colour: { value: new THREE.Vector3(0, 0, 0) } },
+    });
+    this.arrows = new THREE.Mesh(new THREE.InstancedBufferGeometry(), this.arrowMaterial);
+    this.arrows.frustumCulled = false;
+    this.arrows.renderOrder = 10 + order;
+    this.arrows.visible = false;
+    this.frame = null;
+  }
+
+  setFrame(frame) {
+    this.frame = frame;
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute("position", new THREE.BufferAttribute(frame.positions, 3));
+    geometry.setAttribute("radius", new THREE.BufferAttribute(frame.radius, 1));
+    const values = new Float32Array(frame.radius.length);
+    if (frame.values) for (let i = 0; i < values.length; ++i) values[i] = Number.isFinite(frame.values[i]) ? frame.values[i] : NAN;
+    geometry.setAttribute("value", new THREE.BufferAttribute(values, 1));
+    this.points.geometry.dispose();
+    this.points.geometry = geometry;
+    this.material.uniforms.sphere.value = frame.three;
+    for (const material of [this.material, this.arrowMaterial]) {
+      material.depthTest = frame.three;
+      material.depthWrite = frame.three;
+    }
+    this.layArrows();
+  }
+
+  /// How particles are coloured: {map, low, high, log}, or null for one colour.
+  setScale(scale, colour) {
+    const u = this.material.uniforms;
+    u.plain.value = scale === null;
+    u.colour.value.set(...colour);
+    if (scale === null) return;
+    u.colours.value = texture(scale.map);
+    u.range.value.set(scale.low, scale.high);
+    u.logarithmic.value = scale.log;
+  }
+
+  setLook({ show, size, opacity }, clip, ink) {
+    this.points.visible = show;
+    this.material.uniforms.size.value = size;
+    this.material.uniforms.opacity.value = opacity;
+    for (const material of [this.material, this.arrowMaterial]) material.uniforms.clip.value.copy(clip);
+    this.arrowMaterial.uniforms.colour.value.set(...ink);
+  }
+
+  setViewport(width, height) {
+    this.material.uniforms.height.value = height;
+    this.arrowMaterial.uniforms.viewport.value.set(width, height);
+    this.arrowMaterial.uniforms.width.value = Math.max(1.4, height / 500);
+  }
+
+  /// One particle out of each cell of a grid has an arrow, so that they stay apart.
+  layArrows() {
+    const { vectors, positions } = this.frame;
+    this.longest = 0;
+    if (!vectors || !positions.length) {
+      this.arrows.visible = false;
+      return;
+    }
+    const box = new THREE.Box3().setFromArray(positions);
+    const size = box.getSize(new THREE.Vector3());
+    this.cell = Math.max(size.x, size.y, size.z, 1e-9) / ARROWS_ALONG;
+    const taken = new Set();
+    const starts = [];
+    const kept = [];
+    for (let i = 0; i < positions.length; i += 3) {
+      const length = Math.hypot(vectors[i], vectors[i + 1], vectors[i + 2]);
+      if (!Number.isFinite(length)) continue;
+      const [a, b, c] = [0, 1, 2].map((d) => Math.floor((positions[i + d] - box.min.getComponent(d)) / this.cell));
+      const place = a + 64 * (b + 64 * c);
+      if (taken.has(place)) continue;
+      taken.add(place);
+      this.longest = Math.max(this.longest, length);
+      for (let d = 0; d < 3; ++d) {
+        starts.push(positions[i + d]);
+        kept.push(vectors[i + d]);
+      }
+    }
+    const geometry = new THREE.InstancedBufferGeometry();
+    geometry.setAttribute("position", new THREE.BufferAttribute(ARROW, 3));
+    geometry.setAttribute("start", new THREE.InstancedBufferAttribute(new Float32Array(starts), 3));
+    geometry.setAttribute("vector", new THREE.InstancedBufferAttribute(new Float32Array(kept), 3));
+    geometry.instanceCount = starts.length / 3;
+    this.arrows.geometry.dispose();
+    this.arrows.geometry = geometry;
+    this.arrows.visible = this.longest > 0;
+  }
+
+  /// Length in the scene of the arrow for a vector of length `longest`, in cells.
+  setArrowScale(longest, cells) {
+    if (this.arrows.visible) this.arrowMaterial.uniforms.scale.value = (2.5 * cells * this.cell) / longest;
+  }
+
+  /// The particle whose picture holds the point (in normalised device coordinates) and is nearest to the eye: {index, depth}.
+  pick(camera, x, y, width, height, clip) {
+    if (!this.points.visible || !this.frame) return null;
+    const { positions, radius } = this.frame;
+    const matrix = new THREE.Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
+    const point = new THREE.Vector4();
+    const size = this.material.uniforms.size.value;
+    let best = null;
+    for (let i = 0; i < radius.length; ++i) {
+      const [px, py, pz] = [positions[3 * i], positions[3 * i + 1], positions[3 * i + 2]];
+      if (clip.x * px + clip.y * py + clip.z * pz > clip.w) continue;
+      point.set(px, py, pz, 1).applyMatrix4(matrix);
+      if (point.w <= 0) continue;
+      const reach = Math.max((radius[i] * size * camera.projectionMatrix.elements[5] * 0.5 * height) / point.w, 3);
+      const off = Math.hypot((point.x / point.w - x) * 0.5 * width, (point.y / point.w - y) * 0.5 * height);
+      if (off > reach) continue;
+      const depth = point.z / point.w;
+      // In 2D all lie at one depth: then the nearest centre.
+      if (!best || depth < best.depth - 1e-9 || (Math.abs(depth - best.depth) <= 1e-9 && off < best.off)) best = { index: i, depth, off };
+    }
+    return best;
+  }
+
+  dispose() {
+    for (const object of [this.points, this.arrows]) object.geometry.dispose();
+    this.material.dispose();
+    this.arrowMaterial.dispose();
+  }
+}
