@@ -239,8 +239,9 @@ def status(run):
             "overrides": [str(text) for text in record.get("overrides", [])],
             "progress": {key: clean(value) if key != "waiting_for" else str(value) for key, value in progress.items()},
             "doing": doing_of(folder) if running and not progress.get("t") else "",
-            "messages": messages_of(folder) + [{"kind": "warning", "time": "", "text": str(text)} for text in record.get("warnings", [])
-                                               if "exit" in record],
+            "messages": messages_of(folder) if "exit" not in record else
+                        [{"kind": "warning", "time": "", "text": str(text)} for text in record.get("warnings", [])] +
+                        [message for message in messages_of(folder) if message["kind"] == "error"],
             "summaries": summaries_of(folder) if not running else [],
             "files": files,
         }

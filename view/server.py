@@ -42,8 +42,8 @@ SAFE_HEADERS = {
     "Permissions-Policy": "camera=(), microphone=(), geolocation=(), usb=()",
     "Cache-Control": "no-store",
 }
-RUN_PATH = re.compile(r"/api/runs/(\d{1,6})/(status|gauges|references|fluid\.vtkhdf|solid\.vtkhdf)")
-RANGE = re.compile(r"bytes=(\d{1,15})-(\d{1,15})")
+RUN_PATH = re.compile(r"/api/runs/([0-9]{1,6})/(status|gauges|references|fluid\.vtkhdf|solid\.vtkhdf)")
+RANGE = re.compile(r"bytes=([0-9]{1,15})-([0-9]{1,15})")
 
 
 class Access:

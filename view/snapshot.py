@@ -50,19 +50,20 @@ def state_of(file, undo):
 
 def restore(data, first, undo):
     """Puts the bytes of FILE.undo back into `data`, which begins at `first` in the file."""
-    size = os.fstat(undo).st_size
+    journal = os.pread(undo, os.fstat(undo).st_size, 0)
     pieces, at = [], 8
-    while at + PIECE.size <= size:
-        where, count = PIECE.unpack(os.pread(undo, PIECE.size, at))
-        if at + PIECE.size + count > size:
+    while at + PIECE.size <= len(journal):
+        where, count = PIECE.unpack_from(journal, at)
+        at += PIECE.size
+        if at + count > len(journal):
             break  # not complete yet: the file has not changed there
-        pieces.append((where, count, at + PIECE.size))
-        at += PIECE.size + count
+        pieces.append((where, count, at))
+        at += count
     # The oldest copy is the right one, so it comes last.
     for where, count, start in reversed(pieces):
         low, high = max(where, first), min(where + count, first + len(data))
         if low < high:
-            data[low - first : high - first] = os.pread(undo, high - low, start + low - where)
+            data[low - first : high - first] = journal[start + low - where : start + high - where]
 
 
 def read(folder, name, first=0, count=0):

@@ -47,6 +47,7 @@ export class Cloud {
     this.points.renderOrder = order;
     this.arrowMaterial = new THREE.ShaderMaterial({
       glslVersion: THREE.GLSL3, vertexShader: arrowVertex, fragmentShader: arrowFragment, side: THREE.DoubleSide,
+      transparent: true, // drawn after the particles, which are
       uniforms: { scale: { value: 1 }, viewport: { value: new THREE.Vector2(1, 1) }, width: { value: 1.6 },
                   clip: { value: new THREE.Vector4(0, 0, 0, 1) }, colour: { value: new THREE.Vector3(0, 0, 0) } },
     });

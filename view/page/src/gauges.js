@@ -172,7 +172,8 @@ export class Gauges {
     const chart = { node, key, value, marks: [], unit, name };
     const axis = { stroke: () => colourOf("soft"), grid: { stroke: () => colourOf("line"), width: 1 }, ticks: { stroke: () => colourOf("line"), width: 1 },
                    font: '11px "DejaVu Sans", system-ui, sans-serif' };
-    const format = (_, values) => values.map((v) => shown(v, 3));
+    // As many digits as tell one tick from the next.
+    const format = (_, ticks, axis, space, step) => ticks.map((v) => shown(v, Math.max(1, Math.ceil(Math.log10(Math.max(Math.abs(v), step) / step) + 1.01))));
     chart.plot = new uPlot({
       width: byId("charts").clientWidth || 320, height: 170,
       legend: { show: false },

@@ -70,15 +70,15 @@ function drawScale(context, write, metres, width, height, size, ink) {
   context.fillRect(x, y - 2, pixels, 2);
   context.fillRect(x, y - 7, 2, 7);
   context.fillRect(x + pixels - 2, y - 7, 2, 7);
-  write(`${shown(length / factor)} ${sign}m`, x + 0.5 * pixels, y - 0.7 * size, "center");
+  write(`${shown(length / factor)} ${sign}m`, x + pixels, y - 0.8 * size, "right");
 }
 
 function drawAxes(context, write, camera, x, y, long, ink) {
   const e = camera.matrixWorldInverse.elements;
-  context.strokeStyle = ink;
-  context.lineWidth = 1.5;
   for (const [i, name] of ["x", "y", "z"].entries()) {
     const [dx, dy] = [e[4 * i] * long, -e[4 * i + 1] * long];
+    context.strokeStyle = ink;
+    context.lineWidth = 1.5;
     context.beginPath();
     context.moveTo(x, y);
     context.lineTo(x + dx, y + dy);

@@ -7,7 +7,7 @@ export function report(run) {
   if (!status) return node;
   const rows = [];
   const row = (name, text) => rows.push(element("tr", {}, element("th", { textContent: name }), element("td", { textContent: text })));
-  if (status.case) row("case", [status.case, ...status.overrides].join(" "));
+  if (status.case) row("case", [status.case, ...status.overrides].join(" ").replace(/\d+\.\d{12,}/g, (n) => Number(Number(n).toPrecision(12))));
   row("state", [status.state, status.started && `begun ${status.started}`, status.ended && `ended ${status.ended}`].filter(Boolean).join(", "));
   if (run.running) {
     const waits = Object.entries(run.waits()).map(([whom, share]) => `for the ${whom} ${Math.round(100 * share)} %`);

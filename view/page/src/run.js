@@ -52,7 +52,8 @@ export class Run {
       delete this.errors[phase];
       return true;
     } catch (error) {
-      this.errors[phase] = complaint(`${phase}.vtkhdf`, error);
+      // A file that is just being made holds nothing yet.
+      if (!(error.damaged && this.running && !before)) this.errors[phase] = complaint(`${phase}.vtkhdf`, error);
       if (error.damaged && !this.running) this.tags[phase] = tag; // it will not get better by itself
       return false;
     }

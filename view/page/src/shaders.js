@@ -5,6 +5,7 @@ in float radius;
 in float value;
 uniform float size;       // factor of the radii
 uniform float height;     // of the picture, pixels
+uniform bool sphere;
 uniform vec4 clip;        // what lies beyond the plane is cut off: normal, distance
 out float vValue;
 out float vRadius;
@@ -17,6 +18,8 @@ void main() {
   vValue = value;
   vCentre = centre.xyz;
   vPixels = 2.0 * vRadius * projectionMatrix[1][1] * 0.5 * height / gl_Position.w;
+  // Small discs cover the corners between them, so that a body has no gaps; large ones are seen one by one.
+  if (!sphere) vPixels *= mix(1.2533, 1.0, smoothstep(12.0, 36.0, vPixels));
   gl_PointSize = max(vPixels, 1.5);
   if (dot(clip.xyz, position) > clip.w) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
 }`;
@@ -52,7 +55,7 @@ void main() {
   vec2 at = 2.0 * gl_PointCoord - 1.0;
   float r2 = dot(at, at);
   if (r2 > 1.0) discard;
-  float edge = vPixels > 4.0 ? 1.0 - smoothstep(1.0 - 3.0 / vPixels, 1.0, sqrt(r2)) : 1.0;
+  float edge = vPixels > 12.0 ? 1.0 - smoothstep(1.0 - 3.0 / vPixels, 1.0, sqrt(r2)) : 1.0;
   gl_FragDepth = gl_FragCoord.z;
   if (ring) {
     if (r2 < 0.5) discard;
@@ -70,7 +73,7 @@ void main() {
     return;
   }
   // Single grains can be told apart once they are large enough.
-  float rim = vPixels > 10.0 ? mix(1.0, 0.8, smoothstep(0.7, 1.0, r2)) : 1.0;
+  float rim = vPixels > 16.0 ? mix(1.0, 0.8, smoothstep(0.7, 1.0, r2)) : 1.0;
   result = vec4(tone * rim, opacity * edge);
 }`;
 
