@@ -123,13 +123,23 @@ async function drawOnce() {
   for (const panel of panels) panel.dress(state, scales, clip, longest);
   controls.setScales(scales);
   showPick();
-  paint();
   gauges.setTime(state.time);
+  await paint();
   keepLink();
 }
 
+let painting = null;
+
+/// Once in a picture of the screen, however often it is asked for.
 function paint() {
-  for (const panel of panels) panel.paint();
+  painting ??= new Promise((done) =>
+    // A page in the background gets no animation frames; what waits for the picture must go on.
+    (document.hidden ? setTimeout : requestAnimationFrame)(() => {
+      painting = null;
+      for (const panel of panels) panel.paint();
+      done();
+    }));
+  return painting;
 }
 
 function showTime() {
@@ -260,6 +270,7 @@ async function showRuns() {
   state.runs = wanted.map((run) => run.name);
   for (const panel of panels) if (!wanted.includes(panel.run)) panel.dispose();
   if (picked && !wanted.includes(picked.panel.run)) picked = null;
+  for (const run of wanted) if (!run.status) run.prepare();
   panels = wanted.map((run) => panels.find((panel) => panel.run === run) ?? new Panel(run, page));
   byId("stage").style.setProperty("--columns", panels.length > 1 ? 2 : 1);
   byId("stage").replaceChildren(...panels.map((panel) => panel.node));

@@ -141,6 +141,7 @@ export class Panel {
   paint() {
     if (!this.stage?.dirty || !this.notes.width || this.stage.three === null) return;
     this.stage.render(colourOf("picture"));
+    this.node.dataset.drawn = this.time;
     const context = this.notes.getContext("2d");
     const ratio = this.notes.width / this.picture.clientWidth;
     context.setTransform(ratio, 0, 0, ratio, 0, 0);

@@ -3,6 +3,7 @@
 
 const BLOCK = 1 << 16;
 const CACHE = 512; // blocks of all files together: 32 MiB
+const AHEAD = 16; // blocks at once, where one follows another: what a frame holds lies in one piece
 
 export class Changed extends Error {}
 
@@ -79,7 +80,7 @@ export class RangeFile {
     return end - position;
   }
 
-  /// One block; those up to `last` that are missing come with it.
+  /// One block; those up to `last` that are missing come with it, and more where the file is read on.
   block(block, last) {
     const key = `${this.number}:${block}`;
     const there = cache.get(key);
@@ -89,6 +90,8 @@ export class RangeFile {
       return there;
     }
     let missing = block;
+    if (cache.has(`${this.number}:${block - 1}`)) last = Math.max(last, block + AHEAD - 1);
+    last = Math.min(last, Math.floor((this.length - 1) / BLOCK));
     while (missing < last && !cache.has(`${this.number}:${missing + 1}`)) ++missing;
     const first = block * BLOCK;
     const http = request("GET", this.url, {

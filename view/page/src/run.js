@@ -23,6 +23,11 @@ export class Run {
     return this.status?.state === "running";
   }
 
+  /// The worker opens the files while the page makes itself ready; what is wrong with them is said later.
+  prepare() {
+    for (const phase of PHASES) read("describe", this.url(`${phase}.vtkhdf`)).catch(() => {});
+  }
+
   /// Asks how it stands; true when there are other frames than before.
   async refresh() {
     this.status = await ask(this.url("status"));
@@ -44,9 +49,9 @@ export class Run {
     const before = this.phases[phase];
     const replaced = this.tags[phase] !== undefined && this.tags[phase].split("-")[0] !== tag.split("-")[0];
     try {
-      const found = await read("reopen", this.url(`${phase}.vtkhdf`), { replaced });
+      const found = await read("reopen", this.url(`${phase}.vtkhdf`), { tag, replaced });
       // Taken back to a checkpoint: what was read of later frames is no more.
-      if (before && found.steps < before.steps) await read("reopen", this.url(`${phase}.vtkhdf`), { replaced: true });
+      if (before && found.steps < before.steps) await read("reopen", this.url(`${phase}.vtkhdf`), { tag, replaced: true });
       this.phases[phase] = found;
       this.tags[phase] = tag;
       delete this.errors[phase];

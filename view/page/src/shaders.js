@@ -9,14 +9,14 @@ uniform bool sphere;
 uniform vec4 clip;        // what lies beyond the plane is cut off: normal, distance
 out float vValue;
 out float vRadius;
-out vec3 vCentre;
+out float vDepth;
 out float vPixels;
 void main() {
   vec4 centre = modelViewMatrix * vec4(position, 1.0);
   gl_Position = projectionMatrix * centre;
   vRadius = radius * size;
   vValue = value;
-  vCentre = centre.xyz;
+  vDepth = centre.z;
   vPixels = 2.0 * vRadius * projectionMatrix[1][1] * 0.5 * height / gl_Position.w;
   // Small discs cover the corners between them, so that a body has no gaps; large ones are seen one by one.
   if (!sphere) vPixels *= mix(1.2533, 1.0, smoothstep(12.0, 36.0, vPixels));
@@ -38,7 +38,7 @@ uniform bool sphere;
 uniform bool ring;        // the mark around a picked particle
 in float vValue;
 in float vRadius;
-in vec3 vCentre;
+in float vDepth;
 in float vPixels;
 out vec4 result;
 
@@ -56,7 +56,9 @@ void main() {
   float r2 = dot(at, at);
   if (r2 > 1.0) discard;
   float edge = vPixels > 12.0 ? 1.0 - smoothstep(1.0 - 3.0 / vPixels, 1.0, sqrt(r2)) : 1.0;
+#ifdef ROUND
   gl_FragDepth = gl_FragCoord.z;
+#endif
   if (ring) {
     if (r2 < 0.5) discard;
     result = vec4(colour, edge);
@@ -66,9 +68,12 @@ void main() {
   if (sphere) {
     float z = sqrt(1.0 - r2);
     vec3 normal = vec3(at.x, -at.y, z);
-    float light = 0.45 + 0.6 * max(dot(normal, normalize(vec3(-0.4, 0.6, 0.7))), 0.0);
-    vec4 front = projectionMatrix * vec4(vCentre + vec3(0.0, 0.0, z * vRadius), 1.0);
-    gl_FragDepth = 0.5 * front.z / front.w + 0.5;
+    float light = 0.45 + 0.6 * max(dot(normal, vec3(-0.3980, 0.5970, 0.6965)), 0.0);
+#ifdef ROUND
+    // Of the sphere's surface there; the camera of spheres is a perspective one, its w is -z.
+    float front = vDepth + z * vRadius;
+    gl_FragDepth = 0.5 - 0.5 * (projectionMatrix[2][2] * front + projectionMatrix[3][2]) / front;
+#endif
     result = vec4(min(tone * light, 1.0), 1.0);
     return;
   }

@@ -11,7 +11,7 @@ export class Stage {
   /// `moved` is called when the camera has been moved by hand.
   constructor(canvas, moved) {
     this.canvas = canvas;
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: false, preserveDrawingBuffer: true });
     this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
     this.scene = new THREE.Scene();
     this.clouds = { solid: new Cloud(0), fluid: new Cloud(1) };
@@ -147,8 +147,9 @@ export class Stage {
 
   markParticle(phase, index, colour) {
     const frame = phase && this.clouds[phase].frame;
+    const before = this.mark.visible;
     this.mark.visible = Boolean(frame && index < frame.radius.length);
-    this.dirty = true;
+    if (before || this.mark.visible) this.dirty = true;
     if (!this.mark.visible) return;
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", new THREE.BufferAttribute(frame.positions.slice(3 * index, 3 * index + 3), 3));
@@ -179,6 +180,8 @@ export class Stage {
       const far = this.deep.position.distanceTo(this.controls.target);
       [this.deep.near, this.deep.far] = [far / 500, far * 100];
       this.deep.updateProjectionMatrix();
+      this.deep.updateMatrixWorld();
+      for (const cloud of Object.values(this.clouds)) if (cloud.frame?.positions.length && cloud.points.visible) cloud.arrange(this.deep, size.y);
     }
     this.renderer.setClearColor(background);
     this.renderer.render(this.scene, this.camera);

@@ -5,18 +5,14 @@ import { RangeFile } from "./range_file.js";
 /// A damaged file, as opposed to one that has changed meanwhile.
 export class Damaged extends Error {}
 
-let library;
-
-async function ready() {
-  library ??= h5wasm.ready.then((module) => {
-    module.activate_throwing_error_handler();
-    return module;
-  });
-  return library;
-}
+// Compiled while the page still finds out what to read.
+const library = h5wasm.ready.then((module) => {
+  module.activate_throwing_error_handler();
+  return module;
+});
 
 export async function openFrames(url) {
-  const { FS } = await ready();
+  const { FS } = await library;
   const file = new RangeFile(url);
   return new Frames(file, FS);
 }

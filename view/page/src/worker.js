@@ -108,7 +108,8 @@ const operations = {
 
 async function answer({ operation, url, ...rest }) {
   if (operation === "reopen") {
-    forget(url);
+    // As it is now, unless that is what is open.
+    if (files.get(url)?.tag !== `"${rest.tag}"`) forget(url);
     if (rest.replaced) forgetNumbers(url);
     operation = "describe";
   }
