@@ -48,6 +48,20 @@ function sortedByDepth(depths, near, far) {
   return order;
 }
 
+function arrowMaterial(rim) {
+  return new THREE.ShaderMaterial({
+    glslVersion: THREE.GLSL3,
+    vertexShader: arrowVertex,
+    fragmentShader: arrowFragment,
+    side: THREE.DoubleSide,
+    transparent: true, // drawn after the particles, which are
+    uniforms: {
+      scale: { value: 1 }, viewport: { value: new THREE.Vector2(1, 1) }, width: { value: 1.6 }, rim: { value: rim },
+      clip: { value: new THREE.Vector4(0, 0, 0, 1) }, colour: { value: new THREE.Vector3(0, 0, 0) },
+    },
+  });
+}
+
 /// One triangle strip each for shaft and head; z tells which.
 const ARROW = new Float32Array([
   0, -1, 0, 1, -1, 0, 1, 1, 0, 0, -1, 0, 1, 1, 0, 0, 1, 0, //
@@ -60,16 +74,14 @@ export class Cloud {
     this.points = new THREE.Points(new THREE.BufferGeometry(), this.material);
     this.points.frustumCulled = false;
     this.points.renderOrder = order;
-    this.arrowMaterial = new THREE.ShaderMaterial({
-      glslVersion: THREE.GLSL3, vertexShader: arrowVertex, fragmentShader: arrowFragment, side: THREE.DoubleSide,
-      transparent: true, // drawn after the particles, which are
-      uniforms: { scale: { value: 1 }, viewport: { value: new THREE.Vector2(1, 1) }, width: { value: 1.6 },
-                  clip: { value: new THREE.Vector4(0, 0, 0, 1) }, colour: { value: new THREE.Vector3(0, 0, 0) } },
+    // Twice: a rim in the colour of the picture's ground, so that arrows stand out from any colour, and the arrow itself.
+    this.arrows = [1.2, 0].map((rim, i) => {
+      const mesh = new THREE.Mesh(new THREE.InstancedBufferGeometry(), arrowMaterial(rim));
+      mesh.frustumCulled = false;
+      mesh.renderOrder = 10 + 2 * order + i;
+      mesh.visible = false;
+      return mesh;
     });
-    this.arrows = new THREE.Mesh(new THREE.InstancedBufferGeometry(), this.arrowMaterial);
-    this.arrows.frustumCulled = false;
-    this.arrows.renderOrder = 10 + order;
-    this.arrows.visible = false;
     this.frame = null;
   }
 
@@ -85,7 +97,7 @@ export class Cloud {
     this.points.geometry = geometry;
     this.material.uniforms.sphere.value = frame.three;
     this.material.transparent = !frame.three;
-    for (const material of [this.material, this.arrowMaterial]) {
+    for (const { material } of [this.points, ...this.arrows]) {
       material.depthTest = frame.three;
       material.depthWrite = frame.three;
     }
@@ -127,18 +139,20 @@ export class Cloud {
     u.logarithmic.value = scale.log;
   }
 
-  setLook({ show, size, opacity }, clip, ink) {
+  setLook({ show, size, opacity }, clip, ink, ground) {
     this.points.visible = show;
     this.material.uniforms.size.value = size;
     this.material.uniforms.opacity.value = opacity;
-    for (const material of [this.material, this.arrowMaterial]) material.uniforms.clip.value.copy(clip);
-    this.arrowMaterial.uniforms.colour.value.set(...ink);
+    for (const { material } of [this.points, ...this.arrows]) material.uniforms.clip.value.copy(clip);
+    for (const [i, colour] of [ground, ink].entries()) this.arrows[i].material.uniforms.colour.value.set(...colour);
   }
 
   setViewport(width, height) {
     this.material.uniforms.height.value = height;
-    this.arrowMaterial.uniforms.viewport.value.set(width, height);
-    this.arrowMaterial.uniforms.width.value = Math.max(1.4, height / 500);
+    for (const { material } of this.arrows) {
+      material.uniforms.viewport.value.set(width, height);
+      material.uniforms.width.value = Math.max(1.4, height / 500);
+    }
   }
 
   /// One particle out of each cell of a grid has an arrow, so that they stay apart.
@@ -146,7 +160,7 @@ export class Cloud {
     const { vectors, positions } = this.frame;
     this.longest = 0;
     if (!vectors || !positions.length) {
-      this.arrows.visible = false;
+      this.showArrows(false);
       return;
     }
     const box = new THREE.Box3().setFromArray(positions);
@@ -173,20 +187,25 @@ export class Cloud {
     geometry.setAttribute("start", new THREE.InstancedBufferAttribute(new Float32Array(starts), 3));
     geometry.setAttribute("vector", new THREE.InstancedBufferAttribute(new Float32Array(kept), 3));
     geometry.instanceCount = starts.length / 3;
-    this.arrows.geometry.dispose();
-    this.arrows.geometry = geometry;
-    this.arrows.visible = this.longest > 0;
+    this.arrows[0].geometry.dispose();
+    for (const mesh of this.arrows) mesh.geometry = geometry;
+    this.showArrows(this.longest > 0);
+  }
+
+  showArrows(on) {
+    for (const mesh of this.arrows) mesh.visible = on;
   }
 
   /// Length in the scene of the arrow for a vector of length `longest`, in cells.
   setArrowScale(longest, cells) {
-    if (this.arrows.visible) this.arrowMaterial.uniforms.scale.value = (2.5 * cells * this.cell) / longest;
+    for (const mesh of this.arrows) if (mesh.visible) mesh.material.uniforms.scale.value = (2.5 * cells * this.cell) / longest;
   }
 
   /// The particle whose picture holds the point (in normalised device coordinates) and is nearest to the eye: {index, depth}.
   pick(camera, x, y, width, height, clip) {
     if (!this.points.visible || !this.frame) return null;
-    const { positions, radius } = this.frame;
+    const { positions, radius, three } = this.frame;
+    const cover = three ? 1 : 1.5; // in the plane, the corners between particles belong to the nearest
     const matrix = new THREE.Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
     const point = new THREE.Vector4();
     const size = this.material.uniforms.size.value;
@@ -196,7 +215,7 @@ export class Cloud {
       if (clip.x * px + clip.y * py + clip.z * pz > clip.w) continue;
       point.set(px, py, pz, 1).applyMatrix4(matrix);
       if (point.w <= 0) continue;
-      const reach = Math.max((radius[i] * size * camera.projectionMatrix.elements[5] * 0.5 * height) / point.w, 3);
+      const reach = Math.max((cover * radius[i] * size * camera.projectionMatrix.elements[5] * 0.5 * height) / point.w, 4);
       const off = Math.hypot((point.x / point.w - x) * 0.5 * width, (point.y / point.w - y) * 0.5 * height);
       if (off > reach) continue;
       const depth = point.z / point.w;
@@ -207,8 +226,9 @@ export class Cloud {
   }
 
   dispose() {
-    for (const object of [this.points, this.arrows]) object.geometry.dispose();
-    this.material.dispose();
-    this.arrowMaterial.dispose();
+    for (const { geometry, material } of [this.points, ...this.arrows]) {
+      geometry.dispose();
+      material.dispose();
+    }
   }
 }

@@ -58,8 +58,10 @@ class Readings {
   marks(name) {
     const ended = !this.run.running;
     const last = this.series.get(name)?.time.at(-1);
+    // What a run has not come to, nor will, would only press its curve together.
+    const end = ended ? 1.1 * last : (this.run.status.progress.end ?? Infinity);
     return this.references
-      .filter((mark) => mark.gauge === name && (mark.time !== null || ended))
+      .filter((mark) => mark.gauge === name && (mark.time === null ? ended : mark.time - mark.time_error <= end))
       .map((mark) => ({ ...mark, time: mark.time ?? last }));
   }
 }
@@ -147,6 +149,7 @@ export class Gauges {
       chart.plot.setData(this.dataOf(name, chart.marks));
       this.explain(chart);
     }
+    this.fitCharts();
   }
 
   /// Times of all runs and of the references in one column, as uPlot wants it.

@@ -203,7 +203,7 @@ function clipPlane() {
 
 function pick(hit) {
   picked = hit;
-  showPick();
+  showPick().then(() => hit && byId("particle").scrollIntoView({ block: "nearest" }));
   paint();
 }
 

@@ -103,10 +103,10 @@ export class Panel {
       const cloud = this.stage.clouds[phase];
       const look = state.phases[phase];
       const frame = this.frames[phase];
-      cloud.setLook({ ...look, show: look.show && Boolean(frame) }, clip, numbersOf(colourOf("ink")));
+      cloud.setLook({ ...look, show: look.show && Boolean(frame) }, clip, numbersOf(colourOf("ink")), numbersOf(colourOf("picture")));
       if (!frame) continue;
       cloud.setScale(frame.values ? scales[phase] : null, numbersOf(colourOf(phase)));
-      cloud.arrows.visible = Boolean(frame.vectors) && cloud.longest > 0;
+      cloud.showArrows(Boolean(frame.vectors) && cloud.longest > 0);
       if (longest) cloud.setArrowScale(longest, state.arrows.length);
       const field = this.run.phases[phase].fields.find((f) => f.name === look.field);
       if (look.show && frame.values && field)

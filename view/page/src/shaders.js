@@ -19,7 +19,7 @@ void main() {
   vDepth = centre.z;
   vPixels = 2.0 * vRadius * projectionMatrix[1][1] * 0.5 * height / gl_Position.w;
   // Small discs cover the corners between them, so that a body has no gaps; large ones are seen one by one.
-  if (!sphere) vPixels *= mix(1.2533, 1.0, smoothstep(12.0, 36.0, vPixels));
+  if (!sphere) vPixels *= mix(1.3, 1.0, smoothstep(24.0, 60.0, vPixels));
   gl_PointSize = max(vPixels, 1.5);
   if (dot(clip.xyz, position) > clip.w) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
 }`;
@@ -89,6 +89,7 @@ in vec3 vector;
 uniform float scale;
 uniform vec2 viewport;
 uniform float width;      // of the shaft, pixels
+uniform float rim;        // pixels wider all around
 uniform vec4 clip;
 void main() {
   vec4 a = projectionMatrix * modelViewMatrix * vec4(start, 1.0);
@@ -100,8 +101,8 @@ void main() {
   vec2 unit = along / length_;
   vec2 across = vec2(-unit.y, unit.x);
   float head = min(5.0 * width, 0.6 * length_);
-  float x = position.z > 0.5 ? length_ - head * (1.0 - position.x) : (length_ - head) * position.x;
-  float half_ = position.z > 0.5 ? 0.5 * head : 0.5 * width;
+  float x = position.z > 0.5 ? length_ - head * (1.0 - position.x) + rim * (3.0 * position.x - 1.0) : (length_ - head) * position.x - rim;
+  float half_ = position.z > 0.5 ? 0.5 * head + 1.6 * rim : 0.5 * width + rim;
   vec2 place = from + unit * x + across * (position.y * half_);
   gl_Position = vec4(place / (0.5 * viewport) * a.w, min(a.z, b.z) - 1e-4 * a.w, a.w);
   if (length_ < 1.0 || dot(clip.xyz, start) > clip.w) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);

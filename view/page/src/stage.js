@@ -15,7 +15,7 @@ export class Stage {
     this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
     this.scene = new THREE.Scene();
     this.clouds = { solid: new Cloud(0), fluid: new Cloud(1) };
-    for (const cloud of Object.values(this.clouds)) this.scene.add(cloud.points, cloud.arrows);
+    for (const cloud of Object.values(this.clouds)) this.scene.add(cloud.points, ...cloud.arrows);
     this.mark = new THREE.Points(new THREE.BufferGeometry(), particleMaterial());
     this.mark.material.uniforms.ring.value = true;
     this.mark.material.uniforms.size.value = 1.6;
