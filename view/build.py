@@ -5,6 +5,7 @@ import os
 import pathlib
 import shutil
 import subprocess
+import sys
 
 SOURCE = pathlib.Path(__file__).resolve().parent / "page"
 
@@ -71,6 +72,14 @@ def page(built, say):
     return target
 
 
+def main():
+    """As a step of the tests: build.py FOLDER."""
+    try:
+        print(page(pathlib.Path(sys.argv[1]), print))
+    except CannotBuild as error:
+        sys.exit(str(error))
+
+
 def copy_sources(work):
     if work.exists():
         for path in work.iterdir():
@@ -80,3 +89,7 @@ def copy_sources(work):
         copy = work / path.relative_to(SOURCE)
         copy.parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(path, copy)
+
+
+if __name__ == "__main__":
+    main()

@@ -75,7 +75,7 @@ export class Cloud {
     this.points.frustumCulled = false;
     this.points.renderOrder = order;
     // Twice: a rim in the colour of the picture's ground, so that arrows stand out from any colour, and the arrow itself.
-    this.arrows = [1.2, 0].map((rim, i) => {
+    this.arrows = [0.8, 0].map((rim, i) => {
       const mesh = new THREE.Mesh(new THREE.InstancedBufferGeometry(), arrowMaterial(rim));
       mesh.frustumCulled = false;
       mesh.renderOrder = 10 + 2 * order + i;

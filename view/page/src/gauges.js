@@ -237,9 +237,9 @@ export class Gauges {
       ? `${values.map((v) => (v === null || v === undefined ? "-" : shown(v))).join(", ")} at ${shown(plot.data[0][i])} s` : "";
   }
 
-  explain({ key, marks }) {
-    const lines = this.readings.length > 1
-      ? this.readings.map(({ run }, i) => element("span", {}, colouredLine(LINES[i]), element("span", { textContent: run.name }))) : [];
+  explain({ key, marks, name }) {
+    const lines = this.readings.length < 2 ? [] : this.readings.flatMap(({ run, series }, i) =>
+      series.has(name) ? [element("span", {}, colouredLine(LINES[i]), element("span", { textContent: run.name }))] : []);
     const what = [...new Set(marks.flat().map((mark) => mark.text))];
     if (what.length) lines.push(element("span", { title: what.join("\n") }, element("i", { className: "dot" }), `reference: ${what.length > 2 ? `${what[0]}, and ${what.length - 1} more` : what.join("; ")}`));
     key.replaceChildren(...lines);

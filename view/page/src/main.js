@@ -151,16 +151,16 @@ function showTime() {
 
 // ---- camera and clip plane
 
-function allBounds() {
+/// Corners of all particles of the pictures of one kind (3D or not), or of all.
+function allBounds(three = null) {
   const box = new THREE.Box3();
-  for (const panel of panels) if (panel.stage) box.union(panel.stage.bounds());
+  for (const { stage } of panels) if (stage && (three === null || stage.three === three)) box.union(stage.bounds());
   return box;
 }
 
 function fit() {
   state.camera = null;
-  const box = allBounds();
-  for (const panel of panels) panel.stage?.fit(box);
+  for (const { stage } of panels) stage?.fit(allBounds(stage.three));
   paint();
   keepLink();
 }
