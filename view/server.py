@@ -28,7 +28,7 @@ import snapshot
 FIRST_PORT, PORTS = 8470, 20  # tried in turn, so that links stay good from one start to the next
 LONGEST = 1 << 23  # bytes of a file in one answer
 CONNECTIONS = 64
-BAD_COMMAND, BAD_FILES = 2, 5  # exit codes of poretwin
+BAD_FILES = 5  # exit code of poretwin
 SAFE_HEADERS = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; style-src 'self'; "
                                "img-src 'self' blob: data:; media-src blob:; connect-src 'self'; base-uri 'none'; form-action 'none'; "
@@ -249,6 +249,10 @@ def cursor_of(query):
     return {name: int(at) for name, at in pairs if at.isascii() and at.isdigit() and len(at) < 16}
 
 
+def say(text):
+    print(f"poretwin view: {text}", flush=True)
+
+
 def fail(message, code):
     print(f"poretwin: {message}", file=sys.stderr)
     sys.exit(code)
@@ -303,7 +307,6 @@ def listen(options, *rest):
 def main():
     options = arguments()
     found = find_runs(options.run or ["runs"])
-    say = lambda text: print(f"poretwin view: {text}", flush=True)
     try:
         page = build.page(options.built, say)
     except build.CannotBuild as error:

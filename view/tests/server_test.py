@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 """The server of `poretwin view`: who may ask, what can be read, and that a file in the middle of a write reads as of its last flush."""
+import fcntl
 import http.client
 import json
 import os
@@ -222,7 +223,6 @@ class Served(unittest.TestCase):
         (folder / "progress.json").write_text('{"t": 1.5, "end": 3, "step": 7, "dt": 0.1, "waiting_for": "solid"}\n')
         number = self.number_of("runs/live")
         with open(folder / "run.lock", "w") as lock:
-            import fcntl
             fcntl.flock(lock, fcntl.LOCK_EX)
             status = json.loads(self.ask(f"/api/runs/{number}/status").body)
             self.assertEqual((status["state"], status["progress"]["waiting_for"], status["progress"]["t"]), ("running", "solid", 1.5))

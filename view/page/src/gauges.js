@@ -13,6 +13,11 @@ const MOST = 60; // charts at a time
 class Readings {
   constructor(run) {
     this.run = run;
+    this.begin();
+  }
+
+  begin() {
+    this.started = this.run.status?.started;
     this.series = new Map();
     this.cursor = {};
     this.references = [];
@@ -21,6 +26,7 @@ class Readings {
   /// Reads on; true when there was something new.
   async refresh() {
     let news = false;
+    if (this.started !== this.run.status?.started) this.begin(); // another run took the folder's place
     for (let more = true; more; ) {
       const query = new URLSearchParams(this.cursor);
       const answer = await ask(this.run.url(`gauges?${query}`));

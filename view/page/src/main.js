@@ -3,14 +3,16 @@ import * as THREE from "three";
 import { extent, scaleOf } from "./colour.js";
 import { Controls } from "./controls.js";
 import { byId, colourOf, element, numbersOf, toast } from "./dom.js";
-import { componentNames, label, shown, unitOf, withUnit } from "./fields.js";
+import { shown, withUnit } from "./fields.js";
 import { Gauges } from "./gauges.js";
 import { listenToKeys, keyList } from "./keys.js";
 import { Panel } from "./panel.js";
+import { showParticle } from "./particle.js";
 import { report } from "./report.js";
 import { PHASES, Run } from "./run.js";
 import { saveGif, savePicture, saveVideo } from "./saving.js";
-import { ask, read } from "./server.js";
+import { ask } from "./server.js";
+import { followTheme, otherTheme } from "./theme.js";
 import { fromLink, toLink } from "./view_state.js";
 
 const SIDE_BY_SIDE = 4;
@@ -100,11 +102,14 @@ let again = false;
 function draw() {
   again = true;
   drawing ??= (async () => {
-    while (again) {
-      again = false;
-      await drawOnce();
+    try {
+      while (again) {
+        again = false;
+        await drawOnce();
+      }
+    } finally {
+      drawing = null;
     }
-    drawing = null;
   })();
   return drawing;
 }
@@ -207,32 +212,10 @@ function pick(hit) {
   paint();
 }
 
-let pickNumber = 0;
-
 async function showPick() {
-  const mine = ++pickNumber;
   for (const panel of panels)
     panel.stage?.markParticle(picked?.panel === panel ? picked.phase : null, picked?.index, numbersOf(colourOf("ink")));
-  const place = byId("particle");
-  const fill = (...nodes) => place.replaceChildren(element("legend", { textContent: "Particle" }), ...nodes);
-  if (!picked) return fill(element("p", { className: "hint", textContent: "Click a particle for all its fields." }));
-  const { panel, phase } = picked;
-  const frame = panel.frames[phase];
-  if (!frame || picked.index >= frame.radius.length) return fill(element("p", { className: "hint", textContent: "The picked particle is not in this frame." }));
-  let particle;
-  try {
-    particle = await read("particle", panel.run.url(`${phase}.vtkhdf`), { step: frame.step, index: picked.index });
-  } catch (error) {
-    return mine === pickNumber ? fill(element("p", { className: "error", textContent: error.message })) : undefined;
-  }
-  if (mine !== pickNumber) return;
-  const rows = particle.fields.flatMap((field) =>
-    componentNames(field.components).map((part, i) =>
-      element("tr", { title: field.description }, element("th", { textContent: label(field.name, part) }),
-        element("td", { className: "number", textContent: withUnit(Number(field.values[i]), unitOf(field)) }))));
-  fill(
-    element("p", { className: "soft", textContent: `number ${picked.index} of the ${phase} in ${panel.run.name}, at (${particle.position.map((x) => shown(x)).join(", ")}) m` }),
-    element("table", {}, ...rows));
+  await showParticle(picked);
 }
 
 // ---- runs
@@ -364,12 +347,6 @@ async function film(save) {
   go(before);
 }
 
-function setTheme(name) {
-  document.documentElement.dataset.theme = name;
-  localStorage.setItem("theme", name);
-  repaint();
-}
-
 function repaint() {
   gauges.repaint();
   if (panels.length) draw();
@@ -381,17 +358,9 @@ const controls = new Controls(state, draw);
 const gauges = new Gauges(keepLink);
 gauges.chosen = state.gauges;
 
-const dark = matchMedia("(prefers-color-scheme: dark)");
-const preferred = () => localStorage.getItem("theme") ?? (dark.matches ? "dark" : "light");
-document.documentElement.dataset.theme = preferred();
-dark.addEventListener("change", () => {
-  document.documentElement.dataset.theme = preferred();
-  repaint();
-});
-
 const actions = {
   play: () => play(), back: () => go(index - 1), on: () => go(index + 1), first: () => go(0), last: () => go(times.length - 1),
-  fit, theme: () => setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark"),
+  fit, theme: otherTheme,
   fluid: () => toggle("fluid"), solid: () => toggle("solid"), link: copyLink, help: () => byId("keys").showModal(),
   picture: () => savePicture(panels, fileName()).catch((error) => toast(error.message)),
   move: (right, up, closer) => panels[0]?.stage?.move(right, up, closer),
@@ -435,6 +404,7 @@ function listen() {
 }
 
 async function start() {
+  followTheme(repaint);
   listen();
   await findRuns();
   await showRuns();

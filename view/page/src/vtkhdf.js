@@ -17,6 +17,12 @@ export async function openFrames(url) {
   return new Frames(file, FS);
 }
 
+/// The innermost entry of the library's error stack is the cause: "  #012: H5Gent.c line 42 in H5G_ent(): bad symbol table".
+function causeOf(text) {
+  const entries = [...text.matchAll(/^ *#\d+: .*?\(\): (.+)$/gm)];
+  return (entries.at(-1)?.[1] ?? text.split("\n")[0]).trim();
+}
+
 class Frames {
   constructor(file, FS) {
     this.file = file;
@@ -55,7 +61,7 @@ class Frames {
     try {
       result = read();
     } catch (error) {
-      throw this.file.failure ?? new Damaged(String(error.message ?? error).split("\n")[0]);
+      throw this.file.failure ?? new Damaged(causeOf(String(error.message ?? error)));
     }
     if (this.file.failure) throw this.file.failure;
     return result;
