@@ -183,6 +183,26 @@ test("the slider, the keys and play go through time", async () => {
   await drawnAt("runs/dam", times[3]);
 });
 
+test("keys change the theme, tell themselves, and leave fields alone", async () => {
+  const theme = () => page.evaluate(() => document.documentElement.dataset.theme);
+  assert.equal(await theme(), "light");
+  await page.keyboard.press("t");
+  assert.equal(await theme(), "dark");
+  await page.keyboard.press("t");
+  await page.evaluate(() => localStorage.removeItem("theme")); // later tests have the system's
+  await page.keyboard.press("?");
+  assert.match(await page.textContent("dialog[open]"), /play, pause/);
+  await page.keyboard.press("t"); // the dialog's, not the page's
+  await page.keyboard.press("Escape");
+  await page.locator("#gauge-menu summary").click();
+  await page.getByLabel("Find a gauge").fill("");
+  await page.getByLabel("Find a gauge").press("t");
+  assert.equal(await page.getByLabel("Find a gauge").inputValue(), "t");
+  assert.equal(await theme(), "light");
+  await page.getByLabel("Find a gauge").fill("");
+  await page.locator("#gauge-menu summary").click();
+});
+
 test("any field colours, over the range of the frame or a fixed one", async () => {
   await page.keyboard.press("End");
   await page.getByLabel("Field of the fluid").selectOption("velocity|magnitude");

@@ -281,7 +281,7 @@ async function look(all = false) {
     run.looked = performance.now();
     try {
       const changed = await run.refresh();
-      panel.trouble = panel.stage ? "" : panel.trouble;
+      panel.trouble = "";
       return changed;
     } catch (error) {
       panel.trouble = error.message;

@@ -23,23 +23,25 @@ export class Panel {
     this.node = element("article", { className: "panel" },
       element("header", {}, element("b", { textContent: run.name }), this.state, this.progress, this.words), this.picture);
     this.node.dataset.run = run.name;
-    this.openStage();
     this.watcher = new ResizeObserver(() => this.resize());
     this.watcher.observe(this.picture);
     this.listen();
   }
 
+  /// On first use; null where there is no WebGL.
   openStage() {
+    if (this.stage !== undefined) return;
     try {
       this.stage = new Stage(this.canvas, (view) => this.page.moved(view, this));
+      this.resize();
     } catch {
       this.stage = null;
-      this.trouble = "This browser gives no WebGL 2, so particles cannot be drawn; gauges and messages are still shown. " +
+      this.lack = "This browser gives no WebGL 2, so particles cannot be drawn; gauges and messages are still shown. " +
         "Turn on hardware acceleration in its settings, or try another browser.";
     }
     this.canvas.addEventListener("webglcontextlost", (event) => {
       event.preventDefault();
-      this.trouble = "The graphics driver took the picture away. Load the page again.";
+      this.lack = "The graphics driver took the picture away. Load the page again.";
       this.tell();
     });
   }
@@ -73,7 +75,7 @@ export class Panel {
     this.failed = {};
     for (const phase of PHASES) {
       const step = this.run.stepAt(phase, time);
-      if (step < 0 || !this.stage) {
+      if (step < 0 || this.stage === null) {
         this.frames[phase] = null;
         continue;
       }
@@ -84,7 +86,10 @@ export class Panel {
       const key = JSON.stringify([description.tag.split("-")[0], step, colour, arrows]);
       if (this.frames[phase]?.key === key) continue;
       try {
-        const frame = await read("frame", this.run.url(`${phase}.vtkhdf`), { step, origin: this.page.origin, colour, arrows });
+        const reading = read("frame", this.run.url(`${phase}.vtkhdf`), { step, origin: this.page.origin, colour, arrows });
+        this.openStage(); // takes as long as the reading: at the same time
+        const frame = await reading;
+        if (!this.stage) continue;
         if (frame.positions.length) this.page.origin ??= frame.origin;
         this.frames[phase] = { ...frame, key };
         this.stage.setFrame(phase, frame);
@@ -131,7 +136,7 @@ export class Panel {
     this.progress.hidden = !(run.running && end > 0);
     if (!this.progress.hidden) this.progress.value = t / end;
     this.words.textContent = run.running ? progressWords(run, t, end, waits) : endWords(status);
-    const complaints = [this.trouble, ...Object.values(run.errors), ...Object.values(this.failed ?? {})].filter(Boolean);
+    const complaints = [this.lack, this.trouble, ...Object.values(run.errors), ...Object.values(this.failed ?? {})].filter(Boolean);
     const empty = complaints.length === 0 && run.times().length === 0;
     this.notice.hidden = complaints.length === 0 && !empty;
     this.notice.classList.toggle("calm", empty);
