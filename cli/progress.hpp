@@ -31,8 +31,8 @@ class ProgressView {
   Clock::time_point start_, first_, next_;
 };
 
-/// The latest progress line as a file of the run's folder, for programs that look on (`poretwin view`). It goes with the
-/// run; a disk that takes no more is for others to complain of.
+/// The latest progress line as a file of the run's folder, for programs that look on (`poretwin view`). It goes with
+/// the run; a disk that takes no more is for others to complain of.
 class ProgressFile {
  public:
   explicit ProgressFile(std::filesystem::path file) : file_(std::move(file)) {}

@@ -33,8 +33,8 @@ std::vector<char*> pointers_to(std::vector<std::string>& texts) {
 void become_script(const std::string& name, const std::vector<std::string>& arguments) {
   auto texts = command_of(name, arguments);
   ::execv(texts.front().c_str(), pointers_to(texts).data());
-  throw FileError(fmt::format("{}: cannot be started: {}; install the package python3", texts.front(),
-                              std::strerror(errno)));
+  throw FileError(
+      fmt::format("{}: cannot be started: {}; install the package python3", texts.front(), std::strerror(errno)));
 }
 
 int run_script(const std::string& name, const std::vector<std::string>& arguments, const std::filesystem::path& log) {

@@ -6,6 +6,8 @@ import { PHASES, complaint } from "./run.js";
 import { read } from "./server.js";
 import { Stage } from "./stage.js";
 
+const BEHIND = 0.7; // of the size of soil that only surrounds the water
+
 export class Panel {
   /// `page`: {moved(view, panel), picked(panel, hit), origin: [x, y, z] or null}
   constructor(run, page) {
@@ -108,7 +110,9 @@ export class Panel {
       const cloud = this.stage.clouds[phase];
       const look = state.phases[phase];
       const frame = this.frames[phase];
-      cloud.setLook({ ...look, show: look.show && Boolean(frame) }, clip, numbersOf(colourOf("ink")), numbersOf(colourOf("picture")));
+      // Soil without a field would hide the colours of the water in it, sphere by sphere.
+      const behind = phase === "solid" && frame?.three && !frame.values && state.phases.fluid.show && this.frames.fluid?.positions.length > 0;
+      cloud.setLook({ ...look, size: behind ? BEHIND * look.size : look.size, show: look.show && Boolean(frame) }, clip, numbersOf(colourOf("ink")), numbersOf(colourOf("picture")));
       if (!frame) continue;
       cloud.setScale(frame.values ? scales[phase] : null, numbersOf(colourOf(phase)));
       cloud.showArrows(Boolean(frame.vectors) && cloud.longest > 0);
