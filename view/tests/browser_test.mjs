@@ -438,7 +438,7 @@ test("a frame of 100,000 particles is soon there", async (t) => {
   t.diagnostic(`first picture after ${seconds} s`);
   const [count] = held("large", "[int(n[0])]");
   assert.match(await label("runs/large"), new RegExp(`${count} particles`));
-  // 2 s by a graphics card or two idle cores; here pictures are computed beside other work.
+  // Asked are 2 s; without a graphics card and beside other tests it takes longer, so that this bound tells of a breakdown only.
   assert.ok(seconds < 20, `${seconds} s`);
 });
 
