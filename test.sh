@@ -7,11 +7,12 @@ cd "$(dirname "$0")"
 
 preset=${1:-release}
 shift || true
-install_packages
-targets=() labels=()
+targets=() labels=() commands=()
 case $preset in
   asan | tsan) targets=(unit_tests) labels=(-L 'unit|interface') ;;
+  *) commands=($test_commands) ;;
 esac
+install_packages "${commands[@]}"
 build "$preset" "${targets[@]}"
 say "testing: $preset"
 exec ctest --preset "$preset" -j "$(nproc)" "${labels[@]}" "$@"

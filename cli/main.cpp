@@ -184,6 +184,18 @@ void declare(CLI::App& app, Arguments& a, VerifyOptions& v, std::vector<std::str
     action = [&] { return draw_pictures(script_arguments, {}); };
   });
 
+  auto* view_command = app.add_subcommand("view", "Look at runs, finished or under way, in a browser");
+  view_command->prefix_command();
+  view_command->set_help_flag();
+  view_command->callback([&, view_command] {
+    script_arguments = view_command->remaining();
+    action = [&]() -> int {
+      // In place of this process, so that Ctrl-C and other signals reach the server itself.
+      script_arguments.insert(script_arguments.end(), {"--built", program_folder().parent_path() / "view"});
+      become_script("view/server.py", script_arguments);
+    };
+  });
+
   auto* bench_command =
       app.add_subcommand("bench", "Error against run time, by scheme and resolution: tables, pictures");
   bench_command->prefix_command();

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 namespace poretwin::cli {
@@ -74,6 +75,28 @@ void ProgressView::tick() {
 void ProgressView::finish() {
   if (shown_ && terminal_ && !quiet_) fmt::print(stderr, "\r\033[K");
   shown_ = false;
+}
+
+ProgressFile::~ProgressFile() {
+  std::error_code ignored;
+  std::filesystem::remove(file_, ignored);
+}
+
+void ProgressFile::line(const std::string& json) {
+  const auto now = std::chrono::steady_clock::now();
+  if (now < next_) return;
+  next_ = now + std::chrono::milliseconds(500);
+  auto part = file_;
+  part += ".part";
+  std::ofstream stream(part, std::ios::binary);
+  stream << json << '\n';
+  stream.close();
+  // Renamed, so that nobody reads half a line.
+  std::error_code ignored;
+  if (stream)
+    std::filesystem::rename(part, file_, ignored);
+  else
+    std::filesystem::remove(part, ignored);
 }
 
 std::string duration(double seconds) {

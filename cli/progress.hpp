@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <filesystem>
 #include <string>
 
 namespace poretwin::cli {
@@ -28,6 +29,22 @@ class ProgressView {
   double time_ = 0.0, end_ = 0.0, interval_ = 0.0, steps_ = 0.0, first_time_ = 0.0, first_steps_ = 0.0;
   std::string waiting_for_, doing_;
   Clock::time_point start_, first_, next_;
+};
+
+/// The latest progress line as a file of the run's folder, for programs that look on (`poretwin view`). It goes with
+/// the run; a disk that takes no more is for others to complain of.
+class ProgressFile {
+ public:
+  explicit ProgressFile(std::filesystem::path file) : file_(std::move(file)) {}
+  ProgressFile(const ProgressFile&) = delete;
+  ProgressFile& operator=(const ProgressFile&) = delete;
+  ~ProgressFile();
+  /// Kept twice a second at most.
+  void line(const std::string& json);
+
+ private:
+  std::filesystem::path file_;
+  std::chrono::steady_clock::time_point next_{};
 };
 
 /// "4 s", "3 min 20 s", "2 h 05 min".

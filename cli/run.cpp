@@ -27,6 +27,7 @@
 #include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 
 namespace poretwin::cli {
@@ -355,6 +356,7 @@ RunResult run_case(const RunOptions& options) {
   write_run_file(options, identity, started, nullptr);
   const PrivateFolder socket;
   ProgressView view(options.quiet);
+  std::optional<ProgressFile> progress(options.out / "progress.json");
   const auto start = std::chrono::steady_clock::now();
   const std::string address = "ipc://" + (socket.path() / "poretwin.sock").string();
   RunResult result;
@@ -372,7 +374,10 @@ RunResult run_case(const RunOptions& options) {
   for (;;) {
     const Watched watched = run_together(
         programs_of(options, scene, address, resume, result.restarts > 0),
-        [&](const std::string& line) { view.line(line); },
+        [&](const std::string& line) {
+          view.line(line);
+          progress->line(line);
+        },
         [&] {
           tail.read();
           view.tick();
@@ -407,6 +412,7 @@ RunResult run_case(const RunOptions& options) {
   }
   {
     const StopsIgnored until_the_end_is_written;
+    progress.reset();
     result.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     close_run(options, identity, started, result);
   }

@@ -146,8 +146,8 @@ void RunFolder::clear() const {
     const std::string file = entry.path().filename().string(), ending = entry.path().extension().string();
     const bool ours = ending == ".vtkhdf" || ending == ".undo" || ending == ".xmf" || ending == ".h5" ||
                       file.ends_with(".summary.json") || (file.starts_with("gauges") && ending == ".csv") ||
-                      (file.starts_with("trace") && ending == ".json") || file == "log" || file == "pictures" ||
-                      file == "checkpoints";
+                      (file.starts_with("trace") && ending == ".json") || file.starts_with("progress.json") ||
+                      file == "log" || file == "pictures" || file == "checkpoints";
     if (ours) fs::remove_all(entry.path(), error);
   }
   fs::create_directories(out_ / "log", error);

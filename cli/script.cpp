@@ -1,20 +1,45 @@
 #include "cli/script.hpp"
 
+#include "common/core/error.hpp"
+
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstring>
 
 namespace poretwin::cli {
 
-int run_script(const std::string& name, const std::vector<std::string>& arguments, const std::filesystem::path& log) {
-  // The system's Python: h5py and matplotlib are its packages, another one in the PATH may lack them.
+namespace {
+
+/// The system's Python: h5py and matplotlib are its packages, another one in the PATH may lack them.
+std::vector<std::string> command_of(const std::string& name, const std::vector<std::string>& arguments) {
   std::vector<std::string> texts{"/usr/bin/python3", (std::filesystem::path(PORETWIN_SOURCE_DIR) / name).string()};
   texts.insert(texts.end(), arguments.begin(), arguments.end());
+  return texts;
+}
+
+std::vector<char*> pointers_to(std::vector<std::string>& texts) {
   std::vector<char*> pointers;
   for (auto& text : texts) pointers.push_back(text.data());
   pointers.push_back(nullptr);
+  return pointers;
+}
+
+}  // namespace
+
+void become_script(const std::string& name, const std::vector<std::string>& arguments) {
+  auto texts = command_of(name, arguments);
+  ::execv(texts.front().c_str(), pointers_to(texts).data());
+  throw FileError(
+      fmt::format("{}: cannot be started: {}; install the package python3", texts.front(), std::strerror(errno)));
+}
+
+int run_script(const std::string& name, const std::vector<std::string>& arguments, const std::filesystem::path& log) {
+  auto texts = command_of(name, arguments);
+  const auto pointers = pointers_to(texts);
   const pid_t child = ::fork();
   if (child == 0) {
     if (!log.empty()) {

@@ -1,4 +1,4 @@
-// The commands that are Python scripts: `poretwin plot`, `poretwin bench`.
+// The commands that are Python scripts: `poretwin plot`, `poretwin view`, `poretwin bench`.
 #pragma once
 
 #include <filesystem>
@@ -11,6 +11,9 @@ namespace poretwin::cli {
 /// terminal). Returns its exit code.
 int run_script(const std::string& name, const std::vector<std::string>& arguments,
                const std::filesystem::path& log = {});
+
+/// The script takes this process's place. Throws FileError when there is no Python.
+[[noreturn]] void become_script(const std::string& name, const std::vector<std::string>& arguments);
 
 /// Pictures of fields and gauges of a run.
 inline int draw_pictures(const std::vector<std::string>& arguments, const std::filesystem::path& log) {

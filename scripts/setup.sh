@@ -4,11 +4,17 @@ packages="cmake ninja-build g++ pkg-config libzmq3-dev cppzmq-dev libprotobuf-de
 libtomlplusplus-dev libcli11-dev libspdlog-dev libfmt-dev libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev
 nlohmann-json3-dev iproute2 python3-zmq python3-protobuf python3-numpy python3-scipy python3-h5py python3-matplotlib"
 
+# Commands that only the tests need, and the packages they come from: any node will do, wherever it is from.
+test_commands="node:nodejs npm:npm chromium:chromium"
+
 say() { printf '== %s\n' "$*"; }
 
-# Installs what is missing; touches nothing when all is there.
+# install_packages [COMMAND:PACKAGE...]: installs what is missing; touches nothing when all is there.
 install_packages() {
   local missing=() package
+  for package in "$@"; do
+    command -v "${package%%:*}" >/dev/null || missing+=("${package##*:}")
+  done
   for package in $packages; do
     [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null)" = installed ] || missing+=("$package")
   done

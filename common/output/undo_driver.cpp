@@ -10,8 +10,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
+#include <ctime>
 #include <memory>
 #include <string>
 #include <vector>
@@ -20,7 +22,10 @@ namespace poretwin::hdf5 {
 namespace {
 
 // FILE.undo: the length of FILE at the last flush, then pieces (where, how long, the bytes that stood there), in the
-// order of writing. A piece that is cut off was never acted upon.
+// order of writing. A piece that is cut off was never acted upon. The first piece holds no bytes: its `where` is the
+// stamp of that flush. Between two writes FILE.undo is empty and its modification time is the stamp. A reader that
+// finds one stamp before and after reading both files has the state of that flush, whatever is being written
+// (docs/view.md).
 
 std::string undo_of(const std::string& path) { return path + ".undo"; }
 
@@ -95,6 +100,7 @@ struct UndoFile {
   int file = -1, undo = -1;
   std::uint64_t address_end = 0, end = 0;  ///< of allocated addresses; of the file
   std::uint64_t flushed = 0;               ///< length at the last flush
+  std::uint64_t stamp = 0;                 ///< of the last flush, ns since 1970
   std::uint64_t undo_end = 0;              ///< 0: nothing to undo
   bool writable = false;
   std::string failure;  ///< what the first failed write said; empty: none has failed
@@ -107,8 +113,9 @@ struct UndoFile {
     if (where >= flushed) size = 0;
     size = std::min(size, flushed - std::min(where, flushed));
     if (undo_end == 0) {
-      if (!write_all(undo, &flushed, sizeof flushed, 0)) return false;
-      undo_end = sizeof flushed;
+      const std::array<std::uint64_t, 3> header{flushed, stamp, 0};
+      if (!write_all(undo, header.data(), sizeof header, 0)) return false;
+      undo_end = sizeof header;
     }
     if (size == 0) return true;
     std::vector<char> bytes(sizeof(Piece) + size);
@@ -125,7 +132,19 @@ struct UndoFile {
     if (undo_end > 0 && ::ftruncate(undo, 0) != 0) return false;
     undo_end = 0;
     flushed = end;
+    renew_stamp();
     return true;
+  }
+
+  /// The clock of file systems ticks every few milliseconds; two flushes within a tick must differ.
+  void renew_stamp() {
+    timespec now{};
+    ::clock_gettime(CLOCK_REALTIME, &now);
+    stamp = std::max(stamp + 1, std::uint64_t{1000000000} * static_cast<std::uint64_t>(now.tv_sec) +
+                                    static_cast<std::uint64_t>(now.tv_nsec));
+    const timespec time{static_cast<time_t>(stamp / 1000000000), static_cast<long>(stamp % 1000000000)};
+    const std::array<timespec, 2> times{time, time};
+    ::futimens(undo, times.data());
   }
 };
 
@@ -166,6 +185,7 @@ H5FD_t* open_file(const char* name, unsigned flags, hid_t, haddr_t) {
     return nullptr;
   }
   made->end = made->flushed = length_of(made->file);
+  if (made->writable) made->renew_stamp();
   return &made.release()->general;
 }
 

@@ -274,6 +274,20 @@ TEST_F(Output, AKilledWriterLosesAtMostTheFrameItWrote) {
   EXPECT_GT(in_the_middle, 5) << "hardly any of the kills hit a frame: they tell nothing";
 }
 
+/// Readers of a file that grows tell its states apart by them, however fast one follows the other (docs/view.md).
+TEST_F(Output, EveryFlushHasAStampOfItsOwn) {
+  const auto path = folder_ / "stamped.vtkhdf";
+  VtkHdfWriter file(path);
+  auto last = std::filesystem::last_write_time(path.string() + ".undo");
+  for (int k = 0; k < 30; ++k) {
+    file.append(frame_of(2, k));
+    EXPECT_EQ(std::filesystem::file_size(path.string() + ".undo"), 0u);
+    const auto stamp = std::filesystem::last_write_time(path.string() + ".undo");
+    EXPECT_GT(stamp, last) << k;
+    last = stamp;
+  }
+}
+
 /// From a checkpoint on the record is written again: the same, whatever had been written after it.
 /// Wherever the disk becomes full: the writer says so, closes, and its process ends as it wants to. (The library, told
 /// of a write that failed, crashes at the end of the process.)

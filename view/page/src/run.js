@@ -1,0 +1,104 @@
+// One run: what its files hold, and what it says of itself.
+import { ask, read } from "./server.js";
+
+export const PHASES = ["solid", "fluid"]; // in the order of drawing
+const SAMPLES = 120; // looks at a run under way, for its pace and for who waited
+
+export class Run {
+  constructor(id, name) {
+    this.id = id;
+    this.name = name;
+    this.status = null;
+    this.phases = {}; // what the file of each phase holds
+    this.errors = {};
+    this.tags = {};
+    this.samples = [];
+  }
+
+  url(what) {
+    return `/api/runs/${this.id}/${what}`;
+  }
+
+  get running() {
+    return this.status?.state === "running";
+  }
+
+  /// The worker opens the files while the page makes itself ready; what is wrong with them is said later.
+  prepare() {
+    for (const phase of PHASES) read("describe", this.url(`${phase}.vtkhdf`)).catch(() => {});
+  }
+
+  /// Asks how it stands; true when there are other frames than before.
+  async refresh() {
+    this.status = await ask(this.url("status"));
+    if (this.running) this.sample(this.status.progress);
+    let changed = false;
+    for (const phase of PHASES) {
+      const file = this.status.files[phase];
+      if (!file || file.error) {
+        if (file?.error) this.errors[phase] = `${phase}.vtkhdf: ${file.error}`;
+        continue;
+      }
+      if (file.tag === this.tags[phase]) continue;
+      changed = (await this.reopen(phase, file.tag)) || changed;
+    }
+    return changed;
+  }
+
+  async reopen(phase, tag) {
+    const before = this.phases[phase];
+    const replaced = this.tags[phase] !== undefined && this.tags[phase].split("-")[0] !== tag.split("-")[0];
+    try {
+      const found = await read("reopen", this.url(`${phase}.vtkhdf`), { tag, replaced });
+      // Taken back to a checkpoint: what was read of later frames is no more.
+      if (before && found.steps < before.steps) await read("reopen", this.url(`${phase}.vtkhdf`), { tag, replaced: true });
+      this.phases[phase] = found;
+      this.tags[phase] = tag;
+      delete this.errors[phase];
+      return true;
+    } catch (error) {
+      // A file that is just being made holds nothing yet.
+      if (!(error.damaged && this.running && !before)) this.errors[phase] = complaint(`${phase}.vtkhdf`, error);
+      if (error.damaged && !this.running) this.tags[phase] = tag; // it will not get better by itself
+      return false;
+    }
+  }
+
+  sample(progress) {
+    if (typeof progress.t !== "number") return;
+    this.samples.push({ at: performance.now() / 1000, t: progress.t, waits: progress.waiting_for || "" });
+    if (this.samples.length > SAMPLES) this.samples.shift();
+  }
+
+  /// Seconds until its end, at the pace seen so far; null: not known.
+  remaining() {
+    const [first, last] = [this.samples[0], this.samples.at(-1)];
+    const pace = last && (last.t - first.t) / (last.at - first.at);
+    return pace > 0 ? (this.status.progress.end - last.t) / pace : null;
+  }
+
+  /// In which share of the looks the coupler waited for whom.
+  waits() {
+    const count = {};
+    for (const { waits } of this.samples) if (waits) count[waits] = (count[waits] ?? 0) + 1 / this.samples.length;
+    return count;
+  }
+
+  times() {
+    return PHASES.flatMap((phase) => this.phases[phase]?.times ?? []);
+  }
+
+  /// The frame of a phase nearest to a time, -1 where there is none.
+  stepAt(phase, time) {
+    const times = this.phases[phase]?.times ?? [];
+    let best = -1;
+    for (let i = 0; i < times.length; ++i) if (best < 0 || Math.abs(times[i] - time) <= Math.abs(times[best] - time)) best = i;
+    return best;
+  }
+}
+
+export function complaint(name, error) {
+  if (!error.damaged) return `${name}: ${error.message}`;
+  return `${name}: this file is damaged: ${error.message}. If its run was broken off, \`poretwin run CASE --resume\` brings it back to its last ` +
+    "checkpoint; otherwise take it from where it was copied, or run the case again.";
+}

@@ -1,0 +1,96 @@
+"""A results file as it was at its last flush, whatever its writer is doing at the moment.
+
+The writer copies what it is about to replace to FILE.undo first, and a flush empties that (common/output/undo_driver.cpp).
+So a piece of the file is read first and FILE.undo after it: whatever had changed by then stands there with its old bytes.
+Every flush has a stamp; when it is the same before and after, both belong to one state of the file.
+"""
+import os
+import stat
+import struct
+import time
+
+HEADER = struct.Struct("<QQQ")  # length at the flush, its stamp, 0
+PIECE = struct.Struct("<QQ")  # where, how many bytes follow
+PATIENCE = 2.0  # s; a flush that goes on lasts a moment
+
+
+class Unreadable(Exception):
+    """The file cannot be read; says which and why."""
+
+
+def open_file(name, folder):
+    """A regular file of an open folder, or None. What is a link is no part of a run."""
+    try:
+        descriptor = os.open(name, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC, dir_fd=folder)
+    except FileNotFoundError:
+        return None
+    except OSError as error:
+        raise Unreadable(f"{name}: {'is a symbolic link, which is not followed' if error.errno == 40 else error.strerror}")
+    if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+        os.close(descriptor)
+        raise Unreadable(f"{name}: is not a regular file")
+    return descriptor
+
+
+def state_of(file, undo):
+    """Tag and length of the last flush; None while the writer is between two of its steps."""
+    here = os.fstat(file)
+    if undo is None:
+        return f"{here.st_ino:x}-{here.st_mtime_ns:x}-{here.st_size:x}", here.st_size
+    journal = os.fstat(undo)
+    if journal.st_size == 0:
+        return f"{here.st_ino:x}-{journal.st_mtime_ns:x}", here.st_size
+    if journal.st_size < HEADER.size:
+        return None
+    length, stamp, nothing = HEADER.unpack(os.pread(undo, HEADER.size, 0).ljust(HEADER.size, b"\0"))
+    if nothing != 0:  # left by a program that knew no stamps
+        stamp = journal.st_mtime_ns
+    return f"{here.st_ino:x}-{stamp:x}", length
+
+
+def restore(data, first, undo):
+    """Puts the bytes of FILE.undo back into `data`, which begins at `first` in the file."""
+    journal = os.pread(undo, os.fstat(undo).st_size, 0)
+    pieces, at = [], 8
+    while at + PIECE.size <= len(journal):
+        where, count = PIECE.unpack_from(journal, at)
+        at += PIECE.size
+        if at + count > len(journal):
+            break  # not complete yet: the file has not changed there
+        pieces.append((where, count, at))
+        at += count
+    # The oldest copy is the right one, so it comes last.
+    for where, count, start in reversed(pieces):
+        low, high = max(where, first), min(where + count, first + len(data))
+        if low < high:
+            data[low - first : high - first] = journal[start + low - where : start + high - where]
+
+
+def read(folder, name, first=0, count=0):
+    """(tag, length, bytes) of the file at its last flush; None when there is no such file."""
+    deadline = time.monotonic() + PATIENCE
+    while True:
+        file = open_file(name, folder)
+        if file is None:
+            return None
+        undo = None
+        try:
+            undo = open_file(name + ".undo", folder)
+            before = state_of(file, undo)
+            if before is not None:
+                wanted = max(0, min(count, before[1] - first))
+                data = bytearray(os.pread(file, wanted, first).ljust(wanted, b"\0"))
+                if undo is not None:
+                    restore(data, first, undo)
+                elif (now := open_file(name + ".undo", folder)) is not None:
+                    os.close(now)  # a run goes on with this file since we looked
+                    continue
+                if state_of(file, undo) == before:
+                    return (*before, bytes(data))
+        finally:
+            os.close(file)
+            if undo is not None:
+                os.close(undo)
+        if time.monotonic() > deadline:
+            raise Unreadable(f"{name}: changes faster than it can be read")
+        time.sleep(0.002)
