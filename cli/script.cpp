@@ -1,5 +1,7 @@
 #include "cli/script.hpp"
 
+#include "cli/locate.hpp"
+
 #include <fcntl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -10,7 +12,8 @@ namespace poretwin::cli {
 
 int run_script(const std::string& name, const std::vector<std::string>& arguments, const std::filesystem::path& log) {
   // The system's Python: h5py and matplotlib are its packages, another one in the PATH may lack them.
-  std::vector<std::string> texts{"/usr/bin/python3", (std::filesystem::path(PORETWIN_SOURCE_DIR) / name).string()};
+  // -B: what is installed stays as it was packed.
+  std::vector<std::string> texts{"/usr/bin/python3", "-B", (data_folder() / name).string()};
   texts.insert(texts.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;
   for (auto& text : texts) pointers.push_back(text.data());
