@@ -8,7 +8,6 @@ packages+=" dpkg-dev"  # dpkg-shlibdeps
 install_packages
 build release installable
 rm -rf build/packages
-# cpack would build everything, tests too, before it packs.
-cpack --config build/release/CPackConfig.cmake -B build/packages -D CPACK_CMAKE_GENERATOR= >build/release/cpack.log || { cat build/release/cpack.log; exit 1; }
+cpack --config build/release/CPackConfig.cmake -B build/packages >build/release/cpack.log || { cat build/release/cpack.log; exit 1; }
 rm -rf build/packages/_CPack_Packages
 ls -l build/packages
