@@ -257,11 +257,10 @@ class Watch {
     }
     result_.interrupted = true;
     interrupted_at_ = Clock::now();
-    fmt::print(
-        stderr,
-        "\nporetwin: stopping: the window under way is finished and a checkpoint written, a search for rest given "
-        "up; another signal ends at once after {} s\n",
-        std::chrono::duration_cast<std::chrono::seconds>(patience_.grace).count());
+    fmt::print(stderr,
+               "\nporetwin: stopping: the window under way is finished and a checkpoint written, a search for rest given "
+               "up; another signal ends at once after {} s\n",
+               std::chrono::duration_cast<std::chrono::seconds>(patience_.grace).count());
     end_all(SIGINT);
     schedule(SIGTERM, patience_.after_interrupt);
   }

@@ -28,7 +28,9 @@ bool holds_nothing(const fs::path& out) {
   });
 }
 
-bool has_frames(const fs::path& out) { return fs::exists(out / "fluid.vtkhdf") || fs::exists(out / "solid.vtkhdf"); }
+bool has_frames(const fs::path& out) {
+  return fs::exists(out / "fluid.vtkhdf") || fs::exists(out / "solid.vtkhdf");
+}
 
 std::string text_of(const Node& table, const char* key) {
   const Node* found = table.find(key);
@@ -62,10 +64,11 @@ bool finished(const RunClaim& claim) {
     expect_same((claim.out / "run.toml").string(), claim.identity, record.identity, claim.accept_changed_program);
   if (record.exit == 0) return true;
   if (!has_checkpoints(claim.out, claim.leader))
-    throw FileError(fmt::format(
-        "{}: nothing to resume from: holds {} and left no checkpoint of the {}; begin anew without "
-        "--resume{}",
-        claim.out.string(), described(record), claim.leader, has_frames(claim.out) ? ", with --overwrite" : ""));
+    throw FileError(
+        fmt::format("{}: nothing to resume from: holds {} and left no checkpoint of the {}; begin anew without "
+                    "--resume{}",
+                    claim.out.string(), described(record), claim.leader,
+                    has_frames(claim.out) ? ", with --overwrite" : ""));
   return false;
 }
 
@@ -86,15 +89,13 @@ std::string replaced_by(const RunClaim& claim) {
     throw FileError(fmt::format("{}: holds {}; replace it by one of {} with --overwrite, or choose another --out",
                                 out.string(), what, claim.case_name));
   if (has_checkpoints(out, claim.leader))
-    throw FileError(
-        fmt::format("{}: holds {} and can go on from a checkpoint; go on with --resume, begin anew with "
-                    "--overwrite, or choose another --out",
-                    out.string(), what));
+    throw FileError(fmt::format("{}: holds {} and can go on from a checkpoint; go on with --resume, begin anew with "
+                                "--overwrite, or choose another --out",
+                                out.string(), what));
   if ((!record->exit || *record->exit == interrupted) && has_frames(out))
-    throw FileError(
-        fmt::format("{}: holds {} and left results, but no checkpoint; begin anew with --overwrite, or "
-                    "choose another --out",
-                    out.string(), what));
+    throw FileError(fmt::format("{}: holds {} and left results, but no checkpoint; begin anew with --overwrite, or "
+                                "choose another --out",
+                                out.string(), what));
   return what;
 }
 
@@ -104,13 +105,8 @@ std::optional<RunRecord> read_run_record(const fs::path& out) {
   const fs::path file = out / "run.toml";
   if (!fs::exists(file)) return std::nullopt;
   const Node root = parse_document(read_text(file), file.string());
-  RunRecord record{text_of(root, "case"),
-                   text_of(root, "case_file"),
-                   text_of(root, "started"),
-                   text_of(root, "ended"),
-                   text_of(root, "reason"),
-                   std::nullopt,
-                   {}};
+  RunRecord record{text_of(root, "case"), text_of(root, "case_file"), text_of(root, "started"), text_of(root, "ended"),
+                   text_of(root, "reason"), std::nullopt, {}};
   if (const Node* exit = root.find("exit"); exit != nullptr && exit->kind == Node::Kind::integer)
     record.exit = static_cast<int>(exit->integer);
   if (const Node* identity = root.find("identity"); identity != nullptr)

@@ -25,10 +25,10 @@ std::optional<RunRecord> read_run_record(const std::filesystem::path& out);
 struct RunClaim {
   std::filesystem::path out;
   std::string case_name;
-  RunIdentity identity;    ///< of the case and of its programs
-  std::string leader;      ///< the process whose checkpoints count
-  bool resume = false;     ///< go on with what is there
-  bool overwrite = false;  ///< begin anew whatever run is there
+  RunIdentity identity;         ///< of the case and of its programs
+  std::string leader;           ///< the process whose checkpoints count
+  bool resume = false;          ///< go on with what is there
+  bool overwrite = false;       ///< begin anew whatever run is there
   bool accept_changed_program = false;
 };
 
