@@ -110,6 +110,14 @@ TEST_F(JsonOfCommands, MissingFilesAndWrongCommandLinesAreTold) {
   EXPECT_EQ(json::parse(part.out)["exit"], 2);
 }
 
+TEST_F(JsonOfCommands, BenchTellsTheRowsOfItsParts) {
+  const auto outcome = poretwin({"bench", "kernels", "--out", (folder_ / "bench").string(), "--json", "-"});
+  ASSERT_EQ(outcome.exit, 0) << outcome.err;
+  const auto told = json::parse(outcome.out);
+  EXPECT_EQ(told["command"], "bench");
+  EXPECT_TRUE(told["parts"]["kernels"].is_array());
+}
+
 TEST_F(JsonOfCommands, AFileThatCannotBeWrittenIsNamed) {
   const auto outcome = poretwin({"check", terzaghi().string(), "--json", (folder_ / "absent" / "a.json").string()});
   EXPECT_EQ(outcome.exit, 5);
