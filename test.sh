@@ -1,18 +1,29 @@
 #!/bin/bash
 # Installs what is missing, builds and runs the tests: ./test.sh [PRESET [options of ctest]]. Safe to run twice.
-# The asan and tsan presets take the unit and interface tests; release takes all.
+# The asan and tsan presets take the unit and interface tests; release takes all. `full` takes all tests with the address sanitizer, then the
+# release tests, then what takes long or needs a network: the Debian packages on a fresh Debian (root).
 set -euo pipefail
 cd "$(dirname "$0")"
 . scripts/setup.sh
 
 preset=${1:-release}
 shift || true
-targets=() labels=() commands=()
+targets=() labels=() commands=($test_commands)
 case $preset in
-  asan | tsan) targets=(unit_tests) labels=(-L 'unit|interface') ;;
-  *) commands=($test_commands) ;;
+  asan | tsan) targets=(unit_tests) labels=(-L 'unit|interface') commands=() ;;
+  full) packages+=" fish lintian man-db mypy python3-build python3-setuptools python3-wheel zsh" ;; # what some tests do without otherwise
 esac
 install_packages "${commands[@]}"
+if [ "$preset" = full ]; then
+  build asan
+  say "testing: asan, all"
+  ctest --preset asan -j "$(nproc)" "$@"
+  build release
+  say "testing: release"
+  ctest --preset release -j "$(nproc)" "$@"
+  scripts/packages.sh
+  exec scripts/package_smoke.sh
+fi
 build "$preset" "${targets[@]}"
 say "testing: $preset"
 exec ctest --preset "$preset" -j "$(nproc)" "${labels[@]}" "$@"

@@ -91,6 +91,7 @@ def is_front(row, rows):
 
 def job_table(a, jobs):
     """What a user waits for: seconds of whole runs beside what was asked for, the median of --repeats."""
+    rows = []
     pace = pair_rate(a.program)
     carried_to = ("CPU seconds are carried to the machine on which the public codes were timed that the bounds look at: a plain pair loop does "
                   f"{PUBLIC_PAIR_RATE} million pairs a second there, the plainest of those below did {pace:.0f} here just before."
@@ -103,6 +104,7 @@ def job_table(a, jobs):
         threads = job.get("threads", os.cpu_count())
         if any(run.exit != 0 for run in runs):
             lines.append(f"| {name} | - | - | {threads} | - | {runs[-1].reason} | - | - | {job['asked']} |")
+            rows.append({"job": name, "threads": threads, "reason": runs[-1].reason, "asked": job["asked"]})
             continue
         run, cpu, wall = runs[0], statistics.median(run.cpu for run in runs), statistics.median(run.wall for run in runs)
         phases = [phase for phase in ("fluid", "solid") if phase in run.summaries]
@@ -112,7 +114,9 @@ def job_table(a, jobs):
         carried = f"{cpu * pace / PUBLIC_PAIR_RATE:.2f}" if pace and threads == 1 else ""
         lines.append(f"| {name} | {particles:.0f} | {steps:.0f} | {threads} | {rate} | {cpu:.2f} | {carried} | {wall:.2f} | {job['asked']} |")
         print(lines[-1], flush=True)
-    return lines
+        rows.append({"job": name, "particles": int(particles), "steps": int(steps), "threads": threads, "cpu_s": round(cpu, 3),
+                     "wall_s": round(wall, 3), "asked": job["asked"]})
+    return lines, rows
 
 
 def printed_by(program, name):
@@ -131,9 +135,15 @@ def told_by(program, name, title):
     """The section that a benchmark of one kernel prints, when it has been built beside the program."""
     text = printed_by(program, name)
     if text is None:
-        return ["", f"## {title}", "", f"(build it first: `ninja {name}`)"]
+        return ["", f"## {title}", "", f"(build it first: `ninja {name}`)"], []
     head, table = text.split("\n", 1)
-    return ["", f"## {title}", "", head + ".", "", table.strip()]
+    return ["", f"## {title}", "", head + ".", "", table.strip()], table_rows(table)
+
+
+def table_rows(table):
+    """The rows of a table in Markdown, by its heading."""
+    cells = [[cell.strip() for cell in line.strip().strip("|").split("|")] for line in table.splitlines() if line.startswith("|")]
+    return [dict(zip(cells[0], row)) for row in cells[2:]]
 
 
 def size_table(a):
@@ -141,21 +151,21 @@ def size_table(a):
     write_csv(a.out / "scaling.csv", rows)
     scaling.draw(a.out / "scaling.png", rows)
     return ["", "## Size", "", "Cost of a step without the start, memory without that of a small run (bench/scaling.py).", "",
-            "![](bench/scaling.png)", "", *scaling.table(rows)]
+            "![](bench/scaling.png)", "", *scaling.table(rows)], rows
 
 
 def coupling_table(a):
     rows = overhead.measure_all(a.program, a.repeats)
     write_csv(a.out / "overhead.csv", rows)
     return ["", "## Coupling", "", "Overhead is what no solver computes in; over the critical path is what nobody works in (bench/overhead.py). "
-            "Asked: 25 % on 3000 particles, 15 % on embankment_failure, 1.15.", "", *overhead.table(rows)]
+            "Asked: 25 % on 3000 particles, 15 % on embankment_failure, 1.15.", "", *overhead.table(rows)], rows
 
 
 def skipping_table(a):
     rows = skipping.measure_all(a.program, a.repeats)
     write_csv(a.out / "skipping.csv", rows)
     return ["", "## Skipped work", "", "What is not computed, and what it costs and changes to compute it (bench/skipping.py).", "",
-            *skipping.table(rows)]
+            *skipping.table(rows)], rows
 
 
 def order(row, rows):
@@ -181,7 +191,7 @@ def study_table(case, study, rows):
 
 
 def measure_study(a, case, study):
-    """The rows of all its schemes and spacings, as CSV and picture; the lines of the page."""
+    """The lines of the page and the rows of all its schemes and spacings; these as CSV and picture, too."""
     rows = []
     for scheme in a.schemes or study["schemes"]:
         if scheme not in study["schemes"]:
@@ -195,13 +205,13 @@ def measure_study(a, case, study):
             first = next((row for row in found if row["metric"] == study.get("metric")), found[0])
             print("{case}, {scheme}, {spacing:g}: {metric} {error}, {cpu_s} CPU s".format(**first), flush=True)
     if not rows:
-        return ["", f"## {case}", "", f"(no run ended within {a.longest:g} s)"]
+        return ["", f"## {case}", "", f"(no run ended within {a.longest:g} s)"], []
     metric = study.get("metric", rows[0]["metric"])
     write_csv(a.out / f"{case}.csv", rows)
     drawn = [row for row in rows if row["metric"] == metric]
     error_curves(a.out / f"{case}.png", f"{case}: {metric}", drawn,
                  {"spacing": study["spacing"], "cpu_s": "run time [CPU s]"}, bound=drawn[0]["bound"])
-    return study_table(case, study, drawn)
+    return study_table(case, study, drawn), rows
 
 
 def main():
@@ -227,9 +237,14 @@ def main():
     measures |= {case: lambda case=case, study=study: measure_study(a, case, study) for case, study in studies.items()}
     if unknown := [part for part in a.parts if part not in measures]:
         parser.error(f"{unknown[0]}: no such part; expected some of: {', '.join(measures)}")
+    if a.page and not DOCS.is_dir():
+        sys.exit(f"--page: {DOCS} is not there: expected the docs of a source tree; leave it out, the page is in {a.out}")
     a.out.mkdir(parents=True, exist_ok=True)
+    tables = {}
     for part in a.parts or measures:
-        (a.out / f"{part}.md").write_text("\n".join(measures[part]()) + "\n")
+        lines, tables[part] = measures[part]()
+        (a.out / f"{part}.md").write_text("\n".join(lines) + "\n")
+    (a.out / "bench.json").write_text(json.dumps(tables, indent=2, default=float) + "\n")
     page = a.out / "performance.md"
     page.write_text(HEAD.format(cores=os.cpu_count()) + "".join(
         (a.out / f"{part}.md").read_text() for part in measures if (a.out / f"{part}.md").exists()))

@@ -1,6 +1,6 @@
 #include "cli/check.hpp"
 
-#include "common/case/amounts.hpp"
+#include "cli/json_output.hpp"
 #include "common/case/geometry.hpp"
 #include "common/core/error.hpp"
 #include "common/porous/seepage.hpp"
@@ -10,17 +10,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <vector>
 
 namespace poretwin::cli {
 namespace {
 
 constexpr double standard_gravity = 9.81;  // m/s2; Darcy's k is defined with it, also where the case has no gravity
-
-struct Limit {
-  double seconds;
-  std::string what;
-};
 
 template <int D>
 ParticleCount count(const Case& scene) {
@@ -76,6 +72,10 @@ std::vector<Limit> limits(const Case& scene) {
   return result;
 }
 
+const char* phases(const Case& scene) {
+  return scene.coupled() ? "fluid and solid coupled" : scene.deformable() ? "soil alone" : "fluid alone in rigid soil";
+}
+
 }  // namespace
 
 void expect_memory(const Case& scene) {
@@ -96,22 +96,28 @@ ParticleCount count_particles(const Case& scene) {
   return scene.general.dimension == 3 ? count<3>(scene) : count<2>(scene);
 }
 
-std::string check_text(const Case& scene) {
-  const Amounts amounts = estimate(scene);
+CheckReport report_of(const Case& scene) {
+  CheckReport report;
+  report.amounts = estimate(scene);
   // Making very many only to count them takes longer than a person waits.
   constexpr double many = 2e6;
-  const bool estimated = amounts.fluid + amounts.solid > many;
-  const auto particles =
-      estimated ? ParticleCount{static_cast<std::size_t>(amounts.fluid), static_cast<std::size_t>(amounts.solid)}
-                : count_particles(scene);
+  const Amounts& amounts = report.amounts;
+  report.estimated = amounts.fluid + amounts.solid > many;
+  report.particles =
+      report.estimated ? ParticleCount{static_cast<std::size_t>(amounts.fluid), static_cast<std::size_t>(amounts.solid)}
+                       : count_particles(scene);
+  report.intervals = limits(scene);
+  return report;
+}
+
+std::string check_text(const Case& scene, const CheckReport& report) {
+  const auto& [amounts, particles, estimated, intervals] = report;
   const char* about = estimated ? "about " : "";
   std::string text =
       fmt::format("{}: {}\n", scene.path.string(), scene.warnings.empty() ? "sound" : "sound, with warnings");
   if (!scene.general.title.empty()) text += fmt::format("title       {}\n", scene.general.title);
   text += fmt::format("dimension   {}, simulated time {} s, {}\n", scene.general.dimension, scene.general.end_time,
-                      scene.coupled()      ? "fluid and solid coupled"
-                      : scene.deformable() ? "soil alone"
-                                           : "fluid alone in rigid soil");
+                      phases(scene));
   if (scene.has_water())
     text += fmt::format("fluid       {}{} particles at the start, spacing {} m\n", about, particles.fluid,
                         scene.fluid.particle_spacing);
@@ -122,10 +128,37 @@ std::string check_text(const Case& scene) {
   if (amounts.gauge_rows > 0.0) text += fmt::format(", about {:.3g} readings", amounts.gauge_rows);
   text += fmt::format("\noutput      {:.0f} frames, about {:.3g} MB\n", amounts.frames, amounts.frame_bytes / 1e6);
   text += "intervals   estimates, smallest first\n";
-  for (const auto& limit : limits(scene)) text += fmt::format("  {:10.3g} s  {}\n", limit.seconds, limit.what);
+  for (const auto& limit : intervals) text += fmt::format("  {:10.3g} s  {}\n", limit.seconds, limit.what);
   text += fmt::format("memory      about {:.0f} MB in all\n", amounts.memory_bytes / 1e6);
   for (const auto& warning : scene.warnings) text += fmt::format("warning: {}\n", warning);
   return text;
+}
+
+nlohmann::ordered_json check_json(const Case& scene, const CheckReport& report) {
+  using Json = nlohmann::ordered_json;
+  const auto& [amounts, particles, estimated, intervals] = report;
+  Json json = json_head("check", 0, scene.warnings.empty() ? "sound" : "sound, with warnings");
+  json["case_file"] = scene.path.string();
+  json["title"] = scene.general.title;
+  json["dimension"] = scene.general.dimension;
+  json["end_time_s"] = scene.general.end_time;
+  json["phases"] = phases(scene);
+  json["particles_estimated"] = estimated;
+  const auto phase = [](std::size_t count, double spacing) {
+    return Json{{"particles", count}, {"spacing_m", spacing}};
+  };
+  json["fluid"] = scene.has_water() ? phase(particles.fluid, scene.fluid.particle_spacing) : Json(nullptr);
+  json["solid"] = scene.deformable() ? phase(particles.solid, scene.solid.particle_spacing) : Json(nullptr);
+  json["gauges"] = scene.gauges.size();
+  json["gauge_readings"] = amounts.gauge_rows > 0.0 ? Json(amounts.gauge_rows) : Json(nullptr);
+  json["frames"] = json_number(amounts.frames);
+  json["frame_bytes"] = json_number(amounts.frame_bytes);
+  json["memory_bytes"] = json_number(amounts.memory_bytes);
+  json["intervals"] = Json::array();
+  for (const auto& limit : intervals)
+    json["intervals"].push_back({{"seconds", json_number(limit.seconds)}, {"what", limit.what}});
+  json["warnings"] = scene.warnings;
+  return json;
 }
 
 }  // namespace poretwin::cli

@@ -1,10 +1,13 @@
 // `poretwin check`: what a case will be, without running it.
 #pragma once
 
+#include "common/case/amounts.hpp"
 #include "common/case/case.hpp"
 
 #include <cstddef>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
+#include <vector>
 
 namespace poretwin::cli {
 
@@ -16,7 +19,22 @@ ParticleCount count_particles(const Case& scene);
 /// Throws CaseError when the case needs more memory than this machine has, by estimate.
 void expect_memory(const Case& scene);
 
+/// The longest stable window, by one cause.
+struct Limit {
+  double seconds;
+  std::string what;
+};
+
+struct CheckReport {
+  Amounts amounts;
+  ParticleCount particles;
+  bool estimated = false;        ///< the particles: so many are not made to be counted
+  std::vector<Limit> intervals;  ///< shortest first
+};
+CheckReport report_of(const Case& scene);
+
 /// Particles, spacing, the intervals that are stable and what sets them, memory.
-std::string check_text(const Case& scene);
+std::string check_text(const Case& scene, const CheckReport& report);
+nlohmann::ordered_json check_json(const Case& scene, const CheckReport& report);
 
 }  // namespace poretwin::cli

@@ -6,17 +6,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <set>
 
 namespace poretwin::cli {
 namespace fs = std::filesystem;
 namespace {
 
-std::vector<fs::path> case_roots() {
-  std::vector<fs::path> roots{fs::path("cases")};
-  if (const fs::path source = fs::path(PORETWIN_SOURCE_DIR) / "cases"; fs::exists(source)) roots.push_back(source);
-  return roots;
-}
+std::vector<fs::path> case_roots() { return {"cases", data_folder() / "cases"}; }
 
 CasePlace placed(const fs::path& file) {
   const fs::path absolute = fs::absolute(file).lexically_normal();
@@ -57,5 +54,27 @@ CasePlace find_case(const std::string& name) {
 }
 
 fs::path program_folder() { return fs::read_symlink("/proc/self/exe").parent_path(); }
+
+fs::path data_folder() {
+  const fs::path expected = (program_folder().parent_path() / "share" / "poretwin").lexically_normal();
+  std::error_code missing;
+  fs::path found = fs::canonical(expected, missing);
+  if (missing)
+    throw FileError(
+        fmt::format("{}: the cases and scripts of poretwin are not there: expected them beside the folder of "
+                    "the program; install poretwin as a whole, or start the program where it was built",
+                    expected.string()));
+  return found;
+}
+
+fs::path view_folder() {
+  std::error_code ignored;
+  if (fs::is_symlink(program_folder().parent_path() / "share" / "poretwin", ignored))
+    return program_folder().parent_path() / "view";
+  const char *cache = std::getenv("XDG_CACHE_HOME"), *home = std::getenv("HOME");
+  if (!(cache && *cache) && !(home && *home))
+    throw FileError("view: the page is kept in the user's cache: expected HOME or XDG_CACHE_HOME in the environment");
+  return (cache && *cache ? fs::path(cache) : fs::path(home) / ".cache") / "poretwin" / "view";
+}
 
 }  // namespace poretwin::cli

@@ -1,6 +1,7 @@
 #include "cli/run.hpp"
 
 #include "cli/check.hpp"
+#include "cli/json_output.hpp"
 #include "cli/locate.hpp"
 #include "cli/log_tail.hpp"
 #include "cli/progress.hpp"
@@ -130,9 +131,9 @@ RunIdentity identity_of(const RunOptions& options, const Case& scene) {
   RunIdentity identity = case_identity(scene);
   std::string programs = version();
   const auto add = [&](const std::string& name, const std::string& command) {
-    programs += fmt::format(", {} {}", name,
-                            command.empty() ? program_hash(options.programs / ("poretwin-" + name))
-                                            : identity_of_command(command));
+    programs += fmt::format(
+        ", {} {}", name,
+        command.empty() ? program_hash(options.programs / ("poretwin-" + name)) : identity_of_command(command));
   };
   if (scene.coupled()) add("coupler", "");
   if (scene.coupled() || !scene.deformable()) add("fluid", options.fluid);
@@ -277,6 +278,15 @@ std::string listed_warnings(const std::vector<Summary>& summaries, bool in_doubt
   return text;
 }
 
+std::vector<fs::path> files_in(const fs::path& out) {
+  std::vector<fs::path> files;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(out, error))
+    if (entry.is_regular_file(error) && entry.path().extension() != ".lock") files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
 /// While it lives, Ctrl-C and SIGTERM do nothing: a run that has ended must still be written down as such.
 class StopsIgnored {
  public:
@@ -348,7 +358,11 @@ RunResult run_case(const RunOptions& options) {
                "poretwin: {}: this run has already finished: nothing is left to resume, nothing was touched; to "
                "compute it again, leave out --resume\n",
                out);
-    return {};
+    RunResult before;
+    before.already_finished = true;
+    before.summaries = read_summaries(options.out);
+    before.case_warnings = scene.warnings;
+    return before;
   }
   if (!folder.replaced().empty() && !options.quiet)
     fmt::print(stderr, "poretwin: {}: replaces {}\n", out, folder.replaced());
@@ -425,6 +439,52 @@ RunResult run_case(const RunOptions& options) {
   return result;
 }
 
+nlohmann::ordered_json run_json(const std::string& case_name, const fs::path& case_file, const fs::path& out,
+                                const RunResult& result) {
+  using Json = nlohmann::ordered_json;
+  const auto object = [](const Summary::Numbers& numbers) {
+    Json json = Json::object();
+    for (const auto& [name, value] : numbers) json[name] = json_number(value);
+    return json;
+  };
+  Json json = json_head("run", result.exit, result.reason.empty() ? "end" : result.reason);
+  json["case"] = case_name;
+  json["case_file"] = case_file.string();
+  json["out"] = out.string();
+  json["already_finished"] = result.already_finished;
+  json["wall_s"] = result.wall;
+  json["cpu_s"] = result.cpu;
+  json["restarts"] = result.restarts;
+  json["time_s"] = nullptr;
+  json["windows"] = 0.0;
+  json["case_warnings"] = result.case_warnings;
+  json["warnings"] = Json::array();
+  json["processes"] = Json::array();
+  json["files"] = Json::array();
+  for (const auto& s : result.summaries) {
+    for (const auto& [name, value] : s.steps)
+      if (name == "windows") json["windows"] = std::max(json["windows"].get<double>(), value);
+    for (const auto& [name, value] : s.counters)
+      if (name == "end_time_s") json["time_s"] = json_number(value);
+    for (const auto& w : s.warnings)
+      json["warnings"].push_back({{"process", s.process},
+                                  {"what", w.what},
+                                  {"count", json_number(w.count)},
+                                  {"detail", w.detail},
+                                  {"result_in_doubt", w.result_in_doubt}});
+    json["processes"].push_back({{"process", s.process},
+                                 {"exit", s.exit},
+                                 {"reason", s.reason},
+                                 {"wall_s", s.wall},
+                                 {"cpu_s", s.cpu},
+                                 {"seconds", object(s.seconds)},
+                                 {"steps", object(s.steps)},
+                                 {"counters", object(s.counters)}});
+  }
+  for (const auto& file : files_in(out)) json["files"].push_back(file.string());
+  return json;
+}
+
 std::string summary_text(const RunResult& result, const fs::path& out) {
   std::string text = fmt::format("\n{:<10}{:>10}{:>10}  where the time went\n", "process", "wall", "cpu");
   for (const auto& s : result.summaries)
@@ -434,12 +494,10 @@ std::string summary_text(const RunResult& result, const fs::path& out) {
     text += listed_counts(s.process, s.steps) + listed_counts(s.process, s.counters);
   if (const auto warnings = listed_warnings(result.summaries, false, "\n"); !warnings.empty())
     text += fmt::format("\nwarnings\n{}\n", warnings);
-  std::error_code error;
   text += fmt::format("\nfiles in {}:", out.string());
-  for (const auto& entry : fs::directory_iterator(out, error))
-    if (entry.is_regular_file() && entry.path().extension() != ".lock")
-      text += fmt::format(" {} ({} kB)", entry.path().filename().string(),
-                          (fs::file_size(entry.path(), error) + 1023) / 1024);
+  std::error_code error;
+  for (const auto& file : files_in(out))
+    text += fmt::format(" {} ({} kB)", file.filename().string(), (fs::file_size(file, error) + 1023) / 1024);
   return text + fmt::format("\ntotal: {:.2f} s wall, {:.2f} s cpu\n", result.wall, result.cpu);
 }
 

@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <map>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -43,10 +44,11 @@ struct RunOptions {
 };
 
 struct RunResult {
-  int exit = 0;                  ///< of the process that failed first; 6: the result is in doubt; 130: interrupted
-  std::string reason;            ///< empty when all went well
-  double wall = 0.0, cpu = 0.0;  ///< s
-  int restarts = 0;              ///< after crashes
+  int exit = 0;                   ///< of the process that failed first; 6: the result is in doubt; 130: interrupted
+  std::string reason;             ///< empty when all went well, or when there was nothing left to do
+  bool already_finished = false;  ///< resumed after its end: nothing was done, the summaries are those of then
+  double wall = 0.0, cpu = 0.0;   ///< s
+  int restarts = 0;               ///< after crashes
   std::vector<Ended> ended;
   std::vector<Summary> summaries;
   std::vector<std::string> case_warnings;  ///< what the case says and hardly means
@@ -60,6 +62,10 @@ RunResult run_case(const RunOptions& options);
 
 /// Tables of where the time went, steps, counters and files.
 std::string summary_text(const RunResult& result, const std::filesystem::path& out);
+
+/// The same and more, with what every process told, for another program.
+nlohmann::ordered_json run_json(const std::string& case_name, const std::filesystem::path& case_file,
+                                const std::filesystem::path& out, const RunResult& result);
 
 /// The failure that started it all: not one that only followed from another's.
 const Ended* root_cause(const std::vector<Ended>& ended);

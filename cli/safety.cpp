@@ -1,5 +1,6 @@
 #include "cli/safety.hpp"
 
+#include "cli/json_output.hpp"
 #include "cli/run_folder.hpp"
 #include "cli/script.hpp"
 #include "common/case/case.hpp"
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 namespace poretwin::cli {
@@ -182,6 +184,30 @@ std::string safety_text(const Safety& safety) {
   return fmt::format(
       "factor of safety {:.3f} (stands at {:.3f}, fails at {:.3f}); {} trials, {:.2f} s wall, {:.2f} s cpu\n",
       safety.factor(), safety.stands, safety.fails, safety.trials.size(), safety.run.wall, safety.run.cpu);
+}
+
+nlohmann::ordered_json safety_json(const RunOptions& options, double tolerance, const Safety& safety) {
+  using Json = nlohmann::ordered_json;
+  const bool found = safety.run.exit == 0;
+  Json json = json_head("safety", safety.run.exit, found ? "end" : safety.run.reason);
+  json["case"] = options.case_name;
+  json["case_file"] = options.case_file.string();
+  json["out"] = options.out.string();
+  json["wall_s"] = safety.run.wall;
+  json["cpu_s"] = safety.run.cpu;
+  json["tolerance"] = tolerance;
+  json["factor"] = found ? Json(safety.factor()) : Json(nullptr);
+  json["stands"] = found ? Json(safety.stands) : Json(nullptr);
+  json["fails"] = found ? Json(safety.fails) : Json(nullptr);
+  json["failing_run"] = found ? Json(safety.failing.string()) : Json(nullptr);
+  json["trials"] = Json::array();
+  for (const auto& t : safety.trials)
+    json["trials"].push_back({{"factor", t.factor},
+                              {"stands", t.stands},
+                              {"steps", json_number(t.steps)},
+                              {"residual", json_number(t.residual)},
+                              {"displacement_m", json_number(t.displacement)}});
+  return json;
 }
 
 }  // namespace poretwin::cli

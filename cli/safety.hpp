@@ -31,5 +31,6 @@ Safety find_safety(const RunOptions& options, double tolerance);
 
 /// Table of the trials and the factor.
 std::string safety_text(const Safety& safety);
+nlohmann::ordered_json safety_json(const RunOptions& options, double tolerance, const Safety& safety);
 
 }  // namespace poretwin::cli

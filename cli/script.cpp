@@ -1,5 +1,6 @@
 #include "cli/script.hpp"
 
+#include "cli/locate.hpp"
 #include "common/core/error.hpp"
 
 #include <fcntl.h>
@@ -14,9 +15,10 @@ namespace poretwin::cli {
 
 namespace {
 
-/// The system's Python: h5py and matplotlib are its packages, another one in the PATH may lack them.
+/// The system's Python: h5py and matplotlib are its packages, another one in the PATH may lack them. -B: what is
+/// installed stays as it was packed.
 std::vector<std::string> command_of(const std::string& name, const std::vector<std::string>& arguments) {
-  std::vector<std::string> texts{"/usr/bin/python3", (std::filesystem::path(PORETWIN_SOURCE_DIR) / name).string()};
+  std::vector<std::string> texts{"/usr/bin/python3", "-B", (data_folder() / name).string()};
   texts.insert(texts.end(), arguments.begin(), arguments.end());
   return texts;
 }

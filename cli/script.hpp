@@ -7,7 +7,7 @@
 
 namespace poretwin::cli {
 
-/// Runs a script of the source tree ("cli/plot.py") with the arguments; its output goes to `log` (empty: to the
+/// Runs a script of the data folder ("cli/plot.py") with the arguments; its output goes to `log` (empty: to the
 /// terminal). Returns its exit code.
 int run_script(const std::string& name, const std::vector<std::string>& arguments,
                const std::filesystem::path& log = {});

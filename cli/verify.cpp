@@ -10,8 +10,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -21,8 +19,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 constexpr int interrupted = static_cast<int>(ExitCode::interrupted);
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 struct CaseVerdict {
   Json json;
@@ -180,12 +176,12 @@ class CaseCheck {
     json_["metrics"].push_back({{"name", metric.name},
                                 {"run", metric.run},
                                 {"gauge", metric.gauge},
-                                {"value", number(v.value)},
-                                {"reference", number(v.reference)},
-                                {"error", number(v.error)},
+                                {"value", json_number(v.value)},
+                                {"reference", json_number(v.reference)},
+                                {"error", json_number(v.error)},
                                 {"tolerance", metric.tolerance},
                                 {"unit", metric.unit},
-                                {"spread", number(v.spread)},
+                                {"spread", json_number(v.spread)},
                                 {"histories", v.histories},
                                 {"passed", v.passed},
                                 {"marks", std::move(marks)}});
@@ -205,16 +201,9 @@ class CaseCheck {
   std::map<std::string, Gauges> done_;  ///< of the runs so far
 };
 
-void write_json(const fs::path& path, const Json& json) {
-  std::ofstream stream(path, std::ios::binary);
-  stream << json.dump(2) << '\n';
-  stream.close();
-  if (!stream) throw FileError(fmt::format("{}: cannot be written", path.string()));
-}
-
 }  // namespace
 
-int verify(const VerifyOptions& options) {
+int verify(const VerifyOptions& options, JsonOutput& json) {
   const bool all = options.which == "all";
   const auto names = all ? case_names("verify.toml") : std::vector<std::string>{options.which};
   fmt::print("{:<22} {:<44} {:>12} {:>12} {:>10} {:>10}  {:<6}\n", "case", "metric", "value", "reference", "error",
@@ -225,13 +214,15 @@ int verify(const VerifyOptions& options) {
     const auto verdict = CaseCheck(options, find_case(name)).verdict();
     results.push_back(verdict.json);
     passed = passed && verdict.passed;
-    if (!options.json.empty()) write_json(options.json, all ? results : results.front());
+    if (json.wanted()) json.write(all ? results : results.front());
     if (verdict.stopped) return interrupted;
   }
   if (!options.report.empty()) {
     fs::create_directories(options.report);
     const fs::path file = options.report / "results.json";
-    write_json(file, results);
+    JsonOutput page;
+    page.open("verify", file.string());
+    page.write(results);
     run_script("cli/report.py", {file.string(), options.report.string()}, options.report / "report.log");
   }
   fmt::print("{}\n", passed ? "all pass" : "NOT all pass");

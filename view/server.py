@@ -267,8 +267,8 @@ def arguments():
     parser.add_argument("--bind", default="127.0.0.1", metavar="ADDRESS", help="address to listen at (default 127.0.0.1, this machine only)")
     parser.add_argument("--allow-any-address", action="store_true",
                         help="let --bind take an address that other machines reach; nothing is encrypted")
-    parser.add_argument("--cases", action="append", default=[], type=pathlib.Path, metavar="DIR",
-                        help="folder of cases whose references are drawn, beside cases/")
+    parser.add_argument("--cases", nargs="+", default=[], type=pathlib.Path, metavar="DIR",
+                        help="folders of cases whose references are drawn, beside cases/")
     parser.add_argument("--built", type=pathlib.Path, default=pathlib.Path("build/view"), help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.port is not None and not 0 <= options.port < 65536:

@@ -4,6 +4,7 @@
 #include "common/core/file_lock.hpp"
 #include "common/core/memory.hpp"
 #include "common/coupling/interrupt.hpp"
+#include "common/output/build_info.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -57,6 +58,10 @@ int process_main(int argc, char** argv, const std::string& name, Program program
     arguments = parse_arguments(argc, argv, program);
     if (arguments.help) {
       std::fputs(usage("poretwin-" + name, program).c_str(), stdout);
+      return 0;
+    }
+    if (arguments.version) {
+      std::puts(("poretwin-" + name + " " + version() + ", " + build()).c_str());
       return 0;
     }
     std::filesystem::create_directories(arguments.out);

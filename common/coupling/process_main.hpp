@@ -2,6 +2,7 @@
 // every way out.
 #pragma once
 
+#include "common/coupling/arguments.hpp"
 #include "common/coupling/summary.hpp"
 
 #include <functional>

@@ -1,4 +1,4 @@
-// What every process leaves behind and says on its way: OUT/NAME.summary.json, progress lines, log lines, arguments.
+// What every process leaves behind and says on its way: OUT/NAME.summary.json, progress lines, log lines.
 #pragma once
 
 #include "common/core/error.hpp"
@@ -59,28 +59,5 @@ class ProgressLines {
 
 /// One line to stderr: "[seconds] who: what".
 void log_line(const std::string& line);
-
-/// The command line of poretwin-fluid, poretwin-solid and poretwin-coupler.
-struct Arguments {
-  std::filesystem::path case_file, out;
-  std::string address;         ///< --connect or --bind
-  std::filesystem::path keys;  ///< --keys; empty: nothing is encrypted
-  bool alone = false;
-  bool help = false;
-  bool allow_any_address = false;
-  int progress_descriptor = -1;
-  double wait_deadline = 60.0;    ///< s
-  double frozen_deadline = 30.0;  ///< s
-  bool resume = false;
-  bool overwrite = false;               ///< begin anew where checkpoints lie
-  bool accept_changed_program = false;  ///< resume what another program wrote
-  bool profile = false;            ///< every span of time to OUT/trace.<process>.json
-  double checkpoint_every = 60.0;  ///< s of wall-clock; infinite: only when interrupted
-  std::vector<std::string> overrides;
-};
-enum class Program { phase, coupler };
-/// Throws CaseError naming the argument, what was expected, what was found.
-Arguments parse_arguments(int argc, char** argv, Program program);
-std::string usage(const std::string& name, Program program);
 
 }  // namespace poretwin::coupling

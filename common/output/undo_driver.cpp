@@ -156,7 +156,7 @@ void note_failure(UndoFile& file) { file.failure = fmt::format("cannot be writte
 
 herr_t fail(const char* action) {
   const int error = errno;
-  H5Epush2(H5E_DEFAULT, __FILE__, "undo_driver", 0, H5E_ERR_CLS, H5E_IO, H5E_WRITEERROR, "%s: %s", action,
+  H5Epush2(H5E_DEFAULT, "undo_driver.cpp", "undo_driver", 0, H5E_ERR_CLS, H5E_IO, H5E_WRITEERROR, "%s: %s", action,
            std::strerror(error));
   return -1;
 }

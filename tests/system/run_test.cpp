@@ -174,7 +174,8 @@ TEST_F(RealRun, AKilledSolidEndsTheRunWithItsName) {
 TEST_F(RealRun, SafetyBracketsTheFactorAndListsItsTrials) {
   const auto slope = fs::path(PORETWIN_SOURCE_DIR) / "cases" / "cohesive_slope" / "case.toml";
   const auto outcome = poretwin({"safety", slope.string(), "--out", out().string(), "--no-pictures", "--tolerance",
-                                 "0.2", "--set", "solid.particle_spacing=1", "--set", "soil.0.friction_angle=25"});
+                                 "0.2", "--set", "solid.particle_spacing=1", "--set", "soil.0.friction_angle=25",
+                                 "--json", (folder_ / "safety.json").string()});
   EXPECT_EQ(outcome.exit, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("F = 1.0000   stands"));
   EXPECT_THAT(outcome.out, HasSubstr("F = 2.0000   fails"));
@@ -182,6 +183,10 @@ TEST_F(RealRun, SafetyBracketsTheFactorAndListsItsTrials) {
   const auto factor = read_gauges(out() / "gauges.csv").at("factor_of_safety").value.front();
   EXPECT_GT(factor, 1.4);
   EXPECT_LT(factor, 1.8);
+  const auto told = nlohmann::json::parse(text_of(folder_ / "safety.json"));
+  EXPECT_NEAR(told["factor"], factor, 1e-5);
+  EXPECT_EQ(told["trials"][0]["stands"], true);
+  EXPECT_LT(told["stands"], told["fails"]);
   EXPECT_THAT(text_of(out() / "safety.csv"), HasSubstr("1,1,"));
   EXPECT_TRUE(fs::exists(out() / "F_1.0000" / "run.toml"));
 }

@@ -1,9 +1,10 @@
-"""A peer of a coupled run in Python: needs pyzmq, protobuf (with protoc) and numpy. docs/protocol.md tells the conversation."""
+"""A peer of a coupled run in Python: needs pyzmq, protobuf and numpy (in the source tree, protoc as well). docs/protocol.md tells the conversation."""
 
 from .case import Case
 from .participant import PeerError, main
 from .phase import Field, Inbox, Phase, Points, Publication, Refused, Window, lattice, standard_fields
+from .version import __version__
 
 __all__ = [
-    "Case", "Field", "Inbox", "PeerError", "Phase", "Points", "Publication", "Refused", "Window", "lattice", "main", "standard_fields",
+    "Case", "Field", "Inbox", "PeerError", "Phase", "Points", "Publication", "Refused", "Window", "__version__", "lattice", "main", "standard_fields",
 ]

@@ -1,6 +1,10 @@
 """The case as the coupler sends it: TOML text and overrides."""
 
+from __future__ import annotations
+
 import tomllib
+from collections.abc import Iterable
+from typing import Any
 
 import numpy as np
 
@@ -8,16 +12,18 @@ from .phase import Points, lattice
 
 
 class Case:
-    def __init__(self, text, overrides=(), digest="", dimension=2):
-        self.data = tomllib.loads(text)
+    """The case, with its overrides applied. `data` is what the TOML text holds, `dimension` 2 or 3."""
+
+    def __init__(self, text: str, overrides: Iterable[str] = (), digest: str = "", dimension: int = 2) -> None:
+        self.data: dict[str, Any] = tomllib.loads(text)
         for assignment in overrides:
             key, value = assignment.split("=", 1)
             self._set(key.strip().split("."), tomllib.loads("value = " + value)["value"])
         self.digest = digest
         self.dimension = dimension
 
-    def _set(self, path, value):
-        place = self.data
+    def _set(self, path: list[str], value: Any) -> None:
+        place: Any = self.data
         for key, following in zip(path, path[1:]):
             if isinstance(place, list):
                 place = place[int(key)]
@@ -25,9 +31,9 @@ class Case:
                 place = place.setdefault(key, [] if following.isdigit() else {})
         place[int(path[-1]) if isinstance(place, list) else path[-1]] = value
 
-    def get(self, path, default=None):
+    def get(self, path: str, default: Any = None) -> Any:
         """A key by its dotted path: get("soil.0.porosity", 0.4)."""
-        place = self.data
+        place: Any = self.data
         for key in path.split("."):
             try:
                 place = place[int(key)] if isinstance(place, list) else place[key]
@@ -36,17 +42,19 @@ class Case:
         return place
 
     @property
-    def gravity(self):
+    def gravity(self) -> list[float]:
         """m/s2; downwards along the last axis unless the case says otherwise."""
-        return self.get("case.gravity", [0.0] * (self.dimension - 1) + [-9.81])
+        given: list[float] | None = self.get("case.gravity")
+        return given if given is not None else [0.0] * (self.dimension - 1) + [-9.81]
 
-    def soil_points(self, spacing, smoothing_per_spacing=1.3):
+    def soil_points(self, spacing: float, smoothing_per_spacing: float = 1.3) -> tuple[Points, np.ndarray]:
         """Lattice points of every box of soil, and the index of each point's soil.
 
         Where a wall lies on a side of a box the lattice goes on behind it by four spacings, as ghosts: whoever looks at the
         points from inside must not take the wall for the soil's surface.
         """
-        active, ghosts = [], []
+        active: list[tuple[np.ndarray, int]] = []
+        ghosts: list[tuple[np.ndarray, int]] = []
         for index, soil in enumerate(self.get("soil", [])):
             lower, upper = np.array(soil["min"], float), np.array(soil["max"], float)
             if soil.get("shape") != "box":
@@ -66,7 +74,7 @@ class Case:
                         np.full(size, smoothing_per_spacing * spacing), n_active=n)
         return points, np.array([i for _, i in everything], dtype=int)
 
-    def _has_wall(self, axis, coordinate):
+    def _has_wall(self, axis: int, coordinate: float) -> bool:
         for wall in self.get("wall", []):
             corners = wall.get("points", [])
             for a, b in zip(corners, corners[1:]):

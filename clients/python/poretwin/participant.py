@@ -1,5 +1,7 @@
 """The client by which a phase takes part in a coupled run: handshake, commands with deadlines, heartbeats."""
 
+from __future__ import annotations
+
 import argparse
 import contextlib
 import hashlib
@@ -12,7 +14,9 @@ import socket
 import sys
 import threading
 import time
+from collections.abc import Callable, Iterable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import zmq
@@ -20,7 +24,7 @@ from zmq.utils.monitor import recv_monitor_message
 
 from . import state, wire
 from .case import Case
-from .phase import Inbox, Refused, Window
+from .phase import Inbox, Phase, Refused, Window
 
 pb = wire.pb
 
@@ -28,19 +32,20 @@ pb = wire.pb
 class PeerError(Exception):
     """The run cannot go on; `code` is the exit code (docs/protocol.md)."""
 
-    def __init__(self, text, code=3):
+    def __init__(self, text: str, code: int = 3) -> None:
         super().__init__(text)
         self.code = code
 
 
-def log(line):
+def log(line: str) -> None:
+    """One line to stderr, as all processes of a run write it."""
     print(time.strftime("[%H:%M:%S] ", time.gmtime()) + line, file=sys.stderr, flush=True)
 
 
 class Line:
     """The DEALER socket, used under one lock by the phase's thread and by the heartbeats."""
 
-    def __init__(self, address):
+    def __init__(self, address: str) -> None:
         self.context = zmq.Context()
         self.socket = self.context.socket(zmq.DEALER)
         self.socket.set(zmq.LINGER, 2000)
@@ -53,25 +58,25 @@ class Line:
         os.set_blocking(self.woken, False)
         os.set_blocking(self.waker, False)
         self.signals = select.poll()
-        for file in (self.socket.fd, self.monitor.fd, self.woken):
+        for file in (int(self.socket.get(zmq.FD)), int(self.monitor.get(zmq.FD)), self.woken):
             self.signals.register(file, select.POLLIN)
         self.address = address
         self.open = False
         self.lost = False
         self.socket.connect(address)
 
-    def send(self, frames):
+    def send(self, frames: list[Any]) -> None:
         """With the lock held."""
         self.socket.send_multipart(frames, copy=True)
         # Sending takes note of what has come in, and with it the signal that receive() may be waiting for.
-        if self.socket.get(zmq.EVENTS) & zmq.POLLIN:
+        if int(self.socket.get(zmq.EVENTS)) & zmq.POLLIN:
             self.wake()
 
-    def wake(self):
+    def wake(self) -> None:
         with contextlib.suppress(BlockingIOError):
             os.write(self.waker, b"!")
 
-    def receive(self, milliseconds):
+    def receive(self, milliseconds: int) -> list[bytes] | None:
         """The next message, or nothing; does not hold the lock while it waits: heartbeats go out meanwhile."""
         frames = self.look()
         if frames is None and not self.lost:
@@ -81,7 +86,7 @@ class Line:
             frames = self.look()
         return frames
 
-    def look(self):
+    def look(self) -> list[bytes] | None:
         with self.lock:
             if (frames := self.take()) is not None:
                 return frames
@@ -93,12 +98,13 @@ class Line:
                     self.lost = True
             return self.take()  # what the other end said last came in before its closing did
 
-    def take(self):
+    def take(self) -> list[bytes] | None:
         with contextlib.suppress(zmq.Again):
-            return self.socket.recv_multipart(zmq.NOBLOCK)
+            frames: list[bytes] = self.socket.recv_multipart(zmq.NOBLOCK)
+            return frames
         return None
 
-    def close(self):
+    def close(self) -> None:
         with self.lock:
             self.socket.disable_monitor()
             self.monitor.close(linger=0)
@@ -109,7 +115,10 @@ class Line:
 
 
 class Participant:
-    def __init__(self, address, role, wait_deadline=60.0, coupler_deadline=60.0, say_every=5.0):
+    """One side of the conversation of docs/protocol.md. main() drives it; few need it themselves."""
+
+    def __init__(self, address: str, role: str, wait_deadline: float = 60.0, coupler_deadline: float = 60.0,
+                 say_every: float = 5.0) -> None:
         self.line = Line(address)
         self.role = role
         self.wait_deadline, self.coupler_deadline, self.say_every = wait_deadline, coupler_deadline, say_every
@@ -120,24 +129,25 @@ class Participant:
         self.heard = time.monotonic()
         self.last = "none"
         self.waiting_for = ""
-        self.revision_sent = None
+        self.revision_sent: int | None = None
         self.interrupted = False
         self.stop = threading.Event()
-        self.thread = None
+        self.thread: threading.Thread | None = None
+        self.n_active = 0
 
     # Sending
 
-    def send(self, header, frames=()):
+    def send(self, header: Any, frames: Iterable[Any] = ()) -> None:
         with self.line.lock:
             self.sequence += 1
             header.protocol_major, header.protocol_minor = wire.PROTOCOL
             header.session, header.sender, header.sequence = self.session, self.role, self.sequence
             self.line.send(wire.encode(header, frames))
 
-    def answer(self, time_now=0.0):
+    def answer(self, time_now: float = 0.0) -> Any:
         return pb.Header(step=self.step, iteration=self.iteration, time=time_now)
 
-    def beat(self, interval):
+    def beat(self, interval: float) -> None:
         while not self.stop.wait(interval):
             header = pb.Header(step=self.step)
             header.heartbeat.doing = self.doing
@@ -145,12 +155,12 @@ class Participant:
             header.heartbeat.interrupted = self.interrupted
             self.send(header)
 
-    def set_doing(self, what):
+    def set_doing(self, what: str) -> None:
         self.doing, self.doing_since = what, time.monotonic()
 
     # Receiving
 
-    def next(self, deadline, silence):
+    def next(self, deadline: float, silence: bool) -> tuple[str, Any, dict[str, np.ndarray]]:
         """The next message that is no heartbeat. `silence`: the deadline counts from the last sign of life."""
         start = said = time.monotonic()
         while True:
@@ -180,7 +190,7 @@ class Participant:
                 said = now
                 log(f"{self.role}: waiting for {self.waiting_for or 'the coupler'} ({now - start:.0f} s), last message {self.last}")
 
-    def request_case(self):
+    def request_case(self) -> Case:
         header = pb.Header()
         header.case_request.role = self.role
         self.send(header)
@@ -189,7 +199,7 @@ class Participant:
             raise PeerError(f"expected the case from the coupler, got {self.last}")
         return Case(answer.case_file.text, answer.case_file.overrides, answer.case_file.digest, answer.case_file.dimension)
 
-    def join(self, phase, digest, checkpoints=()):
+    def join(self, phase: Phase, digest: str, checkpoints: Iterable[str] = ()) -> None:
         header = pb.Header()
         hello = header.hello
         hello.role, hello.dimension, hello.case_digest = self.role, phase.dimension, digest
@@ -213,10 +223,11 @@ class Participant:
         self.thread = threading.Thread(target=self.beat, args=(interval,), daemon=True)
         self.thread.start()
 
-    def publish(self, phase, time_now):
+    def publish(self, phase: Phase, time_now: float) -> None:
         publication = phase.publish()
         points = publication.points
-        header, frames = self.answer(time_now), []
+        header = self.answer(time_now)
+        frames: list[Any] = []
         header.publication.proposed_interval = publication.proposed_interval
         header.publication.limited_by = publication.limited_by
         header.points.dimension, header.points.revision = phase.dimension, points.revision
@@ -235,7 +246,7 @@ class Participant:
         self.set_doing("waiting")
         self.send(header, frames)
 
-    def inbox(self, phase, arrays):
+    def inbox(self, phase: Phase, arrays: dict[str, np.ndarray]) -> Inbox:
         for name, values in arrays.items():
             if len(values) != self.n_active:
                 raise PeerError(f"field '{name}' came for {len(values)} points, {self.n_active} were expected")
@@ -245,7 +256,7 @@ class Participant:
         arrays = dict(arrays)
         return Inbox(arrays.pop("@coverage"), arrays.pop("@asymmetry"), arrays)
 
-    def leave(self, kind, reason, code=0):
+    def leave(self, kind: str, reason: str, code: int = 0) -> None:
         header = self.answer()
         if kind == "abort":
             header.abort.culprit, header.abort.reason, header.abort.exit_code = self.role, reason, code
@@ -254,7 +265,7 @@ class Participant:
         self.stop.set()
         self.send(header)
 
-    def close(self):
+    def close(self) -> None:
         self.stop.set()
         if self.thread:
             self.thread.join()
@@ -264,19 +275,19 @@ class Participant:
 class Record:
     """OUT/gauges.ROLE.csv, written once the window that a reading belongs to is certain to stand."""
 
-    def __init__(self, out, role, resume=False):
+    def __init__(self, out: Path, role: str, resume: bool = False) -> None:
         self.path = out / f"gauges.{role}.csv"
         self.pending = False
         if not resume:
             self.path.write_text("time_s,gauge,value,unit\n")
 
-    def size(self):
+    def size(self) -> int:
         return self.path.stat().st_size
 
-    def cut(self, size):
+    def cut(self, size: int) -> None:
         os.truncate(self.path, size)
 
-    def write(self, phase, time_now):
+    def write(self, phase: Phase, time_now: float) -> None:
         if self.pending:
             with self.path.open("a") as file:
                 for name, (value, unit) in phase.gauges().items():
@@ -287,15 +298,15 @@ class Record:
 class Checkpoints:
     """OUT/checkpoints/ROLE-NAME.state: whole or not there at all, a checksum in front, then data only (state.py)."""
 
-    def __init__(self, out, role):
+    def __init__(self, out: Path, role: str) -> None:
         self.folder, self.role = out / "checkpoints", role
 
-    def path(self, name):
+    def path(self, name: str) -> Path:
         if not re.fullmatch("[0-9a-z-]{1,64}", name):
             raise PeerError(f"checkpoint '{name[:64]}': expected a name of at most 64 digits, small letters and hyphens")
         return self.folder / f"{self.role}-{name}.state"
 
-    def names(self):
+    def names(self) -> list[str]:
         """Of those that are whole."""
         found = []
         for path in sorted(self.folder.glob(f"{self.role}-*.state")):
@@ -304,12 +315,12 @@ class Checkpoints:
                 found.append(path.stem[len(self.role) + 1:])
         return found
 
-    def keep_only(self, names):
+    def keep_only(self, names: Iterable[str]) -> None:
         for path in self.folder.glob(f"{self.role}-*"):
             if path not in [self.path(name) for name in names]:
                 path.unlink()
 
-    def write(self, name, content):
+    def write(self, name: str, content: Any) -> None:
         self.folder.mkdir(exist_ok=True)
         data = state.dump(content)
         part = self.path(name).with_suffix(".part")
@@ -322,7 +333,7 @@ class Checkpoints:
         os.fsync(folder)
         os.close(folder)
 
-    def read(self, name):
+    def read(self, name: str) -> Any:
         """Raises PeerError where the file is not what write() makes."""
         try:
             return state.load(self.path(name).read_bytes()[32:])
@@ -330,7 +341,7 @@ class Checkpoints:
             raise PeerError(f"{self.path(name)}: cannot be resumed from: {error}; begin anew without --resume", 5) from error
 
 
-def drive(phase, participant, record, counts, checkpoints):
+def drive(phase: Phase, participant: Participant, record: Record, counts: dict[str, int], checkpoints: Checkpoints) -> str:
     """Obeys the coupler until FINISH; returns its reason."""
     now = before = 0.0
     advanced = False
@@ -393,12 +404,12 @@ def drive(phase, participant, record, counts, checkpoints):
         elif kind == "finish":
             record.write(phase, now)
             participant.leave("bye", header.finish.reason)
-            return header.finish.reason
+            return str(header.finish.reason)
         else:
             raise PeerError(f"an unexpected {participant.last} came in")
 
 
-def main(role, make_phase):
+def main(role: str, make_phase: Callable[[Case], Phase]) -> int:
     """The whole main of a solver: make_phase(case) brings the phase. Takes the arguments that `poretwin run` gives."""
     parser = argparse.ArgumentParser(description=f"A {role} for poretwin.")
     parser.add_argument("--connect", required=True, metavar="ADDRESS", help="ipc:///path or tcp://host:port")
@@ -413,7 +424,7 @@ def main(role, make_phase):
     start, counts = time.monotonic(), {"windows": 0, "rejected": 0}
     participant = Participant(arguments.connect, role, arguments.wait_deadline, 2.0 * arguments.frozen_deadline)
 
-    def note(*_):
+    def note(*_: object) -> None:
         participant.interrupted = True
 
     for number in (signal.SIGINT, signal.SIGTERM):

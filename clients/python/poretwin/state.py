@@ -3,8 +3,11 @@ can do no more than hold wrong numbers.
 
 MAGIC, the length of a JSON text, the text, then the arrays it refers to, one after the other, little-endian."""
 
+from __future__ import annotations
+
 import json
 import struct
+from typing import Any
 
 import numpy as np
 
@@ -18,18 +21,19 @@ class StateError(ValueError):
     """What cannot be kept as data, or is no such data."""
 
 
-def dump(value):
+def dump(value: Any) -> bytes:
     """None, bool, int, float, str, bytes, lists, tuples, dicts with keys of text, arrays of numbers, Points."""
-    arrays, size = [], 0
+    arrays: list[bytes] = []
+    size = 0
 
-    def array(values):
+    def array(values: Any) -> dict[str, Any]:
         nonlocal size
         raw = np.ascontiguousarray(values, dtype=values.dtype.newbyteorder("<")).tobytes()
         arrays.append(raw)
         size += len(raw)
         return {"array": values.dtype.newbyteorder("<").str, "shape": list(values.shape), "at": size - len(raw), "size": len(raw)}
 
-    def plain(value, path):
+    def plain(value: Any, path: str) -> Any:
         if value is None or isinstance(value, (bool, int, str)) and not isinstance(value, np.generic):
             return value
         if isinstance(value, float) and not isinstance(value, np.generic):
@@ -51,7 +55,7 @@ def dump(value):
     return b"".join([MAGIC, struct.pack("<Q", len(text)), text, *arrays])
 
 
-def load(data):
+def load(data: bytes) -> Any:
     """Raises StateError for anything that dump() does not make."""
     start = len(MAGIC) + 8
     if data[:len(MAGIC)] != MAGIC or len(data) < start:
@@ -59,7 +63,7 @@ def load(data):
     (length,) = struct.unpack("<Q", data[len(MAGIC):start])
     base = start + length
 
-    def value_of(node):
+    def value_of(node: Any) -> Any:
         if node is None or isinstance(node, (bool, int, str)):
             return node
         kind = next(iter(node))

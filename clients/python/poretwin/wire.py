@@ -1,22 +1,33 @@
-"""Messages as bytes: one protobuf header and one raw frame per array. proto/poretwin.proto is compiled when this is imported, in
-memory: no generated file could be somebody else's."""
+"""Messages as bytes: one protobuf header and one raw frame per array. What protoc says of proto/poretwin.proto is installed beside this
+file; in the source tree it is asked when this is imported, in memory: no generated file could be somebody else's."""
+
+from __future__ import annotations
 
 import subprocess
+from collections.abc import Iterable
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 
 PROTOCOL = (1, 2)
+INSTALLED = Path(__file__).resolve().with_name("poretwin.binpb")
 PROTO = Path(__file__).resolve().parents[3] / "proto" / "poretwin.proto"
 
 
-def _load():
+def _compiled() -> bytes:
+    if INSTALLED.exists():
+        return INSTALLED.read_bytes()
+    return subprocess.run(["protoc", f"--proto_path={PROTO.parent}", "--descriptor_set_out=/dev/stdout", str(PROTO)], check=True,
+                          stdout=subprocess.PIPE).stdout
+
+
+def _load() -> Any:
     """What protoc would write as a module: a class for every message, a number for every name of an enumeration."""
-    compiled = subprocess.run(["protoc", f"--proto_path={PROTO.parent}", "--descriptor_set_out=/dev/stdout", str(PROTO)], check=True,
-                              stdout=subprocess.PIPE).stdout
-    (described,) = descriptor_pb2.FileDescriptorSet.FromString(compiled).file
+    (described,) = descriptor_pb2.FileDescriptorSet.FromString(_compiled()).file
     pool = descriptor_pool.DescriptorPool()
     pool.Add(described)
     file = pool.FindFileByName(described.name)
@@ -37,19 +48,20 @@ class WireError(Exception):
     """What came in is no message of this protocol."""
 
 
-def add_array(header, frames, name, unit, values):
+def add_array(header: Any, frames: list[Any], name: str, unit: str, values: npt.ArrayLike) -> None:
     """Appends [n] or [n, components] values to a message under way."""
-    values = np.ascontiguousarray(values, dtype="<f8")
-    components = 1 if values.ndim == 1 else values.shape[1]
-    header.arrays.add(name=name, unit=unit, components=components, element=pb.FLOAT64_LE, n=values.shape[0])
-    frames.append(values)
+    numbers = np.ascontiguousarray(values, dtype="<f8")
+    components = 1 if numbers.ndim == 1 else numbers.shape[1]
+    header.arrays.add(name=name, unit=unit, components=components, element=pb.FLOAT64_LE, n=numbers.shape[0])
+    frames.append(numbers)
 
 
-def encode(header, frames=()):
+def encode(header: Any, frames: Iterable[Any] = ()) -> list[Any]:
+    """The frames of one message on the wire."""
     return [header.SerializeToString(), *frames]
 
 
-def decode(frames):
+def decode(frames: list[bytes]) -> tuple[Any, dict[str, np.ndarray]]:
     """Header and {name: values}; sizes are checked before anything is read."""
     header = pb.Header()
     try:
@@ -60,7 +72,7 @@ def decode(frames):
         return header, {}
     if len(frames) != len(header.arrays) + 1:
         raise WireError(f"{len(header.arrays)} arrays are announced, {len(frames) - 1} frames came")
-    arrays = {}
+    arrays: dict[str, np.ndarray] = {}
     for array, frame in zip(header.arrays, frames[1:]):
         size = len(memoryview(frame))
         if array.element != pb.FLOAT64_LE or array.components < 1 or size != array.n * array.components * 8:

@@ -1,0 +1,333 @@
+#include "cli/commands.hpp"
+
+#include "cli/check.hpp"
+#include "cli/describe.hpp"
+#include "cli/locate.hpp"
+#include "cli/metrics.hpp"
+#include "cli/peer.hpp"
+#include "cli/run.hpp"
+#include "cli/safety.hpp"
+#include "cli/script.hpp"
+#include "cli/verify.hpp"
+#include "common/case/case.hpp"
+#include "common/core/error.hpp"
+#include "common/core/exit_codes.hpp"
+#include "common/coupling/curve_keys.hpp"
+#include "common/output/build_info.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+namespace poretwin::cli {
+
+struct CommandLine::Arguments {
+  std::string which;
+  std::filesystem::path out, programs;
+  std::string fluid, solid;
+  double until = 0.0, tolerance = 0.01;
+  std::vector<std::string> set;
+  bool any_address = false, page = false, no_pictures = false, quiet = false, resume = false, profile = false, overwrite = false,
+       accept_changed_program = false;
+  std::optional<double> checkpoint_every;
+  int restarts = 2;
+  std::string json;
+  VerifyOptions verify;
+  std::vector<std::string> words;  ///< of a script, or that nobody looks at but itself
+};
+
+namespace {
+
+using Arguments = CommandLine::Arguments;
+
+constexpr const char* about =
+    "Two-phase SPH for flow through deformable porous media: a fluid and a solid process, coupled.";
+constexpr const char* case_help = "name of a folder below cases/, or path to a folder or TOML file";
+
+int run(const Arguments& a, JsonOutput& json) {
+  const CasePlace place = find_case(a.which);
+  RunOptions options;
+  options.case_file = place.file;
+  options.case_name = place.name;
+  options.out = a.out.empty() ? std::filesystem::path("runs") / place.name : a.out;
+  options.overrides = a.set;
+  if (a.until > 0.0) options.overrides.push_back(fmt::format("case.end_time={:.17g}", a.until));
+  options.programs = a.programs.empty() ? program_folder() : a.programs;
+  options.fluid = a.fluid;
+  options.solid = a.solid;
+  options.quiet = a.quiet;
+  options.pictures = !a.no_pictures;
+  options.resume = a.resume;
+  options.overwrite = a.overwrite;
+  options.accept_changed_program = a.accept_changed_program;
+  options.checkpoint_every = a.checkpoint_every;
+  options.restarts = a.restarts;
+  options.profile = a.profile;
+  const RunResult result = run_case(options);
+  if (result.exit != 0) fmt::print(stderr, "poretwin: {}\n", result.reason);
+  if (json.wanted()) json.write(run_json(place.name, place.file, options.out, result));
+  return result.exit;
+}
+
+int safety(const Arguments& a, JsonOutput& json) {
+  const CasePlace place = find_case(a.which);
+  RunOptions options;
+  options.case_file = place.file;
+  options.case_name = place.name;
+  options.out = a.out.empty() ? std::filesystem::path("runs") / (place.name + "-safety") : a.out;
+  options.overrides = a.set;
+  options.programs = a.programs.empty() ? program_folder() : a.programs;
+  options.quiet = a.quiet;
+  options.pictures = !a.no_pictures;
+  const Safety found = find_safety(options, a.tolerance);
+  if (found.run.exit != 0)
+    fmt::print(stderr, "poretwin: {}\n", found.run.reason);
+  else
+    fmt::print("{}", safety_text(found));
+  if (json.wanted()) json.write(safety_json(options, a.tolerance, found));
+  return found.run.exit;
+}
+
+int check(const Arguments& a, JsonOutput& json) {
+  const Case scene = read_case(find_case(a.which).file, a.set);
+  expect_memory(scene);
+  const CheckReport report = report_of(scene);
+  fmt::print("{}", check_text(scene, report));
+  if (json.wanted()) json.write(check_json(scene, report));
+  return 0;
+}
+
+/// The words that a command was given, as its options declare them, for a script that takes the same.
+std::vector<std::string> words_of(const CLI::App& command) {
+  std::vector<std::string> positional, words;
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->count() == 0 || option->get_lnames() == std::vector<std::string>{"json"}) continue;
+    const auto& given = option->results();
+    if (option->get_positional()) {
+      positional.insert(positional.end(), given.begin(), given.end());
+      continue;
+    }
+    words.push_back("--" + option->get_lnames().front());
+    if (option->get_items_expected_max() > 0) words.insert(words.end(), given.begin(), given.end());
+  }
+  positional.insert(positional.end(), words.begin(), words.end());
+  return positional;
+}
+
+int bench(const Arguments& a, const CLI::App& command, JsonOutput& json) {
+  auto words = words_of(command);
+  words.insert(words.end(), {"--program", program_folder() / "poretwin"});
+  const int exit = run_script("bench/study.py", words);
+  if (!json.wanted()) return exit;
+  const auto tables = a.out / "bench.json";
+  auto all = json_head("bench", exit, exit == 0 ? "end" : "bench/study.py has failed; stderr says why");
+  all["out"] = a.out.string();
+  all["parts"] = nlohmann::ordered_json::object();
+  if (exit == 0) {
+    std::ifstream stream(tables);
+    all["parts"] = nlohmann::ordered_json::parse(stream, nullptr, false);
+    if (!all["parts"].is_object()) throw FileError(tables.string() + ": expected the tables of the benchmark as JSON");
+  }
+  json.write(all);
+  return exit;
+}
+
+/// Declares all commands; the chosen one is left in `action`.
+void declare(CLI::App& app, Arguments& a, JsonOutput& json, std::function<int()>& action) {
+  app.require_subcommand(1);
+  app.set_version_flag("--version", "poretwin " + version() + ", " + build(), "print version, build and commit");
+  app.footer(exit_codes_text());
+  const auto with_case = [&](CLI::App* command) {
+    command->add_option("CASE", a.which, case_help)->required()->type_name("");
+    command->add_option("--set", a.set, "override a key of the case: section.key=value, soil.0.porosity=0.35")
+        ->take_all()
+        ->allow_extra_args(false)
+        ->type_name("KEY=VALUE");
+  };
+  const auto with_programs = [&](CLI::App* command) {
+    command
+        ->add_option("--programs", a.programs,
+                     "folder of poretwin-fluid, poretwin-solid, poretwin-coupler (default: beside poretwin)")
+        ->type_name("DIR");
+  };
+  const auto with_json = [&](CLI::App* command) {
+    command
+        ->add_option("--json", a.json,
+                     "write the result as JSON, too (docs/json.md); -: to stdout, and all other output to stderr")
+        ->type_name("FILE");
+  };
+  const auto does = [&](CLI::App* command, std::function<int()> what) {
+    command->callback([&a, &json, &action, command, what = std::move(what)] {
+      action = [&a, &json, command, what] {
+        if (!a.json.empty()) json.open(command->get_name(), a.json);
+        return what();
+      };
+    });
+  };
+  auto* run_command = app.add_subcommand("run", "Run a case: progress, summary, pictures");
+  with_case(run_command);
+  with_programs(run_command);
+  run_command->add_option("--out", a.out, "folder of the run (default runs/CASE)")->type_name("DIR");
+  run_command->add_option("--until", a.until, "simulated time at which to end [s]")
+      ->type_name("T")
+      ->check(CLI::PositiveNumber);
+  run_command
+      ->add_option("--fluid", a.fluid, "command to run in place of the fluid solver, such as \"python3 my_fluid.py\"")
+      ->type_name("COMMAND");
+  run_command->add_option("--solid", a.solid, "command to run in place of the solid solver")->type_name("COMMAND");
+  auto* resume = run_command->add_flag("--resume", a.resume,
+                                       "go on from the last checkpoint of the run in that folder; a run that has "
+                                       "finished is left as it is");
+  run_command
+      ->add_flag("--overwrite", a.overwrite,
+                 "begin anew in a folder whose run was broken off, can be resumed or is of another case: its results "
+                 "and checkpoints go")
+      ->excludes(resume);
+  run_command
+      ->add_flag("--accept-changed-program", a.accept_changed_program,
+                 "resume although the programs are not those that began: the results are then of both")
+      ->needs(resume);
+  run_command
+      ->add_option("--checkpoint-every", a.checkpoint_every,
+                   "wall-clock between checkpoints [s] (default 60); 0: after every window, inf: on Ctrl-C only")
+      ->type_name("S")
+      ->check(CLI::Range(0.0, std::numeric_limits<double>::infinity()).description(""));
+  run_command->add_option("--restarts", a.restarts, "after a crash, from the last checkpoint, at most so often")
+      ->type_name("N")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  run_command->add_flag("--no-pictures", a.no_pictures, "draw no pictures at the end");
+  run_command->add_flag("--profile", a.profile,
+                        "leave trace.json: what each process did when, for chrome://tracing or ui.perfetto.dev");
+  run_command->add_flag("--quiet", a.quiet, "neither progress nor summary");
+  with_json(run_command);
+  does(run_command, [&] { return run(a, json); });
+
+  auto* safety_command = app.add_subcommand(
+      "safety", "Find the factor of safety: the soil's strength is reduced until it finds no equilibrium");
+  with_case(safety_command);
+  with_programs(safety_command);
+  safety_command->add_option("--out", a.out, "folder of the trials (default runs/CASE-safety)")->type_name("DIR");
+  safety_command->add_option("--tolerance", a.tolerance, "width of the bracket over the factor")
+      ->type_name("X")
+      ->check(CLI::Range(1e-4, 0.5))
+      ->capture_default_str();
+  safety_command->add_flag("--no-pictures", a.no_pictures, "do not draw the failure surface");
+  safety_command->add_flag("--quiet", a.quiet, "the factor only");
+  with_json(safety_command);
+  does(safety_command, [&] { return safety(a, json); });
+
+  auto* check_command = app.add_subcommand("check", "Validate a case; print particles, stable intervals, memory");
+  with_case(check_command);
+  with_json(check_command);
+  does(check_command, [&] { return check(a, json); });
+
+  VerifyOptions& v = a.verify;
+  auto* verify_command = app.add_subcommand("verify", "Run a case, or all, and hold it against its reference");
+  verify_command->add_option("CASE", v.which, std::string(case_help) + ", or 'all'")->required()->type_name("");
+  with_programs(verify_command);
+  with_json(verify_command);
+  verify_command->add_option("--report", v.report, "folder for one page with the errors, run times and pictures")
+      ->type_name("DIR");
+  verify_command->add_option("--out", v.out, "folder of the runs")->type_name("DIR")->capture_default_str();
+  verify_command->add_option("--run", v.run, "only this run of the case")->type_name("NAME");
+  verify_command->add_option("--set", v.overrides, "override a key of every run: section.key=value")
+      ->take_all()
+      ->allow_extra_args(false)
+      ->type_name("KEY=VALUE");
+  verify_command->add_flag("--short", v.short_runs, "the short form of each run");
+  does(verify_command, [&] {
+    v.programs = a.programs.empty() ? program_folder() : a.programs;
+    return verify(v, json);
+  });
+
+  auto* plot_command = app.add_subcommand("plot", "Draw fields and gauges of a run");
+  plot_command->add_option("RUN", a.words, "folder of a run")->required()->expected(1)->type_name("");
+  const auto word = [&](CLI::App* command, const char* name, const char* type, const char* about_it, int most = 1) {
+    return command->add_option(name, a.words, about_it)->expected(1, most)->type_name(type);
+  };
+  constexpr int many = CLI::detail::expected_max_vector_size;
+  word(plot_command, "--field", "FIELD",
+       "field, or a component of one: pore_pressure, velocity_x, effective_stress_yy");
+  word(plot_command, "--time", "T", "the frame nearest to this time [s] (default: the last)");
+  word(plot_command, "--phase", "", "default: every phase that has the field")
+      ->check(CLI::IsMember({"fluid", "solid"}));
+  word(plot_command, "--gauge", "GAUGE", "only these gauges, in one picture each", many);
+  word(plot_command, "--out", "DIR", "folder of the pictures (default: RUN/pictures)");
+  does(plot_command, [plot_command] { return draw_pictures(words_of(*plot_command), {}); });
+
+  auto* view_command = app.add_subcommand("view", "Look at runs, finished or under way, in a browser");
+  view_command->add_option("RUN", a.words, "folder of a run, or a folder with runs below it (default: runs)")
+      ->expected(0, many)
+      ->type_name("");
+  word(view_command, "--port", "N", "port (default: the first free one from 8470 on)");
+  word(view_command, "--bind", "ADDRESS", "address to listen at (default 127.0.0.1, this machine only)");
+  word(view_command, "--cases", "DIR", "folders of cases whose references are drawn, beside cases/", many);
+  view_command->add_flag("--allow-any-address", a.any_address,
+                         "let --bind take an address that other machines reach; nothing is encrypted");
+  does(view_command, [view_command] {
+    auto words = words_of(*view_command);
+    words.insert(words.end(), {"--built", view_folder()});
+    // In place of this process, so that Ctrl-C and other signals reach the server itself.
+    become_script("view/server.py", words);
+    return 0;
+  });
+
+  auto* bench_command =
+      app.add_subcommand("bench", "Error against run time, by scheme and resolution: tables, pictures");
+  word(bench_command, "PART", "", "jobs, kernels, sizes, solve, coupling, skipped, or a case (default: all)", many);
+  word(bench_command, "--schemes", "SCHEME", "of the studies (default: all)", many);
+  word(bench_command, "--spacings", "X", "coarse to fine [m] (default: the study's own)", many);
+  word(bench_command, "--repeats", "N", "runs of which the median is taken (default 1)");
+  word(bench_command, "--longest", "S", "wall-clock of a run of a study [s] (default 60)");
+  word(bench_command, "--sizes", "N", "particles, of the table of sizes", many);
+  word(bench_command, "--threads", "N", "of the solvers, in the table of sizes", many);
+  bench_command->add_option("--out", a.out, "folder of tables and pictures (default runs/bench)")->type_name("DIR");
+  bench_command->add_flag("--page", a.page, "put page and pictures into docs/ of the source tree");
+  with_json(bench_command);
+  does(bench_command, [&, bench_command] {
+    if (a.out.empty()) a.out = "runs/bench";
+    return bench(a, *bench_command, json);
+  });
+
+  declare_peer(app, action);
+  auto* keys_command =
+      app.add_subcommand("keys", "Make the two keys of an encrypted run: DIR/coupler.key, DIR/participant.key");
+  keys_command->add_option("DIR", a.out, "folder of the keys")->required()->type_name("");
+  keys_command->callback([&] {
+    action = [&] {
+      coupling::write_curve_keys(a.out);
+      fmt::print(
+          "{0}/coupler.key: for the coupler, keep it there\n{0}/participant.key: for the machines of the solvers\n",
+          a.out.string());
+      return 0;
+    };
+  });
+  app.add_subcommand("case-keys", "Print the reference of all keys of a case file (Markdown)")->callback([&] {
+    action = [] {
+      fmt::print("{}", case_reference());
+      return 0;
+    };
+  });
+  app.add_subcommand("verify-keys", "Print the reference of all keys of a verify.toml (Markdown)")->callback([&] {
+    action = [] {
+      fmt::print("{}", verify_reference());
+      return 0;
+    };
+  });
+  declare_describe(app, action);
+}
+
+}  // namespace
+
+CommandLine::CommandLine(JsonOutput& json) : CLI::App(about, "poretwin"), arguments_(std::make_unique<Arguments>()) {
+  declare(*this, *arguments_, json, action_);
+}
+CommandLine::~CommandLine() = default;
+
+}  // namespace poretwin::cli

@@ -1,0 +1,12 @@
+// Man pages and completions, made from the declarations of the command line itself.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+namespace poretwin::cli {
+
+/// Declares the hidden command `describe WHAT`, which prints one of them: poretwin.1, poretwin-fluid.bash, ..
+void declare_describe(CLI::App& app, std::function<int()>& action);
+
+}  // namespace poretwin::cli

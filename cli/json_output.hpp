@@ -1,0 +1,43 @@
+// What a command did, for another program: --json FILE of run, check, safety, verify and bench. docs/json.md shows what
+// stands in it.
+#pragma once
+
+#include <exception>
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+namespace poretwin::cli {
+
+class JsonOutput {
+ public:
+  JsonOutput() = default;
+  JsonOutput(const JsonOutput&) = delete;
+  JsonOutput& operator=(const JsonOutput&) = delete;
+  ~JsonOutput();
+
+  /// A file, or "-" for stdout: then everything else that this process and its children print there goes to stderr.
+  void open(const std::string& command, const std::string& file);
+  [[nodiscard]] bool wanted() const { return !file_.empty(); }
+  [[nodiscard]] const std::string& command() const { return command_; }
+  /// Replaces what was written before. On stdout the last word counts, said by finish(). Throws FileError.
+  void write(const nlohmann::ordered_json& json);
+  /// Throws FileError.
+  void finish();
+
+ private:
+  std::string command_, file_, text_;
+  int stdout_ = -1;  ///< the real one, while descriptor 1 is stderr
+};
+
+/// The head of every command's account: "command", "version", "exit", "reason".
+nlohmann::ordered_json json_head(const std::string& command, int exit, const std::string& reason);
+
+/// Of a command that could not begin: the head and "error" with "message", "file", "line" and "key", null where
+/// unknown.
+nlohmann::ordered_json json_error(const std::string& command, int exit, const std::string& message);
+
+/// JSON has no infinity and no NaN: null.
+nlohmann::ordered_json json_number(double value);
+
+}  // namespace poretwin::cli

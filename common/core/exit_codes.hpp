@@ -1,0 +1,30 @@
+// The exit codes as a person reads them: --help, man pages and docs/protocol.md show this table.
+#pragma once
+
+#include "common/core/error.hpp"
+
+#include <array>
+#include <string>
+
+namespace poretwin {
+
+struct ExitMeaning {
+  ExitCode code;
+  const char* meaning;
+};
+
+inline constexpr std::array<ExitMeaning, 8> exit_meanings{{
+    {ExitCode::success, "done"},
+    {ExitCode::failure, "unforeseen: a crash, out of memory"},
+    {ExitCode::bad_case, "the case, the command line or the geometry is wrong"},
+    {ExitCode::peer, "a peer is missing, dead, frozen, refused or sent nonsense"},
+    {ExitCode::diverged, "diverged: the numbers left the finite, or windows are stuck"},
+    {ExitCode::input_output, "a file is missing, unreadable or unwritable, or the disk is full"},
+    {ExitCode::in_doubt, "ended, but the result is in doubt: mass was lost, a reference missed, .."},
+    {ExitCode::interrupted, "interrupted by Ctrl-C or SIGTERM"},
+}};
+
+/// "Exit codes:" and a line of each.
+std::string exit_codes_text();
+
+}  // namespace poretwin

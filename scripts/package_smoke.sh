@@ -1,0 +1,55 @@
+#!/bin/bash
+# Installs the packages of build/packages on a fresh Debian 12 and uses them: a case, Python, a solver in C++ through the conformance suite.
+# Needs root, debootstrap (installed when missing) and a Debian mirror. FRESH keeps the fresh Debian for the next time.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+. scripts/setup.sh
+
+fresh=${FRESH:-}
+[ "$(id -u)" -eq 0 ] || { echo "package_smoke.sh: a chroot needs root; start it as root" >&2; exit 1; }
+packages="debootstrap"
+install_packages
+place=$(mktemp -d /tmp/poretwin-smoke-XXXXXX)
+root=$place/root
+leave() {
+  for mounted in dev/shm proc; do mountpoint -q "$root/$mounted" && umount "$root/$mounted"; done
+  rm -rf --one-file-system "$place"
+}
+trap leave EXIT
+
+if [ -n "$fresh" ] && [ -f "$fresh" ]; then
+  say "a fresh Debian 12: from $fresh"
+  mkdir "$root"
+  tar -xf "$fresh" -C "$root"
+else
+  say "a fresh Debian 12"
+  debootstrap --variant=minbase bookworm "$root" http://deb.debian.org/debian >"$place/log" || { tail "$place/log" >&2; exit 1; }
+  [ -z "$fresh" ] || tar -cf "$fresh" -C "$root" .
+fi
+mount -t proc proc "$root/proc"
+mkdir -p "$root/dev/shm"
+mount -t tmpfs tmpfs "$root/dev/shm"
+cp /etc/resolv.conf "$root/etc/resolv.conf"
+for file in /etc/apt/apt.conf.d/*proxy*; do [ ! -f "$file" ] || cp "$file" "$root/etc/apt/apt.conf.d/"; done
+mkdir "$root/packages"
+cp build/packages/*.deb "$root/packages"
+
+inside() { chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive ${http_proxy:+http_proxy=$http_proxy} /bin/bash -euc "$1"; }
+
+say "installing the packages"
+inside 'apt-get update -q && apt-get install -qy --no-install-recommends /packages/*.deb' >"$place/log" 2>&1 || { tail -30 "$place/log" >&2; exit 1; }
+say "a case, from a folder of its own"
+inside 'poretwin --version && mkdir /work && cd /work && poretwin run terzaghi --until 0.05 --json told.json && test -s runs/terzaghi/pictures/fluid_pore_pressure.png && python3 -c "import json; assert json.load(open(\"told.json\"))[\"exit\"] == 0"'
+say "Python"
+inside 'cd /work && python3 -c "import poretwin, importlib.metadata as m; assert m.version(\"poretwin\") == poretwin.__version__"
+  poretwin peer conformance /usr/share/doc/python3-poretwin/examples/seepage.toml python3 /usr/share/doc/python3-poretwin/examples/rigid_solid.py'
+say "a solver in C++"
+inside 'apt-get install -qy --no-install-recommends g++ cmake make >/dev/null 2>&1
+  cd /work && for target in participant participant_shared; do
+    rm -rf example build && cp -r /usr/share/doc/libporetwin-dev/examples/cpp example && sed -i "s/poretwin::participant)/poretwin::$target)/" example/CMakeLists.txt
+    cmake -S example -B build >/dev/null && cmake --build build >/dev/null
+    poretwin peer conformance /usr/share/doc/python3-poretwin/examples/seepage.toml build/rigid-solid
+  done'
+say "removing the packages"
+inside 'apt-get remove -qy poretwin libporetwin-dev python3-poretwin >/dev/null 2>&1; ! ls -d /usr/share/poretwin /usr/lib/python3/dist-packages/poretwin 2>/dev/null'
+say "the packages hold on a fresh Debian 12"
