@@ -1,4 +1,5 @@
 // What is read off the water: values at points, along lines and faces, sums over regions, the balance of its volume.
+#include "common/case/thin_walls.hpp"
 #include "fluid_solver/basin.hpp"
 #include "fluid_solver/cloud.hpp"
 #include "fluid_solver/fluid_phase.hpp"
@@ -352,13 +353,18 @@ Vec<D> Fluid<D>::wall_force() const {
   const Probe<D> probe(cloud);
   for (const auto& wall : scene_.walls) {
     if (wall.water == Wall::ForWater::none) continue;
+    const bool both = sight_.limited() && has_two_sides(scene_, wall);
     for (std::size_t i = 0; i + 1 < wall.face.points.size(); ++i) {
       const Line<D> line(wall.face.points[i].template head<D>(), wall.face.points[i + 1].template head<D>());
       const auto count = static_cast<int>(std::ceil(2.0 * line.length / dx_));
       const double step = line.length / count;
-      for (int k = 0; k < count; ++k)
-        if (const double p = probe.pressure(line.at((k + 0.5) * step)).value; std::isfinite(p))
-          force += step * p * line.left;
+      const Vec<D> behind = -1e-6 * dx_ * line.left;
+      for (int k = 0; k < count; ++k) {
+        const Vec<D> x = line.at((k + 0.5) * step);
+        if (const double p = probe.pressure(x).value; std::isfinite(p)) force += step * p * line.left;
+        if (!both) continue;
+        if (const double p = probe.pressure(x + behind).value; std::isfinite(p)) force -= step * p * line.left;
+      }
     }
   }
   return force;

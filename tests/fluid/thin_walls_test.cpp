@@ -37,7 +37,8 @@ Case two_tanks(double thickness, double spacing) {
                         {Point3(0.3, 0.2, 0.0), Point3(0.6 - aside, 0.2, 0.0), Point3(there + 0.3, 0.2, 0.0),
                          Point3(there + aside, 0.2, 0.0)},
                         "pore_pressure"),
-                  gauge("speed", "max_speed"), gauge("particles", "particles")};
+                  gauge("speed", "max_speed"), gauge("particles", "particles"),
+                  gauge("unexplained", "unexplained_impulse")};
   return scene;
 }
 
@@ -142,11 +143,15 @@ TEST(ThinWalls, TwoBodiesOfWaterStandBesideEachOther) {
     EXPECT_NEAR(reading(water, "p[3]"), g * 0.2, 1e-3 * g * 0.4);
     EXPECT_LT(reading(water, "speed"), 1e-3 * std::sqrt(9.81 * 1.2));
     EXPECT_EQ(reading(water, "particles"), n);
+    // Walls bear the water from both of their sides.
+    const double weight = 0.6 * 1.6 * g;
+    EXPECT_NEAR(reading(water, "unexplained_x"), 0.0, 0.01 * weight * 0.5);
+    EXPECT_NEAR(reading(water, "unexplained_y"), 0.0, 0.01 * weight * 0.5);
   }
 }
 
 /// Held against finite volumes of the same layer, in the limit of 60, 120 and 240 rows
-/// (bench/seepage_under_a_pile_volumes.py): 4, 2 and 1 spacings thick, and a line.
+/// (bench/seepage_under_a_pile.py): 4, 2 and 1 spacings thick, and a line.
 TEST(ThinWalls, WaterSeepsUnderAPile) {
   struct Pile {
     double thickness, discharge, within;
