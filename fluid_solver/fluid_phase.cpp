@@ -28,17 +28,6 @@ constexpr double drag_tolerance = 0.02;
 constexpr double row_memory = 10.0;
 constexpr int most_drag_rounds = 10;
 
-/// Conductivity of the fastest soil over that of the slowest.
-double contrast_of(const Case& scene) {
-  double slowest = HUGE_VAL, fastest = 0.0;
-  for (const auto& soil : scene.soils) {
-    const double k = porous::seepage_at(scene, soil, soil.porosity).conductivity;
-    slowest = std::min(slowest, k);
-    fastest = std::max(fastest, k);
-  }
-  return scene.soils.empty() ? 1.0 : fastest / slowest;
-}
-
 /// The box around everything in the case, widened by its diagonal on all sides; without bound along periodic axes.
 template <int D>
 std::pair<Vec<D>, Vec<D>> reach_of(const Case& scene) {
@@ -122,6 +111,7 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
       std::sqrt(scene.general.gravity.norm() * depth + scene.general.central_force * farthest * farthest);
   state_.columns = make_columns<D>(scene);
   joints_ = make_joints<D>(scene);
+  one_soil_ = porous::conductivity_contrast(scene) < porous::one_conductivity;
   for (const auto& c : state_.columns) feet_.push_back(c.foot);
   // What lies on a face of soil to rounding is the soil's.
   const ColumnFinder<D> finder(state_.columns);
@@ -293,7 +283,7 @@ WindowProblem<D> Fluid<D>::problem(double interval) const {
   if (all_side_by_side(mask.size(), [&](std::size_t a) { return mask[a] <= 0.5; }))
     in.tolerance = free_water_tolerance;
   else
-    in.tolerance = std::max(in.tolerance / contrast_of(scene_), tightest_tolerance);
+    in.tolerance = std::max(in.tolerance / porous::conductivity_contrast(scene_), tightest_tolerance);
   if (scene_.fluid.pressure_tolerance) in.tolerance = *scene_.fluid.pressure_tolerance;
   for (const auto& c : state_.columns) {
     in.face_pressure.push_back(c.pressure);

@@ -134,6 +134,7 @@ class Fluid final : public Phase {
   std::vector<sph::ImagePlane<D>> planes_;
   sph::Sight<D> sight_;
   std::vector<Joint<D>> joints_;
+  bool one_soil_ = true;                        ///< of one conductivity
   ScalarArray came_;                            ///< [faces] through columns in this window so far, m^D
   Vec<D> lower_, upper_;                        ///< beyond, water is lost [m]
   std::uint32_t no_slip_ = 0, fixed_soil_ = 0;  ///< boundary bits

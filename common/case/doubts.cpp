@@ -183,7 +183,9 @@ class Doubts : Complaints {
   /// 10, 20, 40 spacings on half a side 22, 9, 4.3 % low; a floor of 40 spacings on a layer of 30 12 % low, of twice as
   /// many 6 %; what comes in and goes out differs by as much.
   void faces_that_end_on_walls() {
-    if (d_ != 2 || (!scene_.coupled() && scene_.fluid.scheme == FluidCase::Scheme::projection)) return;
+    if (d_ != 2 || (!scene_.coupled() && scene_.fluid.scheme == FluidCase::Scheme::projection &&
+                    porous::conductivity_contrast(scene_) < porous::one_conductivity))
+      return;
     const double dx = scene_.fluid.particle_spacing;
     for (std::size_t i = 0; i < scene_.water_faces.size(); ++i) {
       const WaterFace& f = scene_.water_faces[i];

@@ -3,6 +3,7 @@
 #include "common/case/amounts.hpp"
 #include "common/case/geometry.hpp"
 #include "common/case/pieces.hpp"
+#include "common/porous/seepage.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -117,6 +118,7 @@ std::optional<std::string> hinders_sight(const Case& scene) {
 bool sight_matters(const Case& scene) {
   if (hinders_sight(scene)) return false;
   if (!thin_walls(scene).empty()) return true;
+  if (porous::conductivity_contrast(scene) >= porous::one_conductivity) return false;
   const double dx = scene.fluid.particle_spacing;
   for (const auto& region : scene.fluid.regions)
     for (const auto& x : fill<2>(region, spacing_to_look_at(region, dx, 2), {0.5, 0.5, 0.5}, 0.0, 1).position)

@@ -24,7 +24,7 @@ struct ThinWall {
 std::optional<std::string> hinders_sight(const Case& scene);
 
 /// Does what a kernel reaches through, or past a corner, matter to the water of a scene that nothing hinders? Walls
-/// that are thin; and where all water seeps, corners at which a wall turns away from it, and ends at which it goes on
+/// that are thin; and where all water seeps through one soil, corners at which a wall turns away from it, and ends at which it goes on
 /// as a water face: there a flow has no bound, and its balance shows what is seen twice or by one side only.
 bool sight_matters(const Case& scene);
 

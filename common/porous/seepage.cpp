@@ -41,4 +41,14 @@ Resistance resistance(double specific_weight, double n, const Seepage& seepage) 
   return {specific_weight * n * n / seepage.conductivity, specific_weight * n * n * n * seepage.quadratic};
 }
 
+double conductivity_contrast(const Case& scene) {
+  double slowest = HUGE_VAL, fastest = 0.0;
+  for (const auto& soil : scene.soils) {
+    const double k = seepage_at(scene, soil, soil.porosity).conductivity;
+    slowest = std::min(slowest, k);
+    fastest = std::max(fastest, k);
+  }
+  return scene.soils.empty() ? 1.0 : fastest / slowest;
+}
+
 }  // namespace poretwin::porous

@@ -31,6 +31,11 @@ double specific_weight(const Case& scene);
 /// The soil's law at a porosity.
 Seepage seepage_at(const Case& scene, const Soil& soil, double porosity);
 
+/// Conductivity of the fastest soil over that of the slowest, each at its own porosity; 1 without soil. Below
+/// `one_conductivity` they are the same but for rounding.
+double conductivity_contrast(const Case& scene);
+inline constexpr double one_conductivity = 1.0 + 1e-9;
+
 /// A law known at one porosity, as Kozeny-Carman carries it to another: k ~ n^3/(1-n)^2, b ~ (1-n)/n^3. For what the
 /// other process has sent, and for edges, where soil fades into free water (n = 1: no resistance).
 Seepage carried_over(const Seepage& known, double known_porosity, double porosity);
