@@ -31,6 +31,12 @@ inline std::vector<Point3> places_along(const Piece& piece, double spacing) {
   return result;
 }
 
+/// Distance of x [m] from the piece.
+inline double distance_from(const Piece& piece, const Point3& x) {
+  const Point3 s = piece.b - piece.a;
+  return (piece.a + std::clamp(s.dot(x - piece.a) / s.squaredNorm(), 0.0, 1.0) * s - x).norm();
+}
+
 /// How far from x [m] along a direction (unit) the piece is met, if it is.
 inline std::optional<double> distance_to(const Piece& piece, const Point3& x, const Point3& direction) {
   const auto cross = [](const Point3& u, const Point3& v) { return u.x() * v.y() - u.y() * v.x(); };

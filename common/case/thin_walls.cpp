@@ -31,10 +31,7 @@ std::optional<Point3> two_sides(const Case& scene, const Piece& piece) {
 
 /// Does x lie on one of the pieces?
 bool lies_on(const std::vector<Piece>& pieces, const Point3& x, double tolerance) {
-  return std::any_of(pieces.begin(), pieces.end(), [&](const Piece& p) {
-    const Point3 s = p.b - p.a;
-    return (p.a + std::clamp(s.dot(x - p.a) / s.squaredNorm(), 0.0, 1.0) * s - x).norm() < tolerance;
-  });
+  return std::any_of(pieces.begin(), pieces.end(), [&](const Piece& p) { return distance_from(p, x) < tolerance; });
 }
 
 /// A wall as a mirror on its left and, of a line with two sides, on its right.

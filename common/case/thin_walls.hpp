@@ -24,8 +24,9 @@ struct ThinWall {
 std::optional<std::string> hinders_sight(const Case& scene);
 
 /// Does what a kernel reaches through, or past a corner, matter to the water of a scene that nothing hinders? Walls
-/// that are thin; and where all water seeps through one soil, corners at which a wall turns away from it, and ends at which it goes on
-/// as a water face: there a flow has no bound, and its balance shows what is seen twice or by one side only.
+/// that are thin; and where all water seeps through one soil, corners at which a wall turns away from it, and ends at
+/// which it goes on as a water face: there a flow has no bound, and its balance shows what is seen twice or by one side
+/// only.
 bool sight_matters(const Case& scene);
 
 /// Does water, in soil or free, stand on both sides of the wall, so that it is a line that holds from either?

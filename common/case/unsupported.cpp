@@ -118,9 +118,8 @@ class Supported : Complaints {
     for (std::size_t r = 0; r < scene_.fluid.regions.size(); ++r)
       for (const auto& place : fill<2>(scene_.fluid.regions[r], dx, scene_.fluid.offset, 0.0, 1).position)
         for (const auto& piece : pieces_of(scene_.walls[w].face)) {
-          const Point3 x(place.x(), place.y(), 0.0), s = piece.b - piece.a;
-          const double along = std::clamp(s.dot(x - piece.a) / s.squaredNorm(), 0.0, 1.0);
-          const double distance = (piece.a + along * s - x).norm();
+          const Point3 x(place.x(), place.y(), 0.0);
+          const double distance = distance_from(piece, x);
           if (distance < 0.25 * dx)
             fail(fmt::format("fluid.region[{}]", r),
                  fmt::format(
@@ -369,10 +368,7 @@ class Supported : Complaints {
       if (wall.soil == Wall::ForSoil::none) return false;
       if (wall.face.points.empty()) return std::abs(wall.face.normal.normalized().dot(x - wall.face.point)) < reach;
       const auto pieces = pieces_of(wall.face);
-      return std::any_of(pieces.begin(), pieces.end(), [&](const Piece& p) {
-        const Point3 s = p.b - p.a;
-        return (p.a + std::clamp(s.dot(x - p.a) / s.squaredNorm(), 0.0, 1.0) * s - x).norm() < reach;
-      });
+      return std::any_of(pieces.begin(), pieces.end(), [&](const Piece& p) { return distance_from(p, x) < reach; });
     });
   }
 
