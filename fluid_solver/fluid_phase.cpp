@@ -218,7 +218,7 @@ bool Fluid<D>::responds() const {
 }
 
 template <int D>
-SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox) const {
+SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox, double interval) const {
   const auto& x = state_.particles.position;
   const std::size_t n = x.size();
   // A particle of the soil's water about to enter or leave through its face still counts as in it; water that runs down
@@ -247,7 +247,11 @@ SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox) const {
   if (!state_.columns.empty())
     for (std::size_t a = 0; a < n; ++a)
       if (inbox.coverage[a] > 0.0 && !is_free(a) && nearest_column(x[a])) asymmetry[a] = 0.0;
-  auto view = mapped_soil<D>(scene_, inbox, asymmetry);
+  // In long windows soil creeps from equilibrium to equilibrium, and water seeps in and out.
+  const bool flows = interval > 0.0 && interval <= wave_interval();
+  auto view = mapped_soil<D>(scene_, inbox, asymmetry,
+                             flows ? std::span<const double>(state_.particles.mask) : std::span<const double>(),
+                             creeping_speed());
   const auto& felt = computes_beside() ? state_.particles.felt : state_.particles.force;
   for (std::size_t a = 0; a < n; ++a)
     if (view.mask[a] > 0.0) view.force.set(a, view.force[a] - felt[a]);
@@ -396,7 +400,7 @@ void Fluid<D>::tell_surface(const Stencil<D>& s, std::span<const Vec<D>> gradien
 template <int D>
 void Fluid<D>::initialise(const coupling::Inbox& inbox) {
   auto& p = state_.particles;
-  auto view = soil(inbox);
+  auto view = soil(inbox, 0.0);
   for (std::size_t a = 0; a < p.size(); ++a) {
     // The lattice's cells are the particles' bulk volumes; what water they hold follows from the soil as it is.
     p.void_fraction[a] = 1.0 - view.fraction[a];
@@ -429,7 +433,8 @@ bool Fluid<D>::all_creep(const SoilView<D>& view) const {
 /// Viscosity of the water itself, Eq. (76) as corrected, its pairs amplified as the pressure's are to be exact for a
 /// quadratic on average; a von Neumann-Richtmyer term on approaching pairs for impacts, of third order where the flow
 /// is smooth; and a viscosity on what is not linear in the neighbourhood, for the noise of single particles. All
-/// pairwise antisymmetric.
+/// pairwise antisymmetric among water that feels them. What slips past tight soil that moves is no noise: the dampings
+/// would drag free water along with the soil's, which the drag holds and which takes no impulse back.
 template <int D>
 VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& view,
                                       std::span<const Mat<D>> velocity_gradient, double interval) const {
@@ -448,9 +453,11 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
   // That of the scheme is a damping, not a property: nothing is gained by its being exact.
   const bool own = viscosity <= scene_.water.kinematic_viscosity;
   const VecArray<D> all = extended<D>(s, v, Carried::yes, no_slip_);
-  // Of a point: velocity, velocity gradient, smoothing length, amplification (0: does not count).
-  constexpr std::size_t at_gradient = D, at_length = at_gradient + D * D, at_amplified = at_length + 1;
-  PackedPoints<D, at_amplified + 1> points(s.size());
+  // Of a point: velocity, velocity gradient, smoothing length, amplification (0: does not count), whether moving soil
+  // takes it along.
+  constexpr std::size_t at_gradient = D, at_length = at_gradient + D * D, at_amplified = at_length + 1,
+                        at_carried = at_amplified + 1;
+  PackedPoints<D, at_carried + 1> points(s.size());
   for_each_side_by_side(s.size(), [&](std::size_t j) {
     const Index q = s.parent[j];
     const bool real = q < s.n_real;
@@ -466,8 +473,9 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
     Eigen::Map<Mat<D>>{row + D + at_gradient} = gradient;
     row[D + at_length] = s.length(j);
     row[D + at_amplified] = !real ? 0.0 : own ? s.amplification[q] : 1.0;
+    row[D + at_carried] = real && !own && damped[q] && state_.particles.seeps[q] == 0 ? 1.0 : 0.0;
   });
-  for_pairs_in_lanes<D, at_amplified + 1, D>(
+  for_pairs_in_lanes<D, at_carried + 1, D>(
       s, points,
       [&](std::size_t, const double* self, std::size_t m, const Lanes* w, const Lanes* point, Lanes* sums)
           __attribute__((always_inline)) {
@@ -488,7 +496,7 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
               for (std::size_t e = 0; e < D; ++e)
                 unexplained -= 0.5 * (self[at_gradient + d + D * e] + point[at_gradient + d + D * e]) * w[e];
               const Lanes part = shear * pull * (point[d] - self[d]) + noise * unexplained;
-              sums[d] += point[at_amplified] > 0.0 ? part : Lanes{};
+              sums[d] += point[at_amplified] > 0.0 && point[at_carried] == self[at_carried] ? part : Lanes{};
             }
           },
       [&](std::size_t a, const double* total) __attribute__((always_inline)) {
@@ -668,7 +676,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   auto& p = state_.particles;
   const bool sweeps = scene_.fluid.scheme != FluidCase::Scheme::projection;
   const double dt = window.interval, asked = sweeps ? time_limit().first : dt;
-  auto view = soil(inbox);
+  auto view = soil(inbox, dt);
   view.linearise(p.velocity, view.velocity);
   VecArray<D> velocity_before;
   if (scene_.coupled()) velocity_before = p.velocity;  // the soil's impulse changes it

@@ -103,6 +103,14 @@ bool seeps(const SoilView<D>& soil, std::size_t a, const Vec<D>& velocity, doubl
 /// porosity.
 inline double membership(double asymmetry) { return std::clamp((0.63 - asymmetry) / 0.32, 0.0, 1.0); }
 
+/// That of water in or beside tight soil that moves, which had `before`: its water goes along, and what slips past its
+/// edge stays outside. The points of an edge are a staircase, over which the asymmetry swings as water passes; what
+/// membership follows of it is only what leaves the half width of the ramp to either side, a play.
+inline double membership(double asymmetry, double before) {
+  const double ramp = (0.63 - asymmetry) / 0.32;
+  return std::clamp(before, std::clamp(2.0 * ramp - 1.0, 0.0, 1.0), std::clamp(2.0 * ramp, 0.0, 1.0));
+}
+
 /// What water can fill of soil that starts moist: n (1 - s_r0). The residual water moves with the grains.
 inline double fillable_porosity(const Soil& soil) { return soil.porosity * (1.0 - soil.initial_saturation); }
 
@@ -139,9 +147,11 @@ SoilView<D> rigid_soil(const Case& scene, std::span<const Vec<D>> points) {
 }
 
 /// Soil of the other process, as mapped to the fluid particles; asymmetry [n]: that of the exchange, 0 where a particle
-/// counts as in the soil wherever any is in reach.
+/// counts as in the soil wherever any is in reach; before: [n] membership that is followed with play where tight soil
+/// moves faster than `creeping` [m/s]; empty: nowhere.
 template <int D>
-SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::span<const double> asymmetry) {
+SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::span<const double> asymmetry,
+                        std::span<const double> before, double creeping) {
   using namespace coupling;
   const std::size_t n = asymmetry.size();
   SoilView<D> soil;
@@ -167,8 +177,16 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::sp
   for (std::size_t a = 0; a < n; ++a) {
     soil.coverage.set(a, inbox.coverage[a]);
     soil.owed.set(a, vector(owed, a));
-    const double mask = inbox.coverage[a] > 0.0 ? membership(asymmetry[a]) : 0.0;
-    const double n_s = std::min(fraction[a], 1.0 - 1e-3) * mask;
+    const double whole = std::min(fraction[a], 1.0 - 1e-3);  // of the soil
+    const auto passes_by = [&] {
+      const bool moves = yielding[a] > 0.5 || vector(velocity, a).norm() > creeping;
+      if (before.empty() || !moves || !scene.fluid.drag || !(conductivity[a] > 0.0)) return false;
+      const double n_w = 1.0 - whole, drag = porous::resistance(weight, n_w, {conductivity[a], quadratic[a]}).linear;
+      return !inertia_rules(n_w, scene.water.density, drag, scene.fluid.particle_spacing, scene.general.gravity.norm());
+    };
+    double mask = 0.0;
+    if (inbox.coverage[a] > 0.0) mask = passes_by() ? membership(asymmetry[a], before[a]) : membership(asymmetry[a]);
+    const double n_s = whole * mask;
     if (n_s < least_solid_fraction || !(conductivity[a] > 0.0)) continue;
     soil.velocity.set(a, vector(velocity, a));
     soil.mean_velocity.set(a, vector(mean_velocity, a));
@@ -185,8 +203,7 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::sp
     const double porosity = 1.0 - n_s;
     if (scene.fluid.drag)
       soil.resistance[a] = porous::resistance(
-          weight, porosity,
-          porous::carried_over({conductivity[a], quadratic[a]}, 1.0 - std::min(fraction[a], 1.0 - 1e-3), porosity));
+          weight, porosity, porous::carried_over({conductivity[a], quadratic[a]}, 1.0 - whole, porosity));
     soil.drag[a] = soil.resistance[a].linear;
   }
   return soil;
