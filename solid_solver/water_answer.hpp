@@ -2,6 +2,7 @@
 // repeated until both agree.
 #pragma once
 
+#include <cmath>
 #include <numbers>
 
 namespace poretwin::solid {
@@ -22,10 +23,10 @@ struct WaterInWindow {
 /// soil that shears freely (T = 0, D << Z): the passes hardly move. Nothing against dilation lets long waves diverge (D
 /// >> A) once the soil is half as stiff as predicted.
 ///
-/// So both, by how far the shortest waves drain in the window, alpha = Dt M (pi / 2 dx)^2 n^2 / C. Where nothing
-/// drains: the drag. Where they do: the water's inertia, and half the skeleton's own modulus against dilation, with
-/// which errors shrink at every wavelength down to a quarter of the stiffness predicted. The share of the drag falls
-/// with the square of alpha: it has to become small against the soil's inertia.
+/// So both, by what a wave of the shortest length keeps of its pressure over the window, exp(-alpha) with alpha =
+/// Dt M (pi / 2 dx)^2 n^2 / C (Terzaghi's decay). Where nothing drains: the drag. Where all does: the water's inertia,
+/// and half the skeleton's own modulus against dilation, with which errors shrink at every wavelength down to a quarter
+/// of the stiffness predicted.
 struct WaterAnswer {
   double translation = 0.0;  ///< N s/m4, against a departure of the velocity
   double dilation = 0.0;     ///< Pa, against a departure of the strain of volume
@@ -37,7 +38,7 @@ inline WaterAnswer answer_of(const WaterInWindow& water, double modulus, double 
   if (water.drag <= 0.0) return {};
   const double shortest = 0.5 * std::numbers::pi / spacing;
   const double alpha = water.interval * modulus * shortest * shortest * water.pores * water.pores / water.drag;
-  const double drains = 1.0 / (1.0 + 1.0 / (alpha * alpha));
+  const double drains = 1.0 - std::exp(-alpha);
   const double along = water.drag * water.inertia / (water.inertia + water.drag);
   return {drains * along + (1.0 - drains) * water.drag, 0.5 * drains * modulus,
           1.0 / (1.0 / water.drag + height * height / (water.interval * modulus))};
