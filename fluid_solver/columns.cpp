@@ -57,13 +57,18 @@ ScalarArray Fluid<D>::passed() const {
   return sum;
 }
 
-/// Whether the flow through a column is told by the matrix of the pressure: where water creeps through one soil at
-/// rest. Elsewhere, where the skeleton or inertia carries part of it, the column moves as the water before it does.
-/// Measured with layers, lenses and drains of contrasts up to 1e3, told by the matrix: heads off by up to 68 % of their
-/// difference, as the packing's repair in one soil has to be borne by the other.
+/// Whether water creeps through a column into soil at rest, and its pressure is solved for.
+template <int D>
+bool Fluid<D>::creeps(const FaceColumn<D>& c) const {
+  return c.creeps && !scene_.coupled() && scene_.fluid.scheme == FluidCase::Scheme::projection;
+}
+
+/// Whether the flow through a column is told by the matrix of the pressure: where water creeps through soil at rest, of
+/// one conductivity or full. Elsewhere, where the skeleton or inertia carries part of it, the column moves as the water
+/// before it does.
 template <int D>
 bool Fluid<D>::is_told(const FaceColumn<D>& c) const {
-  return c.creeps && one_soil_ && !scene_.coupled() && scene_.fluid.scheme == FluidCase::Scheme::projection;
+  return creeps(c) && (one_soil_ || state_.full);
 }
 
 /// Counts water that comes in through a column, or goes out.

@@ -203,7 +203,76 @@ class WindowSolver {
       free_beside_moving_soil();
     } else {
       fluid_ = laplacian<D>(s_, mobility);
+      free_along_borders();
     }
+  }
+
+  /// The harmonic mean of a pair's mobilities is right across a border between two soils; along it, it takes from the
+  /// faster soil's rows beside it a third of a spacing's mobility, and gives the slower's as much of its own: a lens
+  /// would be thicker, a drain thinner than they are. So pairs within either soil are scaled by 1 + s (t^2 - c n^2),
+  /// n and t the parts of their direction across the border and along it, c that with which nothing changes across
+  /// it; s of each particle, the mean of both, so that along the border its own mobility is met.
+  void free_along_borders() {
+    const auto& number = soil_.number;
+    if (number.empty() || all_side_by_side(n_, [&](std::size_t a) { return number[a] == number[0]; })) return;
+    constexpr double still = (D - 1) / 3.0;             // mean of t^2 n^2 over that of n^4
+    constexpr double least = -0.9, most = 0.9 / still;  // pairs keep a tenth at least
+    constexpr int rounds = 4;                           // two rows on either side have a share of each other's
+    VecArray<D> across(n_, Vec<D>::Zero());
+    ScalarArray lacks(n_, 0.0), scale(n_, 0.0), next(n_, 0.0);
+    const auto within = [&](std::size_t a, Index q) { return q < n_ && number[q] == number[a]; };
+    for_each_side_by_side(n_, [&](std::size_t a) {
+      if (number[a] < 0) return;
+      Mat<D> missing = Mat<D>::Zero();
+      for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
+        const Index j = s_.other[k], q = s_.parent[j];
+        if (q >= n_ || number[q] < 0 || number[q] == number[a] || q_[q].kf == q_[a].kf) continue;
+        const Vec<D> ba = s_.position[j] - s_.position[a], w = static_cast<double>(s_.pull[k]) * ba;
+        across[a] += (q_[q].kf - q_[a].kf) * w;
+        missing += (1.0 - harmonic(1.0, q_[q].kf / q_[a].kf)) * w * ba.transpose();
+      }
+      if (across[a].isZero(0.0)) return;
+      across[a].normalize();
+      lacks[a] = missing.trace() - across[a].dot(missing * across[a]);
+    });
+    // Scale of the pair by one of its two, at n across the border.
+    const auto shape = [&](const Vec<D>& ba, const Vec<D>& n) {
+      const double part = n.dot(ba), square = part * part / ba.squaredNorm();
+      return 1.0 - square - still * square;
+    };
+    const auto normal_at = [&](Index j, Index q) {
+      return j < s_.n_base ? across[q] : Vec<D>(s_.map[j - s_.n_base] * across[q]);
+    };
+    for (int round = 0; round < rounds; ++round) {
+      for_each_side_by_side(n_, [&](std::size_t a) {
+        if (across[a].isZero(0.0)) return;
+        double own = 0.0, others = 0.0;
+        for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
+          const Index j = s_.other[k], q = s_.parent[j];
+          if (j == a || !within(a, q)) continue;
+          const Vec<D> ba = s_.position[j] - s_.position[a];
+          const double part = across[a].dot(ba), along = 0.5 * s_.pull[k] * (ba.squaredNorm() - part * part);
+          own += along * shape(ba, across[a]);
+          if (scale[q] != 0.0) others += along * scale[q] * shape(ba, normal_at(j, q));
+        }
+        next[a] = own > 0.0 ? std::clamp(0.5 * (scale[a] + (lacks[a] - others) / own), least, most) : 0.0;
+      });
+      scale = next;
+    }
+    for_each_side_by_side(n_, [&](std::size_t a) {
+      if (number[a] < 0) return;
+      for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
+        const Index j = s_.other[k], q = s_.parent[j];
+        if (fluid_.weight[k] == 0.0F || q == a || !within(a, q) || (scale[a] == 0.0 && scale[q] == 0.0)) continue;
+        const Vec<D> ba = s_.position[j] - s_.position[a];
+        double changed = 1.0;
+        if (scale[a] != 0.0) changed += 0.5 * scale[a] * shape(ba, across[a]);
+        if (scale[q] != 0.0) changed += 0.5 * scale[q] * shape(ba, normal_at(j, q));
+        const double before = fluid_.weight[k];
+        fluid_.weight[k] = static_cast<float>(changed * before);
+        fluid_.diagonal[a] += fluid_.weight[k] - before;
+      }
+    });
   }
 
   /// Water tears rather than be pulled below a pressure, and while it is torn it is at that pressure: of the pressure
