@@ -18,8 +18,7 @@ constexpr double wanted_slowing = 0.0125;
 /// How far water may go in a window where it leaves through a seepage face, in spacings: a row that goes out takes the
 /// distance of the surface with it, which is found once a window. At a quarter the discharge is 0.4 % short.
 constexpr double wanted_exit = 0.125;
-/// How far a level behind a face may move in a window, in spacings: columns are switched on and off a spacing at a
-/// time.
+/// How far a level behind a face may move in a window, in spacings: columns are switched on and off a spacing at a time.
 constexpr double wanted_rise = 0.5;
 
 /// For how long after t a table stays within `most` of its value at t [s].
@@ -40,9 +39,9 @@ double unchanged_for(const Series& series, double t, double most) {
 
 }  // namespace
 
-/// The shortest window that a change of pressure asks for: a fifth of the way of the soil's waves through a spacing.
-/// The first one in elastic soil that is wet from the start is a fifth of the time in which a spacing drains where that
-/// is longer: before that the water holds the grains and nothing moves but in shear, which the soil refuses so long a
+/// The shortest window that a change of pressure asks for: a fifth of the way of the soil's waves through a spacing. The
+/// first one in elastic soil that is wet from the start is a fifth of the time in which a spacing drains where that is
+/// longer: before that the water holds the grains and nothing moves but in shear, which the soil refuses so long a
 /// window for. Soil that may slide begins to at once.
 /// interval [s]: of the window in which soil answers for the first time, 0 before the first.
 template <int D>
@@ -126,7 +125,8 @@ void Fluid<D>::limit_by_slowing(const VecArray<D>& velocity_before, double inter
 /// way at its speed and the acceleration of the last window. When it has just been stopped, by the base or by the
 /// surface that has come down on it, its speed alone says nothing of the next window.
 template <int D>
-void Fluid<D>::limit_by_acceleration(const SoilView<D>& view, const VecArray<D>& velocity_before, double interval) {
+void Fluid<D>::limit_by_acceleration(const SoilView<D>& view, const VecArray<D>& velocity_before,
+                                     double interval) {
   const auto& p = state_.particles;
   const auto in_coarse = [&](std::size_t a) { return p.seeps[a] != 0 && view.mask[a] > 0.5 && !drags(view, a); };
   const bool coarse = !all_side_by_side(p.size(), [&](std::size_t a) { return !in_coarse(a); });
@@ -176,8 +176,8 @@ double Fluid<D>::wave_interval() const {
   return weight_.norm() > 0.0 ? 0.3 * std::sqrt(dx_ * density_ / weight_.norm()) : HUGE_VAL;
 }
 
-/// Speed below which soil and the water in it are as good as at rest: a hundredth of what gravity gives in the window
-/// of the shortest waves [m/s].
+/// Speed below which soil and the water in it are as good as at rest: a hundredth of what gravity gives in the window of
+/// the shortest waves [m/s].
 template <int D>
 double Fluid<D>::creeping_speed() const {
   return weight_.norm() > 0.0 ? 0.01 * wave_interval() * weight_.norm() / density_ : HUGE_VAL;
@@ -208,8 +208,8 @@ double Fluid<D>::free_interval() const {
   return std::min({wave_interval(), central_interval(), viscous_interval(), longest});
 }
 
-/// What tables of levels, pressures and loads ask of the window from `now` on, however slow the water is by then: no
-/// more than a change by half a spacing of water, as a basin's, but not less than a fall through a spacing takes, which
+/// What tables of levels, pressures and loads ask of the window from `now` on, however slow the water is by then: no more
+/// than a change by half a spacing of water, as a basin's, but not less than a fall through a spacing takes, which
 /// nothing that seeps follows. Where soil responds, a load that begins is followed from its first wave on.
 template <int D>
 void Fluid<D>::limit_by_changes(double now, const std::function<void(double, const std::string&)>& apply) const {
