@@ -290,6 +290,9 @@ WindowProblem<D> Fluid<D>::problem(double interval) const {
     in.face_pressure.push_back(c.pressure);
     in.face_slope.push_back(c.slope);
     in.face_holds.push_back(c.held);
+    const Soil* before =
+        scene_.coupled() ? nullptr : soil_at(scene_, to_point3<D>(c.foot + 0.25 * c.spacing * c.normal));
+    in.face_soil.push_back(before ? static_cast<int>(before - scene_.soils.data()) : -1);
   }
   return in;
 }

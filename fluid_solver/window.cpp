@@ -383,8 +383,23 @@ class WindowSolver {
     for (std::size_t a = 0; s_.n_base > n_ && a < n_; ++a) {
       if (s_.beyond[a] == 0) continue;
       const bool whole = flags_[a] != Surface::lone && !(surface_distance(a) > 0.0);
+      // It passes the columns of the particle's own soil: of two soils side by side each has its own flow.
+      double flow = 0.0, all = 0.0, own = 0.0;
+      const auto is_own = [&](Index column) {
+        return !soil_.number.empty() && in_.face_soil[column] == soil_.number[a];
+      };
       for_faces(a, q_[a].kf, [&](Index column, double w, double pressure) {
-        out.face_flow[column] += whole ? w * (pressure - out.pressure[a]) : std::nan("");
+        flow += w * (pressure - out.pressure[a]);
+        all += w;
+        if (is_own(column)) own += w;
+      });
+      for_faces(a, q_[a].kf, [&](Index column, double w, double pressure) {
+        if (!whole)
+          out.face_flow[column] = std::nan("");
+        else if (own == all || own == 0.0)
+          out.face_flow[column] += w * (pressure - out.pressure[a]);
+        else if (is_own(column))
+          out.face_flow[column] += w / own * flow;
       });
     }
     VecArray<D> normal(count, Vec<D>::Zero());
