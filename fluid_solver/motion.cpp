@@ -105,7 +105,7 @@ void Fluid<D>::move(const Stencil<D>& s, const WindowSolution<D>& solution, std:
     const double spacing = spacing_of<D>(p.volume[a]);
     motion[a] *= std::min(1.0, p.velocity[a].norm() * interval / (0.02 * spacing));
   });
-  auto shift = packing_displacements<D>(s, p.velocity, motion, p.surface, p.seeps, interval);
+  auto shift = packing_displacements<D>(s, p.velocity, motion, p.surface, p.seeps, interval, state_.full);
   for_each_side_by_side(repair.size(), [&](std::size_t a) { shift[a] += repair[a]; });
   collide<D>(s, p.seeps, p.mass, p.velocity);
   for_each_side_by_side(p.size(), [&](std::size_t a) {

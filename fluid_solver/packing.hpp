@@ -14,6 +14,9 @@ struct PackingLaw {
   double by_speed, by_length, closest;
 };
 inline constexpr PackingLaw packing_in_soil{0.5, 0.01, 0.8}, packing_in_free_water{2.0, 0.01, 0.6};
+/// In soil that is full, where no surface is in the way, as fast as in free water: the conductance of uneven points is
+/// below that of even ones (layered_soil 1.0 % low at 0.5, 0.7 % at 2).
+inline constexpr PackingLaw packing_in_full_soil{2.0, 0.01, 0.8};
 /// Separation at which approaching particles of free water collide, in spacings.
 inline constexpr double collision = 0.5;
 
@@ -21,11 +24,12 @@ inline constexpr double collision = 0.5;
 /// Shifting is along the gradient of concentration (after Lind et al. 2012), along the surface only near it.
 template <int D>
 VecArray<D> packing_displacements(const Stencil<D>& s, std::span<const Vec<D>> velocity, std::span<const double> moved,
-                                  std::span<const Surface> flags, std::span<const char> seeps, double interval) {
+                                  std::span<const Surface> flags, std::span<const char> seeps, double interval,
+                                  bool full = false) {
   VecArray<D> shift(s.n_real, Vec<D>::Zero());
   for_each_side_by_side(s.n_real, [&](std::size_t a) {
     if (moved[a] == 0.0 || flags[a] == Surface::lone) return;
-    const PackingLaw& law = seeps[a] != 0 ? packing_in_soil : packing_in_free_water;
+    const PackingLaw& law = seeps[a] == 0 ? packing_in_free_water : full ? packing_in_full_soil : packing_in_soil;
     const double h = s.length(a), spacing = h / smoothing_ratio;
     // Even surroundings have sum V grad W = 0; it points to where particles are.
     Vec<D> d = -(law.by_speed * h * velocity[a].norm() * interval + law.by_length * h * h) * s.normal[a];
