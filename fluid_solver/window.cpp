@@ -220,8 +220,10 @@ class WindowSolver {
     stretch_.assign(n_, Mat<D>::Zero());
     for_each_side_by_side(n_, [&](std::size_t a) {
       if (number[a] < 0 || flags_[a] != Surface::interior || surface_distance(a) > 0.0) return;
-      for (Index k = s_.offset[a]; s_.beyond[a] != 0 && k < s_.offset[a + 1]; ++k)
-        if (s_.is_buffer(s_.other[k])) return;
+      for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
+        const Index q = s_.parent[s_.other[k]];
+        if (q >= n_ || number[q] != number[a]) return;
+      }
       const Mat<D> moment = s_.moment(a);
       const double mean = moment.trace() / D;
       if (mean <= 0.75) return;
