@@ -213,6 +213,7 @@ class WindowSolver {
   /// conducted along the stretch (2.0 % at 4/3). The pairs are scaled by 1 + e.S e, e their direction, S the mean of
   /// both particles': S = -(D + 2)/2 of the moment's deviation from the same in all directions undoes it, as the mean
   /// of e e e e over all directions says.
+  /// Where another soil or a face is in reach S is zero: volumes jump there, and buffers stand in rows of their own.
   void even_out_directions() {
     const auto& number = soil_.number;
     if (number.empty()) return;
