@@ -7,6 +7,7 @@
 #include "fluid_solver/drag_form.hpp"
 #include "fluid_solver/fluid.hpp"
 #include "fluid_solver/operators.hpp"
+#include "fluid_solver/packing.hpp"
 
 #include <fmt/format.h>
 
@@ -293,6 +294,9 @@ WindowProblem<D> Fluid<D>::problem(double interval) const {
     in.face_pressure.push_back(c.pressure);
     in.face_slope.push_back(c.slope);
     in.face_holds.push_back(c.held);
+    const Soil* before =
+        scene_.coupled() ? nullptr : soil_at(scene_, to_point3<D>(c.foot + 0.25 * c.spacing * c.normal));
+    in.face_soil.push_back(before ? static_cast<int>(before - scene_.soils.data()) : -1);
   }
   return in;
 }
@@ -304,7 +308,7 @@ void Fluid<D>::mark_surface(Stencil<D>& s, std::span<double> rows, double share)
   // spacing at the end of a face is none: taken for a surface it would draw in what fills several.
   const bool closed =
       !state_.columns.empty() && p.size() > 0 && (state_.full || state_.time == 0.0) &&
-      std::all_of(state_.columns.begin(), state_.columns.end(), [&](const auto& c) { return is_told(c) && c.wet; }) &&
+      std::all_of(state_.columns.begin(), state_.columns.end(), [&](const auto& c) { return creeps(c) && c.wet; }) &&
       all_side_by_side(p.size(), [&](std::size_t a) { return p.mask[a] > 0.5; });
   const auto flags = find_surface<D>(s, p.seeps, rows, share, scene_.coupled(), closed && state_.full);
   s.forget_moments();
@@ -568,7 +572,8 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
   // alone evens the packing: pressure would only push on the grains.
   const bool open = !all_side_by_side(p.size(), [&](std::size_t a) { return p.surface[a] == Surface::interior; }) ||
                     std::any_of(state_.columns.begin(), state_.columns.end(), [](const auto& c) { return c.wet; });
-  const auto motion = open ? moved() : ScalarArray(p.size(), 0.0);
+  // Where all is full, nothing the pressure drives can even the points out: they are displaced (repair).
+  const auto motion = open && !state_.full ? moved() : ScalarArray(p.size(), 0.0);
   // The voids of torn water are no packing error.
   const bool torn = std::any_of(p.cavity.begin(), p.cavity.end(), [](double c) { return c > 0.0; });
   const auto voids_near = [&](std::size_t a) {
@@ -591,13 +596,6 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
       source[a] += std::clamp(0.5 * interval * (velocity_gradient[a] * velocity_gradient[a]).trace(), -0.2 / interval,
                               0.2 / interval);
   });
-  // Saturated soil at rest keeps its water: what is repaired there moves, and none of it comes or goes through a face.
-  // Disordered points have a sum V W above a lattice's, and water would be pressed out for ever.
-  if (state_.full) {
-    const double whole = sum_over(p.size(), [&](std::size_t a) { return p.volume[a]; });
-    const double made = sum_over(p.size(), [&](std::size_t a) { return p.volume[a] * source[a]; });
-    for_each_side_by_side(p.size(), [&](std::size_t a) { source[a] -= made / whole; });
-  }
   if (!responds() || state_.last_interval <= 0.0) return source;
   // The soil moved by its own account; what that squeezed beyond the prediction is made good no faster than it came:
   // after a long window, short ones take their share of it only.
@@ -618,6 +616,26 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
     p.volume_debt.set(a, p.volume_debt[a] + (debt - released * interval));
   }
   return source;
+}
+
+/// Saturated soil at rest keeps its water: what is repaired of the packing there moves, and none of it comes or goes
+/// through a face. Disordered points have a sum V W above a lattice's, and water would be pressed out for ever; and
+/// what a pressure would drive in one soil all others would have to bear.
+template <int D>
+VecArray<D> Fluid<D>::repair(const Stencil<D>& s, const SoilView<D>& view, double interval) const {
+  const auto& p = state_.particles;
+  if (!state_.full) return {};
+  const auto motion = moved();
+  ScalarArray share(p.size()), expansion(p.size());
+  for_each_side_by_side(p.size(),
+                        [&](std::size_t a) { share[a] = motion[a] * interval / repair_time(a, view, interval); });
+  const double all = sum_over(p.size(), [&](std::size_t a) { return p.volume[a] * share[a]; });
+  const double made =
+      sum_over(p.size(), [&](std::size_t a) { return p.volume[a] * share[a] * packing_error(s, a, s.fullness[a]); });
+  const double mean = all > 0.0 ? made / all : 0.0;
+  for_each_side_by_side(p.size(),
+                        [&](std::size_t a) { expansion[a] = share[a] * (packing_error(s, a, s.fullness[a]) - mean); });
+  return expand<D>(s, expansion);
 }
 
 /// Where the soil has moved otherwise than the last window reckoned, its water goes along, as (27) has it at the
@@ -796,7 +814,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   limit_scheme(view);
   advance_columns(s, view, out, dt);
   push_pistons(0.5 * dt);
-  move(s, out, gradient, velocity_before, dt);
+  move(s, out, gradient, velocity_before, repair(s, view, dt), dt);
   if (faces_follow_) follow_soil(view);
   give_birth_and_delete(view);
   close_accounts();

@@ -17,6 +17,7 @@ namespace poretwin::fluid {
 template <int D>
 struct SoilView {
   ScalarArray mask;         ///< [n] 1 inside soil, 0 in free water
+  std::vector<int> number;  ///< [n] of the soil in the case, -1: none; empty for soil that moves
   OrZero<double> coverage;  ///< [n] by the soil's points: 1 inside, 0 out of their reach; of soil that moves
   ScalarArray fraction;     ///< [n] n_s, the residual water of moist soil counted in
   std::vector<porous::Resistance> resistance;  ///< [n] none in free water; empty where `drag` says it all
@@ -132,10 +133,12 @@ template <int D>
 SoilView<D> rigid_soil(const Case& scene, std::span<const Vec<D>> points) {
   SoilView<D> soil;
   soil.resize(points.size());
+  soil.number.assign(points.size(), -1);
   const double weight = porous::specific_weight(scene);
   for_each_side_by_side(points.size(), [&](std::size_t a) {
     const Soil* here = soil_at(scene, to_point3<D>(points[a]));
     if (!here) return;
+    soil.number[a] = static_cast<int>(here - scene.soils.data());
     soil.mask[a] = 1.0;
     const double fillable = fillable_porosity(*here);
     soil.fraction[a] = 1.0 - fillable;

@@ -324,6 +324,39 @@ TEST(Seepage, SoilsInSeriesAndSideBySide) {
   }
 }
 
+// Water that comes into a soil of less porosity goes faster, and its points are stretched along the flow by 4/3. Pairs
+// whose moment is right on average of all directions only conduct 2.0 % too little there (0.9 % of the whole).
+TEST(Seepage, PointsStretchedPastABorderOfPorositiesConductTheSame) {
+  Case scene = two_soils(false, 0.01, 0.0);
+  scene.soils[1].hydraulic_conductivity = 1e-3;
+  Fluid<2> fluid(scene);
+  fluid.initialise({});
+  double time = 0.0;
+  run_to(fluid, time, 180.0);
+  const double before = reading(fluid, "left");
+  run_to(fluid, time, 300.0);
+  EXPECT_NEAR((reading(fluid, "left") - before) / 120.0 / 5e-5, 1.0, 0.003);
+}
+
+// The row that goes is the outermost: stretched rows are ahead of their columns, and where the one behind, nearer to
+// the face, went, the gap let a quarter pass for a window.
+TEST(Seepage, RowsThatAreAheadOfTheirColumnsGoInTurn) {
+  Fluid<2> fluid(two_soils(false, 0.02, 0.0));
+  fluid.initialise({});
+  const double exact = 0.02 / 2200.0;
+  double time = 0.0;
+  run_to(fluid, time, 300.0);
+  double before = reading(fluid, "left");
+  for (std::uint64_t step = 0; time < 600.0; ++step) {
+    const double dt = std::min(fluid.publish().proposed_interval, 600.0 - time);
+    fluid.advance({step, time, dt}, {});
+    time += dt;
+    const double now = reading(fluid, "left");
+    EXPECT_NEAR((now - before) / dt / exact, 1.0, 0.1) << time;
+    before = now;
+  }
+}
+
 /// Green and Ampt without gravity: z = sqrt(2 k psi t / n). The face's own pressure is zero.
 TEST(Seepage, AFrontStartsUnderSuctionAlone) {
   const double k = 1.1e-4, n = 0.4, psi = 0.4, dx = 0.01;
@@ -342,8 +375,9 @@ TEST(Seepage, AFrontStartsUnderSuctionAlone) {
   }
 }
 
-/// A pond of four spacings whose head is a twentieth of the suction: t = (n/k) [z - H ln(1 + z/H)], H = 0.42 m, is 0.093 m
-/// at 5 s. Where the face's pressure alone drove the first layer in, its particles tore, and the windows ended at 2e-8 s.
+/// A pond of four spacings whose head is a twentieth of the suction: t = (n/k) [z - H ln(1 + z/H)], H = 0.42 m, is
+/// 0.093 m at 5 s. Where the face's pressure alone drove the first layer in, its particles tore, and the windows ended
+/// at 2e-8 s.
 TEST(Seepage, AShallowPondOnDrySoilWithSuctionComesIn) {
   Case scene;
   scene.solid.model = SolidCase::Model::rigid;
