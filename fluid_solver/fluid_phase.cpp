@@ -219,7 +219,7 @@ bool Fluid<D>::responds() const {
 }
 
 template <int D>
-SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox, double interval) const {
+SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox, const Creep& creep) const {
   const auto& x = state_.particles.position;
   const std::size_t n = x.size();
   // A particle of the soil's water about to enter or leave through its face still counts as in it; water that runs down
@@ -248,11 +248,7 @@ SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox, double interval) const 
   if (!state_.columns.empty())
     for (std::size_t a = 0; a < n; ++a)
       if (inbox.coverage[a] > 0.0 && !is_free(a) && nearest_column(x[a])) asymmetry[a] = 0.0;
-  // In long windows soil creeps from equilibrium to equilibrium, and water seeps in and out.
-  const bool flows = interval > 0.0 && interval <= wave_interval();
-  auto view = mapped_soil<D>(scene_, inbox, asymmetry,
-                             flows ? std::span<const double>(state_.particles.mask) : std::span<const double>(),
-                             creeping_speed());
+  auto view = mapped_soil<D>(scene_, inbox, asymmetry, state_.particles.mask, creep);
   const auto& felt = computes_beside() ? state_.particles.felt : state_.particles.force;
   for (std::size_t a = 0; a < n; ++a)
     if (view.mask[a] > 0.0) view.force.set(a, view.force[a] - felt[a]);
@@ -404,7 +400,7 @@ void Fluid<D>::tell_surface(const Stencil<D>& s, std::span<const Vec<D>> gradien
 template <int D>
 void Fluid<D>::initialise(const coupling::Inbox& inbox) {
   auto& p = state_.particles;
-  auto view = soil(inbox, 0.0);
+  auto view = soil(inbox, {density_, creeping_speed(), true});  // no window yet: water has no past
   for (std::size_t a = 0; a < p.size(); ++a) {
     // The lattice's cells are the particles' bulk volumes; what water they hold follows from the soil as it is.
     p.void_fraction[a] = 1.0 - view.fraction[a];
@@ -627,14 +623,14 @@ VecArray<D> Fluid<D>::repair(const Stencil<D>& s, const SoilView<D>& view, doubl
   if (!state_.full) return {};
   const auto motion = moved();
   ScalarArray share(p.size()), expansion(p.size());
-  for_each_side_by_side(p.size(),
-                        [&](std::size_t a) { share[a] = motion[a] * interval / repair_time(a, view, interval); });
+  for_each_side_by_side(p.size(), [&](std::size_t a) {
+    share[a] = motion[a] * interval / repair_time(a, view, interval);
+    expansion[a] = packing_error(s, a, s.fullness[a]);
+  });
   const double all = sum_over(p.size(), [&](std::size_t a) { return p.volume[a] * share[a]; });
-  const double made =
-      sum_over(p.size(), [&](std::size_t a) { return p.volume[a] * share[a] * packing_error(s, a, s.fullness[a]); });
+  const double made = sum_over(p.size(), [&](std::size_t a) { return p.volume[a] * share[a] * expansion[a]; });
   const double mean = all > 0.0 ? made / all : 0.0;
-  for_each_side_by_side(p.size(),
-                        [&](std::size_t a) { expansion[a] = share[a] * (packing_error(s, a, s.fullness[a]) - mean); });
+  for_each_side_by_side(p.size(), [&](std::size_t a) { expansion[a] = share[a] * (expansion[a] - mean); });
   return expand<D>(s, expansion);
 }
 
@@ -694,11 +690,11 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   auto& p = state_.particles;
   const bool sweeps = scene_.fluid.scheme != FluidCase::Scheme::projection;
   const double dt = window.interval, asked = sweeps ? time_limit().first : dt;
-  auto view = soil(inbox, dt);
+  const Creep creep{density_, creeping_speed(), dt > wave_interval()};
+  auto view = soil(inbox, creep);
   view.linearise(p.velocity, view.velocity);
   VecArray<D> velocity_before;
   if (scene_.coupled()) velocity_before = p.velocity;  // the soil's impulse changes it
-  const Creep creep{density_, creeping_speed(), dt > wave_interval()};
   for_each_side_by_side(p.size(), [&](std::size_t a) {
     p.void_fraction[a] = 1.0 - view.fraction[a];
     p.volume[a] = p.mass[a] / (p.void_fraction[a] * density_);

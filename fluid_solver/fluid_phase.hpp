@@ -54,7 +54,7 @@ class Fluid final : public Phase {
   WindowSolution<D> solve(const Stencil<D>& s, SoilView<D>& view, const WindowProblem<D>& in);
   /// Finds the surface, whose thickness of rows enters `rows` by a share (find_surface).
   void mark_surface(Stencil<D>& s, std::span<double> rows, double share);
-  SoilView<D> soil(const coupling::Inbox& inbox, double interval) const;
+  SoilView<D> soil(const coupling::Inbox& inbox, const Creep& creep) const;
   Stencil<D> stencil() const;
   /// Velocity after what is explicit: shear stress of the water outside soil, and the central force. None: as it is.
   VecArray<D> forced_velocity(const Stencil<D>& s, const SoilView<D>& soil, std::span<const Mat<D>> velocity_gradient,

@@ -84,6 +84,11 @@ struct Creep {
   double density = 0.0;      ///< kg/m3, of water
   double speed = 0.0;        ///< m/s, of soil that is as good as at rest
   bool long_window = false;  ///< longer than waves of free water on a surface take
+  /// Does soil that yields by this share, at this speed [m/s], move? In long windows it creeps from equilibrium to
+  /// equilibrium, and water seeps in and out.
+  [[nodiscard]] bool soil_moves(double yielding, double soil_speed) const {
+    return (yielding > 0.5 || soil_speed > speed) && !long_window;
+  }
 };
 
 /// Does water move through the soil there, as a front that creeps? Not where drag needs more than a spacing to stop it,
@@ -95,20 +100,21 @@ struct Creep {
 template <int D>
 bool seeps(const SoilView<D>& soil, std::size_t a, const Vec<D>& velocity, double spacing, const Creep& creep) {
   const double slip = (velocity - soil.velocity[a]).norm();
-  const bool moves = (soil.yielding[a] > 0.5 || soil.velocity[a].norm() > creep.speed) && !creep.long_window;
+  const bool moves = creep.soil_moves(soil.yielding[a], soil.velocity[a].norm());
   return soil.mask[a] > 0.5 && !moves && soil.drag[a] * spacing >= (1.0 - soil.fraction[a]) * creep.density * slip;
 }
 
 /// Asymmetry of the soil's points about a place, to soil membership: a ramp about its value on a flat edge, 0.47, flat
 /// below 0.31: disorder inside the soil (0.3 at most, for particles anywhere in their cells) does not change the
 /// porosity.
-inline double membership(double asymmetry) { return std::clamp((0.63 - asymmetry) / 0.32, 0.0, 1.0); }
+inline double membership_ramp(double asymmetry) { return (0.63 - asymmetry) / 0.32; }
+inline double membership(double asymmetry) { return std::clamp(membership_ramp(asymmetry), 0.0, 1.0); }
 
 /// That of water in or beside tight soil that moves, which had `before`: its water goes along, and what slips past its
 /// edge stays outside. The points of an edge are a staircase, over which the asymmetry swings as water passes; what
 /// membership follows of it is only what leaves the half width of the ramp to either side, a play.
 inline double membership(double asymmetry, double before) {
-  const double ramp = (0.63 - asymmetry) / 0.32;
+  const double ramp = membership_ramp(asymmetry);
   return std::clamp(before, std::clamp(2.0 * ramp - 1.0, 0.0, 1.0), std::clamp(2.0 * ramp, 0.0, 1.0));
 }
 
@@ -151,10 +157,10 @@ SoilView<D> rigid_soil(const Case& scene, std::span<const Vec<D>> points) {
 
 /// Soil of the other process, as mapped to the fluid particles; asymmetry [n]: that of the exchange, 0 where a particle
 /// counts as in the soil wherever any is in reach; before: [n] membership that is followed with play where tight soil
-/// moves faster than `creeping` [m/s]; empty: nowhere.
+/// moves.
 template <int D>
 SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::span<const double> asymmetry,
-                        std::span<const double> before, double creeping) {
+                        std::span<const double> before, const Creep& creep) {
   using namespace coupling;
   const std::size_t n = asymmetry.size();
   SoilView<D> soil;
@@ -182,8 +188,8 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::sp
     soil.owed.set(a, vector(owed, a));
     const double whole = std::min(fraction[a], 1.0 - 1e-3);  // of the soil
     const auto passes_by = [&] {
-      const bool moves = yielding[a] > 0.5 || vector(velocity, a).norm() > creeping;
-      if (before.empty() || !moves || !scene.fluid.drag || !(conductivity[a] > 0.0)) return false;
+      const bool moves = creep.soil_moves(yielding[a], vector(velocity, a).norm());
+      if (!moves || !scene.fluid.drag || !(conductivity[a] > 0.0)) return false;
       const double n_w = 1.0 - whole, drag = porous::resistance(weight, n_w, {conductivity[a], quadratic[a]}).linear;
       return !inertia_rules(n_w, scene.water.density, drag, scene.fluid.particle_spacing, scene.general.gravity.norm());
     };

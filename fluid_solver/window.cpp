@@ -175,6 +175,12 @@ class WindowSolver {
     const auto moves = [&](std::size_t i) { return soil_.mask[i] > 0.5 && responds(i) && in_.seeps[i] == 0; };
     return (soil_.mask[a] <= 0.5 && moves(q)) || (soil_.mask[q] <= 0.5 && moves(a));
   }
+  /// Of pair k in row a, whose sum stays as it is.
+  void set_weight(std::size_t a, std::size_t k, double weight) {
+    const double before = fluid_.weight[k];
+    fluid_.weight[k] = static_cast<float>(weight);
+    fluid_.diagonal[a] += fluid_.weight[k] - before;
+  }
   void free_beside_moving_soil() {
     if (in_.seeps.empty()) return;
     beside_moving_.assign(n_, 0);
@@ -183,9 +189,8 @@ class WindowSolver {
         const Index q = s_.parent[s_.other[static_cast<Index>(k)]];
         if (q >= n_ || fluid_.weight[k] == 0.0F || !beside_moving_soil(a, q)) continue;
         beside_moving_[a] = 1;
-        const double before = fluid_.weight[k], both = q_[a].kf + q_[q].kf;
-        fluid_.weight[k] = static_cast<float>(before * 0.25 * both * both / (q_[a].kf * q_[q].kf));
-        fluid_.diagonal[a] += fluid_.weight[k] - before;
+        const double both = q_[a].kf + q_[q].kf;
+        set_weight(a, k, static_cast<double>(fluid_.weight[k]) * 0.25 * both * both / (q_[a].kf * q_[q].kf));
       }
     });
   }
@@ -237,9 +242,7 @@ class WindowSolver {
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
         const Index j = s_.other[k], q = s_.parent[j];
         if (q >= n_ || fluid_.weight[k] == 0.0F) continue;
-        const double before = fluid_.weight[k];
-        fluid_.weight[k] = static_cast<float>(before * stretched(a, j, q));
-        fluid_.diagonal[a] += fluid_.weight[k] - before;
+        set_weight(a, k, static_cast<double>(fluid_.weight[k]) * stretched(a, j, q));
       }
     });
   }
@@ -312,9 +315,7 @@ class WindowSolver {
         double changed = 1.0;
         if (scale[a] != 0.0) changed += 0.5 * scale[a] * shape(ba, across[a]);
         if (scale[q] != 0.0) changed += 0.5 * scale[q] * shape(ba, normal_at(j, q));
-        const double before = fluid_.weight[k];
-        fluid_.weight[k] = static_cast<float>(changed * before);
-        fluid_.diagonal[a] += fluid_.weight[k] - before;
+        set_weight(a, k, changed * static_cast<double>(fluid_.weight[k]));
       }
     });
   }

@@ -564,35 +564,35 @@ void Solid<D>::tell_yielding(std::span<const double> plastic_before, double inte
 }
 
 template <int D>
-ScalarArray Solid<D>::predicted_strain(double interval, const Drive<D>& tracking) {
-  Particles<D>& p = state_.particles;
-  const VecArray<D> velocity = p.velocity;
-  for (std::size_t i = 0; i < p.size(); ++i)
-    if (tracking.tracking[i] > 0.0) p.velocity[i] = tracking.target[i];
-  ScalarArray strain = dilation_of_motion();
-  for (double& e : strain) e *= interval;
-  p.velocity = velocity;
-  return strain;
-}
-
-template <int D>
-ScalarArray Solid<D>::dilation_of_motion() {
+ScalarArray Solid<D>::dilation_of(VecArray<D> velocity) {
+  std::swap(state_.particles.velocity, velocity);
   fill_velocities<D>(state_.particles, state_.near, state_.nodes);
   velocity_gradient<D>(state_.near.pairs, state_.kernel, state_.nodes);
+  std::swap(state_.particles.velocity, velocity);
   ScalarArray rate(state_.particles.size());
   for (std::size_t i = 0; i < rate.size(); ++i) rate[i] = state_.nodes[i].gradient.trace();
   return rate;
 }
 
 template <int D>
+ScalarArray Solid<D>::predicted_strain(double interval, const Drive<D>& tracking) {
+  VecArray<D> velocity = state_.particles.velocity;
+  for (std::size_t i = 0; i < velocity.size(); ++i)
+    if (tracking.tracking[i] > 0.0) velocity[i] = tracking.target[i];
+  ScalarArray strain = dilation_of(std::move(velocity));
+  for (double& e : strain) e *= interval;
+  return strain;
+}
+
+template <int D>
 double Solid<D>::unsettled(double interval, const Drive<D>& tracking, std::span<const WaterAnswer> answers,
                            double reference) {
-  Particles<D>& p = state_.particles;
+  const Particles<D>& p = state_.particles;
   const double height = setup_.height;
-  VecArray<D> velocity = p.velocity;
+  VecArray<D> departure(p.size(), Vec<D>::Zero());
   for (std::size_t i = 0; i < p.size(); ++i)
-    p.velocity[i] = tracking.tracking[i] > 0.0 ? Vec<D>(tracking.target[i] - velocity[i]) : Vec<D>(Vec<D>::Zero());
-  const ScalarArray dilation = dilation_of_motion();
+    if (tracking.tracking[i] > 0.0) departure[i] = tracking.target[i] - p.velocity[i];
+  const ScalarArray dilation = dilation_of(departure);
   std::vector<std::pair<double, double>> squares;  // and masses
   for (std::size_t i = 0; i < p.free(); ++i) {
     if (tracking.tracking[i] <= 0.0) continue;
@@ -600,10 +600,9 @@ double Solid<D>::unsettled(double interval, const Drive<D>& tracking, std::span<
     const double R = p.mass[i] / p.volume[i];
     const double translation = R / interval + std::min(answer.pressure, answer.translation);
     const double pressure = std::max(answer.pressure * height, answer.dilation * interval / height);
-    const double force = translation * p.velocity[i].norm() + pressure * std::abs(dilation[i]);
+    const double force = translation * departure[i].norm() + pressure * std::abs(dilation[i]);
     squares.emplace_back(std::pow(force / (R * reference), 2), p.mass[i]);
   }
-  p.velocity = std::move(velocity);
   // Of all but a local part, which the search for equilibrium leaves to creep, too.
   std::sort(squares.begin(), squares.end());
   squares.resize(squares.size() - static_cast<std::size_t>(local_share * static_cast<double>(squares.size())));
@@ -645,7 +644,7 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
   const ScalarArray plastic_before = p.plastic_strain;
   VecArray<D> standing(n);
   // What holds dilation back: a modulus times what the volume's strain departs by from the predicted one.
-  const ScalarArray volume = p.volume;
+  const ScalarArray volume = answers.empty() ? ScalarArray() : p.volume;
   const ScalarArray strain_due = answers.empty() ? ScalarArray() : predicted_strain(interval, tracking);
   auto external = [&](Drive<D>& drive, bool rebuilt) {
     if (rebuilt && !setup_.loads.empty()) drive.traction = load_forces<D>(setup_, state_, end - 1e-9 * std::abs(end));
@@ -675,7 +674,7 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
           ? departure(setup_, stiffness, state_, drive) <= elastic_error
           : !softened(setup_, state_) &&
                 unrest(setup_, state_, drive, reference_acceleration(setup_, state_, drive)).largest <= let_be;
-  bool moved = false;
+  bool moved = false, evaluate = !answers.empty();  // forces, once the search is over
   if (!asleep) {
     const EquilibriumSearch search{cannot_yield() ? 0.2 * elastic_error : plastic_error, local_share, woken_by};
     RestReport report = find_equilibrium(setup_, stiffness, search, interval, state_, external);
@@ -707,16 +706,15 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
     state_.sleep.saturation = state_.external.saturation;
     moved = report.steps > 0;
     if (moved) keep_flow_regular(setup_, interval, state_);
-    state_.backing = {};
-    if (rebuild_if_moved(setup_, state_) || moved || !answers.empty()) evaluate_forces(setup_, state_);
+    evaluate = rebuild_if_moved(setup_, state_) || moved || evaluate;
     state_.motion.steps += static_cast<double>(report.steps);
     (moved ? state_.motion.relaxed : state_.motion.at_rest) += 1.0;
     state_.motion.patience = 0.0;
   } else {
     state_.motion.at_rest += 1.0;
-    state_.backing = {};
-    if (!answers.empty()) evaluate_forces(setup_, state_);
   }
+  state_.backing = {};
+  if (evaluate) evaluate_forces(setup_, state_);
   for (std::size_t i = 0; i < n; ++i) {
     p.velocity[i] = (p.displacement[i] - start[i]) / interval;
     if (!asleep)

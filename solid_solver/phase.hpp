@@ -104,8 +104,8 @@ class Solid final : public Phase {
                                  double reference);
   /// Strain of every particle's volume in a window of the predicted motion.
   [[nodiscard]] ScalarArray predicted_strain(double interval, const Drive<D>& tracking);
-  /// Rate at which the particles' velocities change their volumes [1/s].
-  [[nodiscard]] ScalarArray dilation_of_motion();
+  /// Rate at which these velocities of the particles [m/s] change their volumes [1/s].
+  [[nodiscard]] ScalarArray dilation_of(VecArray<D> velocity);
   /// The soil's stiffness with the resistance that a window adds [N/m]: the last one, where it serves.
   const Stiffness<D>& stiffness_with(const ScalarArray& resistance);
 
