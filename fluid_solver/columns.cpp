@@ -352,7 +352,7 @@ void Fluid<D>::give_birth_and_delete(const SoilView<D>& view) {
       if (d > -c.spacing) continue;
       keep[a] = false;
       any = true;
-      c.offset += c.spacing;
+      c.offset += c.spacing * p.mass[a] / c.mass;
       continue;
     }
     keep[a] = false;
@@ -389,7 +389,7 @@ void Fluid<D>::give_birth_and_delete(const SoilView<D>& view) {
   }
   for (std::size_t i = 0; i < state_.columns.size(); ++i) {
     auto& c = state_.columns[i];
-    if (c.wet && c.offset >= c.spacing) {
+    while (c.wet && c.offset >= c.spacing) {  // several where some were given back
       c.offset -= c.spacing;
       p.add(c.foot + c.offset * c.normal, c.speed * c.normal, c.mass, c.void_fraction, c.volume,
             c.pressure + c.slope * c.offset);
