@@ -199,7 +199,7 @@ class Judge {
     }
     if (m_.op == "noise") return noise();
     if (m_.op == "period") return period();
-    if (m_.op == "crossing") return crossings(false).front();
+    if (m_.op == "crossing") return crossings().front();
     if (m_.op == "counter") return counter();
     return curve();
   }
@@ -314,7 +314,7 @@ class Judge {
     const auto series = within_range(readings());
     double n = 0.0, st = 0.0, sy = 0.0, stt = 0.0, sty = 0.0;
     for (std::size_t i = 0; i < series.time.size(); ++i) {
-      const double distance = std::abs(series.value[i] - m_.limit.value_or(0.0));
+      const double distance = std::abs(series.value[i] - limit());
       if (distance <= 0.0) continue;
       const double t = series.time[i] - series.time.front(), y = -std::log(distance);
       n += 1.0;
@@ -330,7 +330,7 @@ class Judge {
   /// Of an oscillation about the limit: by the largest distance in each whole swing, between two passages.
   [[nodiscard]] double damping() const {
     const auto series = within_range(readings());
-    const auto distance = [&](std::size_t i) { return series.value[i] - m_.limit.value_or(0.0); };
+    const auto distance = [&](std::size_t i) { return series.value[i] - limit(); };
     double n = 0.0, st = 0.0, sy = 0.0, stt = 0.0, sty = 0.0;
     std::size_t first = 0;  // of the swing; 0: none has begun
     for (std::size_t i = 1; i < series.time.size(); ++i) {
@@ -406,21 +406,39 @@ class Judge {
     return std::sqrt(sum / count) / m_.normaliser.value_or(1.0);
   }
   /// Times at which the readings pass the limit, upwards only or either way; linear between readings.
-  [[nodiscard]] std::vector<double> crossings(bool upwards) const {
+  /// Times at which the readings pass `limit`.
+  [[nodiscard]] std::vector<double> crossings() const {
     const auto series = within_range(readings());
-    const double limit = m_.limit.value_or(0.0);
     std::vector<double> times;
     for (std::size_t i = 1; i < series.value.size(); ++i) {
-      const double before = series.value[i - 1] - limit, now = series.value[i] - limit;
-      if (upwards ? !(before < 0.0 && now >= 0.0) : !(before * now < 0.0 || (now == 0.0 && before != 0.0))) continue;
-      times.push_back(series.time[i - 1] + before / (before - now) * (series.time[i] - series.time[i - 1]));
+      const double before = series.value[i - 1] - limit(), now = series.value[i] - limit();
+      if (before * now < 0.0 || (now == 0.0 && before != 0.0)) times.push_back(passage(series, i));
     }
-    if (times.empty()) throw Failure{fmt::format("gauge '{}' never passes {}", m_.gauge, limit)};
+    if (times.empty()) throw Failure{fmt::format("gauge '{}' never passes {}", m_.gauge, limit())};
     return times;
   }
+  [[nodiscard]] double limit() const { return m_.limit.value_or(0.0); }
+  /// When the readings pass `limit` between the one before i and i.
+  [[nodiscard]] double passage(const GaugeSeries& series, std::size_t i) const {
+    const double before = series.value[i - 1] - limit(), now = series.value[i] - limit();
+    return series.time[i - 1] + before / (before - now) * (series.time[i] - series.time[i - 1]);
+  }
+  /// From the first upward passage of `limit` to the last. A swing goes below it by a fifth of its height above at
+  /// least: what trembles about it passes it more often.
   [[nodiscard]] double period() const {
-    const auto times = crossings(true);
-    if (times.size() < 2) throw Failure{fmt::format("gauge '{}' passes its limit upwards only once", m_.gauge)};
+    constexpr double least = 0.2;
+    const auto series = within_range(readings());
+    std::vector<double> times;
+    double high = 0.0, low = 0.0;  // since the last passage
+    for (std::size_t i = 1; i < series.value.size(); ++i) {
+      const double before = series.value[i - 1] - limit(), now = series.value[i] - limit();
+      high = std::max(high, before);
+      low = std::min(low, before);
+      if (before >= 0.0 || now < 0.0 || -low < least * high) continue;
+      times.push_back(passage(series, i));
+      high = low = 0.0;
+    }
+    if (times.size() < 2) throw Failure{fmt::format("gauge '{}' does not swing about {} twice", m_.gauge, limit())};
     return (times.back() - times.front()) / static_cast<double>(times.size() - 1);
   }
   [[nodiscard]] double counter() const {

@@ -389,7 +389,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   if (tracks) {
     drive.tracking.assign(n, 0.0);
     drive.target.assign(n, Vec<D>::Zero());
-    if (rests && repeats_windows()) answers.resize(n);
+    if (rests && window.pass > 0) answers.resize(n);
     start = p.velocity;
     change_in_window.assign(n, Vec<D>::Zero());
   }
@@ -585,6 +585,34 @@ ScalarArray Solid<D>::predicted_strain(double interval, const Drive<D>& tracking
 }
 
 template <int D>
+double Solid<D>::over_weight(const Drive<D>& tracking, std::span<const double> force, double reference) const {
+  const Particles<D>& p = state_.particles;
+  std::vector<std::pair<double, double>> squares;  // and masses
+  for (std::size_t i = 0; i < p.free(); ++i)
+    if (tracking.tracking[i] > 0.0) squares.emplace_back(std::pow(force[i] / (p.mass[i] * reference), 2), p.mass[i]);
+  // Of all but a local part, which the search for equilibrium leaves to creep, too.
+  const auto most = squares.size() - static_cast<std::size_t>(local_share * static_cast<double>(squares.size()));
+  if (most < squares.size())
+    std::nth_element(squares.begin(), squares.begin() + static_cast<std::ptrdiff_t>(most), squares.end());
+  squares.resize(most);
+  double sum = 0.0, mass = 0.0;
+  for (const auto& [square, m] : squares) {
+    sum += m * square;
+    mass += m;
+  }
+  return mass > 0.0 ? std::sqrt(sum / mass) : 0.0;
+}
+
+template <int D>
+double Solid<D>::unborne(const Drive<D>& tracking, std::span<const double> goes_along, double reference) const {
+  const Particles<D>& p = state_.particles;
+  ScalarArray force(p.size());
+  for (std::size_t i = 0; i < p.size(); ++i)
+    force[i] = (1.0 - goes_along[i]) * tracking.tracking[i] * (tracking.target[i] - p.velocity[i]).norm();
+  return over_weight(tracking, force, reference);
+}
+
+template <int D>
 double Solid<D>::unsettled(double interval, const Drive<D>& tracking, std::span<const WaterAnswer> answers,
                            double reference) {
   const Particles<D>& p = state_.particles;
@@ -593,25 +621,15 @@ double Solid<D>::unsettled(double interval, const Drive<D>& tracking, std::span<
   for (std::size_t i = 0; i < p.size(); ++i)
     if (tracking.tracking[i] > 0.0) departure[i] = tracking.target[i] - p.velocity[i];
   const ScalarArray dilation = dilation_of(departure);
-  std::vector<std::pair<double, double>> squares;  // and masses
+  ScalarArray force(p.size());
   for (std::size_t i = 0; i < p.free(); ++i) {
     if (tracking.tracking[i] <= 0.0) continue;
     const WaterAnswer& answer = answers[i];
-    const double R = p.mass[i] / p.volume[i];
-    const double translation = R / interval + std::min(answer.pressure, answer.translation);
+    const double translation = p.mass[i] / (p.volume[i] * interval) + std::min(answer.pressure, answer.translation);
     const double pressure = std::max(answer.pressure * height, answer.dilation * interval / height);
-    const double force = translation * departure[i].norm() + pressure * std::abs(dilation[i]);
-    squares.emplace_back(std::pow(force / (R * reference), 2), p.mass[i]);
+    force[i] = p.volume[i] * (translation * departure[i].norm() + pressure * std::abs(dilation[i]));
   }
-  // Of all but a local part, which the search for equilibrium leaves to creep, too.
-  std::sort(squares.begin(), squares.end());
-  squares.resize(squares.size() - static_cast<std::size_t>(local_share * static_cast<double>(squares.size())));
-  double sum = 0.0, mass = 0.0;
-  for (const auto& [square, m] : squares) {
-    sum += m * square;
-    mass += m;
-  }
-  return mass > 0.0 ? std::sqrt(sum / mass) : 0.0;
+  return over_weight(tracking, force, reference);
 }
 
 template <int D>
@@ -727,9 +745,14 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
   double work = dissipated + plastic_work(plastic_before);  // with that of the stress
   for (std::size_t i = 0; i < p.free() && moved; ++i)
     work += std::abs(p.volume[i] * state_.force[i].internal().dot(p.displacement[i] - start[i]));
-  if (!answers.empty()) {
-    unsettled_ = unsettled(interval, tracking, answers, reference_acceleration(setup_, state_, drive));
-    found_ = p.velocity;
+  if (scene_.predicts() && !setup_.parallel) {
+    const double reference = reference_acceleration(setup_, state_, drive);
+    unsettled_ =
+        answers.empty() ? unborne(tracking, goes_along, reference) : unsettled(interval, tracking, answers, reference);
+    if (repeats_windows())
+      found_ = p.velocity;
+    else
+      state_.motion.held_by_nothing(unsettled_);
   }
   // What a pass leaves to the next one is no motion of the soil's own.
   const bool settled = answers.empty() || unsettled_ <= scene_.coupling.settled_below();
@@ -912,6 +935,11 @@ std::vector<Warning> Solid<D>::warnings() const {
                    "Pa), or solid.initial_rest = false is meant",
                    rest_.steps, rest_.residual, rest_.criterion, rest_.displacement),
        far},
+      {"windows in which a force held the soil that neither phase bears", state_.motion.held,
+       "it would have moved otherwise than the water reckoned with; coupling.scheme = \"iterated\" repeats such "
+       "windows "
+       "until both agree",
+       true},
       {"times the soil began to move", state_.motion.begun,
        "its inertia matters: it is followed in short windows until it is calm again", false}};
 }

@@ -98,8 +98,13 @@ class Solid final : public Phase {
   [[nodiscard]] double drained_share(double interval) const;
   /// Share of the window's shear that was plastic, times `told`; `plastic_before`: plastic strain at its start.
   void tell_yielding(std::span<const double> plastic_before, double interval, double told);
-  /// How far the soil's motion in a window departs from the predicted one: the force that the pressure would answer
-  /// with, less where it drains, over the weight (rms).
+  /// Forces on the particles [N] over their weight, rms over all but a local part of the soil that holds water.
+  [[nodiscard]] double over_weight(const Drive<D>& tracking, std::span<const double> force, double reference) const;
+  /// What holds the soil to the predicted motion after a window's first pass and is no inertia of the water: neither
+  /// phase bears it. Over the weight.
+  [[nodiscard]] double unborne(const Drive<D>& tracking, std::span<const double> goes_along, double reference) const;
+  /// How far the soil's motion in a window that is repeated departs from the predicted one: the force that the pressure
+  /// would answer with, less where it drains, over the weight.
   [[nodiscard]] double unsettled(double interval, const Drive<D>& tracking, std::span<const WaterAnswer> answers,
                                  double reference);
   /// Strain of every particle's volume in a window of the predicted motion.

@@ -179,11 +179,20 @@ struct Motion {
          begun = 0.0;     ///< counters: windows, displacements and steps of the searches, beginnings
   double duration = 0.0;  ///< s, in motion so far
   double longest = std::numeric_limits<double>::infinity();  ///< s, window in which an equilibrium is looked for
+  double held = 0.0;      ///< counter: windows in which a force held the soil that neither phase bears
+  double in_a_row = 0.0;  ///< windows with such a force up to now
   void begins(double long_window) {
     moving = true;
     calm = 0.0;
     patience = std::clamp(2.0 * patience, 5.0 * long_window, 100.0 * long_window);
     begun += 1.0;
+  }
+  /// After a window that is not repeated; unborne: that force over the weight. A few windows hold the soil where its
+  /// motion changes suddenly, as under a load that begins.
+  void held_by_nothing(double unborne) {
+    constexpr double noticed = 0.02, few = 5.0;
+    in_a_row = unborne > noticed ? in_a_row + 1.0 : 0.0;
+    if (in_a_row > few) held += 1.0;
   }
   /// After a window in motion: whether it is over.
   bool calms(double interval, bool hardly_moved) {

@@ -398,9 +398,10 @@ void declare(Keys& keys, CouplingCase& c) {
   keys.choice<CouplingCase::Scheme>(
       "scheme", c.scheme, coupling_words,
       {"",
-       "`serial`: every window is crossed once, the fluid first; `parallel`: by both at the same time, each with the "
-       "other's fields of the window's start; `iterated`: until the solid's motion is the one that the "
-       "fluid reckoned with. Their limits: docs/theory.md."});
+       "`iterated`: every window is crossed, the fluid first, until the solid's motion is the one that the fluid "
+       "reckoned with; `serial`: once, and so by default where the fluid predicts nothing "
+       "(fluid.skeleton_response = false, explicit schemes); `parallel`: once, by both at the same time, each with the "
+       "other's fields of the window's start. Their limits: docs/theory.md."});
   keys.choice<CouplingCase::Acceleration>(
       "acceleration", c.acceleration, acceleration_words,
       {"",
@@ -559,6 +560,7 @@ Case read_case(const std::filesystem::path& path, const std::vector<std::string>
     // The sum over pairs is built for soil at rest only.
     if (scene.coupled() && !places.contains("fluid.drag_form")) scene.fluid.drag_form = FluidCase::DragForm::pointwise;
   }
+  if (!places.contains("coupling.scheme") && !scene.predicts()) scene.coupling.scheme = CouplingCase::Scheme::serial;
   if (scene.solid.particle_spacing <= 0.0) scene.solid.particle_spacing = scene.fluid.particle_spacing;
   move_to_origin(scene);
   check_case(scene, places);

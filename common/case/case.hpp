@@ -209,7 +209,7 @@ struct CouplingCase {
   enum class Scheme { serial, parallel, iterated };
   enum class Acceleration { none, aitken, quasi_newton };
   std::optional<double> interval;  ///< s: longest exchange interval; absent: what the solvers propose
-  Scheme scheme = Scheme::serial;
+  Scheme scheme = Scheme::iterated;                        ///< absent, and nothing is predicted: serial
   Acceleration acceleration = Acceleration::quasi_newton;  ///< of the iterated scheme
   std::optional<double> tolerance;                         ///< of the iterated scheme; absent: its own
   bool keep_points = true;                                 ///< points that have not moved are not sent again

@@ -253,6 +253,10 @@ TEST(Metrics, CrossingPeriodAndCounter) {
   m = metric("period", 0.3, 0.01);
   m.limit = 1.0;
   EXPECT_NEAR(judge(m, wave, 0).value, 0.3, 1e-3);
+  const Gauges trembling = sampled("g", [](double t) {
+    return 1.0 + std::cos(2.0 * 3.14159265358979 * t / 0.3) + 0.15 * std::sin(2.0 * 3.14159265358979 * t / 0.02);
+  });
+  EXPECT_NEAR(judge(m, trembling, 0).value, 0.3, 0.02);
   EXPECT_FALSE(judge(m, ramp, 0).passed);
   m = metric("counter", 500.0, 0.0);
   m.counter = "solid.steps";

@@ -89,6 +89,67 @@ TEST_F(Warned, ARestThatIsNotFoundIsSaid) {
   EXPECT_THAT(outcome.err, HasSubstr("solid: warning: the soil's rest was not found"));
 }
 
+/// Clay over an artesian gravel (cases/blow_out): it must lift once the pressure below it is its weight, 7259 Pa.
+const std::string clay_floor = R"([case]
+end_time = 6.5
+[[soil]]
+min = [0, 0]
+max = [0.4, 0.3]
+porosity = 0.4
+grain_density = 2650
+hydraulic_conductivity = 1e-3
+youngs_modulus = 2e7
+[[soil]]
+min = [0, 0.3]
+max = [0.4, 0.7]
+porosity = 0.5
+grain_density = 2700
+hydraulic_conductivity = 1e-6
+youngs_modulus = 5e6
+friction_angle = 20
+cohesion = 0
+[[wall]]
+points = [[0, 1.2], [0, 0]]
+[[wall]]
+points = [[0.4, 0], [0.4, 1.2]]
+[[wall]]
+points = [[0, 0], [0.4, 0]]
+water = "none"
+soil = "fixed"
+[[water_face]]
+name = "artesian"
+points = [[0, 0], [0.4, 0]]
+head = [[0, 0.7], [10, 1.5]]
+[[water_face]]
+name = "pit floor"
+points = [[0.4, 0.7], [0, 0.7]]
+head = 0.7
+[fluid]
+particle_spacing = 0.1
+[[fluid.region]]
+min = [0, 0]
+max = [0.4, 0.7]
+[solid]
+model = "drucker_prager"
+[[gauge]]
+name = "p"
+phase = "fluid"
+kind = "point"
+quantity = "pore_pressure"
+points = [[0.2, 0.3]]
+)";
+
+TEST_F(Warned, SoilHeldByWhatNeitherPhaseBearsIsSaid) {
+  const auto once = run(clay_floor, {"--set", "coupling.scheme=serial"});
+  EXPECT_EQ(once.exit, 6) << once.err;
+  EXPECT_THAT(once.err, HasSubstr("solid: warning: windows in which a force held the soil that neither phase bears"));
+  EXPECT_THAT(once.err, HasSubstr("coupling.scheme = \"iterated\" repeats such windows"));
+  fs::remove_all(out());
+  const auto repeated = run(clay_floor);
+  EXPECT_EQ(repeated.exit, 0) << repeated.err;
+  EXPECT_THAT(repeated.err, Not(HasSubstr("neither phase bears")));
+}
+
 TEST_F(Warned, AGaugeThatNeverHadAValueIsSaid) {
   const auto outcome = run(R"([case]
 end_time = 0.02
