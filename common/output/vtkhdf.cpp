@@ -41,18 +41,22 @@ void append_rows(hdf5::Dataset& data, std::size_t count, std::size_t columns, co
   }
 }
 
-std::string slab(const std::string& file, const std::string& name, std::int64_t first, std::int64_t count,
-                 std::int64_t total, int columns) {
+/// A piece of a data set as both of ParaView's readers know it: XDMF3's in the text ("start:stride:count:whole"),
+/// XDMF2's in the items below it. The latter ignores the text; the former takes "Hyperslab" for no word of its own, and
+/// so the text for all there is.
+std::string slab(const std::string& file, const std::string& name, const std::string& number_type, std::int64_t first,
+                 std::int64_t count, std::int64_t total, int columns) {
   const bool wide = columns > 1;
   const auto size = [&](std::int64_t n) { return wide ? fmt::format("{} {}", n, columns) : fmt::format("{}", n); };
+  const std::string start = wide ? fmt::format("{} 0", first) : fmt::format("{}", first);
+  const std::string stride = wide ? "1 1" : "1",
+                    form = fmt::format("NumberType=\"{}\" Precision=\"8\" Format=\"HDF\"", number_type);
   return fmt::format(
-      "        <DataItem ItemType=\"HyperSlab\" Dimensions=\"{}\">\n"
-      "          <DataItem Dimensions=\"3 {}\" Format=\"XML\">{} {} {}</DataItem>\n"
-      "          <DataItem Dimensions=\"{}\" NumberType=\"Float\" Precision=\"8\" "
-      "Format=\"HDF\">{}:/VTKHDF/{}</DataItem>\n"
+      "        <DataItem ItemType=\"Hyperslab\" Dimensions=\"{0}\" {1}>{2}:/VTKHDF/{3}|{4}:{5}:{0}:{6}\n"
+      "          <DataItem Dimensions=\"3 {7}\" Format=\"XML\">{4} {5} {0}</DataItem>\n"
+      "          <DataItem Dimensions=\"{6}\" {1}>{2}:/VTKHDF/{3}</DataItem>\n"
       "        </DataItem>\n",
-      size(count), wide ? 2 : 1, wide ? fmt::format("{} 0", first) : fmt::format("{}", first), wide ? "1 1" : "1",
-      size(count), size(total), file, name);
+      size(count), form, file, name, start, stride, size(total), wide ? 2 : 1);
 }
 
 }  // namespace
@@ -208,17 +212,23 @@ void VtkHdfWriter::write_sidecar() {
       "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
       "  <Grid Name=\"particles\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
   for (const auto& step : steps_) {
-    if (step.points == 0) continue;  // XDMF has no empty grid
     text += fmt::format(
         "    <Grid Name=\"particles\" GridType=\"Uniform\">\n      <Time Value=\"{:.17g}\"/>\n"
-        "      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" NodesPerElement=\"1\"/>\n"
-        "      <Geometry GeometryType=\"XYZ\">\n{}      </Geometry>\n",
-        step.time, step.points, slab(file, "Points", step.first, step.points, total_, 3));
+        "      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" NodesPerElement=\"1\"",
+        step.time, step.points);
+    if (step.points == 0) {  // left out, it would show the particles of another step
+      text += "/>\n      <Geometry GeometryType=\"XYZ\"/>\n    </Grid>\n";
+      continue;
+    }
+    const auto piece = [&](const std::string& name, const char* number_type, int columns) {
+      return slab(file, name, number_type, step.first, step.points, total_, columns);
+    };
+    text += fmt::format(">\n{}      </Topology>\n      <Geometry GeometryType=\"XYZ\">\n{}      </Geometry>\n",
+                        piece("Connectivity", "Int", 1), piece("Points", "Float", 3));
     for (const auto& column : columns_)
       text += fmt::format("      <Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"Node\">\n{}      </Attribute>\n",
                           column.declaration.name, xdmf_type(column.declaration.components),
-                          slab(file, "PointData/" + column.declaration.name, step.first, step.points, total_,
-                               column.declaration.components));
+                          piece("PointData/" + column.declaration.name, "Float", column.declaration.components));
     text += "    </Grid>\n";
   }
   text += "  </Grid>\n</Domain>\n</Xdmf>\n";
