@@ -49,14 +49,19 @@ std::string slab(const std::string& file, const std::string& name, const std::st
   const bool wide = columns > 1;
   const auto size = [&](std::int64_t n) { return wide ? fmt::format("{} {}", n, columns) : fmt::format("{}", n); };
   const std::string start = wide ? fmt::format("{} 0", first) : fmt::format("{}", first);
-  const std::string stride = wide ? "1 1" : "1",
-                    form = fmt::format("NumberType=\"{}\" Precision=\"8\" Format=\"HDF\"", number_type);
+  const std::string stride = wide ? "1 1" : "1";
+  const std::string form = fmt::format("NumberType=\"{}\" Precision=\"8\" Format=\"HDF\"", number_type);
+  const std::string whole = fmt::format("{}:/VTKHDF/{}", file, name);
+  // XDMF3 divides by the size of what it finds in a file, but takes an empty text for no rows.
+  const std::string own = count > 0
+                              ? fmt::format("{}>{}|{}:{}:{}:{}", form, whole, start, stride, size(count), size(total))
+                              : fmt::format("NumberType=\"{}\" Precision=\"8\" Format=\"XML\">", number_type);
   return fmt::format(
-      "        <DataItem ItemType=\"Hyperslab\" Dimensions=\"{0}\" {1}>{2}:/VTKHDF/{3}|{4}:{5}:{0}:{6}\n"
-      "          <DataItem Dimensions=\"3 {7}\" Format=\"XML\">{4} {5} {0}</DataItem>\n"
-      "          <DataItem Dimensions=\"{6}\" {1}>{2}:/VTKHDF/{3}</DataItem>\n"
+      "        <DataItem ItemType=\"Hyperslab\" Dimensions=\"{}\" {}\n"
+      "          <DataItem Dimensions=\"3 {}\" Format=\"XML\">{} {} {}</DataItem>\n"
+      "          <DataItem Dimensions=\"{}\" {}>{}</DataItem>\n"
       "        </DataItem>\n",
-      size(count), form, file, name, start, stride, size(total), wide ? 2 : 1);
+      size(count), own, wide ? 2 : 1, start, stride, size(count), size(total), form, whole);
 }
 
 }  // namespace
@@ -212,23 +217,22 @@ void VtkHdfWriter::write_sidecar() {
       "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
       "  <Grid Name=\"particles\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
   for (const auto& step : steps_) {
-    text += fmt::format(
-        "    <Grid Name=\"particles\" GridType=\"Uniform\">\n      <Time Value=\"{:.17g}\"/>\n"
-        "      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" NodesPerElement=\"1\"",
-        step.time, step.points);
-    if (step.points == 0) {  // left out, it would show the particles of another step
-      text += "/>\n      <Geometry GeometryType=\"XYZ\"/>\n    </Grid>\n";
-      continue;
-    }
     const auto piece = [&](const std::string& name, const char* number_type, int columns) {
       return slab(file, name, number_type, step.first, step.points, total_, columns);
     };
-    text += fmt::format(">\n{}      </Topology>\n      <Geometry GeometryType=\"XYZ\">\n{}      </Geometry>\n",
-                        piece("Connectivity", "Int", 1), piece("Points", "Float", 3));
-    for (const auto& column : columns_)
+    // A step without particles left out would show those of another; and XDMF2 asks for a geometry, of no rows.
+    text += fmt::format(
+        "    <Grid Name=\"particles\" GridType=\"Uniform\">\n      <Time Value=\"{:.17g}\"/>\n"
+        "      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" NodesPerElement=\"1\">\n{}      "
+        "</Topology>\n"
+        "      <Geometry GeometryType=\"XYZ\">\n{}      </Geometry>\n",
+        step.time, step.points, step.points > 0 ? piece("Connectivity", "Int", 1) : "", piece("Points", "Float", 3));
+    for (const auto& column : columns_) {
+      if (step.points == 0) break;
       text += fmt::format("      <Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"Node\">\n{}      </Attribute>\n",
                           column.declaration.name, xdmf_type(column.declaration.components),
                           piece("PointData/" + column.declaration.name, "Float", column.declaration.components));
+    }
     text += "    </Grid>\n";
   }
   text += "  </Grid>\n</Domain>\n</Xdmf>\n";

@@ -7,6 +7,7 @@ Needs the packages paraview, python3-paraview and xvfb; without them exit code 7
 import json
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -110,8 +111,9 @@ class ParaView(unittest.TestCase):
             assert old in text, old
             text = text.replace(old, new)
         cls.paths[2].write_text(text)
-        # Debian's ParaView draws by X alone; an X server without a screen tells its number when it is ready.
-        server = subprocess.Popen(["Xvfb", "-displayfd", "1", "-nolisten", "tcp", "-screen", "0", "640x480x24"], stdout=subprocess.PIPE,
+        # Debian's ParaView draws by X alone; an X server without a screen tells its number when it is ready. Looking for graphics
+        # cards, ParaView's MPI comes and goes first: -noreset, or the server begins anew while ParaView asks for a window.
+        server = subprocess.Popen(["Xvfb", "-displayfd", "1", "-noreset", "-nolisten", "tcp", "-screen", "0", "640x480x24"], stdout=subprocess.PIPE,
                                   stderr=subprocess.DEVNULL, text=True)
         try:
             display = f":{server.stdout.readline().strip()}"
@@ -121,7 +123,8 @@ class ParaView(unittest.TestCase):
             server.terminate()
             server.communicate()
         if done.returncode != 0:
-            raise AssertionError(f"pvbatch: {done.returncode}\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
+            lines = [line for line in (done.stdout + done.stderr).splitlines() if not re.match(r"\d+ +0x", line)]  # of the stack
+            raise AssertionError("\n".join([f"pvbatch: {done.returncode}", *lines[-30:]]))
         cls.found = json.loads((at / "found.json").read_text())
 
     @classmethod
