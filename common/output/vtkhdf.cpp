@@ -22,7 +22,7 @@ std::string components_of(const FieldDeclaration& field) {
 
 std::string_view xdmf_type(int components) {
   if (components == 3) return "Vector";
-  if (components == 6) return "Tensor6";
+  if (components == 6) return "Matrix";  // of Tensor6, XDMF2 makes nine, from another order than ours
   return "Scalar";
 }
 

@@ -22,16 +22,16 @@ SIZE = (400, 300)
 def look(files, out):
     """Inside pvbatch: what each reader makes of each file, as JSON, and pictures of the particles by their pore pressure."""
     from paraview import simple
+    view = simple.CreateView("RenderView")
+    view.ViewSize = SIZE
+    view.OrientationAxesVisibility = 0
+    view.UseColorPaletteForBackground = 0
+    view.Background = [1.0, 1.0, 1.0]
+    view.InteractionMode = "2D"
     found = []
     for name in files:
         for kind, files_argument in READERS.items():
             reader = getattr(simple, kind)(**{files_argument: [name]})
-            view = simple.CreateView("RenderView")
-            view.ViewSize = SIZE
-            view.OrientationAxesVisibility = 0
-            view.UseColorPaletteForBackground = 0
-            view.Background = [1.0, 1.0, 1.0]
-            view.InteractionMode = "2D"
             shown = simple.Show(reader, view)
             shown.Representation = "Points"
             shown.PointSize = 8
@@ -59,8 +59,10 @@ def look(files, out):
                 view.ViewTime = steps[k]["time"]
                 steps[k]["picture"] = f"{out}/{len(found)}_{k}.png"
                 simple.SaveScreenshot(steps[k]["picture"], view, ImageResolution=SIZE)
+            simple.Hide(reader, view)
             found.append({"file": name, "reader": kind, "steps": steps})
     pathlib.Path(out, "found.json").write_text(json.dumps(found))
+    os._exit(0)  # taking the window down, ParaView and Mesa disagree at times (GLXBadContext)
 
 
 def written(path):
@@ -72,7 +74,7 @@ def written(path):
             first = int(root["Steps/PointOffsets"][k])
             rows = slice(first, first + int(root["NumberOfPoints"][k]))
             fields = {name: data[rows] for name, data in root["PointData"].items()}
-            yield float(time), root["Points"][rows], {name: data.reshape(len(data), -1) for name, data in fields.items()}
+            yield float(time), root["Points"][rows], {name: data[:, None] if data.ndim == 1 else data for name, data in fields.items()}
 
 
 def mismatch(seen, path):
