@@ -124,7 +124,7 @@ class Figures:
                 if step in shown.steps:
                     drawn = shown.paint(axes, step)
                 time = shown.frames.times[step]
-                axes.set_title(f"t = {time:.4g} s")
+                axes.set_title(f"t = {style.number(time)} s")
                 shown.axis_labels(axes, below=row == rows - 1, beside=k == 0)
                 axes.tick_params(labelbottom=row == rows - 1, labelleft=k == 0)
                 points = self.points(f, time, row == rows - 1)
@@ -140,7 +140,7 @@ class Figures:
             frames = self.frames(self.folder(name), "fluid")
             for time in f["times"] if len(names) == 1 and "times" in f else [frames.times[-1]]:
                 step = frames.nearest(time)
-                text = f.get("labels", names)[k] if len(names) > 1 else f"{frames.times[step]:.4g} s"
+                text = f.get("labels", names)[k] if len(names) > 1 else f"{style.number(frames.times[step])} s"
                 if len(frames.positions(step)) > 0:
                     lines.append((text, frames.times[step], plot.Body(frames, step)))
         if not lines:

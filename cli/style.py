@@ -95,6 +95,11 @@ def prefix(value, of):
     return 1.0, of
 
 
+def number(value):
+    """Four digits, no power of ten for the times and places that occur: 15000, 0.35."""
+    return f"{float(f'{value:.4g}'):g}"
+
+
 def save(figure, path):
     """Writes a figure in the format that its name ends in; the same figure leaves the same bytes."""
     path = pathlib.Path(path)
