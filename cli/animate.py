@@ -14,6 +14,7 @@ RATE = 10  # frames a second
 MOST_FRAMES = 200  # 20 s; longer runs are thinned evenly
 PIXELS = 900  # along the longer side of the particles' picture
 DPI = 110
+RARE = 0.005  # as of the points that a picture may leave out
 KINDS = (".gif", ".mp4")
 
 
@@ -28,7 +29,7 @@ class Scene:
     def __init__(self, pictures):
         self.shown = []
         for frames, phase, name in pictures:
-            shown = plot.Shown(frames, phase, name, chosen(frames.n_steps), PIXELS)
+            shown = plot.Shown(frames, phase, name, chosen(frames.n_steps), PIXELS, RARE)
             if shown.steps:
                 self.shown.append(shown)
         if not self.shown:
@@ -47,7 +48,7 @@ class Scene:
         for shown, axes in zip(self.shown, self.panels):
             drawn = shown.paint(axes, shown.steps[-1])
             shown.axis_labels(axes)
-            self.figure.colorbar(drawn, ax=axes, label=shown.label, aspect=20, pad=0.02)
+            self.figure.colorbar(drawn, ax=axes, label=shown.label, aspect=20, pad=0.02, extend=shown.extend)
         self.figure.canvas.draw()
         self.figure.set_layout_engine("none")
 

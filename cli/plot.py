@@ -149,21 +149,32 @@ def view(points, margin):
 
 
 class Shown:
-    """One field of one phase over some steps: one range of colours and one piece of the plane for all of them."""
+    """One field of one phase over some steps: one range of colours and one piece of the plane for all of them. `rare`: of all that is
+    shown, the share that may lie beyond either end of the range: one blow would take the colours from all other frames."""
 
-    def __init__(self, frames, phase, name, steps, most=1800):
+    def __init__(self, frames, phase, name, steps, most=1800, rare=0.0):
         self.frames, self.phase, self.name, self.most = frames, phase, name, most
         self.steps = [step for step in steps if len(frames.positions(step)) > 0]
         self.dx = None
         self.ground = rigid_soil(pathlib.Path(frames.file.filename).parent) if phase == "fluid" else []
-        low, high, lower, upper = np.inf, -np.inf, np.inf, -np.inf
+        low, high, lower, upper, values, points = np.inf, -np.inf, np.inf, -np.inf, [], []
         for step in self.steps:
             body, around = self.bodies(step)
             finite = body.values[np.isfinite(body.values)]
             low, high = min(low, finite.min(initial=np.inf)), max(high, finite.max(initial=-np.inf))
             self.dx = self.dx or body.dx
-            corners = view(np.vstack([*(b.x for b in (body, around) if b is not None), *self.ground]), 2.5 * self.dx)
+            drawn = np.vstack([*(b.x for b in (body, around) if b is not None), *self.ground])
+            corners = view(drawn, 2.5 * self.dx)
             lower, upper = np.minimum(lower, corners[0]), np.maximum(upper, corners[1])
+            few = max(1, len(self.steps) * len(drawn) // 1000000)  # a million is enough to tell which are rare
+            values.append(finite[::few])
+            points.append(drawn[::few])
+        self.extend = "neither"
+        if rare > 0.0 and low < high and component_of(frames, name, self.steps[0])[0] != "accumulated_plastic_strain":
+            ends = low, high
+            low, high = np.quantile(np.concatenate(values), [rare, 1.0 - rare])
+            lower, upper = view(np.vstack(points), 2.5 * self.dx)
+            self.extend = {(True, True): "both", (True, False): "min", (False, True): "max"}.get((ends[0] < low, ends[1] > high), "neither")
         self.lower, self.upper = lower, upper
         if self.steps:
             self.colours(*((low, high) if low <= high else (0.0, 0.0)))

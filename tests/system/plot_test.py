@@ -283,6 +283,17 @@ class Animations(Folder):
                                self.at / "a.mp4"], capture_output=True, text=True, check=True).stdout
         self.assertEqual(told.strip(), f"yuv420p,{len(TIMES)}")
 
+    def test_one_blow_does_not_take_the_colours_from_the_other_frames(self):
+        self.at.joinpath("run").mkdir()
+        blow = lambda t, x: np.where((t == 1.0) & (np.arange(len(x)) < 4), 1e6, 1e3 * x[:, 1])  # noqa: E731
+        write_phase(self.at / "run/fluid.vtkhdf", [(t, square()) for t in TIMES], [("pore_pressure", "Pa", blow)])
+        frames = plot.Frames(self.at / "run/fluid.vtkhdf")
+        whole = plot.Shown(frames, "fluid", "pore_pressure", [0, 1, 2])
+        self.assertEqual((whole.norm.vmax * whole.factor, whole.extend), (1e6, "neither"))
+        shown = plot.Shown(frames, "fluid", "pore_pressure", [0, 1, 2], animate.PIXELS, animate.RARE)
+        self.assertLess(shown.norm.vmax * shown.factor, 400.0)
+        self.assertIn(shown.extend, ("max", "both"))
+
     def test_long_runs_are_thinned_with_both_ends(self):
         for count in (1, 7, animate.MOST_FRAMES, 5000):
             chosen = animate.chosen(count)
