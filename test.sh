@@ -11,7 +11,7 @@ shift || true
 targets=() labels=() commands=($test_commands)
 case $preset in
   asan | tsan) targets=(unit_tests) labels=(-L 'unit|interface') commands=() ;;
-  full) packages+=" fish lintian man-db mypy python3-build python3-setuptools python3-wheel zsh" ;; # what some tests do without otherwise
+  full) packages+=" ffmpeg fish lintian man-db mypy paraview python3-build python3-paraview python3-setuptools python3-wheel xvfb zsh" ;; # what some tests do without otherwise
 esac
 install_packages "${commands[@]}"
 if [ "$preset" = full ]; then

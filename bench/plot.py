@@ -1,11 +1,13 @@
 """Tables and pictures that the benchmarks share: rows to CSV, curves to PNG. Needs python3-matplotlib."""
 import csv
 import pathlib
+import sys
 
-import matplotlib
+sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent / "cli"))  # behind this folder, whose plot.py is another one
+import style  # noqa: E402
+from style import plt  # noqa: E402
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402  (after the backend is chosen)
+style.use(**{"savefig.dpi": 120})
 
 
 def write_csv(path, rows):
@@ -29,7 +31,7 @@ def error_curves(path, title, rows, abscissae, error="error", label="scheme", bo
         if bound:
             panel.axhline(bound, color="0.6", linestyle=":", label="bound")
         panel.set_xlabel(text)
-        panel.grid(True, which="both", alpha=0.3)
+        panel.grid(True, which="both")
         values = sorted({row[key] for row in rows if row[error]})
         if values and values[-1] < 10 * values[0]:  # too few decades for the labels of a logarithmic axis
             panel.set_xticks(values, [f"{value:.2g}" for value in values])
@@ -38,5 +40,4 @@ def error_curves(path, title, rows, abscissae, error="error", label="scheme", bo
     panels[0][0].legend()
     figure.suptitle(title)
     figure.tight_layout()
-    figure.savefig(path, dpi=120)
-    plt.close(figure)
+    style.save(figure, path)

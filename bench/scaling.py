@@ -18,10 +18,8 @@ import pathlib
 import subprocess
 import tempfile
 
-from plot import write_csv
+from plot import plt, style, write_csv
 from runs import PROGRAM
-
-import matplotlib.pyplot as plt  # after plot has chosen the backend
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 QUIET = ["output.interval=1e9", "output.gauge_interval=1e9"]
@@ -125,10 +123,9 @@ def draw(path, rows):
             panel.set_ylim(bottom=0.0)
         else:
             panel.set_yscale("log")
-        panel.grid(True, which="both", alpha=0.3)
+        panel.grid(True, which="both")
     panels[-1].legend(*panels[0].get_legend_handles_labels(), loc="upper left", bbox_to_anchor=(1.02, 1.0))
-    figure.savefig(path, dpi=120)
-    plt.close(figure)
+    style.save(figure, path)
 
 
 def main():

@@ -10,12 +10,9 @@ import argparse
 import csv
 import pathlib
 
-import matplotlib
 import numpy as np
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402  (after the backend is chosen)
-from runs import PROGRAM, Run  # noqa: E402
+from plot import plt, style
+from runs import PROGRAM, Run
 
 HERE = pathlib.Path(__file__).resolve().parent
 CRITICAL, BASE = 0.99, 0.99 * 9810.0  # gradient; Pa, effective stress at the base without flow
@@ -59,10 +56,10 @@ def draw(rows):
             axis.annotate(f"{r[1]:g} / {r[2]:g}", (r[4] / mine[0][4], max(r[7], 1e-5)), fontsize=7,
                           textcoords="offset points", xytext=(0, 5), ha="center")
         axis.set(xscale="log", yscale="log", xlabel="substeps computed, of all", ylabel=titles[scene], title=scene)
-        axis.grid(alpha=0.3)
+        axis.grid(True)
         axis.margins(0.15)
     figure.suptitle("Sleep below / wake above [g]; squares: without damping", fontsize=9)
-    figure.savefig(HERE / "sleep.png", dpi=150)
+    style.save(figure, HERE / "sleep.png")
 
 
 def main():

@@ -29,10 +29,8 @@ import sys
 import tempfile
 
 import numpy as np
-from plot import write_csv
+from plot import plt, style, write_csv
 from runs import PROGRAM, Run
-
-import matplotlib.pyplot as plt  # after plot has chosen the backend
 
 HEIGHT, LOAD, WEIGHT, GRAINS, POISSON = 0.4, 1e3, 9810.0, 2600.0, 0.3
 CASES = pathlib.Path(__file__).resolve().parent.parent / "cases"
@@ -204,21 +202,20 @@ def draw(path, rows, across, down, y, label):
                 panel.loglog(k, 1.2 * (1.0 - n) * GRAINS * k / WEIGHT, "k-", lw=0.8, label="limit of plain staggering")
             panel.set_title(f"{named(across, value)}, {named(down, line)}", fontsize=8)
     for panel in panels[-1]:
-        panel.set_xlabel("k, m/s")
+        panel.set_xlabel("k [m/s]")
     for row in panels:
         row[0].set_ylabel(label)
     drawn = {line.get_label(): line for panel in panels.flat for line in panel.get_lines() if len(line.get_xdata())}
     figure.legend(drawn.values(), drawn.keys(), loc="upper center", bbox_to_anchor=(0.5, 0.0), ncol=len(drawn), fontsize=8)
-    figure.savefig(path, dpi=110, bbox_inches="tight")
-    plt.close(figure)
+    style.save(figure, path)
 
 
 def maps(out, rows):
     for name in ("column", "plain"):
         if mine := [row for row in rows if row["scene"] == name]:
-            draw(out / f"stress_{name}.png", mine, "E", "n", "window_s", "window, s")
+            draw(out / f"stress_{name}.png", mine, "E", "n", "window_s", "window [s]")
     if mine := [row for row in rows if row["scene"] in ("front", "block")]:
-        draw(out / "stress_scenes.png", mine, "n", "scene", "E", "E, Pa")
+        draw(out / "stress_scenes.png", mine, "n", "scene", "E", "E [Pa]")
 
 
 def table(rows):

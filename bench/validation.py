@@ -13,12 +13,10 @@ import pathlib
 import subprocess
 import sys
 
-import matplotlib.pyplot as plt
-
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "cli"))
-import plot  # noqa: E402
 import report  # noqa: E402
+import style  # noqa: E402
 
 PICTURED = ("dam_break", "submerged_soil", "terzaghi", "embankment_seepage", "rockfill_dam", "rockfill_flood",
             "embankment_failure", "column_collapse", "quicksand")
@@ -64,7 +62,7 @@ def main():
     names = [] if a.page else a.cases or sorted(f.parent.name for f in (ROOT / "cases").glob("*/verify.toml"))
     for name in names:
         verify(a.poretwin, name, a.full, a.found)
-    plt.rcParams.update(plot.STYLE | {"savefig.dpi": 70})
+    style.use(**{"savefig.dpi": 70})
     (ROOT / "docs" / "validation.md").write_text(page(a.found))
     print(ROOT / "docs" / "validation.md")
 

@@ -19,48 +19,77 @@ def spacing(x):
 
 
 SURFACE = 0.7
+BODY = 0.75  # of a particle's size, what it covers: half a diagonal, and a little
 
 
 class Canvas:
-    """A grid of pixels over a part of the plane, fine enough for particles this far apart."""
+    """A grid of pixels over a part of the plane, fine enough for particles this far apart; `most`: pixels along its longer side."""
 
-    def __init__(self, lower, upper, dx):
+    def __init__(self, lower, upper, dx, most=1800):
         size = np.asarray(upper) - np.asarray(lower)
-        self.pixel = float(np.clip(dx / 8.0, size.max() / 1800, size.max() / 600))
+        self.pixel = float(np.clip(dx / 8.0, size.max() / most, size.max() / 600))
         self.lower = np.asarray(lower, dtype=float)
         self.shape = tuple(int(np.ceil(s / self.pixel)) for s in size[::-1])
         self.extent = (lower[0], lower[0] + self.shape[1] * self.pixel, lower[1], lower[1] + self.shape[0] * self.pixel)
 
-    def nearest(self, x, values, size, reach):
-        """Values of the particles nearest to each pixel [rows, columns], NaN where none is within `reach` times its size;
-        x: [n, 2], size: [n] edges of the squares they stand for."""
-        found = np.full(self.shape, np.nan)
+    def nearest(self, x, size, reach):
+        """Which particle is nearest to each pixel [rows, columns], -1 where none is within `reach` times its size, and how far it is
+        in units of that; x: [n, 2], size: [n] edges of the squares they stand for."""
+        found = np.full(self.shape, -1)
         best = np.ones(self.shape)  # squared distance over squared reach
         far = reach * np.asarray(size) / self.pixel
         at = (x - self.lower) / self.pixel - 0.5
-        home = np.rint(at).astype(int)
         most = int(np.ceil(far.max(initial=0.0)))
+        if len(x) > (2 * most + 1) ** 2:
+            self.search_by_offsets(at, far, most, found, best)
+        else:
+            self.search_by_particles(at, far, found, best)
+        return found, reach * np.sqrt(best)
+
+    def search_by_offsets(self, at, far, most, found, best):
+        """All particles at once, for each pixel around them."""
+        home = np.rint(at).astype(int)
         for row in range(-most, most + 1):
             for column in range(-most, most + 1):
+                if max(abs(row) - 0.5, 0.0) ** 2 + max(abs(column) - 0.5, 0.0) ** 2 >= most**2:
+                    continue  # out of every particle's reach
                 place = home + (column, row)
                 distance = ((place - at) ** 2).sum(axis=1) / far**2
-                ok = (distance < 1.0) & (place >= 0).all(axis=1) & (place < self.shape[::-1]).all(axis=1)
-                i, j, d, v = place[ok, 1], place[ok, 0], distance[ok], values[ok]
+                mine = np.flatnonzero((distance < 1.0) & (place >= 0).all(axis=1) & (place < self.shape[::-1]).all(axis=1))
+                i, j, d = place[mine, 1], place[mine, 0], distance[mine]
                 nearer = d < best[i, j]
                 best[i[nearer], j[nearer]] = d[nearer]
-                found[i[nearer], j[nearer]] = v[nearer]
-        return found
+                found[i[nearer], j[nearer]] = mine[nearer]
 
-    def cover(self, x, size):
-        """How far each pixel lies inside the body of these particles: 1 inside, 0 outside, SURFACE half a spacing from the last."""
-        inside = np.isfinite(self.nearest(x, np.ones(len(x)), size, 0.75)).astype(float)  # half a diagonal, and a little
+    def search_by_particles(self, at, far, found, best):
+        """All pixels around a particle at once, for each of them: less work where particles are few and large."""
+        first, last = np.maximum(np.ceil(at - far[:, None]).astype(int), 0), np.floor(at + far[:, None]).astype(int) + 1
+        for k in range(len(at)):
+            rows, columns = slice(first[k, 1], max(last[k, 1], 0)), slice(first[k, 0], max(last[k, 0], 0))
+            near, index = best[rows, columns], found[rows, columns]  # views
+            n, m = near.shape
+            distance = ((np.arange(n) + (first[k, 1] - at[k, 1])) ** 2)[:, None] + (np.arange(m) + (first[k, 0] - at[k, 0])) ** 2
+            distance /= far[k] ** 2
+            nearer = distance < near
+            near[nearer], index[nearer] = distance[nearer], k
+
+    def smooth(self, inside, size):
+        """Inside or not, averaged over some of a spacing: 1 well inside, 0 outside, SURFACE half a spacing from the last particle."""
+        inside = inside.astype(float)
         width = max(1, int(round(0.35 * float(np.median(size)) / self.pixel)))
-        box = np.ones(2 * width + 1) / (2 * width + 1)
         for axis in (0, 1, 0, 1):
-            inside = np.apply_along_axis(lambda line: np.convolve(line, box, mode="same"), axis, inside)
+            ends = [(width + 1, width) if other == axis else (0, 0) for other in (0, 1)]
+            sums = np.cumsum(np.pad(inside, ends), axis=axis)
+            n = inside.shape[axis]
+            inside = (sums.take(range(2 * width + 1, 2 * width + 1 + n), axis) - sums.take(range(n), axis)) / (2 * width + 1)
         return inside
 
+    def cover(self, x, size):
+        """How far each pixel lies inside the body of these particles."""
+        return self.smooth(self.nearest(x, size, BODY)[0] >= 0, size)
+
     def fill(self, x, values, size):
-        """The same as `nearest`, without holes, in the body that the particles make; and its cover."""
-        cover = self.cover(x, size)
-        return np.where(cover > SURFACE, self.nearest(x, values, size, 1.5), np.nan), cover
+        """Values of the particles nearest to each pixel, without holes, in the body that the particles make; and its cover."""
+        near, distance = self.nearest(x, size, 1.5)
+        cover = self.smooth((near >= 0) & (distance < BODY), size)
+        return np.where((cover > SURFACE) & (near >= 0), np.asarray(values, dtype=float)[near] if len(x) else np.nan, np.nan), cover

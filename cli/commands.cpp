@@ -32,8 +32,8 @@ struct CommandLine::Arguments {
   std::string fluid, solid;
   double until = 0.0, tolerance = 0.01;
   std::vector<std::string> set;
-  bool any_address = false, page = false, no_pictures = false, quiet = false, resume = false, profile = false, overwrite = false,
-       accept_changed_program = false;
+  bool any_address = false, page = false, no_pictures = false, quiet = false, resume = false, profile = false,
+       overwrite = false, accept_changed_program = false;
   std::optional<double> checkpoint_every;
   int restarts = 2;
   std::string json;
@@ -246,18 +246,25 @@ void declare(CLI::App& app, Arguments& a, JsonOutput& json, std::function<int()>
     return verify(v, json);
   });
 
-  auto* plot_command = app.add_subcommand("plot", "Draw fields and gauges of a run");
-  plot_command->add_option("RUN", a.words, "folder of a run")->required()->expected(1)->type_name("");
+  auto* plot_command =
+      app.add_subcommand("plot", "Draw fields and gauges of a run, or all of its frames as an animation");
+  plot_command->add_option("RUN", a.words, "folder of a run, or of what `poretwin verify CASE` has run")
+      ->required()
+      ->expected(1)
+      ->type_name("");
   const auto word = [&](CLI::App* command, const char* name, const char* type, const char* about_it, int most = 1) {
     return command->add_option(name, a.words, about_it)->expected(1, most)->type_name(type);
   };
   constexpr int many = CLI::detail::expected_max_vector_size;
   word(plot_command, "--field", "FIELD",
        "field, or a component of one: pore_pressure, velocity_x, effective_stress_yy");
-  word(plot_command, "--time", "T", "the frame nearest to this time [s] (default: the last)");
+  word(plot_command, "--time", "T", "the frames nearest to these times [s], in one picture (default: the last)", many);
   word(plot_command, "--phase", "", "default: every phase that has the field")
       ->check(CLI::IsMember({"fluid", "solid"}));
   word(plot_command, "--gauge", "GAUGE", "only these gauges, in one picture each", many);
+  word(plot_command, "--format", "", "of the pictures (default png); svg and pdf for printing")
+      ->check(CLI::IsMember({"png", "svg", "pdf"}));
+  word(plot_command, "--animate", "FILE", "all frames, as FILE.gif or FILE.mp4");
   word(plot_command, "--out", "DIR", "folder of the pictures (default: RUN/pictures)");
   does(plot_command, [plot_command] { return draw_pictures(words_of(*plot_command), {}); });
 

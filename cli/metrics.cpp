@@ -99,6 +99,35 @@ void declare(Keys& keys, Metric& m) {
   keys.text("unit", m.unit, {"", "Unit of the value."});
 }
 
+void declare(Keys& keys, Figure& f) {
+  keys.text("name", f.name, {"", "Name of the picture's file.", true});
+  keys.text("title", f.title, {"", "Stands above it."});
+  keys.text("kind", f.kind,
+            {"",
+             "`fields` (a column for each of `fields`, a row for each of `times`), `outlines` (the water's surface at "
+             "`times`, or at the end of each of `runs`), `profile` (arrays of gauges against their places, over what "
+             "`l2` and `profile` hold them against) or `history` (gauges against time, with what `value` and "
+             "`relative` hold them against).",
+             true});
+  keys.texts("runs", f.runs, {"", "Runs that it shows; absent: the first. More than one of `outlines` only."});
+  keys.texts("fields", f.fields, {"", "Of `fields`: as for `poretwin plot --field`; PHASE.FIELD where both have it."});
+  keys.numbers("times", f.times, {"s", "Frames nearest to these times; absent: the last."});
+  keys.texts("gauges", f.gauges, {"", "Of `profile` and `history`."});
+  keys.texts("labels", f.labels, {"", "Of `gauges`, or of `runs`, in a legend."});
+  keys.text("label", f.label,
+            {"", "Of `profile` and `history`: what stands at the axis of the readings, with its unit."});
+  keys.number("scale", f.scale, {"", "Readings are multiplied by it."});
+  keys.text("reference_csv", f.reference_csv,
+            {"",
+             "Points that are drawn as well: columns `x_m` and `y_m`, and `t_s` where they are of one time each; "
+             "absent `t_s`: of the last."});
+  keys.series("points", f.points, {"", "The same, [[x, y], ...], in place of a file."});
+  keys.text("drive", f.drive,
+            {"", "Of `history`: a number of the case file that changes with time, `water_face.0.discharge`."});
+  keys.number("drive_scale", f.drive_scale, {"", "It is multiplied by this."});
+  keys.text("drive_label", f.drive_label, {"", "What stands at its axis, with its unit."});
+}
+
 void declare(Keys& keys, VerifyFile& file) {
   keys.text("source", file.source, {"", "Where the references come from, as a whole."});
   keys.number("wall_s", file.wall, {"s", "Longest wall-clock time of all runs together."}, positive());
@@ -106,6 +135,8 @@ void declare(Keys& keys, VerifyFile& file) {
               [](Keys& inner, VerifyRun& r) { declare(inner, r); });
   keys.tables("metric", "One number held against its reference.", file.metrics,
               [](Keys& inner, Metric& m) { declare(inner, m); });
+  keys.tables("figure", "A picture of the case's runs: of a report, and of `poretwin plot` of the folder they lie in.",
+              file.figures, [](Keys& inner, Figure& f) { declare(inner, f); });
 }
 
 struct Failure {
@@ -535,6 +566,7 @@ class VerifyChecker {
     }
     if (file.metrics.empty()) fail("metric", "expected one [[metric]] or more");
     for (std::size_t i = 0; i < file.metrics.size(); ++i) metric(file, file.metrics[i], fmt::format("metric[{}]", i));
+    for (std::size_t i = 0; i < file.figures.size(); ++i) figure(file, file.figures[i], fmt::format("figure[{}]", i));
   }
 
  private:
@@ -583,6 +615,21 @@ class VerifyChecker {
     if (m.op == "curve" && !m.curve) fail(key + ".curve", "expected 'reference_csv' or 'curve'");
     if ((m.op == "l2" || m.op == "profile") && m.references.empty())
       fail(key + ".references", "expected 'reference_csv' or 'references'");
+  }
+  void figure(const VerifyFile& file, const Figure& f, const std::string& key) const {
+    word(key + ".kind", f.kind, {"fields", "outlines", "profile", "history"});
+    if (f.name.empty() || f.name.find('/') != std::string::npos)
+      fail(key + ".name", fmt::format("expected the name of a file without '/', found \"{}\"", f.name));
+    for (const auto& name : f.runs)
+      if (std::none_of(file.runs.begin(), file.runs.end(), [&](const VerifyRun& r) { return r.name == name; }))
+        fail(key + ".runs", fmt::format("no [[run]] is named \"{}\"", name));
+    if (f.runs.size() > 1 && f.kind != "outlines")
+      fail(key + ".runs", fmt::format("\"{}\" shows one run, found {}", f.kind, f.runs.size()));
+    if (f.kind == "fields" && f.fields.empty()) fail(key + ".fields", "is missing");
+    if ((f.kind == "profile" || f.kind == "history") && f.gauges.empty()) fail(key + ".gauges", "is missing");
+    const auto& named = f.kind == "outlines" ? f.runs : f.gauges;
+    if (!f.labels.empty() && f.labels.size() != named.size())
+      fail(key + ".labels", fmt::format("expected one for each of the {}, found {}", named.size(), f.labels.size()));
   }
   void from_csv(Metric& m, const std::string& key) const {
     const auto rows = read_csv(path_.parent_path() / m.reference_csv);

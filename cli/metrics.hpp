@@ -30,11 +30,21 @@ struct VerifyRun {
   double variation = 0.01;
 };
 
+/// [[figure]] of verify.toml, drawn by cli/figures.py.
+struct Figure {
+  std::string name, title, kind, reference_csv, label, drive, drive_label;
+  std::vector<std::string> runs, fields, gauges, labels;
+  std::vector<double> times;
+  std::optional<Series> points;
+  double scale = 1.0, drive_scale = 1.0;
+};
+
 struct VerifyFile {
   std::string source;
   std::optional<double> wall;  ///< s, of all runs together
   std::vector<VerifyRun> runs;
   std::vector<Metric> metrics;
+  std::vector<Figure> figures;
 };
 
 /// Where a gauge should read what, for pictures: in the gauge's own unit, with what the bound lets it be off by.

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Pictures of a run: fields of either phase at a time, gauges against time with their references.
+"""Pictures of a run: fields of either phase at a time, gauges against time with their references; an animation.
 
 Called by `poretwin plot RUN ...`; needs the Debian packages python3-h5py, python3-numpy, python3-matplotlib.
 """
@@ -8,27 +8,23 @@ import csv
 import pathlib
 import re
 import sys
+import tomllib
 
 import h5py
-import matplotlib
 import matplotlib.colors
 import numpy as np
+import style
 from cells import SURFACE, Canvas, spacing
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402  (after the backend is chosen)
-from mpl_toolkits.axes_grid1 import make_axes_locatable  # noqa: E402
+from mpl_toolkits.axes_grid1 import make_axes_locatable
+from style import plt
 
 # The field that tells most about a phase, best first.
 MAIN_FIELDS = {
     "fluid": ["pore_pressure", "velocity"],
     "solid": ["effective_stress", "accumulated_plastic_strain", "displacement"],
 }
-AROUND = {"fluid": "#d8d5cf", "solid": "#d3e5f3"}  # behind the water: soil; behind the soil: water
-WATER_LINE = "#2b7bba"
 LEAST_STRAIN = 1e-3  # plastic strain is drawn by its logarithm, from here on
 TENSOR = ["xx", "yy", "zz", "xy", "yz", "xz"]
-STYLE = {"font.size": 9, "axes.linewidth": 0.8, "figure.dpi": 100, "savefig.dpi": 200, "axes.grid": False}
 
 
 class Frames:
@@ -54,41 +50,43 @@ class Frames:
     def values(self, name, step):
         return self.root["PointData"][name][self.rows(step)]
 
+    def columns(self, name):
+        shape = self.root["PointData"][name].shape
+        return shape[1] if len(shape) > 1 else 1
+
+    def nearest(self, time):
+        """The step at about that time."""
+        return int(np.argmin(np.abs(self.times - time)))
+
     def unit(self, name):
         unit = self.root["PointData"][name].attrs.get("unit", "")
         return unit.decode() if isinstance(unit, bytes) else str(unit)
 
 
-def scalar(frames, name, step):
-    """Values and label of NAME: a field, or one component (velocity_x, effective_stress_yy); vectors by their length."""
+def component_of(frames, name, step):
+    """NAME as a field and a component of it: "velocity_x"; of a vector its length ("| |"), of a tensor the vertical one."""
     fields = frames.fields()
     if name in fields:
-        values = frames.values(name, step)
-        if values.ndim == 1:
-            return values, name
-        if values.shape[1] == 3:
-            return np.linalg.norm(values, axis=1), f"|{name}|"
-        vertical = 2 if is_3d(frames, step) else 1
-        return values[:, vertical], f"{name}_{TENSOR[vertical]}"
+        columns = frames.columns(name)
+        return name, "" if columns == 1 else "| |" if columns == 3 else ("zz" if is_3d(frames, step) else "yy")
     stem, _, component = name.rpartition("_")
-    if stem in fields:
-        names = TENSOR if frames.values(stem, step).shape[-1] == 6 else ["x", "y", "z"]
-        if component in names:
-            return frames.values(stem, step)[:, names.index(component)], name
+    if stem in fields and component in (TENSOR if frames.columns(stem) == 6 else ["x", "y", "z"] if frames.columns(stem) == 3 else []):
+        return stem, component
     raise SystemExit(f"no field '{name}'; there are: {', '.join(fields)}")
+
+
+def scalar(frames, name, step):
+    """Values of a field or of one component."""
+    field, component = component_of(frames, name, step)
+    values = frames.values(field, step)
+    if component == "| |":
+        return np.linalg.norm(values, axis=1)
+    return values[:, (TENSOR if values.shape[1] == 6 else "xyz").index(component)] if component else values
 
 
 def is_3d(frames, step):
     x = frames.positions(step)
     return len(x) > 0 and np.ptp(x[:, 2]) > 0
-
-
-def prefix(value):
-    """A scale that keeps numbers short: kPa, mm."""
-    for factor, sign in ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ")):
-        if value >= factor:
-            return factor, sign
-    return 1.0, ""
 
 
 class Body:
@@ -117,8 +115,30 @@ def other_body(frames, phase, step):
     there = Frames(path)
     if there.n_steps == 0:
         return None
-    nearest = int(np.argmin(np.abs(there.times - frames.times[step])))
+    nearest = there.nearest(frames.times[step])
     return Body(there, nearest) if len(there.positions(nearest)) > 0 else None
+
+
+def rigid_soil(run):
+    """Corners of the soil of a 2D run that is not computed, [[x, y], ...] for each piece, as its case file has them."""
+    record = run / "run.toml"
+    if (run / "solid.vtkhdf").exists() or not record.exists():
+        return []
+    try:
+        about = tomllib.loads(record.read_text())
+        scene = tomllib.loads(pathlib.Path(about["case_file"]).read_text())
+        if any(re.match(r"soil\..*(points|min|max|shape)", text) for text in about.get("overrides", [])):
+            return []
+        pieces = []
+        for soil in scene.get("soil", []):
+            if soil["shape"] == "polygon":
+                pieces.append(np.array(soil["points"], dtype=float))
+            elif soil["shape"] == "box" and len(soil["min"]) == 2:
+                (x0, y0), (x1, y1) = soil["min"], soil["max"]
+                pieces.append(np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]], dtype=float))
+        return pieces
+    except (OSError, KeyError, TypeError, ValueError):
+        return []  # the case has gone, or has changed
 
 
 def view(points, margin):
@@ -128,56 +148,152 @@ def view(points, margin):
     return np.maximum(points.min(axis=0), low - far) - margin, np.minimum(points.max(axis=0), high + far) + margin
 
 
+class Shown:
+    """One field of one phase over some steps: one range of colours and one piece of the plane for all of them. `rare`: of all that is
+    shown, the share that may lie beyond either end of the range: one blow would take the colours from all other frames."""
+
+    def __init__(self, frames, phase, name, steps, most=1800, rare=0.0):
+        self.frames, self.phase, self.name, self.most = frames, phase, name, most
+        self.steps = [step for step in steps if len(frames.positions(step)) > 0]
+        self.dx = None
+        self.ground = rigid_soil(pathlib.Path(frames.file.filename).parent) if phase == "fluid" else []
+        low, high, lower, upper, values, points = np.inf, -np.inf, np.inf, -np.inf, [], []
+        for step in self.steps:
+            body, around = self.bodies(step)
+            finite = body.values[np.isfinite(body.values)]
+            low, high = min(low, finite.min(initial=np.inf)), max(high, finite.max(initial=-np.inf))
+            self.dx = self.dx or body.dx
+            drawn = np.vstack([*(b.x for b in (body, around) if b is not None), *self.ground])
+            corners = view(drawn, 2.5 * self.dx)
+            lower, upper = np.minimum(lower, corners[0]), np.maximum(upper, corners[1])
+            few = max(1, len(self.steps) * len(drawn) // 1000000)  # a million is enough to tell which are rare
+            values.append(finite[::few])
+            points.append(drawn[::few])
+        self.extend = "neither"
+        if rare > 0.0 and low < high and component_of(frames, name, self.steps[0])[0] != "accumulated_plastic_strain":
+            ends = low, high
+            low, high = np.quantile(np.concatenate(values), [rare, 1.0 - rare])
+            lower, upper = view(np.vstack(points), 2.5 * self.dx)
+            self.extend = {(True, True): "both", (True, False): "min", (False, True): "max"}.get((ends[0] < low, ends[1] > high), "neither")
+        self.lower, self.upper = lower, upper
+        if self.steps:
+            self.colours(*((low, high) if low <= high else (0.0, 0.0)))
+
+    def bodies(self, step):
+        return Body(self.frames, step, scalar(self.frames, self.name, step)), other_body(self.frames, self.phase, step)
+
+    def colours(self, low, high):
+        """The norm, the map and what stands beside the bar."""
+        field, component = component_of(self.frames, self.name, self.steps[0])
+        unit, largest = self.frames.unit(field), max(abs(low), abs(high))
+        self.factor, unit = style.prefix(largest, unit)
+        # A diverging map only where both signs matter: a little noise around zero does not.
+        signed = min(-low, high) > 0.05 * largest
+        self.least = None
+        if field == "accumulated_plastic_strain" and largest > LEAST_STRAIN:  # slip bands beside grains that have rolled away
+            self.least = LEAST_STRAIN
+            self.norm = matplotlib.colors.LogNorm(LEAST_STRAIN, largest)
+        elif field == "degree_of_saturation":
+            self.norm = matplotlib.colors.Normalize(0.0, 1.0)
+        else:
+            if high - low <= 1e-9 * largest:  # the same everywhere: a bar from zero
+                low, high = min(low, 0.0), max(high, 0.0)
+            low, high = (-largest, largest) if signed else (low, high)
+            self.norm = matplotlib.colors.Normalize(low / self.factor, high / self.factor)
+        self.map = style.SIGNED_MAP if signed else style.MAPS.get(field, style.MAP)
+        self.label = style.label(self.phase, field, component) + style.unit(unit)
+
+    def shape(self):
+        """Width and height of the piece of the plane [m]."""
+        return self.upper - self.lower
+
+    def paint(self, axes, step):
+        """The field in its surroundings: grey soil around the water, or pale blue water and its outline over the soil. Returns
+        what a colour bar is drawn of."""
+        for artist in [*axes.images, *axes.collections, *axes.patches]:  # of the frame before
+            artist.remove()
+        for corners in self.ground:
+            axes.fill(corners[:, 0], corners[:, 1], color=style.AROUND["fluid"], zorder=0)
+        body, around = self.bodies(step)
+        canvas = Canvas(self.lower, self.upper, self.dx, self.most)
+        place = {"extent": canvas.extent, "origin": "lower", "interpolation": "nearest"}
+        outline = None if around is None else canvas.cover(around.x, around.size)
+        if outline is not None:
+            shade = np.zeros((*canvas.shape, 4))
+            shade[outline > SURFACE] = matplotlib.colors.to_rgba(style.AROUND[self.phase])
+            axes.imshow(shade, **place)
+        filled, own = canvas.fill(body.x, body.values / self.factor, body.size)
+        drawn = axes.imshow(filled if self.least is None else np.maximum(filled, self.least), cmap=self.map, norm=self.norm, **place)
+        if own.max() > SURFACE:
+            axes.contour(own, levels=[SURFACE], colors="0.35", linewidths=0.5, extent=canvas.extent)  # pale colours need a border
+        if outline is not None and self.phase == "solid" and outline.max() > SURFACE:
+            axes.contour(outline, levels=[SURFACE], colors=style.WATER_LINE, linewidths=0.9, extent=canvas.extent)
+        axes.set(xlim=(self.lower[0], self.upper[0]), ylim=(self.lower[1], self.upper[1]), aspect="equal")
+        axes.set_title(self.title(step, body, outline is not None))
+        return drawn
+
+    def title(self, step, body, wet):
+        beyond = np.count_nonzero(((body.x < self.lower) | (body.x > self.upper)).any(axis=1))
+        about = "; blue: outline of the water" if wet and self.phase == "solid" else ""
+        if beyond:
+            about += f"; {beyond} particle{'s' if beyond > 1 else ''} beyond"
+        return f"{self.phase}, t = {style.number(self.frames.times[step])} s{about}"
+
+    def axis_labels(self, axes, below=True, beside=True):
+        three = is_3d(self.frames, self.steps[0])
+        axes.set(xlabel="x [m]" if below else "", ylabel=("z [m], middle slice" if three else "y [m]") if beside else "")
+
+    def bar(self, axes, drawn):
+        """The colour bar, as high as the picture beside it."""
+        found = axes.figure.colorbar(drawn, cax=make_axes_locatable(axes).append_axes("right", size=0.12, pad=0.08))
+        found.set_label(self.label)
+        return found
+
+
 def paint(axes, frames, phase, name, step):
-    """One field of one phase, in its surroundings: grey soil around the water, or pale blue water and its outline over the soil."""
-    values, label = scalar(frames, name, step)
-    unit = frames.unit(name if name in frames.fields() else name.rpartition("_")[0])
-    body, around = Body(frames, step, values), other_body(frames, phase, step)
-    values, largest = body.values, np.nanmax(np.abs(body.values)) if np.isfinite(body.values).any() else 0.0
-    factor, sign = prefix(largest) if unit in ("Pa", "m", "m/s", "N") else (1.0, "")
-    # A diverging map only where both signs matter: a little noise around zero does not.
-    signed = min(-np.nanmin(values), np.nanmax(values)) > 0.05 * largest
-    limits = {"vmin": -largest / factor, "vmax": largest / factor} if signed else {}
-    if name == "accumulated_plastic_strain" and largest > LEAST_STRAIN:  # slip bands beside grains that have rolled away
-        values, limits = np.maximum(values, LEAST_STRAIN), {"norm": matplotlib.colors.LogNorm(LEAST_STRAIN, largest)}
-    points = np.vstack([b.x for b in (body, around) if b is not None])
-    lower, upper = view(points, 2.5 * body.dx)
-    beyond = np.count_nonzero(((body.x < lower) | (body.x > upper)).any(axis=1))
-    canvas = Canvas(lower, upper, body.dx)
-    place = {"extent": canvas.extent, "origin": "lower", "interpolation": "nearest"}
-    outline = None if around is None else canvas.cover(around.x, around.size)
-    if outline is not None:
-        shade = np.zeros((*canvas.shape, 4))
-        shade[outline > SURFACE] = matplotlib.colors.to_rgba(AROUND[phase])
-        axes.imshow(shade, **place)
-    filled, own = canvas.fill(body.x, values / factor, body.size)
-    drawn = axes.imshow(filled, cmap="RdBu_r" if signed else "viridis", **limits, **place)
-    axes.contour(own, levels=[SURFACE], colors="0.35", linewidths=0.5, extent=canvas.extent)  # pale colours need a border
-    about = ""
-    if outline is not None and phase == "solid":
-        axes.contour(outline, levels=[SURFACE], colors=WATER_LINE, linewidths=0.9, extent=canvas.extent)
-        about = "; blue: outline of the water"
-    if beyond:
-        about += f"; {beyond} particle{'s' if beyond > 1 else ''} beyond"
-    axes.set(xlim=(lower[0], upper[0]), ylim=(lower[1], upper[1]), aspect="equal", xlabel="x [m]",
-             ylabel="z [m], middle slice" if body.three else "y [m]")
-    axes.set_title(f"{phase}, t = {frames.times[step]:.4g} s{about}", fontsize=9)
-    bar = axes.figure.colorbar(drawn, cax=make_axes_locatable(axes).append_axes("right", size=0.12, pad=0.08))
-    bar.set_label(f"{label.replace('_', ' ')} [{sign}{unit}]")
+    """One field of one phase at one time, with its colour bar."""
+    shown = Shown(frames, phase, name, [step])
+    drawn = shown.paint(axes, step)
+    shown.axis_labels(axes)
+    shown.bar(axes, drawn)
 
 
-def draw_field(frames, phase, name, step, target):
-    """A picture of one field, as large as its body's shape asks for."""
-    if len(frames.positions(step)) == 0:
-        print(f"{phase}: no particles at t = {frames.times[step]:g} s")
+def panel_width(shape):
+    """Inches, of a picture of so many metres by so many: wide ones fill the page."""
+    return min(style.PAGE - 1.2, max(2.0, 5.0 * shape[0] / shape[1]))
+
+
+def draw_field(frames, phase, name, steps, target):
+    """A picture of one field, as large as its body's shape asks for; at several steps below each other, in one range."""
+    steps = [steps] if np.isscalar(steps) else list(steps)
+    shown = Shown(frames, phase, name, steps)
+    for step in steps:
+        if step not in shown.steps:
+            print(f"{phase}: no particles at t = {frames.times[step]:g} s")
+    if not shown.steps:
         return
-    figure, axes = plt.subplots(layout="tight")
-    paint(axes, frames, phase, name, step)
-    size = np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim())
-    width = min(7.0, max(2.0, 5.0 * size[0] / size[1]))
-    figure.set_size_inches(width + 1.2, width * size[1] / size[0] + 0.9)
-    figure.savefig(target, bbox_inches="tight")
-    plt.close(figure)
+    shape = shown.shape()
+    count, width = len(shown.steps), panel_width(shape)
+    # Narrow bodies stand beside each other.
+    columns = max(1, min(count, int((style.PAGE - 0.7) / (width + 0.5)))) if count > 1 else 1
+    rows = -(-count // columns)
+    figure, panels = plt.subplots(rows, columns, squeeze=False, layout="compressed",
+                                  figsize=(columns * (width + 0.3) + 0.9, rows * (width * shape[1] / shape[0] + 0.3) + 0.6))
+    for k, axes in enumerate(panels.flat):
+        if k >= count:
+            axes.set_axis_off()
+            continue
+        drawn = shown.paint(axes, shown.steps[k])
+        shown.axis_labels(axes, below=k + columns >= count, beside=k % columns == 0)
+        if k + columns < count:
+            axes.tick_params(labelbottom=False)
+        if k % columns:
+            axes.tick_params(labelleft=False)
+    if count == 1:
+        shown.bar(panels[0, 0], drawn)
+    else:
+        figure.colorbar(drawn, ax=panels, label=shown.label, aspect=30, pad=0.02)
+    style.save(figure, target)
     print(target)
 
 
@@ -216,16 +332,17 @@ def reference_of(run, gauge):
 
 def draw_gauges(run, names, title, series, target, marks=()):
     """Gauges against time. marks: what they should read, [gauge, time, value, and by how much either may be off]."""
-    figure, axes = plt.subplots(figsize=(5.5, 3.4))
+    figure, axes = plt.subplots(figsize=(style.COLUMN, 0.62 * style.COLUMN), layout="constrained")
     legend = len(names) > 1
+    colours = plt.rcParams["axes.prop_cycle"].by_key()["color"]
     for i, name in enumerate(names):
-        entry, colour = series[name], f"C{i % 10}"
-        axes.plot(entry["t"], entry["v"], lw=1.4, color=colour, label=name)
+        entry, colour = series[name], colours[i % len(colours)]
+        axes.plot(entry["t"], entry["v"], color=colour, label=name, linestyle=["-", "--", ":"][i // len(colours) % 3])
         own = np.array([mark[1:] for mark in marks if mark[0] == name], dtype=float).reshape(-1, 4)
         reference = reference_of(run, name) if len(own) == 0 else own[:, :2]
         if reference is None:
             continue
-        axes.plot(reference[:, 0], reference[:, 1], "o", ms=4, mfc="white", color=colour, zorder=3,
+        axes.plot(reference[:, 0], reference[:, 1], color=colour, **style.REFERENCE,
                   label=None if len(names) > 1 and i > 0 else "reference" if len(own) else f"{name}, reference")
         for direction, off in ("xerr", own[:, 2]), ("yerr", own[:, 3]):
             some = off > 0.0  # a bar of no length would still have its caps
@@ -233,36 +350,20 @@ def draw_gauges(run, names, title, series, target, marks=()):
                 axes.errorbar(own[some, 0], own[some, 1], **{direction: off[some]}, fmt="none", ecolor=colour, elinewidth=0.9, capsize=2.5)
         legend = True
     axes.set_xlabel("time [s]")
-    axes.set_ylabel(f"{title.replace('_', ' ')} [{series[names[0]]['unit']}]")
+    axes.set_ylabel(f"{title.replace('_', ' ')}{style.unit(series[names[0]]['unit'])}")
     axes.margins(x=0.02)
-    axes.grid(alpha=0.3, lw=0.5)
+    axes.grid(True)
     if legend:
-        axes.legend(fontsize=7, frameon=False, ncols=2 if len(names) > 6 else 1)
-    figure.savefig(target, bbox_inches="tight")
-    plt.close(figure)
+        axes.legend(ncols=2 if len(names) > 6 else 1)
+    style.save(figure, target)
     print(target)
 
 
-def main():
-    parser = argparse.ArgumentParser(prog="poretwin plot", description=__doc__.splitlines()[0])
-    parser.add_argument("run", type=pathlib.Path, help="folder of a run")
-    parser.add_argument("--field", help="field, or a component of one: pore_pressure, velocity_x, effective_stress_yy")
-    parser.add_argument("--time", type=float, help="the frame nearest to this time [s] (default: the last)")
-    parser.add_argument("--phase", choices=["fluid", "solid"], help="default: every phase that has the field")
-    parser.add_argument("--gauge", nargs="+", help="only these gauges, in one picture each")
-    parser.add_argument("--out", type=pathlib.Path, help="folder of the pictures (default: RUN/pictures)")
-    options = parser.parse_args()
-    if not options.run.is_dir():
-        raise SystemExit(f"{options.run}: expected the folder of a run")
-    out = options.out or options.run / "pictures"
-    out.mkdir(parents=True, exist_ok=True)
-    plt.rcParams.update(STYLE)
-
-    only_gauges = options.gauge and not options.field
-    phases = [options.phase] if options.phase else ["fluid", "solid"]
-    drawn = False
-    for phase in [] if only_gauges else phases:
-        path = options.run / f"{phase}.vtkhdf"
+def asked(run, options):
+    """Frames, phase and field of each picture that is asked for."""
+    found = []
+    for phase in [options.phase] if options.phase else ["fluid", "solid"]:
+        path = run / f"{phase}.vtkhdf"
         if not path.exists():
             continue
         frames = Frames(path)
@@ -272,22 +373,69 @@ def main():
         name = options.field or next((f for f in MAIN_FIELDS[phase] if f in fields), fields[0] if fields else None)
         if name is None or (options.field and not options.phase and name not in fields and name.rpartition("_")[0] not in fields):
             continue
-        step = frames.n_steps - 1 if options.time is None else int(np.argmin(np.abs(frames.times - options.time)))
-        suffix = "" if options.time is None else f"_t{frames.times[step]:g}"
-        draw_field(frames, phase, name, step, out / f"{phase}_{name}{suffix}.png")
-        drawn = True
-    if options.field and not drawn:
-        raise SystemExit(f"no phase of {options.run} has a field '{options.field}'")
+        found.append((frames, phase, name))
+    return found
 
+
+def nothing_to_draw(run, options):
+    """Why there is no picture of a field."""
+    phases = [phase for phase in ("fluid", "solid") if (run / f"{phase}.vtkhdf").exists()]
+    if not phases:
+        return f"{run}: neither fluid.vtkhdf nor solid.vtkhdf is there"
+    if options.phase and options.phase not in phases:
+        return f"{run}: {options.phase}.vtkhdf is not there; this run has: {', '.join(phases)}"
+    empty = [phase for phase in phases if Frames(run / f"{phase}.vtkhdf").n_steps == 0]
+    if len(empty) == len(phases) or options.phase in empty:
+        return f"{run}: no frame has been written yet"
+    return f"no phase of {run} has a field '{options.field}'"
+
+
+def draw_run(options, out):
+    """Fields and gauges of one run."""
+    run = options.run
+    pictures = [] if options.gauge and not options.field else asked(run, options)
+    if not pictures and (options.field or options.phase or options.time):
+        raise SystemExit(nothing_to_draw(run, options))
+    for frames, phase, name in pictures:
+        steps = sorted({frames.nearest(time) for time in options.time}) if options.time else [frames.n_steps - 1]
+        suffix = "".join(f"_t{frames.times[step]:g}" for step in steps) if options.time else ""
+        draw_field(frames, phase, name, steps, out / f"{phase}_{name}{suffix}.{options.format}")
     if options.gauge or not options.field:
-        series = read_gauges(options.run)
+        series = read_gauges(run)
         groups = {}
         for name in series:
             groups.setdefault(name.partition("[")[0], []).append(name)
         for title in options.gauge or groups:
             if title not in groups and title not in series:
                 raise SystemExit(f"no gauge '{title}'; there are: {', '.join(series)}")
-            draw_gauges(options.run, groups.get(title, [title]), title, series, out / f"gauge_{title.replace('/', '_')}.png")
+            draw_gauges(run, groups.get(title, [title]), title, series, out / f"gauge_{title.replace('/', '_')}.{options.format}")
+
+
+def main():
+    parser = argparse.ArgumentParser(prog="poretwin plot", description=__doc__.splitlines()[0])
+    parser.add_argument("run", type=pathlib.Path, help="folder of a run, or of what `poretwin verify CASE` has run")
+    parser.add_argument("--field", help="field, or a component of one: pore_pressure, velocity_x, effective_stress_yy")
+    parser.add_argument("--time", type=float, nargs="+", help="the frames nearest to these times [s], in one picture (default: the last)")
+    parser.add_argument("--phase", choices=["fluid", "solid"], help="default: every phase that has the field")
+    parser.add_argument("--gauge", nargs="+", help="only these gauges, in one picture each")
+    parser.add_argument("--format", choices=style.FORMATS, default="png", help="of the pictures (default png)")
+    parser.add_argument("--animate", type=pathlib.Path, metavar="FILE", help="all frames, as FILE.gif or FILE.mp4")
+    parser.add_argument("--out", type=pathlib.Path, help="folder of the pictures (default: RUN/pictures)")
+    options = parser.parse_args()
+    if not options.run.is_dir():
+        raise SystemExit(f"{options.run}: expected the folder of a run")
+    style.use()
+    if options.animate:
+        import animate
+        animate.draw(options)
+        return 0
+    out = options.out or options.run / "pictures"
+    out.mkdir(parents=True, exist_ok=True)
+    import figures
+    if figures.is_verification(options.run):
+        figures.draw_all(options.run, out, options.format)
+    else:
+        draw_run(options, out)
     return 0
 
 

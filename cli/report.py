@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 """One page from what `poretwin verify` found: per case its own text, the errors, the runs with particles, windows and run
-time, and pictures of the fields that verify.toml names (else the main ones at the end) and of the judged gauges.
+time, its figures, and pictures of the fields that verify.toml names (else the main ones at the end) and of the judged gauges.
 
 Called by `poretwin verify CASE|all --report DIR`.
 """
@@ -8,9 +8,9 @@ import argparse
 import json
 import pathlib
 
-import matplotlib.pyplot as plt
-import numpy as np
+import figures
 import plot
+import style
 
 
 def text(value):
@@ -26,8 +26,8 @@ def introduction(case_folder):
     return title.lstrip("# "), rest.strip().split("\n\n")[0]
 
 
-def draw_fields(folder, figures, target, prefix):
-    """figures: "FIELD" or "FIELD@TIME"; none: each phase's main field. Yields paths."""
+def draw_fields(folder, wanted, target, prefix):
+    """wanted: "FIELD" or "FIELD@TIME"; none: each phase's main field. Yields paths."""
     for phase in ("fluid", "solid"):
         if not (folder / f"{phase}.vtkhdf").exists():
             continue
@@ -35,12 +35,12 @@ def draw_fields(folder, figures, target, prefix):
         there = frames.fields()
         if frames.n_steps == 0:
             continue
-        for figure in figures or [f for f in plot.MAIN_FIELDS[phase] if f in there][:1]:
-            name, _, time = figure.partition("@")
+        for text in wanted or [f for f in plot.MAIN_FIELDS[phase] if f in there][:1]:
+            name, _, time = text.partition("@")
             if name not in there and name.rpartition("_")[0] not in there:
                 continue
-            step = int(np.argmin(np.abs(frames.times - float(time)))) if time else frames.n_steps - 1
-            path = target / f"{prefix}_{phase}_{figure.replace('@', '_t')}.png"
+            step = frames.nearest(float(time)) if time else frames.n_steps - 1
+            path = target / f"{prefix}_{phase}_{text.replace('@', '_t')}.png"
             plot.draw_field(frames, phase, name, step, path)
             if path.exists():
                 yield path
@@ -56,6 +56,14 @@ def draw_gauges(folder, judged, target, prefix):
             marks = [mark for m in judged for mark in m.get("marks", []) if mark[0] in group]
             plot.draw_gauges(folder, group, title, series, path, marks)
             yield path
+
+
+def draw_figures(case, target):
+    """Those that verify.toml declares. Yields paths."""
+    folder = pathlib.Path(case["folder"])
+    if (folder / "verify.toml").exists():
+        runs = {run["name"]: pathlib.Path(run["folder"]) for run in case["runs"]}
+        yield from figures.Figures(folder, runs).draw_all(target, "png", f"{case['case']}_")
 
 
 def section(case, folder_of_pictures, pictured=None):
@@ -82,6 +90,9 @@ def section(case, folder_of_pictures, pictured=None):
         judged = [m for m in case["metrics"] if m["run"] == run["name"] and m["gauge"]]
         pictures[run["name"]] = [*draw_fields(folder, run["figures"], folder_of_pictures, prefix),
                                  *draw_gauges(folder, judged, folder_of_pictures, prefix)]
+    drawn = [] if pictured == 0 else list(draw_figures(case, folder_of_pictures))
+    if drawn:
+        lines += [""] + [f"![{path.stem}](pictures/{path.name})" for path in drawn]
     for name, paths in pictures.items():
         if paths:
             lines += ["", f"Run `{name}`:", ""]
@@ -95,7 +106,7 @@ def main():
     parser.add_argument("out", type=pathlib.Path, help="folder of the page")
     a = parser.parse_args()
     (a.out / "pictures").mkdir(parents=True, exist_ok=True)
-    plt.rcParams.update(plot.STYLE | {"savefig.dpi": 100})
+    style.use(**{"savefig.dpi": 100})
     cases = json.loads(a.results.read_text())
     passed = sum(case["passed"] for case in cases)
     lines = ["# Validation", "", f"Made by `poretwin verify --report` from the runs themselves: {passed} of {len(cases)} "

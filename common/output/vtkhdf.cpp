@@ -22,7 +22,7 @@ std::string components_of(const FieldDeclaration& field) {
 
 std::string_view xdmf_type(int components) {
   if (components == 3) return "Vector";
-  if (components == 6) return "Tensor6";
+  if (components == 6) return "Matrix";  // of Tensor6, XDMF2 makes nine, from another order than ours
   return "Scalar";
 }
 
@@ -41,18 +41,27 @@ void append_rows(hdf5::Dataset& data, std::size_t count, std::size_t columns, co
   }
 }
 
-std::string slab(const std::string& file, const std::string& name, std::int64_t first, std::int64_t count,
-                 std::int64_t total, int columns) {
+/// A piece of a data set as both of ParaView's readers know it: XDMF3's in the text ("start:stride:count:whole"),
+/// XDMF2's in the items below it. The latter ignores the text; the former takes "Hyperslab" for no word of its own, and
+/// so the text for all there is.
+std::string slab(const std::string& file, const std::string& name, const std::string& number_type, std::int64_t first,
+                 std::int64_t count, std::int64_t total, int columns) {
   const bool wide = columns > 1;
   const auto size = [&](std::int64_t n) { return wide ? fmt::format("{} {}", n, columns) : fmt::format("{}", n); };
+  const std::string start = wide ? fmt::format("{} 0", first) : fmt::format("{}", first);
+  const std::string stride = wide ? "1 1" : "1";
+  const std::string form = fmt::format("NumberType=\"{}\" Precision=\"8\" Format=\"HDF\"", number_type);
+  const std::string whole = fmt::format("{}:/VTKHDF/{}", file, name);
+  // XDMF3 divides by the size of what it finds in a file, but takes an empty text for no rows.
+  const std::string own = count > 0
+                              ? fmt::format("{}>{}|{}:{}:{}:{}", form, whole, start, stride, size(count), size(total))
+                              : fmt::format("NumberType=\"{}\" Precision=\"8\" Format=\"XML\">", number_type);
   return fmt::format(
-      "        <DataItem ItemType=\"HyperSlab\" Dimensions=\"{}\">\n"
+      "        <DataItem ItemType=\"Hyperslab\" Dimensions=\"{}\" {}\n"
       "          <DataItem Dimensions=\"3 {}\" Format=\"XML\">{} {} {}</DataItem>\n"
-      "          <DataItem Dimensions=\"{}\" NumberType=\"Float\" Precision=\"8\" "
-      "Format=\"HDF\">{}:/VTKHDF/{}</DataItem>\n"
+      "          <DataItem Dimensions=\"{}\" {}>{}</DataItem>\n"
       "        </DataItem>\n",
-      size(count), wide ? 2 : 1, wide ? fmt::format("{} 0", first) : fmt::format("{}", first), wide ? "1 1" : "1",
-      size(count), size(total), file, name);
+      size(count), own, wide ? 2 : 1, start, stride, size(count), size(total), form, whole);
 }
 
 }  // namespace
@@ -208,17 +217,22 @@ void VtkHdfWriter::write_sidecar() {
       "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
       "  <Grid Name=\"particles\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
   for (const auto& step : steps_) {
-    if (step.points == 0) continue;  // XDMF has no empty grid
+    const auto piece = [&](const std::string& name, const char* number_type, int columns) {
+      return slab(file, name, number_type, step.first, step.points, total_, columns);
+    };
+    // A step without particles left out would show those of another; and XDMF2 asks for a geometry, of no rows.
     text += fmt::format(
         "    <Grid Name=\"particles\" GridType=\"Uniform\">\n      <Time Value=\"{:.17g}\"/>\n"
-        "      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" NodesPerElement=\"1\"/>\n"
+        "      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" NodesPerElement=\"1\">\n{}      "
+        "</Topology>\n"
         "      <Geometry GeometryType=\"XYZ\">\n{}      </Geometry>\n",
-        step.time, step.points, slab(file, "Points", step.first, step.points, total_, 3));
-    for (const auto& column : columns_)
+        step.time, step.points, step.points > 0 ? piece("Connectivity", "Int", 1) : "", piece("Points", "Float", 3));
+    for (const auto& column : columns_) {
+      if (step.points == 0) break;
       text += fmt::format("      <Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"Node\">\n{}      </Attribute>\n",
                           column.declaration.name, xdmf_type(column.declaration.components),
-                          slab(file, "PointData/" + column.declaration.name, step.first, step.points, total_,
-                               column.declaration.components));
+                          piece("PointData/" + column.declaration.name, "Float", column.declaration.components));
+    }
     text += "    </Grid>\n";
   }
   text += "  </Grid>\n</Domain>\n</Xdmf>\n";

@@ -15,7 +15,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "cli"))
 import plot  # noqa: E402
 from cells import SURFACE, Canvas  # noqa: E402
-from plot import plt  # noqa: E402
+import style  # noqa: E402
+from style import plt  # noqa: E402
 
 
 def reference(path):
@@ -69,7 +70,7 @@ def consolidation(axes, run):
 
 
 runs, out = pathlib.Path(sys.argv[1]), sys.argv[2]
-plt.rcParams.update(plot.STYLE | {"axes.titlesize": 9})
+style.use()
 figure, axes = plt.subplots(2, 2, figsize=(12.5, 6.2), height_ratios=[1, 0.95], layout="tight")
 seepage(axes[0, 0], runs / "embankment_seepage")
 failure(axes[0, 1], runs / "embankment_failure")

@@ -169,11 +169,15 @@ TEST_F(Output, FieldsCarryTheirMeaning) {
 TEST_F(Output, SidecarNamesEverySlab) {
   VtkHdfWriter writer(folder_ / "a.vtkhdf");
   writer.append(frame_of(3, 0.0));
+  writer.append(frame_of(0, 0.25));
   writer.append(frame_of(2, 0.5));
   std::ostringstream text;
   text << std::ifstream(folder_ / "a.xmf").rdbuf();
   EXPECT_THAT(text.str(), HasSubstr("CollectionType=\"Temporal\""));
+  EXPECT_THAT(text.str(), HasSubstr("<Time Value=\"0.25\"/>"));
+  EXPECT_THAT(text.str(), HasSubstr("Dimensions=\"0 3\" NumberType=\"Float\" Precision=\"8\" Format=\"XML\">\n"));
   EXPECT_THAT(text.str(), HasSubstr("<Time Value=\"0.5\"/>"));
+  EXPECT_THAT(text.str(), HasSubstr("Format=\"HDF\">a.vtkhdf:/VTKHDF/Points|3 0:1 1:2 3:5 3\n"));
   EXPECT_THAT(text.str(), HasSubstr("<DataItem Dimensions=\"3 2\" Format=\"XML\">3 0 1 1 2 3</DataItem>"));
   EXPECT_THAT(
       text.str(),

@@ -2,11 +2,17 @@
 #include "cli/metrics.hpp"
 #include "cli/locate.hpp"
 #include "common/case/case.hpp"
+#include "common/core/error.hpp"
 
+#include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <set>
 
 namespace poretwin::cli {
@@ -298,6 +304,38 @@ TEST(VerifyFiles, AllThatShipAreSound) {
     EXPECT_TRUE(std::filesystem::exists(entry.path() / "README.md"));
   }
   EXPECT_GE(found, 4);
+}
+
+/// What is said of a verify.toml with this [[figure]].
+std::string said_of_figure(const std::string& lines) {
+  const auto path = std::filesystem::temp_directory_path() / fmt::format("poretwin-figure-{}.toml", ::getpid());
+  std::ofstream(path) << "[[run]]\nname = \"whole\"\n[[run]]\nname = \"other\"\n[[metric]]\nname = \"m\"\nop = "
+                         "\"max_abs\"\ngauge = \"g\"\n"
+                      << "[[figure]]\nname = \"one\"\n"
+                      << lines;
+  std::string said;
+  try {
+    read_verify(path);
+  } catch (const CaseError& error) {
+    said = error.what();
+  }
+  std::filesystem::remove(path);
+  return said;
+}
+
+TEST(VerifyFiles, FiguresThatCannotBeDrawnAreNamed) {
+  using testing::HasSubstr;
+  EXPECT_EQ(said_of_figure("kind = \"history\"\ngauges = [\"g\"]\n"), "");
+  EXPECT_EQ(said_of_figure("kind = \"outlines\"\nruns = [\"whole\", \"other\"]\nlabels = [\"a\", \"b\"]\n"), "");
+  EXPECT_THAT(said_of_figure("kind = \"map\"\n"), HasSubstr("figure[0].kind': expected \"fields\" or \"outlines\""));
+  EXPECT_THAT(said_of_figure("kind = \"fields\"\n"), HasSubstr("figure[0].fields': is missing"));
+  EXPECT_THAT(said_of_figure("kind = \"profile\"\n"), HasSubstr("figure[0].gauges': is missing"));
+  EXPECT_THAT(said_of_figure("kind = \"outlines\"\nruns = [\"absent\"]\n"),
+              HasSubstr("no [[run]] is named \"absent\""));
+  EXPECT_THAT(said_of_figure("kind = \"fields\"\nfields = [\"velocity\"]\nruns = [\"whole\", \"other\"]\n"),
+              HasSubstr("\"fields\" shows one run, found 2"));
+  EXPECT_THAT(said_of_figure("kind = \"history\"\ngauges = [\"g\", \"h\"]\nlabels = [\"a\"]\n"),
+              HasSubstr("expected one for each of the 2, found 1"));
 }
 
 }  // namespace

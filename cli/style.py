@@ -1,0 +1,110 @@
+"""How every figure of poretwin looks, and how it is written: by `plot`, by reports, by benchmarks.
+
+Needs the Debian package python3-matplotlib.
+"""
+import pathlib
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt  # noqa: E402  (after the backend is chosen)
+
+FORMATS = ("png", "svg", "pdf")
+# Widths in inches, so that a figure is printed as large as it is drawn: a journal's page (180 mm), and three quarters of it.
+PAGE, COLUMN = 7.1, 5.3
+PRINT_DPI = 300  # of the raster that particles are in a vector figure; what journals ask of pictures in colour
+STYLE = {
+    "font.size": 9,
+    "axes.titlesize": 9,
+    "axes.linewidth": 0.8,
+    "axes.grid": False,
+    "grid.alpha": 0.3,
+    "grid.linewidth": 0.5,
+    "legend.frameon": False,
+    "legend.fontsize": 8,
+    "lines.linewidth": 1.4,
+    "lines.markersize": 4,
+    "mathtext.fontset": "dejavusans",
+    # Okabe & Ito (2008), told apart by the colour-blind, too; without their yellow, which is pale on paper.
+    "axes.prop_cycle": matplotlib.cycler(color=["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000"]),
+    "figure.dpi": 100,
+    "savefig.dpi": 200,
+    "savefig.bbox": "tight",
+    "savefig.pad_inches": 0.04,
+    "pdf.fonttype": 42,  # letters as letters: journals refuse Type 3
+    "svg.hashsalt": "poretwin",  # the same figure has the same bytes
+}
+REFERENCE = {"linestyle": "none", "marker": "o", "mfc": "white", "zorder": 3}  # what a curve is held against
+AROUND = {"fluid": "#d8d5cf", "solid": "#d3e5f3"}  # behind the water: soil; behind the soil: water
+WATER_LINE = "#2b7bba"
+
+# Of a field of either phase: words, symbol as in docs/theory.md and the paper.
+FLUID = {
+    "pore_pressure": ("pore pressure", "p_w"),
+    "velocity": ("velocity of the water", r"\mathbf{v}_w"),
+    "relative_flux": ("discharge through the soil", r"n_w(\mathbf{v}_w-\mathbf{v}_s)"),
+    "void_fraction": ("void fraction", "n_w"),
+}
+SOLID = {
+    "pore_pressure": ("pore pressure", "p_w"),
+    "velocity": ("velocity of the soil", r"\mathbf{v}_s"),
+    "displacement": ("displacement", r"\mathbf{u}"),
+    "effective_stress": ("effective stress", r"\sigma'"),
+    "total_stress": ("total stress", r"\sigma"),
+    "accumulated_plastic_strain": ("plastic strain", r"\bar{\varepsilon}_p"),
+    "degree_of_saturation": ("degree of saturation", "S_r"),
+    "void_fraction": ("void fraction", "n_w"),
+    "mobilised_friction": ("mobilised friction", r"\varphi_m"),
+    "pore_pressure_ratio": ("pore pressure ratio", "r_u"),
+}
+UNITS = {"degrees": "°", "m/s2": "m/s²", "m2": "m²", "m3": "m³", "m2/s": "m²/s", "m3/s": "m³/s", "kg/m3": "kg/m³"}
+# Perceptually uniform, dark where there is much; zero in the middle of the last, for fields of either sign.
+MAPS = {"accumulated_plastic_strain": "magma_r", "degree_of_saturation": "cividis_r"}
+MAP, SIGNED_MAP = "viridis", "RdBu_r"
+
+
+def use(**more):
+    plt.rcParams.update(STYLE | more)
+
+
+def label(phase, field, component=""):
+    """What a field, or a component of it ("xx", or "| |": its length), is called beside a colour bar, without the unit."""
+    words, symbol = (FLUID if phase == "fluid" else SOLID).get(field, (field.replace("_", " "), ""))
+    if component == "| |":
+        words, symbol = words.replace("velocity", "speed"), symbol and rf"|{symbol}|"
+    elif component:
+        if not symbol:
+            words += f" {component}"
+        stem, _, below = symbol.replace(r"\mathbf", "").replace("{v}", "v").replace("{u}", "u").partition("_")
+        symbol = symbol and rf"{stem}_{{{below + ',' if below else ''}{component}}}"
+    return f"{words} ${symbol}$" if symbol else words
+
+
+def unit(text):
+    """In brackets; nothing for a pure number."""
+    return f" [{UNITS.get(text, text)}]" if text not in ("", "1") else ""
+
+
+def prefix(value, of):
+    """Factor and unit that keep numbers short: kPa, mm."""
+    if of not in ("Pa", "m", "m/s", "N"):
+        return 1.0, of
+    for factor, sign in ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ")):
+        if value >= factor:
+            return factor, sign + of
+    return 1.0, of
+
+
+def number(value):
+    """Four digits, no power of ten for the times and places that occur: 15000, 0.35."""
+    return f"{float(f'{value:.4g}'):g}"
+
+
+def save(figure, path):
+    """Writes a figure in the format that its name ends in; the same figure leaves the same bytes."""
+    path = pathlib.Path(path)
+    kind = path.suffix[1:]
+    undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(kind)
+    figure.savefig(path, metadata=undated, **({} if kind == "png" else {"dpi": PRINT_DPI}))
+    plt.close(figure)
+    return path

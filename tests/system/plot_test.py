@@ -1,0 +1,337 @@
+#!/usr/bin/python3
+"""`poretwin plot`: figures in every format, one range for all frames, animations, the figures of a case, and what it says when
+something is wrong; all of made runs."""
+import contextlib
+import io
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+import zlib
+from unittest import mock
+
+import h5py
+import numpy as np
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "cli"))
+import animate  # noqa: E402
+import plot  # noqa: E402
+import report  # noqa: E402
+import style  # noqa: E402
+
+TIMES = (0.0, 1.0, 2.0)
+DX = 0.02
+
+
+def square(n=20, dx=DX):
+    at = (np.arange(n) + 0.5) * dx
+    x, y = np.meshgrid(at, at)
+    return np.stack([x.ravel(), y.ravel(), np.zeros(n * n)], axis=1)
+
+
+def write_phase(path, frames, fields):
+    """frames: (time, positions); fields: name, unit, function of time and positions."""
+    counts = [len(x) for _, x in frames]
+    with h5py.File(path, "w") as file:
+        root = file.create_group("VTKHDF")
+        root["NumberOfPoints"], root["Points"] = counts, np.vstack([x for _, x in frames])
+        steps = root.create_group("Steps")
+        steps.attrs["NSteps"] = len(frames)
+        steps["Values"], steps["PointOffsets"] = [t for t, _ in frames], np.concatenate([[0], np.cumsum(counts)[:-1]]).astype(int)
+        data = root.create_group("PointData")
+        for name, unit, tell in fields:
+            data[name] = np.concatenate([tell(t, x) for t, x in frames])
+            data[name].attrs["unit"] = unit
+
+
+def write_run(folder, dry_start=False):
+    """Water whose pressure grows in time, over soil that is at rest: a square each."""
+    folder.mkdir(parents=True)
+    x = square()
+    pressure = ("pore_pressure", "Pa", lambda t, x: 1e3 * (1.0 + t) * x[:, 1])
+    volume = ("volume", "m2", lambda t, x: np.full(len(x), DX**2))
+    write_phase(folder / "fluid.vtkhdf", [(t, x[:0] if dry_start and t == 0.0 else x) for t in TIMES], [pressure, volume])
+    stress = ("effective_stress", "Pa", lambda t, x: np.outer(x[:, 1] - 0.4, np.array([0.5, 1.0, 0.5, 0.0, 0.0, 0.0])) * 1e4)
+    write_phase(folder / "solid.vtkhdf", [(t, x) for t in TIMES], [stress, volume])
+    rows = [f"{t},depth[{i}],{(1.0 + t) * (4 - i)},Pa" for t in TIMES for i in range(5)] + [f"{t},head,{0.1 * t},m" for t in TIMES]
+    (folder / "gauges.csv").write_text("time_s,gauge,value,unit\n" + "\n".join(rows) + "\n")
+
+
+CASE = """
+[case]
+title = "made"
+[[water_face]]
+discharge = [[0, 0], [2, 0.001]]
+[[gauge]]
+name = "depth"
+points = [[0.2, 0.0], [0.2, 0.1], [0.2, 0.2], [0.2, 0.3], [0.2, 0.4]]
+"""
+VERIFY = """
+[[run]]
+name = "whole"
+[[run]]
+name = "later"
+[[metric]]
+name = "profile"
+op = "l2"
+gauge = "depth"
+references = [12, 9, 6, 3, 0]
+[[metric]]
+name = "head"
+op = "value"
+gauge = "head"
+reference = 0.2
+[[figure]]
+name = "panels"
+title = "Made"
+kind = "fields"
+fields = ["fluid.pore_pressure", "effective_stress"]
+times = [0, 2]
+reference_csv = "reference/points.csv"
+[[figure]]
+name = "surface"
+kind = "outlines"
+times = [0, 2]
+points = [[0.1, 0.2], [0.2, 0.3]]
+[[figure]]
+name = "profile"
+kind = "profile"
+gauges = ["depth"]
+label = "pressure [Pa]"
+[[figure]]
+name = "history"
+kind = "history"
+gauges = ["head"]
+label = "head [m]"
+drive = "water_face.0.discharge"
+drive_label = "discharge [m2/s]"
+[[figure]]
+name = "of another run"
+kind = "history"
+runs = ["later"]
+gauges = ["head"]
+"""
+
+
+def write_case(folder):
+    """A case with figures, and what `poretwin verify` would have left of it."""
+    (folder / "case" / "reference").mkdir(parents=True)
+    (folder / "case" / "case.toml").write_text(CASE)
+    (folder / "case" / "verify.toml").write_text(VERIFY)
+    (folder / "case" / "reference" / "points.csv").write_text("# made\nt_s,x_m,y_m\n0,0.1,0.1\n2,0.2,0.2\n")
+    write_run(folder / "runs" / "whole")
+    (folder / "runs" / "whole" / "run.toml").write_text(f"case_file = \"{folder / 'case' / 'case.toml'}\"\noverrides = []\n")
+
+
+def drawn(*words, expect=0):
+    """What `poretwin plot WORDS` does; returns what it printed."""
+    out, err, status = io.StringIO(), io.StringIO(), 0
+    with mock.patch.object(sys, "argv", ["plot", *map(str, words)]), contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        try:
+            plot.main()
+        except SystemExit as end:
+            status = end.code if isinstance(end.code, int) else 1
+            err.write(str(end.code))
+    if status != expect:
+        raise AssertionError(f"{words}: {status}\n{out.getvalue()}{err.getvalue()}")
+    return out.getvalue() if expect == 0 else err.getvalue()
+
+
+def text_of(pdf):
+    """What the page of a PDF is drawn by."""
+    return b"".join(zlib.decompress(body) for body in re.findall(rb"/FlateDecode >>\s*stream\r?\n(.*?)\nendstream", pdf, re.DOTALL))
+
+
+class Folder(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.at = pathlib.Path(folder.name)
+
+
+class Figures(Folder):
+    def test_vector_figures_have_text_and_lines_as_such_and_particles_as_one_small_picture(self):
+        write_run(self.at / "run")
+        for kind in ("svg", "pdf"):
+            drawn(self.at / "run", "--phase", "fluid", "--field", "pore_pressure", "--format", kind)
+        svg = (self.at / "run/pictures/fluid_pore_pressure.svg").read_text()
+        self.assertGreater(svg.count("<path"), 20)  # letters, ticks, outline
+        self.assertIn("pore pressure", svg)  # told beside the letters' paths
+        self.assertLess(svg.count("<image"), 5)
+        pdf = (self.at / "run/pictures/fluid_pore_pressure.pdf").read_bytes()
+        self.assertNotIn(b"/Type3", pdf)
+        self.assertIn(b" Tj", text_of(pdf))
+        images = [int(width) for width in re.findall(rb"/Width (\d+)", pdf)]
+        # The square of particles is drawn 5 inches wide, with its surroundings: 300 dots an inch.
+        self.assertGreater(max(images), 1300)
+        for path in (self.at / "run/pictures").iterdir():
+            self.assertLess(path.stat().st_size, 3e5, path)
+
+    def test_a_figure_is_the_same_to_the_byte_when_it_is_drawn_again(self):
+        write_run(self.at / "run")
+        for kind in ("svg", "pdf"):  # which would hold the date, and names made up at random
+            for out in "ab":
+                drawn(self.at / "run", "--gauge", "head", "--format", kind, "--out", self.at / out)
+            self.assertEqual(*((self.at / out / f"gauge_head.{kind}").read_bytes() for out in "ab"), kind)
+
+    def test_many_particles_do_not_make_a_large_file(self):
+        # 10,000 whose values have nothing in common with their neighbours': the worst picture to compress.
+        n, dx = 100, 0.4 / 100
+        x = square(n, dx)
+        (self.at / "run").mkdir()
+        noise = np.random.default_rng(0).uniform(0, 1e3, len(x))
+        write_phase(self.at / "run/fluid.vtkhdf", [(0.0, x)], [("pore_pressure", "Pa", lambda t, x: noise),
+                                                              ("volume", "m2", lambda t, x: np.full(len(x), dx**2))])
+        drawn(self.at / "run", "--field", "pore_pressure", "--format", "pdf")
+        self.assertLess((self.at / "run/pictures/fluid_pore_pressure.pdf").stat().st_size, 2e6)
+
+    def test_frames_shown_together_have_one_range(self):
+        write_run(self.at / "run", dry_start=True)
+        frames = plot.Frames(self.at / "run" / "fluid.vtkhdf")
+        together = plot.Shown(frames, "fluid", "pore_pressure", [0, 1, 2])
+        self.assertEqual(together.steps, [1, 2])  # there is no water at first
+        alone = [plot.Shown(frames, "fluid", "pore_pressure", [step]) for step in (1, 2)]
+        top = 0.4 - 0.5 * DX
+        self.assertAlmostEqual(together.norm.vmax * together.factor, 3e3 * top, delta=1e-9)
+        self.assertAlmostEqual(together.norm.vmin * together.factor, 2e3 * 0.5 * DX, delta=1e-9)
+        self.assertAlmostEqual(alone[0].norm.vmax * alone[0].factor, 2e3 * top, delta=1e-9)
+        printed = drawn(self.at / "run", "--phase", "fluid", "--field", "pore_pressure", "--time", "0", "1", "2")
+        self.assertIn("fluid_pore_pressure_t0_t1_t2.png", printed)
+        self.assertIn("no particles at t = 0 s", printed)
+
+    def test_labels_are_symbols_with_short_units(self):
+        write_run(self.at / "run")
+        shown = plot.Shown(plot.Frames(self.at / "run" / "solid.vtkhdf"), "solid", "effective_stress", [0])
+        self.assertEqual(shown.label, r"effective stress $\sigma'_{yy}$ [kPa]")
+        self.assertEqual(style.label("fluid", "velocity", "| |"), r"speed of the water $|\mathbf{v}_w|$")
+        self.assertEqual(style.label("fluid", "velocity", "x"), "velocity of the water $v_{w,x}$")
+        self.assertEqual(style.label("solid", "of_another_solver"), "of another solver")
+        self.assertEqual(style.prefix(2500.0, "Pa"), (1e3, "kPa"))
+        self.assertEqual(style.unit("1"), "")
+
+
+class OfACase(Folder):
+    def test_the_figures_of_a_case_are_drawn_from_its_runs(self):
+        write_case(self.at)
+        printed = drawn(self.at / "runs", "--out", self.at / "out", "--format", "svg")
+        self.assertEqual({path.name for path in (self.at / "out").iterdir()}, {f"{n}.svg" for n in ("panels", "surface", "profile", "history")})
+        self.assertIn("of another run: not drawn: there is no run 'later'", printed)
+        history = (self.at / "out/history.svg").read_text()
+        for words in ("head [m]", "discharge [m2/s]", "reference"):
+            self.assertIn(words, history)
+        self.assertIn("pressure [Pa]", (self.at / "out/profile.svg").read_text())
+
+    def test_references_are_drawn_where_they_belong(self):
+        import figures
+        write_case(self.at)
+        style.use()
+        case = figures.Figures(self.at / "case", {"whole": self.at / "runs" / "whole"})
+        declared = {f["name"]: f for f in case.declared()}
+        lines = {tuple(map(tuple, np.column_stack(line.get_data()))) for line in case.profile(declared["profile"]).axes[0].get_lines()}
+        self.assertIn(((12.0, 0.0), (9.0, 0.1), (6.0, 0.2), (3.0, 0.3), (0.0, 0.4)), lines)  # as computed, and as it should be
+        history = case.history(declared["history"]).axes[0].get_lines()
+        self.assertIn((2.0, 0.2), {tuple(point) for line in history for point in np.column_stack(line.get_data())})
+        panels = case.fields(declared["panels"]).axes[:4]
+        points = [[tuple(line.get_xydata()[0]) for line in axes.get_lines()] for axes in panels]
+        self.assertEqual(points, [[(0.1, 0.1)]] * 2 + [[(0.2, 0.2)]] * 2)
+
+    def test_a_report_has_them(self):
+        write_case(self.at)
+        run = {"name": "whole", "folder": str(self.at / "runs/whole"), "figures": [], "windows": 1, "wall_s": 1, "cpu_s": 1, "particles": {}}
+        found = [{"case": "case", "folder": str(self.at / "case"), "source": "", "passed": True, "runs": [run], "metrics": []}]
+        (self.at / "found.json").write_text(json.dumps(found))
+        with mock.patch.object(sys, "argv", ["report", str(self.at / "found.json"), str(self.at / "page")]), contextlib.redirect_stdout(io.StringIO()):
+            report.main()
+        self.assertIn("![case_panels](pictures/case_panels.png)", (self.at / "page/validation.md").read_text())
+        self.assertTrue((self.at / "page/pictures/case_panels.png").exists())
+
+    def test_runs_without_figures_are_named(self):
+        write_case(self.at)
+        (self.at / "case/verify.toml").write_text('[[run]]\nname = "whole"\n')
+        self.assertIn("declares no [[figure]]; name one of the runs: whole", drawn(self.at / "runs", expect=1))
+
+
+class Animations(Folder):
+    def test_a_gif_has_every_frame_in_its_own_time(self):
+        from PIL import Image
+        write_run(self.at / "run", dry_start=True)
+        drawn(self.at / "run", "--animate", self.at / "a.gif")
+        with Image.open(self.at / "a.gif") as gif:
+            self.assertEqual(gif.n_frames, len(TIMES))
+            self.assertEqual(gif.info["duration"], 1000 // animate.RATE)
+            pictures = []
+            for k in range(gif.n_frames):
+                gif.seek(k)
+                pictures.append(np.asarray(gif.convert("RGB")).astype(int))
+        self.assertEqual(len({picture.shape for picture in pictures}), 1)
+        # Water appears, and its colours change with its pressure; the soil's do not.
+        soil = pictures[0].shape[1] // 2
+        self.assertGreater(np.abs(pictures[1] - pictures[0])[:, :soil].mean(), 5.0)
+        self.assertGreater(np.abs(pictures[2] - pictures[1])[:, :soil].max(axis=2).mean(), 5.0)
+
+    @unittest.skipIf(shutil.which("ffmpeg") is None, "install ffmpeg")
+    def test_a_video_has_every_frame(self):
+        write_run(self.at / "run")
+        drawn(self.at / "run", "--phase", "fluid", "--animate", self.at / "a.mp4")
+        told = subprocess.run(["ffprobe", "-v", "error", "-count_frames", "-show_entries", "stream=nb_read_frames,pix_fmt", "-of", "csv=p=0",
+                               self.at / "a.mp4"], capture_output=True, text=True, check=True).stdout
+        self.assertEqual(told.strip(), f"yuv420p,{len(TIMES)}")
+
+    def test_one_blow_does_not_take_the_colours_from_the_other_frames(self):
+        self.at.joinpath("run").mkdir()
+        blow = lambda t, x: np.where((t == 1.0) & (np.arange(len(x)) < 4), 1e6, 1e3 * x[:, 1])  # noqa: E731
+        write_phase(self.at / "run/fluid.vtkhdf", [(t, square()) for t in TIMES], [("pore_pressure", "Pa", blow)])
+        frames = plot.Frames(self.at / "run/fluid.vtkhdf")
+        whole = plot.Shown(frames, "fluid", "pore_pressure", [0, 1, 2])
+        self.assertEqual((whole.norm.vmax * whole.factor, whole.extend), (1e6, "neither"))
+        shown = plot.Shown(frames, "fluid", "pore_pressure", [0, 1, 2], animate.PIXELS, animate.RARE)
+        self.assertLess(shown.norm.vmax * shown.factor, 400.0)
+        self.assertIn(shown.extend, ("max", "both"))
+
+    def test_long_runs_are_thinned_with_both_ends(self):
+        for count in (1, 7, animate.MOST_FRAMES, 5000):
+            chosen = animate.chosen(count)
+            self.assertEqual(len(chosen), min(count, animate.MOST_FRAMES))
+            self.assertEqual((chosen[0], chosen[-1]), (0, count - 1))
+
+
+class Mistakes(Folder):
+    def test_what_is_wrong_is_said(self):
+        write_run(self.at / "run")
+        (self.at / "empty").mkdir()
+        run = self.at / "run"
+        water_only = self.at / "water"
+        shutil.copytree(run, water_only)
+        (water_only / "solid.vtkhdf").unlink()
+        unbegun = self.at / "unbegun"
+        unbegun.mkdir()
+        write_phase(unbegun / "fluid.vtkhdf", [(0.0, square())], [("pore_pressure", "Pa", lambda t, x: x[:, 0])])
+        with h5py.File(unbegun / "fluid.vtkhdf", "r+") as file:
+            file["VTKHDF/Steps"].attrs["NSteps"] = 0
+        for words, message, status in (
+                ([self.at / "nowhere"], "expected the folder of a run", 1),
+                ([run, "--format", "jpg"], "invalid choice: 'jpg'", 2),
+                ([run, "--animate", self.at / "a.avi"], "expected a name that ends in .gif or .mp4", 1),
+                ([run, "--animate", self.at / "a.gif", "--time", "1"], "--time does not go with --animate", 1),
+                ([run, "--field", "colour"], "no phase of .* has a field 'colour'", 1),
+                ([run, "--phase", "solid", "--field", "effective_stress_ab"], "no field 'effective_stress_ab'; there are: effective_stress", 1),
+                ([water_only, "--phase", "solid"], "solid.vtkhdf is not there; this run has: fluid", 1),
+                ([water_only, "--phase", "solid", "--animate", self.at / "a.gif"], "this run has: fluid", 1),
+                ([self.at / "empty", "--animate", self.at / "a.gif"], "neither fluid.vtkhdf nor solid.vtkhdf", 1),
+                ([unbegun, "--time", "1"], "no frame has been written yet", 1),
+                ([unbegun, "--animate", self.at / "a.gif"], "no frame has been written yet", 1)):
+            with self.subTest(message):
+                self.assertRegex(drawn(*words, expect=status), message)
+        # Without ffmpeg in the PATH its package is named, before anything is drawn.
+        with mock.patch.dict(os.environ, {"PATH": "/nowhere"}):
+            self.assertRegex(drawn(run, "--animate", self.at / "a.mp4", expect=1), "ffmpeg, of the package ffmpeg; or write a GIF")
+
+
+if __name__ == "__main__":
+    unittest.main()
