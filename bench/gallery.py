@@ -139,15 +139,21 @@ def main():
     store = GALLERY / "found.json"
     found = json.loads(store.read_text()) if store.exists() else {}
     wanted = [case for _, cases in groups() for case in cases if not a.page and (not a.cases or case["name"] in a.cases)]
+    failed = []
     with concurrent.futures.ThreadPoolExecutor(a.jobs) as jobs:
         running = {jobs.submit(make, case, a.poretwin, a.runs, a.draw): case["name"] for case in wanted}
         for done in concurrent.futures.as_completed(running):
             name = running[done]
-            found[name] = done.result()
+            try:
+                found[name] = done.result()
+            except (SystemExit, subprocess.CalledProcessError) as error:  # the others go on
+                failed.append(f"{name}: {error}")
+                continue
             print(f"{name}: {found[name]}", flush=True)
             store.write_text(json.dumps(dict(sorted(found.items())), indent=1) + "\n")
     (GALLERY / "README.md").write_text(page(found))
     print(GALLERY / "README.md")
+    return "\n".join(failed) or None
 
 
 if __name__ == "__main__":

@@ -67,7 +67,8 @@ class Gallery(unittest.TestCase):
                 case = pathlib.Path(words[2]).name
                 scene = tomllib.loads((SOURCE / "cases" / case / "case.toml").read_text())
                 for gauge in option(words, "--gauge"):
-                    self.assertIn(gauge, [g["name"] for g in scene["gauge"]], words)
+                    names = [g["name"] for g in scene["gauge"]]  # of a sum that is a vector plot takes a component
+                    self.assertTrue(gauge in names or gauge.rpartition("_")[0] in names, words)
             else:
                 case = words[2]
                 done = subprocess.run([PROGRAM, "check", *gallery.check_of(shlex.join(words))], cwd=SOURCE, capture_output=True, text=True)
