@@ -158,7 +158,7 @@ void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, con
 /// What drives water in at a column's foot: the water's pressure and the suction of the dry ground behind it [Pa].
 template <int D>
 double Fluid<D>::driving_pressure(const FaceColumn<D>& c) const {
-  const Soil* here = soil_at(scene_, to_point3<D>(c.foot + 0.25 * c.spacing * c.normal));
+  const Soil* here = soil_at(scene_, to_point3<D>(just_inside<D>(scene_, c.foot, c.normal, c.spacing)));
   return std::max(0.0, c.pressure + weight_.dot(c.foot - origin_)) +
          (here ? porous::specific_weight(scene_) * here->suction_head : 0.0);
 }
@@ -186,7 +186,7 @@ void Fluid<D>::wet_dry_ground(FaceColumn<D>& c, double interval) const {
 template <int D>
 InfiltrationSpeed Fluid<D>::infiltration_speed(const FaceColumn<D>& c) const {
   const double magnitude = weight_.norm();
-  const Soil* here = soil_at(scene_, to_point3<D>(c.foot + 0.25 * c.spacing * c.normal));
+  const Soil* here = soil_at(scene_, to_point3<D>(just_inside<D>(scene_, c.foot, c.normal, c.spacing)));
   if (!here) return {};
   const double gamma = porous::specific_weight(scene_), n = fillable_porosity(*here);
   const double total = driving_pressure(c);
@@ -391,8 +391,9 @@ void Fluid<D>::give_birth_and_delete(const SoilView<D>& view) {
     auto& c = state_.columns[i];
     while (c.wet && c.offset >= c.spacing) {  // several where some were given back
       c.offset -= c.spacing;
-      p.add(c.foot + c.offset * c.normal, c.speed * c.normal, c.mass, c.void_fraction, c.volume,
-            c.pressure + c.slope * c.offset);
+      const bool rigid = c.in_soil && !scene_.coupled();
+      p.add(rigid ? behind_face<D>(scene_, c.foot, c.normal, c.offset) : Vec<D>(c.foot + c.offset * c.normal),
+            c.speed * c.normal, c.mass, c.void_fraction, c.volume, c.pressure + c.slope * c.offset);
       crossed[i] += c.mass / density_;
       ++state_.counts.born;
     }

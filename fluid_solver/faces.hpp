@@ -56,6 +56,22 @@ struct InfiltrationSpeed {
   double gravity = 0.0;  ///< k/n times the share of gravity along the way in [m/s]
 };
 
+/// A point in the soil behind a place on its face, so deep inside or as deep as there is soil: near the toe of a slope
+/// the normal soon meets the base.
+template <int D>
+Vec<D> behind_face(const Case& scene, const Vec<D>& foot, const Vec<D>& normal, double depth) {
+  for (double share = 1.0; share > 1e-3; share *= 0.5)
+    if (const Vec<D> x = foot + share * depth * normal; soil_at(scene, to_point3<D>(x))) return x;
+  return foot + depth * normal;
+}
+
+/// Where the soil of a face is looked up: a quarter spacing inside. At the toe of a slope of two to one or flatter that
+/// deep would be below the base.
+template <int D>
+Vec<D> just_inside(const Case& scene, const Vec<D>& foot, const Vec<D>& normal, double spacing) {
+  return behind_face<D>(scene, foot, normal, 0.25 * spacing);
+}
+
 namespace detail {
 
 template <int D>
@@ -82,7 +98,7 @@ template <int D>
 void add_column(const Case& scene, int face, const Vec<D>& foot, const Vec<D>& normal, double area, double width,
                 std::vector<FaceColumn<D>>& columns) {
   const double dx = scene.fluid.particle_spacing;
-  const Vec<D> probe = foot + 0.25 * dx * normal;
+  const Vec<D> probe = just_inside<D>(scene, foot, normal, dx);
   const Soil* soil = soil_at(scene, to_point3<D>(probe));
   if (!soil && !in_scene<D>(scene, probe) && !scene.water_faces[static_cast<std::size_t>(face)].outlet) return;
   FaceColumn<D> c;

@@ -235,7 +235,7 @@ SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox, const Creep& creep) con
     VecArray<D> where = x;
     for_each_side_by_side(n, [&](std::size_t a) {
       if (auto& point = where[a]; !is_free(a) && !soil_at(scene_, to_point3<D>(point)))
-        if (const auto* c = nearest_column(point)) point = c->foot + 0.25 * c->spacing * c->normal;
+        if (const auto* c = nearest_column(point)) point = just_inside<D>(scene_, c->foot, c->normal, c->spacing);
     });
     auto view = rigid_soil<D>(scene_, where);
     if (scene_.fluid.drag_form != FluidCase::DragForm::pointwise) view.drag_form = smoothed_drag<D>(scene_, x);
@@ -291,7 +291,7 @@ WindowProblem<D> Fluid<D>::problem(double interval) const {
     in.face_slope.push_back(c.slope);
     in.face_holds.push_back(c.held);
     const Soil* before =
-        scene_.coupled() ? nullptr : soil_at(scene_, to_point3<D>(c.foot + 0.25 * c.spacing * c.normal));
+        scene_.coupled() ? nullptr : soil_at(scene_, to_point3<D>(just_inside<D>(scene_, c.foot, c.normal, c.spacing)));
     in.face_soil.push_back(before ? static_cast<int>(before - scene_.soils.data()) : -1);
   }
   return in;

@@ -115,6 +115,25 @@ TEST(Faces, ADrainPassesWhatItsThicknessDoes) {
   EXPECT_NEAR(flow.out / flow.in, 1.0, 0.005);
 }
 
+// A quarter spacing inside the last place on a flat slope is below its base; water that came out there in a window of an
+// hour was in no soil, fell for an hour, and was never caught again.
+TEST(Faces, FlatSlopesHaveColumnsDownToTheirToes) {
+  for (const double run : {1.0, 2.0, 3.0, 5.0}) {  // horizontal over vertical
+    Case scene = outlet_on_half_a_side(0.05);
+    scene.soils[0].shape.kind = Shape::Kind::polygon;
+    scene.soils[0].shape.points = {Point3(0.0, 0.0, 0.0), Point3(2.0 * run, 0.0, 0.0), Point3(run, 1.0, 0.0)};
+    scene.walls = {wall(line(0.0, 0.0, 2.0 * run, 0.0))};
+    scene.water_faces = {head_face(line(run, 1.0, 0.0, 0.0), 0.8), head_face(line(2.0 * run, 0.0, run, 1.0), 0.0)};
+    const auto columns = make_columns<2>(scene);
+    double length = 0.0;
+    for (const auto& c : columns) {
+      length += 2.0 * c.width;
+      EXPECT_TRUE(c.in_soil) << c.foot.transpose();
+    }
+    EXPECT_NEAR(length, 2.0 * std::hypot(1.0, run), 1e-9) << run;
+  }
+}
+
 // Where a wall goes on from a face, images and buffers fill what is behind them once, and the pairs that cross are the
 // same for both of their particles.
 TEST(Faces, BehindAWallThatEndsAtAFaceEverythingIsSeenOnce) {
