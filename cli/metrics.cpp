@@ -454,20 +454,21 @@ class Judge {
     const double before = series.value[i - 1] - limit(), now = series.value[i] - limit();
     return series.time[i - 1] + before / (before - now) * (series.time[i] - series.time[i - 1]);
   }
-  /// From the first upward passage of `limit` to the last. A swing goes below it by a fifth of its height above at
-  /// least: what trembles about it passes it more often.
+  /// From the first upward passage of `limit` to the last. A swing goes below it by a fifth of what it and the one
+  /// before depart by at least: what trembles about it passes it more often.
   [[nodiscard]] double period() const {
     constexpr double least = 0.2;
     const auto series = within_range(readings());
     std::vector<double> times;
-    double high = 0.0, low = 0.0;  // since the last passage
+    double most = 0.0, deepest = 0.0, most_before = 0.0;  // departures since the last passage and in the swing before
     for (std::size_t i = 1; i < series.value.size(); ++i) {
       const double before = series.value[i - 1] - limit(), now = series.value[i] - limit();
-      high = std::max(high, before);
-      low = std::min(low, before);
-      if (before >= 0.0 || now < 0.0 || -low < least * high) continue;
+      most = std::max(most, std::abs(before));
+      deepest = std::max(deepest, -before);
+      if (before >= 0.0 || now < 0.0 || deepest < least * std::max(most, most_before)) continue;
       times.push_back(passage(series, i));
-      high = low = 0.0;
+      most_before = std::exchange(most, 0.0);
+      deepest = 0.0;
     }
     if (times.size() < 2) throw Failure{fmt::format("gauge '{}' does not swing about {} twice", m_.gauge, limit())};
     return (times.back() - times.front()) / static_cast<double>(times.size() - 1);

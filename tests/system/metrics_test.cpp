@@ -260,7 +260,7 @@ TEST(Metrics, CrossingPeriodAndCounter) {
   m.limit = 1.0;
   EXPECT_NEAR(judge(m, wave, 0).value, 0.3, 1e-3);
   const Gauges trembling = sampled("g", [](double t) {
-    return 1.0 + std::cos(2.0 * 3.14159265358979 * t / 0.3) + 0.15 * std::sin(2.0 * 3.14159265358979 * t / 0.02);
+    return 1.0 + std::cos(2.0 * 3.14159265358979 * t / 0.3) + 0.15 * std::sin(2.0 * 3.14159265358979 * t / 0.007);
   });
   EXPECT_NEAR(judge(m, trembling, 0).value, 0.3, 0.02);
   EXPECT_FALSE(judge(m, ramp, 0).passed);
