@@ -123,9 +123,17 @@ void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::siz
   pair_up<D>(sources, particles.free(), particles.size(), range, n_parts, asleep, near.pairs);
 }
 
+/// Of soil that has yielded and holds zero-energy modes with a stiffness [Pa] up to a stress [Pa] of it.
+template <int D>
+double firmness_of_yielded(double stress, double stiffness) {
+  constexpr double most = 0.5 * (Node<D>::elastic - Node<D>::yielded);  // strain; less than of soil without bound
+  return Node<D>::yielded + (stress < most * stiffness ? stress / stiffness : stiffness > 0.0 ? most : 0.0);
+}
+
 template <int D>
 void fill_nodes(const Particles<D>& p, Neighbourhood<D>& near, const VecArray<D>& body, double flow_limit,
-                double bulk_viscosity, std::vector<Node<D>>& nodes) {
+                const Stabilisers& stabilisers, std::vector<Node<D>>& nodes) {
+  const double stiffness = stabilisers.stiffness * stabilisers.modulus;
   const std::size_t n = p.size();
   nodes.resize(n + near.images.size());
   for_rows(near.pairs, 0, n, [&](std::size_t i) {
@@ -135,15 +143,15 @@ void fill_nodes(const Particles<D>& p, Neighbourhood<D>& near, const VecArray<D>
     node.volume = p.volume[i];
     node.density = p.mass[i] / p.volume[i];
     double viscous = 0.0;
-    if (bulk_viscosity > 0.0 && p.rubbing[i] <= 0.0F) {
+    if (stabilisers.bulk > 0.0 && p.rubbing[i] <= 0.0F) {
       double share = 1.0;
       edge_stiffness<D>(node.upper.data(), share);
-      viscous = share * share * bulk_viscosity * node.density * node.gradient.trace();
+      viscous = share * share * stabilisers.bulk * node.density * node.gradient.trace();
     }
     node.flux.noalias() = (matrix_of<D>(p.stress[i]) + viscous * Mat<D>::Identity()) * node.correction();
-    node.firmness = p.plastic_strain[i] <= 0.0          ? Node<D>::elastic
-                    : p.plastic_strain[i] <= flow_limit ? Node<D>::yielded
-                                                        : Node<D>::flows;
+    node.firmness = p.plastic_strain[i] <= 0.0 ? Node<D>::elastic : Node<D>::flows;
+    if (p.plastic_strain[i] > 0.0 && p.plastic_strain[i] <= flow_limit)
+      node.firmness = firmness_of_yielded<D>(stabilisers.held * root_j2(p.stress[i]), stiffness);
     node.rubbing = static_cast<double>(p.rubbing[i]);
   });
   for (std::size_t k = 0; k < near.images.size(); ++k) {
@@ -195,9 +203,9 @@ template void build_neighbourhood<2>(const Boundaries<2>&, double, std::size_t, 
                                      std::span<const char>, Neighbourhood<2>&);
 template void build_neighbourhood<3>(const Boundaries<3>&, double, std::size_t, const Particles<3>&,
                                      std::span<const char>, Neighbourhood<3>&);
-template void fill_nodes<2>(const Particles<2>&, Neighbourhood<2>&, const VecArray<2>&, double, double,
+template void fill_nodes<2>(const Particles<2>&, Neighbourhood<2>&, const VecArray<2>&, double, const Stabilisers&,
                             std::vector<Node<2>>&);
-template void fill_nodes<3>(const Particles<3>&, Neighbourhood<3>&, const VecArray<3>&, double, double,
+template void fill_nodes<3>(const Particles<3>&, Neighbourhood<3>&, const VecArray<3>&, double, const Stabilisers&,
                             std::vector<Node<3>>&);
 template void fill_velocities<2>(const Particles<2>&, const Neighbourhood<2>&, std::vector<Node<2>>&);
 template void fill_velocities<3>(const Particles<3>&, const Neighbourhood<3>&, std::vector<Node<3>>&);

@@ -1,4 +1,5 @@
-// What keeps soil that flows regular: stress without noise, an even packing, a density that is that of the packing.
+// What keeps soil that flows regular: stress without noise, an even packing, a density that is that of the packing; and
+// the stress of soil that yields a little.
 // Averages and corrections in proportion to the strain only: no force that could brake, nothing where soil rests.
 #pragma once
 
@@ -7,7 +8,8 @@
 namespace poretwin::solid {
 
 /// Counts the time dt [s] of a substep; whenever waves have travelled three spacings, treats the soil that has flowed
-/// (plastic strain above setup.flow_limit). To be called between a step's motion and its forces.
+/// (plastic strain above setup.flow_limit), and the stress of soil that has yielded since, in proportion to how much it
+/// did, and of what lies beside it. To be called between a step's motion and its forces.
 ///   stress   half of what its neighbours' linear fields do not explain is averaged away
 ///   volume   a fifth towards its neighbours'; inside the soil a tenth towards the positions' own, sum V W = 1
 ///   packing  particles move down the gradient of crowding, in proportion to the shear strain; not at surfaces

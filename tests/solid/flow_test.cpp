@@ -264,5 +264,41 @@ TEST(RegularFlow, LeavesAloneWhatDoesNotFlowAndWhatIsLinear) {
   EXPECT_GT(left, 0.0);
 }
 
+TEST(RegularFlow, EvensOutStressWhereSoilYieldedALittleAndNothingElse) {
+  Case scene = layer(0.0, 0.0);
+  scene.soils[0].cohesion = 2000.0;  // the disturbance itself is within the cone
+  Solid<2> solid(scene);
+  const auto [setup, unused] = set_up<2>(scene);
+  State<2> state = solid.state();
+  auto& p = state.particles;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    const double linear = -1000.0 + 500.0 * p.position[i].y();
+    p.stress[i] << linear - 400.0, linear, linear, 0.0, 0.0, 0.0;
+    p.plastic_strain[i] = i < p.free() ? 0.005 : 0.0;
+  }
+  state.evened.assign(p.plastic_strain.begin(), p.plastic_strain.end());
+  const auto treat = [&](double since, bool disturbed) {
+    State<2> treated = state;
+    for (std::size_t i = 0; i < p.free(); ++i) treated.evened[i] -= static_cast<float>(since);
+    if (disturbed) treated.particles.stress[44][1] += 100.0;
+    keep_flow_regular<2>(setup, 1.0, treated);
+    EXPECT_EQ(treated.particles.volume, p.volume);
+    EXPECT_EQ(treated.particles.position, p.position);
+    return treated.particles.stress;
+  };
+  // What has yielded and rests is left alone, and a linear stress always.
+  EXPECT_EQ(treat(0.0, true)[44][1], p.stress[44][1] + 100.0);
+  const auto smooth = treat(1e-3, false);
+  for (std::size_t i = 0; i < p.size(); ++i) EXPECT_LT((smooth[i] - p.stress[i]).norm(), 1e-9 * 1000.0);
+  const auto left = [&](double since) { return treat(since, true)[44][1] - p.stress[44][1]; };
+  const double wholly = left(1e-3);
+  EXPECT_LT(wholly, 80.0);
+  EXPECT_GT(wholly, 0.0);
+  // In proportion to the plastic strain as long as that is small.
+  const double tenth = 100.0 - left(1e-6), fifth = 100.0 - left(2e-6);
+  EXPECT_GT(tenth, 0.1);
+  EXPECT_NEAR(fifth, 2.0 * tenth, 0.05 * fifth);
+}
+
 }  // namespace
 }  // namespace poretwin::solid::test

@@ -45,7 +45,7 @@ std::pair<Setup<D>, State<D>> jittered(ColumnSpec spec, double jitter) {
 template <int D>
 void set_velocity(const Setup<D>& setup, State<D>& state, const std::function<Vec<D>(const Vec<D>&)>& v) {
   for (std::size_t i = 0; i < state.particles.size(); ++i) state.particles.velocity[i] = v(state.particles.position[i]);
-  fill_nodes<D>(state.particles, state.near, state.body, setup.flow_limit, setup.stabilisers.bulk, state.nodes);
+  fill_nodes<D>(state.particles, state.near, state.body, setup.flow_limit, setup.stabilisers, state.nodes);
   velocity_gradient<D>(state.near.pairs, state.kernel, state.nodes);
 }
 
@@ -161,6 +161,7 @@ void expect_twin(ColumnSpec spec, std::size_t parts = 1) {
   auto [setup, state] = jittered<D>(spec, 0.1);
   setup.parts = parts;
   setup.stabilisers.quadratic = 1.0;
+  setup.stabilisers.held = 4.0;  // some pairs beyond it, some not
   rebuild(setup, state);
   std::mt19937_64 generator(11);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
