@@ -4,20 +4,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace poretwin::solid {
 namespace {
 
-constexpr double travel = 3.0;          // of waves between two treatments, at least, in spacings
-constexpr double steps = 3.5;           // between two, at least, of the longest: every fourth is one
-constexpr double stress_share = 0.5;    // of the neighbours' average
-constexpr double volume_share = 0.2;    // of the neighbours' average
-constexpr double packing_share = 0.1;   // of the error of sum V W
-constexpr double evening = 1.0;         // h^2 of motion per crowding and shear strain
-constexpr double longest_move = 0.05;   // in spacings
-constexpr double renewing = 0.1;        // shear strain in which a stress is evened out, over the elastic one, tau / G
-constexpr double yielding = 0.03;       // plastic strain in which one of soil that yielded a little is, over the same
+constexpr double travel = 3.0;         // of waves between two treatments, at least, in spacings
+constexpr double steps = 3.5;          // between two, at least, of the longest: every fourth is one
+constexpr double stress_share = 0.5;   // of the neighbours' average
+constexpr double volume_share = 0.2;   // of the neighbours' average
+constexpr double packing_share = 0.1;  // of the error of sum V W
+constexpr double evening = 1.0;        // h^2 of motion per crowding and shear strain
+constexpr double longest_move = 0.05;  // in spacings
+constexpr double renewing = 0.1;       // shear strain in which a stress is evened out, over the elastic one, tau / G
+// Of the stress that yielding has renewed, G times its plastic strain, as much is evened out at most: what that stirs
+// must die out, or soil would never rest (thirty was too much).
+constexpr double evened_out = 3.0;
 constexpr double surface = 0.25;        // |sum V grad W| h beyond which a particle lies at a surface (flat: 0.7)
 constexpr double dilatancy = 2.0;       // volumetric strain per shear strain and relative density
 constexpr double largest_strain = 0.1;  // between two treatments: loose particles see more
@@ -45,9 +46,8 @@ void see_what_yields(const Setup<D>& setup, State<D>& state) {
     state.evened[i] = strain;
     if (p.plastic_strain[i] > setup.flow_limit)
       flows[i] = 1.0;
-    else if (since > 0.0 && p.rubbing[i] <= 0.0F)
-      flows[i] = -std::min(1.0, since * setup.models[p.material[i]]->elasticity().shear /
-                                    (yielding * std::max(root_j2(p.stress[i]), std::numeric_limits<double>::min())));
+    else if (p.rubbing[i] <= 0.0F)
+      flows[i] = -evened_out * setup.models[p.material[i]]->elasticity().shear * since;
   }
 }
 
@@ -162,7 +162,8 @@ const Sums<Around<D>::size>* sum_neighbours(const State<D>& state, double h, Scr
               const bool flows = mine > 0.0;
               const Lanes yours = head[G::at_flows];
               if (mine == 0.0 && !any(yours < 0.0) && !(both && any(yours > 0.0))) return;
-              // What flows averages with what flows, other soil with other soil, as much as either yields.
+              // What flows averages with what flows, other soil with other soil: of a pair the most that either
+              // yielded.
               Lanes together = flows ? yours : -yours;
               if (!flows) raise_to(together, Lanes{} - mine);
               const LaneMask alike = flows ? yours > 0.0 : yours <= 0.0;
@@ -187,13 +188,21 @@ const Sums<Around<D>::size>* sum_neighbours(const State<D>& state, double h, Scr
               if (any(together > 0.0)) {
                 gather<G::at_stress, n_stress>(rows, other);
                 gather<G::at_slope, n_stress * D>(rows, slope);
+                Lanes unexplained[n_stress], size{};
+                for (std::size_t a = 0; a < n_stress; ++a) {
+                  unexplained[a] = other[a] - self[G::at_stress + a];
+                  for (std::size_t d = 0; d < D; ++d)
+                    unexplained[a] += 0.5 * (self[G::at_slope + n_stress * d + a] + slope[n_stress * d + a]) * r[d];
+                  size += unexplained[a] * unexplained[a];
+                }
+                if (!flows) {
+                  take_root(size);
+                  together = size > together ? together / size : together > 0.0 ? Lanes{} + 1.0 : Lanes{};
+                }
                 const Lanes weight = -k * together, they = weight * head[G::at_shown], me = weight * self[G::at_shown];
                 for (std::size_t a = 0; a < n_stress; ++a) {
-                  Lanes unexplained = other[a] - self[G::at_stress + a];
-                  for (std::size_t d = 0; d < D; ++d)
-                    unexplained += 0.5 * (self[G::at_slope + n_stress * d + a] + slope[n_stress * d + a]) * r[d];
-                  felt[a] = they * unexplained;
-                  theirs[a] = -me * unexplained;
+                  felt[a] = they * unexplained[a];
+                  theirs[a] = -me * unexplained[a];
                 }
                 felt[A::at_swelling] = they * (head[G::at_swollen] / self[G::at_swollen] - 1.0);
                 theirs[A::at_swelling] = me * (self[G::at_swollen] / head[G::at_swollen] - 1.0);

@@ -18,7 +18,7 @@ namespace poretwin::solid {
 struct Stabilisers {
   double zero_energy = 0.1;        ///< hg: viscosity on the part of the velocity that is not linear around a particle
   double stiffness = 0.1;          ///< the same on the displacement, of M
-  double held = 0.01;              ///< most of the stress of that stiffness in soil that has yielded, of root J2
+  double held = 0.003;             ///< most of the stress of that stiffness in soil that has yielded, of root J2
   double modulus = 0.0;            ///< Pa, M
   double artificial = 0.1;         ///< alpha of Monaghan's artificial viscosity
   double quadratic = 0.0;          ///< beta of the same

@@ -245,8 +245,8 @@ template <int D>
 struct Scratch {
   std::vector<Quad> sums;     ///< of whichever loop over pairs is at it
   std::vector<char> touches;  ///< slide_on_walls
-  ScalarArray flows;          ///< keep_flow_regular, as all below: 1 where soil flows; minus what of a stress has been
-                              ///< renewed where it yielded a little
+  ScalarArray flows;          ///< keep_flow_regular, as all below: 1 where soil flows; where it yielded a little minus
+                              ///< the stress [Pa] that may be evened out
   std::vector<Grain<D>> grains;
   /// n numbers of every one of `count` particles, all zero, until the next loop asks for its own.
   template <std::size_t n>
