@@ -31,22 +31,23 @@ constexpr double full_weight = 3.5;
 template <int D>
 constexpr int n_components = D == 2 ? 4 : 6;
 
-/// Tells Scratch::flows, and notes the plastic strains.
+/// Tells Scratch::flows; in equilibrium of soil that yields a little, too, whose plastic strains it notes.
 template <int D>
-void see_what_yields(const Setup<D>& setup, State<D>& state) {
+void see_what_yields(const Setup<D>& setup, bool in_equilibrium, State<D>& state) {
   const Particles<D>& p = state.particles;
   const std::size_t n = p.size();
   ScalarArray& flows = state.scratch.flows;
   flows.assign(n, 0.0);
   if (std::ranges::all_of(p.plastic_strain, [](double strain) { return strain <= 0.0; })) return;
+  for (std::size_t i = 0; i < n; ++i)
+    if (p.plastic_strain[i] > setup.flow_limit) flows[i] = 1.0;
+  if (!in_equilibrium) return;
   state.evened.resize(n, 0.0F);
   for (std::size_t i = 0; i < n; ++i) {
     const auto strain = static_cast<float>(p.plastic_strain[i]);
     const double since = static_cast<double>(strain - state.evened[i]);
     state.evened[i] = strain;
-    if (p.plastic_strain[i] > setup.flow_limit)
-      flows[i] = 1.0;
-    else if (p.rubbing[i] <= 0.0F)
+    if (flows[i] == 0.0 && p.rubbing[i] <= 0.0F)
       flows[i] = -evened_out * setup.models[p.material[i]]->elasticity().shear * since;
   }
 }
@@ -291,7 +292,7 @@ void even_out(const Setup<D>& setup, double interval, const State<D>& state, con
 }  // namespace
 
 template <int D>
-void keep_flow_regular(const Setup<D>& setup, double dt, State<D>& state) {
+void keep_flow_regular(const Setup<D>& setup, double dt, bool in_equilibrium, State<D>& state) {
   if (!setup.regular_flow) return;
   state.since_upkeep += dt;
   if (state.since_upkeep <
@@ -301,7 +302,7 @@ void keep_flow_regular(const Setup<D>& setup, double dt, State<D>& state) {
   state.since_upkeep = 0.0;
   Particles<D>& p = state.particles;
   Scratch<D>& scratch = state.scratch;
-  see_what_yields(setup, state);
+  see_what_yields(setup, in_equilibrium, state);
   const auto& flows = scratch.flows;
   if (std::ranges::all_of(flows, [](double f) { return f == 0.0; })) return;
   fill_grains<D>(state, scratch);
@@ -329,7 +330,7 @@ void keep_flow_regular(const Setup<D>& setup, double dt, State<D>& state) {
   });
 }
 
-template void keep_flow_regular<2>(const Setup<2>&, double, State<2>&);
-template void keep_flow_regular<3>(const Setup<3>&, double, State<3>&);
+template void keep_flow_regular<2>(const Setup<2>&, double, bool, State<2>&);
+template void keep_flow_regular<3>(const Setup<3>&, double, bool, State<3>&);
 
 }  // namespace poretwin::solid

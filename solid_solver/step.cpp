@@ -96,7 +96,7 @@ void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& 
   });
   rub_on_walls(setup, dt, state);
   deform(setup, dt, state);
-  keep_flow_regular(setup, dt, state);
+  keep_flow_regular(setup, dt, false, state);
   rebuild_if_moved(setup, state);
   evaluate_forces(setup, state);
 }
