@@ -56,7 +56,7 @@ Scheme scheme_of(const Case& scene) {
   const CouplingCase& c = scene.coupling;
   if (c.scheme == CouplingCase::Scheme::serial) return Serial{};
   if (c.scheme == CouplingCase::Scheme::parallel) return Parallel{};
-  if (scene.predicts()) return c.tolerance ? Settled{*c.tolerance} : Settled{};
+  if (scene.predicts()) return Settled{c.settled_below()};
   IterationSettings out;
   out.acceleration = AccelerationKind::none;
   if (c.tolerance) out.tolerance = *c.tolerance;

@@ -1,9 +1,9 @@
 // Temporal coupling: who advances when, with whose fields, and what happens when a window is refused.
 // Serial, fluid first: the fluid crosses the window with the solid's fields of its start, the solid with the fluid's
 // new ones. Parallel: both at the same time, each with the other's fields of its start. Iterated: serial, until the
-// solid's fields at the window's end are those that the fluid was given. Settled: serial, and again until the solid moves
-// as the fluid, which predicts it and learns from each pass what the last one found, reckoned.
-// docs/protocol.md shows the sequence.
+// solid's fields at the window's end are those that the fluid was given. Settled: serial, and again until the solid
+// moves as the fluid, which predicts it and learns from each pass what the last one found, reckoned. docs/protocol.md
+// shows the sequence.
 #pragma once
 
 #include "common/checkpoint/schedule.hpp"
@@ -46,7 +46,7 @@ struct ScheduleReport {
 struct Serial {};
 struct Parallel {};
 struct Settled {
-  double tolerance = 3e-3;  ///< of what the solid tells as `unsettled`
+  double tolerance = 0.0;  ///< of what the solid tells as `unsettled`
 };
 using Scheme = std::variant<Serial, Parallel, IterationSettings, Settled>;
 
@@ -57,8 +57,8 @@ class Schedule {
  public:
   /// `progress` may be empty.
   Schedule(Broker& broker, int dimension, WindowClock::Settings settings,
-           std::function<void(const Progress&)> progress = {}, Checkpoints checkpoints = {},
-           Scheme scheme = {}, Trace* trace = nullptr);
+           std::function<void(const Progress&)> progress = {}, Checkpoints checkpoints = {}, Scheme scheme = {},
+           Trace* trace = nullptr);
   ~Schedule();
   Schedule(const Schedule&) = delete;
   Schedule& operator=(const Schedule&) = delete;

@@ -57,13 +57,18 @@ ScalarArray Fluid<D>::passed() const {
   return sum;
 }
 
-/// Whether the flow through a column is told by the matrix of the pressure: where water creeps through one soil at
-/// rest. Elsewhere, where the skeleton or inertia carries part of it, the column moves as the water before it does.
-/// Measured with layers, lenses and drains of contrasts up to 1e3, told by the matrix: heads off by up to 68 % of their
-/// difference, as the packing's repair in one soil has to be borne by the other.
+/// Whether water creeps through a column into soil at rest, and its pressure is solved for.
+template <int D>
+bool Fluid<D>::creeps(const FaceColumn<D>& c) const {
+  return c.creeps && !scene_.coupled() && scene_.fluid.scheme == FluidCase::Scheme::projection;
+}
+
+/// Whether the flow through a column is told by the matrix of the pressure: where water creeps through soil at rest, of
+/// one conductivity or full. Elsewhere, where the skeleton or inertia carries part of it, the column moves as the water
+/// before it does.
 template <int D>
 bool Fluid<D>::is_told(const FaceColumn<D>& c) const {
-  return c.creeps && one_soil_ && !scene_.coupled() && scene_.fluid.scheme == FluidCase::Scheme::projection;
+  return creeps(c) && (one_soil_ || state_.full);
 }
 
 /// Counts water that comes in through a column, or goes out.
@@ -347,7 +352,7 @@ void Fluid<D>::give_birth_and_delete(const SoilView<D>& view) {
       if (d > -c.spacing) continue;
       keep[a] = false;
       any = true;
-      c.offset += c.spacing;
+      c.offset += c.spacing * p.mass[a] / c.mass;
       continue;
     }
     keep[a] = false;
@@ -357,7 +362,8 @@ void Fluid<D>::give_birth_and_delete(const SoilView<D>& view) {
   }
   // What the flow has taken out through a column is its outermost particle, wherever in the first spacing that stands:
   // beside a wall on which the face ends the velocity has no bound, and particles move more slowly than the flow. Where
-  // a column has none there left, its neighbour's goes.
+  // a column has none there left, its neighbour's goes. Distances are from half a spacing outside: rows may be that far
+  // ahead of the column, and from the foot itself the row behind them would be nearer.
   for (auto& c : state_.columns) {
     if (!is_told(c) || !c.wet || c.offset >= -deletion_depth * c.spacing) continue;
     std::size_t found = p.size();
@@ -366,7 +372,7 @@ void Fluid<D>::give_birth_and_delete(const SoilView<D>& view) {
       if (!keep[a] || nearest[a] < 0) continue;
       const auto& own = state_.columns[static_cast<std::size_t>(nearest[a])];
       if (own.face != c.face || own.inside(p.position[a]) >= outermost_within * own.spacing) continue;
-      const double distance = (p.position[a] - c.foot).norm();
+      const double distance = (p.position[a] - c.foot + 0.5 * c.spacing * c.normal).norm();
       if (found != p.size() && distance >= nearest_yet) continue;
       found = a;
       nearest_yet = distance;
@@ -383,7 +389,7 @@ void Fluid<D>::give_birth_and_delete(const SoilView<D>& view) {
   }
   for (std::size_t i = 0; i < state_.columns.size(); ++i) {
     auto& c = state_.columns[i];
-    if (c.wet && c.offset >= c.spacing) {
+    while (c.wet && c.offset >= c.spacing) {  // several where some were given back
       c.offset -= c.spacing;
       p.add(c.foot + c.offset * c.normal, c.speed * c.normal, c.mass, c.void_fraction, c.volume,
             c.pressure + c.slope * c.offset);

@@ -7,6 +7,7 @@
 #include "fluid_solver/drag_form.hpp"
 #include "fluid_solver/fluid.hpp"
 #include "fluid_solver/operators.hpp"
+#include "fluid_solver/packing.hpp"
 
 #include <fmt/format.h>
 
@@ -218,7 +219,7 @@ bool Fluid<D>::responds() const {
 }
 
 template <int D>
-SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox) const {
+SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox, const Creep& creep) const {
   const auto& x = state_.particles.position;
   const std::size_t n = x.size();
   // A particle of the soil's water about to enter or leave through its face still counts as in it; water that runs down
@@ -247,7 +248,7 @@ SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox) const {
   if (!state_.columns.empty())
     for (std::size_t a = 0; a < n; ++a)
       if (inbox.coverage[a] > 0.0 && !is_free(a) && nearest_column(x[a])) asymmetry[a] = 0.0;
-  auto view = mapped_soil<D>(scene_, inbox, asymmetry);
+  auto view = mapped_soil<D>(scene_, inbox, asymmetry, state_.particles.mask, creep);
   const auto& felt = computes_beside() ? state_.particles.felt : state_.particles.force;
   for (std::size_t a = 0; a < n; ++a)
     if (view.mask[a] > 0.0) view.force.set(a, view.force[a] - felt[a]);
@@ -289,6 +290,9 @@ WindowProblem<D> Fluid<D>::problem(double interval) const {
     in.face_pressure.push_back(c.pressure);
     in.face_slope.push_back(c.slope);
     in.face_holds.push_back(c.held);
+    const Soil* before =
+        scene_.coupled() ? nullptr : soil_at(scene_, to_point3<D>(c.foot + 0.25 * c.spacing * c.normal));
+    in.face_soil.push_back(before ? static_cast<int>(before - scene_.soils.data()) : -1);
   }
   return in;
 }
@@ -300,7 +304,7 @@ void Fluid<D>::mark_surface(Stencil<D>& s, std::span<double> rows, double share)
   // spacing at the end of a face is none: taken for a surface it would draw in what fills several.
   const bool closed =
       !state_.columns.empty() && p.size() > 0 && (state_.full || state_.time == 0.0) &&
-      std::all_of(state_.columns.begin(), state_.columns.end(), [&](const auto& c) { return is_told(c) && c.wet; }) &&
+      std::all_of(state_.columns.begin(), state_.columns.end(), [&](const auto& c) { return creeps(c) && c.wet; }) &&
       all_side_by_side(p.size(), [&](std::size_t a) { return p.mask[a] > 0.5; });
   const auto flags = find_surface<D>(s, p.seeps, rows, share, scene_.coupled(), closed && state_.full);
   s.forget_moments();
@@ -396,7 +400,7 @@ void Fluid<D>::tell_surface(const Stencil<D>& s, std::span<const Vec<D>> gradien
 template <int D>
 void Fluid<D>::initialise(const coupling::Inbox& inbox) {
   auto& p = state_.particles;
-  auto view = soil(inbox);
+  auto view = soil(inbox, {density_, creeping_speed(), true});  // no window yet: water has no past
   for (std::size_t a = 0; a < p.size(); ++a) {
     // The lattice's cells are the particles' bulk volumes; what water they hold follows from the soil as it is.
     p.void_fraction[a] = 1.0 - view.fraction[a];
@@ -429,7 +433,8 @@ bool Fluid<D>::all_creep(const SoilView<D>& view) const {
 /// Viscosity of the water itself, Eq. (76) as corrected, its pairs amplified as the pressure's are to be exact for a
 /// quadratic on average; a von Neumann-Richtmyer term on approaching pairs for impacts, of third order where the flow
 /// is smooth; and a viscosity on what is not linear in the neighbourhood, for the noise of single particles. All
-/// pairwise antisymmetric.
+/// pairwise antisymmetric among water that feels them. What slips past tight soil that moves is no noise: the dampings
+/// would drag free water along with the soil's, which the drag holds and which takes no impulse back.
 template <int D>
 VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& view,
                                       std::span<const Mat<D>> velocity_gradient, double interval) const {
@@ -448,9 +453,11 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
   // That of the scheme is a damping, not a property: nothing is gained by its being exact.
   const bool own = viscosity <= scene_.water.kinematic_viscosity;
   const VecArray<D> all = extended<D>(s, v, Carried::yes, no_slip_);
-  // Of a point: velocity, velocity gradient, smoothing length, amplification (0: does not count).
-  constexpr std::size_t at_gradient = D, at_length = at_gradient + D * D, at_amplified = at_length + 1;
-  PackedPoints<D, at_amplified + 1> points(s.size());
+  // Of a point: velocity, velocity gradient, smoothing length, amplification (0: does not count), whether moving soil
+  // takes it along.
+  constexpr std::size_t at_gradient = D, at_length = at_gradient + D * D, at_amplified = at_length + 1,
+                        at_carried = at_amplified + 1;
+  PackedPoints<D, at_carried + 1> points(s.size());
   for_each_side_by_side(s.size(), [&](std::size_t j) {
     const Index q = s.parent[j];
     const bool real = q < s.n_real;
@@ -466,8 +473,9 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
     Eigen::Map<Mat<D>>{row + D + at_gradient} = gradient;
     row[D + at_length] = s.length(j);
     row[D + at_amplified] = !real ? 0.0 : own ? s.amplification[q] : 1.0;
+    row[D + at_carried] = real && !own && damped[q] && state_.particles.seeps[q] == 0 ? 1.0 : 0.0;
   });
-  for_pairs_in_lanes<D, at_amplified + 1, D>(
+  for_pairs_in_lanes<D, at_carried + 1, D>(
       s, points,
       [&](std::size_t, const double* self, std::size_t m, const Lanes* w, const Lanes* point, Lanes* sums)
           __attribute__((always_inline)) {
@@ -488,7 +496,7 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
               for (std::size_t e = 0; e < D; ++e)
                 unexplained -= 0.5 * (self[at_gradient + d + D * e] + point[at_gradient + d + D * e]) * w[e];
               const Lanes part = shear * pull * (point[d] - self[d]) + noise * unexplained;
-              sums[d] += point[at_amplified] > 0.0 ? part : Lanes{};
+              sums[d] += point[at_amplified] > 0.0 && point[at_carried] == self[at_carried] ? part : Lanes{};
             }
           },
       [&](std::size_t a, const double* total) __attribute__((always_inline)) {
@@ -560,7 +568,8 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
   // alone evens the packing: pressure would only push on the grains.
   const bool open = !all_side_by_side(p.size(), [&](std::size_t a) { return p.surface[a] == Surface::interior; }) ||
                     std::any_of(state_.columns.begin(), state_.columns.end(), [](const auto& c) { return c.wet; });
-  const auto motion = open ? moved() : ScalarArray(p.size(), 0.0);
+  // Where all is full, nothing the pressure drives can even the points out: they are displaced (repair).
+  const auto motion = open && !state_.full ? moved() : ScalarArray(p.size(), 0.0);
   // The voids of torn water are no packing error.
   const bool torn = std::any_of(p.cavity.begin(), p.cavity.end(), [](double c) { return c > 0.0; });
   const auto voids_near = [&](std::size_t a) {
@@ -583,13 +592,6 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
       source[a] += std::clamp(0.5 * interval * (velocity_gradient[a] * velocity_gradient[a]).trace(), -0.2 / interval,
                               0.2 / interval);
   });
-  // Saturated soil at rest keeps its water: what is repaired there moves, and none of it comes or goes through a face.
-  // Disordered points have a sum V W above a lattice's, and water would be pressed out for ever.
-  if (state_.full) {
-    const double whole = sum_over(p.size(), [&](std::size_t a) { return p.volume[a]; });
-    const double made = sum_over(p.size(), [&](std::size_t a) { return p.volume[a] * source[a]; });
-    for_each_side_by_side(p.size(), [&](std::size_t a) { source[a] -= made / whole; });
-  }
   if (!responds() || state_.last_interval <= 0.0) return source;
   // The soil moved by its own account; what that squeezed beyond the prediction is made good no faster than it came:
   // after a long window, short ones take their share of it only.
@@ -610,6 +612,26 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
     p.volume_debt.set(a, p.volume_debt[a] + (debt - released * interval));
   }
   return source;
+}
+
+/// Saturated soil at rest keeps its water: what is repaired of the packing there moves, and none of it comes or goes
+/// through a face. Disordered points have a sum V W above a lattice's, and water would be pressed out for ever; and
+/// what a pressure would drive in one soil all others would have to bear.
+template <int D>
+VecArray<D> Fluid<D>::repair(const Stencil<D>& s, const SoilView<D>& view, double interval) const {
+  const auto& p = state_.particles;
+  if (!state_.full) return {};
+  const auto motion = moved();
+  ScalarArray share(p.size()), expansion(p.size());
+  for_each_side_by_side(p.size(), [&](std::size_t a) {
+    share[a] = motion[a] * interval / repair_time(a, view, interval);
+    expansion[a] = packing_error(s, a, s.fullness[a]);
+  });
+  const double all = sum_over(p.size(), [&](std::size_t a) { return p.volume[a] * share[a]; });
+  const double made = sum_over(p.size(), [&](std::size_t a) { return p.volume[a] * share[a] * expansion[a]; });
+  const double mean = all > 0.0 ? made / all : 0.0;
+  for_each_side_by_side(p.size(), [&](std::size_t a) { expansion[a] = share[a] * (expansion[a] - mean); });
+  return expand<D>(s, expansion);
 }
 
 /// Where the soil has moved otherwise than the last window reckoned, its water goes along, as (27) has it at the
@@ -668,11 +690,11 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   auto& p = state_.particles;
   const bool sweeps = scene_.fluid.scheme != FluidCase::Scheme::projection;
   const double dt = window.interval, asked = sweeps ? time_limit().first : dt;
-  auto view = soil(inbox);
+  const Creep creep{density_, creeping_speed(), dt > wave_interval()};
+  auto view = soil(inbox, creep);
   view.linearise(p.velocity, view.velocity);
   VecArray<D> velocity_before;
   if (scene_.coupled()) velocity_before = p.velocity;  // the soil's impulse changes it
-  const Creep creep{density_, creeping_speed(), dt > wave_interval()};
   for_each_side_by_side(p.size(), [&](std::size_t a) {
     p.void_fraction[a] = 1.0 - view.fraction[a];
     p.volume[a] = p.mass[a] / (p.void_fraction[a] * density_);
@@ -788,7 +810,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   limit_scheme(view);
   advance_columns(s, view, out, dt);
   push_pistons(0.5 * dt);
-  move(s, out, gradient, velocity_before, dt);
+  move(s, out, gradient, velocity_before, repair(s, view, dt), dt);
   if (faces_follow_) follow_soil(view);
   give_birth_and_delete(view);
   close_accounts();

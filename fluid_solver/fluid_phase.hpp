@@ -54,7 +54,7 @@ class Fluid final : public Phase {
   WindowSolution<D> solve(const Stencil<D>& s, SoilView<D>& view, const WindowProblem<D>& in);
   /// Finds the surface, whose thickness of rows enters `rows` by a share (find_surface).
   void mark_surface(Stencil<D>& s, std::span<double> rows, double share);
-  SoilView<D> soil(const coupling::Inbox& inbox) const;
+  SoilView<D> soil(const coupling::Inbox& inbox, const Creep& creep) const;
   Stencil<D> stencil() const;
   /// Velocity after what is explicit: shear stress of the water outside soil, and the central force. None: as it is.
   VecArray<D> forced_velocity(const Stencil<D>& s, const SoilView<D>& soil, std::span<const Mat<D>> velocity_gradient,
@@ -68,6 +68,8 @@ class Fluid final : public Phase {
   [[nodiscard]] double packing_error(const Stencil<D>& s, std::size_t a, double full) const;
   ScalarArray volume_source(const Stencil<D>& s, const SoilView<D>& soil, std::span<const Mat<D>> velocity_gradient,
                             double interval);
+  /// Displacements that repair the packing where no pressure does [m].
+  VecArray<D> repair(const Stencil<D>& s, const SoilView<D>& soil, double interval) const;
   ScalarArray moved() const;
   double free_repair_time(double spacing) const;
   double wave_interval() const;
@@ -80,7 +82,7 @@ class Fluid final : public Phase {
   void drift(double interval);
   void displace(std::size_t a, const Vec<D>& d, bool stop_at_walls);
   void move(const Stencil<D>& s, const WindowSolution<D>& solution, std::span<const Mat<D>> velocity_gradient,
-            std::span<const Vec<D>> velocity_before, double interval);
+            std::span<const Vec<D>> velocity_before, std::span<const Vec<D>> repair, double interval);
   void fill_basins(double time, double interval);
   /// Level of the still water behind a face [m].
   [[nodiscard]] double level_behind(int face, double time) const;
@@ -94,6 +96,7 @@ class Fluid final : public Phase {
   [[nodiscard]] Vec<D> wall_force() const;
   void advance_columns(const Stencil<D>& s, const SoilView<D>& soil, const WindowSolution<D>& solution,
                        double interval);
+  [[nodiscard]] bool creeps(const FaceColumn<D>& c) const;
   [[nodiscard]] bool is_told(const FaceColumn<D>& c) const;
   [[nodiscard]] double missing_water() const;
   void count(FaceColumn<D>& c, double volume);

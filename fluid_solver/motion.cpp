@@ -98,14 +98,15 @@ void Fluid<D>::displace(std::size_t a, const Vec<D>& d, bool stop_at_walls) {
 
 template <int D>
 void Fluid<D>::move(const Stencil<D>& s, const WindowSolution<D>& solution, std::span<const Mat<D>> velocity_gradient,
-                    std::span<const Vec<D>> velocity_before, double interval) {
+                    std::span<const Vec<D>> velocity_before, std::span<const Vec<D>> repair, double interval) {
   auto& p = state_.particles;
   auto motion = moved();
   for_each_side_by_side(p.size(), [&](std::size_t a) {
     const double spacing = spacing_of<D>(p.volume[a]);
     motion[a] *= std::min(1.0, p.velocity[a].norm() * interval / (0.02 * spacing));
   });
-  const auto shift = packing_displacements<D>(s, p.velocity, motion, p.surface, p.seeps, interval);
+  auto shift = packing_displacements<D>(s, p.velocity, motion, p.surface, p.seeps, interval, state_.full);
+  for_each_side_by_side(repair.size(), [&](std::size_t a) { shift[a] += repair[a]; });
   collide<D>(s, p.seeps, p.mass, p.velocity);
   for_each_side_by_side(p.size(), [&](std::size_t a) {
     Vec<D> d = interval * p.velocity[a];

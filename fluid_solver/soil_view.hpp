@@ -17,6 +17,7 @@ namespace poretwin::fluid {
 template <int D>
 struct SoilView {
   ScalarArray mask;         ///< [n] 1 inside soil, 0 in free water
+  std::vector<int> number;  ///< [n] of the soil in the case, -1: none; empty for soil that moves
   OrZero<double> coverage;  ///< [n] by the soil's points: 1 inside, 0 out of their reach; of soil that moves
   ScalarArray fraction;     ///< [n] n_s, the residual water of moist soil counted in
   std::vector<porous::Resistance> resistance;  ///< [n] none in free water; empty where `drag` says it all
@@ -83,6 +84,11 @@ struct Creep {
   double density = 0.0;      ///< kg/m3, of water
   double speed = 0.0;        ///< m/s, of soil that is as good as at rest
   bool long_window = false;  ///< longer than waves of free water on a surface take
+  /// Does soil that yields by this share, at this speed [m/s], move? In long windows it creeps from equilibrium to
+  /// equilibrium, and water seeps in and out.
+  [[nodiscard]] bool soil_moves(double yielding, double soil_speed) const {
+    return (yielding > 0.5 || soil_speed > speed) && !long_window;
+  }
 };
 
 /// Does water move through the soil there, as a front that creeps? Not where drag needs more than a spacing to stop it,
@@ -94,14 +100,23 @@ struct Creep {
 template <int D>
 bool seeps(const SoilView<D>& soil, std::size_t a, const Vec<D>& velocity, double spacing, const Creep& creep) {
   const double slip = (velocity - soil.velocity[a]).norm();
-  const bool moves = (soil.yielding[a] > 0.5 || soil.velocity[a].norm() > creep.speed) && !creep.long_window;
+  const bool moves = creep.soil_moves(soil.yielding[a], soil.velocity[a].norm());
   return soil.mask[a] > 0.5 && !moves && soil.drag[a] * spacing >= (1.0 - soil.fraction[a]) * creep.density * slip;
 }
 
 /// Asymmetry of the soil's points about a place, to soil membership: a ramp about its value on a flat edge, 0.47, flat
 /// below 0.31: disorder inside the soil (0.3 at most, for particles anywhere in their cells) does not change the
 /// porosity.
-inline double membership(double asymmetry) { return std::clamp((0.63 - asymmetry) / 0.32, 0.0, 1.0); }
+inline double membership_ramp(double asymmetry) { return (0.63 - asymmetry) / 0.32; }
+inline double membership(double asymmetry) { return std::clamp(membership_ramp(asymmetry), 0.0, 1.0); }
+
+/// That of water in or beside tight soil that moves, which had `before`: its water goes along, and what slips past its
+/// edge stays outside. The points of an edge are a staircase, over which the asymmetry swings as water passes; what
+/// membership follows of it is only what leaves the half width of the ramp to either side, a play.
+inline double membership(double asymmetry, double before) {
+  const double ramp = membership_ramp(asymmetry);
+  return std::clamp(before, std::clamp(2.0 * ramp - 1.0, 0.0, 1.0), std::clamp(2.0 * ramp, 0.0, 1.0));
+}
 
 /// What water can fill of soil that starts moist: n (1 - s_r0). The residual water moves with the grains.
 inline double fillable_porosity(const Soil& soil) { return soil.porosity * (1.0 - soil.initial_saturation); }
@@ -124,10 +139,12 @@ template <int D>
 SoilView<D> rigid_soil(const Case& scene, std::span<const Vec<D>> points) {
   SoilView<D> soil;
   soil.resize(points.size());
+  soil.number.assign(points.size(), -1);
   const double weight = porous::specific_weight(scene);
   for_each_side_by_side(points.size(), [&](std::size_t a) {
     const Soil* here = soil_at(scene, to_point3<D>(points[a]));
     if (!here) return;
+    soil.number[a] = static_cast<int>(here - scene.soils.data());
     soil.mask[a] = 1.0;
     const double fillable = fillable_porosity(*here);
     soil.fraction[a] = 1.0 - fillable;
@@ -139,9 +156,11 @@ SoilView<D> rigid_soil(const Case& scene, std::span<const Vec<D>> points) {
 }
 
 /// Soil of the other process, as mapped to the fluid particles; asymmetry [n]: that of the exchange, 0 where a particle
-/// counts as in the soil wherever any is in reach.
+/// counts as in the soil wherever any is in reach; before: [n] membership that is followed with play where tight soil
+/// moves.
 template <int D>
-SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::span<const double> asymmetry) {
+SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::span<const double> asymmetry,
+                        std::span<const double> before, const Creep& creep) {
   using namespace coupling;
   const std::size_t n = asymmetry.size();
   SoilView<D> soil;
@@ -167,8 +186,16 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::sp
   for (std::size_t a = 0; a < n; ++a) {
     soil.coverage.set(a, inbox.coverage[a]);
     soil.owed.set(a, vector(owed, a));
-    const double mask = inbox.coverage[a] > 0.0 ? membership(asymmetry[a]) : 0.0;
-    const double n_s = std::min(fraction[a], 1.0 - 1e-3) * mask;
+    const double whole = std::min(fraction[a], 1.0 - 1e-3);  // of the soil
+    const auto passes_by = [&] {
+      const bool moves = creep.soil_moves(yielding[a], vector(velocity, a).norm());
+      if (!moves || !scene.fluid.drag || !(conductivity[a] > 0.0)) return false;
+      const double n_w = 1.0 - whole, drag = porous::resistance(weight, n_w, {conductivity[a], quadratic[a]}).linear;
+      return !inertia_rules(n_w, scene.water.density, drag, scene.fluid.particle_spacing, scene.general.gravity.norm());
+    };
+    double mask = 0.0;
+    if (inbox.coverage[a] > 0.0) mask = passes_by() ? membership(asymmetry[a], before[a]) : membership(asymmetry[a]);
+    const double n_s = whole * mask;
     if (n_s < least_solid_fraction || !(conductivity[a] > 0.0)) continue;
     soil.velocity.set(a, vector(velocity, a));
     soil.mean_velocity.set(a, vector(mean_velocity, a));
@@ -185,8 +212,7 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::sp
     const double porosity = 1.0 - n_s;
     if (scene.fluid.drag)
       soil.resistance[a] = porous::resistance(
-          weight, porosity,
-          porous::carried_over({conductivity[a], quadratic[a]}, 1.0 - std::min(fraction[a], 1.0 - 1e-3), porosity));
+          weight, porosity, porous::carried_over({conductivity[a], quadratic[a]}, 1.0 - whole, porosity));
     soil.drag[a] = soil.resistance[a].linear;
   }
   return soil;

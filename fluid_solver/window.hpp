@@ -24,6 +24,7 @@ struct WindowProblem {
   ScalarArray face_pressure;              ///< [columns] piezometric, Pa
   ScalarArray face_slope;                 ///< [columns] of that along the face's normal, into the domain, so far, Pa/m
   std::vector<bool> face_holds;           ///< [columns] the soil
+  std::vector<int> face_soil;             ///< [columns] number in the case of the soil before them, at rest; -1: none
   double tolerance = 2e-5;                ///< of the pressure residual, relative, where no skeleton responds
   std::uint32_t fixed_soil = 0;           ///< boundaries that hold the soil, by bits
   int sweeps = 0;                         ///< explicit sweeps in place of the solve; 0: solve

@@ -131,8 +131,8 @@ double firmness_of_yielded(double stress, double stiffness) {
 }
 
 template <int D>
-void fill_nodes(const Particles<D>& p, Neighbourhood<D>& near, const VecArray<D>& body, double flow_limit,
-                const Stabilisers& stabilisers, std::vector<Node<D>>& nodes) {
+void fill_nodes(const Particles<D>& p, Neighbourhood<D>& near, const VecArray<D>& body, const OrZero<double>& backing,
+                double flow_limit, const Stabilisers& stabilisers, std::vector<Node<D>>& nodes) {
   const double stiffness = stabilisers.stiffness * stabilisers.modulus;
   const std::size_t n = p.size();
   nodes.resize(n + near.images.size());
@@ -142,13 +142,13 @@ void fill_nodes(const Particles<D>& p, Neighbourhood<D>& near, const VecArray<D>
     node.velocity = p.velocity[i];
     node.volume = p.volume[i];
     node.density = p.mass[i] / p.volume[i];
-    double viscous = 0.0;
+    double even = backing[i];
     if (stabilisers.bulk > 0.0 && p.rubbing[i] <= 0.0F) {
       double share = 1.0;
       edge_stiffness<D>(node.upper.data(), share);
-      viscous = share * share * stabilisers.bulk * node.density * node.gradient.trace();
+      even += share * share * stabilisers.bulk * node.density * node.gradient.trace();
     }
-    node.flux.noalias() = (matrix_of<D>(p.stress[i]) + viscous * Mat<D>::Identity()) * node.correction();
+    node.flux.noalias() = (matrix_of<D>(p.stress[i]) + even * Mat<D>::Identity()) * node.correction();
     node.firmness = p.plastic_strain[i] <= 0.0 ? Node<D>::elastic : Node<D>::flows;
     if (p.plastic_strain[i] > 0.0 && p.plastic_strain[i] <= flow_limit)
       node.firmness = firmness_of_yielded<D>(stabilisers.held * root_j2(p.stress[i]), stiffness);
@@ -203,10 +203,10 @@ template void build_neighbourhood<2>(const Boundaries<2>&, double, std::size_t, 
                                      std::span<const char>, Neighbourhood<2>&);
 template void build_neighbourhood<3>(const Boundaries<3>&, double, std::size_t, const Particles<3>&,
                                      std::span<const char>, Neighbourhood<3>&);
-template void fill_nodes<2>(const Particles<2>&, Neighbourhood<2>&, const VecArray<2>&, double, const Stabilisers&,
-                            std::vector<Node<2>>&);
-template void fill_nodes<3>(const Particles<3>&, Neighbourhood<3>&, const VecArray<3>&, double, const Stabilisers&,
-                            std::vector<Node<3>>&);
+template void fill_nodes<2>(const Particles<2>&, Neighbourhood<2>&, const VecArray<2>&, const OrZero<double>&, double,
+                            const Stabilisers&, std::vector<Node<2>>&);
+template void fill_nodes<3>(const Particles<3>&, Neighbourhood<3>&, const VecArray<3>&, const OrZero<double>&, double,
+                            const Stabilisers&, std::vector<Node<3>>&);
 template void fill_velocities<2>(const Particles<2>&, const Neighbourhood<2>&, std::vector<Node<2>>&);
 template void fill_velocities<3>(const Particles<3>&, const Neighbourhood<3>&, std::vector<Node<3>>&);
 

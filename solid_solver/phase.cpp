@@ -369,7 +369,8 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
 
   const bool rests = scene_.coupled() && !state_.motion.moving && interval > followed_window();
   const auto steps =
-      rests ? 1 : std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(interval / setup_.longest_substep - 1e-9)));
+      rests ? 1
+            : std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(interval / setup_.longest_substep - 1e-9)));
   const double dt = interval / static_cast<double>(steps);
   // The water answers to the soil's own motion: where the soil departs from the velocity that the fluid reckoned with,
   // the drag takes the water along while the pressure stays. Backward Euler of (27), the water eliminated, leaves the
@@ -383,10 +384,12 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   const bool tracks = !inbox.fields.empty();
   double dissipated = 0.0;              // J, by the drag
   VecArray<D> start, change_in_window;  // of the soil's velocity: as it is, and as the fluid reckons
+  std::vector<WaterAnswer> answers;     // of windows that are repeated
   ScalarArray goes_along(n, 1.0);       // share of the impedance that is the water's inertia
   if (tracks) {
     drive.tracking.assign(n, 0.0);
     drive.target.assign(n, Vec<D>::Zero());
+    if (rests && repeats_windows()) answers.resize(n);
     start = p.velocity;
     change_in_window.assign(n, Vec<D>::Zero());
   }
@@ -404,8 +407,13 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
       // What goes beyond the prediction of the last window, at the same time as the fluid, meets what the pressure
       // would hold against it, too, where water flows back as the grains come, n v_w = -n_s v_s: C / n^2 in all.
       z = setup_.inertia_share > 0.0 ? C / (n_w * n_w) : rests ? C : along;
+      if (!answers.empty()) {
+        answers[i] = answer_of({C, a, n_w, interval}, setup_.models[p.material[i]]->elasticity().constrained(),
+                               setup_.spacing, setup_.height);
+        z = answers[i].translation;
+      }
     }
-    const double inertia = rests ? 0.5 * R / interval : setup_.inertia_share * R / interval;
+    const double inertia = (answers.empty() && rests ? 0.5 : setup_.inertia_share) * R / interval;
     z += inertia;
     drive.tracking[i] = state_.external.coverage[i] * p.volume[i] * whole * z;
     goes_along[i] = rests && z > 0.0 ? along / z : 1.0;
@@ -432,7 +440,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   state_.any_yielded = false;
   if (rests) {
     wake_regions(setup_, state_);
-    return advance_at_rest(window, to, impulse, drive, goes_along, dissipated);
+    return advance_at_rest(window, to, impulse, drive, goes_along, answers, dissipated);
   }
 
   VecArray<D> displacement;
@@ -459,8 +467,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
     const double now = window.time + static_cast<double>(k) * dt;
     const bool starts = has_begun(next_start, now) && loaded_at >= 0.0;
     if (k == 0 || starts || varies || state_.rebuilds > loaded_rebuilds) {
-      if (!setup_.loads.empty())
-        drive.traction = load_forces<D>(setup_, state_, now + 1e-9 * std::abs(now));
+      if (!setup_.loads.empty()) drive.traction = load_forces<D>(setup_, state_, now + 1e-9 * std::abs(now));
       loaded_at = now;
       loaded_rebuilds = state_.rebuilds;
       next_start = next_load_after(now);
@@ -497,8 +504,8 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   const double slow = woken_by * reference_acceleration(setup_, state_, drive) / near_critical_damping(setup_);
   const bool hardly_moved = share_of_mass(p, [&](std::size_t i) { return p.velocity[i].norm() > slow; }) < local_share;
   if (tracks) dissipated += plastic_work(plastic_before);
-  const bool moves = (state_.any_yielded && !hardly_moved) ||
-                     inertia_matters({}, dissipated * long_window(setup_) / interval, slow);
+  const bool moves =
+      (state_.any_yielded && !hardly_moved) || inertia_matters({}, dissipated * long_window(setup_) / interval, slow);
   if (state_.motion.moving && state_.motion.calms(interval, !moves))
     fmt::print(stderr, "the soil is calm again at t = {:g} s\n", state_.time);
   else if (!state_.motion.moving && moves)
@@ -557,26 +564,45 @@ void Solid<D>::tell_yielding(std::span<const double> plastic_before, double inte
 }
 
 template <int D>
-double Solid<D>::unsettled(double interval, const Drive<D>& tracking, double reference) {
-  Particles<D>& p = state_.particles;
-  const std::size_t n = p.free();
-  const double height = setup_.height;
-  VecArray<D> velocity = p.velocity;
-  for (std::size_t i = 0; i < p.size(); ++i)
-    p.velocity[i] = tracking.tracking[i] > 0.0 ? Vec<D>(tracking.target[i] - velocity[i]) : Vec<D>(Vec<D>::Zero());
-  fill_velocities<D>(p, state_.near, state_.nodes);
+ScalarArray Solid<D>::dilation_of(VecArray<D> velocity) {
+  std::swap(state_.particles.velocity, velocity);
+  fill_velocities<D>(state_.particles, state_.near, state_.nodes);
   velocity_gradient<D>(state_.near.pairs, state_.kernel, state_.nodes);
+  std::swap(state_.particles.velocity, velocity);
+  ScalarArray rate(state_.particles.size());
+  for (std::size_t i = 0; i < rate.size(); ++i) rate[i] = state_.nodes[i].gradient.trace();
+  return rate;
+}
+
+template <int D>
+ScalarArray Solid<D>::predicted_strain(double interval, const Drive<D>& tracking) {
+  VecArray<D> velocity = state_.particles.velocity;
+  for (std::size_t i = 0; i < velocity.size(); ++i)
+    if (tracking.tracking[i] > 0.0) velocity[i] = tracking.target[i];
+  ScalarArray strain = dilation_of(std::move(velocity));
+  for (double& e : strain) e *= interval;
+  return strain;
+}
+
+template <int D>
+double Solid<D>::unsettled(double interval, const Drive<D>& tracking, std::span<const WaterAnswer> answers,
+                           double reference) {
+  const Particles<D>& p = state_.particles;
+  const double height = setup_.height;
+  VecArray<D> departure(p.size(), Vec<D>::Zero());
+  for (std::size_t i = 0; i < p.size(); ++i)
+    if (tracking.tracking[i] > 0.0) departure[i] = tracking.target[i] - p.velocity[i];
+  const ScalarArray dilation = dilation_of(departure);
   std::vector<std::pair<double, double>> squares;  // and masses
-  for (std::size_t i = 0; i < n; ++i) {
+  for (std::size_t i = 0; i < p.free(); ++i) {
     if (tracking.tracking[i] <= 0.0) continue;
-    const double stiff = interval * setup_.models[p.material[i]]->elasticity().constrained() / (height * height);
-    const double drag = tracking.tracking[i] / p.volume[i], R = p.mass[i] / p.volume[i];
-    const double answer = stiff * drag / (stiff + drag);
-    const double slip = p.velocity[i].norm(), strain = state_.nodes[i].gradient.norm();
-    const double force = (answer + R / interval) * slip + answer * height * strain;
+    const WaterAnswer& answer = answers[i];
+    const double R = p.mass[i] / p.volume[i];
+    const double translation = R / interval + std::min(answer.pressure, answer.translation);
+    const double pressure = std::max(answer.pressure * height, answer.dilation * interval / height);
+    const double force = translation * departure[i].norm() + pressure * std::abs(dilation[i]);
     squares.emplace_back(std::pow(force / (R * reference), 2), p.mass[i]);
   }
-  p.velocity = std::move(velocity);
   // Of all but a local part, which the search for equilibrium leaves to creep, too.
   std::sort(squares.begin(), squares.end());
   squares.resize(squares.size() - static_cast<std::size_t>(local_share * static_cast<double>(squares.size())));
@@ -609,7 +635,7 @@ const Stiffness<D>& Solid<D>::stiffness_with(const ScalarArray& resistance) {
 template <int D>
 Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gradient, const OrZero<double>& impulse,
                                   const Drive<D>& tracking, std::span<const double> goes_along,
-                                  double dissipated) {
+                                  std::span<const WaterAnswer> answers, double dissipated) {
   Particles<D>& p = state_.particles;
   const std::size_t n = p.size();
   const double interval = window.interval, end = window.time + interval;
@@ -617,11 +643,17 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
   const Vec<D> from_outside = state_.from_outside;  // what the search tries does not count
   const ScalarArray plastic_before = p.plastic_strain;
   VecArray<D> standing(n);
+  // What holds dilation back: a modulus times what the volume's strain departs by from the predicted one.
+  const ScalarArray volume = answers.empty() ? ScalarArray() : p.volume;
+  const ScalarArray strain_due = answers.empty() ? ScalarArray() : predicted_strain(interval, tracking);
   auto external = [&](Drive<D>& drive, bool rebuilt) {
-    if (rebuilt && !setup_.loads.empty())
-      drive.traction = load_forces<D>(setup_, state_, end - 1e-9 * std::abs(end));
+    if (rebuilt && !setup_.loads.empty()) drive.traction = load_forces<D>(setup_, state_, end - 1e-9 * std::abs(end));
     for (std::size_t i = 0; i < n; ++i) {
       const Vec<D> mean = (p.displacement[i] - start[i]) / interval;
+      if (!answers.empty()) {
+        const double strain = p.volume[i] / volume[i] - 1.0;
+        state_.backing.set(i, state_.external.coverage[i] * answers[i].dilation * (strain - strain_due[i]), n);
+      }
       drive.distributed.set(i,
                             standing[i] + p.mass[i] / interval * (velocity[i] - mean) +
                                 tracking.tracking[i] * (tracking.target[i] - mean),
@@ -633,6 +665,7 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
   external(drive, true);
   if (!cannot_yield()) drive.distributed = standing;
   for (auto& v : p.velocity) v.setZero();
+  if (!answers.empty()) evaluate_forces(setup_, state_);
   ScalarArray resistance(p.free());
   for (std::size_t i = 0; i < p.free(); ++i) resistance[i] = (p.mass[i] / interval + tracking.tracking[i]) / interval;
   const Stiffness<D>& stiffness = stiffness_with(resistance);
@@ -641,7 +674,7 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
           ? departure(setup_, stiffness, state_, drive) <= elastic_error
           : !softened(setup_, state_) &&
                 unrest(setup_, state_, drive, reference_acceleration(setup_, state_, drive)).largest <= let_be;
-  bool moved = false;
+  bool moved = false, evaluate = !answers.empty();  // forces, once the search is over
   if (!asleep) {
     const EquilibriumSearch search{cannot_yield() ? 0.2 * elastic_error : plastic_error, local_share, woken_by};
     RestReport report = find_equilibrium(setup_, stiffness, search, interval, state_, external);
@@ -673,13 +706,15 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
     state_.sleep.saturation = state_.external.saturation;
     moved = report.steps > 0;
     if (moved) keep_flow_regular(setup_, interval, true, state_);
-    if (rebuild_if_moved(setup_, state_) || moved) evaluate_forces(setup_, state_);
+    evaluate = rebuild_if_moved(setup_, state_) || moved || evaluate;
     state_.motion.steps += static_cast<double>(report.steps);
     (moved ? state_.motion.relaxed : state_.motion.at_rest) += 1.0;
     state_.motion.patience = 0.0;
   } else {
     state_.motion.at_rest += 1.0;
   }
+  state_.backing = {};
+  if (evaluate) evaluate_forces(setup_, state_);
   for (std::size_t i = 0; i < n; ++i) {
     p.velocity[i] = (p.displacement[i] - start[i]) / interval;
     if (!asleep)
@@ -692,7 +727,13 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
   double work = dissipated + plastic_work(plastic_before);  // with that of the stress
   for (std::size_t i = 0; i < p.free() && moved; ++i)
     work += std::abs(p.volume[i] * state_.force[i].internal().dot(p.displacement[i] - start[i]));
-  if (inertia_matters(velocity, work, slow)) {
+  if (!answers.empty()) {
+    unsettled_ = unsettled(interval, tracking, answers, reference_acceleration(setup_, state_, drive));
+    found_ = p.velocity;
+  }
+  // What a pass leaves to the next one is no motion of the soil's own.
+  const bool settled = answers.empty() || unsettled_ <= scene_.coupling.settled_below();
+  if (settled && inertia_matters(velocity, work, slow)) {
     for (auto* s : {&state_, &saved_}) s->motion.begins(long_window(setup_));
     return Outcome::reject(followed_window(), "the soil moves: inertia matters");
   }
@@ -701,10 +742,6 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
   state_.motion.longest =
       std::min(std::max(state_.motion.longest, 1.25 * interval), std::max(by_shear, 4.0 * long_window(setup_)));
   state_.mean_velocity = p.velocity;
-  if (scene_.predicts() && scene_.coupling.scheme == CouplingCase::Scheme::iterated) {
-    unsettled_ = unsettled(interval, tracking, reference_acceleration(setup_, state_, drive));
-    found_ = p.velocity;
-  }
   state_.from_outside = from_outside;
   if (setup_.counts_impulses) state_.from_outside += interval * force_from_outside(setup_, state_, drive);
   const double told = drained_share(interval);
@@ -732,8 +769,7 @@ std::pair<double, std::string> Solid<D>::proposal() const {
   double alone = scene_.coupled() ? no_limit : substeps_alone * setup_.longest_substep;
   if (!scene_.coupled() && scene_.output.gauge_interval > 0.0) alone = std::min(alone, scene_.output.gauge_interval);
   apply(alone, "soil alone: gauges and prescribed water are seen between windows");
-  if ((state_.any_yielded && !scene_.coupled()) || state_.motion.moving)
-    apply(followed_window(), "the soil moves");
+  if ((state_.any_yielded && !scene_.coupled()) || state_.motion.moving) apply(followed_window(), "the soil moves");
   if (!state_.motion.moving) apply(state_.motion.longest, "the soil creeps");
   return limit;
 }

@@ -5,6 +5,7 @@
 #include "common/porous/seepage.hpp"
 #include "solid_solver/equilibrium.hpp"
 #include "solid_solver/setup.hpp"
+#include "solid_solver/water_answer.hpp"
 
 namespace poretwin::solid {
 
@@ -50,6 +51,9 @@ class Solid final : public Phase {
   /// Coverage and pressure [Pa] of the water at the soil's points: from the partner, or from the case for soil alone.
   OrZero<double> take_pressure(const coupling::Inbox& inbox, double time);
   [[nodiscard]] bool cannot_yield() const { return scene_.solid.model == SolidCase::Model::elastic; }
+  [[nodiscard]] bool repeats_windows() const {
+    return scene_.predicts() && scene_.coupling.scheme == CouplingCase::Scheme::iterated;
+  }
   [[nodiscard]] bool water_is_prescribed() const { return !scene_.pore_pressures.empty(); }
   /// Force [N] of the pore water on particle i: buoyancy -n_s grad p; of water that the case prescribes also the drag.
   [[nodiscard]] Vec<D> water_force(std::size_t i, const Vec<D>& pressure_gradient) const;
@@ -78,11 +82,12 @@ class Solid final : public Phase {
   /// m (u/Dt - v)/Dt = forces(u) + V Z (v_s' - u/Dt) for the displacement u. Rejects the window where there is none.
   coupling::Outcome advance_at_rest(const coupling::Window& window, const OrZero<Vec<D>>& gradient,
                                     const OrZero<double>& impulse, const Drive<D>& tracking,
-                                    std::span<const double> goes_along, double dissipated);
+                                    std::span<const double> goes_along, std::span<const WaterAnswer> answers,
+                                    double dissipated);
   /// Windows up to this follow the waves in the soil; in longer ones it is led from equilibrium to equilibrium [s].
   [[nodiscard]] double followed_window() const;
-  /// Whether the soil's motion, or what it changed by since `before` (none: all of it) [m/s], holds a noticeable part of
-  /// the energy dissipated meanwhile [J], and more than creep at a speed [m/s] would.
+  /// Whether the soil's motion, or what it changed by since `before` (none: all of it) [m/s], holds a noticeable part
+  /// of the energy dissipated meanwhile [J], and more than creep at a speed [m/s] would.
   [[nodiscard]] bool inertia_matters(std::span<const Vec<D>> before, double dissipated, double slow) const;
   /// Work of the stress on the plastic shear since `plastic_before` [J].
   [[nodiscard]] double plastic_work(std::span<const double> plastic_before) const;
@@ -95,7 +100,12 @@ class Solid final : public Phase {
   void tell_yielding(std::span<const double> plastic_before, double interval, double told);
   /// How far the soil's motion in a window departs from the predicted one: the force that the pressure would answer
   /// with, less where it drains, over the weight (rms).
-  [[nodiscard]] double unsettled(double interval, const Drive<D>& tracking, double reference);
+  [[nodiscard]] double unsettled(double interval, const Drive<D>& tracking, std::span<const WaterAnswer> answers,
+                                 double reference);
+  /// Strain of every particle's volume in a window of the predicted motion.
+  [[nodiscard]] ScalarArray predicted_strain(double interval, const Drive<D>& tracking);
+  /// Rate at which these velocities of the particles [m/s] change their volumes [1/s].
+  [[nodiscard]] ScalarArray dilation_of(VecArray<D> velocity);
   /// The soil's stiffness with the resistance that a window adds [N/m]: the last one, where it serves.
   const Stiffness<D>& stiffness_with(const ScalarArray& resistance);
 
@@ -105,7 +115,7 @@ class Solid final : public Phase {
   RestReport rest_;
   VecArray<D> found_;       ///< m/s, mean velocity that the last pass through the present window found
   double unsettled_ = 0.0;  ///< of the last window: Publication::unsettled
-  VecArray<D> lattice_;  ///< m, the particles of coupled soil as they were laid
+  VecArray<D> lattice_;     ///< m, the particles of coupled soil as they were laid
   std::unique_ptr<Stiffness<D>> stiffness_;
   mutable Standing standing_;
 };

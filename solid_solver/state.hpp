@@ -274,6 +274,7 @@ struct State {
   Kernels kernel;               ///< at the current positions
   VecArray<D> body;             ///< N/m3, all distributed forces that act now: weight, water; not tractions
   std::vector<Force<D>> force;  ///< of the current state; zero on held particles
+  OrZero<double> backing;       ///< Pa, even in all directions, which the forces count beside the effective stress
   External<D> external;
   OrZero<Vec<D>> mean_velocity;      ///< m/s over the last window, of coupled soil
   OrZero<Vec<D>> returned_impulse;   ///< N s, last window

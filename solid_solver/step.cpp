@@ -24,14 +24,15 @@ void rebuild_lists(const Setup<D>& setup, State<D>& state) {
   build_neighbourhood<D>(setup.boundaries, setup.range(), setup.parts, p, state.regions.asleep, state.near);
   state.rebuilds += 1.0;
   if (state.near.pairs.skipped.empty()) return;
-  fill_nodes<D>(p, state.near, state.body, setup.flow_limit, setup.stabilisers, state.nodes);
+  fill_nodes<D>(p, state.near, state.body, state.backing, setup.flow_limit, setup.stabilisers, state.nodes);
   pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, 0, state.kernel);
 }
 
 template <int D>
 void rebuild(const Setup<D>& setup, State<D>& state) {
   rebuild_lists(setup, state);
-  fill_nodes<D>(state.particles, state.near, state.body, setup.flow_limit, setup.stabilisers, state.nodes);
+  fill_nodes<D>(state.particles, state.near, state.body, state.backing, setup.flow_limit, setup.stabilisers,
+                state.nodes);
   pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, 0, state.kernel);
   velocity_gradient<D>(state.near.pairs, state.kernel, state.nodes);
 }
@@ -46,7 +47,8 @@ bool rebuild_if_moved(const Setup<D>& setup, State<D>& state) {
 template <int D>
 void evaluate_forces(const Setup<D>& setup, State<D>& state) {
   const std::size_t n_free = state.particles.free();
-  fill_nodes<D>(state.particles, state.near, state.body, setup.flow_limit, setup.stabilisers, state.nodes);
+  fill_nodes<D>(state.particles, state.near, state.body, state.backing, setup.flow_limit, setup.stabilisers,
+                state.nodes);
   internal_force<D>(state.nodes, state.near, state.particles.displacement, n_free, setup.smoothing_length,
                     setup.stabilisers, state.kernel, state.force);
   pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, n_free, state.kernel);
@@ -156,8 +158,7 @@ VecArray<D> load_forces(const Setup<D>& setup, const State<D>& state, double tim
     if (time < patch.start) continue;
     if (q.empty()) q = surface_vectors<D>(state);
     const Vec<D> traction = patch.scale * (patch.factor ? patch.factor->at(time) : 1.0) * patch.traction;
-    for (const Index i : patch.particles)
-      force[i] += (state.particles.volume[i] * patch.normal.dot(q[i])) * traction;
+    for (const Index i : patch.particles) force[i] += (state.particles.volume[i] * patch.normal.dot(q[i])) * traction;
   }
   return force;
 }

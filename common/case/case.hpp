@@ -189,7 +189,7 @@ struct SolidCase {
   Point3 offset{0.5, 0.5, 0.5};
   double jitter = 0.0;
   unsigned seed = 2;
-  bool initial_rest = true;  ///< find the rest under gravity, water and standing loads before time zero
+  bool initial_rest = true;      ///< find the rest under gravity, water and standing loads before time zero
   bool initial_seepage = false;  ///< that rest bears the seepage force of the water's steady flow, not buoyancy alone
   PressureGradient pressure_gradient = PressureGradient::difference;
   double strength_reduction = 1.0;     ///< cohesion and tan(friction) are divided by it
@@ -213,6 +213,9 @@ struct CouplingCase {
   Acceleration acceleration = Acceleration::quasi_newton;  ///< of the iterated scheme
   std::optional<double> tolerance;                         ///< of the iterated scheme; absent: its own
   bool keep_points = true;                                 ///< points that have not moved are not sent again
+  /// Where the fluid predicts the skeleton's motion: what a window may leave open of the soil's balance, over the
+  /// weight.
+  [[nodiscard]] double settled_below() const { return tolerance.value_or(3e-3); }
 };
 
 /// [output]

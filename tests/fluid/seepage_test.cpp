@@ -241,6 +241,15 @@ TEST(Seepage, AFrontIsRightFromItsFirstSpacingOn) {
   }
 }
 
+/// What a gauge of volume gains between two instants of a run from its start, over the time between them.
+double mean_flow(Fluid<2>& fluid, const char* gauge, double from, double to) {
+  double time = 0.0;
+  run_to(fluid, time, from);
+  const double before = reading(fluid, gauge);
+  run_to(fluid, time, to);
+  return (reading(fluid, gauge) - before) / (to - from);
+}
+
 TEST(Seepage, WaterEndsAtASeepageFace) {
   // Level flow to a face without water behind it, where rows of particles go out one by one: Darcy over the full
   // length.
@@ -257,11 +266,7 @@ TEST(Seepage, WaterEndsAtASeepageFace) {
   scene.gauges = {in};
   Fluid<2> fluid(scene);
   fluid.initialise({});
-  double time = 0.0;
-  run_to(fluid, time, 1000.0);
-  const double before = reading(fluid, "passed_volume");
-  run_to(fluid, time, 3000.0);
-  EXPECT_NEAR((reading(fluid, "passed_volume") - before) / 2000.0 / 1.1e-5, 1.0, 1e-3);
+  EXPECT_NEAR(mean_flow(fluid, "passed_volume", 1000.0, 3000.0) / 1.1e-5, 1.0, 1e-3);
 }
 
 /// Two soils, ten times apart in conductivity, between two reservoirs and under a lid, side by side or one behind the
@@ -324,6 +329,35 @@ TEST(Seepage, SoilsInSeriesAndSideBySide) {
   }
 }
 
+// Water that comes into a soil of less porosity goes faster, and its points are stretched along the flow by 4/3. Pairs
+// whose moment is right on average of all directions only conduct 2.0 % too little there (0.9 % of the whole).
+TEST(Seepage, PointsStretchedPastABorderOfPorositiesConductTheSame) {
+  Case scene = two_soils(false, 0.01, 0.0);
+  scene.soils[1].hydraulic_conductivity = 1e-3;
+  Fluid<2> fluid(scene);
+  fluid.initialise({});
+  EXPECT_NEAR(mean_flow(fluid, "left", 180.0, 300.0) / 5e-5, 1.0, 0.003);
+}
+
+// The row that goes is the outermost: stretched rows are ahead of their columns, and where the one behind, nearer to
+// the face, went, the gap let a quarter pass for a window.
+TEST(Seepage, RowsThatAreAheadOfTheirColumnsGoInTurn) {
+  Fluid<2> fluid(two_soils(false, 0.02, 0.0));
+  fluid.initialise({});
+  const double exact = 0.02 / 2200.0;
+  double time = 0.0;
+  run_to(fluid, time, 300.0);
+  double before = reading(fluid, "left");
+  for (std::uint64_t step = 0; time < 600.0; ++step) {
+    const double dt = std::min(fluid.publish().proposed_interval, 600.0 - time);
+    fluid.advance({step, time, dt}, {});
+    time += dt;
+    const double now = reading(fluid, "left");
+    EXPECT_NEAR((now - before) / dt / exact, 1.0, 0.1) << time;
+    before = now;
+  }
+}
+
 /// Green and Ampt without gravity: z = sqrt(2 k psi t / n). The face's own pressure is zero.
 TEST(Seepage, AFrontStartsUnderSuctionAlone) {
   const double k = 1.1e-4, n = 0.4, psi = 0.4, dx = 0.01;
@@ -342,8 +376,9 @@ TEST(Seepage, AFrontStartsUnderSuctionAlone) {
   }
 }
 
-/// A pond of four spacings whose head is a twentieth of the suction: t = (n/k) [z - H ln(1 + z/H)], H = 0.42 m, is 0.093 m
-/// at 5 s. Where the face's pressure alone drove the first layer in, its particles tore, and the windows ended at 2e-8 s.
+/// A pond of four spacings whose head is a twentieth of the suction: t = (n/k) [z - H ln(1 + z/H)], H = 0.42 m, is
+/// 0.093 m at 5 s. Where the face's pressure alone drove the first layer in, its particles tore, and the windows ended
+/// at 2e-8 s.
 TEST(Seepage, AShallowPondOnDrySoilWithSuctionComesIn) {
   Case scene;
   scene.solid.model = SolidCase::Model::rigid;
