@@ -123,17 +123,11 @@ void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::siz
   pair_up<D>(sources, particles.free(), particles.size(), range, n_parts, asleep, near.pairs);
 }
 
-/// Of soil that has yielded and holds zero-energy modes with a stiffness [Pa] up to a stress [Pa] of it.
-template <int D>
-double firmness_of_yielded(double stress, double stiffness) {
-  constexpr double most = 0.5 * (Node<D>::elastic - Node<D>::yielded);  // strain; less than of soil without bound
-  return Node<D>::yielded + (stress < most * stiffness ? stress / stiffness : stiffness > 0.0 ? most : 0.0);
-}
-
 template <int D>
 void fill_nodes(const Particles<D>& p, Neighbourhood<D>& near, const VecArray<D>& body, const OrZero<double>& backing,
                 double flow_limit, const Stabilisers& stabilisers, std::vector<Node<D>>& nodes) {
   const double stiffness = stabilisers.stiffness * stabilisers.modulus;
+  const double softness = stiffness > 0.0 ? stabilisers.held / stiffness : 0.0;
   const std::size_t n = p.size();
   nodes.resize(n + near.images.size());
   for_rows(near.pairs, 0, n, [&](std::size_t i) {
@@ -149,9 +143,9 @@ void fill_nodes(const Particles<D>& p, Neighbourhood<D>& near, const VecArray<D>
       even += share * share * stabilisers.bulk * node.density * node.gradient.trace();
     }
     node.flux.noalias() = (matrix_of<D>(p.stress[i]) + even * Mat<D>::Identity()) * node.correction();
-    node.firmness = p.plastic_strain[i] <= 0.0 ? Node<D>::elastic : Node<D>::flows;
-    if (p.plastic_strain[i] > 0.0 && p.plastic_strain[i] <= flow_limit)
-      node.firmness = firmness_of_yielded<D>(stabilisers.held * root_j2(p.stress[i]), stiffness);
+    node.firmness = p.plastic_strain[i] <= 0.0          ? Node<D>::elastic
+                    : p.plastic_strain[i] <= flow_limit ? Node<D>::yielded + softness * root_j2(p.stress[i])
+                                                        : Node<D>::flows;
     node.rubbing = static_cast<double>(p.rubbing[i]);
   });
   for (std::size_t k = 0; k < near.images.size(); ++k) {

@@ -266,18 +266,17 @@ void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& n
                   const FourRows<const double> theirs{shown(j[0]), shown(j[1]), shown(j[2]), shown(j[3])};
                   for (Size c = 0; c < D * D; ++c) other[c] += self[N::at_deformation + c];
                   times<D>(other, r, linear);
-                  Lanes weight = firm > N::yielded ? stiffness * k : Lanes{};
-                  Lanes left[D], size{};  // of the displacement, not explained
+                  Lanes weight = stiffness * k, left[D], size{};  // of the displacement, not explained
                   for (Size d = 0; d < D; ++d) {
                     const Lanes shift = {theirs[0][d], theirs[1][d], theirs[2][d], theirs[3][d]};
                     left[d] = displaced[i][static_cast<int>(d)] - shift - 0.5 * linear[d];
                     size += left[d] * left[d];
                   }
-                  const LaneMask bounded = firm < N::elastic;
-                  if (any(bounded)) {
+                  if (any(firm < N::elastic)) {
                     take_root(size);
                     const Lanes most = (firm - N::yielded) * distance;
-                    weight *= bounded & (size > most) ? most / size : Lanes{} + 1.0;
+                    weight *= size > most ? most / size : Lanes{} + 1.0;
+                    weight = firm > N::yielded ? weight : Lanes{};
                   }
                   for (Size d = 0; d < D; ++d) felt[d] += weight * left[d];
                 }

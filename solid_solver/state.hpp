@@ -62,10 +62,9 @@ struct alignas(64) Node {
   std::array<double, room_for(D* D + D * (D + 1) / 2) - D * D> upper{};  ///< columns of B (correction), to the diagonal
   Mat<D> flux = Mat<D>::Zero();         ///< sigma B [Pa]: the stress as its neighbours feel it
   Mat<D> deformation = Mat<D>::Zero();  ///< 1, of the displacement, d u_a / d x_b
-  /// Values of firmness. What it is above `yielded` is the largest strain that the control of displacements answers with
-  /// its full stiffness.
-  static constexpr double flows = 0.0, yielded = 1.0,
-                          elastic = 2.0;  ///< no control; of velocities; of displacements, too, without bound
+  /// Values of firmness: no control; of velocities; of displacements, too. What it is above `yielded` is the largest
+  /// strain that the control of displacements answers with its full stiffness.
+  static constexpr double flows = 0.0, yielded = 1.0, elastic = std::numeric_limits<double>::infinity();
   static constexpr std::size_t at_velocity = D, at_volume = 2 * D, at_density = 2 * D + 1, at_firmness = 2 * D + 2,
                                at_rubbing = 2 * D + 3, at_gradient = 2 * D + 4, at_correction = at_gradient + D * D,
                                n_sums = room_for(D * D + D * (D + 1) / 2), at_flux = at_gradient + n_sums,

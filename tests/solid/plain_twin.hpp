@@ -42,7 +42,7 @@ TwinResult<D> plain_twin(const Setup<D>& setup, const State<D>& state) {
         const Vec<D> linear = 0.5 * (a.deformation + b.deformation) * r;
         Vec<D> left = displacement(i) - displacement(j) - linear;
         const double most = (firmness - Node<D>::yielded) * r.norm();
-        if (firmness < Node<D>::elastic && left.norm() > most) left *= most / left.norm();
+        if (left.norm() > most) left *= most / left.norm();
         internal += s.stiffness * s.modulus * b.volume * derivative * left;
       }
       const double share = b.volume * derivative * (a.density + b.density);
