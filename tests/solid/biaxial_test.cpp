@@ -137,7 +137,7 @@ TEST(Biaxial, ABlockThatYieldedALittleHasSmoothStressesAndTheStrengthOfItsSoil) 
   block.settle(2000);
   const auto& plastic = block.state.particles.plastic_strain;
   EXPECT_GT(*std::min_element(plastic.begin(), plastic.end()), 1e-3);
-  EXPECT_LT(block.noise(), 0.01);
+  EXPECT_LT(block.noise(), 0.002);  // 0.018 without the stiffness, 0.0027 with half of its bound
   const double passive = std::pow(std::tan(std::numbers::pi / 4.0 + friction * std::numbers::pi / 360.0), 2);
   const double exact = pressure * passive + 2.0 * cohesion * std::sqrt(passive);  // Coulomb
   EXPECT_LT(strength, 1.005 * exact);
