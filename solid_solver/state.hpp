@@ -187,11 +187,11 @@ struct Motion {
     patience = std::clamp(2.0 * patience, 5.0 * long_window, 100.0 * long_window);
     begun += 1.0;
   }
-  /// After a window that is not repeated; unborne: that force over the weight. A few windows hold the soil where its
+  /// After a window that is not repeated; whether that force was noticeable. A few windows hold the soil where its
   /// motion changes suddenly, as under a load that begins.
-  void held_by_nothing(double unborne) {
-    constexpr double noticed = 0.02, few = 5.0;
-    in_a_row = unborne > noticed ? in_a_row + 1.0 : 0.0;
+  void held_by_nothing(bool noticeable) {
+    constexpr double few = 5.0;
+    in_a_row = noticeable ? in_a_row + 1.0 : 0.0;
     if (in_a_row > few) held += 1.0;
   }
   /// After a window in motion: whether it is over.
