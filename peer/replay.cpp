@@ -115,6 +115,7 @@ class Replay final : public Phase {
     const auto& body = std::get<PublicationBody>(message.body);
     out.proposed_interval = body.proposed_interval;
     out.limited_by = body.limited_by;
+    out.unsettled = body.unsettled;
     out.points = now_.points;
     out.points.dimension = message.points.dimension;
     out.points.revision = message.points.revision;
