@@ -245,10 +245,11 @@ void declare(Keys& keys, WaterFace& f) {
       "basin_area", f.basin_area,
       {"m2", "With `discharge`: horizontal area of the basin (2D: length, m) against elevation [m], [[z, A], ..]."});
   keys.flag("outlet", f.outlet, {"", "Nothing stands behind the face: water that crosses it has left."});
-  keys.series("wave_amplitude", f.wave_amplitude,
-              {"Pa",
-               "With `pressure`: A of a standing wave A cos(2 pi x / `wave_length`) cos(2 pi t / `wave_period`) that is "
-               "added to it. Where the sum is below zero no water stands behind the face."});
+  keys.series(
+      "wave_amplitude", f.wave_amplitude,
+      {"Pa",
+       "With `pressure`: A of a standing wave A cos(2 pi x / `wave_length`) cos(2 pi t / `wave_period`) that is "
+       "added to it. Where the sum is below zero no water stands behind the face."});
   keys.number("wave_length", f.wave_length, {"m", "Of that wave, along x.", f.wave_amplitude.has_value()}, positive());
   keys.number("wave_period", f.wave_period, {"s", "Of that wave.", f.wave_amplitude.has_value()}, positive());
 }
@@ -410,7 +411,8 @@ void declare(Keys& keys, CouplingCase& c) {
   keys.number("tolerance", c.tolerance,
               {"1",
                "Of the iteration: of the force that the soil's departure from the predicted motion calls for, over the "
-               "weight (0.003 if absent); where nothing is predicted, what a pass changes of every velocity or force, "
+               "weight (absent: 0.003 in windows that are repeated, which are those whose first pass leaves 0.02); "
+               "where nothing is predicted, what a pass changes of every velocity or force, "
                "relative to its norm (1e-6 if absent)."},
               positive());
   keys.flag("keep_points", c.keep_points,
@@ -425,10 +427,10 @@ void declare(Keys& keys, OutputCase& o) {
 }
 
 void declare(Keys& keys, Gauge& g) {
-  keys.text("name", g.name,
-            {"",
-             "Name of the series, without commas, quotes and line breaks; `name[i]` where there are several points.",
-             true});
+  keys.text(
+      "name", g.name,
+      {"", "Name of the series, without commas, quotes and line breaks; `name[i]` where there are several points.",
+       true});
   keys.text("phase", g.phase, {"", "`fluid` or `solid`.", true});
   keys.text("kind", g.kind, {"", gauge_kinds_text(), true});
   keys.text("quantity", g.quantity,
