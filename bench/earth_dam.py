@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""An estimate of the earth dam of docs/tutorials/earth-dam.md that owes nothing to poretwin: steady seepage with a free surface by finite volumes,
+"""An estimate of the earth dam of docs/tutorials/earth-dam.md that shares nothing with poretwin: steady seepage with a free surface by finite volumes,
 and Bishop's simplified method on all circles through the downstream slope, with the pore pressures of that seepage.
 
 bench/earth_dam.py             the figures that the page compares with

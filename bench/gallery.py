@@ -55,13 +55,13 @@ def small(picture, target):
 def make(case, poretwin, runs, again=False):
     """Runs a case (again: takes the run that is there) and draws its picture; returns what the page says of the run."""
     folder = runs / case["name"]
-    told = runs / f"{case['name']}.json"
-    command = [poretwin, *shlex.split(case["command"])[1:], "--out", folder, "--json", told, "--quiet"]
+    report = runs / f"{case['name']}.json"
+    command = [poretwin, *shlex.split(case["command"])[1:], "--out", folder, "--json", report, "--quiet"]
     if case["plot"]:
         command += ["--no-pictures", "--overwrite"]
     if not again:
         subprocess.run(command, cwd=ROOT, stdout=subprocess.DEVNULL, check=False)
-    result = json.loads(told.read_text())
+    result = json.loads(report.read_text())
     if result["exit"] not in (0, 6):  # 6: the run says itself what puts its result in doubt
         raise SystemExit(f"{case['command']}: {result['reason']}")
     counted = json.loads(subprocess.run([poretwin, "check", *check_of(case["command"]), "--json", "-"], cwd=ROOT, check=True, capture_output=True, text=True).stdout)

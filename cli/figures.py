@@ -23,6 +23,11 @@ def read_toml(path):
         raise SystemExit(f"{path}: {problem}") from None
 
 
+def case_file(run):
+    """What the case file of a run says."""
+    return read_toml(pathlib.Path(read_toml(run / "run.toml")["case_file"]))
+
+
 def runs_below(folder):
     return [path for path in sorted(folder.iterdir()) if (path / "run.toml").is_file()]
 
@@ -178,7 +183,7 @@ class Figures:
     def profile(self, f):
         folder = self.run_of(f)
         series = plot.read_gauges(folder)
-        declared = {gauge["name"]: gauge for gauge in read_toml(pathlib.Path(read_toml(folder / "run.toml")["case_file"])).get("gauge", [])}
+        declared = {gauge["name"]: gauge for gauge in case_file(folder).get("gauge", [])}
         right = {mark["gauge"]: mark["value"] for mark in self.marks(folder, series)}
         figure, axes = plt.subplots(figsize=(style.COLUMN, 0.8 * style.COLUMN), layout="constrained")
         colours = plt.rcParams["axes.prop_cycle"].by_key()["color"]
@@ -223,7 +228,7 @@ class Figures:
         if marked:
             axes.plot([], [], color="0.4", label="reference", ms=6, **style.REFERENCE)
         if "drive" in f:
-            value = read_toml(pathlib.Path(read_toml(folder / "run.toml")["case_file"]))
+            value = case_file(folder)
             for word in f["drive"].split("."):
                 value = value[int(word)] if isinstance(value, list) else value[word]
             knots = np.array(value, dtype=float)

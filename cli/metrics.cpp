@@ -230,7 +230,7 @@ class Judge {
     }
     if (m_.op == "noise") return noise();
     if (m_.op == "period") return period();
-    if (m_.op == "crossing") return crossings().front();
+    if (m_.op == "crossing") return crossing();
     if (m_.op == "counter") return counter();
     return curve();
   }
@@ -390,13 +390,12 @@ class Judge {
   }
   [[nodiscard]] double moving_away() const {
     const auto series = within_range(readings());
-    const double limit = m_.limit.value_or(0.0);
     double away = 0.0, steps = 0.0;
     // Rounding around the limit is no movement.
-    const double slack = 1e-9 * std::abs(series.value.front() - limit);
+    const double slack = 1e-9 * std::abs(series.value.front() - limit());
     for (std::size_t i = 1; i < series.value.size(); ++i) {
       steps += 1.0;
-      const double before = series.value[i - 1] - limit, now = series.value[i] - limit;
+      const double before = series.value[i - 1] - limit(), now = series.value[i] - limit();
       const bool overshot = before * now < 0.0 && std::abs(now) > slack;
       if (std::abs(now) > std::abs(before) + slack || overshot) away += 1.0;
     }
@@ -436,23 +435,23 @@ class Judge {
     if (count == 0.0) throw Failure{fmt::format("the window is longer than the readings of gauge '{}'", m_.gauge)};
     return std::sqrt(sum / count) / m_.normaliser.value_or(1.0);
   }
-  /// Times at which the readings pass the limit, upwards only or either way; linear between readings.
-  /// Times at which the readings pass `limit`.
-  [[nodiscard]] std::vector<double> crossings() const {
-    const auto series = within_range(readings());
-    std::vector<double> times;
-    for (std::size_t i = 1; i < series.value.size(); ++i) {
-      const double before = series.value[i - 1] - limit(), now = series.value[i] - limit();
-      if (before * now < 0.0 || (now == 0.0 && before != 0.0)) times.push_back(passage(series, i));
-    }
-    if (times.empty()) throw Failure{fmt::format("gauge '{}' never passes {}", m_.gauge, limit())};
-    return times;
-  }
   [[nodiscard]] double limit() const { return m_.limit.value_or(0.0); }
-  /// When the readings pass `limit` between the one before i and i.
-  [[nodiscard]] double passage(const GaugeSeries& series, std::size_t i) const {
-    const double before = series.value[i - 1] - limit(), now = series.value[i] - limit();
+  /// When readings pass a value between the one before i and i; linear between them.
+  [[nodiscard]] static double passage(const GaugeSeries& series, std::size_t i, double value) {
+    const double before = series.value[i - 1] - value, now = series.value[i] - value;
     return series.time[i - 1] + before / (before - now) * (series.time[i] - series.time[i - 1]);
+  }
+  /// When readings first pass a value.
+  [[nodiscard]] static std::optional<double> first_passage(const GaugeSeries& series, double value) {
+    for (std::size_t i = 1; i < series.value.size(); ++i) {
+      const double before = series.value[i - 1] - value, now = series.value[i] - value;
+      if (before * now < 0.0 || (now == 0.0 && before != 0.0)) return passage(series, i, value);
+    }
+    return std::nullopt;
+  }
+  [[nodiscard]] double crossing() const {
+    if (const auto time = first_passage(within_range(readings()), limit())) return *time;
+    throw Failure{fmt::format("gauge '{}' never passes {}", m_.gauge, limit())};
   }
   /// From the first upward passage of `limit` to the last. A swing goes below it by a fifth of what it and the one
   /// before depart by at least: what trembles about it passes it more often.
@@ -466,7 +465,7 @@ class Judge {
       most = std::max(most, std::abs(before));
       deepest = std::max(deepest, -before);
       if (before >= 0.0 || now < 0.0 || deepest < least * std::max(most, most_before)) continue;
-      times.push_back(passage(series, i));
+      times.push_back(passage(series, i, limit()));
       most_before = std::exchange(most, 0.0);
       deepest = 0.0;
     }
@@ -486,19 +485,13 @@ class Judge {
     }
     return series;
   }
-  /// Time at which readings first pass `align`; linear between them.
-  [[nodiscard]] double first_passage(const GaugeSeries& series) const {
-    for (std::size_t i = 1; i < series.time.size(); ++i) {
-      const double before = series.value[i - 1] - *m_.align, now = series.value[i] - *m_.align;
-      if (before * now < 0.0 || (now == 0.0 && before != 0.0))
-        return series.time[i - 1] + before / (before - now) * (series.time[i] - series.time[i - 1]);
-    }
+  /// Time at which readings first pass `align`.
+  [[nodiscard]] double start_of(const GaugeSeries& series) const {
+    if (const auto time = first_passage(series, *m_.align)) return *time;
     throw Failure{fmt::format("gauge '{}' or its curve never passes {}", m_.gauge, *m_.align)};
   }
   /// By how much the clock of the readings is behind that of the curve [s].
-  [[nodiscard]] double shift() const {
-    return m_.align ? first_passage(readings()) - first_passage(curve_as_readings()) : 0.0;
-  }
+  [[nodiscard]] double shift() const { return m_.align ? start_of(readings()) - start_of(curve_as_readings()) : 0.0; }
   /// The curve's points that are judged, by the clock of the readings.
   [[nodiscard]] std::vector<std::pair<double, double>> judged_knots() const {
     const double later = shift();
@@ -534,7 +527,7 @@ class Judge {
     else if (m_.op == "relative")
       add(m_.gauge, judged_at(m_.gauge), *m_.reference, 0.0, m_.tolerance * std::abs(*m_.reference));
     else if (m_.op == "crossing")
-      add(m_.gauge, *m_.reference, m_.limit.value_or(0.0), m_.tolerance * std::abs(*m_.reference), 0.0);
+      add(m_.gauge, *m_.reference, limit(), m_.tolerance * std::abs(*m_.reference), 0.0);
     else if (m_.op == "curve")
       for (const auto& [t, right] : judged_knots()) add(m_.gauge, t, right, 0.0, 0.0);
     else if (m_.op == "l2" || m_.op == "profile")

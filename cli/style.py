@@ -25,7 +25,7 @@ STYLE = {
     "lines.linewidth": 1.4,
     "lines.markersize": 4,
     "mathtext.fontset": "dejavusans",
-    # Okabe & Ito (2008), told apart by the colour-blind, too; without their yellow, which is pale on paper.
+    # Okabe & Ito (2008), distinct for the colour-blind, too; without their yellow, which is pale on paper.
     "axes.prop_cycle": matplotlib.cycler(color=["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000"]),
     "figure.dpi": 100,
     "savefig.dpi": 200,

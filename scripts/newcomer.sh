@@ -1,46 +1,21 @@
 #!/bin/bash
 # What someone new goes through, on a fresh Debian 12: clone, ./run.sh, the run in a browser; seconds and CPU seconds of each step.
 # Fails if it does not work; that it takes less than ten minutes is said, not judged: the machine and its network decide.
-# Needs root, debootstrap and Chromium (installed when missing) and a Debian mirror. FRESH keeps the fresh Debian for the next time.
+# Needs Chromium (installed when missing); FRESH: see scripts/fresh_debian.sh.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . scripts/setup.sh
+. scripts/fresh_debian.sh
 
-fresh=${FRESH:-}
-[ "$(id -u)" -eq 0 ] || { echo "newcomer.sh: a chroot needs root; start it as root" >&2; exit 1; }
-packages="debootstrap"
-install_packages chromium:chromium
-place=$(mktemp -d /tmp/poretwin-newcomer-XXXXXX)
-root=$place/root
+passed+=(https_proxy npm_config_registry SSL_CERT_FILE)
 viewer=
-leave() {
+end() {
   [ -z "$viewer" ] || { kill "$viewer"; wait "$viewer"; } 2>/dev/null || true
-  for mounted in dev/shm proc; do mountpoint -q "$root/$mounted" && umount "$root/$mounted"; done
-  rm -rf --one-file-system "$place"
+  leave
 }
-trap leave EXIT
-
-if [ -n "$fresh" ] && [ -f "$fresh" ]; then
-  say "a fresh Debian 12: from $fresh"
-  mkdir "$root"
-  tar -xf "$fresh" -C "$root"
-else
-  say "a fresh Debian 12"
-  debootstrap --variant=minbase bookworm "$root" http://deb.debian.org/debian >"$place/log" || { tail "$place/log" >&2; exit 1; }
-  [ -z "$fresh" ] || tar -cf "$fresh" -C "$root" .
-fi
-mount -t proc proc "$root/proc"
-mkdir -p "$root/dev/shm"
-mount -t tmpfs tmpfs "$root/dev/shm"
-cp /etc/resolv.conf "$root/etc/resolv.conf"
-for file in /etc/apt/apt.conf.d/*proxy*; do [ ! -f "$file" ] || cp "$file" "$root/etc/apt/apt.conf.d/"; done
+fresh_debian newcomer chromium:chromium
+trap end EXIT
 git bundle create "$root/poretwin.bundle" HEAD >/dev/null 2>&1  # what a server would send
-
-inside() {
-  chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive ${http_proxy:+http_proxy=$http_proxy} \
-    ${https_proxy:+https_proxy=$https_proxy} ${npm_config_registry:+npm_config_registry=$npm_config_registry} ${SSL_CERT_FILE:+SSL_CERT_FILE=$SSL_CERT_FILE} \
-    /bin/bash -euc "$1"
-}
 
 # step WHAT COMMAND...: runs it, its output into the log; says how long it took.
 whole=0
@@ -57,9 +32,7 @@ step() {
 # The page as a browser shows it once the particles are drawn.
 look() {
   local link
-  chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive ${http_proxy:+http_proxy=$http_proxy} \
-    ${https_proxy:+https_proxy=$https_proxy} ${npm_config_registry:+npm_config_registry=$npm_config_registry} ${SSL_CERT_FILE:+SSL_CERT_FILE=$SSL_CERT_FILE} \
-    /bin/bash -c 'cd /root/poretwin && exec build/release/bin/poretwin view runs/terzaghi --port 0' >"$place/view" 2>&1 &
+  "${in_root[@]}" /bin/bash -c 'cd /root/poretwin && exec build/release/bin/poretwin view runs/terzaghi --port 0' >"$place/view" 2>&1 &
   viewer=$!
   until link=$(grep -om1 'http:[^ ]*token=[^ ]*' "$place/view"); do
     kill -0 "$viewer" || { cat "$place/view"; return 1; }

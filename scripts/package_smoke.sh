@@ -1,40 +1,14 @@
 #!/bin/bash
 # Installs the packages of build/packages on a fresh Debian 12 and uses them: a case, Python, a solver in C++ through the conformance suite.
-# Needs root, debootstrap (installed when missing) and a Debian mirror. FRESH keeps the fresh Debian for the next time.
+# FRESH: see scripts/fresh_debian.sh.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . scripts/setup.sh
+. scripts/fresh_debian.sh
 
-fresh=${FRESH:-}
-[ "$(id -u)" -eq 0 ] || { echo "package_smoke.sh: a chroot needs root; start it as root" >&2; exit 1; }
-packages="debootstrap"
-install_packages
-place=$(mktemp -d /tmp/poretwin-smoke-XXXXXX)
-root=$place/root
-leave() {
-  for mounted in dev/shm proc; do mountpoint -q "$root/$mounted" && umount "$root/$mounted"; done
-  rm -rf --one-file-system "$place"
-}
-trap leave EXIT
-
-if [ -n "$fresh" ] && [ -f "$fresh" ]; then
-  say "a fresh Debian 12: from $fresh"
-  mkdir "$root"
-  tar -xf "$fresh" -C "$root"
-else
-  say "a fresh Debian 12"
-  debootstrap --variant=minbase bookworm "$root" http://deb.debian.org/debian >"$place/log" || { tail "$place/log" >&2; exit 1; }
-  [ -z "$fresh" ] || tar -cf "$fresh" -C "$root" .
-fi
-mount -t proc proc "$root/proc"
-mkdir -p "$root/dev/shm"
-mount -t tmpfs tmpfs "$root/dev/shm"
-cp /etc/resolv.conf "$root/etc/resolv.conf"
-for file in /etc/apt/apt.conf.d/*proxy*; do [ ! -f "$file" ] || cp "$file" "$root/etc/apt/apt.conf.d/"; done
+fresh_debian smoke
 mkdir "$root/packages"
 cp build/packages/*.deb "$root/packages"
-
-inside() { chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive ${http_proxy:+http_proxy=$http_proxy} /bin/bash -euc "$1"; }
 
 say "installing the packages"
 inside 'apt-get update -q && apt-get install -qy --no-install-recommends /packages/*.deb' >"$place/log" 2>&1 || { tail -30 "$place/log" >&2; exit 1; }

@@ -746,12 +746,12 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
   }
   // Backward Euler takes away the energy of what the velocity changes by: of no account below what a noticeable
   // acceleration gives in the time of a wave.
-  const double slow = woken_by * reference_acceleration(setup_, state_, drive) * long_window(setup_);
+  const double reference = reference_acceleration(setup_, state_, drive);
+  const double slow = woken_by * reference * long_window(setup_);
   double work = dissipated + plastic_work(plastic_before);  // with that of the stress
   for (std::size_t i = 0; i < p.free() && moved; ++i)
     work += std::abs(p.volume[i] * state_.force[i].internal().dot(p.displacement[i] - start[i]));
   if (scene_.predicts() && !setup_.parallel) {
-    const double reference = reference_acceleration(setup_, state_, drive);
     if (!answers.empty()) {
       unsettled_ = unsettled(interval, tracking, answers, reference);
     } else if (const double force = unborne(tracking, goes_along, reference);
@@ -945,9 +945,8 @@ std::vector<Warning> Solid<D>::warnings() const {
                    rest_.steps, rest_.residual, rest_.criterion, rest_.displacement),
        far},
       {"windows in which a force held the soil that neither phase bears", state_.motion.held,
-       "it would have moved otherwise than the water reckoned with; coupling.scheme = \"iterated\" repeats such "
-       "windows "
-       "until both agree",
+       "it would have moved otherwise than the water reckoned with; coupling.scheme = \"iterated\" repeats "
+       "such windows until both agree",
        true},
       {"times the soil began to move", state_.motion.begun,
        "its inertia matters: it is followed in short windows until it is calm again", false}};

@@ -56,13 +56,13 @@ class Gallery(unittest.TestCase):
         self.assertLessEqual(sum(sizes.values()), LARGEST_SUM)
 
     def test_commands_are_ones_that_the_program_takes(self):
-        told = {command: subprocess.run([PROGRAM, command, "--help"], capture_output=True, text=True, check=True).stdout for command in ("run", "safety", "plot")}
+        helps = {command: subprocess.run([PROGRAM, command, "--help"], capture_output=True, text=True, check=True).stdout for command in ("run", "safety", "plot")}
         self.assertGreater(len(commands()), 80)
         for words in commands():
             self.assertEqual(words[0], "poretwin")
             for word in words[1:]:
                 if word.startswith("--"):
-                    self.assertIn(f"{word} ", told[words[1]], words)
+                    self.assertIn(f"{word} ", helps[words[1]], words)
             if words[1] == "plot":
                 case = pathlib.Path(words[2]).name
                 scene = tomllib.loads((SOURCE / "cases" / case / "case.toml").read_text())

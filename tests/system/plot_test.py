@@ -162,7 +162,7 @@ class Figures(Folder):
             drawn(self.at / "run", "--phase", "fluid", "--field", "pore_pressure", "--format", kind)
         svg = (self.at / "run/pictures/fluid_pore_pressure.svg").read_text()
         self.assertGreater(svg.count("<path"), 20)  # letters, ticks, outline
-        self.assertIn("pore pressure", svg)  # told beside the letters' paths
+        self.assertIn("pore pressure", svg)  # as text beside the letters' paths
         self.assertLess(svg.count("<image"), 5)
         pdf = (self.at / "run/pictures/fluid_pore_pressure.pdf").read_bytes()
         self.assertNotIn(b"/Type3", pdf)
@@ -279,9 +279,9 @@ class Animations(Folder):
     def test_a_video_has_every_frame(self):
         write_run(self.at / "run")
         drawn(self.at / "run", "--phase", "fluid", "--animate", self.at / "a.mp4")
-        told = subprocess.run(["ffprobe", "-v", "error", "-count_frames", "-show_entries", "stream=nb_read_frames,pix_fmt", "-of", "csv=p=0",
+        counted = subprocess.run(["ffprobe", "-v", "error", "-count_frames", "-show_entries", "stream=nb_read_frames,pix_fmt", "-of", "csv=p=0",
                                self.at / "a.mp4"], capture_output=True, text=True, check=True).stdout
-        self.assertEqual(told.strip(), f"yuv420p,{len(TIMES)}")
+        self.assertEqual(counted.strip(), f"yuv420p,{len(TIMES)}")
 
     def test_one_blow_does_not_take_the_colours_from_the_other_frames(self):
         self.at.joinpath("run").mkdir()
