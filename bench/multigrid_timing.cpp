@@ -1,8 +1,8 @@
 // Iterations and seconds of the pressure solve against size, on the diagonal, with patches, by multigrid: a tank and a
 // Darcy column, in disorder; what a product with the matrix and a cycle cost a particle. Not a test: run by hand.
-#include "fluid_solver/multigrid.hpp"
-#include "fluid_solver/operators.hpp"
-#include "fluid_solver/patches.hpp"
+#include "common/numerics/aggregates.hpp"
+#include "common/numerics/multigrid.hpp"
+#include "fluid_solver/discretisation/operators.hpp"
 
 #include <algorithm>
 #include <cstdio>

@@ -1,9 +1,9 @@
 // Pair loops against what this machine can do: one fused pass of density divergence, pressure gradient and Laplacian
 // over the pairs of a jittered lattice, as a neighbour list, as a list in lanes and as a half list in lanes; beside it
 // the loops of both solvers on the same points. By hand: `ninja pair_loops && bin/pair_loops [PARTICLES]`.
-#include "solid_solver/pair_loops.hpp"
-#include "fluid_solver/operators.hpp"
-#include "solid_solver/operators.hpp"
+#include "solid_solver/discretisation/pair_loops.hpp"
+#include "fluid_solver/discretisation/operators.hpp"
+#include "solid_solver/discretisation/operators.hpp"
 
 #include <fmt/format.h>
 
@@ -166,7 +166,7 @@ int main(int argc, char** argv) {
   const auto none = [](std::size_t) { return 0.0; };
   report("fluid: pressure gradient", in_rows,
          seconds([&] { fluid::pressure_gradient<2>(s, p, none, {}, Vec<2>::Zero(), none); }), false);
-  fluid::PairMatrix matrix;
+  PairMatrix matrix;
   report("fluid: Laplacian's matrix", in_rows, seconds([&] { matrix = fluid::laplacian<2>(s, {}); }), false);
   ScalarArray y(p.size());
   report("fluid: matrix pass", in_rows,

@@ -1,7 +1,7 @@
 #include "coupler/pair_blocks.hpp"
 
 #include "common/core/in_lanes.hpp"
-#include "common/sph/kernel.hpp"
+#include "common/particles/kernel.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -6,7 +6,7 @@
 #include "common/core/lanes.hpp"
 #include "common/core/vector.hpp"
 #include "common/coupling/exchange.hpp"
-#include "common/sph/neighbours.hpp"
+#include "common/particles/neighbours.hpp"
 
 #include <array>
 #include <cstdint>

@@ -2,12 +2,12 @@
 
 #include "common/case/gauge_kinds.hpp"
 #include "common/core/error.hpp"
-#include "fluid_solver/basin.hpp"
-#include "fluid_solver/cloud.hpp"
-#include "fluid_solver/drag_form.hpp"
+#include "fluid_solver/boundary/basin.hpp"
+#include "fluid_solver/discretisation/cloud.hpp"
+#include "fluid_solver/discretisation/operators.hpp"
+#include "fluid_solver/exchange/drag_form.hpp"
 #include "fluid_solver/fluid.hpp"
-#include "fluid_solver/operators.hpp"
-#include "fluid_solver/packing.hpp"
+#include "fluid_solver/motion/packing.hpp"
 
 #include <fmt/format.h>
 

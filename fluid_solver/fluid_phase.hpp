@@ -2,10 +2,10 @@
 #pragma once
 
 #include "common/coupling/phase.hpp"
-#include "fluid_solver/cloud.hpp"
-#include "fluid_solver/passes.hpp"
+#include "fluid_solver/discretisation/cloud.hpp"
+#include "fluid_solver/exchange/passes.hpp"
+#include "fluid_solver/pressure/window.hpp"
 #include "fluid_solver/state.hpp"
-#include "fluid_solver/window.hpp"
 
 #include <functional>
 

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "common/core/or_zero.hpp"
-#include "fluid_solver/faces.hpp"
-#include "fluid_solver/inlet.hpp"
-#include "fluid_solver/surface.hpp"
+#include "fluid_solver/boundary/faces.hpp"
+#include "fluid_solver/boundary/inlet.hpp"
+#include "fluid_solver/discretisation/free_surface.hpp"
 
 #include <string>
 

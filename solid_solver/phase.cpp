@@ -2,13 +2,13 @@
 
 #include "common/core/error.hpp"
 #include "common/coupling/interrupt.hpp"
-#include "common/porous/seepage.hpp"
-#include "solid_solver/flow.hpp"
-#include "solid_solver/gauges.hpp"
-#include "solid_solver/pore_water.hpp"
-#include "solid_solver/readout.hpp"
-#include "solid_solver/regions.hpp"
-#include "solid_solver/saturation.hpp"
+#include "common/media/seepage.hpp"
+#include "solid_solver/dynamics/flow_regularisation.hpp"
+#include "solid_solver/exchange/pore_water.hpp"
+#include "solid_solver/exchange/saturation.hpp"
+#include "solid_solver/output/gauges.hpp"
+#include "solid_solver/output/readout.hpp"
+#include "solid_solver/sleep/regions.hpp"
 #include "solid_solver/solid.hpp"
 
 #include <fmt/format.h>

@@ -2,10 +2,10 @@
 #pragma once
 
 #include "common/coupling/phase.hpp"
-#include "common/porous/seepage.hpp"
-#include "solid_solver/equilibrium.hpp"
+#include "common/media/seepage.hpp"
+#include "solid_solver/exchange/water_answer.hpp"
 #include "solid_solver/setup.hpp"
-#include "solid_solver/water_answer.hpp"
+#include "solid_solver/statics/equilibrium.hpp"
 
 namespace poretwin::solid {
 

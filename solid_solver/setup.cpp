@@ -1,11 +1,11 @@
 #include "solid_solver/setup.hpp"
 
 #include "common/case/gauge_kinds.hpp"
-#include "common/case/pieces.hpp"
 #include "common/core/error.hpp"
-#include "common/porous/seepage.hpp"
-#include "solid_solver/constitutive/cone.hpp"
-#include "solid_solver/rough_walls.hpp"
+#include "common/geometry/pieces.hpp"
+#include "common/media/seepage.hpp"
+#include "solid_solver/discretisation/rough_walls.hpp"
+#include "solid_solver/material/cone.hpp"
 
 #include <Eigen/Geometry>
 

@@ -1,9 +1,9 @@
 // What stays constant during a run: the case as the solver's numbers.
 #pragma once
 
-#include "solid_solver/boundaries.hpp"
-#include "solid_solver/constitutive/model.hpp"
-#include "solid_solver/operators.hpp"
+#include "solid_solver/discretisation/boundaries.hpp"
+#include "solid_solver/discretisation/operators.hpp"
+#include "solid_solver/material/model.hpp"
 
 #include <limits>
 #include <memory>

@@ -5,8 +5,8 @@
 #include "common/core/lanes.hpp"
 #include "common/core/or_zero.hpp"
 #include "common/core/vector.hpp"
-#include "solid_solver/pairs.hpp"
-#include "solid_solver/stress.hpp"
+#include "solid_solver/discretisation/pairs.hpp"
+#include "solid_solver/material/stress.hpp"
 
 #include <algorithm>
 #include <array>

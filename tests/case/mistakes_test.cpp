@@ -3,7 +3,7 @@
 #include "tests/case/case_file.hpp"
 
 #include "common/case/amounts.hpp"
-#include "common/case/crossing.hpp"
+#include "common/geometry/crossing.hpp"
 
 #include <fmt/format.h>
 

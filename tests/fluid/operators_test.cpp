@@ -1,7 +1,7 @@
 // Discrete operators against fields whose derivatives are known.
-#include "fluid_solver/operators.hpp"
-#include "fluid_solver/faces.hpp"
-#include "fluid_solver/surface.hpp"
+#include "fluid_solver/discretisation/operators.hpp"
+#include "fluid_solver/boundary/faces.hpp"
+#include "fluid_solver/discretisation/free_surface.hpp"
 
 #include <gtest/gtest.h>
 
@@ -357,8 +357,8 @@ TEST(Operators, TheSurfaceLiesHalfARowsThicknessAboveIt) {
   }
 }
 
-// In a splash a particle above few neighbours, some of which stand beside it, lies at the surface. Taken for one inside,
-// its own pressure drove it down onto them: to 4.8 m/s in twenty windows (dam_break_on_soil).
+// In a splash a particle above few neighbours, some of which stand beside it, lies at the surface. Taken for one
+// inside, its own pressure drove it down onto them: to 4.8 m/s in twenty windows (dam_break_on_soil).
 TEST(Operators, AParticleWithFewNeighboursOnOneSideLiesAtAHole) {
   const VecArray<2> x = {{0.0, 0.0},       {0.963, -0.924},  {1.53, 0.228},   {-1.071, -1.251}, {-1.711, 0.302},
                          {-0.604, -1.759}, {0.158, -1.907},  {1.569, -1.308}, {2.089, 0.366},   {-2.248, -0.551},

@@ -1,5 +1,5 @@
 // Passes through a window: what the next one departs from.
-#include "fluid_solver/passes.hpp"
+#include "fluid_solver/exchange/passes.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Walls that a kernel reaches through: what stands behind them is not felt, past free tips and corners either.
+#include "fluid_solver/boundary/inlet.hpp"
 #include "fluid_solver/fluid_phase.hpp"
-#include "fluid_solver/inlet.hpp"
 #include "tests/fluid/scenes.hpp"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // Pair lists that hold while neighbours move along with each other.
-#include "solid_solver/lists_hold.hpp"
-#include "solid_solver/step.hpp"
+#include "solid_solver/discretisation/lists_hold.hpp"
+#include "solid_solver/dynamics/step.hpp"
 #include "tests/solid/scenes.hpp"
 
 #include <gtest/gtest.h>

@@ -2,7 +2,7 @@
 // between the two of a pair. Judges the fast loops.
 #pragma once
 
-#include "solid_solver/operators.hpp"
+#include "solid_solver/discretisation/operators.hpp"
 #include "solid_solver/setup.hpp"
 
 namespace poretwin::solid {

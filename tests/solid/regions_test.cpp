@@ -1,5 +1,5 @@
 // Regions at rest around soil that flows.
-#include "solid_solver/regions.hpp"
+#include "solid_solver/sleep/regions.hpp"
 #include "tests/solid/scenes.hpp"
 
 #include <gtest/gtest.h>
