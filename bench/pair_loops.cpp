@@ -63,9 +63,9 @@ void plain_pass(const std::vector<Point>& points, const sph::PairList& list, dou
   gather<0, 8>(rows, b);
   for (int d = 0; d < 2; ++d) r[d] = b[d] - a[d];
   u = r[0] * r[0] + r[1] * r[1];
-  take_root(u);
+  sqrt_in_place(u);
   u = 1.0 - half_inverse * u;
-  raise_to(u, Lanes{});
+  max_in_place(u, Lanes{});
   pull = scale * u * u * u;
   const Lanes difference = pull * (b[4] - a[4]);
   felt[0] = pull * ((b[2] - a[2]) * r[0] + (b[3] - a[3]) * r[1]);

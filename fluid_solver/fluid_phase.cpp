@@ -233,7 +233,7 @@ SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox, const Creep& creep) con
   };
   if (!scene_.coupled()) {
     VecArray<D> where = x;
-    for_each_side_by_side(n, [&](std::size_t a) {
+    parallel_for(n, [&](std::size_t a) {
       if (auto& point = where[a]; !is_free(a) && !soil_at(scene_, to_point3<D>(point)))
         if (const auto* c = nearest_column(point)) point = just_inside<D>(scene_, c->foot, c->normal, c->spacing);
     });
@@ -260,7 +260,7 @@ Stencil<D> Fluid<D>::stencil() const {
   const auto& p = state_.particles;
   const auto buffers = make_buffers(state_.columns, true);
   std::vector<char> free(p.size());
-  for_each_side_by_side(p.size(), [&](std::size_t a) { free[a] = is_free(a); });
+  parallel_for(p.size(), [&](std::size_t a) { free[a] = is_free(a); });
   auto s =
       make_stencil<D>(p.position, p.volume, std::span<const Buffer<D>>(buffers), planes_, free, open_water(),
                       scene_.coupled() ? worth_threads_while_others_wait : worth_threads_in_pairs, sight_, joints_);
@@ -281,7 +281,7 @@ WindowProblem<D> Fluid<D>::problem(double interval) const {
   in.void_fraction = state_.particles.void_fraction;
   in.cavity = state_.particles.cavity.values();
   const auto& mask = state_.particles.mask;
-  if (all_side_by_side(mask.size(), [&](std::size_t a) { return mask[a] <= 0.5; }))
+  if (parallel_all(mask.size(), [&](std::size_t a) { return mask[a] <= 0.5; }))
     in.tolerance = free_water_tolerance;
   else
     in.tolerance = std::max(in.tolerance / porous::conductivity_contrast(scene_), tightest_tolerance);
@@ -305,11 +305,11 @@ void Fluid<D>::mark_surface(Stencil<D>& s, std::span<double> rows, double share)
   const bool closed =
       !state_.columns.empty() && p.size() > 0 && (state_.full || state_.time == 0.0) &&
       std::all_of(state_.columns.begin(), state_.columns.end(), [&](const auto& c) { return creeps(c) && c.wet; }) &&
-      all_side_by_side(p.size(), [&](std::size_t a) { return p.mask[a] > 0.5; });
+      parallel_all(p.size(), [&](std::size_t a) { return p.mask[a] > 0.5; });
   const auto flags = find_surface<D>(s, p.seeps, rows, share, scene_.coupled(), closed && state_.full);
   s.forget_moments();
   p.surface = flags;
-  state_.full = closed && all_side_by_side(p.size(), [&](std::size_t a) { return flags[a] == Surface::interior; });
+  state_.full = closed && parallel_all(p.size(), [&](std::size_t a) { return flags[a] == Surface::interior; });
 }
 
 /// Pressure of water at rest: no source, no velocity, the skeleton holds still. In the time of a fall through the whole
@@ -336,7 +336,7 @@ void Fluid<D>::settle(SoilView<D>& view) {
   solve_window<D>(s, view, p.surface, in, out);
   p.pressure = out.pressure;
   if (scene_.coupled()) keep_force(view, out.gradient, 0.0);
-  const double fastest = most_side_by_side(p.size(), 0.0, [&](std::size_t a) {
+  const double fastest = parallel_max(p.size(), 0.0, [&](std::size_t a) {
     return drags(view, a) ? out.velocity[a].norm() / spacing_of<D>(p.volume[a]) : 0.0;
   });
   state_.window_limits.clear();
@@ -350,13 +350,13 @@ template <int D>
 void Fluid<D>::keep_force(const SoilView<D>& view, std::span<const Vec<D>> gradient, double interval) {
   auto& p = state_.particles;
   if (computes_beside()) p.felt = p.force;
-  p.force.lay_out(p.size());
-  for_each_side_by_side(p.size(), [&](std::size_t a) {
+  p.force.allocate(p.size());
+  parallel_for(p.size(), [&](std::size_t a) {
     Vec<D> force = -view.fraction[a] * (gradient[a] + weight_);
     if (interval > 0.0) force += p.drag_impulse[a] / (p.volume[a] * interval);
     p.force.set(a, force);
   });
-  if (computes_beside() && !p.felt.is_laid_out()) p.felt = p.force;
+  if (computes_beside() && !p.felt.is_allocated()) p.felt = p.force;
 }
 
 /// In short windows water among free water is free, whatever its own grains do: where most of the soil's water around
@@ -366,9 +366,9 @@ template <int D>
 void Fluid<D>::flow_together(const Stencil<D>& s) {
   auto& p = state_.particles;
   const auto in_soil = [&](std::size_t a, bool seeping) { return p.mask[a] > 0.5 && (p.seeps[a] != 0) == seeping; };
-  if (!scene_.coupled() || all_side_by_side(p.size(), [&](std::size_t a) { return !in_soil(a, false); })) return;
+  if (!scene_.coupled() || parallel_all(p.size(), [&](std::size_t a) { return !in_soil(a, false); })) return;
   const std::vector<char> alone = p.seeps;
-  for_each_side_by_side(p.size(), [&](std::size_t a) {
+  parallel_for(p.size(), [&](std::size_t a) {
     if (!in_soil(a, true)) return;
     double free = 0.0, all = 0.0;
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
@@ -427,7 +427,7 @@ bool Fluid<D>::drags(const SoilView<D>& view, std::size_t a) const {
 /// Whether no water moves as free water does.
 template <int D>
 bool Fluid<D>::all_creep(const SoilView<D>& view) const {
-  return all_side_by_side(view.size(), [&](std::size_t a) { return state_.particles.seeps[a] != 0 && drags(view, a); });
+  return parallel_all(view.size(), [&](std::size_t a) { return state_.particles.seeps[a] != 0 && drags(view, a); });
 }
 
 /// Viscosity of the water itself, Eq. (76) as corrected, its pairs amplified as the pressure's are to be exact for a
@@ -442,12 +442,12 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
   VecArray<D> result;
   if (!pull_.isZero(0.0)) {
     result = v;
-    for_each_side_by_side(result.size(), [&](std::size_t a) { result[a] += interval * pull_; });
+    parallel_for(result.size(), [&](std::size_t a) { result[a] += interval * pull_; });
   }
   // In soil drag damps what the trace of viscosity is for, unless inertia rules there as well.
   std::vector<char> damped(s.n_real);
-  for_each_side_by_side(s.n_real, [&](std::size_t a) { damped[a] = drags(view, a); });
-  if (all_side_by_side(s.n_real, [&](std::size_t a) { return damped[a]; })) return result;
+  parallel_for(s.n_real, [&](std::size_t a) { damped[a] = drags(view, a); });
+  if (parallel_all(s.n_real, [&](std::size_t a) { return damped[a]; })) return result;
   if (result.empty()) result = v;
   const double noise = noise_viscosity * dx_ * state_.wave_speed, viscosity = this->viscosity();
   // That of the scheme is a damping, not a property: nothing is gained by its being exact.
@@ -458,7 +458,7 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
   constexpr std::size_t at_gradient = D, at_length = at_gradient + D * D, at_amplified = at_length + 1,
                         at_carried = at_amplified + 1;
   PackedPoints<D, at_carried + 1> points(s.size());
-  for_each_side_by_side(s.size(), [&](std::size_t j) {
+  parallel_for(s.size(), [&](std::size_t j) {
     const Index q = s.parent[j];
     const bool real = q < s.n_real;
     Mat<D> gradient = Mat<D>::Zero();
@@ -487,8 +487,8 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
               approach -= (point[d] - self[d]) * w[d];
               size += w[d] * w[d];
             }
-            take_root(size);
-            raise_to(approach, Lanes{});
+            sqrt_in_place(size);
+            max_in_place(approach, Lanes{});
             const Lanes impact = 0.5 * impact_viscosity * (self[at_length] + point[at_length]) * approach / size;
             const Lanes shear = 0.5 * viscosity * (self[at_amplified] + point[at_amplified]) + impact;
             for (std::size_t d = 0; d < D; ++d) {
@@ -520,16 +520,16 @@ ScalarArray Fluid<D>::left_for_later(const Stencil<D>& s, const SoilView<D>& vie
   if (scene_.fluid.scheme != FluidCase::Scheme::projection || state_.last_interval <= 0.0) return left;
   const double later = 1.0 - interval / (0.5 * free_interval());
   if (later <= 0.0) return left;
-  for_each_side_by_side(p.size(), [&](std::size_t a) {
+  parallel_for(p.size(), [&](std::size_t a) {
     if (p.seeps[a] == 0 && !drags(view, a) && s.length(a) * s.normal[a].norm() > even) left[a] = later;
   });
-  if (all_side_by_side(p.size(), [&](std::size_t a) { return left[a] == 0.0; })) return left;
+  if (parallel_all(p.size(), [&](std::size_t a) { return left[a] == 0.0; })) return left;
   VecArray<D> flux(p.size());
-  for_each_side_by_side(p.size(), [&](std::size_t a) {
+  parallel_for(p.size(), [&](std::size_t a) {
     flux[a] = p.void_fraction[a] * p.velocity[a] + view.fraction[a] * view.velocity[a];
   });
   const ScalarArray outflow = divergence<D>(s, flux, Carried::yes);
-  for_each_side_by_side(p.size(), [&](std::size_t a) { left[a] *= outflow[a]; });
+  parallel_for(p.size(), [&](std::size_t a) { left[a] *= outflow[a]; });
   return left;
 }
 
@@ -566,7 +566,7 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
   ScalarArray source = left_for_later(s, view, interval);
   // A packing error is made good by moving the surface or the inflow; in a closed domain there is neither, and shifting
   // alone evens the packing: pressure would only push on the grains.
-  const bool open = !all_side_by_side(p.size(), [&](std::size_t a) { return p.surface[a] == Surface::interior; }) ||
+  const bool open = !parallel_all(p.size(), [&](std::size_t a) { return p.surface[a] == Surface::interior; }) ||
                     std::any_of(state_.columns.begin(), state_.columns.end(), [](const auto& c) { return c.wet; });
   // Where all is full, nothing the pressure drives can even the points out: they are displaced (repair).
   const auto motion = open && !state_.full ? moved() : ScalarArray(p.size(), 0.0);
@@ -580,7 +580,7 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
         sum += p.cavity[q] / p.void_fraction[q] * s.value(a, s.other[k]);
     return sum / lattice_fullness<D>();
   };
-  for_each_side_by_side(p.size(), [&](std::size_t a) {
+  parallel_for(p.size(), [&](std::size_t a) {
     const double excess = packing_error(s, a, s.fullness[a] + voids_near(a));
     // In free water the repair of a disordered start, begun at once, would be a blow.
     const double begun =
@@ -597,7 +597,7 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
   // after a long window, short ones take their share of it only.
   const double came = state_.last_interval, due = std::max(state_.debt_due, interval);
   state_.debt_due = std::max({0.0, state_.debt_due - interval, came - interval});
-  if (!p.volume_debt.is_laid_out()) p.volume_debt.lay_out(p.size());
+  if (!p.volume_debt.is_allocated()) p.volume_debt.allocate(p.size());
   VecArray<D> beyond(p.size(), Vec<D>::Zero());
   for (std::size_t a = 0; a < p.size(); ++a) {
     if (view.fraction[a] == 0.0) continue;
@@ -623,14 +623,14 @@ VecArray<D> Fluid<D>::repair(const Stencil<D>& s, const SoilView<D>& view, doubl
   if (!state_.full) return {};
   const auto motion = moved();
   ScalarArray share(p.size()), expansion(p.size());
-  for_each_side_by_side(p.size(), [&](std::size_t a) {
+  parallel_for(p.size(), [&](std::size_t a) {
     share[a] = motion[a] * interval / repair_time(a, view, interval);
     expansion[a] = packing_error(s, a, s.fullness[a]);
   });
   const double all = sum_over(p.size(), [&](std::size_t a) { return p.volume[a] * share[a]; });
   const double made = sum_over(p.size(), [&](std::size_t a) { return p.volume[a] * share[a] * expansion[a]; });
   const double mean = all > 0.0 ? made / all : 0.0;
-  for_each_side_by_side(p.size(), [&](std::size_t a) { expansion[a] = share[a] * (expansion[a] - mean); });
+  parallel_for(p.size(), [&](std::size_t a) { expansion[a] = share[a] * (expansion[a] - mean); });
   return expand<D>(s, expansion);
 }
 
@@ -695,7 +695,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   view.linearise(p.velocity, view.velocity);
   VecArray<D> velocity_before;
   if (scene_.coupled()) velocity_before = p.velocity;  // the soil's impulse changes it
-  for_each_side_by_side(p.size(), [&](std::size_t a) {
+  parallel_for(p.size(), [&](std::size_t a) {
     p.void_fraction[a] = 1.0 - view.fraction[a];
     p.volume[a] = p.mass[a] / (p.void_fraction[a] * density_);
     p.mask[a] = view.mask[a];
@@ -767,9 +767,9 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
     state_.counts.cavitating = std::max(state_.counts.cavitating, torn);
   }
   if (scene_.coupled()) {
-    p.drag_impulse.lay_out(p.size());
-    p.follows.lay_out(p.size());
-    for_each_side_by_side(p.size(), [&](std::size_t a) {
+    p.drag_impulse.allocate(p.size());
+    p.follows.allocate(p.size());
+    parallel_for(p.size(), [&](std::size_t a) {
       Vec<D> force = view.drag[a] * (p.velocity[a] - p.solid_velocity[a]) - view.drag_offset[a];
       if (!drag_force.empty()) force += drag_force[a];
       p.drag_impulse.set(a, p.volume[a] * dt * force);
@@ -797,7 +797,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
     for (const double m : p.mass) state_.exchanged.from_outside += dt * m * scene_.general.gravity.head<D>();
   }
   if (scene_.coupled()) {
-    p.solid_change.lay_out(p.size());
+    p.solid_change.allocate(p.size());
     const auto& from = window.pass > 0 ? passes_.found() : view.velocity;
     for (std::size_t a = 0; a < p.size(); ++a) p.solid_change.set(a, p.solid_velocity[a] - from[a]);
   }
@@ -848,7 +848,7 @@ void Fluid<D>::check_finite(const WindowSolution<D>& solution, double time) cons
            : solution.velocity[a].norm() > 1e6       ? "velocity (beyond 1e6 m/s)"
                                                      : nullptr;
   };
-  if (all_side_by_side(x.size(), [&](std::size_t a) { return wrong(a) == nullptr; })) return;
+  if (parallel_all(x.size(), [&](std::size_t a) { return wrong(a) == nullptr; })) return;
   for (std::size_t a = 0; a < x.size(); ++a) {
     if (const char* term = wrong(a))
       throw DivergedError(fmt::format("fluid: {} of particle {} at ({}) is not finite; last good state at t = {} s",

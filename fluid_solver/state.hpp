@@ -50,7 +50,7 @@ struct Particles {
     visit(row);
     visit(surface);
     const auto visit_if_there = [&visit](auto& array) {
-      if (array.is_laid_out()) visit(array.values());
+      if (array.is_allocated()) visit(array.values());
     };
     visit_if_there(solid_velocity);
     visit_if_there(solid_change);

@@ -113,7 +113,7 @@ Contract Solid<D>::contract() const {
 
 template <int D>
 OrZero<Vec<D>> Solid<D>::gradient_of(const OrZero<double>& pressure, double time) const {
-  if (!pressure.is_laid_out()) return {};
+  if (!pressure.is_allocated()) return {};
   VecArray<D> gradient = pressure_gradient<D>(state_, scene_.solid.pressure_gradient,
                                               scene_.water.density * setup_.gravity, pressure.values());
   for (const auto& patch : setup_.loads)
@@ -184,14 +184,14 @@ OrZero<double> Solid<D>::take_pressure(const Inbox& inbox, double time) {
   if (!water_is_prescribed()) {
     coverage = coverage_of(inbox, n);
     OrZero<double> pressure = field_or_zero(inbox, field::pore_pressure, n, 1);
-    if (!pressure.is_laid_out()) return pressure;
+    if (!pressure.is_allocated()) return pressure;
     for (std::size_t i = 0; i < n; ++i)
       if (coverage[i] <= 0.0) pressure.set(i, 0.0);
     saturate();
     return pressure;
   }
   OrZero<double> pressure;
-  for (auto* array : {&pressure, &coverage}) array->lay_out(n);
+  for (auto* array : {&pressure, &coverage}) array->allocate(n);
   for (std::size_t i = 0; i < n; ++i) {
     Point3 x = Point3::Zero();
     x.head<D>() = state_.particles.position[i];
@@ -236,8 +236,8 @@ void Solid<D>::keep_water_force(const OrZero<Vec<D>>& gradient, const OrZero<dou
   const Particles<D>& p = state_.particles;
   auto& kept = state_.external.force;
   kept = {};
-  if (water_is_prescribed() || (!gradient.is_laid_out() && !impulse.is_laid_out())) return;
-  kept.lay_out(p.size());
+  if (water_is_prescribed() || (!gradient.is_allocated() && !impulse.is_allocated())) return;
+  kept.allocate(p.size());
   for (std::size_t i = 0; i < p.size(); ++i) kept.set(i, water_force(i, gradient[i], impulse, interval) / p.volume[i]);
 }
 
@@ -264,7 +264,7 @@ void Solid<D>::initialise(const Inbox& inbox) {
       if (!rebuilt) return;
       state_.external.pressure_gradient = gradient_of(state_.external.pressure, before_everything);
       drive.traction = load_forces<D>(setup_, state_, before_everything);
-      drive.distributed.lay_out(n);
+      drive.distributed.allocate(n);
       const bool seeps = scene_.solid.initial_seepage && scene_.fluid.drag;
       for (std::size_t i = 0; i < n; ++i) {
         const Vec<D> gradient = state_.external.pressure_gradient[i];
@@ -311,7 +311,7 @@ bool Solid<D>::sleeps_on(Drive<D>& drive, const OrZero<Vec<D>>& gradient, const 
                          const Window& window) {
   if (!state_.sleep.asleep) return false;
   const std::size_t n = state_.particles.size();
-  drive.distributed.lay_out(n);
+  drive.distributed.allocate(n);
   for (std::size_t i = 0; i < n; ++i) drive.distributed.set(i, water_force(i, gradient[i], impulse, window.interval));
   const double reference = reference_acceleration(setup_, state_, drive);
   if (disturbed(setup_, state_, drive, loads_begun(window.time), reference, scene_.solid.quiet->wake_above)) {
@@ -356,7 +356,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   const double beyond = setup_.parallel && state_.last_interval > 0.0 ? interval / state_.last_interval - 1.0 : 0.0;
   state_.last_interval = interval;
   const OrZero<double> given = beyond != 0.0 ? impulse : OrZero<double>();
-  if (beyond != 0.0 && impulse.is_laid_out())
+  if (beyond != 0.0 && impulse.is_allocated())
     for (double& j : impulse.values()) j *= 1.0 + beyond;
   const OrZero<double> predicted = field_or_zero(inbox, field::predicted_solid_velocity, n, D);
   const OrZero<double> change = field_or_zero(inbox, field::predicted_change, n, D);
@@ -367,7 +367,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   OrZero<Vec<D>> to = gradient_of(pressure, window.time);
   const OrZero<double> at_surface = field_or_zero(inbox, field::surface_share, n, 1);
   const OrZero<double> given_gradient = field_or_zero(inbox, field::surface_gradient, n, D);
-  for (std::size_t i = 0; i < n && at_surface.is_laid_out(); ++i)
+  for (std::size_t i = 0; i < n && at_surface.is_allocated(); ++i)
     if (const double share = at_surface[i]; share > 0.0)
       to.set(i, (1.0 - share) * to[i] + share * Eigen::Map<const Vec<D>>(given_gradient.values().data() + i * D), n);
   state_.external.pressure = std::move(pressure);
@@ -436,12 +436,12 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
 
   const bool may_sleep = scene_.solid.quiet && !(scene_.coupled() && cannot_yield());
   if (may_sleep && sleeps_on(drive, to, impulse, window)) return Outcome::accept();
-  state_.returned_impulse.lay_out(tracks ? n : 0);
-  for (std::size_t i = 0; i < n && given.is_laid_out(); ++i)
+  state_.returned_impulse.allocate(tracks ? n : 0);
+  for (std::size_t i = 0; i < n && given.is_allocated(); ++i)
     for (int d = 0; d < D; ++d)
       state_.returned_impulse.values()[i][d] = beyond * given[i * D + static_cast<std::size_t>(d)];
   std::fill(state_.yielded.begin(), state_.yielded.end(), char{0});
-  state_.yielding.lay_out(tracks ? n : 0);
+  state_.yielding.allocate(tracks ? n : 0);
   state_.any_yielded = false;
   if (rests) {
     wake_regions(setup_, state_);
@@ -497,7 +497,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   check_sound(setup_, state_, window.time);
   state_.external.pressure_gradient = to;
   keep_water_force(to, impulse, interval);
-  state_.mean_velocity.lay_out(tracks ? n : 0);
+  state_.mean_velocity.allocate(tracks ? n : 0);
   for (std::size_t i = 0; i < n && tracks; ++i)
     state_.mean_velocity.set(i, (p.displacement[i] - displacement[i]) / interval);
   if (tracks) tell_yielding(plastic_before, interval, 1.0);

@@ -90,7 +90,7 @@ template <int D, class Number>
   for (int b = 0; b < D; ++b)
     for (int a = 0; a <= b; ++a, ++upper) squared += (a == b ? 1.0 : 2.0) * *upper * *upper;
   share = inside * D / squared;
-  lower_to(share, Number{} + 1.0);
+  min_in_place(share, Number{} + 1.0);
 }
 
 /// One wall that an image lies behind. Acceleration vanishes at a wall (its normal part at a roller), hence stress

@@ -108,7 +108,7 @@ class Patches {
  private:
   template <class Work>
   void for_each_patch(const Work& work) const {
-    side_by_side(n_, members_.size() < worth_threads ? n_ + 1 : 1, [&](std::size_t first, std::size_t last) {
+    parallel_ranges(n_, members_.size() < worth_threads ? n_ + 1 : 1, [&](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) work(static_cast<Index>(i));
     });
   }

@@ -67,7 +67,7 @@ double sum_in_blocks(std::size_t n, const Block& of_block) {
   constexpr std::size_t block = 8192;
   if (n <= block) return of_block(std::size_t{0}, n);
   ScalarArray sums((n + block - 1) / block);
-  side_by_side(n, [&](std::size_t first, std::size_t last) {
+  parallel_ranges(n, [&](std::size_t first, std::size_t last) {
     // Blocks that begin in this part.
     for (std::size_t i = (first + block - 1) / block; i * block < last; ++i)
       sums[i] = of_block(i * block, std::min(n, (i + 1) * block));
@@ -125,7 +125,7 @@ SolveReport reduce_residual(Apply&& apply, Precondition&& precondition, ScalarAr
     const double pq = dot(p, q);
     if (!(pq > 0.0)) break;
     const double alpha = rz / pq;
-    for_each_side_by_side(n, [&](std::size_t i) {
+    parallel_for(n, [&](std::size_t i) {
       x[i] += alpha * p[i];
       r[i] -= alpha * q[i];
     });
@@ -134,7 +134,7 @@ SolveReport reduce_residual(Apply&& apply, Precondition&& precondition, ScalarAr
     const double beta = -dot(z, q) / pq;
     rz = dot(r, z);
     if (rz <= energy) return report;
-    for_each_side_by_side(n, [&](std::size_t i) { p[i] = z[i] + beta * p[i]; });
+    parallel_for(n, [&](std::size_t i) { p[i] = z[i] + beta * p[i]; });
   }
   report.converged = false;
   return report;
@@ -147,7 +147,7 @@ SolveReport conjugate_gradients(Apply&& apply, Precondition&& precondition, Scal
   {
     ScalarArray product(b.size());
     apply(std::span<const double>(x), std::span<double>(product));
-    for_each_side_by_side(b.size(), [&](std::size_t i) { b[i] -= product[i]; });
+    parallel_for(b.size(), [&](std::size_t i) { b[i] -= product[i]; });
   }
   return reduce_residual(apply, precondition, std::move(b), x, tolerance, limit);
 }

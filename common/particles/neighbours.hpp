@@ -93,7 +93,7 @@ class CellGrid {
     cell_of_ = std::vector<Index>();  // "= {}" would keep its memory
     for (std::size_t d = 0; d < D; ++d) {
       axis_[d].resize(n + n_lanes);
-      for_each_side_by_side(n, [&](std::size_t m) { axis_[d][m] = points[order_[m]][static_cast<int>(d)]; });
+      parallel_for(n, [&](std::size_t m) { axis_[d][m] = points[order_[m]][static_cast<int>(d)]; });
     }
   }
 

@@ -205,11 +205,11 @@ void Fluid<D>::limit_surface(Stencil<D>& s) const {
   const ColumnFinder<D> finder(state_.columns);
   const auto& columns = state_.columns;
   if (std::any_of(columns.begin(), columns.end(), [](const auto& c) { return c.in_soil && !c.wet; }))
-    s.told_distance.lay_out(s.n_real);
+    s.told_distance.allocate(s.n_real);
   const auto& soils = scene_.soils;
   if (std::any_of(soils.begin(), soils.end(), [](const Soil& soil) { return soil.suction_head != 0.0; }))
-    s.surface_pressure.lay_out(s.n_real);
-  for_each_side_by_side(s.n_real, [&](std::size_t a) {
+    s.surface_pressure.allocate(s.n_real);
+  parallel_for(s.n_real, [&](std::size_t a) {
     if (s.divergence[a] > D || is_free(a)) return;
     const double spacing = 2.0 * s.surface_distance(a);
     const int i = finder.nearest(s.position[a]);
@@ -308,7 +308,7 @@ void Fluid<D>::give_birth_and_delete(const SoilView<D>& view) {
   bool any = false;
   ScalarArray crossed(state_.columns.size(), 0.0);  // in particles, inwards
   std::vector<int> nearest(p.size());
-  for_each_side_by_side(p.size(), [&](std::size_t a) { nearest[a] = finder.nearest(p.position[a]); });
+  parallel_for(p.size(), [&](std::size_t a) { nearest[a] = finder.nearest(p.position[a]); });
   for (std::size_t a = 0; a < p.size(); ++a) {
     // Far outside, and no faster than a fall makes it: water that diverges is not hushed up.
     if (((p.position[a] - lower_).array() < 0.0 || (upper_ - p.position[a]).array() < 0.0).any() &&

@@ -100,8 +100,8 @@ Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> p
     const bool sticks = (images.boundaries[i] & sticky) != 0;
     c.velocity.push_back(sticks ? Vec<D>(-c.velocity[q]) : Vec<D>(images.map[i] * c.velocity[q] + images.carried[i]));
     for (auto* v : {&c.solid_velocity, &c.solid_change, &c.surface_gradient})
-      if (v->is_laid_out()) v->values().push_back(images.map[i] * (*v)[q]);
-    if (c.surface_share.is_laid_out()) c.surface_share.values().push_back(c.surface_share[q]);
+      if (v->is_allocated()) v->values().push_back(images.map[i] * (*v)[q]);
+    if (c.surface_share.is_allocated()) c.surface_share.values().push_back(c.surface_share[q]);
     c.mask.push_back(c.mask[q]);
     c.void_fraction.push_back(c.void_fraction[q]);
   }

@@ -134,7 +134,7 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> seeps, st
     }
     return false;
   };
-  for_each_side_by_side(s.n_real, [&](std::size_t a) {
+  parallel_for(s.n_real, [&](std::size_t a) {
     if (seeps[a] != 0) {
       const double few = s.at_face[a] ? surface::few_at_face : surface::few;
       s.covered[a] = s.divergence[a] < few * D && opposite(a);
@@ -162,7 +162,7 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> seeps, st
     s.correction[a].setZero();
   }
   s.on_surface.resize(s.size());
-  for_each_side_by_side(s.size(), [&](std::size_t j) {
+  parallel_for(s.size(), [&](std::size_t j) {
     const Index q = s.parent[j];
     s.on_surface[j] = q >= s.n_real || flags[q] != Surface::surface ? 0 : seeps[q] == 0 ? 1 : 2;
   });
@@ -183,9 +183,9 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> seeps, st
     return {std::max(distance, s.surface_distance(a)), plane.pressure / plane.weight};
   };
   // Beside free water windows are short, and the gradient of seeping water does not know of its surface: left as it is.
-  const bool all_seep = all_side_by_side(s.n_real, [&](std::size_t a) { return seeps[a] != 0; });
+  const bool all_seep = parallel_all(s.n_real, [&](std::size_t a) { return seeps[a] != 0; });
   std::vector<char> near(s.n_real);
-  for_each_side_by_side(s.n_real, [&](std::size_t a) {
+  parallel_for(s.n_real, [&](std::size_t a) {
     near[a] = flags[a] != Surface::lone && s.normal[a].norm() * s.length(a) > surface::second_row;
   });
   for (std::size_t a = 0; a < s.n_real; ++a) {
@@ -213,7 +213,7 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> seeps, st
   // Inside, where neighbours are few, the pair sums of the Laplacian are short and the gradient's are not: a pressure
   // found from the one and applied by the other would correct the velocity more than once. In soil drag keeps that
   // small.
-  for_each_side_by_side(s.n_real, [&](std::size_t a) {
+  parallel_for(s.n_real, [&](std::size_t a) {
     if (const double deficit = s.divergence[a] / D;
         seeps[a] == 0 && deficit < surface::few && flags[a] == Surface::interior && s.ghost_distance[a] == 0.0)
       s.amplification[a] = 1.0 / std::max(deficit, surface::least_inverted);

@@ -34,7 +34,7 @@ template <int D>
 VecArray<D> extended(const Stencil<D>& s, std::span<const Vec<D>> f, Carried carried = Carried::no,
                      std::uint32_t sticky = 0) {
   VecArray<D> all(s.size());
-  for_each_side_by_side(s.size(), [&](std::size_t j) { all[j] = extended_to<D>(s, f, j, carried, sticky); });
+  parallel_for(s.size(), [&](std::size_t j) { all[j] = extended_to<D>(s, f, j, carried, sticky); });
   return all;
 }
 
@@ -89,7 +89,7 @@ void for_pairs_in_lanes(const Stencil<D>& s, const PackedPoints<D, n_values>& po
       take(a, total);
     }
   };
-  side_by_side(s.n_real, s.worth_threads, [&](std::size_t first, std::size_t last) {
+  parallel_ranges(s.n_real, s.worth_threads, [&](std::size_t first, std::size_t last) {
     run_lanes([&]() __attribute__((always_inline)) { rows(first, last); });
   });
 }
@@ -116,7 +116,7 @@ VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Fa
   }
   // A buffer moves as the particle that asks: a mobility of zero stands for that.
   PackedPoints<D, 2> points(s.size());
-  for_each_side_by_side(s.size(), [&](std::size_t j) {
+  parallel_for(s.size(), [&](std::size_t j) {
     const Index q = s.parent[j];
     const bool real = q < s.n_real;
     for (std::size_t d = 0; d < D; ++d) points[j].x[d] = s.position[j][static_cast<int>(d)];
@@ -156,7 +156,7 @@ VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Fa
 template <int D>
 void free_along_interfaces(const Stencil<D>& s, std::span<const double> mobility, std::span<const double> in_soil,
                            std::span<Vec<D>> flux) {
-  for_each_side_by_side(s.n_real, [&](std::size_t a) {
+  parallel_for(s.n_real, [&](std::size_t a) {
     if (in_soil[a] <= 0.5) return;
     Vec<D> change = Vec<D>::Zero();
     Mat<D> plain = Mat<D>::Zero(), weighted = Mat<D>::Zero();
@@ -182,7 +182,7 @@ void sum_differences(const Stencil<D>& s, std::span<const Vec<D>> f, Carried car
                      const Take& take) {
   const bool buffers = s.n_base > s.n_real;
   PackedPoints<D, D> points(s.size());
-  for_each_side_by_side(s.size(), [&](std::size_t j) {
+  parallel_for(s.size(), [&](std::size_t j) {
     Eigen::Map<Vec<D>>{points[j].x.data()} = s.position[j];
     Eigen::Map<Vec<D>>{points[j].x.data() + D} = extended_to<D>(s, f, j, carried, sticky);
   });
@@ -218,8 +218,7 @@ MatArray<D> velocity_gradient(const Stencil<D>& s, std::span<const Vec<D>> f, st
 template <int D>
 ScalarArray divergence(const Stencil<D>& s, std::span<const Vec<D>> f, Carried carried = Carried::no) {
   ScalarArray result(s.n_real, 0.0);
-  if (carried == Carried::no && all_side_by_side(f.size(), [&](std::size_t a) { return f[a].isZero(0.0); }))
-    return result;
+  if (carried == Carried::no && parallel_all(f.size(), [&](std::size_t a) { return f[a].isZero(0.0); })) return result;
   sum_differences<D>(
       s, f, carried, 0, [&](std::size_t a, const Mat<D>& sum) __attribute__((always_inline)) {
         result[a] = sum.cwiseProduct(s.correction_open(a).transpose()).sum();
@@ -233,7 +232,7 @@ template <int D>
 void share_out(const Stencil<D>& s, std::span<const double> counts, std::span<Vec<D>> amounts) {
   // Of a point: what it counts, smoothing length.
   PackedPoints<D, 2> points(s.size());
-  for_each_side_by_side(s.size(), [&](std::size_t j) {
+  parallel_for(s.size(), [&](std::size_t j) {
     auto& x = points[j].x;
     Eigen::Map<Vec<D>>{x.data()} = s.position[j];
     x[D] = j < s.n_real ? counts[j] : 0.0;
@@ -251,7 +250,7 @@ void share_out(const Stencil<D>& s, std::span<const double> counts, std::span<Ve
           Lanes point[D + 2], r{}, w;
           gather<0, D + 2>({points[i[0]].row(), points[i[1]].row(), points[i[2]].row(), points[i[3]].row()}, point);
           for (std::size_t d = 0; d < D; ++d) r += (point[d] - self[d]) * (point[d] - self[d]);
-          take_root(r);
+          sqrt_in_place(r);
           pair_value<D>(r, 2.0 / (self[D + 1] + point[D + 1]), w);
           for (std::size_t l = 0; l < n_lanes; ++l) w[l] = i[l] == a ? 0.0 : w[l];
           put(w, &value[k]);
@@ -284,7 +283,7 @@ void share_out(const Stencil<D>& s, std::span<const double> counts, std::span<Ve
 template <int D>
 void fill_even_laplacian(const Stencil<D>& s, double factor, PairMatrix& m) {
   ScalarArray amplified(s.size());
-  for_each_side_by_side(s.size(), [&](std::size_t j) { amplified[j] = s.amplification[s.parent[j]]; });
+  parallel_for(s.size(), [&](std::size_t j) { amplified[j] = s.amplification[s.parent[j]]; });
   for_each_in_lanes(
       s.n_real, s.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
         Lanes sum{};
@@ -318,7 +317,7 @@ std::array<PairMatrix, n_mobilities> laplacians(const Stencil<D>& s,
   }
   const bool buffers = s.n_base > s.n_real;
   const auto same = [](std::span<const double> values) {
-    return all_side_by_side(values.size(), [&](std::size_t a) { return values[a] == values[0]; });
+    return parallel_all(values.size(), [&](std::size_t a) { return values[a] == values[0]; });
   };
   if (!buffers && same(s.volume) && std::all_of(mobilities.begin(), mobilities.end(), same)) {
     for (std::size_t i = 0; i < n_mobilities && s.n_real > 0; ++i)
@@ -335,13 +334,13 @@ std::array<PairMatrix, n_mobilities> laplacians(const Stencil<D>& s,
       length = point[at_length];
     } else {
       length = point[at_volume];
-      take_root(length);
+      sqrt_in_place(length);
       length = smoothing_ratio * length;
     }
   };
   // Not filled up: beside the matrix there is the least room.
   UnsetArray<PackedPoint<D, n_numbers, 1>> points(s.size());
-  for_each_side_by_side(s.size(), [&](std::size_t j) {
+  parallel_for(s.size(), [&](std::size_t j) {
     auto& x = points[j].x;
     x.fill(0.0);
     Eigen::Map<Vec<D>>{x.data()} = s.position[j];
@@ -369,7 +368,7 @@ std::array<PairMatrix, n_mobilities> laplacians(const Stencil<D>& s,
           // The kernel anew: that of the list is rounded with the volume of one of the two.
           Lanes r{}, scale, length, others;
           for (std::size_t d = 0; d < D; ++d) r += (point[d] - self[d]) * (point[d] - self[d]);
-          take_root(r);
+          sqrt_in_place(r);
           length_of(point, length);
           pair_pull<D>(r, 2.0 / (own_length + length), scale);
           for (std::size_t l = 0; l < n_lanes; ++l)
@@ -378,7 +377,7 @@ std::array<PairMatrix, n_mobilities> laplacians(const Stencil<D>& s,
           for (std::size_t m = 0; m < n_mobilities; ++m) {
             const Lanes& mobility = point[at_mobility + m];
             Lanes w, whole = self[at_mobility + m] + mobility;
-            raise_to(whole, Lanes{} + 1e-300);
+            max_in_place(whole, Lanes{} + 1e-300);
             w = scale * (2.0 * self[at_mobility + m] * mobility / whole);
             w = others > 0.0 ? w : Lanes{};
             put(w, &matrices[m].weight[k]);

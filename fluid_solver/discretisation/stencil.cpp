@@ -34,8 +34,8 @@ void find_pairs(double largest, Stencil<D>& s) {
   constexpr double reach = 0.5 * sph::support_radius;
   grid.build(s.position, reach * largest);
   UnsetArray<double> length(s.size());
-  for_each_side_by_side(s.size(), [&](std::size_t j) { length[j] = s.length(j); });
-  const bool even = all_side_by_side(s.size(), [&](std::size_t j) { return length[j] == largest; });
+  parallel_for(s.size(), [&](std::size_t j) { length[j] = s.length(j); });
+  const bool even = parallel_all(s.size(), [&](std::size_t j) { return length[j] == largest; });
   s.beyond.resize(s.n_real);
   const auto find = [&](std::size_t first, std::size_t last, FoundRows & rows) __attribute__((always_inline)) {
     auto& [offset, other] = rows;
@@ -99,7 +99,7 @@ void part_ghosts(std::span<const Buffer<D>> buffers, std::span<const char> free,
     any = any || soils[j] || sills[j];
   }
   if (!any) return;
-  for_each_side_by_side(n, [&](std::size_t a) {
+  parallel_for(n, [&](std::size_t a) {
     if (s.beyond[a] == 0) return;
     const auto& hidden = free.empty() || free[a] ? soils : sills;
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
@@ -110,7 +110,7 @@ void part_ghosts(std::span<const Buffer<D>> buffers, std::span<const char> free,
 /// What walls hide is no neighbour: its pairs become pairs of the particle with itself, which are zero.
 template <int D>
 void hide_behind_walls(const sph::Sight<D>& sight, double reach, Stencil<D>& s) {
-  side_by_side(s.n_real, s.worth_threads, [&](std::size_t first, std::size_t last) {
+  parallel_ranges(s.n_real, s.worth_threads, [&](std::size_t first, std::size_t last) {
     typename sph::Sight<D>::Near near;
     for (std::size_t a = first; a < last; ++a) {
       const Vec<D>& x = s.position[a];
@@ -135,7 +135,7 @@ void part_at_joints(std::span<const Joint<D>> joints, double reach, Stencil<D>& 
   for (const auto& joint : joints) {
     // Images go on for a margin beyond the wall's end, and pairs for a kernel's reach.
     const double near = wall_margin * reach + reach, rounding = 1e-9 * reach;
-    for_each_side_by_side(s.n_real, [&](std::size_t a) {
+    parallel_for(s.n_real, [&](std::size_t a) {
       if (s.beyond[a] == 0) return;
       const Vec<D> from = s.position[a] - joint.at;
       const double inside = joint.normal.dot(from), place = joint.along.dot(from);
@@ -174,11 +174,11 @@ template <int D>
       ba[d] = point[d] - self[d];
       r += ba[d] * ba[d];
     }
-    take_root(r);
+    sqrt_in_place(r);
     const Lanes inverse = 2.0 / (length + point[D + 1]), q = r * inverse, square = inverse * inverse;
     Lanes u = 1.0 - 0.5 * q;
-    lower_to(least, real > 0.0 ? q : least);
-    raise_to(u, Lanes{});
+    min_in_place(least, real > 0.0 ? q : least);
+    max_in_place(u, Lanes{});
     const Lanes cube = u * u * u * real * square * (D == 2 ? Lanes{} + 1.0 : inverse);
     const Lanes value = cube * u * (2.0 * q + 1.0);
     Lanes weight;
@@ -249,7 +249,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   s.buffers.assign(buffers.begin(), buffers.end());
   VecArray<D> base(s.n_base);
   std::copy(x.begin(), x.end(), base.begin());
-  double largest = most_side_by_side(volume.size(), 0.0, [&](std::size_t a) { return volume[a]; });
+  double largest = parallel_max(volume.size(), 0.0, [&](std::size_t a) { return volume[a]; });
   for (std::size_t i = 0; i < buffers.size(); ++i) {
     base[s.n_real + i] = buffers[i].position;
     largest = std::max(largest, buffers[i].volume);
@@ -263,7 +263,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   s.parent.resize(all);
   s.volume.resize(all);
   if (D == 3) s.smoothing.resize(all);
-  for_each_side_by_side(all, [&](std::size_t i) {
+  parallel_for(all, [&](std::size_t i) {
     const std::size_t q = i < s.n_base ? i : images.parent[i - s.n_base];
     s.position[i] = i < s.n_base ? base[i] : images.position[i - s.n_base];
     s.parent[i] = static_cast<Index>(q);
@@ -292,14 +292,14 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   s.correction.resize(n);
   s.edge_of.assign(n, 0);
   UnsetArray<Summed<D>> points(s.size());
-  for_each_side_by_side(s.size(), [&](std::size_t j) { points[j] = {s.position[j], s.volume[j], s.length(j)}; });
+  parallel_for(s.size(), [&](std::size_t j) { points[j] = {s.position[j], s.volume[j], s.length(j)}; });
   for_each_in_lanes(
       n, s.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
         sum_pairs<D>(points.data(), a, open_water, s);
       });
   constexpr char surface = 1, face = 2;
   std::vector<char> edge(n, 0);
-  for_each_side_by_side(n, [&](std::size_t a) {
+  parallel_for(n, [&](std::size_t a) {
     const Mat<D> moment = s.correction[a];
     s.divergence[a] = moment.trace();
     // The pair Laplacian of a quadratic is off by the kernel's moment, 2.6 % on a lattice at this smoothing length:
@@ -324,7 +324,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
     }
     s.edge(a).open = bounded_inverse<D>(open, least_inverted, nullptr);
   };
-  side_by_side(n, s.worth_threads, [&](std::size_t first, std::size_t last) {
+  parallel_ranges(n, s.worth_threads, [&](std::size_t first, std::size_t last) {
     for (std::size_t a = first; a < last; ++a)
       if (edge[a] != 0) fill_edge(a);
   });

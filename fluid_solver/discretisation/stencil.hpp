@@ -96,7 +96,7 @@ template <int D>
   static const double scale = 5.0 * Kernel<D>::normalisation(1.0);
   const Lanes square = inverse * inverse;
   Lanes u = 1.0 - 0.5 * (r * inverse);
-  raise_to(u, Lanes{});
+  max_in_place(u, Lanes{});
   pull = scale * (u * u * u) * (square * square) * (D == 2 ? Lanes{} + 1.0 : inverse);
 }
 
@@ -106,7 +106,7 @@ template <int D>
   static const double scale = Kernel<D>::normalisation(1.0);
   const Lanes q = r * inverse;
   Lanes u = 1.0 - 0.5 * q;
-  raise_to(u, Lanes{});
+  max_in_place(u, Lanes{});
   value = scale * (u * u) * (u * u) * (2.0 * q + 1.0) * (inverse * inverse) * (D == 2 ? Lanes{} + 1.0 : inverse);
 }
 

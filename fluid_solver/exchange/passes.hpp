@@ -15,7 +15,7 @@ class Passes {
   /// Before a pass: the view's found motion and force, which still has the fluid's own force of the last pass in it,
   /// become what the next one departs from.
   void begin(unsigned pass, SoilView<D>& view) {
-    if (pass == 0 || !view.found_velocity.is_laid_out() || predicted_.size() != view.size()) {
+    if (pass == 0 || !view.found_velocity.is_allocated() || predicted_.size() != view.size()) {
       columns_ = {};
       last_ = {};
       view.found_velocity = view.found_force = {};

@@ -49,8 +49,8 @@ struct SoilView {
   /// Takes the resistance about the slip between these velocities.
   void linearise(std::span<const Vec<D>> water, const OrZero<Vec<D>>& soil) {
     const bool curved = nonlinear();
-    drag_offset.lay_out(curved ? size() : 0);
-    for_each_side_by_side(size(), [&](std::size_t a) {
+    drag_offset.allocate(curved ? size() : 0);
+    parallel_for(size(), [&](std::size_t a) {
       const Vec<D> slip = water[a] - soil[a];
       drag[a] = resistance[a].slope(slip.norm());
       if (!curved) return;
@@ -141,7 +141,7 @@ SoilView<D> rigid_soil(const Case& scene, std::span<const Vec<D>> points) {
   soil.resize(points.size());
   soil.number.assign(points.size(), -1);
   const double weight = porous::specific_weight(scene);
-  for_each_side_by_side(points.size(), [&](std::size_t a) {
+  parallel_for(points.size(), [&](std::size_t a) {
     const Soil* here = soil_at(scene, to_point3<D>(points[a]));
     if (!here) return;
     soil.number[a] = static_cast<int>(here - scene.soils.data());
@@ -172,8 +172,8 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::sp
   const auto& conductivity = inbox.at(field::hydraulic_conductivity).values;
   const auto& quadratic = inbox.at(field::forchheimer_coefficient).values;
   const double weight = porous::specific_weight(scene);
-  for (auto* values : {&soil.coverage, &soil.density, &soil.modulus, &soil.yielding}) values->lay_out(n);
-  for (auto* values : {&soil.velocity, &soil.mean_velocity, &soil.force, &soil.owed}) values->lay_out(n);
+  for (auto* values : {&soil.coverage, &soil.density, &soil.modulus, &soil.yielding}) values->allocate(n);
+  for (auto* values : {&soil.velocity, &soil.mean_velocity, &soil.force, &soil.owed}) values->allocate(n);
   const auto vector = [](const Field& from, std::size_t a) {
     return Vec<D>(Eigen::Map<const Vec<D>>(from.values.data() + a * D));
   };
@@ -182,7 +182,7 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::sp
               &owed = inbox.at(field::returned_impulse);
   const bool repeated = !inbox.found.empty();
   if (repeated)
-    for (auto* values : {&soil.found_velocity, &soil.found_force}) values->lay_out(n);
+    for (auto* values : {&soil.found_velocity, &soil.found_force}) values->allocate(n);
   for (std::size_t a = 0; a < n; ++a) {
     soil.coverage.set(a, inbox.coverage[a]);
     soil.owed.set(a, vector(owed, a));

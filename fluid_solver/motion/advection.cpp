@@ -35,7 +35,7 @@ template <int D>
 ScalarArray Fluid<D>::moved() const {
   const auto& p = state_.particles;
   ScalarArray result(p.size());
-  for_each_side_by_side(p.size(), [&](std::size_t a) {
+  parallel_for(p.size(), [&](std::size_t a) {
     const double spacing = spacing_of<D>(p.volume[a]);
     const double counts = (p.seeps[a] != 0 ? repair_displacement : free_repair_displacement) * spacing;
     result[a] = std::min(1.0, (p.position[a] - p.birthplace[a]).norm() / counts);
@@ -70,7 +70,7 @@ double Fluid<D>::look_ahead(double interval) const {
 template <int D>
 void Fluid<D>::drift(double interval) {
   auto& p = state_.particles;
-  for_each_side_by_side(p.size(), [&](std::size_t a) {
+  parallel_for(p.size(), [&](std::size_t a) {
     if (p.seeps[a] == 0) displace(a, 0.5 * interval * p.velocity[a], false);
   });
 }
@@ -101,14 +101,14 @@ void Fluid<D>::move(const Stencil<D>& s, const WindowSolution<D>& solution, std:
                     std::span<const Vec<D>> velocity_before, std::span<const Vec<D>> repair, double interval) {
   auto& p = state_.particles;
   auto motion = moved();
-  for_each_side_by_side(p.size(), [&](std::size_t a) {
+  parallel_for(p.size(), [&](std::size_t a) {
     const double spacing = spacing_of<D>(p.volume[a]);
     motion[a] *= std::min(1.0, p.velocity[a].norm() * interval / (0.02 * spacing));
   });
   auto shift = packing_displacements<D>(s, p.velocity, motion, p.surface, p.seeps, interval, state_.full);
-  for_each_side_by_side(repair.size(), [&](std::size_t a) { shift[a] += repair[a]; });
+  parallel_for(repair.size(), [&](std::size_t a) { shift[a] += repair[a]; });
   collide<D>(s, p.seeps, p.mass, p.velocity);
-  for_each_side_by_side(p.size(), [&](std::size_t a) {
+  parallel_for(p.size(), [&](std::size_t a) {
     Vec<D> d = interval * p.velocity[a];
     if (p.seeps[a] != 0)
       d += interval * look_ahead(interval) * (p.velocity[a] - velocity_before[a]);

@@ -27,7 +27,7 @@ VecArray<D> packing_displacements(const Stencil<D>& s, std::span<const Vec<D>> v
                                   std::span<const Surface> flags, std::span<const char> seeps, double interval,
                                   bool full = false) {
   VecArray<D> shift(s.n_real, Vec<D>::Zero());
-  for_each_side_by_side(s.n_real, [&](std::size_t a) {
+  parallel_for(s.n_real, [&](std::size_t a) {
     if (moved[a] == 0.0 || flags[a] == Surface::lone) return;
     const PackingLaw& law = seeps[a] == 0 ? packing_in_free_water : full ? packing_in_full_soil : packing_in_soil;
     const double h = s.length(a), spacing = h / smoothing_ratio;
@@ -63,7 +63,7 @@ VecArray<D> expand(const Stencil<D>& s, std::span<const double> expansion) {
   constexpr int most = 200;
   auto matrix = laplacian<D>(s, {});
   ScalarArray b(s.n_real), inverse(s.n_real), potential(s.n_real, 0.0);
-  for_each_side_by_side(s.n_real, [&](std::size_t a) {
+  parallel_for(s.n_real, [&](std::size_t a) {
     double sum = 0.0;  // without the faces
     for (std::size_t k = matrix.begin(a); k < matrix.end(a); ++k) sum += static_cast<double>(matrix.weight[k]);
     matrix.diagonal[a] = sum;
@@ -72,12 +72,12 @@ VecArray<D> expand(const Stencil<D>& s, std::span<const double> expansion) {
   });
   const auto apply = [&](std::span<const double> x, std::span<double> y) { matrix.apply(x, y); };
   const auto precondition = [&](std::span<const double> r, std::span<double> z) {
-    for_each_side_by_side(s.n_real, [&](std::size_t a) { z[a] = inverse[a] * r[a]; });
+    parallel_for(s.n_real, [&](std::size_t a) { z[a] = inverse[a] * r[a]; });
   };
   const double size = norm(b);
   if (size > 0.0) conjugate_gradients(apply, precondition, std::move(b), potential, tolerance * size, most);
   VecArray<D> displacement(s.n_real);
-  for_each_side_by_side(s.n_real, [&](std::size_t a) {
+  parallel_for(s.n_real, [&](std::size_t a) {
     Vec<D> sum = Vec<D>::Zero();
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
       const Index j = s.other[k], q = s.parent[j];

@@ -97,12 +97,12 @@ void Fluid<D>::limit_by_slowing(const VecArray<D>& velocity_before, double inter
   state_.window_limits.clear();
   const auto& p = state_.particles;
   if (scene_.coupled() || scene_.fluid.scheme != FluidCase::Scheme::projection ||
-      !all_side_by_side(p.size(), [&](std::size_t a) { return p.seeps[a] != 0; }))
+      !parallel_all(p.size(), [&](std::size_t a) { return p.seeps[a] != 0; }))
     return;
   const auto open = [](const FaceColumn<D>& c) { return c.in_soil && !c.wet; };
   if (std::any_of(state_.columns.begin(), state_.columns.end(), open)) {
     const ColumnFinder<D> finder(state_.columns);
-    const double fastest = most_side_by_side(p.size(), 0.0, [&](std::size_t a) {
+    const double fastest = parallel_max(p.size(), 0.0, [&](std::size_t a) {
       const int i = p.surface[a] == Surface::interior ? -1 : finder.nearest(p.position[a]);
       if (i < 0) return 0.0;
       const auto& c = state_.columns[static_cast<std::size_t>(i)];
@@ -129,7 +129,7 @@ template <int D>
 void Fluid<D>::limit_by_acceleration(const SoilView<D>& view, const VecArray<D>& velocity_before, double interval) {
   const auto& p = state_.particles;
   const auto in_coarse = [&](std::size_t a) { return p.seeps[a] != 0 && view.mask[a] > 0.5 && !drags(view, a); };
-  const bool coarse = !all_side_by_side(p.size(), [&](std::size_t a) { return !in_coarse(a); });
+  const bool coarse = !parallel_all(p.size(), [&](std::size_t a) { return !in_coarse(a); });
   double longest = HUGE_VAL;
   for (std::size_t a = 0; coarse && a < p.size(); ++a) {
     if (!in_coarse(a)) continue;
@@ -201,7 +201,7 @@ double Fluid<D>::viscous_interval() const {
 template <int D>
 double Fluid<D>::free_interval() const {
   const auto& p = state_.particles;
-  const double longest = -most_side_by_side(p.size(), -HUGE_VAL, [&](std::size_t a) {
+  const double longest = -parallel_max(p.size(), -HUGE_VAL, [&](std::size_t a) {
     if (p.seeps[a] != 0) return -HUGE_VAL;
     return -(free_courant * spacing_of<D>(p.volume[a]) / std::max(p.velocity[a].norm(), 1e-300));
   });
@@ -255,12 +255,12 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
     return p.seeps[a] == 0 && (p.mask[a] <= 0.5 || p.velocity[a].norm() > creeps);
   };
   const auto fastest_of = [&](bool flowing) {
-    return most_side_by_side(p.size(), 0.0, [&](std::size_t a) {
+    return parallel_max(p.size(), 0.0, [&](std::size_t a) {
       return flows(a) == flowing ? p.velocity[a].norm() / spacing_of<D>(p.volume[a]) : 0.0;
     });
   };
   const auto any_is = [&](const auto& what) {
-    return !all_side_by_side(p.size(), [&](std::size_t a) { return !what(a); });
+    return !parallel_all(p.size(), [&](std::size_t a) { return !what(a); });
   };
   const bool free_water = any_is(flows);
   const bool free_surface =

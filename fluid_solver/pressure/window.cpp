@@ -101,7 +101,7 @@ class WindowSolver {
     boundary_.assign(n_, 0.0);
     torn_.assign(n_, false);
     std::atomic<bool> closed{true};
-    for_each_side_by_side(n_, [&](std::size_t a) {
+    parallel_for(n_, [&](std::size_t a) {
       const auto faces = from_faces(a, q_[a].kf);
       boundary_[a] = faces.value_or(0.0);
       add_surface(fluid_, a, q_[a].kf, &boundary_[a]);
@@ -121,11 +121,11 @@ class WindowSolver {
   void solve(WindowSolution<D>& out) {
     out.pressure.resize(n_, 0.0);
     if (n_ == 0) return finish(out);
-    const bool moves = any_response_ || soil_.velocity.is_laid_out();
+    const bool moves = any_response_ || soil_.velocity.is_allocated();
     if (!moves) out.solid_velocity = {};
-    if (moves && !out.solid_velocity.is_laid_out()) out.solid_velocity.lay_out(n_);
+    if (moves && !out.solid_velocity.is_allocated()) out.solid_velocity.allocate(n_);
     if (moves)
-      for_each_side_by_side(n_, [&](std::size_t a) {
+      parallel_for(n_, [&](std::size_t a) {
         if (!responds(a)) out.solid_velocity.set(a, soil_.velocity[a]);
       });
     if (any_response_) {
@@ -141,7 +141,7 @@ class WindowSolver {
     }
     for (int round = 1;; ++round) {
       ScalarArray b(n_);
-      for_each_side_by_side(n_, [&](std::size_t a) { b[a] = sources_[a] + boundary_[a]; });
+      parallel_for(n_, [&](std::size_t a) { b[a] = sources_[a] + boundary_[a]; });
       if (any_response_)
         solve_response(b, out);
       else
@@ -157,11 +157,11 @@ class WindowSolver {
   /// What the window's divergence asks of every row [m^D/s].
   ScalarArray make_sources() const {
     VecArray<D> flux(n_);
-    for_each_side_by_side(
-        n_, [&](std::size_t a) { flux[a] = in_.void_fraction[a] * q_[a].aw / (q_[a].aw + q_[a].C) * pushed(a); });
+    parallel_for(n_,
+                 [&](std::size_t a) { flux[a] = in_.void_fraction[a] * q_[a].aw / (q_[a].aw + q_[a].C) * pushed(a); });
     ScalarArray sources = divergence<D>(s_, flux, Carried::yes);
-    if (in_.sweeps > 0) for_each_side_by_side(n_, [&](std::size_t a) { sources[a] *= sweep_trust(s_, a); });
-    for_each_side_by_side(n_, [&](std::size_t a) {
+    if (in_.sweeps > 0) parallel_for(n_, [&](std::size_t a) { sources[a] *= sweep_trust(s_, a); });
+    parallel_for(n_, [&](std::size_t a) {
       sources[a] = s_.volume[a] * (in_.source[a] - sources[a]);
       if (!in_.cavity.empty()) sources[a] -= in_.cavity[a] / in_.interval;
     });
@@ -184,7 +184,7 @@ class WindowSolver {
   void free_beside_moving_soil() {
     if (in_.seeps.empty()) return;
     beside_moving_.assign(n_, 0);
-    for_each_side_by_side(n_, [&](std::size_t a) {
+    parallel_for(n_, [&](std::size_t a) {
       for (std::size_t k = fluid_.begin(a); k < fluid_.end(a); ++k) {
         const Index q = s_.parent[s_.other[static_cast<Index>(k)]];
         if (q >= n_ || fluid_.weight[k] == 0.0F || !beside_moving_soil(a, q)) continue;
@@ -198,8 +198,8 @@ class WindowSolver {
   /// Of the water; where a skeleton responds, its own and that of the pressure itself as well.
   void make_laplacians() {
     ScalarArray mobility(n_), of_skeleton(any_response_ ? n_ : 0);
-    for_each_side_by_side(n_, [&](std::size_t a) { mobility[a] = q_[a].kf; });
-    for_each_side_by_side(of_skeleton.size(), [&](std::size_t a) { of_skeleton[a] = r_[a].mS * q_[a].e; });
+    parallel_for(n_, [&](std::size_t a) { mobility[a] = q_[a].kf; });
+    parallel_for(of_skeleton.size(), [&](std::size_t a) { of_skeleton[a] = r_[a].mS * q_[a].e; });
     if (any_response_) {
       auto matrices = laplacians<D, 3>(s_, {mobility, of_skeleton, {}});
       fluid_ = std::move(matrices[0]);
@@ -224,7 +224,7 @@ class WindowSolver {
     if (number.empty()) return;
     constexpr double most = 0.9;  // pairs keep a tenth at least
     stretch_.assign(n_, Mat<D>::Zero());
-    for_each_side_by_side(n_, [&](std::size_t a) {
+    parallel_for(n_, [&](std::size_t a) {
       if (number[a] < 0 || flags_[a] != Surface::interior || surface_distance(a) > 0.0) return;
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
         const Index q = s_.parent[s_.other[k]];
@@ -237,7 +237,7 @@ class WindowSolver {
       const double size = stretch_[a].norm();
       if (size > most) stretch_[a] *= most / size;
     });
-    for_each_side_by_side(n_, [&](std::size_t a) {
+    parallel_for(n_, [&](std::size_t a) {
       if (number[a] < 0) return;
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
         const Index j = s_.other[k], q = s_.parent[j];
@@ -261,14 +261,14 @@ class WindowSolver {
   /// it; s of each particle, the mean of both, so that along the border its own mobility is met.
   void free_along_borders() {
     const auto& number = soil_.number;
-    if (number.empty() || all_side_by_side(n_, [&](std::size_t a) { return number[a] == number[0]; })) return;
+    if (number.empty() || parallel_all(n_, [&](std::size_t a) { return number[a] == number[0]; })) return;
     constexpr double still = (D - 1) / 3.0;             // mean of t^2 n^2 over that of n^4
     constexpr double least = -0.9, most = 0.9 / still;  // pairs keep a tenth at least
     constexpr int rounds = 4;                           // two rows on either side have a share of each other's
     VecArray<D> across(n_, Vec<D>::Zero());
     ScalarArray lacks(n_, 0.0), scale(n_, 0.0), next(n_, 0.0);
     const auto within = [&](std::size_t a, Index q) { return q < n_ && number[q] == number[a]; };
-    for_each_side_by_side(n_, [&](std::size_t a) {
+    parallel_for(n_, [&](std::size_t a) {
       if (number[a] < 0) return;
       Mat<D> missing = Mat<D>::Zero();
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
@@ -291,7 +291,7 @@ class WindowSolver {
       return j < s_.n_base ? across[q] : Vec<D>(s_.map[j - s_.n_base] * across[q]);
     };
     for (int round = 0; round < rounds; ++round) {
-      for_each_side_by_side(n_, [&](std::size_t a) {
+      parallel_for(n_, [&](std::size_t a) {
         if (across[a].isZero(0.0)) return;
         double own = 0.0, others = 0.0;
         for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
@@ -306,7 +306,7 @@ class WindowSolver {
       });
       scale = next;
     }
-    for_each_side_by_side(n_, [&](std::size_t a) {
+    parallel_for(n_, [&](std::size_t a) {
       if (number[a] < 0) return;
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
         const Index j = s_.other[k], q = s_.parent[j];
@@ -328,8 +328,8 @@ class WindowSolver {
       return out.pressure[a] < torn_pressure(a) + cavity_tolerance * in_.cavitation && !pinned(a);
     };
     out.cavity = {};
-    if (!any_torn_ && all_side_by_side(n_, [&](std::size_t a) { return !tears(a); })) return false;
-    out.cavity.lay_out(n_);
+    if (!any_torn_ && parallel_all(n_, [&](std::size_t a) { return !tears(a); })) return false;
+    out.cavity.allocate(n_);
     std::vector<bool> torn(n_);
     for (std::size_t a = 0; a < n_; ++a) torn[a] = tears(a);
     if (any_torn_) {
@@ -501,22 +501,22 @@ class WindowSolver {
   template <class Velocity>
   ScalarArray squeezed(const Velocity& s) const {
     VecArray<D> f(n_);
-    for_each_side_by_side(n_, [&](std::size_t a) { f[a] = q_[a].e * s[a]; });
+    parallel_for(n_, [&](std::size_t a) { f[a] = q_[a].e * s[a]; });
     ScalarArray d = divergence<D>(s_, f);
-    for_each_side_by_side(n_, [&](std::size_t a) { d[a] *= s_.volume[a]; });
+    parallel_for(n_, [&](std::size_t a) { d[a] *= s_.volume[a]; });
     return d;
   }
 
   void remove_mean(std::span<double> x) const {
     const double mean = sum_over(n_, [&](std::size_t a) { return x[a]; }) / static_cast<double>(n_);
-    for_each_side_by_side(n_, [&](std::size_t a) { x[a] -= mean; });
+    parallel_for(n_, [&](std::size_t a) { x[a] -= mean; });
   }
 
   /// Rigid soil, free water, or a skeleton of known velocity: one symmetric system.
   void solve_fluid(ScalarArray b, WindowSolution<D>& out) {
-    if (out.solid_velocity.is_laid_out()) {
+    if (out.solid_velocity.is_allocated()) {
       const ScalarArray squeeze = squeezed(out.solid_velocity);
-      for_each_side_by_side(n_, [&](std::size_t a) { b[a] -= squeeze[a]; });
+      parallel_for(n_, [&](std::size_t a) { b[a] -= squeeze[a]; });
     }
     const double rounding = 1e-12 * norm(b);
     // Datum out of the way: the tolerance refers to what drives the flow.
@@ -529,9 +529,9 @@ class WindowSolver {
       const double num = sum_over(n_, [&](std::size_t a) { return boundary_[a]; });
       const double den = sum_over(n_, [&](std::size_t a) { return row[a]; });
       reference = den > 0.0 ? num / den : 0.0;
-      for_each_side_by_side(n_, [&](std::size_t a) { b[a] -= reference * row[a]; });
+      parallel_for(n_, [&](std::size_t a) { b[a] -= reference * row[a]; });
     }
-    for_each_side_by_side(
+    parallel_for(
         n_, [&](std::size_t a) { out.pressure[a] = (is_known(a) ? known_pressure(a) : out.pressure[a]) - reference; });
     if (in_.sweeps > 0) {
       ScalarArray relaxation(n_);
@@ -548,12 +548,11 @@ class WindowSolver {
     report.converged = false;
     if (!out.multigrid) {
       ScalarArray inverse(n_);
-      for_each_side_by_side(
-          n_, [&](std::size_t a) { inverse[a] = fluid_.diagonal[a] > 0.0 ? 1.0 / fluid_.diagonal[a] : 0.0; });
+      parallel_for(n_, [&](std::size_t a) { inverse[a] = fluid_.diagonal[a] > 0.0 ? 1.0 / fluid_.diagonal[a] : 0.0; });
       std::optional<Patches<D>> patches;
       int calls = 0;
       const auto by_diagonal = [&](std::span<const double> r, std::span<double> z) {
-        for_each_side_by_side(n_, [&](std::size_t a) { z[a] = inverse[a] * r[a]; });
+        parallel_for(n_, [&](std::size_t a) { z[a] = inverse[a] * r[a]; });
         if (calls++ == without_patches) patches.emplace(pressure_patches());
         if (patches) patches->template correct<1>(r, z);
         if (closed_) remove_mean(z);
@@ -574,7 +573,7 @@ class WindowSolver {
     }
     out.converged = report.converged;
     out.outer = 1;
-    for_each_side_by_side(n_, [&](std::size_t a) { out.pressure[a] += reference; });
+    parallel_for(n_, [&](std::size_t a) { out.pressure[a] += reference; });
   }
 
   /// As many patches as each has particles: what is solved for on them takes about as long as to sum up over them.
@@ -596,9 +595,9 @@ class WindowSolver {
   /// the datum.
   double drive(const ScalarArray& b, double reference) const {
     ScalarArray known(n_), residual(n_);
-    for_each_side_by_side(n_, [&](std::size_t a) { known[a] = is_known(a) ? known_pressure(a) - reference : 0.0; });
+    parallel_for(n_, [&](std::size_t a) { known[a] = is_known(a) ? known_pressure(a) - reference : 0.0; });
     fluid_.apply(std::span<const double>(known), std::span<double>(residual));
-    for_each_side_by_side(n_, [&](std::size_t a) { residual[a] = is_known(a) ? 0.0 : b[a] - residual[a]; });
+    parallel_for(n_, [&](std::size_t a) { residual[a] = is_known(a) ? 0.0 : b[a] - residual[a]; });
     return norm(residual);
   }
 
@@ -688,7 +687,7 @@ class WindowSolver {
   void prepare_flow() {
     flow_.assign(n_, Vec<D>::Zero());
     // What a pass has found is the motion to depart from: there the skeleton's force is known.
-    if (soil_.found_velocity.is_laid_out()) {
+    if (soil_.found_velocity.is_allocated()) {
       const ScalarArray held = apply_H(soil_.found_velocity.values());
       for (std::size_t a = 0; a < n_; ++a)
         if (responds(a))
@@ -804,7 +803,7 @@ class WindowSolver {
       const auto& skeleton = r_[a];
       if (!skeleton.responds) continue;
       // The exchanged force carries the soil's full weight; the piezometric pressure leaves its buoyant part.
-      const Vec<D>& force = soil_.found_force.is_laid_out() ? soil_.found_force[a] : soil_.force[a];
+      const Vec<D>& force = soil_.found_force.is_allocated() ? soil_.found_force[a] : soil_.force[a];
       const Vec<D> r = force - soil_.fraction[a] * in_.weight - soil_.drag_offset[a];
       const Vec<D> velocity =
           skeleton.ss / (q.aw + q.C) * (q.C * q.aw * pushed(a) + (q.aw + q.C) * (skeleton.as * soil_.velocity[a] + r)) -
@@ -915,21 +914,21 @@ class WindowSolver {
     tell_face_flow(out);
     VecArray<D> flux;  // none: the mobility is the same everywhere
     const double mobility = n_ == 0 ? 0.0 : q_[0].kf;
-    if (!all_side_by_side(n_, [&](std::size_t a) { return q_[a].kf == mobility; })) {
+    if (!parallel_all(n_, [&](std::size_t a) { return q_[a].kf == mobility; })) {
       ScalarArray own(n_);
-      for_each_side_by_side(n_, [&](std::size_t a) { own[a] = q_[a].kf; });
+      parallel_for(n_, [&](std::size_t a) { own[a] = q_[a].kf; });
       flux = pressure_gradient<D>(
           s_, out.pressure, [&](Index c) { return in_.face_pressure[c]; }, own, Vec<D>(-in_.weight),
           [&](std::size_t a) { return surface_pressure(a); });
       if (any_response_)
-        for_each_side_by_side(n_, [&](std::size_t a) {
+        parallel_for(n_, [&](std::size_t a) {
           if (!beside_moving_.empty() && beside_moving_[a] && soil_.mask[a] <= 0.5)
             flux[a] = q_[a].kf * out.gradient[a];
         });
       else
         free_along_interfaces<D>(s_, own, soil_.mask, flux);
     }
-    for_each_side_by_side(n_, [&](std::size_t a) {
+    parallel_for(n_, [&](std::size_t a) {
       const auto& q = q_[a];
       const Vec<D> driven = flux.empty() ? Vec<D>(mobility * out.gradient[a]) : flux[a];
       out.velocity[a] = (q.aw * pushed(a) + q.C * out.solid_velocity[a]) / (q.aw + q.C) - driven / in_.void_fraction[a];

@@ -21,7 +21,7 @@ struct Batch {
   [[nodiscard]] std::size_t n_fours() const { return (count + n_lanes - 1) / n_lanes; }
 };
 
-/// Calls treat(batch) for all particles i with wanted(i), the parts of the rows side by side. Whether one is wanted may
+/// Calls treat(batch) for all particles i with wanted(i), the parts of the rows in parallel. Whether one is wanted may
 /// not depend on what is done to others.
 template <int D, class Wanted, class Treat>
 void for_batches(const State<D>& state, const Wanted& wanted, const Treat& treat) {

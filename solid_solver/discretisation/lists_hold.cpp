@@ -109,7 +109,7 @@ template <int D>
 bool lists_hold(const Setup<D>& setup, const Particles<D>& p, const Neighbourhood<D>& near) {
   const double reach = sph::support_radius * setup.smoothing_length, far = 0.5 * tile_reach * setup.skin;
   std::atomic<bool> still{true};
-  const bool near_enough = all_side_by_side(p.free(), [&](std::size_t i) {
+  const bool near_enough = parallel_all(p.free(), [&](std::size_t i) {
     const double square = moved_by(p, near, i).squaredNorm();
     if (!(square > 0.25 * setup.skin * setup.skin)) return true;  // what is not finite is named elsewhere
     still.store(false, std::memory_order_relaxed);

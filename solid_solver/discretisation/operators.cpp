@@ -15,7 +15,7 @@ struct PairKernel {
   explicit PairKernel(double h) : scale(-5.0 * sph::WendlandC2<D>::normalisation(h) / (h * h)), half_inverse(0.5 / h) {}
   [[gnu::always_inline]] void at(const Lanes& distance, Lanes& kernel) const {
     Lanes u = 1.0 - half_inverse * distance;
-    raise_to(u, Lanes{});
+    max_in_place(u, Lanes{});
     kernel = scale * u * u * u;
   }
 };
@@ -55,7 +55,7 @@ void pair_kernels(const std::vector<Node<D>>& nodes, const Pairs& pairs, double 
               Lanes x[D], distance{}, k;
               gather<0, D>(rows_at(all, &list.index[m]), x);
               for (int d = 0; d < D; ++d) distance += (self[d] - x[d]) * (self[d] - x[d]);
-              take_root(distance);
+              sqrt_in_place(distance);
               derivative.at(distance, k);
               put(k, &kernels[m]);
             });
@@ -158,7 +158,7 @@ VecArray<D> pressure_gradient_difference(const State<D>& state, std::span<const 
         add_lanes<Own::size>(own, sum_of[i].x.data());
       });
   VecArray<D> gradient(n);
-  for_each_side_by_side(n, [&](Size i) {
+  parallel_for(n, [&](Size i) {
     const double* const sum = sums[i].x.data();
     gradient[i] = invert_moment<D>(symmetric<D>(sum + D)) * Eigen::Map<const Vec<D>>(sum);
   });
@@ -212,9 +212,9 @@ void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& n
                   squared += r[d] * r[d];
                   approach -= r[d] * u[d];
                 }
-                raise_to(approach, Lanes{});
+                max_in_place(approach, Lanes{});
                 Lanes distance = squared;
-                take_root(distance);
+                sqrt_in_place(distance);
                 derivative.at(distance, k);
                 put(k, &kernels[m]);
                 take(&kernels[m], k);
@@ -242,7 +242,7 @@ void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& n
                     along[d] = u[d] + pull * r[d];
                     slip += along[d] * along[d];
                   }
-                  take_root(slip);
+                  sqrt_in_place(slip);
                   Lanes friction = rubbing * resist * distance / (slip + pull * distance);
                   friction = collides ? friction : Lanes{};
                   for (Size d = 0; d < D; ++d) felt[D + d] = friction * along[d] - resist * r[d];

@@ -21,7 +21,7 @@ struct Pairs {
   [[nodiscard]] std::size_t n_parts() const { return part.size() - 1; }
 };
 
-/// Calls visit(i) for the rows from `first` to `last` - 1 that are not skipped, the parts side by side.
+/// Calls visit(i) for the rows from `first` to `last` - 1 that are not skipped, the parts in parallel.
 template <class Visit>
 void for_rows(const Pairs& pairs, std::size_t first, std::size_t last, Visit&& visit) {
   for_each_part(pairs.n_parts(), [&](std::size_t part) {

@@ -46,7 +46,7 @@ void fill_grains(const State<D>& state, Scratch<D>& scratch) {
     grain.flows = scratch.flows[source] ? 1.0 : 0.0;
     grain.stress = p.stress[source].template head<n_components<D>>();
   };
-  for_each_side_by_side(p.size(), fill);  // those asleep, too: others feel them
+  parallel_for(p.size(), fill);  // those asleep, too: others feel them
   for (std::size_t j = p.size(); j < state.nodes.size(); ++j) fill(j);
 }
 
@@ -144,9 +144,9 @@ const Sums<Around<D>::size>* sum_neighbours(const State<D>& state, double h, Scr
                 r[d] = self[d] - head[d];
                 distance += r[d] * r[d];
               }
-              take_root(distance);
+              sqrt_in_place(distance);
               Lanes u = 1.0 - half_inverse * distance;
-              raise_to(u, Lanes{});
+              max_in_place(u, Lanes{});
               const Lanes value = centre * (u * u) * (u * u) * (5.0 - 4.0 * u);
               felt[A::at_cover] = head[G::at_volume] * value;
               theirs[A::at_cover] = self[G::at_volume] * value;
@@ -224,21 +224,21 @@ void even_out(const Setup<D>& setup, double interval, const State<D>& state, con
         crowding[d] /= density;
         crowded += crowding[d] * crowding[d];
       }
-      take_root(crowded);
+      sqrt_in_place(crowded);
       const LaneMask inside = (crowded * h <= surface) & (cover >= 0.8);
       // In wet soil the water's pressure keeps the volume; a density taken from the positions would squeeze it.
       volume *= inside & (coverage <= 0.5) ? 1.0 - packing_share * (cover - 1.0) : Lanes{} + 1.0;
       Lanes strain = shear;
-      lower_to(strain, Lanes{} + largest_strain);
+      min_in_place(strain, Lanes{} + largest_strain);
       if (dilates) {
         Lanes excess = mass / (density * volume) - 1.0 + mean / elasticity.bulk;
-        raise_to(excess, Lanes{} - largest_excess);
-        lower_to(excess, Lanes{} + largest_excess);
+        max_in_place(excess, Lanes{} - largest_excess);
+        min_in_place(excess, Lanes{} + largest_excess);
         const Lanes rise = inside ? elasticity.bulk * dilatancy * strain * excess : Lanes{};
         for (int d = 0; d < 3; ++d) four.stress[d] -= rise;
       }
       Lanes move = evening * h * h * strain, most = longest / (crowded > 0.0 ? crowded : Lanes{} + longest);
-      lower_to(move, most);
+      min_in_place(move, most);
       for (std::size_t d = 0; d < D; ++d) moves[q][d].v = inside ? -move * crowding[d] : Lanes{};
       for (Lanes& none : four.strain) none = Lanes{};
       four.void_ratio = volume / (grains * mass) - 1.0;

@@ -32,10 +32,10 @@ void follow(const Setup<D>& setup, double dt, const State<D>& state, Batch& batc
       four.void_ratio = volume / (grain_share * grains) - 1.0;
       Lanes rate{}, closest = grains + pores_left * (reference - grains);
       for (int d = 0; d < D; ++d) rate += gradient[d + D * d];
-      raise_to(closest, 0.5 * reference);
+      max_in_place(closest, 0.5 * reference);
       volume *= 1.0 + dt * rate;
-      raise_to(volume, closest);
-      lower_to(volume, 2.0 * reference);
+      max_in_place(volume, closest);
+      min_in_place(volume, 2.0 * reference);
       batch.volume[q].v = volume;
       spin_rate<D>(four.stress, gradient, turning);
       strain_rate<D>(gradient, four.strain);

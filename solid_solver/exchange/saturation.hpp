@@ -30,7 +30,7 @@ void degree_of_saturation(const std::vector<Soil>& soils, const State<D>& state,
                           Own&& own, OrZero<double>& saturation) {
   constexpr double full = 0.95;
   const std::size_t n = state.particles.size();
-  saturation.lay_out(n);
+  saturation.allocate(n);
   const bool wet = std::any_of(coverage.begin(), coverage.end(), [](double c) { return c > 0.0; });
   const ScalarArray* around = wet ? &own() : nullptr;
   for (std::size_t i = 0; i < n; ++i) {

@@ -40,8 +40,8 @@ template <class In>
   if (!soil.saturated_cohesion) return;
   Number share{};
   if (soil.initial_saturation < 1.0) share = (1.0 - saturation) / (1.0 - soil.initial_saturation);
-  raise_to(share, Number{});
-  lower_to(share, Number{} + 1.0);
+  max_in_place(share, Number{});
+  min_in_place(share, Number{} + 1.0);
   cohesion = *soil.saturated_cohesion + (soil.cohesion - *soil.saturated_cohesion) * share;
 }
 inline double cohesion_at(const Soil& soil, double saturation) {

@@ -50,12 +50,12 @@ template <class In>
   const Number f = cone.alpha * i1 + j - cone.k, multiplier = f / (9.0 * bulk * cone.alpha * cone.alpha_psi + shear);
   const Number along_potential = i1 - 9.0 * bulk * cone.alpha_psi * multiplier;
   Number new_j = cone.k - cone.alpha * limit;
-  lower_to(new_j, j);
+  min_in_place(new_j, j);
   const typename In::Mask onto_cone = (f > 0.0) & (along_potential <= limit);
   new_j = onto_cone ? j - shear * multiplier : new_j;
   // Pure tension takes no shear; the smallest number still says that the soil yielded.
   plastic = (j - new_j) / (shear * std::numbers::sqrt3);
-  raise_to(plastic, Number{} + std::numeric_limits<double>::min());
+  max_in_place(plastic, Number{} + std::numeric_limits<double>::min());
   const typename In::Mask yields = (f > 0.0) | (i1 > limit);
   plastic = yields ? plastic : Number{};
   j = yields ? new_j : j;
@@ -71,8 +71,8 @@ template <class In>
   using Number = typename In::Number;
   const Number a = dd - change * change, b = sd - radius * change, c = ss - radius * radius;
   Number root = b * b - a * c;
-  raise_to(root, Number{});
-  take_root(root);
+  max_in_place(root, Number{});
+  sqrt_in_place(root);
   const typename In::Mask grows = b > 0.0;
   share = (grows ? -c : root - b) / (grows ? b + root : a);
   share = ((b < 0.0) | (c < 0.0)) & (share > 0.0) & (share < 1.0) ? share : Number{};
@@ -84,8 +84,8 @@ template <class In>
                                                typename In::Number& integral) {
   using Number = typename In::Number;
   Number low = from, high = from;
-  lower_to(low, to);
-  raise_to(high, to);
+  min_in_place(low, to);
+  max_in_place(high, to);
   const typename In::Mask positive = low > 0.0, far = high - low >= 1e-4 * low;
   integral = 2.0 / (from + to);
   const typename In::Mask both = positive & far;
@@ -129,8 +129,8 @@ template <class In>
       (room < 0.0) | (trial > 2.0 * room * room) | (i1_trial > 3.0 * cone.tensile_strength);
   if (any(outside)) {
     Number j_trial = 0.5 * trial;
-    raise_to(j_trial, Number{});
-    take_root(j_trial);
+    max_in_place(j_trial, Number{});
+    sqrt_in_place(j_trial);
     Number j = j_trial;
     return_invariants<In>(i1, j, cone, elasticity, plastic);
     const typename In::Mask yields = plastic > 0.0;
@@ -146,20 +146,20 @@ template <class In>
       Number elastic, integral;
       elastic_share<In>(ss, sd, dd, first, last - first, elastic);
       Number norm = ss + elastic * (2.0 * sd + elastic * dd), length = dd;
-      take_root(norm);
-      take_root(length);
+      sqrt_in_place(norm);
+      sqrt_in_place(length);
       Number cosine = (sd + elastic * dd) / (norm * length);
-      raise_to(cosine, -one);
-      lower_to(cosine, one);
+      max_in_place(cosine, -one);
+      min_in_place(cosine, one);
       Number sine = 1.0 - cosine * cosine;
-      take_root(sine);
+      sqrt_in_place(sine);
       // Krieg & Krieg (1977): d psi / dt = -(|ds| / radius) sin psi, hence tan(psi / 2) decays exponentially.
       const Number start = first + elastic * (last - first), end = sqrt2 * j;
       over_radius<In>(start, end, integral);
       Number left = turns ? -(1.0 - elastic) * length * integral : Number{};
       apply([](double x) { return std::exp(x); }, left);
       Number half = 1.0 + cosine;
-      raise_to(half, Number{} + 1e-12);
+      max_in_place(half, Number{} + 1e-12);
       left *= sine / half;
       const Number whole = 1.0 / (1.0 + left * left);
       const Number along = (1.0 - left * left) * whole, across = 2.0 * left * whole;

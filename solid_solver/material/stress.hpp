@@ -31,7 +31,7 @@ template <class Number>
 [[gnu::always_inline]] inline void root_j2(const Number* t, Number& root) {
   const Number mean = (t[0] + t[1] + t[2]) / 3.0, x = t[0] - mean, y = t[1] - mean, z = t[2] - mean;
   root = 0.5 * (x * x + y * y + z * z + 2.0 * (t[3] * t[3] + t[4] * t[4] + t[5] * t[5]));
-  take_root(root);
+  sqrt_in_place(root);
 }
 inline double root_j2(const Tensor& t) {
   double root = 0.0;

@@ -103,7 +103,7 @@ bool softened(const Setup<D>& setup, const State<D>& state) {
   const auto& before = state.sleep.saturation;
   for (std::size_t i = 0; i < state.particles.free(); ++i)
     if (setup.softened_by_water[state.particles.material[i]] &&
-        (!before.is_laid_out() || std::abs(now[i] - before[i]) > softening))
+        (!before.is_allocated() || std::abs(now[i] - before[i]) > softening))
       return true;
   return false;
 }
