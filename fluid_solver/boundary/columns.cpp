@@ -205,7 +205,7 @@ void Fluid<D>::limit_surface(Stencil<D>& s) const {
   const ColumnFinder<D> finder(state_.columns);
   const auto& columns = state_.columns;
   if (std::any_of(columns.begin(), columns.end(), [](const auto& c) { return c.in_soil && !c.wet; }))
-    s.told_distance.allocate(s.n_real);
+    s.prescribed_surface_distance.allocate(s.n_real);
   const auto& soils = scene_.soils;
   if (std::any_of(soils.begin(), soils.end(), [](const Soil& soil) { return soil.suction_head != 0.0; }))
     s.surface_pressure.allocate(s.n_real);
@@ -218,7 +218,7 @@ void Fluid<D>::limit_surface(Stencil<D>& s) const {
     const bool at_face = c && c->in_soil && !c->wet && d < 0.5 * spacing;
     if (at_face && (!faces_follow_ || d > -deletion_depth * c->spacing)) {
       s.at_face[a] = true;
-      s.told_distance.set(a, std::max(d, 0.1 * spacing));
+      s.prescribed_surface_distance.set(a, std::max(d, 0.1 * spacing));
     } else if (const Soil* here = soil_at(scene_, to_point3<D>(s.position[a])); here && here->suction_head != 0.0) {
       s.surface_pressure.set(a, -gamma * here->suction_head);
     }

@@ -158,7 +158,7 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> seeps, st
   });
   for (std::size_t a = 0; a < s.n_real; ++a) {
     if (flags[a] != Surface::lone || seeps[a] != 0) continue;
-    s.edge(a).blind.setIdentity();
+    s.boundary_correction(a).unresolved.setIdentity();
     s.correction[a].setZero();
   }
   s.on_surface.resize(s.size());
@@ -169,7 +169,7 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> seeps, st
   for (std::size_t a = 0; a < rows.size(); ++a) {
     const bool in_row = flags[a] == Surface::surface && seeps[a] == 0;
     rows[a] += share * ((in_row ? row_thickness<D>(s, a) : 1.0) - rows[a]);
-    if (in_row) s.told_distance.set(a, s.surface_distance(a) * rows[a], s.n_real);
+    if (in_row) s.prescribed_surface_distance.set(a, s.surface_distance(a) * rows[a], s.n_real);
   }
   // Below the surface: the distance of the plane that the surface particles of its own kind in reach put it at, and the
   // pressure there; 0: none.
@@ -206,9 +206,9 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> seeps, st
     // The ghost at twice the distance completes the moment.
     const double amount = s.normal[a].norm();
     const Vec<D> n = s.normal[a] / amount;
-    Mat<D>& blind = s.edge(a).blind;
-    s.correction[a] =
-        bounded_inverse<D>(s.moment(a) + 2.0 * distance * amount * n * n.transpose(), surface::least_inverted, &blind);
+    Mat<D>& unresolved = s.boundary_correction(a).unresolved;
+    s.correction[a] = bounded_inverse<D>(s.moment(a) + 2.0 * distance * amount * n * n.transpose(),
+                                         surface::least_inverted, &unresolved);
   }
   // Inside, where neighbours are few, the pair sums of the Laplacian are short and the gradient's are not: a pressure
   // found from the one and applied by the other would correct the velocity more than once. In soil drag keeps that

@@ -95,12 +95,12 @@ void for_pairs_in_lanes(const Stencil<D>& s, const PackedPoints<D, n_values>& po
 }
 
 /// Corrected gradient of a piezometric pressure; face_pressure(column) is the pressure at a face (0 for increments).
-/// mobility: of the real particles, pairs get the harmonic mean; 1 where there is none; blind_gradient is taken in
+/// mobility: of the real particles, pairs get the harmonic mean; 1 where there is none; unresolved_gradient is taken in
 /// directions without neighbours; surface_pressure(a) is that of the free surface next to particle a (0 for
 /// increments); increment: p is a change of pressure.
 template <int D, class Face, class SurfacePressure>
 VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Face&& face_pressure,
-                              std::span<const double> mobility, const Vec<D>& blind_gradient,
+                              std::span<const double> mobility, const Vec<D>& unresolved_gradient,
                               SurfacePressure&& surface_pressure, bool increment = false) {
   // Pressures of the buffers. Reflecting particle by particle, as the Laplacian does, would magnify the error of a
   // particle that lies on the face itself.
@@ -144,7 +144,8 @@ VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Fa
         Vec<D> sum = Eigen::Map<const Vec<D>>(total);
         if (s.ghost_distance[a] > 0.0) sum += 2.0 * own * (p[a] - surface_pressure(a)) * s.normal[a];
         result[a] = s.correction[a] * sum;
-        if (s.edge_of[a] > 0) result[a] += own * (s.edges[s.edge_of[a] - 1].blind * blind_gradient);
+        if (s.boundary_correction_of[a] > 0)
+          result[a] += own * (s.boundary_corrections[s.boundary_correction_of[a] - 1].unresolved * unresolved_gradient);
       });
   return result;
 }

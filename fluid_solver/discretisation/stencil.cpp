@@ -211,12 +211,12 @@ template <int D>
 }  // namespace
 
 template <int D>
-Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* blind, double* smallest) {
+Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* unresolved, double* smallest) {
   // The least eigenvalue, in 3D a bound of it: as far below the mean as the others can be above.
   const double mean = moment.trace() / D;
   const double lower = mean - std::sqrt((D - 1.0) / D * (moment - mean * Mat<D>::Identity()).squaredNorm());
   if (lower >= least) {
-    if (blind) blind->setZero();
+    if (unresolved) unresolved->setZero();
     if (smallest && (D == 2 || lower >= inside_moment))
       *smallest = lower;
     else if (smallest)
@@ -227,12 +227,12 @@ Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* blind, double
   Eigen::SelfAdjointEigenSolver<Mat<D>> eigen;
   eigen.computeDirect(moment);
   Mat<D> inverse = Mat<D>::Zero();
-  if (blind) blind->setZero();
+  if (unresolved) unresolved->setZero();
   for (int d = 0; d < D; ++d) {
     const Mat<D> e = eigen.eigenvectors().col(d) * eigen.eigenvectors().col(d).transpose();
     const double value = eigen.eigenvalues()[d], held = std::max(value, least);
     inverse += e / held;
-    if (blind) *blind += (1.0 - value / held) * e;
+    if (unresolved) *unresolved += (1.0 - value / held) * e;
   }
   if (smallest) *smallest = eigen.eigenvalues()[0];
   return inverse;
@@ -285,12 +285,12 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   part_at_joints(joints, reach, s);
   // The largest arrays first: what is smaller fits between.
   s.pull.resize(s.other.size());
-  for (auto* told : {&s.fullness, &s.closest, &s.divergence, &s.amplification, &s.least_moment}) told->resize(n);
+  for (auto* array : {&s.fullness, &s.closest, &s.divergence, &s.amplification, &s.least_moment}) array->resize(n);
   s.normal.resize(n);
   s.covered.assign(n, false);
   s.at_face.assign(n, false);
   s.correction.resize(n);
-  s.edge_of.assign(n, 0);
+  s.boundary_correction_of.assign(n, 0);
   UnsetArray<Summed<D>> points(s.size());
   parallel_for(s.size(), [&](std::size_t j) { points[j] = {s.position[j], s.volume[j], s.length(j)}; });
   for_each_in_lanes(
@@ -312,9 +312,9 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
     if (s.least_moment[a] < least_inverted) edge[a] |= surface;
   });
   for (std::size_t a = 0; a < n; ++a)
-    if (edge[a] != 0) s.edge(a);
+    if (edge[a] != 0) s.boundary_correction(a);
   const auto fill_edge = [&](std::size_t a) {
-    if ((edge[a] & surface) != 0) bounded_inverse<D>(s.moment(a), least_inverted, &s.edge(a).blind);
+    if ((edge[a] & surface) != 0) bounded_inverse<D>(s.moment(a), least_inverted, &s.boundary_correction(a).unresolved);
     if ((edge[a] & face) == 0) return;
     Mat<D> open = Mat<D>::Zero();
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
@@ -322,7 +322,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
       const Vec<D> ba = s.position[j] - s.position[a];
       if (!s.is_buffer(j)) open += static_cast<double>(s.pull[k]) * ba * ba.transpose();
     }
-    s.edge(a).open = bounded_inverse<D>(open, least_inverted, nullptr);
+    s.boundary_correction(a).open = bounded_inverse<D>(open, least_inverted, nullptr);
   };
   parallel_ranges(n, s.worth_threads, [&](std::size_t first, std::size_t last) {
     for (std::size_t a = first; a < last; ++a)

@@ -177,9 +177,10 @@ struct Stencil {
   UnsetArray<double>
       amplification;   ///< [real] of pair sums of second derivatives, to make them exact for a quadratic on average
   VecArray<D> normal;  ///< [real] sum V grad W: inward where the surroundings are one-sided, 1/m
-  std::vector<char> covered;     ///< [real] in soil, with water in the cone outwards: a loose place, no surface
-  std::vector<char> at_face;     ///< [real] in soil, within half a spacing of a seepage face: that is where water ends
-  OrZero<double> told_distance;  ///< [real] of a surface particle to the surface, m, where it is not half a spacing
+  std::vector<char> covered;  ///< [real] in soil, with water in the cone outwards: a loose place, no surface
+  std::vector<char> at_face;  ///< [real] in soil, within half a spacing of a seepage face: that is where water ends
+  /// [real] distance of a surface particle to the surface [m] where it is prescribed; half a spacing elsewhere.
+  OrZero<double> prescribed_surface_distance;
   OrZero<double> surface_pressure;  ///< [real] total, on the surface, Pa: 0, or a suction
   MatArray<D> correction;           ///< [real] of the kernel gradient, buffers and the free surface counted (pressures)
   /// [real] smallest eigenvalue of the moment, or a bound of it above inside_moment: 1 inside, 0 where a direction is
@@ -195,35 +196,36 @@ struct Stencil {
   /// find_surface.
   std::vector<char> on_surface;
 
-  /// What only particles at a surface or a face have.
-  struct Edge {
-    Mat<D> open;   ///< correction with buffers and the free surface left out (velocities)
-    Mat<D> blind;  ///< 1 - correction moment: the part of a gradient that neighbours are too few to tell
+  /// How gradients are corrected where the kernel's support is cut off: at a surface or a face, of no other particles.
+  struct BoundaryCorrection {
+    Mat<D> open;        ///< correction with buffers and the free surface left out (velocities)
+    Mat<D> unresolved;  ///< 1 - correction moment: projects on directions with too few neighbours for a gradient
   };
-  std::vector<Index> edge_of;  ///< [real] one more than its place among the edges; 0: inside
-  std::vector<Edge> edges;
+  std::vector<Index> boundary_correction_of;  ///< [real] one more than its index in boundary_corrections; 0: inside
+  std::vector<BoundaryCorrection> boundary_corrections;
   [[nodiscard]] const Mat<D>& correction_open(std::size_t a) const {
-    return edge_of[a] == 0 ? correction[a] : edges[edge_of[a] - 1].open;
+    return boundary_correction_of[a] == 0 ? correction[a] : boundary_corrections[boundary_correction_of[a] - 1].open;
   }
-  /// Particle a's, made of its correction as it is where there is none yet.
-  Edge& edge(std::size_t a) {
-    if (edge_of[a] == 0) {
-      edges.push_back({correction[a], Mat<D>::Zero()});
-      edge_of[a] = static_cast<Index>(edges.size());
+  /// That of particle a; if it has none yet, it gets one that starts from its correction.
+  BoundaryCorrection& boundary_correction(std::size_t a) {
+    if (boundary_correction_of[a] == 0) {
+      boundary_corrections.push_back({correction[a], Mat<D>::Zero()});
+      boundary_correction_of[a] = static_cast<Index>(boundary_corrections.size());
     }
-    return edges[edge_of[a] - 1];
+    return boundary_corrections[boundary_correction_of[a] - 1];
   }
 
   /// h [m] of any point.
   [[nodiscard]] double length(std::size_t j) const {
     return D == 3 ? smoothing[j] : smoothing_ratio * spacing_of<D>(volume[j]);
   }
-  /// Of a surface particle to the surface [m].
+  /// Distance of a surface particle to the surface [m].
   [[nodiscard]] double surface_distance(std::size_t a) const {
-    return told_distance[a] > 0.0 ? told_distance[a] : 0.5 * spacing_of<D>(volume[a]);
+    return prescribed_surface_distance[a] > 0.0 ? prescribed_surface_distance[a] : 0.5 * spacing_of<D>(volume[a]);
   }
+  /// Frees what is of use only until the surface has been found.
   void forget_moments() {
-    for (auto* told : {&divergence, &least_moment}) *told = UnsetArray<double>();
+    for (auto* array : {&divergence, &least_moment}) *array = UnsetArray<double>();
   }
 
   /// W of real particle a and any point, 1/m^D; 0 for itself, with which rows are filled up.
@@ -260,10 +262,10 @@ struct Stencil {
   [[nodiscard]] std::size_t size() const { return position.size(); }
 };
 
-/// Inverse of a symmetric moment matrix with its eigenvalues held at or above `least`; blind: what that leaves out;
-/// smallest: as Stencil::least_moment.
+/// Inverse of a symmetric moment matrix, its eigenvalues raised to at least `least`. unresolved: 1 - inverse moment,
+/// the directions that this leaves unresolved; smallest: as Stencil::least_moment.
 template <int D>
-Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* blind, double* smallest = nullptr);
+Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* unresolved, double* smallest = nullptr);
 
 /// Surroundings of the particles at x (bulk volumes in m^D), with buffers outside faces and images behind planes.
 /// free: [n] in no soil; none: all. Water in soil does not see behind a sill, nor free water behind a face of soil.

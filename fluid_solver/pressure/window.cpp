@@ -788,9 +788,9 @@ class WindowSolver {
   }
 
   VecArray<D> plain_gradient(std::span<const double> p, bool homogeneous) const {
-    const Vec<D> blind = homogeneous ? Vec<D>(Vec<D>::Zero()) : Vec<D>(-in_.weight);
+    const Vec<D> unresolved = homogeneous ? Vec<D>(Vec<D>::Zero()) : Vec<D>(-in_.weight);
     return pressure_gradient<D>(
-        s_, p, [&](Index c) { return homogeneous ? 0.0 : in_.face_pressure[c]; }, {}, blind,
+        s_, p, [&](Index c) { return homogeneous ? 0.0 : in_.face_pressure[c]; }, {}, unresolved,
         [&](std::size_t a) { return homogeneous ? 0.0 : surface_pressure(a); }, homogeneous);
   }
 

@@ -214,12 +214,12 @@ void check_bounded_inverse() {
     if (i % 3 != 0)  // every third nearly isotropic, as inside
       for (int d = 0; d < D; ++d) eigen[d] = value(generator);
     const Mat<D> moment = turn * eigen.asDiagonal() * turn.transpose();
-    Mat<D> blind;
+    Mat<D> unresolved;
     double smallest = 0.0;
-    const Mat<D> inverse = bounded_inverse<D>(moment, least, &blind, &smallest);
+    const Mat<D> inverse = bounded_inverse<D>(moment, least, &unresolved, &smallest);
     const Vec<D> held = eigen.cwiseMax(least);
     EXPECT_LT((inverse - turn * held.cwiseInverse().asDiagonal() * turn.transpose()).norm(), 1e-6);
-    EXPECT_LT((blind - (Mat<D>::Identity() - inverse * moment)).norm(), 1e-6);
+    EXPECT_LT((unresolved - (Mat<D>::Identity() - inverse * moment)).norm(), 1e-6);
     EXPECT_LE(smallest, eigen.minCoeff() + 1e-7);
     if (smallest < inside_moment || D == 2) {
       EXPECT_NEAR(smallest, eigen.minCoeff(), 1e-7);
