@@ -67,7 +67,7 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
   dx_ = scene.fluid.particle_spacing;
   density_ = scene.water.density;
   Vec<D> bounded = scene.general.gravity.head<D>();
-  for (const int axis : scene.general.periodic) std::swap(pull_[axis], bounded[axis]);
+  for (const int axis : scene.general.periodic) std::swap(periodic_gravity_[axis], bounded[axis]);
   weight_ = density_ * bounded;
   if (weight_.norm() > 0.0) gravity_or_standard_ = weight_.norm() / density_;
   if (!(dx_ > 0.0)) throw CaseError("fluid.particle_spacing must be positive");
@@ -139,7 +139,7 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
                   state_.inlets.empty() && std::all_of(here.begin(), here.end(), [](double n) { return n < 1.0; });
   // The soil looks for its rest under what is published before the first exchange.
   auto view = rigid_soil<D>(scene_, p.position);
-  settle(view);
+  solve_hydrostatic(view);
 }
 
 /// Inviscid free water is slowly unstable: a trace of viscosity on the scale of the particles. Explicit sweeps let
@@ -249,9 +249,9 @@ SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox, const Creep& creep) con
     for (std::size_t a = 0; a < n; ++a)
       if (inbox.coverage[a] > 0.0 && !is_free(a) && nearest_column(x[a])) asymmetry[a] = 0.0;
   auto view = mapped_soil<D>(scene_, inbox, asymmetry, state_.particles.mask, creep);
-  const auto& felt = computes_beside() ? state_.particles.felt : state_.particles.force;
+  const auto& received = computes_beside() ? state_.particles.previous_coupling_force : state_.particles.coupling_force;
   for (std::size_t a = 0; a < n; ++a)
-    if (view.mask[a] > 0.0) view.force.set(a, view.force[a] - felt[a]);
+    if (view.mask[a] > 0.0) view.force.set(a, view.force[a] - received[a]);
   return view;
 }
 
@@ -312,11 +312,11 @@ void Fluid<D>::mark_surface(Stencil<D>& s, std::span<double> rows, double share)
   state_.full = closed && parallel_all(p.size(), [&](std::size_t a) { return flags[a] == Surface::interior; });
 }
 
-/// Pressure of water at rest: no source, no velocity, the skeleton holds still. In the time of a fall through the whole
-/// scene, so that inertia counts for little in soil. What seeps under it bounds the first window, which no speed does
-/// yet.
+/// Pressure of water at rest: no source, no velocity, a skeleton that does not move. Solved as one window as long as a
+/// fall through the whole scene, so that inertia is negligible in soil. The seepage speed that this pressure drives
+/// bounds the first window; no other speed is known yet.
 template <int D>
-void Fluid<D>::settle(SoilView<D>& view) {
+void Fluid<D>::solve_hydrostatic(SoilView<D>& view) {
   auto& p = state_.particles;
   if (p.size() == 0) return;
   auto s = stencil();
@@ -335,7 +335,7 @@ void Fluid<D>::settle(SoilView<D>& view) {
   out.pressure = p.pressure;
   solve_window<D>(s, view, p.surface, in, out);
   p.pressure = out.pressure;
-  if (scene_.coupled()) keep_force(view, out.gradient, 0.0);
+  if (scene_.coupled()) store_coupling_force(view, out.gradient, 0.0);
   const double fastest = parallel_max(p.size(), 0.0, [&](std::size_t a) {
     return drags(view, a) ? out.velocity[a].norm() / spacing_of<D>(p.volume[a]) : 0.0;
   });
@@ -344,19 +344,19 @@ void Fluid<D>::settle(SoilView<D>& view) {
     state_.window_limits.push_back({0.25 / fastest, "a quarter spacing per window of seepage that begins"});
 }
 
-/// What pressure and drag do to the soil, by the water's own account: the soil's tells its balance with its own account
-/// of them in it, and what the two operators differ by must not move it.
+/// Stores the force of pressure and drag on the soil as evaluated at the water's points. The soil reports its balance
+/// of forces with its own evaluation of these forces in it; the difference of the two operators must not move it.
 template <int D>
-void Fluid<D>::keep_force(const SoilView<D>& view, std::span<const Vec<D>> gradient, double interval) {
+void Fluid<D>::store_coupling_force(const SoilView<D>& view, std::span<const Vec<D>> gradient, double interval) {
   auto& p = state_.particles;
-  if (computes_beside()) p.felt = p.force;
-  p.force.allocate(p.size());
+  if (computes_beside()) p.previous_coupling_force = p.coupling_force;
+  p.coupling_force.allocate(p.size());
   parallel_for(p.size(), [&](std::size_t a) {
     Vec<D> force = -view.fraction[a] * (gradient[a] + weight_);
     if (interval > 0.0) force += p.drag_impulse[a] / (p.volume[a] * interval);
-    p.force.set(a, force);
+    p.coupling_force.set(a, force);
   });
-  if (computes_beside() && !p.felt.is_allocated()) p.felt = p.force;
+  if (computes_beside() && !p.previous_coupling_force.is_allocated()) p.previous_coupling_force = p.coupling_force;
 }
 
 /// In short windows water among free water is free, whatever its own grains do: where most of the soil's water around
@@ -386,7 +386,7 @@ void Fluid<D>::flow_together(const Stencil<D>& s) {
 /// points: one-sided at the surface, it takes what a grain's own motion does to its pressure for a push in the
 /// direction of that motion, and what moves off goes faster and faster. So the soil is given the gradient there.
 template <int D>
-void Fluid<D>::tell_surface(const Stencil<D>& s, std::span<const Vec<D>> gradient) {
+void Fluid<D>::store_surface_gradient(const Stencil<D>& s, std::span<const Vec<D>> gradient) {
   auto& p = state_.particles;
   p.surface_share = {};
   p.surface_gradient = {};
@@ -411,7 +411,7 @@ void Fluid<D>::initialise(const coupling::Inbox& inbox) {
   }
   begin_control(view, 0.0);
   p.solid_velocity = view.velocity;
-  settle(view);
+  solve_hydrostatic(view);
   limit_scheme(view);
   for (const double m : p.mass) state_.balance.initial += m / density_;
   ++state_.revision;
@@ -440,9 +440,9 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
                                       std::span<const Mat<D>> velocity_gradient, double interval) const {
   const auto& v = state_.particles.velocity;
   VecArray<D> result;
-  if (!pull_.isZero(0.0)) {
+  if (!periodic_gravity_.isZero(0.0)) {
     result = v;
-    parallel_for(result.size(), [&](std::size_t a) { result[a] += interval * pull_; });
+    parallel_for(result.size(), [&](std::size_t a) { result[a] += interval * periodic_gravity_; });
   }
   // In soil drag damps what the trace of viscosity is for, unless inertia rules there as well.
   std::vector<char> damped(s.n_real);
@@ -507,30 +507,30 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
   return result;
 }
 
-/// What is left for later windows of the divergence [1/s] that free water in uneven surroundings has before this one's
-/// forces act, in windows shorter than half the longest that the water's motion allows: all but their share of that
-/// half. Where neighbours are few and on one side, the gradient of a pressure can turn a divergence round and leave it
-/// larger, by a few percent a solve, whatever the window's length: in windows much shorter than the water's own it
-/// would grow until the water flies apart. The first window removes whatever water starts with.
+/// Divergence [1/s] that is deferred to later windows: of free water with one-sided neighbours, before this window's
+/// forces act. In windows shorter than half the longest one that the water's motion allows, only the fraction
+/// interval / that half is removed. The reason: with few neighbours on one side, a pressure gradient can reverse a
+/// divergence and leave it larger, by a few percent per solve whatever the window's length. In much shorter windows it
+/// would grow until the water flies apart. The first window removes all of what the water starts with.
 template <int D>
-ScalarArray Fluid<D>::left_for_later(const Stencil<D>& s, const SoilView<D>& view, double interval) const {
+ScalarArray Fluid<D>::deferred_divergence(const Stencil<D>& s, const SoilView<D>& view, double interval) const {
   constexpr double even = 0.05;  // |sum V grad W| h up to which surroundings are even; at a flat surface 0.7
   const auto& p = state_.particles;
-  ScalarArray left(p.size(), 0.0);
-  if (scene_.fluid.scheme != FluidCase::Scheme::projection || state_.last_interval <= 0.0) return left;
-  const double later = 1.0 - interval / (0.5 * free_interval());
-  if (later <= 0.0) return left;
+  ScalarArray deferred(p.size(), 0.0);
+  if (scene_.fluid.scheme != FluidCase::Scheme::projection || state_.last_interval <= 0.0) return deferred;
+  const double fraction = 1.0 - interval / (0.5 * free_interval());
+  if (fraction <= 0.0) return deferred;
   parallel_for(p.size(), [&](std::size_t a) {
-    if (p.seeps[a] == 0 && !drags(view, a) && s.length(a) * s.normal[a].norm() > even) left[a] = later;
+    if (p.seeps[a] == 0 && !drags(view, a) && s.length(a) * s.normal[a].norm() > even) deferred[a] = fraction;
   });
-  if (parallel_all(p.size(), [&](std::size_t a) { return left[a] == 0.0; })) return left;
+  if (parallel_all(p.size(), [&](std::size_t a) { return deferred[a] == 0.0; })) return deferred;
   VecArray<D> flux(p.size());
   parallel_for(p.size(), [&](std::size_t a) {
     flux[a] = p.void_fraction[a] * p.velocity[a] + view.fraction[a] * view.velocity[a];
   });
   const ScalarArray outflow = divergence<D>(s, flux, Carried::yes);
-  parallel_for(p.size(), [&](std::size_t a) { left[a] *= outflow[a]; });
-  return left;
+  parallel_for(p.size(), [&](std::size_t a) { deferred[a] *= outflow[a]; });
+  return deferred;
 }
 
 /// Water without soil, in 2D, its pressure solved for: how full its surroundings are is told nearly free of their
@@ -563,7 +563,7 @@ template <int D>
 ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view,
                                     std::span<const Mat<D>> velocity_gradient, double interval) {
   auto& p = state_.particles;
-  ScalarArray source = left_for_later(s, view, interval);
+  ScalarArray source = deferred_divergence(s, view, interval);
   // A packing error is made good by moving the surface or the inflow; in a closed domain there is neither, and shifting
   // alone evens the packing: pressure would only push on the grains.
   const bool open = !parallel_all(p.size(), [&](std::size_t a) { return p.surface[a] == Surface::interior; }) ||
@@ -593,11 +593,11 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
                               0.2 / interval);
   });
   if (!responds() || state_.last_interval <= 0.0) return source;
-  // The soil moved by its own account; what that squeezed beyond the prediction is made good no faster than it came:
-  // after a long window, short ones take their share of it only.
-  const double came = state_.last_interval, due = std::max(state_.debt_due, interval);
-  state_.debt_due = std::max({0.0, state_.debt_due - interval, came - interval});
-  if (!p.volume_debt.is_allocated()) p.volume_debt.allocate(p.size());
+  // The soil moved otherwise than predicted. The volumetric strain beyond the prediction is applied to the water no
+  // faster than it accumulated: after a long window, each short one applies only its fraction of it.
+  const double came = state_.last_interval, due = std::max(state_.deferred_strain_due, interval);
+  state_.deferred_strain_due = std::max({0.0, state_.deferred_strain_due - interval, came - interval});
+  if (!p.deferred_strain.is_allocated()) p.deferred_strain.allocate(p.size());
   VecArray<D> beyond(p.size(), Vec<D>::Zero());
   for (std::size_t a = 0; a < p.size(); ++a) {
     if (view.fraction[a] == 0.0) continue;
@@ -607,9 +607,9 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
   }
   const auto rate = divergence<D>(s, beyond);
   for (std::size_t a = 0; a < p.size(); ++a) {
-    const double debt = came * rate[a], released = debt / std::max(interval, came) + p.volume_debt[a] / due;
-    source[a] -= released;
-    p.volume_debt.set(a, p.volume_debt[a] + (debt - released * interval));
+    const double strain = came * rate[a], applied = strain / std::max(interval, came) + p.deferred_strain[a] / due;
+    source[a] -= applied;
+    p.deferred_strain.set(a, p.deferred_strain[a] + (strain - applied * interval));
   }
   return source;
 }
@@ -634,21 +634,22 @@ VecArray<D> Fluid<D>::repair(const Stencil<D>& s, const SoilView<D>& view, doubl
   return expand<D>(s, expansion);
 }
 
-/// Where the soil has moved otherwise than the last window reckoned, its water goes along, as (27) has it at the
-/// pressure of that window: by C / (a + C) of the departure of the velocity. The soil met that water's inertia at once
-/// (Solid::advance), by its own account; what the two accounts differ by, which is small and uneven, is shared out
-/// among the soil's water within a kernel's reach, so that their sum is kept.
+/// Applies the impulse that the soil returned. Where the soil's velocity departed from the last window's prediction,
+/// drag takes its water along by C / (a + C) of the departure, a = n rho / dt (Eq. (27) at that window's pressure). The
+/// soil has already met the inertia of that water (Solid::advance), evaluated at its own points. The difference between
+/// the two evaluations is small and uneven; it is distributed over the soil's water within one kernel support, so that
+/// the total momentum is conserved.
 template <int D>
-void Fluid<D>::follow_skeleton(const Stencil<D>& s, const SoilView<D>& view) {
+void Fluid<D>::apply_returned_impulse(const Stencil<D>& s, const SoilView<D>& view) {
   auto& p = state_.particles;
   VecArray<D> left(p.size());
   ScalarArray counts(p.size());
   for (std::size_t a = 0; a < p.size(); ++a) {
     counts[a] = view.mask[a] * p.volume[a];
-    left[a] = -view.owed[a];
+    left[a] = -view.returned_impulse[a];
     state_.exchanged.received += left[a];
     if (view.mask[a] <= 0.0) continue;
-    const Vec<D> along = p.follows[a] * (view.velocity[a] - p.solid_velocity[a]);
+    const Vec<D> along = p.entrained_fraction[a] * (view.velocity[a] - p.solid_velocity[a]);
     p.velocity[a] += along;
     left[a] -= p.mass[a] * along;
   }
@@ -710,7 +711,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   ++state_.counts.stencils;
   flow_together(s);
   mark_surface(s, p.row, std::min(1.0, dt / (row_memory * free_repair_time(dx_))));
-  if (scene_.coupled() && !computes_beside()) follow_skeleton(s, view);
+  if (scene_.coupled() && !computes_beside()) apply_returned_impulse(s, view);
   check_room(window.time);
 
   auto in = problem(dt);
@@ -768,20 +769,20 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   }
   if (scene_.coupled()) {
     p.drag_impulse.allocate(p.size());
-    p.follows.allocate(p.size());
+    p.entrained_fraction.allocate(p.size());
     parallel_for(p.size(), [&](std::size_t a) {
       Vec<D> force = view.drag[a] * (p.velocity[a] - p.solid_velocity[a]) - view.drag_offset[a];
       if (!drag_force.empty()) force += drag_force[a];
       p.drag_impulse.set(a, p.volume[a] * dt * force);
-      p.follows.set(a, view.drag[a] / (p.void_fraction[a] * density_ / dt + view.drag[a]));
+      p.entrained_fraction.set(a, view.drag[a] / (p.void_fraction[a] * density_ / dt + view.drag[a]));
     });
     for (std::size_t a = 0; a < p.size(); ++a) {
       state_.exchanged.received -= p.drag_impulse[a];
       state_.exchanged.drag_work -= p.drag_impulse[a].dot(p.velocity[a] - p.solid_velocity[a]);
     }
-    keep_force(view, out.gradient, dt);
-    passes_.end(p.pressure, p.solid_velocity, p.force);
-    tell_surface(s, out.gradient);
+    store_coupling_force(view, out.gradient, dt);
+    passes_.end(p.pressure, p.solid_velocity, p.coupling_force);
+    store_surface_gradient(s, out.gradient);
   }
   if (returns) view.drag = drag;
   if (scene_.coupled() && !responds()) {

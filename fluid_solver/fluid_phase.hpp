@@ -47,10 +47,10 @@ class Fluid final : public Phase {
 
  private:
   Vec<D> initial_velocity(const Vec<D>& x) const;
-  /// Pressure of water at rest in soil at rest: the view's velocities are taken away.
-  void settle(SoilView<D>& view);
-  /// Keeps what pressure and drag do to the soil [N/m3], which its unbalanced force will have in it.
-  void keep_force(const SoilView<D>& view, std::span<const Vec<D>> gradient, double interval);
+  /// Solves for the pressure of water at rest in soil at rest; removes the velocities from the view.
+  void solve_hydrostatic(SoilView<D>& view);
+  /// Stores the force of pressure and drag on the soil [N/m3], which the soil's unbalanced force will contain.
+  void store_coupling_force(const SoilView<D>& view, std::span<const Vec<D>> gradient, double interval);
   WindowSolution<D> solve(const Stencil<D>& s, SoilView<D>& view, const WindowProblem<D>& in);
   /// Finds the surface, whose thickness of rows enters `rows` by a share (find_surface).
   void mark_surface(Stencil<D>& s, std::span<double> rows, double share);
@@ -63,7 +63,7 @@ class Fluid final : public Phase {
   /// deformation beyond the prediction.
   bool drags(const SoilView<D>& soil, std::size_t a) const;
   bool all_creep(const SoilView<D>& soil) const;
-  ScalarArray left_for_later(const Stencil<D>& s, const SoilView<D>& soil, double interval) const;
+  ScalarArray deferred_divergence(const Stencil<D>& s, const SoilView<D>& soil, double interval) const;
   [[nodiscard]] bool open_water() const;
   [[nodiscard]] double packing_error(const Stencil<D>& s, std::size_t a, double full) const;
   ScalarArray volume_source(const Stencil<D>& s, const SoilView<D>& soil, std::span<const Mat<D>> velocity_gradient,
@@ -119,8 +119,8 @@ class Fluid final : public Phase {
   void limit_by_changes(double now, const std::function<void(double, const std::string&)>& apply) const;
   [[nodiscard]] bool load_begins(double time) const;
   void flow_together(const Stencil<D>& s);
-  void tell_surface(const Stencil<D>& s, std::span<const Vec<D>> gradient);
-  void follow_skeleton(const Stencil<D>& s, const SoilView<D>& view);
+  void store_surface_gradient(const Stencil<D>& s, std::span<const Vec<D>> gradient);
+  void apply_returned_impulse(const Stencil<D>& s, const SoilView<D>& view);
   void check_room(double time) const;
   void check_finite(const WindowSolution<D>& solution, double time) const;
   std::pair<double, std::string> time_limit() const;
@@ -132,8 +132,8 @@ class Fluid final : public Phase {
   Case scene_;
   double dx_ = 0.0, density_ = 1000.0, first_interval_ = 0.0;
   double gravity_or_standard_ = 9.81;  ///< m/s2
-  /// Weight of water [N/m3], where its potential is: gravity along a periodic axis, which has none, pulls [m/s2].
-  Vec<D> weight_ = Vec<D>::Zero(), pull_ = Vec<D>::Zero(), origin_ = Vec<D>::Zero();
+  /// Weight of water [N/m3] along bounded axes, where it has a potential, and gravity along periodic ones [m/s2].
+  Vec<D> weight_ = Vec<D>::Zero(), periodic_gravity_ = Vec<D>::Zero(), origin_ = Vec<D>::Zero();
   std::vector<sph::ImagePlane<D>> planes_;
   sph::Sight<D> sight_;
   std::vector<Joint<D>> joints_;

@@ -35,7 +35,9 @@ struct SoilView {
   /// Where a window is repeated: the mean velocity that the last pass found, m/s, and the unbalanced force that it
   /// left, without pressure and drag, N/m3.
   OrZero<Vec<D>> found_velocity, found_force;
-  OrZero<Vec<D>> owed;  ///< [n] impulse the soil took beyond the drag of its last window, N s
+  /// [n] impulse that the soil absorbed in its last window beyond the one given by the drag, N s. Momentum balance
+  /// requires the water to supply it.
+  OrZero<Vec<D>> returned_impulse;
   void resize(std::size_t n) {
     for (auto* a : {&mask, &fraction, &drag}) a->assign(n, 0.0);
     resistance.assign(n, {});
@@ -173,19 +175,19 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::sp
   const auto& quadratic = inbox.at(field::forchheimer_coefficient).values;
   const double weight = porous::specific_weight(scene);
   for (auto* values : {&soil.coverage, &soil.density, &soil.modulus, &soil.yielding}) values->allocate(n);
-  for (auto* values : {&soil.velocity, &soil.mean_velocity, &soil.force, &soil.owed}) values->allocate(n);
+  for (auto* values : {&soil.velocity, &soil.mean_velocity, &soil.force, &soil.returned_impulse}) values->allocate(n);
   const auto vector = [](const Field& from, std::size_t a) {
     return Vec<D>(Eigen::Map<const Vec<D>>(from.values.data() + a * D));
   };
   const Field force{"", D, inbox.between(field::unbalanced_force, 0.0)};  // at the window's start
   const Field &velocity = inbox.at(field::solid_velocity), &mean_velocity = inbox.at(field::mean_solid_velocity),
-              &owed = inbox.at(field::returned_impulse);
+              &returned = inbox.at(field::returned_impulse);
   const bool repeated = !inbox.found.empty();
   if (repeated)
     for (auto* values : {&soil.found_velocity, &soil.found_force}) values->allocate(n);
   for (std::size_t a = 0; a < n; ++a) {
     soil.coverage.set(a, inbox.coverage[a]);
-    soil.owed.set(a, vector(owed, a));
+    soil.returned_impulse.set(a, vector(returned, a));
     const double whole = std::min(fraction[a], 1.0 - 1e-3);  // of the soil
     const auto passes_by = [&] {
       const bool moves = creep.soil_moves(yielding[a], vector(velocity, a).norm());
