@@ -279,7 +279,7 @@ WindowProblem<D> Fluid<D>::problem(double interval) const {
   in.response = responds();
   in.fixed_soil = fixed_soil_;
   in.void_fraction = state_.particles.void_fraction;
-  in.cavity = state_.particles.cavity.values();
+  in.void_volume = state_.particles.void_volume.values();
   const auto& mask = state_.particles.mask;
   if (parallel_all(mask.size(), [&](std::size_t a) { return mask[a] <= 0.5; }))
     in.tolerance = free_water_tolerance;
@@ -570,14 +570,14 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
                     std::any_of(state_.columns.begin(), state_.columns.end(), [](const auto& c) { return c.wet; });
   // Where all is full, nothing the pressure drives can even the points out: they are displaced (repair).
   const auto motion = open && !state_.full ? moved() : ScalarArray(p.size(), 0.0);
-  // The voids of torn water are no packing error.
-  const bool torn = std::any_of(p.cavity.begin(), p.cavity.end(), [](double c) { return c > 0.0; });
+  // Voids opened by cavitation are no packing error.
+  const bool cavitates = std::any_of(p.void_volume.begin(), p.void_volume.end(), [](double c) { return c > 0.0; });
   const auto voids_near = [&](std::size_t a) {
-    if (!torn) return 0.0;
-    double sum = p.cavity[a] / p.void_fraction[a] * Kernel<D>::value(0.0, s.length(a));
+    if (!cavitates) return 0.0;
+    double sum = p.void_volume[a] / p.void_fraction[a] * Kernel<D>::value(0.0, s.length(a));
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
-      if (const Index q = s.parent[s.other[k]]; q < s.n_real && p.cavity[q] > 0.0)
-        sum += p.cavity[q] / p.void_fraction[q] * s.value(a, s.other[k]);
+      if (const Index q = s.parent[s.other[k]]; q < s.n_real && p.void_volume[q] > 0.0)
+        sum += p.void_volume[q] / p.void_fraction[q] * s.value(a, s.other[k]);
     return sum / lattice_fullness<D>();
   };
   parallel_for(p.size(), [&](std::size_t a) {
@@ -760,12 +760,12 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   p.pressure = out.pressure;
   p.solid_velocity = out.solid_velocity;
   p.velocity = out.velocity;
-  p.cavity = out.cavity;
-  if (const auto torn =
-          static_cast<double>(std::count_if(p.cavity.begin(), p.cavity.end(), [](double c) { return c > 0.0; }));
-      torn > 0.0) {
+  p.void_volume = out.void_volume;
+  if (const auto cavitating = static_cast<double>(
+          std::count_if(p.void_volume.begin(), p.void_volume.end(), [](double c) { return c > 0.0; }));
+      cavitating > 0.0) {
     if (state_.counts.cavitating == 0.0) state_.counts.first_cavitation = window.time + dt;
-    state_.counts.cavitating = std::max(state_.counts.cavitating, torn);
+    state_.counts.cavitating = std::max(state_.counts.cavitating, cavitating);
   }
   if (scene_.coupled()) {
     p.drag_impulse.allocate(p.size());

@@ -30,9 +30,9 @@ struct Particles {
   /// C / (a + C) in the last window: the fraction of a departure of the skeleton's velocity from its prediction that
   /// drag passes on to the water.
   OrZero<double> entrained_fraction;
-  ScalarArray mask;         ///< soil membership
-  std::vector<char> seeps;  ///< 1: it seeps; 0: it moves and has a surface as free water
-  OrZero<double> cavity;    ///< voids torn open in the water, m^D
+  ScalarArray mask;            ///< soil membership
+  std::vector<char> seeps;     ///< 1: it seeps; 0: it moves and has a surface as free water
+  OrZero<double> void_volume;  ///< of the water, opened by cavitation, m^D
   OrZero<double>
       deferred_strain;     ///< volumetric strain of the soil beyond the prediction, not yet applied to the water
   VecArray<D> birthplace;  ///< m: a particle that never moved has no packing to repair
@@ -65,7 +65,7 @@ struct Particles {
     visit_if_there(surface_share);
     visit_if_there(surface_gradient);
     visit_if_there(entrained_fraction);
-    visit_if_there(cavity);
+    visit_if_there(void_volume);
     visit_if_there(deferred_strain);
   }
 
@@ -92,7 +92,7 @@ struct Particles {
     for (auto* array :
          {&solid_velocity, &solid_change, &surface_gradient, &drag_impulse, &coupling_force, &previous_coupling_force})
       array->grow();
-    for (auto* array : {&surface_share, &entrained_fraction, &cavity, &deferred_strain}) array->grow();
+    for (auto* array : {&surface_share, &entrained_fraction, &void_volume, &deferred_strain}) array->grow();
   }
 
   /// Keeps the particles for which keep[a], in order.

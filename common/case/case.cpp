@@ -89,9 +89,11 @@ void declare(Keys& keys, General& g) {
 void declare(Keys& keys, Water& w) {
   keys.number("density", w.density, {"kg/m3", "Density of water."}, positive());
   keys.number("kinematic_viscosity", w.kinematic_viscosity, {"m2/s", "Kinematic viscosity of water."}, not_negative());
-  keys.number("cavitation_pressure", w.cavitation_pressure,
-              {"Pa", "Pressure, over that of the air, below which water tears: there it opens voids instead."},
-              between(-HUGE_VAL, true, 0.0, true));
+  keys.number(
+      "cavitation_pressure", w.cavitation_pressure,
+      {"Pa",
+       "Pressure, over that of the air, below which water does not go: it cavitates, that is, opens voids instead."},
+      between(-HUGE_VAL, true, 0.0, true));
 }
 
 void declare(Keys& keys, Shape& s) {

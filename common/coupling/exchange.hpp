@@ -60,7 +60,7 @@ inline constexpr std::string_view yielding = "yielding";  // share of the last w
 inline constexpr std::string_view hydraulic_conductivity = "hydraulic_conductivity";    // m/s
 inline constexpr std::string_view forchheimer_coefficient = "forchheimer_coefficient";  // s2/m2, of i = U/k + b U^2
 inline constexpr std::string_view returned_impulse =
-    "returned_impulse";  // N s the solid took beyond drag_impulse; which the water has to supply
+    "returned_impulse";  // N s the solid absorbed beyond drag_impulse; the water has to supply it
 }  // namespace field
 
 /// The standard contract: what each role gives (it takes what the other gives).

@@ -27,11 +27,11 @@ constexpr int without_patches = 4;
 constexpr int patience = 70;
 /// and a solve that takes multigrid no more cycles than this is left to the diagonal next time.
 constexpr int few_cycles = 2;
-/// Rounds in which the particles are found that stand at the cavitation pressure.
-constexpr int most_cavity_rounds = 30;
-/// How far below it, in its own units, water must be found to be torn, and let go when no more keeps it there: above
-/// what a solve leaves undone.
-constexpr double cavity_tolerance = 1e-4;
+/// Largest number of rounds in which the set of cavitating particles is found.
+constexpr int most_cavitation_rounds = 30;
+/// By which fraction of the cavitation pressure water must lie below it to join the cavitating set, and voids must
+/// still open to stay in it: above what the iteration of a solve leaves.
+constexpr double cavitation_tolerance = 1e-4;
 
 /// Per particle: the two momentum equations of one backward Euler window, eliminated for v_w' ..
 struct Elimination {
@@ -99,7 +99,7 @@ class WindowSolver {
     sources_ = make_sources();  // before the matrix, with which its work would not fit
     make_laplacians();
     boundary_.assign(n_, 0.0);
-    torn_.assign(n_, false);
+    cavitating_.assign(n_, false);
     std::atomic<bool> closed{true};
     parallel_for(n_, [&](std::size_t a) {
       const auto faces = from_faces(a, q_[a].kf);
@@ -132,12 +132,12 @@ class WindowSolver {
       prepare_response();
       start_ = in_.pressure.empty() ? out.pressure : ScalarArray(in_.pressure.begin(), in_.pressure.end());
     }
-    // What is torn mostly stays so: to begin with closing its voids would ask for pressures that the solve's tolerance
-    // follows.
-    if (!in_.cavity.empty()) {
-      std::vector<bool> torn(n_);
-      for (std::size_t a = 0; a < n_; ++a) torn[a] = in_.cavity[a] > 0.0 && !pinned(a);
-      if (torn != torn_) hold(std::move(torn), out);
+    // Start from the previous window's cavitating set. Starting from none would first ask the solver to close all
+    // voids, and the large pressures of that first solve would set its tolerance.
+    if (!in_.void_volume.empty()) {
+      std::vector<bool> cavitates(n_);
+      for (std::size_t a = 0; a < n_; ++a) cavitates[a] = in_.void_volume[a] > 0.0 && !pinned(a);
+      if (cavitates != cavitating_) fix_cavitating(std::move(cavitates), out);
     }
     for (int round = 1;; ++round) {
       ScalarArray b(n_);
@@ -146,7 +146,7 @@ class WindowSolver {
         solve_response(b, out);
       else
         solve_fluid(std::move(b), out);
-      if (!tear(out) || round == most_cavity_rounds) break;
+      if (!update_cavitating(out) || round == most_cavitation_rounds) break;
     }
     // The matrices are not needed to finish, and what finishing needs does not stand beside them.
     for (auto* matrix : {&fluid_, &skeleton_, &plain_}) *matrix = PairMatrix();
@@ -163,7 +163,7 @@ class WindowSolver {
     if (in_.sweeps > 0) parallel_for(n_, [&](std::size_t a) { sources[a] *= sweep_trust(s_, a); });
     parallel_for(n_, [&](std::size_t a) {
       sources[a] = s_.volume[a] * (in_.source[a] - sources[a]);
-      if (!in_.cavity.empty()) sources[a] -= in_.cavity[a] / in_.interval;
+      if (!in_.void_volume.empty()) sources[a] -= in_.void_volume[a] / in_.interval;
     });
     return sources;
   }
@@ -320,48 +320,49 @@ class WindowSolver {
     });
   }
 
-  /// Water tears rather than be pulled below a pressure, and while it is torn it is at that pressure: of the pressure
-  /// over it and the voids at the window's end one is zero, neither is negative. Found by their active set: rows of the
-  /// torn are held at the pressure; what they miss in continuity is the voids. Returns whether the set has changed.
-  bool tear(WindowSolution<D>& out) {
-    const auto tears = [&](std::size_t a) {
-      return out.pressure[a] < torn_pressure(a) + cavity_tolerance * in_.cavitation && !pinned(a);
+  /// Water cavitates rather than sustain less than the cavitation pressure: at the window's end, of the pressure above
+  /// that one and the void volume, one is zero and neither is negative (a complementarity). Solved by an active set:
+  /// the pressure of cavitating rows is fixed, and their residual of continuity is the rate at which voids open.
+  /// Returns whether the set has changed.
+  bool update_cavitating(WindowSolution<D>& out) {
+    const auto below = [&](std::size_t a) {
+      return out.pressure[a] < cavitation_pressure(a) + cavitation_tolerance * in_.cavitation && !pinned(a);
     };
-    out.cavity = {};
-    if (!any_torn_ && parallel_all(n_, [&](std::size_t a) { return !tears(a); })) return false;
-    out.cavity.allocate(n_);
-    std::vector<bool> torn(n_);
-    for (std::size_t a = 0; a < n_; ++a) torn[a] = tears(a);
-    if (any_torn_) {
+    out.void_volume = {};
+    if (!any_cavitating_ && parallel_all(n_, [&](std::size_t a) { return !below(a); })) return false;
+    out.void_volume.allocate(n_);
+    std::vector<bool> cavitates(n_);
+    for (std::size_t a = 0; a < n_; ++a) cavitates[a] = below(a);
+    if (any_cavitating_) {
       const ScalarArray missed = imbalance(sources_, free_boundary_, out);
       for (std::size_t a = 0; a < n_; ++a) {
-        if (!torn_[a]) continue;
+        if (!cavitating_[a]) continue;
         const double opening = (free_diagonal_[a] - fluid_.diagonal[a]) * out.pressure[a] - missed[a];
-        torn[a] = opening > cavity_tolerance * std::abs(in_.cavitation) * free_diagonal_[a];
-        out.cavity.set(a, std::max(0.0, in_.interval * opening));
+        cavitates[a] = opening > cavitation_tolerance * std::abs(in_.cavitation) * free_diagonal_[a];
+        out.void_volume.set(a, std::max(0.0, in_.interval * opening));
       }
     }
-    if (torn == torn_) return false;
-    hold(std::move(torn), out);
+    if (cavitates == cavitating_) return false;
+    fix_cavitating(std::move(cavitates), out);
     return true;
   }
-  /// Holds these rows at the cavitation pressure, and no others.
-  void hold(std::vector<bool> torn, WindowSolution<D>& out) {
+  /// Fixes the pressure of these rows, and of no others, at the cavitation pressure.
+  void fix_cavitating(std::vector<bool> cavitates, WindowSolution<D>& out) {
     if (free_diagonal_.empty()) {
       free_diagonal_ = fluid_.diagonal;
       free_boundary_ = boundary_;
     }
-    torn_ = std::move(torn);
-    any_torn_ = std::find(torn_.begin(), torn_.end(), true) != torn_.end();
-    closed_ = free_closed_ && !any_torn_;
+    cavitating_ = std::move(cavitates);
+    any_cavitating_ = std::find(cavitating_.begin(), cavitating_.end(), true) != cavitating_.end();
+    closed_ = free_closed_ && !any_cavitating_;
     fluid_.diagonal = free_diagonal_;
     boundary_ = free_boundary_;
     for (std::size_t a = 0; a < n_; ++a) {
-      if (!torn_[a]) continue;
+      if (!cavitating_[a]) continue;
       const double h = s_.length(a), weight = 1e6 * (fluid_.diagonal[a] + s_.volume[a] * q_[a].kf / (h * h));
       fluid_.diagonal[a] += weight;
-      boundary_[a] += weight * torn_pressure(a);
-      out.pressure[a] = torn_pressure(a);
+      boundary_[a] += weight * cavitation_pressure(a);
+      out.pressure[a] = cavitation_pressure(a);
     }
   }
 
@@ -372,7 +373,7 @@ class WindowSolver {
     fluid_.apply(std::span<const double>(out.pressure), std::span<double>(row));
     const ScalarArray squeeze = squeezed(out.solid_velocity);
     for (std::size_t a = 0; a < n_; ++a) rest[a] = sources[a] + boundary[a] - row[a] - squeeze[a];
-    if (any_response_ && (any_torn_ || !in_.pressure.empty())) {
+    if (any_response_ && (any_cavitating_ || !in_.pressure.empty())) {
       ScalarArray change(n_);
       for (std::size_t a = 0; a < n_; ++a) change[a] = out.pressure[a] - start_[a];
       const ScalarArray held_back = stabilised(change);
@@ -393,7 +394,9 @@ class WindowSolver {
     for (std::size_t a = 0; a < n_; ++a) result[a] = stabilisation_[a] * (result[a] + s_.volume[a] * wide[a]);
     return result;
   }
-  double torn_pressure(std::size_t a) const { return in_.cavitation - in_.weight.dot(s_.position[a] - in_.origin); }
+  double cavitation_pressure(std::size_t a) const {
+    return in_.cavitation - in_.weight.dot(s_.position[a] - in_.origin);
+  }
 
   /// Calls take(column, weight, pressure) for every term weight (p - pressure) with which the faces stand in row a of a
   /// Laplacian of this mobility.
@@ -479,8 +482,8 @@ class WindowSolver {
     return surface_row(s_, a, s_.surface_distance(a), 1.0, in_.weight, in_.origin).pressure;
   }
 
-  bool is_known(std::size_t a) const { return torn_[a] || pinned(a); }
-  double known_pressure(std::size_t a) const { return torn_[a] ? torn_pressure(a) : pinned_pressure(a); }
+  bool is_known(std::size_t a) const { return cavitating_[a] || pinned(a); }
+  double known_pressure(std::size_t a) const { return cavitating_[a] ? cavitation_pressure(a) : pinned_pressure(a); }
 
   void add_surface(PairMatrix& m, std::size_t a, double mobility, double* rhs) const {
     SurfaceRow row;
@@ -942,14 +945,14 @@ class WindowSolver {
   std::size_t n_;
   Eliminations<D> q_;
   std::vector<Response> r_;  ///< empty: no skeleton is asked
-  bool any_response_ = false, closed_ = true, free_closed_ = true, any_torn_ = false;
+  bool any_response_ = false, closed_ = true, free_closed_ = true, any_cavitating_ = false;
   std::vector<char> beside_moving_;  ///< 1: of free water and moving soil that meet; empty: nothing moves
-  std::vector<bool> torn_;           ///< water at the cavitation pressure
+  std::vector<bool> cavitating_;     ///< [n] at the cavitation pressure
   VecArray<D> flow_;                 ///< force of the motion that the skeleton departs from [N]
   PairMatrix fluid_, skeleton_, plain_;
   MatArray<D> stretch_;  ///< [n] by which pairs are scaled (even_out_directions)
   ScalarArray sources_;
-  ScalarArray start_, free_diagonal_, free_boundary_;  ///< the pressure at first; the system with nothing torn
+  ScalarArray start_, free_diagonal_, free_boundary_;  ///< the pressure at first; the system without cavitation
   double let_be_ = 0.0;                                ///< energy of an error of the skeleton's velocity [N m/s]
   ScalarArray boundary_, fixed_, stabilisation_, storage_, H_diagonal_;
   ScalarArray H_inverse_;              ///< of the preconditioner's diagonal

@@ -18,8 +18,8 @@ struct WindowProblem {
   std::span<const double> pressure;       ///< [n] at the window's start, piezometric, Pa; none: the warm start's
   std::span<const Vec<D>> velocity;       ///< [n] of the water, viscosity already in it, m/s; none: at rest
   OrZero<double> source;                  ///< [n] volume to be given off, 1/s
-  double cavitation = -1e300;             ///< total pressure at which water tears, Pa
-  std::span<const double> cavity;         ///< [n] voids in it so far, m^D; none: no voids
+  double cavitation = -1e300;             ///< total pressure at which water cavitates, Pa
+  std::span<const double> void_volume;    ///< [n] volume of its voids so far, m^D; none: no voids
   std::span<const char> seeps;            ///< [n] 0: its soil moves by itself or there is none; none: nothing moves
   ScalarArray face_pressure;              ///< [columns] piezometric, Pa
   ScalarArray face_slope;                 ///< [columns] of that along the face's normal, into the domain, so far, Pa/m
@@ -37,7 +37,7 @@ struct WindowSolution {
   OrZero<Vec<D>> solid_velocity;  ///< [n] predicted v_s', m/s; in: warm start
   VecArray<D> velocity;           ///< [n] v_w', m/s
   VecArray<D> gradient;           ///< [n] of the piezometric pressure, Pa/m
-  OrZero<double> cavity;          ///< [n] voids in the water, m^D
+  OrZero<double> void_volume;     ///< [n] volume of voids in the water, m^D
   ScalarArray face_flow;          ///< [columns] water that the face's pressure drives in, m^D/s; NaN beside a surface
   ScalarArray face_carry;         ///< [columns] discharge per area that comes in without it, by inertia, m/s
   int outer = 0, pressure_iterations = 0, multigrid_cycles = 0, skeleton_iterations = 0;
