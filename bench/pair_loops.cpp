@@ -47,18 +47,18 @@ void plain_pass(const std::vector<Point>& points, const sph::PairList& list, dou
     for (const Index j : list.of(i)) {
       const double* const b = points[j].x;
       const double rx = b[0] - a[0], ry = b[1] - a[1], u = std::max(0.0, 1.0 - 0.5 / h * std::sqrt(rx * rx + ry * ry));
-      const double pull = scale * u * u * u * b[5], difference = b[4] - a[4];
-      divergence += pull * ((b[2] - a[2]) * rx + (b[3] - a[3]) * ry);
-      gx += pull * difference * rx;
-      gy += pull * difference * ry;
-      laplacian += 2.0 * pull * difference;
+      const double factor = scale * u * u * u * b[5], difference = b[4] - a[4];
+      divergence += factor * ((b[2] - a[2]) * rx + (b[3] - a[3]) * ry);
+      gx += factor * difference * rx;
+      gy += factor * difference * ry;
+      laplacian += 2.0 * factor * difference;
     }
     sums[i].x = {divergence, gx, gy, laplacian};
   }
 }
 
 [[gnu::always_inline]] inline void four_pairs(const double* a, const FourRows<const double>& rows, double scale,
-                                              double half_inverse, Lanes& pull, Lanes* felt, Lanes& volume) {
+                                              double half_inverse, Lanes& factor, Lanes* felt, Lanes& volume) {
   Lanes b[8], r[2], u;
   gather<0, 8>(rows, b);
   for (int d = 0; d < 2; ++d) r[d] = b[d] - a[d];
@@ -66,9 +66,9 @@ void plain_pass(const std::vector<Point>& points, const sph::PairList& list, dou
   sqrt_in_place(u);
   u = 1.0 - half_inverse * u;
   max_in_place(u, Lanes{});
-  pull = scale * u * u * u;
-  const Lanes difference = pull * (b[4] - a[4]);
-  felt[0] = pull * ((b[2] - a[2]) * r[0] + (b[3] - a[3]) * r[1]);
+  factor = scale * u * u * u;
+  const Lanes difference = factor * (b[4] - a[4]);
+  felt[0] = factor * ((b[2] - a[2]) * r[0] + (b[3] - a[3]) * r[1]);
   felt[1] = difference * r[0];
   felt[2] = difference * r[1];
   felt[3] = 2.0 * difference;
@@ -89,8 +89,8 @@ void lane_pass(const std::vector<Point>& points, const solid::Pairs& pairs, doub
         const double* const a = all[i].x;
         solid::for_four_pairs(
             list, i, [&](std::size_t m, bool both) __attribute__((always_inline)) {
-              Lanes pull, felt[4], volume;
-              four_pairs(a, solid::rows_at(all, &list.index[m]), scale, half_inverse, pull, felt, volume);
+              Lanes factor, felt[4], volume;
+              four_pairs(a, solid::rows_at(all, &list.index[m]), scale, half_inverse, factor, felt, volume);
               for (int n = 0; n < 4; ++n) own[n] += volume * felt[n];
               if (!both) return;
               felt[0] *= a[5];

@@ -479,9 +479,9 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
       s, points,
       [&](std::size_t, const double* self, std::size_t m, const Lanes* w, const Lanes* point, Lanes* sums)
           __attribute__((always_inline)) {
-            // w = pull ba: the speed of approach is that of the points times the pull over that of w.
-            Lanes pull;
-            take(&s.pull[m], pull);
+            // w = factor ba: the speed of approach is that of the points times the factor over that of w.
+            Lanes factor;
+            take(&s.gradient_factor[m], factor);
             Lanes approach{}, size = Lanes{} + 1e-300;
             for (std::size_t d = 0; d < D; ++d) {
               approach -= (point[d] - self[d]) * w[d];
@@ -492,10 +492,10 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
             const Lanes impact = 0.5 * impact_viscosity * (self[at_length] + point[at_length]) * approach / size;
             const Lanes shear = 0.5 * viscosity * (self[at_amplified] + point[at_amplified]) + impact;
             for (std::size_t d = 0; d < D; ++d) {
-              Lanes unexplained = pull * (point[d] - self[d]);
+              Lanes unexplained = factor * (point[d] - self[d]);
               for (std::size_t e = 0; e < D; ++e)
                 unexplained -= 0.5 * (self[at_gradient + d + D * e] + point[at_gradient + d + D * e]) * w[e];
-              const Lanes part = shear * pull * (point[d] - self[d]) + noise * unexplained;
+              const Lanes part = shear * factor * (point[d] - self[d]) + noise * unexplained;
               sums[d] += point[at_amplified] > 0.0 && point[at_carried] == self[at_carried] ? part : Lanes{};
             }
           },

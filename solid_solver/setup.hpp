@@ -33,7 +33,7 @@ struct Setup {
   double full_cover = 1.0;        ///< sum V W in soil as dense as it was laid
   double skin = 0.0;              ///< m, pair lists hold until something moved half of it
   std::size_t parts = 1;          ///< of the particles, that threads share: as many on every machine
-  bool regular_flow = true;       ///< see flow.hpp
+  bool regular_flow = true;       ///< see dynamics/flow_regularisation.hpp
   bool soft_edges = false;        ///< surfaces that carry no stress are less stiff, for longer substeps
   double flow_limit = 0.01;      ///< plastic strain above which the zero-energy control is off: it would brake the flow
   double inertia_share = 0.5;    ///< zr of the tracking coefficient Z = C + zr rho_bar / Dt

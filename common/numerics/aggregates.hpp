@@ -12,17 +12,17 @@
 
 namespace poretwin {
 
-/// Constants on square patches of particles, the part of a solution that a preconditioner of single rows is slow to
-/// find (two levels, additive: Nicolaides 1987).
+/// A coarse space of piecewise constants on square aggregates of particles: the part of a solution that a
+/// preconditioner of single rows is slow to find (two levels, additive: Nicolaides 1987).
 template <int D>
-class Patches {
+class Aggregates {
  public:
   static constexpr Index none = static_cast<Index>(-1);
 
-  /// Patches of `edge` [m], wider ones where that would be too many for a dense matrix; particles with member(a) =
-  /// false belong to none.
+  /// Aggregates `width` [m] wide, wider ones where that would be too many for a dense matrix; particles with member(a)
+  /// = false belong to none.
   template <class Member>
-  Patches(std::span<const Vec<D>> position, double edge, const Member& member) : of_(position.size(), none) {
+  Aggregates(std::span<const Vec<D>> position, double width, const Member& member) : of_(position.size(), none) {
     Vec<D> lower = Vec<D>::Constant(std::numeric_limits<double>::max()), upper = -lower;
     for (std::size_t a = 0; a < position.size(); ++a) {
       if (!member(a)) continue;
@@ -33,10 +33,10 @@ class Patches {
     const Vec<D> extent = upper - lower;
     std::array<std::size_t, D> count{};
     std::size_t cells = 0;
-    for (;; edge *= 1.2) {
+    for (;; width *= 1.2) {
       cells = 1;
       for (std::size_t d = 0; d < D; ++d) {
-        count[d] = static_cast<std::size_t>(extent[static_cast<int>(d)] / edge) + 1;
+        count[d] = static_cast<std::size_t>(extent[static_cast<int>(d)] / width) + 1;
         cells *= count[d];
       }
       if (cells <= most) break;
@@ -47,7 +47,7 @@ class Patches {
       std::size_t cell = 0;
       for (std::size_t d = D; d-- > 0;)
         cell = cell * count[d] +
-               static_cast<std::size_t>((position[a][static_cast<int>(d)] - lower[static_cast<int>(d)]) / edge);
+               static_cast<std::size_t>((position[a][static_cast<int>(d)] - lower[static_cast<int>(d)]) / width);
       if (number[cell] == none) number[cell] = n_++;
       of_[a] = number[cell];
     }
@@ -62,14 +62,14 @@ class Patches {
   }
 
   [[nodiscard]] Index size() const { return n_; }
-  /// The patch of a particle, or none.
+  /// The aggregate of a particle, or none.
   [[nodiscard]] Index of(std::size_t a) const { return of_[a]; }
 
-  /// The matrix of the patches: row(a, add) calls add(b, value) for every entry of particle a's row.
+  /// Assembles and factorises the coarse matrix: row(a, add) calls add(b, value) for every entry of particle a's row.
   template <class Row>
   void factorise(const Row& row) {
     Eigen::MatrixXd coarse = Eigen::MatrixXd::Zero(n_, n_);
-    for_each_patch([&](Index i) {
+    for_each_aggregate([&](Index i) {
       double own = 0.0;
       for (Index m = first_[i]; m < first_[i + 1]; ++m)
         row(static_cast<std::size_t>(members_[m]), [&](std::size_t b, double value) {
@@ -90,7 +90,7 @@ class Patches {
     if (n_ == 0) return;
     Eigen::Matrix<double, Eigen::Dynamic, fields> sums =
         Eigen::Matrix<double, Eigen::Dynamic, fields>::Zero(n_, fields);
-    for_each_patch([&](Index i) {
+    for_each_aggregate([&](Index i) {
       for (Index m = first_[i]; m < first_[i + 1]; ++m)
         for (int d = 0; d < fields; ++d) sums(i, d) += r[members_[m] * fields + static_cast<std::size_t>(d)];
     });
@@ -99,7 +99,7 @@ class Patches {
       auto column = sums.col(d);
       factor_.solveInPlace(column);
     }
-    for_each_patch([&](Index i) {
+    for_each_aggregate([&](Index i) {
       for (Index m = first_[i]; m < first_[i + 1]; ++m)
         for (int d = 0; d < fields; ++d) z[members_[m] * fields + static_cast<std::size_t>(d)] += sums(i, d);
     });
@@ -107,7 +107,7 @@ class Patches {
 
  private:
   template <class Work>
-  void for_each_patch(const Work& work) const {
+  void for_each_aggregate(const Work& work) const {
     parallel_ranges(n_, members_.size() < worth_threads ? n_ + 1 : 1, [&](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) work(static_cast<Index>(i));
     });
@@ -115,7 +115,7 @@ class Patches {
 
   static constexpr std::size_t most = 256;
   std::vector<Index> of_;
-  std::vector<Index> first_{0}, members_;  ///< of each patch: members_[first_[i]] ..
+  std::vector<Index> first_{0}, members_;  ///< of each aggregate: members_[first_[i]] ..
   Index n_ = 0;
   Eigen::LLT<Eigen::MatrixXd> factor_;
 };

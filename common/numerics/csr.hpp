@@ -39,7 +39,7 @@ struct PairMatrix {
   [[nodiscard]] std::size_t begin(std::size_t a) const { return column.offset[a]; }
   [[nodiscard]] std::size_t end(std::size_t a) const { return column.offset[a + 1]; }
   /// Sum of weight times x over row a.
-  [[nodiscard, gnu::always_inline]] double pull(std::size_t a, const double* x) const {
+  [[nodiscard, gnu::always_inline]] double off_diagonal_sum(std::size_t a, const double* x) const {
     std::array<double, n_lanes> sum{};
     const Index* const index = column.index.data();
     const float* const w = weight.data();
@@ -56,7 +56,8 @@ struct PairMatrix {
   /// y = A x
   void apply(std::span<const double> x, std::span<double> y) const {
     for_each_in_lanes(
-        size(), [&](std::size_t a) __attribute__((always_inline)) { y[a] = diagonal[a] * x[a] - pull(a, x.data()); });
+        size(), [&](std::size_t a)
+                    __attribute__((always_inline)) { y[a] = diagonal[a] * x[a] - off_diagonal_sum(a, x.data()); });
   }
 };
 

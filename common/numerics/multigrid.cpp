@@ -138,7 +138,7 @@ WholeMatrix matrix_of(Rows& rows) {
 void sweep_forwards(const PairMatrix& m, std::span<const double> b, std::span<double> x, std::span<double> left) {
   std::fill(x.begin(), x.end(), 0.0);
   for (std::size_t a = 0; a < m.size(); ++a)
-    if (m.diagonal[a] > 0.0) x[a] = (b[a] + m.pull(a, x.data())) / m.diagonal[a];
+    if (m.diagonal[a] > 0.0) x[a] = (b[a] + m.off_diagonal_sum(a, x.data())) / m.diagonal[a];
   m.apply(x, left);
   for (std::size_t a = 0; a < m.size(); ++a) left[a] = b[a] - left[a];
 }
@@ -146,7 +146,7 @@ void sweep_forwards(const PairMatrix& m, std::span<const double> b, std::span<do
 /// The same: what is before a row is in its balance, what is behind it has no value yet, and is what it leaves.
 void sweep_forwards(const CoarseMatrix& m, std::span<const double> b, std::span<double> x, std::span<double> left) {
   for (std::size_t a = 0; a < m.size(); ++a) {
-    x[a] = m.diagonal(a) > 0.0 ? (b[a] + m.pull(a, x.data())) / m.diagonal(a) : 0.0;
+    x[a] = m.diagonal(a) > 0.0 ? (b[a] + m.off_diagonal_sum(a, x.data())) / m.diagonal(a) : 0.0;
     left[a] = 0.0;
     m.push(a, x[a], left.data());
   }
@@ -155,7 +155,7 @@ void sweep_forwards(const CoarseMatrix& m, std::span<const double> b, std::span<
 /// Gauss-Seidel backwards from x.
 void sweep_backwards(const PairMatrix& m, std::span<const double> b, std::span<double> x, std::span<double>) {
   for (std::size_t a = m.size(); a-- > 0;)
-    if (m.diagonal[a] > 0.0) x[a] = (b[a] + m.pull(a, x.data())) / m.diagonal[a];
+    if (m.diagonal[a] > 0.0) x[a] = (b[a] + m.off_diagonal_sum(a, x.data())) / m.diagonal[a];
 }
 
 /// The same; left: what it adds to x. Until a row is reached its place there takes what the rows behind it push.
@@ -163,7 +163,7 @@ void sweep_backwards(const CoarseMatrix& m, std::span<const double> b, std::span
   std::fill(left.begin(), left.end(), 0.0);
   for (std::size_t a = m.size(); a-- > 0;) {
     const double before = x[a];
-    if (m.diagonal(a) > 0.0) x[a] = (b[a] + left[a] + m.pull(a, x.data())) / m.diagonal(a);
+    if (m.diagonal(a) > 0.0) x[a] = (b[a] + left[a] + m.off_diagonal_sum(a, x.data())) / m.diagonal(a);
     left[a] = x[a] - before;
     m.push(a, x[a], left.data());
   }
@@ -272,7 +272,7 @@ void Multigrid::correct(std::size_t level) {
   if (level + 1 == levels_.size()) return;
   // A row of A x for the x that the last cycle made of b: its sweep back left in a row what it then changed before it.
   const auto product = [&](std::size_t a, double b) {
-    return m.diagonal(a) > 0.0 ? b - m.pull(a, l.left.data()) : 0.0;
+    return m.diagonal(a) > 0.0 ? b - m.off_diagonal_sum(a, l.left.data()) : 0.0;
   };
   const std::size_t n = m.size();
   double rho = 0.0, alpha = 0.0, before = 0.0, after = 0.0;

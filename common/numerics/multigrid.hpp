@@ -29,7 +29,7 @@ class CoarseMatrix {
   [[nodiscard]] std::size_t size() const { return diagonal_.size(); }
   [[nodiscard]] double diagonal(std::size_t a) const { return diagonal_[a]; }
   /// Sum of weight times x over the columns before row a.
-  [[nodiscard]] double pull(std::size_t a, const double* x) const {
+  [[nodiscard]] double off_diagonal_sum(std::size_t a, const double* x) const {
     std::array<double, in_step> sum{};
     for (std::size_t k = offset_[a]; k < offset_[a + 1]; k += in_step)
       for (std::size_t l = 0; l < in_step; ++l) sum[l] += static_cast<double>(weight_[k + l]) * x[column_[k + l]];

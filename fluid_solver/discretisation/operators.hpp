@@ -65,7 +65,7 @@ template <int D, std::size_t n_values>
 using PackedPoints = UnsetArray<PackedPoint<D, n_values>>;
 
 /// Calls sum(a, self, m, r, points, sums) for the pairs m .. m + 3 of every real particle a, compiled for this machine:
-/// r the vectors to their points times the pull, points the numbers packed with these.
+/// r the vectors to their points times the gradient factor, points the numbers packed with these.
 template <int D, std::size_t n_values, std::size_t n_sums, class Sum, class Take>
 void for_pairs_in_lanes(const Stencil<D>& s, const PackedPoints<D, n_values>& points, const Sum& sum,
                         const Take& take) {
@@ -79,9 +79,9 @@ void for_pairs_in_lanes(const Stencil<D>& s, const PackedPoints<D, n_values>& po
         Lanes point[D + n_values], w[D];
         gather<0, D + n_values>({points[i[0]].row(), points[i[1]].row(), points[i[2]].row(), points[i[3]].row()},
                                 point);
-        Lanes pull;
-        poretwin::take(&s.pull[m], pull);
-        for (std::size_t d = 0; d < D; ++d) w[d] = pull * (point[d] - self[d]);
+        Lanes factor;
+        poretwin::take(&s.gradient_factor[m], factor);
+        for (std::size_t d = 0; d < D; ++d) w[d] = factor * (point[d] - self[d]);
         sum(a, self + D, m, w, point + D, sums);
       }
       alignas(32) double total[size] = {};
@@ -164,7 +164,7 @@ void free_along_interfaces(const Stencil<D>& s, std::span<const double> mobility
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
       const Index j = s.other[k], q = s.parent[j];
       const double theirs = q < s.n_real && in_soil[q] > 0.5 ? mobility[q] : mobility[a];
-      const Vec<D> ba = s.position[j] - s.position[a], w = static_cast<double>(s.pull[k]) * ba;
+      const Vec<D> ba = s.position[j] - s.position[a], w = static_cast<double>(s.gradient_factor[k]) * ba;
       change += (theirs - mobility[a]) * w;
       plain += w * ba.transpose();
       weighted += harmonic(mobility[a], theirs) * w * ba.transpose();
@@ -291,7 +291,7 @@ void fill_even_laplacian(const Stencil<D>& s, double factor, PairMatrix& m) {
         for (std::size_t k = s.offset[a]; k < s.offset[a + 1]; k += n_lanes) {
           const Index* const i = &s.other[k];
           Lanes w;
-          poretwin::take(&s.pull[k], w);
+          poretwin::take(&s.gradient_factor[k], w);
           w *= factor * (amplified[a] + Lanes{amplified[i[0]], amplified[i[1]], amplified[i[2]], amplified[i[3]]});
           for (std::size_t l = 0; s.beyond[a] != 0 && l < n_lanes; ++l)
             if (s.parent[i[l]] == a) w[l] = 0.0;
@@ -365,13 +365,13 @@ std::array<PairMatrix, n_mobilities> laplacians(const Stencil<D>& s,
                                    point);
           for (std::size_t l = 0; buffers && l < n_lanes; ++l)
             if (const Index q = s.parent[i[l]]; q >= s.n_real)
-              faces += static_cast<double>(s.pull[k + l]) * s.reflection(a, q);
+              faces += static_cast<double>(s.gradient_factor[k + l]) * s.reflection(a, q);
           // The kernel anew: that of the list is rounded with the volume of one of the two.
           Lanes r{}, scale, length, others;
           for (std::size_t d = 0; d < D; ++d) r += (point[d] - self[d]) * (point[d] - self[d]);
           sqrt_in_place(r);
           length_of(point, length);
-          pair_pull<D>(r, 2.0 / (own_length + length), scale);
+          pair_gradient_factor<D>(r, 2.0 / (own_length + length), scale);
           for (std::size_t l = 0; l < n_lanes; ++l)
             others[l] = (s.beyond[a] != 0 ? s.parent[i[l]] : i[l]) == a ? 0.0 : 1.0;
           scale = (self[at_volume] * point[at_volume]) * (scale * (self[at_amplified] + point[at_amplified]));

@@ -184,15 +184,15 @@ template <int D>
     Lanes weight;
     density_weight(u, weight);
     weight *= real * square * (D == 2 ? Lanes{} + 1.0 : inverse);
-    Lanes pull = 5.0 * square * cube * point[D];
-    put(pull, &s.pull[m]);
-    take(&s.pull[m], pull);
+    Lanes factor = 5.0 * square * cube * point[D];
+    put(factor, &s.gradient_factor[m]);
+    take(&s.gradient_factor[m], factor);
     std::size_t c = 0;
     sum[c++] += point[D] * value;
     sum[c++] += point[D] * weight;
-    for (std::size_t d = 0; d < D; ++d) sum[c++] += pull * ba[d];
+    for (std::size_t d = 0; d < D; ++d) sum[c++] += factor * ba[d];
     for (std::size_t d = 0; d < D; ++d)
-      for (std::size_t e = 0; e <= d; ++e) sum[c++] += pull * ba[d] * ba[e];
+      for (std::size_t e = 0; e <= d; ++e) sum[c++] += factor * ba[d] * ba[e];
   }
   double total[size] = {};
   add_lanes<size>(sum, total);
@@ -284,7 +284,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   if (sight.limited()) hide_behind_walls(sight, reach, s);
   part_at_joints(joints, reach, s);
   // The largest arrays first: what is smaller fits between.
-  s.pull.resize(s.other.size());
+  s.gradient_factor.resize(s.other.size());
   for (auto* array : {&s.fullness, &s.closest, &s.divergence, &s.amplification, &s.least_moment}) array->resize(n);
   s.normal.resize(n);
   s.covered.assign(n, false);
@@ -320,7 +320,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
       const Index j = s.other[k];
       const Vec<D> ba = s.position[j] - s.position[a];
-      if (!s.is_buffer(j)) open += static_cast<double>(s.pull[k]) * ba * ba.transpose();
+      if (!s.is_buffer(j)) open += static_cast<double>(s.gradient_factor[k]) * ba * ba.transpose();
     }
     s.boundary_correction(a).open = bounded_inverse<D>(open, least_inverted, nullptr);
   };

@@ -92,12 +92,12 @@ double lattice_amplification() {
 
 /// -W'/r of pairs at distance r, with the inverses of their smoothing lengths: [1/m^(D+2)]; zero beyond the support.
 template <int D>
-[[gnu::always_inline]] inline void pair_pull(const Lanes& r, const Lanes& inverse, Lanes& pull) {
+[[gnu::always_inline]] inline void pair_gradient_factor(const Lanes& r, const Lanes& inverse, Lanes& factor) {
   static const double scale = 5.0 * Kernel<D>::normalisation(1.0);
   const Lanes square = inverse * inverse;
   Lanes u = 1.0 - 0.5 * (r * inverse);
   max_in_place(u, Lanes{});
-  pull = scale * (u * u * u) * (square * square) * (D == 2 ? Lanes{} + 1.0 : inverse);
+  factor = scale * (u * u * u) * (square * square) * (D == 2 ? Lanes{} + 1.0 : inverse);
 }
 
 /// W of pairs at distances r with 1/h [1/m^D].
@@ -167,9 +167,9 @@ struct Stencil {
   std::vector<Index> offset{0};
   UnsetArray<Index> other;   ///< [pairs]
   std::vector<char> beyond;  ///< [real] whether some of its pairs are with points that are no real particles
-  /// [pairs] -V_b W'/r, 1/m^2: V_b grad_a W_ab is pull (r_b - r_a). Rounded to half the memory; moments are sums of
-  /// what is kept, so that gradients of linear fields stay exact.
-  UnsetArray<float> pull;
+  /// [pairs] -V_b W'/r, 1/m^2: V_b grad_a W_ab is this factor times (r_b - r_a). In floats, to halve the memory;
+  /// moments are sums of the rounded values, so that gradients of linear fields stay exact.
+  UnsetArray<float> gradient_factor;
 
   UnsetArray<double> fullness;    ///< [real] sum V W over that of a lattice; of open water sum V density_weight
   UnsetArray<double> closest;     ///< [real] least distance to another point, in units of the pair's smoothing length
@@ -238,7 +238,7 @@ struct Stencil {
     Mat<D> sum = Mat<D>::Zero();
     for (Index k = offset[a]; k < offset[a + 1]; ++k) {
       const Vec<D> ba = position[other[k]] - position[a];
-      sum += static_cast<double>(pull[k]) * ba * ba.transpose();
+      sum += static_cast<double>(gradient_factor[k]) * ba * ba.transpose();
     }
     return sum;
   }

@@ -82,7 +82,8 @@ VecArray<D> expand(const Stencil<D>& s, std::span<const double> expansion) {
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
       const Index j = s.other[k], q = s.parent[j];
       if (q < s.n_real)
-        sum += static_cast<double>(s.pull[k]) * (potential[q] - potential[a]) * (s.position[j] - s.position[a]);
+        sum +=
+            static_cast<double>(s.gradient_factor[k]) * (potential[q] - potential[a]) * (s.position[j] - s.position[a]);
     }
     displacement[a] = s.correction_open(a) * sum;
   });

@@ -45,7 +45,7 @@ double sweep_trust(const Stencil<D>& s, std::size_t a) {
   for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
     const Index j = s.other[k], b = s.parent[j];
     if (b >= s.n_real) continue;
-    const Vec<D> w = static_cast<double>(s.pull[k]) * (s.position[j] - s.position[a]);
+    const Vec<D> w = static_cast<double>(s.gradient_factor[k]) * (s.position[j] - s.position[a]);
     Vec<D> theirs = s.correction[b] * w;
     if (j >= s.n_base) {
       const auto& map = s.map[j - s.n_base];

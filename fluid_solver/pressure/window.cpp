@@ -15,14 +15,14 @@ namespace {
 /// would be seen, as pressure in nearly tight soil at rest and as momentum (docs/theory_fluid.md).
 constexpr double response_tolerance = 1e-2, skeleton_tolerance = 1e-3;
 
-/// Spacings along a patch of the skeleton's coarse space: 4 to 6 take the fewest CPU seconds, in embankment_seepage
-/// and in rockfill_dam.
-constexpr double patch_edge = 5.0;
+/// Width of an aggregate of the skeleton's coarse space, in spacings: 4 to 6 take the fewest CPU seconds, in
+/// embankment_seepage and in rockfill_dam.
+constexpr double aggregate_width = 5.0;
 
 /// Iterations for the pressure on the diagonal alone: a solve that takes no more is done sooner without a coarse space.
-constexpr int without_patches = 4;
+constexpr int iterations_without_aggregates = 4;
 
-/// Conjugate gradients with patches take as long for so many iterations as multigrid does for the whole solve, its
+/// Conjugate gradients with aggregates take as long for so many iterations as multigrid does for the whole solve, its
 /// building included, from 10,000 particles on: 55 to 80 (multigrid_timing.cpp)
 constexpr int patience = 70;
 /// and a solve that takes multigrid no more cycles than this is left to the diagonal next time.
@@ -274,7 +274,7 @@ class WindowSolver {
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
         const Index j = s_.other[k], q = s_.parent[j];
         if (q >= n_ || number[q] < 0 || number[q] == number[a] || q_[q].kf == q_[a].kf) continue;
-        const Vec<D> ba = s_.position[j] - s_.position[a], w = static_cast<double>(s_.pull[k]) * ba;
+        const Vec<D> ba = s_.position[j] - s_.position[a], w = static_cast<double>(s_.gradient_factor[k]) * ba;
         across[a] += (q_[q].kf - q_[a].kf) * w;
         missing += (1.0 - harmonic(1.0, q_[q].kf / q_[a].kf)) * w * ba.transpose();
       }
@@ -298,7 +298,7 @@ class WindowSolver {
           const Index j = s_.other[k], q = s_.parent[j];
           if (j == a || !within(a, q)) continue;
           const Vec<D> ba = s_.position[j] - s_.position[a];
-          const double part = across[a].dot(ba), along = 0.5 * s_.pull[k] * (ba.squaredNorm() - part * part);
+          const double part = across[a].dot(ba), along = 0.5 * s_.gradient_factor[k] * (ba.squaredNorm() - part * part);
           own += along * shape(ba, across[a]);
           if (scale[q] != 0.0) others += along * scale[q] * shape(ba, normal_at(j, q));
         }
@@ -405,7 +405,7 @@ class WindowSolver {
     for (Index k = s_.offset[a]; s_.n_base > n_ && k < s_.offset[a + 1]; ++k) {
       const Index j = s_.other[k], q = s_.parent[j];
       if (j < n_ || !s_.is_buffer(j)) continue;
-      const double w = 2.0 * s_.volume[a] * mobility * s_.pull[k] * s_.amplified(a, q) * s_.reflection(a, q);
+      const double w = 2.0 * s_.volume[a] * mobility * s_.gradient_factor[k] * s_.amplified(a, q) * s_.reflection(a, q);
       const auto& b = s_.buffers[q - n_];
       // Where water leaves soil that stands still, a row beyond the face goes on with the slope there.
       const double beyond = std::min(0.0, b.inside(s_.position[a]));
@@ -552,12 +552,12 @@ class WindowSolver {
     if (!out.multigrid) {
       ScalarArray inverse(n_);
       parallel_for(n_, [&](std::size_t a) { inverse[a] = fluid_.diagonal[a] > 0.0 ? 1.0 / fluid_.diagonal[a] : 0.0; });
-      std::optional<Patches<D>> patches;
+      std::optional<Aggregates<D>> aggregates;
       int calls = 0;
       const auto by_diagonal = [&](std::span<const double> r, std::span<double> z) {
         parallel_for(n_, [&](std::size_t a) { z[a] = inverse[a] * r[a]; });
-        if (calls++ == without_patches) patches.emplace(pressure_patches());
-        if (patches) patches->template correct<1>(r, z);
+        if (calls++ == iterations_without_aggregates) aggregates.emplace(pressure_aggregates());
+        if (aggregates) aggregates->template correct<1>(r, z);
         if (closed_) remove_mean(z);
       };
       report = conjugate_gradients(apply, by_diagonal, b, out.pressure, tolerance, patience);
@@ -579,19 +579,19 @@ class WindowSolver {
     parallel_for(n_, [&](std::size_t a) { out.pressure[a] += reference; });
   }
 
-  /// As many patches as each has particles: what is solved for on them takes about as long as to sum up over them.
-  Patches<D> pressure_patches() const {
+  /// As many aggregates as each has particles: solving the coarse system then takes about as long as summing over them.
+  Aggregates<D> pressure_aggregates() const {
     const double whole = sum_over(n_, [&](std::size_t a) { return s_.volume[a]; });
-    Patches<D> patches(std::span<const Vec<D>>(s_.position).first(n_),
-                       spacing_of<D>(whole / std::sqrt(static_cast<double>(n_))),
-                       [&](std::size_t a) { return !is_known(a) && fluid_.diagonal[a] > 0.0; });
-    // A little is added for water whose mean pressure nothing tells.
-    patches.factorise([&](std::size_t a, const auto& add) {
+    Aggregates<D> aggregates(std::span<const Vec<D>>(s_.position).first(n_),
+                             spacing_of<D>(whole / std::sqrt(static_cast<double>(n_))),
+                             [&](std::size_t a) { return !is_known(a) && fluid_.diagonal[a] > 0.0; });
+    // The matrix is singular for water whose mean pressure nothing prescribes: a little is added to its diagonal.
+    aggregates.factorise([&](std::size_t a, const auto& add) {
       add(a, (1.0 + 1e-8) * fluid_.diagonal[a]);
       for (std::size_t k = fluid_.begin(a); k < fluid_.end(a); ++k)
         add(fluid_.column(a, k), -static_cast<double>(fluid_.weight[k]));
     });
-    return patches;
+    return aggregates;
   }
 
   /// What drives the flow, for the tolerance: the residual with pinned particles at their pressure and all others at
@@ -654,7 +654,7 @@ class WindowSolver {
             const Lanes M = {points[i[0]][0], points[i[1]][0], points[i[2]][0], points[i[3]][0]},
                         amplification = {points[i[0]][1], points[i[1]][1], points[i[2]][1], points[i[3]][1]};
             Lanes w;
-            take(&s_.pull[k], w);
+            take(&s_.gradient_factor[k], w);
             w *= s_.volume[a] * dt * (s_.amplification[a] + amplification) * (2.0 * r_[a].M * M / (r_[a].M + M));
             put(w, &image_weight_[k]);
             take(&image_weight_[k], w);  // as it is kept: the skeleton moves as a whole without force
@@ -663,8 +663,8 @@ class WindowSolver {
               const Index j = i[l], b = s_.parent[j];
               if (b == a) turned += w[l];
               if (buffers && b >= n_ && in_.face_holds[s_.buffers[b - n_].column])
-                held += 2.0 * s_.volume[a] * dt * r_[a].M * static_cast<double>(s_.pull[k + l]) * s_.amplified(a, b) *
-                        s_.reflection(a, b);
+                held += 2.0 * s_.volume[a] * dt * r_[a].M * static_cast<double>(s_.gradient_factor[k + l]) *
+                        s_.amplified(a, b) * s_.reflection(a, b);
             }
           }
           const double all = (sum[0] + sum[1]) + (sum[2] + sum[3]);
@@ -674,9 +674,9 @@ class WindowSolver {
     double spacing = 0.0;
     for (std::size_t a = 0; a < n_; ++a)
       if (responds(a)) spacing = std::max(spacing, spacing_of<D>(s_.volume[a]));
-    patches_.emplace(std::span<const Vec<D>>(s_.position).first(n_), patch_edge * spacing,
-                     [&](std::size_t a) { return responds(a); });
-    patches_->factorise([&](std::size_t a, const auto& add) {
+    aggregates_.emplace(std::span<const Vec<D>>(s_.position).first(n_), aggregate_width * spacing,
+                        [&](std::size_t a) { return responds(a); });
+    aggregates_->factorise([&](std::size_t a, const auto& add) {
       add(a, preconditioner[a]);
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k)
         if (const Index b = s_.parent[s_.other[k]]; b != a && b < n_) add(b, -static_cast<double>(image_weight_[k]));
@@ -779,7 +779,7 @@ class WindowSolver {
     const auto precondition = [&](std::span<const double> r, std::span<double> z) {
       for (std::size_t a = 0; a < n_; ++a)
         for (std::size_t d = 0; d < D; ++d) z[a * D + d] = H_inverse_[a] * r[a * D + d];
-      patches_->correct(r, z);
+      aggregates_->correct(r, z);
     };
     return reduce_residual(apply, precondition, std::move(residual), as_numbers(s), skeleton_tolerance * size, 3000,
                            let_be)
@@ -955,9 +955,9 @@ class WindowSolver {
   ScalarArray start_, free_diagonal_, free_boundary_;  ///< the pressure at first; the system without cavitation
   double let_be_ = 0.0;                                ///< energy of an error of the skeleton's velocity [N m/s]
   ScalarArray boundary_, fixed_, stabilisation_, storage_, H_diagonal_;
-  ScalarArray H_inverse_;              ///< of the preconditioner's diagonal
-  std::optional<Patches<D>> patches_;  ///< coarse space of the skeleton's stiffness
-  std::vector<float> image_weight_;    ///< [pairs] of the skeleton's stiffness, N s/m
+  ScalarArray H_inverse_;                    ///< of the preconditioner's diagonal
+  std::optional<Aggregates<D>> aggregates_;  ///< coarse space of the skeleton's stiffness
+  std::vector<float> image_weight_;          ///< [pairs] of the skeleton's stiffness, N s/m
 };
 
 }  // namespace

@@ -236,14 +236,14 @@ void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& n
                   resist *= rubs ? collision / (1.0 - stop) : viscous;
                   // Coulomb's friction of the collision.
                   const LaneMask collides = rubs & (approach > 0.0);
-                  const Lanes pull = approach / (collides ? squared : Lanes{} + 1.0);
+                  const Lanes rate = approach / (collides ? squared : Lanes{} + 1.0);
                   Lanes along[D], slip{};
                   for (Size d = 0; d < D; ++d) {
-                    along[d] = u[d] + pull * r[d];
+                    along[d] = u[d] + rate * r[d];
                     slip += along[d] * along[d];
                   }
                   sqrt_in_place(slip);
-                  Lanes friction = rubbing * resist * distance / (slip + pull * distance);
+                  Lanes friction = rubbing * resist * distance / (slip + rate * distance);
                   friction = collides ? friction : Lanes{};
                   for (Size d = 0; d < D; ++d) felt[D + d] = friction * along[d] - resist * r[d];
                 } else {

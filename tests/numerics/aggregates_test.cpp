@@ -1,4 +1,4 @@
-// The coarse space of pressures and of the skeleton's velocities: what is constant on its patches it solves, and the
+// The coarse space of pressures and of the skeleton's velocities: what is constant on its aggregates it solves, and the
 // iterations it saves.
 #include "common/numerics/aggregates.hpp"
 #include "common/numerics/csr.hpp"
@@ -42,49 +42,49 @@ struct Lattice {
         for (std::size_t d = 0; d < 2; ++d) y[2 * a + d] += value * x[2 * b + d];
       });
   }
-  [[nodiscard]] Patches<2> patches(double edge) const {
-    Patches<2> made(position, edge, [&](std::size_t a) { return member(a); });
+  [[nodiscard]] Aggregates<2> aggregates(double edge) const {
+    Aggregates<2> made(position, edge, [&](std::size_t a) { return member(a); });
     made.factorise([&](std::size_t a, const auto& add) { row(a, add); });
     return made;
   }
 };
 
-TEST(Patches, SolveWhatIsConstantOnThem) {
+TEST(Aggregates, SolveWhatIsConstantOnThem) {
   const Lattice lattice(12);
-  const auto patches = lattice.patches(4.0);
-  EXPECT_EQ(patches.size(), 9U);
-  EXPECT_EQ(patches.of(0), Patches<2>::none);
+  const auto aggregates = lattice.aggregates(4.0);
+  EXPECT_EQ(aggregates.size(), 9U);
+  EXPECT_EQ(aggregates.of(0), Aggregates<2>::none);
   ScalarArray x(2 * 144, 0.0), r(2 * 144), z(2 * 144, 0.0);
   for (std::size_t a = 1; a < 144; ++a)
-    for (std::size_t d = 0; d < 2; ++d) x[2 * a + d] = std::sin(1.0 + 3.0 * patches.of(a) + static_cast<double>(d));
+    for (std::size_t d = 0; d < 2; ++d) x[2 * a + d] = std::sin(1.0 + 3.0 * aggregates.of(a) + static_cast<double>(d));
   lattice.apply(x, r);
-  patches.correct(r, z);
+  aggregates.correct(r, z);
   for (std::size_t i = 0; i < x.size(); ++i) EXPECT_NEAR(z[i], x[i], 1e-10) << i;
 }
 
 /// So many that they are shared out to threads.
-TEST(Patches, CorrectEveryFieldByItself) {
+TEST(Aggregates, CorrectEveryFieldByItself) {
   const Lattice lattice(200);
-  const auto patches = lattice.patches(20.0);
+  const auto aggregates = lattice.aggregates(20.0);
   const std::size_t n = lattice.position.size();
   ScalarArray both(2 * n), one(n), z(2 * n, 0.0), single(n, 0.0);
   for (std::size_t a = 0; a < n; ++a) {
     both[2 * a] = std::cos(static_cast<double>(a));
     both[2 * a + 1] = one[a] = std::sin(static_cast<double>(a));
   }
-  patches.correct(both, z);
-  patches.correct<1>(one, single);
+  aggregates.correct(both, z);
+  aggregates.correct<1>(one, single);
   for (std::size_t a = 0; a < n; ++a) {
     EXPECT_EQ(z[2 * a + 1], single[a]);
-    if (a > 1 && patches.of(a) == patches.of(a - 1)) {
+    if (a > 1 && aggregates.of(a) == aggregates.of(a - 1)) {
       EXPECT_EQ(single[a], single[a - 1]);
     }
   }
 }
 
-TEST(Patches, SaveIterations) {
+TEST(Aggregates, SaveIterations) {
   const Lattice lattice(24);
-  const auto patches = lattice.patches(4.0);
+  const auto aggregates = lattice.aggregates(4.0);
   const std::size_t n = 2 * lattice.position.size();
   ScalarArray b(n, 0.0);
   b[n / 2 + 7] = 1.0;
@@ -94,7 +94,7 @@ TEST(Patches, SaveIterations) {
         conjugate_gradients([&](std::span<const double> u, std::span<double> y) { lattice.apply(u, y); },
                             [&](std::span<const double> r, std::span<double> z) {
                               for (std::size_t i = 0; i < n; ++i) z[i] = r[i] / 4.0;
-                              if (corrected) patches.correct(r, z);
+                              if (corrected) aggregates.correct(r, z);
                             },
                             b, x, 1e-6 * norm(b), 1000);
     EXPECT_TRUE(report.converged);
@@ -103,10 +103,11 @@ TEST(Patches, SaveIterations) {
   EXPECT_LT(3 * iterations(true), 2 * iterations(false));
 }
 
-/// A search that ends by its energy has come that close: residual . z tells it, thanks to the patches, within a factor.
-TEST(Patches, TellTheEnergyOfTheError) {
+/// A search that ends by its energy has come that close: residual . z tells it, thanks to the aggregates, within a
+/// factor.
+TEST(Aggregates, TellTheEnergyOfTheError) {
   const Lattice lattice(24);
-  const auto patches = lattice.patches(4.0);
+  const auto aggregates = lattice.aggregates(4.0);
   const std::size_t n = 2 * lattice.position.size();
   ScalarArray b(n, 0.0);
   b[n / 2 + 7] = 1.0;
@@ -116,7 +117,7 @@ TEST(Patches, TellTheEnergyOfTheError) {
         apply,
         [&](std::span<const double> r, std::span<double> z) {
           for (std::size_t i = 0; i < n; ++i) z[i] = r[i] / 4.0;
-          patches.correct(r, z);
+          aggregates.correct(r, z);
         },
         b, x, tolerance, 1000, energy);
   };
@@ -136,11 +137,11 @@ TEST(Patches, TellTheEnergyOfTheError) {
   }
 }
 
-TEST(Patches, AreWiderWhereTheyWouldBeTooMany) {
+TEST(Aggregates, AreWiderWhereTheyWouldBeTooMany) {
   const Lattice lattice(60);
-  const auto patches = lattice.patches(1.0);
-  EXPECT_LE(patches.size(), 256U);
-  EXPECT_GT(patches.size(), 100U);
+  const auto aggregates = lattice.aggregates(1.0);
+  EXPECT_LE(aggregates.size(), 256U);
+  EXPECT_GT(aggregates.size(), 100U);
 }
 
 }  // namespace

@@ -92,9 +92,9 @@ TEST(Multigrid, HalfOfACoarseMatrixIsAllOfIt) {
   g.matrix.apply(x, product);
   const ScalarArray one(n, 1.0);
   for (std::size_t a = 0; a < n; ++a) {
-    pairs[a] += half.pull(a, x.data());
+    pairs[a] += half.off_diagonal_sum(a, x.data());
     half.push(a, x[a], pairs.data());
-    constants[a] += half.pull(a, one.data());
+    constants[a] += half.off_diagonal_sum(a, one.data());
     half.push(a, 1.0, constants.data());
   }
   for (std::size_t a = 0; a < n; ++a) {
