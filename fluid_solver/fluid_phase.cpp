@@ -219,7 +219,7 @@ bool Fluid<D>::responds() const {
 }
 
 template <int D>
-SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox, const Creep& creep) const {
+SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox, const SeepageRegime& regime) const {
   const auto& x = state_.particles.position;
   const std::size_t n = x.size();
   // A particle of the soil's water about to enter or leave through its face still counts as in it; water that runs down
@@ -248,7 +248,7 @@ SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox, const Creep& creep) con
   if (!state_.columns.empty())
     for (std::size_t a = 0; a < n; ++a)
       if (inbox.coverage[a] > 0.0 && !is_free(a) && nearest_column(x[a])) asymmetry[a] = 0.0;
-  auto view = mapped_soil<D>(scene_, inbox, asymmetry, state_.particles.mask, creep);
+  auto view = mapped_soil<D>(scene_, inbox, asymmetry, state_.particles.mask, regime);
   const auto& received = computes_beside() ? state_.particles.previous_coupling_force : state_.particles.coupling_force;
   for (std::size_t a = 0; a < n; ++a)
     if (view.mask[a] > 0.0) view.force.set(a, view.force[a] - received[a]);
@@ -302,11 +302,11 @@ void Fluid<D>::mark_surface(Stencil<D>& s, std::span<double> rows, double share)
   auto& p = state_.particles;
   // Where soil at rest is full of water and behind every face there is more, no air can come in, and a hole of a
   // spacing at the end of a face is none: taken for a surface it would draw in what fills several.
-  const bool closed =
-      !state_.columns.empty() && p.size() > 0 && (state_.full || state_.time == 0.0) &&
-      std::all_of(state_.columns.begin(), state_.columns.end(), [&](const auto& c) { return creeps(c) && c.wet; }) &&
-      parallel_all(p.size(), [&](std::size_t a) { return p.mask[a] > 0.5; });
-  const auto flags = find_surface<D>(s, p.seeps, rows, share, scene_.coupled(), closed && state_.full);
+  const bool closed = !state_.columns.empty() && p.size() > 0 && (state_.full || state_.time == 0.0) &&
+                      std::all_of(state_.columns.begin(), state_.columns.end(),
+                                  [&](const auto& c) { return is_quasi_static(c) && c.wet; }) &&
+                      parallel_all(p.size(), [&](std::size_t a) { return p.mask[a] > 0.5; });
+  const auto flags = find_surface<D>(s, p.in_seepage, rows, share, scene_.coupled(), closed && state_.full);
   s.forget_moments();
   p.surface = flags;
   state_.full = closed && parallel_all(p.size(), [&](std::size_t a) { return flags[a] == Surface::interior; });
@@ -337,7 +337,7 @@ void Fluid<D>::solve_hydrostatic(SoilView<D>& view) {
   p.pressure = out.pressure;
   if (scene_.coupled()) store_coupling_force(view, out.gradient, 0.0);
   const double fastest = parallel_max(p.size(), 0.0, [&](std::size_t a) {
-    return drags(view, a) ? out.velocity[a].norm() / spacing_of<D>(p.volume[a]) : 0.0;
+    return is_drag_dominated(view, a) ? out.velocity[a].norm() / spacing_of<D>(p.volume[a]) : 0.0;
   });
   state_.window_limits.clear();
   if (fastest > 0.0)
@@ -365,9 +365,11 @@ void Fluid<D>::store_coupling_force(const SoilView<D>& view, std::span<const Vec
 template <int D>
 void Fluid<D>::flow_together(const Stencil<D>& s) {
   auto& p = state_.particles;
-  const auto in_soil = [&](std::size_t a, bool seeping) { return p.mask[a] > 0.5 && (p.seeps[a] != 0) == seeping; };
+  const auto in_soil = [&](std::size_t a, bool seeping) {
+    return p.mask[a] > 0.5 && (p.in_seepage[a] != 0) == seeping;
+  };
   if (!scene_.coupled() || parallel_all(p.size(), [&](std::size_t a) { return !in_soil(a, false); })) return;
-  const std::vector<char> alone = p.seeps;
+  const std::vector<char> alone = p.in_seepage;
   parallel_for(p.size(), [&](std::size_t a) {
     if (!in_soil(a, true)) return;
     double free = 0.0, all = 0.0;
@@ -378,7 +380,7 @@ void Fluid<D>::flow_together(const Stencil<D>& s) {
       all += value;
       if (alone[q] == 0) free += value;
     }
-    if (free > 0.5 * all) p.seeps[a] = 0;
+    if (free > 0.5 * all) p.in_seepage[a] = 0;
   });
 }
 
@@ -391,7 +393,7 @@ void Fluid<D>::store_surface_gradient(const Stencil<D>& s, std::span<const Vec<D
   p.surface_share = {};
   p.surface_gradient = {};
   for (std::size_t a = 0; a < p.size(); ++a) {
-    if (p.seeps[a] != 0 || p.mask[a] <= 0.5 || s.ghost_distance[a] <= 0.0) continue;
+    if (p.in_seepage[a] != 0 || p.mask[a] <= 0.5 || s.ghost_distance[a] <= 0.0) continue;
     p.surface_share.set(a, 1.0, p.size());
     p.surface_gradient.set(a, gradient[a] + weight_, p.size());
   }
@@ -400,14 +402,16 @@ void Fluid<D>::store_surface_gradient(const Stencil<D>& s, std::span<const Vec<D
 template <int D>
 void Fluid<D>::initialise(const coupling::Inbox& inbox) {
   auto& p = state_.particles;
-  auto view = soil(inbox, {density_, creeping_speed(), true});  // no window yet: water has no past
+  auto view = soil(inbox, {density_, quasi_static_speed(), true});  // no window yet: water has no past
   for (std::size_t a = 0; a < p.size(); ++a) {
     // The lattice's cells are the particles' bulk volumes; what water they hold follows from the soil as it is.
     p.void_fraction[a] = 1.0 - view.fraction[a];
     p.mass[a] = p.void_fraction[a] * density_ * p.volume[a];
     p.mask[a] = view.mask[a];
-    p.seeps[a] =
-        seeps<D>(view, a, p.velocity[a], spacing_of<D>(p.volume[a]), {density_, creeping_speed(), true}) ? 1 : 0;
+    p.in_seepage[a] =
+        in_seepage_regime<D>(view, a, p.velocity[a], spacing_of<D>(p.volume[a]), {density_, quasi_static_speed(), true})
+            ? 1
+            : 0;
   }
   begin_control(view, 0.0);
   p.solid_velocity = view.velocity;
@@ -417,17 +421,18 @@ void Fluid<D>::initialise(const coupling::Inbox& inbox) {
   ++state_.revision;
 }
 
-/// Whether the drag of the soil around it rules the water's motion, not its inertia.
+/// Whether drag of the soil around particle a dominates its motion, not inertia.
 template <int D>
-bool Fluid<D>::drags(const SoilView<D>& view, std::size_t a) const {
+bool Fluid<D>::is_drag_dominated(const SoilView<D>& view, std::size_t a) const {
   return view.mask[a] > 0.5 && !inertia_rules(state_.particles.void_fraction[a], density_, view.drag[a],
                                               spacing_of<D>(state_.particles.volume[a]), weight_.norm() / density_);
 }
 
-/// Whether no water moves as free water does.
+/// Whether all water is in the seepage regime and dominated by drag: none moves as free water does.
 template <int D>
-bool Fluid<D>::all_creep(const SoilView<D>& view) const {
-  return parallel_all(view.size(), [&](std::size_t a) { return state_.particles.seeps[a] != 0 && drags(view, a); });
+bool Fluid<D>::all_quasi_static(const SoilView<D>& view) const {
+  return parallel_all(view.size(),
+                      [&](std::size_t a) { return state_.particles.in_seepage[a] != 0 && is_drag_dominated(view, a); });
 }
 
 /// Viscosity of the water itself, Eq. (76) as corrected, its pairs amplified as the pressure's are to be exact for a
@@ -446,7 +451,7 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
   }
   // In soil drag damps what the trace of viscosity is for, unless inertia rules there as well.
   std::vector<char> damped(s.n_real);
-  parallel_for(s.n_real, [&](std::size_t a) { damped[a] = drags(view, a); });
+  parallel_for(s.n_real, [&](std::size_t a) { damped[a] = is_drag_dominated(view, a); });
   if (parallel_all(s.n_real, [&](std::size_t a) { return damped[a]; })) return result;
   if (result.empty()) result = v;
   const double noise = noise_viscosity * dx_ * state_.wave_speed, viscosity = this->viscosity();
@@ -473,7 +478,7 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
     Eigen::Map<Mat<D>>{row + D + at_gradient} = gradient;
     row[D + at_length] = s.length(j);
     row[D + at_amplified] = !real ? 0.0 : own ? s.amplification[q] : 1.0;
-    row[D + at_carried] = real && !own && damped[q] && state_.particles.seeps[q] == 0 ? 1.0 : 0.0;
+    row[D + at_carried] = real && !own && damped[q] && state_.particles.in_seepage[q] == 0 ? 1.0 : 0.0;
   });
   for_pairs_in_lanes<D, at_carried + 1, D>(
       s, points,
@@ -521,7 +526,8 @@ ScalarArray Fluid<D>::deferred_divergence(const Stencil<D>& s, const SoilView<D>
   const double fraction = 1.0 - interval / (0.5 * free_interval());
   if (fraction <= 0.0) return deferred;
   parallel_for(p.size(), [&](std::size_t a) {
-    if (p.seeps[a] == 0 && !drags(view, a) && s.length(a) * s.normal[a].norm() > even) deferred[a] = fraction;
+    if (p.in_seepage[a] == 0 && !is_drag_dominated(view, a) && s.length(a) * s.normal[a].norm() > even)
+      deferred[a] = fraction;
   });
   if (parallel_all(p.size(), [&](std::size_t a) { return deferred[a] == 0.0; })) return deferred;
   VecArray<D> flux(p.size());
@@ -584,11 +590,11 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
     const double excess = packing_error(s, a, s.fullness[a] + voids_near(a));
     // In free water the repair of a disordered start, begun at once, would be a blow.
     const double begun =
-        p.seeps[a] != 0 ? 1.0 : std::min(1.0, state_.time / free_repair_time(spacing_of<D>(p.volume[a])));
+        p.in_seepage[a] != 0 ? 1.0 : std::min(1.0, state_.time / free_repair_time(spacing_of<D>(p.volume[a])));
     source[a] += begun * motion[a] * p.void_fraction[a] * excess / repair_time(a, view, interval);
     // Displacements of the velocity's length keep the volume to second order: det(1 + dt grad v) = 1. Without it a
     // strain rate s compresses by dt s^2, and the repair of that feeds energy in.
-    if (p.seeps[a] == 0)
+    if (p.in_seepage[a] == 0)
       source[a] += std::clamp(0.5 * interval * (velocity_gradient[a] * velocity_gradient[a]).trace(), -0.2 / interval,
                               0.2 / interval);
   });
@@ -690,9 +696,9 @@ template <int D>
 coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupling::Inbox& inbox) {
   auto& p = state_.particles;
   const bool sweeps = scene_.fluid.scheme != FluidCase::Scheme::projection;
-  const double dt = window.interval, asked = sweeps ? time_limit().first : dt;
-  const Creep creep{density_, creeping_speed(), dt > wave_interval()};
-  auto view = soil(inbox, creep);
+  const double dt = window.interval, proposed = sweeps ? time_limit().first : dt;
+  const SeepageRegime regime{density_, quasi_static_speed(), dt > wave_interval()};
+  auto view = soil(inbox, regime);
   view.linearise(p.velocity, view.velocity);
   VecArray<D> velocity_before;
   if (scene_.coupled()) velocity_before = p.velocity;  // the soil's impulse changes it
@@ -700,7 +706,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
     p.void_fraction[a] = 1.0 - view.fraction[a];
     p.volume[a] = p.mass[a] / (p.void_fraction[a] * density_);
     p.mask[a] = view.mask[a];
-    p.seeps[a] = seeps<D>(view, a, p.velocity[a], spacing_of<D>(p.volume[a]), creep) ? 1 : 0;
+    p.in_seepage[a] = in_seepage_regime<D>(view, a, p.velocity[a], spacing_of<D>(p.volume[a]), regime) ? 1 : 0;
   });
   set_inlets(window.time, dt);
   fill_basins(window.time, dt);
@@ -716,15 +722,15 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
 
   auto in = problem(dt);
   in.cavitation = scene_.water.cavitation_pressure;
-  if (scene_.coupled()) in.seeps = p.seeps;
-  MatArray<D> gradient;  // none where all water creeps through soil
-  if (!all_creep(view)) gradient = velocity_gradient<D>(s, p.velocity, no_slip_);
+  if (scene_.coupled()) in.in_seepage = p.in_seepage;
+  MatArray<D> gradient;  // empty where all water is quasi-static
+  if (!all_quasi_static(view)) gradient = velocity_gradient<D>(s, p.velocity, no_slip_);
   VecArray<D> forced = forced_velocity(s, view, gradient, dt);
   in.source = volume_source(s, view, gradient, dt);
   const auto& scheme = scene_.fluid.scheme;
   if (sweeps) {
     in.sweeps = scene_.fluid.sweeps;
-    in.share = dt / asked;
+    in.interval_over_proposed = dt / proposed;
   }
   VecArray<D> drag_force;  // of the prediction
   const bool explicit_drag = scheme == FluidCase::Scheme::eisph_explicit_drag;

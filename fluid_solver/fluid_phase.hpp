@@ -54,15 +54,15 @@ class Fluid final : public Phase {
   WindowSolution<D> solve(const Stencil<D>& s, SoilView<D>& view, const WindowProblem<D>& in);
   /// Finds the surface, whose thickness of rows enters `rows` by a share (find_surface).
   void mark_surface(Stencil<D>& s, std::span<double> rows, double share);
-  SoilView<D> soil(const coupling::Inbox& inbox, const Creep& creep) const;
+  SoilView<D> soil(const coupling::Inbox& inbox, const SeepageRegime& regime) const;
   Stencil<D> stencil() const;
   /// Velocity after what is explicit: shear stress of the water outside soil, and the central force. None: as it is.
   VecArray<D> forced_velocity(const Stencil<D>& s, const SoilView<D>& soil, std::span<const Mat<D>> velocity_gradient,
                               double interval) const;
   /// Volume each particle must give off [1/s]: packing repair, the window's curvature in time and the soil's
   /// deformation beyond the prediction.
-  bool drags(const SoilView<D>& soil, std::size_t a) const;
-  bool all_creep(const SoilView<D>& soil) const;
+  bool is_drag_dominated(const SoilView<D>& soil, std::size_t a) const;
+  bool all_quasi_static(const SoilView<D>& soil) const;
   ScalarArray deferred_divergence(const Stencil<D>& s, const SoilView<D>& soil, double interval) const;
   [[nodiscard]] bool open_water() const;
   [[nodiscard]] double packing_error(const Stencil<D>& s, std::size_t a, double full) const;
@@ -73,7 +73,7 @@ class Fluid final : public Phase {
   ScalarArray moved() const;
   double free_repair_time(double spacing) const;
   double wave_interval() const;
-  [[nodiscard]] double creeping_speed() const;
+  [[nodiscard]] double quasi_static_speed() const;
   double central_interval() const;
   double free_interval() const;
   double viscous_interval() const;
@@ -96,8 +96,8 @@ class Fluid final : public Phase {
   [[nodiscard]] Vec<D> wall_force() const;
   void advance_columns(const Stencil<D>& s, const SoilView<D>& soil, const WindowSolution<D>& solution,
                        double interval);
-  [[nodiscard]] bool creeps(const FaceColumn<D>& c) const;
-  [[nodiscard]] bool is_told(const FaceColumn<D>& c) const;
+  [[nodiscard]] bool is_quasi_static(const FaceColumn<D>& c) const;
+  [[nodiscard]] bool flow_is_solved_for(const FaceColumn<D>& c) const;
   [[nodiscard]] double missing_water() const;
   void count(FaceColumn<D>& c, double volume);
   void close_accounts();

@@ -30,9 +30,9 @@ struct Particles {
   /// C / (a + C) in the last window: the fraction of a departure of the skeleton's velocity from its prediction that
   /// drag passes on to the water.
   OrZero<double> entrained_fraction;
-  ScalarArray mask;            ///< soil membership
-  std::vector<char> seeps;     ///< 1: it seeps; 0: it moves and has a surface as free water
-  OrZero<double> void_volume;  ///< of the water, opened by cavitation, m^D
+  ScalarArray mask;              ///< soil membership
+  std::vector<char> in_seepage;  ///< 1: in the seepage regime; 0: it moves and has a surface as free water
+  OrZero<double> void_volume;    ///< of the water, opened by cavitation, m^D
   OrZero<double>
       deferred_strain;     ///< volumetric strain of the soil beyond the prediction, not yet applied to the water
   VecArray<D> birthplace;  ///< m: a particle that never moved has no packing to repair
@@ -50,7 +50,7 @@ struct Particles {
     visit(volume);
     visit(pressure);
     visit(mask);
-    visit(seeps);
+    visit(in_seepage);
     visit(birthplace);
     visit(row);
     visit(surface);
@@ -85,7 +85,7 @@ struct Particles {
     volume.push_back(V);
     pressure.push_back(p);
     mask.push_back(n < 1.0 ? 1.0 : 0.0);
-    seeps.push_back(n < 1.0 ? 1 : 0);
+    in_seepage.push_back(n < 1.0 ? 1 : 0);
     birthplace.push_back(x);
     row.push_back(1.0);
     surface.push_back(Surface::interior);

@@ -57,18 +57,18 @@ ScalarArray Fluid<D>::passed() const {
   return sum;
 }
 
-/// Whether water creeps through a column into soil at rest, and its pressure is solved for.
+/// Whether water flows quasi-statically through a column into soil at rest: drag-dominated, its pressure solved for.
 template <int D>
-bool Fluid<D>::creeps(const FaceColumn<D>& c) const {
-  return c.creeps && !scene_.coupled() && scene_.fluid.scheme == FluidCase::Scheme::projection;
+bool Fluid<D>::is_quasi_static(const FaceColumn<D>& c) const {
+  return c.drag_dominated && !scene_.coupled() && scene_.fluid.scheme == FluidCase::Scheme::projection;
 }
 
-/// Whether the flow through a column is told by the matrix of the pressure: where water creeps through soil at rest, of
-/// one conductivity or full. Elsewhere, where the skeleton or inertia carries part of it, the column moves as the water
-/// before it does.
+/// Whether the flow through a column is part of the pressure solve: where it is quasi-static, in soil of one
+/// conductivity or full of water. Elsewhere the skeleton or inertia carries part of it, and the column moves as the
+/// water in front of it does.
 template <int D>
-bool Fluid<D>::is_told(const FaceColumn<D>& c) const {
-  return creeps(c) && (one_soil_ || state_.full);
+bool Fluid<D>::flow_is_solved_for(const FaceColumn<D>& c) const {
+  return is_quasi_static(c) && (one_soil_ || state_.full);
 }
 
 /// Counts water that comes in through a column, or goes out.
@@ -114,7 +114,7 @@ void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, con
     auto& c = state_.columns[i];
     const double speed_before = c.speed;
     // A column that a head has reached or left holds water or none.
-    if (is_told(c)) {
+    if (flow_is_solved_for(c)) {
       count(c, c.share(density_) - c.stored);
       c.stored = c.share(density_);
     }
@@ -143,15 +143,15 @@ void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, con
     if (sum < 0.05) {
       const double before = c.offset;
       wet_dry_ground(c, interval);
-      if (is_told(c)) count(c, c.mass / density_ * (c.offset - before) / c.spacing);
+      if (flow_is_solved_for(c)) count(c, c.mass / density_ * (c.offset - before) / c.spacing);
       continue;
     }
     const double area = c.volume / c.spacing;
-    const double told = (solution.face_carry[i] + solution.face_flow[i] / area) / c.void_fraction;
-    c.speed = is_told(c) && std::isfinite(told) ? told : speed / sum;
+    const double solved = (solution.face_carry[i] + solution.face_flow[i] / area) / c.void_fraction;
+    c.speed = flow_is_solved_for(c) && std::isfinite(solved) ? solved : speed / sum;
     const double advance = interval * (c.speed + (c.in_soil ? look_ahead(interval) * (c.speed - speed_before) : 0.0));
     c.offset += advance;
-    if (is_told(c)) count(c, c.mass / density_ * advance / c.spacing);
+    if (flow_is_solved_for(c)) count(c, c.mass / density_ * advance / c.spacing);
   }
 }
 
@@ -347,7 +347,7 @@ void Fluid<D>::give_birth_and_delete(const SoilView<D>& view) {
     if (!faces_follow_ && c.in_soil && d < 0.0)
       p.pressure[a] = std::max(p.pressure[a], -weight_.dot(p.position[a] - origin_));
     if (!passed && !left) continue;
-    if (is_told(c) && c.wet) {
+    if (flow_is_solved_for(c) && c.wet) {
       // It goes when the flow through the column has taken it (below). Far outside it is given back to the column.
       if (d > -c.spacing) continue;
       keep[a] = false;
@@ -365,7 +365,7 @@ void Fluid<D>::give_birth_and_delete(const SoilView<D>& view) {
   // a column has none there left, its neighbour's goes. Distances are from half a spacing outside: rows may be that far
   // ahead of the column, and from the foot itself the row behind them would be nearer.
   for (auto& c : state_.columns) {
-    if (!is_told(c) || !c.wet || c.offset >= -deletion_depth * c.spacing) continue;
+    if (!flow_is_solved_for(c) || !c.wet || c.offset >= -deletion_depth * c.spacing) continue;
     std::size_t found = p.size();
     double nearest_yet = 0.0;
     for (std::size_t a = 0; a < p.size(); ++a) {
@@ -398,7 +398,7 @@ void Fluid<D>::give_birth_and_delete(const SoilView<D>& view) {
       ++state_.counts.born;
     }
     // The part of the stack's outermost particle that is inside counts as water that came.
-    if (!is_told(c) || !c.wet) count(c, crossed[i] + c.share(density_) - c.stored);
+    if (!flow_is_solved_for(c) || !c.wet) count(c, crossed[i] + c.share(density_) - c.stored);
     c.stored = c.share(density_);
   }
 }

@@ -35,7 +35,7 @@ struct FaceColumn {
   double pressure = 0.0;           ///< at the foot, piezometric [Pa]
   double slope = 0.0;              ///< of the piezometric pressure along the normal [Pa/m]
   bool in_soil = false;            ///< the ground behind the face is soil
-  bool creeps = false;             ///< and its drag rules the water there, not inertia
+  bool drag_dominated = false;     ///< and drag, not inertia, dominates the motion of its water
   bool wet = false;                ///< acts now
   bool held = false;               ///< a wall holds the soil at the face: a filter
   bool loaded = false;             ///< the face carries a load
@@ -119,7 +119,8 @@ void add_column(const Case& scene, int face, const Vec<D>& foot, const Vec<D>& n
   if (soil && scene.fluid.drag) {
     const double weight = porous::specific_weight(scene);
     const auto law = porous::resistance(weight, c.void_fraction, porous::seepage_at(scene, *soil, soil->porosity));
-    c.creeps = !inertia_rules(c.void_fraction, scene.water.density, law.linear, dx, weight / scene.water.density);
+    c.drag_dominated =
+        !inertia_rules(c.void_fraction, scene.water.density, law.linear, dx, weight / scene.water.density);
   }
   c.mass = scene.water.density * c.void_fraction * c.volume;
   c.offset = 0.5 * c.spacing;

@@ -71,9 +71,9 @@ struct SurfacePlane {
   Vec<D> normal = Vec<D>::Zero();
 };
 template <int D>
-SurfacePlane<D> surface_plane(const Stencil<D>& s, std::size_t a, bool seeps) {
+SurfacePlane<D> surface_plane(const Stencil<D>& s, std::size_t a, bool in_seepage) {
   SurfacePlane<D> plane;
-  const char own_kind = seeps ? 2 : 1;
+  const char own_kind = in_seepage ? 2 : 1;
   for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
     const Index j = s.other[k], q = s.parent[j];
     if (s.on_surface[j] != own_kind) continue;
@@ -105,7 +105,7 @@ double depth(const Stencil<D>& s, std::size_t a) {
 /// Water in soil (seeps), a wetting front: the deficit of the divergence of position (Lee et al. 2008), where no
 /// water stands opposite: a hole under pressure taken for a surface draws a reservoir in at full head.
 template <int D>
-std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> seeps, std::span<double> rows = {},
+std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> in_seepage, std::span<double> rows = {},
                                   double share = 0.0, bool splashes = false, bool none = false) {
   std::vector<Surface> flags(s.n_real, Surface::interior);
   if (none) {
@@ -128,14 +128,14 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> seeps, st
     const Vec<D> n = -s.normal[a].normalized();
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
       const Index q = s.parent[s.other[k]];
-      if (s.at_face[a] && (q >= s.n_real || seeps[q] != 0)) continue;
+      if (s.at_face[a] && (q >= s.n_real || in_seepage[q] != 0)) continue;
       const Vec<D> d = s.position[s.other[k]] - s.position[a];
       if (d.dot(n) > surface::narrow_cone * d.norm()) return true;
     }
     return false;
   };
   parallel_for(s.n_real, [&](std::size_t a) {
-    if (seeps[a] != 0) {
+    if (in_seepage[a] != 0) {
       const double few = s.at_face[a] ? surface::few_at_face : surface::few;
       s.covered[a] = s.divergence[a] < few * D && opposite(a);
       if (s.covered[a]) return;
@@ -157,24 +157,24 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> seeps, st
       flags[a] = Surface::lone;
   });
   for (std::size_t a = 0; a < s.n_real; ++a) {
-    if (flags[a] != Surface::lone || seeps[a] != 0) continue;
+    if (flags[a] != Surface::lone || in_seepage[a] != 0) continue;
     s.boundary_correction(a).unresolved.setIdentity();
     s.correction[a].setZero();
   }
   s.on_surface.resize(s.size());
   parallel_for(s.size(), [&](std::size_t j) {
     const Index q = s.parent[j];
-    s.on_surface[j] = q >= s.n_real || flags[q] != Surface::surface ? 0 : seeps[q] == 0 ? 1 : 2;
+    s.on_surface[j] = q >= s.n_real || flags[q] != Surface::surface ? 0 : in_seepage[q] == 0 ? 1 : 2;
   });
   for (std::size_t a = 0; a < rows.size(); ++a) {
-    const bool in_row = flags[a] == Surface::surface && seeps[a] == 0;
+    const bool in_row = flags[a] == Surface::surface && in_seepage[a] == 0;
     rows[a] += share * ((in_row ? row_thickness<D>(s, a) : 1.0) - rows[a]);
     if (in_row) s.prescribed_surface_distance.set(a, s.surface_distance(a) * rows[a], s.n_real);
   }
   // Below the surface: the distance of the plane that the surface particles of its own kind in reach put it at, and the
   // pressure there; 0: none.
   const auto below = [&](std::size_t a) -> std::pair<double, double> {
-    const auto plane = surface_plane<D>(s, a, seeps[a] != 0);
+    const auto plane = surface_plane<D>(s, a, in_seepage[a] != 0);
     if (plane.weight == 0.0 || plane.normal.isZero(0.0)) return {};
     const double cosine = -plane.normal.dot(s.normal[a]) / (plane.normal.norm() * s.normal[a].norm());
     if (cosine < 0.5) return {};
@@ -183,15 +183,15 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> seeps, st
     return {std::max(distance, s.surface_distance(a)), plane.pressure / plane.weight};
   };
   // Beside free water windows are short, and the gradient of seeping water does not know of its surface: left as it is.
-  const bool all_seep = parallel_all(s.n_real, [&](std::size_t a) { return seeps[a] != 0; });
+  const bool all_in_seepage = parallel_all(s.n_real, [&](std::size_t a) { return in_seepage[a] != 0; });
   std::vector<char> near(s.n_real);
   parallel_for(s.n_real, [&](std::size_t a) {
     near[a] = flags[a] != Surface::lone && s.normal[a].norm() * s.length(a) > surface::second_row;
   });
   for (std::size_t a = 0; a < s.n_real; ++a) {
     if (!near[a]) continue;
-    if (seeps[a] != 0) {
-      if (!all_seep) continue;
+    if (in_seepage[a] != 0) {
+      if (!all_in_seepage) continue;
       if (flags[a] == Surface::interior && !s.covered[a])
         if (const auto [distance, pressure] = below(a); distance > 0.0) {
           s.front_distance.set(a, distance, s.n_real);
@@ -215,7 +215,7 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> seeps, st
   // small.
   parallel_for(s.n_real, [&](std::size_t a) {
     if (const double deficit = s.divergence[a] / D;
-        seeps[a] == 0 && deficit < surface::few && flags[a] == Surface::interior && s.ghost_distance[a] == 0.0)
+        in_seepage[a] == 0 && deficit < surface::few && flags[a] == Surface::interior && s.ghost_distance[a] == 0.0)
       s.amplification[a] = 1.0 / std::max(deficit, surface::least_inverted);
   });
   return flags;

@@ -81,29 +81,30 @@ inline bool inertia_rules(double n, double density, double drag, double spacing,
   return gravity > 0.0 && drag * 0.1 * std::sqrt(spacing / gravity) < n * density;
 }
 
-/// How water moves in soil: what decides whether it creeps through it or goes along with it.
-struct Creep {
+/// What decides whether water seeps through soil or moves along with it.
+struct SeepageRegime {
   double density = 0.0;      ///< kg/m3, of water
-  double speed = 0.0;        ///< m/s, of soil that is as good as at rest
-  bool long_window = false;  ///< longer than waves of free water on a surface take
-  /// Does soil that yields by this share, at this speed [m/s], move? In long windows it creeps from equilibrium to
-  /// equilibrium, and water seeps in and out.
+  double speed = 0.0;        ///< m/s, up to which soil counts as at rest
+  bool long_window = false;  ///< longer than the period of free water's surface waves
+  /// Whether soil with this plastic shear ratio and speed [m/s] moves. In long windows its motion is quasi-static, from
+  /// equilibrium to equilibrium, and water seeps in and out.
   [[nodiscard]] bool soil_moves(double yielding, double soil_speed) const {
     return (yielding > 0.5 || soil_speed > speed) && !long_window;
   }
 };
 
-/// Does water move through the soil there, as a front that creeps? Not where drag needs more than a spacing to stop it,
-/// C spacing < n rho |w|, w the slip: it flows as free water does. Where the soil itself moves, its water moves with it
-/// and has a surface as free water, but for long windows, in which both creep from equilibrium to equilibrium. A
-/// front's pressure is a natural condition, which the gradient does not know of: that drives a front whose speed
-/// follows the pressure, but a mixture with inertia would be pushed in where it already goes in (a surface wave over
-/// liquefied soil grew sevenfold in 2 ms).
+/// Whether particle a is in the seepage regime: its water moves through the soil, and its surface is a wetting front.
+/// Not where drag needs more than a spacing to stop it, C spacing < n rho |w| with the relative velocity w: it flows as
+/// free water does. Nor where the soil itself moves: there water moves along and has a free surface, except in long
+/// windows, whose motion is quasi-static. The pressure of a front is a natural condition, of which the gradient knows
+/// nothing. That is right for a front whose speed follows from the pressure; a mixture with inertia would be pushed in
+/// where it already moves in (a surface wave over liquefied soil grew sevenfold in 2 ms).
 template <int D>
-bool seeps(const SoilView<D>& soil, std::size_t a, const Vec<D>& velocity, double spacing, const Creep& creep) {
-  const double slip = (velocity - soil.velocity[a]).norm();
-  const bool moves = creep.soil_moves(soil.yielding[a], soil.velocity[a].norm());
-  return soil.mask[a] > 0.5 && !moves && soil.drag[a] * spacing >= (1.0 - soil.fraction[a]) * creep.density * slip;
+bool in_seepage_regime(const SoilView<D>& soil, std::size_t a, const Vec<D>& velocity, double spacing,
+                       const SeepageRegime& regime) {
+  const double relative = (velocity - soil.velocity[a]).norm();
+  const bool moves = regime.soil_moves(soil.yielding[a], soil.velocity[a].norm());
+  return soil.mask[a] > 0.5 && !moves && soil.drag[a] * spacing >= (1.0 - soil.fraction[a]) * regime.density * relative;
 }
 
 /// Asymmetry of the soil's points about a place, to soil membership: a ramp about its value on a flat edge, 0.47, flat
@@ -162,7 +163,7 @@ SoilView<D> rigid_soil(const Case& scene, std::span<const Vec<D>> points) {
 /// moves.
 template <int D>
 SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::span<const double> asymmetry,
-                        std::span<const double> before, const Creep& creep) {
+                        std::span<const double> before, const SeepageRegime& regime) {
   using namespace coupling;
   const std::size_t n = asymmetry.size();
   SoilView<D> soil;
@@ -190,7 +191,7 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::sp
     soil.returned_impulse.set(a, vector(returned, a));
     const double whole = std::min(fraction[a], 1.0 - 1e-3);  // of the soil
     const auto passes_by = [&] {
-      const bool moves = creep.soil_moves(yielding[a], vector(velocity, a).norm());
+      const bool moves = regime.soil_moves(yielding[a], vector(velocity, a).norm());
       if (!moves || !scene.fluid.drag || !(conductivity[a] > 0.0)) return false;
       const double n_w = 1.0 - whole, drag = porous::resistance(weight, n_w, {conductivity[a], quadratic[a]}).linear;
       return !inertia_rules(n_w, scene.water.density, drag, scene.fluid.particle_spacing, scene.general.gravity.norm());

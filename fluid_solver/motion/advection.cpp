@@ -37,7 +37,7 @@ ScalarArray Fluid<D>::moved() const {
   ScalarArray result(p.size());
   parallel_for(p.size(), [&](std::size_t a) {
     const double spacing = spacing_of<D>(p.volume[a]);
-    const double counts = (p.seeps[a] != 0 ? repair_displacement : free_repair_displacement) * spacing;
+    const double counts = (p.in_seepage[a] != 0 ? repair_displacement : free_repair_displacement) * spacing;
     result[a] = std::min(1.0, (p.position[a] - p.birthplace[a]).norm() / counts);
   });
   return result;
@@ -71,7 +71,7 @@ template <int D>
 void Fluid<D>::drift(double interval) {
   auto& p = state_.particles;
   parallel_for(p.size(), [&](std::size_t a) {
-    if (p.seeps[a] == 0) displace(a, 0.5 * interval * p.velocity[a], false);
+    if (p.in_seepage[a] == 0) displace(a, 0.5 * interval * p.velocity[a], false);
   });
 }
 
@@ -105,26 +105,26 @@ void Fluid<D>::move(const Stencil<D>& s, const WindowSolution<D>& solution, std:
     const double spacing = spacing_of<D>(p.volume[a]);
     motion[a] *= std::min(1.0, p.velocity[a].norm() * interval / (0.02 * spacing));
   });
-  auto shift = packing_displacements<D>(s, p.velocity, motion, p.surface, p.seeps, interval, state_.full);
+  auto shift = packing_displacements<D>(s, p.velocity, motion, p.surface, p.in_seepage, interval, state_.full);
   parallel_for(repair.size(), [&](std::size_t a) { shift[a] += repair[a]; });
-  collide<D>(s, p.seeps, p.mass, p.velocity);
+  collide<D>(s, p.in_seepage, p.mass, p.velocity);
   parallel_for(p.size(), [&](std::size_t a) {
     Vec<D> d = interval * p.velocity[a];
-    if (p.seeps[a] != 0)
+    if (p.in_seepage[a] != 0)
       d += interval * look_ahead(interval) * (p.velocity[a] - velocity_before[a]);
     else
       d *= 0.5;
     d += shift[a];
-    if (p.seeps[a] == 0 && p.surface[a] == Surface::surface)
+    if (p.in_seepage[a] == 0 && p.surface[a] == Surface::surface)
       d += interval * surface_lead<D>(velocity_gradient[a], s.normal[a], s.surface_distance(a), interval);
     const double before = p.pressure[a] + weight_.dot(p.position[a] - origin_);
-    p.pressure[a] += solution.gradient[a].dot(p.seeps[a] != 0 ? d : shift[a]);
+    p.pressure[a] += solution.gradient[a].dot(p.in_seepage[a] != 0 ? d : shift[a]);
     // What is shifted arrives where the water moves at another speed.
-    if (p.seeps[a] == 0 && s.ghost_distance[a] == 0.0 && p.surface[a] == Surface::interior)
+    if (p.in_seepage[a] == 0 && s.ghost_distance[a] == 0.0 && p.surface[a] == Surface::interior)
       p.velocity[a] += velocity_gradient[a] * shift[a];
     displace(a, d, true);
     // Water that seeps towards its surface arrives at the surface's pressure, not beyond it.
-    if (p.seeps[a] != 0 && p.surface[a] != Surface::interior)
+    if (p.in_seepage[a] != 0 && p.surface[a] != Surface::interior)
       p.pressure[a] =
           std::max(p.pressure[a], std::min(before, s.surface_pressure[a]) - weight_.dot(p.position[a] - origin_));
   });

@@ -24,12 +24,12 @@ inline constexpr double collision = 0.5;
 /// Shifting is along the gradient of concentration (after Lind et al. 2012), along the surface only near it.
 template <int D>
 VecArray<D> packing_displacements(const Stencil<D>& s, std::span<const Vec<D>> velocity, std::span<const double> moved,
-                                  std::span<const Surface> flags, std::span<const char> seeps, double interval,
+                                  std::span<const Surface> flags, std::span<const char> in_seepage, double interval,
                                   bool full = false) {
   VecArray<D> shift(s.n_real, Vec<D>::Zero());
   parallel_for(s.n_real, [&](std::size_t a) {
     if (moved[a] == 0.0 || flags[a] == Surface::lone) return;
-    const PackingLaw& law = seeps[a] == 0 ? packing_in_free_water : full ? packing_in_full_soil : packing_in_soil;
+    const PackingLaw& law = in_seepage[a] == 0 ? packing_in_free_water : full ? packing_in_full_soil : packing_in_soil;
     const double h = s.length(a), spacing = h / smoothing_ratio;
     // Even surroundings have sum V grad W = 0; it points to where particles are.
     Vec<D> d = -(law.by_speed * h * velocity[a].norm() * interval + law.by_length * h * h) * s.normal[a];
@@ -93,16 +93,16 @@ VecArray<D> expand(const Stencil<D>& s, std::span<const double> expansion) {
 /// Free water that collides: pairs closer than `collision` spacings lose the speed at which they approach, momentum
 /// kept; a particle on a wall loses its speed into the wall, which the pressure of its own image cannot take.
 template <int D>
-void collide(const Stencil<D>& s, std::span<const char> seeps, std::span<const double> mass,
+void collide(const Stencil<D>& s, std::span<const char> in_seepage, std::span<const double> mass,
              std::span<Vec<D>> velocity) {
   for (std::size_t a = 0; a < s.n_real; ++a) {
-    if (seeps[a] != 0 || s.closest[a] * smoothing_ratio >= collision) continue;
+    if (in_seepage[a] != 0 || s.closest[a] * smoothing_ratio >= collision) continue;
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
       const Index j = s.other[k], b = s.parent[j];
       const Vec<D> ba = s.position[j] - s.position[a];
       const double r2 = ba.squaredNorm(), limit = collision * 0.5 * (s.length(a) + s.length(j)) / smoothing_ratio;
       if (r2 >= limit * limit || r2 == 0.0) continue;
-      if (b >= s.n_real || seeps[b] != 0 || (j < s.n_real && b < a) || (j >= s.n_real && b != a)) continue;
+      if (b >= s.n_real || in_seepage[b] != 0 || (j < s.n_real && b < a) || (j >= s.n_real && b != a)) continue;
       const double r = std::sqrt(r2);
       const Vec<D> e = ba / r, other = j < s.n_real
                                            ? velocity[b]

@@ -97,7 +97,7 @@ void Fluid<D>::limit_by_slowing(const VecArray<D>& velocity_before, double inter
   state_.window_limits.clear();
   const auto& p = state_.particles;
   if (scene_.coupled() || scene_.fluid.scheme != FluidCase::Scheme::projection ||
-      !parallel_all(p.size(), [&](std::size_t a) { return p.seeps[a] != 0; }))
+      !parallel_all(p.size(), [&](std::size_t a) { return p.in_seepage[a] != 0; }))
     return;
   const auto open = [](const FaceColumn<D>& c) { return c.in_soil && !c.wet; };
   if (std::any_of(state_.columns.begin(), state_.columns.end(), open)) {
@@ -128,7 +128,9 @@ void Fluid<D>::limit_by_slowing(const VecArray<D>& velocity_before, double inter
 template <int D>
 void Fluid<D>::limit_by_acceleration(const SoilView<D>& view, const VecArray<D>& velocity_before, double interval) {
   const auto& p = state_.particles;
-  const auto in_coarse = [&](std::size_t a) { return p.seeps[a] != 0 && view.mask[a] > 0.5 && !drags(view, a); };
+  const auto in_coarse = [&](std::size_t a) {
+    return p.in_seepage[a] != 0 && view.mask[a] > 0.5 && !is_drag_dominated(view, a);
+  };
   const bool coarse = !parallel_all(p.size(), [&](std::size_t a) { return !in_coarse(a); });
   double longest = HUGE_VAL;
   for (std::size_t a = 0; coarse && a < p.size(); ++a) {
@@ -179,7 +181,7 @@ double Fluid<D>::wave_interval() const {
 /// Speed below which soil and the water in it are as good as at rest: a hundredth of what gravity gives in the window
 /// of the shortest waves [m/s].
 template <int D>
-double Fluid<D>::creeping_speed() const {
+double Fluid<D>::quasi_static_speed() const {
   return weight_.norm() > 0.0 ? 0.01 * wave_interval() * weight_.norm() / density_ : HUGE_VAL;
 }
 
@@ -202,7 +204,7 @@ template <int D>
 double Fluid<D>::free_interval() const {
   const auto& p = state_.particles;
   const double longest = -parallel_max(p.size(), -HUGE_VAL, [&](std::size_t a) {
-    if (p.seeps[a] != 0) return -HUGE_VAL;
+    if (p.in_seepage[a] != 0) return -HUGE_VAL;
     return -(free_courant * spacing_of<D>(p.volume[a]) / std::max(p.velocity[a].norm(), 1e-300));
   });
   return std::min({wave_interval(), central_interval(), viscous_interval(), longest});
@@ -249,10 +251,10 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
   if (state_.controlled > 0.0) apply(state_.controlled, "pressure change per window");
   limit_by_changes(state_.time, apply);
   for (const auto& l : state_.window_limits) apply(l.interval, l.reason);
-  // The water of soil that creeps has no waves, whatever it counts as.
-  const double creeps = creeping_speed();
+  // In soil that moves quasi-statically water has no waves, even where it is not in the seepage regime.
+  const double slow = quasi_static_speed();
   const auto flows = [&](std::size_t a) {
-    return p.seeps[a] == 0 && (p.mask[a] <= 0.5 || p.velocity[a].norm() > creeps);
+    return p.in_seepage[a] == 0 && (p.mask[a] <= 0.5 || p.velocity[a].norm() > slow);
   };
   const auto fastest_of = [&](bool flowing) {
     return parallel_max(p.size(), 0.0, [&](std::size_t a) {

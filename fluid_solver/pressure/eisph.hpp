@@ -76,12 +76,13 @@ double sweep_interval(double n, double drag, double density, double pressure, do
   return (linear + std::sqrt(linear * linear + 4.0 * quadratic * constant)) / (2.0 * quadratic);
 }
 
-/// Relaxation in a window shorter than the phase asked for, by `share` of that: so much less that water stays as stiff.
-/// With the whole of it a window of a hundredth answers to what the one before left over with a pressure ten thousand
-/// times as large, which is there still when the next one is long again. inertia: n rho/dt; drag: C [N s/m4].
-inline double relaxation_in(double share, double inertia, double drag) {
-  if (share >= 1.0) return sweep_relaxation;
-  return sweep_relaxation * share * (inertia * share + drag) / (inertia + drag);
+/// Relaxation in a window of a `fraction` of the interval that the phase proposed: reduced so that the stiffness of the
+/// water stays the same. Unreduced, a window of a hundredth would respond to the residual of the one before with a
+/// pressure ten thousand times as large, which would still be there when the next window is long again.
+/// inertia: n rho/dt; drag: C [N s/m4].
+inline double relaxation_in(double fraction, double inertia, double drag) {
+  if (fraction >= 1.0) return sweep_relaxation;
+  return sweep_relaxation * fraction * (inertia * fraction + drag) / (inertia + drag);
 }
 
 }  // namespace poretwin::fluid

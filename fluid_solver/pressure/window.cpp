@@ -172,7 +172,7 @@ class WindowSolver {
   /// soil's side of it goes with the skeleton. What the pressure drives is then half the free water's mobility, not the
   /// harmonic mean, which is right only where the skeleton stands still.
   [[nodiscard]] bool beside_moving_soil(std::size_t a, Index q) const {
-    const auto moves = [&](std::size_t i) { return soil_.mask[i] > 0.5 && responds(i) && in_.seeps[i] == 0; };
+    const auto moves = [&](std::size_t i) { return soil_.mask[i] > 0.5 && responds(i) && in_.in_seepage[i] == 0; };
     return (soil_.mask[a] <= 0.5 && moves(q)) || (soil_.mask[q] <= 0.5 && moves(a));
   }
   /// Of pair k in row a, whose sum stays as it is.
@@ -182,7 +182,7 @@ class WindowSolver {
     fluid_.diagonal[a] += fluid_.weight[k] - before;
   }
   void free_beside_moving_soil() {
-    if (in_.seeps.empty()) return;
+    if (in_.in_seepage.empty()) return;
     beside_moving_.assign(n_, 0);
     parallel_for(n_, [&](std::size_t a) {
       for (std::size_t k = fluid_.begin(a); k < fluid_.end(a); ++k) {
@@ -538,7 +538,7 @@ class WindowSolver {
         n_, [&](std::size_t a) { out.pressure[a] = (is_known(a) ? known_pressure(a) : out.pressure[a]) - reference; });
     if (in_.sweeps > 0) {
       ScalarArray relaxation(n_);
-      for (std::size_t a = 0; a < n_; ++a) relaxation[a] = relaxation_in(in_.share, q_[a].aw, q_[a].C);
+      for (std::size_t a = 0; a < n_; ++a) relaxation[a] = relaxation_in(in_.interval_over_proposed, q_[a].aw, q_[a].C);
       relaxed_sweeps(fluid_, b, relaxation, out.pressure, in_.sweeps);
       out.pressure_iterations += in_.sweeps;
       for (auto& p : out.pressure) p += reference;
@@ -647,7 +647,8 @@ class WindowSolver {
         n_, s_.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
           if (!responds(a)) return;
           H_diagonal_[a] = s_.volume[a] / r_[a].ss;
-          double turned = 0.0, held = anchor(a);  // by own images, which walls turn round; by faces and by dry soil
+          double turned = 0.0,
+                 held = dry_skeleton_stiffness(a);  // by own images, which walls turn round; by faces and by dry soil
           Lanes sum{};
           for (Index k = s_.offset[a]; k < s_.offset[a + 1]; k += n_lanes) {
             const Index* const i = &s_.other[k];
@@ -697,7 +698,7 @@ class WindowSolver {
           flow_[a] = Eigen::Map<const Vec<D>>(held.data() + a * D) - s_.volume[a] / r_[a].ss * soil_.found_velocity[a];
       return;
     }
-    for (std::size_t a = 0; a < n_; ++a) flow_[a] = anchor(a) * soil_.velocity[a];
+    for (std::size_t a = 0; a < n_; ++a) flow_[a] = dry_skeleton_stiffness(a) * soil_.velocity[a];
     if (std::all_of(soil_.yielding.begin(), soil_.yielding.end(), [](double y) { return y <= 0.0; })) return;
     const VecArray<D> going = skeleton_extended(soil_.velocity.values());
     for (std::size_t a = 0; a < n_; ++a)
@@ -713,12 +714,12 @@ class WindowSolver {
   /// that the wide gradient does not see. In short windows of soil that moves nothing does so: there it acts on the
   /// whole pressure, as in free water, whose projection is the compact one.
   void stabilise_flow(const ScalarArray& pressure, ScalarArray& residual) const {
-    if (!any_response_ || in_.seeps.empty() ||
-        std::all_of(in_.seeps.begin(), in_.seeps.end(), [](char seeps) { return seeps != 0; }))
+    if (!any_response_ || in_.in_seepage.empty() ||
+        std::all_of(in_.in_seepage.begin(), in_.in_seepage.end(), [](char in_seepage) { return in_seepage != 0; }))
       return;
     const ScalarArray whole = stabilised(pressure, plain_gradient(pressure, false));
     for (std::size_t a = 0; a < n_; ++a)
-      if (in_.seeps[a] == 0) residual[a] -= whole[a] - stabilisation_[a] * fixed_[a];
+      if (in_.in_seepage[a] == 0) residual[a] -= whole[a] - stabilisation_[a] * fixed_[a];
   }
 
   /// A velocity of the skeleton at all points: turned round behind walls that hold the soil.
@@ -726,11 +727,12 @@ class WindowSolver {
     return extended<D>(s_, f, Carried::no, in_.fixed_soil);
   }
 
-  /// Dry soil beyond a wetting front holds the skeleton: it is taken to go on as it moves, half a spacing away beside
-  /// the front (a small wet zone is held over its own width, Saint-Venant), as far as a wave comes in the window above
-  /// it: traction Dt M (s - v_s) / distance. A column of wet soil below dry soil answers to a load with
-  /// rho c tanh(L / (c Dt)); this comes within 5 % of it from 10 ms to 1 s.
-  double anchor(std::size_t a) const {
+  /// Stiffness [N s/m] of a Robin condition by which the dry soil beyond a wetting front resists the wet skeleton:
+  /// traction Dt M (s - v_s) / distance. The dry soil is assumed to keep its velocity v_s at that distance: half a
+  /// spacing beside the front (a small wet zone is supported over its own width, Saint-Venant), and above it the way of
+  /// a compression wave in the window. A column of wet soil below dry soil responds to a load with
+  /// rho c tanh(L / (c Dt)); this stays within 5 % of it from 10 ms to 1 s.
+  double dry_skeleton_stiffness(std::size_t a) const {
     if (!responds(a) || flags_[a] == Surface::interior || soil_.mask[a] < 0.5) return 0.0;
     const double spacing = spacing_of<D>(s_.volume[a]);
     const double amount = std::max(s_.normal[a].norm(), flags_[a] == Surface::lone ? 1.0 / spacing : 0.0);

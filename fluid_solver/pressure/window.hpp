@@ -20,7 +20,7 @@ struct WindowProblem {
   OrZero<double> source;                  ///< [n] volume to be given off, 1/s
   double cavitation = -1e300;             ///< total pressure at which water cavitates, Pa
   std::span<const double> void_volume;    ///< [n] volume of its voids so far, m^D; none: no voids
-  std::span<const char> seeps;            ///< [n] 0: its soil moves by itself or there is none; none: nothing moves
+  std::span<const char> in_seepage;       ///< [n] 0: its soil moves by itself or there is none; none: nothing moves
   ScalarArray face_pressure;              ///< [columns] piezometric, Pa
   ScalarArray face_slope;                 ///< [columns] of that along the face's normal, into the domain, so far, Pa/m
   std::vector<bool> face_holds;           ///< [columns] the soil
@@ -28,7 +28,7 @@ struct WindowProblem {
   double tolerance = 2e-5;                ///< of the pressure residual, relative, where no skeleton responds
   std::uint32_t fixed_soil = 0;           ///< boundaries that hold the soil, by bits
   int sweeps = 0;                         ///< explicit sweeps in place of the solve; 0: solve
-  double share = 1.0;                     ///< this window's, of what the phase asked for: less makes sweeps no stiffer
+  double interval_over_proposed = 1.0;    ///< window over the phase's own proposal: shorter makes sweeps no stiffer
 };
 
 template <int D>
