@@ -200,7 +200,7 @@ int main(int argc, char** argv) {
     solid::internal_force<2>(nodes, around, displacement, x.size(), soil_h, stabilisers, kernel, forces);
   };
   report("solid: force, elastic", near, seconds(force), false);
-  for (auto& node : nodes) node.firmness = solid::Node<2>::flows;
+  for (auto& node : nodes) node.hourglass_level = solid::Node<2>::flows;
   report("solid: force, flowing", near, seconds(force), false);
   report("solid: velocity gradient", near, seconds([&] { solid::velocity_gradient<2>(pairs, kernel, nodes); }), false);
 }

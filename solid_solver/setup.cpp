@@ -205,8 +205,8 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   setup.stabilisers.artificial = scene.solid.artificial_viscosity;
   setup.stabilisers.quadratic = scene.solid.quadratic_viscosity;
   setup.stabilisers.artificial_stress = scene.solid.artificial_stress;
-  setup.stabilisers.zero_energy = scene.solid.zero_energy_viscosity;
-  setup.stabilisers.stiffness = scene.solid.zero_energy_stiffness;
+  setup.stabilisers.hourglass_viscosity = scene.solid.zero_energy_viscosity;
+  setup.stabilisers.hourglass_stiffness = scene.solid.zero_energy_stiffness;
   setup.gravity = scene.general.gravity.head<D>();
   setup.water_weight = porous::specific_weight(scene);
   setup.counts_impulses = asks_for(scene.gauges, "solid", "unexplained_impulse");

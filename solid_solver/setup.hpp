@@ -35,9 +35,9 @@ struct Setup {
   std::size_t parts = 1;          ///< of the particles, that threads share: as many on every machine
   bool regular_flow = true;       ///< see dynamics/flow_regularisation.hpp
   bool soft_edges = false;        ///< surfaces that carry no stress are less stiff, for longer substeps
-  double flow_limit = 0.01;      ///< plastic strain above which the zero-energy control is off: it would brake the flow
-  double inertia_share = 0.5;    ///< zr of the tracking coefficient Z = C + zr rho_bar / Dt
-  bool counts_impulses = false;  ///< from outside, for a gauge
+  double flow_limit = 0.01;       ///< plastic strain above which hourglass control is off: it would brake the flow
+  double inertia_share = 0.5;     ///< zr of the tracking coefficient Z = C + zr rho_bar / Dt
+  bool counts_impulses = false;   ///< from outside, for a gauge
   bool parallel = false;  ///< what the fluid tells is of the last window; where it predicts, Z = C / n^2 + .. then
   Vec<D> gravity = Vec<D>::Zero();
   double water_weight = 0.0;     ///< N/m3, behind the word "conductivity"

@@ -56,7 +56,7 @@ struct alignas(64) Node {
   Vec<D> velocity = Vec<D>::Zero();  ///< m/s
   double volume = 0.0;               ///< m^D
   double density = 0.0;              ///< kg/m3, rho_bar
-  double firmness = elastic;         ///< of the zero-energy-mode control: of two particles the lesser counts
+  double hourglass_level = elastic;  ///< hourglass control level, of a pair the lower of its two particles'
   double rubbing = 0.0;              ///< see Particles
   Mat<D> gradient = Mat<D>::Zero();  ///< 1/s, of the velocity, d v_a / d x_b
   std::array<double, room_for(D* D + D * (D + 1) / 2) - D * D> upper{};  ///< columns of B (correction), to the diagonal
@@ -64,10 +64,10 @@ struct alignas(64) Node {
   Mat<D> deformation = Mat<D>::Zero();  ///< 1, of the displacement, d u_a / d x_b
   static constexpr double flows = 0.0, yielded = 1.0,
                           elastic = 2.0;  ///< no control; of velocities; of displacements, too (never yielded)
-  static constexpr std::size_t at_velocity = D, at_volume = 2 * D, at_density = 2 * D + 1, at_firmness = 2 * D + 2,
-                               at_rubbing = 2 * D + 3, at_gradient = 2 * D + 4, at_correction = at_gradient + D * D,
-                               n_sums = room_for(D * D + D * (D + 1) / 2), at_flux = at_gradient + n_sums,
-                               at_deformation = at_flux + D * D;
+  static constexpr std::size_t at_velocity = D, at_volume = 2 * D, at_density = 2 * D + 1,
+                               at_hourglass_level = 2 * D + 2, at_rubbing = 2 * D + 3, at_gradient = 2 * D + 4,
+                               at_correction = at_gradient + D * D, n_sums = room_for(D * D + D * (D + 1) / 2),
+                               at_flux = at_gradient + n_sums, at_deformation = at_flux + D * D;
   [[nodiscard]] const double* row() const { return position.data(); }
   /// Where the gradient's loop sums up: the gradient, then the upper half of the moments' matrix.
   [[nodiscard]] double* sums() { return gradient.data(); }
@@ -155,10 +155,10 @@ struct Sleep {
 /// flowed.
 template <int D>
 struct Regions {
-  double clock = 0.0;        ///< s, of the steps taken
-  double looked = 0.0;       ///< clock, when it was last asked what moves
-  double sent_to_bed = 0.0;  ///< the same of who falls asleep
-  ScalarArray stirred;       ///< clock, when a particle had last moved or yielded
+  double clock = 0.0;                ///< s, of the steps taken
+  double last_activity_check = 0.0;  ///< clock at the last search for particles that move
+  double last_sleep_check = 0.0;     ///< clock at the last search for particles that may fall asleep
+  ScalarArray last_active;           ///< clock when a particle last moved or yielded
   VecArray<D> mark;     ///< m, its displacement then; while it sleeps: N, its neighbours' force when it fell asleep
   VecArray<D> outside;  ///< N, force from outside when it fell asleep
   ScalarArray sheared;  ///< its plastic strain then

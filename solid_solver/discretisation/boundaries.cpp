@@ -141,9 +141,9 @@ void fill_nodes(const Particles<D>& p, Neighbourhood<D>& near, const VecArray<D>
       even += share * share * bulk_viscosity * node.density * node.gradient.trace();
     }
     node.flux.noalias() = (matrix_of<D>(p.stress[i]) + even * Mat<D>::Identity()) * node.correction();
-    node.firmness = p.plastic_strain[i] <= 0.0          ? Node<D>::elastic
-                    : p.plastic_strain[i] <= flow_limit ? Node<D>::yielded
-                                                        : Node<D>::flows;
+    node.hourglass_level = p.plastic_strain[i] <= 0.0          ? Node<D>::elastic
+                           : p.plastic_strain[i] <= flow_limit ? Node<D>::yielded
+                                                               : Node<D>::flows;
     node.rubbing = static_cast<double>(p.rubbing[i]);
   });
   for (std::size_t k = 0; k < near.images.size(); ++k) {

@@ -174,8 +174,8 @@ void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& n
   constexpr Size n_head = N::at_gradient;
   const Pairs& pairs = near.pairs;
   const PairKernel<D> derivative(h);
-  const double control = 0.25 * stabilisers.zero_energy * stabilisers.sound_speed * h;
-  const double stiffness = stabilisers.stiffness * stabilisers.modulus;
+  const double control = 0.25 * stabilisers.hourglass_viscosity * stabilisers.sound_speed * h;
+  const double stiffness = stabilisers.hourglass_stiffness * stabilisers.modulus;
   const double viscosity = 0.5 * stabilisers.artificial * stabilisers.sound_speed * h;
   const double quadratic = 0.5 * stabilisers.quadratic * h * h;
   const double collision = 0.5 * stabilisers.collision * stabilisers.sound_speed * h;
@@ -196,7 +196,7 @@ void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& n
             return j < n_real ? displaced[j].data() : images[j - n_real].displacement.data();
           };
           const double* const self = all[i].row();
-          const double volume = all[i].volume, firmness = all[i].firmness;
+          const double volume = all[i].volume, own_level = all[i].own_level;
           Lanes own[Own::size] = {};
           for_four_pairs(
               list, i, [&](Size m, bool both) __attribute__((always_inline)) {
@@ -250,23 +250,24 @@ void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& n
                   resist *= viscous;
                   for (Size d = 0; d < D; ++d) felt[D + d] = -resist * r[d];
                 }
-                const Lanes firm = head[N::at_firmness] < firmness ? head[N::at_firmness] : Lanes{} + firmness;
-                if (firmness > N::flows) {
+                const Lanes level =
+                    head[N::at_hourglass_level] < own_level ? head[N::at_hourglass_level] : Lanes{} + own_level;
+                if (own_level > N::flows) {
                   Lanes turned[D];
                   gather<N::at_gradient, D * D>(rows, other);
                   for (Size c = 0; c < D * D; ++c) other[c] += self[N::at_gradient + c];
                   times<D>(other, r, turned);
-                  const Lanes weight = firm > N::flows ? control * share : Lanes{};
+                  const Lanes weight = level > N::flows ? control * share : Lanes{};
                   for (Size d = 0; d < D; ++d) felt[D + d] += weight * (2.0 * u[d] - turned[d]);
                 }
-                if (firmness == N::elastic) {
+                if (own_level == N::elastic) {
                   Lanes linear[D];
                   gather<N::at_deformation, D * D>(rows, other);
                   const Index* const j = &list.index[m];
                   const FourRows<const double> theirs{shown(j[0]), shown(j[1]), shown(j[2]), shown(j[3])};
                   for (Size c = 0; c < D * D; ++c) other[c] += self[N::at_deformation + c];
                   times<D>(other, r, linear);
-                  const Lanes weight = firm > N::yielded ? stiffness * k : Lanes{};
+                  const Lanes weight = level > N::yielded ? stiffness * k : Lanes{};
                   for (Size d = 0; d < D; ++d) {
                     const Lanes shift = {theirs[0][d], theirs[1][d], theirs[2][d], theirs[3][d]};
                     felt[d] += weight * (displaced[i][static_cast<int>(d)] - shift - 0.5 * linear[d]);

@@ -31,7 +31,7 @@ Vec<D> force_from_outside(const Drive<D>& drive, std::size_t i) {
   return drive.traction.empty() ? drive.distributed[i] : Vec<D>(drive.distributed[i] + drive.traction[i]);
 }
 
-/// Force on every particle [N], without what holds the zero-energy modes.
+/// Force on every particle [N] without hourglass control.
 template <int D>
 VecArray<D> forces(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive) {
   const Particles<D>& p = state.particles;

@@ -8,11 +8,11 @@
 namespace poretwin::solid {
 namespace {
 
-constexpr double travel = 5.0;         // of waves between two looks at what moves, in spacings
-constexpr double calm_after = 8.0;     // ways of a wave through the soil: two periods of a column as high
-constexpr double asleep_after = 12.0;  // the same
-constexpr double bedtime = 1.0;        // the same, between two looks for who falls asleep
-constexpr double margin = 2.0;         // of soil awake around what is not calm, in ranges of the pair lists
+constexpr double travel = 5.0;                // of waves between two checks for activity, in spacings
+constexpr double calm_after = 8.0;            // ways of a wave through the soil: two periods of a column as high
+constexpr double asleep_after = 12.0;         // the same
+constexpr double between_sleep_checks = 1.0;  // the same
+constexpr double margin = 2.0;                // of soil awake around what is not calm, in ranges of the pair lists
 
 /// What counts as rest, and as a disturbance.
 template <int D>
@@ -50,10 +50,10 @@ class Places {
   double reach_;
 };
 
-/// Whether what acts on the sleeping particle i has changed.
+/// Whether the forces or the saturation of the sleeping particle i have changed.
 template <int D>
-bool roused(const Setup<D>& setup, const Bounds<D>& bounds, const Drive<D>& drive, const State<D>& state,
-            std::size_t i) {
+bool is_disturbed(const Setup<D>& setup, const Bounds<D>& bounds, const Drive<D>& drive, const State<D>& state,
+                  std::size_t i) {
   const Particles<D>& p = state.particles;
   const Regions<D>& regions = state.regions;
   if (setup.softened_by_water[p.material[i]] &&
@@ -65,7 +65,7 @@ bool roused(const Setup<D>& setup, const Bounds<D>& bounds, const Drive<D>& driv
          (p.volume[i] * state.force[i].internal() - regions.mark[i]).norm() > bounds.within * push;
 }
 
-/// Notes what has moved or yielded; places of that and of sleepers that are roused.
+/// Notes which particles have moved or yielded; returns their positions and those of disturbed sleepers.
 template <int D>
 VecArray<D> disturbances(const Setup<D>& setup, const Bounds<D>& bounds, const Drive<D>& drive, State<D>& state) {
   const Particles<D>& p = state.particles;
@@ -73,7 +73,7 @@ VecArray<D> disturbances(const Setup<D>& setup, const Bounds<D>& bounds, const D
   VecArray<D> places;
   for (std::size_t i = 0; i < p.free(); ++i) {
     if (regions.sleeps(i)) {
-      if (roused(setup, bounds, drive, state, i)) places.push_back(p.position[i]);
+      if (is_disturbed(setup, bounds, drive, state, i)) places.push_back(p.position[i]);
       continue;
     }
     const double work = root_j2(p.stress[i]) * (p.plastic_strain[i] - regions.sheared[i]);
@@ -81,7 +81,7 @@ VecArray<D> disturbances(const Setup<D>& setup, const Bounds<D>& bounds, const D
     if (!moved && work < bounds.work * setup.density[p.material[i]]) continue;
     regions.mark[i] = p.displacement[i];
     regions.sheared[i] = p.plastic_strain[i];
-    regions.stirred[i] = regions.clock;
+    regions.last_active[i] = regions.clock;
     places.push_back(p.position[i]);
   }
   return places;
@@ -103,7 +103,7 @@ bool wake_near(const Setup<D>& setup, const Bounds<D>& bounds, const VecArray<D>
     if (!regions.sleeps(i) || !waking.near(p.position[i])) continue;
     regions.asleep[i] = 0;
     regions.mark[i] = p.displacement[i];
-    regions.stirred[i] = regions.clock - calm_after * bounds.way;  // still calm
+    regions.last_active[i] = regions.clock - calm_after * bounds.way;  // still calm
   }
   return true;
 }
@@ -116,11 +116,11 @@ bool fall_asleep(const Bounds<D>& bounds, const Drive<D>& drive, State<D>& state
   const double since = regions.clock - asleep_after * bounds.way;
   VecArray<D> restless;
   for (std::size_t i = 0; i < p.free(); ++i)
-    if (!regions.sleeps(i) && regions.stirred[i] > since) restless.push_back(p.position[i]);
+    if (!regions.sleeps(i) && regions.last_active[i] > since) restless.push_back(p.position[i]);
   const Places<D> happening(restless, bounds.around);
   bool any = false;
   for (std::size_t i = 0; i < p.free() && restless.size() < p.free(); ++i) {
-    if (regions.sleeps(i) || regions.stirred[i] > since || happening.near(p.position[i])) continue;
+    if (regions.sleeps(i) || regions.last_active[i] > since || happening.near(p.position[i])) continue;
     regions.asleep.resize(p.free(), 0);
     regions.asleep[i] = 1;
     regions.mark[i] = p.volume[i] * state.force[i].internal();
@@ -153,13 +153,13 @@ void watch_regions(const Setup<D>& setup, const Drive<D>& drive, double dt, Stat
   Regions<D>& regions = state.regions;
   if (setup.quiet.regions <= 0.0) return;
   regions.clock += dt;
-  const double passed = regions.clock - regions.looked;
+  const double passed = regions.clock - regions.last_activity_check;
   if (passed * setup.stabilisers.sound_speed < travel * setup.spacing) return;
-  regions.looked = regions.clock;
-  if (regions.stirred.empty()) {
+  regions.last_activity_check = regions.clock;
+  if (regions.last_active.empty()) {
     const auto flows = [&](double plastic) { return plastic > setup.flow_limit; };
     if (std::none_of(p.plastic_strain.begin(), p.plastic_strain.end(), flows)) return;
-    regions.stirred.assign(p.free(), regions.clock);
+    regions.last_active.assign(p.free(), regions.clock);
     regions.mark = p.displacement;
     regions.outside.assign(p.free(), Vec<D>::Zero());
     regions.sheared = p.plastic_strain;
@@ -170,12 +170,12 @@ void watch_regions(const Setup<D>& setup, const Drive<D>& drive, double dt, Stat
   regions.slept += passed * static_cast<double>(std::count(regions.asleep.begin(), regions.asleep.end(), char{1}));
   const Bounds<D> bounds(setup);
   bool changed = wake_near(setup, bounds, disturbances(setup, bounds, drive, state), state);
-  if (regions.clock - regions.sent_to_bed > bedtime * bounds.way) {
-    regions.sent_to_bed = regions.clock;
+  if (regions.clock - regions.last_sleep_check > between_sleep_checks * bounds.way) {
+    regions.last_sleep_check = regions.clock;
     changed = fall_asleep(bounds, drive, state) || changed;
   }
   for (std::size_t i = 0; i < p.free(); ++i)
-    regions.calm[i] = regions.stirred[i] <= regions.clock - calm_after * bounds.way;
+    regions.calm[i] = regions.last_active[i] <= regions.clock - calm_after * bounds.way;
   if (changed) renew(setup, state);
 }
 
@@ -183,7 +183,7 @@ template <int D>
 void wake_regions(const Setup<D>& setup, State<D>& state) {
   Regions<D>& regions = state.regions;
   const bool any = !regions.asleep.empty();
-  regions.stirred.clear();
+  regions.last_active.clear();
   regions.asleep.clear();
   regions.calm.clear();
   if (any) renew(setup, state);
