@@ -26,7 +26,7 @@ Seepage seepage_at(const Case& scene, const Soil& soil, double porosity) {
       return forchheimer(soil, porosity);
     case Soil::SeepageLaw::ergun:
       return ergun(soil, specific_weight(scene) / scene.water.density, scene.water.kinematic_viscosity, porosity);
-    case Soil::SeepageLaw::darcy:
+    case Soil::SeepageLaw::kozeny_carman:
       break;
   }
   return kozeny_carman(soil, porosity);
