@@ -58,7 +58,7 @@ void plain_pass(const std::vector<Point>& points, const sph::PairList& list, dou
 }
 
 [[gnu::always_inline]] inline void four_pairs(const double* a, const FourRows<const double>& rows, double scale,
-                                              double half_inverse, Lanes& factor, Lanes* felt, Lanes& volume) {
+                                              double half_inverse, Lanes& factor, Lanes* contribution, Lanes& volume) {
   Lanes b[8], r[2], u;
   gather<0, 8>(rows, b);
   for (int d = 0; d < 2; ++d) r[d] = b[d] - a[d];
@@ -68,10 +68,10 @@ void plain_pass(const std::vector<Point>& points, const sph::PairList& list, dou
   max_in_place(u, Lanes{});
   factor = scale * u * u * u;
   const Lanes difference = factor * (b[4] - a[4]);
-  felt[0] = factor * ((b[2] - a[2]) * r[0] + (b[3] - a[3]) * r[1]);
-  felt[1] = difference * r[0];
-  felt[2] = difference * r[1];
-  felt[3] = 2.0 * difference;
+  contribution[0] = factor * ((b[2] - a[2]) * r[0] + (b[3] - a[3]) * r[1]);
+  contribution[1] = difference * r[0];
+  contribution[2] = difference * r[1];
+  contribution[3] = 2.0 * difference;
   volume = b[5];
 }
 
@@ -89,14 +89,14 @@ void lane_pass(const std::vector<Point>& points, const solid::Pairs& pairs, doub
         const double* const a = all[i].x;
         solid::for_four_pairs(
             list, i, [&](std::size_t m, bool both) __attribute__((always_inline)) {
-              Lanes factor, felt[4], volume;
-              four_pairs(a, solid::rows_at(all, &list.index[m]), scale, half_inverse, factor, felt, volume);
-              for (int n = 0; n < 4; ++n) own[n] += volume * felt[n];
+              Lanes factor, contribution[4], volume;
+              four_pairs(a, solid::rows_at(all, &list.index[m]), scale, half_inverse, factor, contribution, volume);
+              for (int n = 0; n < 4; ++n) own[n] += volume * contribution[n];
               if (!both) return;
-              felt[0] *= a[5];
-              for (int n = 1; n < 3; ++n) felt[n] *= a[5];
-              felt[3] *= -a[5];
-              scatter_add<4>(felt, solid::sums_at(sum_of, &list.index[m]));
+              contribution[0] *= a[5];
+              for (int n = 1; n < 3; ++n) contribution[n] *= a[5];
+              contribution[3] *= -a[5];
+              scatter_add<4>(contribution, solid::sums_at(sum_of, &list.index[m]));
             });
         add_lanes<4>(own, sum_of[i].x.data());
       });

@@ -288,7 +288,7 @@ struct State {
   Vec<D> from_outside = Vec<D>::Zero();  ///< N s, of weight, loads and walls; where a gauge asks for it
   OrZero<Vec<D>> rest_displacement;      ///< m, after initialise: where uplift counts from
   std::vector<char> yielded;             ///< during the last window
-  OrZero<double> yielding;               ///< share of the last window's shear that was plastic, of coupled soil
+  OrZero<double> plastic_shear_ratio;    ///< plastic over all shear strain of the last window, of coupled soil
   bool any_yielded = false;
   Sleep<D> sleep;
   Regions<D> regions;

@@ -25,12 +25,12 @@ struct SoilView {
   /// f is zero under Darcy's law)
   ScalarArray drag;
   OrZero<Vec<D>> drag_offset;
-  MatArray<D> drag_form;         ///< [n] that multiplies the slip in a smoothed drag; empty: none
-  OrZero<double> density;        ///< [n] R = n_s rho_s, kg/m3; of soil that moves
-  OrZero<double> modulus;        ///< [n] M = K + 4 G / 3, Pa
-  OrZero<double> yielding;       ///< [n] share of the shear that was plastic
-  OrZero<Vec<D>> velocity;       ///< [n] v_s, m/s
-  OrZero<Vec<D>> mean_velocity;  ///< [n] over the soil's last window, m/s
+  MatArray<D> drag_form;               ///< [n] that multiplies the slip in a smoothed drag; empty: none
+  OrZero<double> density;              ///< [n] R = n_s rho_s, kg/m3; of soil that moves
+  OrZero<double> modulus;              ///< [n] M = K + 4 G / 3, Pa
+  OrZero<double> plastic_shear_ratio;  ///< [n] plastic over all shear strain of the soil's last window
+  OrZero<Vec<D>> velocity;             ///< [n] v_s, m/s
+  OrZero<Vec<D>> mean_velocity;        ///< [n] over the soil's last window, m/s
   OrZero<Vec<D>> force;  ///< [n] r: unbalanced force per volume with the soil's weight, no pressure, no drag, N/m3
   /// Where a window is repeated: the mean velocity that the last pass found, m/s, and the unbalanced force that it
   /// left, without pressure and drag, N/m3.
@@ -88,8 +88,8 @@ struct SeepageRegime {
   bool long_window = false;  ///< longer than the period of free water's surface waves
   /// Whether soil with this plastic shear ratio and speed [m/s] moves. In long windows its motion is quasi-static, from
   /// equilibrium to equilibrium, and water seeps in and out.
-  [[nodiscard]] bool soil_moves(double yielding, double soil_speed) const {
-    return (yielding > 0.5 || soil_speed > speed) && !long_window;
+  [[nodiscard]] bool soil_moves(double plastic_shear_ratio, double soil_speed) const {
+    return (plastic_shear_ratio > 0.5 || soil_speed > speed) && !long_window;
   }
 };
 
@@ -103,7 +103,7 @@ template <int D>
 bool in_seepage_regime(const SoilView<D>& soil, std::size_t a, const Vec<D>& velocity, double spacing,
                        const SeepageRegime& regime) {
   const double relative = (velocity - soil.velocity[a]).norm();
-  const bool moves = regime.soil_moves(soil.yielding[a], soil.velocity[a].norm());
+  const bool moves = regime.soil_moves(soil.plastic_shear_ratio[a], soil.velocity[a].norm());
   return soil.mask[a] > 0.5 && !moves && soil.drag[a] * spacing >= (1.0 - soil.fraction[a]) * regime.density * relative;
 }
 
@@ -175,7 +175,7 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::sp
   const auto& conductivity = inbox.at(field::hydraulic_conductivity).values;
   const auto& quadratic = inbox.at(field::forchheimer_coefficient).values;
   const double weight = porous::specific_weight(scene);
-  for (auto* values : {&soil.coverage, &soil.density, &soil.modulus, &soil.yielding}) values->allocate(n);
+  for (auto* values : {&soil.coverage, &soil.density, &soil.modulus, &soil.plastic_shear_ratio}) values->allocate(n);
   for (auto* values : {&soil.velocity, &soil.mean_velocity, &soil.force, &soil.returned_impulse}) values->allocate(n);
   const auto vector = [](const Field& from, std::size_t a) {
     return Vec<D>(Eigen::Map<const Vec<D>>(from.values.data() + a * D));
@@ -211,7 +211,7 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::sp
     soil.fraction[a] = n_s;
     soil.density.set(a, n_s * grain[a]);
     soil.modulus.set(a, modulus[a]);
-    soil.yielding.set(a, std::clamp(yielding[a], 0.0, 1.0));
+    soil.plastic_shear_ratio.set(a, std::clamp(yielding[a], 0.0, 1.0));
     const double porosity = 1.0 - n_s;
     if (scene.fluid.drag)
       soil.resistance[a] = porous::resistance(

@@ -699,13 +699,15 @@ class WindowSolver {
       return;
     }
     for (std::size_t a = 0; a < n_; ++a) flow_[a] = dry_skeleton_stiffness(a) * soil_.velocity[a];
-    if (std::all_of(soil_.yielding.begin(), soil_.yielding.end(), [](double y) { return y <= 0.0; })) return;
+    if (std::all_of(soil_.plastic_shear_ratio.begin(), soil_.plastic_shear_ratio.end(),
+                    [](double y) { return y <= 0.0; }))
+      return;
     const VecArray<D> going = skeleton_extended(soil_.velocity.values());
     for (std::size_t a = 0; a < n_; ++a)
       for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
         if (image_weight_[k] == 0.0F) continue;
         const Index j = s_.other[k];
-        const double share = 0.5 * (soil_.yielding[a] + soil_.yielding[s_.parent[j]]);
+        const double share = 0.5 * (soil_.plastic_shear_ratio[a] + soil_.plastic_shear_ratio[s_.parent[j]]);
         if (share > 0.0) flow_[a] += share * static_cast<double>(image_weight_[k]) * (going[a] - going[j]);
       }
   }

@@ -24,7 +24,7 @@ struct PairKernel {
 template <int D>
 struct alignas(32) Soaked {
   Vec<D> position;
-  double volume = 0.0;  ///< m^D; 0 of an image behind a wall, which is not felt
+  double volume = 0.0;  ///< m^D; 0 of an image behind a wall, which does not act
   double pressure = 0.0;
   [[nodiscard]] const double* row() const { return position.data(); }
 };
@@ -81,7 +81,7 @@ void velocity_gradient(const Pairs& pairs, const Kernels& kernel, std::vector<No
                 const auto rows = rows_at(all, &list.index[m]);
                 const Lanes volumes = {rows[0][Node<D>::at_volume], rows[1][Node<D>::at_volume],
                                        rows[2][Node<D>::at_volume], rows[3][Node<D>::at_volume]};
-                Lanes other[2 * D], r[D], w[D], k, felt[n_sums] = {};
+                Lanes other[2 * D], r[D], w[D], k, contribution[n_sums] = {};
                 gather<0, 2 * D>(rows, other);
                 take(&kernels[m], k);
                 for (Size d = 0; d < D; ++d) {
@@ -90,14 +90,15 @@ void velocity_gradient(const Pairs& pairs, const Kernels& kernel, std::vector<No
                 }
                 Size c = 0;
                 for (Size b = 0; b < D; ++b)
-                  for (Size a = 0; a < D; ++a) felt[c++] = (other[D + a] - self[D + a]) * w[b];
+                  for (Size a = 0; a < D; ++a) contribution[c++] = (other[D + a] - self[D + a]) * w[b];
                 for (Size b = 0; b < D; ++b)
-                  for (Size a = 0; a <= b; ++a) felt[c++] = -r[a] * w[b];
-                for (Size n = 0; n < c; ++n) own[n] += volumes * felt[n];
+                  for (Size a = 0; a <= b; ++a) contribution[c++] = -r[a] * w[b];
+                for (Size n = 0; n < c; ++n) own[n] += volumes * contribution[n];
                 if (!both) return;
-                for (Size n = 0; n < c; ++n) felt[n] *= volume;
+                for (Size n = 0; n < c; ++n) contribution[n] *= volume;
                 const Index* const j = &list.index[m];
-                scatter_add<n_sums>(felt, {all[j[0]].sums(), all[j[1]].sums(), all[j[2]].sums(), all[j[3]].sums()});
+                scatter_add<n_sums>(contribution,
+                                    {all[j[0]].sums(), all[j[1]].sums(), all[j[2]].sums(), all[j[3]].sums()});
               });
           add_lanes<n_sums>(own, all[i].sums());
         });
@@ -121,8 +122,8 @@ VecArray<D> pressure_gradient_difference(const State<D>& state, std::span<const 
   const Size n = state.particles.size();
   std::vector<Soaked<D>> soaked(state.nodes.size());
   for (Size j = 0; j < soaked.size(); ++j) {
-    const bool felt = j < n || state.near.images[j - n].periodic;
-    soaked[j] = {state.nodes[j].position, felt ? state.nodes[j].volume : 0.0,
+    const bool contribution = j < n || state.near.images[j - n].periodic;
+    soaked[j] = {state.nodes[j].position, contribution ? state.nodes[j].volume : 0.0,
                  pressure[j < n ? j : state.near.images[j - n].parent]};
   }
   // The gradient, then the upper half of the moments' matrix.
@@ -139,7 +140,7 @@ VecArray<D> pressure_gradient_difference(const State<D>& state, std::span<const 
         Lanes own[Own::size] = {};
         for_four_pairs(
             list, i, [&](Size m, bool both) __attribute__((always_inline)) {
-              Lanes other[D + 2], r[D], w[D], k, felt[Own::size] = {};
+              Lanes other[D + 2], r[D], w[D], k, contribution[Own::size] = {};
               gather<0, D + 2>(rows_at(all, &list.index[m]), other);
               take(&kernels[m], k);
               for (Size d = 0; d < D; ++d) {
@@ -147,13 +148,13 @@ VecArray<D> pressure_gradient_difference(const State<D>& state, std::span<const 
                 w[d] = k * r[d];
               }
               Size c = 0;
-              for (Size d = 0; d < D; ++d) felt[c++] = (other[D + 1] - self.pressure) * w[d];
+              for (Size d = 0; d < D; ++d) contribution[c++] = (other[D + 1] - self.pressure) * w[d];
               for (Size b = 0; b < D; ++b)
-                for (Size a = 0; a <= b; ++a) felt[c++] = -r[a] * w[b];
-              for (Size s = 0; s < c; ++s) own[s] += other[D] * felt[s];
+                for (Size a = 0; a <= b; ++a) contribution[c++] = -r[a] * w[b];
+              for (Size s = 0; s < c; ++s) own[s] += other[D] * contribution[s];
               if (!both) return;
-              for (Size s = 0; s < c; ++s) felt[s] *= self.volume;
-              scatter_add<Own::size>(felt, sums_at(sum_of, &list.index[m]));
+              for (Size s = 0; s < c; ++s) contribution[s] *= self.volume;
+              scatter_add<Own::size>(contribution, sums_at(sum_of, &list.index[m]));
             });
         add_lanes<Own::size>(own, sum_of[i].x.data());
       });
@@ -203,7 +204,7 @@ void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& n
                 if constexpr (fetches) fetch_ahead<0, 3>(list, all, m);
                 const auto rows = rows_at(all, &list.index[m]);
                 Lanes head[n_head], other[D * D], r[D], u[D], kr[D];
-                Lanes felt[Own::size] = {};  // the force without and with what stabilises
+                Lanes contribution[Own::size] = {};  // the force without and with what stabilises
                 gather<0, n_head>(rows, head);
                 Lanes squared{}, approach{}, k;
                 for (Size d = 0; d < D; ++d) {
@@ -221,7 +222,7 @@ void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& n
                 for (Size d = 0; d < D; ++d) kr[d] = k * r[d];
                 gather<N::at_flux, D * D>(rows, other);
                 for (Size c = 0; c < D * D; ++c) other[c] += self[N::at_flux + c];
-                times<D>(other, kr, felt);
+                times<D>(other, kr, contribution);
                 const Lanes share = k * (self[N::at_density] + head[N::at_density]);
                 const Lanes closing = approach / (squared + clip);  // 1/s
                 const Lanes viscous = viscosity + quadratic * closing;
@@ -245,10 +246,10 @@ void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& n
                   sqrt_in_place(slip);
                   Lanes friction = rubbing * resist * distance / (slip + rate * distance);
                   friction = collides ? friction : Lanes{};
-                  for (Size d = 0; d < D; ++d) felt[D + d] = friction * along[d] - resist * r[d];
+                  for (Size d = 0; d < D; ++d) contribution[D + d] = friction * along[d] - resist * r[d];
                 } else {
                   resist *= viscous;
-                  for (Size d = 0; d < D; ++d) felt[D + d] = -resist * r[d];
+                  for (Size d = 0; d < D; ++d) contribution[D + d] = -resist * r[d];
                 }
                 const Lanes level =
                     head[N::at_hourglass_level] < own_level ? head[N::at_hourglass_level] : Lanes{} + own_level;
@@ -258,7 +259,7 @@ void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& n
                   for (Size c = 0; c < D * D; ++c) other[c] += self[N::at_gradient + c];
                   times<D>(other, r, turned);
                   const Lanes weight = level > N::flows ? control * share : Lanes{};
-                  for (Size d = 0; d < D; ++d) felt[D + d] += weight * (2.0 * u[d] - turned[d]);
+                  for (Size d = 0; d < D; ++d) contribution[D + d] += weight * (2.0 * u[d] - turned[d]);
                 }
                 if (own_level == N::elastic) {
                   Lanes linear[D];
@@ -270,15 +271,15 @@ void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& n
                   const Lanes weight = level > N::yielded ? stiffness * k : Lanes{};
                   for (Size d = 0; d < D; ++d) {
                     const Lanes shift = {theirs[0][d], theirs[1][d], theirs[2][d], theirs[3][d]};
-                    felt[d] += weight * (displaced[i][static_cast<int>(d)] - shift - 0.5 * linear[d]);
+                    contribution[d] += weight * (displaced[i][static_cast<int>(d)] - shift - 0.5 * linear[d]);
                   }
                 }
-                for (Size n = 0; n < 2 * D; ++n) own[n] += head[N::at_volume] * felt[n];
+                for (Size n = 0; n < 2 * D; ++n) own[n] += head[N::at_volume] * contribution[n];
                 if (!both) return;
-                for (Size n = 0; n < 2 * D; ++n) felt[n] *= -volume;
+                for (Size n = 0; n < 2 * D; ++n) contribution[n] *= -volume;
                 const Index* const j = &list.index[m];
-                scatter_add<Own::size>(felt, {forces[j[0]].sum.x.data(), forces[j[1]].sum.x.data(),
-                                              forces[j[2]].sum.x.data(), forces[j[3]].sum.x.data()});
+                scatter_add<Own::size>(contribution, {forces[j[0]].sum.x.data(), forces[j[1]].sum.x.data(),
+                                                      forces[j[2]].sum.x.data(), forces[j[3]].sum.x.data()});
               });
           add_lanes<Own::size>(own, forces[i].sum.x.data());
         });

@@ -102,7 +102,7 @@ void add_artificial_stress(const State<D>& state, double epsilon, double spacing
     repulsion[i] = -epsilon * solver.eigenvectors() * tension.asDiagonal() * solver.eigenvectors().transpose();
   }
   const double laid = sph::WendlandC2<D>::value(spacing, h);
-  for_each_felt(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t m) {
+  for_each_ordered_pair(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t m) {
     if (i >= state.particles.free()) return;
     Mat<D> both = repulsion[i];
     if (j < n) {
@@ -133,7 +133,7 @@ template <int D>
 VecArray<D> surface_vectors(const State<D>& state) {
   const std::size_t n = state.particles.size();
   VecArray<D> q(n, Vec<D>::Zero());
-  for_each_felt(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t m) {
+  for_each_ordered_pair(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t m) {
     const Mat<D> other = correction_at(state, j);
     const Vec<D> w = (state.nodes[j].volume * state.kernel[m]) * (state.nodes[i].position - state.nodes[j].position);
     q[i] += (state.nodes[i].correction() + other) * w;
@@ -159,7 +159,7 @@ void pressure_gradient_adjoint(const State<D>& state, std::span<const double> pr
     wanted[i] = 1;
     gradient[i].setZero();
   }
-  for_each_felt(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t m) {
+  for_each_ordered_pair(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t m) {
     if (!wanted[i]) return;
     const std::size_t source = j < n ? j : state.near.images[j - n].parent;
     const Mat<D> other = correction_at(state, j);
@@ -175,7 +175,7 @@ template <int D>
 VecArray<D> pressure_gradient_sum(const State<D>& state, std::span<const double> pressure, const Vec<D>& water_weight) {
   const std::size_t n = state.particles.size();
   VecArray<D> gradient(n, Vec<D>::Zero());
-  for_each_felt(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t m) {
+  for_each_ordered_pair(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t m) {
     const std::size_t source = j < n ? j : state.near.images[j - n].parent;
     double p = pressure[source];
     if (j >= n && !state.near.images[j - n].periodic)

@@ -150,13 +150,13 @@ void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t 
     for (std::size_t i = asleep.empty() ? std::max<std::size_t>(first, n_free) : first; i < last; ++i) {
       if (!still(i)) continue;
       around.clear();
-      const bool all = n_parts > 1 || !asleep.empty(), felt = near[i] || i < n_free;
-      if (felt) particles.append_within(positions[i], range, around, from(all ? 0 : n_free));
+      const bool all = n_parts > 1 || !asleep.empty(), listed = near[i] || i < n_free;
+      if (listed) particles.append_within(positions[i], range, around, from(all ? 0 : n_free));
       auto shared = [&](Index j) { return j >= first && j < last && (!still(j) || near[j] == near[i]); };
       for (const Index j : around)
         if (j > i && still(j) && shared(j)) rows.index.push_back(j);
       rows.alone.push_back(rows.fill_up(i));
-      if (felt) append_images(i, rows.index);
+      if (listed) append_images(i, rows.index);
       for (const Index j : around)
         if (!shared(j)) rows.index.push_back(j);
       rows.offset.push_back(rows.fill_up(i));

@@ -1,4 +1,4 @@
-// Who feels whom among the soil's particles and images: every pair once.
+// Which of the soil's particles and images interact: every pair once.
 #pragma once
 
 #include "common/core/threads.hpp"
@@ -6,11 +6,11 @@
 
 namespace poretwin::solid {
 
-/// Compressed rows. Row i holds first the real particles of pairs that both feel, each pair in one of its two rows,
-/// then from alone[i] on those that i feels without being felt: images, and still particles too far from the others to
-/// take part. Still are those held and those asleep. Both parts are filled up to multiples of four with i itself, of
-/// which nothing is felt: loops take four pairs at a time. Rows fall into parts, one a thread; of a pair across parts
-/// each particle has its own copy, felt alone.
+/// Compressed rows. Row i holds first the real particles with which the interaction is mutual, each pair in one of its
+/// two rows; then, from alone[i] on, the nodes that act on i only: images, and particles at rest (fixed or asleep) that
+/// are too far from the moving ones to have rows of their own. Both parts are filled up to multiples of four with i
+/// itself, which contributes nothing, since loops take four pairs at a time. Rows fall into parts, one for each thread;
+/// of a pair across parts each particle has its own copy, which acts on it only.
 struct Pairs {
   std::vector<Index> offset{0}, alone;
   std::vector<Index> index;
@@ -31,7 +31,7 @@ void for_rows(const Pairs& pairs, std::size_t first, std::size_t last, Visit&& v
   });
 }
 
-/// Calls visit(i, j, m, both) for every pair: particle i, node j, pair m in the list, whether j feels i, too.
+/// Calls visit(i, j, m, both) for every pair: particle i, node j, pair m in the list, whether i also acts on j.
 template <class Visit>
 void for_each_pair(const Pairs& pairs, Visit&& visit) {
   for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -42,12 +42,13 @@ void for_each_pair(const Pairs& pairs, Visit&& visit) {
   }
 }
 
-/// Calls feel(i, j, m) for whatever particle i feels of node j, pair m in the list: twice for pairs of real particles.
-template <class Feel>
-void for_each_felt(const Pairs& pairs, Feel&& feel) {
+/// Calls visit(i, j, m) for every node j that acts on particle i, m its pair in the list: pairs of real particles are
+/// visited in both orders.
+template <class Visit>
+void for_each_ordered_pair(const Pairs& pairs, Visit&& visit) {
   for_each_pair(pairs, [&](std::size_t i, std::size_t j, std::size_t m, bool both) {
-    feel(i, j, m);
-    if (both) feel(j, i, m);
+    visit(i, j, m);
+    if (both) visit(j, i, m);
   });
 }
 

@@ -72,7 +72,7 @@ void stress_slopes(const State<D>& state, Scratch<D>& scratch) {
             list, i, [&](std::size_t m, bool both) __attribute__((always_inline)) {
               const Index* const index = &list.index[m];
               const auto rows = rows_at(grains, index);
-              Lanes head[G::at_stress], stress[n_stress], w[D], r[D], felt[Own::size] = {};
+              Lanes head[G::at_stress], stress[n_stress], w[D], r[D], contribution[Own::size] = {};
               gather<0, G::at_stress>(rows, head);
               if (self[G::at_flows] == 0.0 && !(both && any(head[G::at_flows] > 0.0))) return;
               gather<G::at_stress, n_stress>(rows, stress);
@@ -84,13 +84,14 @@ void stress_slopes(const State<D>& state, Scratch<D>& scratch) {
               }
               std::size_t c = 0;
               for (std::size_t d = 0; d < D; ++d)
-                for (std::size_t a = 0; a < n_stress; ++a) felt[c++] = (stress[a] - self[G::at_stress + a]) * w[d];
+                for (std::size_t a = 0; a < n_stress; ++a)
+                  contribution[c++] = (stress[a] - self[G::at_stress + a]) * w[d];
               for (std::size_t b = 0; b < D; ++b)
-                for (std::size_t a = 0; a <= b; ++a) felt[c++] = -r[a] * w[b];
-              for (std::size_t q = 0; q < c; ++q) own[q] += head[G::at_shown] * felt[q];
+                for (std::size_t a = 0; a <= b; ++a) contribution[c++] = -r[a] * w[b];
+              for (std::size_t q = 0; q < c; ++q) own[q] += head[G::at_shown] * contribution[q];
               if (!both) return;
-              for (std::size_t q = 0; q < c; ++q) felt[q] *= shown;
-              scatter_add<Own::size>(felt, sums_at(sums, index));
+              for (std::size_t q = 0; q < c; ++q) contribution[q] *= shown;
+              scatter_add<Own::size>(contribution, sums_at(sums, index));
             });
         add_lanes<Own::size>(own, sums[i].x.data());
       });
@@ -132,7 +133,7 @@ const Sums<Around<D>::size>* sum_neighbours(const State<D>& state, double h, Scr
             list, i, [&](std::size_t m, bool both) __attribute__((always_inline)) {
               const Index* const index = &list.index[m];
               const auto rows = rows_at(grains, index);
-              Lanes head[G::at_stress], other[n_stress], slope[n_stress * D], r[D], felt[Own::size] = {},
+              Lanes head[G::at_stress], other[n_stress], slope[n_stress * D], r[D], contribution[Own::size] = {},
                                                                                     theirs[Own::size] = {};
               gather<0, G::at_stress>(rows, head);
               const bool flows = self[G::at_flows] > 0.0;
@@ -148,10 +149,10 @@ const Sums<Around<D>::size>* sum_neighbours(const State<D>& state, double h, Scr
               Lanes u = 1.0 - half_inverse * distance;
               max_in_place(u, Lanes{});
               const Lanes value = centre * (u * u) * (u * u) * (5.0 - 4.0 * u);
-              felt[A::at_cover] = head[G::at_volume] * value;
+              contribution[A::at_cover] = head[G::at_volume] * value;
               theirs[A::at_cover] = self[G::at_volume] * value;
               for (std::size_t d = 0; d < D; ++d) {
-                felt[A::at_crowding + d] = head[G::at_mass] * k * r[d];
+                contribution[A::at_crowding + d] = head[G::at_mass] * k * r[d];
                 theirs[A::at_crowding + d] = -self[G::at_mass] * k * r[d];
               }
               if (flows) {
@@ -163,16 +164,16 @@ const Sums<Around<D>::size>* sum_neighbours(const State<D>& state, double h, Scr
                   Lanes unexplained = other[a] - self[G::at_stress + a];
                   for (std::size_t d = 0; d < D; ++d)
                     unexplained += 0.5 * (self[G::at_slope + n_stress * d + a] + slope[n_stress * d + a]) * r[d];
-                  felt[a] = they * unexplained;
+                  contribution[a] = they * unexplained;
                   theirs[a] = -me * unexplained;
                 }
-                felt[A::at_swelling] = they * (head[G::at_swollen] / self[G::at_swollen] - 1.0);
+                contribution[A::at_swelling] = they * (head[G::at_swollen] / self[G::at_swollen] - 1.0);
                 theirs[A::at_swelling] = me * (self[G::at_swollen] / head[G::at_swollen] - 1.0);
               }
               // A pair with itself fills the list up.
               const Lanes real = distance > 0.0 ? Lanes{} + 1.0 : Lanes{};
-              felt[A::at_cover] *= real;
-              for (std::size_t q = 0; q < A::size; ++q) own[q] += felt[q];
+              contribution[A::at_cover] *= real;
+              for (std::size_t q = 0; q < A::size; ++q) own[q] += contribution[q];
               if (!both) return;
               theirs[A::at_cover] *= real;
               scatter_add<Own::size>(theirs, sums_at(sums, index));

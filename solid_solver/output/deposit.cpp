@@ -69,7 +69,7 @@ std::vector<char> inside(const Setup<D>& setup, const State<D>& state) {
   ScalarArray cover(n);
   VecArray<D> centre(n, Vec<D>::Zero());
   for (std::size_t i = 0; i < n; ++i) cover[i] = state.nodes[i].volume * sph::WendlandC2<D>::value(0.0, h);
-  for_each_felt(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t) {
+  for_each_ordered_pair(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t) {
     const Vec<D> r = state.nodes[j].position - state.nodes[i].position;
     const double weight = state.nodes[j].volume * sph::WendlandC2<D>::value(r.norm(), h);
     cover[i] += weight;
@@ -148,7 +148,7 @@ double stress_noise(const Setup<D>& setup, const State<D>& state) {
     right[i] += weight * trace(p.stress[j]) / 3.0 * basis;
   };
   for (std::size_t i = 0; i < p.free(); ++i) add(i, i);
-  for_each_felt(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t) {
+  for_each_ordered_pair(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t) {
     if (j < p.free()) add(i, j);
   });
   const std::vector<char> within = inside<D>(setup, state);

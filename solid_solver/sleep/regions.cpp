@@ -94,11 +94,11 @@ bool wake_near(const Setup<D>& setup, const Bounds<D>& bounds, const VecArray<D>
   Regions<D>& regions = state.regions;
   if (regions.asleep.empty() || places.empty()) return false;
   const Places<D> happening(places, setup.range());
-  VecArray<D> felt;
+  VecArray<D> affected;
   for (std::size_t i = 0; i < p.free(); ++i)
-    if (regions.sleeps(i) && happening.near(p.position[i])) felt.push_back(p.position[i]);
-  if (felt.empty()) return false;
-  const Places<D> waking(felt, bounds.around);
+    if (regions.sleeps(i) && happening.near(p.position[i])) affected.push_back(p.position[i]);
+  if (affected.empty()) return false;
+  const Places<D> waking(affected, bounds.around);
   for (std::size_t i = 0; i < p.free(); ++i) {
     if (!regions.sleeps(i) || !waking.near(p.position[i])) continue;
     regions.asleep[i] = 0;

@@ -7,7 +7,7 @@
 
 namespace poretwin::solid {
 
-/// All forces on the particles [N], those that hold the zero-energy modes and viscosity included.
+/// All forces on the particles [N], hourglass control and viscosity included.
 template <int D>
 VecArray<D> all_forces(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive) {
   VecArray<D> force = forces(setup, state, drive);
@@ -26,7 +26,7 @@ double departure(const Setup<D>& setup, const Stiffness<D>& stiffness, const Sta
 }
 
 /// Forces on the particles [N] averaged over their neighbourhoods by mass, so that what alternates from one particle to
-/// the next is gone: zero-energy modes carry no stress, and nothing holds them in soil that flows.
+/// the next is gone: hourglass modes carry no stress, and nothing controls them in soil that flows.
 template <int D>
 VecArray<D> averaged(const Setup<D>& setup, const State<D>& state, const VecArray<D>& force) {
   const Particles<D>& p = state.particles;
@@ -37,7 +37,7 @@ VecArray<D> averaged(const Setup<D>& setup, const State<D>& state, const VecArra
     sum[i] = self * force[i];
     mass[i] = self * p.mass[i];
   }
-  for_each_felt(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t) {
+  for_each_ordered_pair(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t) {
     if (i >= force.size() || j >= force.size()) return;
     const double w = sph::WendlandC2<D>::value((p.position[i] - p.position[j]).norm(), h);
     sum[i] += w * force[j];
@@ -104,9 +104,9 @@ void leave_out(const Setup<D>& setup, State<D>& state, std::vector<char>& apart)
   }
 }
 
-/// Undoes the displacement tried last: all that it changed and that its forces do not tell anew.
+/// Undoes the displacement tried last: restores all that it changed and that evaluating the forces does not overwrite.
 template <int D>
-void take_back(const State<D>& start, State<D>& state) {
+void restore_state(const State<D>& start, State<D>& state) {
   if (state.rebuilds > start.rebuilds) state.near = start.near;
   state.rebuilds = start.rebuilds;
   state.particles = start.particles;
@@ -141,7 +141,7 @@ RestReport find_equilibrium(const Setup<D>& setup, const Stiffness<D>& stiffness
   Anderson accelerated(size, depth);
   Patience patience;
   for (;; ++report.steps) {
-    if (report.steps > 0) take_back(start, state);
+    if (report.steps > 0) restore_state(start, state);
     for (std::size_t i = 0; i < n; ++i) state.particles.velocity[i] = moved[i] / interval;
     deform(setup, interval, state);
     leave_out(setup, state, apart);
@@ -162,7 +162,7 @@ RestReport find_equilibrium(const Setup<D>& setup, const Stiffness<D>& stiffness
         search.local > 0.0 && state.any_yielded && report.steps % Patience::looks_every == 0 &&
         patience.ends(search, report.residual, unsettled(setup, stiffness, search.moving, state, force, reference));
     if (report.reached()) {
-      // What holds the zero-energy modes lets go of soil that yields; back and forth with every trial there would be no
+      // Hourglass control ends where soil yields. Were it switched with every displacement tried, there would be no
       // equilibrium to find.
       bool lets_go = false;
       for (std::size_t i = 0; i < held.size(); ++i) {

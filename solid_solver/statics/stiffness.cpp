@@ -27,7 +27,7 @@ Stiffness<D>::Stiffness(const Setup<D>& setup, const Particles<D>& particles, co
       entries.emplace_back(static_cast<int>(i), static_cast<int>(j), value);
     };
     for (std::size_t i = 0; i < n_free; ++i) add(i, i, resistance_[i]);
-    for_each_felt(near.pairs, [&](std::size_t i, std::size_t j, std::size_t) {
+    for_each_ordered_pair(near.pairs, [&](std::size_t i, std::size_t j, std::size_t) {
       if (i >= n_free) return;
       const std::size_t parent = j < n ? j : near.images[j - n].parent;
       const Vec<D> r = place(i) - place(j);
