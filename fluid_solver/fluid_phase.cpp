@@ -20,12 +20,13 @@ namespace {
 
 /// Of the pressure solve where no water is in soil: a dam break's front and energy are the same as with 1e-4.
 constexpr double free_water_tolerance = 1e-3;
-/// Of the pressure solve between soils: what drives the flow is told by the fastest soil, what flows through the
-/// slowest, and what a solve leaves undone there moves the fast soil's water. Tighter than this is lost in rounding.
+/// Of the pressure solve between soils: the drive, to which the tolerance is relative, is set by the most permeable
+/// soil, the flow by the least permeable, and the residual left there moves water of the permeable one. Tighter than
+/// this is lost in rounding.
 constexpr double tightest_tolerance = 1e-11;
 /// A window is solved again when the drag's tangent misses the law by more than this share of inertia and drag (rms).
 constexpr double drag_tolerance = 0.02;
-/// Time in which the thickness of a surface's row is told, in times of repair: longer than any wave that is resolved.
+/// Averaging time of the thickness of a surface's row, in times of repair: longer than any wave that is resolved.
 constexpr double row_memory = 10.0;
 constexpr int most_drag_rounds = 10;
 
@@ -539,9 +540,9 @@ ScalarArray Fluid<D>::deferred_divergence(const Stencil<D>& s, const SoilView<D>
   return deferred;
 }
 
-/// Water without soil, in 2D, its pressure solved for: how full its surroundings are is told nearly free of their
-/// order. Over soil a thin fast layer gained 1 % of its energy so; in 3D there is no gain, and under explicit sweeps a
-/// loss.
+/// Water without soil, in 2D, its pressure solved for: its density is measured in a way that hardly depends on the
+/// order of its particles. Over soil a thin fast layer would gain 1 % of its energy by that; in 3D nothing is gained,
+/// and explicit sweeps lose.
 template <int D>
 bool Fluid<D>::open_water() const {
   return D == 2 && scene_.soils.empty() && scene_.fluid.scheme == FluidCase::Scheme::projection;

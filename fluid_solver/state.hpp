@@ -127,7 +127,7 @@ struct Balance {
 /// What passed between water and soil since the start.
 template <int D>
 struct Exchanged {
-  Vec<D> received = Vec<D>::Zero();      ///< N s, from the soil: less the drag's impulse, less what the soil asked back
+  Vec<D> received = Vec<D>::Zero();      ///< N s, from the soil: minus the impulse of drag, minus the returned impulse
   double drag_work = 0.0;                ///< J, of the drag on both phases
   Vec<D> from_outside = Vec<D>::Zero();  ///< N s, of weight and of the pressure on walls; where a gauge asks for it
 };
@@ -150,7 +150,7 @@ struct State {
   ScalarArray supplied;     ///< [faces] volume of the basin at first, and poured in since [m^D]; 0 where it is none
   ScalarArray basin_level;  ///< [faces] m
   ScalarArray taken;        ///< [faces] real water that ran into the still water behind them [m^D]
-  std::vector<TimeLimit> window_limits;  ///< that the last window told
+  std::vector<TimeLimit> window_limits;  ///< from the last window
   Counts counts;
   Balance balance;
   Exchanged<D> exchanged;

@@ -38,7 +38,7 @@ struct Setup {
   double flow_limit = 0.01;       ///< plastic strain above which hourglass control is off: it would brake the flow
   double inertia_share = 0.5;     ///< zr of the tracking coefficient Z = C + zr rho_bar / Dt
   bool counts_impulses = false;   ///< from outside, for a gauge
-  bool parallel = false;  ///< what the fluid tells is of the last window; where it predicts, Z = C / n^2 + .. then
+  bool parallel = false;  ///< the fluid's values are of the last window; where it predicts, Z = C / n^2 + .. then
   Vec<D> gravity = Vec<D>::Zero();
   double water_weight = 0.0;     ///< N/m3, behind the word "conductivity"
   double longest_substep = 0.0;  ///< s

@@ -48,8 +48,8 @@ constexpr std::size_t room_for(std::size_t n) { return (n + 3) / 4 * 4; }
 
 /// What the pair loops read of a particle or an image, packed, four numbers to a register: neighbours are visited in
 /// scattered order. In 2D these are three lines of 64 bytes: what the velocity gradient needs, what it sums up, and
-/// what forces need besides. Gradients and the correction stand nowhere else; the rest is told anew of the particles
-/// before every force (fill_nodes).
+/// what forces need besides. Gradients and the correction are stored nowhere else; the rest is copied from the
+/// particles before every evaluation of forces (fill_nodes).
 template <int D>
 struct alignas(64) Node {
   Vec<D> position = Vec<D>::Zero();
@@ -116,7 +116,7 @@ struct ImageRule {
   std::array<Crossing<D>, D> crossings{};
   std::size_t n_crossings = 0;
   bool periodic = false;                 ///< the domain truly goes on: scalars carry over unchanged
-  Vec<D> displacement = Vec<D>::Zero();  ///< m, of the image; told with its node
+  Vec<D> displacement = Vec<D>::Zero();  ///< m, of the image; updated with its node
   /// Velocity [m/s] or displacement [m] of the image, with that of the slip.
   [[nodiscard]] Vec<D> moved(const Vec<D>& v, const VecArray<D>& s) const {
     return slips ? Vec<D>(velocity * v + slip * s[parent]) : Vec<D>(velocity * v);

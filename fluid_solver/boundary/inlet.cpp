@@ -11,7 +11,7 @@ namespace poretwin::fluid {
 
 namespace {
 
-/// Time in which the current before a sill is told, in those that a wave takes past the water that is asked.
+/// Averaging time of the current in front of a sill, in the times that a wave takes past the water averaged over.
 constexpr double current_waves = 10.0;
 
 }  // namespace
@@ -191,9 +191,10 @@ void Fluid<D>::set_inlets(double time, double interval) {
       inlet.level = water > 0.0 ? head / (water * weight_.norm()) + up.dot(origin_) : inlet.lowest;
     if (inlet.sill) {
       const double over = level_behind(inlet.face, time) - inlet.lowest;
-      // The water before a piston moves as it does: the present speed would only say what the piston did.
-      const double told = current_waves * near / std::sqrt(gravity_or_standard_ * std::max(dx_, over));
-      inlet.current += std::min(1.0, interval / told) * ((moving > 0.0 ? speed / moving : 0.0) - inlet.current);
+      // Water in front of a piston moves with it: its present speed would only repeat what the piston did.
+      const double averaging_time = current_waves * near / std::sqrt(gravity_or_standard_ * std::max(dx_, over));
+      inlet.current +=
+          std::min(1.0, interval / averaging_time) * ((moving > 0.0 ? speed / moving : 0.0) - inlet.current);
       const auto flow =
           flow_over(over, {std::max(0.0, inlet.level - inlet.lowest), inlet.current}, gravity_or_standard_);
       inlet.flows = over > 0.0;
@@ -202,8 +203,8 @@ void Fluid<D>::set_inlets(double time, double interval) {
     } else {
       if (const auto& face = scene_.water_faces[static_cast<std::size_t>(inlet.face)];
           !face.discharge && highest > lowest) {
-        // Water L long answers a discharge within L / sqrt(g d); told in four times that the current does not swing.
-        // No more than a spacing's wave of it: a reservoir that fills draws nothing off.
+        // Water of length L responds to a discharge within L / sqrt(g d). Correcting the current over four times that
+        // avoids oscillation. The missing head counts up to one spacing: a reservoir that fills draws nothing off.
         const double wave = std::sqrt(gravity_or_standard_ * std::max(dx_, face.head->at(time) - inlet.lowest));
         const double missing = std::clamp(face.head->at(time) - inlet.level, -dx_, dx_);
         const double length = std::max(dx_, (most - least).norm());  // one particle is a spacing long

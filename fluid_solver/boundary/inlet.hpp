@@ -28,7 +28,7 @@ struct Inlet {
   double level = 0.0;                                        ///< of the water before it [m]
   double net = 0.0;                                          ///< volume of particles born less taken away [m^D]
   bool flows = false;                                        ///< a sill: its reservoir stands above it
-  double current = 0.0;  ///< slowly told: mean speed before a sill; what a reservoir's head has called for [m/s]
+  double current = 0.0;  ///< slowly averaged: speed in front of a sill; or the one that a reservoir's head needs [m/s]
   [[nodiscard]] double depth(const Vec<D>& x) const { return normal.dot(x - foot) - piston; }
   [[nodiscard]] bool before(const Vec<D>& x) const { return 2.0 * std::abs(tangent.dot(x - foot)) <= width; }
   /// Volume of water that has come in, less what has gone out [m^D].

@@ -16,8 +16,8 @@ namespace surface {
 /// Least eigenvalue of the moment below which a particle is on no surface.
 inline constexpr double alone = 0.1;
 /// Divergence of position over D below which neighbours are few (a surface, in soil), also at a seepage face; and too
-/// few for a pressure. The least eigenvalue would not tell these: what sinks out of a crowded surface has a small one,
-/// and fell freely until it had passed its row, one window's kick in a tank at rest every few seconds.
+/// few for a pressure. The least eigenvalue does not distinguish these: a particle that sinks out of a crowded surface
+/// has a small one, too; it would fall freely until it had passed its row, a jolt in a tank at rest every few seconds.
 inline constexpr double few = 0.75, few_at_face = 0.9, too_few = 0.4;
 /// Cosine of half the opening of the cone about the outward normal that is empty above a surface particle.
 inline constexpr double cone = 0.5, narrow_cone = 0.7071;
@@ -43,7 +43,7 @@ double row_thickness(const Stencil<D>& s, std::size_t a) {
     for (int i = 1; i <= 3; ++i) sum += 2.0 * part(1.0 * i);
     return sum;
   }();
-  constexpr double balanced = 0.15;  // of h: a row that ends here tells nothing
+  constexpr double balanced = 0.15;  // of h: a row that ends here has no reliable thickness
   const double h = s.length(a), spacing = h / smoothing_ratio;
   const Vec<D> n = s.normal[a].normalized();
   double sum = Kernel<D>::value(0.0, h);

@@ -114,7 +114,7 @@ VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Fa
     all_fitted = all_fitted && fitted[i];
     buffer[i] = at_face - slope.value_or(0.0) * s.buffers[i].outside;
   }
-  // A buffer moves as the particle that asks: a mobility of zero stands for that.
+  // A buffer moves as the particle whose row is summed: encoded by a mobility of zero.
   PackedPoints<D, 2> points(s.size());
   parallel_for(s.size(), [&](std::size_t j) {
     const Index q = s.parent[j];
@@ -153,7 +153,7 @@ VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Fa
 /// The harmonic mean of a pair's mobilities is right across an interface between two soils; along it, it holds back the
 /// water of the one and drives that of the other. Along it each side's pressure drives its own mobility: that part of
 /// the flux is scaled by it over the pairs' mean. flux: of pressure_gradient with the same mobility; in_soil: [n] above
-/// one half in soil, which alone is asked.
+/// one half in soil; other particles are left as they are.
 template <int D>
 void free_along_interfaces(const Stencil<D>& s, std::span<const double> mobility, std::span<const double> in_soil,
                            std::span<Vec<D>> flux) {
@@ -172,7 +172,7 @@ void free_along_interfaces(const Stencil<D>& s, std::span<const double> mobility
     if (change.isZero(0.0)) return;
     const Vec<D> n = change.normalized(), across = n.dot(flux[a]) * n;
     const double own = mobility[a] * (plain.trace() - n.dot(plain * n)), mean = weighted.trace() - n.dot(weighted * n);
-    // A flat interface asks for 0.7 to 1.7; an island of one soil in the other has no direction along it.
+    // At a flat interface the ratio is 0.7 to 1.7; an island of one soil in the other has no direction along it.
     if (mean > 0.0) flux[a] = across + std::clamp(own / mean, 0.5, 2.0) * (flux[a] - across);
   });
 }

@@ -118,7 +118,7 @@ void hide_behind_walls(const sph::Sight<D>& sight, double reach, Stencil<D>& s) 
       if (near.empty() && s.beyond[a] == 0) continue;
       for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
         const Index j = s.other[k];
-        // Both of a pair are asked alike, or it might be one's and not the other's.
+        // Evaluated in the same order for both particles of a pair, so that the pair is in both rows or in neither.
         const bool seen = j >= s.n_base ? sight.sees(x, j, s.n_base, s.position, s.by, s.of, near)
                                         : sight.open(s.position[std::min<std::size_t>(a, j)],
                                                      s.position[std::max<std::size_t>(a, j)], near);

@@ -119,7 +119,7 @@ inline constexpr std::size_t worth_threads_in_pairs = 8192, worth_threads_while_
 inline constexpr double wall_margin = 6.0 / (sph::support_radius * smoothing_ratio);
 
 /// A buffer particle stands for the water behind a face: it has no unknown of its own, its pressure lies on the
-/// straight line from the particle that asks through the face's pressure.
+/// straight line from the particle whose row is summed through the face's pressure.
 template <int D>
 struct Buffer {
   Vec<D> position;
@@ -248,7 +248,7 @@ struct Stencil {
     return 0.5 * (amplification[a] + amplification[q < n_real ? q : a]);
   }
   /// 1 + |d_b|/d_a of the pair of real particle a with a point whose parent q is a buffer; the same wherever it is
-  /// asked.
+  /// evaluated.
   [[nodiscard, gnu::noinline]] double reflection(std::size_t a, Index q) const {
     const auto& b = buffers[q - n_real];
     const double inside = b.inside(position[a]);
@@ -269,9 +269,9 @@ Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* unresolved, d
 
 /// Surroundings of the particles at x (bulk volumes in m^D), with buffers outside faces and images behind planes.
 /// free: [n] in no soil; none: all. Water in soil does not see behind a sill, nor free water behind a face of soil.
-/// open_water: fullness is told by density_weight. worth_threads: so many particles are worth more than one thread.
-/// sight: where it is limited, its planes are those asked.
-/// joints: of walls and faces; images and buffers beyond them are seen as far as the line of sight says.
+/// open_water: fullness is measured with density_weight. worth_threads: so many particles are worth more than one
+/// thread. sight: where it is limited, its planes are those of the images. joints: of walls and faces; images and
+/// buffers beyond them are seen as far as the line of sight says.
 template <int D>
 Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volume, std::span<const Buffer<D>> buffers,
                         std::span<const sph::ImagePlane<D>> planes, std::span<const char> free = {},

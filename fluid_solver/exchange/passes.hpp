@@ -1,6 +1,6 @@
-// The passes through one window that is repeated until the soil moves as the fluid reckoned: interface quasi-Newton
+// The passes through one window that is repeated until the soil moves as the fluid predicted: interface quasi-Newton
 // (IQN-ILS, Degroote, Bathe & Vierendeels 2009) on the skeleton's motion. The fluid's prediction is the preconditioner:
-// each pass solves for the departure from what the last one found, whose force is known.
+// each pass solves for the departure from the motion that the last one found, whose force is known.
 #pragma once
 
 #include "fluid_solver/exchange/soil_view.hpp"
@@ -56,7 +56,7 @@ class Passes {
     }
   }
 
-  /// After it: the skeleton's motion that was predicted [m/s] and what pressure and drag do to it [N/m3].
+  /// After a pass: the predicted motion of the skeleton [m/s] and the force of pressure and drag on it [N/m3].
   void end(const ScalarArray& pressure, const OrZero<Vec<D>>& predicted, const OrZero<Vec<D>>& given) {
     pressure_ = pressure;
     predicted_.assign(predicted.begin(), predicted.end());
@@ -75,7 +75,7 @@ class Passes {
     Eigen::VectorXd motion, force, departure;
   };
   static constexpr std::size_t most_columns = 8;
-  static constexpr double independent = 1e-6;  ///< least share of a column that others do not tell
+  static constexpr double independent = 1e-6;  ///< least fraction of a column that is independent of the others
   std::vector<Pass> columns_;                  ///< what changed from one pass to the next
   Pass last_;
   ScalarArray pressure_;

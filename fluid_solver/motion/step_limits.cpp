@@ -40,7 +40,7 @@ double unchanged_for(const Series& series, double t, double most) {
 
 }  // namespace
 
-/// The shortest window that a change of pressure asks for: a fifth of the way of the soil's waves through a spacing.
+/// The shortest window that a change of pressure can require: a fifth of the way of the soil's waves through a spacing.
 /// The first one in elastic soil that is wet from the start is a fifth of the time in which a spacing drains where that
 /// is longer: before that the water holds the grains and nothing moves but in shear, which the soil refuses so long a
 /// window for. Soil that may slide begins to at once.
@@ -81,7 +81,7 @@ void Fluid<D>::control_interval(const ScalarArray& before, double interval) {
     }
   state_.widest_range = std::max(state_.widest_range, upper - lower);
   // Water at rest has no range of its own: rounding must not shorten its windows.
-  // No pressure is told better than to a share of the weight of one spacing.
+  // No pressure is resolved better than the weight of one spacing.
   const double range = std::max(
       {upper - lower, 1e-3 * state_.widest_range, hydrostatic_share * (heaviest - lightest), weight_.norm() * dx_});
   state_.pressure_change = range > 0.0 ? std::sqrt(sum / static_cast<double>(now.size())) / range : 0.0;
@@ -90,7 +90,7 @@ void Fluid<D>::control_interval(const ScalarArray& before, double interval) {
   state_.controlled = std::max(std::clamp(target, least, 1.5 * state_.controlled), first_interval_);
 }
 
-/// What seepage asks of the next window, where all water seeps: particles' motion is extrapolated from two windows.
+/// Limit of the next window where all water seeps: its particles' motion is extrapolated from two windows.
 /// Noise of single particles, which is no slowing, cancels in the sum.
 template <int D>
 void Fluid<D>::limit_by_slowing(const VecArray<D>& velocity_before, double interval) {
@@ -122,8 +122,8 @@ void Fluid<D>::limit_by_slowing(const VecArray<D>& velocity_before, double inter
       {interval * std::max(0.5, std::sqrt(wanted_slowing / altered)), "seepage that slows down"});
 }
 
-/// What the water of coarse soil asks of the next window, where its inertia rules: no more than a quarter spacing of
-/// way at its speed and the acceleration of the last window. When it has just been stopped, by the base or by the
+/// Limit of the next window by water in coarse soil, which inertia dominates: it moves by no more than a quarter
+/// spacing at its speed and the acceleration of the last window. When it has just been stopped, by the base or by the
 /// surface that has come down on it, its speed alone says nothing of the next window.
 template <int D>
 void Fluid<D>::limit_by_acceleration(const SoilView<D>& view, const VecArray<D>& velocity_before, double interval) {
@@ -144,7 +144,7 @@ void Fluid<D>::limit_by_acceleration(const SoilView<D>& view, const VecArray<D>&
     state_.window_limits.push_back({longest, "a quarter spacing per window of water in coarse soil that accelerates"});
 }
 
-/// What an explicit scheme asks of the next window, from the water and soil as they are.
+/// Limit of the next window by an explicit scheme, for the present water and soil.
 template <int D>
 void Fluid<D>::limit_scheme(const SoilView<D>& view) {
   const auto& p = state_.particles;
@@ -310,7 +310,8 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
     for (int halvings = 0; halvings < 100 && far(longest); ++halvings) longest *= 0.5;
     if (longest < limit.first) apply(longest, "a quarter spacing per window at an inlet");
   }
-  // A face with nothing behind it yet, which no speed tells of: the time in which the front comes half a spacing in.
+  // A face without water inside it yet has no speed to limit the window: the time in which the front comes half a
+  // spacing in.
   if (p.size() == 0 || state_.last_interval == 0.0) {
     std::vector<char> water(state_.columns.size(), 0);
     const ColumnFinder<D> finder(state_.columns);

@@ -59,7 +59,7 @@ Elimination eliminate(double dt, double density, double n, double n_s, double C)
   return q;
 }
 
-/// Told when asked for: to keep them would take more than they cost.
+/// Evaluated on demand; storing one per particle costs more memory traffic than recomputing it.
 template <int D>
 struct Eliminations {
   const WindowProblem<D>& in;
@@ -154,7 +154,7 @@ class WindowSolver {
   }
 
  private:
-  /// What the window's divergence asks of every row [m^D/s].
+  /// Right-hand side of every row from the window's divergence [m^D/s].
   ScalarArray make_sources() const {
     VecArray<D> flux(n_);
     parallel_for(n_,
@@ -765,7 +765,7 @@ class WindowSolver {
   ScalarArray apply_H(std::span<const Vec<D>> s) const {
     ScalarArray y(n_ * D);
     apply_H(as_numbers(s), y);
-    // Of those that do not respond nothing is asked.
+    // Particles that do not respond have no equation.
     for (std::size_t a = 0; a < n_; ++a)
       if (!responds(a)) std::fill_n(y.begin() + static_cast<std::ptrdiff_t>(a * D), D, 0.0);
     return y;
@@ -948,7 +948,7 @@ class WindowSolver {
   const WindowProblem<D>& in_;
   std::size_t n_;
   Eliminations<D> q_;
-  std::vector<Response> r_;  ///< empty: no skeleton is asked
+  std::vector<Response> r_;  ///< empty: no skeleton responds
   bool any_response_ = false, closed_ = true, free_closed_ = true, any_cavitating_ = false;
   std::vector<char> beside_moving_;  ///< 1: of free water and moving soil that meet; empty: nothing moves
   std::vector<bool> cavitating_;     ///< [n] at the cavitation pressure

@@ -23,7 +23,7 @@ struct Piece {
 };
 
 /// Signed distance to the nearest piece, negative behind the walls. Where two pieces are equally near (a corner) the
-/// one seen more squarely tells the side.
+/// one seen more squarely decides the side.
 double signed_distance(const std::vector<Piece>& pieces, const Vec<2>& x) {
   double nearest = std::numeric_limits<double>::infinity(), best = 0.0;
   for (const auto& piece : pieces) {

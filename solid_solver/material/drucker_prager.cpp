@@ -38,7 +38,7 @@ struct Cones {
   }
 };
 
-/// Brings invariants outside the cone back; tells the equivalent deviatoric plastic strain (0 inside).
+/// Returns invariants outside the cone to it; computes the equivalent deviatoric plastic strain (0 inside).
 template <class In>
 [[gnu::always_inline]] inline void return_invariants(typename In::Number& i1, typename In::Number& j,
                                                      const Cones<In>& cone, const Elasticity& elasticity,

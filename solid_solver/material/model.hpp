@@ -36,12 +36,12 @@ struct Condition {
   double void_ratio = 0.0;  ///< e = n / (1 - n)
 };
 
-/// Four particles of one soil, a lane each: what a model brings forward, by what, and what it tells.
+/// Four particles of one soil, one in each lane: what a model advances, its inputs and its result.
 struct Four {
   Lanes stress[6];               ///< Pa, in the order of Tensor
   Lanes strain[6];               ///< of the increment
   Lanes saturation, void_ratio;  ///< see Condition
-  Lanes plastic;                 ///< told: the equivalent deviatoric plastic strain it took
+  Lanes plastic;                 ///< result: the increment of equivalent deviatoric plastic strain
 };
 
 /// Effective stress from strain increments. Rotation is the caller's business (Jaumann rate).

@@ -1,9 +1,9 @@
 // Regions at rest around soil that flows: they sleep, and wake when something changes.
 //
-// What rests has neither yielded nor moved for a while: waves pass through it to and fro without end, so that not its
-// velocity tells but how far it has come. It is then calm and damped near-critically, which lets those waves die out,
-// and falls asleep if it stays calm and so does all around it. Asleep it has stress and volume as they were, and no
-// strain; that is all that its neighbours feel of it. Sleepers in reach of others let their waves through.
+// A particle is at rest when it has neither yielded nor moved for a while. Its velocity is no criterion, since elastic
+// waves pass through it without end; its displacement is. It is then calm and damped near-critically, so that those
+// waves die out, and falls asleep if it and all around it stay calm. Asleep, its stress and volume are frozen and its
+// strain rate is zero; its neighbours see nothing else. Sleepers in reach of others let their waves through.
 #pragma once
 
 #include "solid_solver/dynamics/step.hpp"

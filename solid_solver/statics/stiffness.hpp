@@ -23,7 +23,7 @@ class Stiffness {
   Stiffness(const Setup<D>& setup, const Particles<D>& particles, const VecArray<D>& lattice, ScalarArray resistance);
   /// Displacements [m] that would balance the forces [N], about.
   [[nodiscard]] VecArray<D> displacements(const VecArray<D>& forces) const;
-  /// The work [J] that the forces [N] would do on these displacements: half of the way to them tells it.
+  /// The work [J] that the forces [N] would do on these displacements. Half of the solve for them suffices.
   [[nodiscard]] double work(const VecArray<D>& forces) const;
   /// How far from rest soil is on whose forces that displacement would do this work [J]: the error of its stress in
   /// the energy's norm, over the stress that the reference acceleration [m/s2], upwards, makes.
