@@ -115,7 +115,7 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
   joints_ = make_joints<D>(scene);
   one_soil_ = porous::conductivity_contrast(scene) < porous::one_conductivity;
   for (const auto& c : state_.columns) feet_.push_back(c.foot);
-  // What lies on a face of soil to rounding is the soil's.
+  // Points that lie on a face of soil to rounding belong to the soil.
   const ColumnFinder<D> finder(state_.columns);
   for (std::size_t a = 0; a < p.size(); ++a)
     if (const int i = finder.nearest(p.position[a]); i >= 0) {
@@ -138,14 +138,14 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
   const auto& here = p.void_fraction;
   faces_follow_ = scene.coupled() && scene.solid.model != SolidCase::Model::elastic && !state_.columns.empty() &&
                   state_.inlets.empty() && std::all_of(here.begin(), here.end(), [](double n) { return n < 1.0; });
-  // The soil looks for its rest under what is published before the first exchange.
+  // The soil searches its initial equilibrium under the pressure that is published before the first exchange.
   auto view = rigid_soil<D>(scene_, p.position);
   solve_hydrostatic(view);
 }
 
-/// Inviscid free water is slowly unstable: a trace of viscosity on the scale of the particles. Explicit sweeps let
-/// sound through and need what weakly compressible SPH needs, alpha h c/(2 (D + 2)) with alpha = 0.03 at least,
-/// c = 10 sqrt(g H) (Monaghan 1994).
+/// Viscosity of free water. Without any it is slowly unstable, so it gets a trace on the scale of the particles.
+/// Explicit sweeps transmit sound and need as much as weakly compressible SPH, alpha h c/(2 (D + 2)) with alpha of at
+/// least 0.03 and c = 10 sqrt(g H) (Monaghan 1994).
 template <int D>
 double Fluid<D>::viscosity() const {
   const double share = scene_.fluid.scheme == FluidCase::Scheme::projection ? shear_viscosity : 0.05;
@@ -213,7 +213,7 @@ coupling::Publication Fluid<D>::publish() const {
   return out;
 }
 
-/// The skeleton answers inside the pressure solve; explicit sweeps take it as it moved.
+/// Whether the skeleton responds inside the pressure solve; explicit sweeps keep its velocity of the last window.
 template <int D>
 bool Fluid<D>::responds() const {
   return scene_.coupled() && scene_.fluid.skeleton_response && scene_.fluid.scheme == FluidCase::Scheme::projection;
@@ -223,8 +223,8 @@ template <int D>
 SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox, const SeepageRegime& regime) const {
   const auto& x = state_.particles.position;
   const std::size_t n = x.size();
-  // A particle of the soil's water about to enter or leave through its face still counts as in it; water that runs down
-  // the soil does not.
+  // Water that is about to enter or leave the soil through its face still counts as inside; water that runs down the
+  // outside of the soil does not.
   const ColumnFinder<D> finder(state_.columns);
   const auto nearest_column = [&](const Vec<D>& point) -> const FaceColumn<D>* {
     const int i = finder.nearest(point);
@@ -301,8 +301,8 @@ WindowProblem<D> Fluid<D>::problem(double interval) const {
 template <int D>
 void Fluid<D>::mark_surface(Stencil<D>& s, std::span<double> rows, double share) {
   auto& p = state_.particles;
-  // Where soil at rest is full of water and behind every face there is more, no air can come in, and a hole of a
-  // spacing at the end of a face is none: taken for a surface it would draw in what fills several.
+  // In soil at rest that is full of water, with water behind every face, no air can come in. A gap of one spacing at
+  // the end of a face is then no surface: taken for one, it would draw in the water of several spacings.
   const bool closed = !state_.columns.empty() && p.size() > 0 && (state_.full || state_.time == 0.0) &&
                       std::all_of(state_.columns.begin(), state_.columns.end(),
                                   [&](const auto& c) { return is_quasi_static(c) && c.wet; }) &&
@@ -360,9 +360,9 @@ void Fluid<D>::store_coupling_force(const SoilView<D>& view, std::span<const Vec
   if (computes_beside() && !p.previous_coupling_force.is_allocated()) p.previous_coupling_force = p.coupling_force;
 }
 
-/// In short windows water among free water is free, whatever its own grains do: where most of the soil's water around
-/// it moves, a particle that stood still would have a gradient that does not know of the surface beside it, while the
-/// skeleton there gives way. At a pocket in a run-out of tailings that made a pressure of 5 MPa in one window.
+/// Takes water out of the seepage regime where most of the soil's water around it is not in it (short windows only). A
+/// particle left in it would have a gradient that ignores the free surface beside it, while the skeleton there yields:
+/// at a pocket in a run-out of tailings that made a pressure of 5 MPa in one window.
 template <int D>
 void Fluid<D>::flow_together(const Stencil<D>& s) {
   auto& p = state_.particles;
@@ -385,9 +385,9 @@ void Fluid<D>::flow_together(const Stencil<D>& s) {
   });
 }
 
-/// The water of moving soil has a free surface as free water has. The soil's own gradient knows only pressures at its
-/// points: one-sided at the surface, it takes what a grain's own motion does to its pressure for a push in the
-/// direction of that motion, and what moves off goes faster and faster. So the soil is given the gradient there.
+/// Stores the pressure gradient at the free surface of moving soil, which the soil is given in place of its own. Its
+/// own gradient knows only pressures at its points. One-sided at the surface, it turns the pressure that a grain's
+/// motion causes into a force in the direction of that motion, and a grain that moves off would accelerate without end.
 template <int D>
 void Fluid<D>::store_surface_gradient(const Stencil<D>& s, std::span<const Vec<D>> gradient) {
   auto& p = state_.particles;
@@ -405,7 +405,7 @@ void Fluid<D>::initialise(const coupling::Inbox& inbox) {
   auto& p = state_.particles;
   auto view = soil(inbox, {density_, quasi_static_speed(), true});  // no window yet: water has no past
   for (std::size_t a = 0; a < p.size(); ++a) {
-    // The lattice's cells are the particles' bulk volumes; what water they hold follows from the soil as it is.
+    // The cells of the lattice are the particles' bulk volumes; the soil at each sets the mass of water in it.
     p.void_fraction[a] = 1.0 - view.fraction[a];
     p.mass[a] = p.void_fraction[a] * density_ * p.volume[a];
     p.mask[a] = view.mask[a];
@@ -438,9 +438,10 @@ bool Fluid<D>::all_quasi_static(const SoilView<D>& view) const {
 
 /// Viscosity of the water itself, Eq. (76) as corrected, its pairs amplified as the pressure's are to be exact for a
 /// quadratic on average; a von Neumann-Richtmyer term on approaching pairs for impacts, of third order where the flow
-/// is smooth; and a viscosity on what is not linear in the neighbourhood, for the noise of single particles. All
-/// pairwise antisymmetric among water that feels them. What slips past tight soil that moves is no noise: the dampings
-/// would drag free water along with the soil's, which the drag holds and which takes no impulse back.
+/// is smooth; and a viscosity on the part that is not linear in the neighbourhood, for the noise of single particles.
+/// All are pairwise antisymmetric among the water they act on. The relative motion of water past tight soil that moves
+/// is no noise: the dampings would couple free water to the soil's water, which drag fixes to the soil, so that the
+/// opposite impulse would be lost.
 template <int D>
 VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& view,
                                       std::span<const Mat<D>> velocity_gradient, double interval) const {
@@ -450,13 +451,13 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
     result = v;
     parallel_for(result.size(), [&](std::size_t a) { result[a] += interval * periodic_gravity_; });
   }
-  // In soil drag damps what the trace of viscosity is for, unless inertia rules there as well.
+  // In soil drag damps what the trace of viscosity would damp, unless inertia dominates there as well.
   std::vector<char> damped(s.n_real);
   parallel_for(s.n_real, [&](std::size_t a) { damped[a] = is_drag_dominated(view, a); });
   if (parallel_all(s.n_real, [&](std::size_t a) { return damped[a]; })) return result;
   if (result.empty()) result = v;
   const double noise = noise_viscosity * dx_ * state_.wave_speed, viscosity = this->viscosity();
-  // That of the scheme is a damping, not a property: nothing is gained by its being exact.
+  // The numerical viscosity is a damping, not a property of water: it need not be exact.
   const bool own = viscosity <= scene_.water.kinematic_viscosity;
   const VecArray<D> all = extended<D>(s, v, Carried::yes, no_slip_);
   // Of a point: velocity, velocity gradient, smoothing length, amplification (0: does not count), whether moving soil
@@ -548,8 +549,8 @@ bool Fluid<D>::open_water() const {
   return D == 2 && scene_.soils.empty() && scene_.fluid.scheme == FluidCase::Scheme::projection;
 }
 
-/// By how much particle a's surroundings are fuller than a lattice, full: their sum V W over a lattice's, or what
-/// stands for it in open water.
+/// Relative excess of the packing around particle a over a lattice's. full: sum V W over that of a lattice, or the
+/// measure that replaces it in open water.
 template <int D>
 double Fluid<D>::packing_error(const Stencil<D>& s, std::size_t a, double full) const {
   const auto& p = state_.particles;
@@ -560,7 +561,7 @@ double Fluid<D>::packing_error(const Stencil<D>& s, std::size_t a, double full) 
       return std::max(0.0, full + lattice_density<D>(0.5 + below * smoothing_ratio / s.length(a)) / whole - 1.0);
     }
   double excess = full - 1.0;
-  // Near a surface the sum is short by nature, not by error.
+  // Near a surface the kernel is cut off, so that a deficit there is no error.
   if (excess < 0.0 && !s.covered[a]) excess *= std::clamp(1.0 - 5.0 * s.length(a) * s.normal[a].norm(), 0.0, 1.0);
   const bool below = s.ghost_distance[a] > 0.0;
   return below || p.surface[a] != Surface::interior ? std::max(0.0, excess) : excess;
@@ -571,11 +572,11 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
                                     std::span<const Mat<D>> velocity_gradient, double interval) {
   auto& p = state_.particles;
   ScalarArray source = deferred_divergence(s, view, interval);
-  // A packing error is made good by moving the surface or the inflow; in a closed domain there is neither, and shifting
-  // alone evens the packing: pressure would only push on the grains.
+  // Pressure repairs a packing error by moving the surface or the inflow. A closed domain has neither: shifting alone
+  // evens its packing, since pressure would only push on the grains.
   const bool open = !parallel_all(p.size(), [&](std::size_t a) { return p.surface[a] == Surface::interior; }) ||
                     std::any_of(state_.columns.begin(), state_.columns.end(), [](const auto& c) { return c.wet; });
-  // Where all is full, nothing the pressure drives can even the points out: they are displaced (repair).
+  // Where all soil is full, no flow that pressure drives can even the points out: they are displaced instead (repair).
   const auto motion = open && !state_.full ? moved() : ScalarArray(p.size(), 0.0);
   // Voids opened by cavitation are no packing error.
   const bool cavitates = std::any_of(p.void_volume.begin(), p.void_volume.end(), [](double c) { return c > 0.0; });
@@ -589,12 +590,12 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
   };
   parallel_for(p.size(), [&](std::size_t a) {
     const double excess = packing_error(s, a, s.fullness[a] + voids_near(a));
-    // In free water the repair of a disordered start, begun at once, would be a blow.
+    // In free water the repair of a disordered start begins gradually: at once it would act as an impact.
     const double begun =
         p.in_seepage[a] != 0 ? 1.0 : std::min(1.0, state_.time / free_repair_time(spacing_of<D>(p.volume[a])));
     source[a] += begun * motion[a] * p.void_fraction[a] * excess / repair_time(a, view, interval);
-    // Displacements of the velocity's length keep the volume to second order: det(1 + dt grad v) = 1. Without it a
-    // strain rate s compresses by dt s^2, and the repair of that feeds energy in.
+    // Conserves volume to second order in the displacement: det(1 + dt grad v) = 1. Without this term a strain rate s
+    // compresses by dt s^2, and its repair adds energy.
     if (p.in_seepage[a] == 0)
       source[a] += std::clamp(0.5 * interval * (velocity_gradient[a] * velocity_gradient[a]).trace(), -0.2 / interval,
                               0.2 / interval);
@@ -621,9 +622,9 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
   return source;
 }
 
-/// Saturated soil at rest keeps its water: what is repaired of the packing there moves, and none of it comes or goes
-/// through a face. Disordered points have a sum V W above a lattice's, and water would be pressed out for ever; and
-/// what a pressure would drive in one soil all others would have to bear.
+/// In saturated soil at rest the packing is repaired by displacements without a net volume, so that no water comes or
+/// goes through a face. With a pressure, disordered points, whose sum V W exceeds a lattice's, would press water out
+/// without end, and the pressure that moves water in one soil would act in all others.
 template <int D>
 VecArray<D> Fluid<D>::repair(const Stencil<D>& s, const SoilView<D>& view, double interval) const {
   const auto& p = state_.particles;
@@ -664,7 +665,8 @@ void Fluid<D>::apply_returned_impulse(const Stencil<D>& s, const SoilView<D>& vi
   for (std::size_t a = 0; a < p.size(); ++a) p.velocity[a] += left[a] / p.mass[a];
 }
 
-/// One window; with a quadratic drag again, about the slip just found, while that still matters.
+/// Solves one window; with a quadratic drag repeatedly (Newton), about the relative velocity just found, until the
+/// tangent meets the law.
 template <int D>
 WindowSolution<D> Fluid<D>::solve(const Stencil<D>& s, SoilView<D>& view, const WindowProblem<D>& in) {
   const auto& p = state_.particles;
@@ -761,7 +763,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   state_.counts.outer_iterations += out.outer;
   state_.counts.unconverged += out.converged ? 0.0 : 1.0;
 
-  // Copied, not moved: arrays of the state that moved into the window's memory would leave holes behind.
+  // Copied, not moved: moving would fragment the memory of the state's arrays.
   const ScalarArray before = p.pressure;
   if (!scene_.coupled()) velocity_before = p.velocity;
   p.pressure = out.pressure;
@@ -793,7 +795,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   }
   if (returns) view.drag = drag;
   if (scene_.coupled() && !responds()) {
-    // Plain staggering: the skeleton was taken as it moved; where it goes now is an explicit guess.
+    // Plain staggering: the skeleton kept its velocity in the solve; its new velocity is predicted explicitly.
     for (std::size_t a = 0; a < p.size(); ++a)
       if (view.density[a] > 0.0)
         p.solid_velocity.values()[a] +=
@@ -809,7 +811,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
     const auto& from = window.pass > 0 ? passes_.found() : view.velocity;
     for (std::size_t a = 0; a < p.size(); ++a) p.solid_change.set(a, p.solid_velocity[a] - from[a]);
   }
-  // Soil that was dry and cannot yield takes windows of any length; its noise would only shorten them.
+  // Soil that was dry and cannot yield allows windows of any length; its noise would only shorten them.
   if (state_.controlled <= 0.0 && scene_.solid.model != SolidCase::Model::elastic) begin_control(view, dt);
   if (load_begins(window.time)) begin_control(view, 0.0);
   control_interval(before, dt);
@@ -829,7 +831,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   return coupling::Outcome::accept();
 }
 
-/// Water that fills its walls takes no more.
+/// Throws where inflow meets walls that are already full of water.
 template <int D>
 void Fluid<D>::check_room(double time) const {
   const auto& p = state_.particles;

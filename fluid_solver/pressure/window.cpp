@@ -11,21 +11,22 @@ namespace poretwin::fluid {
 namespace {
 
 /// Relative tolerances of the solve with a responding skeleton: of the window's pressure change, and of the change of
-/// the skeleton's velocity or of what the slip's drag alone would make of it, whichever is more. Of the latter 1e-2
-/// would be seen, as pressure in nearly tight soil at rest and as momentum (docs/theory_fluid.md).
+/// the skeleton's velocity or of the velocity that drag alone would give it, whichever is more. For the latter 1e-2
+/// would be noticeable, as pressure in nearly tight soil at rest and as momentum (docs/theory_fluid.md).
 constexpr double response_tolerance = 1e-2, skeleton_tolerance = 1e-3;
 
 /// Width of an aggregate of the skeleton's coarse space, in spacings: 4 to 6 take the fewest CPU seconds, in
 /// embankment_seepage and in rockfill_dam.
 constexpr double aggregate_width = 5.0;
 
-/// Iterations for the pressure on the diagonal alone: a solve that takes no more is done sooner without a coarse space.
+/// Iterations for the pressure with the diagonal preconditioner: a solve that takes no more is faster without a coarse
+/// space.
 constexpr int iterations_without_aggregates = 4;
 
-/// Conjugate gradients with aggregates take as long for so many iterations as multigrid does for the whole solve, its
-/// building included, from 10,000 particles on: 55 to 80 (multigrid_timing.cpp)
+/// Iterations of conjugate gradients with aggregates after which multigrid takes over: so many take as long as the
+/// whole solve by multigrid, setup included, from 10,000 particles on (55 to 80 measured, multigrid_timing.cpp).
 constexpr int patience = 70;
-/// and a solve that takes multigrid no more cycles than this is left to the diagonal next time.
+/// A solve that takes multigrid no more cycles than this begins with the diagonal preconditioner next time.
 constexpr int few_cycles = 2;
 /// Largest number of rounds in which the set of cavitating particles is found.
 constexpr int most_cavitation_rounds = 30;
@@ -38,7 +39,7 @@ struct Elimination {
   double aw = 0.0;  ///< n rho_w / dt
   double C = 0.0;   ///< drag coefficient: the resistance is C (v_w' - v_s') - f
   double kf = 0.0;  ///< mobility of the water at fixed skeleton
-  double e = 0.0;   ///< share of a skeleton velocity in the mixture's flux
+  double e = 0.0;   ///< flux of the mixture per skeleton velocity
 };
 
 /// .. and for v_s', where the skeleton responds.
@@ -148,7 +149,7 @@ class WindowSolver {
         solve_fluid(std::move(b), out);
       if (!update_cavitating(out) || round == most_cavitation_rounds) break;
     }
-    // The matrices are not needed to finish, and what finishing needs does not stand beside them.
+    // The matrices are not needed to finish: freed first, to lower the peak of memory.
     for (auto* matrix : {&fluid_, &skeleton_, &plain_}) *matrix = PairMatrix();
     finish(out);
   }
@@ -168,14 +169,14 @@ class WindowSolver {
     return sources;
   }
 
-  /// Free water beside soil that moves with the water in it: the flux between them is the mean of both sides, and the
-  /// soil's side of it goes with the skeleton. What the pressure drives is then half the free water's mobility, not the
-  /// harmonic mean, which is right only where the skeleton stands still.
+  /// Whether a pair joins free water and soil that moves with its water. The flux between them is the mean of both
+  /// sides, and the soil's side moves with the skeleton: the pressure drives half of the free water's mobility, in
+  /// place of the harmonic mean, which is right only where the skeleton does not move.
   [[nodiscard]] bool beside_moving_soil(std::size_t a, Index q) const {
     const auto moves = [&](std::size_t i) { return soil_.mask[i] > 0.5 && responds(i) && in_.in_seepage[i] == 0; };
     return (soil_.mask[a] <= 0.5 && moves(q)) || (soil_.mask[q] <= 0.5 && moves(a));
   }
-  /// Of pair k in row a, whose sum stays as it is.
+  /// Sets the weight of pair k in row a and keeps the row sum.
   void set_weight(std::size_t a, std::size_t k, double weight) {
     const double before = fluid_.weight[k];
     fluid_.weight[k] = static_cast<float>(weight);
@@ -195,7 +196,7 @@ class WindowSolver {
     });
   }
 
-  /// Of the water; where a skeleton responds, its own and that of the pressure itself as well.
+  /// The Laplacian of the water's mobility; where a skeleton responds also that of its mobility and the plain one.
   void make_laplacians() {
     ScalarArray mobility(n_), of_skeleton(any_response_ ? n_ : 0);
     parallel_for(n_, [&](std::size_t a) { mobility[a] = q_[a].kf; });
@@ -213,12 +214,12 @@ class WindowSolver {
     }
   }
 
-  /// Points in soil that are stretched, as past a border of two porosities, where the flow has another speed, have more
-  /// pairs in one direction: their moment is exact on average of all directions only (amplification), and less is
-  /// conducted along the stretch (2.0 % at 4/3). The pairs are scaled by 1 + e.S e, e their direction, S the mean of
-  /// both particles': S = -(D + 2)/2 of the moment's deviation from the same in all directions undoes it, as the mean
-  /// of e e e e over all directions says.
-  /// Where another soil or a face is in reach S is zero: volumes jump there, and buffers stand in rows of their own.
+  /// Where points in soil are stretched, as behind a border of two porosities, at which the flow changes its speed,
+  /// they have more pairs in one direction. Amplification makes their second moment exact on the average of all
+  /// directions only, and too little is conducted along the stretch (2.0 % at a ratio of 4/3). This scales pairs by 1 +
+  /// e.S e with their direction e and the mean S of both particles. S = -(D + 2)/2 times the deviator of the moment
+  /// cancels the error, by the mean of e e e e over all directions. Within reach of another soil or a face S is zero:
+  /// volumes jump there, and buffers stand in rows of their own.
   void even_out_directions() {
     const auto& number = soil_.number;
     if (number.empty()) return;
@@ -246,7 +247,7 @@ class WindowSolver {
       }
     });
   }
-  /// By what the pair of particle a with point j, whose parent is q, is scaled.
+  /// Scale of the pair of particle a with point j, whose parent is q.
   [[nodiscard]] double stretched(std::size_t a, Index j, Index q) const {
     const Vec<D> ba = s_.position[j] - s_.position[a];
     const Vec<D> theirs = j < s_.n_base ? ba : Vec<D>(s_.map[j - s_.n_base].transpose() * ba);
@@ -254,11 +255,11 @@ class WindowSolver {
     return 1.0 + 0.5 * (along(a, ba) + (q < n_ ? along(q, theirs) : along(a, ba))) / ba.squaredNorm();
   }
 
-  /// The harmonic mean of a pair's mobilities is right across a border between two soils; along it, it takes from the
-  /// faster soil's rows beside it a third of a spacing's mobility, and gives the slower's as much of its own: a lens
-  /// would be thicker, a drain thinner than they are. So pairs within either soil are scaled by 1 + s (t^2 - c n^2),
-  /// n and t the parts of their direction across the border and along it, c that with which nothing changes across
-  /// it; s of each particle, the mean of both, so that along the border its own mobility is met.
+  /// The harmonic mean of a pair's mobilities is right across a border between two soils. Along it, the rows beside the
+  /// border lose a third of a spacing of mobility in the more permeable soil and gain as much in the other: a lens
+  /// would be thicker and a drain thinner than they are. This scales pairs within either soil by 1 + s (t^2 - c n^2), n
+  /// and t the components of their direction across and along the border. c keeps the flux across it unchanged; s, the
+  /// mean of both particles', gives the flux along it the soil's own mobility.
   void free_along_borders() {
     const auto& number = soil_.number;
     if (number.empty() || parallel_all(n_, [&](std::size_t a) { return number[a] == number[0]; })) return;
@@ -366,7 +367,7 @@ class WindowSolver {
     }
   }
 
-  /// What the rows of continuity miss [m^D/s].
+  /// Residual of continuity [m^D/s].
   ScalarArray imbalance(std::span<const double> sources, std::span<const double> boundary,
                         const WindowSolution<D>& out) const {
     ScalarArray row(n_), rest(n_);
@@ -421,9 +422,9 @@ class WindowSolver {
     return sum;
   }
 
-  /// What passes each column is what couples it to the rows of the matrix: as much as they lack or have too much. Where
-  /// a surface is within reach of the face, pairs are missing beyond it, and the sum is short (7 % under a front that
-  /// has come a few spacings).
+  /// Flow through each column: the sum of the terms by which its pressure enters the rows of the matrix. Where a
+  /// surface is within reach of the face, pairs beyond it are missing and the sum is short (7 % under a front that has
+  /// come a few spacings).
   void tell_face_flow(WindowSolution<D>& out) const {
     const std::size_t count = in_.face_pressure.size();
     out.face_flow.assign(count, 0.0);
@@ -431,7 +432,7 @@ class WindowSolver {
     for (std::size_t a = 0; s_.n_base > n_ && a < n_; ++a) {
       if (s_.beyond[a] == 0) continue;
       const bool whole = flags_[a] != Surface::lone && !(surface_distance(a) > 0.0);
-      // It passes the columns of the particle's own soil: of two soils side by side each has its own flow.
+      // Only columns of the particle's own soil count: of two adjacent soils each has its own flow.
       double flow = 0.0, all = 0.0, own = 0.0;
       const auto is_own = [&](Index column) {
         return !soil_.number.empty() && in_.face_soil[column] == soil_.number[a];
@@ -469,8 +470,9 @@ class WindowSolver {
     return flags_[a] == Surface::surface ? s_.surface_distance(a) : s_.front_distance[a];
   }
 
-  /// Lone particles, and in coarse soil, where the water's inertia rules, the front itself: there the softer condition
-  /// of a wetting front, without a ghost in the gradient, feeds splashes with energy.
+  /// Whether the pressure of a particle is fixed: of lone ones, and of the front in coarse soil, which inertia
+  /// dominates. There the softer condition of a wetting front, without a ghost in the gradient, would feed splashes
+  /// with energy.
   bool pinned(std::size_t a) const {
     if (flags_[a] == Surface::lone) return true;
     return flags_[a] == Surface::surface && s_.ghost_distance[a] == 0.0 &&
@@ -522,7 +524,7 @@ class WindowSolver {
       parallel_for(n_, [&](std::size_t a) { b[a] -= squeeze[a]; });
     }
     const double rounding = 1e-12 * norm(b);
-    // Datum out of the way: the tolerance refers to what drives the flow.
+    // The datum is subtracted, so that the tolerance refers to pressures that drive flow.
     double reference = 0.0;
     if (closed_) {
       remove_mean(b);
@@ -544,7 +546,7 @@ class WindowSolver {
       for (auto& p : out.pressure) p += reference;
       return;
     }
-    // Where all particles are pinned, or all have one pressure, nothing drives; rounding is the floor then.
+    // Where all pressures are fixed or equal nothing drives flow: the tolerance is then bounded by rounding.
     const double tolerance = std::max(in_.tolerance * drive(b, reference), rounding);
     const auto apply = [&](std::span<const double> x, std::span<double> y) { fluid_.apply(x, y); };
     SolveReport report;
@@ -594,8 +596,8 @@ class WindowSolver {
     return aggregates;
   }
 
-  /// What drives the flow, for the tolerance: the residual with pinned particles at their pressure and all others at
-  /// the datum.
+  /// Drive of the flow, to which the tolerance is relative: the residual with fixed pressures as they are and all
+  /// others at the datum.
   double drive(const ScalarArray& b, double reference) const {
     ScalarArray known(n_), residual(n_);
     parallel_for(n_, [&](std::size_t a) { known[a] = is_known(a) ? known_pressure(a) - reference : 0.0; });
@@ -617,7 +619,7 @@ class WindowSolver {
     }
     // Vectors change on reflection: keep the image each weight belongs to.
     build_vector_stiffness();
-    // The energy of what the slip's drag would do in the window to grains that are free.
+    // Kinetic energy that drag would give to free grains in the window.
     let_be_ = skeleton_tolerance * skeleton_tolerance * sum_over(n_, [&](std::size_t a) {
                 if (!responds(a)) return 0.0;
                 const Vec<D> dragged = (1.0 - r_[a].as * r_[a].ss) * (before(a) - soil_.velocity[a]);
@@ -686,11 +688,12 @@ class WindowSolver {
     for (std::size_t a = 0; a < n_; ++a) H_inverse_[a] = 1.0 / preconditioner[a];
   }
 
-  /// Where soil yields, the shear that is going on goes on at constant stress: only what departs from the present
-  /// motion meets the stiffness. Otherwise it would flow as a liquid of viscosity Dt M. A force on every particle [N].
+  /// Where soil yields, its present shear continues at constant stress; the stiffness resists only a departure from the
+  /// present motion. Otherwise yielding soil would flow as a liquid of viscosity Dt M. Computes the force on every
+  /// particle that cancels the stiffness of the present motion [N].
   void prepare_flow() {
     flow_.assign(n_, Vec<D>::Zero());
-    // What a pass has found is the motion to depart from: there the skeleton's force is known.
+    // In a repeated window the departure is from the motion that the last pass found, whose force is known.
     if (soil_.found_velocity.is_allocated()) {
       const ScalarArray held = apply_H(soil_.found_velocity.values());
       for (std::size_t a = 0; a < n_; ++a)
@@ -712,9 +715,9 @@ class WindowSolver {
       }
   }
 
-  /// The stabilisation acts on the window's change of pressure, since consolidation takes care of what a pressure has
-  /// that the wide gradient does not see. In short windows of soil that moves nothing does so: there it acts on the
-  /// whole pressure, as in free water, whose projection is the compact one.
+  /// The stabilisation acts on the change of pressure in the window only, since consolidation damps the modes of
+  /// pressure that the wide gradient does not resolve. In short windows of moving soil nothing damps them: there it
+  /// acts on the whole pressure, as in free water, whose projection is compact.
   void stabilise_flow(const ScalarArray& pressure, ScalarArray& residual) const {
     if (!any_response_ || in_.in_seepage.empty() ||
         std::all_of(in_.in_seepage.begin(), in_.in_seepage.end(), [](char in_seepage) { return in_seepage != 0; }))
@@ -724,7 +727,7 @@ class WindowSolver {
       if (in_.in_seepage[a] == 0) residual[a] -= whole[a] - stabilisation_[a] * fixed_[a];
   }
 
-  /// A velocity of the skeleton at all points: turned round behind walls that hold the soil.
+  /// A velocity of the skeleton at all points: reversed behind walls that fix the soil.
   VecArray<D> skeleton_extended(std::span<const Vec<D>> f) const {
     return extended<D>(s_, f, Carried::no, in_.fixed_soil);
   }
@@ -777,7 +780,7 @@ class WindowSolver {
   static std::span<const double> as_numbers(std::span<const Vec<D>> x) { return {x.data()->data(), x.size() * D}; }
   static std::span<double> as_numbers(std::span<Vec<D>> x) { return {x.data()->data(), x.size() * D}; }
 
-  /// Adds to s what brings the residual [n * D] of H s to this share of `size` or lets the error's energy be.
+  /// Corrects s until the residual [n * D] of H s is this fraction of `size`, or its error's energy is negligible.
   int solve_H(ScalarArray residual, double size, double let_be, std::span<Vec<D>> s) const {
     const auto apply = [&](std::span<const double> u, std::span<double> y) { apply_H(u, y); };
     const auto precondition = [&](std::span<const double> r, std::span<double> z) {
@@ -801,7 +804,7 @@ class WindowSolver {
         [&](std::size_t a) { return homogeneous ? 0.0 : surface_pressure(a); }, homogeneous);
   }
 
-  /// What H s is to be under a pressure field: V/ss (sb - mS G p) [n * D].
+  /// Right-hand side of H s under a pressure field: V/ss (sb - mS G p) [n * D].
   ScalarArray skeleton_drive(std::span<const double> p) const {
     const VecArray<D> G = plain_gradient(p, false);
     ScalarArray drive(n_ * D, 0.0);
@@ -809,7 +812,7 @@ class WindowSolver {
       const auto& q = q_[a];
       const auto& skeleton = r_[a];
       if (!skeleton.responds) continue;
-      // The exchanged force carries the soil's full weight; the piezometric pressure leaves its buoyant part.
+      // The exchanged force contains the full weight of the soil; with a piezometric pressure its buoyant part remains.
       const Vec<D>& force = soil_.found_force.is_allocated() ? soil_.found_force[a] : soil_.force[a];
       const Vec<D> r = force - soil_.fraction[a] * in_.weight - soil_.drag_offset[a];
       const Vec<D> velocity =
@@ -823,8 +826,8 @@ class WindowSolver {
     for (std::size_t d = 0; d < D; ++d) drive[a * D + d] = s_.volume[a] / r_[a].ss * velocity[static_cast<int>(d)];
   }
 
-  /// Skeleton velocity under a pressure field, to the tolerance of what changes from the window's start on, where H s
-  /// is `at_start`, down to where rounding begins. The search goes on from where H s is `now`.
+  /// Skeleton velocity under a pressure field. The tolerance is relative to the change from the window's start, where H
+  /// s is `at_start`, and no less than rounding. The iteration starts from the velocity whose H s is `now`.
   void skeleton_velocity(std::span<const double> p, const ScalarArray& at_start, const ScalarArray& now,
                          WindowSolution<D>& out) const {
     ScalarArray residual = skeleton_drive(p);
@@ -952,12 +955,12 @@ class WindowSolver {
   bool any_response_ = false, closed_ = true, free_closed_ = true, any_cavitating_ = false;
   std::vector<char> beside_moving_;  ///< 1: of free water and moving soil that meet; empty: nothing moves
   std::vector<bool> cavitating_;     ///< [n] at the cavitation pressure
-  VecArray<D> flow_;                 ///< force of the motion that the skeleton departs from [N]
+  VecArray<D> flow_;                 ///< see prepare_flow [N]
   PairMatrix fluid_, skeleton_, plain_;
   MatArray<D> stretch_;  ///< [n] by which pairs are scaled (even_out_directions)
   ScalarArray sources_;
   ScalarArray start_, free_diagonal_, free_boundary_;  ///< the pressure at first; the system without cavitation
-  double let_be_ = 0.0;                                ///< energy of an error of the skeleton's velocity [N m/s]
+  double let_be_ = 0.0;  ///< power below which an error of the skeleton's velocity is negligible [N m/s]
   ScalarArray boundary_, fixed_, stabilisation_, storage_, H_diagonal_;
   ScalarArray H_inverse_;                    ///< of the preconditioner's diagonal
   std::optional<Aggregates<D>> aggregates_;  ///< coarse space of the skeleton's stiffness
