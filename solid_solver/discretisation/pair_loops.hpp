@@ -1,6 +1,5 @@
-// Loops over pairs, four at a time, each part of the rows on a thread of its own. What such a loop reads it holds by
-// value, as plain pointers: what it held by reference would be read anew after every store by lanes, which may have
-// changed anything for all the compiler knows.
+// Loops over pairs, four at a time, each part of the rows on a thread of its own. Loop bodies capture plain pointers by
+// value: the compiler assumes that a store by lanes may alias anything captured by reference, and would reload it.
 #pragma once
 
 #include "common/core/lanes.hpp"
@@ -11,7 +10,7 @@
 
 namespace poretwin::solid {
 
-/// The list as loops hold it.
+/// Pointers into a pair list, to be captured by value.
 struct PairView {
   const Index *offset, *alone, *index;
   std::size_t size;
@@ -19,7 +18,7 @@ struct PairView {
       : offset(pairs.offset.data()), alone(pairs.alone.data()), index(pairs.index.data()), size(pairs.index.size()) {}
 };
 
-/// Asks the memory for what is packed for four pairs that come some rows after m: lines of 64 bytes from `first` to
+/// Prefetches the packed nodes of four pairs some rows after m: lines of 64 bytes from `first` to
 /// `last` - 1 of each.
 template <std::size_t first, std::size_t last, class Packed>
 [[gnu::always_inline]] inline void fetch_ahead(const PairView& pairs, const Packed* all, std::size_t m) {
@@ -30,8 +29,8 @@ template <std::size_t first, std::size_t last, class Packed>
       __builtin_prefetch(reinterpret_cast<const char*>(&all[index[l]]) + k * line);
 }
 
-/// Calls loop(std::true_type{}) where what is packed for so many particles outgrows a core's caches, so that asking for
-/// it ahead pays, else loop(std::false_type{}).
+/// Calls loop(std::true_type{}) where the packed nodes of so many particles exceed a core's caches, so that prefetching
+/// pays, else loop(std::false_type{}).
 template <class Loop>
 void fetching_if_many(std::size_t n_packed, const Loop& loop) {
   constexpr std::size_t many = 16384;

@@ -1,4 +1,4 @@
-// The two-loop symplectic step of the skeleton and what keeps its lists and forces current.
+// The two-loop symplectic step of the skeleton, and the update of its lists and forces.
 #pragma once
 
 #include "solid_solver/setup.hpp"
@@ -20,7 +20,7 @@ struct Drive {
 template <int D>
 void rebuild_lists(const Setup<D>& setup, State<D>& state);
 
-/// Builds lists and images anew and everything that hangs on them.
+/// Builds lists and images anew and evaluates all that depends on them.
 template <int D>
 void rebuild(const Setup<D>& setup, State<D>& state);
 
@@ -41,7 +41,7 @@ Vec<D> force_from_outside(const Setup<D>& setup, const State<D>& state, const Dr
 template <int D>
 void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& state);
 
-/// The part of it that follows the velocities as they are: places, volumes and stresses.
+/// The kinematic part of a substep, at the present velocities: positions, volumes and stresses.
 template <int D>
 void deform(const Setup<D>& setup, double dt, State<D>& state);
 
@@ -50,8 +50,8 @@ template <int D>
 VecArray<D> pressure_gradient(const State<D>& state, SolidCase::PressureGradient form, const Vec<D>& water_weight,
                               std::span<const double> pressure);
 
-/// Sets the scale of every load on a line so that its force is traction times length of the line, on the soil as it was
-/// laid: a lattice has a curved or slanting surface as steps, and a line need not end between two columns.
+/// Sets the scale of every load on a line so that its force is traction times length of the line, on the initial
+/// lattice: there a curved or inclined surface has steps, and a line need not end between two columns.
 template <int D>
 void measure_loads(const State<D>& state, Setup<D>& setup);
 

@@ -1,7 +1,7 @@
-// Walls with Coulomb's friction. Soil that sticks to one is soil at a fixed wall: images with reversed velocities. Soil
-// that slips keeps a slip velocity s of its own for each particle that touches the wall, and its images are reversed
-// about it, v' = 2 s - v. The slip is whatever brings the shear stress at the wall back to Coulomb's limit: a return
-// map, as for the cone.
+// Walls with Coulomb's friction. Soil that sticks is treated as at a fixed wall: its images have reversed velocities.
+// Where it slips, each particle at the wall has a wall slip s [m/s], and its images are reversed about that,
+// v' = 2 s - v. The wall slip follows from a return map, as for the cone: it is the one at which the shear stress at
+// the wall is on Coulomb's limit.
 #pragma once
 
 #include "solid_solver/setup.hpp"
@@ -15,7 +15,7 @@ template <int D>
 struct WallShear {
   Vec<D> traction = Vec<D>::Zero();
   double pressure = 0.0;
-  /// Share of the traction that is more than the friction can bear.
+  /// Fraction of the traction in excess of the friction that the wall can provide.
   [[nodiscard]] double excess(double friction) const {
     const double size = traction.norm(), most = friction * pressure;
     return size > most ? 1.0 - most / size : 0.0;
@@ -30,8 +30,8 @@ WallShear<D> wall_shear(const Tensor& stress, const Vec<D>& normal, double dista
   return {at_wall - across * normal, std::max(0.0, -across)};
 }
 
-/// Share of that slope that is there. Soil that has yielded at a wall has no more than the wall's reaction to it: none
-/// once it has come loose.
+/// Factor on that slope. Soil that has yielded at a wall transmits no more than the wall's reaction: nothing once it
+/// has detached.
 template <int D>
 double slope_carried(const Particles<D>& p, std::size_t i, const Vec<D>& normal, double distance, const Vec<D>& body) {
   if (p.plastic_strain[i] <= 0.0) return 1.0;
@@ -40,13 +40,13 @@ double slope_carried(const Particles<D>& p, std::size_t i, const Vec<D>& normal,
   return reaction < weight ? std::max(0.0, reaction / weight) : 1.0;
 }
 
-/// Friction, over a step of dt [s], of what slips and is held off the wall by viscosity instead of stress: thin sheets
-/// and single grains would else glide on it.
+/// Friction, over a step of dt [s], of slipping soil that viscosity, not stress, supports at the wall: without it thin
+/// sheets and single grains would glide on it.
 template <int D>
 void rub_on_walls(const Setup<D>& setup, double dt, State<D>& state);
 
-/// After a step of dt [s] has strained the soil with the slip it had: the slip that Coulomb's limit asks for, and the
-/// stress with it. It is found for particles nearer to a wall than a spacing; those behind follow them.
+/// Updates wall slip and stress after a step of dt [s] that strained the soil with the previous slip, so that the
+/// traction meets Coulomb's limit. Solved for particles nearer to a wall than a spacing; those behind take their slip.
 template <int D>
 void slide_on_walls(const Setup<D>& setup, double dt, State<D>& state);
 

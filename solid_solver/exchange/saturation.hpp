@@ -24,7 +24,8 @@ ScalarArray own_coverage(const Setup<D>& setup, const State<D>& state) {
 
 /// Degree of saturation s_r of every particle, Eq. (90): water's coverage [0..1] over the soil's own, so that a wetted
 /// face is as wet as the soil behind it, from the soil's initial saturation up to 1. The coverage of disordered points
-/// scatters by some percent: 95 % counts as full. own(): own_coverage(), by reference; asked for where there is water.
+/// scatters by some percent: 95 % counts as full. own(): own_coverage(), by reference; evaluated only where there is
+/// water.
 template <int D, class Own>
 void degree_of_saturation(const std::vector<Soil>& soils, const State<D>& state, const OrZero<double>& coverage,
                           Own&& own, OrZero<double>& saturation) {

@@ -1,4 +1,4 @@
-// What the water puts against soil that departs from the motion which the fluid predicted, in a long window that is
+// Impedance by which the water resists a departure of the soil from the predicted motion, in a long window that is
 // repeated until both agree.
 #pragma once
 
@@ -15,18 +15,19 @@ struct WaterInWindow {
   double interval = 0.0;  ///< Dt, s
 };
 
-/// The answer of pass after pass, in place of the water: what makes the passes converge, not what they converge to.
+/// Impedances that the soil meets in a pass in place of the water's. They decide how fast the passes converge, not the
+/// result.
 ///
-/// Shear takes the water along, C a / (a + C). Dilation is held by the pressure: by C / n^2, whatever its wavelength,
-/// as far as nothing drains within the window. With the stiffness A that the fluid predicts, the true one T, the
-/// water's impedance D and Z in its place a pass leaves (A - T) (Z - D) / ((A + D) (T + Z)) of an error. Z = C holds
-/// soil that shears freely (T = 0, D << Z): the passes hardly move. Nothing against dilation lets long waves diverge (D
-/// >> A) once the soil is half as stiff as predicted.
+/// A shear entrains the water: impedance C a / (a + C). Pressure resists a dilation: impedance C / n^2 at any
+/// wavelength, as long as nothing drains within the window. Let A be the stiffness that the fluid predicts with, T the
+/// true one, D the water's impedance and Z the one in its place: a pass multiplies an error by (A - T) (Z - D) / ((A +
+/// D) (T + Z)). With Z = C, soil that shears freely (T = 0, D << Z) would hardly move from pass to pass. With no
+/// impedance against dilation, long waves (D >> A) would diverge once the soil is less than half as stiff as predicted.
 ///
-/// So both, by what a wave of the shortest length keeps of its pressure over the window, exp(-alpha) with alpha =
-/// Dt M (pi / 2 dx)^2 n^2 / C (Terzaghi's decay). Where nothing drains: the drag. Where all does: the water's inertia,
-/// and half the skeleton's own modulus against dilation, with which errors shrink at every wavelength down to a quarter
-/// of the stiffness predicted.
+/// Hence a blend, weighted by the fraction of its pressure that the shortest wave keeps over the window, exp(-alpha)
+/// with alpha = Dt M (pi / 2 dx)^2 n^2 / C (Terzaghi's decay). Undrained: the drag. Drained: the water's inertia, and
+/// half the skeleton's own modulus against dilation, with which errors shrink at every wavelength for true stiffnesses
+/// down to a quarter of the predicted one.
 struct WaterAnswer {
   double translation = 0.0;  ///< N s/m4, against a departure of the velocity
   double dilation = 0.0;     ///< Pa, against a departure of the strain of volume

@@ -1,4 +1,4 @@
-// What is read off soil that has flowed: where its front is, how high it lies, how regular its stress and density are.
+// Readings of soil that has flowed: position of its front, height, noise of its stress and density.
 #pragma once
 
 #include "solid_solver/setup.hpp"

@@ -1,4 +1,4 @@
-// What an engineer reads off a stress state.
+// Quantities derived from a stress state.
 #pragma once
 
 #include "solid_solver/material/model.hpp"

@@ -1,4 +1,4 @@
-// When the soil hardly moves: how far it is from rest, the damping that brings it there, and sleep.
+// Soil that hardly moves: its departure from rest, the damping towards rest, and sleep.
 #pragma once
 
 #include "solid_solver/dynamics/step.hpp"
@@ -15,8 +15,8 @@ struct Unrest {
   double share = 0.0;  ///< of the mass, of what departs by more than `restless`
 };
 
-/// Departure from rest, over the reference acceleration, from which on a particle counts as moving; share of the mass
-/// that may move without the soil as a whole being taken for moving: grains that ravel or creep at a surface.
+/// Departure from rest, over the reference acceleration, above which a particle counts as moving; fraction of the mass
+/// that may move while the soil as a whole counts as at rest: grains that ravel or creep at a surface.
 inline constexpr double restless = 3e-3, local_share = 0.05;
 
 /// Damping rate [1/s] that is critical for the slowest mode of a column as high as the soil, 2 omega = pi c / H.
@@ -41,7 +41,7 @@ VecArray<D> forces(const Setup<D>& setup, const State<D>& state, const Drive<D>&
   return force;
 }
 
-/// What accelerations are held against [m/s2]: gravity, or the forces from outside spread over the soil's height.
+/// Reference acceleration [m/s2]: gravity, or the forces from outside spread over the soil's height.
 template <int D>
 double reference_acceleration(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive) {
   double reference = setup.gravity.norm();
@@ -84,7 +84,7 @@ Unrest unrest(const Setup<D>& setup, const State<D>& state, const Drive<D>& driv
   return unrest<D>(setup, state, std::span<const Vec<D>>(force), reference);
 }
 
-/// Forgets all motion.
+/// Sets all velocities to zero.
 template <int D>
 void stop(const Setup<D>& setup, State<D>& state) {
   for (auto& v : state.particles.velocity) v.setZero();
