@@ -166,7 +166,7 @@ void fill_nodes(const Particles<D>& p, Neighbourhood<D>& near, const VecArray<D>
       const WallShear<D> shear = wall_shear<D>(p.stress[rule.parent], wall.normal, reach, body[rule.parent]);
       node.flux -= 2.0 * shear.excess(wall.friction) * (wall.share * shear.traction) * row.transpose();
       if (rule.n_crossings > 1 || p.slip[rule.parent].isZero(0.0)) continue;
-      // What slips is mirrored along the wall as at a roller: soil that spreads on it is held by friction only.
+      // Slipping soil is mirrored along the wall as at a roller: only friction resists soil that spreads on it.
       const Mat<D> along = (Mat<D>::Identity() - wall.normal * wall.normal.transpose()) * rule.map.transpose();
       node.flux += rule.slip * nodes[rule.parent].flux * along;
       node.gradient += rule.slip * nodes[rule.parent].gradient * along;

@@ -13,8 +13,8 @@ namespace {
 
 constexpr double tile_reach = 6.0;  // skins by which particles of tiles that do not touch are farther apart than 2 h
 
-/// What the particles of a tile, as wide as that and two smoothing lengths, have moved by since the lists were built:
-/// from `low` to `high` [m].
+/// Range of the displacements since the lists were built, from `low` to `high` [m], of the particles of a tile that is
+/// as wide as the skin and two smoothing lengths.
 template <int D>
 struct Moved {
   Vec<D> low = Vec<D>::Constant(std::numeric_limits<double>::infinity()), high = -low;
@@ -22,7 +22,7 @@ struct Moved {
     low = low.cwiseMin(other.low);
     high = high.cwiseMax(other.high);
   }
-  /// The most that two particles, one of either, can have moved against each other.
+  /// Bound of the relative displacement of two particles, one of each tile.
   [[nodiscard]] double against(const Moved& other) const {
     return (high - other.low).cwiseMax(other.high - low).cwiseMax(0.0).norm();
   }
@@ -47,10 +47,10 @@ class Tiles {
     }
     n_ = static_cast<std::size_t>(all);
   }
-  /// Not so where grains have flown far: lists are built anew then as if there were no tiles.
+  /// False where grains have flown so far that tiles would be too many: lists are then rebuilt as without tiles.
   [[nodiscard]] bool are_few() const { return n_ > 0; }
 
-  /// Whether all that has moved stays within the skin of what has moved near it.
+  /// Whether relative displacements between each tile and its neighbours stay within the skin.
   [[nodiscard]] bool move_along(const Particles<D>& p, const Neighbourhood<D>& near, double skin) const {
     const std::size_t n = p.size(), parts = near.pairs.n_parts();
     std::vector<std::vector<Moved<D>>> moved(parts, std::vector<Moved<D>>(n_));

@@ -20,7 +20,7 @@ struct PairKernel {
   }
 };
 
-/// What the pressure's gradient reads of a particle or an image, packed.
+/// Data of a particle or an image that the pressure gradient reads, packed.
 template <int D>
 struct alignas(32) Soaked {
   Vec<D> position;
@@ -231,7 +231,7 @@ void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& n
                     head[N::at_rubbing] > self[N::at_rubbing] ? head[N::at_rubbing] : Lanes{} + self[N::at_rubbing];
                 const LaneMask rubs = rubbing > 0.0;
                 if (any(rubs)) {
-                  // Implicit in the pair: grains that meet closely, or have swollen, would be thrown back.
+                  // Implicit in the pair: explicitly, grains that meet closely, or have swollen, would rebound.
                   const Lanes stop = step * collision * share *
                                      (volume / head[N::at_density] + head[N::at_volume] / self[N::at_density]);
                   resist *= rubs ? collision / (1.0 - stop) : viscous;

@@ -18,12 +18,12 @@ struct alignas(64) Rows {
   }
 };
 
-/// Either row of a pair will do: what is beyond a multiple of four in the one is put off to the other, which comes
-/// later, so that hardly any row is filled up (a sixth of all entries, else).
+/// A pair may stand in either of its two rows. Entries beyond a multiple of four in one row are moved to the other,
+/// later row, so that hardly any row needs filling up (otherwise a sixth of all entries).
 class PutOff {
  public:
   PutOff(Index first, Index last) : first_(first), newest_(last - first, none) {}
-  /// Row i, which begins at `begin`, takes what was put off to it and puts off what it can: to rows that may take more.
+  /// Row i, which begins at `begin`, takes the entries moved to it and moves its own excess to later rows of the part.
   template <class MayTake>
   void even_out(Index i, std::size_t begin, const MayTake& may_take, std::vector<Index>& index) {
     std::size_t own = index.size();
@@ -50,7 +50,7 @@ class PutOff {
   std::vector<Pair> pairs_;
 };
 
-/// Still particles that have others in range.
+/// Particles at rest that have others in range.
 std::vector<char> reached(const std::vector<Rows>& parts, std::size_t n_real, const auto& still) {
   std::vector<char> near(n_real, 0);
   for (const auto& rows : parts)

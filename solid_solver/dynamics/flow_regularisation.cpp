@@ -28,7 +28,7 @@ constexpr double full_weight = 3.5;
 template <int D>
 constexpr int n_components = D == 2 ? 4 : 6;
 
-/// What the sums read of nodes, four at a time.
+/// Data of a node that the sums read, packed.
 template <int D>
 void fill_grains(const State<D>& state, Scratch<D>& scratch) {
   const auto& p = state.particles;
@@ -109,8 +109,8 @@ void stress_slopes(const State<D>& state, Scratch<D>& scratch) {
     scratch.grains[j].slope = scratch.grains[state.near.images[j - n].parent].slope;
 }
 
-/// Kernel sums around the particles that flow (Around): what neighbours' linear stresses do not explain, how much
-/// larger the neighbours' volumes are, how crowded and how covered each place is.
+/// Kernel sums around the particles that flow (Around): departure of their stress from the neighbours' linear fields,
+/// relative excess of the neighbours' volumes, gradient of the packing, and sum V W.
 template <int D>
 const Sums<Around<D>::size>* sum_neighbours(const State<D>& state, double h, Scratch<D>& scratch) {
   using G = Grain<D>;
@@ -184,8 +184,8 @@ const Sums<Around<D>::size>* sum_neighbours(const State<D>& state, double h, Scr
   return sums;
 }
 
-/// Stresses and volumes of a batch as its surroundings want them, before the model has its say; moves [m]: by how much
-/// its particles are shifted.
+/// Regularised stresses and volumes of a batch, before the constitutive model is applied; moves [m]: displacements of
+/// its particles.
 template <int D>
 void even_out(const Setup<D>& setup, double interval, const State<D>& state, const Sums<Around<D>::size>* sums,
               Batch& batch, std::array<Quad, D>* moves) {

@@ -77,7 +77,8 @@ void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& 
   if (setup.counts_impulses) state.from_outside += dt * force_from_outside(setup, state, drive);
   for_rows(state.near.pairs, 0, p.free(), [&](std::size_t i) {
     if (state.regions.sleeps(i)) {
-      // Lets waves through: a push of the neighbours moves it as fast as a wave would, until that is seen for a change.
+      // Transmits waves: a force of the neighbours moves a sleeper as fast as a wave would, until it counts as a
+      // disturbance.
       const Vec<D> push = p.volume[i] * state.force[i].internal() - state.regions.mark[i];
       const double let_through = 0.5 * setup.stabilisers.sound_speed / setup.spacing;
       p.velocity[i] = (p.velocity[i] + dt / p.mass[i] * push) / (1.0 + dt * let_through);

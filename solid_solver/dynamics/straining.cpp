@@ -5,15 +5,15 @@
 namespace poretwin::solid {
 namespace {
 
-/// Trial strains, stresses that have turned, and the volumes that go with the strains.
+/// Trial strains, rotated stresses, and the volumes that follow from the strains.
 template <int D>
 void follow(const Setup<D>& setup, double dt, const State<D>& state, Batch& batch) {
   const Particles<D>& p = state.particles;
   const Index soil = batch.soil;
   const double density = setup.density[soil], grain_density = setup.grain_density[soil],
                grain_share = setup.grain_share[soil];
-  // Mass kept: n_s = m / (rho_s V), Eq. (50) by its rate. Bounded: a crack that opens is not porosity, and grains
-  // that strike together keep a tenth of their pores.
+  // Conserves mass: n_s = m / (rho_s V), Eq. (50) by its rate. Bounded, since an opening crack is not porosity, and
+  // colliding grains keep a tenth of their pores.
   constexpr double pores_left = 0.1;
   run_lanes([&]() __attribute__((always_inline)) {
     for (std::size_t q = 0; q < batch.n_fours(); ++q) {
@@ -26,8 +26,8 @@ void follow(const Setup<D>& setup, double dt, const State<D>& state, Batch& batc
       take_each(p.mass, i, mass);
       take_each(p.volume, i, volume);
       const Lanes reference = mass / density, grains = mass / grain_density;
-      // Dilation ends by the void ratio at the start: by that at the end it would begin and end with every
-      // displacement that a search for equilibrium tries.
+      // Dilation ends at a limit of the void ratio at the start of the step. With the one at the end it would start and
+      // stop with every displacement that a search for equilibrium tries.
       take_each(state.external.saturation, i, four.saturation);
       four.void_ratio = volume / (grain_share * grains) - 1.0;
       Lanes rate{}, closest = grains + pores_left * (reference - grains);

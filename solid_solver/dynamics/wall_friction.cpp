@@ -3,7 +3,7 @@
 namespace poretwin::solid {
 namespace {
 
-/// Calls visit(image, node, weight) for the images that particle i sees, weight = V W'/r (x_i - x_j) [1/m].
+/// Calls visit(image, node, weight) for the images that act on particle i, weight = V W'/r (x_i - x_j) [1/m].
 template <int D, class Visit>
 void for_each_image(const State<D>& state, std::size_t i, Visit&& visit) {
   const std::size_t n = state.particles.size();
@@ -16,7 +16,8 @@ void for_each_image(const State<D>& state, std::size_t i, Visit&& visit) {
   }
 }
 
-/// How much a slip changes the soil's velocity gradient across the wall, d(dv_t/dn)/ds [1/m], at particle i; negative.
+/// Derivative of the soil's velocity gradient across the wall with respect to the wall slip, d(dv_t/dn)/ds [1/m], at
+/// particle i; negative.
 template <int D>
 double effect_of_slip(const State<D>& state, std::size_t i, const Vec<D>& normal) {
   const Vec<D> row = state.nodes[i].correction() * normal;

@@ -23,9 +23,9 @@ Cone DruckerPragerSoil::cone(const Condition& condition) const {
 
 namespace {
 
-// All below of one particle or of four (InOnes or InFours).
+// The functions below treat one particle or four (InOnes or InFours).
 
-/// As Cone.
+/// The constants of Cone, for one particle or four.
 template <class In>
 struct Cones {
   using Number = typename In::Number;
@@ -53,7 +53,7 @@ template <class In>
   min_in_place(new_j, j);
   const typename In::Mask onto_cone = (f > 0.0) & (along_potential <= limit);
   new_j = onto_cone ? j - shear * multiplier : new_j;
-  // Pure tension takes no shear; the smallest number still says that the soil yielded.
+  // Pure tension needs no shear: the smallest number still marks that the soil yielded.
   plastic = (j - new_j) / (shear * std::numbers::sqrt3);
   max_in_place(plastic, Number{} + std::numeric_limits<double>::min());
   const typename In::Mask yields = (f > 0.0) | (i1 > limit);

@@ -1,4 +1,4 @@
-// Which constitutive model each value of solid.model means, one line per model, and what they have in common.
+// The constitutive model behind each value of solid.model, one line per model, and what they have in common.
 #include "solid_solver/material/drucker_prager.hpp"
 #include "solid_solver/material/drucker_prager_rate.hpp"
 #include "solid_solver/material/elastic.hpp"

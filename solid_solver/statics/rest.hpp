@@ -40,7 +40,7 @@ double critical_rate(const State<D>& state, const VecArray<D>& before, const Vec
   return heavy > 0.0 ? 2.0 * std::sqrt(std::max(0.0, stiff / (dt * heavy))) : 0.0;
 }
 
-/// Share of a new rate that enters the damping in a step, once something yields: a memory of about twenty steps.
+/// Weight of a new rate in the damping, once something yields: an average over about twenty steps.
 inline constexpr double damping_follows = 0.05;
 
 /// Largest displacement since `start` [m].
@@ -54,9 +54,9 @@ double farthest_moved(const State<D>& state, const VecArray<D>& start) {
 
 /// Dynamic relaxation from the present state under the forces that external(drive, rebuilt) fills after every step. The
 /// damping is critical for the lowest frequency that the motion shows, at least for the slowest mode of a column as
-/// high as the soil; from the first yielding on it follows the softer soil, down to a fiftieth of that: soil that can
-/// stand is found in fewer steps, and soil that cannot runs away instead of creeping. Velocities serve the search and
-/// are cleared at its end. show(report) sees every hundredth step and the last.
+/// high as the soil; from the first yielding on it follows the softer soil, down to a fiftieth of that: stable soil
+/// comes to rest in fewer steps, and unstable soil accelerates visibly. Velocities serve the search only and are
+/// cleared at its end. show(report) sees every hundredth step and the last.
 template <int D, class ExternalForce, class Show>
 RestReport find_rest(const Setup<D>& setup, const RestSearch& search, State<D>& state, ExternalForce&& external,
                      Show&& show) {

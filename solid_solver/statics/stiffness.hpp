@@ -1,5 +1,4 @@
-// What soil that does not yield resists displacements with, about: the preconditioner of the search for its
-// equilibrium.
+// Approximate stiffness of soil that does not yield: the preconditioner of the search for its equilibrium.
 #pragma once
 
 #include "solid_solver/setup.hpp"
@@ -9,24 +8,23 @@
 
 namespace poretwin::solid {
 
-/// The elastic operator without what couples the axes, (M - G) d2/dx_a2 + G lap for the displacement along axis a
-/// (second derivatives: Espanol & Revenga 2003), on the soil's points as they were laid, plus a given resistance
-/// [N/m] of each particle; one sparse Cholesky factor an axis. Its eigenvalues are those of the elastic operator
-/// within a factor that Poisson's ratio sets, whatever the size (Korn's inequality). The factors have one pattern and
-/// are kept side by side, rounded to floats: what they are multiplied to is symmetric and positive still, and solving
-/// is a matter of reading them.
+/// The elastic operator without the terms that couple the axes, (M - G) d2/dx_a2 + G lap for the displacement along
+/// axis a (second derivatives: Espanol & Revenga 2003), on the soil's initial points, plus a given resistance [N/m] of
+/// each particle; one sparse Cholesky factor an axis. Its eigenvalues are those of the elastic operator within a factor
+/// that Poisson's ratio sets, whatever the size (Korn's inequality). The factors have one pattern and are stored
+/// interleaved, in floats: their product stays symmetric and positive, and the time of a solve is that of reading them.
 template <int D>
 class Stiffness {
  public:
-  /// lattice [m]: the places of all particles, as they were laid; others than these do not enter, so that a run that
-  /// goes on from a checkpoint has the same operator to the bit.
+  /// lattice [m]: initial positions of all particles. No later ones enter, so that a resumed run has the same operator
+  /// to the bit.
   Stiffness(const Setup<D>& setup, const Particles<D>& particles, const VecArray<D>& lattice, ScalarArray resistance);
-  /// Displacements [m] that would balance the forces [N], about.
+  /// Approximate displacements [m] that balance the forces [N].
   [[nodiscard]] VecArray<D> displacements(const VecArray<D>& forces) const;
   /// The work [J] that the forces [N] would do on these displacements. Half of the solve for them suffices.
   [[nodiscard]] double work(const VecArray<D>& forces) const;
-  /// How far from rest soil is on whose forces that displacement would do this work [J]: the error of its stress in
-  /// the energy's norm, over the stress that the reference acceleration [m/s2], upwards, makes.
+  /// Departure from rest, for forces that do this work [J] on their displacements: the error of stress in the energy's
+  /// norm, over the stress that the reference acceleration [m/s2], upwards, makes.
   [[nodiscard]] double departure(double work, double reference) const {
     return std::sqrt(std::max(0.0, work) / unit_work_) / reference;
   }
