@@ -69,7 +69,7 @@ bool surfaces_carry_nothing(const Case& scene, const Setup<D>& setup) {
 }
 
 /// Courant number of the substeps of soil that moves (theory_solid.md, "Courant number"). Measured limits: 1.07 at tips
-/// of wedges that walls by images cut off, 1.24 at faces, 1.6 in disordered soil with soft edges, 1.5 of that in 3D.
+/// of wedges that walls by images cut off, 1.24 at faces, 1.6 in disordered soil with soft edges (3D: 1.5).
 template <int D>
 double courant_number(const Case& scene, const Setup<D>& setup) {
   if (scene.coupled()) return careful;

@@ -13,8 +13,8 @@ namespace {
 
 constexpr double tile_reach = 6.0;  // skins by which particles of tiles that do not touch are farther apart than 2 h
 
-/// Range of the displacements since the lists were built, from `low` to `high` [m], of the particles of a tile that is
-/// as wide as the skin and two smoothing lengths.
+/// Range of the displacements since the lists were built, from `low` to `high` [m], of the particles of a tile, whose
+/// width is tile_reach and two smoothing lengths.
 template <int D>
 struct Moved {
   Vec<D> low = Vec<D>::Constant(std::numeric_limits<double>::infinity()), high = -low;
