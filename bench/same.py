@@ -30,7 +30,7 @@ import tomllib
 from kill import differences
 
 PROGRAMS = ["poretwin", "poretwin-fluid", "poretwin-solid", "poretwin-coupler"]
-TIMES = ("_s", "_bytes")  # counters that end so are not results
+NO_RESULTS = ("_s", "_bytes")  # counters that end so, and checkpoints, which are taken by the clock
 
 
 def cases_of(build):
@@ -115,7 +115,7 @@ def left_by(build, case, out, seconds):
 def counted(file):
     summary = json.loads(file.read_text())
     return {name: value for name, value in (summary["steps"] | summary["counters"]).items()
-            if not name.startswith("bytes") and not name.endswith(TIMES)}
+            if name != "checkpoints" and not name.startswith("bytes") and not name.endswith(NO_RESULTS)}
 
 
 def compared(old, new, case):
