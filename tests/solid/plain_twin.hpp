@@ -40,7 +40,8 @@ TwinResult<D> plain_twin(const Setup<D>& setup, const State<D>& state) {
       const double hourglass_level = std::min(a.hourglass_level, b.hourglass_level);
       if (hourglass_level == Node<D>::elastic) {
         const Vec<D> linear = 0.5 * (a.deformation + b.deformation) * r;
-        internal += s.stiffness * s.modulus * b.volume * derivative * (displacement(i) - displacement(j) - linear);
+        internal +=
+            s.hourglass_stiffness * s.modulus * b.volume * derivative * (displacement(i) - displacement(j) - linear);
       }
       const double share = b.volume * derivative * (a.density + b.density);
       const Vec<D> rest = u - 0.5 * (a.gradient + b.gradient) * r;
