@@ -23,7 +23,6 @@ import signal
 import struct
 import subprocess
 import sys
-import tempfile
 import time
 import tomllib
 
@@ -46,9 +45,8 @@ def fingerprint(build, case):
 
 def verify(build, case, out):
     """Every short run of the case below out / case. The verdict does not matter here: a missed bound is to be the same, too."""
-    with tempfile.TemporaryDirectory() as elsewhere:  # where no cases/ come before the build's own
-        subprocess.run([build / "bin" / "poretwin", "verify", case, "--short", "--out", out], cwd=elsewhere,
-                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
+    subprocess.run([build / "bin" / "poretwin", "verify", cases_of(build) / case, "--short", "--out", out],
+                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
 
 
 def state_in(data):
@@ -152,6 +150,9 @@ def main():
     a = parser.parse_args()
     old, new, out = a.old.resolve(), a.new.resolve(), a.out.resolve()
     cases = a.cases or sorted(file.parent.name for file in cases_of(old).glob("*/verify.toml"))
+    for case in cases:
+        if not (cases_of(old) / case / "verify.toml").exists():
+            parser.error(f"{case}: no such case below {cases_of(old)}, or none with a verify.toml")
     different, seen = False, 0
     for case in cases:
         left_by(old, case, out / "old" / case, a.checkpoints)
