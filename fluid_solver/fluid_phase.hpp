@@ -63,6 +63,7 @@ class Fluid final : public Phase {
   /// deformation beyond the prediction.
   bool is_drag_dominated(const SoilView<D>& soil, std::size_t a) const;
   bool all_quasi_static(const SoilView<D>& soil) const;
+  ScalarArray unseen_strain_rate(const Stencil<D>& s, const SoilView<D>& soil, double interval);
   ScalarArray deferred_divergence(const Stencil<D>& s, const SoilView<D>& soil, double interval) const;
   [[nodiscard]] bool open_water() const;
   [[nodiscard]] double packing_error(const Stencil<D>& s, std::size_t a, double full) const;

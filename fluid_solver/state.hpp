@@ -33,8 +33,9 @@ struct Particles {
   ScalarArray mask;              ///< soil membership
   std::vector<char> in_seepage;  ///< 1: in the seepage regime; 0: it moves and has a surface as free water
   OrZero<double> void_volume;    ///< of the water, opened by cavitation, m^D
-  OrZero<double>
-      deferred_strain;     ///< volumetric strain of the soil beyond the prediction, not yet applied to the water
+  /// Volumetric strain of the soil not yet applied to the water: beyond the prediction; by the soil's own account
+  /// beyond what its mapped motion shows, with the mean rate of that [1/s].
+  OrZero<double> deferred_strain, unseen_strain, unseen_rate;
   VecArray<D> birthplace;  ///< m: a particle that never moved has no packing to repair
   ScalarArray row;         ///< thickness of the row of surface particles it lies in, in spacings
   std::vector<Surface> surface;
@@ -67,6 +68,8 @@ struct Particles {
     visit_if_there(entrained_fraction);
     visit_if_there(void_volume);
     visit_if_there(deferred_strain);
+    visit_if_there(unseen_rate);
+    visit_if_there(unseen_strain);
   }
 
   /// Room for n particles, and no more than a sixteenth beside them for those to come: arrays that doubled would stand
@@ -92,7 +95,9 @@ struct Particles {
     for (auto* array :
          {&solid_velocity, &solid_change, &surface_gradient, &drag_impulse, &coupling_force, &previous_coupling_force})
       array->grow();
-    for (auto* array : {&surface_share, &entrained_fraction, &void_volume, &deferred_strain}) array->grow();
+    for (auto* array :
+         {&surface_share, &entrained_fraction, &void_volume, &deferred_strain, &unseen_rate, &unseen_strain})
+      array->grow();
   }
 
   /// Keeps the particles for which keep[a], in order.

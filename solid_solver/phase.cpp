@@ -319,6 +319,7 @@ bool Solid<D>::sleeps_on(Drive<D>& drive, const OrZero<Vec<D>>& gradient, const 
     return false;
   }
   for (auto* still : {&state_.mean_velocity, &state_.returned_impulse}) *still = {};
+  state_.dilation = {};
   state_.external.pressure_gradient = gradient;
   store_water_force(gradient, impulse, window.interval);
   state_.time = window.time + window.interval;
@@ -442,6 +443,8 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
       state_.returned_impulse.values()[i][d] = beyond * given[i * D + static_cast<std::size_t>(d)];
   std::fill(state_.yielded.begin(), state_.yielded.end(), char{0});
   state_.plastic_shear_ratio.allocate(tracks ? n : 0);
+
+  state_.dilation.allocate(tracks ? n : 0);
   state_.any_yielded = false;
   if (rests) {
     wake_regions(setup_, state_);
@@ -667,7 +670,7 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
   const ScalarArray plastic_before = p.plastic_strain;
   VecArray<D> position_cache(n);
   // What holds dilation back: a modulus times what the volume's strain departs by from the predicted one.
-  const ScalarArray volume = answers.empty() ? ScalarArray() : p.volume;
+  const ScalarArray volume = p.volume;
   const ScalarArray strain_due = answers.empty() ? ScalarArray() : predicted_strain(interval, tracking);
   auto external = [&](Drive<D>& drive, bool rebuilt) {
     if (rebuilt && !setup_.loads.empty()) drive.traction = load_forces<D>(setup_, state_, end - 1e-9 * std::abs(end));
@@ -728,6 +731,8 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
     }
     state_.sleep.saturation = state_.external.saturation;
     moved = report.steps > 0;
+    state_.dilation.allocate(n);
+    for (std::size_t i = 0; i < n; ++i) state_.dilation.set(i, std::log(p.volume[i] / volume[i]));
     if (moved) keep_flow_regular(setup_, interval, state_);
     evaluate = rebuild_if_moved(setup_, state_) || moved || evaluate;
     state_.motion.steps += static_cast<double>(report.steps);
@@ -849,6 +854,8 @@ Publication Solid<D>::publish() const {
   };
   vectors(field::solid_velocity, moved(p.velocity));
   vectors(field::mean_solid_velocity, moved(state_.mean_velocity));
+  scalars(field::volumetric_strain_rate,
+          [&](std::size_t i) { return state_.last_interval > 0.0 ? state_.dilation[i] / state_.last_interval : 0.0; });
   const VecArray<D> load = load_forces<D>(setup_, state_, state_.time + 1e-9 * std::abs(state_.time));
   vectors(field::unbalanced_force, [&](std::size_t i) -> Vec<D> {
     const std::size_t j = parent(i);

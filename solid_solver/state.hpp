@@ -283,6 +283,7 @@ struct State {
   OrZero<double> backing;       ///< Pa, even in all directions, which the forces count beside the effective stress
   External<D> external;
   OrZero<Vec<D>> mean_velocity;      ///< m/s over the last window, of coupled soil
+  OrZero<double> dilation;           ///< volumetric strain by motion in the last window, of coupled soil
   OrZero<Vec<D>> returned_impulse;   ///< N s, last window
   Vec<D> received = Vec<D>::Zero();  ///< N s, from the water in all windows but for what is returned of the last one
   Vec<D> from_outside = Vec<D>::Zero();  ///< N s, of weight, loads and walls; where a gauge asks for it

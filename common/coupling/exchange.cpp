@@ -27,6 +27,7 @@ std::vector<FieldSpec> standard_fields(Role giver, int dimension) {
   return {
       spec(field::solid_velocity, "m/s", dimension),
       spec(field::mean_solid_velocity, "m/s", dimension),
+      spec(field::volumetric_strain_rate, "1/s", 1),
       spec(field::unbalanced_force, "N/m3", dimension),
       spec(field::solid_volume_fraction, "1", 1),
       spec(field::grain_density, "kg/m3", 1),

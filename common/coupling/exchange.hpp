@@ -51,6 +51,8 @@ inline constexpr std::string_view surface_gradient = "surface_gradient";  // Pa/
 // solid -> fluid
 inline constexpr std::string_view solid_velocity = "solid_velocity";            // m/s at the window's end
 inline constexpr std::string_view mean_solid_velocity = "mean_solid_velocity";  // m/s, mean over the window
+inline constexpr std::string_view volumetric_strain_rate =
+    "volumetric_strain_rate";  // 1/s, mean over the window, expansion positive
 inline constexpr std::string_view unbalanced_force =
     "unbalanced_force";  // N/m3: div sigma' + traction + weight + pressure and drag at the window's end
 inline constexpr std::string_view solid_volume_fraction = "solid_volume_fraction";  // n_s = 1 - porosity

@@ -31,6 +31,7 @@ struct SoilView {
   OrZero<double> plastic_shear_ratio;  ///< [n] plastic over all shear strain of the soil's last window
   OrZero<Vec<D>> velocity;             ///< [n] v_s, m/s
   OrZero<Vec<D>> mean_velocity;        ///< [n] over the soil's last window, m/s
+  OrZero<double> strain_rate;  ///< [n] of the skeleton's volume over that window, by the soil's own account, 1/s
   OrZero<Vec<D>> force;  ///< [n] r: unbalanced force per volume with the soil's weight, no pressure, no drag, N/m3
   /// Where a window is repeated: the mean velocity that the last pass found, m/s, and the unbalanced force that it
   /// left, without pressure and drag, N/m3.
@@ -170,12 +171,14 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::sp
   soil.resize(n);
   const auto& fraction = inbox.at(field::solid_volume_fraction).values;
   const auto& grain = inbox.at(field::grain_density).values;
+  const auto& strain_rate = inbox.at(field::volumetric_strain_rate).values;
   const auto& modulus = inbox.at(field::constrained_modulus).values;
   const auto& yielding = inbox.at(field::yielding).values;
   const auto& conductivity = inbox.at(field::hydraulic_conductivity).values;
   const auto& quadratic = inbox.at(field::forchheimer_coefficient).values;
   const double weight = porous::specific_weight(scene);
-  for (auto* values : {&soil.coverage, &soil.density, &soil.modulus, &soil.plastic_shear_ratio}) values->allocate(n);
+  for (auto* values : {&soil.coverage, &soil.density, &soil.strain_rate, &soil.modulus, &soil.plastic_shear_ratio})
+    values->allocate(n);
   for (auto* values : {&soil.velocity, &soil.mean_velocity, &soil.force, &soil.returned_impulse}) values->allocate(n);
   const auto vector = [](const Field& from, std::size_t a) {
     return Vec<D>(Eigen::Map<const Vec<D>>(from.values.data() + a * D));
@@ -202,6 +205,7 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::sp
     if (n_s < least_solid_fraction || !(conductivity[a] > 0.0)) continue;
     soil.velocity.set(a, vector(velocity, a));
     soil.mean_velocity.set(a, vector(mean_velocity, a));
+    soil.strain_rate.set(a, strain_rate[a]);
     soil.force.set(a, mask * vector(force, a));
     if (repeated) {
       soil.found_velocity.set(a, vector(inbox.found_at(field::mean_solid_velocity), a));

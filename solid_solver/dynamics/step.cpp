@@ -118,6 +118,7 @@ void deform(const Setup<D>& setup, double dt, State<D>& state) {
     const Vec<D> moved = dt * p.velocity[i];
     p.position[i] += moved;
     p.displacement[i] += moved;
+    if (state.dilation.is_allocated()) state.dilation.values()[i] += dt * state.nodes[i].gradient.trace();
     // Of du/dx at a place that moves along: d(1 - F^-1)/dt = F^-1 L.
     Node<D>& node = state.nodes[i];
     node.deformation += dt * (node.gradient - node.deformation * node.gradient);

@@ -82,6 +82,12 @@ Consolidation consolidate(const Options& options) {
     };
     vertical(coupling::field::solid_velocity, soil.v, true);
     vertical(coupling::field::mean_solid_velocity, soil.mean, true);
+    coupling::Field expansion{std::string(coupling::field::volumetric_strain_rate), 1, std::vector<double>(n)};
+    for (std::size_t a = 0; a < n; ++a)
+      expansion.values[a] = (soil.sample(soil.mean, p.position[a].y() + 0.5 * soil.spacing, true) -
+                             soil.sample(soil.mean, p.position[a].y() - 0.5 * soil.spacing, true)) /
+                            soil.spacing;
+    box.fields.push_back(expansion);
     vertical(coupling::field::unbalanced_force, soil.unbalanced(), false);
     scalar(coupling::field::solid_volume_fraction, soil.solid_fraction);
     scalar(coupling::field::grain_density, soil.grain_density);
@@ -230,6 +236,7 @@ coupling::Inbox soil_below(const Fluid<2>& fluid, double top) {
   for (const auto& name : {coupling::field::solid_velocity, coupling::field::mean_solid_velocity,
                            coupling::field::unbalanced_force, coupling::field::returned_impulse})
     fill(name, 2, 0.0);
+  fill(coupling::field::volumetric_strain_rate, 1, 0.0);
   fill(coupling::field::solid_volume_fraction, 1, 0.6);
   fill(coupling::field::grain_density, 1, 2600.0);
   fill(coupling::field::constrained_modulus, 1, 4e6);
@@ -355,6 +362,7 @@ struct Exchange {
     };
     vector(coupling::field::solid_velocity, v);
     vector(coupling::field::mean_solid_velocity, v);
+    scalar(coupling::field::volumetric_strain_rate, 0.0);
     vector(coupling::field::unbalanced_force, force);
     scalar(coupling::field::solid_volume_fraction, 0.6);
     scalar(coupling::field::grain_density, 2600.0);

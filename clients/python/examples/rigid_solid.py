@@ -33,6 +33,7 @@ class RigidSolid(poretwin.Phase):
         self.fields = {
             "solid_velocity": still,
             "mean_solid_velocity": still,
+            "volumetric_strain_rate": np.zeros(len(self.points)),
             "unbalanced_force": still,
             "solid_volume_fraction": 1.0 - of_soil("porosity", 0.4),
             "grain_density": np.full(len(self.points), UNMOVABLE),

@@ -37,6 +37,7 @@ def standard_fields(role: str, dimension: int) -> list[Field]:
     return [
         Field("solid_velocity", "m/s", dimension),
         Field("mean_solid_velocity", "m/s", dimension),
+        Field("volumetric_strain_rate", "1/s"),
         Field("unbalanced_force", "N/m3", dimension),
         Field("solid_volume_fraction", "1"),
         Field("grain_density", "kg/m3"),
