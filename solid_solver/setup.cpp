@@ -69,7 +69,7 @@ bool surfaces_carry_nothing(const Case& scene, const Setup<D>& setup) {
   return plain && std::ranges::all_of(setup.loose_friction, [](float tangent) { return tangent > 0.0F; });
 }
 
-/// Of the substeps of soil that moves (theory_solid.md, "Courant number"). The shortest are asked for by tips of wedges
+/// Of the substeps of soil that moves (docs/theory/steps.md). The shortest are asked for by tips of wedges
 /// that walls by images cut off, 1.07; faces bear 1.24, disordered soil with soft edges 1.6, in 3D 1.5.
 template <int D>
 double courant_number(const Case& scene, const Setup<D>& setup) {
