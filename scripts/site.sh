@@ -41,10 +41,13 @@ for line in (pages / "docs/index.md").read_text().splitlines():
     elif line.startswith("| ["):
         for words, target in re.findall(r"\[([^]]+)\]\(([^)]+)\)", line.split("|")[1]):
             path = (pages / "docs" / target).resolve().relative_to(pages.resolve()).as_posix()
-            rest = sorted(p for p in (pages / path).parent.glob("*.md") if p.name not in ("index.md", "README.md"))
-            whole = path.endswith(("theory/index.md", "notebook/README.md", "decisions/README.md"))
-            nav[-1][next(iter(nav[-1]))].append({words: [path] + [p.relative_to(pages).as_posix() for p in rest]} if whole else {words: path})
-settings = {"site_name": "poretwin", "docs_dir": "pages", "theme": {"name": "readthedocs"}, "use_directory_urls": False, "nav": nav,
+            if not path.endswith(("theory/index.md", "notebook/README.md", "decisions/README.md")):
+                nav[-1][next(iter(nav[-1]))].append({words: path})
+                continue
+            chapters = re.findall(r"\]\(([\w-]+\.md)\)", (pages / path).read_text())  # as the section's own page orders them
+            folder = path.rpartition("/")[0]
+            nav[-1][next(iter(nav[-1]))].append({words: [path, *(f"{folder}/{c}" for c in dict.fromkeys(chapters) if c != "paper.md")]})
+settings = {"site_name": "poretwin", "docs_dir": "pages", "theme": {"name": "mkdocs"}, "use_directory_urls": False, "nav": nav,
             "markdown_extensions": [{"toc": {"permalink": True}}, "tables", "fenced_code", "sane_lists"]}
 (pages.parent / "mkdocs.yml").write_text(yaml.safe_dump(settings, sort_keys=False))
 EOF
