@@ -1,8 +1,8 @@
-// Iterations and seconds of the pressure solve against size, on the diagonal, with patches, by multigrid: a tank and a
-// Darcy column, in disorder; what a product with the matrix and a cycle cost a particle. Not a test: run by hand.
-#include "fluid_solver/multigrid.hpp"
-#include "fluid_solver/operators.hpp"
-#include "fluid_solver/patches.hpp"
+// Iterations and seconds of the pressure solve against size, on the diagonal, with aggregates, by multigrid: a tank and
+// a Darcy column, in disorder; what a product with the matrix and a cycle cost a particle. Not a test: run by hand.
+#include "common/numerics/aggregates.hpp"
+#include "common/numerics/multigrid.hpp"
+#include "fluid_solver/discretisation/operators.hpp"
 
 #include <algorithm>
 #include <cstdio>
@@ -60,9 +60,9 @@ void measure(std::size_t n, bool layered) {
   const double diagonal = cpu() - t;
   std::fill(p.begin(), p.end(), 0.0);
   t = cpu();
-  Patches<D> patches(x, dx * std::pow(static_cast<double>(x.size()), 0.5 / D),
-                     [&](std::size_t a) { return x[a][D - 1] <= 1.0 - 1.2 * dx; });
-  patches.factorise([&](std::size_t a, const auto& add) {
+  Aggregates<D> aggregates(x, dx * std::pow(static_cast<double>(x.size()), 0.5 / D),
+                           [&](std::size_t a) { return x[a][D - 1] <= 1.0 - 1.2 * dx; });
+  aggregates.factorise([&](std::size_t a, const auto& add) {
     add(a, A.diagonal[a]);
     for (std::size_t k = A.begin(a); k < A.end(a); ++k) add(A.column(a, k), -static_cast<double>(A.weight[k]));
   });
@@ -70,10 +70,10 @@ void measure(std::size_t n, bool layered) {
       apply,
       [&](std::span<const double> r, std::span<double> z) {
         by_diagonal(r, z);
-        patches.template correct<1>(r, z);
+        aggregates.template correct<1>(r, z);
       },
       b, p, 1e-4 * norm(b), 5000);
-  const double in_patches = cpu() - t;
+  const double in_aggregates = cpu() - t;
   std::fill(p.begin(), p.end(), 0.0);
   t = cpu();
   Multigrid multigrid(A);
@@ -95,7 +95,7 @@ void measure(std::size_t n, bool layered) {
   const double product = nanoseconds([&] { A.apply(p, q); }), cycle = nanoseconds([&] { multigrid.cycle(b, q); });
   std::printf("| %dD %s | %zu | %.3f | %d | %.3f | %d | %.3f | %d | %.3f | %.3f | %.1f | %.1f |\n", D,
               layered ? "layered" : "tank", x.size(), stencil, plain.iterations, diagonal, corrected.iterations,
-              in_patches, quick.iterations, whole, build, product, cycle);
+              in_aggregates, quick.iterations, whole, build, product, cycle);
   std::fflush(stdout);
 }
 
@@ -103,11 +103,12 @@ void measure(std::size_t n, bool layered) {
 
 int main() {
   std::puts(
-      "Seconds of the stencil, of the solve to 1e-4 on the diagonal, with patches and by multigrid (their building "
+      "Seconds of the stencil, of the solve to 1e-4 on the diagonal, with aggregates and by multigrid (their building "
       "included), and "
       "nanoseconds a particle of a product with the matrix and of a cycle; points in disorder, one run");
   std::puts(
-      "| scene | particles | stencil | on the diagonal: iterations | s | with patches | s | by multigrid: cycles | s | "
+      "| scene | particles | stencil | on the diagonal: iterations | s | with aggregates | s | by multigrid: cycles | "
+      "s | "
       "building | product "
       "| cycle |");
   std::puts("| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |");

@@ -1,9 +1,9 @@
 // Pair loops against what this machine can do: one fused pass of density divergence, pressure gradient and Laplacian
 // over the pairs of a jittered lattice, as a neighbour list, as a list in lanes and as a half list in lanes; beside it
 // the loops of both solvers on the same points. By hand: `ninja pair_loops && bin/pair_loops [PARTICLES]`.
-#include "solid_solver/pair_loops.hpp"
-#include "fluid_solver/operators.hpp"
-#include "solid_solver/operators.hpp"
+#include "solid_solver/discretisation/pair_loops.hpp"
+#include "fluid_solver/discretisation/operators.hpp"
+#include "solid_solver/discretisation/operators.hpp"
 
 #include <fmt/format.h>
 
@@ -47,31 +47,31 @@ void plain_pass(const std::vector<Point>& points, const sph::PairList& list, dou
     for (const Index j : list.of(i)) {
       const double* const b = points[j].x;
       const double rx = b[0] - a[0], ry = b[1] - a[1], u = std::max(0.0, 1.0 - 0.5 / h * std::sqrt(rx * rx + ry * ry));
-      const double pull = scale * u * u * u * b[5], difference = b[4] - a[4];
-      divergence += pull * ((b[2] - a[2]) * rx + (b[3] - a[3]) * ry);
-      gx += pull * difference * rx;
-      gy += pull * difference * ry;
-      laplacian += 2.0 * pull * difference;
+      const double factor = scale * u * u * u * b[5], difference = b[4] - a[4];
+      divergence += factor * ((b[2] - a[2]) * rx + (b[3] - a[3]) * ry);
+      gx += factor * difference * rx;
+      gy += factor * difference * ry;
+      laplacian += 2.0 * factor * difference;
     }
     sums[i].x = {divergence, gx, gy, laplacian};
   }
 }
 
 [[gnu::always_inline]] inline void four_pairs(const double* a, const FourRows<const double>& rows, double scale,
-                                              double half_inverse, Lanes& pull, Lanes* felt, Lanes& volume) {
+                                              double half_inverse, Lanes& factor, Lanes* contribution, Lanes& volume) {
   Lanes b[8], r[2], u;
   gather<0, 8>(rows, b);
   for (int d = 0; d < 2; ++d) r[d] = b[d] - a[d];
   u = r[0] * r[0] + r[1] * r[1];
-  take_root(u);
+  sqrt_in_place(u);
   u = 1.0 - half_inverse * u;
-  raise_to(u, Lanes{});
-  pull = scale * u * u * u;
-  const Lanes difference = pull * (b[4] - a[4]);
-  felt[0] = pull * ((b[2] - a[2]) * r[0] + (b[3] - a[3]) * r[1]);
-  felt[1] = difference * r[0];
-  felt[2] = difference * r[1];
-  felt[3] = 2.0 * difference;
+  max_in_place(u, Lanes{});
+  factor = scale * u * u * u;
+  const Lanes difference = factor * (b[4] - a[4]);
+  contribution[0] = factor * ((b[2] - a[2]) * r[0] + (b[3] - a[3]) * r[1]);
+  contribution[1] = difference * r[0];
+  contribution[2] = difference * r[1];
+  contribution[3] = 2.0 * difference;
   volume = b[5];
 }
 
@@ -89,14 +89,14 @@ void lane_pass(const std::vector<Point>& points, const solid::Pairs& pairs, doub
         const double* const a = all[i].x;
         solid::for_four_pairs(
             list, i, [&](std::size_t m, bool both) __attribute__((always_inline)) {
-              Lanes pull, felt[4], volume;
-              four_pairs(a, solid::rows_at(all, &list.index[m]), scale, half_inverse, pull, felt, volume);
-              for (int n = 0; n < 4; ++n) own[n] += volume * felt[n];
+              Lanes factor, contribution[4], volume;
+              four_pairs(a, solid::rows_at(all, &list.index[m]), scale, half_inverse, factor, contribution, volume);
+              for (int n = 0; n < 4; ++n) own[n] += volume * contribution[n];
               if (!both) return;
-              felt[0] *= a[5];
-              for (int n = 1; n < 3; ++n) felt[n] *= a[5];
-              felt[3] *= -a[5];
-              scatter_add<4>(felt, solid::sums_at(sum_of, &list.index[m]));
+              contribution[0] *= a[5];
+              for (int n = 1; n < 3; ++n) contribution[n] *= a[5];
+              contribution[3] *= -a[5];
+              scatter_add<4>(contribution, solid::sums_at(sum_of, &list.index[m]));
             });
         add_lanes<4>(own, sum_of[i].x.data());
       });
@@ -166,7 +166,7 @@ int main(int argc, char** argv) {
   const auto none = [](std::size_t) { return 0.0; };
   report("fluid: pressure gradient", in_rows,
          seconds([&] { fluid::pressure_gradient<2>(s, p, none, {}, Vec<2>::Zero(), none); }), false);
-  fluid::PairMatrix matrix;
+  PairMatrix matrix;
   report("fluid: Laplacian's matrix", in_rows, seconds([&] { matrix = fluid::laplacian<2>(s, {}); }), false);
   ScalarArray y(p.size());
   report("fluid: matrix pass", in_rows,
@@ -200,7 +200,7 @@ int main(int argc, char** argv) {
     solid::internal_force<2>(nodes, around, displacement, x.size(), soil_h, stabilisers, kernel, forces);
   };
   report("solid: force, elastic", near, seconds(force), false);
-  for (auto& node : nodes) node.firmness = solid::Node<2>::flows;
+  for (auto& node : nodes) node.hourglass_level = solid::Node<2>::flows;
   report("solid: force, flowing", near, seconds(force), false);
   report("solid: velocity gradient", near, seconds([&] { solid::velocity_gradient<2>(pairs, kernel, nodes); }), false);
 }

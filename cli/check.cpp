@@ -1,9 +1,9 @@
 #include "cli/check.hpp"
 
 #include "cli/json_output.hpp"
-#include "common/case/geometry.hpp"
 #include "common/core/error.hpp"
-#include "common/porous/seepage.hpp"
+#include "common/geometry/shapes.hpp"
+#include "common/media/seepage.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>

@@ -46,10 +46,10 @@ struct Plane {
                                                Lanes& share) {
   const Lanes half = 0.5 * (c[0].v - c[2].v);
   Lanes root = half * half + c[1].v * c[1].v;
-  take_root(root);
+  sqrt_in_place(root);
   share = ((0.5 * (c[0].v + c[2].v) - root) / square - slope_off) / (slope_full - slope_off);
-  raise_to(share, Lanes{});
-  lower_to(share, Lanes{} + 1.0);
+  max_in_place(share, Lanes{});
+  min_in_place(share, Lanes{} + 1.0);
 }
 [[gnu::always_inline]] inline void slope_share(const std::array<Quad, n_upper<3>>& c, const Lanes& square,
                                                Lanes& share) {
@@ -126,7 +126,7 @@ void pack(Size n_points, Columns& out) {
   for (const Field* field : out.given) out.n += static_cast<Size>(field->components);
   out.width = (out.n + columns_at_once - 1) / columns_at_once * columns_at_once;
   out.values.resize(n_points * out.width);
-  side_by_side(n_points, worth_threads_in_points, [&](Size begin, Size end) {
+  parallel_ranges(n_points, worth_threads_in_points, [&](Size begin, Size end) {
     Size column = 0;
     for (const Field* field : out.given) {
       const Size components = static_cast<Size>(field->components);
@@ -164,14 +164,14 @@ template <int D>
     const LaneMask counts = weight[c].v > 0.0;
     const double* const value = values + near[c] * width;
     for (Size q = 0; q < columns_at_once; ++q) {
-      lower_to(low[q].v, counts ? Lanes{} + value[q] : Lanes{} + infinite);
-      raise_to(high[q].v, counts ? Lanes{} + value[q] : Lanes{} - infinite);
+      min_in_place(low[q].v, counts ? Lanes{} + value[q] : Lanes{} + infinite);
+      max_in_place(high[q].v, counts ? Lanes{} + value[q] : Lanes{} - infinite);
     }
   }
   for (Size q = 0; q < columns_at_once; ++q) {
     Lanes kept = total[q].v;
-    raise_to(kept, low[q].v);
-    lower_to(kept, high[q].v);
+    max_in_place(kept, low[q].v);
+    min_in_place(kept, high[q].v);
     total[q].v = asked ? kept : total[q].v;
   }
 }
@@ -195,7 +195,7 @@ template <int D>
         k = plane.constant;
         for (Size a = 0; a < D; ++a) k -= plane.slope[a].v * (node.x[a] - x[a].v);
         k *= weight[c].v;
-        lower_to(least, k);
+        min_in_place(least, k);
         coefficient[c].v = k;
       } else {
         k = coefficient[c].v;
@@ -229,7 +229,7 @@ template <int D>
                                                      Interpolation& out) {
   Lanes asymmetry{};
   for (Size a = 0; a < D; ++a) asymmetry += m.wr[a].v * m.wr[a].v;
-  take_root(asymmetry);
+  sqrt_in_place(asymmetry);
   const LaneMask covered = m.w.v > no_weight;
   asymmetry = covered ? asymmetry / (covered ? m.wh.v : Lanes{} + 1.0) : Lanes{};
   for (Size l = 0; l < block.used; ++l) {
@@ -272,7 +272,7 @@ Interpolation consistent(const PairBlocks<D>& pairs, std::span<const FieldGroup>
   }
   const auto* const nodes = pairs.nodes().data();
   const auto blocks = pairs.active_blocks();
-  side_by_side(blocks.size(), worth_threads_in_blocks, [&](Size begin, Size end) {
+  parallel_ranges(blocks.size(), worth_threads_in_blocks, [&](Size begin, Size end) {
     std::vector<Index> found(pairs.longest_list());
     std::vector<Quad> weighed(found.size()), masked(weighed), coefficient(weighed), total(widest);
     run_lanes([&]() __attribute__((always_inline)) {

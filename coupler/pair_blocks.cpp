@@ -1,7 +1,7 @@
 #include "coupler/pair_blocks.hpp"
 
 #include "common/core/in_lanes.hpp"
-#include "common/sph/kernel.hpp"
+#include "common/particles/kernel.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -213,11 +213,11 @@ std::size_t PairBlocks<D>::take_near(const Vec<D>& lower, const Vec<D>& upper, d
         for (Size d = 0; d < D; ++d) {
           const Lanes x = *reinterpret_cast<const LooseLanes*>(x_[d].data() + m);
           Lanes apart = lower[static_cast<Eigen::Index>(d)] - x;
-          raise_to(apart, x - upper[static_cast<Eigen::Index>(d)]);
-          raise_to(apart, Lanes{});
+          max_in_place(apart, x - upper[static_cast<Eigen::Index>(d)]);
+          max_in_place(apart, Lanes{});
           square += apart * apart;
         }
-        raise_to(radius, Lanes{} + own);
+        max_in_place(radius, Lanes{} + own);
         radius += skin_;
         const LaneMask near = (square < radius * radius) & (ahead < static_cast<long long>(end - m));
         // All are written, those out of reach are written over: a branch would be guessed wrong too often.
@@ -315,10 +315,10 @@ typename PairBlocks<D>::Node PairBlocks<D>::node_of(const PointSet& points, Size
 
 template <int D>
 void PairBlocks<D>::gather(const PointSet& of, const PointSet& around) {
-  side_by_side(nodes_.size(), worth_threads_in_points, [&](Size begin, Size end) {
+  parallel_ranges(nodes_.size(), worth_threads_in_points, [&](Size begin, Size end) {
     for (Size j = begin; j < end; ++j) nodes_[j] = node_of(around, j);
   });
-  side_by_side(blocks_.size(), worth_threads_in_points, [&](Size begin, Size end) {
+  parallel_ranges(blocks_.size(), worth_threads_in_points, [&](Size begin, Size end) {
     for (auto& block : std::span(blocks_).subspan(begin, end - begin))
       for (Size l = 0; l < n_lanes; ++l)
         for (Size d = 0; d < D; ++d) block.x[d].v[l] = of.position[block.point[l] * D + d];

@@ -6,7 +6,7 @@
 #include "common/core/lanes.hpp"
 #include "common/core/vector.hpp"
 #include "common/coupling/exchange.hpp"
-#include "common/sph/neighbours.hpp"
+#include "common/particles/neighbours.hpp"
 
 #include <array>
 #include <cstdint>
@@ -59,7 +59,7 @@ class PairBlocks {
     const PointSet &of, &around;
   };
   /// Brings the blocks over all points of `of`, their candidates among all points of `around`, and the positions up to
-  /// date; of several pairs of clouds side by side.
+  /// date; of several pairs of clouds in parallel.
   static void update(std::span<const Update> updates);
   void update(const PointSet& of, const PointSet& around) {
     const Update one{this, of, around};
@@ -152,9 +152,9 @@ template <int D, class Value>
     const Lanes apart = node.x[d] - x[d].v;
     r += apart * apart;
   }
-  take_root(r);
+  sqrt_in_place(r);
   Lanes u = 1.0 - r * shrink;
-  raise_to(u, Lanes{});
+  max_in_place(u, Lanes{});
   const Lanes u2 = u * u;
   weight = amplitude * (u2 * u2) * (5.0 - 4.0 * u);
 }

@@ -231,7 +231,7 @@ class Schedule::Implementation {
       if (auto rejection = pass(plan, fluid_start, solid_start, given ? &*given : nullptr)) return rejection;
       given = iteration.next(given ? *given : *solid_start, *solid_);
       if (!given) return std::nullopt;
-      take_back(fluid_start, solid_start, "iteration");
+      restore_state(fluid_start, solid_start, "iteration");
       mapping_->set_accounts(accounts);
       ++iteration_;
     }
@@ -257,7 +257,7 @@ class Schedule::Implementation {
       ++pass_;
       const auto reason = fmt::format("{:.2g} of the weight not settled, {:g} allowed", solid_->unsettled, tolerance);
       found = solid_;
-      take_back(fluid_start, solid_start, reason);
+      restore_state(fluid_start, solid_start, reason);
       mapping_->set_accounts(accounts);
       ++iteration_;
       if (pass_ == most_passes)
@@ -278,7 +278,7 @@ class Schedule::Implementation {
     if (of_solid) ++report_.rejected_by_solid;
     const auto retry = [&](const Reject& r) { return retry_interval(plan.interval, r.suggested_interval); };
     if (!rejection || (of_solid && retry(*of_solid) < retry(*rejection))) rejection = std::move(of_solid);
-    take_back(fluid_start, solid_start, rejection->reason);
+    restore_state(fluid_start, solid_start, rejection->reason);
     return rejection;
   }
 
@@ -296,13 +296,13 @@ class Schedule::Implementation {
     }
     if (auto rejection = advance(Role::solid, plan, fluid_start.get(), *fluid_, *fluid_)) {
       ++report_.rejected_by_solid;
-      take_back(fluid_start, solid_start, rejection->reason);
+      restore_state(fluid_start, solid_start, rejection->reason);
       return rejection;
     }
     return std::nullopt;
   }
 
-  void take_back(const State& fluid_start, const State& solid_start, const std::string& reason) {
+  void restore_state(const State& fluid_start, const State& solid_start, const std::string& reason) {
     restore(Role::solid, reason);
     restore(Role::fluid, reason);
     fluid_ = fluid_start;

@@ -143,11 +143,11 @@ class Shares {
         const LaneMask balanced = (have > 0.0) & (want > 0.0);
         const Lanes ratio = balanced ? want / (balanced ? have : Lanes{} + 1.0) : Lanes{} + 1.0;
         const Lanes off = ratio - 1.0;
-        raise_to(worst.v, off);
-        raise_to(worst.v, -off);
+        max_in_place(worst.v, off);
+        max_in_place(worst.v, -off);
         Lanes after = before * ratio;
-        raise_to(after, Lanes{} + 0.25);
-        lower_to(after, Lanes{} + 4.0);
+        max_in_place(after, Lanes{} + 0.25);
+        min_in_place(after, Lanes{} + 4.0);
         *reinterpret_cast<LooseLanes*>(scale_.data() + j) = balanced ? after : before;
       }
     });

@@ -2,12 +2,12 @@
 
 #include "common/case/gauge_kinds.hpp"
 #include "common/core/error.hpp"
-#include "fluid_solver/basin.hpp"
-#include "fluid_solver/cloud.hpp"
-#include "fluid_solver/drag_form.hpp"
+#include "fluid_solver/boundary/basin.hpp"
+#include "fluid_solver/discretisation/cloud.hpp"
+#include "fluid_solver/discretisation/operators.hpp"
+#include "fluid_solver/exchange/drag_form.hpp"
 #include "fluid_solver/fluid.hpp"
-#include "fluid_solver/operators.hpp"
-#include "fluid_solver/packing.hpp"
+#include "fluid_solver/motion/packing.hpp"
 
 #include <fmt/format.h>
 
@@ -20,12 +20,13 @@ namespace {
 
 /// Of the pressure solve where no water is in soil: a dam break's front and energy are the same as with 1e-4.
 constexpr double free_water_tolerance = 1e-3;
-/// Of the pressure solve between soils: what drives the flow is told by the fastest soil, what flows through the
-/// slowest, and what a solve leaves undone there moves the fast soil's water. Tighter than this is lost in rounding.
+/// Of the pressure solve between soils: the drive, to which the tolerance is relative, is set by the most permeable
+/// soil, the flow by the least permeable, and the residual left there moves water of the permeable one. Tighter than
+/// this is lost in rounding.
 constexpr double tightest_tolerance = 1e-11;
 /// A window is solved again when the drag's tangent misses the law by more than this share of inertia and drag (rms).
 constexpr double drag_tolerance = 0.02;
-/// Time in which the thickness of a surface's row is told, in times of repair: longer than any wave that is resolved.
+/// Averaging time of the thickness of a surface's row, in times of repair: longer than any wave that is resolved.
 constexpr double row_memory = 10.0;
 constexpr int most_drag_rounds = 10;
 
@@ -67,7 +68,7 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
   dx_ = scene.fluid.particle_spacing;
   density_ = scene.water.density;
   Vec<D> bounded = scene.general.gravity.head<D>();
-  for (const int axis : scene.general.periodic) std::swap(pull_[axis], bounded[axis]);
+  for (const int axis : scene.general.periodic) std::swap(periodic_gravity_[axis], bounded[axis]);
   weight_ = density_ * bounded;
   if (weight_.norm() > 0.0) gravity_or_standard_ = weight_.norm() / density_;
   if (!(dx_ > 0.0)) throw CaseError("fluid.particle_spacing must be positive");
@@ -114,7 +115,7 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
   joints_ = make_joints<D>(scene);
   one_soil_ = porous::conductivity_contrast(scene) < porous::one_conductivity;
   for (const auto& c : state_.columns) feet_.push_back(c.foot);
-  // What lies on a face of soil to rounding is the soil's.
+  // Points that lie on a face of soil to rounding belong to the soil.
   const ColumnFinder<D> finder(state_.columns);
   for (std::size_t a = 0; a < p.size(); ++a)
     if (const int i = finder.nearest(p.position[a]); i >= 0) {
@@ -137,14 +138,14 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
   const auto& here = p.void_fraction;
   faces_follow_ = scene.coupled() && scene.solid.model != SolidCase::Model::elastic && !state_.columns.empty() &&
                   state_.inlets.empty() && std::all_of(here.begin(), here.end(), [](double n) { return n < 1.0; });
-  // The soil looks for its rest under what is published before the first exchange.
+  // The soil searches its initial equilibrium under the pressure that is published before the first exchange.
   auto view = rigid_soil<D>(scene_, p.position);
-  settle(view);
+  solve_hydrostatic(view);
 }
 
-/// Inviscid free water is slowly unstable: a trace of viscosity on the scale of the particles. Explicit sweeps let
-/// sound through and need what weakly compressible SPH needs, alpha h c/(2 (D + 2)) with alpha = 0.03 at least,
-/// c = 10 sqrt(g H) (Monaghan 1994).
+/// Viscosity of free water. Without any it is slowly unstable, so it gets a trace on the scale of the particles.
+/// Explicit sweeps transmit sound and need as much as weakly compressible SPH, alpha h c/(2 (D + 2)) with alpha of at
+/// least 0.03 and c = 10 sqrt(g H) (Monaghan 1994).
 template <int D>
 double Fluid<D>::viscosity() const {
   const double share = scene_.fluid.scheme == FluidCase::Scheme::projection ? shear_viscosity : 0.05;
@@ -212,18 +213,18 @@ coupling::Publication Fluid<D>::publish() const {
   return out;
 }
 
-/// The skeleton answers inside the pressure solve; explicit sweeps take it as it moved.
+/// Whether the skeleton responds inside the pressure solve; explicit sweeps keep its velocity of the last window.
 template <int D>
 bool Fluid<D>::responds() const {
   return scene_.coupled() && scene_.fluid.skeleton_response && scene_.fluid.scheme == FluidCase::Scheme::projection;
 }
 
 template <int D>
-SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox, const Creep& creep) const {
+SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox, const SeepageRegime& regime) const {
   const auto& x = state_.particles.position;
   const std::size_t n = x.size();
-  // A particle of the soil's water about to enter or leave through its face still counts as in it; water that runs down
-  // the soil does not.
+  // Water that is about to enter or leave the soil through its face still counts as inside; water that runs down the
+  // outside of the soil does not.
   const ColumnFinder<D> finder(state_.columns);
   const auto nearest_column = [&](const Vec<D>& point) -> const FaceColumn<D>* {
     const int i = finder.nearest(point);
@@ -233,7 +234,7 @@ SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox, const Creep& creep) con
   };
   if (!scene_.coupled()) {
     VecArray<D> where = x;
-    for_each_side_by_side(n, [&](std::size_t a) {
+    parallel_for(n, [&](std::size_t a) {
       if (auto& point = where[a]; !is_free(a) && !soil_at(scene_, to_point3<D>(point)))
         if (const auto* c = nearest_column(point)) point = just_inside<D>(scene_, c->foot, c->normal, c->spacing);
     });
@@ -248,10 +249,10 @@ SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox, const Creep& creep) con
   if (!state_.columns.empty())
     for (std::size_t a = 0; a < n; ++a)
       if (inbox.coverage[a] > 0.0 && !is_free(a) && nearest_column(x[a])) asymmetry[a] = 0.0;
-  auto view = mapped_soil<D>(scene_, inbox, asymmetry, state_.particles.mask, creep);
-  const auto& felt = computes_beside() ? state_.particles.felt : state_.particles.force;
+  auto view = mapped_soil<D>(scene_, inbox, asymmetry, state_.particles.mask, regime);
+  const auto& received = computes_beside() ? state_.particles.previous_coupling_force : state_.particles.coupling_force;
   for (std::size_t a = 0; a < n; ++a)
-    if (view.mask[a] > 0.0) view.force.set(a, view.force[a] - felt[a]);
+    if (view.mask[a] > 0.0) view.force.set(a, view.force[a] - received[a]);
   return view;
 }
 
@@ -260,7 +261,7 @@ Stencil<D> Fluid<D>::stencil() const {
   const auto& p = state_.particles;
   const auto buffers = make_buffers(state_.columns, true);
   std::vector<char> free(p.size());
-  for_each_side_by_side(p.size(), [&](std::size_t a) { free[a] = is_free(a); });
+  parallel_for(p.size(), [&](std::size_t a) { free[a] = is_free(a); });
   auto s =
       make_stencil<D>(p.position, p.volume, std::span<const Buffer<D>>(buffers), planes_, free, open_water(),
                       scene_.coupled() ? worth_threads_while_others_wait : worth_threads_in_pairs, sight_, joints_);
@@ -279,9 +280,9 @@ WindowProblem<D> Fluid<D>::problem(double interval) const {
   in.response = responds();
   in.fixed_soil = fixed_soil_;
   in.void_fraction = state_.particles.void_fraction;
-  in.cavity = state_.particles.cavity.values();
+  in.void_volume = state_.particles.void_volume.values();
   const auto& mask = state_.particles.mask;
-  if (all_side_by_side(mask.size(), [&](std::size_t a) { return mask[a] <= 0.5; }))
+  if (parallel_all(mask.size(), [&](std::size_t a) { return mask[a] <= 0.5; }))
     in.tolerance = free_water_tolerance;
   else
     in.tolerance = std::max(in.tolerance / porous::conductivity_contrast(scene_), tightest_tolerance);
@@ -300,23 +301,23 @@ WindowProblem<D> Fluid<D>::problem(double interval) const {
 template <int D>
 void Fluid<D>::mark_surface(Stencil<D>& s, std::span<double> rows, double share) {
   auto& p = state_.particles;
-  // Where soil at rest is full of water and behind every face there is more, no air can come in, and a hole of a
-  // spacing at the end of a face is none: taken for a surface it would draw in what fills several.
-  const bool closed =
-      !state_.columns.empty() && p.size() > 0 && (state_.full || state_.time == 0.0) &&
-      std::all_of(state_.columns.begin(), state_.columns.end(), [&](const auto& c) { return creeps(c) && c.wet; }) &&
-      all_side_by_side(p.size(), [&](std::size_t a) { return p.mask[a] > 0.5; });
-  const auto flags = find_surface<D>(s, p.seeps, rows, share, scene_.coupled(), closed && state_.full);
+  // In soil at rest that is full of water, with water behind every face, no air can come in. A gap of one spacing at
+  // the end of a face is then no surface: taken for one, it would draw in the water of several spacings.
+  const bool closed = !state_.columns.empty() && p.size() > 0 && (state_.full || state_.time == 0.0) &&
+                      std::all_of(state_.columns.begin(), state_.columns.end(),
+                                  [&](const auto& c) { return is_quasi_static(c) && c.wet; }) &&
+                      parallel_all(p.size(), [&](std::size_t a) { return p.mask[a] > 0.5; });
+  const auto flags = find_surface<D>(s, p.in_seepage, rows, share, scene_.coupled(), closed && state_.full);
   s.forget_moments();
   p.surface = flags;
-  state_.full = closed && all_side_by_side(p.size(), [&](std::size_t a) { return flags[a] == Surface::interior; });
+  state_.full = closed && parallel_all(p.size(), [&](std::size_t a) { return flags[a] == Surface::interior; });
 }
 
-/// Pressure of water at rest: no source, no velocity, the skeleton holds still. In the time of a fall through the whole
-/// scene, so that inertia counts for little in soil. What seeps under it bounds the first window, which no speed does
-/// yet.
+/// Pressure of water at rest: no source, no velocity, a skeleton that does not move. Solved as one window as long as a
+/// fall through the whole scene, so that inertia is negligible in soil. The seepage speed that this pressure drives
+/// bounds the first window; no other speed is known yet.
 template <int D>
-void Fluid<D>::settle(SoilView<D>& view) {
+void Fluid<D>::solve_hydrostatic(SoilView<D>& view) {
   auto& p = state_.particles;
   if (p.size() == 0) return;
   auto s = stencil();
@@ -335,40 +336,42 @@ void Fluid<D>::settle(SoilView<D>& view) {
   out.pressure = p.pressure;
   solve_window<D>(s, view, p.surface, in, out);
   p.pressure = out.pressure;
-  if (scene_.coupled()) keep_force(view, out.gradient, 0.0);
-  const double fastest = most_side_by_side(p.size(), 0.0, [&](std::size_t a) {
-    return drags(view, a) ? out.velocity[a].norm() / spacing_of<D>(p.volume[a]) : 0.0;
+  if (scene_.coupled()) store_coupling_force(view, out.gradient, 0.0);
+  const double fastest = parallel_max(p.size(), 0.0, [&](std::size_t a) {
+    return is_drag_dominated(view, a) ? out.velocity[a].norm() / spacing_of<D>(p.volume[a]) : 0.0;
   });
   state_.window_limits.clear();
   if (fastest > 0.0)
     state_.window_limits.push_back({0.25 / fastest, "a quarter spacing per window of seepage that begins"});
 }
 
-/// What pressure and drag do to the soil, by the water's own account: the soil's tells its balance with its own account
-/// of them in it, and what the two operators differ by must not move it.
+/// Stores the force of pressure and drag on the soil as evaluated at the water's points. The soil reports its balance
+/// of forces with its own evaluation of these forces in it; the difference of the two operators must not move it.
 template <int D>
-void Fluid<D>::keep_force(const SoilView<D>& view, std::span<const Vec<D>> gradient, double interval) {
+void Fluid<D>::store_coupling_force(const SoilView<D>& view, std::span<const Vec<D>> gradient, double interval) {
   auto& p = state_.particles;
-  if (computes_beside()) p.felt = p.force;
-  p.force.lay_out(p.size());
-  for_each_side_by_side(p.size(), [&](std::size_t a) {
+  if (computes_beside()) p.previous_coupling_force = p.coupling_force;
+  p.coupling_force.allocate(p.size());
+  parallel_for(p.size(), [&](std::size_t a) {
     Vec<D> force = -view.fraction[a] * (gradient[a] + weight_);
     if (interval > 0.0) force += p.drag_impulse[a] / (p.volume[a] * interval);
-    p.force.set(a, force);
+    p.coupling_force.set(a, force);
   });
-  if (computes_beside() && !p.felt.is_laid_out()) p.felt = p.force;
+  if (computes_beside() && !p.previous_coupling_force.is_allocated()) p.previous_coupling_force = p.coupling_force;
 }
 
-/// In short windows water among free water is free, whatever its own grains do: where most of the soil's water around
-/// it moves, a particle that stood still would have a gradient that does not know of the surface beside it, while the
-/// skeleton there gives way. At a pocket in a run-out of tailings that made a pressure of 5 MPa in one window.
+/// Takes water out of the seepage regime where most of the soil's water around it is not in it (short windows only). A
+/// particle left in it would have a gradient that ignores the free surface beside it, while the skeleton there yields:
+/// at a pocket in a run-out of tailings that made a pressure of 5 MPa in one window.
 template <int D>
 void Fluid<D>::flow_together(const Stencil<D>& s) {
   auto& p = state_.particles;
-  const auto in_soil = [&](std::size_t a, bool seeping) { return p.mask[a] > 0.5 && (p.seeps[a] != 0) == seeping; };
-  if (!scene_.coupled() || all_side_by_side(p.size(), [&](std::size_t a) { return !in_soil(a, false); })) return;
-  const std::vector<char> alone = p.seeps;
-  for_each_side_by_side(p.size(), [&](std::size_t a) {
+  const auto in_soil = [&](std::size_t a, bool seeping) {
+    return p.mask[a] > 0.5 && (p.in_seepage[a] != 0) == seeping;
+  };
+  if (!scene_.coupled() || parallel_all(p.size(), [&](std::size_t a) { return !in_soil(a, false); })) return;
+  const std::vector<char> alone = p.in_seepage;
+  parallel_for(p.size(), [&](std::size_t a) {
     if (!in_soil(a, true)) return;
     double free = 0.0, all = 0.0;
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
@@ -378,20 +381,20 @@ void Fluid<D>::flow_together(const Stencil<D>& s) {
       all += value;
       if (alone[q] == 0) free += value;
     }
-    if (free > 0.5 * all) p.seeps[a] = 0;
+    if (free > 0.5 * all) p.in_seepage[a] = 0;
   });
 }
 
-/// The water of moving soil has a free surface as free water has. The soil's own gradient knows only pressures at its
-/// points: one-sided at the surface, it takes what a grain's own motion does to its pressure for a push in the
-/// direction of that motion, and what moves off goes faster and faster. So the soil is given the gradient there.
+/// Stores the pressure gradient at the free surface of moving soil, which the soil is given in place of its own. Its
+/// own gradient knows only pressures at its points. One-sided at the surface, it turns the pressure that a grain's
+/// motion causes into a force in the direction of that motion, and a grain that moves off would accelerate without end.
 template <int D>
-void Fluid<D>::tell_surface(const Stencil<D>& s, std::span<const Vec<D>> gradient) {
+void Fluid<D>::store_surface_gradient(const Stencil<D>& s, std::span<const Vec<D>> gradient) {
   auto& p = state_.particles;
   p.surface_share = {};
   p.surface_gradient = {};
   for (std::size_t a = 0; a < p.size(); ++a) {
-    if (p.seeps[a] != 0 || p.mask[a] <= 0.5 || s.ghost_distance[a] <= 0.0) continue;
+    if (p.in_seepage[a] != 0 || p.mask[a] <= 0.5 || s.ghost_distance[a] <= 0.0) continue;
     p.surface_share.set(a, 1.0, p.size());
     p.surface_gradient.set(a, gradient[a] + weight_, p.size());
   }
@@ -400,57 +403,61 @@ void Fluid<D>::tell_surface(const Stencil<D>& s, std::span<const Vec<D>> gradien
 template <int D>
 void Fluid<D>::initialise(const coupling::Inbox& inbox) {
   auto& p = state_.particles;
-  auto view = soil(inbox, {density_, creeping_speed(), true});  // no window yet: water has no past
+  auto view = soil(inbox, {density_, quasi_static_speed(), true});  // no window yet: water has no past
   for (std::size_t a = 0; a < p.size(); ++a) {
-    // The lattice's cells are the particles' bulk volumes; what water they hold follows from the soil as it is.
+    // The cells of the lattice are the particles' bulk volumes; the soil at each sets the mass of water in it.
     p.void_fraction[a] = 1.0 - view.fraction[a];
     p.mass[a] = p.void_fraction[a] * density_ * p.volume[a];
     p.mask[a] = view.mask[a];
-    p.seeps[a] =
-        seeps<D>(view, a, p.velocity[a], spacing_of<D>(p.volume[a]), {density_, creeping_speed(), true}) ? 1 : 0;
+    p.in_seepage[a] =
+        in_seepage_regime<D>(view, a, p.velocity[a], spacing_of<D>(p.volume[a]), {density_, quasi_static_speed(), true})
+            ? 1
+            : 0;
   }
   begin_control(view, 0.0);
   p.solid_velocity = view.velocity;
-  settle(view);
+  solve_hydrostatic(view);
   limit_scheme(view);
   for (const double m : p.mass) state_.balance.initial += m / density_;
   ++state_.revision;
 }
 
-/// Whether the drag of the soil around it rules the water's motion, not its inertia.
+/// Whether drag of the soil around particle a dominates its motion, not inertia.
 template <int D>
-bool Fluid<D>::drags(const SoilView<D>& view, std::size_t a) const {
+bool Fluid<D>::is_drag_dominated(const SoilView<D>& view, std::size_t a) const {
   return view.mask[a] > 0.5 && !inertia_rules(state_.particles.void_fraction[a], density_, view.drag[a],
                                               spacing_of<D>(state_.particles.volume[a]), weight_.norm() / density_);
 }
 
-/// Whether no water moves as free water does.
+/// Whether all water is in the seepage regime and dominated by drag: none moves as free water does.
 template <int D>
-bool Fluid<D>::all_creep(const SoilView<D>& view) const {
-  return all_side_by_side(view.size(), [&](std::size_t a) { return state_.particles.seeps[a] != 0 && drags(view, a); });
+bool Fluid<D>::all_quasi_static(const SoilView<D>& view) const {
+  return parallel_all(view.size(),
+                      [&](std::size_t a) { return state_.particles.in_seepage[a] != 0 && is_drag_dominated(view, a); });
 }
 
 /// Viscosity of the water itself, Eq. (76) as corrected, its pairs amplified as the pressure's are to be exact for a
 /// quadratic on average; a von Neumann-Richtmyer term on approaching pairs for impacts, of third order where the flow
-/// is smooth; and a viscosity on what is not linear in the neighbourhood, for the noise of single particles. All
-/// pairwise antisymmetric among water that feels them. What slips past tight soil that moves is no noise: the dampings
-/// would drag free water along with the soil's, which the drag holds and which takes no impulse back.
+/// is smooth; and a viscosity on the part that is not linear in the neighbourhood, for the noise of single particles.
+/// All are pairwise antisymmetric among the water they act on. The relative motion of water past tight soil that moves
+/// is no noise: the dampings would couple free water to the soil's water, which drag fixes to the soil, so that the
+/// opposite impulse would be lost.
 template <int D>
 VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& view,
                                       std::span<const Mat<D>> velocity_gradient, double interval) const {
   const auto& v = state_.particles.velocity;
   VecArray<D> result;
-  if (!pull_.isZero(0.0)) {
+  if (!periodic_gravity_.isZero(0.0)) {
     result = v;
-    for_each_side_by_side(result.size(), [&](std::size_t a) { result[a] += interval * pull_; });
+    parallel_for(result.size(), [&](std::size_t a) { result[a] += interval * periodic_gravity_; });
   }
-  // In soil drag damps what the trace of viscosity is for, unless inertia rules there as well.
+  // In soil drag damps what the trace of viscosity would damp, unless inertia dominates there as well.
   std::vector<char> damped(s.n_real);
-  for_each_side_by_side(s.n_real, [&](std::size_t a) { damped[a] = drags(view, a); });
-  if (all_side_by_side(s.n_real, [&](std::size_t a) { return damped[a]; })) return result;
+  parallel_for(s.n_real, [&](std::size_t a) { damped[a] = is_drag_dominated(view, a); });
+  if (parallel_all(s.n_real, [&](std::size_t a) { return damped[a]; })) return result;
   if (result.empty()) result = v;
   const double noise = noise_viscosity * dx_ * state_.wave_speed, viscosity = this->viscosity();
-  // That of the scheme is a damping, not a property: nothing is gained by its being exact.
+  // The numerical viscosity is a damping, not a property of water: it need not be exact.
   const bool own = viscosity <= scene_.water.kinematic_viscosity;
   const VecArray<D> all = extended<D>(s, v, Carried::yes, no_slip_);
   // Of a point: velocity, velocity gradient, smoothing length, amplification (0: does not count), whether moving soil
@@ -458,7 +465,7 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
   constexpr std::size_t at_gradient = D, at_length = at_gradient + D * D, at_amplified = at_length + 1,
                         at_carried = at_amplified + 1;
   PackedPoints<D, at_carried + 1> points(s.size());
-  for_each_side_by_side(s.size(), [&](std::size_t j) {
+  parallel_for(s.size(), [&](std::size_t j) {
     const Index q = s.parent[j];
     const bool real = q < s.n_real;
     Mat<D> gradient = Mat<D>::Zero();
@@ -473,29 +480,29 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
     Eigen::Map<Mat<D>>{row + D + at_gradient} = gradient;
     row[D + at_length] = s.length(j);
     row[D + at_amplified] = !real ? 0.0 : own ? s.amplification[q] : 1.0;
-    row[D + at_carried] = real && !own && damped[q] && state_.particles.seeps[q] == 0 ? 1.0 : 0.0;
+    row[D + at_carried] = real && !own && damped[q] && state_.particles.in_seepage[q] == 0 ? 1.0 : 0.0;
   });
   for_pairs_in_lanes<D, at_carried + 1, D>(
       s, points,
       [&](std::size_t, const double* self, std::size_t m, const Lanes* w, const Lanes* point, Lanes* sums)
           __attribute__((always_inline)) {
-            // w = pull ba: the speed of approach is that of the points times the pull over that of w.
-            Lanes pull;
-            take(&s.pull[m], pull);
+            // w = factor ba: the speed of approach is that of the points times the factor over that of w.
+            Lanes factor;
+            take(&s.gradient_factor[m], factor);
             Lanes approach{}, size = Lanes{} + 1e-300;
             for (std::size_t d = 0; d < D; ++d) {
               approach -= (point[d] - self[d]) * w[d];
               size += w[d] * w[d];
             }
-            take_root(size);
-            raise_to(approach, Lanes{});
+            sqrt_in_place(size);
+            max_in_place(approach, Lanes{});
             const Lanes impact = 0.5 * impact_viscosity * (self[at_length] + point[at_length]) * approach / size;
             const Lanes shear = 0.5 * viscosity * (self[at_amplified] + point[at_amplified]) + impact;
             for (std::size_t d = 0; d < D; ++d) {
-              Lanes unexplained = pull * (point[d] - self[d]);
+              Lanes unexplained = factor * (point[d] - self[d]);
               for (std::size_t e = 0; e < D; ++e)
                 unexplained -= 0.5 * (self[at_gradient + d + D * e] + point[at_gradient + d + D * e]) * w[e];
-              const Lanes part = shear * pull * (point[d] - self[d]) + noise * unexplained;
+              const Lanes part = shear * factor * (point[d] - self[d]) + noise * unexplained;
               sums[d] += point[at_amplified] > 0.0 && point[at_carried] == self[at_carried] ? part : Lanes{};
             }
           },
@@ -507,42 +514,43 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
   return result;
 }
 
-/// What is left for later windows of the divergence [1/s] that free water in uneven surroundings has before this one's
-/// forces act, in windows shorter than half the longest that the water's motion allows: all but their share of that
-/// half. Where neighbours are few and on one side, the gradient of a pressure can turn a divergence round and leave it
-/// larger, by a few percent a solve, whatever the window's length: in windows much shorter than the water's own it
-/// would grow until the water flies apart. The first window removes whatever water starts with.
+/// Divergence [1/s] that is deferred to later windows: of free water with one-sided neighbours, before this window's
+/// forces act. In windows shorter than half the longest one that the water's motion allows, only the fraction
+/// interval / that half is removed. The reason: with few neighbours on one side, a pressure gradient can reverse a
+/// divergence and leave it larger, by a few percent per solve whatever the window's length. In much shorter windows it
+/// would grow until the water flies apart. The first window removes all of what the water starts with.
 template <int D>
-ScalarArray Fluid<D>::left_for_later(const Stencil<D>& s, const SoilView<D>& view, double interval) const {
+ScalarArray Fluid<D>::deferred_divergence(const Stencil<D>& s, const SoilView<D>& view, double interval) const {
   constexpr double even = 0.05;  // |sum V grad W| h up to which surroundings are even; at a flat surface 0.7
   const auto& p = state_.particles;
-  ScalarArray left(p.size(), 0.0);
-  if (scene_.fluid.scheme != FluidCase::Scheme::projection || state_.last_interval <= 0.0) return left;
-  const double later = 1.0 - interval / (0.5 * free_interval());
-  if (later <= 0.0) return left;
-  for_each_side_by_side(p.size(), [&](std::size_t a) {
-    if (p.seeps[a] == 0 && !drags(view, a) && s.length(a) * s.normal[a].norm() > even) left[a] = later;
+  ScalarArray deferred(p.size(), 0.0);
+  if (scene_.fluid.scheme != FluidCase::Scheme::projection || state_.last_interval <= 0.0) return deferred;
+  const double fraction = 1.0 - interval / (0.5 * free_interval());
+  if (fraction <= 0.0) return deferred;
+  parallel_for(p.size(), [&](std::size_t a) {
+    if (p.in_seepage[a] == 0 && !is_drag_dominated(view, a) && s.length(a) * s.normal[a].norm() > even)
+      deferred[a] = fraction;
   });
-  if (all_side_by_side(p.size(), [&](std::size_t a) { return left[a] == 0.0; })) return left;
+  if (parallel_all(p.size(), [&](std::size_t a) { return deferred[a] == 0.0; })) return deferred;
   VecArray<D> flux(p.size());
-  for_each_side_by_side(p.size(), [&](std::size_t a) {
+  parallel_for(p.size(), [&](std::size_t a) {
     flux[a] = p.void_fraction[a] * p.velocity[a] + view.fraction[a] * view.velocity[a];
   });
   const ScalarArray outflow = divergence<D>(s, flux, Carried::yes);
-  for_each_side_by_side(p.size(), [&](std::size_t a) { left[a] *= outflow[a]; });
-  return left;
+  parallel_for(p.size(), [&](std::size_t a) { deferred[a] *= outflow[a]; });
+  return deferred;
 }
 
-/// Water without soil, in 2D, its pressure solved for: how full its surroundings are is told nearly free of their
-/// order. Over soil a thin fast layer gained 1 % of its energy so; in 3D there is no gain, and under explicit sweeps a
-/// loss.
+/// Water without soil, in 2D, its pressure solved for: its density is measured in a way that hardly depends on the
+/// order of its particles. Over soil a thin fast layer would gain 1 % of its energy by that; in 3D nothing is gained,
+/// and explicit sweeps lose.
 template <int D>
 bool Fluid<D>::open_water() const {
   return D == 2 && scene_.soils.empty() && scene_.fluid.scheme == FluidCase::Scheme::projection;
 }
 
-/// By how much particle a's surroundings are fuller than a lattice, full: their sum V W over a lattice's, or what
-/// stands for it in open water.
+/// Relative excess of the packing around particle a over a lattice's. full: sum V W over that of a lattice, or the
+/// measure that replaces it in open water.
 template <int D>
 double Fluid<D>::packing_error(const Stencil<D>& s, std::size_t a, double full) const {
   const auto& p = state_.particles;
@@ -553,7 +561,7 @@ double Fluid<D>::packing_error(const Stencil<D>& s, std::size_t a, double full) 
       return std::max(0.0, full + lattice_density<D>(0.5 + below * smoothing_ratio / s.length(a)) / whole - 1.0);
     }
   double excess = full - 1.0;
-  // Near a surface the sum is short by nature, not by error.
+  // Near a surface the kernel is cut off, so that a deficit there is no error.
   if (excess < 0.0 && !s.covered[a]) excess *= std::clamp(1.0 - 5.0 * s.length(a) * s.normal[a].norm(), 0.0, 1.0);
   const bool below = s.ghost_distance[a] > 0.0;
   return below || p.surface[a] != Surface::interior ? std::max(0.0, excess) : excess;
@@ -563,41 +571,41 @@ template <int D>
 ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view,
                                     std::span<const Mat<D>> velocity_gradient, double interval) {
   auto& p = state_.particles;
-  ScalarArray source = left_for_later(s, view, interval);
-  // A packing error is made good by moving the surface or the inflow; in a closed domain there is neither, and shifting
-  // alone evens the packing: pressure would only push on the grains.
-  const bool open = !all_side_by_side(p.size(), [&](std::size_t a) { return p.surface[a] == Surface::interior; }) ||
+  ScalarArray source = deferred_divergence(s, view, interval);
+  // Pressure repairs a packing error by moving the surface or the inflow. A closed domain has neither: shifting alone
+  // evens its packing, since pressure would only push on the grains.
+  const bool open = !parallel_all(p.size(), [&](std::size_t a) { return p.surface[a] == Surface::interior; }) ||
                     std::any_of(state_.columns.begin(), state_.columns.end(), [](const auto& c) { return c.wet; });
-  // Where all is full, nothing the pressure drives can even the points out: they are displaced (repair).
+  // Where all soil is full, no flow that pressure drives can even the points out: they are displaced instead (repair).
   const auto motion = open && !state_.full ? moved() : ScalarArray(p.size(), 0.0);
-  // The voids of torn water are no packing error.
-  const bool torn = std::any_of(p.cavity.begin(), p.cavity.end(), [](double c) { return c > 0.0; });
+  // Voids opened by cavitation are no packing error.
+  const bool cavitates = std::any_of(p.void_volume.begin(), p.void_volume.end(), [](double c) { return c > 0.0; });
   const auto voids_near = [&](std::size_t a) {
-    if (!torn) return 0.0;
-    double sum = p.cavity[a] / p.void_fraction[a] * Kernel<D>::value(0.0, s.length(a));
+    if (!cavitates) return 0.0;
+    double sum = p.void_volume[a] / p.void_fraction[a] * Kernel<D>::value(0.0, s.length(a));
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
-      if (const Index q = s.parent[s.other[k]]; q < s.n_real && p.cavity[q] > 0.0)
-        sum += p.cavity[q] / p.void_fraction[q] * s.value(a, s.other[k]);
+      if (const Index q = s.parent[s.other[k]]; q < s.n_real && p.void_volume[q] > 0.0)
+        sum += p.void_volume[q] / p.void_fraction[q] * s.value(a, s.other[k]);
     return sum / lattice_fullness<D>();
   };
-  for_each_side_by_side(p.size(), [&](std::size_t a) {
+  parallel_for(p.size(), [&](std::size_t a) {
     const double excess = packing_error(s, a, s.fullness[a] + voids_near(a));
-    // In free water the repair of a disordered start, begun at once, would be a blow.
+    // In free water the repair of a disordered start begins gradually: at once it would act as an impact.
     const double begun =
-        p.seeps[a] != 0 ? 1.0 : std::min(1.0, state_.time / free_repair_time(spacing_of<D>(p.volume[a])));
+        p.in_seepage[a] != 0 ? 1.0 : std::min(1.0, state_.time / free_repair_time(spacing_of<D>(p.volume[a])));
     source[a] += begun * motion[a] * p.void_fraction[a] * excess / repair_time(a, view, interval);
-    // Displacements of the velocity's length keep the volume to second order: det(1 + dt grad v) = 1. Without it a
-    // strain rate s compresses by dt s^2, and the repair of that feeds energy in.
-    if (p.seeps[a] == 0)
+    // Conserves volume to second order in the displacement: det(1 + dt grad v) = 1. Without this term a strain rate s
+    // compresses by dt s^2, and its repair adds energy.
+    if (p.in_seepage[a] == 0)
       source[a] += std::clamp(0.5 * interval * (velocity_gradient[a] * velocity_gradient[a]).trace(), -0.2 / interval,
                               0.2 / interval);
   });
   if (!responds() || state_.last_interval <= 0.0) return source;
-  // The soil moved by its own account; what that squeezed beyond the prediction is made good no faster than it came:
-  // after a long window, short ones take their share of it only.
-  const double came = state_.last_interval, due = std::max(state_.debt_due, interval);
-  state_.debt_due = std::max({0.0, state_.debt_due - interval, came - interval});
-  if (!p.volume_debt.is_laid_out()) p.volume_debt.lay_out(p.size());
+  // The soil moved otherwise than predicted. The volumetric strain beyond the prediction is applied to the water no
+  // faster than it accumulated: after a long window, each short one applies only its fraction of it.
+  const double came = state_.last_interval, due = std::max(state_.deferred_strain_due, interval);
+  state_.deferred_strain_due = std::max({0.0, state_.deferred_strain_due - interval, came - interval});
+  if (!p.deferred_strain.is_allocated()) p.deferred_strain.allocate(p.size());
   VecArray<D> beyond(p.size(), Vec<D>::Zero());
   for (std::size_t a = 0; a < p.size(); ++a) {
     if (view.fraction[a] == 0.0) continue;
@@ -607,48 +615,49 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
   }
   const auto rate = divergence<D>(s, beyond);
   for (std::size_t a = 0; a < p.size(); ++a) {
-    const double debt = came * rate[a], released = debt / std::max(interval, came) + p.volume_debt[a] / due;
-    source[a] -= released;
-    p.volume_debt.set(a, p.volume_debt[a] + (debt - released * interval));
+    const double strain = came * rate[a], applied = strain / std::max(interval, came) + p.deferred_strain[a] / due;
+    source[a] -= applied;
+    p.deferred_strain.set(a, p.deferred_strain[a] + (strain - applied * interval));
   }
   return source;
 }
 
-/// Saturated soil at rest keeps its water: what is repaired of the packing there moves, and none of it comes or goes
-/// through a face. Disordered points have a sum V W above a lattice's, and water would be pressed out for ever; and
-/// what a pressure would drive in one soil all others would have to bear.
+/// In saturated soil at rest the packing is repaired by displacements without a net volume, so that no water comes or
+/// goes through a face. With a pressure, disordered points, whose sum V W exceeds a lattice's, would press water out
+/// without end, and the pressure that moves water in one soil would act in all others.
 template <int D>
 VecArray<D> Fluid<D>::repair(const Stencil<D>& s, const SoilView<D>& view, double interval) const {
   const auto& p = state_.particles;
   if (!state_.full) return {};
   const auto motion = moved();
   ScalarArray share(p.size()), expansion(p.size());
-  for_each_side_by_side(p.size(), [&](std::size_t a) {
+  parallel_for(p.size(), [&](std::size_t a) {
     share[a] = motion[a] * interval / repair_time(a, view, interval);
     expansion[a] = packing_error(s, a, s.fullness[a]);
   });
   const double all = sum_over(p.size(), [&](std::size_t a) { return p.volume[a] * share[a]; });
   const double made = sum_over(p.size(), [&](std::size_t a) { return p.volume[a] * share[a] * expansion[a]; });
   const double mean = all > 0.0 ? made / all : 0.0;
-  for_each_side_by_side(p.size(), [&](std::size_t a) { expansion[a] = share[a] * (expansion[a] - mean); });
+  parallel_for(p.size(), [&](std::size_t a) { expansion[a] = share[a] * (expansion[a] - mean); });
   return expand<D>(s, expansion);
 }
 
-/// Where the soil has moved otherwise than the last window reckoned, its water goes along, as (27) has it at the
-/// pressure of that window: by C / (a + C) of the departure of the velocity. The soil met that water's inertia at once
-/// (Solid::advance), by its own account; what the two accounts differ by, which is small and uneven, is shared out
-/// among the soil's water within a kernel's reach, so that their sum is kept.
+/// Applies the impulse that the soil returned. Where the soil's velocity departed from the last window's prediction,
+/// drag takes its water along by C / (a + C) of the departure, a = n rho / dt (Eq. (27) at that window's pressure). The
+/// soil has already met the inertia of that water (Solid::advance), evaluated at its own points. The difference between
+/// the two evaluations is small and uneven; it is distributed over the soil's water within one kernel support, so that
+/// the total momentum is conserved.
 template <int D>
-void Fluid<D>::follow_skeleton(const Stencil<D>& s, const SoilView<D>& view) {
+void Fluid<D>::apply_returned_impulse(const Stencil<D>& s, const SoilView<D>& view) {
   auto& p = state_.particles;
   VecArray<D> left(p.size());
   ScalarArray counts(p.size());
   for (std::size_t a = 0; a < p.size(); ++a) {
     counts[a] = view.mask[a] * p.volume[a];
-    left[a] = -view.owed[a];
+    left[a] = -view.returned_impulse[a];
     state_.exchanged.received += left[a];
     if (view.mask[a] <= 0.0) continue;
-    const Vec<D> along = p.follows[a] * (view.velocity[a] - p.solid_velocity[a]);
+    const Vec<D> along = p.entrained_fraction[a] * (view.velocity[a] - p.solid_velocity[a]);
     p.velocity[a] += along;
     left[a] -= p.mass[a] * along;
   }
@@ -656,7 +665,8 @@ void Fluid<D>::follow_skeleton(const Stencil<D>& s, const SoilView<D>& view) {
   for (std::size_t a = 0; a < p.size(); ++a) p.velocity[a] += left[a] / p.mass[a];
 }
 
-/// One window; with a quadratic drag again, about the slip just found, while that still matters.
+/// Solves one window; with a quadratic drag repeatedly (Newton), about the relative velocity just found, until the
+/// tangent meets the law.
 template <int D>
 WindowSolution<D> Fluid<D>::solve(const Stencil<D>& s, SoilView<D>& view, const WindowProblem<D>& in) {
   const auto& p = state_.particles;
@@ -689,17 +699,17 @@ template <int D>
 coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupling::Inbox& inbox) {
   auto& p = state_.particles;
   const bool sweeps = scene_.fluid.scheme != FluidCase::Scheme::projection;
-  const double dt = window.interval, asked = sweeps ? time_limit().first : dt;
-  const Creep creep{density_, creeping_speed(), dt > wave_interval()};
-  auto view = soil(inbox, creep);
+  const double dt = window.interval, proposed = sweeps ? time_limit().first : dt;
+  const SeepageRegime regime{density_, quasi_static_speed(), dt > wave_interval()};
+  auto view = soil(inbox, regime);
   view.linearise(p.velocity, view.velocity);
   VecArray<D> velocity_before;
   if (scene_.coupled()) velocity_before = p.velocity;  // the soil's impulse changes it
-  for_each_side_by_side(p.size(), [&](std::size_t a) {
+  parallel_for(p.size(), [&](std::size_t a) {
     p.void_fraction[a] = 1.0 - view.fraction[a];
     p.volume[a] = p.mass[a] / (p.void_fraction[a] * density_);
     p.mask[a] = view.mask[a];
-    p.seeps[a] = seeps<D>(view, a, p.velocity[a], spacing_of<D>(p.volume[a]), creep) ? 1 : 0;
+    p.in_seepage[a] = in_seepage_regime<D>(view, a, p.velocity[a], spacing_of<D>(p.volume[a]), regime) ? 1 : 0;
   });
   set_inlets(window.time, dt);
   fill_basins(window.time, dt);
@@ -710,20 +720,20 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   ++state_.counts.stencils;
   flow_together(s);
   mark_surface(s, p.row, std::min(1.0, dt / (row_memory * free_repair_time(dx_))));
-  if (scene_.coupled() && !computes_beside()) follow_skeleton(s, view);
+  if (scene_.coupled() && !computes_beside()) apply_returned_impulse(s, view);
   check_room(window.time);
 
   auto in = problem(dt);
   in.cavitation = scene_.water.cavitation_pressure;
-  if (scene_.coupled()) in.seeps = p.seeps;
-  MatArray<D> gradient;  // none where all water creeps through soil
-  if (!all_creep(view)) gradient = velocity_gradient<D>(s, p.velocity, no_slip_);
+  if (scene_.coupled()) in.in_seepage = p.in_seepage;
+  MatArray<D> gradient;  // empty where all water is quasi-static
+  if (!all_quasi_static(view)) gradient = velocity_gradient<D>(s, p.velocity, no_slip_);
   VecArray<D> forced = forced_velocity(s, view, gradient, dt);
   in.source = volume_source(s, view, gradient, dt);
   const auto& scheme = scene_.fluid.scheme;
   if (sweeps) {
     in.sweeps = scene_.fluid.sweeps;
-    in.share = dt / asked;
+    in.interval_over_proposed = dt / proposed;
   }
   VecArray<D> drag_force;  // of the prediction
   const bool explicit_drag = scheme == FluidCase::Scheme::eisph_explicit_drag;
@@ -753,39 +763,39 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   state_.counts.outer_iterations += out.outer;
   state_.counts.unconverged += out.converged ? 0.0 : 1.0;
 
-  // Copied, not moved: arrays of the state that moved into the window's memory would leave holes behind.
+  // Copied, not moved: moving would fragment the memory of the state's arrays.
   const ScalarArray before = p.pressure;
   if (!scene_.coupled()) velocity_before = p.velocity;
   p.pressure = out.pressure;
   p.solid_velocity = out.solid_velocity;
   p.velocity = out.velocity;
-  p.cavity = out.cavity;
-  if (const auto torn =
-          static_cast<double>(std::count_if(p.cavity.begin(), p.cavity.end(), [](double c) { return c > 0.0; }));
-      torn > 0.0) {
+  p.void_volume = out.void_volume;
+  if (const auto cavitating = static_cast<double>(
+          std::count_if(p.void_volume.begin(), p.void_volume.end(), [](double c) { return c > 0.0; }));
+      cavitating > 0.0) {
     if (state_.counts.cavitating == 0.0) state_.counts.first_cavitation = window.time + dt;
-    state_.counts.cavitating = std::max(state_.counts.cavitating, torn);
+    state_.counts.cavitating = std::max(state_.counts.cavitating, cavitating);
   }
   if (scene_.coupled()) {
-    p.drag_impulse.lay_out(p.size());
-    p.follows.lay_out(p.size());
-    for_each_side_by_side(p.size(), [&](std::size_t a) {
+    p.drag_impulse.allocate(p.size());
+    p.entrained_fraction.allocate(p.size());
+    parallel_for(p.size(), [&](std::size_t a) {
       Vec<D> force = view.drag[a] * (p.velocity[a] - p.solid_velocity[a]) - view.drag_offset[a];
       if (!drag_force.empty()) force += drag_force[a];
       p.drag_impulse.set(a, p.volume[a] * dt * force);
-      p.follows.set(a, view.drag[a] / (p.void_fraction[a] * density_ / dt + view.drag[a]));
+      p.entrained_fraction.set(a, view.drag[a] / (p.void_fraction[a] * density_ / dt + view.drag[a]));
     });
     for (std::size_t a = 0; a < p.size(); ++a) {
       state_.exchanged.received -= p.drag_impulse[a];
       state_.exchanged.drag_work -= p.drag_impulse[a].dot(p.velocity[a] - p.solid_velocity[a]);
     }
-    keep_force(view, out.gradient, dt);
-    passes_.end(p.pressure, p.solid_velocity, p.force);
-    tell_surface(s, out.gradient);
+    store_coupling_force(view, out.gradient, dt);
+    passes_.end(p.pressure, p.solid_velocity, p.coupling_force);
+    store_surface_gradient(s, out.gradient);
   }
   if (returns) view.drag = drag;
   if (scene_.coupled() && !responds()) {
-    // Plain staggering: the skeleton was taken as it moved; where it goes now is an explicit guess.
+    // Plain staggering: the skeleton kept its velocity in the solve; its new velocity is predicted explicitly.
     for (std::size_t a = 0; a < p.size(); ++a)
       if (view.density[a] > 0.0)
         p.solid_velocity.values()[a] +=
@@ -797,11 +807,11 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
     for (const double m : p.mass) state_.exchanged.from_outside += dt * m * scene_.general.gravity.head<D>();
   }
   if (scene_.coupled()) {
-    p.solid_change.lay_out(p.size());
+    p.solid_change.allocate(p.size());
     const auto& from = window.pass > 0 ? passes_.found() : view.velocity;
     for (std::size_t a = 0; a < p.size(); ++a) p.solid_change.set(a, p.solid_velocity[a] - from[a]);
   }
-  // Soil that was dry and cannot yield takes windows of any length; its noise would only shorten them.
+  // Soil that was dry and cannot yield allows windows of any length; its noise would only shorten them.
   if (state_.controlled <= 0.0 && scene_.solid.model != SolidCase::Model::elastic) begin_control(view, dt);
   if (load_begins(window.time)) begin_control(view, 0.0);
   control_interval(before, dt);
@@ -821,7 +831,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   return coupling::Outcome::accept();
 }
 
-/// Water that fills its walls takes no more.
+/// Throws where inflow meets walls that are already full of water.
 template <int D>
 void Fluid<D>::check_room(double time) const {
   const auto& p = state_.particles;
@@ -848,7 +858,7 @@ void Fluid<D>::check_finite(const WindowSolution<D>& solution, double time) cons
            : solution.velocity[a].norm() > 1e6       ? "velocity (beyond 1e6 m/s)"
                                                      : nullptr;
   };
-  if (all_side_by_side(x.size(), [&](std::size_t a) { return wrong(a) == nullptr; })) return;
+  if (parallel_all(x.size(), [&](std::size_t a) { return wrong(a) == nullptr; })) return;
   for (std::size_t a = 0; a < x.size(); ++a) {
     if (const char* term = wrong(a))
       throw DivergedError(fmt::format("fluid: {} of particle {} at ({}) is not finite; last good state at t = {} s",

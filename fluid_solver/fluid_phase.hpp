@@ -2,10 +2,10 @@
 #pragma once
 
 #include "common/coupling/phase.hpp"
-#include "fluid_solver/cloud.hpp"
-#include "fluid_solver/passes.hpp"
+#include "fluid_solver/discretisation/cloud.hpp"
+#include "fluid_solver/exchange/passes.hpp"
+#include "fluid_solver/pressure/window.hpp"
 #include "fluid_solver/state.hpp"
-#include "fluid_solver/window.hpp"
 
 #include <functional>
 
@@ -47,23 +47,23 @@ class Fluid final : public Phase {
 
  private:
   Vec<D> initial_velocity(const Vec<D>& x) const;
-  /// Pressure of water at rest in soil at rest: the view's velocities are taken away.
-  void settle(SoilView<D>& view);
-  /// Keeps what pressure and drag do to the soil [N/m3], which its unbalanced force will have in it.
-  void keep_force(const SoilView<D>& view, std::span<const Vec<D>> gradient, double interval);
+  /// Solves for the pressure of water at rest in soil at rest; removes the velocities from the view.
+  void solve_hydrostatic(SoilView<D>& view);
+  /// Stores the force of pressure and drag on the soil [N/m3], which the soil's unbalanced force will contain.
+  void store_coupling_force(const SoilView<D>& view, std::span<const Vec<D>> gradient, double interval);
   WindowSolution<D> solve(const Stencil<D>& s, SoilView<D>& view, const WindowProblem<D>& in);
   /// Finds the surface, whose thickness of rows enters `rows` by a share (find_surface).
   void mark_surface(Stencil<D>& s, std::span<double> rows, double share);
-  SoilView<D> soil(const coupling::Inbox& inbox, const Creep& creep) const;
+  SoilView<D> soil(const coupling::Inbox& inbox, const SeepageRegime& regime) const;
   Stencil<D> stencil() const;
   /// Velocity after what is explicit: shear stress of the water outside soil, and the central force. None: as it is.
   VecArray<D> forced_velocity(const Stencil<D>& s, const SoilView<D>& soil, std::span<const Mat<D>> velocity_gradient,
                               double interval) const;
   /// Volume each particle must give off [1/s]: packing repair, the window's curvature in time and the soil's
   /// deformation beyond the prediction.
-  bool drags(const SoilView<D>& soil, std::size_t a) const;
-  bool all_creep(const SoilView<D>& soil) const;
-  ScalarArray left_for_later(const Stencil<D>& s, const SoilView<D>& soil, double interval) const;
+  bool is_drag_dominated(const SoilView<D>& soil, std::size_t a) const;
+  bool all_quasi_static(const SoilView<D>& soil) const;
+  ScalarArray deferred_divergence(const Stencil<D>& s, const SoilView<D>& soil, double interval) const;
   [[nodiscard]] bool open_water() const;
   [[nodiscard]] double packing_error(const Stencil<D>& s, std::size_t a, double full) const;
   ScalarArray volume_source(const Stencil<D>& s, const SoilView<D>& soil, std::span<const Mat<D>> velocity_gradient,
@@ -73,7 +73,7 @@ class Fluid final : public Phase {
   ScalarArray moved() const;
   double free_repair_time(double spacing) const;
   double wave_interval() const;
-  [[nodiscard]] double creeping_speed() const;
+  [[nodiscard]] double quasi_static_speed() const;
   double central_interval() const;
   double free_interval() const;
   double viscous_interval() const;
@@ -96,8 +96,8 @@ class Fluid final : public Phase {
   [[nodiscard]] Vec<D> wall_force() const;
   void advance_columns(const Stencil<D>& s, const SoilView<D>& soil, const WindowSolution<D>& solution,
                        double interval);
-  [[nodiscard]] bool creeps(const FaceColumn<D>& c) const;
-  [[nodiscard]] bool is_told(const FaceColumn<D>& c) const;
+  [[nodiscard]] bool is_quasi_static(const FaceColumn<D>& c) const;
+  [[nodiscard]] bool flow_is_solved_for(const FaceColumn<D>& c) const;
   [[nodiscard]] double missing_water() const;
   void count(FaceColumn<D>& c, double volume);
   void close_accounts();
@@ -119,8 +119,8 @@ class Fluid final : public Phase {
   void limit_by_changes(double now, const std::function<void(double, const std::string&)>& apply) const;
   [[nodiscard]] bool load_begins(double time) const;
   void flow_together(const Stencil<D>& s);
-  void tell_surface(const Stencil<D>& s, std::span<const Vec<D>> gradient);
-  void follow_skeleton(const Stencil<D>& s, const SoilView<D>& view);
+  void store_surface_gradient(const Stencil<D>& s, std::span<const Vec<D>> gradient);
+  void apply_returned_impulse(const Stencil<D>& s, const SoilView<D>& view);
   void check_room(double time) const;
   void check_finite(const WindowSolution<D>& solution, double time) const;
   std::pair<double, std::string> time_limit() const;
@@ -132,8 +132,8 @@ class Fluid final : public Phase {
   Case scene_;
   double dx_ = 0.0, density_ = 1000.0, first_interval_ = 0.0;
   double gravity_or_standard_ = 9.81;  ///< m/s2
-  /// Weight of water [N/m3], where its potential is: gravity along a periodic axis, which has none, pulls [m/s2].
-  Vec<D> weight_ = Vec<D>::Zero(), pull_ = Vec<D>::Zero(), origin_ = Vec<D>::Zero();
+  /// Weight of water [N/m3] along bounded axes, where it has a potential, and gravity along periodic ones [m/s2].
+  Vec<D> weight_ = Vec<D>::Zero(), periodic_gravity_ = Vec<D>::Zero(), origin_ = Vec<D>::Zero();
   std::vector<sph::ImagePlane<D>> planes_;
   sph::Sight<D> sight_;
   std::vector<Joint<D>> joints_;

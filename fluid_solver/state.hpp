@@ -2,9 +2,9 @@
 #pragma once
 
 #include "common/core/or_zero.hpp"
-#include "fluid_solver/faces.hpp"
-#include "fluid_solver/inlet.hpp"
-#include "fluid_solver/surface.hpp"
+#include "fluid_solver/boundary/faces.hpp"
+#include "fluid_solver/boundary/inlet.hpp"
+#include "fluid_solver/discretisation/free_surface.hpp"
 
 #include <string>
 
@@ -23,15 +23,20 @@ struct Particles {
   OrZero<Vec<D>> drag_impulse;      ///< given to the soil in the last window, N s
   OrZero<double> surface_share;     ///< 1: of moving soil, bounded by its free surface
   OrZero<Vec<D>> surface_gradient;  ///< of the total pressure there, Pa/m
-  OrZero<Vec<D>> force;             ///< of pressure and drag on the soil at the end of the last window, N/m3
-  OrZero<Vec<D>> felt;         ///< the same of the window before: what a soil that computes at the same time has felt
-  OrZero<double> follows;      ///< C / (a + C) of the last window: share of a departure of the skeleton that it follows
-  ScalarArray mask;            ///< soil membership
-  std::vector<char> seeps;     ///< 1: it seeps; 0: it moves and has a surface as free water
-  OrZero<double> cavity;       ///< voids torn open in the water, m^D
-  OrZero<double> volume_debt;  ///< strain the soil made beyond the prediction, not yet given to the water
-  VecArray<D> birthplace;      ///< m: a particle that never moved has no packing to repair
-  ScalarArray row;             ///< thickness of the row of surface particles it lies in, in spacings
+  /// Force of pressure and drag on the soil at the end of the last window, N/m3
+  OrZero<Vec<D>> coupling_force;
+  /// That of the window before the last: a soil that computes at the same time has received only this one.
+  OrZero<Vec<D>> previous_coupling_force;
+  /// C / (a + C) in the last window: the fraction of a departure of the skeleton's velocity from its prediction that
+  /// drag passes on to the water.
+  OrZero<double> entrained_fraction;
+  ScalarArray mask;              ///< soil membership
+  std::vector<char> in_seepage;  ///< 1: in the seepage regime; 0: it moves and has a surface as free water
+  OrZero<double> void_volume;    ///< of the water, opened by cavitation, m^D
+  OrZero<double>
+      deferred_strain;     ///< volumetric strain of the soil beyond the prediction, not yet applied to the water
+  VecArray<D> birthplace;  ///< m: a particle that never moved has no packing to repair
+  ScalarArray row;         ///< thickness of the row of surface particles it lies in, in spacings
   std::vector<Surface> surface;
   [[nodiscard]] std::size_t size() const { return position.size(); }
 
@@ -45,23 +50,23 @@ struct Particles {
     visit(volume);
     visit(pressure);
     visit(mask);
-    visit(seeps);
+    visit(in_seepage);
     visit(birthplace);
     visit(row);
     visit(surface);
     const auto visit_if_there = [&visit](auto& array) {
-      if (array.is_laid_out()) visit(array.values());
+      if (array.is_allocated()) visit(array.values());
     };
     visit_if_there(solid_velocity);
     visit_if_there(solid_change);
     visit_if_there(drag_impulse);
-    visit_if_there(force);
-    visit_if_there(felt);
+    visit_if_there(coupling_force);
+    visit_if_there(previous_coupling_force);
     visit_if_there(surface_share);
     visit_if_there(surface_gradient);
-    visit_if_there(follows);
-    visit_if_there(cavity);
-    visit_if_there(volume_debt);
+    visit_if_there(entrained_fraction);
+    visit_if_there(void_volume);
+    visit_if_there(deferred_strain);
   }
 
   /// Room for n particles, and no more than a sixteenth beside them for those to come: arrays that doubled would stand
@@ -80,12 +85,14 @@ struct Particles {
     volume.push_back(V);
     pressure.push_back(p);
     mask.push_back(n < 1.0 ? 1.0 : 0.0);
-    seeps.push_back(n < 1.0 ? 1 : 0);
+    in_seepage.push_back(n < 1.0 ? 1 : 0);
     birthplace.push_back(x);
     row.push_back(1.0);
     surface.push_back(Surface::interior);
-    for (auto* array : {&solid_velocity, &solid_change, &surface_gradient, &drag_impulse, &force, &felt}) array->grow();
-    for (auto* array : {&surface_share, &follows, &cavity, &volume_debt}) array->grow();
+    for (auto* array :
+         {&solid_velocity, &solid_change, &surface_gradient, &drag_impulse, &coupling_force, &previous_coupling_force})
+      array->grow();
+    for (auto* array : {&surface_share, &entrained_fraction, &void_volume, &deferred_strain}) array->grow();
   }
 
   /// Keeps the particles for which keep[a], in order.
@@ -120,7 +127,7 @@ struct Balance {
 /// What passed between water and soil since the start.
 template <int D>
 struct Exchanged {
-  Vec<D> received = Vec<D>::Zero();      ///< N s, from the soil: less the drag's impulse, less what the soil asked back
+  Vec<D> received = Vec<D>::Zero();      ///< N s, from the soil: minus the impulse of drag, minus the returned impulse
   double drag_work = 0.0;                ///< J, of the drag on both phases
   Vec<D> from_outside = Vec<D>::Zero();  ///< N s, of weight and of the pressure on walls; where a gauge asks for it
 };
@@ -128,11 +135,11 @@ struct Exchanged {
 template <int D>
 struct State {
   double time = 0.0;
-  double last_interval = 0.0;    ///< s
-  double debt_due = 0.0;         ///< s, until when the particles' volume debt is to be made good
-  double pressure_change = 0.0;  ///< rms over the last window, of the pressure's range
-  double widest_range = 0.0;     ///< of piezometric pressure so far, Pa
-  double controlled = 0.0;       ///< interval the controller would take next, s; 0: not started
+  double last_interval = 0.0;        ///< s
+  double deferred_strain_due = 0.0;  ///< s, time left in which the particles' deferred strain is to be applied
+  double pressure_change = 0.0;      ///< rms over the last window, of the pressure's range
+  double widest_range = 0.0;         ///< of piezometric pressure so far, Pa
+  double controlled = 0.0;           ///< interval the controller would take next, s; 0: not started
   std::uint64_t revision = 0;
   Particles<D> particles;
   std::vector<FaceColumn<D>> columns;
@@ -143,7 +150,7 @@ struct State {
   ScalarArray supplied;     ///< [faces] volume of the basin at first, and poured in since [m^D]; 0 where it is none
   ScalarArray basin_level;  ///< [faces] m
   ScalarArray taken;        ///< [faces] real water that ran into the still water behind them [m^D]
-  std::vector<TimeLimit> window_limits;  ///< that the last window told
+  std::vector<TimeLimit> window_limits;  ///< from the last window
   Counts counts;
   Balance balance;
   Exchanged<D> exchanged;

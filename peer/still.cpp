@@ -1,7 +1,7 @@
 #include "peer/still.hpp"
 
-#include "common/case/geometry.hpp"
-#include "common/porous/seepage.hpp"
+#include "common/geometry/shapes.hpp"
+#include "common/media/seepage.hpp"
 
 #include <algorithm>
 #include <limits>

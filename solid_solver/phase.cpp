@@ -2,13 +2,13 @@
 
 #include "common/core/error.hpp"
 #include "common/coupling/interrupt.hpp"
-#include "common/porous/seepage.hpp"
-#include "solid_solver/flow.hpp"
-#include "solid_solver/gauges.hpp"
-#include "solid_solver/pore_water.hpp"
-#include "solid_solver/readout.hpp"
-#include "solid_solver/regions.hpp"
-#include "solid_solver/saturation.hpp"
+#include "common/media/seepage.hpp"
+#include "solid_solver/dynamics/flow_regularisation.hpp"
+#include "solid_solver/exchange/pore_water.hpp"
+#include "solid_solver/exchange/saturation.hpp"
+#include "solid_solver/output/gauges.hpp"
+#include "solid_solver/output/readout.hpp"
+#include "solid_solver/sleep/regions.hpp"
 #include "solid_solver/solid.hpp"
 
 #include <fmt/format.h>
@@ -113,7 +113,7 @@ Contract Solid<D>::contract() const {
 
 template <int D>
 OrZero<Vec<D>> Solid<D>::gradient_of(const OrZero<double>& pressure, double time) const {
-  if (!pressure.is_laid_out()) return {};
+  if (!pressure.is_allocated()) return {};
   VecArray<D> gradient = pressure_gradient<D>(state_, scene_.solid.pressure_gradient,
                                               scene_.water.density * setup_.gravity, pressure.values());
   for (const auto& patch : setup_.loads)
@@ -127,7 +127,8 @@ void Solid<D>::share_load(const LoadedPatch<D>& patch, const OrZero<double>& pre
   // Where the soil has moved away from the face, the water predicts a balance that the soil does not have: in coarse,
   // soft soil what they differ by grew from 0.14 spacings on, in every window.
   double nearest = std::numeric_limits<double>::infinity();
-  for (const Index i : patch.particles) nearest = std::min(nearest, patch.normal.dot(seen_at(i)) - patch.level);
+  for (const Index i : patch.particles)
+    nearest = std::min(nearest, patch.normal.dot(reference_position(i)) - patch.level);
   if (std::abs(nearest - 0.5 * setup_.spacing) > 0.1 * setup_.spacing) return;
   ScalarArray excess = pressure.values();
   Vec<D> beyond = Vec<D>::Zero();
@@ -137,36 +138,35 @@ void Solid<D>::share_load(const LoadedPatch<D>& patch, const OrZero<double>& pre
     if (face.head) beyond = scene_.water.density * setup_.gravity;
     const double datum = face.pressure ? face.pressure->at(time) : beyond.norm() * face.head->at(time);
     for (std::size_t i = 0; i < excess.size(); ++i)
-      if (state_.external.coverage[i] > 0.0) excess[i] -= datum + beyond.dot(seen_at(i));
+      if (state_.external.coverage[i] > 0.0) excess[i] -= datum + beyond.dot(reference_position(i));
   }
   pressure_gradient_adjoint<D>(state_, excess, patch.particles, gradient);
   for (const Index i : patch.particles) gradient[i] = patch.scale * gradient[i] + beyond;
 }
 
-/// Where the water sees a particle: soil that cannot yield stands as the case draws it once it has settled under its
-/// weight, to its faces and not below them.
+/// Soil that cannot yield is published where the case draws it, not below its faces where it settles under its weight.
 template <int D>
-Vec<D> Solid<D>::seen_at(std::size_t i) const {
+Vec<D> Solid<D>::reference_position(std::size_t i) const {
   const Vec<D>& x = state_.particles.position[i];
   return cannot_yield() ? Vec<D>(x - state_.rest_displacement[i]) : x;
 }
 
 template <int D>
-typename Solid<D>::Standing& Solid<D>::standing() const {
-  if (standing_.revision != state_.revision) standing_ = {state_.revision, {}, {}};
-  return standing_;
+typename Solid<D>::PositionCache& Solid<D>::position_cache() const {
+  if (position_cache_.revision != state_.revision) position_cache_ = {state_.revision, {}, {}};
+  return position_cache_;
 }
 
 template <int D>
 const ScalarArray& Solid<D>::covered_by_soil() const {
-  auto& coverage = standing().coverage;
+  auto& coverage = position_cache().coverage;
   if (coverage.empty()) coverage = own_coverage(setup_, state_);
   return coverage;
 }
 
 template <int D>
 const std::vector<porous::Seepage>& Solid<D>::seepage() const {
-  auto& laws = standing().seepage;
+  auto& laws = position_cache().seepage;
   const Particles<D>& p = state_.particles;
   for (std::size_t i = laws.size(); i < p.size(); ++i)
     laws.push_back(porous::seepage_at(scene_, scene_.soils[p.material[i]], void_fraction(setup_, p, i)));
@@ -184,14 +184,14 @@ OrZero<double> Solid<D>::take_pressure(const Inbox& inbox, double time) {
   if (!water_is_prescribed()) {
     coverage = coverage_of(inbox, n);
     OrZero<double> pressure = field_or_zero(inbox, field::pore_pressure, n, 1);
-    if (!pressure.is_laid_out()) return pressure;
+    if (!pressure.is_allocated()) return pressure;
     for (std::size_t i = 0; i < n; ++i)
       if (coverage[i] <= 0.0) pressure.set(i, 0.0);
     saturate();
     return pressure;
   }
   OrZero<double> pressure;
-  for (auto* array : {&pressure, &coverage}) array->lay_out(n);
+  for (auto* array : {&pressure, &coverage}) array->allocate(n);
   for (std::size_t i = 0; i < n; ++i) {
     Point3 x = Point3::Zero();
     x.head<D>() = state_.particles.position[i];
@@ -232,12 +232,12 @@ Vec<D> Solid<D>::water_force(std::size_t i, const Vec<D>& pressure_gradient, con
 }
 
 template <int D>
-void Solid<D>::keep_water_force(const OrZero<Vec<D>>& gradient, const OrZero<double>& impulse, double interval) {
+void Solid<D>::store_water_force(const OrZero<Vec<D>>& gradient, const OrZero<double>& impulse, double interval) {
   const Particles<D>& p = state_.particles;
   auto& kept = state_.external.force;
   kept = {};
-  if (water_is_prescribed() || (!gradient.is_laid_out() && !impulse.is_laid_out())) return;
-  kept.lay_out(p.size());
+  if (water_is_prescribed() || (!gradient.is_allocated() && !impulse.is_allocated())) return;
+  kept.allocate(p.size());
   for (std::size_t i = 0; i < p.size(); ++i) kept.set(i, water_force(i, gradient[i], impulse, interval) / p.volume[i]);
 }
 
@@ -256,7 +256,7 @@ void Solid<D>::initialise(const Inbox& inbox) {
   if (scene_.solid.initial_rest) {
     const VecArray<D> initial = state_.particles.velocity, slip = state_.particles.slip;
     stop(setup_, state_);
-    constexpr double before_everything = -1e300;  // standing loads only
+    constexpr double before_everything = -1e300;  // position_cache loads only
     auto external = [&](Drive<D>& drive, bool rebuilt) {
       if (interrupted())
         throw Error(ExitCode::interrupted,
@@ -264,7 +264,7 @@ void Solid<D>::initialise(const Inbox& inbox) {
       if (!rebuilt) return;
       state_.external.pressure_gradient = gradient_of(state_.external.pressure, before_everything);
       drive.traction = load_forces<D>(setup_, state_, before_everything);
-      drive.distributed.lay_out(n);
+      drive.distributed.allocate(n);
       const bool seeps = scene_.solid.initial_seepage && scene_.fluid.drag;
       for (std::size_t i = 0; i < n; ++i) {
         const Vec<D> gradient = state_.external.pressure_gradient[i];
@@ -284,13 +284,13 @@ void Solid<D>::initialise(const Inbox& inbox) {
     });
     state_.particles.velocity = initial;
     state_.particles.slip = slip;
-    standing_ = {};
+    position_cache_ = {};
     if (water_is_prescribed()) state_.external.pressure = take_pressure(inbox, state_.time);  // where the soil is now
     rebuild(setup_, state_);
     evaluate_forces(setup_, state_);
   }
   state_.external.pressure_gradient = gradient_of(state_.external.pressure, state_.time);
-  keep_water_force(state_.external.pressure_gradient, {}, 1.0);
+  store_water_force(state_.external.pressure_gradient, {}, 1.0);
   const auto& moved = state_.particles.displacement;
   if (std::any_of(moved.begin(), moved.end(), [](const Vec<D>& u) { return !u.isZero(0.0); }))
     state_.rest_displacement = moved;
@@ -311,7 +311,7 @@ bool Solid<D>::sleeps_on(Drive<D>& drive, const OrZero<Vec<D>>& gradient, const 
                          const Window& window) {
   if (!state_.sleep.asleep) return false;
   const std::size_t n = state_.particles.size();
-  drive.distributed.lay_out(n);
+  drive.distributed.allocate(n);
   for (std::size_t i = 0; i < n; ++i) drive.distributed.set(i, water_force(i, gradient[i], impulse, window.interval));
   const double reference = reference_acceleration(setup_, state_, drive);
   if (disturbed(setup_, state_, drive, loads_begun(window.time), reference, scene_.solid.quiet->wake_above)) {
@@ -320,7 +320,7 @@ bool Solid<D>::sleeps_on(Drive<D>& drive, const OrZero<Vec<D>>& gradient, const 
   }
   for (auto* still : {&state_.mean_velocity, &state_.returned_impulse}) *still = {};
   state_.external.pressure_gradient = gradient;
-  keep_water_force(gradient, impulse, window.interval);
+  store_water_force(gradient, impulse, window.interval);
   state_.time = window.time + window.interval;
   if (!scene_.coupling.keep_points) ++state_.revision;
   state_.slept += std::ceil(window.interval / setup_.longest_substep - 1e-9);
@@ -351,12 +351,12 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
     state_.received += state_.returned_impulse[i];
     for (int d = 0; d < D; ++d) state_.received[d] += impulse[i * D + static_cast<std::size_t>(d)];
   }
-  // At the same time as the fluid the soil feels the last window's drag, as a force: what it takes so beyond the
-  // impulse it was given, in a window of another length, the water owes.
+  // A soil that computes at the same time as the fluid receives the last window's drag as a constant force. In a window
+  // of another length the impulse of that force differs from the impulse given; the water has to supply the difference.
   const double beyond = setup_.parallel && state_.last_interval > 0.0 ? interval / state_.last_interval - 1.0 : 0.0;
   state_.last_interval = interval;
   const OrZero<double> given = beyond != 0.0 ? impulse : OrZero<double>();
-  if (beyond != 0.0 && impulse.is_laid_out())
+  if (beyond != 0.0 && impulse.is_allocated())
     for (double& j : impulse.values()) j *= 1.0 + beyond;
   const OrZero<double> predicted = field_or_zero(inbox, field::predicted_solid_velocity, n, D);
   const OrZero<double> change = field_or_zero(inbox, field::predicted_change, n, D);
@@ -367,7 +367,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   OrZero<Vec<D>> to = gradient_of(pressure, window.time);
   const OrZero<double> at_surface = field_or_zero(inbox, field::surface_share, n, 1);
   const OrZero<double> given_gradient = field_or_zero(inbox, field::surface_gradient, n, D);
-  for (std::size_t i = 0; i < n && at_surface.is_laid_out(); ++i)
+  for (std::size_t i = 0; i < n && at_surface.is_allocated(); ++i)
     if (const double share = at_surface[i]; share > 0.0)
       to.set(i, (1.0 - share) * to[i] + share * Eigen::Map<const Vec<D>>(given_gradient.values().data() + i * D), n);
   state_.external.pressure = std::move(pressure);
@@ -436,12 +436,12 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
 
   const bool may_sleep = scene_.solid.quiet && !(scene_.coupled() && cannot_yield());
   if (may_sleep && sleeps_on(drive, to, impulse, window)) return Outcome::accept();
-  state_.returned_impulse.lay_out(tracks ? n : 0);
-  for (std::size_t i = 0; i < n && given.is_laid_out(); ++i)
+  state_.returned_impulse.allocate(tracks ? n : 0);
+  for (std::size_t i = 0; i < n && given.is_allocated(); ++i)
     for (int d = 0; d < D; ++d)
       state_.returned_impulse.values()[i][d] = beyond * given[i * D + static_cast<std::size_t>(d)];
   std::fill(state_.yielded.begin(), state_.yielded.end(), char{0});
-  state_.yielding.lay_out(tracks ? n : 0);
+  state_.plastic_shear_ratio.allocate(tracks ? n : 0);
   state_.any_yielded = false;
   if (rests) {
     wake_regions(setup_, state_);
@@ -496,11 +496,11 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   }
   check_sound(setup_, state_, window.time);
   state_.external.pressure_gradient = to;
-  keep_water_force(to, impulse, interval);
-  state_.mean_velocity.lay_out(tracks ? n : 0);
+  store_water_force(to, impulse, interval);
+  state_.mean_velocity.allocate(tracks ? n : 0);
   for (std::size_t i = 0; i < n && tracks; ++i)
     state_.mean_velocity.set(i, (p.displacement[i] - displacement[i]) / interval);
-  if (tracks) tell_yielding(plastic_before, interval, 1.0);
+  if (tracks) store_plastic_shear_ratio(plastic_before, interval, 1.0);
   if (may_sleep) fall_asleep_if_quiet(drive, reference);
   state_.time = window.time + interval;
   state_.substeps += static_cast<double>(steps);
@@ -546,7 +546,7 @@ double Solid<D>::plastic_work(std::span<const double> plastic_before) const {
 }
 
 template <int D>
-double Solid<D>::drained_share(double interval) const {
+double Solid<D>::drained_fraction(double interval) const {
   double slowest = 0.0;
   for (std::size_t m = 0; m < setup_.models.size(); ++m) {
     const Soil& soil = scene_.soils[m];
@@ -559,12 +559,12 @@ double Solid<D>::drained_share(double interval) const {
 }
 
 template <int D>
-void Solid<D>::tell_yielding(std::span<const double> plastic_before, double interval, double told) {
+void Solid<D>::store_plastic_shear_ratio(std::span<const double> plastic_before, double interval, double factor) {
   const Particles<D>& p = state_.particles;
   for (std::size_t i = 0; i < p.size(); ++i) {
     const double plastic = p.plastic_strain[i] - plastic_before[i];
     const double strain = interval * 2.0 / std::numbers::sqrt3 * root_j2(strain_rate<D>(state_.nodes[i].gradient));
-    if (plastic > 0.0) state_.yielding.set(i, told * (strain > plastic ? plastic / strain : 1.0));
+    if (plastic > 0.0) state_.plastic_shear_ratio.set(i, factor * (strain > plastic ? plastic / strain : 1.0));
   }
 }
 
@@ -665,7 +665,7 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
   const VecArray<D> start = p.displacement, velocity = p.velocity;
   const Vec<D> from_outside = state_.from_outside;  // what the search tries does not count
   const ScalarArray plastic_before = p.plastic_strain;
-  VecArray<D> standing(n);
+  VecArray<D> position_cache(n);
   // What holds dilation back: a modulus times what the volume's strain departs by from the predicted one.
   const ScalarArray volume = answers.empty() ? ScalarArray() : p.volume;
   const ScalarArray strain_due = answers.empty() ? ScalarArray() : predicted_strain(interval, tracking);
@@ -678,15 +678,15 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
         state_.backing.set(i, state_.external.coverage[i] * answers[i].dilation * (strain - strain_due[i]), n);
       }
       drive.distributed.set(i,
-                            standing[i] + p.mass[i] / interval * (velocity[i] - mean) +
+                            position_cache[i] + p.mass[i] / interval * (velocity[i] - mean) +
                                 tracking.tracking[i] * (tracking.target[i] - mean),
                             n);
     }
   };
-  for (std::size_t i = 0; i < n; ++i) standing[i] = water_force(i, gradient[i], impulse, interval);
+  for (std::size_t i = 0; i < n; ++i) position_cache[i] = water_force(i, gradient[i], impulse, interval);
   Drive<D> drive;
   external(drive, true);
-  if (!cannot_yield()) drive.distributed = standing;
+  if (!cannot_yield()) drive.distributed = position_cache;
   for (auto& v : p.velocity) v.setZero();
   if (!answers.empty()) evaluate_forces(setup_, state_);
   ScalarArray resistance(p.free());
@@ -776,14 +776,14 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
   state_.mean_velocity = p.velocity;
   state_.from_outside = from_outside;
   if (setup_.counts_impulses) state_.from_outside += interval * force_from_outside(setup_, state_, drive);
-  const double told = drained_share(interval);
-  if (moved && state_.any_yielded && told > 0.0) {
+  const double drained = drained_fraction(interval);
+  if (moved && state_.any_yielded && drained > 0.0) {
     fill_velocities<D>(p, state_.near, state_.nodes);
     velocity_gradient<D>(state_.near.pairs, state_.kernel, state_.nodes);
-    tell_yielding(plastic_before, interval, told);
+    store_plastic_shear_ratio(plastic_before, interval, drained);
   }
   state_.external.pressure_gradient = gradient;
-  keep_water_force(gradient, impulse, interval);
+  store_water_force(gradient, impulse, interval);
   state_.time = end;
   // Otherwise the points stand where they stood.
   if (moved || !scene_.coupling.keep_points) ++state_.revision;
@@ -824,9 +824,9 @@ Publication Solid<D>::publish() const {
   for (std::size_t i = 0; i < all; ++i) {
     Eigen::Map<Vec<D>> x(out.points.position.data() + i * D);
     if (i < n)
-      x = seen_at(i);
+      x = reference_position(i);
     else
-      x = images[i - n].map * seen_at(images[i - n].parent) + images[i - n].shift;
+      x = images[i - n].map * reference_position(images[i - n].parent) + images[i - n].shift;
     out.points.volume[i] = p.volume[parent(i)];
     out.points.smoothing_length[i] = setup_.smoothing_length;
     out.points.owner[i] = static_cast<double>(parent(i));
@@ -862,7 +862,7 @@ Publication Solid<D>::publish() const {
     const auto& model = *setup_.models[p.material[i]];
     return state_.yielded[i] ? model.yielding_modulus() : model.elasticity().constrained();
   });
-  scalars(field::yielding, [&](std::size_t i) { return state_.yielding[i]; });
+  scalars(field::yielding, [&](std::size_t i) { return state_.plastic_shear_ratio[i]; });
   const auto& seepage = this->seepage();
   scalars(field::hydraulic_conductivity, [&](std::size_t i) { return seepage[i].conductivity; });
   scalars(field::forchheimer_coefficient, [&](std::size_t i) { return seepage[i].quadratic; });

@@ -2,10 +2,10 @@
 #pragma once
 
 #include "common/coupling/phase.hpp"
-#include "common/porous/seepage.hpp"
-#include "solid_solver/equilibrium.hpp"
+#include "common/media/seepage.hpp"
+#include "solid_solver/exchange/water_answer.hpp"
 #include "solid_solver/setup.hpp"
-#include "solid_solver/water_answer.hpp"
+#include "solid_solver/statics/equilibrium.hpp"
 
 namespace poretwin::solid {
 
@@ -23,11 +23,11 @@ class Solid final : public Phase {
   void save() override { saved_ = state_; }
   void restore() override {
     state_ = saved_;
-    standing_ = {};
+    position_cache_ = {};
   }
   void archive(Archive& archive) override {
     archive(state_, rest_);
-    standing_ = {};
+    position_cache_ = {};
   }
   [[nodiscard]] OutputFrame frame() const override;
   [[nodiscard]] std::vector<GaugeReading> gauges() const override;
@@ -39,13 +39,13 @@ class Solid final : public Phase {
   [[nodiscard]] const Setup<D>& setup() const { return setup_; }
 
  private:
-  /// What follows from where the particles stand: told when asked for, once while they do.
-  struct Standing {
+  /// What depends on the positions alone: evaluated on demand, once for each revision of the positions.
+  struct PositionCache {
     std::uint64_t revision = 0;
     ScalarArray coverage;                  ///< [n] own_coverage()
     std::vector<porous::Seepage> seepage;  ///< [n] the law at the void fraction
   };
-  Standing& standing() const;
+  PositionCache& position_cache() const;
   const ScalarArray& covered_by_soil() const;
   const std::vector<porous::Seepage>& seepage() const;
   /// Coverage and pressure [Pa] of the water at the soil's points: from the partner, or from the case for soil alone.
@@ -63,10 +63,11 @@ class Solid final : public Phase {
   /// The same with the drag, an impulse [N s] handed over in a window [s].
   [[nodiscard]] Vec<D> water_force(std::size_t i, const Vec<D>& pressure_gradient, const OrZero<double>& impulse,
                                    double interval) const;
-  /// What pressure and drag do at the end of a window, as the fluid is told.
-  void keep_water_force(const OrZero<Vec<D>>& gradient, const OrZero<double>& impulse, double interval);
+  /// Stores the force of pressure and drag at the end of a window, which the published unbalanced force contains.
+  void store_water_force(const OrZero<Vec<D>>& gradient, const OrZero<double>& impulse, double interval);
   [[nodiscard]] OrZero<Vec<D>> gradient_of(const OrZero<double>& pressure, double time) const;
-  [[nodiscard]] Vec<D> seen_at(std::size_t particle) const;  ///< m
+  /// Reference position of a particle that is published to the water [m].
+  [[nodiscard]] Vec<D> reference_position(std::size_t particle) const;
   /// Below a loaded face: the load is carried by stress and pressure alike, that of the water beyond it left out.
   void share_load(const LoadedPatch<D>& patch, const OrZero<double>& pressure, double time,
                   VecArray<D>& gradient) const;
@@ -95,9 +96,9 @@ class Solid final : public Phase {
   /// H^2 gamma_w / (k M), not at all in a fifth of it: there its dilation sets the next window's pressure and that its
   /// motion, and to take it as going on, or to pay for it at once, overdoes it. Between them by degrees: soil that
   /// creeps through a sudden change of that falls.
-  [[nodiscard]] double drained_share(double interval) const;
-  /// Share of the window's shear that was plastic, times `told`; `plastic_before`: plastic strain at its start.
-  void tell_yielding(std::span<const double> plastic_before, double interval, double told);
+  [[nodiscard]] double drained_fraction(double interval) const;
+  /// Stores the plastic shear ratio of the window, times `factor`; `plastic_before`: plastic strain at its start.
+  void store_plastic_shear_ratio(std::span<const double> plastic_before, double interval, double factor);
   /// Forces on the particles [N] over their weight, rms over all but a local part of the soil that holds water.
   [[nodiscard]] double over_weight(const Drive<D>& tracking, std::span<const double> force, double reference) const;
   /// What holds the soil to the predicted motion after a window's first pass and is no inertia of the water: neither
@@ -122,7 +123,7 @@ class Solid final : public Phase {
   double unsettled_ = 0.0;  ///< of the last window: Publication::unsettled
   VecArray<D> lattice_;     ///< m, the particles of coupled soil as they were laid
   std::unique_ptr<Stiffness<D>> stiffness_;
-  mutable Standing standing_;
+  mutable PositionCache position_cache_;
 };
 
 }  // namespace poretwin::solid

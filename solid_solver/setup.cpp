@@ -1,11 +1,11 @@
 #include "solid_solver/setup.hpp"
 
 #include "common/case/gauge_kinds.hpp"
-#include "common/case/pieces.hpp"
 #include "common/core/error.hpp"
-#include "common/porous/seepage.hpp"
-#include "solid_solver/constitutive/cone.hpp"
-#include "solid_solver/rough_walls.hpp"
+#include "common/geometry/pieces.hpp"
+#include "common/media/seepage.hpp"
+#include "solid_solver/discretisation/rough_walls.hpp"
+#include "solid_solver/material/cone.hpp"
 
 #include <Eigen/Geometry>
 
@@ -23,15 +23,14 @@ namespace {
 
 constexpr double lengths_per_spacing = 1.2;  // h / dx, the paper's
 
-/// Into how many parts so much soil falls, whatever threads there are. More and smaller ones would have more of their
-/// pairs twice.
+/// Number of parts into which so much soil is cut, independent of the number of threads. With more and smaller parts
+/// more pairs would cross parts and be stored twice.
 std::size_t parts_of(std::size_t particles) {
   constexpr std::size_t worth_two = 3072, least = 4096, most = 16;
   return particles < worth_two ? 1 : std::clamp(particles / least, std::size_t{2}, most);
 }
 
-/// Sorts new particles, which lie in this box, into slices across its longest extent: what their parts share is then
-/// short.
+/// Sorts new particles, which lie in this box, into slices across its longest extent, so that parts have short borders.
 template <int D>
 void lay_in_slices(const Eigen::AlignedBox<double, D>& box, double spacing, Particles<D>& particles) {
   int longest = 0;
@@ -51,8 +50,8 @@ void lay_in_slices(const Eigen::AlignedBox<double, D>& box, double spacing, Part
   sort(particles.material);
 }
 
-/// Of the substeps of soil whose rest is sought, and of soil with water: as many substeps make the windows of an
-/// exchange, whose length decides how embankments fail.
+/// Courant number of the substeps in the search for rest and of soil with water. Whole numbers of substeps make the
+/// windows of an exchange, whose length decides how embankments fail.
 constexpr double careful = 0.8;
 
 /// Grains without cohesion that nothing loads, on rough walls, behind which rows of particles are held, and beside
@@ -69,8 +68,8 @@ bool surfaces_carry_nothing(const Case& scene, const Setup<D>& setup) {
   return plain && std::ranges::all_of(setup.loose_friction, [](float tangent) { return tangent > 0.0F; });
 }
 
-/// Of the substeps of soil that moves (docs/theory/steps.md). The shortest are asked for by tips of wedges
-/// that walls by images cut off, 1.07; faces bear 1.24, disordered soil with soft edges 1.6, in 3D 1.5.
+/// Courant number of the substeps of soil that moves (docs/theory/steps.md). Measured limits: 1.07 at tips
+/// of wedges that walls by images cut off, 1.24 at faces, 1.6 in disordered soil with soft edges (3D: 1.5).
 template <int D>
 double courant_number(const Case& scene, const Setup<D>& setup) {
   if (scene.coupled()) return careful;
@@ -196,8 +195,8 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
     throw CaseError(fmt::format("solid.particle_spacing: expected a length above 0 m, found {}", setup.spacing));
   setup.smoothing_length = lengths_per_spacing * setup.spacing;
   setup.full_cover = lattice_cover<D>();
-  // Up to just below a lattice's neighbours at sqrt(8) spacings: as few lists as possible in soil that flows, no pair
-  // more in soil that stands.
+  // Up to just below a lattice's neighbours at sqrt(8) spacings: lists are rebuilt as rarely as possible in soil that
+  // flows, without additional pairs in soil at rest.
   setup.skin = scene.solid.list_skin * setup.spacing;
   setup.regular_flow = scene.solid.regular_flow;
   setup.quiet = scene.solid.quiet.value_or(Quiet{});
@@ -205,8 +204,8 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   setup.stabilisers.artificial = scene.solid.artificial_viscosity;
   setup.stabilisers.quadratic = scene.solid.quadratic_viscosity;
   setup.stabilisers.artificial_stress = scene.solid.artificial_stress;
-  setup.stabilisers.zero_energy = scene.solid.zero_energy_viscosity;
-  setup.stabilisers.stiffness = scene.solid.zero_energy_stiffness;
+  setup.stabilisers.hourglass_viscosity = scene.solid.zero_energy_viscosity;
+  setup.stabilisers.hourglass_stiffness = scene.solid.zero_energy_stiffness;
   setup.gravity = scene.general.gravity.head<D>();
   setup.water_weight = porous::specific_weight(scene);
   setup.counts_impulses = asks_for(scene.gauges, "solid", "unexplained_impulse");
@@ -273,7 +272,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
     setup.stabilisers.modulus = std::min(setup.stabilisers.modulus, model->elasticity().constrained());
   setup.boundaries = make_boundaries<D>(scene, setup.range());
   setup.soft_edges = surfaces_carry_nothing(scene, setup);
-  // Waves that such steps resolve poorly shake the flow, which costs it friction.
+  // Waves that such steps resolve poorly disturb the flow and reduce its friction.
   if (setup.soft_edges) setup.stabilisers.bulk = 0.35 * fastest * setup.spacing;
   const double courant = scene.solid.courant.value_or(courant_number(scene, setup));
   setup.longest_substep = setup.stabilisers.step = courant * setup.spacing / fastest;

@@ -1,9 +1,9 @@
 // What stays constant during a run: the case as the solver's numbers.
 #pragma once
 
-#include "solid_solver/boundaries.hpp"
-#include "solid_solver/constitutive/model.hpp"
-#include "solid_solver/operators.hpp"
+#include "solid_solver/discretisation/boundaries.hpp"
+#include "solid_solver/discretisation/operators.hpp"
+#include "solid_solver/material/model.hpp"
 
 #include <limits>
 #include <memory>
@@ -33,12 +33,12 @@ struct Setup {
   double full_cover = 1.0;        ///< sum V W in soil as dense as it was laid
   double skin = 0.0;              ///< m, pair lists hold until something moved half of it
   std::size_t parts = 1;          ///< of the particles, that threads share: as many on every machine
-  bool regular_flow = true;       ///< see flow.hpp
+  bool regular_flow = true;       ///< see dynamics/flow_regularisation.hpp
   bool soft_edges = false;        ///< surfaces that carry no stress are less stiff, for longer substeps
-  double flow_limit = 0.01;      ///< plastic strain above which the zero-energy control is off: it would brake the flow
-  double inertia_share = 0.5;    ///< zr of the tracking coefficient Z = C + zr rho_bar / Dt
-  bool counts_impulses = false;  ///< from outside, for a gauge
-  bool parallel = false;  ///< what the fluid tells is of the last window; where it predicts, Z = C / n^2 + .. then
+  double flow_limit = 0.01;       ///< plastic strain above which hourglass control is off: it would brake the flow
+  double inertia_share = 0.5;     ///< zr of the tracking coefficient Z = C + zr rho_bar / Dt
+  bool counts_impulses = false;   ///< from outside, for a gauge
+  bool parallel = false;  ///< the fluid's values are of the last window; where it predicts, Z = C / n^2 + .. then
   Vec<D> gravity = Vec<D>::Zero();
   double water_weight = 0.0;     ///< N/m3, behind the word "conductivity"
   double longest_substep = 0.0;  ///< s

@@ -5,8 +5,8 @@
 #include "common/core/lanes.hpp"
 #include "common/core/or_zero.hpp"
 #include "common/core/vector.hpp"
-#include "solid_solver/pairs.hpp"
-#include "solid_solver/stress.hpp"
+#include "solid_solver/discretisation/pairs.hpp"
+#include "solid_solver/material/stress.hpp"
 
 #include <algorithm>
 #include <array>
@@ -48,15 +48,15 @@ constexpr std::size_t room_for(std::size_t n) { return (n + 3) / 4 * 4; }
 
 /// What the pair loops read of a particle or an image, packed, four numbers to a register: neighbours are visited in
 /// scattered order. In 2D these are three lines of 64 bytes: what the velocity gradient needs, what it sums up, and
-/// what forces need besides. Gradients and the correction stand nowhere else; the rest is told anew of the particles
-/// before every force (fill_nodes).
+/// what forces need besides. Gradients and the correction are stored nowhere else; the rest is copied from the
+/// particles before every evaluation of forces (fill_nodes).
 template <int D>
 struct alignas(64) Node {
   Vec<D> position = Vec<D>::Zero();
   Vec<D> velocity = Vec<D>::Zero();  ///< m/s
   double volume = 0.0;               ///< m^D
   double density = 0.0;              ///< kg/m3, rho_bar
-  double firmness = elastic;         ///< of the zero-energy-mode control: of two particles the lesser counts
+  double hourglass_level = elastic;  ///< hourglass control level, of a pair the lower of its two particles'
   double rubbing = 0.0;              ///< see Particles
   Mat<D> gradient = Mat<D>::Zero();  ///< 1/s, of the velocity, d v_a / d x_b
   std::array<double, room_for(D* D + D * (D + 1) / 2) - D * D> upper{};  ///< columns of B (correction), to the diagonal
@@ -64,10 +64,10 @@ struct alignas(64) Node {
   Mat<D> deformation = Mat<D>::Zero();  ///< 1, of the displacement, d u_a / d x_b
   static constexpr double flows = 0.0, yielded = 1.0,
                           elastic = 2.0;  ///< no control; of velocities; of displacements, too (never yielded)
-  static constexpr std::size_t at_velocity = D, at_volume = 2 * D, at_density = 2 * D + 1, at_firmness = 2 * D + 2,
-                               at_rubbing = 2 * D + 3, at_gradient = 2 * D + 4, at_correction = at_gradient + D * D,
-                               n_sums = room_for(D * D + D * (D + 1) / 2), at_flux = at_gradient + n_sums,
-                               at_deformation = at_flux + D * D;
+  static constexpr std::size_t at_velocity = D, at_volume = 2 * D, at_density = 2 * D + 1,
+                               at_hourglass_level = 2 * D + 2, at_rubbing = 2 * D + 3, at_gradient = 2 * D + 4,
+                               at_correction = at_gradient + D * D, n_sums = room_for(D * D + D * (D + 1) / 2),
+                               at_flux = at_gradient + n_sums, at_deformation = at_flux + D * D;
   [[nodiscard]] const double* row() const { return position.data(); }
   /// Where the gradient's loop sums up: the gradient, then the upper half of the moments' matrix.
   [[nodiscard]] double* sums() { return gradient.data(); }
@@ -90,7 +90,7 @@ template <int D, class Number>
   for (int b = 0; b < D; ++b)
     for (int a = 0; a <= b; ++a, ++upper) squared += (a == b ? 1.0 : 2.0) * *upper * *upper;
   share = inside * D / squared;
-  lower_to(share, Number{} + 1.0);
+  min_in_place(share, Number{} + 1.0);
 }
 
 /// One wall that an image lies behind. Acceleration vanishes at a wall (its normal part at a roller), hence stress
@@ -116,7 +116,7 @@ struct ImageRule {
   std::array<Crossing<D>, D> crossings{};
   std::size_t n_crossings = 0;
   bool periodic = false;                 ///< the domain truly goes on: scalars carry over unchanged
-  Vec<D> displacement = Vec<D>::Zero();  ///< m, of the image; told with its node
+  Vec<D> displacement = Vec<D>::Zero();  ///< m, of the image; updated with its node
   /// Velocity [m/s] or displacement [m] of the image, with that of the slip.
   [[nodiscard]] Vec<D> moved(const Vec<D>& v, const VecArray<D>& s) const {
     return slips ? Vec<D>(velocity * v + slip * s[parent]) : Vec<D>(velocity * v);
@@ -155,10 +155,10 @@ struct Sleep {
 /// flowed.
 template <int D>
 struct Regions {
-  double clock = 0.0;        ///< s, of the steps taken
-  double looked = 0.0;       ///< clock, when it was last asked what moves
-  double sent_to_bed = 0.0;  ///< the same of who falls asleep
-  ScalarArray stirred;       ///< clock, when a particle had last moved or yielded
+  double clock = 0.0;                ///< s, of the steps taken
+  double last_activity_check = 0.0;  ///< clock at the last search for particles that move
+  double last_sleep_check = 0.0;     ///< clock at the last search for particles that may fall asleep
+  ScalarArray last_active;           ///< clock when a particle last moved or yielded
   VecArray<D> mark;     ///< m, its displacement then; while it sleeps: N, its neighbours' force when it fell asleep
   VecArray<D> outside;  ///< N, force from outside when it fell asleep
   ScalarArray sheared;  ///< its plastic strain then
@@ -288,7 +288,7 @@ struct State {
   Vec<D> from_outside = Vec<D>::Zero();  ///< N s, of weight, loads and walls; where a gauge asks for it
   OrZero<Vec<D>> rest_displacement;      ///< m, after initialise: where uplift counts from
   std::vector<char> yielded;             ///< during the last window
-  OrZero<double> yielding;               ///< share of the last window's shear that was plastic, of coupled soil
+  OrZero<double> plastic_shear_ratio;    ///< plastic over all shear strain of the last window, of coupled soil
   bool any_yielded = false;
   Sleep<D> sleep;
   Regions<D> regions;

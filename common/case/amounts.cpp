@@ -1,6 +1,6 @@
 #include "common/case/amounts.hpp"
 
-#include "common/case/geometry.hpp"
+#include "common/geometry/shapes.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -52,7 +52,7 @@ constexpr std::array model_words{Word<SolidCase::Model>{"rigid", SolidCase::Mode
                                  Word<SolidCase::Model>{"elastic", SolidCase::Model::elastic},
                                  Word<SolidCase::Model>{"drucker_prager", SolidCase::Model::drucker_prager},
                                  Word<SolidCase::Model>{"drucker_prager_rate", SolidCase::Model::drucker_prager_rate}};
-constexpr std::array seepage_words{Word<Soil::SeepageLaw>{"darcy", Soil::SeepageLaw::darcy},
+constexpr std::array seepage_words{Word<Soil::SeepageLaw>{"kozeny_carman", Soil::SeepageLaw::kozeny_carman},
                                    Word<Soil::SeepageLaw>{"constant", Soil::SeepageLaw::constant},
                                    Word<Soil::SeepageLaw>{"forchheimer", Soil::SeepageLaw::forchheimer},
                                    Word<Soil::SeepageLaw>{"ergun", Soil::SeepageLaw::ergun}};
@@ -89,9 +89,11 @@ void declare(Keys& keys, General& g) {
 void declare(Keys& keys, Water& w) {
   keys.number("density", w.density, {"kg/m3", "Density of water."}, positive());
   keys.number("kinematic_viscosity", w.kinematic_viscosity, {"m2/s", "Kinematic viscosity of water."}, not_negative());
-  keys.number("cavitation_pressure", w.cavitation_pressure,
-              {"Pa", "Pressure, over that of the air, below which water tears: there it opens voids instead."},
-              between(-HUGE_VAL, true, 0.0, true));
+  keys.number(
+      "cavitation_pressure", w.cavitation_pressure,
+      {"Pa",
+       "Pressure, over that of the air, below which water does not go: it cavitates, that is, opens voids instead."},
+      between(-HUGE_VAL, true, 0.0, true));
 }
 
 void declare(Keys& keys, Shape& s) {
@@ -118,6 +120,30 @@ void expect_kinds(const Node& tables, const std::string& path) {
   }
 }
 
+/// Replaces words that earlier versions used in [[soil]] by today's; returns a warning for each. An old word is read
+/// for one version after its replacement.
+std::vector<std::string> replace_old_words(Node& root) {
+  struct OldWord {
+    std::string_view key, old, now;
+  };
+  constexpr std::array old_words{OldWord{"seepage_law", "darcy", "kozeny_carman"}};
+  std::vector<std::string> said;
+  for (auto& [section, soils] : root.entries) {
+    if (section != "soil") continue;
+    for (std::size_t i = 0; i < soils.items.size(); ++i)
+      for (auto& [key, value] : soils.items[i].entries)
+        for (const auto& word : old_words) {
+          if (key != word.key || value.text != word.old) continue;
+          said.push_back(
+              fmt::format("{}: key 'soil[{}].{}': \"{}\" is the old word for \"{}\"; the next version will not "
+                          "read it",
+                          value.where, i, key, word.old, word.now));
+          value.text = word.now;
+        }
+  }
+  return said;
+}
+
 void declare(Keys& keys, Face& f) {
   keys.points("points", f.points, {"m", "2D: a line of straight pieces, walked with the domain on the LEFT."});
   keys.point("point", f.point, {"m", "Instead of `points`: any point of a plane (3D) or line (2D)."});
@@ -132,7 +158,7 @@ void declare(Keys& keys, Soil& s) {
   keys.choice<Soil::SeepageLaw>(
       "seepage_law", s.seepage_law, seepage_words,
       {"",
-       "Hydraulic gradient i against discharge velocity U. `darcy`: i = U/k, k after Kozeny-Carman, Eq. (19); "
+       "Hydraulic gradient i against discharge velocity U. `kozeny_carman`: i = U/k, k after Eq. (19); "
        "`constant`: the same k at any porosity; `forchheimer`: i = U/k + b U^2; `ergun`: k and b from the grains, Eqs. "
        "(91), (92) as corrected."});
   keys.number("hydraulic_conductivity", s.hydraulic_conductivity, {"m/s", "k at `porosity` (all laws but `ergun`)."},
@@ -541,6 +567,7 @@ Case read_case(const std::filesystem::path& path, const std::vector<std::string>
         fmt::format("{}: the file is empty; expected a case: a table [case] with end_time, and what is in it "
                     "(docs/case-file.md lists all keys)",
                     path.string()));
+  const auto old_words = replace_old_words(root);
   if (const Node* soils = root.find("soil")) expect_kinds(*soils, "soil");
   if (const Node* fluid = root.find("fluid"))
     if (const Node* regions = fluid->find("region")) expect_kinds(*regions, "fluid.region");
@@ -567,6 +594,7 @@ Case read_case(const std::filesystem::path& path, const std::vector<std::string>
   move_to_origin(scene);
   check_case(scene, places);
   scene.warnings = doubts(scene, places);
+  scene.warnings.insert(scene.warnings.begin(), old_words.begin(), old_words.end());
   return scene;
 }
 

@@ -64,7 +64,7 @@ struct Water {
 /// [[soil]]: a region of soil and its material. With solid.model = "rigid" only shape, porosity and the law of seepage
 /// matter.
 struct Soil {
-  enum class SeepageLaw { darcy, constant, forchheimer, ergun };
+  enum class SeepageLaw { kozeny_carman, constant, forchheimer, ergun };
   /// How the Drucker-Prager cone is fitted to Coulomb's cohesion and friction (docs/theory/materials.md).
   enum class Cone {
     paper,         ///< Eq. (32): plane strain with associated flow (psi = phi)
@@ -77,7 +77,7 @@ struct Soil {
   Shape shape;
   double porosity = 0.4;          ///< n = n_w
   double grain_density = 2600.0;  ///< kg/m3, intrinsic rho_s
-  SeepageLaw seepage_law = SeepageLaw::darcy;
+  SeepageLaw seepage_law = SeepageLaw::kozeny_carman;
   double hydraulic_conductivity = 1e-4;  ///< k at `porosity`, m/s
   double forchheimer_coefficient = 0.0;  ///< b at `porosity`, s2/m2
   double grain_diameter = 0.0;           ///< D50, m (ergun)
@@ -208,8 +208,8 @@ struct SolidCase {
 struct CouplingCase {
   enum class Scheme { serial, parallel, iterated };
   enum class Acceleration { none, aitken, quasi_newton };
-  std::optional<double> interval;  ///< s: longest exchange interval; absent: what the solvers propose
-  Scheme scheme = Scheme::iterated;                        ///< absent, and nothing is predicted: serial
+  std::optional<double> interval;    ///< s: longest exchange interval; absent: what the solvers propose
+  Scheme scheme = Scheme::iterated;  ///< absent, and nothing is predicted: serial
   Acceleration acceleration = Acceleration::quasi_newton;  ///< of the iterated scheme
   std::optional<double> tolerance;                         ///< of the iterated scheme; absent: its own
   bool keep_points = true;                                 ///< points that have not moved are not sent again

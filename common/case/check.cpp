@@ -2,12 +2,12 @@
 
 #include "common/case/amounts.hpp"
 #include "common/case/complaints.hpp"
-#include "common/case/crossing.hpp"
-#include "common/case/enclosure.hpp"
 #include "common/case/gauge_kinds.hpp"
 #include "common/case/gauge_quantities.hpp"
-#include "common/case/geometry.hpp"
 #include "common/case/unsupported.hpp"
+#include "common/geometry/crossing.hpp"
+#include "common/geometry/enclosure.hpp"
+#include "common/geometry/shapes.hpp"
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>

@@ -2,11 +2,11 @@
 
 #include "common/case/amounts.hpp"
 #include "common/case/complaints.hpp"
-#include "common/case/extent.hpp"
-#include "common/case/geometry.hpp"
-#include "common/case/pieces.hpp"
-#include "common/case/thin_walls.hpp"
-#include "common/porous/seepage.hpp"
+#include "common/geometry/extent.hpp"
+#include "common/geometry/pieces.hpp"
+#include "common/geometry/shapes.hpp"
+#include "common/geometry/thin_walls.hpp"
+#include "common/media/seepage.hpp"
 
 #include <algorithm>
 #include <array>

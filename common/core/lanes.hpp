@@ -19,11 +19,11 @@ struct alignas(Lanes) Quad {
 };
 
 // In place: vectors returned by value would depend on the instruction set a caller is compiled for.
-[[gnu::always_inline]] inline void take_root(Lanes& a) {
+[[gnu::always_inline]] inline void sqrt_in_place(Lanes& a) {
   for (std::size_t l = 0; l < n_lanes; ++l) a[l] = std::sqrt(a[l]);
 }
-[[gnu::always_inline]] inline void raise_to(Lanes& a, const Lanes& least) { a = a > least ? a : least; }
-[[gnu::always_inline]] inline void lower_to(Lanes& a, const Lanes& most) { a = a < most ? a : most; }
+[[gnu::always_inline]] inline void max_in_place(Lanes& a, const Lanes& least) { a = a > least ? a : least; }
+[[gnu::always_inline]] inline void min_in_place(Lanes& a, const Lanes& most) { a = a < most ? a : most; }
 [[gnu::always_inline]] inline bool any(const LaneMask& mask) { return (mask[0] | mask[1] | mask[2] | mask[3]) != 0; }
 
 /// What a text that serves one particle or four is written in. (As a template's argument Lanes would lose their
@@ -37,9 +37,9 @@ struct InFours {
   using Mask = LaneMask;
 };
 
-inline void take_root(double& a) { a = std::sqrt(a); }
-inline void raise_to(double& a, double least) { a = a > least ? a : least; }
-inline void lower_to(double& a, double most) { a = a < most ? a : most; }
+inline void sqrt_in_place(double& a) { a = std::sqrt(a); }
+inline void max_in_place(double& a, double least) { a = a > least ? a : least; }
+inline void min_in_place(double& a, double most) { a = a < most ? a : most; }
 inline bool any(bool yes) { return yes; }
 
 /// a = function(a), one number after the other.

@@ -1,4 +1,4 @@
-// Arrays of what most scenes have none of.
+// Arrays for quantities that most scenes do not have.
 #pragma once
 
 #include "common/core/archive.hpp"
@@ -8,28 +8,28 @@
 
 namespace poretwin {
 
-/// Values that are zero everywhere, and take no memory, until they are laid out.
+/// An array whose entries read as zero, without taking memory, until it is allocated.
 template <class T>
 class OrZero {
  public:
   OrZero() = default;
   OrZero(std::vector<T> values) : values_(std::move(values)) {}  // NOLINT: an array is one of these
-  [[nodiscard]] bool is_laid_out() const { return !values_.empty(); }
-  void lay_out(std::size_t n) { values_.assign(n, zero()); }
+  [[nodiscard]] bool is_allocated() const { return !values_.empty(); }
+  void allocate(std::size_t n) { values_.assign(n, zero()); }
   void set(std::size_t a, const T& value) { values_[a] = value; }
-  /// The same, of n, laid out if they are not yet.
+  /// The same in an array of n, which is allocated first if it is not there yet.
   void set(std::size_t a, const T& value, std::size_t n) {
-    if (!is_laid_out()) lay_out(n);
+    if (!is_allocated()) allocate(n);
     set(a, value);
   }
   [[nodiscard]] const T& operator[](std::size_t a) const { return values_.empty() ? zero() : values_[a]; }
   [[nodiscard]] auto begin() const { return values_.begin(); }
   [[nodiscard]] auto end() const { return values_.end(); }
-  /// One more, a zero.
+  /// Appends a zero; nothing while unallocated.
   void grow() {
-    if (is_laid_out()) values_.push_back(zero());
+    if (is_allocated()) values_.push_back(zero());
   }
-  /// All of them where they are laid out, else none.
+  /// All n values once allocated, before that an empty array.
   [[nodiscard]] std::vector<T>& values() { return values_; }
   [[nodiscard]] const std::vector<T>& values() const { return values_; }
   void archive(Archive& archive) { archive(values_); }

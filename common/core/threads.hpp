@@ -1,4 +1,5 @@
-// Work shared out over threads in fixed parts: results depend on the number of parts only, not on who is faster.
+// Loops on several threads. The range is cut into fixed parts, so that results depend on the number of parts only and
+// not on which thread is faster.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +20,7 @@ std::size_t threads();
 /// between two calls. Of calls at the same time, and of calls from within a part, one alone is helped.
 void share_parts(std::size_t n_parts, void (*work)(const void* object, std::size_t part), const void* object);
 
-/// Calls work(part) for every part, side by side on as many threads as there are. Nothing may be thrown.
+/// Calls work(part) for every part, in parallel on as many threads as there are. Nothing may be thrown.
 template <class Work>
 void for_each_part(std::size_t n_parts, Work&& work) {
   if (n_parts < 2) {
@@ -45,40 +46,41 @@ inline std::size_t small_parts_for(std::size_t n, std::size_t worth = worth_thre
   return parts > 1 ? each * parts : 1;
 }
 
-/// Calls work(first, last) for small parts of 0 .. n - 1. For work on single entries, which cannot depend on the parts.
+/// Calls work(first, last) in parallel for small parts of 0 .. n - 1. For work on single entries only, whose result
+/// cannot depend on how the range is cut.
 template <class Work>
-void side_by_side(std::size_t n, std::size_t worth, Work&& work) {
+void parallel_ranges(std::size_t n, std::size_t worth, Work&& work) {
   const std::size_t parts = small_parts_for(n, worth);
   for_each_part(parts, [&](std::size_t part) { work(n * part / parts, n * (part + 1) / parts); });
 }
 
 template <class Work>
-void side_by_side(std::size_t n, Work&& work) {
-  side_by_side(n, worth_threads, std::forward<Work>(work));
+void parallel_ranges(std::size_t n, Work&& work) {
+  parallel_ranges(n, worth_threads, std::forward<Work>(work));
 }
 
-/// Calls work(i) for every entry of 0 .. n - 1, side by side.
+/// Calls work(i) in parallel for every i of 0 .. n - 1.
 template <class Work>
-void for_each_side_by_side(std::size_t n, Work&& work) {
-  side_by_side(n, [&](std::size_t first, std::size_t last) {
+void parallel_for(std::size_t n, Work&& work) {
+  parallel_ranges(n, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) work(i);
   });
 }
 
-/// Whether holds(i) for every entry of 0 .. n - 1, asked side by side.
+/// Whether holds(i) is true for every i of 0 .. n - 1; evaluated in parallel.
 template <class Holds>
-bool all_side_by_side(std::size_t n, const Holds& holds) {
+bool parallel_all(std::size_t n, const Holds& holds) {
   std::atomic<bool> all{true};
-  side_by_side(n, [&](std::size_t first, std::size_t last) {
+  parallel_ranges(n, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last && all.load(std::memory_order_relaxed); ++i)
       if (!holds(i)) all.store(false, std::memory_order_relaxed);
   });
   return all;
 }
 
-/// The most of value(i) over 0 .. n - 1, asked side by side; `least` where there is none.
+/// Largest value(i) over 0 .. n - 1, at least `least`; evaluated in parallel.
 template <class Value>
-double most_side_by_side(std::size_t n, double least, const Value& value) {
+double parallel_max(std::size_t n, double least, const Value& value) {
   const std::size_t parts = small_parts_for(n);
   std::vector<double> most(parts, least);
   for_each_part(parts, [&](std::size_t part) {

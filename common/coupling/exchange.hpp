@@ -56,11 +56,12 @@ inline constexpr std::string_view unbalanced_force =
 inline constexpr std::string_view solid_volume_fraction = "solid_volume_fraction";  // n_s = 1 - porosity
 inline constexpr std::string_view grain_density = "grain_density";                  // kg/m3, rho_s (intrinsic)
 inline constexpr std::string_view constrained_modulus = "constrained_modulus";      // Pa, M = K + 4 G / 3
-inline constexpr std::string_view yielding = "yielding";  // share of the last window's shear that was plastic
+inline constexpr std::string_view yielding =
+    "yielding";  // plastic shear ratio: plastic over all shear strain of the last window
 inline constexpr std::string_view hydraulic_conductivity = "hydraulic_conductivity";    // m/s
 inline constexpr std::string_view forchheimer_coefficient = "forchheimer_coefficient";  // s2/m2, of i = U/k + b U^2
 inline constexpr std::string_view returned_impulse =
-    "returned_impulse";  // N s the solid took beyond drag_impulse; the fluid owes it
+    "returned_impulse";  // N s the solid absorbed beyond drag_impulse; the water has to supply it
 }  // namespace field
 
 /// The standard contract: what each role gives (it takes what the other gives).

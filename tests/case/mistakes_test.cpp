@@ -3,7 +3,7 @@
 #include "tests/case/case_file.hpp"
 
 #include "common/case/amounts.hpp"
-#include "common/case/crossing.hpp"
+#include "common/geometry/crossing.hpp"
 
 #include <fmt/format.h>
 
@@ -80,6 +80,18 @@ points = [[6, 0], [6, 3]]
 model = "drucker_prager"
 particle_spacing = 0.1
 )";
+
+TEST_F(Mistakes, AnOldWordIsReadWithAWarning) {
+  const auto with = [](const std::string& word) {
+    return changed(slope, "porosity = 0.3", "porosity = 0.3\nseepage_law = \"" + word + "\"");
+  };
+  EXPECT_EQ(read(with("darcy")).soils[0].seepage_law, Soil::SeepageLaw::kozeny_carman);
+  EXPECT_THAT(warnings(with("darcy")),
+              HasSubstr("case.toml:7: key 'soil[0].seepage_law': \"darcy\" is the old word for "
+                        "\"kozeny_carman\"; the next version will not read it"));
+  EXPECT_THAT(warnings(slope, {"soil.0.seepage_law=darcy"}), HasSubstr("\"darcy\" is the old word"));
+  EXPECT_EQ(warnings(with("kozeny_carman")), "");
+}
 
 TEST_F(Mistakes, AllCasesOfTheProjectPass) {
   // Rockfill under a linear law is what linear.toml is there to show.

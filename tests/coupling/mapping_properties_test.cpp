@@ -1,5 +1,5 @@
 // What must hold for any two clouds of points, shrunk to the smallest that breaks it.
-#include "common/sph/kernel.hpp"
+#include "common/particles/kernel.hpp"
 #include "tests/coupling/cloud_pairs.hpp"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // The mapping against a slow, plain twin, and its properties: constants, linear fields, conservation, permutations,
 // empty sets.
 #include "common/coupling/mock.hpp"
-#include "common/sph/kernel.hpp"
+#include "common/particles/kernel.hpp"
 #include "tests/coupling/cloud_pairs.hpp"
 
 #include <gtest/gtest.h>

@@ -1,8 +1,8 @@
 // The work of the water's pressure: what its gradients do on water and soil, and what the source takes of it, by the
 // operators of both solvers and the mapping between them, for fields drawn at random.
 #include "coupler/mapping.hpp"
+#include "fluid_solver/discretisation/operators.hpp"
 #include "fluid_solver/fluid.hpp"
-#include "fluid_solver/operators.hpp"
 #include "solid_solver/phase.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // A reservoir whose level follows from its balance.
-#include "fluid_solver/basin.hpp"
+#include "fluid_solver/boundary/basin.hpp"
 
 #include "common/core/error.hpp"
 #include "fluid_solver/fluid_phase.hpp"

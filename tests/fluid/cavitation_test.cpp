@@ -1,4 +1,4 @@
-// Water that is pulled apart: voids at the pressure of its vapour, in place of pressures below it.
+// Cavitation: voids at the pressure of vapour, in place of pressures below it.
 #include "fluid_solver/fluid_phase.hpp"
 #include "tests/fluid/scenes.hpp"
 
@@ -27,7 +27,7 @@ Case barometer(Series foot) {
 }
 
 double voids(const Fluid<2>& fluid) {
-  const auto& c = fluid.state().particles.cavity;
+  const auto& c = fluid.state().particles.void_volume;
   return std::accumulate(c.begin(), c.end(), 0.0);
 }
 
@@ -48,17 +48,17 @@ double lowest(const Fluid<2>& fluid) {
 }
 
 // Torricelli's: 10.09 m of water hang from the vacuum, not 12. At the first instant the uppermost row of particles,
-// z = 11.875 m, tears, and Darcy's velocity below it is k (1 - 10.09/z).
+// z = 11.875 m, cavitates, and Darcy's velocity below it is k (1 - 10.09/z).
 TEST(Cavitation, AHangingColumnTearsAtItsTop) {
   Fluid<2> fluid(barometer(constant(0.0)));
   fluid.initialise({});
   fluid.advance({0, 0.0, 1.0}, {});
   const double hangs = 98986.0 / 9810.0, z = 11.875, speed = 1e-3 / 0.4 * (1.0 - hangs / z);
   const auto& p = fluid.state().particles;
-  double torn = 0.0;
+  double cavitating = 0.0;
   for (std::size_t a = 0; a < p.size(); ++a) {
-    if (p.cavity[a] > 0.0) {
-      torn += 1.0;
+    if (p.void_volume[a] > 0.0) {
+      cavitating += 1.0;
       EXPECT_GT(p.position[a].y(), z - 0.1);
     }
     const double pressure = p.pressure[a] + 9810.0 * (12.0 - p.position[a].y());
@@ -66,13 +66,13 @@ TEST(Cavitation, AHangingColumnTearsAtItsTop) {
     if (p.position[a].y() > z - 0.5) continue;
     EXPECT_NEAR(-p.velocity[a].y() / speed, 1.0, 0.01) << p.position[a].y();
   }
-  EXPECT_EQ(torn, 4.0);
+  EXPECT_EQ(cavitating, 4.0);
   EXPECT_NEAR(voids(fluid), 0.4 * speed * 1.0, 0.01 * 0.4 * speed);
   EXPECT_EQ(fluid.counters().at("particles that cavitated, most at once"), 4.0);
   EXPECT_EQ(fluid.counters().at("s: first cavitation"), 1.0);
 }
 
-// Where water may be pulled as far as it likes nothing moves.
+// Without a cavitation pressure water sustains any tension, and nothing moves.
 TEST(Cavitation, WithoutAFloorItHangs) {
   auto scene = barometer(constant(0.0));
   scene.water.cavitation_pressure = -1e9;

@@ -1,5 +1,5 @@
 // Explicit incompressible SPH: the sweep itself, the windows it asks for, and what it can do in them.
-#include "fluid_solver/eisph.hpp"
+#include "fluid_solver/pressure/eisph.hpp"
 #include "common/core/error.hpp"
 #include "fluid_solver/fluid_phase.hpp"
 #include "tests/fluid/scenes.hpp"

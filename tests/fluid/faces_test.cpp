@@ -1,6 +1,6 @@
 // Faces of prescribed head that end where a wall goes on: what passes them, and the account of it.
+#include "fluid_solver/discretisation/operators.hpp"
 #include "fluid_solver/fluid_phase.hpp"
-#include "fluid_solver/operators.hpp"
 #include "tests/fluid/scenes.hpp"
 
 #include <gtest/gtest.h>
@@ -115,8 +115,8 @@ TEST(Faces, ADrainPassesWhatItsThicknessDoes) {
   EXPECT_NEAR(flow.out / flow.in, 1.0, 0.005);
 }
 
-// A quarter spacing inside the last place on a flat slope is below its base; water that came out there in a window of an
-// hour was in no soil, fell for an hour, and was never caught again.
+// A quarter spacing inside the last place on a flat slope is below its base; water that came out there in a window of
+// an hour was in no soil, fell for an hour, and was never caught again.
 TEST(Faces, FlatSlopesHaveColumnsDownToTheirToes) {
   for (const double run : {1.0, 2.0, 3.0, 5.0}) {  // horizontal over vertical
     Case scene = outlet_on_half_a_side(0.05);

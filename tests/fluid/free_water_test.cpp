@@ -63,7 +63,8 @@ TEST(FreeWater, DamBreakKeepsItsEnergy) {
 }
 
 // Against the walls of a tank, in windows of a sixth and of a sixtieth of the water's own.
-// Patches find what spreads over many particles: 7 and 8 iterations a window; on the diagonal alone 18, and multigrid.
+// Aggregates find what spreads over many particles: 7 and 8 iterations a window; on the diagonal alone 18, and
+// multigrid.
 TEST(FreeWater, ItsSolvesTakeFewIterationsAtAnySize) {
   for (const double dx : {0.005, 0.0025}) {
     Fluid<2> fluid(tank(dx, 2.0, 0.2));

@@ -1,7 +1,7 @@
 // Discrete operators against fields whose derivatives are known.
-#include "fluid_solver/operators.hpp"
-#include "fluid_solver/faces.hpp"
-#include "fluid_solver/surface.hpp"
+#include "fluid_solver/discretisation/operators.hpp"
+#include "fluid_solver/boundary/faces.hpp"
+#include "fluid_solver/discretisation/free_surface.hpp"
 
 #include <gtest/gtest.h>
 
@@ -214,12 +214,12 @@ void check_bounded_inverse() {
     if (i % 3 != 0)  // every third nearly isotropic, as inside
       for (int d = 0; d < D; ++d) eigen[d] = value(generator);
     const Mat<D> moment = turn * eigen.asDiagonal() * turn.transpose();
-    Mat<D> blind;
+    Mat<D> unresolved;
     double smallest = 0.0;
-    const Mat<D> inverse = bounded_inverse<D>(moment, least, &blind, &smallest);
+    const Mat<D> inverse = bounded_inverse<D>(moment, least, &unresolved, &smallest);
     const Vec<D> held = eigen.cwiseMax(least);
     EXPECT_LT((inverse - turn * held.cwiseInverse().asDiagonal() * turn.transpose()).norm(), 1e-6);
-    EXPECT_LT((blind - (Mat<D>::Identity() - inverse * moment)).norm(), 1e-6);
+    EXPECT_LT((unresolved - (Mat<D>::Identity() - inverse * moment)).norm(), 1e-6);
     EXPECT_LE(smallest, eigen.minCoeff() + 1e-7);
     if (smallest < inside_moment || D == 2) {
       EXPECT_NEAR(smallest, eigen.minCoeff(), 1e-7);
@@ -357,8 +357,8 @@ TEST(Operators, TheSurfaceLiesHalfARowsThicknessAboveIt) {
   }
 }
 
-// In a splash a particle above few neighbours, some of which stand beside it, lies at the surface. Taken for one inside,
-// its own pressure drove it down onto them: to 4.8 m/s in twenty windows (dam_break_on_soil).
+// In a splash a particle above few neighbours, some of which stand beside it, lies at the surface. Taken for one
+// inside, its own pressure drove it down onto them: to 4.8 m/s in twenty windows (dam_break_on_soil).
 TEST(Operators, AParticleWithFewNeighboursOnOneSideLiesAtAHole) {
   const VecArray<2> x = {{0.0, 0.0},       {0.963, -0.924},  {1.53, 0.228},   {-1.071, -1.251}, {-1.711, 0.302},
                          {-0.604, -1.759}, {0.158, -1.907},  {1.569, -1.308}, {2.089, 0.366},   {-2.248, -0.551},

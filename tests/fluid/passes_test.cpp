@@ -1,5 +1,5 @@
 // Passes through a window: what the next one departs from.
-#include "fluid_solver/passes.hpp"
+#include "fluid_solver/exchange/passes.hpp"
 
 #include <gtest/gtest.h>
 
@@ -25,14 +25,14 @@ int passes_to_agree(const Modes& m) {
     view.resize(3);
     view.mask.assign(3, 1.0);
     if (pass > 0)
-      for (auto* values : {&view.found_velocity, &view.found_force}) values->lay_out(3);
+      for (auto* values : {&view.found_velocity, &view.found_force}) values->allocate(3);
     // The soil is at rest under the water's force that it was given: nothing is left unbalanced.
     for (std::size_t i = 0; i < 3 && pass > 0; ++i) view.found_velocity.set(i, {u[i], 0.0});
     passes.begin(pass, view);
     double worst = 0.0;
     OrZero<Vec<2>> told, given;
-    told.lay_out(3);
-    given.lay_out(3);
+    told.allocate(3);
+    given.allocate(3);
     for (std::size_t i = 0; i < 3; ++i) {
       // (A + D) s = A u + F + c: the departure from what was found meets the prediction.
       const double s = (m.A[i] * view.found_velocity[i][0] + view.found_force[i][0] + m.c[i]) / (m.A[i] + m.D[i]);
@@ -70,7 +70,7 @@ TEST(Passes, AFirstPassKnowsNothing) {
   view.mask = {1.0};
   view.found_velocity.set(0, {1.0, 0.0}, 1);
   passes.begin(0, view);
-  EXPECT_FALSE(view.found_velocity.is_laid_out());
+  EXPECT_FALSE(view.found_velocity.is_allocated());
   EXPECT_TRUE(passes.pressure().empty());
 }
 

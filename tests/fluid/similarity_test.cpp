@@ -2,7 +2,7 @@
 // conductivity, stiffness, cohesion, viscosity and pressures, give the same numbers. What differs follows from an
 // absolute number in the code. Sizes are powers of sixteen, so that the roots of lengths and of times are exact and all
 // rounds alike.
-#include "common/case/geometry.hpp"
+#include "common/geometry/shapes.hpp"
 #include "fluid_solver/fluid_phase.hpp"
 #include "solid_solver/solid.hpp"
 #include "tests/coupling/coupled_run.hpp"
@@ -196,9 +196,9 @@ TEST(Similarity, AColumnThatMayYieldUnderLoad) {
   expect_same_at_all_sizes([&](double length) { return run_coupled(scene, length); });
 }
 
-/// Terzaghi: clay of k = 1e-9 m/s and E = 1e6 Pa under 200 Pa (his strains are small, and a face stays where it is while
-/// elastic soil sinks away from it), drained at its top only, 5 m thick, for 27 years. The degree of consolidation is
-/// U = 1 - sum 2 / M^2 exp(-M^2 T), M = pi (m + 1/2), T = k E t / (gamma_w H^2).
+/// Terzaghi: clay of k = 1e-9 m/s and E = 1e6 Pa under 200 Pa (his strains are small, and a face stays where it is
+/// while elastic soil sinks away from it), drained at its top only, 5 m thick, for 27 years. The degree of
+/// consolidation is U = 1 - sum 2 / M^2 exp(-M^2 T), M = pi (m + 1/2), T = k E t / (gamma_w H^2).
 TEST(Similarity, ClayConsolidatesForYearsInFewWindows) {
   const double height = 5.0, end = 8.64e8, load = 200.0, modulus = 1e6, k = 1e-9;
   Case scene;
@@ -240,7 +240,8 @@ TEST(Similarity, ClayConsolidatesForYearsInFewWindows) {
       const double M = std::numbers::pi * (m + 0.5);
       left += 2.0 / (M * M) * std::exp(-M * M * T);
     }
-    if (T > 0.0) worst = std::max(worst, std::abs(-reading.readings[0].value * modulus / (load * height) - (1.0 - left)));
+    if (T > 0.0)
+      worst = std::max(worst, std::abs(-reading.readings[0].value * modulus / (load * height) - (1.0 - left)));
   }
   EXPECT_LT(worst, 0.01);
 }

@@ -1,6 +1,6 @@
 // Walls that a kernel reaches through: what stands behind them is not felt, past free tips and corners either.
+#include "fluid_solver/boundary/inlet.hpp"
 #include "fluid_solver/fluid_phase.hpp"
-#include "fluid_solver/inlet.hpp"
 #include "tests/fluid/scenes.hpp"
 
 #include <gtest/gtest.h>
@@ -119,11 +119,12 @@ TEST(ThinWalls, OfTwoParticlesEachSeesTheOther) {
     std::map<std::pair<Index, Index>, double> sum;
     for (std::size_t a = 0; a < s.n_real; ++a)
       for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
-        if (s.other[k] != a) sum[{static_cast<Index>(a), s.parent[s.other[k]]}] += static_cast<double>(s.pull[k]);
-    for (const auto& [pair, pull] : sum) {
+        if (s.other[k] != a)
+          sum[{static_cast<Index>(a), s.parent[s.other[k]]}] += static_cast<double>(s.gradient_factor[k]);
+    for (const auto& [pair, factor] : sum) {
       const auto back = sum.find({pair.second, pair.first});
       ASSERT_NE(back, sum.end());
-      EXPECT_NEAR(pull, back->second, 1e-5 * std::abs(pull));
+      EXPECT_NEAR(factor, back->second, 1e-5 * std::abs(factor));
     }
   }
 }

@@ -1,6 +1,6 @@
 // Elastic moduli, the cone's constants, the Jaumann rate. Stress paths are in element_test.cpp.
-#include "solid_solver/constitutive/cone.hpp"
-#include "solid_solver/constitutive/elastic.hpp"
+#include "solid_solver/material/cone.hpp"
+#include "solid_solver/material/elastic.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // Element tests: single material points on strain paths whose stresses have a closed form. Every way of integrating the
 // Drucker-Prager soil is judged by the same paths, at steps a hundred times apart.
 #include "common/core/error.hpp"
-#include "solid_solver/constitutive/cone.hpp"
-#include "solid_solver/constitutive/model.hpp"
+#include "solid_solver/material/cone.hpp"
+#include "solid_solver/material/model.hpp"
 
 #include <gtest/gtest.h>
 

@@ -24,7 +24,7 @@ void expect_the_same_equilibrium(const ColumnSpec& spec) {
   const Solid<D> solid(scene);
   const Setup<D>& setup = solid.setup();
   const std::size_t n = solid.state().particles.free();
-  const auto weight_alone = [n](Drive<D>& drive, bool) { drive.distributed.lay_out(n); };
+  const auto weight_alone = [n](Drive<D>& drive, bool) { drive.distributed.allocate(n); };
   State<D> relaxed = solid.state(), solved = solid.state();
   const auto slow = find_rest<D>(setup, {1e-6, 500.0, 500.0}, relaxed, weight_alone, [](const RestReport&) {});
   ASSERT_TRUE(slow.reached());
@@ -90,7 +90,7 @@ std::pair<double, double> loaded_in_parts(std::size_t parts, double criterion) {
   for (std::size_t k = 1; k <= parts; ++k) {
     const double missing = static_cast<double>(k) / static_cast<double>(parts) - 1.0;
     const auto weight = [&](Drive<2>& drive, bool) {
-      drive.distributed.lay_out(n);
+      drive.distributed.allocate(n);
       for (std::size_t i = 0; i < n; ++i) drive.distributed.set(i, missing * state.particles.mass[i] * setup.gravity);
     };
     const auto report = find_equilibrium<2>(setup, stiffness, {criterion}, 1.0, state, weight);
@@ -126,7 +126,7 @@ TEST(Equilibrium, ThatDoesNotExistLeavesTheSoilAsItWas) {
   const std::size_t n = state.particles.free();
   const Stiffness<2> stiffness(setup, state.particles, state.particles.position, ScalarArray(n, 0.0));
   const auto lifted = [&](Drive<2>& drive, bool) {  // by twice its weight: sand does not hang from its base
-    drive.distributed.lay_out(n);
+    drive.distributed.allocate(n);
     for (std::size_t i = 0; i < n; ++i) drive.distributed.set(i, -2.0 * state.particles.mass[i] * setup.gravity);
   };
   EXPECT_FALSE(find_equilibrium<2>(setup, stiffness, {1e-4}, 1.0, state, lifted).reached());

@@ -1,8 +1,8 @@
 // Soil that flows: rough walls, periodic and symmetric sides, and what keeps the flow regular.
-#include "solid_solver/flow.hpp"
 #include "scenes.hpp"
-#include "solid_solver/rough_walls.hpp"
-#include "solid_solver/step.hpp"
+#include "solid_solver/discretisation/rough_walls.hpp"
+#include "solid_solver/dynamics/flow_regularisation.hpp"
+#include "solid_solver/dynamics/step.hpp"
 
 #include <gtest/gtest.h>
 

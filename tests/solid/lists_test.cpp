@@ -1,6 +1,6 @@
 // Pair lists that hold while neighbours move along with each other.
-#include "solid_solver/lists_hold.hpp"
-#include "solid_solver/step.hpp"
+#include "solid_solver/discretisation/lists_hold.hpp"
+#include "solid_solver/dynamics/step.hpp"
 #include "tests/solid/scenes.hpp"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ ScalarArray felt(const Setup<D>& setup, const Particles<D>& p, const Neighbourho
     const auto& image = near.images[j - p.size()];
     return image.map * p.position[image.parent] + image.shift;
   };
-  for_each_felt(near.pairs, [&](std::size_t i, std::size_t j, std::size_t) {
+  for_each_ordered_pair(near.pairs, [&](std::size_t i, std::size_t j, std::size_t) {
     sum[i] += sph::WendlandC2<D>::value((at(i) - at(j)).norm(), setup.smoothing_length);
   });
   return sum;
@@ -81,7 +81,7 @@ double felt_across(const Vec<D>& extent, double spacing) {
   Neighbourhood<D> near;
   build_neighbourhood<D>(setup.boundaries, setup.range(), 2, laid, {}, near);
   double count = 0.0;
-  for_each_felt(near.pairs, [&](std::size_t i, std::size_t j, std::size_t) {
+  for_each_ordered_pair(near.pairs, [&](std::size_t i, std::size_t j, std::size_t) {
     count += (i < near.pairs.part[1]) != (j < near.pairs.part[1]) ? 1.0 : 0.0;
   });
   return count;

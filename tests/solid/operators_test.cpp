@@ -1,10 +1,10 @@
 // The operators are exact for linear fields, near walls and free surfaces too, and forces do the work that strains
 // store.
-#include "solid_solver/operators.hpp"
+#include "solid_solver/discretisation/operators.hpp"
 
 #include "common/core/lanes.hpp"
-#include "solid_solver/step.hpp"
-#include "solid_solver/straining.hpp"
+#include "solid_solver/dynamics/step.hpp"
+#include "solid_solver/dynamics/straining.hpp"
 #include "tests/solid/plain_twin.hpp"
 #include "tests/solid/scenes.hpp"
 

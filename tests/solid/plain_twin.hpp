@@ -2,7 +2,7 @@
 // between the two of a pair. Judges the fast loops.
 #pragma once
 
-#include "solid_solver/operators.hpp"
+#include "solid_solver/discretisation/operators.hpp"
 #include "solid_solver/setup.hpp"
 
 namespace poretwin::solid {
@@ -37,14 +37,15 @@ TwinResult<D> plain_twin(const Setup<D>& setup, const State<D>& state) {
       raw += b.volume * (b.velocity - a.velocity) * gradient_w.transpose();
       moment -= b.volume * r * gradient_w.transpose();
       internal += b.volume * (a.flux + b.flux) * gradient_w;
-      const double firmness = std::min(a.firmness, b.firmness);
-      if (firmness == Node<D>::elastic) {
+      const double hourglass_level = std::min(a.hourglass_level, b.hourglass_level);
+      if (hourglass_level == Node<D>::elastic) {
         const Vec<D> linear = 0.5 * (a.deformation + b.deformation) * r;
         internal += s.stiffness * s.modulus * b.volume * derivative * (displacement(i) - displacement(j) - linear);
       }
       const double share = b.volume * derivative * (a.density + b.density);
       const Vec<D> rest = u - 0.5 * (a.gradient + b.gradient) * r;
-      viscous += 0.5 * s.zero_energy * s.sound_speed * h * (firmness > Node<D>::flows ? share : 0.0) * rest;
+      viscous +=
+          0.5 * s.hourglass_viscosity * s.sound_speed * h * (hourglass_level > Node<D>::flows ? share : 0.0) * rest;
       if (u.dot(r) >= 0.0) continue;
       const double rubbing = std::max(a.rubbing, b.rubbing);
       const double closing = -u.dot(r) / (r.squaredNorm() + 0.01 * h * h);

@@ -1,5 +1,5 @@
 // Regions at rest around soil that flows.
-#include "solid_solver/regions.hpp"
+#include "solid_solver/sleep/regions.hpp"
 #include "tests/solid/scenes.hpp"
 
 #include <gtest/gtest.h>
@@ -137,7 +137,7 @@ TEST(Regions, FeelAllTheirNeighbours) {
     const auto all = state.force;
     const auto neighbours = [&] {
       std::vector<std::size_t> count(free, 0);
-      for_each_felt(state.near.pairs, [&](std::size_t i, std::size_t, std::size_t) {
+      for_each_ordered_pair(state.near.pairs, [&](std::size_t i, std::size_t, std::size_t) {
         if (i < free) ++count[i];
       });
       return count;

@@ -1,7 +1,7 @@
 // How soil comes to rest and stays there: K0 start, symmetric and periodic sides, prescribed water, sleep; and what is
 // read off.
 #include "common/core/error.hpp"
-#include "solid_solver/readout.hpp"
+#include "solid_solver/output/readout.hpp"
 #include "tests/solid/scenes.hpp"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // The weakest link of a slip surface, on paths drawn by hand.
-#include "solid_solver/slip_surface.hpp"
+#include "solid_solver/output/slip_surface.hpp"
 
-#include "solid_solver/gauges.hpp"
+#include "solid_solver/output/gauges.hpp"
 #include "tests/solid/scenes.hpp"
 
 #include <gtest/gtest.h>

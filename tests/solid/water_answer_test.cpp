@@ -1,4 +1,4 @@
-#include "solid_solver/water_answer.hpp"
+#include "solid_solver/exchange/water_answer.hpp"
 
 #include <gtest/gtest.h>
 

@@ -81,7 +81,8 @@ TEST(Window, SoilMeetsTheInertiaOfTheWaterItTakesAlong) {
     ASSERT_TRUE(solid.advance({0, 0.0, interval}, inbox).accepted);
     const double C = drag ? 9810.0 * 0.4 * 0.4 / scene.soils[0].hydraulic_conductivity : 0.0;
     // Every substep is backward Euler towards the share of the change that is due.
-    const double steps = solid.state().substeps, dt = interval / steps, Z = 2.0 * steps / (steps + 1.0) * C * a / (a + C);
+    const double steps = solid.state().substeps, dt = interval / steps,
+                 Z = 2.0 * steps / (steps + 1.0) * C * a / (a + C);
     double v = 0.02, returned = 0.0;
     for (double k = 1.0; k <= steps; k += 1.0) {
       const double target = 0.02 + change * k / steps;
@@ -105,8 +106,8 @@ TEST(Window, SoilMeetsTheInertiaOfTheWaterItTakesAlong) {
   for (const auto& v : dry.state().particles.velocity) EXPECT_EQ(v.norm(), 0.0);
 }
 
-// At the free surface of the water the soil takes the gradient that it is given, by the share that it is given: here 3000 for
-// half of 1000 Pa/m. The pressure comes as a ramp.
+// At the free surface of the water the soil takes the gradient that it is given, by the share that it is given: here
+// 3000 for half of 1000 Pa/m. The pressure comes as a ramp.
 TEST(Window, SoilTakesTheGradientItIsToldAtTheWatersSurface) {
   ColumnSpec spec;
   spec.base = Wall::ForSoil::none;
@@ -219,7 +220,7 @@ TEST(LongWindow, EndsInEquilibrium) {
   EXPECT_NEAR(solid.gauges()[0].value, -buoyant, 0.005 * buoyant);
   EXPECT_EQ(solid.counters().at("windows relaxed"), 1.0);
   EXPECT_EQ(solid.counters().at("substeps"), 0.0);
-  // Another window under the same water passes asleep, and nothing is owed.
+  // Another window under the same water passes asleep, and no impulse is left to return.
   ASSERT_TRUE(solid.advance({1, 1.0, 1.0}, inbox).accepted);
   EXPECT_EQ(solid.counters().at("windows at rest"), 1.0);
   for (const auto& r : solid.state().returned_impulse) EXPECT_EQ(r.norm(), 0.0);

@@ -1,0 +1,72 @@
+// From the case's shapes and faces to particles and image planes.
+#pragma once
+
+#include "common/case/case.hpp"
+#include "common/core/vector.hpp"
+#include "common/particles/images.hpp"
+
+#include <span>
+#include <string>
+
+namespace poretwin {
+
+/// Is x [m] inside the shape (borders included)? Boxes in 2D ignore z.
+bool contains(const Shape& shape, const Point3& x, int dimension);
+
+/// Smallest box around the shape.
+std::pair<Point3, Point3> bounds(const Shape& shape);
+
+/// Velocity at x of the lowest sloshing mode along x of what fills the shape's box, per that at its surface's ends.
+Point3 sloshing_mode(const Shape& shape, const Point3& x, int dimension);
+
+/// Does real water come and go through the face, an opening that no soil touches (2D)? Otherwise water stands behind it
+/// that no particles are needed for.
+bool is_inlet(const Case& scene, const WaterFace& face);
+
+/// Does still water stand behind the face, in no particles, up to a level: of a head or of a basin's balance?
+bool is_reservoir(const Case& scene, const WaterFace& face);
+
+/// The upper end of a face that no wall or other face touches: water behind the face that stands higher runs over it.
+struct Crest {
+  Point3 end = Point3::Zero();     ///< m
+  double elevation = 0.0;          ///< m
+  Point3 inward = Point3::Zero();  ///< unit, level, into the domain; zero where the face itself is level
+};
+std::optional<Crest> crest_of(const Case& scene, const WaterFace& face);
+
+/// Does x [m] lie on the side of a face where its reservoir is? Above its crest the upright through it divides.
+bool is_behind(const Case& scene, const WaterFace& face, const Point3& x);
+
+/// Why no real water can run over the crest of a reservoir; empty where it can.
+std::string no_way_over(const Case& scene, const Crest& crest);
+
+/// Particles on a lattice that fills a shape.
+template <int D>
+struct Lattice {
+  VecArray<D> position;  ///< [n] m
+  double volume = 0.0;   ///< m^D, of each particle
+};
+
+/// Fills a shape; the spacing is stretched a little where the shape's bounding box is not a whole number of spacings.
+/// offset: of the first particle from the lower corner, in spacings; jitter: uniform random displacement +- jitter
+/// spacings. What lies on an edge of a polygon is outside, or rounding would choose, unless another shape that is yet
+/// to be filled has it on an edge, too (`later`).
+template <int D>
+Lattice<D> fill(const Shape& shape, double spacing, const Point3& offset, double jitter, unsigned seed,
+                std::span<const Shape> later = {});
+
+/// The straight pieces of a face as mirror planes; pieces are extended by `margin` [m] beyond their ends so that
+/// corners close.
+template <int D>
+std::vector<sph::ImagePlane<D>> planes_of(const Face& face, int boundary, double margin);
+
+/// Extends pieces of walls (made without a margin) by `margin` [m] beyond their ends so that corners close; where the
+/// next piece goes on straight, turns away from the domain or hardly towards it, images are divided at the bisector.
+template <int D>
+void meet_at_corners(std::span<sph::ImagePlane<D>> planes, double margin);
+
+/// The two shifting planes of every periodic axis of the case.
+template <int D>
+std::vector<sph::ImagePlane<D>> periodic_planes(const General& general, int boundary);
+
+}  // namespace poretwin

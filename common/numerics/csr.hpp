@@ -1,0 +1,218 @@
+// Sparse rows and conjugate gradients, small and allocation-free inside the iteration.
+#pragma once
+
+#include "common/core/in_lanes.hpp"
+#include "common/core/unset.hpp"
+#include "common/core/vector.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+
+namespace poretwin {
+
+/// Where the entries of sparse rows stand, read from the pairs of particles themselves, which must outlive them: the
+/// column of a point that is no particle is its parent's or, where that is none either, the row's own.
+struct PairColumns {
+  std::span<const Index> offset, index, parent;  ///< [rows + 1], [pairs], [points]
+  std::span<const char> beyond;                  ///< [rows] with points that are no particles; none: no row has any
+  [[nodiscard]] Index operator()(std::size_t a, std::size_t k) const {
+    const Index j = index[k];
+    const std::size_t n = offset.size() - 1;
+    if (j < n) return j;
+    return parent[j] < n ? parent[j] : static_cast<Index>(a);
+  }
+  /// Whether the columns of row a stand in `index` as they are.
+  [[nodiscard]] bool direct(std::size_t a) const { return beyond.empty() || beyond[a] == 0; }
+};
+
+/// Graph Laplacian of pairs of particles, with a diagonal: (A x)_a = diagonal_a x_a - sum_k weight_k x_column(k);
+/// symmetric by construction. Rows are filled up to multiples of four with weights of zero. Weights are rounded to half
+/// the memory, the same for both of a pair; what they add to the diagonal is what is kept of them, so that constants
+/// stay in the kernel.
+struct PairMatrix {
+  PairColumns column;
+  UnsetArray<float> weight;  ///< per entry, >= 0
+  ScalarArray diagonal;      ///< per row
+  [[nodiscard]] std::size_t size() const { return diagonal.size(); }
+  [[nodiscard]] std::size_t begin(std::size_t a) const { return column.offset[a]; }
+  [[nodiscard]] std::size_t end(std::size_t a) const { return column.offset[a + 1]; }
+  /// Sum of weight times x over row a.
+  [[nodiscard, gnu::always_inline]] double off_diagonal_sum(std::size_t a, const double* x) const {
+    std::array<double, n_lanes> sum{};
+    const Index* const index = column.index.data();
+    const float* const w = weight.data();
+    const std::size_t stop = end(a);
+    if (column.direct(a)) {
+      for (std::size_t k = begin(a); k < stop; k += n_lanes)
+        for (std::size_t l = 0; l < n_lanes; ++l) sum[l] += static_cast<double>(w[k + l]) * x[index[k + l]];
+    } else {
+      for (std::size_t k = begin(a); k < stop; k += n_lanes)
+        for (std::size_t l = 0; l < n_lanes; ++l) sum[l] += static_cast<double>(w[k + l]) * x[column(a, k + l)];
+    }
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+  }
+  /// y = A x
+  void apply(std::span<const double> x, std::span<double> y) const {
+    for_each_in_lanes(
+        size(), [&](std::size_t a)
+                    __attribute__((always_inline)) { y[a] = diagonal[a] * x[a] - off_diagonal_sum(a, x.data()); });
+  }
+};
+
+/// Sum over 0 .. n - 1 of what of_block(first, last) gives for blocks of fixed size, so that the result does not depend
+/// on the number of threads.
+template <class Block>
+double sum_in_blocks(std::size_t n, const Block& of_block) {
+  constexpr std::size_t block = 8192;
+  if (n <= block) return of_block(std::size_t{0}, n);
+  ScalarArray sums((n + block - 1) / block);
+  parallel_ranges(n, [&](std::size_t first, std::size_t last) {
+    // Blocks that begin in this part.
+    for (std::size_t i = (first + block - 1) / block; i * block < last; ++i)
+      sums[i] = of_block(i * block, std::min(n, (i + 1) * block));
+  });
+  double sum = 0.0;
+  for (const double one : sums) sum += one;
+  return sum;
+}
+
+inline double dot(std::span<const double> a, std::span<const double> b) {
+  return sum_in_blocks(a.size(), [&](std::size_t i, std::size_t last) {
+    std::array<double, 4> sum{};
+    for (; i + 4 <= last; i += 4)
+      for (std::size_t k = 0; k < 4; ++k) sum[k] += a[i + k] * b[i + k];
+    for (; i < last; ++i) sum[0] += a[i] * b[i];
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+  });
+}
+
+/// Sum of part(i) over 0 .. n - 1.
+template <class Part>
+double sum_over(std::size_t n, const Part& part) {
+  return sum_in_blocks(n, [&](std::size_t i, std::size_t last) {
+    double sum = 0.0;
+    for (; i < last; ++i) sum += part(i);
+    return sum;
+  });
+}
+
+inline double norm(std::span<const double> a) { return std::sqrt(dot(a, a)); }
+
+struct SolveReport {
+  int iterations = 0;
+  bool converged = true;
+};
+
+/// Preconditioned conjugate gradients on plain doubles: apply(x, y): y = A x; precondition(r, z): z = P^-1 r, which may
+/// change a little from step to step (flexible: each direction is made conjugate to the last; Notay 2000). r: the
+/// residual b - A x. Stops when |residual| <= tolerance (absolute), or when residual . z, of the order of the error's
+/// energy x . A x, is no more than `energy`.
+template <class Apply, class Precondition>
+SolveReport reduce_residual(Apply&& apply, Precondition&& precondition, ScalarArray r, std::span<double> x,
+                            double tolerance, int limit, double energy = 0.0) {
+  const std::size_t n = r.size();
+  SolveReport report;
+  if (norm(r) <= tolerance) return report;
+  ScalarArray z(n), p, q(n);
+  precondition(std::span<const double>(r), std::span<double>(z));
+  p = z;
+  double rz = dot(r, z);
+  if (rz <= energy) return report;
+  for (; report.iterations < limit;) {
+    apply(std::span<const double>(p), std::span<double>(q));
+    ++report.iterations;
+    const double pq = dot(p, q);
+    if (!(pq > 0.0)) break;
+    const double alpha = rz / pq;
+    parallel_for(n, [&](std::size_t i) {
+      x[i] += alpha * p[i];
+      r[i] -= alpha * q[i];
+    });
+    if (norm(r) <= tolerance) return report;
+    precondition(std::span<const double>(r), std::span<double>(z));
+    const double beta = -dot(z, q) / pq;
+    rz = dot(r, z);
+    if (rz <= energy) return report;
+    parallel_for(n, [&](std::size_t i) { p[i] = z[i] + beta * p[i]; });
+  }
+  report.converged = false;
+  return report;
+}
+
+/// The same for A x = b, from x on.
+template <class Apply, class Precondition>
+SolveReport conjugate_gradients(Apply&& apply, Precondition&& precondition, ScalarArray b, std::span<double> x,
+                                double tolerance, int limit) {
+  {
+    ScalarArray product(b.size());
+    apply(std::span<const double>(x), std::span<double>(product));
+    parallel_for(b.size(), [&](std::size_t i) { b[i] -= product[i]; });
+  }
+  return reduce_residual(apply, precondition, std::move(b), x, tolerance, limit);
+}
+
+struct GmresReport : SolveReport {
+  Eigen::VectorXd shares;  ///< of each direction that was applied, in their order, in x
+};
+
+/// Flexible GMRES (Saad 1993) without restart, from x = 0: the preconditioner may itself be an iteration.
+template <class Apply, class Precondition>
+GmresReport flexible_gmres(Apply&& apply, Precondition&& precondition, std::span<const double> b, std::span<double> x,
+                           double tolerance, int limit) {
+  const std::size_t n = b.size();
+  std::fill(x.begin(), x.end(), 0.0);
+  GmresReport report;
+  const double beta = norm(b);
+  if (beta <= tolerance || beta == 0.0) return report;
+  const auto m = static_cast<std::size_t>(limit);
+  std::vector<ScalarArray> v{ScalarArray(b.begin(), b.end())}, z;
+  for (auto& e : v[0]) e /= beta;
+  Eigen::MatrixXd h = Eigen::MatrixXd::Zero(limit + 1, limit);
+  Eigen::VectorXd g = Eigen::VectorXd::Zero(limit + 1), cosine(limit), sine(limit);
+  g[0] = beta;
+  int k = 0;
+  for (std::size_t j = 0; j < m; ++j) {
+    z.emplace_back(n, 0.0);
+    precondition(std::span<const double>(v[j]), std::span<double>(z[j]));
+    ScalarArray w(n);
+    apply(std::span<const double>(z[j]), std::span<double>(w));
+    const auto c = static_cast<Eigen::Index>(j);
+    for (std::size_t i = 0; i <= j; ++i) {
+      const double projection = dot(w, v[i]);
+      h(static_cast<Eigen::Index>(i), c) = projection;
+      for (std::size_t e = 0; e < n; ++e) w[e] -= projection * v[i][e];
+    }
+    const double length = norm(w);
+    h(c + 1, c) = length;
+    for (Eigen::Index i = 0; i < c; ++i) {
+      const double t = cosine[i] * h(i, c) + sine[i] * h(i + 1, c);
+      h(i + 1, c) = -sine[i] * h(i, c) + cosine[i] * h(i + 1, c);
+      h(i, c) = t;
+    }
+    const double radius = std::hypot(h(c, c), h(c + 1, c));
+    if (!(radius > 0.0)) break;
+    cosine[c] = h(c, c) / radius;
+    sine[c] = h(c + 1, c) / radius;
+    h(c, c) = radius;
+    h(c + 1, c) = 0.0;
+    g[c + 1] = -sine[c] * g[c];
+    g[c] *= cosine[c];
+    ++report.iterations;
+    k = report.iterations;
+    if (std::abs(g[c + 1]) <= tolerance || length == 0.0) break;
+    if (j + 1 == m) {
+      report.converged = false;
+      break;
+    }
+    for (auto& e : w) e /= length;
+    v.push_back(std::move(w));
+  }
+  report.shares = h.topLeftCorner(k, k).template triangularView<Eigen::Upper>().solve(g.head(k));
+  for (int j = 0; j < k; ++j)
+    for (std::size_t e = 0; e < n; ++e) x[e] += report.shares[j] * z[static_cast<std::size_t>(j)][e];
+  return report;
+}
+
+}  // namespace poretwin

@@ -1,0 +1,86 @@
+// Algebraic multigrid by aggregation (Notay 2010): the preconditioner of large pressure systems.
+#pragma once
+
+#include "common/numerics/csr.hpp"
+
+#include <Eigen/Dense>
+
+#include <array>
+
+namespace poretwin {
+
+/// Rows as levels are made of them; signs as of a PairMatrix.
+struct WholeMatrix {
+  std::vector<Index> offset{0}, index;
+  ScalarArray weight, diagonal;
+  [[nodiscard]] std::size_t size() const { return diagonal.size(); }
+  [[nodiscard]] std::size_t begin(std::size_t a) const { return offset[a]; }
+  [[nodiscard]] std::size_t end(std::size_t a) const { return offset[a + 1]; }
+  [[nodiscard]] Index column(std::size_t, std::size_t k) const { return index[k]; }
+};
+
+/// A level below the finest: of each row what stands before its diagonal, the rest being the same. What a row has
+/// behind it the later rows push to it, so that a sweep reads half the matrix, which sets the cost of large ones.
+/// Weights are rounded as those of pairs are, and the diagonal with them.
+class CoarseMatrix {
+ public:
+  CoarseMatrix() = default;
+  explicit CoarseMatrix(const WholeMatrix& whole);
+  [[nodiscard]] std::size_t size() const { return diagonal_.size(); }
+  [[nodiscard]] double diagonal(std::size_t a) const { return diagonal_[a]; }
+  /// Sum of weight times x over the columns before row a.
+  [[nodiscard]] double off_diagonal_sum(std::size_t a, const double* x) const {
+    std::array<double, in_step> sum{};
+    for (std::size_t k = offset_[a]; k < offset_[a + 1]; k += in_step)
+      for (std::size_t l = 0; l < in_step; ++l) sum[l] += static_cast<double>(weight_[k + l]) * x[column_[k + l]];
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+  }
+  /// Adds weight times x, of row a, to the rows before it.
+  void push(std::size_t a, double x, double* y) const {
+    for (std::size_t k = offset_[a]; k < offset_[a + 1]; k += in_step)
+      for (std::size_t l = 0; l < in_step; ++l) y[column_[k + l]] += static_cast<double>(weight_[k + l]) * x;
+  }
+
+ private:
+  static constexpr std::size_t in_step = 4;  ///< rows are filled up to, with zeros: their ends are then foreseen
+  std::vector<Index> offset_{0}, column_;
+  std::vector<float> weight_;
+  ScalarArray diagonal_;
+};
+
+/// One cycle is a preconditioner: Gauss-Seidel forwards, a correction by constants on aggregates of about four rows
+/// (solved by the next level, with at most two steps of conjugate gradients around it), Gauss-Seidel backwards.
+/// Memory is taken when it is built, none in a cycle. The matrix must outlive it.
+class Multigrid {
+ public:
+  explicit Multigrid(const PairMatrix& matrix);
+  /// z = about A^-1 r. Not quite linear in r: wants the flexible form of conjugate gradients.
+  void cycle(std::span<const double> r, std::span<double> z);
+  [[nodiscard]] std::size_t levels() const { return levels_.size(); }
+
+ private:
+  struct Level {
+    std::vector<Index> aggregate;  ///< of each row; none: left to the smoother
+    CoarseMatrix coarse;           ///< of the next level
+    ScalarArray b, x;              ///< of the next level, as the rest
+    ScalarArray v, d, r;
+    ScalarArray left;  ///< the residual after its sweep forwards; what its sweep backwards changed
+  };
+  /// Adds the level below m, whose matrix becomes `next`, which may be m itself; false where that would hardly be
+  /// smaller: `next` stays as it is.
+  template <class Matrix>
+  bool add_level(const Matrix& m, WholeMatrix& next);
+  template <class Matrix>
+  void invert(const Matrix& m);
+  template <class Matrix>
+  void cycle(const Matrix& m, std::size_t level, std::span<const double> b, std::span<double> x,
+             std::span<double> left);
+  void correct(std::size_t level);
+
+  const PairMatrix& finest_;
+  ScalarArray left_;  ///< of the finest, as a level's
+  std::vector<Level> levels_;
+  Eigen::MatrixXd inverse_;  ///< of the coarsest matrix; empty: too large for one
+};
+
+}  // namespace poretwin

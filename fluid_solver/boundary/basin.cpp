@@ -1,0 +1,26 @@
+#include "fluid_solver/boundary/basin.hpp"
+
+#include <cmath>
+
+namespace poretwin::fluid {
+
+double basin_level(const Series& area, double volume) {
+  const auto& knots = area.knots;
+  double rest = std::max(0.0, volume);
+  for (std::size_t i = 0;; ++i) {
+    const auto [z, A] = knots[i];
+    const bool last = i + 1 == knots.size();
+    const double slope = last ? 0.0 : (knots[i + 1].second - A) / (knots[i + 1].first - z);
+    if (!last) {
+      const double whole = area.integral(z, knots[i + 1].first);
+      if (rest > whole) {
+        rest -= whole;
+        continue;
+      }
+    }
+    // A y + slope y^2 / 2 = rest, in the form that does not cancel.
+    return z + 2.0 * rest / (A + std::sqrt(std::max(0.0, A * A + 2.0 * slope * rest)));
+  }
+}
+
+}  // namespace poretwin::fluid

@@ -1,0 +1,412 @@
+// Faces of prescribed head or pressure: water comes and goes in columns, one per particle spacing along the face, each
+// with a stack of buffer particles outside that advances with the flow ("ghost reservoir": no reservoir particles at
+// all).
+#pragma once
+
+#include "common/particles/neighbours.hpp"
+#include "fluid_solver/discretisation/stencil.hpp"
+#include "fluid_solver/exchange/soil_view.hpp"
+
+#include <cmath>
+
+namespace poretwin::fluid {
+
+/// Buffer particles per column: enough to fill every kernel that reaches the face.
+inline constexpr int buffers_per_column = 4;
+/// A particle that has left through a face by more than this many spacings is deleted; the column steps back by one.
+inline constexpr double deletion_depth = 0.25;
+/// Rows of still water that soil can slide into behind a face with a head, and columns of them beyond its ends.
+inline constexpr int reservoir_rows = 16;
+/// Coverage by the soil below which its water is out of it: on the steps of a lattice along a slope it is 0.28.
+inline constexpr double left_by_soil = 0.2;
+
+template <int D>
+struct FaceColumn {
+  Vec<D> foot = Vec<D>::Zero();    ///< on the face [m]
+  Vec<D> normal = Vec<D>::Zero();  ///< unit, into the domain
+  int face = 0;                    ///< of Case::water_faces
+  double spacing = 0.0;            ///< along the normal [m]
+  double width = 0.0;              ///< half-width along the face [m]
+  double volume = 0.0;             ///< bulk, of each buffer particle [m^D]
+  double mass = 0.0;               ///< of a particle born here [kg]
+  double void_fraction = 1.0;      ///< that the water fills behind the face
+  double offset = 0.0;             ///< of the stack: buffers at offset - j spacing, j = 1 .. 4 [m]
+  double speed = 0.0;              ///< of the stack [m/s]
+  double pressure = 0.0;           ///< at the foot, piezometric [Pa]
+  double slope = 0.0;              ///< of the piezometric pressure along the normal [Pa/m]
+  bool in_soil = false;            ///< the ground behind the face is soil
+  bool drag_dominated = false;     ///< and drag, not inertia, dominates the motion of its water
+  bool wet = false;                ///< acts now
+  bool held = false;               ///< a wall holds the soil at the face: a filter
+  bool loaded = false;             ///< the face carries a load
+  double stored = 0.0;             ///< water of the outermost spacing that is in the domain but in no particle [m^D]
+  double passed = 0.0;             ///< volume of water that has come in here, less what has gone out [m^D]
+  double before = 0.0;             ///< length of the wall that goes on straight before the face's end here [m]
+  double after = 0.0;              ///< and after it [m]
+  [[nodiscard]] double inside(const Vec<D>& x) const { return normal.dot(x - foot); }
+  /// Volume of water that the first buffer has inside the face [m^D]; negative: that the last particle has outside.
+  [[nodiscard]] double share(double density) const {
+    return wet ? mass / density * std::clamp(offset / spacing - 0.5, -0.5 - deletion_depth, 0.5) : 0.0;
+  }
+};
+
+/// What drives a front into dry ground behind a face.
+struct InfiltrationSpeed {
+  double head = 0.0;     ///< k/n times the pressure head [m2/s]
+  double gravity = 0.0;  ///< k/n times the share of gravity along the way in [m/s]
+};
+
+/// A point in the soil behind a place on its face, so deep inside or as deep as there is soil: near the toe of a slope
+/// the normal soon meets the base.
+template <int D>
+Vec<D> behind_face(const Case& scene, const Vec<D>& foot, const Vec<D>& normal, double depth) {
+  for (double share = 1.0; share > 1e-3; share *= 0.5)
+    if (const Vec<D> x = foot + share * depth * normal; soil_at(scene, to_point3<D>(x))) return x;
+  return foot + depth * normal;
+}
+
+/// Where the soil of a face is looked up: a quarter spacing inside. At the toe of a slope of two to one or flatter that
+/// deep would be below the base.
+template <int D>
+Vec<D> just_inside(const Case& scene, const Vec<D>& foot, const Vec<D>& normal, double spacing) {
+  return behind_face<D>(scene, foot, normal, 0.25 * spacing);
+}
+
+namespace detail {
+
+template <int D>
+bool in_scene(const Case& scene, const Vec<D>& x) {
+  const Point3 p = to_point3<D>(x);
+  if (soil_at(scene, p)) return true;
+  for (const auto& region : scene.fluid.regions)
+    if (contains(region, p, scene.general.dimension)) return true;
+  return false;
+}
+
+/// Whether a place lies on a face.
+template <int D>
+bool lies_on(const Face& face, const Vec<D>& x, double tolerance) {
+  for (const auto& piece : planes_of<D>(face, 0, tolerance)) {
+    const double along = piece.tangent.dot(x);
+    const bool beside = piece.to > piece.from && (along < piece.from || along > piece.to);
+    if (!beside && std::abs(piece.normal.dot(x - piece.point)) <= tolerance) return true;
+  }
+  return false;
+}
+
+template <int D>
+void add_column(const Case& scene, int face, const Vec<D>& foot, const Vec<D>& normal, double area, double width,
+                std::vector<FaceColumn<D>>& columns) {
+  const double dx = scene.fluid.particle_spacing;
+  const Vec<D> probe = just_inside<D>(scene, foot, normal, dx);
+  const Soil* soil = soil_at(scene, to_point3<D>(probe));
+  if (!soil && !in_scene<D>(scene, probe) && !scene.water_faces[static_cast<std::size_t>(face)].outlet) return;
+  FaceColumn<D> c;
+  c.foot = foot;
+  c.normal = normal;
+  c.face = face;
+  c.volume = std::pow(dx, D);
+  c.spacing = c.volume / area;
+  c.width = width;
+  c.in_soil = soil != nullptr;
+  c.held = std::any_of(scene.walls.begin(), scene.walls.end(), [&](const Wall& wall) {
+    return (wall.soil == Wall::ForSoil::fixed || wall.soil == Wall::ForSoil::rough) &&
+           lies_on<D>(wall.face, foot, 1e-6 * dx);
+  });
+  c.loaded = std::any_of(scene.loads.begin(), scene.loads.end(),
+                         [&](const Load& load) { return lies_on<D>(load.face, foot, 1e-6 * dx); });
+  c.void_fraction = soil ? fillable_porosity(*soil) : 1.0;
+  if (soil && scene.fluid.drag) {
+    const double weight = porous::specific_weight(scene);
+    const auto law = porous::resistance(weight, c.void_fraction, porous::seepage_at(scene, *soil, soil->porosity));
+    c.drag_dominated =
+        !inertia_rules(c.void_fraction, scene.water.density, law.linear, dx, weight / scene.water.density);
+  }
+  c.mass = scene.water.density * c.void_fraction * c.volume;
+  c.offset = 0.5 * c.spacing;
+  columns.push_back(c);
+}
+
+}  // namespace detail
+
+/// Where walls end and faces of columns begin.
+template <int D>
+std::vector<Joint<D>> make_joints(const Case& scene) {
+  std::vector<Joint<D>> joints;
+  if constexpr (D == 2) {
+    const double tolerance = 0.05 * scene.fluid.particle_spacing;
+    const auto ends = [](const sph::ImagePlane<D>& p) {
+      const double at = p.tangent.dot(p.point);
+      return std::array<Vec<D>, 2>{p.point + (p.from - at) * p.tangent, p.point + (p.to - at) * p.tangent};
+    };
+    for (const auto& face : scene.water_faces) {
+      if (is_inlet(scene, face) || face.face.points.empty()) continue;
+      for (const auto& next : planes_of<D>(face.face, 0, 0.0))
+        for (std::size_t w = 0; w < scene.walls.size(); ++w) {
+          const auto& wall = scene.walls[w];
+          if (wall.water == Wall::ForWater::none || wall.face.points.empty()) continue;
+          for (const auto& piece : planes_of<D>(wall.face, static_cast<int>(w), 0.0))
+            for (const std::size_t e : {0, 1}) {
+              if ((ends(piece)[e] - ends(next)[1 - e]).norm() > tolerance) continue;
+              const double sign = e == 1 ? 1.0 : -1.0;
+              // Towards the domain it is a corner, which images of the columns fill.
+              if (sign * piece.normal.dot(next.tangent) > 0.01) continue;
+              joints.push_back(
+                  {ends(piece)[e], sign * piece.tangent, piece.normal, piece.to - piece.from, static_cast<int>(w)});
+            }
+        }
+    }
+  }
+  return joints;
+}
+
+/// Columns of all water faces. A face given as a plane is tiled where soil or water regions lie behind it.
+template <int D>
+std::vector<FaceColumn<D>> make_columns(const Case& scene) {
+  std::vector<FaceColumn<D>> columns;
+  const double dx = scene.fluid.particle_spacing;
+  for (std::size_t f = 0; f < scene.water_faces.size(); ++f) {
+    if (is_inlet(scene, scene.water_faces[f])) continue;
+    const Face& face = scene.water_faces[f].face;
+    const int number = static_cast<int>(f);
+    if constexpr (D == 2) {
+      if (!face.points.empty()) {
+        for (const auto& piece : planes_of<2>(face, 0, 0.0)) {
+          const double length = piece.to - piece.from;
+          const int count = std::max(1, static_cast<int>(std::lround(length / dx)));
+          const double width = length / count;
+          const std::size_t first = columns.size();
+          for (int i = 0; i < count; ++i)
+            detail::add_column<2>(scene, number, piece.point + (i + 0.5) * width * piece.tangent, piece.normal, width,
+                                  0.5 * width, columns);
+          if (columns.size() == first) continue;
+          for (const auto& joint : make_joints<2>(scene)) {
+            if (joint.normal.dot(piece.normal) < 0.9999 ||
+                std::abs(piece.normal.dot(joint.at - piece.point)) > 0.05 * dx)
+              continue;
+            auto& c = joint.along.dot(piece.tangent) > 0.0 ? columns[first] : columns.back();
+            if ((c.foot - joint.at).norm() > 1.05 * c.width) continue;
+            (joint.along.dot(piece.tangent) > 0.0 ? c.before : c.after) = joint.length;
+          }
+        }
+        continue;
+      }
+    }
+    // A plane: tile the box around everything with an orthonormal pair (2D: one vector) of tangents.
+    const Vec<D> point = face.point.head<D>(), normal = face.normal.head<D>().normalized();
+    Eigen::Matrix<double, D, D> frame = Eigen::Matrix<double, D, D>::Identity();
+    int axis = 0;
+    normal.cwiseAbs().maxCoeff(&axis);
+    frame.col(axis).swap(frame.col(0));
+    frame.col(0) = normal;
+    for (int d = 1; d < D; ++d) {
+      for (int e = 0; e < d; ++e) frame.col(d) -= frame.col(e).dot(frame.col(d)) * frame.col(e);
+      frame.col(d).normalize();
+    }
+    Vec<D> lower = Vec<D>::Constant(1e300), upper = -lower;
+    const auto enclose = [&](const Shape& shape) {
+      const auto [lo, hi] = bounds(shape);
+      for (int corner = 0; corner < (1 << D); ++corner) {
+        Vec<D> x;
+        for (int d = 0; d < D; ++d) x[d] = (corner >> d) & 1 ? hi[d] : lo[d];
+        const Vec<D> along = frame.transpose() * (x - point);
+        lower = lower.cwiseMin(along);
+        upper = upper.cwiseMax(along);
+      }
+    };
+    for (const auto& soil : scene.soils) enclose(soil.shape);
+    for (const auto& region : scene.fluid.regions) enclose(region);
+    if (!(upper[0] >= lower[0])) continue;
+    std::array<int, 3> count{1, 1, 1};
+    Vec<D> step = Vec<D>::Zero();
+    double area = 1.0;
+    for (int d = 1; d < D; ++d) {
+      const double length = upper[d] - lower[d];
+      count[static_cast<std::size_t>(d)] = std::max(1, static_cast<int>(std::lround(length / dx)));
+      step[d] = length / count[static_cast<std::size_t>(d)];
+      area *= step[d];
+    }
+    for (int j = 0; j < count[2]; ++j)
+      for (int i = 0; i < count[1]; ++i) {
+        Vec<D> x = point + (lower[1] + (i + 0.5) * step[1]) * frame.col(1);
+        if constexpr (D == 3) x += (lower[2] + (j + 0.5) * step[2]) * frame.col(2);
+        detail::add_column<D>(scene, number, x, normal, area, 0.5 * step[1], columns);
+      }
+  }
+  return columns;
+}
+
+/// Finds the column that a place belongs to.
+template <int D>
+class ColumnFinder {
+ public:
+  explicit ColumnFinder(const std::vector<FaceColumn<D>>& columns) : columns_(columns) {
+    for (const auto& c : columns_) {
+      feet_.push_back(c.foot);
+      widest_ = std::max(widest_, reach * std::max(c.spacing, 2.0 * c.width));
+    }
+    grid_.build(feet_, std::max(widest_, 1e-300));
+  }
+  ColumnFinder(const ColumnFinder&) = delete;
+  ColumnFinder& operator=(const ColumnFinder&) = delete;
+
+  /// The column with the nearest foot, if x stands before or behind it, or less than a spacing beside it; -1: none.
+  [[nodiscard]] int nearest(const Vec<D>& x) const {
+    int best = -1;
+    double least = widest_ * widest_;
+    grid_.for_each_within(x, widest_, [&](Index i, double r2) {
+      if (r2 >= least) return;
+      least = r2;
+      best = static_cast<int>(i);
+    });
+    if (best < 0) return -1;
+    const auto& c = columns_[static_cast<std::size_t>(best)];
+    const Vec<D> lateral = x - c.foot - c.inside(x) * c.normal;
+    return lateral.norm() <= c.width + c.spacing ? best : -1;
+  }
+
+ private:
+  static constexpr double reach = 2.0;
+  const std::vector<FaceColumn<D>>& columns_;
+  VecArray<D> feet_;
+  double widest_ = 0.0;
+  sph::CellGrid<D> grid_;
+};
+
+/// Pressures at the feet at a time; a column acts where the total pressure there is not negative. basin_level [m]: of
+/// each face, for those that are basins.
+template <int D>
+void update_columns(const Case& scene, double time, std::span<const double> basin_level, const Vec<D>& weight,
+                    const Vec<D>& origin, std::vector<FaceColumn<D>>& columns) {
+  const double magnitude = weight.norm();
+  for (auto& c : columns) {
+    const WaterFace& face = scene.water_faces[static_cast<std::size_t>(c.face)];
+    const double elevation = magnitude > 0.0 ? -weight.dot(c.foot) / magnitude : 0.0;
+    double total = -1.0;
+    if (face.basin_area)
+      total = magnitude * (basin_level[static_cast<std::size_t>(c.face)] - elevation);
+    else if (face.head)
+      total = magnitude * (face.head->at(time) - elevation);
+    else if (face.pressure)
+      total = face.pressure->at(time) + face.wave(c.foot[0], time);
+    c.wet = total >= 0.0;
+    c.pressure = total - weight.dot(c.foot - origin);
+  }
+}
+
+/// beyond: where a wall goes on straight from a face, the face's last column is repeated behind it, as far as a line of
+/// sight through the face comes (Joint).
+template <int D>
+std::vector<Buffer<D>> make_buffers(const std::vector<FaceColumn<D>>& columns, bool beyond = false) {
+  std::vector<Buffer<D>> buffers;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const auto& c = columns[i];
+    if (!c.wet) continue;
+    const auto add = [&](const Vec<D>& foot) {
+      for (int j = 1; j <= buffers_per_column; ++j) {
+        const double d = c.offset - j * c.spacing;
+        buffers.push_back({foot + d * c.normal, c.volume, static_cast<Index>(i), -d, foot, c.normal, c.in_soil});
+      }
+    };
+    add(c.foot);
+    if constexpr (D == 2) {
+      const Vec<D> step = 2.0 * c.width * Vec<D>(c.normal[1], -c.normal[0]);
+      for (int k = 1; beyond && k < buffers_per_column; ++k) {
+        if ((k - 0.5) * 2.0 * c.width < c.before) add(c.foot - k * step);
+        if ((k - 0.5) * 2.0 * c.width < c.after) add(c.foot + k * step);
+      }
+    }
+  }
+  return buffers;
+}
+
+/// Length over which the slope at a face lets an even pressure fall to the face's so that its gradients sum to that
+/// fall, in spacings, the first row half a spacing inside: half of sum_s s^3 F over sum_s s^2 F, F = -W'/r summed along
+/// a row s rows away (docs/theory/coupling.md, "Loads on a drained face").
+template <int D>
+double length_of_even_fall() {
+  static const double value = [] {
+    constexpr int reach = 3;
+    double second = 0.0, third = 0.0;
+    for (int s = 1; s <= reach; ++s)
+      for (int i = -reach; i <= reach; ++i)
+        for (int j = (D == 3 ? -reach : 0); j <= (D == 3 ? reach : 0); ++j) {
+          const double F = -Kernel<D>::derivative_over_r(std::sqrt(1.0 * (s * s + i * i + j * j)), smoothing_ratio);
+          second += s * s * F;
+          third += s * s * s * F;
+        }
+    return 0.5 * third / second;
+  }();
+  return value;
+}
+
+/// Does a place see point j of a stencil?
+template <int D>
+bool sees(const sph::Sight<D>& sight, const Stencil<D>& s, const Vec<D>& x, Index j,
+          const typename sph::Sight<D>::Near& near) {
+  return j < s.n_base ? sight.open(x, s.position[j], near) : sight.sees(x, j, s.n_base, s.position, s.by, s.of, near);
+}
+
+/// Fits of the pressure's slope at every column, straight lines through the face, over the first spacings inside,
+/// images behind walls included: weighted least squares. As far as there are only particles on the face itself, which
+/// say nothing of the slope, that of the window before stands in. Below a load the grains have to carry the whole fall
+/// of an even pressure, before anything has drained: there the first row's own slope is mixed in as far as the
+/// gradients then sum to it (the fit alone makes 0.86 of it). free: [n] in no soil; at a face of soil that does not
+/// count.
+template <int D>
+void fit_columns(const std::vector<FaceColumn<D>>& columns, std::span<const char> free, Stencil<D>& s,
+                 const sph::Sight<D>& sight = {}) {
+  typename sph::Sight<D>::Near near_by;
+  s.fit_offset.assign(1, 0);
+  s.fit_constant.clear();
+  if (columns.empty()) return;
+  sph::CellGrid<D> grid;
+  double widest = 0.0;
+  for (const auto& c : columns) widest = std::max(widest, 1.3 * spacing_of<D>(c.volume));
+  grid.build(s.position, widest);
+  ScalarArray first;  // weights of the first row alone
+  for (const auto& c : columns) {
+    const std::size_t begin = s.fit_index.size();
+    double sum = 0.0, least = 0.0, whole = 0.0, first_sum = 0.0, first_whole = 0.0;
+    first.clear();
+    if (c.wet) {
+      const double h = 0.65 * spacing_of<D>(c.volume);
+      const Vec<D> probe = c.foot + 0.75 * c.spacing * c.normal;
+      if (sight.limited()) sight.find_near(probe, sph::support_radius * h, near_by);
+      grid.for_each_within(probe, sph::support_radius * h, [&](Index j, double r2) {
+        const Index a = s.parent[j];
+        if (sight.limited() && !sees<D>(sight, s, probe, j, near_by)) return;
+        const double d = c.inside(s.position[j]);
+        // One that has just been born lies on the face, to rounding.
+        if (a >= s.n_real || d < -1e-6 * c.spacing || (c.in_soil && free[a])) return;
+        const double w = s.volume[a] * Kernel<D>::value(std::sqrt(r2), h);
+        if (w == 0.0) return;
+        const double near = w * std::max(0.0, 1.0 - d / c.spacing);
+        sum += w * d * d;
+        whole += w * d;
+        first_sum += near * d * d;
+        first_whole += near * d;
+        least += w * 0.04 * c.spacing * c.spacing;
+        s.fit_index.push_back(a);
+        s.fit_weight.push_back(w * d);
+        first.push_back(near * d);
+      });
+    }
+    const double total = std::max(sum, least);
+    double share = 0.0;
+    if (c.loaded && sum >= least && first_sum > 0.0) {
+      // Slopes of an even pressure of 1: the fit's, the first row's, and what is wanted.
+      const double fitted = whole / sum, steepest = first_whole / first_sum;
+      const double wanted = 1.0 / (c.spacing * (0.5 + length_of_even_fall<D>()) - c.offset);
+      if (steepest > fitted) share = std::clamp((wanted - fitted) / (steepest - fitted), 0.0, 1.0);
+    }
+    for (std::size_t k = begin; k < s.fit_index.size(); ++k) {
+      s.fit_weight[k] /= total;
+      if (share > 0.0) s.fit_weight[k] += share * (first[k - begin] / first_sum - s.fit_weight[k]);
+    }
+    s.fit_constant.push_back(total > 0.0 ? (1.0 - sum / total) * c.slope : 0.0);
+    s.fit_offset.push_back(static_cast<Index>(s.fit_index.size()));
+  }
+}
+
+}  // namespace poretwin::fluid

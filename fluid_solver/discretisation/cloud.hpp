@@ -1,0 +1,197 @@
+// The water as others see it: particles, buffers behind faces and images behind walls, with their fields; interpolation
+// in it.
+#pragma once
+
+#include "common/particles/neighbours.hpp"
+#include "common/particles/sight.hpp"
+#include "fluid_solver/discretisation/stencil.hpp"
+#include "fluid_solver/state.hpp"
+
+#include <Eigen/Dense>
+
+#include <limits>
+
+namespace poretwin::fluid {
+
+template <int D>
+struct Cloud {
+  std::size_t n_real = 0;
+  VecArray<D> position;
+  ScalarArray volume, length;
+  ScalarArray owner;     ///< the particle an image belongs to; -1: a buffer, or its image
+  ScalarArray pressure;  ///< total, Pa
+  VecArray<D> velocity;
+  OrZero<Vec<D>> solid_velocity, solid_change, surface_gradient;
+  OrZero<double> surface_share;
+  ScalarArray mask, void_fraction;
+  sph::Sight<D> sight;        ///< past the walls
+  std::size_t n_base = 0;     ///< points that are no images
+  std::vector<Index> by, of;  ///< [images] as sph::Images has them, where sight is limited
+  [[nodiscard]] std::size_t size() const { return position.size(); }
+};
+
+/// Still water in no particle: a place behind a face of prescribed head, and the bulk volume it stands for.
+template <int D>
+struct StillWater {
+  Vec<D> position;
+  double volume = 0.0, pressure = 0.0;  ///< m^D; piezometric, Pa
+};
+
+/// sticky: walls to which water sticks, by bits.
+template <int D>
+Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> planes, const sph::Sight<D>& sight,
+                    const Vec<D>& weight, const Vec<D>& origin, std::span<const StillWater<D>> reservoir = {},
+                    std::uint32_t sticky = 0) {
+  const auto& p = state.particles;
+  Cloud<D> c;
+  c.n_real = p.size();
+  c.position = p.position;
+  c.volume = p.volume;
+  c.pressure = p.pressure;
+  c.velocity = p.velocity;
+  c.solid_velocity = p.solid_velocity;
+  c.solid_change = p.solid_change;
+  c.surface_gradient = p.surface_gradient;
+  c.surface_share = p.surface_share;
+  c.mask = p.mask;
+  c.void_fraction = p.void_fraction;
+  for (const auto& b : make_buffers(state.columns)) {
+    const auto& column = state.columns[b.column];
+    c.position.push_back(b.position);
+    c.volume.push_back(b.volume);
+    c.pressure.push_back(column.pressure - column.slope * b.outside);
+    c.velocity.push_back(column.speed * column.normal);
+    for (auto* v : {&c.solid_velocity, &c.solid_change, &c.surface_gradient}) v->grow();
+    c.surface_share.grow();
+    c.mask.push_back(0.0);
+    c.void_fraction.push_back(column.void_fraction);
+  }
+  for (const auto& w : reservoir) {
+    c.position.push_back(w.position);
+    c.volume.push_back(w.volume);
+    c.pressure.push_back(w.pressure);
+    c.velocity.push_back(Vec<D>::Zero());
+    for (auto* v : {&c.solid_velocity, &c.solid_change, &c.surface_gradient}) v->grow();
+    c.surface_share.grow();
+    c.mask.push_back(0.0);
+    c.void_fraction.push_back(1.0);
+  }
+  double largest = 0.0;
+  for (const double v : c.volume) {
+    c.length.push_back(smoothing_ratio * spacing_of<D>(v));
+    largest = std::max(largest, c.length.back());
+  }
+  for (std::size_t i = 0; i < c.size(); ++i) c.owner.push_back(i < c.n_real ? static_cast<double>(i) : -1.0);
+  const VecArray<D> base = c.position;
+  const double reach = sph::support_radius * largest;
+  auto images = sight.limited() ? sph::images_in_all_orders<D>(base, sight.planes(), reach)
+                                : sph::make_images<D>(base, planes, reach);
+  c.sight = sight;
+  c.n_base = base.size();
+  c.by = std::move(images.by);
+  c.of = std::move(images.of);
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const Index q = images.parent[i];
+    c.position.push_back(images.position[i]);
+    c.volume.push_back(c.volume[q]);
+    c.length.push_back(c.length[q]);
+    c.owner.push_back(c.owner[q]);
+    c.pressure.push_back(c.pressure[q]);
+    const bool sticks = (images.boundaries[i] & sticky) != 0;
+    c.velocity.push_back(sticks ? Vec<D>(-c.velocity[q]) : Vec<D>(images.map[i] * c.velocity[q] + images.carried[i]));
+    for (auto* v : {&c.solid_velocity, &c.solid_change, &c.surface_gradient})
+      if (v->is_allocated()) v->values().push_back(images.map[i] * (*v)[q]);
+    if (c.surface_share.is_allocated()) c.surface_share.values().push_back(c.surface_share[q]);
+    c.mask.push_back(c.mask[q]);
+    c.void_fraction.push_back(c.void_fraction[q]);
+  }
+  for (std::size_t i = 0; i < c.size(); ++i) c.pressure[i] += weight.dot(c.position[i] - origin);
+  return c;
+}
+
+/// Interpolation in the water around any place. width: of the kernel, in smoothing lengths.
+template <int D>
+class Probe {
+ public:
+  explicit Probe(const Cloud<D>& cloud, double width = 1.0) : cloud_(cloud), width_(width) {
+    double largest = 1e-300;
+    for (const double h : cloud.length) largest = std::max(largest, h);
+    reach_ = sph::support_radius * width * largest;
+    grid_.build(cloud.position, reach_);
+  }
+  Probe(const Probe&) = delete;
+  Probe& operator=(const Probe&) = delete;
+
+  /// Value and gradient of a field, which f(j) gives at the points of the cloud.
+  struct Fit {
+    double value = std::numeric_limits<double>::quiet_NaN();
+    Vec<D> gradient = Vec<D>::Zero();
+  };
+
+  /// Sum of V W at x, of a lattice's: 1 in the water, 0 outside.
+  [[nodiscard]] double fullness(const Vec<D>& x) const {
+    double sum = 0.0;
+    near(x, [&](Index j, double r) { sum += cloud_.volume[j] * Kernel<D>::value(r, length(j)); });
+    return sum / lattice_fullness<D>();
+  }
+
+  /// Moving least squares of first order (weighted mean where the points do not span space); NaN outside the water.
+  template <class Field>
+  [[nodiscard]] Fit fit(const Vec<D>& x, Field&& f) const {
+    using Row = Eigen::Matrix<double, D + 1, 1>;
+    Eigen::Matrix<double, D + 1, D + 1> moment = Eigen::Matrix<double, D + 1, D + 1>::Zero();
+    Row rhs = Row::Zero();
+    double scale = 0.0;
+    near(x, [&](Index j, double r) {
+      const double w = cloud_.volume[j] * Kernel<D>::value(r, length(j));
+      Row row;
+      row[0] = 1.0;
+      row.template tail<D>() = (cloud_.position[j] - x) / reach_;
+      moment += w * row * row.transpose();
+      rhs += w * f(j) * row;
+      scale += w * length(j);
+    });
+    if (moment(0, 0) < 0.3) return {};
+    scale /= moment(0, 0);
+    // Directions without points on either side say nothing.
+    Row unit = Row::Constant(reach_ / scale);
+    unit[0] = 1.0;
+    const Eigen::Matrix<double, D + 1, D + 1> scaled = unit.asDiagonal() * moment * unit.asDiagonal();
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, D + 1, D + 1>> eigen(scaled);
+    if (eigen.eigenvalues()[0] < 0.02 * moment(0, 0)) return {rhs[0] / moment(0, 0), Vec<D>::Zero()};
+    const Row solution = moment.ldlt().solve(rhs);
+    return {solution[0], solution.template tail<D>() / reach_};
+  }
+  template <class Field>
+  [[nodiscard]] double at(const Vec<D>& x, Field&& f) const {
+    return fit(x, f).value;
+  }
+  /// Of the total pressure [Pa].
+  [[nodiscard]] Fit pressure(const Vec<D>& x) const {
+    return fit(x, [this](Index j) { return cloud_.pressure[j]; });
+  }
+
+ private:
+  [[nodiscard]] double length(Index j) const { return width_ * cloud_.length[j]; }
+  template <class F>
+  void near(const Vec<D>& x, F&& f) const {
+    typename sph::Sight<D>::Near walls;
+    if (cloud_.sight.limited()) cloud_.sight.find_near(x, reach_, walls);
+    grid_.for_each_within(x, reach_, [&](Index j, double r2) {
+      const double support = sph::support_radius * length(j);
+      if (r2 < support * support && (!cloud_.sight.limited() || seen(x, j, walls))) f(j, std::sqrt(r2));
+    });
+  }
+
+  [[nodiscard]] bool seen(const Vec<D>& x, Index j, const typename sph::Sight<D>::Near& walls) const {
+    const auto& c = cloud_;
+    return j < c.n_base ? c.sight.open(x, c.position[j], walls)
+                        : c.sight.sees(x, j, c.n_base, c.position, c.by, c.of, walls);
+  }
+
+  const Cloud<D>& cloud_;
+  double width_ = 1.0, reach_ = 0.0;
+  sph::CellGrid<D> grid_;
+};
+
+}  // namespace poretwin::fluid

@@ -1,0 +1,242 @@
+// The free surface: which particles lie on it, how far the others are from it, and what that does to the pressure.
+#pragma once
+
+#include "common/core/threads.hpp"
+#include "fluid_solver/discretisation/stencil.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <numbers>
+
+namespace poretwin::fluid {
+
+enum class Surface : std::uint8_t { interior, surface, lone };
+
+namespace surface {
+/// Least eigenvalue of the moment below which a particle is on no surface.
+inline constexpr double alone = 0.1;
+/// Divergence of position over D below which neighbours are few (a surface, in soil), also at a seepage face; and too
+/// few for a pressure. The least eigenvalue does not distinguish these: a particle that sinks out of a crowded surface
+/// has a small one, too; it would fall freely until it had passed its row, a jolt in a tank at rest every few seconds.
+inline constexpr double few = 0.75, few_at_face = 0.9, too_few = 0.4;
+/// Cosine of half the opening of the cone about the outward normal that is empty above a surface particle.
+inline constexpr double cone = 0.5, narrow_cone = 0.7071;
+/// Least |sum V grad W| h that a missing side makes: of a surface particle, and of one below it.
+inline constexpr double first_row = 0.1, second_row = 0.03;
+/// The same over the divergence of position, half of a flat surface's, from which on a particle whose neighbours are
+/// few lies at a hole, whatever stands opposite: in a splash, taken for one inside, its pressure would drive it to its
+/// neighbours, which raises it.
+inline constexpr double hole = 0.23;
+/// Least eigenvalue inverted at the surface, the ghost counted.
+inline constexpr double least_inverted = 0.4;
+}  // namespace surface
+
+/// Distance of the free surface from the row of particles on it, half the row's thickness, in half spacings: the row
+/// need not be a lattice's. In a tank at rest particles join it, up to 15 % more, and a surface held half a spacing
+/// above it sinks by as much of that: the pressure fell by 0.3 % of the depth of 20 spacings in a minute.
+template <int D>
+double row_thickness(const Stencil<D>& s, std::size_t a) {
+  static const double lattice = [] {
+    const auto part = [](double r) { return Kernel<D>::value(r, smoothing_ratio); };
+    if constexpr (D == 3) return lattice_sum<2>(part);
+    double sum = part(0.0);
+    for (int i = 1; i <= 3; ++i) sum += 2.0 * part(1.0 * i);
+    return sum;
+  }();
+  constexpr double balanced = 0.15;  // of h: a row that ends here has no reliable thickness
+  const double h = s.length(a), spacing = h / smoothing_ratio;
+  const Vec<D> n = s.normal[a].normalized();
+  double sum = Kernel<D>::value(0.0, h);
+  Vec<D> centre = Vec<D>::Zero();
+  for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+    const Index j = s.other[k];
+    if (s.on_surface[j] != 1) continue;
+    const Vec<D> d = s.position[j] - s.position[a];
+    const double out = n.dot(d);
+    if (std::abs(out) > 0.5 * spacing) continue;
+    const double value = s.value(a, j);
+    sum += value;
+    centre += value * (d - out * n);
+  }
+  const double thickness = sum * std::pow(spacing, D) / lattice;
+  if (centre.norm() > balanced * h * sum || std::abs(thickness - 1.0) > 0.25) return 1.0;
+  return thickness;
+}
+
+/// What the surface particles of its own kind in reach say of the surface above particle a, sums weighted with W: the
+/// outward normal, the surface's height above the particle along it [m], its pressure [Pa].
+template <int D>
+struct SurfacePlane {
+  double weight = 0.0, height = 0.0, pressure = 0.0;
+  Vec<D> normal = Vec<D>::Zero();
+};
+template <int D>
+SurfacePlane<D> surface_plane(const Stencil<D>& s, std::size_t a, bool in_seepage) {
+  SurfacePlane<D> plane;
+  const char own_kind = in_seepage ? 2 : 1;
+  for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+    const Index j = s.other[k], q = s.parent[j];
+    if (s.on_surface[j] != own_kind) continue;
+    Vec<D> n = -s.normal[q].normalized();
+    if (j >= s.n_base) n = s.map[j - s.n_base] * n;
+    const double value = s.value(a, j);
+    plane.weight += value;
+    plane.normal += value * n;
+    plane.pressure += value * s.surface_pressure[q];
+    plane.height += value * (n.dot(s.position[j] - s.position[a]) + s.surface_distance(q));
+  }
+  return plane;
+}
+
+/// Depth of particle a of free water below the surface in its kernel's reach [m]; 0: none, or no plane.
+template <int D>
+double depth(const Stencil<D>& s, std::size_t a) {
+  if (s.ghost_distance[a] > 0.0) return s.ghost_distance[a];
+  constexpr double plane_enough = 0.9;
+  const auto plane = surface_plane<D>(s, a, false);
+  if (plane.normal.norm() <= plane_enough * plane.weight) return 0.0;
+  return std::max(plane.height / plane.weight, s.surface_distance(a));
+}
+
+/// rows: thickness of the row each particle lies in, in spacings, of which `share` is what it is now: slowly, for the
+/// surface particles themselves are moved as the surface does (surface_lead) while a row is stretched.
+/// splashes: small holes in free water are surfaces. none: there is no air, and holes are disorder.
+/// Free water: the moment's smallest eigenvalue, then an umbrella of neighbours (Marrone et al. 2010).
+/// Water in soil (seeps), a wetting front: the deficit of the divergence of position (Lee et al. 2008), where no
+/// water stands opposite: a hole under pressure taken for a surface draws a reservoir in at full head.
+template <int D>
+std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> in_seepage, std::span<double> rows = {},
+                                  double share = 0.0, bool splashes = false, bool none = false) {
+  std::vector<Surface> flags(s.n_real, Surface::interior);
+  if (none) {
+    s.on_surface.assign(s.size(), 0);
+    return flags;
+  }
+  const auto umbrella = [&](std::size_t a) {
+    const double h = s.length(a);
+    const Vec<D> n = -s.normal[a].normalized();
+    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+      const Vec<D> d = s.position[s.other[k]] - s.position[a];
+      const double r = d.norm();
+      if (r >= std::numbers::sqrt2 * h ? (d - h * n).norm() < h : d.dot(n) > surface::cone * r) return true;
+    }
+    return false;
+  };
+  // The surface in soil is rough on the scale of a spacing: the narrow cone only. At a seepage face the soil's water
+  // ends there, whatever of it has passed the face already; only free water that runs down the face covers it.
+  const auto opposite = [&](std::size_t a) {
+    const Vec<D> n = -s.normal[a].normalized();
+    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+      const Index q = s.parent[s.other[k]];
+      if (s.at_face[a] && (q >= s.n_real || in_seepage[q] != 0)) continue;
+      const Vec<D> d = s.position[s.other[k]] - s.position[a];
+      if (d.dot(n) > surface::narrow_cone * d.norm()) return true;
+    }
+    return false;
+  };
+  parallel_for(s.n_real, [&](std::size_t a) {
+    if (in_seepage[a] != 0) {
+      const double few = s.at_face[a] ? surface::few_at_face : surface::few;
+      s.covered[a] = s.divergence[a] < few * D && opposite(a);
+      if (s.covered[a]) return;
+      if (s.divergence[a] < surface::too_few * D)
+        flags[a] = Surface::lone;
+      else if (s.divergence[a] < few * D)
+        flags[a] = Surface::surface;
+      return;
+    }
+    if (s.least_moment[a] >= inside_moment) return;
+    const double amount = s.normal[a].norm();
+    const bool hole =
+        splashes && s.divergence[a] < surface::few * D && amount * s.length(a) > surface::hole * s.divergence[a];
+    const bool edge =
+        s.least_moment[a] >= surface::alone && (hole || (amount * s.length(a) > surface::first_row && !umbrella(a)));
+    if (edge)
+      flags[a] = Surface::surface;
+    else if (s.divergence[a] < surface::too_few * D)
+      flags[a] = Surface::lone;
+  });
+  for (std::size_t a = 0; a < s.n_real; ++a) {
+    if (flags[a] != Surface::lone || in_seepage[a] != 0) continue;
+    s.boundary_correction(a).unresolved.setIdentity();
+    s.correction[a].setZero();
+  }
+  s.on_surface.resize(s.size());
+  parallel_for(s.size(), [&](std::size_t j) {
+    const Index q = s.parent[j];
+    s.on_surface[j] = q >= s.n_real || flags[q] != Surface::surface ? 0 : in_seepage[q] == 0 ? 1 : 2;
+  });
+  for (std::size_t a = 0; a < rows.size(); ++a) {
+    const bool in_row = flags[a] == Surface::surface && in_seepage[a] == 0;
+    rows[a] += share * ((in_row ? row_thickness<D>(s, a) : 1.0) - rows[a]);
+    if (in_row) s.prescribed_surface_distance.set(a, s.surface_distance(a) * rows[a], s.n_real);
+  }
+  // Below the surface: the distance of the plane that the surface particles of its own kind in reach put it at, and the
+  // pressure there; 0: none.
+  const auto below = [&](std::size_t a) -> std::pair<double, double> {
+    const auto plane = surface_plane<D>(s, a, in_seepage[a] != 0);
+    if (plane.weight == 0.0 || plane.normal.isZero(0.0)) return {};
+    const double cosine = -plane.normal.dot(s.normal[a]) / (plane.normal.norm() * s.normal[a].norm());
+    if (cosine < 0.5) return {};
+    const double distance = plane.height / (plane.weight * cosine);
+    if (distance <= 0.0 || distance >= sph::support_radius * s.length(a)) return {};
+    return {std::max(distance, s.surface_distance(a)), plane.pressure / plane.weight};
+  };
+  // Beside free water windows are short, and the gradient of seeping water does not know of its surface: left as it is.
+  const bool all_in_seepage = parallel_all(s.n_real, [&](std::size_t a) { return in_seepage[a] != 0; });
+  std::vector<char> near(s.n_real);
+  parallel_for(s.n_real, [&](std::size_t a) {
+    near[a] = flags[a] != Surface::lone && s.normal[a].norm() * s.length(a) > surface::second_row;
+  });
+  for (std::size_t a = 0; a < s.n_real; ++a) {
+    if (!near[a]) continue;
+    if (in_seepage[a] != 0) {
+      if (!all_in_seepage) continue;
+      if (flags[a] == Surface::interior && !s.covered[a])
+        if (const auto [distance, pressure] = below(a); distance > 0.0) {
+          s.front_distance.set(a, distance, s.n_real);
+          s.surface_pressure.set(a, pressure, s.n_real);
+        }
+      if (flags[a] == Surface::surface || s.front_distance[a] > 0.0) s.amplification[a] = lattice_amplification<D>();
+      continue;
+    }
+    const double distance = flags[a] == Surface::surface ? s.surface_distance(a) : below(a).first;
+    if (distance == 0.0) continue;
+    s.ghost_distance.set(a, distance, s.n_real);
+    // The ghost at twice the distance completes the moment.
+    const double amount = s.normal[a].norm();
+    const Vec<D> n = s.normal[a] / amount;
+    Mat<D>& unresolved = s.boundary_correction(a).unresolved;
+    s.correction[a] = bounded_inverse<D>(s.moment(a) + 2.0 * distance * amount * n * n.transpose(),
+                                         surface::least_inverted, &unresolved);
+  }
+  // Inside, where neighbours are few, the pair sums of the Laplacian are short and the gradient's are not: a pressure
+  // found from the one and applied by the other would correct the velocity more than once. In soil drag keeps that
+  // small.
+  parallel_for(s.n_real, [&](std::size_t a) {
+    if (const double deficit = s.divergence[a] / D;
+        in_seepage[a] == 0 && deficit < surface::few && flags[a] == Surface::interior && s.ghost_distance[a] == 0.0)
+      s.amplification[a] = 1.0 / std::max(deficit, surface::least_inverted);
+  });
+  return flags;
+}
+
+/// The surface's total pressure, at a distance outside the particle: what is added to row a,
+/// coefficient * (ph_a - pressure).
+struct SurfaceRow {
+  double coefficient = 0.0;  ///< of the row weighted with the volume
+  double pressure = 0.0;     ///< piezometric, Pa
+};
+
+/// The surface lies `distance` [m] outside the particle. weight: rho g [N/m3] as a vector; origin: where the
+/// piezometric pressure equals the total one.
+template <int D>
+SurfaceRow surface_row(const Stencil<D>& s, std::size_t a, double distance, double mobility, const Vec<D>& weight,
+                       const Vec<D>& origin) {
+  const double amount = s.normal[a].norm();
+  if (amount == 0.0) return {};
+  const Vec<D> x = s.position[a] - distance / amount * s.normal[a];
+  return {s.volume[a] * 2.0 * mobility * amount / distance, s.surface_pressure[a] - weight.dot(x - origin)};
+}
+
+}  // namespace poretwin::fluid

@@ -1,0 +1,404 @@
+// Differential operators on a stencil: corrected gradient and divergence, pairwise Laplacian, interpolation.
+#pragma once
+
+#include "common/core/lanes.hpp"
+#include "common/numerics/csr.hpp"
+#include "fluid_solver/discretisation/stencil.hpp"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+
+namespace poretwin::fluid {
+
+/// What a vector field is: behind a wall that moves, a velocity of the water is not the mirrored one alone.
+enum class Carried : bool { no, yes };
+
+/// The value at point j from those at real particles: an image takes its parent's, through the linear map for vectors;
+/// behind walls to which the field sticks (`sticky`, by bits) turned round. Buffers and their images get zero: nothing
+/// here reads them.
+template <int D>
+[[gnu::always_inline]] inline Vec<D> extended_to(const Stencil<D>& s, std::span<const Vec<D>> f, std::size_t j,
+                                                 Carried carried, std::uint32_t sticky) {
+  const Index q = s.parent[j];
+  if (q >= s.n_real) return Vec<D>::Zero();
+  if (j < s.n_base) return f[q];
+  if (s.sticks(j, sticky)) return -f[q];
+  Vec<D> image = s.map[j - s.n_base] * f[q];
+  if (carried == Carried::yes) image += s.carried[j - s.n_base];
+  return image;
+}
+
+/// The values at all points.
+template <int D>
+VecArray<D> extended(const Stencil<D>& s, std::span<const Vec<D>> f, Carried carried = Carried::no,
+                     std::uint32_t sticky = 0) {
+  VecArray<D> all(s.size());
+  parallel_for(s.size(), [&](std::size_t j) { all[j] = extended_to<D>(s, f, j, carried, sticky); });
+  return all;
+}
+
+inline double harmonic(double a, double b) {
+  if (a == b) return a;
+  return a + b > 0.0 ? 2.0 * a * b / (a + b) : 0.0;
+}
+
+/// Slope of a pressure along a face column's normal [Pa/m]; nothing where the ground inside is dry.
+template <int D>
+std::optional<double> face_slope(const Stencil<D>& s, Index column, std::span<const double> p, double face_pressure,
+                                 bool increment = false) {
+  if (column + 1 >= s.fit_offset.size() || s.fit_offset[column] == s.fit_offset[column + 1]) return std::nullopt;
+  double slope = increment ? 0.0 : s.fit_constant[column];
+  for (Index k = s.fit_offset[column]; k < s.fit_offset[column + 1]; ++k)
+    slope += s.fit_weight[k] * (p[s.fit_index[k]] - face_pressure);
+  return slope;
+}
+
+/// What pair loops read of a point, packed: its place and some numbers, filled up to a multiple of `step`.
+template <int D, std::size_t n_values, std::size_t step = n_lanes>
+struct alignas(step * sizeof(double)) PackedPoint {
+  static constexpr std::size_t size = (D + n_values + step - 1) / step * step;
+  std::array<double, size> x;  ///< unset: who packs a point says all that is read of it
+  [[nodiscard]] const double* row() const { return x.data(); }
+};
+template <int D, std::size_t n_values>
+using PackedPoints = UnsetArray<PackedPoint<D, n_values>>;
+
+/// Calls sum(a, self, m, r, points, sums) for the pairs m .. m + 3 of every real particle a, compiled for this machine:
+/// r the vectors to their points times the gradient factor, points the numbers packed with these.
+template <int D, std::size_t n_values, std::size_t n_sums, class Sum, class Take>
+void for_pairs_in_lanes(const Stencil<D>& s, const PackedPoints<D, n_values>& points, const Sum& sum,
+                        const Take& take) {
+  constexpr std::size_t size = (n_sums + 3) / 4 * 4;
+  const auto rows = [&](std::size_t first, std::size_t last) __attribute__((always_inline)) {
+    for (std::size_t a = first; a < last; ++a) {
+      const double* const self = points[a].row();
+      Lanes sums[size] = {};
+      for (std::size_t m = s.offset[a]; m < s.offset[a + 1]; m += n_lanes) {
+        const Index* const i = &s.other[m];
+        Lanes point[D + n_values], w[D];
+        gather<0, D + n_values>({points[i[0]].row(), points[i[1]].row(), points[i[2]].row(), points[i[3]].row()},
+                                point);
+        Lanes factor;
+        poretwin::take(&s.gradient_factor[m], factor);
+        for (std::size_t d = 0; d < D; ++d) w[d] = factor * (point[d] - self[d]);
+        sum(a, self + D, m, w, point + D, sums);
+      }
+      alignas(32) double total[size] = {};
+      add_lanes<size>(sums, total);
+      take(a, total);
+    }
+  };
+  parallel_ranges(s.n_real, s.worth_threads, [&](std::size_t first, std::size_t last) {
+    run_lanes([&]() __attribute__((always_inline)) { rows(first, last); });
+  });
+}
+
+/// Corrected gradient of a piezometric pressure; face_pressure(column) is the pressure at a face (0 for increments).
+/// mobility: of the real particles, pairs get the harmonic mean; 1 where there is none; unresolved_gradient is taken in
+/// directions without neighbours; surface_pressure(a) is that of the free surface next to particle a (0 for
+/// increments); increment: p is a change of pressure.
+template <int D, class Face, class SurfacePressure>
+VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Face&& face_pressure,
+                              std::span<const double> mobility, const Vec<D>& unresolved_gradient,
+                              SurfacePressure&& surface_pressure, bool increment = false) {
+  // Pressures of the buffers. Reflecting particle by particle, as the Laplacian does, would magnify the error of a
+  // particle that lies on the face itself.
+  ScalarArray buffer(s.n_base - s.n_real);
+  std::vector<bool> fitted(buffer.size());
+  bool all_fitted = true;
+  for (std::size_t i = 0; i < buffer.size(); ++i) {
+    const double at_face = face_pressure(s.buffers[i].column);
+    const auto slope = face_slope(s, s.buffers[i].column, p, at_face, increment);
+    fitted[i] = slope.has_value();
+    all_fitted = all_fitted && fitted[i];
+    buffer[i] = at_face - slope.value_or(0.0) * s.buffers[i].outside;
+  }
+  // A buffer moves as the particle whose row is summed: encoded by a mobility of zero.
+  PackedPoints<D, 2> points(s.size());
+  parallel_for(s.size(), [&](std::size_t j) {
+    const Index q = s.parent[j];
+    const bool real = q < s.n_real;
+    for (std::size_t d = 0; d < D; ++d) points[j].x[d] = s.position[j][static_cast<int>(d)];
+    points[j].x[D] = real ? p[q] : buffer[q - s.n_real];
+    points[j].x[D + 1] = !real ? 0.0 : mobility.empty() ? 1.0 : mobility[q];
+  });
+  VecArray<D> result(s.n_real);
+  for_pairs_in_lanes<D, 2, D>(
+      s, points,
+      [&](std::size_t a, const double* self, std::size_t m, const Lanes* w, const Lanes* point, Lanes* sums)
+          __attribute__((always_inline)) {
+            Lanes difference = point[0] - self[0];
+            if (!all_fitted)
+              for (std::size_t l = 0; l < n_lanes; ++l)
+                if (const Index q = s.parent[s.other[m + l]]; q >= s.n_real && !fitted[q - s.n_real])
+                  difference[l] *= s.reflection(a, q);
+            if (!mobility.empty()) {
+              const Lanes theirs = point[1] > 0.0 ? point[1] : Lanes{} + self[1];
+              difference *= 2.0 * self[1] * theirs / (self[1] + theirs);
+            }
+            for (std::size_t d = 0; d < D; ++d) sums[d] += w[d] * difference;
+          },
+      [&](std::size_t a, const double* total) __attribute__((always_inline)) {
+        const double own = mobility.empty() ? 1.0 : mobility[a];
+        Vec<D> sum = Eigen::Map<const Vec<D>>(total);
+        if (s.ghost_distance[a] > 0.0) sum += 2.0 * own * (p[a] - surface_pressure(a)) * s.normal[a];
+        result[a] = s.correction[a] * sum;
+        if (s.boundary_correction_of[a] > 0)
+          result[a] += own * (s.boundary_corrections[s.boundary_correction_of[a] - 1].unresolved * unresolved_gradient);
+      });
+  return result;
+}
+
+/// The harmonic mean of a pair's mobilities is right across an interface between two soils; along it, it holds back the
+/// water of the one and drives that of the other. Along it each side's pressure drives its own mobility: that part of
+/// the flux is scaled by it over the pairs' mean. flux: of pressure_gradient with the same mobility; in_soil: [n] above
+/// one half in soil; other particles are left as they are.
+template <int D>
+void free_along_interfaces(const Stencil<D>& s, std::span<const double> mobility, std::span<const double> in_soil,
+                           std::span<Vec<D>> flux) {
+  parallel_for(s.n_real, [&](std::size_t a) {
+    if (in_soil[a] <= 0.5) return;
+    Vec<D> change = Vec<D>::Zero();
+    Mat<D> plain = Mat<D>::Zero(), weighted = Mat<D>::Zero();
+    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+      const Index j = s.other[k], q = s.parent[j];
+      const double theirs = q < s.n_real && in_soil[q] > 0.5 ? mobility[q] : mobility[a];
+      const Vec<D> ba = s.position[j] - s.position[a], w = static_cast<double>(s.gradient_factor[k]) * ba;
+      change += (theirs - mobility[a]) * w;
+      plain += w * ba.transpose();
+      weighted += harmonic(mobility[a], theirs) * w * ba.transpose();
+    }
+    if (change.isZero(0.0)) return;
+    const Vec<D> n = change.normalized(), across = n.dot(flux[a]) * n;
+    const double own = mobility[a] * (plain.trace() - n.dot(plain * n)), mean = weighted.trace() - n.dot(weighted * n);
+    // At a flat interface the ratio is 0.7 to 1.7; an island of one soil in the other has no direction along it.
+    if (mean > 0.0) flux[a] = across + std::clamp(own / mean, 0.5, 2.0) * (flux[a] - across);
+  });
+}
+
+/// Calls take(a, sum) with sum_b V_b (f_b - f_a) grad W^T of every real particle, buffers left out.
+template <int D, class Take>
+void sum_differences(const Stencil<D>& s, std::span<const Vec<D>> f, Carried carried, std::uint32_t sticky,
+                     const Take& take) {
+  const bool buffers = s.n_base > s.n_real;
+  PackedPoints<D, D> points(s.size());
+  parallel_for(s.size(), [&](std::size_t j) {
+    Eigen::Map<Vec<D>>{points[j].x.data()} = s.position[j];
+    Eigen::Map<Vec<D>>{points[j].x.data() + D} = extended_to<D>(s, f, j, carried, sticky);
+  });
+  for_pairs_in_lanes<D, D, D * D>(
+      s, points,
+      [&](std::size_t, const double* self, std::size_t m, const Lanes* w, const Lanes* point, Lanes* sums)
+          __attribute__((always_inline)) {
+            Lanes open = Lanes{} + 1.0;
+            if (buffers)
+              for (std::size_t l = 0; l < n_lanes; ++l) open[l] = s.is_buffer(s.other[m + l]) ? 0.0 : 1.0;
+            for (std::size_t c = 0; c < D; ++c) {
+              const Lanes difference = open * (point[c] - self[c]);
+              for (std::size_t d = 0; d < D; ++d) sums[c + D * d] += w[d] * difference;
+            }
+          },
+      [&](std::size_t a, const double* total)
+          __attribute__((always_inline)) { take(a, Mat<D>(Eigen::Map<const Mat<D>>(total))); });
+}
+
+/// Corrected gradient of the water's velocity, G_ij = d v_i / d x_j, buffers left out; sticky: walls to which water
+/// sticks, by bits.
+template <int D>
+MatArray<D> velocity_gradient(const Stencil<D>& s, std::span<const Vec<D>> f, std::uint32_t sticky = 0) {
+  MatArray<D> result(s.n_real);
+  sum_differences<D>(
+      s, f, Carried::yes, sticky, [&](std::size_t a, const Mat<D>& sum) __attribute__((always_inline)) {
+        result[a].noalias() = sum * s.correction_open(a);
+      });
+  return result;
+}
+
+/// Corrected divergence of a velocity-like field, buffers left out (one-sided at faces).
+template <int D>
+ScalarArray divergence(const Stencil<D>& s, std::span<const Vec<D>> f, Carried carried = Carried::no) {
+  ScalarArray result(s.n_real, 0.0);
+  if (carried == Carried::no && parallel_all(f.size(), [&](std::size_t a) { return f[a].isZero(0.0); })) return result;
+  sum_differences<D>(
+      s, f, carried, 0, [&](std::size_t a, const Mat<D>& sum) __attribute__((always_inline)) {
+        result[a] = sum.cwiseProduct(s.correction_open(a).transpose()).sum();
+      });
+  return result;
+}
+
+/// Shares out amounts of the real particles [n], in place: each among the real particles around it, itself included, by
+/// the kernel's value times what they count [n]. What finds nobody that counts stays where it is; the sum is kept.
+template <int D>
+void share_out(const Stencil<D>& s, std::span<const double> counts, std::span<Vec<D>> amounts) {
+  // Of a point: what it counts, smoothing length.
+  PackedPoints<D, 2> points(s.size());
+  parallel_for(s.size(), [&](std::size_t j) {
+    auto& x = points[j].x;
+    Eigen::Map<Vec<D>>{x.data()} = s.position[j];
+    x[D] = j < s.n_real ? counts[j] : 0.0;
+    x[D + 1] = s.length(j);
+  });
+  const auto own = [&](std::size_t a) { return counts[a] * Kernel<D>::value(0.0, s.length(a)); };
+  UnsetArray<float> value(s.other.size());  // of the kernel, the same for both of a pair
+  VecArray<D> parts(s.size(), Vec<D>::Zero());
+  for_each_in_lanes(
+      s.n_real, s.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
+        const double* const self = points[a].row();
+        Lanes sums{};
+        for (std::size_t k = s.offset[a]; k < s.offset[a + 1]; k += n_lanes) {
+          const Index* const i = &s.other[k];
+          Lanes point[D + 2], r{}, w;
+          gather<0, D + 2>({points[i[0]].row(), points[i[1]].row(), points[i[2]].row(), points[i[3]].row()}, point);
+          for (std::size_t d = 0; d < D; ++d) r += (point[d] - self[d]) * (point[d] - self[d]);
+          sqrt_in_place(r);
+          pair_value<D>(r, 2.0 / (self[D + 1] + point[D + 1]), w);
+          for (std::size_t l = 0; l < n_lanes; ++l) w[l] = i[l] == a ? 0.0 : w[l];
+          put(w, &value[k]);
+          poretwin::take(&value[k], w);
+          sums += w * point[D];
+        }
+        const double sum = own(a) + ((sums[0] + sums[1]) + (sums[2] + sums[3]));
+        if (!(sum > 0.0)) return;
+        parts[a] = amounts[a] / sum;
+        amounts[a].setZero();
+      });
+  for_each_in_lanes(
+      s.n_real, s.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
+        if (counts[a] == 0.0) return;
+        VectorSum<D> sums;
+        Lanes w{};
+        for (std::size_t k = s.offset[a]; k < s.offset[a + 1]; k += n_lanes) {
+          const Index* const i = &s.other[k];
+          poretwin::take(&value[k], w);
+          sums.add(w, {parts[i[0]].data(), parts[i[1]].data(), parts[i[2]].data(), parts[i[3]].data()});
+        }
+        Vec<D> sum = Kernel<D>::value(0.0, s.length(a)) * parts[a];
+        for (int d = 0; d < D; ++d) sum[d] += sums.total(static_cast<std::size_t>(d));
+        amounts[a] += counts[a] * sum;
+      });
+}
+
+/// The entries of a laplacian without buffers in which all volumes and mobilities are the same, `factor` their product:
+/// the list's kernels are the same for both of a pair there.
+template <int D>
+void fill_even_laplacian(const Stencil<D>& s, double factor, PairMatrix& m) {
+  ScalarArray amplified(s.size());
+  parallel_for(s.size(), [&](std::size_t j) { amplified[j] = s.amplification[s.parent[j]]; });
+  for_each_in_lanes(
+      s.n_real, s.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
+        Lanes sum{};
+        for (std::size_t k = s.offset[a]; k < s.offset[a + 1]; k += n_lanes) {
+          const Index* const i = &s.other[k];
+          Lanes w;
+          poretwin::take(&s.gradient_factor[k], w);
+          w *= factor * (amplified[a] + Lanes{amplified[i[0]], amplified[i[1]], amplified[i[2]], amplified[i[3]]});
+          for (std::size_t l = 0; s.beyond[a] != 0 && l < n_lanes; ++l)
+            if (s.parent[i[l]] == a) w[l] = 0.0;
+          put(w, &m.weight[k]);
+          poretwin::take(&m.weight[k], w);
+          sum += w;
+        }
+        m.diagonal[a] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+      });
+}
+
+/// V_a sum_b 2 V_b mobility_ab G_ab (p_a - p_b): minus the Laplacian, weighted with the volume so that it is symmetric.
+/// One for each of the mobilities: of the real particles, pairs get the harmonic mean; 1 where there is none. With
+/// buffers, their pairs go to the diagonal, (1 + r) (p_a - p_face). Entries that stand for no coupling have weight 0.
+/// The stencil must outlive them.
+template <int D, std::size_t n_mobilities>
+std::array<PairMatrix, n_mobilities> laplacians(const Stencil<D>& s,
+                                                const std::array<std::span<const double>, n_mobilities>& mobilities) {
+  std::array<PairMatrix, n_mobilities> matrices;
+  for (auto& m : matrices) {
+    m.column = {s.offset, s.other, s.parent, s.beyond};
+    m.weight.resize(s.other.size());
+    m.diagonal.resize(s.n_real);
+  }
+  const bool buffers = s.n_base > s.n_real;
+  const auto same = [](std::span<const double> values) {
+    return parallel_all(values.size(), [&](std::size_t a) { return values[a] == values[0]; });
+  };
+  if (!buffers && same(s.volume) && std::all_of(mobilities.begin(), mobilities.end(), same)) {
+    for (std::size_t i = 0; i < n_mobilities && s.n_real > 0; ++i)
+      fill_even_laplacian(s, s.volume[0] * (mobilities[i].empty() ? 1.0 : mobilities[i][0]), matrices[i]);
+    return matrices;
+  }
+  // Of a point: volume (0: coupled to nobody), amplification, mobilities; in 3D the smoothing length, too, which would
+  // ask for a cube root.
+  constexpr std::size_t at_volume = D, at_amplified = D + 1, at_mobility = D + 2,
+                        at_length = at_mobility + n_mobilities;
+  constexpr std::size_t n_numbers = at_length - D + (D == 3 ? 1 : 0);
+  const auto length_of = [](const auto* point, auto& length) __attribute__((always_inline)) {
+    if constexpr (D == 3) {
+      length = point[at_length];
+    } else {
+      length = point[at_volume];
+      sqrt_in_place(length);
+      length = smoothing_ratio * length;
+    }
+  };
+  // Not filled up: beside the matrix there is the least room.
+  UnsetArray<PackedPoint<D, n_numbers, 1>> points(s.size());
+  parallel_for(s.size(), [&](std::size_t j) {
+    auto& x = points[j].x;
+    x.fill(0.0);
+    Eigen::Map<Vec<D>>{x.data()} = s.position[j];
+    if constexpr (D == 3) x[at_length] = s.length(j);
+    const Index q = s.parent[j];
+    if (q >= s.n_real) return;
+    x[at_volume] = s.volume[j];
+    x[at_amplified] = s.amplification[q];
+    for (std::size_t i = 0; i < n_mobilities; ++i) x[at_mobility + i] = mobilities[i].empty() ? 1.0 : mobilities[i][q];
+  });
+  for_each_in_lanes(
+      s.n_real, s.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
+        const double* const self = points[a].row();
+        Lanes sums[n_mobilities] = {};
+        double faces = 0.0, own_length = 0.0;
+        length_of(self, own_length);
+        for (std::size_t k = s.offset[a]; k < s.offset[a + 1]; k += n_lanes) {
+          const Index* const i = &s.other[k];
+          Lanes point[D + n_numbers];
+          gather<0, D + n_numbers>({points[i[0]].row(), points[i[1]].row(), points[i[2]].row(), points[i[3]].row()},
+                                   point);
+          for (std::size_t l = 0; buffers && l < n_lanes; ++l)
+            if (const Index q = s.parent[i[l]]; q >= s.n_real)
+              faces += static_cast<double>(s.gradient_factor[k + l]) * s.reflection(a, q);
+          // The kernel anew: that of the list is rounded with the volume of one of the two.
+          Lanes r{}, scale, length, others;
+          for (std::size_t d = 0; d < D; ++d) r += (point[d] - self[d]) * (point[d] - self[d]);
+          sqrt_in_place(r);
+          length_of(point, length);
+          pair_gradient_factor<D>(r, 2.0 / (own_length + length), scale);
+          for (std::size_t l = 0; l < n_lanes; ++l)
+            others[l] = (s.beyond[a] != 0 ? s.parent[i[l]] : i[l]) == a ? 0.0 : 1.0;
+          scale = (self[at_volume] * point[at_volume]) * (scale * (self[at_amplified] + point[at_amplified]));
+          for (std::size_t m = 0; m < n_mobilities; ++m) {
+            const Lanes& mobility = point[at_mobility + m];
+            Lanes w, whole = self[at_mobility + m] + mobility;
+            max_in_place(whole, Lanes{} + 1e-300);
+            w = scale * (2.0 * self[at_mobility + m] * mobility / whole);
+            w = others > 0.0 ? w : Lanes{};
+            put(w, &matrices[m].weight[k]);
+            poretwin::take(&matrices[m].weight[k], w);
+            sums[m] += w;
+          }
+        }
+        for (std::size_t m = 0; m < n_mobilities; ++m) {
+          const Lanes& sum = sums[m];
+          matrices[m].diagonal[a] = (sum[0] + sum[1]) + (sum[2] + sum[3]) +
+                                    2.0 * self[at_volume] * self[at_mobility + m] * self[at_amplified] * faces;
+        }
+      });
+  return matrices;
+}
+
+/// That of one mobility.
+template <int D>
+PairMatrix laplacian(const Stencil<D>& s, std::span<const double> mobility) {
+  return std::move(laplacians<D, 1>(s, {mobility})[0]);
+}
+
+}  // namespace poretwin::fluid

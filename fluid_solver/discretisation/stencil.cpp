@@ -1,0 +1,343 @@
+#include "fluid_solver/discretisation/stencil.hpp"
+
+#include "fluid_solver/boundary/inlet.hpp"
+
+#include "common/core/in_lanes.hpp"
+#include "common/particles/neighbours.hpp"
+
+#include <Eigen/Dense>
+
+namespace poretwin::fluid {
+namespace {
+
+/// Least eigenvalue of a moment that is inverted in full: gradients in directions with fewer neighbours are taken
+/// short rather than amplified.
+constexpr double least_inverted = 0.3;
+
+/// What the sums over pairs read of a point, packed.
+template <int D>
+struct alignas(32) Summed {
+  Vec<D> position;
+  double volume, length;
+  [[nodiscard]] const double* row() const { return position.data(); }
+};
+
+/// The rows that a part finds, apart from those of others: what parts share a line of memory of is slow to write.
+struct alignas(64) FoundRows {
+  std::vector<Index> offset, other;
+};
+
+/// Rows of all points nearer than the supports of the two reach on average, each filled up to a multiple of four.
+template <int D>
+void find_pairs(double largest, Stencil<D>& s) {
+  sph::CellGrid<D> grid;
+  constexpr double reach = 0.5 * sph::support_radius;
+  grid.build(s.position, reach * largest);
+  UnsetArray<double> length(s.size());
+  parallel_for(s.size(), [&](std::size_t j) { length[j] = s.length(j); });
+  const bool even = parallel_all(s.size(), [&](std::size_t j) { return length[j] == largest; });
+  s.beyond.resize(s.n_real);
+  const auto find = [&](std::size_t first, std::size_t last, FoundRows & rows) __attribute__((always_inline)) {
+    auto& [offset, other] = rows;
+    other.reserve((last - first) * (D == 2 ? 28 : 96));
+    offset.reserve(last - first);
+    for (std::size_t a = first; a < last; ++a) {
+      const double range = reach * (length[a] + largest);
+      const std::size_t begin = other.size();
+      if (even)
+        grid.append_within(
+            s.position[a], range, other, [&](Index j, double) __attribute__((always_inline)) { return j != a; });
+      else
+        grid.append_within(
+            s.position[a], range, other, [&](Index j, double r2) __attribute__((always_inline)) {
+              const double support = reach * (length[a] + length[j]);
+              return static_cast<bool>(static_cast<int>(j != a) & static_cast<int>(r2 < support * support));
+            });
+      while (other.size() % n_lanes != 0) other.push_back(static_cast<Index>(a));
+      Index highest = 0;
+      for (std::size_t m = begin; m < other.size(); ++m) highest = std::max(highest, other[m]);
+      s.beyond[a] = highest >= s.n_real;
+      offset.push_back(static_cast<Index>(other.size()));
+    }
+  };
+  // Piece by piece: one array for all would need room for the most that there may be.
+  constexpr std::size_t piece = 16384;
+  const std::size_t n_threads = parts_for(s.n_real, s.worth_threads),
+                    parts = std::max(n_threads == 1 ? 1 : 4 * n_threads, s.n_real / piece);
+  std::vector<FoundRows> found(parts);
+  for_each_part(parts, [&](std::size_t part) {
+    run_lanes([&]() __attribute__((always_inline)) {
+      find(s.n_real * part / parts, s.n_real * (part + 1) / parts, found[part]);
+    });
+  });
+  std::vector<Index> begin(parts + 1, 0);
+  for (std::size_t part = 0; part < parts; ++part)
+    begin[part + 1] = begin[part] + static_cast<Index>(found[part].other.size());
+  s.offset.resize(s.n_real + 1);
+  s.other.resize(begin[parts]);
+  for_each_part(parts, [&](std::size_t part) {
+    auto& [offset, other] = found[part];
+    std::copy(other.begin(), other.end(), s.other.data() + begin[part]);
+    std::transform(offset.begin(), offset.end(), s.offset.data() + s.n_real * part / parts + 1,
+                   [&](Index end) { return begin[part] + end; });
+    other = std::vector<Index>();
+  });
+}
+
+/// Two kinds of still water stand side by side at a crest: buffers behind the soil's face and the images behind the
+/// sill. Each is seen by the water that meets it: pairs across become pairs of the particle with itself, which are
+/// zero.
+template <int D>
+void part_ghosts(std::span<const Buffer<D>> buffers, std::span<const char> free, Stencil<D>& s) {
+  const std::size_t n = s.n_real;
+  std::vector<char> soils(s.size(), 0), sills(s.size(), 0);  // kinds of ghosts
+  bool any = false;
+  for (std::size_t j = n; j < s.size(); ++j) {
+    const Index q = s.parent[j];
+    soils[j] = q >= n && buffers[q - n].in_soil;
+    sills[j] = j >= s.n_base && (s.boundaries[j - s.n_base] >> sill_boundary & 1u) != 0;
+    any = any || soils[j] || sills[j];
+  }
+  if (!any) return;
+  parallel_for(n, [&](std::size_t a) {
+    if (s.beyond[a] == 0) return;
+    const auto& hidden = free.empty() || free[a] ? soils : sills;
+    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
+      if (hidden[s.other[k]]) s.other[k] = static_cast<Index>(a);
+  });
+}
+
+/// What walls hide is no neighbour: its pairs become pairs of the particle with itself, which are zero.
+template <int D>
+void hide_behind_walls(const sph::Sight<D>& sight, double reach, Stencil<D>& s) {
+  parallel_ranges(s.n_real, s.worth_threads, [&](std::size_t first, std::size_t last) {
+    typename sph::Sight<D>::Near near;
+    for (std::size_t a = first; a < last; ++a) {
+      const Vec<D>& x = s.position[a];
+      sight.find_near(x, reach, near);
+      if (near.empty() && s.beyond[a] == 0) continue;
+      for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+        const Index j = s.other[k];
+        // Evaluated in the same order for both particles of a pair, so that the pair is in both rows or in neither.
+        const bool seen = j >= s.n_base ? sight.sees(x, j, s.n_base, s.position, s.by, s.of, near)
+                                        : sight.open(s.position[std::min<std::size_t>(a, j)],
+                                                     s.position[std::max<std::size_t>(a, j)], near);
+        if (!seen) s.other[k] = static_cast<Index>(a);
+      }
+    }
+  });
+}
+
+/// Where a wall ends at a face, pairs whose line of sight crosses the other of the two become pairs of the particle
+/// with itself, which are zero.
+template <int D>
+void part_at_joints(std::span<const Joint<D>> joints, double reach, Stencil<D>& s) {
+  for (const auto& joint : joints) {
+    // Images go on for a margin beyond the wall's end, and pairs for a kernel's reach.
+    const double near = wall_margin * reach + reach, rounding = 1e-9 * reach;
+    parallel_for(s.n_real, [&](std::size_t a) {
+      if (s.beyond[a] == 0) return;
+      const Vec<D> from = s.position[a] - joint.at;
+      const double inside = joint.normal.dot(from), place = joint.along.dot(from);
+      if (inside < -reach || inside > reach || std::abs(place) > near + reach) return;
+      for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+        const Index j = s.other[k];
+        if (j < s.n_real || j == a) continue;
+        const Vec<D> to = s.position[j] - joint.at;
+        const double behind = joint.normal.dot(to);
+        if (!(inside >= 0.0 && behind < 0.0)) continue;
+        const double crossing = place + (joint.along.dot(to) - place) * inside / (inside - behind);
+        const bool image = j >= s.n_base && (s.boundaries[j - s.n_base] >> joint.boundary & 1u) != 0;
+        const bool by_wall = crossing <= rounding && crossing >= -joint.length;
+        const bool by_face = crossing > rounding && crossing < near;
+        if ((image && by_face) || (!image && s.is_buffer(j) && by_wall)) s.other[k] = static_cast<Index>(a);
+      }
+    });
+  }
+}
+
+/// Kernels of the pairs of particle a, and its sums over them; its moment stands in for the correction.
+template <int D>
+[[gnu::always_inline]] inline void sum_pairs(const Summed<D>* points, std::size_t a, bool open_water, Stencil<D>& s) {
+  constexpr std::size_t n_moments = D * (D + 1) / 2, n_sums = 2 + D + n_moments, size = (n_sums + 3) / 4 * 4;
+  static const double scale = Kernel<D>::normalisation(1.0);
+  const double* const self = points[a].row();
+  const double length = self[D + 1];
+  Lanes sum[size] = {}, least = Lanes{} + sph::support_radius;
+  for (std::size_t m = s.offset[a]; m < s.offset[a + 1]; m += n_lanes) {
+    const Index* const index = &s.other[m];
+    Lanes point[D + 2], ba[D], r{}, real;
+    gather<0, D + 2>({points[index[0]].row(), points[index[1]].row(), points[index[2]].row(), points[index[3]].row()},
+                     point);
+    for (std::size_t l = 0; l < n_lanes; ++l) real[l] = index[l] == a ? 0.0 : scale;
+    for (std::size_t d = 0; d < D; ++d) {
+      ba[d] = point[d] - self[d];
+      r += ba[d] * ba[d];
+    }
+    sqrt_in_place(r);
+    const Lanes inverse = 2.0 / (length + point[D + 1]), q = r * inverse, square = inverse * inverse;
+    Lanes u = 1.0 - 0.5 * q;
+    min_in_place(least, real > 0.0 ? q : least);
+    max_in_place(u, Lanes{});
+    const Lanes cube = u * u * u * real * square * (D == 2 ? Lanes{} + 1.0 : inverse);
+    const Lanes value = cube * u * (2.0 * q + 1.0);
+    Lanes weight;
+    density_weight(u, weight);
+    weight *= real * square * (D == 2 ? Lanes{} + 1.0 : inverse);
+    Lanes factor = 5.0 * square * cube * point[D];
+    put(factor, &s.gradient_factor[m]);
+    take(&s.gradient_factor[m], factor);
+    std::size_t c = 0;
+    sum[c++] += point[D] * value;
+    sum[c++] += point[D] * weight;
+    for (std::size_t d = 0; d < D; ++d) sum[c++] += factor * ba[d];
+    for (std::size_t d = 0; d < D; ++d)
+      for (std::size_t e = 0; e <= d; ++e) sum[c++] += factor * ba[d] * ba[e];
+  }
+  double total[size] = {};
+  add_lanes<size>(sum, total);
+  const double* next = total;
+  s.closest[a] = std::min(std::min(least[0], least[1]), std::min(least[2], least[3]));
+  static const double full = lattice_fullness<D>(),
+                      full_density = lattice_density<D>() * Kernel<D>::normalisation(smoothing_ratio);
+  const double own = self[D] * Kernel<D>::value(0.0, length), fullness = (*next++ + own) / full;
+  s.fullness[a] = open_water ? (*next + own) / full_density : fullness;
+  ++next;
+  for (int d = 0; d < D; ++d) s.normal[a][d] = *next++;
+  for (int d = 0; d < D; ++d)
+    for (int e = 0; e <= d; ++e) s.correction[a](d, e) = s.correction[a](e, d) = *next++;
+}
+
+}  // namespace
+
+template <int D>
+Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* unresolved, double* smallest) {
+  // The least eigenvalue, in 3D a bound of it: as far below the mean as the others can be above.
+  const double mean = moment.trace() / D;
+  const double lower = mean - std::sqrt((D - 1.0) / D * (moment - mean * Mat<D>::Identity()).squaredNorm());
+  if (lower >= least) {
+    if (unresolved) unresolved->setZero();
+    if (smallest && (D == 2 || lower >= inside_moment))
+      *smallest = lower;
+    else if (smallest)
+      *smallest =
+          Eigen::SelfAdjointEigenSolver<Mat<D>>().computeDirect(moment, Eigen::EigenvaluesOnly).eigenvalues()[0];
+    return moment.inverse();
+  }
+  Eigen::SelfAdjointEigenSolver<Mat<D>> eigen;
+  eigen.computeDirect(moment);
+  Mat<D> inverse = Mat<D>::Zero();
+  if (unresolved) unresolved->setZero();
+  for (int d = 0; d < D; ++d) {
+    const Mat<D> e = eigen.eigenvectors().col(d) * eigen.eigenvectors().col(d).transpose();
+    const double value = eigen.eigenvalues()[d], held = std::max(value, least);
+    inverse += e / held;
+    if (unresolved) *unresolved += (1.0 - value / held) * e;
+  }
+  if (smallest) *smallest = eigen.eigenvalues()[0];
+  return inverse;
+}
+
+template <int D>
+Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volume, std::span<const Buffer<D>> buffers,
+                        std::span<const sph::ImagePlane<D>> planes, std::span<const char> free, bool open_water,
+                        std::size_t worth_threads, const sph::Sight<D>& sight, std::span<const Joint<D>> joints) {
+  Stencil<D> s;
+  s.worth_threads = worth_threads;
+  s.n_real = x.size();
+  s.n_base = s.n_real + buffers.size();
+  s.buffers.assign(buffers.begin(), buffers.end());
+  VecArray<D> base(s.n_base);
+  std::copy(x.begin(), x.end(), base.begin());
+  double largest = parallel_max(volume.size(), 0.0, [&](std::size_t a) { return volume[a]; });
+  for (std::size_t i = 0; i < buffers.size(); ++i) {
+    base[s.n_real + i] = buffers[i].position;
+    largest = std::max(largest, buffers[i].volume);
+  }
+  largest = smoothing_ratio * spacing_of<D>(largest);
+  const double reach = sph::support_radius * largest;
+  auto images = sight.limited() ? sph::images_in_all_orders<D>(base, sight.planes(), reach)
+                                : sph::make_images<D>(base, planes, reach);
+  const std::size_t all = s.n_base + images.size();
+  s.position.resize(all);
+  s.parent.resize(all);
+  s.volume.resize(all);
+  if (D == 3) s.smoothing.resize(all);
+  parallel_for(all, [&](std::size_t i) {
+    const std::size_t q = i < s.n_base ? i : images.parent[i - s.n_base];
+    s.position[i] = i < s.n_base ? base[i] : images.position[i - s.n_base];
+    s.parent[i] = static_cast<Index>(q);
+    s.volume[i] = q < s.n_real ? volume[q] : buffers[q - s.n_real].volume;
+    if (D == 3) s.smoothing[i] = smoothing_ratio * spacing_of<D>(s.volume[i]);
+  });
+  base = VecArray<D>();
+  s.map = std::move(images.map);
+  s.carried = std::move(images.carried);
+  s.boundaries = std::move(images.boundaries);
+  s.by = std::move(images.by);
+  s.of = std::move(images.of);
+
+  const std::size_t n = s.n_real;
+  if (n == 0) return s;
+  find_pairs(largest, s);
+  part_ghosts(buffers, free, s);
+  if (sight.limited()) hide_behind_walls(sight, reach, s);
+  part_at_joints(joints, reach, s);
+  // The largest arrays first: what is smaller fits between.
+  s.gradient_factor.resize(s.other.size());
+  for (auto* array : {&s.fullness, &s.closest, &s.divergence, &s.amplification, &s.least_moment}) array->resize(n);
+  s.normal.resize(n);
+  s.covered.assign(n, false);
+  s.at_face.assign(n, false);
+  s.correction.resize(n);
+  s.boundary_correction_of.assign(n, 0);
+  UnsetArray<Summed<D>> points(s.size());
+  parallel_for(s.size(), [&](std::size_t j) { points[j] = {s.position[j], s.volume[j], s.length(j)}; });
+  for_each_in_lanes(
+      n, s.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
+        sum_pairs<D>(points.data(), a, open_water, s);
+      });
+  constexpr char surface = 1, face = 2;
+  std::vector<char> edge(n, 0);
+  parallel_for(n, [&](std::size_t a) {
+    const Mat<D> moment = s.correction[a];
+    s.divergence[a] = moment.trace();
+    // The pair Laplacian of a quadratic is off by the kernel's moment, 2.6 % on a lattice at this smoothing length:
+    // that much too fast or slow a consolidation. Far from 1 it means a surface, not disorder.
+    const double deficit = s.divergence[a] / D;
+    s.amplification[a] = 1.0 / (deficit > 0.75 ? std::clamp(deficit, 0.93, 1.07) : 1.0);
+    s.correction[a] = bounded_inverse<D>(moment, least_inverted, nullptr, &s.least_moment[a]);
+    for (Index k = s.offset[a]; s.beyond[a] != 0 && k < s.offset[a + 1]; ++k)
+      if (s.is_buffer(s.other[k])) edge[a] = face;
+    if (s.least_moment[a] < least_inverted) edge[a] |= surface;
+  });
+  for (std::size_t a = 0; a < n; ++a)
+    if (edge[a] != 0) s.boundary_correction(a);
+  const auto fill_edge = [&](std::size_t a) {
+    if ((edge[a] & surface) != 0) bounded_inverse<D>(s.moment(a), least_inverted, &s.boundary_correction(a).unresolved);
+    if ((edge[a] & face) == 0) return;
+    Mat<D> open = Mat<D>::Zero();
+    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
+      const Index j = s.other[k];
+      const Vec<D> ba = s.position[j] - s.position[a];
+      if (!s.is_buffer(j)) open += static_cast<double>(s.gradient_factor[k]) * ba * ba.transpose();
+    }
+    s.boundary_correction(a).open = bounded_inverse<D>(open, least_inverted, nullptr);
+  };
+  parallel_ranges(n, s.worth_threads, [&](std::size_t first, std::size_t last) {
+    for (std::size_t a = first; a < last; ++a)
+      if (edge[a] != 0) fill_edge(a);
+  });
+  return s;
+}
+
+#define PORETWIN_INSTANTIATE(D)                                                                                      \
+  template Mat<D> bounded_inverse<D>(const Mat<D>&, double, Mat<D>*, double*);                                       \
+  template Stencil<D> make_stencil<D>(std::span<const Vec<D>>, std::span<const double>, std::span<const Buffer<D>>,  \
+                                      std::span<const sph::ImagePlane<D>>, std::span<const char>, bool, std::size_t, \
+                                      const sph::Sight<D>&, std::span<const Joint<D>>);
+PORETWIN_INSTANTIATE(2)
+PORETWIN_INSTANTIATE(3)
+#undef PORETWIN_INSTANTIATE
+
+}  // namespace poretwin::fluid

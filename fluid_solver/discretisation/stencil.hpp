@@ -1,0 +1,281 @@
+// The particles' surroundings at one instant: real particles, buffer particles outside prescribed-pressure faces, and
+// the images of both behind walls and periodic sides; pairs, kernel gradients and their corrections.
+#pragma once
+
+#include "common/core/lanes.hpp"
+#include "common/core/or_zero.hpp"
+#include "common/core/unset.hpp"
+#include "common/core/vector.hpp"
+#include "common/particles/images.hpp"
+#include "common/particles/kernel.hpp"
+#include "common/particles/sight.hpp"
+
+#include <optional>
+#include <span>
+
+namespace poretwin::fluid {
+
+template <int D>
+using Kernel = sph::WendlandC2<D>;
+
+/// Least eigenvalue of its moment above which a particle is inside.
+inline constexpr double inside_moment = 0.88;
+
+/// Smoothing length in units of the cube root (2D: square root) of the bulk volume.
+inline constexpr double smoothing_ratio = 1.3;
+
+/// Edge of a square or cube of that volume [m]: the spacing of particles on a lattice.
+template <int D>
+double spacing_of(double volume) {
+  if constexpr (D == 2) return std::sqrt(volume);
+  // Particles are mostly alike, and cube roots take long.
+  thread_local double last = 0.0, root = 0.0;
+  if (volume != last) {
+    root = std::cbrt(volume);
+    last = volume;
+  }
+  return root;
+}
+
+/// Sum of a pair's part, a function of the distance (unit spacing), over an infinite square lattice, the point itself
+/// counted.
+template <int D, class Part>
+double lattice_sum(Part part) {
+  double sum = 0.0;
+  const int reach = 3;
+  for (int i = -reach; i <= reach; ++i)
+    for (int j = -reach; j <= reach; ++j)
+      for (int k = (D == 3 ? -reach : 0); k <= (D == 3 ? reach : 0); ++k)
+        sum += part(std::sqrt(1.0 * (i * i + j * j + k * k)));
+  return sum;
+}
+
+/// Sum of V W there: what "full" means for a particle.
+template <int D>
+double lattice_fullness() {
+  static const double value = lattice_sum<D>([](double r) { return Kernel<D>::value(r, smoothing_ratio); });
+  return value;
+}
+
+/// By what points count in the density of open water (2D), u = 1 - r / support, unit at the point itself: nearly Hann's
+/// window, whose spectrum is next to nothing where that of a packing is not, so that the sum hardly knows in which
+/// order the points lie: 0.3 % above a lattice's at a jitter of 0.2, where sum V W is 1.5 %, 0.0 % in flowing water
+/// (0.4 %). In 3D it would know as well (0.3 %).
+template <class Number>
+[[gnu::always_inline]] inline void density_weight(const Number& u, Number& weight) {
+  weight = u * u * (3.0 - 2.0 * u);
+}
+
+/// Sum of that over a lattice, or over those of its planes that lie `distance` or more away on one side, in spacings.
+template <int D>
+double lattice_density(std::optional<double> distance = {}) {
+  constexpr double support = sph::support_radius * smoothing_ratio;
+  constexpr int reach = 3;
+  double sum = 0.0, weight = 0.0;
+  for (double z = distance.value_or(-reach); z < support; z += 1.0)
+    for (int i = -reach; i <= reach; ++i)
+      for (int j = (D == 3 ? -reach : 0); j <= (D == 3 ? reach : 0); ++j) {
+        density_weight(std::max(0.0, 1.0 - std::sqrt(z * z + i * i + j * j) / support), weight);
+        sum += weight;
+      }
+  return sum;
+}
+
+/// Amplification of pair sums of second derivatives inside a lattice.
+template <int D>
+double lattice_amplification() {
+  static const double value = D / lattice_sum<D>([](double r) {
+                                return r > 0.0 ? -r * Kernel<D>::derivative_over_r(r, smoothing_ratio) * r : 0.0;
+                              });
+  return value;
+}
+
+/// -W'/r of pairs at distance r, with the inverses of their smoothing lengths: [1/m^(D+2)]; zero beyond the support.
+template <int D>
+[[gnu::always_inline]] inline void pair_gradient_factor(const Lanes& r, const Lanes& inverse, Lanes& factor) {
+  static const double scale = 5.0 * Kernel<D>::normalisation(1.0);
+  const Lanes square = inverse * inverse;
+  Lanes u = 1.0 - 0.5 * (r * inverse);
+  max_in_place(u, Lanes{});
+  factor = scale * (u * u * u) * (square * square) * (D == 2 ? Lanes{} + 1.0 : inverse);
+}
+
+/// W of pairs at distances r with 1/h [1/m^D].
+template <int D>
+[[gnu::always_inline]] inline void pair_value(const Lanes& r, const Lanes& inverse, Lanes& value) {
+  static const double scale = Kernel<D>::normalisation(1.0);
+  const Lanes q = r * inverse;
+  Lanes u = 1.0 - 0.5 * q;
+  max_in_place(u, Lanes{});
+  value = scale * (u * u) * (u * u) * (2.0 * q + 1.0) * (inverse * inverse) * (D == 2 ? Lanes{} + 1.0 : inverse);
+}
+
+/// How many particles are worth more than one thread in a loop over the pairs of each: water that runs alone in some
+/// 0.4 ms by one thread, and in 0.1 ms where the other processes of a coupled run wait for it. To wake a thread takes
+/// some 0.02 ms, and between two loops it is idle: a tenth less wall time for a sixth more CPU time.
+inline constexpr std::size_t worth_threads_in_pairs = 8192, worth_threads_while_others_wait = 2048;
+
+/// How far walls' images go on beyond a wall's end, in the kernel's reach.
+inline constexpr double wall_margin = 6.0 / (sph::support_radius * smoothing_ratio);
+
+/// A buffer particle stands for the water behind a face: it has no unknown of its own, its pressure lies on the
+/// straight line from the particle whose row is summed through the face's pressure.
+template <int D>
+struct Buffer {
+  Vec<D> position;
+  double volume = 0.0;                                    ///< m^D
+  Index column = 0;                                       ///< of the face columns
+  double outside = 0.0;                                   ///< distance from the face [m]
+  Vec<D> foot = Vec<D>::Zero(), normal = Vec<D>::Zero();  ///< of its column on the face [m], unit into the domain
+  bool in_soil = false;                                   ///< the ground before the face is soil
+  [[nodiscard]] double inside(const Vec<D>& x) const { return normal.dot(x - foot); }
+};
+
+/// Where a wall ends and a face of columns begins, straight on or turned away from the domain. Both stand for what is
+/// behind them as if they went on without end; of two points on either side of the wall's line what the line of sight
+/// between them crosses counts, the same for both: there the matrix stays symmetric, and nothing is seen twice.
+template <int D>
+struct Joint {
+  Vec<D> at = Vec<D>::Zero();                              ///< m
+  Vec<D> along = Vec<D>::Zero(), normal = Vec<D>::Zero();  ///< unit; the wall's line, away from it; into the domain
+  double length = 0.0;                                     ///< of the wall's piece [m]
+  int boundary = 0;                                        ///< the wall's
+};
+
+template <int D>
+struct Stencil {
+  std::size_t n_real = 0, n_base = 0;  ///< real particles; with buffers
+  std::size_t worth_threads = worth_threads_in_pairs;
+  VecArray<D> position;                   ///< [all]
+  ScalarArray volume;                     ///< [all] V, m^D
+  ScalarArray smoothing;                  ///< [all] h, m, in 3D: cube roots take long; 2D has none
+  std::vector<Index> parent;              ///< [all] base point an image belongs to; itself for base points
+  MatArray<D> map;                        ///< [images] linear part for vectors
+  VecArray<D> carried;                    ///< [images] added to velocities: 2 U n behind a piston [m/s]
+  std::vector<std::uint32_t> boundaries;  ///< [images]
+  std::vector<Index> by, of;              ///< [images] as sph::Images has them, where sight is limited
+  std::vector<Buffer<D>> buffers;         ///< [base - real]
+
+  /// Slope of the pressure at each face column, a straight line through the face's pressure fitted to the particles
+  /// inside: slope = sum fit_weight (p - p_face) over fit_index[fit_offset[c] .. fit_offset[c + 1]); none where the
+  /// ground is dry.
+  std::vector<Index> fit_offset{0}, fit_index;
+  ScalarArray fit_weight;    ///< 1/m
+  ScalarArray fit_constant;  ///< [columns] Pa/m, added to the slope of a pressure, not to that of an increment
+
+  /// Pairs of real a: offset[a] .. offset[a + 1], a multiple of four: filled up with a itself, of which all is zero.
+  std::vector<Index> offset{0};
+  UnsetArray<Index> other;   ///< [pairs]
+  std::vector<char> beyond;  ///< [real] whether some of its pairs are with points that are no real particles
+  /// [pairs] -V_b W'/r, 1/m^2: V_b grad_a W_ab is this factor times (r_b - r_a). In floats, to halve the memory;
+  /// moments are sums of the rounded values, so that gradients of linear fields stay exact.
+  UnsetArray<float> gradient_factor;
+
+  UnsetArray<double> fullness;    ///< [real] sum V W over that of a lattice; of open water sum V density_weight
+  UnsetArray<double> closest;     ///< [real] least distance to another point, in units of the pair's smoothing length
+  UnsetArray<double> divergence;  ///< [real] sum V div r: D inside; of use until the surface has been found
+  UnsetArray<double>
+      amplification;   ///< [real] of pair sums of second derivatives, to make them exact for a quadratic on average
+  VecArray<D> normal;  ///< [real] sum V grad W: inward where the surroundings are one-sided, 1/m
+  std::vector<char> covered;  ///< [real] in soil, with water in the cone outwards: a loose place, no surface
+  std::vector<char> at_face;  ///< [real] in soil, within half a spacing of a seepage face: that is where water ends
+  /// [real] distance of a surface particle to the surface [m] where it is prescribed; half a spacing elsewhere.
+  OrZero<double> prescribed_surface_distance;
+  OrZero<double> surface_pressure;  ///< [real] total, on the surface, Pa: 0, or a suction
+  MatArray<D> correction;           ///< [real] of the kernel gradient, buffers and the free surface counted (pressures)
+  /// [real] smallest eigenvalue of the moment, or a bound of it above inside_moment: 1 inside, 0 where a direction is
+  /// empty; as long
+  UnsetArray<double> least_moment;
+  /// [real] distance to the free surface along -normal [m], 0: out of the kernel's reach. Set by find_surface; the
+  /// kernel's missing part is then a ghost at twice the distance, antisymmetric about the surface's pressure.
+  OrZero<double> ghost_distance;
+  /// [real] of water that seeps, below the row of particles on its surface: distance to the surface along -normal [m],
+  /// 0: out of the kernel's reach. Set by find_surface; the surface's pressure is then in the Laplacian, too.
+  OrZero<double> front_distance;
+  /// [all] of points that belong to particles on the surface: 1 of free water, 2 of water that seeps; 0: others. Set by
+  /// find_surface.
+  std::vector<char> on_surface;
+
+  /// How gradients are corrected where the kernel's support is cut off: at a surface or a face, of no other particles.
+  struct BoundaryCorrection {
+    Mat<D> open;        ///< correction with buffers and the free surface left out (velocities)
+    Mat<D> unresolved;  ///< 1 - correction moment: projects on directions with too few neighbours for a gradient
+  };
+  std::vector<Index> boundary_correction_of;  ///< [real] one more than its index in boundary_corrections; 0: inside
+  std::vector<BoundaryCorrection> boundary_corrections;
+  [[nodiscard]] const Mat<D>& correction_open(std::size_t a) const {
+    return boundary_correction_of[a] == 0 ? correction[a] : boundary_corrections[boundary_correction_of[a] - 1].open;
+  }
+  /// That of particle a; if it has none yet, it gets one that starts from its correction.
+  BoundaryCorrection& boundary_correction(std::size_t a) {
+    if (boundary_correction_of[a] == 0) {
+      boundary_corrections.push_back({correction[a], Mat<D>::Zero()});
+      boundary_correction_of[a] = static_cast<Index>(boundary_corrections.size());
+    }
+    return boundary_corrections[boundary_correction_of[a] - 1];
+  }
+
+  /// h [m] of any point.
+  [[nodiscard]] double length(std::size_t j) const {
+    return D == 3 ? smoothing[j] : smoothing_ratio * spacing_of<D>(volume[j]);
+  }
+  /// Distance of a surface particle to the surface [m].
+  [[nodiscard]] double surface_distance(std::size_t a) const {
+    return prescribed_surface_distance[a] > 0.0 ? prescribed_surface_distance[a] : 0.5 * spacing_of<D>(volume[a]);
+  }
+  /// Frees what is of use only until the surface has been found.
+  void forget_moments() {
+    for (auto* array : {&divergence, &least_moment}) *array = UnsetArray<double>();
+  }
+
+  /// W of real particle a and any point, 1/m^D; 0 for itself, with which rows are filled up.
+  [[nodiscard]] double value(std::size_t a, Index j) const {
+    if (j == a) return 0.0;
+    return Kernel<D>::value((position[j] - position[a]).norm(), 0.5 * (length(a) + length(j)));
+  }
+  /// sum V r grad W of real particle a, which the correction is the inverse of.
+  [[nodiscard]] Mat<D> moment(std::size_t a) const {
+    Mat<D> sum = Mat<D>::Zero();
+    for (Index k = offset[a]; k < offset[a + 1]; ++k) {
+      const Vec<D> ba = position[other[k]] - position[a];
+      sum += static_cast<double>(gradient_factor[k]) * ba * ba.transpose();
+    }
+    return sum;
+  }
+
+  /// Of the pair of real particle a with a point whose parent is q.
+  [[nodiscard]] double amplified(std::size_t a, Index q) const {
+    return 0.5 * (amplification[a] + amplification[q < n_real ? q : a]);
+  }
+  /// 1 + |d_b|/d_a of the pair of real particle a with a point whose parent q is a buffer; the same wherever it is
+  /// evaluated.
+  [[nodiscard, gnu::noinline]] double reflection(std::size_t a, Index q) const {
+    const auto& b = buffers[q - n_real];
+    const double inside = b.inside(position[a]);
+    return static_cast<float>(1.0 + (30.0 * inside <= b.outside ? 30.0 : b.outside / inside));
+  }
+  /// Is point j an image behind one of these walls (by bits)?
+  [[nodiscard]] bool sticks(std::size_t j, std::uint32_t sticky) const {
+    return j >= n_base && (boundaries[j - n_base] & sticky) != 0;
+  }
+  [[nodiscard]] bool is_buffer(Index j) const { return parent[j] >= n_real && parent[j] < n_base; }
+  [[nodiscard]] std::size_t size() const { return position.size(); }
+};
+
+/// Inverse of a symmetric moment matrix, its eigenvalues raised to at least `least`. unresolved: 1 - inverse moment,
+/// the directions that this leaves unresolved; smallest: as Stencil::least_moment.
+template <int D>
+Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* unresolved, double* smallest = nullptr);
+
+/// Surroundings of the particles at x (bulk volumes in m^D), with buffers outside faces and images behind planes.
+/// free: [n] in no soil; none: all. Water in soil does not see behind a sill, nor free water behind a face of soil.
+/// open_water: fullness is measured with density_weight. worth_threads: so many particles are worth more than one
+/// thread. sight: where it is limited, its planes are those of the images. joints: of walls and faces; images and
+/// buffers beyond them are seen as far as the line of sight says.
+template <int D>
+Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volume, std::span<const Buffer<D>> buffers,
+                        std::span<const sph::ImagePlane<D>> planes, std::span<const char> free = {},
+                        bool open_water = false, std::size_t worth_threads = worth_threads_in_pairs,
+                        const sph::Sight<D>& sight = {}, std::span<const Joint<D>> joints = {});
+
+}  // namespace poretwin::fluid

@@ -1,0 +1,86 @@
+// The passes through one window that is repeated until the soil moves as the fluid predicted: interface quasi-Newton
+// (IQN-ILS, Degroote, Bathe & Vierendeels 2009) on the skeleton's motion. The fluid's prediction is the preconditioner:
+// each pass solves for the departure from the motion that the last one found, whose force is known.
+#pragma once
+
+#include "fluid_solver/exchange/soil_view.hpp"
+
+#include <Eigen/QR>
+
+namespace poretwin::fluid {
+
+template <int D>
+class Passes {
+ public:
+  /// Before a pass: the view's found motion and force, which still has the fluid's own force of the last pass in it,
+  /// become what the next one departs from.
+  void begin(unsigned pass, SoilView<D>& view) {
+    if (pass == 0 || !view.found_velocity.is_allocated() || predicted_.size() != view.size()) {
+      columns_ = {};
+      last_ = {};
+      view.found_velocity = view.found_force = {};
+      found_ = {};
+      pressure_ = {};
+      return;
+    }
+    const auto n = static_cast<Eigen::Index>(view.size() * D);
+    Pass now{Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n)};
+    for (std::size_t a = 0; a < view.size(); ++a) {
+      if (view.mask[a] <= 0.0) continue;
+      const auto at = static_cast<Eigen::Index>(a * D);
+      now.motion.template segment<D>(at) = view.found_velocity[a];
+      now.force.template segment<D>(at) = view.found_force[a] - given_[a];
+      now.departure.template segment<D>(at) = view.found_velocity[a] - predicted_[a];
+    }
+    found_ = view.found_velocity;
+    if (last_.motion.size() == n)
+      columns_.push_back({now.motion - last_.motion, now.force - last_.force, now.departure - last_.departure});
+    last_ = now;
+    if (columns_.size() > most_columns) columns_.erase(columns_.begin());
+    if (!columns_.empty()) {
+      Eigen::MatrixXd departures(n, static_cast<Eigen::Index>(columns_.size()));
+      for (std::size_t k = 0; k < columns_.size(); ++k)
+        departures.col(static_cast<Eigen::Index>(k)) = columns_[k].departure;
+      Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(departures);
+      qr.setThreshold(independent);
+      const Eigen::VectorXd share = qr.solve(now.departure);
+      for (std::size_t k = 0; k < columns_.size(); ++k) {
+        now.motion -= share[static_cast<Eigen::Index>(k)] * columns_[k].motion;
+        now.force -= share[static_cast<Eigen::Index>(k)] * columns_[k].force;
+      }
+    }
+    for (std::size_t a = 0; a < view.size(); ++a) {
+      const auto at = static_cast<Eigen::Index>(a * D);
+      view.found_velocity.set(a, now.motion.template segment<D>(at));
+      view.found_force.set(a, now.force.template segment<D>(at));
+    }
+  }
+
+  /// After a pass: the predicted motion of the skeleton [m/s] and the force of pressure and drag on it [N/m3].
+  void end(const ScalarArray& pressure, const OrZero<Vec<D>>& predicted, const OrZero<Vec<D>>& given) {
+    pressure_ = pressure;
+    predicted_.assign(predicted.begin(), predicted.end());
+    given_ = given;
+  }
+
+  /// Pressure that the last pass ended with [Pa]; empty: none.
+  [[nodiscard]] const ScalarArray& pressure() const { return pressure_; }
+  /// Its prediction of the skeleton's motion [m/s].
+  [[nodiscard]] const VecArray<D>& predicted() const { return predicted_; }
+  /// The motion as the last pass found it [m/s].
+  [[nodiscard]] const OrZero<Vec<D>>& found() const { return found_; }
+
+ private:
+  struct Pass {
+    Eigen::VectorXd motion, force, departure;
+  };
+  static constexpr std::size_t most_columns = 8;
+  static constexpr double independent = 1e-6;  ///< least fraction of a column that is independent of the others
+  std::vector<Pass> columns_;                  ///< what changed from one pass to the next
+  Pass last_;
+  ScalarArray pressure_;
+  VecArray<D> predicted_;
+  OrZero<Vec<D>> given_, found_;
+};
+
+}  // namespace poretwin::fluid

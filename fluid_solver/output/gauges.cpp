@@ -1,0 +1,390 @@
+// What is read off the water: values at points, along lines and faces, sums over regions, the balance of its volume.
+#include "common/geometry/thin_walls.hpp"
+#include "fluid_solver/boundary/basin.hpp"
+#include "fluid_solver/discretisation/cloud.hpp"
+#include "fluid_solver/fluid_phase.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace poretwin::fluid {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr std::array<const char*, 3> axes{"_x", "_y", "_z"};
+
+/// A straight line from a to b, and the direction to its left (2D).
+template <int D>
+struct Line {
+  Vec<D> a, direction;
+  double length = 0.0;
+  Vec<D> left = Vec<D>::Zero();
+  explicit Line(const Gauge& gauge)
+      : Line(Vec<D>(gauge.points[0].template head<D>()), Vec<D>(gauge.points[1].template head<D>())) {}
+  Line(const Vec<D>& from, const Vec<D>& to) : a(from), direction(to - from), length(direction.norm()) {
+    direction /= length;
+    left[0] = -direction[1];
+    left[1] = direction[0];
+  }
+  [[nodiscard]] Vec<D> at(double z) const { return a + z * direction; }
+};
+
+template <int D>
+class Reader {
+ public:
+  Reader(const Case& scene, const State<D>& state, const Cloud<D>& cloud, const Vec<D>& weight, ScalarArray passed)
+      : scene_(scene), state_(state), cloud_(cloud), probe_(cloud), weight_(weight), passed_(std::move(passed)) {
+    gamma_ = porous::specific_weight(scene);
+    dx_ = scene.fluid.particle_spacing;
+  }
+
+  void read(const Gauge& gauge) {
+    const std::string per_width = D == 2 ? "m2" : "m3";
+    if (gauge.kind == "point") return points(gauge);
+    if (gauge.kind == "front") return add(gauge.name, front(Line<D>(gauge)), "m");
+    if (gauge.kind == "discharge") return add(gauge.name, discharge(Line<D>(gauge)), per_width + "/s");
+    if (gauge.kind == "exit_height") return add(gauge.name, exit_height(Line<D>(gauge)), "m");
+    if (gauge.kind == "exit_gradient") return add(gauge.name, exit_gradient(Line<D>(gauge)), "1");
+    if (gauge.kind == "volume") return add(gauge.name, volume(gauge), per_width);
+    if (gauge.kind == "balance") return balance(gauge, per_width);
+    if (gauge.kind == "level") return add(gauge.name, level(gauge), "m");
+    if (gauge.kind == "passed_volume") return add(gauge.name, passed_volume(gauge), per_width);
+    if (gauge.kind == "extent") return add(gauge.name, extent(gauge), "m");
+    if (gauge.kind == "spread") return add(gauge.name, spread(gauge), "m");
+    sums(gauge);
+  }
+  [[nodiscard]] std::vector<GaugeReading> take() { return std::move(readings_); }
+
+ private:
+  void add(std::string name, double value, std::string unit) {
+    readings_.push_back({std::move(name), value, std::move(unit)});
+  }
+
+  [[nodiscard]] double elevation(const Vec<D>& x) const {
+    const double magnitude = weight_.norm();
+    return magnitude > 0.0 ? -weight_.dot(x) / magnitude : 0.0;
+  }
+
+  void points(const Gauge& gauge) {
+    for (std::size_t i = 0; i < gauge.points.size(); ++i) {
+      const Vec<D> x = gauge.points[i].template head<D>();
+      const std::string name = gauge.points.size() > 1 ? fmt::format("{}[{}]", gauge.name, i) : gauge.name;
+      if (gauge.quantity == "pore_pressure") add(name, probe_.pressure(x).value, "Pa");
+      if (gauge.quantity == "pressure_head") add(name, probe_.pressure(x).value / gamma_, "m");
+      if (gauge.quantity == "head") add(name, probe_.pressure(x).value / gamma_ + elevation(x), "m");
+      if (gauge.quantity == "degree_of_saturation") {
+        const Soil* here = soil_at(scene_, to_point3<D>(x));
+        const double initial = here ? here->initial_saturation : 0.0;
+        add(name, initial + (1.0 - initial) * std::min(1.0, probe_.fullness(x)), "1");
+      }
+      for (int d = 0; d < D; ++d) {
+        const char* axis = axes[static_cast<std::size_t>(d)];
+        if (gauge.quantity != "velocity" && gauge.quantity != std::string("velocity") + axis) continue;
+        add(gauge.quantity == "velocity" ? name + axis : name,
+            probe_.at(x, [&](Index j) { return cloud_.velocity[j][d]; }), "m/s");
+      }
+    }
+  }
+
+  /// Pressure at the water's surface in the soil there.
+  [[nodiscard]] double surface_pressure(const Vec<D>& x) const {
+    const Soil* here = soil_at(scene_, to_point3<D>(x));
+    return here ? -gamma_ * here->suction_head : 0.0;
+  }
+
+  /// How far the water reaches along a line from its start: by half fullness, late where the line meets the surface at
+  /// a wedge's tip; by the pressure's fall to that of the surface, late by a fifth of a spacing behind an advancing
+  /// front and unknown where the pressure is flat.
+  struct Reach {
+    double by_fullness = 0.0, by_pressure = nan;
+  };
+  [[nodiscard]] double front(const Line<D>& line) const {
+    Reach r = reach(line);
+    const Probe<D> wide(cloud_, 2.0);
+    if (const double inside = under_water(line, wide, r.by_fullness); std::isfinite(inside))
+      r.by_pressure = where_pressure_ends(line, wide, inside, r.by_fullness);
+    return std::fmax(r.by_fullness, r.by_pressure);
+  }
+  [[nodiscard]] Reach reach(const Line<D>& line) const {
+    // A gap of less than two spacings is loose packing, no end of the water.
+    const double step = 0.5 * dx_, gap = 2.0 * dx_;
+    double wet = -step;
+    for (double z = 0.0; z < std::max(0.0, wet) + gap && z < line.length; z += step)
+      if (probe_.fullness(line.at(z)) >= 0.5) wet = z;
+    if (wet < 0.0) return {};
+    if (wet + step >= line.length && probe_.fullness(line.at(line.length)) >= 0.5) return {line.length, line.length};
+    double dry = std::min(wet + step, line.length);
+    while (dry - wet > 1e-3 * dx_) {
+      const double middle = 0.5 * (wet + dry);
+      (probe_.fullness(line.at(middle)) < 0.5 ? dry : wet) = middle;
+    }
+    return {wet, where_pressure_ends(line, probe_, std::max(0.0, wet - dx_), wet)};
+  }
+
+  /// The last place on a line before `wet` over which water stands as deep as a kernel reaches, by its pressure, in the
+  /// same ground; NaN where there is none. In the tip of a wedge, a row or two of particles, pressure does not fall as
+  /// in the water behind.
+  [[nodiscard]] double under_water(const Line<D>& line, const Probe<D>& probe, double wet) const {
+    constexpr double farthest = 12.0;  // spacings
+    const double deep = sph::support_radius * smoothing_ratio * dx_;
+    const Soil* ground = soil_at(scene_, to_point3<D>(line.at(wet)));
+    if (!ground) return nan;
+    for (double z = wet - dx_; z >= std::max(0.0, wet - farthest * dx_); z -= 0.5 * dx_) {
+      if (soil_at(scene_, to_point3<D>(line.at(z))) != ground) break;
+      const double p = probe.pressure(line.at(z)).value;
+      if (p - surface_pressure(line.at(z)) >= gamma_ * deep) return z;
+    }
+    return nan;
+  }
+
+  /// Where on a line the pressure, as it falls at `inside`, comes to that of the surface; NaN where it is flat, or ends
+  /// farther from `wet` than single particles can be from the surface. A wedge whose surface falls by s along its base
+  /// is in uniform flow, and its pressure falls by gamma s: two particles fill its last 2/sqrt(s) spacings.
+  [[nodiscard]] double where_pressure_ends(const Line<D>& line, const Probe<D>& probe, double inside,
+                                           double wet) const {
+    const auto p = probe.pressure(line.at(inside));
+    const double slope = p.gradient.dot(line.direction);
+    if (!(slope < -0.1 * gamma_)) return nan;
+    const double end = std::min(inside + (surface_pressure(line.at(inside)) - p.value) / slope, line.length);
+    const double farthest = std::max(1.5, 2.0 / std::sqrt(-slope / gamma_) - 0.5);
+    return std::abs(end - wet) < farthest * dx_ ? end : nan;
+  }
+
+  /// Volume per time through the wet part of a line, positive from its right to its left.
+  [[nodiscard]] double discharge(const Line<D>& line) const {
+    double from = 0.0, to = front(line);
+    if (to == 0.0) {
+      to = line.length;
+      from = line.length - front(Line<D>(line.at(line.length), line.at(0.0)));
+    }
+    const int count = std::max(1, static_cast<int>(std::ceil((to - from) / (0.5 * dx_))));
+    const double step = (to - from) / count;
+    double sum = 0.0;
+    for (int i = 0; i < count; ++i) {
+      const double flux = probe_.at(line.at(from + (i + 0.5) * step), [&](Index j) {
+        return cloud_.void_fraction[j] * cloud_.velocity[j].dot(line.left);
+      });
+      if (std::isfinite(flux)) sum += step * flux;
+    }
+    return sum;
+  }
+
+  /// Depth of the water's surface below a place on a face, up to `deepest`; 0 where water stands at the face.
+  [[nodiscard]] double depth(const Vec<D>& x, const Vec<D>& inward, double deepest) const {
+    const auto r = reach(Line<D>(x + deepest * inward, x));
+    return deepest - (std::isfinite(r.by_pressure) ? r.by_pressure : r.by_fullness);
+  }
+
+  /// Elevation at which the water's surface meets a face (domain on the left), sought from the line's far end. It comes
+  /// in tangentially: the places where it lies one and three fifths of a spacing deep are joined by a straight line.
+  [[nodiscard]] double exit_height(const Line<D>& line) const {
+    const double shallow = 0.2 * dx_, deep = 0.6 * dx_, step = 0.1 * dx_;
+    double at_deep = line.length, before = nan;
+    for (double z = line.length; z >= 0.0; z -= step) {
+      const double now = depth(line.at(z), line.left, 2.5 * dx_);
+      const auto crossing = [&](double level) { return z + step * (level - now) / (before - now); };
+      if (now < deep && !(before < deep)) at_deep = std::isfinite(before) ? crossing(deep) : z;
+      if (now < shallow) {
+        const double at_shallow = std::isfinite(before) ? crossing(shallow) : z;
+        return elevation(line.at(std::max(0.0, at_shallow - 0.5 * (at_deep - at_shallow))));
+      }
+      before = now;
+    }
+    return nan;
+  }
+
+  /// Largest outward hydraulic gradient at a face (domain on the left) where water stands behind it.
+  [[nodiscard]] double exit_gradient(const Line<D>& line) const {
+    double largest = nan;
+    const int count = std::max(1, static_cast<int>(line.length / (0.5 * dx_)));
+    for (int i = 0; i < count; ++i) {
+      const Vec<D> x = line.at((i + 0.5) * line.length / count) + 0.5 * dx_ * line.left;
+      if (probe_.fullness(x) < 0.5) continue;
+      const auto p = probe_.pressure(x);
+      const double gradient = (p.gradient - weight_).dot(line.left) / gamma_;
+      if (std::isfinite(p.value) && !(gradient <= largest)) largest = gradient;
+    }
+    return largest;
+  }
+
+  [[nodiscard]] bool inside(const Gauge& gauge, const Vec<D>& x) const {
+    return !gauge.region || contains(*gauge.region, to_point3<D>(x), D);
+  }
+
+  /// The outermost particle of a column stands half a spacing either way: what of it lies outside the face is no water
+  /// here.
+  [[nodiscard]] double volume(const Gauge& gauge) const {
+    const auto& p = state_.particles;
+    double sum = 0.0;
+    for (std::size_t a = 0; a < p.size(); ++a)
+      if (inside(gauge, p.position[a])) sum += p.mass[a];
+    for (const auto& c : state_.columns)
+      if (inside(gauge, c.foot + 1e-6 * c.spacing * c.normal)) sum += c.share(1.0);
+    for (const auto& inlet : state_.inlets)
+      if (inside(gauge, inlet.foot + 1e-6 * inlet.spacing * inlet.normal))
+        sum += scene_.water.density * inlet.piston * inlet.width;
+    return sum / scene_.water.density;
+  }
+
+  /// Of the water behind a face.
+  [[nodiscard]] double level(const Gauge& gauge) const {
+    for (std::size_t f = 0; f < scene_.water_faces.size(); ++f) {
+      const auto& face = scene_.water_faces[f];
+      if (face.name != gauge.quantity) continue;
+      for (const auto& inlet : state_.inlets)
+        if (inlet.face == static_cast<int>(f) && !inlet.sill) return inlet.level;
+      return face.basin_area ? basin_level(*face.basin_area, state_.supplied[f] - passed_[f])
+                             : face.head->at(state_.time);
+    }
+    return nan;
+  }
+
+  /// Come in less gone out, through one face or all.
+  [[nodiscard]] double passed_volume(const Gauge& gauge) const {
+    double sum = 0.0;
+    for (std::size_t f = 0; f < scene_.water_faces.size(); ++f)
+      if (gauge.quantity.empty() || scene_.water_faces[f].name == gauge.quantity) sum += passed_[f];
+    return sum;
+  }
+
+  void balance(const Gauge& gauge, const std::string& unit) {
+    const auto& b = state_.balance;
+    const double stored = volume({});
+    add(gauge.name + "_in", b.in, unit);
+    add(gauge.name + "_out", b.out, unit);
+    add(gauge.name + "_stored", stored, unit);
+    add(gauge.name + "_error", b.in - b.out - (stored - b.initial), unit);
+  }
+
+  void sums(const Gauge& gauge) {
+    const auto& p = state_.particles;
+    const Vec<D> gravity = scene_.general.gravity.head<D>();
+    Vec<D> momentum = Vec<D>::Zero();
+    double kinetic = 0.0, potential = 0.0, count = 0.0, fastest = 0.0, lowest = nan;
+    for (std::size_t a = 0; a < p.size(); ++a) {
+      const Vec<D>& x = p.position[a];
+      if (!inside(gauge, x)) continue;
+      momentum += p.mass[a] * p.velocity[a];
+      kinetic += 0.5 * p.mass[a] * p.velocity[a].squaredNorm();
+      potential += p.mass[a] * (0.5 * scene_.general.central_force * x.squaredNorm() - gravity.dot(x));
+      fastest = std::max(fastest, p.velocity[a].norm());
+      lowest = std::fmin(lowest, cloud_.pressure[a]);
+      count += 1.0;
+    }
+    if (gauge.kind == "received_impulse") momentum = state_.exchanged.received;
+    if (gauge.kind == "unexplained_impulse") momentum -= state_.exchanged.received + state_.exchanged.from_outside;
+    if (gauge.kind == "momentum" || gauge.kind == "received_impulse" || gauge.kind == "unexplained_impulse")
+      for (int d = 0; d < D; ++d) add(gauge.name + axes[static_cast<std::size_t>(d)], momentum[d], "N s");
+    if (gauge.kind == "kinetic_energy") add(gauge.name, kinetic, "J");
+    if (gauge.kind == "potential_energy") add(gauge.name, potential, "J");
+    if (gauge.kind == "drag_work") add(gauge.name, state_.exchanged.drag_work, "J");
+    if (gauge.kind == "energy") add(gauge.name, kinetic + potential, "J");
+    if (gauge.kind == "particles") add(gauge.name, count, "1");
+    if (gauge.kind == "max_speed") add(gauge.name, fastest, "m/s");
+    if (gauge.kind == "min_pressure") add(gauge.name, lowest, "Pa");
+  }
+
+  /// How far the water reaches in a direction.
+  /// Where the water ends. Half a spacing outside the foremost particle is right for a blunt front only: in the tongue
+  /// of a flood, a wedge, it falls short by 0.7 spacings at a slope of 30 degrees. There the volume ahead of a place is
+  /// as the square of its distance from the tip: the place with 8 particles ahead is twice as far from it as that
+  /// with 2. A blunt front of height H is 4 dx/H spacings short of that.
+  [[nodiscard]] double extent(const Gauge& gauge) const {
+    constexpr std::size_t most = 64;
+    constexpr double near = 2.0, far = 8.0;  // particles ahead
+    const Line<D> line(gauge);
+    const auto& p = state_.particles;
+    std::vector<std::pair<double, double>> foremost;  // place, volume
+    for (std::size_t a = 0; a < p.size(); ++a)
+      if (inside(gauge, p.position[a])) foremost.emplace_back(line.direction.dot(p.position[a] - line.a), p.volume[a]);
+    if (foremost.empty()) return nan;
+    const std::size_t n = std::min(foremost.size(), most);
+    std::partial_sort(foremost.begin(), foremost.begin() + static_cast<std::ptrdiff_t>(n), foremost.end(),
+                      std::greater<>());
+    const double unit = foremost[0].second, tip = foremost[0].first + 0.5 * spacing_of<D>(unit);
+    if (static_cast<double>(n) < far + 1.0) return tip;  // a few drops
+    const auto place = [&](double ahead) {
+      double lower = foremost[n - 1].first - spacing_of<D>(unit), upper = tip;
+      for (int step = 0; step < 50; ++step) {
+        const double middle = 0.5 * (lower + upper);
+        double sum = 0.0;
+        for (std::size_t i = 0; i < n; ++i)
+          sum += foremost[i].second *
+                 std::clamp((foremost[i].first - middle) / spacing_of<D>(foremost[i].second) + 0.5, 0.0, 1.0);
+        (sum > ahead * unit ? lower : upper) = middle;
+      }
+      return lower;
+    };
+    return 2.0 * place(near) - place(far);
+  }
+
+  /// Rms distance of the water from its mean position, in a direction.
+  [[nodiscard]] double spread(const Gauge& gauge) const {
+    const Line<D> line(gauge);
+    const auto& p = state_.particles;
+    double mass = 0.0, first = 0.0, second = 0.0;
+    for (std::size_t a = 0; a < p.size(); ++a) {
+      if (!inside(gauge, p.position[a])) continue;
+      const double s = line.direction.dot(p.position[a]);
+      mass += p.mass[a];
+      first += p.mass[a] * s;
+      second += p.mass[a] * s * s;
+    }
+    return std::sqrt(std::max(0.0, second / mass - first * first / (mass * mass)));
+  }
+
+  const Case& scene_;
+  const State<D>& state_;
+  const Cloud<D>& cloud_;
+  Probe<D> probe_;
+  Vec<D> weight_;
+  ScalarArray passed_;
+  double gamma_ = 0.0, dx_ = 0.0;
+  std::vector<GaugeReading> readings_;
+};
+
+}  // namespace
+
+template <int D>
+Vec<D> Fluid<D>::wall_force() const {
+  Vec<D> force = Vec<D>::Zero();
+  const auto cloud = make_cloud<D>(state_, planes_, sight_, weight_, origin_);
+  const Probe<D> probe(cloud);
+  for (const auto& wall : scene_.walls) {
+    if (wall.water == Wall::ForWater::none) continue;
+    const bool both = sight_.limited() && has_two_sides(scene_, wall);
+    for (std::size_t i = 0; i + 1 < wall.face.points.size(); ++i) {
+      const Line<D> line(wall.face.points[i].template head<D>(), wall.face.points[i + 1].template head<D>());
+      const auto count = static_cast<int>(std::ceil(2.0 * line.length / dx_));
+      const double step = line.length / count;
+      const Vec<D> behind = -1e-6 * dx_ * line.left;
+      for (int k = 0; k < count; ++k) {
+        const Vec<D> x = line.at((k + 0.5) * step);
+        if (const double p = probe.pressure(x).value; std::isfinite(p)) force += step * p * line.left;
+        if (!both) continue;
+        if (const double p = probe.pressure(x + behind).value; std::isfinite(p)) force -= step * p * line.left;
+      }
+    }
+  }
+  return force;
+}
+
+template <int D>
+std::vector<GaugeReading> Fluid<D>::gauges() const {
+  const bool any =
+      std::any_of(scene_.gauges.begin(), scene_.gauges.end(), [](const Gauge& g) { return g.phase == "fluid"; });
+  if (!any) return {};
+  const auto cloud = make_cloud<D>(state_, planes_, sight_, weight_, origin_, {}, no_slip_);
+  Reader<D> reader(scene_, state_, cloud, weight_, passed());
+  for (const auto& gauge : scene_.gauges)
+    if (gauge.phase == "fluid") reader.read(gauge);
+  return reader.take();
+}
+
+template Vec<2> Fluid<2>::wall_force() const;
+template Vec<3> Fluid<3>::wall_force() const;
+template std::vector<GaugeReading> Fluid<2>::gauges() const;
+template std::vector<GaugeReading> Fluid<3>::gauges() const;
+
+}  // namespace poretwin::fluid

@@ -1,0 +1,985 @@
+#include "fluid_solver/pressure/window.hpp"
+
+#include "common/numerics/aggregates.hpp"
+#include "common/numerics/multigrid.hpp"
+#include "fluid_solver/discretisation/operators.hpp"
+#include "fluid_solver/pressure/eisph.hpp"
+
+#include <atomic>
+
+namespace poretwin::fluid {
+namespace {
+
+/// Relative tolerances of the solve with a responding skeleton: of the window's pressure change, and of the change of
+/// the skeleton's velocity or of the velocity that drag alone would give it, whichever is more. For the latter 1e-2
+/// would be noticeable, as pressure in nearly tight soil at rest and as momentum (docs/notebook/fluid.md).
+constexpr double response_tolerance = 1e-2, skeleton_tolerance = 1e-3;
+
+/// Width of an aggregate of the skeleton's coarse space, in spacings: 4 to 6 take the fewest CPU seconds, in
+/// embankment_seepage and in rockfill_dam.
+constexpr double aggregate_width = 5.0;
+
+/// Iterations for the pressure with the diagonal preconditioner: a solve that takes no more is faster without a coarse
+/// space.
+constexpr int iterations_without_aggregates = 4;
+
+/// Iterations of conjugate gradients with aggregates after which multigrid takes over: so many take as long as the
+/// whole solve by multigrid, setup included, from 10,000 particles on (55 to 80 measured, multigrid_timing.cpp).
+constexpr int patience = 70;
+/// A solve that takes multigrid no more cycles than this begins with the diagonal preconditioner next time.
+constexpr int few_cycles = 2;
+/// Largest number of rounds in which the set of cavitating particles is found.
+constexpr int most_cavitation_rounds = 30;
+/// By which fraction of the cavitation pressure water must lie below it to join the cavitating set, and voids must
+/// still open to stay in it: above what the iteration of a solve leaves.
+constexpr double cavitation_tolerance = 1e-4;
+
+/// Per particle: the two momentum equations of one backward Euler window, eliminated for v_w' ..
+struct Elimination {
+  double aw = 0.0;  ///< n rho_w / dt
+  double C = 0.0;   ///< drag coefficient: the resistance is C (v_w' - v_s') - f
+  double kf = 0.0;  ///< mobility of the water at fixed skeleton
+  double e = 0.0;   ///< flux of the mixture per skeleton velocity
+};
+
+/// .. and for v_s', where the skeleton responds.
+struct Response {
+  double as = 0.0;  ///< R / dt
+  double ss = 0.0;  ///< mobility of the skeleton with the water dragged along
+  double mS = 0.0;  ///< skeleton velocity per pressure gradient
+  double M = 0.0;   ///< Pa
+  bool responds = false;
+};
+
+Elimination eliminate(double dt, double density, double n, double n_s, double C) {
+  Elimination q;
+  q.C = C;
+  q.aw = n * density / dt;
+  q.kf = n * n / (q.aw + C);
+  q.e = n_s + n * C / (q.aw + C);
+  return q;
+}
+
+/// Evaluated on demand; storing one per particle costs more memory traffic than recomputing it.
+template <int D>
+struct Eliminations {
+  const WindowProblem<D>& in;
+  const SoilView<D>& soil;
+  Elimination operator[](std::size_t a) const {
+    return eliminate(in.interval, in.density, in.void_fraction[a], soil.fraction[a], soil.drag[a]);
+  }
+};
+
+Response eliminate_skeleton(double dt, double density, double n, double n_s, const Elimination& q, double R, double M) {
+  Response r;
+  r.as = R / dt;
+  r.responds = M > 0.0 && R > 1e-6 * density && n_s > 0.0;
+  if (!r.responds) return r;
+  const double det = q.aw * r.as + q.C * (q.aw + r.as);
+  r.mS = (q.C * n + (q.aw + q.C) * n_s) / det;
+  r.ss = (q.aw + q.C) / det;
+  r.M = M;
+  return r;
+}
+
+/// The operators of one window and their solution.
+template <int D>
+class WindowSolver {
+ public:
+  WindowSolver(const Stencil<D>& stencil, const SoilView<D>& soil, std::span<const Surface> flags,
+               const WindowProblem<D>& problem)
+      : s_(stencil), soil_(soil), flags_(flags), in_(problem), n_(stencil.n_real), q_{problem, soil} {
+    if (in_.response) {
+      r_.resize(n_);
+      for (std::size_t a = 0; a < n_; ++a) {
+        r_[a] = eliminate_skeleton(in_.interval, in_.density, in_.void_fraction[a], soil.fraction[a], q_[a],
+                                   soil.density[a], soil.modulus[a]);
+        any_response_ = any_response_ || r_[a].responds;
+      }
+    }
+    sources_ = make_sources();  // before the matrix, with which its work would not fit
+    make_laplacians();
+    boundary_.assign(n_, 0.0);
+    cavitating_.assign(n_, false);
+    std::atomic<bool> closed{true};
+    parallel_for(n_, [&](std::size_t a) {
+      const auto faces = from_faces(a, q_[a].kf);
+      boundary_[a] = faces.value_or(0.0);
+      add_surface(fluid_, a, q_[a].kf, &boundary_[a]);
+      if (faces || flags_[a] != Surface::interior) closed.store(false, std::memory_order_relaxed);
+    });
+    free_closed_ = closed_ = closed;
+  }
+
+  [[nodiscard]] bool responds(std::size_t a) const { return !r_.empty() && r_[a].responds; }
+  /// The water's velocity with the explicit part of a quadratic drag in it.
+  [[nodiscard]] Vec<D> pushed(std::size_t a) const { return before(a) + soil_.drag_offset[a] / q_[a].aw; }
+  [[nodiscard]] Vec<D> before(std::size_t a) const {
+    return in_.velocity.empty() ? Vec<D>(Vec<D>::Zero()) : in_.velocity[a];
+  }
+
+  /// In: warm starts; out: everything.
+  void solve(WindowSolution<D>& out) {
+    out.pressure.resize(n_, 0.0);
+    if (n_ == 0) return finish(out);
+    const bool moves = any_response_ || soil_.velocity.is_allocated();
+    if (!moves) out.solid_velocity = {};
+    if (moves && !out.solid_velocity.is_allocated()) out.solid_velocity.allocate(n_);
+    if (moves)
+      parallel_for(n_, [&](std::size_t a) {
+        if (!responds(a)) out.solid_velocity.set(a, soil_.velocity[a]);
+      });
+    if (any_response_) {
+      prepare_response();
+      start_ = in_.pressure.empty() ? out.pressure : ScalarArray(in_.pressure.begin(), in_.pressure.end());
+    }
+    // Start from the previous window's cavitating set. Starting from none would first ask the solver to close all
+    // voids, and the large pressures of that first solve would set its tolerance.
+    if (!in_.void_volume.empty()) {
+      std::vector<bool> cavitates(n_);
+      for (std::size_t a = 0; a < n_; ++a) cavitates[a] = in_.void_volume[a] > 0.0 && !pinned(a);
+      if (cavitates != cavitating_) fix_cavitating(std::move(cavitates), out);
+    }
+    for (int round = 1;; ++round) {
+      ScalarArray b(n_);
+      parallel_for(n_, [&](std::size_t a) { b[a] = sources_[a] + boundary_[a]; });
+      if (any_response_)
+        solve_response(b, out);
+      else
+        solve_fluid(std::move(b), out);
+      if (!update_cavitating(out) || round == most_cavitation_rounds) break;
+    }
+    // The matrices are not needed to finish: freed first, to lower the peak of memory.
+    for (auto* matrix : {&fluid_, &skeleton_, &plain_}) *matrix = PairMatrix();
+    finish(out);
+  }
+
+ private:
+  /// Right-hand side of every row from the window's divergence [m^D/s].
+  ScalarArray make_sources() const {
+    VecArray<D> flux(n_);
+    parallel_for(n_,
+                 [&](std::size_t a) { flux[a] = in_.void_fraction[a] * q_[a].aw / (q_[a].aw + q_[a].C) * pushed(a); });
+    ScalarArray sources = divergence<D>(s_, flux, Carried::yes);
+    if (in_.sweeps > 0) parallel_for(n_, [&](std::size_t a) { sources[a] *= sweep_trust(s_, a); });
+    parallel_for(n_, [&](std::size_t a) {
+      sources[a] = s_.volume[a] * (in_.source[a] - sources[a]);
+      if (!in_.void_volume.empty()) sources[a] -= in_.void_volume[a] / in_.interval;
+    });
+    return sources;
+  }
+
+  /// Whether a pair joins free water and soil that moves with its water. The flux between them is the mean of both
+  /// sides, and the soil's side moves with the skeleton: the pressure drives half of the free water's mobility, in
+  /// place of the harmonic mean, which is right only where the skeleton does not move.
+  [[nodiscard]] bool beside_moving_soil(std::size_t a, Index q) const {
+    const auto moves = [&](std::size_t i) { return soil_.mask[i] > 0.5 && responds(i) && in_.in_seepage[i] == 0; };
+    return (soil_.mask[a] <= 0.5 && moves(q)) || (soil_.mask[q] <= 0.5 && moves(a));
+  }
+  /// Sets the weight of pair k in row a and keeps the row sum.
+  void set_weight(std::size_t a, std::size_t k, double weight) {
+    const double before = fluid_.weight[k];
+    fluid_.weight[k] = static_cast<float>(weight);
+    fluid_.diagonal[a] += fluid_.weight[k] - before;
+  }
+  void free_beside_moving_soil() {
+    if (in_.in_seepage.empty()) return;
+    beside_moving_.assign(n_, 0);
+    parallel_for(n_, [&](std::size_t a) {
+      for (std::size_t k = fluid_.begin(a); k < fluid_.end(a); ++k) {
+        const Index q = s_.parent[s_.other[static_cast<Index>(k)]];
+        if (q >= n_ || fluid_.weight[k] == 0.0F || !beside_moving_soil(a, q)) continue;
+        beside_moving_[a] = 1;
+        const double both = q_[a].kf + q_[q].kf;
+        set_weight(a, k, static_cast<double>(fluid_.weight[k]) * 0.25 * both * both / (q_[a].kf * q_[q].kf));
+      }
+    });
+  }
+
+  /// The Laplacian of the water's mobility; where a skeleton responds also that of its mobility and the plain one.
+  void make_laplacians() {
+    ScalarArray mobility(n_), of_skeleton(any_response_ ? n_ : 0);
+    parallel_for(n_, [&](std::size_t a) { mobility[a] = q_[a].kf; });
+    parallel_for(of_skeleton.size(), [&](std::size_t a) { of_skeleton[a] = r_[a].mS * q_[a].e; });
+    if (any_response_) {
+      auto matrices = laplacians<D, 3>(s_, {mobility, of_skeleton, {}});
+      fluid_ = std::move(matrices[0]);
+      skeleton_ = std::move(matrices[1]);
+      plain_ = std::move(matrices[2]);
+      free_beside_moving_soil();
+    } else {
+      fluid_ = laplacian<D>(s_, mobility);
+      even_out_directions();
+      free_along_borders();
+    }
+  }
+
+  /// Where points in soil are stretched, as behind a border of two porosities, at which the flow changes its speed,
+  /// they have more pairs in one direction. Amplification makes their second moment exact on the average of all
+  /// directions only, and too little is conducted along the stretch (2.0 % at a ratio of 4/3). This scales pairs by 1 +
+  /// e.S e with their direction e and the mean S of both particles. S = -(D + 2)/2 times the deviator of the moment
+  /// cancels the error, by the mean of e e e e over all directions. Within reach of another soil or a face S is zero:
+  /// volumes jump there, and buffers stand in rows of their own.
+  void even_out_directions() {
+    const auto& number = soil_.number;
+    if (number.empty()) return;
+    constexpr double most = 0.9;  // pairs keep a tenth at least
+    stretch_.assign(n_, Mat<D>::Zero());
+    parallel_for(n_, [&](std::size_t a) {
+      if (number[a] < 0 || flags_[a] != Surface::interior || surface_distance(a) > 0.0) return;
+      for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
+        const Index q = s_.parent[s_.other[k]];
+        if (q >= n_ || number[q] != number[a]) return;
+      }
+      const Mat<D> moment = s_.moment(a);
+      const double mean = moment.trace() / D;
+      if (mean <= 0.75) return;
+      stretch_[a] = -0.5 * (D + 2) * (moment / mean - Mat<D>::Identity());
+      const double size = stretch_[a].norm();
+      if (size > most) stretch_[a] *= most / size;
+    });
+    parallel_for(n_, [&](std::size_t a) {
+      if (number[a] < 0) return;
+      for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
+        const Index j = s_.other[k], q = s_.parent[j];
+        if (q >= n_ || fluid_.weight[k] == 0.0F) continue;
+        set_weight(a, k, static_cast<double>(fluid_.weight[k]) * stretched(a, j, q));
+      }
+    });
+  }
+  /// Scale of the pair of particle a with point j, whose parent is q.
+  [[nodiscard]] double stretched(std::size_t a, Index j, Index q) const {
+    const Vec<D> ba = s_.position[j] - s_.position[a];
+    const Vec<D> theirs = j < s_.n_base ? ba : Vec<D>(s_.map[j - s_.n_base].transpose() * ba);
+    const auto along = [&](std::size_t i, const Vec<D>& r) { return r.dot(stretch_[i] * r); };
+    return 1.0 + 0.5 * (along(a, ba) + (q < n_ ? along(q, theirs) : along(a, ba))) / ba.squaredNorm();
+  }
+
+  /// The harmonic mean of a pair's mobilities is right across a border between two soils. Along it, the rows beside the
+  /// border lose a third of a spacing of mobility in the more permeable soil and gain as much in the other: a lens
+  /// would be thicker and a drain thinner than they are. This scales pairs within either soil by 1 + s (t^2 - c n^2), n
+  /// and t the components of their direction across and along the border. c keeps the flux across it unchanged; s, the
+  /// mean of both particles', gives the flux along it the soil's own mobility.
+  void free_along_borders() {
+    const auto& number = soil_.number;
+    if (number.empty() || parallel_all(n_, [&](std::size_t a) { return number[a] == number[0]; })) return;
+    constexpr double still = (D - 1) / 3.0;             // mean of t^2 n^2 over that of n^4
+    constexpr double least = -0.9, most = 0.9 / still;  // pairs keep a tenth at least
+    constexpr int rounds = 4;                           // two rows on either side have a share of each other's
+    VecArray<D> across(n_, Vec<D>::Zero());
+    ScalarArray lacks(n_, 0.0), scale(n_, 0.0), next(n_, 0.0);
+    const auto within = [&](std::size_t a, Index q) { return q < n_ && number[q] == number[a]; };
+    parallel_for(n_, [&](std::size_t a) {
+      if (number[a] < 0) return;
+      Mat<D> missing = Mat<D>::Zero();
+      for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
+        const Index j = s_.other[k], q = s_.parent[j];
+        if (q >= n_ || number[q] < 0 || number[q] == number[a] || q_[q].kf == q_[a].kf) continue;
+        const Vec<D> ba = s_.position[j] - s_.position[a], w = static_cast<double>(s_.gradient_factor[k]) * ba;
+        across[a] += (q_[q].kf - q_[a].kf) * w;
+        missing += (1.0 - harmonic(1.0, q_[q].kf / q_[a].kf)) * w * ba.transpose();
+      }
+      if (across[a].isZero(0.0)) return;
+      across[a].normalize();
+      lacks[a] = missing.trace() - across[a].dot(missing * across[a]);
+    });
+    // Scale of the pair by one of its two, at n across the border.
+    const auto shape = [&](const Vec<D>& ba, const Vec<D>& n) {
+      const double part = n.dot(ba), square = part * part / ba.squaredNorm();
+      return 1.0 - square - still * square;
+    };
+    const auto normal_at = [&](Index j, Index q) {
+      return j < s_.n_base ? across[q] : Vec<D>(s_.map[j - s_.n_base] * across[q]);
+    };
+    for (int round = 0; round < rounds; ++round) {
+      parallel_for(n_, [&](std::size_t a) {
+        if (across[a].isZero(0.0)) return;
+        double own = 0.0, others = 0.0;
+        for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
+          const Index j = s_.other[k], q = s_.parent[j];
+          if (j == a || !within(a, q)) continue;
+          const Vec<D> ba = s_.position[j] - s_.position[a];
+          const double part = across[a].dot(ba), along = 0.5 * s_.gradient_factor[k] * (ba.squaredNorm() - part * part);
+          own += along * shape(ba, across[a]);
+          if (scale[q] != 0.0) others += along * scale[q] * shape(ba, normal_at(j, q));
+        }
+        next[a] = own > 0.0 ? std::clamp(0.5 * (scale[a] + (lacks[a] - others) / own), least, most) : 0.0;
+      });
+      scale = next;
+    }
+    parallel_for(n_, [&](std::size_t a) {
+      if (number[a] < 0) return;
+      for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
+        const Index j = s_.other[k], q = s_.parent[j];
+        if (fluid_.weight[k] == 0.0F || q == a || !within(a, q) || (scale[a] == 0.0 && scale[q] == 0.0)) continue;
+        const Vec<D> ba = s_.position[j] - s_.position[a];
+        double changed = 1.0;
+        if (scale[a] != 0.0) changed += 0.5 * scale[a] * shape(ba, across[a]);
+        if (scale[q] != 0.0) changed += 0.5 * scale[q] * shape(ba, normal_at(j, q));
+        set_weight(a, k, changed * static_cast<double>(fluid_.weight[k]));
+      }
+    });
+  }
+
+  /// Water cavitates rather than sustain less than the cavitation pressure: at the window's end, of the pressure above
+  /// that one and the void volume, one is zero and neither is negative (a complementarity). Solved by an active set:
+  /// the pressure of cavitating rows is fixed, and their residual of continuity is the rate at which voids open.
+  /// Returns whether the set has changed.
+  bool update_cavitating(WindowSolution<D>& out) {
+    const auto below = [&](std::size_t a) {
+      return out.pressure[a] < cavitation_pressure(a) + cavitation_tolerance * in_.cavitation && !pinned(a);
+    };
+    out.void_volume = {};
+    if (!any_cavitating_ && parallel_all(n_, [&](std::size_t a) { return !below(a); })) return false;
+    out.void_volume.allocate(n_);
+    std::vector<bool> cavitates(n_);
+    for (std::size_t a = 0; a < n_; ++a) cavitates[a] = below(a);
+    if (any_cavitating_) {
+      const ScalarArray missed = imbalance(sources_, free_boundary_, out);
+      for (std::size_t a = 0; a < n_; ++a) {
+        if (!cavitating_[a]) continue;
+        const double opening = (free_diagonal_[a] - fluid_.diagonal[a]) * out.pressure[a] - missed[a];
+        cavitates[a] = opening > cavitation_tolerance * std::abs(in_.cavitation) * free_diagonal_[a];
+        out.void_volume.set(a, std::max(0.0, in_.interval * opening));
+      }
+    }
+    if (cavitates == cavitating_) return false;
+    fix_cavitating(std::move(cavitates), out);
+    return true;
+  }
+  /// Fixes the pressure of these rows, and of no others, at the cavitation pressure.
+  void fix_cavitating(std::vector<bool> cavitates, WindowSolution<D>& out) {
+    if (free_diagonal_.empty()) {
+      free_diagonal_ = fluid_.diagonal;
+      free_boundary_ = boundary_;
+    }
+    cavitating_ = std::move(cavitates);
+    any_cavitating_ = std::find(cavitating_.begin(), cavitating_.end(), true) != cavitating_.end();
+    closed_ = free_closed_ && !any_cavitating_;
+    fluid_.diagonal = free_diagonal_;
+    boundary_ = free_boundary_;
+    for (std::size_t a = 0; a < n_; ++a) {
+      if (!cavitating_[a]) continue;
+      const double h = s_.length(a), weight = 1e6 * (fluid_.diagonal[a] + s_.volume[a] * q_[a].kf / (h * h));
+      fluid_.diagonal[a] += weight;
+      boundary_[a] += weight * cavitation_pressure(a);
+      out.pressure[a] = cavitation_pressure(a);
+    }
+  }
+
+  /// Residual of continuity [m^D/s].
+  ScalarArray imbalance(std::span<const double> sources, std::span<const double> boundary,
+                        const WindowSolution<D>& out) const {
+    ScalarArray row(n_), rest(n_);
+    fluid_.apply(std::span<const double>(out.pressure), std::span<double>(row));
+    const ScalarArray squeeze = squeezed(out.solid_velocity);
+    for (std::size_t a = 0; a < n_; ++a) rest[a] = sources[a] + boundary[a] - row[a] - squeeze[a];
+    if (any_response_ && (any_cavitating_ || !in_.pressure.empty())) {
+      ScalarArray change(n_);
+      for (std::size_t a = 0; a < n_; ++a) change[a] = out.pressure[a] - start_[a];
+      const ScalarArray held_back = stabilised(change);
+      for (std::size_t a = 0; a < n_; ++a) rest[a] -= held_back[a];
+    }
+    stabilise_flow(start_, rest);
+    return rest;
+  }
+
+  /// st (Lp + D.G) of a change of pressure, weighted with the volume.
+  ScalarArray stabilised(std::span<const double> change) const {
+    return stabilised(change, plain_gradient(change, true));
+  }
+  ScalarArray stabilised(std::span<const double> change, std::span<const Vec<D>> gradient) const {
+    ScalarArray result(n_);
+    plain_.apply(change, std::span<double>(result));
+    const ScalarArray wide = divergence<D>(s_, gradient);
+    for (std::size_t a = 0; a < n_; ++a) result[a] = stabilisation_[a] * (result[a] + s_.volume[a] * wide[a]);
+    return result;
+  }
+  double cavitation_pressure(std::size_t a) const {
+    return in_.cavitation - in_.weight.dot(s_.position[a] - in_.origin);
+  }
+
+  /// Calls take(column, weight, pressure) for every term weight (p - pressure) with which the faces stand in row a of a
+  /// Laplacian of this mobility.
+  template <class Take>
+  void for_faces(std::size_t a, double mobility, const Take& take) const {
+    for (Index k = s_.offset[a]; s_.n_base > n_ && k < s_.offset[a + 1]; ++k) {
+      const Index j = s_.other[k], q = s_.parent[j];
+      if (j < n_ || !s_.is_buffer(j)) continue;
+      const double w = 2.0 * s_.volume[a] * mobility * s_.gradient_factor[k] * s_.amplified(a, q) * s_.reflection(a, q);
+      const auto& b = s_.buffers[q - n_];
+      // Where water leaves soil that stands still, a row beyond the face goes on with the slope there.
+      const double beyond = std::min(0.0, b.inside(s_.position[a]));
+      const double slope = any_response_ ? 0.0 : std::max(0.0, in_.face_slope[b.column]);
+      take(b.column, w, in_.face_pressure[b.column] + beyond * slope);
+    }
+  }
+
+  /// What the faces' pressures drive through row a; nothing where none is in reach.
+  std::optional<double> from_faces(std::size_t a, double mobility) const {
+    std::optional<double> sum;
+    for_faces(a, mobility, [&](Index, double w, double pressure) { sum = sum.value_or(0.0) + w * pressure; });
+    return sum;
+  }
+
+  /// Flow through each column: the sum of the terms by which its pressure enters the rows of the matrix. Where a
+  /// surface is within reach of the face, pairs beyond it are missing and the sum is short (7 % under a front that has
+  /// come a few spacings).
+  void tell_face_flow(WindowSolution<D>& out) const {
+    const std::size_t count = in_.face_pressure.size();
+    out.face_flow.assign(count, 0.0);
+    out.face_carry.assign(count, 0.0);
+    for (std::size_t a = 0; s_.n_base > n_ && a < n_; ++a) {
+      if (s_.beyond[a] == 0) continue;
+      const bool whole = flags_[a] != Surface::lone && !(surface_distance(a) > 0.0);
+      // Only columns of the particle's own soil count: of two adjacent soils each has its own flow.
+      double flow = 0.0, all = 0.0, own = 0.0;
+      const auto is_own = [&](Index column) {
+        return !soil_.number.empty() && in_.face_soil[column] == soil_.number[a];
+      };
+      for_faces(a, q_[a].kf, [&](Index column, double w, double pressure) {
+        flow += w * (pressure - out.pressure[a]);
+        all += w;
+        if (is_own(column)) own += w;
+      });
+      for_faces(a, q_[a].kf, [&](Index column, double w, double pressure) {
+        if (!whole)
+          out.face_flow[column] = std::nan("");
+        else if (own == all || own == 0.0)
+          out.face_flow[column] += w * (pressure - out.pressure[a]);
+        else if (is_own(column))
+          out.face_flow[column] += w / own * flow;
+      });
+    }
+    VecArray<D> normal(count, Vec<D>::Zero());
+    for (const auto& b : s_.buffers) normal[b.column] = b.normal;
+    for (std::size_t c = 0; c < count && c + 1 < s_.fit_offset.size(); ++c) {
+      double sum = 0.0, carried = 0.0;
+      for (Index k = s_.fit_offset[c]; k < s_.fit_offset[c + 1]; ++k) {
+        const Index a = s_.fit_index[k];
+        sum += s_.fit_weight[k];
+        carried += s_.fit_weight[k] * in_.void_fraction[a] * q_[a].aw / (q_[a].aw + q_[a].C) * normal[c].dot(pushed(a));
+      }
+      if (sum > 0.0) out.face_carry[c] = carried / sum;
+    }
+  }
+
+  /// Distance to the surface, 0 where it is out of reach.
+  double surface_distance(std::size_t a) const {
+    if (s_.ghost_distance[a] > 0.0) return s_.ghost_distance[a];
+    return flags_[a] == Surface::surface ? s_.surface_distance(a) : s_.front_distance[a];
+  }
+
+  /// Whether the pressure of a particle is fixed: of lone ones, and of the front in coarse soil, which inertia
+  /// dominates. There the softer condition of a wetting front, without a ghost in the gradient, would feed splashes
+  /// with energy.
+  bool pinned(std::size_t a) const {
+    if (flags_[a] == Surface::lone) return true;
+    return flags_[a] == Surface::surface && s_.ghost_distance[a] == 0.0 &&
+           inertia_rules(in_.void_fraction[a], in_.density, q_[a].C, spacing_of<D>(s_.volume[a]),
+                         in_.weight.norm() / in_.density);
+  }
+  double pinned_pressure(std::size_t a) const {
+    if (flags_[a] == Surface::lone) return -in_.weight.dot(s_.position[a] - in_.origin);
+    return surface_row(s_, a, s_.surface_distance(a), 1.0, in_.weight, in_.origin).pressure;
+  }
+
+  bool is_known(std::size_t a) const { return cavitating_[a] || pinned(a); }
+  double known_pressure(std::size_t a) const { return cavitating_[a] ? cavitation_pressure(a) : pinned_pressure(a); }
+
+  void add_surface(PairMatrix& m, std::size_t a, double mobility, double* rhs) const {
+    SurfaceRow row;
+    if (pinned(a)) {
+      const double h = s_.length(a);
+      row = {1e3 * (m.diagonal[a] + s_.volume[a] * mobility / (h * h)), pinned_pressure(a)};
+    } else if (const double distance = surface_distance(a); distance > 0.0) {
+      row = surface_row(s_, a, distance, mobility, in_.weight, in_.origin);
+      if (s_.ghost_distance[a] == 0.0) row.coefficient *= s_.amplification[a];
+    } else {
+      return;
+    }
+    m.diagonal[a] += row.coefficient;
+    if (rhs) *rhs += row.coefficient * row.pressure;
+  }
+
+  /// V D(e s)
+  template <class Velocity>
+  ScalarArray squeezed(const Velocity& s) const {
+    VecArray<D> f(n_);
+    parallel_for(n_, [&](std::size_t a) { f[a] = q_[a].e * s[a]; });
+    ScalarArray d = divergence<D>(s_, f);
+    parallel_for(n_, [&](std::size_t a) { d[a] *= s_.volume[a]; });
+    return d;
+  }
+
+  void remove_mean(std::span<double> x) const {
+    const double mean = sum_over(n_, [&](std::size_t a) { return x[a]; }) / static_cast<double>(n_);
+    parallel_for(n_, [&](std::size_t a) { x[a] -= mean; });
+  }
+
+  /// Rigid soil, free water, or a skeleton of known velocity: one symmetric system.
+  void solve_fluid(ScalarArray b, WindowSolution<D>& out) {
+    if (out.solid_velocity.is_allocated()) {
+      const ScalarArray squeeze = squeezed(out.solid_velocity);
+      parallel_for(n_, [&](std::size_t a) { b[a] -= squeeze[a]; });
+    }
+    const double rounding = 1e-12 * norm(b);
+    // The datum is subtracted, so that the tolerance refers to pressures that drive flow.
+    double reference = 0.0;
+    if (closed_) {
+      remove_mean(b);
+    } else {
+      ScalarArray row(n_);
+      fluid_.apply(ScalarArray(n_, 1.0), std::span<double>(row));
+      const double num = sum_over(n_, [&](std::size_t a) { return boundary_[a]; });
+      const double den = sum_over(n_, [&](std::size_t a) { return row[a]; });
+      reference = den > 0.0 ? num / den : 0.0;
+      parallel_for(n_, [&](std::size_t a) { b[a] -= reference * row[a]; });
+    }
+    parallel_for(
+        n_, [&](std::size_t a) { out.pressure[a] = (is_known(a) ? known_pressure(a) : out.pressure[a]) - reference; });
+    if (in_.sweeps > 0) {
+      ScalarArray relaxation(n_);
+      for (std::size_t a = 0; a < n_; ++a) relaxation[a] = relaxation_in(in_.interval_over_proposed, q_[a].aw, q_[a].C);
+      relaxed_sweeps(fluid_, b, relaxation, out.pressure, in_.sweeps);
+      out.pressure_iterations += in_.sweeps;
+      for (auto& p : out.pressure) p += reference;
+      return;
+    }
+    // Where all pressures are fixed or equal nothing drives flow: the tolerance is then bounded by rounding.
+    const double tolerance = std::max(in_.tolerance * drive(b, reference), rounding);
+    const auto apply = [&](std::span<const double> x, std::span<double> y) { fluid_.apply(x, y); };
+    SolveReport report;
+    report.converged = false;
+    if (!out.multigrid) {
+      ScalarArray inverse(n_);
+      parallel_for(n_, [&](std::size_t a) { inverse[a] = fluid_.diagonal[a] > 0.0 ? 1.0 / fluid_.diagonal[a] : 0.0; });
+      std::optional<Aggregates<D>> aggregates;
+      int calls = 0;
+      const auto by_diagonal = [&](std::span<const double> r, std::span<double> z) {
+        parallel_for(n_, [&](std::size_t a) { z[a] = inverse[a] * r[a]; });
+        if (calls++ == iterations_without_aggregates) aggregates.emplace(pressure_aggregates());
+        if (aggregates) aggregates->template correct<1>(r, z);
+        if (closed_) remove_mean(z);
+      };
+      report = conjugate_gradients(apply, by_diagonal, b, out.pressure, tolerance, patience);
+      out.pressure_iterations += report.iterations;
+      out.multigrid = !report.converged;
+    }
+    if (!report.converged) {
+      Multigrid multigrid(fluid_);
+      const auto by_cycle = [&](std::span<const double> r, std::span<double> z) {
+        multigrid.cycle(r, z);
+        if (closed_) remove_mean(z);
+      };
+      report = conjugate_gradients(apply, by_cycle, std::move(b), out.pressure, tolerance, 2000);
+      out.multigrid_cycles += report.iterations;
+      out.multigrid = report.iterations > few_cycles;
+    }
+    out.converged = report.converged;
+    out.outer = 1;
+    parallel_for(n_, [&](std::size_t a) { out.pressure[a] += reference; });
+  }
+
+  /// As many aggregates as each has particles: solving the coarse system then takes about as long as summing over them.
+  Aggregates<D> pressure_aggregates() const {
+    const double whole = sum_over(n_, [&](std::size_t a) { return s_.volume[a]; });
+    Aggregates<D> aggregates(std::span<const Vec<D>>(s_.position).first(n_),
+                             spacing_of<D>(whole / std::sqrt(static_cast<double>(n_))),
+                             [&](std::size_t a) { return !is_known(a) && fluid_.diagonal[a] > 0.0; });
+    // The matrix is singular for water whose mean pressure nothing prescribes: a little is added to its diagonal.
+    aggregates.factorise([&](std::size_t a, const auto& add) {
+      add(a, (1.0 + 1e-8) * fluid_.diagonal[a]);
+      for (std::size_t k = fluid_.begin(a); k < fluid_.end(a); ++k)
+        add(fluid_.column(a, k), -static_cast<double>(fluid_.weight[k]));
+    });
+    return aggregates;
+  }
+
+  /// Drive of the flow, to which the tolerance is relative: the residual with fixed pressures as they are and all
+  /// others at the datum.
+  double drive(const ScalarArray& b, double reference) const {
+    ScalarArray known(n_), residual(n_);
+    parallel_for(n_, [&](std::size_t a) { known[a] = is_known(a) ? known_pressure(a) - reference : 0.0; });
+    fluid_.apply(std::span<const double>(known), std::span<double>(residual));
+    parallel_for(n_, [&](std::size_t a) { residual[a] = is_known(a) ? 0.0 : b[a] - residual[a]; });
+    return norm(residual);
+  }
+
+  void prepare_response() {
+    const double dt = in_.interval;
+    storage_.assign(n_, 0.0);
+    stabilisation_.assign(n_, 0.0);
+    for (std::size_t a = 0; a < n_; ++a) {
+      const auto& r = r_[a];
+      if (!r.responds) continue;
+      const double dx2 = std::pow(s_.volume[a], 2.0 / D), e = q_[a].e;
+      stabilisation_[a] = 1.0 / (r.ss / (r.mS * r.mS) + dt * r.M * 4.0 / dx2);
+      storage_[a] = s_.volume[a] * e * e / (dt * r.M);
+    }
+    // Vectors change on reflection: keep the image each weight belongs to.
+    build_vector_stiffness();
+    // Kinetic energy that drag would give to free grains in the window.
+    let_be_ = skeleton_tolerance * skeleton_tolerance * sum_over(n_, [&](std::size_t a) {
+                if (!responds(a)) return 0.0;
+                const Vec<D> dragged = (1.0 - r_[a].as * r_[a].ss) * (before(a) - soil_.velocity[a]);
+                return s_.volume[a] / r_[a].ss * dragged.squaredNorm();
+              });
+    prepare_flow();
+    for (std::size_t a = 0; a < n_; ++a)
+      if (responds(a)) add_surface(skeleton_, a, r_[a].mS * q_[a].e, nullptr);
+    fixed_.assign(n_, 0.0);
+    for (std::size_t a = 0; a < n_; ++a) {
+      fixed_[a] = from_faces(a, 1.0).value_or(0.0);
+      add_surface(plain_, a, 1.0, &fixed_[a]);
+    }
+  }
+
+  void build_vector_stiffness() {
+    const double dt = in_.interval;
+    image_weight_.assign(s_.other.size(), 0.0F);
+    H_diagonal_.assign(n_, 1.0);
+    ScalarArray preconditioner(n_, 1.0);
+    // Of a point: its parent's modulus, 0 where none responds, and amplification.
+    std::vector<std::array<double, 2>> points(s_.size(), {0.0, 0.0});
+    for (std::size_t j = 0; j < s_.size(); ++j)
+      if (const Index b = s_.parent[j]; b < n_ && responds(b)) points[j] = {r_[b].M, s_.amplification[b]};
+    const bool buffers = s_.n_base > n_;
+    for_each_in_lanes(
+        n_, s_.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
+          if (!responds(a)) return;
+          H_diagonal_[a] = s_.volume[a] / r_[a].ss;
+          double turned = 0.0,
+                 held = dry_skeleton_stiffness(a);  // by own images, which walls turn round; by faces and by dry soil
+          Lanes sum{};
+          for (Index k = s_.offset[a]; k < s_.offset[a + 1]; k += n_lanes) {
+            const Index* const i = &s_.other[k];
+            const Lanes M = {points[i[0]][0], points[i[1]][0], points[i[2]][0], points[i[3]][0]},
+                        amplification = {points[i[0]][1], points[i[1]][1], points[i[2]][1], points[i[3]][1]};
+            Lanes w;
+            take(&s_.gradient_factor[k], w);
+            w *= s_.volume[a] * dt * (s_.amplification[a] + amplification) * (2.0 * r_[a].M * M / (r_[a].M + M));
+            put(w, &image_weight_[k]);
+            take(&image_weight_[k], w);  // as it is kept: the skeleton moves as a whole without force
+            sum += w;
+            for (std::size_t l = 0; l < n_lanes; ++l) {
+              const Index j = i[l], b = s_.parent[j];
+              if (b == a) turned += w[l];
+              if (buffers && b >= n_ && in_.face_holds[s_.buffers[b - n_].column])
+                held += 2.0 * s_.volume[a] * dt * r_[a].M * static_cast<double>(s_.gradient_factor[k + l]) *
+                        s_.amplified(a, b) * s_.reflection(a, b);
+            }
+          }
+          const double all = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+          H_diagonal_[a] += all + held;
+          preconditioner[a] = H_diagonal_[a] - turned;
+        });
+    double spacing = 0.0;
+    for (std::size_t a = 0; a < n_; ++a)
+      if (responds(a)) spacing = std::max(spacing, spacing_of<D>(s_.volume[a]));
+    aggregates_.emplace(std::span<const Vec<D>>(s_.position).first(n_), aggregate_width * spacing,
+                        [&](std::size_t a) { return responds(a); });
+    aggregates_->factorise([&](std::size_t a, const auto& add) {
+      add(a, preconditioner[a]);
+      for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k)
+        if (const Index b = s_.parent[s_.other[k]]; b != a && b < n_) add(b, -static_cast<double>(image_weight_[k]));
+    });
+    H_inverse_.resize(n_);
+    for (std::size_t a = 0; a < n_; ++a) H_inverse_[a] = 1.0 / preconditioner[a];
+  }
+
+  /// Where soil yields, its present shear continues at constant stress; the stiffness resists only a departure from the
+  /// present motion. Otherwise yielding soil would flow as a liquid of viscosity Dt M. Computes the force on every
+  /// particle that cancels the stiffness of the present motion [N].
+  void prepare_flow() {
+    flow_.assign(n_, Vec<D>::Zero());
+    // In a repeated window the departure is from the motion that the last pass found, whose force is known.
+    if (soil_.found_velocity.is_allocated()) {
+      const ScalarArray held = apply_H(soil_.found_velocity.values());
+      for (std::size_t a = 0; a < n_; ++a)
+        if (responds(a))
+          flow_[a] = Eigen::Map<const Vec<D>>(held.data() + a * D) - s_.volume[a] / r_[a].ss * soil_.found_velocity[a];
+      return;
+    }
+    for (std::size_t a = 0; a < n_; ++a) flow_[a] = dry_skeleton_stiffness(a) * soil_.velocity[a];
+    if (std::all_of(soil_.plastic_shear_ratio.begin(), soil_.plastic_shear_ratio.end(),
+                    [](double y) { return y <= 0.0; }))
+      return;
+    const VecArray<D> going = skeleton_extended(soil_.velocity.values());
+    for (std::size_t a = 0; a < n_; ++a)
+      for (Index k = s_.offset[a]; k < s_.offset[a + 1]; ++k) {
+        if (image_weight_[k] == 0.0F) continue;
+        const Index j = s_.other[k];
+        const double share = 0.5 * (soil_.plastic_shear_ratio[a] + soil_.plastic_shear_ratio[s_.parent[j]]);
+        if (share > 0.0) flow_[a] += share * static_cast<double>(image_weight_[k]) * (going[a] - going[j]);
+      }
+  }
+
+  /// The stabilisation acts on the change of pressure in the window only, since consolidation damps the modes of
+  /// pressure that the wide gradient does not resolve. In short windows of moving soil nothing damps them: there it
+  /// acts on the whole pressure, as in free water, whose projection is compact.
+  void stabilise_flow(const ScalarArray& pressure, ScalarArray& residual) const {
+    if (!any_response_ || in_.in_seepage.empty() ||
+        std::all_of(in_.in_seepage.begin(), in_.in_seepage.end(), [](char in_seepage) { return in_seepage != 0; }))
+      return;
+    const ScalarArray whole = stabilised(pressure, plain_gradient(pressure, false));
+    for (std::size_t a = 0; a < n_; ++a)
+      if (in_.in_seepage[a] == 0) residual[a] -= whole[a] - stabilisation_[a] * fixed_[a];
+  }
+
+  /// A velocity of the skeleton at all points: reversed behind walls that fix the soil.
+  VecArray<D> skeleton_extended(std::span<const Vec<D>> f) const {
+    return extended<D>(s_, f, Carried::no, in_.fixed_soil);
+  }
+
+  /// Stiffness [N s/m] of a Robin condition by which the dry soil beyond a wetting front resists the wet skeleton:
+  /// traction Dt M (s - v_s) / distance. The dry soil is assumed to keep its velocity v_s at that distance: half a
+  /// spacing beside the front (a small wet zone is supported over its own width, Saint-Venant), and above it the way of
+  /// a compression wave in the window. A column of wet soil below dry soil responds to a load with
+  /// rho c tanh(L / (c Dt)); this stays within 5 % of it from 10 ms to 1 s.
+  double dry_skeleton_stiffness(std::size_t a) const {
+    if (!responds(a) || flags_[a] == Surface::interior || soil_.mask[a] < 0.5) return 0.0;
+    const double spacing = spacing_of<D>(s_.volume[a]);
+    const double amount = std::max(s_.normal[a].norm(), flags_[a] == Surface::lone ? 1.0 / spacing : 0.0);
+    const double up = std::max(0.0, in_.weight.dot(s_.normal[a]) / (in_.weight.norm() * s_.normal[a].norm() + 1e-300));
+    const double beside = 0.5 * spacing;
+    const double above = std::max(beside, in_.interval * std::sqrt(r_[a].M / soil_.density[a]));
+    const double per_length = (1.0 - up * up) / beside + up * up / above;
+    return s_.volume[a] * 2.0 * in_.interval * r_[a].M * amount * per_length;
+  }
+
+  /// (V/ss) H s on responding particles, s itself elsewhere; symmetric [n * D].
+  void apply_H(std::span<const double> s, std::span<double> y) const {
+    const VecArray<D> all = skeleton_extended(as_vectors(s));
+    for_each_in_lanes(
+        n_, s_.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
+          VectorSum<D> sum;
+          Lanes w;
+          if (responds(a))
+            for (std::size_t k = s_.offset[a]; k < s_.offset[a + 1]; k += n_lanes) {
+              const Index* const c = &s_.other[k];
+              take(&image_weight_[k], w);
+              sum.add(w, {all[c[0]].data(), all[c[1]].data(), all[c[2]].data(), all[c[3]].data()});
+            }
+          for (std::size_t d = 0; d < D; ++d)
+            y[a * D + d] = H_diagonal_[a] * all[a][static_cast<int>(d)] - sum.total(d);
+        });
+  }
+  ScalarArray apply_H(std::span<const Vec<D>> s) const {
+    ScalarArray y(n_ * D);
+    apply_H(as_numbers(s), y);
+    // Particles that do not respond have no equation.
+    for (std::size_t a = 0; a < n_; ++a)
+      if (!responds(a)) std::fill_n(y.begin() + static_cast<std::ptrdiff_t>(a * D), D, 0.0);
+    return y;
+  }
+  static std::span<const Vec<D>> as_vectors(std::span<const double> x) {
+    static_assert(sizeof(Vec<D>) == D * sizeof(double));
+    return {reinterpret_cast<const Vec<D>*>(x.data()), x.size() / D};
+  }
+  static std::span<const double> as_numbers(std::span<const Vec<D>> x) { return {x.data()->data(), x.size() * D}; }
+  static std::span<double> as_numbers(std::span<Vec<D>> x) { return {x.data()->data(), x.size() * D}; }
+
+  /// Corrects s until the residual [n * D] of H s is this fraction of `size`, or its error's energy is negligible.
+  int solve_H(ScalarArray residual, double size, double let_be, std::span<Vec<D>> s) const {
+    const auto apply = [&](std::span<const double> u, std::span<double> y) { apply_H(u, y); };
+    const auto precondition = [&](std::span<const double> r, std::span<double> z) {
+      for (std::size_t a = 0; a < n_; ++a)
+        for (std::size_t d = 0; d < D; ++d) z[a * D + d] = H_inverse_[a] * r[a * D + d];
+      aggregates_->correct(r, z);
+    };
+    return reduce_residual(apply, precondition, std::move(residual), as_numbers(s), skeleton_tolerance * size, 3000,
+                           let_be)
+        .iterations;
+  }
+
+  double surface_pressure(std::size_t a) const {
+    return surface_row(s_, a, s_.ghost_distance[a], 1.0, in_.weight, in_.origin).pressure;
+  }
+
+  VecArray<D> plain_gradient(std::span<const double> p, bool homogeneous) const {
+    const Vec<D> unresolved = homogeneous ? Vec<D>(Vec<D>::Zero()) : Vec<D>(-in_.weight);
+    return pressure_gradient<D>(
+        s_, p, [&](Index c) { return homogeneous ? 0.0 : in_.face_pressure[c]; }, {}, unresolved,
+        [&](std::size_t a) { return homogeneous ? 0.0 : surface_pressure(a); }, homogeneous);
+  }
+
+  /// Right-hand side of H s under a pressure field: V/ss (sb - mS G p) [n * D].
+  ScalarArray skeleton_drive(std::span<const double> p) const {
+    const VecArray<D> G = plain_gradient(p, false);
+    ScalarArray drive(n_ * D, 0.0);
+    for (std::size_t a = 0; a < n_; ++a) {
+      const auto& q = q_[a];
+      const auto& skeleton = r_[a];
+      if (!skeleton.responds) continue;
+      // The exchanged force contains the full weight of the soil; with a piezometric pressure its buoyant part remains.
+      const Vec<D>& force = soil_.found_force.is_allocated() ? soil_.found_force[a] : soil_.force[a];
+      const Vec<D> r = force - soil_.fraction[a] * in_.weight - soil_.drag_offset[a];
+      const Vec<D> velocity =
+          skeleton.ss / (q.aw + q.C) * (q.C * q.aw * pushed(a) + (q.aw + q.C) * (skeleton.as * soil_.velocity[a] + r)) -
+          skeleton.mS * G[a] + skeleton.ss / s_.volume[a] * flow_[a];
+      set_drive(drive, a, velocity);
+    }
+    return drive;
+  }
+  void set_drive(ScalarArray& drive, std::size_t a, const Vec<D>& velocity) const {
+    for (std::size_t d = 0; d < D; ++d) drive[a * D + d] = s_.volume[a] / r_[a].ss * velocity[static_cast<int>(d)];
+  }
+
+  /// Skeleton velocity under a pressure field. The tolerance is relative to the change from the window's start, where H
+  /// s is `at_start`, and no less than rounding. The iteration starts from the velocity whose H s is `now`.
+  void skeleton_velocity(std::span<const double> p, const ScalarArray& at_start, const ScalarArray& now,
+                         WindowSolution<D>& out) const {
+    ScalarArray residual = skeleton_drive(p);
+    const double rounding = 1e-9 * norm(residual);
+    double change = 0.0;
+    for (std::size_t i = 0; i < residual.size(); ++i) {
+      change += (residual[i] - at_start[i]) * (residual[i] - at_start[i]);
+      residual[i] -= now[i];
+    }
+    out.skeleton_iterations +=
+        solve_H(std::move(residual), std::max(std::sqrt(change), rounding), let_be_, out.solid_velocity.values());
+  }
+
+  void solve_response(const ScalarArray& b, WindowSolution<D>& out) {
+    const std::span<Vec<D>> velocity = out.solid_velocity.values();
+    const ScalarArray at_start = apply_H(velocity);
+    skeleton_velocity(out.pressure, at_start, at_start, out);
+    ScalarArray residual = imbalance(b, ScalarArray(n_, 0.0), out);
+    if (closed_) remove_mean(residual);
+    const double size = norm(residual);  // of what the directions add up to
+    std::vector<VecArray<D>> answers;    // of the skeleton to the directions of the search
+    const auto apply = [&](std::span<const double> x, std::span<double> y) {
+      const VecArray<D> G = plain_gradient(x, true);
+      ScalarArray drive(n_ * D, 0.0);
+      for (std::size_t a = 0; a < n_; ++a)
+        if (responds(a)) set_drive(drive, a, -r_[a].mS * G[a]);
+      answers.emplace_back(n_, Vec<D>::Zero());
+      const double whole = norm(drive);
+      out.skeleton_iterations += solve_H(std::move(drive), whole, let_be_ / (size * size), answers.back());
+      const ScalarArray squeeze_x = squeezed(answers.back()), held_back = stabilised(x, G);
+      fluid_.apply(x, y);
+      for (std::size_t a = 0; a < n_; ++a) y[a] += squeeze_x[a] + held_back[a];
+      if (closed_) remove_mean(y);
+    };
+    const auto precondition = [&](std::span<const double> r, std::span<double> z) {
+      out.pressure_iterations += two_fields(r, z, 1e-1);
+      if (closed_) remove_mean(z);
+    };
+    ScalarArray dp(n_, 0.0);
+    const double scale = response_tolerance * size;
+    const auto report = flexible_gmres(apply, precondition, residual, dp, scale, 12);
+    out.outer += report.iterations;
+    out.converged = report.converged;
+    for (std::size_t a = 0; a < n_; ++a) out.pressure[a] += dp[a];
+    for (Eigen::Index k = 0; k < report.shares.size(); ++k)
+      for (std::size_t a = 0; a < n_; ++a) velocity[a] += report.shares[k] * answers[static_cast<std::size_t>(k)][a];
+    skeleton_velocity(out.pressure, at_start, apply_H(velocity), out);
+  }
+
+  /// Preconditioner: water and skeleton as two potentials joined by the storage e^2/(M dt),
+  /// [[-div kf grad + S, -S], [-S, S - div mu grad]] [p; tau] = [r; 0].
+  int two_fields(std::span<const double> r, std::span<double> z, double tolerance) const {
+    ScalarArray b(2 * n_, 0.0), x(2 * n_, 0.0);
+    std::copy(r.begin(), r.end(), b.begin());
+    const auto apply = [&](std::span<const double> u, std::span<double> y) {
+      fluid_.apply(u.first(n_), y.first(n_));
+      skeleton_.apply(u.last(n_), y.last(n_));
+      for (std::size_t a = 0; a < n_; ++a) {
+        const double t = storage_[a] * (u[a] - u[n_ + a]);
+        y[a] += t;
+        y[n_ + a] -= t;
+        if (!responds(a)) y[n_ + a] = u[n_ + a];
+      }
+    };
+    const auto precondition = [&](std::span<const double> u, std::span<double> y) {
+      for (std::size_t a = 0; a < n_; ++a) {
+        const double d0 = fluid_.diagonal[a] + storage_[a], d1 = skeleton_.diagonal[a] + storage_[a], o = storage_[a];
+        if (!responds(a)) {
+          y[a] = d0 > 0.0 ? u[a] / d0 : 0.0;
+          y[n_ + a] = u[n_ + a];
+          continue;
+        }
+        const double det = d0 * d1 - o * o;
+        if (!(det > 0.0)) {
+          y[a] = d0 > 0.0 ? u[a] / d0 : 0.0;
+          y[n_ + a] = d1 > 0.0 ? u[n_ + a] / d1 : 0.0;
+          continue;
+        }
+        y[a] = (d1 * u[a] + o * u[n_ + a]) / det;
+        y[n_ + a] = (o * u[a] + d0 * u[n_ + a]) / det;
+      }
+    };
+    const double whole = norm(b);
+    const auto report = reduce_residual(apply, precondition, std::move(b), x, tolerance * whole, 2000);
+    std::copy(x.begin(), x.begin() + static_cast<std::ptrdiff_t>(n_), z.begin());
+    return report.iterations;
+  }
+
+  /// Water velocity from the flux: n v' = n aw v/(aw + C) + n C/(aw + C) s - kf G p, with the pair mobilities of the
+  /// solve.
+  void finish(WindowSolution<D>& out) const {
+    out.velocity.resize(n_);
+    out.gradient = plain_gradient(out.pressure, false);
+    tell_face_flow(out);
+    VecArray<D> flux;  // none: the mobility is the same everywhere
+    const double mobility = n_ == 0 ? 0.0 : q_[0].kf;
+    if (!parallel_all(n_, [&](std::size_t a) { return q_[a].kf == mobility; })) {
+      ScalarArray own(n_);
+      parallel_for(n_, [&](std::size_t a) { own[a] = q_[a].kf; });
+      flux = pressure_gradient<D>(
+          s_, out.pressure, [&](Index c) { return in_.face_pressure[c]; }, own, Vec<D>(-in_.weight),
+          [&](std::size_t a) { return surface_pressure(a); });
+      if (any_response_)
+        parallel_for(n_, [&](std::size_t a) {
+          if (!beside_moving_.empty() && beside_moving_[a] && soil_.mask[a] <= 0.5)
+            flux[a] = q_[a].kf * out.gradient[a];
+        });
+      else
+        free_along_interfaces<D>(s_, own, soil_.mask, flux);
+    }
+    parallel_for(n_, [&](std::size_t a) {
+      const auto& q = q_[a];
+      const Vec<D> driven = flux.empty() ? Vec<D>(mobility * out.gradient[a]) : flux[a];
+      out.velocity[a] = (q.aw * pushed(a) + q.C * out.solid_velocity[a]) / (q.aw + q.C) - driven / in_.void_fraction[a];
+    });
+  }
+
+  const Stencil<D>& s_;
+  const SoilView<D>& soil_;
+  std::span<const Surface> flags_;
+  const WindowProblem<D>& in_;
+  std::size_t n_;
+  Eliminations<D> q_;
+  std::vector<Response> r_;  ///< empty: no skeleton responds
+  bool any_response_ = false, closed_ = true, free_closed_ = true, any_cavitating_ = false;
+  std::vector<char> beside_moving_;  ///< 1: of free water and moving soil that meet; empty: nothing moves
+  std::vector<bool> cavitating_;     ///< [n] at the cavitation pressure
+  VecArray<D> flow_;                 ///< see prepare_flow [N]
+  PairMatrix fluid_, skeleton_, plain_;
+  MatArray<D> stretch_;  ///< [n] by which pairs are scaled (even_out_directions)
+  ScalarArray sources_;
+  ScalarArray start_, free_diagonal_, free_boundary_;  ///< the pressure at first; the system without cavitation
+  double let_be_ = 0.0;  ///< power below which an error of the skeleton's velocity is negligible [N m/s]
+  ScalarArray boundary_, fixed_, stabilisation_, storage_, H_diagonal_;
+  ScalarArray H_inverse_;                    ///< of the preconditioner's diagonal
+  std::optional<Aggregates<D>> aggregates_;  ///< coarse space of the skeleton's stiffness
+  std::vector<float> image_weight_;          ///< [pairs] of the skeleton's stiffness, N s/m
+};
+
+}  // namespace
+
+template <int D>
+void solve_window(const Stencil<D>& stencil, const SoilView<D>& soil, std::span<const Surface> flags,
+                  const WindowProblem<D>& problem, WindowSolution<D>& solution) {
+  WindowSolver<D>(stencil, soil, flags, problem).solve(solution);
+}
+
+#define PORETWIN_INSTANTIATE(D)                                                                  \
+  template void solve_window<D>(const Stencil<D>&, const SoilView<D>&, std::span<const Surface>, \
+                                const WindowProblem<D>&, WindowSolution<D>&);
+PORETWIN_INSTANTIATE(2)
+PORETWIN_INSTANTIATE(3)
+#undef PORETWIN_INSTANTIATE
+
+}  // namespace poretwin::fluid

@@ -1,0 +1,59 @@
+// Particles of one soil, four at a time: for work on single particles that ends in their constitutive model.
+#pragma once
+
+#include "common/core/threads.hpp"
+#include "solid_solver/discretisation/pair_loops.hpp"
+#include "solid_solver/material/model.hpp"
+
+#include <array>
+
+namespace poretwin::solid {
+
+/// At most so many particles, filled up to a multiple of four with the last.
+struct Batch {
+  static constexpr std::size_t most = 256;
+  Index soil = 0;
+  std::size_t count = 0;
+  std::array<Index, most> who;
+  std::array<Four, most / n_lanes> fours;
+  std::array<Quad, most / n_lanes> volume;     ///< m^D, as it becomes
+  std::array<Quad, most / n_lanes> stiffness;  ///< shares of the elastic moduli that strains are taken with
+  [[nodiscard]] std::size_t n_fours() const { return (count + n_lanes - 1) / n_lanes; }
+};
+
+/// Calls treat(batch) for all particles i with wanted(i), the parts of the rows in parallel. Whether one is wanted may
+/// not depend on what is done to others.
+template <int D, class Wanted, class Treat>
+void for_batches(const State<D>& state, const Wanted& wanted, const Treat& treat) {
+  const Pairs& pairs = state.near.pairs;
+  for_each_part(pairs.n_parts(), [&](std::size_t part) {
+    Batch batch;
+    const auto finish = [&] {
+      if (batch.count == 0) return;
+      for (std::size_t k = batch.count; k < batch.n_fours() * n_lanes; ++k) batch.who[k] = batch.who[batch.count - 1];
+      treat(batch);
+      batch.count = 0;
+    };
+    for (Index i = pairs.part[part]; i < pairs.part[part + 1]; ++i) {
+      if (!wanted(i)) continue;
+      const Index soil = state.particles.material[i];
+      if (batch.count == Batch::most || soil != batch.soil) finish();
+      batch.soil = soil;
+      batch.who[batch.count++] = i;
+    }
+    finish();
+  });
+}
+
+/// One number of each of four particles.
+template <class Values>
+[[gnu::always_inline]] inline void take_each(const Values& values, const Index* i, Lanes& taken) {
+  taken = Lanes{values[i[0]], values[i[1]], values[i[2]], values[i[3]]};
+}
+
+/// The stresses of four particles.
+[[gnu::always_inline]] inline void take_stresses(const std::vector<Tensor>& stress, const Index* i, Lanes* taken) {
+  gather<0, 6>({stress[i[0]].data(), stress[i[1]].data(), stress[i[2]].data(), stress[i[3]].data()}, taken);
+}
+
+}  // namespace poretwin::solid

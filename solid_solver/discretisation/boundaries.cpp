@@ -1,0 +1,205 @@
+#include "solid_solver/discretisation/boundaries.hpp"
+
+#include "common/core/error.hpp"
+#include "solid_solver/dynamics/wall_friction.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace poretwin::solid {
+
+template <int D>
+Boundaries<D> make_boundaries(const Case& scene, double margin) {
+  using Kind = typename Boundaries<D>::Kind;
+  Boundaries<D> boundaries;
+  auto add = [&](std::vector<sph::ImagePlane<D>> planes, Kind kind, double friction_angle) {
+    for (auto& plane : planes) {
+      plane.boundary = static_cast<int>(boundaries.planes.size());
+      boundaries.planes.push_back(plane);
+      boundaries.kinds.push_back(kind);
+      boundaries.friction.push_back(std::tan(friction_angle * std::numbers::pi / 180.0));
+    }
+  };
+  add(periodic_planes<D>(scene.general, 0), Kind::periodic, 0.0);
+  for (const auto& wall : scene.walls) {
+    if (wall.soil == Wall::ForSoil::none || wall.soil == Wall::ForSoil::rough) continue;
+    const Kind kind = wall.soil == Wall::ForSoil::fixed        ? Kind::fixed
+                      : wall.soil == Wall::ForSoil::frictional ? Kind::frictional
+                                                               : Kind::roller;
+    add(planes_of<D>(wall.face, 0, 0.0), kind, wall.friction_angle);
+  }
+  meet_at_corners<D>(boundaries.planes, margin);
+  if (boundaries.planes.size() > 32)
+    throw CaseError(
+        fmt::format("the walls of the soil have {} straight pieces; at most 32 are possible: use fewer corners",
+                    boundaries.planes.size()));
+  return boundaries;
+}
+
+namespace {
+
+/// Linear maps of velocities through a chain of boundaries: mirrored at rollers, reversed at fixed walls; at frictional
+/// ones reversed about the slip, v' = 2 s - v.
+template <int D>
+void find_velocity_maps(const Boundaries<D>& boundaries, std::uint32_t passed, ImageRule<D>& rule) {
+  using Kind = typename Boundaries<D>::Kind;
+  for (std::size_t k = 0; k < boundaries.planes.size(); ++k) {
+    if (!(passed >> k & 1u) || boundaries.kinds[k] == Kind::periodic) continue;
+    const Vec<D>& n = boundaries.planes[k].normal;
+    const Mat<D> reversed = boundaries.kinds[k] == Kind::roller ? Mat<D>(Mat<D>::Identity() - 2.0 * n * n.transpose())
+                                                                : Mat<D>(-Mat<D>::Identity());
+    rule.velocity = (reversed * rule.velocity).eval();
+    rule.slip = (reversed * rule.slip).eval();
+    if (boundaries.kinds[k] != Kind::frictional) continue;
+    rule.slip += 2.0 * (Mat<D>::Identity() - n * n.transpose());
+    rule.slips = true;
+  }
+}
+
+/// The walls among the boundaries passed (periodic sides change nothing).
+template <int D>
+void find_crossings(const Boundaries<D>& boundaries, std::uint32_t passed, ImageRule<D>& rule) {
+  using Kind = typename Boundaries<D>::Kind;
+  for (std::size_t k = 0; k < boundaries.planes.size() && rule.n_crossings < D; ++k) {
+    if (!(passed >> k & 1u) || boundaries.kinds[k] == Kind::periodic) continue;
+    const Vec<D>& n = boundaries.planes[k].normal;
+    const Mat<D> normal_part = n * n.transpose();
+    Crossing<D>& crossing = rule.crossings[rule.n_crossings++];
+    crossing.normal = n;
+    crossing.level = n.dot(boundaries.planes[k].point);
+    // The body force as seen behind the other walls of the chain: rule.map without this wall's own mirror.
+    crossing.share = rule.map * (Mat<D>::Identity() - 2.0 * normal_part);
+    if (boundaries.kinds[k] == Kind::roller) crossing.share = normal_part * crossing.share;
+    if (boundaries.kinds[k] == Kind::frictional) crossing.friction = boundaries.friction[k];
+  }
+}
+
+template <int D>
+bool only_periodic(const Boundaries<D>& boundaries, std::uint32_t passed) {
+  for (std::size_t k = 0; k < boundaries.planes.size(); ++k)
+    if ((passed >> k & 1u) && boundaries.kinds[k] != Boundaries<D>::Kind::periodic) return false;
+  return true;
+}
+
+}  // namespace
+
+template <int D>
+void wrap_periodic(const Boundaries<D>& boundaries, VecArray<D>& positions) {
+  for (std::size_t k = 0; k < boundaries.planes.size(); ++k) {
+    if (boundaries.kinds[k] != Boundaries<D>::Kind::periodic) continue;
+    const auto& side = boundaries.planes[k];
+    for (auto& x : positions)
+      if (side.normal.dot(x - side.point) < 0.0) x += side.shift;
+  }
+}
+
+template <int D>
+void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::size_t n_parts,
+                         const Particles<D>& particles, std::span<const char> asleep, Neighbourhood<D>& near) {
+  near.built_at.resize(particles.size());
+  near.lower = near.upper = particles.position.front();
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    near.built_at[i] = particles.position[i].template cast<float>();
+    near.lower = near.lower.cwiseMin(particles.position[i]);
+    near.upper = near.upper.cwiseMax(particles.position[i]);
+  }
+  const auto images = sph::make_images<D>(std::span<const Vec<D>>(particles.position),
+                                          std::span<const sph::ImagePlane<D>>(boundaries.planes), range);
+  near.images.assign(images.size(), {});
+  VecArray<D> sources = particles.position;
+  sources.insert(sources.end(), images.position.begin(), images.position.end());
+  for (std::size_t k = 0; k < images.size(); ++k) {
+    ImageRule<D>& rule = near.images[k];
+    rule.parent = images.parent[k];
+    rule.map = images.map[k];
+    rule.shift = images.position[k] - rule.map * particles.position[rule.parent];
+    find_velocity_maps(boundaries, images.boundaries[k], rule);
+    find_crossings(boundaries, images.boundaries[k], rule);
+    rule.periodic = only_periodic(boundaries, images.boundaries[k]);
+  }
+  pair_up<D>(sources, particles.free(), particles.size(), range, n_parts, asleep, near.pairs);
+}
+
+template <int D>
+void fill_nodes(const Particles<D>& p, Neighbourhood<D>& near, const VecArray<D>& body, const OrZero<double>& backing,
+                double flow_limit, double bulk_viscosity, std::vector<Node<D>>& nodes) {
+  const std::size_t n = p.size();
+  nodes.resize(n + near.images.size());
+  for_rows(near.pairs, 0, n, [&](std::size_t i) {
+    Node<D>& node = nodes[i];
+    node.position = p.position[i];
+    node.velocity = p.velocity[i];
+    node.volume = p.volume[i];
+    node.density = p.mass[i] / p.volume[i];
+    double even = backing[i];
+    if (bulk_viscosity > 0.0 && p.rubbing[i] <= 0.0F) {
+      double share = 1.0;
+      edge_stiffness<D>(node.upper.data(), share);
+      even += share * share * bulk_viscosity * node.density * node.gradient.trace();
+    }
+    node.flux.noalias() = (matrix_of<D>(p.stress[i]) + even * Mat<D>::Identity()) * node.correction();
+    node.hourglass_level = p.plastic_strain[i] <= 0.0          ? Node<D>::elastic
+                           : p.plastic_strain[i] <= flow_limit ? Node<D>::yielded
+                                                               : Node<D>::flows;
+    node.rubbing = static_cast<double>(p.rubbing[i]);
+  });
+  for (std::size_t k = 0; k < near.images.size(); ++k) {
+    ImageRule<D>& rule = near.images[k];
+    Node<D>& node = nodes[n + k];
+    node = nodes[rule.parent];
+    node.position = rule.map * nodes[rule.parent].position + rule.shift;
+    node.velocity = rule.moved(p.velocity[rule.parent], p.slip);
+    node.gradient = rule.velocity * nodes[rule.parent].gradient * rule.map.transpose();
+    rule.displacement = rule.moved(p.displacement[rule.parent], p.slipped);
+    node.deformation = rule.velocity * nodes[rule.parent].deformation * rule.map.transpose();
+    node.flux = rule.velocity * nodes[rule.parent].flux * rule.map.transpose();
+    for (std::size_t c = 0; c < rule.n_crossings; ++c) {
+      const Crossing<D>& wall = rule.crossings[c];
+      const double distance = wall.normal.dot(nodes[rule.parent].position) - wall.level;
+      const Vec<D> row = rule.map * (nodes[rule.parent].correction() * (rule.map.transpose() * wall.normal));
+      const double reach = distance * slope_carried<D>(p, rule.parent, wall.normal, distance, body[rule.parent]);
+      node.flux += 2.0 * reach * (wall.share * body[rule.parent]) * row.transpose();
+      if (std::isinf(wall.friction)) continue;
+      const WallShear<D> shear = wall_shear<D>(p.stress[rule.parent], wall.normal, reach, body[rule.parent]);
+      node.flux -= 2.0 * shear.excess(wall.friction) * (wall.share * shear.traction) * row.transpose();
+      if (rule.n_crossings > 1 || p.slip[rule.parent].isZero(0.0)) continue;
+      // Slipping soil is mirrored along the wall as at a roller: only friction resists soil that spreads on it.
+      const Mat<D> along = (Mat<D>::Identity() - wall.normal * wall.normal.transpose()) * rule.map.transpose();
+      node.flux += rule.slip * nodes[rule.parent].flux * along;
+      node.gradient += rule.slip * nodes[rule.parent].gradient * along;
+      node.deformation += rule.slip * nodes[rule.parent].deformation * along;
+    }
+  }
+}
+
+template <int D>
+void fill_velocities(const Particles<D>& p, const Neighbourhood<D>& near, std::vector<Node<D>>& nodes) {
+  const std::size_t n = p.size();
+  for_rows(near.pairs, 0, n, [&](std::size_t i) { nodes[i].velocity = p.velocity[i]; });
+  for (std::size_t k = 0; k < near.images.size(); ++k) {
+    const ImageRule<D>& rule = near.images[k];
+    nodes[n + k].velocity = rule.moved(p.velocity[rule.parent], p.slip);
+  }
+}
+
+template struct Boundaries<2>;
+template struct Boundaries<3>;
+template Boundaries<2> make_boundaries<2>(const Case&, double);
+template Boundaries<3> make_boundaries<3>(const Case&, double);
+template void wrap_periodic<2>(const Boundaries<2>&, VecArray<2>&);
+template void wrap_periodic<3>(const Boundaries<3>&, VecArray<3>&);
+template void build_neighbourhood<2>(const Boundaries<2>&, double, std::size_t, const Particles<2>&,
+                                     std::span<const char>, Neighbourhood<2>&);
+template void build_neighbourhood<3>(const Boundaries<3>&, double, std::size_t, const Particles<3>&,
+                                     std::span<const char>, Neighbourhood<3>&);
+template void fill_nodes<2>(const Particles<2>&, Neighbourhood<2>&, const VecArray<2>&, const OrZero<double>&, double,
+                            double, std::vector<Node<2>>&);
+template void fill_nodes<3>(const Particles<3>&, Neighbourhood<3>&, const VecArray<3>&, const OrZero<double>&, double,
+                            double, std::vector<Node<3>>&);
+template void fill_velocities<2>(const Particles<2>&, const Neighbourhood<2>&, std::vector<Node<2>>&);
+template void fill_velocities<3>(const Particles<3>&, const Neighbourhood<3>&, std::vector<Node<3>>&);
+
+}  // namespace poretwin::solid

@@ -1,0 +1,48 @@
+// Walls and periodic sides of the soil: image planes, and the rules by which images follow their parents.
+#pragma once
+
+#include "common/geometry/shapes.hpp"
+#include "solid_solver/state.hpp"
+
+#include <algorithm>
+
+namespace poretwin::solid {
+
+/// All planes that make images of the soil.
+template <int D>
+struct Boundaries {
+  enum class Kind { roller, fixed, frictional, periodic };
+  std::vector<sph::ImagePlane<D>> planes;  ///< plane k has boundary number k
+  std::vector<Kind> kinds;
+  ScalarArray friction;  ///< Coulomb's coefficient of frictional planes
+  [[nodiscard]] bool any_frictional() const {
+    return std::find(kinds.begin(), kinds.end(), Kind::frictional) != kinds.end();
+  }
+};
+
+/// From the case's walls and periodic axes; margin [m]: how far walls reach beyond their ends so that corners close.
+template <int D>
+Boundaries<D> make_boundaries(const Case& scene, double margin);
+
+/// Brings what left through a periodic side back in through the other.
+template <int D>
+void wrap_periodic(const Boundaries<D>& boundaries, VecArray<D>& positions);
+
+/// Images and pair lists for the current positions, in parts for n_parts threads; range [m]: kernel support plus skin;
+/// asleep: see pair_up.
+template <int D>
+void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::size_t n_parts,
+                         const Particles<D>& particles, std::span<const char> asleep, Neighbourhood<D>& near);
+
+/// Position, velocity, gradient, flux and weights of the nodes from the particles, images included.
+/// body: N/m3 on each particle, for the stress's slope at walls; backing: see State; bulk_viscosity: m2/s, see
+/// Stabilisers.
+template <int D>
+void fill_nodes(const Particles<D>& particles, Neighbourhood<D>& near, const VecArray<D>& body,
+                const OrZero<double>& backing, double flow_limit, double bulk_viscosity, std::vector<Node<D>>& nodes);
+
+/// Velocities only (between the halves of a step).
+template <int D>
+void fill_velocities(const Particles<D>& particles, const Neighbourhood<D>& near, std::vector<Node<D>>& nodes);
+
+}  // namespace poretwin::solid

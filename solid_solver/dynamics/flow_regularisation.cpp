@@ -1,0 +1,292 @@
+#include "solid_solver/dynamics/flow_regularisation.hpp"
+
+#include "solid_solver/discretisation/batch.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace poretwin::solid {
+namespace {
+
+constexpr double travel = 3.0;          // of waves between two treatments, at least, in spacings
+constexpr double steps = 3.5;           // between two, at least, of the longest: every fourth is one
+constexpr double stress_share = 0.5;    // of the neighbours' average
+constexpr double volume_share = 0.2;    // of the neighbours' average
+constexpr double packing_share = 0.1;   // of the error of sum V W
+constexpr double evening = 1.0;         // h^2 of motion per crowding and shear strain
+constexpr double longest_move = 0.05;   // in spacings
+constexpr double renewing = 0.1;        // shear strain in which a stress is evened out, over the elastic one, tau / G
+constexpr double surface = 0.25;        // |sum V grad W| h beyond which a particle lies at a surface (flat: 0.7)
+constexpr double dilatancy = 2.0;       // volumetric strain per shear strain and relative density
+constexpr double largest_strain = 0.1;  // between two treatments: loose particles see more
+constexpr double largest_excess = 0.1;  // of relative density
+
+/// h^2 sum V |W'/r| over a full neighbourhood, in 2D and in 3D.
+constexpr double full_weight = 3.5;
+
+/// How many of a stress's components can differ from zero.
+template <int D>
+constexpr int n_components = D == 2 ? 4 : 6;
+
+/// Data of a node that the sums read, packed.
+template <int D>
+void fill_grains(const State<D>& state, Scratch<D>& scratch) {
+  const auto& p = state.particles;
+  scratch.grains.resize(state.nodes.size());
+  auto fill = [&](std::size_t j) {
+    const Node<D>& node = state.nodes[j];
+    Grain<D>& grain = scratch.grains[j];
+    const ImageRule<D>* const image = j < p.size() ? nullptr : &state.near.images[j - p.size()];
+    const std::size_t source = image ? image->parent : j;
+    grain.position = node.position;
+    grain.volume = node.volume;
+    grain.mass = node.volume * node.density;
+    grain.shown = image && !image->periodic ? 0.0 : p.volume[source];
+    grain.swollen = p.volume[source] / p.mass[source];
+    grain.flows = scratch.flows[source] ? 1.0 : 0.0;
+    grain.stress = p.stress[source].template head<n_components<D>>();
+  };
+  parallel_for(p.size(), fill);  // those asleep, too: others feel them
+  for (std::size_t j = p.size(); j < state.nodes.size(); ++j) fill(j);
+}
+
+/// Stress gradients [Pa/m] of the particles that flow, exact for linear stress up to the soil's surface.
+template <int D>
+void stress_slopes(const State<D>& state, Scratch<D>& scratch) {
+  using G = Grain<D>;
+  constexpr std::size_t n_slopes = n_components<D> * D + D * (D + 1) / 2;
+  using Own = Sums<n_slopes>;
+  constexpr std::size_t n_stress = n_components<D>;
+  const std::size_t n = state.particles.size();
+  const Pairs& pairs = state.near.pairs;
+  const PairView list(pairs);
+  const G* const grains = scratch.grains.data();
+  const float* const kernels = state.kernel.data();
+  Own* const sums = scratch.template zero_sums<n_slopes>(n);
+  for_rows_in_lanes(
+      pairs, 0, n, [=](std::size_t i) __attribute__((always_inline)) {
+        const double* const self = grains[i].row();
+        const double shown = grains[i].shown;
+        Lanes own[Own::size] = {};
+        for_four_pairs(
+            list, i, [&](std::size_t m, bool both) __attribute__((always_inline)) {
+              const Index* const index = &list.index[m];
+              const auto rows = rows_at(grains, index);
+              Lanes head[G::at_stress], stress[n_stress], w[D], r[D], contribution[Own::size] = {};
+              gather<0, G::at_stress>(rows, head);
+              if (self[G::at_flows] == 0.0 && !(both && any(head[G::at_flows] > 0.0))) return;
+              gather<G::at_stress, n_stress>(rows, stress);
+              Lanes k;
+              take(&kernels[m], k);
+              for (std::size_t d = 0; d < D; ++d) {
+                r[d] = self[d] - head[d];
+                w[d] = k * r[d];
+              }
+              std::size_t c = 0;
+              for (std::size_t d = 0; d < D; ++d)
+                for (std::size_t a = 0; a < n_stress; ++a)
+                  contribution[c++] = (stress[a] - self[G::at_stress + a]) * w[d];
+              for (std::size_t b = 0; b < D; ++b)
+                for (std::size_t a = 0; a <= b; ++a) contribution[c++] = -r[a] * w[b];
+              for (std::size_t q = 0; q < c; ++q) own[q] += head[G::at_shown] * contribution[q];
+              if (!both) return;
+              for (std::size_t q = 0; q < c; ++q) contribution[q] *= shown;
+              scatter_add<Own::size>(contribution, sums_at(sums, index));
+            });
+        add_lanes<Own::size>(own, sums[i].x.data());
+      });
+  for_rows(pairs, 0, n, [&](std::size_t i) {
+    if (!scratch.flows[i]) return;
+    const double* const sum = sums[i].x.data();
+    const double* square = sum + n_stress * D;
+    Mat<D> moment;
+    for (int b = 0; b < D; ++b)
+      for (int a = 0; a <= b; ++a) moment(a, b) = moment(b, a) = *square++;
+    scratch.grains[i].slope =
+        Eigen::Map<const Eigen::Matrix<double, n_components<D>, D>>(sum) * invert_moment<D>(moment);
+  });
+  for (std::size_t j = n; j < scratch.grains.size(); ++j)
+    scratch.grains[j].slope = scratch.grains[state.near.images[j - n].parent].slope;
+}
+
+/// Kernel sums around the particles that flow (Around): departure of their stress from the neighbours' linear fields,
+/// relative excess of the neighbours' volumes, gradient of the packing, and sum V W.
+template <int D>
+const Sums<Around<D>::size>* sum_neighbours(const State<D>& state, double h, Scratch<D>& scratch) {
+  using G = Grain<D>;
+  using A = Around<D>;
+  using Own = Sums<A::size>;
+  constexpr std::size_t n_stress = n_components<D>;
+  const std::size_t n = state.particles.size();
+  const Pairs& pairs = state.near.pairs;
+  const double centre = sph::WendlandC2<D>::value(0.0, h), half_inverse = 0.5 / h;
+  const PairView list(pairs);
+  const G* const grains = scratch.grains.data();
+  const float* const kernels = state.kernel.data();
+  const double* const volumes = state.particles.volume.data();
+  Own* const sums = scratch.template zero_sums<A::size>(n);
+  for_rows_in_lanes(
+      pairs, 0, n, [=](std::size_t i) __attribute__((always_inline)) {
+        const double* const self = grains[i].row();
+        Lanes own[Own::size] = {};
+        for_four_pairs(
+            list, i, [&](std::size_t m, bool both) __attribute__((always_inline)) {
+              const Index* const index = &list.index[m];
+              const auto rows = rows_at(grains, index);
+              Lanes head[G::at_stress], other[n_stress], slope[n_stress * D], r[D], contribution[Own::size] = {},
+                                                                                    theirs[Own::size] = {};
+              gather<0, G::at_stress>(rows, head);
+              const bool flows = self[G::at_flows] > 0.0;
+              if (!flows && !(both && any(head[G::at_flows] > 0.0))) return;
+              Lanes k;
+              take(&kernels[m], k);
+              Lanes distance{};
+              for (std::size_t d = 0; d < D; ++d) {
+                r[d] = self[d] - head[d];
+                distance += r[d] * r[d];
+              }
+              sqrt_in_place(distance);
+              Lanes u = 1.0 - half_inverse * distance;
+              max_in_place(u, Lanes{});
+              const Lanes value = centre * (u * u) * (u * u) * (5.0 - 4.0 * u);
+              contribution[A::at_cover] = head[G::at_volume] * value;
+              theirs[A::at_cover] = self[G::at_volume] * value;
+              for (std::size_t d = 0; d < D; ++d) {
+                contribution[A::at_crowding + d] = head[G::at_mass] * k * r[d];
+                theirs[A::at_crowding + d] = -self[G::at_mass] * k * r[d];
+              }
+              if (flows) {
+                gather<G::at_stress, n_stress>(rows, other);
+                gather<G::at_slope, n_stress * D>(rows, slope);
+                const Lanes weight = -k * head[G::at_flows], they = weight * head[G::at_shown],
+                            me = weight * self[G::at_shown];
+                for (std::size_t a = 0; a < n_stress; ++a) {
+                  Lanes unexplained = other[a] - self[G::at_stress + a];
+                  for (std::size_t d = 0; d < D; ++d)
+                    unexplained += 0.5 * (self[G::at_slope + n_stress * d + a] + slope[n_stress * d + a]) * r[d];
+                  contribution[a] = they * unexplained;
+                  theirs[a] = -me * unexplained;
+                }
+                contribution[A::at_swelling] = they * (head[G::at_swollen] / self[G::at_swollen] - 1.0);
+                theirs[A::at_swelling] = me * (self[G::at_swollen] / head[G::at_swollen] - 1.0);
+              }
+              // A pair with itself fills the list up.
+              const Lanes real = distance > 0.0 ? Lanes{} + 1.0 : Lanes{};
+              contribution[A::at_cover] *= real;
+              for (std::size_t q = 0; q < A::size; ++q) own[q] += contribution[q];
+              if (!both) return;
+              theirs[A::at_cover] *= real;
+              scatter_add<Own::size>(theirs, sums_at(sums, index));
+            });
+        own[A::at_cover][0] += volumes[i] * centre;
+        add_lanes<Own::size>(own, sums[i].x.data());
+      });
+  return sums;
+}
+
+/// Regularised stresses and volumes of a batch, before the constitutive model is applied; moves [m]: displacements of
+/// its particles.
+template <int D>
+void even_out(const Setup<D>& setup, double interval, const State<D>& state, const Sums<Around<D>::size>* sums,
+              Batch& batch, std::array<Quad, D>* moves) {
+  using A = Around<D>;
+  const Particles<D>& p = state.particles;
+  const Index soil = batch.soil;
+  const Elasticity elasticity = setup.models[soil]->elasticity();
+  const double h = setup.smoothing_length, scale = h * h / full_weight, density = setup.density[soil];
+  const double longest = longest_move * setup.spacing;
+  const double grains = setup.grain_share[soil] / setup.grain_density[soil];
+  const bool dilates = setup.constant_volume[soil] != 0;
+  run_lanes([&]() __attribute__((always_inline)) {
+    for (std::size_t q = 0; q < batch.n_fours(); ++q) {
+      const Index* const i = &batch.who[q * n_lanes];
+      Four& four = batch.fours[q];
+      Lanes gradient[D * D], around[A::size], rate[6], mass, volume, coverage, shear, elastic;
+      gather<Node<D>::at_gradient, D * D>(rows_at(state.nodes.data(), i), gradient);
+      gather<0, A::size>({sums[i[0]].x.data(), sums[i[1]].x.data(), sums[i[2]].x.data(), sums[i[3]].x.data()}, around);
+      take_stresses(p.stress, i, four.stress);
+      take_each(p.mass, i, mass);
+      take_each(p.volume, i, volume);
+      take_each(state.external.coverage, i, coverage);
+      take_each(state.external.saturation, i, four.saturation);
+      const Lanes mean = (four.stress[0] + four.stress[1] + four.stress[2]) / 3.0;
+      strain_rate<D>(gradient, rate);
+      root_j2(rate, shear);
+      shear *= 2.0 * interval;
+      root_j2(four.stress, elastic);
+      elastic *= renewing / elasticity.shear;
+      const Lanes flowed = shear < elastic ? shear / elastic : Lanes{} + 1.0;
+      for (int a = 0; a < n_components<D>; ++a) four.stress[a] += stress_share * scale * flowed * around[a];
+      volume *= 1.0 + volume_share * scale * flowed * around[A::at_swelling];
+      const Lanes cover = around[A::at_cover] / setup.full_cover;
+      Lanes* const crowding = &around[A::at_crowding];
+      Lanes crowded{};
+      for (int d = 0; d < D; ++d) {
+        crowding[d] /= density;
+        crowded += crowding[d] * crowding[d];
+      }
+      sqrt_in_place(crowded);
+      const LaneMask inside = (crowded * h <= surface) & (cover >= 0.8);
+      // In wet soil the water's pressure keeps the volume; a density taken from the positions would squeeze it.
+      volume *= inside & (coverage <= 0.5) ? 1.0 - packing_share * (cover - 1.0) : Lanes{} + 1.0;
+      Lanes strain = shear;
+      min_in_place(strain, Lanes{} + largest_strain);
+      if (dilates) {
+        Lanes excess = mass / (density * volume) - 1.0 + mean / elasticity.bulk;
+        max_in_place(excess, Lanes{} - largest_excess);
+        min_in_place(excess, Lanes{} + largest_excess);
+        const Lanes rise = inside ? elasticity.bulk * dilatancy * strain * excess : Lanes{};
+        for (int d = 0; d < 3; ++d) four.stress[d] -= rise;
+      }
+      Lanes move = evening * h * h * strain, most = longest / (crowded > 0.0 ? crowded : Lanes{} + longest);
+      min_in_place(move, most);
+      for (std::size_t d = 0; d < D; ++d) moves[q][d].v = inside ? -move * crowding[d] : Lanes{};
+      for (Lanes& none : four.strain) none = Lanes{};
+      four.void_ratio = volume / (grains * mass) - 1.0;
+      batch.volume[q].v = volume;
+    }
+  });
+}
+
+}  // namespace
+
+template <int D>
+void keep_flow_regular(const Setup<D>& setup, double dt, State<D>& state) {
+  if (!setup.regular_flow) return;
+  state.since_upkeep += dt;
+  if (state.since_upkeep <
+      std::max(travel * setup.spacing / setup.stabilisers.sound_speed, steps * setup.longest_substep))
+    return;
+  const double interval = state.since_upkeep;
+  state.since_upkeep = 0.0;
+  Particles<D>& p = state.particles;
+  const std::size_t n = p.size();
+  Scratch<D>& scratch = state.scratch;
+  scratch.flows.resize(n);
+  for (std::size_t i = 0; i < n; ++i) scratch.flows[i] = p.plastic_strain[i] > setup.flow_limit;
+  if (std::none_of(scratch.flows.begin(), scratch.flows.end(), [](char flows) { return flows; })) return;
+  fill_grains<D>(state, scratch);
+  stress_slopes<D>(state, scratch);
+  const auto* const sums = sum_neighbours<D>(state, setup.smoothing_length, scratch);
+  const auto treated = [&](Index i) {
+    return scratch.flows[i] && !state.near.pairs.skips(i) && !state.regions.sleeps(i);
+  };
+  for_batches(state, treated, [&](Batch& batch) {
+    std::array<std::array<Quad, D>, Batch::most / n_lanes> moves;
+    even_out<D>(setup, interval, state, sums, batch, moves.data());
+    setup.models[batch.soil]->advance(std::span(batch.fours).first(batch.n_fours()));  // back to what the soil can bear
+    for (std::size_t k = 0; k < batch.count; ++k) {
+      const Index i = batch.who[k];
+      const std::size_t q = k / n_lanes, lane = k % n_lanes;
+      p.volume[i] = batch.volume[q].v[lane];
+      for (int c = 0; c < 6; ++c) p.stress[i][c] = batch.fours[q].stress[c][lane];
+      for (std::size_t d = 0; d < D && i < p.free(); ++d)
+        p.position[i][static_cast<Eigen::Index>(d)] += moves[q][d].v[lane];
+    }
+  });
+}
+
+template void keep_flow_regular<2>(const Setup<2>&, double, State<2>&);
+template void keep_flow_regular<3>(const Setup<3>&, double, State<3>&);
+
+}  // namespace poretwin::solid

@@ -1,0 +1,88 @@
+#include "solid_solver/dynamics/straining.hpp"
+
+#include "solid_solver/discretisation/batch.hpp"
+
+namespace poretwin::solid {
+namespace {
+
+/// Trial strains, rotated stresses, and the volumes that follow from the strains.
+template <int D>
+void follow(const Setup<D>& setup, double dt, const State<D>& state, Batch& batch) {
+  const Particles<D>& p = state.particles;
+  const Index soil = batch.soil;
+  const double density = setup.density[soil], grain_density = setup.grain_density[soil],
+               grain_share = setup.grain_share[soil];
+  // Conserves mass: n_s = m / (rho_s V), Eq. (50) by its rate. Bounded, since an opening crack is not porosity, and
+  // colliding grains keep a tenth of their pores.
+  constexpr double pores_left = 0.1;
+  run_lanes([&]() __attribute__((always_inline)) {
+    for (std::size_t q = 0; q < batch.n_fours(); ++q) {
+      const Index* const i = &batch.who[q * n_lanes];
+      Four& four = batch.fours[q];
+      Lanes gradient[D * D], turning[6];
+      gather<Node<D>::at_gradient, D * D>(rows_at(state.nodes.data(), i), gradient);
+      take_stresses(p.stress, i, four.stress);
+      Lanes mass, volume;
+      take_each(p.mass, i, mass);
+      take_each(p.volume, i, volume);
+      const Lanes reference = mass / density, grains = mass / grain_density;
+      // Dilation ends at a limit of the void ratio at the start of the step. With the one at the end it would start and
+      // stop with every displacement that a search for equilibrium tries.
+      take_each(state.external.saturation, i, four.saturation);
+      four.void_ratio = volume / (grain_share * grains) - 1.0;
+      Lanes rate{}, closest = grains + pores_left * (reference - grains);
+      for (int d = 0; d < D; ++d) rate += gradient[d + D * d];
+      max_in_place(closest, 0.5 * reference);
+      volume *= 1.0 + dt * rate;
+      max_in_place(volume, closest);
+      min_in_place(volume, 2.0 * reference);
+      batch.volume[q].v = volume;
+      spin_rate<D>(four.stress, gradient, turning);
+      strain_rate<D>(gradient, four.strain);
+      Lanes share = Lanes{} + 1.0;
+      if (setup.soft_edges) {
+        Lanes upper[D * (D + 1) / 2];
+        gather<Node<D>::at_correction, D*(D + 1) / 2>(rows_at(state.nodes.data(), i), upper);
+        edge_stiffness<D>(upper, share);
+      }
+      batch.stiffness[q].v = share;
+      for (int c = 0; c < 6; ++c) {
+        four.stress[c] += dt * turning[c];
+        four.strain[c] *= dt * share;  // the stress that lower moduli would give
+      }
+    }
+  });
+}
+
+}  // namespace
+
+template <int D>
+void strain(const Setup<D>& setup, double dt, State<D>& state) {
+  Particles<D>& p = state.particles;
+  const auto strained = [&](Index i) {
+    const bool held = i >= p.free() && state.nodes[i].gradient.squaredNorm() == 0.0;
+    return !held && !state.near.pairs.skips(i) && !state.regions.sleeps(i);
+  };
+  for_batches(state, strained, [&](Batch& batch) {
+    follow<D>(setup, dt, state, batch);
+    setup.models[batch.soil]->advance(std::span(batch.fours).first(batch.n_fours()));
+    const float friction = setup.loose_friction[batch.soil];
+    for (std::size_t k = 0; k < batch.count; ++k) {
+      const Index i = batch.who[k];
+      const Four& four = batch.fours[k / n_lanes];
+      const std::size_t lane = k % n_lanes;
+      p.volume[i] = batch.volume[k / n_lanes].v[lane];
+      const bool apart = friction > 0.0F && p.volume[i] > Setup<D>::loosest * p.mass[i] / setup.density[batch.soil];
+      p.rubbing[i] = apart ? friction : 0.0F;
+      for (int c = 0; c < 6; ++c) p.stress[i][c] = apart ? 0.0 : four.stress[c][lane];
+      if (four.plastic[lane] <= 0.0) continue;
+      p.plastic_strain[i] += four.plastic[lane] / batch.stiffness[k / n_lanes].v[lane];
+      state.yielded[i] = 1;
+    }
+  });
+}
+
+template void strain<2>(const Setup<2>&, double, State<2>&);
+template void strain<3>(const Setup<3>&, double, State<3>&);
+
+}  // namespace poretwin::solid

@@ -1,0 +1,129 @@
+#include "solid_solver/dynamics/wall_friction.hpp"
+
+namespace poretwin::solid {
+namespace {
+
+/// Calls visit(image, node, weight) for the images that act on particle i, weight = V W'/r (x_i - x_j) [1/m].
+template <int D, class Visit>
+void for_each_image(const State<D>& state, std::size_t i, Visit&& visit) {
+  const std::size_t n = state.particles.size();
+  const Pairs& pairs = state.near.pairs;
+  for (std::size_t m = pairs.alone[i]; m < pairs.offset[i + 1]; ++m) {
+    const std::size_t j = pairs.index[m];
+    if (j < n) continue;
+    const Vec<D> r = state.nodes[i].position - state.nodes[j].position;
+    visit(state.near.images[j - n], state.nodes[j], Vec<D>((state.nodes[j].volume * state.kernel[m]) * r));
+  }
+}
+
+/// Derivative of the soil's velocity gradient across the wall with respect to the wall slip, d(dv_t/dn)/ds [1/m], at
+/// particle i; negative.
+template <int D>
+double effect_of_slip(const State<D>& state, std::size_t i, const Vec<D>& normal) {
+  const Vec<D> row = state.nodes[i].correction() * normal;
+  const Mat<D> along = Mat<D>::Identity() - normal * normal.transpose();
+  double effect = 0.0;
+  for_each_image(state, i, [&](const ImageRule<D>& image, const Node<D>&, const Vec<D>& weight) {
+    if (image.slips) effect += (along * image.slip).trace() / (D - 1) * weight.dot(row);
+  });
+  return effect;
+}
+
+/// Calls visit(i, wall, normal, distance [m]) for particles nearer to a frictional wall than a spacing.
+template <int D, class Visit>
+void for_each_touch(const Setup<D>& setup, const State<D>& state, Visit&& visit) {
+  const Boundaries<D>& walls = setup.boundaries;
+  for (std::size_t k = 0; k < walls.planes.size(); ++k) {
+    if (walls.kinds[k] != Boundaries<D>::Kind::frictional) continue;
+    const Vec<D>& normal = walls.planes[k].normal;
+    for (std::size_t i = 0; i < state.particles.free(); ++i) {
+      if (state.regions.sleeps(i)) continue;
+      const Vec<D>& x = state.nodes[i].position;  // the kernels'
+      const double distance = normal.dot(x - walls.planes[k].point);
+      if (distance >= 0.0 && distance < setup.spacing && walls.planes[k].faces(x)) visit(i, k, normal, distance);
+    }
+  }
+}
+
+}  // namespace
+
+template <int D>
+void rub_on_walls(const Setup<D>& setup, double dt, State<D>& state) {
+  Particles<D>& p = state.particles;
+  if (p.slip.empty()) return;
+  const double h = setup.smoothing_length;
+  for_each_touch(setup, state, [&](std::size_t i, std::size_t wall, const Vec<D>& normal, double) {
+    if (p.slip[i].isZero(0.0)) return;
+    const double alpha = p.rubbing[i] > 0.0F ? setup.stabilisers.collision : setup.stabilisers.artificial;
+    const double beta = p.rubbing[i] > 0.0F ? 0.0 : setup.stabilisers.quadratic;
+    double lift = 0.0;  // m/s2
+    for_each_image(state, i, [&](const ImageRule<D>& image, const Node<D>& node, const Vec<D>& weight) {
+      if (!image.slips) return;
+      const Vec<D> r = state.nodes[i].position - node.position;
+      const double approach = -r.dot(state.nodes[i].velocity - node.velocity);
+      if (approach <= 0.0) return;
+      const double closing = approach / (r.squaredNorm() + 0.01 * h * h);
+      lift -= (alpha * setup.stabilisers.sound_speed + beta * h * closing) * h * closing * weight.dot(normal);
+    });
+    const Vec<D> along = p.velocity[i] - normal.dot(p.velocity[i]) * normal;
+    const double speed = along.norm(), most = setup.boundaries.friction[wall] * lift * dt;
+    if (lift > 0.0 && speed > 0.0) p.velocity[i] -= std::min(1.0, most / speed) * along;
+  });
+}
+
+template <int D>
+void slide_on_walls(const Setup<D>& setup, double dt, State<D>& state) {
+  Particles<D>& p = state.particles;
+  if (p.slip.empty()) return;
+  auto& touches = state.scratch.touches;
+  touches.assign(p.free(), 0);
+  for_each_touch(setup, state, [&](std::size_t i, std::size_t wall, const Vec<D>& normal, double distance) {
+    const double effect = effect_of_slip(state, i, normal);
+    if (effect > -0.05 / setup.spacing) return;
+    touches[i] = 1;
+    const ConstitutiveModel& model = *setup.models[p.material[i]];
+    const double stiffness = -effect * model.elasticity().shear * dt;  // Pa s/m, of the shear against slip
+    const double reach = distance * slope_carried<D>(p, i, normal, distance, state.body[i]);
+    const WallShear<D> found = wall_shear<D>(p.stress[i], normal, reach, state.body[i]);
+    const auto tangential = [&](const Vec<D>& v) { return Vec<D>(v - normal.dot(v) * normal); };
+    const Vec<D> before = tangential(p.slip[i]);
+    const WallShear<D> stuck{found.traction + stiffness * before, found.pressure};
+    const double excess = stuck.excess(setup.boundaries.friction[wall]);
+    const Vec<D> slip =
+        found.pressure > 0.0 ? Vec<D>((excess / stiffness) * stuck.traction) : tangential(p.velocity[i]);
+    const Vec<D> change = (1.0 - excess) * stuck.traction - found.traction;
+    p.slip[i] += slip - before;
+    const Mat<D> unsheared = effect * (slip - before) * normal.transpose();
+    state.nodes[i].gradient += unsheared;
+    state.nodes[i].deformation += dt * unsheared;
+    if (excess > 0.0)  // the wall is as far behind as the soil's own shear explains
+      p.slipped[i] += tangential(p.displacement[i] - distance * state.nodes[i].deformation * normal - p.slipped[i]);
+    set_matrix<D>(matrix_of<D>(p.stress[i]) + change * normal.transpose() + normal * change.transpose(), p.stress[i]);
+    const double plastic =
+        model.advance(p.stress[i], Tensor::Zero(), condition(setup, p, i, state.external.saturation[i]));
+    if (plastic > 0.0) {
+      p.plastic_strain[i] += plastic;
+      state.yielded[i] = 1;
+    }
+  });
+  for (std::size_t i = 0; i < p.free(); ++i) {
+    if (touches[i] || state.regions.sleeps(i)) continue;
+    Vec<D> slip = Vec<D>::Zero(), slipped = slip;
+    double weights = 0.0;
+    for_each_image(state, i, [&](const ImageRule<D>& image, const Node<D>&, const Vec<D>& weight) {
+      if (!image.slips || image.parent >= p.free() || !touches[image.parent]) return;
+      slip += weight.norm() * p.slip[image.parent];
+      slipped += weight.norm() * p.slipped[image.parent];
+      weights += weight.norm();
+    });
+    p.slip[i] = weights > 0.0 ? Vec<D>(slip / weights) : p.velocity[i];
+    p.slipped[i] = weights > 0.0 ? Vec<D>(slipped / weights) : p.displacement[i];
+  }
+}
+
+template void rub_on_walls<2>(const Setup<2>&, double, State<2>&);
+template void rub_on_walls<3>(const Setup<3>&, double, State<3>&);
+template void slide_on_walls<2>(const Setup<2>&, double, State<2>&);
+template void slide_on_walls<3>(const Setup<3>&, double, State<3>&);
+
+}  // namespace poretwin::solid

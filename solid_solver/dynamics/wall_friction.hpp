@@ -1,0 +1,53 @@
+// Walls with Coulomb's friction. Soil that sticks is treated as at a fixed wall: its images have reversed velocities.
+// Where it slips, each particle at the wall has a wall slip s [m/s], and its images are reversed about that,
+// v' = 2 s - v. The wall slip follows from a return map, as for the cone: it is the one at which the shear stress at
+// the wall is on Coulomb's limit.
+#pragma once
+
+#include "solid_solver/setup.hpp"
+
+namespace poretwin::solid {
+
+/// Shear traction [Pa] of the soil on a wall and the pressure that it is held against, from the stress of a particle at
+/// a distance [m]: between them the stress on planes along the wall has the slope of the body force, d(sigma n)/dn =
+/// -b.
+template <int D>
+struct WallShear {
+  Vec<D> traction = Vec<D>::Zero();
+  double pressure = 0.0;
+  /// Fraction of the traction in excess of the friction that the wall can provide.
+  [[nodiscard]] double excess(double friction) const {
+    const double size = traction.norm(), most = friction * pressure;
+    return size > most ? 1.0 - most / size : 0.0;
+  }
+};
+
+/// normal: unit, into the soil; body: N/m3.
+template <int D>
+WallShear<D> wall_shear(const Tensor& stress, const Vec<D>& normal, double distance, const Vec<D>& body) {
+  const Vec<D> at_wall = matrix_of<D>(stress) * normal + distance * body;
+  const double across = normal.dot(at_wall);
+  return {at_wall - across * normal, std::max(0.0, -across)};
+}
+
+/// Factor on that slope. Soil that has yielded at a wall transmits no more than the wall's reaction: nothing once it
+/// has detached.
+template <int D>
+double slope_carried(const Particles<D>& p, std::size_t i, const Vec<D>& normal, double distance, const Vec<D>& body) {
+  if (p.plastic_strain[i] <= 0.0) return 1.0;
+  const double weight = distance * std::abs(normal.dot(body)),
+               reaction = -normal.dot(matrix_of<D>(p.stress[i]) * normal);
+  return reaction < weight ? std::max(0.0, reaction / weight) : 1.0;
+}
+
+/// Friction, over a step of dt [s], of slipping soil that viscosity, not stress, supports at the wall: without it thin
+/// sheets and single grains would glide on it.
+template <int D>
+void rub_on_walls(const Setup<D>& setup, double dt, State<D>& state);
+
+/// Updates wall slip and stress after a step of dt [s] that strained the soil with the previous slip, so that the
+/// traction meets Coulomb's limit. Solved for particles nearer to a wall than a spacing; those behind take their slip.
+template <int D>
+void slide_on_walls(const Setup<D>& setup, double dt, State<D>& state);
+
+}  // namespace poretwin::solid

@@ -1,0 +1,44 @@
+// Degree of saturation of the soil from the water around it.
+#pragma once
+
+#include "solid_solver/setup.hpp"
+
+#include <algorithm>
+
+namespace poretwin::solid {
+
+/// Coverage of every particle by the soil itself [n], the particle included: 1 inside, less at faces.
+template <int D>
+ScalarArray own_coverage(const Setup<D>& setup, const State<D>& state) {
+  const double h = setup.smoothing_length, self = sph::WendlandC2<D>::value(0.0, h);
+  ScalarArray own(state.particles.size());
+  for (std::size_t i = 0; i < own.size(); ++i) own[i] = state.nodes[i].volume * self;
+  for_each_pair(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t, bool both) {
+    const Node<D>&a = state.nodes[i], &b = state.nodes[j];
+    const double value = sph::WendlandC2<D>::value((a.position - b.position).norm(), h);
+    own[i] += b.volume * value;
+    if (both) own[j] += a.volume * value;
+  });
+  return own;
+}
+
+/// Degree of saturation s_r of every particle, Eq. (90): water's coverage [0..1] over the soil's own, so that a wetted
+/// face is as wet as the soil behind it, from the soil's initial saturation up to 1. The coverage of disordered points
+/// scatters by some percent: 95 % counts as full. own(): own_coverage(), by reference; evaluated only where there is
+/// water.
+template <int D, class Own>
+void degree_of_saturation(const std::vector<Soil>& soils, const State<D>& state, const OrZero<double>& coverage,
+                          Own&& own, OrZero<double>& saturation) {
+  constexpr double full = 0.95;
+  const std::size_t n = state.particles.size();
+  saturation.allocate(n);
+  const bool wet = std::any_of(coverage.begin(), coverage.end(), [](double c) { return c > 0.0; });
+  const ScalarArray* around = wet ? &own() : nullptr;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double initial = soils[state.particles.material[i]].initial_saturation;
+    const double share = coverage[i] > 0.0 ? std::min(1.0, coverage[i] / (full * std::min(1.0, (*around)[i]))) : 0.0;
+    saturation.set(i, initial + (1.0 - initial) * share);
+  }
+}
+
+}  // namespace poretwin::solid

@@ -1,0 +1,39 @@
+// Drucker-Prager elasto-plasticity with a closed-form, non-associated return map, an apex and a tension cut-off.
+#pragma once
+
+#include "solid_solver/material/cone.hpp"
+#include "solid_solver/material/model.hpp"
+
+namespace poretwin::solid {
+
+/// Adds the elastic stress of a strain increment and returns. The return gives invariants, exact while the deviator
+/// keeps its direction; the direction follows in closed form from the strain's (exact at psi = 0). Returns the plastic
+/// strain.
+double integrate(Tensor& stress, const Tensor& strain, const Cone& cone, const Elasticity& elasticity);
+
+/// Brings a trial stress outside the cone back, along the potential, to the tension limit or to the edge where both
+/// meet, in one step and independent of its size. Returns the equivalent deviatoric plastic strain (0 inside).
+double return_map(Tensor& stress, const Cone& cone, const Elasticity& elasticity);
+
+/// Common to the ways of integrating the model: the cone under the soil's present condition.
+class DruckerPragerSoil : public ConstitutiveModel {
+ public:
+  explicit DruckerPragerSoil(const Soil& soil);
+  /// Cohesion falls with saturation, Eq. (36); dilation ends at the soil's largest void ratio.
+  [[nodiscard]] Cone cone(const Condition& condition) const;
+
+ protected:
+  Soil soil_;
+  Cone dilating_, spent_;  ///< for unit cohesion
+};
+
+class DruckerPrager final : public DruckerPragerSoil {
+ public:
+  using DruckerPragerSoil::DruckerPragerSoil;
+  double advance(Tensor& stress, const Tensor& strain, const Condition& condition = {}) const override {
+    return integrate(stress, strain, cone(condition), elasticity());
+  }
+  void advance(std::span<Four> many) const override;
+};
+
+}  // namespace poretwin::solid

@@ -1,0 +1,130 @@
+// Soil that hardly moves: its departure from rest, the damping towards rest, and sleep.
+#pragma once
+
+#include "solid_solver/dynamics/step.hpp"
+
+#include <numbers>
+#include <span>
+
+namespace poretwin::solid {
+
+/// Largest and root-mean-square departure from rest, over a reference acceleration: of the unbalanced acceleration or,
+/// where that is more, of the velocity times the near-critical damping rate.
+struct Unrest {
+  double largest = 0.0, rms = 0.0;
+  double share = 0.0;  ///< of the mass, of what departs by more than `restless`
+};
+
+/// Departure from rest, over the reference acceleration, above which a particle counts as moving; fraction of the mass
+/// that may move while the soil as a whole counts as at rest: grains that ravel or creep at a surface.
+inline constexpr double restless = 3e-3, local_share = 0.05;
+
+/// Damping rate [1/s] that is critical for the slowest mode of a column as high as the soil, 2 omega = pi c / H.
+template <int D>
+double near_critical_damping(const Setup<D>& setup) {
+  return std::numbers::pi * setup.stabilisers.sound_speed / setup.height;
+}
+
+/// Force from outside on particle i without its weight [N].
+template <int D>
+Vec<D> force_from_outside(const Drive<D>& drive, std::size_t i) {
+  return drive.traction.empty() ? drive.distributed[i] : Vec<D>(drive.distributed[i] + drive.traction[i]);
+}
+
+/// Force on every particle [N] without hourglass control.
+template <int D>
+VecArray<D> forces(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive) {
+  const Particles<D>& p = state.particles;
+  VecArray<D> force(p.free());
+  for (std::size_t i = 0; i < p.free(); ++i)
+    force[i] = p.volume[i] * state.force[i].internal() + force_from_outside(drive, i) + p.mass[i] * setup.gravity;
+  return force;
+}
+
+/// Reference acceleration [m/s2]: gravity, or the forces from outside spread over the soil's height.
+template <int D>
+double reference_acceleration(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive) {
+  double reference = setup.gravity.norm();
+  for (std::size_t i = 0; i < state.particles.free(); ++i)
+    reference = std::max(reference,
+                         force_from_outside(drive, i).norm() / state.particles.mass[i] * setup.spacing / setup.height);
+  return reference;
+}
+
+/// Share of the mass of the free particles i for which moves(i).
+template <int D, class Moves>
+double share_of_mass(const Particles<D>& p, Moves&& moves) {
+  double share = 0.0, whole = 0.0;
+  for (std::size_t i = 0; i < p.free(); ++i) {
+    whole += p.mass[i];
+    if (moves(i)) share += p.mass[i];
+  }
+  return share / whole;
+}
+
+template <int D>
+Unrest unrest(const Setup<D>& setup, const State<D>& state, std::span<const Vec<D>> force, double reference) {
+  const Particles<D>& p = state.particles;
+  const double rate = near_critical_damping(setup);
+  Unrest result;
+  if (reference <= 0.0) return result;
+  result.share = share_of_mass(p, [&](std::size_t i) {
+    const double departure = std::max(force[i].norm() / p.mass[i], rate * p.velocity[i].norm()) / reference;
+    result.largest = std::max(result.largest, departure);
+    result.rms += departure * departure / static_cast<double>(p.free());
+    return departure > restless;
+  });
+  result.rms = std::sqrt(result.rms);
+  return result;
+}
+
+template <int D>
+Unrest unrest(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive, double reference) {
+  const VecArray<D> force = forces(setup, state, drive);
+  return unrest<D>(setup, state, std::span<const Vec<D>>(force), reference);
+}
+
+/// Sets all velocities to zero.
+template <int D>
+void stop(const Setup<D>& setup, State<D>& state) {
+  for (auto& v : state.particles.velocity) v.setZero();
+  for (auto& s : state.particles.slip) s.setZero();
+  for (auto& node : state.nodes) node.gradient.setZero();
+  evaluate_forces(setup, state);
+}
+
+/// Change of the saturation that disturbs a rest, where a cohesion follows it.
+inline constexpr double softening = 0.01;
+
+/// Whether the saturation has changed by more, where a cohesion follows it, since the soil was last found at rest.
+template <int D>
+bool softened(const Setup<D>& setup, const State<D>& state) {
+  const auto& now = state.external.saturation;
+  const auto& before = state.sleep.saturation;
+  for (std::size_t i = 0; i < state.particles.free(); ++i)
+    if (setup.softened_by_water[state.particles.material[i]] &&
+        (!before.is_allocated() || std::abs(now[i] - before[i]) > softening))
+      return true;
+  return false;
+}
+
+/// Windows longer than elastic waves take through the soil and back are successions of equilibria [s].
+template <int D>
+double long_window(const Setup<D>& setup) {
+  return 2.0 * setup.height / setup.stabilisers.sound_speed;
+}
+
+/// Whether the forces have changed since the soil fell asleep by more than `wake_above` of the reference anywhere, or
+/// water has softened it, or a load has begun.
+template <int D>
+bool disturbed(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive, std::size_t loads, double reference,
+               double wake_above) {
+  if (loads != state.sleep.loads || softened(setup, state)) return true;
+  for (std::size_t i = 0; i < state.particles.free(); ++i) {
+    const double change = (drive.distributed[i] - state.sleep.force[i]).norm();
+    if (change > wake_above * reference * state.particles.mass[i]) return true;
+  }
+  return false;
+}
+
+}  // namespace poretwin::solid

@@ -1,0 +1,184 @@
+// The equilibrium of soil at the end of a window: displacements by which nothing is missing in its balance of forces.
+#pragma once
+
+#include "solid_solver/statics/anderson.hpp"
+#include "solid_solver/statics/rest.hpp"
+#include "solid_solver/statics/stiffness.hpp"
+
+namespace poretwin::solid {
+
+/// All forces on the particles [N], hourglass control and viscosity included.
+template <int D>
+VecArray<D> all_forces(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive) {
+  VecArray<D> force = forces(setup, state, drive);
+  for (std::size_t i = 0; i < force.size(); ++i) force[i] += state.particles.volume[i] * state.force[i].stabilising();
+  return force;
+}
+
+/// How far from rest soil is on which these forces [N] act, as Stiffness::departure() measures it.
+template <int D>
+double departure(const Stiffness<D>& stiffness, const VecArray<D>& force, double reference) {
+  return stiffness.departure(stiffness.work(force), reference);
+}
+template <int D>
+double departure(const Setup<D>& setup, const Stiffness<D>& stiffness, const State<D>& state, const Drive<D>& drive) {
+  return departure(stiffness, all_forces(setup, state, drive), reference_acceleration(setup, state, drive));
+}
+
+/// Forces on the particles [N] averaged over their neighbourhoods by mass, so that what alternates from one particle to
+/// the next is gone: hourglass modes carry no stress, and nothing controls them in soil that flows.
+template <int D>
+VecArray<D> averaged(const Setup<D>& setup, const State<D>& state, const VecArray<D>& force) {
+  const Particles<D>& p = state.particles;
+  const double h = setup.smoothing_length, self = sph::WendlandC2<D>::value(0.0, h);
+  VecArray<D> sum(force.size());
+  ScalarArray mass(force.size());
+  for (std::size_t i = 0; i < force.size(); ++i) {
+    sum[i] = self * force[i];
+    mass[i] = self * p.mass[i];
+  }
+  for_each_ordered_pair(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t) {
+    if (i >= force.size() || j >= force.size()) return;
+    const double w = sph::WendlandC2<D>::value((p.position[i] - p.position[j]).norm(), h);
+    sum[i] += w * force[j];
+    mass[i] += w * p.mass[j];
+  });
+  for (std::size_t i = 0; i < force.size(); ++i) sum[i] *= p.mass[i] / mass[i];
+  return sum;
+}
+
+/// When an equilibrium is found and when the search is given up.
+struct EquilibriumSearch {
+  double criterion = 4e-4;  ///< departure from rest as Stiffness::departure() measures it
+  double local = 0.0;       ///< share of the mass of soil that yields that may go on moving, once the rest is at rest
+  double moving = 5e-3;     ///< averaged force from which on it counts as moving, over the reference acceleration
+  std::size_t most = 300;   ///< displacements tried
+};
+
+/// What is left to find: the share of the mass on which averaged forces act, and the departure of the others.
+struct Unsettled {
+  double share = 1.0, rest = 0.0;
+};
+template <int D>
+Unsettled unsettled(const Setup<D>& setup, const Stiffness<D>& stiffness, double moving, const State<D>& state,
+                    const VecArray<D>& force, double reference) {
+  VecArray<D> left = averaged(setup, state, force);
+  const auto moves = [&](std::size_t i) { return left[i].norm() > moving * reference * state.particles.mass[i]; };
+  Unsettled result{share_of_mass(state.particles, moves)};
+  for (std::size_t i = 0; i < left.size(); ++i)
+    if (moves(i)) left[i].setZero();
+  result.rest = departure(stiffness, left, reference);
+  return result;
+}
+
+/// Whether all but a local part is at rest. That part may be twice as large where trying on gains nothing: it creeps on
+/// in the next window. Looked at now and then.
+class Patience {
+ public:
+  static constexpr std::size_t looks_every = 10;  ///< displacements tried
+  /// departure: of all the soil.
+  bool ends(const EquilibriumSearch& search, double departure, const Unsettled& left) {
+    constexpr double near = 10.0;  // times the criterion
+    constexpr double gain = 0.1;   // of the share, since four looks ago
+    const bool stalls = left.share > (1.0 - gain) * shares_.back();
+    std::rotate(shares_.begin(), shares_.end() - 1, shares_.end());
+    shares_.front() = left.share;
+    if (left.rest >= search.criterion || departure >= near * search.criterion) return false;
+    return left.share < search.local || (stalls && left.share < 2.0 * search.local);
+  }
+
+ private:
+  std::array<double, 4> shares_{1.0, 1.0, 1.0, 1.0};
+};
+
+/// Grains that are apart, or have been in one of the displacements tried, carry no stress: contacts that come and go
+/// with every trial would leave no equilibrium to find.
+template <int D>
+void leave_out(const Setup<D>& setup, State<D>& state, std::vector<char>& apart) {
+  Particles<D>& p = state.particles;
+  for (std::size_t i = 0; i < apart.size(); ++i) {
+    if (p.rubbing[i] > 0.0F) apart[i] = 1;
+    if (!apart[i]) continue;
+    p.stress[i].setZero();
+    p.rubbing[i] = setup.loose_friction[p.material[i]];
+  }
+}
+
+/// Undoes the displacement tried last: restores all that it changed and that evaluating the forces does not overwrite.
+template <int D>
+void restore_state(const State<D>& start, State<D>& state) {
+  if (state.rebuilds > start.rebuilds) state.near = start.near;
+  state.rebuilds = start.rebuilds;
+  state.particles = start.particles;
+  state.nodes = start.nodes;
+  state.kernel = start.kernel;
+  state.yielded = start.yielded;
+  state.any_yielded = start.any_yielded;
+}
+
+/// Finds where the soil stands at the end of a window of `interval` [s] under the forces that external(drive, rebuilt)
+/// fills for a displacement tried: one step of backward Euler. Stress is returned to the cone once, over the window's
+/// whole strain, whatever was tried on the way: a search that follows its way through the cone gathers the plastic
+/// strain of its detours. Given up when nothing is found in time, or something moves by more than half a spacing; the
+/// state is then as it was.
+template <int D, class ExternalForce>
+RestReport find_equilibrium(const Setup<D>& setup, const Stiffness<D>& stiffness, const EquilibriumSearch& search,
+                            double interval, State<D>& state, ExternalForce&& external) {
+  constexpr Eigen::Index depth = 12;
+  using Flat = Eigen::Map<Eigen::VectorXd>;
+  RestReport report;
+  report.criterion = search.criterion;
+  const std::size_t n = state.particles.free();
+  const auto size = static_cast<Eigen::Index>(n * D);
+  const State<D> start = state;
+  ScalarArray held = start.particles.plastic_strain;
+  std::vector<char> apart(n, 0);
+  Drive<D> drive;
+  external(drive, true);
+  const double reference = reference_acceleration(setup, state, drive);
+  VecArray<D> moved(n, Vec<D>::Zero());
+  Flat all(moved.data()->data(), size);
+  Anderson accelerated(size, depth);
+  Patience patience;
+  for (;; ++report.steps) {
+    if (report.steps > 0) restore_state(start, state);
+    for (std::size_t i = 0; i < n; ++i) state.particles.velocity[i] = moved[i] / interval;
+    deform(setup, interval, state);
+    leave_out(setup, state, apart);
+    external(drive, rebuild_if_moved(setup, state));
+    for (std::size_t i = 0; i < n; ++i)
+      state.body[i] = (state.particles.mass[i] * setup.gravity + drive.distributed[i]) / state.particles.volume[i];
+    std::swap(state.particles.plastic_strain, held);
+    evaluate_forces(setup, state);
+    std::swap(state.particles.plastic_strain, held);
+    VecArray<D> force = all_forces(setup, state, drive);
+    for (std::size_t i = 0; i < n; ++i)
+      if (apart[i]) force[i].setZero();
+    VecArray<D> step = stiffness.displacements(force);
+    const Flat missing(force.data()->data(), size), towards(step.data()->data(), size);
+    report.residual = stiffness.departure(missing.dot(towards), reference);
+    if (report.steps == search.most || !std::isfinite(report.residual)) break;
+    report.creeps =
+        search.local > 0.0 && state.any_yielded && report.steps % Patience::looks_every == 0 &&
+        patience.ends(search, report.residual, unsettled(setup, stiffness, search.moving, state, force, reference));
+    if (report.reached()) {
+      // Hourglass control ends where soil yields. Were it switched with every displacement tried, there would be no
+      // equilibrium to find.
+      bool lets_go = false;
+      for (std::size_t i = 0; i < held.size(); ++i) {
+        if (held[i] > 0.0 || state.particles.plastic_strain[i] <= 0.0) continue;
+        held[i] = state.particles.plastic_strain[i];
+        lets_go = true;
+      }
+      if (!lets_go) break;
+      accelerated = Anderson(size, depth);
+      continue;
+    }
+    all += accelerated.move(missing, towards);
+    if (all.cwiseAbs().maxCoeff() > 0.5 * setup.spacing) break;
+  }
+  if (!report.reached()) state = start;
+  return report;
+}
+
+}  // namespace poretwin::solid

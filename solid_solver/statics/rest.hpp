@@ -1,0 +1,146 @@
+// The soil at rest: dynamic relaxation to an equilibrium, and the stresses of level ground.
+#pragma once
+
+#include "solid_solver/sleep/quiet.hpp"
+
+#include <limits>
+#include <map>
+
+namespace poretwin::solid {
+
+struct RestReport {
+  std::size_t steps = 0;
+  double displacement = 0.0;  ///< m, largest
+  double residual = 0.0;      ///< largest acceleration (without damping) over the reference acceleration
+  bool creeps = false;        ///< all but a small share of soil that yields is at rest
+  bool slides = false;        ///< given up: something moved too far
+  double criterion = 0.0;     ///< the rest is found when the residual is below it; zero: it was not sought
+  [[nodiscard]] bool reached() const { return residual < criterion || creeps; }
+};
+
+/// When rest is found and when the search is given up.
+struct RestSearch {
+  double criterion = 1e-3;  ///< of the reference acceleration, for the largest acceleration
+  double ways = 50.0;       ///< most steps, in units of a wave's way through the soil
+  double yielding = 200.0;  ///< the same once it yields
+  double local = 0.0;       ///< share of the mass of soil that yields that may go on moving
+  double farthest = std::numeric_limits<double>::infinity();  ///< m, motion at which the search is given up
+};
+
+/// Rate that damps the present motion critically, 2 omega [1/s], with Rayleigh's quotient omega^2 = -v . dF/dt / v . m
+/// v over the last step of dt [s] (Underwood 1983); `before`: the forces on the particles then, `now`: after it [N].
+template <int D>
+double critical_rate(const State<D>& state, const VecArray<D>& before, const VecArray<D>& now, double dt) {
+  const Particles<D>& p = state.particles;
+  double stiff = 0.0, heavy = 0.0;
+  for (std::size_t i = 0; i < p.free(); ++i) {
+    stiff -= p.velocity[i].dot(now[i] - before[i]);
+    heavy += p.mass[i] * p.velocity[i].squaredNorm();
+  }
+  return heavy > 0.0 ? 2.0 * std::sqrt(std::max(0.0, stiff / (dt * heavy))) : 0.0;
+}
+
+/// Weight of a new rate in the damping, once something yields: an average over about twenty steps.
+inline constexpr double damping_follows = 0.05;
+
+/// Largest displacement since `start` [m].
+template <int D>
+double farthest_moved(const State<D>& state, const VecArray<D>& start) {
+  double farthest = 0.0;
+  for (std::size_t i = 0; i < state.particles.free(); ++i)
+    farthest = std::max(farthest, (state.particles.displacement[i] - start[i]).norm());
+  return farthest;
+}
+
+/// Dynamic relaxation from the present state under the forces that external(drive, rebuilt) fills after every step. The
+/// damping is critical for the lowest frequency that the motion shows, at least for the slowest mode of a column as
+/// high as the soil; from the first yielding on it follows the softer soil, down to a fiftieth of that: stable soil
+/// comes to rest in fewer steps, and unstable soil accelerates visibly. Velocities serve the search only and are
+/// cleared at its end. show(report) sees every hundredth step and the last.
+template <int D, class ExternalForce, class Show>
+RestReport find_rest(const Setup<D>& setup, const RestSearch& search, State<D>& state, ExternalForce&& external,
+                     Show&& show) {
+  RestReport report;
+  Drive<D> drive;
+  external(drive, true);
+  report.criterion = search.criterion;
+  const double reference = reference_acceleration(setup, state, drive);
+  if (reference <= 0.0) return report;
+  const double elastic_rate = near_critical_damping(setup);
+  drive.damping = elastic_rate;
+  const double dt = setup.rest_substep;
+  const auto limit = [&] {
+    const double ways = state.any_yielded ? search.yielding : search.ways;
+    return static_cast<std::size_t>(ways * setup.height / (setup.stabilisers.sound_speed * dt)) + 200;
+  };
+  VecArray<D> before, now = forces(setup, state, drive);
+  const VecArray<D> start = state.particles.displacement;
+  do {
+    const double built = state.rebuilds;
+    substep<D>(setup, dt, drive, state);
+    ++report.steps;
+    external(drive, state.rebuilds > built);
+    std::swap(before, now);
+    now = forces(setup, state, drive);
+    if (state.rebuilds == built) {
+      const double rate = critical_rate(state, before, now, dt);
+      constexpr double memory = 0.95;  // about twenty steps
+      drive.damping = state.any_yielded ? memory * drive.damping +
+                                              (1.0 - memory) * std::clamp(rate, 0.02 * elastic_rate, elastic_rate)
+                                        : std::max(rate, elastic_rate);
+    }
+    const Unrest left = unrest<D>(setup, state, std::span<const Vec<D>>(now), reference);
+    report.residual = left.largest;
+    report.creeps = state.any_yielded && left.share < search.local;
+    if (report.steps % 100 == 0) report.slides = farthest_moved(state, start) > search.farthest;
+    check_sound(setup, state, state.time);
+    if (report.steps % 100 == 0) show(report);
+  } while (!report.reached() && !report.slides && report.steps < limit());
+  for (const auto& u : state.particles.displacement) report.displacement = std::max(report.displacement, u.norm());
+  stop(setup, state);
+  show(report);
+  return report;
+}
+
+/// Stresses of level ground: vertical from the weight (and water) above each particle, the rest by the soil's own
+/// coefficient of earth pressure at rest. Soils without one keep the stress they have.
+template <int D>
+void start_from_earth_pressure(const Setup<D>& setup, const std::vector<Soil>& soils, const Drive<D>& drive,
+                               State<D>& state) {
+  Particles<D>& p = state.particles;
+  const Vec<D> up = upwards(setup);
+  struct Entry {
+    double level;
+    std::size_t particle;
+  };
+  std::map<std::array<long, D>, std::vector<Entry>> columns;  // by place across gravity, one spacing wide
+  for (std::size_t i = 0; i < p.free(); ++i) {
+    const double level = up.dot(p.position[i]);
+    const Vec<D> across = p.position[i] - level * up;
+    std::array<long, D> place;
+    for (int d = 0; d < D; ++d)
+      place[static_cast<std::size_t>(d)] = std::lround(std::floor(across[d] / setup.spacing + 1e-6));
+    columns[place].push_back({level, i});
+  }
+  const double area = std::pow(setup.spacing, D - 1);
+  for (auto& [place, column] : columns) {
+    std::sort(column.begin(), column.end(), [](const Entry& a, const Entry& b) { return a.level > b.level; });
+    double above = 0.0;  // N on the plane through the particle
+    for (const auto& entry : column) {
+      const std::size_t i = entry.particle;
+      const double weight = -up.dot(p.mass[i] * setup.gravity + force_from_outside(drive, i));
+      const double vertical = -(above + 0.5 * weight) / area;
+      above += weight;
+      const auto& k0 = soils[p.material[i]].earth_pressure_at_rest;
+      if (!k0) continue;
+      Eigen::Vector3d direction = Eigen::Vector3d::Zero();
+      direction.head<D>() = up;
+      const Eigen::Matrix3d lifted = direction * direction.transpose();
+      const Eigen::Matrix3d s = vertical * (lifted + *k0 * (Eigen::Matrix3d::Identity() - lifted));
+      p.stress[i] << s(0, 0), s(1, 1), s(2, 2), s(0, 1), s(1, 2), s(0, 2);
+    }
+  }
+  evaluate_forces(setup, state);
+}
+
+}  // namespace poretwin::solid

@@ -1,0 +1,121 @@
+#include "solid_solver/statics/stiffness.hpp"
+
+#include "common/core/error.hpp"
+
+#include <Eigen/SparseCholesky>
+
+namespace poretwin::solid {
+
+template <int D>
+Stiffness<D>::Stiffness(const Setup<D>& setup, const Particles<D>& particles, const VecArray<D>& lattice,
+                        ScalarArray resistance)
+    : resistance_(std::move(resistance)) {
+  const std::size_t n = particles.size(), n_free = particles.free();
+  Particles<D> laid = particles;
+  laid.position = lattice;
+  Neighbourhood<D> near;
+  build_neighbourhood<D>(setup.boundaries, sph::support_radius * setup.smoothing_length, 1, laid, {}, near);
+  const auto place = [&](std::size_t j) -> Vec<D> {
+    if (j < n) return lattice[j];
+    return near.images[j - n].map * lattice[near.images[j - n].parent] + near.images[j - n].shift;
+  };
+  const auto volume = [&](std::size_t i) { return laid.mass[i] / setup.density[laid.material[i]]; };
+  using Matrix = Eigen::SparseMatrix<double>;
+  for (Eigen::Index axis = 0; axis < D; ++axis) {
+    std::vector<Eigen::Triplet<double>> entries;
+    const auto add = [&](std::size_t i, std::size_t j, double value) {
+      entries.emplace_back(static_cast<int>(i), static_cast<int>(j), value);
+    };
+    for (std::size_t i = 0; i < n_free; ++i) add(i, i, resistance_[i]);
+    for_each_ordered_pair(near.pairs, [&](std::size_t i, std::size_t j, std::size_t) {
+      if (i >= n_free) return;
+      const std::size_t parent = j < n ? j : near.images[j - n].parent;
+      const Vec<D> r = place(i) - place(j);
+      const double distance = r.norm();
+      const Elasticity &a = setup.models[laid.material[i]]->elasticity(),
+                       &b = setup.models[laid.material[parent]]->elasticity();
+      const double shear = 0.5 * (a.shear + b.shear), constrained = 0.5 * (a.constrained() + b.constrained());
+      const double along = r[axis] / distance;
+      // Positive, so that the matrix is.
+      const double form = std::max(2.0 * shear + (constrained - shear) * ((D + 2) * along * along - 1.0), 0.1 * shear);
+      const double strength =
+          -volume(i) * volume(parent) * sph::WendlandC2<D>::derivative_over_r(distance, setup.smoothing_length) * form;
+      add(i, i, strength);
+      if (parent >= n_free) return;
+      add(i, parent, j < n ? -strength : -strength * near.images[j - n].velocity(axis, axis));
+    });
+    Matrix matrix(static_cast<Eigen::Index>(n_free), static_cast<Eigen::Index>(n_free));
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    const Eigen::SimplicialLLT<Matrix> done(matrix);
+    if (done.info() != Eigen::Success)
+      throw DivergedError("the soil's stiffness along an axis is not positive: report the case");
+    const Matrix lower = done.matrixL();
+    if (axis == 0) {
+      const auto& order = done.permutationP().indices();
+      place_.assign(order.data(), order.data() + order.size());
+      offset_.assign(1, 0);
+      inverse_.resize(n_free);
+      for (Eigen::Index column = 0; column < lower.outerSize(); ++column) {
+        for (Matrix::InnerIterator entry(lower, column); entry; ++entry)
+          if (entry.row() > column) row_.push_back(static_cast<Index>(entry.row()));
+        offset_.push_back(static_cast<Index>(row_.size()));
+      }
+      factor_.resize(row_.size());
+    }
+    std::size_t next = 0;
+    for (Eigen::Index column = 0; column < lower.outerSize(); ++column)
+      for (Matrix::InnerIterator entry(lower, column); entry; ++entry) {
+        if (entry.row() > column)
+          factor_[next++][axis] = static_cast<float>(entry.value());
+        else
+          inverse_[static_cast<std::size_t>(column)][axis] = 1.0 / entry.value();
+      }
+  }
+  VecArray<D> weight(n_free);
+  for (std::size_t i = 0; i < n_free; ++i) weight[i] = laid.mass[i] * upwards(setup);
+  unit_work_ = work(weight);
+}
+
+template <int D>
+std::vector<Eigen::Array<double, D, 1>> Stiffness<D>::eliminated(const VecArray<D>& forces) const {
+  const std::size_t n = forces.size();
+  std::vector<EachAxis> x(n);
+  for (std::size_t i = 0; i < n; ++i) x[place_[i]] = forces[i].array();
+  for (std::size_t column = 0; column < n; ++column) {
+    const EachAxis solved = x[column] *= inverse_[column];
+    for (std::size_t m = offset_[column]; m < offset_[column + 1]; ++m)
+      x[row_[m]] -= factor_[m].template cast<double>() * solved;
+  }
+  return x;
+}
+
+template <int D>
+double Stiffness<D>::work(const VecArray<D>& forces) const {
+  EachAxis sum = EachAxis::Zero();
+  for (const EachAxis& x : eliminated(forces)) sum += x.square();
+  return sum.sum();
+}
+
+template <int D>
+VecArray<D> Stiffness<D>::displacements(const VecArray<D>& forces) const {
+  const std::size_t n = forces.size();
+  std::vector<EachAxis> x = eliminated(forces);
+  for (std::size_t column = n; column-- > 0;) {
+    const std::size_t first = offset_[column], last = offset_[column + 1], pairs = first + (last - first) / 2 * 2;
+    EachAxis left = x[column], other = EachAxis::Zero();  // two sums, so that neither waits for the other
+    for (std::size_t m = first; m < pairs; m += 2) {
+      left -= factor_[m].template cast<double>() * x[row_[m]];
+      other -= factor_[m + 1].template cast<double>() * x[row_[m + 1]];
+    }
+    if (pairs < last) left -= factor_[pairs].template cast<double>() * x[row_[pairs]];
+    x[column] = (left + other) * inverse_[column];
+  }
+  VecArray<D> moved(n);
+  for (std::size_t i = 0; i < n; ++i) moved[i] = x[place_[i]].matrix();
+  return moved;
+}
+
+template class Stiffness<2>;
+template class Stiffness<3>;
+
+}  // namespace poretwin::solid
