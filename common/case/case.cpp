@@ -510,7 +510,7 @@ double Series::integral(double t0, double t1) const {
 
 namespace {
 
-/// Defaults of the scheme as published; docs/theory/paper.md, lists them.
+/// Defaults of the scheme as published; docs/theory/paper.md lists them.
 void take_paper_defaults(Case& c) {
   c.fluid.scheme = FluidCase::Scheme::eisph_explicit_drag;
   c.fluid.drag_form = FluidCase::DragForm::smoothed;
