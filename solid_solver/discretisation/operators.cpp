@@ -197,7 +197,7 @@ void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& n
             return j < n_real ? displaced[j].data() : images[j - n_real].displacement.data();
           };
           const double* const self = all[i].row();
-          const double volume = all[i].volume, own_level = all[i].own_level;
+          const double volume = all[i].volume, own_level = all[i].hourglass_level;
           Lanes own[Own::size] = {};
           for_four_pairs(
               list, i, [&](Size m, bool both) __attribute__((always_inline)) {
