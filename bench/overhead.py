@@ -12,7 +12,7 @@ Every instant of the exchange counts once: to whoever computes, else to who writ
     both           computing at the same time, over the whole
 
 The first scene is a column of 3000 particles (cases/terzaghi) exchanging every substep of the soil, serial and parallel
-(docs/theory.md, "Schemes"); the others cases/embankment_seepage and, to its
+(docs/theory/coupling.md, "Other schemes"); the others cases/embankment_seepage and, to its
 end, cases/embankment_failure, with the windows that they choose. --trace judges a time line that is there. On a busy
 machine whoever is not given a core stands for `nobody`, too: the least of --repeat runs is told.
 """

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Stability limits of the coupling schemes, by theory and measured: OUT/schemes.csv, and the table of docs/theory.md.
+"""Stability limits of the coupling schemes, by theory and measured: OUT/schemes.csv, and the table of docs/notebook/coupling.md.
 
 Theory: one mode of wave number kappa of a column that drains through its top, exchange by exchange as the solvers take it
 (`window`), is a linear map of what is kept between two windows; the limit is the longest window for which none of the

@@ -36,7 +36,7 @@ DOCS = HERE.parent / "docs"
 PUBLIC_PAIR_RATE = 202  # million directed pairs a CPU second, one at a time, where the public codes were timed
 HEAD = """# Performance
 
-Made by `poretwin bench`, {cores} cores; docs/performance_notes.md says why it is so and what was tried. Studies: the error of each case's own
+Made by `poretwin bench`, {cores} cores; docs/notebook/performance.md says why it is so and what was tried. Studies: the error of each case's own
 `verify`, CPU and wall-clock seconds of all processes; `*`: no other run of the case has a smaller error in less time; a dash: the run did not
 end. A scheme's finer runs are missing once one has taken longer than a minute. The first scheme is the code as it comes: its defaults are
 the knee of these curves where it bears the `*` and a tighter tolerance or a finer run costs more than its error is worth.

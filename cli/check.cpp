@@ -56,7 +56,8 @@ std::vector<Limit> limits(const Case& scene) {
                       "elastic wave across one particle" + where +
                           ", dx / sqrt(M / rho_bar_s); the solid sub-cycles or relaxes below it"});
     if (!scene.coupled() || !scene.fluid.drag) continue;
-    // Stability of the exchange where nothing predicts the skeleton's response (docs/theory.md, "Schemes").
+    // Stability of the exchange where nothing predicts the skeleton's response (docs/theory/coupling.md, "Other
+    // schemes").
     const bool parallel = scene.coupling.scheme == CouplingCase::Scheme::parallel;
     const double n_s = 1.0 - soil.porosity;
     const double b = n_s * n_s * scene.water.density / (soil.porosity * density);

@@ -38,7 +38,7 @@ REFERENCE = {"linestyle": "none", "marker": "o", "mfc": "white", "zorder": 3}  #
 AROUND = {"fluid": "#d8d5cf", "solid": "#d3e5f3"}  # behind the water: soil; behind the soil: water
 WATER_LINE = "#2b7bba"
 
-# Of a field of either phase: words, symbol as in docs/theory.md and the paper.
+# Of a field of either phase: words, symbol as in docs/theory/symbols.md and the paper.
 FLUID = {
     "pore_pressure": ("pore pressure", "p_w"),
     "velocity": ("velocity of the water", r"\mathbf{v}_w"),

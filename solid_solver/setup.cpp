@@ -68,7 +68,7 @@ bool surfaces_carry_nothing(const Case& scene, const Setup<D>& setup) {
   return plain && std::ranges::all_of(setup.loose_friction, [](float tangent) { return tangent > 0.0F; });
 }
 
-/// Courant number of the substeps of soil that moves (theory_solid.md, "Courant number"). Measured limits: 1.07 at tips
+/// Courant number of the substeps of soil that moves (docs/theory/steps.md). Measured limits: 1.07 at tips
 /// of wedges that walls by images cut off, 1.24 at faces, 1.6 in disordered soil with soft edges (3D: 1.5).
 template <int D>
 double courant_number(const Case& scene, const Setup<D>& setup) {

@@ -81,7 +81,7 @@ struct alignas(64) Node {
 };
 
 /// Share of its elastic moduli that a particle keeps beside a free surface, whose corrected gradients are long: their
-/// stiffness, which goes as |B|^2, would set the substep of all soil (theory_solid.md, "Courant number"). From the
+/// stiffness, which goes as |B|^2, would set the substep of all soil (docs/theory/soil.md, "Soft edges"). From the
 /// upper half of B; of one particle or of four (Number: double or Lanes).
 template <int D, class Number>
 [[gnu::always_inline]] inline void edge_stiffness(const Number* upper, Number& share) {

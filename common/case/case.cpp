@@ -71,7 +71,7 @@ void declare(Keys& keys, General& g) {
   keys.choice<Preset>("scheme", preset, preset_words,
                       {"",
                        "Defaults of `[fluid]` and `[solid]`: `own`, or `paper`: the scheme of Bui & Nguyen (2017) as "
-                       "far as it is built (docs/theory.md); what the case says otherwise still holds."});
+                       "far as it is built (docs/theory/paper.md); what the case says otherwise still holds."});
   keys.integer("dimension", dimension, {"", "2 (plane strain, z is ignored) or 3."}, between(2, false, 3, false));
   g.dimension = static_cast<int>(dimension);
   keys.dimension = g.dimension;
@@ -428,7 +428,7 @@ void declare(Keys& keys, CouplingCase& c) {
        "`iterated`: every window is crossed, the fluid first, until the solid's motion is the one that the fluid "
        "reckoned with; `serial`: once, and so by default where the fluid predicts nothing "
        "(fluid.skeleton_response = false, explicit schemes); `parallel`: once, by both at the same time, each with the "
-       "other's fields of the window's start. Their limits: docs/theory.md."});
+       "other's fields of the window's start. Their limits: docs/theory/coupling.md."});
   keys.choice<CouplingCase::Acceleration>(
       "acceleration", c.acceleration, acceleration_words,
       {"",
@@ -536,7 +536,7 @@ double Series::integral(double t0, double t1) const {
 
 namespace {
 
-/// Defaults of the scheme as published; docs/theory.md, 'The paper's own scheme', lists them.
+/// Defaults of the scheme as published; docs/theory/paper.md lists them.
 void take_paper_defaults(Case& c) {
   c.fluid.scheme = FluidCase::Scheme::eisph_explicit_drag;
   c.fluid.drag_form = FluidCase::DragForm::smoothed;

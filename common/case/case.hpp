@@ -65,7 +65,7 @@ struct Water {
 /// matter.
 struct Soil {
   enum class SeepageLaw { kozeny_carman, constant, forchheimer, ergun };
-  /// How the Drucker-Prager cone is fitted to Coulomb's cohesion and friction (docs/theory_solid.md).
+  /// How the Drucker-Prager cone is fitted to Coulomb's cohesion and friction (docs/theory/materials.md).
   enum class Cone {
     paper,         ///< Eq. (32): plane strain with associated flow (psi = phi)
     plane_strain,  ///< plane strain with any dilation angle

@@ -322,7 +322,7 @@ std::vector<Buffer<D>> make_buffers(const std::vector<FaceColumn<D>>& columns, b
 
 /// Length over which the slope at a face lets an even pressure fall to the face's so that its gradients sum to that
 /// fall, in spacings, the first row half a spacing inside: half of sum_s s^3 F over sum_s s^2 F, F = -W'/r summed along
-/// a row s rows away (docs/theory.md, "The range of one column").
+/// a row s rows away (docs/theory/coupling.md, "Loads on a drained face").
 template <int D>
 double length_of_even_fall() {
   static const double value = [] {

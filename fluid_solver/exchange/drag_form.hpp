@@ -15,7 +15,7 @@ inline constexpr double drag_smoothing_ratio = 1.2;
 
 /// G sum_i V_i (r r^T)/(r^2 + eta^2) W over the particles of rigid soil: what multiplies a uniform slip in Eqs. (67),
 /// (74). G = d makes it the unit matrix in the mean over random points, and nowhere exactly: 0.68 where the lattices
-/// coincide, 0.65 and 1.34 along and across an edge (docs/theory.md); G = 1/d, as printed, is d^2 times weaker.
+/// coincide, 0.65 and 1.34 along and across an edge (docs/theory/paper.md); G = 1/d, as printed, is d^2 times weaker.
 template <int D>
 MatArray<D> smoothed_drag(const Case& scene, std::span<const Vec<D>> water) {
   const double ds = scene.solid.particle_spacing, h = drag_smoothing_ratio * ds;

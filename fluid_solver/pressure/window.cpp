@@ -12,7 +12,7 @@ namespace {
 
 /// Relative tolerances of the solve with a responding skeleton: of the window's pressure change, and of the change of
 /// the skeleton's velocity or of the velocity that drag alone would give it, whichever is more. For the latter 1e-2
-/// would be noticeable, as pressure in nearly tight soil at rest and as momentum (docs/theory_fluid.md).
+/// would be noticeable, as pressure in nearly tight soil at rest and as momentum (docs/notebook/fluid.md).
 constexpr double response_tolerance = 1e-2, skeleton_tolerance = 1e-3;
 
 /// Width of an aggregate of the skeleton's coarse space, in spacings: 4 to 6 take the fewest CPU seconds, in
