@@ -17,7 +17,8 @@ namespace poretwin::solid {
 /// Strengths of the stabilising terms.
 struct Stabilisers {
   double zero_energy = 0.1;        ///< hg: viscosity on the part of the velocity that is not linear around a particle
-  double stiffness = 0.1;          ///< the same on the displacement, of M, between particles that never yielded
+  double stiffness = 0.1;          ///< the same on the displacement, of M
+  double held = 0.003;             ///< most of the stress of that stiffness in soil that has yielded, of root J2
   double modulus = 0.0;            ///< Pa, M
   double artificial = 0.1;         ///< alpha of Monaghan's artificial viscosity
   double quadratic = 0.0;          ///< beta of the same
@@ -75,11 +76,13 @@ void velocity_gradient(const Pairs& pairs, const Kernels& kernel, std::vector<No
 /// Internal force per volume, the exact adjoint of velocity_gradient (cf. Eq. (60)):
 ///   f_i = sum_j V_j (sigma_i B_i + sigma_j B_j) grad W_ij.   Node::flux holds sigma B.
 /// With it goes a stiffness on the part of the displacement that a linear field does not explain: it resists
-/// zero-energy modes for good (a viscosity only slows them) and leaves every uniform strain alone. Apart, per volume:
-/// the same as a viscosity, and artificial viscosity on approaching pairs; where grains that are apart collide, more of
-/// it and with Coulomb's friction (it would else carry thin sheets without any: 23 degrees instead of 31). Every pair's
-/// force is V_i V_j times what is opposite for its two particles, hence momentum is kept. Forces of the first n_free
-/// particles, which have these displacements [m]; kernels of their rows are left in `kernel`.
+/// zero-energy modes for good (a viscosity only slows them) and leaves every uniform strain alone. In soil that has
+/// yielded it yields as well, at a small share of the soil's own shear stress (Node::firmness): it cannot act as
+/// strength there. Apart, per volume: the same as a viscosity, and artificial viscosity on approaching pairs; where
+/// grains that are apart collide, more of it and with Coulomb's friction (it would else carry thin sheets without any:
+/// 23 degrees instead of 31). Every pair's force is V_i V_j times what is opposite for its two particles, hence
+/// momentum is kept. Forces of the first n_free particles, which have these displacements [m]; kernels of their rows
+/// are left in `kernel`.
 template <int D>
 void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& near, const VecArray<D>& displacement,
                     std::size_t n_free, double h, const Stabilisers& stabilisers, Kernels& kernel,

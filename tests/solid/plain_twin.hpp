@@ -38,9 +38,12 @@ TwinResult<D> plain_twin(const Setup<D>& setup, const State<D>& state) {
       moment -= b.volume * r * gradient_w.transpose();
       internal += b.volume * (a.flux + b.flux) * gradient_w;
       const double firmness = std::min(a.firmness, b.firmness);
-      if (firmness == Node<D>::elastic) {
+      if (firmness > Node<D>::yielded) {
         const Vec<D> linear = 0.5 * (a.deformation + b.deformation) * r;
-        internal += s.stiffness * s.modulus * b.volume * derivative * (displacement(i) - displacement(j) - linear);
+        Vec<D> left = displacement(i) - displacement(j) - linear;
+        const double most = (firmness - Node<D>::yielded) * r.norm();
+        if (left.norm() > most) left *= most / left.norm();
+        internal += s.stiffness * s.modulus * b.volume * derivative * left;
       }
       const double share = b.volume * derivative * (a.density + b.density);
       const Vec<D> rest = u - 0.5 * (a.gradient + b.gradient) * r;
