@@ -62,8 +62,9 @@ struct alignas(64) Node {
   std::array<double, room_for(D* D + D * (D + 1) / 2) - D * D> upper{};  ///< columns of B (correction), to the diagonal
   Mat<D> flux = Mat<D>::Zero();         ///< sigma B [Pa]: the stress as its neighbours feel it
   Mat<D> deformation = Mat<D>::Zero();  ///< 1, of the displacement, d u_a / d x_b
-  static constexpr double flows = 0.0, yielded = 1.0,
-                          elastic = 2.0;  ///< no control; of velocities; of displacements, too (never yielded)
+  /// Values of hourglass_level: no control; of velocities; of displacements, too. What it is above `yielded` is the
+  /// largest strain that the control of displacements answers with its full stiffness.
+  static constexpr double flows = 0.0, yielded = 1.0, elastic = std::numeric_limits<double>::infinity();
   static constexpr std::size_t at_velocity = D, at_volume = 2 * D, at_density = 2 * D + 1,
                                at_hourglass_level = 2 * D + 2, at_rubbing = 2 * D + 3, at_gradient = 2 * D + 4,
                                at_correction = at_gradient + D * D, n_sums = room_for(D * D + D * (D + 1) / 2),
@@ -232,7 +233,7 @@ struct alignas(32) Grain {
   double volume = 0.0, mass = 0.0;
   double shown = 0.0;    ///< the volume where the stress may be read, 0 behind walls
   double swollen = 0.0;  ///< volume over mass
-  double flows = 0.0;    ///< 1 or 0
+  double flows = 0.0;    ///< see Scratch
   Eigen::Matrix<double, D == 2 ? 4 : 6, 1> stress = Eigen::Matrix < double, D == 2 ? 4 : 6, 1 > ::Zero();
   Eigen::Matrix<double, D == 2 ? 4 : 6, D> slope = Eigen::Matrix < double, D == 2 ? 4 : 6, D > ::Zero();
   static constexpr std::size_t at_volume = D, at_mass = D + 1, at_shown = D + 2, at_swollen = D + 3, at_flows = D + 4,
@@ -252,7 +253,8 @@ template <int D>
 struct Scratch {
   std::vector<Quad> sums;     ///< of whichever loop over pairs is at it
   std::vector<char> touches;  ///< slide_on_walls
-  std::vector<char> flows;    ///< keep_flow_regular, as all below
+  ScalarArray flows;          ///< keep_flow_regular, as all below: 1 where soil flows; where it yielded a little minus
+                              ///< the stress [Pa] that may be evened out
   std::vector<Grain<D>> grains;
   /// n numbers of every one of `count` particles, all zero, until the next loop asks for its own.
   template <std::size_t n>
@@ -297,6 +299,7 @@ struct State {
   ScalarArray resistance;     ///< N/m, added by a window, with which the stiffness was last factorised
   bool still_yields = false;  ///< something yielded since the soil was last quiet: its motion must not be damped
   double since_upkeep = 0.0;  ///< s, since the flowing soil was last kept regular
+  std::vector<float> evened;  ///< plastic strain then; empty while none of the soil has any
   Scratch<D> scratch;
   double substeps = 0.0, rebuilds = 0.0, slept = 0.0, damped = 0.0;  ///< counters of substeps and list rebuilds
 };

@@ -415,7 +415,9 @@ void declare(Keys& keys, SolidCase& s) {
       {"",
        "Averages that keep stress, density and packing of flowing soil regular; false: to show what they are for."});
   keys.number("zero_energy_stiffness", s.zero_energy_stiffness,
-              {"", "Stiffness on the same of the displacement, in M; between particles that never yielded."},
+              {"",
+               "Stiffness on the same of the displacement, in M; where soil has yielded at most with 0.3 % of its "
+               "shear stress; off where it flows."},
               not_negative());
 }
 

@@ -125,7 +125,9 @@ void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::siz
 
 template <int D>
 void fill_nodes(const Particles<D>& p, Neighbourhood<D>& near, const VecArray<D>& body, const OrZero<double>& backing,
-                double flow_limit, double bulk_viscosity, std::vector<Node<D>>& nodes) {
+                double flow_limit, const Stabilisers& stabilisers, std::vector<Node<D>>& nodes) {
+  const double stiffness = stabilisers.hourglass_stiffness * stabilisers.modulus;
+  const double softness = stiffness > 0.0 ? stabilisers.held / stiffness : 0.0;
   const std::size_t n = p.size();
   nodes.resize(n + near.images.size());
   for_rows(near.pairs, 0, n, [&](std::size_t i) {
@@ -135,14 +137,14 @@ void fill_nodes(const Particles<D>& p, Neighbourhood<D>& near, const VecArray<D>
     node.volume = p.volume[i];
     node.density = p.mass[i] / p.volume[i];
     double even = backing[i];
-    if (bulk_viscosity > 0.0 && p.rubbing[i] <= 0.0F) {
+    if (stabilisers.bulk > 0.0 && p.rubbing[i] <= 0.0F) {
       double share = 1.0;
       edge_stiffness<D>(node.upper.data(), share);
-      even += share * share * bulk_viscosity * node.density * node.gradient.trace();
+      even += share * share * stabilisers.bulk * node.density * node.gradient.trace();
     }
     node.flux.noalias() = (matrix_of<D>(p.stress[i]) + even * Mat<D>::Identity()) * node.correction();
     node.hourglass_level = p.plastic_strain[i] <= 0.0          ? Node<D>::elastic
-                           : p.plastic_strain[i] <= flow_limit ? Node<D>::yielded
+                           : p.plastic_strain[i] <= flow_limit ? Node<D>::yielded + softness * root_j2(p.stress[i])
                                                                : Node<D>::flows;
     node.rubbing = static_cast<double>(p.rubbing[i]);
   });
@@ -196,9 +198,9 @@ template void build_neighbourhood<2>(const Boundaries<2>&, double, std::size_t, 
 template void build_neighbourhood<3>(const Boundaries<3>&, double, std::size_t, const Particles<3>&,
                                      std::span<const char>, Neighbourhood<3>&);
 template void fill_nodes<2>(const Particles<2>&, Neighbourhood<2>&, const VecArray<2>&, const OrZero<double>&, double,
-                            double, std::vector<Node<2>>&);
+                            const Stabilisers&, std::vector<Node<2>>&);
 template void fill_nodes<3>(const Particles<3>&, Neighbourhood<3>&, const VecArray<3>&, const OrZero<double>&, double,
-                            double, std::vector<Node<3>>&);
+                            const Stabilisers&, std::vector<Node<3>>&);
 template void fill_velocities<2>(const Particles<2>&, const Neighbourhood<2>&, std::vector<Node<2>>&);
 template void fill_velocities<3>(const Particles<3>&, const Neighbourhood<3>&, std::vector<Node<3>>&);
 

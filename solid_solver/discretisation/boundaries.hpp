@@ -2,7 +2,7 @@
 #pragma once
 
 #include "common/geometry/shapes.hpp"
-#include "solid_solver/state.hpp"
+#include "solid_solver/discretisation/operators.hpp"
 
 #include <algorithm>
 
@@ -35,11 +35,11 @@ void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::siz
                          const Particles<D>& particles, std::span<const char> asleep, Neighbourhood<D>& near);
 
 /// Position, velocity, gradient, flux and weights of the nodes from the particles, images included.
-/// body: N/m3 on each particle, for the stress's slope at walls; backing: see State; bulk_viscosity: m2/s, see
-/// Stabilisers.
+/// body: N/m3 on each particle, for the stress's slope at walls; backing: see State.
 template <int D>
 void fill_nodes(const Particles<D>& particles, Neighbourhood<D>& near, const VecArray<D>& body,
-                const OrZero<double>& backing, double flow_limit, double bulk_viscosity, std::vector<Node<D>>& nodes);
+                const OrZero<double>& backing, double flow_limit, const Stabilisers& stabilisers,
+                std::vector<Node<D>>& nodes);
 
 /// Velocities only (between the halves of a step).
 template <int D>

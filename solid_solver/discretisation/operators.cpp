@@ -261,18 +261,26 @@ void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& n
                   const Lanes weight = level > N::flows ? control * share : Lanes{};
                   for (Size d = 0; d < D; ++d) contribution[D + d] += weight * (2.0 * u[d] - turned[d]);
                 }
-                if (own_level == N::elastic) {
+                if (own_level > N::yielded) {
                   Lanes linear[D];
                   gather<N::at_deformation, D * D>(rows, other);
                   const Index* const j = &list.index[m];
                   const FourRows<const double> theirs{shown(j[0]), shown(j[1]), shown(j[2]), shown(j[3])};
                   for (Size c = 0; c < D * D; ++c) other[c] += self[N::at_deformation + c];
                   times<D>(other, r, linear);
-                  const Lanes weight = level > N::yielded ? stiffness * k : Lanes{};
+                  Lanes weight = stiffness * k, left[D], size{};  // of the displacement, not explained
                   for (Size d = 0; d < D; ++d) {
                     const Lanes shift = {theirs[0][d], theirs[1][d], theirs[2][d], theirs[3][d]};
-                    contribution[d] += weight * (displaced[i][static_cast<int>(d)] - shift - 0.5 * linear[d]);
+                    left[d] = displaced[i][static_cast<int>(d)] - shift - 0.5 * linear[d];
+                    size += left[d] * left[d];
                   }
+                  if (any(level < N::elastic)) {
+                    sqrt_in_place(size);
+                    const Lanes most = (level - N::yielded) * distance;
+                    weight *= size > most ? most / size : Lanes{} + 1.0;
+                    weight = level > N::yielded ? weight : Lanes{};
+                  }
+                  for (Size d = 0; d < D; ++d) contribution[d] += weight * left[d];
                 }
                 for (Size n = 0; n < 2 * D; ++n) own[n] += head[N::at_volume] * contribution[n];
                 if (!both) return;

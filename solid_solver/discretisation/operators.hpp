@@ -16,17 +16,17 @@ namespace poretwin::solid {
 
 /// Strengths of the stabilising terms.
 struct Stabilisers {
-  /// Hourglass control: a viscosity on the part of the velocity that is not linear around a particle, and a stiffness,
-  /// as a fraction of M, on that part of the displacement between particles that never yielded.
-  double hourglass_viscosity = 0.1, hourglass_stiffness = 0.1;
-  double modulus = 0.0;            ///< Pa, M
-  double artificial = 0.1;         ///< alpha of Monaghan's artificial viscosity
-  double quadratic = 0.0;          ///< beta of the same
-  double bulk = 0.0;               ///< m2/s, against changes of volume away from surfaces (linear, Landshoff 1955)
-  double artificial_stress = 0.0;  ///< epsilon, in tension
-  double collision = 1.0;          ///< the same where grains that are apart collide: inelastically
-  double sound_speed = 0.0;        ///< m/s
-  double step = 0.0;               ///< s, in which no collision may throw back
+  double hourglass_viscosity = 0.1;  ///< hg: viscosity on the part of the velocity that is not linear around a particle
+  double hourglass_stiffness = 0.1;  ///< the same on the displacement, of M
+  double held = 0.003;               ///< most of the stress of that stiffness in soil that has yielded, of root J2
+  double modulus = 0.0;              ///< Pa, M
+  double artificial = 0.1;           ///< alpha of Monaghan's artificial viscosity
+  double quadratic = 0.0;            ///< beta of the same
+  double bulk = 0.0;                 ///< m2/s, against changes of volume away from surfaces (linear, Landshoff 1955)
+  double artificial_stress = 0.0;    ///< epsilon, in tension
+  double collision = 1.0;            ///< the same where grains that are apart collide: inelastically
+  double sound_speed = 0.0;          ///< m/s
+  double step = 0.0;                 ///< s, in which no collision may throw back
 };
 
 /// Inverse with the eigenvalues held above a floor.
@@ -75,13 +75,14 @@ void velocity_gradient(const Pairs& pairs, const Kernels& kernel, std::vector<No
 
 /// Internal force per volume, the exact adjoint of velocity_gradient (cf. Eq. (60)):
 ///   f_i = sum_j V_j (sigma_i B_i + sigma_j B_j) grad W_ij.   Node::flux holds sigma B.
-/// With it goes a stiffness on the part of the displacement that is not linear around a particle: it resists hourglass
-/// modes permanently, where a viscosity would only slow them, and leaves every uniform strain alone. Kept apart, per
-/// volume: the same as a viscosity, and artificial viscosity on approaching pairs; between colliding grains that were
-/// apart it is stronger and has Coulomb's friction (without, it would support thin sheets: 23 degrees instead of 31).
-/// Every pair's force is V_i V_j times a quantity that is opposite for its two particles, hence momentum is conserved.
-/// Forces of the first n_free particles, which have these displacements [m]; kernels of their rows are left in
-/// `kernel`.
+/// With it goes a stiffness on the part of the displacement that a linear field does not explain: it resists
+/// hourglass modes for good (a viscosity only slows them) and leaves every uniform strain alone. In soil that has
+/// yielded it yields as well, at a small share of the soil's own shear stress (Node::hourglass_level): it cannot act as
+/// strength there. Apart, per volume: the same as a viscosity, and artificial viscosity on approaching pairs; where
+/// grains that are apart collide, more of it and with Coulomb's friction (it would else carry thin sheets without any:
+/// 23 degrees instead of 31). Every pair's force is V_i V_j times what is opposite for its two particles, hence
+/// momentum is kept. Forces of the first n_free particles, which have these displacements [m]; kernels of their rows
+/// are left in `kernel`.
 template <int D>
 void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& near, const VecArray<D>& displacement,
                     std::size_t n_free, double h, const Stabilisers& stabilisers, Kernels& kernel,

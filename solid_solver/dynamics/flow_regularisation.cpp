@@ -8,14 +8,17 @@
 namespace poretwin::solid {
 namespace {
 
-constexpr double travel = 3.0;          // of waves between two treatments, at least, in spacings
-constexpr double steps = 3.5;           // between two, at least, of the longest: every fourth is one
-constexpr double stress_share = 0.5;    // of the neighbours' average
-constexpr double volume_share = 0.2;    // of the neighbours' average
-constexpr double packing_share = 0.1;   // of the error of sum V W
-constexpr double evening = 1.0;         // h^2 of motion per crowding and shear strain
-constexpr double longest_move = 0.05;   // in spacings
-constexpr double renewing = 0.1;        // shear strain in which a stress is evened out, over the elastic one, tau / G
+constexpr double travel = 3.0;         // of waves between two treatments, at least, in spacings
+constexpr double steps = 3.5;          // between two, at least, of the longest: every fourth is one
+constexpr double stress_share = 0.5;   // of the neighbours' average
+constexpr double volume_share = 0.2;   // of the neighbours' average
+constexpr double packing_share = 0.1;  // of the error of sum V W
+constexpr double evening = 1.0;        // h^2 of motion per crowding and shear strain
+constexpr double longest_move = 0.05;  // in spacings
+constexpr double renewing = 0.1;       // shear strain in which a stress is evened out, over the elastic one, tau / G
+// Of the stress that yielding has renewed, G times its plastic strain, as much is evened out at most: what that stirs
+// must die out, or soil would never rest (thirty was too much).
+constexpr double evened_out = 3.0;
 constexpr double surface = 0.25;        // |sum V grad W| h beyond which a particle lies at a surface (flat: 0.7)
 constexpr double dilatancy = 2.0;       // volumetric strain per shear strain and relative density
 constexpr double largest_strain = 0.1;  // between two treatments: loose particles see more
@@ -28,7 +31,28 @@ constexpr double full_weight = 3.5;
 template <int D>
 constexpr int n_components = D == 2 ? 4 : 6;
 
-/// Data of a node that the sums read, packed.
+/// Tells Scratch::flows; in equilibrium of soil that yields a little, too, whose plastic strains it notes.
+template <int D>
+void see_what_yields(const Setup<D>& setup, bool in_equilibrium, State<D>& state) {
+  const Particles<D>& p = state.particles;
+  const std::size_t n = p.size();
+  ScalarArray& flows = state.scratch.flows;
+  flows.assign(n, 0.0);
+  if (std::ranges::all_of(p.plastic_strain, [](double strain) { return strain <= 0.0; })) return;
+  for (std::size_t i = 0; i < n; ++i)
+    if (p.plastic_strain[i] > setup.flow_limit) flows[i] = 1.0;
+  if (!in_equilibrium) return;
+  state.evened.resize(n, 0.0F);
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto strain = static_cast<float>(p.plastic_strain[i]);
+    const double since = static_cast<double>(strain - state.evened[i]);
+    state.evened[i] = strain;
+    if (flows[i] == 0.0 && p.rubbing[i] <= 0.0F)
+      flows[i] = -evened_out * setup.models[p.material[i]]->elasticity().shear * since;
+  }
+}
+
+/// What the sums read of nodes, four at a time.
 template <int D>
 void fill_grains(const State<D>& state, Scratch<D>& scratch) {
   const auto& p = state.particles;
@@ -43,16 +67,16 @@ void fill_grains(const State<D>& state, Scratch<D>& scratch) {
     grain.mass = node.volume * node.density;
     grain.shown = image && !image->periodic ? 0.0 : p.volume[source];
     grain.swollen = p.volume[source] / p.mass[source];
-    grain.flows = scratch.flows[source] ? 1.0 : 0.0;
+    grain.flows = scratch.flows[source];
     grain.stress = p.stress[source].template head<n_components<D>>();
   };
   parallel_for(p.size(), fill);  // those asleep, too: others feel them
   for (std::size_t j = p.size(); j < state.nodes.size(); ++j) fill(j);
 }
 
-/// Stress gradients [Pa/m] of the particles that flow, exact for linear stress up to the soil's surface.
+/// Stress gradients [Pa/m] of the particles that flow, or of all, exact for linear stress up to the soil's surface.
 template <int D>
-void stress_slopes(const State<D>& state, Scratch<D>& scratch) {
+void stress_slopes(const State<D>& state, bool of_all, Scratch<D>& scratch) {
   using G = Grain<D>;
   constexpr std::size_t n_slopes = n_components<D> * D + D * (D + 1) / 2;
   using Own = Sums<n_slopes>;
@@ -74,7 +98,7 @@ void stress_slopes(const State<D>& state, Scratch<D>& scratch) {
               const auto rows = rows_at(grains, index);
               Lanes head[G::at_stress], stress[n_stress], w[D], r[D], contribution[Own::size] = {};
               gather<0, G::at_stress>(rows, head);
-              if (self[G::at_flows] == 0.0 && !(both && any(head[G::at_flows] > 0.0))) return;
+              if (!of_all && self[G::at_flows] == 0.0 && !(both && any(head[G::at_flows] > 0.0))) return;
               gather<G::at_stress, n_stress>(rows, stress);
               Lanes k;
               take(&kernels[m], k);
@@ -96,7 +120,7 @@ void stress_slopes(const State<D>& state, Scratch<D>& scratch) {
         add_lanes<Own::size>(own, sums[i].x.data());
       });
   for_rows(pairs, 0, n, [&](std::size_t i) {
-    if (!scratch.flows[i]) return;
+    if (!of_all && scratch.flows[i] == 0.0) return;
     const double* const sum = sums[i].x.data();
     const double* square = sum + n_stress * D;
     Mat<D> moment;
@@ -109,8 +133,8 @@ void stress_slopes(const State<D>& state, Scratch<D>& scratch) {
     scratch.grains[j].slope = scratch.grains[state.near.images[j - n].parent].slope;
 }
 
-/// Kernel sums around the particles that flow (Around): departure of their stress from the neighbours' linear fields,
-/// relative excess of the neighbours' volumes, gradient of the packing, and sum V W.
+/// Kernel sums around the particles that flow or yield (Around): what neighbours' linear stresses do not explain, and,
+/// where they flow, how much larger the neighbours' volumes are, how crowded and how covered each place is.
 template <int D>
 const Sums<Around<D>::size>* sum_neighbours(const State<D>& state, double h, Scratch<D>& scratch) {
   using G = Grain<D>;
@@ -136,8 +160,16 @@ const Sums<Around<D>::size>* sum_neighbours(const State<D>& state, double h, Scr
               Lanes head[G::at_stress], other[n_stress], slope[n_stress * D], r[D], contribution[Own::size] = {},
                                                                                     theirs[Own::size] = {};
               gather<0, G::at_stress>(rows, head);
-              const bool flows = self[G::at_flows] > 0.0;
-              if (!flows && !(both && any(head[G::at_flows] > 0.0))) return;
+              const double mine = self[G::at_flows];
+              const bool flows = mine > 0.0;
+              const Lanes yours = head[G::at_flows];
+              if (mine == 0.0 && !any(yours < 0.0) && !(both && any(yours > 0.0))) return;
+              // What flows averages with what flows, other soil with other soil: of a pair the most that either
+              // yielded.
+              Lanes together = flows ? yours : -yours;
+              if (!flows) max_in_place(together, Lanes{} - mine);
+              const LaneMask alike = flows ? yours > 0.0 : yours <= 0.0;
+              together = alike ? together : Lanes{};
               Lanes k;
               take(&kernels[m], k);
               Lanes distance{};
@@ -155,17 +187,24 @@ const Sums<Around<D>::size>* sum_neighbours(const State<D>& state, double h, Scr
                 contribution[A::at_crowding + d] = head[G::at_mass] * k * r[d];
                 theirs[A::at_crowding + d] = -self[G::at_mass] * k * r[d];
               }
-              if (flows) {
+              if (any(together > 0.0)) {
                 gather<G::at_stress, n_stress>(rows, other);
                 gather<G::at_slope, n_stress * D>(rows, slope);
-                const Lanes weight = -k * head[G::at_flows], they = weight * head[G::at_shown],
-                            me = weight * self[G::at_shown];
+                Lanes unexplained[n_stress], size{};
                 for (std::size_t a = 0; a < n_stress; ++a) {
-                  Lanes unexplained = other[a] - self[G::at_stress + a];
+                  unexplained[a] = other[a] - self[G::at_stress + a];
                   for (std::size_t d = 0; d < D; ++d)
-                    unexplained += 0.5 * (self[G::at_slope + n_stress * d + a] + slope[n_stress * d + a]) * r[d];
-                  contribution[a] = they * unexplained;
-                  theirs[a] = -me * unexplained;
+                    unexplained[a] += 0.5 * (self[G::at_slope + n_stress * d + a] + slope[n_stress * d + a]) * r[d];
+                  size += unexplained[a] * unexplained[a];
+                }
+                if (!flows) {
+                  sqrt_in_place(size);
+                  together = size > together ? together / size : together > 0.0 ? Lanes{} + 1.0 : Lanes{};
+                }
+                const Lanes weight = -k * together, they = weight * head[G::at_shown], me = weight * self[G::at_shown];
+                for (std::size_t a = 0; a < n_stress; ++a) {
+                  contribution[a] = they * unexplained[a];
+                  theirs[a] = -me * unexplained[a];
                 }
                 contribution[A::at_swelling] = they * (head[G::at_swollen] / self[G::at_swollen] - 1.0);
                 theirs[A::at_swelling] = me * (self[G::at_swollen] / head[G::at_swollen] - 1.0);
@@ -215,9 +254,12 @@ void even_out(const Setup<D>& setup, double interval, const State<D>& state, con
       shear *= 2.0 * interval;
       root_j2(four.stress, elastic);
       elastic *= renewing / elasticity.shear;
-      const Lanes flowed = shear < elastic ? shear / elastic : Lanes{} + 1.0;
+      Lanes flows;
+      take_each(state.scratch.flows, i, flows);
+      const LaneMask flowing = flows > 0.0;
+      const Lanes flowed = flowing & (shear < elastic) ? shear / elastic : Lanes{} + 1.0;
       for (int a = 0; a < n_components<D>; ++a) four.stress[a] += stress_share * scale * flowed * around[a];
-      volume *= 1.0 + volume_share * scale * flowed * around[A::at_swelling];
+      volume *= flowing ? 1.0 + volume_share * scale * flowed * around[A::at_swelling] : Lanes{} + 1.0;
       const Lanes cover = around[A::at_cover] / setup.full_cover;
       Lanes* const crowding = &around[A::at_crowding];
       Lanes crowded{};
@@ -226,7 +268,7 @@ void even_out(const Setup<D>& setup, double interval, const State<D>& state, con
         crowded += crowding[d] * crowding[d];
       }
       sqrt_in_place(crowded);
-      const LaneMask inside = (crowded * h <= surface) & (cover >= 0.8);
+      const LaneMask inside = flowing & (crowded * h <= surface) & (cover >= 0.8);
       // In wet soil the water's pressure keeps the volume; a density taken from the positions would squeeze it.
       volume *= inside & (coverage <= 0.5) ? 1.0 - packing_share * (cover - 1.0) : Lanes{} + 1.0;
       Lanes strain = shear;
@@ -251,7 +293,7 @@ void even_out(const Setup<D>& setup, double interval, const State<D>& state, con
 }  // namespace
 
 template <int D>
-void keep_flow_regular(const Setup<D>& setup, double dt, State<D>& state) {
+void keep_flow_regular(const Setup<D>& setup, double dt, bool in_equilibrium, State<D>& state) {
   if (!setup.regular_flow) return;
   state.since_upkeep += dt;
   if (state.since_upkeep <
@@ -260,16 +302,19 @@ void keep_flow_regular(const Setup<D>& setup, double dt, State<D>& state) {
   const double interval = state.since_upkeep;
   state.since_upkeep = 0.0;
   Particles<D>& p = state.particles;
-  const std::size_t n = p.size();
   Scratch<D>& scratch = state.scratch;
-  scratch.flows.resize(n);
-  for (std::size_t i = 0; i < n; ++i) scratch.flows[i] = p.plastic_strain[i] > setup.flow_limit;
-  if (std::none_of(scratch.flows.begin(), scratch.flows.end(), [](char flows) { return flows; })) return;
+  see_what_yields(setup, in_equilibrium, state);
+  const auto& flows = scratch.flows;
+  if (std::ranges::all_of(flows, [](double f) { return f == 0.0; })) return;
   fill_grains<D>(state, scratch);
-  stress_slopes<D>(state, scratch);
+  stress_slopes<D>(state, std::ranges::any_of(flows, [](double f) { return f < 0.0; }), scratch);
   const auto* const sums = sum_neighbours<D>(state, setup.smoothing_length, scratch);
   const auto treated = [&](Index i) {
-    return scratch.flows[i] && !state.near.pairs.skips(i) && !state.regions.sleeps(i);
+    // Beside soil that yields others are averaged with it, too.
+    const auto* const around = sums[i].x.data();
+    const bool evened =
+        flows[i] > 0.0 || std::any_of(around, around + n_components<D>, [](double x) { return x != 0.0; });
+    return evened && !state.near.pairs.skips(i) && !state.regions.sleeps(i);
   };
   for_batches(state, treated, [&](Batch& batch) {
     std::array<std::array<Quad, D>, Batch::most / n_lanes> moves;
@@ -286,7 +331,7 @@ void keep_flow_regular(const Setup<D>& setup, double dt, State<D>& state) {
   });
 }
 
-template void keep_flow_regular<2>(const Setup<2>&, double, State<2>&);
-template void keep_flow_regular<3>(const Setup<3>&, double, State<3>&);
+template void keep_flow_regular<2>(const Setup<2>&, double, bool, State<2>&);
+template void keep_flow_regular<3>(const Setup<3>&, double, bool, State<3>&);
 
 }  // namespace poretwin::solid

@@ -24,14 +24,14 @@ void rebuild_lists(const Setup<D>& setup, State<D>& state) {
   build_neighbourhood<D>(setup.boundaries, setup.range(), setup.parts, p, state.regions.asleep, state.near);
   state.rebuilds += 1.0;
   if (state.near.pairs.skipped.empty()) return;
-  fill_nodes<D>(p, state.near, state.body, state.backing, setup.flow_limit, setup.stabilisers.bulk, state.nodes);
+  fill_nodes<D>(p, state.near, state.body, state.backing, setup.flow_limit, setup.stabilisers, state.nodes);
   pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, 0, state.kernel);
 }
 
 template <int D>
 void rebuild(const Setup<D>& setup, State<D>& state) {
   rebuild_lists(setup, state);
-  fill_nodes<D>(state.particles, state.near, state.body, state.backing, setup.flow_limit, setup.stabilisers.bulk,
+  fill_nodes<D>(state.particles, state.near, state.body, state.backing, setup.flow_limit, setup.stabilisers,
                 state.nodes);
   pair_kernels<D>(state.nodes, state.near.pairs, setup.smoothing_length, 0, state.kernel);
   velocity_gradient<D>(state.near.pairs, state.kernel, state.nodes);
@@ -47,7 +47,7 @@ bool rebuild_if_moved(const Setup<D>& setup, State<D>& state) {
 template <int D>
 void evaluate_forces(const Setup<D>& setup, State<D>& state) {
   const std::size_t n_free = state.particles.free();
-  fill_nodes<D>(state.particles, state.near, state.body, state.backing, setup.flow_limit, setup.stabilisers.bulk,
+  fill_nodes<D>(state.particles, state.near, state.body, state.backing, setup.flow_limit, setup.stabilisers,
                 state.nodes);
   internal_force<D>(state.nodes, state.near, state.particles.displacement, n_free, setup.smoothing_length,
                     setup.stabilisers, state.kernel, state.force);
@@ -99,7 +99,7 @@ void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& 
   });
   rub_on_walls(setup, dt, state);
   deform(setup, dt, state);
-  keep_flow_regular(setup, dt, state);
+  keep_flow_regular(setup, dt, false, state);
   rebuild_if_moved(setup, state);
   evaluate_forces(setup, state);
 }

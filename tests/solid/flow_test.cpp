@@ -239,17 +239,17 @@ TEST(RegularFlow, LeavesAloneWhatDoesNotFlowAndWhatIsLinear) {
   State<2> resting = state;
   disturb(resting);
   State<2> expected = resting;
-  keep_flow_regular<2>(setup, 1.0, resting);
+  keep_flow_regular<2>(setup, 1.0, true, resting);
   EXPECT_EQ(resting.particles.stress[44], expected.particles.stress[44]);
   // What has flowed and rests is left alone as well.
   std::fill_n(state.particles.plastic_strain.begin(), state.particles.free(), 1.0);
   State<2> stopped = state;
   disturb(stopped);
-  keep_flow_regular<2>(setup, 1.0, stopped);
+  keep_flow_regular<2>(setup, 1.0, false, stopped);
   EXPECT_EQ(stopped.particles.stress[44], expected.particles.stress[44]);
   for (auto& node : state.nodes) node.gradient << 0.0, 0.01, 0.0, 0.0;  // 1/s, in 1 s
   State<2> smooth = state, noisy = state;
-  keep_flow_regular<2>(setup, 1.0, smooth);
+  keep_flow_regular<2>(setup, 1.0, false, smooth);
   for (std::size_t i = 0; i < state.particles.size(); ++i) {
     EXPECT_LT((smooth.particles.stress[i] - state.particles.stress[i]).norm(), 1e-9 * 1000.0);
     const double depth = 0.5 - state.particles.position[i].y();
@@ -258,10 +258,50 @@ TEST(RegularFlow, LeavesAloneWhatDoesNotFlowAndWhatIsLinear) {
                 1e-12 * state.particles.volume[i]);  // as dense as it was laid
   }
   disturb(noisy);
-  keep_flow_regular<2>(setup, 1.0, noisy);
+  keep_flow_regular<2>(setup, 1.0, false, noisy);
   const double left = noisy.particles.stress[44][1] - state.particles.stress[44][1];
   EXPECT_LT(left, 80.0);
   EXPECT_GT(left, 0.0);
+}
+
+TEST(RegularFlow, EvensOutStressWhereSoilYieldedALittleAndNothingElse) {
+  Case scene = layer(0.0, 0.0);
+  scene.soils[0].cohesion = 2000.0;  // the disturbance itself is within the cone
+  Solid<2> solid(scene);
+  const auto [setup, unused] = set_up<2>(scene);
+  State<2> state = solid.state();
+  auto& p = state.particles;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    const double linear = -1000.0 + 500.0 * p.position[i].y();
+    p.stress[i] << linear - 400.0, linear, linear, 0.0, 0.0, 0.0;
+    p.plastic_strain[i] = i < p.free() ? 0.005 : 0.0;
+  }
+  state.evened.assign(p.plastic_strain.begin(), p.plastic_strain.end());
+  const auto treat = [&](double since, bool disturbed, bool in_equilibrium = true) {
+    State<2> treated = state;
+    for (std::size_t i = 0; i < p.free(); ++i) treated.evened[i] -= static_cast<float>(since);
+    if (disturbed) treated.particles.stress[44][1] += 100.0;
+    keep_flow_regular<2>(setup, 1.0, in_equilibrium, treated);
+    EXPECT_EQ(treated.particles.volume, p.volume);
+    EXPECT_EQ(treated.particles.position, p.position);
+    return treated.particles.stress;
+  };
+  // What has yielded and rests is left alone, what moves as well, and a linear stress always.
+  EXPECT_EQ(treat(1e-3, true, false)[44][1], p.stress[44][1] + 100.0);
+  EXPECT_EQ(treat(0.0, true)[44][1], p.stress[44][1] + 100.0);
+  const auto smooth = treat(1e-3, false);
+  for (std::size_t i = 0; i < p.size(); ++i) EXPECT_LT((smooth[i] - p.stress[i]).norm(), 1e-9 * 1000.0);
+  const auto left = [&](double since) { return treat(since, true)[44][1] - p.stress[44][1]; };
+  const double wholly = left(1e-3);
+  EXPECT_LT(wholly, 80.0);
+  EXPECT_GT(wholly, 0.0);
+  // In proportion to the plastic strain as long as that is small: half of three times G times it, did all around differ
+  // in the same direction (their slopes explain some of it).
+  const double since = 1e-6, most = 0.5 * 3.0 * setup.models[0]->elasticity().shear * since;
+  const double evened = 100.0 - left(since), twice = 100.0 - left(2.0 * since);
+  EXPECT_LT(evened, most);
+  EXPECT_GT(evened, 0.55 * most);
+  EXPECT_NEAR(twice, 2.0 * evened, 0.05 * twice);
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ std::pair<Setup<D>, State<D>> jittered(ColumnSpec spec, double jitter) {
 template <int D>
 void set_velocity(const Setup<D>& setup, State<D>& state, const std::function<Vec<D>(const Vec<D>&)>& v) {
   for (std::size_t i = 0; i < state.particles.size(); ++i) state.particles.velocity[i] = v(state.particles.position[i]);
-  fill_nodes<D>(state.particles, state.near, state.body, {}, setup.flow_limit, setup.stabilisers.bulk, state.nodes);
+  fill_nodes<D>(state.particles, state.near, state.body, {}, setup.flow_limit, setup.stabilisers, state.nodes);
   velocity_gradient<D>(state.near.pairs, state.kernel, state.nodes);
 }
 
@@ -161,6 +161,7 @@ void expect_twin(ColumnSpec spec, std::size_t parts = 1) {
   auto [setup, state] = jittered<D>(spec, 0.1);
   setup.parts = parts;
   setup.stabilisers.quadratic = 1.0;
+  setup.stabilisers.held = 4.0;  // some pairs beyond it, some not
   rebuild(setup, state);
   std::mt19937_64 generator(11);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
@@ -245,6 +246,47 @@ TEST(InternalForce, KeepsMomentumWithoutWalls) {
     scale += f.norm();
   }
   EXPECT_LT(sum.norm(), 1e-12 * scale);
+}
+
+/// Soil with a shear stress of 1 kPa, its upper half displaced along the lower by 0.2 spacings, and how much of that
+/// stress the control of displacements bears across the slip surface.
+double borne_by_control(double plastic_strain) {
+  constexpr double tau = 1e3, slip = 0.01;
+  ColumnSpec spec;
+  spec.width = 2.0;
+  spec.base = Wall::ForSoil::none;
+  spec.sides = false;
+  auto [setup, state] = laid<2>(column(spec));
+  auto& p = state.particles;
+  const auto above = [&](std::size_t i) { return p.position[i].y() > 0.5 * spec.height; };
+  set_velocity<2>(setup, state, [&](const Vec<2>& x) { return Vec<2>(x.y() > 0.5 * spec.height ? slip : 0.0, 0.0); });
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    p.stress[i] << 0.0, 0.0, 0.0, tau, 0.0, 0.0;
+    p.plastic_strain[i] = plastic_strain;
+    p.displacement[i] = p.velocity[i];
+    state.nodes[i].deformation = state.nodes[i].gradient;
+    p.velocity[i].setZero();
+  }
+  const auto force = [&](double stiffness) {
+    setup.stabilisers.hourglass_stiffness = stiffness;
+    evaluate_forces(setup, state);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < p.size(); ++i)
+      if (above(i) && std::abs(p.position[i].x() - 0.5 * spec.width) < 0.25 * spec.width)
+        sum += p.volume[i] * state.force[i].internal().x();
+    return sum;
+  };
+  const double with = force(setup.stabilisers.hourglass_stiffness), without = force(0.0);
+  return (without - with) / (0.5 * spec.width * tau);
+}
+
+// Were every pair across it held along it by all of its bound, the surface would bear (2 / pi) 0.3 % of the shear
+// stress: half of int |r_y| W' dV over int r W' dV / 2 = 1.
+TEST(Stabilisers, HoldASlipSurfaceOfSoilThatYieldedByAThousandthOfItsStress) {
+  EXPECT_GT(borne_by_control(0.0), 0.1);  // unbounded: strength
+  EXPECT_GT(borne_by_control(0.005), 0.0012);
+  EXPECT_LT(borne_by_control(0.005), 0.0024);
+  EXPECT_EQ(borne_by_control(0.02), 0.0);
 }
 
 TEST(Stabilisers, LeaveUniformStrainRatesAlone) {

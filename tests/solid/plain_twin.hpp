@@ -38,10 +38,12 @@ TwinResult<D> plain_twin(const Setup<D>& setup, const State<D>& state) {
       moment -= b.volume * r * gradient_w.transpose();
       internal += b.volume * (a.flux + b.flux) * gradient_w;
       const double hourglass_level = std::min(a.hourglass_level, b.hourglass_level);
-      if (hourglass_level == Node<D>::elastic) {
+      if (hourglass_level > Node<D>::yielded) {
         const Vec<D> linear = 0.5 * (a.deformation + b.deformation) * r;
-        internal +=
-            s.hourglass_stiffness * s.modulus * b.volume * derivative * (displacement(i) - displacement(j) - linear);
+        Vec<D> left = displacement(i) - displacement(j) - linear;
+        const double most = (hourglass_level - Node<D>::yielded) * r.norm();
+        if (left.norm() > most) left *= most / left.norm();
+        internal += s.hourglass_stiffness * s.modulus * b.volume * derivative * left;
       }
       const double share = b.volume * derivative * (a.density + b.density);
       const Vec<D> rest = u - 0.5 * (a.gradient + b.gradient) * r;
