@@ -268,6 +268,37 @@ TEST(Faces, FollowSoilThatCanFlow) {
   }
 }
 
+// Soil that expands by its own account and does not move at its points: the water is to make room, and the prediction
+// closes the soil by what is applied of it at first, 1/8 of the mean and 1/8 of the strain.
+TEST(Coupled, PredictsThatSoilClosesWhatItsOwnAccountOpens) {
+  const double expansion = 1e-3, interval = 1e-4;  // 1/s, s
+  const auto velocity_below_the_top = [&](double strain_rate) {
+    Case scene = ponded_column(0.01);
+    scene.solid.model = SolidCase::Model::drucker_prager;
+    scene.fluid.regions = {scene.soils[0].shape};
+    Fluid<2> fluid(scene);
+    const auto soil = [&] {
+      auto box = soil_below(fluid, 1.0);
+      for (auto& field : box.fields)
+        if (field.name == coupling::field::volumetric_strain_rate)
+          std::fill(field.values.begin(), field.values.end(), strain_rate);
+      return box;
+    };
+    fluid.initialise(soil());
+    for (std::size_t k = 0; k < 2; ++k) fluid.advance({k, interval * static_cast<double>(k), interval}, soil());
+    const auto& p = fluid.state().particles;
+    double sum = 0.0, count = 0.0;
+    for (std::size_t a = 0; a < p.size(); ++a) {
+      if (std::abs(p.position[a].y() - 0.3) > 0.02) continue;
+      sum += p.solid_velocity[a].y();
+      count += 1.0;
+    }
+    return sum / count;
+  };
+  EXPECT_NEAR(velocity_below_the_top(expansion) - velocity_below_the_top(0.0), -0.25 * expansion * 0.3,
+              0.1 * 0.25 * expansion * 0.3);
+}
+
 TEST(Coupled, TerzaghiInNearlyTightSoil) {
   Options o;
   o.window = 2e-2;
