@@ -558,7 +558,8 @@ double Fluid<D>::packing_error(const Stencil<D>& s, std::size_t a, double full) 
     if (const double below = depth<D>(s, a); below > 0.0) {
       // The missing side is filled with a lattice; a surface may be loose.
       static const double whole = lattice_density<D>();
-      return std::max(0.0, full + lattice_density<D>(0.5 + below * smoothing_ratio / s.length(a)) / whole - 1.0);
+      return std::max(0.0,
+                      full + lattice_density<D>(0.5 + below * points::smoothing_ratio / s.length(a)) / whole - 1.0);
     }
   double excess = full - 1.0;
   // Near a surface the kernel is cut off, so that a deficit there is no error.
