@@ -46,8 +46,8 @@ inline constexpr double largest_excess = 0.1;
 /// Share of their pores that colliding grains keep.
 /// Unit: 1. Test: none known.
 inline constexpr double pores_left = 0.1;
-/// Bulk volume over its initial one beyond which grains of soil without cohesion and dilation are apart: no stress, only
-/// collisions. Porosity 0.40 -> 0.45, the loosest random packing of spheres.
+/// Bulk volume over its initial one beyond which grains of soil without cohesion and dilation are apart: no stress,
+/// only collisions. Porosity 0.40 -> 0.45, the loosest random packing of spheres.
 /// Unit: 1. Test: none known.
 inline constexpr double loosest = 1.1;
 

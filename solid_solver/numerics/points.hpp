@@ -37,12 +37,12 @@ inline constexpr double collision_viscosity = 1.0;
 /// eta^2 of these, which keeps pairs that nearly coincide finite (Monaghan 1992).
 /// Unit: h^2. Test: none known.
 inline constexpr double viscosity_softening = 0.01;
-/// Viscosity of soil with soft edges against changes of volume: waves that long substeps resolve poorly disturb the flow
-/// and reduce its friction.
+/// Viscosity of soil with soft edges against changes of volume: waves that long substeps resolve poorly disturb the
+/// flow and reduce its friction.
 /// Unit: spacings times the speed of sound. Test: BulkViscosity.ResistsChangesOfVolumeAlone (untried).
 inline constexpr double bulk_viscosity = 0.35;
-/// n of the artificial stress, with which it grows as pairs come close (Gray, Monaghan & Swift 2001: 4 there, by a
-/// kernel of another shape).
+/// n of the artificial stress, with which it grows as pairs come close (Gray, Monaghan & Swift 2001). No reason on
+/// record.
 /// Unit: 1. Test: ArtificialStress.PartsTheCloseOnesInTensionAndKeepsMomentum (untried).
 inline constexpr double artificial_stress_exponent = 2.55;
 

@@ -21,13 +21,13 @@ inline constexpr double damped_below = 10.0;
 /// Unit: spacings. Test: none known.
 inline constexpr double travel = 5.0;
 /// Time after which soil that does not move is calm: two periods of a column as high.
-/// Unit: ways of a wave through the soil. Test: Regions.OfACollapseSleepAndErrLittle (untried).
+/// Unit: ways of a wave. Test: Regions.OfACollapseSleepAndErrLittle (untried).
 inline constexpr double calm_after = 8.0;
 /// Time after which calm soil sleeps.
-/// Unit: ways of a wave through the soil. Test: Regions.OfACollapseSleepAndErrLittle (untried).
+/// Unit: ways of a wave. Test: Regions.OfACollapseSleepAndErrLittle (untried).
 inline constexpr double asleep_after = 12.0;
 /// Time between two checks for sleep.
-/// Unit: ways of a wave through the soil. Test: none known.
+/// Unit: ways of a wave. Test: none known.
 inline constexpr double between_checks = 1.0;
 /// Margin of soil awake around what is not calm.
 /// Unit: ranges of the pair lists. Test: Regions.FeelAllTheirNeighbours (untried).

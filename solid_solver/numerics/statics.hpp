@@ -21,7 +21,7 @@ inline constexpr double let_be = 3e-3;
 /// Unit: gravity. Test: none known.
 inline constexpr double woken_by = 5e-3;
 /// Longest dynamic relaxation where no equilibrium is found.
-/// Unit: ways of a wave through the soil. Test: LongWindow.IsRefusedWhereSoilCannotStandAndTakenAgainOnceItIsCalm (untried).
+/// Unit: ways of a wave. Test: LongWindow.IsRefusedWhereSoilCannotStandAndTakenAgainOnceItIsCalm (untried).
 inline constexpr double most_ways = 100.0;
 /// Motion of soil beyond which that is given up.
 /// Unit: spacings. Test: none known.
@@ -58,10 +58,10 @@ inline constexpr double least_pair_stiffness = 0.1;
 /// Unit: the reference acceleration. Test: Rest.ReportsItsCriterion (untried).
 inline constexpr double rest_criterion = 1e-3;
 /// Longest search for it.
-/// Unit: ways of a wave through the soil. Test: none known.
+/// Unit: ways of a wave. Test: none known.
 inline constexpr double rest_ways = 50.0;
 /// The same once the soil yields.
-/// Unit: ways of a wave through the soil. Test: none known.
+/// Unit: ways of a wave. Test: none known.
 inline constexpr double rest_ways_yielding = 200.0;
 /// Weight of the damping so far against a new rate, once something yields: an average over about twenty steps.
 /// Unit: 1. Test: Sleep.DampingEndsWithTheFirstYielding (untried).

@@ -29,15 +29,15 @@ inline constexpr double substeps_while_moving = 2.0;
 /// consolidates under a sudden load has some thousandths of it, a wave all of it.
 /// Unit: 1. Test: LongWindow.IsRefusedWhereSoilCannotStandAndTakenAgainOnceItIsCalm (untried).
 inline constexpr double noticed = 0.05;
-/// Force borne by neither phase above which a window's first pass is not let be. At 0.003, as far as it then settles, an
-/// embankment with a yielding skin at 1 cm has 0.003 to 0.01 of it and does not settle.
+/// Force borne by neither phase above which a window's first pass is not let be. At 0.003, as far as it then settles,
+/// an embankment with a yielding skin at 1 cm has 0.003 to 0.01 of it and does not settle.
 /// Unit: the weight. Test: none known.
 inline constexpr double worth_repeating = 0.02;
 /// Windows with such a force up to which a sudden change of the soil's motion explains it, as under a load that begins.
 /// Unit: windows. Test: none known.
 inline constexpr double few_held = 5.0;
-/// Plastic shear strain in a window by which all but a local share of the soil may go on: its dilation is water that the
-/// fluid learns of in the next window only.
+/// Plastic shear strain in a window by which all but a local share of the soil may go on: its dilation is water that
+/// the fluid learns of in the next window only.
 /// Unit: 1. Test: LongWindow.TheNextFollowsWhatSoilHasSheared (untried).
 inline constexpr double sheared_in_a_window = 2e-3;
 /// The next window over this one, at the least, where soil shears.
