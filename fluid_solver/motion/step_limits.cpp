@@ -1,5 +1,6 @@
 // How long the next window may be.
 #include "fluid_solver/fluid_phase.hpp"
+#include "fluid_solver/numerics/motion.hpp"
 #include "fluid_solver/numerics/steps.hpp"
 #include "fluid_solver/pressure/eisph.hpp"
 
@@ -186,7 +187,7 @@ double Fluid<D>::central_interval() const {
 /// Longest window in which the viscosities of free water are stable [s].
 template <int D>
 double Fluid<D>::viscous_interval() const {
-  const double viscosity = this->viscosity() + noise_viscosity * dx_ * state_.wave_speed;
+  const double viscosity = this->viscosity() + motion::noise_viscosity * dx_ * state_.wave_speed;
   return viscosity > 0.0 ? steps::viscous_courant * dx_ * dx_ / viscosity : HUGE_VAL;
 }
 
@@ -196,7 +197,7 @@ double Fluid<D>::free_interval() const {
   const auto& p = state_.particles;
   const double longest = -parallel_max(p.size(), -HUGE_VAL, [&](std::size_t a) {
     if (p.in_seepage[a] != 0) return -HUGE_VAL;
-    return -(free_courant * spacing_of<D>(p.volume[a]) / std::max(p.velocity[a].norm(), 1e-300));
+    return -(steps::free_courant * spacing_of<D>(p.volume[a]) / std::max(p.velocity[a].norm(), 1e-300));
   });
   return std::min({wave_interval(), central_interval(), viscous_interval(), longest});
 }
@@ -265,7 +266,7 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
   if (fastest > 0.0)
     apply(steps::seepage_courant / fastest, "a quarter spacing per window at the highest speed in soil or at a face");
   if (fastest_free > 0.0)
-    apply(free_courant / fastest_free, "two fifths of a spacing per window at the highest speed of free water");
+    apply(steps::free_courant / fastest_free, "two fifths of a spacing per window at the highest speed of free water");
   if (free_surface && weight_.norm() > 0.0) apply(wave_interval(), "gravity waves of one spacing on the free surface");
   // In soil the surface falls no faster than under a unit gradient, nor than freely.
   if (table && weight_.norm() > 0.0)

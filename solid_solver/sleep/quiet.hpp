@@ -16,8 +16,6 @@ struct Unrest {
   double share = 0.0;  ///< of the mass, of what departs by more than `sleep::restless`
 };
 
-using sleep::local_share, sleep::restless;
-
 /// Damping rate [1/s] that is critical for the slowest mode of a column as high as the soil, 2 omega = pi c / H.
 template <int D>
 double near_critical_damping(const Setup<D>& setup) {
