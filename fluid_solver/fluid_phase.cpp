@@ -8,6 +8,11 @@
 #include "fluid_solver/exchange/drag_form.hpp"
 #include "fluid_solver/fluid.hpp"
 #include "fluid_solver/motion/packing.hpp"
+#include "fluid_solver/numerics/exchange.hpp"
+#include "fluid_solver/numerics/motion.hpp"
+#include "fluid_solver/numerics/pressure.hpp"
+#include "fluid_solver/numerics/steps.hpp"
+#include "fluid_solver/numerics/surface.hpp"
 
 #include <fmt/format.h>
 
@@ -17,18 +22,6 @@
 namespace poretwin::fluid {
 
 namespace {
-
-/// Of the pressure solve where no water is in soil: a dam break's front and energy are the same as with 1e-4.
-constexpr double free_water_tolerance = 1e-3;
-/// Of the pressure solve between soils: the drive, to which the tolerance is relative, is set by the most permeable
-/// soil, the flow by the least permeable, and the residual left there moves water of the permeable one. Tighter than
-/// this is lost in rounding.
-constexpr double tightest_tolerance = 1e-11;
-/// A window is solved again when the drag's tangent misses the law by more than this share of inertia and drag (rms).
-constexpr double drag_tolerance = 0.02;
-/// Averaging time of the thickness of a surface's row, in times of repair: longer than any wave that is resolved.
-constexpr double row_memory = 10.0;
-constexpr int most_drag_rounds = 10;
 
 /// The box around everything in the case, widened by its diagonal on all sides; without bound along periodic axes.
 template <int D>
@@ -148,7 +141,8 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
 /// least 0.03 and c = 10 sqrt(g H) (Monaghan 1994).
 template <int D>
 double Fluid<D>::viscosity() const {
-  const double share = scene_.fluid.scheme == FluidCase::Scheme::projection ? shear_viscosity : 0.05;
+  const double share =
+      scene_.fluid.scheme == FluidCase::Scheme::projection ? motion::shear_viscosity : motion::sweep_viscosity;
   return std::max(scene_.water.kinematic_viscosity, share * dx_ * state_.wave_speed);
 }
 
@@ -283,9 +277,9 @@ WindowProblem<D> Fluid<D>::problem(double interval) const {
   in.void_volume = state_.particles.void_volume.values();
   const auto& mask = state_.particles.mask;
   if (parallel_all(mask.size(), [&](std::size_t a) { return mask[a] <= 0.5; }))
-    in.tolerance = free_water_tolerance;
+    in.tolerance = pressure::free_water_tolerance;
   else
-    in.tolerance = std::max(in.tolerance / porous::conductivity_contrast(scene_), tightest_tolerance);
+    in.tolerance = std::max(in.tolerance / porous::conductivity_contrast(scene_), pressure::tightest_tolerance);
   if (scene_.fluid.pressure_tolerance) in.tolerance = *scene_.fluid.pressure_tolerance;
   for (const auto& c : state_.columns) {
     in.face_pressure.push_back(c.pressure);
@@ -329,7 +323,7 @@ void Fluid<D>::solve_hydrostatic(SoilView<D>& view) {
   }
   auto in = problem(std::sqrt(2.0 * ((high - low).norm() + dx_) / gravity_or_standard_));
   in.response = false;
-  in.tolerance = 1e-8;
+  in.tolerance = pressure::initial_tolerance;
   view.velocity = {};
   view.forget_law();
   WindowSolution<D> out;
@@ -342,7 +336,8 @@ void Fluid<D>::solve_hydrostatic(SoilView<D>& view) {
   });
   state_.window_limits.clear();
   if (fastest > 0.0)
-    state_.window_limits.push_back({0.25 / fastest, "a quarter spacing per window of seepage that begins"});
+    state_.window_limits.push_back(
+        {steps::seepage_courant / fastest, "a quarter spacing per window of seepage that begins"});
 }
 
 /// Stores the force of pressure and drag on the soil as evaluated at the water's points. The soil reports its balance
@@ -456,7 +451,8 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
   parallel_for(s.n_real, [&](std::size_t a) { damped[a] = is_drag_dominated(view, a); });
   if (parallel_all(s.n_real, [&](std::size_t a) { return damped[a]; })) return result;
   if (result.empty()) result = v;
-  const double noise = noise_viscosity * dx_ * state_.wave_speed, viscosity = this->viscosity();
+  using motion::impact_viscosity;
+  const double noise = motion::noise_viscosity * dx_ * state_.wave_speed, viscosity = this->viscosity();
   // The numerical viscosity is a damping, not a property of water: it need not be exact.
   const bool own = viscosity <= scene_.water.kinematic_viscosity;
   const VecArray<D> all = extended<D>(s, v, Carried::yes, no_slip_);
@@ -521,14 +517,14 @@ VecArray<D> Fluid<D>::forced_velocity(const Stencil<D>& s, const SoilView<D>& vi
 /// would grow until the water flies apart. The first window removes all of what the water starts with.
 template <int D>
 ScalarArray Fluid<D>::deferred_divergence(const Stencil<D>& s, const SoilView<D>& view, double interval) const {
-  constexpr double even = 0.05;  // |sum V grad W| h up to which surroundings are even; at a flat surface 0.7
   const auto& p = state_.particles;
   ScalarArray deferred(p.size(), 0.0);
   if (scene_.fluid.scheme != FluidCase::Scheme::projection || state_.last_interval <= 0.0) return deferred;
   const double fraction = 1.0 - interval / (0.5 * free_interval());
   if (fraction <= 0.0) return deferred;
   parallel_for(p.size(), [&](std::size_t a) {
-    if (p.in_seepage[a] == 0 && !is_drag_dominated(view, a) && s.length(a) * s.normal[a].norm() > even)
+    if (p.in_seepage[a] == 0 && !is_drag_dominated(view, a) &&
+        s.length(a) * s.normal[a].norm() > motion::even_surroundings)
       deferred[a] = fraction;
   });
   if (parallel_all(p.size(), [&](std::size_t a) { return deferred[a] == 0.0; })) return deferred;
@@ -558,11 +554,13 @@ double Fluid<D>::packing_error(const Stencil<D>& s, std::size_t a, double full) 
     if (const double below = depth<D>(s, a); below > 0.0) {
       // The missing side is filled with a lattice; a surface may be loose.
       static const double whole = lattice_density<D>();
-      return std::max(0.0, full + lattice_density<D>(0.5 + below * smoothing_ratio / s.length(a)) / whole - 1.0);
+      return std::max(0.0,
+                      full + lattice_density<D>(0.5 + below * points::smoothing_ratio / s.length(a)) / whole - 1.0);
     }
   double excess = full - 1.0;
   // Near a surface the kernel is cut off, so that a deficit there is no error.
-  if (excess < 0.0 && !s.covered[a]) excess *= std::clamp(1.0 - 5.0 * s.length(a) * s.normal[a].norm(), 0.0, 1.0);
+  if (excess < 0.0 && !s.covered[a])
+    excess *= std::clamp(1.0 - motion::cut_off * s.length(a) * s.normal[a].norm(), 0.0, 1.0);
   const bool below = s.ghost_distance[a] > 0.0;
   return below || p.surface[a] != Surface::interior ? std::max(0.0, excess) : excess;
 }
@@ -597,8 +595,8 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
     // Conserves volume to second order in the displacement: det(1 + dt grad v) = 1. Without this term a strain rate s
     // compresses by dt s^2, and its repair adds energy.
     if (p.in_seepage[a] == 0)
-      source[a] += std::clamp(0.5 * interval * (velocity_gradient[a] * velocity_gradient[a]).trace(), -0.2 / interval,
-                              0.2 / interval);
+      source[a] += std::clamp(0.5 * interval * (velocity_gradient[a] * velocity_gradient[a]).trace(),
+                              -motion::most_strain / interval, motion::most_strain / interval);
   });
   if (!responds() || state_.last_interval <= 0.0) return source;
   // The soil moved otherwise than predicted. The volumetric strain beyond the prediction is applied to the water no
@@ -633,7 +631,7 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
 /// as many.
 template <int D>
 ScalarArray Fluid<D>::unseen_strain_rate(const Stencil<D>& s, const SoilView<D>& view, double interval) {
-  constexpr double windows = 8.0;
+  constexpr double windows = exchange::unseen_strain_windows;
   auto& p = state_.particles;
   for (auto* values : {&p.unseen_rate, &p.unseen_strain})
     if (!values->is_allocated()) values->allocate(p.size());
@@ -710,7 +708,7 @@ WindowSolution<D> Fluid<D>::solve(const Stencil<D>& s, SoilView<D>& view, const 
     out.solid_velocity = p.solid_velocity;
     if (again) out.solid_velocity.values() = passes_.predicted();
     solve_window<D>(s, view, p.surface, in, out);
-    if (!nonlinear || round == most_drag_rounds) break;
+    if (!nonlinear || round == pressure::most_drag_rounds) break;
     double error = 0.0, whole = 0.0;
     for (std::size_t a = 0; a < p.size(); ++a) {
       const Vec<D> slip = out.velocity[a] - out.solid_velocity[a];
@@ -719,7 +717,7 @@ WindowSolution<D> Fluid<D>::solve(const Stencil<D>& s, SoilView<D>& view, const 
       error += p.volume[a] * (view.drag[a] * slip - view.drag_offset[a] - right).squaredNorm();
       whole += p.volume[a] * (aw * out.velocity[a] + right).squaredNorm();
     }
-    if (error <= drag_tolerance * drag_tolerance * whole) break;
+    if (error <= pressure::drag_tolerance * pressure::drag_tolerance * whole) break;
     view.linearise(out.velocity, out.solid_velocity);
     ++state_.counts.drag_rounds;
   }
@@ -750,7 +748,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   auto s = stencil();
   ++state_.counts.stencils;
   flow_together(s);
-  mark_surface(s, p.row, std::min(1.0, dt / (row_memory * free_repair_time(dx_))));
+  mark_surface(s, p.row, std::min(1.0, dt / (surface::row_memory * free_repair_time(dx_))));
   if (scene_.coupled() && !computes_beside()) apply_returned_impulse(s, view);
   check_room(window.time);
 

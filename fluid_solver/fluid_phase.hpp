@@ -11,13 +11,6 @@
 
 namespace poretwin::fluid {
 
-/// Way of free water in a window at most, in spacings.
-inline constexpr double free_courant = 0.4;
-
-/// Numerical viscosities of free water: on the shear itself and on its non-linear part, in units of the spacing times
-/// the speed of long waves; on pairs that approach, in units of h times the speed of approach.
-inline constexpr double shear_viscosity = 0.01, noise_viscosity = 0.05, impact_viscosity = 0.5;
-
 template <int D>
 class Fluid final : public Phase {
  public:

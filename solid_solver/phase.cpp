@@ -6,6 +6,11 @@
 #include "solid_solver/dynamics/flow_regularisation.hpp"
 #include "solid_solver/exchange/pore_water.hpp"
 #include "solid_solver/exchange/saturation.hpp"
+#include "solid_solver/numerics/exchange.hpp"
+#include "solid_solver/numerics/sleep.hpp"
+#include "solid_solver/numerics/statics.hpp"
+#include "solid_solver/numerics/steps.hpp"
+#include "solid_solver/numerics/walls.hpp"
 #include "solid_solver/output/gauges.hpp"
 #include "solid_solver/output/readout.hpp"
 #include "solid_solver/sleep/regions.hpp"
@@ -40,42 +45,13 @@ OrZero<double> coverage_of(const Inbox& inbox, std::size_t n) {
   return coverage;
 }
 
-/// The longest window in which waves in the soil are followed, in substeps. The pressure is held in a window: it stops
-/// the compression of undrained soil only where the shortest waves swing by less than half a period meanwhile, omega Dt
-/// < pi, and these have omega dt of about 1. Windows of four substeps kept the noise of a sudden load alive for ever in
-/// a column of k = 1e-6 m/s.
-constexpr double substeps_while_moving = 2.0;
-
-/// Long windows of soil that cannot yield: error of its stress, in the energy's norm and over that under gravity, that
-/// is let be; a fifth of it ends the search for equilibrium.
-constexpr double elastic_error = 1e-3;
-
-/// Of soil that can yield: the largest departure from rest, over gravity, that is let be; error of the stress that ends
-/// the search, since soil creeps by what is left in every window. Where that is not to be had, dynamic relaxation: how
-/// long, and what ends it (RestSearch).
-/// `let_be`: below it no equilibrium is sought at all.
-constexpr double let_be = 3e-3, woken_by = 5e-3, plastic_error = 1e-4, relaxed = restless, most_ways = 100.0;
-
-/// Kinetic energy, over what drag and plastic flow dissipate meanwhile, from which on it is missed: soil that
-/// consolidates under a sudden load has some thousandths of it, a wave all of it.
-constexpr double noticed = 0.05;
-
-/// Force over the weight, borne by neither phase, above which a window's first pass is not let be (`Solid::unborne`).
-/// At 0.003, as far as it then settles, an embankment with a yielding skin at 1 cm has 0.003 to 0.01 of it and does not
-/// settle.
-constexpr double worth_repeating = 0.02;
-
-/// Plastic shear strain in a window by which all but `local_share` of the soil may go on: its dilation is water that
-/// the fluid learns of in the next window only.
-constexpr double sheared_in_a_window = 2e-3;
-
-/// What all but `local_share` of the soil has sheared by at most since `before`.
+/// What all but `sleep::local_share` of the soil has sheared by at most since `before`.
 template <int D>
 double shear_of_most(const Particles<D>& p, const ScalarArray& before) {
   ScalarArray shear(p.free());
   for (std::size_t i = 0; i < shear.size(); ++i) shear[i] = p.plastic_strain[i] - before[i];
   const auto most =
-      shear.begin() + static_cast<std::ptrdiff_t>((1.0 - local_share) * static_cast<double>(shear.size()));
+      shear.begin() + static_cast<std::ptrdiff_t>((1.0 - sleep::local_share) * static_cast<double>(shear.size()));
   std::nth_element(shear.begin(), most, shear.end());
   return most == shear.end() ? 0.0 : *most;
 }
@@ -129,7 +105,7 @@ void Solid<D>::share_load(const LoadedPatch<D>& patch, const OrZero<double>& pre
   double nearest = std::numeric_limits<double>::infinity();
   for (const Index i : patch.particles)
     nearest = std::min(nearest, patch.normal.dot(reference_position(i)) - patch.level);
-  if (std::abs(nearest - 0.5 * setup_.spacing) > 0.1 * setup_.spacing) return;
+  if (std::abs(nearest - 0.5 * setup_.spacing) > walls::moved_off_face * setup_.spacing) return;
   ScalarArray excess = pressure.values();
   Vec<D> beyond = Vec<D>::Zero();
   if (patch.water_face) {
@@ -400,7 +376,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
     change_in_window.assign(n, Vec<D>::Zero());
   }
   for (std::size_t i = 0; i < n && tracks; ++i) {
-    if (state_.external.coverage[i] <= 0.0 || soil_seen[i] <= 1e-6) continue;
+    if (state_.external.coverage[i] <= 0.0 || soil_seen[i] <= exchange::least_seen) continue;
     const double R = p.mass[i] / p.volume[i];
     double along = 0.0, z = 0.0;  // impedance of the water that goes along; of all that the departure meets
     if (scene_.fluid.drag) {
@@ -489,8 +465,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
     if (may_sleep && k == 0) {
       reference = reference_acceleration(setup_, state_, drive);
       const auto& quiet = *scene_.solid.quiet;
-      constexpr double quasi_static = 10.0;  // of wake_above
-      const bool calm = unrest(setup_, state_, drive, reference).rms < quasi_static * quiet.wake_above;
+      const bool calm = unrest(setup_, state_, drive, reference).rms < sleep::damped_below * quiet.wake_above;
       drive.damping = quiet.damping && calm && !state_.still_yields ? near_critical_damping(setup_) : 0.0;
       if (drive.damping > 0.0) state_.damped += static_cast<double>(steps);
     }
@@ -509,8 +484,9 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   state_.substeps += static_cast<double>(steps);
   ++state_.revision;
   if (!scene_.coupled()) return Outcome::accept();
-  const double slow = woken_by * reference_acceleration(setup_, state_, drive) / near_critical_damping(setup_);
-  const bool hardly_moved = share_of_mass(p, [&](std::size_t i) { return p.velocity[i].norm() > slow; }) < local_share;
+  const double slow = statics::woken_by * reference_acceleration(setup_, state_, drive) / near_critical_damping(setup_);
+  const bool hardly_moved =
+      share_of_mass(p, [&](std::size_t i) { return p.velocity[i].norm() > slow; }) < sleep::local_share;
   if (tracks) dissipated += plastic_work(plastic_before);
   const bool moves =
       (state_.any_yielded && !hardly_moved) || inertia_matters({}, dissipated * long_window(setup_) / interval, slow);
@@ -523,7 +499,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
 
 template <int D>
 double Solid<D>::followed_window() const {
-  return (1.0 + 1e-9) * substeps_while_moving * setup_.longest_substep;
+  return (1.0 + 1e-9) * steps::substeps_while_moving * setup_.longest_substep;
 }
 
 template <int D>
@@ -535,7 +511,7 @@ bool Solid<D>::inertia_matters(std::span<const Vec<D>> before, double dissipated
     kinetic += 0.5 * p.mass[i] * change.squaredNorm();
     creeping += 0.5 * p.mass[i] * slow * slow;
   }
-  return kinetic > noticed * dissipated + creeping;
+  return kinetic > steps::noticed * dissipated + creeping;
 }
 
 template <int D>
@@ -556,7 +532,7 @@ double Solid<D>::drained_fraction(double interval) const {
     const double k = porous::seepage_at(scene_, soil, soil.porosity).conductivity;
     slowest = std::max(slowest, setup_.water_weight / (k * setup_.models[m]->elasticity().constrained()));
   }
-  constexpr double undrained = 0.2;
+  constexpr double undrained = steps::undrained;
   const double drained = interval / (setup_.height * setup_.height * slowest);
   return std::clamp((drained - undrained) / (1.0 - undrained), 0.0, 1.0);
 }
@@ -599,7 +575,7 @@ double Solid<D>::over_weight(const Drive<D>& tracking, std::span<const double> f
   for (std::size_t i = 0; i < p.free(); ++i)
     if (tracking.tracking[i] > 0.0) squares.emplace_back(std::pow(force[i] / (p.mass[i] * reference), 2), p.mass[i]);
   // Of all but a local part, which the search for equilibrium leaves to creep, too.
-  const auto most = squares.size() - static_cast<std::size_t>(local_share * static_cast<double>(squares.size()));
+  const auto most = squares.size() - static_cast<std::size_t>(sleep::local_share * static_cast<double>(squares.size()));
   if (most < squares.size())
     std::nth_element(squares.begin(), squares.begin() + static_cast<std::ptrdiff_t>(most), squares.end());
   squares.resize(most);
@@ -651,8 +627,7 @@ const Stiffness<D>& Solid<D>::stiffness_with(const ScalarArray& resistance) {
     change += std::abs(resistance[i] - held[i]);
     whole += held[i] + slowest * p.mass[i];
   }
-  constexpr double serves = 0.5;
-  if (held.empty() || change > serves * whole) held = resistance;
+  if (held.empty() || change > statics::still_serves * whole) held = resistance;
   if (!stiffness_ || stiffness_->resistance() != held)
     stiffness_ = std::make_unique<Stiffness<D>>(setup_, p, lattice_, held);
   return *stiffness_;
@@ -697,16 +672,19 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
   const Stiffness<D>& stiffness = stiffness_with(resistance);
   const bool asleep =
       cannot_yield()
-          ? departure(setup_, stiffness, state_, drive) <= elastic_error
+          ? departure(setup_, stiffness, state_, drive) <= statics::elastic_error
           : !softened(setup_, state_) &&
-                unrest(setup_, state_, drive, reference_acceleration(setup_, state_, drive)).largest <= let_be;
+                unrest(setup_, state_, drive, reference_acceleration(setup_, state_, drive)).largest <= statics::let_be;
   bool moved = false, evaluate = !answers.empty();  // forces, once the search is over
   if (!asleep) {
-    const EquilibriumSearch search{cannot_yield() ? 0.2 * elastic_error : plastic_error, local_share, woken_by};
+    const EquilibriumSearch search{
+        cannot_yield() ? statics::elastic_share * statics::elastic_error : statics::plastic_error, sleep::local_share,
+        statics::woken_by};
     RestReport report = find_equilibrium(setup_, stiffness, search, interval, state_, external);
     if (!report.reached() && !cannot_yield()) {
       const std::size_t tried = report.steps;
-      const RestSearch until{relaxed, most_ways, most_ways, local_share, 0.5 * setup_.spacing};
+      const RestSearch until{sleep::restless, statics::most_ways, statics::most_ways, sleep::local_share,
+                             statics::farthest * setup_.spacing};
       // Soil that nothing holds runs away in the search: that is no rest either.
       try {
         report = find_rest<D>(setup_, until, state_, external, [](const RestReport&) {});
@@ -716,7 +694,7 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
       report.steps += tried;
     }
     // Creep that water limits finds its equilibrium in a window in which less of it happens.
-    const double shorter = 0.25 * interval;
+    const double shorter = steps::without_equilibrium * interval;
     if (!report.reached() && shorter > long_window(setup_)) {
       saved_.motion.longest = shorter;
       fmt::print(stderr, "no equilibrium at t = {:g} s in a window of {:g} s: {} steps, {:.2g} of gravity left\n",
@@ -752,7 +730,7 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
   // Backward Euler takes away the energy of what the velocity changes by: of no account below what a noticeable
   // acceleration gives in the time of a wave.
   const double reference = reference_acceleration(setup_, state_, drive);
-  const double slow = woken_by * reference * long_window(setup_);
+  const double slow = statics::woken_by * reference * long_window(setup_);
   double work = dissipated + plastic_work(plastic_before);  // with that of the stress
   for (std::size_t i = 0; i < p.free() && moved; ++i)
     work += std::abs(p.volume[i] * state_.force[i].internal().dot(p.displacement[i] - start[i]));
@@ -760,7 +738,7 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
     if (!answers.empty()) {
       unsettled_ = unsettled(interval, tracking, answers, reference);
     } else if (const double force = unborne(tracking, goes_along, reference);
-               force > scene_.coupling.tolerance.value_or(worth_repeating)) {
+               force > scene_.coupling.tolerance.value_or(steps::worth_repeating)) {
       unsettled_ = force;
     }
     if (repeats_windows())
@@ -775,9 +753,10 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
     return Outcome::reject(followed_window(), "the soil moves: inertia matters");
   }
   const double by_shear =
-      moved ? interval * std::max(0.3, sheared_in_a_window / shear_of_most(p, plastic_before)) : no_limit;
-  state_.motion.longest =
-      std::min(std::max(state_.motion.longest, 1.25 * interval), std::max(by_shear, 4.0 * long_window(setup_)));
+      moved ? interval * std::max(steps::shrinks_to, steps::sheared_in_a_window / shear_of_most(p, plastic_before))
+            : no_limit;
+  state_.motion.longest = std::min(std::max(state_.motion.longest, steps::grows_to * interval),
+                                   std::max(by_shear, steps::least_by_shear * long_window(setup_)));
   state_.mean_velocity = p.velocity;
   state_.from_outside = from_outside;
   if (setup_.counts_impulses) state_.from_outside += interval * force_from_outside(setup_, state_, drive);
@@ -802,7 +781,7 @@ std::pair<double, std::string> Solid<D>::proposal() const {
     if (interval < limit.first) limit = {interval, why};
   };
   apply(next_load_after(state_.time) - state_.time, "the next load begins");
-  const double substeps_alone = state_.sleep.asleep ? 200.0 : 20.0;
+  const double substeps_alone = state_.sleep.asleep ? steps::alone_asleep : steps::alone;
   double alone = scene_.coupled() ? no_limit : substeps_alone * setup_.longest_substep;
   if (!scene_.coupled() && scene_.output.gauge_interval > 0.0) alone = std::min(alone, scene_.output.gauge_interval);
   apply(alone, "soil alone: gauges and prescribed water are seen between windows");

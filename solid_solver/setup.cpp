@@ -6,6 +6,9 @@
 #include "common/media/seepage.hpp"
 #include "solid_solver/discretisation/rough_walls.hpp"
 #include "solid_solver/material/cone.hpp"
+#include "solid_solver/numerics/points.hpp"
+#include "solid_solver/numerics/steps.hpp"
+#include "solid_solver/numerics/walls.hpp"
 
 #include <Eigen/Geometry>
 
@@ -20,8 +23,6 @@
 
 namespace poretwin::solid {
 namespace {
-
-constexpr double lengths_per_spacing = 1.2;  // h / dx, the paper's
 
 /// Number of parts into which so much soil is cut, independent of the number of threads. With more and smaller parts
 /// more pairs would cross parts and be stored twice.
@@ -50,10 +51,6 @@ void lay_in_slices(const Eigen::AlignedBox<double, D>& box, double spacing, Part
   sort(particles.material);
 }
 
-/// Courant number of the substeps in the search for rest and of soil with water. Whole numbers of substeps make the
-/// windows of an exchange, whose length decides how embankments fail.
-constexpr double careful = 0.8;
-
 /// Grains without cohesion that nothing loads, on rough walls, behind which rows of particles are held, and beside
 /// upright rollers: all stress ends at their surfaces, so that any stiffness of these serves.
 template <int D>
@@ -72,8 +69,8 @@ bool surfaces_carry_nothing(const Case& scene, const Setup<D>& setup) {
 /// of wedges that walls by images cut off, 1.24 at faces, 1.6 in disordered soil with soft edges (3D: 1.5).
 template <int D>
 double courant_number(const Case& scene, const Setup<D>& setup) {
-  if (scene.coupled()) return careful;
-  return !setup.soft_edges ? 1.0 : D == 2 ? 1.4 : 1.3;
+  if (scene.coupled()) return steps::careful;
+  return !setup.soft_edges ? steps::courant : D == 2 ? steps::courant_soft_2d : steps::courant_soft_3d;
 }
 
 /// sum V W at a point of a lattice, that point included: 1.018 in 2D, 1.017 in 3D.
@@ -85,25 +82,23 @@ double lattice_cover() {
   for (int i = -reach; i <= reach; ++i)
     for (int j = -reach; j <= reach; ++j)
       for (int k = -across; k <= across; ++k)
-        sum += sph::WendlandC2<D>::value(std::sqrt(i * i + j * j + k * k), lengths_per_spacing);
+        sum += sph::WendlandC2<D>::value(std::sqrt(i * i + j * j + k * k), points::lengths_per_spacing);
   return sum;
 }
 
 /// Length [m] of the line as far as soil lies along it; 0 of a plane.
 double length_along_soil(const Case& scene, const Face& face, double spacing) {
-  constexpr double farthest = 2.25;            // spacings that `check` lets the soil's surface lie off a load's line
-  constexpr double on_it = 1e-3, step = 5e-3;  // spacings: beside rounding, up to a tip; along the line
   const auto is_soil = [&](const Point3& x) {
     return std::any_of(scene.soils.begin(), scene.soils.end(),
                        [&](const Soil& soil) { return contains(soil.shape, x, scene.general.dimension); });
   };
   const auto beside_soil = [&](const Point3& x, const Point3& inward) {
-    constexpr std::array depths{on_it, -on_it, farthest, -farthest};
+    constexpr std::array depths{walls::beside_line, -walls::beside_line, walls::farthest_load, -walls::farthest_load};
     return std::ranges::any_of(depths, [&](double depth) { return is_soil(x + depth * spacing * inward); });
   };
   double length = 0.0;
   for (const Piece& piece : pieces_of(face)) {
-    const auto samples = static_cast<std::size_t>(std::ceil(piece.length() / (step * spacing)));
+    const auto samples = static_cast<std::size_t>(std::ceil(piece.length() / (walls::line_step * spacing)));
     std::size_t found = 0;
     for (std::size_t k = 0; k < samples; ++k) {
       const double share = (static_cast<double>(k) + 0.5) / static_cast<double>(samples);
@@ -193,7 +188,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   setup.spacing = scene.solid.particle_spacing;
   if (!(setup.spacing > 0.0))
     throw CaseError(fmt::format("solid.particle_spacing: expected a length above 0 m, found {}", setup.spacing));
-  setup.smoothing_length = lengths_per_spacing * setup.spacing;
+  setup.smoothing_length = points::lengths_per_spacing * setup.spacing;
   setup.full_cover = lattice_cover<D>();
   // Up to just below a lattice's neighbours at sqrt(8) spacings: lists are rebuilt as rarely as possible in soil that
   // flows, without additional pairs in soil at rest.
@@ -273,10 +268,10 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   setup.boundaries = make_boundaries<D>(scene, setup.range());
   setup.soft_edges = surfaces_carry_nothing(scene, setup);
   // Waves that such steps resolve poorly disturb the flow and reduce its friction.
-  if (setup.soft_edges) setup.stabilisers.bulk = 0.35 * fastest * setup.spacing;
+  if (setup.soft_edges) setup.stabilisers.bulk = points::bulk_viscosity * fastest * setup.spacing;
   const double courant = scene.solid.courant.value_or(courant_number(scene, setup));
   setup.longest_substep = setup.stabilisers.step = courant * setup.spacing / fastest;
-  setup.rest_substep = scene.solid.courant.value_or(careful) * setup.spacing / fastest;
+  setup.rest_substep = scene.solid.courant.value_or(steps::careful) * setup.spacing / fastest;
   const double g = setup.gravity.norm();
   setup.height = setup.spacing + (g > 0.0 ? box.sizes().dot(setup.gravity.cwiseAbs()) / g : box.sizes().maxCoeff());
   if (setup.boundaries.any_frictional()) {

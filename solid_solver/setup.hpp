@@ -4,6 +4,7 @@
 #include "solid_solver/discretisation/boundaries.hpp"
 #include "solid_solver/discretisation/operators.hpp"
 #include "solid_solver/material/model.hpp"
+#include "solid_solver/numerics/points.hpp"
 
 #include <limits>
 #include <memory>
@@ -35,9 +36,10 @@ struct Setup {
   std::size_t parts = 1;          ///< of the particles, that threads share: as many on every machine
   bool regular_flow = true;       ///< see dynamics/flow_regularisation.hpp
   bool soft_edges = false;        ///< surfaces that carry no stress are less stiff, for longer substeps
-  double flow_limit = 0.01;       ///< plastic strain above which hourglass control is off: it would brake the flow
-  double inertia_share = 0.5;     ///< zr of the tracking coefficient Z = C + zr rho_bar / Dt
-  bool counts_impulses = false;   ///< from outside, for a gauge
+  double flow_limit =
+      points::flow_limit;        ///< plastic strain above which hourglass control is off: it would brake the flow
+  double inertia_share = 0.5;    ///< zr of the tracking coefficient Z = C + zr rho_bar / Dt
+  bool counts_impulses = false;  ///< from outside, for a gauge
   bool parallel = false;  ///< the fluid's values are of the last window; where it predicts, Z = C / n^2 + .. then
   Vec<D> gravity = Vec<D>::Zero();
   double water_weight = 0.0;     ///< N/m3, behind the word "conductivity"
@@ -52,10 +54,7 @@ struct Setup {
   ScalarArray density;                                     ///< kg/m3, initial rho_bar_s, one per soil
   ScalarArray grain_density;  ///< kg/m3, of the grains with the residual water that moves with them, one per soil
   ScalarArray grain_share;    ///< of the grains in the volume of both, one per soil
-  std::vector<char> constant_volume;  ///< one per soil: sheared without dilation
-  /// Bulk volume over its initial one beyond which grains of soil without cohesion and dilation are apart (porosity
-  /// 0.40 -> 0.45, the loosest random packing of spheres): no stress, only collisions.
-  static constexpr double loosest = 1.1;
+  std::vector<char> constant_volume;    ///< one per soil: sheared without dilation
   std::vector<float> loose_friction;    ///< tan phi of collisions, one per soil; 0: grains never come apart
   std::vector<char> softened_by_water;  ///< one per soil: its cohesion follows the saturation
   [[nodiscard]] double range() const { return sph::support_radius * smoothing_length + skin; }

@@ -7,6 +7,8 @@
 #include "common/core/vector.hpp"
 #include "solid_solver/discretisation/pairs.hpp"
 #include "solid_solver/material/stress.hpp"
+#include "solid_solver/numerics/points.hpp"
+#include "solid_solver/numerics/steps.hpp"
 
 #include <algorithm>
 #include <array>
@@ -86,11 +88,10 @@ struct alignas(64) Node {
 /// upper half of B; of one particle or of four (Number: double or Lanes).
 template <int D, class Number>
 [[gnu::always_inline]] inline void edge_stiffness(const Number* upper, Number& share) {
-  constexpr double inside = 1.2;  // |B|^2 / D that soil away from surfaces comes to
   Number squared{};
   for (int b = 0; b < D; ++b)
     for (int a = 0; a <= b; ++a, ++upper) squared += (a == b ? 1.0 : 2.0) * *upper * *upper;
-  share = inside * D / squared;
+  share = points::inside_correction * D / squared;
   min_in_place(share, Number{} + 1.0);
 }
 
@@ -185,15 +186,15 @@ struct Motion {
   void begins(double long_window) {
     moving = true;
     calm = 0.0;
-    patience = std::clamp(2.0 * patience, 5.0 * long_window, 100.0 * long_window);
+    patience = std::clamp(steps::patience_grows * patience, steps::least_patience * long_window,
+                          steps::most_patience * long_window);
     begun += 1.0;
   }
   /// After a window that is not repeated; whether that force was noticeable. A few windows hold the soil where its
   /// motion changes suddenly, as under a load that begins.
   void held_by_nothing(bool noticeable) {
-    constexpr double few = 5.0;
     in_a_row = noticeable ? in_a_row + 1.0 : 0.0;
-    if (in_a_row > few) held += 1.0;
+    if (in_a_row > steps::few_held) held += 1.0;
   }
   /// After a window in motion: whether it is over.
   bool calms(double interval, bool hardly_moved) {

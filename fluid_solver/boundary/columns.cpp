@@ -12,9 +12,6 @@
 
 namespace poretwin::fluid {
 
-/// Depth in which a face's outermost particle is looked for, in spacings: the first row stands at a half.
-constexpr double outermost_within = 0.75;
-
 /// Levels of the basins at the end of a window, the flow through their faces taken as it was in the last one.
 template <int D>
 void Fluid<D>::fill_basins(double time, double interval) {
@@ -107,7 +104,7 @@ void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, con
   sph::CellGrid<D> grid;
   double widest = 0.0;
   for (const auto& c : state_.columns)
-    widest = std::max(widest, 2.0 * smoothing_ratio * std::max(c.spacing, 2.0 * c.width));
+    widest = std::max(widest, 2.0 * points::smoothing_ratio * std::max(c.spacing, 2.0 * c.width));
   grid.build(p.position, widest);
   typename sph::Sight<D>::Near near;
   for (std::size_t i = 0; i < state_.columns.size(); ++i) {
@@ -122,8 +119,8 @@ void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, con
     c.slope = 0.0;
     if (!c.wet) continue;
     c.slope = face_slope(s, static_cast<Index>(i), p.pressure, c.pressure).value_or(0.0);
-    const Vec<D> probe = c.foot + 0.75 * c.spacing * c.normal;
-    const double h = smoothing_ratio * spacing_of<D>(c.volume);
+    const Vec<D> probe = c.foot + faces::probe_depth * c.spacing * c.normal;
+    const double h = points::smoothing_ratio * spacing_of<D>(c.volume);
     double sum = 0.0, speed = 0.0;
     // Of two soils side by side each moves its own columns.
     const Soil* here = scene_.soils.size() > 1 && !scene_.coupled() ? soil_at(scene_, to_point3<D>(probe)) : nullptr;
@@ -140,7 +137,7 @@ void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, con
           -motion[a] * 0.5 * packing_error(s, a, s.fullness[a]) * spacing / repair_time(a, view, interval);
       speed += w * (c.normal.dot(p.velocity[a]) + loose);
     });
-    if (sum < 0.05) {
+    if (sum < faces::least_seen) {
       const double before = c.offset;
       wet_dry_ground(c, interval);
       if (flow_is_solved_for(c)) count(c, c.mass / density_ * (c.offset - before) / c.spacing);
@@ -177,7 +174,7 @@ void Fluid<D>::wet_dry_ground(FaceColumn<D>& c, double interval) const {
       z + jet * interval, std::sqrt(z * z + 2.0 * speed.head * interval) + std::max(0.0, speed.gravity) * interval);
   c.offset = std::min(c.spacing, 0.5 * c.spacing + deeper);
   // At the window's end, for the particles that take over.
-  const double depth = std::clamp(deeper, 0.25 * c.spacing, 0.5 * c.spacing);
+  const double depth = std::clamp(deeper, faces::least_front_depth * c.spacing, 0.5 * c.spacing);
   c.speed = std::min(jet, speed.head / depth + std::max(0.0, speed.gravity));
   c.slope = -weight_.dot(c.normal) - total / depth;
 }
@@ -216,9 +213,9 @@ void Fluid<D>::limit_surface(Stencil<D>& s) const {
     const auto* c = i < 0 ? nullptr : &state_.columns[static_cast<std::size_t>(i)];
     const double d = c ? c->inside(s.position[a]) : spacing;
     const bool at_face = c && c->in_soil && !c->wet && d < 0.5 * spacing;
-    if (at_face && (!faces_follow_ || d > -deletion_depth * c->spacing)) {
+    if (at_face && (!faces_follow_ || d > -faces::deletion_depth * c->spacing)) {
       s.at_face[a] = true;
-      s.prescribed_surface_distance.set(a, std::max(d, 0.1 * spacing));
+      s.prescribed_surface_distance.set(a, std::max(d, faces::least_exit_distance * spacing));
     } else if (const Soil* here = soil_at(scene_, to_point3<D>(s.position[a])); here && here->suction_head != 0.0) {
       s.surface_pressure.set(a, -gamma * here->suction_head);
     }
@@ -232,7 +229,7 @@ void Fluid<D>::follow_soil(const SoilView<D>& view) {
   const ColumnFinder<D> finder(state_.columns);
   std::vector<double> step(state_.columns.size(), 0.0);
   for (std::size_t a = 0; a < p.size(); ++a) {
-    if (view.coverage[a] >= left_by_soil) continue;
+    if (view.coverage[a] >= faces::left_by_soil) continue;
     const int i = finder.nearest(p.position[a]);
     if (i < 0) continue;
     const auto& c = state_.columns[static_cast<std::size_t>(i)];
@@ -266,7 +263,7 @@ std::vector<StillWater<D>> Fluid<D>::reservoir() const {
   for (std::size_t i = 0; i < state_.columns.size(); ++i) {
     const auto& c = state_.columns[i];
     if (!c.wet || !c.in_soil || c.held || scene_.water_faces[static_cast<std::size_t>(c.face)].pressure) continue;
-    for (int j = buffers_per_column + 1; j <= reservoir_rows; ++j)
+    for (int j = faces::buffers_per_column + 1; j <= faces::reservoir_rows; ++j)
       add(c, c.foot + (c.offset - j * c.spacing) * c.normal);
     if constexpr (D == 2) {
       for (const double side : {-1.0, 1.0}) {
@@ -274,8 +271,9 @@ std::vector<StillWater<D>> Fluid<D>::reservoir() const {
         if (std::any_of(feet_.begin(), feet_.end(),
                         [&](const Vec<D>& foot) { return (foot - feet_[i] - next).norm() < 1.5 * c.width; }))
           continue;
-        for (int k = 1; k <= reservoir_rows; ++k)
-          for (int j = 1; j <= reservoir_rows; ++j) add(c, c.foot + k * next + (c.offset - j * c.spacing) * c.normal);
+        for (int k = 1; k <= faces::reservoir_rows; ++k)
+          for (int j = 1; j <= faces::reservoir_rows; ++j)
+            add(c, c.foot + k * next + (c.offset - j * c.spacing) * c.normal);
       }
     }
   }
@@ -318,7 +316,7 @@ void Fluid<D>::give_birth_and_delete(const SoilView<D>& view) {
       ++state_.counts.lost;
       continue;
     }
-    const bool left = faces_follow_ && view.coverage[a] < left_by_soil;
+    const bool left = faces_follow_ && view.coverage[a] < faces::left_by_soil;
     const bool free = is_free(a);
     if (const int f = free ? taker(p.position[a]) : -1; f >= 0) {
       keep[a] = false;
@@ -341,7 +339,7 @@ void Fluid<D>::give_birth_and_delete(const SoilView<D>& view) {
     if (free && c.in_soil && std::find(reservoirs_.begin(), reservoirs_.end(), c.face) != reservoirs_.end()) continue;
     const double d = c.inside(p.position[a]);
     // Soil that slides out of a seepage face takes its water along.
-    const bool passed = d < -deletion_depth * c.spacing && (!faces_follow_ || c.wet || view.coverage[a] < 0.5);
+    const bool passed = d < -faces::deletion_depth * c.spacing && (!faces_follow_ || c.wet || view.coverage[a] < 0.5);
     // What has passed a face is in the air or in still water; its pressure, carried along with the slope inside, is not
     // below the air's.
     if (!faces_follow_ && c.in_soil && d < 0.0)
@@ -365,13 +363,13 @@ void Fluid<D>::give_birth_and_delete(const SoilView<D>& view) {
   // a column has none there left, its neighbour's goes. Distances are from half a spacing outside: rows may be that far
   // ahead of the column, and from the foot itself the row behind them would be nearer.
   for (auto& c : state_.columns) {
-    if (!flow_is_solved_for(c) || !c.wet || c.offset >= -deletion_depth * c.spacing) continue;
+    if (!flow_is_solved_for(c) || !c.wet || c.offset >= -faces::deletion_depth * c.spacing) continue;
     std::size_t found = p.size();
     double nearest_yet = 0.0;
     for (std::size_t a = 0; a < p.size(); ++a) {
       if (!keep[a] || nearest[a] < 0) continue;
       const auto& own = state_.columns[static_cast<std::size_t>(nearest[a])];
-      if (own.face != c.face || own.inside(p.position[a]) >= outermost_within * own.spacing) continue;
+      if (own.face != c.face || own.inside(p.position[a]) >= faces::outermost_within * own.spacing) continue;
       const double distance = (p.position[a] - c.foot + 0.5 * c.spacing * c.normal).norm();
       if (found != p.size() && distance >= nearest_yet) continue;
       found = a;

@@ -6,19 +6,11 @@
 #include "common/particles/neighbours.hpp"
 #include "fluid_solver/discretisation/stencil.hpp"
 #include "fluid_solver/exchange/soil_view.hpp"
+#include "fluid_solver/numerics/faces.hpp"
 
 #include <cmath>
 
 namespace poretwin::fluid {
-
-/// Buffer particles per column: enough to fill every kernel that reaches the face.
-inline constexpr int buffers_per_column = 4;
-/// A particle that has left through a face by more than this many spacings is deleted; the column steps back by one.
-inline constexpr double deletion_depth = 0.25;
-/// Rows of still water that soil can slide into behind a face with a head, and columns of them beyond its ends.
-inline constexpr int reservoir_rows = 16;
-/// Coverage by the soil below which its water is out of it: on the steps of a lattice along a slope it is 0.28.
-inline constexpr double left_by_soil = 0.2;
 
 template <int D>
 struct FaceColumn {
@@ -46,7 +38,7 @@ struct FaceColumn {
   [[nodiscard]] double inside(const Vec<D>& x) const { return normal.dot(x - foot); }
   /// Volume of water that the first buffer has inside the face [m^D]; negative: that the last particle has outside.
   [[nodiscard]] double share(double density) const {
-    return wet ? mass / density * std::clamp(offset / spacing - 0.5, -0.5 - deletion_depth, 0.5) : 0.0;
+    return wet ? mass / density * std::clamp(offset / spacing - 0.5, -0.5 - faces::deletion_depth, 0.5) : 0.0;
   }
 };
 
@@ -69,7 +61,7 @@ Vec<D> behind_face(const Case& scene, const Vec<D>& foot, const Vec<D>& normal, 
 /// deep would be below the base.
 template <int D>
 Vec<D> just_inside(const Case& scene, const Vec<D>& foot, const Vec<D>& normal, double spacing) {
-  return behind_face<D>(scene, foot, normal, 0.25 * spacing);
+  return behind_face<D>(scene, foot, normal, faces::soil_depth * spacing);
 }
 
 namespace detail {
@@ -303,7 +295,7 @@ std::vector<Buffer<D>> make_buffers(const std::vector<FaceColumn<D>>& columns, b
     const auto& c = columns[i];
     if (!c.wet) continue;
     const auto add = [&](const Vec<D>& foot) {
-      for (int j = 1; j <= buffers_per_column; ++j) {
+      for (int j = 1; j <= faces::buffers_per_column; ++j) {
         const double d = c.offset - j * c.spacing;
         buffers.push_back({foot + d * c.normal, c.volume, static_cast<Index>(i), -d, foot, c.normal, c.in_soil});
       }
@@ -311,7 +303,7 @@ std::vector<Buffer<D>> make_buffers(const std::vector<FaceColumn<D>>& columns, b
     add(c.foot);
     if constexpr (D == 2) {
       const Vec<D> step = 2.0 * c.width * Vec<D>(c.normal[1], -c.normal[0]);
-      for (int k = 1; beyond && k < buffers_per_column; ++k) {
+      for (int k = 1; beyond && k < faces::buffers_per_column; ++k) {
         if ((k - 0.5) * 2.0 * c.width < c.before) add(c.foot - k * step);
         if ((k - 0.5) * 2.0 * c.width < c.after) add(c.foot + k * step);
       }
@@ -331,7 +323,8 @@ double length_of_even_fall() {
     for (int s = 1; s <= reach; ++s)
       for (int i = -reach; i <= reach; ++i)
         for (int j = (D == 3 ? -reach : 0); j <= (D == 3 ? reach : 0); ++j) {
-          const double F = -Kernel<D>::derivative_over_r(std::sqrt(1.0 * (s * s + i * i + j * j)), smoothing_ratio);
+          const double F =
+              -Kernel<D>::derivative_over_r(std::sqrt(1.0 * (s * s + i * i + j * j)), points::smoothing_ratio);
           second += s * s * F;
           third += s * s * s * F;
         }
@@ -362,7 +355,8 @@ void fit_columns(const std::vector<FaceColumn<D>>& columns, std::span<const char
   if (columns.empty()) return;
   sph::CellGrid<D> grid;
   double widest = 0.0;
-  for (const auto& c : columns) widest = std::max(widest, 1.3 * spacing_of<D>(c.volume));
+  for (const auto& c : columns)
+    widest = std::max(widest, sph::support_radius * faces::fit_length * spacing_of<D>(c.volume));
   grid.build(s.position, widest);
   ScalarArray first;  // weights of the first row alone
   for (const auto& c : columns) {
@@ -370,8 +364,8 @@ void fit_columns(const std::vector<FaceColumn<D>>& columns, std::span<const char
     double sum = 0.0, least = 0.0, whole = 0.0, first_sum = 0.0, first_whole = 0.0;
     first.clear();
     if (c.wet) {
-      const double h = 0.65 * spacing_of<D>(c.volume);
-      const Vec<D> probe = c.foot + 0.75 * c.spacing * c.normal;
+      const double h = faces::fit_length * spacing_of<D>(c.volume);
+      const Vec<D> probe = c.foot + faces::probe_depth * c.spacing * c.normal;
       if (sight.limited()) sight.find_near(probe, sph::support_radius * h, near_by);
       grid.for_each_within(probe, sph::support_radius * h, [&](Index j, double r2) {
         const Index a = s.parent[j];
@@ -386,7 +380,7 @@ void fit_columns(const std::vector<FaceColumn<D>>& columns, std::span<const char
         whole += w * d;
         first_sum += near * d * d;
         first_whole += near * d;
-        least += w * 0.04 * c.spacing * c.spacing;
+        least += w * faces::least_fitted * c.spacing * c.spacing;
         s.fit_index.push_back(a);
         s.fit_weight.push_back(w * d);
         first.push_back(near * d);

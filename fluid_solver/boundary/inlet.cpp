@@ -3,18 +3,12 @@
 #include "common/geometry/shapes.hpp"
 #include "common/geometry/thin_walls.hpp"
 #include "fluid_solver/fluid_phase.hpp"
+#include "fluid_solver/numerics/faces.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace poretwin::fluid {
-
-namespace {
-
-/// Averaging time of the current in front of a sill, in the times that a wave takes past the water averaged over.
-constexpr double current_waves = 10.0;
-
-}  // namespace
 
 template <int D>
 std::vector<Inlet<D>> make_inlets(const Case& scene) {
@@ -136,7 +130,7 @@ sph::Sight<D> water_sight(const Case& scene, double margin) {
 
 template <int D>
 void Fluid<D>::place_pistons() {
-  const double margin = wall_margin * sph::support_radius * smoothing_ratio * dx_;
+  const double margin = wall_margin * sph::support_radius * points::smoothing_ratio * dx_;
   if (sight_.limited() || planes_.empty()) sight_ = water_sight<D>(scene_, margin);
   if (sight_.limited())
     planes_.assign(sight_.planes().begin(), sight_.planes().end());
@@ -192,7 +186,7 @@ void Fluid<D>::set_inlets(double time, double interval) {
     if (inlet.sill) {
       const double over = level_behind(inlet.face, time) - inlet.lowest;
       // Water in front of a piston moves with it: its present speed would only repeat what the piston did.
-      const double averaging_time = current_waves * near / std::sqrt(gravity_or_standard_ * std::max(dx_, over));
+      const double averaging_time = faces::current_waves * near / std::sqrt(gravity_or_standard_ * std::max(dx_, over));
       inlet.current +=
           std::min(1.0, interval / averaging_time) * ((moving > 0.0 ? speed / moving : 0.0) - inlet.current);
       const auto flow =

@@ -78,7 +78,7 @@ Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> p
   }
   double largest = 0.0;
   for (const double v : c.volume) {
-    c.length.push_back(smoothing_ratio * spacing_of<D>(v));
+    c.length.push_back(points::smoothing_ratio * spacing_of<D>(v));
     largest = std::max(largest, c.length.back());
   }
   for (std::size_t i = 0; i < c.size(); ++i) c.owner.push_back(i < c.n_real ? static_cast<double>(i) : -1.0);
@@ -151,14 +151,15 @@ class Probe {
       rhs += w * f(j) * row;
       scale += w * length(j);
     });
-    if (moment(0, 0) < 0.3) return {};
+    if (moment(0, 0) < points::least_sampled) return {};
     scale /= moment(0, 0);
     // Directions without points on either side say nothing.
     Row unit = Row::Constant(reach_ / scale);
     unit[0] = 1.0;
     const Eigen::Matrix<double, D + 1, D + 1> scaled = unit.asDiagonal() * moment * unit.asDiagonal();
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, D + 1, D + 1>> eigen(scaled);
-    if (eigen.eigenvalues()[0] < 0.02 * moment(0, 0)) return {rhs[0] / moment(0, 0), Vec<D>::Zero()};
+    if (eigen.eigenvalues()[0] < points::least_slope_moment * moment(0, 0))
+      return {rhs[0] / moment(0, 0), Vec<D>::Zero()};
     const Row solution = moment.ldlt().solve(rhs);
     return {solution[0], solution.template tail<D>() / reach_};
   }

@@ -3,6 +3,7 @@
 
 #include "common/core/threads.hpp"
 #include "fluid_solver/discretisation/stencil.hpp"
+#include "fluid_solver/numerics/surface.hpp"
 
 #include <algorithm>
 #include <cstdint>
@@ -12,39 +13,19 @@ namespace poretwin::fluid {
 
 enum class Surface : std::uint8_t { interior, surface, lone };
 
-namespace surface {
-/// Least eigenvalue of the moment below which a particle is on no surface.
-inline constexpr double alone = 0.1;
-/// Divergence of position over D below which neighbours are few (a surface, in soil), also at a seepage face; and too
-/// few for a pressure. The least eigenvalue does not distinguish these: a particle that sinks out of a crowded surface
-/// has a small one, too; it would fall freely until it had passed its row, a jolt in a tank at rest every few seconds.
-inline constexpr double few = 0.75, few_at_face = 0.9, too_few = 0.4;
-/// Cosine of half the opening of the cone about the outward normal that is empty above a surface particle.
-inline constexpr double cone = 0.5, narrow_cone = 0.7071;
-/// Least |sum V grad W| h that a missing side makes: of a surface particle, and of one below it.
-inline constexpr double first_row = 0.1, second_row = 0.03;
-/// The same over the divergence of position, half of a flat surface's, from which on a particle whose neighbours are
-/// few lies at a hole, whatever stands opposite: in a splash, taken for one inside, its pressure would drive it to its
-/// neighbours, which raises it.
-inline constexpr double hole = 0.23;
-/// Least eigenvalue inverted at the surface, the ghost counted.
-inline constexpr double least_inverted = 0.4;
-}  // namespace surface
-
 /// Distance of the free surface from the row of particles on it, half the row's thickness, in half spacings: the row
 /// need not be a lattice's. In a tank at rest particles join it, up to 15 % more, and a surface held half a spacing
 /// above it sinks by as much of that: the pressure fell by 0.3 % of the depth of 20 spacings in a minute.
 template <int D>
 double row_thickness(const Stencil<D>& s, std::size_t a) {
   static const double lattice = [] {
-    const auto part = [](double r) { return Kernel<D>::value(r, smoothing_ratio); };
+    const auto part = [](double r) { return Kernel<D>::value(r, points::smoothing_ratio); };
     if constexpr (D == 3) return lattice_sum<2>(part);
     double sum = part(0.0);
     for (int i = 1; i <= 3; ++i) sum += 2.0 * part(1.0 * i);
     return sum;
   }();
-  constexpr double balanced = 0.15;  // of h: a row that ends here has no reliable thickness
-  const double h = s.length(a), spacing = h / smoothing_ratio;
+  const double h = s.length(a), spacing = h / points::smoothing_ratio;
   const Vec<D> n = s.normal[a].normalized();
   double sum = Kernel<D>::value(0.0, h);
   Vec<D> centre = Vec<D>::Zero();
@@ -59,7 +40,7 @@ double row_thickness(const Stencil<D>& s, std::size_t a) {
     centre += value * (d - out * n);
   }
   const double thickness = sum * std::pow(spacing, D) / lattice;
-  if (centre.norm() > balanced * h * sum || std::abs(thickness - 1.0) > 0.25) return 1.0;
+  if (centre.norm() > surface::balanced_row * h * sum || std::abs(thickness - 1.0) > surface::uneven_row) return 1.0;
   return thickness;
 }
 
@@ -92,9 +73,8 @@ SurfacePlane<D> surface_plane(const Stencil<D>& s, std::size_t a, bool in_seepag
 template <int D>
 double depth(const Stencil<D>& s, std::size_t a) {
   if (s.ghost_distance[a] > 0.0) return s.ghost_distance[a];
-  constexpr double plane_enough = 0.9;
   const auto plane = surface_plane<D>(s, a, false);
-  if (plane.normal.norm() <= plane_enough * plane.weight) return 0.0;
+  if (plane.normal.norm() <= surface::plane_enough * plane.weight) return 0.0;
   return std::max(plane.height / plane.weight, s.surface_distance(a));
 }
 
@@ -145,7 +125,7 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> in_seepag
         flags[a] = Surface::surface;
       return;
     }
-    if (s.least_moment[a] >= inside_moment) return;
+    if (s.least_moment[a] >= points::inside_moment) return;
     const double amount = s.normal[a].norm();
     const bool hole =
         splashes && s.divergence[a] < surface::few * D && amount * s.length(a) > surface::hole * s.divergence[a];
@@ -177,7 +157,7 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> in_seepag
     const auto plane = surface_plane<D>(s, a, in_seepage[a] != 0);
     if (plane.weight == 0.0 || plane.normal.isZero(0.0)) return {};
     const double cosine = -plane.normal.dot(s.normal[a]) / (plane.normal.norm() * s.normal[a].norm());
-    if (cosine < 0.5) return {};
+    if (cosine < surface::faces_plane) return {};
     const double distance = plane.height / (plane.weight * cosine);
     if (distance <= 0.0 || distance >= sph::support_radius * s.length(a)) return {};
     return {std::max(distance, s.surface_distance(a)), plane.pressure / plane.weight};

@@ -336,7 +336,7 @@ std::array<PairMatrix, n_mobilities> laplacians(const Stencil<D>& s,
     } else {
       length = point[at_volume];
       sqrt_in_place(length);
-      length = smoothing_ratio * length;
+      length = points::smoothing_ratio * length;
     }
   };
   // Not filled up: beside the matrix there is the least room.

@@ -10,10 +10,6 @@
 namespace poretwin::fluid {
 namespace {
 
-/// Least eigenvalue of a moment that is inverted in full: gradients in directions with fewer neighbours are taken
-/// short rather than amplified.
-constexpr double least_inverted = 0.3;
-
 /// What the sums over pairs read of a point, packed.
 template <int D>
 struct alignas(32) Summed {
@@ -199,7 +195,7 @@ template <int D>
   const double* next = total;
   s.closest[a] = std::min(std::min(least[0], least[1]), std::min(least[2], least[3]));
   static const double full = lattice_fullness<D>(),
-                      full_density = lattice_density<D>() * Kernel<D>::normalisation(smoothing_ratio);
+                      full_density = lattice_density<D>() * Kernel<D>::normalisation(points::smoothing_ratio);
   const double own = self[D] * Kernel<D>::value(0.0, length), fullness = (*next++ + own) / full;
   s.fullness[a] = open_water ? (*next + own) / full_density : fullness;
   ++next;
@@ -217,7 +213,7 @@ Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* unresolved, d
   const double lower = mean - std::sqrt((D - 1.0) / D * (moment - mean * Mat<D>::Identity()).squaredNorm());
   if (lower >= least) {
     if (unresolved) unresolved->setZero();
-    if (smallest && (D == 2 || lower >= inside_moment))
+    if (smallest && (D == 2 || lower >= points::inside_moment))
       *smallest = lower;
     else if (smallest)
       *smallest =
@@ -254,7 +250,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
     base[s.n_real + i] = buffers[i].position;
     largest = std::max(largest, buffers[i].volume);
   }
-  largest = smoothing_ratio * spacing_of<D>(largest);
+  largest = points::smoothing_ratio * spacing_of<D>(largest);
   const double reach = sph::support_radius * largest;
   auto images = sight.limited() ? sph::images_in_all_orders<D>(base, sight.planes(), reach)
                                 : sph::make_images<D>(base, planes, reach);
@@ -268,7 +264,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
     s.position[i] = i < s.n_base ? base[i] : images.position[i - s.n_base];
     s.parent[i] = static_cast<Index>(q);
     s.volume[i] = q < s.n_real ? volume[q] : buffers[q - s.n_real].volume;
-    if (D == 3) s.smoothing[i] = smoothing_ratio * spacing_of<D>(s.volume[i]);
+    if (D == 3) s.smoothing[i] = points::smoothing_ratio * spacing_of<D>(s.volume[i]);
   });
   base = VecArray<D>();
   s.map = std::move(images.map);
@@ -305,16 +301,19 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
     // The pair Laplacian of a quadratic is off by the kernel's moment, 2.6 % on a lattice at this smoothing length:
     // that much too fast or slow a consolidation. Far from 1 it means a surface, not disorder.
     const double deficit = s.divergence[a] / D;
-    s.amplification[a] = 1.0 / (deficit > 0.75 ? std::clamp(deficit, 0.93, 1.07) : 1.0);
-    s.correction[a] = bounded_inverse<D>(moment, least_inverted, nullptr, &s.least_moment[a]);
+    s.amplification[a] =
+        1.0 /
+        (deficit > points::disorder_from ? std::clamp(deficit, points::least_amplified, points::most_amplified) : 1.0);
+    s.correction[a] = bounded_inverse<D>(moment, points::least_inverted, nullptr, &s.least_moment[a]);
     for (Index k = s.offset[a]; s.beyond[a] != 0 && k < s.offset[a + 1]; ++k)
       if (s.is_buffer(s.other[k])) edge[a] = face;
-    if (s.least_moment[a] < least_inverted) edge[a] |= surface;
+    if (s.least_moment[a] < points::least_inverted) edge[a] |= surface;
   });
   for (std::size_t a = 0; a < n; ++a)
     if (edge[a] != 0) s.boundary_correction(a);
   const auto fill_edge = [&](std::size_t a) {
-    if ((edge[a] & surface) != 0) bounded_inverse<D>(s.moment(a), least_inverted, &s.boundary_correction(a).unresolved);
+    if ((edge[a] & surface) != 0)
+      bounded_inverse<D>(s.moment(a), points::least_inverted, &s.boundary_correction(a).unresolved);
     if ((edge[a] & face) == 0) return;
     Mat<D> open = Mat<D>::Zero();
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
@@ -322,7 +321,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
       const Vec<D> ba = s.position[j] - s.position[a];
       if (!s.is_buffer(j)) open += static_cast<double>(s.gradient_factor[k]) * ba * ba.transpose();
     }
-    s.boundary_correction(a).open = bounded_inverse<D>(open, least_inverted, nullptr);
+    s.boundary_correction(a).open = bounded_inverse<D>(open, points::least_inverted, nullptr);
   };
   parallel_ranges(n, s.worth_threads, [&](std::size_t first, std::size_t last) {
     for (std::size_t a = first; a < last; ++a)

@@ -9,6 +9,7 @@
 #include "common/particles/images.hpp"
 #include "common/particles/kernel.hpp"
 #include "common/particles/sight.hpp"
+#include "fluid_solver/numerics/points.hpp"
 
 #include <optional>
 #include <span>
@@ -17,12 +18,6 @@ namespace poretwin::fluid {
 
 template <int D>
 using Kernel = sph::WendlandC2<D>;
-
-/// Least eigenvalue of its moment above which a particle is inside.
-inline constexpr double inside_moment = 0.88;
-
-/// Smoothing length in units of the cube root (2D: square root) of the bulk volume.
-inline constexpr double smoothing_ratio = 1.3;
 
 /// Edge of a square or cube of that volume [m]: the spacing of particles on a lattice.
 template <int D>
@@ -53,7 +48,7 @@ double lattice_sum(Part part) {
 /// Sum of V W there: what "full" means for a particle.
 template <int D>
 double lattice_fullness() {
-  static const double value = lattice_sum<D>([](double r) { return Kernel<D>::value(r, smoothing_ratio); });
+  static const double value = lattice_sum<D>([](double r) { return Kernel<D>::value(r, points::smoothing_ratio); });
   return value;
 }
 
@@ -69,7 +64,7 @@ template <class Number>
 /// Sum of that over a lattice, or over those of its planes that lie `distance` or more away on one side, in spacings.
 template <int D>
 double lattice_density(std::optional<double> distance = {}) {
-  constexpr double support = sph::support_radius * smoothing_ratio;
+  constexpr double support = sph::support_radius * points::smoothing_ratio;
   constexpr int reach = 3;
   double sum = 0.0, weight = 0.0;
   for (double z = distance.value_or(-reach); z < support; z += 1.0)
@@ -84,9 +79,10 @@ double lattice_density(std::optional<double> distance = {}) {
 /// Amplification of pair sums of second derivatives inside a lattice.
 template <int D>
 double lattice_amplification() {
-  static const double value = D / lattice_sum<D>([](double r) {
-                                return r > 0.0 ? -r * Kernel<D>::derivative_over_r(r, smoothing_ratio) * r : 0.0;
-                              });
+  static const double value =
+      D / lattice_sum<D>([](double r) {
+        return r > 0.0 ? -r * Kernel<D>::derivative_over_r(r, points::smoothing_ratio) * r : 0.0;
+      });
   return value;
 }
 
@@ -116,7 +112,7 @@ template <int D>
 inline constexpr std::size_t worth_threads_in_pairs = 8192, worth_threads_while_others_wait = 2048;
 
 /// How far walls' images go on beyond a wall's end, in the kernel's reach.
-inline constexpr double wall_margin = 6.0 / (sph::support_radius * smoothing_ratio);
+inline constexpr double wall_margin = points::wall_overhang / (sph::support_radius * points::smoothing_ratio);
 
 /// A buffer particle stands for the water behind a face: it has no unknown of its own, its pressure lies on the
 /// straight line from the particle whose row is summed through the face's pressure.
@@ -183,8 +179,8 @@ struct Stencil {
   OrZero<double> prescribed_surface_distance;
   OrZero<double> surface_pressure;  ///< [real] total, on the surface, Pa: 0, or a suction
   MatArray<D> correction;           ///< [real] of the kernel gradient, buffers and the free surface counted (pressures)
-  /// [real] smallest eigenvalue of the moment, or a bound of it above inside_moment: 1 inside, 0 where a direction is
-  /// empty; as long
+  /// [real] smallest eigenvalue of the moment, or a bound of it above points::inside_moment: 1 inside, 0 where a
+  /// direction is empty; as long
   UnsetArray<double> least_moment;
   /// [real] distance to the free surface along -normal [m], 0: out of the kernel's reach. Set by find_surface; the
   /// kernel's missing part is then a ghost at twice the distance, antisymmetric about the surface's pressure.
@@ -217,7 +213,7 @@ struct Stencil {
 
   /// h [m] of any point.
   [[nodiscard]] double length(std::size_t j) const {
-    return D == 3 ? smoothing[j] : smoothing_ratio * spacing_of<D>(volume[j]);
+    return D == 3 ? smoothing[j] : points::smoothing_ratio * spacing_of<D>(volume[j]);
   }
   /// Distance of a surface particle to the surface [m].
   [[nodiscard]] double surface_distance(std::size_t a) const {
@@ -252,7 +248,8 @@ struct Stencil {
   [[nodiscard, gnu::noinline]] double reflection(std::size_t a, Index q) const {
     const auto& b = buffers[q - n_real];
     const double inside = b.inside(position[a]);
-    return static_cast<float>(1.0 + (30.0 * inside <= b.outside ? 30.0 : b.outside / inside));
+    return static_cast<float>(
+        1.0 + (points::most_reflected * inside <= b.outside ? points::most_reflected : b.outside / inside));
   }
   /// Is point j an image behind one of these walls (by bits)?
   [[nodiscard]] bool sticks(std::size_t j, std::uint32_t sticky) const {

@@ -5,20 +5,18 @@
 #include "common/geometry/shapes.hpp"
 #include "common/particles/kernel.hpp"
 #include "common/particles/neighbours.hpp"
+#include "fluid_solver/numerics/exchange.hpp"
 
 #include <span>
 
 namespace poretwin::fluid {
-
-/// Smoothing length of Eqs. (67)/(74) in the soil's spacings, with the paper's cubic spline.
-inline constexpr double drag_smoothing_ratio = 1.2;
 
 /// G sum_i V_i (r r^T)/(r^2 + eta^2) W over the particles of rigid soil: what multiplies a uniform slip in Eqs. (67),
 /// (74). G = d makes it the unit matrix in the mean over random points, and nowhere exactly: 0.68 where the lattices
 /// coincide, 0.65 and 1.34 along and across an edge (docs/theory/paper.md); G = 1/d, as printed, is d^2 times weaker.
 template <int D>
 MatArray<D> smoothed_drag(const Case& scene, std::span<const Vec<D>> water) {
-  const double ds = scene.solid.particle_spacing, h = drag_smoothing_ratio * ds;
+  const double ds = scene.solid.particle_spacing, h = exchange::drag_smoothing_ratio * ds;
   const double G = scene.fluid.drag_form == FluidCase::DragForm::smoothed ? D : 1.0 / D;
   VecArray<D> points;
   ScalarArray volume;
@@ -33,7 +31,8 @@ MatArray<D> smoothed_drag(const Case& scene, std::span<const Vec<D>> water) {
   for (std::size_t a = 0; a < water.size(); ++a)
     grid.for_each_within(water[a], sph::support_radius * h, [&](Index i, double r2) {
       const Vec<D> r = points[i] - water[a];
-      const double w = G * volume[i] * sph::CubicSpline<D>::value(std::sqrt(r2), h) / (r2 + 1e-4 * h * h);
+      const double w =
+          G * volume[i] * sph::CubicSpline<D>::value(std::sqrt(r2), h) / (r2 + exchange::drag_softening * h * h);
       form[a] += w * r * r.transpose();
     });
   return form;

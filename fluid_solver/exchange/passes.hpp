@@ -4,6 +4,7 @@
 #pragma once
 
 #include "fluid_solver/exchange/soil_view.hpp"
+#include "fluid_solver/numerics/exchange.hpp"
 
 #include <Eigen/QR>
 
@@ -36,13 +37,13 @@ class Passes {
     if (last_.motion.size() == n)
       columns_.push_back({now.motion - last_.motion, now.force - last_.force, now.departure - last_.departure});
     last_ = now;
-    if (columns_.size() > most_columns) columns_.erase(columns_.begin());
+    if (columns_.size() > exchange::most_changes) columns_.erase(columns_.begin());
     if (!columns_.empty()) {
       Eigen::MatrixXd departures(n, static_cast<Eigen::Index>(columns_.size()));
       for (std::size_t k = 0; k < columns_.size(); ++k)
         departures.col(static_cast<Eigen::Index>(k)) = columns_[k].departure;
       Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(departures);
-      qr.setThreshold(independent);
+      qr.setThreshold(exchange::independent_change);
       const Eigen::VectorXd share = qr.solve(now.departure);
       for (std::size_t k = 0; k < columns_.size(); ++k) {
         now.motion -= share[static_cast<Eigen::Index>(k)] * columns_[k].motion;
@@ -74,9 +75,7 @@ class Passes {
   struct Pass {
     Eigen::VectorXd motion, force, departure;
   };
-  static constexpr std::size_t most_columns = 8;
-  static constexpr double independent = 1e-6;  ///< least fraction of a column that is independent of the others
-  std::vector<Pass> columns_;                  ///< what changed from one pass to the next
+  std::vector<Pass> columns_;  ///< what changed from one pass to the next
   Pass last_;
   ScalarArray pressure_;
   VecArray<D> predicted_;

@@ -8,6 +8,7 @@
 #include "common/coupling/exchange.hpp"
 #include "common/geometry/shapes.hpp"
 #include "common/media/seepage.hpp"
+#include "fluid_solver/numerics/exchange.hpp"
 
 #include <cmath>
 #include <span>
@@ -73,13 +74,10 @@ struct SoilView {
   }
 };
 
-/// Least solid fraction that counts as soil.
-inline constexpr double least_solid_fraction = 1e-3;
-
 /// Does inertia rule in soil, as in free water? Where drag needs longer than 0.1 sqrt(spacing/g), a third of the window
 /// that a free surface allows, to stop water: in rockfill (about 20 1/s against 150 1/s), never in sand.
 inline bool inertia_rules(double n, double density, double drag, double spacing, double gravity) {
-  return gravity > 0.0 && drag * 0.1 * std::sqrt(spacing / gravity) < n * density;
+  return gravity > 0.0 && drag * exchange::held_within * std::sqrt(spacing / gravity) < n * density;
 }
 
 /// What decides whether water seeps through soil or moves along with it.
@@ -111,7 +109,9 @@ bool in_seepage_regime(const SoilView<D>& soil, std::size_t a, const Vec<D>& vel
 /// Asymmetry of the soil's points about a place, to soil membership: a ramp about its value on a flat edge, 0.47, flat
 /// below 0.31: disorder inside the soil (0.3 at most, for particles anywhere in their cells) does not change the
 /// porosity.
-inline double membership_ramp(double asymmetry) { return (0.63 - asymmetry) / 0.32; }
+inline double membership_ramp(double asymmetry) {
+  return (exchange::outside_asymmetry - asymmetry) / exchange::ramp_width;
+}
 inline double membership(double asymmetry) { return std::clamp(membership_ramp(asymmetry), 0.0, 1.0); }
 
 /// That of water in or beside tight soil that moves, which had `before`: its water goes along, and what slips past its
@@ -202,7 +202,7 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::sp
     double mask = 0.0;
     if (inbox.coverage[a] > 0.0) mask = passes_by() ? membership(asymmetry[a], before[a]) : membership(asymmetry[a]);
     const double n_s = whole * mask;
-    if (n_s < least_solid_fraction || !(conductivity[a] > 0.0)) continue;
+    if (n_s < exchange::least_solid_fraction || !(conductivity[a] > 0.0)) continue;
     soil.velocity.set(a, vector(velocity, a));
     soil.mean_velocity.set(a, vector(mean_velocity, a));
     soil.strain_rate.set(a, strain_rate[a]);

@@ -2,6 +2,7 @@
 #include "fluid_solver/fluid_phase.hpp"
 
 #include "fluid_solver/motion/packing.hpp"
+#include "fluid_solver/numerics/motion.hpp"
 
 #include "common/core/threads.hpp"
 
@@ -11,16 +12,13 @@ namespace poretwin::fluid {
 
 namespace {
 
-/// Displacements after which a particle's packing counts in full, in spacings: in soil, and in free water, where only a
-/// lattice at rest has nothing to repair.
-constexpr double repair_displacement = 0.25, free_repair_displacement = 0.01;
-
 /// What the surface, half a spacing outside its particles, moves faster than they do: without it a wave is slow by the
 /// half spacing's share of its depth of decay (1.8 % at 50 particles a wave), and a front lags by half a spacing.
 template <int D>
 Vec<D> surface_lead(const Mat<D>& velocity_gradient, const Vec<D>& inward, double distance, double interval) {
   const Vec<D> n = inward.normalized();
-  const double stretching = std::clamp(n.dot(velocity_gradient * n), -0.2 / interval, 0.2 / interval);
+  const double stretching =
+      std::clamp(n.dot(velocity_gradient * n), -motion::most_strain / interval, motion::most_strain / interval);
   return -distance * stretching * n;
 }
 
@@ -28,7 +26,7 @@ Vec<D> surface_lead(const Mat<D>& velocity_gradient, const Vec<D>& inward, doubl
 
 template <int D>
 double Fluid<D>::free_repair_time(double spacing) const {
-  return 20.0 * std::sqrt(spacing / gravity_or_standard_);
+  return motion::free_repair_falls * std::sqrt(spacing / gravity_or_standard_);
 }
 
 template <int D>
@@ -37,7 +35,8 @@ ScalarArray Fluid<D>::moved() const {
   ScalarArray result(p.size());
   parallel_for(p.size(), [&](std::size_t a) {
     const double spacing = spacing_of<D>(p.volume[a]);
-    const double counts = (p.in_seepage[a] != 0 ? repair_displacement : free_repair_displacement) * spacing;
+    const double counts =
+        (p.in_seepage[a] != 0 ? motion::repair_displacement : motion::free_repair_displacement) * spacing;
     result[a] = std::min(1.0, (p.position[a] - p.birthplace[a]).norm() / counts);
   });
   return result;
@@ -52,10 +51,12 @@ template <int D>
 double Fluid<D>::repair_time(std::size_t a, const SoilView<D>& view, double interval) const {
   const auto& p = state_.particles;
   const double spacing = spacing_of<D>(p.volume[a]), weight = density_ * gravity_or_standard_ * p.void_fraction[a];
-  const double pushed = 0.3 * spacing * view.drag[a] / weight;
+  const double pushed = motion::pushed_repair * spacing * view.drag[a] / weight;
   const double passed = spacing / std::max(p.velocity[a].norm(), 1e-300);
-  const double held = view.drag[a] > 0.0 ? 20.0 * p.void_fraction[a] * density_ / view.drag[a] : HUGE_VAL;
-  return std::max({2.0 * interval, std::min(free_repair_time(spacing), held), std::min(pushed, passed)});
+  const double held =
+      view.drag[a] > 0.0 ? motion::held_repair_times * p.void_fraction[a] * density_ / view.drag[a] : HUGE_VAL;
+  return std::max(
+      {motion::repair_windows * interval, std::min(free_repair_time(spacing), held), std::min(pushed, passed)});
 }
 
 /// Seepage is as slow or fast as its geometry makes it, and the window's velocity belongs to the geometry at its start:
@@ -103,7 +104,7 @@ void Fluid<D>::move(const Stencil<D>& s, const WindowSolution<D>& solution, std:
   auto motion = moved();
   parallel_for(p.size(), [&](std::size_t a) {
     const double spacing = spacing_of<D>(p.volume[a]);
-    motion[a] *= std::min(1.0, p.velocity[a].norm() * interval / (0.02 * spacing));
+    motion[a] *= std::min(1.0, p.velocity[a].norm() * interval / (motion::shifts_from * spacing));
   });
   auto shift = packing_displacements<D>(s, p.velocity, motion, p.surface, p.in_seepage, interval, state_.full);
   parallel_for(repair.size(), [&](std::size_t a) { shift[a] += repair[a]; });

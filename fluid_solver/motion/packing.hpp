@@ -6,6 +6,7 @@
 #include "fluid_solver/discretisation/free_surface.hpp"
 #include "fluid_solver/discretisation/operators.hpp"
 #include "fluid_solver/discretisation/stencil.hpp"
+#include "fluid_solver/numerics/motion.hpp"
 
 namespace poretwin::fluid {
 
@@ -13,12 +14,10 @@ namespace poretwin::fluid {
 struct PackingLaw {
   double by_speed, by_length, closest;
 };
-inline constexpr PackingLaw packing_in_soil{0.5, 0.01, 0.8}, packing_in_free_water{2.0, 0.01, 0.6};
-/// In soil that is full, where no surface is in the way, as fast as in free water: the conductance of uneven points is
-/// below that of even ones (layered_soil 1.0 % low at 0.5, 0.7 % at 2).
-inline constexpr PackingLaw packing_in_full_soil{2.0, 0.01, 0.8};
-/// Separation at which approaching particles of free water collide, in spacings.
-inline constexpr double collision = 0.5;
+inline constexpr PackingLaw packing_in_soil{motion::shift_by_speed_in_soil, motion::shift_by_length,
+                                            motion::closest_in_soil},
+    packing_in_free_water{motion::shift_by_speed_in_free_water, motion::shift_by_length, motion::closest_in_free_water},
+    packing_in_full_soil{motion::shift_by_speed_in_full_soil, motion::shift_by_length, motion::closest_in_soil};
 
 /// Displacements [m] that even out the packing; moved[a] in [0, 1] scales them (0: at rest, nothing to repair).
 /// Shifting is along the gradient of concentration (after Lind et al. 2012), along the surface only near it.
@@ -30,23 +29,23 @@ VecArray<D> packing_displacements(const Stencil<D>& s, std::span<const Vec<D>> v
   parallel_for(s.n_real, [&](std::size_t a) {
     if (moved[a] == 0.0 || flags[a] == Surface::lone) return;
     const PackingLaw& law = in_seepage[a] == 0 ? packing_in_free_water : full ? packing_in_full_soil : packing_in_soil;
-    const double h = s.length(a), spacing = h / smoothing_ratio;
+    const double h = s.length(a), spacing = h / points::smoothing_ratio;
     // Even surroundings have sum V grad W = 0; it points to where particles are.
     Vec<D> d = -(law.by_speed * h * velocity[a].norm() * interval + law.by_length * h * h) * s.normal[a];
     if (flags[a] == Surface::surface || s.ghost_distance[a] > 0.0) {
       const Vec<D> normal = s.normal[a].normalized();
       d -= normal.dot(d) * normal;
     }
-    const bool crowded = s.closest[a] * smoothing_ratio < law.closest;
+    const bool crowded = s.closest[a] * points::smoothing_ratio < law.closest;
     for (Index k = s.offset[a]; crowded && k < s.offset[a + 1]; ++k) {
       const Index j = s.other[k];
       const Vec<D> ba = s.position[j] - s.position[a];
-      const double r2 = ba.squaredNorm(), limit = law.closest * 0.5 * (h + s.length(j)) / smoothing_ratio;
+      const double r2 = ba.squaredNorm(), limit = law.closest * 0.5 * (h + s.length(j)) / points::smoothing_ratio;
       if (r2 >= limit * limit || r2 == 0.0) continue;
       const double r = std::sqrt(r2);
-      d -= 0.25 * (limit - r) / r * ba;
+      d -= motion::push * (limit - r) / r * ba;
     }
-    const double length = d.norm(), most = 0.1 * spacing;
+    const double length = d.norm(), most = motion::longest_shift * spacing;
     if (length > most) d *= most / length;
     shift[a] = moved[a] * d;
   });
@@ -58,9 +57,6 @@ VecArray<D> packing_displacements(const Stencil<D>& s, std::span<const Vec<D>> v
 /// The same in soils of any conductivity: it is the points that are evened out, and no pressure has to drive it.
 template <int D>
 VecArray<D> expand(const Stencil<D>& s, std::span<const double> expansion) {
-  /// What is left is taken up by the next windows, whose repair is of the points as they are then.
-  constexpr double tolerance = 1e-2;
-  constexpr int most = 200;
   auto matrix = laplacian<D>(s, {});
   ScalarArray b(s.n_real), inverse(s.n_real), potential(s.n_real, 0.0);
   parallel_for(s.n_real, [&](std::size_t a) {
@@ -75,7 +71,9 @@ VecArray<D> expand(const Stencil<D>& s, std::span<const double> expansion) {
     parallel_for(s.n_real, [&](std::size_t a) { z[a] = inverse[a] * r[a]; });
   };
   const double size = norm(b);
-  if (size > 0.0) conjugate_gradients(apply, precondition, std::move(b), potential, tolerance * size, most);
+  if (size > 0.0)
+    conjugate_gradients(apply, precondition, std::move(b), potential, motion::repair_tolerance * size,
+                        motion::most_repair_iterations);
   VecArray<D> displacement(s.n_real);
   parallel_for(s.n_real, [&](std::size_t a) {
     Vec<D> sum = Vec<D>::Zero();
@@ -90,17 +88,18 @@ VecArray<D> expand(const Stencil<D>& s, std::span<const double> expansion) {
   return displacement;
 }
 
-/// Free water that collides: pairs closer than `collision` spacings lose the speed at which they approach, momentum
-/// kept; a particle on a wall loses its speed into the wall, which the pressure of its own image cannot take.
+/// Free water that collides: pairs closer than `motion::collision` spacings lose the speed at which they approach,
+/// momentum kept; a particle on a wall loses its speed into the wall, which the pressure of its own image cannot take.
 template <int D>
 void collide(const Stencil<D>& s, std::span<const char> in_seepage, std::span<const double> mass,
              std::span<Vec<D>> velocity) {
   for (std::size_t a = 0; a < s.n_real; ++a) {
-    if (in_seepage[a] != 0 || s.closest[a] * smoothing_ratio >= collision) continue;
+    if (in_seepage[a] != 0 || s.closest[a] * points::smoothing_ratio >= motion::collision) continue;
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
       const Index j = s.other[k], b = s.parent[j];
       const Vec<D> ba = s.position[j] - s.position[a];
-      const double r2 = ba.squaredNorm(), limit = collision * 0.5 * (s.length(a) + s.length(j)) / smoothing_ratio;
+      const double r2 = ba.squaredNorm(),
+                   limit = motion::collision * 0.5 * (s.length(a) + s.length(j)) / points::smoothing_ratio;
       if (r2 >= limit * limit || r2 == 0.0) continue;
       if (b >= s.n_real || in_seepage[b] != 0 || (j < s.n_real && b < a) || (j >= s.n_real && b != a)) continue;
       const double r = std::sqrt(r2);

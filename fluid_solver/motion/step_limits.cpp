@@ -1,5 +1,7 @@
 // How long the next window may be.
 #include "fluid_solver/fluid_phase.hpp"
+#include "fluid_solver/numerics/motion.hpp"
+#include "fluid_solver/numerics/steps.hpp"
 #include "fluid_solver/pressure/eisph.hpp"
 
 #include <cmath>
@@ -7,20 +9,6 @@
 namespace poretwin::fluid {
 
 namespace {
-
-/// Relative pressure change aimed at per window (rms, of the pressure's range).
-constexpr double wanted_change = 0.03;
-/// Pressure changes below this share of the hydrostatic range are no reason for shorter windows.
-constexpr double hydrostatic_share = 0.05;
-/// By how much of a spacing a change of speed may alter the way of seepage through rigid soil in a window (rms): a
-/// front a few spacings deep, which slows down as it goes in, takes shorter ones than a quarter spacing.
-constexpr double wanted_slowing = 0.0125;
-/// How far water may go in a window where it leaves through a seepage face, in spacings: a row that goes out takes the
-/// distance of the surface with it, which is found once a window. At a quarter the discharge is 0.4 % short.
-constexpr double wanted_exit = 0.125;
-/// How far a level behind a face may move in a window, in spacings: columns are switched on and off a spacing at a
-/// time.
-constexpr double wanted_rise = 0.5;
 
 /// For how long after t a table stays within `most` of its value at t [s].
 double unchanged_for(const Series& series, double t, double most) {
@@ -56,8 +44,10 @@ void Fluid<D>::begin_control(const SoilView<D>& view, double interval) {
       drains = std::max(drains, n[a] * n[a] * view.modulus[a] / (view.drag[a] * dx_ * dx_));  // c_v / dx^2
   }
   if (!responds() || stiffest <= 0.0) return;
-  first_interval_ = 0.2 * dx_ / std::sqrt(stiffest / density_);
-  state_.controlled = std::max(first_interval_, interval > 0.0 ? interval : drains > 0.0 ? 0.2 / drains : 0.0);
+  first_interval_ = steps::first_wave * dx_ / std::sqrt(stiffest / density_);
+  state_.controlled = std::max(first_interval_, interval > 0.0 ? interval
+                                                : drains > 0.0 ? steps::first_drained / drains
+                                                               : 0.0);
 }
 
 /// Next interval from the pressure change of this one; never from a clock.
@@ -82,12 +72,14 @@ void Fluid<D>::control_interval(const ScalarArray& before, double interval) {
   state_.widest_range = std::max(state_.widest_range, upper - lower);
   // Water at rest has no range of its own: rounding must not shorten its windows.
   // No pressure is resolved better than the weight of one spacing.
-  const double range = std::max(
-      {upper - lower, 1e-3 * state_.widest_range, hydrostatic_share * (heaviest - lightest), weight_.norm() * dx_});
+  const double range = std::max({upper - lower, steps::widest_share * state_.widest_range,
+                                 steps::hydrostatic_share * (heaviest - lightest), weight_.norm() * dx_});
   state_.pressure_change = range > 0.0 ? std::sqrt(sum / static_cast<double>(now.size())) / range : 0.0;
-  const double target = state_.pressure_change > 0.0 ? interval * wanted_change / state_.pressure_change : HUGE_VAL;
-  const double least = 0.3 * std::min(interval, state_.controlled);  // something else may have kept this one short
-  state_.controlled = std::max(std::clamp(target, least, 1.5 * state_.controlled), first_interval_);
+  const double target =
+      state_.pressure_change > 0.0 ? interval * steps::wanted_change / state_.pressure_change : HUGE_VAL;
+  const double least =
+      steps::shrinks_to * std::min(interval, state_.controlled);  // something else may have kept this one short
+  state_.controlled = std::max(std::clamp(target, least, steps::grows_to * state_.controlled), first_interval_);
 }
 
 /// Limit of the next window where all water seeps: its particles' motion is extrapolated from two windows.
@@ -109,8 +101,8 @@ void Fluid<D>::limit_by_slowing(const VecArray<D>& velocity_before, double inter
       return open(c) ? -c.normal.dot(p.velocity[a]) / c.spacing : 0.0;
     });
     if (fastest > 0.0)
-      state_.window_limits.push_back(
-          {wanted_exit / fastest, "an eighth of a spacing per window of water that leaves through a seepage face"});
+      state_.window_limits.push_back({steps::wanted_exit / fastest,
+                                      "an eighth of a spacing per window of water that leaves through a seepage face"});
   }
   const double change = sum_over(
       p.size(), [&](std::size_t a) { return p.mass[a] * p.velocity[a].dot(p.velocity[a] - velocity_before[a]); });
@@ -119,7 +111,7 @@ void Fluid<D>::limit_by_slowing(const VecArray<D>& velocity_before, double inter
   const double mass = sum_over(p.size(), [&](std::size_t a) { return p.mass[a]; });
   const double altered = interval * std::abs(change) / std::sqrt(whole * mass) / dx_;
   state_.window_limits.push_back(
-      {interval * std::max(0.5, std::sqrt(wanted_slowing / altered)), "seepage that slows down"});
+      {interval * std::max(0.5, std::sqrt(steps::wanted_slowing / altered)), "seepage that slows down"});
 }
 
 /// Limit of the next window by water in coarse soil, which inertia dominates: it moves by no more than a quarter
@@ -175,28 +167,28 @@ void Fluid<D>::limit_scheme(const SoilView<D>& view) {
 /// Longest window in which gravity waves of one spacing on a free surface are followed [s].
 template <int D>
 double Fluid<D>::wave_interval() const {
-  return weight_.norm() > 0.0 ? 0.3 * std::sqrt(dx_ * density_ / weight_.norm()) : HUGE_VAL;
+  return weight_.norm() > 0.0 ? steps::wave_courant * std::sqrt(dx_ * density_ / weight_.norm()) : HUGE_VAL;
 }
 
 /// Speed below which soil and the water in it are as good as at rest: a hundredth of what gravity gives in the window
 /// of the shortest waves [m/s].
 template <int D>
 double Fluid<D>::quasi_static_speed() const {
-  return weight_.norm() > 0.0 ? 0.01 * wave_interval() * weight_.norm() / density_ : HUGE_VAL;
+  return weight_.norm() > 0.0 ? steps::quasi_static * wave_interval() * weight_.norm() / density_ : HUGE_VAL;
 }
 
 /// Longest window in which particles follow the central force [s].
 template <int D>
 double Fluid<D>::central_interval() const {
   const double force = scene_.general.central_force;
-  return force > 0.0 ? 0.02 / std::sqrt(force) : HUGE_VAL;
+  return force > 0.0 ? steps::central_courant / std::sqrt(force) : HUGE_VAL;
 }
 
 /// Longest window in which the viscosities of free water are stable [s].
 template <int D>
 double Fluid<D>::viscous_interval() const {
-  const double viscosity = this->viscosity() + noise_viscosity * dx_ * state_.wave_speed;
-  return viscosity > 0.0 ? 0.2 * dx_ * dx_ / viscosity : HUGE_VAL;
+  const double viscosity = this->viscosity() + motion::noise_viscosity * dx_ * state_.wave_speed;
+  return viscosity > 0.0 ? steps::viscous_courant * dx_ * dx_ / viscosity : HUGE_VAL;
 }
 
 /// Longest window that the motion of free water allows [s].
@@ -205,7 +197,7 @@ double Fluid<D>::free_interval() const {
   const auto& p = state_.particles;
   const double longest = -parallel_max(p.size(), -HUGE_VAL, [&](std::size_t a) {
     if (p.in_seepage[a] != 0) return -HUGE_VAL;
-    return -(free_courant * spacing_of<D>(p.volume[a]) / std::max(p.velocity[a].norm(), 1e-300));
+    return -(steps::free_courant * spacing_of<D>(p.volume[a]) / std::max(p.velocity[a].norm(), 1e-300));
   });
   return std::min({wave_interval(), central_interval(), viscous_interval(), longest});
 }
@@ -215,7 +207,7 @@ double Fluid<D>::free_interval() const {
 /// nothing that seeps follows. Where soil responds, a load that begins is followed from its first wave on.
 template <int D>
 void Fluid<D>::limit_by_changes(double now, const std::function<void(double, const std::string&)>& apply) const {
-  const double least = 0.3 * std::sqrt(dx_ / gravity_or_standard_), rise = wanted_rise * dx_;
+  const double least = steps::least_for_tables * std::sqrt(dx_ / gravity_or_standard_), rise = steps::wanted_rise * dx_;
   const double change = rise * density_ * gravity_or_standard_;
   for (const auto& face : scene_.water_faces) {
     if (is_inlet(scene_, face)) continue;
@@ -271,23 +263,25 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
   double fastest = fastest_of(false);
   const double fastest_free = free_water ? fastest_of(true) : 0.0;
   for (const auto& c : state_.columns) fastest = std::max(fastest, std::abs(c.speed) / c.spacing);
-  if (fastest > 0.0) apply(0.25 / fastest, "a quarter spacing per window at the highest speed in soil or at a face");
+  if (fastest > 0.0)
+    apply(steps::seepage_courant / fastest, "a quarter spacing per window at the highest speed in soil or at a face");
   if (fastest_free > 0.0)
-    apply(free_courant / fastest_free, "two fifths of a spacing per window at the highest speed of free water");
+    apply(steps::free_courant / fastest_free, "two fifths of a spacing per window at the highest speed of free water");
   if (free_surface && weight_.norm() > 0.0) apply(wave_interval(), "gravity waves of one spacing on the free surface");
   // In soil the surface falls no faster than under a unit gradient, nor than freely.
   if (table && weight_.norm() > 0.0)
     for (const auto& soil : scene_.soils) {
       const double n = soil.porosity, gamma = weight_.norm();
       const double fall = porous::resistance(gamma, n, porous::seepage_at(scene_, soil, n)).speed(n * gamma);
-      apply(std::max(wave_interval(), 0.25 * dx_ / fall), "a quarter spacing per window of a water table that falls");
+      apply(std::max(wave_interval(), steps::seepage_courant * dx_ / fall),
+            "a quarter spacing per window of a water table that falls");
     }
   apply(central_interval(), "central force");
   if (free_water) apply(viscous_interval(), "viscosity");
   for (std::size_t f = 0; f < scene_.water_faces.size(); ++f)
     if (const auto& face = scene_.water_faces[f]; face.basin_area) {
       // Half a spacing at what flows in now, and by the table: it may begin or grow before the window ends.
-      const double room = wanted_rise * dx_ * face.basin_area->at(state_.basin_level[f]), now = state_.time;
+      const double room = steps::wanted_rise * dx_ * face.basin_area->at(state_.basin_level[f]), now = state_.time;
       const double inflow = std::abs(face.discharge->at(now));
       double longest = std::min(limit.first, inflow > 0.0 ? room / inflow : ever);
       for (int halvings = 0; halvings < 100 && std::abs(face.discharge->integral(now, now + longest)) > 1.001 * room;
@@ -302,8 +296,9 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
     const double fastest_over = std::max(std::abs(inlet.speed), std::sqrt(2.0 / 3.0 * gravity_or_standard_ * over));
     const auto far = [&](double interval) {
       if (!inlet.sill)
-        return std::abs(inlet_speed(scene_, inlet, state_.time, interval)) * interval > 0.25 * inlet.spacing;
-      return fastest_over * interval > 0.25 * dx_ ||
+        return std::abs(inlet_speed(scene_, inlet, state_.time, interval)) * interval >
+               steps::seepage_courant * inlet.spacing;
+      return fastest_over * interval > steps::seepage_courant * dx_ ||
              (!face.basin_area && face.head->at(state_.time + interval) - inlet.lowest > over + 0.5 * dx_);
     };
     double longest = std::min(limit.first, ever);

@@ -3,6 +3,7 @@
 #include "fluid_solver/boundary/basin.hpp"
 #include "fluid_solver/discretisation/cloud.hpp"
 #include "fluid_solver/fluid_phase.hpp"
+#include "fluid_solver/numerics/readings.hpp"
 
 #include <fmt/format.h>
 
@@ -108,7 +109,7 @@ class Reader {
   }
   [[nodiscard]] Reach reach(const Line<D>& line) const {
     // A gap of less than two spacings is loose packing, no end of the water.
-    const double step = 0.5 * dx_, gap = 2.0 * dx_;
+    const double step = 0.5 * dx_, gap = readings::gap * dx_;
     double wet = -step;
     for (double z = 0.0; z < std::max(0.0, wet) + gap && z < line.length; z += step)
       if (probe_.fullness(line.at(z)) >= 0.5) wet = z;
@@ -126,11 +127,10 @@ class Reader {
   /// same ground; NaN where there is none. In the tip of a wedge, a row or two of particles, pressure does not fall as
   /// in the water behind.
   [[nodiscard]] double under_water(const Line<D>& line, const Probe<D>& probe, double wet) const {
-    constexpr double farthest = 12.0;  // spacings
-    const double deep = sph::support_radius * smoothing_ratio * dx_;
+    const double deep = sph::support_radius * points::smoothing_ratio * dx_;
     const Soil* ground = soil_at(scene_, to_point3<D>(line.at(wet)));
     if (!ground) return nan;
-    for (double z = wet - dx_; z >= std::max(0.0, wet - farthest * dx_); z -= 0.5 * dx_) {
+    for (double z = wet - dx_; z >= std::max(0.0, wet - readings::under_water_within * dx_); z -= 0.5 * dx_) {
       if (soil_at(scene_, to_point3<D>(line.at(z))) != ground) break;
       const double p = probe.pressure(line.at(z)).value;
       if (p - surface_pressure(line.at(z)) >= gamma_ * deep) return z;
@@ -145,7 +145,7 @@ class Reader {
                                            double wet) const {
     const auto p = probe.pressure(line.at(inside));
     const double slope = p.gradient.dot(line.direction);
-    if (!(slope < -0.1 * gamma_)) return nan;
+    if (!(slope < -readings::least_slope * gamma_)) return nan;
     const double end = std::min(inside + (surface_pressure(line.at(inside)) - p.value) / slope, line.length);
     const double farthest = std::max(1.5, 2.0 / std::sqrt(-slope / gamma_) - 0.5);
     return std::abs(end - wet) < farthest * dx_ ? end : nan;
@@ -179,7 +179,7 @@ class Reader {
   /// Elevation at which the water's surface meets a face (domain on the left), sought from the line's far end. It comes
   /// in tangentially: the places where it lies one and three fifths of a spacing deep are joined by a straight line.
   [[nodiscard]] double exit_height(const Line<D>& line) const {
-    const double shallow = 0.2 * dx_, deep = 0.6 * dx_, step = 0.1 * dx_;
+    const double shallow = readings::exit_shallow * dx_, deep = readings::exit_deep * dx_, step = 0.1 * dx_;
     double at_deep = line.length, before = nan;
     for (double z = line.length; z >= 0.0; z -= step) {
       const double now = depth(line.at(z), line.left, 2.5 * dx_);
@@ -291,19 +291,17 @@ class Reader {
   /// as the square of its distance from the tip: the place with 8 particles ahead is twice as far from it as that
   /// with 2. A blunt front of height H is 4 dx/H spacings short of that.
   [[nodiscard]] double extent(const Gauge& gauge) const {
-    constexpr std::size_t most = 64;
-    constexpr double near = 2.0, far = 8.0;  // particles ahead
     const Line<D> line(gauge);
     const auto& p = state_.particles;
     std::vector<std::pair<double, double>> foremost;  // place, volume
     for (std::size_t a = 0; a < p.size(); ++a)
       if (inside(gauge, p.position[a])) foremost.emplace_back(line.direction.dot(p.position[a] - line.a), p.volume[a]);
     if (foremost.empty()) return nan;
-    const std::size_t n = std::min(foremost.size(), most);
+    const std::size_t n = std::min(foremost.size(), readings::foremost);
     std::partial_sort(foremost.begin(), foremost.begin() + static_cast<std::ptrdiff_t>(n), foremost.end(),
                       std::greater<>());
     const double unit = foremost[0].second, tip = foremost[0].first + 0.5 * spacing_of<D>(unit);
-    if (static_cast<double>(n) < far + 1.0) return tip;  // a few drops
+    if (static_cast<double>(n) < readings::far_from_tip + 1.0) return tip;  // a few drops
     const auto place = [&](double ahead) {
       double lower = foremost[n - 1].first - spacing_of<D>(unit), upper = tip;
       for (int step = 0; step < 50; ++step) {
@@ -316,7 +314,7 @@ class Reader {
       }
       return lower;
     };
-    return 2.0 * place(near) - place(far);
+    return 2.0 * place(readings::near_tip) - place(readings::far_from_tip);
   }
 
   /// Rms distance of the water from its mean position, in a direction.

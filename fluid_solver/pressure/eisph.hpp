@@ -4,21 +4,12 @@
 
 #include "common/numerics/csr.hpp"
 #include "fluid_solver/discretisation/stencil.hpp"
+#include "fluid_solver/numerics/pressure.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace poretwin::fluid {
-
-/// Relaxation of a sweep. The largest eigenvalue of a graph Laplacian over its diagonal is 2 at worst (two particles
-/// alone with each other), where an unrelaxed sweep is at the limit of its stability; 1.2 on a lattice.
-inline constexpr double sweep_relaxation = 0.8;
-
-/// Share of its volume by which free water may seem compressed at the pressures at hand: 1 %, as in weakly compressible
-/// SPH (Monaghan 1994: a speed of sound ten times the flow's). In a dam break 3 % costs the front 2 cm of 1.9 m.
-inline constexpr double free_compression = 0.01;
-/// The same in soil, where it only delays: 10 % shifts a wetting front by 0.15 %.
-inline constexpr double soil_compression = 0.1;
 
 /// Eq. (85), relaxed: p_a <- p_a + omega_a (B_a + sum A_ab p_b - p_a sum A_ab) / sum A_ab, all particles at once.
 /// B holds the divergence of the predicted velocity: that is Eq. (84) with the density reset after each window.
@@ -59,8 +50,8 @@ double sweep_trust(const Stencil<D>& s, std::size_t a) {
 /// Sum of 2 V G over a lattice of unit spacing: the Laplacian's diagonal there, in units of 1/spacing^2.
 template <int D>
 double lattice_diagonal() {
-  static const double value =
-      lattice_sum<D>([](double r) { return r > 0.0 ? -2.0 * Kernel<D>::derivative_over_r(r, smoothing_ratio) : 0.0; });
+  static const double value = lattice_sum<D>(
+      [](double r) { return r > 0.0 ? -2.0 * Kernel<D>::derivative_over_r(r, points::smoothing_ratio) : 0.0; });
   return value;
 }
 
@@ -70,8 +61,9 @@ double lattice_diagonal() {
 /// n: void fraction; drag: C [N s/m4]; pressure: that drives or may be relieved [Pa]; spacing: of the particles [m].
 template <int D>
 double sweep_interval(double n, double drag, double density, double pressure, double spacing, int sweeps) {
-  const double quadratic = n * pressure * lattice_diagonal<D>() / (spacing * spacing * sweep_relaxation * sweeps);
-  const double linear = soil_compression * drag, constant = free_compression * n * density;
+  const double quadratic =
+      n * pressure * lattice_diagonal<D>() / (spacing * spacing * pressure::sweep_relaxation * sweeps);
+  const double linear = pressure::soil_compression * drag, constant = pressure::free_compression * n * density;
   if (!(quadratic > 0.0)) return HUGE_VAL;
   return (linear + std::sqrt(linear * linear + 4.0 * quadratic * constant)) / (2.0 * quadratic);
 }
@@ -81,8 +73,8 @@ double sweep_interval(double n, double drag, double density, double pressure, do
 /// pressure ten thousand times as large, which would still be there when the next window is long again.
 /// inertia: n rho/dt; drag: C [N s/m4].
 inline double relaxation_in(double fraction, double inertia, double drag) {
-  if (fraction >= 1.0) return sweep_relaxation;
-  return sweep_relaxation * fraction * (inertia * fraction + drag) / (inertia + drag);
+  if (fraction >= 1.0) return pressure::sweep_relaxation;
+  return pressure::sweep_relaxation * fraction * (inertia * fraction + drag) / (inertia + drag);
 }
 
 }  // namespace poretwin::fluid

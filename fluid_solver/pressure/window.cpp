@@ -3,36 +3,13 @@
 #include "common/numerics/aggregates.hpp"
 #include "common/numerics/multigrid.hpp"
 #include "fluid_solver/discretisation/operators.hpp"
+#include "fluid_solver/numerics/pressure.hpp"
 #include "fluid_solver/pressure/eisph.hpp"
 
 #include <atomic>
 
 namespace poretwin::fluid {
 namespace {
-
-/// Relative tolerances of the solve with a responding skeleton: of the window's pressure change, and of the change of
-/// the skeleton's velocity or of the velocity that drag alone would give it, whichever is more. For the latter 1e-2
-/// would be noticeable, as pressure in nearly tight soil at rest and as momentum (docs/notebook/fluid.md).
-constexpr double response_tolerance = 1e-2, skeleton_tolerance = 1e-3;
-
-/// Width of an aggregate of the skeleton's coarse space, in spacings: 4 to 6 take the fewest CPU seconds, in
-/// embankment_seepage and in rockfill_dam.
-constexpr double aggregate_width = 5.0;
-
-/// Iterations for the pressure with the diagonal preconditioner: a solve that takes no more is faster without a coarse
-/// space.
-constexpr int iterations_without_aggregates = 4;
-
-/// Iterations of conjugate gradients with aggregates after which multigrid takes over: so many take as long as the
-/// whole solve by multigrid, setup included, from 10,000 particles on (55 to 80 measured, multigrid_timing.cpp).
-constexpr int patience = 70;
-/// A solve that takes multigrid no more cycles than this begins with the diagonal preconditioner next time.
-constexpr int few_cycles = 2;
-/// Largest number of rounds in which the set of cavitating particles is found.
-constexpr int most_cavitation_rounds = 30;
-/// By which fraction of the cavitation pressure water must lie below it to join the cavitating set, and voids must
-/// still open to stay in it: above what the iteration of a solve leaves.
-constexpr double cavitation_tolerance = 1e-4;
 
 /// Per particle: the two momentum equations of one backward Euler window, eliminated for v_w' ..
 struct Elimination {
@@ -73,7 +50,7 @@ struct Eliminations {
 Response eliminate_skeleton(double dt, double density, double n, double n_s, const Elimination& q, double R, double M) {
   Response r;
   r.as = R / dt;
-  r.responds = M > 0.0 && R > 1e-6 * density && n_s > 0.0;
+  r.responds = M > 0.0 && R > pressure::least_responding * density && n_s > 0.0;
   if (!r.responds) return r;
   const double det = q.aw * r.as + q.C * (q.aw + r.as);
   r.mS = (q.C * n + (q.aw + q.C) * n_s) / det;
@@ -147,7 +124,7 @@ class WindowSolver {
         solve_response(b, out);
       else
         solve_fluid(std::move(b), out);
-      if (!update_cavitating(out) || round == most_cavitation_rounds) break;
+      if (!update_cavitating(out) || round == pressure::most_cavitation_rounds) break;
     }
     // The matrices are not needed to finish: freed first, to lower the peak of memory.
     for (auto* matrix : {&fluid_, &skeleton_, &plain_}) *matrix = PairMatrix();
@@ -223,7 +200,7 @@ class WindowSolver {
   void even_out_directions() {
     const auto& number = soil_.number;
     if (number.empty()) return;
-    constexpr double most = 0.9;  // pairs keep a tenth at least
+    constexpr double most = pressure::most_stretched;
     stretch_.assign(n_, Mat<D>::Zero());
     parallel_for(n_, [&](std::size_t a) {
       if (number[a] < 0 || flags_[a] != Surface::interior || surface_distance(a) > 0.0) return;
@@ -233,7 +210,7 @@ class WindowSolver {
       }
       const Mat<D> moment = s_.moment(a);
       const double mean = moment.trace() / D;
-      if (mean <= 0.75) return;
+      if (mean <= pressure::even_from) return;
       stretch_[a] = -0.5 * (D + 2) * (moment / mean - Mat<D>::Identity());
       const double size = stretch_[a].norm();
       if (size > most) stretch_[a] *= most / size;
@@ -263,9 +240,8 @@ class WindowSolver {
   void free_along_borders() {
     const auto& number = soil_.number;
     if (number.empty() || parallel_all(n_, [&](std::size_t a) { return number[a] == number[0]; })) return;
-    constexpr double still = (D - 1) / 3.0;             // mean of t^2 n^2 over that of n^4
-    constexpr double least = -0.9, most = 0.9 / still;  // pairs keep a tenth at least
-    constexpr int rounds = 4;                           // two rows on either side have a share of each other's
+    constexpr double still = (D - 1) / 3.0;  // mean of t^2 n^2 over that of n^4
+    constexpr double least = -pressure::most_stretched, most = pressure::most_stretched / still;
     VecArray<D> across(n_, Vec<D>::Zero());
     ScalarArray lacks(n_, 0.0), scale(n_, 0.0), next(n_, 0.0);
     const auto within = [&](std::size_t a, Index q) { return q < n_ && number[q] == number[a]; };
@@ -291,7 +267,7 @@ class WindowSolver {
     const auto normal_at = [&](Index j, Index q) {
       return j < s_.n_base ? across[q] : Vec<D>(s_.map[j - s_.n_base] * across[q]);
     };
-    for (int round = 0; round < rounds; ++round) {
+    for (int round = 0; round < pressure::border_rounds; ++round) {
       parallel_for(n_, [&](std::size_t a) {
         if (across[a].isZero(0.0)) return;
         double own = 0.0, others = 0.0;
@@ -327,7 +303,7 @@ class WindowSolver {
   /// Returns whether the set has changed.
   bool update_cavitating(WindowSolution<D>& out) {
     const auto below = [&](std::size_t a) {
-      return out.pressure[a] < cavitation_pressure(a) + cavitation_tolerance * in_.cavitation && !pinned(a);
+      return out.pressure[a] < cavitation_pressure(a) + pressure::cavitation_tolerance * in_.cavitation && !pinned(a);
     };
     out.void_volume = {};
     if (!any_cavitating_ && parallel_all(n_, [&](std::size_t a) { return !below(a); })) return false;
@@ -339,7 +315,7 @@ class WindowSolver {
       for (std::size_t a = 0; a < n_; ++a) {
         if (!cavitating_[a]) continue;
         const double opening = (free_diagonal_[a] - fluid_.diagonal[a]) * out.pressure[a] - missed[a];
-        cavitates[a] = opening > cavitation_tolerance * std::abs(in_.cavitation) * free_diagonal_[a];
+        cavitates[a] = opening > pressure::cavitation_tolerance * std::abs(in_.cavitation) * free_diagonal_[a];
         out.void_volume.set(a, std::max(0.0, in_.interval * opening));
       }
     }
@@ -360,7 +336,8 @@ class WindowSolver {
     boundary_ = free_boundary_;
     for (std::size_t a = 0; a < n_; ++a) {
       if (!cavitating_[a]) continue;
-      const double h = s_.length(a), weight = 1e6 * (fluid_.diagonal[a] + s_.volume[a] * q_[a].kf / (h * h));
+      const double h = s_.length(a),
+                   weight = pressure::cavitating_weight * (fluid_.diagonal[a] + s_.volume[a] * q_[a].kf / (h * h));
       fluid_.diagonal[a] += weight;
       boundary_[a] += weight * cavitation_pressure(a);
       out.pressure[a] = cavitation_pressure(a);
@@ -491,7 +468,7 @@ class WindowSolver {
     SurfaceRow row;
     if (pinned(a)) {
       const double h = s_.length(a);
-      row = {1e3 * (m.diagonal[a] + s_.volume[a] * mobility / (h * h)), pinned_pressure(a)};
+      row = {pressure::pinned_weight * (m.diagonal[a] + s_.volume[a] * mobility / (h * h)), pinned_pressure(a)};
     } else if (const double distance = surface_distance(a); distance > 0.0) {
       row = surface_row(s_, a, distance, mobility, in_.weight, in_.origin);
       if (s_.ghost_distance[a] == 0.0) row.coefficient *= s_.amplification[a];
@@ -558,11 +535,11 @@ class WindowSolver {
       int calls = 0;
       const auto by_diagonal = [&](std::span<const double> r, std::span<double> z) {
         parallel_for(n_, [&](std::size_t a) { z[a] = inverse[a] * r[a]; });
-        if (calls++ == iterations_without_aggregates) aggregates.emplace(pressure_aggregates());
+        if (calls++ == pressure::iterations_without_aggregates) aggregates.emplace(pressure_aggregates());
         if (aggregates) aggregates->template correct<1>(r, z);
         if (closed_) remove_mean(z);
       };
-      report = conjugate_gradients(apply, by_diagonal, b, out.pressure, tolerance, patience);
+      report = conjugate_gradients(apply, by_diagonal, b, out.pressure, tolerance, pressure::patience);
       out.pressure_iterations += report.iterations;
       out.multigrid = !report.converged;
     }
@@ -574,7 +551,7 @@ class WindowSolver {
       };
       report = conjugate_gradients(apply, by_cycle, std::move(b), out.pressure, tolerance, 2000);
       out.multigrid_cycles += report.iterations;
-      out.multigrid = report.iterations > few_cycles;
+      out.multigrid = report.iterations > pressure::few_cycles;
     }
     out.converged = report.converged;
     out.outer = 1;
@@ -589,7 +566,7 @@ class WindowSolver {
                              [&](std::size_t a) { return !is_known(a) && fluid_.diagonal[a] > 0.0; });
     // The matrix is singular for water whose mean pressure nothing prescribes: a little is added to its diagonal.
     aggregates.factorise([&](std::size_t a, const auto& add) {
-      add(a, (1.0 + 1e-8) * fluid_.diagonal[a]);
+      add(a, (1.0 + pressure::regularisation) * fluid_.diagonal[a]);
       for (std::size_t k = fluid_.begin(a); k < fluid_.end(a); ++k)
         add(fluid_.column(a, k), -static_cast<double>(fluid_.weight[k]));
     });
@@ -620,7 +597,7 @@ class WindowSolver {
     // Vectors change on reflection: keep the image each weight belongs to.
     build_vector_stiffness();
     // Kinetic energy that drag would give to free grains in the window.
-    let_be_ = skeleton_tolerance * skeleton_tolerance * sum_over(n_, [&](std::size_t a) {
+    let_be_ = pressure::skeleton_tolerance * pressure::skeleton_tolerance * sum_over(n_, [&](std::size_t a) {
                 if (!responds(a)) return 0.0;
                 const Vec<D> dragged = (1.0 - r_[a].as * r_[a].ss) * (before(a) - soil_.velocity[a]);
                 return s_.volume[a] / r_[a].ss * dragged.squaredNorm();
@@ -677,7 +654,7 @@ class WindowSolver {
     double spacing = 0.0;
     for (std::size_t a = 0; a < n_; ++a)
       if (responds(a)) spacing = std::max(spacing, spacing_of<D>(s_.volume[a]));
-    aggregates_.emplace(std::span<const Vec<D>>(s_.position).first(n_), aggregate_width * spacing,
+    aggregates_.emplace(std::span<const Vec<D>>(s_.position).first(n_), pressure::aggregate_width * spacing,
                         [&](std::size_t a) { return responds(a); });
     aggregates_->factorise([&](std::size_t a, const auto& add) {
       add(a, preconditioner[a]);
@@ -788,8 +765,8 @@ class WindowSolver {
         for (std::size_t d = 0; d < D; ++d) z[a * D + d] = H_inverse_[a] * r[a * D + d];
       aggregates_->correct(r, z);
     };
-    return reduce_residual(apply, precondition, std::move(residual), as_numbers(s), skeleton_tolerance * size, 3000,
-                           let_be)
+    return reduce_residual(apply, precondition, std::move(residual), as_numbers(s), pressure::skeleton_tolerance * size,
+                           3000, let_be)
         .iterations;
   }
 
@@ -863,11 +840,11 @@ class WindowSolver {
       if (closed_) remove_mean(y);
     };
     const auto precondition = [&](std::span<const double> r, std::span<double> z) {
-      out.pressure_iterations += two_fields(r, z, 1e-1);
+      out.pressure_iterations += two_fields(r, z, pressure::preconditioner_tolerance);
       if (closed_) remove_mean(z);
     };
     ScalarArray dp(n_, 0.0);
-    const double scale = response_tolerance * size;
+    const double scale = pressure::response_tolerance * size;
     const auto report = flexible_gmres(apply, precondition, residual, dp, scale, 12);
     out.outer += report.iterations;
     out.converged = report.converged;

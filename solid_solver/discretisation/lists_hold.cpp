@@ -1,6 +1,7 @@
 #include "solid_solver/discretisation/lists_hold.hpp"
 
 #include "common/core/threads.hpp"
+#include "solid_solver/numerics/points.hpp"
 
 #include <algorithm>
 #include <array>
@@ -11,10 +12,8 @@
 namespace poretwin::solid {
 namespace {
 
-constexpr double tile_reach = 6.0;  // skins by which particles of tiles that do not touch are farther apart than 2 h
-
 /// Range of the displacements since the lists were built, from `low` to `high` [m], of the particles of a tile, whose
-/// width is tile_reach and two smoothing lengths.
+/// width is points::tile_reach and two smoothing lengths.
 template <int D>
 struct Moved {
   Vec<D> low = Vec<D>::Constant(std::numeric_limits<double>::infinity()), high = -low;
@@ -107,7 +106,7 @@ class Tiles {
 
 template <int D>
 bool lists_hold(const Setup<D>& setup, const Particles<D>& p, const Neighbourhood<D>& near) {
-  const double reach = sph::support_radius * setup.smoothing_length, far = 0.5 * tile_reach * setup.skin;
+  const double reach = sph::support_radius * setup.smoothing_length, far = 0.5 * points::tile_reach * setup.skin;
   std::atomic<bool> still{true};
   const bool near_enough = parallel_all(p.free(), [&](std::size_t i) {
     const double square = moved_by(p, near, i).squaredNorm();
@@ -118,7 +117,7 @@ bool lists_hold(const Setup<D>& setup, const Particles<D>& p, const Neighbourhoo
            });
   });
   if (!near_enough || still) return near_enough;
-  const Tiles<D> tiles(near, reach + tile_reach * setup.skin);
+  const Tiles<D> tiles(near, reach + points::tile_reach * setup.skin);
   return tiles.are_few() && tiles.move_along(p, near, setup.skin);
 }
 

@@ -2,6 +2,7 @@
 #include "solid_solver/discretisation/operators.hpp"
 
 #include "solid_solver/discretisation/pair_loops.hpp"
+#include "solid_solver/numerics/points.hpp"
 
 namespace poretwin::solid {
 namespace {
@@ -180,7 +181,7 @@ void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& n
   const double viscosity = 0.5 * stabilisers.artificial * stabilisers.sound_speed * h;
   const double quadratic = 0.5 * stabilisers.quadratic * h * h;
   const double collision = 0.5 * stabilisers.collision * stabilisers.sound_speed * h;
-  const double step = stabilisers.step, clip = 0.01 * h * h;
+  const double step = stabilisers.step, clip = points::viscosity_softening * h * h;
   kernel.resize(pairs.index.size());
   for_rows(pairs, 0, pairs.size(), [&](Size i) { force[i] = {}; });
   const PairView list(pairs);

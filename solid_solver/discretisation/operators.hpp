@@ -4,6 +4,7 @@
 #pragma once
 
 #include "common/particles/kernel.hpp"
+#include "solid_solver/numerics/points.hpp"
 #include "solid_solver/state.hpp"
 
 #include <Eigen/Dense>
@@ -16,17 +17,19 @@ namespace poretwin::solid {
 
 /// Strengths of the stabilising terms.
 struct Stabilisers {
-  double hourglass_viscosity = 0.1;  ///< hg: viscosity on the part of the velocity that is not linear around a particle
-  double hourglass_stiffness = 0.1;  ///< the same on the displacement, of M
-  double held = 0.003;               ///< most of the stress of that stiffness in soil that has yielded, of root J2
-  double modulus = 0.0;              ///< Pa, M
-  double artificial = 0.1;           ///< alpha of Monaghan's artificial viscosity
-  double quadratic = 0.0;            ///< beta of the same
-  double bulk = 0.0;                 ///< m2/s, against changes of volume away from surfaces (linear, Landshoff 1955)
-  double artificial_stress = 0.0;    ///< epsilon, in tension
-  double collision = 1.0;            ///< the same where grains that are apart collide: inelastically
-  double sound_speed = 0.0;          ///< m/s
-  double step = 0.0;                 ///< s, in which no collision may throw back
+  /// Hourglass control: a viscosity on the part of the velocity that is not linear around a particle, and a stiffness,
+  /// as a fraction of M, on that part of the displacement.
+  double hourglass_viscosity = points::hourglass_viscosity, hourglass_stiffness = points::hourglass_stiffness;
+  /// Largest stress of that stiffness in soil that has yielded, as a fraction of sqrt(J2).
+  double held = points::hourglass_bound;
+  double modulus = 0.0;                              ///< Pa, M
+  double artificial = points::artificial_viscosity;  ///< alpha of Monaghan's artificial viscosity
+  double quadratic = 0.0;                            ///< beta of the same
+  double bulk = 0.0;               ///< m2/s, against changes of volume away from surfaces (linear, Landshoff 1955)
+  double artificial_stress = 0.0;  ///< epsilon, in tension
+  double collision = points::collision_viscosity;  ///< the same where grains that are apart collide: inelastically
+  double sound_speed = 0.0;                        ///< m/s
+  double step = 0.0;                               ///< s, in which no collision may throw back
 };
 
 /// Inverse with the eigenvalues held above a floor.
@@ -42,7 +45,7 @@ template <int D>
 /// bounded gradient. Corners of a lattice lie above it, so that they stay exact.
 template <int D>
 inline Mat<D> invert_moment(const Mat<D>& moment) {
-  constexpr double floor = D == 2 ? 0.2 : 0.1;
+  constexpr double floor = D == 2 ? points::least_inverted_2d : points::least_inverted_3d;
   bool above = false;
   if constexpr (D == 2) {
     // The lowest eigenvalue lies above the floor when both of M - floor I are positive.
@@ -93,7 +96,6 @@ void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& n
 /// R = -epsilon times the tensile principal stresses. Of the first n_free particles; added to `force`.
 template <int D>
 void add_artificial_stress(const State<D>& state, double epsilon, double spacing, double h, VecArray<D>& force) {
-  constexpr double exponent = 2.55;
   const std::size_t n = state.particles.size();
   MatArray<D> repulsion(n);
   for (std::size_t i = 0; i < n; ++i) {
@@ -113,7 +115,8 @@ void add_artificial_stress(const State<D>& state, double epsilon, double spacing
       both += rule.map * repulsion[rule.parent] * rule.map.transpose();
     }
     const Vec<D> r = state.nodes[i].position - state.nodes[j].position;
-    const double closeness = std::pow(sph::WendlandC2<D>::value(r.norm(), h) / laid, exponent);
+    const double closeness =
+        std::pow(sph::WendlandC2<D>::value(r.norm(), h) / laid, points::artificial_stress_exponent);
     force[i] += (state.nodes[j].volume * closeness * state.kernel[m]) * (both * r);
   });
 }

@@ -1,6 +1,7 @@
 #include "solid_solver/discretisation/rough_walls.hpp"
 
 #include "common/core/error.hpp"
+#include "solid_solver/numerics/walls.hpp"
 
 #include <Eigen/Geometry>
 
@@ -14,8 +15,6 @@
 
 namespace poretwin::solid {
 namespace {
-
-constexpr int rows = 3;  // as deep as the kernel reaches, h = 1.2 spacings
 
 struct Piece {
   Vec<2> from, to, tangent, normal;  // normal into the soil
@@ -50,15 +49,15 @@ VecArray<2> rows_behind(const std::vector<Piece>& pieces, double spacing) {
   for (const auto& piece : pieces) {
     const auto count = std::max(1L, std::lround(piece.length / spacing));
     const double step = piece.length / static_cast<double>(count);
-    const long before = ends_at(pieces, piece, piece.from) ? rows : 0,
-               after = ends_at(pieces, piece, piece.to) ? rows : 0;
-    for (int row = 0; row < rows; ++row)
+    const long before = ends_at(pieces, piece, piece.from) ? walls::rough_rows : 0,
+               after = ends_at(pieces, piece, piece.to) ? walls::rough_rows : 0;
+    for (int row = 0; row < walls::rough_rows; ++row)
       for (long i = -before; i < count + after; ++i) {
         const Vec<2> x =
             piece.from + (static_cast<double>(i) + 0.5) * step * piece.tangent - (row + 0.5) * spacing * piece.normal;
-        if (signed_distance(pieces, x) > -0.4 * spacing) continue;
+        if (signed_distance(pieces, x) > -walls::least_depth * spacing) continue;
         const bool crowded = std::any_of(kept.begin(), kept.end(), [&](const Vec<2>& other) {
-          return (other - x).squaredNorm() < 0.5 * spacing * spacing;
+          return (other - x).squaredNorm() < walls::least_apart * spacing * spacing;
         });
         if (!crowded) kept.push_back(x);
       }
@@ -70,7 +69,7 @@ VecArray<2> rows_behind(const std::vector<Piece>& pieces, double spacing) {
 /// beyond it, where another rough wall may stand; nothing behind the walls that are not rough.
 VecArray<3> rows_behind(const std::vector<Wall>& walls, const General& general, double spacing) {
   VecArray<3> kept;
-  const Point3 beyond = rows * spacing * Point3::Ones();
+  const Point3 beyond = walls::rough_rows * spacing * Point3::Ones();
   const Eigen::AlignedBox3d box(general.domain_min, general.domain_max), grown(box.min() - beyond, box.max() + beyond);
   const auto behind = [](const Wall& wall, const Point3& x) { return wall.face.normal.dot(x - wall.face.point) < 0.0; };
   for (std::size_t k = 0; k < walls.size(); ++k) {
@@ -90,10 +89,10 @@ VecArray<3> rows_behind(const std::vector<Wall>& walls, const General& general, 
       from[t] = centre - reach;
       const bool periodic = std::any_of(general.periodic.begin(), general.periodic.end(),
                                         [&](int a) { return std::abs(along[t][a]) > 1.0 - 1e-9; });
-      before[t] = periodic ? 0 : rows;
+      before[t] = periodic ? 0 : walls::rough_rows;
     }
     const Point3 foot = normal.dot(walls[k].face.point) * normal;
-    for (int row = 0; row < rows; ++row)
+    for (int row = 0; row < walls::rough_rows; ++row)
       for (long i = -before[0]; i < count[0] + before[0]; ++i)
         for (long j = -before[1]; j < count[1] + before[1]; ++j) {
           const Point3 x = foot - (row + 0.5) * spacing * normal +

@@ -1,28 +1,13 @@
 #include "solid_solver/dynamics/flow_regularisation.hpp"
 
 #include "solid_solver/discretisation/batch.hpp"
+#include "solid_solver/numerics/flow.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace poretwin::solid {
 namespace {
-
-constexpr double travel = 3.0;         // of waves between two treatments, at least, in spacings
-constexpr double steps = 3.5;          // between two, at least, of the longest: every fourth is one
-constexpr double stress_share = 0.5;   // of the neighbours' average
-constexpr double volume_share = 0.2;   // of the neighbours' average
-constexpr double packing_share = 0.1;  // of the error of sum V W
-constexpr double evening = 1.0;        // h^2 of motion per crowding and shear strain
-constexpr double longest_move = 0.05;  // in spacings
-constexpr double renewing = 0.1;       // shear strain in which a stress is evened out, over the elastic one, tau / G
-// Of the stress that yielding has renewed, G times its plastic strain, as much is evened out at most: what that stirs
-// must die out, or soil would never rest (thirty was too much).
-constexpr double evened_out = 3.0;
-constexpr double surface = 0.25;        // |sum V grad W| h beyond which a particle lies at a surface (flat: 0.7)
-constexpr double dilatancy = 2.0;       // volumetric strain per shear strain and relative density
-constexpr double largest_strain = 0.1;  // between two treatments: loose particles see more
-constexpr double largest_excess = 0.1;  // of relative density
 
 /// h^2 sum V |W'/r| over a full neighbourhood, in 2D and in 3D.
 constexpr double full_weight = 3.5;
@@ -48,7 +33,7 @@ void see_what_yields(const Setup<D>& setup, bool in_equilibrium, State<D>& state
     const double since = static_cast<double>(strain - state.evened[i]);
     state.evened[i] = strain;
     if (flows[i] == 0.0 && p.rubbing[i] <= 0.0F)
-      flows[i] = -evened_out * setup.models[p.material[i]]->elasticity().shear * since;
+      flows[i] = -flow::evened_out * setup.models[p.material[i]]->elasticity().shear * since;
   }
 }
 
@@ -233,7 +218,7 @@ void even_out(const Setup<D>& setup, double interval, const State<D>& state, con
   const Index soil = batch.soil;
   const Elasticity elasticity = setup.models[soil]->elasticity();
   const double h = setup.smoothing_length, scale = h * h / full_weight, density = setup.density[soil];
-  const double longest = longest_move * setup.spacing;
+  const double longest = flow::longest_move * setup.spacing;
   const double grains = setup.grain_share[soil] / setup.grain_density[soil];
   const bool dilates = setup.constant_volume[soil] != 0;
   run_lanes([&]() __attribute__((always_inline)) {
@@ -253,13 +238,13 @@ void even_out(const Setup<D>& setup, double interval, const State<D>& state, con
       root_j2(rate, shear);
       shear *= 2.0 * interval;
       root_j2(four.stress, elastic);
-      elastic *= renewing / elasticity.shear;
+      elastic *= flow::renewing / elasticity.shear;
       Lanes flows;
       take_each(state.scratch.flows, i, flows);
       const LaneMask flowing = flows > 0.0;
       const Lanes flowed = flowing & (shear < elastic) ? shear / elastic : Lanes{} + 1.0;
-      for (int a = 0; a < n_components<D>; ++a) four.stress[a] += stress_share * scale * flowed * around[a];
-      volume *= flowing ? 1.0 + volume_share * scale * flowed * around[A::at_swelling] : Lanes{} + 1.0;
+      for (int a = 0; a < n_components<D>; ++a) four.stress[a] += flow::stress_share * scale * flowed * around[a];
+      volume *= flowing ? 1.0 + flow::volume_share * scale * flowed * around[A::at_swelling] : Lanes{} + 1.0;
       const Lanes cover = around[A::at_cover] / setup.full_cover;
       Lanes* const crowding = &around[A::at_crowding];
       Lanes crowded{};
@@ -268,19 +253,19 @@ void even_out(const Setup<D>& setup, double interval, const State<D>& state, con
         crowded += crowding[d] * crowding[d];
       }
       sqrt_in_place(crowded);
-      const LaneMask inside = flowing & (crowded * h <= surface) & (cover >= 0.8);
+      const LaneMask inside = flowing & (crowded * h <= flow::surface) & (cover >= flow::inside_cover);
       // In wet soil the water's pressure keeps the volume; a density taken from the positions would squeeze it.
-      volume *= inside & (coverage <= 0.5) ? 1.0 - packing_share * (cover - 1.0) : Lanes{} + 1.0;
+      volume *= inside & (coverage <= 0.5) ? 1.0 - flow::packing_share * (cover - 1.0) : Lanes{} + 1.0;
       Lanes strain = shear;
-      min_in_place(strain, Lanes{} + largest_strain);
+      min_in_place(strain, Lanes{} + flow::largest_strain);
       if (dilates) {
         Lanes excess = mass / (density * volume) - 1.0 + mean / elasticity.bulk;
-        max_in_place(excess, Lanes{} - largest_excess);
-        min_in_place(excess, Lanes{} + largest_excess);
-        const Lanes rise = inside ? elasticity.bulk * dilatancy * strain * excess : Lanes{};
+        max_in_place(excess, Lanes{} - flow::largest_excess);
+        min_in_place(excess, Lanes{} + flow::largest_excess);
+        const Lanes rise = inside ? elasticity.bulk * flow::dilatancy * strain * excess : Lanes{};
         for (int d = 0; d < 3; ++d) four.stress[d] -= rise;
       }
-      Lanes move = evening * h * h * strain, most = longest / (crowded > 0.0 ? crowded : Lanes{} + longest);
+      Lanes move = flow::evening * h * h * strain, most = longest / (crowded > 0.0 ? crowded : Lanes{} + longest);
       min_in_place(move, most);
       for (std::size_t d = 0; d < D; ++d) moves[q][d].v = inside ? -move * crowding[d] : Lanes{};
       for (Lanes& none : four.strain) none = Lanes{};
@@ -297,7 +282,7 @@ void keep_flow_regular(const Setup<D>& setup, double dt, bool in_equilibrium, St
   if (!setup.regular_flow) return;
   state.since_upkeep += dt;
   if (state.since_upkeep <
-      std::max(travel * setup.spacing / setup.stabilisers.sound_speed, steps * setup.longest_substep))
+      std::max(flow::travel * setup.spacing / setup.stabilisers.sound_speed, flow::substeps * setup.longest_substep))
     return;
   const double interval = state.since_upkeep;
   state.since_upkeep = 0.0;

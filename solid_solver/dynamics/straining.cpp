@@ -1,6 +1,7 @@
 #include "solid_solver/dynamics/straining.hpp"
 
 #include "solid_solver/discretisation/batch.hpp"
+#include "solid_solver/numerics/flow.hpp"
 
 namespace poretwin::solid {
 namespace {
@@ -14,7 +15,6 @@ void follow(const Setup<D>& setup, double dt, const State<D>& state, Batch& batc
                grain_share = setup.grain_share[soil];
   // Conserves mass: n_s = m / (rho_s V), Eq. (50) by its rate. Bounded, since an opening crack is not porosity, and
   // colliding grains keep a tenth of their pores.
-  constexpr double pores_left = 0.1;
   run_lanes([&]() __attribute__((always_inline)) {
     for (std::size_t q = 0; q < batch.n_fours(); ++q) {
       const Index* const i = &batch.who[q * n_lanes];
@@ -30,7 +30,7 @@ void follow(const Setup<D>& setup, double dt, const State<D>& state, Batch& batc
       // stop with every displacement that a search for equilibrium tries.
       take_each(state.external.saturation, i, four.saturation);
       four.void_ratio = volume / (grain_share * grains) - 1.0;
-      Lanes rate{}, closest = grains + pores_left * (reference - grains);
+      Lanes rate{}, closest = grains + flow::pores_left * (reference - grains);
       for (int d = 0; d < D; ++d) rate += gradient[d + D * d];
       max_in_place(closest, 0.5 * reference);
       volume *= 1.0 + dt * rate;
@@ -72,7 +72,7 @@ void strain(const Setup<D>& setup, double dt, State<D>& state) {
       const Four& four = batch.fours[k / n_lanes];
       const std::size_t lane = k % n_lanes;
       p.volume[i] = batch.volume[k / n_lanes].v[lane];
-      const bool apart = friction > 0.0F && p.volume[i] > Setup<D>::loosest * p.mass[i] / setup.density[batch.soil];
+      const bool apart = friction > 0.0F && p.volume[i] > flow::loosest * p.mass[i] / setup.density[batch.soil];
       p.rubbing[i] = apart ? friction : 0.0F;
       for (int c = 0; c < 6; ++c) p.stress[i][c] = apart ? 0.0 : four.stress[c][lane];
       if (four.plastic[lane] <= 0.0) continue;

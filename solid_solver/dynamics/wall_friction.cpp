@@ -1,5 +1,8 @@
 #include "solid_solver/dynamics/wall_friction.hpp"
 
+#include "solid_solver/numerics/points.hpp"
+#include "solid_solver/numerics/walls.hpp"
+
 namespace poretwin::solid {
 namespace {
 
@@ -62,7 +65,7 @@ void rub_on_walls(const Setup<D>& setup, double dt, State<D>& state) {
       const Vec<D> r = state.nodes[i].position - node.position;
       const double approach = -r.dot(state.nodes[i].velocity - node.velocity);
       if (approach <= 0.0) return;
-      const double closing = approach / (r.squaredNorm() + 0.01 * h * h);
+      const double closing = approach / (r.squaredNorm() + points::viscosity_softening * h * h);
       lift -= (alpha * setup.stabilisers.sound_speed + beta * h * closing) * h * closing * weight.dot(normal);
     });
     const Vec<D> along = p.velocity[i] - normal.dot(p.velocity[i]) * normal;
@@ -79,7 +82,7 @@ void slide_on_walls(const Setup<D>& setup, double dt, State<D>& state) {
   touches.assign(p.free(), 0);
   for_each_touch(setup, state, [&](std::size_t i, std::size_t wall, const Vec<D>& normal, double distance) {
     const double effect = effect_of_slip(state, i, normal);
-    if (effect > -0.05 / setup.spacing) return;
+    if (effect > -walls::touches_from / setup.spacing) return;
     touches[i] = 1;
     const ConstitutiveModel& model = *setup.models[p.material[i]];
     const double stiffness = -effect * model.elasticity().shear * dt;  // Pa s/m, of the shear against slip

@@ -1,6 +1,7 @@
 // Degree of saturation of the soil from the water around it.
 #pragma once
 
+#include "solid_solver/numerics/exchange.hpp"
 #include "solid_solver/setup.hpp"
 
 #include <algorithm>
@@ -29,14 +30,15 @@ ScalarArray own_coverage(const Setup<D>& setup, const State<D>& state) {
 template <int D, class Own>
 void degree_of_saturation(const std::vector<Soil>& soils, const State<D>& state, const OrZero<double>& coverage,
                           Own&& own, OrZero<double>& saturation) {
-  constexpr double full = 0.95;
   const std::size_t n = state.particles.size();
   saturation.allocate(n);
   const bool wet = std::any_of(coverage.begin(), coverage.end(), [](double c) { return c > 0.0; });
   const ScalarArray* around = wet ? &own() : nullptr;
   for (std::size_t i = 0; i < n; ++i) {
     const double initial = soils[state.particles.material[i]].initial_saturation;
-    const double share = coverage[i] > 0.0 ? std::min(1.0, coverage[i] / (full * std::min(1.0, (*around)[i]))) : 0.0;
+    const double share = coverage[i] > 0.0
+                             ? std::min(1.0, coverage[i] / (exchange::full_saturation * std::min(1.0, (*around)[i])))
+                             : 0.0;
     saturation.set(i, initial + (1.0 - initial) * share);
   }
 }

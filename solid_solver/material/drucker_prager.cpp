@@ -1,5 +1,7 @@
 #include "solid_solver/material/drucker_prager.hpp"
 
+#include "solid_solver/numerics/material.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -86,7 +88,7 @@ template <class In>
   Number low = from, high = from;
   min_in_place(low, to);
   max_in_place(high, to);
-  const typename In::Mask positive = low > 0.0, far = high - low >= 1e-4 * low;
+  const typename In::Mask positive = low > 0.0, far = high - low >= material::logarithmic_from * low;
   integral = 2.0 / (from + to);
   const typename In::Mask both = positive & far;
   if (any(both)) {
@@ -104,7 +106,6 @@ template <class In>
                                              typename In::Number& plastic) {
   using Number = typename In::Number;
   using std::numbers::sqrt2;
-  constexpr double little = 0.005;  // radians
   const Number one = Number{} + 1.0;
   // Deviators before, their increment, and their elastic sum.
   Number s[6], ds[6];
@@ -139,7 +140,9 @@ template <class In>
     Number limit;
     cone.tension_limit(limit);
     const typename In::Mask turns =
-        yields & (ss * trial - along_trial * along_trial > little * little * ss * trial) & (i1 < limit) & (j > 0.0);
+        yields &
+        (ss * trial - along_trial * along_trial > material::little_angle * material::little_angle * ss * trial) &
+        (i1 < limit) & (j > 0.0);
     if (any(turns)) {
       // Only the plastic part turns the deviator: the radius of the cone as elastic strain would have it, and as it is.
       const Number first = sqrt2 * (cone.k - cone.alpha * i1_before), last = sqrt2 * room;

@@ -1,5 +1,7 @@
 #include "solid_solver/output/deposit.hpp"
 
+#include "solid_solver/numerics/readings.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -76,7 +78,8 @@ std::vector<char> inside(const Setup<D>& setup, const State<D>& state) {
     centre[i] += weight * r;
   });
   std::vector<char> found(state.particles.free());
-  for (std::size_t i = 0; i < found.size(); ++i) found[i] = cover[i] > 0.8 && centre[i].norm() < 0.1 * h * cover[i];
+  for (std::size_t i = 0; i < found.size(); ++i)
+    found[i] = cover[i] > readings::inside_cover && centre[i].norm() < readings::inside_centre * h * cover[i];
   return found;
 }
 
@@ -92,7 +95,7 @@ double front_position(const Setup<D>& setup, const State<D>& state, const Vec<D>
   for (std::size_t i = 0; i < p.free(); ++i) tip = std::max(tip, along.dot(p.position[i] - from));
   tip = std::clamp(tip + 0.5 * setup.spacing, 0.0, length);
   if (thickness <= 0.0) return tip;
-  const double step = 0.25 * setup.spacing, begin = std::min(length, tip + 2.0 * setup.smoothing_length);
+  const double step = readings::step * setup.spacing, begin = std::min(length, tip + 2.0 * setup.smoothing_length);
   const auto n_places = static_cast<std::size_t>(begin / step) + 1;
   const ScalarArray found = thicknesses<D>(setup, state, from + begin * along, step * along, n_places);
   double beyond = 0.0;
@@ -121,7 +124,7 @@ double surface_height(const Setup<D>& setup, const State<D>& state, const Vec<D>
       sum += piece.volume * sph::WendlandC2<D>::value((piece.position - place).norm(), setup.smoothing_length);
     return sum;
   };
-  const double step = 0.25 * setup.spacing;
+  const double step = readings::step * setup.spacing;
   double above = 0.0;
   for (double z = top + setup.smoothing_length; z >= bottom; z -= step) {
     const double here = coverage_at(x + z * up);
@@ -154,7 +157,8 @@ double stress_noise(const Setup<D>& setup, const State<D>& state) {
   const std::vector<char> within = inside<D>(setup, state);
   double sum = 0.0, count = 0.0;
   for (std::size_t i = 0; i < p.free(); ++i) {
-    if (!within[i] || moment[i].determinant() < 1e-6 * std::pow(moment[i](0, 0), D + 1)) continue;  // too few
+    if (!within[i] || moment[i].determinant() < readings::least_determinant * std::pow(moment[i](0, 0), D + 1))
+      continue;  // too few
     const Basis fit = moment[i].ldlt().solve(right[i]);
     const double difference = trace(p.stress[i]) / 3.0 - fit[0];
     sum += difference * difference;

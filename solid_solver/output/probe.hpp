@@ -2,6 +2,8 @@
 // base.
 #pragma once
 
+#include "solid_solver/numerics/points.hpp"
+#include "solid_solver/numerics/readings.hpp"
 #include "solid_solver/setup.hpp"
 
 #include <functional>
@@ -20,7 +22,6 @@ template <int D>
 double probe(const Setup<D>& setup, const State<D>& state, const Vec<D>& x, Reach reach,
              const std::function<double(std::size_t, const Mat<D>&)>& value) {
   using Basis = Eigen::Matrix<double, D + 1, 1>;
-  constexpr double outside = 0.15;  // a flat surface has half of the kernel's weight, a corner a quarter
   const double h = setup.smoothing_length;
   const std::size_t n = state.particles.size();
   Eigen::Matrix<double, D + 1, D + 1> moment = Eigen::Matrix<double, D + 1, D + 1>::Zero();
@@ -41,9 +42,10 @@ double probe(const Setup<D>& setup, const State<D>& state, const Vec<D>& x, Reac
     moment += weight * basis * basis.transpose();
     right += weight * value(parent, rule ? rule->velocity : Mat<D>(Mat<D>::Identity())) * basis;
   }
-  if (cover < outside || moment(0, 0) <= 0.0) return std::numeric_limits<double>::quiet_NaN();
+  if (cover < points::outside || moment(0, 0) <= 0.0) return std::numeric_limits<double>::quiet_NaN();
   const Eigen::Matrix<double, D + 1, D + 1> scaled = moment / moment(0, 0);
-  if (scaled.determinant() < 1e-6) return right[0] / moment(0, 0);  // too few neighbours for a slope
+  if (scaled.determinant() < readings::least_determinant)
+    return right[0] / moment(0, 0);  // too few neighbours for a slope
   const Basis solution = moment.ldlt().solve(right);
   return solution[0];
 }

@@ -1,6 +1,7 @@
 // Where soil could slip: how strongly sheared a path joins two lines.
 #pragma once
 
+#include "solid_solver/numerics/readings.hpp"
 #include "solid_solver/setup.hpp"
 
 #include <algorithm>
@@ -39,7 +40,7 @@ double weakest_link(const Setup<D>& setup, const State<D>& state, std::span<cons
         links.push_back({p.plastic_strain[i], i, n + line});
     }
   for_each_pair(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t, bool) {
-    if (i < n && j < n && (p.position[i] - p.position[j]).norm() < 1.5 * setup.spacing)
+    if (i < n && j < n && (p.position[i] - p.position[j]).norm() < readings::link * setup.spacing)
       links.push_back({std::min(p.plastic_strain[i], p.plastic_strain[j]), i, j});
   });
   std::sort(links.begin(), links.end(), [](const Link& a, const Link& b) { return a.strain > b.strain; });

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "solid_solver/dynamics/step.hpp"
+#include "solid_solver/numerics/sleep.hpp"
 
 #include <numbers>
 #include <span>
@@ -12,12 +13,8 @@ namespace poretwin::solid {
 /// where that is more, of the velocity times the near-critical damping rate.
 struct Unrest {
   double largest = 0.0, rms = 0.0;
-  double share = 0.0;  ///< of the mass, of what departs by more than `restless`
+  double share = 0.0;  ///< of the mass, of what departs by more than `sleep::restless`
 };
-
-/// Departure from rest, over the reference acceleration, above which a particle counts as moving; fraction of the mass
-/// that may move while the soil as a whole counts as at rest: grains that ravel or creep at a surface.
-inline constexpr double restless = 3e-3, local_share = 0.05;
 
 /// Damping rate [1/s] that is critical for the slowest mode of a column as high as the soil, 2 omega = pi c / H.
 template <int D>
@@ -72,7 +69,7 @@ Unrest unrest(const Setup<D>& setup, const State<D>& state, std::span<const Vec<
     const double departure = std::max(force[i].norm() / p.mass[i], rate * p.velocity[i].norm()) / reference;
     result.largest = std::max(result.largest, departure);
     result.rms += departure * departure / static_cast<double>(p.free());
-    return departure > restless;
+    return departure > sleep::restless;
   });
   result.rms = std::sqrt(result.rms);
   return result;
@@ -93,9 +90,6 @@ void stop(const Setup<D>& setup, State<D>& state) {
   evaluate_forces(setup, state);
 }
 
-/// Change of the saturation that disturbs a rest, where a cohesion follows it.
-inline constexpr double softening = 0.01;
-
 /// Whether the saturation has changed by more, where a cohesion follows it, since the soil was last found at rest.
 template <int D>
 bool softened(const Setup<D>& setup, const State<D>& state) {
@@ -103,7 +97,7 @@ bool softened(const Setup<D>& setup, const State<D>& state) {
   const auto& before = state.sleep.saturation;
   for (std::size_t i = 0; i < state.particles.free(); ++i)
     if (setup.softened_by_water[state.particles.material[i]] &&
-        (!before.is_allocated() || std::abs(now[i] - before[i]) > softening))
+        (!before.is_allocated() || std::abs(now[i] - before[i]) > sleep::softening))
       return true;
   return false;
 }

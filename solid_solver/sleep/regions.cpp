@@ -1,5 +1,6 @@
 #include "solid_solver/sleep/regions.hpp"
 
+#include "solid_solver/numerics/sleep.hpp"
 #include "solid_solver/sleep/quiet.hpp"
 
 #include <algorithm>
@@ -7,12 +8,6 @@
 
 namespace poretwin::solid {
 namespace {
-
-constexpr double travel = 5.0;                // of waves between two checks for activity, in spacings
-constexpr double calm_after = 8.0;            // ways of a wave through the soil: two periods of a column as high
-constexpr double asleep_after = 12.0;         // the same
-constexpr double between_sleep_checks = 1.0;  // the same
-constexpr double margin = 2.0;                // of soil awake around what is not calm, in ranges of the pair lists
 
 /// What counts as rest, and as a disturbance.
 template <int D>
@@ -26,11 +21,11 @@ struct Bounds {
   explicit Bounds(const Setup<D>& setup) {
     const double g = setup.gravity.norm(), rest = setup.quiet.regions * g;
     way = setup.height / setup.stabilisers.sound_speed;
-    moved = 0.5 * rest * std::pow(calm_after * way, 2);
+    moved = 0.5 * rest * std::pow(sleep::calm_after * way, 2);
     work = 0.5 * rest * g * way * way;
     push = setup.quiet.wake_above * g;
     within = setup.height / (2.0 * setup.spacing);
-    around = margin * setup.range();
+    around = sleep::margin * setup.range();
   }
 };
 
@@ -57,7 +52,7 @@ bool is_disturbed(const Setup<D>& setup, const Bounds<D>& bounds, const Drive<D>
   const Particles<D>& p = state.particles;
   const Regions<D>& regions = state.regions;
   if (setup.softened_by_water[p.material[i]] &&
-      std::abs(state.external.saturation[i] - regions.saturation[i]) > softening)
+      std::abs(state.external.saturation[i] - regions.saturation[i]) > sleep::softening)
     return true;
   const double push = bounds.push * p.mass[i];
   if ((force_from_outside(drive, i) - regions.outside[i]).norm() > push) return true;
@@ -103,7 +98,7 @@ bool wake_near(const Setup<D>& setup, const Bounds<D>& bounds, const VecArray<D>
     if (!regions.sleeps(i) || !waking.near(p.position[i])) continue;
     regions.asleep[i] = 0;
     regions.mark[i] = p.displacement[i];
-    regions.last_active[i] = regions.clock - calm_after * bounds.way;  // still calm
+    regions.last_active[i] = regions.clock - sleep::calm_after * bounds.way;  // still calm
   }
   return true;
 }
@@ -113,7 +108,7 @@ template <int D>
 bool fall_asleep(const Bounds<D>& bounds, const Drive<D>& drive, State<D>& state) {
   Particles<D>& p = state.particles;
   Regions<D>& regions = state.regions;
-  const double since = regions.clock - asleep_after * bounds.way;
+  const double since = regions.clock - sleep::asleep_after * bounds.way;
   VecArray<D> restless;
   for (std::size_t i = 0; i < p.free(); ++i)
     if (!regions.sleeps(i) && regions.last_active[i] > since) restless.push_back(p.position[i]);
@@ -154,7 +149,7 @@ void watch_regions(const Setup<D>& setup, const Drive<D>& drive, double dt, Stat
   if (setup.quiet.regions <= 0.0) return;
   regions.clock += dt;
   const double passed = regions.clock - regions.last_activity_check;
-  if (passed * setup.stabilisers.sound_speed < travel * setup.spacing) return;
+  if (passed * setup.stabilisers.sound_speed < sleep::travel * setup.spacing) return;
   regions.last_activity_check = regions.clock;
   if (regions.last_active.empty()) {
     const auto flows = [&](double plastic) { return plastic > setup.flow_limit; };
@@ -170,12 +165,12 @@ void watch_regions(const Setup<D>& setup, const Drive<D>& drive, double dt, Stat
   regions.slept += passed * static_cast<double>(std::count(regions.asleep.begin(), regions.asleep.end(), char{1}));
   const Bounds<D> bounds(setup);
   bool changed = wake_near(setup, bounds, disturbances(setup, bounds, drive, state), state);
-  if (regions.clock - regions.last_sleep_check > between_sleep_checks * bounds.way) {
+  if (regions.clock - regions.last_sleep_check > sleep::between_checks * bounds.way) {
     regions.last_sleep_check = regions.clock;
     changed = fall_asleep(bounds, drive, state) || changed;
   }
   for (std::size_t i = 0; i < p.free(); ++i)
-    regions.calm[i] = regions.last_active[i] <= regions.clock - calm_after * bounds.way;
+    regions.calm[i] = regions.last_active[i] <= regions.clock - sleep::calm_after * bounds.way;
   if (changed) renew(setup, state);
 }
 

@@ -1,6 +1,7 @@
 // The equilibrium of soil at the end of a window: displacements by which nothing is missing in its balance of forces.
 #pragma once
 
+#include "solid_solver/numerics/statics.hpp"
 #include "solid_solver/statics/anderson.hpp"
 #include "solid_solver/statics/rest.hpp"
 #include "solid_solver/statics/stiffness.hpp"
@@ -49,10 +50,11 @@ VecArray<D> averaged(const Setup<D>& setup, const State<D>& state, const VecArra
 
 /// When an equilibrium is found and when the search is given up.
 struct EquilibriumSearch {
-  double criterion = 4e-4;  ///< departure from rest as Stiffness::departure() measures it
-  double local = 0.0;       ///< share of the mass of soil that yields that may go on moving, once the rest is at rest
-  double moving = 5e-3;     ///< averaged force from which on it counts as moving, over the reference acceleration
-  std::size_t most = 300;   ///< displacements tried
+  double criterion = statics::criterion;  ///< departure from rest as Stiffness::departure() measures it
+  double local = 0.0;  ///< share of the mass of soil that yields that may go on moving, once the rest is at rest
+  double moving =
+      statics::woken_by;  ///< averaged force from which on it counts as moving, over the reference acceleration
+  std::size_t most = statics::most_tried;  ///< displacements tried
 };
 
 /// What is left to find: the share of the mass on which averaged forces act, and the departure of the others.
@@ -75,16 +77,13 @@ Unsettled unsettled(const Setup<D>& setup, const Stiffness<D>& stiffness, double
 /// in the next window. Looked at now and then.
 class Patience {
  public:
-  static constexpr std::size_t looks_every = 10;  ///< displacements tried
   /// departure: of all the soil.
   bool ends(const EquilibriumSearch& search, double departure, const Unsettled& left) {
-    constexpr double near = 10.0;  // times the criterion
-    constexpr double gain = 0.1;   // of the share, since four looks ago
-    const bool stalls = left.share > (1.0 - gain) * shares_.back();
+    const bool stalls = left.share > (1.0 - statics::least_gain) * shares_.back();
     std::rotate(shares_.begin(), shares_.end() - 1, shares_.end());
     shares_.front() = left.share;
-    if (left.rest >= search.criterion || departure >= near * search.criterion) return false;
-    return left.share < search.local || (stalls && left.share < 2.0 * search.local);
+    if (left.rest >= search.criterion || departure >= statics::near_criterion * search.criterion) return false;
+    return left.share < search.local || (stalls && left.share < statics::stalled_share * search.local);
   }
 
  private:
@@ -159,7 +158,7 @@ RestReport find_equilibrium(const Setup<D>& setup, const Stiffness<D>& stiffness
     report.residual = stiffness.departure(missing.dot(towards), reference);
     if (report.steps == search.most || !std::isfinite(report.residual)) break;
     report.creeps =
-        search.local > 0.0 && state.any_yielded && report.steps % Patience::looks_every == 0 &&
+        search.local > 0.0 && state.any_yielded && report.steps % statics::looks_every == 0 &&
         patience.ends(search, report.residual, unsettled(setup, stiffness, search.moving, state, force, reference));
     if (report.reached()) {
       // Hourglass control ends where soil yields. Were it switched with every displacement tried, there would be no

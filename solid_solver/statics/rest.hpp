@@ -1,6 +1,7 @@
 // The soil at rest: dynamic relaxation to an equilibrium, and the stresses of level ground.
 #pragma once
 
+#include "solid_solver/numerics/statics.hpp"
 #include "solid_solver/sleep/quiet.hpp"
 
 #include <limits>
@@ -20,10 +21,10 @@ struct RestReport {
 
 /// When rest is found and when the search is given up.
 struct RestSearch {
-  double criterion = 1e-3;  ///< of the reference acceleration, for the largest acceleration
-  double ways = 50.0;       ///< most steps, in units of a wave's way through the soil
-  double yielding = 200.0;  ///< the same once it yields
-  double local = 0.0;       ///< share of the mass of soil that yields that may go on moving
+  double criterion = statics::rest_criterion;     ///< of the reference acceleration, for the largest acceleration
+  double ways = statics::rest_ways;               ///< most steps, in units of a wave's way through the soil
+  double yielding = statics::rest_ways_yielding;  ///< the same once it yields
+  double local = 0.0;                             ///< share of the mass of soil that yields that may go on moving
   double farthest = std::numeric_limits<double>::infinity();  ///< m, motion at which the search is given up
 };
 
@@ -39,9 +40,6 @@ double critical_rate(const State<D>& state, const VecArray<D>& before, const Vec
   }
   return heavy > 0.0 ? 2.0 * std::sqrt(std::max(0.0, stiff / (dt * heavy))) : 0.0;
 }
-
-/// Weight of a new rate in the damping, once something yields: an average over about twenty steps.
-inline constexpr double damping_follows = 0.05;
 
 /// Largest displacement since `start` [m].
 template <int D>
@@ -84,9 +82,9 @@ RestReport find_rest(const Setup<D>& setup, const RestSearch& search, State<D>& 
     now = forces(setup, state, drive);
     if (state.rebuilds == built) {
       const double rate = critical_rate(state, before, now, dt);
-      constexpr double memory = 0.95;  // about twenty steps
-      drive.damping = state.any_yielded ? memory * drive.damping +
-                                              (1.0 - memory) * std::clamp(rate, 0.02 * elastic_rate, elastic_rate)
+      drive.damping = state.any_yielded ? statics::damping_memory * drive.damping +
+                                              (1.0 - statics::damping_memory) *
+                                                  std::clamp(rate, statics::least_damping * elastic_rate, elastic_rate)
                                         : std::max(rate, elastic_rate);
     }
     const Unrest left = unrest<D>(setup, state, std::span<const Vec<D>>(now), reference);

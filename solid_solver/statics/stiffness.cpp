@@ -1,6 +1,7 @@
 #include "solid_solver/statics/stiffness.hpp"
 
 #include "common/core/error.hpp"
+#include "solid_solver/numerics/statics.hpp"
 
 #include <Eigen/SparseCholesky>
 
@@ -37,7 +38,8 @@ Stiffness<D>::Stiffness(const Setup<D>& setup, const Particles<D>& particles, co
       const double shear = 0.5 * (a.shear + b.shear), constrained = 0.5 * (a.constrained() + b.constrained());
       const double along = r[axis] / distance;
       // Positive, so that the matrix is.
-      const double form = std::max(2.0 * shear + (constrained - shear) * ((D + 2) * along * along - 1.0), 0.1 * shear);
+      const double form = std::max(2.0 * shear + (constrained - shear) * ((D + 2) * along * along - 1.0),
+                                   statics::least_pair_stiffness * shear);
       const double strength =
           -volume(i) * volume(parent) * sph::WendlandC2<D>::derivative_over_r(distance, setup.smoothing_length) * form;
       add(i, i, strength);

@@ -62,9 +62,9 @@ TEST(Eisph, SweepsTendToTheSolution) {
   A.diagonal = {2, 2, 2};
   const ScalarArray b{0.0, 0.0, 4.0};
   ScalarArray p(3, 0.0);
-  const ScalarArray relaxation(3, sweep_relaxation);
+  const ScalarArray relaxation(3, pressure::sweep_relaxation);
   relaxed_sweeps(A, b, relaxation, p, 1);
-  EXPECT_DOUBLE_EQ(p[2], sweep_relaxation * 2.0);
+  EXPECT_DOUBLE_EQ(p[2], pressure::sweep_relaxation * 2.0);
   EXPECT_DOUBLE_EQ(p[0], 0.0);
   relaxed_sweeps(A, b, relaxation, p, 200);
   for (int i = 0; i < 3; ++i) EXPECT_NEAR(p[static_cast<std::size_t>(i)], i + 1.0, 1e-9);
@@ -82,9 +82,9 @@ TEST(Eisph, WindowsFollowFromTheCompressionOfASweep) {
   EXPECT_GT(0.01 / free(0.01, 1), 10.0 * std::sqrt(2000.0 / 1000.0));
 
   // In a window of a tenth water is as stiff as in the whole: what a divergence costs goes with dt^2, in soil with dt.
-  EXPECT_DOUBLE_EQ(relaxation_in(1.0, 1e6, 0.0), sweep_relaxation);
-  EXPECT_NEAR(relaxation_in(0.1, 1e6, 0.0) / sweep_relaxation, 0.01, 1e-12);
-  EXPECT_NEAR(relaxation_in(0.1, 1e6, 1e10) / sweep_relaxation, 0.1, 1e-4);
+  EXPECT_DOUBLE_EQ(relaxation_in(1.0, 1e6, 0.0), pressure::sweep_relaxation);
+  EXPECT_NEAR(relaxation_in(0.1, 1e6, 0.0) / pressure::sweep_relaxation, 0.01, 1e-12);
+  EXPECT_NEAR(relaxation_in(0.1, 1e6, 1e10) / pressure::sweep_relaxation, 0.1, 1e-4);
 
   Fluid<2> fluid(tank(0.02));
   fluid.initialise({});

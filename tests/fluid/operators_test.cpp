@@ -221,7 +221,7 @@ void check_bounded_inverse() {
     EXPECT_LT((inverse - turn * held.cwiseInverse().asDiagonal() * turn.transpose()).norm(), 1e-6);
     EXPECT_LT((unresolved - (Mat<D>::Identity() - inverse * moment)).norm(), 1e-6);
     EXPECT_LE(smallest, eigen.minCoeff() + 1e-7);
-    if (smallest < inside_moment || D == 2) {
+    if (smallest < points::inside_moment || D == 2) {
       EXPECT_NEAR(smallest, eigen.minCoeff(), 1e-7);
     }
     EXPECT_NEAR(bounded_inverse<D>(moment, least, nullptr).trace(), inverse.trace(), 1e-9);

@@ -1,0 +1,73 @@
+// Chosen numbers of the searches for equilibrium and rest. What an entry needs: CONTRIBUTING.md.
+#pragma once
+
+#include <cstddef>
+
+namespace poretwin::solid::statics {
+
+/// Soil that cannot yield: error of its stress, in the energy's norm and over that under gravity, that is let be.
+/// Unit: 1. Test: Equilibrium.OfAColumnBetweenRollers (untried).
+inline constexpr double elastic_error = 1e-3;
+/// Share of that which ends the search for its equilibrium.
+/// Unit: 1. Test: none known.
+inline constexpr double elastic_share = 0.2;
+/// Soil that can yield: error of the stress that ends the search, since soil creeps by what is left in every window.
+/// Unit: 1. Test: LongWindow.EndsInEquilibrium (untried).
+inline constexpr double plastic_error = 1e-4;
+/// Departure from rest, over gravity, below which no equilibrium is sought at all.
+/// Unit: 1. Test: none known.
+inline constexpr double let_be = 3e-3;
+/// Averaged force from which on it counts as moving.
+/// Unit: gravity. Test: none known.
+inline constexpr double woken_by = 5e-3;
+/// Longest dynamic relaxation where no equilibrium is found.
+/// Unit: ways of a wave. Test: LongWindow.IsRefusedWhereSoilCannotStandAndTakenAgainOnceItIsCalm (untried).
+inline constexpr double most_ways = 100.0;
+/// Motion of soil beyond which that is given up.
+/// Unit: spacings. Test: none known.
+inline constexpr double farthest = 0.5;
+
+/// Criterion of the search where none is asked for, as a departure from rest.
+/// Unit: 1. Test: none known.
+inline constexpr double criterion = 4e-4;
+/// Displacements tried.
+/// Unit: displacements. Test: Equilibrium.ThatDoesNotExistLeavesTheSoilAsItWas (untried).
+inline constexpr std::size_t most_tried = 300;
+/// Displacements after which it is looked whether only a local part still moves.
+/// Unit: displacements. Test: none known (time, not results).
+inline constexpr std::size_t looks_every = 10;
+/// Departure of all the soil at which a local part may be left.
+/// Unit: criteria. Test: none known.
+inline constexpr double near_criterion = 10.0;
+/// Gain of the moving share over four looks below which trying on gains nothing.
+/// Unit: 1. Test: none known.
+inline constexpr double least_gain = 0.1;
+/// What of the moving share is then let be, over the share that is otherwise.
+/// Unit: 1. Test: none known.
+inline constexpr double stalled_share = 2.0;
+
+/// Change of what the water resists with, over all that a window adds and the slowest mode's stiffness, up to which a
+/// factorised stiffness still serves.
+/// Unit: 1. Test: none known (time, not results).
+inline constexpr double still_serves = 0.5;
+/// Least stiffness of a pair, which keeps the matrix positive.
+/// Unit: shear moduli. Test: none known.
+inline constexpr double least_pair_stiffness = 0.1;
+
+/// Criterion of rest where none is asked for, for the largest acceleration.
+/// Unit: the reference acceleration. Test: Rest.ReportsItsCriterion (untried).
+inline constexpr double rest_criterion = 1e-3;
+/// Longest search for it.
+/// Unit: ways of a wave. Test: none known.
+inline constexpr double rest_ways = 50.0;
+/// The same once the soil yields.
+/// Unit: ways of a wave. Test: none known.
+inline constexpr double rest_ways_yielding = 200.0;
+/// Weight of the damping so far against a new rate, once something yields: an average over about twenty steps.
+/// Unit: 1. Test: Sleep.DampingEndsWithTheFirstYielding (untried).
+inline constexpr double damping_memory = 0.95;
+/// Least damping then, over that of elastic soil.
+/// Unit: 1. Test: none known.
+inline constexpr double least_damping = 0.02;
+
+}  // namespace poretwin::solid::statics
