@@ -39,10 +39,6 @@ inline constexpr double independent_change = 1e-6;
 
 /// Averaging of the strain rate that the water cannot see in the soil's motion: each window also sees the soil's
 /// shortest waves, which the mapping smooths.
-/// Unit: windows. Test: none known.
-inline constexpr double unseen_strain_windows = 8.0;
-/// Windows over which the strain is averaged that the soil has by its own account beyond its mapped motion: one window
-/// also sees the soil's shortest waves, which the mapping smooths (pressures jump by several times the weight).
 /// Unit: windows. Test: Coupled.PredictsThatSoilClosesWhatItsOwnAccountOpens.
 inline constexpr double unseen_strain_windows = 8.0;
 
