@@ -631,8 +631,10 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
 /// as many.
 template <int D>
 ScalarArray Fluid<D>::unseen_strain_rate(const Stencil<D>& s, const SoilView<D>& view, double interval) {
-  constexpr double windows = exchange::unseen_strain_windows;
   auto& p = state_.particles;
+  const double came = state_.last_interval;
+  state_.usual_interval += (came - state_.usual_interval) / exchange::unseen_strain_windows;
+  const double memory = exchange::unseen_strain_windows * std::max({state_.usual_interval, came, interval});
   for (auto* values : {&p.unseen_rate, &p.unseen_strain})
     if (!values->is_allocated()) values->allocate(p.size());
   const auto shown = divergence<D>(s, view.mean_velocity.values());
@@ -642,10 +644,11 @@ ScalarArray Fluid<D>::unseen_strain_rate(const Stencil<D>& s, const SoilView<D>&
     for (Index k = s.offset[a]; k < s.offset[a + 1] && within; ++k)
       if (const Index q = s.parent[s.other[k]]; q < s.n_real) within = view.mask[q] > 0.0;
     const double rate = within ? view.strain_rate[a] - shown[a] : 0.0;
-    const double mean = p.unseen_rate[a] + (rate - p.unseen_rate[a]) / windows;
-    const double strain = p.unseen_strain[a] + rate * state_.last_interval;
-    applied[a] = mean + strain / (windows * std::max(interval, state_.last_interval));
-    p.unseen_rate.set(a, mean);
+    const double strain = p.unseen_strain[a] + rate * came;
+    // Critically damped, in proportion to the window: a short one that lands on an instant must not jerk the soil.
+    const double wanted = rate + strain / (4.0 * memory);
+    applied[a] = p.unseen_rate[a] + (wanted - p.unseen_rate[a]) * interval / memory;
+    p.unseen_rate.set(a, applied[a]);
     p.unseen_strain.set(a, strain - applied[a] * interval);
   });
   return applied;

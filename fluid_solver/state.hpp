@@ -141,6 +141,7 @@ template <int D>
 struct State {
   double time = 0.0;
   double last_interval = 0.0;        ///< s
+  double usual_interval = 0.0;       ///< s, of the last windows
   double deferred_strain_due = 0.0;  ///< s, time left in which the particles' deferred strain is to be applied
   double pressure_change = 0.0;      ///< rms over the last window, of the pressure's range
   double widest_range = 0.0;         ///< of piezometric pressure so far, Pa
