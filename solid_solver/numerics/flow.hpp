@@ -25,7 +25,7 @@ inline constexpr double evening = 1.0;
 /// Unit: spacings. Test: none known.
 inline constexpr double longest_move = 0.05;
 /// Shear strain in which a stress is evened out.
-/// Unit: the elastic one, tau / G. Test: RegularFlow.LeavesAloneWhatDoesNotFlowAndWhatIsLinear (untried).
+/// Unit: the elastic one, tau / G. Test: none known.
 inline constexpr double renewing = 0.1;
 /// |sum V grad W| h beyond which a particle lies at a surface; a flat one has 0.7.
 /// Unit: 1. Test: none known.
