@@ -25,7 +25,7 @@ inline constexpr double evening = 1.0;
 /// Unit: spacings. Test: none known.
 inline constexpr double longest_move = 0.05;
 /// Shear strain in which a stress is evened out.
-/// Unit: the elastic one, tau / G. Test: RegularFlow.LeavesAloneWhatDoesNotFlowAndWhatIsLinear (untried).
+/// Unit: the elastic one, tau / G. Test: none known.
 inline constexpr double renewing = 0.1;
 /// Most that is evened out of the stress of soil that yielded a little: what evening out stirs must die out, or soil
 /// would never rest (thirty was too much).

@@ -2,7 +2,7 @@
 """Does the documentation name what exists? Argument: the source folder; then those of unittest.
 
 Links of all pages lead to files and headings; paths, functions, types and tests that pages name are there; includes of the sources are those that
-docs/architecture.md allows. docs/notebook is a record: of it only links are judged. `Itself` shows on a made-up tree that each judgement can fail."""
+docs/architecture.md allows; the solvers' chosen numbers have unit, reason and a test that is there. docs/notebook is a record: of it only links are judged. `Itself` shows on a made-up tree that each judgement can fail."""
 import functools
 import pathlib
 import re
@@ -141,6 +141,23 @@ class Tree:
         return [f"{self.name(page)}:{number}: not in the sources: {span}" for page in pages for number, span in self.spans(page)
                 if not self.is_path(span) and not self.is_known(span)]
 
+    def wrong_numbers(self):
+        """Numbers of a solver's numerics folder without reason and unit, or whose test is neither there nor said to be unknown."""
+        wrong = []
+        for file in self.files:
+            if file.suffix != ".hpp" or not re.search(r"solver/numerics$", self.name(file.parent)):
+                continue
+            text = file.read_text()
+            for number in re.finditer(r"\binline constexpr [\w:]+ (\w+)", text):
+                entry = re.search(r"(?:/// .*\n)+/// Unit: .+\. Test: (.+)\.\n$", text[:number.start()])
+                if not entry:
+                    wrong.append(f"{self.name(file)}: {number[1]} without reason, unit or test")
+                elif not re.match(r"none known( |$)", entry[1]):
+                    test = entry[1].removesuffix(" (untried)")
+                    if test not in self.tests and not (self.root / "cases" / test / "verify.toml").exists():
+                        wrong.append(f"{self.name(file)}: {number[1]}: no test {test}")
+        return wrong
+
     @functools.cached_property
     def rooms(self):
         """Folder: the folders it may include, by the table of docs/architecture.md."""
@@ -182,6 +199,9 @@ class Docs(unittest.TestCase):
     def test_symbols_and_tests_that_pages_name_exist(self):
         self.assertEqual(self.tree.wrong_symbols(), [])
 
+    def test_chosen_numbers_have_unit_reason_and_test(self):
+        self.assertEqual(self.tree.wrong_numbers(), [])
+
     def test_rooms_include_what_they_may(self):
         with_code = {self.tree.room_of(self.tree.name(f.parent)) for f in self.tree.files if f.suffix in {".cpp", ".hpp"} and f.parent != SOURCE}
         self.assertEqual(with_code - set(self.tree.rooms) - {"tests", "bench"}, set(), "rooms without a row")
@@ -205,6 +225,11 @@ class Itself(unittest.TestCase):
                 "common/x.hpp": "",
                 "fluid/deep/b.hpp": '#include "common/x.hpp"\n#include "fluid/deep/c.hpp"\n#include <vector>\n',
                 "solid/x.hpp": "",
+                "fluid_solver/numerics/room.hpp": "/// A.\n/// Unit: 1. Test: Case.WorksWell (untried).\ninline constexpr double tested = 1.0;\n"
+                                                  "/// A.\n/// Unit: 1. Test: none known.\ninline constexpr int untested = 1;\n"
+                                                  "/// A.\n/// Unit: 1. Test: Case.Gone.\ninline constexpr double lost = 1.0;\n"
+                                                  "/// Unit: 1. Test: none known.\ninline constexpr double unreasoned = 1.0;\n"
+                                                  "inline constexpr double bare = 1.0;\n",
             }
             for name, text in files.items():
                 (root / name).parent.mkdir(parents=True, exist_ok=True)
@@ -215,6 +240,8 @@ class Itself(unittest.TestCase):
             self.assertEqual(tree.wrong_paths(), ["docs/architecture.md:2: no file fluid/b.cpp", "fluid/a.cpp: no page docs/never.md"])
             self.assertEqual(tree.wrong_symbols(), ["docs/architecture.md:2: not in the sources: Fluid::vanish", "docs/architecture.md:2: not in the sources: Case.Fails",
                                                     "docs/theory/t.md:1: not in the sources: renamed_since"])
+            self.assertEqual(tree.wrong_numbers(), [f"fluid_solver/numerics/room.hpp: {what}" for what in
+                                                    ("lost: no test Case.Gone", "unreasoned without reason, unit or test", "bare without reason, unit or test")])
             self.assertEqual(tree.wrong_includes(), ["fluid/a.cpp: includes solid, which docs/architecture.md does not allow fluid",
                                                      "fluid/deep/b.hpp: includes common, which docs/architecture.md does not allow fluid/deep"])
 

@@ -1,0 +1,245 @@
+#!/usr/bin/python3
+"""Halves and doubles constants of fluid_solver/numerics and solid_solver/numerics, and says which tests turn red.
+
+    bench/sensitivity.py --list                              the sheet
+    bench/sensitivity.py fluid.surface.hole solid.walls      a constant, or all of a room, by the tests named on the sheet
+    bench/sensitivity.py --all --short                       all; those without a named test by their solver's short forms
+
+The value is changed in a scratch copy: a worktree of the last commit in a temporary folder with a build of its own, or
+the tree of --scratch, which is kept, and where a build that is there already is used. Before anything is changed the
+tests of a constant have to pass there. A constant for which nothing turns red is not needed, or its test is missing.
+Results go to docs/notebook/sensitivity.md, whose rows for other constants stay.
+Exit code: 0 each constant that was tried turned something red, 1 some did not, 2 a test is red without any change.
+"""
+import argparse
+import contextlib
+import dataclasses
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import tomllib
+
+SOURCE = pathlib.Path(__file__).resolve().parent.parent
+PAGE = SOURCE / "docs" / "notebook" / "sensitivity.md"
+SOLVERS = ("fluid", "solid")
+PROGRAMS = ["poretwin", "poretwin-fluid", "poretwin-solid", "poretwin-coupler"]
+ENTRY = re.compile(r"^(?P<reason>(?:/// .*\n)+)/// Unit: (?P<unit>.+?)\. Test: (?P<test>.+)\.\n"
+                   r"inline constexpr (?P<type>[\w:]+) (?P<name>\w+) = (?P<value>[^;]+);", re.MULTILINE)
+HEAD = """# Sensitivity of the chosen numbers
+
+What turns red when a number of fluid_solver/numerics or solid_solver/numerics is halved or doubled, written by
+`bench/sensitivity.py`. A row holds for the value it names and the code of its day. "nothing" in both columns: the tests
+tried do not need the number, or need a sharper bound.
+
+| Constant | Value | Tried | Halved | Doubled |
+| --- | --- | --- | --- | --- |
+"""
+
+
+@dataclasses.dataclass
+class Constant:
+    solver: str
+    room: str
+    name: str
+    type: str
+    value: str
+    unit: str
+    test: str  # as the sheet says it
+    reason: str
+
+    @property
+    def full(self):
+        return f"{self.solver}.{self.room}.{self.name}"
+
+    @property
+    def file(self):
+        return f"{self.solver}_solver/numerics/{self.room}.hpp"
+
+    @property
+    def tests(self):
+        return [] if self.test.startswith("none known") else [self.test.removesuffix(" (untried)")]
+
+    def times(self, factor):
+        """The value as source text; None where the type has no such value."""
+        if self.type == "double":
+            return repr(float(self.value) * factor)
+        changed = int(int(self.value) * factor)
+        return str(changed) if changed != int(self.value) and changed > 0 else None
+
+
+def sheet(root):
+    found = []
+    for solver in SOLVERS:
+        for file in sorted((root / f"{solver}_solver" / "numerics").glob("*.hpp")):
+            text = file.read_text()
+            entries = list(ENTRY.finditer(text))
+            if len(entries) != text.count("inline constexpr"):
+                sys.exit(f"{file}: of {text.count('inline constexpr')} constants only {len(entries)} have reason, unit and test")
+            for e in entries:
+                reason = " ".join(line.removeprefix("/// ") for line in e["reason"].splitlines())
+                found.append(Constant(solver, file.stem, e["name"], e["type"], e["value"], e["unit"], e["test"], reason))
+    return found
+
+
+def short_forms(root, solver):
+    """Cases with a verify.toml in which the solver has something to compute."""
+    for verify in sorted((root / "cases").glob("*/verify.toml")):
+        case = tomllib.loads((verify.parent / "case.toml").read_text())
+        moves = "soil" in case and case.get("solid", {}).get("model") != "rigid"
+        if moves if solver == "solid" else case.get("fluid", {}).get("region"):
+            yield verify.parent.name
+
+
+class Scratch:
+    """A tree in which values are changed, built and tested."""
+
+    def __init__(self, root, jobs, limit):
+        self.root, self.jobs, self.limit = root, jobs, limit
+        self.build = root / "build" / "release"
+
+    def make(self, targets):
+        if not (self.build / "CMakeCache.txt").exists():
+            subprocess.run(["cmake", "--preset", "release"], cwd=self.root, check=True, stdout=subprocess.DEVNULL)
+        command = ["cmake", "--build", self.build, "-j", str(self.jobs), "--target", *targets]
+        built = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        if built.returncode:
+            print(built.stdout[-2000:], file=sys.stderr)
+        return built.returncode == 0
+
+    def program_of(self, test):
+        """The program that has this test: the solvers' own, which are built for it."""
+        suite, name = test.split(".")
+        for solver in SOLVERS:
+            for file in (self.root / "tests" / solver).glob("*_test.cpp"):
+                if re.search(rf"TEST(_F|_P)?\({suite}, {name}\)", file.read_text()):
+                    return f"{solver}_tests"
+        sys.exit(f"{test}: in no test of the solvers")
+
+    def is_red(self, test):
+        if "." in test:
+            command = [self.build / "bin" / self.program_of(test), f"--gtest_filter={test}:*/{test}/*"]
+        else:
+            shutil.rmtree(self.build / "sensitivity", ignore_errors=True)
+            command = [self.build / "bin" / "poretwin", "verify", self.root / "cases" / test, "--short", "--out", self.build / "sensitivity"]
+        try:
+            run = subprocess.run(command, cwd=self.build, capture_output=True, text=True, errors="replace", timeout=self.limit)
+        except subprocess.TimeoutExpired:
+            return True  # what takes so much longer has changed
+        if "." in test and "Running 0 tests" in run.stdout:
+            sys.exit(f"{test}: not run by {command[0].name}")
+        return run.returncode != 0
+
+    def targets(self, tests):
+        return sorted({self.program_of(t) for t in tests if "." in t} | ({*PROGRAMS} if any("." not in t for t in tests) else set()))
+
+    @contextlib.contextmanager
+    def changed(self, constant, value):
+        file = self.root / constant.file
+        text = file.read_text()
+        before, after = (f"inline constexpr {constant.type} {constant.name} = {v};" for v in (constant.value, value))
+        if text.count(before) != 1:
+            sys.exit(f"{file}: no {before} to change; is it of another commit?")
+        file.write_text(text.replace(before, after))
+        try:
+            yield
+        finally:
+            file.write_text(text)
+
+
+@contextlib.contextmanager
+def scratch_tree(given):
+    if given and (given / "fluid_solver").exists():
+        if given.resolve() == SOURCE:
+            sys.exit("--scratch: values are changed there; name a tree other than this one")
+        yield given.resolve()
+        return
+    with contextlib.ExitStack() as stack:
+        root = given.resolve() if given else pathlib.Path(stack.enter_context(tempfile.TemporaryDirectory())) / "tree"
+        subprocess.run(["git", "worktree", "add", "--detach", root, "HEAD"], cwd=SOURCE, check=True, stdout=subprocess.DEVNULL)
+        if not given:
+            stack.callback(subprocess.run, ["git", "worktree", "remove", "--force", root], cwd=SOURCE, check=True)
+        yield root
+
+
+def tried(scratch, constant, tests):
+    """What turned red: halved, doubled."""
+    cells = []
+    for factor in (0.5, 2.0):
+        value = constant.times(factor)
+        if value is None:
+            cells.append("no such value")
+            continue
+        with scratch.changed(constant, value):
+            red = [t for t in tests if scratch.is_red(t)] if scratch.make(scratch.targets(tests)) else ["the build"]
+        cells.append("all" if red == tests else ", ".join(red) or "nothing")
+    return cells
+
+
+def write(rows):
+    """Rows by constant; those of other constants that the page has stay."""
+    known = {}
+    if PAGE.exists():
+        for line in PAGE.read_text().splitlines():
+            if (cells := [c.strip() for c in line.strip("|").split("|")]) and re.fullmatch(r"`\w+\.\w+\.\w+`", cells[0]):
+                known[cells[0]] = cells
+    known |= {row[0]: row for row in rows}
+    PAGE.write_text(HEAD + "".join(f"| {' | '.join(known[name])} |\n" for name in sorted(known)))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("names", nargs="*", metavar="NAME", help="a constant (fluid.surface.hole), a room (fluid.surface) or a solver")
+    parser.add_argument("--list", action="store_true", help="prints the sheet and ends")
+    parser.add_argument("--all", action="store_true", help="all of the sheet")
+    parser.add_argument("--short", nargs="*", metavar="CASE", help="constants without a named test: by these short forms (none named: "
+                        "all in which their solver has something to compute)")
+    parser.add_argument("--tests", nargs="+", default=[], metavar="TEST", help="tests (Suite.Name) or cases tried besides those of the sheet")
+    parser.add_argument("--scratch", type=pathlib.Path, metavar="DIR", help="the scratch copy, kept (default: a temporary one)")
+    parser.add_argument("--limit", type=float, default=600.0, metavar="S", help="a test that takes longer counts as red (default 600)")
+    parser.add_argument("-j", "--jobs", type=int, default=2)
+    a = parser.parse_args()
+    constants = sheet(SOURCE)
+    chosen = [c for c in constants if a.all or any(c.full == n or c.full.startswith(n + ".") for n in a.names)]
+    for name in a.names:
+        if not any(c.full == name or c.full.startswith(name + ".") for c in constants):
+            parser.error(f"{name}: not on the sheet (--list)")
+    if a.list:
+        for c in chosen or constants:
+            print(f"{c.full:<44} {c.value:<8} {c.unit}; test: {c.test}\n    {c.reason}")
+        return
+    if not chosen:
+        parser.error("name constants or rooms, or --all")
+    rows, missing, red_before = [], [], False
+    with scratch_tree(a.scratch) as root:
+        scratch = Scratch(root, a.jobs, a.limit)
+        green = {}  # whether a test passes before anything is changed
+        for c in chosen:
+            tests = list(dict.fromkeys(c.tests + a.tests))
+            if not tests and a.short is not None:
+                tests = a.short or list(short_forms(root, c.solver))
+            if not tests:
+                print(f"{c.full}: no test named; --short or --tests")
+                missing.append(c)
+                continue
+            unknown = [t for t in tests if t not in green]
+            if unknown and not scratch.make(scratch.targets(unknown)):
+                sys.exit("the scratch copy does not build")
+            green |= {t: not scratch.is_red(t) for t in unknown}
+            if bad := [t for t in tests if not green[t]]:
+                print(f"{c.full}: red without any change: {', '.join(bad)}")
+                red_before = True
+                continue
+            cells = tried(scratch, c, tests)
+            if set(cells) <= {"nothing", "no such value"}:
+                missing.append(c)
+            rows.append([f"`{c.full}`", c.value, ", ".join(tests), *cells])
+            print(f"{c.full} = {c.value}: halved: {cells[0]}; doubled: {cells[1]}", flush=True)
+            write(rows)
+    sys.exit(2 if red_before else 1 if missing else 0)
+
+
+if __name__ == "__main__":
+    main()
