@@ -29,7 +29,7 @@ inline constexpr double longest_move = 0.05;
 inline constexpr double renewing = 0.1;
 /// Most that is evened out of the stress of soil that yielded a little: what evening out stirs must die out, or soil
 /// would never rest (thirty was too much).
-/// Unit: what yielding has renewed, G times the plastic strain. Test: Biaxial (untried).
+/// Unit: G times the plastic strain since. Test: RegularFlow.EvensOutStressWhereSoilYieldedALittleAndNothingElse (untried).
 inline constexpr double evened_out = 3.0;
 /// |sum V grad W| h beyond which a particle lies at a surface; a flat one has 0.7.
 /// Unit: 1. Test: none known.
