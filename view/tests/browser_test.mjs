@@ -357,13 +357,13 @@ test("pictures and films are saved", async () => {
 
 test("a run under way grows on the page", async () => {
   const out = path.join(runs, "live");
-  const live = spawn(program, ["run", path.join(cases, "terzaghi"), "--out", out, "--set", "output.interval=0.01", "--until", "0.5", "--no-pictures", "--quiet"]);
+  const live = spawn(program, ["run", path.join(cases, "terzaghi"), "--out", out, "--set", "output.interval=0.01", "--until", "2", "--no-pictures", "--quiet"]);
   const ended = new Promise((done) => live.on("exit", done));
   while (!fs.existsSync(path.join(out, "fluid.vtkhdf"))) await new Promise((done) => setTimeout(done, 50));
   await open({ runs: ["runs/live"], follow: true });
   await drawnAt("runs/live", null);
   await until(() => document.querySelector(".badge").textContent === "running");
-  await until(() => /% · t = .* of 0\.5 s · window/.test(document.querySelector(".panel header").textContent));
+  await until(() => /% · t = .* of 2 s · window/.test(document.querySelector(".panel header").textContent));
   const steps = Number(await page.getAttribute("#time", "max"));
   const time = Number(await panel("runs/live").getAttribute("data-drawn"));
   await until((count) => Number(document.querySelector("#time").max) > count + 5, steps);
