@@ -27,8 +27,8 @@ import time
 import tomllib
 
 from kill import differences
+from runs import PROGRAMS
 
-PROGRAMS = ["poretwin", "poretwin-fluid", "poretwin-solid", "poretwin-coupler"]
 NO_RESULTS = ("_s", "_bytes")  # counters that end so, and checkpoints, which are taken by the clock
 
 

@@ -22,10 +22,11 @@ import sys
 import tempfile
 import tomllib
 
+from runs import PROGRAMS
+
 SOURCE = pathlib.Path(__file__).resolve().parent.parent
 PAGE = SOURCE / "docs" / "notebook" / "sensitivity.md"
 SOLVERS = ("fluid", "solid")
-PROGRAMS = ["poretwin", "poretwin-fluid", "poretwin-solid", "poretwin-coupler"]
 ENTRY = re.compile(r"^(?P<reason>(?:/// .*\n)+)/// Unit: (?P<unit>.+?)\. Test: (?P<test>.+)\.\n"
                    r"inline constexpr (?P<type>[\w:]+) (?P<name>\w+) = (?P<value>[^;]+);", re.MULTILINE)
 HEAD = """# Sensitivity of the chosen numbers

@@ -606,7 +606,7 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
   if (!p.deferred_strain.is_allocated()) p.deferred_strain.allocate(p.size());
   // What of the mixture's volume goes with the skeleton: the grains and, by their inertia against the drag, the pores.
   const auto follows = [&](std::size_t a) {
-    const double aw = p.void_fraction[a] * density_ / state_.last_interval;
+    const double aw = p.void_fraction[a] * density_ / came;
     return view.fraction[a] + p.void_fraction[a] * view.drag[a] / (aw + view.drag[a]);
   };
   VecArray<D> beyond(p.size(), Vec<D>::Zero());
@@ -626,9 +626,8 @@ ScalarArray Fluid<D>::volume_source(const Stencil<D>& s, const SoilView<D>& view
 /// Rate [1/s] at which the soil is to be taken to expand beyond the motion that the water sees. Where rows of soil
 /// slide past each other, the soil's kernel sums expand and contract by some 1e-3 of the shear, which the velocity
 /// mapped to the water does not show. Undrained soil that expands by 1e-4 loses all its strength, so that what its
-/// volume does by its own account is what the water makes room for (decision 0021). A mean over some windows, since
-/// each of them also sees the soil's shortest waves, which the mapping smooths; what the mean leaves out follows within
-/// as many.
+/// volume does by its own account is what the water makes room for (decision 0021). It follows over some windows,
+/// since each of them also sees the soil's shortest waves, which the mapping smooths; nothing of the strain is lost.
 template <int D>
 ScalarArray Fluid<D>::unseen_strain_rate(const Stencil<D>& s, const SoilView<D>& view, double interval) {
   auto& p = state_.particles;

@@ -709,7 +709,6 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
     }
     state_.sleep.saturation = state_.external.saturation;
     moved = report.steps > 0;
-    state_.dilation.allocate(n);
     for (std::size_t i = 0; i < n; ++i) state_.dilation.set(i, std::log(p.volume[i] / volume[i]));
     if (moved) keep_flow_regular(setup_, interval, true, state_);
     evaluate = rebuild_if_moved(setup_, state_) || moved || evaluate;

@@ -30,19 +30,19 @@ int passes_to_agree(const Modes& m) {
     for (std::size_t i = 0; i < 3 && pass > 0; ++i) view.found_velocity.set(i, {u[i], 0.0});
     passes.begin(pass, view);
     double worst = 0.0;
-    OrZero<Vec<2>> told, given;
-    told.allocate(3);
+    OrZero<Vec<2>> skeleton, given;
+    skeleton.allocate(3);
     given.allocate(3);
     for (std::size_t i = 0; i < 3; ++i) {
       // (A + D) s = A u + F + c: the departure from what was found meets the prediction.
       const double s = (m.A[i] * view.found_velocity[i][0] + view.found_force[i][0] + m.c[i]) / (m.A[i] + m.D[i]);
       const double f = m.c[i] - m.D[i] * s;
-      told.set(i, {s, 0.0});
+      skeleton.set(i, {s, 0.0});
       given.set(i, {f, 0.0});
       u[i] = f / m.T[i];
       worst = std::max(worst, std::abs(u[i] - s));
     }
-    passes.end(ScalarArray(3, 0.0), told, given);
+    passes.end(ScalarArray(3, 0.0), skeleton, given);
     if (worst < 1e-9) {
       for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(u[i], m.c[i] / (m.T[i] + m.D[i]), 1e-9);
       return static_cast<int>(pass) + 1;
