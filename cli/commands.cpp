@@ -13,6 +13,7 @@
 #include "common/core/error.hpp"
 #include "common/core/exit_codes.hpp"
 #include "common/coupling/curve_keys.hpp"
+#include "common/coupling/standard_contract.hpp"
 #include "common/output/build_info.hpp"
 
 #include <fmt/format.h>
@@ -33,7 +34,7 @@ struct CommandLine::Arguments {
   double until = 0.0, tolerance = 0.01;
   std::vector<std::string> set;
   bool any_address = false, page = false, no_pictures = false, quiet = false, resume = false, profile = false,
-       overwrite = false, accept_changed_program = false;
+       overwrite = false, accept_changed_program = false, python = false;
   std::optional<double> checkpoint_every;
   int restarts = 2;
   std::string json;
@@ -318,6 +319,15 @@ void declare(CLI::App& app, Arguments& a, JsonOutput& json, std::function<int()>
   app.add_subcommand("case-keys", "Print the reference of all keys of a case file (Markdown)")->callback([&] {
     action = [] {
       fmt::print("{}", case_reference());
+      return 0;
+    };
+  });
+  auto* fields_command = app.add_subcommand(
+      "exchange-fields", "Print the fields that the solvers exchange, with units and bounds (Markdown)");
+  fields_command->add_flag("--python", a.python, "as the Python client lists them");
+  fields_command->callback([&] {
+    action = [&] {
+      fmt::print("{}", a.python ? coupling::python_contract() : coupling::describe_contract());
       return 0;
     };
   });

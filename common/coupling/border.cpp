@@ -1,5 +1,7 @@
 #include "common/coupling/border.hpp"
 
+#include "common/coupling/standard_contract.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -20,13 +22,14 @@ class Border {
 
   void values(const std::string& name, int components, const std::vector<double>& values,
               const PointSet* points) const {
-    const Bounds bounds = bounds_of(name);
+    const auto* const field = standard_field(name);
+    const Bounds bounds = field && !field->of_volume ? field->bounds : bounds_of(name);
+    const std::string_view unit = field ? field->unit : name == position_array ? "m" : "1";
     const std::size_t k = first_outside(values, bounds.low, bounds.high);
     if (k != values.size())
-      refuse_value(name, components, k, values[k], std::isfinite(values[k]) ? bounds.expected : "a finite number",
+      refuse_value(name, components, k, values[k], std::isfinite(values[k]) ? bounds.text(unit) : "a finite number",
                    points);
-    if (points && (name == field::drag_impulse || name == field::returned_impulse))
-      impulses(name, components, values, *points);
+    if (points && field && field->of_volume) amounts(*field, components, values, *points);
   }
 
   /// Points that a sum over neighbours can be made of: none so large that it reaches everybody, none so small that it
@@ -78,36 +81,16 @@ class Border {
   }
 
  private:
-  struct Bounds {
-    double low, high;
-    std::string_view expected;
-  };
-  // What no soil and no water does, with room for a run that is about to diverge: that is for its own solver to say.
-  static constexpr double fastest = 1e6;                       // m/s
-  static constexpr double strongest = 1e15;                    // Pa; N/m3
-  static constexpr double heaviest = 1e15;                     // kg/m3: soil that does not move is given such grains
-  static constexpr double farthest = 1e9;                      // m
-  static constexpr double largest_impulse = 1e15;              // N s of a m3: the weight of water in 3000 years
-  static constexpr double most_in_reach = 100.0;               // sizes of a point within its smoothing length
-  static constexpr double most_overlap = 20.0;                 // volumes of points at one place
+  static constexpr double farthest = 1e9;         // m
+  static constexpr double most_in_reach = 100.0;  // sizes of a point within its smoothing length
+  static constexpr double most_overlap = 20.0;    // volumes of points at one place
 
+  /// Of an array that describes points, or of a field beyond the standard contract.
   static Bounds bounds_of(std::string_view name) {
     constexpr double largest = std::numeric_limits<double>::max(), least = std::numeric_limits<double>::min();
-    if (name == field::soil_fraction || name == field::surface_share || name == field::yielding) return {0.0, 1.0, "a number in [0, 1]"};
-    // Without pores no water could be where the soil is.
-    if (name == field::solid_volume_fraction) return {0.0, std::nextafter(1.0, 0.0), "a number in [0, 1)"};
-    if (name == field::hydraulic_conductivity) return {least, fastest, "a number in (0, 1e6] m/s"};
-    if (name == field::forchheimer_coefficient) return {0.0, largest, "a number of at least 0"};
-    if (name == field::grain_density) return {least, heaviest, "a number in (0, 1e15] kg/m3"};
-    if (name == field::constrained_modulus) return {0.0, strongest, "a number in [0, 1e15] Pa"};
-    if (name == field::pore_pressure) return {-strongest, strongest, "a number in [-1e15, 1e15] Pa"};
-    if (name == field::unbalanced_force) return {-strongest, strongest, "a number in [-1e15, 1e15] N/m3"};
-    if (name == field::solid_velocity || name == field::mean_solid_velocity ||
-        name == field::predicted_solid_velocity || name == field::predicted_change)
-      return {-fastest, fastest, "a number in [-1e6, 1e6] m/s"};
-    if (name == position_array) return {-farthest, farthest, "a number in [-1e9, 1e9] m"};
-    if (name == volume_array || name == smoothing_length_array) return {least, largest, "a positive number"};
-    return {-largest, largest, "a finite number"};
+    if (name == position_array) return {-farthest, farthest};
+    if (name == volume_array || name == smoothing_length_array) return {least, largest};
+    return {-largest, largest};
   }
 
   [[noreturn]] void refuse_value(const std::string& name, int components, std::size_t k, double value,
@@ -117,15 +100,16 @@ class Border {
                        points ? position(*points, k / c) : "", k % c, expected, value));
   }
 
-  void impulses(const std::string& name, int components, const std::vector<double>& values,
-                const PointSet& points) const {
+  void amounts(const StandardField& field, int components, const std::vector<double>& values,
+               const PointSet& points) const {
     const auto c = static_cast<std::size_t>(components);
     for (std::size_t k = 0; k < values.size(); ++k) {
-      const double most = largest_impulse * points.volume[k / c];
+      const double most = field.bounds.high * points.volume[k / c];
       if (!(std::abs(values[k]) <= most))
-        refuse_value(name, components, k, values[k],
-                     fmt::format("at most {:g} N s, {:g} of each m^{}", most, largest_impulse, points.dimension),
-                     &points);
+        refuse_value(
+            std::string(field.name), components, k, values[k],
+            fmt::format("at most {:g} {}, {:g} of each m^{}", most, field.unit, field.bounds.high, points.dimension),
+            &points);
     }
   }
 

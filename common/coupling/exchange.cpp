@@ -8,37 +8,6 @@ namespace poretwin::coupling {
 
 std::string_view to_string(Role role) { return role == Role::fluid ? "fluid" : "solid"; }
 
-std::vector<FieldSpec> standard_fields(Role giver, int dimension) {
-  using enum Mapping;
-  auto spec = [](std::string_view name, std::string unit, int components, Mapping mapping = consistent,
-                 std::string_view mask = {}) {
-    return FieldSpec{std::string(name), std::move(unit), components, mapping, std::string(mask)};
-  };
-  if (giver == Role::fluid)
-    return {
-        spec(field::pore_pressure, "Pa", 1),
-        spec(field::predicted_solid_velocity, "m/s", dimension, consistent, field::soil_fraction),
-        spec(field::predicted_change, "m/s", dimension, consistent, field::soil_fraction),
-        spec(field::drag_impulse, "N s", dimension, conservative),
-        spec(field::soil_fraction, "1", 1),
-        spec(field::surface_gradient, "Pa/m", dimension, consistent, field::surface_share),
-        spec(field::surface_share, "1", 1),
-    };
-  return {
-      spec(field::solid_velocity, "m/s", dimension),
-      spec(field::mean_solid_velocity, "m/s", dimension),
-      spec(field::volumetric_strain_rate, "1/s", 1),
-      spec(field::unbalanced_force, "N/m3", dimension),
-      spec(field::solid_volume_fraction, "1", 1),
-      spec(field::grain_density, "kg/m3", 1),
-      spec(field::constrained_modulus, "Pa", 1),
-      spec(field::yielding, "1", 1),
-      spec(field::hydraulic_conductivity, "m/s", 1),
-      spec(field::forchheimer_coefficient, "s2/m2", 1),
-      spec(field::returned_impulse, "N s", dimension, conservative),
-  };
-}
-
 namespace {
 
 const Field& named(const std::vector<Field>& fields, std::string_view name) {

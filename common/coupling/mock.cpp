@@ -1,6 +1,7 @@
 #include "common/coupling/mock.hpp"
 
 #include "common/core/error.hpp"
+#include "common/coupling/standard_contract.hpp"
 
 #include <cmath>
 #include <limits>
@@ -31,27 +32,18 @@ PointSet lattice_points(int dimension, const std::vector<double>& lower, const s
   return points;
 }
 
-namespace {
-double standard_value(const std::string& name) {
-  if (name == field::soil_fraction) return 1.0;
-  if (name == field::solid_volume_fraction) return 0.6;
-  if (name == field::grain_density) return 2650.0;
-  if (name == field::hydraulic_conductivity) return 1e-3;
-  return 0.0;
-}
-}  // namespace
-
 Publication formula_publication(Role role, double t, PointSet points, const FieldFormula& formula) {
   Publication out;
   out.time = t;
   const auto n = points.size();
   for (const auto& spec : standard_fields(role, points.dimension)) {
     Field field{spec.name, spec.components, {}};
+    const double at_rest = standard_field(spec.name)->at_rest;
     for (std::size_t i = 0; i < n; ++i)
       for (int c = 0; c < spec.components; ++c)
         field.values.push_back(
             formula ? formula(spec.name, c, &points.position[i * static_cast<std::size_t>(points.dimension)], t)
-                    : standard_value(spec.name));
+                    : at_rest);
     out.fields.push_back(std::move(field));
   }
   out.points = std::move(points);

@@ -4,6 +4,7 @@
 
 #include "common/coupling/drive.hpp"
 #include "common/coupling/mock.hpp"
+#include "common/coupling/standard_contract.hpp"
 #include "coupler/schedule.hpp"
 
 #include <gtest/gtest.h>
@@ -155,15 +156,11 @@ struct CoupledRun {
   std::optional<Participant> fluid_participant_, solid_participant_;
 };
 
-/// A value that the border lets in: `free` where any number may stand.
+/// A value that the border lets in: `free` where any number may stand, else that of soil and water at rest.
 inline double within_bounds(const std::string& name, double free) {
-  if (name == field::soil_fraction) return 1.0;
-  if (name == field::solid_volume_fraction) return 0.6;
-  if (name == field::grain_density) return 2650.0;
-  if (name == field::hydraulic_conductivity) return 1e-3;
-  if (name == field::forchheimer_coefficient || name == field::yielding || name == field::surface_share) return 0.0;
-  if (name == field::constrained_modulus) return std::abs(free);
-  return free;
+  const auto& field = *standard_field(name);
+  if (field.bounds.low < 0.0) return free;
+  return field.name == field::constrained_modulus ? std::abs(free) : field.at_rest;
 }
 
 /// A square of side 1 m with fields of the standard contract.

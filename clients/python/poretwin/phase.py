@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from .contract import STANDARD
+
 
 @dataclass(frozen=True)
 class Field:
@@ -24,28 +26,9 @@ class Field:
 
 def standard_fields(role: str, dimension: int) -> list[Field]:
     """The standard contract: what each role gives. It takes what the other gives."""
-    if role == "fluid":
-        return [
-            Field("pore_pressure", "Pa"),
-            Field("predicted_solid_velocity", "m/s", dimension, mask="soil_fraction"),
-            Field("predicted_change", "m/s", dimension, mask="soil_fraction"),
-            Field("drag_impulse", "N s", dimension, conservative=True),
-            Field("soil_fraction", "1"),
-            Field("surface_gradient", "Pa/m", dimension, mask="surface_share"),
-            Field("surface_share", "1"),
-        ]
     return [
-        Field("solid_velocity", "m/s", dimension),
-        Field("mean_solid_velocity", "m/s", dimension),
-        Field("volumetric_strain_rate", "1/s"),
-        Field("unbalanced_force", "N/m3", dimension),
-        Field("solid_volume_fraction", "1"),
-        Field("grain_density", "kg/m3"),
-        Field("constrained_modulus", "Pa"),
-        Field("yielding", "1"),
-        Field("hydraulic_conductivity", "m/s"),
-        Field("forchheimer_coefficient", "s2/m2"),
-        Field("returned_impulse", "N s", dimension, conservative=True),
+        Field(name, unit, dimension if vector else 1, conservative, mask)
+        for name, unit, vector, conservative, mask in STANDARD[role]
     ]
 
 
