@@ -7,6 +7,7 @@
 #include "common/case/origin.hpp"
 #include "common/core/error.hpp"
 #include "common/core/hash.hpp"
+#include "common/media/seepage.hpp"
 
 #include <fmt/format.h>
 
@@ -52,10 +53,6 @@ constexpr std::array model_words{Word<SolidCase::Model>{"rigid", SolidCase::Mode
                                  Word<SolidCase::Model>{"elastic", SolidCase::Model::elastic},
                                  Word<SolidCase::Model>{"drucker_prager", SolidCase::Model::drucker_prager},
                                  Word<SolidCase::Model>{"drucker_prager_rate", SolidCase::Model::drucker_prager_rate}};
-constexpr std::array seepage_words{Word<Soil::SeepageLaw>{"kozeny_carman", Soil::SeepageLaw::kozeny_carman},
-                                   Word<Soil::SeepageLaw>{"constant", Soil::SeepageLaw::constant},
-                                   Word<Soil::SeepageLaw>{"forchheimer", Soil::SeepageLaw::forchheimer},
-                                   Word<Soil::SeepageLaw>{"ergun", Soil::SeepageLaw::ergun}};
 constexpr std::array cone_words{
     Word<Soil::Cone>{"paper", Soil::Cone::paper}, Word<Soil::Cone>{"plane_strain", Soil::Cone::plane_strain},
     Word<Soil::Cone>{"repose", Soil::Cone::repose}, Word<Soil::Cone>{"outer", Soil::Cone::outer},
@@ -155,19 +152,21 @@ void declare(Keys& keys, Soil& s) {
   declare(keys, s.shape);
   keys.number("porosity", s.porosity, {"", "Volume of pores per volume, n."}, between(0, true, 1, true));
   keys.number("grain_density", s.grain_density, {"kg/m3", "Density of the grains themselves."}, positive());
-  keys.choice<Soil::SeepageLaw>(
-      "seepage_law", s.seepage_law, seepage_words,
-      {"",
-       "Hydraulic gradient i against discharge velocity U. `kozeny_carman`: i = U/k, k after Eq. (19); "
-       "`constant`: the same k at any porosity; `forchheimer`: i = U/k + b U^2; `ergun`: k and b from the grains, Eqs. "
-       "(91), (92) as corrected."});
-  keys.number("hydraulic_conductivity", s.hydraulic_conductivity, {"m/s", "k at `porosity` (all laws but `ergun`)."},
-              positive());
-  keys.number("forchheimer_coefficient", s.forchheimer_coefficient, {"s2/m2", "b at `porosity` (`forchheimer`)."},
-              not_negative());
-  keys.number("grain_diameter", s.grain_diameter, {"m", "Mean diameter of the grains, D50 (`ergun`)."}, not_negative());
-  keys.number("ergun_linear", s.ergun_linear, {"", "Ergun's 150, of the linear term."}, positive());
-  keys.number("ergun_quadratic", s.ergun_quadratic, {"", "Ergun's 1.75, of the quadratic term."}, not_negative());
+  std::string meaning = "Hydraulic gradient i against discharge velocity U.";
+  std::string without;  // laws that have their own conductivity
+  std::vector<std::pair<std::string_view, const porous::SeepageLaw*>> laws;
+  for (const auto& law : porous::seepage_laws()) {
+    meaning += fmt::format("{} `{}`: {}", laws.empty() ? "" : ";", law.name, law.meaning);
+    if (!law.takes_conductivity) without += fmt::format("{}`{}`", without.empty() ? " but " : ", ", law.name);
+    laws.emplace_back(law.name, &law);
+  }
+  keys.choice<const porous::SeepageLaw*>("seepage_law", s.seepage_law, laws, {"", meaning + "."});
+  keys.number("hydraulic_conductivity", s.hydraulic_conductivity,
+              {"m/s", fmt::format("k at `porosity` (all laws{}).", without)}, positive());
+  for (const auto& law : porous::seepage_laws())
+    for (const auto& p : law.parameters)
+      keys.number(p.key, porous::parameter(s, p.key), {p.unit, p.meaning},
+                  p.needed && p.value > 0.0 ? positive() : not_negative());
   keys.number("youngs_modulus", s.youngs_modulus, {"Pa", "Young's modulus of the drained skeleton."}, positive());
   keys.number("poissons_ratio", s.poissons_ratio, {"", "Poisson's ratio of the drained skeleton."},
               between(0, false, 0.5, true));

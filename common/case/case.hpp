@@ -61,10 +61,13 @@ struct Water {
   double cavitation_pressure = -98986;  ///< Pa over the air's: of vapour at 20 degrees, 2339, less 101325
 };
 
+namespace porous {
+struct SeepageLaw;
+}
+
 /// [[soil]]: a region of soil and its material. With solid.model = "rigid" only shape, porosity and the law of seepage
 /// matter.
 struct Soil {
-  enum class SeepageLaw { kozeny_carman, constant, forchheimer, ergun };
   /// How the Drucker-Prager cone is fitted to Coulomb's cohesion and friction (docs/theory/materials.md).
   enum class Cone {
     paper,         ///< Eq. (32): plane strain with associated flow (psi = phi)
@@ -75,14 +78,12 @@ struct Soil {
   };
   std::string name;
   Shape shape;
-  double porosity = 0.4;          ///< n = n_w
-  double grain_density = 2600.0;  ///< kg/m3, intrinsic rho_s
-  SeepageLaw seepage_law = SeepageLaw::kozeny_carman;
-  double hydraulic_conductivity = 1e-4;  ///< k at `porosity`, m/s
-  double forchheimer_coefficient = 0.0;  ///< b at `porosity`, s2/m2
-  double grain_diameter = 0.0;           ///< D50, m (ergun)
-  double ergun_linear = 150.0, ergun_quadratic = 1.75;
-  double youngs_modulus = 3.0e6;  ///< Pa
+  double porosity = 0.4;                            ///< n = n_w
+  double grain_density = 2600.0;                    ///< kg/m3, intrinsic rho_s
+  const porous::SeepageLaw* seepage_law = nullptr;  ///< none: the first of `porous::seepage_laws`
+  double hydraulic_conductivity = 1e-4;             ///< k at `porosity`, m/s
+  std::vector<double> seepage_parameters;           ///< of all laws (`porous::parameter`)
+  double youngs_modulus = 3.0e6;                    ///< Pa
   double poissons_ratio = 0.3;
   double cohesion = 0.0;                         ///< Pa, at the initial saturation
   double friction_angle = 30.0;                  ///< degrees

@@ -8,6 +8,7 @@
 #include "common/geometry/crossing.hpp"
 #include "common/geometry/enclosure.hpp"
 #include "common/geometry/shapes.hpp"
+#include "common/media/seepage.hpp"
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
@@ -204,20 +205,26 @@ class Checker : Complaints {
         fail(key + ".maximum_void_ratio",
              fmt::format("expected at least the initial void ratio, {:.4g} for a porosity of {}, found {}", e,
                          soil.porosity, *soil.maximum_void_ratio));
-      using enum Soil::SeepageLaw;
-      if (soil.seepage_law == ergun && !(soil.grain_diameter > 0.0))
-        fail(key + ".grain_diameter", "the law \"ergun\" needs the size of the grains in m, found none");
-      if (soil.seepage_law == ergun && given(key + ".hydraulic_conductivity"))
-        fail(key + ".hydraulic_conductivity",
-             "the law \"ergun\" takes the conductivity from grain_diameter and porosity; use \"forchheimer\" to give "
-             "it");
-      if (soil.seepage_law != ergun && given(key + ".grain_diameter"))
-        fail(key + ".grain_diameter", "belongs to seepage_law = \"ergun\"");
-      if (soil.seepage_law != forchheimer && given(key + ".forchheimer_coefficient"))
-        fail(key + ".forchheimer_coefficient", "belongs to seepage_law = \"forchheimer\"");
+      seepage(soil, key);
       shapes.push_back(soil.shape);
     }
     no_overlap(shapes, "soil", spacing);
+  }
+
+  void seepage(const Soil& soil, const std::string& key) const {
+    for (const auto& law : porous::seepage_laws()) {
+      const bool chosen = soil.seepage_law == &law;
+      for (const auto& p : law.parameters) {
+        if (chosen && p.needed && !(porous::parameter(soil, p.key) > 0.0))
+          fail(key + "." + p.key, fmt::format("the law \"{}\" needs it, a positive number{}, found none", law.name,
+                                              p.unit.empty() ? "" : " of " + p.unit));
+        if (!chosen && given(key + "." + p.key))
+          fail(key + "." + p.key, fmt::format("belongs to seepage_law = \"{}\"", law.name));
+      }
+      if (chosen && !law.takes_conductivity && given(key + ".hydraulic_conductivity"))
+        fail(key + ".hydraulic_conductivity",
+             fmt::format("the law \"{}\" finds the conductivity itself; another law takes it as given", law.name));
+    }
   }
 
   /// Whether the wall lies under the soil's particles x (within one spacing), or holds them by being fixed.
@@ -282,7 +289,7 @@ class Checker : Complaints {
         fail(key,
              "nothing holds the soil up: expected a [[wall]] for soil under it, a soil that rests on one, or "
              "solid.initial_rest = false for soil that falls");
-      if (scene_.coupled() && soil.seepage_law != Soil::SeepageLaw::ergun && soil.hydraulic_conductivity < least)
+      if (scene_.coupled() && soil.seepage_law->takes_conductivity && soil.hydraulic_conductivity < least)
         fail(key + ".hydraulic_conductivity",
              fmt::format("soil that falls, beside water, has no stable exchange with it below {:g} m/s: expected at "
                          "least that, or a [[wall]] that holds it up, found {:g}",

@@ -1,10 +1,12 @@
 // Linear Darcy flow whose conductivity does not change.
 #pragma once
 
-#include "common/media/seepage.hpp"
+#include "common/media/seepage_law.hpp"
 
 namespace poretwin::porous {
 
-inline Seepage constant_conductivity(const Soil& soil) { return {soil.hydraulic_conductivity, 0.0}; }
+inline SeepageLaw constant_conductivity() {
+  return {"constant", "the same k at any porosity", [](const Medium& m) { return Seepage{m.conductivity, 0.0}; }};
+}
 
 }  // namespace poretwin::porous

@@ -1,7 +1,7 @@
 // Linear Darcy flow whose conductivity follows the porosity.
 #pragma once
 
-#include "common/media/seepage.hpp"
+#include "common/media/seepage_law.hpp"
 
 namespace poretwin::porous {
 
@@ -9,8 +9,10 @@ namespace poretwin::porous {
 inline double kozeny_carman_shape(double n) { return n * n * n / ((1.0 - n) * (1.0 - n)); }
 
 /// Eq. (19), from the soil's conductivity at its own porosity.
-inline Seepage kozeny_carman(const Soil& soil, double n) {
-  return {soil.hydraulic_conductivity * kozeny_carman_shape(n) / kozeny_carman_shape(soil.porosity), 0.0};
+inline SeepageLaw kozeny_carman() {
+  return {"kozeny_carman", "i = U/k, k after Eq. (19)", [](const Medium& m) {
+            return Seepage{m.conductivity * kozeny_carman_shape(m.porosity) / kozeny_carman_shape(m.own_porosity), 0.0};
+          }};
 }
 
 }  // namespace poretwin::porous

@@ -1,16 +1,10 @@
-// What a skeleton of grains does to the water that flows through it: one law of seepage for both phases. A law is one
-// file and one line in `seepage_at`.
+// What a skeleton of grains does to the water that flows through it: one law of seepage for both phases.
 #pragma once
 
 #include "common/case/case.hpp"
+#include "common/media/forchheimer.hpp"
 
 namespace poretwin::porous {
-
-/// i = U/k + b |U| U: hydraulic gradient i against the discharge velocity U = n (v_w - v_s).
-struct Seepage {
-  double conductivity = 0.0;  ///< k, m/s
-  double quadratic = 0.0;     ///< b, s2/m2; 0: Darcy
-};
 
 /// Force per volume on the water, against its relative velocity w = v_w - v_s: R = (linear + quadratic |w|) w.
 struct Resistance {
@@ -28,6 +22,10 @@ struct Resistance {
 /// none.
 double specific_weight(const Case& scene);
 
+/// The value of a law's parameter in a soil.
+double& parameter(Soil& soil, std::string_view key);
+double parameter(const Soil& soil, std::string_view key);
+
 /// The soil's law at a porosity.
 Seepage seepage_at(const Case& scene, const Soil& soil, double porosity);
 
@@ -35,10 +33,6 @@ Seepage seepage_at(const Case& scene, const Soil& soil, double porosity);
 /// `one_conductivity` they are the same but for rounding.
 double conductivity_contrast(const Case& scene);
 inline constexpr double one_conductivity = 1.0 + 1e-9;
-
-/// A law known at one porosity, as Kozeny-Carman carries it to another: k ~ n^3/(1-n)^2, b ~ (1-n)/n^3. For what the
-/// other process has sent, and for edges, where soil fades into free water (n = 1: no resistance).
-Seepage carried_over(const Seepage& known, double known_porosity, double porosity);
 
 Resistance resistance(double specific_weight, double porosity, const Seepage& seepage);
 

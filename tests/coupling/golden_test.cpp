@@ -1,6 +1,7 @@
 // One message of every kind against bytes kept in golden/: the protocol does not change by accident. After a change on
 // purpose: raise the version, run with PORETWIN_WRITE_GOLDEN=1, and read the difference.
 #include "common/coupling/message.hpp"
+#include "common/coupling/standard_contract.hpp"
 
 #include <gtest/gtest.h>
 
@@ -145,6 +146,31 @@ TEST(Golden, LiesAboutSizesAreFound) {
   }
   EXPECT_THROW(decode({}), PeerError);
   EXPECT_THROW(decode({Frame::of(std::string("hello there"))}), PeerError);
+}
+
+std::string text_of(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+TEST(StandardContract, StandsInTheProtocolsPageAndInThePythonClient) {
+  const fs::path root = PORETWIN_SOURCE_DIR;
+  EXPECT_NE(text_of(root / "docs" / "protocol.md").find(describe_contract()), std::string::npos)
+      << "write its tables anew with: poretwin exchange-fields";
+  EXPECT_EQ(text_of(root / "clients" / "python" / "poretwin" / "contract.py"), python_contract())
+      << "write it anew with: poretwin exchange-fields --python > clients/python/poretwin/contract.py";
+}
+
+TEST(StandardContract, WhatStandInsGiveIsLetIn) {
+  for (const auto& f : standard_contract()) {
+    EXPECT_GE(f.at_rest, f.bounds.low) << f.name;
+    EXPECT_LE(f.at_rest, f.bounds.high) << f.name;
+    if (!f.mask.empty()) {
+      ASSERT_NE(standard_field(f.mask), nullptr) << f.name;
+      EXPECT_EQ(standard_field(f.mask)->giver, f.giver) << f.name;
+    }
+  }
 }
 
 }  // namespace

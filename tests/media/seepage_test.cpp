@@ -11,8 +11,8 @@ namespace {
 Soil rockfill() {
   Soil soil;
   soil.porosity = 0.4052;
-  soil.seepage_law = Soil::SeepageLaw::ergun;
-  soil.grain_diameter = 0.03504;
+  soil.seepage_law = &seepage_law("ergun");
+  parameter(soil, "grain_diameter") = 0.03504;
   return soil;
 }
 
@@ -34,9 +34,9 @@ TEST(SeepageLaw, ErgunInTheFormOfEquation91) {
 TEST(SeepageLaw, UsersCoefficientsScaleAsErguns) {
   auto ergun = rockfill(), user = rockfill();
   const auto there = seepage_at(Case{}, ergun, 0.4052);
-  user.seepage_law = Soil::SeepageLaw::forchheimer;
+  user.seepage_law = &seepage_law("forchheimer");
   user.hydraulic_conductivity = there.conductivity;
-  user.forchheimer_coefficient = there.quadratic;
+  parameter(user, "forchheimer_coefficient") = there.quadratic;
   for (const double n : {0.3, 0.4052, 0.45}) {
     const auto a = seepage_at(Case{}, ergun, n), b = seepage_at(Case{}, user, n);
     EXPECT_NEAR(a.conductivity / b.conductivity, 1.0, 1e-12);
@@ -50,7 +50,7 @@ TEST(SeepageLaw, DarcyFollowsKozenyCarmanAndConstantDoesNot) {
   sand.hydraulic_conductivity = 1e-4;
   EXPECT_NEAR(seepage_at(Case{}, sand, 0.5).conductivity, 1e-4 * (0.125 / 0.25) / (0.064 / 0.36), 1e-16);
   EXPECT_NEAR(resistance(9810.0, 0.4, seepage_at(Case{}, sand, 0.4)).linear, 9810.0 * 0.16 / 1e-4, 1e-3);
-  sand.seepage_law = Soil::SeepageLaw::constant;
+  sand.seepage_law = &seepage_law("constant");
   EXPECT_EQ(seepage_at(Case{}, sand, 0.5).conductivity, 1e-4);
 }
 
