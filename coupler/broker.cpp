@@ -32,11 +32,10 @@ std::string new_session() {
 /// A stranger's word as it may stand in a log: short, on one line.
 std::string shown(std::string text, std::size_t most = 64) {
   if (text.size() > most) text = text.substr(0, most) + "..";
-  std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c >= 0x7f; }, '?');
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c >= 0x7f; }, '?');
   return text;
 }
-
-std::string text_of(Mapping mapping) { return mapping == Mapping::conservative ? "conservative" : "consistent"; }
 
 /// What stands between this giver and this taker; nothing if they agree.
 std::optional<Reject> difference(const Contract& giver, const Contract& taker) {
@@ -54,14 +53,16 @@ std::optional<Reject> difference(const Contract& giver, const Contract& taker) {
       return differs(want.name, fmt::format("{} components", have->components),
                      fmt::format("{} components", want.components));
     if (have->mapping != want.mapping)
-      return differs(want.name, text_of(have->mapping) + " mapping", text_of(want.mapping) + " mapping");
+      return differs(want.name, fmt::format("{} mapping", to_string(have->mapping)),
+                     fmt::format("{} mapping", to_string(want.mapping)));
     if (have->mask != want.mask) return differs(want.name, "mask '" + have->mask + "'", "mask '" + want.mask + "'");
     if (have->mask.empty()) continue;
     const auto mask = given(have->mask);
     if (mask == giver.gives.end() || mask->components != 1)
       return differs(want.name, "its mask '" + have->mask + "' among the given fields, with one component", "none");
-    if (have->mapping == Mapping::conservative)
-      return differs(want.name, "a conservative field without a mask", "mask '" + have->mask + "'");
+    if (have->mapping != Mapping::consistent)
+      return differs(want.name, fmt::format("a {} field without a mask", to_string(have->mapping)),
+                     "mask '" + have->mask + "'");
   }
   return std::nullopt;
 }

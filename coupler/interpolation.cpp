@@ -212,6 +212,23 @@ template <int D>
     cut_at_range(near, weight, columns.values.data() + column, columns.width, leaves, total + column);
 }
 
+/// The values of all columns at the giver's point that counts most at each of a block's points.
+[[gnu::always_inline]] inline void take_nearest(std::span<const Index> near, const Quad* weight, const Columns& columns,
+                                                Quad* total) {
+  Lanes most{};
+  std::array<Index, n_lanes> nearest{};
+  for (Size c = 0; c < near.size(); ++c) {
+    const LaneMask nearer = weight[c].v > most;
+    if (!any(nearer)) continue;
+    for (Size l = 0; l < n_lanes; ++l)
+      if (nearer[l]) nearest[l] = near[c];
+    max_in_place(most, weight[c].v);
+  }
+  for (Size column = 0; column < columns.width; ++column)
+    for (Size l = 0; l < n_lanes; ++l)
+      total[column].v[l] = most[l] > 0.0 ? columns.values[nearest[l] * columns.width + column] : 0.0;
+}
+
 /// A block's columns to the fields they belong to.
 template <int D>
 void hand_out(const typename PairBlocks<D>::Block& block, const Quad* total, std::span<Field* const> fields) {
@@ -296,7 +313,9 @@ Interpolation consistent(const PairBlocks<D>& pairs, std::span<const FieldGroup>
         for (Size g = 0; g < groups.size(); ++g) {
           const auto& columns = packed[g];
           if (columns.n == 0) continue;
-          if (groups[g].mask.empty()) {
+          if (groups[g].nearest) {
+            take_nearest(near, weight, columns, total.data());
+          } else if (groups[g].mask.empty()) {
             interpolate<D>(nodes, x, near, weight, whole, columns, coefficient.data(), total.data());
           } else {  // other weights, other moments
             Moments<D> part;

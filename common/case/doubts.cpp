@@ -32,7 +32,6 @@ class Doubts : Complaints {
     units();
     own_weight();
     rows_at_an_angle();
-    smeared_conductivity();
     if (scene_.has_water()) {
       dry_faces();
       piles_of_one_row();
@@ -126,35 +125,6 @@ class Doubts : Complaints {
         }
       }
     }
-  }
-
-  /// What the water feels of soil that moves is a mean over a kernel, of the conductivity, too: the first row of a slow
-  /// soil beside a fast one conducts as the fast one. Measured, consolidation of two layers of 10 rows each, the slow
-  /// one below: pore pressure off by 4, 16, 25 % of the load at contrasts of 10, 100, 1e4; with 20 rows still by up to
-  /// 10 % in the slow layer.
-  void smeared_conductivity() {
-    if (!scene_.coupled()) return;
-    const double dx = scene_.fluid.particle_spacing;
-    constexpr double most = 5.0;
-    for (std::size_t i = 0; i < scene_.soils.size(); ++i)
-      for (std::size_t j = 0; j < scene_.soils.size(); ++j) {
-        const auto [lower, upper] = bounds(scene_.soils[i].shape);
-        const auto [low, high] = bounds(scene_.soils[j].shape);
-        const Eigen::Array3d gap = (low - upper).cwiseMax(lower - high).array();
-        if ((gap.head(d_) > 0.5 * dx).any()) continue;
-        const auto k = [&](std::size_t of) {
-          return porous::seepage_at(scene_, scene_.soils[of], scene_.soils[of].porosity).conductivity;
-        };
-        if (k(j) <= most * k(i)) continue;
-        doubt(
-            fmt::format("soil[{}].hydraulic_conductivity", i),
-            fmt::format("is {:.2g} times less than that of {} beside it: in soil that moves the conductivity is a mean "
-                        "over neighbours, and the slow layer acts about a row of {:.3g} m thinner than it is (pore "
-                        "pressures off by 4 to 25 % of a load with 10 rows); expected many rows in it, or "
-                        "solid.model = \"rigid\"",
-                        k(j) / k(i), named("soil", j, scene_.soils[j].name), dx));
-        return;
-      }
   }
 
   /// Measured with 30 rows against finite volumes: the seepage under a pile 2 and 4 spacings thick 1 % low, 1 spacing

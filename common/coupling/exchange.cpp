@@ -6,6 +6,18 @@
 
 namespace poretwin::coupling {
 
+std::string_view to_string(Mapping mapping) {
+  switch (mapping) {
+    case Mapping::consistent:
+      return "consistent";
+    case Mapping::nearest:
+      return "nearest";
+    case Mapping::conservative:
+      break;
+  }
+  return "conservative";
+}
+
 std::string_view to_string(Role role) { return role == Role::fluid ? "fluid" : "solid"; }
 
 namespace {

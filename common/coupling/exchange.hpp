@@ -17,8 +17,11 @@ std::string_view to_string(Role role);
 /// How the coupler carries a field from one point set to the other.
 enum class Mapping {
   consistent,    ///< interpolation, exact for constants (and, where enough points lie around, for linear fields)
+  nearest,       ///< the value of the nearest giving point: properties that jump from one soil to the next
   conservative,  ///< transposed weights: the sum over receiving points equals the sum over giving points, to rounding
 };
+
+std::string_view to_string(Mapping mapping);
 
 /// One field of the interface contract.
 struct FieldSpec {

@@ -38,24 +38,36 @@ struct Overloaded : F... {
 template <class... F>
 Overloaded(F...) -> Overloaded<F...>;
 
+wire::MappingKind to_wire(Mapping mapping) {
+  switch (mapping) {
+    case Mapping::consistent:
+      return wire::CONSISTENT;
+    case Mapping::nearest:
+      return wire::NEAREST;
+    case Mapping::conservative:
+      break;
+  }
+  return wire::CONSERVATIVE;
+}
+Mapping from_wire(wire::MappingKind kind) {
+  return kind == wire::CONSERVATIVE ? Mapping::conservative
+         : kind == wire::NEAREST    ? Mapping::nearest
+                                    : Mapping::consistent;
+}
+
 void write(wire::FieldSpec& out, const FieldSpec& spec) {
   out.set_name(spec.name);
   out.set_unit(spec.unit);
   out.set_components(static_cast<std::uint32_t>(spec.components));
-  out.set_mapping(spec.mapping == Mapping::conservative ? wire::CONSERVATIVE : wire::CONSISTENT);
+  out.set_mapping(to_wire(spec.mapping));
   out.set_mask(spec.mask);
   out.set_in_time(spec.in_time);
   out.set_found(spec.found);
 }
 
 FieldSpec read(const wire::FieldSpec& in) {
-  return {in.name(),
-          in.unit(),
-          static_cast<int>(in.components()),
-          in.mapping() == wire::CONSERVATIVE ? Mapping::conservative : Mapping::consistent,
-          in.mask(),
-          in.in_time(),
-          in.found()};
+  return {in.name(),    in.unit(), static_cast<int>(in.components()), from_wire(in.mapping()), in.mask(),
+          in.in_time(), in.found()};
 }
 
 void write_body(wire::Header& header, const Body& body) {

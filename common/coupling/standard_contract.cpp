@@ -106,12 +106,14 @@ constexpr std::array fields{
     StandardField{.giver = solid,
                   .name = field::grain_density,
                   .unit = "kg/m3",
+                  .mapping = nearest,
                   .bounds = {above_zero, 1e15},
                   .at_rest = 2650.0,
                   .meaning = "intrinsic rho_s"},
     StandardField{.giver = solid,
                   .name = field::constrained_modulus,
                   .unit = "Pa",
+                  .mapping = nearest,
                   .bounds = {0.0, 1e15},
                   .meaning = "M = K + 4 G / 3"},
     StandardField{
@@ -123,12 +125,14 @@ constexpr std::array fields{
     StandardField{.giver = solid,
                   .name = field::hydraulic_conductivity,
                   .unit = "m/s",
+                  .mapping = nearest,
                   .bounds = {above_zero, 1e6},
                   .at_rest = 1e-3,
                   .meaning = "k of i = U/k + b U^2"},
     StandardField{.giver = solid,
                   .name = field::forchheimer_coefficient,
                   .unit = "s2/m2",
+                  .mapping = nearest,
                   .bounds = not_negative,
                   .meaning = "b of the same"},
     StandardField{.giver = solid,
@@ -185,8 +189,7 @@ std::string describe_contract() {
       std::string bounds = f.bounds.text("1");
       if (constexpr std::string_view words = "a number in "; bounds.starts_with(words)) bounds.erase(0, words.size());
       text += fmt::format("| `{}`{} | {} | {}{} | {}{} | {} |\n", f.name, f.vector ? " (vector)" : "", f.unit,
-                          f.mapping == consistent ? "consistent" : "conservative",
-                          f.mask.empty() ? "" : fmt::format(", mask `{}`", f.mask), bounds,
+                          to_string(f.mapping), f.mask.empty() ? "" : fmt::format(", mask `{}`", f.mask), bounds,
                           f.of_volume ? " of each m^D of the point" : "", f.meaning);
     }
     if (giver == fluid) text += '\n';
@@ -197,14 +200,14 @@ std::string describe_contract() {
 std::string python_contract() {
   std::string text =
       "\"\"\"The standard contract: what each role gives. Written by `poretwin exchange-fields --python`.\"\"\"\n\n"
-      "# name, unit, vector, conservative, mask\n"
-      "STANDARD: dict[str, list[tuple[str, str, bool, bool, str]]] = {\n";
+      "# name, unit, vector, mapping, mask\n"
+      "STANDARD: dict[str, list[tuple[str, str, bool, str, str]]] = {\n";
   for (const Role giver : {fluid, solid}) {
     text += fmt::format("    \"{}\": [\n", to_string(giver));
     for (const auto& f : fields)
       if (f.giver == giver)
-        text += fmt::format("        (\"{}\", \"{}\", {}, {}, \"{}\"),\n", f.name, f.unit, f.vector ? "True" : "False",
-                            f.mapping == conservative ? "True" : "False", f.mask);
+        text += fmt::format("        (\"{}\", \"{}\", {}, \"{}\", \"{}\"),\n", f.name, f.unit,
+                            f.vector ? "True" : "False", to_string(f.mapping), f.mask);
     text += "    ],\n";
   }
   return text + "}\n";

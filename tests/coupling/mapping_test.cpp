@@ -374,5 +374,25 @@ TEST(Mapping, EmptySetsOnEitherSide) {
   EXPECT_NEAR(pairs.consistent(from_some, {}).at(0).values[5], 1.0, 1e-13);
 }
 
+TEST(Mapping, PropertiesComeFromTheNearestPoint) {
+  // Two soils, ten thousand times apart: no point of the water sees a mean of them.
+  const auto soil = cloud(2, 1.0, 0.1, 5, 0.2), water = cloud(2, 1.4, 0.07, 6);
+  Field k{"k", 1, {}};
+  for (Size j = 0; j < soil.size(); ++j) k.values.push_back(at<2>(soil, j).y() < 0.5 ? 1e-7 : 1e-3);
+  CloudPairs<2> pairs;
+  pairs.update(soil, water);
+  const auto mapped = pairs.nearest({&k}).at(0).values;
+  for (Size i = 0; i < water.n_active; ++i) {
+    double most = 0.0, value = 0.0;
+    for (Size j = 0; j < soil.size(); ++j) {
+      const double w = soil.volume[j] *
+                       sph::WendlandC2<2>::value((at<2>(soil, j) - at<2>(water, i)).norm(), soil.smoothing_length[j]);
+      if (w > most) most = w, value = k.values[j];
+    }
+    if (most < 1e-9) continue;  // the rim of a support
+    EXPECT_EQ(mapped[i], value) << i;
+  }
+}
+
 }  // namespace
 }  // namespace poretwin::coupling

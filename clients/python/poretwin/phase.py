@@ -19,16 +19,16 @@ class Field:
     name: str
     unit: str  # SI
     components: int = 1  # 1, or the dimension
-    conservative: bool = False  # an amount that is shared out; otherwise an intensity that is interpolated
+    mapping: str = "consistent"  # interpolated; "nearest": of the nearest point; "conservative": an amount, shared out
     mask: str = ""
-    in_time: bool = False  # of a field taken, not conservative: the values at the window's start are wanted too
+    in_time: bool = False  # of a field taken, consistent: the values at the window's start are wanted too
 
 
 def standard_fields(role: str, dimension: int) -> list[Field]:
     """The standard contract: what each role gives. It takes what the other gives."""
     return [
-        Field(name, unit, dimension if vector else 1, conservative, mask)
-        for name, unit, vector, conservative, mask in STANDARD[role]
+        Field(name, unit, dimension if vector else 1, mapping, mask)
+        for name, unit, vector, mapping, mask in STANDARD[role]
     ]
 
 
