@@ -124,7 +124,7 @@ void Solid<D>::share_load(const LoadedPatch<D>& patch, const OrZero<double>& pre
 template <int D>
 Vec<D> Solid<D>::reference_position(std::size_t i) const {
   const Vec<D>& x = state_.particles.position[i];
-  return cannot_yield() ? Vec<D>(x - state_.rest_displacement[i]) : x;
+  return setup_.can_yield ? x : Vec<D>(x - state_.rest_displacement[i]);
 }
 
 template <int D>
@@ -390,8 +390,8 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
       // would hold against it, too, where water flows back as the grains come, n v_w = -n_s v_s: C / n^2 in all.
       z = setup_.inertia_share > 0.0 ? C / (n_w * n_w) : rests ? C : along;
       if (!answers.empty()) {
-        answers[i] = answer_of({C, a, n_w, interval}, setup_.models[p.material[i]]->elasticity().constrained(),
-                               setup_.spacing, setup_.height);
+        answers[i] =
+            answer_of({C, a, n_w, interval}, moduli(setup_, p, i).constrained(), setup_.spacing, setup_.height);
         z = answers[i].translation;
       }
     }
@@ -411,7 +411,7 @@ Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
     drive.target[i] = p.velocity[i] + change_in_window[i];
   }
 
-  const bool may_sleep = scene_.solid.quiet && !(scene_.coupled() && cannot_yield());
+  const bool may_sleep = scene_.solid.quiet && !(scene_.coupled() && !setup_.can_yield);
   if (may_sleep && sleeps_on(drive, to, impulse, window)) return Outcome::accept();
   state_.returned_impulse.allocate(tracks ? n : 0);
   for (std::size_t i = 0; i < n && given.is_allocated(); ++i)
@@ -526,12 +526,14 @@ double Solid<D>::plastic_work(std::span<const double> plastic_before) const {
 
 template <int D>
 double Solid<D>::drained_fraction(double interval) const {
+  const Particles<D>& p = state_.particles;
+  ScalarArray conductivity;
+  for (const Soil& soil : scene_.soils)
+    conductivity.push_back(porous::seepage_at(scene_, soil, soil.porosity).conductivity);
   double slowest = 0.0;
-  for (std::size_t m = 0; m < setup_.models.size(); ++m) {
-    const Soil& soil = scene_.soils[m];
-    const double k = porous::seepage_at(scene_, soil, soil.porosity).conductivity;
-    slowest = std::max(slowest, setup_.water_weight / (k * setup_.models[m]->elasticity().constrained()));
-  }
+  for (std::size_t i = 0; i < p.size(); ++i)
+    slowest =
+        std::max(slowest, setup_.water_weight / (conductivity[p.material[i]] * moduli(setup_, p, i).constrained()));
   constexpr double undrained = steps::undrained;
   const double drained = interval / (setup_.height * setup_.height * slowest);
   return std::clamp((drained - undrained) / (1.0 - undrained), 0.0, 1.0);
@@ -664,24 +666,24 @@ Outcome Solid<D>::advance_at_rest(const Window& window, const OrZero<Vec<D>>& gr
   for (std::size_t i = 0; i < n; ++i) position_cache[i] = water_force(i, gradient[i], impulse, interval);
   Drive<D> drive;
   external(drive, true);
-  if (!cannot_yield()) drive.distributed = position_cache;
+  if (setup_.can_yield) drive.distributed = position_cache;
   for (auto& v : p.velocity) v.setZero();
   if (!answers.empty()) evaluate_forces(setup_, state_);
   ScalarArray resistance(p.free());
   for (std::size_t i = 0; i < p.free(); ++i) resistance[i] = (p.mass[i] / interval + tracking.tracking[i]) / interval;
   const Stiffness<D>& stiffness = stiffness_with(resistance);
   const bool asleep =
-      cannot_yield()
+      !setup_.can_yield
           ? departure(setup_, stiffness, state_, drive) <= statics::elastic_error
           : !softened(setup_, state_) &&
                 unrest(setup_, state_, drive, reference_acceleration(setup_, state_, drive)).largest <= statics::let_be;
   bool moved = false, evaluate = !answers.empty();  // forces, once the search is over
   if (!asleep) {
     const EquilibriumSearch search{
-        cannot_yield() ? statics::elastic_share * statics::elastic_error : statics::plastic_error, sleep::local_share,
-        statics::woken_by};
+        !setup_.can_yield ? statics::elastic_share * statics::elastic_error : statics::plastic_error,
+        sleep::local_share, statics::woken_by};
     RestReport report = find_equilibrium(setup_, stiffness, search, interval, state_, external);
-    if (!report.reached() && !cannot_yield()) {
+    if (!report.reached() && setup_.can_yield) {
       const std::size_t tried = report.steps;
       const RestSearch until{sleep::restless, statics::most_ways, statics::most_ways, sleep::local_share,
                              statics::farthest * setup_.spacing};
@@ -844,8 +846,8 @@ Publication Solid<D>::publish() const {
   scalars(field::solid_volume_fraction, [&](std::size_t i) { return solid_fraction(setup_, p, i); });
   scalars(field::grain_density, [&](std::size_t i) { return setup_.grain_density[p.material[i]]; });
   scalars(field::constrained_modulus, [&](std::size_t i) {
-    const auto& model = *setup_.models[p.material[i]];
-    return state_.yielded[i] ? model.yielding_modulus() : model.elasticity().constrained();
+    const Elasticity elasticity = moduli(setup_, p, i);
+    return state_.yielded[i] ? elasticity.yielding() : elasticity.constrained();
   });
   scalars(field::yielding, [&](std::size_t i) { return state_.plastic_shear_ratio[i]; });
   const auto& seepage = this->seepage();

@@ -50,7 +50,6 @@ class Solid final : public Phase {
   const std::vector<porous::Seepage>& seepage() const;
   /// Coverage and pressure [Pa] of the water at the soil's points: from the partner, or from the case for soil alone.
   OrZero<double> take_pressure(const coupling::Inbox& inbox, double time);
-  [[nodiscard]] bool cannot_yield() const { return scene_.solid.model == SolidCase::Model::elastic; }
   [[nodiscard]] bool repeats_windows() const {
     return scene_.predicts() && scene_.coupling.scheme == CouplingCase::Scheme::iterated;
   }

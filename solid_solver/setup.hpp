@@ -34,6 +34,7 @@ struct Setup {
   double full_cover = 1.0;        ///< sum V W in soil as dense as it was laid
   double skin = 0.0;              ///< m, pair lists hold until something moved half of it
   std::size_t parts = 1;          ///< of the particles, that threads share: as many on every machine
+  bool can_yield = false;         ///< some soil can
   bool regular_flow = true;       ///< see dynamics/flow_regularisation.hpp
   bool soft_edges = false;        ///< surfaces that carry no stress are less stiff, for longer substeps
   double flow_limit =
@@ -77,6 +78,12 @@ double void_fraction(const Setup<D>& setup, const Particles<D>& particles, std::
 template <int D>
 Condition condition(const Setup<D>& setup, const Particles<D>& particles, std::size_t i, double saturation) {
   return {saturation, 1.0 / (1.0 - void_fraction(setup, particles, i)) - 1.0};
+}
+
+/// Elastic moduli of a particle in its present state.
+template <int D>
+Elasticity moduli(const Setup<D>& setup, const Particles<D>& particles, std::size_t i) {
+  return setup.models[particles.material[i]]->moduli(particles.state_of(i));
 }
 
 /// Unit vector against gravity; the last axis without any.

@@ -164,7 +164,7 @@ std::vector<GaugeReading> read_gauges(const Case& scene, const Setup<D>& setup, 
       pending += state.returned_impulse[i];
       kinetic += 0.5 * p.mass[i] * p.velocity[i].squaredNorm();
       potential -= p.mass[i] * setup.gravity.dot(p.position[i]);
-      stored += p.volume[i] * strain_energy(p.stress[i], setup.models[p.material[i]]->elasticity());
+      stored += p.volume[i] * strain_energy(p.stress[i], moduli(setup, p, i));
       grains += p.mass[i] / setup.grain_density[p.material[i]] * setup.grain_share[p.material[i]];
       count += 1.0;
       plastic = std::max(plastic, p.plastic_strain[i]);
