@@ -145,12 +145,12 @@ void attach_load(const Case& scene, std::size_t which, double reach, double marg
                      0.5 * (planes[k].from + planes[k].to - 2.0 * planes[k].tangent.dot(planes[k].point)) *
                          planes[k].tangent)
             : planes[k].point;
-    for (std::size_t f = 0; f < scene.water_faces.size(); ++f)
-      for (const auto& other : planes_of<D>(scene.water_faces[f].face, 0, margin)) {
+    for (const WaterFace& face : scene.water_faces)
+      for (const auto& other : planes_of<D>(face.face, 0, margin)) {
         const double along = other.tangent.dot(middle);
         const bool beside = other.to > other.from && (along < other.from || along > other.to);
         if (!beside && std::abs(other.normal.dot(middle - other.point)) <= 1e-6 * setup.spacing)
-          patches[k].water_face = f;
+          patches[k].water_face = face;
       }
   }
   for (std::size_t i = 0; i < positions.size(); ++i) {
@@ -203,7 +203,26 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   setup.stabilisers.hourglass_viscosity = scene.solid.zero_energy_viscosity;
   setup.stabilisers.hourglass_stiffness = scene.solid.zero_energy_stiffness;
   setup.gravity = scene.general.gravity.head<D>();
-  setup.water_weight = porous::specific_weight(scene);
+  setup.water = {.density = scene.water.density,
+                 .kinematic_viscosity = scene.water.kinematic_viscosity,
+                 .weight = porous::specific_weight(scene),
+                 .drags = scene.fluid.drag,
+                 .gradient = scene.solid.pressure_gradient,
+                 .prescribed = scene.pore_pressures,
+                 .dimension = D,
+                 .gravity = scene.general.gravity};
+  setup.coupling = {.coupled = scene.coupled(),
+                    .predicts = scene.predicts(),
+                    .repeats = scene.predicts() && scene.coupling.scheme == CouplingCase::Scheme::iterated,
+                    .keep_points = scene.coupling.keep_points,
+                    .worth_repeating = scene.coupling.tolerance.value_or(steps::worth_repeating),
+                    .settled_below = scene.coupling.settled_below()};
+  setup.initial_rest = {.sought = scene.solid.initial_rest,
+                        .bears_seepage = scene.solid.initial_seepage && scene.fluid.drag};
+  setup.sleeps = scene.solid.quiet && !(scene.coupled() && !setup.can_yield);
+  setup.gauges = scene.gauges;
+  setup.gauge_interval = scene.output.gauge_interval;
+  setup.soils = scene.soils;
   setup.counts_impulses = asks_for(scene.gauges, "solid", "unexplained_impulse");
   setup.parallel = scene.coupling.scheme == CouplingCase::Scheme::parallel;
   setup.inertia_share = setup.parallel && scene.fluid.skeleton_response ? 0.5 : 0.0;

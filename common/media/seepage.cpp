@@ -19,13 +19,17 @@ double specific_weight(const Case& scene) {
 }
 
 Seepage seepage_at(const Case& scene, const Soil& soil, double porosity) {
+  return seepage_at(soil, porosity, specific_weight(scene) / scene.water.density, scene.water.kinematic_viscosity);
+}
+
+Seepage seepage_at(const Soil& soil, double porosity, double gravity, double viscosity) {
   switch (soil.seepage_law) {
     case Soil::SeepageLaw::constant:
       return constant_conductivity(soil);
     case Soil::SeepageLaw::forchheimer:
       return forchheimer(soil, porosity);
     case Soil::SeepageLaw::ergun:
-      return ergun(soil, specific_weight(scene) / scene.water.density, scene.water.kinematic_viscosity, porosity);
+      return ergun(soil, gravity, viscosity, porosity);
     case Soil::SeepageLaw::kozeny_carman:
       break;
   }

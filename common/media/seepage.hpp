@@ -28,7 +28,8 @@ struct Resistance {
 /// none.
 double specific_weight(const Case& scene);
 
-/// The soil's law at a porosity.
+/// The soil's law at a porosity; gravity [m/s2]: the one behind the word "conductivity"; viscosity of the water [m2/s].
+Seepage seepage_at(const Soil& soil, double porosity, double gravity, double viscosity);
 Seepage seepage_at(const Case& scene, const Soil& soil, double porosity);
 
 /// Conductivity of the fastest soil over that of the slowest, each at its own porosity; 1 without soil. Below
