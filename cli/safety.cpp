@@ -155,8 +155,7 @@ void clear_trials(const fs::path& out) {
 
 Safety find_safety(const RunOptions& options, double tolerance) {
   const Case scene = read_case(options.case_file, options.overrides);
-  if (scene.solid.model != SolidCase::Model::drucker_prager &&
-      scene.solid.model != SolidCase::Model::drucker_prager_rate)
+  if (!scene.can_yield())
     throw CaseError(
         fmt::format("{}: key 'solid.model': a factor of safety needs soil that can fail; expected \"drucker_prager\"",
                     options.case_file.string()));

@@ -145,12 +145,12 @@ void attach_load(const Case& scene, std::size_t which, double reach, double marg
                      0.5 * (planes[k].from + planes[k].to - 2.0 * planes[k].tangent.dot(planes[k].point)) *
                          planes[k].tangent)
             : planes[k].point;
-    for (std::size_t f = 0; f < scene.water_faces.size(); ++f)
-      for (const auto& other : planes_of<D>(scene.water_faces[f].face, 0, margin)) {
+    for (const WaterFace& face : scene.water_faces)
+      for (const auto& other : planes_of<D>(face.face, 0, margin)) {
         const double along = other.tangent.dot(middle);
         const bool beside = other.to > other.from && (along < other.from || along > other.to);
         if (!beside && std::abs(other.normal.dot(middle - other.point)) <= 1e-6 * setup.spacing)
-          patches[k].water_face = f;
+          patches[k].water_face = face;
       }
   }
   for (std::size_t i = 0; i < positions.size(); ++i) {
@@ -193,6 +193,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   // Up to just below a lattice's neighbours at sqrt(8) spacings: lists are rebuilt as rarely as possible in soil that
   // flows, without additional pairs in soil at rest.
   setup.skin = scene.solid.list_skin * setup.spacing;
+  setup.can_yield = scene.can_yield();
   setup.regular_flow = scene.solid.regular_flow;
   setup.quiet = scene.solid.quiet.value_or(Quiet{});
   if (!scene.general.periodic.empty()) setup.quiet.regions = 0.0;
@@ -202,7 +203,26 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   setup.stabilisers.hourglass_viscosity = scene.solid.zero_energy_viscosity;
   setup.stabilisers.hourglass_stiffness = scene.solid.zero_energy_stiffness;
   setup.gravity = scene.general.gravity.head<D>();
-  setup.water_weight = porous::specific_weight(scene);
+  setup.water = {.density = scene.water.density,
+                 .kinematic_viscosity = scene.water.kinematic_viscosity,
+                 .weight = porous::specific_weight(scene),
+                 .drags = scene.fluid.drag,
+                 .gradient = scene.solid.pressure_gradient,
+                 .prescribed = scene.pore_pressures,
+                 .dimension = D,
+                 .gravity = scene.general.gravity};
+  setup.coupling = {.coupled = scene.coupled(),
+                    .predicts = scene.predicts(),
+                    .repeats = scene.predicts() && scene.coupling.scheme == CouplingCase::Scheme::iterated,
+                    .keep_points = scene.coupling.keep_points,
+                    .worth_repeating = scene.coupling.tolerance.value_or(steps::worth_repeating),
+                    .settled_below = scene.coupling.settled_below()};
+  setup.initial_rest = {.sought = scene.solid.initial_rest,
+                        .bears_seepage = scene.solid.initial_seepage && scene.fluid.drag};
+  setup.sleeps = scene.solid.quiet && !(scene.coupled() && !setup.can_yield);
+  setup.gauges = scene.gauges;
+  setup.gauge_interval = scene.output.gauge_interval;
+  setup.soils = scene.soils;
   setup.counts_impulses = asks_for(scene.gauges, "solid", "unexplained_impulse");
   setup.parallel = scene.coupling.scheme == CouplingCase::Scheme::parallel;
   setup.inertia_share = setup.parallel && scene.fluid.skeleton_response ? 0.5 : 0.0;
@@ -214,21 +234,22 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   double fastest = 0.0;
   for (std::size_t s = 0; s < scene.soils.size(); ++s) {
     const Soil& soil = scene.soils[s];
-    setup.models.push_back(make_constitutive(scene.solid.model, weakened(soil, scene.solid.strength_reduction)));
+    const Material kind = material(scene.model_of(soil));
+    setup.models.push_back(
+        make_constitutive(scene.model_of(soil), weakened(soil, scene.solid.strength_reduction, kind.keys)));
     const double residual = soil.porosity * soil.initial_saturation, solid = 1.0 - soil.porosity;
     const double density = solid * soil.grain_density + residual * scene.water.density;
     setup.grain_density.push_back(density / (solid + residual));
     setup.grain_share.push_back(solid / (solid + residual));
-    setup.constant_volume.push_back(soil.dilation_angle <= 0.0 ? 1 : 0);
-    const bool grains = soil.dilation_angle <= 0.0 && soil.cohesion <= 0.0 && scene.solid.regular_flow &&
-                        scene.solid.model != SolidCase::Model::elastic;
+    setup.constant_volume.push_back(kind.has_cone() && soil.dilation_angle <= 0.0 ? 1 : 0);
+    const bool grains = setup.constant_volume.back() && soil.cohesion <= 0.0 && scene.solid.regular_flow;
     setup.loose_friction.push_back(grains ? static_cast<float>(std::tan(soil.friction_angle * std::numbers::pi / 180.0))
                                           : 0.0F);
     setup.softened_by_water.push_back(soil.saturated_cohesion ? 1 : 0);
     const auto lattice = fill<D>(soil.shape, setup.spacing, scene.solid.offset, scene.solid.jitter,
                                  scene.solid.seed + static_cast<unsigned>(s), std::span(shapes).subspan(s + 1));
     setup.density.push_back(density);
-    fastest = std::max(fastest, std::sqrt(setup.models.back()->elasticity().constrained() / density));
+    fastest = std::max(fastest, std::sqrt(setup.models.back()->stiffest().constrained() / density));
     const std::size_t all = particles.size() + lattice.position.size();
     particles.position.reserve(all);
     for (auto* array : {&particles.mass, &particles.volume}) array->reserve(all);
@@ -260,11 +281,15 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
     }
   particles.stress.assign(n, Tensor::Zero());
   particles.plastic_strain.assign(n, 0.0);
+  std::size_t remembered = 0;
+  for (const auto& model : setup.models) remembered = std::max(remembered, model->state_size());
+  particles.material_state.assign(n * remembered, 0.0);
+  for (std::size_t i = 0; i < n; ++i) setup.models[particles.material[i]]->initial(particles.state_of(i));
   particles.rubbing.assign(n, 0.0F);
   setup.stabilisers.sound_speed = fastest;
-  setup.stabilisers.modulus = setup.models.front()->elasticity().constrained();
+  setup.stabilisers.modulus = setup.models.front()->initial_moduli().constrained();
   for (const auto& model : setup.models)  // the softest: no soil may be held by another's stiffness
-    setup.stabilisers.modulus = std::min(setup.stabilisers.modulus, model->elasticity().constrained());
+    setup.stabilisers.modulus = std::min(setup.stabilisers.modulus, model->initial_moduli().constrained());
   setup.boundaries = make_boundaries<D>(scene, setup.range());
   setup.soft_edges = surfaces_carry_nothing(scene, setup);
   // Waves that such steps resolve poorly disturb the flow and reduce its friction.

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <span>
 #include <vector>
 
 namespace poretwin::solid {
@@ -28,11 +29,21 @@ struct Particles {
   std::vector<Tensor> stress;          ///< Pa, effective, compression negative
   ScalarArray plastic_strain;          ///< accumulated equivalent deviatoric plastic strain
   std::vector<std::uint8_t> material;  ///< index of the soil
+  ScalarArray material_state;          ///< what materials remember of each particle, one row after the other
   std::vector<float> rubbing;          ///< friction coefficient where grains are apart and only collide, 0 elsewhere
   VecArray<D> slip;      ///< m/s, of the soil along frictional walls (wall_friction.hpp); empty without such
   VecArray<D> slipped;   ///< m, displacement that goes with it
   std::size_t held = 0;  ///< how many, at the end, are held
   [[nodiscard]] std::size_t size() const { return mass.size(); }
+  /// What its material remembers of a particle; rows are as long as the soil with most to remember needs.
+  [[nodiscard]] std::span<double> state_of(std::size_t i) {
+    const std::size_t each = material_state.size() / size();
+    return {material_state.data() + i * each, each};
+  }
+  [[nodiscard]] std::span<const double> state_of(std::size_t i) const {
+    const std::size_t each = material_state.size() / size();
+    return {material_state.data() + i * each, each};
+  }
   [[nodiscard]] std::size_t free() const { return mass.size() - held; }  ///< how many, at the front, are free to move
 };
 

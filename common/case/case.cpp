@@ -4,6 +4,7 @@
 #include "common/case/check.hpp"
 #include "common/case/doubts.hpp"
 #include "common/case/keys.hpp"
+#include "common/case/materials.hpp"
 #include "common/case/origin.hpp"
 #include "common/core/error.hpp"
 #include "common/core/hash.hpp"
@@ -11,9 +12,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 namespace poretwin {
 namespace {
@@ -49,10 +52,6 @@ constexpr std::array form_words{
     Word<FluidCase::DragForm>{"pointwise", FluidCase::DragForm::pointwise},
     Word<FluidCase::DragForm>{"smoothed", FluidCase::DragForm::smoothed},
     Word<FluidCase::DragForm>{"smoothed_as_printed", FluidCase::DragForm::smoothed_as_printed}};
-constexpr std::array model_words{Word<SolidCase::Model>{"rigid", SolidCase::Model::rigid},
-                                 Word<SolidCase::Model>{"elastic", SolidCase::Model::elastic},
-                                 Word<SolidCase::Model>{"drucker_prager", SolidCase::Model::drucker_prager},
-                                 Word<SolidCase::Model>{"drucker_prager_rate", SolidCase::Model::drucker_prager_rate}};
 constexpr std::array cone_words{
     Word<Soil::Cone>{"paper", Soil::Cone::paper}, Word<Soil::Cone>{"plane_strain", Soil::Cone::plane_strain},
     Word<Soil::Cone>{"repose", Soil::Cone::repose}, Word<Soil::Cone>{"outer", Soil::Cone::outer},
@@ -147,9 +146,30 @@ void declare(Keys& keys, Face& f) {
   keys.point("normal", f.normal, {"", "With `point`: direction into the domain."});
 }
 
+/// The names of all materials, and of soil that does not move.
+std::vector<Word<MaterialName>> model_words(bool rigid) {
+  std::vector<Word<MaterialName>> words;
+  if (rigid) words.emplace_back("rigid", MaterialName::rigid);
+  for (const Material& material : materials()) words.emplace_back(material.name, MaterialName{material.name});
+  return words;
+}
+
+/// The keys that materials bring along; of one that several have the first.
+void declare_own_keys(Keys& keys, Soil& s) {
+  std::set<std::string_view> declared;
+  for (const Material& material : materials())
+    for (const MaterialKey& key : material.keys) {
+      if (!declared.insert(key.name).second) continue;
+      double& value = s.own_numbers.try_emplace(std::string(key.name), key.standard).first->second;
+      keys.number(key.name, value, key.about, key.range);
+    }
+}
+
 void declare(Keys& keys, Soil& s) {
   keys.text("name", s.name, {"", "Name, for messages."});
   declare(keys, s.shape);
+  keys.choice<MaterialName>("model", s.model, model_words(false),
+                            {"", "Material law of this soil, where it moves; absent: `solid.model`."});
   keys.number("porosity", s.porosity, {"", "Volume of pores per volume, n."}, between(0, true, 1, true));
   keys.number("grain_density", s.grain_density, {"kg/m3", "Density of the grains themselves."}, positive());
   std::string meaning = "Hydraulic gradient i against discharge velocity U.";
@@ -160,12 +180,13 @@ void declare(Keys& keys, Soil& s) {
     if (!law.takes_conductivity) without += fmt::format("{}`{}`", without.empty() ? " but " : ", ", law.name);
     laws.emplace_back(law.name, &law);
   }
+  if (!s.seepage_law) s.seepage_law = laws.front().second;
   keys.choice<const porous::SeepageLaw*>("seepage_law", s.seepage_law, laws, {"", meaning + "."});
   keys.number("hydraulic_conductivity", s.hydraulic_conductivity,
               {"m/s", fmt::format("k at `porosity` (all laws{}).", without)}, positive());
   for (const auto& law : porous::seepage_laws())
     for (const auto& p : law.parameters)
-      keys.number(p.key, porous::parameter(s, p.key), {p.unit, p.meaning},
+      keys.number(p.key, s.own_numbers.try_emplace(p.key, p.value).first->second, {p.unit, p.meaning},
                   p.needed && p.value > 0.0 ? positive() : not_negative());
   keys.number("youngs_modulus", s.youngs_modulus, {"Pa", "Young's modulus of the drained skeleton."}, positive());
   keys.number("poissons_ratio", s.poissons_ratio, {"", "Poisson's ratio of the drained skeleton."},
@@ -199,6 +220,7 @@ void declare(Keys& keys, Soil& s) {
                "K0: horizontal over vertical effective stress before the search for rest, from the weight above; "
                "absent: the soil is loaded by gravity from nothing, which gives nu / (1 - nu) on level ground."},
               positive());
+  declare_own_keys(keys, s);
 }
 
 void declare(Keys& keys, Quiet& q) {
@@ -354,11 +376,12 @@ void declare(Keys& keys, FluidCase& f) {
 }
 
 void declare(Keys& keys, SolidCase& s) {
-  keys.choice<SolidCase::Model>(
-      "model", s.model, model_words,
+  keys.choice<MaterialName>(
+      "model", s.model, model_words(true),
       {"",
-       "`rigid`: the soil does not move, the fluid runs alone; otherwise the material law. `drucker_prager_rate`: as "
-       "the paper integrates it, explicit rates and stress scaling-back. Without water the soil runs alone."});
+       "`rigid`: the soil does not move, the fluid runs alone; otherwise the material law of all soil that has no "
+       "`soil.model`. `drucker_prager_rate`: as the paper integrates it, explicit rates and stress scaling-back. "
+       "Without water the soil runs alone."});
   keys.number("particle_spacing", s.particle_spacing,
               {"m", "Distance between soil particles; 0: as fluid.particle_spacing."}, not_negative());
   keys.point("initial_velocity", s.initial_velocity, {"m/s", "Of all soil at time zero."});
@@ -549,10 +572,38 @@ void take_paper_defaults(Case& c) {
 
 }  // namespace
 
+Material material(MaterialName name) {
+  const auto all = materials();
+  const auto found = std::ranges::find(all, name.name, &Material::name);
+  if (found == all.end())
+    throw CaseError(fmt::format("there is no material \"{}\": expected a name that soil.model may have", name.name));
+  return *found;
+}
+
+bool Case::can_yield() const {
+  return deformable() &&
+         std::ranges::any_of(soils, [this](const Soil& soil) { return material(model_of(soil)).can_yield(); });
+}
+
 std::string Case::coupled_part() const {
   Case copy = *this;
   return list_keys([&](Keys& keys) { declare_shared(keys, copy); });
 }
+
+namespace {
+
+/// Afterwards solid.model yields if any soil does, so that the water, which sees it alone, reckons with soil that can
+/// yield exactly where there is some.
+void let_solid_model_stand_for_all(Case& scene) {
+  if (!scene.deformable() || scene.soils.empty()) return;
+  const bool yields = scene.can_yield();
+  if (material(scene.solid.model).can_yield() == yields) return;
+  for (Soil& soil : scene.soils) soil.model = scene.model_of(soil);
+  for (const Soil& soil : scene.soils)
+    if (material(*soil.model).can_yield() == yields) scene.solid.model = *soil.model;
+}
+
+}  // namespace
 
 std::string Case::digest() const { return fmt::format("{:016x}", fnv1a(coupled_part())); }
 
@@ -585,11 +636,16 @@ Case read_case(const std::filesystem::path& path, const std::vector<std::string>
       },
       &places);
   if (paper) {
-    if (scene.solid.model == SolidCase::Model::drucker_prager)
-      scene.solid.model = SolidCase::Model::drucker_prager_rate;
+    const auto integrate_by_rates = [](MaterialName& model) {
+      if (model == MaterialName::drucker_prager) model = MaterialName::drucker_prager_rate;
+    };
+    integrate_by_rates(scene.solid.model);
+    for (Soil& soil : scene.soils)
+      if (soil.model) integrate_by_rates(*soil.model);
     // The sum over pairs is built for soil at rest only.
     if (scene.coupled() && !places.contains("fluid.drag_form")) scene.fluid.drag_form = FluidCase::DragForm::pointwise;
   }
+  let_solid_model_stand_for_all(scene);
   if (!places.contains("coupling.scheme") && !scene.predicts()) scene.coupling.scheme = CouplingCase::Scheme::serial;
   if (scene.solid.particle_spacing <= 0.0) scene.solid.particle_spacing = scene.fluid.particle_spacing;
   move_to_origin(scene);

@@ -5,8 +5,11 @@
 #include <Eigen/Core>
 
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -65,6 +68,15 @@ namespace porous {
 struct SeepageLaw;
 }
 
+/// Name of a material (materials.hpp), or `rigid`: soil that does not move.
+struct MaterialName {
+  std::string_view name;
+  bool operator==(const MaterialName&) const = default;
+  static const MaterialName rigid, elastic, drucker_prager, drucker_prager_rate;
+};
+inline constexpr MaterialName MaterialName::rigid{"rigid"}, MaterialName::elastic{"elastic"},
+    MaterialName::drucker_prager{"drucker_prager"}, MaterialName::drucker_prager_rate{"drucker_prager_rate"};
+
 /// [[soil]]: a region of soil and its material. With solid.model = "rigid" only shape, porosity and the law of seepage
 /// matter.
 struct Soil {
@@ -78,11 +90,11 @@ struct Soil {
   };
   std::string name;
   Shape shape;
+  std::optional<MaterialName> model;                ///< absent: solid.model
   double porosity = 0.4;                            ///< n = n_w
   double grain_density = 2600.0;                    ///< kg/m3, intrinsic rho_s
   const porous::SeepageLaw* seepage_law = nullptr;  ///< none: the first of `porous::seepage_laws`
   double hydraulic_conductivity = 1e-4;             ///< k at `porosity`, m/s
-  std::vector<double> seepage_parameters;           ///< of all laws (`porous::parameter`)
   double youngs_modulus = 3.0e6;                    ///< Pa
   double poissons_ratio = 0.3;
   double cohesion = 0.0;                         ///< Pa, at the initial saturation
@@ -95,6 +107,9 @@ struct Soil {
   double initial_saturation = 0.0;           ///< s_r0, of soil that the water has not reached
   double suction_head = 0.0;                 ///< m, capillary, at a wetting front
   std::optional<double> saturated_cohesion;  ///< Pa, at s_r = 1, Eq. (36); absent: as `cohesion`
+  std::map<std::string, double, std::less<>>
+      own_numbers;  ///< by key, of materials and laws of seepage that have keys of their own
+  [[nodiscard]] double own(std::string_view key) const { return own_numbers.at(std::string(key)); }
 };
 
 /// [[wall]]: one wall, its meaning for either phase.
@@ -181,10 +196,10 @@ struct Quiet {
 
 /// [solid]
 struct SolidCase {
-  enum class Model { rigid, elastic, drucker_prager, drucker_prager_rate };
+  using Model = MaterialName;
   enum class PressureGradient { difference, sum };  ///< Eq. (62) as corrected; Eq. (61), which pulls at the surface
-  Model model = Model::elastic;
-  double particle_spacing = 0.0;  ///< m
+  Model model = Model::elastic;                     ///< of every soil that names none of its own
+  double particle_spacing = 0.0;                    ///< m
   Point3 initial_velocity = Point3::Zero();
   double initial_wave = 0.0;  ///< m/s: adds the lowest sloshing mode of the first soil, this fast at the surface
   Point3 offset{0.5, 0.5, 0.5};
@@ -255,6 +270,9 @@ struct Case {
   std::vector<std::string> warnings;  ///< what is allowed and hardly meant: "file:line: key '..': .."
   /// The soil is a phase of its own.
   [[nodiscard]] bool deformable() const { return solid.model != SolidCase::Model::rigid; }
+  [[nodiscard]] MaterialName model_of(const Soil& soil) const { return soil.model.value_or(solid.model); }
+  /// Some soil moves and can yield.
+  [[nodiscard]] bool can_yield() const;
   /// There is a water phase.
   [[nodiscard]] bool has_water() const { return !fluid.regions.empty() || !water_faces.empty(); }
   /// Both phases run; otherwise the water alone in rigid soil, or the soil alone.

@@ -215,7 +215,7 @@ class Checker : Complaints {
     for (const auto& law : porous::seepage_laws()) {
       const bool chosen = soil.seepage_law == &law;
       for (const auto& p : law.parameters) {
-        if (chosen && p.needed && !(porous::parameter(soil, p.key) > 0.0))
+        if (chosen && p.needed && !(porous::parameter(soil, p) > 0.0))
           fail(key + "." + p.key, fmt::format("the law \"{}\" needs it, a positive number{}, found none", law.name,
                                               p.unit.empty() ? "" : " of " + p.unit));
         if (!chosen && given(key + "." + p.key))

@@ -2,6 +2,7 @@
 
 #include "common/case/amounts.hpp"
 #include "common/case/complaints.hpp"
+#include "common/case/materials.hpp"
 #include "common/geometry/extent.hpp"
 #include "common/geometry/pieces.hpp"
 #include "common/geometry/shapes.hpp"
@@ -320,11 +321,10 @@ class Doubts : Complaints {
       idle("fluid.skeleton_response", !scene_.coupled(), "the soil does not move");
     }
     if (scene_.deformable()) {
-      const bool elastic = s.model == SolidCase::Model::elastic;
       idle("solid.seed", s.jitter == 0.0, "solid.jitter is 0");
       idle("solid.initial_seepage", !s.initial_rest, "solid.initial_rest = false");
       idle("solid.initial_seepage", s.initial_rest && (!scene_.coupled() || !f.drag), "no water drags at the soil");
-      idle("solid.strength_reduction", elastic, "elastic soil does not fail");
+      idle("solid.strength_reduction", !scene_.can_yield(), "elastic soil does not fail");
     } else {
       for (std::size_t i = 0; i < scene_.loads.size(); ++i)
         doubt(fmt::format("load[{}]", i), "has no effect: with solid.model = \"rigid\" nothing gives way to it");
@@ -345,9 +345,21 @@ class Doubts : Complaints {
            "no axis is periodic (case.periodic), and it is no wall");
     shapes(idle);
     gauges(idle);
-    for (std::size_t i = 0; i < scene_.soils.size(); ++i)
-      idle(fmt::format("soil[{}].earth_pressure_at_rest", i), scene_.deformable() && !s.initial_rest,
-           "solid.initial_rest = false");
+    for (std::size_t i = 0; i < scene_.soils.size(); ++i) {
+      const std::string soil = fmt::format("soil[{}]", i);
+      idle(soil + ".earth_pressure_at_rest", scene_.deformable() && !s.initial_rest, "solid.initial_rest = false");
+      idle(soil + ".model", !scene_.deformable(), "with solid.model = \"rigid\" no soil moves");
+      if (scene_.deformable()) own_numbers(idle, scene_.model_of(scene_.soils[i]), soil);
+    }
+  }
+  /// Numbers that belong to another material than the soil's.
+  template <class Idle>
+  void own_numbers(const Idle& idle, MaterialName model, const std::string& soil) {
+    const auto mine = material(model).keys;
+    for (const Material& other : materials())
+      for (const MaterialKey& key : other.keys)
+        idle(fmt::format("{}.{}", soil, key.name), std::ranges::find(mine, key.name, &MaterialKey::name) == mine.end(),
+             fmt::format("it belongs to soil.model = \"{}\"", other.name));
   }
   template <class Idle>
   void shapes(const Idle& idle) {

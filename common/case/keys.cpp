@@ -139,7 +139,7 @@ class Reader final : public Keys {
   }
 
  protected:
-  void word(std::string_view key, std::size_t& index, const std::vector<std::string_view>& names,
+  void word(std::string_view key, std::optional<std::size_t>& index, const std::vector<std::string_view>& names,
             const About& about) override {
     std::vector<std::string> quoted, plain;
     for (const auto name : names) {
@@ -281,11 +281,11 @@ class Describer final : public Keys {
   }
 
  protected:
-  void word(std::string_view key, std::size_t& index, const std::vector<std::string_view>& names,
+  void word(std::string_view key, std::optional<std::size_t>& index, const std::vector<std::string_view>& names,
             const About& about) override {
     std::string allowed;
     for (const auto name : names) allowed += fmt::format("{}\"{}\"", allowed.empty() ? "" : ", ", name);
-    row(key, "word", about, fmt::format("\"{}\"", names[index]), allowed);
+    row(key, "word", about, index ? fmt::format("\"{}\"", names[*index]) : "", allowed);
   }
   void group(std::string_view key, std::string_view meaning, bool, bool,
              const std::function<void(Keys&)>& body) override {
@@ -355,9 +355,9 @@ class Lister final : public Keys {
   [[nodiscard]] const std::string& result() const { return text_; }
 
  protected:
-  void word(std::string_view key, std::size_t& index, const std::vector<std::string_view>& names,
+  void word(std::string_view key, std::optional<std::size_t>& index, const std::vector<std::string_view>& names,
             const About&) override {
-    line(key, std::string(names[index]));
+    line(key, index ? std::string(names[*index]) : "none");
   }
   void group(std::string_view key, std::string_view, bool, bool present,
              const std::function<void(Keys&)>& body) override {

@@ -64,14 +64,21 @@ class Keys {
   template <class E>
   void choice(std::string_view key, E& value, std::span<const std::pair<std::string_view, E>> words,
               const About& about) {
+    std::optional<E> chosen = value;
+    choice(key, chosen, words, about);
+    value = *chosen;
+  }
+  template <class E>
+  void choice(std::string_view key, std::optional<E>& value, std::span<const std::pair<std::string_view, E>> words,
+              const About& about) {
     std::vector<std::string_view> names;
-    std::size_t index = 0;
+    std::optional<std::size_t> index;
     for (std::size_t i = 0; i < words.size(); ++i) {
       names.push_back(words[i].first);
-      if (words[i].second == value) index = i;
+      if (value == words[i].second) index = i;
     }
     word(key, index, names, about);
-    value = words[index].second;
+    if (index) value = words[*index].second;
   }
 
   template <class Body>
@@ -96,7 +103,8 @@ class Keys {
   int dimension = 2;  ///< coordinates per point, from here on
 
  protected:
-  virtual void word(std::string_view key, std::size_t& index, const std::vector<std::string_view>& names,
+  /// index: of the word in `names`; absent where none is chosen.
+  virtual void word(std::string_view key, std::optional<std::size_t>& index, const std::vector<std::string_view>& names,
                     const About& about) = 0;
   virtual void group(std::string_view key, std::string_view meaning, bool optional, bool present,
                      const std::function<void(Keys&)>& body) = 0;

@@ -2,6 +2,7 @@
 
 #include "common/case/amounts.hpp"
 #include "common/case/complaints.hpp"
+#include "common/case/materials.hpp"
 #include "common/geometry/extent.hpp"
 #include "common/geometry/pieces.hpp"
 #include "common/geometry/shapes.hpp"
@@ -411,11 +412,11 @@ class Supported : Complaints {
   /// (measured of a vertical cut: 200 m/s after 0.4 s). Soil that stands by its cohesion is right without a limit: a
   /// vertical cut up to 3.83 c / gamma high. So is soil whose cohesion is nothing beside its weight.
   void tension() const {
-    if (scene_.solid.model == SolidCase::Model::elastic || up_.isZero()) return;
+    if (up_.isZero()) return;
     std::optional<double> height;
     for (std::size_t i = 0; i < scene_.soils.size(); ++i) {
       const Soil& soil = scene_.soils[i];
-      if (soil.friction_angle > 0.0 || soil.tensile_strength) continue;
+      if (soil.friction_angle > 0.0 || soil.tensile_strength || !material(scene_.model_of(soil)).has_cone()) continue;
       if (!height) height = relief();
       const double gamma = (1.0 - soil.porosity) * soil.grain_density * scene_.general.gravity.norm();
       const double stands = 3.83 * soil.cohesion / gamma;

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace poretwin::porous {
@@ -19,25 +19,6 @@ std::deque<SeepageLaw>& all_laws() {
 }
 
 const SeepageLaw& law_of(const Soil& soil) { return soil.seepage_law ? *soil.seepage_law : all_laws().front(); }
-
-/// Values of all laws' parameters, in the order of the laws; those that the soil does not have yet at their defaults.
-std::vector<double> completed(std::vector<double> values) {
-  std::size_t i = 0;
-  for (const auto& law : all_laws())
-    for (const auto& p : law.parameters)
-      if (i++ >= values.size()) values.push_back(p.value);
-  return values;
-}
-
-std::size_t index_of(std::string_view key) {
-  std::size_t i = 0;
-  for (const auto& law : all_laws())
-    for (const auto& p : law.parameters) {
-      if (p.key == key) return i;
-      ++i;
-    }
-  throw CaseError(fmt::format("no law of seepage has a parameter '{}'", key));
-}
 
 }  // namespace
 
@@ -53,6 +34,9 @@ const SeepageLaw& seepage_law(std::string_view name) {
 }
 
 const SeepageLaw& add_seepage_law(SeepageLaw law) {
+  if (law.parameters.size() > most_parameters)
+    throw CaseError(fmt::format("the law '{}' has {} parameters, at most {} are held", law.name, law.parameters.size(),
+                                most_parameters));
   for (const auto& other : all_laws()) {
     if (other.name == law.name) throw CaseError(fmt::format("a law of seepage is called '{}' already", law.name));
     for (const auto& theirs : other.parameters)
@@ -63,11 +47,10 @@ const SeepageLaw& add_seepage_law(SeepageLaw law) {
   return all_laws().emplace_back(std::move(law));
 }
 
-double& parameter(Soil& soil, std::string_view key) {
-  soil.seepage_parameters = completed(std::move(soil.seepage_parameters));
-  return soil.seepage_parameters[index_of(key)];
+double parameter(const Soil& soil, const LawParameter& parameter) {
+  const auto given = soil.own_numbers.find(parameter.key);
+  return given == soil.own_numbers.end() ? parameter.value : given->second;
 }
-double parameter(const Soil& soil, std::string_view key) { return completed(soil.seepage_parameters)[index_of(key)]; }
 
 double Resistance::speed(double force) const {
   const double root = std::sqrt(linear * linear + 4.0 * quadratic * force);
@@ -80,19 +63,15 @@ double specific_weight(const Case& scene) {
 }
 
 Seepage seepage_at(const Case& scene, const Soil& soil, double porosity) {
+  return seepage_at(soil, porosity, specific_weight(scene) / scene.water.density, scene.water.kinematic_viscosity);
+}
+
+Seepage seepage_at(const Soil& soil, double porosity, double gravity, double viscosity) {
   const SeepageLaw& law = law_of(soil);
-  Medium medium{porosity, soil.porosity, soil.hydraulic_conductivity, specific_weight(scene) / scene.water.density,
-                scene.water.kinematic_viscosity};
-  std::size_t first = 0;
-  for (const auto& other : all_laws()) {
-    if (&other == &law) break;
-    first += other.parameters.size();
-  }
-  std::vector<double> values;  // only where a soil made by hand lacks them
-  std::span<const double> parameters = soil.seepage_parameters;
-  if (parameters.size() < first + law.parameters.size()) parameters = values = completed(soil.seepage_parameters);
-  medium.parameters = parameters.subspan(first, law.parameters.size());
-  return law.at(medium);
+  std::array<double, most_parameters> values{};
+  for (std::size_t i = 0; i < law.parameters.size(); ++i) values[i] = parameter(soil, law.parameters[i]);
+  return law.at({porosity, soil.porosity, soil.hydraulic_conductivity, gravity, viscosity,
+                 std::span(values).first(law.parameters.size())});
 }
 
 Resistance resistance(double specific_weight, double n, const Seepage& seepage) {

@@ -22,11 +22,11 @@ struct Resistance {
 /// none.
 double specific_weight(const Case& scene);
 
-/// The value of a law's parameter in a soil.
-double& parameter(Soil& soil, std::string_view key);
-double parameter(const Soil& soil, std::string_view key);
+/// The value of a law's parameter in a soil: the case's, or the law's own.
+double parameter(const Soil& soil, const LawParameter& parameter);
 
-/// The soil's law at a porosity.
+/// The soil's law at a porosity; gravity [m/s2]: the one behind the word "conductivity"; viscosity of the water [m2/s].
+Seepage seepage_at(const Soil& soil, double porosity, double gravity, double viscosity);
 Seepage seepage_at(const Case& scene, const Soil& soil, double porosity);
 
 /// Conductivity of the fastest soil over that of the slowest, each at its own porosity; 1 without soil. Below

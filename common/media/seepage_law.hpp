@@ -33,6 +33,9 @@ struct Medium {
   std::span<const double> parameters = {};  ///< in the law's order
 };
 
+/// How many parameters a law may have.
+inline constexpr std::size_t most_parameters = 8;
+
 struct SeepageLaw {
   std::string name;     ///< [[soil]] seepage_law
   std::string meaning;  ///< for the reference of keys

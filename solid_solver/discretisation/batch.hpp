@@ -3,9 +3,10 @@
 
 #include "common/core/threads.hpp"
 #include "solid_solver/discretisation/pair_loops.hpp"
-#include "solid_solver/material/model.hpp"
+#include "solid_solver/setup.hpp"
 
 #include <array>
+#include <vector>
 
 namespace poretwin::solid {
 
@@ -18,6 +19,7 @@ struct Batch {
   std::array<Four, most / n_lanes> fours;
   std::array<Quad, most / n_lanes> volume;     ///< m^D, as it becomes
   std::array<Quad, most / n_lanes> stiffness;  ///< shares of the elastic moduli that strains are taken with
+  std::vector<Quad> state;                     ///< what the material remembers, of one four after the other
   [[nodiscard]] std::size_t n_fours() const { return (count + n_lanes - 1) / n_lanes; }
 };
 
@@ -43,6 +45,22 @@ void for_batches(const State<D>& state, const Wanted& wanted, const Treat& treat
     }
     finish();
   });
+}
+
+/// Lets the material follow a batch's strains: the stresses in the batch, and what it remembers of the particles.
+template <int D>
+void follow_strains(const Setup<D>& setup, Batch& batch, Particles<D>& particles) {
+  const ConstitutiveModel& model = *setup.models[batch.soil];
+  const std::size_t size = model.state_size();
+  batch.state.resize(batch.n_fours() * size);
+  for (std::size_t q = 0; q < batch.n_fours(); ++q) batch.fours[q].state = batch.state.data() + q * size;
+  for (std::size_t k = 0; k < batch.n_fours() * n_lanes && size > 0; ++k)
+    for (std::size_t s = 0; s < size; ++s)
+      batch.fours[k / n_lanes].state[s].v[k % n_lanes] = particles.state_of(batch.who[k])[s];
+  model.advance(std::span(batch.fours).first(batch.n_fours()));
+  for (std::size_t k = 0; k < batch.count && size > 0; ++k)
+    for (std::size_t s = 0; s < size; ++s)
+      particles.state_of(batch.who[k])[s] = batch.fours[k / n_lanes].state[s].v[k % n_lanes];
 }
 
 /// One number of each of four particles.

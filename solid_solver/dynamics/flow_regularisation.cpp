@@ -32,8 +32,7 @@ void see_what_yields(const Setup<D>& setup, bool in_equilibrium, State<D>& state
     const auto strain = static_cast<float>(p.plastic_strain[i]);
     const double since = static_cast<double>(strain - state.evened[i]);
     state.evened[i] = strain;
-    if (flows[i] == 0.0 && p.rubbing[i] <= 0.0F)
-      flows[i] = -flow::evened_out * setup.models[p.material[i]]->elasticity().shear * since;
+    if (flows[i] == 0.0 && p.rubbing[i] <= 0.0F) flows[i] = -flow::evened_out * moduli(setup, p, i).shear * since;
   }
 }
 
@@ -216,7 +215,12 @@ void even_out(const Setup<D>& setup, double interval, const State<D>& state, con
   using A = Around<D>;
   const Particles<D>& p = state.particles;
   const Index soil = batch.soil;
-  const Elasticity elasticity = setup.models[soil]->elasticity();
+  std::array<Quad, Batch::most / n_lanes> bulk, stiffness_in_shear;
+  for (std::size_t k = 0; k < batch.n_fours() * n_lanes; ++k) {
+    const Elasticity elasticity = moduli(setup, p, batch.who[k]);
+    bulk[k / n_lanes].v[k % n_lanes] = elasticity.bulk;
+    stiffness_in_shear[k / n_lanes].v[k % n_lanes] = elasticity.shear;
+  }
   const double h = setup.smoothing_length, scale = h * h / full_weight, density = setup.density[soil];
   const double longest = flow::longest_move * setup.spacing;
   const double grains = setup.grain_share[soil] / setup.grain_density[soil];
@@ -238,7 +242,7 @@ void even_out(const Setup<D>& setup, double interval, const State<D>& state, con
       root_j2(rate, shear);
       shear *= 2.0 * interval;
       root_j2(four.stress, elastic);
-      elastic *= flow::renewing / elasticity.shear;
+      elastic *= flow::renewing / stiffness_in_shear[q].v;
       Lanes flows;
       take_each(state.scratch.flows, i, flows);
       const LaneMask flowing = flows > 0.0;
@@ -259,10 +263,10 @@ void even_out(const Setup<D>& setup, double interval, const State<D>& state, con
       Lanes strain = shear;
       min_in_place(strain, Lanes{} + flow::largest_strain);
       if (dilates) {
-        Lanes excess = mass / (density * volume) - 1.0 + mean / elasticity.bulk;
+        Lanes excess = mass / (density * volume) - 1.0 + mean / bulk[q].v;
         max_in_place(excess, Lanes{} - flow::largest_excess);
         min_in_place(excess, Lanes{} + flow::largest_excess);
-        const Lanes rise = inside ? elasticity.bulk * flow::dilatancy * strain * excess : Lanes{};
+        const Lanes rise = inside ? bulk[q].v * flow::dilatancy * strain * excess : Lanes{};
         for (int d = 0; d < 3; ++d) four.stress[d] -= rise;
       }
       Lanes move = flow::evening * h * h * strain, most = longest / (crowded > 0.0 ? crowded : Lanes{} + longest);
@@ -304,7 +308,7 @@ void keep_flow_regular(const Setup<D>& setup, double dt, bool in_equilibrium, St
   for_batches(state, treated, [&](Batch& batch) {
     std::array<std::array<Quad, D>, Batch::most / n_lanes> moves;
     even_out<D>(setup, interval, state, sums, batch, moves.data());
-    setup.models[batch.soil]->advance(std::span(batch.fours).first(batch.n_fours()));  // back to what the soil can bear
+    follow_strains(setup, batch, p);  // back to what the soil can bear
     for (std::size_t k = 0; k < batch.count; ++k) {
       const Index i = batch.who[k];
       const std::size_t q = k / n_lanes, lane = k % n_lanes;

@@ -65,7 +65,7 @@ void strain(const Setup<D>& setup, double dt, State<D>& state) {
   };
   for_batches(state, strained, [&](Batch& batch) {
     follow<D>(setup, dt, state, batch);
-    setup.models[batch.soil]->advance(std::span(batch.fours).first(batch.n_fours()));
+    follow_strains(setup, batch, p);
     const float friction = setup.loose_friction[batch.soil];
     for (std::size_t k = 0; k < batch.count; ++k) {
       const Index i = batch.who[k];

@@ -84,8 +84,7 @@ void slide_on_walls(const Setup<D>& setup, double dt, State<D>& state) {
     const double effect = effect_of_slip(state, i, normal);
     if (effect > -walls::touches_from / setup.spacing) return;
     touches[i] = 1;
-    const ConstitutiveModel& model = *setup.models[p.material[i]];
-    const double stiffness = -effect * model.elasticity().shear * dt;  // Pa s/m, of the shear against slip
+    const double stiffness = -effect * moduli(setup, p, i).shear * dt;  // Pa s/m, of the shear against slip
     const double reach = distance * slope_carried<D>(p, i, normal, distance, state.body[i]);
     const WallShear<D> found = wall_shear<D>(p.stress[i], normal, reach, state.body[i]);
     const auto tangential = [&](const Vec<D>& v) { return Vec<D>(v - normal.dot(v) * normal); };
@@ -102,8 +101,8 @@ void slide_on_walls(const Setup<D>& setup, double dt, State<D>& state) {
     if (excess > 0.0)  // the wall is as far behind as the soil's own shear explains
       p.slipped[i] += tangential(p.displacement[i] - distance * state.nodes[i].deformation * normal - p.slipped[i]);
     set_matrix<D>(matrix_of<D>(p.stress[i]) + change * normal.transpose() + normal * change.transpose(), p.stress[i]);
-    const double plastic =
-        model.advance(p.stress[i], Tensor::Zero(), condition(setup, p, i, state.external.saturation[i]));
+    const double plastic = setup.models[p.material[i]]->advance(
+        p.stress[i], Tensor::Zero(), condition(setup, p, i, state.external.saturation[i]), p.state_of(i));
     if (plastic > 0.0) {
       p.plastic_strain[i] += plastic;
       state.yielded[i] = 1;

@@ -7,9 +7,9 @@
 
 namespace poretwin::solid {
 
-std::optional<double> prescribed_pressure(const Case& scene, const Point3& x, double t) {
-  for (const auto& water : scene.pore_pressures) {
-    if (water.region && !contains(*water.region, x, scene.general.dimension)) continue;
+std::optional<double> prescribed_pressure(const WaterSetup& setup, const Point3& x, double t) {
+  for (const auto& water : setup.prescribed) {
+    if (water.region && !contains(*water.region, x, setup.dimension)) continue;
     if (water.pressure) return water.pressure->at(t);
     double head = water.head->at(t);
     if (water.to_head) {
@@ -18,17 +18,17 @@ std::optional<double> prescribed_pressure(const Case& scene, const Point3& x, do
       head += share * (water.to_head->at(t) - head);
     }
     // p = rho_w g (h - z), z = -x . g / |g|.
-    const Point3& g = scene.general.gravity;
-    const double pressure = scene.water.density * (g.norm() * head + g.dot(x));
+    const Point3& g = setup.gravity;
+    const double pressure = setup.density * (g.norm() * head + g.dot(x));
     if (pressure > 0.0) return pressure;
     return std::nullopt;
   }
   return std::nullopt;
 }
 
-double next_change_after(const Case& scene, double t) {
+double next_change_after(const WaterSetup& setup, double t) {
   double next = std::numeric_limits<double>::infinity();
-  for (const auto& water : scene.pore_pressures)
+  for (const auto& water : setup.prescribed)
     for (const auto* series : {&water.pressure, &water.head, &water.to_head}) {
       if (!*series) continue;
       for (const auto& knot : (*series)->knots)

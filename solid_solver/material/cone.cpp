@@ -40,13 +40,15 @@ Cone fit_cone(double cohesion, double friction_angle, double dilation_angle, Soi
   return cone;
 }
 
-Soil weakened(Soil soil, double factor) {
+Soil weakened(Soil soil, double factor, const std::vector<MaterialKey>& own) {
   constexpr double degree = std::numbers::pi / 180.0;
   soil.cohesion /= factor;
   if (soil.saturated_cohesion) *soil.saturated_cohesion /= factor;
   if (soil.tensile_strength) *soil.tensile_strength /= factor;
   soil.friction_angle = std::atan(std::tan(soil.friction_angle * degree) / factor) / degree;
   soil.dilation_angle = std::min(soil.dilation_angle, soil.friction_angle);
+  for (const MaterialKey& key : own)
+    if (key.strength) soil.own_numbers.at(std::string(key.name)) /= factor;
   return soil;
 }
 

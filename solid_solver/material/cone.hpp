@@ -1,7 +1,7 @@
 // The Drucker-Prager cone: its fit to Coulomb's constants, its apex and tension cut-off.
 #pragma once
 
-#include "common/case/case.hpp"
+#include "common/case/materials.hpp"
 #include "common/core/lanes.hpp"
 #include "solid_solver/material/stress.hpp"
 
@@ -50,8 +50,8 @@ inline double cohesion_at(const Soil& soil, double saturation) {
   return cohesion;
 }
 
-/// The soil with its strength divided by a factor: c / F, tan(phi) / F, tensile strength / F; dilation at most the
-/// reduced friction.
-Soil weakened(Soil soil, double factor);
+/// The soil with its strength divided by a factor: c / F, tan(phi) / F, tensile strength / F, and what its material
+/// declares as a strength; dilation at most the reduced friction.
+Soil weakened(Soil soil, double factor, const std::vector<MaterialKey>& own = {});
 
 }  // namespace poretwin::solid

@@ -10,7 +10,7 @@
 namespace poretwin::solid {
 
 DruckerPragerSoil::DruckerPragerSoil(const Soil& soil)
-    : ConstitutiveModel(Elasticity::of(soil)),
+    : elasticity_(Elasticity::of(soil)),
       soil_(soil),
       dilating_(fit_cone(1.0, soil.friction_angle, soil.dilation_angle, soil.cone)),
       spent_(fit_cone(1.0, soil.friction_angle, 0.0, soil.cone)) {}
@@ -215,7 +215,7 @@ void DruckerPrager::advance(std::span<Four> many) const {
       cohesion_at<InFours>(soil_, four.saturation, cohesion);
       cones.k *= cohesion;
       cones.tensile_strength = tensile_strength;
-      integrate<InFours>(four.stress, four.strain, cones, elasticity(), four.plastic);
+      integrate<InFours>(four.stress, four.strain, cones, elasticity_, four.plastic);
     }
   });
 }

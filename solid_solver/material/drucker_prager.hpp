@@ -21,17 +21,21 @@ class DruckerPragerSoil : public ConstitutiveModel {
   explicit DruckerPragerSoil(const Soil& soil);
   /// Cohesion falls with saturation, Eq. (36); dilation ends at the soil's largest void ratio.
   [[nodiscard]] Cone cone(const Condition& condition) const;
+  [[nodiscard]] Elasticity moduli(std::span<const double> /*state*/) const override { return elasticity_; }
 
  protected:
+  Elasticity elasticity_;
   Soil soil_;
   Cone dilating_, spent_;  ///< for unit cohesion
 };
 
 class DruckerPrager final : public DruckerPragerSoil {
  public:
+  using ConstitutiveModel::advance;
   using DruckerPragerSoil::DruckerPragerSoil;
-  double advance(Tensor& stress, const Tensor& strain, const Condition& condition = {}) const override {
-    return integrate(stress, strain, cone(condition), elasticity());
+  double advance(Tensor& stress, const Tensor& strain, const Condition& condition,
+                 std::span<double> /*state*/) const override {
+    return integrate(stress, strain, cone(condition), elasticity_);
   }
   void advance(std::span<Four> many) const override;
 };

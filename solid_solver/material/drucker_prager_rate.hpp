@@ -11,7 +11,8 @@ class DruckerPragerRate final : public DruckerPragerSoil {
  public:
   using ConstitutiveModel::advance;
   using DruckerPragerSoil::DruckerPragerSoil;
-  double advance(Tensor& stress, const Tensor& strain, const Condition& condition = {}) const override;
+  double advance(Tensor& stress, const Tensor& strain, const Condition& condition,
+                 std::span<double> state) const override;
 };
 
 }  // namespace poretwin::solid

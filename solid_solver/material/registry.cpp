@@ -1,13 +1,49 @@
-// The constitutive model behind each value of solid.model, one line per model, and what they have in common.
+// The table of materials, one row each, and what all models have in common.
 #include "solid_solver/material/drucker_prager.hpp"
 #include "solid_solver/material/drucker_prager_rate.hpp"
 #include "solid_solver/material/elastic.hpp"
 
 #include "common/core/error.hpp"
 
+#include <fmt/format.h>
+
 namespace poretwin::solid {
+namespace {
+
+struct Row {
+  Material material;
+  MaterialFactory make;
+};
+
+template <class Model>
+std::unique_ptr<ConstitutiveModel> make(const Soil& soil) {
+  return std::make_unique<Model>(soil);
+}
+
+std::vector<Row>& table() {
+  using enum Material::Strength;
+  static std::vector<Row> rows{{{"elastic", none, {}}, make<LinearElastic>},
+                               {{"drucker_prager", cohesion_and_friction, {}}, make<DruckerPrager>},
+                               {{"drucker_prager_rate", cohesion_and_friction, {}}, make<DruckerPragerRate>}};
+  return rows;
+}
+
+}  // namespace
+
+bool add_material(Material row, MaterialFactory make) {
+  table().push_back({std::move(row), make});
+  return true;
+}
+
+std::unique_ptr<ConstitutiveModel> make_constitutive(MaterialName model, const Soil& soil) {
+  for (const Row& row : table())
+    if (row.material.name == model.name) return row.make(soil);
+  throw CaseError(fmt::format("model \"{}\": no material has this name, so there is no solid phase", model.name));
+}
 
 void ConstitutiveModel::advance(std::span<Four> many) const {
+  const std::size_t size = state_size();
+  std::vector<double> state(size);
   for (Four& four : many)
     for (std::size_t l = 0; l < n_lanes; ++l) {
       Tensor stress, strain;
@@ -15,25 +51,27 @@ void ConstitutiveModel::advance(std::span<Four> many) const {
         stress[d] = four.stress[d][l];
         strain[d] = four.strain[d][l];
       }
-      four.plastic[l] = advance(stress, strain, {four.saturation[l], four.void_ratio[l]});
+      for (std::size_t k = 0; k < size; ++k) state[k] = four.state[k].v[l];
+      four.plastic[l] = advance(stress, strain, {four.saturation[l], four.void_ratio[l]}, state);
+      for (std::size_t k = 0; k < size; ++k) four.state[k].v[l] = state[k];
       for (int d = 0; d < 6; ++d) four.stress[d][l] = stress[d];
     }
 }
 
-std::unique_ptr<ConstitutiveModel> make_constitutive(SolidCase::Model model, const Soil& soil) {
-  switch (model) {
-    case SolidCase::Model::elastic:
-      return std::make_unique<LinearElastic>(soil);
-    case SolidCase::Model::drucker_prager:
-      return std::make_unique<DruckerPrager>(soil);
-    case SolidCase::Model::drucker_prager_rate:
-      return std::make_unique<DruckerPragerRate>(soil);
-    case SolidCase::Model::rigid:
-      break;
-  }
-  throw CaseError(
-      "solid.model = \"rigid\": a rigid skeleton needs no solid phase; expected \"elastic\", \"drucker_prager\" or "
-      "\"drucker_prager_rate\"");
+Elasticity ConstitutiveModel::initial_moduli() const {
+  std::vector<double> state(state_size());
+  initial(state);
+  return moduli(state);
 }
 
 }  // namespace poretwin::solid
+
+namespace poretwin {
+
+std::vector<Material> materials() {
+  std::vector<Material> all;
+  for (const auto& row : solid::table()) all.push_back(row.material);
+  return all;
+}
+
+}  // namespace poretwin

@@ -120,10 +120,10 @@ GaugeReading read_point(const Gauge& gauge, const std::string& name, const Point
 }  // namespace
 
 template <int D>
-std::vector<GaugeReading> read_gauges(const Case& scene, const Setup<D>& setup, const State<D>& state) {
+std::vector<GaugeReading> read_gauges(const Setup<D>& setup, const State<D>& state) {
   std::vector<GaugeReading> readings;
   const auto& p = state.particles;
-  for (const auto& gauge : scene.gauges) {
+  for (const auto& gauge : setup.gauges) {
     if (gauge.phase != "solid") continue;
     if (gauge.kind == "point" || gauge.kind == "height") {
       for (std::size_t k = 0; k < gauge.points.size(); ++k) {
@@ -164,7 +164,7 @@ std::vector<GaugeReading> read_gauges(const Case& scene, const Setup<D>& setup, 
       pending += state.returned_impulse[i];
       kinetic += 0.5 * p.mass[i] * p.velocity[i].squaredNorm();
       potential -= p.mass[i] * setup.gravity.dot(p.position[i]);
-      stored += p.volume[i] * strain_energy(p.stress[i], setup.models[p.material[i]]->elasticity());
+      stored += p.volume[i] * strain_energy(p.stress[i], moduli(setup, p, i));
       grains += p.mass[i] / setup.grain_density[p.material[i]] * setup.grain_share[p.material[i]];
       count += 1.0;
       plastic = std::max(plastic, p.plastic_strain[i]);
@@ -209,7 +209,7 @@ std::vector<GaugeReading> read_gauges(const Case& scene, const Setup<D>& setup, 
   return readings;
 }
 
-template std::vector<GaugeReading> read_gauges<2>(const Case&, const Setup<2>&, const State<2>&);
-template std::vector<GaugeReading> read_gauges<3>(const Case&, const Setup<3>&, const State<3>&);
+template std::vector<GaugeReading> read_gauges<2>(const Setup<2>&, const State<2>&);
+template std::vector<GaugeReading> read_gauges<3>(const Setup<3>&, const State<3>&);
 
 }  // namespace poretwin::solid

@@ -9,6 +9,6 @@ namespace poretwin::solid {
 /// Readings of all gauges of the case that belong to the solid. Throws CaseError for a kind or quantity it does not
 /// know.
 template <int D>
-std::vector<GaugeReading> read_gauges(const Case& scene, const Setup<D>& setup, const State<D>& state);
+std::vector<GaugeReading> read_gauges(const Setup<D>& setup, const State<D>& state);
 
 }  // namespace poretwin::solid

@@ -20,6 +20,9 @@ Stiffness<D>::Stiffness(const Setup<D>& setup, const Particles<D>& particles, co
     if (j < n) return lattice[j];
     return near.images[j - n].map * lattice[near.images[j - n].parent] + near.images[j - n].shift;
   };
+  // Of soil that nothing has strained: a factorisation serves many windows, and a resumed run makes the same one.
+  std::vector<Elasticity> elasticity;
+  for (const auto& model : setup.models) elasticity.push_back(model->initial_moduli());
   const auto volume = [&](std::size_t i) { return laid.mass[i] / setup.density[laid.material[i]]; };
   using Matrix = Eigen::SparseMatrix<double>;
   for (Eigen::Index axis = 0; axis < D; ++axis) {
@@ -33,8 +36,7 @@ Stiffness<D>::Stiffness(const Setup<D>& setup, const Particles<D>& particles, co
       const std::size_t parent = j < n ? j : near.images[j - n].parent;
       const Vec<D> r = place(i) - place(j);
       const double distance = r.norm();
-      const Elasticity &a = setup.models[laid.material[i]]->elasticity(),
-                       &b = setup.models[laid.material[parent]]->elasticity();
+      const Elasticity &a = elasticity[laid.material[i]], &b = elasticity[laid.material[parent]];
       const double shear = 0.5 * (a.shear + b.shear), constrained = 0.5 * (a.constrained() + b.constrained());
       const double along = r[axis] / distance;
       // Positive, so that the matrix is.

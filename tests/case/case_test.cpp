@@ -148,6 +148,25 @@ TEST_F(CaseFile, NamesTheOverride) {
   EXPECT_THAT(complaint(sound_case, {"nonsense"}), HasSubstr("expected section.key=value"));
 }
 
+TEST_F(CaseFile, EachSoilMayHaveAMaterialOfItsOwn) {
+  const auto second = sound_case + "[[soil]]\nmin = [0, 0.5]\nmax = [0.1, 0.6]\nmodel = \"drucker_prager\"\n";
+  const Case both = read(second);
+  EXPECT_EQ(both.model_of(both.soils[0]), MaterialName::elastic);
+  EXPECT_EQ(both.model_of(both.soils[1]), MaterialName::drucker_prager);
+  EXPECT_TRUE(both.can_yield());
+  EXPECT_FALSE(read(sound_case).can_yield());
+  // The water, which asks for solid.model alone, knows that some soil can yield, and that none can.
+  EXPECT_EQ(both.solid.model, MaterialName::drucker_prager);
+  EXPECT_EQ(read(sound_case, {"solid.model=drucker_prager", "soil.0.model=elastic"}).solid.model,
+            MaterialName::elastic);
+  const Case paper = read(second, {"case.scheme=paper"});
+  EXPECT_EQ(paper.model_of(paper.soils[1]), MaterialName::drucker_prager_rate);
+  EXPECT_NE(both.digest(), read(second, {"soil.1.model=elastic"}).digest());
+  EXPECT_THAT(complaint(second, {"soil.1.model=drucker_prage"}),
+              HasSubstr("expected one of \"elastic\", \"drucker_prager\", \"drucker_prager_rate\", found "
+                        "the text \"drucker_prage\"; did you mean \"drucker_prager\"?"));
+}
+
 TEST_F(CaseFile, TakesThePapersDefaultsByName) {
   const Case own = read(sound_case, {"solid.model=drucker_prager"});
   EXPECT_EQ(own.fluid.scheme, FluidCase::Scheme::projection);

@@ -698,6 +698,8 @@ TEST_F(Mistakes, WhatIsHardlyMeantIsSaid) {
 }
 
 TEST_F(Mistakes, KeysWithoutEffectAreSaid) {
+  EXPECT_THAT(warnings(dam, {"soil.0.model=elastic"}),
+              HasSubstr("key 'soil[0].model': has no effect: with solid.model = \"rigid\" no soil moves"));
   EXPECT_THAT(warnings(changed(dam, "model = \"rigid\"", "model = \"rigid\"\ncourant = 0.5\njitter = 0.1")),
               HasSubstr("key 'solid': has no effect (courant, jitter): with solid.model = \"rigid\""));
   EXPECT_THAT(warnings(tank, {"fluid.sweeps=5"}), HasSubstr("key 'fluid.sweeps': has no effect"));

@@ -403,7 +403,7 @@ struct Exchange {
     scalar(coupling::field::constrained_modulus, 4e6);
     scalar(coupling::field::yielding, 0.0);
     scalar(coupling::field::hydraulic_conductivity, scene.soils[0].hydraulic_conductivity);
-    scalar(coupling::field::forchheimer_coefficient, porous::parameter(scene.soils[0], "forchheimer_coefficient"));
+    scalar(coupling::field::forchheimer_coefficient, scene.soils[0].own_numbers["forchheimer_coefficient"]);
     vector(coupling::field::returned_impulse, returned);
     return box;
   }
@@ -463,7 +463,7 @@ TEST(Coupled, QuadraticDragFollowsItsClosedFormAndKeepsMomentum) {
   Exchange exchange(k);
   auto& sand = exchange.scene.soils[0];
   sand.seepage_law = &porous::seepage_law("forchheimer");
-  porous::parameter(sand, "forchheimer_coefficient") = b;
+  sand.own_numbers["forchheimer_coefficient"] = b;
   const double inertia = 1.0 / Rw + 1.0 / R, A = inertia * 9810.0 * 0.16 / k, B = inertia * 9810.0 * 0.064 * b;
   for (const double dt : {5e-5, 5e-4}) {
     Fluid<2> fluid(exchange.scene);

@@ -146,7 +146,7 @@ TEST(Seepage, QuadraticFlowFromRestFollowsItsClosedForm) {
   Soil rock;
   rock.porosity = 0.4052;
   rock.seepage_law = &porous::seepage_law("ergun");
-  porous::parameter(rock, "grain_diameter") = 0.03504;
+  rock.own_numbers["grain_diameter"] = 0.03504;
   rock.shape = box(0.0, 0.0, 0.4, 0.2);
   scene.soils = {rock};
   const double n = rock.porosity, i = 0.25, c1 = 9810.0 * n * n * 0.066226, c2 = 9810.0 * n * n * n * 45.516;

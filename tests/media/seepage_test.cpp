@@ -12,7 +12,7 @@ Soil rockfill() {
   Soil soil;
   soil.porosity = 0.4052;
   soil.seepage_law = &seepage_law("ergun");
-  parameter(soil, "grain_diameter") = 0.03504;
+  soil.own_numbers["grain_diameter"] = 0.03504;
   return soil;
 }
 
@@ -36,7 +36,7 @@ TEST(SeepageLaw, UsersCoefficientsScaleAsErguns) {
   const auto there = seepage_at(Case{}, ergun, 0.4052);
   user.seepage_law = &seepage_law("forchheimer");
   user.hydraulic_conductivity = there.conductivity;
-  parameter(user, "forchheimer_coefficient") = there.quadratic;
+  user.own_numbers["forchheimer_coefficient"] = there.quadratic;
   for (const double n : {0.3, 0.4052, 0.45}) {
     const auto a = seepage_at(Case{}, ergun, n), b = seepage_at(Case{}, user, n);
     EXPECT_NEAR(a.conductivity / b.conductivity, 1.0, 1e-12);

@@ -34,7 +34,7 @@ TEST(Elastic, UniaxialStrainGivesTheConstrainedModulus) {
   EXPECT_NEAR(stress[1], -1e-3 * m, 1e-9 * m);
   EXPECT_NEAR(stress[0], -1e-3 * m * 0.3 / 0.7, 1e-9 * m);
   EXPECT_NEAR(stress[2], stress[0], 1e-12 * m);
-  EXPECT_NEAR(model.elasticity().constrained(), m, 1e-9 * m);
+  EXPECT_NEAR(model.initial_moduli().constrained(), m, 1e-9 * m);
 }
 
 TEST(Cone, MatchesTheClosedForms) {
@@ -97,6 +97,14 @@ TEST(Cone, ReductionDividesCohesionAndTangent) {
   EXPECT_NEAR(weak.cohesion, 500.0, 1e-9);
   EXPECT_NEAR(std::tan(weak.friction_angle * std::numbers::pi / 180.0), std::tan(std::numbers::pi / 6.0) / 1.4, 1e-12);
   EXPECT_LE(weak.dilation_angle, weak.friction_angle);
+}
+
+TEST(Cone, ReductionDividesWhatAMaterialDeclaresAsAStrength) {
+  Soil soil = sand();
+  soil.own_numbers = {{"peak", 600.0}, {"softening", 3.0}};
+  const Soil weak = weakened(soil, 1.5, {{"peak", 0.0, {}, {}, true}, {"softening", 0.0, {}, {}, false}});
+  EXPECT_NEAR(weak.own("peak"), 400.0, 1e-9);
+  EXPECT_EQ(weak.own("softening"), 3.0);
 }
 
 TEST(Jaumann, TurnsAStressWithItsMaterial) {

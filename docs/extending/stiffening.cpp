@@ -1,0 +1,46 @@
+// A soil that stiffens as it is compressed: the example of material.md.
+#include "solid_solver/material/model.hpp"
+
+namespace poretwin::solid {
+namespace {
+
+/// Linear elasticity whose moduli grow in proportion to the volume's compression, up to twice those of loose soil.
+class Stiffening final : public ConstitutiveModel {
+ public:
+  using ConstitutiveModel::advance;
+  explicit Stiffening(const Soil& soil) : loose_(Elasticity::of(soil)), doubling_(soil.own("doubling_strain")) {}
+
+  // What is remembered of a particle: by how much it is compressed.
+  [[nodiscard]] std::size_t state_size() const override { return 1; }
+  void initial(std::span<double> state) const override { state[0] = 0.0; }
+
+  double advance(Tensor& stress, const Tensor& strain, const Condition& /*condition*/,
+                 std::span<double> state) const override {
+    const double before = state[0];
+    state[0] -= trace(strain);
+    at(0.5 * (before + state[0])).add_stress(strain.data(), stress.data());  // exact: the moduli are linear
+    return 0.0;                                                              // no plastic strain
+  }
+
+  [[nodiscard]] Elasticity moduli(std::span<const double> state) const override { return at(state[0]); }
+  [[nodiscard]] Elasticity stiffest() const override { return at(doubling_); }
+
+ private:
+  [[nodiscard]] Elasticity at(double compression) const {
+    const double times = 1.0 + std::clamp(compression / doubling_, 0.0, 1.0);
+    return {times * loose_.bulk, times * loose_.shear};
+  }
+
+  Elasticity loose_;  ///< of soil that is not compressed
+  double doubling_;   ///< compression at which the moduli have doubled
+};
+
+// The row. Of a model that every run may use it stands in solid_solver/material/registry.cpp.
+const bool in_table = add_material(
+    {"stiffening",
+     Material::Strength::own,
+     {{"doubling_strain", 0.01, {"", "Compression at which the moduli have doubled (stiffening)."}, positive()}}},
+    [](const Soil& soil) -> std::unique_ptr<ConstitutiveModel> { return std::make_unique<Stiffening>(soil); });
+
+}  // namespace
+}  // namespace poretwin::solid

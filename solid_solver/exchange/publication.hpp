@@ -1,0 +1,13 @@
+// The soil as the water sees it: its points and their fields.
+#pragma once
+
+#include "common/coupling/exchange.hpp"
+#include "solid_solver/exchange/position_cache.hpp"
+
+namespace poretwin::solid {
+
+/// Points and fields of the present state.
+template <int D>
+coupling::Publication published(const Setup<D>& setup, const State<D>& state, PositionCache<D>& cache);
+
+}  // namespace poretwin::solid

@@ -1,0 +1,95 @@
+#include "solid_solver/output/report.hpp"
+
+#include "solid_solver/output/readout.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace poretwin::solid {
+
+template <int D>
+OutputFrame frame_of(const Setup<D>& setup, const State<D>& state) {
+  const Particles<D>& p = state.particles;
+  OutputFrame frame;
+  frame.time = state.time;
+  frame.count = p.free();
+  frame.position = tell_vectors<D>(p.position);
+  const Vec<D> up = upwards(setup);
+  const auto stress = [&p](std::size_t i, double* components) { std::copy_n(p.stress[i].data(), 6, components); };
+  const auto add = [&](FieldDeclaration&& declared, TellParticle&& tell) {
+    frame.fields.push_back({std::move(declared), std::move(tell)});
+  };
+  add({"displacement", "m", "displacement of the skeleton since the unloaded state", 3},
+      tell_vectors<D>(p.displacement));
+  add({"velocity", "m/s", "velocity of the skeleton", 3}, tell_vectors<D>(p.velocity));
+  add({"effective_stress", "Pa", "effective stress (xx yy zz xy yz xz), compression negative", 6}, stress);
+  add({"pore_pressure", "Pa", "pressure of the water at the soil's points", 1},
+      tell_scalars([&state](std::size_t i) { return state.external.pressure[i]; }));
+  add({"void_fraction", "1", "porosity n_w = 1 - n_s", 1},
+      tell_scalars([&p, &setup](std::size_t i) { return void_fraction(setup, p, i); }));
+  add({"degree_of_saturation", "1", "water's share of the soil's surroundings, Eq. (90)", 1},
+      tell_scalars([&state](std::size_t i) { return state.external.saturation[i]; }));
+  add({"accumulated_plastic_strain", "1", "accumulated equivalent deviatoric plastic strain", 1},
+      tell_scalars([&p](std::size_t i) { return p.plastic_strain[i]; }));
+  add({"mobilised_friction", "degrees", "mobilised friction angle, sin phi_m = (s1 - s3) / (s1 + s3)", 1},
+      tell_scalars([&p](std::size_t i) { return mobilised_friction(p.stress[i]); }));
+  add({"pore_pressure_ratio", "1", "r_u = pore pressure / total vertical stress; 1: liquefied", 1},
+      tell_scalars([&p, &state, up](std::size_t i) {
+        return pore_pressure_ratio(state.external.pressure[i], up.dot(matrix_of<D>(p.stress[i]) * up));
+      }));
+  add({"volume", D == 2 ? "m2" : "m3", "bulk volume that the particle stands for", 1},
+      tell_scalars([&p](std::size_t i) { return p.volume[i]; }));
+  return frame;
+}
+
+template <int D>
+std::map<std::string, double> counters_of(const State<D>& state, const RestReport& rest) {
+  return {{"particles", static_cast<double>(state.particles.size())},
+          {"substeps", state.substeps},
+          {"substeps asleep", state.slept},
+          {"substeps damped", state.damped},
+          {"share asleep beside soil that flows",
+           state.regions.watched > 0.0 ? state.regions.slept / state.regions.watched : 0.0},
+          {"list rebuilds", state.rebuilds},
+          {"windows relaxed", state.motion.relaxed},
+          {"windows at rest", state.motion.at_rest},
+          {"displacements tried", state.motion.steps},
+          {"times the soil began to move", state.motion.begun},
+          {"time in motion", state.motion.duration},
+          {"rest steps", static_cast<double>(rest.steps)},
+          {"rest residual", rest.residual},
+          {"rest displacement", rest.displacement},
+          {"rest criterion", rest.criterion}};
+}
+
+template <int D>
+std::vector<Warning> warnings_of(const Setup<D>& setup, const State<D>& state, const RestReport& rest) {
+  const bool sought = rest.steps > 0 && !rest.reached();
+  // Soil that ran away in the search starts from a shape that nobody drew. A layer that slides as a whole (cases/
+  // sliding_layer: a third of its height) keeps its own.
+  const bool far = rest.displacement > 0.5 * setup.height;
+  return {
+      {"the soil's rest was not found", sought ? 1.0 : 0.0,
+       fmt::format("{} steps left {:.2g} of the driving acceleration, wanted {:g}; the run starts in motion, the soil "
+                   "moved by up to {:.3g} m before time zero: too weak to stand, too soft (youngs_modulus is in "
+                   "Pa), or solid.initial_rest = false is meant",
+                   rest.steps, rest.residual, rest.criterion, rest.displacement),
+       far},
+      {"windows in which a force held the soil that neither phase bears", state.motion.held,
+       "it would have moved otherwise than the water reckoned with; coupling.scheme = \"iterated\" repeats "
+       "such windows until both agree",
+       true},
+      {"times the soil began to move", state.motion.begun,
+       "its inertia matters: it is followed in short windows until it is calm again", false}};
+}
+
+#define PORETWIN_INSTANTIATE(D)                                                              \
+  template OutputFrame frame_of<D>(const Setup<D>&, const State<D>&);                        \
+  template std::map<std::string, double> counters_of<D>(const State<D>&, const RestReport&); \
+  template std::vector<Warning> warnings_of<D>(const Setup<D>&, const State<D>&, const RestReport&);
+PORETWIN_INSTANTIATE(2)
+PORETWIN_INSTANTIATE(3)
+#undef PORETWIN_INSTANTIATE
+
+}  // namespace poretwin::solid

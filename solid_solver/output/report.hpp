@@ -1,0 +1,19 @@
+// What a run shows and tells of the soil: fields of its particles, counters, warnings.
+#pragma once
+
+#include "common/coupling/phase.hpp"
+#include "solid_solver/statics/rest.hpp"
+
+namespace poretwin::solid {
+
+/// Fields of the output; holds until the state changes.
+template <int D>
+OutputFrame frame_of(const Setup<D>& setup, const State<D>& state);
+
+template <int D>
+std::map<std::string, double> counters_of(const State<D>& state, const RestReport& rest);
+
+template <int D>
+std::vector<Warning> warnings_of(const Setup<D>& setup, const State<D>& state, const RestReport& rest);
+
+}  // namespace poretwin::solid

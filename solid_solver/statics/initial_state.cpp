@@ -1,0 +1,85 @@
+#include "solid_solver/statics/initial_state.hpp"
+
+#include "common/core/error.hpp"
+#include "common/coupling/interrupt.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace poretwin::solid {
+
+template <int D>
+State<D> laid_out(Setup<D>& setup, Particles<D> particles) {
+  State<D> state;
+  state.particles = std::move(particles);
+  const std::size_t n = state.particles.size();
+  state.body.assign(n, Vec<D>::Zero());
+  state.force.assign(n, {});
+  for (std::size_t i = 0; i < n; ++i) {
+    const Index soil = state.particles.material[i];
+    const double initial = setup.soils[soil].initial_saturation;
+    if (initial > 0.0 || setup.softened_by_water[soil]) state.external.saturation.set(i, initial, n);
+  }
+  state.yielded.assign(n, 0);
+  rebuild(setup, state);
+  state.rebuilds = 0.0;
+  measure_loads(state, setup);
+  evaluate_forces(setup, state);
+  return state;
+}
+
+template <int D>
+RestReport come_to_rest(const Setup<D>& setup, State<D>& state) {
+  const std::size_t n = state.particles.size();
+  const VecArray<D> initial = state.particles.velocity, slip = state.particles.slip;
+  stop(setup, state);
+  constexpr double before_everything = -1e300;  // standing loads only
+  auto external = [&](Drive<D>& drive, bool rebuilt) {
+    if (coupling::interrupted())
+      throw Error(ExitCode::interrupted,
+                  "interrupted in the search for the soil's rest: there is nothing to resume from yet");
+    if (!rebuilt) return;
+    state.external.pressure_gradient = gradient_of(setup, state, state.external.pressure, before_everything);
+    drive.traction = load_forces<D>(setup, state, before_everything);
+    drive.distributed.allocate(n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const Vec<D> gradient = state.external.pressure_gradient[i];
+      drive.distributed.set(i, setup.initial_rest.bears_seepage ? steady_water_force(setup, state, i, gradient)
+                                                                : water_force(setup, state, i, gradient));
+    }
+  };
+  if (std::ranges::any_of(setup.soils, [](const Soil& soil) { return soil.earth_pressure_at_rest.has_value(); })) {
+    Drive<D> drive;
+    external(drive, true);
+    start_from_earth_pressure<D>(setup, setup.soils, drive, state);
+  }
+  const RestReport rest = find_rest<D>(setup, {}, state, external, [](const RestReport& r) {
+    fmt::print(stderr, "rest of the soil: largest acceleration {:.2g} of the driving one after {} steps, until {:g}\n",
+               r.residual, r.steps, r.criterion);
+  });
+  state.particles.velocity = initial;
+  state.particles.slip = slip;
+  return rest;
+}
+
+template <int D>
+void start_counting(State<D>& state) {
+  const auto& moved = state.particles.displacement;
+  if (std::any_of(moved.begin(), moved.end(), [](const Vec<D>& u) { return !u.isZero(0.0); }))
+    state.rest_displacement = moved;
+  std::fill(state.yielded.begin(), state.yielded.end(), char{0});
+  state.any_yielded = false;
+  state.from_outside.setZero();
+  ++state.revision;
+}
+
+#define PORETWIN_INSTANTIATE(D)                                    \
+  template State<D> laid_out<D>(Setup<D>&, Particles<D>);          \
+  template RestReport come_to_rest<D>(const Setup<D>&, State<D>&); \
+  template void start_counting<D>(State<D>&);
+PORETWIN_INSTANTIATE(2)
+PORETWIN_INSTANTIATE(3)
+#undef PORETWIN_INSTANTIATE
+
+}  // namespace poretwin::solid

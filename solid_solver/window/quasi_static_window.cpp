@@ -1,0 +1,290 @@
+#include "solid_solver/window/quasi_static_window.hpp"
+
+#include "common/core/error.hpp"
+#include "solid_solver/dynamics/flow_regularisation.hpp"
+#include "solid_solver/numerics/sleep.hpp"
+#include "solid_solver/numerics/steps.hpp"
+#include "solid_solver/statics/equilibrium.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace poretwin::solid {
+namespace {
+
+using coupling::Outcome;
+
+/// What all but `sleep::local_share` of the soil has sheared by at most since `before`.
+template <int D>
+double shear_of_most(const Particles<D>& p, const ScalarArray& before) {
+  ScalarArray shear(p.free());
+  for (std::size_t i = 0; i < shear.size(); ++i) shear[i] = p.plastic_strain[i] - before[i];
+  const auto most =
+      shear.begin() + static_cast<std::ptrdiff_t>((1.0 - sleep::local_share) * static_cast<double>(shear.size()));
+  std::nth_element(shear.begin(), most, shear.end());
+  return most == shear.end() ? 0.0 : *most;
+}
+
+/// How far the soil's motion in a window is drained: wholly in the time of consolidation over its height,
+/// H^2 gamma_w / (k M), not at all in a fifth of it: there its dilation sets the next window's pressure and that its
+/// motion, and to take it as going on, or to pay for it at once, overdoes it. Between them by degrees: soil that
+/// creeps through a sudden change of that falls.
+template <int D>
+double drained_fraction(const Setup<D>& setup, const Particles<D>& p, double interval) {
+  ScalarArray conductivity;
+  for (const Soil& soil : setup.soils)
+    conductivity.push_back(seepage_at(setup.water, soil, soil.porosity).conductivity);
+  double slowest = 0.0;
+  for (std::size_t i = 0; i < p.size(); ++i)
+    slowest = std::max(slowest, setup.water.weight / (conductivity[p.material[i]] * moduli(setup, p, i).constrained()));
+  constexpr double undrained = steps::undrained;
+  const double drained = interval / (setup.height * setup.height * slowest);
+  return std::clamp((drained - undrained) / (1.0 - undrained), 0.0, 1.0);
+}
+
+/// Rate at which these velocities of the particles [m/s] change their volumes [1/s].
+template <int D>
+ScalarArray dilation_of(VecArray<D> velocity, State<D>& state) {
+  std::swap(state.particles.velocity, velocity);
+  fill_velocities<D>(state.particles, state.near, state.nodes);
+  velocity_gradient<D>(state.near.pairs, state.kernel, state.nodes);
+  std::swap(state.particles.velocity, velocity);
+  ScalarArray rate(state.particles.size());
+  for (std::size_t i = 0; i < rate.size(); ++i) rate[i] = state.nodes[i].gradient.trace();
+  return rate;
+}
+
+/// Strain of every particle's volume in a window of the predicted motion.
+template <int D>
+ScalarArray predicted_strain(double interval, const Drive<D>& tracking, State<D>& state) {
+  VecArray<D> velocity = state.particles.velocity;
+  for (std::size_t i = 0; i < velocity.size(); ++i)
+    if (tracking.tracking[i] > 0.0) velocity[i] = tracking.target[i];
+  ScalarArray strain = dilation_of(std::move(velocity), state);
+  for (double& e : strain) e *= interval;
+  return strain;
+}
+
+/// Forces on the particles [N] over their weight, rms over all but a local part of the soil that holds water.
+template <int D>
+double over_weight(const Particles<D>& p, const Drive<D>& tracking, std::span<const double> force, double reference) {
+  std::vector<std::pair<double, double>> squares;  // and masses
+  for (std::size_t i = 0; i < p.free(); ++i)
+    if (tracking.tracking[i] > 0.0) squares.emplace_back(std::pow(force[i] / (p.mass[i] * reference), 2), p.mass[i]);
+  // Of all but a local part, which the search for equilibrium leaves to creep, too.
+  const auto most = squares.size() - static_cast<std::size_t>(sleep::local_share * static_cast<double>(squares.size()));
+  if (most < squares.size())
+    std::nth_element(squares.begin(), squares.begin() + static_cast<std::ptrdiff_t>(most), squares.end());
+  squares.resize(most);
+  double sum = 0.0, mass = 0.0;
+  for (const auto& [square, m] : squares) {
+    sum += m * square;
+    mass += m;
+  }
+  return mass > 0.0 ? std::sqrt(sum / mass) : 0.0;
+}
+
+/// What holds the soil to the predicted motion after a window's first pass and is no inertia of the water: neither
+/// phase bears it. Over the weight.
+template <int D>
+double unborne(const Particles<D>& p, const Tracking<D>& tracking, double reference) {
+  const Drive<D>& drive = tracking.drive;
+  ScalarArray force(p.size());
+  for (std::size_t i = 0; i < p.size(); ++i)
+    force[i] = (1.0 - tracking.goes_along[i]) * drive.tracking[i] * (drive.target[i] - p.velocity[i]).norm();
+  return over_weight(p, drive, force, reference);
+}
+
+/// How far the soil's motion in a window that is repeated departs from the predicted one: the force that the pressure
+/// would answer with, less where it drains, over the weight.
+template <int D>
+double departure_from(const Setup<D>& setup, double interval, const Tracking<D>& tracking, double reference,
+                      State<D>& state) {
+  const Particles<D>& p = state.particles;
+  const Drive<D>& drive = tracking.drive;
+  const double height = setup.height;
+  VecArray<D> departure(p.size(), Vec<D>::Zero());
+  for (std::size_t i = 0; i < p.size(); ++i)
+    if (drive.tracking[i] > 0.0) departure[i] = drive.target[i] - p.velocity[i];
+  const ScalarArray dilation = dilation_of(departure, state);
+  ScalarArray force(p.size());
+  for (std::size_t i = 0; i < p.free(); ++i) {
+    if (drive.tracking[i] <= 0.0) continue;
+    const WaterAnswer& answer = tracking.answers[i];
+    const double translation = p.mass[i] / (p.volume[i] * interval) + std::min(answer.pressure, answer.translation);
+    const double pressure = std::max(answer.pressure * height, answer.dilation * interval / height);
+    force[i] = p.volume[i] * (translation * departure[i].norm() + pressure * std::abs(dilation[i]));
+  }
+  return over_weight(p, drive, force, reference);
+}
+
+}  // namespace
+
+template <int D>
+const Stiffness<D>& QuasiStaticWindow<D>::stiffness_with(const Setup<D>& setup, const ScalarArray& resistance,
+                                                         State<D>& state) {
+  // What a window adds matters where it is not small against the stiffness of the slowest mode, c^2 (pi / 2 H)^2 m.
+  const Particles<D>& p = state.particles;
+  const double slowest = std::pow(0.5 * near_critical_damping(setup), 2);
+  ScalarArray& held = state.resistance;
+  double change = 0.0, whole = 0.0;
+  for (std::size_t i = 0; i < p.free() && !held.empty(); ++i) {
+    change += std::abs(resistance[i] - held[i]);
+    whole += held[i] + slowest * p.mass[i];
+  }
+  if (held.empty() || change > statics::still_serves * whole) held = resistance;
+  if (!stiffness_ || stiffness_->resistance() != held)
+    stiffness_ = std::make_unique<Stiffness<D>>(setup, p, lattice_, held);
+  return *stiffness_;
+}
+
+template <int D>
+void QuasiStaticWindow<D>::compare_with_prediction(const Setup<D>& setup, double interval, const Tracking<D>& tracking,
+                                                   double reference, State<D>& state) {
+  if (!setup.coupling.predicts || setup.parallel) return;
+  if (!tracking.answers.empty()) {
+    unsettled_ = departure_from(setup, interval, tracking, reference, state);
+  } else if (const double force = unborne(state.particles, tracking, reference);
+             force > setup.coupling.worth_repeating) {
+    unsettled_ = force;
+  }
+  if (setup.coupling.repeats)
+    found_ = state.particles.velocity;
+  else
+    state.motion.held_by_nothing(unsettled_ > 0.0);
+}
+
+template <int D>
+typename QuasiStaticWindow<D>::Answer QuasiStaticWindow<D>::advance(const Setup<D>& setup,
+                                                                    const coupling::Window& window,
+                                                                    const WaterInput<D>& water,
+                                                                    const Tracking<D>& tracked, State<D>& state) {
+  Particles<D>& p = state.particles;
+  const std::size_t n = p.size();
+  const double interval = window.interval, end = window.time + interval;
+  const Drive<D>& tracking = tracked.drive;
+  const std::vector<WaterAnswer>& answers = tracked.answers;
+  const VecArray<D> start = p.displacement, velocity = p.velocity;
+  const Vec<D> from_outside = state.from_outside;  // what the search tries does not count
+  const ScalarArray plastic_before = p.plastic_strain;
+  VecArray<D> by_water(n);  // N
+  // What holds dilation back: a modulus times what the volume's strain departs by from the predicted one.
+  const ScalarArray volume = p.volume;
+  const ScalarArray strain_due = answers.empty() ? ScalarArray() : predicted_strain(interval, tracking, state);
+  auto external = [&](Drive<D>& drive, bool rebuilt) {
+    if (rebuilt && !setup.loads.empty()) drive.traction = load_forces<D>(setup, state, end - 1e-9 * std::abs(end));
+    for (std::size_t i = 0; i < n; ++i) {
+      const Vec<D> mean = (p.displacement[i] - start[i]) / interval;
+      if (!answers.empty()) {
+        const double strain = p.volume[i] / volume[i] - 1.0;
+        state.backing.set(i, state.external.coverage[i] * answers[i].dilation * (strain - strain_due[i]), n);
+      }
+      drive.distributed.set(i,
+                            by_water[i] + p.mass[i] / interval * (velocity[i] - mean) +
+                                tracking.tracking[i] * (tracking.target[i] - mean),
+                            n);
+    }
+  };
+  for (std::size_t i = 0; i < n; ++i) by_water[i] = water_force(setup, state, i, water.to[i], water.impulse, interval);
+  Drive<D> drive;
+  external(drive, true);
+  if (setup.can_yield) drive.distributed = by_water;
+  for (auto& v : p.velocity) v.setZero();
+  if (!answers.empty()) evaluate_forces(setup, state);
+  ScalarArray resistance(p.free());
+  for (std::size_t i = 0; i < p.free(); ++i) resistance[i] = (p.mass[i] / interval + tracking.tracking[i]) / interval;
+  const Stiffness<D>& stiffness = stiffness_with(setup, resistance, state);
+  const bool asleep =
+      !setup.can_yield
+          ? departure(setup, stiffness, state, drive) <= statics::elastic_error
+          : !softened(setup, state) &&
+                unrest(setup, state, drive, reference_acceleration(setup, state, drive)).largest <= statics::let_be;
+  bool moved = false, evaluate = !answers.empty();  // forces, once the search is over
+  if (!asleep) {
+    const EquilibriumSearch search{
+        setup.can_yield ? statics::plastic_error : statics::elastic_share * statics::elastic_error, sleep::local_share,
+        statics::woken_by};
+    RestReport report = find_equilibrium(setup, stiffness, search, interval, state, external);
+    if (!report.reached() && setup.can_yield) {
+      const std::size_t tried = report.steps;
+      const RestSearch until{sleep::restless, statics::most_ways, statics::most_ways, sleep::local_share,
+                             statics::farthest * setup.spacing};
+      // Soil that nothing holds runs away in the search: that is no rest either.
+      try {
+        report = find_rest<D>(setup, until, state, external, [](const RestReport&) {});
+      } catch (const DivergedError&) {
+        report.slides = true;
+      }
+      report.steps += tried;
+    }
+    // Creep that water limits finds its equilibrium in a window in which less of it happens.
+    const double shorter = steps::without_equilibrium * interval;
+    if (!report.reached() && shorter > long_window(setup)) {
+      fmt::print(stderr, "no equilibrium at t = {:g} s in a window of {:g} s: {} steps, {:.2g} of gravity left\n",
+                 window.time, interval, report.steps, report.residual);
+      return {Outcome::reject(shorter, "no equilibrium in so long a window"), {.moves = false, .longest = shorter}};
+    }
+    if (!report.reached()) {
+      fmt::print(stderr, "the soil moves at t = {:g} s: no equilibrium in {} steps, {:.2g} of gravity left\n",
+                 window.time, report.steps, report.residual);
+      return {Outcome::reject(followed_window(setup), "the soil moves: it finds no equilibrium"),
+              {.moves = true, .longest = {}}};
+    }
+    state.sleep.saturation = state.external.saturation;
+    moved = report.steps > 0;
+    for (std::size_t i = 0; i < n; ++i) state.dilation.set(i, std::log(p.volume[i] / volume[i]));
+    if (moved) keep_flow_regular(setup, interval, true, state);
+    evaluate = rebuild_if_moved(setup, state) || moved || evaluate;
+    state.motion.steps += static_cast<double>(report.steps);
+    (moved ? state.motion.relaxed : state.motion.at_rest) += 1.0;
+    state.motion.patience = 0.0;
+  } else {
+    state.motion.at_rest += 1.0;
+  }
+  state.backing = {};
+  if (evaluate) evaluate_forces(setup, state);
+  for (std::size_t i = 0; i < n; ++i) {
+    p.velocity[i] = (p.displacement[i] - start[i]) / interval;
+    if (!asleep)
+      state.returned_impulse.values()[i] +=
+          tracked.goes_along[i] * interval * tracking.tracking[i] * (tracking.target[i] - p.velocity[i]);
+  }
+  // Backward Euler takes away the energy of what the velocity changes by: of no account below what a noticeable
+  // acceleration gives in the time of a wave.
+  const double reference = reference_acceleration(setup, state, drive);
+  const double slow = statics::woken_by * reference * long_window(setup);
+  double work = tracked.dissipated + plastic_work<D>(p, plastic_before);  // with that of the stress
+  for (std::size_t i = 0; i < p.free() && moved; ++i)
+    work += std::abs(p.volume[i] * state.force[i].internal().dot(p.displacement[i] - start[i]));
+  compare_with_prediction(setup, interval, tracked, reference, state);
+  // What a pass leaves to the next one is no motion of the soil's own.
+  const bool settled = answers.empty() || unsettled_ <= setup.coupling.settled_below;
+  if (settled && inertia_matters<D>(p, velocity, work, slow))
+    return {Outcome::reject(followed_window(setup), "the soil moves: inertia matters"), {.moves = true, .longest = {}}};
+  const double by_shear =
+      moved ? interval * std::max(steps::shrinks_to, steps::sheared_in_a_window / shear_of_most(p, plastic_before))
+            : coupling::no_limit;
+  state.motion.longest = std::min(std::max(state.motion.longest, steps::grows_to * interval),
+                                  std::max(by_shear, steps::least_by_shear * long_window(setup)));
+  state.mean_velocity = p.velocity;
+  state.from_outside = from_outside;
+  if (setup.counts_impulses) state.from_outside += interval * force_from_outside(setup, state, drive);
+  const double drained = drained_fraction(setup, p, interval);
+  if (moved && state.any_yielded && drained > 0.0) {
+    fill_velocities<D>(p, state.near, state.nodes);
+    velocity_gradient<D>(state.near.pairs, state.kernel, state.nodes);
+    store_plastic_shear_ratio(plastic_before, interval, drained, state);
+  }
+  store_water_force(setup, water.to, water.impulse, interval, state);
+  state.time = end;
+  // Otherwise the points stand where they stood.
+  if (moved || !setup.coupling.keep_points) ++state.revision;
+  return {Outcome::accept(), {}};
+}
+
+template class QuasiStaticWindow<2>;
+template class QuasiStaticWindow<3>;
+
+}  // namespace poretwin::solid
