@@ -3,6 +3,7 @@
 
 const SLICES = 4096; // of depth: what lies in one is taken in any order
 const ACROSS = 3; // cells along the radius of a sphere in the middle, at most: finer ones find hardly more that is hidden
+const TILE = 4; // cells along the side of a tile
 const EDGE = 0.1; // pixels by which a driver may draw a disc smaller or larger
 const SMALLEST = 0.75; // pixels: radius of the smallest point that is drawn
 
@@ -18,8 +19,8 @@ function frontToBack(depths, count, near, far) {
 }
 
 /// Indices of the spheres that may be seen, from front to back. `view`, `projection`: 4 x 4 by columns, a perspective one;
-/// `size`: factor of the radii; `width`, `height`: of the picture in pixels; `clip`: normal and distance of the plane beyond which nothing is drawn;
-/// `largest`: pixels, diameter of the largest point that the driver draws.
+/// `size`: factor of the radii; `width`, `height`: of the picture in pixels; `clip`: normal and distance of the plane beyond
+/// which nothing is drawn; `largest`: pixels, diameter of the largest point that the driver draws.
 export function visible(positions, radii, size, { view, projection, width, height, clip, largest }) {
   const most = radii.length;
   const index = new Uint32Array(most);
@@ -50,28 +51,39 @@ export function visible(positions, radii, size, { view, projection, width, heigh
   }
   if (!count) return index.subarray(0, 0);
 
-  // Depth of the centre of the sphere that covers a cell, all pixels of it.
+  // A cell is covered by a disc that holds all its pixels; a tile of cells is closed once all of them are.
   const cell = Math.max(1, Math.floor((radii[index[count >> 1]] * perDepth) / (0.5 * (near + far)) / ACROSS));
   const margin = Math.SQRT1_2 * (cell - 1) + EDGE; // from the centre of a cell to the centres of its pixels
-  const [columns, rows] = [Math.ceil(width / cell), Math.ceil(height / cell)];
-  const covered = new Float32Array(columns * rows).fill(Infinity);
-  const first = (at, reach) => Math.max(0, Math.ceil((at - reach) / cell - 0.5));
-  const last = (at, reach, cells) => Math.min(cells - 1, Math.floor((at + reach) / cell - 0.5));
+  const columns = Math.ceil(width / cell);
+  const rows = Math.ceil(height / cell);
+  const covered = new Uint8Array(columns * rows);
+  const across = Math.ceil(columns / TILE);
+  const open = new Uint8Array(across * Math.ceil(rows / TILE)); // cells of a tile that are not covered yet
+  for (let row = 0; row < rows; ++row)
+    for (let column = 0; column < columns; ++column) ++open[Math.floor(row / TILE) * across + Math.floor(column / TILE)];
+  const behind = new Float32Array(open.length).fill(-Infinity); // depth of the last centre that covers a part of it
 
-  /// A cell of the disc that is not covered by something nearer than the foremost point of its sphere.
-  const open = (x, y, reach, front) => {
-    for (let row = first(y, reach), bottom = last(y, reach, rows); row <= bottom; ++row) {
-      const half = Math.sqrt(Math.max(0, reach * reach - ((row + 0.5) * cell - y) ** 2));
-      for (let at = row * columns + first(x, half), end = row * columns + last(x, half, columns); at <= end; ++at)
-        if (covered[at] > front) return true;
-    }
-    return false;
+  const hidden = (x, y, reach, front) => {
+    const side = cell * TILE;
+    const left = Math.floor(Math.max(0, x - reach) / side);
+    const right = Math.floor(Math.min(width - 1, x + reach) / side);
+    const bottom = Math.floor(Math.min(height - 1, y + reach) / side);
+    for (let row = Math.floor(Math.max(0, y - reach) / side); row <= bottom; ++row)
+      for (let tile = row * across + left, end = row * across + right; tile <= end; ++tile) if (open[tile] > 0 || behind[tile] > front) return false;
+    return true;
   };
   const cover = (x, y, reach, depth) => {
-    for (let row = first(y, reach), bottom = last(y, reach, rows); row <= bottom; ++row) {
+    const bottom = Math.min(rows - 1, Math.floor((y + reach) / cell - 0.5));
+    for (let row = Math.max(0, Math.ceil((y - reach) / cell - 0.5)); row <= bottom; ++row) {
       const half = Math.sqrt(Math.max(0, reach * reach - ((row + 0.5) * cell - y) ** 2));
-      for (let at = row * columns + first(x, half), end = row * columns + last(x, half, columns); at <= end; ++at)
-        if (depth < covered[at]) covered[at] = depth;
+      const right = Math.min(columns - 1, Math.floor((x + half) / cell - 0.5));
+      for (let column = Math.max(0, Math.ceil((x - half) / cell - 0.5)); column <= right; ++column) {
+        if (covered[row * columns + column]) continue;
+        covered[row * columns + column] = 1;
+        const tile = Math.floor(row / TILE) * across + Math.floor(column / TILE);
+        --open[tile];
+        behind[tile] = Math.max(behind[tile], depth);
+      }
     }
   };
 
@@ -83,7 +95,7 @@ export function visible(positions, radii, size, { view, projection, width, heigh
     const depth = depths[i];
     const radius = radii[index[i]];
     const reach = Math.max((radius * perDepth) / depth, SMALLEST);
-    if (!open(x, y, reach + margin, depth - size * radius)) continue;
+    if (hidden(x, y, reach + EDGE, depth - size * radius)) continue;
     seen[kept++] = index[i];
     // A driver may leave out a point whose centre is outside, or draw a large one smaller.
     const drawn = Math.min(reach, 0.5 * largest) - margin;
