@@ -242,7 +242,7 @@ class Shown:
         about = "; blue: outline of the water" if wet and self.phase == "solid" else ""
         if beyond:
             about += f"; {beyond} particle{'s' if beyond > 1 else ''} beyond"
-        return f"{self.phase}, t = {style.number(self.frames.times[step])} s{about}"
+        return f"{style.BODY[self.phase]}, t = {style.number(self.frames.times[step])} s{about}"
 
     def axis_labels(self, axes, below=True, beside=True):
         three = is_3d(self.frames, self.steps[0])

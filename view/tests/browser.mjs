@@ -50,3 +50,15 @@ export async function serve(program, runs) {
   };
   return { address: links()[0][1], get link() { return links().at(-1)[0]; }, stop };
 }
+
+/// Opens a link; seconds until the picture is drawn. Reading a pixel of it takes until all of it is.
+export async function firstPicture(page, link) {
+  const start = performance.now();
+  await page.goto(link);
+  await page.evaluate(async () => {
+    while (document.querySelector(".panel")?.dataset.drawn === undefined) await new Promise((done) => setTimeout(done, 5));
+    const gl = document.querySelector(".panel canvas").getContext("webgl2");
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+  });
+  return (performance.now() - start) / 1000;
+}

@@ -3,7 +3,7 @@
 // pixels of the picture can be read, so that drawing is part of it. FOLDER keeps playwright-core and the run made here.
 import fs from "node:fs";
 import path from "node:path";
-import { launch, makeRun, serve } from "./browser.mjs";
+import { firstPicture, launch, makeRun, serve } from "./browser.mjs";
 
 const [program, place] = process.argv.slice(2, 4).map((name) => path.resolve(name));
 const repeats = Number(process.argv[4] ?? 5);
@@ -26,30 +26,20 @@ function cpuSeconds() {
   return [...ticks].reduce((sum, [pid, used]) => sum + (ours(pid) ? used : 0), 0) / 100;
 }
 
-/// In the page: waits for the picture, then reads a pixel of it, which takes until all of it has been drawn.
-async function pictureIsThere() {
-  while (document.querySelector(".panel")?.dataset.drawn === undefined) await new Promise((done) => setTimeout(done, 5));
-  const told = performance.now();
-  const gl = document.querySelector(".panel canvas").getContext("webgl2");
-  gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
-  return performance.now() - told;
-}
-
 async function measure(server) {
   const browser = await launch(place);
   const page = await (await browser.newContext({ viewport: { width: 1280, height: 800 } })).newPage();
   await page.goto("about:blank");
   await page.waitForTimeout(SETTLED);
-  const [cpu, start] = [cpuSeconds(), performance.now()];
-  await page.goto(server.link);
-  const drawing = (await page.evaluate(pictureIsThere)) / 1000;
-  const result = { wall: (performance.now() - start) / 1000, cpu: cpuSeconds() - cpu, drawing };
+  const before = cpuSeconds();
+  const wall = await firstPicture(page, server.link);
+  const result = { wall, cpu: cpuSeconds() - before };
   await browser.close();
   return result;
 }
 
 const median = (values) => [...values].sort((a, b) => a - b)[values.length >> 1];
-const line = ({ wall, cpu, drawing }) => `${wall.toFixed(2)} s, ${cpu.toFixed(2)} CPU s; ${drawing.toFixed(2)} s of it drawing`;
+const line = ({ wall, cpu }) => `${wall.toFixed(2)} s, ${cpu.toFixed(2)} CPU s`;
 
 const runs = path.join(place, "first_picture");
 makeRun(path.join(runs, "large"), "100000", "2");
