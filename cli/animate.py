@@ -61,7 +61,7 @@ class Scene:
             else:  # before the first water comes
                 for artist in [*axes.images, *axes.collections, *axes.patches]:
                     artist.remove()
-                axes.set_title(f"{shown.phase}, t = {style.number(shown.frames.times[step])} s: none")
+                axes.set_title(f"{style.BODY[shown.phase]}, t = {style.number(shown.frames.times[step])} s: none")
         self.figure.canvas.draw()
         pixels = np.asarray(self.figure.canvas.buffer_rgba())[:, :, :3]
         return np.ascontiguousarray(pixels[: pixels.shape[0] // 2 * 2, : pixels.shape[1] // 2 * 2])

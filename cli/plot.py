@@ -119,16 +119,21 @@ def other_body(frames, phase, step):
     return Body(there, nearest) if len(there.positions(nearest)) > 0 else None
 
 
+def scene_of(run):
+    """What the case file of a run holds, and the settings that changed it; nothing where the file has gone."""
+    try:
+        about = tomllib.loads((run / "run.toml").read_text())
+        return tomllib.loads(pathlib.Path(about["case_file"]).read_text()), about.get("overrides", [])
+    except (OSError, KeyError, ValueError):
+        return {}, []
+
+
 def rigid_soil(run):
     """Corners of the soil of a 2D run that is not computed, [[x, y], ...] for each piece, as its case file has them."""
-    record = run / "run.toml"
-    if (run / "solid.vtkhdf").exists() or not record.exists():
+    scene, overrides = scene_of(run)
+    if (run / "solid.vtkhdf").exists() or any(re.match(r"soil\..*(points|min|max|shape)", text) for text in overrides):
         return []
     try:
-        about = tomllib.loads(record.read_text())
-        scene = tomllib.loads(pathlib.Path(about["case_file"]).read_text())
-        if any(re.match(r"soil\..*(points|min|max|shape)", text) for text in about.get("overrides", [])):
-            return []
         pieces = []
         for soil in scene.get("soil", []):
             if soil["shape"] == "polygon":
@@ -137,8 +142,8 @@ def rigid_soil(run):
                 (x0, y0), (x1, y1) = soil["min"], soil["max"]
                 pieces.append(np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]], dtype=float))
         return pieces
-    except (OSError, KeyError, TypeError, ValueError):
-        return []  # the case has gone, or has changed
+    except (KeyError, TypeError, ValueError):
+        return []  # the case has changed
 
 
 def view(points, margin):
@@ -237,7 +242,7 @@ class Shown:
         about = "; blue: outline of the water" if wet and self.phase == "solid" else ""
         if beyond:
             about += f"; {beyond} particle{'s' if beyond > 1 else ''} beyond"
-        return f"{self.phase}, t = {style.number(self.frames.times[step])} s{about}"
+        return f"{style.BODY[self.phase]}, t = {style.number(self.frames.times[step])} s{about}"
 
     def axis_labels(self, axes, below=True, beside=True):
         three = is_3d(self.frames, self.steps[0])
@@ -330,30 +335,61 @@ def reference_of(run, gauge):
     return np.array(rows) if rows and len(rows[0]) == 2 else None
 
 
+def declaration(run, title):
+    """How the case declares a gauge; nothing where it has changed since."""
+    scene, overrides = scene_of(run)
+    if any(text.startswith("gauge.") for text in overrides):
+        return {}
+    return next((gauge for gauge in scene.get("gauge", []) if gauge.get("name") == title), {})
+
+
+def places(declared, names):
+    """What tells the readings at several points apart: the coordinate in which they differ, else all of them."""
+    points = np.array(declared.get("points", []), dtype=float)
+    if declared.get("kind") != "point" or points.ndim != 2 or len(points) != len(names):
+        return names
+    differ = np.flatnonzero(np.ptp(points, axis=0) > 0.0)
+    if len(differ) == 1:
+        return [f"{'xyz'[differ[0]]} = {style.number(point[differ[0]])} m" for point in points]
+    return [f"({', '.join(style.number(x) for x in point)}) m" for point in points]
+
+
+def quantity_label(declared, title):
+    """What a gauge reads, as fields are called; its name where it is no field at points."""
+    if declared.get("kind") != "point":
+        return title.replace("_", " ")
+    field, _, component = declared["quantity"].rpartition("_")
+    known = style.FLUID | style.SOLID
+    return style.label(declared["phase"], field, component) if field in known else style.label(declared["phase"], declared["quantity"])
+
+
 def draw_gauges(run, names, title, series, target, marks=()):
     """Gauges against time. marks: what they should read, [gauge, time, value, and by how much either may be off]."""
     figure, axes = plt.subplots(figsize=(style.COLUMN, 0.62 * style.COLUMN), layout="constrained")
-    legend = len(names) > 1
     colours = plt.rcParams["axes.prop_cycle"].by_key()["color"]
-    for i, name in enumerate(names):
+    declared = declaration(run, title)
+    largest = max((abs(v) for name in names for v in series[name]["v"] if np.isfinite(v)), default=0.0)
+    factor, unit = style.prefix(largest, series[names[0]]["unit"])
+    labelled = False
+    for i, (name, place) in enumerate(zip(names, places(declared, names))):
         entry, colour = series[name], colours[i % len(colours)]
-        axes.plot(entry["t"], entry["v"], color=colour, label=name, linestyle=["-", "--", ":"][i // len(colours) % 3])
+        axes.plot(entry["t"], np.array(entry["v"]) / factor, color=colour, label=place if len(names) > 1 else "computed",
+                  linestyle=["-", "--", ":"][i // len(colours) % 3])
         own = np.array([mark[1:] for mark in marks if mark[0] == name], dtype=float).reshape(-1, 4)
         reference = reference_of(run, name) if len(own) == 0 else own[:, :2]
         if reference is None:
             continue
-        axes.plot(reference[:, 0], reference[:, 1], color=colour, **style.REFERENCE,
-                  label=None if len(names) > 1 and i > 0 else "reference" if len(own) else f"{name}, reference")
-        for direction, off in ("xerr", own[:, 2]), ("yerr", own[:, 3]):
+        axes.plot(reference[:, 0], reference[:, 1] / factor, color=colour, **style.REFERENCE, label=None if labelled else "reference")
+        labelled = True
+        for direction, off in ("xerr", own[:, 2]), ("yerr", own[:, 3] / factor):
             some = off > 0.0  # a bar of no length would still have its caps
             if some.any():
-                axes.errorbar(own[some, 0], own[some, 1], **{direction: off[some]}, fmt="none", ecolor=colour, elinewidth=0.9, capsize=2.5)
-        legend = True
+                axes.errorbar(own[some, 0], own[some, 1] / factor, **{direction: off[some]}, fmt="none", ecolor=colour, elinewidth=0.9, capsize=2.5)
     axes.set_xlabel("time [s]")
-    axes.set_ylabel(f"{title.replace('_', ' ')}{style.unit(series[names[0]]['unit'])}")
+    axes.set_ylabel(quantity_label(declared, title) + style.unit(unit))
     axes.margins(x=0.02)
     axes.grid(True)
-    if legend:
+    if labelled or len(names) > 1:
         axes.legend(ncols=2 if len(names) > 6 else 1)
     style.save(figure, target)
     print(target)

@@ -37,6 +37,7 @@ STYLE = {
 REFERENCE = {"linestyle": "none", "marker": "o", "mfc": "white", "zorder": 3}  # what a curve is held against
 AROUND = {"fluid": "#d8d5cf", "solid": "#d3e5f3"}  # behind the water: soil; behind the soil: water
 WATER_LINE = "#2b7bba"
+BODY = {"fluid": "water", "solid": "soil"}  # what a phase is called above a picture
 
 # Of a field of either phase: words, symbol as in docs/theory/symbols.md and the paper.
 FLUID = {

@@ -27,6 +27,8 @@ fresh_debian() {
   mkdir -p "$root/dev/shm"
   mount -t tmpfs tmpfs "$root/dev/shm"
   cp /etc/resolv.conf "$root/etc/resolv.conf"
+  mkdir -p "$root/usr/local/share/ca-certificates"  # whom this machine trusts beyond Debian's: ca-certificates takes them up
+  for file in /usr/local/share/ca-certificates/*.crt; do [ ! -f "$file" ] || cp "$file" "$root/usr/local/share/ca-certificates/"; done
   for file in /etc/apt/apt.conf.d/*proxy*; do [ ! -f "$file" ] || cp "$file" "$root/etc/apt/apt.conf.d/"; done
   in_root=(chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive)
   for variable in "${passed[@]}"; do [ -z "${!variable:-}" ] || in_root+=("$variable=${!variable}"); done

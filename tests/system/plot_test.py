@@ -70,6 +70,9 @@ title = "made"
 discharge = [[0, 0], [2, 0.001]]
 [[gauge]]
 name = "depth"
+phase = "fluid"
+kind = "point"
+quantity = "pore_pressure"
 points = [[0.2, 0.0], [0.2, 0.1], [0.2, 0.2], [0.2, 0.3], [0.2, 0.4]]
 """
 VERIFY = """
@@ -217,6 +220,18 @@ class Figures(Folder):
 
 
 class OfACase(Folder):
+    def test_gauges_are_told_by_their_places_and_called_as_fields_are(self):
+        write_case(self.at)
+        drawn(self.at / "runs" / "whole", "--gauge", "depth", "head", "--format", "svg", "--out", self.at / "out")
+        depth = (self.at / "out/gauge_depth.svg").read_text()
+        for words in ("pore pressure", "y = 0.1 m", "y = 0.4 m"):  # matplotlib notes each text beside its letters
+            self.assertIn(words, depth)
+        self.assertNotIn("depth[", depth)
+        self.assertIn("head [mm]", (self.at / "out/gauge_head.svg").read_text())
+        declared = plot.declaration(self.at / "runs" / "whole", "depth")
+        self.assertEqual(plot.places(declared | {"points": [[0, 0.1], [0.2, 0.3]]}, ["a", "b"]), ["(0, 0.1) m", "(0.2, 0.3) m"])
+        self.assertEqual(plot.quantity_label(declared | {"quantity": "velocity_x", "phase": "solid"}, "speed"), "velocity of the soil $v_{s,x}$")
+
     def test_the_figures_of_a_case_are_drawn_from_its_runs(self):
         write_case(self.at)
         printed = drawn(self.at / "runs", "--out", self.at / "out", "--format", "svg")

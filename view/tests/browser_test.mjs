@@ -2,31 +2,18 @@
 import assert from "node:assert/strict";
 import { execFileSync, spawn } from "node:child_process";
 import fs from "node:fs";
-import { createRequire } from "node:module";
 import path from "node:path";
 import { after, before, test } from "node:test";
-import { fileURLToPath } from "node:url";
+import { visible } from "../page/src/visible.js";
+import { here, launch, makeRun, python, serve } from "./browser.mjs";
 
 const [program, place] = process.argv.slice(2).map((name) => path.resolve(name));
-const here = path.dirname(fileURLToPath(import.meta.url));
 const cases = path.join(here, "..", "..", "cases");
 const runs = path.join(place, "runs");
-const python = "/usr/bin/python3";
 const LONG = 60000; // ms; machines that build and test are busy
-const GRAPHICS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
 
-let chromium, browser, server, address, page, context;
+let browser, server, page, context;
 const complaints = [];
-
-function prepare() {
-  fs.mkdirSync(place, { recursive: true });
-  const lock = fs.readFileSync(path.join(here, "package-lock.json"));
-  const done = path.join(place, "installed.json");
-  if (fs.existsSync(done) && fs.readFileSync(done).equals(lock)) return;
-  for (const name of ["package.json", "package-lock.json"]) fs.copyFileSync(path.join(here, name), path.join(place, name));
-  execFileSync("npm", ["ci", "--ignore-scripts", "--no-audit", "--no-fund"], { cwd: place, stdio: "pipe" });
-  fs.writeFileSync(done, lock);
-}
 
 function poretwin(...options) {
   execFileSync(program, options, { stdio: "pipe" });
@@ -37,7 +24,7 @@ function makeRuns() {
   poretwin("run", path.join(cases, "dam_break"), "--out", path.join(runs, "dam"), "--until", "0.3", "--set", "fluid.particle_spacing=0.05", "--set",
     "output.interval=0.1", "--no-pictures", "--quiet");
   poretwin("run", path.join(cases, "terzaghi"), "--out", path.join(runs, "terzaghi"), "--until", "0.5", "--set", "output.interval=0.1", "--no-pictures", "--quiet");
-  const made = (name, ...options) => execFileSync(python, [path.join(here, "made_run.py"), path.join(runs, name), ...options]);
+  const made = (name, ...options) => makeRun(path.join(runs, name), ...options);
   made("cube", "8000", "3");
   made("large", "100000", "2");
   made("<img src=x onerror=window.hit=1>", "400", "2", "--flat", "--markup");
@@ -60,20 +47,6 @@ print(json.dumps(${expression}))`;
   return JSON.parse(execFileSync(python, ["-c", script, path.join(runs, run, "fluid.vtkhdf")]));
 }
 
-async function serve() {
-  server = spawn(program, ["view", runs, "--port", "0"], { stdio: ["ignore", "pipe", "inherit"] });
-  let text = "";
-  address = await new Promise((done, failed) => {
-    server.stdout.on("data", (piece) => {
-      text += piece;
-      const links = [...text.matchAll(/(http:\S+)\?token=\S+/g)];
-      server.link = links.at(-1)?.[0];
-      if (links.length) done(links[0][1]);
-    });
-    server.on("exit", () => failed(new Error(`poretwin view ended: ${text}`)));
-  });
-}
-
 const fragment = (state) => "#" + encodeURIComponent(JSON.stringify(state));
 
 /// A page that shows these runs; its complaints are gathered.
@@ -86,10 +59,10 @@ async function open(state = {}, size = { width: 1280, height: 800 }) {
     if (["error", "warning"].includes(message.type()) && !/GPU stall|GL Driver Message|status of (410|412|503|404)/.test(message.text())) complaints.push(message.text());
   });
   page.on("request", (request) => {
-    if (!request.url().startsWith(address) && !/^(blob|data|about):/.test(request.url())) complaints.push(`asked for ${request.url()}`);
+    if (!request.url().startsWith(server.address) && !/^(blob|data|about):/.test(request.url())) complaints.push(`asked for ${request.url()}`);
   });
   page.on("dialog", (dialog) => complaints.push(`dialog: ${dialog.message()}`) && dialog.dismiss());
-  await page.goto(address + fragment(state));
+  await page.goto(server.address + fragment(state));
 }
 
 const panel = (run) => page.locator(`.panel[data-run=${JSON.stringify(run)}]`);
@@ -126,18 +99,15 @@ function pixels(run) {
 }
 
 before(async () => {
-  prepare();
-  ({ chromium } = createRequire(path.join(place, "package.json"))("playwright-core"));
+  browser = await launch(place);
   makeRuns();
-  await serve();
-  browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: GRAPHICS });
+  server = await serve(program, runs);
   context = await browser.newContext({ colorScheme: "light", acceptDownloads: true });
 }, { timeout: 280000 });
 
 after(async () => {
   await browser?.close();
-  server?.removeAllListeners("exit");
-  server?.kill("SIGINT");
+  server?.stop();
 });
 
 test("a used link opens nothing, and says so", async () => {
@@ -299,7 +269,7 @@ test("a link restores the view", async () => {
   // Whatever a link says: it is taken for what it is, or left.
   for (const odd of ["#%", "#null", "#" + encodeURIComponent('{"runs":[1,{}],"time":"x","camera":{"at":[1,2]},"phases":{"fluid":null},"clip":3,"gauges":{}}')]) {
     await page.goto("about:blank");
-    await page.goto(address + odd);
+    await page.goto(server.address + odd);
     await page.waitForSelector("[data-drawn]", { timeout: LONG });
   }
 });
@@ -320,6 +290,70 @@ test("three dimensions turn and zoom", async () => {
   await page.keyboard.press("r");
   await page.waitForTimeout(800);
   assert.equal((await pixels("runs/cube")).sum, before.sum);
+});
+
+test("keys turn three dimensions at the same distance", async () => {
+  await open({ runs: ["runs/cube"] });
+  await drawnAt("runs/cube", 0);
+  await page.locator("#stage canvas").first().focus();
+  const arm = async () => {
+    await page.waitForTimeout(800); // the link follows
+    const { at, eye } = JSON.parse(decodeURIComponent(new URL(page.url()).hash.slice(1))).camera;
+    return at.map((x, d) => eye[d] - x);
+  };
+  await page.keyboard.press("Shift+ArrowRight");
+  const before = await arm();
+  await page.keyboard.press("Shift+ArrowUp");
+  const after = await arm();
+  assert.ok(Math.abs(Math.hypot(...after) / Math.hypot(...before) - 1) < 1e-4, `${before} became ${after}`);
+  assert.ok(after[2] < before[2] - 0.01, `${before} became ${after}`); // the scene turns up
+  // It stops above the scene and does not turn over.
+  for (let i = 0; i < 20; ++i) await page.keyboard.press("Shift+ArrowDown");
+  const above = await arm();
+  assert.ok(above[2] > 0.98 * Math.hypot(...above) && above[1] < 0, `${above}`);
+});
+
+test("spheres that are not drawn cannot be seen", () => {
+  // Seeded, so that a failure can be found again.
+  let seed = 1;
+  const random = () => (seed = (seed * 48271) % 2147483647) / 2147483647;
+  const side = 20;
+  const positions = [];
+  const radii = [];
+  for (let i = 0; i < side ** 3; ++i) {
+    positions.push(...[i % side, Math.floor(i / side) % side, Math.floor(i / side ** 2)].map((n) => (n + 0.5 + 0.2 * random()) / side - 0.5));
+    radii.push((0.55 + 0.15 * random()) / side);
+  }
+  const [width, height, zoom] = [160, 120, 3.2];
+  const [c, s] = [Math.cos(0.4), Math.sin(0.4)];
+  for (const [distance, size, clip] of [[3, 1, [0, 0, 0, 1]], [1.1, 1, [0, 0, 0, 1]], [1.5, 0.6, [0, 0, 1, 0.1]]]) {
+    // Turned around the vertical; the eye looks along z.
+    const view = [c, 0, -s, 0, 0, 1, 0, 0, s, 0, c, 0, 0, 0, -distance, 1];
+    const projection = [zoom * height / width, 0, 0, 0, 0, zoom, 0, 0, 0, 0, -1, -1, 0, 0, -0.1, 0];
+    const kept = new Set(visible(positions, radii, size, { view, projection, width, height, clip, largest: 1024 }));
+    // The plain twin: each sphere at each pixel, as the shader draws it.
+    const front = new Float64Array(width * height).fill(Infinity);
+    const owner = new Int32Array(width * height).fill(-1);
+    for (let i = 0; i < radii.length; ++i) {
+      const [x, y, z] = positions.slice(3 * i, 3 * i + 3);
+      if (clip[0] * x + clip[1] * y + clip[2] * z > clip[3]) continue;
+      const depth = -(view[2] * x + view[6] * y + view[10] * z + view[14]);
+      if (depth <= 0) continue;
+      const pixels = (0.5 * height * zoom * size * radii[i]) / depth;
+      const right = 0.5 * width * (1 + (projection[0] * (view[0] * x + view[4] * y + view[8] * z)) / depth);
+      const down = 0.5 * height * (1 - (zoom * y) / depth);
+      for (let row = 0; row < height; ++row)
+        for (let column = 0; column < width; ++column) {
+          const away = ((column + 0.5 - right) ** 2 + (row + 0.5 - down) ** 2) / pixels ** 2;
+          const surface = depth - size * radii[i] * Math.sqrt(1 - away);
+          if (away < 1 && surface < front[row * width + column]) [front[row * width + column], owner[row * width + column]] = [surface, i];
+        }
+    }
+    const seen = new Set(owner.filter((i) => i >= 0));
+    assert.ok(seen.size > 50, `${seen.size} seen`);
+    assert.deepEqual([...seen].filter((i) => !kept.has(i)), []);
+    assert.ok(kept.size < 0.4 * radii.length, `${kept.size} of ${radii.length} drawn, ${seen.size} seen`);
+  }
 });
 
 test("several runs stand side by side, at one time, in one range", async () => {
@@ -432,7 +466,7 @@ test("a frame of 100,000 particles is soon there", async (t) => {
   await drawnAt("runs/dam", 0);
   await page.goto("about:blank");
   const start = Date.now();
-  await page.goto(address + fragment({ runs: ["runs/large"] }));
+  await page.goto(server.address + fragment({ runs: ["runs/large"] }));
   await drawnAt("runs/large", 0);
   const seconds = (Date.now() - start) / 1000;
   t.diagnostic(`first picture after ${seconds} s`);
@@ -443,7 +477,7 @@ test("a frame of 100,000 particles is soon there", async (t) => {
 });
 
 test("without WebGL the page says so and shows the rest", async () => {
-  const bare = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: ["--no-sandbox", "--disable-gpu", "--disable-software-rasterizer"] });
+  const bare = await launch(place, ["--no-sandbox", "--disable-gpu", "--disable-software-rasterizer"]);
   const other = await bare.newPage();
   await other.goto(server.link + fragment({ runs: ["runs/terzaghi"] }));
   await other.waitForSelector(".notice:not([hidden])", { timeout: LONG });

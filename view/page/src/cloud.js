@@ -2,10 +2,9 @@
 import * as THREE from "three";
 import { NO_VALUE, table } from "./colour.js";
 import { arrowFragment, arrowVertex, particleFragment, particleVertex } from "./shaders.js";
+import { visible } from "./visible.js";
 
 const NAN = -3e38; // stands for "no value": comparisons with NaN differ between drivers
-const FEW = 20000; // particles that any computer draws as spheres
-const ROUND_FROM = 14; // pixels of diameter
 const ARROWS_ALONG = 48; // arrows along the longest side at most
 
 const tables = new Map();
@@ -25,7 +24,6 @@ export function particleMaterial() {
     glslVersion: THREE.GLSL3,
     vertexShader: particleVertex,
     fragmentShader: particleFragment,
-    defines: {},
     transparent: true,
     uniforms: {
       size: { value: 1 }, height: { value: 1 }, clip: { value: new THREE.Vector4(0, 0, 0, 1) },
@@ -34,18 +32,6 @@ export function particleMaterial() {
       opacity: { value: 1 }, sphere: { value: false }, ring: { value: false },
     },
   });
-}
-
-/// Indices by depth, in slices: thinner ones would gain nothing.
-function sortedByDepth(depths, near, far) {
-  const slices = 512;
-  const scale = (slices - 1) / Math.max(far - near, 1e-30);
-  const starts = new Uint32Array(slices + 1);
-  for (const depth of depths) ++starts[Math.floor((depth - near) * scale) + 1];
-  for (let i = 0; i < slices; ++i) starts[i + 1] += starts[i];
-  const order = new Uint32Array(depths.length);
-  for (let i = 0; i < depths.length; ++i) order[starts[Math.floor((depths[i] - near) * scale)]++] = i;
-  return order;
 }
 
 function arrowMaterial(rim) {
@@ -104,28 +90,14 @@ export class Cloud {
     this.layArrows();
   }
 
-  /// Spheres that are large in the picture meet where their surfaces do (ROUND); small ones are discs in depth, drawn from
-  /// front to back: what is hidden then costs nothing, which is most of a body.
-  arrange(camera, height) {
+  /// In 3D: leaves out what is hidden.
+  arrange(camera, width, height, largest) {
     const { positions, radius } = this.frame;
-    const n = radius.length;
-    const e = camera.matrixWorldInverse.elements;
-    const depths = new Float32Array(n);
-    let near = Infinity;
-    let far = -Infinity;
-    for (let i = 0; i < n; ++i) {
-      const depth = -(e[2] * positions[3 * i] + e[6] * positions[3 * i + 1] + e[10] * positions[3 * i + 2] + e[14]);
-      depths[i] = depth;
-      if (depth < near) near = depth;
-      if (depth > far) far = depth;
-    }
-    const middle = Math.max(0.5 * (near + far), 1e-9);
-    const round = n < FEW || (radius[n >> 1] * camera.projectionMatrix.elements[5] * height) / middle > ROUND_FROM;
-    if (round !== ("ROUND" in this.material.defines)) {
-      this.material.defines = round ? { ROUND: 1 } : {};
-      this.material.needsUpdate = true;
-    }
-    if (!round) this.points.geometry.setIndex(new THREE.BufferAttribute(sortedByDepth(depths, near, far), 1));
+    const { size, clip } = this.material.uniforms;
+    const seen = visible(positions, radius, size.value, {
+      view: camera.matrixWorldInverse.elements, projection: camera.projectionMatrix.elements, width, height, clip: clip.value.toArray(), largest,
+    });
+    this.points.geometry.setIndex(new THREE.BufferAttribute(seen, 1));
   }
 
   /// How particles are coloured: {map, low, high, log}, or null for one colour.

@@ -56,9 +56,7 @@ void main() {
   float r2 = dot(at, at);
   if (r2 > 1.0) discard;
   float edge = vPixels > 12.0 ? 1.0 - smoothstep(1.0 - 3.0 / vPixels, 1.0, sqrt(r2)) : 1.0;
-#ifdef ROUND
   gl_FragDepth = gl_FragCoord.z;
-#endif
   if (ring) {
     if (r2 < 0.5) discard;
     result = vec4(colour, edge);
@@ -69,11 +67,9 @@ void main() {
     float z = sqrt(1.0 - r2);
     vec3 normal = vec3(at.x, -at.y, z);
     float light = 0.45 + 0.6 * max(dot(normal, vec3(-0.3980, 0.5970, 0.6965)), 0.0);
-#ifdef ROUND
     // Of the sphere's surface there; the camera of spheres is a perspective one, its w is -z.
     float front = vDepth + z * vRadius;
     gl_FragDepth = 0.5 - 0.5 * (projectionMatrix[2][2] * front + projectionMatrix[3][2]) / front;
-#endif
     result = vec4(min(tone * light, 1.0), 1.0);
     return;
   }

@@ -13,6 +13,8 @@ export class Stage {
     this.canvas = canvas;
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: false, preserveDrawingBuffer: true });
     this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
+    const gl = this.renderer.getContext();
+    this.largest = gl.getParameter(gl.ALIASED_POINT_SIZE_RANGE)[1]; // pixels of diameter that a point may have
     this.scene = new THREE.Scene();
     this.clouds = { solid: new Cloud(0), fluid: new Cloud(1) };
     for (const cloud of Object.values(this.clouds)) this.scene.add(cloud.points, ...cloud.arrows);
@@ -122,8 +124,8 @@ export class Stage {
       const arm = new THREE.Vector3().fromArray(view.eye).sub(new THREE.Vector3().fromArray(view.at));
       arm.applyAxisAngle(new THREE.Vector3(0, 0, 1), -2 * right);
       const side = new THREE.Vector3().crossVectors(arm, new THREE.Vector3(0, 0, 1)).normalize();
-      const steep = Math.asin(THREE.MathUtils.clamp(arm.z / arm.length(), -1, 1)) + 2 * up;
-      if (Math.abs(steep) < 1.55) arm.applyAxisAngle(side, -2 * up).normalize().multiplyScalar(arm.length());
+      const steep = Math.asin(THREE.MathUtils.clamp(arm.z / arm.length(), -1, 1)) - 2 * up; // the eye goes down as the scene turns up
+      if (Math.abs(steep) < 1.55) arm.applyAxisAngle(side, -2 * up);
       arm.multiplyScalar(1 / closer);
       this.setView({ at: view.at, eye: arm.add(new THREE.Vector3().fromArray(view.at)).toArray() });
     } else {
@@ -181,7 +183,7 @@ export class Stage {
       [this.deep.near, this.deep.far] = [far / 500, far * 100];
       this.deep.updateProjectionMatrix();
       this.deep.updateMatrixWorld();
-      for (const cloud of Object.values(this.clouds)) if (cloud.frame?.positions.length && cloud.points.visible) cloud.arrange(this.deep, size.y);
+      for (const cloud of Object.values(this.clouds)) if (cloud.frame?.positions.length && cloud.points.visible) cloud.arrange(this.deep, size.x, size.y, this.largest);
     }
     this.renderer.setClearColor(background);
     this.renderer.render(this.scene, this.camera);
