@@ -2,7 +2,6 @@
 
 #include "common/case/gauge_kinds.hpp"
 #include "common/core/error.hpp"
-#include "fluid_solver/boundary/basin.hpp"
 #include "fluid_solver/discretisation/cloud.hpp"
 #include "fluid_solver/discretisation/operators.hpp"
 #include "fluid_solver/exchange/drag_form.hpp"
@@ -57,7 +56,7 @@ std::pair<Vec<D>, Vec<D>> reach_of(const Case& scene) {
 }  // namespace
 
 template <int D>
-Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
+Fluid<D>::Fluid(const Case& scene, WaterBoundaries boundaries) : scene_(scene), boundaries_(std::move(boundaries)) {
   dx_ = scene.fluid.particle_spacing;
   density_ = scene.water.density;
   Vec<D> bounded = scene.general.gravity.head<D>();
@@ -74,7 +73,7 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
     if (wall.water == Wall::ForWater::no_slip) no_slip_ |= 1u << w;
     if (wall.soil != Wall::ForSoil::none && wall.soil != Wall::ForSoil::roller) fixed_soil_ |= 1u << w;
   }
-  state_.inlets = make_inlets<D>(scene);
+  state_.inlets = make_inlets<D>(scene, boundaries_);
   place_pistons();
 
   std::tie(lower_, upper_) = reach_of<D>(scene);
@@ -115,19 +114,13 @@ Fluid<D>::Fluid(const Case& scene) : scene_(scene) {
       const auto& c = state_.columns[static_cast<std::size_t>(i)];
       if (c.in_soil && std::abs(c.inside(p.position[a])) < 1e-6 * c.spacing) p.mask[a] = 1.0;
     }
-  for (const auto& face : scene.water_faces) {
-    const bool basin = face.basin_area.has_value();
-    const double lowest = basin ? face.basin_area->knots.front().first : 0.0;
-    state_.basin_level.push_back(basin && face.head ? std::max(lowest, face.head->at(0.0)) : lowest);
-    state_.taken.push_back(0.0);
-    state_.supplied.push_back(basin ? basin_volume(*face.basin_area, state_.basin_level.back()) : 0.0);
-  }
-  for (std::size_t f = 0; f < scene.water_faces.size(); ++f)
-    if (is_reservoir(scene, scene.water_faces[f]) &&
+  for (const auto& boundary : boundaries_) state_.faces.push_back(boundary->initial());
+  for (int f = 0; f < static_cast<int>(boundaries_.size()); ++f)
+    if (!is_opening(f) && level_behind(f, 0.0) &&
         std::all_of(state_.columns.begin(), state_.columns.end(),
-                    [&](const auto& c) { return c.face != static_cast<int>(f) || c.in_soil; }))
-      reservoirs_.push_back(static_cast<int>(f));
-  update_columns<D>(scene_, 0.0, state_.basin_level, weight_, origin_, state_.columns);
+                    [&](const auto& c) { return c.face != f || c.in_soil; }))
+      reservoirs_.push_back(f);
+  update_columns<D>(boundaries_, state_.faces, 0.0, weight_, origin_, state_.columns);
   const auto& here = p.void_fraction;
   faces_follow_ = scene.coupled() && scene.solid.model != SolidCase::Model::elastic && !state_.columns.empty() &&
                   state_.inlets.empty() && std::all_of(here.begin(), here.end(), [](double n) { return n < 1.0; });
@@ -743,8 +736,8 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
     p.in_seepage[a] = in_seepage_regime<D>(view, a, p.velocity[a], spacing_of<D>(p.volume[a]), regime) ? 1 : 0;
   });
   set_inlets(window.time, dt);
-  fill_basins(window.time, dt);
-  update_columns<D>(scene_, window.time + dt, state_.basin_level, weight_, origin_, state_.columns);
+  advance_boundaries(window.time, dt);
+  update_columns<D>(boundaries_, state_.faces, window.time + dt, weight_, origin_, state_.columns);
   push_pistons(0.5 * dt);
   drift(dt);
   auto s = stencil();

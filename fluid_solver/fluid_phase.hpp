@@ -14,7 +14,9 @@ namespace poretwin::fluid {
 template <int D>
 class Fluid final : public Phase {
  public:
-  explicit Fluid(const Case& scene);
+  explicit Fluid(const Case& scene) : Fluid(scene, make_water_boundaries(scene)) {}
+  /// boundaries: of the case's water faces, whatever their keys say.
+  Fluid(const Case& scene, WaterBoundaries boundaries);
 
   [[nodiscard]] coupling::Contract contract() const override;
   [[nodiscard]] coupling::Publication publish() const override;
@@ -77,9 +79,12 @@ class Fluid final : public Phase {
   void displace(std::size_t a, const Vec<D>& d, bool stop_at_walls);
   void move(const Stencil<D>& s, const WindowSolution<D>& solution, std::span<const Mat<D>> velocity_gradient,
             std::span<const Vec<D>> velocity_before, std::span<const Vec<D>> repair, double interval);
-  void fill_basins(double time, double interval);
-  /// Level of the still water behind a face [m].
-  [[nodiscard]] double level_behind(int face, double time) const;
+  void advance_boundaries(double time, double interval);
+  /// Level of the still water behind a face [m]; none: there is no such water.
+  [[nodiscard]] std::optional<double> level_behind(int face, double time) const;
+  /// Whether real water comes through a face, by a piston.
+  [[nodiscard]] bool is_opening(int face) const;
+  [[nodiscard]] AllowedChange allowed_change(double longest) const;
   void place_pistons();
   void push_pistons(double interval);
   void set_inlets(double time, double interval);
@@ -110,7 +115,7 @@ class Fluid final : public Phase {
   void limit_by_acceleration(const SoilView<D>& view, const VecArray<D>& velocity_before, double interval);
   void limit_by_slowing(const VecArray<D>& velocity_before, double interval);
   void limit_scheme(const SoilView<D>& view);
-  void limit_by_changes(double now, const std::function<void(double, const std::string&)>& apply) const;
+  void limit_by_loads(double now, const std::function<void(double, const std::string&)>& apply) const;
   [[nodiscard]] bool load_begins(double time) const;
   void flow_together(const Stencil<D>& s);
   void store_surface_gradient(const Stencil<D>& s, std::span<const Vec<D>> gradient);
@@ -124,6 +129,7 @@ class Fluid final : public Phase {
   WindowProblem<D> problem(double interval) const;
 
   Case scene_;
+  WaterBoundaries boundaries_;
   double dx_ = 0.0, density_ = 1000.0, first_interval_ = 0.0;
   double gravity_or_standard_ = 9.81;  ///< m/s2
   /// Weight of water [N/m3] along bounded axes, where it has a potential, and gravity along periodic ones [m/s2].

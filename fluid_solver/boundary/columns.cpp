@@ -1,54 +1,39 @@
-// Water that comes and goes through the faces of prescribed head or pressure.
+// Water that comes and goes through columns of buffers.
 #include "fluid_solver/fluid_phase.hpp"
 
-#include "common/core/error.hpp"
 #include "common/geometry/shapes.hpp"
-#include "fluid_solver/boundary/basin.hpp"
 #include "fluid_solver/discretisation/operators.hpp"
-
-#include <fmt/format.h>
 
 #include <cmath>
 
 namespace poretwin::fluid {
 
-/// Levels of the basins at the end of a window, the flow through their faces taken as it was in the last one.
+/// What stands behind the faces at the end of a window, the flow through them taken as it was in the last one.
 template <int D>
-void Fluid<D>::fill_basins(double time, double interval) {
+void Fluid<D>::advance_boundaries(double time, double interval) {
   const auto through = passed();
-  for (std::size_t f = 0; f < scene_.water_faces.size(); ++f) {
-    const auto& face = scene_.water_faces[f];
-    if (!face.basin_area) continue;
-    state_.supplied[f] += face.discharge->integral(time, time + interval);
+  for (std::size_t f = 0; f < boundaries_.size(); ++f) {
     double leaves = 0.0;
     for (const auto& c : state_.columns)
       if (c.face == static_cast<int>(f) && c.wet) leaves += interval * c.speed * c.mass / (density_ * c.spacing);
     for (const auto& inlet : state_.inlets)
       if (inlet.face == static_cast<int>(f)) leaves += interval * inlet.speed * inlet.width;
-    state_.basin_level[f] = basin_level(*face.basin_area, state_.supplied[f] - through[f] - leaves);
-    const auto crest = crest_of(scene_, face);
-    if (!crest || state_.basin_level[f] <= crest->elevation) continue;
-    if (const std::string why = no_way_over(scene_, *crest); !why.empty())
-      throw DivergedError(fmt::format(
-          "fluid: the basin behind water_face[{}]{} has risen to {:.4g} m at t = {:.4g} s, above the face's upper end "
-          "at {:.4g} m, and cannot run over there: {}; give it less discharge or more area, a wall up to the level, or "
-          "a reservoir of real water (an inlet away from the soil)",
-          f, face.name.empty() ? "" : " \"" + face.name + "\"", state_.basin_level[f], time + interval,
-          crest->elevation, why));
+    boundaries_[f]->advance(time, interval, {through[f], leaves}, state_.faces[f]);
+    boundaries_[f]->check(time + interval, state_.faces[f]);
   }
 }
 
 template <int D>
-double Fluid<D>::level_behind(int face, double time) const {
+std::optional<double> Fluid<D>::level_behind(int face, double time) const {
   const auto f = static_cast<std::size_t>(face);
-  return scene_.water_faces[f].basin_area ? state_.basin_level[f] : scene_.water_faces[f].head->at(time);
+  return boundaries_[f]->level(time, state_.faces[f]);
 }
 
 /// Volume that has come in through each face, less what has gone out [m^D].
 template <int D>
 ScalarArray Fluid<D>::passed() const {
-  ScalarArray sum(scene_.water_faces.size(), 0.0);
-  for (std::size_t f = 0; f < sum.size(); ++f) sum[f] = -state_.taken[f];
+  ScalarArray sum(state_.faces.size());
+  for (std::size_t f = 0; f < sum.size(); ++f) sum[f] = -state_.faces[f].taken;
   for (const auto& c : state_.columns) sum[static_cast<std::size_t>(c.face)] += c.passed;
   for (const auto& inlet : state_.inlets) sum[static_cast<std::size_t>(inlet.face)] += inlet.passed();
   return sum;
@@ -72,7 +57,7 @@ bool Fluid<D>::flow_is_solved_for(const FaceColumn<D>& c) const {
 template <int D>
 void Fluid<D>::count(FaceColumn<D>& c, double volume) {
   c.passed += volume;
-  came_.resize(scene_.water_faces.size(), 0.0);
+  came_.resize(state_.faces.size(), 0.0);
   came_[static_cast<std::size_t>(c.face)] += volume;
 }
 
@@ -245,8 +230,8 @@ void Fluid<D>::follow_soil(const SoilView<D>& view) {
   }
 }
 
-/// The water behind faces with a head, as far as soil may slide into it: the columns' rows beyond those that the
-/// water's own operators need, and more columns where a face ends in the open. Its piezometric pressure is the face's.
+/// The still water behind faces, as far as soil may slide into it: the columns' rows beyond those that the water's own
+/// operators need, and more columns where a face ends in the open. Its piezometric pressure is the face's.
 template <int D>
 std::vector<StillWater<D>> Fluid<D>::reservoir() const {
   std::vector<StillWater<D>> still;
@@ -262,7 +247,7 @@ std::vector<StillWater<D>> Fluid<D>::reservoir() const {
   };
   for (std::size_t i = 0; i < state_.columns.size(); ++i) {
     const auto& c = state_.columns[i];
-    if (!c.wet || !c.in_soil || c.held || scene_.water_faces[static_cast<std::size_t>(c.face)].pressure) continue;
+    if (!c.wet || !c.in_soil || c.held || !level_behind(c.face, state_.time)) continue;
     for (int j = faces::buffers_per_column + 1; j <= faces::reservoir_rows; ++j)
       add(c, c.foot + (c.offset - j * c.spacing) * c.normal);
     if constexpr (D == 2) {
@@ -292,7 +277,7 @@ template <int D>
 int Fluid<D>::taker(const Vec<D>& x) const {
   const Point3 point = to_point3<D>(x);
   for (const int f : reservoirs_)
-    if (-weight_.dot(x) <= weight_.norm() * level_behind(f, state_.time) &&
+    if (-weight_.dot(x) <= weight_.norm() * level_behind(f, state_.time).value() &&
         is_behind(scene_, scene_.water_faces[static_cast<std::size_t>(f)], point))
       return f;
   return -1;
@@ -321,7 +306,7 @@ void Fluid<D>::give_birth_and_delete(const SoilView<D>& view) {
     if (const int f = free ? taker(p.position[a]) : -1; f >= 0) {
       keep[a] = false;
       any = true;
-      state_.taken[static_cast<std::size_t>(f)] += p.mass[a] / density_;
+      state_.faces[static_cast<std::size_t>(f)].taken += p.mass[a] / density_;
       state_.balance.out += p.mass[a] / density_;
       continue;
     }

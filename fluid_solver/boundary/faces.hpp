@@ -4,6 +4,7 @@
 #pragma once
 
 #include "common/particles/neighbours.hpp"
+#include "fluid_solver/boundary/water_boundary.hpp"
 #include "fluid_solver/discretisation/stencil.hpp"
 #include "fluid_solver/exchange/soil_view.hpp"
 #include "fluid_solver/numerics/faces.hpp"
@@ -265,22 +266,16 @@ class ColumnFinder {
   sph::CellGrid<D> grid_;
 };
 
-/// Pressures at the feet at a time; a column acts where the total pressure there is not negative. basin_level [m]: of
-/// each face, for those that are basins.
+/// Pressures at the feet at a time; a column acts where the total pressure there is not negative. boundaries, states:
+/// [faces]
 template <int D>
-void update_columns(const Case& scene, double time, std::span<const double> basin_level, const Vec<D>& weight,
-                    const Vec<D>& origin, std::vector<FaceColumn<D>>& columns) {
+void update_columns(const WaterBoundaries& boundaries, std::span<const FaceState> states, double time,
+                    const Vec<D>& weight, const Vec<D>& origin, std::vector<FaceColumn<D>>& columns) {
   const double magnitude = weight.norm();
   for (auto& c : columns) {
-    const WaterFace& face = scene.water_faces[static_cast<std::size_t>(c.face)];
+    const auto face = static_cast<std::size_t>(c.face);
     const double elevation = magnitude > 0.0 ? -weight.dot(c.foot) / magnitude : 0.0;
-    double total = -1.0;
-    if (face.basin_area)
-      total = magnitude * (basin_level[static_cast<std::size_t>(c.face)] - elevation);
-    else if (face.head)
-      total = magnitude * (face.head->at(time) - elevation);
-    else if (face.pressure)
-      total = face.pressure->at(time) + face.wave(c.foot[0], time);
+    const double total = boundaries[face]->pressure({to_point3<D>(c.foot), elevation, magnitude}, time, states[face]);
     c.wet = total >= 0.0;
     c.pressure = total - weight.dot(c.foot - origin);
   }

@@ -11,14 +11,15 @@
 namespace poretwin::fluid {
 
 template <int D>
-std::vector<Inlet<D>> make_inlets(const Case& scene) {
+std::vector<Inlet<D>> make_inlets(const Case& scene, const WaterBoundaries& boundaries) {
   std::vector<Inlet<D>> inlets;
   const double dx = scene.fluid.particle_spacing;
   const Vec<D> weight = scene.general.gravity.head<D>();
   const Vec<D> up = weight.norm() > 0.0 ? Vec<D>(-weight.normalized()) : Vec<D>(Vec<D>::Zero());
   for (std::size_t f = 0; f < scene.water_faces.size(); ++f) {
     const auto& face = scene.water_faces[f];
-    if (is_reservoir(scene, face)) {
+    const bool opening = is_inlet(scene, face);
+    if (!opening && boundaries[f]->level(0.0, boundaries[f]->initial())) {
       const auto crest = crest_of(scene, face);
       if (!crest || !no_way_over(scene, *crest).empty()) continue;
       Inlet<D> sill;
@@ -34,7 +35,7 @@ std::vector<Inlet<D>> make_inlets(const Case& scene) {
       inlets.push_back(sill);
       continue;
     }
-    if (!is_inlet(scene, face)) continue;
+    if (!opening) continue;
     const Vec<D> a = face.face.points.front().head<D>(), b = face.face.points.back().head<D>();
     Inlet<D> inlet;
     inlet.face = static_cast<int>(f);
@@ -54,20 +55,19 @@ std::vector<Inlet<D>> make_inlets(const Case& scene) {
 }
 
 template <int D>
-double inlet_speed(const Case& scene, const Inlet<D>& inlet, double time, double interval) {
-  const auto& face = scene.water_faces[static_cast<std::size_t>(inlet.face)];
+double inlet_speed(const WaterBoundary& boundary, const FaceState& state, const Inlet<D>& inlet, double dx,
+                   double gravity, double time, double interval) {
   double discharge = 0.0;
-  if (face.discharge) {
-    discharge = face.discharge->integral(time, time + interval) / interval;
+  if (const auto volume = boundary.let_in(time, time + interval)) {
+    discharge = *volume / interval;
   } else {
-    const double wanted = face.head->at(time + interval);
-    const double depth = std::max(wanted - inlet.lowest, scene.fluid.particle_spacing);
-    discharge = std::sqrt(scene.general.gravity.norm() * depth) * (std::max(wanted, inlet.lowest) - inlet.level) +
-                inlet.current * inlet.width;
+    const double wanted = boundary.level(time + interval, state).value();
+    const double depth = std::max(wanted - inlet.lowest, dx);
+    discharge =
+        std::sqrt(gravity * depth) * (std::max(wanted, inlet.lowest) - inlet.level) + inlet.current * inlet.width;
   }
   // An opening draws water as far as it lies under water.
-  if (discharge < 0.0 && !scene.general.gravity.isZero() && inlet.level < inlet.highest + 0.5 * inlet.spacing)
-    return 0.0;
+  if (discharge < 0.0 && gravity > 0.0 && inlet.level < inlet.highest + 0.5 * inlet.spacing) return 0.0;
   return discharge / inlet.width;
 }
 
@@ -138,6 +138,12 @@ void Fluid<D>::place_pistons() {
     planes_ = water_planes<D>(scene_, state_.inlets, margin);
 }
 
+template <int D>
+bool Fluid<D>::is_opening(int face) const {
+  return std::any_of(state_.inlets.begin(), state_.inlets.end(),
+                     [&](const auto& inlet) { return inlet.face == face && !inlet.sill; });
+}
+
 /// What the inlets do in the window that begins: the levels before them from the free water's surface near by.
 template <int D>
 void Fluid<D>::set_inlets(double time, double interval) {
@@ -184,7 +190,7 @@ void Fluid<D>::set_inlets(double time, double interval) {
     else
       inlet.level = water > 0.0 ? head / (water * weight_.norm()) + up.dot(origin_) : inlet.lowest;
     if (inlet.sill) {
-      const double over = level_behind(inlet.face, time) - inlet.lowest;
+      const double over = level_behind(inlet.face, time).value() - inlet.lowest;
       // Water in front of a piston moves with it: its present speed would only repeat what the piston did.
       const double averaging_time = faces::current_waves * near / std::sqrt(gravity_or_standard_ * std::max(dx_, over));
       inlet.current +=
@@ -195,16 +201,17 @@ void Fluid<D>::set_inlets(double time, double interval) {
       inlet.speed = flow.speed;
       inlet.open(flow.depth, dx_);
     } else {
-      if (const auto& face = scene_.water_faces[static_cast<std::size_t>(inlet.face)];
-          !face.discharge && highest > lowest) {
+      if (const auto wanted = level_behind(inlet.face, time); wanted && highest > lowest) {
         // Water of length L responds to a discharge within L / sqrt(g d). Correcting the current over four times that
         // avoids oscillation. The missing head counts up to one spacing: a reservoir that fills draws nothing off.
-        const double wave = std::sqrt(gravity_or_standard_ * std::max(dx_, face.head->at(time) - inlet.lowest));
-        const double missing = std::clamp(face.head->at(time) - inlet.level, -dx_, dx_);
+        const double wave = std::sqrt(gravity_or_standard_ * std::max(dx_, *wanted - inlet.lowest));
+        const double missing = std::clamp(*wanted - inlet.level, -dx_, dx_);
         const double length = std::max(dx_, (most - least).norm());  // one particle is a spacing long
         inlet.current += interval * wave * wave / (4.0 * length) * missing / inlet.width;
       }
-      inlet.speed = inlet_speed(scene_, inlet, time, interval);
+      const auto f = static_cast<std::size_t>(inlet.face);
+      inlet.speed =
+          inlet_speed(*boundaries_[f], state_.faces[f], inlet, dx_, scene_.general.gravity.norm(), time, interval);
       if (inlet.speed == 0.0) inlet.current = std::max(0.0, inlet.current);  // an opening that cannot draw
     }
     const double volume = inlet.speed * inlet.width * interval;
@@ -264,10 +271,11 @@ void Fluid<D>::serve_inlets() {
   place_pistons();
 }
 
-#define PORETWIN_INSTANTIATE(D)                                                                                \
-  template std::vector<Inlet<D>> make_inlets<D>(const Case&);                                                  \
-  template double inlet_speed<D>(const Case&, const Inlet<D>&, double, double);                                \
-  template std::vector<sph::ImagePlane<D>> water_planes<D>(const Case&, const std::vector<Inlet<D>>&, double); \
+#define PORETWIN_INSTANTIATE(D)                                                                                   \
+  template std::vector<Inlet<D>> make_inlets<D>(const Case&, const WaterBoundaries&);                             \
+  template double inlet_speed<D>(const WaterBoundary&, const FaceState&, const Inlet<D>&, double, double, double, \
+                                 double);                                                                         \
+  template std::vector<sph::ImagePlane<D>> water_planes<D>(const Case&, const std::vector<Inlet<D>>&, double);    \
   template sph::Sight<D> water_sight<D>(const Case&, double);
 PORETWIN_INSTANTIATE(2)
 PORETWIN_INSTANTIATE(3)

@@ -8,26 +8,6 @@
 
 namespace poretwin::fluid {
 
-namespace {
-
-/// For how long after t a table stays within `most` of its value at t [s].
-double unchanged_for(const Series& series, double t, double most) {
-  const double value = series.at(t);
-  std::pair<double, double> last{t, value};
-  for (const auto& knot : series.knots) {
-    if (knot.first <= t) continue;
-    const double change = knot.second - value;
-    if (std::abs(change) > most) {
-      const double target = value + std::copysign(most, change);
-      return last.first - t + (knot.first - last.first) * (target - last.second) / (knot.second - last.second);
-    }
-    last = knot;
-  }
-  return HUGE_VAL;
-}
-
-}  // namespace
-
 /// The shortest window that a change of pressure can require: a fifth of the way of the soil's waves through a spacing.
 /// The first one in elastic soil that is wet from the start is a fifth of the time in which a spacing drains where that
 /// is longer: before that the water holds the grains and nothing moves but in shear, which the soil refuses so long a
@@ -202,24 +182,25 @@ double Fluid<D>::free_interval() const {
   return std::min({wave_interval(), central_interval(), viscous_interval(), longest});
 }
 
-/// What tables of levels, pressures and loads ask of the window from `now` on, however slow the water is by then: no
-/// more than a change by half a spacing of water, as a basin's, but not less than a fall through a spacing takes, which
-/// nothing that seeps follows. Where soil responds, a load that begins is followed from its first wave on.
+/// What may change behind a face or in a load in one window, however slow the water is: no more than by half a spacing
+/// of water, but windows need not be shorter than a fall through a spacing, which nothing that seeps follows.
 template <int D>
-void Fluid<D>::limit_by_changes(double now, const std::function<void(double, const std::string&)>& apply) const {
-  const double least = steps::least_for_tables * std::sqrt(dx_ / gravity_or_standard_), rise = steps::wanted_rise * dx_;
-  const double change = rise * density_ * gravity_or_standard_;
-  for (const auto& face : scene_.water_faces) {
-    if (is_inlet(scene_, face)) continue;
-    if (face.head && !face.basin_area)
-      apply(std::max(least, unchanged_for(*face.head, now, rise)), "a level that changes behind a face");
-    if (face.pressure)
-      apply(std::max(least, unchanged_for(*face.pressure, now, change)), "a pressure that changes on a face");
-  }
+AllowedChange Fluid<D>::allowed_change(double longest) const {
+  const double rise = steps::wanted_rise * dx_;
+  return {rise, rise * density_ * gravity_or_standard_, steps::least_for_tables * std::sqrt(dx_ / gravity_or_standard_),
+          longest};
+}
+
+/// What tables of loads ask of the window from `now` on. Where soil responds, a load that begins is followed from its
+/// first wave on.
+template <int D>
+void Fluid<D>::limit_by_loads(double now, const std::function<void(double, const std::string&)>& apply) const {
   if (!scene_.coupled()) return;
+  const auto allowed = allowed_change(HUGE_VAL);
   for (const auto& load : scene_.loads)
     if (load.factor && load.traction.norm() > 0.0)
-      apply(std::max(least, unchanged_for(*load.factor, now, change / load.traction.norm())), "a load that changes");
+      apply(std::max(allowed.shortest, unchanged_for(*load.factor, now, allowed.pressure / load.traction.norm())),
+            "a load that changes");
   if (first_interval_ > 0.0 && load_begins(now)) apply(first_interval_, "a load that begins");
 }
 
@@ -241,7 +222,7 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
   // What is found by halving begins with the other limits, or with far more than any run takes.
   const double ever = 1e12 * std::sqrt(dx_ / gravity_or_standard_);
   if (state_.controlled > 0.0) apply(state_.controlled, "pressure change per window");
-  limit_by_changes(state_.time, apply);
+  limit_by_loads(state_.time, apply);
   for (const auto& l : state_.window_limits) apply(l.interval, l.reason);
   // In soil that moves quasi-statically water has no waves, even where it is not in the seepage regime.
   const double slow = quasi_static_speed();
@@ -278,28 +259,26 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
     }
   apply(central_interval(), "central force");
   if (free_water) apply(viscous_interval(), "viscosity");
-  for (std::size_t f = 0; f < scene_.water_faces.size(); ++f)
-    if (const auto& face = scene_.water_faces[f]; face.basin_area) {
-      // Half a spacing at what flows in now, and by the table: it may begin or grow before the window ends.
-      const double room = steps::wanted_rise * dx_ * face.basin_area->at(state_.basin_level[f]), now = state_.time;
-      const double inflow = std::abs(face.discharge->at(now));
-      double longest = std::min(limit.first, inflow > 0.0 ? room / inflow : ever);
-      for (int halvings = 0; halvings < 100 && std::abs(face.discharge->integral(now, now + longest)) > 1.001 * room;
-           ++halvings)
-        longest *= 0.5;
-      if (longest < limit.first) apply(longest, "rise of a basin");
+  for (std::size_t f = 0; f < boundaries_.size(); ++f)
+    if (!is_opening(static_cast<int>(f))) {
+      const auto bound =
+          boundaries_[f]->limit(state_.time, allowed_change(std::min(limit.first, ever)), state_.faces[f]);
+      apply(bound.interval, bound.reason);
     }
   for (const auto& inlet : state_.inlets) {
     // The longest window in which its piston moves by a quarter spacing at most; no crest is passed unawares.
-    const auto& face = scene_.water_faces[static_cast<std::size_t>(inlet.face)];
-    const double over = inlet.sill ? std::max(0.0, level_behind(inlet.face, state_.time) - inlet.lowest) : 0.0;
+    const auto f = static_cast<std::size_t>(inlet.face);
+    const auto level_over = [&](double time) { return level_behind(inlet.face, time).value() - inlet.lowest; };
+    const double over = inlet.sill ? std::max(0.0, level_over(state_.time)) : 0.0;
     const double fastest_over = std::max(std::abs(inlet.speed), std::sqrt(2.0 / 3.0 * gravity_or_standard_ * over));
     const auto far = [&](double interval) {
       if (!inlet.sill)
-        return std::abs(inlet_speed(scene_, inlet, state_.time, interval)) * interval >
+        return std::abs(inlet_speed(*boundaries_[f], state_.faces[f], inlet, dx_, scene_.general.gravity.norm(),
+                                    state_.time, interval)) *
+                   interval >
                steps::seepage_courant * inlet.spacing;
       return fastest_over * interval > steps::seepage_courant * dx_ ||
-             (!face.basin_area && face.head->at(state_.time + interval) - inlet.lowest > over + 0.5 * dx_);
+             level_over(state_.time + interval) > over + 0.5 * dx_;
     };
     double longest = std::min(limit.first, ever);
     for (int halvings = 0; halvings < 100 && far(longest); ++halvings) longest *= 0.5;

@@ -1,6 +1,5 @@
 // What is read off the water: values at points, along lines and faces, sums over regions, the balance of its volume.
 #include "common/geometry/thin_walls.hpp"
-#include "fluid_solver/boundary/basin.hpp"
 #include "fluid_solver/discretisation/cloud.hpp"
 #include "fluid_solver/fluid_phase.hpp"
 #include "fluid_solver/numerics/readings.hpp"
@@ -34,8 +33,15 @@ struct Line {
 template <int D>
 class Reader {
  public:
-  Reader(const Case& scene, const State<D>& state, const Cloud<D>& cloud, const Vec<D>& weight, ScalarArray passed)
-      : scene_(scene), state_(state), cloud_(cloud), probe_(cloud), weight_(weight), passed_(std::move(passed)) {
+  Reader(const Case& scene, const WaterBoundaries& boundaries, const State<D>& state, const Cloud<D>& cloud,
+         const Vec<D>& weight, ScalarArray passed)
+      : scene_(scene),
+        boundaries_(boundaries),
+        state_(state),
+        cloud_(cloud),
+        probe_(cloud),
+        weight_(weight),
+        passed_(std::move(passed)) {
     gamma_ = porous::specific_weight(scene);
     dx_ = scene.fluid.particle_spacing;
   }
@@ -230,12 +236,12 @@ class Reader {
   /// Of the water behind a face.
   [[nodiscard]] double level(const Gauge& gauge) const {
     for (std::size_t f = 0; f < scene_.water_faces.size(); ++f) {
-      const auto& face = scene_.water_faces[f];
-      if (face.name != gauge.quantity) continue;
+      if (scene_.water_faces[f].name != gauge.quantity) continue;
       for (const auto& inlet : state_.inlets)
         if (inlet.face == static_cast<int>(f) && !inlet.sill) return inlet.level;
-      return face.basin_area ? basin_level(*face.basin_area, state_.supplied[f] - passed_[f])
-                             : face.head->at(state_.time);
+      FaceState now = state_.faces[f];
+      boundaries_[f]->advance(state_.time, 0.0, {passed_[f], 0.0}, now);  // by what has passed since
+      return boundaries_[f]->level(state_.time, now).value_or(nan);
     }
     return nan;
   }
@@ -333,6 +339,7 @@ class Reader {
   }
 
   const Case& scene_;
+  const WaterBoundaries& boundaries_;
   const State<D>& state_;
   const Cloud<D>& cloud_;
   Probe<D> probe_;
@@ -374,7 +381,7 @@ std::vector<GaugeReading> Fluid<D>::gauges() const {
       std::any_of(scene_.gauges.begin(), scene_.gauges.end(), [](const Gauge& g) { return g.phase == "fluid"; });
   if (!any) return {};
   const auto cloud = make_cloud<D>(state_, planes_, sight_, weight_, origin_, {}, no_slip_);
-  Reader<D> reader(scene_, state_, cloud, weight_, passed());
+  Reader<D> reader(scene_, boundaries_, state_, cloud, weight_, passed());
   for (const auto& gauge : scene_.gauges)
     if (gauge.phase == "fluid") reader.read(gauge);
   return reader.take();

@@ -140,7 +140,9 @@ TEST(Faces, BehindAWallThatEndsAtAFaceEverythingIsSeenOnce) {
   const Case scene = outlet_on_half_a_side(0.02);
   const auto columns = [&] {
     auto result = make_columns<2>(scene);
-    update_columns<2>(scene, 0.0, {}, Vec<2>(0.0, -9810.0), Vec<2>::Zero(), result);
+    const auto boundaries = make_water_boundaries(scene);
+    const std::vector<FaceState> states(boundaries.size());
+    update_columns<2>(boundaries, states, 0.0, Vec<2>(0.0, -9810.0), Vec<2>::Zero(), result);
     for (auto& c : result) {
       c.wet = true;
       c.offset = 0.5 * c.spacing;  // a lattice
