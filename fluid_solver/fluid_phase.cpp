@@ -56,7 +56,8 @@ std::pair<Vec<D>, Vec<D>> reach_of(const Case& scene) {
 }  // namespace
 
 template <int D>
-Fluid<D>::Fluid(const Case& scene, WaterBoundaries boundaries) : scene_(scene), boundaries_(std::move(boundaries)) {
+Fluid<D>::Fluid(const Case& scene, WaterBoundaries boundaries)
+    : scene_(scene), ground_(scene), boundaries_(std::move(boundaries)) {
   dx_ = scene.fluid.particle_spacing;
   density_ = scene.water.density;
   Vec<D> bounded = scene.general.gravity.head<D>();
@@ -88,8 +89,8 @@ Fluid<D>::Fluid(const Case& scene, WaterBoundaries boundaries) : scene_(scene), 
     const auto lattice = fill<D>(region, dx_, scene.fluid.offset, scene.fluid.jitter, seed++, later);
     p.reserve(p.size() + lattice.position.size(), !scene.water_faces.empty());
     for (const auto& x : lattice.position) {
-      const Soil* soil = soil_at(scene, to_point3<D>(x));
-      const double n = soil ? fillable_porosity(*soil) : 1.0;
+      const Stratum* soil = ground_.at(x);
+      const double n = soil ? soil->fillable_porosity : 1.0;
       p.add(x, initial_velocity(x), n * density_ * lattice.volume, n, lattice.volume, 0.0);
       const double height = up.dot(x) + 0.5 * dx_;
       farthest = std::max(farthest, x.norm());
@@ -103,9 +104,9 @@ Fluid<D>::Fluid(const Case& scene, WaterBoundaries boundaries) : scene_(scene), 
   const double depth = p.size() > 0 ? top - bottom : dx_;
   state_.wave_speed =
       std::sqrt(scene.general.gravity.norm() * depth + scene.general.central_force * farthest * farthest);
-  state_.columns = make_columns<D>(scene);
+  state_.columns = make_columns<D>(scene, ground_);
   joints_ = make_joints<D>(scene);
-  one_soil_ = porous::conductivity_contrast(scene) < porous::one_conductivity;
+  one_soil_ = ground_.contrast() < porous::one_conductivity;
   for (const auto& c : state_.columns) feet_.push_back(c.foot);
   // Points that lie on a face of soil to rounding belong to the soil.
   const ColumnFinder<D> finder(state_.columns);
@@ -125,7 +126,7 @@ Fluid<D>::Fluid(const Case& scene, WaterBoundaries boundaries) : scene_(scene), 
   faces_follow_ = scene.coupled() && scene.solid.model != SolidCase::Model::elastic && !state_.columns.empty() &&
                   state_.inlets.empty() && std::all_of(here.begin(), here.end(), [](double n) { return n < 1.0; });
   // The soil searches its initial equilibrium under the pressure that is published before the first exchange.
-  auto view = rigid_soil<D>(scene_, p.position);
+  auto view = rigid_soil<D>(ground_, p.position, scene_.fluid.drag);
   solve_hydrostatic(view);
 }
 
@@ -222,10 +223,10 @@ SoilView<D> Fluid<D>::soil(const coupling::Inbox& inbox, const SeepageRegime& re
   if (!scene_.coupled()) {
     VecArray<D> where = x;
     parallel_for(n, [&](std::size_t a) {
-      if (auto& point = where[a]; !is_free(a) && !soil_at(scene_, to_point3<D>(point)))
-        if (const auto* c = nearest_column(point)) point = just_inside<D>(scene_, c->foot, c->normal, c->spacing);
+      if (auto& point = where[a]; !is_free(a) && !ground_.at(point))
+        if (const auto* c = nearest_column(point)) point = just_inside<D>(ground_, c->foot, c->normal, c->spacing);
     });
-    auto view = rigid_soil<D>(scene_, where);
+    auto view = rigid_soil<D>(ground_, where, scene_.fluid.drag);
     if (scene_.fluid.drag_form != FluidCase::DragForm::pointwise) view.drag_form = smoothed_drag<D>(scene_, x);
     return view;
   }
@@ -272,15 +273,15 @@ WindowProblem<D> Fluid<D>::problem(double interval) const {
   if (parallel_all(mask.size(), [&](std::size_t a) { return mask[a] <= 0.5; }))
     in.tolerance = pressure::free_water_tolerance;
   else
-    in.tolerance = std::max(in.tolerance / porous::conductivity_contrast(scene_), pressure::tightest_tolerance);
+    in.tolerance = std::max(in.tolerance / ground_.contrast(), pressure::tightest_tolerance);
   if (scene_.fluid.pressure_tolerance) in.tolerance = *scene_.fluid.pressure_tolerance;
   for (const auto& c : state_.columns) {
     in.face_pressure.push_back(c.pressure);
     in.face_slope.push_back(c.slope);
     in.face_holds.push_back(c.held);
-    const Soil* before =
-        scene_.coupled() ? nullptr : soil_at(scene_, to_point3<D>(just_inside<D>(scene_, c.foot, c.normal, c.spacing)));
-    in.face_soil.push_back(before ? static_cast<int>(before - scene_.soils.data()) : -1);
+    const Stratum* before =
+        scene_.coupled() ? nullptr : ground_.at(just_inside<D>(ground_, c.foot, c.normal, c.spacing));
+    in.face_soil.push_back(before ? before->number : -1);
   }
   return in;
 }
@@ -535,7 +536,7 @@ ScalarArray Fluid<D>::deferred_divergence(const Stencil<D>& s, const SoilView<D>
 /// and explicit sweeps lose.
 template <int D>
 bool Fluid<D>::open_water() const {
-  return D == 2 && scene_.soils.empty() && scene_.fluid.scheme == FluidCase::Scheme::projection;
+  return D == 2 && ground_.strata().empty() && scene_.fluid.scheme == FluidCase::Scheme::projection;
 }
 
 /// Relative excess of the packing around particle a over a lattice's. full: sum V W over that of a lattice, or the

@@ -129,6 +129,7 @@ class Fluid final : public Phase {
   WindowProblem<D> problem(double interval) const;
 
   Case scene_;
+  Ground<D> ground_;
   WaterBoundaries boundaries_;
   double dx_ = 0.0, density_ = 1000.0, first_interval_ = 0.0;
   double gravity_or_standard_ = 9.81;  ///< m/s2

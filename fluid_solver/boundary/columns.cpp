@@ -108,13 +108,12 @@ void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, con
     const double h = points::smoothing_ratio * spacing_of<D>(c.volume);
     double sum = 0.0, speed = 0.0;
     // Of two soils side by side each moves its own columns.
-    const Soil* here = scene_.soils.size() > 1 && !scene_.coupled() ? soil_at(scene_, to_point3<D>(probe)) : nullptr;
+    const Stratum* here = ground_.strata().size() > 1 && !scene_.coupled() ? ground_.at(probe) : nullptr;
     if (sight_.limited()) sight_.find_near(probe, sph::support_radius * h, near);
     grid.for_each_within(probe, sph::support_radius * h, [&](Index a, double r2) {
       if (c.in_soil && is_free(a)) return;
       if (!near.empty() && !sight_.open(probe, p.position[a], near)) return;
-      if (const Soil* there = here ? soil_at(scene_, to_point3<D>(p.position[a])) : nullptr; there != here && there)
-        return;
+      if (const Stratum* there = here ? ground_.at(p.position[a]) : nullptr; there != here && there) return;
       const double w = p.volume[a] * Kernel<D>::value(std::sqrt(r2), h);
       sum += w;
       const double spacing = spacing_of<D>(p.volume[a]);
@@ -140,9 +139,8 @@ void Fluid<D>::advance_columns(const Stencil<D>& s, const SoilView<D>& view, con
 /// What drives water in at a column's foot: the water's pressure and the suction of the dry ground behind it [Pa].
 template <int D>
 double Fluid<D>::driving_pressure(const FaceColumn<D>& c) const {
-  const Soil* here = soil_at(scene_, to_point3<D>(just_inside<D>(scene_, c.foot, c.normal, c.spacing)));
   return std::max(0.0, c.pressure + weight_.dot(c.foot - origin_)) +
-         (here ? porous::specific_weight(scene_) * here->suction_head : 0.0);
+         ground_.suction(just_inside<D>(ground_, c.foot, c.normal, c.spacing));
 }
 
 /// Water behind a wet face enters dry ground as a sharp front, before there is a particle to carry it (Green & Ampt
@@ -168,14 +166,13 @@ void Fluid<D>::wet_dry_ground(FaceColumn<D>& c, double interval) const {
 template <int D>
 InfiltrationSpeed Fluid<D>::infiltration_speed(const FaceColumn<D>& c) const {
   const double magnitude = weight_.norm();
-  const Soil* here = soil_at(scene_, to_point3<D>(just_inside<D>(scene_, c.foot, c.normal, c.spacing)));
+  const Stratum* here = ground_.at(just_inside<D>(ground_, c.foot, c.normal, c.spacing));
   if (!here) return {};
-  const double gamma = porous::specific_weight(scene_), n = fillable_porosity(*here);
+  const double gamma = ground_.specific_weight(), n = here->fillable_porosity;
   const double total = driving_pressure(c);
   // Darcy's conductivity of the same discharge at the gradient that the front meets half a spacing in.
   const double gradient = total / (gamma * 0.5 * c.spacing) + 1.0;
-  const auto law = porous::resistance(gamma, n, porous::seepage_at(scene_, *here, here->porosity));
-  const double seepage = law.speed(n * gamma * gradient) / gradient;
+  const double seepage = here->resistance.speed(n * gamma * gradient) / gradient;
   return {seepage * total / gamma, magnitude > 0.0 ? seepage * weight_.dot(c.normal) / magnitude : 0.0};
 }
 
@@ -183,13 +180,12 @@ InfiltrationSpeed Fluid<D>::infiltration_speed(const FaceColumn<D>& c) const {
 /// Elsewhere in soil it is drawn on by the suction of the dry ground ahead.
 template <int D>
 void Fluid<D>::limit_surface(Stencil<D>& s) const {
-  const double gamma = porous::specific_weight(scene_);
   const ColumnFinder<D> finder(state_.columns);
   const auto& columns = state_.columns;
   if (std::any_of(columns.begin(), columns.end(), [](const auto& c) { return c.in_soil && !c.wet; }))
     s.prescribed_surface_distance.allocate(s.n_real);
-  const auto& soils = scene_.soils;
-  if (std::any_of(soils.begin(), soils.end(), [](const Soil& soil) { return soil.suction_head != 0.0; }))
+  const auto& strata = ground_.strata();
+  if (std::any_of(strata.begin(), strata.end(), [](const Stratum& soil) { return soil.suction_head != 0.0; }))
     s.surface_pressure.allocate(s.n_real);
   parallel_for(s.n_real, [&](std::size_t a) {
     if (s.divergence[a] > D || is_free(a)) return;
@@ -201,8 +197,8 @@ void Fluid<D>::limit_surface(Stencil<D>& s) const {
     if (at_face && (!faces_follow_ || d > -faces::deletion_depth * c->spacing)) {
       s.at_face[a] = true;
       s.prescribed_surface_distance.set(a, std::max(d, faces::least_exit_distance * spacing));
-    } else if (const Soil* here = soil_at(scene_, to_point3<D>(s.position[a])); here && here->suction_head != 0.0) {
-      s.surface_pressure.set(a, -gamma * here->suction_head);
+    } else if (const double suction = ground_.suction(s.position[a]); suction != 0.0) {
+      s.surface_pressure.set(a, -suction);
     }
   });
 }
@@ -237,7 +233,7 @@ std::vector<StillWater<D>> Fluid<D>::reservoir() const {
   std::vector<StillWater<D>> still;
   if (!faces_follow_) return still;
   const auto add = [&](const FaceColumn<D>& c, const Vec<D>& x) {
-    if (weight_.dot(x - origin_) + c.pressure < 0.0 || soil_at(scene_, to_point3<D>(x))) return;
+    if (weight_.dot(x - origin_) + c.pressure < 0.0 || ground_.at(x)) return;
     for (const auto& plane : planes_) {
       const double along = plane.tangent.dot(x);
       const bool beside = plane.to > plane.from && (along < plane.from || along > plane.to);
@@ -375,7 +371,7 @@ void Fluid<D>::give_birth_and_delete(const SoilView<D>& view) {
     while (c.wet && c.offset >= c.spacing) {  // several where some were given back
       c.offset -= c.spacing;
       const bool rigid = c.in_soil && !scene_.coupled();
-      p.add(rigid ? behind_face<D>(scene_, c.foot, c.normal, c.offset) : Vec<D>(c.foot + c.offset * c.normal),
+      p.add(rigid ? behind_face<D>(ground_, c.foot, c.normal, c.offset) : Vec<D>(c.foot + c.offset * c.normal),
             c.speed * c.normal, c.mass, c.void_fraction, c.volume, c.pressure + c.slope * c.offset);
       crossed[i] += c.mass / density_;
       ++state_.counts.born;

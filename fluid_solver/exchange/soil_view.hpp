@@ -6,8 +6,8 @@
 #include "common/core/threads.hpp"
 #include "common/core/vector.hpp"
 #include "common/coupling/exchange.hpp"
-#include "common/geometry/shapes.hpp"
 #include "common/media/seepage.hpp"
+#include "fluid_solver/exchange/ground.hpp"
 #include "fluid_solver/numerics/exchange.hpp"
 
 #include <cmath>
@@ -122,38 +122,19 @@ inline double membership(double asymmetry, double before) {
   return std::clamp(before, std::clamp(2.0 * ramp - 1.0, 0.0, 1.0), std::clamp(2.0 * ramp, 0.0, 1.0));
 }
 
-/// What water can fill of soil that starts moist: n (1 - s_r0). The residual water moves with the grains.
-inline double fillable_porosity(const Soil& soil) { return soil.porosity * (1.0 - soil.initial_saturation); }
-
-inline const Soil* soil_at(const Case& scene, const Point3& x) {
-  for (const auto& soil : scene.soils)
-    if (contains(soil.shape, x, scene.general.dimension)) return &soil;
-  return nullptr;
-}
-
+/// Soil as it is drawn, at rest and unyielding. drag: whether it resists the water.
 template <int D>
-Point3 to_point3(const Vec<D>& x) {
-  Point3 p = Point3::Zero();
-  p.head<D>() = x;
-  return p;
-}
-
-/// Soil of the case file, at rest and unyielding.
-template <int D>
-SoilView<D> rigid_soil(const Case& scene, std::span<const Vec<D>> points) {
+SoilView<D> rigid_soil(const Ground<D>& ground, std::span<const Vec<D>> points, bool drag) {
   SoilView<D> soil;
   soil.resize(points.size());
   soil.number.assign(points.size(), -1);
-  const double weight = porous::specific_weight(scene);
   parallel_for(points.size(), [&](std::size_t a) {
-    const Soil* here = soil_at(scene, to_point3<D>(points[a]));
+    const Stratum* here = ground.at(points[a]);
     if (!here) return;
-    soil.number[a] = static_cast<int>(here - scene.soils.data());
+    soil.number[a] = here->number;
     soil.mask[a] = 1.0;
-    const double fillable = fillable_porosity(*here);
-    soil.fraction[a] = 1.0 - fillable;
-    if (scene.fluid.drag)
-      soil.resistance[a] = porous::resistance(weight, fillable, porous::seepage_at(scene, *here, here->porosity));
+    soil.fraction[a] = 1.0 - here->fillable_porosity;
+    if (drag) soil.resistance[a] = here->resistance;
     soil.drag[a] = soil.resistance[a].linear;
   });
   return soil;

@@ -251,9 +251,9 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
   if (free_surface && weight_.norm() > 0.0) apply(wave_interval(), "gravity waves of one spacing on the free surface");
   // In soil the surface falls no faster than under a unit gradient, nor than freely.
   if (table && weight_.norm() > 0.0)
-    for (const auto& soil : scene_.soils) {
+    for (const auto& soil : ground_.strata()) {
       const double n = soil.porosity, gamma = weight_.norm();
-      const double fall = porous::resistance(gamma, n, porous::seepage_at(scene_, soil, n)).speed(n * gamma);
+      const double fall = porous::resistance(gamma, n, soil.seepage).speed(n * gamma);
       apply(std::max(wave_interval(), steps::seepage_courant * dx_ / fall),
             "a quarter spacing per window of a water table that falls");
     }

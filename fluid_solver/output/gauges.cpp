@@ -33,16 +33,17 @@ struct Line {
 template <int D>
 class Reader {
  public:
-  Reader(const Case& scene, const WaterBoundaries& boundaries, const State<D>& state, const Cloud<D>& cloud,
-         const Vec<D>& weight, ScalarArray passed)
+  Reader(const Case& scene, const Ground<D>& ground, const WaterBoundaries& boundaries, const State<D>& state,
+         const Cloud<D>& cloud, const Vec<D>& weight, ScalarArray passed)
       : scene_(scene),
+        ground_(ground),
         boundaries_(boundaries),
         state_(state),
         cloud_(cloud),
         probe_(cloud),
         weight_(weight),
         passed_(std::move(passed)) {
-    gamma_ = porous::specific_weight(scene);
+    gamma_ = ground.specific_weight();
     dx_ = scene.fluid.particle_spacing;
   }
 
@@ -81,7 +82,7 @@ class Reader {
       if (gauge.quantity == "pressure_head") add(name, probe_.pressure(x).value / gamma_, "m");
       if (gauge.quantity == "head") add(name, probe_.pressure(x).value / gamma_ + elevation(x), "m");
       if (gauge.quantity == "degree_of_saturation") {
-        const Soil* here = soil_at(scene_, to_point3<D>(x));
+        const Stratum* here = ground_.at(x);
         const double initial = here ? here->initial_saturation : 0.0;
         add(name, initial + (1.0 - initial) * std::min(1.0, probe_.fullness(x)), "1");
       }
@@ -95,10 +96,7 @@ class Reader {
   }
 
   /// Pressure at the water's surface in the soil there.
-  [[nodiscard]] double surface_pressure(const Vec<D>& x) const {
-    const Soil* here = soil_at(scene_, to_point3<D>(x));
-    return here ? -gamma_ * here->suction_head : 0.0;
-  }
+  [[nodiscard]] double surface_pressure(const Vec<D>& x) const { return -ground_.suction(x); }
 
   /// How far the water reaches along a line from its start: by half fullness, late where the line meets the surface at
   /// a wedge's tip; by the pressure's fall to that of the surface, late by a fifth of a spacing behind an advancing
@@ -134,10 +132,10 @@ class Reader {
   /// in the water behind.
   [[nodiscard]] double under_water(const Line<D>& line, const Probe<D>& probe, double wet) const {
     const double deep = sph::support_radius * points::smoothing_ratio * dx_;
-    const Soil* ground = soil_at(scene_, to_point3<D>(line.at(wet)));
+    const Stratum* ground = ground_.at(line.at(wet));
     if (!ground) return nan;
     for (double z = wet - dx_; z >= std::max(0.0, wet - readings::under_water_within * dx_); z -= 0.5 * dx_) {
-      if (soil_at(scene_, to_point3<D>(line.at(z))) != ground) break;
+      if (ground_.at(line.at(z)) != ground) break;
       const double p = probe.pressure(line.at(z)).value;
       if (p - surface_pressure(line.at(z)) >= gamma_ * deep) return z;
     }
@@ -339,6 +337,7 @@ class Reader {
   }
 
   const Case& scene_;
+  const Ground<D>& ground_;
   const WaterBoundaries& boundaries_;
   const State<D>& state_;
   const Cloud<D>& cloud_;
@@ -381,7 +380,7 @@ std::vector<GaugeReading> Fluid<D>::gauges() const {
       std::any_of(scene_.gauges.begin(), scene_.gauges.end(), [](const Gauge& g) { return g.phase == "fluid"; });
   if (!any) return {};
   const auto cloud = make_cloud<D>(state_, planes_, sight_, weight_, origin_, {}, no_slip_);
-  Reader<D> reader(scene_, boundaries_, state_, cloud, weight_, passed());
+  Reader<D> reader(scene_, ground_, boundaries_, state_, cloud, weight_, passed());
   for (const auto& gauge : scene_.gauges)
     if (gauge.phase == "fluid") reader.read(gauge);
   return reader.take();
