@@ -6,6 +6,7 @@
 #include "fluid_solver/boundary/inlet.hpp"
 #include "fluid_solver/boundary/water_boundary.hpp"
 #include "fluid_solver/discretisation/free_surface.hpp"
+#include "fluid_solver/setup.hpp"
 #include "fluid_solver/time_limit.hpp"
 
 namespace poretwin::fluid {
@@ -153,5 +154,9 @@ struct State {
   Balance balance;
   Exchanged<D> exchanged;
 };
+
+/// At time zero, water at rest not solved for yet.
+template <int D>
+State<D> first_state(const Case& scene, const Setup<D>& setup, const WaterBoundaries& boundaries);
 
 }  // namespace poretwin::fluid

@@ -67,16 +67,6 @@ template <int D>
 double inlet_speed(const WaterBoundary& boundary, const FaceState& state, const Inlet<D>& inlet, double dx,
                    double gravity, double time, double interval);
 
-/// The walls, pistons and periodic sides of the water as mirrors. Pieces that end where no other begins, or in a corner
-/// of less than 180 degrees, go on for `margin` [m], to fill the corner.
-template <int D>
-std::vector<sph::ImagePlane<D>> water_planes(const Case& scene, const std::vector<Inlet<D>>& inlets, double margin);
-
-/// What the water sees past its walls, and the mirrors it sees them as, where that matters (`sight_matters`); nothing
-/// otherwise. Walls end where they are drawn, but at a water face, behind which they go on for `margin` [m].
-template <int D>
-sph::Sight<D> water_sight(const Case& scene, double margin);
-
 /// Number of the boundary for the sills' pistons, for the others and for periodic sides.
 inline constexpr int sill_boundary = 29, piston_boundary = 30, periodic_boundary = 31;
 

@@ -9,6 +9,7 @@
 #include "common/media/seepage.hpp"
 #include "fluid_solver/exchange/ground.hpp"
 #include "fluid_solver/numerics/exchange.hpp"
+#include "fluid_solver/setup.hpp"
 
 #include <cmath>
 #include <span>
@@ -144,7 +145,7 @@ SoilView<D> rigid_soil(const Ground<D>& ground, std::span<const Vec<D>> points, 
 /// counts as in the soil wherever any is in reach; before: [n] membership that is followed with play where tight soil
 /// moves.
 template <int D>
-SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::span<const double> asymmetry,
+SoilView<D> mapped_soil(const Setup<D>& setup, const coupling::Inbox& inbox, std::span<const double> asymmetry,
                         std::span<const double> before, const SeepageRegime& regime) {
   using namespace coupling;
   const std::size_t n = asymmetry.size();
@@ -157,7 +158,7 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::sp
   const auto& yielding = inbox.at(field::yielding).values;
   const auto& conductivity = inbox.at(field::hydraulic_conductivity).values;
   const auto& quadratic = inbox.at(field::forchheimer_coefficient).values;
-  const double weight = porous::specific_weight(scene);
+  const double weight = setup.ground.specific_weight();
   for (auto* values : {&soil.coverage, &soil.density, &soil.strain_rate, &soil.modulus, &soil.plastic_shear_ratio})
     values->allocate(n);
   for (auto* values : {&soil.velocity, &soil.mean_velocity, &soil.force, &soil.returned_impulse}) values->allocate(n);
@@ -176,9 +177,9 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::sp
     const double whole = std::min(fraction[a], 1.0 - 1e-3);  // of the soil
     const auto passes_by = [&] {
       const bool moves = regime.soil_moves(yielding[a], vector(velocity, a).norm());
-      if (!moves || !scene.fluid.drag || !(conductivity[a] > 0.0)) return false;
+      if (!moves || !setup.drag || !(conductivity[a] > 0.0)) return false;
       const double n_w = 1.0 - whole, drag = porous::resistance(weight, n_w, {conductivity[a], quadratic[a]}).linear;
-      return !inertia_rules(n_w, scene.water.density, drag, scene.fluid.particle_spacing, scene.general.gravity.norm());
+      return !inertia_rules(n_w, setup.density, drag, setup.spacing, setup.gravity);
     };
     double mask = 0.0;
     if (inbox.coverage[a] > 0.0) mask = passes_by() ? membership(asymmetry[a], before[a]) : membership(asymmetry[a]);
@@ -198,7 +199,7 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::sp
     soil.modulus.set(a, modulus[a]);
     soil.plastic_shear_ratio.set(a, std::clamp(yielding[a], 0.0, 1.0));
     const double porosity = 1.0 - n_s;
-    if (scene.fluid.drag)
+    if (setup.drag)
       soil.resistance[a] = porous::resistance(
           weight, porosity, porous::carried_over({conductivity[a], quadratic[a]}, 1.0 - whole, porosity));
     soil.drag[a] = soil.resistance[a].linear;
