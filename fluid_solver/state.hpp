@@ -4,9 +4,10 @@
 #include "common/core/or_zero.hpp"
 #include "fluid_solver/boundary/faces.hpp"
 #include "fluid_solver/boundary/inlet.hpp"
+#include "fluid_solver/boundary/water_boundary.hpp"
 #include "fluid_solver/discretisation/free_surface.hpp"
-
-#include <string>
+#include "fluid_solver/setup.hpp"
+#include "fluid_solver/time_limit.hpp"
 
 namespace poretwin::fluid {
 
@@ -111,12 +112,6 @@ struct Particles {
   }
 };
 
-/// A bound on the next window and what sets it.
-struct TimeLimit {
-  double interval = 0.0;  ///< s
-  std::string reason;
-};
-
 /// What a run's summary counts.
 struct Counts {
   double windows = 0, pressure_iterations = 0, multigrid_cycles = 0, skeleton_iterations = 0, outer_iterations = 0,
@@ -153,13 +148,15 @@ struct State {
   double wave_speed = 0.0;  ///< of long waves on the deepest free water so far, or of a drop in its central force, m/s
   bool full = false;        ///< soil at rest, full of water from the start on, all faces wet: no surface can form
   bool multigrid = false;   ///< the last window's pressure was worth it
-  ScalarArray supplied;     ///< [faces] volume of the basin at first, and poured in since [m^D]; 0 where it is none
-  ScalarArray basin_level;  ///< [faces] m
-  ScalarArray taken;        ///< [faces] real water that ran into the still water behind them [m^D]
+  std::vector<FaceState> faces;
   std::vector<TimeLimit> window_limits;  ///< from the last window
   Counts counts;
   Balance balance;
   Exchanged<D> exchanged;
 };
+
+/// At time zero, water at rest not solved for yet.
+template <int D>
+State<D> first_state(const Case& scene, const Setup<D>& setup, const WaterBoundaries& boundaries);
 
 }  // namespace poretwin::fluid

@@ -1,7 +1,7 @@
 // Water behind a face whose level is not prescribed: what is poured in and what leaves through the face decide it.
 #pragma once
 
-#include "common/case/case.hpp"
+#include "fluid_solver/boundary/water_boundary.hpp"
 
 namespace poretwin::fluid {
 
@@ -10,5 +10,30 @@ inline double basin_volume(const Series& area, double level) { return area.integ
 
 /// Level [m] of a volume [m^D]: area linear between the knots, constant above the last. No water: the bottom.
 double basin_level(const Series& area, double volume);
+
+class Basin final : public WaterBoundary {
+ public:
+  static bool is_meant(const WaterFace& face) { return face.basin_area.has_value(); }
+  Basin(const Case& scene, const WaterFace& face);
+
+  [[nodiscard]] FaceState initial() const override { return {basin_volume(area_, first_level_), first_level_, 0.0}; }
+  [[nodiscard]] std::optional<double> level(double /*time*/, const FaceState& state) const override {
+    return state.level;
+  }
+  void advance(double time, double interval, const Passage& passed, FaceState& state) const override {
+    state.supplied += inflow_.integral(time, time + interval);
+    state.level = basin_level(area_, state.supplied - passed.before - passed.during);
+  }
+  /// Throws where the basin stands above the upper end of a face over which it cannot run.
+  void check(double time, const FaceState& state) const override;
+  [[nodiscard]] TimeLimit limit(double now, const AllowedChange& allowed, const FaceState& state) const override;
+
+ private:
+  Series area_;                      ///< m2 (2D: m), against elevation [m]
+  Series inflow_;                    ///< m3/s (2D: m2/s), against time
+  double first_level_ = 0.0;         ///< m
+  double crest_ = HUGE_VAL;          ///< elevation of the upper end over which it cannot run [m]
+  std::string why_not_over_, face_;  ///< what keeps it from running over, and the face in words
+};
 
 }  // namespace poretwin::fluid

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "common/particles/neighbours.hpp"
+#include "fluid_solver/boundary/water_boundary.hpp"
 #include "fluid_solver/discretisation/stencil.hpp"
 #include "fluid_solver/exchange/soil_view.hpp"
 #include "fluid_solver/numerics/faces.hpp"
@@ -51,28 +52,25 @@ struct InfiltrationSpeed {
 /// A point in the soil behind a place on its face, so deep inside or as deep as there is soil: near the toe of a slope
 /// the normal soon meets the base.
 template <int D>
-Vec<D> behind_face(const Case& scene, const Vec<D>& foot, const Vec<D>& normal, double depth) {
+Vec<D> behind_face(const Ground<D>& ground, const Vec<D>& foot, const Vec<D>& normal, double depth) {
   for (double share = 1.0; share > 1e-3; share *= 0.5)
-    if (const Vec<D> x = foot + share * depth * normal; soil_at(scene, to_point3<D>(x))) return x;
+    if (const Vec<D> x = foot + share * depth * normal; ground.at(x)) return x;
   return foot + depth * normal;
 }
 
 /// Where the soil of a face is looked up: a quarter spacing inside. At the toe of a slope of two to one or flatter that
 /// deep would be below the base.
 template <int D>
-Vec<D> just_inside(const Case& scene, const Vec<D>& foot, const Vec<D>& normal, double spacing) {
-  return behind_face<D>(scene, foot, normal, faces::soil_depth * spacing);
+Vec<D> just_inside(const Ground<D>& ground, const Vec<D>& foot, const Vec<D>& normal, double spacing) {
+  return behind_face<D>(ground, foot, normal, faces::soil_depth * spacing);
 }
 
 namespace detail {
 
 template <int D>
-bool in_scene(const Case& scene, const Vec<D>& x) {
-  const Point3 p = to_point3<D>(x);
-  if (soil_at(scene, p)) return true;
-  for (const auto& region : scene.fluid.regions)
-    if (contains(region, p, scene.general.dimension)) return true;
-  return false;
+bool in_water(const Case& scene, const Vec<D>& x) {
+  return std::any_of(scene.fluid.regions.begin(), scene.fluid.regions.end(),
+                     [&](const Shape& region) { return contains(region, to_point3<D>(x), D); });
 }
 
 /// Whether a place lies on a face.
@@ -87,12 +85,12 @@ bool lies_on(const Face& face, const Vec<D>& x, double tolerance) {
 }
 
 template <int D>
-void add_column(const Case& scene, int face, const Vec<D>& foot, const Vec<D>& normal, double area, double width,
-                std::vector<FaceColumn<D>>& columns) {
+void add_column(const Case& scene, const Ground<D>& ground, int face, const Vec<D>& foot, const Vec<D>& normal,
+                double area, double width, std::vector<FaceColumn<D>>& columns) {
   const double dx = scene.fluid.particle_spacing;
-  const Vec<D> probe = just_inside<D>(scene, foot, normal, dx);
-  const Soil* soil = soil_at(scene, to_point3<D>(probe));
-  if (!soil && !in_scene<D>(scene, probe) && !scene.water_faces[static_cast<std::size_t>(face)].outlet) return;
+  const Vec<D> probe = just_inside<D>(ground, foot, normal, dx);
+  const Stratum* soil = ground.at(probe);
+  if (!soil && !in_water<D>(scene, probe) && !scene.water_faces[static_cast<std::size_t>(face)].outlet) return;
   FaceColumn<D> c;
   c.foot = foot;
   c.normal = normal;
@@ -107,13 +105,10 @@ void add_column(const Case& scene, int face, const Vec<D>& foot, const Vec<D>& n
   });
   c.loaded = std::any_of(scene.loads.begin(), scene.loads.end(),
                          [&](const Load& load) { return lies_on<D>(load.face, foot, 1e-6 * dx); });
-  c.void_fraction = soil ? fillable_porosity(*soil) : 1.0;
-  if (soil && scene.fluid.drag) {
-    const double weight = porous::specific_weight(scene);
-    const auto law = porous::resistance(weight, c.void_fraction, porous::seepage_at(scene, *soil, soil->porosity));
-    c.drag_dominated =
-        !inertia_rules(c.void_fraction, scene.water.density, law.linear, dx, weight / scene.water.density);
-  }
+  c.void_fraction = soil ? soil->fillable_porosity : 1.0;
+  if (soil && scene.fluid.drag)
+    c.drag_dominated = !inertia_rules(c.void_fraction, scene.water.density, soil->resistance.linear, dx,
+                                      ground.specific_weight() / scene.water.density);
   c.mass = scene.water.density * c.void_fraction * c.volume;
   c.offset = 0.5 * c.spacing;
   columns.push_back(c);
@@ -154,7 +149,7 @@ std::vector<Joint<D>> make_joints(const Case& scene) {
 
 /// Columns of all water faces. A face given as a plane is tiled where soil or water regions lie behind it.
 template <int D>
-std::vector<FaceColumn<D>> make_columns(const Case& scene) {
+std::vector<FaceColumn<D>> make_columns(const Case& scene, const Ground<D>& ground) {
   std::vector<FaceColumn<D>> columns;
   const double dx = scene.fluid.particle_spacing;
   for (std::size_t f = 0; f < scene.water_faces.size(); ++f) {
@@ -169,8 +164,8 @@ std::vector<FaceColumn<D>> make_columns(const Case& scene) {
           const double width = length / count;
           const std::size_t first = columns.size();
           for (int i = 0; i < count; ++i)
-            detail::add_column<2>(scene, number, piece.point + (i + 0.5) * width * piece.tangent, piece.normal, width,
-                                  0.5 * width, columns);
+            detail::add_column<2>(scene, ground, number, piece.point + (i + 0.5) * width * piece.tangent, piece.normal,
+                                  width, 0.5 * width, columns);
           if (columns.size() == first) continue;
           for (const auto& joint : make_joints<2>(scene)) {
             if (joint.normal.dot(piece.normal) < 0.9999 ||
@@ -222,7 +217,7 @@ std::vector<FaceColumn<D>> make_columns(const Case& scene) {
       for (int i = 0; i < count[1]; ++i) {
         Vec<D> x = point + (lower[1] + (i + 0.5) * step[1]) * frame.col(1);
         if constexpr (D == 3) x += (lower[2] + (j + 0.5) * step[2]) * frame.col(2);
-        detail::add_column<D>(scene, number, x, normal, area, 0.5 * step[1], columns);
+        detail::add_column<D>(scene, ground, number, x, normal, area, 0.5 * step[1], columns);
       }
   }
   return columns;
@@ -265,22 +260,16 @@ class ColumnFinder {
   sph::CellGrid<D> grid_;
 };
 
-/// Pressures at the feet at a time; a column acts where the total pressure there is not negative. basin_level [m]: of
-/// each face, for those that are basins.
+/// Pressures at the feet at a time; a column acts where the total pressure there is not negative. boundaries, states:
+/// [faces]
 template <int D>
-void update_columns(const Case& scene, double time, std::span<const double> basin_level, const Vec<D>& weight,
-                    const Vec<D>& origin, std::vector<FaceColumn<D>>& columns) {
+void update_columns(const WaterBoundaries& boundaries, std::span<const FaceState> states, double time,
+                    const Vec<D>& weight, const Vec<D>& origin, std::vector<FaceColumn<D>>& columns) {
   const double magnitude = weight.norm();
   for (auto& c : columns) {
-    const WaterFace& face = scene.water_faces[static_cast<std::size_t>(c.face)];
+    const auto face = static_cast<std::size_t>(c.face);
     const double elevation = magnitude > 0.0 ? -weight.dot(c.foot) / magnitude : 0.0;
-    double total = -1.0;
-    if (face.basin_area)
-      total = magnitude * (basin_level[static_cast<std::size_t>(c.face)] - elevation);
-    else if (face.head)
-      total = magnitude * (face.head->at(time) - elevation);
-    else if (face.pressure)
-      total = face.pressure->at(time) + face.wave(c.foot[0], time);
+    const double total = boundaries[face]->pressure({to_point3<D>(c.foot), elevation, magnitude}, time, states[face]);
     c.wet = total >= 0.0;
     c.pressure = total - weight.dot(c.foot - origin);
   }

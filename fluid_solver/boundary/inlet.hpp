@@ -7,6 +7,7 @@
 #include "common/core/vector.hpp"
 #include "common/particles/images.hpp"
 #include "common/particles/sight.hpp"
+#include "fluid_solver/boundary/water_boundary.hpp"
 
 #include <cmath>
 #include <vector>
@@ -46,7 +47,7 @@ struct Inlet {
 };
 
 template <int D>
-std::vector<Inlet<D>> make_inlets(const Case& scene);
+std::vector<Inlet<D>> make_inlets(const Case& scene, const WaterBoundaries& boundaries);
 
 /// Depth [m] and mean velocity [m/s] of water that runs over a crest.
 struct SillFlow {
@@ -61,18 +62,10 @@ SillFlow flow_over(double head, const SillFlow& before, double gravity);
 /// to the level prescribed, Q = sqrt(g d) (H - level), the discharge of a long wave of that height in water d deep: it
 /// neither sends a wave that comes in back nor needs the area of the reservoir. What is drawn off for long comes as
 /// Inlet::current.
+/// gravity [m/s2]: of the case.
 template <int D>
-double inlet_speed(const Case& scene, const Inlet<D>& inlet, double time, double interval);
-
-/// The walls, pistons and periodic sides of the water as mirrors. Pieces that end where no other begins, or in a corner
-/// of less than 180 degrees, go on for `margin` [m], to fill the corner.
-template <int D>
-std::vector<sph::ImagePlane<D>> water_planes(const Case& scene, const std::vector<Inlet<D>>& inlets, double margin);
-
-/// What the water sees past its walls, and the mirrors it sees them as, where that matters (`sight_matters`); nothing
-/// otherwise. Walls end where they are drawn, but at a water face, behind which they go on for `margin` [m].
-template <int D>
-sph::Sight<D> water_sight(const Case& scene, double margin);
+double inlet_speed(const WaterBoundary& boundary, const FaceState& state, const Inlet<D>& inlet, double dx,
+                   double gravity, double time, double interval);
 
 /// Number of the boundary for the sills' pistons, for the others and for periodic sides.
 inline constexpr int sill_boundary = 29, piston_boundary = 30, periodic_boundary = 31;

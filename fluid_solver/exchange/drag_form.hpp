@@ -15,27 +15,37 @@ namespace poretwin::fluid {
 /// (74). G = d makes it the unit matrix in the mean over random points, and nowhere exactly: 0.68 where the lattices
 /// coincide, 0.65 and 1.34 along and across an edge (docs/theory/paper.md); G = 1/d, as printed, is d^2 times weaker.
 template <int D>
-MatArray<D> smoothed_drag(const Case& scene, std::span<const Vec<D>> water) {
-  const double ds = scene.solid.particle_spacing, h = exchange::drag_smoothing_ratio * ds;
-  const double G = scene.fluid.drag_form == FluidCase::DragForm::smoothed ? D : 1.0 / D;
-  VecArray<D> points;
-  ScalarArray volume;
-  for (const auto& soil : scene.soils) {
-    const auto lattice = fill<D>(soil.shape, ds, scene.solid.offset, 0.0, 1);
-    points.insert(points.end(), lattice.position.begin(), lattice.position.end());
-    volume.resize(points.size(), lattice.volume);
+class SmoothedDrag {
+ public:
+  explicit SmoothedDrag(const Case& scene)
+      : length_(exchange::drag_smoothing_ratio * scene.solid.particle_spacing),
+        G_(scene.fluid.drag_form == FluidCase::DragForm::smoothed ? D : 1.0 / D) {
+    for (const auto& soil : scene.soils) {
+      const auto lattice = fill<D>(soil.shape, scene.solid.particle_spacing, scene.solid.offset, 0.0, 1);
+      points_.insert(points_.end(), lattice.position.begin(), lattice.position.end());
+      volume_.resize(points_.size(), lattice.volume);
+    }
   }
-  sph::CellGrid<D> grid;
-  grid.build(points, sph::support_radius * h);
-  MatArray<D> form(water.size(), Mat<D>::Zero());
-  for (std::size_t a = 0; a < water.size(); ++a)
-    grid.for_each_within(water[a], sph::support_radius * h, [&](Index i, double r2) {
-      const Vec<D> r = points[i] - water[a];
-      const double w =
-          G * volume[i] * sph::CubicSpline<D>::value(std::sqrt(r2), h) / (r2 + exchange::drag_softening * h * h);
-      form[a] += w * r * r.transpose();
-    });
-  return form;
-}
+
+  [[nodiscard]] MatArray<D> at(std::span<const Vec<D>> water) const {
+    sph::CellGrid<D> grid;
+    grid.build(points_, sph::support_radius * length_);
+    MatArray<D> form(water.size(), Mat<D>::Zero());
+    for (std::size_t a = 0; a < water.size(); ++a)
+      grid.for_each_within(water[a], sph::support_radius * length_, [&](Index i, double r2) {
+        const Vec<D> r = points_[i] - water[a];
+        const double w = G_ * volume_[i] * sph::CubicSpline<D>::value(std::sqrt(r2), length_) /
+                         (r2 + exchange::drag_softening * length_ * length_);
+        form[a] += w * r * r.transpose();
+      });
+    return form;
+  }
+
+ private:
+  double length_ = 0.0;  ///< smoothing length [m]
+  double G_ = 1.0;
+  VecArray<D> points_;  ///< of the soil [m]
+  ScalarArray volume_;  ///< m^D
+};
 
 }  // namespace poretwin::fluid

@@ -6,9 +6,10 @@
 #include "common/core/threads.hpp"
 #include "common/core/vector.hpp"
 #include "common/coupling/exchange.hpp"
-#include "common/geometry/shapes.hpp"
 #include "common/media/seepage.hpp"
+#include "fluid_solver/exchange/ground.hpp"
 #include "fluid_solver/numerics/exchange.hpp"
+#include "fluid_solver/setup.hpp"
 
 #include <cmath>
 #include <span>
@@ -122,38 +123,19 @@ inline double membership(double asymmetry, double before) {
   return std::clamp(before, std::clamp(2.0 * ramp - 1.0, 0.0, 1.0), std::clamp(2.0 * ramp, 0.0, 1.0));
 }
 
-/// What water can fill of soil that starts moist: n (1 - s_r0). The residual water moves with the grains.
-inline double fillable_porosity(const Soil& soil) { return soil.porosity * (1.0 - soil.initial_saturation); }
-
-inline const Soil* soil_at(const Case& scene, const Point3& x) {
-  for (const auto& soil : scene.soils)
-    if (contains(soil.shape, x, scene.general.dimension)) return &soil;
-  return nullptr;
-}
-
+/// Soil as it is drawn, at rest and unyielding. drag: whether it resists the water.
 template <int D>
-Point3 to_point3(const Vec<D>& x) {
-  Point3 p = Point3::Zero();
-  p.head<D>() = x;
-  return p;
-}
-
-/// Soil of the case file, at rest and unyielding.
-template <int D>
-SoilView<D> rigid_soil(const Case& scene, std::span<const Vec<D>> points) {
+SoilView<D> rigid_soil(const Ground<D>& ground, std::span<const Vec<D>> points, bool drag) {
   SoilView<D> soil;
   soil.resize(points.size());
   soil.number.assign(points.size(), -1);
-  const double weight = porous::specific_weight(scene);
   parallel_for(points.size(), [&](std::size_t a) {
-    const Soil* here = soil_at(scene, to_point3<D>(points[a]));
+    const Stratum* here = ground.at(points[a]);
     if (!here) return;
-    soil.number[a] = static_cast<int>(here - scene.soils.data());
+    soil.number[a] = here->number;
     soil.mask[a] = 1.0;
-    const double fillable = fillable_porosity(*here);
-    soil.fraction[a] = 1.0 - fillable;
-    if (scene.fluid.drag)
-      soil.resistance[a] = porous::resistance(weight, fillable, porous::seepage_at(scene, *here, here->porosity));
+    soil.fraction[a] = 1.0 - here->fillable_porosity;
+    if (drag) soil.resistance[a] = here->resistance;
     soil.drag[a] = soil.resistance[a].linear;
   });
   return soil;
@@ -163,7 +145,7 @@ SoilView<D> rigid_soil(const Case& scene, std::span<const Vec<D>> points) {
 /// counts as in the soil wherever any is in reach; before: [n] membership that is followed with play where tight soil
 /// moves.
 template <int D>
-SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::span<const double> asymmetry,
+SoilView<D> mapped_soil(const Setup<D>& setup, const coupling::Inbox& inbox, std::span<const double> asymmetry,
                         std::span<const double> before, const SeepageRegime& regime) {
   using namespace coupling;
   const std::size_t n = asymmetry.size();
@@ -176,7 +158,7 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::sp
   const auto& yielding = inbox.at(field::yielding).values;
   const auto& conductivity = inbox.at(field::hydraulic_conductivity).values;
   const auto& quadratic = inbox.at(field::forchheimer_coefficient).values;
-  const double weight = porous::specific_weight(scene);
+  const double weight = setup.ground.specific_weight();
   for (auto* values : {&soil.coverage, &soil.density, &soil.strain_rate, &soil.modulus, &soil.plastic_shear_ratio})
     values->allocate(n);
   for (auto* values : {&soil.velocity, &soil.mean_velocity, &soil.force, &soil.returned_impulse}) values->allocate(n);
@@ -195,9 +177,9 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::sp
     const double whole = std::min(fraction[a], 1.0 - 1e-3);  // of the soil
     const auto passes_by = [&] {
       const bool moves = regime.soil_moves(yielding[a], vector(velocity, a).norm());
-      if (!moves || !scene.fluid.drag || !(conductivity[a] > 0.0)) return false;
+      if (!moves || !setup.drag || !(conductivity[a] > 0.0)) return false;
       const double n_w = 1.0 - whole, drag = porous::resistance(weight, n_w, {conductivity[a], quadratic[a]}).linear;
-      return !inertia_rules(n_w, scene.water.density, drag, scene.fluid.particle_spacing, scene.general.gravity.norm());
+      return !inertia_rules(n_w, setup.density, drag, setup.spacing, setup.gravity);
     };
     double mask = 0.0;
     if (inbox.coverage[a] > 0.0) mask = passes_by() ? membership(asymmetry[a], before[a]) : membership(asymmetry[a]);
@@ -217,7 +199,7 @@ SoilView<D> mapped_soil(const Case& scene, const coupling::Inbox& inbox, std::sp
     soil.modulus.set(a, modulus[a]);
     soil.plastic_shear_ratio.set(a, std::clamp(yielding[a], 0.0, 1.0));
     const double porosity = 1.0 - n_s;
-    if (scene.fluid.drag)
+    if (setup.drag)
       soil.resistance[a] = porous::resistance(
           weight, porosity, porous::carried_over({conductivity[a], quadratic[a]}, 1.0 - whole, porosity));
     soil.drag[a] = soil.resistance[a].linear;

@@ -1,32 +1,86 @@
-// How long the next window may be.
-#include "fluid_solver/fluid_phase.hpp"
+#include "fluid_solver/motion/step_limits.hpp"
+
+#include "fluid_solver/motion/viscosity.hpp"
 #include "fluid_solver/numerics/motion.hpp"
 #include "fluid_solver/numerics/steps.hpp"
 #include "fluid_solver/pressure/eisph.hpp"
+#include "fluid_solver/regimes.hpp"
 
 #include <cmath>
+#include <functional>
 
 namespace poretwin::fluid {
 
 namespace {
 
-/// For how long after t a table stays within `most` of its value at t [s].
-double unchanged_for(const Series& series, double t, double most) {
-  const double value = series.at(t);
-  std::pair<double, double> last{t, value};
-  for (const auto& knot : series.knots) {
-    if (knot.first <= t) continue;
-    const double change = knot.second - value;
-    if (std::abs(change) > most) {
-      const double target = value + std::copysign(most, change);
-      return last.first - t + (knot.first - last.first) * (target - last.second) / (knot.second - last.second);
-    }
-    last = knot;
-  }
-  return HUGE_VAL;
+/// Longest window in which particles follow the central force [s].
+template <int D>
+double central_interval(const Setup<D>& setup) {
+  const double force = setup.central_force;
+  return force > 0.0 ? steps::central_courant / std::sqrt(force) : HUGE_VAL;
+}
+
+/// Longest window in which the viscosities of free water are stable [s].
+template <int D>
+double viscous_interval(const Setup<D>& setup, double wave_speed) {
+  const double all = viscosity(setup, wave_speed) + motion::noise_viscosity * setup.spacing * wave_speed;
+  return all > 0.0 ? steps::viscous_courant * setup.spacing * setup.spacing / all : HUGE_VAL;
+}
+
+/// What may change behind a face or in a load in one window, however slow the water is: no more than by half a spacing
+/// of water, but windows need not be shorter than a fall through a spacing, which nothing that seeps follows.
+template <int D>
+AllowedChange allowed_change(const Setup<D>& setup, double longest) {
+  const double rise = steps::wanted_rise * setup.spacing;
+  return {rise, rise * setup.density * setup.gravity_or_standard,
+          steps::least_for_tables * std::sqrt(setup.spacing / setup.gravity_or_standard), longest};
+}
+
+/// What tables of loads ask of the window from `now` on. Where soil responds, a load that begins is followed from its
+/// first wave on.
+template <int D>
+void limit_by_loads(const Setup<D>& setup, double first_interval, double now,
+                    const std::function<void(double, const std::string&)>& apply) {
+  if (!setup.coupled) return;
+  const auto allowed = allowed_change(setup, HUGE_VAL);
+  for (const auto& load : setup.loads)
+    if (load.factor && load.traction > 0.0)
+      apply(std::max(allowed.shortest, unchanged_for(*load.factor, now, allowed.pressure / load.traction)),
+            "a load that changes");
+  if (first_interval > 0.0 && load_begins(setup, now)) apply(first_interval, "a load that begins");
 }
 
 }  // namespace
+
+template <int D>
+double wave_interval(const Setup<D>& setup) {
+  return setup.weight.norm() > 0.0
+             ? steps::wave_courant * std::sqrt(setup.spacing * setup.density / setup.weight.norm())
+             : HUGE_VAL;
+}
+
+template <int D>
+double quasi_static_speed(const Setup<D>& setup) {
+  return setup.weight.norm() > 0.0 ? steps::quasi_static * wave_interval(setup) * setup.weight.norm() / setup.density
+                                   : HUGE_VAL;
+}
+
+template <int D>
+double free_interval(const Setup<D>& setup, const State<D>& state) {
+  const auto& p = state.particles;
+  const double longest = -parallel_max(p.size(), -HUGE_VAL, [&](std::size_t a) {
+    if (p.in_seepage[a] != 0) return -HUGE_VAL;
+    return -(steps::free_courant * spacing_of<D>(p.volume[a]) / std::max(p.velocity[a].norm(), 1e-300));
+  });
+  return std::min({wave_interval(setup), central_interval(setup), viscous_interval(setup, state.wave_speed), longest});
+}
+
+template <int D>
+bool load_begins(const Setup<D>& setup, double time) {
+  return std::any_of(setup.loads.begin(), setup.loads.end(), [&](const LoadInTime& load) {
+    return load.start && *load.start > 0.0 && std::abs(time - *load.start) <= 1e-9 * *load.start;
+  });
+}
 
 /// The shortest window that a change of pressure can require: a fifth of the way of the soil's waves through a spacing.
 /// The first one in elastic soil that is wet from the start is a fifth of the time in which a spacing drains where that
@@ -34,83 +88,85 @@ double unchanged_for(const Series& series, double t, double most) {
 /// window for. Soil that may slide begins to at once.
 /// interval [s]: of the window in which soil answers for the first time, 0 before the first.
 template <int D>
-void Fluid<D>::begin_control(const SoilView<D>& view, double interval) {
-  const auto& n = state_.particles.void_fraction;
-  const bool yields = scene_.solid.model != SolidCase::Model::elastic;
+void begin_control(const Setup<D>& setup, const SoilView<D>& view, double interval, State<D>& state,
+                   double& first_interval) {
+  const auto& n = state.particles.void_fraction;
   double stiffest = 0.0, drains = 0.0;
   for (std::size_t a = 0; a < view.size(); ++a) {
     stiffest = std::max(stiffest, view.modulus[a]);
-    if (!yields && view.modulus[a] > 0.0 && view.drag[a] > 0.0)
-      drains = std::max(drains, n[a] * n[a] * view.modulus[a] / (view.drag[a] * dx_ * dx_));  // c_v / dx^2
+    if (!setup.soil_yields && view.modulus[a] > 0.0 && view.drag[a] > 0.0)
+      drains = std::max(drains,
+                        n[a] * n[a] * view.modulus[a] / (view.drag[a] * setup.spacing * setup.spacing));  // c_v / dx^2
   }
-  if (!responds() || stiffest <= 0.0) return;
-  first_interval_ = steps::first_wave * dx_ / std::sqrt(stiffest / density_);
-  state_.controlled = std::max(first_interval_, interval > 0.0 ? interval
-                                                : drains > 0.0 ? steps::first_drained / drains
-                                                               : 0.0);
+  if (!setup.responds || stiffest <= 0.0) return;
+  first_interval = steps::first_wave * setup.spacing / std::sqrt(stiffest / setup.density);
+  state.controlled = std::max(first_interval, interval > 0.0 ? interval
+                                              : drains > 0.0 ? steps::first_drained / drains
+                                                             : 0.0);
 }
 
-/// Next interval from the pressure change of this one; never from a clock.
 template <int D>
-void Fluid<D>::control_interval(const ScalarArray& before, double interval) {
-  const auto& now = state_.particles.pressure;
-  if (state_.controlled <= 0.0 || now.empty()) return;
-  const auto& x = state_.particles.position;
-  double sum = 0.0, lower = now[0], upper = now[0], lightest = weight_.dot(x[0]), heaviest = lightest;
+void control_interval(const Setup<D>& setup, const ScalarArray& before, double interval, double first_interval,
+                      State<D>& state) {
+  const auto& now = state.particles.pressure;
+  if (state.controlled <= 0.0 || now.empty()) return;
+  const auto& x = state.particles.position;
+  double sum = 0.0, lower = now[0], upper = now[0], lightest = setup.weight.dot(x[0]), heaviest = lightest;
   for (std::size_t a = 0; a < now.size(); ++a) {
-    lightest = std::min(lightest, weight_.dot(x[a]));
-    heaviest = std::max(heaviest, weight_.dot(x[a]));
+    lightest = std::min(lightest, setup.weight.dot(x[a]));
+    heaviest = std::max(heaviest, setup.weight.dot(x[a]));
     sum += (now[a] - before[a]) * (now[a] - before[a]);
     lower = std::min(lower, now[a]);
     upper = std::max(upper, now[a]);
   }
-  for (const auto& c : state_.columns)
+  for (const auto& c : state.columns)
     if (c.wet) {
       lower = std::min(lower, c.pressure);
       upper = std::max(upper, c.pressure);
     }
-  state_.widest_range = std::max(state_.widest_range, upper - lower);
+  state.widest_range = std::max(state.widest_range, upper - lower);
   // Water at rest has no range of its own: rounding must not shorten its windows.
   // No pressure is resolved better than the weight of one spacing.
-  const double range = std::max({upper - lower, steps::widest_share * state_.widest_range,
-                                 steps::hydrostatic_share * (heaviest - lightest), weight_.norm() * dx_});
-  state_.pressure_change = range > 0.0 ? std::sqrt(sum / static_cast<double>(now.size())) / range : 0.0;
+  const double range =
+      std::max({upper - lower, steps::widest_share * state.widest_range,
+                steps::hydrostatic_share * (heaviest - lightest), setup.weight.norm() * setup.spacing});
+  state.pressure_change = range > 0.0 ? std::sqrt(sum / static_cast<double>(now.size())) / range : 0.0;
   const double target =
-      state_.pressure_change > 0.0 ? interval * steps::wanted_change / state_.pressure_change : HUGE_VAL;
+      state.pressure_change > 0.0 ? interval * steps::wanted_change / state.pressure_change : HUGE_VAL;
   const double least =
-      steps::shrinks_to * std::min(interval, state_.controlled);  // something else may have kept this one short
-  state_.controlled = std::max(std::clamp(target, least, steps::grows_to * state_.controlled), first_interval_);
+      steps::shrinks_to * std::min(interval, state.controlled);  // something else may have kept this one short
+  state.controlled = std::max(std::clamp(target, least, steps::grows_to * state.controlled), first_interval);
 }
 
 /// Limit of the next window where all water seeps: its particles' motion is extrapolated from two windows.
 /// Noise of single particles, which is no slowing, cancels in the sum.
 template <int D>
-void Fluid<D>::limit_by_slowing(const VecArray<D>& velocity_before, double interval) {
-  state_.window_limits.clear();
-  const auto& p = state_.particles;
-  if (scene_.coupled() || scene_.fluid.scheme != FluidCase::Scheme::projection ||
+void limit_by_slowing(const Setup<D>& setup, const VecArray<D>& velocity_before, double interval, State<D>& state) {
+  state.window_limits.clear();
+  const auto& p = state.particles;
+  if (setup.coupled || setup.scheme != FluidCase::Scheme::projection ||
       !parallel_all(p.size(), [&](std::size_t a) { return p.in_seepage[a] != 0; }))
     return;
   const auto open = [](const FaceColumn<D>& c) { return c.in_soil && !c.wet; };
-  if (std::any_of(state_.columns.begin(), state_.columns.end(), open)) {
-    const ColumnFinder<D> finder(state_.columns);
+  if (std::any_of(state.columns.begin(), state.columns.end(), open)) {
+    const ColumnFinder<D> finder(state.columns);
     const double fastest = parallel_max(p.size(), 0.0, [&](std::size_t a) {
       const int i = p.surface[a] == Surface::interior ? -1 : finder.nearest(p.position[a]);
       if (i < 0) return 0.0;
-      const auto& c = state_.columns[static_cast<std::size_t>(i)];
+      const auto& c = state.columns[static_cast<std::size_t>(i)];
       return open(c) ? -c.normal.dot(p.velocity[a]) / c.spacing : 0.0;
     });
     if (fastest > 0.0)
-      state_.window_limits.push_back({steps::wanted_exit / fastest,
-                                      "an eighth of a spacing per window of water that leaves through a seepage face"});
+      state.window_limits.push_back({steps::wanted_exit / fastest,
+                                     "an eighth of a spacing per window of water that leaves through a seepage face"});
   }
   const double change = sum_over(
       p.size(), [&](std::size_t a) { return p.mass[a] * p.velocity[a].dot(p.velocity[a] - velocity_before[a]); });
   if (change == 0.0) return;
   const double whole = sum_over(p.size(), [&](std::size_t a) { return p.mass[a] * p.velocity[a].squaredNorm(); });
   const double mass = sum_over(p.size(), [&](std::size_t a) { return p.mass[a]; });
-  const double altered = interval * std::abs(change) / std::sqrt(whole * mass) / dx_;
-  state_.window_limits.push_back(
+  const double altered = interval * std::abs(change) / std::sqrt(whole * mass) / setup.spacing;
+  state.window_limits.push_back(
       {interval * std::max(0.5, std::sqrt(steps::wanted_slowing / altered)), "seepage that slows down"});
 }
 
@@ -118,10 +174,11 @@ void Fluid<D>::limit_by_slowing(const VecArray<D>& velocity_before, double inter
 /// spacing at its speed and the acceleration of the last window. When it has just been stopped, by the base or by the
 /// surface that has come down on it, its speed alone says nothing of the next window.
 template <int D>
-void Fluid<D>::limit_by_acceleration(const SoilView<D>& view, const VecArray<D>& velocity_before, double interval) {
-  const auto& p = state_.particles;
+void limit_by_acceleration(const Setup<D>& setup, const SoilView<D>& view, const VecArray<D>& velocity_before,
+                           double interval, State<D>& state) {
+  const auto& p = state.particles;
   const auto in_coarse = [&](std::size_t a) {
-    return p.in_seepage[a] != 0 && view.mask[a] > 0.5 && !is_drag_dominated(view, a);
+    return p.in_seepage[a] != 0 && view.mask[a] > 0.5 && !is_drag_dominated<D>(setup, state.particles, view, a);
   };
   const bool coarse = !parallel_all(p.size(), [&](std::size_t a) { return !in_coarse(a); });
   double longest = HUGE_VAL;
@@ -133,118 +190,52 @@ void Fluid<D>::limit_by_acceleration(const SoilView<D>& view, const VecArray<D>&
     longest = std::min(longest, 0.5 * spacing / (speed + std::sqrt(speed * speed + acceleration * spacing)));
   }
   if (std::isfinite(longest))
-    state_.window_limits.push_back({longest, "a quarter spacing per window of water in coarse soil that accelerates"});
+    state.window_limits.push_back({longest, "a quarter spacing per window of water in coarse soil that accelerates"});
 }
 
 /// Limit of the next window by an explicit scheme, for the present water and soil.
 template <int D>
-void Fluid<D>::limit_scheme(const SoilView<D>& view) {
-  const auto& p = state_.particles;
-  if (scene_.fluid.scheme == FluidCase::Scheme::projection) return;
+void limit_scheme(const Setup<D>& setup, const SoilView<D>& view, State<D>& state) {
+  const auto& p = state.particles;
+  if (setup.scheme == FluidCase::Scheme::projection) return;
   double pressure = 0.0, fastest = 0.0;
   for (std::size_t a = 0; a < p.size(); ++a) {
-    pressure = std::max(pressure, p.pressure[a] + weight_.dot(p.position[a] - origin_));
+    pressure = std::max(pressure, p.pressure[a] + setup.weight.dot(p.position[a] - setup.origin));
     fastest = std::max(fastest, p.velocity[a].norm());
   }
-  for (const auto& c : state_.columns)
-    if (c.wet) pressure = std::max(pressure, c.pressure + weight_.dot(c.foot - origin_));
-  pressure = std::max(pressure, density_ * fastest * fastest);
+  for (const auto& c : state.columns)
+    if (c.wet) pressure = std::max(pressure, c.pressure + setup.weight.dot(c.foot - setup.origin));
+  pressure = std::max(pressure, setup.density * fastest * fastest);
   double sweep = HUGE_VAL, drag = HUGE_VAL, skeleton = HUGE_VAL;
-  const bool implicit_drag = scene_.fluid.scheme != FluidCase::Scheme::eisph_explicit_drag;
+  const bool implicit_drag = setup.scheme != FluidCase::Scheme::eisph_explicit_drag;
   for (std::size_t a = 0; a < p.size(); ++a) {
     const double n = p.void_fraction[a], C = view.drag[a];
-    sweep = std::min(sweep, sweep_interval<D>(n, implicit_drag ? C : 0.0, density_, pressure,
-                                              spacing_of<D>(p.volume[a]), scene_.fluid.sweeps));
+    sweep = std::min(sweep, sweep_interval<D>(n, implicit_drag ? C : 0.0, setup.density, pressure,
+                                              spacing_of<D>(p.volume[a]), setup.sweeps));
     if (C <= 0.0) continue;
-    drag = std::min(drag, n * density_ / C);
-    if (scene_.coupled()) skeleton = std::min(skeleton, view.density[a] * n * n / C);
+    drag = std::min(drag, n * setup.density / C);
+    if (setup.coupled) skeleton = std::min(skeleton, view.density[a] * n * n / C);
   }
-  state_.window_limits.push_back({sweep, "compression under explicit sweeps"});
-  if (!implicit_drag) state_.window_limits.push_back({drag, "explicit drag"});
-  state_.window_limits.push_back({skeleton, "a skeleton that does not respond inside the window"});
-}
-
-/// Longest window in which gravity waves of one spacing on a free surface are followed [s].
-template <int D>
-double Fluid<D>::wave_interval() const {
-  return weight_.norm() > 0.0 ? steps::wave_courant * std::sqrt(dx_ * density_ / weight_.norm()) : HUGE_VAL;
-}
-
-/// Speed below which soil and the water in it are as good as at rest: a hundredth of what gravity gives in the window
-/// of the shortest waves [m/s].
-template <int D>
-double Fluid<D>::quasi_static_speed() const {
-  return weight_.norm() > 0.0 ? steps::quasi_static * wave_interval() * weight_.norm() / density_ : HUGE_VAL;
-}
-
-/// Longest window in which particles follow the central force [s].
-template <int D>
-double Fluid<D>::central_interval() const {
-  const double force = scene_.general.central_force;
-  return force > 0.0 ? steps::central_courant / std::sqrt(force) : HUGE_VAL;
-}
-
-/// Longest window in which the viscosities of free water are stable [s].
-template <int D>
-double Fluid<D>::viscous_interval() const {
-  const double viscosity = this->viscosity() + motion::noise_viscosity * dx_ * state_.wave_speed;
-  return viscosity > 0.0 ? steps::viscous_courant * dx_ * dx_ / viscosity : HUGE_VAL;
-}
-
-/// Longest window that the motion of free water allows [s].
-template <int D>
-double Fluid<D>::free_interval() const {
-  const auto& p = state_.particles;
-  const double longest = -parallel_max(p.size(), -HUGE_VAL, [&](std::size_t a) {
-    if (p.in_seepage[a] != 0) return -HUGE_VAL;
-    return -(steps::free_courant * spacing_of<D>(p.volume[a]) / std::max(p.velocity[a].norm(), 1e-300));
-  });
-  return std::min({wave_interval(), central_interval(), viscous_interval(), longest});
-}
-
-/// What tables of levels, pressures and loads ask of the window from `now` on, however slow the water is by then: no
-/// more than a change by half a spacing of water, as a basin's, but not less than a fall through a spacing takes, which
-/// nothing that seeps follows. Where soil responds, a load that begins is followed from its first wave on.
-template <int D>
-void Fluid<D>::limit_by_changes(double now, const std::function<void(double, const std::string&)>& apply) const {
-  const double least = steps::least_for_tables * std::sqrt(dx_ / gravity_or_standard_), rise = steps::wanted_rise * dx_;
-  const double change = rise * density_ * gravity_or_standard_;
-  for (const auto& face : scene_.water_faces) {
-    if (is_inlet(scene_, face)) continue;
-    if (face.head && !face.basin_area)
-      apply(std::max(least, unchanged_for(*face.head, now, rise)), "a level that changes behind a face");
-    if (face.pressure)
-      apply(std::max(least, unchanged_for(*face.pressure, now, change)), "a pressure that changes on a face");
-  }
-  if (!scene_.coupled()) return;
-  for (const auto& load : scene_.loads)
-    if (load.factor && load.traction.norm() > 0.0)
-      apply(std::max(least, unchanged_for(*load.factor, now, change / load.traction.norm())), "a load that changes");
-  if (first_interval_ > 0.0 && load_begins(now)) apply(first_interval_, "a load that begins");
-}
-
-/// Whether a load begins at a time, to rounding.
-template <int D>
-bool Fluid<D>::load_begins(double time) const {
-  return std::any_of(scene_.loads.begin(), scene_.loads.end(), [&](const Load& load) {
-    return load.start && *load.start > 0.0 && std::abs(time - *load.start) <= 1e-9 * *load.start;
-  });
+  state.window_limits.push_back({sweep, "compression under explicit sweeps"});
+  if (!implicit_drag) state.window_limits.push_back({drag, "explicit drag"});
+  state.window_limits.push_back({skeleton, "a skeleton that does not respond inside the window"});
 }
 
 template <int D>
-std::pair<double, std::string> Fluid<D>::time_limit() const {
-  const auto& p = state_.particles;
+std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>& faces, const State<D>& state,
+                                          double first_interval) {
+  const auto& p = state.particles;
   std::pair<double, std::string> limit{HUGE_VAL, "nothing that moves"};
   const auto apply = [&](double interval, const std::string& why) {
     if (interval < limit.first) limit = {interval, why};
   };
   // What is found by halving begins with the other limits, or with far more than any run takes.
-  const double ever = 1e12 * std::sqrt(dx_ / gravity_or_standard_);
-  if (state_.controlled > 0.0) apply(state_.controlled, "pressure change per window");
-  limit_by_changes(state_.time, apply);
-  for (const auto& l : state_.window_limits) apply(l.interval, l.reason);
+  const double ever = 1e12 * std::sqrt(setup.spacing / setup.gravity_or_standard);
+  if (state.controlled > 0.0) apply(state.controlled, "pressure change per window");
+  limit_by_loads(setup, first_interval, state.time, apply);
+  for (const auto& l : state.window_limits) apply(l.interval, l.reason);
   // In soil that moves quasi-statically water has no waves, even where it is not in the seepage regime.
-  const double slow = quasi_static_speed();
+  const double slow = quasi_static_speed(setup);
   const auto flows = [&](std::size_t a) {
     return p.in_seepage[a] == 0 && (p.mask[a] <= 0.5 || p.velocity[a].norm() > slow);
   };
@@ -262,44 +253,44 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
   const bool table = any_is([&](std::size_t a) { return p.surface[a] != Surface::interior && !flows(a); });
   double fastest = fastest_of(false);
   const double fastest_free = free_water ? fastest_of(true) : 0.0;
-  for (const auto& c : state_.columns) fastest = std::max(fastest, std::abs(c.speed) / c.spacing);
+  for (const auto& c : state.columns) fastest = std::max(fastest, std::abs(c.speed) / c.spacing);
   if (fastest > 0.0)
     apply(steps::seepage_courant / fastest, "a quarter spacing per window at the highest speed in soil or at a face");
   if (fastest_free > 0.0)
     apply(steps::free_courant / fastest_free, "two fifths of a spacing per window at the highest speed of free water");
-  if (free_surface && weight_.norm() > 0.0) apply(wave_interval(), "gravity waves of one spacing on the free surface");
+  if (free_surface && setup.weight.norm() > 0.0)
+    apply(wave_interval(setup), "gravity waves of one spacing on the free surface");
   // In soil the surface falls no faster than under a unit gradient, nor than freely.
-  if (table && weight_.norm() > 0.0)
-    for (const auto& soil : scene_.soils) {
-      const double n = soil.porosity, gamma = weight_.norm();
-      const double fall = porous::resistance(gamma, n, porous::seepage_at(scene_, soil, n)).speed(n * gamma);
-      apply(std::max(wave_interval(), steps::seepage_courant * dx_ / fall),
+  if (table && setup.weight.norm() > 0.0)
+    for (const auto& soil : setup.ground.strata()) {
+      const double n = soil.porosity, gamma = setup.weight.norm();
+      const double fall = porous::resistance(gamma, n, soil.seepage).speed(n * gamma);
+      apply(std::max(wave_interval(setup), steps::seepage_courant * setup.spacing / fall),
             "a quarter spacing per window of a water table that falls");
     }
-  apply(central_interval(), "central force");
-  if (free_water) apply(viscous_interval(), "viscosity");
-  for (std::size_t f = 0; f < scene_.water_faces.size(); ++f)
-    if (const auto& face = scene_.water_faces[f]; face.basin_area) {
-      // Half a spacing at what flows in now, and by the table: it may begin or grow before the window ends.
-      const double room = steps::wanted_rise * dx_ * face.basin_area->at(state_.basin_level[f]), now = state_.time;
-      const double inflow = std::abs(face.discharge->at(now));
-      double longest = std::min(limit.first, inflow > 0.0 ? room / inflow : ever);
-      for (int halvings = 0; halvings < 100 && std::abs(face.discharge->integral(now, now + longest)) > 1.001 * room;
-           ++halvings)
-        longest *= 0.5;
-      if (longest < limit.first) apply(longest, "rise of a basin");
+  apply(central_interval(setup), "central force");
+  if (free_water) apply(viscous_interval(setup, state.wave_speed), "viscosity");
+  for (std::size_t f = 0; f < faces.boundaries.size(); ++f)
+    if (!faces.is_opening(state, static_cast<int>(f))) {
+      const auto bound =
+          faces.boundaries[f]->limit(state.time, allowed_change(setup, std::min(limit.first, ever)), state.faces[f]);
+      apply(bound.interval, bound.reason);
     }
-  for (const auto& inlet : state_.inlets) {
+  for (const auto& inlet : state.inlets) {
     // The longest window in which its piston moves by a quarter spacing at most; no crest is passed unawares.
-    const auto& face = scene_.water_faces[static_cast<std::size_t>(inlet.face)];
-    const double over = inlet.sill ? std::max(0.0, level_behind(inlet.face, state_.time) - inlet.lowest) : 0.0;
-    const double fastest_over = std::max(std::abs(inlet.speed), std::sqrt(2.0 / 3.0 * gravity_or_standard_ * over));
+    const auto f = static_cast<std::size_t>(inlet.face);
+    const auto level_over = [&](double time) { return faces.level(state, inlet.face, time).value() - inlet.lowest; };
+    const double over = inlet.sill ? std::max(0.0, level_over(state.time)) : 0.0;
+    const double fastest_over =
+        std::max(std::abs(inlet.speed), std::sqrt(2.0 / 3.0 * setup.gravity_or_standard * over));
     const auto far = [&](double interval) {
       if (!inlet.sill)
-        return std::abs(inlet_speed(scene_, inlet, state_.time, interval)) * interval >
+        return std::abs(inlet_speed(*faces.boundaries[f], state.faces[f], inlet, setup.spacing, setup.gravity,
+                                    state.time, interval)) *
+                   interval >
                steps::seepage_courant * inlet.spacing;
-      return fastest_over * interval > steps::seepage_courant * dx_ ||
-             (!face.basin_area && face.head->at(state_.time + interval) - inlet.lowest > over + 0.5 * dx_);
+      return fastest_over * interval > steps::seepage_courant * setup.spacing ||
+             level_over(state.time + interval) > over + 0.5 * setup.spacing;
     };
     double longest = std::min(limit.first, ever);
     for (int halvings = 0; halvings < 100 && far(longest); ++halvings) longest *= 0.5;
@@ -307,15 +298,15 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
   }
   // A face without water inside it yet has no speed to limit the window: the time in which the front comes half a
   // spacing in.
-  if (p.size() == 0 || state_.last_interval == 0.0) {
-    std::vector<char> water(state_.columns.size(), 0);
-    const ColumnFinder<D> finder(state_.columns);
+  if (p.size() == 0 || state.last_interval == 0.0) {
+    std::vector<char> water(state.columns.size(), 0);
+    const ColumnFinder<D> finder(state.columns);
     for (const auto& x : p.position)
       if (const int i = finder.nearest(x); i >= 0) water[static_cast<std::size_t>(i)] = 1;
     for (std::size_t i = 0; i < water.size(); ++i) {
-      const auto& c = state_.columns[i];
+      const auto& c = state.columns[i];
       if (!c.wet || water[i]) continue;
-      const auto speed = infiltration_speed(c);
+      const auto speed = infiltration_speed<D>(setup, c);
       const double half = 0.5 * c.spacing;
       if (speed.head > 0.0) apply(0.5 * half * half / speed.head, "first wetting of dry ground");
       if (speed.gravity > 0.0) apply(half / speed.gravity, "first wetting of dry ground");
@@ -324,7 +315,25 @@ std::pair<double, std::string> Fluid<D>::time_limit() const {
   return limit;
 }
 
-template class Fluid<2>;
-template class Fluid<3>;
+template double wave_interval(const Setup<2>&);
+template double quasi_static_speed(const Setup<2>&);
+template double free_interval(const Setup<2>&, const State<2>&);
+template void begin_control(const Setup<2>&, const SoilView<2>&, double, State<2>&, double&);
+template void control_interval(const Setup<2>&, const ScalarArray&, double, double, State<2>&);
+template void limit_by_slowing(const Setup<2>&, const VecArray<2>&, double, State<2>&);
+template void limit_by_acceleration(const Setup<2>&, const SoilView<2>&, const VecArray<2>&, double, State<2>&);
+template void limit_scheme(const Setup<2>&, const SoilView<2>&, State<2>&);
+template bool load_begins(const Setup<2>&, double);
+template std::pair<double, std::string> time_limit(const Setup<2>&, const Faces<2>&, const State<2>&, double);
+template double wave_interval(const Setup<3>&);
+template double quasi_static_speed(const Setup<3>&);
+template double free_interval(const Setup<3>&, const State<3>&);
+template void begin_control(const Setup<3>&, const SoilView<3>&, double, State<3>&, double&);
+template void control_interval(const Setup<3>&, const ScalarArray&, double, double, State<3>&);
+template void limit_by_slowing(const Setup<3>&, const VecArray<3>&, double, State<3>&);
+template void limit_by_acceleration(const Setup<3>&, const SoilView<3>&, const VecArray<3>&, double, State<3>&);
+template void limit_scheme(const Setup<3>&, const SoilView<3>&, State<3>&);
+template bool load_begins(const Setup<3>&, double);
+template std::pair<double, std::string> time_limit(const Setup<3>&, const Faces<3>&, const State<3>&, double);
 
 }  // namespace poretwin::fluid

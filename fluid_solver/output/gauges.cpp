@@ -1,8 +1,8 @@
 // What is read off the water: values at points, along lines and faces, sums over regions, the balance of its volume.
-#include "common/geometry/thin_walls.hpp"
-#include "fluid_solver/boundary/basin.hpp"
+#include "fluid_solver/output/gauges.hpp"
+
+#include "common/case/gauge_kinds.hpp"
 #include "fluid_solver/discretisation/cloud.hpp"
-#include "fluid_solver/fluid_phase.hpp"
 #include "fluid_solver/numerics/readings.hpp"
 
 #include <fmt/format.h>
@@ -34,11 +34,17 @@ struct Line {
 template <int D>
 class Reader {
  public:
-  Reader(const Case& scene, const State<D>& state, const Cloud<D>& cloud, const Vec<D>& weight, ScalarArray passed)
-      : scene_(scene), state_(state), cloud_(cloud), probe_(cloud), weight_(weight), passed_(std::move(passed)) {
-    gamma_ = porous::specific_weight(scene);
-    dx_ = scene.fluid.particle_spacing;
-  }
+  Reader(const Setup<D>& setup, const Faces<D>& faces, const State<D>& state, const Cloud<D>& cloud)
+      : setup_(setup),
+        ground_(setup.ground),
+        boundaries_(faces.boundaries),
+        state_(state),
+        cloud_(cloud),
+        probe_(cloud),
+        weight_(setup.weight),
+        passed_(poretwin::fluid::passed<D>(state)),
+        gamma_(setup.ground.specific_weight()),
+        dx_(setup.spacing) {}
 
   void read(const Gauge& gauge) {
     const std::string per_width = D == 2 ? "m2" : "m3";
@@ -75,7 +81,7 @@ class Reader {
       if (gauge.quantity == "pressure_head") add(name, probe_.pressure(x).value / gamma_, "m");
       if (gauge.quantity == "head") add(name, probe_.pressure(x).value / gamma_ + elevation(x), "m");
       if (gauge.quantity == "degree_of_saturation") {
-        const Soil* here = soil_at(scene_, to_point3<D>(x));
+        const Stratum* here = ground_.at(x);
         const double initial = here ? here->initial_saturation : 0.0;
         add(name, initial + (1.0 - initial) * std::min(1.0, probe_.fullness(x)), "1");
       }
@@ -89,10 +95,7 @@ class Reader {
   }
 
   /// Pressure at the water's surface in the soil there.
-  [[nodiscard]] double surface_pressure(const Vec<D>& x) const {
-    const Soil* here = soil_at(scene_, to_point3<D>(x));
-    return here ? -gamma_ * here->suction_head : 0.0;
-  }
+  [[nodiscard]] double surface_pressure(const Vec<D>& x) const { return -ground_.suction(x); }
 
   /// How far the water reaches along a line from its start: by half fullness, late where the line meets the surface at
   /// a wedge's tip; by the pressure's fall to that of the surface, late by a fifth of a spacing behind an advancing
@@ -128,10 +131,10 @@ class Reader {
   /// in the water behind.
   [[nodiscard]] double under_water(const Line<D>& line, const Probe<D>& probe, double wet) const {
     const double deep = sph::support_radius * points::smoothing_ratio * dx_;
-    const Soil* ground = soil_at(scene_, to_point3<D>(line.at(wet)));
+    const Stratum* ground = ground_.at(line.at(wet));
     if (!ground) return nan;
     for (double z = wet - dx_; z >= std::max(0.0, wet - readings::under_water_within * dx_); z -= 0.5 * dx_) {
-      if (soil_at(scene_, to_point3<D>(line.at(z))) != ground) break;
+      if (ground_.at(line.at(z)) != ground) break;
       const double p = probe.pressure(line.at(z)).value;
       if (p - surface_pressure(line.at(z)) >= gamma_ * deep) return z;
     }
@@ -223,19 +226,19 @@ class Reader {
       if (inside(gauge, c.foot + 1e-6 * c.spacing * c.normal)) sum += c.share(1.0);
     for (const auto& inlet : state_.inlets)
       if (inside(gauge, inlet.foot + 1e-6 * inlet.spacing * inlet.normal))
-        sum += scene_.water.density * inlet.piston * inlet.width;
-    return sum / scene_.water.density;
+        sum += setup_.density * inlet.piston * inlet.width;
+    return sum / setup_.density;
   }
 
   /// Of the water behind a face.
   [[nodiscard]] double level(const Gauge& gauge) const {
-    for (std::size_t f = 0; f < scene_.water_faces.size(); ++f) {
-      const auto& face = scene_.water_faces[f];
-      if (face.name != gauge.quantity) continue;
+    for (std::size_t f = 0; f < boundaries_.size(); ++f) {
+      if (setup_.face_names[f] != gauge.quantity) continue;
       for (const auto& inlet : state_.inlets)
         if (inlet.face == static_cast<int>(f) && !inlet.sill) return inlet.level;
-      return face.basin_area ? basin_level(*face.basin_area, state_.supplied[f] - passed_[f])
-                             : face.head->at(state_.time);
+      FaceState now = state_.faces[f];
+      boundaries_[f]->advance(state_.time, 0.0, {passed_[f], 0.0}, now);  // by what has passed since
+      return boundaries_[f]->level(state_.time, now).value_or(nan);
     }
     return nan;
   }
@@ -243,8 +246,8 @@ class Reader {
   /// Come in less gone out, through one face or all.
   [[nodiscard]] double passed_volume(const Gauge& gauge) const {
     double sum = 0.0;
-    for (std::size_t f = 0; f < scene_.water_faces.size(); ++f)
-      if (gauge.quantity.empty() || scene_.water_faces[f].name == gauge.quantity) sum += passed_[f];
+    for (std::size_t f = 0; f < boundaries_.size(); ++f)
+      if (gauge.quantity.empty() || setup_.face_names[f] == gauge.quantity) sum += passed_[f];
     return sum;
   }
 
@@ -259,7 +262,7 @@ class Reader {
 
   void sums(const Gauge& gauge) {
     const auto& p = state_.particles;
-    const Vec<D> gravity = scene_.general.gravity.head<D>();
+    const Vec<D>& gravity = setup_.acceleration;
     Vec<D> momentum = Vec<D>::Zero();
     double kinetic = 0.0, potential = 0.0, count = 0.0, fastest = 0.0, lowest = nan;
     for (std::size_t a = 0; a < p.size(); ++a) {
@@ -267,7 +270,7 @@ class Reader {
       if (!inside(gauge, x)) continue;
       momentum += p.mass[a] * p.velocity[a];
       kinetic += 0.5 * p.mass[a] * p.velocity[a].squaredNorm();
-      potential += p.mass[a] * (0.5 * scene_.general.central_force * x.squaredNorm() - gravity.dot(x));
+      potential += p.mass[a] * (0.5 * setup_.central_force * x.squaredNorm() - gravity.dot(x));
       fastest = std::max(fastest, p.velocity[a].norm());
       lowest = std::fmin(lowest, cloud_.pressure[a]);
       count += 1.0;
@@ -332,7 +335,9 @@ class Reader {
     return std::sqrt(std::max(0.0, second / mass - first * first / (mass * mass)));
   }
 
-  const Case& scene_;
+  const Setup<D>& setup_;
+  const Ground<D>& ground_;
+  const WaterBoundaries& boundaries_;
   const State<D>& state_;
   const Cloud<D>& cloud_;
   Probe<D> probe_;
@@ -344,45 +349,51 @@ class Reader {
 
 }  // namespace
 
+/// Of the walls on water and soil, by the water's pressure [N, 2D: N/m].
 template <int D>
-Vec<D> Fluid<D>::wall_force() const {
+Vec<D> wall_force(const Setup<D>& setup, const Walls<D>& walls, const State<D>& state) {
   Vec<D> force = Vec<D>::Zero();
-  const auto cloud = make_cloud<D>(state_, planes_, sight_, weight_, origin_);
+  const auto cloud = make_cloud<D>(state, walls.planes, walls.sight, setup.weight, setup.origin);
   const Probe<D> probe(cloud);
-  for (const auto& wall : scene_.walls) {
-    if (wall.water == Wall::ForWater::none) continue;
-    const bool both = sight_.limited() && has_two_sides(scene_, wall);
-    for (std::size_t i = 0; i + 1 < wall.face.points.size(); ++i) {
-      const Line<D> line(wall.face.points[i].template head<D>(), wall.face.points[i + 1].template head<D>());
-      const auto count = static_cast<int>(std::ceil(2.0 * line.length / dx_));
-      const double step = line.length / count;
-      const Vec<D> behind = -1e-6 * dx_ * line.left;
-      for (int k = 0; k < count; ++k) {
-        const Vec<D> x = line.at((k + 0.5) * step);
-        if (const double p = probe.pressure(x).value; std::isfinite(p)) force += step * p * line.left;
-        if (!both) continue;
-        if (const double p = probe.pressure(x + behind).value; std::isfinite(p)) force -= step * p * line.left;
-      }
+  for (const auto& wall : setup.pressed_walls) {
+    const Line<D> line(wall.from, wall.to);
+    const auto count = static_cast<int>(std::ceil(2.0 * line.length / setup.spacing));
+    const double step = line.length / count;
+    const Vec<D> behind = -1e-6 * setup.spacing * line.left;
+    for (int k = 0; k < count; ++k) {
+      const Vec<D> x = line.at((k + 0.5) * step);
+      if (const double p = probe.pressure(x).value; std::isfinite(p)) force += step * p * line.left;
+      if (!wall.both_sides) continue;
+      if (const double p = probe.pressure(x + behind).value; std::isfinite(p)) force -= step * p * line.left;
     }
   }
   return force;
 }
 
 template <int D>
-std::vector<GaugeReading> Fluid<D>::gauges() const {
+void count_impulse(const Setup<D>& setup, const Walls<D>& walls, double interval, State<D>& state) {
+  state.exchanged.from_outside += interval * wall_force(setup, walls, state);
+  for (const double m : state.particles.mass) state.exchanged.from_outside += interval * m * setup.acceleration;
+}
+
+template <int D>
+std::vector<GaugeReading> read_gauges(const Setup<D>& setup, const Faces<D>& faces, const Walls<D>& walls,
+                                      const State<D>& state) {
   const bool any =
-      std::any_of(scene_.gauges.begin(), scene_.gauges.end(), [](const Gauge& g) { return g.phase == "fluid"; });
+      std::any_of(setup.gauges.begin(), setup.gauges.end(), [](const Gauge& g) { return g.phase == "fluid"; });
   if (!any) return {};
-  const auto cloud = make_cloud<D>(state_, planes_, sight_, weight_, origin_, {}, no_slip_);
-  Reader<D> reader(scene_, state_, cloud, weight_, passed());
-  for (const auto& gauge : scene_.gauges)
+  const auto cloud = make_cloud<D>(state, walls.planes, walls.sight, setup.weight, setup.origin, {}, setup.no_slip);
+  Reader<D> reader(setup, faces, state, cloud);
+  for (const auto& gauge : setup.gauges)
     if (gauge.phase == "fluid") reader.read(gauge);
   return reader.take();
 }
 
-template Vec<2> Fluid<2>::wall_force() const;
-template Vec<3> Fluid<3>::wall_force() const;
-template std::vector<GaugeReading> Fluid<2>::gauges() const;
-template std::vector<GaugeReading> Fluid<3>::gauges() const;
+template void count_impulse(const Setup<2>&, const Walls<2>&, double, State<2>&);
+template std::vector<GaugeReading> read_gauges(const Setup<2>& setup, const Faces<2>& faces, const Walls<2>& walls,
+                                               const State<2>& state);
+template void count_impulse(const Setup<3>&, const Walls<3>&, double, State<3>&);
+template std::vector<GaugeReading> read_gauges(const Setup<3>& setup, const Faces<3>& faces, const Walls<3>& walls,
+                                               const State<3>& state);
 
 }  // namespace poretwin::fluid

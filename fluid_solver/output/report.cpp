@@ -1,18 +1,21 @@
-// What the fluid shows of itself: output frames and counters.
-#include "fluid_solver/fluid_phase.hpp"
+#include "fluid_solver/output/report.hpp"
+
+#include "fluid_solver/boundary/columns.hpp"
 
 #include <fmt/format.h>
 
 namespace poretwin::fluid {
 
 template <int D>
-OutputFrame Fluid<D>::frame() const {
-  const auto& p = state_.particles;
+OutputFrame frame_of(const Setup<D>& setup, const State<D>& state) {
+  const auto& p = state.particles;
   OutputFrame out;
-  out.time = state_.time;
+  out.time = state.time;
   out.count = p.size();
   out.position = tell_vectors<D>(p.position);
-  const auto pressure = [&p, this](std::size_t a) { return p.pressure[a] + weight_.dot(p.position[a] - origin_); };
+  const auto pressure = [&p, &setup](std::size_t a) {
+    return p.pressure[a] + setup.weight.dot(p.position[a] - setup.origin);
+  };
   const auto relative = [&p](std::size_t a, double* flux) {
     for (int d = 0; d < 3; ++d)
       flux[d] = d < D && p.mask[a] > 0.0 ? p.void_fraction[a] * (p.velocity[a][d] - p.solid_velocity[a][d]) : 0.0;
@@ -31,9 +34,9 @@ OutputFrame Fluid<D>::frame() const {
 }
 
 template <int D>
-std::map<std::string, double> Fluid<D>::counters() const {
-  const auto& c = state_.counts;
-  std::map<std::string, double> counters{{"particles", static_cast<double>(state_.particles.size())},
+std::map<std::string, double> counters_of(const Setup<D>& setup, const State<D>& state) {
+  const auto& c = state.counts;
+  std::map<std::string, double> counters{{"particles", static_cast<double>(state.particles.size())},
                                          {"windows", c.windows},
                                          {"pressure iterations", c.pressure_iterations},
                                          {"multigrid cycles", c.multigrid_cycles},
@@ -45,9 +48,9 @@ std::map<std::string, double> Fluid<D>::counters() const {
                                          {"born", c.born},
                                          {"deleted", c.deleted},
                                          {"lost, far outside", c.lost}};
-  if (!state_.columns.empty() || !state_.inlets.empty())
+  if (!state.columns.empty() || !state.inlets.empty())
     counters[D == 2 ? "m2: water that faces let in and particles lack"
-                    : "m3: water that faces let in and particles lack"] = missing_water();
+                    : "m3: water that faces let in and particles lack"] = missing_water<D>(setup, state);
   if (c.cavitating > 0.0) {
     counters["particles that cavitated, most at once"] = c.cavitating;
     counters["s: first cavitation"] = c.first_cavitation;
@@ -55,9 +58,7 @@ std::map<std::string, double> Fluid<D>::counters() const {
   return counters;
 }
 
-template <int D>
-std::vector<Warning> Fluid<D>::warnings() const {
-  const auto& c = state_.counts;
+std::vector<Warning> warnings_of(const Counts& c) {
   return {{"water particles lost", c.lost, "they left the scene, through a gap or a wall; their mass is gone", true},
           {"pressure solves that missed their tolerance", c.unconverged,
            "the pressures of these windows are less exact than fluid.pressure_tolerance says", false},
@@ -65,7 +66,9 @@ std::vector<Warning> Fluid<D>::warnings() const {
            fmt::format("from t = {:g} s on; voids opened at water.cavitation_pressure", c.first_cavitation), false}};
 }
 
-template class Fluid<2>;
-template class Fluid<3>;
+template OutputFrame frame_of(const Setup<2>& setup, const State<2>& state);
+template std::map<std::string, double> counters_of(const Setup<2>& setup, const State<2>& state);
+template OutputFrame frame_of(const Setup<3>& setup, const State<3>& state);
+template std::map<std::string, double> counters_of(const Setup<3>& setup, const State<3>& state);
 
 }  // namespace poretwin::fluid

@@ -124,7 +124,7 @@ TEST(Faces, FlatSlopesHaveColumnsDownToTheirToes) {
     scene.soils[0].shape.points = {Point3(0.0, 0.0, 0.0), Point3(2.0 * run, 0.0, 0.0), Point3(run, 1.0, 0.0)};
     scene.walls = {wall(line(0.0, 0.0, 2.0 * run, 0.0))};
     scene.water_faces = {head_face(line(run, 1.0, 0.0, 0.0), 0.8), head_face(line(2.0 * run, 0.0, run, 1.0), 0.0)};
-    const auto columns = make_columns<2>(scene);
+    const auto columns = make_columns<2>(scene, Ground<2>(scene));
     double length = 0.0;
     for (const auto& c : columns) {
       length += 2.0 * c.width;
@@ -139,8 +139,10 @@ TEST(Faces, FlatSlopesHaveColumnsDownToTheirToes) {
 TEST(Faces, BehindAWallThatEndsAtAFaceEverythingIsSeenOnce) {
   const Case scene = outlet_on_half_a_side(0.02);
   const auto columns = [&] {
-    auto result = make_columns<2>(scene);
-    update_columns<2>(scene, 0.0, {}, Vec<2>(0.0, -9810.0), Vec<2>::Zero(), result);
+    auto result = make_columns<2>(scene, Ground<2>(scene));
+    const auto boundaries = make_water_boundaries(scene);
+    const std::vector<FaceState> states(boundaries.size());
+    update_columns<2>(boundaries, states, 0.0, Vec<2>(0.0, -9810.0), Vec<2>::Zero(), result);
     for (auto& c : result) {
       c.wet = true;
       c.offset = 0.5 * c.spacing;  // a lattice

@@ -290,8 +290,9 @@ TEST(Faces, AWaveIsAddedToThePressure) {
   scene.water_faces = {face};
   std::vector<FaceColumn<2>> columns(2);
   columns[1].foot = Vec<2>(0.5, 0.0);
+  const std::vector<FaceState> states(1);
   const auto at = [&](double t) {
-    update_columns<2>(scene, t, {}, Vec<2>::Zero(), Vec<2>::Zero(), columns);
+    update_columns<2>(make_water_boundaries(scene), states, t, Vec<2>::Zero(), Vec<2>::Zero(), columns);
     return Vec<2>(columns[0].pressure, columns[1].pressure);
   };
   EXPECT_LT((at(0.0) - Vec<2>(1200.0, 1100.0)).norm(), 1e-9);

@@ -1,5 +1,5 @@
 // Walls that a kernel reaches through: what stands behind them is not felt, past free tips and corners either.
-#include "fluid_solver/boundary/inlet.hpp"
+#include "fluid_solver/boundary/walls.hpp"
 #include "fluid_solver/fluid_phase.hpp"
 #include "tests/fluid/scenes.hpp"
 

@@ -1,0 +1,14 @@
+// Nothing but air behind a face: water that crosses it has left.
+#pragma once
+
+#include "fluid_solver/boundary/water_boundary.hpp"
+
+namespace poretwin::fluid {
+
+class Outlet final : public WaterBoundary {
+ public:
+  static bool is_meant(const WaterFace& face) { return face.outlet; }
+  Outlet(const Case& /*scene*/, const WaterFace& /*face*/) {}
+};
+
+}  // namespace poretwin::fluid

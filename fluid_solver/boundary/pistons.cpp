@@ -1,0 +1,153 @@
+#include "fluid_solver/boundary/pistons.hpp"
+
+#include "common/core/error.hpp"
+#include "fluid_solver/numerics/faces.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace poretwin::fluid {
+
+template <int D>
+void set_inlets(const Setup<D>& setup, const Faces<D>& faces, double time, double interval, State<D>& state) {
+  if (state.inlets.empty()) return;
+  const auto& p = state.particles;
+  const double near = 4.0 * setup.spacing;
+  const Vec<D> up = setup.weight.norm() > 0.0 ? Vec<D>(-setup.weight.normalized()) : Vec<D>(Vec<D>::Zero());
+  double lowest = HUGE_VAL, highest = -HUGE_VAL;
+  Vec<D> least = Vec<D>::Constant(HUGE_VAL), most = -least;  // of free water's places
+  for (std::size_t a = 0; a < p.size(); ++a) {
+    if (p.mask[a] > 0.5 || p.surface[a] == Surface::lone) continue;
+    lowest = std::min(lowest, up.dot(p.position[a]) - 0.5 * setup.spacing);
+    highest = std::max(highest, up.dot(p.position[a]) + 0.5 * setup.spacing);
+    least = least.cwiseMin(p.position[a]);
+    most = most.cwiseMax(p.position[a]);
+  }
+  if (highest > lowest) state.wave_speed = std::max(state.wave_speed, std::sqrt(setup.gravity * (highest - lowest)));
+  for (auto& inlet : state.inlets) {
+    double level = 0.0, surface = 0.0, head = 0.0, water = 0.0, moving = 0.0, speed = 0.0;
+    const double half = 0.5 * inlet.width * (inlet.tangent - up.dot(inlet.tangent) * up).norm();
+    for (std::size_t a = 0; a < p.size(); ++a) {
+      const Vec<D> way = p.position[a] - inlet.foot;
+      const double height = up.dot(p.position[a]), aside = (way - up.dot(way) * up).norm();
+      if (p.mask[a] > 0.5 || height < inlet.lowest || aside > half + near) continue;
+      if (p.surface[a] != Surface::lone) {
+        moving += p.mass[a];
+        speed += p.mass[a] * inlet.normal.dot(p.velocity[a]);
+      }
+      if (p.surface[a] == Surface::surface) {
+        surface += 1.0;
+        level += height + 0.5 * spacing_of<D>(p.volume[a]) * p.row[a];
+      } else if (p.surface[a] == Surface::interior && inlet.before(p.position[a]) &&
+                 inlet.depth(p.position[a]) < 2.0 * inlet.spacing) {
+        water += 1.0;
+        head += p.pressure[a];
+      }
+    }
+    // A pipe that runs full has no surface.
+    if (surface > 0.0)
+      inlet.level = level / surface;
+    else if (inlet.sill)
+      inlet.level = inlet.lowest;
+    else
+      inlet.level = water > 0.0 ? head / (water * setup.weight.norm()) + up.dot(setup.origin) : inlet.lowest;
+    if (inlet.sill) {
+      const double over = faces.level(state, inlet.face, time).value() - inlet.lowest;
+      // Water in front of a piston moves with it: its present speed would only repeat what the piston did.
+      const double averaging_time =
+          faces::current_waves * near / std::sqrt(setup.gravity_or_standard * std::max(setup.spacing, over));
+      inlet.current +=
+          std::min(1.0, interval / averaging_time) * ((moving > 0.0 ? speed / moving : 0.0) - inlet.current);
+      const auto flow =
+          flow_over(over, {std::max(0.0, inlet.level - inlet.lowest), inlet.current}, setup.gravity_or_standard);
+      inlet.flows = over > 0.0;
+      inlet.speed = flow.speed;
+      inlet.open(flow.depth, setup.spacing);
+    } else {
+      if (const auto wanted = faces.level(state, inlet.face, time); wanted && highest > lowest) {
+        // Water of length L responds to a discharge within L / sqrt(g d). Correcting the current over four times that
+        // avoids oscillation. The missing head counts up to one spacing: a reservoir that fills draws nothing off.
+        const double wave = std::sqrt(setup.gravity_or_standard * std::max(setup.spacing, *wanted - inlet.lowest));
+        const double missing = std::clamp(*wanted - inlet.level, -setup.spacing, setup.spacing);
+        const double length = std::max(setup.spacing, (most - least).norm());  // one particle is a spacing long
+        inlet.current += interval * wave * wave / (4.0 * length) * missing / inlet.width;
+      }
+      const auto f = static_cast<std::size_t>(inlet.face);
+      inlet.speed =
+          inlet_speed(*faces.boundaries[f], state.faces[f], inlet, setup.spacing, setup.gravity, time, interval);
+      if (inlet.speed == 0.0) inlet.current = std::max(0.0, inlet.current);  // an opening that cannot draw
+    }
+    const double volume = inlet.speed * inlet.width * interval;
+    (volume > 0.0 ? state.balance.in : state.balance.out) += std::abs(volume);
+  }
+}
+
+template <int D>
+void check_room(const State<D>& state, double time) {
+  const auto& p = state.particles;
+  double inflow = 0.0;
+  for (const auto& inlet : state.inlets) inflow += inlet.speed * inlet.width;
+  if (inflow == 0.0 || p.size() == 0 ||
+      std::any_of(p.surface.begin(), p.surface.end(), [](Surface f) { return f != Surface::interior; }) ||
+      std::any_of(state.columns.begin(), state.columns.end(), [](const auto& c) { return c.wet; }))
+    return;
+  throw DivergedError(
+      fmt::format("fluid: at t = {:.4g} s water fills all the room between the walls, and the inlets still ask for "
+                  "{:.4g} m2/s; give "
+                  "it an outlet, a free surface or less discharge",
+                  time, inflow));
+}
+
+template <int D>
+void serve_inlets(const Setup<D>& setup, State<D>& state) {
+  if (state.inlets.empty()) return;
+  auto& p = state.particles;
+  for (auto& inlet : state.inlets) {
+    while (inlet.piston >= 0.5 * inlet.spacing) {
+      double pressure = 0.0, count = 0.0;
+      for (std::size_t a = 0; a < p.size(); ++a)
+        if (inlet.before(p.position[a]) && std::abs(inlet.depth(p.position[a])) < inlet.spacing) {
+          pressure += p.pressure[a];
+          count += 1.0;
+        }
+      inlet.piston -= inlet.spacing;
+      const double volume = inlet.width * inlet.spacing / inlet.row;
+      for (int i = 0; i < inlet.row; ++i) {
+        const Vec<D> x = inlet.foot + ((i + 0.5) / inlet.row - 0.5) * inlet.width * inlet.tangent +
+                         (inlet.piston + 0.5 * inlet.spacing) * inlet.normal;
+        p.add(x, inlet.speed * inlet.normal, setup.density * volume, 1.0, volume,
+              count > 0.0 ? pressure / count : -setup.weight.dot(x - setup.origin));
+        ++state.counts.born;
+        inlet.net += volume;
+      }
+    }
+    if (inlet.piston > -inlet.spacing) continue;
+    std::vector<std::pair<double, std::size_t>> nearest;
+    for (std::size_t a = 0; a < p.size(); ++a)
+      if (const double depth = inlet.depth(p.position[a]);
+          p.mask[a] <= 0.5 && inlet.before(p.position[a]) && depth < 2.0 * inlet.spacing)
+        nearest.emplace_back(depth, a);
+    std::sort(nearest.begin(), nearest.end());
+    nearest.resize(std::min(nearest.size(), static_cast<std::size_t>(inlet.row)));
+    std::vector<bool> keep(p.size(), true);
+    for (const auto& [depth, a] : nearest) {
+      keep[a] = false;
+      const double volume = p.mass[a] / setup.density;
+      inlet.net -= volume;
+      inlet.piston += volume / inlet.width;
+      ++state.counts.deleted;
+    }
+    p.filter(keep);
+  }
+}
+
+template void set_inlets(const Setup<2>& setup, const Faces<2>& faces, double time, double interval, State<2>& state);
+template void check_room(const State<2>&, double);
+template void serve_inlets(const Setup<2>& setup, State<2>& state);
+template void set_inlets(const Setup<3>& setup, const Faces<3>& faces, double time, double interval, State<3>& state);
+template void check_room(const State<3>&, double);
+template void serve_inlets(const Setup<3>& setup, State<3>& state);
+
+}  // namespace poretwin::fluid

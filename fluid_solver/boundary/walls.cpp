@@ -1,0 +1,80 @@
+#include "fluid_solver/boundary/walls.hpp"
+
+#include "common/geometry/shapes.hpp"
+#include "common/geometry/thin_walls.hpp"
+#include "fluid_solver/discretisation/stencil.hpp"
+#include "fluid_solver/numerics/faces.hpp"
+
+namespace poretwin::fluid {
+
+template <int D>
+std::vector<sph::ImagePlane<D>> water_planes(const Case& scene, const std::vector<Inlet<D>>& inlets, double margin) {
+  std::vector<sph::ImagePlane<D>> planes;
+  for (std::size_t w = 0; w < scene.walls.size(); ++w)
+    if (scene.walls[w].water != Wall::ForWater::none)
+      for (const auto& plane : planes_of<D>(scene.walls[w].face, static_cast<int>(w), 0.0)) planes.push_back(plane);
+  for (const auto& inlet : inlets)
+    if (!inlet.sill)
+      planes.push_back(
+          planes_of<D>(scene.water_faces[static_cast<std::size_t>(inlet.face)].face, piston_boundary, 0.0)[0]);
+  meet_at_corners<D>(std::span(planes), margin);
+  for (const auto& plane : periodic_planes<D>(scene.general, periodic_boundary)) planes.push_back(plane);
+  return planes;
+}
+
+template <int D>
+sph::Sight<D> water_sight(const Case& scene, double margin) {
+  if constexpr (D == 2) {
+    if (!sight_matters(scene)) return {};
+    auto planes = sides_of_walls(scene, margin);
+    return sph::Sight<D>(std::move(planes), sight_slack * margin);
+  } else {
+    return {};
+  }
+}
+
+template <int D>
+Walls<D>::Walls(const Case& scene, const std::vector<Inlet<D>>& inlets)
+    : margin_(wall_margin * sph::support_radius * points::smoothing_ratio * scene.fluid.particle_spacing) {
+  sight = water_sight<D>(scene, margin_);
+  if (sight.limited())
+    at_first_.assign(sight.planes().begin(), sight.planes().end());
+  else
+    at_first_ = water_planes<D>(scene, inlets, margin_);
+  place(inlets);
+}
+
+template <int D>
+void Walls<D>::place(const std::vector<Inlet<D>>& inlets) {
+  planes.clear();
+  // Sills' pistons, from the crest up, before the walls: a floor on the crest mirrors what they mirror.
+  for (const auto& inlet : inlets) {
+    if (!inlet.sill || !inlet.flows) continue;
+    sph::ImagePlane<D> plane;
+    plane.normal = inlet.normal;
+    plane.tangent = inlet.tangent;
+    plane.to = inlet.tangent.dot(inlet.foot) + 0.5 * inlet.width;
+    plane.from = plane.to - 1e6 * margin_;
+    plane.boundary = sill_boundary;
+    plane.point = inlet.foot + inlet.piston * inlet.normal;
+    plane.speed = inlet.speed;
+    planes.push_back(plane);
+  }
+  std::size_t next = planes.size();
+  planes.insert(planes.end(), at_first_.begin(), at_first_.end());
+  for (const auto& inlet : inlets) {
+    if (inlet.sill) continue;
+    while (planes[next].boundary != piston_boundary) ++next;
+    planes[next].point += inlet.piston * inlet.normal;
+    planes[next++].speed = inlet.speed;
+  }
+}
+
+template std::vector<sph::ImagePlane<2>> water_planes(const Case&, const std::vector<Inlet<2>>&, double);
+template sph::Sight<2> water_sight(const Case&, double);
+template struct Walls<2>;
+template std::vector<sph::ImagePlane<3>> water_planes(const Case&, const std::vector<Inlet<3>>&, double);
+template sph::Sight<3> water_sight(const Case&, double);
+template struct Walls<3>;
+
+}  // namespace poretwin::fluid

@@ -1,0 +1,53 @@
+#include "fluid_solver/discretisation/water_stencil.hpp"
+
+#include "common/core/threads.hpp"
+#include "fluid_solver/discretisation/free_surface.hpp"
+#include "fluid_solver/motion/volume_source.hpp"
+#include "fluid_solver/numerics/surface.hpp"
+
+namespace poretwin::fluid {
+
+template <int D>
+Stencil<D> water_stencil(const Setup<D>& setup, const Faces<D>& faces, const Walls<D>& walls, const State<D>& state) {
+  const auto& p = state.particles;
+  const auto buffers = make_buffers(state.columns, true);
+  std::vector<char> free(p.size());
+  parallel_for(p.size(), [&](std::size_t a) { free[a] = faces.is_free(state.particles, a); });
+  auto s = make_stencil<D>(p.position, p.volume, std::span<const Buffer<D>>(buffers), walls.planes, free,
+                           open_water(setup), setup.coupled ? worth_threads_while_others_wait : worth_threads_in_pairs,
+                           walls.sight, setup.joints);
+  fit_columns<D>(state.columns, free, s, walls.sight);
+  limit_surface<D>(setup, faces, state, s);
+  return s;
+}
+
+template <int D>
+double share_of_rows(const Setup<D>& setup, double interval) {
+  return std::min(1.0, interval / (surface::row_memory * free_repair_time(setup, setup.spacing)));
+}
+
+template <int D>
+void mark_surface(const Setup<D>& setup, Stencil<D>& s, std::span<double> rows, double share, State<D>& state) {
+  auto& p = state.particles;
+  // In soil at rest that is full of water, with water behind every face, no air can come in. A gap of one spacing at
+  // the end of a face is then no surface: taken for one, it would draw in the water of several spacings.
+  const bool closed = !state.columns.empty() && p.size() > 0 && (state.full || state.time == 0.0) &&
+                      std::all_of(state.columns.begin(), state.columns.end(),
+                                  [&](const auto& c) { return is_quasi_static<D>(setup, c) && c.wet; }) &&
+                      parallel_all(p.size(), [&](std::size_t a) { return p.mask[a] > 0.5; });
+  const auto flags = find_surface<D>(s, p.in_seepage, rows, share, setup.coupled, closed && state.full);
+  s.forget_moments();
+  p.surface = flags;
+  state.full = closed && parallel_all(p.size(), [&](std::size_t a) { return flags[a] == Surface::interior; });
+}
+
+template double share_of_rows(const Setup<2>&, double);
+template double share_of_rows(const Setup<3>&, double);
+template Stencil<2> water_stencil(const Setup<2>& setup, const Faces<2>& faces, const Walls<2>& walls,
+                                  const State<2>& state);
+template void mark_surface(const Setup<2>& setup, Stencil<2>& s, std::span<double> rows, double share, State<2>& state);
+template Stencil<3> water_stencil(const Setup<3>& setup, const Faces<3>& faces, const Walls<3>& walls,
+                                  const State<3>& state);
+template void mark_surface(const Setup<3>& setup, Stencil<3>& s, std::span<double> rows, double share, State<3>& state);
+
+}  // namespace poretwin::fluid

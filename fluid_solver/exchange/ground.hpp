@@ -1,0 +1,73 @@
+// The soil as the case draws it, at rest: which one lies at a place, and what it does to water there.
+#pragma once
+
+#include "common/core/vector.hpp"
+#include "common/geometry/shapes.hpp"
+#include "common/media/seepage.hpp"
+
+#include <vector>
+
+namespace poretwin::fluid {
+
+template <int D>
+Point3 to_point3(const Vec<D>& x) {
+  Point3 p = Point3::Zero();
+  p.head<D>() = x;
+  return p;
+}
+
+/// One soil of the case.
+struct Stratum {
+  int number = 0;                   ///< in the case
+  double porosity = 0.0;            ///< n
+  double fillable_porosity = 0.0;   ///< n (1 - s_r0): the residual water of moist soil moves with the grains
+  double initial_saturation = 0.0;  ///< s_r0
+  double suction_head = 0.0;        ///< at a wetting front [m]
+  porous::Seepage seepage;          ///< at its porosity
+  porous::Resistance resistance;    ///< to water that fills its fillable porosity
+};
+
+template <int D>
+class Ground {
+ public:
+  explicit Ground(const Case& scene)
+      : specific_weight_(porous::specific_weight(scene)), contrast_(porous::conductivity_contrast(scene)) {
+    for (const auto& soil : scene.soils) {
+      Stratum s;
+      s.number = static_cast<int>(strata_.size());
+      s.porosity = soil.porosity;
+      s.fillable_porosity = soil.porosity * (1.0 - soil.initial_saturation);
+      s.initial_saturation = soil.initial_saturation;
+      s.suction_head = soil.suction_head;
+      s.seepage = porous::seepage_at(scene, soil, soil.porosity);
+      s.resistance = porous::resistance(specific_weight_, s.fillable_porosity, s.seepage);
+      strata_.push_back(s);
+      shapes_.push_back(soil.shape);
+    }
+  }
+
+  /// The soil at a place, the first of several; nullptr: none.
+  [[nodiscard]] const Stratum* at(const Vec<D>& x) const {
+    const Point3 p = to_point3<D>(x);
+    for (std::size_t i = 0; i < shapes_.size(); ++i)
+      if (contains(shapes_[i], p, D)) return &strata_[i];
+    return nullptr;
+  }
+  /// Suction of the soil at a place [Pa].
+  [[nodiscard]] double suction(const Vec<D>& x) const {
+    const auto* here = at(x);
+    return here ? specific_weight_ * here->suction_head : 0.0;
+  }
+  [[nodiscard]] const std::vector<Stratum>& strata() const { return strata_; }
+  /// Of water, behind the word "conductivity" [N/m3].
+  [[nodiscard]] double specific_weight() const { return specific_weight_; }
+  /// Of conductivity, between the fastest and the slowest soil.
+  [[nodiscard]] double contrast() const { return contrast_; }
+
+ private:
+  std::vector<Stratum> strata_;
+  std::vector<Shape> shapes_;
+  double specific_weight_ = 0.0, contrast_ = 1.0;
+};
+
+}  // namespace poretwin::fluid

@@ -1,0 +1,225 @@
+#include "fluid_solver/exchange/soil_exchange.hpp"
+
+#include "common/core/error.hpp"
+#include "common/core/threads.hpp"
+#include "fluid_solver/discretisation/operators.hpp"
+
+#include <fmt/format.h>
+
+namespace poretwin::fluid {
+
+template <int D>
+SoilView<D> see_soil(const Setup<D>& setup, const Faces<D>& faces, const State<D>& state, const coupling::Inbox& inbox,
+                     const SeepageRegime& regime) {
+  const auto& x = state.particles.position;
+  const std::size_t n = x.size();
+  // Water that is about to enter or leave the soil through its face still counts as inside; water that runs down the
+  // outside of the soil does not.
+  const ColumnFinder<D> finder(state.columns);
+  const auto nearest_column = [&](const Vec<D>& point) -> const FaceColumn<D>* {
+    const int i = finder.nearest(point);
+    if (i < 0) return nullptr;
+    const auto& c = state.columns[static_cast<std::size_t>(i)];
+    return c.in_soil && std::abs(c.inside(point)) <= c.spacing ? &c : nullptr;
+  };
+  if (!setup.coupled) {
+    VecArray<D> where = x;
+    parallel_for(n, [&](std::size_t a) {
+      if (auto& point = where[a]; !faces.is_free(state.particles, a) && !setup.ground.at(point))
+        if (const auto* c = nearest_column(point)) point = just_inside<D>(setup.ground, c->foot, c->normal, c->spacing);
+    });
+    auto view = rigid_soil<D>(setup.ground, where, setup.drag);
+    if (setup.smoothed_drag) view.drag_form = setup.smoothed_drag->at(x);
+    return view;
+  }
+  if (inbox.coverage.size() != n)
+    throw PeerError(
+        fmt::format("the exchange brought values for {} fluid particles, there are {}", inbox.coverage.size(), n));
+  ScalarArray asymmetry = inbox.asymmetry;
+  if (!state.columns.empty())
+    for (std::size_t a = 0; a < n; ++a)
+      if (inbox.coverage[a] > 0.0 && !faces.is_free(state.particles, a) && nearest_column(x[a])) asymmetry[a] = 0.0;
+  auto view = mapped_soil<D>(setup, inbox, asymmetry, state.particles.mask, regime);
+  const auto& received =
+      setup.computes_beside ? state.particles.previous_coupling_force : state.particles.coupling_force;
+  for (std::size_t a = 0; a < n; ++a)
+    if (view.mask[a] > 0.0) view.force.set(a, view.force[a] - received[a]);
+  return view;
+}
+
+template <int D>
+void fit_pores(const Setup<D>& setup, const SoilView<D>& view, Particles<D>& p) {
+  parallel_for(p.size(), [&](std::size_t a) {
+    p.void_fraction[a] = 1.0 - view.fraction[a];
+    p.volume[a] = p.mass[a] / (p.void_fraction[a] * setup.density);
+    p.mask[a] = view.mask[a];
+  });
+}
+
+template <int D>
+void fill_pores(const Setup<D>& setup, const SoilView<D>& view, Particles<D>& p) {
+  for (std::size_t a = 0; a < p.size(); ++a) {
+    p.void_fraction[a] = 1.0 - view.fraction[a];
+    p.mass[a] = p.void_fraction[a] * setup.density * p.volume[a];
+    p.mask[a] = view.mask[a];
+  }
+}
+
+template <int D>
+void store_change_of_soil(const OrZero<Vec<D>>& from, Particles<D>& p) {
+  p.solid_change.allocate(p.size());
+  for (std::size_t a = 0; a < p.size(); ++a) p.solid_change.set(a, p.solid_velocity[a] - from[a]);
+}
+
+template <int D>
+void apply_returned_impulse(const Stencil<D>& s, const SoilView<D>& view, State<D>& state) {
+  auto& p = state.particles;
+  VecArray<D> left(p.size());
+  ScalarArray counts(p.size());
+  for (std::size_t a = 0; a < p.size(); ++a) {
+    counts[a] = view.mask[a] * p.volume[a];
+    left[a] = -view.returned_impulse[a];
+    state.exchanged.received += left[a];
+    if (view.mask[a] <= 0.0) continue;
+    const Vec<D> along = p.entrained_fraction[a] * (view.velocity[a] - p.solid_velocity[a]);
+    p.velocity[a] += along;
+    left[a] -= p.mass[a] * along;
+  }
+  share_out<D>(s, counts, left);
+  for (std::size_t a = 0; a < p.size(); ++a) p.velocity[a] += left[a] / p.mass[a];
+}
+
+template <int D>
+VecArray<D> apply_drag(const Setup<D>& setup, const Particles<D>& p, double interval, SoilView<D>& view,
+                       VecArray<D>& velocity) {
+  VecArray<D> force(p.size());
+  if (velocity.empty()) velocity = p.velocity;
+  for (std::size_t a = 0; a < p.size(); ++a) {
+    force[a] = view.drag[a] * (velocity[a] - view.velocity[a]) - view.drag_offset[a];
+    velocity[a] -= interval / (p.void_fraction[a] * setup.density) * force[a];
+  }
+  view.resistance.assign(p.size(), {});
+  view.linearise(p.velocity, view.velocity);
+  return force;
+}
+
+template <int D>
+void give_drag_impulse(const Setup<D>& setup, const SoilView<D>& view, std::span<const Vec<D>> of_prediction,
+                       double interval, State<D>& state) {
+  auto& p = state.particles;
+  p.drag_impulse.allocate(p.size());
+  p.entrained_fraction.allocate(p.size());
+  parallel_for(p.size(), [&](std::size_t a) {
+    Vec<D> force = view.drag[a] * (p.velocity[a] - p.solid_velocity[a]) - view.drag_offset[a];
+    if (!of_prediction.empty()) force += of_prediction[a];
+    p.drag_impulse.set(a, p.volume[a] * interval * force);
+    p.entrained_fraction.set(a, view.drag[a] / (p.void_fraction[a] * setup.density / interval + view.drag[a]));
+  });
+  for (std::size_t a = 0; a < p.size(); ++a) {
+    state.exchanged.received -= p.drag_impulse[a];
+    state.exchanged.drag_work -= p.drag_impulse[a].dot(p.velocity[a] - p.solid_velocity[a]);
+  }
+}
+
+template <int D>
+void store_coupling_force(const Setup<D>& setup, const SoilView<D>& view, std::span<const Vec<D>> gradient,
+                          double interval, Particles<D>& p) {
+  if (setup.computes_beside) p.previous_coupling_force = p.coupling_force;
+  p.coupling_force.allocate(p.size());
+  parallel_for(p.size(), [&](std::size_t a) {
+    Vec<D> force = -view.fraction[a] * (gradient[a] + setup.weight);
+    if (interval > 0.0) force += p.drag_impulse[a] / (p.volume[a] * interval);
+    p.coupling_force.set(a, force);
+  });
+  if (setup.computes_beside && !p.previous_coupling_force.is_allocated()) p.previous_coupling_force = p.coupling_force;
+}
+
+template <int D>
+void store_surface_gradient(const Setup<D>& setup, const Stencil<D>& s, std::span<const Vec<D>> gradient,
+                            Particles<D>& p) {
+  p.surface_share = {};
+  p.surface_gradient = {};
+  for (std::size_t a = 0; a < p.size(); ++a) {
+    if (p.in_seepage[a] != 0 || p.mask[a] <= 0.5 || s.ghost_distance[a] <= 0.0) continue;
+    p.surface_share.set(a, 1.0, p.size());
+    p.surface_gradient.set(a, gradient[a] + setup.weight, p.size());
+  }
+}
+
+template <int D>
+void predict_explicitly(const Setup<D>& setup, const SoilView<D>& view, std::span<const Vec<D>> gradient,
+                        double interval, Particles<D>& p) {
+  for (std::size_t a = 0; a < p.size(); ++a)
+    if (view.density[a] > 0.0)
+      p.solid_velocity.values()[a] +=
+          interval / view.density[a] * (view.force[a] - view.fraction[a] * (setup.weight + gradient[a])) +
+          p.drag_impulse[a] / (p.volume[a] * view.density[a]);
+}
+
+template <int D>
+coupling::Publication publication(const Cloud<D>& cloud, const State<D>& state) {
+  coupling::Publication out;
+  out.time = state.time;
+  out.points.dimension = D;
+  out.points.revision = state.revision;
+  out.points.n_active = cloud.n_real;
+  out.points.volume = cloud.volume;
+  out.points.smoothing_length = cloud.length;
+  out.points.owner = cloud.owner;
+  // Of the first n points, and zero behind.
+  const auto flat = [&cloud](const auto& from, std::size_t n) {
+    std::vector<double> values(cloud.size() * D, 0.0);
+    for (std::size_t a = 0; a < n; ++a)
+      for (std::size_t d = 0; d < D; ++d) values[a * D + d] = from[a][static_cast<int>(d)];
+    return values;
+  };
+  out.points.position = flat(cloud.position, cloud.size());
+  std::vector<double> share(cloud.size(), 0.0);
+  for (std::size_t a = 0; a < cloud.size(); ++a) share[a] = cloud.surface_share[a];
+  const auto name = [](std::string_view n) { return std::string(n); };
+  out.fields = {{name(coupling::field::pore_pressure), 1, cloud.pressure},
+                {name(coupling::field::predicted_solid_velocity), D, flat(cloud.solid_velocity, cloud.size())},
+                {name(coupling::field::predicted_change), D, flat(cloud.solid_change, cloud.size())},
+                {name(coupling::field::drag_impulse), D, flat(state.particles.drag_impulse, cloud.n_real)},
+                {name(coupling::field::soil_fraction), 1, cloud.mask},
+                {name(coupling::field::surface_gradient), D, flat(cloud.surface_gradient, cloud.size())},
+                {name(coupling::field::surface_share), 1, share}};
+  return out;
+}
+
+template void fit_pores(const Setup<2>&, const SoilView<2>&, Particles<2>&);
+template void fill_pores(const Setup<2>&, const SoilView<2>&, Particles<2>&);
+template void store_change_of_soil(const OrZero<Vec<2>>&, Particles<2>&);
+template void fit_pores(const Setup<3>&, const SoilView<3>&, Particles<3>&);
+template void fill_pores(const Setup<3>&, const SoilView<3>&, Particles<3>&);
+template void store_change_of_soil(const OrZero<Vec<3>>&, Particles<3>&);
+template SoilView<2> see_soil(const Setup<2>& setup, const Faces<2>& faces, const State<2>& state,
+                              const coupling::Inbox& inbox, const SeepageRegime& regime);
+template void store_coupling_force(const Setup<2>& setup, const SoilView<2>& view, std::span<const Vec<2>> gradient,
+                                   double interval, Particles<2>& p);
+template void store_surface_gradient(const Setup<2>& setup, const Stencil<2>& s, std::span<const Vec<2>> gradient,
+                                     Particles<2>& p);
+template void apply_returned_impulse(const Stencil<2>& s, const SoilView<2>& view, State<2>& state);
+template VecArray<2> apply_drag(const Setup<2>& setup, const Particles<2>& p, double interval, SoilView<2>& view,
+                                VecArray<2>& velocity);
+template void give_drag_impulse(const Setup<2>& setup, const SoilView<2>& view, std::span<const Vec<2>> of_prediction,
+                                double interval, State<2>& state);
+template void predict_explicitly(const Setup<2>& setup, const SoilView<2>& view, std::span<const Vec<2>> gradient,
+                                 double interval, Particles<2>& p);
+template coupling::Publication publication(const Cloud<2>& cloud, const State<2>& state);
+template SoilView<3> see_soil(const Setup<3>& setup, const Faces<3>& faces, const State<3>& state,
+                              const coupling::Inbox& inbox, const SeepageRegime& regime);
+template void store_coupling_force(const Setup<3>& setup, const SoilView<3>& view, std::span<const Vec<3>> gradient,
+                                   double interval, Particles<3>& p);
+template void store_surface_gradient(const Setup<3>& setup, const Stencil<3>& s, std::span<const Vec<3>> gradient,
+                                     Particles<3>& p);
+template void apply_returned_impulse(const Stencil<3>& s, const SoilView<3>& view, State<3>& state);
+template VecArray<3> apply_drag(const Setup<3>& setup, const Particles<3>& p, double interval, SoilView<3>& view,
+                                VecArray<3>& velocity);
+template void give_drag_impulse(const Setup<3>& setup, const SoilView<3>& view, std::span<const Vec<3>> of_prediction,
+                                double interval, State<3>& state);
+template void predict_explicitly(const Setup<3>& setup, const SoilView<3>& view, std::span<const Vec<3>> gradient,
+                                 double interval, Particles<3>& p);
+template coupling::Publication publication(const Cloud<3>& cloud, const State<3>& state);
+
+}  // namespace poretwin::fluid

@@ -1,0 +1,105 @@
+#include "fluid_solver/motion/viscosity.hpp"
+
+#include "fluid_solver/discretisation/operators.hpp"
+#include "fluid_solver/numerics/motion.hpp"
+#include "fluid_solver/regimes.hpp"
+
+#include <cmath>
+
+namespace poretwin::fluid {
+
+template <int D>
+double viscosity(const Setup<D>& setup, double wave_speed) {
+  const double share = setup.is_projection() ? motion::shear_viscosity : motion::sweep_viscosity;
+  return std::max(setup.kinematic_viscosity, share * setup.spacing * wave_speed);
+}
+
+/// Viscosity of the water itself, Eq. (76) as corrected, its pairs amplified as the pressure's are to be exact for a
+/// quadratic on average; a von Neumann-Richtmyer term on approaching pairs for impacts, of third order where the flow
+/// is smooth; and a viscosity on the part that is not linear in the neighbourhood, for the noise of single particles.
+/// All are pairwise antisymmetric among the water they act on. The relative motion of water past tight soil that moves
+/// is no noise: the dampings would couple free water to the soil's water, which drag fixes to the soil, so that the
+/// opposite impulse would be lost.
+template <int D>
+VecArray<D> forced_velocity(const Setup<D>& setup, const State<D>& state, const Stencil<D>& s, const SoilView<D>& view,
+                            std::span<const Mat<D>> velocity_gradient, double interval) {
+  const auto& v = state.particles.velocity;
+  VecArray<D> result;
+  if (!setup.periodic_gravity.isZero(0.0)) {
+    result = v;
+    parallel_for(result.size(), [&](std::size_t a) { result[a] += interval * setup.periodic_gravity; });
+  }
+  // In soil drag damps what the trace of viscosity would damp, unless inertia dominates there as well.
+  std::vector<char> damped(s.n_real);
+  parallel_for(s.n_real, [&](std::size_t a) { damped[a] = is_drag_dominated<D>(setup, state.particles, view, a); });
+  if (parallel_all(s.n_real, [&](std::size_t a) { return damped[a]; })) return result;
+  if (result.empty()) result = v;
+  using motion::impact_viscosity;
+  const double noise = motion::noise_viscosity * setup.spacing * state.wave_speed,
+               shear_viscosity = viscosity(setup, state.wave_speed);
+  // The numerical viscosity is a damping, not a property of water: it need not be exact.
+  const bool own = shear_viscosity <= setup.kinematic_viscosity;
+  const VecArray<D> all = extended<D>(s, v, Carried::yes, setup.no_slip);
+  // Of a point: velocity, velocity gradient, smoothing length, amplification (0: does not count), whether moving soil
+  // takes it along.
+  constexpr std::size_t at_gradient = D, at_length = at_gradient + D * D, at_amplified = at_length + 1,
+                        at_carried = at_amplified + 1;
+  PackedPoints<D, at_carried + 1> points(s.size());
+  parallel_for(s.size(), [&](std::size_t j) {
+    const Index q = s.parent[j];
+    const bool real = q < s.n_real;
+    Mat<D> gradient = Mat<D>::Zero();
+    if (real) gradient = velocity_gradient[q];
+    if (real && j >= s.n_base) {
+      const Mat<D>& map = s.map[j - s.n_base];
+      gradient =
+          s.sticks(j, setup.no_slip) ? Mat<D>(-gradient * map.transpose()) : Mat<D>(map * gradient * map.transpose());
+    }
+    double* const row = points[j].x.data();
+    Eigen::Map<Vec<D>>{row} = s.position[j];
+    Eigen::Map<Vec<D>>{row + D} = all[j];
+    Eigen::Map<Mat<D>>{row + D + at_gradient} = gradient;
+    row[D + at_length] = s.length(j);
+    row[D + at_amplified] = !real ? 0.0 : own ? s.amplification[q] : 1.0;
+    row[D + at_carried] = real && !own && damped[q] && state.particles.in_seepage[q] == 0 ? 1.0 : 0.0;
+  });
+  for_pairs_in_lanes<D, at_carried + 1, D>(
+      s, points,
+      [&](std::size_t, const double* self, std::size_t m, const Lanes* w, const Lanes* point, Lanes* sums)
+          __attribute__((always_inline)) {
+            // w = factor ba: the speed of approach is that of the points times the factor over that of w.
+            Lanes factor;
+            take(&s.gradient_factor[m], factor);
+            Lanes approach{}, size = Lanes{} + 1e-300;
+            for (std::size_t d = 0; d < D; ++d) {
+              approach -= (point[d] - self[d]) * w[d];
+              size += w[d] * w[d];
+            }
+            sqrt_in_place(size);
+            max_in_place(approach, Lanes{});
+            const Lanes impact = 0.5 * impact_viscosity * (self[at_length] + point[at_length]) * approach / size;
+            const Lanes shear = 0.5 * shear_viscosity * (self[at_amplified] + point[at_amplified]) + impact;
+            for (std::size_t d = 0; d < D; ++d) {
+              Lanes unexplained = factor * (point[d] - self[d]);
+              for (std::size_t e = 0; e < D; ++e)
+                unexplained -= 0.5 * (self[at_gradient + d + D * e] + point[at_gradient + d + D * e]) * w[e];
+              const Lanes part = shear * factor * (point[d] - self[d]) + noise * unexplained;
+              sums[d] += point[at_amplified] > 0.0 && point[at_carried] == self[at_carried] ? part : Lanes{};
+            }
+          },
+      [&](std::size_t a, const double* total) __attribute__((always_inline)) {
+        if (damped[a]) return;
+        result[a] += 2.0 * interval * Eigen::Map<const Vec<D>>(total);
+        result[a] -= interval * setup.central_force * s.position[a];
+      });
+  return result;
+}
+
+template double viscosity(const Setup<2>&, double);
+template VecArray<2> forced_velocity<2>(const Setup<2>&, const State<2>&, const Stencil<2>&, const SoilView<2>&,
+                                        std::span<const Mat<2>>, double);
+template double viscosity(const Setup<3>&, double);
+template VecArray<3> forced_velocity<3>(const Setup<3>&, const State<3>&, const Stencil<3>&, const SoilView<3>&,
+                                        std::span<const Mat<3>>, double);
+
+}  // namespace poretwin::fluid

@@ -1,0 +1,233 @@
+#include "fluid_solver/motion/volume_source.hpp"
+
+#include "fluid_solver/discretisation/operators.hpp"
+#include "fluid_solver/motion/packing.hpp"
+#include "fluid_solver/motion/step_limits.hpp"
+#include "fluid_solver/numerics/exchange.hpp"
+#include "fluid_solver/numerics/motion.hpp"
+#include "fluid_solver/regimes.hpp"
+
+#include <cmath>
+
+namespace poretwin::fluid {
+
+namespace {
+
+/// Divergence [1/s] that is deferred to later windows: of free water with one-sided neighbours, before this window's
+/// forces act. In windows shorter than half the longest one that the water's motion allows, only the fraction
+/// interval / that half is removed. The reason: with few neighbours on one side, a pressure gradient can reverse a
+/// divergence and leave it larger, by a few percent per solve whatever the window's length. In much shorter windows it
+/// would grow until the water flies apart. The first window removes all of what the water starts with.
+template <int D>
+ScalarArray deferred_divergence(const Setup<D>& setup, const State<D>& state, const Stencil<D>& s,
+                                const SoilView<D>& view, double interval) {
+  const auto& p = state.particles;
+  ScalarArray deferred(p.size(), 0.0);
+  if (setup.scheme != FluidCase::Scheme::projection || state.last_interval <= 0.0) return deferred;
+  const double fraction = 1.0 - interval / (0.5 * free_interval<D>(setup, state));
+  if (fraction <= 0.0) return deferred;
+  parallel_for(p.size(), [&](std::size_t a) {
+    if (p.in_seepage[a] == 0 && !is_drag_dominated<D>(setup, state.particles, view, a) &&
+        s.length(a) * s.normal[a].norm() > motion::even_surroundings)
+      deferred[a] = fraction;
+  });
+  if (parallel_all(p.size(), [&](std::size_t a) { return deferred[a] == 0.0; })) return deferred;
+  VecArray<D> flux(p.size());
+  parallel_for(p.size(), [&](std::size_t a) {
+    flux[a] = p.void_fraction[a] * p.velocity[a] + view.fraction[a] * view.velocity[a];
+  });
+  const ScalarArray outflow = divergence<D>(s, flux, Carried::yes);
+  parallel_for(p.size(), [&](std::size_t a) { deferred[a] *= outflow[a]; });
+  return deferred;
+}
+
+/// Rate [1/s] at which the soil is to be taken to expand beyond the motion that the water sees. Where rows of soil
+/// slide past each other, the soil's kernel sums expand and contract by some 1e-3 of the shear, which the velocity
+/// mapped to the water does not show. Undrained soil that expands by 1e-4 loses all its strength, so that what its
+/// volume does by its own account is what the water makes room for (decision 0021). It follows over some windows,
+/// since each of them also sees the soil's shortest waves, which the mapping smooths; nothing of the strain is lost.
+template <int D>
+ScalarArray unseen_strain_rate(State<D>& state, const Stencil<D>& s, const SoilView<D>& view, double interval) {
+  auto& p = state.particles;
+  const double came = state.last_interval;
+  state.usual_interval += (came - state.usual_interval) / exchange::unseen_strain_windows;
+  const double memory = exchange::unseen_strain_windows * std::max({state.usual_interval, came, interval});
+  for (auto* values : {&p.unseen_rate, &p.unseen_strain})
+    if (!values->is_allocated()) values->allocate(p.size());
+  const auto shown = divergence<D>(s, view.mean_velocity.values());
+  ScalarArray applied(p.size());
+  parallel_for(p.size(), [&](std::size_t a) {
+    bool within = view.mask[a] > 0.0;  // of the soil: at its edge the divergence sees it end
+    for (Index k = s.offset[a]; k < s.offset[a + 1] && within; ++k)
+      if (const Index q = s.parent[s.other[k]]; q < s.n_real) within = view.mask[q] > 0.0;
+    const double rate = within ? view.strain_rate[a] - shown[a] : 0.0;
+    const double strain = p.unseen_strain[a] + rate * came;
+    // Critically damped, in proportion to the window: a short one that lands on an instant must not jerk the soil.
+    const double wanted = rate + strain / (4.0 * memory);
+    applied[a] = p.unseen_rate[a] + (wanted - p.unseen_rate[a]) * interval / memory;
+    p.unseen_rate.set(a, applied[a]);
+    p.unseen_strain.set(a, strain - applied[a] * interval);
+  });
+  return applied;
+}
+
+}  // namespace
+
+/// Water without soil, in 2D, its pressure solved for: its density is measured in a way that hardly depends on the
+/// order of its particles. Over soil a thin fast layer would gain 1 % of its energy by that; in 3D nothing is gained,
+/// and explicit sweeps lose.
+template <int D>
+bool open_water(const Setup<D>& setup) {
+  return D == 2 && setup.ground.strata().empty() && setup.is_projection();
+}
+
+template <int D>
+double free_repair_time(const Setup<D>& setup, double spacing) {
+  return motion::free_repair_falls * std::sqrt(spacing / setup.gravity_or_standard);
+}
+
+template <int D>
+ScalarArray moved(const Particles<D>& p) {
+  ScalarArray result(p.size());
+  parallel_for(p.size(), [&](std::size_t a) {
+    const double spacing = spacing_of<D>(p.volume[a]);
+    const double counts =
+        (p.in_seepage[a] != 0 ? motion::repair_displacement : motion::free_repair_displacement) * spacing;
+    result[a] = std::min(1.0, (p.position[a] - p.birthplace[a]).norm() / counts);
+  });
+  return result;
+}
+
+/// Time in which a packing error is undone [s]: physical, not a number of windows. In soil, a third of what a unit
+/// gradient needs to push water through one spacing, and no longer than the flow takes to pass one: pair sums keep the
+/// square of the concentration times the velocity, so that what is loose runs ahead and loosens as it goes. In free
+/// water twenty times that of a fall through one spacing, or of the drag's where that is what holds the water. Never
+/// less than two windows: a repair that overtakes its window swings.
+template <int D>
+double repair_time(const Setup<D>& setup, const Particles<D>& p, std::size_t a, const SoilView<D>& view,
+                   double interval) {
+  const double spacing = spacing_of<D>(p.volume[a]),
+               weight = setup.density * setup.gravity_or_standard * p.void_fraction[a];
+  const double pushed = motion::pushed_repair * spacing * view.drag[a] / weight;
+  const double passed = spacing / std::max(p.velocity[a].norm(), 1e-300);
+  const double held =
+      view.drag[a] > 0.0 ? motion::held_repair_times * p.void_fraction[a] * setup.density / view.drag[a] : HUGE_VAL;
+  return std::max(
+      {motion::repair_windows * interval, std::min(free_repair_time(setup, spacing), held), std::min(pushed, passed)});
+}
+
+template <int D>
+double packing_error(const Setup<D>& setup, const Particles<D>& p, const Stencil<D>& s, std::size_t a, double full) {
+  if (open_water(setup) && p.surface[a] != Surface::lone)
+    if (const double below = depth<D>(s, a); below > 0.0) {
+      // The missing side is filled with a lattice; a surface may be loose.
+      static const double whole = lattice_density<D>();
+      return std::max(0.0,
+                      full + lattice_density<D>(0.5 + below * points::smoothing_ratio / s.length(a)) / whole - 1.0);
+    }
+  double excess = full - 1.0;
+  // Near a surface the kernel is cut off, so that a deficit there is no error.
+  if (excess < 0.0 && !s.covered[a])
+    excess *= std::clamp(1.0 - motion::cut_off * s.length(a) * s.normal[a].norm(), 0.0, 1.0);
+  const bool below = s.ghost_distance[a] > 0.0;
+  return below || p.surface[a] != Surface::interior ? std::max(0.0, excess) : excess;
+}
+
+template <int D>
+ScalarArray volume_source(const Setup<D>& setup, State<D>& state, const Stencil<D>& s, const SoilView<D>& view,
+                          std::span<const Mat<D>> velocity_gradient, double interval) {
+  auto& p = state.particles;
+  ScalarArray source = deferred_divergence<D>(setup, state, s, view, interval);
+  // Pressure repairs a packing error by moving the surface or the inflow. A closed domain has neither: shifting alone
+  // evens its packing, since pressure would only push on the grains.
+  const bool open = !parallel_all(p.size(), [&](std::size_t a) { return p.surface[a] == Surface::interior; }) ||
+                    std::any_of(state.columns.begin(), state.columns.end(), [](const auto& c) { return c.wet; });
+  // Where all soil is full, no flow that pressure drives can even the points out: they are displaced instead (repair).
+  const auto motion = open && !state.full ? moved<D>(state.particles) : ScalarArray(p.size(), 0.0);
+  // Voids opened by cavitation are no packing error.
+  const bool cavitates = std::any_of(p.void_volume.begin(), p.void_volume.end(), [](double c) { return c > 0.0; });
+  const auto voids_near = [&](std::size_t a) {
+    if (!cavitates) return 0.0;
+    double sum = p.void_volume[a] / p.void_fraction[a] * Kernel<D>::value(0.0, s.length(a));
+    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
+      if (const Index q = s.parent[s.other[k]]; q < s.n_real && p.void_volume[q] > 0.0)
+        sum += p.void_volume[q] / p.void_fraction[q] * s.value(a, s.other[k]);
+    return sum / lattice_fullness<D>();
+  };
+  parallel_for(p.size(), [&](std::size_t a) {
+    const double excess = packing_error<D>(setup, state.particles, s, a, s.fullness[a] + voids_near(a));
+    // In free water the repair of a disordered start begins gradually: at once it would act as an impact.
+    const double begun =
+        p.in_seepage[a] != 0 ? 1.0 : std::min(1.0, state.time / free_repair_time(setup, spacing_of<D>(p.volume[a])));
+    source[a] +=
+        begun * motion[a] * p.void_fraction[a] * excess / repair_time<D>(setup, state.particles, a, view, interval);
+    // Conserves volume to second order in the displacement: det(1 + dt grad v) = 1. Without this term a strain rate s
+    // compresses by dt s^2, and its repair adds energy.
+    if (p.in_seepage[a] == 0)
+      source[a] += std::clamp(0.5 * interval * (velocity_gradient[a] * velocity_gradient[a]).trace(),
+                              -motion::most_strain / interval, motion::most_strain / interval);
+  });
+  if (!setup.responds || state.last_interval <= 0.0) return source;
+  // The soil moved otherwise than predicted. The volumetric strain beyond the prediction is applied to the water no
+  // faster than it accumulated: after a long window, each short one applies only its fraction of it.
+  const double came = state.last_interval, due = std::max(state.deferred_strain_due, interval);
+  state.deferred_strain_due = std::max({0.0, state.deferred_strain_due - interval, came - interval});
+  if (!p.deferred_strain.is_allocated()) p.deferred_strain.allocate(p.size());
+  // What of the mixture's volume goes with the skeleton: the grains and, by their inertia against the drag, the pores.
+  const auto follows = [&](std::size_t a) {
+    const double aw = p.void_fraction[a] * setup.density / came;
+    return view.fraction[a] + p.void_fraction[a] * view.drag[a] / (aw + view.drag[a]);
+  };
+  VecArray<D> beyond(p.size(), Vec<D>::Zero());
+  for (std::size_t a = 0; a < p.size(); ++a)
+    if (view.fraction[a] > 0.0) beyond[a] = follows(a) * (view.mean_velocity[a] - p.solid_velocity[a]);
+  const auto rate = divergence<D>(s, beyond);
+  for (std::size_t a = 0; a < p.size(); ++a) {
+    const double strain = came * rate[a], applied = strain / std::max(interval, came) + p.deferred_strain[a] / due;
+    source[a] -= applied;
+    p.deferred_strain.set(a, p.deferred_strain[a] + (strain - applied * interval));
+  }
+  const auto unseen = unseen_strain_rate<D>(state, s, view, interval);
+  for (std::size_t a = 0; a < p.size(); ++a) source[a] -= follows(a) * unseen[a];
+  return source;
+}
+
+/// In saturated soil at rest the packing is repaired by displacements without a net volume, so that no water comes or
+/// goes through a face. With a pressure, disordered points, whose sum V W exceeds a lattice's, would press water out
+/// without end, and the pressure that moves water in one soil would act in all others.
+template <int D>
+VecArray<D> repair(const Setup<D>& setup, const State<D>& state, const Stencil<D>& s, const SoilView<D>& view,
+                   double interval) {
+  const auto& p = state.particles;
+  if (!state.full) return {};
+  const auto motion = moved<D>(state.particles);
+  ScalarArray share(p.size()), expansion(p.size());
+  parallel_for(p.size(), [&](std::size_t a) {
+    share[a] = motion[a] * interval / repair_time<D>(setup, state.particles, a, view, interval);
+    expansion[a] = packing_error<D>(setup, state.particles, s, a, s.fullness[a]);
+  });
+  const double all = sum_over(p.size(), [&](std::size_t a) { return p.volume[a] * share[a]; });
+  const double made = sum_over(p.size(), [&](std::size_t a) { return p.volume[a] * share[a] * expansion[a]; });
+  const double mean = all > 0.0 ? made / all : 0.0;
+  parallel_for(p.size(), [&](std::size_t a) { expansion[a] = share[a] * (expansion[a] - mean); });
+  return expand<D>(s, expansion);
+}
+
+template bool open_water(const Setup<2>&);
+template ScalarArray moved(const Particles<2>&);
+template double free_repair_time(const Setup<2>&, double);
+template double repair_time(const Setup<2>&, const Particles<2>&, std::size_t, const SoilView<2>&, double);
+template double packing_error(const Setup<2>&, const Particles<2>&, const Stencil<2>&, std::size_t, double);
+template ScalarArray volume_source(const Setup<2>&, State<2>&, const Stencil<2>&, const SoilView<2>&,
+                                   std::span<const Mat<2>>, double);
+template VecArray<2> repair(const Setup<2>&, const State<2>&, const Stencil<2>&, const SoilView<2>&, double);
+template bool open_water(const Setup<3>&);
+template ScalarArray moved(const Particles<3>&);
+template double free_repair_time(const Setup<3>&, double);
+template double repair_time(const Setup<3>&, const Particles<3>&, std::size_t, const SoilView<3>&, double);
+template double packing_error(const Setup<3>&, const Particles<3>&, const Stencil<3>&, std::size_t, double);
+template ScalarArray volume_source(const Setup<3>&, State<3>&, const Stencil<3>&, const SoilView<3>&,
+                                   std::span<const Mat<3>>, double);
+template VecArray<3> repair(const Setup<3>&, const State<3>&, const Stencil<3>&, const SoilView<3>&, double);
+
+}  // namespace poretwin::fluid

@@ -1,0 +1,181 @@
+#include "fluid_solver/setup.hpp"
+
+#include "common/core/error.hpp"
+#include "common/geometry/thin_walls.hpp"
+#include "fluid_solver/state.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace poretwin::fluid {
+
+namespace {
+
+/// The box around everything in the case, widened by its diagonal on all sides; without bound along periodic axes.
+template <int D>
+std::pair<Vec<D>, Vec<D>> reach_of(const Case& scene) {
+  Vec<D> lower = Vec<D>::Constant(1e300), upper = -lower;
+  const auto enclose = [&](const Point3& x) {
+    lower = lower.cwiseMin(Vec<D>(x.head<D>()));
+    upper = upper.cwiseMax(Vec<D>(x.head<D>()));
+  };
+  const auto enclose_shape = [&](const Shape& shape) {
+    const auto [lo, hi] = bounds(shape);
+    enclose(lo);
+    enclose(hi);
+  };
+  const auto enclose_face = [&](const Face& face) {
+    for (const auto& x : face.points) enclose(x);
+    if (face.points.empty()) enclose(face.point);
+  };
+  for (const auto& soil : scene.soils) enclose_shape(soil.shape);
+  for (const auto& region : scene.fluid.regions) enclose_shape(region);
+  for (const auto& wall : scene.walls) enclose_face(wall.face);
+  for (const auto& face : scene.water_faces) enclose_face(face.face);
+  const double margin = (upper - lower).norm();
+  lower.array() -= margin;
+  upper.array() += margin;
+  for (const int axis : scene.general.periodic) {
+    lower[axis] = -1e300;
+    upper[axis] = 1e300;
+  }
+  return {lower, upper};
+}
+
+/// Lattices of particles in the regions of water, in order.
+template <int D>
+std::vector<Lattice<D>> lattices(const Case& scene) {
+  std::vector<Lattice<D>> result;
+  unsigned seed = scene.fluid.seed;
+  std::span<const Shape> later = scene.fluid.regions;
+  for (const auto& region : scene.fluid.regions) {
+    later = later.subspan(1);
+    result.push_back(
+        fill<D>(region, scene.fluid.particle_spacing, scene.fluid.offset, scene.fluid.jitter, seed++, later));
+  }
+  return result;
+}
+
+}  // namespace
+
+template <int D>
+Setup<D>::Setup(const Case& scene)
+    : spacing(scene.fluid.particle_spacing),
+      density(scene.water.density),
+      kinematic_viscosity(scene.water.kinematic_viscosity),
+      cavitation_pressure(scene.water.cavitation_pressure),
+      gravity(scene.general.gravity.norm()),
+      central_force(scene.general.central_force),
+      acceleration(scene.general.gravity.head<D>()),
+      periodic(scene.general.periodic),
+      periodic_lower(scene.general.domain_min),
+      periodic_length(scene.general.domain_max - scene.general.domain_min),
+      scheme(scene.fluid.scheme),
+      sweeps(scene.fluid.sweeps),
+      pressure_tolerance(scene.fluid.pressure_tolerance),
+      coupled(scene.coupled()),
+      responds(coupled && scene.fluid.skeleton_response && is_projection()),
+      computes_beside(scene.coupling.scheme == CouplingCase::Scheme::parallel),
+      soil_yields(scene.solid.model != SolidCase::Model::elastic),
+      drag(scene.fluid.drag),
+      ground(scene),
+      one_soil(ground.contrast() < porous::one_conductivity),
+      joints(make_joints<D>(scene)),
+      digest(scene.digest()),
+      gauges(scene.gauges) {
+  if (!(spacing > 0.0)) throw CaseError("fluid.particle_spacing must be positive");
+  if (scene.fluid.regions.empty() && scene.water_faces.empty())
+    throw CaseError("the fluid has nothing to do: no [[fluid.region]] and no [[water_face]]");
+  if (scene.walls.size() > sill_boundary) throw CaseError(fmt::format("at most {} walls", sill_boundary));
+  Vec<D> bounded = acceleration;
+  for (const int axis : periodic) std::swap(periodic_gravity[axis], bounded[axis]);
+  weight = density * bounded;
+  if (weight.norm() > 0.0) gravity_or_standard = weight.norm() / density;
+  std::tie(lower, upper) = reach_of<D>(scene);
+  double top = -1e300;
+  const Vec<D> up = weight.norm() > 0.0 ? Vec<D>(-weight.normalized()) : Vec<D>::Zero();
+  for (const auto& lattice : lattices<D>(scene))
+    for (const auto& x : lattice.position)
+      if (const double height = up.dot(x) + 0.5 * spacing; height > top) {
+        top = height;
+        origin = height * up;
+      }
+  const bool sight = D == 2 && sight_matters(scene);
+  for (std::size_t w = 0; w < scene.walls.size(); ++w) {
+    const auto& wall = scene.walls[w];
+    if (wall.water == Wall::ForWater::none) continue;
+    if (wall.water == Wall::ForWater::no_slip) no_slip |= 1u << w;
+    if (wall.soil != Wall::ForSoil::none && wall.soil != Wall::ForSoil::roller) fixed_soil |= 1u << w;
+    for (std::size_t i = 0; i + 1 < wall.face.points.size(); ++i)
+      pressed_walls.push_back({wall.face.points[i].template head<D>(), wall.face.points[i + 1].template head<D>(),
+                               sight && has_two_sides(scene, wall)});
+  }
+  for (const auto& face : scene.water_faces) face_names.push_back(face.name);
+  for (const auto& load : scene.loads) loads.push_back({load.start, load.factor, load.traction.norm()});
+  if (!coupled && scene.fluid.drag_form != FluidCase::DragForm::pointwise) smoothed_drag.emplace(scene);
+}
+
+namespace {
+
+template <int D>
+Vec<D> initial_velocity(const Case& scene, const Vec<D>& x) {
+  const auto& fluid = scene.fluid;
+  Vec<D> v = fluid.initial_velocity.head<D>();
+  v[0] += fluid.initial_strain * x[0];
+  v[1] -= fluid.initial_strain * x[1];
+  if (fluid.initial_wave != 0.0)
+    v += fluid.initial_wave * sloshing_mode(fluid.regions.front(), to_point3<D>(x), D).template head<D>();
+  if (fluid.initial_vortices > 0.0) {
+    const auto& box = scene.general;
+    const Vec<2> k = 2.0 * std::numbers::pi / (box.domain_max - box.domain_min).head<2>().array();
+    const double a = k[0] * (x[0] - box.domain_min[0]), b = k[1] * (x[1] - box.domain_min[1]);
+    v[0] += fluid.initial_vortices * std::sin(a) * std::cos(b);
+    v[1] -= fluid.initial_vortices * k[0] / k[1] * std::cos(a) * std::sin(b);
+  }
+  return v;
+}
+
+}  // namespace
+
+template <int D>
+State<D> first_state(const Case& scene, const Setup<D>& setup, const WaterBoundaries& boundaries) {
+  State<D> state;
+  auto& p = state.particles;
+  double top = -1e300, bottom = 1e300, farthest = 0.0;
+  const Vec<D> up = setup.weight.norm() > 0.0 ? Vec<D>(-setup.weight.normalized()) : Vec<D>::Zero();
+  for (const auto& lattice : lattices<D>(scene)) {
+    p.reserve(p.size() + lattice.position.size(), !scene.water_faces.empty());
+    for (const auto& x : lattice.position) {
+      const Stratum* soil = setup.ground.at(x);
+      const double n = soil ? soil->fillable_porosity : 1.0;
+      p.add(x, initial_velocity<D>(scene, x), n * setup.density * lattice.volume, n, lattice.volume, 0.0);
+      const double height = up.dot(x) + 0.5 * setup.spacing;
+      farthest = std::max(farthest, x.norm());
+      top = std::max(top, height);
+      bottom = std::min(bottom, height - setup.spacing);
+    }
+  }
+  const double depth = p.size() > 0 ? top - bottom : setup.spacing;
+  state.wave_speed = std::sqrt(setup.gravity * depth + setup.central_force * farthest * farthest);
+  state.inlets = make_inlets<D>(scene, boundaries);
+  state.columns = make_columns<D>(scene, setup.ground);
+  // Points that lie on a face of soil to rounding belong to the soil.
+  const ColumnFinder<D> finder(state.columns);
+  for (std::size_t a = 0; a < p.size(); ++a)
+    if (const int i = finder.nearest(p.position[a]); i >= 0) {
+      const auto& c = state.columns[static_cast<std::size_t>(i)];
+      if (c.in_soil && std::abs(c.inside(p.position[a])) < 1e-6 * c.spacing) p.mask[a] = 1.0;
+    }
+  for (const auto& boundary : boundaries) state.faces.push_back(boundary->initial());
+  update_columns<D>(boundaries, state.faces, 0.0, setup.weight, setup.origin, state.columns);
+  return state;
+}
+
+template struct Setup<2>;
+template struct Setup<3>;
+template State<2> first_state<2>(const Case&, const Setup<2>&, const WaterBoundaries&);
+template State<3> first_state<3>(const Case&, const Setup<3>&, const WaterBoundaries&);
+
+}  // namespace poretwin::fluid

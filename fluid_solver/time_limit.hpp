@@ -1,0 +1,15 @@
+// A bound on the next window.
+#pragma once
+
+#include <cmath>
+#include <string>
+
+namespace poretwin::fluid {
+
+/// A bound on the next window and what sets it.
+struct TimeLimit {
+  double interval = HUGE_VAL;  ///< s
+  std::string reason;
+};
+
+}  // namespace poretwin::fluid
