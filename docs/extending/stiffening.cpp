@@ -36,7 +36,7 @@ class Stiffening final : public ConstitutiveModel {
 };
 
 // The row. Of a model that every run may use it stands in solid_solver/material/registry.cpp.
-const bool in_table = add_material(
+[[maybe_unused]] const bool in_table = add_material(
     {"stiffening",
      Material::Strength::own,
      {{"doubling_strain", 0.01, {"", "Compression at which the moduli have doubled (stiffening)."}, positive()}}},

@@ -1,6 +1,7 @@
 // The equilibrium at the end of a window: held against dynamic relaxation, and against many small windows where soil
 // yields.
 #include "solid_solver/phase.hpp"
+#include "solid_solver/statics/equilibrium.hpp"
 #include "tests/solid/scenes.hpp"
 
 #include <gtest/gtest.h>
