@@ -60,14 +60,17 @@ class Keys {
   virtual void axes(std::string_view key, std::vector<int>& value, const About& about) = 0;
   virtual void series(std::string_view key, std::optional<Series>& value, const About& about) = 0;
 
-  /// One of a few words.
+  /// One of a few words; a value that is none of them becomes the first.
   template <class E>
   void choice(std::string_view key, E& value, std::span<const std::pair<std::string_view, E>> words,
               const About& about) {
-    std::optional<E> chosen = value;
+    std::optional<E> chosen = words.front().second;
+    for (const auto& [word, meant] : words)
+      if (value == meant) chosen = value;
     choice(key, chosen, words, about);
     value = *chosen;
   }
+  /// The same where none need be chosen.
   template <class E>
   void choice(std::string_view key, std::optional<E>& value, std::span<const std::pair<std::string_view, E>> words,
               const About& about) {

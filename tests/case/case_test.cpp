@@ -2,9 +2,12 @@
 #include "tests/case/case_file.hpp"
 
 #include "common/case/document.hpp"
+#include "common/case/keys.hpp"
 #include "common/case/pace.hpp"
 
+#include <array>
 #include <cmath>
+#include <optional>
 
 namespace poretwin {
 namespace {
@@ -146,6 +149,18 @@ TEST_F(CaseFile, NamesTheOverride) {
   EXPECT_THAT(complaint(sound_case, {"pore_pressure.0.head=1"}), HasSubstr("the case has no [[pore_pressure]]"));
   EXPECT_THAT(complaint(sound_case, {"fluid.jiter=0.2"}), HasSubstr("did you mean 'jitter'?"));
   EXPECT_THAT(complaint(sound_case, {"nonsense"}), HasSubstr("expected section.key=value"));
+}
+
+TEST(Choice, IsTheFirstWordWhereItIsNone) {
+  constexpr std::array words{std::pair<std::string_view, int>{"one", 1}, std::pair<std::string_view, int>{"two", 2}};
+  int value = 0;
+  std::optional<int> free;
+  read_keys(parse_document("", "nowhere"), [&](Keys& keys) {
+    keys.choice<int>("some", value, words, {});
+    keys.choice<int>("any", free, words, {});
+  });
+  EXPECT_EQ(value, 1);
+  EXPECT_FALSE(free);
 }
 
 TEST_F(CaseFile, EachSoilMayHaveAMaterialOfItsOwn) {
