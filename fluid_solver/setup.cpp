@@ -78,7 +78,7 @@ Setup<D>::Setup(const Case& scene)
       coupled(scene.coupled()),
       responds(coupled && scene.fluid.skeleton_response && is_projection()),
       computes_beside(scene.coupling.scheme == CouplingCase::Scheme::parallel),
-      soil_yields(scene.solid.model != SolidCase::Model::elastic),
+      soil_yields(scene.can_yield()),
       drag(scene.fluid.drag),
       ground(scene),
       one_soil(ground.contrast() < porous::one_conductivity),

@@ -47,7 +47,7 @@ struct Setup {
   bool coupled = false;                      ///< the soil is a phase of its own
   bool responds = false;                     ///< and its skeleton responds inside the pressure solve
   bool computes_beside = false;              ///< and crosses each window at the same time
-  bool soil_yields = false;                  ///< the soil is not elastic
+  bool soil_yields = false;                  ///< some soil moves and can yield
   bool drag = true;                          ///< between the phases
   std::optional<SmoothedDrag<D>> smoothed_drag;
 

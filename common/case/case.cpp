@@ -590,21 +590,6 @@ std::string Case::coupled_part() const {
   return list_keys([&](Keys& keys) { declare_shared(keys, copy); });
 }
 
-namespace {
-
-/// Afterwards solid.model yields if any soil does, so that the water, which sees it alone, reckons with soil that can
-/// yield exactly where there is some.
-void let_solid_model_stand_for_all(Case& scene) {
-  if (!scene.deformable() || scene.soils.empty()) return;
-  const bool yields = scene.can_yield();
-  if (material(scene.solid.model).can_yield() == yields) return;
-  for (Soil& soil : scene.soils) soil.model = scene.model_of(soil);
-  for (const Soil& soil : scene.soils)
-    if (material(*soil.model).can_yield() == yields) scene.solid.model = *soil.model;
-}
-
-}  // namespace
-
 std::string Case::digest() const { return fmt::format("{:016x}", fnv1a(coupled_part())); }
 
 Case read_case(const std::filesystem::path& path, const std::vector<std::string>& overrides) {
@@ -645,7 +630,6 @@ Case read_case(const std::filesystem::path& path, const std::vector<std::string>
     // The sum over pairs is built for soil at rest only.
     if (scene.coupled() && !places.contains("fluid.drag_form")) scene.fluid.drag_form = FluidCase::DragForm::pointwise;
   }
-  let_solid_model_stand_for_all(scene);
   if (!places.contains("coupling.scheme") && !scene.predicts()) scene.coupling.scheme = CouplingCase::Scheme::serial;
   if (scene.solid.particle_spacing <= 0.0) scene.solid.particle_spacing = scene.fluid.particle_spacing;
   move_to_origin(scene);

@@ -162,8 +162,12 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> in_seepag
     if (distance <= 0.0 || distance >= sph::support_radius * s.length(a)) return {};
     return {std::max(distance, s.surface_distance(a)), plane.pressure / plane.weight};
   };
-  // Beside free water windows are short, and the gradient of seeping water does not know of its surface: left as it is.
-  const bool all_in_seepage = parallel_all(s.n_real, [&](std::size_t a) { return in_seepage[a] != 0; });
+  // Beside free water the gradient of seeping water does not know of its surface: rows that touch it stay as they are.
+  const auto seeps_all_around = [&](std::size_t a) {
+    for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
+      if (const Index q = s.parent[s.other[k]]; q < s.n_real && in_seepage[q] == 0) return false;
+    return true;
+  };
   std::vector<char> near(s.n_real);
   parallel_for(s.n_real, [&](std::size_t a) {
     near[a] = flags[a] != Surface::lone && s.normal[a].norm() * s.length(a) > surface::second_row;
@@ -171,7 +175,7 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> in_seepag
   for (std::size_t a = 0; a < s.n_real; ++a) {
     if (!near[a]) continue;
     if (in_seepage[a] != 0) {
-      if (!all_in_seepage) continue;
+      if (!seeps_all_around(a)) continue;
       if (flags[a] == Surface::interior && !s.covered[a])
         if (const auto [distance, pressure] = below(a); distance > 0.0) {
           s.front_distance.set(a, distance, s.n_real);

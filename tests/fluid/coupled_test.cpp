@@ -403,7 +403,8 @@ struct Exchange {
     scalar(coupling::field::constrained_modulus, 4e6);
     scalar(coupling::field::yielding, 0.0);
     scalar(coupling::field::hydraulic_conductivity, scene.soils[0].hydraulic_conductivity);
-    scalar(coupling::field::forchheimer_coefficient, scene.soils[0].own_numbers["forchheimer_coefficient"]);
+    scalar(coupling::field::forchheimer_coefficient,
+           porous::seepage_at(scene, scene.soils[0], scene.soils[0].porosity).quadratic);
     vector(coupling::field::returned_impulse, returned);
     return box;
   }

@@ -1,0 +1,92 @@
+// No property of one particle changes the equations of another that it does not touch: with and without a drop or
+// a puddle far away, the fields elsewhere are the same after 20 prescribed windows.
+#include "fluid_solver/fluid_phase.hpp"
+#include "tests/fluid/scenes.hpp"
+
+#include <gtest/gtest.h>
+
+namespace poretwin::fluid {
+namespace {
+
+using namespace test;
+
+constexpr double dx = 0.01;
+
+/// Seepage through a block of soil from a reservoir on its left to the air on its right, with a water table.
+Case seeping_block() {
+  Case scene;
+  scene.solid.model = SolidCase::Model::rigid;
+  scene.fluid.particle_spacing = dx;
+  scene.fluid.pressure_tolerance = 1e-14;
+  scene.soils = {sand()};
+  scene.soils[0].hydraulic_conductivity = 1e-3;
+  scene.soils[0].shape = box(0.0, 0.0, 0.2, 0.2);
+  scene.walls = {wall(line(0.0, 0.0, 0.2, 0.0))};
+  scene.water_faces = {head_face(line(0.0, 0.2, 0.0, 0.0), 0.15), pressure_face(line(0.2, 0.0, 0.2, 0.2), 0.0)};
+  scene.fluid.regions = {box(0.0, 0.0, 0.1, 0.15)};
+  return scene;
+}
+
+/// Free water that runs out of a column.
+Case breaking_dam() {
+  Case scene;
+  scene.solid.model = SolidCase::Model::rigid;
+  scene.fluid.particle_spacing = dx;
+  scene.fluid.pressure_tolerance = 1e-14;
+  scene.walls = {wall(line(0.0, 0.4, 0.0, 0.0)), wall(line(0.0, 0.0, 0.4, 0.0)), wall(line(0.4, 0.0, 0.4, 0.4))};
+  scene.fluid.regions = {box(0.0, 0.0, 0.1, 0.15)};
+  return scene;
+}
+
+/// Twenty windows of both; the particles of the first against the nearest ones of the second, `most` relative.
+void expect_the_same(const Case& alone, const Case& beside, double interval, double most = 1e-10) {
+  Fluid<2> one(alone), other(beside);
+  one.initialise({});
+  other.initialise({});
+  for (std::uint64_t step = 0; step < 20; ++step) {
+    const coupling::Window window{step, static_cast<double>(step) * interval, interval};
+    one.advance(window, {});
+    other.advance(window, {});
+  }
+  const auto &a = one.state().particles, &b = other.state().particles;
+  const auto nearest = [&](const Vec<2>& x) {
+    std::size_t best = 0;
+    for (std::size_t j = 0; j < b.size(); ++j)
+      if ((b.position[j] - x).squaredNorm() < (b.position[best] - x).squaredNorm()) best = j;
+    return best;
+  };
+  double fastest = 0.0, moved = 0.0, differs = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const std::size_t j = nearest(a.position[i]);
+    fastest = std::max(fastest, a.velocity[i].norm());
+    moved = std::max(moved, (a.position[i] - b.position[j]).norm());
+    differs = std::max(differs, (a.velocity[i] - b.velocity[j]).norm());
+  }
+  EXPECT_GT(fastest, 0.0);
+  EXPECT_LT(moved, most * dx);
+  EXPECT_LT(differs, most * std::max(fastest, 1e-3));
+}
+
+TEST(Locality, ADropFarAwayLeavesSeepageAsItIs) {
+  Case beside = seeping_block();
+  beside.fluid.regions.push_back(box(1.0, 0.1, 1.03, 0.13));
+  expect_the_same(seeping_block(), beside, 1e-3);
+}
+
+TEST(Locality, APuddleFarAwayLeavesSeepageAsItIs) {
+  Case beside = seeping_block();
+  beside.walls.push_back(wall(line(1.0, 0.1, 1.0, 0.0)));
+  beside.walls.push_back(wall(line(1.0, 0.0, 1.1, 0.0)));
+  beside.walls.push_back(wall(line(1.1, 0.0, 1.1, 0.1)));
+  beside.fluid.regions.push_back(box(1.0, 0.0, 1.1, 0.05));
+  expect_the_same(seeping_block(), beside, 1e-3);
+}
+
+TEST(Locality, ADropFarAwayLeavesFreeWaterAsItIs) {
+  Case beside = breaking_dam();
+  beside.fluid.regions.push_back(box(1.0, 0.1, 1.03, 0.13));
+  expect_the_same(breaking_dam(), beside, 1e-3, 1e-8);  // the solve ends at 1e-12 of its right side
+}
+
+}  // namespace
+}  // namespace poretwin::fluid
