@@ -113,12 +113,9 @@ def page(found):
     for title, cases in groups():
         lines += ["", f"## {title}"]
         for case in cases:
-            name, run = case["name"], found.get(case["name"])
+            name, run = case["name"], found[case["name"]]
             heading, about = words(name)
             commands = "\n".join(filter(None, (case["command"], case["plot"])))
-            if run is None:  # not run yet on the machine that made the page
-                lines += ["", f'<a id="{name}"></a>', "", f"### {heading}", "", about, "", "```", commands, "```", "", f"[{name}](../../cases/{name}/README.md)"]
-                continue
             counts = " and ".join(f"{n} {'water' if phase == 'fluid' else 'soil'}" for phase, n in run["particles"].items())
             factor = f"; factor of safety {run['factor']:.2f}" if run.get("factor") else ""
             doubts = f"; the run itself puts its result in doubt: {', '.join(run['doubts'])}" if run.get("doubts") else ""

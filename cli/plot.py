@@ -23,6 +23,7 @@ MAIN_FIELDS = {
     "fluid": ["pore_pressure", "velocity"],
     "solid": ["effective_stress", "accumulated_plastic_strain", "displacement"],
 }
+AT_REST = 1e-6  # s, below any time that is looked at
 LEAST_STRAIN = 1e-3  # plastic strain is drawn by its logarithm, from here on
 TENSOR = ["xx", "yy", "zz", "xy", "yz", "xz"]
 
@@ -242,7 +243,9 @@ class Shown:
         about = "; blue: outline of the water" if wet and self.phase == "solid" else ""
         if beyond:
             about += f"; {beyond} particle{'s' if beyond > 1 else ''} beyond"
-        return f"{style.BODY[self.phase]}, t = {style.number(self.frames.times[step])} s{about}"
+        time = self.frames.times[step]
+        # The trials of `poretwin safety` are searches for a rest and end at 1e-9 s, which means nothing.
+        return style.BODY[self.phase] + (f", t = {style.number(time)} s" if not 0.0 < time < AT_REST else "") + about
 
     def axis_labels(self, axes, below=True, beside=True):
         three = is_3d(self.frames, self.steps[0])
@@ -336,11 +339,14 @@ def reference_of(run, gauge):
 
 
 def declaration(run, title):
-    """How the case declares a gauge; nothing where it has changed since."""
+    """How the case declares a gauge, and the component that is asked for of one that has several ("soil_x"); nothing where the case
+    has changed since."""
     scene, overrides = scene_of(run)
     if any(text.startswith("gauge.") for text in overrides):
-        return {}
-    return next((gauge for gauge in scene.get("gauge", []) if gauge.get("name") == title), {})
+        return {}, ""
+    declared = {gauge.get("name"): gauge for gauge in scene.get("gauge", [])}
+    stem, _, component = title.rpartition("_")
+    return (declared[title], "") if title in declared else (declared.get(stem, {}), component)
 
 
 def places(declared, names):
@@ -354,8 +360,10 @@ def places(declared, names):
     return [f"({', '.join(style.number(x) for x in point)}) m" for point in points]
 
 
-def quantity_label(declared, title):
-    """What a gauge reads, as fields are called; its name where it is no field at points."""
+def quantity_label(declared, component, title):
+    """What a gauge reads, as fields are called; else its name."""
+    if declared.get("kind") == "momentum":
+        return f"momentum of the {style.BODY[declared['phase']]}" + (f", {component}" if component else "")
     if declared.get("kind") != "point":
         return title.replace("_", " ")
     field, _, component = declared["quantity"].rpartition("_")
@@ -367,7 +375,7 @@ def draw_gauges(run, names, title, series, target, marks=()):
     """Gauges against time. marks: what they should read, [gauge, time, value, and by how much either may be off]."""
     figure, axes = plt.subplots(figsize=(style.COLUMN, 0.62 * style.COLUMN), layout="constrained")
     colours = plt.rcParams["axes.prop_cycle"].by_key()["color"]
-    declared = declaration(run, title)
+    declared, component = declaration(run, title)
     largest = max((abs(v) for name in names for v in series[name]["v"] if np.isfinite(v)), default=0.0)
     factor, unit = style.prefix(largest, series[names[0]]["unit"])
     labelled = False
@@ -386,11 +394,13 @@ def draw_gauges(run, names, title, series, target, marks=()):
             if some.any():
                 axes.errorbar(own[some, 0], own[some, 1] / factor, **{direction: off[some]}, fmt="none", ecolor=colour, elinewidth=0.9, capsize=2.5)
     axes.set_xlabel("time [s]")
-    axes.set_ylabel(quantity_label(declared, title) + style.unit(unit))
+    axes.set_ylabel(quantity_label(declared, component, title) + style.unit(unit))
     axes.margins(x=0.02)
     axes.grid(True)
-    if labelled or len(names) > 1:
-        axes.legend(ncols=2 if len(names) > 6 else 1)
+    if len(names) > 1:  # beside the curves, which leave no room among them
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
+    elif labelled:
+        axes.legend()
     style.save(figure, target)
     print(target)
 

@@ -228,9 +228,10 @@ class OfACase(Folder):
             self.assertIn(words, depth)
         self.assertNotIn("depth[", depth)
         self.assertIn("head [mm]", (self.at / "out/gauge_head.svg").read_text())
-        declared = plot.declaration(self.at / "runs" / "whole", "depth")
+        declared, _ = plot.declaration(self.at / "runs" / "whole", "depth")
         self.assertEqual(plot.places(declared | {"points": [[0, 0.1], [0.2, 0.3]]}, ["a", "b"]), ["(0, 0.1) m", "(0.2, 0.3) m"])
-        self.assertEqual(plot.quantity_label(declared | {"quantity": "velocity_x", "phase": "solid"}, "speed"), "velocity of the soil $v_{s,x}$")
+        self.assertEqual(plot.quantity_label(declared | {"quantity": "velocity_x", "phase": "solid"}, "", "speed"), "velocity of the soil $v_{s,x}$")
+        self.assertEqual(plot.quantity_label({"kind": "momentum", "phase": "solid"}, "x", "soil_x"), "momentum of the soil, x")
 
     def test_the_figures_of_a_case_are_drawn_from_its_runs(self):
         write_case(self.at)

@@ -409,7 +409,7 @@ test("a run under way grows on the page", async () => {
   const times = held("live", "t.tolist()");
   await until((count) => Number(document.querySelector("#time").max) === count - 1, times.length);
   await drawnAt("runs/live", times.at(-1));
-  assert.match(await page.textContent("#reports"), /solid\s*\d+ s: .*waiting/);
+  assert.match(await page.textContent("#reports"), /solid\s*(\d+ min )?\d+ s: .*waiting/);
 });
 
 test("errors of a run, a damaged file and a folder that is gone are said", async () => {
