@@ -212,7 +212,8 @@ template <int D>
     cut_at_range(near, weight, columns.values.data() + column, columns.width, leaves, total + column);
 }
 
-/// The values of all columns at the giver's point that counts most at each of a block's points.
+/// Where a column jumps among the neighbours of a point, the value of the neighbour that counts most takes the place of
+/// the interpolated one.
 [[gnu::always_inline]] inline void take_nearest(std::span<const Index> near, const Quad* weight, const Columns& columns,
                                                 Quad* total) {
   Lanes most{};
@@ -224,9 +225,17 @@ template <int D>
       if (nearer[l]) nearest[l] = near[c];
     max_in_place(most, weight[c].v);
   }
-  for (Size column = 0; column < columns.width; ++column)
+  for (Size column = 0; column < columns.n; ++column) {
+    Lanes low = Lanes{} + std::numeric_limits<double>::infinity(), high{};
+    for (Size c = 0; c < near.size(); ++c) {
+      const LaneMask counts = weight[c].v > 0.0;
+      const Lanes value = Lanes{} + columns.values[near[c] * columns.width + column];
+      min_in_place(low, counts ? value : low);
+      max_in_place(high, counts ? value : high);
+    }
     for (Size l = 0; l < n_lanes; ++l)
-      total[column].v[l] = most[l] > 0.0 ? columns.values[nearest[l] * columns.width + column] : 0.0;
+      if (high[l] > jump * low[l]) total[column].v[l] = columns.values[nearest[l] * columns.width + column];
+  }
 }
 
 /// A block's columns to the fields they belong to.
@@ -313,10 +322,9 @@ Interpolation consistent(const PairBlocks<D>& pairs, std::span<const FieldGroup>
         for (Size g = 0; g < groups.size(); ++g) {
           const auto& columns = packed[g];
           if (columns.n == 0) continue;
-          if (groups[g].nearest) {
-            take_nearest(near, weight, columns, total.data());
-          } else if (groups[g].mask.empty()) {
+          if (groups[g].mask.empty()) {
             interpolate<D>(nodes, x, near, weight, whole, columns, coefficient.data(), total.data());
+            if (groups[g].nearest) take_nearest(near, weight, columns, total.data());
           } else {  // other weights, other moments
             Moments<D> part;
             for (Size c = 0; c < near.size(); ++c) {

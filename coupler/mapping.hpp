@@ -5,9 +5,9 @@
 // h_j) [x mask_j]. The value is that of the moving-least-squares plane through the neighbours, which is exact for
 // linear fields; where the second moment of the neighbours is nearly singular (few points, or points in a line) the
 // plane's slope fades out and the weighted mean (Shepard) remains, exact for constants. A plane that would leave the
-// range of the neighbours' values is cut at that range. Nearest: the value of the source point of the largest w_ij, for
-// properties that jump from one soil to the next: a mean over the kernel would shorten a tight layer by a row on either
-// side. Conservative: the transpose of the Shepard weights by which the
+// range of the neighbours' values is cut at that range. Nearest: as consistent, but where the values of
+// the neighbours jump, the value of the source point of the largest w_ij: a mean over the kernel would shorten a tight
+// layer by a row on either side. Conservative: the transpose of the Shepard weights by which the
 // receivers would be interpolated to the givers, so that every giver's amount is shared out completely. Only active
 // points give amounts; a ghost passes what falls to it on to the point it images, so that a wall or a periodic side
 // does not skew the shares.
@@ -35,6 +35,10 @@ struct MappingCounts {
 /// points 0.
 inline constexpr double slope_off = 0.02, slope_full = 0.06;
 
+/// A property jumps at a point if its neighbours' values differ by more than this factor: two soils. Within one soil
+/// they follow the porosity, and are interpolated as it is.
+inline constexpr double jump = 2.0;
+
 /// Sums of weights up to this add nothing but noise: a target at the very rim of one support counts as uncovered.
 inline constexpr double no_weight = 1e-12;
 
@@ -47,7 +51,7 @@ inline constexpr double balancing_tolerance = 1e-3, inside_asymmetry = 0.31;
 struct FieldGroup {
   std::vector<const Field*> fields;
   std::span<const double> mask;
-  bool nearest = false;  ///< the values of the giver's nearest point
+  bool nearest = false;  ///< where they jump, the values of the giver's nearest point
 };
 
 /// The giver's fields at the receiver's active points; where nothing is near: 0.

@@ -206,7 +206,7 @@ class Participant:
         for specs, out in ((phase.gives(), hello.gives), (phase.takes(), hello.takes)):
             for spec in specs:
                 out.add(name=spec.name, unit=spec.unit, components=spec.components, mask=spec.mask, in_time=spec.in_time,
-                        mapping=pb.MappingKind.Value(spec.mapping.upper()))
+                        mapping=getattr(pb, spec.mapping.upper()))
         hello.software, hello.process, hello.host = "poretwin for Python", os.getpid(), socket.gethostname()
         hello.keeps_checkpoints = True
         hello.checkpoints.extend(checkpoints)

@@ -19,7 +19,7 @@ class Field:
     name: str
     unit: str  # SI
     components: int = 1  # 1, or the dimension
-    mapping: str = "consistent"  # interpolated; "nearest": of the nearest point; "conservative": an amount, shared out
+    mapping: str = "consistent"  # interpolated; "nearest": that, but at jumps of the nearest point; "conservative": an amount, shared out
     mask: str = ""
     in_time: bool = False  # of a field taken, consistent: the values at the window's start are wanted too
 
