@@ -5,12 +5,11 @@
 // h_j) [x mask_j]. The value is that of the moving-least-squares plane through the neighbours, which is exact for
 // linear fields; where the second moment of the neighbours is nearly singular (few points, or points in a line) the
 // plane's slope fades out and the weighted mean (Shepard) remains, exact for constants. A plane that would leave the
-// range of the neighbours' values is cut at that range. Nearest: as consistent, but where the values of
-// the neighbours jump, the value of the source point of the largest w_ij: a mean over the kernel would shorten a tight
-// layer by a row on either side. Conservative: the transpose of the Shepard weights by which the
-// receivers would be interpolated to the givers, so that every giver's amount is shared out completely. Only active
-// points give amounts; a ghost passes what falls to it on to the point it images, so that a wall or a periodic side
-// does not skew the shares.
+// range of the neighbours' values is cut at that range. Nearest: as consistent, but where the values of the neighbours
+// jump, the value of the source point of the largest w_ij: a mean over the kernel would shorten a tight layer by a row
+// on either side. Conservative: the transpose of the Shepard weights by which the receivers would be interpolated to
+// the givers, so that every giver's amount is shared out completely. Only active points give amounts; a ghost passes
+// what falls to it on to the point it images, so that a wall or a periodic side does not skew the shares.
 #pragma once
 
 #include "common/core/archive.hpp"

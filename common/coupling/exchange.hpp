@@ -17,7 +17,7 @@ std::string_view to_string(Role role);
 /// How the coupler carries a field from one point set to the other.
 enum class Mapping {
   consistent,    ///< interpolation, exact for constants (and, where enough points lie around, for linear fields)
-  nearest,       ///< the value of the nearest giving point: properties that jump from one soil to the next
+  nearest,       ///< interpolated, but at jumps the value of the nearest giving point: properties of soils
   conservative,  ///< transposed weights: the sum over receiving points equals the sum over giving points, to rounding
 };
 
