@@ -118,6 +118,7 @@ template <int D>
 struct Columns {
   std::vector<const Field*> given;
   std::vector<Field*> mapped;
+  std::vector<Size> may_jump;  ///< columns of properties
   Size n = 0, width = 0;       ///< columns; rounded up to whole registers
   std::vector<double> values;  ///< [points * width]
 };
@@ -212,6 +213,12 @@ template <int D>
     cut_at_range(near, weight, columns.values.data() + column, columns.width, leaves, total + column);
 }
 
+/// Whether some of a property's values differ by a jump.
+bool jumps_anywhere(const std::vector<double>& values) {
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  return low != values.end() && *high > jump * *low;
+}
+
 /// Where a column jumps among the neighbours of a point, the value of the neighbour that counts most takes the place of
 /// the interpolated one.
 [[gnu::always_inline]] inline void take_nearest(std::span<const Index> near, const Quad* weight, const Columns& columns,
@@ -225,7 +232,7 @@ template <int D>
       if (nearer[l]) nearest[l] = near[c];
     max_in_place(most, weight[c].v);
   }
-  for (Size column = 0; column < columns.n; ++column) {
+  for (const Size column : columns.may_jump) {
     Lanes low = Lanes{} + std::numeric_limits<double>::infinity(), high{};
     for (Size c = 0; c < near.size(); ++c) {
       const LaneMask counts = weight[c].v > 0.0;
@@ -281,18 +288,24 @@ Interpolation consistent(const PairBlocks<D>& pairs, std::span<const FieldGroup>
   const Size m = pairs.n_active();
   Interpolation out{std::vector<double>(m, 0.0), std::vector<double>(m, 0.0), {}};
   for (const auto& group : groups)
-    for (const Field* field : group.fields)
-      out.fields.push_back(
-          {field->name, field->components, std::vector<double>(m * static_cast<Size>(field->components), 0.0)});
+    for (const auto* fields : {&group.fields, &group.properties})
+      for (const Field* field : *fields)
+        out.fields.push_back(
+            {field->name, field->components, std::vector<double>(m * static_cast<Size>(field->components), 0.0)});
   std::vector<Columns> packed(groups.size());
   Size widest = 0, next = 0;
   for (Size g = 0; g < groups.size(); ++g) {
-    for (const Field* field : groups[g].fields) {
-      Field& mapped = out.fields[next++];
-      if (all_zero(field->values)) continue;
-      packed[g].given.push_back(field);
-      packed[g].mapped.push_back(&mapped);
-    }
+    Size column = 0;
+    for (const auto* fields : {&groups[g].fields, &groups[g].properties})
+      for (const Field* field : *fields) {
+        Field& mapped = out.fields[next++];
+        if (all_zero(field->values)) continue;
+        packed[g].given.push_back(field);
+        packed[g].mapped.push_back(&mapped);
+        const bool jumps = fields == &groups[g].properties && jumps_anywhere(field->values);
+        for (int c = 0; c < field->components; ++c, ++column)
+          if (jumps) packed[g].may_jump.push_back(column);
+      }
     pack(pairs.nodes().size(), packed[g]);
     widest = std::max(widest, packed[g].width);
   }
@@ -322,9 +335,9 @@ Interpolation consistent(const PairBlocks<D>& pairs, std::span<const FieldGroup>
         for (Size g = 0; g < groups.size(); ++g) {
           const auto& columns = packed[g];
           if (columns.n == 0) continue;
+          const Quad* counts = weight;
           if (groups[g].mask.empty()) {
             interpolate<D>(nodes, x, near, weight, whole, columns, coefficient.data(), total.data());
-            if (groups[g].nearest) take_nearest(near, weight, columns, total.data());
           } else {  // other weights, other moments
             Moments<D> part;
             for (Size c = 0; c < near.size(); ++c) {
@@ -332,8 +345,10 @@ Interpolation consistent(const PairBlocks<D>& pairs, std::span<const FieldGroup>
               masked[c].v = w;
               add<D>(part, w, nodes[near[c]], x);
             }
-            interpolate<D>(nodes, x, near, masked.data(), part, columns, coefficient.data(), total.data());
+            counts = masked.data();
+            interpolate<D>(nodes, x, near, counts, part, columns, coefficient.data(), total.data());
           }
+          if (!columns.may_jump.empty()) take_nearest(near, counts, columns, total.data());
           hand_out<D>(block, total.data(), columns.mapped);
         }
       }

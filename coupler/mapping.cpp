@@ -63,23 +63,21 @@ class CloudMapping final : public SpatialMapping {
     return *found;
   }
 
-  /// Fields with one mask share their moments: one group per mask, and one of those taken from the nearest point.
+  /// Fields with one mask share their moments: one group per mask.
   static Inbox map_consistent(const PairBlocks<D>& pairs, const std::vector<Field>& fields,
                               std::span<const FieldSpec> specs, const PairWeights* weights) {
     std::vector<std::string> masks;
     std::vector<FieldGroup> groups;
-    FieldGroup nearest{{}, {}, true};
     for (const auto& spec : specs) {
-      if (spec.mapping == coupling::Mapping::nearest) nearest.fields.push_back(&find(fields, spec.name));
-      if (spec.mapping != coupling::Mapping::consistent) continue;
+      if (spec.mapping == coupling::Mapping::conservative) continue;
       Size g = static_cast<Size>(std::find(masks.begin(), masks.end(), spec.mask) - masks.begin());
       if (g == masks.size()) {
         masks.push_back(spec.mask);
         groups.push_back({{}, spec.mask.empty() ? std::span<const double>() : find(fields, spec.mask).values});
       }
-      groups[g].fields.push_back(&find(fields, spec.name));
+      auto& of_kind = spec.mapping == coupling::Mapping::nearest ? groups[g].properties : groups[g].fields;
+      of_kind.push_back(&find(fields, spec.name));
     }
-    if (!nearest.fields.empty()) groups.push_back(std::move(nearest));
     auto mapped = consistent(pairs, groups, weights);
     // A mean of fractions may leave [0, 1] by a rounding; nobody should have to think of that.
     for (auto& field : mapped.fields)

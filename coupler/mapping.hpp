@@ -50,10 +50,10 @@ inline constexpr double balancing_tolerance = 1e-3, inside_asymmetry = 0.31;
 struct FieldGroup {
   std::vector<const Field*> fields;
   std::span<const double> mask;
-  bool nearest = false;  ///< where they jump, the values of the giver's nearest point
+  std::vector<const Field*> properties = {};  ///< mapped as `fields`, but the giver's nearest point's where they jump
 };
 
-/// The giver's fields at the receiver's active points; where nothing is near: 0.
+/// The giver's fields at the receiver's active points, properties after fields; where nothing is near: 0.
 struct Interpolation {
   std::vector<double> coverage;   ///< sum_j V_j W: 1 inside the giver's cloud, 0 outside
   std::vector<double> asymmetry;  ///< |sum_j V_j W (x_j - x)| / (sum_j V_j W h_j): 0 inside, 0.47 on its flat edge

@@ -21,9 +21,9 @@
 namespace poretwin::fluid {
 
 template <int D>
-Fluid<D>::Fluid(const Case& scene, WaterBoundaries boundaries)
-    : setup_(scene),
-      state_(first_state<D>(scene, setup_, boundaries)),
+Fluid<D>::Fluid(const Case& scene, WaterBoundaries boundaries, const std::vector<Lattice<D>>& lattices)
+    : setup_(scene, lattices),
+      state_(first_state<D>(scene, setup_, boundaries, lattices)),
       faces_(scene, setup_, std::move(boundaries), state_),
       walls_(scene, state_.inlets) {
   // The soil searches its initial equilibrium under the pressure that is published before the first exchange.

@@ -15,7 +15,8 @@ class Fluid final : public Phase {
  public:
   explicit Fluid(const Case& scene) : Fluid(scene, make_water_boundaries(scene)) {}
   /// boundaries: of the case's water faces, whatever their keys say.
-  Fluid(const Case& scene, WaterBoundaries boundaries);
+  Fluid(const Case& scene, WaterBoundaries boundaries)
+      : Fluid(scene, std::move(boundaries), water_lattices<D>(scene)) {}
 
   [[nodiscard]] coupling::Contract contract() const override;
   [[nodiscard]] coupling::Publication publish() const override;
@@ -40,6 +41,7 @@ class Fluid final : public Phase {
   [[nodiscard]] const State<D>& state() const { return state_; }
 
  private:
+  Fluid(const Case& scene, WaterBoundaries boundaries, const std::vector<Lattice<D>>& lattices);
   /// Moves the pistons by their speed over an interval [s], and the walls with them.
   void push_pistons(double interval);
   /// Chooses what the next window may be from what this one brought; before: what was there at its start.

@@ -44,9 +44,10 @@ std::pair<Vec<D>, Vec<D>> reach_of(const Case& scene) {
   return {lower, upper};
 }
 
-/// Lattices of particles in the regions of water, in order.
+}  // namespace
+
 template <int D>
-std::vector<Lattice<D>> lattices(const Case& scene) {
+std::vector<Lattice<D>> water_lattices(const Case& scene) {
   std::vector<Lattice<D>> result;
   unsigned seed = scene.fluid.seed;
   std::span<const Shape> later = scene.fluid.regions;
@@ -58,10 +59,8 @@ std::vector<Lattice<D>> lattices(const Case& scene) {
   return result;
 }
 
-}  // namespace
-
 template <int D>
-Setup<D>::Setup(const Case& scene)
+Setup<D>::Setup(const Case& scene, std::span<const Lattice<D>> lattices)
     : spacing(scene.fluid.particle_spacing),
       density(scene.water.density),
       kinematic_viscosity(scene.water.kinematic_viscosity),
@@ -96,7 +95,7 @@ Setup<D>::Setup(const Case& scene)
   std::tie(lower, upper) = reach_of<D>(scene);
   double top = -1e300;
   const Vec<D> up = weight.norm() > 0.0 ? Vec<D>(-weight.normalized()) : Vec<D>::Zero();
-  for (const auto& lattice : lattices<D>(scene))
+  for (const auto& lattice : lattices)
     for (const auto& x : lattice.position)
       if (const double height = up.dot(x) + 0.5 * spacing; height > top) {
         top = height;
@@ -140,12 +139,13 @@ Vec<D> initial_velocity(const Case& scene, const Vec<D>& x) {
 }  // namespace
 
 template <int D>
-State<D> first_state(const Case& scene, const Setup<D>& setup, const WaterBoundaries& boundaries) {
+State<D> first_state(const Case& scene, const Setup<D>& setup, const WaterBoundaries& boundaries,
+                     std::span<const Lattice<D>> lattices) {
   State<D> state;
   auto& p = state.particles;
   double top = -1e300, bottom = 1e300, farthest = 0.0;
   const Vec<D> up = setup.weight.norm() > 0.0 ? Vec<D>(-setup.weight.normalized()) : Vec<D>::Zero();
-  for (const auto& lattice : lattices<D>(scene)) {
+  for (const auto& lattice : lattices) {
     p.reserve(p.size() + lattice.position.size(), !scene.water_faces.empty());
     for (const auto& x : lattice.position) {
       const Stratum* soil = setup.ground.at(x);
@@ -173,9 +173,12 @@ State<D> first_state(const Case& scene, const Setup<D>& setup, const WaterBounda
   return state;
 }
 
-template struct Setup<2>;
-template struct Setup<3>;
-template State<2> first_state<2>(const Case&, const Setup<2>&, const WaterBoundaries&);
-template State<3> first_state<3>(const Case&, const Setup<3>&, const WaterBoundaries&);
+#define PORETWIN_INSTANTIATE(D)                                 \
+  template std::vector<Lattice<D>> water_lattices(const Case&); \
+  template struct Setup<D>;                                     \
+  template State<D> first_state(const Case&, const Setup<D>&, const WaterBoundaries&, std::span<const Lattice<D>>);
+PORETWIN_INSTANTIATE(2)
+PORETWIN_INSTANTIATE(3)
+#undef PORETWIN_INSTANTIATE
 
 }  // namespace poretwin::fluid

@@ -22,9 +22,14 @@ struct PressedWall {
   bool both_sides = false;  ///< water may press on its right as well
 };
 
+/// Lattices of particles in the regions of water, in their order.
+template <int D>
+std::vector<Lattice<D>> water_lattices(const Case& scene);
+
+/// lattices: see water_lattices.
 template <int D>
 struct Setup {
-  explicit Setup(const Case& scene);
+  Setup(const Case& scene, std::span<const Lattice<D>> lattices);
 
   double spacing = 0.0;                  ///< of particles [m]
   double density = 1000.0;               ///< of water, kg/m3

@@ -155,8 +155,9 @@ struct State {
   Exchanged<D> exchanged;
 };
 
-/// At time zero, water at rest not solved for yet.
+/// At time zero, water at rest not solved for yet. lattices: see water_lattices.
 template <int D>
-State<D> first_state(const Case& scene, const Setup<D>& setup, const WaterBoundaries& boundaries);
+State<D> first_state(const Case& scene, const Setup<D>& setup, const WaterBoundaries& boundaries,
+                     std::span<const Lattice<D>> lattices);
 
 }  // namespace poretwin::fluid

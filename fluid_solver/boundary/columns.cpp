@@ -385,37 +385,25 @@ void give_birth_and_delete(const Setup<D>& setup, const Faces<D>& faces, const S
   }
 }
 
-template struct Faces<2>;
-template void advance_boundaries(const Setup<2>& setup, const Faces<2>& faces, double time, double interval,
-                                 State<2>& state);
-template ScalarArray passed(const State<2>& state);
-template bool is_quasi_static(const Setup<2>& setup, const FaceColumn<2>& c);
-template InfiltrationSpeed infiltration_speed(const Setup<2>& setup, const FaceColumn<2>& c);
-template void advance_columns(const Setup<2>& setup, const Faces<2>& faces, const sph::Sight<2>& sight,
-                              const Stencil<2>& s, const SoilView<2>& view, const WindowSolution<2>& solution,
-                              double interval, State<2>& state, ScalarArray& came);
-template void limit_surface(const Setup<2>& setup, const Faces<2>& faces, const State<2>& state, Stencil<2>& s);
-template void follow_soil(const SoilView<2>& view, State<2>& state);
-template void give_birth_and_delete(const Setup<2>& setup, const Faces<2>& faces, const SoilView<2>& view,
-                                    State<2>& state, ScalarArray& came);
-template double missing_water(const Setup<2>& setup, const State<2>& state);
-template std::vector<StillWater<2>> still_water(const Setup<2>& setup, const Faces<2>& faces,
-                                                std::span<const sph::ImagePlane<2>> planes, const State<2>& state);
-template struct Faces<3>;
-template void advance_boundaries(const Setup<3>& setup, const Faces<3>& faces, double time, double interval,
-                                 State<3>& state);
-template ScalarArray passed(const State<3>& state);
-template bool is_quasi_static(const Setup<3>& setup, const FaceColumn<3>& c);
-template InfiltrationSpeed infiltration_speed(const Setup<3>& setup, const FaceColumn<3>& c);
-template void advance_columns(const Setup<3>& setup, const Faces<3>& faces, const sph::Sight<3>& sight,
-                              const Stencil<3>& s, const SoilView<3>& view, const WindowSolution<3>& solution,
-                              double interval, State<3>& state, ScalarArray& came);
-template void limit_surface(const Setup<3>& setup, const Faces<3>& faces, const State<3>& state, Stencil<3>& s);
-template void follow_soil(const SoilView<3>& view, State<3>& state);
-template void give_birth_and_delete(const Setup<3>& setup, const Faces<3>& faces, const SoilView<3>& view,
-                                    State<3>& state, ScalarArray& came);
-template double missing_water(const Setup<3>& setup, const State<3>& state);
-template std::vector<StillWater<3>> still_water(const Setup<3>& setup, const Faces<3>& faces,
-                                                std::span<const sph::ImagePlane<3>> planes, const State<3>& state);
+#define PORETWIN_INSTANTIATE(D)                                                                                    \
+  template struct Faces<D>;                                                                                        \
+  template void advance_boundaries(const Setup<D>& setup, const Faces<D>& faces, double time, double interval,     \
+                                   State<D>& state);                                                               \
+  template ScalarArray passed(const State<D>& state);                                                              \
+  template bool is_quasi_static(const Setup<D>& setup, const FaceColumn<D>& c);                                    \
+  template InfiltrationSpeed infiltration_speed(const Setup<D>& setup, const FaceColumn<D>& c);                    \
+  template void advance_columns(const Setup<D>& setup, const Faces<D>& faces, const sph::Sight<D>& sight,          \
+                                const Stencil<D>& s, const SoilView<D>& view, const WindowSolution<D>& solution,   \
+                                double interval, State<D>& state, ScalarArray& came);                              \
+  template void limit_surface(const Setup<D>& setup, const Faces<D>& faces, const State<D>& state, Stencil<D>& s); \
+  template void follow_soil(const SoilView<D>& view, State<D>& state);                                             \
+  template void give_birth_and_delete(const Setup<D>& setup, const Faces<D>& faces, const SoilView<D>& view,       \
+                                      State<D>& state, ScalarArray& came);                                         \
+  template double missing_water(const Setup<D>& setup, const State<D>& state);                                     \
+  template std::vector<StillWater<D>> still_water(const Setup<D>& setup, const Faces<D>& faces,                    \
+                                                  std::span<const sph::ImagePlane<D>> planes, const State<D>& state);
+PORETWIN_INSTANTIATE(2)
+PORETWIN_INSTANTIATE(3)
+#undef PORETWIN_INSTANTIATE
 
 }  // namespace poretwin::fluid

@@ -80,9 +80,11 @@ SillFlow flow_over(double head, const SillFlow& before, double gravity) {
   return {c * c / gravity, std::min(critical, kept >= -critical ? critical : kept + 2.0 * c)};
 }
 
-template std::vector<Inlet<2>> make_inlets(const Case&, const WaterBoundaries&);
-template double inlet_speed(const WaterBoundary&, const FaceState&, const Inlet<2>&, double, double, double, double);
-template std::vector<Inlet<3>> make_inlets(const Case&, const WaterBoundaries&);
-template double inlet_speed(const WaterBoundary&, const FaceState&, const Inlet<3>&, double, double, double, double);
+#define PORETWIN_INSTANTIATE(D)                                                    \
+  template std::vector<Inlet<D>> make_inlets(const Case&, const WaterBoundaries&); \
+  template double inlet_speed(const WaterBoundary&, const FaceState&, const Inlet<D>&, double, double, double, double);
+PORETWIN_INSTANTIATE(2)
+PORETWIN_INSTANTIATE(3)
+#undef PORETWIN_INSTANTIATE
 
 }  // namespace poretwin::fluid

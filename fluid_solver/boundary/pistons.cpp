@@ -143,11 +143,13 @@ void serve_inlets(const Setup<D>& setup, State<D>& state) {
   }
 }
 
-template void set_inlets(const Setup<2>& setup, const Faces<2>& faces, double time, double interval, State<2>& state);
-template void check_room(const State<2>&, double);
-template void serve_inlets(const Setup<2>& setup, State<2>& state);
-template void set_inlets(const Setup<3>& setup, const Faces<3>& faces, double time, double interval, State<3>& state);
-template void check_room(const State<3>&, double);
-template void serve_inlets(const Setup<3>& setup, State<3>& state);
+#define PORETWIN_INSTANTIATE(D)                                                                        \
+  template void set_inlets(const Setup<D>& setup, const Faces<D>& faces, double time, double interval, \
+                           State<D>& state);                                                           \
+  template void check_room(const State<D>&, double);                                                   \
+  template void serve_inlets(const Setup<D>& setup, State<D>& state);
+PORETWIN_INSTANTIATE(2)
+PORETWIN_INSTANTIATE(3)
+#undef PORETWIN_INSTANTIATE
 
 }  // namespace poretwin::fluid

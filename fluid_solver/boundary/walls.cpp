@@ -70,11 +70,12 @@ void Walls<D>::place(const std::vector<Inlet<D>>& inlets) {
   }
 }
 
-template std::vector<sph::ImagePlane<2>> water_planes(const Case&, const std::vector<Inlet<2>>&, double);
-template sph::Sight<2> water_sight(const Case&, double);
-template struct Walls<2>;
-template std::vector<sph::ImagePlane<3>> water_planes(const Case&, const std::vector<Inlet<3>>&, double);
-template sph::Sight<3> water_sight(const Case&, double);
-template struct Walls<3>;
+#define PORETWIN_INSTANTIATE(D)                                                                             \
+  template std::vector<sph::ImagePlane<D>> water_planes(const Case&, const std::vector<Inlet<D>>&, double); \
+  template sph::Sight<D> water_sight(const Case&, double);                                                  \
+  template struct Walls<D>;
+PORETWIN_INSTANTIATE(2)
+PORETWIN_INSTANTIATE(3)
+#undef PORETWIN_INSTANTIATE
 
 }  // namespace poretwin::fluid

@@ -41,13 +41,14 @@ void mark_surface(const Setup<D>& setup, Stencil<D>& s, std::span<double> rows, 
   state.full = closed && parallel_all(p.size(), [&](std::size_t a) { return flags[a] == Surface::interior; });
 }
 
-template double share_of_rows(const Setup<2>&, double);
-template double share_of_rows(const Setup<3>&, double);
-template Stencil<2> water_stencil(const Setup<2>& setup, const Faces<2>& faces, const Walls<2>& walls,
-                                  const State<2>& state);
-template void mark_surface(const Setup<2>& setup, Stencil<2>& s, std::span<double> rows, double share, State<2>& state);
-template Stencil<3> water_stencil(const Setup<3>& setup, const Faces<3>& faces, const Walls<3>& walls,
-                                  const State<3>& state);
-template void mark_surface(const Setup<3>& setup, Stencil<3>& s, std::span<double> rows, double share, State<3>& state);
+#define PORETWIN_INSTANTIATE(D)                                                                          \
+  template double share_of_rows(const Setup<D>&, double);                                                \
+  template Stencil<D> water_stencil(const Setup<D>& setup, const Faces<D>& faces, const Walls<D>& walls, \
+                                    const State<D>& state);                                              \
+  template void mark_surface(const Setup<D>& setup, Stencil<D>& s, std::span<double> rows, double share, \
+                             State<D>& state);
+PORETWIN_INSTANTIATE(2)
+PORETWIN_INSTANTIATE(3)
+#undef PORETWIN_INSTANTIATE
 
 }  // namespace poretwin::fluid

@@ -187,39 +187,26 @@ coupling::Publication publication(const Cloud<D>& cloud, const State<D>& state) 
   return out;
 }
 
-template void fit_pores(const Setup<2>&, const SoilView<2>&, Particles<2>&);
-template void fill_pores(const Setup<2>&, const SoilView<2>&, Particles<2>&);
-template void store_change_of_soil(const OrZero<Vec<2>>&, Particles<2>&);
-template void fit_pores(const Setup<3>&, const SoilView<3>&, Particles<3>&);
-template void fill_pores(const Setup<3>&, const SoilView<3>&, Particles<3>&);
-template void store_change_of_soil(const OrZero<Vec<3>>&, Particles<3>&);
-template SoilView<2> see_soil(const Setup<2>& setup, const Faces<2>& faces, const State<2>& state,
-                              const coupling::Inbox& inbox, const SeepageRegime& regime);
-template void store_coupling_force(const Setup<2>& setup, const SoilView<2>& view, std::span<const Vec<2>> gradient,
-                                   double interval, Particles<2>& p);
-template void store_surface_gradient(const Setup<2>& setup, const Stencil<2>& s, std::span<const Vec<2>> gradient,
-                                     Particles<2>& p);
-template void apply_returned_impulse(const Stencil<2>& s, const SoilView<2>& view, State<2>& state);
-template VecArray<2> apply_drag(const Setup<2>& setup, const Particles<2>& p, double interval, SoilView<2>& view,
-                                VecArray<2>& velocity);
-template void give_drag_impulse(const Setup<2>& setup, const SoilView<2>& view, std::span<const Vec<2>> of_prediction,
-                                double interval, State<2>& state);
-template void predict_explicitly(const Setup<2>& setup, const SoilView<2>& view, std::span<const Vec<2>> gradient,
-                                 double interval, Particles<2>& p);
-template coupling::Publication publication(const Cloud<2>& cloud, const State<2>& state);
-template SoilView<3> see_soil(const Setup<3>& setup, const Faces<3>& faces, const State<3>& state,
-                              const coupling::Inbox& inbox, const SeepageRegime& regime);
-template void store_coupling_force(const Setup<3>& setup, const SoilView<3>& view, std::span<const Vec<3>> gradient,
-                                   double interval, Particles<3>& p);
-template void store_surface_gradient(const Setup<3>& setup, const Stencil<3>& s, std::span<const Vec<3>> gradient,
-                                     Particles<3>& p);
-template void apply_returned_impulse(const Stencil<3>& s, const SoilView<3>& view, State<3>& state);
-template VecArray<3> apply_drag(const Setup<3>& setup, const Particles<3>& p, double interval, SoilView<3>& view,
-                                VecArray<3>& velocity);
-template void give_drag_impulse(const Setup<3>& setup, const SoilView<3>& view, std::span<const Vec<3>> of_prediction,
-                                double interval, State<3>& state);
-template void predict_explicitly(const Setup<3>& setup, const SoilView<3>& view, std::span<const Vec<3>> gradient,
-                                 double interval, Particles<3>& p);
-template coupling::Publication publication(const Cloud<3>& cloud, const State<3>& state);
+#define PORETWIN_INSTANTIATE(D)                                                                                        \
+  template void fit_pores(const Setup<D>&, const SoilView<D>&, Particles<D>&);                                         \
+  template void fill_pores(const Setup<D>&, const SoilView<D>&, Particles<D>&);                                        \
+  template void store_change_of_soil(const OrZero<Vec<D>>&, Particles<D>&);                                            \
+  template SoilView<D> see_soil(const Setup<D>& setup, const Faces<D>& faces, const State<D>& state,                   \
+                                const coupling::Inbox& inbox, const SeepageRegime& regime);                            \
+  template void store_coupling_force(const Setup<D>& setup, const SoilView<D>& view, std::span<const Vec<D>> gradient, \
+                                     double interval, Particles<D>& p);                                                \
+  template void store_surface_gradient(const Setup<D>& setup, const Stencil<D>& s, std::span<const Vec<D>> gradient,   \
+                                       Particles<D>& p);                                                               \
+  template void apply_returned_impulse(const Stencil<D>& s, const SoilView<D>& view, State<D>& state);                 \
+  template VecArray<D> apply_drag(const Setup<D>& setup, const Particles<D>& p, double interval, SoilView<D>& view,    \
+                                  VecArray<D>& velocity);                                                              \
+  template void give_drag_impulse(const Setup<D>& setup, const SoilView<D>& view,                                      \
+                                  std::span<const Vec<D>> of_prediction, double interval, State<D>& state);            \
+  template void predict_explicitly(const Setup<D>& setup, const SoilView<D>& view, std::span<const Vec<D>> gradient,   \
+                                   double interval, Particles<D>& p);                                                  \
+  template coupling::Publication publication(const Cloud<D>& cloud, const State<D>& state);
+PORETWIN_INSTANTIATE(2)
+PORETWIN_INSTANTIATE(3)
+#undef PORETWIN_INSTANTIATE
 
 }  // namespace poretwin::fluid

@@ -64,7 +64,7 @@ void predict_explicitly(const Setup<D>& setup, const SoilView<D>& view, std::spa
 template <int D>
 void store_change_of_soil(const OrZero<Vec<D>>& from, Particles<D>& p);
 
-/// What the soil's process is told, its proposal left out.
+/// What the soil's process is given, its proposal left out.
 template <int D>
 coupling::Publication publication(const Cloud<D>& cloud, const State<D>& state);
 

@@ -85,11 +85,12 @@ void move(const Setup<D>& setup, const Walls<D>& walls, const Stencil<D>& s, con
   });
 }
 
-template void drift(const Setup<2>&, const Walls<2>&, double, Particles<2>&);
-template void move(const Setup<2>&, const Walls<2>&, const Stencil<2>&, const WindowSolution<2>&,
-                   std::span<const Mat<2>>, std::span<const Vec<2>>, std::span<const Vec<2>>, double, State<2>&);
-template void drift(const Setup<3>&, const Walls<3>&, double, Particles<3>&);
-template void move(const Setup<3>&, const Walls<3>&, const Stencil<3>&, const WindowSolution<3>&,
-                   std::span<const Mat<3>>, std::span<const Vec<3>>, std::span<const Vec<3>>, double, State<3>&);
+#define PORETWIN_INSTANTIATE(D)                                                                     \
+  template void drift(const Setup<D>&, const Walls<D>&, double, Particles<D>&);                     \
+  template void move(const Setup<D>&, const Walls<D>&, const Stencil<D>&, const WindowSolution<D>&, \
+                     std::span<const Mat<D>>, std::span<const Vec<D>>, std::span<const Vec<D>>, double, State<D>&);
+PORETWIN_INSTANTIATE(2)
+PORETWIN_INSTANTIATE(3)
+#undef PORETWIN_INSTANTIATE
 
 }  // namespace poretwin::fluid

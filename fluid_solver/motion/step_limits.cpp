@@ -315,25 +315,19 @@ std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>&
   return limit;
 }
 
-template double wave_interval(const Setup<2>&);
-template double quasi_static_speed(const Setup<2>&);
-template double free_interval(const Setup<2>&, const State<2>&);
-template void begin_control(const Setup<2>&, const SoilView<2>&, double, State<2>&, double&);
-template void control_interval(const Setup<2>&, const ScalarArray&, double, double, State<2>&);
-template void limit_by_slowing(const Setup<2>&, const VecArray<2>&, double, State<2>&);
-template void limit_by_acceleration(const Setup<2>&, const SoilView<2>&, const VecArray<2>&, double, State<2>&);
-template void limit_scheme(const Setup<2>&, const SoilView<2>&, State<2>&);
-template bool load_begins(const Setup<2>&, double);
-template std::pair<double, std::string> time_limit(const Setup<2>&, const Faces<2>&, const State<2>&, double);
-template double wave_interval(const Setup<3>&);
-template double quasi_static_speed(const Setup<3>&);
-template double free_interval(const Setup<3>&, const State<3>&);
-template void begin_control(const Setup<3>&, const SoilView<3>&, double, State<3>&, double&);
-template void control_interval(const Setup<3>&, const ScalarArray&, double, double, State<3>&);
-template void limit_by_slowing(const Setup<3>&, const VecArray<3>&, double, State<3>&);
-template void limit_by_acceleration(const Setup<3>&, const SoilView<3>&, const VecArray<3>&, double, State<3>&);
-template void limit_scheme(const Setup<3>&, const SoilView<3>&, State<3>&);
-template bool load_begins(const Setup<3>&, double);
-template std::pair<double, std::string> time_limit(const Setup<3>&, const Faces<3>&, const State<3>&, double);
+#define PORETWIN_INSTANTIATE(D)                                                                                    \
+  template double wave_interval(const Setup<D>&);                                                                  \
+  template double quasi_static_speed(const Setup<D>&);                                                             \
+  template double free_interval(const Setup<D>&, const State<D>&);                                                 \
+  template void begin_control(const Setup<D>&, const SoilView<D>&, double, State<D>&, double&);                    \
+  template void control_interval(const Setup<D>&, const ScalarArray&, double, double, State<D>&);                  \
+  template void limit_by_slowing(const Setup<D>&, const VecArray<D>&, double, State<D>&);                          \
+  template void limit_by_acceleration(const Setup<D>&, const SoilView<D>&, const VecArray<D>&, double, State<D>&); \
+  template void limit_scheme(const Setup<D>&, const SoilView<D>&, State<D>&);                                      \
+  template bool load_begins(const Setup<D>&, double);                                                              \
+  template std::pair<double, std::string> time_limit(const Setup<D>&, const Faces<D>&, const State<D>&, double);
+PORETWIN_INSTANTIATE(2)
+PORETWIN_INSTANTIATE(3)
+#undef PORETWIN_INSTANTIATE
 
 }  // namespace poretwin::fluid

@@ -95,11 +95,12 @@ VecArray<D> forced_velocity(const Setup<D>& setup, const State<D>& state, const 
   return result;
 }
 
-template double viscosity(const Setup<2>&, double);
-template VecArray<2> forced_velocity<2>(const Setup<2>&, const State<2>&, const Stencil<2>&, const SoilView<2>&,
-                                        std::span<const Mat<2>>, double);
-template double viscosity(const Setup<3>&, double);
-template VecArray<3> forced_velocity<3>(const Setup<3>&, const State<3>&, const Stencil<3>&, const SoilView<3>&,
-                                        std::span<const Mat<3>>, double);
+#define PORETWIN_INSTANTIATE(D)                                                                                    \
+  template double viscosity(const Setup<D>&, double);                                                              \
+  template VecArray<D> forced_velocity<D>(const Setup<D>&, const State<D>&, const Stencil<D>&, const SoilView<D>&, \
+                                          std::span<const Mat<D>>, double);
+PORETWIN_INSTANTIATE(2)
+PORETWIN_INSTANTIATE(3)
+#undef PORETWIN_INSTANTIATE
 
 }  // namespace poretwin::fluid

@@ -213,21 +213,17 @@ VecArray<D> repair(const Setup<D>& setup, const State<D>& state, const Stencil<D
   return expand<D>(s, expansion);
 }
 
-template bool open_water(const Setup<2>&);
-template ScalarArray moved(const Particles<2>&);
-template double free_repair_time(const Setup<2>&, double);
-template double repair_time(const Setup<2>&, const Particles<2>&, std::size_t, const SoilView<2>&, double);
-template double packing_error(const Setup<2>&, const Particles<2>&, const Stencil<2>&, std::size_t, double);
-template ScalarArray volume_source(const Setup<2>&, State<2>&, const Stencil<2>&, const SoilView<2>&,
-                                   std::span<const Mat<2>>, double);
-template VecArray<2> repair(const Setup<2>&, const State<2>&, const Stencil<2>&, const SoilView<2>&, double);
-template bool open_water(const Setup<3>&);
-template ScalarArray moved(const Particles<3>&);
-template double free_repair_time(const Setup<3>&, double);
-template double repair_time(const Setup<3>&, const Particles<3>&, std::size_t, const SoilView<3>&, double);
-template double packing_error(const Setup<3>&, const Particles<3>&, const Stencil<3>&, std::size_t, double);
-template ScalarArray volume_source(const Setup<3>&, State<3>&, const Stencil<3>&, const SoilView<3>&,
-                                   std::span<const Mat<3>>, double);
-template VecArray<3> repair(const Setup<3>&, const State<3>&, const Stencil<3>&, const SoilView<3>&, double);
+#define PORETWIN_INSTANTIATE(D)                                                                                \
+  template bool open_water(const Setup<D>&);                                                                   \
+  template ScalarArray moved(const Particles<D>&);                                                             \
+  template double free_repair_time(const Setup<D>&, double);                                                   \
+  template double repair_time(const Setup<D>&, const Particles<D>&, std::size_t, const SoilView<D>&, double);  \
+  template double packing_error(const Setup<D>&, const Particles<D>&, const Stencil<D>&, std::size_t, double); \
+  template ScalarArray volume_source(const Setup<D>&, State<D>&, const Stencil<D>&, const SoilView<D>&,        \
+                                     std::span<const Mat<D>>, double);                                         \
+  template VecArray<D> repair(const Setup<D>&, const State<D>&, const Stencil<D>&, const SoilView<D>&, double);
+PORETWIN_INSTANTIATE(2)
+PORETWIN_INSTANTIATE(3)
+#undef PORETWIN_INSTANTIATE
 
 }  // namespace poretwin::fluid

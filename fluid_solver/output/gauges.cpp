@@ -389,11 +389,12 @@ std::vector<GaugeReading> read_gauges(const Setup<D>& setup, const Faces<D>& fac
   return reader.take();
 }
 
-template void count_impulse(const Setup<2>&, const Walls<2>&, double, State<2>&);
-template std::vector<GaugeReading> read_gauges(const Setup<2>& setup, const Faces<2>& faces, const Walls<2>& walls,
-                                               const State<2>& state);
-template void count_impulse(const Setup<3>&, const Walls<3>&, double, State<3>&);
-template std::vector<GaugeReading> read_gauges(const Setup<3>& setup, const Faces<3>& faces, const Walls<3>& walls,
-                                               const State<3>& state);
+#define PORETWIN_INSTANTIATE(D)                                                                                       \
+  template void count_impulse(const Setup<D>&, const Walls<D>&, double, State<D>&);                                   \
+  template std::vector<GaugeReading> read_gauges(const Setup<D>& setup, const Faces<D>& faces, const Walls<D>& walls, \
+                                                 const State<D>& state);
+PORETWIN_INSTANTIATE(2)
+PORETWIN_INSTANTIATE(3)
+#undef PORETWIN_INSTANTIATE
 
 }  // namespace poretwin::fluid

@@ -66,9 +66,11 @@ std::vector<Warning> warnings_of(const Counts& c) {
            fmt::format("from t = {:g} s on; voids opened at water.cavitation_pressure", c.first_cavitation), false}};
 }
 
-template OutputFrame frame_of(const Setup<2>& setup, const State<2>& state);
-template std::map<std::string, double> counters_of(const Setup<2>& setup, const State<2>& state);
-template OutputFrame frame_of(const Setup<3>& setup, const State<3>& state);
-template std::map<std::string, double> counters_of(const Setup<3>& setup, const State<3>& state);
+#define PORETWIN_INSTANTIATE(D)                                                \
+  template OutputFrame frame_of(const Setup<D>& setup, const State<D>& state); \
+  template std::map<std::string, double> counters_of(const Setup<D>& setup, const State<D>& state);
+PORETWIN_INSTANTIATE(2)
+PORETWIN_INSTANTIATE(3)
+#undef PORETWIN_INSTANTIATE
 
 }  // namespace poretwin::fluid

@@ -111,15 +111,14 @@ void take_solution(const WindowSolution<D>& solution, double time, State<D>& sta
   counts.cavitating = std::max(counts.cavitating, cavitating);
 }
 
-template WindowProblem<2> window_problem(const Setup<2>& setup, const State<2>& state, double interval);
-template WindowSolution<2> solve_with_drag(const Setup<2>& setup, const Stencil<2>& s, const WindowProblem<2>& in,
-                                           const Passes<2>& passes, SoilView<2>& view, State<2>& state);
-template void check_finite(const State<2>& state, const WindowSolution<2>& solution, double time);
-template void take_solution(const WindowSolution<2>&, double, State<2>&);
-template WindowProblem<3> window_problem(const Setup<3>& setup, const State<3>& state, double interval);
-template WindowSolution<3> solve_with_drag(const Setup<3>& setup, const Stencil<3>& s, const WindowProblem<3>& in,
-                                           const Passes<3>& passes, SoilView<3>& view, State<3>& state);
-template void check_finite(const State<3>& state, const WindowSolution<3>& solution, double time);
-template void take_solution(const WindowSolution<3>&, double, State<3>&);
+#define PORETWIN_INSTANTIATE(D)                                                                                      \
+  template WindowProblem<D> window_problem(const Setup<D>& setup, const State<D>& state, double interval);           \
+  template WindowSolution<D> solve_with_drag(const Setup<D>& setup, const Stencil<D>& s, const WindowProblem<D>& in, \
+                                             const Passes<D>& passes, SoilView<D>& view, State<D>& state);           \
+  template void check_finite(const State<D>& state, const WindowSolution<D>& solution, double time);                 \
+  template void take_solution(const WindowSolution<D>&, double, State<D>&);
+PORETWIN_INSTANTIATE(2)
+PORETWIN_INSTANTIATE(3)
+#undef PORETWIN_INSTANTIATE
 
 }  // namespace poretwin::fluid

@@ -12,7 +12,7 @@ namespace poretwin::solid {
 /// impedance Z = C a / (a + C), a = n rho_w / Dt, against the departure at the window's end. In the window departures
 /// grow linearly; a factor on Z makes their mean over the substeps the one at the end.
 /// In a long window, one step to an equilibrium, what departs meets the drag, C, as if the water stood still: the
-/// pressure, which would answer to soil that yields and dilates, is not told of it before the next window. Of that
+/// pressure, which would answer to soil that yields and dilates, does not know of it before the next window. Of that
 /// force only the part that is the water's inertia is an impulse of the water; the rest stands for the pressure.
 template <int D>
 struct Tracking {

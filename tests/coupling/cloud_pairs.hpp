@@ -23,11 +23,11 @@ class CloudPairs {
     return sharing_.conservative(at_target_, at_source_, target_, source_, amounts, carried);
   }
   Interpolation interpolate(const std::vector<const Field*>& fields, std::span<const double> mask) const {
-    const FieldGroup groups[] = {{fields, mask, false}};
+    const FieldGroup groups[] = {{fields, mask}};
     return coupling::consistent(at_target_, groups, sharing_.weights_at(at_target_));
   }
   std::vector<Field> nearest(const std::vector<const Field*>& fields) const {
-    const FieldGroup groups[] = {{fields, {}, true}};
+    const FieldGroup groups[] = {{{}, {}, fields}};
     return coupling::consistent(at_target_, groups, sharing_.weights_at(at_target_)).fields;
   }
   std::uint64_t rebuilds() const { return at_target_.rebuilds(); }

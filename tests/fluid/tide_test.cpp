@@ -1,5 +1,5 @@
 // The example of docs/extending/boundary.md at work.
-#include "tide.hpp"
+#include "docs/extending/tide.hpp"
 
 #include "fluid_solver/fluid_phase.hpp"
 #include "tests/fluid/scenes.hpp"

@@ -220,7 +220,7 @@ class Figures(Folder):
 
 
 class OfACase(Folder):
-    def test_gauges_are_told_by_their_places_and_called_as_fields_are(self):
+    def test_gauges_are_labelled_by_their_places_and_called_as_fields_are(self):
         write_case(self.at)
         drawn(self.at / "runs" / "whole", "--gauge", "depth", "head", "--format", "svg", "--out", self.at / "out")
         depth = (self.at / "out/gauge_depth.svg").read_text()

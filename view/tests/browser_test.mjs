@@ -414,13 +414,13 @@ test("a run under way grows on the page", async () => {
 
 test("errors of a run, a damaged file and a folder that is gone are said", async () => {
   await open({ runs: ["runs/damaged"] });
-  await until(() => !document.querySelector(".notice").hidden);
+  await until(() => document.querySelector(".notice")?.hidden === false);
   assert.match(await page.textContent(".notice"), /fluid\.vtkhdf: this file is damaged: .*--resume/);
   await until(() => document.querySelector("#reports .error"));
   assert.match(await page.textContent("#reports"), /error: it went wrong/);
   assert.equal(await page.textContent(".badge"), "failed");
   fs.renameSync(path.join(runs, "damaged"), path.join(place, "away"));
-  await until(() => /is gone/.test(document.querySelector(".notice").textContent));
+  await until(() => /is gone/.test(document.querySelector(".notice")?.textContent));
   fs.rmSync(path.join(place, "away"), { recursive: true });
 });
 
