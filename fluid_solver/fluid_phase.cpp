@@ -24,11 +24,11 @@ template <int D>
 Fluid<D>::Fluid(const Case& scene, WaterBoundaries boundaries, const std::vector<Lattice<D>>& lattices)
     : setup_(scene, lattices),
       state_(first_state<D>(scene, setup_, boundaries, lattices)),
-      faces_(scene, setup_, std::move(boundaries), state_),
+      faces_(scene, std::move(boundaries), state_),
       walls_(scene, state_.inlets) {
   // The soil searches its initial equilibrium under the pressure that is published before the first exchange.
   auto view = rigid_soil<D>(setup_.ground, state_.particles.position, setup_.drag);
-  solve_hydrostatic(setup_, faces_, walls_, view, state_);
+  solve_hydrostatic(setup_, walls_, view, state_);
 }
 
 template <int D>
@@ -59,12 +59,12 @@ template <int D>
 void Fluid<D>::initialise(const coupling::Inbox& inbox) {
   auto& p = state_.particles;
   const SeepageRegime regime{setup_.density, quasi_static_speed(setup_), true};  // no window yet: water has no past
-  auto view = see_soil(setup_, faces_, state_, inbox, regime);
+  auto view = see_soil(setup_, state_, inbox, regime);
   fill_pores(setup_, view, p);
   set_regimes(view, regime, p);
   begin_control(setup_, view, 0.0, state_, first_interval_);
   p.solid_velocity = view.velocity;
-  solve_hydrostatic(setup_, faces_, walls_, view, state_);
+  solve_hydrostatic(setup_, walls_, view, state_);
   limit_scheme(setup_, view, state_);
   for (const double m : p.mass) state_.balance.initial += m / setup_.density;
   ++state_.revision;
@@ -78,7 +78,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
 
   // The soil, the boundaries and the first half of the way.
   const auto regime = seepage_regime(setup_, dt);
-  auto view = see_soil(setup_, faces_, state_, inbox, regime);
+  auto view = see_soil(setup_, state_, inbox, regime);
   view.linearise(p.velocity, view.velocity);
   VecArray<D> velocity_before;
   if (setup_.coupled) velocity_before = p.velocity;  // the soil's impulse changes it
@@ -91,7 +91,7 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   drift(setup_, walls_, dt, p);
 
   // Neighbours, the surface, and what the soil gives back.
-  auto s = water_stencil(setup_, faces_, walls_, state_);
+  auto s = water_stencil(setup_, walls_, state_);
   ++state_.counts.stencils;
   flow_together(setup_, s, p);
   mark_surface<D>(setup_, s, p.row, share_of_rows(setup_, dt), state_);
@@ -139,10 +139,10 @@ coupling::Outcome Fluid<D>::advance(const coupling::Window& window, const coupli
   // The next window, the second half of the way, and what comes and goes.
   limit_next_window(view, window, pressure_before, velocity_before);
   ScalarArray came(state_.faces.size(), 0.0);
-  advance_columns(setup_, faces_, walls_.sight, s, view, out, dt, state_, came);
+  advance_columns(setup_, walls_.sight, s, view, out, dt, state_, came);
   push_pistons(0.5 * dt);
   move<D>(setup_, walls_, s, out, gradient, velocity_before, repair(setup_, state_, s, view, dt), dt, state_);
-  if (faces_.follow_soil) follow_soil(view, state_);
+  follow_soil(view, state_);
   give_birth_and_delete(setup_, faces_, view, state_, came);
   close_accounts(came, state_.balance);
   serve_inlets(setup_, state_);

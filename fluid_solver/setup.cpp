@@ -2,6 +2,7 @@
 
 #include "common/core/error.hpp"
 #include "common/geometry/thin_walls.hpp"
+#include "fluid_solver/discretisation/bodies.hpp"
 #include "fluid_solver/state.hpp"
 
 #include <fmt/format.h>
@@ -143,24 +144,17 @@ State<D> first_state(const Case& scene, const Setup<D>& setup, const WaterBounda
                      std::span<const Lattice<D>> lattices) {
   State<D> state;
   auto& p = state.particles;
-  double top = -1e300, bottom = 1e300, farthest = 0.0;
-  const Vec<D> up = setup.weight.norm() > 0.0 ? Vec<D>(-setup.weight.normalized()) : Vec<D>::Zero();
   for (const auto& lattice : lattices) {
     p.reserve(p.size() + lattice.position.size(), !scene.water_faces.empty());
     for (const auto& x : lattice.position) {
       const Stratum* soil = setup.ground.at(x);
       const double n = soil ? soil->fillable_porosity : 1.0;
-      p.add(x, initial_velocity<D>(scene, x), n * setup.density * lattice.volume, n, lattice.volume, 0.0);
-      const double height = up.dot(x) + 0.5 * setup.spacing;
-      farthest = std::max(farthest, x.norm());
-      top = std::max(top, height);
-      bottom = std::min(bottom, height - setup.spacing);
+      p.add(x, initial_velocity<D>(scene, x), n * setup.density * lattice.volume, n, lattice.volume, 0.0, {});
     }
   }
-  const double depth = p.size() > 0 ? top - bottom : setup.spacing;
-  state.wave_speed = std::sqrt(setup.gravity * depth + setup.central_force * farthest * farthest);
   state.inlets = make_inlets<D>(scene, boundaries);
   state.columns = make_columns<D>(scene, setup.ground);
+  begin_bodies(setup, state);
   // Points that lie on a face of soil to rounding belong to the soil.
   const ColumnFinder<D> finder(state.columns);
   for (std::size_t a = 0; a < p.size(); ++a)

@@ -31,9 +31,12 @@ struct Particles {
   /// C / (a + C) in the last window: the fraction of a departure of the skeleton's velocity from its prediction that
   /// drag passes on to the water.
   OrZero<double> entrained_fraction;
-  ScalarArray mask;              ///< soil membership
-  std::vector<char> in_seepage;  ///< 1: in the seepage regime; 0: it moves and has a surface as free water
-  OrZero<double> void_volume;    ///< of the water, opened by cavitation, m^D
+  ScalarArray wave_speed;  ///< m/s, of long waves on the body of water it came with, or of a drop in its central force
+  ScalarArray mask;        ///< soil membership
+  std::vector<char> goes_with_soil;  ///< 1: it came with soil that can leave its place, as faces do; 0: it can be free
+  std::vector<char> in_seepage;      ///< 1: in the seepage regime; 0: it moves and has a surface as free water
+  OrZero<int> closed_body;     ///< number from 1 of the body that it came with, if only walls surround that; else 0
+  OrZero<double> void_volume;  ///< of the water, opened by cavitation, m^D
   /// Volumetric strain of the soil not yet applied to the water: beyond the prediction; by the soil's own account
   /// beyond what its mapped motion shows, with the mean rate of that [1/s].
   OrZero<double> deferred_strain, unseen_strain, unseen_rate;
@@ -51,7 +54,9 @@ struct Particles {
     visit(void_fraction);
     visit(volume);
     visit(pressure);
+    visit(wave_speed);
     visit(mask);
+    visit(goes_with_soil);
     visit(in_seepage);
     visit(birthplace);
     visit(row);
@@ -67,6 +72,7 @@ struct Particles {
     visit_if_there(surface_share);
     visit_if_there(surface_gradient);
     visit_if_there(entrained_fraction);
+    visit_if_there(closed_body);
     visit_if_there(void_volume);
     visit_if_there(deferred_strain);
     visit_if_there(unseen_rate);
@@ -80,7 +86,7 @@ struct Particles {
     for_each_array([room](auto& array) { array.reserve(room); });
   }
 
-  void add(const Vec<D>& x, const Vec<D>& v, double m, double n, double V, double p) {
+  void add(const Vec<D>& x, const Vec<D>& v, double m, double n, double V, double p, const Provenance& from) {
     if (size() == position.capacity()) reserve(size(), true);
     position.push_back(x);
     velocity.push_back(v);
@@ -88,6 +94,8 @@ struct Particles {
     void_fraction.push_back(n);
     volume.push_back(V);
     pressure.push_back(p);
+    wave_speed.push_back(from.wave_speed);
+    goes_with_soil.push_back(from.goes_with_soil ? 1 : 0);
     mask.push_back(n < 1.0 ? 1.0 : 0.0);
     in_seepage.push_back(n < 1.0 ? 1 : 0);
     birthplace.push_back(x);
@@ -96,6 +104,7 @@ struct Particles {
     for (auto* array :
          {&solid_velocity, &solid_change, &surface_gradient, &drag_impulse, &coupling_force, &previous_coupling_force})
       array->grow();
+    closed_body.grow();
     for (auto* array :
          {&surface_share, &entrained_fraction, &void_volume, &deferred_strain, &unseen_rate, &unseen_strain})
       array->grow();
@@ -145,9 +154,8 @@ struct State {
   Particles<D> particles;
   std::vector<FaceColumn<D>> columns;
   std::vector<Inlet<D>> inlets;
-  double wave_speed = 0.0;  ///< of long waves on the deepest free water so far, or of a drop in its central force, m/s
-  bool full = false;        ///< soil at rest, full of water from the start on, all faces wet: no surface can form
-  bool multigrid = false;   ///< the last window's pressure was worth it
+  bool full = false;       ///< soil at rest, full of water from the start on, all faces wet: no surface can form
+  bool multigrid = false;  ///< the last window's pressure was worth it
   std::vector<FaceState> faces;
   std::vector<TimeLimit> window_limits;  ///< from the last window
   Counts counts;

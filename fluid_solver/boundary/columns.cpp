@@ -11,7 +11,7 @@
 namespace poretwin::fluid {
 
 template <int D>
-Faces<D>::Faces(const Case& scene, const Setup<D>& setup, WaterBoundaries what_stands_behind, const State<D>& first)
+Faces<D>::Faces(const Case& scene, WaterBoundaries what_stands_behind, const State<D>& first)
     : boundaries(std::move(what_stands_behind)) {
   for (const auto& c : first.columns) feet.push_back(c.foot);
   const auto kept = std::make_shared<const Case>(scene);
@@ -22,9 +22,6 @@ Faces<D>::Faces(const Case& scene, const Setup<D>& setup, WaterBoundaries what_s
                     [&](const auto& c) { return c.face != face || c.in_soil; }))
       reservoirs_.push_back({face, [kept, f](const Point3& x) { return is_behind(*kept, kept->water_faces[f], x); }});
   }
-  const auto& n = first.particles.void_fraction;
-  follow_soil = setup.coupled && setup.soil_yields && !first.columns.empty() && first.inlets.empty() &&
-                std::all_of(n.begin(), n.end(), [](double share) { return share < 1.0; });
 }
 
 template <int D>
@@ -123,9 +120,8 @@ double missing_water(const Setup<D>& setup, const State<D>& state) {
 }
 
 template <int D>
-void advance_columns(const Setup<D>& setup, const Faces<D>& faces, const sph::Sight<D>& sight, const Stencil<D>& s,
-                     const SoilView<D>& view, const WindowSolution<D>& solution, double interval, State<D>& state,
-                     ScalarArray& came) {
+void advance_columns(const Setup<D>& setup, const sph::Sight<D>& sight, const Stencil<D>& s, const SoilView<D>& view,
+                     const WindowSolution<D>& solution, double interval, State<D>& state, ScalarArray& came) {
   const auto& p = state.particles;
   if (state.columns.empty()) return;
   const auto motion = moved<D>(state.particles);
@@ -154,7 +150,7 @@ void advance_columns(const Setup<D>& setup, const Faces<D>& faces, const sph::Si
     const Stratum* here = setup.ground.strata().size() > 1 && !setup.coupled ? setup.ground.at(probe) : nullptr;
     if (sight.limited()) sight.find_near(probe, sph::support_radius * h, near);
     grid.for_each_within(probe, sph::support_radius * h, [&](Index a, double r2) {
-      if (c.in_soil && faces.is_free(state.particles, a)) return;
+      if (c.in_soil && is_free(state.particles, a)) return;
       if (!near.empty() && !sight.open(probe, p.position[a], near)) return;
       if (const Stratum* there = here ? setup.ground.at(p.position[a]) : nullptr; there != here && there) return;
       const double w = p.volume[a] * Kernel<D>::value(std::sqrt(r2), h);
@@ -198,7 +194,7 @@ InfiltrationSpeed infiltration_speed(const Setup<D>& setup, const FaceColumn<D>&
 /// Nothing holds the water at a face of soil without water behind it but the air: there its surface is the face itself.
 /// Elsewhere in soil it is drawn on by the suction of the dry ground ahead.
 template <int D>
-void limit_surface(const Setup<D>& setup, const Faces<D>& faces, const State<D>& state, Stencil<D>& s) {
+void limit_surface(const Setup<D>& setup, const State<D>& state, Stencil<D>& s) {
   const ColumnFinder<D> finder(state.columns);
   const auto& columns = state.columns;
   if (std::any_of(columns.begin(), columns.end(), [](const auto& c) { return c.in_soil && !c.wet; }))
@@ -207,13 +203,13 @@ void limit_surface(const Setup<D>& setup, const Faces<D>& faces, const State<D>&
   if (std::any_of(strata.begin(), strata.end(), [](const Stratum& soil) { return soil.suction_head != 0.0; }))
     s.surface_pressure.allocate(s.n_real);
   parallel_for(s.n_real, [&](std::size_t a) {
-    if (s.divergence[a] > D || faces.is_free(state.particles, a)) return;
+    if (s.divergence[a] > D || is_free(state.particles, a)) return;
     const double spacing = 2.0 * s.surface_distance(a);
     const int i = finder.nearest(s.position[a]);
     const auto* c = i < 0 ? nullptr : &state.columns[static_cast<std::size_t>(i)];
     const double d = c ? c->inside(s.position[a]) : spacing;
     const bool at_face = c && c->in_soil && !c->wet && d < 0.5 * spacing;
-    if (at_face && (!faces.follow_soil || d > -faces::deletion_depth * c->spacing)) {
+    if (at_face && (!c->provenance.goes_with_soil || d > -faces::deletion_depth * c->spacing)) {
       s.at_face[a] = true;
       s.prescribed_surface_distance.set(a, std::max(d, faces::least_exit_distance * spacing));
     } else if (const double suction = setup.ground.suction(s.position[a]); suction != 0.0) {
@@ -229,7 +225,7 @@ void follow_soil(const SoilView<D>& view, State<D>& state) {
   const ColumnFinder<D> finder(state.columns);
   std::vector<double> step(state.columns.size(), 0.0);
   for (std::size_t a = 0; a < p.size(); ++a) {
-    if (view.coverage[a] >= faces::left_by_soil) continue;
+    if (p.goes_with_soil[a] == 0 || view.coverage[a] >= faces::left_by_soil) continue;
     const int i = finder.nearest(p.position[a]);
     if (i < 0) continue;
     const auto& c = state.columns[static_cast<std::size_t>(i)];
@@ -249,7 +245,6 @@ template <int D>
 std::vector<StillWater<D>> still_water(const Setup<D>& setup, const Faces<D>& faces,
                                        std::span<const sph::ImagePlane<D>> planes, const State<D>& state) {
   std::vector<StillWater<D>> still;
-  if (!faces.follow_soil) return still;
   const auto add = [&](const FaceColumn<D>& c, const Vec<D>& x) {
     if (setup.weight.dot(x - setup.origin) + c.pressure < 0.0 || setup.ground.at(x)) return;
     for (const auto& plane : planes) {
@@ -261,7 +256,8 @@ std::vector<StillWater<D>> still_water(const Setup<D>& setup, const Faces<D>& fa
   };
   for (std::size_t i = 0; i < state.columns.size(); ++i) {
     const auto& c = state.columns[i];
-    if (!c.wet || !c.in_soil || c.held || !faces.level(state, c.face, state.time)) continue;
+    if (!c.provenance.goes_with_soil || !c.wet || !c.in_soil || c.held || !faces.level(state, c.face, state.time))
+      continue;
     for (int j = faces::buffers_per_column + 1; j <= faces::reservoir_rows; ++j)
       add(c, c.foot + (c.offset - j * c.spacing) * c.normal);
     if constexpr (D == 2) {
@@ -298,8 +294,8 @@ void give_birth_and_delete(const Setup<D>& setup, const Faces<D>& faces, const S
       ++state.counts.lost;
       continue;
     }
-    const bool left = faces.follow_soil && view.coverage[a] < faces::left_by_soil;
-    const bool free = faces.is_free(state.particles, a);
+    const bool left = p.goes_with_soil[a] != 0 && view.coverage[a] < faces::left_by_soil;
+    const bool free = is_free(state.particles, a);
     if (const int f = free ? faces.taker(setup, state, p.position[a]) : -1; f >= 0) {
       keep[a] = false;
       any = true;
@@ -322,10 +318,10 @@ void give_birth_and_delete(const Setup<D>& setup, const Faces<D>& faces, const S
     const double d = c.inside(p.position[a]);
     // Soil that slides out of a seepage face takes its water along.
     const bool passed =
-        d < -faces::deletion_depth * c.spacing && (!faces.follow_soil || c.wet || view.coverage[a] < 0.5);
+        d < -faces::deletion_depth * c.spacing && (p.goes_with_soil[a] == 0 || c.wet || view.coverage[a] < 0.5);
     // What has passed a face is in the air or in still water; its pressure, carried along with the slope inside, is not
     // below the air's.
-    if (!faces.follow_soil && c.in_soil && d < 0.0)
+    if (p.goes_with_soil[a] == 0 && c.in_soil && d < 0.0)
       p.pressure[a] = std::max(p.pressure[a], -setup.weight.dot(p.position[a] - setup.origin));
     if (!passed && !left) continue;
     if (flow_is_solved_for<D>(setup, state, c) && c.wet) {
@@ -374,7 +370,7 @@ void give_birth_and_delete(const Setup<D>& setup, const Faces<D>& faces, const S
       c.offset -= c.spacing;
       const bool rigid = c.in_soil && !setup.coupled;
       p.add(rigid ? behind_face<D>(setup.ground, c.foot, c.normal, c.offset) : Vec<D>(c.foot + c.offset * c.normal),
-            c.speed * c.normal, c.mass, c.void_fraction, c.volume, c.pressure + c.slope * c.offset);
+            c.speed * c.normal, c.mass, c.void_fraction, c.volume, c.pressure + c.slope * c.offset, c.provenance);
       crossed[i] += c.mass / setup.density;
       ++state.counts.born;
     }
@@ -385,22 +381,22 @@ void give_birth_and_delete(const Setup<D>& setup, const Faces<D>& faces, const S
   }
 }
 
-#define PORETWIN_INSTANTIATE(D)                                                                                    \
-  template struct Faces<D>;                                                                                        \
-  template void advance_boundaries(const Setup<D>& setup, const Faces<D>& faces, double time, double interval,     \
-                                   State<D>& state);                                                               \
-  template ScalarArray passed(const State<D>& state);                                                              \
-  template bool is_quasi_static(const Setup<D>& setup, const FaceColumn<D>& c);                                    \
-  template InfiltrationSpeed infiltration_speed(const Setup<D>& setup, const FaceColumn<D>& c);                    \
-  template void advance_columns(const Setup<D>& setup, const Faces<D>& faces, const sph::Sight<D>& sight,          \
-                                const Stencil<D>& s, const SoilView<D>& view, const WindowSolution<D>& solution,   \
-                                double interval, State<D>& state, ScalarArray& came);                              \
-  template void limit_surface(const Setup<D>& setup, const Faces<D>& faces, const State<D>& state, Stencil<D>& s); \
-  template void follow_soil(const SoilView<D>& view, State<D>& state);                                             \
-  template void give_birth_and_delete(const Setup<D>& setup, const Faces<D>& faces, const SoilView<D>& view,       \
-                                      State<D>& state, ScalarArray& came);                                         \
-  template double missing_water(const Setup<D>& setup, const State<D>& state);                                     \
-  template std::vector<StillWater<D>> still_water(const Setup<D>& setup, const Faces<D>& faces,                    \
+#define PORETWIN_INSTANTIATE(D)                                                                                \
+  template struct Faces<D>;                                                                                    \
+  template void advance_boundaries(const Setup<D>& setup, const Faces<D>& faces, double time, double interval, \
+                                   State<D>& state);                                                           \
+  template ScalarArray passed(const State<D>& state);                                                          \
+  template bool is_quasi_static(const Setup<D>& setup, const FaceColumn<D>& c);                                \
+  template InfiltrationSpeed infiltration_speed(const Setup<D>& setup, const FaceColumn<D>& c);                \
+  template void advance_columns(const Setup<D>& setup, const sph::Sight<D>& sight, const Stencil<D>& s,        \
+                                const SoilView<D>& view, const WindowSolution<D>& solution, double interval,   \
+                                State<D>& state, ScalarArray& came);                                           \
+  template void limit_surface(const Setup<D>& setup, const State<D>& state, Stencil<D>& s);                    \
+  template void follow_soil(const SoilView<D>& view, State<D>& state);                                         \
+  template void give_birth_and_delete(const Setup<D>& setup, const Faces<D>& faces, const SoilView<D>& view,   \
+                                      State<D>& state, ScalarArray& came);                                     \
+  template double missing_water(const Setup<D>& setup, const State<D>& state);                                 \
+  template std::vector<StillWater<D>> still_water(const Setup<D>& setup, const Faces<D>& faces,                \
                                                   std::span<const sph::ImagePlane<D>> planes, const State<D>& state);
 PORETWIN_INSTANTIATE(2)
 PORETWIN_INSTANTIATE(3)

@@ -12,7 +12,7 @@ namespace poretwin::fluid {
 /// The water's faces, as they stay through a run.
 template <int D>
 struct Faces {
-  Faces(const Case& scene, const Setup<D>& setup, WaterBoundaries what_stands_behind, const State<D>& first);
+  Faces(const Case& scene, WaterBoundaries what_stands_behind, const State<D>& first);
 
   /// Level of the still water behind a face [m]; none: there is no such water.
   [[nodiscard]] std::optional<double> level(const State<D>& state, int face, double time) const {
@@ -24,8 +24,6 @@ struct Faces {
     return std::any_of(state.inlets.begin(), state.inlets.end(),
                        [&](const auto& inlet) { return inlet.face == face && !inlet.sill; });
   }
-  /// Does particle a belong to no soil? Where faces follow the soil all water is the soil's or the reservoirs'.
-  [[nodiscard]] bool is_free(const Particles<D>& p, std::size_t a) const { return !follow_soil && p.mask[a] <= 0.5; }
   /// The face behind which still water takes in what is at x [m] at the state's time, below its level; -1: none. Above
   /// a crest the sill's piston does that.
   [[nodiscard]] int taker(const Setup<D>& setup, const State<D>& state, const Vec<D>& x) const;
@@ -36,8 +34,7 @@ struct Faces {
   }
 
   WaterBoundaries boundaries;
-  VecArray<D> feet;          ///< of the columns, where the case has them [m]
-  bool follow_soil = false;  ///< all water is in soil that can leave its place: faces stay on its surface
+  VecArray<D> feet;  ///< of the columns, where the case has them [m]
 
  private:
   /// A face of soil behind which still water stands, in no particles.
@@ -47,6 +44,12 @@ struct Faces {
   };
   std::vector<Reservoir> reservoirs_;
 };
+
+/// Does particle a belong to no soil?
+template <int D>
+bool is_free(const Particles<D>& p, std::size_t a) {
+  return p.goes_with_soil[a] == 0 && p.mask[a] <= 0.5;
+}
 
 /// What stands behind the faces at the end of a window, the flow through them taken as it was in the last one.
 template <int D>
@@ -66,13 +69,12 @@ InfiltrationSpeed infiltration_speed(const Setup<D>& setup, const FaceColumn<D>&
 
 /// Moves the columns' stacks by one window; came [faces] gathers what they let in, m^D.
 template <int D>
-void advance_columns(const Setup<D>& setup, const Faces<D>& faces, const sph::Sight<D>& sight, const Stencil<D>& s,
-                     const SoilView<D>& view, const WindowSolution<D>& solution, double interval, State<D>& state,
-                     ScalarArray& came);
+void advance_columns(const Setup<D>& setup, const sph::Sight<D>& sight, const Stencil<D>& s, const SoilView<D>& view,
+                     const WindowSolution<D>& solution, double interval, State<D>& state, ScalarArray& came);
 
 /// Bounds the surface of the water at faces and at wetting fronts.
 template <int D>
-void limit_surface(const Setup<D>& setup, const Faces<D>& faces, const State<D>& state, Stencil<D>& s);
+void limit_surface(const Setup<D>& setup, const State<D>& state, Stencil<D>& s);
 
 /// Faces of a prescribed head step back with the soil's surface.
 template <int D>

@@ -13,6 +13,12 @@
 
 namespace poretwin::fluid {
 
+/// What a particle of water has for good from the body of water that it came with.
+struct Provenance {
+  double wave_speed = 0.0;      ///< m/s, see Particles
+  bool goes_with_soil = false;  ///< see Particles
+};
+
 template <int D>
 struct FaceColumn {
   Vec<D> foot = Vec<D>::Zero();    ///< on the face [m]
@@ -27,6 +33,7 @@ struct FaceColumn {
   double speed = 0.0;              ///< of the stack [m/s]
   double pressure = 0.0;           ///< at the foot, piezometric [Pa]
   double slope = 0.0;              ///< of the piezometric pressure along the normal [Pa/m]
+  Provenance provenance;           ///< of particles born here: that of the water nearest at the start
   bool in_soil = false;            ///< the ground behind the face is soil
   bool drag_dominated = false;     ///< and drag, not inertia, dominates the motion of its water
   bool wet = false;                ///< acts now

@@ -1,6 +1,7 @@
 #include "fluid_solver/boundary/pistons.hpp"
 
 #include "common/core/error.hpp"
+#include "fluid_solver/discretisation/bodies.hpp"
 #include "fluid_solver/numerics/faces.hpp"
 
 #include <fmt/format.h>
@@ -10,22 +11,40 @@
 
 namespace poretwin::fluid {
 
+namespace {
+
+/// Of the box around the body of water whose particle is nearest to x [m]; 0: there is none.
+template <int D>
+double length_of_body(const Particles<D>& p, std::span<const int> body, const Vec<D>& x) {
+  double nearest = HUGE_VAL;
+  int found = -1;
+  for (std::size_t a = 0; a < p.size(); ++a)
+    if (const double distance = (p.position[a] - x).squaredNorm(); body[a] >= 0 && distance < nearest) {
+      nearest = distance;
+      found = body[a];
+    }
+  if (found < 0) return 0.0;
+  Vec<D> least = Vec<D>::Constant(HUGE_VAL), most = -least;
+  for (std::size_t a = 0; a < p.size(); ++a) {
+    if (body[a] != found) continue;
+    least = least.cwiseMin(p.position[a]);
+    most = most.cwiseMax(p.position[a]);
+  }
+  return (most - least).norm();
+}
+
+}  // namespace
+
 template <int D>
 void set_inlets(const Setup<D>& setup, const Faces<D>& faces, double time, double interval, State<D>& state) {
   if (state.inlets.empty()) return;
   const auto& p = state.particles;
   const double near = 4.0 * setup.spacing;
   const Vec<D> up = setup.weight.norm() > 0.0 ? Vec<D>(-setup.weight.normalized()) : Vec<D>(Vec<D>::Zero());
-  double lowest = HUGE_VAL, highest = -HUGE_VAL;
-  Vec<D> least = Vec<D>::Constant(HUGE_VAL), most = -least;  // of free water's places
-  for (std::size_t a = 0; a < p.size(); ++a) {
-    if (p.mask[a] > 0.5 || p.surface[a] == Surface::lone) continue;
-    lowest = std::min(lowest, up.dot(p.position[a]) - 0.5 * setup.spacing);
-    highest = std::max(highest, up.dot(p.position[a]) + 0.5 * setup.spacing);
-    least = least.cwiseMin(p.position[a]);
-    most = most.cwiseMax(p.position[a]);
-  }
-  if (highest > lowest) state.wave_speed = std::max(state.wave_speed, std::sqrt(setup.gravity * (highest - lowest)));
+  std::vector<char> free(p.size());
+  for (std::size_t a = 0; a < p.size(); ++a) free[a] = p.mask[a] <= 0.5 && p.surface[a] != Surface::lone;
+  const auto body = bodies_of<D>(p.position, free, setup.spacing);
+  raise_wave_speeds<D>(setup, body, state.particles);
   for (auto& inlet : state.inlets) {
     double level = 0.0, surface = 0.0, head = 0.0, water = 0.0, moving = 0.0, speed = 0.0;
     const double half = 0.5 * inlet.width * (inlet.tangent - up.dot(inlet.tangent) * up).norm();
@@ -66,12 +85,12 @@ void set_inlets(const Setup<D>& setup, const Faces<D>& faces, double time, doubl
       inlet.speed = flow.speed;
       inlet.open(flow.depth, setup.spacing);
     } else {
-      if (const auto wanted = faces.level(state, inlet.face, time); wanted && highest > lowest) {
+      if (const auto wanted = faces.level(state, inlet.face, time); wanted) {
         // Water of length L responds to a discharge within L / sqrt(g d). Correcting the current over four times that
         // avoids oscillation. The missing head counts up to one spacing: a reservoir that fills draws nothing off.
         const double wave = std::sqrt(setup.gravity_or_standard * std::max(setup.spacing, *wanted - inlet.lowest));
         const double missing = std::clamp(*wanted - inlet.level, -setup.spacing, setup.spacing);
-        const double length = std::max(setup.spacing, (most - least).norm());  // one particle is a spacing long
+        const double length = std::max(setup.spacing, length_of_body<D>(p, body, inlet.foot));
         inlet.current += interval * wave * wave / (4.0 * length) * missing / inlet.width;
       }
       const auto f = static_cast<std::size_t>(inlet.face);
@@ -118,7 +137,8 @@ void serve_inlets(const Setup<D>& setup, State<D>& state) {
         const Vec<D> x = inlet.foot + ((i + 0.5) / inlet.row - 0.5) * inlet.width * inlet.tangent +
                          (inlet.piston + 0.5 * inlet.spacing) * inlet.normal;
         p.add(x, inlet.speed * inlet.normal, setup.density * volume, 1.0, volume,
-              count > 0.0 ? pressure / count : -setup.weight.dot(x - setup.origin));
+              count > 0.0 ? pressure / count : -setup.weight.dot(x - setup.origin),
+              {std::sqrt(setup.gravity * setup.spacing), false});
         ++state.counts.born;
         inlet.net += volume;
       }

@@ -80,7 +80,7 @@ double depth(const Stencil<D>& s, std::size_t a) {
 
 /// rows: thickness of the row each particle lies in, in spacings, of which `share` is what it is now: slowly, for the
 /// surface particles themselves are moved as the surface does (surface_lead) while a row is stretched.
-/// splashes: small holes in free water are surfaces. none: there is no air, and holes are disorder.
+/// splashes: small holes in free water that touches soil are surfaces. none: there is no air, and holes are disorder.
 /// Free water: the moment's smallest eigenvalue, then an umbrella of neighbours (Marrone et al. 2010).
 /// Water in soil (seeps), a wetting front: the deficit of the divergence of position (Lee et al. 2008), where no
 /// water stands opposite: a hole under pressure taken for a surface draws a reservoir in at full head.
@@ -127,8 +127,8 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> in_seepag
     }
     if (s.least_moment[a] >= points::inside_moment) return;
     const double amount = s.normal[a].norm();
-    const bool hole =
-        splashes && s.divergence[a] < surface::few * D && amount * s.length(a) > surface::hole * s.divergence[a];
+    const bool hole = splashes && s.open_water[a] == 0 && s.divergence[a] < surface::few * D &&
+                      amount * s.length(a) > surface::hole * s.divergence[a];
     const bool edge =
         s.least_moment[a] >= surface::alone && (hole || (amount * s.length(a) > surface::first_row && !umbrella(a)));
     if (edge)

@@ -152,9 +152,23 @@ void part_at_joints(std::span<const Joint<D>> joints, double reach, Stencil<D>& 
   }
 }
 
-/// Kernels of the pairs of particle a, and its sums over them; its moment stands in for the correction.
+/// soilless: [real] no soil covers it; none: all.
 template <int D>
-[[gnu::always_inline]] inline void sum_pairs(const Summed<D>* points, std::size_t a, bool open_water, Stencil<D>& s) {
+void mark_open_water(std::span<const char> soilless, Stencil<D>& s) {
+  s.open_water.assign(s.n_real, 1);
+  if (soilless.empty()) return;
+  parallel_for(s.n_real, [&](std::size_t a) {
+    bool open = soilless[a] != 0;
+    for (Index k = s.offset[a]; k < s.offset[a + 1] && open; ++k)
+      if (const Index q = s.parent[s.other[k]]; q < s.n_real) open = soilless[q] != 0;
+    s.open_water[a] = open ? 1 : 0;
+  });
+}
+
+/// Kernels of the pairs of particle a, and its sums over them; its moment stands in for the correction. by_density: of
+/// open water.
+template <int D>
+[[gnu::always_inline]] inline void sum_pairs(const Summed<D>* points, std::size_t a, bool by_density, Stencil<D>& s) {
   constexpr std::size_t n_moments = D * (D + 1) / 2, n_sums = 2 + D + n_moments, size = (n_sums + 3) / 4 * 4;
   static const double scale = Kernel<D>::normalisation(1.0);
   const double* const self = points[a].row();
@@ -197,7 +211,7 @@ template <int D>
   static const double full = lattice_fullness<D>(),
                       full_density = lattice_density<D>() * Kernel<D>::normalisation(points::smoothing_ratio);
   const double own = self[D] * Kernel<D>::value(0.0, length), fullness = (*next++ + own) / full;
-  s.fullness[a] = open_water ? (*next + own) / full_density : fullness;
+  s.fullness[a] = by_density && s.open_water[a] != 0 ? (*next + own) / full_density : fullness;
   ++next;
   for (int d = 0; d < D; ++d) s.normal[a][d] = *next++;
   for (int d = 0; d < D; ++d)
@@ -236,8 +250,9 @@ Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* unresolved, d
 
 template <int D>
 Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volume, std::span<const Buffer<D>> buffers,
-                        std::span<const sph::ImagePlane<D>> planes, std::span<const char> free, bool open_water,
-                        std::size_t worth_threads, const sph::Sight<D>& sight, std::span<const Joint<D>> joints) {
+                        std::span<const sph::ImagePlane<D>> planes, std::span<const char> free, bool by_density,
+                        std::size_t worth_threads, const sph::Sight<D>& sight, std::span<const Joint<D>> joints,
+                        std::span<const char> soilless) {
   Stencil<D> s;
   s.worth_threads = worth_threads;
   s.n_real = x.size();
@@ -287,11 +302,12 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   s.at_face.assign(n, false);
   s.correction.resize(n);
   s.boundary_correction_of.assign(n, 0);
+  mark_open_water(soilless, s);
   UnsetArray<Summed<D>> points(s.size());
   parallel_for(s.size(), [&](std::size_t j) { points[j] = {s.position[j], s.volume[j], s.length(j)}; });
   for_each_in_lanes(
       n, s.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
-        sum_pairs<D>(points.data(), a, open_water, s);
+        sum_pairs<D>(points.data(), a, by_density, s);
       });
   constexpr char surface = 1, face = 2;
   std::vector<char> edge(n, 0);
@@ -334,7 +350,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   template Mat<D> bounded_inverse<D>(const Mat<D>&, double, Mat<D>*, double*);                                       \
   template Stencil<D> make_stencil<D>(std::span<const Vec<D>>, std::span<const double>, std::span<const Buffer<D>>,  \
                                       std::span<const sph::ImagePlane<D>>, std::span<const char>, bool, std::size_t, \
-                                      const sph::Sight<D>&, std::span<const Joint<D>>);
+                                      const sph::Sight<D>&, std::span<const Joint<D>>, std::span<const char>);
 PORETWIN_INSTANTIATE(2)
 PORETWIN_INSTANTIATE(3)
 #undef PORETWIN_INSTANTIATE

@@ -167,7 +167,8 @@ struct Stencil {
   /// moments are sums of the rounded values, so that gradients of linear fields stay exact.
   UnsetArray<float> gradient_factor;
 
-  UnsetArray<double> fullness;    ///< [real] sum V W over that of a lattice; of open water sum V density_weight
+  std::vector<char> open_water;   ///< [real] no soil covers it, nor any in its kernel's reach
+  UnsetArray<double> fullness;    ///< [real] sum V W over that of a lattice, or sum V density_weight
   UnsetArray<double> closest;     ///< [real] least distance to another point, in units of the pair's smoothing length
   UnsetArray<double> divergence;  ///< [real] sum V div r: D inside; of use until the surface has been found
   UnsetArray<double>
@@ -266,13 +267,15 @@ Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* unresolved, d
 
 /// Surroundings of the particles at x (bulk volumes in m^D), with buffers outside faces and images behind planes.
 /// free: [n] in no soil; none: all. Water in soil does not see behind a sill, nor free water behind a face of soil.
-/// open_water: fullness is measured with density_weight. worth_threads: so many particles are worth more than one
-/// thread. sight: where it is limited, its planes are those of the images. joints: of walls and faces; images and
-/// buffers beyond them are seen as far as the line of sight says.
+/// by_density: fullness of open water is measured with density_weight. worth_threads: so many particles are worth more
+/// than one thread. sight: where it is limited, its planes are those of the images. joints: of walls and faces; images
+/// and buffers beyond them are seen as far as the line of sight says. soilless: [n] no soil covers it, wholly or in
+/// part; none: all.
 template <int D>
 Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volume, std::span<const Buffer<D>> buffers,
                         std::span<const sph::ImagePlane<D>> planes, std::span<const char> free = {},
-                        bool open_water = false, std::size_t worth_threads = worth_threads_in_pairs,
-                        const sph::Sight<D>& sight = {}, std::span<const Joint<D>> joints = {});
+                        bool by_density = false, std::size_t worth_threads = worth_threads_in_pairs,
+                        const sph::Sight<D>& sight = {}, std::span<const Joint<D>> joints = {},
+                        std::span<const char> soilless = {});
 
 }  // namespace poretwin::fluid

@@ -8,16 +8,20 @@
 namespace poretwin::fluid {
 
 template <int D>
-Stencil<D> water_stencil(const Setup<D>& setup, const Faces<D>& faces, const Walls<D>& walls, const State<D>& state) {
+Stencil<D> water_stencil(const Setup<D>& setup, const Walls<D>& walls, const State<D>& state) {
   const auto& p = state.particles;
   const auto buffers = make_buffers(state.columns, true);
-  std::vector<char> free(p.size());
-  parallel_for(p.size(), [&](std::size_t a) { free[a] = faces.is_free(state.particles, a); });
-  auto s = make_stencil<D>(p.position, p.volume, std::span<const Buffer<D>>(buffers), walls.planes, free,
-                           open_water(setup), setup.coupled ? worth_threads_while_others_wait : worth_threads_in_pairs,
-                           walls.sight, setup.joints);
+  std::vector<char> free(p.size()), soilless;
+  parallel_for(p.size(), [&](std::size_t a) { free[a] = is_free(state.particles, a); });
+  if (!setup.ground.strata().empty()) {
+    soilless.resize(p.size());
+    parallel_for(p.size(), [&](std::size_t a) { soilless[a] = p.mask[a] == 0.0; });
+  }
+  auto s = make_stencil<D>(
+      p.position, p.volume, std::span<const Buffer<D>>(buffers), walls.planes, free, tells_density(setup),
+      setup.coupled ? worth_threads_while_others_wait : worth_threads_in_pairs, walls.sight, setup.joints, soilless);
   fit_columns<D>(state.columns, free, s, walls.sight);
-  limit_surface<D>(setup, faces, state, s);
+  limit_surface<D>(setup, state, s);
   return s;
 }
 
@@ -41,11 +45,10 @@ void mark_surface(const Setup<D>& setup, Stencil<D>& s, std::span<double> rows, 
   state.full = closed && parallel_all(p.size(), [&](std::size_t a) { return flags[a] == Surface::interior; });
 }
 
-#define PORETWIN_INSTANTIATE(D)                                                                          \
-  template double share_of_rows(const Setup<D>&, double);                                                \
-  template Stencil<D> water_stencil(const Setup<D>& setup, const Faces<D>& faces, const Walls<D>& walls, \
-                                    const State<D>& state);                                              \
-  template void mark_surface(const Setup<D>& setup, Stencil<D>& s, std::span<double> rows, double share, \
+#define PORETWIN_INSTANTIATE(D)                                                                           \
+  template double share_of_rows(const Setup<D>&, double);                                                 \
+  template Stencil<D> water_stencil(const Setup<D>& setup, const Walls<D>& walls, const State<D>& state); \
+  template void mark_surface(const Setup<D>& setup, Stencil<D>& s, std::span<double> rows, double share,  \
                              State<D>& state);
 PORETWIN_INSTANTIATE(2)
 PORETWIN_INSTANTIATE(3)

@@ -7,7 +7,7 @@
 namespace poretwin::fluid {
 
 template <int D>
-Stencil<D> water_stencil(const Setup<D>& setup, const Faces<D>& faces, const Walls<D>& walls, const State<D>& state);
+Stencil<D> water_stencil(const Setup<D>& setup, const Walls<D>& walls, const State<D>& state);
 
 /// Share by which a window of `interval` [s] renews the memory of the rows' thickness.
 template <int D>

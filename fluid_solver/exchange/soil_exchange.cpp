@@ -9,7 +9,7 @@
 namespace poretwin::fluid {
 
 template <int D>
-SoilView<D> see_soil(const Setup<D>& setup, const Faces<D>& faces, const State<D>& state, const coupling::Inbox& inbox,
+SoilView<D> see_soil(const Setup<D>& setup, const State<D>& state, const coupling::Inbox& inbox,
                      const SeepageRegime& regime) {
   const auto& x = state.particles.position;
   const std::size_t n = x.size();
@@ -25,7 +25,7 @@ SoilView<D> see_soil(const Setup<D>& setup, const Faces<D>& faces, const State<D
   if (!setup.coupled) {
     VecArray<D> where = x;
     parallel_for(n, [&](std::size_t a) {
-      if (auto& point = where[a]; !faces.is_free(state.particles, a) && !setup.ground.at(point))
+      if (auto& point = where[a]; !is_free(state.particles, a) && !setup.ground.at(point))
         if (const auto* c = nearest_column(point)) point = just_inside<D>(setup.ground, c->foot, c->normal, c->spacing);
     });
     auto view = rigid_soil<D>(setup.ground, where, setup.drag);
@@ -38,7 +38,7 @@ SoilView<D> see_soil(const Setup<D>& setup, const Faces<D>& faces, const State<D
   ScalarArray asymmetry = inbox.asymmetry;
   if (!state.columns.empty())
     for (std::size_t a = 0; a < n; ++a)
-      if (inbox.coverage[a] > 0.0 && !faces.is_free(state.particles, a) && nearest_column(x[a])) asymmetry[a] = 0.0;
+      if (inbox.coverage[a] > 0.0 && !is_free(state.particles, a) && nearest_column(x[a])) asymmetry[a] = 0.0;
   auto view = mapped_soil<D>(setup, inbox, asymmetry, state.particles.mask, regime);
   const auto& received =
       setup.computes_beside ? state.particles.previous_coupling_force : state.particles.coupling_force;
@@ -191,8 +191,8 @@ coupling::Publication publication(const Cloud<D>& cloud, const State<D>& state) 
   template void fit_pores(const Setup<D>&, const SoilView<D>&, Particles<D>&);                                         \
   template void fill_pores(const Setup<D>&, const SoilView<D>&, Particles<D>&);                                        \
   template void store_change_of_soil(const OrZero<Vec<D>>&, Particles<D>&);                                            \
-  template SoilView<D> see_soil(const Setup<D>& setup, const Faces<D>& faces, const State<D>& state,                   \
-                                const coupling::Inbox& inbox, const SeepageRegime& regime);                            \
+  template SoilView<D> see_soil(const Setup<D>& setup, const State<D>& state, const coupling::Inbox& inbox,            \
+                                const SeepageRegime& regime);                                                          \
   template void store_coupling_force(const Setup<D>& setup, const SoilView<D>& view, std::span<const Vec<D>> gradient, \
                                      double interval, Particles<D>& p);                                                \
   template void store_surface_gradient(const Setup<D>& setup, const Stencil<D>& s, std::span<const Vec<D>> gradient,   \

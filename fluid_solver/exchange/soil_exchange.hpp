@@ -11,7 +11,7 @@ namespace poretwin::fluid {
 
 /// The soil at the water's particles: as the exchange brought it, or as it is drawn.
 template <int D>
-SoilView<D> see_soil(const Setup<D>& setup, const Faces<D>& faces, const State<D>& state, const coupling::Inbox& inbox,
+SoilView<D> see_soil(const Setup<D>& setup, const State<D>& state, const coupling::Inbox& inbox,
                      const SeepageRegime& regime);
 
 /// Fits the particles' bulk volumes to the pores of the soil that they are in, their mass kept.

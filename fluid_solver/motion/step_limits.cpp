@@ -66,13 +66,9 @@ double quasi_static_speed(const Setup<D>& setup) {
 }
 
 template <int D>
-double free_interval(const Setup<D>& setup, const State<D>& state) {
-  const auto& p = state.particles;
-  const double longest = -parallel_max(p.size(), -HUGE_VAL, [&](std::size_t a) {
-    if (p.in_seepage[a] != 0) return -HUGE_VAL;
-    return -(steps::free_courant * spacing_of<D>(p.volume[a]) / std::max(p.velocity[a].norm(), 1e-300));
-  });
-  return std::min({wave_interval(setup), central_interval(setup), viscous_interval(setup, state.wave_speed), longest});
+double free_interval(const Setup<D>& setup, const Particles<D>& p, std::size_t a) {
+  const double courant = steps::free_courant * spacing_of<D>(p.volume[a]) / std::max(p.velocity[a].norm(), 1e-300);
+  return std::min({wave_interval(setup), central_interval(setup), viscous_interval(setup, p.wave_speed[a]), courant});
 }
 
 template <int D>
@@ -269,7 +265,9 @@ std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>&
             "a quarter spacing per window of a water table that falls");
     }
   apply(central_interval(setup), "central force");
-  if (free_water) apply(viscous_interval(setup, state.wave_speed), "viscosity");
+  if (free_water)
+    apply(viscous_interval(setup, parallel_max(p.size(), 0.0, [&](std::size_t a) { return p.wave_speed[a]; })),
+          "viscosity");
   for (std::size_t f = 0; f < faces.boundaries.size(); ++f)
     if (!faces.is_opening(state, static_cast<int>(f))) {
       const auto bound =
@@ -318,7 +316,7 @@ std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>&
 #define PORETWIN_INSTANTIATE(D)                                                                                    \
   template double wave_interval(const Setup<D>&);                                                                  \
   template double quasi_static_speed(const Setup<D>&);                                                             \
-  template double free_interval(const Setup<D>&, const State<D>&);                                                 \
+  template double free_interval(const Setup<D>&, const Particles<D>&, std::size_t);                                \
   template void begin_control(const Setup<D>&, const SoilView<D>&, double, State<D>&, double&);                    \
   template void control_interval(const Setup<D>&, const ScalarArray&, double, double, State<D>&);                  \
   template void limit_by_slowing(const Setup<D>&, const VecArray<D>&, double, State<D>&);                          \

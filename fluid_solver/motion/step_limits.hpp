@@ -15,9 +15,9 @@ double wave_interval(const Setup<D>& setup);
 template <int D>
 double quasi_static_speed(const Setup<D>& setup);
 
-/// Longest window that the motion of free water allows [s].
+/// Longest window that the motion of particle a of free water allows [s].
 template <int D>
-double free_interval(const Setup<D>& setup, const State<D>& state);
+double free_interval(const Setup<D>& setup, const Particles<D>& p, std::size_t a);
 
 /// Whether a load begins at a time [s], to rounding.
 template <int D>

@@ -35,15 +35,11 @@ VecArray<D> forced_velocity(const Setup<D>& setup, const State<D>& state, const 
   if (parallel_all(s.n_real, [&](std::size_t a) { return damped[a]; })) return result;
   if (result.empty()) result = v;
   using motion::impact_viscosity;
-  const double noise = motion::noise_viscosity * setup.spacing * state.wave_speed,
-               shear_viscosity = viscosity(setup, state.wave_speed);
-  // The numerical viscosity is a damping, not a property of water: it need not be exact.
-  const bool own = shear_viscosity <= setup.kinematic_viscosity;
   const VecArray<D> all = extended<D>(s, v, Carried::yes, setup.no_slip);
-  // Of a point: velocity, velocity gradient, smoothing length, amplification (0: does not count), whether moving soil
-  // takes it along.
-  constexpr std::size_t at_gradient = D, at_length = at_gradient + D * D, at_amplified = at_length + 1,
-                        at_carried = at_amplified + 1;
+  // Of a point: velocity, velocity gradient, smoothing length, viscosity and that on noise, whether moving soil takes
+  // it along (-1: does not count).
+  constexpr std::size_t at_gradient = D, at_length = at_gradient + D * D, at_shear = at_length + 1,
+                        at_noise = at_shear + 1, at_carried = at_noise + 1;
   PackedPoints<D, at_carried + 1> points(s.size());
   parallel_for(s.size(), [&](std::size_t j) {
     const Index q = s.parent[j];
@@ -60,8 +56,15 @@ VecArray<D> forced_velocity(const Setup<D>& setup, const State<D>& state, const 
     Eigen::Map<Vec<D>>{row + D} = all[j];
     Eigen::Map<Mat<D>>{row + D + at_gradient} = gradient;
     row[D + at_length] = s.length(j);
-    row[D + at_amplified] = !real ? 0.0 : own ? s.amplification[q] : 1.0;
-    row[D + at_carried] = real && !own && damped[q] && state.particles.in_seepage[q] == 0 ? 1.0 : 0.0;
+    row[D + at_shear] = row[D + at_noise] = 0.0;
+    row[D + at_carried] = -1.0;
+    if (!real) return;
+    const double wave_speed = state.particles.wave_speed[q], shear = viscosity(setup, wave_speed);
+    // The numerical viscosity is a damping, not a property of water: it need not be exact.
+    const bool own = shear <= setup.kinematic_viscosity;
+    row[D + at_shear] = shear * (own ? s.amplification[q] : 1.0);
+    row[D + at_noise] = motion::noise_viscosity * setup.spacing * wave_speed;
+    row[D + at_carried] = !own && damped[q] && state.particles.in_seepage[q] == 0 ? 1.0 : 0.0;
   });
   for_pairs_in_lanes<D, at_carried + 1, D>(
       s, points,
@@ -78,13 +81,14 @@ VecArray<D> forced_velocity(const Setup<D>& setup, const State<D>& state, const 
             sqrt_in_place(size);
             max_in_place(approach, Lanes{});
             const Lanes impact = 0.5 * impact_viscosity * (self[at_length] + point[at_length]) * approach / size;
-            const Lanes shear = 0.5 * shear_viscosity * (self[at_amplified] + point[at_amplified]) + impact;
+            const Lanes shear = 0.5 * (self[at_shear] + point[at_shear]) + impact,
+                        noise = 0.5 * (self[at_noise] + point[at_noise]);
             for (std::size_t d = 0; d < D; ++d) {
               Lanes unexplained = factor * (point[d] - self[d]);
               for (std::size_t e = 0; e < D; ++e)
                 unexplained -= 0.5 * (self[at_gradient + d + D * e] + point[at_gradient + d + D * e]) * w[e];
               const Lanes part = shear * factor * (point[d] - self[d]) + noise * unexplained;
-              sums[d] += point[at_amplified] > 0.0 && point[at_carried] == self[at_carried] ? part : Lanes{};
+              sums[d] += point[at_carried] == self[at_carried] ? part : Lanes{};
             }
           },
       [&](std::size_t a, const double* total) __attribute__((always_inline)) {

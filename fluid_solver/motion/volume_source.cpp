@@ -15,21 +15,20 @@ namespace {
 
 /// Divergence [1/s] that is deferred to later windows: of free water with one-sided neighbours, before this window's
 /// forces act. In windows shorter than half the longest one that the water's motion allows, only the fraction
-/// interval / that half is removed. The reason: with few neighbours on one side, a pressure gradient can reverse a
-/// divergence and leave it larger, by a few percent per solve whatever the window's length. In much shorter windows it
-/// would grow until the water flies apart. The first window removes all of what the water starts with.
+/// interval / that half is removed, each particle's by its own motion. The reason: with few neighbours on one side, a
+/// pressure gradient can reverse a divergence and leave it larger, by a few percent per solve whatever the window's
+/// length. In much shorter windows it would grow until the water flies apart. The first window removes all of what the
+/// water starts with.
 template <int D>
 ScalarArray deferred_divergence(const Setup<D>& setup, const State<D>& state, const Stencil<D>& s,
                                 const SoilView<D>& view, double interval) {
   const auto& p = state.particles;
   ScalarArray deferred(p.size(), 0.0);
   if (setup.scheme != FluidCase::Scheme::projection || state.last_interval <= 0.0) return deferred;
-  const double fraction = 1.0 - interval / (0.5 * free_interval<D>(setup, state));
-  if (fraction <= 0.0) return deferred;
   parallel_for(p.size(), [&](std::size_t a) {
-    if (p.in_seepage[a] == 0 && !is_drag_dominated<D>(setup, state.particles, view, a) &&
+    if (p.in_seepage[a] == 0 && !is_drag_dominated<D>(setup, p, view, a) &&
         s.length(a) * s.normal[a].norm() > motion::even_surroundings)
-      deferred[a] = fraction;
+      deferred[a] = std::max(0.0, 1.0 - interval / (0.5 * free_interval<D>(setup, p, a)));
   });
   if (parallel_all(p.size(), [&](std::size_t a) { return deferred[a] == 0.0; })) return deferred;
   VecArray<D> flux(p.size());
@@ -73,12 +72,12 @@ ScalarArray unseen_strain_rate(State<D>& state, const Stencil<D>& s, const SoilV
 
 }  // namespace
 
-/// Water without soil, in 2D, its pressure solved for: its density is measured in a way that hardly depends on the
-/// order of its particles. Over soil a thin fast layer would gain 1 % of its energy by that; in 3D nothing is gained,
-/// and explicit sweeps lose.
+/// In 2D, its pressure solved for, the density of open water is measured in a way that hardly depends on the order of
+/// its particles. On soil a thin fast layer would gain 1 % of its energy by that; in 3D nothing is gained, and explicit
+/// sweeps lose.
 template <int D>
-bool open_water(const Setup<D>& setup) {
-  return D == 2 && setup.ground.strata().empty() && setup.is_projection();
+bool tells_density(const Setup<D>& setup) {
+  return D == 2 && setup.is_projection();
 }
 
 template <int D>
@@ -118,7 +117,7 @@ double repair_time(const Setup<D>& setup, const Particles<D>& p, std::size_t a, 
 
 template <int D>
 double packing_error(const Setup<D>& setup, const Particles<D>& p, const Stencil<D>& s, std::size_t a, double full) {
-  if (open_water(setup) && p.surface[a] != Surface::lone)
+  if (tells_density(setup) && s.open_water[a] != 0 && p.surface[a] != Surface::lone)
     if (const double below = depth<D>(s, a); below > 0.0) {
       // The missing side is filled with a lattice; a surface may be loose.
       static const double whole = lattice_density<D>();
@@ -138,12 +137,12 @@ ScalarArray volume_source(const Setup<D>& setup, State<D>& state, const Stencil<
                           std::span<const Mat<D>> velocity_gradient, double interval) {
   auto& p = state.particles;
   ScalarArray source = deferred_divergence<D>(setup, state, s, view, interval);
-  // Pressure repairs a packing error by moving the surface or the inflow. A closed domain has neither: shifting alone
-  // evens its packing, since pressure would only push on the grains.
-  const bool open = !parallel_all(p.size(), [&](std::size_t a) { return p.surface[a] == Surface::interior; }) ||
-                    std::any_of(state.columns.begin(), state.columns.end(), [](const auto& c) { return c.wet; });
+  // Pressure repairs a packing error by moving the surface or the inflow. A body that only walls surround has neither:
+  // shifting alone evens its packing, since pressure would only push on the grains.
   // Where all soil is full, no flow that pressure drives can even the points out: they are displaced instead (repair).
-  const auto motion = open && !state.full ? moved<D>(state.particles) : ScalarArray(p.size(), 0.0);
+  auto motion = !state.full ? moved<D>(state.particles) : ScalarArray(p.size(), 0.0);
+  if (p.closed_body.is_allocated())
+    parallel_for(p.size(), [&](std::size_t a) { motion[a] *= p.closed_body[a] == 0 ? 1.0 : 0.0; });
   // Voids opened by cavitation are no packing error.
   const bool cavitates = std::any_of(p.void_volume.begin(), p.void_volume.end(), [](double c) { return c > 0.0; });
   const auto voids_near = [&](std::size_t a) {
@@ -214,7 +213,7 @@ VecArray<D> repair(const Setup<D>& setup, const State<D>& state, const Stencil<D
 }
 
 #define PORETWIN_INSTANTIATE(D)                                                                                \
-  template bool open_water(const Setup<D>&);                                                                   \
+  template bool tells_density(const Setup<D>&);                                                                \
   template ScalarArray moved(const Particles<D>&);                                                             \
   template double free_repair_time(const Setup<D>&, double);                                                   \
   template double repair_time(const Setup<D>&, const Particles<D>&, std::size_t, const SoilView<D>&, double);  \

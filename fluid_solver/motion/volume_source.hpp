@@ -8,7 +8,7 @@ namespace poretwin::fluid {
 
 /// Whether the density of the water is measured in a way that hardly depends on the order of its particles.
 template <int D>
-bool open_water(const Setup<D>& setup);
+bool tells_density(const Setup<D>& setup);
 
 /// How far each particle has come from its birthplace, in [0, 1]; 1: far enough for its packing to count.
 template <int D>

@@ -17,6 +17,9 @@ inline constexpr double impact_viscosity = 0.5;
 /// c/(2 (D + 2)) with alpha of at least 0.03 and c = 10 sqrt(g H) (Monaghan 1994).
 /// Unit: spacings times the speed of long waves. Test: Eisph.DisorderedTankStaysQuiet (untried).
 inline constexpr double sweep_viscosity = 0.05;
+/// Distance at which particles belong to one body of water, whose depth tells the speed of its longest waves.
+/// Unit: spacings. Test: Locality.ADeepPoolFarAwayLeavesFreeWaterAsItIs (untried).
+inline constexpr double touching = 1.6;
 /// |sum V grad W| h up to which surroundings are even, and the divergence of short windows is not deferred; at a flat
 /// surface 0.7.
 /// Unit: 1. Test: FreeWater.ShortWindowsFeedItNoEnergy (untried).

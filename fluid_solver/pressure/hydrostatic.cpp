@@ -1,6 +1,7 @@
 #include "fluid_solver/pressure/hydrostatic.hpp"
 
 #include "common/core/threads.hpp"
+#include "fluid_solver/discretisation/bodies.hpp"
 #include "fluid_solver/discretisation/water_stencil.hpp"
 #include "fluid_solver/exchange/soil_exchange.hpp"
 #include "fluid_solver/numerics/pressure.hpp"
@@ -13,12 +14,12 @@
 namespace poretwin::fluid {
 
 template <int D>
-void solve_hydrostatic(const Setup<D>& setup, const Faces<D>& faces, const Walls<D>& walls, SoilView<D>& view,
-                       State<D>& state) {
+void solve_hydrostatic(const Setup<D>& setup, const Walls<D>& walls, SoilView<D>& view, State<D>& state) {
   auto& p = state.particles;
   if (p.size() == 0) return;
-  auto s = water_stencil<D>(setup, faces, walls, state);
+  auto s = water_stencil<D>(setup, walls, state);
   mark_surface<D>(setup, s, {}, 0.0, state);
+  number_closed_bodies<D>(s, state);
   Vec<D> low = p.position[0], high = low;
   for (const auto& x : p.position) {
     low = low.cwiseMin(x);
@@ -45,9 +46,7 @@ void solve_hydrostatic(const Setup<D>& setup, const Faces<D>& faces, const Walls
         {steps::seepage_courant / fastest, "a quarter spacing per window of seepage that begins"});
 }
 
-template void solve_hydrostatic(const Setup<2>& setup, const Faces<2>& faces, const Walls<2>& walls, SoilView<2>& view,
-                                State<2>& state);
-template void solve_hydrostatic(const Setup<3>& setup, const Faces<3>& faces, const Walls<3>& walls, SoilView<3>& view,
-                                State<3>& state);
+template void solve_hydrostatic(const Setup<2>& setup, const Walls<2>& walls, SoilView<2>& view, State<2>& state);
+template void solve_hydrostatic(const Setup<3>& setup, const Walls<3>& walls, SoilView<3>& view, State<3>& state);
 
 }  // namespace poretwin::fluid

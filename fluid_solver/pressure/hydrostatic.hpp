@@ -10,7 +10,6 @@ namespace poretwin::fluid {
 /// fall through the whole scene, so that inertia is negligible in soil. The seepage speed that this pressure drives
 /// bounds the first window; no other speed is known yet. Removes the velocities from the view.
 template <int D>
-void solve_hydrostatic(const Setup<D>& setup, const Faces<D>& faces, const Walls<D>& walls, SoilView<D>& view,
-                       State<D>& state);
+void solve_hydrostatic(const Setup<D>& setup, const Walls<D>& walls, SoilView<D>& view, State<D>& state);
 
 }  // namespace poretwin::fluid

@@ -21,6 +21,7 @@ WindowProblem<D> window_problem(const Setup<D>& setup, const State<D>& state, do
   in.fixed_soil = setup.fixed_soil;
   in.void_fraction = state.particles.void_fraction;
   in.void_volume = state.particles.void_volume.values();
+  in.closed_body = state.particles.closed_body.values();
   const auto& mask = state.particles.mask;
   if (parallel_all(mask.size(), [&](std::size_t a) { return mask[a] <= 0.5; }))
     in.tolerance = pressure::free_water_tolerance;

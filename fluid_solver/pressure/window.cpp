@@ -6,8 +6,7 @@
 #include "fluid_solver/numerics/pressure.hpp"
 #include "fluid_solver/pressure/eisph.hpp"
 
-#include <atomic>
-
+#include <algorithm>
 namespace poretwin::fluid {
 namespace {
 
@@ -78,14 +77,14 @@ class WindowSolver {
     make_laplacians();
     boundary_.assign(n_, 0.0);
     cavitating_.assign(n_, false);
-    std::atomic<bool> closed{true};
+    open_.assign(n_, 0);
     parallel_for(n_, [&](std::size_t a) {
       const auto faces = from_faces(a, q_[a].kf);
       boundary_[a] = faces.value_or(0.0);
       add_surface(fluid_, a, q_[a].kf, &boundary_[a]);
-      if (faces || flags_[a] != Surface::interior) closed.store(false, std::memory_order_relaxed);
+      open_[a] = faces || flags_[a] != Surface::interior;
     });
-    free_closed_ = closed_ = closed;
+    find_closed();
   }
 
   [[nodiscard]] bool responds(std::size_t a) const { return !r_.empty() && r_[a].responds; }
@@ -331,7 +330,7 @@ class WindowSolver {
     }
     cavitating_ = std::move(cavitates);
     any_cavitating_ = std::find(cavitating_.begin(), cavitating_.end(), true) != cavitating_.end();
-    closed_ = free_closed_ && !any_cavitating_;
+    find_closed();
     fluid_.diagonal = free_diagonal_;
     boundary_ = free_boundary_;
     for (std::size_t a = 0; a < n_; ++a) {
@@ -489,9 +488,29 @@ class WindowSolver {
     return d;
   }
 
-  void remove_mean(std::span<double> x) const {
-    const double mean = sum_over(n_, [&](std::size_t a) { return x[a]; }) / static_cast<double>(n_);
-    parallel_for(n_, [&](std::size_t a) { x[a] -= mean; });
+  /// Finds the bodies of water whose mean pressure nothing prescribes.
+  void find_closed() {
+    const auto body = [&](std::size_t a) { return in_.closed_body.empty() ? 1 : in_.closed_body[a]; };
+    const int most = in_.closed_body.empty() ? 1 : *std::ranges::max_element(in_.closed_body);
+    std::vector<std::vector<std::size_t>> bodies(static_cast<std::size_t>(most) + 1);
+    std::vector<char> open(bodies.size(), 0);
+    for (std::size_t a = 0; a < n_; ++a) {
+      const auto b = static_cast<std::size_t>(body(a));
+      if (open_[a] != 0 || cavitating_[a]) open[b] = 1;
+      if (b > 0 && open[b] == 0) bodies[b].push_back(a);
+    }
+    closed_.clear();
+    for (std::size_t b = 1; b < bodies.size(); ++b)
+      if (open[b] == 0 && !bodies[b].empty()) closed_.push_back(std::move(bodies[b]));
+    all_closed_ = closed_.size() == 1 && closed_[0].size() == n_;
+  }
+
+  /// Takes from the values of each of these bodies their mean: the matrix is singular there.
+  void remove_means(std::span<double> x) const {
+    for (const auto& of : closed_) {
+      const double mean = sum_over(of.size(), [&](std::size_t i) { return x[of[i]]; }) / static_cast<double>(of.size());
+      parallel_for(of.size(), [&](std::size_t i) { x[of[i]] -= mean; });
+    }
   }
 
   /// Rigid soil, free water, or a skeleton of known velocity: one symmetric system.
@@ -503,9 +522,8 @@ class WindowSolver {
     const double rounding = 1e-12 * norm(b);
     // The datum is subtracted, so that the tolerance refers to pressures that drive flow.
     double reference = 0.0;
-    if (closed_) {
-      remove_mean(b);
-    } else {
+    remove_means(b);
+    if (!all_closed_) {
       ScalarArray row(n_);
       fluid_.apply(ScalarArray(n_, 1.0), std::span<double>(row));
       const double num = sum_over(n_, [&](std::size_t a) { return boundary_[a]; });
@@ -537,7 +555,7 @@ class WindowSolver {
         parallel_for(n_, [&](std::size_t a) { z[a] = inverse[a] * r[a]; });
         if (calls++ == pressure::iterations_without_aggregates) aggregates.emplace(pressure_aggregates());
         if (aggregates) aggregates->template correct<1>(r, z);
-        if (closed_) remove_mean(z);
+        remove_means(z);
       };
       report = conjugate_gradients(apply, by_diagonal, b, out.pressure, tolerance, pressure::patience);
       out.pressure_iterations += report.iterations;
@@ -547,7 +565,7 @@ class WindowSolver {
       Multigrid multigrid(fluid_);
       const auto by_cycle = [&](std::span<const double> r, std::span<double> z) {
         multigrid.cycle(r, z);
-        if (closed_) remove_mean(z);
+        remove_means(z);
       };
       report = conjugate_gradients(apply, by_cycle, std::move(b), out.pressure, tolerance, 2000);
       out.multigrid_cycles += report.iterations;
@@ -823,7 +841,7 @@ class WindowSolver {
     const ScalarArray at_start = apply_H(velocity);
     skeleton_velocity(out.pressure, at_start, at_start, out);
     ScalarArray residual = imbalance(b, ScalarArray(n_, 0.0), out);
-    if (closed_) remove_mean(residual);
+    remove_means(residual);
     const double size = norm(residual);  // of what the directions add up to
     std::vector<VecArray<D>> answers;    // of the skeleton to the directions of the search
     const auto apply = [&](std::span<const double> x, std::span<double> y) {
@@ -837,11 +855,11 @@ class WindowSolver {
       const ScalarArray squeeze_x = squeezed(answers.back()), held_back = stabilised(x, G);
       fluid_.apply(x, y);
       for (std::size_t a = 0; a < n_; ++a) y[a] += squeeze_x[a] + held_back[a];
-      if (closed_) remove_mean(y);
+      remove_means(y);
     };
     const auto precondition = [&](std::span<const double> r, std::span<double> z) {
       out.pressure_iterations += two_fields(r, z, pressure::preconditioner_tolerance);
-      if (closed_) remove_mean(z);
+      remove_means(z);
     };
     ScalarArray dp(n_, 0.0);
     const double scale = pressure::response_tolerance * size;
@@ -929,7 +947,9 @@ class WindowSolver {
   std::size_t n_;
   Eliminations<D> q_;
   std::vector<Response> r_;  ///< empty: no skeleton responds
-  bool any_response_ = false, closed_ = true, free_closed_ = true, any_cavitating_ = false;
+  std::vector<char> open_;   ///< [n] has a surface or a face
+  std::vector<std::vector<std::size_t>> closed_;
+  bool any_response_ = false, all_closed_ = false, any_cavitating_ = false;
   std::vector<char> beside_moving_;  ///< 1: of free water and moving soil that meet; empty: nothing moves
   std::vector<bool> cavitating_;     ///< [n] at the cavitation pressure
   VecArray<D> flow_;                 ///< see prepare_flow [N]

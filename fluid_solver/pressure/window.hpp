@@ -18,17 +18,18 @@ struct WindowProblem {
   std::span<const double> pressure;       ///< [n] at the window's start, piezometric, Pa; none: the warm start's
   std::span<const Vec<D>> velocity;       ///< [n] of the water, viscosity already in it, m/s; none: at rest
   OrZero<double> source;                  ///< [n] volume to be given off, 1/s
-  double cavitation = -1e300;             ///< total pressure at which water cavitates, Pa
-  std::span<const double> void_volume;    ///< [n] volume of its voids so far, m^D; none: no voids
-  std::span<const char> in_seepage;       ///< [n] 0: its soil moves by itself or there is none; none: nothing moves
-  ScalarArray face_pressure;              ///< [columns] piezometric, Pa
-  ScalarArray face_slope;                 ///< [columns] of that along the face's normal, into the domain, so far, Pa/m
-  std::vector<bool> face_holds;           ///< [columns] the soil
-  std::vector<int> face_soil;             ///< [columns] number in the case of the soil before them, at rest; -1: none
-  double tolerance = 2e-5;                ///< of the pressure residual, relative, where no skeleton responds
-  std::uint32_t fixed_soil = 0;           ///< boundaries that hold the soil, by bits
-  int sweeps = 0;                         ///< explicit sweeps in place of the solve; 0: solve
-  double interval_over_proposed = 1.0;    ///< window over the phase's own proposal: shorter makes sweeps no stiffer
+  std::span<const int> closed_body;  ///< [n] number from 1 of its body if only walls surround that; none: all are one
+  double cavitation = -1e300;        ///< total pressure at which water cavitates, Pa
+  std::span<const double> void_volume;  ///< [n] volume of its voids so far, m^D; none: no voids
+  std::span<const char> in_seepage;     ///< [n] 0: its soil moves by itself or there is none; none: nothing moves
+  ScalarArray face_pressure;            ///< [columns] piezometric, Pa
+  ScalarArray face_slope;               ///< [columns] of that along the face's normal, into the domain, so far, Pa/m
+  std::vector<bool> face_holds;         ///< [columns] the soil
+  std::vector<int> face_soil;           ///< [columns] number in the case of the soil before them, at rest; -1: none
+  double tolerance = 2e-5;              ///< of the pressure residual, relative, where no skeleton responds
+  std::uint32_t fixed_soil = 0;         ///< boundaries that hold the soil, by bits
+  int sweeps = 0;                       ///< explicit sweeps in place of the solve; 0: solve
+  double interval_over_proposed = 1.0;  ///< window over the phase's own proposal: shorter makes sweeps no stiffer
 };
 
 template <int D>

@@ -88,5 +88,52 @@ TEST(Locality, ADropFarAwayLeavesFreeWaterAsItIs) {
   expect_the_same(breaking_dam(), beside, 1e-3, 1e-8);  // the solve ends at 1e-12 of its right side
 }
 
+TEST(Locality, ADeepPoolFarAwayLeavesFreeWaterAsItIs) {
+  Case beside = breaking_dam();
+  for (const auto& side : {line(1.0, 0.4, 1.0, -0.2), line(1.0, -0.2, 1.1, -0.2), line(1.1, -0.2, 1.1, 0.4)})
+    beside.walls.push_back(wall(side));
+  beside.fluid.regions.push_back(box(1.0, -0.2, 1.1, 0.3));
+  expect_the_same(breaking_dam(), beside, 1e-3, 1e-8);
+}
+
+TEST(Locality, ABlockOfSoilFarAwayLeavesFreeWaterAsItIs) {
+  Case beside = breaking_dam();
+  beside.soils = {sand()};
+  beside.soils[0].hydraulic_conductivity = 1e-3;
+  beside.soils[0].shape = box(1.0, 0.0, 1.1, 0.1);
+  beside.walls.push_back(wall(line(1.1, 0.0, 1.1, 0.1)));
+  beside.walls.push_back(wall(line(1.0, 0.1, 1.0, 0.0)));
+  beside.walls.push_back(wall(line(1.0, 0.0, 1.1, 0.0)));
+  beside.fluid.regions.push_back(box(1.0, 0.0, 1.1, 0.05));
+  expect_the_same(breaking_dam(), beside, 1e-3, 1e-8);
+}
+
+TEST(Locality, AFastDropFarAwayLeavesFreeWaterAsItIs) {
+  Case beside = breaking_dam();
+  beside.fluid.regions.push_back(box(1.0, 0.5, 1.03, 0.53));
+  expect_the_same(breaking_dam(), beside, 1e-3, 1e-8);
+}
+
+/// A box full of disordered water without a surface.
+Case closed_box() {
+  Case scene;
+  scene.solid.model = SolidCase::Model::rigid;
+  scene.fluid.particle_spacing = dx;
+  scene.fluid.pressure_tolerance = 1e-14;
+  scene.fluid.jitter = 0.2;
+  scene.fluid.initial_strain = 1.0;
+  scene.walls = {wall(line(0.0, 0.1, 0.0, 0.0)), wall(line(0.0, 0.0, 0.1, 0.0)), wall(line(0.1, 0.0, 0.1, 0.1)),
+                 wall(line(0.1, 0.1, 0.0, 0.1))};
+  scene.fluid.regions = {box(0.0, 0.0, 0.1, 0.1)};
+  return scene;
+}
+
+TEST(Locality, ADropFarAwayLeavesAClosedBoxAsItIs) {
+  Case beside = closed_box();
+  beside.fluid.initial_strain = 1.0;
+  beside.fluid.regions.push_back(box(1.0, 0.1, 1.03, 0.13));
+  expect_the_same(closed_box(), beside, 1e-3, 1e-6);
+}
+
 }  // namespace
 }  // namespace poretwin::fluid

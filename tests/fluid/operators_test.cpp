@@ -12,7 +12,7 @@ namespace {
 
 template <int D>
 Stencil<D> box(double jitter, std::size_t count, std::span<const sph::ImagePlane<D>> planes,
-               std::vector<Vec<D>>* points = nullptr, bool open_water = false) {
+               std::vector<Vec<D>>* points = nullptr, bool by_density = false) {
   VecArray<D> x;
   std::mt19937_64 generator(3);
   std::uniform_real_distribution<double> noise(-jitter, jitter);
@@ -27,7 +27,7 @@ Stencil<D> box(double jitter, std::size_t count, std::span<const sph::ImagePlane
       }
   if (points) *points = x;
   const ScalarArray volume(x.size(), std::pow(dx, D));
-  return make_stencil<D>(x, volume, std::span<const Buffer<D>>(), planes, {}, open_water);
+  return make_stencil<D>(x, volume, std::span<const Buffer<D>>(), planes, {}, by_density);
 }
 
 template <int D>
@@ -330,8 +330,8 @@ TEST(Faces, SlopesAreExactForLinearPressures) {
 // As many points in the same box: how full it is must not depend on their order.
 TEST(Operators, DensityOfOpenWaterHardlyKnowsThePackingsOrder) {
   const auto planes = walls<2>();
-  const auto mean = [&](double jitter, bool open_water) {
-    const auto s = box<2>(jitter, 20, planes, nullptr, open_water);
+  const auto mean = [&](double jitter, bool by_density) {
+    const auto s = box<2>(jitter, 20, planes, nullptr, by_density);
     double sum = 0.0;
     for (const double fullness : s.fullness) sum += fullness;
     return sum / static_cast<double>(s.n_real);
@@ -365,6 +365,8 @@ TEST(Operators, AParticleWithFewNeighboursOnOneSideLiesAtAHole) {
                          {-0.604, -1.759}, {0.158, -1.907},  {1.569, -1.308}, {2.089, 0.366},   {-2.248, -0.551},
                          {0.924, -2.217},  {-1.508, -1.999}, {-2.427, 0.083}};
   auto s = make_stencil<2>(x, ScalarArray(x.size(), 1.0), {}, {});
+  EXPECT_NE(find_surface<2>(s, std::vector<char>(x.size(), 0), {}, 0.0, true)[0], Surface::surface);
+  s.open_water.assign(x.size(), 0);  // beside soil
   EXPECT_EQ(find_surface<2>(s, std::vector<char>(x.size(), 0), {}, 0.0, true)[0], Surface::surface);
 }
 
