@@ -61,6 +61,7 @@ void Fluid<D>::initialise(const coupling::Inbox& inbox) {
   const SeepageRegime regime{setup_.density, quasi_static_speed(setup_), true};  // no window yet: water has no past
   auto view = see_soil(setup_, state_, inbox, regime);
   fill_pores(setup_, view, p);
+  if (setup_.coupled) fit_columns_to_pores(setup_, state_);
   set_regimes(view, regime, p);
   begin_control(setup_, view, 0.0, state_, first_interval_);
   p.solid_velocity = view.velocity;

@@ -57,7 +57,7 @@ std::string checksum_of(std::string_view head, std::string_view state) {
 void expect_same(const std::string& place, const RunIdentity& expected, const RunIdentity& found,
                  bool accept_changed_program) {
   for (const auto& [name, value] : expected) {
-    const auto same = std::find_if(found.begin(), found.end(), [&](const auto& entry) { return entry.first == name; });
+    const auto same = std::ranges::find(found, name, &RunIdentity::value_type::first);
     const std::string other = same == found.end() ? "nothing" : same->second;
     const bool program = name == program_entry;
     if (other == value || (program && accept_changed_program)) continue;

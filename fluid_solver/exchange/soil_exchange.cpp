@@ -66,6 +66,23 @@ void fill_pores(const Setup<D>& setup, const SoilView<D>& view, Particles<D>& p)
 }
 
 template <int D>
+void fit_columns_to_pores(const Setup<D>& setup, State<D>& state) {
+  const auto& p = state.particles;
+  for (auto& c : state.columns) {
+    if (!c.in_soil) continue;
+    double nearest = 4.0 * c.spacing * c.spacing, n = c.void_fraction;
+    for (std::size_t a = 0; a < p.size(); ++a)
+      if (const double distance = (p.position[a] - c.foot).squaredNorm(); p.mask[a] > 0.5 && distance < nearest) {
+        nearest = distance;
+        n = p.void_fraction[a];
+      }
+    if (std::abs(n - c.void_fraction) < exchange::same_porosity) continue;
+    c.void_fraction = n;
+    c.mass = setup.density * n * c.volume;
+  }
+}
+
+template <int D>
 void store_change_of_soil(const OrZero<Vec<D>>& from, Particles<D>& p) {
   p.solid_change.allocate(p.size());
   for (std::size_t a = 0; a < p.size(); ++a) p.solid_change.set(a, p.solid_velocity[a] - from[a]);
@@ -189,6 +206,7 @@ coupling::Publication publication(const Cloud<D>& cloud, const State<D>& state) 
 
 #define PORETWIN_INSTANTIATE(D)                                                                                        \
   template void fit_pores(const Setup<D>&, const SoilView<D>&, Particles<D>&);                                         \
+  template void fit_columns_to_pores(const Setup<D>& setup, State<D>& state);                                          \
   template void fill_pores(const Setup<D>&, const SoilView<D>&, Particles<D>&);                                        \
   template void store_change_of_soil(const OrZero<Vec<D>>&, Particles<D>&);                                            \
   template SoilView<D> see_soil(const Setup<D>& setup, const State<D>& state, const coupling::Inbox& inbox,            \

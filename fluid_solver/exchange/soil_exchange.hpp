@@ -23,6 +23,11 @@ void fit_pores(const Setup<D>& setup, const SoilView<D>& view, Particles<D>& p);
 template <int D>
 void fill_pores(const Setup<D>& setup, const SoilView<D>& view, Particles<D>& p);
 
+/// Gives each column in soil the pores that the water before it is in, where they are not as drawn: the solid may be
+/// another program.
+template <int D>
+void fit_columns_to_pores(const Setup<D>& setup, State<D>& state);
+
 /// Applies the impulse that the soil returned. Where the soil's velocity departed from the last window's prediction,
 /// drag takes its water along by C / (a + C) of the departure, a = n rho / dt (Eq. (27) at that window's pressure). The
 /// soil has already met the inertia of that water (Solid::advance), evaluated at its own points. The difference between

@@ -5,6 +5,9 @@
 
 namespace poretwin::fluid::exchange {
 
+/// Difference up to which the soil's porosity in front of a face is that of the case, mapped.
+/// Unit: 1. Test: Python.AnotherSoilThanTheCaseDrawsIsUsedAtFacesToo (untried).
+inline constexpr double same_porosity = 1e-3;
 /// Least solid fraction that counts as soil.
 /// Unit: 1. Test: none known.
 inline constexpr double least_solid_fraction = 1e-3;

@@ -51,6 +51,32 @@ TEST_F(Python, ARigidSolidTakesTheDragOfTheRealFluid) {
   EXPECT_NEAR(gauges.at("drag_x").value.back(), 0.0, 1e-6 * drag);
 }
 
+/// What the solid says of the soil holds at faces, too, whatever the case says.
+TEST_F(Python, AnotherSoilThanTheCaseDrawsIsUsedAtFacesToo) {
+  std::ofstream(folder_ / "other.py") << "import sys\nsys.path.insert(0, '" << (examples().parent_path()).string()
+                                      << "')\nsys.path.insert(0, '" << examples().string()
+                                      << "')\nimport poretwin, rigid_solid\n"
+                                         "class Other(rigid_solid.RigidSolid):\n"
+                                         "  def __init__(self, case):\n"
+                                         "    super().__init__(case)\n"
+                                         "    self.fields['hydraulic_conductivity'] *= 2\n"
+                                         "    self.fields['solid_volume_fraction'][:] = 0.7\n"
+                                         "sys.exit(poretwin.main('solid', Other))\n";
+  auto scene = text_of(examples() / "seepage.toml");
+  for (const std::string y : {"0", "0.2", "0.4"})
+    scene += "\n[[gauge]]\nname = \"q_" + y + "\"\nphase = \"fluid\"\nkind = \"discharge\"\npoints = [[0, " + y +
+             "], [0.2, " + y + "]]\n";
+  std::ofstream(folder_ / "other.toml") << scene;
+  const auto outcome =
+      poretwin({"run", (folder_ / "other.toml").string(), "--out", out().string(), "--no-pictures", "--until", "0.5",
+                "--solid", "/usr/bin/python3 " + (folder_ / "other.py").string()});
+  ASSERT_EQ(outcome.exit, 0) << outcome.err << log("solid");
+  const auto gauges = read_gauges(out() / "gauges.csv");
+  const double discharge = 2.0 * conductivity * gradient * width;
+  for (const std::string y : {"0", "0.2", "0.4"})
+    EXPECT_NEAR(gauges.at("q_" + y).value.back(), discharge, 1e-3 * discharge) << y;
+}
+
 /// A peer in another language keeps checkpoints as well: killed, the run ends with the same readings.
 TEST_F(Python, AKilledPeerIsResumed) {
   const std::vector<std::string> words{"--solid", command("rigid_solid.py"), "--checkpoint-every", "0"};
