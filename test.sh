@@ -1,7 +1,8 @@
 #!/bin/bash
 # Installs what is missing, builds and runs the tests: ./test.sh [PRESET [options of ctest]]. Safe to run twice.
-# The asan and tsan presets take the unit and interface tests; release takes all. `full` takes all tests with the address sanitizer, then the
-# release tests, then what takes long or needs a network: the Debian packages on a fresh Debian (root).
+# The asan and tsan presets take the unit and interface tests; release takes all. `full` takes all tests with the address
+# sanitizer, the unit and interface tests with the thread sanitizer, all sources by clang-tidy and by clang 14, the release
+# tests, and then what takes long or needs a network: the Debian packages on a fresh Debian (root).
 set -euo pipefail
 cd "$(dirname "$0")"
 . scripts/setup.sh
@@ -18,6 +19,9 @@ if [ "$preset" = full ]; then
   build asan
   say "testing: asan, all"
   ctest --preset asan -j "$(nproc)" "$@"
+  ./test.sh tsan "$@"
+  scripts/tidy.sh
+  build clang
   build release
   say "testing: release"
   ctest --preset release -j "$(nproc)" "$@"

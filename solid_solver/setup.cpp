@@ -200,8 +200,8 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   setup.stabilisers.artificial = scene.solid.artificial_viscosity;
   setup.stabilisers.quadratic = scene.solid.quadratic_viscosity;
   setup.stabilisers.artificial_stress = scene.solid.artificial_stress;
-  setup.stabilisers.hourglass_viscosity = scene.solid.zero_energy_viscosity;
-  setup.stabilisers.hourglass_stiffness = scene.solid.zero_energy_stiffness;
+  setup.stabilisers.hourglass_viscosity = scene.solid.hourglass_viscosity;
+  setup.stabilisers.hourglass_stiffness = scene.solid.hourglass_stiffness;
   setup.gravity = scene.general.gravity.head<D>();
   setup.water = {.density = scene.water.density,
                  .kinematic_viscosity = scene.water.kinematic_viscosity,

@@ -116,26 +116,33 @@ void expect_kinds(const Node& tables, const std::string& path) {
   }
 }
 
-/// Replaces words that earlier versions used in [[soil]] by today's; returns a warning for each. An old word is read
-/// for one version after its replacement.
+/// Replaces words and keys of earlier versions by today's; returns a warning for each. An old one is read for one version
+/// after its replacement.
 std::vector<std::string> replace_old_words(Node& root) {
-  struct OldWord {
-    std::string_view key, old, now;
+  struct Old {
+    std::string_view section, key, old, now;
   };
-  constexpr std::array old_words{OldWord{"seepage_law", "darcy", "kozeny_carman"}};
+  constexpr std::array old_words{Old{"soil", "seepage_law", "darcy", "kozeny_carman"}};
+  constexpr std::array old_keys{Old{"solid", "", "zero_energy_viscosity", "hourglass_viscosity"},
+                                Old{"solid", "", "zero_energy_stiffness", "hourglass_stiffness"}};
   std::vector<std::string> said;
-  for (auto& [section, soils] : root.entries) {
-    if (section != "soil") continue;
-    for (std::size_t i = 0; i < soils.items.size(); ++i)
-      for (auto& [key, value] : soils.items[i].entries)
+  for (auto& [section, table] : root.entries) {
+    for (std::size_t i = 0; i < table.items.size(); ++i)
+      for (auto& [key, value] : table.items[i].entries)
         for (const auto& word : old_words) {
-          if (key != word.key || value.text != word.old) continue;
+          if (section != word.section || key != word.key || value.text != word.old) continue;
           said.push_back(
-              fmt::format("{}: key 'soil[{}].{}': \"{}\" is the old word for \"{}\"; the next version will not "
-                          "read it",
-                          value.where, i, key, word.old, word.now));
+              fmt::format("{}: key '{}[{}].{}': \"{}\" is the old word for \"{}\"; the next version will not read it",
+                          value.where, section, i, key, word.old, word.now));
           value.text = word.now;
         }
+    for (auto& [key, value] : table.entries)
+      for (const auto& word : old_keys) {
+        if (section != word.section || key != word.old) continue;
+        said.push_back(fmt::format("{}: key '{}.{}' is the old word for '{}'; the next version will not read it",
+                                   value.where, section, word.old, word.now));
+        key = word.now;
+      }
   }
   return said;
 }
@@ -429,14 +436,14 @@ void declare(Keys& keys, SolidCase& s) {
       {"",
        "Epsilon of the artificial stress of Gray et al. (2001), which keeps cohesive soil in tension from clumping."},
       not_negative());
-  keys.number("zero_energy_viscosity", s.zero_energy_viscosity,
+  keys.number("hourglass_viscosity", s.hourglass_viscosity,
               {"", "Viscosity on what a linear field does not explain of the velocity; off where the soil flows."},
               not_negative());
   keys.flag(
       "regular_flow", s.regular_flow,
       {"",
        "Averages that keep stress, density and packing of flowing soil regular; false: to show what they are for."});
-  keys.number("zero_energy_stiffness", s.zero_energy_stiffness,
+  keys.number("hourglass_stiffness", s.hourglass_stiffness,
               {"",
                "Stiffness on the same of the displacement, in M; where soil has yielded at most with 0.3 % of its "
                "shear stress; off where it flows."},
@@ -566,7 +573,7 @@ void take_paper_defaults(Case& c) {
   c.fluid.drag_form = FluidCase::DragForm::smoothed;
   c.fluid.skeleton_response = false;
   c.solid.courant = 0.2;
-  c.solid.zero_energy_viscosity = c.solid.zero_energy_stiffness = 0.0;
+  c.solid.hourglass_viscosity = c.solid.hourglass_stiffness = 0.0;
   c.solid.regular_flow = false;
 }
 

@@ -215,9 +215,9 @@ struct SolidCase {
   double artificial_viscosity = 0.1;   ///< alpha of Monaghan's, on approaching particles
   double quadratic_viscosity = 0.0;    ///< beta of the same
   double artificial_stress = 0.0;      ///< epsilon of Gray et al. (2001), in tension
-  double zero_energy_viscosity = 0.1;  ///< on the part of the velocity that is not linear around a particle
+  double hourglass_viscosity = 0.1;  ///< on the part of the velocity that is not linear around a particle
   bool regular_flow = true;            ///< averages that keep stress, density and packing of flowing soil regular
-  double zero_energy_stiffness = 0.1;  ///< the same on the displacement, of M; bounded where soil yielded
+  double hourglass_stiffness = 0.1;  ///< the same on the displacement, of M; bounded where soil yielded
 };
 
 /// [coupling]

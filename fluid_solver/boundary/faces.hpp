@@ -61,7 +61,7 @@ struct InfiltrationSpeed {
 template <int D>
 Vec<D> behind_face(const Ground<D>& ground, const Vec<D>& foot, const Vec<D>& normal, double depth) {
   for (double share = 1.0; share > 1e-3; share *= 0.5)
-    if (const Vec<D> x = foot + share * depth * normal; ground.at(x)) return x;
+    if (Vec<D> x = foot + share * depth * normal; ground.at(x)) return x;
   return foot + depth * normal;
 }
 

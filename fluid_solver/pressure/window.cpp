@@ -615,7 +615,7 @@ class WindowSolver {
     // Vectors change on reflection: keep the image each weight belongs to.
     build_vector_stiffness();
     // Kinetic energy that drag would give to free grains in the window.
-    let_be_ = pressure::skeleton_tolerance * pressure::skeleton_tolerance * sum_over(n_, [&](std::size_t a) {
+    negligible_power_ = pressure::skeleton_tolerance * pressure::skeleton_tolerance * sum_over(n_, [&](std::size_t a) {
                 if (!responds(a)) return 0.0;
                 const Vec<D> dragged = (1.0 - r_[a].as * r_[a].ss) * (before(a) - soil_.velocity[a]);
                 return s_.volume[a] / r_[a].ss * dragged.squaredNorm();
@@ -776,7 +776,7 @@ class WindowSolver {
   static std::span<double> as_numbers(std::span<Vec<D>> x) { return {x.data()->data(), x.size() * D}; }
 
   /// Corrects s until the residual [n * D] of H s is this fraction of `size`, or its error's energy is negligible.
-  int solve_H(ScalarArray residual, double size, double let_be, std::span<Vec<D>> s) const {
+  int solve_H(ScalarArray residual, double size, double negligible_power, std::span<Vec<D>> s) const {
     const auto apply = [&](std::span<const double> u, std::span<double> y) { apply_H(u, y); };
     const auto precondition = [&](std::span<const double> r, std::span<double> z) {
       for (std::size_t a = 0; a < n_; ++a)
@@ -784,7 +784,7 @@ class WindowSolver {
       aggregates_->correct(r, z);
     };
     return reduce_residual(apply, precondition, std::move(residual), as_numbers(s), pressure::skeleton_tolerance * size,
-                           3000, let_be)
+                           3000, negligible_power)
         .iterations;
   }
 
@@ -833,7 +833,7 @@ class WindowSolver {
       residual[i] -= now[i];
     }
     out.skeleton_iterations +=
-        solve_H(std::move(residual), std::max(std::sqrt(change), rounding), let_be_, out.solid_velocity.values());
+        solve_H(std::move(residual), std::max(std::sqrt(change), rounding), negligible_power_, out.solid_velocity.values());
   }
 
   void solve_response(const ScalarArray& b, WindowSolution<D>& out) {
@@ -851,7 +851,7 @@ class WindowSolver {
         if (responds(a)) set_drive(drive, a, -r_[a].mS * G[a]);
       answers.emplace_back(n_, Vec<D>::Zero());
       const double whole = norm(drive);
-      out.skeleton_iterations += solve_H(std::move(drive), whole, let_be_ / (size * size), answers.back());
+      out.skeleton_iterations += solve_H(std::move(drive), whole, negligible_power_ / (size * size), answers.back());
       const ScalarArray squeeze_x = squeezed(answers.back()), held_back = stabilised(x, G);
       fluid_.apply(x, y);
       for (std::size_t a = 0; a < n_; ++a) y[a] += squeeze_x[a] + held_back[a];
@@ -957,7 +957,7 @@ class WindowSolver {
   MatArray<D> stretch_;  ///< [n] by which pairs are scaled (even_out_directions)
   ScalarArray sources_;
   ScalarArray start_, free_diagonal_, free_boundary_;  ///< the pressure at first; the system without cavitation
-  double let_be_ = 0.0;  ///< power below which an error of the skeleton's velocity is negligible [N m/s]
+  double negligible_power_ = 0.0;  ///< power below which an error of the skeleton's velocity is negligible [N m/s]
   ScalarArray boundary_, fixed_, stabilisation_, storage_, H_diagonal_;
   ScalarArray H_inverse_;                    ///< of the preconditioner's diagonal
   std::optional<Aggregates<D>> aggregates_;  ///< coarse space of the skeleton's stiffness

@@ -16,7 +16,7 @@ inline constexpr double elastic_share = 0.2;
 inline constexpr double plastic_error = 1e-4;
 /// Departure from rest, over gravity, below which no equilibrium is sought at all.
 /// Unit: 1. Test: none known.
-inline constexpr double let_be = 3e-3;
+inline constexpr double negligible_unrest = 3e-3;
 /// Averaged force from which on it counts as moving.
 /// Unit: gravity. Test: none known.
 inline constexpr double woken_by = 5e-3;

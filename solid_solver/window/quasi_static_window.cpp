@@ -200,7 +200,7 @@ typename QuasiStaticWindow<D>::Answer QuasiStaticWindow<D>::advance(const Setup<
       !setup.can_yield
           ? departure(setup, stiffness, state, drive) <= statics::elastic_error
           : !softened(setup, state) &&
-                unrest(setup, state, drive, reference_acceleration(setup, state, drive)).largest <= statics::let_be;
+                unrest(setup, state, drive, reference_acceleration(setup, state, drive)).largest <= statics::negligible_unrest;
   bool moved = false, evaluate = !answers.empty();  // forces, once the search is over
   if (!asleep) {
     const EquilibriumSearch search{

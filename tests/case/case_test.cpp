@@ -187,7 +187,7 @@ TEST_F(CaseFile, TakesThePapersDefaultsByName) {
   EXPECT_FALSE(moving.fluid.skeleton_response);
   EXPECT_EQ(moving.fluid.drag_form, FluidCase::DragForm::pointwise);
   EXPECT_EQ(moving.solid.model, SolidCase::Model::drucker_prager_rate);
-  EXPECT_EQ(moving.solid.zero_energy_stiffness, 0.0);
+  EXPECT_EQ(moving.solid.hourglass_stiffness, 0.0);
   EXPECT_EQ(moving.solid.courant, 0.3);  // the case's own word holds
   const std::string water_alone = sound_case.substr(0, sound_case.find("[[gauge]]"));
   const Case rigid = read(water_alone, {"case.scheme=paper", "solid.model=rigid"});

@@ -91,6 +91,8 @@ TEST_F(Mistakes, AnOldWordIsReadWithAWarning) {
               HasSubstr("case.toml:7: key 'soil[0].seepage_law': \"darcy\" is the old word for "
                         "\"kozeny_carman\"; the next version will not read it"));
   EXPECT_THAT(warnings(slope, {"soil.0.seepage_law=darcy"}), HasSubstr("\"darcy\" is the old word"));
+  EXPECT_THAT(warnings(slope, {"solid.zero_energy_stiffness=0.2"}),
+              HasSubstr("key 'solid.zero_energy_stiffness' is the old word for 'hourglass_stiffness'"));
   EXPECT_EQ(warnings(with("kozeny_carman")), "");
 }
 
