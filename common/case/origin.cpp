@@ -27,6 +27,7 @@ void for_each_place(Case& scene, F&& f, bool of_planes = true) {
   for (auto& region : scene.fluid.regions) shape(region);
   for (auto& wall : scene.walls) face(wall.face);
   for (auto& water_face : scene.water_faces) face(water_face.face);
+  for (auto& rain : scene.rains) face(rain.face);
   for (auto& load : scene.loads) face(load.face);
   for (auto& p : scene.pore_pressures) {
     if (p.region) shape(*p.region);
