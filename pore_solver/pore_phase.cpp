@@ -4,6 +4,8 @@
 #include "common/coupling/standard_contract.hpp"
 #include "common/media/seepage.hpp"
 
+#include <cmath>
+
 namespace poretwin::pore {
 
 PoreWater::PoreWater(const Case& scene)
@@ -23,7 +25,15 @@ coupling::Publication PoreWater::publish() const {
   return out;
 }
 
-std::pair<double, std::string> PoreWater::proposal() const { return {state_.wanted, "the error of a step"}; }
+std::pair<double, std::string> PoreWater::proposal() const {
+  // Windows can be longer than gauges are read: they end where one is due.
+  const double every = scene_.output.gauge_interval;
+  if (every > 0.0) {
+    const double next = (std::floor(state_.time / every * (1.0 + 1e-12) + 1e-9) + 1.0) * every;
+    if (next - state_.time < state_.wanted) return {next - state_.time, "the next reading of the gauges"};
+  }
+  return {state_.wanted, "the error of a step"};
+}
 
 coupling::Outcome PoreWater::advance(const coupling::Window& window, const coupling::Inbox&) {
   stepper_.cross(window.interval, state_);

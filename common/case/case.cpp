@@ -547,7 +547,8 @@ void declare(Keys& keys, Gauge& g) {
   keys.text("quantity", g.quantity,
             {"",
              "Of `point`: an output field, with `_x` `_y` `_z` or `_xx` `_yy` .. for one component. Of `momentum`: "
-             "`momentum_x` .. Of `level` and `passed_volume`: name of the face."});
+             "`momentum_x` .. Of `level`, `passed_volume` and, of a field, `discharge`: name of the face; of rain its "
+             "name."});
   keys.points("points", g.points,
               {"m", "Where; of lines and directions the two ends; a face is walked with the domain on the left."});
   keys.number("pressure_head", g.pressure_head,

@@ -35,7 +35,9 @@ inline constexpr GaugeKind gauge_kinds[] = {
     {"spread", "fluid", "rms distance from the water's mean position, along the line of `points`"},
     {"level", "fluid", "of the water behind the face named by `quantity`"},
     {"passed_volume", "fluid", "come in less gone out through the face named by `quantity`; absent: through all"},
-    {"discharge", "fluid", "volume per time through the wet part of a line, from its right to its left"},
+    {"discharge", "fluid",
+     "volume per time through the wet part of a line, from its right to its left; of a field also in through the face "
+     "named by `quantity`"},
     {"exit_height", "fluid", "elevation at which the water's surface meets a face, a line between two `points`"},
     {"exit_gradient", "fluid", "largest outward hydraulic gradient over such a face"},
     {"balance", "fluid", "volumes `_in`, `_out`, `_stored` and `_error` = in - out - gain"},

@@ -23,7 +23,7 @@ inline constexpr double grow = 1.7;
 /// Unit: pore volumes. Test: none known.
 inline constexpr double first_share = 1e-3;
 /// Sum of the residuals at which Newton's iteration ends. What is left is carried into the next step, not lost.
-/// Unit: pore volumes. Test: PoreStep.ALooserIterationLosesNoWater (untried).
+/// Unit: pore volumes. Test: PoreColumn.AfterRainWaterComesToRestWhereItsVolumeSays (untried).
 inline constexpr double residual = 1e-6;
 /// Iterations after which a step is given up and tried again in quarters.
 /// Unit: iterations. Test: none known.

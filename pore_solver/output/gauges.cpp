@@ -29,7 +29,7 @@ Gauges::Gauges(const Case& scene, const Network& network) : scene_(scene), netwo
     if (gauge.kind == "point")
       for (const auto& x : gauge.points) p.points.push_back(probes.at(x));
     if (gauge.kind == "front") p.line = probes.along(gauge.points[0], gauge.points[1]);
-    if (gauge.kind == "discharge") {
+    if (gauge.kind == "discharge" && !gauge.points.empty()) {
       const Piece line{gauge.points[0], gauge.points[1]};
       for (std::size_t i = 0; i < network.links.size(); ++i) {
         const Point3 from = network.position[network.links[i].a], way = network.position[network.links[i].b] - from;
@@ -56,11 +56,7 @@ class Gauges::Reader {
   void read(const Gauge& gauge, const Places& places) {
     if (gauge.kind == "point") return points(gauge, places);
     if (gauge.kind == "front") return add(gauge.name, front(gauge, places.line), "m");
-    if (gauge.kind == "discharge") {
-      double sum = 0.0;
-      for (const auto& crossing : places.crossings) sum += crossing.sign * state_.flow[crossing.link];
-      return add(gauge.name, sum, "m2/s");
-    }
+    if (gauge.kind == "discharge") return add(gauge.name, discharge(gauge, places), "m2/s");
     if (gauge.kind == "exit_height") return add(gauge.name, exit_height(places), "m");
     if (gauge.kind == "exit_gradient") return add(gauge.name, exit_gradient(places), "1");
     if (gauge.kind == "volume") return add(gauge.name, volume(gauge), "m2");
@@ -128,6 +124,17 @@ class Gauges::Reader {
       before = now;
     }
     return line.place.back();
+  }
+
+  /// Through a line, or in through the face that is named.
+  [[nodiscard]] double discharge(const Gauge& gauge, const Places& places) const {
+    double sum = 0.0;
+    for (const auto& crossing : places.crossings) sum += crossing.sign * state_.flow[crossing.link];
+    for (std::size_t i = 0; gauge.points.empty() && i < network_.segments.size(); ++i) {
+      const std::size_t face = network_.segments[i].face;
+      if (face != Segment::none && scene_.water_faces[face].name == gauge.quantity) sum += state_.inflow[i];
+    }
+    return sum;
   }
 
   /// Elevation of the highest place of a face through which water leaves.
