@@ -199,18 +199,31 @@ class Maker {
     return y;
   }
 
+  /// Column by column from the top down: along gravity, where the flow depends on what is above most, incomplete
+  /// factors then are good.
   void place_points() {
+    struct Place {
+      Point3 at;
+      std::size_t soil;
+    };
+    std::vector<Place> places;
     std::vector<Shape> shapes;
     for (const auto& soil : scene_.soils) shapes.push_back(soil.shape);
     const auto& f = scene_.fluid;
     for (std::size_t s = 0; s < shapes.size(); ++s) {
       const auto lattice = fill<2>(shapes[s], spacing_, f.offset, f.jitter, f.seed + static_cast<unsigned>(s),
                                    std::span(shapes).subspan(s + 1));
-      for (const auto& x : lattice.position) {
-        net_.position.emplace_back(x.x(), x.y(), 0.0);
-        net_.soil.push_back(s);
-        net_.elevation.push_back(up_.dot(net_.position.back()));
-      }
+      for (const auto& x : lattice.position) places.push_back({Point3(x.x(), x.y(), 0.0), s});
+    }
+    const Point3 across(up_.y(), -up_.x(), 0.0);
+    const auto column = [&](const Place& p) { return std::floor(across.dot(p.at) / spacing_); };
+    std::stable_sort(places.begin(), places.end(), [&](const Place& p, const Place& q) {
+      return std::pair(column(p), -up_.dot(p.at)) < std::pair(column(q), -up_.dot(q.at));
+    });
+    for (const auto& p : places) {
+      net_.position.push_back(p.at);
+      net_.soil.push_back(p.soil);
+      net_.elevation.push_back(up_.dot(p.at));
     }
     net_.volume.assign(net_.size(), 0.0);
     net_.low.assign(net_.size(), 0.0);

@@ -155,9 +155,11 @@ bool Stepper::solve(double interval, State& state) {
   for (int iteration = 0;; ++iteration) {
     flow_->set(variable_);
     balance(interval, state, true);
-    double left = 0.0;
+    double left = 0.0, moved = 0.0;
     for (const double r : residual_) left += std::abs(r);
-    if (left < steps::residual * pores_) return true;
+    for (const double w : net_) moved += interval * std::abs(w);
+    if (left < std::clamp(steps::residual * moved, steps::least_residual * pores_, steps::most_residual * pores_))
+      return true;
     if (!std::isfinite(left) || iteration == steps::most_iterations) return false;
     // A point that is full, and from which nothing can go anywhere, has nothing that its variable changes.
     for (std::size_t a = 0; a < n; ++a)
@@ -186,6 +188,12 @@ Stepper::Attempt Stepper::attempt(double interval, State& state) {
   mean_inflow_ = inflow_;
   for (std::size_t a = 0; a < n; ++a) base_[a] += (1.0 - g) * interval * net_[a];
   begin({state.time, interval, state.time + interval});
+  // From where the first stage points to.
+  for (std::size_t a = 0; a < n; ++a) {
+    const double before = state.variable[a], ahead = before + (variable_[a] - before) / g;
+    char stopped = 1;
+    variable_[a] = flow_->limited(static_cast<Index>(a), variable_[a], ahead, stopped);
+  }
   if (!solve(g * interval, state)) return {};
   double differ = 0.0;
   for (std::size_t a = 0; a < n; ++a) {

@@ -69,11 +69,12 @@ class Ilu0 {
       for (Index k = factors_.begin(a); k < factors_.end(a); ++k) place[factors_.column(k)] = k;
       for (Index k = factors_.begin(a); k < factors_.diagonal(a); ++k) {
         const Index row = factors_.column(k);
-        factors_[k] /= factors_[factors_.diagonal(row)];
+        factors_[k] *= inverse_[row];
         for (Index l = factors_.diagonal(row) + 1; l < factors_.end(row); ++l)
           if (const Index at = place[factors_.column(l)]; at != none) factors_[at] -= factors_[k] * factors_[l];
       }
       for (Index k = factors_.begin(a); k < factors_.end(a); ++k) place[factors_.column(k)] = none;
+      inverse_.push_back(1.0 / factors_[factors_.diagonal(a)]);
     }
   }
   /// z = (L U)^-1 r
@@ -87,12 +88,13 @@ class Ilu0 {
     for (std::size_t a = n; a-- > 0;) {
       double sum = z[a];
       for (Index k = factors_.diagonal(a) + 1; k < factors_.end(a); ++k) sum -= factors_[k] * z[factors_.column(k)];
-      z[a] = sum / factors_[factors_.diagonal(a)];
+      z[a] = sum * inverse_[a];
     }
   }
 
  private:
   SparseRows factors_;
+  ScalarArray inverse_;  ///< of the diagonal
 };
 
 }  // namespace poretwin

@@ -22,6 +22,7 @@ std::optional<std::array<double, 3>> weights(const Point3& a, const Point3& b, c
 Probes::Probes(const Case& scene, const Network& network)
     : scene_(scene), network_(network), neighbours_(network.size()) {
   for (const auto& link : network.links) {
+    if (network.soil[link.a] != network.soil[link.b]) continue;
     neighbours_[link.a].push_back(link.b);
     neighbours_[link.b].push_back(link.a);
   }
@@ -34,11 +35,11 @@ Probes::Probes(const Case& scene, const Network& network)
   }
 }
 
-Index Probes::nearest(const Point3& x) const {
+Index Probes::nearest(const Point3& x, std::size_t soil) const {
   std::size_t found = 0;
   double least = HUGE_VAL;
   for (std::size_t a = 0; a < network_.size(); ++a)
-    if (const double d = (network_.position[a] - x).squaredNorm(); d < least) {
+    if (const double d = (network_.position[a] - x).squaredNorm(); network_.soil[a] == soil && d < least) {
       least = d;
       found = a;
     }
@@ -48,13 +49,13 @@ Index Probes::nearest(const Point3& x) const {
 std::optional<Probe> Probes::at(const Point3& x) const {
   // On the border rounding would choose.
   const double slack = 1e-6 * scene_.fluid.particle_spacing;
-  bool inside = false;
-  for (const auto& soil : scene_.soils)
-    for (const Point3& aside : {Point3(0, 0, 0), Point3(slack, slack, 0), Point3(-slack, slack, 0),
-                                Point3(slack, -slack, 0), Point3(-slack, -slack, 0)})
-      inside = inside || contains(soil.shape, x + aside, 2);
-  if (!inside) return std::nullopt;
-  const Index a = nearest(x);
+  std::optional<std::size_t> soil;
+  for (const Point3& aside : {Point3(0, 0, 0), Point3(slack, slack, 0), Point3(-slack, slack, 0),
+                              Point3(slack, -slack, 0), Point3(-slack, -slack, 0)})
+    for (std::size_t s = 0; s < scene_.soils.size() && !soil; ++s)
+      if (contains(scene_.soils[s].shape, x + aside, 2)) soil = s;
+  if (!soil) return std::nullopt;
+  const Index a = nearest(x, *soil);
   const auto& around = neighbours_[a];
   Probe best{{a, a, a}, {1.0, 0.0, 0.0}};
   // The triangle around x, or else the one that x lies least outside of.

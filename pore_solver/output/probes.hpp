@@ -12,7 +12,8 @@ namespace poretwin::pore {
 
 /// A place in the soil as weights of the points around it. Linear in the triangle of the nearest point and two of its
 /// neighbours in which the place lies (the Delaunay triangulation belongs to Voronoi cells), and from there linearly on
-/// up to the border, where no triangle lies around the place.
+/// up to the border, where no triangle lies around the place. All three are of one soil: at the border of two the
+/// gradient jumps.
 struct Probe {
   std::array<Index, 3> point{};
   std::array<double, 3> weight{};
@@ -41,11 +42,11 @@ class Probes {
   [[nodiscard]] ProbeLine along(const Point3& from, const Point3& to) const;
 
  private:
-  [[nodiscard]] Index nearest(const Point3& x) const;
+  [[nodiscard]] Index nearest(const Point3& x, std::size_t soil) const;
 
   const Case& scene_;
   const Network& network_;
-  std::vector<std::vector<Index>> neighbours_;  ///< of each point, anticlockwise
+  std::vector<std::vector<Index>> neighbours_;  ///< of each point in its own soil, anticlockwise
 };
 
 }  // namespace poretwin::pore
