@@ -4,8 +4,6 @@
 #include "common/coupling/standard_contract.hpp"
 #include "common/media/seepage.hpp"
 
-#include <cmath>
-
 namespace poretwin::pore {
 
 PoreWater::PoreWater(const Case& scene)
@@ -26,19 +24,13 @@ coupling::Publication PoreWater::publish() const {
 }
 
 std::pair<double, std::string> PoreWater::proposal() const {
-  // Windows can be longer than gauges are read: they end where one is due.
-  const double every = scene_.output.gauge_interval;
-  if (every > 0.0) {
-    const double next = (std::floor(state_.time / every * (1.0 + 1e-12) + 1e-9) + 1.0) * every;
-    if (next - state_.time < state_.wanted) return {next - state_.time, "the next reading of the gauges"};
-  }
-  return {state_.wanted, "the error of a step"};
+  return {stepper_.proposal(state_), "the error of a step"};
 }
 
 coupling::Outcome PoreWater::advance(const coupling::Window& window, const coupling::Inbox&) {
-  stepper_.cross(window.interval, state_);
-  state_.time = window.time + window.interval;
-  return coupling::Outcome::accept();
+  const auto outcome = stepper_.step(window.interval, state_);
+  if (outcome.accepted) state_.time = window.time + window.interval;
+  return outcome;
 }
 
 void PoreWater::compute_flux() const {

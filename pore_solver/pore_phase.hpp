@@ -18,7 +18,6 @@ class PoreWater final : public Phase {
   [[nodiscard]] coupling::Contract contract() const override;
   [[nodiscard]] coupling::Publication publish() const override;
   [[nodiscard]] std::pair<double, std::string> proposal() const override;
-  [[nodiscard]] bool may_reject() const override { return false; }
   void initialise(const coupling::Inbox&) override {}
   coupling::Outcome advance(const coupling::Window& window, const coupling::Inbox& inbox) override;
   void save() override { saved_ = state_; }

@@ -1,11 +1,8 @@
 #include "pore_solver/step.hpp"
 
-#include "common/core/error.hpp"
 #include "common/geometry/shapes.hpp"
 #include "common/numerics/csr.hpp"
 #include "pore_solver/numerics/steps.hpp"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -82,41 +79,28 @@ void Stepper::begin(const StepTimes& times) {
   for (const auto& along : boundaries_) along.boundary->begin(times);
 }
 
-double Stepper::next_corner(double time) const {
+double Stepper::proposal(const State& state) const {
   double next = HUGE_VAL;
-  for (const auto& along : boundaries_) next = std::min(next, along.boundary->next_corner(time));
-  return next;
+  for (const auto& along : boundaries_) next = std::min(next, along.boundary->next_corner(state.time));
+  return std::min(state.wanted, next - state.time);
 }
 
-void Stepper::cross(double interval, State& state) {
-  const double start = state.time, end = start + interval;
-  const double shortest = 1e-14 * std::max(end, interval);
-  while (state.time < end) {
-    const double corner = next_corner(state.time);
-    const double stop = corner < end - shortest ? corner : end, left = stop - state.time;
-    // No slivers: the last two steps before an instant share what is left.
-    const bool reaches = state.wanted >= left * (1.0 - 1e-9);
-    const double dt = reaches ? left : std::min(state.wanted, 0.5 * left);
-    if (!(dt > shortest))
-      throw DivergedError(fmt::format("the pore water's steps collapsed to {:g} s at t = {:g} s", dt, state.time));
-    const Attempt attempted = attempt(dt, state);
-    if (!attempted.solved) {
-      ++state.counts.failed;
-      state.wanted = 0.25 * dt;
-      continue;
-    }
-    const double allowed =
-        attempted.error > 0.0 ? steps::caution * std::sqrt(steps::wanted_error / attempted.error) : HUGE_VAL;
-    if (attempted.error > steps::largest_error * steps::wanted_error) {
-      ++state.counts.repeated;
-      state.wanted = std::max(steps::shrink, allowed) * dt;
-      continue;
-    }
-    accept(dt, state);
-    state.time = reaches ? stop : state.time + dt;
-    // A step that was cut at an instant does not make the next one shorter.
-    state.wanted = std::clamp(allowed * dt, steps::shrink * dt, std::max(steps::grow * dt, state.wanted));
+coupling::Outcome Stepper::step(double interval, State& state) {
+  const Attempt attempted = attempt(interval, state);
+  if (!attempted.solved) {
+    ++state.counts.failed;
+    return coupling::Outcome::reject(steps::shrink_unsolved * interval, "no solution");
   }
+  const double allowed =
+      attempted.error > 0.0 ? steps::caution * std::sqrt(steps::wanted_error / attempted.error) : HUGE_VAL;
+  if (attempted.error > steps::largest_error * steps::wanted_error) {
+    ++state.counts.repeated;
+    return coupling::Outcome::reject(std::max(steps::shrink, allowed) * interval, "the error of a step");
+  }
+  accept(interval, state);
+  // A step that was cut at an instant does not make the next one shorter.
+  state.wanted = std::clamp(allowed, steps::shrink, std::max(steps::grow, state.wanted / interval)) * interval;
+  return coupling::Outcome::accept();
 }
 
 void Stepper::balance(double interval, const State& state, bool with_matrix) {

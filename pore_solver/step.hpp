@@ -3,6 +3,7 @@
 #pragma once
 
 #include "common/case/case.hpp"
+#include "common/coupling/exchange.hpp"
 #include "common/numerics/ilu0.hpp"
 #include "pore_solver/flow.hpp"
 #include "pore_solver/network.hpp"
@@ -19,8 +20,11 @@ class Stepper {
 
   /// The state at time zero.
   [[nodiscard]] State first_state(const Case& scene);
-  /// Crosses an interval [s] in as many steps as it takes. Throws DivergedError where no step is short enough.
-  void cross(double interval, State& state);
+  /// The longest step [s] that its error and the corners of what the boundaries prescribe allow next.
+  [[nodiscard]] double proposal(const State& state) const;
+  /// One step. Where its error is too large, or no solution is found, the state stays as it is and a shorter step is
+  /// suggested.
+  coupling::Outcome step(double interval, State& state);
 
   /// The flow model with the state's variables.
   [[nodiscard]] const FlowModel& flow(const State& state) {
@@ -42,14 +46,13 @@ class Stepper {
     bool solved = false;
     double error = 0.0;  ///< of the water content, pore volumes
   };
-  /// One step of this length from the state, which it leaves as it is.
+  /// A step of this length from the state, which it leaves as it is.
   Attempt attempt(double interval, State& state);
   /// Finds the variables at which water(u) = base + interval * net(u), from those there are on; false where it does
   /// not.
   bool solve(double interval, State& state);
   /// Flows and, where asked to, the matrix of `interval` times their derivatives; the residual of each point.
   void balance(double interval, const State& state, bool with_matrix);
-  [[nodiscard]] double next_corner(double time) const;
   void begin(const StepTimes& times);
   void accept(double interval, State& state);
   [[nodiscard]] double first_interval(const Case& scene, const State& state);

@@ -16,6 +16,9 @@ inline constexpr double caution = 0.9;
 /// How much shorter a step may be than the last one.
 /// Unit: steps. Test: none known.
 inline constexpr double shrink = 0.4;
+/// The same of a step without a solution, which is given up.
+/// Unit: steps. Test: none known.
+inline constexpr double shrink_unsolved = 0.25;
 /// How much longer a step may be than the last one.
 /// Unit: steps. Test: none known.
 inline constexpr double grow = 1.7;
@@ -31,7 +34,7 @@ inline constexpr double most_residual = 1e-5;
 /// The same where hardly anything moves: it need not be less than this.
 /// Unit: pore volumes. Test: none known.
 inline constexpr double least_residual = 1e-8;
-/// Iterations after which a step is given up and tried again in quarters.
+/// Iterations after which a step is given up.
 /// Unit: iterations. Test: none known.
 inline constexpr int most_iterations = 15;
 /// Residual of each linear solve, over what it began with.

@@ -2,7 +2,6 @@
 
 #include "common/geometry/pieces.hpp"
 #include "common/geometry/shapes.hpp"
-#include "common/media/retention_law.hpp"
 #include "common/media/seepage.hpp"
 
 #include <fmt/format.h>
@@ -100,23 +99,14 @@ class Gauges::Reader {
     }
   }
 
-  /// With capillarity: how far from its start the pressure head comes down to the one that is looked for. Without: the
-  /// length that is full, cells that are partly so with their share.
+  /// How far from its start the pressure head comes down to the one that is looked for. Of a cell without capillarity
+  /// that is partly full the pressure head is that of its water at the cell's point, below zero where it stands lower.
   [[nodiscard]] double front(const Gauge& gauge, const ProbeLine& line) const {
     if (line.place.empty()) return 0.0;
-    if (porous::retention_law(scene_.soils.front()).curve == nullptr) {
-      double full = line.place.front();
-      double before = 1.0;
-      for (std::size_t i = 0; i < line.place.size() && before > 0.0; ++i) {
-        const double share = std::clamp(line.probe[i].of([&](Index a) { return degree(a); }), 0.0, 1.0);
-        if (i > 0) full += 0.5 * (before + share) * (line.place[i] - line.place[i - 1]);
-        before = share;
-      }
-      return full;
-    }
     double before = head(line.probe.front());
     if (before < gauge.pressure_head) return line.place.front();
-    for (std::size_t i = 1; i < line.place.size(); ++i) {
+    // What has passed the last place but one has reached the end: at the tip of a slope the pressure is zero.
+    for (std::size_t i = 1; i + 1 < line.place.size(); ++i) {
       const double now = head(line.probe[i]);
       if (now < gauge.pressure_head)
         return line.place[i - 1] +

@@ -35,11 +35,11 @@ Probes::Probes(const Case& scene, const Network& network)
   }
 }
 
-Index Probes::nearest(const Point3& x, std::size_t soil) const {
+Index Probes::nearest(const Point3& x, std::optional<std::size_t> soil) const {
   std::size_t found = 0;
   double least = HUGE_VAL;
   for (std::size_t a = 0; a < network_.size(); ++a)
-    if (const double d = (network_.position[a] - x).squaredNorm(); network_.soil[a] == soil && d < least) {
+    if (const double d = (network_.position[a] - x).squaredNorm(); d < least && (!soil || network_.soil[a] == *soil)) {
       least = d;
       found = a;
     }
@@ -47,15 +47,13 @@ Index Probes::nearest(const Point3& x, std::size_t soil) const {
 }
 
 std::optional<Probe> Probes::at(const Point3& x) const {
-  // On the border rounding would choose.
-  const double slack = 1e-6 * scene_.fluid.particle_spacing;
+  // On the border rounding would choose: a place belongs to what lies just before it, towards the nearest point.
+  const Point3 inside = x + 1e-6 * (network_.position[nearest(x, std::nullopt)] - x);
   std::optional<std::size_t> soil;
-  for (const Point3& aside : {Point3(0, 0, 0), Point3(slack, slack, 0), Point3(-slack, slack, 0),
-                              Point3(slack, -slack, 0), Point3(-slack, -slack, 0)})
-    for (std::size_t s = 0; s < scene_.soils.size() && !soil; ++s)
-      if (contains(scene_.soils[s].shape, x + aside, 2)) soil = s;
+  for (std::size_t s = 0; s < scene_.soils.size() && !soil; ++s)
+    if (contains(scene_.soils[s].shape, inside, 2)) soil = s;
   if (!soil) return std::nullopt;
-  const Index a = nearest(x, *soil);
+  const Index a = nearest(x, soil);
   const auto& around = neighbours_[a];
   Probe best{{a, a, a}, {1.0, 0.0, 0.0}};
   // The triangle around x, or else the one that x lies least outside of.

@@ -42,7 +42,8 @@ class Probes {
   [[nodiscard]] ProbeLine along(const Point3& from, const Point3& to) const;
 
  private:
-  [[nodiscard]] Index nearest(const Point3& x, std::size_t soil) const;
+  /// Of one soil, or of all.
+  [[nodiscard]] Index nearest(const Point3& x, std::optional<std::size_t> soil) const;
 
   const Case& scene_;
   const Network& network_;

@@ -5,6 +5,9 @@
 #include "common/media/retention_law.hpp"
 #include "pore_solver/pore_phase.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -92,13 +95,15 @@ inline Case column(Soil soil, double height, double spacing, double end) {
 inline Face base_of(double spacing) { return line(0.0, 0.0, spacing, 0.0); }
 inline Face top_of(double spacing, double height) { return line(spacing, height, 0.0, height); }
 
-/// Up to a time, in as long windows as the phase proposes.
+/// Up to a time, in windows as long as the phase proposes.
 inline void run_to(PoreWater& water, double time) {
   std::uint64_t step = 0;
+  double limit = HUGE_VAL;
   while (water.state().time < time * (1.0 - 1e-12)) {
     const double left = time - water.state().time;
-    const double wanted = water.proposal().first;
-    water.advance({++step, water.state().time, wanted >= left ? left : wanted}, {});
+    const double interval = std::min({left, limit, water.proposal().first});
+    const auto outcome = water.advance({++step, water.state().time, interval}, {});
+    limit = outcome.accepted ? HUGE_VAL : outcome.suggested_interval;
   }
 }
 
