@@ -189,6 +189,11 @@ class Maker {
     std::sort(net_.links.begin(), net_.links.end(), order);
     std::stable_sort(net_.segments.begin(), net_.segments.end(),
                      [](const Segment& x, const Segment& y) { return x.point < y.point; });
+    net_.first_filling.push_back(0);
+    for (const auto& filling : filling_) {
+      net_.fillings.insert(net_.fillings.end(), filling.begin(), filling.end());
+      net_.first_filling.push_back(static_cast<Index>(net_.fillings.size()));
+    }
     return std::move(net_);
   }
 
@@ -226,8 +231,7 @@ class Maker {
       net_.elevation.push_back(up_.dot(p.at));
     }
     net_.volume.assign(net_.size(), 0.0);
-    net_.low.assign(net_.size(), 0.0);
-    net_.high.assign(net_.size(), 0.0);
+    filling_.resize(net_.size());
   }
 
   void add(Index a, voro::voronoicell_neighbor& cell) {
@@ -254,14 +258,9 @@ class Maker {
       sides = sides_of(cell);
     }
     net_.volume[a] = cell.volume() * spacing_ * spacing_;
-    net_.low[a] = HUGE_VAL;
-    net_.high[a] = -HUGE_VAL;
+    filling_[a] = filling(x, sides);
     for (const auto& side : sides) {
       const Piece piece{net_.position[a] + spacing_ * side.piece.a, net_.position[a] + spacing_ * side.piece.b};
-      for (const auto& end : {piece.a, piece.b}) {
-        net_.low[a] = std::min(net_.low[a], up_.dot(end));
-        net_.high[a] = std::max(net_.high[a], up_.dot(end));
-      }
       if (side.beyond <= first_line)
         segments(a, piece, static_cast<std::size_t>(first_line - side.beyond));
       else if (side.beyond > static_cast<int>(a))
@@ -269,6 +268,36 @@ class Maker {
       else if (side.beyond < 0)
         throw CaseError(fmt::format("{}: the border of the soil is not closed", scene_.path.string()));
     }
+  }
+
+  /// The cell's area below each of its corners. The width in between is linear, the area taken as linear, too.
+  [[nodiscard]] std::vector<Filling> filling(const Point3& x, const std::vector<CellSide>& sides) const {
+    std::vector<double> levels;
+    for (const auto& side : sides)
+      for (const auto& end : {side.piece.a, side.piece.b}) levels.push_back(up_.dot(end));
+    std::sort(levels.begin(), levels.end());
+    levels.erase(std::unique(levels.begin(), levels.end(), [](double p, double q) { return q - p < 1e-6; }),
+                 levels.end());
+    const Point3 across(up_.y(), -up_.x(), 0.0);
+    /// Width of the cell at an elevation within it.
+    const auto width = [&](double level) {
+      double least = HUGE_VAL, most = -HUGE_VAL;
+      for (const auto& [beyond, piece] : sides) {
+        const double p = up_.dot(piece.a) - level, q = up_.dot(piece.b) - level;
+        if (p * q > 0.0 || p == q) continue;
+        const double s = across.dot(piece.a + p / (p - q) * (piece.b - piece.a));
+        least = std::min(least, s);
+        most = std::max(most, s);
+      }
+      return std::max(0.0, most - least);
+    };
+    const double base = up_.dot(origin_) + spacing_ * up_.dot(x);
+    std::vector<Filling> result{{base + spacing_ * levels.front(), 0.0}};
+    for (std::size_t i = 0; i + 1 < levels.size(); ++i)
+      result.push_back({base + spacing_ * levels[i + 1],
+                        result.back().share + (levels[i + 1] - levels[i]) * width(0.5 * (levels[i] + levels[i + 1]))});
+    for (auto& f : result) f.share /= result.back().share;
+    return result;
   }
 
   void link(Index a, Index b, const Piece& face) {
@@ -313,6 +342,7 @@ class Maker {
   Border border_;
   Point3 origin_ = Point3::Zero();
   Network net_;
+  std::vector<std::vector<Filling>> filling_;  ///< of each cell
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include "common/case/case.hpp"
 #include "common/core/vector.hpp"
 
+#include <span>
 #include <vector>
 
 namespace poretwin::pore {
@@ -32,15 +33,25 @@ struct Segment {
   double low = 0.0, high = 0.0;          ///< m, elevations
 };
 
+/// What share of a cell lies below an elevation.
+struct Filling {
+  double elevation = 0.0;  ///< m
+  double share = 0.0;
+};
+
 struct Network {
-  std::vector<Point3> position;   ///< m
-  std::vector<std::size_t> soil;  ///< index in the case's list
-  ScalarArray volume;             ///< of each cell, m3 (2D: m2)
-  ScalarArray elevation;          ///< m, along -gravity
-  ScalarArray low, high;          ///< m, elevations of the cell's lowest and highest corner
-  std::vector<Link> links;        ///< by a, then b
-  std::vector<Segment> segments;  ///< by point
+  std::vector<Point3> position;      ///< m
+  std::vector<std::size_t> soil;     ///< index in the case's list
+  ScalarArray volume;                ///< of each cell, m3 (2D: m2)
+  ScalarArray elevation;             ///< m, along -gravity
+  std::vector<Filling> fillings;     ///< of all cells, at the elevations of their corners, rising from 0 to 1
+  std::vector<Index> first_filling;  ///< of each cell, and the end of the last
+  std::vector<Link> links;           ///< by a, then b
+  std::vector<Segment> segments;     ///< by point
   [[nodiscard]] std::size_t size() const { return position.size(); }
+  [[nodiscard]] std::span<const Filling> filling(Index a) const {
+    return std::span(fillings).subspan(first_filling[a], first_filling[a + 1] - first_filling[a]);
+  }
 };
 
 /// Of a case in 2D: points a spacing apart fill each soil (`fill`), cells are cut off at the soils' common border, and

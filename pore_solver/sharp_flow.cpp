@@ -25,10 +25,14 @@ SharpFlow::SharpFlow(const Case& scene, const Network& network) : network_(netwo
 }
 
 Content SharpFlow::content(Index a) const {
-  const double pores = network_.volume[a] * porosity_[network_.soil[a]];
-  const double low = network_.low[a], height = network_.high[a] - low;
-  if (level_[a] >= network_.high[a]) return {pores, 0.0};
-  return {pores * (level_[a] - low) / height, pores / height};
+  const double pores = network_.volume[a] * porosity_[network_.soil[a]], h = level_[a];
+  const auto filling = network_.filling(a);
+  if (h >= filling.back().elevation) return {pores, 0.0};
+  std::size_t i = 1;
+  while (h >= filling[i].elevation) ++i;
+  const Filling &below = filling[i - 1], &above = filling[i];
+  const double slope = (above.share - below.share) / (above.elevation - below.elevation);
+  return {pores * (below.share + slope * (h - below.elevation)), pores * slope};
 }
 
 Flow SharpFlow::through(const Link& link) const {
@@ -51,11 +55,11 @@ Inflow SharpFlow::at_head(const Segment& segment, double pressure_head) const {
 }
 
 double SharpFlow::variable_at(Index a, double pressure_head) const {
-  return std::max(pressure_head + network_.elevation[a], network_.low[a]);
+  return std::max(pressure_head + network_.elevation[a], network_.filling(a).front().elevation);
 }
 
 double SharpFlow::limited(Index a, double from, double to, char& stopped) const {
-  const double low = network_.low[a], high = network_.high[a];
+  const double low = network_.filling(a).front().elevation, high = network_.filling(a).back().elevation;
   if (!stopped && (from < high) != (to < high)) {
     stopped = 1;
     // Coming from above, just below: there the cell holds water that it can give.

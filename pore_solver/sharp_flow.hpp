@@ -6,7 +6,8 @@
 namespace poretwin::pore {
 
 /// Each cell is a column of water at rest within itself, its variable the elevation h up to which it stands, or the
-/// piezometric head where the cell is full. With m(h) the mean of max(h - z, 0) over the common face,
+/// piezometric head where the cell is full; how much it then holds follows from the cell's shape. With m(h) the mean of
+/// max(h - z, 0) over the common face,
 ///
 ///   F_ab = K T [m(h_a) - m(h_b)]
 ///
@@ -22,7 +23,7 @@ class SharpFlow final : public FlowModel {
   [[nodiscard]] Inflow below_level(const Segment& segment, double level) const override;
   [[nodiscard]] Inflow at_head(const Segment& segment, double pressure_head) const override;
   [[nodiscard]] double variable_at(Index a, double pressure_head) const override;
-  [[nodiscard]] double full(Index a) const override { return network_.high[a]; }
+  [[nodiscard]] double full(Index a) const override { return network_.filling(a).back().elevation; }
   [[nodiscard]] double limited(Index a, double from, double to, char& stopped) const override;
 
  private:

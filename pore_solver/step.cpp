@@ -142,8 +142,9 @@ bool Stepper::solve(double interval, State& state) {
     double left = 0.0, moved = 0.0;
     for (const double r : residual_) left += std::abs(r);
     for (const double w : net_) moved += interval * std::abs(w);
-    if (left < std::clamp(steps::residual * moved, steps::least_residual * pores_, steps::most_residual * pores_))
-      return true;
+    const double enough =
+        std::clamp(steps::residual * moved, steps::least_residual * pores_, steps::most_residual * pores_);
+    if (left < carried_ + enough) return true;
     if (!std::isfinite(left) || iteration == steps::most_iterations) return false;
     // A point that is full, and from which nothing can go anywhere, has nothing that its variable changes.
     for (std::size_t a = 0; a < n; ++a)
@@ -166,6 +167,11 @@ Stepper::Attempt Stepper::attempt(double interval, State& state) {
   const std::size_t n = network_.size();
   variable_ = state.variable;
   base_ = state.water;
+  // What earlier steps have left, in cells that are full, say, no step that is short can take away.
+  flow_->set(variable_);
+  carried_ = 0.0;
+  for (std::size_t a = 0; a < n; ++a)
+    carried_ += std::abs(flow_->content(static_cast<Index>(a)).value - state.water[a]);
   begin({state.time, interval, state.time + g * interval});
   if (!solve(g * interval, state)) return {};
   mean_net_ = net_;

@@ -67,6 +67,7 @@ class Stepper {
   // Of the stage under way.
   ScalarArray variable_, base_, residual_, net_, link_flow_, inflow_;
   ScalarArray mean_net_, mean_inflow_;  ///< over the step
+  double carried_ = 0.0;  ///< sum of what the step's start has of water that its variables have not, m3 (2D: m2)
   std::vector<char> stopped_;
 };
 

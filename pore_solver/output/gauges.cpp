@@ -2,11 +2,13 @@
 
 #include "common/geometry/pieces.hpp"
 #include "common/geometry/shapes.hpp"
+#include "common/media/retention_law.hpp"
 #include "common/media/seepage.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -36,7 +38,14 @@ Gauges::Gauges(const Case& scene, const Network& network) : scene_(scene), netwo
         if (met && *met < way.norm()) p.crossings.push_back({i, way.dot(line.left()) > 0.0 ? 1.0 : -1.0});
       }
     }
-    if (gauge.kind == "exit_height" || gauge.kind == "exit_gradient") {
+    if (gauge.kind == "exit_height") {
+      const Piece line{gauge.points[0], gauge.points[1]};
+      for (std::size_t i = 0; i < 2; ++i) {
+        const Point3 inwards = (1.0 + static_cast<double>(i)) * exit_depth * scene.fluid.particle_spacing * line.left();
+        p.beside[i] = probes.along(line.a + inwards, line.b + inwards);
+      }
+    }
+    if (gauge.kind == "exit_gradient") {
       const Piece line{gauge.points[0], gauge.points[1]};
       constexpr double beside = 1e-3;  // spacings
       for (std::size_t i = 0; i < network.segments.size(); ++i)
@@ -56,7 +65,7 @@ class Gauges::Reader {
     if (gauge.kind == "point") return points(gauge, places);
     if (gauge.kind == "front") return add(gauge.name, front(gauge, places.line), "m");
     if (gauge.kind == "discharge") return add(gauge.name, discharge(gauge, places), "m2/s");
-    if (gauge.kind == "exit_height") return add(gauge.name, exit_height(places), "m");
+    if (gauge.kind == "exit_height") return add(gauge.name, exit_height(gauge, places), "m");
     if (gauge.kind == "exit_gradient") return add(gauge.name, exit_gradient(places), "1");
     if (gauge.kind == "volume") return add(gauge.name, volume(gauge), "m2");
     if (gauge.kind == "balance") return balance(gauge);
@@ -99,14 +108,14 @@ class Gauges::Reader {
     }
   }
 
-  /// How far from its start the pressure head comes down to the one that is looked for. Of a cell without capillarity
-  /// that is partly full the pressure head is that of its water at the cell's point, below zero where it stands lower.
+  /// With capillarity: how far from its start the pressure head comes down to the one that is looked for. Without: the
+  /// length that is full, cells that are partly so with their share.
   [[nodiscard]] double front(const Gauge& gauge, const ProbeLine& line) const {
     if (line.place.empty()) return 0.0;
+    if (porous::retention_law(scene_.soils.front()).curve == nullptr) return full_length(line);
     double before = head(line.probe.front());
     if (before < gauge.pressure_head) return line.place.front();
-    // What has passed the last place but one has reached the end: at the tip of a slope the pressure is zero.
-    for (std::size_t i = 1; i + 1 < line.place.size(); ++i) {
+    for (std::size_t i = 1; i < line.place.size(); ++i) {
       const double now = head(line.probe[i]);
       if (now < gauge.pressure_head)
         return line.place[i - 1] +
@@ -114,6 +123,17 @@ class Gauges::Reader {
       before = now;
     }
     return line.place.back();
+  }
+  [[nodiscard]] double full_length(const ProbeLine& line) const {
+    double full = line.place.front(), before = 1.0;
+    for (std::size_t i = 0; i < line.place.size(); ++i) {
+      const double share = std::clamp(line.probe[i].of([&](Index a) { return degree(a); }), 0.0, 1.0);
+      if (i > 0) full += 0.5 * (before + share) * (line.place[i] - line.place[i - 1]);
+      if (share == 0.0) return full;
+      before = share;
+    }
+    // A cell at a slope through which water comes out is never full to its highest corner.
+    return degree(line.probe.back().point[0]) >= 0.5 ? line.place.back() : full;
   }
 
   /// Through a line, or in through the face that is named.
@@ -127,16 +147,31 @@ class Gauges::Reader {
     return sum;
   }
 
-  /// Elevation of the highest place of a face through which water leaves.
-  [[nodiscard]] double exit_height(const Places& places) const {
-    double highest = nan;
-    for (const std::size_t i : places.segments) {
-      if (!(state_.inflow[i] < 0.0)) continue;
-      const Segment& s = network_.segments[i];
-      const double level = flow_.pressure_head(s.point) + network_.elevation[s.point];
-      highest = std::fmax(highest, std::clamp(level, s.low, s.high));
+  /// Elevation at which the water table meets a face. It comes in along it, its depth under the face growing as the
+  /// distance to the power of 3/2 (the pressure's behaviour where a free surface goes over into a seepage face): two
+  /// depths tell where it begins.
+  [[nodiscard]] double exit_height(const Gauge& gauge, const Places& places) const {
+    const Point3 up = -scene_.general.gravity.normalized();
+    std::array<double, 2> at{};
+    for (std::size_t i = 0; i < 2; ++i) {
+      const ProbeLine& line = places.beside[i];
+      // From above: the first place at which there is pressure.
+      const bool rises = up.dot(gauge.points[1] - gauge.points[0]) > 0.0;
+      double before = nan;
+      at[i] = nan;
+      for (std::size_t j = 0; j < line.place.size() && std::isnan(at[i]); ++j) {
+        const std::size_t k = rises ? line.place.size() - 1 - j : j;
+        const double now = head(line.probe[k]);
+        if (now >= 0.0 && before < 0.0) {
+          const std::size_t last = rises ? k + 1 : k - 1;
+          at[i] = line.place[k] + (line.place[last] - line.place[k]) * now / (now - before);
+        }
+        before = now;
+      }
     }
-    return highest;
+    const double ratio = std::cbrt(4.0);  // of the distances at twice the depth and at once
+    const double place = at[0] - (at[1] - at[0]) / (ratio - 1.0);
+    return up.dot(gauge.points[0] + place * (gauge.points[1] - gauge.points[0]).normalized());
   }
   /// Largest outward flow over conductivity.
   [[nodiscard]] double exit_gradient(const Places& places) const {

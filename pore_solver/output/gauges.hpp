@@ -5,6 +5,7 @@
 #include "pore_solver/output/probes.hpp"
 #include "pore_solver/step.hpp"
 
+#include <array>
 #include <map>
 
 namespace poretwin::pore {
@@ -29,7 +30,9 @@ class Gauges {
     ProbeLine line;
     std::vector<Crossing> crossings;
     std::vector<std::size_t> segments;  ///< along a face
+    std::array<ProbeLine, 2> beside;    ///< the face, moved inwards by `exit_depth` and twice as much
   };
+  static constexpr double exit_depth = 1.5;  ///< spacings
   class Reader;
 
   const Case& scene_;
