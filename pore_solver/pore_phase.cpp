@@ -77,9 +77,6 @@ std::vector<GaugeReading> PoreWater::gauges() const { return gauges_.read(steppe
 std::map<std::string, double> PoreWater::counters() const {
   const Counts& c = state_.counts;
   return {{"points", static_cast<double>(network_.size())},
-          {"steps", c.steps},
-          {"steps repeated, too large an error", c.repeated},
-          {"steps repeated, no solution", c.failed},
           {"Newton iterations", c.iterations},
           {"linear iterations", c.linear_iterations}};
 }

@@ -7,8 +7,7 @@ namespace poretwin::pore {
 
 /// What happened so far.
 struct Counts {
-  double steps = 0.0, repeated = 0.0, failed = 0.0;  ///< taken; with too large an error; without a solution
-  double iterations = 0.0, linear_iterations = 0.0;
+  double iterations = 0.0, linear_iterations = 0.0;  ///< of Newton; of the linear solves
 };
 
 struct State {

@@ -87,16 +87,11 @@ double Stepper::proposal(const State& state) const {
 
 coupling::Outcome Stepper::step(double interval, State& state) {
   const Attempt attempted = attempt(interval, state);
-  if (!attempted.solved) {
-    ++state.counts.failed;
-    return coupling::Outcome::reject(steps::shrink_unsolved * interval, "no solution");
-  }
+  if (!attempted.solved) return coupling::Outcome::reject(steps::shrink_unsolved * interval, "no solution");
   const double allowed =
       attempted.error > 0.0 ? steps::caution * std::sqrt(steps::wanted_error / attempted.error) : HUGE_VAL;
-  if (attempted.error > steps::largest_error * steps::wanted_error) {
-    ++state.counts.repeated;
+  if (attempted.error > steps::largest_error * steps::wanted_error)
     return coupling::Outcome::reject(std::max(steps::shrink, allowed) * interval, "the error of a step");
-  }
   accept(interval, state);
   // A step that was cut at an instant does not make the next one shorter.
   state.wanted = std::clamp(allowed, steps::shrink, std::max(steps::grow, state.wanted / interval)) * interval;
@@ -203,7 +198,6 @@ void Stepper::accept(double interval, State& state) {
   state.variable = variable_;
   state.flow = link_flow_;
   state.inflow = inflow_;
-  ++state.counts.steps;
 }
 
 }  // namespace poretwin::pore

@@ -108,18 +108,22 @@ class Gauges::Reader {
     }
   }
 
-  /// With capillarity: how far from its start the pressure head comes down to the one that is looked for. Without: the
-  /// length that is full, cells that are partly so with their share.
+  /// How far from its start the pressure head comes down to the one that is looked for. Without capillarity also the
+  /// length that is full, cells that are partly so with their share: the pressure says where a water table stands, the
+  /// share how far a front has come, and both fall short rather than too far.
   [[nodiscard]] double front(const Gauge& gauge, const ProbeLine& line) const {
     if (line.place.empty()) return 0.0;
-    if (porous::retention_law(scene_.soils.front()).curve == nullptr) return full_length(line);
+    const double by_pressure = where_head_ends(line, gauge.pressure_head);
+    const bool sharp = porous::retention_law(scene_.soils.front()).curve == nullptr;
+    return sharp ? std::max(by_pressure, full_length(line)) : by_pressure;
+  }
+  [[nodiscard]] double where_head_ends(const ProbeLine& line, double least) const {
     double before = head(line.probe.front());
-    if (before < gauge.pressure_head) return line.place.front();
+    if (before < least) return line.place.front();
     for (std::size_t i = 1; i < line.place.size(); ++i) {
       const double now = head(line.probe[i]);
-      if (now < gauge.pressure_head)
-        return line.place[i - 1] +
-               (line.place[i] - line.place[i - 1]) * (before - gauge.pressure_head) / (before - now);
+      if (now < least)
+        return line.place[i - 1] + (line.place[i] - line.place[i - 1]) * (before - least) / (before - now);
       before = now;
     }
     return line.place.back();
