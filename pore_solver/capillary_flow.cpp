@@ -89,7 +89,7 @@ Flow CapillaryFlow::through(const Link& link) const {
     const double ka = ga.conductivity * link.transmissibility, kb = gb.conductivity * link.transmissibility;
     // Both flows have one sign, that of the fall of the head; at rest their ratio is that of the conductivities.
     double first = ka * std::abs(by_a.value), second = kb * std::abs(by_b.value);
-    if (!(first + second > 1e-12 * (ka * mean + kb * other_mean) * link.transmissibility)) {
+    if (!(first + second > 1e-12 * (ka * mean + kb * other_mean))) {
       first = ka * mean;
       second = kb * other_mean;
     }

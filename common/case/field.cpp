@@ -233,6 +233,12 @@ class FieldChecks : Complaints {
                            shown(piece.a), shown(piece.b)));
         for (const auto& x : places_along(piece, 0.5 * scene_.fluid.particle_spacing)) {
           under_water(x, key);
+          for (std::size_t w = 0; w < scene_.walls.size(); ++w)
+            if (scene_.walls[w].water != Wall::ForWater::none && lies_on(scene_.walls[w].face, x))
+              fail(key + ".points",
+                   fmt::format("falls on {} at {} m, which lets no water through; set water = \"none\" "
+                               "there or move one of them",
+                               named("wall", w, scene_.walls[w].name), shown(x)));
           for (std::size_t j = 0; j < i; ++j)
             if (lies_on(scene_.rains[j].face, x))
               fail(key + ".points",

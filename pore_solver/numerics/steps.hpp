@@ -4,7 +4,7 @@
 namespace poretwin::pore::steps {
 
 /// Error that one step may make in the water content, as the mean over the pores: half the step times the change of the
-/// rates since the last one (Kavetski, Binning & Sloan 2001). Steps are chosen for it.
+/// rates within it, which is implicit Euler's (Kavetski, Binning & Sloan 2001). Steps are chosen for it.
 /// Unit: pore volumes. Test: srivastava_yeh (untried).
 inline constexpr double wanted_error = 2e-3;
 /// Error with which a step is repeated, shorter.

@@ -4,6 +4,7 @@
 #include "common/geometry/shapes.hpp"
 #include "common/media/retention_law.hpp"
 #include "common/media/seepage.hpp"
+#include "pore_solver/numerics/readings.hpp"
 
 #include <fmt/format.h>
 
@@ -41,7 +42,8 @@ Gauges::Gauges(const Case& scene, const Network& network) : scene_(scene), netwo
     if (gauge.kind == "exit_height") {
       const Piece line{gauge.points[0], gauge.points[1]};
       for (std::size_t i = 0; i < 2; ++i) {
-        const Point3 inwards = (1.0 + static_cast<double>(i)) * exit_depth * scene.fluid.particle_spacing * line.left();
+        const Point3 inwards =
+            (1.0 + static_cast<double>(i)) * readings::exit_depth * scene.fluid.particle_spacing * line.left();
         p.beside[i] = probes.along(line.a + inwards, line.b + inwards);
       }
     }

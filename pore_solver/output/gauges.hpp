@@ -30,9 +30,8 @@ class Gauges {
     ProbeLine line;
     std::vector<Crossing> crossings;
     std::vector<std::size_t> segments;  ///< along a face
-    std::array<ProbeLine, 2> beside;    ///< the face, moved inwards by `exit_depth` and twice as much
+    std::array<ProbeLine, 2> beside;    ///< the face, moved inwards by a depth and by twice as much
   };
-  static constexpr double exit_depth = 1.5;  ///< spacings
   class Reader;
 
   const Case& scene_;

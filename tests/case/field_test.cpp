@@ -89,6 +89,8 @@ TEST_F(Field, RainFallsOnOpenGroundOnly) {
   EXPECT_THAT(complaint(dam, {"rain.0.points=[[0.4, 0.4], [0.8, 0.4]]"}), HasSubstr("with the soil on its left"));
   EXPECT_THAT(complaint(dam, {"rain.0.points=[[0.8, 0.6], [0.4, 0.6]]"}), HasSubstr("no soil lies under the rain"));
   EXPECT_THAT(complaint(changed(dam, "rate = [[0, 1e-6], [100, 0]]", "")), HasSubstr("rate"));
+  EXPECT_THAT(complaint(dam + "[[wall]]\npoints = [[0.8, 0.4], [0.4, 0.4]]\n"),
+              AllOf(HasSubstr("rain[0].points"), HasSubstr("wall[0]")));
   EXPECT_THAT(complaint(changed(dam, R"(model = "van_genuchten", residual_water_content = 0.05, alpha = 3.5, n = 2.8)",
                                 R"(model = "sharp")")),
               AllOf(HasSubstr("rain[0]"), HasSubstr("retention curve")));
