@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Halves and doubles constants of fluid_solver/numerics and solid_solver/numerics, and says which tests turn red.
+"""Halves and doubles constants of fluid_solver/numerics, pore_solver/numerics and solid_solver/numerics, and says which tests turn red.
 
     bench/sensitivity.py --list                              the sheet
     bench/sensitivity.py fluid.surface.hole solid.walls      a constant, or all of a room, by the tests named on the sheet
@@ -26,12 +26,12 @@ from runs import PROGRAMS
 
 SOURCE = pathlib.Path(__file__).resolve().parent.parent
 PAGE = SOURCE / "docs" / "notebook" / "sensitivity.md"
-SOLVERS = ("fluid", "solid")
+SOLVERS = ("fluid", "pore", "solid")
 ENTRY = re.compile(r"^(?P<reason>(?:/// .*\n)+)/// Unit: (?P<unit>.+?)\. Test: (?P<test>.+)\.\n"
                    r"inline constexpr (?P<type>[\w:]+) (?P<name>\w+) = (?P<value>[^;]+);", re.MULTILINE)
 HEAD = """# Sensitivity of the chosen numbers
 
-What turns red when a number of fluid_solver/numerics or solid_solver/numerics is halved or doubled, written by
+What turns red when a number of a solver's numerics folder is halved or doubled, written by
 `bench/sensitivity.py`. A row holds for the value it names and the code of its day. "nothing" in both columns: the tests
 tried do not need the number, or need a sharper bound.
 
@@ -90,7 +90,8 @@ def short_forms(root, solver):
     for verify in sorted((root / "cases").glob("*/verify.toml")):
         case = tomllib.loads((verify.parent / "case.toml").read_text())
         moves = "soil" in case and case.get("solid", {}).get("model") != "rigid"
-        if moves if solver == "solid" else case.get("fluid", {}).get("region"):
+        fluid = case.get("fluid", {})
+        if {"solid": moves, "pore": fluid.get("representation") == "field", "fluid": fluid.get("region")}[solver]:
             yield verify.parent.name
 
 

@@ -22,8 +22,13 @@ template <int D>
 ParticleCount count(const Case& scene) {
   ParticleCount result;
   const auto& f = scene.fluid;
-  for (const auto& region : f.regions)
-    result.fluid += fill<D>(region, f.particle_spacing, f.offset, 0.0, f.seed).position.size();
+  const auto count = [&](const Shape& shape) {
+    result.fluid += fill<D>(shape, f.particle_spacing, f.offset, 0.0, f.seed).position.size();
+  };
+  if (scene.is_field())
+    for (const auto& soil : scene.soils) count(soil.shape);
+  else
+    for (const auto& region : f.regions) count(region);
   const auto& s = scene.solid;
   if (scene.deformable())
     for (const auto& soil : scene.soils)
@@ -38,6 +43,10 @@ double constrained_modulus(const Soil& soil) {
 
 std::vector<Limit> limits(const Case& scene) {
   std::vector<Limit> result;
+  if (scene.is_field()) {
+    if (scene.coupling.interval) result.push_back({*scene.coupling.interval, "coupling.interval of the case"});
+    return result;  // otherwise steps follow from their error
+  }
   const double gravity = scene.general.gravity.norm();
   if (gravity > 0.0 && scene.has_water())
     result.push_back(
@@ -74,7 +83,10 @@ std::vector<Limit> limits(const Case& scene) {
 }
 
 const char* phases(const Case& scene) {
-  return scene.coupled() ? "fluid and solid coupled" : scene.deformable() ? "soil alone" : "fluid alone in rigid soil";
+  return scene.coupled()      ? "fluid and solid coupled"
+         : scene.deformable() ? "soil alone"
+         : scene.is_field()   ? "water as a field in rigid soil"
+                              : "fluid alone in rigid soil";
 }
 
 }  // namespace
@@ -120,8 +132,8 @@ std::string check_text(const Case& scene, const CheckReport& report) {
   text += fmt::format("dimension   {}, simulated time {} s, {}\n", scene.general.dimension, scene.general.end_time,
                       phases(scene));
   if (scene.has_water())
-    text += fmt::format("fluid       {}{} particles at the start, spacing {} m\n", about, particles.fluid,
-                        scene.fluid.particle_spacing);
+    text += fmt::format("fluid       {}{} {}, spacing {} m\n", about, particles.fluid,
+                        scene.is_field() ? "points" : "particles at the start", scene.fluid.particle_spacing);
   if (scene.deformable())
     text +=
         fmt::format("solid       {}{} particles, spacing {} m\n", about, particles.solid, scene.solid.particle_spacing);

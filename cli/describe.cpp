@@ -98,7 +98,7 @@ DescribedProgram describe_process(const std::string& process) {
   return program;
 }
 
-const std::vector<std::string> processes{"fluid", "solid", "coupler"};
+const std::vector<std::string> processes{"fluid", "pore", "solid", "coupler"};
 
 // Man pages
 

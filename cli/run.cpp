@@ -67,6 +67,11 @@ int available_threads() {
   return ::sched_getaffinity(0, sizeof set, &set) == 0 ? std::max(1, CPU_COUNT(&set)) : 1;
 }
 
+/// The file of the program that has a role in the run.
+fs::path program_file(const RunOptions& options, const Case& scene, const std::string& role) {
+  return options.programs / ("poretwin-" + (role == "fluid" && scene.is_field() ? "pore" : role));
+}
+
 /// The same arguments for a person's own command, which the shell takes apart.
 Program in_place(const std::string& command, Program solver) {
   if (command.empty()) return solver;
@@ -80,7 +85,7 @@ std::vector<Program> programs_of(const RunOptions& options, const Case& scene, c
   const auto program = [&](const std::string& name, std::vector<std::string> first) {
     Program p;
     p.name = name;
-    p.file = options.programs / ("poretwin-" + name);
+    p.file = program_file(options, scene, name);
     p.arguments = {"--case", options.case_file.string(), "--out", options.out.string()};
     p.arguments.insert(p.arguments.end(), first.begin(), first.end());
     if (resume) p.arguments.push_back("--resume");
@@ -131,9 +136,9 @@ RunIdentity identity_of(const RunOptions& options, const Case& scene) {
   RunIdentity identity = case_identity(scene);
   std::string programs = version();
   const auto add = [&](const std::string& name, const std::string& command) {
-    programs += fmt::format(
-        ", {} {}", name,
-        command.empty() ? program_hash(options.programs / ("poretwin-" + name)) : identity_of_command(command));
+    programs +=
+        fmt::format(", {} {}", name,
+                    command.empty() ? program_hash(program_file(options, scene, name)) : identity_of_command(command));
   };
   if (scene.coupled()) add("coupler", "");
   if (scene.coupled() || !scene.deformable()) add("fluid", options.fluid);

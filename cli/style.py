@@ -45,6 +45,9 @@ FLUID = {
     "velocity": ("velocity of the water", r"\mathbf{v}_w"),
     "relative_flux": ("discharge through the soil", r"n_w(\mathbf{v}_w-\mathbf{v}_s)"),
     "void_fraction": ("void fraction", "n_w"),
+    "pressure_head": ("pressure head", r"\psi"),
+    "degree_of_saturation": ("degree of saturation", "S_r"),
+    "water_content": ("water content", r"\theta"),
 }
 SOLID = {
     "pore_pressure": ("pore pressure", "p_w"),

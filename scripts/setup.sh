@@ -1,7 +1,7 @@
 # Shared by run.sh and test.sh: packages, configuration, build. Source it from the repository's root; every step is safe to repeat.
 
 packages="cmake ninja-build g++ pkg-config libzmq3-dev cppzmq-dev libprotobuf-dev protobuf-compiler libhdf5-dev libeigen3-dev
-libtomlplusplus-dev libcli11-dev libspdlog-dev libfmt-dev libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev
+libtomlplusplus-dev voro++-dev libcli11-dev libspdlog-dev libfmt-dev libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev
 nlohmann-json3-dev iproute2 python3-zmq python3-protobuf python3-numpy python3-scipy python3-h5py python3-matplotlib"
 
 # Commands that only the tests need, and the packages they come from: any node will do, wherever it is from.

@@ -44,10 +44,13 @@ double measure(const Shape& shape, int dimension) {
 Amounts estimate(const Case& scene) {
   Amounts a;
   const int dimension = scene.general.dimension;
-  for (const auto& region : scene.fluid.regions)
-    a.fluid += particles_in(region, scene.fluid.particle_spacing, dimension);
+  if (scene.is_field())
+    for (const auto& soil : scene.soils) a.fluid += particles_in(soil.shape, scene.fluid.particle_spacing, dimension);
+  else
+    for (const auto& region : scene.fluid.regions)
+      a.fluid += particles_in(region, scene.fluid.particle_spacing, dimension);
   a.fluid_full = a.fluid;
-  if (!scene.water_faces.empty())
+  if (!scene.is_field() && !scene.water_faces.empty())
     for (const auto& soil : scene.soils)
       a.fluid_full += particles_in(soil.shape, scene.fluid.particle_spacing, dimension);
   if (scene.deformable())

@@ -8,6 +8,7 @@
 #include "common/case/origin.hpp"
 #include "common/core/error.hpp"
 #include "common/core/hash.hpp"
+#include "common/media/retention_law.hpp"
 #include "common/media/seepage.hpp"
 
 #include <fmt/format.h>
@@ -37,6 +38,9 @@ constexpr std::array soil_words{
 /// Which defaults the sections of a solver have.
 enum class Preset { own, paper };
 constexpr std::array preset_words{Word<Preset>{"own", Preset::own}, Word<Preset>{"paper", Preset::paper}};
+constexpr std::array representation_words{
+    Word<FluidCase::Representation>{"particles", FluidCase::Representation::particles},
+    Word<FluidCase::Representation>{"field", FluidCase::Representation::field}};
 constexpr std::array scheme_words{
     Word<FluidCase::Scheme>{"projection", FluidCase::Scheme::projection},
     Word<FluidCase::Scheme>{"eisph", FluidCase::Scheme::eisph},
@@ -172,6 +176,33 @@ void declare_own_keys(Keys& keys, Soil& s) {
     }
 }
 
+void declare(Keys& keys, RetentionCase& r) {
+  std::string meaning = "How much water the soil keeps under suction.", with_tables;
+  std::vector<std::pair<std::string_view, const porous::RetentionLaw*>> laws;
+  for (const auto& law : porous::retention_laws()) {
+    meaning += fmt::format("{} `{}`: {}", laws.empty() ? "" : ";", law.name, law.meaning);
+    if (law.takes_tables) with_tables += fmt::format("{}`{}`", with_tables.empty() ? "" : ", ", law.name);
+    laws.emplace_back(law.name, &law);
+  }
+  if (!r.law) r.law = laws.front().second;
+  keys.choice<const porous::RetentionLaw*>("model", r.law, laws, {"", meaning + "."});
+  keys.number("residual_water_content", r.residual_water_content,
+              {"", "Volume of water per volume of soil that no suction removes, theta_r; below `porosity`."},
+              between(0, false, 1, true));
+  std::set<std::string> declared;  // of a key that several laws have the first
+  for (const auto& law : porous::retention_laws())
+    for (const auto& p : law.parameters) {
+      if (!declared.insert(p.key).second) continue;
+      keys.number(p.key, r.numbers.try_emplace(p.key, p.value).first->second, {p.unit, p.meaning}, not_negative());
+    }
+  keys.series("saturation", r.saturation,
+              {"1", fmt::format("Effective saturation against pressure head [m], [[psi, S_e], ..], both rising up to "
+                                "S_e = 1 ({}).",
+                                with_tables)});
+  keys.series("permeability", r.permeability,
+              {"1", fmt::format("Relative permeability against pressure head [m], likewise ({}).", with_tables)});
+}
+
 void declare(Keys& keys, Soil& s) {
   keys.text("name", s.name, {"", "Name, for messages."});
   declare(keys, s.shape);
@@ -195,6 +226,10 @@ void declare(Keys& keys, Soil& s) {
     for (const auto& p : law.parameters)
       keys.number(p.key, s.own_numbers.try_emplace(p.key, p.value).first->second, {p.unit, p.meaning},
                   p.needed && p.value > 0.0 ? positive() : not_negative());
+  keys.optional_table("retention",
+                      "How much water the soil keeps under suction, and how well it then conducts; absent: no "
+                      "capillarity. With fluid.representation = \"field\".",
+                      s.retention, [](Keys& inner, RetentionCase& retention) { declare(inner, retention); });
   keys.number("youngs_modulus", s.youngs_modulus, {"Pa", "Young's modulus of the drained skeleton."}, positive());
   keys.number("poissons_ratio", s.poissons_ratio, {"", "Poisson's ratio of the drained skeleton."},
               between(0, false, 0.5, true));
@@ -308,6 +343,22 @@ void declare(Keys& keys, WaterFace& f) {
   keys.number("wave_period", f.wave_period, {"s", "Of that wave.", f.wave_amplitude.has_value()}, positive());
 }
 
+void declare(Keys& keys, Rain& r) {
+  keys.text("name", r.name, {"", "Name, for messages and gauges."});
+  declare(keys, r.face);
+  keys.series(
+      "rate", r.rate,
+      {"m/s", "What falls per time and horizontal area, also as a table in time; below zero: evaporation.", true});
+  keys.number("ponding_depth", r.ponding_depth,
+              {"m", "Depth of the water that stays where it cannot soak in; what is more runs off at once."},
+              not_negative());
+  keys.number("limit_suction", r.limit_suction,
+              {"m",
+               "Suction at the surface at which evaporation ceases to be what `rate` asks for: it goes on as "
+               "fast as the soil brings water there."},
+              positive());
+}
+
 void declare(Keys& keys, Load& l) {
   keys.text("name", l.name, {"", "Name, for messages."});
   declare(keys, l.face);
@@ -344,6 +395,16 @@ void declare_seed(Keys& keys, unsigned& seed) {
 void declare(Keys& keys, FluidCase& f) {
   keys.number("particle_spacing", f.particle_spacing,
               {"m", "Distance between neighbouring water particles; required where there is water."}, not_negative());
+  keys.choice<FluidCase::Representation>(
+      "representation", f.representation, representation_words,
+      {"",
+       "`particles` that move with the water, also where it runs free; `field`: pressure heads at points of soil that "
+       "does not move, saturated or not, `particle_spacing` apart (2D, docs/theory/pore_water_field.md)."});
+  keys.series("initial_pressure_head", f.initial_pressure_head,
+              {"m", "Of a field: pressure head at time zero, a number or a table against elevation, [[z, psi], ..]."});
+  keys.number(
+      "initial_water_table", f.initial_water_table,
+      {"m", "Of a field, instead: elevation of the water table at time zero, with water at rest below and above."});
   keys.choice<FluidCase::Scheme>(
       "scheme", f.scheme, scheme_words,
       {"",
@@ -493,9 +554,12 @@ void declare(Keys& keys, Gauge& g) {
   keys.text("quantity", g.quantity,
             {"",
              "Of `point`: an output field, with `_x` `_y` `_z` or `_xx` `_yy` .. for one component. Of `momentum`: "
-             "`momentum_x` .. Of `level` and `passed_volume`: name of the face."});
+             "`momentum_x` .. Of `level`, `passed_volume` and, of a field, `discharge`: name of the face; of rain its "
+             "name."});
   keys.points("points", g.points,
               {"m", "Where; of lines and directions the two ends; a face is walked with the domain on the left."});
+  keys.number("pressure_head", g.pressure_head,
+              {"m", "Of `front` of a field: the pressure head that is looked for; 0: the water table."});
   keys.number("thickness", g.thickness,
               {"m", "Of `front` of the soil: how thick the soil must be there; 0: the tip, its last particle."},
               not_negative());
@@ -527,6 +591,8 @@ void declare_own(Keys& keys, Case& c) {
               "Water in the pores of soil that runs alone: it fills them where its pressure is above zero, and acts on "
               "the skeleton by buoyancy and seepage, rho_w g - grad p per volume.",
               c.pore_pressures, [](Keys& inner, PorePressure& p) { declare(inner, p); });
+  keys.tables("rain", "Rain on the soil's surface, or evaporation from it; of a field.", c.rains,
+              [](Keys& inner, Rain& rain) { declare(inner, rain); });
   keys.table("fluid", "The water phase.", [&](Keys& inner) { declare(inner, c.fluid); });
   keys.table("solid", "The soil phase.", [&](Keys& inner) { declare(inner, c.solid); });
   keys.table("output", "What is written, and when.", [&](Keys& inner) { declare(inner, c.output); });

@@ -66,7 +66,8 @@ struct Water {
 
 namespace porous {
 struct SeepageLaw;
-}
+struct RetentionLaw;
+}  // namespace porous
 
 /// Name of a material (materials.hpp), or `rigid`: soil that does not move.
 struct MaterialName {
@@ -76,6 +77,14 @@ struct MaterialName {
 };
 inline constexpr MaterialName MaterialName::rigid{"rigid"}, MaterialName::elastic{"elastic"},
     MaterialName::drucker_prager{"drucker_prager"}, MaterialName::drucker_prager_rate{"drucker_prager_rate"};
+
+/// [soil.retention]: how much water the soil keeps under suction, and how well it then conducts.
+struct RetentionCase {
+  const porous::RetentionLaw* law = nullptr;           ///< none: the first of `porous::retention_laws`
+  double residual_water_content = 0.0;                 ///< theta_r, volume of water per volume that no suction removes
+  std::map<std::string, double, std::less<>> numbers;  ///< parameters of the laws, by key
+  std::optional<Series> saturation, permeability;      ///< S_e and k_r against pressure head [m], of `table`
+};
 
 /// [[soil]]: a region of soil and its material. With solid.model = "rigid" only shape, porosity and the law of seepage
 /// matter.
@@ -94,6 +103,7 @@ struct Soil {
   double porosity = 0.4;                            ///< n = n_w
   double grain_density = 2600.0;                    ///< kg/m3, intrinsic rho_s
   const porous::SeepageLaw* seepage_law = nullptr;  ///< none: the first of `porous::seepage_laws`
+  std::optional<RetentionCase> retention;           ///< absent: no capillarity
   double hydraulic_conductivity = 1e-4;             ///< k at `porosity`, m/s
   double youngs_modulus = 3.0e6;                    ///< Pa
   double poissons_ratio = 0.3;
@@ -140,6 +150,15 @@ struct WaterFace {
   [[nodiscard]] double wave(double x, double t) const;
 };
 
+/// [[rain]]: water that falls on the soil's surface along a face, or evaporates from it.
+struct Rain {
+  std::string name;
+  Face face;
+  std::optional<Series> rate;    ///< m/s, per horizontal area; below zero: evaporation
+  double ponding_depth = 0.0;    ///< m, of water that stays on the surface; what is more runs off
+  double limit_suction = 150.0;  ///< m, at the surface: drier soil gives no more vapour
+};
+
 /// [[load]]: traction on the soil's surface near a face.
 struct Load {
   std::string name;
@@ -165,11 +184,16 @@ struct FluidCase {
   /// How pressure follows from velocity: solved to a tolerance, or by explicit sweeps, Eqs. (82)-(85); the latter also
   /// with the drag taken at the window's start.
   enum class Scheme { projection, eisph, eisph_explicit_drag };
+  /// What carries the water: particles that move, or the points of the soil that it seeps through.
+  enum class Representation { particles, field };
   double particle_spacing = 0.0;  ///< m
+  Representation representation = Representation::particles;
   Scheme scheme = Scheme::projection;
   int sweeps = 1;                            ///< of eisph, per window
   std::optional<double> pressure_tolerance;  ///< of projection: residual left over what drives the flow
   std::vector<Shape> regions;  ///< [[fluid.region]]: where water stands at time zero (inside soil it fills the pores)
+  std::optional<Series> initial_pressure_head;  ///< of a field: m, against elevation [m]
+  std::optional<double> initial_water_table;    ///< of a field: m, elevation at which its pressure is zero; at rest
   Point3 initial_velocity = Point3::Zero();
   double initial_strain = 0.0;    ///< 1/s: adds (s x, -s y)
   double initial_wave = 0.0;      ///< m/s: adds the lowest sloshing mode of the first region, this fast at the surface
@@ -247,6 +271,7 @@ struct Gauge {
   std::string kind;             ///< of gauge_kinds.hpp
   std::string quantity;         ///< of "point": "pore_pressure", "velocity", "displacement", "effective_stress_yy", ...
   std::vector<Point3> points;   ///< of "point", "height" (name[i] where several), or a line's two ends
+  double pressure_head = 0.0;   ///< m, of "front" of a field: where the water has it
   double thickness = 0.0;       ///< m, of "front" of the soil: how thick it must be to count; 0: the last particle
   std::optional<Shape> region;  ///< of "volume", "momentum", ...: absent: everywhere
 };
@@ -260,6 +285,7 @@ struct Case {
   std::vector<Soil> soils;
   std::vector<Wall> walls;
   std::vector<WaterFace> water_faces;
+  std::vector<Rain> rains;
   std::vector<Load> loads;
   std::vector<PorePressure> pore_pressures;
   FluidCase fluid;
@@ -273,8 +299,10 @@ struct Case {
   [[nodiscard]] MaterialName model_of(const Soil& soil) const { return soil.model.value_or(solid.model); }
   /// Some soil moves and can yield.
   [[nodiscard]] bool can_yield() const;
+  /// The water is a field on the soil's points.
+  [[nodiscard]] bool is_field() const { return fluid.representation == FluidCase::Representation::field; }
   /// There is a water phase.
-  [[nodiscard]] bool has_water() const { return !fluid.regions.empty() || !water_faces.empty(); }
+  [[nodiscard]] bool has_water() const { return is_field() || !fluid.regions.empty() || !water_faces.empty(); }
   /// Both phases run; otherwise the water alone in rigid soil, or the soil alone.
   [[nodiscard]] bool coupled() const { return deformable() && has_water(); }
   /// The water's solve predicts the skeleton's motion.

@@ -2,6 +2,7 @@
 
 #include "common/case/amounts.hpp"
 #include "common/case/complaints.hpp"
+#include "common/case/field.hpp"
 #include "common/case/gauge_kinds.hpp"
 #include "common/case/gauge_quantities.hpp"
 #include "common/case/unsupported.hpp"
@@ -31,6 +32,7 @@ class Checker : Complaints {
 
   void all() const {
     general();
+    check_field(scene_, places_);
     amounts();
     soils();
     fluid_regions();
@@ -41,6 +43,8 @@ class Checker : Complaints {
     pore_pressures();
     if (scene_.has_water()) sides();
     gauges();
+    // A field is its soil's: beyond the border there is no water that could run out, and particles have other limits.
+    if (scene_.is_field()) return;
     if (scene_.has_water()) enclosure();
     check_supported(scene_, places_);
   }
@@ -351,6 +355,7 @@ class Checker : Complaints {
             fail(key + ".basin_area", fmt::format("expected positive areas, found {} at elevation {} m", area, z));
         }
     }
+    for (std::size_t i = 0; i < scene_.rains.size(); ++i) face(scene_.rains[i].face, fmt::format("rain[{}]", i));
     for (std::size_t i = 0; i < scene_.loads.size(); ++i) {
       const std::string key = fmt::format("load[{}]", i);
       face(scene_.loads[i].face, key);
@@ -708,7 +713,8 @@ class Checker : Complaints {
       }
       if ((gauge.kind == "point" || gauge.kind == "height") && gauge.points.empty())
         fail(key + ".points", fmt::format("a {} gauge needs 1 point or more", gauge.kind));
-      const bool line = std::find(line_kinds.begin(), line_kinds.end(), gauge.kind) != line_kinds.end();
+      const bool of_face = gauge.kind == "discharge" && scene_.is_field() && !gauge.quantity.empty();
+      const bool line = std::find(line_kinds.begin(), line_kinds.end(), gauge.kind) != line_kinds.end() && !of_face;
       if (line && (gauge.points.size() != 2 || gauge.points[0] == gauge.points[1]))
         fail(key + ".points",
              fmt::format("a gauge of kind \"{}\" needs the 2 ends of its line, found {}", gauge.kind,
@@ -720,7 +726,7 @@ class Checker : Complaints {
              fmt::format("a slip surface is looked for between two lines: expected the 2 ends of each, "
                          "found {} points",
                          gauge.points.size()));
-      if (gauge.kind == "level" || gauge.kind == "passed_volume") {
+      if (gauge.kind == "level" || gauge.kind == "passed_volume" || of_face) {
         const auto& faces = scene_.water_faces;
         const auto named = std::find_if(faces.begin(), faces.end(),
                                         [&](const WaterFace& face) { return face.name == gauge.quantity; });

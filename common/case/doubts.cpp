@@ -33,13 +33,14 @@ class Doubts : Complaints {
     units();
     own_weight();
     rows_at_an_angle();
-    if (scene_.has_water()) {
-      dry_faces();
+    if (scene_.has_water()) faces_never_wet();
+    if (scene_.has_water() && !scene_.is_field()) {
+      no_water();
       piles_of_one_row();
       faces_that_end_on_walls();
       narrow_water();
     }
-    few_rows();
+    if (!scene_.is_field()) few_rows();
     slow_factors();
     without_effect();
     return std::move(lines_);
@@ -189,7 +190,7 @@ class Doubts : Complaints {
   }
 
   /// A level below all of a face never wets it.
-  void dry_faces() {
+  void faces_never_wet() {
     if (up_.isZero()) return;
     const double dx = scene_.fluid.particle_spacing;
     for (std::size_t i = 0; i < scene_.water_faces.size(); ++i) {
@@ -205,6 +206,10 @@ class Doubts : Complaints {
                         "an elevation, not a depth",
                         highest, lowest));
     }
+  }
+
+  void no_water() {
+    if (up_.isZero()) return;
     const bool comes_in = std::any_of(scene_.water_faces.begin(), scene_.water_faces.end(), [&](const WaterFace& f) {
       if (f.pressure || f.discharge || f.face.points.empty()) return !f.outlet;
       if (!f.head) return false;
@@ -379,16 +384,20 @@ class Doubts : Complaints {
       const Gauge& g = scene_.gauges[i];
       const std::string key = fmt::format("gauge[{}]", i);
       idle(key + ".quantity",
-           g.kind != "point" && g.kind != "momentum" && g.kind != "level" && g.kind != "passed_volume",
+           g.kind != "point" && g.kind != "momentum" && g.kind != "level" && g.kind != "passed_volume" &&
+               !(g.kind == "discharge" && scene_.is_field()) && g.kind != "infiltration" && g.kind != "evaporation" &&
+               g.kind != "runoff",
            fmt::format("a gauge of kind \"{}\" reads one quantity only", g.kind));
+      idle(key + ".pressure_head", g.kind != "front", "it belongs to a \"front\"");
       idle(key + ".thickness", g.kind != "front" || g.phase != "solid", "it belongs to the \"front\" of the soil");
       constexpr std::array with_points{"point",       "front",  "extent",        "spread",      "discharge",
                                        "exit_height", "height", "exit_gradient", "slip_surface"};
       idle(key + ".points", std::find(with_points.begin(), with_points.end(), g.kind) == with_points.end(),
            fmt::format("a gauge of kind \"{}\" is of the whole phase, or of its 'region'", g.kind));
-      constexpr std::array without_region{"point",         "front",   "discharge",        "exit_height",
-                                          "exit_gradient", "height",  "slip_surface",     "level",
-                                          "passed_volume", "balance", "received_impulse", "drag_work"};
+      constexpr std::array without_region{
+          "point",        "front",       "discharge",     "exit_height", "exit_gradient",    "height",
+          "slip_surface", "level",       "passed_volume", "balance",     "received_impulse", "drag_work",
+          "infiltration", "evaporation", "runoff"};
       idle(key + ".region", std::find(without_region.begin(), without_region.end(), g.kind) != without_region.end(),
            fmt::format("a gauge of kind \"{}\" knows no region", g.kind));
     }

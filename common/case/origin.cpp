@@ -27,6 +27,7 @@ void for_each_place(Case& scene, F&& f, bool of_planes = true) {
   for (auto& region : scene.fluid.regions) shape(region);
   for (auto& wall : scene.walls) face(wall.face);
   for (auto& water_face : scene.water_faces) face(water_face.face);
+  for (auto& rain : scene.rains) face(rain.face);
   for (auto& load : scene.loads) face(load.face);
   for (auto& p : scene.pore_pressures) {
     if (p.region) shape(*p.region);
@@ -59,8 +60,8 @@ void move_to_origin(Case& scene) {
                                  [](const WaterFace& face) { return face.wave_amplitude.has_value(); });
   const double spacing = finest_spacing(scene);
   if (!(spacing > 0.0)) return;  // check_case() complains
-  // Nearer than that the digits that places lose are not felt: a slope that yields is right to 3e-5 at 1e5 spacings and to
-  // 1e-6 here. And the scene lies farther from the origin than it is wide, or it would not gain by being moved.
+  // Nearer than that the digits that places lose are not felt: a slope that yields is right to 3e-5 at 1e5 spacings and
+  // to 1e-6 here. And the scene lies farther from the origin than it is wide, or it would not gain by being moved.
   constexpr double far = 1e3;  // spacings
   // By a power of two times a whole number, which takes nothing off the digits.
   const double step = std::exp2(std::floor(std::log2(spacing)));

@@ -8,6 +8,8 @@
 namespace poretwin {
 
 std::pair<double, std::string> shortest_time(const Case& scene) {
+  // A field's steps follow its rates of change, which nothing bounds.
+  if (scene.is_field()) return {0.0, ""};
   const double dx = finest_spacing(scene), gravity = scene.general.gravity.norm();
   std::pair<double, std::string> least{HUGE_VAL, ""};
   const auto take = [&](double time, const char* of_what) {
@@ -23,7 +25,8 @@ std::pair<double, std::string> shortest_time(const Case& scene) {
     for (const auto& soil : scene.soils) {
       const double nu = soil.poissons_ratio;
       const double modulus = soil.youngs_modulus * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu));
-      way_at(std::sqrt(modulus / ((1.0 - soil.porosity) * soil.grain_density)), "a wave of the soil through one spacing");
+      way_at(std::sqrt(modulus / ((1.0 - soil.porosity) * soil.grain_density)),
+             "a wave of the soil through one spacing");
       way_at(scene.solid.initial_velocity.norm() + std::abs(scene.solid.initial_wave),
              "the way of the soil through one spacing at its initial speed");
     }
@@ -38,11 +41,13 @@ std::pair<double, std::string> shortest_time(const Case& scene) {
         if (!*series) continue;
         for (const auto& knot : (*series)->knots) pressure = std::max(pressure, knot.second);
       }
-    way_at(std::sqrt(2.0 * pressure / scene.water.density), "the way through one spacing of a jet from a face's pressure");
+    way_at(std::sqrt(2.0 * pressure / scene.water.density),
+           "the way through one spacing of a jet from a face's pressure");
     if (scene.fluid.scheme != FluidCase::Scheme::projection)
       for (const auto& soil : scene.soils)
         if (soil.hydraulic_conductivity > 0.0)
-          take(soil.hydraulic_conductivity / standard_gravity, "the drag on water in soil, which an explicit scheme follows");
+          take(soil.hydraulic_conductivity / standard_gravity,
+               "the drag on water in soil, which an explicit scheme follows");
   }
   if (scene.coupling.interval) take(*scene.coupling.interval, "coupling.interval");
   if (scene.output.interval > 0.0) take(scene.output.interval, "output.interval");

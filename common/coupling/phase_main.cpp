@@ -48,8 +48,15 @@ void expect_own(const Case& scene, Role role) {
          fmt::format("start poretwin-{}", scene.deformable() ? "solid" : "fluid"));
 }
 
+/// Throws CaseError where the case's water is for another program.
+void expect_representation(const Case& scene, Role role, FluidCase::Representation representation) {
+  if (role != Role::fluid || scene.fluid.representation == representation) return;
+  throw CaseError(fmt::format("{}: fluid.representation = \"{}\" is for poretwin-{}", scene.path.string(),
+                              scene.is_field() ? "field" : "particles", scene.is_field() ? "pore" : "fluid"));
+}
+
 void execute(const Arguments& arguments, Role role, const std::function<std::unique_ptr<Phase>(const Case&)>& make,
-             Run& run) {
+             FluidCase::Representation representation, Run& run) {
   const std::string name(to_string(role));
   if (arguments.profile) run.report.trace = &run.trace.emplace(arguments.out, name);
   ParticipantOptions options;
@@ -62,6 +69,7 @@ void execute(const Arguments& arguments, Role role, const std::function<std::uni
   auto line = arguments.alone ? nullptr : connect_socket(arguments.address, keys);
   const Case scene = arguments.case_file.empty() ? case_of_coupler(*line, role, arguments, options)
                                                  : read_case(arguments.case_file, arguments.overrides);
+  expect_representation(scene, role, representation);
   if (arguments.alone) expect_own(scene, role);
   run.phase = make(scene);
   std::vector<std::string> gauges;
@@ -119,11 +127,12 @@ RunSummary summarise(const Run& run) {
 
 }  // namespace
 
-int phase_main(int argc, char** argv, Role role, std::function<std::unique_ptr<Phase>(const Case&)> make) {
+int phase_main(int argc, char** argv, Role role, std::function<std::unique_ptr<Phase>(const Case&)> make,
+               FluidCase::Representation representation) {
   Run run;
   return process_main(argc, argv, std::string(to_string(role)), Program::phase,
                       {[&](const Arguments& arguments) {
-                         execute(arguments, role, make, run);
+                         execute(arguments, role, make, representation, run);
                          return run.report.interrupted;
                        },
                        [&] { return summarise(run); }});

@@ -9,9 +9,11 @@
 
 namespace poretwin::coupling {
 
+/// Runs what has this role, and, of the fluid's, carries the water in this representation; refuses cases of another.
 /// Arguments: --out DIR (--connect ADDRESS [--case FILE] | --alone --case FILE) [--set key=value]... [--progress-fd N].
 /// Writes OUT/<role>.summary.json unless OUT is another run's; prints one clear message on failure. Returns the exit
 /// code.
-int phase_main(int argc, char** argv, Role role, std::function<std::unique_ptr<Phase>(const Case&)> make);
+int phase_main(int argc, char** argv, Role role, std::function<std::unique_ptr<Phase>(const Case&)> make,
+               FluidCase::Representation representation = FluidCase::Representation::particles);
 
 }  // namespace poretwin::coupling

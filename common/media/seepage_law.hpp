@@ -20,7 +20,8 @@ struct Seepage {
 struct LawParameter {
   std::string key, unit, meaning;
   double value = 0.0;   ///< unless the case says otherwise
-  bool needed = false;  ///< must be given, and positive
+  bool needed = false;  ///< must be given, and above `above`
+  double above = 0.0;
 };
 
 /// What a law is asked with.

@@ -65,6 +65,24 @@ class RealResume : public RealRun {
       if (const pid_t victim = child_called(command, program); victim > 0) ::kill(victim, SIGKILL);
     };
   }
+  /// Kills a program that runs a case alone, and compares what it leaves when resumed with a run that was left alone.
+  void resumes_alone(const std::string& name, const std::string& program, const std::vector<std::string>& set) {
+    const auto file = fs::path(PORETWIN_SOURCE_DIR) / "cases" / name / "case.toml";
+    const auto whole = reference(file, set);
+    auto words = arguments(file, {"--checkpoint-every", "0", "--restarts", "0"});
+    words.insert(words.end(), set.begin(), set.end());
+    const auto outcome = poretwin(words, {}, [&](pid_t command) {
+      wait_for([&] { return checkpoints("fluid") > 1; });
+      ::kill(child_called(command, program), SIGKILL);
+    });
+    EXPECT_EQ(outcome.exit, 1) << outcome.err;
+    words = arguments(file, {"--resume"});
+    words.insert(words.end(), set.begin(), set.end());
+    const auto resumed = poretwin(words);
+    EXPECT_EQ(resumed.exit, 0) << resumed.err;
+    EXPECT_EQ(differences(whole, out()), "");
+    expect_nothing_left();
+  }
   [[nodiscard]] long checkpoints(const std::string& process) const {
     std::error_code none;
     long count = 0;
@@ -126,23 +144,14 @@ TEST_F(RealResume, CtrlCLeavesACheckpoint) {
 
 /// Rigid soil: the fluid alone, with few frames and few readings of the gauges.
 TEST_F(RealResume, ASolverAloneResumesToo) {
-  const auto file = fs::path(PORETWIN_SOURCE_DIR) / "cases" / "infiltration_horizontal" / "case.toml";
-  const std::vector<std::string> set{"--set", "case.end_time=400.0",       "--set", "output.interval=50.0",
-                                     "--set", "output.gauge_interval=20.0"};
-  const auto whole = reference(file, set);
-  auto words = arguments(file, {"--checkpoint-every", "0", "--restarts", "0"});
-  words.insert(words.end(), set.begin(), set.end());
-  const auto outcome = poretwin(words, {}, [&](pid_t command) {
-    wait_for([&] { return checkpoints("fluid") > 1; });
-    ::kill(child_called(command, "poretwin-fluid"), SIGKILL);
-  });
-  EXPECT_EQ(outcome.exit, 1) << outcome.err;
-  words = arguments(file, {"--resume"});
-  words.insert(words.end(), set.begin(), set.end());
-  const auto resumed = poretwin(words);
-  EXPECT_EQ(resumed.exit, 0) << resumed.err;
-  EXPECT_EQ(differences(whole, out()), "");
-  expect_nothing_left();
+  resumes_alone(
+      "infiltration_horizontal", "poretwin-fluid",
+      {"--set", "case.end_time=400.0", "--set", "output.interval=50.0", "--set", "output.gauge_interval=20.0"});
+}
+
+TEST_F(RealResume, AFieldHasAProgramOfItsOwnAndResumesToo) {
+  resumes_alone("dam_unsaturated", "poretwin-pore",
+                {"--set", "case.end_time=3456000.0", "--set", "fluid.particle_spacing=0.2"});
 }
 
 TEST_F(RealResume, WhatCannotBeResumedIsNamed) {

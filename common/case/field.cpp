@@ -1,0 +1,306 @@
+#include "common/case/field.hpp"
+
+#include "common/case/amounts.hpp"
+#include "common/case/complaints.hpp"
+#include "common/geometry/pieces.hpp"
+#include "common/geometry/shapes.hpp"
+#include "common/media/retention_law.hpp"
+#include "common/media/seepage.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace poretwin {
+namespace {
+
+/// What a field's gauges can read.
+constexpr std::array field_kinds{
+    std::string_view("point"),       std::string_view("front"),         std::string_view("discharge"),
+    std::string_view("exit_height"), std::string_view("exit_gradient"), std::string_view("volume"),
+    std::string_view("balance"),     std::string_view("level"),         std::string_view("passed_volume"),
+    std::string_view("particles"),   std::string_view("infiltration"),  std::string_view("evaporation"),
+    std::string_view("runoff")};
+/// Of those, what particles cannot.
+constexpr std::array rain_kinds{std::string_view("infiltration"), std::string_view("evaporation"),
+                                std::string_view("runoff")};
+
+template <class Words>
+bool has(const Words& words, std::string_view word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+class FieldChecks : Complaints {
+ public:
+  FieldChecks(const Case& scene, const Places& places) : Complaints(scene, places) {
+    const double g = scene.general.gravity.norm();
+    if (g > 0.0) up_ = -scene.general.gravity / g;
+  }
+
+  void of_particles() const {
+    constexpr const char* reason = "belongs to a field; expected fluid.representation = \"field\"";
+    for (std::size_t i = 0; i < scene_.soils.size(); ++i)
+      if (scene_.soils[i].retention) fail(fmt::format("soil[{}].retention", i), reason);
+    if (!scene_.rains.empty()) fail("rain[0]", reason);
+    for (const char* key : {"fluid.initial_pressure_head", "fluid.initial_water_table"})
+      if (given(key)) fail(key, reason);
+    for (std::size_t i = 0; i < scene_.gauges.size(); ++i) {
+      const Gauge& g = scene_.gauges[i];
+      const std::string key = fmt::format("gauge[{}]", i);
+      if (has(rain_kinds, g.kind)) fail(key + ".kind", fmt::format("\"{}\" {}", g.kind, reason));
+      if (given(key + ".pressure_head")) fail(key + ".pressure_head", reason);
+      if (g.kind == "point" && g.quantity == "water_content") fail(key + ".quantity", reason);
+    }
+  }
+
+  void of_field() const {
+    scene();
+    keys_of_particles();
+    soils();
+    initial();
+    water_faces();
+    rains();
+    gauges();
+  }
+
+ private:
+  void scene() const {
+    if (scene_.general.dimension != 2)
+      fail("fluid.representation", "a field is for dimension = 2 so far, found dimension = 3; use \"particles\"");
+    if (up_.isZero()) fail("case.gravity", "heads need gravity, found a vector of length zero");
+    if (!scene_.general.periodic.empty())
+      fail("case.periodic", "a field has no periodic sides so far; expected a case without them");
+    if (scene_.deformable())
+      fail("solid.model", fmt::format("a field needs soil that does not move so far; expected \"rigid\", found \"{}\"",
+                                      scene_.solid.model.name));
+    if (scene_.soils.empty()) fail("soil", "a field lives on points of soil; expected a [[soil]], found none");
+  }
+
+  void keys_of_particles() const {
+    for (const char* key : {"fluid.scheme", "fluid.sweeps", "fluid.pressure_tolerance", "fluid.initial_velocity",
+                            "fluid.initial_strain", "fluid.initial_wave", "fluid.initial_vortices", "fluid.drag",
+                            "fluid.drag_form", "fluid.skeleton_response", "case.central_force"})
+      if (given(key)) fail(key, "belongs to fluid.representation = \"particles\", found with \"field\"");
+    if (scene_.fluid.scheme != FluidCase::Scheme::projection)
+      fail("case.scheme", "\"paper\" is a scheme of particles, found with fluid.representation = \"field\"");
+    for (std::size_t i = 0; i < scene_.soils.size(); ++i)
+      for (const char* key : {"suction_head", "initial_saturation"})
+        if (given(fmt::format("soil[{}].{}", i, key)))
+          fail(fmt::format("soil[{}].{}", i, key),
+               "belongs to fluid.representation = \"particles\"; a field has a [soil.retention] instead");
+  }
+
+  [[nodiscard]] bool sharp(const Soil& soil) const { return porous::retention_law(soil).curve == nullptr; }
+
+  void soils() const {
+    for (std::size_t i = 0; i < scene_.soils.size(); ++i) {
+      const Soil& soil = scene_.soils[i];
+      const std::string key = fmt::format("soil[{}]", i);
+      if (soil.shape.kind == Shape::Kind::ball)
+        fail(key + ".shape", "a field needs straight sides so far; expected a box or a polygon, found a ball");
+      if (porous::seepage_at(scene_, soil, soil.porosity).quadratic != 0.0)
+        fail(key + ".seepage_law",
+             fmt::format("a field flows by Darcy's law so far; expected a linear law, found \"{}\"",
+                         soil.seepage_law->name));
+      if (sharp(soil) != sharp(scene_.soils.front()))
+        fail(key + ".retention",
+             fmt::format("{} has {}capillarity and soil[0] has {}; expected all soils of a case with it or all without",
+                         named("soil", i, soil.name), sharp(soil) ? "no " : "", sharp(soil) ? "some" : "none"));
+      if (soil.retention) retention(soil, *soil.retention, key + ".retention");
+    }
+  }
+
+  void retention(const Soil& soil, const RetentionCase& r, const std::string& key) const {
+    if (!(r.residual_water_content < soil.porosity))
+      fail(key + ".residual_water_content",
+           fmt::format("expected less than the saturated water content, which is the porosity of {}, found {}",
+                       soil.porosity, r.residual_water_content));
+    const auto& mine = porous::retention_law(soil);
+    for (const auto& p : mine.parameters) {
+      const double value = r.numbers.at(p.key);
+      if (p.needed && !(value > p.above))
+        fail(key + "." + p.key, fmt::format("the law \"{}\" needs it, a number above {}{}, found {}", mine.name,
+                                            p.above, p.unit.empty() ? "" : " " + p.unit,
+                                            given(key + "." + p.key) ? fmt::format("{}", value) : "none"));
+    }
+    for (const auto& law : porous::retention_laws())
+      for (const auto& p : law.parameters)
+        if (given(key + "." + p.key) && std::none_of(mine.parameters.begin(), mine.parameters.end(),
+                                                     [&](const auto& own) { return own.key == p.key; }))
+          fail(key + "." + p.key,
+               fmt::format("belongs to retention.model = \"{}\", found with \"{}\"", law.name, mine.name));
+    for (const auto& [name, rows] : {std::pair{"saturation", &r.saturation}, {"permeability", &r.permeability}}) {
+      if (mine.takes_tables && !*rows)
+        fail(key + "." + name,
+             fmt::format("the law \"{}\" needs it, a table [[psi, value], ...], found none", mine.name));
+      if (!mine.takes_tables && *rows) fail(key + "." + name, "belongs to retention.model = \"table\"");
+      if (*rows) rising(**rows, key + "." + name);
+    }
+  }
+
+  /// Above zero, rising from row to row, to one at a pressure head of zero or below.
+  void rising(const Series& table, const std::string& key) const {
+    const auto& rows = table.knots;
+    if (rows.size() < 2) fail(key, fmt::format("expected two rows or more, found {}", rows.size()));
+    if (rows.back().first > 0.0)
+      fail(key, fmt::format("expected pressure heads of zero or below, found {} m", rows.back().first));
+    if (!(rows.front().second > 0.0))
+      fail(key, fmt::format("expected values above zero, found {}", rows.front().second));
+    for (std::size_t i = 1; i < rows.size(); ++i)
+      if (!(rows[i].second > rows[i - 1].second))
+        fail(key, fmt::format("expected values that rise with the pressure head, found {} at {} m after {} at {} m",
+                              rows[i].second, rows[i].first, rows[i - 1].second, rows[i - 1].first));
+    if (rows.back().second != 1.0)
+      fail(key, fmt::format("expected 1 in the last row, where the soil is full, found {}", rows.back().second));
+  }
+
+  void initial() const {
+    const auto& f = scene_.fluid;
+    if (f.initial_pressure_head && f.initial_water_table)
+      fail("fluid.initial_water_table", "expected it or 'initial_pressure_head', found both");
+    if (!sharp(scene_.soils.front()) && !f.initial_pressure_head && !f.initial_water_table)
+      fail("fluid.initial_water_table",
+           "soil with a retention curve is never without water: expected it or 'initial_pressure_head', found none");
+    for (std::size_t i = 0; i < f.regions.size(); ++i) {
+      const auto filled =
+          fill<2>(f.regions[i], spacing_to_look_at(f.regions[i], f.particle_spacing, 2), {0.5, 0.5, 0.5}, 0.0, 1);
+      for (const auto& x : filled.position)
+        if (!in_soil({x.x(), x.y(), 0.0}))
+          fail(fmt::format("fluid.region[{}]", i),
+               fmt::format("is free water, for example at {} m; expected water in soil only, or fluid.representation = "
+                           "\"particles\"",
+                           shown({x.x(), x.y(), 0.0})));
+    }
+  }
+
+  [[nodiscard]] bool in_soil(const Point3& x) const {
+    return std::any_of(scene_.soils.begin(), scene_.soils.end(),
+                       [&](const Soil& soil) { return contains(soil.shape, x, 2); });
+  }
+
+  /// Whether soil lies before a face.
+  [[nodiscard]] bool touches_soil(const Face& face) const {
+    const double near = 0.25 * scene_.fluid.particle_spacing;
+    for (const auto& piece : pieces_of(face))
+      for (const auto& x : places_along(piece, scene_.fluid.particle_spacing))
+        if (in_soil(x + near * piece.left())) return true;
+    return false;
+  }
+
+  void water_faces() const {
+    for (std::size_t i = 0; i < scene_.water_faces.size(); ++i) {
+      const WaterFace& f = scene_.water_faces[i];
+      const std::string key = fmt::format("water_face[{}]", i);
+      for (const char* other : {"discharge", "basin_area", "wave_amplitude"})
+        if (given(key + "." + other))
+          fail(key + "." + other, "a field has no such face so far; expected 'head', 'pressure' or 'outlet'");
+      if (!f.face.points.empty() && !touches_soil(f.face))
+        fail(key + ".points", "no soil lies before the face; expected one along a side of the soil, on its left");
+      if (!f.head || f.face.points.empty()) continue;
+      const auto crest = crest_of(scene_, f);
+      if (crest && highest(*f.head) > crest->elevation + 1e-9)
+        fail(key + ".head",
+             fmt::format("the water behind the face rises to {} m and would run over its upper end at {} m; expected a "
+                         "lower head, or fluid.representation = \"particles\"",
+                         highest(*f.head), crest->elevation));
+    }
+  }
+
+  static double highest(const Series& series) {
+    double most = -HUGE_VAL;
+    for (const auto& knot : series.knots) most = std::max(most, knot.second);
+    return most;
+  }
+
+  void rains() const {
+    for (std::size_t i = 0; i < scene_.rains.size(); ++i) {
+      const Rain& rain = scene_.rains[i];
+      const std::string key = fmt::format("rain[{}]", i);
+      if (sharp(scene_.soils.front()))
+        fail(key,
+             "rain makes soil wet without filling it, for which it needs a retention curve; expected a "
+             "[soil.retention] with another model than \"sharp\"");
+      if (rain.face.points.empty())
+        fail(key + ".point", "expected 'points', a line along the soil's surface; found a plane");
+      if (!touches_soil(rain.face))
+        fail(key + ".points",
+             "no soil lies under the rain; expected a line along the soil's surface, with the soil on its left");
+      for (const auto& piece : pieces_of(rain.face)) {
+        if (!(up_.dot(piece.left()) < -1e-9))
+          fail(key + ".points",
+               fmt::format("from {} to {} m the soil does not lie below the line; expected a line with the "
+                           "soil on its left and below it",
+                           shown(piece.a), shown(piece.b)));
+        for (const auto& x : places_along(piece, 0.5 * scene_.fluid.particle_spacing)) {
+          under_water(x, key);
+          for (std::size_t w = 0; w < scene_.walls.size(); ++w)
+            if (scene_.walls[w].water != Wall::ForWater::none && lies_on(scene_.walls[w].face, x))
+              fail(key + ".points",
+                   fmt::format("falls on {} at {} m, which lets no water through; set water = \"none\" "
+                               "there or move one of them",
+                               named("wall", w, scene_.walls[w].name), shown(x)));
+          for (std::size_t j = 0; j < i; ++j)
+            if (lies_on(scene_.rains[j].face, x))
+              fail(key + ".points",
+                   fmt::format("falls where rain[{}] does, at {} m; expected one rain at each place", j, shown(x)));
+        }
+      }
+    }
+  }
+  [[nodiscard]] bool lies_on(const Face& face, const Point3& x) const {
+    const double slack = 1e-3 * scene_.fluid.particle_spacing;
+    for (const auto& piece : pieces_of(face))
+      if (distance_from(piece, x) < slack) return true;
+    return false;
+  }
+  void under_water(const Point3& x, const std::string& key) const {
+    for (std::size_t f = 0; f < scene_.water_faces.size(); ++f) {
+      const WaterFace& face = scene_.water_faces[f];
+      if (!lies_on(face.face, x)) continue;
+      if (face.pressure)
+        fail(key, fmt::format("falls on {} at {} m, where the pressure is prescribed; expected rain beside it",
+                              named("water_face", f, face.name), shown(x)));
+      if (face.head && highest(*face.head) > up_.dot(x + scene_.general.origin))
+        fail(key,
+             fmt::format("falls on {} at {} m, which comes to lie under its water, up to {} m; expected rain above the "
+                         "highest level only",
+                         named("water_face", f, face.name), shown(x), highest(*face.head)));
+    }
+  }
+
+  void gauges() const {
+    for (std::size_t i = 0; i < scene_.gauges.size(); ++i) {
+      const Gauge& g = scene_.gauges[i];
+      const std::string key = fmt::format("gauge[{}]", i);
+      if (!has(field_kinds, g.kind)) {
+        std::string list;
+        for (const auto kind : field_kinds) list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", kind);
+        fail(key + ".kind", fmt::format("a field has no \"{}\"; expected one of {}", g.kind, list));
+      }
+      if (g.kind == "point" && g.quantity.starts_with("velocity"))
+        fail(key + ".quantity",
+             "a field has no velocity of its water; expected a pressure, a head, \"degree_of_saturation\" or "
+             "\"water_content\"");
+      if (g.kind == "discharge" && !g.quantity.empty() && !g.points.empty())
+        fail(key + ".quantity", "expected the name of a face or the 'points' of a line, found both");
+      if (has(rain_kinds, g.kind) && !g.quantity.empty() &&
+          std::none_of(scene_.rains.begin(), scene_.rains.end(),
+                       [&](const Rain& rain) { return rain.name == g.quantity; }))
+        fail(key + ".quantity", fmt::format("expected the name of a [[rain]], found \"{}\"", g.quantity));
+    }
+  }
+
+  Point3 up_ = Point3::Zero();
+};
+
+}  // namespace
+
+void check_field(const Case& scene, const Places& places) {
+  const FieldChecks checks(scene, places);
+  if (scene.is_field())
+    checks.of_field();
+  else
+    checks.of_particles();
+}
+
+}  // namespace poretwin

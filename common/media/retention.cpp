@@ -1,0 +1,91 @@
+#include "common/media/retention.hpp"
+
+#include "common/media/brooks_corey.hpp"
+#include "common/media/gardner.hpp"
+#include "common/media/retention_table.hpp"
+#include "common/media/sharp.hpp"
+#include "common/media/van_genuchten.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace poretwin::porous {
+namespace {
+
+/// Heads of the table of Phi: 0, then -`nearest` times powers of ten that end at -`farthest`; a cubic between two of
+/// them misses Phi by less than 1e-9 of it, and below the last k_r is as good as constant.
+constexpr double nearest = 1e-5, farthest = 1e5;  // m
+constexpr int per_decade = 150;
+const double rows_per_e = per_decade / std::log(10.0);  // rows per factor e
+const int rows = static_cast<int>(std::lround(per_decade * std::log10(farthest / nearest))) + 2;
+
+double head_of_row(int row) { return row == 0 ? 0.0 : -nearest * std::exp((row - 1) / rows_per_e); }
+
+}  // namespace
+
+const std::deque<RetentionLaw>& retention_laws() {
+  static const std::deque<RetentionLaw> laws{sharp(), van_genuchten(), gardner(), brooks_corey(), retention_table()};
+  return laws;
+}
+
+const RetentionLaw& retention_law(const Soil& soil) {
+  return soil.retention && soil.retention->law ? *soil.retention->law : retention_laws().front();
+}
+
+Retention::Retention(std::unique_ptr<RetentionCurve> curve)
+    : curve_(std::move(curve)), joint_head_(curve_->steepest()) {
+  // Of curves with a corner there, the slope below it.
+  joint_ = curve_->saturation(std::min(joint_head_ * (1.0 + 1e-12), -1e-12));
+  joint_.value = saturation(joint_head_).value;
+  potential_.push_back(0.0);
+  permeability_.push_back(1.0);
+  for (int row = 1; row < rows; ++row) {
+    // Gauss with three points.
+    const double a = head_of_row(row), b = head_of_row(row - 1), middle = 0.5 * (a + b), half = 0.5 * (b - a);
+    double sum = 8.0 / 9.0 * permeability(middle).value;
+    for (const double side : {-1.0, 1.0}) sum += 5.0 / 9.0 * permeability(middle + side * std::sqrt(0.6) * half).value;
+    potential_.push_back(potential_.back() - half * sum);
+    permeability_.push_back(permeability(a).value);
+  }
+}
+
+double Retention::potential(double psi) const {
+  if (psi >= 0.0) return psi;
+  const int row = psi > -nearest ? 1 : 2 + static_cast<int>(std::log(-psi / nearest) * rows_per_e);
+  if (row >= rows) return potential_.back() + permeability_.back() * (psi - head_of_row(rows - 1));
+  const auto i = static_cast<std::size_t>(row);
+  const double x0 = head_of_row(row), x1 = head_of_row(row - 1), h = x1 - x0;
+  const double s = (psi - x0) / h, t = 1.0 - s;
+  return t * t * (1.0 + 2.0 * s) * potential_[i] + s * s * (1.0 + 2.0 * t) * potential_[i - 1] +
+         h * s * t * (t * permeability_[i] - s * permeability_[i - 1]);
+}
+
+double Retention::variable(double psi) const {
+  return psi < joint_head_ ? curve_->saturation(psi).value : joint_.value + joint_.slope * (psi - joint_head_);
+}
+
+Rate Retention::head(double u) const {
+  if (u >= joint_.value) return {joint_head_ + (u - joint_.value) / joint_.slope, 1.0 / joint_.slope};
+  const double psi = curve_->head(u);
+  return {psi, 1.0 / curve_->saturation(psi).slope};
+}
+
+std::unique_ptr<Retention> retention_of(const Soil& soil) {
+  const RetentionLaw& law = retention_law(soil);
+  if (law.curve == nullptr) return nullptr;
+  std::vector<double> numbers;
+  for (const auto& p : law.parameters) {
+    const auto given = soil.retention->numbers.find(p.key);
+    numbers.push_back(given == soil.retention->numbers.end() ? p.value : given->second);
+  }
+  RetentionParameters parameters{numbers};
+  if (soil.retention->saturation) parameters.saturation = &*soil.retention->saturation;
+  if (soil.retention->permeability) parameters.permeability = &*soil.retention->permeability;
+  return std::make_unique<Retention>(law.curve(parameters));
+}
+
+double residual_saturation(const Soil& soil) {
+  return soil.retention ? soil.retention->residual_water_content / soil.porosity : 0.0;
+}
+
+}  // namespace poretwin::porous

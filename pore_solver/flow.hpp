@@ -1,0 +1,60 @@
+// How water flows between two points, and in from a border, at given values of the points' variables; and how much
+// water a point then holds. Richards' (1931) equation has two discrete forms: with retention curves, and with a sharp
+// front.
+#pragma once
+
+#include "common/case/case.hpp"
+#include "pore_solver/network.hpp"
+
+#include <memory>
+#include <span>
+
+namespace poretwin::pore {
+
+/// A flow [m3/s, 2D: m2/s] and its derivatives by the variables of the points that it runs between.
+struct Flow {
+  double value = 0.0, by_a = 0.0, by_b = 0.0;
+};
+/// A flow in through a segment, and its derivative by the variable of its point.
+struct Inflow {
+  double value = 0.0, slope = 0.0;
+};
+/// Water at a point [m3, 2D: m2], and its derivative by the point's variable.
+struct Content {
+  double value = 0.0, slope = 0.0;
+};
+
+class FlowModel {
+ public:
+  FlowModel() = default;
+  FlowModel(const FlowModel&) = delete;
+  FlowModel& operator=(const FlowModel&) = delete;
+  virtual ~FlowModel() = default;
+
+  /// Takes the variables of all points; everything below refers to them.
+  virtual void set(std::span<const double> variable) = 0;
+
+  [[nodiscard]] virtual Content content(Index a) const = 0;
+  /// Of the water, m; where a point without capillarity is not full, of the water in its cell.
+  [[nodiscard]] virtual double pressure_head(Index a) const = 0;
+  /// From a to b.
+  [[nodiscard]] virtual Flow through(const Link& link) const = 0;
+  /// In through a border behind which still water stands up to an elevation [m]; what of the border lies above is open
+  /// to the air: water only leaves there, where its pressure is that of the air.
+  [[nodiscard]] virtual Inflow below_level(const Segment& segment, double level) const = 0;
+  /// In through a border at which the pressure head is uniform [m].
+  [[nodiscard]] virtual Inflow at_head(const Segment& segment, double pressure_head) const = 0;
+
+  /// The variable of a point for a pressure head [m].
+  [[nodiscard]] virtual double variable_at(Index a, double pressure_head) const = 0;
+  /// Of a point that is full, under no pressure.
+  [[nodiscard]] virtual double full(Index a) const = 0;
+  /// What of a Newton step of point a, from `from` to `to`, is taken. `stopped`: whether a step of this iteration has
+  /// halted at a corner of the curves before; set where this one does.
+  [[nodiscard]] virtual double limited(Index a, double from, double to, char& stopped) const = 0;
+};
+
+/// Of the case's soils: with retention curves, or all of them without.
+std::unique_ptr<FlowModel> make_flow_model(const Case& scene, const Network& network);
+
+}  // namespace poretwin::pore

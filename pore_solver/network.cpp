@@ -1,0 +1,352 @@
+#include "pore_solver/network.hpp"
+
+#include "common/core/error.hpp"
+#include "common/geometry/extent.hpp"
+#include "common/geometry/pieces.hpp"
+#include "common/geometry/shapes.hpp"
+
+#include <fmt/format.h>
+#include <voro++/voro++.hh>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace poretwin::pore {
+namespace {
+
+/// Lengths below this are rounding. In spacings.
+constexpr double tiny = 1e-9;
+/// How far beside a line a place belongs to what is drawn along it. In spacings.
+constexpr double beside = 1e-3;
+
+double cross(const Point3& u, const Point3& v) { return u.x() * v.y() - u.y() * v.x(); }
+
+/// A straight part of the soil's border, walked with the soil on its left, with what the case has along it.
+struct BorderPart {
+  Piece piece;
+  std::size_t line = 0;  ///< the side of a soil that it is part of
+  std::size_t face = Segment::none, rain = Segment::none;
+};
+
+class Border {
+ public:
+  explicit Border(const Case& scene) : scene_(scene), spacing_(scene.fluid.particle_spacing) {
+    for (std::size_t s = 0; s < scene.soils.size(); ++s) {
+      auto corners = corners_of(scene.soils[s].shape, 2);
+      double twice_area = 0.0;
+      for (std::size_t i = 0; i < corners.size(); ++i)
+        twice_area += cross(corners[i] - corners[0], corners[(i + 1) % corners.size()] - corners[0]);
+      if (twice_area < 0.0) std::reverse(corners.begin(), corners.end());
+      for (std::size_t i = 0; i < corners.size(); ++i) side(s, {corners[i], corners[(i + 1) % corners.size()]});
+    }
+  }
+  [[nodiscard]] const std::vector<BorderPart>& parts() const { return parts_; }
+
+ private:
+  /// A side of a soil, divided where anything that is drawn along it begins or ends.
+  void side(std::size_t soil, const Piece& whole) {
+    std::vector<double> cuts{0.0, whole.length()};
+    const Point3 along = (whole.b - whole.a).normalized();
+    const auto cut_at = [&](const Point3& x) {
+      const double s = along.dot(x - whole.a);
+      if (std::abs(cross(along, x - whole.a)) < beside * spacing_ && s > 0.0 && s < whole.length()) cuts.push_back(s);
+    };
+    for (const auto& other : scene_.soils)
+      for (const auto& x : corners_of(other.shape, 2)) cut_at(x);
+    for (const auto& face : scene_.water_faces)
+      for (const auto& x : face.face.points) cut_at(x);
+    for (const auto& rain : scene_.rains)
+      for (const auto& x : rain.face.points) cut_at(x);
+    std::sort(cuts.begin(), cuts.end());
+    const Point3 inwards = whole.left();
+    for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
+      if (cuts[i + 1] - cuts[i] < tiny * spacing_) continue;
+      BorderPart part{{whole.a + cuts[i] * along, whole.a + cuts[i + 1] * along}, lines_};
+      const Point3 middle = 0.5 * (part.piece.a + part.piece.b), outside = middle - beside * spacing_ * inwards;
+      if (in_another(soil, outside)) continue;
+      part.face = owner(scene_.water_faces, middle, inwards);
+      part.rain = owner(scene_.rains, middle, inwards);
+      parts_.push_back(part);
+    }
+    ++lines_;
+  }
+  [[nodiscard]] bool in_another(std::size_t soil, const Point3& x) const {
+    for (std::size_t s = 0; s < scene_.soils.size(); ++s)
+      if (s != soil && contains(scene_.soils[s].shape, x, 2)) return true;
+    return false;
+  }
+  /// The last of some items whose face lies at a place of the border and looks inwards.
+  template <class Items>
+  [[nodiscard]] std::size_t owner(const Items& items, const Point3& x, const Point3& inwards) const {
+    constexpr double parallel = 0.999;
+    std::size_t found = Segment::none;
+    for (std::size_t i = 0; i < items.size(); ++i) {
+      const Face& face = items[i].face;
+      const auto looks = [&](const Point3& normal) { return normal.dot(inwards) > parallel; };
+      bool here = face.points.empty() && looks(face.normal.normalized()) &&
+                  std::abs(face.normal.normalized().dot(x - face.point)) < beside * spacing_;
+      for (const auto& piece : pieces_of(face))
+        here = here || (looks(piece.left()) && distance_from(piece, x) < beside * spacing_);
+      if (here) found = i;
+    }
+    return found;
+  }
+
+  const Case& scene_;
+  double spacing_;
+  std::size_t lines_ = 0;
+  std::vector<BorderPart> parts_;
+};
+
+/// The sides of a prism's cross-section, with what lies beyond each.
+struct CellSide {
+  int beyond = 0;  ///< a point, or `beyond_line` of a line of the border
+  Piece piece;     ///< relative to the cell's point
+};
+constexpr int first_line = -100;
+int beyond_line(std::size_t line) { return first_line - static_cast<int>(line); }
+
+std::vector<CellSide> sides_of(voro::voronoicell_neighbor& cell) {
+  std::vector<int> beyond, corners;
+  std::vector<double> vertices;
+  cell.neighbors(beyond);
+  cell.face_vertices(corners);
+  cell.vertices(vertices);
+  std::vector<CellSide> sides;
+  std::size_t at = 0;
+  for (const int next : beyond) {
+    const auto count = static_cast<std::size_t>(corners[at++]);
+    const auto vertex = [&](std::size_t k) {
+      const auto v = 3 * static_cast<std::size_t>(corners[at + k]);
+      return Point3(vertices[v], vertices[v + 1], 0.0);
+    };
+    // The two ends of the side: the corners that are farthest apart.
+    Piece piece{vertex(0), vertex(0)};
+    for (std::size_t k = 1; k < count; ++k)
+      if ((vertex(k) - piece.a).norm() > (piece.b - piece.a).norm()) piece.b = vertex(k);
+    constexpr int lower_lid = -5, upper_lid = -6;
+    if (next != lower_lid && next != upper_lid && piece.length() > tiny) sides.push_back({next, piece});
+    at += count;
+  }
+  return sides;
+}
+
+/// Does more than a corner of a straight piece lie within the cross-section?
+bool enters(const std::vector<CellSide>& sides, const Piece& piece) {
+  double from = 0.0, to = 1.0;
+  for (const auto& side : sides) {
+    // The cell's point, the origin, lies on the inner side.
+    Point3 outwards(side.piece.b.y() - side.piece.a.y(), side.piece.a.x() - side.piece.b.x(), 0.0);
+    outwards.normalize();
+    if (outwards.dot(side.piece.a) < 0.0) outwards = -outwards;
+    const double a = outwards.dot(piece.a - side.piece.a), b = outwards.dot(piece.b - side.piece.a);
+    if (a > -tiny && b > -tiny) return false;
+    if (a > 0.0) from = std::max(from, a / (a - b));
+    if (b > 0.0) to = std::min(to, a / (a - b));
+  }
+  return (to - from) * piece.length() > tiny;
+}
+
+class Maker {
+ public:
+  explicit Maker(const Case& scene)
+      : scene_(scene),
+        up_(-scene.general.gravity.normalized()),
+        spacing_(scene.fluid.particle_spacing),
+        border_(scene) {}
+
+  Network make() {
+    place_points();
+    std::set<std::pair<Index, Index>> seen;
+    // In spacings, and one spacing thick.
+    Point3 lower = Point3::Constant(HUGE_VAL), upper = -lower;
+    for (const auto& soil : scene_.soils) {
+      const auto [low, high] = bounds(soil.shape);
+      lower = lower.cwiseMin(low);
+      upper = upper.cwiseMax(high);
+    }
+    origin_ = lower;
+    const Point3 size = (upper - lower) / spacing_;
+    constexpr double points_a_block = 5.0;
+    const auto blocks = [&](double length) {
+      return std::max(1, static_cast<int>(length / std::sqrt(points_a_block)));
+    };
+    voro::container box(-1.0, size.x() + 1.0, -1.0, size.y() + 1.0, -0.5, 0.5, blocks(size.x()), blocks(size.y()), 1,
+                        false, false, false, 8);
+    for (std::size_t i = 0; i < net_.size(); ++i) {
+      const Point3 x = local(net_.position[i]);
+      box.put(static_cast<int>(i), x.x(), x.y(), 0.0);
+    }
+    voro::c_loop_all loop(box);
+    voro::voronoicell_neighbor cell;
+    if (loop.start()) do {
+        if (!box.compute_cell(cell, loop))
+          throw CaseError(fmt::format("{}: two points of soil lie in the same place", scene_.path.string()));
+        add(static_cast<Index>(loop.pid()), cell);
+      } while (loop.inc());
+    const auto order = [](const Link& x, const Link& y) { return std::pair(x.a, x.b) < std::pair(y.a, y.b); };
+    std::sort(net_.links.begin(), net_.links.end(), order);
+    std::stable_sort(net_.segments.begin(), net_.segments.end(),
+                     [](const Segment& x, const Segment& y) { return x.point < y.point; });
+    net_.first_filling.push_back(0);
+    for (const auto& filling : filling_) {
+      net_.fillings.insert(net_.fillings.end(), filling.begin(), filling.end());
+      net_.first_filling.push_back(static_cast<Index>(net_.fillings.size()));
+    }
+    return std::move(net_);
+  }
+
+ private:
+  [[nodiscard]] Point3 local(const Point3& x) const {
+    Point3 y = (x - origin_) / spacing_;
+    y.z() = 0.0;
+    return y;
+  }
+
+  /// Column by column from the top down: along gravity, where the flow depends on what is above most, incomplete
+  /// factors then are good.
+  void place_points() {
+    struct Place {
+      Point3 at;
+      std::size_t soil;
+    };
+    std::vector<Place> places;
+    std::vector<Shape> shapes;
+    for (const auto& soil : scene_.soils) shapes.push_back(soil.shape);
+    const auto& f = scene_.fluid;
+    for (std::size_t s = 0; s < shapes.size(); ++s) {
+      const auto lattice = fill<2>(shapes[s], spacing_, f.offset, f.jitter, f.seed + static_cast<unsigned>(s),
+                                   std::span(shapes).subspan(s + 1));
+      for (const auto& x : lattice.position) places.push_back({Point3(x.x(), x.y(), 0.0), s});
+    }
+    const Point3 across(up_.y(), -up_.x(), 0.0);
+    const auto column = [&](const Place& p) { return std::floor(across.dot(p.at) / spacing_); };
+    std::stable_sort(places.begin(), places.end(), [&](const Place& p, const Place& q) {
+      return std::pair(column(p), -up_.dot(p.at)) < std::pair(column(q), -up_.dot(q.at));
+    });
+    for (const auto& p : places) {
+      net_.position.push_back(p.at);
+      net_.soil.push_back(p.soil);
+      net_.elevation.push_back(up_.dot(p.at));
+    }
+    net_.volume.assign(net_.size(), 0.0);
+    filling_.resize(net_.size());
+  }
+
+  void add(Index a, voro::voronoicell_neighbor& cell) {
+    const Point3 x = local(net_.position[a]);
+    const auto relative = [&](const Piece& piece) { return Piece{local(piece.a) - x, local(piece.b) - x}; };
+    // Cut at the border, the nearest parts first: what lies beyond them is then out of the others' reach.
+    std::vector<std::pair<double, const BorderPart*>> near;
+    const double reach = std::sqrt(cell.max_radius_squared());
+    for (const auto& part : border_.parts())
+      if (const double distance = distance_from(relative(part.piece), Point3::Zero()); distance < reach)
+        near.emplace_back(distance, &part);
+    std::stable_sort(near.begin(), near.end(), [](const auto& p, const auto& q) { return p.first < q.first; });
+    auto sides = sides_of(cell);
+    std::set<std::size_t> cut;
+    for (const auto& [distance, part] : near) {
+      const Piece piece = relative(part->piece);
+      if (cut.contains(part->line) || !enters(sides, piece)) continue;
+      const Point3 outwards = -piece.left();
+      const double deep = outwards.dot(piece.a);
+      if (!(deep > tiny) ||
+          !cell.nplane(2.0 * deep * outwards.x(), 2.0 * deep * outwards.y(), 0.0, beyond_line(part->line)))
+        throw CaseError(fmt::format("{}: a point of soil lies on the soil's border", scene_.path.string()));
+      cut.insert(part->line);
+      sides = sides_of(cell);
+    }
+    net_.volume[a] = cell.volume() * spacing_ * spacing_;
+    filling_[a] = filling(x, sides);
+    for (const auto& side : sides) {
+      const Piece piece{net_.position[a] + spacing_ * side.piece.a, net_.position[a] + spacing_ * side.piece.b};
+      if (side.beyond <= first_line)
+        segments(a, piece, static_cast<std::size_t>(first_line - side.beyond));
+      else if (side.beyond > static_cast<int>(a))
+        link(a, static_cast<Index>(side.beyond), piece);
+      else if (side.beyond < 0)
+        throw CaseError(fmt::format("{}: the border of the soil is not closed", scene_.path.string()));
+    }
+  }
+
+  /// The cell's area below each of its corners. The width in between is linear, the area taken as linear, too.
+  [[nodiscard]] std::vector<Filling> filling(const Point3& x, const std::vector<CellSide>& sides) const {
+    std::vector<double> levels;
+    for (const auto& side : sides)
+      for (const auto& end : {side.piece.a, side.piece.b}) levels.push_back(up_.dot(end));
+    std::sort(levels.begin(), levels.end());
+    levels.erase(std::unique(levels.begin(), levels.end(), [](double p, double q) { return q - p < 1e-6; }),
+                 levels.end());
+    const Point3 across(up_.y(), -up_.x(), 0.0);
+    /// Width of the cell at an elevation within it.
+    const auto width = [&](double level) {
+      double least = HUGE_VAL, most = -HUGE_VAL;
+      for (const auto& [beyond, piece] : sides) {
+        const double p = up_.dot(piece.a) - level, q = up_.dot(piece.b) - level;
+        if (p * q > 0.0 || p == q) continue;
+        const double s = across.dot(piece.a + p / (p - q) * (piece.b - piece.a));
+        least = std::min(least, s);
+        most = std::max(most, s);
+      }
+      return std::max(0.0, most - least);
+    };
+    const double base = up_.dot(origin_) + spacing_ * up_.dot(x);
+    std::vector<Filling> result{{base + spacing_ * levels.front(), 0.0}};
+    for (std::size_t i = 0; i + 1 < levels.size(); ++i)
+      result.push_back({base + spacing_ * levels[i + 1],
+                        result.back().share + (levels[i + 1] - levels[i]) * width(0.5 * (levels[i] + levels[i + 1]))});
+    for (auto& f : result) f.share /= result.back().share;
+    return result;
+  }
+
+  void link(Index a, Index b, const Piece& face) {
+    const Point3 way = net_.position[b] - net_.position[a];
+    for (const auto& wall : scene_.walls) {
+      if (wall.water == Wall::ForWater::none) continue;
+      for (const auto& piece : pieces_of(wall.face))
+        if (const auto met = distance_to(piece, net_.position[a], way.normalized()); met && *met < way.norm()) return;
+    }
+    const double p = up_.dot(face.a), q = up_.dot(face.b);
+    net_.links.push_back({a, b, face.length() / way.norm(), 0.5 * (face.a + face.b), std::min(p, q), std::max(p, q)});
+  }
+
+  /// A side of a cell on the border, divided among what the case has along it.
+  void segments(Index a, const Piece& side, std::size_t line) {
+    for (const auto& part : border_.parts()) {
+      if (part.line != line || (part.face == Segment::none && part.rain == Segment::none)) continue;
+      const Point3 along = (part.piece.b - part.piece.a).normalized();
+      double from = along.dot(side.a - part.piece.a), to = along.dot(side.b - part.piece.a);
+      if (from > to) std::swap(from, to);
+      from = std::max(from, 0.0);
+      to = std::min(to, part.piece.length());
+      if (to - from < tiny * spacing_) continue;
+      const Point3 first = part.piece.a + from * along, last = part.piece.a + to * along;
+      Segment s;
+      s.point = a;
+      s.face = part.face;
+      s.rain = part.rain;
+      s.area = to - from;
+      s.level_area = s.area * std::max(0.0, -up_.dot(part.piece.left()));
+      s.transmissibility = s.area / part.piece.left().dot(net_.position[a] - part.piece.a);
+      s.centre = 0.5 * (first + last);
+      s.low = std::min(up_.dot(first), up_.dot(last));
+      s.high = std::max(up_.dot(first), up_.dot(last));
+      net_.segments.push_back(s);
+    }
+  }
+
+  const Case& scene_;
+  Point3 up_;
+  double spacing_;
+  Border border_;
+  Point3 origin_ = Point3::Zero();
+  Network net_;
+  std::vector<std::vector<Filling>> filling_;  ///< of each cell
+};
+
+}  // namespace
+
+Network make_network(const Case& scene) { return Maker(scene).make(); }
+
+}  // namespace poretwin::pore

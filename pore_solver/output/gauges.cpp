@@ -1,0 +1,250 @@
+#include "pore_solver/output/gauges.hpp"
+
+#include "common/geometry/pieces.hpp"
+#include "common/geometry/shapes.hpp"
+#include "common/media/retention_law.hpp"
+#include "common/media/seepage.hpp"
+#include "pore_solver/numerics/readings.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace poretwin::pore {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+}  // namespace
+
+double saturation(const Case& scene, const Network& network, const State& state, Index a) {
+  return state.water[a] / (network.volume[a] * scene.soils[network.soil[a]].porosity);
+}
+
+Gauges::Gauges(const Case& scene, const Network& network) : scene_(scene), network_(network) {
+  const Probes probes(scene, network);
+  for (const auto& gauge : scene.gauges) {
+    Places p;
+    if (gauge.kind == "point")
+      for (const auto& x : gauge.points) p.points.push_back(probes.at(x));
+    if (gauge.kind == "front") p.line = probes.along(gauge.points[0], gauge.points[1]);
+    if (gauge.kind == "discharge" && !gauge.points.empty()) {
+      const Piece line{gauge.points[0], gauge.points[1]};
+      for (std::size_t i = 0; i < network.links.size(); ++i) {
+        const Point3 from = network.position[network.links[i].a], way = network.position[network.links[i].b] - from;
+        const auto met = distance_to(line, from, way.normalized());
+        if (met && *met < way.norm()) p.crossings.push_back({i, way.dot(line.left()) > 0.0 ? 1.0 : -1.0});
+      }
+    }
+    if (gauge.kind == "exit_height") {
+      const Piece line{gauge.points[0], gauge.points[1]};
+      for (std::size_t i = 0; i < 2; ++i) {
+        const Point3 inwards =
+            (1.0 + static_cast<double>(i)) * readings::exit_depth * scene.fluid.particle_spacing * line.left();
+        p.beside[i] = probes.along(line.a + inwards, line.b + inwards);
+      }
+    }
+    if (gauge.kind == "exit_gradient") {
+      const Piece line{gauge.points[0], gauge.points[1]};
+      constexpr double beside = 1e-3;  // spacings
+      for (std::size_t i = 0; i < network.segments.size(); ++i)
+        if (distance_from(line, network.segments[i].centre) < beside * scene.fluid.particle_spacing)
+          p.segments.push_back(i);
+    }
+    places_.push_back(std::move(p));
+  }
+}
+
+class Gauges::Reader {
+ public:
+  Reader(const Gauges& gauges, const FlowModel& flow, const Stepper& stepper, const State& state)
+      : scene_(gauges.scene_), network_(gauges.network_), flow_(flow), stepper_(stepper), state_(state) {}
+
+  void read(const Gauge& gauge, const Places& places) {
+    if (gauge.kind == "point") return points(gauge, places);
+    if (gauge.kind == "front") return add(gauge.name, front(gauge, places.line), "m");
+    if (gauge.kind == "discharge") return add(gauge.name, discharge(gauge, places), "m2/s");
+    if (gauge.kind == "exit_height") return add(gauge.name, exit_height(gauge, places), "m");
+    if (gauge.kind == "exit_gradient") return add(gauge.name, exit_gradient(places), "1");
+    if (gauge.kind == "volume") return add(gauge.name, volume(gauge), "m2");
+    if (gauge.kind == "balance") return balance(gauge);
+    if (gauge.kind == "level") return add(gauge.name, level(gauge), "m");
+    if (gauge.kind == "particles") return add(gauge.name, static_cast<double>(network_.size()), "1");
+    const auto through_faces = [](const Account& a) { return a.in - a.out; };
+    if (gauge.kind == "passed_volume")
+      return add(gauge.name, sum(gauge, scene_.water_faces, &Stepper::Along::face, through_faces), "m2");
+    const auto of_rain = [&](auto part) {
+      add(gauge.name, sum(gauge, scene_.rains, &Stepper::Along::rain, part), "m2");
+    };
+    if (gauge.kind == "infiltration") of_rain([](const Account& a) { return a.infiltration; });
+    if (gauge.kind == "evaporation") of_rain([](const Account& a) { return a.evaporation; });
+    if (gauge.kind == "runoff") of_rain([](const Account& a) { return a.runoff; });
+  }
+  [[nodiscard]] std::vector<GaugeReading> take() { return std::move(readings_); }
+
+ private:
+  void add(std::string name, double value, std::string unit) {
+    readings_.push_back({std::move(name), value, std::move(unit)});
+  }
+  [[nodiscard]] double head(const Probe& probe) const {
+    return probe.of([&](Index a) { return flow_.pressure_head(a); });
+  }
+  [[nodiscard]] double degree(Index a) const { return saturation(scene_, network_, state_, a); }
+
+  void points(const Gauge& gauge, const Places& places) {
+    const Point3 up = -scene_.general.gravity.normalized();
+    for (std::size_t i = 0; i < places.points.size(); ++i) {
+      const auto& probe = places.points[i];
+      const std::string name = gauge.points.size() > 1 ? fmt::format("{}[{}]", gauge.name, i) : gauge.name;
+      const double psi = probe ? head(*probe) : nan;
+      if (gauge.quantity == "pressure_head") add(name, psi, "m");
+      if (gauge.quantity == "head") add(name, psi + up.dot(gauge.points[i]), "m");
+      if (gauge.quantity == "pore_pressure") add(name, porous::specific_weight(scene_) * psi, "Pa");
+      if (gauge.quantity == "degree_of_saturation")
+        add(name, probe ? std::clamp(probe->of([&](Index a) { return degree(a); }), 0.0, 1.0) : nan, "1");
+      if (gauge.quantity == "water_content")
+        add(name, probe ? probe->of([&](Index a) { return state_.water[a] / network_.volume[a]; }) : nan, "1");
+    }
+  }
+
+  /// How far from its start the pressure head comes down to the one that is looked for. Without capillarity also the
+  /// length that is full, cells that are partly so with their share: the pressure says where a water table stands, the
+  /// share how far a front has come, and both fall short rather than too far.
+  [[nodiscard]] double front(const Gauge& gauge, const ProbeLine& line) const {
+    if (line.place.empty()) return 0.0;
+    const double by_pressure = where_head_ends(line, gauge.pressure_head);
+    const bool sharp = porous::retention_law(scene_.soils.front()).curve == nullptr;
+    return sharp ? std::max(by_pressure, full_length(line)) : by_pressure;
+  }
+  [[nodiscard]] double where_head_ends(const ProbeLine& line, double least) const {
+    double before = head(line.probe.front());
+    if (before < least) return line.place.front();
+    for (std::size_t i = 1; i < line.place.size(); ++i) {
+      const double now = head(line.probe[i]);
+      if (now < least)
+        return line.place[i - 1] + (line.place[i] - line.place[i - 1]) * (before - least) / (before - now);
+      before = now;
+    }
+    return line.place.back();
+  }
+  [[nodiscard]] double full_length(const ProbeLine& line) const {
+    double full = line.place.front(), before = 1.0;
+    for (std::size_t i = 0; i < line.place.size(); ++i) {
+      const double share = std::clamp(line.probe[i].of([&](Index a) { return degree(a); }), 0.0, 1.0);
+      if (i > 0) full += 0.5 * (before + share) * (line.place[i] - line.place[i - 1]);
+      if (share == 0.0) return full;
+      before = share;
+    }
+    // A cell at a slope through which water comes out is never full to its highest corner.
+    return degree(line.probe.back().point[0]) >= 0.5 ? line.place.back() : full;
+  }
+
+  /// Through a line, or in through the face that is named.
+  [[nodiscard]] double discharge(const Gauge& gauge, const Places& places) const {
+    double sum = 0.0;
+    for (const auto& crossing : places.crossings) sum += crossing.sign * state_.flow[crossing.link];
+    for (std::size_t i = 0; gauge.points.empty() && i < network_.segments.size(); ++i) {
+      const std::size_t face = network_.segments[i].face;
+      if (face != Segment::none && scene_.water_faces[face].name == gauge.quantity) sum += state_.inflow[i];
+    }
+    return sum;
+  }
+
+  /// Elevation at which the water table meets a face. It comes in along it, its depth under the face growing as the
+  /// distance to the power of 3/2 (the pressure's behaviour where a free surface goes over into a seepage face): two
+  /// depths tell where it begins.
+  [[nodiscard]] double exit_height(const Gauge& gauge, const Places& places) const {
+    const Point3 up = -scene_.general.gravity.normalized();
+    std::array<double, 2> at{};
+    for (std::size_t i = 0; i < 2; ++i) {
+      const ProbeLine& line = places.beside[i];
+      // From above: the first place at which there is pressure.
+      const bool rises = up.dot(gauge.points[1] - gauge.points[0]) > 0.0;
+      double before = nan;
+      at[i] = nan;
+      for (std::size_t j = 0; j < line.place.size() && std::isnan(at[i]); ++j) {
+        const std::size_t k = rises ? line.place.size() - 1 - j : j;
+        const double now = head(line.probe[k]);
+        if (now >= 0.0 && before < 0.0) {
+          const std::size_t last = rises ? k + 1 : k - 1;
+          at[i] = line.place[k] + (line.place[last] - line.place[k]) * now / (now - before);
+        }
+        before = now;
+      }
+    }
+    const double ratio = std::cbrt(4.0);  // of the distances at twice the depth and at once
+    const double place = at[0] - (at[1] - at[0]) / (ratio - 1.0);
+    return up.dot(gauge.points[0] + place * (gauge.points[1] - gauge.points[0]).normalized());
+  }
+  /// Largest outward flow over conductivity.
+  [[nodiscard]] double exit_gradient(const Places& places) const {
+    double largest = nan;
+    for (const std::size_t i : places.segments) {
+      if (!(state_.inflow[i] < 0.0)) continue;
+      const Segment& s = network_.segments[i];
+      const Soil& soil = scene_.soils[network_.soil[s.point]];
+      largest =
+          std::fmax(largest, -state_.inflow[i] / s.area / porous::seepage_at(scene_, soil, soil.porosity).conductivity);
+    }
+    return largest;
+  }
+
+  [[nodiscard]] double volume(const Gauge& gauge) const {
+    double sum = 0.0;
+    for (std::size_t a = 0; a < network_.size(); ++a)
+      if (!gauge.region || contains(*gauge.region, network_.position[a], 2)) sum += state_.water[a];
+    return sum;
+  }
+
+  void balance(const Gauge& gauge) {
+    Account all;
+    double gained = 0.0;
+    for (const auto& account : state_.accounts) {
+      all.in += account.in + account.infiltration;
+      all.out += account.out + account.evaporation;
+      gained += account.gained();
+    }
+    const double stored = volume({});
+    add(gauge.name + "_in", all.in, "m2");
+    add(gauge.name + "_out", all.out, "m2");
+    add(gauge.name + "_stored", stored, "m2");
+    add(gauge.name + "_error", gained - (stored - state_.initial_water), "m2");
+  }
+
+  [[nodiscard]] double level(const Gauge& gauge) const {
+    for (const auto& face : scene_.water_faces)
+      if (face.name == gauge.quantity && face.head) return face.head->at(state_.time);
+    return nan;
+  }
+
+  /// Over the boundaries of the item that the gauge names, or of all.
+  template <class Items, class Part>
+  [[nodiscard]] double sum(const Gauge& gauge, const Items& items, std::size_t Stepper::Along::*item,
+                           const Part& part) const {
+    double total = 0.0;
+    for (std::size_t b = 0; b < state_.accounts.size(); ++b) {
+      const std::size_t i = stepper_.boundaries()[b].*item;
+      if (gauge.quantity.empty() || (i != Segment::none && items[i].name == gauge.quantity))
+        total += part(state_.accounts[b]);
+    }
+    return total;
+  }
+
+  const Case& scene_;
+  const Network& network_;
+  const FlowModel& flow_;
+  const Stepper& stepper_;
+  const State& state_;
+  std::vector<GaugeReading> readings_;
+};
+
+std::vector<GaugeReading> Gauges::read(const FlowModel& flow, const Stepper& stepper, const State& state) const {
+  Reader reader(*this, flow, stepper, state);
+  for (std::size_t i = 0; i < scene_.gauges.size(); ++i) reader.read(scene_.gauges[i], places_[i]);
+  return reader.take();
+}
+
+}  // namespace poretwin::pore

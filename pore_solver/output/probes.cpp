@@ -1,0 +1,96 @@
+#include "pore_solver/output/probes.hpp"
+
+#include "common/geometry/shapes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace poretwin::pore {
+namespace {
+
+/// Weights of three corners of a triangle at x, that sum up to one; nothing where the triangle is flat.
+std::optional<std::array<double, 3>> weights(const Point3& a, const Point3& b, const Point3& c, const Point3& x) {
+  const auto cross = [](const Point3& u, const Point3& v) { return u.x() * v.y() - u.y() * v.x(); };
+  const double area = cross(b - a, c - a);
+  if (std::abs(area) < 1e-9 * (b - a).norm() * (c - a).norm()) return std::nullopt;
+  const double at_b = cross(x - a, c - a) / area, at_c = cross(b - a, x - a) / area;
+  return std::array{1.0 - at_b - at_c, at_b, at_c};
+}
+
+}  // namespace
+
+Probes::Probes(const Case& scene, const Network& network)
+    : scene_(scene), network_(network), neighbours_(network.size()) {
+  for (const auto& link : network.links) {
+    if (network.soil[link.a] != network.soil[link.b]) continue;
+    neighbours_[link.a].push_back(link.b);
+    neighbours_[link.b].push_back(link.a);
+  }
+  for (std::size_t a = 0; a < network.size(); ++a) {
+    const auto angle = [&](Index b) {
+      const Point3 way = network.position[b] - network.position[a];
+      return std::atan2(way.y(), way.x());
+    };
+    std::sort(neighbours_[a].begin(), neighbours_[a].end(), [&](Index b, Index c) { return angle(b) < angle(c); });
+  }
+}
+
+Index Probes::nearest(const Point3& x, std::optional<std::size_t> soil) const {
+  std::size_t found = 0;
+  double least = HUGE_VAL;
+  for (std::size_t a = 0; a < network_.size(); ++a)
+    if (const double d = (network_.position[a] - x).squaredNorm(); d < least && (!soil || network_.soil[a] == *soil)) {
+      least = d;
+      found = a;
+    }
+  return static_cast<Index>(found);
+}
+
+std::optional<Probe> Probes::at(const Point3& x) const {
+  // On the border rounding would choose: a place belongs to what lies just before it, towards the nearest point.
+  const Point3 inside = x + 1e-6 * (network_.position[nearest(x, std::nullopt)] - x);
+  std::optional<std::size_t> soil;
+  for (std::size_t s = 0; s < scene_.soils.size() && !soil; ++s)
+    if (contains(scene_.soils[s].shape, inside, 2)) soil = s;
+  if (!soil) return std::nullopt;
+  const Index a = nearest(x, soil);
+  const auto& around = neighbours_[a];
+  Probe best{{a, a, a}, {1.0, 0.0, 0.0}};
+  // The triangle around x, or else the one that x lies least outside of.
+  double most = -HUGE_VAL;
+  for (std::size_t i = 0; i < around.size(); ++i) {
+    const Index b = around[i], c = around[(i + 1) % around.size()];
+    const auto w = weights(network_.position[a], network_.position[b], network_.position[c], x);
+    if (!w) continue;
+    const double least = *std::min_element(w->begin(), w->end());
+    if (least <= most) continue;
+    most = least;
+    best = {{a, b, c}, *w};
+  }
+  if (most > -HUGE_VAL || around.empty()) return best;
+  // A single row of points: along it.
+  for (const Index b : around) {
+    const Point3 way = network_.position[b] - network_.position[a];
+    const double along = way.dot(x - network_.position[a]) / way.squaredNorm();
+    if (along < most && most > 0.0) continue;
+    most = along;
+    best = {{a, b, a}, {1.0 - along, along, 0.0}};
+  }
+  return best;
+}
+
+ProbeLine Probes::along(const Point3& from, const Point3& to) const {
+  ProbeLine line;
+  line.length = (to - from).norm();
+  const int parts = std::max(1, static_cast<int>(std::ceil(line.length / (0.25 * scene_.fluid.particle_spacing))));
+  for (int i = 0; i <= parts; ++i) {
+    const Point3 x = from + (to - from) * i / parts;
+    if (const auto probe = at(x)) {
+      line.place.push_back(line.length * i / parts);
+      line.probe.push_back(*probe);
+    }
+  }
+  return line;
+}
+
+}  // namespace poretwin::pore

@@ -1,0 +1,50 @@
+// The water in the pores as a field, behind the Phase interface: in the fluid's role, in soil that does not move.
+#pragma once
+
+#include "common/case/case.hpp"
+#include "common/coupling/phase.hpp"
+#include "pore_solver/network.hpp"
+#include "pore_solver/output/gauges.hpp"
+#include "pore_solver/step.hpp"
+
+#include <memory>
+
+namespace poretwin::pore {
+
+class PoreWater final : public Phase {
+ public:
+  explicit PoreWater(const Case& scene);
+
+  [[nodiscard]] coupling::Contract contract() const override;
+  [[nodiscard]] coupling::Publication publish() const override;
+  [[nodiscard]] std::pair<double, std::string> proposal() const override;
+  void initialise(const coupling::Inbox&) override {}
+  coupling::Outcome advance(const coupling::Window& window, const coupling::Inbox& inbox) override;
+  void save() override { saved_ = state_; }
+  void restore() override { state_ = saved_; }
+  void archive(Archive& archive) override { archive(state_); }
+  [[nodiscard]] OutputFrame frame() const override;
+  [[nodiscard]] std::vector<GaugeReading> gauges() const override;
+  [[nodiscard]] std::map<std::string, double> counters() const override;
+
+  [[nodiscard]] const Network& network() const { return network_; }
+  [[nodiscard]] const State& state() const { return state_; }
+  /// At the present state.
+  [[nodiscard]] const FlowModel& flow() const { return stepper_.flow(state_); }
+
+ private:
+  /// Discharge per area at each point, from what passes the sides of its cell [m/s].
+  void compute_flux() const;
+
+  Case scene_;
+  Network network_;
+  mutable Stepper stepper_;  ///< its work space is none of the state
+  Gauges gauges_;
+  State state_, saved_;
+  mutable std::vector<Point3> flux_;  ///< of the frame that was asked for last
+  mutable ScalarArray head_;
+};
+
+std::unique_ptr<Phase> make_pore_water(const Case& scene);
+
+}  // namespace poretwin::pore

@@ -1,0 +1,203 @@
+#include "pore_solver/step.hpp"
+
+#include "common/geometry/shapes.hpp"
+#include "common/numerics/csr.hpp"
+#include "pore_solver/numerics/steps.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace poretwin::pore {
+
+Stepper::Stepper(const Case& scene, const Network& network)
+    : network_(network), flow_(make_flow_model(scene, network)) {
+  for (const auto& segment : network.segments) {
+    auto found = std::find_if(boundaries_.begin(), boundaries_.end(), [&](const Along& along) {
+      return along.face == segment.face && along.rain == segment.rain;
+    });
+    if (found == boundaries_.end()) {
+      boundaries_.push_back({segment.face, segment.rain, make_boundary(scene, segment.face, segment.rain)});
+      found = boundaries_.end() - 1;
+    }
+    boundary_of_.push_back(static_cast<std::size_t>(found - boundaries_.begin()));
+  }
+  for (std::size_t a = 0; a < network.size(); ++a) pores_ += network.volume[a] * scene.soils[network.soil[a]].porosity;
+  std::vector<std::pair<Index, Index>> entries;
+  for (const auto& link : network.links) {
+    entries.emplace_back(link.a, link.b);
+    entries.emplace_back(link.b, link.a);
+  }
+  matrix_ = SparseRows(network.size(), std::move(entries));
+  for (const auto& link : network.links)
+    places_.emplace_back(matrix_.place(link.a, link.b), matrix_.place(link.b, link.a));
+  residual_.resize(network.size());
+  net_.resize(network.size());
+  link_flow_.resize(network.links.size());
+  inflow_.resize(network.segments.size());
+}
+
+State Stepper::first_state(const Case& scene) {
+  State state;
+  const auto& f = scene.fluid;
+  for (std::size_t a = 0; a < network_.size(); ++a) {
+    const auto point = static_cast<Index>(a);
+    const double z = network_.elevation[a];
+    const bool wet = std::any_of(f.regions.begin(), f.regions.end(),
+                                 [&](const Shape& region) { return contains(region, network_.position[a], 2); });
+    // Without any of the three, soil without capillarity is dry: far above any water.
+    const double head = f.initial_pressure_head ? f.initial_pressure_head->at(z)
+                        : f.initial_water_table ? *f.initial_water_table - z
+                                                : -HUGE_VAL;
+    state.variable.push_back(wet ? flow_->full(point) : flow_->variable_at(point, head));
+  }
+  flow_->set(state.variable);
+  for (std::size_t a = 0; a < network_.size(); ++a) state.water.push_back(flow_->content(static_cast<Index>(a)).value);
+  for (const double w : state.water) state.initial_water += w;
+  state.segments.resize(network_.segments.size());
+  state.accounts.resize(boundaries_.size());
+  state.inflow.assign(network_.segments.size(), 0.0);
+  state.flow.assign(network_.links.size(), 0.0);
+  state.wanted = first_interval(scene, state);
+  return state;
+}
+
+/// In which the flows of time zero, of points that are not full, move a given share of the water.
+double Stepper::first_interval(const Case& scene, const State& state) {
+  const double end = scene.general.end_time;
+  begin({0.0, 1e-9 * end, 0.0});
+  variable_ = state.variable;
+  base_ = state.water;
+  flow_->set(variable_);
+  balance(1.0, state, false);
+  double moved = 0.0;
+  for (std::size_t a = 0; a < network_.size(); ++a)
+    if (flow_->content(static_cast<Index>(a)).slope > 0.0) moved += std::abs(net_[a]);
+  return moved * end > steps::first_share * pores_ ? steps::first_share * pores_ / moved : end;
+}
+
+void Stepper::begin(const StepTimes& times) {
+  for (const auto& along : boundaries_) along.boundary->begin(times);
+}
+
+double Stepper::proposal(const State& state) const {
+  double next = HUGE_VAL;
+  for (const auto& along : boundaries_) next = std::min(next, along.boundary->next_corner(state.time));
+  return std::min(state.wanted, next - state.time);
+}
+
+coupling::Outcome Stepper::step(double interval, State& state) {
+  const Attempt attempted = attempt(interval, state);
+  if (!attempted.solved) return coupling::Outcome::reject(steps::shrink_unsolved * interval, "no solution");
+  const double allowed =
+      attempted.error > 0.0 ? steps::caution * std::sqrt(steps::wanted_error / attempted.error) : HUGE_VAL;
+  if (attempted.error > steps::largest_error * steps::wanted_error)
+    return coupling::Outcome::reject(std::max(steps::shrink, allowed) * interval, "the error of a step");
+  accept(interval, state);
+  // A step that was cut at an instant does not make the next one shorter.
+  state.wanted = std::clamp(allowed, steps::shrink, std::max(steps::grow, state.wanted / interval)) * interval;
+  return coupling::Outcome::accept();
+}
+
+void Stepper::balance(double interval, const State& state, bool with_matrix) {
+  std::fill(net_.begin(), net_.end(), 0.0);
+  if (with_matrix) matrix_.clear();
+  for (std::size_t i = 0; i < network_.links.size(); ++i) {
+    const Link& link = network_.links[i];
+    const Flow f = flow_->through(link);
+    link_flow_[i] = f.value;
+    net_[link.a] -= f.value;
+    net_[link.b] += f.value;
+    if (!with_matrix) continue;
+    matrix_[matrix_.diagonal(link.a)] += interval * f.by_a;
+    matrix_[places_[i].first] += interval * f.by_b;
+    matrix_[matrix_.diagonal(link.b)] -= interval * f.by_b;
+    matrix_[places_[i].second] -= interval * f.by_a;
+  }
+  for (std::size_t i = 0; i < network_.segments.size(); ++i) {
+    const Segment& segment = network_.segments[i];
+    const Inflow in = boundaries_[boundary_of_[i]].boundary->inflow(*flow_, segment, state.segments[i]);
+    inflow_[i] = in.value;
+    net_[segment.point] += in.value;
+    if (with_matrix) matrix_[matrix_.diagonal(segment.point)] -= interval * in.slope;
+  }
+  for (std::size_t a = 0; a < network_.size(); ++a) {
+    const Content c = flow_->content(static_cast<Index>(a));
+    residual_[a] = c.value - base_[a] - interval * net_[a];
+    if (with_matrix) matrix_[matrix_.diagonal(a)] += c.slope;
+  }
+}
+
+bool Stepper::solve(double interval, State& state) {
+  const std::size_t n = network_.size();
+  stopped_.assign(n, 0);
+  ScalarArray change(n);
+  for (int iteration = 0;; ++iteration) {
+    flow_->set(variable_);
+    balance(interval, state, true);
+    double left = 0.0, moved = 0.0;
+    for (const double r : residual_) left += std::abs(r);
+    for (const double w : net_) moved += interval * std::abs(w);
+    const double enough =
+        std::clamp(steps::residual * moved, steps::least_residual * pores_, steps::most_residual * pores_);
+    if (left < carried_ + enough) return true;
+    if (!std::isfinite(left) || iteration == steps::most_iterations) return false;
+    // A point that is full, and from which nothing can go anywhere, has nothing that its variable changes.
+    for (std::size_t a = 0; a < n; ++a)
+      if (matrix_[matrix_.diagonal(a)] == 0.0) matrix_[matrix_.diagonal(a)] = pores_;
+    const Ilu0 factors(matrix_);
+    for (double& r : residual_) r = -r;
+    const auto solved =
+        flexible_gmres([&](auto x, auto y) { matrix_.apply(x, y); }, [&](auto r, auto z) { factors.apply(r, z); },
+                       residual_, change, steps::linear_residual * norm(residual_), steps::most_linear_iterations);
+    ++state.counts.iterations;
+    state.counts.linear_iterations += solved.iterations;
+    for (std::size_t a = 0; a < n; ++a)
+      variable_[a] = flow_->limited(static_cast<Index>(a), variable_[a], variable_[a] + change[a], stopped_[a]);
+  }
+}
+
+Stepper::Attempt Stepper::attempt(double interval, State& state) {
+  // With g = 1 - 1/sqrt(2): w1 = w + g dt net(u1), w2 = w + (1 - g) dt net(u1) + g dt net(u2).
+  const double g = 1.0 - std::sqrt(0.5);
+  const std::size_t n = network_.size();
+  variable_ = state.variable;
+  base_ = state.water;
+  // What earlier steps have left, in cells that are full, say, no step that is short can take away.
+  flow_->set(variable_);
+  carried_ = 0.0;
+  for (std::size_t a = 0; a < n; ++a)
+    carried_ += std::abs(flow_->content(static_cast<Index>(a)).value - state.water[a]);
+  begin({state.time, interval, state.time + g * interval});
+  if (!solve(g * interval, state)) return {};
+  mean_net_ = net_;
+  mean_inflow_ = inflow_;
+  for (std::size_t a = 0; a < n; ++a) base_[a] += (1.0 - g) * interval * net_[a];
+  begin({state.time, interval, state.time + interval});
+  // From where the first stage points to.
+  for (std::size_t a = 0; a < n; ++a) {
+    const double before = state.variable[a], ahead = before + (variable_[a] - before) / g;
+    char stopped = 1;
+    variable_[a] = flow_->limited(static_cast<Index>(a), variable_[a], ahead, stopped);
+  }
+  if (!solve(g * interval, state)) return {};
+  double differ = 0.0;
+  for (std::size_t a = 0; a < n; ++a) {
+    differ += std::abs(net_[a] - mean_net_[a]);
+    mean_net_[a] += g * (net_[a] - mean_net_[a]);
+  }
+  for (std::size_t i = 0; i < inflow_.size(); ++i) mean_inflow_[i] += g * (inflow_[i] - mean_inflow_[i]);
+  return {true, 0.5 * interval * differ / (1.0 - g) / pores_};
+}
+
+void Stepper::accept(double interval, State& state) {
+  for (std::size_t a = 0; a < network_.size(); ++a) state.water[a] += interval * mean_net_[a];
+  for (std::size_t i = 0; i < network_.segments.size(); ++i) {
+    const std::size_t b = boundary_of_[i];
+    boundaries_[b].boundary->accept(network_.segments[i], mean_inflow_[i], state.segments[i], state.accounts[b]);
+  }
+  state.variable = variable_;
+  state.flow = link_flow_;
+  state.inflow = inflow_;
+}
+
+}  // namespace poretwin::pore

@@ -1,0 +1,74 @@
+// Steps in time, of the length that the error allows: the L-stable method of second order in two implicit stages of
+// Alexander (1977), each solved by Newton's iteration.
+#pragma once
+
+#include "common/case/case.hpp"
+#include "common/coupling/exchange.hpp"
+#include "common/numerics/ilu0.hpp"
+#include "pore_solver/flow.hpp"
+#include "pore_solver/network.hpp"
+#include "pore_solver/state.hpp"
+
+#include <memory>
+#include <vector>
+
+namespace poretwin::pore {
+
+class Stepper {
+ public:
+  Stepper(const Case& scene, const Network& network);
+
+  /// The state at time zero.
+  [[nodiscard]] State first_state(const Case& scene);
+  /// The longest step [s] that its error and the corners of what the boundaries prescribe allow next.
+  [[nodiscard]] double proposal(const State& state) const;
+  /// One step. Where its error is too large, or no solution is found, the state stays as it is and a shorter step is
+  /// suggested.
+  coupling::Outcome step(double interval, State& state);
+
+  /// The flow model with the state's variables.
+  [[nodiscard]] const FlowModel& flow(const State& state) {
+    flow_->set(state.variable);
+    return *flow_;
+  }
+  /// The boundary of each segment, index in `boundary`.
+  [[nodiscard]] std::size_t boundary_of(std::size_t segment) const { return boundary_of_[segment]; }
+  struct Along {
+    std::size_t face = Segment::none, rain = Segment::none;  ///< what a boundary stands for
+    std::unique_ptr<PoreBoundary> boundary;
+  };
+  [[nodiscard]] const std::vector<Along>& boundaries() const { return boundaries_; }
+  /// Volume of all pores, m3 (2D: m2).
+  [[nodiscard]] double pores() const { return pores_; }
+
+ private:
+  struct Attempt {
+    bool solved = false;
+    double error = 0.0;  ///< of the water content, pore volumes
+  };
+  /// A step of this length from the state, which it leaves as it is.
+  Attempt attempt(double interval, State& state);
+  /// Finds the variables at which water(u) = base + interval * net(u), from those there are on; false where it does
+  /// not.
+  bool solve(double interval, State& state);
+  /// Flows and, where asked to, the matrix of `interval` times their derivatives; the residual of each point.
+  void balance(double interval, const State& state, bool with_matrix);
+  void begin(const StepTimes& times);
+  void accept(double interval, State& state);
+  [[nodiscard]] double first_interval(const Case& scene, const State& state);
+
+  const Network& network_;
+  std::unique_ptr<FlowModel> flow_;
+  std::vector<Along> boundaries_;
+  std::vector<std::size_t> boundary_of_;
+  double pores_ = 0.0;
+  SparseRows matrix_;
+  std::vector<std::pair<Index, Index>> places_;  ///< of each link: of (a, b) and (b, a) in the matrix
+  // Of the stage under way.
+  ScalarArray variable_, base_, residual_, net_, link_flow_, inflow_;
+  ScalarArray mean_net_, mean_inflow_;  ///< over the step
+  double carried_ = 0.0;  ///< sum of what the step's start has of water that its variables have not, m3 (2D: m2)
+  std::vector<char> stopped_;
+};
+
+}  // namespace poretwin::pore

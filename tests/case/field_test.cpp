@@ -1,0 +1,128 @@
+// Cases whose water is a field: what is right is read, what is not built or makes no sense is named.
+#include "tests/case/case_file.hpp"
+
+#include "common/case/amounts.hpp"
+#include "common/media/retention_law.hpp"
+
+namespace poretwin {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+class Field : public CaseFile {};
+
+/// A dam with a reservoir, a seepage face, and rain on its crest.
+const std::string dam = R"([case]
+end_time = 1000
+[[soil]]
+name = "dam"
+shape = "polygon"
+points = [[0, 0], [1.2, 0], [0.8, 0.4], [0.4, 0.4]]
+porosity = 0.4
+hydraulic_conductivity = 1e-4
+retention = { model = "van_genuchten", residual_water_content = 0.05, alpha = 3.5, n = 2.8 }
+[[water_face]]
+name = "reservoir"
+points = [[0.4, 0.4], [0, 0]]
+head = 0.3
+[[water_face]]
+name = "slope"
+points = [[1.2, 0], [0.8, 0.4]]
+outlet = true
+[[rain]]
+name = "rain"
+points = [[0.8, 0.4], [0.4, 0.4]]
+rate = [[0, 1e-6], [100, 0]]
+[fluid]
+representation = "field"
+particle_spacing = 0.02
+initial_water_table = 0
+[solid]
+model = "rigid"
+[[gauge]]
+name = "q"
+phase = "fluid"
+kind = "discharge"
+quantity = "reservoir"
+)";
+
+TEST_F(Field, IsReadAndNothingIsSaidOfIt) {
+  const Case scene = read(dam);
+  EXPECT_TRUE(scene.is_field());
+  EXPECT_TRUE(scene.has_water());
+  ASSERT_TRUE(scene.soils[0].retention);
+  EXPECT_EQ(scene.soils[0].retention->law->name, "van_genuchten");
+  EXPECT_EQ(scene.soils[0].retention->numbers.at("n"), 2.8);
+  ASSERT_EQ(scene.rains.size(), 1u);
+  EXPECT_NEAR(scene.rains[0].rate->integral(0.0, 200.0), 5e-5, 1e-18);
+  EXPECT_EQ(warnings(dam), "");
+  EXPECT_NEAR(estimate(scene).fluid, 800.0, 1.0);
+}
+
+TEST_F(Field, RetentionCurvesThatMakeNoSenseAreNamed) {
+  EXPECT_THAT(complaint(changed(dam, "residual_water_content = 0.05", "residual_water_content = 0.41")),
+              AllOf(HasSubstr("case.toml:9"), HasSubstr("soil[0].retention.residual_water_content"),
+                    HasSubstr("porosity of 0.4"), HasSubstr("found 0.41")));
+  EXPECT_THAT(complaint(dam, {"soil.0.retention.n=0.9"}),
+              AllOf(HasSubstr("soil[0].retention.n"), HasSubstr("above 1")));
+  EXPECT_THAT(complaint(changed(dam, ", n = 2.8", "")),
+              AllOf(HasSubstr("soil[0].retention.n"), HasSubstr("found none")));
+  EXPECT_THAT(complaint(dam, {"soil.0.retention.pore_size_index=2"}),
+              AllOf(HasSubstr("retention.pore_size_index"), HasSubstr("brooks_corey")));
+  const auto table = changed(
+      dam, R"(model = "van_genuchten", residual_water_content = 0.05, alpha = 3.5, n = 2.8)",
+      R"(model = "table", saturation = [[-2, 0.2], [-1, 0.5], [0, 1]], permeability = [[-2, 0.01], [-1, 0.1], [0, 1]])");
+  EXPECT_EQ(complaint(table), "no complaint");
+  EXPECT_THAT(complaint(table, {"soil.0.retention.saturation=[[-2, 0.5], [-1, 0.4], [0, 1]]"}),
+              AllOf(HasSubstr("retention.saturation"), HasSubstr("rise with the pressure head")));
+  EXPECT_THAT(complaint(table, {"soil.0.retention.permeability=[[-2, 0.5], [-1, 0.6], [0, 0.9]]"}),
+              AllOf(HasSubstr("retention.permeability"), HasSubstr("1 in the last row")));
+  EXPECT_THAT(complaint(changed(table, ", permeability = [[-2, 0.01], [-1, 0.1], [0, 1]]", "")),
+              AllOf(HasSubstr("retention.permeability"), HasSubstr("found none")));
+}
+
+TEST_F(Field, RainFallsOnOpenGroundOnly) {
+  EXPECT_THAT(complaint(dam, {"rain.0.points=[[0.4, 0.4], [0, 0]]"}),
+              AllOf(HasSubstr("rain[0]"), HasSubstr("reservoir"), HasSubstr("under its water, up to 0.3 m")));
+  EXPECT_EQ(complaint(dam, {"rain.0.points=[[1.2, 0], [0.8, 0.4], [0.4, 0.4]]"}), "no complaint");
+  EXPECT_THAT(complaint(dam, {"rain.0.points=[[0.4, 0.4], [0.8, 0.4]]"}), HasSubstr("with the soil on its left"));
+  EXPECT_THAT(complaint(dam, {"rain.0.points=[[0.8, 0.6], [0.4, 0.6]]"}), HasSubstr("no soil lies under the rain"));
+  EXPECT_THAT(complaint(changed(dam, "rate = [[0, 1e-6], [100, 0]]", "")), HasSubstr("rate"));
+  EXPECT_THAT(complaint(dam + "[[wall]]\npoints = [[0.8, 0.4], [0.4, 0.4]]\n"),
+              AllOf(HasSubstr("rain[0].points"), HasSubstr("wall[0]")));
+  EXPECT_THAT(complaint(changed(dam, R"(model = "van_genuchten", residual_water_content = 0.05, alpha = 3.5, n = 2.8)",
+                                R"(model = "sharp")")),
+              AllOf(HasSubstr("rain[0]"), HasSubstr("retention curve")));
+}
+
+TEST_F(Field, WhatIsNotBuiltIsRefused) {
+  EXPECT_THAT(complaint(dam, {"solid.model=\"elastic\"", "solid.particle_spacing=0.02"}),
+              AllOf(HasSubstr("solid.model"), HasSubstr("\"rigid\"")));
+  EXPECT_THAT(complaint(dam, {"fluid.scheme=\"eisph\""}), AllOf(HasSubstr("fluid.scheme"), HasSubstr("particles")));
+  EXPECT_THAT(complaint(dam, {"soil.0.suction_head=0.1"}), HasSubstr("soil[0].suction_head"));
+  EXPECT_THAT(complaint(dam, {"soil.0.seepage_law=\"forchheimer\"", "soil.0.forchheimer_coefficient=3"}),
+              HasSubstr("Darcy's law"));
+  EXPECT_THAT(complaint(dam, {"water_face.0.head=0.5"}), AllOf(HasSubstr("water_face[0].head"), HasSubstr("run over")));
+  EXPECT_THAT(complaint(changed(dam, "head = 0.3", "discharge = 1e-5\nbasin_area = 1")),
+              HasSubstr("water_face[0].discharge"));
+  EXPECT_THAT(complaint(dam, {"case.gravity=[0, 0]"}), HasSubstr("case.gravity"));
+  EXPECT_THAT(complaint(dam + "[[fluid.region]]\nmin = [0, 0]\nmax = [0.2, 0.3]\n"), HasSubstr("free water"));
+  EXPECT_THAT(complaint(dam, {"gauge.0.kind=\"energy\"", "gauge.0.quantity=\"\""}),
+              AllOf(HasSubstr("gauge[0].kind"), HasSubstr("\"front\"")));
+}
+
+TEST_F(Field, TheStartMustBeKnown) {
+  EXPECT_THAT(complaint(changed(dam, "initial_water_table = 0\n", "")),
+              AllOf(HasSubstr("initial_water_table"), HasSubstr("found none")));
+  EXPECT_THAT(complaint(dam, {"fluid.initial_pressure_head=-1"}), HasSubstr("found both"));
+}
+
+TEST_F(Field, KeysOfAFieldAreNotForParticles) {
+  EXPECT_THAT(complaint(dam, {"fluid.representation=\"particles\""}),
+              AllOf(HasSubstr("soil[0].retention"), HasSubstr("fluid.representation = \"field\"")));
+  EXPECT_THAT(complaint(dam, {"fluid.representation=\"auto\""}), HasSubstr("fluid.representation"));
+}
+
+}  // namespace
+}  // namespace poretwin
