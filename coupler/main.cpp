@@ -114,7 +114,7 @@ void execute(const Arguments& arguments, Run& run) {
 
 int main(int argc, char** argv) {
   Run run;
-  return process_main(argc, argv, "coupler", Program::coupler,
+  return process_main(argc, argv, "poretwin-coupler", "coupler", Program::coupler,
                       {[&](const Arguments& arguments) {
                          execute(arguments, run);
                          return run.schedule->report().interrupted;

@@ -130,7 +130,9 @@ RunSummary summarise(const Run& run) {
 int phase_main(int argc, char** argv, Role role, std::function<std::unique_ptr<Phase>(const Case&)> make,
                FluidCase::Representation representation) {
   Run run;
-  return process_main(argc, argv, std::string(to_string(role)), Program::phase,
+  const bool field = role == Role::fluid && representation == FluidCase::Representation::field;
+  const std::string name(to_string(role));
+  return process_main(argc, argv, "poretwin-" + (field ? "pore" : name), name, Program::phase,
                       {[&](const Arguments& arguments) {
                          execute(arguments, role, make, representation, run);
                          return run.report.interrupted;

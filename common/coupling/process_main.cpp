@@ -41,7 +41,8 @@ bool may_begin(const Arguments& arguments, const std::string& name) {
 
 }  // namespace
 
-int process_main(int argc, char** argv, const std::string& name, Program program, const ProcessBody& body) {
+int process_main(int argc, char** argv, const std::string& called, const std::string& name, Program program,
+                 const ProcessBody& body) {
   const auto start = std::chrono::steady_clock::now();
   const InterruptGuard guard;
   return_freed_memory();
@@ -57,11 +58,11 @@ int process_main(int argc, char** argv, const std::string& name, Program program
   try {
     arguments = parse_arguments(argc, argv, program);
     if (arguments.help) {
-      std::fputs(usage("poretwin-" + name, program).c_str(), stdout);
+      std::fputs(usage(called, program).c_str(), stdout);
       return 0;
     }
     if (arguments.version) {
-      std::puts(("poretwin-" + name + " " + version() + ", " + build()).c_str());
+      std::puts((called + " " + version() + ", " + build()).c_str());
       return 0;
     }
     std::filesystem::create_directories(arguments.out);
@@ -71,7 +72,7 @@ int process_main(int argc, char** argv, const std::string& name, Program program
       log_line(name + ": this run has already finished: nothing is left to resume, nothing was touched");
       return 0;
     }
-    taken.sign("poretwin-" + name);
+    taken.sign(called);
     lock.emplace(std::move(taken));
     if (body.run(arguments)) code = ExitCode::interrupted;
   } catch (const Error& error) {

@@ -15,8 +15,9 @@ struct ProcessBody {
   std::function<RunSummary()> summarise;      ///< of what has been done so far; also called after a failure of `run`
 };
 
-/// Locks OUT for a process of this name, and writes OUT/<name>.summary.json on every exit that has the lock. Returns
-/// the exit code.
-int process_main(int argc, char** argv, const std::string& name, Program program, const ProcessBody& body);
+/// Locks OUT for a process of this name in the run (its role), and writes OUT/<name>.summary.json on every exit that has
+/// the lock. called: the program's own name. Returns the exit code.
+int process_main(int argc, char** argv, const std::string& called, const std::string& name, Program program,
+                 const ProcessBody& body);
 
 }  // namespace poretwin::coupling

@@ -3,6 +3,7 @@
 #include "common/case/case.hpp"
 #include "common/coupling/interrupt.hpp"
 #include "fluid_solver/fluid.hpp"
+#include "pore_solver/pore_phase.hpp"
 #include "solid_solver/solid.hpp"
 #include "tests/child.hpp"
 #include "tests/coupling/coupled_run.hpp"
@@ -76,7 +77,9 @@ class CaseRun : public testing::Test {
   }
 
   Result alone(std::uint64_t stop, bool resume) {
-    const auto phase = scene_.deformable() ? solid::make_solid(scene_) : fluid::make_fluid(scene_);
+    const auto phase = scene_.deformable() ? solid::make_solid(scene_)
+                       : scene_.is_field() ? pore::make_pore_water(scene_)
+                                           : fluid::make_fluid(scene_);
     const InterruptGuard guard;
     const auto kept = store("alone");
     MemoryRecorder recorder;
