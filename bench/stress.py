@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What the coupling stands: a table of runs over permeability, stiffness, porosity and exchange window, and its maps:
+"""The range in which the coupling is stable: a table of runs over permeability, stiffness, porosity and exchange window, and its maps:
 OUT/stress.csv, stress_column.png, stress_plain.png, stress_scenes.png, and the table as Markdown.
 
     column  a saturated column under its weight, loaded by 1 kPa at once (cases/terzaghi with gravity), each combination of

@@ -9,7 +9,7 @@ def spacing(x):
         return 1.0
     chosen = np.random.default_rng(0).choice(n, min(n, int(np.clip(4e6 / n, 20, 200))), replace=False)
     near = [np.sqrt(np.partition(((x - x[i]) ** 2).sum(axis=1), 1)[1]) for i in chosen]
-    reach = 4.69 * float(np.median(near))  # a circle of as much room in a lattice as it holds points, 69
+    reach = 4.69 * float(np.median(near))  # a circle of as much area in a lattice as it holds points, 69
     if reach == 0.0:
         return 1.0
     volume = np.pi * reach**2 if dimensions == 2 else 4.0 / 3.0 * np.pi * reach**3

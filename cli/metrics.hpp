@@ -74,8 +74,8 @@ VerifyFile read_verify(const std::filesystem::path& path);
 Verdict judge(const Metric& metric, const Gauges& gauges, int exit_status, const Counters& counters = {},
               const Verdict* base = nullptr);
 
-/// The mean of what several histories of a run have, held against the reference, and their spread. One without a value
-/// leaves none.
+/// Compares the mean of a metric over several histories (runs with slightly perturbed input) with its reference, and
+/// gives their standard deviation. If one history has no value, the verdict has none.
 Verdict judge_mean(const Metric& metric, const std::vector<Verdict>& histories);
 
 /// Overrides that make a history of a run, from 0 on: none for the first; for the others particles displaced at random

@@ -18,7 +18,7 @@ from cells import SURFACE, Canvas, spacing
 from mpl_toolkits.axes_grid1 import make_axes_locatable
 from style import plt
 
-# The field that tells most about a phase, best first.
+# The most informative fields of a phase, best first.
 MAIN_FIELDS = {
     "fluid": ["pore_pressure", "velocity"],
     "solid": ["effective_stress", "accumulated_plastic_strain", "displacement"],
@@ -272,7 +272,7 @@ def panel_width(shape):
 
 
 def draw_field(frames, phase, name, steps, target):
-    """A picture of one field, as large as its body's shape asks for; at several steps below each other, in one range."""
+    """A figure of one field, in the proportions of the body. Several steps: one panel each, with one colour range, below each other or, where the body is narrow, side by side."""
     steps = [steps] if np.isscalar(steps) else list(steps)
     shown = Shown(frames, phase, name, steps)
     for step in steps:
@@ -350,7 +350,7 @@ def declaration(run, title):
 
 
 def places(declared, names):
-    """What tells the readings at several points apart: the coordinate in which they differ, else all of them."""
+    """What distinguishes the readings at several points: the coordinate in which they differ, else all of them."""
     points = np.array(declared.get("points", []), dtype=float)
     if declared.get("kind") != "point" or points.ndim != 2 or len(points) != len(names):
         return names
@@ -397,7 +397,7 @@ def draw_gauges(run, names, title, series, target, marks=()):
     axes.set_ylabel(quantity_label(declared, component, title) + style.unit(unit))
     axes.margins(x=0.02)
     axes.grid(True)
-    if len(names) > 1:  # beside the curves, which leave no room among them
+    if len(names) > 1:  # beside the curves, which leave no space among them
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     elif labelled:
         axes.legend()

@@ -39,7 +39,8 @@ struct Watched {
 struct Patience {
   std::chrono::milliseconds by_itself{5000};   ///< for the others after a failure, before SIGTERM
   std::chrono::milliseconds after_term{3000};  ///< before SIGKILL
-  /// For a clean stop after Ctrl-C, before SIGTERM: windows may take minutes; a person presses it again.
+  /// Time for a clean stop after Ctrl-C before SIGTERM is sent: long, since a window may take minutes. Whoever does not
+  /// want to wait presses Ctrl-C again.
   std::chrono::milliseconds after_interrupt{600000};
   std::chrono::milliseconds grace{10000};  ///< after Ctrl-C, before another one ends the wait
 };

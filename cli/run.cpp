@@ -72,7 +72,8 @@ fs::path program_file(const RunOptions& options, const Case& scene, const std::s
   return options.programs / ("poretwin-" + (role == "fluid" && scene.is_field() ? "pore" : role));
 }
 
-/// The same arguments for a person's own command, which the shell takes apart.
+/// The user's own command in place of the built-in solver, with the solver's arguments appended; the shell splits the
+/// command into words. An empty command leaves the built-in solver.
 Program in_place(const std::string& command, Program solver) {
   if (command.empty()) return solver;
   solver.file = "/bin/sh";
@@ -308,7 +309,8 @@ class StopsIgnored {
   void (*terminate_)(int);
 };
 
-/// What is left to do when nobody writes any more. A full disk fails here as well: that comes after the first cause.
+/// Completes the results once all processes have ended: cuts files back to whole frames, joins traces and gauges,
+/// writes run.toml. These steps fail, too, on a full disk; their errors are appended to the first cause.
 void close_run(const RunOptions& options, const RunIdentity& identity, const std::string& started, RunResult& result) {
   const auto attempt = [&](const std::function<void()>& step) {
     try {
@@ -318,7 +320,7 @@ void close_run(const RunOptions& options, const RunIdentity& identity, const std
       result.reason += (result.reason.empty() ? "" : "\n  then: ") + std::string(error.what());
     }
   };
-  // What a dead process left half-written goes back to the last whole frame.
+  // A file that a dead process left half-written is cut back to its last whole frame.
   for (const char* phase : {"fluid", "solid"})
     attempt([&] { hdf5::roll_back(options.out / (std::string(phase) + ".vtkhdf")); });
   attempt([&] { coupling::join_traces(options.out); });

@@ -63,7 +63,7 @@ RunResult run_case(const RunOptions& options);
 /// Tables of where the time went, steps, counters and files.
 std::string summary_text(const RunResult& result, const std::filesystem::path& out);
 
-/// The same and more, with what every process told, for another program.
+/// What summary_text() shows, and all that the processes reported, as JSON for other programs.
 nlohmann::ordered_json run_json(const std::string& case_name, const std::filesystem::path& case_file,
                                 const std::filesystem::path& out, const RunResult& result);
 

@@ -62,7 +62,7 @@ SOLID = {
     "pore_pressure_ratio": ("pore pressure ratio", "r_u"),
 }
 UNITS = {"degrees": "°", "m/s2": "m/s²", "m2": "m²", "m3": "m³", "m2/s": "m²/s", "m3/s": "m³/s", "kg/m3": "kg/m³"}
-# Perceptually uniform, dark where there is much; zero in the middle of the last, for fields of either sign.
+# Perceptually uniform colour maps. MAPS: dark where the field is large; MAP: every other field; SIGNED_MAP: fields of either sign, white at zero.
 MAPS = {"accumulated_plastic_strain": "magma_r", "degree_of_saturation": "cividis_r"}
 MAP, SIGNED_MAP = "viridis", "RdBu_r"
 

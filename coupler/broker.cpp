@@ -101,7 +101,7 @@ struct Peer {
   std::string doing;  ///< of the last heartbeat
   std::uint64_t step = 0;
   bool left = false;     ///< said BYE
-  bool noticed = false;  ///< its silence has been told
+  bool noticed = false;  ///< its silence has been reported
 };
 
 }  // namespace
@@ -223,7 +223,7 @@ class Broker::Implementation {
                                 state_of(p)));
   }
 
-  /// Nobody took what was sent: a connection that has closed since the last look tells of it first.
+  /// Nobody took what was sent: a connection that has closed since the last look reports that first.
   [[noreturn]] void fail_unreachable(const Peer& p) {
     while (auto event = hub_.receive(Milliseconds(0))) handle(std::move(*event));
     fail(p, "is unreachable: nobody at the end of its line");

@@ -19,8 +19,8 @@ struct BrokerOptions {
   std::string case_text;  ///< for participants without a case file of their own
   std::vector<std::string> case_overrides;
   Milliseconds wait_deadline{60'000};  ///< for missing participants
-  /// Without a heartbeat: named as frozen, and given up. Between the two it may come back (a debugger, a suspended
-  /// machine), which a mere notice does not prevent.
+  /// Time without a heartbeat after which a participant is reported as frozen, and after which the run is given up. In
+  /// between it may come back (it stood in a debugger, its machine was suspended): the report alone ends nothing.
   Milliseconds frozen_notice{2'500}, frozen_deadline{30'000};
   Milliseconds heartbeat{1'000};
   Milliseconds say_every{5'000};

@@ -20,8 +20,9 @@ Eigen::Map<const Eigen::VectorXd> values(const Field& field) {
 
 WindowIteration::WindowIteration(const IterationSettings& settings, const Contract& solid)
     : settings_(settings), acceleration_(make_acceleration(settings.acceleration)) {
-  // Motions and loads are iterated. Numbers are properties of the skeleton, which follow them and stay within their
-  // bounds; amounts are handed over once, in the next window.
+  // Vector fields with consistent mapping (velocities, forces) are iterated. Scalar fields are properties of the
+  // skeleton: they follow from its motion, and extrapolating them could take them out of their bounds. Conservative
+  // amounts are handed over once, in the next window.
   for (const auto& spec : solid.gives)
     if (spec.mapping == Mapping::consistent && spec.components == solid.dimension) fields_.push_back(spec.name);
 }

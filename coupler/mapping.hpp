@@ -60,7 +60,7 @@ struct Interpolation {
   std::vector<Field> fields;      ///< group by group
 };
 
-/// Nothing needs to be done for such values; told at their first that is not.
+/// Nothing needs to be done for such values; seen at the first of them that is not.
 bool all_zero(const std::vector<double>& values);
 
 /// `at_receivers`: blocks over the receivers, the givers around them. Fields that are zero everywhere cost nothing.

@@ -15,9 +15,9 @@
 
 namespace poretwin::coupling {
 
-/// Room added to every support radius, in units of the largest one: lists hold until points have moved that far, taken
-/// together. Where several lists in a row did not hold for a single move, or would not have with that room, there is
-/// room for rounding only: they would be longer for nothing.
+/// Margin (Verlet skin) added to every support radius, as a fraction of the largest one: lists stay valid until the
+/// largest displacements in both clouds sum to it. After `vain_lists` lists in a row that served no second update,
+/// and would not have with this margin, only `no_skin` is added, for rounding: longer lists would save no rebuild.
 inline constexpr double relative_skin = 0.1, no_skin = 1e-6;
 inline constexpr int vain_lists = 4;
 
@@ -131,7 +131,7 @@ class PairBlocks {
   Then of_last_, around_last_;      ///< when they were last brought up to date
   bool made_ = false;               ///< there are lists
   bool served_ = false;             ///< they have been kept though something had moved
-  int in_vain_ = 0;                 ///< lists in a row for which room was of no use
+  int in_vain_ = 0;                 ///< lists in a row for which the margin was of no use
   double skin_ = 0.0;               ///< m
   std::uint64_t state_ = 0;
   sph::CellGrid<D> grid_;  ///< of `around`, and in its order:

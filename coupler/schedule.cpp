@@ -243,7 +243,7 @@ class Schedule::Implementation {
                   fmt::format("not converged after {} iterations", most_iterations)};
   }
 
-  /// Serial, again and again until the solid's motion is the one that the fluid reckoned with.
+  /// Serial, again and again until the solid's motion is the one that the fluid predicted.
   std::optional<Reject> settle(const WindowClock::Plan& plan, const State& fluid_start, const State& solid_start,
                                const std::vector<SpatialMapping::Account>& accounts, double tolerance) {
     State found;

@@ -2,8 +2,8 @@
 // Serial, fluid first: the fluid crosses the window with the solid's fields of its start, the solid with the fluid's
 // new ones. Parallel: both at the same time, each with the other's fields of its start. Iterated: serial, until the
 // solid's fields at the window's end are those that the fluid was given. Settled: serial, and again until the solid
-// moves as the fluid, which predicts it and learns from each pass what the last one found, reckoned. docs/protocol.md
-// shows the sequence.
+// moves as the fluid predicted; from the second pass on the fluid also knows what the last pass found.
+// docs/protocol.md shows the sequence.
 #pragma once
 
 #include "common/checkpoint/schedule.hpp"
@@ -46,7 +46,7 @@ struct ScheduleReport {
 struct Serial {};
 struct Parallel {};
 struct Settled {
-  double tolerance = 0.0;  ///< of what the solid tells as `unsettled`
+  double tolerance = 0.0;  ///< of what the solid reports as `unsettled`
 };
 using Scheme = std::variant<Serial, Parallel, IterationSettings, Settled>;
 
@@ -63,7 +63,7 @@ class Schedule {
   Schedule(const Schedule&) = delete;
   Schedule& operator=(const Schedule&) = delete;
 
-  /// From the handshake to the goodbyes. On any failure everybody is told before the error leaves here.
+  /// From the handshake to the goodbyes. On any failure all participants are notified before the error leaves here.
   void run();
   /// Whom it waits for: for BrokerOptions::waiting.
   void note_waiting(const std::string& whom);

@@ -49,8 +49,9 @@ class FlowModel {
   [[nodiscard]] virtual double variable_at(Index a, double pressure_head) const = 0;
   /// Of a point that is full, under no pressure.
   [[nodiscard]] virtual double full(Index a) const = 0;
-  /// What of a Newton step of point a, from `from` to `to`, is taken. `stopped`: whether a step of this iteration has
-  /// halted at a corner of the curves before; set where this one does.
+  /// The value of point a's variable after a Newton step from `from` to `to`: `to`, or the nearest value at which the
+  /// step must halt (a corner of the curves, the end of their range). `stopped`: whether this point has already halted
+  /// at a corner in this solve; set where it does now.
   [[nodiscard]] virtual double limited(Index a, double from, double to, char& stopped) const = 0;
 };
 

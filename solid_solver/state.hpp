@@ -73,7 +73,7 @@ struct alignas(64) Node {
   double rubbing = 0.0;              ///< see Particles
   Mat<D> gradient = Mat<D>::Zero();  ///< 1/s, of the velocity, d v_a / d x_b
   std::array<double, room_for(D* D + D * (D + 1) / 2) - D * D> upper{};  ///< columns of B (correction), to the diagonal
-  Mat<D> flux = Mat<D>::Zero();         ///< sigma B [Pa]: the stress as its neighbours feel it
+  Mat<D> flux = Mat<D>::Zero();         ///< sigma B [Pa]: the stress as it acts on its neighbours
   Mat<D> deformation = Mat<D>::Zero();  ///< 1, of the displacement, d u_a / d x_b
   /// Values of hourglass_level: no control; of velocities; of displacements, too. What it is above `yielded` is the
   /// largest strain that the control of displacements answers with its full stiffness.

@@ -120,8 +120,8 @@ void expect_kinds(const Node& tables, const std::string& path) {
   }
 }
 
-/// Replaces words and keys of earlier versions by today's; returns a warning for each. An old one is read for one version
-/// after its replacement.
+/// Replaces words and keys of earlier versions by today's; returns a warning for each. An old one is read for one
+/// version after its replacement.
 std::vector<std::string> replace_old_words(Node& root) {
   struct Old {
     std::string_view section, key, old, now;
@@ -353,9 +353,7 @@ void declare(Keys& keys, Rain& r) {
               {"m", "Depth of the water that stays where it cannot soak in; what is more runs off at once."},
               not_negative());
   keys.number("limit_suction", r.limit_suction,
-              {"m",
-               "Suction at the surface at which evaporation ceases to be what `rate` asks for: it goes on as "
-               "fast as the soil brings water there."},
+              {"m", "Suction at the surface up to which evaporation equals `rate`; from there on the soil limits it."},
               positive());
 }
 
@@ -434,8 +432,9 @@ void declare(Keys& keys, FluidCase& f) {
   keys.choice<FluidCase::DragForm>(
       "drag_form", f.drag_form, form_words,
       {"",
-       "`pointwise`: Eqs. (64)/(73), exact for uniform slip; `smoothed`: Eqs. (67)/(74), a sum over pairs that depends "
-       "on how the two lattices lie, G = d; `smoothed_as_printed`: G = 1/d, d^2 times too weak (rigid soil only)."});
+       "`pointwise`: Eqs. (64)/(73), exact for a uniform relative velocity; `smoothed`: Eqs. (67)/(74), a sum over "
+       "pairs that depends on how the two lattices lie, G = d; `smoothed_as_printed`: G = 1/d, d^2 times too weak "
+       "(rigid soil only)."});
   keys.flag(
       "skeleton_response", f.skeleton_response,
       {"", "The skeleton's predicted response inside the pressure solve; false: plain staggering, to show its limit."});
@@ -518,7 +517,7 @@ void declare(Keys& keys, CouplingCase& c) {
       "scheme", c.scheme, coupling_words,
       {"",
        "`iterated`: every window is crossed, the fluid first, until the solid's motion is the one that the fluid "
-       "reckoned with; `serial`: once, and so by default where the fluid predicts nothing "
+       "predicted; `serial`: once, and so by default where the fluid predicts nothing "
        "(fluid.skeleton_response = false, explicit schemes); `parallel`: once, by both at the same time, each with the "
        "other's fields of the window's start. Their limits: docs/theory/coupling.md."});
   keys.choice<CouplingCase::Acceleration>(

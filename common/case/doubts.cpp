@@ -151,9 +151,9 @@ class Doubts : Complaints {
   }
 
   /// At the end of a face of soil from which a wall goes straight on, or away from the soil, the velocity has no bound.
-  /// Measured where the flow through the face is not told by the pressure's matrix, against finite volumes: a face of
-  /// 10, 20, 40 spacings on half a side 22, 9, 4.3 % low; a floor of 40 spacings on a layer of 30 12 % low, of twice as
-  /// many 6 %; what comes in and goes out differs by as much.
+  /// Measured where the flow through the face is not taken from the pressure's matrix, against finite volumes: a face
+  /// of 10, 20, 40 spacings on half a side 22, 9, 4.3 % low; a floor of 40 spacings on a layer of 30 12 % low, of twice
+  /// as many 6 %; what comes in and goes out differs by as much.
   void faces_that_end_on_walls() {
     if (d_ != 2 || (!scene_.coupled() && scene_.fluid.scheme == FluidCase::Scheme::projection &&
                     porous::conductivity_contrast(scene_) < porous::one_conductivity))

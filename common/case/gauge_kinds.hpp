@@ -58,7 +58,8 @@ inline constexpr GaugeKind gauge_kinds[] = {
     {"uplift", "solid", "largest rise since the initial rest"},
     {"strain_energy", "solid", "elastic"},
     {"crest_settlement", "solid", "of the highest particles, since the initial rest"},
-    {"pending_impulse", "solid", "taken from the water, not yet paid for"},
+    {"pending_impulse", "solid",
+     "impulse that the soil has received and that has not yet been taken from the water (`returned_impulse`)"},
 };
 // clang-format on
 

@@ -60,8 +60,9 @@ void move_to_origin(Case& scene) {
                                  [](const WaterFace& face) { return face.wave_amplitude.has_value(); });
   const double spacing = finest_spacing(scene);
   if (!(spacing > 0.0)) return;  // check_case() complains
-  // Nearer than that the digits that places lose are not felt: a slope that yields is right to 3e-5 at 1e5 spacings and
-  // to 1e-6 here. And the scene lies farther from the origin than it is wide, or it would not gain by being moved.
+  // Scenes nearer to the origin than this are not moved: there the rounding of coordinates does not matter (a yielding
+  // slope is right to 1e-6 at 1e3 spacings, to 3e-5 at 1e5). Nor is a scene that is wider than its distance from the
+  // origin: moving it would gain no digits.
   constexpr double far = 1e3;  // spacings
   // By a power of two times a whole number, which takes nothing off the digits.
   const double step = std::exp2(std::floor(std::log2(spacing)));

@@ -20,7 +20,7 @@ struct Checkpoint {
   double time = 0.0;       ///< s
 };
 
-/// What must be the same for a state to go on from: "what it is" and its value, told when they differ.
+/// What must be the same for a state to go on from: "what it is" and its value, reported when they differ.
 using RunIdentity = std::vector<std::pair<std::string, std::string>>;
 
 /// The entry that a person may let differ (--accept-changed-program): which program wrote it.
@@ -36,8 +36,8 @@ class CheckpointStore {
   CheckpointStore(const std::filesystem::path& out, std::string process, RunIdentity identity, Say say = {},
                   bool accept_changed_program = false);
 
-  /// Those that can be read, newest first; damaged ones are told of and left out. Throws CaseError when there are some,
-  /// but of another case or program.
+  /// Those that can be read, newest first; damaged ones are reported and left out. Throws CaseError when there are
+  /// some, but of another case or program.
   [[nodiscard]] std::vector<Checkpoint> whole() const;
   /// Durable when it returns. Throws FileError.
   void write(const Checkpoint& checkpoint, const Archive& state) const;

@@ -17,7 +17,7 @@ double number_after(const std::string& name, const std::string& text, bool zero_
     const double value = std::stod(text, &used);
     if (used == text.size() && (value > 0.0 || (zero_too && value == 0.0))) return value;
   } catch (const std::exception&) {
-    // told below, with the argument's name
+    // reported below, with the argument's name
   }
   throw CaseError("argument " + name + ": expected a positive number" + (zero_too ? " or zero" : "") + ", got '" +
                   text + "'");

@@ -30,7 +30,7 @@ struct DriveReport {
   void archive(Archive& archive) { archive(windows, rejected, limited_by, time, warnings); }
 };
 
-/// Joins, then obeys the coupler until FINISH. Failures of the phase are told to everybody (ABORT) and rethrown;
+/// Joins, then obeys the coupler until FINISH. Failures of the phase are reported to everybody (ABORT) and rethrown;
 /// failures of others arrive as Error with the named cause.
 /// Without `checkpoints` the participant must not have promised to keep any.
 void drive_coupled(Phase& phase, Participant& participant, Recorder& recorder, DriveReport& report,

@@ -1,5 +1,5 @@
 // What the phases tell each other, free of any transport: fields at points, windows of time, answers.
-// docs/protocol.md tells the same story on the wire; proto/poretwin.proto holds the messages.
+// docs/protocol.md describes the same conversation on the wire; proto/poretwin.proto holds the messages.
 #pragma once
 
 #include <cstddef>

@@ -329,7 +329,7 @@ Frames encode(Message message) {
 }
 
 Message decode(const Frames& frames) {
-  // What is wrong with a message is told by what is thrown here: a stranger cannot fill the log.
+  // Errors in a message are reported only by what is thrown here: a stranger cannot fill the log.
   [[maybe_unused]] static const auto loud = google::protobuf::SetLogHandler(nullptr);
   wire::Header header;
   if (frames.empty() || frames.front().size > 16u * 1024u * 1024u ||

@@ -68,7 +68,7 @@ class Participant {
   [[nodiscard]] Role role() const;
   [[nodiscard]] const Contract& contract() const;
   [[nodiscard]] ParticipantTotals totals() const;
-  /// For mocks that play a frozen process.
+  /// For mocks that behave like a frozen process.
   void set_heartbeats(bool on);
 
  private:

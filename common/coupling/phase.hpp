@@ -30,7 +30,7 @@ struct OutputField : FieldDeclaration {
   TellParticle tell;  ///< all its components
 };
 
-/// Everything of one phase at one time, as a file shows it; told particle by particle, so that it never lies in memory
+/// Everything of one phase at one time, as a file shows it; given particle by particle, so that it never lies in memory
 /// as a whole. Holds until the phase changes.
 struct OutputFrame {
   double time = 0.0;
@@ -39,7 +39,7 @@ struct OutputFrame {
   std::vector<OutputField> fields;
 };
 
-/// Tells an array of vectors, one of each particle, with z = 0 in 2D. The array must outlive what is told.
+/// Gives an array of vectors, one of each particle, with z = 0 in 2D. The array must outlive the frame.
 template <int D>
 TellParticle tell_vectors(const VecArray<D>& values) {
   return [&values](std::size_t i, double* numbers) {

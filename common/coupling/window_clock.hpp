@@ -18,10 +18,10 @@ class WindowClock {
     std::optional<double> longest;  ///< s, of a window
     double output_interval = 0.0;   ///< s between frames; 0: only the first and the last
     double gauge_interval = 0.0;    ///< s between gauge readings; 0: every window. Gauges do not shorten windows
-    /// s: the shortest time in which the scene moves (shortest_time()); a run whose windows stay far below it is over.
-    /// 0: not known, and not looked at
+    /// s: shortest characteristic time of the scene (shortest_time()); a run whose windows stay far below it is ended
+    /// as stuck. 0: unknown, no such check
     double shortest_time = 0.0;
-    std::string of_what = {};  ///< that time is
+    std::string of_what = {};  ///< what that time belongs to, for the message
   };
   struct Plan {
     double start = 0.0, interval = 0.0, end = 0.0;  ///< s; end is exact where it is an output instant
@@ -47,8 +47,8 @@ class WindowClock {
   Settings settings_;
   double time_ = 0.0;
   std::uint64_t frames_ = 0, gauges_ = 0;  ///< output and gauge instants passed
-  /// Windows in a row that were far too short, and what held them. Not kept in checkpoints: a run that is resumed is
-  /// watched anew.
+  /// Number of windows in a row that were far shorter than shortest_time, and how many of them each cause limited. Not
+  /// in checkpoints: a resumed run counts from zero.
   std::uint64_t stuck_ = 0;
   std::map<std::string, std::uint64_t> held_by_;
 };

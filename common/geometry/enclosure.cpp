@@ -33,7 +33,8 @@ bool crossed(const Barrier& barrier, const Point3& x, const Point3& y) {
   return t >= 0.0 && t <= 1.0 && u >= -slack && u <= 1.0 + slack;
 }
 
-/// Water spreads over cells, downwards, sideways and up to the highest level it comes from.
+/// Looks for a gap through which water could leave the scene: a flood fill over grid cells, from every source of water
+/// downwards, sideways, and upwards to the highest level of any source. Walls and water faces stop it.
 class Flood {
  public:
   explicit Flood(const Case& scene) : scene_(scene), dimension_(scene.general.dimension) {
@@ -213,7 +214,7 @@ class Flood {
     return std::nullopt;
   }
 
-  /// Does a plane, which may stand far from all else, close the way from x in this direction?
+  /// Whether a plane, which may stand far from all else, closes the way from x in this direction.
   [[nodiscard]] bool held_beyond(const Point3& x, const Point3& direction) const {
     return std::any_of(barriers_.begin(), barriers_.end(), [&](const Barrier& b) {
       const double towards = b.b.dot(direction);

@@ -1,4 +1,4 @@
-// Water behind a face whose level is not prescribed: what is poured in and what leaves through the face decide it.
+// A reservoir whose level is not prescribed: it follows from inflow and from what passes the face.
 #pragma once
 
 #include "fluid_solver/boundary/water_boundary.hpp"

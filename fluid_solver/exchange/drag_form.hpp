@@ -11,9 +11,10 @@
 
 namespace poretwin::fluid {
 
-/// G sum_i V_i (r r^T)/(r^2 + eta^2) W over the particles of rigid soil: what multiplies a uniform slip in Eqs. (67),
-/// (74). G = d makes it the unit matrix in the mean over random points, and nowhere exactly: 0.68 where the lattices
-/// coincide, 0.65 and 1.34 along and across an edge (docs/theory/paper.md); G = 1/d, as printed, is d^2 times weaker.
+/// G sum_i V_i (r r^T)/(r^2 + eta^2) W over the particles of rigid soil: what multiplies a uniform relative
+/// velocity in Eqs. (67), (74). G = d makes it the unit matrix in the mean over random points, and nowhere exactly:
+/// 0.68 where the lattices coincide, 0.65 and 1.34 along and across an edge (docs/theory/paper.md); G = 1/d, as
+/// printed, is d^2 times weaker.
 template <int D>
 class SmoothedDrag {
  public:

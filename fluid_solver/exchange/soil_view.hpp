@@ -115,9 +115,10 @@ inline double membership_ramp(double asymmetry) {
 }
 inline double membership(double asymmetry) { return std::clamp(membership_ramp(asymmetry), 0.0, 1.0); }
 
-/// That of water in or beside tight soil that moves, which had `before`: its water goes along, and what slips past its
-/// edge stays outside. The points of an edge are a staircase, over which the asymmetry swings as water passes; what
-/// membership follows of it is only what leaves the half width of the ramp to either side, a play.
+/// Soil membership of water in or beside tight soil that moves, with hysteresis; `before` is its previous value. Such
+/// soil carries its pore water along, and water that flows past its edge stays outside. The points of an edge form a
+/// staircase, so the asymmetry oscillates as water passes: a membership between 0 and 1 reverses only after the
+/// asymmetry has gone back by half of the ramp's width (backlash).
 inline double membership(double asymmetry, double before) {
   const double ramp = membership_ramp(asymmetry);
   return std::clamp(before, std::clamp(2.0 * ramp - 1.0, 0.0, 1.0), std::clamp(2.0 * ramp, 0.0, 1.0));
@@ -142,8 +143,8 @@ SoilView<D> rigid_soil(const Ground<D>& ground, std::span<const Vec<D>> points, 
 }
 
 /// Soil of the other process, as mapped to the fluid particles; asymmetry [n]: that of the exchange, 0 where a particle
-/// counts as in the soil wherever any is in reach; before: [n] membership that is followed with play where tight soil
-/// moves.
+/// counts as in the soil wherever any is in reach; before: [n] previous membership, used (with hysteresis) where tight
+/// soil moves.
 template <int D>
 SoilView<D> mapped_soil(const Setup<D>& setup, const coupling::Inbox& inbox, std::span<const double> asymmetry,
                         std::span<const double> before, const SeepageRegime& regime) {

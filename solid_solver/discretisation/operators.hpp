@@ -60,7 +60,8 @@ inline Mat<D> invert_moment(const Mat<D>& moment) {
   if (above) {
     inverse = moment.inverse();
   } else {
-    // Number by number: an inverse that a call returns into would stay in memory on the common way, too.
+    // Copied element by element: if the call's result were assigned to `inverse`, the compiler would keep `inverse` in
+    // memory instead of registers on the frequent branch, too.
     const Mat<D> held = invert_above<D>(moment, floor);
     for (int c = 0; c < D * D; ++c) inverse.data()[c] = held.data()[c];
   }

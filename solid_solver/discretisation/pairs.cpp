@@ -82,7 +82,8 @@ void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t 
   pairs.alone.clear();
   pairs.index.clear();
   pairs.part.clear();
-  // Rows of held particles, of which only some have others in range, cost less than half of what free ones do.
+  // Estimated work per row, to cut the rows into parts of equal work. Rows of fixed particles (behind rough walls) cost
+  // less than half of those of free ones, since only some of them have free particles within range.
   constexpr std::size_t free_weight = 5, held_weight = 2;
   const std::size_t moving_work = free_weight * n_free, work = moving_work + held_weight * (n_real - n_free);
   for (std::size_t k = 0; k <= n_parts; ++k) {

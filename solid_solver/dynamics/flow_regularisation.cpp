@@ -54,7 +54,7 @@ void fill_grains(const State<D>& state, Scratch<D>& scratch) {
     grain.flows = scratch.flows[source];
     grain.stress = p.stress[source].template head<n_components<D>>();
   };
-  parallel_for(p.size(), fill);  // those asleep, too: others feel them
+  parallel_for(p.size(), fill);  // those asleep, too: they act on others
   for (std::size_t j = p.size(); j < state.nodes.size(); ++j) fill(j);
 }
 

@@ -54,7 +54,7 @@ Tracking<D> make_tracking(const Setup<D>& setup, const State<D>& state, const co
       // Inertia holds to the change that is predicted, drag to the velocity.
       if (rests && !setup.parallel && z > 0.0)
         change = (1.0 - inertia / z) * (water.predicted[c] - p.velocity[i][d]) + inertia / z * water.change[c];
-      // Where the window is repeated the fluid tells how its prediction differs from what the last pass found.
+      // Where the window is repeated the fluid reports how its prediction differs from what the last pass found.
       if (again) change = found[i][d] + water.change[c] - p.velocity[i][d];
     }
     tracking.drive.target[i] = p.velocity[i] + tracking.change[i];

@@ -1,4 +1,4 @@
-// The motion that the fluid reckoned with, and how firmly the soil is held to it in a window.
+// The soil's motion as the fluid predicted it, and the impedance against departures from it in a window.
 #pragma once
 
 #include "solid_solver/dynamics/step.hpp"
@@ -7,7 +7,7 @@
 
 namespace poretwin::solid {
 
-/// The water answers to the soil's own motion: where the soil departs from the velocity that the fluid reckoned with,
+/// The water answers to the soil's own motion: where the soil departs from the velocity that the fluid predicted,
 /// the drag takes the water along while the pressure stays. Backward Euler of (27), the water eliminated, leaves the
 /// impedance Z = C a / (a + C), a = n rho_w / Dt, against the departure at the window's end. In the window departures
 /// grow linearly; a factor on Z makes their mean over the substeps the one at the end.

@@ -13,7 +13,7 @@ struct WaterInput {
   OrZero<Vec<D>> from, to;   ///< Pa/m, gradient of the pressure at the window's start and end
   OrZero<double> impulse;    ///< N s, of the drag on each particle, components one after the other
   OrZero<Vec<D>> surplus;    ///< N s, part of it that the fluid did not give, so that the water has to supply it
-  OrZero<double> predicted;  ///< m/s, velocity of the soil that the fluid reckoned with, at the window's end
+  OrZero<double> predicted;  ///< m/s, velocity of the soil that the fluid predicted, at the window's end
   OrZero<double> change;     ///< m/s, its change in the window
   OrZero<double> soil_seen;  ///< solid fraction that the fluid saw
 };

@@ -77,7 +77,7 @@ std::vector<Warning> warnings_of(const Setup<D>& setup, const State<D>& state, c
                    rest.steps, rest.residual, rest.criterion, rest.displacement),
        far},
       {"windows in which a force held the soil that neither phase bears", state.motion.held,
-       "it would have moved otherwise than the water reckoned with; coupling.scheme = \"iterated\" repeats "
+       "it would have moved otherwise than the water predicted; coupling.scheme = \"iterated\" repeats "
        "such windows until both agree",
        true},
       {"times the soil began to move", state.motion.begun,

@@ -1,4 +1,4 @@
-// What a run shows and tells of the soil: fields of its particles, counters, warnings.
+// What a run shows and reports of the soil: fields of its particles, counters, warnings.
 #pragma once
 
 #include "common/coupling/phase.hpp"

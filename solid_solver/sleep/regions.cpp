@@ -16,7 +16,7 @@ struct Bounds {
   double moved;   ///< m, by which soil may have moved while it becomes calm
   double work;    ///< J/kg, that it may have dissipated: `regions` of the elastic energy under its weight
   double push;    ///< m/s2, change of a force from outside that wakes
-  double within;  ///< the same of neighbours' over that: only a few rows of the soil's height feel it
+  double within;  ///< the same of neighbours' over that: it acts on only a few rows of the soil's height
   double around;  ///< m, margin
   explicit Bounds(const Setup<D>& setup) {
     const double g = setup.gravity.norm(), rest = setup.quiet.regions * g;
@@ -82,7 +82,7 @@ VecArray<D> disturbances(const Setup<D>& setup, const Bounds<D>& bounds, const D
   return places;
 }
 
-/// Whether anything wakes: sleepers that feel one of the places, and those around.
+/// Whether anything wakes: sleepers within reach of one of the places, and those around.
 template <int D>
 bool wake_near(const Setup<D>& setup, const Bounds<D>& bounds, const VecArray<D>& places, State<D>& state) {
   const Particles<D>& p = state.particles;

@@ -11,7 +11,7 @@
 namespace poretwin::solid {
 namespace {
 
-/// The fluid's pressure is the window's mean, which moving soil feels all along; soil that is led from rest to rest
+/// The fluid's pressure is the window's mean, which acts on moving soil all along; soil that is led from rest to rest
 /// takes it as a ramp, unless a load begins with the window and raises it at once.
 template <int D>
 bool feels_the_mean(const Setup<D>& setup, const State<D>& state, const coupling::Window& window) {

@@ -29,7 +29,7 @@ double shear_of_most(const Particles<D>& p, const ScalarArray& before) {
 
 /// How far the soil's motion in a window is drained: wholly in the time of consolidation over its height,
 /// H^2 gamma_w / (k M), not at all in a fifth of it: there its dilation sets the next window's pressure and that its
-/// motion, and to take it as going on, or to pay for it at once, overdoes it. Between them by degrees: soil that
+/// motion, and to take it as going on, or to return all of it at once, overdoes it. Between them by degrees: soil that
 /// creeps through a sudden change of that falls.
 template <int D>
 double drained_fraction(const Setup<D>& setup, const Particles<D>& p, double interval) {

@@ -11,7 +11,7 @@
 namespace poretwin::solid {
 
 /// Backward Euler: m (u/Dt - v)/Dt = forces(u) + V Z (v_s' - u/Dt) for the displacement u, with the impedance Z of the
-/// water and the velocity v_s' that it reckoned with (tracking.hpp). What it keeps is made anew when it is missing, or
+/// water and the velocity v_s' that it predicted (tracking.hpp). What it keeps is made anew when it is missing, or
 /// holds between the passes through one window only.
 template <int D>
 class QuasiStaticWindow {

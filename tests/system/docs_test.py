@@ -165,7 +165,7 @@ class Tree:
         return {row[1]: {w.strip() for w in row[2].split(",")} for row in rows if row and (self.root / row[1]).is_dir()}
 
     def room_of(self, folder):
-        """The innermost room that a folder lies in; outside of all of them, its first part."""
+        """The innermost module (folder with a row in that table) that a folder lies in; outside of all of them, its first part."""
         parts = folder.split("/")
         inside = ("/".join(parts[:n]) for n in range(len(parts), 0, -1))
         return next((room for room in inside if room in self.rooms), parts[0])

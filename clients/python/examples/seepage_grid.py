@@ -105,7 +105,7 @@ class SeepageGrid(poretwin.Phase):
         self.porosity = np.where(soil, 1.0 - inbox["solid_volume_fraction"], self.case_porosity)
         self._solve(np.where(soil, inbox["hydraulic_conductivity"], self.case_conductivity))
         self.impulse = self.force * self.points.volume[:, None] * window.interval
-        self.change = -np.where(soil[:, None], inbox["solid_velocity"], 0.0)  # it reckons with soil that stands still
+        self.change = -np.where(soil[:, None], inbox["solid_velocity"], 0.0)  # its prediction is soil that stands still
 
     def gauges(self):
         return {"discharge": (self.discharge, "m2/s")}
