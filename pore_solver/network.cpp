@@ -20,8 +20,6 @@ constexpr double tiny = 1e-9;
 /// How far beside a line a place belongs to what is drawn along it. In spacings.
 constexpr double beside = 1e-3;
 
-double cross(const Point3& u, const Point3& v) { return u.x() * v.y() - u.y() * v.x(); }
-
 /// A straight part of the soil's border, walked with the soil on its left, with what the case has along it.
 struct BorderPart {
   Piece piece;

@@ -1,13 +1,13 @@
 #include "common/geometry/crossing.hpp"
 
+#include "common/geometry/pieces.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
 namespace poretwin {
 namespace {
-
-double cross(const Point3& a, const Point3& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 /// On which side of the line from a to b does x lie: -1, 0 (on it, to within rounding), 1?
 int side(const Point3& a, const Point3& b, const Point3& x) {

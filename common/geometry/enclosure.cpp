@@ -2,6 +2,7 @@
 
 #include "common/case/amounts.hpp"
 #include "common/geometry/extent.hpp"
+#include "common/geometry/pieces.hpp"
 #include "common/geometry/shapes.hpp"
 
 #include <fmt/format.h>
@@ -24,7 +25,6 @@ struct Barrier {
 /// Do the barrier and the step from x to y cross?
 bool crossed(const Barrier& barrier, const Point3& x, const Point3& y) {
   if (barrier.plane) return (barrier.b.dot(x - barrier.a) > 0.0) != (barrier.b.dot(y - barrier.a) > 0.0);
-  const auto cross = [](const Point3& u, const Point3& v) { return u.x() * v.y() - u.y() * v.x(); };
   const Point3 r = y - x, s = barrier.b - barrier.a, d = barrier.a - x;
   const double area = cross(r, s);
   if (area == 0.0) return false;

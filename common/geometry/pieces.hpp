@@ -10,6 +10,9 @@
 
 namespace poretwin {
 
+/// Twice the area that two vectors span in the plane, positive where v lies to the left of u.
+inline double cross(const Point3& u, const Point3& v) { return u.x() * v.y() - u.y() * v.x(); }
+
 struct Piece {
   Point3 a, b;
   [[nodiscard]] double length() const { return (b - a).norm(); }
@@ -39,7 +42,6 @@ inline double distance_from(const Piece& piece, const Point3& x) {
 
 /// How far from x [m] along a direction (unit) the piece is met, if it is.
 inline std::optional<double> distance_to(const Piece& piece, const Point3& x, const Point3& direction) {
-  const auto cross = [](const Point3& u, const Point3& v) { return u.x() * v.y() - u.y() * v.x(); };
   const Point3 s = piece.b - piece.a, d = piece.a - x;
   const double area = cross(direction, s);
   if (std::abs(area) < 1e-12 * s.norm()) return std::nullopt;

@@ -1,5 +1,6 @@
 #include "pore_solver/output/probes.hpp"
 
+#include "common/geometry/pieces.hpp"
 #include "common/geometry/shapes.hpp"
 
 #include <algorithm>
@@ -10,7 +11,6 @@ namespace {
 
 /// Weights of three corners of a triangle at x, that sum up to one; nothing where the triangle is flat.
 std::optional<std::array<double, 3>> weights(const Point3& a, const Point3& b, const Point3& c, const Point3& x) {
-  const auto cross = [](const Point3& u, const Point3& v) { return u.x() * v.y() - u.y() * v.x(); };
   const double area = cross(b - a, c - a);
   if (std::abs(area) < 1e-9 * (b - a).norm() * (c - a).norm()) return std::nullopt;
   const double at_b = cross(x - a, c - a) / area, at_c = cross(b - a, x - a) / area;
