@@ -5,10 +5,12 @@
 #include "cli/script.hpp"
 #include "common/case/case.hpp"
 #include "common/core/error.hpp"
+#include "common/numerics/border.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -24,30 +26,23 @@ class Search {
   Search(const RunOptions& options, double tolerance) : options_(options), tolerance_(tolerance) {}
 
   Safety run() {
+    BorderSearch search;
+    search.largest = largest_factor;
+    search.tolerance = tolerance_;
+    const auto border = find_border(search, [this](double factor) { return stands(factor); });
     Safety& s = safety_;
-    if (stands(1.0)) {
-      s.stands = 1.0;
-      for (s.fails = 2.0; good() && stands(s.fails); s.fails *= 2.0) {
-        s.stands = s.fails;
-        if (s.stands >= largest_factor)
-          throw CaseError(fmt::format("{}: the soil stands with its strength divided by {}: expected one that fails",
-                                      options_.case_file.string(), s.stands));
-      }
-    } else {
-      s.fails = 1.0;
-      for (s.stands = 0.5; good() && !stands(s.stands); s.stands *= 0.5) {
-        s.fails = s.stands;
-        if (s.fails <= 1.0 / largest_factor)
-          throw CaseError(fmt::format("{}: the soil fails with its strength multiplied by {}: expected one that stands",
-                                      options_.case_file.string(), 1.0 / s.fails));
-      }
-    }
-    while (good() && s.fails - s.stands > tolerance_ * s.fails) {
-      const double middle = s.factor();
-      (stands(middle) ? s.stands : s.fails) = middle;
+    if (border) {
+      s.stands = border->stands;
+      s.fails = border->fails;
+      if (std::isinf(s.fails))
+        throw CaseError(fmt::format("{}: the soil stands with its strength divided by {}: expected one that fails",
+                                    options_.case_file.string(), s.stands));
+      if (s.stands == 0.0)
+        throw CaseError(fmt::format("{}: the soil fails with its strength multiplied by {}: expected one that stands",
+                                    options_.case_file.string(), 1.0 / s.fails));
+      s.failing = folder(s.fails);
     }
     std::sort(s.trials.begin(), s.trials.end(), [](const auto& a, const auto& b) { return a.factor < b.factor; });
-    s.failing = folder(s.fails);
     if (good()) s.run.exit = 0;
     return std::move(safety_);
   }
@@ -56,7 +51,8 @@ class Search {
   [[nodiscard]] bool good() const { return safety_.run.ended_well(); }
   [[nodiscard]] fs::path folder(double factor) const { return options_.out / fmt::format("F_{:.4f}", factor); }
 
-  bool stands(double factor) {
+  /// Nothing where the run was no trial: interrupted, or failed otherwise.
+  std::optional<bool> stands(double factor) {
     RunOptions options = options_;
     options.out = folder(factor);
     options.overrides.push_back(fmt::format("solid.strength_reduction={:.17g}", factor));
@@ -90,6 +86,7 @@ class Search {
       fmt::print("F = {:<8.4f} {}  {:>6} steps, residual {:.2g}, largest displacement {:.4g} m\n", factor,
                  trial.stands ? "stands" : "fails ", trial.steps, trial.residual, trial.displacement);
     std::fflush(stdout);
+    if (!good()) return {};
     return trial.stands;
   }
 

@@ -11,3 +11,6 @@ target_compile_options(poretwin_warnings INTERFACE
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   target_compile_options(poretwin_warnings INTERFACE -Wno-restrict -Wno-array-bounds -Wno-stringop-overread -Wno-stringop-overflow)
 endif()
+# For what computes nothing that takes time: the command line, mocks. A third quicker to build.
+add_library(poretwin_light INTERFACE)
+target_compile_options(poretwin_light INTERFACE $<$<CONFIG:Release>:-O1>)

@@ -1,6 +1,6 @@
 #include "coupler/acceleration.hpp"
 
-#include <Eigen/QR>
+#include "common/numerics/dense.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -54,10 +54,7 @@ class QuasiNewton final : public Acceleration {
     last_result_ = result;
     if (changes_.cols() == 0) return x + first_relaxation * residual;
     // Columns that say nothing new beyond rounding take no part.
-    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> least_squares;
-    least_squares.setThreshold(1e-10);
-    least_squares.compute(changes_);
-    return result + steps_ * least_squares.solve(-residual);
+    return result + steps_ * least_squares(changes_, -residual, 1e-10);
   }
 
  private:

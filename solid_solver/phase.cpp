@@ -6,9 +6,12 @@
 #include "solid_solver/sleep/regions.hpp"
 #include "solid_solver/solid.hpp"
 #include "solid_solver/statics/initial_state.hpp"
+#include "solid_solver/statics/safety.hpp"
 #include "solid_solver/window/asleep.hpp"
 #include "solid_solver/window/followed_window.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <tuple>
 
 namespace poretwin::solid {
@@ -72,7 +75,7 @@ void Solid<D>::restore() {
 
 template <int D>
 void Solid<D>::archive(Archive& archive) {
-  archive(state_, rest_);
+  archive(state_, rest_, factor_of_safety_);
   cache_.forget();
 }
 
@@ -101,7 +104,9 @@ OutputFrame Solid<D>::frame() const {
 
 template <int D>
 std::vector<GaugeReading> Solid<D>::gauges() const {
-  return read_gauges<D>(setup_, state_);
+  auto readings = read_gauges<D>(setup_, state_);
+  std::ranges::move(read_factor_of_safety<D>(setup_, state_, factor_of_safety_), std::back_inserter(readings));
+  return readings;
 }
 
 template <int D>

@@ -37,6 +37,7 @@ class Solid final : public Phase {
   RestReport rest_;
   QuasiStaticWindow<D> quasi_static_;
   MotionHint hint_;  ///< of windows rejected since the state was saved
+  mutable double factor_of_safety_ = 0.0;  ///< as read last: where the next search begins
   mutable PositionCache<D> cache_;
 };
 

@@ -182,6 +182,17 @@ void attach_load(const Case& scene, std::size_t which, double reach, double marg
 }  // namespace
 
 template <int D>
+Setup<D> weaker(const Setup<D>& setup, double factor) {
+  Setup<D> weak = setup;
+  for (std::size_t s = 0; s < weak.soils.size(); ++s) {
+    const MaterialName model = *weak.soils[s].model;
+    weak.soils[s] = weakened(weak.soils[s], factor, material(model).keys);
+    weak.models[s] = make_constitutive(model, weak.soils[s]);
+  }
+  return weak;
+}
+
+template <int D>
 std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   Setup<D> setup;
   Particles<D> particles;
@@ -222,7 +233,11 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   setup.sleeps = scene.solid.quiet && !(scene.coupled() && !setup.can_yield);
   setup.gauges = scene.gauges;
   setup.gauge_interval = scene.output.gauge_interval;
-  setup.soils = scene.soils;
+  for (Soil soil : scene.soils) {
+    const MaterialName model = scene.model_of(soil);
+    soil.model = model;
+    setup.soils.push_back(weakened(std::move(soil), scene.solid.strength_reduction, material(model).keys));
+  }
   setup.counts_impulses = asks_for(scene.gauges, "solid", "unexplained_impulse");
   setup.parallel = scene.coupling.scheme == CouplingCase::Scheme::parallel;
   setup.inertia_share = setup.parallel && scene.fluid.skeleton_response ? 0.5 : 0.0;
@@ -235,8 +250,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   for (std::size_t s = 0; s < scene.soils.size(); ++s) {
     const Soil& soil = scene.soils[s];
     const Material kind = material(scene.model_of(soil));
-    setup.models.push_back(
-        make_constitutive(scene.model_of(soil), weakened(soil, scene.solid.strength_reduction, kind.keys)));
+    setup.models.push_back(make_constitutive(scene.model_of(soil), setup.soils[s]));
     const double residual = soil.porosity * soil.initial_saturation, solid = 1.0 - soil.porosity;
     const double density = solid * soil.grain_density + residual * scene.water.density;
     setup.grain_density.push_back(density / (solid + residual));
@@ -311,6 +325,8 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
 
 template struct Setup<2>;
 template struct Setup<3>;
+template Setup<2> weaker<2>(const Setup<2>&, double);
+template Setup<3> weaker<3>(const Setup<3>&, double);
 template std::pair<Setup<2>, Particles<2>> set_up<2>(const Case&);
 template std::pair<Setup<3>, Particles<3>> set_up<3>(const Case&);
 

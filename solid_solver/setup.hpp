@@ -92,8 +92,8 @@ struct Setup {
   double gauge_interval = 0.0;  ///< s; 0: readings of every window
   Boundaries<D> boundaries;
   std::vector<LoadedPatch<D>> loads;
-  std::vector<Soil> soils;
-  std::vector<std::unique_ptr<ConstitutiveModel>> models;  ///< one per soil
+  std::vector<Soil> soils;  ///< their strength is that of the models; none is without `model`
+  std::vector<std::shared_ptr<const ConstitutiveModel>> models;  ///< one per soil
   ScalarArray density;                                     ///< kg/m3, initial rho_bar_s, one per soil
   ScalarArray grain_density;  ///< kg/m3, of the grains with the residual water that moves with them, one per soil
   ScalarArray grain_share;    ///< of the grains in the volume of both, one per soil
@@ -134,6 +134,10 @@ Vec<D> upwards(const Setup<D>& setup) {
   const double g = setup.gravity.norm();
   return g > 0.0 ? Vec<D>(-setup.gravity / g) : Vec<D>(Vec<D>::Unit(D - 1));
 }
+
+/// The same soil with its strength divided by a factor.
+template <int D>
+Setup<D> weaker(const Setup<D>& setup, double factor);
 
 /// Numbers from the case; particles on the lattices of its soils. Throws CaseError when there is nothing to simulate.
 template <int D>

@@ -562,6 +562,9 @@ void declare(Keys& keys, Gauge& g) {
   keys.number("thickness", g.thickness,
               {"m", "Of `front` of the soil: how thick the soil must be there; 0: the tip, its last particle."},
               not_negative());
+  keys.number("every", g.every,
+              {"s", "Of `factor_of_safety`: between readings, whole `output.gauge_interval`s, since each is a search."},
+              positive());
   keys.optional_table("region", "Where `volume`, `momentum`, .. count; absent: everywhere.", g.region,
                       [](Keys& inner, Shape& shape) { declare(inner, shape); });
 }

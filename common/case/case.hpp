@@ -273,6 +273,7 @@ struct Gauge {
   std::vector<Point3> points;   ///< of "point", "height" (name[i] where several), or a line's two ends
   double pressure_head = 0.0;   ///< m, of "front" of a field: where the water has it
   double thickness = 0.0;       ///< m, of "front" of the soil: how thick it must be to count; 0: the last particle
+  double every = 0.0;           ///< s, of "factor_of_safety": between readings
   std::optional<Shape> region;  ///< of "volume", "momentum", ...: absent: everywhere
 };
 

@@ -681,6 +681,15 @@ class Checker : Complaints {
     return false;
   }
 
+  void factor_of_safety(const Gauge& gauge, const std::string& key) const {
+    if (!scene_.can_yield())
+      fail(key + ".kind", "a factor of safety needs soil that can fail; expected a solid.model or soil.model with a strength");
+    const double turns = gauge.every / scene_.output.gauge_interval;  // nothing, infinite: no whole number either
+    if (!(turns >= 0.5 && std::abs(turns - std::round(turns)) <= 1e-6))
+      fail(key + ".every", fmt::format("expected a whole number of output.gauge_interval ({:g} s), found {:g} s",
+                                       scene_.output.gauge_interval, gauge.every));
+  }
+
   void gauges() const {
     for (std::size_t i = 0; i < scene_.gauges.size(); ++i) {
       const auto& gauge = scene_.gauges[i];
@@ -711,6 +720,7 @@ class Checker : Complaints {
         if (scene_.general.dimension == 3) known.emplace_back("momentum_z");
         known_word(key + ".quantity", gauge.quantity, known);
       }
+      if (gauge.kind == "factor_of_safety") factor_of_safety(gauge, key);
       if ((gauge.kind == "point" || gauge.kind == "height") && gauge.points.empty())
         fail(key + ".points", fmt::format("a {} gauge needs 1 point or more", gauge.kind));
       const bool of_face = gauge.kind == "discharge" && scene_.is_field() && !gauge.quantity.empty();

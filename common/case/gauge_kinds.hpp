@@ -50,6 +50,9 @@ inline constexpr GaugeKind gauge_kinds[] = {
     {"grain_volume", "solid", "of the grains alone"},
     {"stress_noise", "solid", "rms of the mean effective stress against a linear field around each particle"},
     {"density_error", "solid", "rms of rho / rho_0 - 1 where the soil is packed"},
+    {"factor_of_safety", "solid",
+     "by which cohesion and tan(friction) of all soils can be divided before the soil finds no equilibrium under weight, "
+     "loads and the water's forces of that instant; `_error`: half the bracket; every `every` seconds"},
     {"max_displacement", "solid", "of any particle"},
     {"max_plastic_strain", "solid", "of any particle"},
     {"slip_surface", "solid",

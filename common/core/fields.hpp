@@ -24,13 +24,16 @@ constexpr bool takes(std::index_sequence<I...>) {
 /// How many members structured bindings below can tell apart.
 inline constexpr std::size_t most_fields = 40;
 
-/// Members of an aggregate: as many as its braces take.
-template <class T, std::size_t n = most_fields + 1>
+/// Members of an aggregate: as many as its braces take, at least `least`, at most `most`.
+template <class T, std::size_t least = 0, std::size_t most = most_fields + 1>
 constexpr std::size_t count_fields() {
-  if constexpr (detail::takes<T>(std::make_index_sequence<n>{}) || n == 0)
-    return n;
+  constexpr std::size_t middle = (least + most + 1) / 2;
+  if constexpr (least == most)
+    return least;
+  else if constexpr (detail::takes<T>(std::make_index_sequence<middle>{}))
+    return count_fields<T, middle, most>();
   else
-    return count_fields<T, n - 1>();
+    return count_fields<T, least, middle - 1>();
 }
 
 /// Calls f(member...) with all members of an aggregate at once.

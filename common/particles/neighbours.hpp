@@ -1,7 +1,6 @@
 // Neighbour search: a cell grid over sorted points, and pair lists that outlive small displacements (a skin).
 #pragma once
 
-#include "common/core/error.hpp"
 #include "common/core/lanes.hpp"
 #include "common/core/threads.hpp"
 #include "common/core/vector.hpp"
@@ -11,9 +10,6 @@
 #include <cmath>
 #include <span>
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 namespace poretwin::sph {
 
 /// Points binned into square cells; memory is bounded by the number of points, not by the extent of the domain.
@@ -22,80 +18,7 @@ class CellGrid {
  public:
   /// cell_size [m]: about the search radius, or half of it. Points need not be inside any box. Throws DivergedError
   /// where a point is not finite.
-  void build(std::span<const Vec<D>> points, double cell_size) {
-    lower_ = Vec<D>::Zero();
-    std::array<double, D> extent{};
-    const std::size_t n = points.size(), parts = parts_for(n);
-    if (!points.empty()) {
-      VecArray<D> lowers(parts, points[0]), uppers(parts, points[0]);
-      ScalarArray doubt(parts, 0.0);
-      for_each_part(parts, [&](std::size_t part) {
-        Vec<D> least = points[0], most = points[0];  // of its own: what parts share a line of is slow to write
-        double sum = 0.0;
-        for (std::size_t i = n * part / parts; i < n * (part + 1) / parts; ++i) {
-          least = least.cwiseMin(points[i]);
-          most = most.cwiseMax(points[i]);
-          sum += 0.0 * points[i].sum();
-        }
-        lowers[part] = least;
-        uppers[part] = most;
-        doubt[part] = sum;
-      });
-      if (std::ranges::any_of(doubt, [](double sum) { return sum != 0.0; })) refuse(points);
-      Vec<D> upper = uppers[0];
-      lower_ = lowers[0];
-      for (std::size_t part = 1; part < parts; ++part) {
-        lower_ = lower_.cwiseMin(lowers[part]);
-        upper = upper.cwiseMax(uppers[part]);
-      }
-      for (int d = 0; d < D; ++d) extent[static_cast<std::size_t>(d)] = upper[d] - lower_[d];
-    }
-    // A stray far particle must not blow up the grid: grow the cells until there are at most 4 per point.
-    size_ = cell_size;
-    const double limit = 4.0 * static_cast<double>(points.size()) + 64.0;
-    for (;;) {
-      double cells = 1.0;
-      for (std::size_t d = 0; d < D; ++d) cells *= std::floor(extent[d] / size_) + 1.0;
-      if (cells <= limit) break;
-      size_ *= 1.5;
-    }
-    std::size_t n_cells = 1;
-    for (std::size_t d = 0; d < D; ++d) {
-      count_[d] = static_cast<int>(std::floor(extent[d] / size_)) + 1;
-      n_cells *= static_cast<std::size_t>(count_[d]);
-    }
-    // Counted by parts, so that all of them sort at once, and points of a cell stay in order.
-    cell_of_.resize(n);
-    std::vector<std::vector<Index>> next(parts);
-    for_each_part(parts, [&](std::size_t part) {
-      next[part].assign(n_cells, 0);
-      for (std::size_t i = n * part / parts; i < n * (part + 1) / parts; ++i) {
-        cell_of_[i] = static_cast<Index>(flat(cell(points[i])));
-        ++next[part][cell_of_[i]];
-      }
-    });
-    first_.resize(n_cells + 1);
-    first_[0] = 0;
-    for (std::size_t c = 0; c < n_cells; ++c) {
-      Index place = first_[c];
-      for (auto& counts : next) {
-        const Index count = counts[c];
-        counts[c] = place;
-        place += count;
-      }
-      first_[c + 1] = place;
-    }
-    order_.assign(n == 0 ? 0 : n + n_lanes, 0);  // what is read by lanes may begin at the last point
-    for_each_part(parts, [&](std::size_t part) {
-      for (std::size_t i = n * part / parts; i < n * (part + 1) / parts; ++i)
-        order_[next[part][cell_of_[i]]++] = static_cast<Index>(i);
-    });
-    cell_of_ = std::vector<Index>();  // "= {}" would keep its memory
-    for (std::size_t d = 0; d < D; ++d) {
-      axis_[d].resize(n + n_lanes);
-      parallel_for(n, [&](std::size_t m) { axis_[d][m] = points[order_[m]][static_cast<int>(d)]; });
-    }
-  }
+  void build(std::span<const Vec<D>> points, double cell_size);
 
   /// Calls f(j, squared distance) for every point j with |x - x_j| < radius; fastest for radius <= 2 cell_size.
   template <class F>
@@ -171,12 +94,6 @@ class CellGrid {
   }
 
  private:
-  [[noreturn]] static void refuse(std::span<const Vec<D>> points) {
-    const auto lost = std::ranges::find_if(points, [](const Vec<D>& x) { return !x.allFinite(); });
-    throw DivergedError(fmt::format("particle or image {} of {} is at ({}): the motion diverged", lost - points.begin(),
-                                    points.size(), fmt::join(lost->data(), lost->data() + D, ", ")));
-  }
-
   /// Calls f(begin, end) of order_ for every row of cells in the box: the cells of a row lie one after the other.
   template <class F>
   [[gnu::always_inline]] inline void for_each_row(const Vec<D>& lower, const Vec<D>& upper, F&& f) const {
@@ -240,22 +157,6 @@ struct PairList {
 /// With exclude_self, pair (a, a) is left out (targets being the first of the sources).
 template <int D>
 PairList find_pairs(std::span<const Vec<D>> targets, std::span<const Vec<D>> sources, std::span<const double> radius,
-                    bool exclude_self = false) {
-  PairList list;
-  list.offset.assign(1, 0);
-  list.offset.reserve(targets.size() + 1);
-  const double largest = radius.empty() ? 1.0 : *std::max_element(radius.begin(), radius.end());
-  CellGrid<D> grid;
-  grid.build(sources, largest);
-  for (std::size_t a = 0; a < targets.size(); ++a) {
-    const std::size_t begin = list.index.size();
-    grid.for_each_within(targets[a], largest, [&](Index j, double r2) {
-      if (r2 < radius[j] * radius[j] && !(exclude_self && j == a)) list.index.push_back(j);
-    });
-    std::sort(list.index.begin() + static_cast<std::ptrdiff_t>(begin), list.index.end());
-    list.offset.push_back(static_cast<Index>(list.index.size()));
-  }
-  return list;
-}
+                    bool exclude_self = false);
 
 }  // namespace poretwin::sph

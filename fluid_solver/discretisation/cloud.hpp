@@ -2,12 +2,11 @@
 // in it.
 #pragma once
 
+#include "common/numerics/dense.hpp"
 #include "common/particles/neighbours.hpp"
 #include "common/particles/sight.hpp"
 #include "fluid_solver/discretisation/stencil.hpp"
 #include "fluid_solver/state.hpp"
-
-#include <Eigen/Dense>
 
 #include <limits>
 
@@ -157,10 +156,9 @@ class Probe {
     Row unit = Row::Constant(reach_ / scale);
     unit[0] = 1.0;
     const Eigen::Matrix<double, D + 1, D + 1> scaled = unit.asDiagonal() * moment * unit.asDiagonal();
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, D + 1, D + 1>> eigen(scaled);
-    if (eigen.eigenvalues()[0] < points::least_slope_moment * moment(0, 0))
+    if (!all_eigenvalues_above<D + 1>(scaled, points::least_slope_moment * moment(0, 0)))
       return {rhs[0] / moment(0, 0), Vec<D>::Zero()};
-    const Row solution = moment.ldlt().solve(rhs);
+    const Row solution = solve_symmetric<D + 1>(moment, rhs);
     return {solution[0], solution.template tail<D>() / reach_};
   }
   template <class Field>

@@ -3,10 +3,9 @@
 // each pass solves for the departure from the motion that the last one found, whose force is known.
 #pragma once
 
+#include "common/numerics/dense.hpp"
 #include "fluid_solver/exchange/soil_view.hpp"
 #include "fluid_solver/numerics/exchange.hpp"
-
-#include <Eigen/QR>
 
 namespace poretwin::fluid {
 
@@ -42,9 +41,7 @@ class Passes {
       Eigen::MatrixXd departures(n, static_cast<Eigen::Index>(columns_.size()));
       for (std::size_t k = 0; k < columns_.size(); ++k)
         departures.col(static_cast<Eigen::Index>(k)) = columns_[k].departure;
-      Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(departures);
-      qr.setThreshold(exchange::independent_change);
-      const Eigen::VectorXd share = qr.solve(now.departure);
+      const Eigen::VectorXd share = least_squares(departures, now.departure, exchange::independent_change);
       for (std::size_t k = 0; k < columns_.size(); ++k) {
         now.motion -= share[static_cast<Eigen::Index>(k)] * columns_[k].motion;
         now.force -= share[static_cast<Eigen::Index>(k)] * columns_[k].force;

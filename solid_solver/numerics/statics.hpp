@@ -55,6 +55,10 @@ inline constexpr double still_serves = 0.5;
 /// Unit: shear moduli. Test: none known.
 inline constexpr double least_pair_stiffness = 0.1;
 
+/// Width of a bracket of the factor of safety, over the factor.
+/// Unit: 1. Test: FactorOfSafety.OfALayerOnASlope (untried).
+inline constexpr double safety_tolerance = 0.01;
+
 /// Criterion of rest where none is asked for, for the largest acceleration.
 /// Unit: the reference acceleration. Test: Rest.ReportsItsCriterion (untried).
 inline constexpr double rest_criterion = 1e-3;

@@ -1,5 +1,6 @@
 #include "solid_solver/output/deposit.hpp"
 
+#include "common/numerics/dense.hpp"
 #include "solid_solver/numerics/readings.hpp"
 
 #include <algorithm>
@@ -159,7 +160,7 @@ double stress_noise(const Setup<D>& setup, const State<D>& state) {
   for (std::size_t i = 0; i < p.free(); ++i) {
     if (!within[i] || moment[i].determinant() < readings::least_determinant * std::pow(moment[i](0, 0), D + 1))
       continue;  // too few
-    const Basis fit = moment[i].ldlt().solve(right[i]);
+    const Basis fit = solve_symmetric<D + 1>(moment[i], right[i]);
     const double difference = trace(p.stress[i]) / 3.0 - fit[0];
     sum += difference * difference;
     count += 1.0;

@@ -124,7 +124,7 @@ std::vector<GaugeReading> read_gauges(const Setup<D>& setup, const State<D>& sta
   std::vector<GaugeReading> readings;
   const auto& p = state.particles;
   for (const auto& gauge : setup.gauges) {
-    if (gauge.phase != "solid") continue;
+    if (gauge.phase != "solid" || gauge.kind == "factor_of_safety") continue;
     if (gauge.kind == "point" || gauge.kind == "height") {
       for (std::size_t k = 0; k < gauge.points.size(); ++k) {
         const std::string name = gauge.points.size() == 1 ? gauge.name : fmt::format("{}[{}]", gauge.name, k);

@@ -2,6 +2,7 @@
 // base.
 #pragma once
 
+#include "common/numerics/dense.hpp"
 #include "solid_solver/numerics/points.hpp"
 #include "solid_solver/numerics/readings.hpp"
 #include "solid_solver/setup.hpp"
@@ -46,7 +47,7 @@ double probe(const Setup<D>& setup, const State<D>& state, const Vec<D>& x, Reac
   const Eigen::Matrix<double, D + 1, D + 1> scaled = moment / moment(0, 0);
   if (scaled.determinant() < readings::least_determinant)
     return right[0] / moment(0, 0);  // too few neighbours for a slope
-  const Basis solution = moment.ldlt().solve(right);
+  const Basis solution = solve_symmetric<D + 1>(moment, right);
   return solution[0];
 }
 

@@ -1,7 +1,7 @@
 // Anderson's acceleration of a fixed-point iteration.
 #pragma once
 
-#include <Eigen/Dense>
+#include "common/numerics/dense.hpp"
 
 #include <algorithm>
 
@@ -31,8 +31,7 @@ class Anderson {
     if (held > 0) {
       const auto turns = turns_.leftCols(held);
       const Eigen::VectorXd expected = turns.transpose() * missing;
-      const Eigen::VectorXd share =
-          products_.topLeftCorner(held, held).completeOrthogonalDecomposition().solve(expected);
+      const Eigen::VectorXd share = shortest_solution(products_.topLeftCorner(held, held), expected);
       move.noalias() -= moves_.leftCols(held) * share;
       move.noalias() -= turns * share;
     }

@@ -54,10 +54,11 @@ double farthest_moved(const State<D>& state, const VecArray<D>& start) {
 /// damping is critical for the lowest frequency that the motion shows, at least for the slowest mode of a column as
 /// high as the soil; from the first yielding on it follows the softer soil, down to a fiftieth of that: stable soil
 /// comes to rest in fewer steps, and unstable soil accelerates visibly. Velocities serve the search only and are
-/// cleared at its end. show(report) sees every hundredth step and the last.
+/// cleared at its end. show(report) sees every hundredth step and the last. The search ends, too, once `given_up` is
+/// set.
 template <int D, class ExternalForce, class Show>
 RestReport find_rest(const Setup<D>& setup, const RestSearch& search, State<D>& state, ExternalForce&& external,
-                     Show&& show) {
+                     Show&& show, const bool& given_up = false) {
   RestReport report;
   Drive<D> drive;
   external(drive, true);
@@ -93,7 +94,7 @@ RestReport find_rest(const Setup<D>& setup, const RestSearch& search, State<D>& 
     if (report.steps % 100 == 0) report.slides = farthest_moved(state, start) > search.farthest;
     check_sound(setup, state, state.time);
     if (report.steps % 100 == 0) show(report);
-  } while (!report.reached() && !report.slides && report.steps < limit());
+  } while (!report.reached() && !report.slides && !given_up && report.steps < limit());
   for (const auto& u : state.particles.displacement) report.displacement = std::max(report.displacement, u.norm());
   stop(setup, state);
   show(report);

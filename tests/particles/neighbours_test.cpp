@@ -1,4 +1,5 @@
 // Pair lists against the plain double loop, on awkward sets too.
+#include "common/core/error.hpp"
 #include "common/particles/neighbours.hpp"
 
 #include <gtest/gtest.h>

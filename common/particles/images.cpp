@@ -1,0 +1,49 @@
+#include "common/particles/images.hpp"
+
+namespace poretwin::sph {
+
+template <int D>
+Images<D> make_images(std::span<const Vec<D>> points, std::span<const ImagePlane<D>> planes, double range) {
+  Images<D> images;
+  auto add = [&](const ImagePlane<D>& plane, const Vec<D>& x, Index parent, const Mat<D>& map, const Vec<D>& carried,
+                 std::uint32_t bits) {
+    const double distance = plane.normal.dot(x - plane.point);
+    if (distance < 0.0 || distance > range || !plane.faces(x)) return;
+    const bool mirror = plane.kind == ImagePlane<D>::Kind::mirror;
+    const Vec<D> image = mirror ? Vec<D>(x - 2.0 * distance * plane.normal) : Vec<D>(x + plane.shift);
+    for (const auto& end : plane.ends)
+      if (end.out.dot(image - end.at) > 0.0) return;
+    Mat<D> own = Mat<D>::Identity();
+    if (mirror) own -= 2.0 * plane.normal * plane.normal.transpose();
+    images.position.push_back(image);
+    images.parent.push_back(parent);
+    images.map.push_back(own * map);
+    images.carried.push_back(own * carried + 2.0 * plane.speed * plane.normal);
+    images.boundaries.push_back(bits | (1u << plane.boundary));
+  };
+  // An image shifted out through one periodic side is never shifted back through the other: on the side itself it would
+  // fall on its own original.
+  std::vector<std::size_t> made_by;
+  auto shifted_back = [&](std::size_t k, const ImagePlane<D>& plane) {
+    const ImagePlane<D>& maker = planes[made_by[k]];
+    return plane.kind == ImagePlane<D>::Kind::periodic && maker.kind == ImagePlane<D>::Kind::periodic &&
+           maker.normal.dot(plane.normal) < -0.5;
+  };
+  for (std::size_t p = 0; p < planes.size(); ++p) {
+    const auto& plane = planes[p];
+    const std::size_t made = images.size();
+    for (std::size_t i = 0; i < points.size(); ++i)
+      add(plane, points[i], static_cast<Index>(i), Mat<D>::Identity(), Vec<D>::Zero(), 0u);
+    for (std::size_t k = 0; k < made; ++k)
+      if (!shifted_back(k, plane))
+        add(plane, Vec<D>(images.position[k]), images.parent[k], Mat<D>(images.map[k]), Vec<D>(images.carried[k]),
+            images.boundaries[k]);
+    made_by.resize(images.size(), p);
+  }
+  return images;
+}
+
+template Images<2> make_images<2>(std::span<const Vec<2>>, std::span<const ImagePlane<2>>, double);
+template Images<3> make_images<3>(std::span<const Vec<3>>, std::span<const ImagePlane<3>>, double);
+
+}  // namespace poretwin::sph

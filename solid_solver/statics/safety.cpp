@@ -1,0 +1,83 @@
+#include "solid_solver/statics/safety.hpp"
+
+#include "common/coupling/interrupt.hpp"
+#include "solid_solver/exchange/water_load.hpp"
+#include "solid_solver/statics/rest.hpp"
+
+#include <cmath>
+
+namespace poretwin::solid {
+namespace {
+
+/// The water's force on each particle [N], of its steady flow where it drags at the soil.
+template <int D>
+VecArray<D> water_forces(const Setup<D>& setup, const State<D>& state) {
+  VecArray<D> force(state.particles.size(), Vec<D>::Zero());
+  if (!state.external.pressure_gradient.is_allocated()) return force;
+  for (std::size_t i = 0; i < force.size(); ++i) {
+    const Vec<D> gradient = state.external.pressure_gradient[i];
+    force[i] =
+        setup.water.drags ? steady_water_force(setup, state, i, gradient) : water_force(setup, state, i, gradient);
+  }
+  return force;
+}
+
+template <int D>
+std::optional<bool> stands(const Setup<D>& setup, const State<D>& state, const VecArray<D>& water, double factor) {
+  const Setup<D> weak = weaker(setup, factor);
+  State<D> trial = state;
+  trial.sleep = {};
+  trial.regions = {};
+  stop(weak, trial);
+  bool given_up = false;
+  const auto external = [&](Drive<D>& drive, bool rebuilt) {
+    given_up = given_up || coupling::interrupted();
+    if (!rebuilt) return;
+    drive.traction = load_forces<D>(weak, trial, state.time);
+    drive.distributed = water;
+  };
+  RestSearch search;
+  const RestReport rest = find_rest<D>(
+      weak, search, trial, external, [](const RestReport&) {}, given_up);
+  if (given_up) return {};
+  return rest.reached();
+}
+
+}  // namespace
+
+template <int D>
+std::optional<Border> factor_of_safety(const Setup<D>& setup, const State<D>& state, const BorderSearch& search) {
+  const VecArray<D> water = water_forces(setup, state);
+  return find_border(search, [&](double factor) { return stands(setup, state, water, factor); });
+}
+
+template <int D>
+std::vector<GaugeReading> read_factor_of_safety(const Setup<D>& setup, const State<D>& state, double& last) {
+  std::vector<GaugeReading> readings;
+  for (const Gauge& gauge : setup.gauges) {
+    if (gauge.kind != "factor_of_safety") continue;
+    const double turns = state.time / gauge.every;
+    if (std::abs(turns - std::round(turns)) * gauge.every > 1e-6 * setup.gauge_interval) continue;
+    BorderSearch search;
+    search.tolerance = statics::safety_tolerance;
+    if (last > 0.0) {
+      search.guess = last;
+      search.ratio = 1.0 + statics::safety_tolerance;
+    }
+    const auto found = factor_of_safety(setup, state, search);
+    if (!found) continue;
+    last = std::isfinite(found->fails) ? found->factor() : 0.0;
+    readings.push_back({gauge.name, found->factor(), "1"});
+    readings.push_back({gauge.name + "_error", found->error(), "1"});
+  }
+  return readings;
+}
+
+#define PORETWIN_INSTANTIATE(D)                                                                              \
+  template std::optional<Border> factor_of_safety<D>(const Setup<D>&, const State<D>&, const BorderSearch&); \
+  template std::vector<GaugeReading> read_factor_of_safety<D>(const Setup<D>&, const State<D>&, double&);
+PORETWIN_INSTANTIATE(2)
+PORETWIN_INSTANTIATE(3)
+#undef PORETWIN_INSTANTIATE
+
+}  // namespace poretwin::solid
