@@ -197,7 +197,7 @@ class Figures:
             values = scale * np.array([series[one]["v"][-1] for one in names])
             exact = scale * np.array([right.get(one, np.nan) for one in names])
             colour = colours[k % len(colours)]
-            # Places of height stand upright, as in the ground.
+            # Where the points of a gauge lie above each other, their height is the vertical axis.
             lines = [(exact, {"lw": 1.0}), (values, style.REFERENCE | {"label": f.get("labels", f["gauges"])[k]})]
             for numbers, how in lines:
                 axes.plot(*((numbers, places[:, along]) if along else (places[:, along], numbers)), color=colour, **how)

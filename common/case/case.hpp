@@ -230,7 +230,7 @@ struct SolidCase {
   double jitter = 0.0;
   unsigned seed = 2;
   bool initial_rest = true;      ///< find the rest under gravity, water and standing loads before time zero
-  bool initial_seepage = false;  ///< that rest bears the seepage force of the water's steady flow, not buoyancy alone
+  bool initial_seepage = false;  ///< it is found under the seepage force of the steady flow, not buoyancy alone
   PressureGradient pressure_gradient = PressureGradient::difference;
   double strength_reduction = 1.0;     ///< cohesion and tan(friction) are divided by it
   std::optional<Quiet> quiet;          ///< absent: all motion is computed
@@ -251,10 +251,10 @@ struct CouplingCase {
   std::optional<double> interval;    ///< s: longest exchange interval; absent: what the solvers propose
   Scheme scheme = Scheme::iterated;  ///< absent, and nothing is predicted: serial
   Acceleration acceleration = Acceleration::quasi_newton;  ///< of the iterated scheme
-  std::optional<double> tolerance;                         ///< of the iterated scheme; absent: its own
+  std::optional<double> tolerance;                         ///< of the iterated scheme; absent: its default
   bool keep_points = true;                                 ///< points that have not moved are not sent again
-  /// Where the fluid predicts the skeleton's motion: what a window may leave open of the soil's balance, over the
-  /// weight.
+  /// Where the fluid predicts the skeleton's motion: the largest force, over the weight, that may be missing in the
+  /// soil's balance at the end of a repeated window.
   [[nodiscard]] double settled_below() const { return tolerance.value_or(3e-3); }
 };
 

@@ -115,7 +115,7 @@ class Line:
 
 
 class Participant:
-    """One side of the conversation of docs/protocol.md. main() drives it; few need it themselves."""
+    """A solver's side of the conversation of docs/protocol.md. poretwin.main() drives it; a solver rarely uses it directly."""
 
     def __init__(self, address: str, role: str, wait_deadline: float = 60.0, coupler_deadline: float = 60.0,
                  say_every: float = 5.0) -> None:
