@@ -44,7 +44,7 @@ class Scene:
         self.figure, panels = plt.subplots(*grid, squeeze=False, figsize=size, dpi=DPI, layout="compressed",
                                            **({"width_ratios": widths} if beside else {"height_ratios": heights}))
         self.panels = list(panels.flat)
-        # Bars and labels stand before the first frame does: the layout is found once, and nothing moves.
+        # Colour bars and labels are drawn before the first frame: the layout is found once, and nothing moves.
         for shown, axes in zip(self.shown, self.panels):
             drawn = shown.paint(axes, shown.steps[-1])
             shown.axis_labels(axes)

@@ -39,7 +39,7 @@ struct CommandLine::Arguments {
   int restarts = 2;
   std::string json;
   VerifyOptions verify;
-  std::vector<std::string> words;  ///< of a script, or that nobody looks at but itself
+  std::vector<std::string> words;  ///< arguments that are passed on to a script as they are
 };
 
 namespace {
@@ -229,7 +229,7 @@ void declare(CLI::App& app, Arguments& a, JsonOutput& json, std::function<int()>
   does(check_command, [&] { return check(a, json); });
 
   VerifyOptions& v = a.verify;
-  auto* verify_command = app.add_subcommand("verify", "Run a case, or all, and hold it against its reference");
+  auto* verify_command = app.add_subcommand("verify", "Run a case, or all, and compare it with its reference");
   verify_command->add_option("CASE", v.which, std::string(case_help) + ", or 'all'")->required()->type_name("");
   with_programs(verify_command);
   with_json(verify_command);

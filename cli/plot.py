@@ -99,7 +99,7 @@ class Body:
         dimensions = 3 if self.three else 2
         if "volume" in frames.fields():
             size = frames.values("volume", step) ** (1.0 / dimensions)
-        else:  # of a solver that does not tell it
+        else:  # a solver that does not write it
             size = np.full(len(x), spacing(x[:, :dimensions]))
         self.dx = float(np.median(size))
         keep = np.abs(x[:, 1] - np.median(x[:, 1])) <= 0.75 * self.dx if self.three else np.ones(len(x), dtype=bool)
@@ -121,7 +121,7 @@ def other_body(frames, phase, step):
 
 
 def scene_of(run):
-    """What the case file of a run holds, and the settings that changed it; nothing where the file has gone."""
+    """Contents of the case file of a run, and the settings that changed it; empty where the file is gone."""
     try:
         about = tomllib.loads((run / "run.toml").read_text())
         return tomllib.loads(pathlib.Path(about["case_file"]).read_text()), about.get("overrides", [])
@@ -189,7 +189,7 @@ class Shown:
         return Body(self.frames, step, scalar(self.frames, self.name, step)), other_body(self.frames, self.phase, step)
 
     def colours(self, low, high):
-        """The norm, the map and what stands beside the bar."""
+        """The norm, the colour map and the label of the colour bar."""
         field, component = component_of(self.frames, self.name, self.steps[0])
         unit, largest = self.frames.unit(field), max(abs(low), abs(high))
         self.factor, unit = style.prefix(largest, unit)
@@ -339,8 +339,7 @@ def reference_of(run, gauge):
 
 
 def declaration(run, title):
-    """How the case declares a gauge, and the component that is asked for of one that has several ("soil_x"); nothing where the case
-    has changed since."""
+    """How the case declares a gauge, and which component of it the title names ("soil_x"); empty where the case has changed since."""
     scene, overrides = scene_of(run)
     if any(text.startswith("gauge.") for text in overrides):
         return {}, ""

@@ -138,7 +138,7 @@ Child start(const Program& program, const Signals& signals) {
       ::open(program.log.c_str(), O_WRONLY | O_CREAT | (program.goes_on ? O_APPEND : O_TRUNC) | O_CLOEXEC, 0666));
   if (log.get() < 0)
     throw FileError(fmt::format("{}: cannot be written: {}", program.log.string(), std::strerror(errno)));
-  // Room for its last words, should the disk be full by then; a file system that cannot reserve it goes without.
+  // Reserves space for the program's last messages, should the disk be full by then; not every file system can.
   constexpr off_t last_words = 16384;
   static_cast<void>(::fallocate(log.get(), FALLOC_FL_KEEP_SIZE, ::lseek(log.get(), 0, SEEK_END), last_words));
   std::vector<std::string> texts{program.file.string()};
@@ -270,7 +270,7 @@ class Watch {
     next_at_ = Clock::now() + delay;
   }
 
-  /// Those that have not ended in time are pressed harder.
+  /// Sends the next, stronger signal to programs that have not ended in time.
   void press() {
     if (!next_ || Clock::now() < next_at_) return;
     end_all(*next_);

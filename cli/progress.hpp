@@ -1,4 +1,4 @@
-// Where a run stands, for a person: one live line on a terminal, else a plain line every few seconds.
+// The progress of a run for the user: one live line on a terminal, else a plain line every few seconds.
 #pragma once
 
 #include <chrono>
@@ -12,7 +12,7 @@ class ProgressView {
   explicit ProgressView(bool quiet);
   /// A JSON line {"t","end","step","dt","waiting_for"} from a child; anything else is ignored.
   void line(const std::string& json);
-  /// What goes on while there is no progress in time yet, such as the search for rest.
+  /// Sets what is shown while no time has been simulated yet, such as the search for rest.
   void doing(const std::string& what);
   /// A line that stays, also where progress is not shown.
   void say(const std::string& line);

@@ -38,7 +38,7 @@ namespace {
 constexpr int peer_failed = static_cast<int>(ExitCode::peer),
               interrupted_exit = static_cast<int>(ExitCode::interrupted);
 
-/// A private folder for the socket; a socket's path may hold 107 characters only.
+/// A private folder for the socket, whose path may have 107 characters only.
 class PrivateFolder {
  public:
   PrivateFolder() {
@@ -132,7 +132,7 @@ std::string identity_of_command(const std::string& command) {
   return text;
 }
 
-/// What a run must have in common with one that it goes on with.
+/// What a run must have in common with the one that it resumes.
 RunIdentity identity_of(const RunOptions& options, const Case& scene) {
   RunIdentity identity = case_identity(scene);
   std::string programs = version();
@@ -260,7 +260,7 @@ std::string listed_seconds(Summary::Numbers numbers) {
   return text;
 }
 
-/// One line each, with its share where windows are told apart; zeros say nothing and are left to the JSON file.
+/// One line for each count that is not zero; for causes that limited windows with their share of all windows.
 std::string listed_counts(const std::string& process, const Summary::Numbers& numbers) {
   const auto is_limit = [](const std::string& name) { return name.starts_with("windows limited by"); };
   double windows = 0.0;

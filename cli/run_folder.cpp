@@ -21,7 +21,7 @@ bool is_lock(const fs::path& file) { return file.extension() == ".lock"; }
 
 std::string subject(const fs::path& out) { return out.string() + ": another run writes into this folder"; }
 
-/// Apart from what a run leaves that was refused or killed before it began.
+/// Whether the folder is empty, apart from what a run leaves that was refused or killed before it began.
 bool holds_nothing(const fs::path& out) {
   return std::all_of(fs::directory_iterator(out), {}, [](const auto& entry) {
     return is_lock(entry.path()) || (entry.path().filename() == "log" && fs::is_empty(entry.path()));
@@ -54,7 +54,7 @@ RunRecord expect_record(const RunClaim& claim) {
   return *record;
 }
 
-/// Throws unless the run there can go on with what is asked for. True: it has ended already.
+/// Throws unless the run in the folder can be resumed by this one. Returns true when it has ended already.
 bool finished(const RunClaim& claim) {
   const RunRecord record = expect_record(claim);
   if (record.case_name != claim.case_name)
@@ -72,7 +72,7 @@ bool finished(const RunClaim& claim) {
   return false;
 }
 
-/// Throws unless a new run may take the folder's place; what it replaces.
+/// Throws unless a new run may use the folder. Returns a description of the run that it replaces, empty: none.
 std::string replaced_by(const RunClaim& claim) {
   const fs::path& out = claim.out;
   if (!fs::exists(out)) return {};

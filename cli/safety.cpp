@@ -62,7 +62,7 @@ class Search {
     options.overrides.push_back(fmt::format("solid.strength_reduction={:.17g}", factor));
     options.overrides.emplace_back("solid.initial_rest=true");
     options.overrides.emplace_back("solid.initial_seepage=true");
-    options.overrides.emplace_back("case.end_time=1e-9");  // the rest is what is asked for
+    options.overrides.emplace_back("case.end_time=1e-9");  // only the search for rest is of use
     options.quiet = true;
     options.warnings = false;  // soil that finds no rest is an answer here
     options.pictures = false;

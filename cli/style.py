@@ -34,7 +34,7 @@ STYLE = {
     "pdf.fonttype": 42,  # letters as letters: journals refuse Type 3
     "svg.hashsalt": "poretwin",  # the same figure has the same bytes
 }
-REFERENCE = {"linestyle": "none", "marker": "o", "mfc": "white", "zorder": 3}  # what a curve is held against
+REFERENCE = {"linestyle": "none", "marker": "o", "mfc": "white", "zorder": 3}  # points or curves of a reference
 AROUND = {"fluid": "#d8d5cf", "solid": "#d3e5f3"}  # behind the water: soil; behind the soil: water
 WATER_LINE = "#2b7bba"
 BODY = {"fluid": "water", "solid": "soil"}  # what a phase is called above a picture

@@ -29,7 +29,7 @@ std::string new_session() {
   return fmt::format("{:08x}{:08x}", source(), source());
 }
 
-/// A stranger's word as it may stand in a log: short, on one line.
+/// Text from a stranger as it may appear in the log: short, on one line.
 std::string shown(std::string text, std::size_t most = 64) {
   if (text.size() > most) text = text.substr(0, most) + "..";
   std::replace_if(
@@ -37,7 +37,7 @@ std::string shown(std::string text, std::size_t most = 64) {
   return text;
 }
 
-/// What stands between this giver and this taker; nothing if they agree.
+/// The first difference between what one side gives and the other takes; none if they agree.
 std::optional<Reject> difference(const Contract& giver, const Contract& taker) {
   auto differs = [](const std::string& field, std::string expected, std::string got) {
     return Reject{RejectCode::field, field, std::move(expected), std::move(got), 0.0, ""};
@@ -254,8 +254,7 @@ class Broker::Implementation {
     }
     if (const std::string notice = hub_.notice(); !notice.empty()) say(notice);
     if (Clock::now() - beat_ >= options_.heartbeat) send_heartbeats(waiting_for);
-    // This process may itself have been stopped, or have mapped, for a while: then nobody else is to blame for the
-    // silence.
+    // This process may itself have been stopped, or mapping, for a while: then the silence is not the participants'.
     if (Clock::now() - listened_ > std::min(options_.frozen_deadline, options_.frozen_notice) / 2)
       for (auto& p : peers_) p.heard = Clock::now();
     listened_ = Clock::now();
@@ -402,7 +401,7 @@ class Broker::Implementation {
                                   static_cast<double>(options_.frozen_deadline.count()) / 1000.0}));
   }
 
-  /// They may come without end; the log may not.
+  /// Logs a line about a stranger. Strangers may come without end, so that the number of lines is limited.
   void say_of_stranger(const std::string& line) {
     constexpr int most = 50;
     if (said_of_strangers_ < most) say(line);
@@ -461,7 +460,7 @@ void Broker::abort(const Error& error, const std::string& culprit) {
   try {
     implementation_->abort(error, culprit);
   } catch (const std::exception&) {
-    // The run is lost already; the first cause is the one worth telling.
+    // The run is lost already; the first cause is the one to report.
   }
 }
 void Broker::say_goodbye() { implementation_->say_goodbye(); }

@@ -14,7 +14,7 @@ struct IterationSettings {
   double tolerance = 1e-6;  ///< of every iterated field: norm of what an iteration changes, over the field's norm
 };
 
-/// In one window, before it is refused and tried again at half its length.
+/// Passes through one window after which it is refused and tried again at half its length.
 inline constexpr int most_iterations = 50;
 
 class WindowIteration {

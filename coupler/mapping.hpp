@@ -1,5 +1,5 @@
 // Spatial mapping between two clouds of SPH particles that move, grow and shrink: consistent for intensities,
-// conservative for impulses. Plain arrays in, plain arrays out; time and transport are other people's business.
+// conservative for impulses. Plain arrays in, plain arrays out; nothing here knows time or transport.
 //
 // Consistent: at a target x_i, over all source points j with |x_i - x_j| < 2 h_j, weights w_ij = V_j W(|x_i - x_j|,
 // h_j) [x mask_j]. The value is that of the moving-least-squares plane through the neighbours, which is exact for
@@ -60,7 +60,7 @@ struct Interpolation {
   std::vector<Field> fields;      ///< group by group
 };
 
-/// Nothing needs to be done for such values; seen at the first of them that is not.
+/// Whether all values are zero, so that nothing need be mapped; ends at the first that is not.
 bool all_zero(const std::vector<double>& values);
 
 /// `at_receivers`: blocks over the receivers, the givers around them. Fields that are zero everywhere cost nothing.
@@ -75,8 +75,8 @@ struct Delivery {
   std::vector<double> given, delivered, undelivered;  ///< [components]; carried + given = delivered + undelivered
 };
 
-/// Shares amounts of the active givers out among the active receivers. Keeps from window to window its memory, and
-/// weights for as long as points stand.
+/// Shares amounts of the active givers out among the active receivers. Memory is kept from window to window, and
+/// weights as long as no point moves.
 template <int D>
 class Sharing {
  public:
@@ -84,7 +84,8 @@ class Sharing {
   Delivery conservative(const PairBlocks<D>& at_givers, const PairBlocks<D>& at_receivers, const PointSet& givers,
                         const PointSet& receivers, const Field& amounts, std::span<const double> carried);
 
-  /// Those that the receivers have had about the givers, if these are the blocks and nothing has moved since; or null.
+  /// The last weights of the givers at the receivers, if they were made for these blocks and nothing has moved since;
+  /// otherwise null.
   [[nodiscard]] const PairWeights* weights_at(const PairBlocks<D>& givers) const {
     return weighed_ == &givers && weighed_state_ == givers.state() ? &by_giver_ : nullptr;
   }
@@ -103,7 +104,7 @@ class SpatialMapping {
   SpatialMapping& operator=(const SpatialMapping&) = delete;
   virtual ~SpatialMapping() = default;
 
-  /// What was given and got of one conservative field, and what waits.
+  /// Amounts of one conservative field that were given and delivered, and that are still undelivered.
   struct Account {
     std::string field;
     std::string unit;
@@ -117,7 +118,7 @@ class SpatialMapping {
                     std::span<const FieldSpec> specs, const PointSet& receiver_points) = 0;
 
   [[nodiscard]] virtual MappingCounts counts() const = 0;
-  /// Accounts are part of the state of a window: a rejected window puts them back.
+  /// Accounts are part of the state of a window: they are restored with a rejected one.
   [[nodiscard]] virtual const std::vector<Account>& accounts() const = 0;
   virtual void set_accounts(std::vector<Account> accounts) = 0;
   /// For a checkpoint: the accounts, for lists are a mere cache.

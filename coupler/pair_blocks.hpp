@@ -21,10 +21,10 @@ namespace poretwin::coupling {
 inline constexpr double relative_skin = 0.1, no_skin = 1e-6;
 inline constexpr int vain_lists = 4;
 
-/// How many blocks, or points of which little is asked, are worth more than one thread.
+/// Number of blocks, or of points with little work for each, from which on more than one thread is worthwhile.
 inline constexpr std::size_t worth_threads_in_blocks = 128, worth_threads_in_points = 1024;
 
-/// Whose smoothing length and volume a pair's weight has.
+/// Whether the weight of a pair uses smoothing length and volume of the candidate or of the block's point.
 enum class Kernel { of_candidate, of_block };
 
 /// Weights of all pairs of two clouds, those out of reach left out: a block's from where its candidates begin, to
@@ -53,7 +53,7 @@ class PairBlocks {
     std::size_t first, last;  ///< candidates
   };
 
-  /// What is to be brought up to date, and for which clouds.
+  /// Blocks to be brought up to date, and the two clouds that they are for.
   struct Update {
     PairBlocks* pairs;
     const PointSet &of, &around;
@@ -66,7 +66,7 @@ class PairBlocks {
     update(std::span(&one, 1));
   }
 
-  /// Those of active points come first.
+  /// All blocks; those of active points come first.
   [[nodiscard]] std::span<const Block> blocks() const { return blocks_; }
   [[nodiscard]] std::span<const Block> active_blocks() const { return std::span(blocks_).first(n_active_blocks_); }
   [[nodiscard]] std::span<const Index> candidates(const Block& b) const {
@@ -105,10 +105,10 @@ class PairBlocks {
   [[nodiscard]] std::size_t first_block(std::size_t part) const { return blocks_.size() * part / parts_; }
   void find_candidates(const PointSet& of, std::size_t part);
   void join_candidates();
-  /// What one thread needs to find candidates, and those it has found.
+  /// Memory of one thread that searches for candidates, and the candidates that it has found.
   struct alignas(64) Finder {
     std::vector<Index> found;
-    /// Bits of what was found, and of words with any: to put it into the caller's order.
+    /// A bit for each point found, and one for each word that has such bits: they give the caller's order.
     std::vector<std::uint64_t> bits, words;
     std::vector<std::pair<Index, Index>> pieces;
     std::vector<Index> candidate;

@@ -16,7 +16,7 @@ namespace {
 
 Role other(Role role) { return role == Role::fluid ? Role::solid : Role::fluid; }
 
-/// Of all that the rest of a run can depend on.
+/// Digest of everything in a publication on which the rest of a run can depend.
 std::uint64_t digest_of(const Snapshot& snapshot) {
   Snapshot copy = snapshot;
   PointSet points = *snapshot.points;
@@ -83,7 +83,7 @@ class Schedule::Implementation {
   }
 
  private:
-  /// A side's last publication: shared by whoever may want it back.
+  /// A side's last publication, shared with the copies that may be restored.
   using State = std::shared_ptr<const Snapshot>;
   State& now(Role role) { return role == Role::fluid ? fluid_ : solid_; }
 
@@ -124,7 +124,7 @@ class Schedule::Implementation {
     if (archive.loading()) digests_ = {fluid, solid};
   }
 
-  /// Everybody writes; the coupler's own file, written last, is what makes it count.
+  /// Both participants write their state; the checkpoint is valid once the coupler has written its own file, the last.
   void checkpoint() {
     const Span span(report_.checkpointing, trace_, "checkpointing");
     const std::string name = checkpoint_schedule_.name(step_);
@@ -147,7 +147,7 @@ class Schedule::Implementation {
     ++report_.checkpoints;
   }
 
-  /// From the newest checkpoint that all three hold.
+  /// Resumes from the newest checkpoint that all three processes have.
   void resume() {
     const auto mine = checkpoints_.store->whole();
     const auto &fluids = broker_.checkpoints(Role::fluid), &solids = broker_.checkpoints(Role::solid);
@@ -214,7 +214,7 @@ class Schedule::Implementation {
     }
   }
 
-  /// Nothing when the window stands; else the refusal, with both sides restored.
+  /// Tries one window. Returns nothing when it is accepted, otherwise the refusal, with both sides restored.
   std::optional<Reject> try_window(const WindowClock::Plan& plan,
                                    const std::vector<SpatialMapping::Account>& accounts) {
     fluid_limit_ = fluid_->proposed_interval;
@@ -243,7 +243,7 @@ class Schedule::Implementation {
                   fmt::format("not converged after {} iterations", most_iterations)};
   }
 
-  /// Serial, again and again until the solid's motion is the one that the fluid predicted.
+  /// Serial, repeated until the solid moves as the fluid predicted.
   std::optional<Reject> settle(const WindowClock::Plan& plan, const State& fluid_start, const State& solid_start,
                                const std::vector<SpatialMapping::Account>& accounts, double tolerance) {
     State found;
@@ -255,7 +255,8 @@ class Schedule::Implementation {
       if (rejection) return rejection;
       if (solid_->unsettled <= tolerance) return std::nullopt;
       ++pass_;
-      const auto reason = fmt::format("{:.2g} of the weight not settled, {:g} allowed", solid_->unsettled, tolerance);
+      const auto reason =
+          fmt::format("{:.2g} of the weight missing in the balance, {:g} allowed", solid_->unsettled, tolerance);
       found = solid_;
       restore_state(fluid_start, solid_start, reason);
       mapping_->set_accounts(accounts);
@@ -419,7 +420,7 @@ class Schedule::Implementation {
   State admitted(Role role, Message message, double time, const std::shared_ptr<const PointSet>& previous) {
     if (!message.points.sent) ++report_.points_unchanged;
     Snapshot snapshot = admit(std::move(message), broker_.contract(role), previous);
-    // Both clocks must tell the same time, rounding apart.
+    // Both sides must be at the same time, up to rounding.
     if (std::abs(snapshot.time - time) > 1e-9 * std::max(std::abs(time), 1e-3 * clock_.end()))
       throw PeerError(fmt::format("{} is at t = {} s after step {}, expected t = {} s", to_string(role), snapshot.time,
                                   step_ + 1, time));
@@ -438,7 +439,7 @@ class Schedule::Implementation {
   State fluid_, solid_;
   std::uint64_t step_ = 0;  ///< windows that stand
   std::uint32_t iteration_ = 0;
-  unsigned pass_ = 0;                ///< of the settled scheme
+  unsigned pass_ = 0;                ///< of the Settled scheme
   const Snapshot* found_ = nullptr;  ///< where a window is repeated: how the solid's last pass ended
   WindowClock::Plan plan_;
   double fluid_limit_ = no_limit, solid_limit_ = no_limit;

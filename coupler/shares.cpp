@@ -68,7 +68,7 @@ class Shares {
     }
   }
 
-  /// Of the active givers: the sum of their receivers' weights, to take(giver, sum).
+  /// Passes the sum of the receivers' weights of every active giver to take(giver, sum).
   template <class Take>
   void weigh_receivers(const Take& take) {
     for (Size j = receivers_.n_active; j < receivers_.size(); ++j) {
@@ -96,7 +96,7 @@ class Shares {
   [[nodiscard]] const std::vector<double>& scale() const { return scale_; }
 
  private:
-  /// What is to reach the active receivers: their volume, or 0 where those that give do not lie all around.
+  /// The volume that is to reach each active receiver: its own, or 0 where the givers do not lie all around it.
   std::vector<double> wanted_inside() const {
     constexpr Size K = D + 1;
     std::vector<double> giving(givers_.size());
@@ -132,7 +132,7 @@ class Shares {
     return wanted;
   }
 
-  /// Changes the scale by what was wanted over what was got; the largest relative change that was due.
+  /// Multiplies the scale by the wanted over the received volume; returns the largest relative change.
   double rescale(const std::vector<double>& wanted) {
     Quad worst{};
     run_lanes([&]() __attribute__((always_inline)) {
@@ -163,7 +163,7 @@ class Shares {
   std::vector<double> got_;    ///< [receivers and a few more] by those, before it is scaled
 };
 
-/// What the receivers get of the amounts, and of the key by which carried amounts are shared out.
+/// The amounts that the receivers get, and their parts of the carried amounts.
 template <int D, Size Components>
 Delivery share_out(Shares<D> shares, const PointSet& givers, const PointSet& receivers, const Field& amounts,
                    std::span<const double> carried) {

@@ -20,7 +20,7 @@ struct Amounts {
 };
 Amounts estimate(const Case& scene);
 
-/// Of the phases that run [m].
+/// The finest particle spacing of the phases that run [m].
 double finest_spacing(const Case& scene);
 
 /// A spacing at which the box around the shape holds so few particles that looking at them all takes no time: the

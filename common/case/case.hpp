@@ -229,12 +229,12 @@ struct SolidCase {
   Point3 offset{0.5, 0.5, 0.5};
   double jitter = 0.0;
   unsigned seed = 2;
-  bool initial_rest = true;      ///< find the rest under gravity, water and standing loads before time zero
+  bool initial_rest = true;      ///< find the rest under gravity, water and loads without `start`
   bool initial_seepage = false;  ///< it is found under the seepage force of the steady flow, not buoyancy alone
   PressureGradient pressure_gradient = PressureGradient::difference;
   double strength_reduction = 1.0;     ///< cohesion and tan(friction) are divided by it
   std::optional<Quiet> quiet;          ///< absent: all motion is computed
-  std::optional<double> courant;       ///< of dx / sqrt(M / rho_bar_s); absent: what soil bears best (set_up)
+  std::optional<double> courant;       ///< of dx / sqrt(M / rho_bar_s); absent: by kind of soil (set_up)
   double list_skin = 0.35;             ///< of the pair lists, in spacings
   double artificial_viscosity = 0.1;   ///< alpha of Monaghan's, on approaching particles
   double quadratic_viscosity = 0.0;    ///< beta of the same

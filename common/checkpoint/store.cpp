@@ -133,7 +133,7 @@ void CheckpointStore::write(const Checkpoint& checkpoint, const Archive& state) 
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error) throw FileError(fmt::format("{}: the folder cannot be made: {}", folder_.string(), error.message()));
-  // As content_of() reads it, without a second copy of the state.
+  // In the format that content_of() reads, without a second copy of the state.
   Checkpoint about = checkpoint;
   RunIdentity identity = identity_;
   std::uint64_t size = state.bytes().size();

@@ -85,7 +85,7 @@ class Border {
   static constexpr double most_in_reach = 100.0;  // sizes of a point within its smoothing length
   static constexpr double most_overlap = 20.0;    // volumes of points at one place
 
-  /// Of an array that describes points, or of a field beyond the standard contract.
+  /// Bounds of an array that describes points, or of a field beyond the standard contract.
   static Bounds bounds_of(std::string_view name) {
     constexpr double largest = std::numeric_limits<double>::max(), least = std::numeric_limits<double>::min();
     if (name == position_array) return {-farthest, farthest};

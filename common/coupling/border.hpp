@@ -1,5 +1,5 @@
-// What comes in is checked here, before anybody computes with it: numbers finite and within the bounds of their field
-// (docs/protocol.md lists them), points that take up room, sizes as announced.
+// Checks of everything that comes in, before anybody computes with it: numbers are finite and within the bounds of
+// their field (docs/protocol.md lists them), points do not coincide, sizes are as announced.
 #pragma once
 
 #include "common/coupling/message.hpp"

@@ -44,7 +44,7 @@ class PendingRecord {
     report_.warnings.note(report_.time, phase_.warnings());
     write_now(frame_, gauges_);
   }
-  /// Also what was not asked for, unless this state is in the files already.
+  /// Writes frame and gauges even where none were requested, unless this state is in the files already.
   void write_now(bool frame, bool gauges) {
     timed(report_, writing, [&] {
       if (frame && !frame_written_) recorder_.frame(phase_.frame());

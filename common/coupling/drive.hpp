@@ -51,7 +51,7 @@ DriveReport drive_alone(Phase& phase, const Case& scene, Recorder& recorder, con
 /// The length at which to repeat a rejected window: what was suggested, and never more than half of what was tried.
 double retry_interval(double tried, double suggested);
 
-/// In a row, of one window, before the run is given up.
+/// Refusals of one window in a row after which the run is given up.
 inline constexpr int most_rejections = 20;
 
 }  // namespace poretwin::coupling

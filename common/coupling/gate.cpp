@@ -189,7 +189,8 @@ void Gate::meet(int descriptor, Connection& connection) {
         fmt::format("somebody of user {} was not let in: without keys a run is for the user who started it", *user));
 }
 
-/// The newest may be a participant that comes: who has said nothing for longest goes first. False: there is room.
+/// Ends a connection where there are too many: the one that has said nothing for longest, since the newest may be a
+/// participant that is about to join. False: there are not too many.
 bool Gate::make_room() {
   std::size_t strangers = 0;
   auto oldest = connections_.end();

@@ -238,7 +238,7 @@ Body read_body(const wire::Header& header) {
                               header.sender(), header.sequence(), protocol_major, protocol_minor));
 }
 
-/// Its size is what is announced.
+/// Returns the frame after a check that its size is the announced one.
 const Frame& checked(const wire::Array& in, const Frame& frame, const wire::Header& header) {
   auto refuse = [&](const std::string& what) {
     throw PeerError(fmt::format("array '{}' of '{}' (step {}, sequence {}): {}", in.name(), header.sender(),

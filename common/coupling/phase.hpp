@@ -46,7 +46,7 @@ TellParticle tell_vectors(const VecArray<D>& values) {
     for (int d = 0; d < 3; ++d) numbers[d] = d < D ? values[i][d] : 0.0;
   };
 }
-/// Tells one number of each particle.
+/// Gives one number of each particle.
 template <class Value>
 TellParticle tell_scalars(Value value) {
   return [value](std::size_t i, double* number) { *number = value(i); };
@@ -72,7 +72,7 @@ class Phase {
   /// Fields, points and proposed interval at the current time.
   [[nodiscard]] virtual coupling::Publication publish() const = 0;
 
-  /// Of a publication, what is read where no other phase listens: the proposed interval [s] and what sets it.
+  /// The part of a publication that is read where the phase runs alone: the proposed interval [s] and what sets it.
   [[nodiscard]] virtual std::pair<double, std::string> proposal() const {
     auto publication = publish();
     return {publication.proposed_interval, std::move(publication.limited_by)};
@@ -89,11 +89,11 @@ class Phase {
   virtual void save() = 0;
   virtual void restore() = 0;
 
-  /// Does it ever reject a window by itself? Where nobody does, nothing is kept.
+  /// Does it ever reject a window by itself? Where no phase does, no state is saved.
   [[nodiscard]] virtual bool may_reject() const { return true; }
 
-  /// The same complete state, to a checkpoint and back, between windows: the run goes on bit by bit as if nothing had
-  /// been. Loading happens in a phase newly made from the same case, in place of initialise().
+  /// Writes the complete state to a checkpoint and reads it back, between windows: the run goes on bit by bit as if it
+  /// had not been interrupted. Loading happens in a phase newly made from the same case, in place of initialise().
   virtual void archive(Archive& archive) = 0;
 
   [[nodiscard]] virtual OutputFrame frame() const = 0;
@@ -102,7 +102,7 @@ class Phase {
   /// Counts for the run's summary: "particles", "substeps", "pressure iterations", "steps asleep", ...
   [[nodiscard]] virtual std::map<std::string, double> counters() const = 0;
 
-  /// What a person must hear of, counted since the start; asked for after every window that stands.
+  /// Warnings for the user, counted since the start; read after every accepted window.
   [[nodiscard]] virtual std::vector<Warning> warnings() const { return {}; }
 };
 

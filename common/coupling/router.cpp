@@ -133,7 +133,7 @@ class Router final : public Hub {
     bool may_lend = false;
   };
 
-  /// Of a line whose other end has memory that we reach; the first time it is offered ours.
+  /// The memory shared with the other end of a line, if it is within reach; at the first call it is offered some.
   Shared* shared_with(const std::string& line) {
     if (const auto found = shared_.find(line); found != shared_.end()) return &found->second;
     const auto theirs = may_share_ ? sharing::read_routing_id(line) : std::nullopt;
@@ -154,7 +154,7 @@ class Router final : public Hub {
         continue;
       }
       event->frames = shared->borrowed.borrow(std::move(event->frames));
-      // Its sender is gone, and with it what it said last; else the gap in its numbers will tell.
+      // Its sender is gone, and with it its last message. If it is not, the gap in its sequence numbers shows.
       if (!sharing::is_table(event->frames)) return event;
     }
     return std::nullopt;

@@ -24,7 +24,7 @@ struct MemoryName {
 /// What one line's end lends to the other. One thread.
 class LentMemory {
  public:
-  /// As many messages can be under way at once; what is beyond goes through the socket.
+  /// Messages that can be under way at once; further ones go through the socket.
   static constexpr std::size_t most_slots = 4;
   /// Messages with smaller frames are as fast through the socket [bytes].
   static constexpr std::size_t worthwhile = 32 << 10;

@@ -61,21 +61,21 @@ class Hub {
     static_cast<void>(line);
     static_cast<void>(standing);
   }
-  /// Something to be logged, such as somebody who was not let in; empty: nothing.
+  /// A line for the log, such as a connection that was refused; empty: nothing.
   virtual std::string notice() { return {}; }
   [[nodiscard]] virtual std::string address() const = 0;
 };
 
 /// DEALER socket that connects to `address` ("ipc:///path", "tcp://127.0.0.1:port"); the coupler may bind later. With
-/// keys everything is encrypted, and only the coupler that holds the other half is believed.
+/// keys everything is encrypted, and only the coupler that has the matching key is accepted.
 std::unique_ptr<Transport> connect_socket(const std::string& address, const std::optional<CurveKeys>& keys = {});
 
-/// Whether whoever can reach the socket is believed to mean well.
+/// Whether everybody who can reach the socket is trusted.
 enum class Callers { trusted, anybody };
 
 /// ROUTER socket bound to `address`. Anything but ipc and loopback needs keys or `allow_any_address`. With
-/// Callers::anybody strangers are held to little (GateLimits), and a loopback address without keys takes connections of
-/// the same user (and of root) only. Throws Error.
+/// Callers::anybody strangers are limited (GateLimits), and a loopback address without keys accepts connections of the
+/// same user (and of root) only. Throws Error.
 std::unique_ptr<Hub> bind_socket(const std::string& address, bool allow_any_address = false,
                                  const std::optional<CurveKeys>& keys = {}, Callers callers = Callers::trusted);
 
@@ -88,13 +88,13 @@ class InProcess {
   /// One more line; its destruction shows at the hub as a line that is gone, as a closed socket would.
   std::unique_ptr<Transport> line();
 
-  // For tests: the clock-work of the conversation, message by message, heartbeats included. Either way counts.
+  // For tests: the conversation message by message, in both directions, heartbeats included.
   /// Messages wait where they are, until allow() or resume().
   void pause();
   /// Lets so many more through.
   void allow(std::size_t messages);
   void resume();
-  /// From now on everything is lost, and nobody is told: a cut cable.
+  /// From now on everything is lost, and neither side learns of it: a cut cable.
   void halt();
 
  private:

@@ -19,7 +19,7 @@ class WarningLog {
   /// The phase's warnings at this time [s], all since the start.
   void note(double time, const std::vector<Warning>& warnings);
   void note_readings(const std::vector<GaugeReading>& readings);
-  /// At the run's end: gauges that were never read, or never had a value.
+  /// Notes, at the run's end, gauges that were never read or never had a value.
   void note_gauges(double time);
   [[nodiscard]] const std::vector<Warning>& all() const { return warnings_; }
   [[nodiscard]] bool result_in_doubt() const;

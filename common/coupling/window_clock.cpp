@@ -78,7 +78,7 @@ void WindowClock::accept(const Plan& plan, const std::string& held_by) {
   throw DivergedError(fmt::format(
       "the exchange windows are stuck: {} in a row up to t = {:g} s were shorter than {:.2g} s, a ten-thousandth of the "
       "shortest time in which this scene moves ({:.2g} s, {}), the last one {:.2g} s; the rest would take {:.2g} more. "
-      "Held by {}. Look at the last frame and gauges for water or soil that flies apart there; another "
+      "Limited by {}. Look at the last frame and gauges for water or soil that flies apart there; another "
       "particle_spacing, or less sudden faces and loads, may avoid it",
       most_stuck, time_, far_below * settings_.shortest_time, settings_.shortest_time, settings_.of_what, plan.interval,
       (settings_.end - time_) / plan.interval, causes));

@@ -161,7 +161,7 @@ std::optional<Crest> crest_of(const Case& scene, const WaterFace& face) {
   if (points.size() < 2 || g == 0.0) return std::nullopt;
   const Point3 up = -scene.general.gravity / g;
   const Point3 &a = points.front(), &b = points.back();
-  // A level face is held by what stands at both its ends.
+  // A level face has a crest unless something stands at both of its ends.
   const double slack = 1e-6 * (b - a).norm();
   const bool first = up.dot(a) > up.dot(b);
   const Point3& top = first ? a : b;
@@ -172,7 +172,7 @@ std::optional<Crest> crest_of(const Case& scene, const WaterFace& face) {
       const Point3 s = other.points[i + 1] - other.points[i];
       const double along = std::clamp(s.dot(end - other.points[i]) / s.squaredNorm(), 0.0, 1.0);
       if ((other.points[i] + along * s - end).norm() >= slack) continue;
-      // A floor that goes on from there, no higher, holds nothing.
+      // A floor that continues from there and is no higher does not keep water back.
       const bool floor = up.dot(Point3(-s.y(), s.x(), 0.0)) > slack &&
                          std::max(up.dot(other.points[i]), up.dot(other.points[i + 1])) < up.dot(end) + slack;
       if (!floor) return true;
@@ -204,7 +204,7 @@ bool is_behind(const Case& scene, const WaterFace& face, const Point3& x) {
     const Point3 s = points[i + 1] - points[i], left = Point3(-s.y(), s.x(), 0.0).normalized();
     const Point3 foot = points[i] + std::clamp(s.dot(x - points[i]) / s.squaredNorm(), 0.0, 1.0) * s;
     const double distance = (x - foot).norm();
-    // At a corner both pieces are as near.
+    // At a corner both pieces are equally near.
     if (distance < least * (1.0 - 1e-9))
       normal = left;
     else if (distance <= least * (1.0 + 1e-9))

@@ -141,7 +141,7 @@ SolveReport reduce_residual(Apply&& apply, Precondition&& precondition, ScalarAr
   return report;
 }
 
-/// The same for A x = b, from x on.
+/// Conjugate gradients for A x = b, starting from the given x.
 template <class Apply, class Precondition>
 SolveReport conjugate_gradients(Apply&& apply, Precondition&& precondition, ScalarArray b, std::span<double> x,
                                 double tolerance, int limit) {

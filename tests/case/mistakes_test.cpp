@@ -339,7 +339,7 @@ model = "{3}"
   };
   EXPECT_THAT(with(0.08, 0.4), HasSubstr("key 'wall[0]': is 0.08 m thick at [1, 0."));
   EXPECT_THAT(with(0.08, 0.4),
-              HasSubstr("2 particle spacings, with water on both sides: particles would feel each other "
+              HasSubstr("2 particle spacings, with water on both sides: particles would interact "
                         "through it beside soil that moves; expected 0.2 m or more, 5 spacings"));
   EXPECT_THAT(with(0.16, 0.4), HasSubstr("4 particle spacings"));
   EXPECT_EQ(with(0.2, 0.4), "no complaint");
