@@ -460,8 +460,9 @@ class Judge {
     if (const auto time = first_passage(within_range(readings()), limit())) return *time;
     throw Failure{fmt::format("gauge '{}' never passes {}", m_.gauge, limit())};
   }
-  /// From the first upward passage of `limit` to the last. A swing goes below it by a fifth of what it and the one
-  /// before depart by at least: what trembles about it passes it more often.
+  /// Mean period from the first upward passage of `limit` to the last. A swing counts only if it goes below the limit
+  /// by a fifth of the departure of itself and the swing before: a reading that trembles about the limit passes it more
+  /// often.
   [[nodiscard]] double period() const {
     constexpr double least = 0.2;
     const auto series = within_range(readings());

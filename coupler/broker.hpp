@@ -20,7 +20,7 @@ struct BrokerOptions {
   std::vector<std::string> case_overrides;
   Milliseconds wait_deadline{60'000};  ///< for missing participants
   /// Time without a heartbeat after which a participant is reported as frozen, and after which the run is given up. In
-  /// between it may come back (it stood in a debugger, its machine was suspended): the report alone ends nothing.
+  /// between it may come back (from a debugger, or when its machine was suspended): the report alone ends nothing.
   Milliseconds frozen_notice{2'500}, frozen_deadline{30'000};
   Milliseconds heartbeat{1'000};
   Milliseconds say_every{5'000};

@@ -135,7 +135,8 @@ struct Wall {
 
 /// [[water_face]]: a face through which water comes and goes. Behind it stands water of a prescribed head or pressure
 /// (pond, reservoir, drain), or a basin whose level follows from what is poured in and what leaves through the face, or
-/// nothing: water only leaves. A face that no soil touches lets real water in and out: by discharge, or to keep a head.
+/// nothing: water only leaves. A face that no soil touches lets particles of water in and out: by discharge, or to keep
+/// a head.
 struct WaterFace {
   std::string name;
   Face face;

@@ -294,7 +294,7 @@ class Supported : Complaints {
     }
   }
 
-  /// A face by point and normal has no upper end of its own; the soil before it has.
+  /// A face by point and normal has no upper end; the head must be below the upper end of the soil before it.
   void heads_below_the_soils_top() const {
     if (up_.isZero()) return;
     const double dx = scene_.fluid.particle_spacing;

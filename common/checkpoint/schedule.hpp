@@ -1,4 +1,5 @@
-// When checkpoints are taken and which are kept: for whoever leads a run, the coupler or a solver alone.
+// When checkpoints are taken and which are kept: for the process that leads a run, the coupler or a solver that runs
+// alone.
 #pragma once
 
 #include "common/checkpoint/store.hpp"
@@ -13,7 +14,7 @@ struct Checkpoints {
   const CheckpointStore* store = nullptr;                  ///< none: no checkpoints
   double every = std::numeric_limits<double>::infinity();  ///< s of wall-clock; 0: after every window
   bool resume = false;                                     ///< start from the newest
-  bool changed_program = false;                            ///< the state was written by another program: it may give other results
+  bool changed_program = false;                            ///< of the state read: another program wrote it
 };
 
 class CheckpointSchedule {

@@ -42,7 +42,8 @@ using ProgressCallback = std::function<void(const Progress&)>;
 /// Runs a phase without a partner (empty inbox) to the case's end. Windows are as long as the phase proposes,
 /// coupling.interval and output instants allow; a rejected one is restored and repeated shorter. Asks interrupted()
 /// between windows.
-/// `shortest`: of the case and what it is of (shortest_time()); 0: windows that are stuck are not looked for.
+/// `shortest`: the shortest time in which the case moves, and of what (shortest_time()); 0: no check for windows that
+/// are stuck.
 void drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const ProgressCallback& progress,
                  DriveReport& report, Checkpoints checkpoints = {},
                  const std::pair<double, std::string>& shortest = {0.0, ""});

@@ -31,7 +31,7 @@ struct FieldSpec {
   Mapping mapping = Mapping::consistent;
   std::string
       mask;  ///< optional: a one-component field of the same message, in [0,1], that multiplies the giver's weight
-  /// of a taker that crosses a window in steps of its own: the value at the window's start is wanted too (consistent)
+  /// The taker crosses a window in steps of its own and takes the value at the window's start, too (consistent fields).
   bool in_time = false;
   /// of a taker that repeats windows: what the giver's last pass ended with is wanted too (consistent)
   bool found = false;
@@ -90,8 +90,8 @@ struct PointSet {
   std::vector<double> position;          ///< [n * dimension] m
   std::vector<double> volume;            ///< [n] m^D, bulk volume: the weight of the point
   std::vector<double> smoothing_length;  ///< [n] m
-  /// [n] the active point that a ghost stands for (what the ghost would receive goes there); -1: nobody; its own index
-  /// for active points.
+  /// [n] the active point that a ghost images, which receives what falls to the ghost; -1: none; of active points their
+  /// own index.
   std::vector<double> owner;
   [[nodiscard]] std::size_t size() const { return volume.size(); }
 };

@@ -179,7 +179,8 @@ bool Gate::look() {
   return true;
 }
 
-/// Once all has been heard that the monitor has to say: until then the descriptor may be somebody else's already.
+/// To be called once all of the monitor's events have been read: until then the descriptor may belong to a later
+/// connection already.
 void Gate::meet(int descriptor, Connection& connection) {
   connection.cookie = cookie_of(descriptor);
   if (!own_user_only_) return;

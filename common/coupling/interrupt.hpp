@@ -1,4 +1,4 @@
-// Ctrl-C and SIGTERM as a question the loops ask: a step is finished and written before anybody leaves.
+// Ctrl-C and SIGTERM set a flag that the loops read, so that a step is finished and written before a process ends.
 #pragma once
 
 namespace poretwin::coupling {

@@ -34,7 +34,7 @@ Case case_of_coupler(Transport& line, Role role, const Arguments& arguments, con
   return read_case(path, file.overrides);
 }
 
-/// Alone, nobody sends a phase what it follows: the case must be its own. Throws CaseError.
+/// A phase that runs alone receives no fields: throws CaseError unless the case is one for this phase alone.
 void expect_own(const Case& scene, Role role) {
   const auto fail = [&](std::string_view found, std::string_view hint) {
     throw CaseError(fmt::format("{}: --alone: expected a case of the {} alone, found {}; {}", scene.path.string(),

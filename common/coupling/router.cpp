@@ -20,7 +20,7 @@ bool is_loopback(const std::string& address) {
   return false;
 }
 
-/// Answers ZeroMQ's question (ZAP, rfc.zeromq.org/spec/27) whether the holder of a key may come in.
+/// Answers ZeroMQ's question (ZAP, rfc.zeromq.org/spec/27) whether a key is admitted.
 class Doorkeeper {
  public:
   Doorkeeper(zmq::context_t& context, const CurveKeys& keys) : socket_(context, zmq::socket_type::rep) {
@@ -31,7 +31,7 @@ class Doorkeeper {
     socket_.bind("inproc://zeromq.zap.01");
   }
   void* handle() { return socket_.handle(); }
-  /// Where somebody came from who was not let in; empty: nobody.
+  /// Answers one question; returns the address of a connection that was refused, empty otherwise.
   std::string answer() {
     const auto request = receive_frames(socket_);
     if (!request) return {};

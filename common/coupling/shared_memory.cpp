@@ -19,7 +19,7 @@
 namespace poretwin::coupling {
 namespace {
 
-// A protobuf header begins with 0x08: nobody takes these for one.
+// A protobuf header begins with 0x08, so that these cannot be mistaken for one.
 constexpr std::string_view table_mark = "\xffPORETWIN table", offer_mark = "\xffPORETWIN offer",
                            accept_mark = "\xffPORETWIN accept", routing_mark = "\x01PORETWIN memory";
 constexpr const char* file_name = "poretwin";
@@ -183,7 +183,7 @@ std::shared_ptr<BorrowedMemory::View> BorrowedMemory::view(const MemoryName& nam
   if (const int seals = ::fcntl(file.value, F_GET_SEALS); seals < 0 || (seals & F_SEAL_SHRINK) == 0) return nullptr;
   auto seen = std::make_shared<View>(file.value, static_cast<std::size_t>(status.st_size));
   if (!seen->memory.bytes || seen->memory.head().token != name.token) return nullptr;
-  // The lender has dropped what it made no more use of; we cannot know which.
+  // The lender has dropped memory that it no longer used; it is not known here which.
   if (views_.size() >= 2 * LentMemory::most_slots) views_.clear();
   return views_[name.token] = std::move(seen);
 }

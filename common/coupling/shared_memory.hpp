@@ -14,8 +14,8 @@
 
 namespace poretwin::coupling {
 
-/// Where another process of the same user finds memory, and how it knows that it is what was meant: process numbers
-/// can mean somebody else in another container.
+/// Where another process of the same user finds memory, and a token by which it knows that this is the right one: in
+/// another container the same process number may belong to another process.
 struct MemoryName {
   std::int32_t process = 0, descriptor = 0;
   std::uint64_t token = 0;
@@ -29,7 +29,7 @@ class LentMemory {
   /// Messages with smaller frames are as fast through the socket [bytes].
   static constexpr std::size_t worthwhile = 32 << 10;
 
-  /// Memory to try: whoever reaches it will reach the rest. Nothing where the kernel gives none.
+  /// The name of memory for a trial: who can reach it can reach the rest. None where the kernel gives no memory.
   [[nodiscard]] std::optional<MemoryName> name();
   /// [header][frame]* becomes [table][header][frame or empty]*, the frames' bytes in memory; a small message, and one
   /// for which no memory is free, stays as it is.
@@ -45,8 +45,8 @@ class LentMemory {
 class BorrowedMemory {
  public:
   [[nodiscard]] bool reaches(const MemoryName& name);
-  /// The message that lend() took: the frames lie in shared memory until their last owner lets go. A message without a
-  /// table stays as it is, and so does one whose table says what is not true: decode() then refuses it.
+  /// The message that was given to lend(): its frames lie in shared memory until their last owner releases them. A
+  /// message without a table stays as it is, and so does one whose table is wrong: decode() then refuses it.
   Frames borrow(Frames frames);
 
  private:

@@ -14,7 +14,7 @@ using Instant = std::chrono::steady_clock::time_point;
 /// machine share the clock, so that their lines make one time line.
 class Trace {
  public:
-  /// Adds to what is there (a run that goes on). Throws FileError.
+  /// Appends to the trace of a run that is resumed. Throws FileError.
   Trace(const std::filesystem::path& out, const std::string& process);
   void add(const char* what, Instant begin, Instant end);
 
@@ -28,7 +28,7 @@ std::filesystem::path trace_part(const std::filesystem::path& out, const std::st
 /// OUT/trace.json from the parts that are there, which go. False: there is none. Throws FileError.
 bool join_traces(const std::filesystem::path& out);
 
-/// Adds the seconds of its own life to a sum and, where there is one, its span to the trace.
+/// Adds the time for which it exists [s] to a sum and, where there is a trace, its span to that.
 class Span {
  public:
   Span(double& seconds, Trace* trace, const char* what) : seconds_(seconds), trace_(trace), what_(what) {}

@@ -42,8 +42,8 @@ class Hub {
     std::string line;  ///< opaque name of the line it came on
     Frames frames;     ///< empty: the line is gone
   };
-  /// What whoever is at the end of a line is to the run. A stranger, as everybody is at first, may send little and not
-  /// stay for long.
+  /// What the process at the end of a line is to the run. A stranger, as every process is at first, may send little and
+  /// not stay for long.
   enum class Standing { guest, participant, refused };
   Hub() = default;
   Hub(const Hub&) = delete;

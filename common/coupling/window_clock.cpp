@@ -18,8 +18,9 @@ constexpr double same = 1e-9;
 /// Windows shorter than this fraction of the run are lost in the rounding of its time. (Years of consolidation begin
 /// with windows of a millisecond, 1e-12 of the run.)
 constexpr double collapsed = 1e-15;
-/// Windows this far below the shortest time in which the scene moves hold no motion of its own: at the speed that would
-/// ask for them water would cross thousands of spacings while it falls through one. A thousand in a row are no impact.
+/// Windows this far below the shortest time in which the scene moves follow no motion of the scene: at a speed that
+/// needs them water would cross thousands of spacings while it falls through one. A thousand in a row are more than an
+/// impact causes.
 constexpr double far_below = 1e-4;
 constexpr std::uint64_t most_stuck = 1000;
 }  // namespace

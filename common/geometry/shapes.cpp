@@ -69,8 +69,8 @@ bool on_edge(const Shape& shape, const Point3& x, double slack) {
 
 namespace {
 
-/// Rows along its sides, as in a box: rows at an angle to a wall would stand at any distance from it, and the stress of
-/// soil within five rows of it would be off by up to a third of that at the base.
+/// Fills a rectangle with rows along its sides, as in a box. Rows at an angle to a wall would have particles at any
+/// distance from it, and the stress within five rows of the wall would be off by up to a third of that at the base.
 Lattice<2> fill_turned(const Point3& corner, const std::array<Point3, 2>& sides, double spacing, const Point3& offset,
                        double jitter, unsigned seed) {
   Lattice<2> lattice;
@@ -254,8 +254,8 @@ std::vector<sph::ImagePlane<D>> planes_of(const Face& face, int boundary, double
 
 template <int D>
 void meet_at_corners(std::span<sph::ImagePlane<D>> planes, double margin) {
-  // Images fill what is behind a corner of 120 degrees and more once when divided at its bisector, behind one of 90
-  // degrees with images of images: in between the lesser error.
+  // Behind a corner of 120 degrees and more, images fill the space exactly once if they are divided at the bisector;
+  // behind one of 90 degrees they do with images of images. In between the smaller error is chosen.
   constexpr double narrow = 0.26;  // cosine of the turn at 105 degrees
   // Pieces are walked with the domain on the left: the next one begins where this one ends.
   std::vector<std::array<Vec<D>, 2>> corners;
