@@ -19,7 +19,7 @@ KINDS = (".gif", ".mp4")
 
 
 def chosen(count):
-    """Steps of so many: all, or as many as are shown; the first and the last among them."""
+    """Which of this number of steps are shown: all, or evenly chosen ones with the first and the last among them."""
     return np.unique(np.linspace(0, count - 1, min(count, MOST_FRAMES)).round().astype(int)).tolist()
 
 

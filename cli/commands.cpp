@@ -103,7 +103,7 @@ int check(const Arguments& a, JsonOutput& json) {
   return 0;
 }
 
-/// The words that a command was given, as its options declare them, for a script that takes the same.
+/// The arguments that a command was given, as its options declare them, for a script that takes the same.
 std::vector<std::string> words_of(const CLI::App& command) {
   std::vector<std::string> positional, words;
   for (const CLI::Option* option : command.get_options()) {
@@ -281,7 +281,7 @@ void declare(CLI::App& app, Arguments& a, JsonOutput& json, std::function<int()>
   does(view_command, [view_command] {
     auto words = words_of(*view_command);
     words.insert(words.end(), {"--built", view_folder()});
-    // In place of this process, so that Ctrl-C and other signals reach the server itself.
+    // The server takes the place of this process, so that Ctrl-C and other signals reach it.
     become_script("view/server.py", words);
     return 0;
   });

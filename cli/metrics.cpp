@@ -154,7 +154,7 @@ bool needs_relative_error(const std::string& op) {
          op == "crossing" || op == "largest";
 }
 
-/// Linear between readings; NaN outside them or where a reading is NaN.
+/// Reading at time t, linear between readings; NaN outside them or where a reading is NaN.
 double reading(const GaugeSeries& series, double t) {
   const auto& times = series.time;
   if (times.empty()) return nan;
@@ -169,7 +169,7 @@ double reading(const GaugeSeries& series, double t) {
   return series.value[i - 1] + share * (series.value[i] - series.value[i - 1]);
 }
 
-/// KEY=NUMBER of `vary`; nothing where it is not that.
+/// Splits KEY=NUMBER of `vary`; nothing where the text has another form.
 std::optional<std::pair<std::string, double>> assignment(const std::string& text) {
   const auto sign = text.find('=');
   if (sign == std::string::npos || sign == 0) return std::nullopt;
@@ -261,7 +261,7 @@ class Judge {
     for (double& x : series.value) x *= m_.scale;
     return series;
   }
-  /// The gauges of a profile, added with the metric's weights.
+  /// Readings of the gauges of a profile, added with the metric's weights.
   [[nodiscard]] GaugeSeries weighted() const {
     const auto names = along();
     if (names.size() != m_.weights.size())
@@ -293,7 +293,7 @@ class Judge {
       }
     if (part.time.empty()) throw Failure{fmt::format("no readings of gauge '{}' in the range", m_.gauge)};
     auto lost = std::find_if(part.value.begin(), part.value.end(), [](double x) { return !std::isfinite(x); });
-    // A first passage is not undone by what has gone later.
+    // A first passage holds, whatever the later readings are.
     if (m_.op == "crossing") {
       part.value.erase(lost, part.value.end());
       part.time.resize(part.value.size());
@@ -310,7 +310,7 @@ class Judge {
     return x;
   }
 
-  /// Over time, the readings joined by straight lines.
+  /// Mean over time of the readings joined by straight lines.
   [[nodiscard]] double mean() const {
     const auto series = within_range(readings());
     double sum = 0.0;
@@ -319,7 +319,7 @@ class Judge {
     const double span = series.time.back() - series.time.front();
     return span > 0.0 ? sum / span : series.value.front();
   }
-  /// The gauges of a profile.
+  /// Names of the gauges of a profile.
   [[nodiscard]] std::vector<std::string> along() const {
     std::vector<std::string> names = m_.gauges;
     for (std::size_t i = 0; names.size() == i && m_.gauges.empty(); ++i)
@@ -377,7 +377,7 @@ class Judge {
         std::size_t top = first;
         for (std::size_t j = first; j < i; ++j)
           if (std::abs(distance(j)) > std::abs(distance(top))) top = j;
-        // Through the largest reading and its neighbours goes a parabola.
+        // The largest distance is that of a parabola through the largest reading and its neighbours.
         const double a = std::abs(distance(top - 1)), b = std::abs(distance(top)), c = std::abs(distance(top + 1));
         const double bend = a - 2.0 * b + c;
         const double off = bend < 0.0 ? 0.5 * (a - c) / bend : 0.0;  // of its top, in readings
@@ -443,12 +443,12 @@ class Judge {
     return std::sqrt(sum / count) / m_.normaliser.value_or(1.0);
   }
   [[nodiscard]] double limit() const { return m_.limit.value_or(0.0); }
-  /// When readings pass a value between the one before i and i; linear between them.
+  /// Time at which readings pass a value between reading i - 1 and reading i, linear between them.
   [[nodiscard]] static double passage(const GaugeSeries& series, std::size_t i, double value) {
     const double before = series.value[i - 1] - value, now = series.value[i] - value;
     return series.time[i - 1] + before / (before - now) * (series.time[i] - series.time[i - 1]);
   }
-  /// When readings first pass a value.
+  /// Time at which readings first pass a value.
   [[nodiscard]] static std::optional<double> first_passage(const GaugeSeries& series, double value) {
     for (std::size_t i = 1; i < series.value.size(); ++i) {
       const double before = series.value[i - 1] - value, now = series.value[i] - value;
@@ -500,7 +500,7 @@ class Judge {
   }
   /// Time by which the readings are later than the curve [s].
   [[nodiscard]] double shift() const { return m_.align ? start_of(readings()) - start_of(curve_as_readings()) : 0.0; }
-  /// The curve's points that are judged, by the clock of the readings.
+  /// The points of the curve that are compared, at the times of the readings.
   [[nodiscard]] std::vector<std::pair<double, double>> judged_knots() const {
     const double later = shift();
     std::vector<std::pair<double, double>> knots;

@@ -56,7 +56,7 @@ class Frames:
         return shape[1] if len(shape) > 1 else 1
 
     def nearest(self, time):
-        """The step at about that time."""
+        """The step nearest to that time."""
         return int(np.argmin(np.abs(self.times - time)))
 
     def unit(self, name):
@@ -148,7 +148,7 @@ def rigid_soil(run):
 
 
 def view(points, margin):
-    """Corners of what is drawn: all of the points, but for some of a splash that fly far off."""
+    """Corners of the part that is drawn: all points except a few of a splash that are far away."""
     low, high = np.quantile(points, 0.005, axis=0), np.quantile(points, 0.995, axis=0)
     far = 0.5 * (high - low).max()
     return np.maximum(points.min(axis=0), low - far) - margin, np.minimum(points.max(axis=0), high + far) + margin
@@ -267,7 +267,7 @@ def paint(axes, frames, phase, name, step):
 
 
 def panel_width(shape):
-    """Inches, of a picture of so many metres by so many: wide ones fill the page."""
+    """Width in inches of a picture of a part of the plane this wide and high [m]: wide ones fill the page."""
     return min(style.PAGE - 1.2, max(2.0, 5.0 * shape[0] / shape[1]))
 
 
@@ -360,7 +360,7 @@ def places(declared, names):
 
 
 def quantity_label(declared, component, title):
-    """What a gauge reads, as fields are called; else its name."""
+    """Name of the quantity that a gauge reads, as of a field; else the gauge's name."""
     if declared.get("kind") == "momentum":
         return f"momentum of the {style.BODY[declared['phase']]}" + (f", {component}" if component else "")
     if declared.get("kind") != "point":

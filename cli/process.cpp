@@ -49,7 +49,7 @@ class Descriptor {
   int value_ = -1;
 };
 
-/// SIGINT, SIGTERM and SIGCHLD as a readable descriptor; the previous mask comes back at the end.
+/// SIGINT, SIGTERM and SIGCHLD as a readable descriptor; the previous signal mask is restored at the end.
 class Signals {
  public:
   Signals() {
@@ -60,7 +60,7 @@ class Signals {
   }
   Signals(const Signals&) = delete;
   Signals& operator=(const Signals&) = delete;
-  /// What has arrived until now was meant for what has ended: it must not end this process.
+  /// Discards signals that have arrived until now: they were for processes that have ended and must not end this one.
   ~Signals() {
     static_cast<void>(stops());
     ::sigprocmask(SIG_SETMASK, &before_, nullptr);
@@ -90,7 +90,8 @@ struct Child {
   bool running = true;
 };
 
-/// After fork: only async-signal-safe calls until exec, so everything is prepared before.
+/// Runs in the child after fork. Only async-signal-safe calls are allowed until exec, so that everything is prepared
+/// before.
 [[noreturn]] void become(const std::vector<char*>& arguments, const std::vector<char*>& environment, int log,
                          int progress, int report, const sigset_t& mask, pid_t parent) {
   ::setpgid(0, 0);

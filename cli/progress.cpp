@@ -91,7 +91,7 @@ void ProgressFile::line(const std::string& json) {
   std::ofstream stream(part, std::ios::binary);
   stream << json << '\n';
   stream.close();
-  // Renamed, so that nobody reads half a line.
+  // Written under another name and renamed, so that no reader finds half a line.
   std::error_code ignored;
   if (stream)
     std::filesystem::rename(part, file_, ignored);

@@ -1,4 +1,4 @@
-// `poretwin run`: starts the processes of a case, watches over them, gathers what they leave behind.
+// `poretwin run`: starts the processes of a case, watches them, collects their results.
 #pragma once
 
 #include "cli/process.hpp"
@@ -52,22 +52,22 @@ struct RunResult {
   std::vector<Ended> ended;
   std::vector<Summary> summaries;
   std::vector<std::string> case_warnings;  ///< warnings of the check of the case
-  /// Ended by itself, whether or not with warnings that concern the result.
+  /// Whether the run ended by itself, with or without warnings that put the result in doubt.
   [[nodiscard]] bool ended_well() const { return exit == 0 || exit == static_cast<int>(ExitCode::in_doubt); }
 };
 
-/// Throws CaseError and FileError before anything is started or touched; what happens later is in the result. Resuming
-/// a run that has ended does nothing.
+/// Runs a case. Throws CaseError and FileError before anything is started or changed; later failures are in the result.
+/// Resuming a run that has ended does nothing.
 RunResult run_case(const RunOptions& options);
 
-/// Tables of where the time went, steps, counters and files.
+/// Text with the time spent on each activity, steps, counters and files.
 std::string summary_text(const RunResult& result, const std::filesystem::path& out);
 
 /// What summary_text() shows, and all that the processes reported, as JSON for other programs.
 nlohmann::ordered_json run_json(const std::string& case_name, const std::filesystem::path& case_file,
                                 const std::filesystem::path& out, const RunResult& result);
 
-/// The failure that started it all: not one that only followed from another's.
+/// The first failure, not one that followed from another process's.
 const Ended* root_cause(const std::vector<Ended>& ended);
 
 }  // namespace poretwin::cli

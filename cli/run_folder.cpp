@@ -37,7 +37,7 @@ std::string text_of(const Node& table, const char* key) {
   return found != nullptr && found->kind == Node::Kind::text ? found->text : std::string();
 }
 
-/// "the run of terzaghi that ended at 2026-01-01T10:00:00Z"
+/// Text such as "a run of terzaghi that finished at 2026-01-01T10:00:00Z".
 std::string described(const RunRecord& record) {
   std::string text = fmt::format("a run of {}", record.case_name);
   if (!record.exit) return text + fmt::format(" that began at {} and never ended", record.started);
@@ -121,7 +121,8 @@ RunFolder::RunFolder(const RunClaim& claim) : out_(claim.out) {
     else
       replaced_ = replaced_by(claim);
   };
-  // A folder that another run writes into is that run's, whatever it looks like; one that is not ours gets no file.
+  // A folder that another run writes into is refused first, whatever else it contains; a folder that is not a run's
+  // gets no lock file.
   if (fs::exists(lock_file(out_))) lock_ = FileLock(lock_file(out_), subject(out_), FileLock::Inherited::yes);
   check();
   if (finished_) return;
@@ -132,7 +133,7 @@ RunFolder::RunFolder(const RunClaim& claim) : out_(claim.out) {
     lock_ = FileLock(lock_file(out_), subject(out_), FileLock::Inherited::yes);
     check();
   }
-  // Processes that were started by hand hold locks of their own.
+  // Processes that the user started by hand have locks of their own.
   for (const char* name : processes)
     if (const auto file = out_ / fmt::format("{}.lock", name); fs::exists(file))
       FileLock(file, subject(out_), FileLock::Inherited::no);

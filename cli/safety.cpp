@@ -114,7 +114,7 @@ std::string listed(const std::vector<SafetyTrial>& trials) {
   return text;
 }
 
-/// What of the case a search at time zero does not look at.
+/// Text with the parts of the case that a search at time zero does not use.
 std::string ignored(const Case& scene, const RunOptions& options) {
   std::string text;
   const auto add = [&](const std::string& key) { text += (text.empty() ? "" : ", ") + key; };
@@ -143,7 +143,7 @@ std::string ignored(const Case& scene, const RunOptions& options) {
   return text;
 }
 
-/// Trials of an earlier search would stand beside this one's.
+/// Removes the trials of an earlier search, so that they do not mix with those of this one.
 void clear_trials(const fs::path& out) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(out, error))

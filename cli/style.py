@@ -72,7 +72,7 @@ def use(**more):
 
 
 def label(phase, field, component=""):
-    """What a field, or a component of it ("xx", or "| |": its length), is called beside a colour bar, without the unit."""
+    """Name of a field, or of a component of it ("xx", or "| |": its length), beside a colour bar, without the unit."""
     words, symbol = (FLUID if phase == "fluid" else SOLID).get(field, (field.replace("_", " "), ""))
     if component == "| |":
         words, symbol = words.replace("velocity", "speed"), symbol and rf"|{symbol}|"
@@ -85,7 +85,7 @@ def label(phase, field, component=""):
 
 
 def unit(text):
-    """In brackets; nothing for a pure number."""
+    """A unit in brackets; empty for a pure number."""
     return f" [{UNITS.get(text, text)}]" if text not in ("", "1") else ""
 
 
@@ -100,7 +100,7 @@ def prefix(value, of):
 
 
 def number(value):
-    """Four digits, no power of ten for the times and places that occur: 15000, 0.35."""
+    """A number with four digits; times and places as they occur get no power of ten: 15000, 0.35."""
     return f"{float(f'{value:.4g}'):g}"
 
 

@@ -140,7 +140,7 @@ class Broker::Implementation {
     auto& p = peer(role);
     const auto start = Clock::now();
     auto said = start;
-    // The participant may be lost while a long wait is under way: its time counts all the same.
+    // The participant may be lost during a long wait; the time of that wait is counted all the same.
     const bool fluid = role == Role::fluid;
     const Span span(fluid ? totals_.waiting_for_fluid : totals_.waiting_for_solid, options_.trace,
                     fluid ? "waiting for fluid" : "waiting for solid");
@@ -182,7 +182,7 @@ class Broker::Implementation {
 
   void say_goodbye() {
     finishing_ = true;
-    // No deadline of its own: a participant may write for long, and one that froze or died is found by listen().
+    // There is no deadline here: a participant may write for long, and listen() finds one that froze or died.
     const auto start = Clock::now();
     auto said = start;
     while (!(peer(Role::fluid).left && peer(Role::solid).left)) {
@@ -223,7 +223,8 @@ class Broker::Implementation {
                                 state_of(p)));
   }
 
-  /// Nobody took what was sent: a connection that has closed since the last look reports that first.
+  /// Fails because a message could not be delivered: a connection that has closed since the last look is reported
+  /// first.
   [[noreturn]] void fail_unreachable(const Peer& p) {
     while (auto event = hub_.receive(Milliseconds(0))) handle(std::move(*event));
     fail(p, "is unreachable: nobody at the end of its line");
@@ -242,9 +243,9 @@ class Broker::Implementation {
     return hub_.send(p.line, std::move(frames));
   }
 
-  /// Handles whatever comes within a short time; then heartbeats, and a look for frozen participants.
+  /// Handles the messages that come within a short time, sends heartbeats and checks for frozen participants.
   void listen(const std::string& waiting_for) {
-    // However much comes in: whoever waits must be able to look at its own deadlines, and heartbeats must go out.
+    // The number of messages is limited, so that the caller can check its deadlines and heartbeats go out.
     constexpr int most_at_once = 100;
     int count = 0;
     for (auto event = hub_.receive(std::min(options_.heartbeat, Milliseconds(50))); event;
@@ -302,7 +303,7 @@ class Broker::Implementation {
   void handle(Hub::Event event) {
     Peer* known = peer_on(event.line);
     if (event.frames.empty()) {
-      // Nothing is sent to it any more: what is put on a line that closes would be waited for at the end.
+      // Nothing is sent to it any more: messages to a line that closes would be waited for at the end.
       if (known && !std::exchange(known->left, true)) fail(*known, "died: its connection closed without a goodbye");
       return;
     }

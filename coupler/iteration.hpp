@@ -21,8 +21,8 @@ class WindowIteration {
  public:
   WindowIteration(const IterationSettings& settings, const Contract& solid);
 
-  /// After both sides have crossed the window: the fluid with `given`, the solid ending at `found`. Nothing when that
-  /// has converged; else what to give to the fluid next.
+  /// To be called after both sides have crossed the window, the fluid with `given`, the solid ending at `found`.
+  /// Returns nothing when the iteration has converged; otherwise what the fluid is given next.
   std::optional<Snapshot> next(const Snapshot& given, const Snapshot& found);
 
  private:

@@ -27,8 +27,8 @@ inline constexpr std::size_t worth_threads_in_blocks = 128, worth_threads_in_poi
 /// Whether the weight of a pair uses smoothing length and volume of the candidate or of the block's point.
 enum class Kernel { of_candidate, of_block };
 
-/// Weights of all pairs of two clouds, those out of reach left out: a block's from where its candidates begin, to
-/// `last`.
+/// Weights of all pairs of two clouds, without those out of reach: those of a block begin where its candidates do and
+/// end at `last`.
 struct PairWeights {
   std::vector<std::size_t> last;
   std::vector<Index> candidate;
@@ -83,7 +83,7 @@ class PairBlocks {
   /// Weights V W(r, h) at the points `of` of these blocks (from the first on).
   template <Kernel K>
   void weigh_all(std::span<const Block> blocks, const PointSet& of, PairWeights& out) const;
-  /// Another one whenever an update has changed anything.
+  /// A number that changes whenever an update has changed anything.
   [[nodiscard]] std::uint64_t state() const { return state_; }
 
   /// A point as a candidate.
@@ -93,10 +93,11 @@ class PairBlocks {
   [[nodiscard]] std::uint64_t reuses() const { return reuses_; }
 
  private:
-  /// How far points have moved since the lists were made, taken together, growth of their supports included [m];
-  /// infinite where others have come or gone.
+  /// Largest displacements of both clouds since the lists were made, added, growth of their supports included [m];
+  /// infinite where points have come or gone.
   [[nodiscard]] double moved(const PointSet& of, const PointSet& around) const;
-  /// Whether anything has moved; cells and blocks are new then where the lists do not hold, and `parts_` of blocks.
+  /// Returns whether anything has moved. Where the lists no longer hold, makes cells and blocks anew and cuts the
+  /// blocks into `parts_`.
   bool prepare(const PointSet& of, const PointSet& around);
   void prepare_search(const PointSet& of, const PointSet& around, double skin);
   void make_blocks(const PointSet& of, std::size_t begin, std::size_t end, double reach);
@@ -159,7 +160,8 @@ template <int D, class Value>
   weight = amplitude * (u2 * u2) * (5.0 - 4.0 * u);
 }
 
-/// The candidates that reach a block and their weights at its points, to arrays that have room for all; how many.
+/// Writes the candidates that reach a block and their weights at its points to arrays that are large enough for all;
+/// returns their number.
 template <Kernel K, int D>
 [[gnu::always_inline]] inline std::size_t weigh_block(const PairBlocks<D>& pairs,
                                                       const typename PairBlocks<D>::Block& block, const PointSet& of,

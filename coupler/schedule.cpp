@@ -113,7 +113,8 @@ class Schedule::Implementation {
     }
   }
 
-  /// The coupler's own state; the participants' publications as their digests only: they repeat them.
+  /// Writes or reads the coupler's own state. Of the participants' publications only digests are kept, since the
+  /// participants repeat them.
   void archive(Archive& archive) {
     std::uint64_t fluid = 0, solid = 0;
     if (!archive.loading()) {
@@ -243,7 +244,7 @@ class Schedule::Implementation {
                   fmt::format("not converged after {} iterations", most_iterations)};
   }
 
-  /// Serial, repeated until the solid moves as the fluid predicted.
+  /// Crosses a window by the serial scheme, repeated until the solid moves as the fluid predicted.
   std::optional<Reject> settle(const WindowClock::Plan& plan, const State& fluid_start, const State& solid_start,
                                const std::vector<SpatialMapping::Account>& accounts, double tolerance) {
     State found;
@@ -267,7 +268,8 @@ class Schedule::Implementation {
     }
   }
 
-  /// Through both solvers at the same time: each is given the other's start, and what it gave away in the last window.
+  /// One pass through both solvers at the same time: each is given the other's state at the start and the amounts that
+  /// the other gave in the last window.
   std::optional<Reject> pass_at_once(const WindowClock::Plan& plan, const State& fluid_start,
                                      const State& solid_start) {
     ++report_.passes;
@@ -283,8 +285,8 @@ class Schedule::Implementation {
     return rejection;
   }
 
-  /// Once through both solvers, one after the other. `solid_end`: what the fluid is given of the solid at the window's
-  /// end; null: its start is all there is.
+  /// One pass through both solvers, one after the other. `solid_end`: the solid at the window's end as the fluid is
+  /// given it; null: the solid at the start is all that is known.
   std::optional<Reject> pass(const WindowClock::Plan& plan, const State& fluid_start, const State& solid_start,
                              const Snapshot* solid_end) {
     ++report_.passes;
@@ -316,7 +318,8 @@ class Schedule::Implementation {
     return answer(role, plan);
   }
 
-  /// `start` (or null) and `end`: the other side at the ends of the window; `amounts`: what it has given away.
+  /// Sends ADVANCE to one side. `start` (or null) and `end`: the other side at the ends of the window; `amounts`: what
+  /// it has given away.
   void order(Role role, const WindowClock::Plan& plan, const Snapshot* start, const Snapshot& end,
              const Snapshot& amounts) {
     Message message;
@@ -328,7 +331,7 @@ class Schedule::Implementation {
     send_mapped(role, std::move(message), start, end, amounts);
   }
 
-  /// The refusal, or nothing: the window is crossed.
+  /// Waits for the answer of one side: its refusal, or nothing when it has crossed the window.
   std::optional<Reject> answer(Role role, const WindowClock::Plan& plan) {
     Message answer = broker_.wait(role);
     if (answer.step != step_ + 1 || answer.iteration != iteration_)
@@ -380,8 +383,8 @@ class Schedule::Implementation {
     broker_.send(role, std::move(message));
   }
 
-  /// The other side's fields at this side's points; those wanted in time also as they were at the window's start, when
-  /// the other side's points may have been elsewhere.
+  /// Maps the other side's fields to this side's points. Those taken in time are also mapped as they were at the
+  /// window's start, when the other side's points may have been elsewhere.
   Inbox mapped(Role role, const Snapshot* start, const Snapshot& end, const Snapshot& amounts) {
     const Span span(report_.mapping, trace_, "mapping");
     const Role giver = other(role);
@@ -391,7 +394,7 @@ class Schedule::Implementation {
       (spec.mapping == Mapping::conservative && &amounts != &end ? shared : intensities).push_back(spec);
       if (start && spec.in_time && spec.mapping == Mapping::consistent) in_time.push_back(spec);
     }
-    // The start first: its points are those of the last window's end, whose lists stand.
+    // The start comes first: its points are those of the last window's end, for which the lists are still right.
     std::vector<Field> at_start;
     if (!in_time.empty()) at_start = mapping_->map(giver, *start->points, start->fields, in_time, receiver).fields;
     Inbox inbox = mapping_->map(giver, *end.points, end.fields, intensities, receiver);
@@ -405,7 +408,7 @@ class Schedule::Implementation {
     return inbox;
   }
 
-  /// What the fluid takes of a pass through a window that is repeated.
+  /// The fields that the fluid takes from the last pass where a window is repeated.
   [[nodiscard]] std::vector<FieldSpec> found_wanted() const {
     std::vector<FieldSpec> wanted;
     for (const auto& spec : broker_.contract(Role::fluid).takes)

@@ -63,7 +63,7 @@ class Schedule {
   Schedule(const Schedule&) = delete;
   Schedule& operator=(const Schedule&) = delete;
 
-  /// From the handshake to the goodbyes. On any failure all participants are notified before the error leaves here.
+  /// Runs from the handshake to the goodbyes. On any failure all participants are notified before the error is thrown.
   void run();
   /// Notes for whom the coupler waits; BrokerOptions::waiting calls it.
   void note_waiting(const std::string& whom);

@@ -13,7 +13,7 @@ namespace {
 
 using Size = std::size_t;
 
-/// sum_j w_ij value_j, K values a point, for every point i of the blocks; take(i, sums, lane) has them.
+/// Passes sum_j w_ij value_j, K values a point, for every point i of the blocks to take(i, sums, lane).
 template <Size K, int D, class Take>
 void multiply(std::span<const typename PairBlocks<D>::Block> blocks, const PairWeights& weights,
               const std::vector<double>& value, const Take& take) {
@@ -34,7 +34,7 @@ void multiply(std::span<const typename PairBlocks<D>::Block> blocks, const PairW
 template <int D>
 class Shares {
  public:
-  /// Receivers weigh by their own kernels on either side.
+  /// Receivers have weights by their own kernels in both sets of blocks.
   Shares(const PairBlocks<D>& at_givers, const PairBlocks<D>& at_receivers, const PairWeights& by_giver,
          const PairWeights& by_receiver, const PointSet& givers, const PointSet& receivers, const Field& amounts)
       : at_givers_(at_givers),
@@ -52,8 +52,8 @@ class Shares {
     std::fill_n(scale_.begin(), receivers.n_active, 1.0);
   }
 
-  /// Factors under which an even giving arrives evenly however disordered the points are: what reaches a receiver from
-  /// the giving volumes is to be its own volume (Sinkhorn 1967). Only receivers inside the cloud of those that give are
+  /// Finds factors with which an even giving arrives evenly however disordered the points are: what reaches a receiver
+  /// from the giving volumes is to be its own volume (Sinkhorn 1967). Only receivers inside the cloud of the givers are
   /// balanced; at its edge the shares stay as the kernel has them.
   void balance() {
     const auto wanted = wanted_inside();
@@ -79,7 +79,7 @@ class Shares {
                    [&](Size i, const auto& total, Size lane) { take(i, total[0].v[lane]); });
   }
 
-  /// sum_i w_ij value_i of the active receivers, what their ghosts get included; K values a point, not yet scaled.
+  /// sum_i w_ij value_i of the active receivers, including what their ghosts get; K values a point, not yet scaled.
   template <Size K>
   void receive(const std::vector<double>& value, std::vector<double>& got) const {
     multiply<K, D>(at_receivers_.blocks(), by_receiver_, value, [&](Size j, const auto& total, Size lane) {

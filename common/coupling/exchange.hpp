@@ -33,7 +33,7 @@ struct FieldSpec {
       mask;  ///< optional: a one-component field of the same message, in [0,1], that multiplies the giver's weight
   /// The taker crosses a window in steps of its own and takes the value at the window's start, too (consistent fields).
   bool in_time = false;
-  /// of a taker that repeats windows: what the giver's last pass ended with is wanted too (consistent)
+  /// The taker repeats windows and takes the value with which the giver's last pass ended, too (consistent fields).
   bool found = false;
   bool operator==(const FieldSpec&) const = default;
 };
@@ -121,8 +121,10 @@ struct Publication {
 struct Inbox {
   std::vector<double>
       coverage;  ///< [n_active] sum of V W of the other side's points: 1 inside, 0 outside, ~0.5 on a flat edge
-  /// [n_active] |sum V W (x_j - x)| / (h sum V W): 0 inside however disordered, 0.47 on a flat edge, 2 at the last
-  /// neighbour; zero where coverage is zero.
+  /// [n_active]
+  /// sum V W (x_j - x)
+  /// / (h sum V W): 0 inside however disordered the points, 0.47 on a flat edge, 2 at the last neighbour; 0 where
+  /// coverage is 0.
   std::vector<double> asymmetry;
   std::vector<Field> fields;  ///< [n_active * components]; zero where coverage is zero
   /// Values at the window's start of the fields taken `in_time`; absent where the giver's values do not change in the

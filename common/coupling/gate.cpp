@@ -27,7 +27,7 @@ std::uint64_t cookie_of(int descriptor) {
   return ::getsockopt(descriptor, SOL_SOCKET, SO_COOKIE, &cookie, &size) == 0 ? cookie : 0;
 }
 
-/// Received over tcp so far; 0 for other kinds of connection.
+/// Bytes received over tcp so far; 0 for other kinds of connection.
 std::uint64_t bytes_received(int descriptor) {
   tcp_info info{};
   socklen_t size = sizeof info;
@@ -145,7 +145,7 @@ void Gate::keep_looking() {
   }
 }
 
-/// What the monitor has to say, in the order in which it happened. True: there may be more.
+/// Reads an event of the monitor, in the order in which they happened. True: there may be more.
 bool Gate::look() {
   constexpr int most_at_once = 64;
   for (int count = 0; count < most_at_once; ++count) {
@@ -214,7 +214,8 @@ void Gate::end(int descriptor, Connection& connection, const std::string& why) {
   if (cookie_of(descriptor) == connection.cookie) ::shutdown(descriptor, SHUT_RDWR);
 }
 
-/// How many strangers there are, what they have sent and how long they have stayed.
+/// Checks the number of strangers, what they have sent and how long they have stayed, and ends connections beyond the
+/// limits.
 void Gate::enforce() {
   if (!limits_) return;
   for (auto& [descriptor, connection] : connections_)
@@ -234,7 +235,7 @@ void Gate::enforce() {
 }
 
 bool Gate::heard(const std::string& line, int descriptor) {
-  // What was sent before a connection closed is heard after that, too.
+  // A message that was sent before its connection closed is still processed afterwards.
   if (members_.count(line) > 0) return true;
   const std::lock_guard lock(mutex_);
   while (look()) {  // who has this descriptor now
@@ -280,7 +281,7 @@ std::optional<std::string> Gate::closed() {
   return line;
 }
 
-/// Who is turned away tries again several times a second: everything is said once, and not without end.
+/// A process that is refused tries again several times a second: each text is logged once, and their number is limited.
 void Gate::note(const std::string& what) {
   const std::lock_guard lock(news_);
   const std::size_t most = limits_ ? limits_->notices : 100;

@@ -24,7 +24,7 @@ inline constexpr std::string_view smoothing_length_array = "@smoothing_length";
 inline constexpr std::string_view owner_array = "@owner";
 inline constexpr std::string_view coverage_array = "@coverage";
 inline constexpr std::string_view asymmetry_array = "@asymmetry";
-/// Behind a field's name: its values at the window's start.
+/// Suffixes of a field's name: its values at the window's start; those with which the last pass ended.
 inline constexpr std::string_view start_suffix = "@start", found_suffix = "@found";
 
 /// Bytes with an owner that exists as long as anything, a socket included, still reads them.

@@ -45,7 +45,7 @@ CaseFile request_case(Transport& transport, Role role, const ParticipantOptions&
 class Participant {
  public:
   Participant(std::unique_ptr<Transport> transport, Role role, Contract contract, ParticipantOptions options = {});
-  /// Leaves without a word when neither bye() nor abort() was called: the coupler sees a death.
+  /// Closes the connection silently when neither bye() nor abort() was called: the coupler reports a death.
   ~Participant();
   Participant(const Participant&) = delete;
   Participant& operator=(const Participant&) = delete;

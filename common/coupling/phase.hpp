@@ -30,8 +30,8 @@ struct OutputField : FieldDeclaration {
   TellParticle tell;  ///< all its components
 };
 
-/// Everything of one phase at one time, as a file shows it; given particle by particle, so that it never lies in memory
-/// as a whole. Holds until the phase changes.
+/// All output of one phase at one time, as a file shows it. It is given particle by particle, so that it is never in
+/// memory as a whole. Valid until the phase changes.
 struct OutputFrame {
   double time = 0.0;
   std::size_t count = 0;  ///< of particles
@@ -78,14 +78,15 @@ class Phase {
     return {publication.proposed_interval, std::move(publication.limited_by)};
   }
 
-  /// Once, before the first window, with the other side's fields at time zero (the solid finds its rest under gravity
-  /// here).
+  /// Called once, before the first window, with the other side's fields at time zero (the solid finds its rest under
+  /// gravity here).
   virtual void initialise(const coupling::Inbox& inbox) = 0;
 
   /// Advances by one window. On rejection the caller restores. Throws DivergedError when nothing can be saved.
   virtual coupling::Outcome advance(const coupling::Window& window, const coupling::Inbox& inbox) = 0;
 
-  /// Keeps / brings back the complete state: particles, lists that affect results, warm starts, controllers.
+  /// save() keeps the complete state (particles, lists that affect results, warm starts, controllers), restore()
+  /// returns to it.
   virtual void save() = 0;
   virtual void restore() = 0;
 

@@ -116,7 +116,7 @@ class Router final : public Hub {
   std::string address() const override { return address_; }
 
  private:
-  /// Messages before closings: what a dying peer still said counts, and came in before its line was closed.
+  /// Messages come before closings: the last message of a peer that dies came in before its line was closed.
   std::optional<Event> next() {
     if (closing_.empty()) closing_ = gate_->closed().value_or("");
     if (auto event = receive_message()) return event;
@@ -126,7 +126,7 @@ class Router final : public Hub {
     return Event{std::exchange(closing_, {}), {}};
   }
 
-  /// What both ends of a line on this machine show each other.
+  /// Memory that both ends of a line within one machine share.
   struct Shared {
     LentMemory lent;
     BorrowedMemory borrowed;

@@ -112,7 +112,7 @@ struct LentMemory::Slot {
   [[nodiscard]] bool free() const { return memory.head().lent.load(std::memory_order_acquire) == 0; }
 
  private:
-  /// Sealed: a reader must never find that it has become shorter.
+  /// Makes memory that is sealed against shrinking, so that a reader never finds it shorter than expected.
   static int make(std::size_t size) {
     const int file = ::memfd_create(file_name, MFD_CLOEXEC | MFD_ALLOW_SEALING);
     if (file >= 0 && (::ftruncate(file, static_cast<off_t>(size)) != 0 ||
@@ -170,7 +170,7 @@ struct BorrowedMemory::View {
 std::shared_ptr<BorrowedMemory::View> BorrowedMemory::view(const MemoryName& name) {
   if (const auto found = views_.find(name.token); found != views_.end()) return found->second;
   const std::string path = fmt::format("/proc/{}/fd/{}", name.process, name.descriptor);
-  // Only what calls itself ours is opened: opening can do something to other kinds of file.
+  // Only files with this name are opened: opening other kinds of file can have side effects.
   std::array<char, 64> target{};
   const auto length = ::readlink(path.c_str(), target.data(), target.size());
   const std::string expected = fmt::format("/memfd:{} (deleted)", file_name);

@@ -21,7 +21,7 @@ struct MemoryName {
   std::uint64_t token = 0;
 };
 
-/// What one line's end lends to the other. One thread.
+/// Memory that one end of a line lends to the other. For one thread.
 class LentMemory {
  public:
   /// Messages that can be under way at once; further ones go through the socket.
@@ -41,7 +41,7 @@ class LentMemory {
   std::vector<std::shared_ptr<Slot>> slots_;
 };
 
-/// What is seen of another process's memory. One thread; the frames may go anywhere.
+/// Another process's memory as it is read here. For one thread; the frames may go to others.
 class BorrowedMemory {
  public:
   [[nodiscard]] bool reaches(const MemoryName& name);
@@ -55,8 +55,8 @@ class BorrowedMemory {
   std::map<std::uint64_t, std::shared_ptr<View>> views_;  ///< by token
 };
 
-/// What the two ends say to each other before they lend; the user of a line never sees it. A DEALER names its memory in
-/// its routing id; the ROUTER that reaches it names its own in an offer; the DEALER that reaches that one accepts.
+/// Messages by which the two ends agree before they lend; the user of a line never sees them. A DEALER names its memory
+/// in its routing id; a ROUTER that can reach it names its own in an offer; a DEALER that can reach that accepts.
 namespace sharing {
 
 /// "" when there is no memory.

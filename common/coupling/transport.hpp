@@ -26,9 +26,9 @@ class Transport {
   virtual void send(Frames frames) = 0;
   /// The next message, or nothing after `timeout`.
   virtual std::optional<Frames> receive(Milliseconds timeout) = 0;
-  /// Once connected and now no longer: the other end is gone.
+  /// Whether there was a connection and the other end is gone.
   [[nodiscard]] virtual bool lost() const = 0;
-  /// What stands in the way of a connection, as far as it is known; empty: nothing.
+  /// What prevents a connection, as far as it is known; empty: nothing.
   [[nodiscard]] virtual std::string trouble() const { return {}; }
   /// Does what was sent stay without the acknowledgement that even a stopped process's host would give?
   [[nodiscard]] virtual bool cut() const { return false; }
@@ -83,7 +83,7 @@ std::unique_ptr<Hub> bind_socket(const std::string& address, bool allow_any_addr
 class InProcess {
  public:
   InProcess();
-  /// The coupler's end; once.
+  /// The coupler's end; to be called once.
   std::unique_ptr<Hub> hub();
   /// One more line; its destruction shows at the hub as a line that is gone, as a closed socket would.
   std::unique_ptr<Transport> line();
@@ -91,7 +91,7 @@ class InProcess {
   // For tests: the conversation message by message, in both directions, heartbeats included.
   /// Messages wait where they are, until allow() or resume().
   void pause();
-  /// Lets so many more through.
+  /// Lets this number of messages through.
   void allow(std::size_t messages);
   void resume();
   /// From now on everything is lost, and neither side learns of it: a cut cable.

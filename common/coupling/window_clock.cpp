@@ -46,7 +46,7 @@ WindowClock::Plan WindowClock::plan(double proposed) const {
   if (interval >= remaining * (1.0 - same)) {
     plan.end = target;
   } else {
-    // No slivers: the last two windows before an instant share what is left.
+    // No very short windows: the last two windows before an instant share the time that is left.
     plan.end = interval > 0.5 * remaining ? time_ + 0.5 * remaining : time_ + interval;
     at_output = false;
   }
