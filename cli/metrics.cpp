@@ -37,8 +37,8 @@ void declare(Keys& keys, VerifyRun& r) {
        "what `vary` lists. Means over them are compared with the references. With `--short` there is one."},
       between(1, false, 1000, false));
   keys.texts("vary", r.vary, {"", "Numbers that differ between histories, KEY=VALUE: `soil.0.cohesion=550`."});
-  keys.number("variation", r.variation,
-              {"1", "Largest change of these numbers, relative to the value, up or down."}, positive());
+  keys.number("variation", r.variation, {"1", "Largest change of these numbers, relative to the value, up or down."},
+              positive());
   keys.texts("figures", r.figures,
              {"", "Fields that a report shows, FIELD or FIELD@TIME in s; absent: the main ones at the end."});
 }
@@ -95,8 +95,7 @@ void declare(Keys& keys, Metric& m) {
                "value."});
   keys.number("tolerance", m.tolerance, {"", "Largest error that passes."}, not_negative());
   keys.number("spread", m.spread,
-              {"",
-               "Largest standard deviation over several histories that passes; relative where the tolerance is."},
+              {"", "Largest standard deviation over several histories that passes; relative where the tolerance is."},
               positive());
   keys.text("unit", m.unit, {"", "Unit of the value."});
 }
@@ -120,8 +119,7 @@ void declare(Keys& keys, Figure& f) {
   keys.numbers("times", f.times, {"s", "Frames nearest to these times; absent: the last."});
   keys.texts("gauges", f.gauges, {"", "Gauges to draw, with `profile` and `history`."});
   keys.texts("labels", f.labels, {"", "Labels of `gauges`, or of `runs`, in the legend."});
-  keys.text("label", f.label,
-            {"", "With `profile` and `history`: label of the axis of the readings, with unit."});
+  keys.text("label", f.label, {"", "With `profile` and `history`: label of the axis of the readings, with unit."});
   keys.number("scale", f.scale, {"", "Readings are multiplied by it."});
   keys.text("reference_csv", f.reference_csv,
             {"",

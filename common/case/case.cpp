@@ -373,9 +373,9 @@ void declare(Keys& keys, Load& l) {
               {"s",
                "Time from which on the load acts; absent: it always acts, and the soil comes to rest under it "
                "before time zero."});
-  keys.series("factor", l.factor,
-              {"1",
-               "Factor on the traction, against time; without `start` the soil comes to rest under its first value."});
+  keys.series(
+      "factor", l.factor,
+      {"1", "Factor on the traction, against time; without `start` the soil comes to rest under its first value."});
 }
 
 void declare(Keys& keys, PorePressure& p) {
@@ -453,11 +453,10 @@ void declare(Keys& keys, FluidCase& f) {
        "`pointwise`: Eqs. (64)/(73), exact for a uniform relative velocity; `smoothed`: Eqs. (67)/(74), a sum over "
        "pairs that depends on how the two lattices lie, G = d; `smoothed_as_printed`: G = 1/d, d^2 times too weak "
        "(rigid soil only)."});
-  keys.flag(
-      "skeleton_response", f.skeleton_response,
-      {"",
-       "The pressure solve includes a prediction of the skeleton's motion; false: plain staggering, to show its "
-       "limit (docs/stability.md)."});
+  keys.flag("skeleton_response", f.skeleton_response,
+            {"",
+             "The pressure solve includes a prediction of the skeleton's motion; false: plain staggering, to show its "
+             "limit (docs/stability.md)."});
   keys.tables("region", "Where water stands at time zero; inside soil it fills the pores.", f.regions,
               [](Keys& inner, Shape& shape) { declare(inner, shape); });
 }
@@ -480,9 +479,9 @@ void declare(Keys& keys, SolidCase& s) {
   keys.number("jitter", s.jitter, {"spacings", "Largest random displacement of the initial lattice."},
               between(0, false, 1, false));
   declare_seed(keys, s.seed);
-  keys.flag("initial_rest", s.initial_rest,
-            {"",
-             "Before time zero the soil is brought to rest under gravity, the water and the loads without `start`."});
+  keys.flag(
+      "initial_rest", s.initial_rest,
+      {"", "Before time zero the soil is brought to rest under gravity, the water and the loads without `start`."});
   keys.flag("initial_seepage", s.initial_seepage,
             {"",
              "The soil is brought to rest under the seepage force, too, of water that flows steadily under the "
@@ -572,8 +571,8 @@ void declare(Keys& keys, CouplingCase& c) {
 }
 
 void declare(Keys& keys, OutputCase& o) {
-  keys.number("interval", o.interval,
-              {"s", "Interval between frames; 0: the first and the last only."}, not_negative());
+  keys.number("interval", o.interval, {"s", "Interval between frames; 0: the first and the last only."},
+              not_negative());
   keys.number("gauge_interval", o.gauge_interval,
               {"s", "Interval between gauge readings; 0: a reading after every window."}, not_negative());
 }
@@ -601,8 +600,7 @@ void declare(Keys& keys, Gauge& g) {
               not_negative());
   keys.optional_table("region",
                       "Where the particles lie of which `volume`, `momentum`, .. are taken; absent: everywhere.",
-                      g.region,
-                      [](Keys& inner, Shape& shape) { declare(inner, shape); });
+                      g.region, [](Keys& inner, Shape& shape) { declare(inner, shape); });
 }
 
 /// What both solvers must agree on.
@@ -629,9 +627,8 @@ void declare_own(Keys& keys, Case& c) {
               "Water in the pores of soil that runs alone: it fills them where its pressure is above zero, and acts on "
               "the skeleton by buoyancy and seepage, rho_w g - grad p per volume.",
               c.pore_pressures, [](Keys& inner, PorePressure& p) { declare(inner, p); });
-  keys.tables("rain",
-              "Rain on the soil's surface, or evaporation from it. With fluid.representation = \"field\".", c.rains,
-              [](Keys& inner, Rain& rain) { declare(inner, rain); });
+  keys.tables("rain", "Rain on the soil's surface, or evaporation from it. With fluid.representation = \"field\".",
+              c.rains, [](Keys& inner, Rain& rain) { declare(inner, rain); });
   keys.table("fluid", "The water phase.", [&](Keys& inner) { declare(inner, c.fluid); });
   keys.table("solid", "The soil phase.", [&](Keys& inner) { declare(inner, c.solid); });
   keys.table("output", "What is written, and when.", [&](Keys& inner) { declare(inner, c.output); });
