@@ -14,7 +14,7 @@ Every instant of the exchange counts once: to whoever computes, else to who writ
 The first scene is a column of 3000 particles (cases/terzaghi) exchanging every substep of the soil, serial and parallel
 (docs/theory/coupling.md, "Other schemes"); the others cases/embankment_seepage and, to its
 end, cases/embankment_failure, with the windows that they choose. --trace judges a time line that is there. On a busy
-machine whoever is not given a core stands for `nobody`, too: the least of --repeat runs is told.
+machine whoever is not given a core stands for `nobody`, too: the shortest of --repeat runs is reported.
 """
 import argparse
 import collections

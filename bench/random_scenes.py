@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Random scenes, each held against an exact value or a finite-volume solution of its own; the exit code is 1 if any is silently wrong.
+"""Random scenes, each compared with an exact value or a finite-volume solution of its own; the exit code is 1 if any is silently wrong.
 
     still   water at rest: tanks with slanted sides, steps, blocks, two chambers, ground below water; p = rho g (H - y), speeds
     column  steady seepage through layers in series, gravity at any angle to them; U = dh / sum(t / k), heads
@@ -35,7 +35,7 @@ from scipy.sparse.linalg import spsolve
 FIRST_ORDER, SMALLEST = 0.3, 0.01  # error of one row; bound of many
 # Kinds of scenes that are known to be refused or wrong: drawn with --known NAME only.
 KNOWN = {"thin_walls": "piles thinner than the kernel's reach", "part_faces": "faces that end on a straight wall"}
-# Seeds whose result is known to be wrong, with the reason: shown, not held against a run.
+# Seeds whose result is known to be wrong, with the reason: shown, but not counted as a failure.
 CORNER = "pressure read within a row of a border, where all of the head is lost in five rows"
 ASLANT = "discharge past or through another soil off by more than its few rows explain; not found out"
 WRONG = {27: CORNER, 97: ASLANT}
@@ -43,7 +43,7 @@ WRONG = {27: CORNER, 97: ASLANT}
 
 @dataclasses.dataclass
 class Held:
-    """A scene and what its gauges are held against: {gauge: (right value, what an error is relative to)}; `most`: {gauge: largest
+    """A scene and what its gauges are compared with: {gauge: (right value, what an error is relative to)}; `most`: {gauge: largest
     reading}."""
     scene: Scene
     rows: float

@@ -38,8 +38,10 @@ HEAD = """# Performance
 
 Made by `poretwin bench`, {cores} cores; docs/notebook/performance.md says why it is so and what was tried. Studies: the error of each case's own
 `verify`, CPU and wall-clock seconds of all processes; `*`: no other run of the case has a smaller error in less time; a dash: the run did not
-end. A scheme's finer runs are missing once one has taken longer than a minute. The first scheme is the code as it comes: its defaults are
-the knee of these curves where it bears the `*` and a tighter tolerance or a finer run costs more than its error is worth.
+end. A scheme's finer runs are missing once one has taken longer than a minute. Schemes: `default`, the code without settings; `EISPH`, explicit
+sweeps for the pressure (`fluid.scheme = "eisph"`); `paper`, the scheme of Bui & Nguyen (2017) as far as it is built (`case.scheme = "paper"`,
+[theory](theory/paper.md#scheme--paper)); others change the setting that they name. Where `default` bears the `*` it is the knee of the curves: a
+tighter tolerance or a finer run costs more than its smaller error is worth.
 """
 
 
@@ -157,8 +159,9 @@ def size_table(a):
 def coupling_table(a):
     rows = overhead.measure_all(a.program, a.repeats)
     write_csv(a.out / "overhead.csv", rows)
-    return ["", "## Coupling", "", "Overhead is what no solver computes in; over the critical path is what nobody works in (bench/overhead.py). "
-            "Asked: 25 % on 3000 particles, 15 % on embankment_failure, 1.15.", "", *overhead.table(rows)], rows
+    return ["", "## Coupling", "", "Overhead: mapping, sending and time in which no process works, over the whole time; over the critical path: the whole time over "
+            "the time in which some process works (bench/overhead.py). Bounds: overhead 25 % on 3000 particles and 15 % on embankment_failure, "
+            "1.15 over the critical path.", "", *overhead.table(rows)], rows
 
 
 def skipping_table(a):

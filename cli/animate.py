@@ -19,7 +19,7 @@ KINDS = (".gif", ".mp4")
 
 
 def chosen(count):
-    """Steps of so many: all, or as many as are shown; the first and the last among them."""
+    """Which of this number of steps are shown: all, or evenly chosen ones with the first and the last among them."""
     return np.unique(np.linspace(0, count - 1, min(count, MOST_FRAMES)).round().astype(int)).tolist()
 
 
@@ -44,7 +44,7 @@ class Scene:
         self.figure, panels = plt.subplots(*grid, squeeze=False, figsize=size, dpi=DPI, layout="compressed",
                                            **({"width_ratios": widths} if beside else {"height_ratios": heights}))
         self.panels = list(panels.flat)
-        # Bars and labels stand before the first frame does: the layout is found once, and nothing moves.
+        # Colour bars and labels are drawn before the first frame: the layout is found once, and nothing moves.
         for shown, axes in zip(self.shown, self.panels):
             drawn = shown.paint(axes, shown.steps[-1])
             shown.axis_labels(axes)

@@ -1,25 +1,25 @@
-"""Pictures of particles as the bodies they fill: every place takes the colour of the particle nearest to it."""
+"""Pictures of particles as the bodies they fill: every pixel takes the colour of the particle nearest to it."""
 import numpy as np
 
 
 def spacing(x):
-    """Distance between neighbours inside a body [m], from how many lie within a few of them; x: [n, 2 or 3]."""
+    """Distance between neighbours inside a body [m], from the number of particles within a few such distances; x: [n, 2 or 3]."""
     n, dimensions = x.shape
     if n < 2:
         return 1.0
     chosen = np.random.default_rng(0).choice(n, min(n, int(np.clip(4e6 / n, 20, 200))), replace=False)
     near = [np.sqrt(np.partition(((x - x[i]) ** 2).sum(axis=1), 1)[1]) for i in chosen]
-    reach = 4.69 * float(np.median(near))  # a circle of as much area in a lattice as it holds points, 69
+    reach = 4.69 * float(np.median(near))  # a circle of this radius holds 69 points of a lattice
     if reach == 0.0:
         return 1.0
     volume = np.pi * reach**2 if dimensions == 2 else 4.0 / 3.0 * np.pi * reach**3
     count = np.array([np.count_nonzero(((x - x[i]) ** 2).sum(axis=1) <= reach**2) for i in chosen])
     own = (volume / count) ** (1.0 / dimensions)
-    return float(np.quantile(own, 0.25))  # those near a surface have fewer
+    return float(np.quantile(own, 0.25))  # particles near a surface count fewer neighbours
 
 
-SURFACE = 0.7
-BODY = 0.75  # of a particle's size, what it covers: half a diagonal, and a little
+SURFACE = 0.7  # cover at which a body's outline is drawn (Canvas.smooth)
+BODY = 0.75  # radius of the disc that a particle covers, over its size: half a diagonal, and a little more
 
 
 class Canvas:
@@ -47,7 +47,7 @@ class Canvas:
         return found, reach * np.sqrt(best)
 
     def search_by_offsets(self, at, far, most, found, best):
-        """All particles at once, for each pixel around them."""
+        """Goes through the offsets of pixels within reach, each for all particles at once."""
         home = np.rint(at).astype(int)
         for row in range(-most, most + 1):
             for column in range(-most, most + 1):
@@ -62,7 +62,7 @@ class Canvas:
                 found[i[nearer], j[nearer]] = mine[nearer]
 
     def search_by_particles(self, at, far, found, best):
-        """All pixels around a particle at once, for each of them: less work where particles are few and large."""
+        """Goes through the particles, each for all pixels around it at once: less work where particles are few and large."""
         first, last = np.maximum(np.ceil(at - far[:, None]).astype(int), 0), np.floor(at + far[:, None]).astype(int) + 1
         for k in range(len(at)):
             rows, columns = slice(first[k, 1], max(last[k, 1], 0)), slice(first[k, 0], max(last[k, 0], 0))
@@ -74,7 +74,8 @@ class Canvas:
             near[nearer], index[nearer] = distance[nearer], k
 
     def smooth(self, inside, size):
-        """Inside or not, averaged over some of a spacing: 1 well inside, 0 outside, SURFACE half a spacing from the last particle."""
+        """How far each pixel lies inside: `inside`, true or false, averaged over about a spacing. 1 well inside, 0 outside, SURFACE at half a
+        spacing from the outermost particle."""
         inside = inside.astype(float)
         width = max(1, int(round(0.35 * float(np.median(size)) / self.pixel)))
         for axis in (0, 1, 0, 1):
@@ -89,7 +90,7 @@ class Canvas:
         return self.smooth(self.nearest(x, size, BODY)[0] >= 0, size)
 
     def fill(self, x, values, size):
-        """Values of the particles nearest to each pixel, without holes, in the body that the particles make; and its cover."""
+        """For each pixel the value of the nearest particle, NaN outside of the body that the particles make; and the body's cover."""
         near, distance = self.nearest(x, size, 1.5)
         cover = self.smooth((near >= 0) & (distance < BODY), size)
         return np.where((cover > SURFACE) & (near >= 0), np.asarray(values, dtype=float)[near] if len(x) else np.nan, np.nan), cover

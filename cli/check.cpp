@@ -112,7 +112,7 @@ ParticleCount count_particles(const Case& scene) {
 CheckReport report_of(const Case& scene) {
   CheckReport report;
   report.amounts = estimate(scene);
-  // Making very many only to count them takes longer than a person waits.
+  // Above this number particles are estimated, not made: making them only to count them takes too long.
   constexpr double many = 2e6;
   const Amounts& amounts = report.amounts;
   report.estimated = amounts.fluid + amounts.solid > many;

@@ -1,4 +1,4 @@
-// `poretwin check`: what a case will be, without running it.
+// `poretwin check`: particles, stable intervals and memory of a case, without running it.
 #pragma once
 
 #include "common/case/amounts.hpp"
@@ -19,7 +19,7 @@ ParticleCount count_particles(const Case& scene);
 /// Throws CaseError when the case needs more memory than this machine has, by estimate.
 void expect_memory(const Case& scene);
 
-/// The longest stable window, by one cause.
+/// The longest stable window that one cause allows.
 struct Limit {
   double seconds;
   std::string what;
@@ -33,7 +33,7 @@ struct CheckReport {
 };
 CheckReport report_of(const Case& scene);
 
-/// Particles, spacing, the intervals that are stable and what sets them, memory.
+/// Text with the particles, their spacing, the stable intervals and what limits them, and the memory.
 std::string check_text(const Case& scene, const CheckReport& report);
 nlohmann::ordered_json check_json(const Case& scene, const CheckReport& report);
 

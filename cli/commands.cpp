@@ -39,7 +39,7 @@ struct CommandLine::Arguments {
   int restarts = 2;
   std::string json;
   VerifyOptions verify;
-  std::vector<std::string> words;  ///< of a script, or that nobody looks at but itself
+  std::vector<std::string> words;  ///< arguments that are passed on to a script as they are
 };
 
 namespace {
@@ -103,7 +103,7 @@ int check(const Arguments& a, JsonOutput& json) {
   return 0;
 }
 
-/// The words that a command was given, as its options declare them, for a script that takes the same.
+/// The arguments that a command was given, as its options declare them, for a script that takes the same.
 std::vector<std::string> words_of(const CLI::App& command) {
   std::vector<std::string> positional, words;
   for (const CLI::Option* option : command.get_options()) {
@@ -229,7 +229,7 @@ void declare(CLI::App& app, Arguments& a, JsonOutput& json, std::function<int()>
   does(check_command, [&] { return check(a, json); });
 
   VerifyOptions& v = a.verify;
-  auto* verify_command = app.add_subcommand("verify", "Run a case, or all, and hold it against its reference");
+  auto* verify_command = app.add_subcommand("verify", "Run a case, or all, and compare it with its reference");
   verify_command->add_option("CASE", v.which, std::string(case_help) + ", or 'all'")->required()->type_name("");
   with_programs(verify_command);
   with_json(verify_command);
@@ -281,7 +281,7 @@ void declare(CLI::App& app, Arguments& a, JsonOutput& json, std::function<int()>
   does(view_command, [view_command] {
     auto words = words_of(*view_command);
     words.insert(words.end(), {"--built", view_folder()});
-    // In place of this process, so that Ctrl-C and other signals reach the server itself.
+    // The server takes the place of this process, so that Ctrl-C and other signals reach it.
     become_script("view/server.py", words);
     return 0;
   });

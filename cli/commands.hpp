@@ -13,7 +13,7 @@ class CommandLine : public CLI::App {
  public:
   explicit CommandLine(JsonOutput& json);
   ~CommandLine() override;
-  /// What the parsed command line asks for; returns the exit code.
+  /// Runs the command that the parsed command line names; returns the exit code.
   int act() const { return action_(); }
 
   struct Arguments;

@@ -21,7 +21,7 @@ namespace {
 
 using coupling::DeclaredArgument;
 
-/// A command of a program, or a program, as people see it.
+/// A program or a command of it, as man pages and completions show it.
 struct Described {
   std::string path;  ///< "run", "peer mock"; of the program itself empty
   std::string about, footer;
@@ -40,7 +40,7 @@ std::string joined(const std::vector<std::string>& words, const std::string& sep
   return fmt::format("{}", fmt::join(words, separator));
 }
 
-/// An option takes one of "{fluid,solid}": so CLI11 shows membership.
+/// Words that an option accepts. CLI11 shows them as "{fluid,solid}".
 std::vector<std::string> choices_of(const std::string& type) {
   const auto from = type.find('{'), to = type.find('}');
   std::vector<std::string> words;
@@ -54,7 +54,7 @@ void describe_app(const CLI::App& app, const std::string& path, std::vector<Desc
   Described d;
   d.path = path;
   d.about = app.get_description();
-  // Commands hand their footer down to those below them.
+  // Commands pass their footer on to their sub-commands; it is shown once.
   if (app.get_parent() != nullptr && app.get_footer() != app.get_parent()->get_footer()) d.footer = app.get_footer();
   for (const CLI::Option* option : app.get_options()) {
     const bool takes = option->get_items_expected_max() > 0;
@@ -181,7 +181,7 @@ std::string shell_quoted(const std::string& text) {
   return out + "'";
 }
 
-/// Word by word: which command stands on the line so far.
+/// Shell pattern that matches the words of any command.
 std::string paths_pattern(const DescribedProgram& program) {
   std::vector<std::string> patterns;
   for (const auto& d : program.commands)

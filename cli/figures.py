@@ -24,7 +24,7 @@ def read_toml(path):
 
 
 def case_file(run):
-    """What the case file of a run says."""
+    """Contents of the case file of a run."""
     return read_toml(pathlib.Path(read_toml(run / "run.toml")["case_file"]))
 
 
@@ -33,7 +33,7 @@ def runs_below(folder):
 
 
 def is_verification(folder):
-    """Is this no run, but a folder of runs of one case?"""
+    """Is this a folder with the runs of one case, and not a run?"""
     return not (folder / "run.toml").exists() and not any(folder.glob("*.vtkhdf")) and bool(runs_below(folder))
 
 
@@ -47,7 +47,7 @@ def case_of(folder):
 
 
 class Missing(Exception):
-    """What a figure needs is not there: the run was left out, or ended early."""
+    """Raised when results that a figure needs are missing: the run was left out, or ended early."""
 
 
 class Figures:
@@ -77,7 +77,7 @@ class Figures:
         return frames
 
     def points(self, f, time, last):
-        """What is drawn as well, [x, y] rows: of this time, or of no time beside the last picture."""
+        """Points to draw as well, [x, y] rows: those of this time; those without a time in the last picture."""
         if "points" in f:
             return np.array(f["points"], dtype=float) if last else None
         if "reference_csv" not in f:
@@ -197,7 +197,7 @@ class Figures:
             values = scale * np.array([series[one]["v"][-1] for one in names])
             exact = scale * np.array([right.get(one, np.nan) for one in names])
             colour = colours[k % len(colours)]
-            # Places of height stand upright, as in the ground.
+            # Where the points of a gauge lie above each other, their height is the vertical axis.
             lines = [(exact, {"lw": 1.0}), (values, style.REFERENCE | {"label": f.get("labels", f["gauges"])[k]})]
             for numbers, how in lines:
                 axes.plot(*((numbers, places[:, along]) if along else (places[:, along], numbers)), color=colour, **how)
@@ -243,7 +243,7 @@ class Figures:
         return figure
 
     def draw_all(self, out, form, stem=""):
-        """Draws what there are runs for. Yields paths."""
+        """Draws the figures for which there are runs. Yields paths."""
         for f in self.declared():
             try:
                 yield self.draw(f, out / f"{stem}{f['name']}.{form}")

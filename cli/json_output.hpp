@@ -1,5 +1,5 @@
-// What a command did, for another program: --json FILE of run, check, safety, verify and bench. docs/json.md shows what
-// stands in it.
+// The result of a command for another program: --json FILE of run, check, safety, verify and bench. docs/json.md
+// describes its contents.
 #pragma once
 
 #include <exception>
@@ -30,11 +30,11 @@ class JsonOutput {
   int stdout_ = -1;  ///< the real one, while descriptor 1 is stderr
 };
 
-/// The head of every command's account: "command", "version", "exit", "reason".
+/// The head of every command's result: "command", "version", "exit", "reason".
 nlohmann::ordered_json json_head(const std::string& command, int exit, const std::string& reason);
 
-/// Of a command that could not begin: the head and "error" with "message", "file", "line" and "key", null where
-/// unknown.
+/// The result of a command that could not begin: the head and "error" with "message", "file", "line" and "key", null
+/// where unknown.
 nlohmann::ordered_json json_error(const std::string& command, int exit, const std::string& message);
 
 /// JSON has no infinity and no NaN: null.

@@ -1,4 +1,4 @@
-// What the processes of a run write to their logs, seen as it comes.
+// Follows what the processes of a run write to their logs.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,8 @@ namespace poretwin::cli {
 
 class LogTail {
  public:
-  /// From where the files end now, or from their beginnings. `line`: each whole line, without its time of day.
+  /// from_now: follows the files from where they end now, otherwise from their beginnings. `line` gets each whole line,
+  /// without its time of day.
   LogTail(std::vector<std::filesystem::path> files, bool from_now, std::function<void(const std::string&)> line);
   /// Reads what has been added. A file that has become shorter is read from its beginning.
   void read();

@@ -26,7 +26,7 @@ int failed(JsonOutput& json, const std::string& what, ExitCode code) {
   return exit;
 }
 
-/// A command line that cannot be parsed may still have said where its JSON goes.
+/// Opens the JSON output even for a command line that cannot be parsed, if it names one.
 void open_json(JsonOutput& json, const std::vector<std::string>& words) {
   const std::string name = "--json";
   for (std::size_t k = 1; k < words.size(); ++k)

@@ -33,11 +33,12 @@ void declare(Keys& keys, VerifyRun& r) {
   keys.integer(
       "histories", r.histories,
       {"",
-       "How often it is run, the first as it is, the others with particles displaced by a millionth of a spacing "
-       "and what `vary` lists: means are held against the references. One with `--short`."},
+       "Number of runs: the first as it is, the others with particles displaced by a millionth of a spacing and with "
+       "what `vary` lists. Means over them are compared with the references. With `--short` there is one."},
       between(1, false, 1000, false));
   keys.texts("vary", r.vary, {"", "Numbers that differ between histories, KEY=VALUE: `soil.0.cohesion=550`."});
-  keys.number("variation", r.variation, {"1", "By how much, of the value, either way."}, positive());
+  keys.number("variation", r.variation, {"1", "Largest change of these numbers, relative to the value, up or down."},
+              positive());
   keys.texts("figures", r.figures,
              {"", "Fields that a report shows, FIELD or FIELD@TIME in s; absent: the main ones at the end."});
 }
@@ -62,78 +63,81 @@ void declare(Keys& keys, Metric& m) {
        "`decay_rate` falls from the run `coarse` to this one of half its spacing; at least `tolerance`).",
        true});
   keys.text("gauge", m.gauge, {"", "The gauge; for `l2` and `profile`: all of `gauge[i]`."});
-  keys.text("counter", m.counter, {"", "Of `counter`: process.name as in the run's summary, `solid.rest steps`."});
+  keys.text("counter", m.counter, {"", "With `counter`: process.name as in the run's summary, `solid.rest steps`."});
   keys.texts("gauges", m.gauges, {"", "For `l2` and `profile`: the gauges, one by one."});
   keys.numbers(
       "weights", m.weights,
       {"",
-       "Readings of `gauge[i]` (or `gauges`) are added with these weights: a mean, a difference, the amplitude "
-       "of a mode. Not of `l2` and `profile`."});
+       "Weights with which the readings of `gauge[i]` (or `gauges`) are added: for a mean, a difference, the amplitude "
+       "of a mode. Not with `l2` and `profile`."});
   keys.text("plus", m.plus, {"", "A gauge to add first."});
   keys.text("minus", m.minus, {"", "A gauge to subtract first."});
   keys.number("at", m.at, {"s", "Time of the reading; absent: the last."});
   keys.number("from", m.from, {"s", "Start of the range; absent: the first reading."});
   keys.number("to", m.to, {"s", "End of the range; absent: the last reading."});
-  keys.number("window", m.window, {"s", "Of `noise`: width of the running mean."}, positive());
-  keys.text("coarse", m.coarse, {"", "Of `order`: the run of twice the spacing."});
-  keys.text("baseline", m.baseline, {"", "An earlier run; what it has is subtracted from what this one has."});
+  keys.number("window", m.window, {"s", "With `noise`: width of the running mean."}, positive());
+  keys.text("coarse", m.coarse, {"", "With `order`: the run with twice the spacing."});
+  keys.text("baseline", m.baseline, {"", "An earlier run; its value is subtracted from the value of this one."});
   keys.number("scale", m.scale, {"", "Readings are multiplied by it."});
   keys.number("limit", m.limit,
-              {"", "What the readings tend to (`decay_rate`, `monotone`), or pass (`period`, `crossing`)."});
+              {"", "Value that the readings tend to (`decay_rate`, `monotone`) or pass (`period`, `crossing`)."});
   keys.number("normaliser", m.normaliser,
               {"", "Errors are divided by it (`l2`, `profile`, `drift`, `curve`, `rise`, `noise`)."}, positive());
-  keys.text("norm", m.norm, {"", "Of `curve` and `profile`: `max` or `rms`."});
+  keys.text("norm", m.norm, {"", "With `curve` and `profile`: `max` or `rms`."});
   keys.number("reference", m.reference, {"", "The right value."});
   keys.numbers("references", m.references, {"", "The right values of `l2` and `profile`."});
   keys.text("reference_csv", m.reference_csv,
             {"", "File with the right values: last column for `l2` and `profile`, time and value for `curve`."});
   keys.series("curve", m.curve, {"", "The right curve of `curve`, in place of a file."});
   keys.number("align", m.align,
-              {"", "Of `curve`: both clocks start where the curve and the readings first pass this value."});
+              {"",
+               "With `curve`: times of the curve and of the readings are counted from where each first passes this "
+               "value."});
   keys.number("tolerance", m.tolerance, {"", "Largest error that passes."}, not_negative());
   keys.number("spread", m.spread,
-              {"",
-               "Largest standard deviation of several histories that passes, as the tolerance is given: relative "
-               "where that is."},
+              {"", "Largest standard deviation over several histories that passes; relative where the tolerance is."},
               positive());
   keys.text("unit", m.unit, {"", "Unit of the value."});
 }
 
 void declare(Keys& keys, Figure& f) {
   keys.text("name", f.name, {"", "Name of the picture's file.", true});
-  keys.text("title", f.title, {"", "Stands above it."});
+  keys.text("title", f.title, {"", "Title above the picture."});
   keys.text("kind", f.kind,
             {"",
              "`fields` (a column for each of `fields`, a row for each of `times`), `outlines` (the water's surface at "
-             "`times`, or at the end of each of `runs`), `profile` (arrays of gauges against their places, over what "
-             "`l2` and `profile` hold them against) or `history` (gauges against time, with what `value` and "
-             "`relative` hold them against).",
+             "`times`, or at the end of each of `runs`), `profile` (arrays of gauges against their places, with the "
+             "references of `l2` and `profile`) or `history` (gauges against time, with the references of `value` and "
+             "`relative`).",
              true});
-  keys.texts("runs", f.runs, {"", "Runs that it shows; absent: the first. More than one of `outlines` only."});
-  keys.texts("fields", f.fields, {"", "Of `fields`: as for `poretwin plot --field`; PHASE.FIELD where both have it."});
+  keys.texts("runs", f.runs,
+             {"", "Runs that the picture shows; absent: the first. More than one with `outlines` only."});
+  keys.texts("fields", f.fields,
+             {"",
+              "With `fields`: names as for `poretwin plot --field`; PHASE.FIELD where both phases have such a "
+              "field."});
   keys.numbers("times", f.times, {"s", "Frames nearest to these times; absent: the last."});
-  keys.texts("gauges", f.gauges, {"", "Of `profile` and `history`."});
-  keys.texts("labels", f.labels, {"", "Of `gauges`, or of `runs`, in a legend."});
-  keys.text("label", f.label,
-            {"", "Of `profile` and `history`: what stands at the axis of the readings, with its unit."});
+  keys.texts("gauges", f.gauges, {"", "Gauges to draw, with `profile` and `history`."});
+  keys.texts("labels", f.labels, {"", "Labels of `gauges`, or of `runs`, in the legend."});
+  keys.text("label", f.label, {"", "With `profile` and `history`: label of the axis of the readings, with unit."});
   keys.number("scale", f.scale, {"", "Readings are multiplied by it."});
   keys.text("reference_csv", f.reference_csv,
             {"",
-             "Points that are drawn as well: columns `x_m` and `y_m`, and `t_s` where they are of one time each; "
-             "absent `t_s`: of the last."});
-  keys.series("points", f.points, {"", "The same, [[x, y], ...], in place of a file."});
+             "File with points to draw as well: columns `x_m` and `y_m`, and `t_s` where each belongs to a time; "
+             "without `t_s` they belong to the last."});
+  keys.series("points", f.points, {"", "Points to draw, [[x, y], ...], in place of a file."});
   keys.text("drive", f.drive,
-            {"", "Of `history`: a number of the case file that changes with time, `water_face.0.discharge`."});
-  keys.number("drive_scale", f.drive_scale, {"", "It is multiplied by this."});
-  keys.text("drive_label", f.drive_label, {"", "What stands at its axis, with its unit."});
+            {"", "With `history`: a number of the case file that changes with time, `water_face.0.discharge`."});
+  keys.number("drive_scale", f.drive_scale, {"", "Factor on that number."});
+  keys.text("drive_label", f.drive_label, {"", "Label of its axis, with unit."});
 }
 
 void declare(Keys& keys, VerifyFile& file) {
-  keys.text("source", file.source, {"", "Where the references come from, as a whole."});
+  keys.text("source", file.source, {"", "Where the references of the case come from."});
   keys.number("wall_s", file.wall, {"s", "Longest wall-clock time of all runs together."}, positive());
   keys.tables("run", "A run of the case; without any, the case as it is.", file.runs,
               [](Keys& inner, VerifyRun& r) { declare(inner, r); });
-  keys.tables("metric", "One number held against its reference.", file.metrics,
+  keys.tables("metric", "One number compared with its reference.", file.metrics,
               [](Keys& inner, Metric& m) { declare(inner, m); });
   keys.tables("figure", "A picture of the case's runs: of a report, and of `poretwin plot` of the folder they lie in.",
               file.figures, [](Keys& inner, Figure& f) { declare(inner, f); });
@@ -148,7 +152,7 @@ bool needs_relative_error(const std::string& op) {
          op == "crossing" || op == "largest";
 }
 
-/// Linear between readings; NaN outside them or where a reading is NaN.
+/// Reading at time t, linear between readings; NaN outside them or where a reading is NaN.
 double reading(const GaugeSeries& series, double t) {
   const auto& times = series.time;
   if (times.empty()) return nan;
@@ -163,7 +167,7 @@ double reading(const GaugeSeries& series, double t) {
   return series.value[i - 1] + share * (series.value[i] - series.value[i - 1]);
 }
 
-/// KEY=NUMBER of `vary`; nothing where it is not that.
+/// Splits KEY=NUMBER of `vary`; nothing where the text has another form.
 std::optional<std::pair<std::string, double>> assignment(const std::string& text) {
   const auto sign = text.find('=');
   if (sign == std::string::npos || sign == 0) return std::nullopt;
@@ -174,7 +178,7 @@ std::optional<std::pair<std::string, double>> assignment(const std::string& text
   return std::pair{text.substr(0, sign), value};
 }
 
-/// Operations that already yield an error are held against zero; the others against the reference.
+/// Error of a value: against zero for operations that already yield an error, against the reference for the others.
 double error_of(const Metric& m, double value) {
   if (m.op == "exceeds") return std::max(0.0, m.reference.value_or(0.0) - value);
   if (m.op == "value" || m.op == "exit" || m.op == "max_abs") return std::abs(value - m.reference.value_or(0.0));
@@ -255,7 +259,7 @@ class Judge {
     for (double& x : series.value) x *= m_.scale;
     return series;
   }
-  /// The gauges of a profile, added with the metric's weights.
+  /// Readings of the gauges of a profile, added with the metric's weights.
   [[nodiscard]] GaugeSeries weighted() const {
     const auto names = along();
     if (names.size() != m_.weights.size())
@@ -287,7 +291,7 @@ class Judge {
       }
     if (part.time.empty()) throw Failure{fmt::format("no readings of gauge '{}' in the range", m_.gauge)};
     auto lost = std::find_if(part.value.begin(), part.value.end(), [](double x) { return !std::isfinite(x); });
-    // A first passage is not undone by what has gone later.
+    // A first passage holds, whatever the later readings are.
     if (m_.op == "crossing") {
       part.value.erase(lost, part.value.end());
       part.time.resize(part.value.size());
@@ -304,7 +308,7 @@ class Judge {
     return x;
   }
 
-  /// Over time, the readings joined by straight lines.
+  /// Mean over time of the readings joined by straight lines.
   [[nodiscard]] double mean() const {
     const auto series = within_range(readings());
     double sum = 0.0;
@@ -313,7 +317,7 @@ class Judge {
     const double span = series.time.back() - series.time.front();
     return span > 0.0 ? sum / span : series.value.front();
   }
-  /// The gauges of a profile.
+  /// Names of the gauges of a profile.
   [[nodiscard]] std::vector<std::string> along() const {
     std::vector<std::string> names = m_.gauges;
     for (std::size_t i = 0; names.size() == i && m_.gauges.empty(); ++i)
@@ -358,7 +362,8 @@ class Judge {
     if (n < 3.0 || spread <= 0.0) throw Failure{fmt::format("too few readings of gauge '{}' for a rate", m_.gauge)};
     return (n * sty - st * sy) / spread;
   }
-  /// Of an oscillation about the limit: by the largest distance in each whole swing, between two passages.
+  /// Damping of an oscillation about the limit, from the largest distance in each whole swing between two passages of
+  /// it.
   [[nodiscard]] double damping() const {
     const auto series = within_range(readings());
     const auto distance = [&](std::size_t i) { return series.value[i] - limit(); };
@@ -370,7 +375,7 @@ class Judge {
         std::size_t top = first;
         for (std::size_t j = first; j < i; ++j)
           if (std::abs(distance(j)) > std::abs(distance(top))) top = j;
-        // Through the largest reading and its neighbours goes a parabola.
+        // The largest distance is that of a parabola through the largest reading and its neighbours.
         const double a = std::abs(distance(top - 1)), b = std::abs(distance(top)), c = std::abs(distance(top + 1));
         const double bend = a - 2.0 * b + c;
         const double off = bend < 0.0 ? 0.5 * (a - c) / bend : 0.0;  // of its top, in readings
@@ -436,12 +441,12 @@ class Judge {
     return std::sqrt(sum / count) / m_.normaliser.value_or(1.0);
   }
   [[nodiscard]] double limit() const { return m_.limit.value_or(0.0); }
-  /// When readings pass a value between the one before i and i; linear between them.
+  /// Time at which readings pass a value between reading i - 1 and reading i, linear between them.
   [[nodiscard]] static double passage(const GaugeSeries& series, std::size_t i, double value) {
     const double before = series.value[i - 1] - value, now = series.value[i] - value;
     return series.time[i - 1] + before / (before - now) * (series.time[i] - series.time[i - 1]);
   }
-  /// When readings first pass a value.
+  /// Time at which readings first pass a value.
   [[nodiscard]] static std::optional<double> first_passage(const GaugeSeries& series, double value) {
     for (std::size_t i = 1; i < series.value.size(); ++i) {
       const double before = series.value[i - 1] - value, now = series.value[i] - value;
@@ -453,8 +458,9 @@ class Judge {
     if (const auto time = first_passage(within_range(readings()), limit())) return *time;
     throw Failure{fmt::format("gauge '{}' never passes {}", m_.gauge, limit())};
   }
-  /// From the first upward passage of `limit` to the last. A swing goes below it by a fifth of what it and the one
-  /// before depart by at least: what trembles about it passes it more often.
+  /// Mean period from the first upward passage of `limit` to the last. A swing counts only if it goes below the limit
+  /// by a fifth of the departure of itself and the swing before: a reading that trembles about the limit passes it more
+  /// often.
   [[nodiscard]] double period() const {
     constexpr double least = 0.2;
     const auto series = within_range(readings());
@@ -490,9 +496,9 @@ class Judge {
     if (const auto time = first_passage(series, *m_.align)) return *time;
     throw Failure{fmt::format("gauge '{}' or its curve never passes {}", m_.gauge, *m_.align)};
   }
-  /// By how much the clock of the readings is behind that of the curve [s].
+  /// Time by which the readings are later than the curve [s].
   [[nodiscard]] double shift() const { return m_.align ? start_of(readings()) - start_of(curve_as_readings()) : 0.0; }
-  /// The curve's points that are judged, by the clock of the readings.
+  /// The points of the curve that are compared, at the times of the readings.
   [[nodiscard]] std::vector<std::pair<double, double>> judged_knots() const {
     const double later = shift();
     std::vector<std::pair<double, double>> knots;

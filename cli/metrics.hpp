@@ -1,4 +1,4 @@
-// From the gauges of a run to one number held against a reference: the operations of verify.toml.
+// The operations of verify.toml: they make one number of a run's gauges and compare it with a reference.
 #pragma once
 
 #include "common/case/keys.hpp"
@@ -47,20 +47,20 @@ struct VerifyFile {
   std::vector<Figure> figures;
 };
 
-/// Where a gauge should read what, for pictures: in the gauge's own unit, with what the bound lets it be off by.
+/// What a gauge should read at a time, for pictures: in the gauge's own unit, with the errors that the bound allows.
 struct Mark {
   std::string gauge;
   double time = 0.0, value = 0.0, time_error = 0.0, value_error = 0.0;
 };
 
-/// What became of a metric. NaN never passes.
+/// Result of a metric. NaN never passes.
 struct Verdict {
   double value = 0.0, reference = 0.0, error = 0.0;
   bool passed = false;
   std::string complaint;  ///< why there is no value
   double spread = 0.0;    ///< of several histories: standard deviation of their values
   std::size_t histories = 1;
-  std::vector<Mark> marks;  ///< of operations that say what readings should be, and when
+  std::vector<Mark> marks;  ///< what readings should be and when, of operations that give it
 };
 
 using Gauges = std::map<std::string, GaugeSeries>;
@@ -70,7 +70,8 @@ using Counters = std::map<std::string, double>;  ///< "solid.substeps", ...
 /// FileError.
 VerifyFile read_verify(const std::filesystem::path& path);
 
-/// Judges one metric by a run's gauges, exit status and counters. base: what the same metric has in its `baseline`.
+/// Judges one metric by a run's gauges, exit status and counters. base: the result of the same metric in the run that
+/// it names as `baseline`.
 Verdict judge(const Metric& metric, const Gauges& gauges, int exit_status, const Counters& counters = {},
               const Verdict* base = nullptr);
 
@@ -85,10 +86,10 @@ std::vector<std::string> history(const VerifyRun& run, std::size_t number);
 /// Observed order of `decay_rate` from the coarse run to the fine one of half its spacing.
 Verdict judge_order(const Metric& metric, const Gauges& coarse, const Gauges& fine);
 
-/// Columns of a CSV: '#' comments and a heading are skipped. Throws FileError.
+/// Columns of a CSV file; comments after '#' and a heading are skipped. Throws FileError.
 std::vector<std::vector<double>> read_csv(const std::filesystem::path& path);
 
-/// Markdown of the keys of verify.toml.
+/// All keys of verify.toml as a table in Markdown.
 std::string verify_reference();
 
 }  // namespace poretwin::cli

@@ -11,7 +11,7 @@
 namespace poretwin::cli {
 namespace {
 
-/// One word of our own, then the words that are none of our business.
+/// Declares a sub-command with one argument of its own; all that follow are passed on.
 CLI::App* declare_one(CLI::App& peer, const std::string& name, const std::string& word, const std::string& about,
                       std::function<int()>& action,
                       int (*run)(const std::string& word, const std::vector<std::string>& rest)) {

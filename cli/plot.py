@@ -56,7 +56,7 @@ class Frames:
         return shape[1] if len(shape) > 1 else 1
 
     def nearest(self, time):
-        """The step at about that time."""
+        """The step nearest to that time."""
         return int(np.argmin(np.abs(self.times - time)))
 
     def unit(self, name):
@@ -99,7 +99,7 @@ class Body:
         dimensions = 3 if self.three else 2
         if "volume" in frames.fields():
             size = frames.values("volume", step) ** (1.0 / dimensions)
-        else:  # of a solver that does not tell it
+        else:  # a solver that does not write it
             size = np.full(len(x), spacing(x[:, :dimensions]))
         self.dx = float(np.median(size))
         keep = np.abs(x[:, 1] - np.median(x[:, 1])) <= 0.75 * self.dx if self.three else np.ones(len(x), dtype=bool)
@@ -121,7 +121,7 @@ def other_body(frames, phase, step):
 
 
 def scene_of(run):
-    """What the case file of a run holds, and the settings that changed it; nothing where the file has gone."""
+    """Contents of the case file of a run, and the settings that changed it; empty where the file is gone."""
     try:
         about = tomllib.loads((run / "run.toml").read_text())
         return tomllib.loads(pathlib.Path(about["case_file"]).read_text()), about.get("overrides", [])
@@ -148,7 +148,7 @@ def rigid_soil(run):
 
 
 def view(points, margin):
-    """Corners of what is drawn: all of the points, but for some of a splash that fly far off."""
+    """Corners of the part that is drawn: all points except a few of a splash that are far away."""
     low, high = np.quantile(points, 0.005, axis=0), np.quantile(points, 0.995, axis=0)
     far = 0.5 * (high - low).max()
     return np.maximum(points.min(axis=0), low - far) - margin, np.minimum(points.max(axis=0), high + far) + margin
@@ -189,7 +189,7 @@ class Shown:
         return Body(self.frames, step, scalar(self.frames, self.name, step)), other_body(self.frames, self.phase, step)
 
     def colours(self, low, high):
-        """The norm, the map and what stands beside the bar."""
+        """The norm, the colour map and the label of the colour bar."""
         field, component = component_of(self.frames, self.name, self.steps[0])
         unit, largest = self.frames.unit(field), max(abs(low), abs(high))
         self.factor, unit = style.prefix(largest, unit)
@@ -267,7 +267,7 @@ def paint(axes, frames, phase, name, step):
 
 
 def panel_width(shape):
-    """Inches, of a picture of so many metres by so many: wide ones fill the page."""
+    """Width in inches of a picture of a part of the plane this wide and high [m]: wide ones fill the page."""
     return min(style.PAGE - 1.2, max(2.0, 5.0 * shape[0] / shape[1]))
 
 
@@ -339,8 +339,7 @@ def reference_of(run, gauge):
 
 
 def declaration(run, title):
-    """How the case declares a gauge, and the component that is asked for of one that has several ("soil_x"); nothing where the case
-    has changed since."""
+    """How the case declares a gauge, and which component of it the title names ("soil_x"); empty where the case has changed since."""
     scene, overrides = scene_of(run)
     if any(text.startswith("gauge.") for text in overrides):
         return {}, ""
@@ -361,7 +360,7 @@ def places(declared, names):
 
 
 def quantity_label(declared, component, title):
-    """What a gauge reads, as fields are called; else its name."""
+    """Name of the quantity that a gauge reads, as of a field; else the gauge's name."""
     if declared.get("kind") == "momentum":
         return f"momentum of the {style.BODY[declared['phase']]}" + (f", {component}" if component else "")
     if declared.get("kind") != "point":

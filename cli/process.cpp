@@ -49,7 +49,7 @@ class Descriptor {
   int value_ = -1;
 };
 
-/// SIGINT, SIGTERM and SIGCHLD as a readable descriptor; the previous mask comes back at the end.
+/// SIGINT, SIGTERM and SIGCHLD as a readable descriptor; the previous signal mask is restored at the end.
 class Signals {
  public:
   Signals() {
@@ -60,7 +60,7 @@ class Signals {
   }
   Signals(const Signals&) = delete;
   Signals& operator=(const Signals&) = delete;
-  /// What has arrived until now was meant for what has ended: it must not end this process.
+  /// Discards signals that have arrived until now: they were for processes that have ended and must not end this one.
   ~Signals() {
     static_cast<void>(stops());
     ::sigprocmask(SIG_SETMASK, &before_, nullptr);
@@ -90,7 +90,8 @@ struct Child {
   bool running = true;
 };
 
-/// After fork: only async-signal-safe calls until exec, so everything is prepared before.
+/// Runs in the child after fork. Only async-signal-safe calls are allowed until exec, so that everything is prepared
+/// before.
 [[noreturn]] void become(const std::vector<char*>& arguments, const std::vector<char*>& environment, int log,
                          int progress, int report, const sigset_t& mask, pid_t parent) {
   ::setpgid(0, 0);
@@ -138,7 +139,7 @@ Child start(const Program& program, const Signals& signals) {
       ::open(program.log.c_str(), O_WRONLY | O_CREAT | (program.goes_on ? O_APPEND : O_TRUNC) | O_CLOEXEC, 0666));
   if (log.get() < 0)
     throw FileError(fmt::format("{}: cannot be written: {}", program.log.string(), std::strerror(errno)));
-  // Room for its last words, should the disk be full by then; a file system that cannot reserve it goes without.
+  // Reserves space for the program's last messages, should the disk be full by then; not every file system can.
   constexpr off_t last_words = 16384;
   static_cast<void>(::fallocate(log.get(), FALLOC_FL_KEEP_SIZE, ::lseek(log.get(), 0, SEEK_END), last_words));
   std::vector<std::string> texts{program.file.string()};
@@ -270,7 +271,7 @@ class Watch {
     next_at_ = Clock::now() + delay;
   }
 
-  /// Those that have not ended in time are pressed harder.
+  /// Sends the next, stronger signal to programs that have not ended in time.
   void press() {
     if (!next_ || Clock::now() < next_at_) return;
     end_all(*next_);

@@ -1,4 +1,4 @@
-// Where a run stands, for a person: one live line on a terminal, else a plain line every few seconds.
+// The progress of a run for the user: one live line on a terminal, else a plain line every few seconds.
 #pragma once
 
 #include <chrono>
@@ -10,11 +10,11 @@ namespace poretwin::cli {
 class ProgressView {
  public:
   explicit ProgressView(bool quiet);
-  /// A JSON line {"t","end","step","dt","waiting_for"} from a child; anything else is ignored.
+  /// Takes a JSON line {"t","end","step","dt","waiting_for"} of a child process; ignores anything else.
   void line(const std::string& json);
-  /// What goes on while there is no progress in time yet, such as the search for rest.
+  /// Sets what is shown while no time has been simulated yet, such as the search for rest.
   void doing(const std::string& what);
-  /// A line that stays, also where progress is not shown.
+  /// Prints a line that stays, also where progress is not shown.
   void say(const std::string& line);
   /// Shows the latest state when it is due.
   void tick();
@@ -31,15 +31,15 @@ class ProgressView {
   Clock::time_point start_, first_, next_;
 };
 
-/// The latest progress line as a file of the run's folder, for programs that look on (`poretwin view`). It goes with
-/// the run; a disk that takes no more is for others to complain of.
+/// The latest progress line as a file of the run's folder, for programs that watch the run (`poretwin view`). It is
+/// removed with the end of the run. A full disk is not reported here: the processes report it.
 class ProgressFile {
  public:
   explicit ProgressFile(std::filesystem::path file) : file_(std::move(file)) {}
   ProgressFile(const ProgressFile&) = delete;
   ProgressFile& operator=(const ProgressFile&) = delete;
   ~ProgressFile();
-  /// Kept twice a second at most.
+  /// Stores the line, twice a second at most.
   void line(const std::string& json);
 
  private:
@@ -47,7 +47,7 @@ class ProgressFile {
   std::chrono::steady_clock::time_point next_{};
 };
 
-/// "4 s", "3 min 20 s", "2 h 05 min".
+/// A duration as text: "4 s", "3 min 20 s", "2 h 05 min".
 std::string duration(double seconds);
 
 }  // namespace poretwin::cli

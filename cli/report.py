@@ -27,7 +27,7 @@ def introduction(case_folder):
 
 
 def draw_fields(folder, wanted, target, prefix):
-    """wanted: "FIELD" or "FIELD@TIME"; none: each phase's main field. Yields paths."""
+    """Draws fields of a run. wanted: "FIELD" or "FIELD@TIME"; none: each phase's main field. Yields paths."""
     for phase in ("fluid", "solid"):
         if not (folder / f"{phase}.vtkhdf").exists():
             continue
@@ -59,7 +59,7 @@ def draw_gauges(folder, judged, target, prefix):
 
 
 def draw_figures(case, target):
-    """Those that verify.toml declares. Yields paths."""
+    """Draws the figures that verify.toml declares. Yields paths."""
     folder = pathlib.Path(case["folder"])
     if (folder / "verify.toml").exists():
         runs = {run["name"]: pathlib.Path(run["folder"]) for run in case["runs"]}

@@ -38,7 +38,7 @@ namespace {
 constexpr int peer_failed = static_cast<int>(ExitCode::peer),
               interrupted_exit = static_cast<int>(ExitCode::interrupted);
 
-/// A private folder for the socket; a socket's path may hold 107 characters only.
+/// A private folder for the socket, whose path may have 107 characters only.
 class PrivateFolder {
  public:
   PrivateFolder() {
@@ -120,7 +120,8 @@ std::string leader_of(const Case& scene) {
   return scene.coupled() ? "coupler" : scene.deformable() ? "solid" : "fluid";
 }
 
-/// A person's command, with the hashes of the files that it names: a script is a program, too.
+/// Identity of a user's command: its text, with the hashes of the files that it names, since a script is a program,
+/// too.
 std::string identity_of_command(const std::string& command) {
   std::string text = "'" + command + "'";
   std::istringstream words(command);
@@ -132,7 +133,7 @@ std::string identity_of_command(const std::string& command) {
   return text;
 }
 
-/// What a run must have in common with one that it goes on with.
+/// What a run must have in common with the one that it resumes.
 RunIdentity identity_of(const RunOptions& options, const Case& scene) {
   RunIdentity identity = case_identity(scene);
   std::string programs = version();
@@ -154,7 +155,7 @@ std::string last_words(const fs::path& log) {
   for (std::string line; std::getline(stream, line);)
     if (!line.empty()) lines.push_back(line);
   if (lines.empty()) return "(its log is empty)";
-  // From the last complaint on; else the end.
+  // The lines of the log from the last error on, or its last lines where there is none.
   auto first = lines.size() > 3 ? lines.end() - 3 : lines.begin();
   for (auto line = lines.begin(); line != lines.end(); ++line)
     if (line->find("error:") != std::string::npos) first = line;
@@ -217,7 +218,7 @@ std::string number(double value) {
 }
 
 std::string toml_text(const std::string& text) {
-  // JSON's escapes are TOML's.
+  // TOML has the same escapes as JSON.
   return nlohmann::json(text).dump();
 }
 
@@ -251,7 +252,7 @@ void write_run_file(const RunOptions& options, const RunIdentity& identity, cons
   if (!stream) throw FileError(fmt::format("{}: cannot be written", (options.out / "run.toml").string()));
 }
 
-/// "computing 1.2 s, waiting 0.3 s", largest first; what rounds to nothing is left out.
+/// Text such as "computing 1.2 s, waiting 0.3 s", largest first; sums that round to zero are left out.
 std::string listed_seconds(Summary::Numbers numbers) {
   std::stable_sort(numbers.begin(), numbers.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
   std::string text;
@@ -260,7 +261,7 @@ std::string listed_seconds(Summary::Numbers numbers) {
   return text;
 }
 
-/// One line each, with its share where windows are told apart; zeros say nothing and are left to the JSON file.
+/// One line for each count that is not zero; for causes that limited windows with their share of all windows.
 std::string listed_counts(const std::string& process, const Summary::Numbers& numbers) {
   const auto is_limit = [](const std::string& name) { return name.starts_with("windows limited by"); };
   double windows = 0.0;
@@ -274,7 +275,7 @@ std::string listed_counts(const std::string& process, const Summary::Numbers& nu
   return text;
 }
 
-/// What the processes warned of: all, or only what puts the result in doubt.
+/// Text with the warnings of the processes: all, or only those that put the result in doubt.
 std::string listed_warnings(const std::vector<Summary>& summaries, bool in_doubt_only, const char* separator) {
   std::string text;
   for (const auto& s : summaries)
@@ -293,7 +294,7 @@ std::vector<fs::path> files_in(const fs::path& out) {
   return files;
 }
 
-/// While it lives, Ctrl-C and SIGTERM do nothing: a run that has ended must still be written down as such.
+/// Ignores Ctrl-C and SIGTERM while it exists: the end of a run that has ended must still be recorded.
 class StopsIgnored {
  public:
   StopsIgnored() : interrupt_(std::signal(SIGINT, SIG_IGN)), terminate_(std::signal(SIGTERM, SIG_IGN)) {}
@@ -320,7 +321,7 @@ void close_run(const RunOptions& options, const RunIdentity& identity, const std
       result.reason += (result.reason.empty() ? "" : "\n  then: ") + std::string(error.what());
     }
   };
-  // A file that a dead process left half-written is cut back to its last whole frame.
+  // Files that a killed process left half-written are cut back to their last whole frame.
   for (const char* phase : {"fluid", "solid"})
     attempt([&] { hdf5::roll_back(options.out / (std::string(phase) + ".vtkhdf")); });
   attempt([&] { coupling::join_traces(options.out); });
@@ -408,7 +409,8 @@ RunResult run_case(const RunOptions& options) {
     result.ended = watched.ended;
     for (const auto& ended : watched.ended) result.cpu += ended.cpu;
     const Ended* cause = root_cause(watched.ended);
-    // A scheduler may send its signal to the processes only; and a run may have ended before it heard of one.
+    // A scheduler may send its signal to the child processes only; and a run may have ended before the signal reached
+    // it.
     if (cause != nullptr && (watched.interrupted || cause->status == interrupted_exit)) {
       result.exit = interrupted_exit;
       result.reason = has_checkpoints(options.out, leader) ? "interrupted; --resume goes on from the last checkpoint"
@@ -417,13 +419,14 @@ RunResult run_case(const RunOptions& options) {
       result.exit = cause->signal != 0 ? static_cast<int>(ExitCode::failure) : cause->status;
       result.reason = reason_of(*cause);
     }
-    // What ended by itself with a reason would end so again; a crash may have come from outside.
+    // A process that ended with a reason would end so again. A crash may have an outside cause: then the run is started
+    // again.
     if (watched.interrupted || cause == nullptr || cause->signal == 0 || cause->by_us ||
         result.restarts == options.restarts)
       break;
     ++result.restarts;
     resume = has_checkpoints(options.out, leader);
-    // One that is not whole yet: a start from the beginning must not meet it.
+    // Removes checkpoints that are not complete, which a start from the beginning must not find.
     if (!resume) fs::remove_all(options.out / "checkpoints");
     fmt::print(stderr, "poretwin: {} was killed by signal {} ({}); restart {} of {}, from {}\n", cause->name,
                cause->signal, ::strsignal(cause->signal), result.restarts, options.restarts,

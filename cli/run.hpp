@@ -1,4 +1,4 @@
-// `poretwin run`: starts the processes of a case, watches over them, gathers what they leave behind.
+// `poretwin run`: starts the processes of a case, watches them, collects their results.
 #pragma once
 
 #include "cli/process.hpp"
@@ -15,7 +15,7 @@
 
 namespace poretwin::cli {
 
-/// One process's own account of its run (OUT/<process>.summary.json).
+/// The summary that one process writes of its run (OUT/<process>.summary.json).
 struct Summary {
   using Numbers = std::vector<std::pair<std::string, double>>;
   std::string process, reason;
@@ -30,7 +30,7 @@ struct RunOptions {
   std::filesystem::path case_file, out;
   std::string case_name;
   std::vector<std::string> overrides;
-  std::string fluid, solid;        ///< commands that take a solver's place; empty: ours
+  std::string fluid, solid;        ///< commands that take a solver's place; empty: poretwin's own
   std::filesystem::path programs;  ///< folder of poretwin-fluid, poretwin-solid, poretwin-coupler
   bool quiet = false;              ///< neither progress nor summary
   bool warnings = true;            ///< show them as they come; they are counted in any case
@@ -39,35 +39,35 @@ struct RunOptions {
   bool resume = false;                     ///< from the newest checkpoint in `out`
   bool overwrite = false;                  ///< begin anew even where `out` holds a run that could go on
   bool accept_changed_program = false;     ///< resume what another program began
-  std::optional<double> checkpoint_every;  ///< s of wall-clock; absent: as the processes hold it
+  std::optional<double> checkpoint_every;  ///< s of wall-clock; absent: the processes' default
   int restarts = 2;                        ///< after a crash, at most
 };
 
 struct RunResult {
   int exit = 0;                   ///< of the process that failed first; 6: the result is in doubt; 130: interrupted
   std::string reason;             ///< empty when all went well, or when there was nothing left to do
-  bool already_finished = false;  ///< resumed after its end: nothing was done, the summaries are those of then
+  bool already_finished = false;  ///< it had ended before: nothing was done, the summaries are the earlier ones
   double wall = 0.0, cpu = 0.0;   ///< s
   int restarts = 0;               ///< after crashes
   std::vector<Ended> ended;
   std::vector<Summary> summaries;
-  std::vector<std::string> case_warnings;  ///< what the case says and hardly means
-  /// Ended by itself, whether or not with warnings that concern the result.
+  std::vector<std::string> case_warnings;  ///< warnings of the check of the case
+  /// Whether the run ended by itself, with or without warnings that put the result in doubt.
   [[nodiscard]] bool ended_well() const { return exit == 0 || exit == static_cast<int>(ExitCode::in_doubt); }
 };
 
-/// Throws CaseError and FileError before anything is started or touched; what happens later is in the result. Resuming
-/// a run that has ended does nothing.
+/// Runs a case. Throws CaseError and FileError before anything is started or changed; later failures are in the result.
+/// Resuming a run that has ended does nothing.
 RunResult run_case(const RunOptions& options);
 
-/// Tables of where the time went, steps, counters and files.
+/// Text with the time spent on each activity, steps, counters and files.
 std::string summary_text(const RunResult& result, const std::filesystem::path& out);
 
 /// What summary_text() shows, and all that the processes reported, as JSON for other programs.
 nlohmann::ordered_json run_json(const std::string& case_name, const std::filesystem::path& case_file,
                                 const std::filesystem::path& out, const RunResult& result);
 
-/// The failure that started it all: not one that only followed from another's.
+/// The first failure, not one that followed from another process's.
 const Ended* root_cause(const std::vector<Ended>& ended);
 
 }  // namespace poretwin::cli

@@ -1,5 +1,5 @@
-// The folder of a run: whose it is, what lies in it, and whether a run may begin or go on there. Nothing in it is
-// touched before that is decided.
+// The folder of a run: which run it belongs to, what lies in it, and whether a run may begin or resume there. Nothing
+// in it is touched before that is decided.
 #pragma once
 
 #include "common/checkpoint/store.hpp"
@@ -12,14 +12,14 @@
 
 namespace poretwin::cli {
 
-/// run.toml, as far as it is read again.
+/// The entries of run.toml that are read again.
 struct RunRecord {
   std::string case_name, case_file, started, ended, reason;
   std::optional<int> exit;  ///< absent: it has not ended, or was killed
   RunIdentity identity;
 };
 
-/// Nothing where there is no run.toml. Throws CaseError when it cannot be read.
+/// Reads run.toml; nothing where there is none. Throws CaseError when it cannot be read.
 std::optional<RunRecord> read_run_record(const std::filesystem::path& out);
 
 struct RunClaim {
@@ -32,7 +32,7 @@ struct RunClaim {
   bool accept_changed_program = false;
 };
 
-/// Locked for one run as long as it lives, and by the programs that the run starts until they have ended.
+/// Locks the folder for one run, as long as this object and the programs that the run starts exist.
 class RunFolder {
  public:
   /// A new run: a folder without a run is taken; one that has ended is replaced; one of another case, and one that can
@@ -40,11 +40,11 @@ class RunFolder {
   /// checkpoint. Throws FileError or CaseError that says what is there and what to do, and leaves the folder as it is.
   explicit RunFolder(const RunClaim& claim);
 
-  /// There is nothing to resume: the run has ended. Nothing was touched.
+  /// The run to be resumed has ended already. Nothing was touched.
   [[nodiscard]] bool already_finished() const { return finished_; }
   /// What a new run replaces, for a person; empty: nothing.
   [[nodiscard]] const std::string& replaced() const { return replaced_; }
-  /// A start from the beginning: results and checkpoints of earlier ones go.
+  /// Deletes results and checkpoints of earlier runs, before a start from the beginning.
   void clear() const;
 
  private:

@@ -58,7 +58,7 @@ class Search {
     options.overrides.push_back(fmt::format("solid.strength_reduction={:.17g}", factor));
     options.overrides.emplace_back("solid.initial_rest=true");
     options.overrides.emplace_back("solid.initial_seepage=true");
-    options.overrides.emplace_back("case.end_time=1e-9");  // the rest is what is asked for
+    options.overrides.emplace_back("case.end_time=1e-9");  // only the search for rest is of use
     options.quiet = true;
     options.warnings = false;  // soil that finds no rest is an answer here
     options.pictures = false;
@@ -111,7 +111,7 @@ std::string listed(const std::vector<SafetyTrial>& trials) {
   return text;
 }
 
-/// What of the case a search at time zero does not look at.
+/// Text with the parts of the case that a search at time zero does not use.
 std::string ignored(const Case& scene, const RunOptions& options) {
   std::string text;
   const auto add = [&](const std::string& key) { text += (text.empty() ? "" : ", ") + key; };
@@ -140,7 +140,7 @@ std::string ignored(const Case& scene, const RunOptions& options) {
   return text;
 }
 
-/// Trials of an earlier search would stand beside this one's.
+/// Removes the trials of an earlier search, so that they do not mix with those of this one.
 void clear_trials(const fs::path& out) {
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(out, error))

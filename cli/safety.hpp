@@ -5,7 +5,7 @@
 
 namespace poretwin::cli {
 
-/// One trial: the soil's strength divided by `factor`, loaded anew.
+/// One trial: a run of its own with the soil's strength divided by `factor`.
 struct SafetyTrial {
   double factor = 1.0;
   bool stands = false;
@@ -22,11 +22,11 @@ struct Safety {
 };
 
 /// Brackets and bisects the factor F by which cohesion and tan(friction) of all soils can be divided before the soil
-/// finds no equilibrium under gravity, standing loads and the water of time zero (Griffiths & Lane 1999): its pressure
-/// and, where it seeps, its drag, frozen. No equilibrium: the search for rest ends without its criterion. tolerance:
-/// width of the bracket over F. Every trial is a run of its own in OUT/F_<factor>; OUT/safety.csv lists them,
-/// OUT/gauges.csv has the factor as factor_of_safety, and a picture of the plastic strain of the nearest failing trial
-/// shows the failure surface. Throws CaseError where there is nothing to reduce.
+/// finds no equilibrium under gravity, loads without `start` and the pressure and seepage force of the water at time
+/// zero, which stay as they are (Griffiths & Lane 1999). No equilibrium means that the search for rest ends without
+/// meeting its criterion. tolerance: width of the bracket over F. Every trial is a run of its own in OUT/F_<factor>;
+/// OUT/safety.csv lists them, OUT/gauges.csv has the factor as factor_of_safety, and a picture of the plastic strain of
+/// the failing trial nearest to F shows the failure surface. Throws CaseError where there is nothing to reduce.
 Safety find_safety(const RunOptions& options, double tolerance);
 
 /// Table of the trials and the factor.

@@ -12,10 +12,10 @@ namespace poretwin::cli {
 int run_script(const std::string& name, const std::vector<std::string>& arguments,
                const std::filesystem::path& log = {});
 
-/// The script takes this process's place. Throws FileError when there is no Python.
+/// Replaces this process by the script. Throws FileError when there is no Python.
 [[noreturn]] void become_script(const std::string& name, const std::vector<std::string>& arguments);
 
-/// Pictures of fields and gauges of a run.
+/// Draws pictures of fields and gauges of a run.
 inline int draw_pictures(const std::vector<std::string>& arguments, const std::filesystem::path& log) {
   return run_script("cli/plot.py", arguments, log);
 }

@@ -34,7 +34,7 @@ STYLE = {
     "pdf.fonttype": 42,  # letters as letters: journals refuse Type 3
     "svg.hashsalt": "poretwin",  # the same figure has the same bytes
 }
-REFERENCE = {"linestyle": "none", "marker": "o", "mfc": "white", "zorder": 3}  # what a curve is held against
+REFERENCE = {"linestyle": "none", "marker": "o", "mfc": "white", "zorder": 3}  # points or curves of a reference
 AROUND = {"fluid": "#d8d5cf", "solid": "#d3e5f3"}  # behind the water: soil; behind the soil: water
 WATER_LINE = "#2b7bba"
 BODY = {"fluid": "water", "solid": "soil"}  # what a phase is called above a picture
@@ -72,7 +72,7 @@ def use(**more):
 
 
 def label(phase, field, component=""):
-    """What a field, or a component of it ("xx", or "| |": its length), is called beside a colour bar, without the unit."""
+    """Name of a field, or of a component of it ("xx", or "| |": its length), beside a colour bar, without the unit."""
     words, symbol = (FLUID if phase == "fluid" else SOLID).get(field, (field.replace("_", " "), ""))
     if component == "| |":
         words, symbol = words.replace("velocity", "speed"), symbol and rf"|{symbol}|"
@@ -85,7 +85,7 @@ def label(phase, field, component=""):
 
 
 def unit(text):
-    """In brackets; nothing for a pure number."""
+    """A unit in brackets; empty for a pure number."""
     return f" [{UNITS.get(text, text)}]" if text not in ("", "1") else ""
 
 
@@ -100,7 +100,7 @@ def prefix(value, of):
 
 
 def number(value):
-    """Four digits, no power of ten for the times and places that occur: 15000, 0.35."""
+    """A number with four digits; times and places as they occur get no power of ten: 15000, 0.35."""
     return f"{float(f'{value:.4g}'):g}"
 
 

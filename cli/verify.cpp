@@ -71,7 +71,7 @@ class CaseCheck {
   }
 
  private:
-  /// What one history of a run left.
+  /// Results of one history of a run.
   struct History {
     Gauges gauges;
     Counters counters;

@@ -1,4 +1,4 @@
-// `poretwin verify`: runs cases and holds them against their references.
+// `poretwin verify`: runs cases and compares them with their references.
 #pragma once
 
 #include "cli/json_output.hpp"

@@ -10,7 +10,7 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 
-/// Of the first step, where nothing is known yet.
+/// Relaxation factor of the first step, in which there is no earlier residual.
 constexpr double first_relaxation = 0.5;
 
 class Plain final : public Acceleration {
@@ -18,8 +18,8 @@ class Plain final : public Acceleration {
   Vector next(const Vector&, const Vector& result) override { return result; }
 };
 
-/// Aitken's relaxation in the form of Irons & Tuck (1969): the factor that a secant through the last two residuals
-/// gives, their norm's way.
+/// Aitken's relaxation in the form of Irons & Tuck (1969) for vectors: the factor of a secant through the last two
+/// residuals, projected on their difference.
 class Aitken final : public Acceleration {
  public:
   Vector next(const Vector& x, const Vector& result) override {
@@ -53,7 +53,7 @@ class QuasiNewton final : public Acceleration {
     last_residual_ = residual;
     last_result_ = result;
     if (changes_.cols() == 0) return x + first_relaxation * residual;
-    // Columns that say nothing new beyond rounding take no part.
+    // What columns say beyond one another counts only above rounding.
     return result + steps_ * least_squares(changes_, -residual, 1e-10);
   }
 

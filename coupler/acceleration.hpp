@@ -1,5 +1,5 @@
-// Acceleration of an iteration x <- H(x), where H is one pass through both solvers. A window is begun without memory of
-// those before it: a resumed run needs nothing of it.
+// Acceleration of an iteration x <- H(x), where H is one pass through both solvers. Nothing is
+// remembered from one window to the next, so that checkpoints need no state of it.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,7 +24,7 @@ class Acceleration {
   virtual Eigen::VectorXd next(const Eigen::VectorXd& x, const Eigen::VectorXd& result) = 0;
 };
 
-/// One for every window.
+/// Makes an acceleration; each window has its own.
 std::unique_ptr<Acceleration> make_acceleration(AccelerationKind kind);
 
 }  // namespace poretwin::coupling

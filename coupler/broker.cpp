@@ -29,7 +29,7 @@ std::string new_session() {
   return fmt::format("{:08x}{:08x}", source(), source());
 }
 
-/// A stranger's word as it may stand in a log: short, on one line.
+/// Text from a stranger as it may appear in the log: short, on one line.
 std::string shown(std::string text, std::size_t most = 64) {
   if (text.size() > most) text = text.substr(0, most) + "..";
   std::replace_if(
@@ -37,7 +37,7 @@ std::string shown(std::string text, std::size_t most = 64) {
   return text;
 }
 
-/// What stands between this giver and this taker; nothing if they agree.
+/// The first difference between what one side gives and the other takes; none if they agree.
 std::optional<Reject> difference(const Contract& giver, const Contract& taker) {
   auto differs = [](const std::string& field, std::string expected, std::string got) {
     return Reject{RejectCode::field, field, std::move(expected), std::move(got), 0.0, ""};
@@ -140,7 +140,7 @@ class Broker::Implementation {
     auto& p = peer(role);
     const auto start = Clock::now();
     auto said = start;
-    // The participant may be lost while a long wait is under way: its time counts all the same.
+    // The participant may be lost during a long wait; the time of that wait is counted all the same.
     const bool fluid = role == Role::fluid;
     const Span span(fluid ? totals_.waiting_for_fluid : totals_.waiting_for_solid, options_.trace,
                     fluid ? "waiting for fluid" : "waiting for solid");
@@ -182,7 +182,7 @@ class Broker::Implementation {
 
   void say_goodbye() {
     finishing_ = true;
-    // No deadline of its own: a participant may write for long, and one that froze or died is found by listen().
+    // There is no deadline here: a participant may write for long, and listen() finds one that froze or died.
     const auto start = Clock::now();
     auto said = start;
     while (!(peer(Role::fluid).left && peer(Role::solid).left)) {
@@ -223,7 +223,8 @@ class Broker::Implementation {
                                 state_of(p)));
   }
 
-  /// Nobody took what was sent: a connection that has closed since the last look reports that first.
+  /// Fails because a message could not be delivered: a connection that has closed since the last look is reported
+  /// first.
   [[noreturn]] void fail_unreachable(const Peer& p) {
     while (auto event = hub_.receive(Milliseconds(0))) handle(std::move(*event));
     fail(p, "is unreachable: nobody at the end of its line");
@@ -242,9 +243,9 @@ class Broker::Implementation {
     return hub_.send(p.line, std::move(frames));
   }
 
-  /// Handles whatever comes within a short time; then heartbeats, and a look for frozen participants.
+  /// Handles the messages that come within a short time, sends heartbeats and checks for frozen participants.
   void listen(const std::string& waiting_for) {
-    // However much comes in: whoever waits must be able to look at its own deadlines, and heartbeats must go out.
+    // The number of messages is limited, so that the caller can check its deadlines and heartbeats go out.
     constexpr int most_at_once = 100;
     int count = 0;
     for (auto event = hub_.receive(std::min(options_.heartbeat, Milliseconds(50))); event;
@@ -254,8 +255,7 @@ class Broker::Implementation {
     }
     if (const std::string notice = hub_.notice(); !notice.empty()) say(notice);
     if (Clock::now() - beat_ >= options_.heartbeat) send_heartbeats(waiting_for);
-    // This process may itself have been stopped, or have mapped, for a while: then nobody else is to blame for the
-    // silence.
+    // This process may itself have been stopped, or mapping, for a while: then the silence is not the participants'.
     if (Clock::now() - listened_ > std::min(options_.frozen_deadline, options_.frozen_notice) / 2)
       for (auto& p : peers_) p.heard = Clock::now();
     listened_ = Clock::now();
@@ -303,7 +303,7 @@ class Broker::Implementation {
   void handle(Hub::Event event) {
     Peer* known = peer_on(event.line);
     if (event.frames.empty()) {
-      // Nothing is sent to it any more: what is put on a line that closes would be waited for at the end.
+      // Nothing is sent to it any more: messages to a line that closes would be waited for at the end.
       if (known && !std::exchange(known->left, true)) fail(*known, "died: its connection closed without a goodbye");
       return;
     }
@@ -402,7 +402,7 @@ class Broker::Implementation {
                                   static_cast<double>(options_.frozen_deadline.count()) / 1000.0}));
   }
 
-  /// They may come without end; the log may not.
+  /// Logs a line about a stranger. Strangers may come without end, so that the number of lines is limited.
   void say_of_stranger(const std::string& line) {
     constexpr int most = 50;
     if (said_of_strangers_ < most) say(line);
@@ -461,7 +461,7 @@ void Broker::abort(const Error& error, const std::string& culprit) {
   try {
     implementation_->abort(error, culprit);
   } catch (const std::exception&) {
-    // The run is lost already; the first cause is the one worth telling.
+    // The run is lost already; the first cause is the one to report.
   }
 }
 void Broker::say_goodbye() { implementation_->say_goodbye(); }

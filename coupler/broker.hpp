@@ -1,5 +1,5 @@
-// The coupler's side of the conversation: who is there, who may come in, who is slow, frozen, dead or gone. Knows
-// messages, not their meaning for the physics; the schedule decides what is sent when.
+// The coupler's side of the conversation: which participants are there, who may join, who is slow, frozen, dead or
+// gone. It knows messages, not their meaning for the physics; the schedule decides what is sent when.
 #pragma once
 
 #include "common/coupling/trace.hpp"
@@ -20,7 +20,7 @@ struct BrokerOptions {
   std::vector<std::string> case_overrides;
   Milliseconds wait_deadline{60'000};  ///< for missing participants
   /// Time without a heartbeat after which a participant is reported as frozen, and after which the run is given up. In
-  /// between it may come back (it stood in a debugger, its machine was suspended): the report alone ends nothing.
+  /// between it may come back (from a debugger, or when its machine was suspended): the report alone ends nothing.
   Milliseconds frozen_notice{2'500}, frozen_deadline{30'000};
   Milliseconds heartbeat{1'000};
   Milliseconds say_every{5'000};
@@ -49,13 +49,13 @@ class Broker {
   /// its step, its last message and what happened. A participant that is merely slow is waited for.
   Message wait(Role role);
   void send(Role role, Message message);
-  /// Tells everybody; never throws.
+  /// Sends ABORT to all participants; never throws.
   void abort(const Error& error, const std::string& culprit);
   /// Waits for the BYE of both after FINISH.
   void say_goodbye();
 
   [[nodiscard]] const Contract& contract(Role role) const;
-  /// What it said of checkpoints when it came.
+  /// What the participant said of checkpoints in its HELLO.
   [[nodiscard]] bool keeps_checkpoints(Role role) const;
   [[nodiscard]] const std::vector<std::string>& checkpoints(Role role) const;
   void say(const std::string& line) const;

@@ -152,7 +152,7 @@ template <int D>
   }
 }
 
-/// Cuts some columns at their range among the neighbours of each point, in the lanes that are asked for.
+/// Limits the values of some columns to the range of the neighbours of each point, in the lanes that need it.
 [[gnu::always_inline]] inline void cut_at_range(std::span<const Index> near, const Quad* weight, const double* values,
                                                 Size width, const LaneMask& asked, Quad* total) {
   constexpr double infinite = std::numeric_limits<double>::infinity();
@@ -245,7 +245,7 @@ bool jumps_anywhere(const std::vector<double>& values) {
   }
 }
 
-/// A block's columns to the fields they belong to.
+/// Writes the columns of a block to the fields they belong to.
 template <int D>
 void hand_out(const typename PairBlocks<D>::Block& block, const Quad* total, std::span<Field* const> fields) {
   for (auto* const field : fields) {
@@ -256,7 +256,7 @@ void hand_out(const typename PairBlocks<D>::Block& block, const Quad* total, std
   }
 }
 
-/// Coverage and asymmetry.
+/// Computes coverage and asymmetry.
 template <int D>
 [[gnu::always_inline]] inline void tell_surroundings(const typename PairBlocks<D>::Block& block, const Moments<D>& m,
                                                      Interpolation& out) {

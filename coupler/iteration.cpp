@@ -30,7 +30,7 @@ WindowIteration::WindowIteration(const IterationSettings& settings, const Contra
 std::optional<Snapshot> WindowIteration::next(const Snapshot& given, const Snapshot& found) {
   for (const auto& name : fields_)
     if (find(given, name).values.size() != find(found, name).values.size()) {
-      // Points have come or gone: a new beginning.
+      // Points have come or gone, so that the iteration starts again.
       acceleration_ = make_acceleration(settings_.acceleration);
       scale_.clear();
       return found;

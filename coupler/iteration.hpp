@@ -14,15 +14,15 @@ struct IterationSettings {
   double tolerance = 1e-6;  ///< of every iterated field: norm of what an iteration changes, over the field's norm
 };
 
-/// In one window, before it is refused and tried again at half its length.
+/// Passes through one window after which it is refused and tried again at half its length.
 inline constexpr int most_iterations = 50;
 
 class WindowIteration {
  public:
   WindowIteration(const IterationSettings& settings, const Contract& solid);
 
-  /// After both sides have crossed the window: the fluid with `given`, the solid ending at `found`. Nothing when that
-  /// has converged; else what to give to the fluid next.
+  /// To be called after both sides have crossed the window, the fluid with `given`, the solid ending at `found`.
+  /// Returns nothing when the iteration has converged; otherwise what the fluid is given next.
   std::optional<Snapshot> next(const Snapshot& given, const Snapshot& found);
 
  private:

@@ -79,7 +79,7 @@ class CloudMapping final : public SpatialMapping {
       of_kind.push_back(&find(fields, spec.name));
     }
     auto mapped = consistent(pairs, groups, weights);
-    // A mean of fractions may leave [0, 1] by a rounding; nobody should have to think of that.
+    // A mean of fractions may leave [0, 1] by rounding.
     for (auto& field : mapped.fields)
       if (is_fraction(field.name))
         for (auto& value : field.values) value = std::clamp(value, 0.0, 1.0);

@@ -1,5 +1,5 @@
 // Spatial mapping between two clouds of SPH particles that move, grow and shrink: consistent for intensities,
-// conservative for impulses. Plain arrays in, plain arrays out; time and transport are other people's business.
+// conservative for impulses. Plain arrays in, plain arrays out; nothing here knows time or transport.
 //
 // Consistent: at a target x_i, over all source points j with |x_i - x_j| < 2 h_j, weights w_ij = V_j W(|x_i - x_j|,
 // h_j) [x mask_j]. The value is that of the moving-least-squares plane through the neighbours, which is exact for
@@ -34,11 +34,11 @@ struct MappingCounts {
 /// points 0.
 inline constexpr double slope_off = 0.02, slope_full = 0.06;
 
-/// A property jumps at a point if its neighbours' values differ by more than this factor: two soils. Within one soil
-/// they follow the porosity, and are interpolated as it is.
+/// A property jumps at a point if its neighbours' values differ by more than this factor, as between two soils. Within
+/// one soil such properties vary with the porosity, and are interpolated as it is.
 inline constexpr double jump = 2.0;
 
-/// Sums of weights up to this add nothing but noise: a target at the very rim of one support counts as uncovered.
+/// Sums of weights up to this are rounding noise: a target at the very rim of one support counts as uncovered.
 inline constexpr double no_weight = 1e-12;
 
 /// Balancing of conservative shares: rounds at most, relative unevenness at which they end, and the asymmetry of the
@@ -60,31 +60,33 @@ struct Interpolation {
   std::vector<Field> fields;      ///< group by group
 };
 
-/// Nothing needs to be done for such values; seen at the first of them that is not.
+/// Whether all values are zero, so that nothing need be mapped; ends at the first that is not.
 bool all_zero(const std::vector<double>& values);
 
-/// `at_receivers`: blocks over the receivers, the givers around them. Fields that are zero everywhere cost nothing.
-/// `weights`: those of the active blocks by the givers' kernels, if there are any already.
+/// Consistent mapping. `at_receivers`: blocks over the receivers, with the givers around them. Fields that are zero
+/// everywhere cost nothing. `weights`: weights of the active blocks by the givers' kernels, if there are any already.
 template <int D>
 Interpolation consistent(const PairBlocks<D>& at_receivers, std::span<const FieldGroup> groups,
                          const PairWeights* weights = nullptr);
 
-/// Amounts shared out.
+/// Amounts that were shared out.
 struct Delivery {
   std::vector<double> values;                         ///< [active receivers * components]
   std::vector<double> given, delivered, undelivered;  ///< [components]; carried + given = delivered + undelivered
 };
 
-/// Shares amounts of the active givers out among the active receivers. Keeps from window to window its memory, and
-/// weights for as long as points stand.
+/// Shares amounts of the active givers out among the active receivers. Memory is kept from window to window, and
+/// weights as long as no point moves.
 template <int D>
 class Sharing {
  public:
-  /// `carried` [components]: left from earlier windows; it goes to the receivers in proportion to what they get now.
+  /// Shares out `amounts`. `carried` [components]: left from earlier windows; it goes to the receivers in proportion to
+  /// what they get now.
   Delivery conservative(const PairBlocks<D>& at_givers, const PairBlocks<D>& at_receivers, const PointSet& givers,
                         const PointSet& receivers, const Field& amounts, std::span<const double> carried);
 
-  /// Those that the receivers have had about the givers, if these are the blocks and nothing has moved since; or null.
+  /// The last weights of the givers at the receivers, if they were made for these blocks and nothing has moved since;
+  /// otherwise null.
   [[nodiscard]] const PairWeights* weights_at(const PairBlocks<D>& givers) const {
     return weighed_ == &givers && weighed_state_ == givers.state() ? &by_giver_ : nullptr;
   }
@@ -95,7 +97,7 @@ class Sharing {
   std::uint64_t weighed_state_ = 0;
 };
 
-/// Both directions between the fluid and the solid, dimension erased.
+/// Mapping in both directions between the fluid and the solid, for either dimension.
 class SpatialMapping {
  public:
   SpatialMapping() = default;
@@ -103,7 +105,7 @@ class SpatialMapping {
   SpatialMapping& operator=(const SpatialMapping&) = delete;
   virtual ~SpatialMapping() = default;
 
-  /// What was given and got of one conservative field, and what waits.
+  /// Amounts of one conservative field that were given and delivered, and that are still undelivered.
   struct Account {
     std::string field;
     std::string unit;
@@ -111,16 +113,16 @@ class SpatialMapping {
     std::vector<double> given, delivered, undelivered;  ///< [components] sums over the run; undelivered: waiting now
   };
 
-  /// The giver's fields at the receiver's active points: what the receiver takes, in its order. Conservative fields
-  /// update the accounts. Throws PeerError when a field is missing.
+  /// Maps the giver's fields to the receiver's active points: the fields that the receiver takes, in its order.
+  /// Conservative fields update the accounts. Throws PeerError when a field is missing.
   virtual Inbox map(Role giver, const PointSet& giver_points, const std::vector<Field>& giver_fields,
                     std::span<const FieldSpec> specs, const PointSet& receiver_points) = 0;
 
   [[nodiscard]] virtual MappingCounts counts() const = 0;
-  /// Accounts are part of the state of a window: a rejected window puts them back.
+  /// Accounts are part of the state of a window: they are restored with a rejected one.
   [[nodiscard]] virtual const std::vector<Account>& accounts() const = 0;
   virtual void set_accounts(std::vector<Account> accounts) = 0;
-  /// For a checkpoint: the accounts, for lists are a mere cache.
+  /// Writes or reads the accounts for a checkpoint; lists need not be kept, since they never change a result.
   virtual void archive(Archive& archive) = 0;
 };
 

@@ -128,7 +128,7 @@ double PairBlocks<D>::moved(const PointSet& of, const PointSet& around) const {
 template <int D>
 void PairBlocks<D>::prepare_search(const PointSet& of, const PointSet& around, double skin) {
   const double reach = sph::support_radius * std::max(largest(of.smoothing_length), largest(around.smoothing_length));
-  // One cloud moves, the other often does not: of that, blocks and cells stay.
+  // Often one cloud moves and the other does not: blocks and cells of a cloud that has not moved are kept.
   if (!made_ || !around_listed_.stands(around)) {
     sort_cells(around);
     around_listed_ = {around.position, around.smoothing_length, around.volume};
@@ -197,7 +197,7 @@ void PairBlocks<D>::sort_cells(const PointSet& around) {
   }
 }
 
-/// The points of the pieces that are within reach of a box, to `found`; how many.
+/// Writes the points of the pieces that are within reach of a box to `found`; returns their number.
 template <int D>
 std::size_t PairBlocks<D>::take_near(const Vec<D>& lower, const Vec<D>& upper, double own, Finder& finder) const {
   Size room = n_lanes;
@@ -220,7 +220,8 @@ std::size_t PairBlocks<D>::take_near(const Vec<D>& lower, const Vec<D>& upper, d
         max_in_place(radius, Lanes{} + own);
         radius += skin_;
         const LaneMask near = (square < radius * radius) & (ahead < static_cast<long long>(end - m));
-        // All are written, those out of reach are written over: a branch would be guessed wrong too often.
+        // All points are written, and those out of reach overwritten by the next: a branch would be mispredicted too
+        // often.
         for (Size l = 0; l < n_lanes; ++l) {
           found[n] = index_[m + l];
           n += static_cast<Size>(near[l] & 1);
@@ -230,7 +231,8 @@ std::size_t PairBlocks<D>::take_near(const Vec<D>& lower, const Vec<D>& upper, d
   return n;
 }
 
-/// The first n of `found`, in the caller's order, to the candidates: by bits, some five times as fast as sorting.
+/// Appends the first n of `found` to the candidates in the caller's order, by bits, which is some five times as fast as
+/// sorting.
 template <int D>
 void PairBlocks<D>::append_in_order(Size n, Finder& finder) {
   auto &bits = finder.bits, &words = finder.words;
@@ -253,7 +255,7 @@ void PairBlocks<D>::append_in_order(Size n, Finder& finder) {
     });
 }
 
-/// The candidates of a part of the blocks, into a list of its own.
+/// Finds the candidates of a part of the blocks, into a list of its own.
 template <int D>
 void PairBlocks<D>::find_candidates(const PointSet& of, Size part) {
   const double longest = largest(reach_);
@@ -284,7 +286,7 @@ void PairBlocks<D>::find_candidates(const PointSet& of, Size part) {
   }
 }
 
-/// The lists of all parts, one after the other; nothing where the lists hold.
+/// Joins the lists of all parts; does nothing where the lists hold.
 template <int D>
 void PairBlocks<D>::join_candidates() {
   if (parts_ == 0) return;

@@ -21,14 +21,14 @@ namespace poretwin::coupling {
 inline constexpr double relative_skin = 0.1, no_skin = 1e-6;
 inline constexpr int vain_lists = 4;
 
-/// How many blocks, or points of which little is asked, are worth more than one thread.
+/// Number of blocks, or of points with little work for each, from which on more than one thread is worthwhile.
 inline constexpr std::size_t worth_threads_in_blocks = 128, worth_threads_in_points = 1024;
 
-/// Whose smoothing length and volume a pair's weight has.
+/// Whether the weight of a pair uses smoothing length and volume of the candidate or of the block's point.
 enum class Kernel { of_candidate, of_block };
 
-/// Weights of all pairs of two clouds, those out of reach left out: a block's from where its candidates begin, to
-/// `last`.
+/// Weights of all pairs of two clouds, without those out of reach: those of a block begin where its candidates do and
+/// end at `last`.
 struct PairWeights {
   std::vector<std::size_t> last;
   std::vector<Index> candidate;
@@ -53,7 +53,7 @@ class PairBlocks {
     std::size_t first, last;  ///< candidates
   };
 
-  /// What is to be brought up to date, and for which clouds.
+  /// Blocks to be brought up to date, and the two clouds that they are for.
   struct Update {
     PairBlocks* pairs;
     const PointSet &of, &around;
@@ -66,7 +66,7 @@ class PairBlocks {
     update(std::span(&one, 1));
   }
 
-  /// Those of active points come first.
+  /// All blocks; those of active points come first.
   [[nodiscard]] std::span<const Block> blocks() const { return blocks_; }
   [[nodiscard]] std::span<const Block> active_blocks() const { return std::span(blocks_).first(n_active_blocks_); }
   [[nodiscard]] std::span<const Index> candidates(const Block& b) const {
@@ -83,7 +83,7 @@ class PairBlocks {
   /// Weights V W(r, h) at the points `of` of these blocks (from the first on).
   template <Kernel K>
   void weigh_all(std::span<const Block> blocks, const PointSet& of, PairWeights& out) const;
-  /// Another one whenever an update has changed anything.
+  /// A number that changes whenever an update has changed anything.
   [[nodiscard]] std::uint64_t state() const { return state_; }
 
   /// A point as a candidate.
@@ -93,10 +93,11 @@ class PairBlocks {
   [[nodiscard]] std::uint64_t reuses() const { return reuses_; }
 
  private:
-  /// How far points have moved since the lists were made, taken together, growth of their supports included [m];
-  /// infinite where others have come or gone.
+  /// Largest displacements of both clouds since the lists were made, added, growth of their supports included [m];
+  /// infinite where points have come or gone.
   [[nodiscard]] double moved(const PointSet& of, const PointSet& around) const;
-  /// Whether anything has moved; cells and blocks are new then where the lists do not hold, and `parts_` of blocks.
+  /// Returns whether anything has moved. Where the lists no longer hold, makes cells and blocks anew and cuts the
+  /// blocks into `parts_`.
   bool prepare(const PointSet& of, const PointSet& around);
   void prepare_search(const PointSet& of, const PointSet& around, double skin);
   void make_blocks(const PointSet& of, std::size_t begin, std::size_t end, double reach);
@@ -105,10 +106,10 @@ class PairBlocks {
   [[nodiscard]] std::size_t first_block(std::size_t part) const { return blocks_.size() * part / parts_; }
   void find_candidates(const PointSet& of, std::size_t part);
   void join_candidates();
-  /// What one thread needs to find candidates, and those it has found.
+  /// Memory of one thread that searches for candidates, and the candidates that it has found.
   struct alignas(64) Finder {
     std::vector<Index> found;
-    /// Bits of what was found, and of words with any: to put it into the caller's order.
+    /// A bit for each point found, and one for each word that has such bits: they give the caller's order.
     std::vector<std::uint64_t> bits, words;
     std::vector<std::pair<Index, Index>> pieces;
     std::vector<Index> candidate;
@@ -159,7 +160,8 @@ template <int D, class Value>
   weight = amplitude * (u2 * u2) * (5.0 - 4.0 * u);
 }
 
-/// The candidates that reach a block and their weights at its points, to arrays that have room for all; how many.
+/// Writes the candidates that reach a block and their weights at its points to arrays that are large enough for all;
+/// returns their number.
 template <Kernel K, int D>
 [[gnu::always_inline]] inline std::size_t weigh_block(const PairBlocks<D>& pairs,
                                                       const typename PairBlocks<D>::Block& block, const PointSet& of,

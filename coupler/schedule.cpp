@@ -16,7 +16,7 @@ namespace {
 
 Role other(Role role) { return role == Role::fluid ? Role::solid : Role::fluid; }
 
-/// Of all that the rest of a run can depend on.
+/// Digest of everything in a publication on which the rest of a run can depend.
 std::uint64_t digest_of(const Snapshot& snapshot) {
   Snapshot copy = snapshot;
   PointSet points = *snapshot.points;
@@ -83,7 +83,7 @@ class Schedule::Implementation {
   }
 
  private:
-  /// A side's last publication: shared by whoever may want it back.
+  /// A side's last publication, shared with the copies that may be restored.
   using State = std::shared_ptr<const Snapshot>;
   State& now(Role role) { return role == Role::fluid ? fluid_ : solid_; }
 
@@ -113,7 +113,8 @@ class Schedule::Implementation {
     }
   }
 
-  /// The coupler's own state; the participants' publications as their digests only: they repeat them.
+  /// Writes or reads the coupler's own state. Of the participants' publications only digests are kept, since the
+  /// participants repeat them.
   void archive(Archive& archive) {
     std::uint64_t fluid = 0, solid = 0;
     if (!archive.loading()) {
@@ -124,7 +125,7 @@ class Schedule::Implementation {
     if (archive.loading()) digests_ = {fluid, solid};
   }
 
-  /// Everybody writes; the coupler's own file, written last, is what makes it count.
+  /// Both participants write their state; the checkpoint is valid once the coupler has written its own file, the last.
   void checkpoint() {
     const Span span(report_.checkpointing, trace_, "checkpointing");
     const std::string name = checkpoint_schedule_.name(step_);
@@ -147,7 +148,7 @@ class Schedule::Implementation {
     ++report_.checkpoints;
   }
 
-  /// From the newest checkpoint that all three hold.
+  /// Resumes from the newest checkpoint that all three processes have.
   void resume() {
     const auto mine = checkpoints_.store->whole();
     const auto &fluids = broker_.checkpoints(Role::fluid), &solids = broker_.checkpoints(Role::solid);
@@ -214,7 +215,7 @@ class Schedule::Implementation {
     }
   }
 
-  /// Nothing when the window stands; else the refusal, with both sides restored.
+  /// Tries one window. Returns nothing when it is accepted, otherwise the refusal, with both sides restored.
   std::optional<Reject> try_window(const WindowClock::Plan& plan,
                                    const std::vector<SpatialMapping::Account>& accounts) {
     fluid_limit_ = fluid_->proposed_interval;
@@ -243,7 +244,7 @@ class Schedule::Implementation {
                   fmt::format("not converged after {} iterations", most_iterations)};
   }
 
-  /// Serial, again and again until the solid's motion is the one that the fluid predicted.
+  /// Crosses a window by the serial scheme, repeated until the solid moves as the fluid predicted.
   std::optional<Reject> settle(const WindowClock::Plan& plan, const State& fluid_start, const State& solid_start,
                                const std::vector<SpatialMapping::Account>& accounts, double tolerance) {
     State found;
@@ -255,7 +256,8 @@ class Schedule::Implementation {
       if (rejection) return rejection;
       if (solid_->unsettled <= tolerance) return std::nullopt;
       ++pass_;
-      const auto reason = fmt::format("{:.2g} of the weight not settled, {:g} allowed", solid_->unsettled, tolerance);
+      const auto reason =
+          fmt::format("{:.2g} of the weight missing in the balance, {:g} allowed", solid_->unsettled, tolerance);
       found = solid_;
       restore_state(fluid_start, solid_start, reason);
       mapping_->set_accounts(accounts);
@@ -266,7 +268,8 @@ class Schedule::Implementation {
     }
   }
 
-  /// Through both solvers at the same time: each is given the other's start, and what it gave away in the last window.
+  /// One pass through both solvers at the same time: each is given the other's state at the start and the amounts that
+  /// the other gave in the last window.
   std::optional<Reject> pass_at_once(const WindowClock::Plan& plan, const State& fluid_start,
                                      const State& solid_start) {
     ++report_.passes;
@@ -282,8 +285,8 @@ class Schedule::Implementation {
     return rejection;
   }
 
-  /// Once through both solvers, one after the other. `solid_end`: what the fluid is given of the solid at the window's
-  /// end; null: its start is all there is.
+  /// One pass through both solvers, one after the other. `solid_end`: the solid at the window's end as the fluid is
+  /// given it; null: the solid at the start is all that is known.
   std::optional<Reject> pass(const WindowClock::Plan& plan, const State& fluid_start, const State& solid_start,
                              const Snapshot* solid_end) {
     ++report_.passes;
@@ -315,7 +318,8 @@ class Schedule::Implementation {
     return answer(role, plan);
   }
 
-  /// `start` (or null) and `end`: the other side at the ends of the window; `amounts`: what it has given away.
+  /// Sends ADVANCE to one side. `start` (or null) and `end`: the other side at the ends of the window; `amounts`: what
+  /// it has given away.
   void order(Role role, const WindowClock::Plan& plan, const Snapshot* start, const Snapshot& end,
              const Snapshot& amounts) {
     Message message;
@@ -327,7 +331,7 @@ class Schedule::Implementation {
     send_mapped(role, std::move(message), start, end, amounts);
   }
 
-  /// The refusal, or nothing: the window is crossed.
+  /// Waits for the answer of one side: its refusal, or nothing when it has crossed the window.
   std::optional<Reject> answer(Role role, const WindowClock::Plan& plan) {
     Message answer = broker_.wait(role);
     if (answer.step != step_ + 1 || answer.iteration != iteration_)
@@ -379,8 +383,8 @@ class Schedule::Implementation {
     broker_.send(role, std::move(message));
   }
 
-  /// The other side's fields at this side's points; those wanted in time also as they were at the window's start, when
-  /// the other side's points may have been elsewhere.
+  /// Maps the other side's fields to this side's points. Those taken in time are also mapped as they were at the
+  /// window's start, when the other side's points may have been elsewhere.
   Inbox mapped(Role role, const Snapshot* start, const Snapshot& end, const Snapshot& amounts) {
     const Span span(report_.mapping, trace_, "mapping");
     const Role giver = other(role);
@@ -390,7 +394,7 @@ class Schedule::Implementation {
       (spec.mapping == Mapping::conservative && &amounts != &end ? shared : intensities).push_back(spec);
       if (start && spec.in_time && spec.mapping == Mapping::consistent) in_time.push_back(spec);
     }
-    // The start first: its points are those of the last window's end, whose lists stand.
+    // The start comes first: its points are those of the last window's end, for which the lists are still right.
     std::vector<Field> at_start;
     if (!in_time.empty()) at_start = mapping_->map(giver, *start->points, start->fields, in_time, receiver).fields;
     Inbox inbox = mapping_->map(giver, *end.points, end.fields, intensities, receiver);
@@ -404,7 +408,7 @@ class Schedule::Implementation {
     return inbox;
   }
 
-  /// What the fluid takes of a pass through a window that is repeated.
+  /// The fields that the fluid takes from the last pass where a window is repeated.
   [[nodiscard]] std::vector<FieldSpec> found_wanted() const {
     std::vector<FieldSpec> wanted;
     for (const auto& spec : broker_.contract(Role::fluid).takes)
@@ -419,7 +423,7 @@ class Schedule::Implementation {
   State admitted(Role role, Message message, double time, const std::shared_ptr<const PointSet>& previous) {
     if (!message.points.sent) ++report_.points_unchanged;
     Snapshot snapshot = admit(std::move(message), broker_.contract(role), previous);
-    // Both clocks must tell the same time, rounding apart.
+    // Both sides must be at the same time, up to rounding.
     if (std::abs(snapshot.time - time) > 1e-9 * std::max(std::abs(time), 1e-3 * clock_.end()))
       throw PeerError(fmt::format("{} is at t = {} s after step {}, expected t = {} s", to_string(role), snapshot.time,
                                   step_ + 1, time));
@@ -438,7 +442,7 @@ class Schedule::Implementation {
   State fluid_, solid_;
   std::uint64_t step_ = 0;  ///< windows that stand
   std::uint32_t iteration_ = 0;
-  unsigned pass_ = 0;                ///< of the settled scheme
+  unsigned pass_ = 0;                ///< of the Settled scheme
   const Snapshot* found_ = nullptr;  ///< where a window is repeated: how the solid's last pass ended
   WindowClock::Plan plan_;
   double fluid_limit_ = no_limit, solid_limit_ = no_limit;

@@ -1,7 +1,7 @@
 // Temporal coupling: who advances when, with whose fields, and what happens when a window is refused.
 // Serial, fluid first: the fluid crosses the window with the solid's fields of its start, the solid with the fluid's
 // new ones. Parallel: both at the same time, each with the other's fields of its start. Iterated: serial, until the
-// solid's fields at the window's end are those that the fluid was given. Settled: serial, and again until the solid
+// solid's fields at the window's end are those that the fluid was given. Settled: serial, and repeated until the solid
 // moves as the fluid predicted; from the second pass on the fluid also knows what the last pass found.
 // docs/protocol.md shows the sequence.
 #pragma once
@@ -37,7 +37,7 @@ struct ScheduleReport {
   double checkpointing = 0.0;  ///< s
   std::uint64_t checkpoints = 0;
 
-  /// What a run that is resumed counts on from.
+  /// Counters from which a resumed run continues.
   void archive(Archive& archive) {
     archive(windows, passes, rejected_by_fluid, rejected_by_solid, fields_skipped, points_unchanged, limited_by);
   }
@@ -50,7 +50,7 @@ struct Settled {
 };
 using Scheme = std::variant<Serial, Parallel, IterationSettings, Settled>;
 
-/// Through one window of the settled scheme, before it is refused and tried again at half its length.
+/// Passes through one repeated window after which it is refused and tried again at half its length.
 inline constexpr unsigned most_passes = 12;
 
 class Schedule {
@@ -63,9 +63,9 @@ class Schedule {
   Schedule(const Schedule&) = delete;
   Schedule& operator=(const Schedule&) = delete;
 
-  /// From the handshake to the goodbyes. On any failure all participants are notified before the error leaves here.
+  /// Runs from the handshake to the goodbyes. On any failure all participants are notified before the error is thrown.
   void run();
-  /// Whom it waits for: for BrokerOptions::waiting.
+  /// Notes for whom the coupler waits; BrokerOptions::waiting calls it.
   void note_waiting(const std::string& whom);
   [[nodiscard]] ScheduleReport report() const;
 

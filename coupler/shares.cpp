@@ -13,7 +13,7 @@ namespace {
 
 using Size = std::size_t;
 
-/// sum_j w_ij value_j, K values a point, for every point i of the blocks; take(i, sums, lane) has them.
+/// Passes sum_j w_ij value_j, K values a point, for every point i of the blocks to take(i, sums, lane).
 template <Size K, int D, class Take>
 void multiply(std::span<const typename PairBlocks<D>::Block> blocks, const PairWeights& weights,
               const std::vector<double>& value, const Take& take) {
@@ -34,7 +34,7 @@ void multiply(std::span<const typename PairBlocks<D>::Block> blocks, const PairW
 template <int D>
 class Shares {
  public:
-  /// Receivers weigh by their own kernels on either side.
+  /// Receivers have weights by their own kernels in both sets of blocks.
   Shares(const PairBlocks<D>& at_givers, const PairBlocks<D>& at_receivers, const PairWeights& by_giver,
          const PairWeights& by_receiver, const PointSet& givers, const PointSet& receivers, const Field& amounts)
       : at_givers_(at_givers),
@@ -52,8 +52,8 @@ class Shares {
     std::fill_n(scale_.begin(), receivers.n_active, 1.0);
   }
 
-  /// Factors under which an even giving arrives evenly however disordered the points are: what reaches a receiver from
-  /// the giving volumes is to be its own volume (Sinkhorn 1967). Only receivers inside the cloud of those that give are
+  /// Finds factors with which an even giving arrives evenly however disordered the points are: what reaches a receiver
+  /// from the giving volumes is to be its own volume (Sinkhorn 1967). Only receivers inside the cloud of the givers are
   /// balanced; at its edge the shares stay as the kernel has them.
   void balance() {
     const auto wanted = wanted_inside();
@@ -68,7 +68,7 @@ class Shares {
     }
   }
 
-  /// Of the active givers: the sum of their receivers' weights, to take(giver, sum).
+  /// Passes the sum of the receivers' weights of every active giver to take(giver, sum).
   template <class Take>
   void weigh_receivers(const Take& take) {
     for (Size j = receivers_.n_active; j < receivers_.size(); ++j) {
@@ -79,7 +79,7 @@ class Shares {
                    [&](Size i, const auto& total, Size lane) { take(i, total[0].v[lane]); });
   }
 
-  /// sum_i w_ij value_i of the active receivers, what their ghosts get included; K values a point, not yet scaled.
+  /// sum_i w_ij value_i of the active receivers, including what their ghosts get; K values a point, not yet scaled.
   template <Size K>
   void receive(const std::vector<double>& value, std::vector<double>& got) const {
     multiply<K, D>(at_receivers_.blocks(), by_receiver_, value, [&](Size j, const auto& total, Size lane) {
@@ -96,7 +96,7 @@ class Shares {
   [[nodiscard]] const std::vector<double>& scale() const { return scale_; }
 
  private:
-  /// What is to reach the active receivers: their volume, or 0 where those that give do not lie all around.
+  /// The volume that is to reach each active receiver: its own, or 0 where the givers do not lie all around it.
   std::vector<double> wanted_inside() const {
     constexpr Size K = D + 1;
     std::vector<double> giving(givers_.size());
@@ -132,7 +132,7 @@ class Shares {
     return wanted;
   }
 
-  /// Changes the scale by what was wanted over what was got; the largest relative change that was due.
+  /// Multiplies the scale by the wanted over the received volume; returns the largest relative change.
   double rescale(const std::vector<double>& wanted) {
     Quad worst{};
     run_lanes([&]() __attribute__((always_inline)) {
@@ -163,7 +163,7 @@ class Shares {
   std::vector<double> got_;    ///< [receivers and a few more] by those, before it is scaled
 };
 
-/// What the receivers get of the amounts, and of the key by which carried amounts are shared out.
+/// The amounts that the receivers get, and their parts of the carried amounts.
 template <int D, Size Components>
 Delivery share_out(Shares<D> shares, const PointSet& givers, const PointSet& receivers, const Field& amounts,
                    std::span<const double> carried) {

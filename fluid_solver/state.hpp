@@ -1,4 +1,4 @@
-// Everything the fluid remembers between windows, as one value: saving is a copy.
+// Everything that the fluid remembers between windows, as one value, so that saving is a copy.
 #pragma once
 
 #include "common/core/or_zero.hpp"
@@ -20,13 +20,14 @@ struct Particles {
   ScalarArray volume;               ///< V = m / (n rho), bulk, m^D
   ScalarArray pressure;             ///< piezometric, Pa
   OrZero<Vec<D>> solid_velocity;    ///< predicted v_s', m/s
-  OrZero<Vec<D>> solid_change;      ///< of that in the window, v_s' - v_s, m/s
+  OrZero<Vec<D>> solid_change;      ///< its change in the window, v_s' - v_s, m/s
   OrZero<Vec<D>> drag_impulse;      ///< given to the soil in the last window, N s
   OrZero<double> surface_share;     ///< 1: of moving soil, bounded by its free surface
   OrZero<Vec<D>> surface_gradient;  ///< of the total pressure there, Pa/m
   /// Force of pressure and drag on the soil at the end of the last window, N/m3
   OrZero<Vec<D>> coupling_force;
-  /// That of the window before the last: a soil that computes at the same time has received only this one.
+  /// The same force at the end of the window before: soil that computes at the same time as the fluid has received only
+  /// that one.
   OrZero<Vec<D>> previous_coupling_force;
   /// C / (a + C) in the last window: the fraction of a departure of the skeleton's velocity from its prediction that
   /// drag passes on to the water.
@@ -37,8 +38,9 @@ struct Particles {
   std::vector<char> in_seepage;      ///< 1: in the seepage regime; 0: it moves and has a surface as free water
   OrZero<int> closed_body;     ///< number from 1 of the body that it came with, if only walls surround that; else 0
   OrZero<double> void_volume;  ///< of the water, opened by cavitation, m^D
-  /// Volumetric strain of the soil not yet applied to the water: beyond the prediction; by the soil's own account
-  /// beyond what its mapped motion shows, with the mean rate of that [1/s].
+  /// Volumetric strains of the soil that have not been applied to the water yet. deferred_strain: of its motion beyond
+  /// the predicted one. unseen_strain: that the solid reports beyond the divergence of its mapped velocity;
+  /// unseen_rate: the rate [1/s] at which this one is applied now.
   OrZero<double> deferred_strain, unseen_strain, unseen_rate;
   VecArray<D> birthplace;  ///< m: a particle that never moved has no packing to repair
   ScalarArray row;         ///< thickness of the row of surface particles it lies in, in spacings
@@ -79,8 +81,8 @@ struct Particles {
     visit_if_there(unseen_strain);
   }
 
-  /// Room for n particles, and no more than a sixteenth beside them for those to come: arrays that doubled would stand
-  /// half empty, and arrays that move while others stand leave holes.
+  /// Reserves memory for n particles, and where more will come for no more than a sixteenth in addition: arrays that
+  /// grow by doubling would stand half empty, and arrays that are reallocated one by one leave holes in memory.
   void reserve(std::size_t n, bool others_come) {
     const std::size_t room = others_come ? n + n / 16 + 16 : n;
     for_each_array([room](auto& array) { array.reserve(room); });
@@ -128,7 +130,7 @@ struct Counts {
   double cavitating = 0, first_cavitation = 0;  ///< particles, most at once; s, while there are any
 };
 
-/// Volumes of water that came and went through faces since the start, and what there was then [m^D].
+/// Volumes of water that came in and went out through faces since the start, and the volume at the start [m^D].
 struct Balance {
   double in = 0.0, out = 0.0, initial = 0.0;
 };
@@ -155,7 +157,7 @@ struct State {
   std::vector<FaceColumn<D>> columns;
   std::vector<Inlet<D>> inlets;
   bool full = false;       ///< soil at rest, full of water from the start on, all faces wet: no surface can form
-  bool multigrid = false;  ///< the last window's pressure was worth it
+  bool multigrid = false;  ///< the last window's pressure solve took multigrid more than a few cycles
   std::vector<FaceState> faces;
   std::vector<TimeLimit> window_limits;  ///< from the last window
   Counts counts;
@@ -163,7 +165,7 @@ struct State {
   Exchanged<D> exchanged;
 };
 
-/// At time zero, water at rest not solved for yet. lattices: see water_lattices.
+/// The state at time zero, before its hydrostatic pressure is solved for. lattices: see water_lattices.
 template <int D>
 State<D> first_state(const Case& scene, const Setup<D>& setup, const WaterBoundaries& boundaries,
                      std::span<const Lattice<D>> lattices);

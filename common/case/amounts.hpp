@@ -8,10 +8,10 @@ namespace poretwin {
 /// Area (2D) or volume (3D) of a shape [m^D].
 double measure(const Shape& shape, int dimension);
 
-/// Particles, frames and readings; of what is not there, zero.
+/// Numbers of particles, frames and readings that a run has; zero for phases that it does not have.
 struct Amounts {
   double fluid = 0.0, solid = 0.0;  ///< particles at the start
-  double fluid_full = 0.0;          ///< the same of water once all soil is full, where faces let it in
+  double fluid_full = 0.0;          ///< water particles once all soil is full, where faces let water in
   double frames = 0.0;
   double frame_bytes = 0.0;   ///< of all frames together
   double gauge_rows = 0.0;    ///< 0 where every exchange is read: their number is not known
@@ -20,7 +20,7 @@ struct Amounts {
 };
 Amounts estimate(const Case& scene);
 
-/// Of the phases that run [m].
+/// The finest particle spacing of the phases that run [m].
 double finest_spacing(const Case& scene);
 
 /// A spacing at which the box around the shape holds so few particles that looking at them all takes no time: the

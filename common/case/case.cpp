@@ -246,7 +246,7 @@ void declare(Keys& keys, Soil& s) {
        "`plane_strain` for any dilation; `repose`: friction is the angle of repose; 3D `outer` (compression), `inner` "
        "(extension)."});
   keys.number("tensile_strength", s.tensile_strength,
-              {"Pa", "Largest mean effective stress (drucker_prager); absent: that of the cone's apex."},
+              {"Pa", "Largest mean effective stress in tension (drucker_prager); absent: that of the cone's apex."},
               not_negative());
   keys.number("maximum_void_ratio", s.maximum_void_ratio,
               {"", "Void ratio e = n / (1 - n) at which dilation ends (drucker_prager); absent: never."}, positive());
@@ -274,22 +274,23 @@ void declare(Keys& keys, Quiet& q) {
   keys.number(
       "wake_above", q.wake_above,
       {"g",
-       "Sleep ends when the force on a particle has changed by more. It bounds the error of the stress: that much "
-       "of rho g H."},
+       "Sleep ends when the force on a particle has changed by more. That bounds the error of the stress by as much of "
+       "rho g H, H the height of the soil."},
       positive());
   keys.flag(
       "damping", q.damping,
       {"",
-       "Near-critical damping in quasi-static windows: while the departure from rest is below 10 `wake_above`, and "
-       "off from the first yielding until quiet again. The same of regions before they sleep."});
+       "Near-critical damping in quasi-static windows while the departure from rest is below 10 `wake_above`; off from "
+       "the first yielding until the soil is quiet again. Regions (`regions`) are damped likewise before they sleep."});
   keys.number("regions", q.regions,
               {"g",
-               "Regions at rest around soil that flows (plastic strain above 1 %) sleep, too: what has dissipated "
-               "next to nothing and not moved by more than this acceleration moves it in the time that waves take "
-               "eight times through the soil. Their pairs and stresses are not computed; for those that move they "
-               "stand still. They wake when a force from outside changes by more than `wake_above`, that of their "
-               "neighbours by as much as such an error of the stress makes, or something moves beside them. 5e-3 is "
-               "what docs/performance.md measures; 0: the soil sleeps as a whole only. Not with periodic sides."},
+               "Regions at rest around soil that flows (plastic strain above 1 %) sleep, too. A region sleeps when, in "
+               "the time in which waves cross the soil eight times, it has dissipated next to nothing and moved by no "
+               "more than this acceleration would move it. Its pairs and stresses are not computed; to the soil that "
+               "moves it stands still. It wakes when a force from outside changes by more than `wake_above`, when the "
+               "force of its neighbours changes by as much as such an error of the stress makes, or when something "
+               "moves beside it. docs/performance.md measures 5e-3; 0: the soil sleeps as a whole only. Not with "
+               "periodic sides."},
               not_negative());
 }
 
@@ -300,13 +301,13 @@ void declare(Keys& keys, Wall& w) {
   keys.choice<Wall::ForSoil>(
       "soil", w.soil, soil_words,
       {"",
-       "What the wall is for soil; `none`: not there, `roller`: no friction, `fixed`: no slip, of soil that stays in "
-       "place, `frictional`: soil slips once its shear on the wall reaches Coulomb's, tan(`friction_angle`) times its "
-       "pressure, `rough`: no slip, three rows of the soil held still behind the wall, for soil that flows over it "
-       "(in 3D as far as the box from `case.domain_min` to `case.domain_max` goes)."});
+       "What the wall is for soil; `none`: not there, `roller`: no friction, `fixed`: no slip, for soil that stays in "
+       "place, `frictional`: soil slips once its shear on the wall reaches Coulomb's limit, tan(`friction_angle`) "
+       "times its pressure, `rough`: no slip, by three rows of soil at rest behind the wall, for soil that flows over "
+       "it (in 3D within the box from `case.domain_min` to `case.domain_max`)."});
   const bool frictional = w.soil == Wall::ForSoil::frictional;
   keys.number("friction_angle", w.friction_angle,
-              {"degrees", "Between the soil and a frictional wall (required there).", frictional},
+              {"degrees", "Angle of friction between the soil and a frictional wall (required there).", frictional},
               between(0, false, 90, true));
 }
 
@@ -316,20 +317,20 @@ void declare(Keys& keys, WaterFace& f) {
   keys.series(
       "head", f.head,
       {"m",
-       "Elevation (along -gravity) of the free surface of the water behind the face. Above the upper end of a face "
-       "of rigid soil (2D) that no wall rises from, it runs over that crest as real water, critically or "
-       "drowned; real water that comes below the level behind the face is taken in. Where no soil touches the "
-       "face (2D), it is an opening that keeps real water at that level: what is let in per time is sqrt(g d) "
-       "times what the level before it is short of `head`, d the depth; drawn off as far as the opening lies "
-       "under water."});
+       "Elevation (along -gravity) of the free surface of the still water behind the face, a reservoir. Where it is "
+       "above the upper end of a face of rigid soil (2D) from which no wall rises, the water runs over that crest as "
+       "particles of free water, critically or drowned; particles that come below the level behind the face join the "
+       "reservoir. Where no soil touches the face (2D), the face is an opening that keeps free water at that level: "
+       "per time it lets in sqrt(g d) (`head` - level before the opening), d the depth; what is negative is drawn off, "
+       "as far as the opening lies under water."});
   keys.series("pressure", f.pressure, {"Pa", "Instead of `head`: pressure, uniform on the face."});
   keys.series(
       "discharge", f.discharge,
       {"m3/s",
-       "With `basin_area`: poured into the basin behind the face (2D: m2/s); its level follows from the balance "
-       "of its water, what runs over its crest and back counted, `head` is then the level at time zero; absent: empty. "
-       "Alone: let in (below zero: drawn off) "
-       "through the face, an inlet of real water that no soil touches (2D)."});
+       "With `basin_area`: volume per time that is poured into the basin behind the face (2D: m2/s). The basin's level "
+       "follows from the balance of its water, including what runs over its crest and back; `head` is then the level "
+       "at time zero; absent: empty. Without `basin_area`: volume per time that is let in (below zero: drawn off) "
+       "through the face, an inlet of free water that no soil touches (2D)."});
   keys.series(
       "basin_area", f.basin_area,
       {"m2", "With `discharge`: horizontal area of the basin (2D: length, m) against elevation [m], [[z, A], ..]."});
@@ -339,8 +340,10 @@ void declare(Keys& keys, WaterFace& f) {
       {"Pa",
        "With `pressure`: A of a standing wave A cos(2 pi x / `wave_length`) cos(2 pi t / `wave_period`) that is "
        "added to it. Where the sum is below zero no water stands behind the face."});
-  keys.number("wave_length", f.wave_length, {"m", "Of that wave, along x.", f.wave_amplitude.has_value()}, positive());
-  keys.number("wave_period", f.wave_period, {"s", "Of that wave.", f.wave_amplitude.has_value()}, positive());
+  keys.number("wave_length", f.wave_length,
+              {"m", "Length of the standing wave, along x.", f.wave_amplitude.has_value()}, positive());
+  keys.number("wave_period", f.wave_period, {"s", "Period of the standing wave.", f.wave_amplitude.has_value()},
+              positive());
 }
 
 void declare(Keys& keys, Rain& r) {
@@ -348,9 +351,9 @@ void declare(Keys& keys, Rain& r) {
   declare(keys, r.face);
   keys.series(
       "rate", r.rate,
-      {"m/s", "What falls per time and horizontal area, also as a table in time; below zero: evaporation.", true});
+      {"m/s", "Volume of rain per time and horizontal area, also as a table in time; below zero: evaporation.", true});
   keys.number("ponding_depth", r.ponding_depth,
-              {"m", "Depth of the water that stays where it cannot soak in; what is more runs off at once."},
+              {"m", "Depth up to which water that cannot soak in stays on the surface; more runs off at once."},
               not_negative());
   keys.number("limit_suction", r.limit_suction,
               {"m", "Suction at the surface up to which evaporation equals `rate`; from there on the soil limits it."},
@@ -363,17 +366,23 @@ void declare(Keys& keys, Load& l) {
   keys.point(
       "traction", l.traction,
       {"Pa",
-       "Force per area on the soil's surface near the face. By `points` its sum is the traction times the length "
-       "of the line, as far as soil lies along it.",
+       "Force per area on the soil's surface near the face. With `points` the total force is the traction times the "
+       "length of the line, as far as soil lies along it.",
        true});
-  keys.number("start", l.start, {"s", "Applied from then on. Absent: always there, part of the initial rest."});
-  keys.series("factor", l.factor,
-              {"1", "On the traction, at each time; without `start` its first value is part of the initial rest."});
+  keys.number("start", l.start,
+              {"s",
+               "Time from which on the load acts; absent: it always acts, and the soil comes to rest under it "
+               "before time zero."});
+  keys.series(
+      "factor", l.factor,
+      {"1", "Factor on the traction, against time; without `start` the soil comes to rest under its first value."});
 }
 
 void declare(Keys& keys, PorePressure& p) {
   keys.text("name", p.name, {"", "Name, for messages."});
-  keys.optional_table("region", "Where it holds; absent: all soil. Of several, the first that holds a point counts.",
+  keys.optional_table("region",
+                      "Where this pore pressure holds; absent: in all soil. Where regions overlap, the first one "
+                      "counts.",
                       p.region, [](Keys& inner, Shape& shape) { declare(inner, shape); });
   keys.series("head", p.head,
               {"m", "Elevation (along -gravity) of the water table; with `to_head`: the total head at `from`."});
@@ -381,7 +390,7 @@ void declare(Keys& keys, PorePressure& p) {
   keys.series("to_head", p.to_head,
               {"m", "Total head at `to`: linear between `from` and `to`, constant across and beyond (seepage)."});
   keys.point("from", p.from, {"m", "With `to_head`: where `head` holds."});
-  keys.point("to", p.to, {"m", "With `to_head`: where that holds."});
+  keys.point("to", p.to, {"m", "With `to_head`: where `to_head` holds."});
 }
 
 void declare_seed(Keys& keys, unsigned& seed) {
@@ -399,32 +408,41 @@ void declare(Keys& keys, FluidCase& f) {
        "`particles` that move with the water, also where it runs free; `field`: pressure heads at points of soil that "
        "does not move, saturated or not, `particle_spacing` apart (2D, docs/theory/pore_water_field.md)."});
   keys.series("initial_pressure_head", f.initial_pressure_head,
-              {"m", "Of a field: pressure head at time zero, a number or a table against elevation, [[z, psi], ..]."});
+              {"m", "Field: pressure head at time zero, a number or a table against elevation, [[z, psi], ..]."});
   keys.number(
       "initial_water_table", f.initial_water_table,
-      {"m", "Of a field, instead: elevation of the water table at time zero, with water at rest below and above."});
+      {"m",
+       "Field, instead of `initial_pressure_head`: elevation of the water table at time zero, with water at rest "
+       "below and above."});
   keys.choice<FluidCase::Scheme>(
       "scheme", f.scheme, scheme_words,
       {"",
        "`projection`: pressure solved to a tolerance; `eisph`: explicit sweeps, Eqs. (82)-(85), in windows short "
        "enough for them; `eisph_explicit_drag`: with the drag of Eq. (75) at the window's start."});
   std::int64_t sweeps = f.sweeps;
-  keys.integer("sweeps", sweeps, {"", "Of `eisph`, per window."}, between(1, false, 1000, false));
+  keys.integer("sweeps", sweeps, {"", "Explicit sweeps per window (`eisph`)."}, between(1, false, 1000, false));
   f.sweeps = static_cast<int>(sweeps);
   keys.number("pressure_tolerance", f.pressure_tolerance,
               {"",
-               "Of `projection`, where no skeleton responds: residual that is left, over what drives the flow; absent: "
-               "2e-5 over the contrast between the conductivities of the soils, in free water without soil 1e-3."},
+               "`projection`, where no skeleton responds: residual of the pressure solve, relative to what drives the "
+               "flow; absent: 2e-5 divided by the contrast between the conductivities of the soils, 1e-3 in free water "
+               "without soil."},
               between(0, true, 1, true));
-  keys.point("initial_velocity", f.initial_velocity, {"m/s", "Of all water at time zero."});
+  keys.point("initial_velocity", f.initial_velocity, {"m/s", "Velocity of all water at time zero."});
   keys.number("initial_strain", f.initial_strain,
-              {"1/s", "Adds the plane straining flow (s x, -s y) about the origin to the initial velocity."});
+              {"1/s",
+               "Rate s of the plane straining flow (s x, -s y) about the origin, which is added to the initial "
+               "velocity."});
   keys.number("initial_wave", f.initial_wave,
-              {"m/s", "Adds the lowest sloshing mode of the first region along x, this fast at its surface."});
+              {"m/s",
+               "Speed, at the ends of the surface, of the lowest sloshing mode along x of the first region, which "
+               "is added to the initial velocity."});
   keys.number(
       "initial_vortices", f.initial_vortices,
-      {"m/s", "Adds Taylor-Green vortices of this highest speed, one period over the periodic box in x and y."});
-  keys.point("offset", f.offset, {"spacings", "Of the first particle from a region's lower corner."});
+      {"m/s",
+       "Highest speed of Taylor-Green vortices, one period over the periodic box in x and y, which are added to the "
+       "initial velocity."});
+  keys.point("offset", f.offset, {"spacings", "Position of the first particle, from the lower corner of a region."});
   keys.number("jitter", f.jitter, {"spacings", "Largest random displacement of the initial lattice."},
               between(0, false, 1, false));
   declare_seed(keys, f.seed);
@@ -435,9 +453,10 @@ void declare(Keys& keys, FluidCase& f) {
        "`pointwise`: Eqs. (64)/(73), exact for a uniform relative velocity; `smoothed`: Eqs. (67)/(74), a sum over "
        "pairs that depends on how the two lattices lie, G = d; `smoothed_as_printed`: G = 1/d, d^2 times too weak "
        "(rigid soil only)."});
-  keys.flag(
-      "skeleton_response", f.skeleton_response,
-      {"", "The skeleton's predicted response inside the pressure solve; false: plain staggering, to show its limit."});
+  keys.flag("skeleton_response", f.skeleton_response,
+            {"",
+             "The pressure solve includes a prediction of the skeleton's motion; false: plain staggering, to show its "
+             "limit (docs/stability.md)."});
   keys.tables("region", "Where water stands at time zero; inside soil it fills the pores.", f.regions,
               [](Keys& inner, Shape& shape) { declare(inner, shape); });
 }
@@ -447,30 +466,36 @@ void declare(Keys& keys, SolidCase& s) {
       "model", s.model, model_words(true),
       {"",
        "`rigid`: the soil does not move, the fluid runs alone; otherwise the material law of all soil that has no "
-       "`soil.model`. `drucker_prager_rate`: as the paper integrates it, explicit rates and stress scaling-back. "
-       "Without water the soil runs alone."});
+       "`soil.model`. `drucker_prager_rate`: integrated as in Bui & Nguyen (2017), explicit rates and stress "
+       "scaling-back. Without water the solid runs alone."});
   keys.number("particle_spacing", s.particle_spacing,
               {"m", "Distance between soil particles; 0: as fluid.particle_spacing."}, not_negative());
-  keys.point("initial_velocity", s.initial_velocity, {"m/s", "Of all soil at time zero."});
+  keys.point("initial_velocity", s.initial_velocity, {"m/s", "Velocity of all soil at time zero."});
   keys.number("initial_wave", s.initial_wave,
-              {"m/s", "Adds the lowest sloshing mode of the first soil along x, this fast at its surface."});
-  keys.point("offset", s.offset, {"spacings", "Of the first particle from a soil's lower corner."});
+              {"m/s",
+               "Speed, at the ends of the surface, of the lowest sloshing mode along x of the first soil, which is "
+               "added to the initial velocity."});
+  keys.point("offset", s.offset, {"spacings", "Position of the first particle, from the lower corner of a soil."});
   keys.number("jitter", s.jitter, {"spacings", "Largest random displacement of the initial lattice."},
               between(0, false, 1, false));
   declare_seed(keys, s.seed);
-  keys.flag("initial_rest", s.initial_rest,
-            {"", "Find the rest under gravity, water and standing loads before time zero."});
+  keys.flag(
+      "initial_rest", s.initial_rest,
+      {"", "Before time zero the soil is brought to rest under gravity, the water and the loads without `start`."});
   keys.flag("initial_seepage", s.initial_seepage,
             {"",
-             "That rest bears the drag, too, of water that flows steadily under the pressure of time zero: the seepage "
-             "force. Without it the water begins to flow at time zero. `poretwin safety` always does."});
+             "The soil is brought to rest under the seepage force, too, of water that flows steadily under the "
+             "pressure of time zero; false: the water begins to flow at time zero. `poretwin safety` always includes "
+             "that force."});
   keys.choice<SolidCase::PressureGradient>(
       "pressure_gradient", s.pressure_gradient, gradient_words,
-      {"", "`difference`: Eq. (62) as corrected; `sum`: Eq. (61), which pulls at the surface."});
+      {"",
+       "How the gradient of the pore pressure on the soil is summed. `difference`: Eq. (62) as corrected; `sum`: "
+       "Eq. (61), which expels particles at the soil's surface."});
   keys.number("strength_reduction", s.strength_reduction,
               {"",
-               "Cohesion and tan(friction) of all soil are divided by it (`poretwin safety` finds the factor of "
-               "safety)."},
+               "Factor by which cohesion and tan(friction) of all soil are divided (`poretwin safety` finds the one at "
+               "which the slope fails)."},
               positive());
   keys.optional_table("quiet",
                       "Work saved while the soil hardly moves; absent: all its motion is computed. Elastic soil with "
@@ -479,34 +504,41 @@ void declare(Keys& keys, SolidCase& s) {
   keys.number(
       "courant", s.courant,
       {"",
-       "Substep over spacing / wave speed; absent: 1 where soil moves by itself (of grains without cohesion on "
-       "rough walls 1.4, in 3D 1.3), 0.8 with water and in searches for rest. Tips of elastic slopes bear 1.07."},
+       "Substep over the time in which an elastic wave crosses one spacing; absent: 1 for soil without water (grains "
+       "without cohesion on rough walls 1.4, in 3D 1.3), 0.8 with water and in searches for rest. At the tips of "
+       "elastic slopes up to 1.07 is stable."},
       between(0, true, 2, false));
   keys.number("list_skin", s.list_skin,
               {"spacings",
-               "How far beyond the kernel's reach pair lists go: kept until neighbours have moved against each other "
-               "by as much."},
+               "Distance by which pair lists reach beyond the kernel's support; a list is kept until neighbours have "
+               "moved against each other by as much."},
               not_negative());
   keys.number("artificial_viscosity", s.artificial_viscosity,
-              {"", "Alpha of Monaghan's artificial viscosity, on approaching particles."}, not_negative());
+              {"", "alpha of Monaghan's artificial viscosity, which acts on particles that approach each other."},
+              not_negative());
   keys.number("quadratic_viscosity", s.quadratic_viscosity,
-              {"", "Beta of the same: what grows with the square of the speed of approach."}, not_negative());
+              {"", "beta of Monaghan's artificial viscosity, of the term with the square of the speed of approach."},
+              not_negative());
   keys.number(
       "artificial_stress", s.artificial_stress,
       {"",
-       "Epsilon of the artificial stress of Gray et al. (2001), which keeps cohesive soil in tension from clumping."},
+       "epsilon of the artificial stress of Gray et al. (2001), which keeps cohesive soil in tension from clumping."},
       not_negative());
   keys.number("hourglass_viscosity", s.hourglass_viscosity,
-              {"", "Viscosity on what a linear field does not explain of the velocity; off where the soil flows."},
+              {"",
+               "Viscosity on the part of the velocity that is not linear around a particle, against hourglass modes; "
+               "off where the soil flows."},
               not_negative());
   keys.flag(
       "regular_flow", s.regular_flow,
       {"",
-       "Averages that keep stress, density and packing of flowing soil regular; false: to show what they are for."});
+       "Stress, density and packing of flowing soil are evened out (docs/theory/soil.md); false: they are not, to show "
+       "what that is for."});
   keys.number("hourglass_stiffness", s.hourglass_stiffness,
               {"",
-               "Stiffness on the same of the displacement, in M; where soil has yielded at most with 0.3 % of its "
-               "shear stress; off where it flows."},
+               "Stiffness on the part of the displacement that is not linear around a particle, over the constrained "
+               "modulus M. Its stress is at most 0.3 % of the shear stress where soil has yielded; off where the soil "
+               "flows."},
               not_negative());
 }
 
@@ -516,31 +548,33 @@ void declare(Keys& keys, CouplingCase& c) {
   keys.choice<CouplingCase::Scheme>(
       "scheme", c.scheme, coupling_words,
       {"",
-       "`iterated`: every window is crossed, the fluid first, until the solid's motion is the one that the fluid "
-       "predicted; `serial`: once, and so by default where the fluid predicts nothing "
-       "(fluid.skeleton_response = false, explicit schemes); `parallel`: once, by both at the same time, each with the "
-       "other's fields of the window's start. Their limits: docs/theory/coupling.md."});
+       "`iterated`: the fluid crosses a window, then the solid, and both again while the solid's motion departs from "
+       "the one that the fluid predicted by more than `tolerance` allows; `serial`: each crosses it once, the default "
+       "where the fluid predicts nothing (fluid.skeleton_response = false, explicit schemes); `parallel`: once, both "
+       "at the same time, each with the other's fields of the window's start. Their limits: docs/theory/coupling.md."});
   keys.choice<CouplingCase::Acceleration>(
       "acceleration", c.acceleration, acceleration_words,
       {"",
-       "Of the iteration where the fluid predicts nothing (fluid.skeleton_response = false): `none`, `aitken` (one "
-       "factor), `quasi_newton` (IQN-ILS)."});
+       "`iterated` where the fluid predicts nothing (fluid.skeleton_response = false): how the next pass is guessed "
+       "from the last ones, `none`, `aitken` (one factor), `quasi_newton` (IQN-ILS)."});
   keys.number("tolerance", c.tolerance,
               {"1",
-               "Of the iteration: of the force that the soil's departure from the predicted motion calls for, over the "
-               "weight (absent: 0.003 in windows that are repeated, which are those whose first pass leaves 0.02); "
-               "where nothing is predicted, what a pass changes of every velocity or force, "
-               "relative to its norm (1e-6 if absent)."},
+               "`iterated`: largest force, over the weight, that may be missing in the soil's balance when a window is "
+               "accepted (absent: 0.02 after the first pass through it, 0.003 after the others). Where the fluid "
+               "predicts nothing: largest change of a velocity or force from one pass to the next, relative to its "
+               "norm (absent: 1e-6)."},
               positive());
   keys.flag("keep_points", c.keep_points,
             {"",
-             "Soil whose points stand where they stood does not send them again, and the coupler keeps its pairs; "
-             "false: to show what that saves."});
+             "Soil that has not moved does not send its points again, and the coupler keeps the pairs that it found; "
+             "false: always sent, to show what that saves."});
 }
 
 void declare(Keys& keys, OutputCase& o) {
-  keys.number("interval", o.interval, {"s", "Between frames of the pictures; 0: first and last only."}, not_negative());
-  keys.number("gauge_interval", o.gauge_interval, {"s", "Between gauge readings; 0: every exchange."}, not_negative());
+  keys.number("interval", o.interval, {"s", "Interval between frames; 0: the first and the last only."},
+              not_negative());
+  keys.number("gauge_interval", o.gauge_interval,
+              {"s", "Interval between gauge readings; 0: a reading after every window."}, not_negative());
 }
 
 void declare(Keys& keys, Gauge& g) {
@@ -552,21 +586,26 @@ void declare(Keys& keys, Gauge& g) {
   keys.text("kind", g.kind, {"", gauge_kinds_text(), true});
   keys.text("quantity", g.quantity,
             {"",
-             "Of `point`: an output field, with `_x` `_y` `_z` or `_xx` `_yy` .. for one component. Of `momentum`: "
-             "`momentum_x` .. Of `level`, `passed_volume` and, of a field, `discharge`: name of the face; of rain its "
-             "name."});
+             "With `point`: an output field, with `_x` `_y` `_z` or `_xx` `_yy` .. for one component. With `momentum`: "
+             "one component, `momentum_x`, `momentum_y` or `momentum_z`. With `level`, `passed_volume` and, of a "
+             "field, `discharge`: name of the face. With `infiltration`, `evaporation`, `runoff`: name of the rain."});
   keys.points("points", g.points,
-              {"m", "Where; of lines and directions the two ends; a face is walked with the domain on the left."});
+              {"m",
+               "Places of the readings; for a line or a direction its two ends; a face is walked with the domain on "
+               "the left."});
   keys.number("pressure_head", g.pressure_head,
-              {"m", "Of `front` of a field: the pressure head that is looked for; 0: the water table."});
+              {"m", "`front` of a field: the pressure head whose place is read; 0: the water table."});
   keys.number("thickness", g.thickness,
-              {"m", "Of `front` of the soil: how thick the soil must be there; 0: the tip, its last particle."},
+              {"m", "`front` of the soil: how thick the soil must be there; 0: its farthest particle, the tip."},
               not_negative());
   keys.number("every", g.every,
-              {"s", "Of `factor_of_safety`: between readings, whole `output.gauge_interval`s, since each is a search."},
+              {"s",
+               "`factor_of_safety`: time between readings, a multiple of `output.gauge_interval`; each reading is a "
+               "search of its own."},
               positive());
-  keys.optional_table("region", "Where `volume`, `momentum`, .. count; absent: everywhere.", g.region,
-                      [](Keys& inner, Shape& shape) { declare(inner, shape); });
+  keys.optional_table("region",
+                      "Where the particles lie of which `volume`, `momentum`, .. are taken; absent: everywhere.",
+                      g.region, [](Keys& inner, Shape& shape) { declare(inner, shape); });
 }
 
 /// What both solvers must agree on.
@@ -593,8 +632,8 @@ void declare_own(Keys& keys, Case& c) {
               "Water in the pores of soil that runs alone: it fills them where its pressure is above zero, and acts on "
               "the skeleton by buoyancy and seepage, rho_w g - grad p per volume.",
               c.pore_pressures, [](Keys& inner, PorePressure& p) { declare(inner, p); });
-  keys.tables("rain", "Rain on the soil's surface, or evaporation from it; of a field.", c.rains,
-              [](Keys& inner, Rain& rain) { declare(inner, rain); });
+  keys.tables("rain", "Rain on the soil's surface, or evaporation from it. With fluid.representation = \"field\".",
+              c.rains, [](Keys& inner, Rain& rain) { declare(inner, rain); });
   keys.table("fluid", "The water phase.", [&](Keys& inner) { declare(inner, c.fluid); });
   keys.table("solid", "The soil phase.", [&](Keys& inner) { declare(inner, c.solid); });
   keys.table("output", "What is written, and when.", [&](Keys& inner) { declare(inner, c.output); });

@@ -135,7 +135,8 @@ struct Wall {
 
 /// [[water_face]]: a face through which water comes and goes. Behind it stands water of a prescribed head or pressure
 /// (pond, reservoir, drain), or a basin whose level follows from what is poured in and what leaves through the face, or
-/// nothing: water only leaves. A face that no soil touches lets real water in and out: by discharge, or to keep a head.
+/// nothing: water only leaves. A face that no soil touches lets particles of water in and out: by discharge, or to keep
+/// a head.
 struct WaterFace {
   std::string name;
   Face face;
@@ -229,12 +230,12 @@ struct SolidCase {
   Point3 offset{0.5, 0.5, 0.5};
   double jitter = 0.0;
   unsigned seed = 2;
-  bool initial_rest = true;      ///< find the rest under gravity, water and standing loads before time zero
-  bool initial_seepage = false;  ///< that rest bears the seepage force of the water's steady flow, not buoyancy alone
+  bool initial_rest = true;      ///< find the rest under gravity, water and loads without `start`
+  bool initial_seepage = false;  ///< it is found under the seepage force of the steady flow, not buoyancy alone
   PressureGradient pressure_gradient = PressureGradient::difference;
   double strength_reduction = 1.0;     ///< cohesion and tan(friction) are divided by it
   std::optional<Quiet> quiet;          ///< absent: all motion is computed
-  std::optional<double> courant;       ///< of dx / sqrt(M / rho_bar_s); absent: what soil bears best (set_up)
+  std::optional<double> courant;       ///< of dx / sqrt(M / rho_bar_s); absent: by kind of soil (set_up)
   double list_skin = 0.35;             ///< of the pair lists, in spacings
   double artificial_viscosity = 0.1;   ///< alpha of Monaghan's, on approaching particles
   double quadratic_viscosity = 0.0;    ///< beta of the same
@@ -251,10 +252,10 @@ struct CouplingCase {
   std::optional<double> interval;    ///< s: longest exchange interval; absent: what the solvers propose
   Scheme scheme = Scheme::iterated;  ///< absent, and nothing is predicted: serial
   Acceleration acceleration = Acceleration::quasi_newton;  ///< of the iterated scheme
-  std::optional<double> tolerance;                         ///< of the iterated scheme; absent: its own
+  std::optional<double> tolerance;                         ///< of the iterated scheme; absent: its default
   bool keep_points = true;                                 ///< points that have not moved are not sent again
-  /// Where the fluid predicts the skeleton's motion: what a window may leave open of the soil's balance, over the
-  /// weight.
+  /// Where the fluid predicts the skeleton's motion: the largest force, over the weight, that may be missing in the
+  /// soil's balance at the end of a repeated window.
   [[nodiscard]] double settled_below() const { return tolerance.value_or(3e-3); }
 };
 

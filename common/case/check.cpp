@@ -394,7 +394,8 @@ class Checker : Complaints {
                                             shown(place.at)));
   }
 
-  /// What a ghost reservoir, which needs no water in particles, and an inlet of real water each stand for.
+  /// Checks what kind of face it is: one before a reservoir of still water, which needs no particles, or an inlet for
+  /// particles of water.
   void inlet(const WaterFace& f, const std::string& key) const {
     const bool real = is_inlet(scene_, f);
     if (f.discharge && !f.basin_area && !real)
@@ -402,7 +403,7 @@ class Checker : Complaints {
            scene_.general.dimension == 2
                ? "soil touches the face; expected 'basin_area' with it (a basin behind soil), or an inlet before which "
                  "no soil lies"
-               : "inlets of real water are for dimension = 2; expected 'basin_area' with it");
+               : "inlets of water particles are for dimension = 2; expected 'basin_area' with it");
     if (real && f.face.points.size() != 2)
       fail(key + ".points",
            fmt::format("an inlet is one straight opening; expected 2 points, found {}", f.face.points.size()));
@@ -416,7 +417,7 @@ class Checker : Complaints {
       fail(key + ".head",
            fmt::format("the water behind the face rises to {} m, above the face's upper end at {} m, where no wall "
                        "touches it, and cannot run over there: {}; expected a lower head, a face or wall up to it, or "
-                       "a reservoir of real water (an inlet away from the soil)",
+                       "a reservoir of water particles (an inlet away from the soil)",
                        highest, crest->elevation, why));
   }
 
@@ -607,7 +608,7 @@ class Checker : Complaints {
     }
   }
 
-  /// Water drawn behind a face is gone at once: the face stands for all that is there.
+  /// Refuses water drawn behind a face, which would be deleted at once: the face represents all water that is there.
   void nothing_behind(std::size_t i) const {
     const WaterFace& face = scene_.water_faces[i];
     if (is_inlet(scene_, face)) return;  // is_an_opening() looks
@@ -645,7 +646,7 @@ class Checker : Complaints {
                      shown(leak->at), gap.empty() ? "" : ", ", gap));
   }
 
-  /// Is x beyond everything that stands in the case?
+  /// Is x outside of the box around everything in the case?
   [[nodiscard]] bool outside(const Point3& x) const {
     const int dimension = scene_.general.dimension;
     Point3 lower = Point3::Constant(HUGE_VAL), upper = -lower;

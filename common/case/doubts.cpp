@@ -66,7 +66,7 @@ class Doubts : Complaints {
       if (soil.grain_density < lightest)
         doubt(key + ".grain_density",
               fmt::format("{} kg/m3 is lighter than any grains; grain_density is in kg/m3", soil.grain_density));
-      // Of rockfill the quadratic law counts; its k alone may be larger.
+      // Rockfill may have a larger k, since its quadratic term limits the flow.
       const auto seepage = porous::seepage_at(scene_, soil, soil.porosity);
       if (scene_.has_water() && seepage.quadratic == 0.0 && seepage.conductivity > fastest)
         doubt(key + ".hydraulic_conductivity",

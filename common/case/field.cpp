@@ -21,7 +21,7 @@ constexpr std::array field_kinds{
     std::string_view("balance"),     std::string_view("level"),         std::string_view("passed_volume"),
     std::string_view("particles"),   std::string_view("infiltration"),  std::string_view("evaporation"),
     std::string_view("runoff")};
-/// Of those, what particles cannot.
+/// Gauges that a field has and water as particles has not.
 constexpr std::array rain_kinds{std::string_view("infiltration"), std::string_view("evaporation"),
                                 std::string_view("runoff")};
 

@@ -18,7 +18,7 @@ inline RunIdentity case_identity(const Case& scene) {
           {"--set", overrides.empty() ? "nothing" : overrides}};
 }
 
-/// The same, and the running program that computes it.
+/// The identity of the case, and the running program that computes it.
 inline RunIdentity run_identity(const Case& scene) {
   RunIdentity identity = case_identity(scene);
   identity.emplace_back(program_entry,

@@ -127,8 +127,8 @@ class Reader final : public Keys {
     value = series;
   }
 
-  /// After the last key: what stands in the file and was not asked for, then what was asked for and does not stand
-  /// there.
+  /// After the last key: reports keys of the file that were not declared, then declared keys that are required and
+  /// missing.
   void finish() const {
     for (const auto& [key, node] : table_.entries) {
       if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;

@@ -54,7 +54,7 @@ class Keys {
   virtual void text(std::string_view key, std::string& value, const About& about) = 0;
   virtual void texts(std::string_view key, std::vector<std::string>& value, const About& about) = 0;
   virtual void numbers(std::string_view key, std::vector<double>& value, const About& about) = 0;
-  /// As many coordinates as the file has dimensions.
+  /// A point, with as many coordinates as the case has dimensions.
   virtual void point(std::string_view key, Point3& value, const About& about) = 0;
   virtual void points(std::string_view key, std::vector<Point3>& value, const About& about) = 0;
   virtual void axes(std::string_view key, std::vector<int>& value, const About& about) = 0;
@@ -70,7 +70,7 @@ class Keys {
     choice(key, chosen, words, about);
     value = *chosen;
   }
-  /// The same where none need be chosen.
+  /// A choice among words that may be left out.
   template <class E>
   void choice(std::string_view key, std::optional<E>& value, std::span<const std::pair<std::string_view, E>> words,
               const About& about) {

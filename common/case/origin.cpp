@@ -64,7 +64,7 @@ void move_to_origin(Case& scene) {
   // slope is right to 1e-6 at 1e3 spacings, to 3e-5 at 1e5). Nor is a scene that is wider than its distance from the
   // origin: moving it would gain no digits.
   constexpr double far = 1e3;  // spacings
-  // By a power of two times a whole number, which takes nothing off the digits.
+  // Scenes are moved by a whole number times a power of two, so that coordinates lose no digits.
   const double step = std::exp2(std::floor(std::log2(spacing)));
   Point3 way = Point3::Zero();
   for (int d = 0; d < g.dimension; ++d)

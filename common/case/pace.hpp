@@ -8,9 +8,10 @@
 
 namespace poretwin {
 
-/// The least of the times that a case names or implies for one particle spacing [s], and what it is of: a fall through
-/// it, a wave of the soil's skeleton, diffusion by viscosity, the way at a given speed or at that of a jet from a given
-/// pressure; and the windows and frames that it asks for. Windows may well be shorter, but not by orders of magnitude.
+/// The shortest time that a case names or implies for one particle spacing [s], and what it is the time of: of a fall
+/// through the spacing, of a wave of the skeleton or diffusion by viscosity across it, of motion at a given speed or at
+/// that of a jet from a given pressure; also the windows and frames that the case prescribes. Windows may well be
+/// shorter, but not by orders of magnitude.
 std::pair<double, std::string> shortest_time(const Case& scene);
 
 }  // namespace poretwin

@@ -103,7 +103,7 @@ class Supported : Complaints {
                               shown(thin.at), *hindered));
       else if (hindered)
         fail(key, fmt::format("is {:.4g} m thick at {} m, {:.2g} particle spacings, with water on {}: particles would "
-                              "feel each other through it {}; expected {:.4g} m or more, {:g} spacings: draw it "
+                              "interact through it {}; expected {:.4g} m or more, {:g} spacings: draw it "
                               "thicker, or give a fluid.particle_spacing of {:.3g} m or less",
                               thin.thickness, shown(thin.at), thin.thickness / dx,
                               thin.both_sides ? "both sides" : "one side", *hindered, thin.least, thin.least / dx,
@@ -294,7 +294,7 @@ class Supported : Complaints {
     }
   }
 
-  /// A face by point and normal has no upper end of its own; the soil before it has.
+  /// A face by point and normal has no upper end; the head must be below the upper end of the soil before it.
   void heads_below_the_soils_top() const {
     if (up_.isZero()) return;
     const double dx = scene_.fluid.particle_spacing;
@@ -408,7 +408,7 @@ class Supported : Complaints {
     return highest > lowest ? highest - lowest : 0.0;
   }
 
-  /// Without friction the cone has no apex, so the soil would bear any tension, and where it slides it flies apart
+  /// Without friction the cone has no apex, so that the soil would take any tension, and where it slides it flies apart
   /// (measured of a vertical cut: 200 m/s after 0.4 s). Soil that stands by its cohesion is right without a limit: a
   /// vertical cut up to 3.83 c / gamma high. So is soil whose cohesion is nothing beside its weight.
   void tension() const {

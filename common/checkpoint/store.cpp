@@ -78,7 +78,7 @@ CheckpointStore::CheckpointStore(const fs::path& out, std::string process, RunId
       accept_changed_program_(accept_changed_program) {}
 
 fs::path CheckpointStore::file_of(const std::string& name) const {
-  // Names come over the wire: none may point elsewhere.
+  // Names come from other processes: none may lead out of the folder.
   const auto plain = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || c == '-'; };
   if (name.empty() || name.size() > 64 || !std::all_of(name.begin(), name.end(), plain))
     throw PeerError(fmt::format("checkpoint '{}': expected a name of at most 64 digits, small letters and hyphens",
@@ -133,7 +133,7 @@ void CheckpointStore::write(const Checkpoint& checkpoint, const Archive& state) 
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error) throw FileError(fmt::format("{}: the folder cannot be made: {}", folder_.string(), error.message()));
-  // As content_of() reads it, without a second copy of the state.
+  // In the format that content_of() reads, without a second copy of the state.
   Checkpoint about = checkpoint;
   RunIdentity identity = identity_;
   std::uint64_t size = state.bytes().size();
@@ -149,7 +149,7 @@ void CheckpointStore::write(const Checkpoint& checkpoint, const Archive& state) 
     throw;
   }
   fs::rename(fresh, target);
-  // The name, too, must outlive a loss of power.
+  // The file's entry in the folder must survive a loss of power, too.
   const Descriptor folder(folder_, O_RDONLY | O_DIRECTORY);
   if (::fsync(folder.get()) != 0) fail(folder_, "cannot be written", errno);
 }

@@ -20,10 +20,11 @@ struct Checkpoint {
   double time = 0.0;       ///< s
 };
 
-/// What must be the same for a state to go on from: "what it is" and its value, reported when they differ.
+/// What must be the same in the run that wrote a state and in the one that resumes from it: pairs of a description and
+/// a value; the description is reported when values differ.
 using RunIdentity = std::vector<std::pair<std::string, std::string>>;
 
-/// The entry that a person may let differ (--accept-changed-program): which program wrote it.
+/// The entry that the user may allow to differ (--accept-changed-program): which program wrote the state.
 inline constexpr const char* program_entry = "program";
 
 /// Throws CaseError naming the first entry that differs and what can be done about it. `place`: what holds `found`.
@@ -36,14 +37,14 @@ class CheckpointStore {
   CheckpointStore(const std::filesystem::path& out, std::string process, RunIdentity identity, Say say = {},
                   bool accept_changed_program = false);
 
-  /// Those that can be read, newest first; damaged ones are reported and left out. Throws CaseError when there are
-  /// some, but of another case or program.
+  /// The checkpoints that can be read, newest first; damaged ones are reported and left out. Throws CaseError when
+  /// there are checkpoints, but of another case or program.
   [[nodiscard]] std::vector<Checkpoint> whole() const;
-  /// Durable when it returns. Throws FileError.
+  /// Writes a checkpoint, which is durable when this returns. Throws FileError.
   void write(const Checkpoint& checkpoint, const Archive& state) const;
-  /// Throws FileError.
+  /// Reads the state of the checkpoint of that name. Throws FileError.
   [[nodiscard]] Archive read(const std::string& name) const;
-  /// Removes this process's others.
+  /// Removes all checkpoints of this process but those named.
   void keep_only(const std::vector<std::string>& names) const;
 
  private:

@@ -1,5 +1,5 @@
 // A state as bytes and back by one visit: archive(a, b, c) writes its arguments or reads them, whichever the archive is
-// for, so that the two directions cannot differ. Aggregates are visited member by member without being told how;
+// for, so that the two directions cannot differ. Aggregates are visited member by member without code of their own;
 // classes with secrets have a member `void archive(Archive&)`. Numbers keep every bit.
 #pragma once
 
@@ -75,7 +75,7 @@ class Archive {
     at_ += size;
   }
 
-  /// Sizes are held against what is there before anything is allocated.
+  /// Compares sizes with the bytes that are there before anything is allocated.
   void need(std::uint64_t count, std::size_t each) const {
     if (count > (bytes_.size() - at_) / each)
       throw FileError("the saved state ends too early: another program wrote it, or it is damaged");

@@ -1,4 +1,5 @@
-// The errors a user can meet. Each knows its exit code; what() says what was expected, what was found and what to do.
+// The errors that a user can meet, each with its exit code; what() says what was expected, what was found and what to
+// do.
 #pragma once
 
 #include <stdexcept>

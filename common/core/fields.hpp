@@ -21,7 +21,7 @@ constexpr bool takes(std::index_sequence<I...>) {
 
 }  // namespace detail
 
-/// How many members structured bindings below can tell apart.
+/// Largest number of members that the structured bindings below cover.
 inline constexpr std::size_t most_fields = 40;
 
 /// Members of an aggregate: as many as its braces take, at least `least`, at most `most`.

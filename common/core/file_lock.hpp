@@ -13,9 +13,10 @@ class FileLock {
   enum class Inherited { no, yes };
 
   FileLock() = default;
-  /// Takes the lock, making the file where there is none. `subject` begins the complaint: "runs/dam: another run writes
-  /// into this folder". Throws FileError with the holder's own words when somebody else has it. A holder that is gone
-  /// while programs it started still end is waited for. Where the file system knows no locks, nothing is locked.
+  /// Takes the lock, creating the file where there is none. `subject` begins the message: "runs/dam: another run writes
+  /// into this folder". Throws FileError with the holder's text from the file when another process has the lock. If the
+  /// holder has ended and programs that it started are still ending, waits for them. Where the file system has no
+  /// locks, nothing is locked.
   FileLock(const std::filesystem::path& file, const std::string& subject, Inherited inherited);
   FileLock(const FileLock&) = delete;
   FileLock& operator=(const FileLock&) = delete;

@@ -13,11 +13,13 @@
 namespace poretwin {
 namespace {
 
-/// Large arrays, apart from small ones: among these a few letters that stay from one window to the next, or that malloc
-/// keeps for the next to ask, divide what a window's arrays leave, and those of the next one find no room between them.
+/// Memory for large arrays, apart from small ones. In one heap a few small strings that live from one window to the
+/// next, or that malloc caches, would divide the space that a window's arrays leave, so that the arrays of the next
+/// window do not fit in between.
 class LargeArrays {
  public:
-  /// Nothing where it is not large, or there is no room. Of the smallest gaps that hold it, the lowest.
+  /// Memory for an array, in the lowest of the smallest gaps that it fits in; none where the array is not large or fits
+  /// nowhere.
   void* take(std::size_t size, std::size_t alignment = line) {
     if (size < least || alignment > line || begin_ == nullptr) return nullptr;
     const std::lock_guard lock(busy_);

@@ -17,7 +17,7 @@ class OrZero {
   [[nodiscard]] bool is_allocated() const { return !values_.empty(); }
   void allocate(std::size_t n) { values_.assign(n, zero()); }
   void set(std::size_t a, const T& value) { values_[a] = value; }
-  /// The same in an array of n, which is allocated first if it is not there yet.
+  /// Sets an element of an array of n, which is allocated first if it is not there yet.
   void set(std::size_t a, const T& value, std::size_t n) {
     if (!is_allocated()) allocate(n);
     set(a, value);

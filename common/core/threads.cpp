@@ -93,7 +93,7 @@ class Team {
     }
   }
 
-  // Each on a line of its own: who looks at one must not hold up who changes another.
+  // Each in a cache line of its own, so that reading one does not delay a thread that changes another.
   alignas(64) std::atomic<std::uint64_t> ticket_{0};  ///< number of the call, its parts, the next part to be taken
   alignas(64) std::atomic<std::uint32_t> done_{0};
   alignas(64) std::atomic<std::uint32_t> calls_{0};

@@ -39,7 +39,7 @@ inline constexpr std::size_t worth_threads = 32768;
 /// Into how many parts n entries are shared out, `worth` of which are worth more than one thread.
 inline std::size_t parts_for(std::size_t n, std::size_t worth = worth_threads) { return n < worth ? 1 : threads(); }
 
-/// The same, some parts for each thread, so that one that comes late finds work, too.
+/// Number of parts, several for each thread, so that a thread that starts late finds work, too.
 inline std::size_t small_parts_for(std::size_t n, std::size_t worth = worth_threads) {
   constexpr std::size_t each = 4;
   const std::size_t parts = parts_for(n, worth);

@@ -1,4 +1,4 @@
-// What a person must hear of a run at once, because its result may not be what they take it for.
+// Warnings of a run, which the user is to see at once, because its result may not be what it seems.
 #pragma once
 
 #include <string>
@@ -6,7 +6,7 @@
 namespace poretwin {
 
 /// Something that happened in a run, counted. A phase returns all of its own after every window; what is new is logged
-/// once, what there was in all stands in the summary.
+/// once, the totals are in the summary.
 struct Warning {
   std::string what;              ///< counted under this name: "water particles lost"
   double count = 0.0;            ///< so far; at zero nothing has happened

@@ -65,14 +65,14 @@ std::vector<Argument> table(Program program) {
             &Arguments::accept_changed_program),
        flag("--overwrite", "begin anew although there is a checkpoint", &Arguments::overwrite),
        seconds("--checkpoint-every",
-               "wall-clock between checkpoints [s] (60); 0: every window, inf: only when interrupted; the coupler's or "
-               "a lone solver's word counts",
+               "wall-clock between checkpoints [s] (60); 0: every window, inf: only when interrupted; read by the "
+               "coupler, or by a solver that runs alone",
                &Arguments::checkpoint_every, true),
        seconds("--wait-deadline", "for the others to come [s] (60)", &Arguments::wait_deadline),
-       seconds("--frozen-deadline", "of silence after which another is held to be frozen [s] (30)",
+       seconds("--frozen-deadline", "of silence after which another process counts as frozen [s] (30)",
                &Arguments::frozen_deadline),
        flag("--profile", "what was done when, to DIR/trace.NAME.json", &Arguments::profile),
-       {{"--progress-fd", "N", "descriptor for lines of JSON that tell how far the run is"},
+       {{"--progress-fd", "N", "descriptor for lines of JSON with the progress of the run"},
         [](Arguments& out, const std::string& given) {
           out.progress_descriptor = static_cast<int>(number_after("--progress-fd", given));
         }},

@@ -32,8 +32,8 @@ class Border {
     if (points && field && field->of_volume) amounts(*field, components, values, *points);
   }
 
-  /// Points that a sum over neighbours can be made of: none so large that it reaches everybody, none so small that it
-  /// reaches nobody, not all in one place.
+  /// Checks that sums over neighbours are possible: no point so large that it reaches all others, none so small that it
+  /// reaches no other, not all in one place.
   void points(const PointSet& points) const {
     const auto d = static_cast<std::size_t>(points.dimension);
     const auto power = [d](double x) { return d == 2 ? x * x : x * x * x; };
@@ -85,7 +85,7 @@ class Border {
   static constexpr double most_in_reach = 100.0;  // sizes of a point within its smoothing length
   static constexpr double most_overlap = 20.0;    // volumes of points at one place
 
-  /// Of an array that describes points, or of a field beyond the standard contract.
+  /// Bounds of an array that describes points, or of a field beyond the standard contract.
   static Bounds bounds_of(std::string_view name) {
     constexpr double largest = std::numeric_limits<double>::max(), least = std::numeric_limits<double>::min();
     if (name == position_array) return {-farthest, farthest};

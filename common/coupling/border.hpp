@@ -1,5 +1,5 @@
-// What comes in is checked here, before anybody computes with it: numbers finite and within the bounds of their field
-// (docs/protocol.md lists them), points that take up room, sizes as announced.
+// Checks of everything that comes in, before anybody computes with it: numbers are finite and within the bounds of
+// their field (docs/protocol.md lists them), points do not coincide, sizes are as announced.
 #pragma once
 
 #include "common/coupling/message.hpp"
@@ -23,8 +23,8 @@ struct Snapshot {
 /// The first value that is not in [low, high], NaN included; their number when all are.
 std::size_t first_outside(std::span<const double> values, double low, double high);
 
-/// From a PUBLICATION to a snapshot. `previous` holds the points when the message does not. Throws PeerError that names
-/// sender, step, field, point and value.
+/// Turns a PUBLICATION into a snapshot. `previous` has the points where the message does not. Throws PeerError that
+/// names sender, step, field, point and value.
 Snapshot admit(Message message, const Contract& contract, const std::shared_ptr<const PointSet>& previous);
 
 }  // namespace poretwin::coupling

@@ -9,7 +9,7 @@ namespace poretwin::coupling {
 /// One side's key pair and the other side's public key, all in Z85 (40 characters).
 struct CurveKeys {
   std::string public_key, secret_key;
-  std::string peer_key;  ///< coupler: the only participants let in; participant: the only coupler believed
+  std::string peer_key;  ///< coupler: of the only participants admitted; participant: of the only coupler accepted
 };
 
 enum class KeyHolder { coupler, participant };

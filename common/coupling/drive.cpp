@@ -13,7 +13,7 @@
 namespace poretwin::coupling {
 namespace {
 
-/// What a phase's time goes into.
+/// An activity on which a phase spends time.
 struct Activity {
   const char* name;
   double DriveReport::*seconds;
@@ -44,7 +44,7 @@ class PendingRecord {
     report_.warnings.note(report_.time, phase_.warnings());
     write_now(frame_, gauges_);
   }
-  /// Also what was not asked for, unless this state is in the files already.
+  /// Writes frame and gauges even where none were requested, unless this state is in the files already.
   void write_now(bool frame, bool gauges) {
     timed(report_, writing, [&] {
       if (frame && !frame_written_) recorder_.frame(phase_.frame());
@@ -125,7 +125,8 @@ class CoupledRun {
     if (!checkpoints_) throw PeerError("the coupler asks for a checkpoint, none was promised");
     pending_.write();
     timed(report_, writing, [&] {
-      // Before the new one is begun: its name may be committed only once this process has said so.
+      // Removes earlier checkpoints before the new one is begun: the coupler commits its name only after this process
+      // has reported it.
       checkpoints_->keep_only(command.keep);
       Archive state;
       archive(state);
@@ -169,7 +170,7 @@ class CoupledRun {
     timed(report_, computing, [&] { phase_.restore(); });
     pending_.forget();
     if (!advanced_) return;
-    // This phase had accepted; the other one did not.
+    // This phase had accepted the window; the other one had not.
     advanced_ = false;
     --report_.windows;
     ++report_.rejected;
@@ -207,7 +208,7 @@ void drive_coupled(Phase& phase, Participant& participant, Recorder& recorder, D
   try {
     CoupledRun(phase, participant, recorder, report, checkpoints).run();
   } catch (const Error& error) {
-    // A peer's failure is known to the coupler already, or the coupler itself is gone: telling it again does no harm.
+    // The coupler knows a peer's failure already, or is gone itself; a second report does no harm.
     participant.abort(error.what(), error.code());
     throw;
   } catch (const std::bad_alloc&) {

@@ -1,4 +1,4 @@
-// The loops that run a phase: under a participant, or alone.
+// The loops that run a phase: coupled, by a participant, or alone.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -26,7 +26,7 @@ struct DriveReport {
   Trace* trace = nullptr;  ///< what happens goes there too
   WarningLog warnings;
 
-  /// What a run that is resumed counts on from.
+  /// Counters from which a resumed run continues.
   void archive(Archive& archive) { archive(windows, rejected, limited_by, time, warnings); }
 };
 
@@ -42,16 +42,17 @@ using ProgressCallback = std::function<void(const Progress&)>;
 /// Runs a phase without a partner (empty inbox) to the case's end. Windows are as long as the phase proposes,
 /// coupling.interval and output instants allow; a rejected one is restored and repeated shorter. Asks interrupted()
 /// between windows.
-/// `shortest`: of the case and what it is of (shortest_time()); 0: windows that are stuck are not looked for.
+/// `shortest`: the shortest time in which the case moves, and of what (shortest_time()); 0: no check for windows that
+/// are stuck.
 void drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const ProgressCallback& progress,
                  DriveReport& report, Checkpoints checkpoints = {},
                  const std::pair<double, std::string>& shortest = {0.0, ""});
 DriveReport drive_alone(Phase& phase, const Case& scene, Recorder& recorder, const ProgressCallback& progress = {});
 
-/// The length at which to repeat a rejected window: what was suggested, and never more than half of what was tried.
+/// The length with which a rejected window is repeated: the suggested one, at most half of the one tried.
 double retry_interval(double tried, double suggested);
 
-/// In a row, of one window, before the run is given up.
+/// Refusals of one window in a row after which the run is given up.
 inline constexpr int most_rejections = 20;
 
 }  // namespace poretwin::coupling

@@ -1,4 +1,4 @@
-// What the phases tell each other, free of any transport: fields at points, windows of time, answers.
+// What the phases exchange, independent of any transport: fields at points, windows of time, answers.
 // docs/protocol.md describes the same conversation on the wire; proto/poretwin.proto holds the messages.
 #pragma once
 
@@ -31,9 +31,9 @@ struct FieldSpec {
   Mapping mapping = Mapping::consistent;
   std::string
       mask;  ///< optional: a one-component field of the same message, in [0,1], that multiplies the giver's weight
-  /// of a taker that crosses a window in steps of its own: the value at the window's start is wanted too (consistent)
+  /// The taker crosses a window in steps of its own and takes the value at the window's start, too (consistent fields).
   bool in_time = false;
-  /// of a taker that repeats windows: what the giver's last pass ended with is wanted too (consistent)
+  /// The taker repeats windows and takes the value with which the giver's last pass ended, too (consistent fields).
   bool found = false;
   bool operator==(const FieldSpec&) const = default;
 };
@@ -90,8 +90,8 @@ struct PointSet {
   std::vector<double> position;          ///< [n * dimension] m
   std::vector<double> volume;            ///< [n] m^D, bulk volume: the weight of the point
   std::vector<double> smoothing_length;  ///< [n] m
-  /// [n] the active point that a ghost stands for (what the ghost would receive goes there); -1: nobody; its own index
-  /// for active points.
+  /// [n] the active point that a ghost images, which receives what falls to the ghost; -1: none; of active points their
+  /// own index.
   std::vector<double> owner;
   [[nodiscard]] std::size_t size() const { return volume.size(); }
 };
@@ -108,9 +108,10 @@ inline constexpr double no_limit = std::numeric_limits<double>::infinity();
 /// A phase's state at the end of its last window, as the other phase may see it.
 struct Publication {
   double time = 0.0;                    ///< s
-  double proposed_interval = no_limit;  ///< s, the longest window this side holds to be stable and accurate now
+  double proposed_interval = no_limit;  ///< s, the longest window that this side considers stable and accurate now
   std::string limited_by;               ///< what sets proposed_interval, in a few words
-  /// Of a solid: how far its motion departs from the one predicted, as the force that this calls for over the weight.
+  /// Of a solid: how far its motion departs from the predicted one: the force that is missing in its balance for that,
+  /// over the weight.
   double unsettled = 0.0;
   PointSet points;
   std::vector<Field> fields;
@@ -120,16 +121,19 @@ struct Publication {
 struct Inbox {
   std::vector<double>
       coverage;  ///< [n_active] sum of V W of the other side's points: 1 inside, 0 outside, ~0.5 on a flat edge
-  /// [n_active] |sum V W (x_j - x)| / (h sum V W): 0 inside however disordered, 0.47 on a flat edge, 2 at the last
-  /// neighbour; zero where coverage is zero.
+  /// [n_active]
+  /// sum V W (x_j - x)
+  /// / (h sum V W): 0 inside however disordered the points, 0.47 on a flat edge, 2 at the last neighbour; 0 where
+  /// coverage is 0.
   std::vector<double> asymmetry;
   std::vector<Field> fields;  ///< [n_active * components]; zero where coverage is zero
-  /// Those asked for `in_time`, at the window's start; absent where the giver's values do not change in the window.
+  /// Values at the window's start of the fields taken `in_time`; absent where the giver's values do not change in the
+  /// window.
   std::vector<Field> at_start;
-  std::vector<Field> found;  ///< those that want it, where a window is repeated: what its last pass ended with
+  std::vector<Field> found;  ///< of fields declared `found`, where a window is repeated: how its last pass ended
   /// The field of that name; throws PeerError naming it when it is missing.
   [[nodiscard]] const Field& at(std::string_view name) const;
-  /// Of `found`, likewise.
+  /// The field of that name in `found`; throws likewise.
   [[nodiscard]] const Field& found_at(std::string_view name) const;
   /// Values at a time within the window, linear in it: `share` 0 at its start, 1 at its end.
   [[nodiscard]] std::vector<double> between(std::string_view name, double share) const;

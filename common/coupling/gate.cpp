@@ -27,7 +27,7 @@ std::uint64_t cookie_of(int descriptor) {
   return ::getsockopt(descriptor, SOL_SOCKET, SO_COOKIE, &cookie, &size) == 0 ? cookie : 0;
 }
 
-/// Received over tcp so far; 0 for other kinds of connection.
+/// Bytes received over tcp so far; 0 for other kinds of connection.
 std::uint64_t bytes_received(int descriptor) {
   tcp_info info{};
   socklen_t size = sizeof info;
@@ -145,7 +145,7 @@ void Gate::keep_looking() {
   }
 }
 
-/// What the monitor has to say, in the order in which it happened. True: there may be more.
+/// Reads an event of the monitor, in the order in which they happened. True: there may be more.
 bool Gate::look() {
   constexpr int most_at_once = 64;
   for (int count = 0; count < most_at_once; ++count) {
@@ -179,7 +179,8 @@ bool Gate::look() {
   return true;
 }
 
-/// Once all has been heard that the monitor has to say: until then the descriptor may be somebody else's already.
+/// To be called once all of the monitor's events have been read: until then the descriptor may belong to a later
+/// connection already.
 void Gate::meet(int descriptor, Connection& connection) {
   connection.cookie = cookie_of(descriptor);
   if (!own_user_only_) return;
@@ -189,7 +190,8 @@ void Gate::meet(int descriptor, Connection& connection) {
         fmt::format("somebody of user {} was not let in: without keys a run is for the user who started it", *user));
 }
 
-/// The newest may be a participant that comes: who has said nothing for longest goes first. False: there is room.
+/// Ends a connection where there are too many: the one that has said nothing for longest, since the newest may be a
+/// participant that is about to join. False: there are not too many.
 bool Gate::make_room() {
   std::size_t strangers = 0;
   auto oldest = connections_.end();
@@ -212,7 +214,8 @@ void Gate::end(int descriptor, Connection& connection, const std::string& why) {
   if (cookie_of(descriptor) == connection.cookie) ::shutdown(descriptor, SHUT_RDWR);
 }
 
-/// How many strangers there are, what they have sent and how long they have stayed.
+/// Checks the number of strangers, what they have sent and how long they have stayed, and ends connections beyond the
+/// limits.
 void Gate::enforce() {
   if (!limits_) return;
   for (auto& [descriptor, connection] : connections_)
@@ -232,7 +235,7 @@ void Gate::enforce() {
 }
 
 bool Gate::heard(const std::string& line, int descriptor) {
-  // What was sent before a connection closed is heard after that, too.
+  // A message that was sent before its connection closed is still processed afterwards.
   if (members_.count(line) > 0) return true;
   const std::lock_guard lock(mutex_);
   while (look()) {  // who has this descriptor now
@@ -278,7 +281,7 @@ std::optional<std::string> Gate::closed() {
   return line;
 }
 
-/// Who is turned away tries again several times a second: everything is said once, and not without end.
+/// A process that is refused tries again several times a second: each text is logged once, and their number is limited.
 void Gate::note(const std::string& what) {
   const std::lock_guard lock(news_);
   const std::size_t most = limits_ ? limits_->notices : 100;

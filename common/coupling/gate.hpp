@@ -1,5 +1,6 @@
-// Who is connected to the coupler's socket, which line is whose, and what somebody may do who is no participant: a port
-// that others reach must not cost the run more than a bounded amount of memory, descriptors, log and time.
+// Who is connected to the coupler's socket, to whom each line belongs, and what a connection may do that is no
+// participant's: a port that others can reach must not cost the run more than a bounded amount of memory, descriptors,
+// log and time.
 #pragma once
 
 #include "common/coupling/transport.hpp"
@@ -18,7 +19,7 @@ class socket_t;
 
 namespace poretwin::coupling {
 
-/// For connections that are no participant's.
+/// Limits for connections that are no participant's.
 struct GateLimits {
   std::uint64_t bytes = 1 << 20;      ///< received; a HELLO with its contract has some thousand
   int messages = 20;                  ///< a participant sends three before it is one
@@ -30,9 +31,9 @@ struct GateLimits {
   std::size_t notices = 20;           ///< in the log
 };
 
-/// Watches a socket's monitor from a thread of its own: the coupler may map for long, and a stranger is not to use
-/// that. libzmq tells which descriptors it has accepted; a connection is ended by shutting its descriptor down, which
-/// libzmq takes for the other end's leaving.
+/// Watches a socket's monitor from a thread of its own, since the coupler may be mapping for long, which a stranger
+/// must not be able to exploit. libzmq reports which descriptors it has accepted; a connection is ended by shutting its
+/// descriptor down, which libzmq takes as if the other end had left.
 class Gate {
  public:
   /// `monitor` hears ZMQ_EVENT_ACCEPTED, HANDSHAKE_FAILED_PROTOCOL and DISCONNECTED, and is the gate's alone. `limits`:
@@ -43,15 +44,15 @@ class Gate {
   Gate& operator=(const Gate&) = delete;
   ~Gate();
 
-  /// A message came on that line through that descriptor: may it be heard?
+  /// A message came on that line through that descriptor: may it be processed?
   bool heard(const std::string& line, int descriptor);
   void regard(const std::string& line, Hub::Standing standing);
   /// A line whose connection has closed since the last call.
   std::optional<std::string> closed();
-  /// Something to be logged; empty: nothing.
+  /// A line for the log; empty: nothing.
   std::string notice();
   void note(const std::string& what);
-  /// -1: none.
+  /// The descriptor of a line's connection; -1: none.
   [[nodiscard]] int descriptor_of(const std::string& line) const;
   /// Readable when closed() or notice() may have something.
   [[nodiscard]] int signal() const { return signal_; }
@@ -61,7 +62,7 @@ class Gate {
   struct Connection {
     std::uint64_t cookie = 0;  ///< the kernel's name for it, as descriptors are used again; 0: not asked for yet
     std::string line;
-    Clock::time_point until;  ///< it may stay unless it becomes a participant's
+    Clock::time_point until;  ///< when it is ended unless it becomes a participant's
     Clock::time_point since;
     int messages = 0;
     bool member = false, ended = false;
@@ -84,7 +85,7 @@ class Gate {
   mutable std::mutex mutex_;       ///< of the monitor and of the next two
   std::map<int, Connection> connections_;
   std::map<std::string, int> descriptor_of_;
-  std::mutex news_;  ///< of what the hub's thread is told; taken last
+  std::mutex news_;  ///< of what is passed on to the hub's thread; locked last
   std::deque<std::string> closed_, notices_;
   std::set<std::string> said_;
   std::thread thread_;

@@ -7,7 +7,7 @@
 namespace poretwin::coupling {
 namespace {
 
-// A signal handler can reach nothing but static storage.
+// A signal handler can use nothing but static storage.
 std::atomic<long> first_signal = 0;  // s of CLOCK_MONOTONIC; 0: none
 static_assert(std::atomic<long>::is_always_lock_free);
 

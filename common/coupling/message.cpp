@@ -25,7 +25,7 @@ Frame Frame::of(std::string bytes) {
 
 Frame Frame::of(std::vector<double> values) {
   auto kept = std::make_shared<const std::vector<double>>(std::move(values));
-  // Reading any object's bytes as char is what the language allows.
+  // The language allows reading any object's bytes as char.
   return {kept, reinterpret_cast<const char*>(kept->data()), kept->size() * sizeof(double)};
 }
 
@@ -238,7 +238,7 @@ Body read_body(const wire::Header& header) {
                               header.sender(), header.sequence(), protocol_major, protocol_minor));
 }
 
-/// Its size is what is announced.
+/// Returns the frame after a check that its size is the announced one.
 const Frame& checked(const wire::Array& in, const Frame& frame, const wire::Header& header) {
   auto refuse = [&](const std::string& what) {
     throw PeerError(fmt::format("array '{}' of '{}' (step {}, sequence {}): {}", in.name(), header.sender(),
@@ -248,7 +248,7 @@ const Frame& checked(const wire::Array& in, const Frame& frame, const wire::Head
     refuse(fmt::format("expected element type FLOAT64_LE, got {}", static_cast<int>(in.element())));
   if (in.components() < 1 || in.components() > 9)
     refuse(fmt::format("expected 1 to 9 components, got {}", in.components()));
-  // The frame is in memory, so n is bounded by it before anything is multiplied.
+  // The frame is in memory, so that its size bounds n before any multiplication could overflow.
   const std::uint64_t points = frame.size / (sizeof(double) * in.components());
   if (in.n() != points || frame.size != points * sizeof(double) * in.components())
     refuse(fmt::format("expected {} points x {} components x 8 bytes, got a frame of {} bytes", in.n(), in.components(),
@@ -329,7 +329,7 @@ Frames encode(Message message) {
 }
 
 Message decode(const Frames& frames) {
-  // Errors in a message are reported only by what is thrown here: a stranger cannot fill the log.
+  // Errors in a message are reported by exceptions only, so that a stranger cannot fill the log.
   [[maybe_unused]] static const auto loud = google::protobuf::SetLogHandler(nullptr);
   wire::Header header;
   if (frames.empty() || frames.front().size > 16u * 1024u * 1024u ||

@@ -24,10 +24,10 @@ inline constexpr std::string_view smoothing_length_array = "@smoothing_length";
 inline constexpr std::string_view owner_array = "@owner";
 inline constexpr std::string_view coverage_array = "@coverage";
 inline constexpr std::string_view asymmetry_array = "@asymmetry";
-/// Behind a field's name: its values at the window's start.
+/// Suffixes of a field's name: its values at the window's start; those with which the last pass ended.
 inline constexpr std::string_view start_suffix = "@start", found_suffix = "@found";
 
-/// Bytes with an owner that lives as long as anybody, a socket included, still reads them.
+/// Bytes with an owner that exists as long as anything, a socket included, still reads them.
 struct Frame {
   std::shared_ptr<const void> owner;
   const char* data = nullptr;
@@ -38,8 +38,8 @@ struct Frame {
 /// [Header][raw frame]*
 using Frames = std::vector<Frame>;
 
-/// One named array of a message: n * components values. Made here: `values`; decoded: `received`, and not copied before
-/// somebody takes them.
+/// One named array of a message: n * components values. They are in `values` in a message made here; in a decoded one
+/// in `received`, and not copied before take().
 struct Array {
   std::string name;
   std::string unit;
@@ -47,7 +47,7 @@ struct Array {
   std::vector<double> values;
   Frame received = {};
   [[nodiscard]] std::size_t size() const { return values.empty() ? received.size / sizeof(double) : values.size(); }
-  /// The values, once. What is in memory that somebody else can write is looked at only after this.
+  /// Moves the values out; once. Memory that another process can write is checked only after it has been copied here.
   std::vector<double> take();
 };
 
@@ -157,8 +157,8 @@ std::string describe(const Message& message);
 
 /// Wire form; arrays are moved into their frames, not copied.
 Frames encode(Message message);
-/// Back again. Throws PeerError saying what is wrong: no header, unknown kind, frame count, frame size, element type.
-/// The bodies of another protocol_major are not looked at (the caller refuses the peer by `major`).
+/// The message of a wire form. Throws PeerError saying what is wrong: no header, unknown kind, frame count, frame size,
+/// element type. The bodies of another protocol_major are not looked at (the caller refuses the peer by `major`).
 Message decode(const Frames& frames);
 
 }  // namespace poretwin::coupling

@@ -22,7 +22,7 @@ using FieldFormula = std::function<double(const std::string& name, int component
 /// formula is empty.
 Publication formula_publication(Role role, double t, PointSet points, const FieldFormula& formula = {});
 
-/// What goes wrong, and when. Steps count from 1; 0: never.
+/// Faults of the mock, and when they occur. Steps count from 1; 0: never.
 struct MockKnobs {
   std::map<std::uint64_t, int> rejections;      ///< step -> how many times in a row that window is refused
   std::uint64_t nan_at = 0;                     ///< publishes NaN after this step ...
@@ -36,7 +36,7 @@ struct MockKnobs {
   std::string digest = "mock";
 };
 
-/// Not a std::exception on purpose: it passes by everything that reports errors, as kill -9 does.
+/// Deliberately no std::exception: it passes all code that reports errors, as kill -9 does.
 struct MockDeath {};
 
 class MockPhase : public Phase {
@@ -55,7 +55,7 @@ class MockPhase : public Phase {
   [[nodiscard]] std::vector<GaugeReading> gauges() const override;
   [[nodiscard]] std::map<std::string, double> counters() const override;
 
-  // What it went through, for a test to look at.
+  // Calls and inputs of the mock, for tests to check.
   struct Seen {
     std::vector<Window> windows;  ///< every attempt
     std::vector<Inbox> inboxes;   ///< of initialise, then of every attempt

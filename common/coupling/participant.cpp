@@ -31,7 +31,7 @@ std::string host_name() {
   return gethostname(name, sizeof name - 1) == 0 ? name : "";
 }
 
-/// Calls answered() until it is content: never in silence, never without end.
+/// Calls answered() until it returns true, with log lines meanwhile and until the deadline at most.
 template <class Answered>
 void wait_for_coupler(const Transport& transport, const std::string& name, const ParticipantOptions& options,
                       Answered&& answered) {
@@ -165,7 +165,7 @@ class Participant::Implementation {
     try {
       send(message_of(Abort{name_, reason, code}, step_));
     } catch (const std::exception&) {
-      // The first cause is the one worth telling; the coupler sees that the connection closes.
+      // The first cause is the one to report; the coupler sees that the connection closes.
     }
   }
 
@@ -189,7 +189,7 @@ class Participant::Implementation {
     throw PeerError(fmt::format("{}: {}; at step {}, last message from the coupler: {}", name_, what, step_, last_));
   }
 
-  /// Fills in who, which session and which number, and sends.
+  /// Fills in sender, session and sequence number, and sends.
   void send(Message message) {
     const auto start = Clock::now();
     const std::lock_guard lock(sending_);

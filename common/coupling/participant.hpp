@@ -11,16 +11,16 @@ namespace poretwin::coupling {
 
 struct ParticipantOptions {
   Milliseconds welcome_deadline{60'000};        ///< for the coupler to answer the HELLO
-  Milliseconds coupler_deadline{60'000};        ///< silence after which the coupler is held to be frozen
+  Milliseconds coupler_deadline{60'000};        ///< silence after which the coupler counts as frozen
   Milliseconds say_every{5'000};                ///< while waiting
   std::function<void(const std::string&)> say;  ///< one line for the log; absent: silence
-  std::function<bool()> interrupted;            ///< has a person asked to stop? Told to the coupler by heartbeat
+  std::function<bool()> interrupted;            ///< has a person asked to stop? Sent to the coupler by heartbeat
   std::string software = "poretwin";
   bool keeps_checkpoints = false;
-  std::vector<std::string> checkpoints;  ///< it could resume from
+  std::vector<std::string> checkpoints;  ///< that it could resume from
 };
 
-/// What the coupler wants next.
+/// The coupler's next request.
 struct Command {
   enum class Kind { initialise, resume, advance, restore, checkpoint, finish };
   Kind kind = Kind::finish;
@@ -30,7 +30,7 @@ struct Command {
   bool record_gauges = false;  ///< written when the next advance or finish says that the window stands
   std::string reason;
   std::string checkpoint;         ///< to write, or to resume from
-  std::vector<std::string> keep;  ///< earlier ones
+  std::vector<std::string> keep;  ///< earlier checkpoints to keep
 };
 
 struct ParticipantTotals {
@@ -45,7 +45,7 @@ CaseFile request_case(Transport& transport, Role role, const ParticipantOptions&
 class Participant {
  public:
   Participant(std::unique_ptr<Transport> transport, Role role, Contract contract, ParticipantOptions options = {});
-  /// Leaves without a word when neither bye() nor abort() was called: the coupler sees a death.
+  /// Closes the connection silently when neither bye() nor abort() was called: the coupler reports a death.
   ~Participant();
   Participant(const Participant&) = delete;
   Participant& operator=(const Participant&) = delete;
@@ -61,7 +61,7 @@ class Participant {
   /// Waits for the next command. Throws Error with the coupler's reason on ABORT, PeerError when the coupler is gone or
   /// silent.
   Command receive();
-  /// Tells everybody that this phase cannot go on.
+  /// Reports to all others that this phase cannot go on.
   void abort(const std::string& reason, ExitCode code);
   void bye(const std::string& reason);
 

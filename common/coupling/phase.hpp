@@ -30,8 +30,8 @@ struct OutputField : FieldDeclaration {
   TellParticle tell;  ///< all its components
 };
 
-/// Everything of one phase at one time, as a file shows it; given particle by particle, so that it never lies in memory
-/// as a whole. Holds until the phase changes.
+/// All output of one phase at one time, as a file shows it. It is given particle by particle, so that it is never in
+/// memory as a whole. Valid until the phase changes.
 struct OutputFrame {
   double time = 0.0;
   std::size_t count = 0;  ///< of particles
@@ -46,7 +46,7 @@ TellParticle tell_vectors(const VecArray<D>& values) {
     for (int d = 0; d < 3; ++d) numbers[d] = d < D ? values[i][d] : 0.0;
   };
 }
-/// Tells one number of each particle.
+/// Gives one number of each particle.
 template <class Value>
 TellParticle tell_scalars(Value value) {
   return [value](std::size_t i, double* number) { *number = value(i); };
@@ -72,28 +72,29 @@ class Phase {
   /// Fields, points and proposed interval at the current time.
   [[nodiscard]] virtual coupling::Publication publish() const = 0;
 
-  /// Of a publication, what is read where no other phase listens: the proposed interval [s] and what sets it.
+  /// The part of a publication that is read where the phase runs alone: the proposed interval [s] and what sets it.
   [[nodiscard]] virtual std::pair<double, std::string> proposal() const {
     auto publication = publish();
     return {publication.proposed_interval, std::move(publication.limited_by)};
   }
 
-  /// Once, before the first window, with the other side's fields at time zero (the solid finds its rest under gravity
-  /// here).
+  /// Called once, before the first window, with the other side's fields at time zero (the solid finds its rest under
+  /// gravity here).
   virtual void initialise(const coupling::Inbox& inbox) = 0;
 
   /// Advances by one window. On rejection the caller restores. Throws DivergedError when nothing can be saved.
   virtual coupling::Outcome advance(const coupling::Window& window, const coupling::Inbox& inbox) = 0;
 
-  /// Keeps / brings back the complete state: particles, lists that affect results, warm starts, controllers.
+  /// save() keeps the complete state (particles, lists that affect results, warm starts, controllers), restore()
+  /// returns to it.
   virtual void save() = 0;
   virtual void restore() = 0;
 
-  /// Does it ever reject a window by itself? Where nobody does, nothing is kept.
+  /// Does it ever reject a window by itself? Where no phase does, no state is saved.
   [[nodiscard]] virtual bool may_reject() const { return true; }
 
-  /// The same complete state, to a checkpoint and back, between windows: the run goes on bit by bit as if nothing had
-  /// been. Loading happens in a phase newly made from the same case, in place of initialise().
+  /// Writes the complete state to a checkpoint and reads it back, between windows: the run goes on bit by bit as if it
+  /// had not been interrupted. Loading happens in a phase newly made from the same case, in place of initialise().
   virtual void archive(Archive& archive) = 0;
 
   [[nodiscard]] virtual OutputFrame frame() const = 0;
@@ -102,7 +103,7 @@ class Phase {
   /// Counts for the run's summary: "particles", "substeps", "pressure iterations", "steps asleep", ...
   [[nodiscard]] virtual std::map<std::string, double> counters() const = 0;
 
-  /// What a person must hear of, counted since the start; asked for after every window that stands.
+  /// Warnings for the user, counted since the start; read after every accepted window.
   [[nodiscard]] virtual std::vector<Warning> warnings() const { return {}; }
 };
 

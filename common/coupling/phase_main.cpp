@@ -13,7 +13,7 @@
 namespace poretwin::coupling {
 namespace {
 
-/// What a run leaves behind, filled step by step.
+/// Results of a run, filled step by step.
 struct Run {
   std::unique_ptr<Phase> phase;
   std::unique_ptr<Recorder> recorder;
@@ -22,7 +22,8 @@ struct Run {
   std::uint64_t bytes_sent = 0, bytes_received = 0;
 };
 
-/// Writes the coupler's case to OUT/case.toml and reads it: the run's folder holds all it was made from.
+/// Writes the coupler's case to OUT/case.toml and reads it, so that the run's folder contains everything that the run
+/// was made from.
 Case case_of_coupler(Transport& line, Role role, const Arguments& arguments, const ParticipantOptions& options) {
   auto file = request_case(line, role, options);
   const auto path = arguments.out / "case.toml";
@@ -34,7 +35,7 @@ Case case_of_coupler(Transport& line, Role role, const Arguments& arguments, con
   return read_case(path, file.overrides);
 }
 
-/// Alone, nobody sends a phase what it follows: the case must be its own. Throws CaseError.
+/// A phase that runs alone receives no fields: throws CaseError unless the case is one for this phase alone.
 void expect_own(const Case& scene, Role role) {
   const auto fail = [&](std::string_view found, std::string_view hint) {
     throw CaseError(fmt::format("{}: --alone: expected a case of the {} alone, found {}; {}", scene.path.string(),
@@ -48,7 +49,7 @@ void expect_own(const Case& scene, Role role) {
          fmt::format("start poretwin-{}", scene.deformable() ? "solid" : "fluid"));
 }
 
-/// Throws CaseError where the case's water is for another program.
+/// Throws CaseError where another program computes the water of this case (particles or a field).
 void expect_representation(const Case& scene, Role role, FluidCase::Representation representation) {
   if (role != Role::fluid || scene.fluid.representation == representation) return;
   throw CaseError(fmt::format("{}: fluid.representation = \"{}\" is for poretwin-{}", scene.path.string(),

@@ -22,15 +22,15 @@ std::filesystem::path summary_file(const Arguments& arguments, const std::string
   return arguments.out / (name + ".summary.json");
 }
 
-/// Did the run that this process last wrote of in OUT end well?
+/// Did the last run of this process in OUT, as its summary says, end well?
 bool has_finished(const Arguments& arguments, const std::string& name) {
   std::ifstream stream(summary_file(arguments, name));
   const std::string text{std::istreambuf_iterator<char>(stream), {}};
   return text.find("\"exit\": 0,") != std::string::npos;
 }
 
-/// `poretwin run` has looked already; a process that is started by hand looks for itself. Throws FileError. False:
-/// there is nothing to do.
+/// Checks the folder of a process that the user starts by hand; `poretwin run` has checked it already. Throws
+/// FileError. False: there is nothing to do.
 bool may_begin(const Arguments& arguments, const std::string& name) {
   const bool stopped = has_checkpoints(arguments.out, name), finished = has_finished(arguments, name);
   if (!arguments.resume && !arguments.overwrite && stopped && !finished)
@@ -99,7 +99,7 @@ int process_main(int argc, char** argv, const std::string& called, const std::st
     summary.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     write_summary(summary_file(arguments, name), summary);
   } catch (const std::exception& error) {
-    // After a failure this is no cause: `poretwin run` shows the last error of a log.
+    // After a failure this error is not the cause: `poretwin run` shows the last error of a log.
     log_line(name + (code == ExitCode::success ? ": error: " : ": and then: ") + error.what());
     if (code == ExitCode::success) code = ExitCode::input_output;
   }

@@ -20,7 +20,7 @@ bool is_loopback(const std::string& address) {
   return false;
 }
 
-/// Answers ZeroMQ's question (ZAP, rfc.zeromq.org/spec/27) whether the holder of a key may come in.
+/// Answers ZeroMQ's question (ZAP, rfc.zeromq.org/spec/27) whether a key is admitted.
 class Doorkeeper {
  public:
   Doorkeeper(zmq::context_t& context, const CurveKeys& keys) : socket_(context, zmq::socket_type::rep) {
@@ -31,7 +31,7 @@ class Doorkeeper {
     socket_.bind("inproc://zeromq.zap.01");
   }
   void* handle() { return socket_.handle(); }
-  /// Where somebody came from who was not let in; empty: nobody.
+  /// Answers one question; returns the address of a connection that was refused, empty otherwise.
   std::string answer() {
     const auto request = receive_frames(socket_);
     if (!request) return {};
@@ -116,7 +116,7 @@ class Router final : public Hub {
   std::string address() const override { return address_; }
 
  private:
-  /// Messages before closings: what a dying peer still said counts, and came in before its line was closed.
+  /// Messages come before closings: the last message of a peer that dies came in before its line was closed.
   std::optional<Event> next() {
     if (closing_.empty()) closing_ = gate_->closed().value_or("");
     if (auto event = receive_message()) return event;
@@ -126,14 +126,14 @@ class Router final : public Hub {
     return Event{std::exchange(closing_, {}), {}};
   }
 
-  /// What both ends of a line on this machine show each other.
+  /// Memory that both ends of a line within one machine share.
   struct Shared {
     LentMemory lent;
     BorrowedMemory borrowed;
     bool may_lend = false;
   };
 
-  /// Of a line whose other end has memory that we reach; the first time it is offered ours.
+  /// The memory shared with the other end of a line, if it is within reach; at the first call it is offered some.
   Shared* shared_with(const std::string& line) {
     if (const auto found = shared_.find(line); found != shared_.end()) return &found->second;
     const auto theirs = may_share_ ? sharing::read_routing_id(line) : std::nullopt;
@@ -154,7 +154,7 @@ class Router final : public Hub {
         continue;
       }
       event->frames = shared->borrowed.borrow(std::move(event->frames));
-      // Its sender is gone, and with it what it said last; else the gap in its numbers will tell.
+      // Its sender is gone, and with it its last message. If it is not, the gap in its sequence numbers shows.
       if (!sharing::is_table(event->frames)) return event;
     }
     return std::nullopt;

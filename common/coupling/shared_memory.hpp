@@ -14,22 +14,22 @@
 
 namespace poretwin::coupling {
 
-/// Where another process of the same user finds memory, and how it knows that it is what was meant: process numbers
-/// can mean somebody else in another container.
+/// Where another process of the same user finds memory, and a token by which it knows that this is the right one: in
+/// another container the same process number may belong to another process.
 struct MemoryName {
   std::int32_t process = 0, descriptor = 0;
   std::uint64_t token = 0;
 };
 
-/// What one line's end lends to the other. One thread.
+/// Memory that one end of a line lends to the other. For one thread.
 class LentMemory {
  public:
-  /// As many messages can be under way at once; what is beyond goes through the socket.
+  /// Messages that can be under way at once; further ones go through the socket.
   static constexpr std::size_t most_slots = 4;
   /// Messages with smaller frames are as fast through the socket [bytes].
   static constexpr std::size_t worthwhile = 32 << 10;
 
-  /// Memory to try: whoever reaches it will reach the rest. Nothing where the kernel gives none.
+  /// The name of memory for a trial: who can reach it can reach the rest. None where the kernel gives no memory.
   [[nodiscard]] std::optional<MemoryName> name();
   /// [header][frame]* becomes [table][header][frame or empty]*, the frames' bytes in memory; a small message, and one
   /// for which no memory is free, stays as it is.
@@ -41,12 +41,12 @@ class LentMemory {
   std::vector<std::shared_ptr<Slot>> slots_;
 };
 
-/// What is seen of another process's memory. One thread; the frames may go anywhere.
+/// Another process's memory as it is read here. For one thread; the frames may go to others.
 class BorrowedMemory {
  public:
   [[nodiscard]] bool reaches(const MemoryName& name);
-  /// The message that lend() took: the frames lie in shared memory until their last owner lets go. A message without a
-  /// table stays as it is, and so does one whose table says what is not true: decode() then refuses it.
+  /// The message that was given to lend(): its frames lie in shared memory until their last owner releases them. A
+  /// message without a table stays as it is, and so does one whose table is wrong: decode() then refuses it.
   Frames borrow(Frames frames);
 
  private:
@@ -55,8 +55,8 @@ class BorrowedMemory {
   std::map<std::uint64_t, std::shared_ptr<View>> views_;  ///< by token
 };
 
-/// What the two ends say to each other before they lend; the user of a line never sees it. A DEALER names its memory in
-/// its routing id; the ROUTER that reaches it names its own in an offer; the DEALER that reaches that one accepts.
+/// Messages by which the two ends agree before they lend; the user of a line never sees them. A DEALER names its memory
+/// in its routing id; a ROUTER that can reach it names its own in an offer; a DEALER that can reach that accepts.
 namespace sharing {
 
 /// "" when there is no memory.

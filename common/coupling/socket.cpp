@@ -1,5 +1,5 @@
-// A DEALER socket behind the Transport interface, without a thread of its own: a message that passes through one more
-// thread is later by one more wake-up. Whoever sends or receives holds the socket for as long as that takes.
+// A DEALER socket behind the Transport interface, without a thread of its own: one more thread on the way would cost
+// one more wake-up for each message. Sending and receiving lock the socket while they run.
 #include "common/core/fault.hpp"
 #include "common/coupling/shared_memory.hpp"
 #include "common/coupling/socket_options.hpp"
@@ -65,7 +65,7 @@ class Socket final : public Transport {
     } catch (const zmq::error_t& error) {
       throw Error(ExitCode::failure, "sending to the coupler at " + address_ + " failed: " + error.what());
     }
-    // Sending takes note of what has come in, and with it the signal that receive() may be waiting for.
+    // Sending also reads which events have come in, and consumes the signal that receive() may be waiting for.
     if ((uninterrupted([&] { return dealer_.get(zmq::sockopt::events); }) & ZMQ_POLLIN) != 0) wake();
   }
 
@@ -99,7 +99,7 @@ class Socket final : public Transport {
     [[maybe_unused]] const auto written = ::write(wake_, &one, sizeof one);
   }
 
-  /// The next message if one is there; takes note of what has happened to the connection.
+  /// The next message if there is one; also reads what has happened to the connection.
   std::optional<Frames> look() {
     const std::lock_guard lock(mutex_);
     if (auto frames = next_message()) return frames;
@@ -117,7 +117,7 @@ class Socket final : public Transport {
         lost_ = true;
       }
     }
-    // What the other end said last came in before its closing did.
+    // The last message of the other end came in before its closing did.
     return something ? next_message() : std::nullopt;
   }
 

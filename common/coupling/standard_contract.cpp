@@ -33,15 +33,15 @@ constexpr std::array fields{
                   .vector = true,
                   .mask = field::soil_fraction,
                   .bounds = speed,
-                  .meaning = "skeleton velocity the fluid's solve predicts, v_s'"},
+                  .meaning = "skeleton velocity that the fluid's solve predicts, v_s'"},
     StandardField{.giver = fluid,
                   .name = field::predicted_change,
                   .unit = "m/s",
                   .vector = true,
                   .mask = field::soil_fraction,
                   .bounds = speed,
-                  .meaning = "of the skeleton's velocity in the window: v_s' less the `solid_velocity` that the fluid "
-                             "was given"},
+                  .meaning = "change of the skeleton's velocity in the window: v_s' less the `solid_velocity` that the "
+                             "fluid was given"},
     StandardField{.giver = fluid,
                   .name = field::drag_impulse,
                   .unit = "N s",
@@ -49,7 +49,7 @@ constexpr std::array fields{
                   .mapping = conservative,
                   .bounds = strong,
                   .of_volume = true,
-                  .meaning = "given to the solid during the window"},
+                  .meaning = "impulse that the drag gives to the solid during the window"},
     StandardField{.giver = fluid,
                   .name = field::soil_fraction,
                   .unit = "1",
@@ -86,15 +86,16 @@ constexpr std::array fields{
                   .unit = "1/s",
                   .bounds = any,
                   .meaning =
-                      "of the skeleton, mean over the window, expansion positive, as the solid's own stress felt "
-                      "it: the water makes room for what the velocities at its points do not show of it"},
+                      "rate of the skeleton's volumetric strain, mean over the window, expansion positive, as the "
+                      "solid's stress law integrated it; the fluid adds to its volume balance what the velocities "
+                      "mapped to its points do not show of it"},
     StandardField{.giver = solid,
                   .name = field::unbalanced_force,
                   .unit = "N/m3",
                   .vector = true,
                   .bounds = strong,
-                  .meaning = "div sigma' + traction + weight, and what pressure and drag did at the window's end: 0 at "
-                             "rest"},
+                  .meaning = "div sigma' + traction + weight + the force of pressure and drag, at the window's end: 0 "
+                             "at rest"},
     // Without pores no water could be where the soil is.
     StandardField{.giver = solid,
                   .name = field::solid_volume_fraction,
@@ -121,7 +122,7 @@ constexpr std::array fields{
         .name = field::yielding,
         .unit = "1",
         .bounds = share,
-        .meaning = "share of the last window's shear that was plastic: such shear goes on at constant stress"},
+        .meaning = "share of the last window's shear strain that was plastic: such shear goes on at constant stress"},
     StandardField{.giver = solid,
                   .name = field::hydraulic_conductivity,
                   .unit = "m/s",
@@ -134,7 +135,7 @@ constexpr std::array fields{
                   .unit = "s2/m2",
                   .mapping = nearest,
                   .bounds = not_negative,
-                  .meaning = "b of the same"},
+                  .meaning = "b of i = U/k + b U^2"},
     StandardField{.giver = solid,
                   .name = field::returned_impulse,
                   .unit = "N s",
@@ -142,8 +143,8 @@ constexpr std::array fields{
                   .mapping = conservative,
                   .bounds = strong,
                   .of_volume = true,
-                  .meaning = "what the solid took beyond `drag_impulse`, by its own account: the inertia of the water "
-                             "that goes along where it departs from `predicted_change`; the fluid takes it from its "
+                  .meaning = "impulse that the solid received beyond `drag_impulse`: the inertia of the water that "
+                             "moves along where the soil departs from `predicted_change`; the fluid takes it from its "
                              "water at the next window's start"},
 };
 

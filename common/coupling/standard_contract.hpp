@@ -9,8 +9,8 @@
 
 namespace poretwin::coupling {
 
-/// Numbers that are let in. What no soil and no water does is outside, with room for a run that is about to diverge:
-/// that is for its own solver to say.
+/// Numbers that are accepted. Outside are values that no soil and no water can have; a run that is about to diverge
+/// stays inside for a while, so that its own solver can report that.
 struct Bounds {
   double low = 0.0, high = 0.0;
   /// "a number in [0, 1) m/s"; unit: SI, "1" for none.

@@ -14,7 +14,7 @@
 namespace poretwin::coupling {
 namespace {
 
-/// Of the process, or of the calling thread.
+/// CPU time of the process or of the calling thread [s].
 double cpu_seconds(int of) {
   rusage usage{};
   getrusage(of, &usage);
@@ -22,7 +22,7 @@ double cpu_seconds(int of) {
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
-/// The most memory the process has held so far [bytes]; 0 where the system does not tell.
+/// The most memory that the process has had so far [bytes]; 0 where the system does not report it.
 double peak_memory() {
   std::ifstream status("/proc/self/status");
   for (std::string line; std::getline(status, line);)

@@ -29,7 +29,7 @@ struct RunSummary {
 
 /// {"process","exit","reason","wall_s","cpu_s","cpu_first_thread_s","memory_bytes","seconds":{},"steps":{},"counters":{},
 /// "warnings":[{"what","count","detail","result_in_doubt"}],"files":[]}, written whole or not at all, by the first
-/// thread; memory: the most that was held. Throws FileError.
+/// thread; memory: the largest so far. Throws FileError.
 void write_summary(const std::filesystem::path& path, const RunSummary& summary);
 
 /// A JSON string literal, quotes included.

@@ -10,11 +10,11 @@ namespace poretwin::coupling {
 
 using Instant = std::chrono::steady_clock::time_point;
 
-/// What one process did when, in Chrome's trace format, an event a line: OUT/trace.<process>.json. All processes of a
-/// machine share the clock, so that their lines make one time line.
+/// The activities of one process over time in Chrome's trace format, one event a line: OUT/trace.<process>.json. All
+/// processes of a machine share the clock, so that their events fit on one time line.
 class Trace {
  public:
-  /// Adds to what is there (a run that goes on). Throws FileError.
+  /// Appends to the trace of a run that is resumed. Throws FileError.
   Trace(const std::filesystem::path& out, const std::string& process);
   void add(const char* what, Instant begin, Instant end);
 
@@ -23,12 +23,12 @@ class Trace {
   int number_;  ///< of the process, on the time line
 };
 
-/// File of that process's part.
+/// The file with the events of a process.
 std::filesystem::path trace_part(const std::filesystem::path& out, const std::string& process);
-/// OUT/trace.json from the parts that are there, which go. False: there is none. Throws FileError.
+/// Makes OUT/trace.json from the parts of the processes, which are removed. False: there are none. Throws FileError.
 bool join_traces(const std::filesystem::path& out);
 
-/// Adds the seconds of its own life to a sum and, where there is one, its span to the trace.
+/// Adds the time for which it exists [s] to a sum and, where there is a trace, its span to that.
 class Span {
  public:
   Span(double& seconds, Trace* trace, const char* what) : seconds_(seconds), trace_(trace), what_(what) {}

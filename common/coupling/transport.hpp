@@ -26,9 +26,9 @@ class Transport {
   virtual void send(Frames frames) = 0;
   /// The next message, or nothing after `timeout`.
   virtual std::optional<Frames> receive(Milliseconds timeout) = 0;
-  /// Once connected and now no longer: the other end is gone.
+  /// Whether there was a connection and the other end is gone.
   [[nodiscard]] virtual bool lost() const = 0;
-  /// What stands in the way of a connection, as far as it is known; empty: nothing.
+  /// What prevents a connection, as far as it is known; empty: nothing.
   [[nodiscard]] virtual std::string trouble() const { return {}; }
   /// Does what was sent stay without the acknowledgement that even a stopped process's host would give?
   [[nodiscard]] virtual bool cut() const { return false; }
@@ -42,8 +42,8 @@ class Hub {
     std::string line;  ///< opaque name of the line it came on
     Frames frames;     ///< empty: the line is gone
   };
-  /// What whoever is at the end of a line is to the run. A stranger, as everybody is at first, may send little and not
-  /// stay for long.
+  /// What the process at the end of a line is to the run. A stranger, as every process is at first, may send little and
+  /// not stay for long.
   enum class Standing { guest, participant, refused };
   Hub() = default;
   Hub(const Hub&) = delete;
@@ -61,21 +61,21 @@ class Hub {
     static_cast<void>(line);
     static_cast<void>(standing);
   }
-  /// Something to be logged, such as somebody who was not let in; empty: nothing.
+  /// A line for the log, such as a connection that was refused; empty: nothing.
   virtual std::string notice() { return {}; }
   [[nodiscard]] virtual std::string address() const = 0;
 };
 
 /// DEALER socket that connects to `address` ("ipc:///path", "tcp://127.0.0.1:port"); the coupler may bind later. With
-/// keys everything is encrypted, and only the coupler that holds the other half is believed.
+/// keys everything is encrypted, and only the coupler that has the matching key is accepted.
 std::unique_ptr<Transport> connect_socket(const std::string& address, const std::optional<CurveKeys>& keys = {});
 
-/// Whether whoever can reach the socket is believed to mean well.
+/// Whether everybody who can reach the socket is trusted.
 enum class Callers { trusted, anybody };
 
 /// ROUTER socket bound to `address`. Anything but ipc and loopback needs keys or `allow_any_address`. With
-/// Callers::anybody strangers are held to little (GateLimits), and a loopback address without keys takes connections of
-/// the same user (and of root) only. Throws Error.
+/// Callers::anybody strangers are limited (GateLimits), and a loopback address without keys accepts connections of the
+/// same user (and of root) only. Throws Error.
 std::unique_ptr<Hub> bind_socket(const std::string& address, bool allow_any_address = false,
                                  const std::optional<CurveKeys>& keys = {}, Callers callers = Callers::trusted);
 
@@ -83,18 +83,18 @@ std::unique_ptr<Hub> bind_socket(const std::string& address, bool allow_any_addr
 class InProcess {
  public:
   InProcess();
-  /// The coupler's end; once.
+  /// The coupler's end; to be called once.
   std::unique_ptr<Hub> hub();
   /// One more line; its destruction shows at the hub as a line that is gone, as a closed socket would.
   std::unique_ptr<Transport> line();
 
-  // For tests: the clock-work of the conversation, message by message, heartbeats included. Either way counts.
+  // For tests: the conversation message by message, in both directions, heartbeats included.
   /// Messages wait where they are, until allow() or resume().
   void pause();
-  /// Lets so many more through.
+  /// Lets this number of messages through.
   void allow(std::size_t messages);
   void resume();
-  /// From now on everything is lost, and nobody is told: a cut cable.
+  /// From now on everything is lost, and neither side learns of it: a cut cable.
   void halt();
 
  private:

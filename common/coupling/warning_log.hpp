@@ -1,4 +1,5 @@
-// The warnings of a run: each logged once, at once; all counted for the summary. What gauges never read is one, too.
+// The warnings of a run: each is logged when it first occurs; all are counted for the summary. A gauge that is never
+// read is a warning, too.
 #pragma once
 
 #include "common/core/archive.hpp"
@@ -16,10 +17,10 @@ class WarningLog {
  public:
   /// `say`: one line for the log. `gauges`: names of those in the case that this process reads.
   void begin(std::function<void(const std::string&)> say, std::vector<std::string> gauges);
-  /// The phase's warnings at this time [s], all since the start.
+  /// Takes the phase's warnings at this time [s], counted since the start.
   void note(double time, const std::vector<Warning>& warnings);
   void note_readings(const std::vector<GaugeReading>& readings);
-  /// At the run's end: gauges that were never read, or never had a value.
+  /// Notes, at the run's end, gauges that were never read or never had a value.
   void note_gauges(double time);
   [[nodiscard]] const std::vector<Warning>& all() const { return warnings_; }
   [[nodiscard]] bool result_in_doubt() const;

@@ -18,8 +18,9 @@ constexpr double same = 1e-9;
 /// Windows shorter than this fraction of the run are lost in the rounding of its time. (Years of consolidation begin
 /// with windows of a millisecond, 1e-12 of the run.)
 constexpr double collapsed = 1e-15;
-/// Windows this far below the shortest time in which the scene moves hold no motion of its own: at the speed that would
-/// ask for them water would cross thousands of spacings while it falls through one. A thousand in a row are no impact.
+/// Windows this far below the shortest time in which the scene moves follow no motion of the scene: at a speed that
+/// needs them water would cross thousands of spacings while it falls through one. A thousand in a row are more than an
+/// impact causes.
 constexpr double far_below = 1e-4;
 constexpr std::uint64_t most_stuck = 1000;
 }  // namespace
@@ -45,7 +46,7 @@ WindowClock::Plan WindowClock::plan(double proposed) const {
   if (interval >= remaining * (1.0 - same)) {
     plan.end = target;
   } else {
-    // No slivers: the last two windows before an instant share what is left.
+    // No very short windows: the last two windows before an instant share the time that is left.
     plan.end = interval > 0.5 * remaining ? time_ + 0.5 * remaining : time_ + interval;
     at_output = false;
   }
@@ -78,7 +79,7 @@ void WindowClock::accept(const Plan& plan, const std::string& held_by) {
   throw DivergedError(fmt::format(
       "the exchange windows are stuck: {} in a row up to t = {:g} s were shorter than {:.2g} s, a ten-thousandth of the "
       "shortest time in which this scene moves ({:.2g} s, {}), the last one {:.2g} s; the rest would take {:.2g} more. "
-      "Held by {}. Look at the last frame and gauges for water or soil that flies apart there; another "
+      "Limited by {}. Look at the last frame and gauges for water or soil that flies apart there; another "
       "particle_spacing, or less sudden faces and loads, may avoid it",
       most_stuck, time_, far_below * settings_.shortest_time, settings_.shortest_time, settings_.of_what, plan.interval,
       (settings_.end - time_) / plan.interval, causes));

@@ -32,8 +32,8 @@ class WindowClock {
 
   /// The next window, no longer than `proposed` [s]. Throws Error when the window has collapsed to nothing.
   [[nodiscard]] Plan plan(double proposed) const;
-  /// The window stands: time moves on. held_by: who limited it and why. Throws DivergedError when windows have stayed
-  /// so far below the scene's shortest time for so long that the run would not end.
+  /// Accepts a window: time moves on. held_by: what limited it. Throws DivergedError when windows have stayed so far
+  /// below the scene's shortest time for so long that the run would not end.
   void accept(const Plan& plan, const std::string& held_by = {});
   [[nodiscard]] bool finished() const { return time_ >= settings_.end; }
   [[nodiscard]] double time() const { return time_; }

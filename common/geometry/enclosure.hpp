@@ -1,4 +1,4 @@
-// Is the case's water held? Walls and water faces must close around it, or it runs out.
+// Is the case's water enclosed? Walls and water faces must close around it, or it runs out.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -12,7 +12,7 @@ struct Leak {
 };
 
 /// Where water could run out, at or below the highest level it starts from; nothing where walls, faces and periodic
-/// sides hold it, where there is no gravity, or where no wall is meant to hold anything.
+/// sides enclose it, where there is no gravity, or where no wall is meant to enclose water.
 std::optional<Leak> find_leak(const Case& scene);
 
 }  // namespace poretwin

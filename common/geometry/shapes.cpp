@@ -69,8 +69,8 @@ bool on_edge(const Shape& shape, const Point3& x, double slack) {
 
 namespace {
 
-/// Rows along its sides, as in a box: rows at an angle to a wall would stand at any distance from it, and the stress of
-/// soil within five rows of it would be off by up to a third of that at the base.
+/// Fills a rectangle with rows along its sides, as in a box. Rows at an angle to a wall would have particles at any
+/// distance from it, and the stress within five rows of the wall would be off by up to a third of that at the base.
 Lattice<2> fill_turned(const Point3& corner, const std::array<Point3, 2>& sides, double spacing, const Point3& offset,
                        double jitter, unsigned seed) {
   Lattice<2> lattice;
@@ -161,7 +161,7 @@ std::optional<Crest> crest_of(const Case& scene, const WaterFace& face) {
   if (points.size() < 2 || g == 0.0) return std::nullopt;
   const Point3 up = -scene.general.gravity / g;
   const Point3 &a = points.front(), &b = points.back();
-  // A level face is held by what stands at both its ends.
+  // A level face has a crest unless something stands at both of its ends.
   const double slack = 1e-6 * (b - a).norm();
   const bool first = up.dot(a) > up.dot(b);
   const Point3& top = first ? a : b;
@@ -172,7 +172,7 @@ std::optional<Crest> crest_of(const Case& scene, const WaterFace& face) {
       const Point3 s = other.points[i + 1] - other.points[i];
       const double along = std::clamp(s.dot(end - other.points[i]) / s.squaredNorm(), 0.0, 1.0);
       if ((other.points[i] + along * s - end).norm() >= slack) continue;
-      // A floor that goes on from there, no higher, holds nothing.
+      // A floor that continues from there and is no higher does not keep water back.
       const bool floor = up.dot(Point3(-s.y(), s.x(), 0.0)) > slack &&
                          std::max(up.dot(other.points[i]), up.dot(other.points[i + 1])) < up.dot(end) + slack;
       if (!floor) return true;
@@ -204,7 +204,7 @@ bool is_behind(const Case& scene, const WaterFace& face, const Point3& x) {
     const Point3 s = points[i + 1] - points[i], left = Point3(-s.y(), s.x(), 0.0).normalized();
     const Point3 foot = points[i] + std::clamp(s.dot(x - points[i]) / s.squaredNorm(), 0.0, 1.0) * s;
     const double distance = (x - foot).norm();
-    // At a corner both pieces are as near.
+    // At a corner both pieces are equally near.
     if (distance < least * (1.0 - 1e-9))
       normal = left;
     else if (distance <= least * (1.0 + 1e-9))
@@ -254,8 +254,8 @@ std::vector<sph::ImagePlane<D>> planes_of(const Face& face, int boundary, double
 
 template <int D>
 void meet_at_corners(std::span<sph::ImagePlane<D>> planes, double margin) {
-  // Images fill what is behind a corner of 120 degrees and more once when divided at its bisector, behind one of 90
-  // degrees with images of images: in between the lesser error.
+  // Behind a corner of 120 degrees and more, images fill the space exactly once if they are divided at the bisector;
+  // behind one of 90 degrees they do with images of images. In between the smaller error is chosen.
   constexpr double narrow = 0.26;  // cosine of the turn at 105 degrees
   // Pieces are walked with the domain on the left: the next one begins where this one ends.
   std::vector<std::array<Vec<D>, 2>> corners;

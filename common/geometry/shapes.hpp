@@ -16,14 +16,16 @@ bool contains(const Shape& shape, const Point3& x, int dimension);
 /// Smallest box around the shape.
 std::pair<Point3, Point3> bounds(const Shape& shape);
 
-/// Velocity at x of the lowest sloshing mode along x of what fills the shape's box, per that at its surface's ends.
+/// Velocity at x of the lowest sloshing mode of a liquid that fills the shape's box, along the x axis, over the
+/// velocity at the ends of its surface.
 Point3 sloshing_mode(const Shape& shape, const Point3& x, int dimension);
 
-/// Does real water come and go through the face, an opening that no soil touches (2D)? Otherwise water stands behind it
-/// that no particles are needed for.
+/// Is the face an opening that no soil touches (2D), through which particles of water come and go? Otherwise the water
+/// behind it stands still and needs no particles.
 bool is_inlet(const Case& scene, const WaterFace& face);
 
-/// Does still water stand behind the face, in no particles, up to a level: of a head or of a basin's balance?
+/// Does still water that no particles represent stand behind the face, up to the level that a head prescribes or that
+/// follows from a basin's balance?
 bool is_reservoir(const Case& scene, const WaterFace& face);
 
 /// The upper end of a face that no wall or other face touches: water behind the face that stands higher runs over it.
@@ -34,10 +36,11 @@ struct Crest {
 };
 std::optional<Crest> crest_of(const Case& scene, const WaterFace& face);
 
-/// Does x [m] lie on the side of a face where its reservoir is? Above its crest the upright through it divides.
+/// Does x [m] lie on the side of a face where its reservoir is? Above the crest, the vertical line through it divides
+/// the sides.
 bool is_behind(const Case& scene, const WaterFace& face, const Point3& x);
 
-/// Why no real water can run over the crest of a reservoir; empty where it can.
+/// The reason why water behind a face cannot run over its crest, as particles from there on; empty where it can.
 std::string no_way_over(const Case& scene, const Crest& crest);
 
 /// Particles on a lattice that fills a shape.
@@ -55,8 +58,7 @@ template <int D>
 Lattice<D> fill(const Shape& shape, double spacing, const Point3& offset, double jitter, unsigned seed,
                 std::span<const Shape> later = {});
 
-/// The straight pieces of a face as mirror planes; pieces are extended by `margin` [m] beyond their ends so that
-/// corners close.
+/// The straight pieces of a face as mirror planes, extended by `margin` [m] beyond their ends so that corners close.
 template <int D>
 std::vector<sph::ImagePlane<D>> planes_of(const Face& face, int boundary, double margin);
 

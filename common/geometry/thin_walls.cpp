@@ -51,10 +51,11 @@ void add_sides(const Case& scene, const Wall& wall, int number, int& screen, dou
     plane.screen = screen++;
     planes.push_back(plane);
   }
-  // How far a line goes on at an end: behind a water face, and at a free tip not quite to it, or particles that lie
-  // evenly about the line would not see each other past the tip (2.5 % too little seepage at 15 spacings).
+  // How far a line is continued beyond an end: behind a water face by the margin. At a free tip it ends a little
+  // earlier, or particles on opposite sides at equal distances from the line would not see each other past the tip (2.5
+  // % too little seepage at 15 spacings).
   const auto goes_on = [&](const Piece& piece, const Point3& end) {
-    // Straight on into a face: what crosses the face sees past the wall (Joint).
+    // Where the wall goes straight on into a face, pairs that cross the face see each other past the wall (Joint).
     const Point3 along = (piece.b - piece.a).normalized();
     const bool turns = std::any_of(faces.begin(), faces.end(), [&](const Piece& face) {
       return std::abs(along.dot((face.b - face.a).normalized())) < 0.99 && lies_on({face}, end, near);

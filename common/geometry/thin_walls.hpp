@@ -1,4 +1,4 @@
-// Walls through which a kernel reaches: thinner than that, or single lines with water on both sides (2D).
+// Walls through which a kernel reaches: thinner than its support, or single lines with water on both sides (2D).
 #pragma once
 
 #include "common/case/case.hpp"
@@ -15,27 +15,27 @@ struct ThinWall {
   std::size_t wall = 0;
   Point3 at = Point3::Zero();  ///< m
   double thickness = 0.0;      ///< m; of a line 0
-  double least = 0.0;          ///< from which on nothing is felt through it [m]
+  double least = 0.0;          ///< thickness from which on no kernel reaches through it [m]
   bool both_sides = false;     ///< water, in soil or free, stands on both sides
 };
 
-/// What keeps water from seeing past walls by a line of sight alone; nothing where it can: water in the plane, in soil
-/// at rest or in none, without inlets and without periodic sides.
+/// The reason why particles cannot be separated by a line of sight past walls; none where they can: in 2D, in soil at
+/// rest or without soil, without inlets, overflowing reservoirs and periodic sides.
 std::optional<std::string> hinders_sight(const Case& scene);
 
-/// Does what a kernel reaches through, or past a corner, matter to the water of a scene that nothing hinders? Walls
-/// that are thin; and where all water seeps through one soil, corners at which a wall turns away from it, and ends at
-/// which it goes on as a water face: there a flow has no bound, and its balance shows what is seen twice or by one side
-/// only.
+/// Is a line of sight past walls needed for the water of a scene that allows it? It is where walls are thin, and where
+/// all water seeps through one soil at corners at which a wall turns away from the water and at ends where a water face
+/// continues the wall: there the velocity has no bound, and the water balance shows pairs that are counted twice or
+/// from one side only.
 bool sight_matters(const Case& scene);
 
-/// Does water, in soil or free, stand on both sides of the wall, so that it is a line that holds from either?
+/// Does water, in soil or free, stand on both sides of the wall, so that it is a line with two sides?
 bool has_two_sides(const Case& scene, const Wall& wall);
 
-/// The walls for water that water or soil would be felt through: one place for each piece.
+/// The walls for water through which kernels of water or soil reach: one place for each piece.
 std::vector<ThinWall> thin_walls(const Case& scene);
 
-/// Of coordinates, by rounding, in units of the margin.
+/// Error of coordinates by rounding, in units of the margin.
 inline constexpr double sight_slack = 1e-9;
 
 /// The pieces of the walls for water as mirrors for a Sight: a line with two sides has one on each. They end where they

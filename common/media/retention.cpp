@@ -34,7 +34,7 @@ const RetentionLaw& retention_law(const Soil& soil) {
 
 Retention::Retention(std::unique_ptr<RetentionCurve> curve)
     : curve_(std::move(curve)), joint_head_(curve_->steepest()) {
-  // Of curves with a corner there, the slope below it.
+  // Where the curve has a corner there, its slope below the corner is taken.
   joint_ = curve_->saturation(std::min(joint_head_ * (1.0 + 1e-12), -1e-12));
   joint_.value = saturation(joint_head_).value;
   potential_.push_back(0.0);

@@ -35,8 +35,8 @@ const SeepageLaw& seepage_law(std::string_view name) {
 
 const SeepageLaw& add_seepage_law(SeepageLaw law) {
   if (law.parameters.size() > most_parameters)
-    throw CaseError(fmt::format("the law '{}' has {} parameters, at most {} are held", law.name, law.parameters.size(),
-                                most_parameters));
+    throw CaseError(fmt::format("the law '{}' has {} parameters, at most {} are possible", law.name,
+                                law.parameters.size(), most_parameters));
   for (const auto& other : all_laws()) {
     if (other.name == law.name) throw CaseError(fmt::format("a law of seepage is called '{}' already", law.name));
     for (const auto& theirs : other.parameters)

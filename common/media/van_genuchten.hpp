@@ -13,9 +13,9 @@ namespace poretwin::porous {
 /// S_e = S / S_c and k_r = S_e^l [(1 - (1 - S^(1/m))^m) / (1 - (1 - S_c^(1/m))^m)]^2 below psi = -h_e; 1 above.
 class VanGenuchten final : public RetentionCurve {
  public:
-  /// Of n < 2 without an entry head the slope of k_r at psi = 0 is infinite, for which no Newton step is right. Over
-  /// this length below zero k_r is then a straight line; what a soil takes in changes by less than the discretisation's
-  /// error. Unit: m. Test: Retention.NearlyFullSoilConductsAlongAStraightLine.
+  /// For n < 2 without an entry head the slope of k_r at psi = 0 is infinite, for which no Newton step is right. Over
+  /// this length below zero k_r is then a straight line, which changes the infiltration by less than the
+  /// discretisation's error. Unit: m. Test: Retention.NearlyFullSoilConductsAlongAStraightLine.
   static constexpr double straight = 1e-3;
 
   VanGenuchten(double alpha, double n, double entry_head, double connectivity)

@@ -28,9 +28,9 @@ struct PairColumns {
 };
 
 /// Graph Laplacian of pairs of particles, with a diagonal: (A x)_a = diagonal_a x_a - sum_k weight_k x_column(k);
-/// symmetric by construction. Rows are filled up to multiples of four with weights of zero. Weights are rounded to half
-/// the memory, the same for both of a pair; what they add to the diagonal is what is kept of them, so that constants
-/// stay in the kernel.
+/// symmetric by construction. Rows are filled up to multiples of four with weights of zero. Weights are rounded to
+/// single precision, the same for both of a pair, and enter the diagonal as rounded, so that constants stay in the
+/// kernel.
 struct PairMatrix {
   PairColumns column;
   UnsetArray<float> weight;  ///< per entry, >= 0
@@ -141,7 +141,7 @@ SolveReport reduce_residual(Apply&& apply, Precondition&& precondition, ScalarAr
   return report;
 }
 
-/// The same for A x = b, from x on.
+/// Conjugate gradients for A x = b, starting from the given x.
 template <class Apply, class Precondition>
 SolveReport conjugate_gradients(Apply&& apply, Precondition&& precondition, ScalarArray b, std::span<double> x,
                                 double tolerance, int limit) {

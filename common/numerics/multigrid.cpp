@@ -143,7 +143,8 @@ void sweep_forwards(const PairMatrix& m, std::span<const double> b, std::span<do
   for (std::size_t a = 0; a < m.size(); ++a) left[a] = b[a] - left[a];
 }
 
-/// The same: what is before a row is in its balance, what is behind it has no value yet, and is what it leaves.
+/// Gauss-Seidel forwards from x = 0; left = b - A x. The balance of a row contains the rows before it; those behind it
+/// are still 0, so that what they take from the row is all that is left there.
 void sweep_forwards(const CoarseMatrix& m, std::span<const double> b, std::span<double> x, std::span<double> left) {
   for (std::size_t a = 0; a < m.size(); ++a) {
     x[a] = m.diagonal(a) > 0.0 ? (b[a] + m.off_diagonal_sum(a, x.data())) / m.diagonal(a) : 0.0;
@@ -158,7 +159,8 @@ void sweep_backwards(const PairMatrix& m, std::span<const double> b, std::span<d
     if (m.diagonal[a] > 0.0) x[a] = (b[a] + m.off_diagonal_sum(a, x.data())) / m.diagonal[a];
 }
 
-/// The same; left: what it adds to x. Until a row is reached its place there takes what the rows behind it push.
+/// Gauss-Seidel backwards from x; left: the change of x. Until a row is reached, its element of `left` collects what
+/// the changes of the rows behind it contribute to its balance.
 void sweep_backwards(const CoarseMatrix& m, std::span<const double> b, std::span<double> x, std::span<double> left) {
   std::fill(left.begin(), left.end(), 0.0);
   for (std::size_t a = m.size(); a-- > 0;) {

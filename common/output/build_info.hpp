@@ -11,8 +11,8 @@ std::string build();     ///< "Release, GNU 12.2.0"
 std::string host();      ///< the machine's name
 std::string time_now();  ///< UTC, ISO 8601
 
-/// Of the bytes of a program's file: an edit that is compiled without a commit changes it, too. "none" where there is no
-/// such file.
+/// Hash of the bytes of a program's file, which an edit that is compiled without a commit changes, too. "none" where
+/// there is no such file.
 std::string program_hash(const std::filesystem::path& program);
 
 }  // namespace poretwin

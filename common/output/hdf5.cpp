@@ -34,7 +34,7 @@ std::string cause() {
   return text.empty() ? "no cause given" : text;
 }
 
-/// The file's own word where it has failed: the library's stack may tell of what only followed.
+/// The system's message for the file where it has failed: the library's error stack may name a later failure only.
 std::string cause_at(Id::Value object) {
   const std::string told = cause();  // before the stack forgets it
   const std::string lost = object >= 0 ? undo_failure(object) : std::string();

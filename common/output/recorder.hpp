@@ -18,7 +18,8 @@ class Recorder {
   /// Appends one frame; durable when it returns (a crash later leaves it readable). Throws FileError.
   virtual void frame(const OutputFrame& frame) = 0;
   virtual void gauges(double time, const std::vector<GaugeReading>& readings) = 0;
-  /// Where the record stands, durable, for a checkpoint; loading goes back there: what was recorded later is removed.
+  /// Writes or reads, for a checkpoint, how far the output has come. Before writing the output is made durable; after
+  /// reading, what was recorded later is removed.
   virtual void archive(Archive& archive) = 0;
   /// Files written so far, for the summary.
   [[nodiscard]] virtual std::vector<std::string> files() const = 0;

@@ -53,8 +53,8 @@ struct Images {
   MatArray<D> map;
   VecArray<D> carried;                    ///< m/s, from mirrors that move
   std::vector<std::uint32_t> boundaries;  ///< bit b: reached through boundary b
-  /// By all orders of mirrors only: the plane an image was made by, and the point it was made of, images counted behind
-  /// the points.
+  /// Only where images are made in all orders of mirrors: the plane by which an image was made, and the point of which
+  /// it was made, images counted behind the points.
   std::vector<Index> by, of;
   [[nodiscard]] std::size_t size() const { return parent.size(); }
 };

@@ -1,7 +1,7 @@
-// Walls that are thinner than a kernel reaches: what stands behind them is not seen, what they mirror is. A point sees
-// another along a straight way that no wall crosses, and its image along a way that walls throw back, which is as long
-// in either direction. Of the two, the water behind a wall and the image there, every direction from a point has
-// exactly one, past free tips and corners too, so that its surroundings are filled once.
+// Walls thinner than the kernel's support: a point does not see points behind such a wall, but sees the images that it
+// makes. It sees another point along a straight line that no wall crosses, and an image along a line that is reflected
+// by walls, which is equally long in both directions. In every direction a point sees either the water behind a wall or
+// the image there, never both, also past free tips and corners, so that its surroundings are filled once.
 #pragma once
 
 #include "common/particles/images.hpp"

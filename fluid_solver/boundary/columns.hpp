@@ -19,7 +19,7 @@ struct Faces {
     const auto f = static_cast<std::size_t>(face);
     return boundaries[f]->level(time, state.faces[f]);
   }
-  /// Whether real water comes through a face, by a piston.
+  /// Whether particles of water come through a face, by a piston.
   [[nodiscard]] bool is_opening(const State<D>& state, int face) const {
     return std::any_of(state.inlets.begin(), state.inlets.end(),
                        [&](const auto& inlet) { return inlet.face == face && !inlet.sill; });

@@ -1,4 +1,4 @@
-// What pistons do in a window: real water that comes and goes through openings.
+// What pistons do in a window: particles of water come and go through openings.
 #pragma once
 
 #include "fluid_solver/boundary/columns.hpp"

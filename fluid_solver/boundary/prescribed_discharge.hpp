@@ -1,4 +1,4 @@
-// A discharge that is let in through a face as real water, or drawn off.
+// A discharge that is let in through a face as particles of water, or drawn off.
 #pragma once
 
 #include "fluid_solver/boundary/water_boundary.hpp"

@@ -1,7 +1,7 @@
 // What stands behind a face of water: still water, a basin, air, or a discharge that is let in. A kind is one file and
 // one row in `make_water_boundary` (docs/extending/boundary.md). Two mechanisms ask it: columns of buffers
 // (faces.hpp), through which water passes between still water and soil or out into the air, and pistons (inlet.hpp),
-// which let real water in and out.
+// which let particles of water in and out.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -22,7 +22,7 @@ struct FacePlace {
 struct FaceState {
   double supplied = 0.0;  ///< volume of its basin at first, and poured in since [m^D]; 0: no basin
   double level = 0.0;     ///< of the basin [m]
-  double taken = 0.0;     ///< real water that ran into the still water behind the face [m^D]
+  double taken = 0.0;     ///< volume of particles that joined the still water behind the face [m^D]
 };
 
 /// Volume of water that comes into the domain through a face, less what goes out [m^D].

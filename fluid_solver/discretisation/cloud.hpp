@@ -29,7 +29,8 @@ struct Cloud {
   [[nodiscard]] std::size_t size() const { return position.size(); }
 };
 
-/// Still water in no particle: a place behind a face of prescribed head, and the bulk volume it stands for.
+/// A point of the still water behind a face of prescribed head. No particle represents that water; the point stands for
+/// a bulk volume of it.
 template <int D>
 struct StillWater {
   Vec<D> position;
@@ -127,7 +128,7 @@ class Probe {
     Vec<D> gradient = Vec<D>::Zero();
   };
 
-  /// Sum of V W at x, of a lattice's: 1 in the water, 0 outside.
+  /// Sum of V W at x over that of a lattice: 1 in the water, 0 outside.
   [[nodiscard]] double fullness(const Vec<D>& x) const {
     double sum = 0.0;
     near(x, [&](Index j, double r) { sum += cloud_.volume[j] * Kernel<D>::value(r, length(j)); });
@@ -152,7 +153,7 @@ class Probe {
     });
     if (moment(0, 0) < points::least_sampled) return {};
     scale /= moment(0, 0);
-    // Directions without points on either side say nothing.
+    // A direction without points on either side gives no slope.
     Row unit = Row::Constant(reach_ / scale);
     unit[0] = 1.0;
     const Eigen::Matrix<double, D + 1, D + 1> scaled = unit.asDiagonal() * moment * unit.asDiagonal();
@@ -165,7 +166,7 @@ class Probe {
   [[nodiscard]] double at(const Vec<D>& x, Field&& f) const {
     return fit(x, f).value;
   }
-  /// Of the total pressure [Pa].
+  /// Value and gradient of the total pressure [Pa] at x.
   [[nodiscard]] Fit pressure(const Vec<D>& x) const {
     return fit(x, [this](Index j) { return cloud_.pressure[j]; });
   }

@@ -193,7 +193,8 @@ struct Stencil {
   /// find_surface.
   std::vector<char> on_surface;
 
-  /// How gradients are corrected where the kernel's support is cut off: at a surface or a face, of no other particles.
+  /// How the gradients of a particle are corrected where its kernel's support is cut off, at a surface or a face. Other
+  /// particles need none.
   struct BoundaryCorrection {
     Mat<D> open;        ///< correction with buffers and the free surface left out (velocities)
     Mat<D> unresolved;  ///< 1 - correction moment: projects on directions with too few neighbours for a gradient
@@ -203,7 +204,7 @@ struct Stencil {
   [[nodiscard]] const Mat<D>& correction_open(std::size_t a) const {
     return boundary_correction_of[a] == 0 ? correction[a] : boundary_corrections[boundary_correction_of[a] - 1].open;
   }
-  /// That of particle a; if it has none yet, it gets one that starts from its correction.
+  /// The boundary correction of particle a; if it has none yet, it gets one that starts from its correction.
   BoundaryCorrection& boundary_correction(std::size_t a) {
     if (boundary_correction_of[a] == 0) {
       boundary_corrections.push_back({correction[a], Mat<D>::Zero()});
@@ -240,7 +241,7 @@ struct Stencil {
     return sum;
   }
 
-  /// Of the pair of real particle a with a point whose parent is q.
+  /// Amplification of the pair of real particle a with a point whose parent is q: the mean of both particles'.
   [[nodiscard]] double amplified(std::size_t a, Index q) const {
     return 0.5 * (amplification[a] + amplification[q < n_real ? q : a]);
   }
@@ -261,7 +262,7 @@ struct Stencil {
 };
 
 /// Inverse of a symmetric moment matrix, its eigenvalues raised to at least `least`. unresolved: 1 - inverse moment,
-/// the directions that this leaves unresolved; smallest: as Stencil::least_moment.
+/// the directions that this leaves unresolved; smallest: the smallest eigenvalue, as in Stencil::least_moment.
 template <int D>
 Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* unresolved, double* smallest = nullptr);
 

@@ -21,10 +21,10 @@ inline constexpr double least_inverted = 0.3;
 /// and no surface.
 /// Unit: 1. Test: none known.
 inline constexpr double disorder_from = 0.75;
-/// How far that correction goes down; the error on a lattice is 2.6 %.
+/// Smallest factor by which the Laplacian is corrected for disorder; on a lattice it is off by 2.6 %.
 /// Unit: 1. Test: none known.
 inline constexpr double least_amplified = 0.93;
-/// The same upwards.
+/// Largest factor by which the Laplacian is corrected for disorder.
 /// Unit: 1. Test: none known.
 inline constexpr double most_amplified = 1.07;
 

@@ -7,20 +7,21 @@ namespace poretwin::fluid::pressure {
 /// Relative residual of the solve where no water is in soil: a dam break's front and energy are the same as with 1e-4.
 /// Unit: 1. Test: FreeWater.DamBreakKeepsItsEnergy (untried).
 inline constexpr double free_water_tolerance = 1e-3;
-/// The same between soils, at the least: the drive, to which it is relative, is set by the most permeable soil, the
-/// flow by the least permeable, and the residual left there moves water of the permeable one. Tighter is lost in
-/// rounding.
+/// Smallest relative residual of the solve between soils of different conductivity. The residual is relative to what
+/// drives the flow, which the most permeable soil sets; what flows is set by the least permeable one, and the residual
+/// left there moves water of the permeable one. A smaller one is lost in rounding.
 /// Unit: 1. Test: Seepage.SoilsInSeriesAndSideBySide (untried).
 inline constexpr double tightest_tolerance = 1e-11;
-/// The same of the pressures that a run starts from. No reason on record.
+/// Relative residual of the solve for the pressures that a run starts from. No reason on record.
 /// Unit: 1. Test: none known.
 inline constexpr double initial_tolerance = 1e-8;
 
 /// Residual of a solve with a responding skeleton, over the window's pressure change.
 /// Unit: 1. Test: Coupled.TerzaghiInNearlyTightSoil (untried).
 inline constexpr double response_tolerance = 1e-2;
-/// The same over the change of the skeleton's velocity or of the velocity that drag alone would give it, whichever is
-/// more. 1e-2 would be noticeable, as pressure in nearly tight soil at rest and as momentum (docs/notebook/fluid.md).
+/// Residual of the solve for the skeleton's velocity, over the change of that velocity or over the velocity that drag
+/// alone would give the skeleton, whichever is more. 1e-2 would be noticeable, as pressure in nearly tight soil at rest
+/// and as momentum (docs/notebook/fluid.md).
 /// Unit: 1. Test: Coupled.DragRelaxesAtItsRateAndKeepsMomentum (untried).
 inline constexpr double skeleton_tolerance = 1e-3;
 /// Residual of the two fields' blocks where they precondition the iteration for both together.
@@ -63,10 +64,10 @@ inline constexpr int most_cavitation_rounds = 30;
 /// still open to stay in it: above what the iteration of a solve leaves.
 /// Unit: 1. Test: none known.
 inline constexpr double cavitation_tolerance = 1e-4;
-/// Weight of a row that holds cavitating water at its pressure, over the row's diagonal.
+/// Weight of a row that fixes cavitating water at its pressure, over the row's diagonal.
 /// Unit: 1. Test: none known.
 inline constexpr double cavitating_weight = 1e6;
-/// The same of a row whose pressure is pinned.
+/// Weight of a row whose pressure is prescribed, over the row's diagonal.
 /// Unit: 1. Test: none known.
 inline constexpr double pinned_weight = 1e3;
 
@@ -89,7 +90,8 @@ inline constexpr double sweep_relaxation = 0.8;
 /// SPH (Monaghan 1994: a speed of sound ten times the flow's). In a dam break 3 % costs the front 2 cm of 1.9 m.
 /// Unit: 1. Test: Eisph.WindowsFollowFromTheCompressionOfASweep (untried).
 inline constexpr double free_compression = 0.01;
-/// The same in soil, where it only delays: 10 % shifts a wetting front by 0.15 %.
+/// Share of its volume by which water in soil may seem compressed at the pressures at hand. There it only delays: 10 %
+/// shifts a wetting front by 0.15 %.
 /// Unit: 1. Test: Eisph.WindowsFollowFromTheCompressionOfASweep (untried).
 inline constexpr double soil_compression = 0.1;
 

@@ -12,22 +12,23 @@ inline constexpr double gap = 2.0;
 /// How far behind the end of the water a place under water is looked for.
 /// Unit: spacings. Test: none known.
 inline constexpr double under_water_within = 12.0;
-/// Slope of the pressure along a line below which it is flat, and does not tell where it ends.
+/// Slope of the pressure along a line below which it is flat and does not show where the water ends.
 /// Unit: rho g. Test: Gauges.OfLevelFlow (untried).
 inline constexpr double least_slope = 0.1;
-/// Particles ahead of the nearer place by which a front's tip is found.
+/// A front's tip is found from two places; number of particles ahead of the nearer one.
 /// Unit: particles. Test: FreeWater.AWedgeReachesAsFarAsItsTip (untried).
 inline constexpr double near_tip = 2.0;
-/// The same of the farther one: in a wedge four times as many lie ahead of a place twice as far from the tip.
+/// Number of particles ahead of the farther place: in a wedge four times as many lie ahead of a place twice as far from
+/// the tip.
 /// Unit: particles. Test: FreeWater.AWedgeReachesAsFarAsItsTip (untried).
 inline constexpr double far_from_tip = 8.0;
-/// Foremost particles that are looked at for that.
+/// Number of foremost particles among which these two places are looked for.
 /// Unit: particles. Test: none known.
 inline constexpr std::size_t foremost = 64;
-/// Depth of the upper of the two places that are joined up to where a surface meets a face.
+/// The surface is extended as a straight line through two places to where it meets a face; depth of the upper place.
 /// Unit: spacings. Test: none known.
 inline constexpr double exit_shallow = 0.2;
-/// The same of the lower one.
+/// Depth of the lower of these two places.
 /// Unit: spacings. Test: none known.
 inline constexpr double exit_deep = 0.6;
 

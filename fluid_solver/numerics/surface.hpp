@@ -8,15 +8,15 @@ namespace poretwin::fluid::surface {
 /// Unit: 1. Test: none known.
 inline constexpr double alone = 0.1;
 
-/// Divergence of position over D below which neighbours are few: a surface, in soil. The least eigenvalue does not
-/// tell: a particle that sinks out of a crowded surface has a small one, too; it would fall freely until it had passed
-/// its row, a jolt in a tank at rest every few seconds.
+/// Divergence of position over D below which a particle's neighbours are few: in soil it then lies at a surface. The
+/// least eigenvalue of the moment does not show it: a particle that sinks out of a crowded surface has a small one,
+/// too; it would fall freely until it had passed its row, a jolt in a tank at rest every few seconds.
 /// Unit: 1. Test: FreeWater.NothingFallsInATankAtRest (untried).
 inline constexpr double few = 0.75;
-/// The same at a seepage face.
+/// Divergence of position over D below which a particle's neighbours are few at a seepage face.
 /// Unit: 1. Test: Seepage.WaterEndsAtASeepageFace (untried).
 inline constexpr double few_at_face = 0.9;
-/// The same below which they are too few for a pressure.
+/// Divergence of position over D below which a particle's neighbours are too few for a pressure.
 /// Unit: 1. Test: FreeWater.DropsFallFreely (untried).
 inline constexpr double too_few = 0.4;
 
@@ -24,20 +24,25 @@ inline constexpr double too_few = 0.4;
 /// degrees.
 /// Unit: 1. Test: none known.
 inline constexpr double cone = 0.5;
-/// The same of a front in soil, which is rough on the scale of a spacing: 45 degrees.
+/// Cosine of half the opening of the empty cone above a front in soil, which is rough on the scale of a spacing: 45
+/// degrees.
 /// Unit: 1. Test: none known.
 inline constexpr double narrow_cone = 0.7071;
 
 /// Least |sum V grad W| h that a missing side makes of a surface particle; a flat surface makes 0.7.
 /// Unit: 1. Test: none known.
 inline constexpr double first_row = 0.1;
-/// The same of a particle in the row below.
+/// Least
+/// sum V grad W
+/// h that a missing side makes of a particle in the row below the surface.
 /// Unit: 1. Test: none known.
 inline constexpr double second_row = 0.03;
 
-/// The same over the divergence of position, half of a flat surface's, from which on a particle whose neighbours are
-/// few lies at a hole, whatever stands opposite: in a splash, taken for one inside, its pressure would drive it to its
-/// neighbours, which raises it.
+/// Ratio of
+/// sum V grad W
+/// h to the divergence of position, half of a flat surface's, from which on a particle with few neighbours lies at a
+/// hole, even where other water stands opposite. Taken for a particle inside, it would, in a splash, be driven to its
+/// neighbours by its own pressure, which raises that pressure.
 /// Unit: 1. Test: Operators.AParticleWithFewNeighboursOnOneSideLiesAtAHole (untried).
 inline constexpr double hole = 0.23;
 
@@ -56,7 +61,7 @@ inline constexpr double uneven_row = 0.25;
 /// Length of the mean of the normals of surface particles in reach from which on these make a plane.
 /// Unit: 1. Test: none known.
 inline constexpr double plane_enough = 0.9;
-/// Cosine between that mean and a particle's own normal below which the surface is not the one above it.
+/// Cosine between that mean and a particle's own normal below which the surface is not the one above the particle.
 /// Unit: 1. Test: none known.
 inline constexpr double faces_plane = 0.5;
 

@@ -179,8 +179,9 @@ class Reader {
     return deepest - (std::isfinite(r.by_pressure) ? r.by_pressure : r.by_fullness);
   }
 
-  /// Elevation at which the water's surface meets a face (domain on the left), sought from the line's far end. It comes
-  /// in tangentially: the places where it lies one and three fifths of a spacing deep are joined by a straight line.
+  /// Elevation at which the water's surface meets a face (domain on the left), looked for from the line's far end. The
+  /// surface comes in tangentially: a straight line through the places where water is one fifth and three fifths of a
+  /// spacing deep is extended to the face.
   [[nodiscard]] double exit_height(const Line<D>& line) const {
     const double shallow = readings::exit_shallow * dx_, deep = readings::exit_deep * dx_, step = 0.1 * dx_;
     double at_deep = line.length, before = nan;

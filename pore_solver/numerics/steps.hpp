@@ -17,7 +17,7 @@ inline constexpr double caution = 0.9;
 /// How much shorter a step may be than the last one.
 /// Unit: steps. Test: none known.
 inline constexpr double shrink = 0.4;
-/// The same of a step without a solution, which is given up.
+/// Length of the next attempt after a step for which Newton's iteration found no solution.
 /// Unit: steps. Test: none known.
 inline constexpr double shrink_unsolved = 0.25;
 /// How much longer a step may be than the last one.
@@ -29,10 +29,10 @@ inline constexpr double first_share = 1e-3;
 /// Sum of the residuals at which Newton's iteration ends. What is left is carried into the next step, not lost.
 /// Unit: water that moves in the stage. Test: ponding (untried).
 inline constexpr double residual = 1e-2;
-/// The same where much moves: no more than this.
+/// Largest sum of the residuals at which Newton's iteration ends, however much water moves.
 /// Unit: pore volumes. Test: none known.
 inline constexpr double most_residual = 1e-5;
-/// The same where hardly anything moves: it need not be less than this.
+/// Sum of the residuals that need not be undercut, however little water moves.
 /// Unit: pore volumes. Test: none known.
 inline constexpr double least_residual = 1e-8;
 /// Iterations after which a step is given up.

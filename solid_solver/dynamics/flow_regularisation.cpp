@@ -207,8 +207,8 @@ const Sums<Around<D>::size>* sum_neighbours(const State<D>& state, double h, Scr
   return sums;
 }
 
-/// Regularised stresses and volumes of a batch, before the constitutive model is applied; moves [m]: displacements of
-/// its particles.
+/// Evens out stresses and volumes of a batch of particles; the constitutive model is applied to the result afterwards.
+/// moves [m]: the displacements that even out their packing.
 template <int D>
 void even_out(const Setup<D>& setup, double interval, const State<D>& state, const Sums<Around<D>::size>* sums,
               Batch& batch, std::array<Quad, D>* moves) {

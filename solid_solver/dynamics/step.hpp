@@ -24,7 +24,7 @@ void rebuild_lists(const Setup<D>& setup, State<D>& state);
 template <int D>
 void rebuild(const Setup<D>& setup, State<D>& state);
 
-/// Rebuilds when the lists no longer hold (lists_hold.hpp); says whether it did.
+/// Rebuilds lists and images when the pair lists no longer hold (lists_hold.hpp); returns whether it did.
 template <int D>
 bool rebuild_if_moved(const Setup<D>& setup, State<D>& state);
 
@@ -37,7 +37,8 @@ void evaluate_forces(const Setup<D>& setup, State<D>& state);
 template <int D>
 Vec<D> force_from_outside(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive);
 
-/// One substep of dt [s] from a state with current forces to the next. Tracking impulse adds to state.returned_impulse.
+/// One substep of dt [s]. The forces of the state must be current, and are so again afterwards. The impulse of tracking
+/// is added to state.returned_impulse.
 template <int D>
 void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& state);
 

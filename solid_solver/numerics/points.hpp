@@ -4,7 +4,7 @@
 
 namespace poretwin::solid::points {
 
-/// Smoothing length: the paper's.
+/// Smoothing length, as in Bui & Nguyen (2017).
 /// Unit: spacings. Test: none known.
 inline constexpr double lengths_per_spacing = 1.2;
 
@@ -12,7 +12,7 @@ inline constexpr double lengths_per_spacing = 1.2;
 /// gradient. Corners of a lattice lie above it, so that they stay exact.
 /// Unit: 1. Test: VelocityGradient.IsExactForLinearFieldsAtFreeSurfaces (untried).
 inline constexpr double least_inverted_2d = 0.2;
-/// The same in 3D.
+/// Least eigenvalue of a moment that is inverted in full, in 3D.
 /// Unit: 1. Test: VelocityGradient.IsExactInThreeDimensions (untried).
 inline constexpr double least_inverted_3d = 0.1;
 
@@ -23,7 +23,7 @@ inline constexpr double inside_correction = 1.2;
 /// Hourglass control: a viscosity on the part of the velocity that is not linear around a particle.
 /// Unit: h times the speed of sound. Test: Stabilisers.LeaveUniformStrainRatesAlone (untried).
 inline constexpr double hourglass_viscosity = 0.1;
-/// The same: a stiffness on that part of the displacement.
+/// Hourglass control: a stiffness on the part of the displacement that is not linear around a particle.
 /// Unit: M. Test: LoadedColumn.DisorderCostsLittleStiffness (untried).
 inline constexpr double hourglass_stiffness = 0.1;
 /// Largest stress of that stiffness in soil that has yielded, where more would act as strength.
@@ -35,10 +35,10 @@ inline constexpr double flow_limit = 0.01;
 /// alpha of Monaghan's artificial viscosity.
 /// Unit: h times the speed of sound. Test: none known.
 inline constexpr double artificial_viscosity = 0.1;
-/// The same where grains that are apart collide: inelastically.
+/// alpha of Monaghan's artificial viscosity where grains that are apart collide: inelastically.
 /// Unit: h times the speed of sound. Test: none known.
 inline constexpr double collision_viscosity = 1.0;
-/// eta^2 of these, which keeps pairs that nearly coincide finite (Monaghan 1992).
+/// eta^2 of these viscosities, which keeps pairs that nearly coincide finite (Monaghan 1992).
 /// Unit: h^2. Test: none known.
 inline constexpr double viscosity_softening = 0.01;
 /// Viscosity of soil with soft edges against changes of volume: waves that long substeps resolve poorly disturb the

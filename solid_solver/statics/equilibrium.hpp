@@ -1,4 +1,4 @@
-// The equilibrium of soil at the end of a window: displacements by which nothing is missing in its balance of forces.
+// The equilibrium of soil at the end of a window: the displacements at which its forces balance.
 #pragma once
 
 #include "solid_solver/numerics/statics.hpp"
@@ -16,7 +16,8 @@ VecArray<D> all_forces(const Setup<D>& setup, const State<D>& state, const Drive
   return force;
 }
 
-/// How far from rest soil is on which these forces [N] act, as Stiffness::departure() measures it.
+/// Departure from rest, without unit, of soil on which these unbalanced forces [N] act: the error of its stress, in the
+/// energy's norm, over the stress that the reference acceleration [m/s2] makes.
 template <int D>
 double departure(const Stiffness<D>& stiffness, const VecArray<D>& force, double reference) {
   return stiffness.departure(stiffness.work(force), reference);
@@ -57,7 +58,8 @@ struct EquilibriumSearch {
   std::size_t most = statics::most_tried;  ///< displacements tried
 };
 
-/// What is left to find: the share of the mass on which averaged forces act, and the departure of the others.
+/// How far a search still is from equilibrium: the share of the mass on which averaged forces above a bound act, and
+/// the departure from rest of the others.
 struct Unsettled {
   double share = 1.0, rest = 0.0;
 };
@@ -73,11 +75,11 @@ Unsettled unsettled(const Setup<D>& setup, const Stiffness<D>& stiffness, double
   return result;
 }
 
-/// Whether all but a local part is at rest. That part may be twice as large where trying on gains nothing: it creeps on
-/// in the next window. Looked at now and then.
+/// Decides whether all but a local part of the soil is at rest. That part may be twice as large when further trials
+/// gain nothing: it goes on creeping in the next window. Asked every few displacements.
 class Patience {
  public:
-  /// departure: of all the soil.
+  /// departure: from rest, of all the soil.
   bool ends(const EquilibriumSearch& search, double departure, const Unsettled& left) {
     const bool stalls = left.share > (1.0 - statics::least_gain) * shares_.back();
     std::rotate(shares_.begin(), shares_.end() - 1, shares_.end());
@@ -115,11 +117,11 @@ void restore_state(const State<D>& start, State<D>& state) {
   state.any_yielded = start.any_yielded;
 }
 
-/// Finds where the soil stands at the end of a window of `interval` [s] under the forces that external(drive, rebuilt)
-/// fills for a displacement tried: one step of backward Euler. Stress is returned to the cone once, over the window's
-/// whole strain, whatever was tried on the way: a search that follows its way through the cone gathers the plastic
-/// strain of its detours. Given up when nothing is found in time, or something moves by more than half a spacing; the
-/// state is then as it was.
+/// Finds where the soil stands at the end of a window of `interval` [s] by one step of backward Euler; external(drive,
+/// rebuilt) fills in the forces from outside for each displacement tried. Every trial starts from the window's start,
+/// so that stress is returned to the cone once, over the window's whole strain: a search that followed its own path
+/// through the cone would gather the plastic strain of its detours. The search is given up after a number of trials, or
+/// when something moves by more than half a spacing; the state is then as it was.
 template <int D, class ExternalForce>
 RestReport find_equilibrium(const Setup<D>& setup, const Stiffness<D>& stiffness, const EquilibriumSearch& search,
                             double interval, State<D>& state, ExternalForce&& external) {

@@ -338,9 +338,8 @@ model = "{3}"
         right > 0.0 ? fmt::format("[[fluid.region]]\nmin = [{}, 0]\nmax = [2.4, {}]\n", there, right) : "", model));
   };
   EXPECT_THAT(with(0.08, 0.4), HasSubstr("key 'wall[0]': is 0.08 m thick at [1, 0."));
-  EXPECT_THAT(with(0.08, 0.4),
-              HasSubstr("2 particle spacings, with water on both sides: particles would feel each other "
-                        "through it beside soil that moves; expected 0.2 m or more, 5 spacings"));
+  EXPECT_THAT(with(0.08, 0.4), HasSubstr("2 particle spacings, with water on both sides: particles would interact "
+                                         "through it beside soil that moves; expected 0.2 m or more, 5 spacings"));
   EXPECT_THAT(with(0.16, 0.4), HasSubstr("4 particle spacings"));
   EXPECT_EQ(with(0.2, 0.4), "no complaint");
   EXPECT_THAT(with(0.04, 0.0), HasSubstr("with water on one side"));

@@ -260,7 +260,8 @@ TEST(Settled, WhatNeverSettlesEndsTheRunWithTheReason) {
   run.settings = {0.2, 0.1, 0.0, 0.0};
   run.scheme = Settled{0.3};
   run.run(&fluid, &solid);
-  EXPECT_NE(run.coupler.error.find("1 of the weight not settled, 0.3 allowed, after 12 passes"), std::string::npos)
+  EXPECT_NE(run.coupler.error.find("1 of the weight missing in the balance, 0.3 allowed, after 12 passes"),
+            std::string::npos)
       << run.coupler.error;
   EXPECT_EQ(fluid.passes.size(), 12u * 21u);
 }

@@ -66,9 +66,9 @@ class Line:
         self.socket.connect(address)
 
     def send(self, frames: list[Any]) -> None:
-        """With the lock held."""
+        """Sends frames; the caller has the lock."""
         self.socket.send_multipart(frames, copy=True)
-        # Sending takes note of what has come in, and with it the signal that receive() may be waiting for.
+        # Sending also reads which events have come in, and consumes the signal that receive() may be waiting for.
         if int(self.socket.get(zmq.EVENTS)) & zmq.POLLIN:
             self.wake()
 
@@ -96,7 +96,7 @@ class Line:
                     self.open = True
                 elif self.open:
                     self.lost = True
-            return self.take()  # what the other end said last came in before its closing did
+            return self.take()  # the other end's last message came in before its closing
 
     def take(self) -> list[bytes] | None:
         with contextlib.suppress(zmq.Again):
@@ -115,7 +115,7 @@ class Line:
 
 
 class Participant:
-    """One side of the conversation of docs/protocol.md. main() drives it; few need it themselves."""
+    """A solver's side of the conversation of docs/protocol.md. poretwin.main() drives it; a solver rarely uses it directly."""
 
     def __init__(self, address: str, role: str, wait_deadline: float = 60.0, coupler_deadline: float = 60.0,
                  say_every: float = 5.0) -> None:
@@ -307,7 +307,7 @@ class Checkpoints:
         return self.folder / f"{self.role}-{name}.state"
 
     def names(self) -> list[str]:
-        """Of those that are whole."""
+        """Names of the checkpoints that are complete."""
         found = []
         for path in sorted(self.folder.glob(f"{self.role}-*.state")):
             data = path.read_bytes()

@@ -1,4 +1,4 @@
-"""What a phase gives and gets, free of any transport."""
+"""What a phase gives and gets, independent of any transport."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ class Refused(Exception):
 
 
 class Phase:
-    """To be derived from. `role` and `dimension` must be set."""
+    """Base class of a solver of your own. `role` and `dimension` must be set."""
 
     role = ""
     dimension = 2
@@ -118,7 +118,7 @@ class Phase:
         raise NotImplementedError
 
     def initialise(self, inbox: Inbox) -> None:
-        """Once, with the other side's fields at time zero."""
+        """Called once, with the other side's fields at time zero."""
 
     def advance(self, window: Window, inbox: Inbox) -> None:
         """Advances by one window; raises Refused when it is too long."""

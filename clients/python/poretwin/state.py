@@ -22,7 +22,7 @@ class StateError(ValueError):
 
 
 def dump(value: Any) -> bytes:
-    """None, bool, int, float, str, bytes, lists, tuples, dicts with keys of text, arrays of numbers, Points."""
+    """Bytes of a value made of None, bool, int, float, str, bytes, lists, tuples, dicts with keys of text, arrays of numbers, Points."""
     arrays: list[bytes] = []
     size = 0
 
@@ -56,7 +56,7 @@ def dump(value: Any) -> bytes:
 
 
 def load(data: bytes) -> Any:
-    """Raises StateError for anything that dump() does not make."""
+    """The value of bytes from dump(). Raises StateError for anything that dump() does not make."""
     start = len(MAGIC) + 8
     if data[:len(MAGIC)] != MAGIC or len(data) < start:
         raise StateError("not a state of this program: it does not begin as one")

@@ -1,5 +1,6 @@
-"""Messages as bytes: one protobuf header and one raw frame per array. What protoc says of proto/poretwin.proto is installed beside this
-file; in the source tree it is asked when this is imported, in memory: no generated file could be somebody else's."""
+"""Messages as bytes: one protobuf header and one raw frame per array. The description of the messages, compiled from proto/poretwin.proto
+by protoc, is installed beside this file. In the source tree there is none: importing this module runs protoc and keeps the description in
+memory, so that it always belongs to the present poretwin.proto."""
 
 from __future__ import annotations
 
@@ -26,7 +27,7 @@ def _compiled() -> bytes:
 
 
 def _load() -> Any:
-    """What protoc would write as a module: a class for every message, a number for every name of an enumeration."""
+    """The members of the module that protoc would generate: a class for every message, a number for every name of an enumeration."""
     (described,) = descriptor_pb2.FileDescriptorSet.FromString(_compiled()).file
     pool = descriptor_pool.DescriptorPool()
     pool.Add(described)
@@ -45,11 +46,11 @@ pb = _load()
 
 
 class WireError(Exception):
-    """What came in is no message of this protocol."""
+    """A received message that does not follow this protocol."""
 
 
 def add_array(header: Any, frames: list[Any], name: str, unit: str, values: npt.ArrayLike) -> None:
-    """Appends [n] or [n, components] values to a message under way."""
+    """Appends [n] or [n, components] values to a message that is being put together."""
     numbers = np.ascontiguousarray(values, dtype="<f8")
     components = 1 if numbers.ndim == 1 else numbers.shape[1]
     header.arrays.add(name=name, unit=unit, components=components, element=pb.FLOAT64_LE, n=numbers.shape[0])
