@@ -15,7 +15,7 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "cli"))
-import report  # noqa: E402
+import verify_page  # noqa: E402
 import style  # noqa: E402
 
 PICTURED = ("dam_break", "submerged_soil", "terzaghi", "embankment_seepage", "rockfill_dam", "rockfill_flood",
@@ -46,7 +46,7 @@ def page(found):
                      f"| {len(case['metrics'])} | {case['cpu_s']:.1f} |")
     for case in cases:
         pictured = 1 if case["case"] in PICTURED else 0
-        lines += ["", f'<a id="{case["case"]}"></a>', ""] + report.section(case, ROOT / "docs" / "pictures", pictured)
+        lines += ["", f'<a id="{case["case"]}"></a>', ""] + verify_page.section(case, ROOT / "docs" / "pictures", pictured)
     return "\n".join(lines) + "\n"
 
 

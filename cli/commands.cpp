@@ -269,6 +269,12 @@ void declare(CLI::App& app, Arguments& a, JsonOutput& json, std::function<int()>
   word(plot_command, "--out", "DIR", "folder of the pictures (default: RUN/pictures)");
   does(plot_command, [plot_command] { return draw_pictures(words_of(*plot_command), {}); });
 
+  auto* report_command = app.add_subcommand(
+      "report", "An engineer's report of a run as one page: section, state, gauges, safety, balance, warnings");
+  report_command->add_option("RUN", a.words, "folder of a run")->required()->expected(1)->type_name("");
+  word(report_command, "--out", "FILE", "FILE.html or FILE.pdf (default: RUN/report.html); a PDF needs chromium");
+  does(report_command, [report_command] { return run_script("cli/report.py", words_of(*report_command)); });
+
   auto* view_command = app.add_subcommand("view", "Look at runs, finished or under way, in a browser");
   view_command->add_option("RUN", a.words, "folder of a run, or a folder with runs below it (default: runs)")
       ->expected(0, many)

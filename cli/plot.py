@@ -245,7 +245,7 @@ class Shown:
             about += f"; {beyond} particle{'s' if beyond > 1 else ''} beyond"
         time = self.frames.times[step]
         # The trials of `poretwin safety` are searches for a rest and end at 1e-9 s, which means nothing.
-        return style.BODY[self.phase] + (f", t = {style.number(time)} s" if not 0.0 < time < AT_REST else "") + about
+        return style.BODY[self.phase] + (f", t = {style.time(time, style.time_unit(self.frames.times[-1]))}" if not 0.0 < time < AT_REST else "") + about
 
     def axis_labels(self, axes, below=True, beside=True):
         three = is_3d(self.frames, self.steps[0])
@@ -371,28 +371,35 @@ def quantity_label(declared, component, title):
 
 
 def draw_gauges(run, names, title, series, target, marks=()):
+    """Gauges against time, as a file."""
+    style.save(gauge_figure(run, names, title, series, marks), target)
+    print(target)
+
+
+def gauge_figure(run, names, title, series, marks=()):
     """Gauges against time. marks: what they should read, [gauge, time, value, and by how much either may be off]."""
     figure, axes = plt.subplots(figsize=(style.COLUMN, 0.62 * style.COLUMN), layout="constrained")
     colours = plt.rcParams["axes.prop_cycle"].by_key()["color"]
     declared, component = declaration(run, title)
     largest = max((abs(v) for name in names for v in series[name]["v"] if np.isfinite(v)), default=0.0)
     factor, unit = style.prefix(largest, series[names[0]]["unit"])
+    unit_of_time, name_of_time = style.time_unit(max((entry["t"][-1] for name in names if (entry := series[name])["t"]), default=0.0))
     labelled = False
     for i, (name, place) in enumerate(zip(names, places(declared, names))):
         entry, colour = series[name], colours[i % len(colours)]
-        axes.plot(entry["t"], np.array(entry["v"]) / factor, color=colour, label=place if len(names) > 1 else "computed",
+        axes.plot(np.array(entry["t"]) / unit_of_time, np.array(entry["v"]) / factor, color=colour, label=place if len(names) > 1 else "computed",
                   linestyle=["-", "--", ":"][i // len(colours) % 3])
         own = np.array([mark[1:] for mark in marks if mark[0] == name], dtype=float).reshape(-1, 4)
         reference = reference_of(run, name) if len(own) == 0 else own[:, :2]
         if reference is None:
             continue
-        axes.plot(reference[:, 0], reference[:, 1] / factor, color=colour, **style.REFERENCE, label=None if labelled else "reference")
+        axes.plot(reference[:, 0] / unit_of_time, reference[:, 1] / factor, color=colour, **style.REFERENCE, label=None if labelled else "reference")
         labelled = True
-        for direction, off in ("xerr", own[:, 2]), ("yerr", own[:, 3] / factor):
+        for direction, off in ("xerr", own[:, 2] / unit_of_time), ("yerr", own[:, 3] / factor):
             some = off > 0.0  # a bar of no length would still have its caps
             if some.any():
-                axes.errorbar(own[some, 0], own[some, 1] / factor, **{direction: off[some]}, fmt="none", ecolor=colour, elinewidth=0.9, capsize=2.5)
-    axes.set_xlabel("time [s]")
+                axes.errorbar(own[some, 0] / unit_of_time, own[some, 1] / factor, **{direction: off[some]}, fmt="none", ecolor=colour, elinewidth=0.9, capsize=2.5)
+    axes.set_xlabel(f"time [{name_of_time}]")
     axes.set_ylabel(quantity_label(declared, component, title) + style.unit(unit))
     axes.margins(x=0.02)
     axes.grid(True)
@@ -400,8 +407,7 @@ def draw_gauges(run, names, title, series, target, marks=()):
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     elif labelled:
         axes.legend()
-    style.save(figure, target)
-    print(target)
+    return figure
 
 
 def asked(run, options):

@@ -104,6 +104,21 @@ def number(value):
     return f"{float(f'{value:.4g}'):g}"
 
 
+# Units of time: how long a run must be to be told in it [s], the unit [s], its name.
+TIMES = [(3.0 * 365.25 * 86400.0, 365.25 * 86400.0, "years"), (2.0 * 86400.0, 86400.0, "days"), (2e4, 3600.0, "h"), (0.0, 1.0, "s")]
+
+
+def time_unit(span):
+    """Length [s] and name of the unit in which a person would tell this time [s]."""
+    return next((unit, name) for least, unit, name in TIMES if span >= least)
+
+
+def time(value, unit=None):
+    """A time [s] with its unit."""
+    length, name = unit or time_unit(abs(value))
+    return f"{number(value / length)} {name}"
+
+
 def save(figure, path):
     """Writes a figure in the format that its name ends in; the same figure leaves the same bytes."""
     path = pathlib.Path(path)

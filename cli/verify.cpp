@@ -223,7 +223,7 @@ int verify(const VerifyOptions& options, JsonOutput& json) {
     JsonOutput page;
     page.open("verify", file.string());
     page.write(results);
-    run_script("cli/report.py", {file.string(), options.report.string()}, options.report / "report.log");
+    run_script("cli/verify_page.py", {file.string(), options.report.string()}, options.report / "report.log");
   }
   fmt::print("{}\n", passed ? "all pass" : "NOT all pass");
   return passed ? 0 : static_cast<int>(ExitCode::in_doubt);

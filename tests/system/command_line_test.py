@@ -87,7 +87,7 @@ class CommandLine(unittest.TestCase):
         self.assertEqual(offered("poretwin", "peer", "conf"), ["conformance"])
 
     def test_scripts_take_the_options_that_the_program_declares(self):
-        for command, script in (("plot", "cli/plot.py"), ("view", "view/server.py"), ("bench", "bench/study.py")):
+        for command, script in (("plot", "cli/plot.py"), ("report", "cli/report.py"), ("view", "view/server.py"), ("bench", "bench/study.py")):
             self.assertEqual(options_in(help_of(PROGRAM, command)) - {"--json"}, options_in(help_of("/usr/bin/python3", "-B", SOURCE / script)))
 
     def test_exit_codes_are_the_same_in_help_docs_and_man_page(self):

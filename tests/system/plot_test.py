@@ -23,6 +23,7 @@ sys.path.insert(0, str(ROOT / "cli"))
 import animate  # noqa: E402
 import plot  # noqa: E402
 import report  # noqa: E402
+import verify_page  # noqa: E402
 import style  # noqa: E402
 
 TIMES = (0.0, 1.0, 2.0)
@@ -263,7 +264,7 @@ class OfACase(Folder):
         found = [{"case": "case", "folder": str(self.at / "case"), "source": "", "passed": True, "runs": [run], "metrics": []}]
         (self.at / "found.json").write_text(json.dumps(found))
         with mock.patch.object(sys, "argv", ["report", str(self.at / "found.json"), str(self.at / "page")]), contextlib.redirect_stdout(io.StringIO()):
-            report.main()
+            verify_page.main()
         self.assertIn("![case_panels](pictures/case_panels.png)", (self.at / "page/validation.md").read_text())
         self.assertTrue((self.at / "page/pictures/case_panels.png").exists())
 
@@ -315,6 +316,81 @@ class Animations(Folder):
             chosen = animate.chosen(count)
             self.assertEqual(len(chosen), min(count, animate.MOST_FRAMES))
             self.assertEqual((chosen[0], chosen[-1]), (0, count - 1))
+
+
+SLOPE = """
+[case]
+title = "A <bold> slope"
+[[soil]]
+name = "sand & gravel"
+shape = "polygon"
+points = [[0, 0], [0.4, 0], [0.2, 0.4], [0, 0.4]]
+porosity = 0.4
+cohesion = 2000
+[[water_face]]
+name = "reservoir"
+points = [[0.2, 0.4], [0.4, 0]]
+head = [[0, 0], [172800, 0.2]]
+[[gauge]]
+name = "F"
+phase = "solid"
+kind = "factor_of_safety"
+every = 86400
+[[gauge]]
+name = "water"
+phase = "fluid"
+kind = "balance"
+"""
+
+
+class Report(Folder):
+    def setUp(self):
+        super().setUp()
+        self.run_folder, self.case = self.at / "run", self.at / "case.toml"
+        write_run(self.run_folder)
+        self.case.write_text(SLOPE)
+        rows = ["0,F,1.5,1", "0,F_error,0.01,1", "86400,F,1.25,1", "86400,F_error,0.02,1", "259200,F,1.375,1", "259200,F_error,0.01,1",
+                "0,water_error,0,m2", "259200,water_error,1e-15,m2", "0,head,0,m", "259200,head,1,m"]
+        (self.run_folder / "gauges.csv").write_text("time_s,gauge,value,unit\n" + "\n".join(rows) + "\n")
+        (self.run_folder / "run.toml").write_text(f'case = "slope"\ncase_file = "{self.case}"\noverrides = ["soil.0.cohesion=3000"]\nexit = 6\nwall_s = 7200\n'
+                                                  f'warnings = []\n[identity]\n"case file" = "{report.fnv1a(SLOPE.encode()):016x}"\n')
+        (self.run_folder / "solid.summary.json").write_text(json.dumps({
+            "process": "solid", "cpu_s": 12.5, "memory_bytes": 2e7, "steps": {"windows": 30}, "counters": {"particles": 400},
+            "warnings": [{"what": "the soil's rest was not found", "count": 1, "detail": "", "result_in_doubt": True}]}))
+
+    def made(self):
+        out = self.at / "report.html"
+        with mock.patch.object(sys, "argv", ["report", str(self.run_folder), "--out", str(out)]), contextlib.redirect_stdout(io.StringIO()):
+            report.main()
+        return out.read_text()
+
+    def test_it_has_section_drives_state_safety_balance_warnings_and_origin(self):
+        page = self.made()
+        headings = re.findall("<h2>(.*?)</h2>", page)
+        self.assertEqual(headings, ["Section", "What drives it", "The end: 3 days", "Factor of safety", "Gauges", "Balance", "Warnings", "Where it comes from"])
+        self.assertIn("<h1>A &lt;bold&gt; slope</h1>", page)
+        self.assertIn("computed in 7200 s", page)
+        self.assertIn("<td>sand &amp; gravel</td>", page)
+        self.assertIn('<td class="number">3</td>', page, "kPa, as set beside the case file")
+        self.assertRegex(page, '<td>F</td><td class="number">1.25</td><td class="number">0.02</td><td>1 days</td><td class="number">1.375</td>')
+        self.assertIn("its result is in doubt", page)
+        self.assertRegex(page, "the soil&#x27;s rest was not found</td><td[^>]*>1</td><td>the result may be wrong")
+        self.assertNotIn('src="http', page)
+        self.assertGreaterEqual(page.count("data:image/"), 6)
+
+    def test_a_case_that_has_changed_since_is_not_shown(self):
+        self.case.write_text(SLOPE.replace("0.4", "0.5"))
+        page = self.made()
+        self.assertIn("has changed since the run", page)
+        self.assertNotIn("<h2>Section</h2>", page)
+
+    def test_what_is_wrong_is_said(self):
+        for words, message in (([self.at / "nowhere"], "expected the folder of a run that has ended"),
+                               ([self.run_folder, "--out", self.at / "a.doc"], "ends in .html or .pdf")):
+            with mock.patch.object(sys, "argv", ["report", *map(str, words)]), self.assertRaisesRegex(SystemExit, message):
+                report.main()
+        with mock.patch.dict(os.environ, {"PATH": "/nowhere"}), self.assertRaisesRegex(SystemExit, "needs the program chromium"):
+            report.print_pdf("", self.at / "a.pdf")
 
 
 class Mistakes(Folder):
