@@ -8,6 +8,7 @@
 #include "common/case/origin.hpp"
 #include "common/core/error.hpp"
 #include "common/core/hash.hpp"
+#include "common/geometry/extent.hpp"
 #include "common/media/retention_law.hpp"
 #include "common/media/seepage.hpp"
 
@@ -701,6 +702,20 @@ Material material(MaterialName name) {
   if (found == all.end())
     throw CaseError(fmt::format("there is no material \"{}\": expected a name that soil.model may have", name.name));
   return *found;
+}
+
+double constrained_modulus(const Case& scene, const Soil& soil) {
+  const Point3 down = scene.general.gravity;
+  double bottom = HUGE_VAL, top = -HUGE_VAL, heaviest = 0.0;
+  for (const Soil& other : scene.soils) {
+    const double g = down.norm();
+    const auto [lowest, highest] =
+        extent(other.shape, g > 0.0 ? Point3(-down / g) : Point3::UnitY(), scene.general.dimension);
+    bottom = std::min(bottom, lowest);
+    top = std::max(top, highest);
+    heaviest = std::max(heaviest, (1.0 - other.porosity) * other.grain_density * g);
+  }
+  return constrained_modulus(scene.model_of(soil), soil, 0.5 * heaviest * (top - bottom));
 }
 
 bool Case::can_yield() const {

@@ -46,6 +46,11 @@ struct Material {
 /// All materials, in the order of case-file.md. The rows stand with the models: solid_solver/material/registry.cpp.
 std::vector<Material> materials();
 
+/// Constrained modulus K + 4 G / 3 [Pa] of soil that nothing has strained, under a pressure [Pa] from all sides.
+double constrained_modulus(MaterialName material, const Soil& soil, double pressure);
+/// The same under half the weight of all soil, where the stiffness follows the pressure.
+double constrained_modulus(const Case& scene, const Soil& soil);
+
 /// The material of this name. Throws CaseError where there is none.
 Material material(MaterialName name);
 

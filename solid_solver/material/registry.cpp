@@ -82,6 +82,10 @@ Elasticity ConstitutiveModel::moduli_under(double pressure) const {
 
 namespace poretwin {
 
+double constrained_modulus(MaterialName material, const Soil& soil, double pressure) {
+  return solid::make_constitutive(material, soil)->moduli_under(pressure).constrained();
+}
+
 std::vector<Material> materials() {
   std::vector<Material> all;
   for (const auto& row : solid::table()) all.push_back(row.material);
