@@ -53,6 +53,7 @@ std::vector<double> row_of(const Element& sample, const LaboratoryTest& test, st
                           sample.excess_pore_pressure(test),
                           sample.plastic_strain()};
   for (std::size_t k = 0; k < shown; ++k) row.push_back(sample.state()[k]);
+  for (double& number : row) number += 0.0;  // no -0
   return row;
 }
 
