@@ -14,7 +14,8 @@ namespace {
 // The functions below treat one particle or four (InOnes or InFours).
 
 struct Constants {
-  double lambda, kappa, slope, shear_ratio, least;
+  double by_swelling, by_hardening;  ///< 1 / kappa, 1 / (lambda - kappa)
+  double slope, shear_ratio, least;
 };
 
 /// Of one particle or four; pressures compression positive.
@@ -45,29 +46,27 @@ template <class In>
   using Mask = typename In::Mask;
   const Number one = Number{} + 1.0, zero{};
   const Number v = clay.v * (1.0 - 0.5 * compression);  // of the middle of the step
-  const Number a = v / k.kappa, b = v / (k.lambda - k.kappa), m2 = zero + k.slope * k.slope;
+  const Number a = v * k.by_swelling, b = v * k.by_hardening, m2 = zero + k.slope * k.slope;
   const Mask high = clay.p >= k.least;
   Number ss, se, ee;
   product<In>(clay.s, clay.s, ss);
   product<In>(clay.s, e, se);
   product<In>(e, e, ee);
   Number multiplier{}, plastic{}, p, shear, w = one;
-  Number pc = clay.pc;
+  Number pc = clay.pc, growth = one;  // growth: 1 / (1 - z), pc by (1 + z) / (1 - z)
   Mask yields{};
-  const Number scale = 1.0 / (clay.pc * clay.pc);
   for (int round = 0;; ++round) {
     const Number y = a * (compression - plastic), left = 1.0 / (1.0 - 0.5 * y);
     p = high ? clay.p * (1.0 + 0.5 * y) * left : clay.p + k.least * y;
-    const Number dp = -a * (high ? clay.p * left * left : zero + k.least);
-    const Number z = 0.5 * b * plastic, hardened = clay.pc * (1.0 + z) / (1.0 - z);
-    const Mask hardens = hardened > k.least;
-    pc = hardens ? hardened : zero + k.least;
-    const Number dpc = hardens ? clay.pc * b / ((1.0 - z) * (1.0 - z)) : zero;
     const Number mean = 0.5 * (clay.p + p);
     const Mask above = mean > k.least;
     shear = k.shear_ratio * a * (above ? mean : zero + k.least);
-    const Number dshear = above ? 0.5 * k.shear_ratio * a * dp : zero;
-    w = 1.0 / (1.0 + 6.0 * shear * multiplier);
+    if (round > 0) {
+      growth = 1.0 / (1.0 - 0.5 * b * plastic);
+      pc = clay.pc * (2.0 * growth - 1.0);
+      max_in_place(pc, zero + k.least);
+      w = 1.0 / (1.0 + 6.0 * shear * multiplier);
+    }
     const Number q2 = 1.5 * (ss + 4.0 * shear * (se + shear * ee)) * w * w;
     const Number f = q2 - m2 * p * (pc - p);
     if (round == 0) {
@@ -76,11 +75,13 @@ template <class In>
     }
     const Number flow = m2 * (2.0 * p - pc), r = plastic - multiplier * flow;
     // What is left, of the surface and, by what it changes there, of the flow.
-    const Number off = f * scale;
-    const Mask open = yields & ((off * off > cam_clay::reached * cam_clay::reached) |
-                                (r * r > cam_clay::reached * cam_clay::reached));
+    const Number most = cam_clay::reached * clay.pc * clay.pc;
+    const Mask open = yields & ((f * f > most * most) | (r * r > cam_clay::reached * cam_clay::reached));
     if (!any(open)) break;
     if (round == cam_clay::rounds) return false;
+    const Number dp = -a * (high ? clay.p * left * left : zero + k.least);
+    const Number dpc = pc > k.least ? clay.pc * b * growth * growth : zero;
+    const Number dshear = above ? 0.5 * k.shear_ratio * a * dp : zero;
     const Number r_m = -flow, r_d = 1.0 - multiplier * m2 * (2.0 * dp - dpc);
     const Number f_m = -12.0 * shear * w * q2;
     const Number f_d = (6.0 * (se + 2.0 * shear * ee) * w * w - 12.0 * multiplier * w * q2) * dshear -
@@ -94,6 +95,7 @@ template <class In>
   clay.pc = pc;
   clay.v *= 1.0 - compression;
   for (int c = 0; c < 6; ++c) clay.s[c] = (clay.s[c] + 2.0 * shear * e[c]) * w;
+  if (!any(yields)) return true;
   // 2 m q, as the strain is 3 m s.
   product<In>(clay.s, clay.s, ss);
   Number q = 1.5 * ss;
@@ -122,16 +124,16 @@ template <class In>
   Number pressure = clay.p;
   max_in_place(pressure, Number{} + k.least);
   Number size = volumetric < 0.0 ? -volumetric : volumetric;
-  size += 2.0 * k.shear_ratio * ee * pressure / (clay.pc < pressure ? clay.pc : pressure);
-  size *= clay.v / (k.kappa * cam_clay::longest_step);
+  size += 2.0 * k.shear_ratio * ee * (clay.pc < pressure ? pressure / clay.pc : Number{} + 1.0);
+  size *= clay.v * (k.by_swelling / cam_clay::longest_step);
   double most = finer;
   if constexpr (std::is_same_v<In, InOnes>)
     most = std::max(most, finer * size);
   else
     for (std::size_t l = 0; l < n_lanes; ++l) most = std::max(most, finer * size[l]);
-  const double steps = std::ceil(std::min(most, cam_clay::most_steps));
-  for (Number& part : e) part /= steps;
-  const Number compression = -volumetric / steps;
+  const double steps = std::ceil(std::min(most, cam_clay::most_steps)), share = 1.0 / steps;
+  for (Number& part : e) part *= share;
+  const Number compression = -volumetric * share;
   for (int n = 0; n < static_cast<int>(steps); ++n)
     if (!step<In>(k, compression, e, clay)) return false;
   for (int c = 0; c < 6; ++c) stress[c] = c < 3 ? clay.s[c] - clay.p : clay.s[c];
@@ -209,14 +211,15 @@ double ModifiedCamClay::advance(Tensor& stress, const Tensor& strain, const Cond
   Clay<InOnes> clay{};
   clay.pc = state[0];
   clay.v = 1.0 + condition.void_ratio;
-  follow<InOnes>({lambda_, kappa_, slope_, shear_ratio_, least_}, strain.data(), stress.data(), clay);
+  follow<InOnes>({1.0 / kappa_, 1.0 / (lambda_ - kappa_), slope_, shear_ratio_, least_}, strain.data(), stress.data(),
+                 clay);
   state[0] = clay.pc;
   state[1] = clay.v;
   return clay.plastic;
 }
 
 void ModifiedCamClay::advance(std::span<Four> many) const {
-  const Constants constants{lambda_, kappa_, slope_, shear_ratio_, least_};
+  const Constants constants{1.0 / kappa_, 1.0 / (lambda_ - kappa_), slope_, shear_ratio_, least_};
   std::size_t place = 0;
   const auto all = [&]() __attribute__((always_inline)) {
     for (; place < many.size(); ++place) {
