@@ -16,7 +16,7 @@ namespace poretwin::solid::cam_clay {
 
 /// Change of the pressure, or of the deviator over it, that one implicit step of Cam-Clay may make by elasticity:
 /// longer increments are divided. Its error falls with the square of the pressure's part and linearly with the other's.
-/// Unit: the pressure. Test: CamClay.LargeStepsEndWhereSmallOnesDo.
+/// Unit: the pressure. Test: CamClay.LargeStepsEndWhereSmallOnesDo (untried).
 inline constexpr double longest_step = 0.05;
 /// Steps of one increment at most: one that asks for more is not that of a soil that still stands.
 /// Unit: steps. Test: none known (a guard).
