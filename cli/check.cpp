@@ -1,6 +1,7 @@
 #include "cli/check.hpp"
 
 #include "cli/json_output.hpp"
+#include "common/case/materials.hpp"
 #include "common/core/error.hpp"
 #include "common/geometry/shapes.hpp"
 #include "common/media/seepage.hpp"
@@ -36,11 +37,6 @@ ParticleCount count(const Case& scene) {
   return result;
 }
 
-double constrained_modulus(const Soil& soil) {
-  const double nu = soil.poissons_ratio;
-  return soil.youngs_modulus * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu));
-}
-
 std::vector<Limit> limits(const Case& scene) {
   std::vector<Limit> result;
   if (scene.is_field()) {
@@ -61,7 +57,7 @@ std::vector<Limit> limits(const Case& scene) {
   for (const auto& soil : scene.soils) {
     const std::string where = named(soil);
     const double density = (1.0 - soil.porosity) * soil.grain_density;
-    result.push_back({scene.solid.particle_spacing / std::sqrt(constrained_modulus(soil) / density),
+    result.push_back({scene.solid.particle_spacing / std::sqrt(constrained_modulus(scene, soil) / density),
                       "elastic wave across one particle" + where +
                           ", dx / sqrt(M / rho_bar_s); the solid sub-cycles or relaxes below it"});
     if (!scene.coupled() || !scene.fluid.drag) continue;

@@ -2,6 +2,7 @@
 
 #include "cli/check.hpp"
 #include "cli/describe.hpp"
+#include "cli/element.hpp"
 #include "cli/locate.hpp"
 #include "cli/metrics.hpp"
 #include "cli/peer.hpp"
@@ -15,6 +16,7 @@
 #include "common/coupling/curve_keys.hpp"
 #include "common/coupling/standard_contract.hpp"
 #include "common/output/build_info.hpp"
+#include "solid_solver/material/element.hpp"
 
 #include <fmt/format.h>
 
@@ -39,6 +41,7 @@ struct CommandLine::Arguments {
   int restarts = 2;
   std::string json;
   VerifyOptions verify;
+  ElementOptions element;
   std::vector<std::string> words;  ///< arguments that are passed on to a script as they are
 };
 
@@ -92,6 +95,22 @@ int safety(const Arguments& a, JsonOutput& json) {
     fmt::print("{}", safety_text(found));
   if (json.wanted()) json.write(safety_json(options, a.tolerance, found));
   return found.run.exit;
+}
+
+int element(const Arguments& a, JsonOutput& json) {
+  const CasePlace place = find_case(a.which);
+  ElementOptions options = a.element;
+  options.case_file = place.file;
+  options.case_name = place.name;
+  options.out = a.out.empty() ? std::filesystem::path("runs") / (place.name + "-element") : a.out;
+  options.overrides = a.set;
+  options.pictures = !a.no_pictures;
+  const ElementResult result = run_element(options);
+  fmt::print("{}", element_text(options, result));
+  if (json.wanted()) json.write(element_json(options, result));
+  if (result.failure.empty()) return 0;
+  fmt::print(stderr, "poretwin: {}\n", result.failure);
+  return static_cast<int>(ExitCode::in_doubt);
 }
 
 int check(const Arguments& a, JsonOutput& json) {
@@ -222,6 +241,47 @@ void declare(CLI::App& app, Arguments& a, JsonOutput& json, std::function<int()>
   safety_command->add_flag("--quiet", a.quiet, "the factor only");
   with_json(safety_command);
   does(safety_command, [&] { return safety(a, json); });
+
+  ElementOptions& e = a.element;
+  auto* element_command = app.add_subcommand(
+      "element", "Test one soil of a case as in a laboratory: a path of strain or stress, without any particles");
+  with_case(element_command);
+  std::string tests;
+  for (const auto& test : solid::laboratory_tests()) tests += fmt::format("{}{}", tests.empty() ? "" : ", ", test.name);
+  element_command->add_option("--test", e.test, tests)->required()->type_name("TEST");
+  element_command->add_option("--soil", e.soil, "name or number of the soil (default: the first)")->type_name("SOIL");
+  element_command->add_option("--pressure", e.pressure, "vertical effective stress at the start [Pa]")
+      ->required()
+      ->type_name("PA")
+      ->check(CLI::NonNegativeNumber);
+  element_command->add_option("--ratio", e.ratio, "horizontal over vertical effective stress at the start")
+      ->type_name("K")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  auto* strains = element_command->add_option(
+      "--strain", e.strains,
+      "axial strain to reach, compression positive, or shear strain; several: one after the other");
+  strains->type_name("STRAIN")->expected(1, CLI::detail::expected_max_vector_size);
+  element_command
+      ->add_option("--stress", e.loads,
+                   "in place of --strain: the axial effective stress to reach [Pa], in undrained compression the "
+                   "deviator, in shear the shear stress")
+      ->type_name("PA")
+      ->expected(1, CLI::detail::expected_max_vector_size)
+      ->excludes(strains);
+  element_command->add_option("--steps", e.steps, "from one value to the next")
+      ->type_name("N")
+      ->check(CLI::Range(1, 10000000))
+      ->capture_default_str();
+  element_command->add_option("--out", a.out, "folder of table and picture (default runs/CASE-element)")
+      ->type_name("DIR");
+  element_command->add_flag("--no-pictures", a.no_pictures, "draw no picture");
+  with_json(element_command);
+  does(element_command, [&] {
+    if (e.strains.empty() && e.loads.empty())
+      throw CaseError("--strain: expected the strain to reach, or --stress with a stress, found neither");
+    return element(a, json);
+  });
 
   auto* check_command = app.add_subcommand("check", "Validate a case; print particles, stable intervals, memory");
   with_case(check_command);

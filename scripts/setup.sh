@@ -4,8 +4,9 @@ packages="cmake ninja-build g++ pkg-config libzmq3-dev cppzmq-dev libprotobuf-de
 libtomlplusplus-dev voro++-dev libcli11-dev libspdlog-dev libfmt-dev libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev
 nlohmann-json3-dev iproute2 python3-zmq python3-protobuf python3-numpy python3-scipy python3-h5py python3-matplotlib"
 
-# Commands that only the tests need, and the packages they come from: any node will do, wherever it is from.
-test_commands="node:nodejs npm:npm chromium:chromium"
+# Commands that only the tests need, and the packages they come from: any node will do, wherever it is from. gfortran: one example of a
+# user's own model.
+test_commands="node:nodejs npm:npm chromium:chromium gfortran:gfortran"
 
 say() { printf '== %s\n' "$*"; }
 

@@ -44,6 +44,7 @@ void Solid<D>::initialise(const Inbox& inbox) {
 template <int D>
 Outcome Solid<D>::advance(const Window& window, const Inbox& inbox) {
   if (!(window.interval > 0.0)) return Outcome::reject(setup_.longest_substep, "a window must be longer than 0 s");
+  expect_bearable_pressure(setup_, state_.particles);
   quasi_static_.begin_window();
   const WaterInput<D> water = take_water(setup_, inbox, window, cache_, state_);
   const CrossedAs crossed = way_through(setup_, state_, window.interval);

@@ -65,6 +65,15 @@ bool surfaces_carry_nothing(const Case& scene, const Setup<D>& setup) {
   return plain && std::ranges::all_of(setup.loose_friction, [](float tangent) { return tangent > 0.0F; });
 }
 
+/// Pa, the weight of the densest soil over the whole height, and of all loads: what stiffness that follows the pressure
+/// is judged by.
+template <int D>
+double weight_of_all(const Case& scene, const Setup<D>& setup) {
+  double loads = 0.0;
+  for (const Load& load : scene.loads) loads += load.traction.norm();
+  return *std::ranges::max_element(setup.density) * setup.gravity.norm() * setup.height + loads;
+}
+
 /// Courant number of the substeps of soil that moves (docs/theory/steps.md). Measured limits: 1.07 at tips
 /// of wedges that walls by images cut off, 1.24 at faces, 1.6 in disordered soil with soft edges (3D: 1.5).
 template <int D>
@@ -246,7 +255,6 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
     throw CaseError(fmt::format("{} soils: the solid takes at most {}", scene.soils.size(), most_soils));
   std::vector<Shape> shapes;
   for (const Soil& soil : scene.soils) shapes.push_back(soil.shape);
-  double fastest = 0.0;
   for (std::size_t s = 0; s < scene.soils.size(); ++s) {
     const Soil& soil = scene.soils[s];
     const Material kind = material(scene.model_of(soil));
@@ -263,7 +271,6 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
     const auto lattice = fill<D>(soil.shape, setup.spacing, scene.solid.offset, scene.solid.jitter,
                                  scene.solid.seed + static_cast<unsigned>(s), std::span(shapes).subspan(s + 1));
     setup.density.push_back(density);
-    fastest = std::max(fastest, std::sqrt(setup.models.back()->stiffest().constrained() / density));
     const std::size_t all = particles.size() + lattice.position.size();
     particles.position.reserve(all);
     for (auto* array : {&particles.mass, &particles.volume}) array->reserve(all);
@@ -298,12 +305,25 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   std::size_t remembered = 0;
   for (const auto& model : setup.models) remembered = std::max(remembered, model->state_size());
   particles.material_state.assign(n * remembered, 0.0);
-  for (std::size_t i = 0; i < n; ++i) setup.models[particles.material[i]]->initial(particles.state_of(i));
+  for (std::size_t i = 0; i < n; ++i)
+    setup.models[particles.material[i]]->initial(particles.stress[i], particles.state_of(i));
   particles.rubbing.assign(n, 0.0F);
+  const double g = setup.gravity.norm();
+  setup.height = setup.spacing + (g > 0.0 ? box.sizes().dot(setup.gravity.cwiseAbs()) / g : box.sizes().maxCoeff());
+  const double weight = weight_of_all(scene, setup);
+  double fastest = 0.0;
+  setup.stabilisers.modulus = std::numeric_limits<double>::infinity();
+  for (std::size_t s = 0; s < scene.soils.size(); ++s) {
+    const ConstitutiveModel& model = *setup.models[s];
+    setup.largest_pressure.push_back(scene.soils[s].largest_pressure.value_or(2.0 * weight));
+    setup.typical.push_back(model.moduli_under(0.5 * weight));
+    const double stiffest = model.stiffest(setup.largest_pressure[s]).constrained();
+    setup.stiffens.push_back(model.stiffest(2.0 * setup.largest_pressure[s]).constrained() > stiffest ? 1 : 0);
+    fastest = std::max(fastest, std::sqrt(stiffest / setup.density[s]));
+    // The softest: no soil may be held by another's stiffness.
+    setup.stabilisers.modulus = std::min(setup.stabilisers.modulus, setup.typical[s].constrained());
+  }
   setup.stabilisers.sound_speed = fastest;
-  setup.stabilisers.modulus = setup.models.front()->initial_moduli().constrained();
-  for (const auto& model : setup.models)  // the softest: no soil may be held by another's stiffness
-    setup.stabilisers.modulus = std::min(setup.stabilisers.modulus, model->initial_moduli().constrained());
   setup.boundaries = make_boundaries<D>(scene, setup.range());
   setup.soft_edges = surfaces_carry_nothing(scene, setup);
   // Waves that such steps resolve poorly disturb the flow and reduce its friction.
@@ -311,8 +331,6 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   const double courant = scene.solid.courant.value_or(courant_number(scene, setup));
   setup.longest_substep = setup.stabilisers.step = courant * setup.spacing / fastest;
   setup.rest_substep = scene.solid.courant.value_or(steps::careful) * setup.spacing / fastest;
-  const double g = setup.gravity.norm();
-  setup.height = setup.spacing + (g > 0.0 ? box.sizes().dot(setup.gravity.cwiseAbs()) / g : box.sizes().maxCoeff());
   if (setup.boundaries.any_frictional()) {
     particles.slip = particles.velocity;
     particles.slipped.assign(n, Vec<D>::Zero());
@@ -323,6 +341,22 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   return {std::move(setup), std::move(particles)};
 }
 
+template <int D>
+void expect_bearable_pressure(const Setup<D>& setup, const Particles<D>& particles) {
+  if (std::ranges::none_of(setup.stiffens, [](char stiffens) { return stiffens != 0; })) return;
+  for (std::size_t i = 0; i < particles.size(); ++i) {
+    const std::size_t soil = particles.material[i];
+    const double pressure = -trace(particles.stress[i]) / 3.0, most = setup.largest_pressure[soil];
+    if (setup.stiffens[soil] && pressure > most)
+      throw DivergedError(fmt::format(
+          "soil[{}] at particle {}: a mean effective pressure of {:.4g} Pa, and the substep was chosen for at "
+          "most {:.4g}: set soil.largest_pressure to what is expected",
+          soil, i, pressure, most));
+  }
+}
+
+template void expect_bearable_pressure<2>(const Setup<2>&, const Particles<2>&);
+template void expect_bearable_pressure<3>(const Setup<3>&, const Particles<3>&);
 template struct Setup<2>;
 template struct Setup<3>;
 template Setup<2> weaker<2>(const Setup<2>&, double);

@@ -94,9 +94,12 @@ struct Setup {
   std::vector<LoadedPatch<D>> loads;
   std::vector<Soil> soils;  ///< their strength is that of the models; none is without `model`
   std::vector<std::shared_ptr<const ConstitutiveModel>> models;  ///< one per soil
-  ScalarArray density;                                     ///< kg/m3, initial rho_bar_s, one per soil
-  ScalarArray grain_density;  ///< kg/m3, of the grains with the residual water that moves with them, one per soil
-  ScalarArray grain_share;    ///< of the grains in the volume of both, one per soil
+  std::vector<Elasticity> typical;  ///< one per soil: under half the weight of soil and loads, where that counts
+  ScalarArray largest_pressure;     ///< Pa, one per soil: mean effective pressure that the substep is chosen for
+  std::vector<char> stiffens;       ///< one per soil: beyond it there are faster waves
+  ScalarArray density;              ///< kg/m3, initial rho_bar_s, one per soil
+  ScalarArray grain_density;        ///< kg/m3, of the grains with the residual water that moves with them, one per soil
+  ScalarArray grain_share;          ///< of the grains in the volume of both, one per soil
   std::vector<char> constant_volume;    ///< one per soil: sheared without dilation
   std::vector<float> loose_friction;    ///< tan phi of collisions, one per soil; 0: grains never come apart
   std::vector<char> softened_by_water;  ///< one per soil: its cohesion follows the saturation
@@ -125,8 +128,12 @@ Condition condition(const Setup<D>& setup, const Particles<D>& particles, std::s
 /// Elastic moduli of a particle in its present state.
 template <int D>
 Elasticity moduli(const Setup<D>& setup, const Particles<D>& particles, std::size_t i) {
-  return setup.models[particles.material[i]]->moduli(particles.state_of(i));
+  return setup.models[particles.material[i]]->moduli(particles.stress[i], particles.state_of(i));
 }
+
+/// Throws DivergedError where soil whose stiffness follows the pressure bears more than the substep was chosen for.
+template <int D>
+void expect_bearable_pressure(const Setup<D>& setup, const Particles<D>& particles);
 
 /// Unit vector against gravity; the last axis without any.
 template <int D>

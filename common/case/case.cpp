@@ -8,6 +8,7 @@
 #include "common/case/origin.hpp"
 #include "common/core/error.hpp"
 #include "common/core/hash.hpp"
+#include "common/geometry/extent.hpp"
 #include "common/media/retention_law.hpp"
 #include "common/media/seepage.hpp"
 
@@ -233,11 +234,26 @@ void declare(Keys& keys, Soil& s) {
   keys.number("youngs_modulus", s.youngs_modulus, {"Pa", "Young's modulus of the drained skeleton."}, positive());
   keys.number("poissons_ratio", s.poissons_ratio, {"", "Poisson's ratio of the drained skeleton."},
               between(0, false, 0.5, true));
-  keys.number("cohesion", s.cohesion, {"Pa", "Cohesion (drucker_prager), at `initial_saturation`."}, not_negative());
-  keys.number("friction_angle", s.friction_angle, {"degrees", "Angle of internal friction (drucker_prager)."},
+  keys.number("stiffness_exponent", s.stiffness_exponent,
+              {"",
+               "m of E = `youngs_modulus` (p' / `reference_pressure`)^m, p' the mean effective pressure; 0: constant "
+               "(materials with `youngs_modulus`)."},
+              between(0, false, 1, false));
+  keys.number("reference_pressure", s.reference_pressure, {"Pa", "At which `youngs_modulus` holds."}, positive());
+  keys.number("least_pressure", s.least_pressure,
+              {"Pa", "Mean effective pressure below which a stiffness that follows it falls no further."}, positive());
+  keys.number(
+      "largest_pressure", s.largest_pressure,
+      {"Pa",
+       "Largest mean effective pressure that is expected, where the stiffness follows it: the substep is chosen "
+       "for it, and a run in which it is exceeded ends. Absent: twice the weight of soil and loads."},
+      positive());
+  keys.number("cohesion", s.cohesion,
+              {"Pa", "Cohesion, at `initial_saturation` (materials with cohesion and friction)."}, not_negative());
+  keys.number("friction_angle", s.friction_angle, {"degrees", "Angle of internal friction (the same)."},
               between(0, false, 90, true));
-  keys.number("dilation_angle", s.dilation_angle,
-              {"degrees", "Dilation angle (drucker_prager), at most the friction angle."}, between(0, false, 90, true));
+  keys.number("dilation_angle", s.dilation_angle, {"degrees", "Dilation angle (the same), at most the friction angle."},
+              between(0, false, 90, true));
   keys.choice<Soil::Cone>(
       "cone", s.cone, cone_words,
       {"",
@@ -246,10 +262,30 @@ void declare(Keys& keys, Soil& s) {
        "`plane_strain` for any dilation; `repose`: friction is the angle of repose; 3D `outer` (compression), `inner` "
        "(extension)."});
   keys.number("tensile_strength", s.tensile_strength,
-              {"Pa", "Largest mean effective stress in tension (drucker_prager); absent: that of the cone's apex."},
+              {"Pa",
+               "Largest tension: of the mean effective stress (drucker_prager), of each principal one (mohr_coulomb); "
+               "absent: that of the cone's apex."},
               not_negative());
+  keys.number("undrained_shear_strength", s.undrained_strength,
+              {"Pa",
+               "s_u, of soil that is sheared undrained, in total stresses: in the place of `cohesion`, with "
+               "`friction_angle` and `dilation_angle` 0 and, if not given, `tensile_strength` 0."},
+              positive());
+  keys.number("residual_cohesion", s.residual_cohesion,
+              {"Pa", "What `cohesion` falls to, linearly, over `softening_slip`; absent: it does not fall."},
+              not_negative());
+  keys.number("residual_friction_angle", s.residual_friction_angle, {"degrees", "The same of `friction_angle`."},
+              between(0, false, 90, true));
+  keys.number("residual_dilation_angle", s.residual_dilation_angle, {"degrees", "The same of `dilation_angle`."},
+              between(0, false, 90, true));
+  keys.number("softening_slip", s.softening_slip,
+              {"m",
+               "Plastic slip across a shear band over which the strength falls to its residual. A band is one "
+               "particle spacing wide: divided by `solid.particle_spacing` this is the plastic shear strain, so that "
+               "what a band dissipates does not depend on the spacing."},
+              positive());
   keys.number("maximum_void_ratio", s.maximum_void_ratio,
-              {"", "Void ratio e = n / (1 - n) at which dilation ends (drucker_prager); absent: never."}, positive());
+              {"", "Void ratio e = n / (1 - n) at which dilation ends (the same); absent: never."}, positive());
   keys.number("initial_saturation", s.initial_saturation,
               {"", "Degree of saturation of soil that the water has not reached."}, between(0, false, 1, true));
   keys.number("suction_head", s.suction_head,
@@ -262,6 +298,13 @@ void declare(Keys& keys, Soil& s) {
                "K0: horizontal over vertical effective stress before the search for rest, from the weight above; "
                "absent: the soil is loaded by gravity from nothing, which gives nu / (1 - nu) on level ground."},
               positive());
+  keys.text(
+      "library", s.library,
+      {"",
+       "Shared library with the user's own model (umat): absolute, or from the folder the programs are started in."});
+  keys.numbers("properties", s.properties, {"", "Its constants, PROPS (umat)."});
+  keys.integer("state_variables", s.state_variables,
+               {"", "How many numbers it remembers of a particle, NSTATV (umat)."}, between(0, false, 200, false));
   declare_own_keys(keys, s);
 }
 
@@ -684,6 +727,15 @@ void take_paper_defaults(Case& c) {
   c.solid.regular_flow = false;
 }
 
+/// What follows for a soil from other keys.
+void complete(Soil& soil, double spacing) {
+  soil.band_width = spacing;
+  if (!soil.undrained_strength) return;
+  soil.cohesion = *soil.undrained_strength;
+  soil.friction_angle = soil.dilation_angle = 0.0;
+  if (!soil.tensile_strength) soil.tensile_strength = 0.0;
+}
+
 }  // namespace
 
 Material material(MaterialName name) {
@@ -692,6 +744,20 @@ Material material(MaterialName name) {
   if (found == all.end())
     throw CaseError(fmt::format("there is no material \"{}\": expected a name that soil.model may have", name.name));
   return *found;
+}
+
+double constrained_modulus(const Case& scene, const Soil& soil) {
+  const Point3 down = scene.general.gravity;
+  double bottom = HUGE_VAL, top = -HUGE_VAL, heaviest = 0.0;
+  for (const Soil& other : scene.soils) {
+    const double g = down.norm();
+    const auto [lowest, highest] =
+        extent(other.shape, g > 0.0 ? Point3(-down / g) : Point3::UnitY(), scene.general.dimension);
+    bottom = std::min(bottom, lowest);
+    top = std::max(top, highest);
+    heaviest = std::max(heaviest, (1.0 - other.porosity) * other.grain_density * g);
+  }
+  return constrained_modulus(scene.model_of(soil), soil, 0.5 * heaviest * (top - bottom));
 }
 
 bool Case::can_yield() const {
@@ -746,6 +812,7 @@ Case read_case(const std::filesystem::path& path, const std::vector<std::string>
   }
   if (!places.contains("coupling.scheme") && !scene.predicts()) scene.coupling.scheme = CouplingCase::Scheme::serial;
   if (scene.solid.particle_spacing <= 0.0) scene.solid.particle_spacing = scene.fluid.particle_spacing;
+  for (Soil& soil : scene.soils) complete(soil, scene.solid.particle_spacing);
   move_to_origin(scene);
   check_case(scene, places);
   scene.warnings = doubts(scene, places);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 
 #include <filesystem>
 #include <functional>
@@ -73,10 +74,11 @@ struct RetentionLaw;
 struct MaterialName {
   std::string_view name;
   bool operator==(const MaterialName&) const = default;
-  static const MaterialName rigid, elastic, drucker_prager, drucker_prager_rate;
+  static const MaterialName rigid, elastic, drucker_prager, drucker_prager_rate, mohr_coulomb;
 };
 inline constexpr MaterialName MaterialName::rigid{"rigid"}, MaterialName::elastic{"elastic"},
-    MaterialName::drucker_prager{"drucker_prager"}, MaterialName::drucker_prager_rate{"drucker_prager_rate"};
+    MaterialName::drucker_prager{"drucker_prager"}, MaterialName::drucker_prager_rate{"drucker_prager_rate"},
+    MaterialName::mohr_coulomb{"mohr_coulomb"};
 
 /// [soil.retention]: how much water the soil keeps under suction, and how well it then conducts.
 struct RetentionCase {
@@ -112,11 +114,23 @@ struct Soil {
   double dilation_angle = 0.0;                   ///< degrees
   std::optional<double> earth_pressure_at_rest;  ///< K0; absent: what elastic loading by gravity gives
   Cone cone = Cone::paper;
-  std::optional<double> tensile_strength;    ///< Pa, largest mean effective stress; absent: the cone's apex
+  std::optional<double> tensile_strength;    ///< Pa, see docs/case-file.md; absent: that of the cone's apex
   std::optional<double> maximum_void_ratio;  ///< e at which dilation ends; absent: never
   double initial_saturation = 0.0;           ///< s_r0, of soil that the water has not reached
   double suction_head = 0.0;                 ///< m, capillary, at a wetting front
   std::optional<double> saturated_cohesion;  ///< Pa, at s_r = 1, Eq. (36); absent: as `cohesion`
+  std::optional<double> undrained_strength;  ///< Pa, s_u; read_case makes it the cohesion of soil without friction
+  /// What is left of the strength after slip; absent: all of it.
+  std::optional<double> residual_cohesion, residual_friction_angle, residual_dilation_angle;
+  std::optional<double> softening_slip;    ///< m, across a shear band, until then
+  double band_width = 0.0;                 ///< m, of a shear band: the spacing of the particles, no key of its own
+  double stiffness_exponent = 0.0;         ///< of the mean effective pressure
+  double reference_pressure = 1e5;         ///< Pa, at which Young's modulus is as given
+  double least_pressure = 1e3;             ///< Pa, below which the stiffness falls no further
+  std::optional<double> largest_pressure;  ///< Pa, for which the substep is chosen; absent: by the weight and loads
+  std::string library;                     ///< a user's own model (umat): path of the shared library
+  std::vector<double> properties;          ///< its constants
+  std::int64_t state_variables = 0;        ///< how many numbers it remembers of a point
   std::map<std::string, double, std::less<>>
       own_numbers;  ///< by key, of materials and laws of seepage that have keys of their own
   [[nodiscard]] double own(std::string_view key) const { return own_numbers.at(std::string(key)); }
@@ -233,16 +247,16 @@ struct SolidCase {
   bool initial_rest = true;      ///< find the rest under gravity, water and loads without `start`
   bool initial_seepage = false;  ///< it is found under the seepage force of the steady flow, not buoyancy alone
   PressureGradient pressure_gradient = PressureGradient::difference;
-  double strength_reduction = 1.0;     ///< cohesion and tan(friction) are divided by it
-  std::optional<Quiet> quiet;          ///< absent: all motion is computed
-  std::optional<double> courant;       ///< of dx / sqrt(M / rho_bar_s); absent: by kind of soil (set_up)
-  double list_skin = 0.35;             ///< of the pair lists, in spacings
-  double artificial_viscosity = 0.1;   ///< alpha of Monaghan's, on approaching particles
-  double quadratic_viscosity = 0.0;    ///< beta of the same
-  double artificial_stress = 0.0;      ///< epsilon of Gray et al. (2001), in tension
-  double hourglass_viscosity = 0.1;  ///< on the part of the velocity that is not linear around a particle
-  bool regular_flow = true;            ///< averages that keep stress, density and packing of flowing soil regular
-  double hourglass_stiffness = 0.1;  ///< the same on the displacement, of M; bounded where soil yielded
+  double strength_reduction = 1.0;    ///< cohesion and tan(friction) are divided by it
+  std::optional<Quiet> quiet;         ///< absent: all motion is computed
+  std::optional<double> courant;      ///< of dx / sqrt(M / rho_bar_s); absent: by kind of soil (set_up)
+  double list_skin = 0.35;            ///< of the pair lists, in spacings
+  double artificial_viscosity = 0.1;  ///< alpha of Monaghan's, on approaching particles
+  double quadratic_viscosity = 0.0;   ///< beta of the same
+  double artificial_stress = 0.0;     ///< epsilon of Gray et al. (2001), in tension
+  double hourglass_viscosity = 0.1;   ///< on the part of the velocity that is not linear around a particle
+  bool regular_flow = true;           ///< averages that keep stress, density and packing of flowing soil regular
+  double hourglass_stiffness = 0.1;   ///< the same on the displacement, of M; bounded where soil yielded
 };
 
 /// [coupling]

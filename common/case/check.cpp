@@ -5,6 +5,7 @@
 #include "common/case/field.hpp"
 #include "common/case/gauge_kinds.hpp"
 #include "common/case/gauge_quantities.hpp"
+#include "common/case/materials.hpp"
 #include "common/case/unsupported.hpp"
 #include "common/geometry/crossing.hpp"
 #include "common/geometry/enclosure.hpp"
@@ -190,6 +191,48 @@ class Checker : Complaints {
                            shown(*point)));
   }
 
+  /// The strength is given once, and a residual one is smaller.
+  void strength_of(const Soil& soil, const std::string& key) const {
+    for (const char* other : {".cohesion", ".friction_angle", ".dilation_angle", ".saturated_cohesion"})
+      if (soil.undrained_strength && given(key + other))
+        fail(key + other, "expected none beside undrained_shear_strength, which takes its place");
+    const auto falls = [&](const char* name, const std::optional<double>& to, double from, const char* unit) {
+      if (!to) return;
+      if (scene_.deformable() && scene_.model_of(soil) != MaterialName::mohr_coulomb)
+        fail(fmt::format("{}.residual_{}", key, name),
+             fmt::format("soil.model = \"{}\" keeps its strength: expected \"mohr_coulomb\"",
+                         scene_.model_of(soil).name));
+      if (*to > from)
+        fail(fmt::format("{}.residual_{}", key, name),
+             fmt::format("expected at most {}, {} {}, found {}", name, from, unit, *to));
+      if (!soil.softening_slip)
+        fail(key + ".softening_slip",
+             fmt::format("expected the slip over which residual_{} is reached, found none", name));
+    };
+    falls("cohesion", soil.residual_cohesion, soil.cohesion, "Pa");
+    falls("friction_angle", soil.residual_friction_angle, soil.friction_angle, "degrees");
+    falls("dilation_angle", soil.residual_dilation_angle, soil.dilation_angle, "degrees");
+    const double left = soil.residual_friction_angle.value_or(soil.friction_angle),
+                 spread = soil.residual_dilation_angle.value_or(soil.dilation_angle);
+    if (spread > left)
+      fail(key + ".residual_friction_angle",
+           fmt::format("expected at least the residual dilation angle of {} degrees, found {}", spread, left));
+  }
+
+  /// What the soil's material says of its numbers, and needs of the rest of the case.
+  void material_of(const Soil& soil, const std::string& key) const {
+    if (!scene_.deformable()) return;
+    const Material kind = material(scene_.model_of(soil));
+    if (kind.begins_under_stress && !(soil.earth_pressure_at_rest && scene_.solid.initial_rest))
+      fail(key + ".earth_pressure_at_rest",
+           fmt::format("soil.model = \"{}\" has no state without stress: expected the ratio of horizontal to vertical "
+                       "stress at the start, and solid.initial_rest = true; found {}",
+                       kind.name, soil.earth_pressure_at_rest ? "no search for rest" : "none"));
+    if (kind.judge)
+      kind.judge(soil,
+                 [&](std::string_view of, const std::string& what) { fail(fmt::format("{}.{}", key, of), what); });
+  }
+
   void soils() const {
     const double spacing = scene_.deformable() ? scene_.solid.particle_spacing : scene_.fluid.particle_spacing;
     std::vector<Shape> shapes;
@@ -200,6 +243,8 @@ class Checker : Complaints {
       if (soil.dilation_angle > soil.friction_angle)
         fail(key + ".dilation_angle", fmt::format("expected at most the friction angle of {} degrees, found {}",
                                                   soil.friction_angle, soil.dilation_angle));
+      strength_of(soil, key);
+      material_of(soil, key);
       if (soil.saturated_cohesion && *soil.saturated_cohesion > soil.cohesion)
         fail(key + ".saturated_cohesion",
              fmt::format("expected at most the cohesion at the initial saturation, {} Pa, found {} Pa", soil.cohesion,

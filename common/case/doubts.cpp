@@ -16,11 +16,6 @@
 namespace poretwin {
 namespace {
 
-double constrained_modulus(const Soil& soil) {
-  const double nu = soil.poissons_ratio;
-  return soil.youngs_modulus * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu));
-}
-
 class Doubts : Complaints {
  public:
   Doubts(const Case& scene, const Places& places) : Complaints(scene, places), d_(scene.general.dimension) {
@@ -88,7 +83,8 @@ class Doubts : Complaints {
     for (std::size_t i = 0; i < scene_.soils.size(); ++i) {
       const Soil& soil = scene_.soils[i];
       const double density = (1.0 - soil.porosity) * soil.grain_density;
-      const double strain = density * scene_.general.gravity.norm() * (top - bottom) / constrained_modulus(soil);
+      const double strain =
+          density * scene_.general.gravity.norm() * (top - bottom) / constrained_modulus(scene_, soil);
       if (strain > most)
         doubt(
             fmt::format("soil[{}].youngs_modulus", i),

@@ -1,8 +1,11 @@
 // What every program needs to know of a material to read a case: its name, whether it can yield, its own keys.
 #pragma once
 
+#include "common/case/case.hpp"
 #include "common/case/keys.hpp"
 
+#include <algorithm>
+#include <functional>
 #include <string_view>
 #include <vector>
 
@@ -21,18 +24,32 @@ struct Material {
   /// What limits the stress.
   enum class Strength {
     none,                   ///< nothing: the stress follows from the strain, whatever its path
-    cohesion_and_friction,  ///< the cone that these keys of [[soil]] give
+    cohesion_and_friction,  ///< these keys of [[soil]], as Coulomb's, or a cone fitted to it
     own,                    ///< something else
   };
   std::string_view name;  ///< of soil.model and solid.model
   Strength strength = Strength::own;
   std::vector<MaterialKey> keys;
+  /// Calls complain(key, what) where numbers of a soil do not go together, which the ranges of its keys cannot say.
+  using Complain = std::function<void(std::string_view key, const std::string& what)>;
+  void (*judge)(const Soil& soil, const Complain& complain) = nullptr;
+  /// The soil has no state without stress: it needs `earth_pressure_at_rest` and a search for rest.
+  bool begins_under_stress = false;
   [[nodiscard]] bool can_yield() const { return strength != Strength::none; }
   [[nodiscard]] bool has_cone() const { return strength == Strength::cohesion_and_friction; }
+  /// Whether there is something that solid.strength_reduction divides.
+  [[nodiscard]] bool has_strength() const {
+    return has_cone() || std::ranges::any_of(keys, [](const MaterialKey& key) { return key.strength; });
+  }
 };
 
 /// All materials, in the order of case-file.md. The rows stand with the models: solid_solver/material/registry.cpp.
 std::vector<Material> materials();
+
+/// Constrained modulus K + 4 G / 3 [Pa] of soil that nothing has strained, under a pressure [Pa] from all sides.
+double constrained_modulus(MaterialName material, const Soil& soil, double pressure);
+/// The same under half the weight of all soil, where the stiffness follows the pressure.
+double constrained_modulus(const Case& scene, const Soil& soil);
 
 /// The material of this name. Throws CaseError where there is none.
 Material material(MaterialName name);

@@ -1,6 +1,7 @@
 #include "common/case/pace.hpp"
 
 #include "common/case/amounts.hpp"
+#include "common/case/materials.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -23,8 +24,7 @@ std::pair<double, std::string> shortest_time(const Case& scene) {
   if (scene.general.central_force > 0.0) take(1.0 / std::sqrt(scene.general.central_force), "the central force");
   if (scene.deformable())
     for (const auto& soil : scene.soils) {
-      const double nu = soil.poissons_ratio;
-      const double modulus = soil.youngs_modulus * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu));
+      const double modulus = constrained_modulus(scene, soil);
       way_at(std::sqrt(modulus / ((1.0 - soil.porosity) * soil.grain_density)),
              "a wave of the soil through one spacing");
       way_at(scene.solid.initial_velocity.norm() + std::abs(scene.solid.initial_wave),

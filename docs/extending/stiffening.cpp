@@ -12,7 +12,7 @@ class Stiffening final : public ConstitutiveModel {
 
   // What is remembered of a particle: by how much it is compressed.
   [[nodiscard]] std::size_t state_size() const override { return 1; }
-  void initial(std::span<double> state) const override { state[0] = 0.0; }
+  void initial(const Tensor& /*stress*/, std::span<double> state) const override { state[0] = 0.0; }
 
   double advance(Tensor& stress, const Tensor& strain, const Condition& /*condition*/,
                  std::span<double> state) const override {
@@ -22,8 +22,10 @@ class Stiffening final : public ConstitutiveModel {
     return 0.0;                                                              // no plastic strain
   }
 
-  [[nodiscard]] Elasticity moduli(std::span<const double> state) const override { return at(state[0]); }
-  [[nodiscard]] Elasticity stiffest() const override { return at(doubling_); }
+  [[nodiscard]] Elasticity moduli(const Tensor& /*stress*/, std::span<const double> state) const override {
+    return at(state[0]);
+  }
+  [[nodiscard]] Elasticity stiffest(double /*pressure*/) const override { return at(doubling_); }
 
  private:
   [[nodiscard]] Elasticity at(double compression) const {

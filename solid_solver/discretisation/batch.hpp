@@ -1,11 +1,16 @@
 // Particles of one soil, four at a time: for work on single particles that ends in their constitutive model.
 #pragma once
 
+#include "common/core/error.hpp"
 #include "common/core/threads.hpp"
 #include "solid_solver/discretisation/pair_loops.hpp"
 #include "solid_solver/setup.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
+#include <exception>
+#include <mutex>
 #include <vector>
 
 namespace poretwin::solid {
@@ -23,28 +28,45 @@ struct Batch {
   [[nodiscard]] std::size_t n_fours() const { return (count + n_lanes - 1) / n_lanes; }
 };
 
+/// One part of for_batches().
+template <int D, class Wanted, class Treat>
+void treat_part(const State<D>& state, std::size_t part, const Wanted& wanted, const Treat& treat) {
+  const Pairs& pairs = state.near.pairs;
+  Batch batch;
+  const auto finish = [&] {
+    if (batch.count == 0) return;
+    for (std::size_t k = batch.count; k < batch.n_fours() * n_lanes; ++k) batch.who[k] = batch.who[batch.count - 1];
+    treat(batch);
+    batch.count = 0;
+  };
+  for (Index i = pairs.part[part]; i < pairs.part[part + 1]; ++i) {
+    if (!wanted(i)) continue;
+    const Index soil = state.particles.material[i];
+    if (batch.count == Batch::most || soil != batch.soil) finish();
+    batch.soil = soil;
+    batch.who[batch.count++] = i;
+  }
+  finish();
+}
+
 /// Calls treat(batch) for all particles i with wanted(i), the parts of the rows in parallel. Whether one is wanted may
 /// not depend on what is done to others.
 template <int D, class Wanted, class Treat>
 void for_batches(const State<D>& state, const Wanted& wanted, const Treat& treat) {
   const Pairs& pairs = state.near.pairs;
+  std::exception_ptr failed;  // of the lowest part: nothing may leave a thread
+  std::size_t failed_part = pairs.n_parts();
+  std::mutex writing;
   for_each_part(pairs.n_parts(), [&](std::size_t part) {
-    Batch batch;
-    const auto finish = [&] {
-      if (batch.count == 0) return;
-      for (std::size_t k = batch.count; k < batch.n_fours() * n_lanes; ++k) batch.who[k] = batch.who[batch.count - 1];
-      treat(batch);
-      batch.count = 0;
-    };
-    for (Index i = pairs.part[part]; i < pairs.part[part + 1]; ++i) {
-      if (!wanted(i)) continue;
-      const Index soil = state.particles.material[i];
-      if (batch.count == Batch::most || soil != batch.soil) finish();
-      batch.soil = soil;
-      batch.who[batch.count++] = i;
+    try {
+      treat_part(state, part, wanted, treat);
+    } catch (...) {
+      const std::lock_guard lock(writing);
+      if (part < failed_part) failed = std::current_exception();
+      failed_part = std::min(failed_part, part);
     }
-    finish();
   });
+  if (failed) std::rethrow_exception(failed);
 }
 
 /// Lets the material follow a batch's strains: the stresses in the batch, and what it remembers of the particles.
@@ -57,7 +79,14 @@ void follow_strains(const Setup<D>& setup, Batch& batch, Particles<D>& particles
   for (std::size_t k = 0; k < batch.n_fours() * n_lanes && size > 0; ++k)
     for (std::size_t s = 0; s < size; ++s)
       batch.fours[k / n_lanes].state[s].v[k % n_lanes] = particles.state_of(batch.who[k])[s];
-  model.advance(std::span(batch.fours).first(batch.n_fours()));
+  try {
+    model.advance(std::span(batch.fours).first(batch.n_fours()));
+  } catch (const MaterialFailure& failure) {
+    const Index who = batch.who[failure.place];
+    std::string where;
+    for (int d = 0; d < D; ++d) where += fmt::format("{}{:.6g}", d > 0 ? ", " : "", particles.position[who][d]);
+    throw DivergedError(fmt::format("soil[{}] at particle {} ({}) m: {}", batch.soil, who, where, failure.what));
+  }
   for (std::size_t k = 0; k < batch.count && size > 0; ++k)
     for (std::size_t s = 0; s < size; ++s)
       particles.state_of(batch.who[k])[s] = batch.fours[k / n_lanes].state[s].v[k % n_lanes];

@@ -10,7 +10,7 @@
 namespace poretwin::solid {
 
 DruckerPragerSoil::DruckerPragerSoil(const Soil& soil)
-    : elasticity_(Elasticity::of(soil)),
+    : elasticity_(soil),
       soil_(soil),
       dilating_(fit_cone(1.0, soil.friction_angle, soil.dilation_angle, soil.cone)),
       spent_(fit_cone(1.0, soil.friction_angle, 0.0, soil.cone)) {}
@@ -43,10 +43,10 @@ struct Cones {
 /// Returns invariants outside the cone to it; computes the equivalent deviatoric plastic strain (0 inside).
 template <class In>
 [[gnu::always_inline]] inline void return_invariants(typename In::Number& i1, typename In::Number& j,
-                                                     const Cones<In>& cone, const Elasticity& elasticity,
+                                                     const Cones<In>& cone, const Moduli<In>& elasticity,
                                                      typename In::Number& plastic) {
   using Number = typename In::Number;
-  const double bulk = elasticity.bulk, shear = elasticity.shear;
+  const Number bulk = elasticity.bulk, shear = elasticity.shear;
   Number limit;
   cone.tension_limit(limit);
   const Number f = cone.alpha * i1 + j - cone.k, multiplier = f / (9.0 * bulk * cone.alpha * cone.alpha_psi + shear);
@@ -102,7 +102,7 @@ template <class In>
 /// See integrate() in the header.
 template <class In>
 [[gnu::always_inline]] inline void integrate(typename In::Number* stress, const typename In::Number* strain,
-                                             const Cones<In>& cone, const Elasticity& elasticity,
+                                             const Cones<In>& cone, const Moduli<In>& elasticity,
                                              typename In::Number& plastic) {
   using Number = typename In::Number;
   using std::numbers::sqrt2;
@@ -183,7 +183,8 @@ template <class In>
 double return_map(Tensor& stress, const Cone& cone, const Elasticity& elasticity) {
   double i1 = trace(stress), j = root_j2(stress), plastic = 0.0;
   const double mean = i1 / 3.0, before = j;
-  return_invariants<InOnes>(i1, j, {cone.alpha, cone.alpha_psi, cone.k, cone.tensile_strength}, elasticity, plastic);
+  return_invariants<InOnes>(i1, j, {cone.alpha, cone.alpha_psi, cone.k, cone.tensile_strength},
+                            {elasticity.bulk, elasticity.shear}, plastic);
   if (plastic <= 0.0) return 0.0;
   for (int d = 0; d < 3; ++d) stress[d] -= mean;
   stress *= before > 0.0 ? j / before : 0.0;
@@ -194,7 +195,7 @@ double return_map(Tensor& stress, const Cone& cone, const Elasticity& elasticity
 double integrate(Tensor& stress, const Tensor& strain, const Cone& cone, const Elasticity& elasticity) {
   double plastic = 0.0;
   integrate<InOnes>(stress.data(), strain.data(), {cone.alpha, cone.alpha_psi, cone.k, cone.tensile_strength},
-                    elasticity, plastic);
+                    {elasticity.bulk, elasticity.shear}, plastic);
   return plastic;
 }
 
@@ -215,7 +216,9 @@ void DruckerPrager::advance(std::span<Four> many) const {
       cohesion_at<InFours>(soil_, four.saturation, cohesion);
       cones.k *= cohesion;
       cones.tensile_strength = tensile_strength;
-      integrate<InFours>(four.stress, four.strain, cones, elasticity_, four.plastic);
+      Moduli<InFours> moduli;
+      elasticity_.over(four.stress, four.strain, moduli);
+      integrate<InFours>(four.stress, four.strain, cones, moduli, four.plastic);
     }
   });
 }

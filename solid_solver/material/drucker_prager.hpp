@@ -21,10 +21,12 @@ class DruckerPragerSoil : public ConstitutiveModel {
   explicit DruckerPragerSoil(const Soil& soil);
   /// Cohesion falls with saturation, Eq. (36); dilation ends at the soil's largest void ratio.
   [[nodiscard]] Cone cone(const Condition& condition) const;
-  [[nodiscard]] Elasticity moduli(std::span<const double> /*state*/) const override { return elasticity_; }
+  [[nodiscard]] Elasticity moduli(const Tensor& stress, std::span<const double> /*state*/) const override {
+    return elasticity_.at(-trace(stress) / 3.0);
+  }
 
  protected:
-  Elasticity elasticity_;
+  PressureElasticity elasticity_;
   Soil soil_;
   Cone dilating_, spent_;  ///< for unit cohesion
 };
@@ -35,7 +37,9 @@ class DruckerPrager final : public DruckerPragerSoil {
   using DruckerPragerSoil::DruckerPragerSoil;
   double advance(Tensor& stress, const Tensor& strain, const Condition& condition,
                  std::span<double> /*state*/) const override {
-    return integrate(stress, strain, cone(condition), elasticity_);
+    Moduli<InOnes> moduli;
+    elasticity_.over(stress.data(), strain.data(), moduli);
+    return integrate(stress, strain, cone(condition), {moduli.bulk, moduli.shear});
   }
   void advance(std::span<Four> many) const override;
 };

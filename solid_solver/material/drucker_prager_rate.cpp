@@ -8,10 +8,12 @@ namespace poretwin::solid {
 double DruckerPragerRate::advance(Tensor& stress, const Tensor& strain, const Condition& condition,
                                   std::span<double> /*state*/) const {
   const Cone cone = this->cone(condition);
-  const double bulk = elasticity_.bulk, shear = elasticity_.shear;
+  Moduli<InOnes> moduli;
+  elasticity_.over(stress.data(), strain.data(), moduli);
+  const double bulk = moduli.bulk, shear = moduli.shear;
   const Tensor s = deviator(stress);
   const double j = root_j2(stress);
-  elasticity_.add_stress(strain.data(), stress.data());
+  add_stress<InOnes>(moduli, strain.data(), stress.data());
   double plastic = 0.0;
   if (cone.alpha * trace(stress) + root_j2(stress) > cone.k && j > 0.0) {
     const double driving = 3.0 * cone.alpha * bulk * trace(strain) + shear / j * contract(s, strain);

@@ -7,8 +7,11 @@
 #include "solid_solver/material/stress.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <span>
+#include <string>
+#include <vector>
 
 namespace poretwin::solid {
 
@@ -23,14 +26,78 @@ struct Elasticity {
   [[nodiscard]] double constrained() const { return bulk + 4.0 / 3.0 * shear; }
   /// Safe tangent constrained modulus [Pa] while yielding: without the shear part, never below half of M.
   [[nodiscard]] double yielding() const { return std::max(bulk, 0.5 * constrained()); }
-  /// Adds the stress increment [Pa] of a strain increment: K tr(e) 1 + 2 G dev(e), Eq. (86) with its deviatoric rate;
-  /// of one particle or of four (Number: double or Lanes).
-  template <class Number>
-  [[gnu::always_inline]] void add_stress(const Number* strain, Number* stress) const {
-    const Number volumetric = strain[0] + strain[1] + strain[2];
-    for (int d = 0; d < 6; ++d) stress[d] += 2.0 * shear * strain[d];
-    for (int d = 0; d < 3; ++d) stress[d] += (bulk - 2.0 / 3.0 * shear) * volumetric;
+  /// Adds the stress increment [Pa] of a strain increment.
+  void add_stress(const double* strain, double* stress) const;
+};
+
+/// Elastic moduli of one particle or of four [Pa].
+template <class In>
+struct Moduli {
+  typename In::Number bulk, shear;
+};
+
+/// Adds the stress increment [Pa] of a strain increment: K tr(e) 1 + 2 G dev(e), Eq. (86) with its deviatoric rate.
+template <class In>
+[[gnu::always_inline]] inline void add_stress(const Moduli<In>& moduli, const typename In::Number* strain,
+                                              typename In::Number* stress) {
+  const typename In::Number volumetric = strain[0] + strain[1] + strain[2];
+  for (int d = 0; d < 6; ++d) stress[d] += 2.0 * moduli.shear * strain[d];
+  for (int d = 0; d < 3; ++d) stress[d] += (moduli.bulk - 2.0 / 3.0 * moduli.shear) * volumetric;
+}
+
+inline void Elasticity::add_stress(const double* strain, double* stress) const {
+  solid::add_stress<InOnes>({bulk, shear}, strain, stress);
+}
+
+/// The elasticity of the materials that have Young's modulus: constant, or E = E_ref (p / p_ref)^m with the mean
+/// effective pressure p, at least the soil's least pressure. Poisson's ratio is constant.
+class PressureElasticity {
+ public:
+  explicit PressureElasticity(const Soil& soil)
+      : reference_(Elasticity::of(soil)),
+        exponent_(soil.stiffness_exponent),
+        pressure_(soil.reference_pressure),
+        least_(soil.least_pressure) {}
+  [[nodiscard]] bool is_constant() const { return exponent_ == 0.0; }
+  [[nodiscard]] const Elasticity& reference() const { return reference_; }
+  /// Under a mean effective pressure [Pa].
+  [[nodiscard]] Elasticity at(double pressure) const {
+    if (is_constant()) return reference_;
+    const double times = std::pow(std::max(pressure, least_) / pressure_, exponent_);
+    return {times * reference_.bulk, times * reference_.shear};
   }
+  /// For an increment from a stress [Pa]: at the pressure of its middle, if it is elastic.
+  template <class In>
+  [[gnu::always_inline]] void over(const typename In::Number* stress, const typename In::Number* strain,
+                                   Moduli<In>& moduli) const {
+    using Number = typename In::Number;
+    moduli = {Number{} + reference_.bulk, Number{} + reference_.shear};
+    if (is_constant()) return;
+    const auto follow = [this](double pressure) { return std::pow(std::max(pressure, least_) / pressure_, exponent_); };
+    const Number before = -(stress[0] + stress[1] + stress[2]) / 3.0;
+    Number times = before;
+    apply(follow, times);
+    times = before - 0.5 * times * reference_.bulk * (strain[0] + strain[1] + strain[2]);
+    apply(follow, times);
+    moduli.bulk *= times;
+    moduli.shear *= times;
+  }
+
+ private:
+  Elasticity reference_;
+  double exponent_, pressure_, least_;
+};
+
+/// A material found no stress for an increment: what happened, and for which of the particles that were advanced
+/// together. Becomes a DivergedError that names the particle.
+struct MaterialFailure {
+  std::string what;
+  std::size_t place = 0;
+};
+
+/// A number of a material's state, for those who read results.
+struct StateVariable {
+  std::string name, unit, meaning;
 };
 
 /// What surrounds the soil and its strength may depend on.
@@ -58,10 +125,12 @@ class ConstitutiveModel {
   virtual ~ConstitutiveModel() = default;
   /// How many numbers the state of a particle has. Spans of a state below may be longer; the first numbers count.
   [[nodiscard]] virtual std::size_t state_size() const { return 0; }
-  /// The state of soil that nothing has strained.
-  virtual void initial(std::span<double> /*state*/) const {}
+  /// Their names; of those behind the ones that are named here nothing is shown.
+  [[nodiscard]] virtual std::vector<StateVariable> state_variables() const { return {}; }
+  /// The state of soil that nothing has strained since it came to stand under this effective stress [Pa].
+  virtual void initial(const Tensor& /*stress*/, std::span<double> /*state*/) const {}
   /// Advances `stress` [Pa] and `state` by a strain increment; returns the equivalent deviatoric plastic strain it
-  /// took.
+  /// took. Throws MaterialFailure where there is no such stress.
   virtual double advance(Tensor& stress, const Tensor& strain, const Condition& condition,
                          std::span<double> state) const = 0;
   double advance(Tensor& stress, const Tensor& strain, const Condition& condition = {}) const {
@@ -69,11 +138,15 @@ class ConstitutiveModel {
   }
   /// The same of many particles; this one takes them one by one.
   virtual void advance(std::span<Four> many) const;
-  /// Elastic moduli in this state: the stiffness that waves, the water and the search for equilibrium meet.
-  [[nodiscard]] virtual Elasticity moduli(std::span<const double> state) const = 0;
-  [[nodiscard]] Elasticity initial_moduli() const;
-  /// The largest moduli of any state that the soil may reach: the substep is chosen for their waves.
-  [[nodiscard]] virtual Elasticity stiffest() const { return initial_moduli(); }
+  /// Elastic moduli under this effective stress [Pa] and in this state: the stiffness that waves, the water and the
+  /// search for equilibrium meet.
+  [[nodiscard]] virtual Elasticity moduli(const Tensor& stress, std::span<const double> state) const = 0;
+  /// The same of soil that nothing has strained, under this pressure [Pa] from all sides.
+  [[nodiscard]] Elasticity moduli_under(double pressure) const;
+  [[nodiscard]] Elasticity initial_moduli() const { return moduli_under(0.0); }
+  /// The largest moduli of any state that the soil may reach up to this mean effective pressure [Pa]: the substep is
+  /// chosen for their waves.
+  [[nodiscard]] virtual Elasticity stiffest(double pressure) const { return moduli_under(pressure); }
 };
 
 using MaterialFactory = std::unique_ptr<ConstitutiveModel> (*)(const Soil&);

@@ -38,6 +38,15 @@ OutputFrame frame_of(const Setup<D>& setup, const State<D>& state) {
       tell_scalars([&p, &state, up](std::size_t i) {
         return pore_pressure_ratio(state.external.pressure[i], up.dot(matrix_of<D>(p.stress[i]) * up));
       }));
+  std::map<std::string, StateVariable> remembered;  // what materials remember, each under its name
+  for (const auto& model : setup.models)
+    for (const StateVariable& variable : model->state_variables()) remembered.try_emplace(variable.name, variable);
+  for (const auto& [name, variable] : remembered)
+    add({name, variable.unit, variable.meaning, 1}, tell_scalars([&p, &setup, name](std::size_t i) {
+          const auto variables = setup.models[p.material[i]]->state_variables();
+          const auto found = std::ranges::find(variables, name, &StateVariable::name);
+          return found == variables.end() ? 0.0 : p.state_of(i)[static_cast<std::size_t>(found - variables.begin())];
+        }));
   add({"volume", D == 2 ? "m2" : "m3", "bulk volume that the particle stands for", 1},
       tell_scalars([&p](std::size_t i) { return p.volume[i]; }));
   return frame;

@@ -53,6 +53,8 @@ RestReport come_to_rest(const Setup<D>& setup, State<D>& state) {
     Drive<D> drive;
     external(drive, true);
     start_from_earth_pressure<D>(setup, setup.soils, drive, state);
+    Particles<D>& p = state.particles;
+    for (std::size_t i = 0; i < n; ++i) setup.models[p.material[i]]->initial(p.stress[i], p.state_of(i));
   }
   const RestReport rest = find_rest<D>(setup, {}, state, external, [](const RestReport& r) {
     fmt::print(stderr, "rest of the soil: largest acceleration {:.2g} of the driving one after {} steps, until {:g}\n",

@@ -21,8 +21,7 @@ Stiffness<D>::Stiffness(const Setup<D>& setup, const Particles<D>& particles, co
     return near.images[j - n].map * lattice[near.images[j - n].parent] + near.images[j - n].shift;
   };
   // Of soil that nothing has strained: a factorisation serves many windows, and a resumed run makes the same one.
-  std::vector<Elasticity> elasticity;
-  for (const auto& model : setup.models) elasticity.push_back(model->initial_moduli());
+  const std::vector<Elasticity>& elasticity = setup.typical;
   const auto volume = [&](std::size_t i) { return laid.mass[i] / setup.density[laid.material[i]]; };
   using Matrix = Eigen::SparseMatrix<double>;
   for (Eigen::Index axis = 0; axis < D; ++axis) {

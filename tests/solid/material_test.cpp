@@ -1,9 +1,12 @@
 // Soils of different materials in one case, against exact answers in one dimension.
+#include "common/core/error.hpp"
 #include "tests/solid/scenes.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <numbers>
 
 namespace poretwin::solid {
@@ -48,6 +51,76 @@ TEST(Materials, ElasticSoilOnSoilThatYieldsInOneDimension) {
   const auto readings = solid.gauges();
   EXPECT_NEAR(readings[0].value, -(by_lower + by_upper), 5e-3 * (by_lower + by_upper));
   EXPECT_NEAR(readings[1].value, -by_lower, 5e-3 * by_lower);
+}
+
+/// A layer of normally consolidated clay, 2 m thick, on which a fill is laid in 20 s; keys: more of its soil.
+Case clay_under_a_fill(const std::string& keys) {
+  const auto path = std::filesystem::temp_directory_path() / "poretwin_clay.toml";
+  std::ofstream(path) << std::string(R"([case]
+end_time = 30
+[solid]
+model = "modified_cam_clay"
+particle_spacing = 0.1
+[[soil]]
+min = [0, 0]
+max = [0.4, 2.0]
+porosity = 0.5
+grain_density = 2700
+poissons_ratio = 0.3
+compression_slope = 0.15
+swelling_slope = 0.03
+critical_state_slope = 1.0
+earth_pressure_at_rest = 0.722
+)" + keys + R"(
+[[wall]]
+points = [[0, 4], [0, 0], [0.4, 0], [0.4, 4]]
+soil = "roller"
+[[load]]
+points = [[0.4, 2.0], [0, 2.0]]
+traction = [0, -10e3]
+start = 0
+factor = [[0, 0], [20, 1]]
+)");
+  return read_case(path);
+}
+
+/// Clay on its line of normal compression, under its own weight and then under a fill that is laid slowly: the specific
+/// volume falls by lambda ln of the ratio of the vertical stresses, as the ratio of the horizontal ones stays.
+TEST(Materials, ClayUnderAFillSettlesByItsCompressionSlope) {
+  Solid<2> solid(clay_under_a_fill(""));
+  solid.initialise({});
+  const auto& p = solid.state().particles;
+  double at_rest = 0.0;
+  for (std::size_t i = 0; i < p.free(); ++i) at_rest = std::max(at_rest, p.displacement[i].norm());
+  EXPECT_LT(at_rest, 2e-3);  // it begins under the stress that it bears
+  for (int k = 0; k < 480; ++k) solid.advance({static_cast<std::uint64_t>(k), solid.state().time, 0.05}, {});
+
+  constexpr double gamma = 0.5 * 2700.0 * 9.81, fill = 10e3;
+  constexpr int cells = 1000;
+  for (std::size_t i = 0; i < p.free(); ++i) {
+    const double from = p.position[i].y() - p.displacement[i].y();
+    if (from < 0.5 || from > 1.5) continue;  // the uppermost row is below the least pressure
+    double due = 0.0;
+    for (int k = 0; k < cells; ++k) {
+      const double before = gamma * (2.0 - (k + 0.5) / cells * from);
+      due += 0.15 / 2.0 * std::log((before + fill) / before) * from / cells;
+    }
+    EXPECT_NEAR(p.displacement[i].y(), -due, 0.02 * due) << from;
+  }
+}
+
+/// The substep is chosen for the stiffness at a pressure: soil that bears more would be integrated wrongly, in silence.
+TEST(Materials, SoilThatBearsMoreThanItsSubstepIsChosenForEndsTheRun) {
+  Solid<2> sound(clay_under_a_fill("largest_pressure = 30e3")), weak(clay_under_a_fill("largest_pressure = 15e3"));
+  EXPECT_LT(sound.setup().longest_substep, weak.setup().longest_substep);
+  for (Solid<2>* solid : {&sound, &weak}) solid->initialise({});
+  EXPECT_NO_THROW(sound.advance({0, 0.0, 0.05}, {}));
+  try {
+    weak.advance({0, 0.0, 0.05}, {});
+    ADD_FAILURE() << "went on";
+  } catch (const DivergedError& error) {
+    EXPECT_NE(std::string(error.what()).find("set soil.largest_pressure"), std::string::npos) << error.what();
+  }
 }
 
 }  // namespace

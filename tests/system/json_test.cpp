@@ -118,6 +118,40 @@ TEST_F(JsonOfCommands, BenchTellsTheRowsOfItsParts) {
   EXPECT_TRUE(told["parts"]["kernels"].is_array());
 }
 
+// Triaxial compression of soil with c = 0 and phi = 30 degrees from 10 kPa: it bears three times the cell pressure.
+TEST_F(JsonOfCommands, ElementTellsThePathOfASoil) {
+  const std::vector<std::string> words{"element",    terzaghi().string(),
+                                       "--set",      "solid.model=\"mohr_coulomb\"",
+                                       "--test",     "triaxial",
+                                       "--pressure", "10e3",
+                                       "--out",      out().string(),
+                                       "--json",     "-",
+                                       "--steps",    "100"};
+  auto by_strain = words, by_load = words, wrong = words;
+  by_strain.insert(by_strain.end(), {"--strain", "0.05", "-0.05"});
+  const auto outcome = poretwin(by_strain);
+  ASSERT_EQ(outcome.exit, 0) << outcome.err;
+  const auto told = json::parse(outcome.out);
+  EXPECT_EQ(told["reason"], "end");
+  EXPECT_EQ(told["columns"][4], "stress_yy_Pa");
+  ASSERT_EQ(told["rows"].size(), 201U);
+  EXPECT_NEAR(told["rows"][100][4].get<double>(), 30e3, 1.0);
+  EXPECT_NEAR(told["rows"][200][4].get<double>(), 10e3 / 3.0, 1.0);
+  EXPECT_THAT(text_of(out() / "element.csv"), testing::StartsWith("axial_strain,shear_strain,"));
+  EXPECT_TRUE(std::filesystem::exists(out() / "element.png"));
+
+  by_load.insert(by_load.end(), {"--stress", "40e3", "--no-pictures"});
+  const auto too_much = poretwin(by_load);
+  EXPECT_EQ(too_much.exit, 6);
+  EXPECT_THAT(json::parse(too_much.out)["reason"].get<std::string>(), testing::HasSubstr("the soil bears no more"));
+  EXPECT_EQ(poretwin(words).exit, 2) << "neither a strain nor a stress";
+  wrong[5] = "triaxal";
+  wrong.insert(wrong.end(), {"--strain", "0.05"});
+  const auto unknown = poretwin(wrong);
+  EXPECT_EQ(unknown.exit, 2);
+  EXPECT_THAT(unknown.err, testing::HasSubstr("test \"triaxal\": expected one of triaxial, triaxial_undrained"));
+}
+
 TEST_F(JsonOfCommands, AFileThatCannotBeWrittenIsNamed) {
   const auto outcome = poretwin({"check", terzaghi().string(), "--json", (folder_ / "absent" / "a.json").string()});
   EXPECT_EQ(outcome.exit, 5);

@@ -1,0 +1,159 @@
+#include "cli/element.hpp"
+
+#include "cli/json_output.hpp"
+#include "cli/run_folder.hpp"
+#include "cli/script.hpp"
+#include "common/case/case.hpp"
+#include "common/case/materials.hpp"
+#include "common/core/error.hpp"
+#include "common/core/exit_codes.hpp"
+#include "solid_solver/material/element.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <charconv>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+namespace poretwin::cli {
+namespace fs = std::filesystem;
+namespace {
+
+using solid::Element;
+using solid::LaboratoryTest;
+
+/// By name, or by its number in the case; the first where none is asked for.
+std::size_t soil_number(const Case& scene, const std::string& asked) {
+  if (scene.soils.empty())
+    throw CaseError(fmt::format("{}: key 'soil': expected a soil to be tested, found none", scene.path.string()));
+  if (asked.empty()) return 0;
+  std::string names;
+  for (std::size_t i = 0; i < scene.soils.size(); ++i) {
+    const std::string& name = scene.soils[i].name;
+    if (name == asked || fmt::format("{}", i) == asked) return i;
+    names += fmt::format("{}{}{}", i > 0 ? ", " : "", i, name.empty() ? "" : fmt::format(" (\"{}\")", name));
+  }
+  throw CaseError(fmt::format("--soil {}: {} has no such soil; expected one of {}", asked, scene.path.string(), names));
+}
+
+/// One row: compression positive, as in a laboratory.
+std::vector<double> row_of(const Element& sample, const LaboratoryTest& test, std::size_t shown) {
+  const solid::Tensor &e = sample.strain(), &s = sample.stress();
+  std::vector<double> row{-e[1],
+                          2.0 * e[3],
+                          -solid::trace(e),
+                          -s[0],
+                          -s[1],
+                          -s[2],
+                          s[3],
+                          sample.pressure(),
+                          sample.deviator_stress(),
+                          sample.void_ratio(),
+                          sample.excess_pore_pressure(test),
+                          sample.plastic_strain()};
+  for (std::size_t k = 0; k < shown; ++k) row.push_back(sample.state()[k]);
+  for (double& number : row) number += 0.0;  // no -0
+  return row;
+}
+
+void write(const fs::path& path, const ElementResult& result) {
+  std::ofstream stream(path, std::ios::binary);
+  stream << fmt::format("{}\n", fmt::join(result.names, ","));
+  for (const auto& row : result.rows) stream << fmt::format("{:.9g}\n", fmt::join(row, ","));
+  stream.close();
+  if (!stream) throw FileError(fmt::format("{}: cannot be written", path.string()));
+}
+
+}  // namespace
+
+ElementResult run_element(const ElementOptions& options) {
+  const Case scene = read_case(options.case_file, options.overrides);
+  const Soil& soil = scene.soils[soil_number(scene, options.soil)];
+  if (!scene.deformable() && !soil.model)
+    throw CaseError(
+        fmt::format("{}: key 'solid.model': rigid soil has no stress to test; expected a material, as with "
+                    "--set 'solid.model=\"mohr_coulomb\"'",
+                    options.case_file.string()));
+  const LaboratoryTest& test = solid::laboratory_test(options.test);
+  const auto model = solid::make_constitutive(scene.model_of(soil), soil);
+  solid::Tensor start = solid::Tensor::Zero();
+  start[1] = -options.pressure;
+  start[0] = start[2] = -options.ratio * options.pressure;
+  Element sample(soil, *model, start);
+
+  ElementResult result;
+  result.names = {"axial_strain",
+                  "shear_strain",
+                  "volumetric_strain",
+                  "stress_xx_Pa",
+                  "stress_yy_Pa",
+                  "stress_zz_Pa",
+                  "stress_xy_Pa",
+                  "p_Pa",
+                  "q_Pa",
+                  "void_ratio",
+                  "excess_pore_pressure_Pa",
+                  "plastic_strain"};
+  const auto variables = model->state_variables();
+  for (const auto& variable : variables)
+    result.names.push_back(variable.name + (variable.unit == "1" ? "" : "_" + variable.unit));
+  const auto tell = [&] { result.rows.push_back(row_of(sample, test, variables.size())); };
+  tell();
+  const bool by_load = !options.loads.empty();
+  const double sign = test.shears ? 1.0 : -1.0;  // a laboratory counts compression as positive
+  const solid::Tensor& s = sample.stress();
+  double at = !by_load ? 0.0 : test.shears ? s[3] : test.undrained ? s[0] - s[1] : -s[1];
+  try {
+    for (const double to : by_load ? options.loads : options.strains) {
+      const double step = (to - at) / options.steps;
+      for (int k = 1; k <= options.steps; ++k) {
+        if (by_load)
+          sample.load_to(test, sign * (at + step * k));
+        else
+          sample.strain_by(test, sign * step);
+        tell();
+      }
+      at = to;
+    }
+  } catch (const DivergedError& error) {
+    result.failure = error.what();
+  } catch (const solid::MaterialFailure& failure) {
+    result.failure = failure.what;
+  }
+  fs::create_directories(options.out);
+  write(options.out / "element.csv", result);
+  if (options.pictures) {
+    const fs::path log = options.out / "element.log";
+    if (run_script("cli/element.py", {(options.out / "element.csv").string(), "--test", options.test}, log) != 0)
+      fmt::print(stderr, "warning: no picture was drawn; see {}\n", log.string());
+  }
+  return result;
+}
+
+std::string element_text(const ElementOptions& options, const ElementResult& result) {
+  std::string text = fmt::format("{}, {} steps; at the end:\n", options.test, result.rows.size() - 1);
+  for (std::size_t k = 0; k < result.names.size(); ++k)
+    text += fmt::format("  {:<28} {:.6g}\n", result.names[k], result.rows.back()[k]);
+  return text + fmt::format("all steps: {}\n", (options.out / "element.csv").string());
+}
+
+nlohmann::ordered_json element_json(const ElementOptions& options, const ElementResult& result) {
+  const bool ended = result.failure.empty();
+  auto json = json_head("element", static_cast<int>(ended ? ExitCode::success : ExitCode::in_doubt),
+                        ended ? "end" : result.failure);
+  json["case"] = options.case_name;
+  json["case_file"] = options.case_file.string();
+  json["out"] = options.out.string();
+  json["test"] = options.test;
+  json["columns"] = result.names;
+  json["rows"] = nlohmann::ordered_json::array();
+  for (const auto& row : result.rows) {
+    auto numbers = nlohmann::ordered_json::array();
+    for (const double number : row) numbers.push_back(json_number(number));
+    json["rows"].push_back(std::move(numbers));
+  }
+  return json;
+}
+
+}  // namespace poretwin::cli

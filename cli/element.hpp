@@ -1,0 +1,36 @@
+// `poretwin element`: one soil of a case in a test of the laboratory, without any particles.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace poretwin::cli {
+
+struct ElementOptions {
+  std::filesystem::path case_file, out;
+  std::string case_name, soil, test;
+  std::vector<std::string> overrides;
+  double pressure = 0.0, ratio = 1.0;  ///< Pa, vertical effective stress at the start; horizontal over vertical
+  std::vector<double> strains, loads;  ///< turning points: of the strain, or of the stress [Pa]; one of them is empty
+  int steps = 1000;                    ///< from one turning point to the next
+  bool pictures = true;
+};
+
+struct ElementResult {
+  std::vector<std::string> names;         ///< of the columns, with their units
+  std::vector<std::vector<double>> rows;  ///< one a step, the start first
+  std::string failure;                    ///< why the path ended before its last turning point; empty: it did not
+};
+
+/// Follows the path and writes OUT/element.csv and OUT/element.png. Throws CaseError where there is no such soil or
+/// test.
+ElementResult run_element(const ElementOptions& options);
+
+/// Strains and stresses at the end.
+std::string element_text(const ElementOptions& options, const ElementResult& result);
+nlohmann::ordered_json element_json(const ElementOptions& options, const ElementResult& result);
+
+}  // namespace poretwin::cli

@@ -1,0 +1,37 @@
+// Modified Cam-Clay (Roscoe & Burland 1968), integrated implicitly.
+#pragma once
+
+#include "solid_solver/material/model.hpp"
+
+namespace poretwin::solid {
+
+/// Yield f = q^2 - M^2 p (pc - p), associated flow, d pc / pc = v / (lambda - kappa) times the plastic compression;
+/// bulk modulus v p / kappa at a constant Poisson's ratio. p, q, pc: mean pressure, deviator and preconsolidation [Pa],
+/// compression positive; v = 1 + e. Below the soil's least pressure the moduli fall no further, and pc does not fall
+/// below it. State: pc [Pa] and v.
+class ModifiedCamClay final : public ConstitutiveModel {
+ public:
+  using ConstitutiveModel::advance;
+  explicit ModifiedCamClay(const Soil& soil);
+  [[nodiscard]] std::size_t state_size() const override { return 2; }
+  [[nodiscard]] std::vector<StateVariable> state_variables() const override {
+    return {{"preconsolidation_pressure", "Pa", "size of the yield surface along the mean effective pressure"},
+            {"specific_volume", "1", "volume over that of the grains"}};
+  }
+  void initial(const Tensor& stress, std::span<double> state) const override;
+  double advance(Tensor& stress, const Tensor& strain, const Condition& condition,
+                 std::span<double> state) const override;
+  void advance(std::span<Four> many) const override;
+  [[nodiscard]] Elasticity moduli(const Tensor& stress, std::span<const double> state) const override;
+
+  static Material row();  ///< of the table of materials
+
+ private:
+  double lambda_, kappa_, slope_;    ///< slope: M
+  double shear_ratio_;               ///< G / K
+  double specific_volume_;           ///< v as the soil was laid
+  double ratio_, preconsolidation_;  ///< OCR; pc [Pa], 0: by OCR
+  double least_;                     ///< Pa
+};
+
+}  // namespace poretwin::solid

@@ -1,0 +1,48 @@
+// Mohr-Coulomb elasto-plasticity: a closed-form, non-associated return in principal stresses, with a tension cut-off.
+#pragma once
+
+#include "solid_solver/material/cone.hpp"
+#include "solid_solver/material/model.hpp"
+
+namespace poretwin::solid {
+
+/// Yield f = (s1 - s3) + (s1 + s3) sin(phi) - 2 c cos(phi) = 0 with principal stresses s1 >= s2 >= s3, tension
+/// positive; the potential has psi in the place of phi. Where s1 = s2 or s2 = s3 two faces are active (Koiter 1953). No
+/// principal stress exceeds the tensile strength, nor c / tan(phi), the apex; what flows there flows by that limit
+/// (Rankine), so that soil without dilation has an apex, too.
+/// With a residual strength c, phi and psi fall linearly with the plastic shear strain, over softening_slip /
+/// band_width; its state is that strain.
+class MohrCoulomb final : public ConstitutiveModel {
+ public:
+  using ConstitutiveModel::advance;
+  explicit MohrCoulomb(const Soil& soil);
+  [[nodiscard]] std::size_t state_size() const override { return softens_ ? 1 : 0; }
+  [[nodiscard]] std::vector<StateVariable> state_variables() const override;
+  double advance(Tensor& stress, const Tensor& strain, const Condition& condition,
+                 std::span<double> state) const override;
+  void advance(std::span<Four> many) const override;
+  [[nodiscard]] Elasticity moduli(const Tensor& stress, std::span<const double> /*state*/) const override {
+    return elasticity_.at(-trace(stress) / 3.0);
+  }
+
+ private:
+  /// From a first value to a last one.
+  struct Fall {
+    double from, by;
+  };
+  template <class In>
+  void follow(const typename In::Number& saturation, const typename In::Number& void_ratio,
+              const typename In::Number* strain, typename In::Number* stress, typename In::Number* softened,
+              typename In::Number& plastic) const;
+  PressureElasticity elasticity_;
+  Soil soil_;
+  Fall friction_, dilation_;            ///< radians
+  Fall cohesion_;                       ///< over its value at the present saturation
+  double sin_phi_, cos_phi_, sin_psi_;  ///< before any softening
+  bool softens_;
+  double residual_strain_;     ///< plastic shear strain at which only the residual strength is left
+  double tensile_strength_;    ///< Pa, infinite where the soil has none of its own
+  double largest_void_ratio_;  ///< at which dilation ends
+};
+
+}  // namespace poretwin::solid

@@ -1,0 +1,36 @@
+// A user's own model in a shared library, by the convention of Abaqus' UMAT (docs/extending/umat.md).
+#pragma once
+
+#include "solid_solver/material/model.hpp"
+
+namespace poretwin::solid {
+
+/// State: the library's own variables, then the strain that it is told of. The moduli are those of the soil's keys: the
+/// stiffest that the model has.
+class Umat final : public ConstitutiveModel {
+ public:
+  using ConstitutiveModel::advance;
+  explicit Umat(const Soil& soil);
+  [[nodiscard]] std::size_t state_size() const override { return own_ + 6; }
+  [[nodiscard]] std::vector<StateVariable> state_variables() const override;
+  double advance(Tensor& stress, const Tensor& strain, const Condition& condition,
+                 std::span<double> state) const override;
+  [[nodiscard]] Elasticity moduli(const Tensor& /*stress*/, std::span<const double> /*state*/) const override {
+    return elasticity_;
+  }
+
+  /// Complains of a library that is not there or lacks the function, and of one whose answer to no strain at all is not
+  /// finite or is stiffer than the soil's keys say.
+  static void judge(const Soil& soil, const Material::Complain& complain);
+
+ private:
+  struct Answer;
+  [[nodiscard]] Answer ask(const Tensor& stress, const Tensor& strain, std::span<double> state) const;
+  Elasticity elasticity_;
+  std::vector<double> properties_;
+  std::string library_;
+  std::size_t own_;  ///< how many variables are the library's
+  void* function_;
+};
+
+}  // namespace poretwin::solid
