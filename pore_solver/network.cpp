@@ -213,9 +213,12 @@ class Maker {
     std::vector<Shape> shapes;
     for (const auto& soil : scene_.soils) shapes.push_back(soil.shape);
     const auto& f = scene_.fluid;
+    const auto& moving = scene_.solid;  // whose particles the points are
+    const bool moves = scene_.deformable();
     for (std::size_t s = 0; s < shapes.size(); ++s) {
-      const auto lattice = fill<2>(shapes[s], spacing_, f.offset, f.jitter, f.seed + static_cast<unsigned>(s),
-                                   std::span(shapes).subspan(s + 1));
+      const auto lattice =
+          fill<2>(shapes[s], spacing_, moves ? moving.offset : f.offset, moves ? moving.jitter : f.jitter,
+                  (moves ? moving.seed : f.seed) + static_cast<unsigned>(s), std::span(shapes).subspan(s + 1));
       for (const auto& x : lattice.position) places.push_back({Point3(x.x(), x.y(), 0.0), s});
     }
     const Point3 across(up_.y(), -up_.x(), 0.0);
@@ -294,7 +297,9 @@ class Maker {
     for (std::size_t i = 0; i + 1 < levels.size(); ++i)
       result.push_back({base + spacing_ * levels[i + 1],
                         result.back().share + (levels[i + 1] - levels[i]) * width(0.5 * (levels[i] + levels[i + 1]))});
-    for (auto& f : result) f.share /= result.back().share;
+    if (result.size() == 1) result.push_back({base, 1.0});  // without gravity nothing lies below anything
+    const double whole = result.back().share;
+    for (auto& f : result) f.share /= whole;
     return result;
   }
 

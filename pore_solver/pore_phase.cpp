@@ -4,22 +4,66 @@
 #include "common/coupling/standard_contract.hpp"
 #include "common/media/seepage.hpp"
 
+#include <algorithm>
+
 namespace poretwin::pore {
+
+namespace {
+
+namespace field = coupling::field;
+
+/// Reach of a point in the mapping between the processes, half of the kernel's support. In spacings.
+constexpr double reach = 1.2;
+
+}  // namespace
 
 PoreWater::PoreWater(const Case& scene)
     : scene_(scene),
       network_(make_network(scene_)),
       stepper_(scene_, network_),
       gauges_(scene_, network_),
-      state_(stepper_.first_state(scene_)) {}
+      state_(stepper_.first_state(scene_)) {
+  for (std::size_t a = 0; a < network_.size(); ++a)
+    grains_.push_back(network_.volume[a] * (1.0 - scene_.soils[network_.soil[a]].porosity));
+}
 
-coupling::Contract PoreWater::contract() const { return {scene_.general.dimension, scene_.digest(), {}, {}}; }
+coupling::Contract PoreWater::contract() const {
+  const int dimension = scene_.general.dimension;
+  coupling::Contract out{dimension, scene_.digest(), {}, {}};
+  if (!scene_.coupled()) return out;
+  out.gives = coupling::standard_fields(coupling::Role::fluid, dimension, coupling::WaterAs::field);
+  for (auto& spec : coupling::standard_fields(coupling::Role::solid, dimension)) {
+    const bool pores = spec.name == field::solid_volume_fraction;
+    if (!pores && spec.name != field::constrained_modulus && spec.name != field::hydraulic_conductivity) continue;
+    spec.found = pores && scene_.predicts();
+    out.takes.push_back(std::move(spec));
+  }
+  return out;
+}
 
 coupling::Publication PoreWater::publish() const {
   coupling::Publication out;
   out.time = state_.time;
-  out.points.dimension = scene_.general.dimension;
+  auto& points = out.points;
+  points.dimension = scene_.general.dimension;
   std::tie(out.proposed_interval, out.limited_by) = proposal();
+  if (!scene_.coupled()) return out;
+  const std::size_t n = network_.size();
+  points.revision = 1;
+  points.n_active = n;
+  points.volume = network_.volume;
+  points.smoothing_length.assign(n, reach * scene_.fluid.particle_spacing);
+  const FlowModel& flow = stepper_.flow(state_);
+  coupling::Field pressure{std::string(field::pore_pressure), 1, ScalarArray(n)},
+      degree{std::string(field::degree_of_saturation), 1, ScalarArray(n)};
+  const double weight = porous::specific_weight(scene_);
+  for (std::size_t a = 0; a < n; ++a) {
+    points.owner.push_back(static_cast<double>(a));
+    for (int d = 0; d < points.dimension; ++d) points.position.push_back(network_.position[a][d]);
+    pressure.values[a] = weight * flow.borne_head(static_cast<Index>(a)).value;
+    degree.values[a] = std::clamp(saturation(state_, static_cast<Index>(a)), 0.0, 1.0);
+  }
+  out.fields = {std::move(pressure), std::move(degree)};
   return out;
 }
 
@@ -27,9 +71,51 @@ std::pair<double, std::string> PoreWater::proposal() const {
   return {stepper_.proposal(state_), "the error of a step"};
 }
 
-coupling::Outcome PoreWater::advance(const coupling::Window& window, const coupling::Inbox&) {
-  const auto outcome = stepper_.step(window.interval, state_);
-  if (outcome.accepted) state_.time = window.time + window.interval;
+void PoreWater::initialise(const coupling::Inbox& inbox) {
+  if (inbox.fields.empty()) return;
+  see_soil(inbox, 0);
+  state_.wanted = std::min(state_.wanted, stepper_.time_of_a_cell(skeleton_));
+}
+
+void PoreWater::see_soil(const coupling::Inbox& inbox, unsigned pass) {
+  const std::size_t n = network_.size();
+  const auto values = [&](std::string_view name) -> const ScalarArray& { return inbox.at(name).values; };
+  const auto pores_of = [&](const ScalarArray& solid_fraction) {
+    ScalarArray pores(n);
+    for (std::size_t a = 0; a < n; ++a)
+      pores[a] = solid_fraction[a] > 0.0 ? grains_[a] * (1.0 / solid_fraction[a] - 1.0) : state_.pores[a];
+    return pores;
+  };
+  Skeleton& s = skeleton_;
+  s.pores = pores_of(values(field::solid_volume_fraction));
+  s.conductivity = values(field::hydraulic_conductivity);
+  const FlowModel& flow = stepper_.flow(state_);
+  s.head.resize(n);
+  for (std::size_t a = 0; a < n; ++a) s.head[a] = flow.borne_head(static_cast<Index>(a)).value;
+  s.found = pass > 0 ? pores_of(inbox.found_at(field::solid_volume_fraction).values) : s.pores;
+  s.found_head = pass > 0 ? passed_head_ : s.head;
+  const ScalarArray& modulus = values(field::constrained_modulus);
+  s.give.assign(n, 0.0);
+  const double weight = porous::specific_weight(scene_);
+  for (std::size_t a = 0; a < n && scene_.predicts(); ++a)
+    if (modulus[a] > 0.0) s.give[a] = network_.volume[a] * weight / modulus[a];
+}
+
+coupling::Outcome PoreWater::advance(const coupling::Window& window, const coupling::Inbox& inbox) {
+  const bool moves = !inbox.fields.empty();
+  if (moves) {
+    see_soil(inbox, window.pass);
+    if (!state_.rests) stepper_.fill(skeleton_, state_);
+    state_.rests = true;
+  }
+  const auto outcome = stepper_.step(window.interval, moves ? &skeleton_ : nullptr, state_);
+  if (!outcome.accepted) return outcome;
+  state_.time = window.time + window.interval;
+  if (moves) {
+    const FlowModel& flow = stepper_.flow(state_);
+    passed_head_.resize(network_.size());
+    for (std::size_t a = 0; a < network_.size(); ++a) passed_head_[a] = flow.borne_head(static_cast<Index>(a)).value;
+  }
   return outcome;
 }
 
@@ -61,9 +147,8 @@ OutputFrame PoreWater::frame() const {
                  tell_scalars([this](std::size_t a) { return head_[a]; })},
                 {{"pore_pressure", "Pa", "pressure of the water; below zero under suction", 1},
                  tell_scalars([this, weight](std::size_t a) { return weight * head_[a]; })},
-                {{"degree_of_saturation", "1", "water's share of the pores", 1}, tell_scalars([this](std::size_t a) {
-                   return saturation(scene_, network_, state_, static_cast<Index>(a));
-                 })},
+                {{"degree_of_saturation", "1", "water's share of the pores", 1},
+                 tell_scalars([this](std::size_t a) { return saturation(state_, static_cast<Index>(a)); })},
                 {{"water_content", "1", "volume of water per volume of soil", 1},
                  tell_scalars([this](std::size_t a) { return state_.water[a] / network_.volume[a]; })},
                 {{"relative_flux", "m/s", "discharge through the skeleton, per area", 3}, tell_vectors<3>(flux_)},

@@ -1,4 +1,5 @@
-// The water in the pores as a field, behind the Phase interface: in the fluid's role, in soil that does not move.
+// The water in the pores as a field, behind the Phase interface: in the fluid's role, alone in rigid soil or with a
+// solver of soil that moves.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -18,7 +19,7 @@ class PoreWater final : public Phase {
   [[nodiscard]] coupling::Contract contract() const override;
   [[nodiscard]] coupling::Publication publish() const override;
   [[nodiscard]] std::pair<double, std::string> proposal() const override;
-  void initialise(const coupling::Inbox&) override {}
+  void initialise(const coupling::Inbox& inbox) override;
   coupling::Outcome advance(const coupling::Window& window, const coupling::Inbox& inbox) override;
   void save() override { saved_ = state_; }
   void restore() override { state_ = saved_; }
@@ -33,6 +34,8 @@ class PoreWater final : public Phase {
   [[nodiscard]] const FlowModel& flow() const { return stepper_.flow(state_); }
 
  private:
+  /// The soil as its solver tells of it, in a pass through a window.
+  void see_soil(const coupling::Inbox& inbox, unsigned pass);
   /// Discharge per area at each point, from what passes the sides of its cell [m/s].
   void compute_flux() const;
 
@@ -41,6 +44,9 @@ class PoreWater final : public Phase {
   mutable Stepper stepper_;  ///< its work space is none of the state
   Gauges gauges_;
   State state_, saved_;
+  ScalarArray grains_;       ///< m3 (2D: m2), volume of each point's
+  ScalarArray passed_head_;  ///< m, that the skeleton bore at the end of the last pass through the window
+  Skeleton skeleton_;
   mutable std::vector<Point3> flux_;  ///< of the frame that was asked for last
   mutable ScalarArray head_;
 };

@@ -1,7 +1,5 @@
 #include "pore_solver/sharp_flow.hpp"
 
-#include "common/media/seepage.hpp"
-
 #include <algorithm>
 
 namespace poretwin::pore {
@@ -17,27 +15,28 @@ Inflow mean_depth(double h, double low, double high) {
 
 }  // namespace
 
-SharpFlow::SharpFlow(const Case& scene, const Network& network) : network_(network) {
-  for (const auto& soil : scene.soils) {
-    conductivity_.push_back(porous::seepage_at(scene, soil, soil.porosity).conductivity);
-    porosity_.push_back(soil.porosity);
-  }
-}
+SharpFlow::SharpFlow(const Case& scene, const Network& network)
+    : FlowModel(rigid_pores(scene, network)), network_(network) {}
 
-Content SharpFlow::content(Index a) const {
-  const double pores = network_.volume[a] * porosity_[network_.soil[a]], h = level_[a];
+Content SharpFlow::saturation(Index a) const {
+  const double h = level_[a];
   const auto filling = network_.filling(a);
-  if (h >= filling.back().elevation) return {pores, 0.0};
+  if (h >= filling.back().elevation) return {1.0, 0.0};
   std::size_t i = 1;
   while (h >= filling[i].elevation) ++i;
   const Filling &below = filling[i - 1], &above = filling[i];
   const double slope = (above.share - below.share) / (above.elevation - below.elevation);
-  return {pores * (below.share + slope * (h - below.elevation)), pores * slope};
+  return {below.share + slope * (h - below.elevation), slope};
+}
+
+Content SharpFlow::borne_head(Index a) const {
+  const auto filling = network_.filling(a);
+  const Inflow depth = mean_depth(level_[a], filling.front().elevation, filling.back().elevation);
+  return {depth.value, depth.slope};
 }
 
 Flow SharpFlow::through(const Link& link) const {
-  const double ka = conductivity(link.a), kb = conductivity(link.b);
-  const double kt = 2.0 * ka * kb / (ka + kb) * link.transmissibility;
+  const double kt = conductivity(link.a, link.b) * link.transmissibility;
   const Inflow a = mean_depth(level_[link.a], link.low, link.high), b = mean_depth(level_[link.b], link.low, link.high);
   return {kt * (a.value - b.value), kt * a.slope, -kt * b.slope};
 }

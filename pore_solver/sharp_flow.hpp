@@ -12,12 +12,14 @@ namespace poretwin::pore {
 ///   F_ab = K T [m(h_a) - m(h_b)]
 ///
 /// so that water passes through the wet part of a face only, and a front crosses a cell without a jump. A face with
-/// still water of level H behind it is the same with H for h_b; above H it is a seepage face.
+/// still water of level H behind it is the same with H for h_b; above H it is a seepage face. What the skeleton bears
+/// of the pressure is its mean over the cell.
 class SharpFlow final : public FlowModel {
  public:
   SharpFlow(const Case& scene, const Network& network);
   void set(std::span<const double> variable) override { level_.assign(variable.begin(), variable.end()); }
-  [[nodiscard]] Content content(Index a) const override;
+  [[nodiscard]] Content saturation(Index a) const override;
+  [[nodiscard]] Content borne_head(Index a) const override;
   [[nodiscard]] double pressure_head(Index a) const override { return level_[a] - network_.elevation[a]; }
   [[nodiscard]] Flow through(const Link& link) const override;
   [[nodiscard]] Inflow below_level(const Segment& segment, double level) const override;
@@ -27,11 +29,8 @@ class SharpFlow final : public FlowModel {
   [[nodiscard]] double limited(Index a, double from, double to, char& stopped) const override;
 
  private:
-  [[nodiscard]] double conductivity(Index a) const { return conductivity_[network_.soil[a]]; }
-
   const Network& network_;
-  ScalarArray conductivity_, porosity_;  ///< of each soil: m/s, 1
-  ScalarArray level_;                    ///< m, of each point
+  ScalarArray level_;  ///< m, of each point
 };
 
 }  // namespace poretwin::pore

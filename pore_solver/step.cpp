@@ -10,7 +10,7 @@
 namespace poretwin::pore {
 
 Stepper::Stepper(const Case& scene, const Network& network)
-    : network_(network), flow_(make_flow_model(scene, network)) {
+    : network_(network), spacing_(scene.fluid.particle_spacing), flow_(make_flow_model(scene, network)) {
   for (const auto& segment : network.segments) {
     auto found = std::find_if(boundaries_.begin(), boundaries_.end(), [&](const Along& along) {
       return along.face == segment.face && along.rain == segment.rain;
@@ -21,7 +21,7 @@ Stepper::Stepper(const Case& scene, const Network& network)
     }
     boundary_of_.push_back(static_cast<std::size_t>(found - boundaries_.begin()));
   }
-  for (std::size_t a = 0; a < network.size(); ++a) pores_ += network.volume[a] * scene.soils[network.soil[a]].porosity;
+  for (const double volume : flow_->pores().volume) pores_ += volume;
   std::vector<std::pair<Index, Index>> entries;
   for (const auto& link : network.links) {
     entries.emplace_back(link.a, link.b);
@@ -53,6 +53,7 @@ State Stepper::first_state(const Case& scene) {
   flow_->set(state.variable);
   for (std::size_t a = 0; a < network_.size(); ++a) state.water.push_back(flow_->content(static_cast<Index>(a)).value);
   for (const double w : state.water) state.initial_water += w;
+  state.pores = flow_->pores().volume;
   state.segments.resize(network_.segments.size());
   state.accounts.resize(boundaries_.size());
   state.inflow.assign(network_.segments.size(), 0.0);
@@ -85,14 +86,47 @@ double Stepper::proposal(const State& state) const {
   return std::min(state.wanted, next - state.time);
 }
 
-coupling::Outcome Stepper::step(double interval, State& state) {
-  const Attempt attempted = attempt(interval, state);
+void Stepper::see(const Skeleton& soil, double share) {
+  const std::size_t n = network_.size();
+  Pores pores{ScalarArray(n), ScalarArray(n), soil.give, soil.conductivity};
+  for (std::size_t a = 0; a < n; ++a) {
+    pores.volume[a] = soil.pores[a] + share * (soil.found[a] - soil.pores[a]);
+    pores.at[a] = soil.head[a] + share * (soil.found_head[a] - soil.head[a]);
+  }
+  flow_->set_pores(std::move(pores));
+}
+
+void Stepper::fill(const Skeleton& soil, State& state) {
+  see(soil, 0.0);
+  flow_->set(state.variable);
+  state.initial_water = 0.0;
+  for (std::size_t a = 0; a < network_.size(); ++a) {
+    state.pores[a] = soil.pores[a];
+    state.water[a] = flow_->saturation(static_cast<Index>(a)).value * state.pores[a];
+    state.initial_water += state.water[a];
+  }
+}
+
+double Stepper::time_of_a_cell(const Skeleton& soil) const {
+  ScalarArray passes(network_.size(), 0.0);  // m2/s (2D: m/s), discharge for each metre of head
+  for (const auto& link : network_.links)
+    for (const Index a : {link.a, link.b}) passes[a] += soil.conductivity[a] * link.transmissibility;
+  double shortest = HUGE_VAL;
+  for (std::size_t a = 0; a < passes.size(); ++a)
+    if (soil.give[a] > 0.0 && passes[a] > 0.0) shortest = std::min(shortest, soil.give[a] / passes[a]);
+  return shortest;
+}
+
+coupling::Outcome Stepper::step(double interval, const Skeleton* soil, State& state) {
+  const Attempt attempted = attempt(interval, soil, state);
   if (!attempted.solved) return coupling::Outcome::reject(steps::shrink_unsolved * interval, "no solution");
-  const double allowed =
-      attempted.error > 0.0 ? steps::caution * std::sqrt(steps::wanted_error / attempted.error) : HUGE_VAL;
-  if (attempted.error > steps::largest_error * steps::wanted_error)
+  const double scale = std::max({state.largest_head, attempted.largest_head, spacing_});
+  const double error = std::max(attempted.error, attempted.head_error / scale);
+  const double allowed = error > 0.0 ? steps::caution * std::sqrt(steps::wanted_error / error) : HUGE_VAL;
+  if (error > steps::largest_error * steps::wanted_error)
     return coupling::Outcome::reject(std::max(steps::shrink, allowed) * interval, "the error of a step");
   accept(interval, state);
+  state.largest_head = std::max(state.largest_head, attempted.largest_head);
   // A step that was cut at an instant does not make the next one shorter.
   state.wanted = std::clamp(allowed, steps::shrink, std::max(steps::grow, state.wanted / interval)) * interval;
   return coupling::Outcome::accept();
@@ -137,8 +171,8 @@ bool Stepper::solve(double interval, State& state) {
     double left = 0.0, moved = 0.0;
     for (const double r : residual_) left += std::abs(r);
     for (const double w : net_) moved += interval * std::abs(w);
-    const double enough =
-        std::clamp(steps::residual * moved, steps::least_residual * pores_, steps::most_residual * pores_);
+    double enough = std::clamp(steps::residual * moved, steps::least_residual * pores_, steps::most_residual * pores_);
+    if (give_ > 0.0) enough = std::min(enough, steps::borne_residual * std::max(state.largest_head, spacing_) * give_);
     if (left < carried_ + enough) return true;
     if (!std::isfinite(left) || iteration == steps::most_iterations) return false;
     // A point that is full, and from which nothing can go anywhere, has nothing that its variable changes.
@@ -156,16 +190,18 @@ bool Stepper::solve(double interval, State& state) {
   }
 }
 
-Stepper::Attempt Stepper::attempt(double interval, State& state) {
+Stepper::Attempt Stepper::attempt(double interval, const Skeleton* soil, State& state) {
   // With g = 1 - 1/sqrt(2): w1 = w + g dt net(u1), w2 = w + (1 - g) dt net(u1) + g dt net(u2).
   const double g = 1.0 - std::sqrt(0.5);
   const std::size_t n = network_.size();
   variable_ = state.variable;
   base_ = state.water;
   // What earlier steps have left, in cells that are full, say, no step that is short can take away.
+  if (soil) see(*soil, g);
   flow_->set(variable_);
-  carried_ = 0.0;
-  for (std::size_t a = 0; a < n; ++a)
+  carried_ = give_ = 0.0;
+  for (const double give : flow_->pores().give) give_ += give;
+  for (std::size_t a = 0; a < n && give_ == 0.0; ++a)
     carried_ += std::abs(flow_->content(static_cast<Index>(a)).value - state.water[a]);
   begin({state.time, interval, state.time + g * interval});
   if (!solve(g * interval, state)) return {};
@@ -173,6 +209,7 @@ Stepper::Attempt Stepper::attempt(double interval, State& state) {
   mean_inflow_ = inflow_;
   for (std::size_t a = 0; a < n; ++a) base_[a] += (1.0 - g) * interval * net_[a];
   begin({state.time, interval, state.time + interval});
+  if (soil) see(*soil, 1.0);
   // From where the first stage points to.
   for (std::size_t a = 0; a < n; ++a) {
     const double before = state.variable[a], ahead = before + (variable_[a] - before) / g;
@@ -180,13 +217,22 @@ Stepper::Attempt Stepper::attempt(double interval, State& state) {
     variable_[a] = flow_->limited(static_cast<Index>(a), variable_[a], ahead, stopped);
   }
   if (!solve(g * interval, state)) return {};
-  double differ = 0.0;
+  double differ = 0.0, heads = 0.0, volume = 0.0, largest = 0.0;
+  const double euler = 0.5 * interval / (1.0 - g);  // by which implicit Euler's error is the rates' difference
   for (std::size_t a = 0; a < n; ++a) {
-    differ += std::abs(net_[a] - mean_net_[a]);
+    const double difference = std::abs(net_[a] - mean_net_[a]);
+    differ += difference;
     mean_net_[a] += g * (net_[a] - mean_net_[a]);
+    if (!soil) continue;
+    const auto point = static_cast<Index>(a);
+    const Content head = flow_->borne_head(point);
+    largest = std::max(largest, std::abs(head.value));
+    volume += network_.volume[a];
+    if (const double slope = flow_->content(point).slope; slope > 0.0)
+      heads += network_.volume[a] * euler * difference * std::abs(head.slope) / slope;
   }
   for (std::size_t i = 0; i < inflow_.size(); ++i) mean_inflow_[i] += g * (inflow_[i] - mean_inflow_[i]);
-  return {true, 0.5 * interval * differ / (1.0 - g) / pores_};
+  return {true, euler * differ / pores_, soil ? heads / volume : 0.0, largest};
 }
 
 void Stepper::accept(double interval, State& state) {
@@ -196,6 +242,7 @@ void Stepper::accept(double interval, State& state) {
     boundaries_[b].boundary->accept(network_.segments[i], mean_inflow_[i], state.segments[i], state.accounts[b]);
   }
   state.variable = variable_;
+  for (std::size_t a = 0; a < network_.size(); ++a) state.pores[a] = flow_->pore_volume(static_cast<Index>(a));
   state.flow = link_flow_;
   state.inflow = inflow_;
 }

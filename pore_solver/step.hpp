@@ -23,8 +23,14 @@ class Stepper {
   /// The longest step [s] that its error and the corners of what the boundaries prescribe allow next.
   [[nodiscard]] double proposal(const State& state) const;
   /// One step. Where its error is too large, or no solution is found, the state stays as it is and a shorter step is
-  /// suggested.
-  coupling::Outcome step(double interval, State& state);
+  /// suggested. soil: where it moves; null: rigid.
+  coupling::Outcome step(double interval, const Skeleton* soil, State& state);
+  /// The state at time zero in the pores of soil that moves: full to the same degree.
+  void fill(const Skeleton& soil, State& state);
+
+  /// In which the pressure of the cell that drains fastest would follow its neighbours', s: a first step of soil that
+  /// moves.
+  [[nodiscard]] double time_of_a_cell(const Skeleton& soil) const;
 
   /// The flow model with the state's variables.
   [[nodiscard]] const FlowModel& flow(const State& state) {
@@ -44,10 +50,14 @@ class Stepper {
  private:
   struct Attempt {
     bool solved = false;
-    double error = 0.0;  ///< of the water content, pore volumes
+    double error = 0.0;         ///< of the water content, pore volumes
+    double head_error = 0.0;    ///< m, of the head that the skeleton bears, mean over the soil
+    double largest_head = 0.0;  ///< m, that it bears
   };
   /// A step of this length from the state, which it leaves as it is.
-  Attempt attempt(double interval, State& state);
+  Attempt attempt(double interval, const Skeleton* soil, State& state);
+  /// Takes the pores at a share of the step.
+  void see(const Skeleton& soil, double share);
   /// Finds the variables at which water(u) = base + interval * net(u), from those there are on; false where it does
   /// not.
   bool solve(double interval, State& state);
@@ -58,6 +68,7 @@ class Stepper {
   [[nodiscard]] double first_interval(const Case& scene, const State& state);
 
   const Network& network_;
+  double spacing_;  ///< m
   std::unique_ptr<FlowModel> flow_;
   std::vector<Along> boundaries_;
   std::vector<std::size_t> boundary_of_;
@@ -67,6 +78,7 @@ class Stepper {
   // Of the stage under way.
   ScalarArray variable_, base_, residual_, net_, link_flow_, inflow_;
   ScalarArray mean_net_, mean_inflow_;  ///< over the step
+  double give_ = 0.0;                   ///< m2 (2D: m), of all pores for each metre of head
   double carried_ = 0.0;  ///< sum of what the step's start has of water that its variables have not, m3 (2D: m2)
   std::vector<char> stopped_;
 };

@@ -67,13 +67,36 @@ class FieldChecks : Complaints {
   void scene() const {
     if (scene_.general.dimension != 2)
       fail("fluid.representation", "a field is for dimension = 2 so far, found dimension = 3; use \"particles\"");
-    if (up_.isZero()) fail("case.gravity", "heads need gravity, found a vector of length zero");
+    if (up_.isZero() && asks_for_heads())
+      fail("case.gravity",
+           "heads need gravity, found a vector of length zero; without it a field has prescribed "
+           "pressures only");
     if (!scene_.general.periodic.empty())
       fail("case.periodic", "a field has no periodic sides so far; expected a case without them");
-    if (scene_.deformable())
-      fail("solid.model", fmt::format("a field needs soil that does not move so far; expected \"rigid\", found \"{}\"",
-                                      scene_.solid.model.name));
+    if (scene_.deformable()) moving_soil();
     if (scene_.soils.empty()) fail("soil", "a field lives on points of soil; expected a [[soil]], found none");
+  }
+
+  [[nodiscard]] bool asks_for_heads() const {
+    const auto& faces = scene_.water_faces;
+    return !scene_.deformable() || scene_.fluid.initial_pressure_head || scene_.fluid.initial_water_table ||
+           !scene_.rains.empty() || !sharp(scene_.soils.front()) ||
+           std::any_of(faces.begin(), faces.end(), [](const WaterFace& f) { return f.head.has_value(); });
+  }
+
+  /// A field's points are the soil's particles.
+  void moving_soil() const {
+    if (scene_.fluid.particle_spacing != scene_.solid.particle_spacing)
+      fail("fluid.particle_spacing",
+           fmt::format("a field's points are the soil's particles; expected solid.particle_spacing, {} m, found {} m",
+                       scene_.solid.particle_spacing, scene_.fluid.particle_spacing));
+    for (const char* key : {"fluid.offset", "fluid.jitter", "fluid.seed"})
+      if (given(key)) fail(key, "a field's points are the soil's particles; expected the key under [solid]");
+    if (scene_.coupling.scheme == CouplingCase::Scheme::parallel)
+      fail("coupling.scheme",
+           "a field and its soil take turns; expected \"iterated\" or \"serial\", found \"parallel\"");
+    if (scene_.solid.initial_wave != 0.0)
+      fail("solid.initial_wave", "a field has no inertia; expected fluid.representation = \"particles\"");
   }
 
   void keys_of_particles() const {

@@ -35,6 +35,9 @@ inline constexpr double most_residual = 1e-5;
 /// The same where hardly anything moves: it need not be less than this.
 /// Unit: pore volumes. Test: none known.
 inline constexpr double least_residual = 1e-8;
+/// The same in soil that moves: the head that it would change what the skeleton bears by, mean over the soil.
+/// Unit: largest head borne. Test: none known.
+inline constexpr double borne_residual = 1e-4;
 /// Iterations after which a step is given up.
 /// Unit: iterations. Test: none known.
 inline constexpr int most_iterations = 15;

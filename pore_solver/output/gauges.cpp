@@ -20,10 +20,6 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
-double saturation(const Case& scene, const Network& network, const State& state, Index a) {
-  return state.water[a] / (network.volume[a] * scene.soils[network.soil[a]].porosity);
-}
-
 Gauges::Gauges(const Case& scene, const Network& network) : scene_(scene), network_(network) {
   const Probes probes(scene, network);
   for (const auto& gauge : scene.gauges) {
@@ -92,7 +88,7 @@ class Gauges::Reader {
   [[nodiscard]] double head(const Probe& probe) const {
     return probe.of([&](Index a) { return flow_.pressure_head(a); });
   }
-  [[nodiscard]] double degree(Index a) const { return saturation(scene_, network_, state_, a); }
+  [[nodiscard]] double degree(Index a) const { return saturation(state_, a); }
 
   void points(const Gauge& gauge, const Places& places) {
     const Point3 up = -scene_.general.gravity.normalized();

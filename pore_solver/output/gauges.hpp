@@ -11,7 +11,7 @@
 namespace poretwin::pore {
 
 /// Degree of saturation of a point, from the water it holds.
-double saturation(const Case& scene, const Network& network, const State& state, Index a);
+inline double saturation(const State& state, Index a) { return state.water[a] / state.pores[a]; }
 
 class Gauges {
  public:
