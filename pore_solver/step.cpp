@@ -34,6 +34,8 @@ Stepper::Stepper(const Case& scene, const Network& network)
   net_.resize(network.size());
   link_flow_.resize(network.links.size());
   inflow_.resize(network.segments.size());
+  evens_.assign(network.links.size(), 0.0);
+  for (auto* volume : {&passed_, &before_}) volume->assign(network.size(), 0.0);
 }
 
 State Stepper::first_state(const Case& scene) {
@@ -86,6 +88,16 @@ double Stepper::proposal(const State& state) const {
   return std::min(state.wanted, next - state.time);
 }
 
+void Stepper::link_full_points(const Skeleton& soil, const State& state) {
+  const auto full = [&](Index a) {
+    return std::max(0.0, 1.0 - (1.0 - state.water[a] / state.pores[a]) / steps::air_in_full_soil);
+  };
+  for (std::size_t i = 0; i < network_.links.size(); ++i) {
+    const Link& link = network_.links[i];
+    evens_[i] = 0.125 * link.transmissibility * (soil.give[link.a] + soil.give[link.b]) * full(link.a) * full(link.b);
+  }
+}
+
 void Stepper::see(const Skeleton& soil, double share) {
   const std::size_t n = network_.size();
   Pores pores{ScalarArray(n), ScalarArray(n), soil.give, soil.conductivity};
@@ -134,6 +146,7 @@ coupling::Outcome Stepper::step(double interval, const Skeleton* soil, State& st
 
 void Stepper::balance(double interval, const State& state, bool with_matrix) {
   std::fill(net_.begin(), net_.end(), 0.0);
+  std::fill(passed_.begin(), passed_.end(), 0.0);
   if (with_matrix) matrix_.clear();
   for (std::size_t i = 0; i < network_.links.size(); ++i) {
     const Link& link = network_.links[i];
@@ -141,11 +154,20 @@ void Stepper::balance(double interval, const State& state, bool with_matrix) {
     link_flow_[i] = f.value;
     net_[link.a] -= f.value;
     net_[link.b] += f.value;
+    Flow all{0.0, interval * f.by_a, interval * f.by_b};
+    if (evens_[i] > 0.0) {
+      const Content a = flow_->borne_head(link.a), b = flow_->borne_head(link.b);
+      const double volume = evens_[i] * (a.value - b.value);
+      passed_[link.a] += volume;
+      passed_[link.b] -= volume;
+      all.by_a += evens_[i] * a.slope;
+      all.by_b -= evens_[i] * b.slope;
+    }
     if (!with_matrix) continue;
-    matrix_[matrix_.diagonal(link.a)] += interval * f.by_a;
-    matrix_[places_[i].first] += interval * f.by_b;
-    matrix_[matrix_.diagonal(link.b)] -= interval * f.by_b;
-    matrix_[places_[i].second] -= interval * f.by_a;
+    matrix_[matrix_.diagonal(link.a)] += all.by_a;
+    matrix_[places_[i].first] += all.by_b;
+    matrix_[matrix_.diagonal(link.b)] -= all.by_b;
+    matrix_[places_[i].second] -= all.by_a;
   }
   for (std::size_t i = 0; i < network_.segments.size(); ++i) {
     const Segment& segment = network_.segments[i];
@@ -156,7 +178,7 @@ void Stepper::balance(double interval, const State& state, bool with_matrix) {
   }
   for (std::size_t a = 0; a < network_.size(); ++a) {
     const Content c = flow_->content(static_cast<Index>(a));
-    residual_[a] = c.value - base_[a] - interval * net_[a];
+    residual_[a] = c.value + passed_[a] - base_[a] - interval * net_[a];
     if (with_matrix) matrix_[matrix_.diagonal(a)] += c.slope;
   }
 }
@@ -197,8 +219,21 @@ Stepper::Attempt Stepper::attempt(double interval, const Skeleton* soil, State& 
   variable_ = state.variable;
   base_ = state.water;
   // What earlier steps have left, in cells that are full, say, no step that is short can take away.
-  if (soil) see(*soil, g);
+  std::fill(evens_.begin(), evens_.end(), 0.0);
+  if (soil) {
+    link_full_points(*soil, state);
+    see(*soil, g);
+  }
   flow_->set(variable_);
+  before_.assign(n, 0.0);
+  for (std::size_t i = 0; i < network_.links.size(); ++i) {
+    const Link& link = network_.links[i];
+    if (evens_[i] == 0.0) continue;
+    const double volume = evens_[i] * (flow_->borne_head(link.a).value - flow_->borne_head(link.b).value);
+    before_[link.a] += volume;
+    before_[link.b] -= volume;
+  }
+  for (std::size_t a = 0; a < n; ++a) base_[a] += before_[a];
   carried_ = give_ = 0.0;
   for (const double give : flow_->pores().give) give_ += give;
   for (std::size_t a = 0; a < n && give_ == 0.0; ++a)
@@ -236,7 +271,7 @@ Stepper::Attempt Stepper::attempt(double interval, const Skeleton* soil, State& 
 }
 
 void Stepper::accept(double interval, State& state) {
-  for (std::size_t a = 0; a < network_.size(); ++a) state.water[a] += interval * mean_net_[a];
+  for (std::size_t a = 0; a < network_.size(); ++a) state.water[a] += interval * mean_net_[a] - passed_[a] + before_[a];
   for (std::size_t i = 0; i < network_.segments.size(); ++i) {
     const std::size_t b = boundary_of_[i];
     boundaries_[b].boundary->accept(network_.segments[i], mean_inflow_[i], state.segments[i], state.accounts[b]);

@@ -56,6 +56,10 @@ class Stepper {
   };
   /// A step of this length from the state, which it leaves as it is.
   Attempt attempt(double interval, const Skeleton* soil, State& state);
+  /// Soil on points does not answer to pressures that alternate from point to point, so that water which nothing drains
+  /// would find no pressure with which its pores fit. A flow T V / (4 M) d(p_a - p_b)/dt between neighbours, of second
+  /// order in their distance, takes what alternates from the one to the other (Aguilar et al. 2008).
+  void link_full_points(const Skeleton& soil, const State& state);
   /// Takes the pores at a share of the step.
   void see(const Skeleton& soil, double share);
   /// Finds the variables at which water(u) = base + interval * net(u), from those there are on; false where it does
@@ -79,7 +83,11 @@ class Stepper {
   ScalarArray variable_, base_, residual_, net_, link_flow_, inflow_;
   ScalarArray mean_net_, mean_inflow_;  ///< over the step
   double give_ = 0.0;                   ///< m2 (2D: m), of all pores for each metre of head
-  double carried_ = 0.0;  ///< sum of what the step's start has of water that its variables have not, m3 (2D: m2)
+  /// Of each link between full points of soil that moves, m2 (2D: m): volume of water that it passes for each metre by
+  /// which the heads that the skeleton bears come to differ.
+  ScalarArray evens_;
+  ScalarArray passed_, before_;  ///< m3 (2D: m2), what leaves each point that way as heads rise from zero; at the start
+  double carried_ = 0.0;         ///< sum of what the step's start has of water that its variables have not, m3 (2D: m2)
   std::vector<char> stopped_;
 };
 

@@ -38,6 +38,9 @@ inline constexpr double least_residual = 1e-8;
 /// The same in soil that moves: the head that it would change what the skeleton bears by, mean over the soil.
 /// Unit: largest head borne. Test: none known.
 inline constexpr double borne_residual = 1e-4;
+/// Air in the pores from which on soil is not full, so that its water can fit its pores by itself.
+/// Unit: share of the pores. Test: none known.
+inline constexpr double air_in_full_soil = 0.05;
 /// Iterations after which a step is given up.
 /// Unit: iterations. Test: none known.
 inline constexpr int most_iterations = 15;
