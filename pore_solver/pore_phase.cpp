@@ -22,10 +22,8 @@ PoreWater::PoreWater(const Case& scene)
       network_(make_network(scene_)),
       stepper_(scene_, network_),
       gauges_(scene_, network_),
-      state_(stepper_.first_state(scene_)) {
-  for (std::size_t a = 0; a < network_.size(); ++a)
-    grains_.push_back(network_.volume[a] * (1.0 - scene_.soils[network_.soil[a]].porosity));
-}
+      state_(stepper_.first_state(scene_)),
+      drawn_(rigid_pores(scene_, network_)) {}
 
 coupling::Contract PoreWater::contract() const {
   const int dimension = scene_.general.dimension;
@@ -75,26 +73,37 @@ void PoreWater::initialise(const coupling::Inbox& inbox) {
   if (inbox.fields.empty()) return;
   see_soil(inbox, 0);
   state_.wanted = std::min(state_.wanted, stepper_.time_of_a_cell(skeleton_));
+  // The soil has yet to come to its rest.
+  state_.rest_solid.clear();
+  state_.rest_conductivity.clear();
 }
 
 void PoreWater::see_soil(const coupling::Inbox& inbox, unsigned pass) {
   const std::size_t n = network_.size();
-  const auto values = [&](std::string_view name) -> const ScalarArray& { return inbox.at(name).values; };
-  const auto pores_of = [&](const ScalarArray& solid_fraction) {
+  const ScalarArray &solid = inbox.at(field::solid_volume_fraction).values,
+                    &conductivity = inbox.at(field::hydraulic_conductivity).values,
+                    &modulus = inbox.at(field::constrained_modulus).values;
+  if (state_.rest_solid.empty()) {
+    state_.rest_solid = solid;
+    state_.rest_conductivity = conductivity;
+  }
+  // The soil at its rest is what the case draws; from there on its grains keep their volume.
+  const auto pores_of = [&](const ScalarArray& share) {
     ScalarArray pores(n);
     for (std::size_t a = 0; a < n; ++a)
-      pores[a] = solid_fraction[a] > 0.0 ? grains_[a] * (1.0 / solid_fraction[a] - 1.0) : state_.pores[a];
+      pores[a] = drawn_.volume[a] + network_.volume[a] * (state_.rest_solid[a] / share[a] - 1.0);
     return pores;
   };
   Skeleton& s = skeleton_;
-  s.pores = pores_of(values(field::solid_volume_fraction));
-  s.conductivity = values(field::hydraulic_conductivity);
+  s.pores = pores_of(solid);
+  s.conductivity.resize(n);
+  for (std::size_t a = 0; a < n; ++a)
+    s.conductivity[a] = drawn_.conductivity[a] * conductivity[a] / state_.rest_conductivity[a];
   const FlowModel& flow = stepper_.flow(state_);
   s.head.resize(n);
   for (std::size_t a = 0; a < n; ++a) s.head[a] = flow.borne_head(static_cast<Index>(a)).value;
   s.found = pass > 0 ? pores_of(inbox.found_at(field::solid_volume_fraction).values) : s.pores;
   s.found_head = pass > 0 ? passed_head_ : s.head;
-  const ScalarArray& modulus = values(field::constrained_modulus);
   s.give.assign(n, 0.0);
   const double weight = porous::specific_weight(scene_);
   for (std::size_t a = 0; a < n && scene_.predicts(); ++a)
@@ -103,11 +112,7 @@ void PoreWater::see_soil(const coupling::Inbox& inbox, unsigned pass) {
 
 coupling::Outcome PoreWater::advance(const coupling::Window& window, const coupling::Inbox& inbox) {
   const bool moves = !inbox.fields.empty();
-  if (moves) {
-    see_soil(inbox, window.pass);
-    if (!state_.rests) stepper_.fill(skeleton_, state_);
-    state_.rests = true;
-  }
+  if (moves) see_soil(inbox, window.pass);
   const auto outcome = stepper_.step(window.interval, moves ? &skeleton_ : nullptr, state_);
   if (!outcome.accepted) return outcome;
   state_.time = window.time + window.interval;

@@ -44,7 +44,7 @@ class PoreWater final : public Phase {
   mutable Stepper stepper_;  ///< its work space is none of the state
   Gauges gauges_;
   State state_, saved_;
-  ScalarArray grains_;       ///< m3 (2D: m2), volume of each point's
+  Pores drawn_;              ///< of the soil as the case draws it
   ScalarArray passed_head_;  ///< m, that the skeleton bore at the end of the last pass through the window
   Skeleton skeleton_;
   mutable std::vector<Point3> flux_;  ///< of the frame that was asked for last

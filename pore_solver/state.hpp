@@ -30,8 +30,9 @@ struct State {
   ScalarArray flow;               ///< through each link, a to b, likewise
   double wanted = 0.0;            ///< s, the step that the error allows next
   double largest_head = 0.0;      ///< m, that the skeleton of soil that moves has borne anywhere
-  bool rests = false;             ///< whether soil that moves has come to its rest before time zero
-  double initial_water = 0.0;     ///< m3 (2D: m2)
+  /// Of soil that moves, at its rest at time zero: share of the grains, conductivity [m/s].
+  ScalarArray rest_solid, rest_conductivity;
+  double initial_water = 0.0;  ///< m3 (2D: m2)
   Counts counts;
 };
 

@@ -108,17 +108,6 @@ void Stepper::see(const Skeleton& soil, double share) {
   flow_->set_pores(std::move(pores));
 }
 
-void Stepper::fill(const Skeleton& soil, State& state) {
-  see(soil, 0.0);
-  flow_->set(state.variable);
-  state.initial_water = 0.0;
-  for (std::size_t a = 0; a < network_.size(); ++a) {
-    state.pores[a] = soil.pores[a];
-    state.water[a] = flow_->saturation(static_cast<Index>(a)).value * state.pores[a];
-    state.initial_water += state.water[a];
-  }
-}
-
 double Stepper::time_of_a_cell(const Skeleton& soil) const {
   ScalarArray passes(network_.size(), 0.0);  // m2/s (2D: m/s), discharge for each metre of head
   for (const auto& link : network_.links)

@@ -25,8 +25,6 @@ class Stepper {
   /// One step. Where its error is too large, or no solution is found, the state stays as it is and a shorter step is
   /// suggested. soil: where it moves; null: rigid.
   coupling::Outcome step(double interval, const Skeleton* soil, State& state);
-  /// The state at time zero in the pores of soil that moves: full to the same degree.
-  void fill(const Skeleton& soil, State& state);
 
   /// In which the pressure of the cell that drains fastest would follow its neighbours', s: a first step of soil that
   /// moves.
