@@ -13,7 +13,8 @@ Pores rigid_pores(const Case& scene, const Network& network) {
   for (auto* zero : {&pores.at, &pores.give}) zero->assign(n, 0.0);
   for (std::size_t a = 0; a < n; ++a) {
     const Soil& soil = scene.soils[network.soil[a]];
-    pores.volume.push_back(network.volume[a] * soil.porosity);
+    // What soil without capillarity holds from the start moves with its grains.
+    pores.volume.push_back(network.volume[a] * soil.porosity * (1.0 - soil.initial_saturation));
     pores.conductivity.push_back(porous::seepage_at(scene, soil, soil.porosity).conductivity);
   }
   return pores;

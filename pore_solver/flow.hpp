@@ -33,7 +33,7 @@ struct Pores {
   ScalarArray conductivity;  ///< m/s, of the soil when full
 };
 
-/// Those of a case's soil before it has moved.
+/// Those of a case's soil before it has moved, as far as water can fill them.
 Pores rigid_pores(const Case& scene, const Network& network);
 
 class FlowModel {

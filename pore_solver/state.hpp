@@ -8,6 +8,7 @@ namespace poretwin::pore {
 /// What happened so far.
 struct Counts {
   double iterations = 0.0, linear_iterations = 0.0;  ///< of Newton; of the linear solves
+  double carried = 0.0, links = 0.0;  ///< times the soil carried the points along; times they were linked anew
 };
 
 /// Soil that moves, in one step.
@@ -32,6 +33,9 @@ struct State {
   double largest_head = 0.0;      ///< m, that the skeleton of soil that moves has borne anywhere
   /// Of soil that moves, at its rest at time zero: share of the grains, conductivity [m/s].
   ScalarArray rest_solid, rest_conductivity;
+  /// Of soil that can yield, m: where the points are; where they were when they were linked last. Empty: as drawn.
+  std::vector<Point3> position, linked;
+  double last_interval = 0.0;  ///< s, of the last step; 0 before the first
   double initial_water = 0.0;  ///< m3 (2D: m2)
   Counts counts;
 };

@@ -6,11 +6,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace poretwin::pore {
 
 Stepper::Stepper(const Case& scene, const Network& network)
     : network_(network), spacing_(scene.fluid.particle_spacing), flow_(make_flow_model(scene, network)) {
+  // Those of faces and of rain first: their places stay where a network is made anew.
+  for (std::size_t f = 0; f < scene.water_faces.size(); ++f)
+    boundaries_.push_back({f, Segment::none, make_boundary(scene, f, Segment::none)});
+  for (std::size_t r = 0; r < scene.rains.size(); ++r)
+    boundaries_.push_back({Segment::none, r, make_boundary(scene, Segment::none, r)});
   for (const auto& segment : network.segments) {
     auto found = std::find_if(boundaries_.begin(), boundaries_.end(), [&](const Along& along) {
       return along.face == segment.face && along.rain == segment.rain;
@@ -241,22 +247,34 @@ Stepper::Attempt Stepper::attempt(double interval, const Skeleton* soil, State& 
     variable_[a] = flow_->limited(static_cast<Index>(a), variable_[a], ahead, stopped);
   }
   if (!solve(g * interval, state)) return {};
-  double differ = 0.0, heads = 0.0, volume = 0.0, largest = 0.0;
   const double euler = 0.5 * interval / (1.0 - g);  // by which implicit Euler's error is the rates' difference
+  double differ = 0.0;
+  ScalarArray difference(n);
   for (std::size_t a = 0; a < n; ++a) {
-    const double difference = std::abs(net_[a] - mean_net_[a]);
-    differ += difference;
+    difference[a] = euler * (net_[a] - mean_net_[a]);
+    differ += std::abs(difference[a]);
     mean_net_[a] += g * (net_[a] - mean_net_[a]);
-    if (!soil) continue;
-    const auto point = static_cast<Index>(a);
-    const Content head = flow_->borne_head(point);
-    largest = std::max(largest, std::abs(head.value));
-    volume += network_.volume[a];
-    if (const double slope = flow_->content(point).slope; slope > 0.0)
-      heads += network_.volume[a] * euler * difference * std::abs(head.slope) / slope;
   }
   for (std::size_t i = 0; i < inflow_.size(); ++i) mean_inflow_[i] += g * (inflow_[i] - mean_inflow_[i]);
-  return {true, euler * differ / pores_, soil ? heads / volume : 0.0, largest};
+  Attempt result{true, differ / pores_};
+  if (soil) std::tie(result.head_error, result.largest_head) = borne_error(difference);
+  return result;
+}
+
+std::pair<double, double> Stepper::borne_error(std::span<const double> content_error) {
+  const std::size_t n = network_.size();
+  ScalarArray change(n);
+  const Ilu0 factors(matrix_);
+  flexible_gmres([&](auto x, auto y) { matrix_.apply(x, y); }, [&](auto r, auto z) { factors.apply(r, z); },
+                 content_error, change, steps::error_residual * norm(content_error), steps::most_linear_iterations);
+  double error = 0.0, volume = 0.0, largest = 0.0;
+  for (std::size_t a = 0; a < n; ++a) {
+    const Content head = flow_->borne_head(static_cast<Index>(a));
+    largest = std::max(largest, std::abs(head.value));
+    error += network_.volume[a] * std::abs(head.slope * change[a]);
+    volume += network_.volume[a];
+  }
+  return {error / volume, largest};
 }
 
 void Stepper::accept(double interval, State& state) {

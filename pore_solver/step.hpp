@@ -58,6 +58,9 @@ class Stepper {
   /// would find no pressure with which its pores fit. A flow T V / (4 M) d(p_a - p_b)/dt between neighbours, of second
   /// order in their distance, takes what alternates from the one to the other (Aguilar et al. 2008).
   void link_full_points(const Skeleton& soil, const State& state);
+  /// Mean over the soil of the head [m] by which an error of each point's content [m3, 2D: m2] changes what the
+  /// skeleton bears at the step's end, what flows meanwhile counted, and the largest head borne.
+  std::pair<double, double> borne_error(std::span<const double> content_error);
   /// Takes the pores at a share of the step.
   void see(const Skeleton& soil, double share);
   /// Finds the variables at which water(u) = base + interval * net(u), from those there are on; false where it does

@@ -95,6 +95,8 @@ class FieldChecks : Complaints {
     if (scene_.coupling.scheme == CouplingCase::Scheme::parallel)
       fail("coupling.scheme",
            "a field and its soil take turns; expected \"iterated\" or \"serial\", found \"parallel\"");
+    if (scene_.can_yield() && !scene_.rains.empty())
+      fail("rain[0]", "falls on soil that keeps its surface so far; expected soil that cannot yield");
     if (scene_.solid.initial_wave != 0.0)
       fail("solid.initial_wave", "a field has no inertia; expected fluid.representation = \"particles\"");
   }
@@ -108,9 +110,11 @@ class FieldChecks : Complaints {
       fail("case.scheme", "\"paper\" is a scheme of particles, found with fluid.representation = \"field\"");
     for (std::size_t i = 0; i < scene_.soils.size(); ++i)
       for (const char* key : {"suction_head", "initial_saturation"})
-        if (given(fmt::format("soil[{}].{}", i, key)))
+        if (given(fmt::format("soil[{}].{}", i, key)) &&
+            (std::string_view(key) == "suction_head" || scene_.soils[i].retention))
           fail(fmt::format("soil[{}].{}", i, key),
-               "belongs to fluid.representation = \"particles\"; a field has a [soil.retention] instead");
+               "belongs to soil without capillarity, or to fluid.representation = \"particles\"; a field has a "
+               "[soil.retention] instead");
   }
 
   [[nodiscard]] bool sharp(const Soil& soil) const { return porous::retention_law(soil).curve == nullptr; }
@@ -295,6 +299,7 @@ class FieldChecks : Complaints {
     for (std::size_t i = 0; i < scene_.gauges.size(); ++i) {
       const Gauge& g = scene_.gauges[i];
       const std::string key = fmt::format("gauge[{}]", i);
+      if (g.phase == "solid") continue;
       if (!has(field_kinds, g.kind)) {
         std::string list;
         for (const auto kind : field_kinds) list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", kind);

@@ -89,6 +89,10 @@ class Gauges::Reader {
     return probe.of([&](Index a) { return flow_.pressure_head(a); });
   }
   [[nodiscard]] double degree(Index a) const { return saturation(state_, a); }
+  [[nodiscard]] double degree_of_saturation(Index a) const {
+    const double initial = scene_.soils[network_.soil[a]].initial_saturation;
+    return initial + (1.0 - initial) * degree(a);
+  }
 
   void points(const Gauge& gauge, const Places& places) {
     const Point3 up = -scene_.general.gravity.normalized();
@@ -100,7 +104,7 @@ class Gauges::Reader {
       if (gauge.quantity == "head") add(name, psi + up.dot(gauge.points[i]), "m");
       if (gauge.quantity == "pore_pressure") add(name, porous::specific_weight(scene_) * psi, "Pa");
       if (gauge.quantity == "degree_of_saturation")
-        add(name, probe ? std::clamp(probe->of([&](Index a) { return degree(a); }), 0.0, 1.0) : nan, "1");
+        add(name, probe ? std::clamp(probe->of([&](Index a) { return degree_of_saturation(a); }), 0.0, 1.0) : nan, "1");
       if (gauge.quantity == "water_content")
         add(name, probe ? probe->of([&](Index a) { return state_.water[a] / network_.volume[a]; }) : nan, "1");
     }

@@ -10,7 +10,7 @@
 
 namespace poretwin::pore {
 
-/// Degree of saturation of a point, from the water it holds.
+/// Share of a point's pores that its water fills, of those that water can fill.
 inline double saturation(const State& state, Index a) { return state.water[a] / state.pores[a]; }
 
 class Gauges {

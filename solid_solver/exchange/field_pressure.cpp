@@ -1,7 +1,6 @@
 #include "solid_solver/exchange/field_pressure.hpp"
 
 #include "common/geometry/pieces.hpp"
-#include "solid_solver/exchange/water_load.hpp"
 #include "solid_solver/numerics/exchange.hpp"
 
 namespace poretwin::solid {
@@ -45,12 +44,14 @@ VecArray<D> gradient_of_field(const Setup<D>& setup, const State<D>& state, std:
   VecArray<D> gradient = pressure_gradient_difference<D>(state, pressure);
   const VecArray<D> surface = surface_vectors(state);
   const double reach = 2.0 * sph::support_radius * setup.smoothing_length;
+  // For the water the soil lies, at its rest before time zero, where the case draws it.
+  const auto place = [&](std::size_t i) { return Vec<D>(p.position[i] - state.rest_displacement[i]); };
   std::vector<char> at_surface(n, 0);
   std::vector<Beyond<D>> outside(n);
   for (std::size_t i = 0; i < n; ++i) {
     if (surface[i].norm() * setup.spacing < exchange::surface) continue;
     at_surface[i] = 1;
-    outside[i] = beyond<D>(setup, p.position[i] - p.displacement[i], reference_position(setup, state, i), reach, time);
+    outside[i] = beyond<D>(setup, p.position[i] - p.displacement[i], place(i), reach, time);
   }
   VecArray<D> adjoint(n);
   for (std::size_t i = 0; i < n; ++i) adjoint[i] = outside[i].slope;
@@ -63,10 +64,8 @@ VecArray<D> gradient_of_field(const Setup<D>& setup, const State<D>& state, std:
     double theirs = pressure[source];
     if (image && !state.near.images[j - n].periodic)
       theirs += gradient[source].dot(b.position - state.nodes[source].position);
-    // The pressure belongs to the places that are published.
-    const Vec<D> there = b.position - p.position[source] + reference_position(setup, state, source);
-    const double own = pressure[i] - outside[i].at(reference_position(setup, state, i)),
-                 other = theirs - outside[i].at(there);
+    const Vec<D> there = b.position - p.position[source] + place(source);
+    const double own = pressure[i] - outside[i].at(place(i)), other = theirs - outside[i].at(there);
     const Mat<D> weights = own * a.correction() + other * correction_at(state, j);
     adjoint[i] += weights * ((b.volume * state.kernel[m]) * (a.position - b.position));
   });

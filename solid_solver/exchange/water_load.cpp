@@ -178,9 +178,7 @@ Vec<D> steady_water_force(const Setup<D>& setup, const State<D>& state, std::siz
                           const Vec<D>& pressure_gradient) {
   const Particles<D>& p = state.particles;
   double wet = state.external.coverage[i];  // share of the pores
-  if (setup.water.is_field) {
-    wet = state.external.saturation[i];
-  } else if (!setup.water.is_prescribed()) {
+  if (!setup.water.is_prescribed()) {
     const double residual = setup.soils[p.material[i]].initial_saturation;
     wet = residual < 1.0 ? (state.external.saturation[i] - residual) / (1.0 - residual) : 0.0;
   }
