@@ -6,7 +6,7 @@ namespace poretwin::pore {
 namespace {
 
 /// Mean of max(h - z, 0) over z from `low` to `high` [m], and its derivative: the wet share.
-Inflow mean_depth(double h, double low, double high) {
+Inflow depth_of(double h, double low, double high) {
   if (h >= high) return {h - 0.5 * (low + high), 1.0};
   if (h <= low) return {};
   const double wet = (h - low) / (high - low);
@@ -16,9 +16,14 @@ Inflow mean_depth(double h, double low, double high) {
 }  // namespace
 
 SharpFlow::SharpFlow(const Case& scene, const Network& network)
-    : FlowModel(rigid_pores(scene, network)), network_(network) {}
+    : FlowModel(rigid_pores(scene, network)), network_(network), weightless_(scene.general.gravity.isZero()) {}
+
+Inflow SharpFlow::mean_depth(double h, double low, double high) const {
+  return weightless_ ? Inflow{h, 1.0} : depth_of(h, low, high);
+}
 
 Content SharpFlow::saturation(Index a) const {
+  if (weightless_) return {1.0, 0.0};
   const double h = level_[a];
   const auto filling = network_.filling(a);
   if (h >= filling.back().elevation) return {1.0, 0.0};
@@ -50,14 +55,17 @@ Inflow SharpFlow::below_level(const Segment& segment, double level) const {
 Inflow SharpFlow::at_head(const Segment& segment, double pressure_head) const {
   const double kt = conductivity(segment.point) * segment.transmissibility;
   const Inflow inside = mean_depth(level_[segment.point], segment.low, segment.high);
-  return {kt * (std::max(pressure_head, 0.0) - inside.value), -kt * inside.slope};
+  const double outside = weightless_ ? pressure_head : std::max(pressure_head, 0.0);
+  return {kt * (outside - inside.value), -kt * inside.slope};
 }
 
 double SharpFlow::variable_at(Index a, double pressure_head) const {
+  if (weightless_) return 0.0;
   return std::max(pressure_head + network_.elevation[a], network_.filling(a).front().elevation);
 }
 
 double SharpFlow::limited(Index a, double from, double to, char& stopped) const {
+  if (weightless_) return to;
   const double low = network_.filling(a).front().elevation, high = network_.filling(a).back().elevation;
   if (!stopped && (from < high) != (to < high)) {
     stopped = 1;

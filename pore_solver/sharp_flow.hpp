@@ -13,7 +13,8 @@ namespace poretwin::pore {
 ///
 /// so that water passes through the wet part of a face only, and a front crosses a cell without a jump. A face with
 /// still water of level H behind it is the same with H for h_b; above H it is a seepage face. What the skeleton bears
-/// of the pressure is its mean over the cell.
+/// of the pressure is its mean over the cell. Without gravity water has no level: all cells are full, and their
+/// variable is the pressure head.
 class SharpFlow final : public FlowModel {
  public:
   SharpFlow(const Case& scene, const Network& network);
@@ -29,7 +30,10 @@ class SharpFlow final : public FlowModel {
   [[nodiscard]] double limited(Index a, double from, double to, char& stopped) const override;
 
  private:
+  [[nodiscard]] Inflow mean_depth(double h, double low, double high) const;
+
   const Network& network_;
+  bool weightless_;
   ScalarArray level_;  ///< m, of each point
 };
 

@@ -49,7 +49,8 @@ class FieldChecks : Complaints {
       const std::string key = fmt::format("gauge[{}]", i);
       if (has(rain_kinds, g.kind)) fail(key + ".kind", fmt::format("\"{}\" {}", g.kind, reason));
       if (given(key + ".pressure_head")) fail(key + ".pressure_head", reason);
-      if (g.kind == "point" && g.quantity == "water_content") fail(key + ".quantity", reason);
+      if (g.kind == "point" && (g.quantity == "water_content" || g.quantity == "borne_pressure"))
+        fail(key + ".quantity", reason);
     }
   }
 
@@ -67,6 +68,7 @@ class FieldChecks : Complaints {
   void scene() const {
     if (scene_.general.dimension != 2)
       fail("fluid.representation", "a field is for dimension = 2 so far, found dimension = 3; use \"particles\"");
+    if (scene_.soils.empty()) fail("soil", "a field lives on points of soil; expected a [[soil]], found none");
     if (up_.isZero() && asks_for_heads())
       fail("case.gravity",
            "heads need gravity, found a vector of length zero; without it a field has prescribed "
@@ -74,14 +76,27 @@ class FieldChecks : Complaints {
     if (!scene_.general.periodic.empty())
       fail("case.periodic", "a field has no periodic sides so far; expected a case without them");
     if (scene_.deformable()) moving_soil();
-    if (scene_.soils.empty()) fail("soil", "a field lives on points of soil; expected a [[soil]], found none");
+    if (up_.isZero()) full_soil();
   }
 
   [[nodiscard]] bool asks_for_heads() const {
     const auto& faces = scene_.water_faces;
     return !scene_.deformable() || scene_.fluid.initial_pressure_head || scene_.fluid.initial_water_table ||
            !scene_.rains.empty() || !sharp(scene_.soils.front()) ||
-           std::any_of(faces.begin(), faces.end(), [](const WaterFace& f) { return f.head.has_value(); });
+           std::any_of(faces.begin(), faces.end(), [](const WaterFace& f) { return f.head.has_value() || f.outlet; });
+  }
+
+  /// Without gravity nothing says where the water in a cell lies.
+  void full_soil() const {
+    for (std::size_t i = 0; i < scene_.soils.size(); ++i)
+      for (const auto& x :
+           fill<2>(scene_.soils[i].shape, scene_.fluid.particle_spacing, {0.5, 0.5, 0.5}, 0.0, 1).position)
+        if (std::none_of(scene_.fluid.regions.begin(), scene_.fluid.regions.end(), [&](const Shape& region) {
+              return contains(region, {x.x(), x.y(), 0.0}, 2);
+            }))
+          fail(fmt::format("soil[{}]", i),
+               fmt::format("is dry, for example at {} m; without gravity expected a [[fluid.region]] over all of it",
+                           shown({x.x(), x.y(), 0.0})));
   }
 
   /// A field's points are the soil's particles.
@@ -307,8 +322,8 @@ class FieldChecks : Complaints {
       }
       if (g.kind == "point" && g.quantity.starts_with("velocity"))
         fail(key + ".quantity",
-             "a field has no velocity of its water; expected a pressure, a head, \"degree_of_saturation\" or "
-             "\"water_content\"");
+             "a field has no velocity of its water; expected a pressure, a head, \"degree_of_saturation\", "
+             "\"water_content\" or \"borne_pressure\"");
       if (g.kind == "discharge" && !g.quantity.empty() && !g.points.empty())
         fail(key + ".quantity", "expected the name of a face or the 'points' of a line, found both");
       if (has(rain_kinds, g.kind) && !g.quantity.empty() &&

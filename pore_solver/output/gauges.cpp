@@ -103,6 +103,8 @@ class Gauges::Reader {
       if (gauge.quantity == "pressure_head") add(name, psi, "m");
       if (gauge.quantity == "head") add(name, psi + up.dot(gauge.points[i]), "m");
       if (gauge.quantity == "pore_pressure") add(name, porous::specific_weight(scene_) * psi, "Pa");
+      const auto borne = [&](Index a) { return porous::specific_weight(scene_) * flow_.borne_head(a).value; };
+      if (gauge.quantity == "borne_pressure") add(name, probe ? probe->of(borne) : nan, "Pa");
       if (gauge.quantity == "degree_of_saturation")
         add(name, probe ? std::clamp(probe->of([&](Index a) { return degree_of_saturation(a); }), 0.0, 1.0) : nan, "1");
       if (gauge.quantity == "water_content")

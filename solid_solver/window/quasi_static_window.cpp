@@ -263,6 +263,13 @@ typename QuasiStaticWindow<D>::Answer QuasiStaticWindow<D>::advance(const Setup<
                  window.time, interval, report.steps, report.residual);
       return {Outcome::reject(shorter, "no equilibrium in so long a window"), {.moves = false, .longest = shorter}};
     }
+    if (!report.reached() && !inert)
+      throw DivergedError(
+          fmt::format("the soil fails: it finds no equilibrium at t = {:g} s in a window of {:g} s, {:.2g} of gravity "
+                      "is left. Water "
+                      "as a field has no inertia with which to follow it; what comes now is for fluid.representation = "
+                      "\"particles\"",
+                      window.time, interval, report.residual));
     if (!report.reached()) {
       fmt::print(stderr, "the soil moves at t = {:g} s: no equilibrium in {} steps, {:.2g} of gravity left\n",
                  window.time, report.steps, report.residual);

@@ -103,6 +103,10 @@ TEST_F(Field, WhatIsNotBuiltIsRefused) {
   EXPECT_THAT(complaint(moving, {"fluid.jitter=0.1"}), AllOf(HasSubstr("fluid.jitter"), HasSubstr("[solid]")));
   EXPECT_THAT(complaint(moving, {"coupling.scheme=\"parallel\""}), HasSubstr("coupling.scheme"));
   EXPECT_THAT(complaint(moving, {"solid.model=\"drucker_prager\"", "soil.0.cohesion=100"}), HasSubstr("rain[0]"));
+  const std::string weightless = changed(
+      changed(changed(moving, "end_time = 1000", "end_time = 1000\ngravity = [0, 0]"), "initial_water_table = 0", ""),
+      "outlet = true", "pressure = 0");
+  EXPECT_THAT(complaint(weightless), HasSubstr("case.gravity"));
   EXPECT_THAT(complaint(dam, {"soil.0.initial_saturation=0.1"}), HasSubstr("soil[0].initial_saturation"));
   EXPECT_THAT(complaint(dam, {"fluid.scheme=\"eisph\""}), AllOf(HasSubstr("fluid.scheme"), HasSubstr("particles")));
   EXPECT_THAT(complaint(dam, {"soil.0.suction_head=0.1"}), HasSubstr("soil[0].suction_head"));
