@@ -97,18 +97,23 @@ void PoreWater::see_soil(const coupling::Inbox& inbox, unsigned pass) {
     state_.rest_solid = solid;
     state_.rest_conductivity = conductivity;
   }
-  // The soil at its rest is what the case draws; from there on its grains keep their volume.
+  // The soil at its rest is what the case draws; from there on its grains keep their volume. Where the other side has
+  // nothing near, its values are zero, and the soil is as it was.
   const auto pores_of = [&](const ScalarArray& share) {
     ScalarArray pores(n);
     for (std::size_t a = 0; a < n; ++a)
-      pores[a] = drawn_.volume[a] + drawn_network_.volume[a] * (state_.rest_solid[a] / share[a] - 1.0);
+      pores[a] = share[a] > 0.0 && state_.rest_solid[a] > 0.0
+                     ? drawn_.volume[a] + drawn_network_.volume[a] * (state_.rest_solid[a] / share[a] - 1.0)
+                     : state_.pores[a];
     return pores;
   };
   Skeleton& s = skeleton_;
   s.pores = pores_of(solid);
   s.conductivity.resize(n);
   for (std::size_t a = 0; a < n; ++a)
-    s.conductivity[a] = drawn_.conductivity[a] * conductivity[a] / state_.rest_conductivity[a];
+    s.conductivity[a] = conductivity[a] > 0.0 && state_.rest_conductivity[a] > 0.0
+                            ? drawn_.conductivity[a] * conductivity[a] / state_.rest_conductivity[a]
+                            : drawn_.conductivity[a];
   const FlowModel& flow = stepper_->flow(state_);
   s.head.resize(n);
   for (std::size_t a = 0; a < n; ++a) s.head[a] = flow.borne_head(static_cast<Index>(a)).value;
