@@ -79,7 +79,7 @@ std::vector<Limit> limits(const Case& scene) {
 }
 
 const char* phases(const Case& scene) {
-  return scene.coupled()      ? "fluid and solid coupled"
+  return scene.coupled()      ? (scene.is_field() ? "water as a field and solid coupled" : "fluid and solid coupled")
          : scene.deformable() ? "soil alone"
          : scene.is_field()   ? "water as a field in rigid soil"
                               : "fluid alone in rigid soil";

@@ -6,6 +6,7 @@
 #include "common/coupling/interrupt.hpp"
 #include "common/coupling/process_main.hpp"
 #include "coupler/broker.hpp"
+#include "coupler/pairing.hpp"
 #include "coupler/schedule.hpp"
 
 #include <memory>
@@ -99,7 +100,8 @@ void execute(const Arguments& arguments, Run& run) {
   run.broker.emplace(*run.hub, std::move(options));
   auto [shortest, of_what] = shortest_time(scene);
   run.schedule.emplace(
-      *run.broker, scene.general.dimension,
+      *run.broker,
+      scene.is_field() ? make_paired_mapping(scene.general.dimension) : make_mapping(scene.general.dimension),
       WindowClock::Settings{scene.general.end_time, scene.coupling.interval, scene.output.interval,
                             scene.output.gauge_interval, shortest, of_what},
       [lines](const Progress& p) { lines->write(p, p.time >= p.end); },

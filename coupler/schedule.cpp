@@ -35,11 +35,11 @@ std::string listed(const std::vector<std::string>& names) {
 
 class Schedule::Implementation {
  public:
-  Implementation(Broker& broker, int dimension, WindowClock::Settings settings,
+  Implementation(Broker& broker, std::unique_ptr<SpatialMapping> mapping, WindowClock::Settings settings,
                  std::function<void(const Progress&)> progress, Checkpoints checkpoints, Scheme scheme, Trace* trace)
       : broker_(broker),
         clock_(settings),
-        mapping_(make_mapping(dimension)),
+        mapping_(std::move(mapping)),
         progress_(std::move(progress)),
         scheme_(scheme),
         checkpoints_(checkpoints),
@@ -453,10 +453,10 @@ class Schedule::Implementation {
   std::pair<std::uint64_t, std::uint64_t> digests_{};  ///< of what fluid and solid published at the checkpoint
 };
 
-Schedule::Schedule(Broker& broker, int dimension, WindowClock::Settings settings,
+Schedule::Schedule(Broker& broker, std::unique_ptr<SpatialMapping> mapping, WindowClock::Settings settings,
                    std::function<void(const Progress&)> progress, Checkpoints checkpoints, Scheme scheme, Trace* trace)
-    : implementation_(std::make_unique<Implementation>(broker, dimension, settings, std::move(progress), checkpoints,
-                                                       scheme, trace)) {}
+    : implementation_(std::make_unique<Implementation>(broker, std::move(mapping), settings, std::move(progress),
+                                                       checkpoints, scheme, trace)) {}
 Schedule::~Schedule() = default;
 void Schedule::run() { implementation_->run(); }
 void Schedule::note_waiting(const std::string& whom) { implementation_->note_waiting(whom); }

@@ -55,8 +55,8 @@ inline constexpr unsigned most_passes = 12;
 
 class Schedule {
  public:
-  /// `progress` may be empty.
-  Schedule(Broker& broker, int dimension, WindowClock::Settings settings,
+  /// `mapping`: make_mapping(), or of points that both solvers share make_paired_mapping(). `progress` may be empty.
+  Schedule(Broker& broker, std::unique_ptr<SpatialMapping> mapping, WindowClock::Settings settings,
            std::function<void(const Progress&)> progress = {}, Checkpoints checkpoints = {}, Scheme scheme = {},
            Trace* trace = nullptr);
   ~Schedule();

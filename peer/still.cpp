@@ -105,11 +105,21 @@ std::unique_ptr<Phase> make_still(const Case& scene, Role role) {
   const auto formula = [scene, dimension](const std::string& name, int, const double* x, double) {
     return still_value(scene, name, Point3(x[0], x[1], dimension == 3 ? x[2] : 0.0));
   };
-  const Publication still = formula_publication(role, 0.0, still_points(scene, role), formula);
+  Publication still = formula_publication(role, 0.0, still_points(scene, role), formula);
+  if (role == Role::fluid && scene.is_field()) {
+    std::erase_if(still.fields, [](const Field& f) { return f.name != field::pore_pressure; });
+    still.fields.push_back({std::string(field::degree_of_saturation), 1, ScalarArray(still.points.size(), 1.0)});
+  }
   MockKnobs knobs;
   knobs.digest = scene.digest();
-  return std::make_unique<MockPhase>(
+  auto mock = std::make_unique<MockPhase>(
       role, dimension, [still](double) { return still; }, knobs);
+  if (scene.is_field()) {
+    Contract contract = mock->contract();
+    (role == Role::fluid ? contract.gives : contract.takes) = standard_fields(Role::fluid, dimension, WaterAs::field);
+    mock->set_contract(std::move(contract));
+  }
+  return mock;
 }
 
 }  // namespace poretwin::peer

@@ -1,6 +1,5 @@
 #include "pore_solver/capillary_flow.hpp"
 
-#include "common/media/seepage.hpp"
 #include "pore_solver/numerics/steps.hpp"
 
 #include <algorithm>
@@ -16,10 +15,13 @@ double upstream_share(double p) { return p < 1e-3 ? 0.5 + p / 12.0 : 1.0 / -std:
 }  // namespace
 
 CapillaryFlow::CapillaryFlow(const Case& scene, const Network& network)
-    : network_(network), at_(network.size()), variable_(network.size(), 0.0), per_variable_(network.size(), 0.0) {
+    : FlowModel(rigid_pores(scene, network)),
+      network_(network),
+      at_(network.size()),
+      variable_(network.size(), 0.0),
+      per_variable_(network.size(), 0.0) {
   for (const auto& soil : scene.soils)
-    grounds_.push_back({porous::seepage_at(scene, soil, soil.porosity).conductivity, soil.porosity,
-                        porous::residual_saturation(soil), porous::retention_of(soil)});
+    grounds_.push_back({porous::residual_saturation(soil), porous::retention_of(soil)});
 }
 
 CapillaryFlow::Water CapillaryFlow::water(const Ground& ground, double head, double elevation) const {
@@ -36,13 +38,25 @@ void CapillaryFlow::set(std::span<const double> variable) {
   }
 }
 
-Content CapillaryFlow::content(Index a) const {
+Content CapillaryFlow::effective_saturation(Index a) const {
   const Ground& g = ground(a);
-  const double pores = network_.volume[a] * g.porosity, mobile = pores * (1.0 - g.residual);
   // Below the joint the variable is the saturation itself.
-  if (variable_[a] < g.retention->joint()) return {pores * g.residual + mobile * variable_[a], mobile};
+  if (variable_[a] < g.retention->joint()) return {variable_[a], 1.0};
   const auto s = g.retention->saturation(at_[a].head);
-  return {pores * g.residual + mobile * s.value, mobile * s.slope * per_variable_[a]};
+  return {s.value, s.slope * per_variable_[a]};
+}
+
+Content CapillaryFlow::saturation(Index a) const {
+  const Content s = effective_saturation(a);
+  const double residual = ground(a).residual;
+  return {residual + (1.0 - residual) * s.value, (1.0 - residual) * s.slope};
+}
+
+Content CapillaryFlow::borne_head(Index a) const {
+  const double head = at_[a].head;
+  if (head >= 0.0) return {head, per_variable_[a]};
+  const Content s = effective_saturation(a);
+  return {s.value * head, s.slope * head + s.value * per_variable_[a]};
 }
 
 CapillaryFlow::Driven CapillaryFlow::down(const Water& upper, const Water& lower) {
@@ -79,14 +93,14 @@ Flow CapillaryFlow::through(const Link& link) const {
   double mean = 0.0;
   if (network_.soil[a] == network_.soil[b]) {
     f = between(at_[a], at_[b], mean);
-    const double kt = ground(a).conductivity * link.transmissibility;
+    const double kt = conductivity(a, b) * link.transmissibility;
     f = {kt * f.value, kt * f.by_a, kt * f.by_b};
   } else {
     const Ground &ga = ground(a), &gb = ground(b);
     double other_mean = 0.0;
     const Flow by_a = between(at_[a], water(ga, at_[b].head, at_[b].elevation), mean);
     const Flow by_b = between(water(gb, at_[a].head, at_[a].elevation), at_[b], other_mean);
-    const double ka = ga.conductivity * link.transmissibility, kb = gb.conductivity * link.transmissibility;
+    const double ka = conductivity(a) * link.transmissibility, kb = conductivity(b) * link.transmissibility;
     // Both flows have one sign, that of the fall of the head; at rest their ratio is that of the conductivities.
     double first = ka * std::abs(by_a.value), second = kb * std::abs(by_b.value);
     if (!(first + second > 1e-12 * (ka * mean + kb * other_mean))) {
@@ -107,7 +121,7 @@ Inflow CapillaryFlow::from(const Segment& segment, double head, double elevation
   const Ground& g = ground(a);
   double mean = 0.0;
   const Flow f = between(water(g, head, elevation), at_[a], mean);
-  const double kt = g.conductivity * segment.transmissibility;
+  const double kt = conductivity(a) * segment.transmissibility;
   return {kt * f.value, kt * f.by_b * per_variable_[a]};
 }
 

@@ -23,7 +23,8 @@ class CapillaryFlow final : public FlowModel {
  public:
   CapillaryFlow(const Case& scene, const Network& network);
   void set(std::span<const double> variable) override;
-  [[nodiscard]] Content content(Index a) const override;
+  [[nodiscard]] Content saturation(Index a) const override;
+  [[nodiscard]] Content borne_head(Index a) const override;
   [[nodiscard]] double pressure_head(Index a) const override { return at_[a].head; }
   [[nodiscard]] Flow through(const Link& link) const override;
   [[nodiscard]] Inflow below_level(const Segment& segment, double level) const override;
@@ -34,7 +35,7 @@ class CapillaryFlow final : public FlowModel {
 
  private:
   struct Ground {
-    double conductivity = 0.0, porosity = 0.0, residual = 0.0;  ///< m/s; 1; residual saturation
+    double residual = 0.0;  ///< saturation
     std::unique_ptr<porous::Retention> retention;
   };
   /// Water at a pressure head, by one soil's law.
@@ -53,6 +54,7 @@ class CapillaryFlow final : public FlowModel {
   [[nodiscard]] static Driven down(const Water& upper, const Water& lower);
   /// From a to b, derivatives by their pressure heads, by one soil's law.
   [[nodiscard]] static Flow between(const Water& a, const Water& b, double& mean);
+  [[nodiscard]] Content effective_saturation(Index a) const;
   [[nodiscard]] const Ground& ground(Index a) const { return grounds_[network_.soil[a]]; }
   /// In from a place outside of the segment where water has a head.
   [[nodiscard]] Inflow from(const Segment& segment, double head, double elevation) const;

@@ -41,7 +41,40 @@ class Border {
   }
   [[nodiscard]] const std::vector<BorderPart>& parts() const { return parts_; }
 
+  /// Carries it along with points that lay at `drawn`, in parts of a spacing at most.
+  void move(const std::vector<Point3>& drawn, const std::vector<Point3>& now) {
+    std::vector<BorderPart> moved;
+    lines_ = 0;
+    for (const auto& part : parts_) {
+      const Piece& whole = part.piece;
+      const auto pieces = static_cast<int>(std::ceil(whole.length() / spacing_ - tiny));
+      for (int i = 0; i < pieces; ++i) {
+        const auto end = [&](int k) {
+          const Point3 x = whole.a + (whole.b - whole.a) * k / pieces;
+          return Point3(x + displacement(x, drawn, now));
+        };
+        moved.push_back({{end(i), end(i + 1)}, lines_++, part.face, part.rain});
+      }
+    }
+    parts_ = std::move(moved);
+  }
+
  private:
+  /// Mean of the points around a place of the border.
+  [[nodiscard]] Point3 displacement(const Point3& x, const std::vector<Point3>& drawn,
+                                    const std::vector<Point3>& now) const {
+    constexpr double reach = 1.6;  // spacings; beside a corner the nearest point is 0.7 away
+    Point3 sum = Point3::Zero();
+    double weights = 0.0;
+    for (std::size_t a = 0; a < drawn.size(); ++a) {
+      const double near = 1.0 - (drawn[a] - x).norm() / (reach * spacing_);
+      if (near <= 0.0) continue;
+      sum += near * near * (now[a] - drawn[a]);
+      weights += near * near;
+    }
+    return weights > 0.0 ? Point3(sum / weights) : sum;
+  }
+
   /// A side of a soil, divided where anything that is drawn along it begins or ends.
   void side(std::size_t soil, const Piece& whole) {
     std::vector<double> cuts{0.0, whole.length()};
@@ -156,13 +189,26 @@ class Maker {
 
   Network make() {
     place_points();
+    return connect();
+  }
+  Network make(const Network& drawn, const std::vector<Point3>& now) {
+    border_.move(drawn.position, now);
+    net_.position = now;
+    net_.soil = drawn.soil;
+    for (const auto& x : now) net_.elevation.push_back(up_.dot(x));
+    net_.volume.assign(net_.size(), 0.0);
+    filling_.resize(net_.size());
+    return connect();
+  }
+
+ private:
+  Network connect() {
     std::set<std::pair<Index, Index>> seen;
     // In spacings, and one spacing thick.
     Point3 lower = Point3::Constant(HUGE_VAL), upper = -lower;
-    for (const auto& soil : scene_.soils) {
-      const auto [low, high] = bounds(soil.shape);
-      lower = lower.cwiseMin(low);
-      upper = upper.cwiseMax(high);
+    for (const auto& part : border_.parts()) {
+      lower = lower.cwiseMin(part.piece.a);
+      upper = upper.cwiseMax(part.piece.a);
     }
     origin_ = lower;
     const Point3 size = (upper - lower) / spacing_;
@@ -195,7 +241,6 @@ class Maker {
     return std::move(net_);
   }
 
- private:
   [[nodiscard]] Point3 local(const Point3& x) const {
     Point3 y = (x - origin_) / spacing_;
     y.z() = 0.0;
@@ -213,9 +258,12 @@ class Maker {
     std::vector<Shape> shapes;
     for (const auto& soil : scene_.soils) shapes.push_back(soil.shape);
     const auto& f = scene_.fluid;
+    const auto& moving = scene_.solid;  // whose particles the points are
+    const bool moves = scene_.deformable();
     for (std::size_t s = 0; s < shapes.size(); ++s) {
-      const auto lattice = fill<2>(shapes[s], spacing_, f.offset, f.jitter, f.seed + static_cast<unsigned>(s),
-                                   std::span(shapes).subspan(s + 1));
+      const auto lattice =
+          fill<2>(shapes[s], spacing_, moves ? moving.offset : f.offset, moves ? moving.jitter : f.jitter,
+                  (moves ? moving.seed : f.seed) + static_cast<unsigned>(s), std::span(shapes).subspan(s + 1));
       for (const auto& x : lattice.position) places.push_back({Point3(x.x(), x.y(), 0.0), s});
     }
     const Point3 across(up_.y(), -up_.x(), 0.0);
@@ -294,7 +342,9 @@ class Maker {
     for (std::size_t i = 0; i + 1 < levels.size(); ++i)
       result.push_back({base + spacing_ * levels[i + 1],
                         result.back().share + (levels[i + 1] - levels[i]) * width(0.5 * (levels[i] + levels[i + 1]))});
-    for (auto& f : result) f.share /= result.back().share;
+    if (result.size() == 1) result.push_back({base, 1.0});  // without gravity nothing lies below anything
+    const double whole = result.back().share;
+    for (auto& f : result) f.share /= whole;
     return result;
   }
 
@@ -346,5 +396,13 @@ class Maker {
 }  // namespace
 
 Network make_network(const Case& scene) { return Maker(scene).make(); }
+
+Network make_network(const Case& scene, const Network& drawn, const std::vector<Point3>& now) {
+  try {
+    return Maker(scene).make(drawn, now);
+  } catch (const CaseError&) {
+    throw DivergedError("the soil has moved so far that its surface has folded over its points: a field ends here");
+  }
+}
 
 }  // namespace poretwin::pore

@@ -58,5 +58,8 @@ struct Network {
 /// links do not pass through walls. Beside a corner at which the soil goes around a notch a cell loses what lies beyond
 /// the nearer side of the notch.
 Network make_network(const Case& scene);
+/// Of the same points where soil has carried them to; `drawn`: make_network() of the case. The border goes with the
+/// points beside it, divided into parts of a spacing. Throws DivergedError where it has folded over points.
+Network make_network(const Case& scene, const Network& drawn, const std::vector<Point3>& now);
 
 }  // namespace poretwin::pore

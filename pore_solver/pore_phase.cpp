@@ -3,33 +3,171 @@
 #include "common/core/error.hpp"
 #include "common/coupling/standard_contract.hpp"
 #include "common/media/seepage.hpp"
+#include "pore_solver/numerics/steps.hpp"
+
+#include <algorithm>
 
 namespace poretwin::pore {
 
+namespace {
+
+namespace field = coupling::field;
+
+/// Reach of a point in the mapping between the processes, half of the kernel's support. In spacings.
+constexpr double reach = 1.2;
+
+}  // namespace
+
 PoreWater::PoreWater(const Case& scene)
     : scene_(scene),
-      network_(make_network(scene_)),
-      stepper_(scene_, network_),
-      gauges_(scene_, network_),
-      state_(stepper_.first_state(scene_)) {}
+      drawn_network_(make_network(scene_)),
+      network_(drawn_network_),
+      stepper_(std::make_unique<Stepper>(scene_, network_)),
+      gauges_(std::make_unique<Gauges>(scene_, network_)),
+      state_(stepper_->first_state(scene_)),
+      drawn_(rigid_pores(scene_, network_)) {}
 
-coupling::Contract PoreWater::contract() const { return {scene_.general.dimension, scene_.digest(), {}, {}}; }
+coupling::Contract PoreWater::contract() const {
+  const int dimension = scene_.general.dimension;
+  coupling::Contract out{dimension, scene_.digest(), {}, {}};
+  if (!scene_.coupled()) return out;
+  out.gives = coupling::standard_fields(coupling::Role::fluid, dimension, coupling::WaterAs::field);
+  for (auto& spec : coupling::standard_fields(coupling::Role::solid, dimension)) {
+    const bool pores = spec.name == field::solid_volume_fraction;
+    if (!pores && spec.name != field::constrained_modulus && spec.name != field::hydraulic_conductivity &&
+        !(scene_.can_yield() && spec.name == field::mean_solid_velocity))
+      continue;
+    spec.found = pores && scene_.predicts();
+    out.takes.push_back(std::move(spec));
+  }
+  return out;
+}
 
 coupling::Publication PoreWater::publish() const {
   coupling::Publication out;
   out.time = state_.time;
-  out.points.dimension = scene_.general.dimension;
+  auto& points = out.points;
+  points.dimension = scene_.general.dimension;
   std::tie(out.proposed_interval, out.limited_by) = proposal();
+  if (!scene_.coupled()) return out;
+  const std::size_t n = network_.size();
+  points.revision = 1 + static_cast<std::uint64_t>(state_.counts.carried);
+  points.n_active = n;
+  points.volume = drawn_network_.volume;
+  const auto& position = state_.position.empty() ? network_.position : state_.position;
+  points.smoothing_length.assign(n, reach * scene_.fluid.particle_spacing);
+  const FlowModel& flow = stepper_->flow(state_);
+  coupling::Field pressure{std::string(field::pore_pressure), 1, ScalarArray(n)},
+      degree{std::string(field::degree_of_saturation), 1, ScalarArray(n)};
+  const double weight = porous::specific_weight(scene_);
+  for (std::size_t a = 0; a < n; ++a) {
+    points.owner.push_back(static_cast<double>(a));
+    for (int d = 0; d < points.dimension; ++d) points.position.push_back(position[a][d]);
+    pressure.values[a] = weight * flow.borne_head(static_cast<Index>(a)).value;
+    degree.values[a] = std::clamp(degree_of_saturation(a), 0.0, 1.0);
+  }
+  out.fields = {std::move(pressure), std::move(degree)};
   return out;
 }
 
-std::pair<double, std::string> PoreWater::proposal() const {
-  return {stepper_.proposal(state_), "the error of a step"};
+double PoreWater::degree_of_saturation(std::size_t a) const {
+  const double initial = scene_.soils[network_.soil[a]].initial_saturation;
+  return initial + (1.0 - initial) * saturation(state_, static_cast<Index>(a));
 }
 
-coupling::Outcome PoreWater::advance(const coupling::Window& window, const coupling::Inbox&) {
-  const auto outcome = stepper_.step(window.interval, state_);
-  if (outcome.accepted) state_.time = window.time + window.interval;
+std::pair<double, std::string> PoreWater::proposal() const {
+  return {stepper_->proposal(state_), "the error of a step"};
+}
+
+void PoreWater::initialise(const coupling::Inbox& inbox) {
+  if (inbox.fields.empty()) return;
+  see_soil(inbox, 0);
+  state_.wanted = std::min(state_.wanted, stepper_->time_of_a_cell(skeleton_));
+  // The soil has yet to come to its rest.
+  state_.rest_solid.clear();
+  state_.rest_conductivity.clear();
+}
+
+void PoreWater::see_soil(const coupling::Inbox& inbox, unsigned pass) {
+  const std::size_t n = network_.size();
+  const ScalarArray &solid = inbox.at(field::solid_volume_fraction).values,
+                    &conductivity = inbox.at(field::hydraulic_conductivity).values,
+                    &modulus = inbox.at(field::constrained_modulus).values;
+  if (state_.rest_solid.empty()) {
+    state_.rest_solid = solid;
+    state_.rest_conductivity = conductivity;
+  }
+  // The soil at its rest is what the case draws; from there on its grains keep their volume. Where the other side has
+  // nothing near, its values are zero, and the soil is as it was.
+  const auto pores_of = [&](const ScalarArray& share) {
+    ScalarArray pores(n);
+    for (std::size_t a = 0; a < n; ++a)
+      pores[a] = share[a] > 0.0 && state_.rest_solid[a] > 0.0
+                     ? drawn_.volume[a] + drawn_network_.volume[a] * (state_.rest_solid[a] / share[a] - 1.0)
+                     : state_.pores[a];
+    return pores;
+  };
+  Skeleton& s = skeleton_;
+  s.pores = pores_of(solid);
+  s.conductivity.resize(n);
+  for (std::size_t a = 0; a < n; ++a)
+    s.conductivity[a] = conductivity[a] > 0.0 && state_.rest_conductivity[a] > 0.0
+                            ? drawn_.conductivity[a] * conductivity[a] / state_.rest_conductivity[a]
+                            : drawn_.conductivity[a];
+  const FlowModel& flow = stepper_->flow(state_);
+  s.head.resize(n);
+  for (std::size_t a = 0; a < n; ++a) s.head[a] = flow.borne_head(static_cast<Index>(a)).value;
+  s.found = pass > 0 ? pores_of(inbox.found_at(field::solid_volume_fraction).values) : s.pores;
+  s.found_head = pass > 0 ? passed_head_ : s.head;
+  s.give.assign(n, 0.0);
+  const double weight = porous::specific_weight(scene_);
+  for (std::size_t a = 0; a < n && scene_.predicts(); ++a)
+    if (modulus[a] > 0.0) s.give[a] = drawn_network_.volume[a] * weight / modulus[a];
+}
+
+void PoreWater::link() {
+  if (linked_ == state_.linked) return;
+  linked_ = state_.linked;
+  network_ = linked_.empty() ? drawn_network_ : make_network(scene_, drawn_network_, linked_);
+  stepper_ = std::make_unique<Stepper>(scene_, network_);
+  gauges_ = std::make_unique<Gauges>(scene_, network_);
+}
+
+void PoreWater::follow_soil(const coupling::Inbox& inbox) {
+  if (!scene_.can_yield() || state_.last_interval <= 0.0) return;
+  const ScalarArray& velocity = inbox.at(field::mean_solid_velocity).values;
+  auto& position = state_.position;
+  if (position.empty()) position = state_.linked = linked_ = network_.position;
+  ++state_.counts.carried;
+  double farthest = 0.0;
+  for (std::size_t a = 0; a < position.size(); ++a) {
+    for (int d = 0; d < 2; ++d) position[a][d] += state_.last_interval * velocity[2 * a + static_cast<std::size_t>(d)];
+    farthest = std::max(farthest, (position[a] - state_.linked[a]).norm());
+  }
+  if (farthest < steps::carried_far * scene_.fluid.particle_spacing) return;
+  state_.linked = position;
+  link();
+  ++state_.counts.links;
+  state_.segments.assign(network_.segments.size(), {});
+  state_.inflow.assign(network_.segments.size(), 0.0);
+  state_.flow.assign(network_.links.size(), 0.0);
+}
+
+coupling::Outcome PoreWater::advance(const coupling::Window& window, const coupling::Inbox& inbox) {
+  const bool moves = !inbox.fields.empty();
+  if (moves) {
+    follow_soil(inbox);
+    see_soil(inbox, window.pass);
+  }
+  const auto outcome = stepper_->step(window.interval, moves ? &skeleton_ : nullptr, state_);
+  if (!outcome.accepted) return outcome;
+  state_.time = window.time + window.interval;
+  state_.last_interval = window.interval;
+  if (moves) {
+    const FlowModel& flow = stepper_->flow(state_);
+    passed_head_.resize(network_.size());
+    for (std::size_t a = 0; a < network_.size(); ++a) passed_head_[a] = flow.borne_head(static_cast<Index>(a)).value;
+  }
   return outcome;
 }
 
@@ -48,7 +186,7 @@ void PoreWater::compute_flux() const {
 }
 
 OutputFrame PoreWater::frame() const {
-  const FlowModel& flow = stepper_.flow(state_);
+  const FlowModel& flow = stepper_->flow(state_);
   head_.resize(network_.size());
   for (std::size_t a = 0; a < network_.size(); ++a) head_[a] = flow.pressure_head(static_cast<Index>(a));
   compute_flux();
@@ -61,9 +199,8 @@ OutputFrame PoreWater::frame() const {
                  tell_scalars([this](std::size_t a) { return head_[a]; })},
                 {{"pore_pressure", "Pa", "pressure of the water; below zero under suction", 1},
                  tell_scalars([this, weight](std::size_t a) { return weight * head_[a]; })},
-                {{"degree_of_saturation", "1", "water's share of the pores", 1}, tell_scalars([this](std::size_t a) {
-                   return saturation(scene_, network_, state_, static_cast<Index>(a));
-                 })},
+                {{"degree_of_saturation", "1", "water's share of the pores", 1},
+                 tell_scalars([this](std::size_t a) { return saturation(state_, static_cast<Index>(a)); })},
                 {{"water_content", "1", "volume of water per volume of soil", 1},
                  tell_scalars([this](std::size_t a) { return state_.water[a] / network_.volume[a]; })},
                 {{"relative_flux", "m/s", "discharge through the skeleton, per area", 3}, tell_vectors<3>(flux_)},
@@ -72,13 +209,14 @@ OutputFrame PoreWater::frame() const {
   return out;
 }
 
-std::vector<GaugeReading> PoreWater::gauges() const { return gauges_.read(stepper_.flow(state_), stepper_, state_); }
+std::vector<GaugeReading> PoreWater::gauges() const { return gauges_->read(stepper_->flow(state_), *stepper_, state_); }
 
 std::map<std::string, double> PoreWater::counters() const {
   const Counts& c = state_.counts;
   return {{"points", static_cast<double>(network_.size())},
           {"Newton iterations", c.iterations},
-          {"linear iterations", c.linear_iterations}};
+          {"linear iterations", c.linear_iterations},
+          {"times linked anew", c.links}};
 }
 
 std::unique_ptr<Phase> make_pore_water(const Case& scene) { return std::make_unique<PoreWater>(scene); }

@@ -1,4 +1,5 @@
-// The water in the pores as a field, behind the Phase interface: in the fluid's role, in soil that does not move.
+// The water in the pores as a field, behind the Phase interface: in the fluid's role, alone in rigid soil or with a
+// solver of soil that moves.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -18,11 +19,17 @@ class PoreWater final : public Phase {
   [[nodiscard]] coupling::Contract contract() const override;
   [[nodiscard]] coupling::Publication publish() const override;
   [[nodiscard]] std::pair<double, std::string> proposal() const override;
-  void initialise(const coupling::Inbox&) override {}
+  void initialise(const coupling::Inbox& inbox) override;
   coupling::Outcome advance(const coupling::Window& window, const coupling::Inbox& inbox) override;
   void save() override { saved_ = state_; }
-  void restore() override { state_ = saved_; }
-  void archive(Archive& archive) override { archive(state_); }
+  void restore() override {
+    state_ = saved_;
+    link();
+  }
+  void archive(Archive& archive) override {
+    archive(state_);
+    link();
+  }
   [[nodiscard]] OutputFrame frame() const override;
   [[nodiscard]] std::vector<GaugeReading> gauges() const override;
   [[nodiscard]] std::map<std::string, double> counters() const override;
@@ -30,17 +37,29 @@ class PoreWater final : public Phase {
   [[nodiscard]] const Network& network() const { return network_; }
   [[nodiscard]] const State& state() const { return state_; }
   /// At the present state.
-  [[nodiscard]] const FlowModel& flow() const { return stepper_.flow(state_); }
+  [[nodiscard]] const FlowModel& flow() const { return stepper_->flow(state_); }
 
  private:
+  /// The soil as its solver tells of it, in a pass through a window.
+  void see_soil(const coupling::Inbox& inbox, unsigned pass);
+  /// Carries the points along with the soil, and links them anew where it has carried one of them far.
+  void follow_soil(const coupling::Inbox& inbox);
+  /// Makes the network of the state's points, if it is not that already.
+  void link();
+  /// Of a point's pores, with what its soil held from the start.
+  [[nodiscard]] double degree_of_saturation(std::size_t a) const;
   /// Discharge per area at each point, from what passes the sides of its cell [m/s].
   void compute_flux() const;
 
   Case scene_;
-  Network network_;
-  mutable Stepper stepper_;  ///< its work space is none of the state
-  Gauges gauges_;
+  Network drawn_network_, network_;
+  std::vector<Point3> linked_;                ///< State::linked of the network
+  mutable std::unique_ptr<Stepper> stepper_;  ///< its work space is none of the state
+  std::unique_ptr<Gauges> gauges_;
   State state_, saved_;
+  Pores drawn_;              ///< of the soil as the case draws it
+  ScalarArray passed_head_;  ///< m, that the skeleton bore at the end of the last pass through the window
+  Skeleton skeleton_;
   mutable std::vector<Point3> flux_;  ///< of the frame that was asked for last
   mutable ScalarArray head_;
 };

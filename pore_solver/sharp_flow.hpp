@@ -12,12 +12,15 @@ namespace poretwin::pore {
 ///   F_ab = K T [m(h_a) - m(h_b)]
 ///
 /// so that water passes through the wet part of a face only, and a front crosses a cell without a jump. A face with
-/// still water of level H behind it is the same with H for h_b; above H it is a seepage face.
+/// still water of level H behind it is the same with H for h_b; above H it is a seepage face. What the skeleton bears
+/// of the pressure is its mean over the cell. Without gravity water has no level: all cells are full, and their
+/// variable is the pressure head.
 class SharpFlow final : public FlowModel {
  public:
   SharpFlow(const Case& scene, const Network& network);
   void set(std::span<const double> variable) override { level_.assign(variable.begin(), variable.end()); }
-  [[nodiscard]] Content content(Index a) const override;
+  [[nodiscard]] Content saturation(Index a) const override;
+  [[nodiscard]] Content borne_head(Index a) const override;
   [[nodiscard]] double pressure_head(Index a) const override { return level_[a] - network_.elevation[a]; }
   [[nodiscard]] Flow through(const Link& link) const override;
   [[nodiscard]] Inflow below_level(const Segment& segment, double level) const override;
@@ -27,11 +30,11 @@ class SharpFlow final : public FlowModel {
   [[nodiscard]] double limited(Index a, double from, double to, char& stopped) const override;
 
  private:
-  [[nodiscard]] double conductivity(Index a) const { return conductivity_[network_.soil[a]]; }
+  [[nodiscard]] Inflow mean_depth(double h, double low, double high) const;
 
   const Network& network_;
-  ScalarArray conductivity_, porosity_;  ///< of each soil: m/s, 1
-  ScalarArray level_;                    ///< m, of each point
+  bool weightless_;
+  ScalarArray level_;  ///< m, of each point
 };
 
 }  // namespace poretwin::pore

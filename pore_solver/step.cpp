@@ -6,11 +6,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace poretwin::pore {
 
 Stepper::Stepper(const Case& scene, const Network& network)
-    : network_(network), flow_(make_flow_model(scene, network)) {
+    : network_(network), spacing_(scene.fluid.particle_spacing), flow_(make_flow_model(scene, network)) {
+  // Those of faces and of rain first: their places stay where a network is made anew.
+  for (std::size_t f = 0; f < scene.water_faces.size(); ++f)
+    boundaries_.push_back({f, Segment::none, make_boundary(scene, f, Segment::none)});
+  for (std::size_t r = 0; r < scene.rains.size(); ++r)
+    boundaries_.push_back({Segment::none, r, make_boundary(scene, Segment::none, r)});
   for (const auto& segment : network.segments) {
     auto found = std::find_if(boundaries_.begin(), boundaries_.end(), [&](const Along& along) {
       return along.face == segment.face && along.rain == segment.rain;
@@ -21,7 +27,7 @@ Stepper::Stepper(const Case& scene, const Network& network)
     }
     boundary_of_.push_back(static_cast<std::size_t>(found - boundaries_.begin()));
   }
-  for (std::size_t a = 0; a < network.size(); ++a) pores_ += network.volume[a] * scene.soils[network.soil[a]].porosity;
+  for (const double volume : flow_->pores().volume) pores_ += volume;
   std::vector<std::pair<Index, Index>> entries;
   for (const auto& link : network.links) {
     entries.emplace_back(link.a, link.b);
@@ -34,6 +40,8 @@ Stepper::Stepper(const Case& scene, const Network& network)
   net_.resize(network.size());
   link_flow_.resize(network.links.size());
   inflow_.resize(network.segments.size());
+  evens_.assign(network.links.size(), 0.0);
+  for (auto* volume : {&passed_, &before_}) volume->assign(network.size(), 0.0);
 }
 
 State Stepper::first_state(const Case& scene) {
@@ -53,6 +61,7 @@ State Stepper::first_state(const Case& scene) {
   flow_->set(state.variable);
   for (std::size_t a = 0; a < network_.size(); ++a) state.water.push_back(flow_->content(static_cast<Index>(a)).value);
   for (const double w : state.water) state.initial_water += w;
+  state.pores = flow_->pores().volume;
   state.segments.resize(network_.segments.size());
   state.accounts.resize(boundaries_.size());
   state.inflow.assign(network_.segments.size(), 0.0);
@@ -85,14 +94,46 @@ double Stepper::proposal(const State& state) const {
   return std::min(state.wanted, next - state.time);
 }
 
-coupling::Outcome Stepper::step(double interval, State& state) {
-  const Attempt attempted = attempt(interval, state);
+void Stepper::link_full_points(const Skeleton& soil, const State& state) {
+  const auto full = [&](Index a) {
+    return std::max(0.0, 1.0 - (1.0 - state.water[a] / state.pores[a]) / steps::air_in_full_soil);
+  };
+  for (std::size_t i = 0; i < network_.links.size(); ++i) {
+    const Link& link = network_.links[i];
+    evens_[i] = 0.125 * link.transmissibility * (soil.give[link.a] + soil.give[link.b]) * full(link.a) * full(link.b);
+  }
+}
+
+void Stepper::see(const Skeleton& soil, double share) {
+  const std::size_t n = network_.size();
+  Pores pores{ScalarArray(n), ScalarArray(n), soil.give, soil.conductivity};
+  for (std::size_t a = 0; a < n; ++a) {
+    pores.volume[a] = soil.pores[a] + share * (soil.found[a] - soil.pores[a]);
+    pores.at[a] = soil.head[a] + share * (soil.found_head[a] - soil.head[a]);
+  }
+  flow_->set_pores(std::move(pores));
+}
+
+double Stepper::time_of_a_cell(const Skeleton& soil) const {
+  ScalarArray passes(network_.size(), 0.0);  // m2/s (2D: m/s), discharge for each metre of head
+  for (const auto& link : network_.links)
+    for (const Index a : {link.a, link.b}) passes[a] += soil.conductivity[a] * link.transmissibility;
+  double shortest = HUGE_VAL;
+  for (std::size_t a = 0; a < passes.size(); ++a)
+    if (soil.give[a] > 0.0 && passes[a] > 0.0) shortest = std::min(shortest, soil.give[a] / passes[a]);
+  return shortest;
+}
+
+coupling::Outcome Stepper::step(double interval, const Skeleton* soil, State& state) {
+  const Attempt attempted = attempt(interval, soil, state);
   if (!attempted.solved) return coupling::Outcome::reject(steps::shrink_unsolved * interval, "no solution");
-  const double allowed =
-      attempted.error > 0.0 ? steps::caution * std::sqrt(steps::wanted_error / attempted.error) : HUGE_VAL;
-  if (attempted.error > steps::largest_error * steps::wanted_error)
+  const double scale = std::max({state.largest_head, attempted.largest_head, spacing_});
+  const double error = std::max(attempted.error, attempted.head_error / scale);
+  const double allowed = error > 0.0 ? steps::caution * std::sqrt(steps::wanted_error / error) : HUGE_VAL;
+  if (error > steps::largest_error * steps::wanted_error)
     return coupling::Outcome::reject(std::max(steps::shrink, allowed) * interval, "the error of a step");
   accept(interval, state);
+  state.largest_head = std::max(state.largest_head, attempted.largest_head);
   // A step that was cut at an instant does not make the next one shorter.
   state.wanted = std::clamp(allowed, steps::shrink, std::max(steps::grow, state.wanted / interval)) * interval;
   return coupling::Outcome::accept();
@@ -100,6 +141,7 @@ coupling::Outcome Stepper::step(double interval, State& state) {
 
 void Stepper::balance(double interval, const State& state, bool with_matrix) {
   std::fill(net_.begin(), net_.end(), 0.0);
+  std::fill(passed_.begin(), passed_.end(), 0.0);
   if (with_matrix) matrix_.clear();
   for (std::size_t i = 0; i < network_.links.size(); ++i) {
     const Link& link = network_.links[i];
@@ -107,11 +149,20 @@ void Stepper::balance(double interval, const State& state, bool with_matrix) {
     link_flow_[i] = f.value;
     net_[link.a] -= f.value;
     net_[link.b] += f.value;
+    Flow all{0.0, interval * f.by_a, interval * f.by_b};
+    if (evens_[i] > 0.0) {
+      const Content a = flow_->borne_head(link.a), b = flow_->borne_head(link.b);
+      const double volume = evens_[i] * (a.value - b.value);
+      passed_[link.a] += volume;
+      passed_[link.b] -= volume;
+      all.by_a += evens_[i] * a.slope;
+      all.by_b -= evens_[i] * b.slope;
+    }
     if (!with_matrix) continue;
-    matrix_[matrix_.diagonal(link.a)] += interval * f.by_a;
-    matrix_[places_[i].first] += interval * f.by_b;
-    matrix_[matrix_.diagonal(link.b)] -= interval * f.by_b;
-    matrix_[places_[i].second] -= interval * f.by_a;
+    matrix_[matrix_.diagonal(link.a)] += all.by_a;
+    matrix_[places_[i].first] += all.by_b;
+    matrix_[matrix_.diagonal(link.b)] -= all.by_b;
+    matrix_[places_[i].second] -= all.by_a;
   }
   for (std::size_t i = 0; i < network_.segments.size(); ++i) {
     const Segment& segment = network_.segments[i];
@@ -122,7 +173,7 @@ void Stepper::balance(double interval, const State& state, bool with_matrix) {
   }
   for (std::size_t a = 0; a < network_.size(); ++a) {
     const Content c = flow_->content(static_cast<Index>(a));
-    residual_[a] = c.value - base_[a] - interval * net_[a];
+    residual_[a] = c.value + passed_[a] - base_[a] - interval * net_[a];
     if (with_matrix) matrix_[matrix_.diagonal(a)] += c.slope;
   }
 }
@@ -137,8 +188,8 @@ bool Stepper::solve(double interval, State& state) {
     double left = 0.0, moved = 0.0;
     for (const double r : residual_) left += std::abs(r);
     for (const double w : net_) moved += interval * std::abs(w);
-    const double enough =
-        std::clamp(steps::residual * moved, steps::least_residual * pores_, steps::most_residual * pores_);
+    double enough = std::clamp(steps::residual * moved, steps::least_residual * pores_, steps::most_residual * pores_);
+    if (give_ > 0.0) enough = std::min(enough, steps::borne_residual * std::max(state.largest_head, spacing_) * give_);
     if (left < carried_ + enough) return true;
     if (!std::isfinite(left) || iteration == steps::most_iterations) return false;
     // A point that is full, and from which nothing can go anywhere, has nothing that its variable changes.
@@ -156,16 +207,31 @@ bool Stepper::solve(double interval, State& state) {
   }
 }
 
-Stepper::Attempt Stepper::attempt(double interval, State& state) {
+Stepper::Attempt Stepper::attempt(double interval, const Skeleton* soil, State& state) {
   // With g = 1 - 1/sqrt(2): w1 = w + g dt net(u1), w2 = w + (1 - g) dt net(u1) + g dt net(u2).
   const double g = 1.0 - std::sqrt(0.5);
   const std::size_t n = network_.size();
   variable_ = state.variable;
   base_ = state.water;
   // What earlier steps have left, in cells that are full, say, no step that is short can take away.
+  std::fill(evens_.begin(), evens_.end(), 0.0);
+  if (soil) {
+    link_full_points(*soil, state);
+    see(*soil, g);
+  }
   flow_->set(variable_);
-  carried_ = 0.0;
-  for (std::size_t a = 0; a < n; ++a)
+  before_.assign(n, 0.0);
+  for (std::size_t i = 0; i < network_.links.size(); ++i) {
+    const Link& link = network_.links[i];
+    if (evens_[i] == 0.0) continue;
+    const double volume = evens_[i] * (flow_->borne_head(link.a).value - flow_->borne_head(link.b).value);
+    before_[link.a] += volume;
+    before_[link.b] -= volume;
+  }
+  for (std::size_t a = 0; a < n; ++a) base_[a] += before_[a];
+  carried_ = give_ = 0.0;
+  for (const double give : flow_->pores().give) give_ += give;
+  for (std::size_t a = 0; a < n && give_ == 0.0; ++a)
     carried_ += std::abs(flow_->content(static_cast<Index>(a)).value - state.water[a]);
   begin({state.time, interval, state.time + g * interval});
   if (!solve(g * interval, state)) return {};
@@ -173,6 +239,7 @@ Stepper::Attempt Stepper::attempt(double interval, State& state) {
   mean_inflow_ = inflow_;
   for (std::size_t a = 0; a < n; ++a) base_[a] += (1.0 - g) * interval * net_[a];
   begin({state.time, interval, state.time + interval});
+  if (soil) see(*soil, 1.0);
   // From where the first stage points to.
   for (std::size_t a = 0; a < n; ++a) {
     const double before = state.variable[a], ahead = before + (variable_[a] - before) / g;
@@ -180,22 +247,44 @@ Stepper::Attempt Stepper::attempt(double interval, State& state) {
     variable_[a] = flow_->limited(static_cast<Index>(a), variable_[a], ahead, stopped);
   }
   if (!solve(g * interval, state)) return {};
+  const double euler = 0.5 * interval / (1.0 - g);  // by which implicit Euler's error is the rates' difference
   double differ = 0.0;
+  ScalarArray difference(n);
   for (std::size_t a = 0; a < n; ++a) {
-    differ += std::abs(net_[a] - mean_net_[a]);
+    difference[a] = euler * (net_[a] - mean_net_[a]);
+    differ += std::abs(difference[a]);
     mean_net_[a] += g * (net_[a] - mean_net_[a]);
   }
   for (std::size_t i = 0; i < inflow_.size(); ++i) mean_inflow_[i] += g * (inflow_[i] - mean_inflow_[i]);
-  return {true, 0.5 * interval * differ / (1.0 - g) / pores_};
+  Attempt result{true, differ / pores_};
+  if (soil) std::tie(result.head_error, result.largest_head) = borne_error(difference);
+  return result;
+}
+
+std::pair<double, double> Stepper::borne_error(std::span<const double> content_error) {
+  const std::size_t n = network_.size();
+  ScalarArray change(n);
+  const Ilu0 factors(matrix_);
+  flexible_gmres([&](auto x, auto y) { matrix_.apply(x, y); }, [&](auto r, auto z) { factors.apply(r, z); },
+                 content_error, change, steps::error_residual * norm(content_error), steps::most_linear_iterations);
+  double error = 0.0, volume = 0.0, largest = 0.0;
+  for (std::size_t a = 0; a < n; ++a) {
+    const Content head = flow_->borne_head(static_cast<Index>(a));
+    largest = std::max(largest, std::abs(head.value));
+    error += network_.volume[a] * std::abs(head.slope * change[a]);
+    volume += network_.volume[a];
+  }
+  return {error / volume, largest};
 }
 
 void Stepper::accept(double interval, State& state) {
-  for (std::size_t a = 0; a < network_.size(); ++a) state.water[a] += interval * mean_net_[a];
+  for (std::size_t a = 0; a < network_.size(); ++a) state.water[a] += interval * mean_net_[a] - passed_[a] + before_[a];
   for (std::size_t i = 0; i < network_.segments.size(); ++i) {
     const std::size_t b = boundary_of_[i];
     boundaries_[b].boundary->accept(network_.segments[i], mean_inflow_[i], state.segments[i], state.accounts[b]);
   }
   state.variable = variable_;
+  for (std::size_t a = 0; a < network_.size(); ++a) state.pores[a] = flow_->pore_volume(static_cast<Index>(a));
   state.flow = link_flow_;
   state.inflow = inflow_;
 }

@@ -82,7 +82,8 @@ void Solid<D>::archive(Archive& archive) {
 
 template <int D>
 Contract Solid<D>::contract() const {
-  return {D, digest_, standard_fields(Role::solid, D), standard_fields(Role::fluid, D)};
+  return {D, digest_, standard_fields(Role::solid, D),
+          standard_fields(Role::fluid, D, setup_.water.is_field ? WaterAs::field : WaterAs::particles)};
 }
 
 template <int D>

@@ -229,6 +229,8 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
                  .drags = scene.fluid.drag,
                  .gradient = scene.solid.pressure_gradient,
                  .prescribed = scene.pore_pressures,
+                 .is_field = scene.is_field(),
+                 .faces = scene.is_field() ? scene.water_faces : std::vector<WaterFace>(),
                  .dimension = D,
                  .gravity = scene.general.gravity};
   setup.coupling = {.coupled = scene.coupled(),

@@ -36,6 +36,8 @@ struct WaterSetup {
   bool drags = true;                 ///< seepage force between the phases
   SolidCase::PressureGradient gradient = SolidCase::PressureGradient::difference;
   std::vector<PorePressure> prescribed;  ///< in soil that runs alone; none: a fluid gives the pressure
+  bool is_field = false;                 ///< what the fluid gives is a field: pressure, and the share of full pores
+  std::vector<WaterFace> faces;          ///< of a field: what stands behind them bears on the soil
   int dimension = 2;                     ///< of their regions
   Point3 gravity = Point3::Zero();       ///< m/s2
   [[nodiscard]] bool is_prescribed() const { return !prescribed.empty(); }

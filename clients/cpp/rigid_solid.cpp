@@ -92,7 +92,7 @@ class RigidSolid final : public Phase {
   [[nodiscard]] Contract contract() const override {
     const int dimension = scene_.general.dimension;
     return {dimension, scene_.digest(), standard_fields(Role::solid, dimension),
-            standard_fields(Role::fluid, dimension)};
+            standard_fields(Role::fluid, dimension, scene_.is_field() ? WaterAs::field : WaterAs::particles)};
   }
 
   [[nodiscard]] Publication publish() const override {

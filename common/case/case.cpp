@@ -448,8 +448,9 @@ void declare(Keys& keys, FluidCase& f) {
   keys.choice<FluidCase::Representation>(
       "representation", f.representation, representation_words,
       {"",
-       "`particles` that move with the water, also where it runs free; `field`: pressure heads at points of soil that "
-       "does not move, saturated or not, `particle_spacing` apart (2D, docs/theory/pore_water_field.md)."});
+       "`particles` that move with the water, also where it runs free; `field`: pressure heads at points of soil, "
+       "saturated "
+       "or not, `particle_spacing` apart; of soil that moves its particles (2D, docs/theory/pore_water_field.md)."});
   keys.series("initial_pressure_head", f.initial_pressure_head,
               {"m", "Field: pressure head at time zero, a number or a table against elevation, [[z, psi], ..]."});
   keys.number(

@@ -729,7 +729,12 @@ class Checker : Complaints {
 
   void factor_of_safety(const Gauge& gauge, const std::string& key) const {
     if (!scene_.can_yield())
-      fail(key + ".kind", "a factor of safety needs soil that can fail; expected a solid.model or soil.model with a strength");
+      fail(key + ".kind", "a factor of safety needs soil that can fail; expected a solid.model with a strength");
+    for (std::size_t s = 0; s < scene_.soils.size(); ++s)
+      if (const Material kind = material(scene_.model_of(scene_.soils[s])); kind.can_yield() && !kind.has_strength())
+        fail(key + ".kind", fmt::format("soil[{}].model = \"{}\" has no strength that a factor could divide; expected "
+                                        "a material with cohesion and friction",
+                                        s, kind.name));
     const double turns = gauge.every / scene_.output.gauge_interval;  // nothing, infinite: no whole number either
     if (!(turns >= 0.5 && std::abs(turns - std::round(turns)) <= 1e-6))
       fail(key + ".every", fmt::format("expected a whole number of output.gauge_interval ({:g} s), found {:g} s",

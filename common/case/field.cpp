@@ -49,7 +49,8 @@ class FieldChecks : Complaints {
       const std::string key = fmt::format("gauge[{}]", i);
       if (has(rain_kinds, g.kind)) fail(key + ".kind", fmt::format("\"{}\" {}", g.kind, reason));
       if (given(key + ".pressure_head")) fail(key + ".pressure_head", reason);
-      if (g.kind == "point" && g.quantity == "water_content") fail(key + ".quantity", reason);
+      if (g.kind == "point" && (g.quantity == "water_content" || g.quantity == "borne_pressure"))
+        fail(key + ".quantity", reason);
     }
   }
 
@@ -67,13 +68,52 @@ class FieldChecks : Complaints {
   void scene() const {
     if (scene_.general.dimension != 2)
       fail("fluid.representation", "a field is for dimension = 2 so far, found dimension = 3; use \"particles\"");
-    if (up_.isZero()) fail("case.gravity", "heads need gravity, found a vector of length zero");
+    if (scene_.soils.empty()) fail("soil", "a field lives on points of soil; expected a [[soil]], found none");
+    if (up_.isZero() && asks_for_heads())
+      fail("case.gravity",
+           "heads need gravity, found a vector of length zero; without it a field has prescribed "
+           "pressures only");
     if (!scene_.general.periodic.empty())
       fail("case.periodic", "a field has no periodic sides so far; expected a case without them");
-    if (scene_.deformable())
-      fail("solid.model", fmt::format("a field needs soil that does not move so far; expected \"rigid\", found \"{}\"",
-                                      scene_.solid.model.name));
-    if (scene_.soils.empty()) fail("soil", "a field lives on points of soil; expected a [[soil]], found none");
+    if (scene_.deformable()) moving_soil();
+    if (up_.isZero()) full_soil();
+  }
+
+  [[nodiscard]] bool asks_for_heads() const {
+    const auto& faces = scene_.water_faces;
+    return !scene_.deformable() || scene_.fluid.initial_pressure_head || scene_.fluid.initial_water_table ||
+           !scene_.rains.empty() || !sharp(scene_.soils.front()) ||
+           std::any_of(faces.begin(), faces.end(), [](const WaterFace& f) { return f.head.has_value() || f.outlet; });
+  }
+
+  /// Without gravity nothing says where the water in a cell lies.
+  void full_soil() const {
+    for (std::size_t i = 0; i < scene_.soils.size(); ++i)
+      for (const auto& x :
+           fill<2>(scene_.soils[i].shape, scene_.fluid.particle_spacing, {0.5, 0.5, 0.5}, 0.0, 1).position)
+        if (std::none_of(scene_.fluid.regions.begin(), scene_.fluid.regions.end(), [&](const Shape& region) {
+              return contains(region, {x.x(), x.y(), 0.0}, 2);
+            }))
+          fail(fmt::format("soil[{}]", i),
+               fmt::format("is dry, for example at {} m; without gravity expected a [[fluid.region]] over all of it",
+                           shown({x.x(), x.y(), 0.0})));
+  }
+
+  /// A field's points are the soil's particles.
+  void moving_soil() const {
+    if (scene_.fluid.particle_spacing != scene_.solid.particle_spacing)
+      fail("fluid.particle_spacing",
+           fmt::format("a field's points are the soil's particles; expected solid.particle_spacing, {} m, found {} m",
+                       scene_.solid.particle_spacing, scene_.fluid.particle_spacing));
+    for (const char* key : {"fluid.offset", "fluid.jitter", "fluid.seed"})
+      if (given(key)) fail(key, "a field's points are the soil's particles; expected the key under [solid]");
+    if (scene_.coupling.scheme == CouplingCase::Scheme::parallel)
+      fail("coupling.scheme",
+           "a field and its soil take turns; expected \"iterated\" or \"serial\", found \"parallel\"");
+    if (scene_.can_yield() && !scene_.rains.empty())
+      fail("rain[0]", "falls on soil that keeps its surface so far; expected soil that cannot yield");
+    if (scene_.solid.initial_wave != 0.0)
+      fail("solid.initial_wave", "a field has no inertia; expected fluid.representation = \"particles\"");
   }
 
   void keys_of_particles() const {
@@ -85,9 +125,11 @@ class FieldChecks : Complaints {
       fail("case.scheme", "\"paper\" is a scheme of particles, found with fluid.representation = \"field\"");
     for (std::size_t i = 0; i < scene_.soils.size(); ++i)
       for (const char* key : {"suction_head", "initial_saturation"})
-        if (given(fmt::format("soil[{}].{}", i, key)))
+        if (given(fmt::format("soil[{}].{}", i, key)) &&
+            (std::string_view(key) == "suction_head" || scene_.soils[i].retention))
           fail(fmt::format("soil[{}].{}", i, key),
-               "belongs to fluid.representation = \"particles\"; a field has a [soil.retention] instead");
+               "belongs to soil without capillarity, or to fluid.representation = \"particles\"; a field has a "
+               "[soil.retention] instead");
   }
 
   [[nodiscard]] bool sharp(const Soil& soil) const { return porous::retention_law(soil).curve == nullptr; }
@@ -272,6 +314,7 @@ class FieldChecks : Complaints {
     for (std::size_t i = 0; i < scene_.gauges.size(); ++i) {
       const Gauge& g = scene_.gauges[i];
       const std::string key = fmt::format("gauge[{}]", i);
+      if (g.phase == "solid") continue;
       if (!has(field_kinds, g.kind)) {
         std::string list;
         for (const auto kind : field_kinds) list += fmt::format("{}\"{}\"", list.empty() ? "" : ", ", kind);
@@ -279,8 +322,8 @@ class FieldChecks : Complaints {
       }
       if (g.kind == "point" && g.quantity.starts_with("velocity"))
         fail(key + ".quantity",
-             "a field has no velocity of its water; expected a pressure, a head, \"degree_of_saturation\" or "
-             "\"water_content\"");
+             "a field has no velocity of its water; expected a pressure, a head, \"degree_of_saturation\", "
+             "\"water_content\" or \"borne_pressure\"");
       if (g.kind == "discharge" && !g.quantity.empty() && !g.points.empty())
         fail(key + ".quantity", "expected the name of a face or the 'points' of a line, found both");
       if (has(rain_kinds, g.kind) && !g.quantity.empty() &&

@@ -17,7 +17,8 @@ inline std::vector<std::string> point_quantities(std::string_view phase, int dim
     for (const char* component : {"xx", "yy", "zz", "xy", "yz", "xz"}) names.push_back(name + "_" + component);
   };
   if (phase == "fluid") {
-    names = {"pore_pressure", "pressure_head", "head", "degree_of_saturation", "water_content", "velocity"};
+    names = {"pore_pressure", "pressure_head",  "head",    "degree_of_saturation",
+             "water_content", "borne_pressure", "velocity"};
     vector("velocity");
     return names;
   }

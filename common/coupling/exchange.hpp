@@ -41,7 +41,8 @@ struct FieldSpec {
 /// Names of the standard interface (units and meaning in docs/protocol.md).
 namespace field {
 // fluid -> solid
-inline constexpr std::string_view pore_pressure = "pore_pressure";  // Pa
+inline constexpr std::string_view pore_pressure = "pore_pressure";                // Pa
+inline constexpr std::string_view degree_of_saturation = "degree_of_saturation";  // water's share of the pores
 inline constexpr std::string_view predicted_solid_velocity =
     "predicted_solid_velocity";  // m/s, v_s' of the fluid's solve
 inline constexpr std::string_view predicted_change =
@@ -69,8 +70,11 @@ inline constexpr std::string_view returned_impulse =
     "returned_impulse";  // N s the solid absorbed beyond drag_impulse; the water has to supply it
 }  // namespace field
 
+/// What a case's water is: particles, or a field on the soil's points.
+enum class WaterAs { particles, field };
+
 /// The standard contract: what each role gives (it takes what the other gives).
-std::vector<FieldSpec> standard_fields(Role giver, int dimension);
+std::vector<FieldSpec> standard_fields(Role giver, int dimension, WaterAs water = WaterAs::particles);
 
 /// What both sides must agree on before the first step.
 struct Contract {

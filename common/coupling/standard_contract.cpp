@@ -26,7 +26,16 @@ constexpr std::array fields{
                   .name = field::pore_pressure,
                   .unit = "Pa",
                   .bounds = strong,
-                  .meaning = "water pressure at t + dt"},
+                  .of_field = true,
+                  .meaning = "water pressure at t + dt; of a field the share of it that the skeleton bears, chi p"},
+    StandardField{.giver = fluid,
+                  .name = field::degree_of_saturation,
+                  .unit = "1",
+                  .bounds = share,
+                  .at_rest = 1.0,
+                  .of_particles = false,
+                  .of_field = true,
+                  .meaning = "water's share of the pores, at t + dt"},
     StandardField{.giver = fluid,
                   .name = field::predicted_solid_velocity,
                   .unit = "m/s",
@@ -171,10 +180,10 @@ const StandardField* standard_field(std::string_view name) {
   return row == fields.end() ? nullptr : row;
 }
 
-std::vector<FieldSpec> standard_fields(Role giver, int dimension) {
+std::vector<FieldSpec> standard_fields(Role giver, int dimension, WaterAs water) {
   std::vector<FieldSpec> specs;
   for (const auto& f : fields)
-    if (f.giver == giver)
+    if (f.giver == giver && (giver == solid || (water == WaterAs::field ? f.of_field : f.of_particles)))
       specs.push_back(
           {std::string(f.name), std::string(f.unit), f.vector ? dimension : 1, f.mapping, std::string(f.mask)});
   return specs;
@@ -187,11 +196,14 @@ std::string describe_contract() {
                         giver == fluid ? "fluid -> solid" : "solid -> fluid");
     for (const auto& f : fields) {
       if (f.giver != giver) continue;
+      const std::string_view who = f.giver == solid || (f.of_particles && f.of_field) ? ""
+                                   : f.of_field                                       ? "; of a field only"
+                                                                                      : "; of particles only";
       std::string bounds = f.bounds.text("1");
       if (constexpr std::string_view words = "a number in "; bounds.starts_with(words)) bounds.erase(0, words.size());
-      text += fmt::format("| `{}`{} | {} | {}{} | {}{} | {} |\n", f.name, f.vector ? " (vector)" : "", f.unit,
+      text += fmt::format("| `{}`{} | {} | {}{} | {}{} | {}{} |\n", f.name, f.vector ? " (vector)" : "", f.unit,
                           to_string(f.mapping), f.mask.empty() ? "" : fmt::format(", mask `{}`", f.mask), bounds,
-                          f.of_volume ? " of each m^D of the point" : "", f.meaning);
+                          f.of_volume ? " of each m^D of the point" : "", f.meaning, who);
     }
     if (giver == fluid) text += '\n';
   }
@@ -201,16 +213,21 @@ std::string describe_contract() {
 std::string python_contract() {
   std::string text =
       "\"\"\"The standard contract: what each role gives. Written by `poretwin exchange-fields --python`.\"\"\"\n\n"
-      "# name, unit, vector, mapping, mask\n"
+      "# name, unit, vector, mapping, mask; what a fluid gives whose water is particles, a solid, and a fluid whose "
+      "water\n"
+      "# is a field (fluid.representation)\n"
       "STANDARD: dict[str, list[tuple[str, str, bool, str, str]]] = {\n";
-  for (const Role giver : {fluid, solid}) {
-    text += fmt::format("    \"{}\": [\n", to_string(giver));
+  const auto list = [&](std::string_view key, Role giver, const auto& has) {
+    text += fmt::format("    \"{}\": [\n", key);
     for (const auto& f : fields)
-      if (f.giver == giver)
+      if (f.giver == giver && has(f))
         text += fmt::format("        (\"{}\", \"{}\", {}, \"{}\", \"{}\"),\n", f.name, f.unit,
                             f.vector ? "True" : "False", to_string(f.mapping), f.mask);
     text += "    ],\n";
-  }
+  };
+  list("fluid", fluid, [](const StandardField& f) { return f.of_particles; });
+  list("solid", solid, [](const StandardField&) { return true; });
+  list("field", fluid, [](const StandardField& f) { return f.of_field; });
   return text + "}\n";
 }
 

@@ -25,8 +25,9 @@ struct StandardField {
   Mapping mapping = Mapping::consistent;
   std::string_view mask = {};
   Bounds bounds;
-  bool of_volume = false;  ///< bounds are of each m^D of the point
-  double at_rest = 0.0;    ///< what a stand-in for soil or water at rest gives
+  bool of_volume = false;                      ///< bounds are of each m^D of the point
+  double at_rest = 0.0;                        ///< what a stand-in for soil or water at rest gives
+  bool of_particles = true, of_field = false;  ///< of a fluid: which kinds of water give it
   std::string_view meaning;
 };
 

@@ -35,17 +35,30 @@ inline constexpr double most_residual = 1e-5;
 /// Sum of the residuals that need not be undercut, however little water moves.
 /// Unit: pore volumes. Test: none known.
 inline constexpr double least_residual = 1e-8;
+/// The same in soil that moves: the head that it would change what the skeleton bears by, mean over the soil.
+/// Unit: largest head borne. Test: none known.
+inline constexpr double borne_residual = 1e-4;
+/// Air in the pores from which on soil is not full, so that its water can fit its pores by itself.
+/// Unit: share of the pores. Test: none known.
+inline constexpr double air_in_full_soil = 0.05;
 /// Iterations after which a step is given up.
 /// Unit: iterations. Test: none known.
 inline constexpr int most_iterations = 15;
 /// Residual of each linear solve, over what it began with.
 /// Unit: 1. Test: none known.
 inline constexpr double linear_residual = 1e-2;
+/// Residual of the solve for the error of the heads, over what it began with.
+/// Unit: 1. Test: none known.
+inline constexpr double error_residual = 0.1;
 /// Iterations of a linear solve at most; Newton's iteration goes on with what it has found.
 /// Unit: iterations. Test: none known.
 inline constexpr int most_linear_iterations = 100;
 /// What an iteration leaves of the variable u at least, so that it stays positive.
 /// Unit: 1. Test: none known.
 inline constexpr double least_share = 0.1;
+
+/// How far the soil carries a point before all are linked anew.
+/// Unit: spacings. Test: none known.
+inline constexpr double carried_far = 0.05;
 
 }  // namespace poretwin::pore::steps

@@ -20,10 +20,6 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
-double saturation(const Case& scene, const Network& network, const State& state, Index a) {
-  return state.water[a] / (network.volume[a] * scene.soils[network.soil[a]].porosity);
-}
-
 Gauges::Gauges(const Case& scene, const Network& network) : scene_(scene), network_(network) {
   const Probes probes(scene, network);
   for (const auto& gauge : scene.gauges) {
@@ -92,7 +88,11 @@ class Gauges::Reader {
   [[nodiscard]] double head(const Probe& probe) const {
     return probe.of([&](Index a) { return flow_.pressure_head(a); });
   }
-  [[nodiscard]] double degree(Index a) const { return saturation(scene_, network_, state_, a); }
+  [[nodiscard]] double degree(Index a) const { return saturation(state_, a); }
+  [[nodiscard]] double degree_of_saturation(Index a) const {
+    const double initial = scene_.soils[network_.soil[a]].initial_saturation;
+    return initial + (1.0 - initial) * degree(a);
+  }
 
   void points(const Gauge& gauge, const Places& places) {
     const Point3 up = -scene_.general.gravity.normalized();
@@ -103,8 +103,10 @@ class Gauges::Reader {
       if (gauge.quantity == "pressure_head") add(name, psi, "m");
       if (gauge.quantity == "head") add(name, psi + up.dot(gauge.points[i]), "m");
       if (gauge.quantity == "pore_pressure") add(name, porous::specific_weight(scene_) * psi, "Pa");
+      const auto borne = [&](Index a) { return porous::specific_weight(scene_) * flow_.borne_head(a).value; };
+      if (gauge.quantity == "borne_pressure") add(name, probe ? probe->of(borne) : nan, "Pa");
       if (gauge.quantity == "degree_of_saturation")
-        add(name, probe ? std::clamp(probe->of([&](Index a) { return degree(a); }), 0.0, 1.0) : nan, "1");
+        add(name, probe ? std::clamp(probe->of([&](Index a) { return degree_of_saturation(a); }), 0.0, 1.0) : nan, "1");
       if (gauge.quantity == "water_content")
         add(name, probe ? probe->of([&](Index a) { return state_.water[a] / network_.volume[a]; }) : nan, "1");
     }

@@ -10,8 +10,8 @@
 
 namespace poretwin::pore {
 
-/// Degree of saturation of a point, from the water it holds.
-double saturation(const Case& scene, const Network& network, const State& state, Index a);
+/// Share of a point's pores that its water fills, of those that water can fill.
+inline double saturation(const State& state, Index a) { return state.water[a] / state.pores[a]; }
 
 class Gauges {
  public:

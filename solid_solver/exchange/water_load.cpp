@@ -2,6 +2,7 @@
 
 #include "common/core/error.hpp"
 #include "solid_solver/dynamics/step.hpp"
+#include "solid_solver/exchange/field_pressure.hpp"
 #include "solid_solver/exchange/pore_water.hpp"
 #include "solid_solver/numerics/walls.hpp"
 
@@ -73,6 +74,10 @@ OrZero<double> take_pressure(const Setup<D>& setup, const Inbox& inbox, double t
     coverage = coverage_of(inbox, n);
     OrZero<double> pressure = field_or_zero(inbox, field::pore_pressure, n, 1);
     if (!pressure.is_allocated()) return pressure;
+    if (setup.water.is_field) {
+      state.external.saturation = field_or_zero(inbox, field::degree_of_saturation, n, 1);
+      return pressure;
+    }
     for (std::size_t i = 0; i < n; ++i)
       if (coverage[i] <= 0.0) pressure.set(i, 0.0);
     saturate();
@@ -99,7 +104,14 @@ WaterInput<D> take_water(const Setup<D>& setup, const Inbox& inbox, const Window
   const double interval = window.interval;
   WaterInput<D> water;
   water.tracks = !inbox.fields.empty();
+  if (setup.water.is_field) water.before = state.external.pressure;
   state.external.pressure = take_pressure(setup, inbox, window.time + interval, cache, state);
+  if (setup.water.is_field) {
+    water.from = state.external.pressure_gradient;
+    water.to = gradient_of(setup, state, state.external.pressure, window.time + interval);
+    state.last_interval = interval;
+    return water;
+  }
   OrZero<double>& impulse = water.impulse = field_or_zero(inbox, field::drag_impulse, n, D);
   for (std::size_t i = 0; i < n; ++i) {
     state.received += state.returned_impulse[i];
@@ -145,6 +157,7 @@ void clear_answer(const WaterInput<D>& water, State<D>& state) {
 template <int D>
 OrZero<Vec<D>> gradient_of(const Setup<D>& setup, const State<D>& state, const OrZero<double>& pressure, double time) {
   if (!pressure.is_allocated()) return {};
+  if (setup.water.is_field) return gradient_of_field(setup, state, pressure.values(), time);
   VecArray<D> gradient =
       pressure_gradient<D>(state, setup.water.gradient, setup.water.density * setup.gravity, pressure.values());
   for (const auto& patch : setup.loads)
@@ -155,7 +168,8 @@ OrZero<Vec<D>> gradient_of(const Setup<D>& setup, const State<D>& state, const O
 template <int D>
 Vec<D> water_force(const Setup<D>& setup, const State<D>& state, std::size_t i, const Vec<D>& pressure_gradient) {
   const Particles<D>& p = state.particles;
-  if (setup.water.is_prescribed()) return steady_water_force(setup, state, i, pressure_gradient);
+  if (setup.water.is_prescribed() || setup.water.is_field)
+    return steady_water_force(setup, state, i, pressure_gradient);
   return -p.volume[i] * solid_fraction(setup, p, i) * pressure_gradient;
 }
 

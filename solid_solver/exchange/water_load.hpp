@@ -16,6 +16,7 @@ struct WaterInput {
   OrZero<double> predicted;  ///< m/s, velocity of the soil that the fluid predicted, at the window's end
   OrZero<double> change;     ///< m/s, its change in the window
   OrZero<double> soil_seen;  ///< solid fraction that the fluid saw
+  OrZero<double> before;     ///< Pa, pressure of a field at the window's start
 };
 
 /// Takes the water's fields for a window. Stores pressure, coverage and saturation, and counts the impulse received.
@@ -38,7 +39,8 @@ OrZero<double> take_pressure(const Setup<D>& setup, const coupling::Inbox& inbox
 template <int D>
 OrZero<Vec<D>> gradient_of(const Setup<D>& setup, const State<D>& state, const OrZero<double>& pressure, double time);
 
-/// Force [N] of the pore water on particle i: buoyancy -n_s grad p; of water that the case prescribes also the drag.
+/// Force [N] of the pore water on particle i: buoyancy -n_s grad p; of water that the case prescribes, or that is a
+/// field, also the drag.
 template <int D>
 Vec<D> water_force(const Setup<D>& setup, const State<D>& state, std::size_t i, const Vec<D>& pressure_gradient);
 
@@ -48,7 +50,8 @@ Vec<D> water_force(const Setup<D>& setup, const State<D>& state, std::size_t i, 
                    const OrZero<double>& impulse, double interval);
 
 /// Buoyancy and drag [N] of water that flows without inertia: by Eq. (27) the drag is then n (rho_w g - grad p),
-/// whatever its law, and both are n rho_w g - grad p per volume.
+/// whatever its law, and both are n rho_w g - grad p per volume. Of a field n S rho_w g - grad(chi p): the weight of
+/// the water that is there, and the pressure that the skeleton bears (Bishop 1959).
 template <int D>
 Vec<D> steady_water_force(const Setup<D>& setup, const State<D>& state, std::size_t i, const Vec<D>& pressure_gradient);
 

@@ -11,4 +11,9 @@ inline constexpr double full_saturation = 0.95;
 /// Unit: 1. Test: none known.
 inline constexpr double least_seen = 1e-6;
 
+/// Length of the surface vector (surface_vectors()) from which on a particle counts as beside a free surface: the first
+/// row has 1, disordered points inside some hundredths.
+/// Unit: over the spacing. Test: none known.
+inline constexpr double surface = 0.02;
+
 }  // namespace poretwin::solid::exchange

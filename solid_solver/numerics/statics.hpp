@@ -18,6 +18,9 @@ inline constexpr double plastic_error = 1e-4;
 /// Departure from rest, over gravity, below which no equilibrium is sought at all.
 /// Unit: 1. Test: none known.
 inline constexpr double negligible_unrest = 3e-3;
+/// Frequency of the springs that hold soil without inertia in the search's preconditioner, where its walls may not.
+/// Unit: of the slowest wave of a column. Test: none known.
+inline constexpr double held_by_nothing = 0.03;
 /// Averaged force on a particle from which on it counts as moving.
 /// Unit: gravity. Test: none known.
 inline constexpr double woken_by = 5e-3;

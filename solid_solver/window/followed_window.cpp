@@ -53,7 +53,9 @@ class Loads {
 
 template <int D>
 CrossedAs way_through(const Setup<D>& setup, const State<D>& state, double interval) {
-  if (setup.coupling.coupled && !state.motion.moving && interval > followed_window(setup)) return {true, 1};
+  // A field has no inertia: soil that it leads from rest to rest goes on doing so in windows of any length.
+  if (setup.coupling.coupled && !state.motion.moving && (setup.water.is_field || interval > followed_window(setup)))
+    return {true, 1};
   return {false,
           std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(interval / setup.longest_substep - 1e-9)))};
 }

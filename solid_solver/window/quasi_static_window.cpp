@@ -157,6 +157,37 @@ void QuasiStaticWindow<D>::compare_with_prediction(const Setup<D>& setup, double
 }
 
 template <int D>
+void QuasiStaticWindow<D>::compare_with_field(const Setup<D>& setup, const coupling::Window& window,
+                                              const WaterInput<D>& water, const ScalarArray& volume, double reference,
+                                              const State<D>& state) {
+  const Particles<D>& p = state.particles;
+  if (!setup.coupling.repeats) return;
+  const bool again = window.pass > 0;
+  ScalarArray strain(p.size());
+  double squares = 0.0, mass = 0.0;
+  for (std::size_t i = 0; i < p.size(); ++i) {
+    strain[i] = p.volume[i] / volume[i] - 1.0;
+    if (i >= p.free()) continue;
+    const double modulus = moduli(setup, p, i).constrained();
+    const double foreseen = (again ? found_strain_[i] : 0.0) +
+                            (state.external.pressure[i] - (again ? found_pressure_[i] : water.before[i])) / modulus;
+    // The pressure that answers to what was not foreseen, less where it drains; over the soil's height it is a force.
+    const double pores = void_fraction(setup, p, i), height = setup.height;
+    const double resistance =
+        pores * pores * setup.water.weight / seepage_at(setup.water, setup.soils[p.material[i]], pores).conductivity;
+    const double impedance = 1.0 / (1.0 / resistance + height * height / (window.interval * modulus));
+    const double force = impedance * height / window.interval * std::abs(strain[i] - foreseen);
+    squares += p.mass[i] * std::pow(p.volume[i] * force / (p.mass[i] * reference), 2);
+    mass += p.mass[i];
+  }
+  const double missed = std::sqrt(squares / mass);
+  if (again || missed > setup.coupling.worth_repeating) unsettled_ = missed;
+  found_strain_ = std::move(strain);
+  found_pressure_ = state.external.pressure.values();
+  found_pressure_.resize(p.size(), 0.0);
+}
+
+template <int D>
 typename QuasiStaticWindow<D>::Answer QuasiStaticWindow<D>::advance(const Setup<D>& setup,
                                                                     const coupling::Window& window,
                                                                     const WaterInput<D>& water,
@@ -164,6 +195,8 @@ typename QuasiStaticWindow<D>::Answer QuasiStaticWindow<D>::advance(const Setup<
   Particles<D>& p = state.particles;
   const std::size_t n = p.size();
   const double interval = window.interval, end = window.time + interval;
+  // Water without inertia has soil without it: its equilibrium knows no time.
+  const bool inert = !setup.water.is_field;
   const Drive<D>& tracking = tracked.drive;
   const std::vector<WaterAnswer>& answers = tracked.answers;
   const VecArray<D> start = p.displacement, velocity = p.velocity;
@@ -181,10 +214,9 @@ typename QuasiStaticWindow<D>::Answer QuasiStaticWindow<D>::advance(const Setup<
         const double strain = p.volume[i] / volume[i] - 1.0;
         state.backing.set(i, state.external.coverage[i] * answers[i].dilation * (strain - strain_due[i]), n);
       }
-      drive.distributed.set(i,
-                            by_water[i] + p.mass[i] / interval * (velocity[i] - mean) +
-                                tracking.tracking[i] * (tracking.target[i] - mean),
-                            n);
+      Vec<D> force = by_water[i] + tracking.tracking[i] * (tracking.target[i] - mean);
+      if (inert) force += p.mass[i] / interval * (velocity[i] - mean);
+      drive.distributed.set(i, force, n);
     }
   };
   for (std::size_t i = 0; i < n; ++i) by_water[i] = water_force(setup, state, i, water.to[i], water.impulse, interval);
@@ -194,19 +226,24 @@ typename QuasiStaticWindow<D>::Answer QuasiStaticWindow<D>::advance(const Setup<
   for (auto& v : p.velocity) v.setZero();
   if (!answers.empty()) evaluate_forces(setup, state);
   ScalarArray resistance(p.free());
-  for (std::size_t i = 0; i < p.free(); ++i) resistance[i] = (p.mass[i] / interval + tracking.tracking[i]) / interval;
+  // Of soil without inertia next to none: where nothing holds the soil, the search needs something to hold to.
+  const double held = statics::held_by_nothing * near_critical_damping(setup);
+  for (std::size_t i = 0; i < p.free(); ++i)
+    resistance[i] = inert ? (p.mass[i] / interval + tracking.tracking[i]) / interval : p.mass[i] * held * held;
   const Stiffness<D>& stiffness = stiffness_with(setup, resistance, state);
-  const bool asleep =
-      !setup.can_yield
-          ? departure(setup, stiffness, state, drive) <= statics::elastic_error
-          : !softened(setup, state) &&
-                unrest(setup, state, drive, reference_acceleration(setup, state, drive)).largest <= statics::negligible_unrest;
+  const bool asleep = !setup.can_yield
+                          ? departure(setup, stiffness, state, drive) <= statics::elastic_error
+                          : !softened(setup, state) &&
+                                unrest(setup, state, drive, reference_acceleration(setup, state, drive)).largest <=
+                                    statics::negligible_unrest;
   bool moved = false, evaluate = !answers.empty();  // forces, once the search is over
   if (!asleep) {
     const EquilibriumSearch search{
         setup.can_yield ? statics::plastic_error : statics::elastic_share * statics::elastic_error, sleep::local_share,
         statics::woken_by};
-    RestReport report = find_equilibrium(setup, stiffness, search, interval, state, external);
+    // What damps the search is of a speed that waves have, however short the window is.
+    const double way = inert ? interval : std::max(interval, long_window(setup));
+    RestReport report = find_equilibrium(setup, stiffness, search, way, state, external);
     if (!report.reached() && setup.can_yield) {
       const std::size_t tried = report.steps;
       const RestSearch until{sleep::restless, statics::most_ways, statics::most_ways, sleep::local_share,
@@ -226,6 +263,13 @@ typename QuasiStaticWindow<D>::Answer QuasiStaticWindow<D>::advance(const Setup<
                  window.time, interval, report.steps, report.residual);
       return {Outcome::reject(shorter, "no equilibrium in so long a window"), {.moves = false, .longest = shorter}};
     }
+    if (!report.reached() && !inert)
+      throw DivergedError(
+          fmt::format("the soil fails: it finds no equilibrium at t = {:g} s in a window of {:g} s, {:.2g} of gravity "
+                      "is left. Water "
+                      "as a field has no inertia with which to follow it; what comes now is for fluid.representation = "
+                      "\"particles\"",
+                      window.time, interval, report.residual));
     if (!report.reached()) {
       fmt::print(stderr, "the soil moves at t = {:g} s: no equilibrium in {} steps, {:.2g} of gravity left\n",
                  window.time, report.steps, report.residual);
@@ -258,10 +302,13 @@ typename QuasiStaticWindow<D>::Answer QuasiStaticWindow<D>::advance(const Setup<
   double work = tracked.dissipated + plastic_work<D>(p, plastic_before);  // with that of the stress
   for (std::size_t i = 0; i < p.free() && moved; ++i)
     work += std::abs(p.volume[i] * state.force[i].internal().dot(p.displacement[i] - start[i]));
-  compare_with_prediction(setup, interval, tracked, reference, state);
+  if (setup.water.is_field)
+    compare_with_field(setup, window, water, volume, reference, state);
+  else
+    compare_with_prediction(setup, interval, tracked, reference, state);
   // What a pass leaves to the next one is no motion of the soil's own.
   const bool settled = answers.empty() || unsettled_ <= setup.coupling.settled_below;
-  if (settled && inertia_matters<D>(p, velocity, work, slow))
+  if (inert && settled && inertia_matters<D>(p, velocity, work, slow))
     return {Outcome::reject(followed_window(setup), "the soil moves: inertia matters"), {.moves = true, .longest = {}}};
   const double by_shear =
       moved ? interval * std::max(steps::shrinks_to, steps::sheared_in_a_window / shear_of_most(p, plastic_before))

@@ -40,7 +40,12 @@ class QuasiStaticWindow {
   void compare_with_prediction(const Setup<D>& setup, double interval, const Tracking<D>& tracking, double reference,
                                State<D>& state);
 
+  /// The same with water that is a field, which foresees how the soil's volume follows its pressure.
+  void compare_with_field(const Setup<D>& setup, const coupling::Window& window, const WaterInput<D>& water,
+                          const ScalarArray& volume, double reference, const State<D>& state);
+
   VecArray<D> lattice_, found_;
+  ScalarArray found_strain_, found_pressure_;  ///< 1, Pa: of the last pass through the present window, with a field
   double unsettled_ = 0.0;
   std::unique_ptr<Stiffness<D>> stiffness_;
 };

@@ -97,8 +97,17 @@ TEST_F(Field, RainFallsOnOpenGroundOnly) {
 }
 
 TEST_F(Field, WhatIsNotBuiltIsRefused) {
-  EXPECT_THAT(complaint(dam, {"solid.model=\"elastic\"", "solid.particle_spacing=0.02"}),
-              AllOf(HasSubstr("solid.model"), HasSubstr("\"rigid\"")));
+  const std::string moving = changed(dam, "model = \"rigid\"", "model = \"elastic\"\nparticle_spacing = 0.02");
+  EXPECT_THAT(complaint(moving, {"solid.particle_spacing=0.01"}),
+              AllOf(HasSubstr("fluid.particle_spacing"), HasSubstr("0.01 m"), HasSubstr("0.02 m")));
+  EXPECT_THAT(complaint(moving, {"fluid.jitter=0.1"}), AllOf(HasSubstr("fluid.jitter"), HasSubstr("[solid]")));
+  EXPECT_THAT(complaint(moving, {"coupling.scheme=\"parallel\""}), HasSubstr("coupling.scheme"));
+  EXPECT_THAT(complaint(moving, {"solid.model=\"drucker_prager\"", "soil.0.cohesion=100"}), HasSubstr("rain[0]"));
+  const std::string weightless = changed(
+      changed(changed(moving, "end_time = 1000", "end_time = 1000\ngravity = [0, 0]"), "initial_water_table = 0", ""),
+      "outlet = true", "pressure = 0");
+  EXPECT_THAT(complaint(weightless), HasSubstr("case.gravity"));
+  EXPECT_THAT(complaint(dam, {"soil.0.initial_saturation=0.1"}), HasSubstr("soil[0].initial_saturation"));
   EXPECT_THAT(complaint(dam, {"fluid.scheme=\"eisph\""}), AllOf(HasSubstr("fluid.scheme"), HasSubstr("particles")));
   EXPECT_THAT(complaint(dam, {"soil.0.suction_head=0.1"}), HasSubstr("soil[0].suction_head"));
   EXPECT_THAT(complaint(dam, {"soil.0.seepage_law=\"forchheimer\"", "soil.0.forchheimer_coefficient=3"}),

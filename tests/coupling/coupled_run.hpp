@@ -5,6 +5,7 @@
 #include "common/coupling/drive.hpp"
 #include "common/coupling/mock.hpp"
 #include "common/coupling/standard_contract.hpp"
+#include "coupler/pairing.hpp"
 #include "coupler/schedule.hpp"
 
 #include <gtest/gtest.h>
@@ -35,6 +36,7 @@ struct CoupledRun {
   // To be set.
   Line line = Line::in_process;
   int dimension = 2;
+  bool paired = false;  ///< both solvers' points are the same
   WindowClock::Settings settings{1.0, 0.1, 0.0, 0.0};
   BrokerOptions broker;
   ParticipantOptions participant;
@@ -81,7 +83,8 @@ struct CoupledRun {
       const CheckpointStore store(checkpoints, "coupler", {});
       Broker b(*hub, options);
       Schedule schedule(
-          b, dimension, settings, [&](const Progress& progress) { step = progress.step; },
+          b, paired ? make_paired_mapping(dimension) : make_mapping(dimension), settings,
+          [&](const Progress& progress) { step = progress.step; },
           {checkpoints.empty() ? nullptr : &store, checkpoint_every, resume}, scheme);
       try {
         schedule.run();

@@ -298,7 +298,7 @@ TEST(Handshake, RefusesASecondOfOneRole) {
   };
   std::thread a([&] { join(first); }), b([&] { join(second); });
   Broker broker(*hub, options);
-  Schedule schedule(broker, 2, {1.0, {}, 0.0, 0.0});
+  Schedule schedule(broker, make_mapping(2), {1.0, {}, 0.0, 0.0});
   EXPECT_THROW(schedule.run(), PeerError);
   a.join();
   b.join();

@@ -2,6 +2,7 @@
 // empty sets.
 #include "common/coupling/mock.hpp"
 #include "common/particles/kernel.hpp"
+#include "coupler/pairing.hpp"
 #include "tests/coupling/cloud_pairs.hpp"
 
 #include <gtest/gtest.h>
@@ -284,6 +285,43 @@ TEST(Mapping, NothingToReceiveIsKeptAndDeliveredLater) {
   EXPECT_NEAR(got + account.undelivered[0], 2.0 * total, 1e-13 * total);
   EXPECT_LT(account.undelivered[0], 0.2 * total);
   EXPECT_NEAR(account.given[0], account.delivered[0] + account.undelivered[0], 1e-13 * total);
+}
+
+/// The same points in another order, one of the solid's besides; then carried far away from each other.
+TEST(Mapping, PairedPointsTakeTheirPartnersValuesHoweverTheyMove) {
+  const PointSet fluid = lattice_points(2, {0.0, 0.0}, {1.0, 1.0}, 0.1);
+  PointSet solid = fluid;
+  const Size n = fluid.size();
+  for (Size i = 0; i < n; ++i)
+    for (Size d = 0; d < 2; ++d) solid.position[2 * i + d] = fluid.position[2 * (n - 1 - i) + d];
+  solid.position.insert(solid.position.end(), {1.05, 0.95});  // nearest to the last of the fluid's
+  for (auto* array : {&solid.volume, &solid.smoothing_length, &solid.owner}) array->push_back(array->back());
+  solid.owner.back() = static_cast<double>(n);
+  solid.n_active = n + 1;
+  const std::vector<FieldSpec> takes = {{"f", "1", 1, coupling::Mapping::consistent, ""}};
+  const Field f{"f", 1, random_values(n, 5)}, g{"f", 1, random_values(n + 1, 6)};
+  const auto mapping = make_paired_mapping(2);
+  for (int round = 0; round < 2; ++round) {
+    const auto at_solid = mapping->map(Role::fluid, fluid, {f}, takes, solid).at("f").values;
+    const auto at_fluid = mapping->map(Role::solid, solid, {g}, takes, fluid).at("f").values;
+    ASSERT_EQ(at_solid.size(), n + 1);
+    ASSERT_EQ(at_fluid.size(), n);
+    for (Size i = 0; i < n; ++i) {
+      EXPECT_EQ(at_solid[i], f.values[n - 1 - i]);
+      EXPECT_EQ(at_fluid[i], g.values[n - 1 - i]);
+    }
+    EXPECT_EQ(at_solid[n], f.values[n - 1]);
+    for (Size i = 0; i < solid.size(); ++i) solid.position[2 * i] *= 5.0;
+  }
+}
+
+TEST(Mapping, PointsThatAreNotTheSameAreMappedAsClouds) {
+  const PointSet fluid = lattice_points(2, {0.0, 0.0}, {1.0, 1.0}, 0.1),
+                 solid = lattice_points(2, {0.05, 0.05}, {1.0, 1.0}, 0.1);
+  const std::vector<FieldSpec> takes = {{"f", "1", 1, coupling::Mapping::consistent, ""}};
+  const Field f{"f", 1, random_values(fluid.size(), 5)};
+  EXPECT_EQ(make_paired_mapping(2)->map(Role::fluid, fluid, {f}, takes, solid).at("f").values,
+            make_mapping(2)->map(Role::fluid, fluid, {f}, takes, solid).at("f").values);
 }
 
 TEST(Mapping, TheOrderOfPointsDoesNotMatter) {

@@ -111,5 +111,36 @@ TEST(Network, PoissonsEquationConvergesAtSecondOrderOnJitteredPoints) {
   }
 }
 
+/// A shift changes nothing but elevations; a shear of 0.3 changes links and leaves all of the area to the cells.
+TEST(Network, GoesWithSoilThatMoves) {
+  Case scene = scene_of(sharp(0.4, 1e-4), trapezium(), 0.03, 1.0);
+  scene.water_faces = {head_face(line(1.2, 0.0, 0.8, 0.4), 0.1)};
+  const Network drawn = make_network(scene);
+  const auto moved = [&](double shear) {
+    std::vector<Point3> now = drawn.position;
+    for (auto& x : now) x += Point3(0.1 + shear * x.y(), 0.2, 0.0);
+    return make_network(scene, drawn, now);
+  };
+  const auto area = [](const Network& net) { return std::accumulate(net.volume.begin(), net.volume.end(), 0.0); };
+  const auto face = [](const Network& net) {
+    double sum = 0.0;
+    for (const auto& s : net.segments) sum += s.area;
+    return sum;
+  };
+  const Network shifted = moved(0.0);
+  ASSERT_EQ(shifted.links.size(), drawn.links.size());
+  for (std::size_t i = 0; i < drawn.links.size(); ++i)
+    EXPECT_NEAR(shifted.links[i].transmissibility, drawn.links[i].transmissibility, 1e-6);
+  for (std::size_t a = 0; a < drawn.size(); ++a) {
+    EXPECT_NEAR(shifted.volume[a], drawn.volume[a], 1e-9);
+    EXPECT_NEAR(shifted.elevation[a], drawn.elevation[a] + 0.2, 1e-12);
+  }
+  EXPECT_NEAR(face(shifted), face(drawn), 1e-9);
+  const Network sheared = moved(0.3);
+  EXPECT_NEAR(area(sheared), area(drawn), 0.01 * area(drawn));
+  // The slope's foot moves by 0.3 of its height less than its crest.
+  EXPECT_NEAR(face(sheared), std::hypot(0.4 - 0.3 * 0.4, 0.4), 0.02);
+}
+
 }  // namespace
 }  // namespace poretwin::pore::test

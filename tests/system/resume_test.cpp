@@ -154,6 +154,16 @@ TEST_F(RealResume, AFieldHasAProgramOfItsOwnAndResumesToo) {
                 {"--set", "case.end_time=3456000.0", "--set", "fluid.particle_spacing=0.2"});
 }
 
+TEST_F(RealResume, AFieldAndSoilThatMovesResumeToo) {
+  auto as_field = piece;
+  as_field.insert(as_field.end(), {"--set", "fluid.representation='field'"});
+  const auto whole = reference(terzaghi(), as_field);
+  const auto outcome = poretwin(with({"--checkpoint-every", "0"}, as_field), {}, killer("poretwin-pore", 5));
+  EXPECT_EQ(outcome.exit, 0) << outcome.err;
+  EXPECT_EQ(differences(whole, out()), "");
+  expect_nothing_left();
+}
+
 TEST_F(RealResume, WhatCannotBeResumedIsNamed) {
   EXPECT_THAT(poretwin(with({"--resume"}, piece)).err,
               HasSubstr("nothing to resume: expected the folder of an earlier"));

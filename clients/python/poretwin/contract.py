@@ -1,6 +1,7 @@
 """The standard contract: what each role gives. Written by `poretwin exchange-fields --python`."""
 
-# name, unit, vector, mapping, mask
+# name, unit, vector, mapping, mask; what a fluid gives whose water is particles, a solid, and a fluid whose water
+# is a field (fluid.representation)
 STANDARD: dict[str, list[tuple[str, str, bool, str, str]]] = {
     "fluid": [
         ("pore_pressure", "Pa", False, "consistent", ""),
@@ -23,5 +24,9 @@ STANDARD: dict[str, list[tuple[str, str, bool, str, str]]] = {
         ("hydraulic_conductivity", "m/s", False, "nearest", ""),
         ("forchheimer_coefficient", "s2/m2", False, "nearest", ""),
         ("returned_impulse", "N s", True, "conservative", ""),
+    ],
+    "field": [
+        ("pore_pressure", "Pa", False, "consistent", ""),
+        ("degree_of_saturation", "1", False, "consistent", ""),
     ],
 }

@@ -25,7 +25,7 @@ class Field:
 
 
 def standard_fields(role: str, dimension: int) -> list[Field]:
-    """The standard contract: what each role gives. It takes what the other gives."""
+    """The standard contract: what each role gives, "field" for a fluid whose water is a field. It takes what the other gives."""
     return [
         Field(name, unit, dimension if vector else 1, mapping, mask)
         for name, unit, vector, mapping, mask in STANDARD[role]

@@ -1,0 +1,80 @@
+#include "solid_solver/exchange/field_pressure.hpp"
+
+#include "common/geometry/pieces.hpp"
+#include "solid_solver/numerics/exchange.hpp"
+
+namespace poretwin::solid {
+namespace {
+
+/// Pressure beyond the soil's surface near a particle: linear in the place.
+template <int D>
+struct Beyond {
+  double datum = 0.0;             ///< Pa, at the origin
+  Vec<D> slope = Vec<D>::Zero();  ///< Pa/m
+  [[nodiscard]] double at(const Vec<D>& x) const { return datum + slope.dot(x); }
+};
+
+/// What stands behind the nearest face, within reach [m], of a place that had it before the soil moved; else air.
+template <int D>
+Beyond<D> beyond(const Setup<D>& setup, const Vec<D>& drawn, const Vec<D>& now, double reach, double time) {
+  Point3 x = Point3::Zero();
+  x.head<D>() = drawn;
+  const WaterFace* nearest = nullptr;
+  for (const WaterFace& face : setup.water.faces)
+    for (const auto& piece : pieces_of(face.face))
+      if (const double distance = distance_from(piece, x); distance < reach) {
+        reach = distance;
+        nearest = &face;
+      }
+  if (!nearest) return {};
+  if (nearest->pressure) return {nearest->pressure->at(time), Vec<D>::Zero()};
+  if (!nearest->head) return {};
+  const Beyond<D> water{setup.water.density * setup.gravity.norm() * nearest->head->at(time),
+                        Vec<D>(setup.water.density * setup.gravity)};
+  return water.at(now) > 0.0 ? water : Beyond<D>{};
+}
+
+}  // namespace
+
+template <int D>
+VecArray<D> gradient_of_field(const Setup<D>& setup, const State<D>& state, std::span<const double> pressure,
+                              double time) {
+  const Particles<D>& p = state.particles;
+  const std::size_t n = p.size();
+  VecArray<D> gradient = pressure_gradient_difference<D>(state, pressure);
+  const VecArray<D> surface = surface_vectors(state);
+  const double reach = 2.0 * sph::support_radius * setup.smoothing_length;
+  // For the water the soil lies, at its rest before time zero, where the case draws it.
+  const auto place = [&](std::size_t i) { return Vec<D>(p.position[i] - state.rest_displacement[i]); };
+  std::vector<char> at_surface(n, 0);
+  std::vector<Beyond<D>> outside(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (surface[i].norm() * setup.spacing < exchange::surface) continue;
+    at_surface[i] = 1;
+    outside[i] = beyond<D>(setup, p.position[i] - p.displacement[i], place(i), reach, time);
+  }
+  VecArray<D> adjoint(n);
+  for (std::size_t i = 0; i < n; ++i) adjoint[i] = outside[i].slope;
+  for_each_ordered_pair(state.near.pairs, [&](std::size_t i, std::size_t j, std::size_t m) {
+    if (!at_surface[i]) return;
+    const bool image = j >= n;
+    const std::size_t source = image ? state.near.images[j - n].parent : j;
+    const Node<D>&a = state.nodes[i], &b = state.nodes[j];
+    // Behind a wall the pressure goes on as it comes.
+    double theirs = pressure[source];
+    if (image && !state.near.images[j - n].periodic)
+      theirs += gradient[source].dot(b.position - state.nodes[source].position);
+    const Vec<D> there = b.position - p.position[source] + place(source);
+    const double own = pressure[i] - outside[i].at(place(i)), other = theirs - outside[i].at(there);
+    const Mat<D> weights = own * a.correction() + other * correction_at(state, j);
+    adjoint[i] += weights * ((b.volume * state.kernel[m]) * (a.position - b.position));
+  });
+  for (std::size_t i = 0; i < n; ++i)
+    if (at_surface[i]) gradient[i] = adjoint[i];
+  return gradient;
+}
+
+template VecArray<2> gradient_of_field<2>(const Setup<2>&, const State<2>&, std::span<const double>, double);
+template VecArray<3> gradient_of_field<3>(const Setup<3>&, const State<3>&, std::span<const double>, double);
+
+}  // namespace poretwin::solid

@@ -1,0 +1,141 @@
+// Pore water as a field together with soil that moves.
+#include "common/media/retention_law.hpp"
+#include "pore_solver/pore_phase.hpp"
+#include "solid_solver/solid.hpp"
+#include "tests/coupling/coupled_run.hpp"
+
+#include <cmath>
+
+namespace poretwin::coupling {
+namespace {
+
+constexpr double width = 0.06, height = 0.4, spacing = 0.02, porosity = 0.4, load = 1000.0, modulus = 4e6;
+
+Face line(double ax, double ay, double bx, double by) {
+  Face face;
+  face.points = {Point3(ax, ay, 0.0), Point3(bx, by, 0.0)};
+  return face;
+}
+
+Gauge point(const std::string& phase, const std::string& quantity, double y) {
+  Gauge gauge;
+  gauge.name = quantity;
+  gauge.phase = phase;
+  gauge.kind = "point";
+  gauge.quantity = quantity;
+  gauge.points = {Point3(0.5 * width, y, 0.0)};
+  return gauge;
+}
+
+/// A column on a fixed base between rollers, of soil that strains in one direction only.
+Case column() {
+  Case scene;
+  scene.fluid.representation = FluidCase::Representation::field;
+  Soil soil;
+  soil.name = "sand";
+  soil.shape.max = Point3(width, height, 0.0);
+  soil.porosity = porosity;
+  soil.grain_density = 2600.0;
+  soil.hydraulic_conductivity = 1e-4;
+  soil.youngs_modulus = modulus;
+  soil.poissons_ratio = 0.0;
+  scene.soils = {soil};
+  scene.solid.particle_spacing = scene.fluid.particle_spacing = spacing;
+  for (const auto& face : {line(0, height, 0, 0), line(0, 0, width, 0), line(width, 0, width, height)}) {
+    Wall wall;
+    wall.face = face;
+    scene.walls.push_back(wall);
+  }
+  scene.walls[1].soil = Wall::ForSoil::fixed;
+  return scene;
+}
+
+double last(const MemoryRecorder& record, const std::string& gauge) {
+  for (const auto& reading : record.series.back().readings)
+    if (reading.gauge == gauge) return reading.value;
+  return std::nan("");
+}
+
+/// Both to the end, in windows of at most `interval`.
+void run(CoupledRun& coupled, const Case& scene, std::optional<double> interval = {}) {
+  const auto water = pore::make_pore_water(scene);
+  const auto soil = solid::make_solid(scene);
+  coupled.paired = true;
+  coupled.scheme = Settled{scene.coupling.settled_below()};
+  coupled.broker.case_digest = scene.digest();
+  coupled.settings = {scene.general.end_time, interval, 0.0, 0.0};
+  coupled.run(water.get(), soil.get());
+  coupled.expect_success();
+}
+
+/// Terzaghi's degree of consolidation of a column that drains on one side.
+double consolidation(double factor) {
+  double left = 0.0;
+  for (int i = 0; i < 200; ++i) {
+    const double m = M_PI * (i + 0.5);
+    left += 2.0 / (m * m) * std::exp(-m * m * factor);
+  }
+  return 1.0 - left;
+}
+
+Case loaded_column(double end) {
+  Case scene = column();
+  scene.general.gravity.setZero();
+  scene.general.end_time = end;
+  scene.fluid.regions = {scene.soils[0].shape};
+  WaterFace top;
+  top.face = line(width, height, 0, height);
+  top.pressure = Series{{{0.0, 0.0}}};
+  scene.water_faces = {top};
+  Load plate;
+  plate.face = top.face;
+  plate.traction = Point3(0.0, -load, 0.0);
+  plate.start = 0.0;
+  scene.loads = {plate};
+  scene.gauges = {point("solid", "displacement_y", height), point("fluid", "pore_pressure", 0.0)};
+  return scene;
+}
+
+TEST(FieldWithSoil, BearsASuddenLoadWholly) {
+  const Case scene = loaded_column(1e-3);  // a hundredth of what a row takes to drain
+  CoupledRun coupled;
+  run(coupled, scene, 1e-4);
+  EXPECT_NEAR(last(coupled.fluid_record, "pore_pressure"), load, 0.003 * load);
+  EXPECT_GT(coupled.report.passes, coupled.report.windows);  // the first window is repeated
+}
+
+TEST(FieldWithSoil, ConsolidatesAsTerzaghiInWindowsOfItsOwn) {
+  const double rate = 1e-4 * modulus / 9810.0;  // m2/s
+  for (const double factor : {0.2, 1.0}) {
+    const Case scene = loaded_column(factor * height * height / rate);
+    CoupledRun coupled;
+    run(coupled, scene);
+    EXPECT_NEAR(-last(coupled.solid_record, "displacement_y") * modulus / (load * height), consolidation(factor),
+                0.005);
+    EXPECT_LT(coupled.report.windows, 150u);
+  }
+}
+
+/// Under uniform suction and open to the air a column without weight shortens by suction over modulus.
+TEST(FieldWithSoil, SuctionUnderAirCompressesTheSoil) {
+  Case scene = column();
+  scene.general.end_time = 1.0;
+  scene.solid.initial_rest = true;
+  Soil& soil = scene.soils[0];
+  soil.grain_density = 1e-6;
+  soil.porosity = 1e-3;  // so that neither grains nor water weigh
+  soil.retention.emplace();
+  for (const auto& law : porous::retention_laws())
+    if (law.name == "gardner") soil.retention->law = &law;
+  soil.retention->numbers = {{"alpha", 1e-3}, {"pore_connectivity", 0.5}, {"entry_head", 0.0}, {"n", 2.0}};
+  scene.fluid.initial_pressure_head = Series{{{0.0, -1.0}, {height, -1.0 - height}}};  // at rest
+  scene.gauges = {point("solid", "displacement_y", height)};
+  CoupledRun coupled;
+  run(coupled, scene);
+  const double suction = 9810.0 * (1.0 + 0.5 * height);  // mean
+  EXPECT_NEAR(last(coupled.solid_record, "displacement_y"), -suction / modulus * height,
+              0.01 * suction / modulus * height);
+}
+
+}  // namespace
+}  // namespace poretwin::coupling
