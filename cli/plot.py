@@ -25,6 +25,7 @@ MAIN_FIELDS = {
 }
 AT_REST = 1e-6  # s, below any time that is looked at
 LEAST_STRAIN = 1e-3  # plastic strain is drawn by its logarithm, from here on
+STRAINS = ("accumulated_plastic_strain", "failing_strain")
 TENSOR = ["xx", "yy", "zz", "xy", "yz", "xz"]
 
 
@@ -176,7 +177,7 @@ class Shown:
             values.append(finite[::few])
             points.append(drawn[::few])
         self.extend = "neither"
-        if rare > 0.0 and low < high and component_of(frames, name, self.steps[0])[0] != "accumulated_plastic_strain":
+        if rare > 0.0 and low < high and component_of(frames, name, self.steps[0])[0] not in STRAINS:
             ends = low, high
             low, high = np.quantile(np.concatenate(values), [rare, 1.0 - rare])
             lower, upper = view(np.vstack(points), 2.5 * self.dx)
@@ -196,7 +197,7 @@ class Shown:
         # A diverging map only where both signs matter: a little noise around zero does not.
         signed = min(-low, high) > 0.05 * largest
         self.least = None
-        if field == "accumulated_plastic_strain" and largest > LEAST_STRAIN:  # slip bands beside grains that have rolled away
+        if field in STRAINS and largest > LEAST_STRAIN:  # slip bands beside grains that have rolled away
             self.least = LEAST_STRAIN
             self.norm = matplotlib.colors.LogNorm(LEAST_STRAIN, largest)
         elif field == "degree_of_saturation":

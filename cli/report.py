@@ -293,31 +293,32 @@ def draw_state(page, run):
     page.heading(f"The end: {style.time(run.end, run.unit)}")
     page.add('<div class="row">')
     for phase, frames in run.frames.items():
-        there = frames.fields()
         for name in FIELDS[phase]:
-            if name not in there:
-                continue
-            step = frames.n_steps - 1
-            shown = plot.Shown(frames, phase, name, [step])
-            if not shown.steps:
-                continue
-            values = plot.scalar(frames, name, step)
-            if name != "pore_pressure" and not np.ptp(values[np.isfinite(values)]) > 0.0:
-                continue  # the same everywhere: no picture
-            shape = shown.shape()
-            width = min(plot.panel_width(shape), max(1.5, 3.5 * shape[0] / shape[1]))
-            figure, axes = plt.subplots(figsize=(width + 1.2, width * shape[1] / shape[0] + 0.9), layout="constrained")
-            drawn = shown.paint(axes, step)
-            shown.axis_labels(axes)
-            shown.bar(axes, drawn)
-            if not plot.is_3d(frames, step):
-                outline_soils(axes, run)
-            caption = shown.label
-            if phase == "fluid" and "pressure_head" in there:  # a field: the water table is where its pressure is zero
-                if draw_water_table(axes, plot.Body(frames, step, frames.values("pressure_head", step))):
-                    caption += "; dashed: water table"
-            page.figure(figure, plain(caption), "png")
+            if name in frames.fields():
+                draw_field(page, run, phase, name, frames.n_steps - 1, required=name == "pore_pressure")
     page.add("</div>")
+
+
+def draw_field(page, run, phase, name, step, required=False):
+    """One field with the soils' outlines and the water table; no picture where it is the same everywhere, unless required."""
+    frames = run.frames[phase]
+    shown = plot.Shown(frames, phase, name, [step])
+    values = plot.scalar(frames, name, step)
+    if not shown.steps or not (required or np.ptp(values[np.isfinite(values)]) > 0.0):
+        return
+    shape = shown.shape()
+    width = min(plot.panel_width(shape), max(1.5, 3.5 * shape[0] / shape[1]))
+    figure, axes = plt.subplots(figsize=(width + 1.2, width * shape[1] / shape[0] + 0.9), layout="constrained")
+    drawn = shown.paint(axes, step)
+    shown.axis_labels(axes)
+    shown.bar(axes, drawn)
+    if not plot.is_3d(frames, step):
+        outline_soils(axes, run)
+    caption = shown.label
+    if phase == "fluid" and "pressure_head" in frames.fields():  # a field: the water table is where its pressure is zero
+        if draw_water_table(axes, plot.Body(frames, step, frames.values("pressure_head", step))):
+            caption += "; dashed: water table"
+    page.figure(figure, plain(caption), "png")
 
 
 def draw_water_table(axes, body):
@@ -359,6 +360,12 @@ def draw_safety(page, run):
         axes.legend()
     page.figure(figure, "By strength reduction, from the soil as it is at each time; band: the bracket.")
     page.table(rows, ["gauge", "least", "±", "at", "at the end"])
+    if "solid" in run.frames and "failing_strain" in run.frames["solid"].fields():
+        times = run.frames["solid"].times
+        least = min(((v, t) for name in names for t, v in zip(run.gauges[name]["t"], run.gauges[name]["v"]) if np.isfinite(v)), default=(0.0, 0.0))
+        later = np.flatnonzero(times >= least[1] * (1.0 - 1e-9))  # frames show the last reading
+        page.add(f"<p>What fails where the factor is least (frame at {style.time(times[later[0] if len(later) else -1], run.unit)}):</p>")
+        draw_field(page, run, "solid", "failing_strain", int(later[0]) if len(later) else len(times) - 1)
 
 
 def draw_series(page, run):

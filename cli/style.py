@@ -56,6 +56,7 @@ SOLID = {
     "effective_stress": ("effective stress", r"\sigma'"),
     "total_stress": ("total stress", r"\sigma"),
     "accumulated_plastic_strain": ("plastic strain", r"\bar{\varepsilon}_p"),
+    "failing_strain": ("plastic strain in failing", ""),
     "degree_of_saturation": ("degree of saturation", "S_r"),
     "void_fraction": ("void fraction", "n_w"),
     "mobilised_friction": ("mobilised friction", r"\varphi_m"),
@@ -63,7 +64,7 @@ SOLID = {
 }
 UNITS = {"degrees": "°", "m/s2": "m/s²", "m2": "m²", "m3": "m³", "m2/s": "m²/s", "m3/s": "m³/s", "kg/m3": "kg/m³"}
 # Perceptually uniform colour maps. MAPS: dark where the field is large; MAP: every other field; SIGNED_MAP: fields of either sign, white at zero.
-MAPS = {"accumulated_plastic_strain": "magma_r", "degree_of_saturation": "cividis_r"}
+MAPS = {"accumulated_plastic_strain": "magma_r", "failing_strain": "magma_r", "degree_of_saturation": "cividis_r"}
 MAP, SIGNED_MAP = "viridis", "RdBu_r"
 
 

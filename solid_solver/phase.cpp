@@ -76,7 +76,7 @@ void Solid<D>::restore() {
 
 template <int D>
 void Solid<D>::archive(Archive& archive) {
-  archive(state_, rest_, factor_of_safety_);
+  archive(state_, rest_, safety_);
   cache_.forget();
 }
 
@@ -101,13 +101,21 @@ Publication Solid<D>::publish() const {
 
 template <int D>
 OutputFrame Solid<D>::frame() const {
-  return frame_of(setup_, state_);
+  OutputFrame frame = frame_of(setup_, state_);
+  if (asks_for(setup_.gauges, "solid", "factor_of_safety"))
+    frame.fields.push_back(
+        {{"failing_strain", "1",
+          "plastic strain of the soil that fails, its strength divided by the factor of safety that was read last", 1},
+         tell_scalars([this](std::size_t i) {
+           return i < safety_.failing_strain.size() ? safety_.failing_strain[i] : 0.0;
+         })});
+  return frame;
 }
 
 template <int D>
 std::vector<GaugeReading> Solid<D>::gauges() const {
   auto readings = read_gauges<D>(setup_, state_);
-  std::ranges::move(read_factor_of_safety<D>(setup_, state_, factor_of_safety_), std::back_inserter(readings));
+  std::ranges::move(read_factor_of_safety<D>(setup_, state_, safety_), std::back_inserter(readings));
   return readings;
 }
 

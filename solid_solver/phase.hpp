@@ -3,6 +3,7 @@
 
 #include "common/coupling/phase.hpp"
 #include "solid_solver/statics/rest.hpp"
+#include "solid_solver/statics/safety.hpp"
 #include "solid_solver/window/quasi_static_window.hpp"
 
 namespace poretwin::solid {
@@ -37,7 +38,7 @@ class Solid final : public Phase {
   RestReport rest_;
   QuasiStaticWindow<D> quasi_static_;
   MotionHint hint_;  ///< of windows rejected since the state was saved
-  mutable double factor_of_safety_ = 0.0;  ///< as read last: where the next search begins
+  mutable SafetyRecord safety_;  ///< of the last reading
   mutable PositionCache<D> cache_;
 };
 

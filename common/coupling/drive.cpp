@@ -47,11 +47,13 @@ class PendingRecord {
   /// Writes frame and gauges even where none were requested, unless this state is in the files already.
   void write_now(bool frame, bool gauges) {
     timed(report_, writing, [&] {
+      // Gauges first: frames show some of what a reading finds.
+      if (gauges && !gauges_written_) {
+        const auto readings = phase_.gauges();
+        report_.warnings.note_readings(readings);
+        recorder_.gauges(report_.time, readings);
+      }
       if (frame && !frame_written_) recorder_.frame(phase_.frame());
-      if (!gauges || gauges_written_) return;
-      const auto readings = phase_.gauges();
-      report_.warnings.note_readings(readings);
-      recorder_.gauges(report_.time, readings);
     });
     frame_written_ = frame_written_ || frame;
     gauges_written_ = gauges_written_ || gauges;

@@ -22,8 +22,10 @@ VecArray<D> water_forces(const Setup<D>& setup, const State<D>& state) {
   return force;
 }
 
+/// `strain`: where the soil fails, the plastic strain of each particle in doing so.
 template <int D>
-std::optional<bool> stands(const Setup<D>& setup, const State<D>& state, const VecArray<D>& water, double factor) {
+std::optional<bool> stands(const Setup<D>& setup, const State<D>& state, const VecArray<D>& water, double factor,
+                           ScalarArray& strain) {
   const Setup<D> weak = weaker(setup, factor);
   State<D> trial = state;
   trial.sleep = {};
@@ -40,19 +42,27 @@ std::optional<bool> stands(const Setup<D>& setup, const State<D>& state, const V
   const RestReport rest = find_rest<D>(
       weak, search, trial, external, [](const RestReport&) {}, given_up);
   if (given_up) return {};
-  return rest.reached();
+  if (rest.reached()) return true;
+  strain.resize(state.particles.free());
+  for (std::size_t i = 0; i < strain.size(); ++i)
+    strain[i] = trial.particles.plastic_strain[i] - state.particles.plastic_strain[i];
+  return false;
 }
 
 }  // namespace
 
 template <int D>
-std::optional<Border> factor_of_safety(const Setup<D>& setup, const State<D>& state, const BorderSearch& search) {
+std::optional<FactorOfSafety> factor_of_safety(const Setup<D>& setup, const State<D>& state,
+                                               const BorderSearch& search) {
   const VecArray<D> water = water_forces(setup, state);
-  return find_border(search, [&](double factor) { return stands(setup, state, water, factor); });
+  ScalarArray strain;  // of the last trial that failed: it is the nearest
+  const auto border = find_border(search, [&](double factor) { return stands(setup, state, water, factor, strain); });
+  if (!border) return {};
+  return FactorOfSafety{*border, std::move(strain)};
 }
 
 template <int D>
-std::vector<GaugeReading> read_factor_of_safety(const Setup<D>& setup, const State<D>& state, double& last) {
+std::vector<GaugeReading> read_factor_of_safety(const Setup<D>& setup, const State<D>& state, SafetyRecord& last) {
   std::vector<GaugeReading> readings;
   for (const Gauge& gauge : setup.gauges) {
     if (gauge.kind != "factor_of_safety") continue;
@@ -60,22 +70,22 @@ std::vector<GaugeReading> read_factor_of_safety(const Setup<D>& setup, const Sta
     if (std::abs(turns - std::round(turns)) * gauge.every > 1e-6 * setup.gauge_interval) continue;
     BorderSearch search;
     search.tolerance = statics::safety_tolerance;
-    if (last > 0.0) {
-      search.guess = last;
+    if (last.factor > 0.0) {
+      search.guess = last.factor;
       search.ratio = 1.0 + statics::safety_tolerance;
     }
-    const auto found = factor_of_safety(setup, state, search);
+    auto found = factor_of_safety(setup, state, search);
     if (!found) continue;
-    last = std::isfinite(found->fails) ? found->factor() : 0.0;
+    last = {std::isfinite(found->fails) ? found->factor() : 0.0, std::move(found->failing_strain)};
     readings.push_back({gauge.name, found->factor(), "1"});
     readings.push_back({gauge.name + "_error", found->error(), "1"});
   }
   return readings;
 }
 
-#define PORETWIN_INSTANTIATE(D)                                                                              \
-  template std::optional<Border> factor_of_safety<D>(const Setup<D>&, const State<D>&, const BorderSearch&); \
-  template std::vector<GaugeReading> read_factor_of_safety<D>(const Setup<D>&, const State<D>&, double&);
+#define PORETWIN_INSTANTIATE(D)                                                                                      \
+  template std::optional<FactorOfSafety> factor_of_safety<D>(const Setup<D>&, const State<D>&, const BorderSearch&); \
+  template std::vector<GaugeReading> read_factor_of_safety<D>(const Setup<D>&, const State<D>&, SafetyRecord&);
 PORETWIN_INSTANTIATE(2)
 PORETWIN_INSTANTIATE(3)
 #undef PORETWIN_INSTANTIATE

@@ -10,15 +10,24 @@
 
 namespace poretwin::solid {
 
+struct FactorOfSafety : Border {
+  ScalarArray failing_strain;  ///< plastic strain of each particle in the trial that fails nearest to it
+};
+
 /// The factor by which cohesion and tan(friction) of all soils can be divided before the soil finds no equilibrium
 /// (Griffiths & Lane 1999) under its weight, the loads and the water's forces of this instant, which stay as they are.
 /// Every trial starts from the present stress. Nothing where the run is interrupted meanwhile.
 template <int D>
-std::optional<Border> factor_of_safety(const Setup<D>& setup, const State<D>& state, const BorderSearch& search);
+std::optional<FactorOfSafety> factor_of_safety(const Setup<D>& setup, const State<D>& state, const BorderSearch& search);
 
-/// Readings of the gauges of kind "factor_of_safety" that are due: the factor, and half the bracket's width. `last`:
-/// the factor that was read last, near which the next one is looked for; 0: none yet.
+/// What the gauges of kind "factor_of_safety" read last.
+struct SafetyRecord {
+  double factor = 0.0;         ///< near which the next one is looked for; 0: none yet
+  ScalarArray failing_strain;  ///< see FactorOfSafety
+};
+
+/// Readings of the gauges of kind "factor_of_safety" that are due: the factor, and half the bracket's width.
 template <int D>
-std::vector<GaugeReading> read_factor_of_safety(const Setup<D>& setup, const State<D>& state, double& last);
+std::vector<GaugeReading> read_factor_of_safety(const Setup<D>& setup, const State<D>& state, SafetyRecord& last);
 
 }  // namespace poretwin::solid
