@@ -350,6 +350,8 @@ class Doubts : Complaints {
       const std::string soil = fmt::format("soil[{}]", i);
       idle(soil + ".earth_pressure_at_rest", scene_.deformable() && !s.initial_rest, "solid.initial_rest = false");
       idle(soil + ".model", !scene_.deformable(), "with solid.model = \"rigid\" no soil moves");
+      const bool coulomb = scene_.model_of(scene_.soils[i]) == MaterialName::mohr_coulomb;
+      idle(soil + ".cone", scene_.deformable() && coulomb, "it fits Drucker-Prager to what this model is");
       if (scene_.deformable()) own_numbers(idle, scene_.model_of(scene_.soils[i]), soil);
     }
   }

@@ -45,8 +45,14 @@ Soil weakened(Soil soil, double factor, const std::vector<MaterialKey>& own) {
   soil.cohesion /= factor;
   if (soil.saturated_cohesion) *soil.saturated_cohesion /= factor;
   if (soil.tensile_strength) *soil.tensile_strength /= factor;
-  soil.friction_angle = std::atan(std::tan(soil.friction_angle * degree) / factor) / degree;
+  if (soil.residual_cohesion) *soil.residual_cohesion /= factor;
+  const auto reduce = [&](double& angle) { angle = std::atan(std::tan(angle * degree) / factor) / degree; };
+  reduce(soil.friction_angle);
+  if (soil.residual_friction_angle) reduce(*soil.residual_friction_angle);
   soil.dilation_angle = std::min(soil.dilation_angle, soil.friction_angle);
+  if (soil.residual_dilation_angle)
+    *soil.residual_dilation_angle = std::min({*soil.residual_dilation_angle, soil.dilation_angle,
+                                              soil.residual_friction_angle.value_or(soil.friction_angle)});
   for (const MaterialKey& key : own)
     if (key.strength) soil.own_numbers.at(std::string(key.name)) /= factor;
   return soil;

@@ -51,7 +51,7 @@ inline double cohesion_at(const Soil& soil, double saturation) {
 }
 
 /// The soil with its strength divided by a factor: c / F, tan(phi) / F, tensile strength / F, and what its material
-/// declares as a strength; dilation at most the reduced friction.
+/// declares as a strength, all of it before and after softening; dilation at most the reduced friction.
 Soil weakened(Soil soil, double factor, const std::vector<MaterialKey>& own = {});
 
 }  // namespace poretwin::solid

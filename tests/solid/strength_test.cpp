@@ -1,6 +1,7 @@
 // What keys of the strength and the stiffness do, in tests of the laboratory: softening, undrained strength, stiffness
 // that follows the pressure; and how the tests themselves end.
 #include "common/core/error.hpp"
+#include "solid_solver/material/cone.hpp"
 #include "solid_solver/material/element.hpp"
 #include "tests/solid/reference/table.hpp"
 
@@ -120,6 +121,19 @@ TEST(Stiffness, FollowsThePressureInEveryMaterial) {
     EXPECT_NEAR(model->moduli(from_all_sides(0.0), none).bulk, 0.1 * bulk, 1e-9 * bulk) << name;  // of 1 kPa
     EXPECT_NEAR(model->stiffest(4e5).bulk, 2.0 * bulk, 1e-9 * bulk) << name;
   }
+}
+
+TEST(Strength, IsDividedBeforeAndAfterSoftening) {
+  Soil soil = soil_of(1e3, 30.0);
+  soil.residual_cohesion = 400.0;
+  soil.residual_friction_angle = 20.0;
+  soil.softening_slip = 0.01;
+  const Soil half = weakened(soil, 2.0);
+  const auto tangent = [](double degrees) { return std::tan(degrees * std::numbers::pi / 180.0); };
+  EXPECT_DOUBLE_EQ(half.cohesion, 500.0);
+  EXPECT_DOUBLE_EQ(*half.residual_cohesion, 200.0);
+  EXPECT_NEAR(tangent(half.friction_angle), 0.5 * tangent(30.0), 1e-12);
+  EXPECT_NEAR(tangent(*half.residual_friction_angle), 0.5 * tangent(20.0), 1e-12);
 }
 
 Case case_with(const std::string& keys, const std::string& model = "mohr_coulomb") {
