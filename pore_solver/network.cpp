@@ -192,6 +192,7 @@ class Maker {
     return connect();
   }
   Network make(const Network& drawn, const std::vector<Point3>& now) {
+    moved_ = true;
     border_.move(drawn.position, now);
     net_.position = now;
     net_.soil = drawn.soil;
@@ -366,8 +367,11 @@ class Maker {
       const Point3 along = (part.piece.b - part.piece.a).normalized();
       double from = along.dot(side.a - part.piece.a), to = along.dot(side.b - part.piece.a);
       if (from > to) std::swap(from, to);
-      from = std::max(from, 0.0);
-      to = std::min(to, part.piece.length());
+      // Of a border that has moved a side may lie along two parts and more, and is that of the nearest.
+      if (!moved_) {
+        from = std::max(from, 0.0);
+        to = std::min(to, part.piece.length());
+      }
       if (to - from < tiny * spacing_) continue;
       const Point3 first = part.piece.a + from * along, last = part.piece.a + to * along;
       Segment s;
@@ -388,6 +392,7 @@ class Maker {
   Point3 up_;
   double spacing_;
   Border border_;
+  bool moved_ = false;
   Point3 origin_ = Point3::Zero();
   Network net_;
   std::vector<std::vector<Filling>> filling_;  ///< of each cell

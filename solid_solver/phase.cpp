@@ -1,5 +1,6 @@
 #include "solid_solver/phase.hpp"
 
+#include "common/case/gauge_kinds.hpp"
 #include "solid_solver/exchange/publication.hpp"
 #include "solid_solver/output/gauges.hpp"
 #include "solid_solver/output/report.hpp"
