@@ -72,16 +72,15 @@ class Search {
     safety_.run.cpu = cpu;
     SafetyTrial trial;
     trial.factor = factor;
-    double criterion = 0.0;
     for (const auto& summary : result.summaries)
       for (const auto& [name, value] : summary.counters) {
         if (summary.process != "solid") continue;
         if (name == "rest steps") trial.steps = value;
         if (name == "rest residual") trial.residual = value;
-        if (name == "rest criterion") criterion = value;
+        if (name == "rest found") trial.stands = value == 1.0;
         if (name == "rest displacement") trial.displacement = value;
       }
-    trial.stands = good() && trial.residual < criterion;
+    trial.stands = trial.stands && good();
     safety_.trials.push_back(trial);
     if (!options_.quiet && good())
       fmt::print("F = {:<8.4f} {}  {:>6} steps, residual {:.2g}, largest displacement {:.4g} m\n", factor,

@@ -67,6 +67,7 @@ std::map<std::string, double> counters_of(const State<D>& state, const RestRepor
           {"times the soil began to move", state.motion.begun},
           {"time in motion", state.motion.duration},
           {"rest steps", static_cast<double>(rest.steps)},
+          {"rest found", rest.steps > 0 && rest.reached() ? 1.0 : 0.0},
           {"rest residual", rest.residual},
           {"rest displacement", rest.displacement},
           {"rest criterion", rest.criterion}};

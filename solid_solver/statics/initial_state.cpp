@@ -56,7 +56,9 @@ RestReport come_to_rest(const Setup<D>& setup, State<D>& state) {
     Particles<D>& p = state.particles;
     for (std::size_t i = 0; i < n; ++i) setup.models[p.material[i]]->initial(p.stress[i], p.state_of(i));
   }
-  const RestReport rest = find_rest<D>(setup, {}, state, external, [](const RestReport& r) {
+  RestSearch search;
+  search.drifts = true;
+  const RestReport rest = find_rest<D>(setup, search, state, external, [](const RestReport& r) {
     fmt::print(stderr, "rest of the soil: largest acceleration {:.2g} of the driving one after {} steps, until {:g}\n",
                r.residual, r.steps, r.criterion);
   });

@@ -15,8 +15,11 @@ struct RestReport {
   double residual = 0.0;      ///< largest acceleration (without damping) over the reference acceleration
   bool creeps = false;        ///< all but a small share of soil that yields is at rest
   bool slides = false;        ///< given up: something moved too far
-  double criterion = 0.0;     ///< the rest is found when the residual is below it; zero: it was not sought
-  [[nodiscard]] bool reached() const { return residual < criterion || creeps; }
+  /// At the end of a search that found no rest: largest acceleration that the soil's motion over the last quarter of it
+  /// stands for, over the reference. Stress that goes back and forth in a grain that yields does not move it on.
+  double drift = std::numeric_limits<double>::infinity();
+  double criterion = 0.0;  ///< the rest is found when the residual is below it; zero: it was not sought
+  [[nodiscard]] bool reached() const { return residual < criterion || creeps || drift < criterion; }
 };
 
 /// When rest is found and when the search is given up.
@@ -26,6 +29,7 @@ struct RestSearch {
   double yielding = statics::rest_ways_yielding;  ///< the same once it yields
   double local = 0.0;                             ///< share of the mass of soil that yields that may go on moving
   double farthest = std::numeric_limits<double>::infinity();  ///< m, motion at which the search is given up
+  bool drifts = false;  ///< soil is at rest, too, where nothing moves on at the end
 };
 
 /// Rate that damps the present motion critically, 2 omega [1/s], with Rayleigh's quotient omega^2 = -v . dF/dt / v . m
@@ -74,6 +78,9 @@ RestReport find_rest(const Setup<D>& setup, const RestSearch& search, State<D>& 
   };
   VecArray<D> before, now = forces(setup, state, drive);
   const VecArray<D> start = state.particles.displacement;
+  VecArray<D> late;  // displacements when the last quarter began
+  double late_damping = 0.0;
+  std::size_t late_steps = 0;
   do {
     const double built = state.rebuilds;
     substep<D>(setup, dt, drive, state);
@@ -88,6 +95,11 @@ RestReport find_rest(const Setup<D>& setup, const RestSearch& search, State<D>& 
                                                   std::clamp(rate, statics::least_damping * elastic_rate, elastic_rate)
                                         : std::max(rate, elastic_rate);
     }
+    if (search.drifts && late.empty() && 4 * report.steps >= 3 * limit()) late = state.particles.displacement;
+    if (!late.empty()) {
+      late_damping += drive.damping;
+      ++late_steps;
+    }
     const Unrest left = unrest<D>(setup, state, std::span<const Vec<D>>(now), reference);
     report.residual = left.largest;
     report.creeps = state.any_yielded && left.share < search.local;
@@ -95,6 +107,9 @@ RestReport find_rest(const Setup<D>& setup, const RestSearch& search, State<D>& 
     check_sound(setup, state, state.time);
     if (report.steps % 100 == 0) show(report);
   } while (!report.reached() && !report.slides && !given_up && report.steps < limit());
+  if (!report.reached() && late_steps > 0)  // damped motion goes on at its force over the damping
+    report.drift = late_damping / static_cast<double>(late_steps) * farthest_moved(state, late) /
+                   (static_cast<double>(late_steps) * dt) / reference;
   for (const auto& u : state.particles.displacement) report.displacement = std::max(report.displacement, u.norm());
   stop(setup, state);
   show(report);

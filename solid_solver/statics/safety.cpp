@@ -39,6 +39,7 @@ std::optional<bool> stands(const Setup<D>& setup, const State<D>& state, const V
     drive.distributed = water;
   };
   RestSearch search;
+  search.drifts = true;
   const RestReport rest = find_rest<D>(
       weak, search, trial, external, [](const RestReport&) {}, given_up);
   if (given_up) return {};
