@@ -198,8 +198,8 @@ class Shown:
         signed = min(-low, high) > 0.05 * largest
         self.least = None
         if field in STRAINS and largest > LEAST_STRAIN:  # slip bands beside grains that have rolled away
-            self.least = LEAST_STRAIN
-            self.norm = matplotlib.colors.LogNorm(LEAST_STRAIN, largest)
+            self.least = min(LEAST_STRAIN, largest / 30.0)
+            self.norm = matplotlib.colors.LogNorm(self.least, largest)
         elif field == "degree_of_saturation":
             self.norm = matplotlib.colors.Normalize(0.0, 1.0)
         else:

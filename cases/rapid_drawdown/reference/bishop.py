@@ -1,0 +1,139 @@
+#!/usr/bin/python3
+"""Factors of safety of both slopes of the dam by Bishop's simplified method of slices (Bishop 1955), with the pore pressures and the
+weight of water that a run has found: the lowest over all circles above the firm base.
+
+Usage: bishop.py RUN [TIME ...]    days; default: all frames. Prints time [days], F upstream, F downstream.
+
+Below the water table the pore pressure acts as it is, above it as S_e p (Bishop's stress with chi = S_e), as in the run. Water before the upstream slope
+loads it: its weight counts in the slices, its thrust in the moment about the centre.
+"""
+import pathlib
+import sys
+
+import h5py
+import numpy as np
+from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
+from scipy.optimize import minimize
+
+SURFACE = np.array([[0.0, 0.0], [25.0, 10.0], [29.0, 10.0], [54.0, 0.0]])  # m
+COHESION, FRICTION = 5e3, np.tan(np.radians(25.0))  # Pa, 1
+POROSITY, GRAINS, WATER, GRAVITY = 0.43, 2650.0, 1000.0, 9.81
+RESIDUAL = 0.078 / 0.43  # water content that stays, over the porosity
+LEVEL = [(0.0, 0.0), (10.0, 8.0), (100.0, 8.0), (105.0, 2.0)]  # days, m
+SLICES = 60
+
+
+def ground(x):
+    return np.interp(x, SURFACE[:, 0], SURFACE[:, 1], left=0.0, right=0.0)
+
+
+class State:
+    """Pressure and weight in the dam at one time. Mirrored: as seen from behind, so that either slope falls to the right."""
+
+    def __init__(self, x, pressure, saturation, level, mirrored):
+        self.mirrored, self.level = mirrored, level
+        effective = np.clip((saturation - RESIDUAL) / (1.0 - RESIDUAL), 0.0, 1.0)
+        felt = np.where(pressure < 0.0, effective * pressure, pressure)
+        self.near, self.felt = NearestNDInterpolator(x, np.arange(len(x))), felt
+        self.linear = LinearNDInterpolator(x, np.stack([felt, saturation], axis=1))
+        self.saturation = saturation
+
+    def there(self, x):
+        return SURFACE[-1, 0] - x if self.mirrored else x
+
+    def at(self, x, y):
+        """Pressure that acts [Pa], and saturation."""
+        points = np.stack([self.there(x), y], axis=-1)
+        found = self.linear(points)
+        lost = np.isnan(found[..., 0])
+        if lost.any():
+            nearest = self.near(points[lost]).astype(int)
+            found[lost] = np.stack([self.felt[nearest], self.saturation[nearest]], axis=1)
+        return found[..., 0], found[..., 1]
+
+    def top(self, x):
+        return ground(self.there(x))
+
+    def outside(self, x):
+        """Depth of free water above the ground; it stands before the upstream slope only."""
+        upstream = self.there(x) < 25.0
+        return np.where(upstream, np.maximum(self.level - self.top(x), 0.0), 0.0)
+
+
+def factor(state, centre, radius):
+    """Of one circle; infinite where it cuts no sensible body out of the slope that falls to the right."""
+    xc, yc = centre
+    if yc <= SURFACE[:, 1].max() or yc - radius < 0.0:
+        return np.inf
+    x = np.linspace(xc - radius, xc + radius, 2001)
+    cut = (yc - np.sqrt(np.maximum(radius**2 - (x - xc) ** 2, 0.0)) < state.top(x) - 1e-9) & (x > 0.0) & (x < SURFACE[-1, 0])
+    if cut.sum() < 40 or np.ptp(np.flatnonzero(cut)) != cut.sum() - 1:
+        return np.inf
+    a, b = x[cut][0], x[cut][-1]
+    if state.top(a) < 9.999 or b - a < 3.0:  # the upper end lies on the crest
+        return np.inf
+    width = (b - a) / SLICES
+    x = a + (np.arange(SLICES) + 0.5) * width
+    bottom, top = yc - np.sqrt(radius**2 - (x - xc) ** 2), state.top(x)
+    share = (np.arange(12) + 0.5) / 12.0
+    _, saturation = state.at(np.repeat(x[:, None], 12, axis=1), bottom[:, None] + share * (top - bottom)[:, None])
+    weight = ((1.0 - POROSITY) * GRAINS + POROSITY * WATER * saturation.mean(axis=1)) * GRAVITY * (top - bottom) * width
+    pressure, _ = state.at(x, bottom)
+    loaded = WATER * GRAVITY * state.outside(x)
+    vertical = weight + loaded * width
+    # Thrust of the water on the slope: on each slice p times its height, against the slope, at the ground.
+    step = state.top(x + 0.5 * width) - state.top(x - 0.5 * width)
+    thrust = loaded * step  # to the right where positive; the ground falls to the right: negative
+    sine = (xc - x) / radius
+    cosine = np.sqrt(1.0 - sine**2)
+    driving = (vertical * sine).sum() + (thrust * (yc - top)).sum() / radius
+    if driving <= 0.0:
+        return np.inf
+    f = 1.5
+    for _ in range(100):
+        resisting = ((COHESION * width + np.maximum(vertical - pressure * width, 0.0) * FRICTION) / (cosine + sine * FRICTION / f)).sum()
+        new = resisting / driving
+        if abs(new - f) < 1e-7:
+            break
+        f = new
+    return f
+
+
+def lowest(state):
+    """Over all circles: a coarse grid of the upper end, the lower end and the sagitta, then a simplex from the best five."""
+    def of(v):
+        upper, lower, sag = v
+        if not (0.0 < sag and 0.0 < upper < lower < SURFACE[-1, 0]):
+            return 1e9
+        p, q = np.array([upper, state.top(upper)]), np.array([lower, state.top(lower)])
+        chord = np.linalg.norm(q - p)
+        radius = (chord**2 / 4.0 + sag**2) / (2.0 * sag)
+        normal = np.array([p[1] - q[1], q[0] - p[0]]) / chord  # up and to the right
+        centre = 0.5 * (p + q) + (radius - sag) * normal
+        value = factor(state, centre, radius)
+        return value if np.isfinite(value) else 1e9
+    tried = [(of((u, l, s)), (u, l, s)) for u in np.arange(24.2, 30.0, 0.8) for l in np.arange(34.0, 54.1, 2.0) for s in (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.5)]
+    tried.sort(key=lambda t: t[0])
+    found = [minimize(of, v, method="Nelder-Mead", options={"xatol": 1e-2, "fatol": 1e-4}) for _, v in tried[:5]]
+    return min(f.fun for f in found)
+
+
+def main():
+    run = pathlib.Path(sys.argv[1])
+    times = [float(t) for t in sys.argv[2:]]
+    with h5py.File(run / "fluid.vtkhdf") as file:
+        root = file["VTKHDF"]
+        found = root["Steps/Values"][:] / 86400.0
+        wanted = [int(np.argmin(np.abs(found - t))) for t in times] if times else range(len(found))
+        for step in wanted:
+            first, count = int(root["Steps/PointOffsets"][step]), int(root["NumberOfPoints"][step])
+            rows = slice(first, first + count)
+            x = root["Points"][rows][:, :2].astype(float)
+            pressure, saturation = root["PointData/pore_pressure"][rows].astype(float), root["PointData/degree_of_saturation"][rows].astype(float)
+            level = np.interp(found[step], *np.array(LEVEL).T)
+            factors = [lowest(State(x, pressure, saturation, level, mirrored)) for mirrored in (True, False)]
+            print(f"{found[step]:.3f},{factors[0]:.4f},{factors[1]:.4f}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
