@@ -128,7 +128,8 @@ void PoreWater::see_soil(const coupling::Inbox& inbox, unsigned pass) {
 void PoreWater::link() {
   if (linked_ == state_.linked) return;
   linked_ = state_.linked;
-  network_ = linked_.empty() ? drawn_network_ : make_network(scene_, drawn_network_, linked_);
+  const bool drawn = linked_.empty() || linked_ == drawn_network_.position;
+  network_ = drawn ? drawn_network_ : make_network(scene_, drawn_network_, linked_);
   stepper_ = std::make_unique<Stepper>(scene_, network_);
   gauges_ = std::make_unique<Gauges>(scene_, network_);
 }

@@ -214,8 +214,9 @@ typename QuasiStaticWindow<D>::Answer QuasiStaticWindow<D>::advance(const Setup<
         const double strain = p.volume[i] / volume[i] - 1.0;
         state.backing.set(i, state.external.coverage[i] * answers[i].dilation * (strain - strain_due[i]), n);
       }
-      Vec<D> force = by_water[i] + tracking.tracking[i] * (tracking.target[i] - mean);
+      Vec<D> force = by_water[i];
       if (inert) force += p.mass[i] / interval * (velocity[i] - mean);
+      force += tracking.tracking[i] * (tracking.target[i] - mean);
       drive.distributed.set(i, force, n);
     }
   };
