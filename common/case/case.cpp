@@ -644,8 +644,8 @@ void declare(Keys& keys, Gauge& g) {
               not_negative());
   keys.number("every", g.every,
               {"s",
-               "`factor_of_safety`: time between readings, a multiple of `output.gauge_interval`; each reading is a "
-               "search of its own."},
+               "`factor_of_safety`: it is read with the other gauges for the first time after each multiple of this; each "
+               "reading is a search of its own."},
               positive());
   keys.optional_table("region",
                       "Where the particles lie of which `volume`, `momentum`, .. are taken; absent: everywhere.",

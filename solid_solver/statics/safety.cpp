@@ -65,10 +65,11 @@ std::optional<FactorOfSafety> factor_of_safety(const Setup<D>& setup, const Stat
 template <int D>
 std::vector<GaugeReading> read_factor_of_safety(const Setup<D>& setup, const State<D>& state, SafetyRecord& last) {
   std::vector<GaugeReading> readings;
+  const double read_before = last.time;
   for (const Gauge& gauge : setup.gauges) {
     if (gauge.kind != "factor_of_safety") continue;
-    const double turns = state.time / gauge.every;
-    if (std::abs(turns - std::round(turns)) * gauge.every > 1e-6 * setup.gauge_interval) continue;
+    const auto turns = [&gauge](double time) { return std::floor(time / gauge.every * (1.0 + 1e-9)); };
+    if (turns(state.time) <= turns(read_before)) continue;
     BorderSearch search;
     search.tolerance = statics::safety_tolerance;
     if (last.factor > 0.0) {
@@ -77,7 +78,7 @@ std::vector<GaugeReading> read_factor_of_safety(const Setup<D>& setup, const Sta
     }
     auto found = factor_of_safety(setup, state, search);
     if (!found) continue;
-    last = {std::isfinite(found->fails) ? found->factor() : 0.0, std::move(found->failing_strain)};
+    last = {std::isfinite(found->fails) ? found->factor() : 0.0, state.time, std::move(found->failing_strain)};
     readings.push_back({gauge.name, found->factor(), "1"});
     readings.push_back({gauge.name + "_error", found->error(), "1"});
   }
