@@ -130,20 +130,27 @@ def scene_of(run):
         return {}, []
 
 
+def corners(shape):
+    """The outline of a region of a 2D case [n, 2]; nothing for other shapes."""
+    if shape.get("shape") == "polygon" and all(len(p) == 2 for p in shape.get("points", [])):
+        return np.array(shape["points"], dtype=float)
+    if shape.get("shape") == "box" and len(shape.get("min", [])) == 2:
+        (x0, y0), (x1, y1) = shape["min"], shape["max"]
+        return np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]], dtype=float)
+    if shape.get("shape") == "ball" and len(shape.get("centre", [])) == 2:
+        angle = np.linspace(0.0, 2.0 * np.pi, 73)[:-1]
+        return np.array(shape["centre"], dtype=float) + shape["radius"] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return None
+
+
 def rigid_soil(run):
     """Corners of the soil of a 2D run that is not computed, [[x, y], ...] for each piece, as its case file has them."""
     scene, overrides = scene_of(run)
     if (run / "solid.vtkhdf").exists() or any(re.match(r"soil\..*(points|min|max|shape)", text) for text in overrides):
         return []
     try:
-        pieces = []
-        for soil in scene.get("soil", []):
-            if soil["shape"] == "polygon":
-                pieces.append(np.array(soil["points"], dtype=float))
-            elif soil["shape"] == "box" and len(soil["min"]) == 2:
-                (x0, y0), (x1, y1) = soil["min"], soil["max"]
-                pieces.append(np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]], dtype=float))
-        return pieces
+        outlines = [corners(soil) for soil in scene.get("soil", []) if soil["shape"] in ("polygon", "box")]
+        return [outline for outline in outlines if outline is not None]
     except (KeyError, TypeError, ValueError):
         return []  # the case has changed
 

@@ -120,19 +120,6 @@ def put(tree, keys, value):
         tree[keys[-1]] = value
 
 
-def corners(shape):
-    """The outline of a region of a 2D case [n, 2]; nothing for other shapes."""
-    if shape.get("shape") == "polygon" and all(len(p) == 2 for p in shape.get("points", [])):
-        return np.array(shape["points"], dtype=float)
-    if shape.get("shape") == "box" and len(shape.get("min", [])) == 2:
-        (x0, y0), (x1, y1) = shape["min"], shape["max"]
-        return np.array([[x0, y0], [x1, y0], [x1, y1], [x0, y1]], dtype=float)
-    if shape.get("shape") == "ball" and len(shape.get("centre", [])) == 2:
-        angle = np.linspace(0.0, 2.0 * np.pi, 73)[:-1]
-        return np.array(shape["centre"], dtype=float) + shape["radius"] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    return None
-
-
 def closed(outline):
     return matplotlib.path.Path(np.vstack([outline, outline[:1]]))
 
@@ -200,7 +187,7 @@ class Page:
 def outline_soils(axes, run, filled=False):
     """The soils of the case, named; returns their outlines."""
     drawn = []
-    soils = [(soil, corners(soil)) for soil in run.case.get("soil", [])]
+    soils = [(soil, plot.corners(soil)) for soil in run.case.get("soil", [])]
     for k, (soil, outline) in enumerate(soils):
         if outline is None:
             continue
@@ -220,7 +207,7 @@ def draw_section(page, run):
     figure, axes = plt.subplots(figsize=(style.PAGE, 0.5 * style.PAGE), layout="constrained")
     drawn = outline_soils(axes, run, filled=True)
     for region in run.case.get("fluid", {}).get("region", []):
-        outline = corners(region)
+        outline = plot.corners(region)
         if outline is not None:
             axes.fill(*outline.T, facecolor=style.AROUND["solid"], edgecolor=style.WATER_LINE, linewidth=0.6, zorder=0.5)
             drawn.append(outline)

@@ -152,17 +152,8 @@ void clear_trials(const fs::path& out) {
 
 Safety find_safety(const RunOptions& options, double tolerance) {
   const Case scene = read_case(options.case_file, options.overrides);
-  if (!scene.can_yield())
-    throw CaseError(
-        fmt::format("{}: key 'solid.model': a factor of safety needs soil that can fail; expected \"mohr_coulomb\" or "
-                    "\"drucker_prager\"",
-                    options.case_file.string()));
-  for (std::size_t i = 0; i < scene.soils.size(); ++i)
-    if (const Material kind = material(scene.model_of(scene.soils[i])); kind.can_yield() && !kind.has_strength())
-      throw CaseError(fmt::format(
-          "{}: key 'soil[{}].model': \"{}\" has no strength that a factor could divide; expected a material "
-          "with cohesion and friction",
-          options.case_file.string(), i, kind.name));
+  if (const auto lack = lacks_strength(scene))
+    throw CaseError(fmt::format("{}: key '{}': {}", options.case_file.string(), lack->first, lack->second));
   for (const auto& warning : scene.warnings) fmt::print(stderr, "warning: {}\n", warning);
   if (const auto keys = ignored(scene, options); !keys.empty())
     fmt::print(stderr, "warning: a factor of safety is that of the rest at time zero; without effect: {}\n", keys);

@@ -105,12 +105,12 @@ def number(value):
     return f"{float(f'{value:.4g}'):g}"
 
 
-# Units of time: how long a run must be to be told in it [s], the unit [s], its name.
+# Units of time: the shortest run for which it is used [s], the unit [s], its name.
 TIMES = [(3.0 * 365.25 * 86400.0, 365.25 * 86400.0, "years"), (2.0 * 86400.0, 86400.0, "days"), (2e4, 3600.0, "h"), (0.0, 1.0, "s")]
 
 
 def time_unit(span):
-    """Length [s] and name of the unit in which a person would tell this time [s]."""
+    """Length [s] and name of the unit that a person would use for this time [s]."""
     return next((unit, name) for least, unit, name in TIMES if span >= least)
 
 

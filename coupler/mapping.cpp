@@ -5,6 +5,12 @@
 #include <algorithm>
 
 namespace poretwin::coupling {
+
+const Field& field_named(const std::vector<Field>& fields, const std::string& name) {
+  const auto found = std::find_if(fields.begin(), fields.end(), [&](const Field& f) { return f.name == name; });
+  if (found == fields.end()) throw PeerError("field '" + name + "' is missing from the publication to be mapped");
+  return *found;
+}
 namespace {
 
 using Size = std::size_t;
@@ -18,7 +24,7 @@ class CloudMapping final : public SpatialMapping {
     auto& at_givers = giver == Role::fluid ? at_fluid_ : at_solid_;
     const auto shared_out = [&](const FieldSpec& spec) {
       return spec.mapping == coupling::Mapping::conservative &&
-             !(all_zero(find(giver_fields, spec.name).values) && all_zero(account_of(giver, spec).undelivered));
+             !(all_zero(field_named(giver_fields, spec.name).values) && all_zero(account_of(giver, spec).undelivered));
     };
     const typename PairBlocks<D>::Update both[] = {{&at_receivers, receiver_points, giver_points},
                                                    {&at_givers, giver_points, receiver_points}};
@@ -34,7 +40,7 @@ class CloudMapping final : public SpatialMapping {
       }
       auto& account = account_of(giver, spec);
       auto delivery = sharing_.conservative(at_givers, at_receivers, giver_points, receiver_points,
-                                            find(giver_fields, spec.name), account.undelivered);
+                                            field_named(giver_fields, spec.name), account.undelivered);
       for (Size c = 0; c < delivery.given.size(); ++c) {
         account.given[c] += delivery.given[c];
         account.delivered[c] += delivery.delivered[c];
@@ -57,12 +63,6 @@ class CloudMapping final : public SpatialMapping {
     return name == field::soil_fraction || name == field::solid_volume_fraction;
   }
 
-  static const Field& find(const std::vector<Field>& fields, const std::string& name) {
-    const auto found = std::find_if(fields.begin(), fields.end(), [&](const Field& f) { return f.name == name; });
-    if (found == fields.end()) throw PeerError("field '" + name + "' is missing from the publication to be mapped");
-    return *found;
-  }
-
   /// Fields with one mask share their moments: one group per mask.
   static Inbox map_consistent(const PairBlocks<D>& pairs, const std::vector<Field>& fields,
                               std::span<const FieldSpec> specs, const PairWeights* weights) {
@@ -73,10 +73,10 @@ class CloudMapping final : public SpatialMapping {
       Size g = static_cast<Size>(std::find(masks.begin(), masks.end(), spec.mask) - masks.begin());
       if (g == masks.size()) {
         masks.push_back(spec.mask);
-        groups.push_back({{}, spec.mask.empty() ? std::span<const double>() : find(fields, spec.mask).values});
+        groups.push_back({{}, spec.mask.empty() ? std::span<const double>() : field_named(fields, spec.mask).values});
       }
       auto& of_kind = spec.mapping == coupling::Mapping::nearest ? groups[g].properties : groups[g].fields;
-      of_kind.push_back(&find(fields, spec.name));
+      of_kind.push_back(&field_named(fields, spec.name));
     }
     auto mapped = consistent(pairs, groups, weights);
     // A mean of fractions may leave [0, 1] by rounding.

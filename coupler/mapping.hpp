@@ -24,6 +24,9 @@
 
 namespace poretwin::coupling {
 
+/// The field of that name in a publication. Throws PeerError where it is missing.
+const Field& field_named(const std::vector<Field>& fields, const std::string& name);
+
 struct MappingCounts {
   std::uint64_t rebuilds = 0;  ///< pair lists searched anew
   std::uint64_t reuses = 0;    ///< pair lists kept

@@ -1,6 +1,5 @@
 #include "coupler/pairing.hpp"
 
-#include "common/core/error.hpp"
 #include "common/particles/neighbours.hpp"
 
 #include <algorithm>
@@ -40,15 +39,12 @@ class PairedMapping final : public SpatialMapping {
     inbox.coverage.assign(partner.size(), 1.0);
     inbox.asymmetry.assign(partner.size(), 0.0);
     for (const auto& spec : specs) {
-      const auto field =
-          std::find_if(giver_fields.begin(), giver_fields.end(), [&](const Field& f) { return f.name == spec.name; });
-      if (field == giver_fields.end())
-        throw PeerError("field '" + spec.name + "' is missing from the publication to be mapped");
+      const Field& field = field_named(giver_fields, spec.name);
       const auto components = static_cast<Size>(spec.components);
       Field out{spec.name, spec.components, ScalarArray(partner.size() * components)};
       for (Size i = 0; i < partner.size(); ++i)
         for (Size c = 0; c < components; ++c)
-          out.values[i * components + c] = field->values[partner[i] * components + c];
+          out.values[i * components + c] = field.values[partner[i] * components + c];
       inbox.fields.push_back(std::move(out));
     }
     return inbox;

@@ -1,4 +1,4 @@
-// Mapping between two sets that are the same points, told by two solvers: water as a field lives on the soil's
+// Mapping between two sets that are the same points, given by two solvers: water as a field lives on the soil's
 // particles. Each point takes its partner's values as they are (docs/decisions/0023-field-on-moving-soil.md).
 #pragma once
 

@@ -195,16 +195,20 @@ bool Stepper::solve(double interval, State& state) {
     // A point that is full, and from which nothing can go anywhere, has nothing that its variable changes.
     for (std::size_t a = 0; a < n; ++a)
       if (matrix_[matrix_.diagonal(a)] == 0.0) matrix_[matrix_.diagonal(a)] = pores_;
-    const Ilu0 factors(matrix_);
     for (double& r : residual_) r = -r;
-    const auto solved =
-        flexible_gmres([&](auto x, auto y) { matrix_.apply(x, y); }, [&](auto r, auto z) { factors.apply(r, z); },
-                       residual_, change, steps::linear_residual * norm(residual_), steps::most_linear_iterations);
     ++state.counts.iterations;
-    state.counts.linear_iterations += solved.iterations;
+    state.counts.linear_iterations += solve_linear(residual_, steps::linear_residual, change);
     for (std::size_t a = 0; a < n; ++a)
       variable_[a] = flow_->limited(static_cast<Index>(a), variable_[a], variable_[a] + change[a], stopped_[a]);
   }
+}
+
+double Stepper::solve_linear(std::span<const double> right, double tolerance, ScalarArray& x) const {
+  const Ilu0 factors(matrix_);
+  return static_cast<double>(flexible_gmres([this](auto u, auto y) { matrix_.apply(u, y); },
+                                            [&factors](auto r, auto z) { factors.apply(r, z); }, right, x,
+                                            tolerance * norm(right), steps::most_linear_iterations)
+                                 .iterations);
 }
 
 Stepper::Attempt Stepper::attempt(double interval, const Skeleton* soil, State& state) {
@@ -264,9 +268,7 @@ Stepper::Attempt Stepper::attempt(double interval, const Skeleton* soil, State& 
 std::pair<double, double> Stepper::borne_error(std::span<const double> content_error) {
   const std::size_t n = network_.size();
   ScalarArray change(n);
-  const Ilu0 factors(matrix_);
-  flexible_gmres([&](auto x, auto y) { matrix_.apply(x, y); }, [&](auto r, auto z) { factors.apply(r, z); },
-                 content_error, change, steps::error_residual * norm(content_error), steps::most_linear_iterations);
+  solve_linear(content_error, steps::error_residual, change);
   double error = 0.0, volume = 0.0, largest = 0.0;
   for (std::size_t a = 0; a < n; ++a) {
     const Content head = flow_->borne_head(static_cast<Index>(a));

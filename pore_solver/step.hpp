@@ -66,6 +66,8 @@ class Stepper {
   /// Finds the variables at which water(u) = base + interval * net(u), from those there are on; false where it does
   /// not.
   bool solve(double interval, State& state);
+  /// x of the matrix for a right side, to a share of its norm; returns the iterations.
+  double solve_linear(std::span<const double> right, double tolerance, ScalarArray& x) const;
   /// Flows and, where asked to, the matrix of `interval` times their derivatives; the residual of each point.
   void balance(double interval, const State& state, bool with_matrix);
   void begin(const StepTimes& times);

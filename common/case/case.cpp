@@ -739,6 +739,19 @@ void complete(Soil& soil, double spacing) {
 
 }  // namespace
 
+std::optional<std::pair<std::string, std::string>> lacks_strength(const Case& scene) {
+  if (!scene.can_yield())
+    return {{"solid.model",
+             "a factor of safety needs soil that can fail; expected \"mohr_coulomb\" or \"drucker_prager\""}};
+  for (std::size_t i = 0; i < scene.soils.size(); ++i)
+    if (const Material kind = material(scene.model_of(scene.soils[i])); kind.can_yield() && !kind.has_strength())
+      return {{fmt::format("soil[{}].model", i),
+               fmt::format("\"{}\" has no strength that a factor could divide; expected a material with cohesion and "
+                           "friction",
+                           kind.name)}};
+  return {};
+}
+
 Material material(MaterialName name) {
   const auto all = materials();
   const auto found = std::ranges::find(all, name.name, &Material::name);

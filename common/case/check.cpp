@@ -728,13 +728,7 @@ class Checker : Complaints {
   }
 
   void factor_of_safety(const Gauge& gauge, const std::string& key) const {
-    if (!scene_.can_yield())
-      fail(key + ".kind", "a factor of safety needs soil that can fail; expected a solid.model with a strength");
-    for (std::size_t s = 0; s < scene_.soils.size(); ++s)
-      if (const Material kind = material(scene_.model_of(scene_.soils[s])); kind.can_yield() && !kind.has_strength())
-        fail(key + ".kind", fmt::format("soil[{}].model = \"{}\" has no strength that a factor could divide; expected "
-                                        "a material with cohesion and friction",
-                                        s, kind.name));
+    if (const auto lack = lacks_strength(scene_)) fail(key + ".kind", lack->first + ": " + lack->second);
     if (!(gauge.every > 0.0)) fail(key + ".every", "expected a time between readings above 0 s, found none");
   }
 

@@ -46,6 +46,10 @@ struct Material {
 /// All materials, in the order of case-file.md. The rows stand with the models: solid_solver/material/registry.cpp.
 std::vector<Material> materials();
 
+/// Why a case has no factor of safety: the key concerned, and what is expected of it; nothing where its soil can fail,
+/// and all that can has a strength to divide.
+std::optional<std::pair<std::string, std::string>> lacks_strength(const Case& scene);
+
 /// Constrained modulus K + 4 G / 3 [Pa] of soil that nothing has strained, under a pressure [Pa] from all sides.
 double constrained_modulus(MaterialName material, const Soil& soil, double pressure);
 /// The same under half the weight of all soil, where the stiffness follows the pressure.

@@ -58,8 +58,8 @@ template <class In>
   s2 = upper ? upper_pair : lower ? lower_pair : s2;
   s3 = upper ? t[2] - on_upper * off_3 : lower ? lower_pair : s3;
   // The tension's limit: one principal stress at it, two, or all, if shear lets them.
-  const Mask torn = s1 > y.limit;
-  if (any(torn)) {
+  const Mask cut = s1 > y.limit;
+  if (any(cut)) {
     const Number stiff = lame + two_g, over = t[0] - y.limit, one = lame * over / stiff;
     Number least = t[1] - one > y.limit ? t[2] - lame * (over + t[1] - y.limit) / (lame + stiff) : t[2] - one;
     Number middle = t[1] - one;
@@ -74,9 +74,9 @@ template <class In>
     max_in_place(between, met);
     min_in_place(between, y.limit);
     const Mask sheared = least < met;
-    s1 = torn ? y.limit : s1;
-    s2 = torn ? (sheared ? between : middle) : s2;
-    s3 = torn ? (sheared ? met : least) : s3;
+    s1 = cut ? y.limit : s1;
+    s2 = cut ? (sheared ? between : middle) : s2;
+    s3 = cut ? (sheared ? met : least) : s3;
   }
   Number part[3] = {t[0] - s1, t[1] - s2, t[2] - s3};
   const Number mean = (part[0] + part[1] + part[2]) / 3.0;

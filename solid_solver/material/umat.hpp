@@ -5,7 +5,7 @@
 
 namespace poretwin::solid {
 
-/// State: the library's own variables, then the strain that it is told of. The moduli are those of the soil's keys: the
+/// State: the library's own variables, then the strain that it is given. The moduli are those of the soil's keys: the
 /// stiffest that the model has.
 class Umat final : public ConstitutiveModel {
  public:

@@ -2,58 +2,29 @@
 #include "common/media/retention_law.hpp"
 #include "pore_solver/pore_phase.hpp"
 #include "solid_solver/solid.hpp"
-#include "tests/coupling/coupled_run.hpp"
+#include "tests/coupling/column.hpp"
 
 #include <cmath>
 
 namespace poretwin::coupling {
 namespace {
 
+using test::last;
+using test::line;
+
 constexpr double width = 0.06, height = 0.4, spacing = 0.02, porosity = 0.4, load = 1000.0, modulus = 4e6;
 
-Face line(double ax, double ay, double bx, double by) {
-  Face face;
-  face.points = {Point3(ax, ay, 0.0), Point3(bx, by, 0.0)};
-  return face;
-}
-
 Gauge point(const std::string& phase, const std::string& quantity, double y) {
-  Gauge gauge;
-  gauge.name = quantity;
-  gauge.phase = phase;
-  gauge.kind = "point";
-  gauge.quantity = quantity;
-  gauge.points = {Point3(0.5 * width, y, 0.0)};
-  return gauge;
+  return test::gauge_at(phase, quantity, 0.5 * width, y);
 }
 
 /// A column on a fixed base between rollers, of soil that strains in one direction only.
 Case column() {
-  Case scene;
+  Case scene = test::soil_column(width, height, spacing);
   scene.fluid.representation = FluidCase::Representation::field;
-  Soil soil;
-  soil.name = "sand";
-  soil.shape.max = Point3(width, height, 0.0);
-  soil.porosity = porosity;
-  soil.grain_density = 2600.0;
-  soil.hydraulic_conductivity = 1e-4;
-  soil.youngs_modulus = modulus;
-  soil.poissons_ratio = 0.0;
-  scene.soils = {soil};
-  scene.solid.particle_spacing = scene.fluid.particle_spacing = spacing;
-  for (const auto& face : {line(0, height, 0, 0), line(0, 0, width, 0), line(width, 0, width, height)}) {
-    Wall wall;
-    wall.face = face;
-    scene.walls.push_back(wall);
-  }
-  scene.walls[1].soil = Wall::ForSoil::fixed;
+  scene.soils[0].youngs_modulus = modulus;
+  scene.soils[0].poissons_ratio = 0.0;
   return scene;
-}
-
-double last(const MemoryRecorder& record, const std::string& gauge) {
-  for (const auto& reading : record.series.back().readings)
-    if (reading.gauge == gauge) return reading.value;
-  return std::nan("");
 }
 
 /// Both to the end, in windows of at most `interval`.

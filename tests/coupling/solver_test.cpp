@@ -2,39 +2,22 @@
 // over sockets.
 #include "fluid_solver/fluid.hpp"
 #include "solid_solver/solid.hpp"
-#include "tests/coupling/coupled_run.hpp"
+#include "tests/coupling/column.hpp"
 
 #include <cmath>
 
 namespace poretwin::coupling {
 namespace {
 
-constexpr double width = 0.2, height = 0.4, spacing = 0.02, porosity = 0.4, grain = 2600.0, gamma_w = 9810.0;
+using test::last;
+using test::line;
 
-Face line(double ax, double ay, double bx, double by) {
-  Face face;
-  face.points = {Point3(ax, ay, 0.0), Point3(bx, by, 0.0)};
-  return face;
-}
+constexpr double width = 0.2, height = 0.4, spacing = 0.02, porosity = 0.4, grain = 2600.0, gamma_w = 9810.0;
 
 /// A saturated column of soil on a fixed base between rollers; the water stands at the soil's top.
 Case column() {
-  Case scene;
-  Soil soil;
-  soil.name = "sand";
-  soil.shape.max = Point3(width, height, 0.0);
-  soil.porosity = porosity;
-  soil.grain_density = grain;
-  soil.hydraulic_conductivity = 1e-4;
-  scene.soils = {soil};
-  scene.solid.particle_spacing = scene.fluid.particle_spacing = spacing;
-  scene.fluid.regions = {soil.shape};
-  for (const auto& face : {line(0, height, 0, 0), line(0, 0, width, 0), line(width, 0, width, height)}) {
-    Wall wall;
-    wall.face = face;
-    scene.walls.push_back(wall);
-  }
-  scene.walls[1].soil = Wall::ForSoil::fixed;
+  Case scene = test::soil_column(width, height, spacing);
+  scene.fluid.regions = {scene.soils[0].shape};
   WaterFace top;
   top.face = line(width, height, 0, height);
   top.pressure = Series{{{0.0, 0.0}}};
@@ -42,21 +25,8 @@ Case column() {
   return scene;
 }
 
-/// Gauges of one point, read off what was recorded last.
-double last(const MemoryRecorder& record, const std::string& gauge) {
-  for (const auto& reading : record.series.back().readings)
-    if (reading.gauge == gauge) return reading.value;
-  return std::nan("");
-}
-
 Gauge point(const std::string& phase, const std::string& quantity, double y) {
-  Gauge gauge;
-  gauge.name = quantity;
-  gauge.phase = phase;
-  gauge.kind = "point";
-  gauge.quantity = quantity;
-  gauge.points = {Point3(0.5 * width, y, 0.0)};
-  return gauge;
+  return test::gauge_at(phase, quantity, 0.5 * width, y);
 }
 
 /// What the other phase says of the resting column.

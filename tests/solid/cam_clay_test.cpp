@@ -1,5 +1,6 @@
 // Modified Cam-Clay in the tests of a laboratory, against tables and closed forms.
 #include "solid_solver/material/element.hpp"
+#include "tests/instructions.hpp"
 #include "tests/solid/reference/table.hpp"
 
 #include <fmt/format.h>
@@ -109,8 +110,8 @@ TEST(CamClay, EndsAtTheCriticalStateOfItsVolume) {
   }
 }
 
-// Normal compression without lateral strain ends at a constant eta = q / p: of the volume's strain two thirds are shear,
-// eta kappa / (3 (G / K) lambda) elastic and (1 - kappa / lambda) 2 eta / (M^2 - eta^2) plastic.
+// Normal compression without lateral strain ends at a constant eta = q / p: of the volume's strain two thirds are
+// shear, eta kappa / (3 (G / K) lambda) elastic and (1 - kappa / lambda) 2 eta / (M^2 - eta^2) plastic.
 TEST(CamClay, TheOedometerEndsAtItsRatioOfStresses) {
   const Soil soil = clay(1.0);
   const auto model = model_of(soil);
@@ -120,8 +121,8 @@ TEST(CamClay, TheOedometerEndsAtItsRatioOfStresses) {
   double low = 0.0, high = slope;
   for (int k = 0; k < 60; ++k) {
     const double eta = 0.5 * (low + high);
-    const double shear = eta * kappa / (3.0 * shear_ratio * lambda) +
-                         (1.0 - kappa / lambda) * 2.0 * eta / (slope * slope - eta * eta);
+    const double shear =
+        eta * kappa / (3.0 * shear_ratio * lambda) + (1.0 - kappa / lambda) * 2.0 * eta / (slope * slope - eta * eta);
     (shear < 2.0 / 3.0 ? low : high) = eta;
   }
   const double at_rest = (3.0 - low) / (3.0 + 2.0 * low);
@@ -183,13 +184,10 @@ TEST(CamClay, BearsNoTensionAndKeepsTheLeastOfItsStrength) {
 TEST(CamClay, FourAtATimeIsAsOneByOne) {
   const Soil soil = clay(1.5);
   const auto model = model_of(soil);
-  const Instructions best = instructions();
   std::mt19937 random(7);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
   std::size_t yielded = 0, n = 0;
-  for (const Instructions lower : {Instructions::plain, Instructions::avx2, Instructions::avx512}) {
-    if (lower > best) continue;
-    instructions() = lower;
+  test::with_each_instruction_set([&] {
     for (int k = 0; k < 300; ++k) {
       Four four;
       std::array<Quad, 2> together;
@@ -225,8 +223,7 @@ TEST(CamClay, FourAtATimeIsAsOneByOne) {
         for (int c = 0; c < 6; ++c) EXPECT_NEAR(four.stress[c][l], stress[l][c], 1e-8 * stress[l].norm());
       }
     }
-  }
-  instructions() = best;
+  });
   EXPECT_GT(yielded, n / 5);
   EXPECT_LT(yielded, n * 4 / 5);
 }

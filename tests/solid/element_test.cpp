@@ -3,6 +3,7 @@
 #include "common/core/error.hpp"
 #include "solid_solver/material/cone.hpp"
 #include "solid_solver/material/model.hpp"
+#include "tests/instructions.hpp"
 
 #include <gtest/gtest.h>
 
@@ -294,13 +295,10 @@ TEST_P(Element, FourAtATimeIsAsOneByOne) {
   wet.initial_saturation = 0.2;
   wet.maximum_void_ratio = 0.8;
   cut.tensile_strength = 200.0;
-  const Instructions best = instructions();
   std::mt19937 random(7);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
   std::size_t yielded = 0, turned = 0, n = 0;
-  for (const Instructions lower : {Instructions::plain, Instructions::avx2, Instructions::avx512}) {
-    if (lower > best) continue;
-    instructions() = lower;
+  test::with_each_instruction_set([&] {
     for (const Soil& soil : {wet, cut, grains}) {
       const auto sample = model(soil);
       for (int k = 0; k < 500; ++k) {
@@ -335,8 +333,7 @@ TEST_P(Element, FourAtATimeIsAsOneByOne) {
         }
       }
     }
-  }
-  instructions() = best;
+  });
   EXPECT_GT(yielded, n / 4);
   EXPECT_LT(yielded, n * 3 / 4);
   EXPECT_GT(turned, n / 20);

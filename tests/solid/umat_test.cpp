@@ -52,7 +52,7 @@ void expect_von_mises(const std::string& library) {
     EXPECT_LT((stress - expected).norm(), 1e-9 * expected.norm());
     EXPECT_NEAR(state[0], plastic_right, 1e-9 * plastic_right);
     EXPECT_NEAR(plastic, plastic_right, 1e-9 * plastic_right);
-    // The strain that the library is told of: engineering shear, 11 22 33 12 13 23.
+    // The strain that the library is given: engineering shear, 11 22 33 12 13 23.
     EXPECT_NEAR(state[1], 10.0 * strain[0], 1e-12);
     EXPECT_NEAR(state[1 + 4], 20.0 * strain[5], 1e-12);
     EXPECT_NEAR(state[1 + 5], 20.0 * strain[4], 1e-12);
