@@ -1,4 +1,4 @@
-// A law of seepage of one's own: Hazen (1892), for uniform sand, k = c d10^2 with c = 0.01 m/s per mm2.
+// A user's own law of seepage: Hazen (1892), for uniform sand, k = c d10^2 with c = 0.01 m/s per mm2.
 #include "common/media/seepage.hpp"
 
 #include "tests/case/case_file.hpp"

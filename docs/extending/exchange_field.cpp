@@ -1,4 +1,4 @@
-// A field of one's own in the exchange: water that tells the soil its temperature. Both sides name it in their
+// An additional field in the exchange: water passes its temperature to the soil. Both sides name the field in their
 // contract; the coupler maps it like any other.
 #include "tests/coupling/coupled_run.hpp"
 
@@ -9,7 +9,7 @@ namespace {
 
 const FieldSpec temperature{"temperature", "K", 1, Mapping::consistent, std::string(field::soil_fraction)};
 
-/// Water, warmer to the right.
+/// Water whose temperature rises to the right.
 class WarmWater : public MockPhase {
  public:
   WarmWater() : MockPhase(Role::fluid, 2, still_square(Role::fluid)) {}
@@ -28,7 +28,7 @@ class WarmWater : public MockPhase {
   }
 };
 
-/// Soil that remembers the temperature at its points.
+/// Soil that keeps the temperature [K] that it receives at its points.
 class Soil : public MockPhase {
  public:
   Soil() : MockPhase(Role::solid, 2, still_square(Role::solid, 0.07)) {}
@@ -53,7 +53,7 @@ TEST(ExchangeField, ArrivesAtTheOthersPoints) {
   const auto points = soil.publish().points;
   ASSERT_EQ(soil.warmth.size(), points.n_active);
   for (std::size_t i = 0; i < points.n_active; ++i) {
-    // At the cloud's edge a value is kept within those of its neighbours.
+    // At the edge of the water's points a value is limited to the range of its neighbours' values.
     const double x = points.position[2 * i], exact = 280.0 + 5.0 * std::clamp(x, 0.05, 0.95);
     EXPECT_NEAR(soil.warmth[i], exact, x > 0.2 && x < 0.8 ? 1e-9 : 0.05) << x;
   }

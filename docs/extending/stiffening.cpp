@@ -4,13 +4,13 @@
 namespace poretwin::solid {
 namespace {
 
-/// Linear elasticity whose moduli grow in proportion to the volume's compression, up to twice those of loose soil.
+/// Linear elasticity whose moduli grow linearly with the volumetric compression, up to twice those of loose soil.
 class Stiffening final : public ConstitutiveModel {
  public:
   using ConstitutiveModel::advance;
   explicit Stiffening(const Soil& soil) : loose_(Elasticity::of(soil)), doubling_(soil.own("doubling_strain")) {}
 
-  // What is remembered of a particle: by how much it is compressed.
+  // One state variable per particle: its volumetric compression since the start [1].
   [[nodiscard]] std::size_t state_size() const override { return 1; }
   void initial(const Tensor& /*stress*/, std::span<double> state) const override { state[0] = 0.0; }
 
@@ -33,11 +33,12 @@ class Stiffening final : public ConstitutiveModel {
     return {times * loose_.bulk, times * loose_.shear};
   }
 
-  Elasticity loose_;  ///< of soil that is not compressed
-  double doubling_;   ///< compression at which the moduli have doubled
+  Elasticity loose_;  ///< moduli of soil that is not compressed [Pa]
+  double doubling_;   ///< volumetric compression at which the moduli have doubled [1]
 };
 
-// The row. Of a model that every run may use it stands in solid_solver/material/registry.cpp.
+// The row in the table of materials. For a model that any case may name it stands in
+// solid_solver/material/registry.cpp instead.
 [[maybe_unused]] const bool in_table = add_material(
     {"stiffening",
      Material::Strength::own,

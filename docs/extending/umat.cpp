@@ -1,4 +1,4 @@
-// A user's own model as a shared library: clay that is sheared undrained, elastic and perfectly plastic after von
+// A user's own model as a shared library: undrained clay, elastic and perfectly plastic after von
 // Mises. PROPS: Young's modulus [Pa], Poisson's ratio, shear strength [Pa]. STATEV(1): equivalent plastic strain.
 //
 //   c++ -O2 -shared -fPIC -o my_soil.so umat.cpp
@@ -17,7 +17,7 @@ extern "C" void umat_(double* stress, double* statev, double* ddsdde, double* /*
                       std::size_t /*length of cmname*/) {
   const double shear = props[0] / (2.0 * (1.0 + props[1])), strength = props[2];
   const double lame = props[0] * props[1] / ((1.0 + props[1]) * (1.0 - 2.0 * props[1]));
-  // Components 11 22 33 12 13 23, tension positive, shear strains as gamma. The tangent of the elastic soil.
+  // Elastic tangent. Components 11 22 33 12 13 23, tension positive, shear strains as gamma.
   for (int i = 0; i < *ntens; ++i)
     for (int j = 0; j < *ntens; ++j)
       ddsdde[i + *ntens * j] = (i < 3 && j < 3 ? lame : 0.0) + (i != j ? 0.0 : i < 3 ? 2.0 * shear : shear);

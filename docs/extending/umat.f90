@@ -1,4 +1,4 @@
-! The model of umat.cpp in Fortran: clay that is sheared undrained, elastic and perfectly plastic after von Mises.
+! The model of umat.cpp in Fortran: undrained clay, elastic and perfectly plastic after von Mises.
 ! PROPS: Young's modulus [Pa], Poisson's ratio, shear strength [Pa]. STATEV(1): equivalent plastic strain.
 !
 !   gfortran -O2 -shared -fPIC -o my_soil.so umat.f90
