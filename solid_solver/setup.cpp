@@ -336,6 +336,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   if (setup.boundaries.any_frictional()) {
     particles.slip = particles.velocity;
     particles.slipped.assign(n, Vec<D>::Zero());
+    particles.wall_slope.assign(n, Vec<D>::Zero());
   }
   for (std::size_t k = 0; k < scene.loads.size(); ++k)
     attach_load<D>(scene, k, 2.0 * sph::support_radius * setup.smoothing_length, 0.01 * setup.spacing,

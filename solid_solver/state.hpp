@@ -33,6 +33,8 @@ struct Particles {
   std::vector<float> rubbing;          ///< friction coefficient where grains are apart and only collide, 0 elsewhere
   VecArray<D> slip;      ///< m/s, of the soil along frictional walls (wall_friction.hpp); empty without such
   VecArray<D> slipped;   ///< m, displacement that goes with it
+  /// N/m3, at frictional walls: added to the body force in the slope of the stress there (wall_friction.hpp).
+  VecArray<D> wall_slope;
   std::size_t held = 0;  ///< how many, at the end, are held
   [[nodiscard]] std::size_t size() const { return mass.size(); }
   /// What its material remembers of a particle; rows are as long as the soil with most to remember needs.

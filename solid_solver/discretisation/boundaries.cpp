@@ -162,10 +162,12 @@ void fill_nodes(const Particles<D>& p, Neighbourhood<D>& near, const VecArray<D>
       const Crossing<D>& wall = rule.crossings[c];
       const double distance = wall.normal.dot(nodes[rule.parent].position) - wall.level;
       const Vec<D> row = rule.map * (nodes[rule.parent].correction() * (rule.map.transpose() * wall.normal));
-      const double reach = distance * slope_carried<D>(p, rule.parent, wall.normal, distance, body[rule.parent]);
-      node.flux += 2.0 * reach * (wall.share * body[rule.parent]) * row.transpose();
+      Vec<D> slope = body[rule.parent];
+      if (std::isfinite(wall.friction)) slope += p.wall_slope[rule.parent];
+      const double reach = distance * slope_carried<D>(p, rule.parent, wall.normal, distance, slope);
+      node.flux += 2.0 * reach * (wall.share * slope) * row.transpose();
       if (std::isinf(wall.friction)) continue;
-      const WallShear<D> shear = wall_shear<D>(p.stress[rule.parent], wall.normal, reach, body[rule.parent]);
+      const WallShear<D> shear = wall_shear<D>(p.stress[rule.parent], wall.normal, reach, slope);
       node.flux -= 2.0 * shear.excess(wall.friction) * (wall.share * shear.traction) * row.transpose();
       if (rule.n_crossings > 1 || p.slip[rule.parent].isZero(0.0)) continue;
       // Slipping soil is mirrored along the wall as at a roller: only friction resists soil that spreads on it.

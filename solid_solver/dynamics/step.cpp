@@ -98,14 +98,14 @@ void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& 
     state.returned_impulse.values()[i] += dt * z * (drive.target[i] - p.velocity[i]);
   });
   rub_on_walls(setup, dt, state);
-  deform(setup, dt, state);
+  deform(setup, dt, &drive, state);
   keep_flow_regular(setup, dt, false, state);
   rebuild_if_moved(setup, state);
   evaluate_forces(setup, state);
 }
 
 template <int D>
-void deform(const Setup<D>& setup, double dt, State<D>& state) {
+void deform(const Setup<D>& setup, double dt, const Drive<D>* drive, State<D>& state) {
   Particles<D>& p = state.particles;
   const Pairs& pairs = state.near.pairs;
   fill_velocities<D>(p, state.near, state.nodes);
@@ -124,7 +124,7 @@ void deform(const Setup<D>& setup, double dt, State<D>& state) {
     node.deformation += dt * (node.gradient - node.deformation * node.gradient);
   });
   strain<D>(setup, dt, state);
-  slide_on_walls(setup, dt, state);
+  slide_on_walls(setup, dt, drive, state);
   state.any_yielded =
       state.any_yielded || std::any_of(state.yielded.begin(), state.yielded.end(), [](char y) { return y; });
 }
@@ -190,7 +190,7 @@ void check_sound(const Setup<D>& setup, const State<D>& state, double last_good_
   template void evaluate_forces<D>(const Setup<D>&, State<D>&);                                          \
   template Vec<D> force_from_outside<D>(const Setup<D>&, const State<D>&, const Drive<D>&);              \
   template void substep<D>(const Setup<D>&, double, const Drive<D>&, State<D>&);                         \
-  template void deform<D>(const Setup<D>&, double, State<D>&);                                           \
+  template void deform<D>(const Setup<D>&, double, const Drive<D>*, State<D>&);                          \
   template VecArray<D> pressure_gradient<D>(const State<D>&, SolidCase::PressureGradient, const Vec<D>&, \
                                             std::span<const double>);                                    \
   template void measure_loads<D>(const State<D>&, Setup<D>&);                                            \

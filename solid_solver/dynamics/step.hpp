@@ -44,7 +44,7 @@ void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& 
 
 /// The kinematic part of a substep, at the present velocities: positions, volumes and stresses.
 template <int D>
-void deform(const Setup<D>& setup, double dt, State<D>& state);
+void deform(const Setup<D>& setup, double dt, const Drive<D>* drive, State<D>& state);
 
 /// Pore-pressure gradient [Pa/m] at the soil's points, by the operator the case chose.
 template <int D>

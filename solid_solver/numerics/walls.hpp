@@ -7,6 +7,10 @@ namespace poretwin::solid::walls {
 /// Effect of a wall's slip on a particle, below which the two do not touch.
 /// Unit: 1 / spacing. Test: FrictionalWall.HoldsALayerBelowItsAngle (untried).
 inline constexpr double touches_from = 0.05;
+/// Least share of the spread of the images behind a frictional wall that must lie along it for the slopes of the stress
+/// along the wall to be evaluated: single grains have none.
+/// Unit: 1. Test: none known.
+inline constexpr double least_spread = 0.1;
 /// Rows of particles behind a rough wall: as deep as the kernel reaches, h = 1.2 spacings.
 /// Unit: rows. Test: RoughWall.HoldsThreeRowsOfTheSoilAndClosesCorners (untried).
 inline constexpr int rough_rows = 3;

@@ -144,7 +144,7 @@ RestReport find_equilibrium(const Setup<D>& setup, const Stiffness<D>& stiffness
   for (;; ++report.steps) {
     if (report.steps > 0) restore_state(start, state);
     for (std::size_t i = 0; i < n; ++i) state.particles.velocity[i] = moved[i] / interval;
-    deform(setup, interval, state);
+    deform<D>(setup, interval, nullptr, state);
     leave_out(setup, state, apart);
     external(drive, rebuild_if_moved(setup, state));
     for (std::size_t i = 0; i < n; ++i)
