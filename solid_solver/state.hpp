@@ -325,7 +325,7 @@ struct State {
   ScalarArray resistance;     ///< N/m, resistance added by a window, with which the stiffness was last factorised
   bool still_yields = false;  ///< something has yielded since the soil was last quiet: its motion must not be damped
   double since_upkeep = 0.0;  ///< s, since the last call of keep_flow_regular that acted
-  std::vector<float> evened;  ///< plastic strain at that call; empty while no soil has any
+  std::vector<float> evened;  ///< plastic strain when keep_flow_regular last acted; empty while no soil has any
   Scratch<D> scratch;
   double substeps = 0.0, rebuilds = 0.0, slept = 0.0, damped = 0.0;  ///< counters: substeps (computed, asleep, damped),
                                                                      ///< list rebuilds
