@@ -17,7 +17,7 @@ struct WaterInput {
                              ///< (parallel scheme)
   OrZero<double> predicted;  ///< m/s, velocity of the soil at the window's end that the fluid predicted
   OrZero<double> change;     ///< m/s, change of that velocity in the window
-  OrZero<double> soil_seen;  ///< volume fraction of soil that the fluid saw
+  OrZero<double> soil_seen;  ///< fraction of soil that the fluid reports: 1 inside soil, 0 in free water
   OrZero<double> before;     ///< Pa, pressure of a field at the window's start
 };
 
