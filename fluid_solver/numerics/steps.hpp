@@ -54,6 +54,7 @@ inline constexpr double wanted_slowing = 0.0125;
 /// Largest displacement of water in a window where it leaves through a seepage face. The surface is found once per
 /// window, so that a row which leaves changes the distance to the surface by its displacement. At a quarter spacing the
 /// discharge is 0.4 % short.
+/// Unit: spacings. Test: Seepage.WaterEndsAtASeepageFace (untried).
 inline constexpr double wanted_exit = 0.125;
 /// Largest change in a window of a level behind a face: columns are switched on and off one spacing at a time.
 /// Unit: spacings. Test: CoarseSoil.WindowsEndBeforeItsLevelIsHalfASpacingOff (untried).

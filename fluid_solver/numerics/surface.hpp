@@ -34,6 +34,7 @@ inline constexpr double narrow_cone = 0.7071;
 /// Unit: 1. Test: none known.
 inline constexpr double first_row = 0.1;
 /// Least |sum V grad W| h of a particle in the row below the surface, by its missing side.
+/// Unit: 1. Test: none known.
 inline constexpr double second_row = 0.03;
 
 /// Ratio of |sum V grad W| h to the divergence of position from which on a particle with few neighbours lies at a hole,

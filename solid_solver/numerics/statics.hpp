@@ -24,6 +24,7 @@ inline constexpr double plastic_error = 1e-4;
 inline constexpr double negligible_unrest = 3e-3;
 /// Frequency of the springs that fix soil without inertia in the search's preconditioner, since its walls may not fix
 /// it.
+/// Unit: of the slowest wave of a column. Test: none known.
 inline constexpr double held_by_nothing = 0.03;
 /// Averaged force per mass from which on a particle counts as moving.
 /// Unit: gravity. Test: none known.
@@ -77,6 +78,7 @@ inline constexpr double rest_ways = 50.0;
 inline constexpr double rest_ways_yielding = 200.0;
 /// Weight of the previous damping rate against the present one once something yields: an average over about twenty
 /// steps.
+/// Unit: 1. Test: Sleep.DampingEndsWithTheFirstYielding (untried).
 inline constexpr double damping_memory = 0.95;
 /// Least damping rate once soil yields, over that of elastic soil.
 /// Unit: 1. Test: none known.

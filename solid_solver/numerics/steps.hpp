@@ -39,6 +39,7 @@ inline constexpr double worth_repeating = 0.02;
 /// Number of successive windows with such a force from which on they are counted for the run's warning. Fewer are
 /// Number of successive windows with such a force after which further ones count for the run's warning. Fewer are
 /// explained by a sudden change of the soil's motion, as under a load that begins.
+/// Unit: windows. Test: none known.
 inline constexpr double few_held = 5.0;
 /// Plastic shear strain in a window for which the length of the next window is chosen; only a local part of the soil
 /// may exceed it. The dilation that goes with the shear reaches the fluid one window later.
