@@ -14,7 +14,7 @@ inline constexpr double alone = 0.1;
 /// jolt in a tank at rest every few seconds.
 /// Unit: 1. Test: FreeWater.NothingFallsInATankAtRest (untried).
 inline constexpr double few = 0.75;
-/// The same limit at a seepage face.
+/// Divergence of position over the number of dimensions below which a particle has few neighbours at a seepage face.
 /// Unit: 1. Test: Seepage.WaterEndsAtASeepageFace (untried).
 inline constexpr double few_at_face = 0.9;
 /// Divergence of position over the number of dimensions below which a particle has too few neighbours for a pressure.

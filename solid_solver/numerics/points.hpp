@@ -12,7 +12,7 @@ inline constexpr double lengths_per_spacing = 1.2;
 /// particles that are nearly alone have a bounded gradient. The corners of a lattice lie above it and stay exact.
 /// Unit: 1. Test: VelocityGradient.IsExactForLinearFieldsAtFreeSurfaces (untried).
 inline constexpr double least_inverted_2d = 0.2;
-/// The same eigenvalue in 3D.
+/// Least eigenvalue of a moment matrix that is inverted as it is, in 3D.
 /// Unit: 1. Test: VelocityGradient.IsExactInThreeDimensions (untried).
 inline constexpr double least_inverted_3d = 0.1;
 

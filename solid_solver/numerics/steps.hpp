@@ -36,7 +36,6 @@ inline constexpr double noticed = 0.05;
 /// to 0.01 of it, and its passes do not converge.
 /// Unit: the weight. Test: none known.
 inline constexpr double worth_repeating = 0.02;
-/// Number of successive windows with such a force from which on they are counted for the run's warning. Fewer are
 /// Number of successive windows with such a force after which further ones count for the run's warning. Fewer are
 /// explained by a sudden change of the soil's motion, as under a load that begins.
 /// Unit: windows. Test: none known.
