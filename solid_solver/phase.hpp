@@ -37,7 +37,7 @@ class Solid final : public Phase {
   State<D> state_, saved_;
   RestReport rest_;
   QuasiStaticWindow<D> quasi_static_;
-  MotionHint hint_;  ///< from the windows rejected since the state was saved
+  MotionHint hint_;              ///< from the windows rejected since the state was saved
   mutable SafetyRecord safety_;  ///< of the last factor of safety that was evaluated
   mutable PositionCache<D> cache_;
 };

@@ -78,9 +78,8 @@ struct Setup {
   bool can_yield = false;         ///< some soil of the case can yield
   bool regular_flow = true;       ///< see dynamics/flow_regularisation.hpp
   bool soft_edges = false;        ///< soil at surfaces that carry no stress is less stiff, which allows longer substeps
-  double flow_limit =
-      points::flow_limit;        ///< plastic strain above which hourglass control is off, because it would brake the
-                                 ///< flow
+  double flow_limit = points::flow_limit;  ///< plastic strain above which hourglass control is off, because it would
+                                           ///< brake the flow
   double inertia_share = 0.5;    ///< zr of the tracking coefficient Z = C + zr rho_bar / Dt
   bool counts_impulses = false;  ///< impulses from outside are summed, for a gauge
   bool parallel = false;  ///< parallel scheme: the fluid's values are of the last window; with a prediction Z = C / n^2

@@ -173,14 +173,13 @@ struct Stencil {
   /// sums of the rounded values, so that gradients of linear fields stay exact.
   UnsetArray<float> gradient_factor;
 
-  std::vector<char> open_water;   ///< [real] 1 if no soil covers it or any particle within its kernel's reach
-  UnsetArray<double> fullness;    ///< [real] sum V W, or sum V density_weight, over that of a lattice
-  UnsetArray<double> closest;     ///< [real] least distance to another point, over the pair's smoothing length
-  UnsetArray<double> divergence;  ///< [real] sum V div r: D inside; used until the surface has been found
-  UnsetArray<double>
-      amplification;   ///< [real] factor on pair sums of second derivatives that makes them exact for a quadratic on
-                       ///< average
-  VecArray<D> normal;  ///< [real] 1/m, sum V grad W: points inwards where neighbours are missing on one side
+  std::vector<char> open_water;      ///< [real] 1 if no soil covers it or any particle within its kernel's reach
+  UnsetArray<double> fullness;       ///< [real] sum V W, or sum V density_weight, over that of a lattice
+  UnsetArray<double> closest;        ///< [real] least distance to another point, over the pair's smoothing length
+  UnsetArray<double> divergence;     ///< [real] sum V div r: D inside; used until the surface has been found
+  UnsetArray<double> amplification;  ///< [real] factor on pair sums of second derivatives that makes them exact for a
+                                     ///< quadratic on average
+  VecArray<D> normal;         ///< [real] 1/m, sum V grad W: points inwards where neighbours are missing on one side
   std::vector<char> covered;  ///< [real] in soil, with water in the cone outwards: loose packing, no surface
   std::vector<char> at_face;  ///< [real] in soil, within half a spacing of a seepage face, at which the water ends
   /// [real] Prescribed distance of a surface particle to the surface [m]; 0: half a spacing.

@@ -35,7 +35,7 @@ struct SoilView {
   OrZero<Vec<D>> mean_velocity;        ///< [n] mean of v_s over the soil's last window, m/s
   OrZero<double> strain_rate;  ///< [n] volumetric strain rate over that window, as the soil's stress law integrates it,
                                ///< 1/s
-  OrZero<Vec<D>> force;  ///< [n] r: unbalanced force with the soil's weight, without pressure and drag, N/m3
+  OrZero<Vec<D>> force;        ///< [n] r: unbalanced force with the soil's weight, without pressure and drag, N/m3
   /// In a repeated window: the mean velocity of the soil that the last pass found [m/s], and the unbalanced force that
   /// remained, without pressure and drag [N/m3].
   OrZero<Vec<D>> found_velocity, found_force;

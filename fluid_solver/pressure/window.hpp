@@ -18,9 +18,9 @@ struct WindowProblem {
   std::span<const double> pressure;       ///< [n] Pa, piezometric, at the window's start; empty: the initial guess
   std::span<const Vec<D>> velocity;       ///< [n] m/s, of the water, with viscosity applied; empty: at rest
   OrZero<double> source;                  ///< [n] 1/s, rate of expansion of the volume
-  std::span<const int> closed_body;  ///< [n] number from 1 of a particle's body of water if only walls surround it,
-                                     ///< else 0; empty: all particles form one such body
-  double cavitation = -1e300;        ///< Pa, total pressure at which water cavitates
+  std::span<const int> closed_body;     ///< [n] number from 1 of a particle's body of water if only walls surround it,
+                                        ///< else 0; empty: all particles form one such body
+  double cavitation = -1e300;           ///< Pa, total pressure at which water cavitates
   std::span<const double> void_volume;  ///< [n] m^D, volume of its voids so far; empty: no voids
   std::span<const char> in_seepage;     ///< [n] 0: in soil that moves by itself, or in none; empty: nothing moves
   ScalarArray face_pressure;            ///< [columns] Pa, piezometric

@@ -54,9 +54,8 @@ struct EquilibriumSearch {
   double criterion = statics::criterion;  ///< departure from rest, as Stiffness::departure() measures it
   double local = 0.0;  ///< share of the mass that may go on moving in soil that yields, once the remaining soil is at
                        ///< rest
-  double moving =
-      statics::woken_by;  ///< averaged force per mass from which on a particle counts as moving, over the reference
-                          ///< acceleration
+  double moving = statics::woken_by;  ///< averaged force per mass from which on a particle counts as moving, over the
+                                      ///< reference acceleration
   std::size_t most = statics::most_tried;  ///< largest number of trial displacements
 };
 
