@@ -26,7 +26,7 @@ Fluid<D>::Fluid(const Case& scene, WaterBoundaries boundaries, const std::vector
       state_(first_state<D>(scene, setup_, boundaries, lattices)),
       faces_(scene, std::move(boundaries), state_),
       walls_(scene, state_.inlets) {
-  // The soil searches its initial equilibrium under the pressure that is published before the first exchange.
+  // The soil searches for its initial equilibrium under the pressure that is published before the first exchange.
   auto view = rigid_soil<D>(setup_.ground, state_.particles.position, setup_.drag);
   solve_hydrostatic(setup_, walls_, view, state_);
 }

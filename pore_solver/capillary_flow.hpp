@@ -22,7 +22,7 @@ namespace poretwin::pore {
 /// is exact (Scharfetter & Gummel 1969). The two forms are equal where the heads are.
 ///
 /// Across the border of two soils the law of each gives a flow for the two heads. Their harmonic mean is the flow
-/// through the two halves of the way in series.
+/// through the two halves of the distance in series.
 class CapillaryFlow final : public FlowModel {
  public:
   CapillaryFlow(const Case& scene, const Network& network);

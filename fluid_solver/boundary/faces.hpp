@@ -145,7 +145,7 @@ std::vector<Joint<D>> make_joints(const Case& scene) {
             for (const std::size_t e : {0, 1}) {
               if ((ends(piece)[e] - ends(next)[1 - e]).norm() > tolerance) continue;
               const double sign = e == 1 ? 1.0 : -1.0;
-              // Towards the domain it is a corner, which images of the columns fill.
+              // An end turned towards the domain is a corner, which images of the columns fill.
               if (sign * piece.normal.dot(next.tangent) > 0.01) continue;
               joints.push_back(
                   {ends(piece)[e], sign * piece.tangent, piece.normal, piece.to - piece.from, static_cast<int>(w)});

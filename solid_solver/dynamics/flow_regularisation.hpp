@@ -12,18 +12,12 @@ namespace poretwin::solid {
 /// evaluation of its forces. After a step from equilibrium to equilibrium (in_equilibrium) it also evens out the stress
 /// of soil that yielded a little with that of its neighbours, by at most an amount proportional to the plastic strain
 /// since the last treatment.
-///   stress its departure from the neighbours' linear fields is halved
-///   volume moves by a fifth towards the neighbours'; inside the soil by a tenth towards sum V W = 1
-///   packing particles move down the gradient of sum V W, in proportion to the shear strain; not at surfaces
-///   density soil sheared at constant volume (psi = 0) dilates where it is denser than its pressure explains and
-///   contracts
-///            where it is looser, d eps_v = 2 (rho/rho_0 - 1 - p/K) d gamma, so that errors of the volume do not
-///            accumulate
-///   stress   its departure from the linear fields around its neighbours is halved
-///   volume   moves by a fifth towards its neighbours'; inside the soil by a tenth towards sum V W = 1
+///   stress   its departure from the neighbours' linear fields is halved
+///   volume   moves by a fifth towards the neighbours'; inside the soil by a tenth towards sum V W = 1
 ///   packing  particles move down the gradient of sum V W, in proportion to the shear strain; not at surfaces
-///   density  soil sheared at constant volume (psi = 0) that is denser than its pressure explains dilates, looser soil
-///            contracts: d eps_v = 2 (rho/rho_0 - 1 - p/K) d gamma, so that errors of the volume do not accumulate
+///   density  soil sheared at constant volume (psi = 0) dilates where it is denser than its pressure explains and
+///            contracts where it is looser, d eps_v = 2 (rho/rho_0 - 1 - p/K) d gamma, so that errors of the volume do
+///            not accumulate
 template <int D>
 void keep_flow_regular(const Setup<D>& setup, double dt, bool in_equilibrium, State<D>& state);
 

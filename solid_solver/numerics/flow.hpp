@@ -24,7 +24,7 @@ inline constexpr double packing_share = 0.1;
 /// Displacement that evens out the packing, per shear strain and per |sum V grad W|.
 /// Unit: h^2. Test: none known.
 inline constexpr double evening = 1.0;
-/// Longest displacement of a correction that evens out the packing.
+/// Longest displacement by which a correction evens out the packing.
 /// Unit: spacings. Test: none known.
 inline constexpr double longest_move = 0.05;
 /// Shear strain since the last correction from which on a correction acts in full: by then shearing has renewed the
