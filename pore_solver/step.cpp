@@ -253,7 +253,7 @@ Stepper::Attempt Stepper::attempt(double interval, const Skeleton* soil, State& 
     variable_[a] = flow_->limited(static_cast<Index>(a), variable_[a], ahead, stopped);
   }
   if (!solve(g * interval, state)) return {};
-  const double euler = 0.5 * interval / (1.0 - g);  // implicit Euler's error over the difference of the rates
+  const double euler = 0.5 * interval / (1.0 - g);  // implicit Euler's error is this times the change of the rates
   double differ = 0.0;
   ScalarArray difference(n);
   for (std::size_t a = 0; a < n; ++a) {

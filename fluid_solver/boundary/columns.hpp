@@ -68,7 +68,7 @@ bool is_quasi_static(const Setup<D>& setup, const FaceColumn<D>& c);
 template <int D>
 InfiltrationSpeed infiltration_speed(const Setup<D>& setup, const FaceColumn<D>& c);
 
-/// Moves the columns' stacks of buffers by one window. came [faces]: sums the volume that they let in, m^D.
+/// Moves the columns' stacks of buffers by one window. came (one per face): sums the volume that they let in, m^D.
 template <int D>
 void advance_columns(const Setup<D>& setup, const sph::Sight<D>& sight, const Stencil<D>& s, const SoilView<D>& view,
                      const WindowSolution<D>& solution, double interval, State<D>& state, ScalarArray& came);
@@ -81,7 +81,8 @@ void limit_surface(const Setup<D>& setup, const State<D>& state, Stencil<D>& s);
 template <int D>
 void follow_soil(const SoilView<D>& view, State<D>& state);
 
-/// Adds particles that come in and deletes those that have left. came [faces]: sums the volume that comes in, m^D.
+/// Adds particles that come in and deletes those that have left. came (one per face): sums the volume that comes in,
+/// m^D.
 template <int D>
 void give_birth_and_delete(const Setup<D>& setup, const Faces<D>& faces, const SoilView<D>& view, State<D>& state,
                            ScalarArray& came);

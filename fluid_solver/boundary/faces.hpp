@@ -270,7 +270,7 @@ class ColumnFinder {
 };
 
 /// Sets the columns' pressures at a time [s]. A column acts where the total pressure at its foot is not negative.
-/// boundaries, states: [faces].
+/// boundaries, states: one per face.
 template <int D>
 void update_columns(const WaterBoundaries& boundaries, std::span<const FaceState> states, double time,
                     const Vec<D>& weight, const Vec<D>& origin, std::vector<FaceColumn<D>>& columns) {

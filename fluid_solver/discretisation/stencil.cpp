@@ -18,7 +18,8 @@ struct alignas(32) Summed {
   [[nodiscard]] const double* row() const { return position.data(); }
 };
 
-/// Rows that one part finds. Each object has cache lines of its own, since lines shared by threads are slow to write.
+/// Rows of pairs found by one part, a share of the particles. Each object has cache lines of its own, since lines
+/// shared by threads are slow to write.
 struct alignas(64) FoundRows {
   std::vector<Index> offset, other;
 };
@@ -123,8 +124,9 @@ void hide_behind_walls(const sph::Sight<D>& sight, double reach, Stencil<D>& s) 
   });
 }
 
-/// Where a wall ends at a face, removes pairs of which the line of sight crosses the other of the two: they become
-/// pairs of the particle with itself, which are zero.
+/// Where a wall ends at a face, removes the pairs of a particle with an image behind the wall whose line of sight
+/// crosses the face, and with a buffer behind the face whose line of sight crosses the wall: they become pairs of the
+/// particle with itself, which are zero.
 template <int D>
 void part_at_joints(std::span<const Joint<D>> joints, double reach, Stencil<D>& s) {
   for (const auto& joint : joints) {

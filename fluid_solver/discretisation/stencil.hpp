@@ -143,6 +143,8 @@ struct Joint {
   int boundary = 0;                                        ///< boundary number of the wall
 };
 
+/// Lengths of the arrays: [all] points, [real] particles, [base] particles and buffers, [images], [pairs] entries of
+/// the pair lists, [columns] of the faces.
 template <int D>
 struct Stencil {
   std::size_t n_real = 0, n_base = 0;  ///< number of real particles; the same with buffers

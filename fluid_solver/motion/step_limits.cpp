@@ -297,7 +297,7 @@ std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>&
     for (int halvings = 0; halvings < 100 && far(longest); ++halvings) longest *= 0.5;
     if (longest < limit.first) apply(longest, "a quarter spacing per window at an inlet");
   }
-  // A face without water inside it has no speed yet that limits the window: limited by the time in which the front
+  // A face without water inside it has no speed yet that limits the window. The limit is the time in which the front
   // enters by half a spacing.
   if (p.size() == 0 || state.last_interval == 0.0) {
     std::vector<char> water(state.columns.size(), 0);

@@ -13,9 +13,9 @@ namespace poretwin::fluid {
 
 namespace {
 
-/// Divergence [1/s] of the velocity before this window's forces act that is deferred to later windows, in free water
-/// with one-sided neighbours. In windows shorter than half the longest one that the water's motion allows, only the
-/// fraction interval / (that half) of it is removed, for each particle by its own motion.
+/// The part of the velocity's divergence [1/s], before this window's forces act, that is deferred to later windows: in
+/// free water with one-sided neighbours. In windows shorter than half the longest one that the water's motion allows,
+/// only a fraction is removed, the window's length over that half, for each particle by its own motion.
 ///
 /// With few neighbours on one side, a pressure gradient can reverse a divergence and leave it larger, by a few percent
 /// per solve, whatever the window's length. In many short windows it would grow until the water flies apart. The first
@@ -74,7 +74,7 @@ ScalarArray unseen_strain_rate(State<D>& state, const Stencil<D>& s, const SoilV
 
 }  // namespace
 
-/// So in 2D where the pressure is solved for. In a thin fast layer on soil it would add 1 % to the energy, in 3D it
+/// True in 2D where the pressure is solved for. In a thin fast layer on soil it would add 1 % to the energy, in 3D it
 /// gains nothing, and explicit sweeps lose by it.
 template <int D>
 bool tells_density(const Setup<D>& setup) {

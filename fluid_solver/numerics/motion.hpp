@@ -1,5 +1,6 @@
 // Chosen numbers of the motion of water particles, of their packing and of numerical viscosity. What an entry needs:
 // CONTRIBUTING.md.
+// Symbols: v velocity, dt length of the window, h smoothing length, V bulk volume, W kernel, g gravity.
 // (untried) behind a test: not yet seen to fail when the number is halved or doubled.
 #pragma once
 

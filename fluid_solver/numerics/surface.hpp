@@ -1,4 +1,5 @@
 // Chosen numbers of the free surface and of wetting fronts. What an entry needs: CONTRIBUTING.md.
+// Symbols: V bulk volume, W kernel, h smoothing length. The divergence of position is sum V_b (x_b - x_a).grad W.
 // (untried) behind a test: not yet seen to fail when the number is halved or doubled.
 #pragma once
 

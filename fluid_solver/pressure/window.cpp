@@ -452,7 +452,7 @@ class WindowSolver {
     return flags_[a] == Surface::surface ? s_.surface_distance(a) : s_.front_distance[a];
   }
 
-  /// Whether the pressure of a particle is prescribed: for particles without neighbours, and at the front in coarse
+  /// Whether the pressure of a particle is prescribed: for particles with too few neighbours, and at the front in coarse
   /// soil, where inertia dominates. The weaker condition of a wetting front, without a ghost in the gradient, would add
   /// energy to splashes there.
   bool pinned(std::size_t a) const {

@@ -7,6 +7,7 @@
 
 namespace poretwin::fluid {
 
+/// Data of one window. Lengths of the arrays: [n] particles, [columns] of the faces.
 template <int D>
 struct WindowProblem {
   double interval = 0.0;                  ///< s
@@ -34,6 +35,7 @@ struct WindowProblem {
                                         ///< ones sweeps do not become stiffer
 };
 
+/// Result of one window; [n], [columns]: as in WindowProblem.
 template <int D>
 struct WindowSolution {
   ScalarArray pressure;           ///< [n] Pa, piezometric; input: initial guess
@@ -42,7 +44,7 @@ struct WindowSolution {
   VecArray<D> gradient;           ///< [n] Pa/m, of the piezometric pressure
   OrZero<double> void_volume;     ///< [n] m^D, volume of voids in the water
   ScalarArray face_flow;          ///< [columns] m^D/s, flow that the face's pressure drives in; NaN beside a surface
-  ScalarArray face_carry;         ///< [columns] m/s, inward discharge per area by inertia, without that pressure
+  ScalarArray face_carry;         ///< [columns] m/s, inward discharge per area by inertia, without the face's pressure
   int outer = 0, pressure_iterations = 0, multigrid_cycles = 0, skeleton_iterations = 0;
   bool multigrid = false;  ///< input: start with multigrid; output: the next solve should
   bool converged = true;

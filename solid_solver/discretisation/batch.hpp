@@ -23,7 +23,7 @@ struct Batch {
   std::array<Index, most> who;
   std::array<Four, most / n_lanes> fours;
   std::array<Quad, most / n_lanes> volume;     ///< m^D, new volume
-  std::array<Quad, most / n_lanes> stiffness;  ///< factors on the elastic moduli, as factors on the strains
+  std::array<Quad, most / n_lanes> stiffness;  ///< factors on the elastic moduli, applied to the strains
   std::vector<Quad> state;                     ///< state variables of the material, one four after the other
   [[nodiscard]] std::size_t n_fours() const { return (count + n_lanes - 1) / n_lanes; }
 };

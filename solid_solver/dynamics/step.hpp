@@ -57,8 +57,8 @@ VecArray<D> pressure_gradient(const State<D>& state, SolidCase::PressureGradient
 template <int D>
 void measure_loads(const State<D>& state, Setup<D>& setup);
 
-/// Force on each particle [N] of all loads that have begun at `time` [s]. The traction acts in proportion to the force
-/// of unit stress (surface_vectors).
+/// Force on each particle [N] of all loads that have begun at `time` [s]. A traction T acts as
+/// V (n . q) T with the face's inward normal n and the surface vector q (surface_vectors).
 template <int D>
 VecArray<D> load_forces(const Setup<D>& setup, const State<D>& state, double time);
 

@@ -31,7 +31,7 @@ struct WaterInWindow {
 struct WaterAnswer {
   double translation = 0.0;  ///< N s/m4, against a departure of the velocity
   double dilation = 0.0;     ///< Pa, against a departure of the volumetric strain
-  double pressure = 0.0;     ///< N s/m4, of the pressure over the soil's height, less where it drains there
+  double pressure = 0.0;     ///< N s/m4, impedance of the pressure over the soil's height, less where it drains
 };
 
 /// The impedances for the skeleton's constrained modulus M [Pa], the particle spacing [m] and the soil's height [m].

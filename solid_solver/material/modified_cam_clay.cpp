@@ -74,7 +74,7 @@ template <class In>
       if (!any(yields)) break;
     }
     const Number flow = m2 * (2.0 * p - pc), r = plastic - multiplier * flow;
-    // Residuals of the yield surface and of the flow rule, relative to pc^2 and to 1.
+    // Ends by the residual of the yield surface, relative to pc^2, and by that of the flow rule.
     const Number most = cam_clay::reached * clay.pc * clay.pc;
     const Mask open = yields & ((f * f > most * most) | (r * r > cam_clay::reached * cam_clay::reached));
     if (!any(open)) break;

@@ -1,4 +1,5 @@
 // Chosen numbers of the corrections that keep flowing soil regular. What an entry needs: CONTRIBUTING.md.
+// Symbols: V bulk volume, W kernel, h smoothing length, G shear modulus, tau shear stress.
 // (untried) behind a test: not yet seen to fail when the number is halved or doubled.
 #pragma once
 

@@ -1,4 +1,5 @@
 // Chosen numbers of the sums over pairs of the soil's particles. What an entry needs: CONTRIBUTING.md.
+// Symbols: h smoothing length, M constrained modulus, J2 second invariant of the deviatoric stress.
 // (untried) behind a test: not yet seen to fail when the number is halved or doubled.
 #pragma once
 

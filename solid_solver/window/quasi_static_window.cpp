@@ -301,7 +301,7 @@ typename QuasiStaticWindow<D>::Answer QuasiStaticWindow<D>::advance(const Setup<
           tracked.goes_along[i] * interval * tracking.tracking[i] * (tracking.target[i] - p.velocity[i]);
   }
   // Backward Euler removes the kinetic energy of the change of velocity. It does not matter below the velocity that a
-  // noticeable acceleration causes in the time of a wave.
+  // noticeable acceleration causes in the time that a wave takes through the soil and back.
   const double reference = reference_acceleration(setup, state, drive);
   const double slow = statics::woken_by * reference * long_window(setup);
   double work = tracked.dissipated + plastic_work<D>(p, plastic_before);  // and by the work of the stress

@@ -41,7 +41,8 @@ class QuasiStaticWindow {
   void compare_with_prediction(const Setup<D>& setup, double interval, const Tracking<D>& tracking, double reference,
                                State<D>& state);
 
-  /// The same comparison for water that is a field, which foresees how the soil's volume changes with its pressure.
+  /// Sets unsettled_ in a window with water that is a field, which foresees how the soil's volume changes with its
+  /// pressure.
   void compare_with_field(const Setup<D>& setup, const coupling::Window& window, const WaterInput<D>& water,
                           const ScalarArray& volume, double reference, const State<D>& state);
 
