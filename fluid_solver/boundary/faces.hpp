@@ -41,9 +41,8 @@ struct FaceColumn {
   bool loaded = false;             ///< the face carries a load
   double stored = 0.0;             ///< m^D, water of the outermost spacing that is in the domain but in no particle
   double passed = 0.0;             ///< m^D, volume that has come in here, minus what has gone out
-  double before = 0.0;             ///< m, length of the wall that continues the face in a straight line before its end
-                                   ///< here
-  double after = 0.0;              ///< m, the same after its end
+  double before = 0.0;             ///< m, length of the wall that continues the face straight beyond its first end here
+  double after = 0.0;              ///< m, length of the wall that continues the face straight beyond its last end here
   [[nodiscard]] double inside(const Vec<D>& x) const { return normal.dot(x - foot); }
   /// Volume of the first buffer that lies inside the face [m^D]; negative: volume of the last particle that lies
   /// outside.

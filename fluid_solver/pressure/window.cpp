@@ -263,7 +263,7 @@ class WindowSolver {
       across[a].normalize();
       lacks[a] = missing.trace() - across[a].dot(missing * across[a]);
     });
-    // Shape t^2 - c n^2 of the scale of a pair, with the normal n of the border at one of its particles.
+    // t^2 - c n^2 of a pair at distance ba, with the normal n of the border at one of its particles.
     const auto shape = [&](const Vec<D>& ba, const Vec<D>& n) {
       const double part = n.dot(ba), square = part * part / ba.squaredNorm();
       return 1.0 - square - still * square;

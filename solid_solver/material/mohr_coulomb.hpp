@@ -38,7 +38,7 @@ class MohrCoulomb final : public ConstitutiveModel {
   PressureElasticity elasticity_;
   Soil soil_;
   Fall friction_, dilation_;            ///< radians
-  Fall cohesion_;                       ///< over the cohesion at the present saturation
+  Fall cohesion_;                       ///< relative to the cohesion at the present saturation
   double sin_phi_, cos_phi_, sin_psi_;  ///< before any softening
   bool softens_;
   double residual_strain_;     ///< plastic shear strain at which only the residual strength is left
