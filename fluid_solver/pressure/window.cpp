@@ -452,9 +452,9 @@ class WindowSolver {
     return flags_[a] == Surface::surface ? s_.surface_distance(a) : s_.front_distance[a];
   }
 
-  /// Whether the pressure of a particle is prescribed: for particles with too few neighbours, and at the front in coarse
-  /// soil, where inertia dominates. The weaker condition of a wetting front, without a ghost in the gradient, would add
-  /// energy to splashes there.
+  /// Whether the pressure of a particle is prescribed: for particles with too few neighbours, and at the front in
+  /// coarse soil, where inertia dominates. The weaker condition of a wetting front, without a ghost in the gradient,
+  /// would add energy to splashes there.
   bool pinned(std::size_t a) const {
     if (flags_[a] == Surface::lone) return true;
     return flags_[a] == Surface::surface && s_.ghost_distance[a] == 0.0 &&
