@@ -77,8 +77,8 @@ void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& 
   if (setup.counts_impulses) state.from_outside += dt * force_from_outside(setup, state, drive);
   for_rows(state.near.pairs, 0, p.free(), [&](std::size_t i) {
     if (state.regions.sleeps(i)) {
-      // Transmits waves: a force of the neighbours moves a sleeper as fast as a wave would, until it counts as a
-      // disturbance.
+      // A sleeping particle transmits waves: a force of its neighbours moves it as fast as a wave would, until the
+      // force counts as a disturbance.
       const Vec<D> push = p.volume[i] * state.force[i].internal() - state.regions.mark[i];
       const double let_through = 0.5 * setup.stabilisers.sound_speed / setup.spacing;
       p.velocity[i] = (p.velocity[i] + dt / p.mass[i] * push) / (1.0 + dt * let_through);
@@ -119,7 +119,8 @@ void deform(const Setup<D>& setup, double dt, const Drive<D>* drive, State<D>& s
     p.position[i] += moved;
     p.displacement[i] += moved;
     if (state.dilation.is_allocated()) state.dilation.values()[i] += dt * state.nodes[i].gradient.trace();
-    // Of du/dx at a place that moves along: d(1 - F^-1)/dt = F^-1 L.
+    // The gradient of the displacement with respect to the present position, at a particle that moves: d(1 - F^-1)/dt =
+    // F^-1 L.
     Node<D>& node = state.nodes[i];
     node.deformation += dt * (node.gradient - node.deformation * node.gradient);
   });
@@ -141,7 +142,7 @@ VecArray<D> pressure_gradient(const State<D>& state, SolidCase::PressureGradient
 template <int D>
 void measure_loads(const State<D>& state, Setup<D>& setup) {
   VecArray<D> q;
-  std::map<std::size_t, double> measured;  // m, of each load
+  std::map<std::size_t, double> measured;  // m, length measured on the lattice, of each load
   for (const auto& patch : setup.loads) {
     if (patch.length <= 0.0) continue;
     if (q.empty()) q = surface_vectors<D>(state);
