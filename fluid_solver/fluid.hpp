@@ -8,7 +8,8 @@
 
 namespace poretwin::fluid {
 
-/// The fluid of a case, 2D or 3D, at time zero. Throws CaseError when the case leaves it nothing to do.
+/// The fluid of a case, 2D or 3D, at time zero. Throws CaseError when the case has neither a region of water nor a
+/// water face.
 std::unique_ptr<Phase> make_fluid(const Case& scene);
 
 }  // namespace poretwin::fluid

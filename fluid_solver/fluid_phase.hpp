@@ -1,4 +1,4 @@
-// The fluid phase behind the Phase interface: one window at a time, in particles that carry water.
+// The fluid phase behind the Phase interface: one window at a time, with water as particles.
 #pragma once
 
 #include "common/coupling/phase.hpp"
@@ -14,7 +14,7 @@ template <int D>
 class Fluid final : public Phase {
  public:
   explicit Fluid(const Case& scene) : Fluid(scene, make_water_boundaries(scene)) {}
-  /// boundaries: of the case's water faces, whatever their keys say.
+  /// boundaries: those of the case's water faces, in their order, used in place of the ones that their keys describe.
   Fluid(const Case& scene, WaterBoundaries boundaries)
       : Fluid(scene, std::move(boundaries), water_lattices<D>(scene)) {}
 
@@ -44,7 +44,7 @@ class Fluid final : public Phase {
   Fluid(const Case& scene, WaterBoundaries boundaries, const std::vector<Lattice<D>>& lattices);
   /// Moves the pistons by their speed over an interval [s], and the walls with them.
   void push_pistons(double interval);
-  /// Chooses what the next window may be from what this one brought; before: what was there at its start.
+  /// Derives limits of the next window from this one. pressure_before, velocity_before: values at this window's start.
   void limit_next_window(const SoilView<D>& view, const coupling::Window& window, const ScalarArray& pressure_before,
                          const VecArray<D>& velocity_before);
 
@@ -52,8 +52,8 @@ class Fluid final : public Phase {
   State<D> state_, saved_;
   Faces<D> faces_;
   Walls<D> walls_;
-  double first_interval_ = 0.0;  ///< shortest window that a change of pressure can require; 0: not known yet [s]
-  Passes<D> passes_;             ///< through the present window
+  double first_interval_ = 0.0;  ///< s, shortest window that a change of pressure can require; 0: not known yet
+  Passes<D> passes_;             ///< of the present window
 };
 
 }  // namespace poretwin::fluid

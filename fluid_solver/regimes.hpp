@@ -1,4 +1,4 @@
-// Where water in soil moves as the drag lets it, and where as free water does.
+// Regimes of water in soil: whether the drag dominates its motion, or it moves as free water does.
 #pragma once
 
 #include "fluid_solver/exchange/soil_view.hpp"
@@ -7,13 +7,13 @@
 
 namespace poretwin::fluid {
 
-/// What decides that in a window of this length [s].
+/// The quantities that decide about the regime in a window of this length [s].
 template <int D>
 SeepageRegime seepage_regime(const Setup<D>& setup, double interval) {
   return {setup.density, quasi_static_speed(setup), interval > wave_interval(setup)};
 }
 
-/// Puts every particle under its regime.
+/// Sets every particle's regime.
 template <int D>
 void set_regimes(const SoilView<D>& view, const SeepageRegime& regime, Particles<D>& p) {
   parallel_for(p.size(), [&](std::size_t a) {
@@ -21,23 +21,23 @@ void set_regimes(const SoilView<D>& view, const SeepageRegime& regime, Particles
   });
 }
 
-/// Whether drag of the soil around particle a dominates its motion, not inertia.
+/// Whether drag dominates the motion of particle a, and not inertia.
 template <int D>
 bool is_drag_dominated(const Setup<D>& setup, const Particles<D>& p, const SoilView<D>& view, std::size_t a) {
   return view.mask[a] > 0.5 && !inertia_rules(p.void_fraction[a], setup.density, view.drag[a],
                                               spacing_of<D>(p.volume[a]), setup.weight.norm() / setup.density);
 }
 
-/// Whether all water is in the seepage regime and dominated by drag: none moves as free water does.
+/// Whether all water is in the seepage regime and dominated by drag, so that none moves as free water does.
 template <int D>
 bool all_quasi_static(const Setup<D>& setup, const Particles<D>& p, const SoilView<D>& view) {
   return parallel_all(view.size(),
                       [&](std::size_t a) { return p.in_seepage[a] != 0 && is_drag_dominated<D>(setup, p, view, a); });
 }
 
-/// Takes water out of the seepage regime where most of the soil's water around it is not in it (short windows only). A
-/// particle left in it would have a gradient that ignores the free surface beside it, while the skeleton there yields:
-/// at a pocket in a run-out of tailings that made a pressure of 5 MPa in one window.
+/// Takes a particle out of the seepage regime where most of the water in the soil around it is not in that regime (in
+/// short windows only). Its gradient would otherwise ignore the free surface beside it, while the skeleton there
+/// yields: in a pocket of a run-out of tailings this made a pressure of 5 MPa in one window.
 template <int D>
 void flow_together(const Setup<D>& setup, const Stencil<D>& s, Particles<D>& p) {
   const auto in_soil = [&](std::size_t a, bool seeping) {

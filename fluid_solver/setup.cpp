@@ -14,7 +14,7 @@ namespace poretwin::fluid {
 
 namespace {
 
-/// The box around everything in the case, widened by its diagonal on all sides; without bound along periodic axes.
+/// The box around everything in the case, widened by its diagonal on all sides; unbounded along periodic axes.
 template <int D>
 std::pair<Vec<D>, Vec<D>> reach_of(const Case& scene) {
   Vec<D> lower = Vec<D>::Constant(1e300), upper = -lower;
@@ -155,7 +155,7 @@ State<D> first_state(const Case& scene, const Setup<D>& setup, const WaterBounda
   state.inlets = make_inlets<D>(scene, boundaries);
   state.columns = make_columns<D>(scene, setup.ground);
   begin_bodies(setup, state);
-  // Points that lie on a face of soil to rounding belong to the soil.
+  // Points that lie on a face of soil, within rounding, belong to the soil.
   const ColumnFinder<D> finder(state.columns);
   for (std::size_t a = 0; a < p.size(); ++a)
     if (const int i = finder.nearest(p.position[a]); i >= 0) {

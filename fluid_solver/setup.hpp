@@ -1,4 +1,5 @@
-// What the water takes from its case: numbers, flags and geometry, made once. Below it nothing reads the case.
+// The parts of a case that the water needs: numbers, flags and geometry, made once. Functions of a window do not read
+// the case.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -8,25 +9,25 @@
 
 namespace poretwin::fluid {
 
-/// A load on the soil, as far as windows depend on it.
+/// A load on the soil, as far as the length of windows depends on it.
 struct LoadInTime {
-  std::optional<double> start;   ///< s
+  std::optional<double> start;   ///< factor on the traction as a function of time [s]
   std::optional<Series> factor;  ///< against time [s]
   double traction = 0.0;         ///< Pa
 };
 
-/// A straight piece of a wall that the water presses on (2D), with the domain on its left.
+/// A straight piece of a wall with water beside it (2D); the domain lies on its left.
 template <int D>
 struct PressedWall {
   Vec<D> from, to;          ///< m
   bool both_sides = false;  ///< water may press on its right as well
 };
 
-/// Lattices of particles in the regions of water, in their order.
+/// Lattices of particles in the case's regions of water, in their order.
 template <int D>
 std::vector<Lattice<D>> water_lattices(const Case& scene);
 
-/// lattices: see water_lattices.
+/// Properties of the water that stay constant during a run. lattices: see water_lattices.
 template <int D>
 struct Setup {
   Setup(const Case& scene, std::span<const Lattice<D>> lattices);
@@ -34,35 +35,36 @@ struct Setup {
   double spacing = 0.0;                  ///< of particles [m]
   double density = 1000.0;               ///< of water, kg/m3
   double kinematic_viscosity = 0.0;      ///< of water, m2/s
-  double cavitation_pressure = 0.0;      ///< total, Pa
+  double cavitation_pressure = 0.0;      ///< Pa, total pressure
   double gravity = 0.0;                  ///< m/s2
   double gravity_or_standard = 9.81;     ///< m/s2, along bounded axes
   double central_force = 0.0;            ///< 1/s2
   Vec<D> acceleration = Vec<D>::Zero();  ///< of gravity, m/s2
-  /// Weight of water [N/m3] along bounded axes, where it has a potential, and gravity along periodic ones [m/s2].
+  /// Specific weight of water [N/m3] along bounded axes, where gravity has a potential; gravity [m/s2] along periodic
+  /// axes.
   Vec<D> weight = Vec<D>::Zero(), periodic_gravity = Vec<D>::Zero();
-  Vec<D> origin = Vec<D>::Zero();  ///< of piezometric pressure: on the highest water at first [m]
-  Vec<D> lower, upper;             ///< beyond, water is lost [m]
-  std::vector<int> periodic;       ///< axes
-  Point3 periodic_lower = Point3::Zero(), periodic_length = Point3::Zero();  ///< m, along those
+  Vec<D> origin = Vec<D>::Zero();  ///< m, datum of the piezometric pressure: on the highest water at first
+  Vec<D> lower, upper;             ///< m, box beyond which water is lost
+  std::vector<int> periodic;       ///< periodic axes
+  Point3 periodic_lower = Point3::Zero(), periodic_length = Point3::Zero();  ///< m, along the periodic axes
 
   FluidCase::Scheme scheme = FluidCase::Scheme::projection;
-  int sweeps = 1;                            ///< of explicit schemes
-  std::optional<double> pressure_tolerance;  ///< relative; none: as the scene needs
+  int sweeps = 1;                            ///< number of sweeps of explicit schemes
+  std::optional<double> pressure_tolerance;  ///< relative; absent: as the case requires
   bool coupled = false;                      ///< the soil is a phase of its own
-  bool responds = false;                     ///< and its skeleton responds inside the pressure solve
-  bool computes_beside = false;              ///< and crosses each window at the same time
+  bool responds = false;                     ///< the skeleton responds inside the pressure solve
+  bool computes_beside = false;              ///< the soil crosses each window at the same time (parallel scheme)
   bool soil_yields = false;                  ///< some soil moves and can yield
-  bool drag = true;                          ///< between the phases
+  bool drag = true;                          ///< the phases exert drag on each other
   std::optional<SmoothedDrag<D>> smoothed_drag;
 
   Ground<D> ground;
-  bool one_soil = true;                       ///< of one conductivity
-  std::uint32_t no_slip = 0, fixed_soil = 0;  ///< walls, by bits
+  bool one_soil = true;                       ///< all soils have one conductivity
+  std::uint32_t no_slip = 0, fixed_soil = 0;  ///< walls, one bit each: no slip of water; soil fixed
   std::vector<Joint<D>> joints;
   std::vector<LoadInTime> loads;
 
-  std::string digest;  ///< of what both solvers agree on
+  std::string digest;  ///< of the case, which both solvers must agree on
   std::vector<Gauge> gauges;
   std::vector<std::string> face_names;
   std::vector<PressedWall<D>> pressed_walls;

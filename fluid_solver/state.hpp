@@ -1,4 +1,4 @@
-// Everything that the fluid remembers between windows, as one value, so that saving is a copy.
+// All quantities of the fluid that change in time, as one value, so that saving is a copy.
 #pragma once
 
 #include "common/core/or_zero.hpp"
@@ -17,37 +17,40 @@ struct Particles {
   VecArray<D> velocity;             ///< m/s
   ScalarArray mass;                 ///< kg
   ScalarArray void_fraction;        ///< n
-  ScalarArray volume;               ///< V = m / (n rho), bulk, m^D
-  ScalarArray pressure;             ///< piezometric, Pa
-  OrZero<Vec<D>> solid_velocity;    ///< predicted v_s', m/s
-  OrZero<Vec<D>> solid_change;      ///< its change in the window, v_s' - v_s, m/s
-  OrZero<Vec<D>> drag_impulse;      ///< given to the soil in the last window, N s
-  OrZero<double> surface_share;     ///< 1: of moving soil, bounded by its free surface
-  OrZero<Vec<D>> surface_gradient;  ///< of the total pressure there, Pa/m
+  ScalarArray volume;               ///< bulk volume V = m / (n rho), m^D
+  ScalarArray pressure;             ///< piezometric pressure, Pa
+  OrZero<Vec<D>> solid_velocity;    ///< predicted velocity v_s' of the skeleton, m/s
+  OrZero<Vec<D>> solid_change;      ///< change of that velocity in the window, v_s' - v_s, m/s
+  OrZero<Vec<D>> drag_impulse;      ///< drag impulse on the soil in the last window, N s
+  OrZero<double> surface_share;     ///< 1: in moving soil, beside its free surface
+  OrZero<Vec<D>> surface_gradient;  ///< gradient of the total pressure at that surface, Pa/m
   /// Force of pressure and drag on the soil at the end of the last window, N/m3
   OrZero<Vec<D>> coupling_force;
-  /// The same force at the end of the window before: soil that computes at the same time as the fluid has received only
-  /// that one.
+  /// The same force at the end of the window before: in the parallel scheme the soil has received only that one.
   OrZero<Vec<D>> previous_coupling_force;
   /// C / (a + C) in the last window: the fraction of a departure of the skeleton's velocity from its prediction that
   /// drag passes on to the water.
   OrZero<double> entrained_fraction;
-  ScalarArray wave_speed;  ///< m/s, of long waves on the body of water it came with, or of a drop in its central force
+  ScalarArray wave_speed;  ///< m/s, of long waves on the body of water that the particle belonged to first, or of a
+                           ///< drop in its central force
   ScalarArray mask;        ///< soil membership
-  std::vector<char> goes_with_soil;  ///< 1: it came with soil that can leave its place, as faces do; 0: it can be free
-  std::vector<char> in_seepage;      ///< 1: in the seepage regime; 0: it moves and has a surface as free water
-  OrZero<int> closed_body;     ///< number from 1 of the body that it came with, if only walls surround that; else 0
-  OrZero<double> void_volume;  ///< of the water, opened by cavitation, m^D
-  /// Volumetric strains of the soil that have not been applied to the water yet. deferred_strain: of its motion beyond
-  /// the predicted one. unseen_strain: that the solid reports beyond the divergence of its mapped velocity;
-  /// unseen_rate: the rate [1/s] at which this one is applied now.
+  std::vector<char> goes_with_soil;  ///< 1: came with soil that can leave its place together with its faces; 0: can
+                                     ///< become free water
+  std::vector<char> in_seepage;      ///< 1: in the seepage regime; 0: moves and has a surface as free water
+  OrZero<int> closed_body;     ///< number from 1 of the body of water that it belongs to, if only walls surround that
+                               ///< body; else 0
+  OrZero<double> void_volume;  ///< m^D, volume of voids in the water, opened by cavitation
+  /// Volumetric strains of the soil that have not been applied to the water yet. deferred_strain: by its motion beyond
+  /// the predicted one. unseen_strain: what the solid reports beyond the divergence of its mapped velocity; unseen_rate
+  /// [1/s]: the rate at which unseen_strain is applied now.
   OrZero<double> deferred_strain, unseen_strain, unseen_rate;
-  VecArray<D> birthplace;  ///< m: a particle that never moved has no packing to repair
-  ScalarArray row;         ///< thickness of the row of surface particles it lies in, in spacings
+  VecArray<D> birthplace;  ///< m, where the particle was born: one that has not moved since needs no repair of its
+                           ///< packing
+  ScalarArray row;         ///< thickness of the row of surface particles that it lies in, in spacings
   std::vector<Surface> surface;
   [[nodiscard]] std::size_t size() const { return position.size(); }
 
-  /// Calls visit(array) for every array that is there.
+  /// Calls visit(array) for every array that is allocated.
   template <class Visit>
   void for_each_array(const Visit& visit) {
     visit(position);
@@ -81,8 +84,8 @@ struct Particles {
     visit_if_there(unseen_strain);
   }
 
-  /// Reserves memory for n particles, and where more will come for no more than a sixteenth in addition: arrays that
-  /// grow by doubling would stand half empty, and arrays that are reallocated one by one leave holes in memory.
+  /// Reserves memory for n particles, and for a sixteenth more where others may come. Arrays that grow by doubling
+  /// would be half empty, and arrays that are reallocated one by one fragment the memory.
   void reserve(std::size_t n, bool others_come) {
     const std::size_t room = others_come ? n + n / 16 + 16 : n;
     for_each_array([room](auto& array) { array.reserve(room); });
@@ -123,41 +126,46 @@ struct Particles {
   }
 };
 
-/// What a run's summary counts.
+/// Counters for a run's summary.
 struct Counts {
   double windows = 0, pressure_iterations = 0, multigrid_cycles = 0, skeleton_iterations = 0, outer_iterations = 0,
          stencils = 0, born = 0, deleted = 0, unconverged = 0, drag_rounds = 0, lost = 0;
-  double cavitating = 0, first_cavitation = 0;  ///< particles, most at once; s, while there are any
+  double cavitating = 0, first_cavitation = 0;  ///< largest number of cavitating particles at a time; s, time of the
+                                                ///< first
 };
 
-/// Volumes of water that came in and went out through faces since the start, and the volume at the start [m^D].
+/// Volumes of water that have come in and gone out through faces, and the volume at the start [m^D].
 struct Balance {
   double in = 0.0, out = 0.0, initial = 0.0;
 };
 
-/// What passed between water and soil since the start.
+/// Impulse and work exchanged between water and soil since the start.
 template <int D>
 struct Exchanged {
-  Vec<D> received = Vec<D>::Zero();      ///< N s, from the soil: minus the impulse of drag, minus the returned impulse
-  double drag_work = 0.0;                ///< J, of the drag on both phases
-  Vec<D> from_outside = Vec<D>::Zero();  ///< N s, of weight and of the pressure on walls; where a gauge asks for it
+  Vec<D> received = Vec<D>::Zero();      ///< N s, by the soil on the water: minus the impulse of drag, minus the
+                                         ///< returned impulse
+  double drag_work = 0.0;                ///< J, work of the drag on both phases
+  Vec<D> from_outside = Vec<D>::Zero();  ///< N s, of weight and of the pressure of walls; summed only where a gauge
+                                         ///< reads it
 };
 
 template <int D>
 struct State {
   double time = 0.0;
   double last_interval = 0.0;        ///< s
-  double usual_interval = 0.0;       ///< s, of the last windows
+  double usual_interval = 0.0;       ///< s, mean length of the last windows
   double deferred_strain_due = 0.0;  ///< s, time left in which the particles' deferred strain is to be applied
-  double pressure_change = 0.0;      ///< rms over the last window, of the pressure's range
-  double widest_range = 0.0;         ///< of piezometric pressure so far, Pa
-  double controlled = 0.0;           ///< interval the controller would take next, s; 0: not started
+  double pressure_change = 0.0;      ///< rms change of the pressure in the last window, over the pressure's range
+  double widest_range = 0.0;         ///< Pa, widest range of the piezometric pressure so far
+  double controlled = 0.0;           ///< s, window that the control of the pressure's change allows next; 0: not
+                                     ///< started
   std::uint64_t revision = 0;
   Particles<D> particles;
   std::vector<FaceColumn<D>> columns;
   std::vector<Inlet<D>> inlets;
-  bool full = false;       ///< soil at rest, full of water from the start on, all faces wet: no surface can form
-  bool multigrid = false;  ///< the last window's pressure solve took multigrid more than a few cycles
+  bool full = false;       ///< all soil is at rest and has been full of water from the start, and all faces are wet: no
+                           ///< surface can form
+  bool multigrid = false;  ///< the last pressure solve took multigrid more than a few cycles
   std::vector<FaceState> faces;
   std::vector<TimeLimit> window_limits;  ///< from the last window
   Counts counts;

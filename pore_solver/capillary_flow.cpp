@@ -9,7 +9,7 @@ namespace poretwin::pore {
 
 namespace {
 
-/// 1 / (1 - exp(-p)) - 1 / p, from 1/2 at p = 0 to 1.
+/// 1 / (1 - exp(-p)) - 1 / p: weight of the upstream point, from 1/2 at p = 0 to 1.
 double upstream_share(double p) { return p < 1e-3 ? 0.5 + p / 12.0 : 1.0 / -std::expm1(-p) - 1.0 / p; }
 
 }  // namespace
@@ -40,7 +40,7 @@ void CapillaryFlow::set(std::span<const double> variable) {
 
 Content CapillaryFlow::effective_saturation(Index a) const {
   const Ground& g = ground(a);
-  // Below the joint the variable is the saturation itself.
+  // Below the joint of the curve's two parts the variable is the effective saturation itself.
   if (variable_[a] < g.retention->joint()) return {variable_[a], 1.0};
   const auto s = g.retention->saturation(at_[a].head);
   return {s.value, s.slope * per_variable_[a]};
@@ -68,7 +68,7 @@ CapillaryFlow::Driven CapillaryFlow::down(const Water& upper, const Water& lower
     return {upper.potential - lower.potential + k * drop, k_upper + w * upper.permeability.slope * drop,
             -k_lower + (1.0 - w) * lower.permeability.slope * drop, k};
   }
-  // Heads this close have a straight curve between them, and no difference of potentials worth dividing by.
+  // For heads this close the curve between them is straight, and a quotient of differences would be rounding.
   constexpr double close = 1e-7;
   if (-more < close * (1e-3 + std::abs(upper.head))) {
     const double mean = 0.5 * (k_upper + k_lower);
@@ -101,7 +101,7 @@ Flow CapillaryFlow::through(const Link& link) const {
     const Flow by_a = between(at_[a], water(ga, at_[b].head, at_[b].elevation), mean);
     const Flow by_b = between(water(gb, at_[a].head, at_[a].elevation), at_[b], other_mean);
     const double ka = conductivity(a) * link.transmissibility, kb = conductivity(b) * link.transmissibility;
-    // Both flows have one sign, that of the fall of the head; at rest their ratio is that of the conductivities.
+    // Both flows have the sign of the fall of the head. At rest their ratio is that of the conductivities.
     double first = ka * std::abs(by_a.value), second = kb * std::abs(by_b.value);
     if (!(first + second > 1e-12 * (ka * mean + kb * other_mean))) {
       first = ka * mean;
@@ -154,7 +154,7 @@ double CapillaryFlow::variable_at(Index a, double pressure_head) const {
 }
 
 double CapillaryFlow::limited(Index a, double from, double to, char& stopped) const {
-  // Where it dries past the joint the curve's other part begins, and the tangent knows nothing of it.
+  // Below the joint the other part of the curve begins, to which the tangent does not apply.
   const double joint = ground(a).retention->joint();
   if (!stopped && from > joint && to < joint) {
     stopped = 1;

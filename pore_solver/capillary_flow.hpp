@@ -8,17 +8,21 @@
 
 namespace poretwin::pore {
 
-/// With Phi = int k_r dpsi, K the saturated conductivity and T area over distance,
+/// The flow between two points a and b, with Phi the integral of k_r over the pressure head psi, K the saturated
+/// conductivity and T the area over the distance:
 ///
 ///   F_ab = K T [Phi_a - Phi_b + k_g (z_a - z_b)]
 ///
-/// Where suction grows upwards k_g is the mean of k_r over the heads between the two, (Phi_a - Phi_b) / (psi_a -
-/// psi_b), so that water at rest under suction stays at rest exactly. Where it does not, k_g = w k_r(upper) + (1 - w)
-/// k_r(lower) with w = 1 / (1 - exp(-p)) - 1 / p and p = (z_a - z_b) k_r' / k_r at the lower: the mean where the
-/// permeability changes little over the distance, upstream where it changes much, so that wetting fronts do not
-/// oscillate; of exponential curves (Gardner's) the steady flow is exact (Scharfetter & Gummel 1969). The two forms
-/// agree where the heads do. Across the border of two soils both laws give a flow for the two heads; their harmonic
-/// mean is that of the two halves of the way in series.
+/// Where suction increases upwards, k_g is the mean of k_r over the heads between the two, (Phi_a - Phi_b) / (psi_a -
+/// psi_b). Water at rest under suction then stays at rest exactly.
+///
+/// Elsewhere k_g = w k_r(upper) + (1 - w) k_r(lower) with w = 1 / (1 - exp(-p)) - 1 / p and p = (z_a - z_b) k_r' / k_r
+/// at the lower point. This is the mean where the permeability changes little over the distance, and the upstream value
+/// where it changes much, so that wetting fronts do not oscillate. With exponential curves (Gardner's) the steady flow
+/// is exact (Scharfetter & Gummel 1969). The two forms are equal where the heads are.
+///
+/// Across the border of two soils the law of each gives a flow for the two heads. Their harmonic mean is the flow
+/// through the two halves of the distance in series.
 class CapillaryFlow final : public FlowModel {
  public:
   CapillaryFlow(const Case& scene, const Network& network);
@@ -35,34 +39,35 @@ class CapillaryFlow final : public FlowModel {
 
  private:
   struct Ground {
-    double residual = 0.0;  ///< saturation
+    double residual = 0.0;  ///< residual saturation
     std::unique_ptr<porous::Retention> retention;
   };
-  /// Water at a pressure head, by one soil's law.
+  /// Properties of water at a pressure head, by the law of one soil.
   struct Water {
-    double head = 0.0, potential = 0.0;  ///< psi, Phi, m
+    double head = 0.0, potential = 0.0;  ///< psi [m], Phi [m]
     porous::Rate permeability;
     double elevation = 0.0;  ///< m
   };
-  /// A flow and its derivatives by the two pressure heads; both over K T.
+  /// A flow over K T and its derivatives with respect to the two pressure heads.
   struct Driven {
     double value = 0.0, by_upper = 0.0, by_lower = 0.0;
-    double mean = 0.0;  ///< of k_r
+    double mean = 0.0;  ///< mean of k_r
   };
   [[nodiscard]] Water water(const Ground& ground, double head, double elevation) const;
-  /// Down from the upper to the lower of two places.
+  /// The flow from the upper to the lower of two points.
   [[nodiscard]] static Driven down(const Water& upper, const Water& lower);
-  /// From a to b, derivatives by their pressure heads, by one soil's law.
+  /// The flow from a to b by the law of one soil, with derivatives with respect to their pressure heads. mean: mean of
+  /// k_r.
   [[nodiscard]] static Flow between(const Water& a, const Water& b, double& mean);
   [[nodiscard]] Content effective_saturation(Index a) const;
   [[nodiscard]] const Ground& ground(Index a) const { return grounds_[network_.soil[a]]; }
-  /// In from a place outside of the segment where water has a head.
+  /// Inflow from a place outside of the segment with this pressure head and elevation [m].
   [[nodiscard]] Inflow from(const Segment& segment, double head, double elevation) const;
 
   const Network& network_;
   std::vector<Ground> grounds_;
-  std::vector<Water> at_;                ///< of each point
-  ScalarArray variable_, per_variable_;  ///< u, dpsi/du
+  std::vector<Water> at_;                ///< at each point
+  ScalarArray variable_, per_variable_;  ///< of each point: u, and the derivative of psi with respect to u
 };
 
 }  // namespace poretwin::pore

@@ -1,5 +1,5 @@
-// How water flows between two points, and in from a border, at given values of the points' variables; and how much
-// water a point then holds. Richards' (1931) equation has two discrete forms: with retention curves, and with a sharp
+// Flow of water between two points and through the soil's border, and the volume of water at a point, as functions of
+// the points' variables. Richards' (1931) equation has two discrete forms: with retention curves, and with a sharp
 // front.
 #pragma once
 
@@ -11,29 +11,29 @@
 
 namespace poretwin::pore {
 
-/// A flow [m3/s, 2D: m2/s] and its derivatives by the variables of the points that it runs between.
+/// A flow [m3/s, 2D: m2/s] from point a to point b and its derivatives with respect to their variables.
 struct Flow {
   double value = 0.0, by_a = 0.0, by_b = 0.0;
 };
-/// A flow in through a segment, and its derivative by the variable of its point.
+/// An inflow through a segment [m3/s, 2D: m2/s] and its derivative with respect to the variable of its point.
 struct Inflow {
   double value = 0.0, slope = 0.0;
 };
-/// Water at a point [m3, 2D: m2], and its derivative by the point's variable.
+/// Volume of water at a point [m3, 2D: m2] and its derivative with respect to the point's variable.
 struct Content {
   double value = 0.0, slope = 0.0;
 };
 
-/// The pores of each point. Those of soil that moves answer to the water within a step: they are `volume` where the
-/// skeleton bears a head of `at`, and more by `give` for each metre above it.
+/// The pores of each point. In soil that moves they respond to the water within a step: their volume is `volume` where
+/// the skeleton bears a head `at`, and increases by `give` per metre of head above that.
 struct Pores {
   ScalarArray volume;        ///< m3 (2D: m2)
   ScalarArray at;            ///< m
   ScalarArray give;          ///< m2 (2D: m); zero in rigid soil
-  ScalarArray conductivity;  ///< m/s, of the soil when full
+  ScalarArray conductivity;  ///< m/s, of saturated soil
 };
 
-/// Those of a case's soil before it has moved, as far as water can fill them.
+/// The pores of a case's soil before it has moved, as far as water can fill them.
 Pores rigid_pores(const Case& scene, const Network& network);
 
 class FlowModel {
@@ -43,15 +43,16 @@ class FlowModel {
   FlowModel& operator=(const FlowModel&) = delete;
   virtual ~FlowModel() = default;
 
-  /// Takes the variables of all points; everything below refers to them.
+  /// Sets the variables of all points; the functions below use them.
   virtual void set(std::span<const double> variable) = 0;
-  /// Takes the pores of all points, likewise.
+  /// Sets the pores of all points; the functions below use them.
   void set_pores(Pores pores) { pores_ = std::move(pores); }
   [[nodiscard]] const Pores& pores() const { return pores_; }
 
-  /// Share of the pores that is full of water.
+  /// Fraction of a point's pores that is filled with water.
   [[nodiscard]] virtual Content saturation(Index a) const = 0;
-  /// The part of the pressure head that the skeleton bears, m: chi psi, chi the effective saturation (Bishop 1959).
+  /// The part of the pressure head that the skeleton bears [m]: chi psi with the effective saturation chi (Bishop
+  /// 1959).
   [[nodiscard]] virtual Content borne_head(Index a) const = 0;
   [[nodiscard]] double pore_volume(Index a) const {
     return pores_.volume[a] + pores_.give[a] * (borne_head(a).value - pores_.at[a]);
@@ -62,19 +63,19 @@ class FlowModel {
     const double pores = pore_volume(a);
     return {pores * s.value, pores * s.slope + pores_.give[a] * borne_head(a).slope * s.value};
   }
-  /// Of the water, m; where a point without capillarity is not full, of the water in its cell.
+  /// Pressure head of the water [m]. At a point without capillarity that is not full: of the water in its cell.
   [[nodiscard]] virtual double pressure_head(Index a) const = 0;
-  /// From a to b.
+  /// The flow from a to b.
   [[nodiscard]] virtual Flow through(const Link& link) const = 0;
-  /// In through a border behind which still water stands up to an elevation [m]; what of the border lies above is open
-  /// to the air: water only leaves there, where its pressure is that of the air.
+  /// Inflow through a segment behind which still water stands up to an elevation `level` [m]. The part of the segment
+  /// above it is open to the air: water only leaves there, at the pressure of the air.
   [[nodiscard]] virtual Inflow below_level(const Segment& segment, double level) const = 0;
-  /// In through a border at which the pressure head is uniform [m].
+  /// Inflow through a segment along which the pressure head is uniform [m].
   [[nodiscard]] virtual Inflow at_head(const Segment& segment, double pressure_head) const = 0;
 
-  /// The variable of a point for a pressure head [m].
+  /// The variable of a point at a pressure head [m].
   [[nodiscard]] virtual double variable_at(Index a, double pressure_head) const = 0;
-  /// Of a point that is full, under no pressure.
+  /// The variable of a point that is full at zero pressure.
   [[nodiscard]] virtual double full(Index a) const = 0;
   /// The value of point a's variable after a Newton step from `from` to `to`: `to`, or the nearest value at which the
   /// step must halt (a corner of the curves, the end of their range). `stopped`: whether this point has already halted
@@ -83,7 +84,7 @@ class FlowModel {
 
  protected:
   [[nodiscard]] double conductivity(Index a) const { return pores_.conductivity[a]; }
-  /// Of the way between two points: of its two halves in series.
+  /// Conductivity of the way between two points: of its two halves in series.
   [[nodiscard]] double conductivity(Index a, Index b) const {
     const double ka = conductivity(a), kb = conductivity(b);
     return ka == kb ? ka : 2.0 * ka * kb / (ka + kb);
@@ -93,7 +94,7 @@ class FlowModel {
   Pores pores_;
 };
 
-/// Of the case's soils: with retention curves, or all of them without.
+/// The flow model for the case's soils: all with retention curves, or all without.
 std::unique_ptr<FlowModel> make_flow_model(const Case& scene, const Network& network);
 
 }  // namespace poretwin::pore

@@ -15,15 +15,16 @@
 namespace poretwin::pore {
 namespace {
 
-/// Lengths below this are rounding. In spacings.
+/// Lengths below this one are rounding errors. In spacings.
 constexpr double tiny = 1e-9;
-/// How far beside a line a place belongs to what is drawn along it. In spacings.
+/// Distance up to which a place counts as lying on a line. In spacings.
 constexpr double beside = 1e-3;
 
-/// A straight part of the soil's border, walked with the soil on its left, with what the case has along it.
+/// A straight part of the soil's border, traversed with the soil on its left, with the face and the rain of the case
+/// along it.
 struct BorderPart {
   Piece piece;
-  std::size_t line = 0;  ///< the side of a soil that it is part of
+  std::size_t line = 0;  ///< number of the straight side that it belongs to
   std::size_t face = Segment::none, rain = Segment::none;
 };
 
@@ -41,7 +42,8 @@ class Border {
   }
   [[nodiscard]] const std::vector<BorderPart>& parts() const { return parts_; }
 
-  /// Carries it along with points that lay at `drawn`, in parts of a spacing at most.
+  /// Moves the border with the points, which lay at `drawn` and lie at `now`, after dividing it into parts of at most a
+  /// spacing.
   void move(const std::vector<Point3>& drawn, const std::vector<Point3>& now) {
     std::vector<BorderPart> moved;
     lines_ = 0;
@@ -60,7 +62,7 @@ class Border {
   }
 
  private:
-  /// Mean of the points around a place of the border.
+  /// Mean displacement of the points around a place of the border.
   [[nodiscard]] Point3 displacement(const Point3& x, const std::vector<Point3>& drawn,
                                     const std::vector<Point3>& now) const {
     constexpr double reach = 1.6;  // spacings; beside a corner the nearest point is 0.7 away
@@ -75,7 +77,7 @@ class Border {
     return weights > 0.0 ? Point3(sum / weights) : sum;
   }
 
-  /// A side of a soil, divided where anything that is drawn along it begins or ends.
+  /// Adds a side of a soil, divided where a corner, a face or rain along it begins or ends.
   void side(std::size_t soil, const Piece& whole) {
     std::vector<double> cuts{0.0, whole.length()};
     const Point3 along = (whole.b - whole.a).normalized();
@@ -107,7 +109,7 @@ class Border {
       if (s != soil && contains(scene_.soils[s].shape, x, 2)) return true;
     return false;
   }
-  /// The last of some items whose face lies at a place of the border and looks inwards.
+  /// The last item whose face lies at this place of the border and points inwards; Segment::none if there is none.
   template <class Items>
   [[nodiscard]] std::size_t owner(const Items& items, const Point3& x, const Point3& inwards) const {
     constexpr double parallel = 0.999;
@@ -130,9 +132,9 @@ class Border {
   std::vector<BorderPart> parts_;
 };
 
-/// The sides of a prism's cross-section, with what lies beyond each.
+/// One side of a cell's cross-section, and what lies beyond it.
 struct CellSide {
-  int beyond = 0;  ///< a point, or `beyond_line` of a line of the border
+  int beyond = 0;  ///< index of a point, or beyond_line() of a line of the border
   Piece piece;     ///< relative to the cell's point
 };
 constexpr int first_line = -100;
@@ -152,7 +154,7 @@ std::vector<CellSide> sides_of(voro::voronoicell_neighbor& cell) {
       const auto v = 3 * static_cast<std::size_t>(corners[at + k]);
       return Point3(vertices[v], vertices[v + 1], 0.0);
     };
-    // The two ends of the side: the corners that are farthest apart.
+    // The two ends of the side are the corners that are farthest apart.
     Piece piece{vertex(0), vertex(0)};
     for (std::size_t k = 1; k < count; ++k)
       if ((vertex(k) - piece.a).norm() > (piece.b - piece.a).norm()) piece.b = vertex(k);
@@ -163,11 +165,11 @@ std::vector<CellSide> sides_of(voro::voronoicell_neighbor& cell) {
   return sides;
 }
 
-/// Does more than a corner of a straight piece lie within the cross-section?
+/// Whether more than a corner of a straight piece lies within the cross-section.
 bool enters(const std::vector<CellSide>& sides, const Piece& piece) {
   double from = 0.0, to = 1.0;
   for (const auto& side : sides) {
-    // The cell's point, the origin, lies on the inner side.
+    // The cell's point is the origin and lies on the inner side.
     Point3 outwards(side.piece.b.y() - side.piece.a.y(), side.piece.a.x() - side.piece.b.x(), 0.0);
     outwards.normalize();
     if (outwards.dot(side.piece.a) < 0.0) outwards = -outwards;
@@ -205,7 +207,7 @@ class Maker {
  private:
   Network connect() {
     std::set<std::pair<Index, Index>> seen;
-    // In spacings, and one spacing thick.
+    // The container's unit is the spacing, and it is one spacing thick.
     Point3 lower = Point3::Constant(HUGE_VAL), upper = -lower;
     for (const auto& part : border_.parts()) {
       lower = lower.cwiseMin(part.piece.a);
@@ -248,8 +250,8 @@ class Maker {
     return y;
   }
 
-  /// Column by column from the top down: along gravity, where the flow depends on what is above most, incomplete
-  /// factors then are good.
+  /// The points are ordered column by column from the top down. Flow depends most on what lies above, along gravity,
+  /// and incomplete factors are accurate in this order.
   void place_points() {
     struct Place {
       Point3 at;
@@ -259,7 +261,7 @@ class Maker {
     std::vector<Shape> shapes;
     for (const auto& soil : scene_.soils) shapes.push_back(soil.shape);
     const auto& f = scene_.fluid;
-    const auto& moving = scene_.solid;  // whose particles the points are
+    const auto& moving = scene_.solid;  // in soil that moves the points are its particles
     const bool moves = scene_.deformable();
     for (std::size_t s = 0; s < shapes.size(); ++s) {
       const auto lattice =
@@ -284,7 +286,7 @@ class Maker {
   void add(Index a, voro::voronoicell_neighbor& cell) {
     const Point3 x = local(net_.position[a]);
     const auto relative = [&](const Piece& piece) { return Piece{local(piece.a) - x, local(piece.b) - x}; };
-    // Cut at the border, the nearest parts first: what lies beyond them is then out of the others' reach.
+    // The cell is cut at the nearest parts of the border first: then parts beyond these do not reach it any more.
     std::vector<std::pair<double, const BorderPart*>> near;
     const double reach = std::sqrt(cell.max_radius_squared());
     for (const auto& part : border_.parts())
@@ -317,7 +319,8 @@ class Maker {
     }
   }
 
-  /// The cell's area below each of its corners. The width in between is linear, the area taken as linear, too.
+  /// The fraction of the cell's area below each of its corners. Between corners the area is taken as linear in the
+  /// elevation.
   [[nodiscard]] std::vector<Filling> filling(const Point3& x, const std::vector<CellSide>& sides) const {
     std::vector<double> levels;
     for (const auto& side : sides)
@@ -343,7 +346,7 @@ class Maker {
     for (std::size_t i = 0; i + 1 < levels.size(); ++i)
       result.push_back({base + spacing_ * levels[i + 1],
                         result.back().share + (levels[i + 1] - levels[i]) * width(0.5 * (levels[i] + levels[i + 1]))});
-    if (result.size() == 1) result.push_back({base, 1.0});  // without gravity nothing lies below anything
+    if (result.size() == 1) result.push_back({base, 1.0});  // without gravity every cell counts as one level
     const double whole = result.back().share;
     for (auto& f : result) f.share /= whole;
     return result;
@@ -360,14 +363,14 @@ class Maker {
     net_.links.push_back({a, b, face.length() / way.norm(), 0.5 * (face.a + face.b), std::min(p, q), std::max(p, q)});
   }
 
-  /// A side of a cell on the border, divided among what the case has along it.
+  /// Adds the segments of a cell's side on the border: one for each part of the border with a face or rain.
   void segments(Index a, const Piece& side, std::size_t line) {
     for (const auto& part : border_.parts()) {
       if (part.line != line || (part.face == Segment::none && part.rain == Segment::none)) continue;
       const Point3 along = (part.piece.b - part.piece.a).normalized();
       double from = along.dot(side.a - part.piece.a), to = along.dot(side.b - part.piece.a);
       if (from > to) std::swap(from, to);
-      // Of a border that has moved a side may lie along two parts and more, and is that of the nearest.
+      // On a border that has moved a side may lie along several parts; it belongs to the nearest.
       if (!moved_) {
         from = std::max(from, 0.0);
         to = std::min(to, part.piece.length());

@@ -1,7 +1,6 @@
-// The soil's points, their Voronoi cells, and what connects them to each other and to the soil's border: the geometry
-// of a two-point flux. A link carries area over distance between two points whose cells touch, and the line between
-// them is normal to that area, so that the flux of a linear head is exact however the points lie (Eymard, Gallouet &
-// Herbin 2000).
+// The soil's points, their Voronoi cells, and the connections between points and to the soil's border: the geometry of
+// a two-point flux. A link connects two points whose cells touch. The line between them is normal to the common face,
+// so that the flux of a linear head is exact at any arrangement of the points (Eymard, Gallouet & Herbin 2000).
 #pragma once
 
 #include "common/case/case.hpp"
@@ -12,28 +11,28 @@
 
 namespace poretwin::pore {
 
-/// Two points whose cells touch. In 2D areas are lengths and volumes are areas, as everywhere in this solver.
+/// A pair of points whose cells touch. In 2D, areas are lengths and volumes are areas, everywhere in this solver.
 struct Link {
   Index a = 0, b = 0;
   double transmissibility = 0.0;  ///< area of the common face over the distance between the points, m (2D: 1)
-  Point3 centre;                  ///< of the face, m
-  double low = 0.0, high = 0.0;   ///< m, elevations of the face's lowest and highest corner
+  Point3 centre;                  ///< m, centre of the common face
+  double low = 0.0, high = 0.0;   ///< m, elevations of the face's lowest and highest corners
 };
 
-/// Where a cell meets the soil's border: on a water face, under rain, or on both. A border that carries neither has no
-/// segment, and lets nothing through.
+/// A part of a cell's side on the soil's border, along a water face, under rain, or both. A border with neither has no
+/// segment and is impermeable.
 struct Segment {
   static constexpr std::size_t none = static_cast<std::size_t>(-1);
   Index point = 0;
-  std::size_t face = none, rain = none;  ///< index in the case's lists
+  std::size_t face = none, rain = none;  ///< indices in the case's lists
   double area = 0.0;                     ///< m2 (2D: m)
-  double level_area = 0.0;               ///< of its projection on the horizontal
-  double transmissibility = 0.0;         ///< area over the distance from the point to the border
+  double level_area = 0.0;               ///< m2 (2D: m), area of its horizontal projection
+  double transmissibility = 0.0;         ///< m (2D: 1), area over the distance from the point to the border
   Point3 centre;                         ///< m
-  double low = 0.0, high = 0.0;          ///< m, elevations
+  double low = 0.0, high = 0.0;          ///< m, elevations of its lowest and highest point
 };
 
-/// What share of a cell lies below an elevation.
+/// The fraction of a cell that lies below an elevation.
 struct Filling {
   double elevation = 0.0;  ///< m
   double share = 0.0;
@@ -44,22 +43,23 @@ struct Network {
   std::vector<std::size_t> soil;     ///< index in the case's list
   ScalarArray volume;                ///< of each cell, m3 (2D: m2)
   ScalarArray elevation;             ///< m, along -gravity
-  std::vector<Filling> fillings;     ///< of all cells, at the elevations of their corners, rising from 0 to 1
-  std::vector<Index> first_filling;  ///< of each cell, and the end of the last
-  std::vector<Link> links;           ///< by a, then b
-  std::vector<Segment> segments;     ///< by point
+  std::vector<Filling> fillings;     ///< of all cells, at the elevations of their corners: fractions from 0 to 1
+  std::vector<Index> first_filling;  ///< index of each cell's first filling, and the number of all
+  std::vector<Link> links;           ///< sorted by a, then b
+  std::vector<Segment> segments;     ///< sorted by point
   [[nodiscard]] std::size_t size() const { return position.size(); }
   [[nodiscard]] std::span<const Filling> filling(Index a) const {
     return std::span(fillings).subspan(first_filling[a], first_filling[a + 1] - first_filling[a]);
   }
 };
 
-/// Of a case in 2D: points a spacing apart fill each soil (`fill`), cells are cut off at the soils' common border, and
-/// links do not pass through walls. Beside a corner at which the soil goes around a notch a cell loses what lies beyond
-/// the nearer side of the notch.
+/// The network of a 2D case. Points a spacing apart fill each soil (`fill`), cells are cut off at the soils' common
+/// border, and no link passes through a wall. Beside a corner where the soil goes around a notch, a cell loses what
+/// lies beyond the nearer side of the notch.
 Network make_network(const Case& scene);
-/// Of the same points where soil has carried them to; `drawn`: make_network() of the case. The border goes with the
-/// points beside it, divided into parts of a spacing. Throws DivergedError where it has folded over points.
+/// The network of the same points at the positions `now` [m] to which the soil has carried them. drawn: make_network()
+/// of the case. The border moves with the points beside it, in parts of a spacing. Throws DivergedError where it has
+/// folded over points.
 Network make_network(const Case& scene, const Network& drawn, const std::vector<Point3>& now);
 
 }  // namespace poretwin::pore

@@ -13,7 +13,7 @@ namespace {
 
 namespace field = coupling::field;
 
-/// Reach of a point in the mapping between the processes, half of the kernel's support. In spacings.
+/// Smoothing length of a point for the mapping between the processes: half of the kernel's support. In spacings.
 constexpr double reach = 1.2;
 
 }  // namespace
@@ -83,7 +83,7 @@ void PoreWater::initialise(const coupling::Inbox& inbox) {
   if (inbox.fields.empty()) return;
   see_soil(inbox, 0);
   state_.wanted = std::min(state_.wanted, stepper_->time_of_a_cell(skeleton_));
-  // The soil has yet to come to its rest.
+  // The soil's state at rest is stored in the first window: now it has not come to rest yet.
   state_.rest_solid.clear();
   state_.rest_conductivity.clear();
 }
@@ -97,8 +97,8 @@ void PoreWater::see_soil(const coupling::Inbox& inbox, unsigned pass) {
     state_.rest_solid = solid;
     state_.rest_conductivity = conductivity;
   }
-  // The soil at its rest is what the case draws; from there on its grains keep their volume. Where the other side has
-  // nothing near, its values are zero, and the soil is as it was.
+  // Pores follow from the volume fraction of the grains: at rest they are those of the case, and afterwards the grains
+  // keep their volume. Where no value was mapped to a point (0), its pores stay the same.
   const auto pores_of = [&](const ScalarArray& share) {
     ScalarArray pores(n);
     for (std::size_t a = 0; a < n; ++a)

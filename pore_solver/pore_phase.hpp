@@ -1,5 +1,5 @@
-// The water in the pores as a field, behind the Phase interface: in the fluid's role, alone in rigid soil or with a
-// solver of soil that moves.
+// The water in the pores as a field, behind the Phase interface. It takes the fluid's role, alone in rigid soil or with
+// a solver of soil that moves.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -36,31 +36,31 @@ class PoreWater final : public Phase {
 
   [[nodiscard]] const Network& network() const { return network_; }
   [[nodiscard]] const State& state() const { return state_; }
-  /// At the present state.
+  /// The flow model at the present state.
   [[nodiscard]] const FlowModel& flow() const { return stepper_->flow(state_); }
 
  private:
-  /// The soil as its solver tells of it, in a pass through a window.
+  /// Takes the soil's fields for a pass through a window: pores, conductivity and stiffness.
   void see_soil(const coupling::Inbox& inbox, unsigned pass);
-  /// Carries the points along with the soil, and links them anew where it has carried one of them far.
+  /// Moves the points with the soil, and links them anew where one of them has moved far.
   void follow_soil(const coupling::Inbox& inbox);
-  /// Makes the network of the state's points, if it is not that already.
+  /// Makes the network of the state's points, unless it exists already.
   void link();
-  /// Of a point's pores, with what its soil held from the start.
+  /// Degree of saturation of all pores of a point, with the residual water that its soil holds from the start.
   [[nodiscard]] double degree_of_saturation(std::size_t a) const;
-  /// Discharge per area at each point, from what passes the sides of its cell [m/s].
+  /// Computes the discharge per area at each point [m/s] from the flows through the sides of its cell.
   void compute_flux() const;
 
   Case scene_;
   Network drawn_network_, network_;
-  std::vector<Point3> linked_;                ///< State::linked of the network
-  mutable std::unique_ptr<Stepper> stepper_;  ///< its work space is none of the state
+  std::vector<Point3> linked_;                ///< m, State::linked for which the network was made
+  mutable std::unique_ptr<Stepper> stepper_;  ///< not const, since it contains work space; the state is not part of it
   std::unique_ptr<Gauges> gauges_;
   State state_, saved_;
-  Pores drawn_;              ///< of the soil as the case draws it
-  ScalarArray passed_head_;  ///< m, that the skeleton bore at the end of the last pass through the window
+  Pores drawn_;              ///< pores of the soil as the case draws it
+  ScalarArray passed_head_;  ///< m, head that the skeleton bore at the end of the last pass through the window
   Skeleton skeleton_;
-  mutable std::vector<Point3> flux_;  ///< of the frame that was asked for last
+  mutable std::vector<Point3> flux_;  ///< of the last frame
   mutable ScalarArray head_;
 };
 

@@ -5,7 +5,7 @@
 namespace poretwin::pore {
 namespace {
 
-/// Mean of max(h - z, 0) over z from `low` to `high` [m], and its derivative: the wet share.
+/// Mean of max(h - z, 0) over z from `low` to `high` [m], and its derivative with respect to h, the wet fraction.
 Inflow depth_of(double h, double low, double high) {
   if (h >= high) return {h - 0.5 * (low + high), 1.0};
   if (h <= low) return {};
@@ -69,7 +69,7 @@ double SharpFlow::limited(Index a, double from, double to, char& stopped) const 
   const double low = network_.filling(a).front().elevation, high = network_.filling(a).back().elevation;
   if (!stopped && (from < high) != (to < high)) {
     stopped = 1;
-    // Coming from above, just below: there the cell holds water that it can give.
+    // From above it stops just below the cell's top: there the cell can give water.
     constexpr double just = 1e-9;
     return from < high ? high : high - just * (high - low);
   }

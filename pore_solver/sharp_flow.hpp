@@ -1,20 +1,20 @@
-// Flow in soils without capillarity: full below a sharp front, empty above it.
+// Flow in soils without capillarity: saturated below a sharp front, dry above it.
 #pragma once
 
 #include "pore_solver/flow.hpp"
 
 namespace poretwin::pore {
 
-/// Each cell is a column of water at rest within itself, its variable the elevation h up to which it stands, or the
-/// piezometric head where the cell is full; how much it then holds follows from the cell's shape. With m(h) the mean of
-/// max(h - z, 0) over the common face,
+/// Each cell is a column of water at rest within itself. Its variable is the elevation h up to which the water stands
+/// or, where the cell is full, the piezometric head. The volume of water follows from h and the cell's shape. With m(h)
+/// the mean of max(h - z, 0) over the common face, conductivity K and transmissibility T,
 ///
 ///   F_ab = K T [m(h_a) - m(h_b)]
 ///
-/// so that water passes through the wet part of a face only, and a front crosses a cell without a jump. A face with
-/// still water of level H behind it is the same with H for h_b; above H it is a seepage face. What the skeleton bears
-/// of the pressure is its mean over the cell. Without gravity water has no level: all cells are full, and their
-/// variable is the pressure head.
+/// Thus water passes only through the wet part of a face, and a front crosses a cell without a jump. At a face with
+/// still water behind it the water's level takes the place of h_b; above that level the face is a seepage face. The
+/// skeleton bears the mean of the pressure over the cell. Without gravity water has no level: all cells are full, and
+/// their variable is the pressure head.
 class SharpFlow final : public FlowModel {
  public:
   SharpFlow(const Case& scene, const Network& network);
@@ -34,7 +34,7 @@ class SharpFlow final : public FlowModel {
 
   const Network& network_;
   bool weightless_;
-  ScalarArray level_;  ///< m, of each point
+  ScalarArray level_;  ///< m, variable h of each point
 };
 
 }  // namespace poretwin::pore

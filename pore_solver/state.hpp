@@ -1,42 +1,44 @@
-// The pore water's state: what a checkpoint keeps.
+// The state of the pore water, as checkpoints store it.
 #pragma once
 
 #include "pore_solver/boundary/pore_boundary.hpp"
 
 namespace poretwin::pore {
 
-/// What happened so far.
+/// Counters since the start of the run.
 struct Counts {
-  double iterations = 0.0, linear_iterations = 0.0;  ///< of Newton; of the linear solves
-  double carried = 0.0, links = 0.0;  ///< times the soil carried the points along; times they were linked anew
+  double iterations = 0.0, linear_iterations = 0.0;  ///< iterations of Newton; iterations of the linear solves
+  double carried = 0.0, links = 0.0;  ///< number of times the soil moved the points; number of times they were linked
+                                      ///< anew
 };
 
-/// Soil that moves, in one step.
+/// Soil that moves, during one step.
 struct Skeleton {
-  /// Pores [m3, 2D: m2] at the step's start, and at its end as the last pass through the window found them (in the
-  /// first pass those of the start), with the heads [m] that the skeleton bears there.
+  /// pores: volume of each point's pores [m3, 2D: m2] at the step's start; found: at its end, as the last pass through
+  /// the window found it (in the first pass as at the start). head, found_head: heads [m] that the skeleton bears
+  /// there.
   ScalarArray pores, found, head, found_head;
-  ScalarArray give;          ///< m2 (2D: m), of the pores for each metre of head
+  ScalarArray give;          ///< m2 (2D: m), increase of each point's pores per metre of head
   ScalarArray conductivity;  ///< m/s
 };
 
 struct State {
   double time = 0.0;     ///< s
-  ScalarArray water;     ///< m3 (2D: m2), at each point; conserved to rounding
-  ScalarArray pores;     ///< m3 (2D: m2), at each point; of soil that moves as the last step predicted them
-  ScalarArray variable;  ///< of each point, as the flow model has it
+  ScalarArray water;     ///< m3 (2D: m2), volume of water, conserved to rounding
+  ScalarArray pores;     ///< m3 (2D: m2), volume of pores; in soil that moves as the last step predicted it
+  ScalarArray variable;  ///< variable of the flow model
   std::vector<SegmentState> segments;
   std::vector<Account> accounts;  ///< of each boundary
-  ScalarArray inflow;             ///< through each segment in the last step, m3/s (2D: m2/s)
-  ScalarArray flow;               ///< through each link, a to b, likewise
-  double wanted = 0.0;            ///< s, the step that the error allows next
-  double largest_head = 0.0;      ///< m, that the skeleton of soil that moves has borne anywhere
-  /// Of soil that moves, at its rest at time zero: share of the grains, conductivity [m/s].
+  ScalarArray inflow;             ///< m3/s (2D: m2/s), through each segment in the last step
+  ScalarArray flow;               ///< m3/s (2D: m2/s), through each link from a to b in the last step
+  double wanted = 0.0;            ///< s, length that the error allows for the next step
+  double largest_head = 0.0;      ///< m, largest head that the skeleton has borne anywhere (soil that moves)
+  /// In soil that moves, at its rest at time zero: volume fraction of the grains, conductivity [m/s].
   ScalarArray rest_solid, rest_conductivity;
-  /// Of soil that can yield, m: where the points are; where they were when they were linked last. Empty: as drawn.
+  /// In soil that can yield [m]: positions now, and when the points were last linked. Empty: as the case draws them.
   std::vector<Point3> position, linked;
   double last_interval = 0.0;  ///< s, of the last step; 0 before the first
-  double initial_water = 0.0;  ///< m3 (2D: m2)
+  double initial_water = 0.0;  ///< m3 (2D: m2), volume of water at time zero
   Counts counts;
 };
 

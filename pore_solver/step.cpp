@@ -12,7 +12,7 @@ namespace poretwin::pore {
 
 Stepper::Stepper(const Case& scene, const Network& network)
     : network_(network), spacing_(scene.fluid.particle_spacing), flow_(make_flow_model(scene, network)) {
-  // Those of faces and of rain first: their places stay where a network is made anew.
+  // Boundaries of single faces and rains come first: their indices stay the same when a network is made anew.
   for (std::size_t f = 0; f < scene.water_faces.size(); ++f)
     boundaries_.push_back({f, Segment::none, make_boundary(scene, f, Segment::none)});
   for (std::size_t r = 0; r < scene.rains.size(); ++r)
@@ -52,7 +52,7 @@ State Stepper::first_state(const Case& scene) {
     const double z = network_.elevation[a];
     const bool wet = std::any_of(f.regions.begin(), f.regions.end(),
                                  [&](const Shape& region) { return contains(region, network_.position[a], 2); });
-    // Without any of the three, soil without capillarity is dry: far above any water.
+    // Where the case gives none of these, soil without capillarity is dry: the head is that far above any water.
     const double head = f.initial_pressure_head ? f.initial_pressure_head->at(z)
                         : f.initial_water_table ? *f.initial_water_table - z
                                                 : -HUGE_VAL;
@@ -70,7 +70,8 @@ State Stepper::first_state(const Case& scene) {
   return state;
 }
 
-/// In which the flows of time zero, of points that are not full, move a given share of the water.
+/// Length of the first step: the flows at time zero, at points that are not full, move a given fraction of the water in
+/// it.
 double Stepper::first_interval(const Case& scene, const State& state) {
   const double end = scene.general.end_time;
   begin({0.0, 1e-9 * end, 0.0});
@@ -134,7 +135,7 @@ coupling::Outcome Stepper::step(double interval, const Skeleton* soil, State& st
     return coupling::Outcome::reject(std::max(steps::shrink, allowed) * interval, "the error of a step");
   accept(interval, state);
   state.largest_head = std::max(state.largest_head, attempted.largest_head);
-  // A step that was cut at an instant does not make the next one shorter.
+  // Growth is measured from `wanted`, so that a step that was cut at an instant does not limit the next one.
   state.wanted = std::clamp(allowed, steps::shrink, std::max(steps::grow, state.wanted / interval)) * interval;
   return coupling::Outcome::accept();
 }
@@ -192,7 +193,7 @@ bool Stepper::solve(double interval, State& state) {
     if (give_ > 0.0) enough = std::min(enough, steps::borne_residual * std::max(state.largest_head, spacing_) * give_);
     if (left < carried_ + enough) return true;
     if (!std::isfinite(left) || iteration == steps::most_iterations) return false;
-    // A point that is full, and from which nothing can go anywhere, has nothing that its variable changes.
+    // A point that is full and without flow does not depend on its variable. Its row gets a diagonal.
     for (std::size_t a = 0; a < n; ++a)
       if (matrix_[matrix_.diagonal(a)] == 0.0) matrix_[matrix_.diagonal(a)] = pores_;
     for (double& r : residual_) r = -r;
@@ -217,7 +218,8 @@ Stepper::Attempt Stepper::attempt(double interval, const Skeleton* soil, State& 
   const std::size_t n = network_.size();
   variable_ = state.variable;
   base_ = state.water;
-  // What earlier steps have left, in cells that are full, say, no step that is short can take away.
+  // Residuals of earlier steps, for example in full cells, cannot be removed in a short step; they are allowed for
+  // (carried_).
   std::fill(evens_.begin(), evens_.end(), 0.0);
   if (soil) {
     link_full_points(*soil, state);
@@ -244,14 +246,14 @@ Stepper::Attempt Stepper::attempt(double interval, const Skeleton* soil, State& 
   for (std::size_t a = 0; a < n; ++a) base_[a] += (1.0 - g) * interval * net_[a];
   begin({state.time, interval, state.time + interval});
   if (soil) see(*soil, 1.0);
-  // From where the first stage points to.
+  // The initial guess extrapolates the first stage.
   for (std::size_t a = 0; a < n; ++a) {
     const double before = state.variable[a], ahead = before + (variable_[a] - before) / g;
     char stopped = 1;
     variable_[a] = flow_->limited(static_cast<Index>(a), variable_[a], ahead, stopped);
   }
   if (!solve(g * interval, state)) return {};
-  const double euler = 0.5 * interval / (1.0 - g);  // by which implicit Euler's error is the rates' difference
+  const double euler = 0.5 * interval / (1.0 - g);  // implicit Euler's error is this times the change of the rates
   double differ = 0.0;
   ScalarArray difference(n);
   for (std::size_t a = 0; a < n; ++a) {

@@ -1,5 +1,5 @@
-// Steps in time, of the length that the error allows: the L-stable method of second order in two implicit stages of
-// Alexander (1977), each solved by Newton's iteration.
+// Time steps whose length the error controls, with the L-stable second-order method of Alexander (1977). Each of its
+// two implicit stages is solved by Newton's iteration.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -20,55 +20,57 @@ class Stepper {
 
   /// The state at time zero.
   [[nodiscard]] State first_state(const Case& scene);
-  /// The longest step [s] that its error and the corners of what the boundaries prescribe allow next.
+  /// The longest next step [s] that the error and the next corner of prescribed boundary values allow.
   [[nodiscard]] double proposal(const State& state) const;
-  /// One step. Where its error is too large, or no solution is found, the state stays as it is and a shorter step is
-  /// suggested. soil: where it moves; null: rigid.
+  /// Advances the state by one step. Where the error is too large or no solution is found, the state stays as it is,
+  /// and the result suggests a shorter step. soil: the soil that moves; null for rigid soil.
   coupling::Outcome step(double interval, const Skeleton* soil, State& state);
 
-  /// In which the pressure of the cell that drains fastest would follow its neighbours', s: a first step of soil that
-  /// moves.
+  /// Time [s] in which the pressure of the cell that drains fastest would follow its neighbours', for the first step in
+  /// soil that moves.
   [[nodiscard]] double time_of_a_cell(const Skeleton& soil) const;
 
-  /// The flow model with the state's variables.
+  /// The flow model with the state's variables set.
   [[nodiscard]] const FlowModel& flow(const State& state) {
     flow_->set(state.variable);
     return *flow_;
   }
-  /// The boundary of each segment, index in `boundary`.
+  /// Index in boundaries() of a segment's boundary.
   [[nodiscard]] std::size_t boundary_of(std::size_t segment) const { return boundary_of_[segment]; }
   struct Along {
-    std::size_t face = Segment::none, rain = Segment::none;  ///< what a boundary stands for
+    std::size_t face = Segment::none, rain = Segment::none;  ///< the face and the rain that the boundary belongs to
     std::unique_ptr<PoreBoundary> boundary;
   };
   [[nodiscard]] const std::vector<Along>& boundaries() const { return boundaries_; }
-  /// Volume of all pores, m3 (2D: m2).
+  /// Volume of all pores [m3, 2D: m2].
   [[nodiscard]] double pores() const { return pores_; }
 
  private:
   struct Attempt {
     bool solved = false;
-    double error = 0.0;         ///< of the water content, pore volumes
-    double head_error = 0.0;    ///< m, of the head that the skeleton bears, mean over the soil
-    double largest_head = 0.0;  ///< m, that it bears
+    double error = 0.0;         ///< error of the water content, over the volume of the pores
+    double head_error = 0.0;    ///< m, error of the head that the skeleton bears, mean over the soil
+    double largest_head = 0.0;  ///< m, largest head that the skeleton bears
   };
-  /// A step of this length from the state, which it leaves as it is.
+  /// Computes a step of this length; state: only its counters change.
   Attempt attempt(double interval, const Skeleton* soil, State& state);
-  /// Soil on points does not answer to pressures that alternate from point to point, so that water which nothing drains
-  /// would find no pressure with which its pores fit. A flow T V / (4 M) d(p_a - p_b)/dt between neighbours, of second
-  /// order in their distance, takes what alternates from the one to the other (Aguilar et al. 2008).
+  /// Sets the links' resistance to pressures that alternate from point to point. Soil on points does not respond to
+  /// such pressures, so that undrained water would find no pressure at which it fits its pores. Between neighbours in
+  /// full soil there is therefore a flow T V / (4 M) d(p_a - p_b)/dt, of second order in their distance (Aguilar et al.
+  /// 2008), with the transmissibility T, the bulk volume V and the constrained modulus M.
   void link_full_points(const Skeleton& soil, const State& state);
-  /// Mean over the soil of the head [m] by which an error of each point's content [m3, 2D: m2] changes what the
-  /// skeleton bears at the step's end, what flows meanwhile counted, and the largest head borne.
+  /// The error of the head [m] that the skeleton bears at the step's end which errors of the points' contents [m3, 2D:
+  /// m2] cause, as mean over the soil and with the resulting flows included; and the largest head that the skeleton
+  /// bears.
   std::pair<double, double> borne_error(std::span<const double> content_error);
-  /// Takes the pores at a share of the step.
+  /// Sets the pores to those at a fraction of the step.
   void see(const Skeleton& soil, double share);
-  /// Finds the variables at which water(u) = base + interval * net(u), from those there are on; false where it does
-  /// not.
+  /// Finds the variables with water(u) = base + interval * net(u) by iteration from the present ones; false where it
+  /// does not converge.
   bool solve(double interval, State& state);
-  /// x of the matrix for a right side, to a share of its norm; returns the iterations.
+  /// Solves the matrix for x, to a residual of `tolerance` times the norm of `right`; returns the number of iterations.
   double solve_linear(std::span<const double> right, double tolerance, ScalarArray& x) const;
-  /// Flows and, where asked to, the matrix of `interval` times their derivatives; the residual of each point.
+  /// Computes flows and the residual of each point, and with_matrix also the residuals' derivatives.
   void balance(double interval, const State& state, bool with_matrix);
   void begin(const StepTimes& times);
   void accept(double interval, State& state);
@@ -81,16 +83,18 @@ class Stepper {
   std::vector<std::size_t> boundary_of_;
   double pores_ = 0.0;
   SparseRows matrix_;
-  std::vector<std::pair<Index, Index>> places_;  ///< of each link: of (a, b) and (b, a) in the matrix
-  // Of the stage under way.
+  std::vector<std::pair<Index, Index>> places_;  ///< for each link, the places of (a, b) and (b, a) in the matrix
+  // of the present stage
   ScalarArray variable_, base_, residual_, net_, link_flow_, inflow_;
-  ScalarArray mean_net_, mean_inflow_;  ///< over the step
-  double give_ = 0.0;                   ///< m2 (2D: m), of all pores for each metre of head
-  /// Of each link between full points of soil that moves, m2 (2D: m): volume of water that it passes for each metre by
-  /// which the heads that the skeleton bears come to differ.
+  ScalarArray mean_net_, mean_inflow_;  ///< means over the step
+  double give_ = 0.0;                   ///< m2 (2D: m), increase of all pores together per metre of head
+  /// For each link between full points of soil that moves [m2, 2D: m]: volume of water that it passes per metre of
+  /// change in the difference of the heads that the skeleton bears.
   ScalarArray evens_;
-  ScalarArray passed_, before_;  ///< m3 (2D: m2), what leaves each point that way as heads rise from zero; at the start
-  double carried_ = 0.0;         ///< sum of what the step's start has of water that its variables have not, m3 (2D: m2)
+  ScalarArray passed_, before_;  ///< m3 (2D: m2), volume that leaves each point in this way as heads rise from zero:
+                                 ///< present, and at the step's start
+  double carried_ = 0.0;         ///< m3 (2D: m2), sum of the differences between the stored water and the variables'
+                                 ///< water at the step's start
   std::vector<char> stopped_;
 };
 

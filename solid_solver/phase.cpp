@@ -33,7 +33,7 @@ void Solid<D>::initialise(const Inbox& inbox) {
   if (setup_.initial_rest.sought) {
     rest_ = come_to_rest(setup_, state_);
     cache_.forget();
-    if (setup_.water.is_prescribed())  // where the soil is now
+    if (setup_.water.is_prescribed())  // at the positions that the soil has now
       state_.external.pressure = take_pressure(setup_, inbox, state_.time, cache_, state_);
     rebuild(setup_, state_);
     evaluate_forces(setup_, state_);

@@ -15,7 +15,7 @@ class Solid final : public Phase {
   [[nodiscard]] coupling::Contract contract() const override;
   [[nodiscard]] coupling::Publication publish() const override;
   [[nodiscard]] std::pair<double, std::string> proposal() const override;
-  /// Only searches for equilibrium, of coupled soil, can fail.
+  /// A window can be rejected only where soil is coupled: without a fluid no equilibria are searched for in windows.
   [[nodiscard]] bool may_reject() const override { return setup_.coupling.coupled; }
   void initialise(const coupling::Inbox& inbox) override;
   coupling::Outcome advance(const coupling::Window& window, const coupling::Inbox& inbox) override;
@@ -27,7 +27,7 @@ class Solid final : public Phase {
   [[nodiscard]] std::map<std::string, double> counters() const override;
   [[nodiscard]] std::vector<Warning> warnings() const override;
 
-  /// For tests and tools that look inside.
+  /// For tests and tools that inspect the state.
   [[nodiscard]] const State<D>& state() const { return state_; }
   [[nodiscard]] const Setup<D>& setup() const { return setup_; }
 
@@ -37,8 +37,8 @@ class Solid final : public Phase {
   State<D> state_, saved_;
   RestReport rest_;
   QuasiStaticWindow<D> quasi_static_;
-  MotionHint hint_;  ///< of windows rejected since the state was saved
-  mutable SafetyRecord safety_;  ///< of the last reading
+  MotionHint hint_;              ///< from the windows rejected since the state was saved
+  mutable SafetyRecord safety_;  ///< of the last factor of safety that was evaluated
   mutable PositionCache<D> cache_;
 };
 

@@ -24,14 +24,14 @@
 namespace poretwin::solid {
 namespace {
 
-/// Number of parts into which so much soil is cut, independent of the number of threads. With more and smaller parts
-/// more pairs would cross parts and be stored twice.
+/// Number of parts into which this number of particles is cut. It does not depend on the number of threads. With more
+/// and smaller parts more pairs would cross parts and be stored twice.
 std::size_t parts_of(std::size_t particles) {
   constexpr std::size_t worth_two = 3072, least = 4096, most = 16;
   return particles < worth_two ? 1 : std::clamp(particles / least, std::size_t{2}, most);
 }
 
-/// Sorts new particles, which lie in this box, into slices across its longest extent, so that parts have short borders.
+/// Sorts new particles, which lie in `box`, into slices across its longest extent, so that parts have short borders.
 template <int D>
 void lay_in_slices(const Eigen::AlignedBox<double, D>& box, double spacing, Particles<D>& particles) {
   int longest = 0;
@@ -51,8 +51,8 @@ void lay_in_slices(const Eigen::AlignedBox<double, D>& box, double spacing, Part
   sort(particles.material);
 }
 
-/// Grains without cohesion that nothing loads, on rough walls, behind which rows of particles are held, and beside
-/// upright rollers: all stress ends at their surfaces, so that any stiffness of these serves.
+/// Whether no surface of the soil carries stress: grains without cohesion and without loads, on rough walls (with rows
+/// of fixed particles behind them) and beside upright rollers only. The stiffness at such surfaces may then be reduced.
 template <int D>
 bool surfaces_carry_nothing(const Case& scene, const Setup<D>& setup) {
   using Kind = typename Boundaries<D>::Kind;
@@ -65,8 +65,8 @@ bool surfaces_carry_nothing(const Case& scene, const Setup<D>& setup) {
   return plain && std::ranges::all_of(setup.loose_friction, [](float tangent) { return tangent > 0.0F; });
 }
 
-/// Pa, the weight of the densest soil over the whole height, and of all loads: what stiffness that follows the pressure
-/// is judged by.
+/// Weight of the densest soil over the whole height plus all loads [Pa]: the pressure at which stiffnesses that depend
+/// on pressure are evaluated.
 template <int D>
 double weight_of_all(const Case& scene, const Setup<D>& setup) {
   double loads = 0.0;
@@ -74,15 +74,15 @@ double weight_of_all(const Case& scene, const Setup<D>& setup) {
   return *std::ranges::max_element(setup.density) * setup.gravity.norm() * setup.height + loads;
 }
 
-/// Courant number of the substeps of soil that moves (docs/theory/steps.md). Measured limits: 1.07 at tips
-/// of wedges that walls by images cut off, 1.24 at faces, 1.6 in disordered soil with soft edges (3D: 1.5).
+/// Courant number of the substeps of soil that moves (docs/theory/steps.md). Measured limits: 1.07 at the tips of
+/// wedges cut off by walls with image particles, 1.24 at faces, 1.6 in disordered soil with soft edges (3D: 1.5).
 template <int D>
 double courant_number(const Case& scene, const Setup<D>& setup) {
   if (scene.coupled()) return steps::careful;
   return !setup.soft_edges ? steps::courant : D == 2 ? steps::courant_soft_2d : steps::courant_soft_3d;
 }
 
-/// sum V W at a point of a lattice, that point included: 1.018 in 2D, 1.017 in 3D.
+/// sum V W at a lattice point, with the point itself: 1.018 in 2D, 1.017 in 3D.
 template <int D>
 double lattice_cover() {
   constexpr int reach = 2;  // spacings; the kernel's support is 2.4
@@ -95,7 +95,7 @@ double lattice_cover() {
   return sum;
 }
 
-/// Length [m] of the line as far as soil lies along it; 0 of a plane.
+/// Length [m] of the part of a line along which soil lies; 0 for a plane.
 double length_along_soil(const Case& scene, const Face& face, double spacing) {
   const auto is_soil = [&](const Point3& x) {
     return std::any_of(scene.soils.begin(), scene.soils.end(),
@@ -118,7 +118,7 @@ double length_along_soil(const Case& scene, const Face& face, double spacing) {
   return length;
 }
 
-/// How far x lies from one piece of a line, and how far beyond its ends [m].
+/// Distance of x from a piece of a line [m], and how far x lies before its first and behind its last end [m].
 struct Beside {
   double distance = 0.0, before = 0.0, behind = 0.0;
 };
@@ -130,8 +130,9 @@ Beside beside(const sph::ImagePlane<D>& piece, const Vec<D>& x) {
   return {std::hypot(across, std::max({before, behind, 0.0})), before, behind};
 }
 
-/// Particles near a face, each on the nearest of its straight pieces. reach [m]: two supports, because a surface
-/// changes the correction of the first and the force of unit stress within the second.
+/// Attaches a load's traction to the particles near its face, each on the nearest of the face's straight pieces. reach
+/// [m] is two kernel supports: a surface changes the correction within one support, and the force of unit stress within
+/// two.
 template <int D>
 void attach_load(const Case& scene, std::size_t which, double reach, double margin, const VecArray<D>& positions,
                  Setup<D>& setup) {
@@ -210,8 +211,8 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
     throw CaseError(fmt::format("solid.particle_spacing: expected a length above 0 m, found {}", setup.spacing));
   setup.smoothing_length = points::lengths_per_spacing * setup.spacing;
   setup.full_cover = lattice_cover<D>();
-  // Up to just below a lattice's neighbours at sqrt(8) spacings: lists are rebuilt as rarely as possible in soil that
-  // flows, without additional pairs in soil at rest.
+  // The skin ends just below the neighbours of a lattice at sqrt(8) spacings. It makes lists of flowing soil last as
+  // long as possible without additional pairs in soil at rest.
   setup.skin = scene.solid.list_skin * setup.spacing;
   setup.can_yield = scene.can_yield();
   setup.regular_flow = scene.solid.regular_flow;
@@ -322,13 +323,13 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
     const double stiffest = model.stiffest(setup.largest_pressure[s]).constrained();
     setup.stiffens.push_back(model.stiffest(2.0 * setup.largest_pressure[s]).constrained() > stiffest ? 1 : 0);
     fastest = std::max(fastest, std::sqrt(stiffest / setup.density[s]));
-    // The softest: no soil may be held by another's stiffness.
+    // Of the softest soil: hourglass control must not stiffen one soil with the modulus of another.
     setup.stabilisers.modulus = std::min(setup.stabilisers.modulus, setup.typical[s].constrained());
   }
   setup.stabilisers.sound_speed = fastest;
   setup.boundaries = make_boundaries<D>(scene, setup.range());
   setup.soft_edges = surfaces_carry_nothing(scene, setup);
-  // Waves that such steps resolve poorly disturb the flow and reduce its friction.
+  // Waves that these longer substeps resolve poorly disturb the flow and reduce its friction.
   if (setup.soft_edges) setup.stabilisers.bulk = points::bulk_viscosity * fastest * setup.spacing;
   const double courant = scene.solid.courant.value_or(courant_number(scene, setup));
   setup.longest_substep = setup.stabilisers.step = courant * setup.spacing / fastest;
@@ -336,6 +337,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
   if (setup.boundaries.any_frictional()) {
     particles.slip = particles.velocity;
     particles.slipped.assign(n, Vec<D>::Zero());
+    particles.wall_slope.assign(n, Vec<D>::Zero());
   }
   for (std::size_t k = 0; k < scene.loads.size(); ++k)
     attach_load<D>(scene, k, 2.0 * sph::support_radius * setup.smoothing_length, 0.01 * setup.spacing,

@@ -1,4 +1,4 @@
-// What stays constant during a run: the case as the solver's numbers.
+// What stays constant during a run: the quantities of the case in the form that the solver uses.
 #pragma once
 
 #include "common/media/seepage.hpp"
@@ -13,115 +13,122 @@
 
 namespace poretwin::solid {
 
-/// A traction on the particles near one straight piece of a loaded face; it stays with these particles.
+/// A traction on the particles near one straight piece of a loaded face. It stays with these particles.
 template <int D>
 struct LoadedPatch {
   Vec<D> traction = Vec<D>::Zero();                         ///< Pa
   Vec<D> normal = Vec<D>::Zero();                           ///< unit, into the soil
-  double start = -std::numeric_limits<double>::infinity();  ///< s; standing loads have always been there
-  double level = 0.0;                                       ///< normal . point of the face [m]
+  double start = -std::numeric_limits<double>::infinity();  ///< s; standing loads have always acted
+  double level = 0.0;                                       ///< normal . x [m] of the points x on the face
   std::vector<Index> particles;
-  std::optional<WaterFace> water_face;  ///< that lies on it
-  std::optional<Series> factor;         ///< on the traction; absent: 1
-  std::size_t load = 0;                 ///< of the case
-  double length = 0.0;  ///< m, of the load's whole line, as far as soil lies along it; 0: a plane without end
-  double scale = 1.0;   ///< on the forces: measure_loads()
+  std::optional<WaterFace> water_face;  ///< water face of the case that lies on this piece
+  std::optional<Series> factor;         ///< factor on the traction as a function of time; absent: 1
+  std::size_t load = 0;                 ///< index of the load in the case
+  double length = 0.0;  ///< m, length of the load's whole line along which soil lies; 0 for a plane without ends
+  double scale = 1.0;   ///< factor on the forces, see measure_loads()
 };
 
-/// The water, as far as the soil has to know it.
+/// The properties of the water that the soil needs.
 struct WaterSetup {
   double density = 0.0;              ///< kg/m3
   double kinematic_viscosity = 0.0;  ///< m2/s
-  double weight = 0.0;               ///< N/m3, behind the word "conductivity"
-  bool drags = true;                 ///< seepage force between the phases
+  double weight = 0.0;               ///< N/m3, specific weight to which the case's `conductivity` refers
+  bool drags = true;                 ///< water and skeleton exchange seepage forces
   SolidCase::PressureGradient gradient = SolidCase::PressureGradient::difference;
-  std::vector<PorePressure> prescribed;  ///< in soil that runs alone; none: a fluid gives the pressure
-  bool is_field = false;                 ///< what the fluid gives is a field: pressure, and the share of full pores
-  std::vector<WaterFace> faces;          ///< of a field: what stands behind them bears on the soil
-  int dimension = 2;                     ///< of their regions
+  std::vector<PorePressure> prescribed;  ///< prescribed pore pressures of soil that runs alone; empty: a fluid gives
+                                         ///< the pressure
+  bool is_field = false;                 ///< the fluid is a field on the soil's points: it gives a pressure and a
+                                         ///< degree of saturation
+  std::vector<WaterFace> faces;          ///< water faces of a field: the pressure behind them acts on the soil
+  int dimension = 2;                     ///< dimension of the case's regions
   Point3 gravity = Point3::Zero();       ///< m/s2
   [[nodiscard]] bool is_prescribed() const { return !prescribed.empty(); }
 };
 
-/// The law of seepage of a soil at a porosity.
+/// The law of seepage of a soil at a given porosity.
 inline porous::Seepage seepage_at(const WaterSetup& water, const Soil& soil, double porosity) {
   return porous::seepage_at(soil, porosity, water.weight / water.density, water.kinematic_viscosity);
 }
 
-/// How soil and water cross their windows together.
+/// How soil and water pass a window together.
 struct CouplingSetup {
-  bool coupled = false;     ///< a fluid is there
-  bool predicts = false;    ///< it predicts the soil's motion
+  bool coupled = false;     ///< a fluid takes part
+  bool predicts = false;    ///< the fluid predicts the soil's motion
   bool repeats = false;     ///< windows are repeated until both agree
-  bool keep_points = true;  ///< points that have not moved keep their revision
+  bool keep_points = true;  ///< points that have not moved keep their revision number
   // Forces over the weight:
-  double worth_repeating = 0.0;  ///< borne by neither phase, from which on a window is repeated
-  double settled_below = 0.0;    ///< which the departure from the prediction calls for, and a repeated window may leave
+  double worth_repeating = 0.0;  ///< force borne by neither phase above which the first pass is repeated
+  double settled_below = 0.0;    ///< force that the departure from the prediction may still call for in a repeated
+                                 ///< window
 };
 
-/// The rest before time zero.
+/// The search for the soil's rest before time zero.
 struct InitialRest {
   bool sought = true;
-  bool bears_seepage = false;  ///< of water that flows steadily, not its buoyancy alone
+  bool bears_seepage = false;  ///< the seepage force of steadily flowing water acts, not its buoyancy alone
 };
 
 template <int D>
 struct Setup {
   double spacing = 0.0;           ///< m
   double smoothing_length = 0.0;  ///< m
-  double full_cover = 1.0;        ///< sum V W in soil as dense as it was laid
-  double skin = 0.0;              ///< m, pair lists hold until something moved half of it
-  std::size_t parts = 1;          ///< of the particles, that threads share: as many on every machine
-  bool can_yield = false;         ///< some soil can
+  double full_cover = 1.0;        ///< sum V W in soil on its initial lattice
+  double skin = 0.0;              ///< m, margin of the pair lists: they hold until a particle has moved by half of it
+  std::size_t parts = 1;          ///< parts of the particles that threads share: the same number on every machine
+  bool can_yield = false;         ///< some soil of the case can yield
   bool regular_flow = true;       ///< see dynamics/flow_regularisation.hpp
-  bool soft_edges = false;        ///< surfaces that carry no stress are less stiff, for longer substeps
-  double flow_limit =
-      points::flow_limit;        ///< plastic strain above which hourglass control is off: it would brake the flow
+  bool soft_edges = false;        ///< soil at surfaces that carry no stress is less stiff, which allows longer substeps
+  double flow_limit = points::flow_limit;  ///< plastic strain above which hourglass control is off, because it would
+                                           ///< brake the flow
   double inertia_share = 0.5;    ///< zr of the tracking coefficient Z = C + zr rho_bar / Dt
-  bool counts_impulses = false;  ///< from outside, for a gauge
-  bool parallel = false;  ///< the fluid's values are of the last window; where it predicts, Z = C / n^2 + .. then
+  bool counts_impulses = false;  ///< impulses from outside are summed, for a gauge
+  bool parallel = false;  ///< parallel scheme: the fluid's values are of the last window; with a prediction Z = C / n^2
+                          ///< + .. then
   Vec<D> gravity = Vec<D>::Zero();
   double longest_substep = 0.0;  ///< s
-  double rest_substep = 0.0;     ///< s, of dynamic relaxation
+  double rest_substep = 0.0;     ///< s, substep of dynamic relaxation
   double height = 0.0;           ///< m, extent of the soil along gravity
   Stabilisers stabilisers;
-  Quiet quiet;          ///< of the case; regions = 0 where none sleep
-  bool sleeps = false;  ///< soil that is quiet as a whole may sleep
+  Quiet quiet;          ///< `solid.quiet` of the case; regions = 0: no region sleeps beside flowing soil
+  bool sleeps = false;  ///< soil may sleep when all of it is quiet
   WaterSetup water;
   CouplingSetup coupling;
   InitialRest initial_rest;
   std::vector<Gauge> gauges;
-  double gauge_interval = 0.0;  ///< s; 0: readings of every window
+  double gauge_interval = 0.0;  ///< s; 0: gauges are read in every window
   Boundaries<D> boundaries;
   std::vector<LoadedPatch<D>> loads;
-  std::vector<Soil> soils;  ///< their strength is that of the models; none is without `model`
+  std::vector<Soil> soils;  ///< with the strength that the models use; `model` is set in each
   std::vector<std::shared_ptr<const ConstitutiveModel>> models;  ///< one per soil
-  std::vector<Elasticity> typical;  ///< one per soil: under half the weight of soil and loads, where that counts
-  ScalarArray largest_pressure;     ///< Pa, one per soil: mean effective pressure that the substep is chosen for
-  std::vector<char> stiffens;       ///< one per soil: beyond it there are faster waves
-  ScalarArray density;              ///< kg/m3, initial rho_bar_s, one per soil
-  ScalarArray grain_density;        ///< kg/m3, of the grains with the residual water that moves with them, one per soil
-  ScalarArray grain_share;          ///< of the grains in the volume of both, one per soil
-  std::vector<char> constant_volume;    ///< one per soil: sheared without dilation
+  std::vector<Elasticity> typical;  ///< one per soil: moduli under half the weight of soil and loads, where they depend
+                                    ///< on pressure
+  ScalarArray largest_pressure;     ///< Pa, one per soil: largest mean effective pressure that the substep allows for
+  std::vector<char> stiffens;       ///< one per soil: 1 where a higher pressure would make waves faster than the
+                                    ///< substep allows
+  ScalarArray density;              ///< kg/m3, initial bulk density rho_bar_s, one per soil
+  ScalarArray grain_density;        ///< kg/m3, density of the grains with the residual water that moves with them, one
+                                    ///< per soil
+  ScalarArray grain_share;          ///< volume fraction of the grains in grains and residual water, one per soil
+  std::vector<char> constant_volume;    ///< one per soil: 1 where it shears without dilation
   std::vector<float> loose_friction;    ///< tan phi of collisions, one per soil; 0: grains never come apart
-  std::vector<char> softened_by_water;  ///< one per soil: its cohesion follows the saturation
+  std::vector<char> softened_by_water;  ///< one per soil: 1 where the cohesion depends on the saturation
   [[nodiscard]] double range() const { return sph::support_radius * smoothing_length + skin; }
 };
 
-/// Volume fraction of what moves with the skeleton, n_s = m / (rho_s V), Eq. (50): the grains and, in soil that starts
-/// moist, the residual water. The rest is what water can fill.
+/// Volume fraction of what moves with the skeleton, n_s = m / (rho_s V), Eq. (50): the grains and, in soil that is
+/// moist at first, its residual water. Water can fill the rest of the volume.
 template <int D>
 double solid_fraction(const Setup<D>& setup, const Particles<D>& particles, std::size_t i) {
   return particles.mass[i] / (setup.grain_density[particles.material[i]] * particles.volume[i]);
 }
 
-/// Porosity: the volume fraction of all but the grains.
+/// Porosity: volume fraction of everything but the grains.
 template <int D>
 double void_fraction(const Setup<D>& setup, const Particles<D>& particles, std::size_t i) {
   return 1.0 - setup.grain_share[particles.material[i]] * solid_fraction(setup, particles, i);
 }
 
-/// What the constitutive models follow: saturation, and the void ratio.
+/// Degree of saturation and void ratio of a particle, on which the constitutive models depend.
 template <int D>
 Condition condition(const Setup<D>& setup, const Particles<D>& particles, std::size_t i, double saturation) {
   return {saturation, 1.0 / (1.0 - void_fraction(setup, particles, i)) - 1.0};
@@ -133,22 +140,22 @@ Elasticity moduli(const Setup<D>& setup, const Particles<D>& particles, std::siz
   return setup.models[particles.material[i]]->moduli(particles.stress[i], particles.state_of(i));
 }
 
-/// Throws DivergedError where soil whose stiffness follows the pressure bears more than the substep was chosen for.
+/// Throws DivergedError where soil whose stiffness depends on the pressure bears more than the substep allows for.
 template <int D>
 void expect_bearable_pressure(const Setup<D>& setup, const Particles<D>& particles);
 
-/// Unit vector against gravity; the last axis without any.
+/// Unit vector against gravity; along the last axis where there is no gravity.
 template <int D>
 Vec<D> upwards(const Setup<D>& setup) {
   const double g = setup.gravity.norm();
   return g > 0.0 ? Vec<D>(-setup.gravity / g) : Vec<D>(Vec<D>::Unit(D - 1));
 }
 
-/// The same soil with its strength divided by a factor.
+/// The same setup with the strength of all soils divided by a factor.
 template <int D>
 Setup<D> weaker(const Setup<D>& setup, double factor);
 
-/// Numbers from the case; particles on the lattices of its soils. Throws CaseError when there is nothing to simulate.
+/// Setup of a case, and particles on the lattices of its soils. Throws CaseError when no particle lies in any soil.
 template <int D>
 std::pair<Setup<D>, Particles<D>> set_up(const Case& scene);
 

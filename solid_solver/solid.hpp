@@ -8,7 +8,7 @@
 
 namespace poretwin::solid {
 
-/// The soil skeleton of a case, 2D or 3D, at time zero. Throws CaseError when the case leaves it nothing to do.
+/// The soil skeleton of a case, 2D or 3D, at time zero. Throws CaseError when no soil lies in the case's shapes.
 std::unique_ptr<Phase> make_solid(const Case& scene);
 
 }  // namespace poretwin::solid

@@ -1,4 +1,4 @@
-// Everything of the soil skeleton that changes in time, as plain arrays: copied whole to save and restore.
+// All of the soil skeleton that changes in time, as plain arrays. Saving and restoring copies it whole.
 #pragma once
 
 #include "common/core/archive.hpp"
@@ -18,24 +18,26 @@
 
 namespace poretwin::solid {
 
-/// The real particles: those of the soil, then those that rough walls hold still.
+/// The real particles: first those free to move, then the fixed ones behind rough walls.
 template <int D>
 struct Particles {
   VecArray<D> position;                ///< m
-  VecArray<D> displacement;            ///< m, since the unloaded lattice
+  VecArray<D> displacement;            ///< m, since the unloaded state
   VecArray<D> velocity;                ///< m/s
-  ScalarArray mass;                    ///< kg (per metre in 2D) of solid matter
+  ScalarArray mass;                    ///< kg (2D: kg/m) of grains and residual water
   ScalarArray volume;                  ///< m^D, bulk volume V = m / (n_s rho_s)
   std::vector<Tensor> stress;          ///< Pa, effective, compression negative
   ScalarArray plastic_strain;          ///< accumulated equivalent deviatoric plastic strain
   std::vector<std::uint8_t> material;  ///< index of the soil
-  ScalarArray material_state;          ///< what materials remember of each particle, one row after the other
-  std::vector<float> rubbing;          ///< friction coefficient where grains are apart and only collide, 0 elsewhere
-  VecArray<D> slip;      ///< m/s, of the soil along frictional walls (wall_friction.hpp); empty without such
-  VecArray<D> slipped;   ///< m, displacement that goes with it
-  std::size_t held = 0;  ///< how many, at the end, are held
+  ScalarArray material_state;          ///< state variables of the materials, one row per particle
+  std::vector<float> rubbing;          ///< friction coefficient where grains are apart and only collide, else 0
+  VecArray<D> slip;      ///< m/s, slip of the soil along frictional walls (wall_friction.hpp); empty without such walls
+  VecArray<D> slipped;   ///< m, displacement that belongs to the wall slip
+  /// N/m3, at frictional walls: added to the body force in the slope of the stress there (wall_friction.hpp).
+  VecArray<D> wall_slope;
+  std::size_t held = 0;  ///< number of fixed particles, which are last
   [[nodiscard]] std::size_t size() const { return mass.size(); }
-  /// What its material remembers of a particle; rows are as long as the soil with most to remember needs.
+  /// State variables of a particle. All rows are as long as the soil with most state variables needs.
   [[nodiscard]] std::span<double> state_of(std::size_t i) {
     const std::size_t each = material_state.size() / size();
     return {material_state.data() + i * each, each};
@@ -44,10 +46,10 @@ struct Particles {
     const std::size_t each = material_state.size() / size();
     return {material_state.data() + i * each, each};
   }
-  [[nodiscard]] std::size_t free() const { return mass.size() - held; }  ///< how many, at the front, are free to move
+  [[nodiscard]] std::size_t free() const { return mass.size() - held; }  ///< particles free to move, which are first
 };
 
-/// The symmetric matrix whose columns, to the diagonal, stand one after the other.
+/// The symmetric matrix from the columns of its upper triangle, diagonal included, one after the other.
 template <int D>
 Mat<D> symmetric(const double* upper) {
   Mat<D> full;
@@ -56,36 +58,38 @@ Mat<D> symmetric(const double* upper) {
   return full;
 }
 
-/// Room for n numbers that loops over four pairs add to.
+/// Size of an array for n numbers to which loops over four pairs add.
 constexpr std::size_t room_for(std::size_t n) { return (n + 3) / 4 * 4; }
 
-/// What the pair loops read of a particle or an image, packed, four numbers to a register: neighbours are visited in
-/// scattered order. In 2D these are three lines of 64 bytes: what the velocity gradient needs, what it sums up, and
-/// what forces need besides. Gradients and the correction are stored nowhere else; the rest is copied from the
-/// particles before every evaluation of forces (fill_nodes).
+/// Data of a particle or an image that the pair loops read, packed four numbers to a register, since neighbours are
+/// visited in scattered order. In 2D they take three cache lines of 64 bytes: what the velocity gradient needs, what it
+/// sums up, and what the forces need besides. Gradients and the correction are stored only here. The rest is copied
+/// from the particles before every evaluation of forces (fill_nodes).
 template <int D>
 struct alignas(64) Node {
   Vec<D> position = Vec<D>::Zero();
   Vec<D> velocity = Vec<D>::Zero();  ///< m/s
   double volume = 0.0;               ///< m^D
   double density = 0.0;              ///< kg/m3, rho_bar
-  double hourglass_level = elastic;  ///< hourglass control level, of a pair the lower of its two particles'
+  double hourglass_level = elastic;  ///< hourglass control level; a pair has the lower of its particles' levels
   double rubbing = 0.0;              ///< see Particles
   Mat<D> gradient = Mat<D>::Zero();  ///< 1/s, of the velocity, d v_a / d x_b
-  std::array<double, room_for(D* D + D * (D + 1) / 2) - D * D> upper{};  ///< columns of B (correction), to the diagonal
+  std::array<double, room_for(D* D + D * (D + 1) / 2) - D * D> upper{};  ///< columns of the upper triangle of the
+                                                                         ///< correction B
   Mat<D> flux = Mat<D>::Zero();         ///< sigma B [Pa]: the stress as it acts on its neighbours
   Mat<D> deformation = Mat<D>::Zero();  ///< 1, of the displacement, d u_a / d x_b
-  /// Values of hourglass_level: no control; of velocities; of displacements, too. What it is above `yielded` is the
-  /// largest strain that the control of displacements answers with its full stiffness.
+  /// Values of hourglass_level. flows: no control; yielded: of velocities only; elastic: also of displacements. The
+  /// excess over `yielded` is the largest strain to which the control of displacements responds with its full
+  /// stiffness.
   static constexpr double flows = 0.0, yielded = 1.0, elastic = std::numeric_limits<double>::infinity();
   static constexpr std::size_t at_velocity = D, at_volume = 2 * D, at_density = 2 * D + 1,
                                at_hourglass_level = 2 * D + 2, at_rubbing = 2 * D + 3, at_gradient = 2 * D + 4,
                                at_correction = at_gradient + D * D, n_sums = room_for(D * D + D * (D + 1) / 2),
                                at_flux = at_gradient + n_sums, at_deformation = at_flux + D * D;
   [[nodiscard]] const double* row() const { return position.data(); }
-  /// Where the gradient's loop sums up: the gradient, then the upper half of the moments' matrix.
+  /// Sums of the velocity gradient's loop: the gradient, then the upper triangle of the moment matrix.
   [[nodiscard]] double* sums() { return gradient.data(); }
-  /// Kernel-gradient correction B, symmetric; of images that of their parents (correction_at).
+  /// Kernel-gradient correction B, symmetric; an image has its parent's (see correction_at).
   [[nodiscard]] Mat<D> correction() const { return symmetric<D>(upper.data()); }
   void set_correction(const Mat<D>& full) {
     double* next = upper.data();
@@ -94,9 +98,9 @@ struct alignas(64) Node {
   }
 };
 
-/// Share of its elastic moduli that a particle keeps beside a free surface, whose corrected gradients are long: their
-/// stiffness, which goes as |B|^2, would set the substep of all soil (docs/theory/soil.md, "Soft edges"). From the
-/// upper half of B; of one particle or of four (Number: double or Lanes).
+/// Factor on the elastic moduli of a particle beside a free surface. Its corrected gradients are long, and its
+/// stiffness, which grows as |B|^2, would set the substep of all soil (docs/theory/soil.md, "Soft edges"). upper: upper
+/// triangle of B, of one particle (Number: double) or of four (Lanes).
 template <int D, class Number>
 [[gnu::always_inline]] inline void edge_stiffness(const Number* upper, Number& share) {
   Number squared{};
@@ -106,18 +110,21 @@ template <int D, class Number>
   min_in_place(share, Number{} + 1.0);
 }
 
-/// One wall that an image lies behind. Acceleration vanishes at a wall (its normal part at a roller), hence stress
-/// varies across it as d(sigma n)/dn = -b with the body force b: the mirrored stress gets 2 d (share b) n^T.
+/// One of the walls behind which an image lies. The acceleration vanishes at a fixed wall, its normal part at a roller.
+/// Hence stress varies across the wall as d(sigma n)/dn = -b with the body force b, and the mirrored stress is
+/// increased by 2 d (share b) n^T, with the parent's distance d from the wall.
 template <int D>
 struct Crossing {
   Vec<D> normal = Vec<D>::Zero();  ///< unit, into the soil
-  double level = 0.0;              ///< normal . point of the wall [m]
-  Mat<D> share = Mat<D>::Zero();   ///< of the parent's body force: all of it (fixed) or its normal part (roller)
-  double friction = std::numeric_limits<double>::infinity();  ///< Coulomb's coefficient; infinite where nothing slips
+  double level = 0.0;              ///< normal . x [m] of the points x on the wall
+  Mat<D> share = Mat<D>::Zero();   ///< part of the parent's body force that counts: all of it (fixed) or its normal
+                                   ///< part (roller)
+  double friction = std::numeric_limits<double>::infinity();  ///< Coulomb's friction coefficient; infinite where
+                                                              ///< nothing slips
 };
 
-/// How one image follows its parent: x' = map x + shift, v' = velocity v + slip s with the parent's slip s along
-/// frictional walls, (sigma B)' = velocity (sigma B) map^T.
+/// How an image follows its parent, with the maps below: x' = map x + shift; v' = velocity v + slip s with the parent's
+/// slip s along frictional walls; (sigma B)' = velocity (sigma B) map^T.
 template <int D>
 struct ImageRule {
   Index parent = 0;
@@ -125,75 +132,82 @@ struct ImageRule {
   Vec<D> shift = Vec<D>::Zero();
   Mat<D> velocity = Mat<D>::Identity();
   Mat<D> slip = Mat<D>::Zero();
-  bool slips = false;  ///< some wall passed is frictional
+  bool slips = false;  ///< one of the walls passed is frictional
   std::array<Crossing<D>, D> crossings{};
   std::size_t n_crossings = 0;
-  bool periodic = false;                 ///< the domain truly goes on: scalars carry over unchanged
-  Vec<D> displacement = Vec<D>::Zero();  ///< m, of the image; updated with its node
-  /// Velocity [m/s] or displacement [m] of the image, with that of the slip.
+  bool periodic = false;                 ///< the image lies beyond periodic sides only: it has its parent's scalars
+  Vec<D> displacement = Vec<D>::Zero();  ///< m, of the image; updated together with its node
+  /// Velocity [m/s] or displacement [m] of the image, from that of its parent v and the slips of all particles s.
   [[nodiscard]] Vec<D> moved(const Vec<D>& v, const VecArray<D>& s) const {
     return slips ? Vec<D>(velocity * v + slip * s[parent]) : Vec<D>(velocity * v);
   }
 };
 
-/// Who is near whom: real particles and images. Survives displacements below half the skin.
+/// Pairs of real particles and images within range of each other. They stay valid while displacements are below half
+/// the skin.
 template <int D>
 struct Neighbourhood {
-  /// Positions of the real particles when built [m]; in floats, of which 1e5 spacings of extent lose 0.006 spacings.
+  /// Positions of the real particles when the lists were built [m]. Their floats are exact to 0.006 spacings over an
+  /// extent of 1e5 spacings.
   std::vector<Eigen::Matrix<float, D, 1>> built_at;
-  Vec<D> lower = Vec<D>::Zero(), upper = Vec<D>::Zero();  ///< m, the box they filled
+  Vec<D> lower = Vec<D>::Zero(), upper = Vec<D>::Zero();  ///< m, bounding box of the particles when built
   std::vector<ImageRule<D>> images;
   Pairs pairs;
 };
 
-/// Water and loads as they act during a window.
+/// Water on the soil in a window.
 template <int D>
 struct External {
-  OrZero<double> pressure, coverage;  ///< Pa; 0..1
+  OrZero<double> pressure, coverage;  ///< pore pressure [Pa]; fraction of each particle covered by water
   OrZero<double> saturation;          ///< degree of saturation s_r
-  OrZero<Vec<D>> pressure_gradient;   ///< Pa/m, SPH form of Eq. (62) (or (61)), at the end of the last window
-  OrZero<Vec<D>> force;               ///< N/m3 on the skeleton, of pressure and drag, at the end of the last window
+  OrZero<Vec<D>> pressure_gradient;   ///< Pa/m, SPH form of Eq. (62) or (61), at the end of the last window
+  OrZero<Vec<D>> force;               ///< N/m3, force of pressure and drag on the skeleton, at the end of the last
+                                      ///< window
 };
 
-/// While the soil sleeps its particles stand still; what acted on it when it fell asleep.
+/// Sleep of the soil as a whole: particles do not move. With what acted on them when they fell asleep.
 template <int D>
 struct Sleep {
   bool asleep = false;
   OrZero<Vec<D>> force;  ///< N on each particle, from the water
   OrZero<double> saturation;
-  std::size_t loads = 0;  ///< that had begun
+  std::size_t loads = 0;  ///< number of loads that had begun
 };
 
-/// Regions at rest around soil that flows (regions.hpp); arrays of the free particles, empty before any soil has
-/// flowed.
+/// Regions at rest around flowing soil (regions.hpp). The arrays have one value per free particle and are empty until
+/// some soil has flowed.
 template <int D>
 struct Regions {
-  double clock = 0.0;                ///< s, of the steps taken
+  double clock = 0.0;                ///< s, sum of the steps taken
   double last_activity_check = 0.0;  ///< clock at the last search for particles that move
   double last_sleep_check = 0.0;     ///< clock at the last search for particles that may fall asleep
   ScalarArray last_active;           ///< clock when a particle last moved or yielded
-  VecArray<D> mark;     ///< m, its displacement then; while it sleeps: N, its neighbours' force when it fell asleep
+  VecArray<D> mark;     ///< m, displacement when it last moved or yielded; asleep: N, force of its neighbours when it
+                        ///< fell asleep
   VecArray<D> outside;  ///< N, force from outside when it fell asleep
-  ScalarArray sheared;  ///< its plastic strain then
-  OrZero<double> saturation;          ///< when it fell asleep
-  std::vector<char> calm, asleep;     ///< 1 or 0; no `asleep` while nothing sleeps
-  double watched = 0.0, slept = 0.0;  ///< counters: s times particles, looked at and asleep of these
+  ScalarArray sheared;  ///< plastic strain when it last moved or yielded
+  OrZero<double> saturation;          ///< degree of saturation when it fell asleep
+  std::vector<char> calm, asleep;     ///< 1 or 0; `asleep` is empty while nothing sleeps
+  double watched = 0.0, slept = 0.0;  ///< counters: s times particles, watched and of these asleep
   [[nodiscard]] bool sleeps(std::size_t i) const { return i < asleep.size() && asleep[i] != 0; }
   [[nodiscard]] bool is_calm(std::size_t i) const { return !calm.empty() && calm[i] != 0; }
 };
 
-/// Whether a coupled soil moves: then every elastic wave is followed; otherwise long windows are taken as equilibria.
-/// Waves in soil that stands are damped out; soil that slides is soft, and its damping fades (Rayleigh's quotient).
+/// Whether a coupled soil moves. If so, every elastic wave is resolved; otherwise long windows are computed as
+/// equilibria. Waves in standing soil are damped out. Sliding soil is soft, and its damping fades (Rayleigh's
+/// quotient).
 struct Motion {
   bool moving = false;
-  double calm = 0.0;      ///< s, for how long it has hardly moved
-  double patience = 0.0;  ///< s of calm after which rest is sought again; doubled when none is found then
+  double calm = 0.0;      ///< s, time for which the soil has hardly moved
+  double patience = 0.0;  ///< s of calm after which an equilibrium is tried again; grows when none is found then
   double relaxed = 0.0, at_rest = 0.0, steps = 0.0,
-         begun = 0.0;     ///< counters: windows, displacements and steps of the searches, beginnings
-  double duration = 0.0;  ///< s, in motion so far
-  double longest = std::numeric_limits<double>::infinity();  ///< s, window in which an equilibrium is looked for
-  double held = 0.0;      ///< counter: windows in which a force held the soil that neither phase bears
-  double in_a_row = 0.0;  ///< windows with such a force up to now
+         begun = 0.0;     ///< counters: windows with and without a search that moved the soil, displacements tried,
+                          ///< times it began to move
+  double duration = 0.0;  ///< s, time in motion so far
+  double longest = std::numeric_limits<double>::infinity();  ///< s, longest window in which an equilibrium is searched
+                                                             ///< for
+  double held = 0.0;      ///< counter: windows in which a force borne by neither phase held the soil to the prediction
+  double in_a_row = 0.0;  ///< successive windows with such a force until now
   void begins(double long_window) {
     moving = true;
     calm = 0.0;
@@ -201,13 +215,14 @@ struct Motion {
                           steps::most_patience * long_window);
     begun += 1.0;
   }
-  /// After a window that is not repeated; whether that force was noticeable. A few windows hold the soil where its
-  /// motion changes suddenly, as under a load that begins.
+  /// Called after a window that is not repeated; `noticeable`: whether a force that neither phase bears was noticeable
+  /// in it. Such a force in a few windows is usual where the soil's motion changes suddenly, as under a load that
+  /// begins.
   void held_by_nothing(bool noticeable) {
     in_a_row = noticeable ? in_a_row + 1.0 : 0.0;
     if (in_a_row > steps::few_held) held += 1.0;
   }
-  /// After a window in motion: whether it is over.
+  /// Called after a window in motion; returns whether the motion is over.
   bool calms(double interval, bool hardly_moved) {
     duration += interval;
     calm = hardly_moved ? calm + interval : 0.0;
@@ -216,34 +231,34 @@ struct Motion {
   }
 };
 
-/// Sums over pairs of n numbers, as the loops over four pairs add to them.
+/// Sums of n numbers over pairs, in the form to which loops over four pairs add.
 template <std::size_t n>
 struct alignas(32) Sums {
   static constexpr std::size_t size = room_for(n);
   std::array<double, size> x{};
 };
 
-/// Forces on a particle per volume [N/m3], as the loop over pairs adds to them.
+/// Forces on a particle per volume [N/m3], in the form to which the loop over pairs adds.
 template <int D>
 struct Force {
   Sums<2 * D> sum;
   /// div sigma' (adjoint form).
   [[nodiscard]] Vec<D> internal() const { return Eigen::Map<const Vec<D>>(sum.x.data()); }
-  /// Zero-energy-mode control and artificial viscosity.
+  /// Hourglass control and artificial viscosity.
   [[nodiscard]] Vec<D> stabilising() const { return Eigen::Map<const Vec<D>>(sum.x.data() + D); }
   void add_stabilising(const Vec<D>& f) { Eigen::Map<Vec<D>>(sum.x.data() + D) += f; }
 };
 
-/// W'/r of every stored pair [1/m^(D+2)], rounded to floats: all loops see the same numbers, so that gradients stay
-/// exact for linear fields and forces their adjoint.
+/// W'/r of every stored pair [1/m^(D+2)], rounded to floats. All loops use the same numbers, so that gradients stay
+/// exact for linear fields, and forces their adjoint.
 using Kernels = std::vector<float>;
 
-/// What keep_flow_regular reads of a particle or an image, packed.
+/// Data of a particle or an image that keep_flow_regular reads, packed.
 template <int D>
 struct alignas(32) Grain {
   Vec<D> position = Vec<D>::Zero();
   double volume = 0.0, mass = 0.0;
-  double shown = 0.0;    ///< the volume where the stress may be read, 0 behind walls
+  double shown = 0.0;    ///< volume in sums over stresses: 0 for images behind walls, where the stress is not known
   double swollen = 0.0;  ///< volume over mass
   double flows = 0.0;    ///< see Scratch
   Eigen::Matrix<double, D == 2 ? 4 : 6, 1> stress = Eigen::Matrix < double, D == 2 ? 4 : 6, 1 > ::Zero();
@@ -253,22 +268,22 @@ struct alignas(32) Grain {
   [[nodiscard]] const double* row() const { return position.data(); }
 };
 
-/// Where the kernel sums of keep_flow_regular stand; the stress's come first.
+/// Places of keep_flow_regular's kernel sums; those of the stress come first.
 template <int D>
 struct Around {
   static constexpr std::size_t at_swelling = D == 2 ? 4 : 6, at_cover = at_swelling + 1, at_crowding = at_cover + 1,
                                size = at_crowding + D;
 };
 
-/// Memory that the loops reuse from step to step; it holds nothing between them, so that a copy starts empty.
+/// Memory that the loops reuse from step to step. It holds nothing between them, so that a copy starts empty.
 template <int D>
 struct Scratch {
-  std::vector<Quad> sums;     ///< of whichever loop over pairs is at it
-  std::vector<char> touches;  ///< slide_on_walls
-  ScalarArray flows;          ///< keep_flow_regular, as all below: 1 where soil flows; where it yielded a little minus
-                              ///< the stress [Pa] that may be evened out
+  std::vector<Quad> sums;     ///< of the loop over pairs that is running
+  std::vector<char> touches;  ///< for slide_on_walls: 1 where a particle touches a wall
+  ScalarArray flows;          ///< for keep_flow_regular: 1 where soil flows; where it yielded a little, minus the
+                              ///< stress [Pa] that may be evened out. grains: likewise for keep_flow_regular
   std::vector<Grain<D>> grains;
-  /// n numbers of every one of `count` particles, all zero, until the next loop asks for its own.
+  /// n sums for each of `count` particles, set to zero. They are valid until the next call.
   template <std::size_t n>
   Sums<n>* zero_sums(std::size_t count) {
     sums.assign(count * (Sums<n>::size / n_lanes), Quad{});
@@ -290,30 +305,32 @@ struct State {
   std::uint64_t revision = 1;
   Particles<D> particles;
   Neighbourhood<D> near;
-  std::vector<Node<D>> nodes;   ///< real particles, then images
+  std::vector<Node<D>> nodes;   ///< of the real particles, then of the images
   Kernels kernel;               ///< at the current positions
-  VecArray<D> body;             ///< N/m3, all distributed forces that act now: weight, water; not tractions
-  std::vector<Force<D>> force;  ///< of the current state; zero on held particles
-  OrZero<double> backing;       ///< Pa, even in all directions, which the forces count beside the effective stress
+  VecArray<D> body;             ///< N/m3, distributed forces that act now (weight, water), without tractions
+  std::vector<Force<D>> force;  ///< of the current state; zero on fixed particles
+  OrZero<double> backing;       ///< Pa, isotropic stress that acts in the forces beside the effective stress
   External<D> external;
-  OrZero<Vec<D>> mean_velocity;      ///< m/s over the last window, of coupled soil
-  OrZero<double> dilation;           ///< volumetric strain by motion in the last window, of coupled soil
-  OrZero<Vec<D>> returned_impulse;   ///< N s, last window
-  Vec<D> received = Vec<D>::Zero();  ///< N s, from the water in all windows but for what is returned of the last one
-  Vec<D> from_outside = Vec<D>::Zero();  ///< N s, of weight, loads and walls; where a gauge asks for it
-  OrZero<Vec<D>> rest_displacement;      ///< m, after initialise: where uplift counts from
-  std::vector<char> yielded;             ///< during the last window
-  OrZero<double> plastic_shear_ratio;    ///< plastic over all shear strain of the last window, of coupled soil
+  OrZero<Vec<D>> mean_velocity;      ///< m/s, over the last window, of coupled soil
+  OrZero<double> dilation;           ///< volumetric strain of the last window, of coupled soil
+  OrZero<Vec<D>> returned_impulse;   ///< N s, of the last window
+  Vec<D> received = Vec<D>::Zero();  ///< N s, received from the water in all windows, without the impulse returned in
+                                     ///< the last one
+  Vec<D> from_outside = Vec<D>::Zero();  ///< N s, of weight, loads and walls; summed only where a gauge reads it
+  OrZero<Vec<D>> rest_displacement;      ///< m, displacement after initialise(): uplift is measured from it
+  std::vector<char> yielded;             ///< 1 where a particle yielded in the last window
+  OrZero<double> plastic_shear_ratio;    ///< plastic over total shear strain of the last window, of coupled soil
   bool any_yielded = false;
   Sleep<D> sleep;
   Regions<D> regions;
   Motion motion;
-  ScalarArray resistance;     ///< N/m, added by a window, with which the stiffness was last factorised
-  bool still_yields = false;  ///< something yielded since the soil was last quiet: its motion must not be damped
-  double since_upkeep = 0.0;  ///< s, since the flowing soil was last kept regular
-  std::vector<float> evened;  ///< plastic strain then; empty while none of the soil has any
+  ScalarArray resistance;     ///< N/m, resistance added by a window, with which the stiffness was last factorised
+  bool still_yields = false;  ///< something has yielded since the soil was last quiet: its motion must not be damped
+  double since_upkeep = 0.0;  ///< s, since the last call of keep_flow_regular that acted
+  std::vector<float> evened;  ///< plastic strain when keep_flow_regular last acted; empty while no soil has any
   Scratch<D> scratch;
-  double substeps = 0.0, rebuilds = 0.0, slept = 0.0, damped = 0.0;  ///< counters of substeps and list rebuilds
+  double substeps = 0.0, rebuilds = 0.0, slept = 0.0, damped = 0.0;  ///< counters: substeps (computed, asleep, damped),
+                                                                     ///< list rebuilds
 };
 
 }  // namespace poretwin::solid

@@ -1,14 +1,15 @@
-// A reservoir whose level is not prescribed: it follows from inflow and from what passes the face.
+// A reservoir whose level follows from its inflow and from what passes the face.
 #pragma once
 
 #include "fluid_solver/boundary/water_boundary.hpp"
 
 namespace poretwin::fluid {
 
-/// Volume [m^D] that a basin holds up to a level [m].
+/// Volume [m^D] of a basin up to a level [m]. area: surface area against elevation.
 inline double basin_volume(const Series& area, double level) { return area.integral(area.knots.front().first, level); }
 
-/// Level [m] of a volume [m^D]: area linear between the knots, constant above the last. No water: the bottom.
+/// Level [m] at a volume [m^D]. The area is linear between the knots and constant above the last. Without water: the
+/// bottom.
 double basin_level(const Series& area, double volume);
 
 class Basin final : public WaterBoundary {
@@ -24,16 +25,16 @@ class Basin final : public WaterBoundary {
     state.supplied += inflow_.integral(time, time + interval);
     state.level = basin_level(area_, state.supplied - passed.before - passed.during);
   }
-  /// Throws where the basin stands above the upper end of a face over which it cannot run.
+  /// Throws DivergedError where the basin stands above the upper end of a face over which it cannot flow.
   void check(double time, const FaceState& state) const override;
   [[nodiscard]] TimeLimit limit(double now, const AllowedChange& allowed, const FaceState& state) const override;
 
  private:
   Series area_;                      ///< m2 (2D: m), against elevation [m]
-  Series inflow_;                    ///< m3/s (2D: m2/s), against time
+  Series inflow_;                    ///< m3/s (2D: m2/s), against time [s]
   double first_level_ = 0.0;         ///< m
-  double crest_ = HUGE_VAL;          ///< elevation of the upper end over which it cannot run [m]
-  std::string why_not_over_, face_;  ///< what keeps it from running over, and the face in words
+  double crest_ = HUGE_VAL;          ///< m, elevation of the face's upper end, where the basin cannot flow over it
+  std::string why_not_over_, face_;  ///< reason why it cannot flow over; the face, for messages
 };
 
 }  // namespace poretwin::fluid

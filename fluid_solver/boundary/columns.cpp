@@ -64,41 +64,42 @@ bool is_quasi_static(const Setup<D>& setup, const FaceColumn<D>& c) {
 namespace {
 
 /// Whether the flow through a column is part of the pressure solve: where it is quasi-static, in soil of one
-/// conductivity or full of water. Elsewhere the skeleton or inertia carries part of it, and the column moves as the
-/// water in front of it does.
+/// conductivity or full of water. Elsewhere the skeleton or inertia carries part of the flow, and the column moves with
+/// the water in front of it.
 template <int D>
 bool flow_is_solved_for(const Setup<D>& setup, const State<D>& state, const FaceColumn<D>& c) {
   return is_quasi_static<D>(setup, c) && (setup.one_soil || state.full);
 }
 
-/// Counts water that comes in through a column, or goes out.
+/// Adds a volume [m^D] that comes in through a column (negative: goes out).
 template <int D>
 void count(FaceColumn<D>& c, ScalarArray& came, double volume) {
   c.passed += volume;
   came[static_cast<std::size_t>(c.face)] += volume;
 }
 
-/// What drives water in at a column's foot: the water's pressure and the suction of the dry ground behind it [Pa].
+/// Pressure that drives water in at a column's foot [Pa]: the water's pressure and the suction of the dry ground behind
+/// it.
 template <int D>
 double driving_pressure(const Setup<D>& setup, const FaceColumn<D>& c) {
   return std::max(0.0, c.pressure + setup.weight.dot(c.foot - setup.origin)) +
          setup.ground.suction(just_inside<D>(setup.ground, c.foot, c.normal, c.spacing));
 }
 
-/// Water behind a wet face enters dry ground as a sharp front, before there is a particle to carry it (Green & Ampt
-/// 1911): dz/dt = (k/n) (H/z + cos), H the pressure head at the face and the suction head ahead, z = offset -
-/// spacing/2; the head's part is integrated exactly.
+/// Water behind a wet face enters dry ground as a sharp front before a particle carries it (Green & Ampt 1911): dz/dt =
+/// (k/n) (H/z + cos) with the front's depth z = offset - spacing/2, and H the sum of the pressure head at the face and
+/// the suction head ahead. The part with H is integrated exactly.
 template <int D>
 void wet_dry_ground(const Setup<D>& setup, FaceColumn<D>& c, double interval) {
   const auto speed = infiltration_speed<D>(setup, c);
   const double z = std::max(0.0, c.offset - 0.5 * c.spacing);
-  // No faster than a jet from the head that drives it, suction included: a front starts under suction alone.
+  // No faster than a jet under the driving pressure, suction included: a front can start under suction alone.
   const double total = driving_pressure<D>(setup, c);
   const double jet = std::sqrt(2.0 * (total + setup.weight.norm() * c.spacing) / setup.density);
   const double deeper = std::min(
       z + jet * interval, std::sqrt(z * z + 2.0 * speed.head * interval) + std::max(0.0, speed.gravity) * interval);
   c.offset = std::min(c.spacing, 0.5 * c.spacing + deeper);
-  // At the window's end, for the particles that take over.
+  // Speed and slope at the window's end, for the particles that take over.
   const double depth = std::clamp(deeper, faces::least_front_depth * c.spacing, 0.5 * c.spacing);
   c.speed = std::min(jet, speed.head / depth + std::max(0.0, speed.gravity));
   c.slope = -setup.weight.dot(c.normal) - total / depth;
@@ -134,7 +135,7 @@ void advance_columns(const Setup<D>& setup, const sph::Sight<D>& sight, const St
   for (std::size_t i = 0; i < state.columns.size(); ++i) {
     auto& c = state.columns[i];
     const double speed_before = c.speed;
-    // A column that a head has reached or left holds water or none.
+    // A column becomes wet or dry when a head reaches or leaves it.
     if (flow_is_solved_for<D>(setup, state, c)) {
       count<D>(c, came, c.share(setup.density) - c.stored);
       c.stored = c.share(setup.density);
@@ -146,7 +147,7 @@ void advance_columns(const Setup<D>& setup, const sph::Sight<D>& sight, const St
     const Vec<D> probe = c.foot + faces::probe_depth * c.spacing * c.normal;
     const double h = points::smoothing_ratio * spacing_of<D>(c.volume);
     double sum = 0.0, speed = 0.0;
-    // Of two soils side by side each moves its own columns.
+    // Beside two adjacent soils, each moves its own columns only.
     const Stratum* here = setup.ground.strata().size() > 1 && !setup.coupled ? setup.ground.at(probe) : nullptr;
     if (sight.limited()) sight.find_near(probe, sph::support_radius * h, near);
     grid.for_each_within(probe, sph::support_radius * h, [&](Index a, double r2) {
@@ -177,7 +178,7 @@ void advance_columns(const Setup<D>& setup, const sph::Sight<D>& sight, const St
   }
 }
 
-/// k/n times the head that drives [m2/s], and k/n times the cosine between gravity and the way in [m/s].
+/// Returns k/n times the driving head [m2/s], and k/n times the cosine between gravity and the inward direction [m/s].
 template <int D>
 InfiltrationSpeed infiltration_speed(const Setup<D>& setup, const FaceColumn<D>& c) {
   const double magnitude = setup.weight.norm();
@@ -185,14 +186,14 @@ InfiltrationSpeed infiltration_speed(const Setup<D>& setup, const FaceColumn<D>&
   if (!here) return {};
   const double gamma = setup.ground.specific_weight(), n = here->fillable_porosity;
   const double total = driving_pressure<D>(setup, c);
-  // Darcy's conductivity of the same discharge at the gradient that the front meets half a spacing in.
+  // The conductivity of Darcy's law with the same discharge, at the gradient of the front half a spacing inside.
   const double gradient = total / (gamma * 0.5 * c.spacing) + 1.0;
   const double seepage = here->resistance.speed(n * gamma * gradient) / gradient;
   return {seepage * total / gamma, magnitude > 0.0 ? seepage * setup.weight.dot(c.normal) / magnitude : 0.0};
 }
 
-/// Nothing holds the water at a face of soil without water behind it but the air: there its surface is the face itself.
-/// Elsewhere in soil it is drawn on by the suction of the dry ground ahead.
+/// At a face of soil with air behind it the water's surface is the face itself. Elsewhere in soil the suction of the
+/// dry ground ahead acts on the surface.
 template <int D>
 void limit_surface(const Setup<D>& setup, const State<D>& state, Stencil<D>& s) {
   const ColumnFinder<D> finder(state.columns);
@@ -218,7 +219,7 @@ void limit_surface(const Setup<D>& setup, const State<D>& state, Stencil<D>& s) 
   });
 }
 
-/// Water that the soil has left belongs to the reservoir: the column steps back to where there is soil.
+/// Water that the soil has left belongs to the reservoir: the column moves back to where there is soil.
 template <int D>
 void follow_soil(const SoilView<D>& view, State<D>& state) {
   const auto& p = state.particles;
@@ -286,7 +287,7 @@ void give_birth_and_delete(const Setup<D>& setup, const Faces<D>& faces, const S
   std::vector<int> nearest(p.size());
   parallel_for(p.size(), [&](std::size_t a) { nearest[a] = finder.nearest(p.position[a]); });
   for (std::size_t a = 0; a < p.size(); ++a) {
-    // Far outside, and no faster than a fall makes it: water that diverges is not hushed up.
+    // Far outside, and no faster than a fall makes it: water that has diverged must be reported, not deleted.
     if (((p.position[a] - setup.lower).array() < 0.0 || (setup.upper - p.position[a]).array() < 0.0).any() &&
         p.velocity[a].squaredNorm() <= 4.0 * setup.weight.norm() / setup.density * (setup.upper - setup.lower).norm()) {
       keep[a] = false;
@@ -313,19 +314,20 @@ void give_birth_and_delete(const Setup<D>& setup, const Faces<D>& faces, const S
                            state.columns.begin());
     if (i < 0) continue;
     auto& c = state.columns[static_cast<std::size_t>(i)];
-    // Water that runs down the soil's face passes it by, to the still water behind it.
+    // Water that runs down the soil's face joins the still water behind the face and does not pass through it.
     if (free && c.in_soil && faces.is_reservoir(c.face)) continue;
     const double d = c.inside(p.position[a]);
     // Soil that slides out of a seepage face takes its water along.
     const bool passed =
         d < -faces::deletion_depth * c.spacing && (p.goes_with_soil[a] == 0 || c.wet || view.coverage[a] < 0.5);
-    // What has passed a face is in the air or in still water; its pressure, carried along with the slope inside, is not
-    // below the air's.
+    // Water that has passed a face is in air or still water. Its pressure, extrapolated with the slope inside, is at
+    // least that of the air.
     if (p.goes_with_soil[a] == 0 && c.in_soil && d < 0.0)
       p.pressure[a] = std::max(p.pressure[a], -setup.weight.dot(p.position[a] - setup.origin));
     if (!passed && !left) continue;
     if (flow_is_solved_for<D>(setup, state, c) && c.wet) {
-      // It goes when the flow through the column has taken it (below). Far outside it is given back to the column.
+      // It is deleted when the flow through the column has taken it out (below). Far outside, its volume is returned to
+      // the column.
       if (d > -c.spacing) continue;
       keep[a] = false;
       any = true;
@@ -337,10 +339,10 @@ void give_birth_and_delete(const Setup<D>& setup, const Faces<D>& faces, const S
     crossed[static_cast<std::size_t>(i)] -= p.mass[a] / setup.density;
     c.offset = std::clamp(d + c.spacing, 0.0, 0.999 * c.spacing);
   }
-  // What the flow has taken out through a column is its outermost particle, wherever in the first spacing that stands:
-  // beside a wall on which the face ends the velocity has no bound, and particles move more slowly than the flow. Where
-  // a column has none there left, its neighbour's goes. Distances are from half a spacing outside: rows may be that far
-  // ahead of the column, and from the foot itself the row behind them would be nearer.
+  // The flow takes out a column's outermost particle, wherever in the first spacing it stands. Beside a wall at which
+  // the face ends the velocity is unbounded, and particles move more slowly than the flow. Where a column has no
+  // particle there, its neighbour's is taken. Distances are measured from half a spacing outside: rows may be that far
+  // ahead of the column, and from the foot itself the next row would be nearer.
   for (auto& c : state.columns) {
     if (!flow_is_solved_for<D>(setup, state, c) || !c.wet || c.offset >= -faces::deletion_depth * c.spacing) continue;
     std::size_t found = p.size();
@@ -366,7 +368,7 @@ void give_birth_and_delete(const Setup<D>& setup, const Faces<D>& faces, const S
   }
   for (std::size_t i = 0; i < state.columns.size(); ++i) {
     auto& c = state.columns[i];
-    while (c.wet && c.offset >= c.spacing) {  // several where some were given back
+    while (c.wet && c.offset >= c.spacing) {  // several where volumes were returned
       c.offset -= c.spacing;
       const bool rigid = c.in_soil && !setup.coupled;
       p.add(rigid ? behind_face<D>(setup.ground, c.foot, c.normal, c.offset) : Vec<D>(c.foot + c.offset * c.normal),
@@ -374,7 +376,7 @@ void give_birth_and_delete(const Setup<D>& setup, const Faces<D>& faces, const S
       crossed[i] += c.mass / setup.density;
       ++state.counts.born;
     }
-    // The part of the stack's outermost particle that is inside counts as water that came.
+    // The part of the stack's outermost particle that is inside counts as water that has come in.
     if (!flow_is_solved_for<D>(setup, state, c) || !c.wet)
       count<D>(c, came, crossed[i] + c.share(setup.density) - c.stored);
     c.stored = c.share(setup.density);

@@ -1,6 +1,6 @@
-// Faces of prescribed head or pressure: water comes and goes in columns, one per particle spacing along the face, each
-// with a stack of buffer particles outside that advances with the flow ("ghost reservoir": no reservoir particles at
-// all).
+// Faces of prescribed head or pressure. Water enters and leaves through columns, one per particle spacing along the
+// face. Each has a stack of buffer particles outside, which moves with the flow ("ghost reservoir": no particles
+// represent the reservoir).
 #pragma once
 
 #include "common/particles/neighbours.hpp"
@@ -13,7 +13,7 @@
 
 namespace poretwin::fluid {
 
-/// What a particle of water has for good from the body of water that it came with.
+/// Properties that a water particle keeps from the body of water that it belonged to first.
 struct Provenance {
   double wave_speed = 0.0;      ///< m/s, see Particles
   bool goes_with_soil = false;  ///< see Particles
@@ -21,42 +21,43 @@ struct Provenance {
 
 template <int D>
 struct FaceColumn {
-  Vec<D> foot = Vec<D>::Zero();    ///< on the face [m]
+  Vec<D> foot = Vec<D>::Zero();    ///< m, point on the face
   Vec<D> normal = Vec<D>::Zero();  ///< unit, into the domain
-  int face = 0;                    ///< of Case::water_faces
-  double spacing = 0.0;            ///< along the normal [m]
-  double width = 0.0;              ///< half-width along the face [m]
-  double volume = 0.0;             ///< bulk, of each buffer particle [m^D]
-  double mass = 0.0;               ///< of a particle born here [kg]
-  double void_fraction = 1.0;      ///< that the water fills behind the face
-  double offset = 0.0;             ///< of the stack: buffers at offset - j spacing, j = 1 .. 4 [m]
-  double speed = 0.0;              ///< of the stack [m/s]
-  double pressure = 0.0;           ///< at the foot, piezometric [Pa]
-  double slope = 0.0;              ///< of the piezometric pressure along the normal [Pa/m]
-  Provenance provenance;           ///< of particles born here: that of the water nearest at the start
+  int face = 0;                    ///< index in Case::water_faces
+  double spacing = 0.0;            ///< m, along the normal
+  double width = 0.0;              ///< m, half of its width along the face
+  double volume = 0.0;             ///< m^D, bulk volume of each buffer particle
+  double mass = 0.0;               ///< kg, mass of a particle born here
+  double void_fraction = 1.0;      ///< volume fraction that water fills in the ground behind the face
+  double offset = 0.0;             ///< m, position of the stack: buffers are at offset - j spacing, j = 1 .. 4
+  double speed = 0.0;              ///< m/s, of the stack
+  double pressure = 0.0;           ///< Pa, piezometric, at the foot
+  double slope = 0.0;              ///< Pa/m, of the piezometric pressure along the normal
+  Provenance provenance;           ///< of particles born here: that of the nearest water at the start
   bool in_soil = false;            ///< the ground behind the face is soil
-  bool drag_dominated = false;     ///< and drag, not inertia, dominates the motion of its water
-  bool wet = false;                ///< acts now
-  bool held = false;               ///< a wall holds the soil at the face: a filter
+  bool drag_dominated = false;     ///< in that soil drag dominates the motion of water, not inertia
+  bool wet = false;                ///< the column acts now
+  bool held = false;               ///< a wall fixes the soil at the face: a filter
   bool loaded = false;             ///< the face carries a load
-  double stored = 0.0;             ///< water of the outermost spacing that is in the domain but in no particle [m^D]
-  double passed = 0.0;             ///< volume of water that has come in here, less what has gone out [m^D]
-  double before = 0.0;             ///< length of the wall that goes on straight before the face's end here [m]
-  double after = 0.0;              ///< and after it [m]
+  double stored = 0.0;             ///< m^D, water of the outermost spacing that is in the domain but in no particle
+  double passed = 0.0;             ///< m^D, volume that has come in here, minus what has gone out
+  double before = 0.0;             ///< m, length of the wall that continues the face straight beyond its first end here
+  double after = 0.0;              ///< m, length of the wall that continues the face straight beyond its last end here
   [[nodiscard]] double inside(const Vec<D>& x) const { return normal.dot(x - foot); }
-  /// Volume of water that the first buffer has inside the face [m^D]; negative: that the last particle has outside.
+  /// Volume of the first buffer that lies inside the face [m^D]; negative: volume of the last particle that lies
+  /// outside.
   [[nodiscard]] double share(double density) const {
     return wet ? mass / density * std::clamp(offset / spacing - 0.5, -0.5 - faces::deletion_depth, 0.5) : 0.0;
   }
 };
 
-/// What drives a front into dry ground behind a face.
+/// The drive of a front into dry ground behind a face.
 struct InfiltrationSpeed {
-  double head = 0.0;     ///< k/n times the pressure head [m2/s]
-  double gravity = 0.0;  ///< k/n times the share of gravity along the way in [m/s]
+  double head = 0.0;     ///< m2/s, k/n times the pressure head
+  double gravity = 0.0;  ///< m/s, k/n times the cosine between gravity and the inward normal
 };
 
-/// A point in the soil behind a place on its face, so deep inside or as deep as there is soil: near the toe of a slope
+/// A point in the soil behind a place on its face, `depth` inside, or as deep as there is soil: near the toe of a slope
 /// the normal soon meets the base.
 template <int D>
 Vec<D> behind_face(const Ground<D>& ground, const Vec<D>& foot, const Vec<D>& normal, double depth) {
@@ -65,8 +66,8 @@ Vec<D> behind_face(const Ground<D>& ground, const Vec<D>& foot, const Vec<D>& no
   return foot + depth * normal;
 }
 
-/// Where the soil of a face is looked up: a quarter spacing inside. At the toe of a slope of two to one or flatter that
-/// deep would be below the base.
+/// The point at which a face's soil is looked up: a quarter spacing inside. At the toe of a slope of two to one or
+/// flatter that depth would lie below the base.
 template <int D>
 Vec<D> just_inside(const Ground<D>& ground, const Vec<D>& foot, const Vec<D>& normal, double spacing) {
   return behind_face<D>(ground, foot, normal, faces::soil_depth * spacing);
@@ -123,7 +124,7 @@ void add_column(const Case& scene, const Ground<D>& ground, int face, const Vec<
 
 }  // namespace detail
 
-/// Where walls end and faces of columns begin.
+/// The places where walls end and faces with columns begin.
 template <int D>
 std::vector<Joint<D>> make_joints(const Case& scene) {
   std::vector<Joint<D>> joints;
@@ -143,7 +144,7 @@ std::vector<Joint<D>> make_joints(const Case& scene) {
             for (const std::size_t e : {0, 1}) {
               if ((ends(piece)[e] - ends(next)[1 - e]).norm() > tolerance) continue;
               const double sign = e == 1 ? 1.0 : -1.0;
-              // Towards the domain it is a corner, which images of the columns fill.
+              // An end turned towards the domain is a corner, which images of the columns fill.
               if (sign * piece.normal.dot(next.tangent) > 0.01) continue;
               joints.push_back(
                   {ends(piece)[e], sign * piece.tangent, piece.normal, piece.to - piece.from, static_cast<int>(w)});
@@ -154,7 +155,7 @@ std::vector<Joint<D>> make_joints(const Case& scene) {
   return joints;
 }
 
-/// Columns of all water faces. A face given as a plane is tiled where soil or water regions lie behind it.
+/// The columns of all water faces. A face given as a plane is tiled where soil or regions of water lie behind it.
 template <int D>
 std::vector<FaceColumn<D>> make_columns(const Case& scene, const Ground<D>& ground) {
   std::vector<FaceColumn<D>> columns;
@@ -186,7 +187,7 @@ std::vector<FaceColumn<D>> make_columns(const Case& scene, const Ground<D>& grou
         continue;
       }
     }
-    // A plane: tile the box around everything with an orthonormal pair (2D: one vector) of tangents.
+    // A plane is tiled over the box around everything, with an orthonormal pair (2D: one vector) of tangents.
     const Vec<D> point = face.point.head<D>(), normal = face.normal.head<D>().normalized();
     Eigen::Matrix<double, D, D> frame = Eigen::Matrix<double, D, D>::Identity();
     int axis = 0;
@@ -230,7 +231,7 @@ std::vector<FaceColumn<D>> make_columns(const Case& scene, const Ground<D>& grou
   return columns;
 }
 
-/// Finds the column that a place belongs to.
+/// Finds the column to which a place belongs.
 template <int D>
 class ColumnFinder {
  public:
@@ -267,8 +268,8 @@ class ColumnFinder {
   sph::CellGrid<D> grid_;
 };
 
-/// Pressures at the feet at a time; a column acts where the total pressure there is not negative. boundaries, states:
-/// [faces]
+/// Sets the columns' pressures at a time [s]. A column acts where the total pressure at its foot is not negative.
+/// boundaries, states: one per face.
 template <int D>
 void update_columns(const WaterBoundaries& boundaries, std::span<const FaceState> states, double time,
                     const Vec<D>& weight, const Vec<D>& origin, std::vector<FaceColumn<D>>& columns) {
@@ -282,8 +283,8 @@ void update_columns(const WaterBoundaries& boundaries, std::span<const FaceState
   }
 }
 
-/// beyond: where a wall goes on straight from a face, the face's last column is repeated behind it, as far as a line of
-/// sight through the face comes (Joint).
+/// The buffers of the columns. beyond: where a wall continues a face in a straight line, the face's last column is
+/// repeated behind the wall, as far as lines of sight through the face reach (Joint).
 template <int D>
 std::vector<Buffer<D>> make_buffers(const std::vector<FaceColumn<D>>& columns, bool beyond = false) {
   std::vector<Buffer<D>> buffers;
@@ -308,9 +309,9 @@ std::vector<Buffer<D>> make_buffers(const std::vector<FaceColumn<D>>& columns, b
   return buffers;
 }
 
-/// Length over which the slope at a face lets an even pressure fall to the face's so that its gradients sum to that
-/// fall, in spacings, the first row half a spacing inside: half of sum_s s^3 F over sum_s s^2 F, F = -W'/r summed along
-/// a row s rows away (docs/theory/coupling.md, "Loads on a drained face").
+/// Length, in spacings, over which the slope at a face lets an even pressure fall to the face's so that the pressure
+/// gradients sum to that fall, with the first row half a spacing inside: half of sum_s s^3 F over sum_s s^2 F, with F =
+/// -W'/r summed over a row s rows away (docs/theory/coupling.md, "Loads on a drained face").
 template <int D>
 double length_of_even_fall() {
   static const double value = [] {
@@ -329,19 +330,20 @@ double length_of_even_fall() {
   return value;
 }
 
-/// Does a place see point j of a stencil?
+/// Whether point j of a stencil is visible from a place.
 template <int D>
 bool sees(const sph::Sight<D>& sight, const Stencil<D>& s, const Vec<D>& x, Index j,
           const typename sph::Sight<D>::Near& near) {
   return j < s.n_base ? sight.open(x, s.position[j], near) : sight.sees(x, j, s.n_base, s.position, s.by, s.of, near);
 }
 
-/// Fits of the pressure's slope at every column, straight lines through the face, over the first spacings inside,
-/// images behind walls included: weighted least squares. As far as there are only particles on the face itself, which
-/// say nothing of the slope, that of the window before stands in. Below a load the grains have to carry the whole fall
-/// of an even pressure, before anything has drained: there the first row's own slope is mixed in as far as the
-/// gradients then sum to it (the fit alone makes 0.86 of it). free: [n] in no soil; at a face of soil that does not
-/// count.
+/// Fits the pressure's slope at every column: a weighted least-squares line through the face's pressure, over the
+/// particles of the first spacings inside and their images behind walls. Particles on the face itself say nothing of
+/// the slope; as far as there are no others, the slope of the last window is used.
+///
+/// Below a load the grains have to carry the whole fall of an even pressure before anything has drained. There the
+/// slope of the first row alone is mixed in until the gradients sum to that fall (with the fit alone they sum to 0.86
+/// of it). free [n]: 1 for particles in no soil, which do not count at a face of soil.
 template <int D>
 void fit_columns(const std::vector<FaceColumn<D>>& columns, std::span<const char> free, Stencil<D>& s,
                  const sph::Sight<D>& sight = {}) {
@@ -367,7 +369,7 @@ void fit_columns(const std::vector<FaceColumn<D>>& columns, std::span<const char
         const Index a = s.parent[j];
         if (sight.limited() && !sees<D>(sight, s, probe, j, near_by)) return;
         const double d = c.inside(s.position[j]);
-        // One that has just been born lies on the face, to rounding.
+        // A particle that has just been born lies on the face, within rounding.
         if (a >= s.n_real || d < -1e-6 * c.spacing || (c.in_soil && free[a])) return;
         const double w = s.volume[a] * Kernel<D>::value(std::sqrt(r2), h);
         if (w == 0.0) return;
@@ -385,7 +387,7 @@ void fit_columns(const std::vector<FaceColumn<D>>& columns, std::span<const char
     const double total = std::max(sum, least);
     double share = 0.0;
     if (c.loaded && sum >= least && first_sum > 0.0) {
-      // Slopes of an even pressure of 1: the fit's, the first row's, and what is wanted.
+      // Slopes of an even pressure of 1: of the fit, of the first row, and the one wanted.
       const double fitted = whole / sum, steepest = first_whole / first_sum;
       const double wanted = 1.0 / (c.spacing * (0.5 + length_of_even_fall<D>()) - c.offset);
       if (steepest > fitted) share = std::clamp((wanted - fitted) / (steepest - fitted), 0.0, 1.0);

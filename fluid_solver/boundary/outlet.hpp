@@ -1,4 +1,4 @@
-// Nothing but air behind a face: water that crosses it has left.
+// A face with air behind it: water that crosses it has left the domain.
 #pragma once
 
 #include "fluid_solver/boundary/water_boundary.hpp"

@@ -13,7 +13,7 @@ namespace poretwin::fluid {
 
 namespace {
 
-/// Of the box around the body of water whose particle is nearest to x [m]; 0: there is none.
+/// Diagonal of the box around the body of water whose particle is nearest to x [m]; 0 where there is none.
 template <int D>
 double length_of_body(const Particles<D>& p, std::span<const int> body, const Vec<D>& x) {
   double nearest = HUGE_VAL;
@@ -65,7 +65,7 @@ void set_inlets(const Setup<D>& setup, const Faces<D>& faces, double time, doubl
         head += p.pressure[a];
       }
     }
-    // A pipe that runs full has no surface.
+    // A pipe that is full has no surface: its level follows from the pressure.
     if (surface > 0.0)
       inlet.level = level / surface;
     else if (inlet.sill)
@@ -74,7 +74,8 @@ void set_inlets(const Setup<D>& setup, const Faces<D>& faces, double time, doubl
       inlet.level = water > 0.0 ? head / (water * setup.weight.norm()) + up.dot(setup.origin) : inlet.lowest;
     if (inlet.sill) {
       const double over = faces.level(state, inlet.face, time).value() - inlet.lowest;
-      // Water in front of a piston moves with it: its present speed would only repeat what the piston did.
+      // The speed is averaged: water in front of a piston moves with it, so that its present speed is only the
+      // piston's.
       const double averaging_time =
           faces::current_waves * near / std::sqrt(setup.gravity_or_standard * std::max(setup.spacing, over));
       inlet.current +=
@@ -86,8 +87,9 @@ void set_inlets(const Setup<D>& setup, const Faces<D>& faces, double time, doubl
       inlet.open(flow.depth, setup.spacing);
     } else {
       if (const auto wanted = faces.level(state, inlet.face, time); wanted) {
-        // Water of length L responds to a discharge within L / sqrt(g d). Correcting the current over four times that
-        // avoids oscillation. The missing head counts up to one spacing: a reservoir that fills draws nothing off.
+        // Water of length L responds to a discharge within L / sqrt(g d). The current is corrected over four times that
+        // time, which avoids oscillation. The missing head is limited to one spacing, so that a reservoir being filled
+        // gets no such current.
         const double wave = std::sqrt(setup.gravity_or_standard * std::max(setup.spacing, *wanted - inlet.lowest));
         const double missing = std::clamp(*wanted - inlet.level, -setup.spacing, setup.spacing);
         const double length = std::max(setup.spacing, length_of_body<D>(p, body, inlet.foot));

@@ -1,15 +1,16 @@
-// What pistons do in a window: particles of water come and go through openings.
+// Work of the pistons in a window: water particles enter and leave through openings.
 #pragma once
 
 #include "fluid_solver/boundary/columns.hpp"
 
 namespace poretwin::fluid {
 
-/// What the inlets do in the window that begins: the levels before them from the free water's surface near by.
+/// Sets the inlets' speeds for the window that begins, with the levels before them taken from the free water's surface
+/// nearby.
 template <int D>
 void set_inlets(const Setup<D>& setup, const Faces<D>& faces, double time, double interval, State<D>& state);
 
-/// Throws where inflow meets walls that are already full of water.
+/// Throws DivergedError where water flows in although all of the domain is full of water.
 template <int D>
 void check_room(const State<D>& state, double time);
 
@@ -19,7 +20,7 @@ void push_pistons(double interval, State<D>& state) {
   for (auto& inlet : state.inlets) inlet.piston += interval * inlet.speed;
 }
 
-/// Rows for what pistons pushed in, and water taken away that has followed them out.
+/// Adds rows of particles where pistons have pushed in, and deletes particles that have followed them out.
 template <int D>
 void serve_inlets(const Setup<D>& setup, State<D>& state);
 

@@ -1,4 +1,4 @@
-// A discharge that is let in through a face as particles of water, or drawn off.
+// A prescribed discharge that enters through a face as water particles, or is drawn off.
 #pragma once
 
 #include "fluid_solver/boundary/water_boundary.hpp"
@@ -15,7 +15,7 @@ class PrescribedDischarge final : public WaterBoundary {
   }
 
  private:
-  Series discharge_;  ///< m3/s (2D: m2/s), against time
+  Series discharge_;  ///< m3/s (2D: m2/s), against time [s]
 };
 
 }  // namespace poretwin::fluid

@@ -20,7 +20,7 @@ class PrescribedHead final : public WaterBoundary {
   }
 
  private:
-  Series head_;  ///< m, against time
+  Series head_;  ///< m, against time [s]
 };
 
 }  // namespace poretwin::fluid

@@ -1,4 +1,4 @@
-// A pressure prescribed on a face, uniform but for a standing wave on top of it.
+// A pressure prescribed on a face: uniform, with an optional standing wave.
 #pragma once
 
 #include "fluid_solver/boundary/water_boundary.hpp"

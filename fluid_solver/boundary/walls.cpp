@@ -47,7 +47,7 @@ Walls<D>::Walls(const Case& scene, const std::vector<Inlet<D>>& inlets)
 template <int D>
 void Walls<D>::place(const std::vector<Inlet<D>>& inlets) {
   planes.clear();
-  // Sills' pistons, from the crest up, before the walls: a floor on the crest mirrors what they mirror.
+  // Sills' pistons extend upwards from the crest. They precede the walls: a floor on the crest mirrors their images.
   for (const auto& inlet : inlets) {
     if (!inlet.sill || !inlet.flows) continue;
     sph::ImagePlane<D> plane;

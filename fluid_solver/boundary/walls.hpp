@@ -1,17 +1,17 @@
-// Where the water ends: walls, pistons and periodic sides as mirrors, and what can be seen past them.
+// Mirrors that bound the water (walls, pistons, periodic sides), and lines of sight past them.
 #pragma once
 
 #include "fluid_solver/boundary/inlet.hpp"
 
 namespace poretwin::fluid {
 
-/// The walls, pistons (where they stand at first) and periodic sides of the water as mirrors. Pieces that end where no
-/// other begins, or in a corner of less than 180 degrees, go on for `margin` [m], to fill the corner.
+/// The walls, the pistons in their initial position, and the periodic sides of the water as mirrors. A piece that ends
+/// without a neighbour, or in a corner of less than 180 degrees, is extended by `margin` [m], which fills the corner.
 template <int D>
 std::vector<sph::ImagePlane<D>> water_planes(const Case& scene, const std::vector<Inlet<D>>& inlets, double margin);
 
-/// What the water sees past its walls, and the mirrors it sees them as, where that matters (`sight_matters`); nothing
-/// otherwise. Walls end where they are drawn, but at a water face, behind which they go on for `margin` [m].
+/// Lines of sight past the walls and the mirrors seen along them, where they matter (`sight_matters`); empty otherwise.
+/// Walls end where they are drawn, except at a water face, behind which they are extended by `margin` [m].
 template <int D>
 sph::Sight<D> water_sight(const Case& scene, double margin);
 
@@ -19,14 +19,14 @@ template <int D>
 struct Walls {
   Walls(const Case& scene, const std::vector<Inlet<D>>& inlets);
 
-  /// Moves the pistons to where they stand.
+  /// Moves the mirrors of the pistons to their present positions.
   void place(const std::vector<Inlet<D>>& inlets);
 
   std::vector<sph::ImagePlane<D>> planes;
   sph::Sight<D> sight;
 
  private:
-  std::vector<sph::ImagePlane<D>> at_first_;  ///< but those of sills
+  std::vector<sph::ImagePlane<D>> at_first_;  ///< in their initial position, without sills
   double margin_ = 0.0;                       ///< m
 };
 

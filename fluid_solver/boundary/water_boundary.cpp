@@ -21,7 +21,7 @@ constexpr Kind kind{&Boundary::is_meant, [](const Case& scene, const WaterFace& 
                       return std::unique_ptr<WaterBoundary>(std::make_unique<Boundary>(scene, face));
                     }};
 
-/// The first whose keys a face has.
+/// A face is of the first kind whose keys it has.
 constexpr Kind kinds[] = {kind<Basin>, kind<PrescribedDischarge>, kind<PrescribedHead>, kind<PrescribedPressure>,
                           kind<Outlet>};
 
@@ -30,7 +30,7 @@ constexpr Kind kinds[] = {kind<Basin>, kind<PrescribedDischarge>, kind<Prescribe
 std::unique_ptr<WaterBoundary> make_water_boundary(const Case& scene, const WaterFace& face) {
   for (const auto& k : kinds)
     if (k.is_meant(face)) return k.make(scene, face);
-  throw CaseError("a water face of no kind");  // reading the case refuses it
+  throw CaseError("a water face of no kind");  // reading the case refuses such faces
 }
 
 WaterBoundaries make_water_boundaries(const Case& scene) {

@@ -10,7 +10,8 @@ namespace poretwin::fluid {
 
 namespace {
 
-/// Numbers what is connected: visit_neighbours(a, visit) calls visit(b) for all that touch a.
+/// Numbers the connected sets of elements with counts[a] from 0; -1: does not count. visit_neighbours(a, visit) calls
+/// visit(b) for all b that touch a.
 template <class Neighbours>
 std::vector<int> connected(std::size_t n, std::span<const char> counts, const Neighbours& visit_neighbours) {
   std::vector<int> body(n, -1);
@@ -34,7 +35,7 @@ std::vector<int> connected(std::size_t n, std::span<const char> counts, const Ne
   return body;
 }
 
-/// The particle nearest to x; there is one.
+/// Index of the point nearest to x; there must be one.
 template <int D>
 std::size_t nearest_to(const Vec<D>& x, std::span<const Vec<D>> points) {
   const auto nearest = std::ranges::min_element(points, {}, [&](const Vec<D>& y) { return (x - y).squaredNorm(); });
@@ -81,7 +82,7 @@ void begin_bodies(const Setup<D>& setup, State<D>& state) {
   const auto body = bodies_of<D>(p.position, std::vector<char>(p.size(), 1), setup.spacing);
   raise_wave_speeds<D>(setup, body, p);
   const bool can_leave = setup.coupled && setup.soil_yields && state.inlets.empty();
-  std::vector<char> in_soil(p.size(), can_leave ? 1 : 0), at_column(p.size(), 0);  // of bodies
+  std::vector<char> in_soil(p.size(), can_leave ? 1 : 0), at_column(p.size(), 0);  // one per body
   for (std::size_t a = 0; a < p.size(); ++a)
     if (p.void_fraction[a] >= 1.0) in_soil[static_cast<std::size_t>(body[a])] = 0;
   for (auto& c : state.columns) {
@@ -105,11 +106,11 @@ void number_closed_bodies(const Stencil<D>& s, State<D>& state) {
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
       if (const Index q = s.parent[s.other[k]]; q < s.n_real) take(q);
   });
-  std::vector<char> closed(p.size(), 1);  // of bodies
+  std::vector<char> closed(p.size(), 1);  // one per body
   const auto open = [&](std::size_t a) { closed[static_cast<std::size_t>(body[a])] = 0; };
   for (std::size_t a = 0; a < p.size(); ++a)
     if (p.surface[a] != Surface::interior) open(a);
-  // Nearly always none is left, and no place need be searched for.
+  // Nearly always there are none, and no position needs to be searched for.
   if (std::ranges::any_of(body, [&](int b) { return closed[static_cast<std::size_t>(b)] != 0; })) {
     for (const auto& c : state.columns) open(nearest_to<D>(c.foot, p.position));
     for (const auto& inlet : state.inlets) open(nearest_to<D>(inlet.foot, p.position));

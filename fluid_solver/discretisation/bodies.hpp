@@ -8,22 +8,24 @@
 
 namespace poretwin::fluid {
 
-/// The body that each particle at x belongs to, numbered from 0; -1: does not count (counts: [n], 1: does). Particles
-/// touch within motion::touching spacings [m].
+/// The body of water that each particle at x belongs to, numbered from 0. counts [n]: 1 for particles that count, 0 for
+/// others, which get -1. Particles touch within motion::touching spacings. spacing: m.
 template <int D>
 std::vector<int> bodies_of(std::span<const Vec<D>> x, std::span<const char> counts, double spacing);
 
 /// Raises the wave speed of each particle to that of long waves on its body of water, sqrt(g depth), or of a drop in
-/// the central force. body: see bodies_of.
+/// the central force. body: from bodies_of.
 template <int D>
 void raise_wave_speeds(const Setup<D>& setup, std::span<const int> body, Particles<D>& p);
 
-/// What particles and columns have of the body of water that they begin in: the speed of its waves, and whether it goes
-/// with the soil, which it does where all of it is in soil that can leave its place and a face holds it.
+/// Sets the properties that particles and columns keep from the body of water in which they begin: the speed of its
+/// waves, and whether it goes with the soil. It does if all of it lies in soil that can leave its place and a face lies
+/// on it.
 template <int D>
 void begin_bodies(const Setup<D>& setup, State<D>& state);
 
-/// Numbers the bodies that only walls surround: no surface has been found in them and no face or inlet is at them.
+/// Numbers the bodies of water that only walls surround: no surface has been found in them, and no face or inlet
+/// touches them.
 template <int D>
 void number_closed_bodies(const Stencil<D>& s, State<D>& state);
 

@@ -1,5 +1,5 @@
-// The water as others see it: particles, buffers behind faces and images behind walls, with their fields; interpolation
-// in it.
+// The water as a set of points with fields: particles, buffers behind faces and images behind walls; interpolation in
+// it.
 #pragma once
 
 #include "common/numerics/dense.hpp"
@@ -17,15 +17,15 @@ struct Cloud {
   std::size_t n_real = 0;
   VecArray<D> position;
   ScalarArray volume, length;
-  ScalarArray owner;     ///< the particle an image belongs to; -1: a buffer, or its image
+  ScalarArray owner;     ///< the particle to which an image belongs; -1: a buffer, or its image
   ScalarArray pressure;  ///< total, Pa
   VecArray<D> velocity;
   OrZero<Vec<D>> solid_velocity, solid_change, surface_gradient;
   OrZero<double> surface_share;
   ScalarArray mask, void_fraction;
-  sph::Sight<D> sight;        ///< past the walls
-  std::size_t n_base = 0;     ///< points that are no images
-  std::vector<Index> by, of;  ///< [images] as sph::Images has them, where sight is limited
+  sph::Sight<D> sight;        ///< lines of sight past the walls
+  std::size_t n_base = 0;     ///< number of points that are no images
+  std::vector<Index> by, of;  ///< [images] see sph::Images; where lines of sight are limited
   [[nodiscard]] std::size_t size() const { return position.size(); }
 };
 
@@ -37,7 +37,7 @@ struct StillWater {
   double volume = 0.0, pressure = 0.0;  ///< m^D; piezometric, Pa
 };
 
-/// sticky: walls to which water sticks, by bits.
+/// The cloud of the present state. sticky: walls at which water does not slip, one bit each.
 template <int D>
 Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> planes, const sph::Sight<D>& sight,
                     const Vec<D>& weight, const Vec<D>& origin, std::span<const StillWater<D>> reservoir = {},
@@ -109,7 +109,7 @@ Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> p
   return c;
 }
 
-/// Interpolation in the water around any place. width: of the kernel, in smoothing lengths.
+/// Interpolation in the water at any place. width: width of the kernel, in smoothing lengths.
 template <int D>
 class Probe {
  public:
@@ -122,20 +122,20 @@ class Probe {
   Probe(const Probe&) = delete;
   Probe& operator=(const Probe&) = delete;
 
-  /// Value and gradient of a field, which f(j) gives at the points of the cloud.
+  /// Value and gradient [1/m] of a field at a place. f(j) gives the field at point j of the cloud.
   struct Fit {
     double value = std::numeric_limits<double>::quiet_NaN();
     Vec<D> gradient = Vec<D>::Zero();
   };
 
-  /// Sum of V W at x over that of a lattice: 1 in the water, 0 outside.
+  /// Sum of V W at x, over that of a lattice: 1 in the water, 0 outside.
   [[nodiscard]] double fullness(const Vec<D>& x) const {
     double sum = 0.0;
     near(x, [&](Index j, double r) { sum += cloud_.volume[j] * Kernel<D>::value(r, length(j)); });
     return sum / lattice_fullness<D>();
   }
 
-  /// Moving least squares of first order (weighted mean where the points do not span space); NaN outside the water.
+  /// Moving least squares of first order; a weighted mean where the points do not span space. NaN outside the water.
   template <class Field>
   [[nodiscard]] Fit fit(const Vec<D>& x, Field&& f) const {
     using Row = Eigen::Matrix<double, D + 1, 1>;
@@ -153,7 +153,7 @@ class Probe {
     });
     if (moment(0, 0) < points::least_sampled) return {};
     scale /= moment(0, 0);
-    // A direction without points on either side gives no slope.
+    // A direction in which points do not spread gives no slope.
     Row unit = Row::Constant(reach_ / scale);
     unit[0] = 1.0;
     const Eigen::Matrix<double, D + 1, D + 1> scaled = unit.asDiagonal() * moment * unit.asDiagonal();

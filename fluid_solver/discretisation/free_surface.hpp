@@ -1,4 +1,5 @@
-// The free surface: which particles lie on it, how far the others are from it, and what that does to the pressure.
+// The free surface: which particles lie on it, how far it is from the others, and its terms in the pressure's
+// equations.
 #pragma once
 
 #include "common/core/threads.hpp"
@@ -13,9 +14,9 @@ namespace poretwin::fluid {
 
 enum class Surface : std::uint8_t { interior, surface, lone };
 
-/// Distance of the free surface from the row of particles on it, half the row's thickness, in half spacings: the row
-/// need not be a lattice's. In a tank at rest particles join it, up to 15 % more, and a surface held half a spacing
-/// above it sinks by as much of that: the pressure fell by 0.3 % of the depth of 20 spacings in a minute.
+/// Thickness of the row of surface particles at particle a, over a lattice's. The surface lies half of it above the
+/// row. In a tank at rest particles join the row, up to 15 % more. With a surface at a fixed half spacing above it, the
+/// pressure fell by 0.3 % of the depth of 20 spacings in a minute.
 template <int D>
 double row_thickness(const Stencil<D>& s, std::size_t a) {
   static const double lattice = [] {
@@ -44,8 +45,8 @@ double row_thickness(const Stencil<D>& s, std::size_t a) {
   return thickness;
 }
 
-/// What the surface particles of its own kind in reach say of the surface above particle a, sums weighted with W: the
-/// outward normal, the surface's height above the particle along it [m], its pressure [Pa].
+/// The surface above particle a, as the surface particles of its own kind within reach show it: sums weighted with W of
+/// the outward normal, of the surface's height above the particle along that normal [m], and of its pressure [Pa].
 template <int D>
 struct SurfacePlane {
   double weight = 0.0, height = 0.0, pressure = 0.0;
@@ -69,7 +70,8 @@ SurfacePlane<D> surface_plane(const Stencil<D>& s, std::size_t a, bool in_seepag
   return plane;
 }
 
-/// Depth of particle a of free water below the surface in its kernel's reach [m]; 0: none, or no plane.
+/// Depth of particle a of free water below the surface within its kernel's reach [m]; 0 where there is none or it is no
+/// plane.
 template <int D>
 double depth(const Stencil<D>& s, std::size_t a) {
   if (s.ghost_distance[a] > 0.0) return s.ghost_distance[a];
@@ -78,12 +80,16 @@ double depth(const Stencil<D>& s, std::size_t a) {
   return std::max(plane.height / plane.weight, s.surface_distance(a));
 }
 
-/// rows: thickness of the row each particle lies in, in spacings, of which `share` is what it is now: slowly, for the
-/// surface particles themselves are moved as the surface does (surface_lead) while a row is stretched.
-/// splashes: small holes in free water that touches soil are surfaces. none: there is no air, and holes are disorder.
-/// Free water: the moment's smallest eigenvalue, then an umbrella of neighbours (Marrone et al. 2010).
-/// Water in soil (seeps), a wetting front: the deficit of the divergence of position (Lee et al. 2008), where no
-/// water stands opposite: a hole under pressure taken for a surface draws a reservoir in at full head.
+/// Finds the surface particles and sets the surface's terms in the stencil.
+///
+/// Free water: a particle lies on the surface by the smallest eigenvalue of its moment matrix and by an empty cone
+/// around the outward normal (Marrone et al. 2010). Water in soil, at a wetting front: by the deficit of the divergence
+/// of position (Lee et al. 2008), where no water stands opposite. If a hole under pressure counted as a surface, it
+/// would draw a reservoir in under its full head.
+///
+/// rows: thickness of the row in which each particle lies, in spacings. `share` is the weight of its present value: the
+/// average is slow, since surface particles move with the surface while a row is stretched (surface_lead). splashes:
+/// small holes in free water that touches soil are surfaces. none: there is no air, and holes are disorder.
 template <int D>
 std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> in_seepage, std::span<double> rows = {},
                                   double share = 0.0, bool splashes = false, bool none = false) {
@@ -102,8 +108,9 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> in_seepag
     }
     return false;
   };
-  // The surface in soil is rough on the scale of a spacing: the narrow cone only. At a seepage face the soil's water
-  // ends there, whatever of it has passed the face already; only free water that runs down the face covers it.
+  // The surface in soil is rough on the scale of a spacing, hence only the narrow cone counts. At a seepage face the
+  // soil's water ends there, whatever part of it has already passed the face. Only free water that flows down the face
+  // covers it.
   const auto opposite = [&](std::size_t a) {
     const Vec<D> n = -s.normal[a].normalized();
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {
@@ -151,8 +158,8 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> in_seepag
     rows[a] += share * ((in_row ? row_thickness<D>(s, a) : 1.0) - rows[a]);
     if (in_row) s.prescribed_surface_distance.set(a, s.surface_distance(a) * rows[a], s.n_real);
   }
-  // Below the surface: the distance of the plane that the surface particles of its own kind in reach put it at, and the
-  // pressure there; 0: none.
+  // For a particle below the surface: distance to the plane through the surface particles of its own kind within reach,
+  // and the surface's pressure; 0: none.
   const auto below = [&](std::size_t a) -> std::pair<double, double> {
     const auto plane = surface_plane<D>(s, a, in_seepage[a] != 0);
     if (plane.weight == 0.0 || plane.normal.isZero(0.0)) return {};
@@ -162,7 +169,8 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> in_seepag
     if (distance <= 0.0 || distance >= sph::support_radius * s.length(a)) return {};
     return {std::max(distance, s.surface_distance(a)), plane.pressure / plane.weight};
   };
-  // Beside free water the gradient of seeping water does not know of its surface: rows that touch it stay as they are.
+  // Beside free water the gradient of seeping water does not include the surface: rows that touch free water are not
+  // changed.
   const auto seeps_all_around = [&](std::size_t a) {
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
       if (const Index q = s.parent[s.other[k]]; q < s.n_real && in_seepage[q] == 0) return false;
@@ -187,16 +195,16 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> in_seepag
     const double distance = flags[a] == Surface::surface ? s.surface_distance(a) : below(a).first;
     if (distance == 0.0) continue;
     s.ghost_distance.set(a, distance, s.n_real);
-    // The ghost at twice the distance completes the moment.
+    // The ghost at twice the distance completes the moment matrix.
     const double amount = s.normal[a].norm();
     const Vec<D> n = s.normal[a] / amount;
     Mat<D>& unresolved = s.boundary_correction(a).unresolved;
     s.correction[a] = bounded_inverse<D>(s.moment(a) + 2.0 * distance * amount * n * n.transpose(),
                                          surface::least_inverted, &unresolved);
   }
-  // Inside, where neighbours are few, the pair sums of the Laplacian are short and the gradient's are not: a pressure
-  // found from the one and applied by the other would correct the velocity more than once. In soil drag keeps that
-  // small.
+  // Inside, where neighbours are few, the pair sums of the Laplacian are too small and the corrected gradient is not. A
+  // pressure found from the one and applied by the other would correct the velocity more than once. In soil drag keeps
+  // this effect small.
   parallel_for(s.n_real, [&](std::size_t a) {
     if (const double deficit = s.divergence[a] / D;
         in_seepage[a] == 0 && deficit < surface::few && flags[a] == Surface::interior && s.ghost_distance[a] == 0.0)
@@ -205,15 +213,15 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> in_seepag
   return flags;
 }
 
-/// The surface's total pressure, at a distance outside the particle: what is added to row a,
-/// coefficient * (ph_a - pressure).
+/// Term by which the total pressure of the surface, at a distance outside particle a, enters row a: coefficient * (ph_a
+/// - pressure).
 struct SurfaceRow {
   double coefficient = 0.0;  ///< of the row weighted with the volume
   double pressure = 0.0;     ///< piezometric, Pa
 };
 
-/// The surface lies `distance` [m] outside the particle. weight: rho g [N/m3] as a vector; origin: where the
-/// piezometric pressure equals the total one.
+/// The term for a surface that lies `distance` [m] outside the particle. weight: rho g [N/m3]; origin: point at which
+/// piezometric and total pressure are equal [m].
 template <int D>
 SurfaceRow surface_row(const Stencil<D>& s, std::size_t a, double distance, double mobility, const Vec<D>& weight,
                        const Vec<D>& origin) {

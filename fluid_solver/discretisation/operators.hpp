@@ -11,12 +11,13 @@
 
 namespace poretwin::fluid {
 
-/// What a vector field is: behind a wall that moves, a velocity of the water is not the mirrored one alone.
+/// Whether the images of a vector field behind a moving wall contain the wall's velocity: so for velocities of the
+/// water.
 enum class Carried : bool { no, yes };
 
-/// The value at point j from those at real particles: an image takes its parent's, through the linear map for vectors;
-/// behind walls to which the field sticks (`sticky`, by bits) turned round. Buffers and their images get zero: nothing
-/// here reads them.
+/// The value of a field at point j from the values at the real particles. An image takes its parent's value, vectors by
+/// the image's linear map, or with opposite sign behind walls at which the field does not slip (`sticky`, one bit
+/// each). Buffers and their images get zero, which is not read.
 template <int D>
 [[gnu::always_inline]] inline Vec<D> extended_to(const Stencil<D>& s, std::span<const Vec<D>> f, std::size_t j,
                                                  Carried carried, std::uint32_t sticky) {
@@ -29,7 +30,7 @@ template <int D>
   return image;
 }
 
-/// The values at all points.
+/// The values of a field at all points.
 template <int D>
 VecArray<D> extended(const Stencil<D>& s, std::span<const Vec<D>> f, Carried carried = Carried::no,
                      std::uint32_t sticky = 0) {
@@ -43,7 +44,7 @@ inline double harmonic(double a, double b) {
   return a + b > 0.0 ? 2.0 * a * b / (a + b) : 0.0;
 }
 
-/// Slope of a pressure along a face column's normal [Pa/m]; nothing where the ground inside is dry.
+/// Slope of a pressure along a face column's normal [Pa/m]; empty where the ground inside is dry.
 template <int D>
 std::optional<double> face_slope(const Stencil<D>& s, Index column, std::span<const double> p, double face_pressure,
                                  bool increment = false) {
@@ -54,18 +55,19 @@ std::optional<double> face_slope(const Stencil<D>& s, Index column, std::span<co
   return slope;
 }
 
-/// What pair loops read of a point, packed: its place and some numbers, filled up to a multiple of `step`.
+/// Data of a point that pair loops read, packed: its position and n_values numbers, padded to a multiple of `step`.
 template <int D, std::size_t n_values, std::size_t step = n_lanes>
 struct alignas(step * sizeof(double)) PackedPoint {
   static constexpr std::size_t size = (D + n_values + step - 1) / step * step;
-  std::array<double, size> x;  ///< unset: who packs a point says all that is read of it
+  std::array<double, size> x;  ///< not initialised: whoever packs a point sets all that is read of it
   [[nodiscard]] const double* row() const { return x.data(); }
 };
 template <int D, std::size_t n_values>
 using PackedPoints = UnsetArray<PackedPoint<D, n_values>>;
 
-/// Calls sum(a, self, m, r, points, sums) for the pairs m .. m + 3 of every real particle a, compiled for this machine:
-/// r the vectors to their points times the gradient factor, points the numbers packed with these.
+/// For every real particle a, calls sum(a, self, m, w, point, sums) for its pairs, four from m on at a time, and then
+/// take(a, total), compiled for this machine's vector instructions. w: vectors to the pairs' points times the gradient
+/// factor; self, point: the numbers packed with particle a and with these points.
 template <int D, std::size_t n_values, std::size_t n_sums, class Sum, class Take>
 void for_pairs_in_lanes(const Stencil<D>& s, const PackedPoints<D, n_values>& points, const Sum& sum,
                         const Take& take) {
@@ -94,15 +96,15 @@ void for_pairs_in_lanes(const Stencil<D>& s, const PackedPoints<D, n_values>& po
   });
 }
 
-/// Corrected gradient of a piezometric pressure; face_pressure(column) is the pressure at a face (0 for increments).
-/// mobility: of the real particles, pairs get the harmonic mean; 1 where there is none; unresolved_gradient is taken in
-/// directions without neighbours; surface_pressure(a) is that of the free surface next to particle a (0 for
-/// increments); increment: p is a change of pressure.
+/// Corrected gradient of a piezometric pressure. face_pressure(column): the pressure at a face; surface_pressure(a):
+/// that of the free surface next to particle a (both 0 for increments). mobility: of the real particles, of which pairs
+/// get the harmonic mean; 1 where it is empty. unresolved_gradient: taken in directions without neighbours. increment:
+/// p is a change of pressure.
 template <int D, class Face, class SurfacePressure>
 VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Face&& face_pressure,
                               std::span<const double> mobility, const Vec<D>& unresolved_gradient,
                               SurfacePressure&& surface_pressure, bool increment = false) {
-  // Pressures of the buffers. Reflecting particle by particle, as the Laplacian does, would magnify the error of a
+  // Pressures of the buffers. Reflection particle by particle, as in the Laplacian, would magnify the error of a
   // particle that lies on the face itself.
   ScalarArray buffer(s.n_base - s.n_real);
   std::vector<bool> fitted(buffer.size());
@@ -114,7 +116,7 @@ VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Fa
     all_fitted = all_fitted && fitted[i];
     buffer[i] = at_face - slope.value_or(0.0) * s.buffers[i].outside;
   }
-  // A buffer moves as the particle whose row is summed: encoded by a mobility of zero.
+  // A buffer has the mobility of the particle whose row is summed, encoded by zero.
   PackedPoints<D, 2> points(s.size());
   parallel_for(s.size(), [&](std::size_t j) {
     const Index q = s.parent[j];
@@ -150,10 +152,11 @@ VecArray<D> pressure_gradient(const Stencil<D>& s, std::span<const double> p, Fa
   return result;
 }
 
-/// The harmonic mean of a pair's mobilities is right across an interface between two soils; along it, it holds back the
-/// water of the one and drives that of the other. Along it each side's pressure drives its own mobility: that part of
-/// the flux is scaled by it over the pairs' mean. flux: of pressure_gradient with the same mobility; in_soil: [n] above
-/// one half in soil; other particles are left as they are.
+/// Scales the flux along interfaces between soils. The harmonic mean of a pair's mobilities is right across an
+/// interface. Along it, it slows the water of the more permeable soil and accelerates that of the other. Each side's
+/// pressure should drive its own mobility there: that part of the flux is scaled by the particle's mobility over the
+/// pairs' mean. flux: from pressure_gradient with the same mobility; in_soil [n]: above one half in soil. Other
+/// particles are not changed.
 template <int D>
 void free_along_interfaces(const Stencil<D>& s, std::span<const double> mobility, std::span<const double> in_soil,
                            std::span<Vec<D>> flux) {
@@ -172,12 +175,13 @@ void free_along_interfaces(const Stencil<D>& s, std::span<const double> mobility
     if (change.isZero(0.0)) return;
     const Vec<D> n = change.normalized(), across = n.dot(flux[a]) * n;
     const double own = mobility[a] * (plain.trace() - n.dot(plain * n)), mean = weighted.trace() - n.dot(weighted * n);
-    // At a flat interface the ratio is 0.7 to 1.7; an island of one soil in the other has no direction along it.
+    // At a flat interface the ratio is 0.7 to 1.7. An island of one soil in the other has no direction along the
+    // interface.
     if (mean > 0.0) flux[a] = across + std::clamp(own / mean, 0.5, 2.0) * (flux[a] - across);
   });
 }
 
-/// Calls take(a, sum) with sum_b V_b (f_b - f_a) grad W^T of every real particle, buffers left out.
+/// Calls take(a, sum) with sum_b V_b (f_b - f_a) grad W^T for every real particle a, without buffers.
 template <int D, class Take>
 void sum_differences(const Stencil<D>& s, std::span<const Vec<D>> f, Carried carried, std::uint32_t sticky,
                      const Take& take) {
@@ -203,8 +207,8 @@ void sum_differences(const Stencil<D>& s, std::span<const Vec<D>> f, Carried car
           __attribute__((always_inline)) { take(a, Mat<D>(Eigen::Map<const Mat<D>>(total))); });
 }
 
-/// Corrected gradient of the water's velocity, G_ij = d v_i / d x_j, buffers left out; sticky: walls to which water
-/// sticks, by bits.
+/// Corrected gradient of the water's velocity, G_ij = d v_i / d x_j [1/s], without buffers. sticky: walls at which
+/// water does not slip, one bit each.
 template <int D>
 MatArray<D> velocity_gradient(const Stencil<D>& s, std::span<const Vec<D>> f, std::uint32_t sticky = 0) {
   MatArray<D> result(s.n_real);
@@ -215,7 +219,7 @@ MatArray<D> velocity_gradient(const Stencil<D>& s, std::span<const Vec<D>> f, st
   return result;
 }
 
-/// Corrected divergence of a velocity-like field, buffers left out (one-sided at faces).
+/// Corrected divergence of a velocity-like field, without buffers (one-sided at faces).
 template <int D>
 ScalarArray divergence(const Stencil<D>& s, std::span<const Vec<D>> f, Carried carried = Carried::no) {
   ScalarArray result(s.n_real, 0.0);
@@ -227,11 +231,12 @@ ScalarArray divergence(const Stencil<D>& s, std::span<const Vec<D>> f, Carried c
   return result;
 }
 
-/// Shares out amounts of the real particles [n], in place: each among the real particles around it, itself included, by
-/// the kernel's value times what they count [n]. What finds nobody that counts stays where it is; the sum is kept.
+/// Distributes amounts of the real particles [n], in place: each among the real particles around it and itself, in
+/// proportion to the kernel's value times a weight, counts [n]. An amount without any neighbour of positive weight
+/// stays where it is. The sum is conserved.
 template <int D>
 void share_out(const Stencil<D>& s, std::span<const double> counts, std::span<Vec<D>> amounts) {
-  // Of a point: what it counts, smoothing length.
+  // Data of a point: weight, smoothing length.
   PackedPoints<D, 2> points(s.size());
   parallel_for(s.size(), [&](std::size_t j) {
     auto& x = points[j].x;
@@ -240,7 +245,7 @@ void share_out(const Stencil<D>& s, std::span<const double> counts, std::span<Ve
     x[D + 1] = s.length(j);
   });
   const auto own = [&](std::size_t a) { return counts[a] * Kernel<D>::value(0.0, s.length(a)); };
-  UnsetArray<float> value(s.other.size());  // of the kernel, the same for both of a pair
+  UnsetArray<float> value(s.other.size());  // of the kernel, the same for both particles of a pair
   VecArray<D> parts(s.size(), Vec<D>::Zero());
   for_each_in_lanes(
       s.n_real, s.worth_threads, [&](std::size_t a) __attribute__((always_inline)) {
@@ -279,8 +284,8 @@ void share_out(const Stencil<D>& s, std::span<const double> counts, std::span<Ve
       });
 }
 
-/// The entries of a laplacian without buffers in which all volumes and mobilities are the same, `factor` their product:
-/// the list's kernels are the same for both of a pair there.
+/// Entries of a Laplacian without buffers where all volumes and mobilities are the same and `factor` is their product.
+/// The list's kernels are then the same for both particles of a pair.
 template <int D>
 void fill_even_laplacian(const Stencil<D>& s, double factor, PairMatrix& m) {
   ScalarArray amplified(s.size());
@@ -303,10 +308,10 @@ void fill_even_laplacian(const Stencil<D>& s, double factor, PairMatrix& m) {
       });
 }
 
-/// V_a sum_b 2 V_b mobility_ab G_ab (p_a - p_b): minus the Laplacian, weighted with the volume so that it is symmetric.
-/// One for each of the mobilities: of the real particles, pairs get the harmonic mean; 1 where there is none. With
-/// buffers, their pairs go to the diagonal, (1 + r) (p_a - p_face). Entries that stand for no coupling have weight 0.
-/// The stencil must outlive them.
+/// V_a sum_b 2 V_b mobility_ab G_ab (p_a - p_b), G_ab = -W'/r: minus the Laplacian, weighted with the volume so that it
+/// is symmetric. One matrix for each of the mobilities of the real particles; pairs get the harmonic mean, and an empty
+/// mobility is 1. Pairs with buffers are added to the diagonal, (1 + r) (p_a - p_face), with the reflection's ratio r
+/// of distances. Entries without a coupling have weight 0. The stencil must outlive the matrices.
 template <int D, std::size_t n_mobilities>
 std::array<PairMatrix, n_mobilities> laplacians(const Stencil<D>& s,
                                                 const std::array<std::span<const double>, n_mobilities>& mobilities) {
@@ -325,8 +330,8 @@ std::array<PairMatrix, n_mobilities> laplacians(const Stencil<D>& s,
       fill_even_laplacian(s, s.volume[0] * (mobilities[i].empty() ? 1.0 : mobilities[i][0]), matrices[i]);
     return matrices;
   }
-  // Of a point: volume (0: coupled to nobody), amplification, mobilities; in 3D the smoothing length, too, which would
-  // ask for a cube root.
+  // Data of a point: volume (0: not coupled), amplification, mobilities. In 3D also the smoothing length, which would
+  // take a cube root to compute.
   constexpr std::size_t at_volume = D, at_amplified = D + 1, at_mobility = D + 2,
                         at_length = at_mobility + n_mobilities;
   constexpr std::size_t n_numbers = at_length - D + (D == 3 ? 1 : 0);
@@ -339,7 +344,7 @@ std::array<PairMatrix, n_mobilities> laplacians(const Stencil<D>& s,
       length = points::smoothing_ratio * length;
     }
   };
-  // Not filled up: beside the matrix there is the least room.
+  // Not padded: memory is shortest beside the matrix.
   UnsetArray<PackedPoint<D, n_numbers, 1>> points(s.size());
   parallel_for(s.size(), [&](std::size_t j) {
     auto& x = points[j].x;
@@ -366,7 +371,7 @@ std::array<PairMatrix, n_mobilities> laplacians(const Stencil<D>& s,
           for (std::size_t l = 0; buffers && l < n_lanes; ++l)
             if (const Index q = s.parent[i[l]]; q >= s.n_real)
               faces += static_cast<double>(s.gradient_factor[k + l]) * s.reflection(a, q);
-          // The kernel anew: that of the list is rounded with the volume of one of the two.
+          // The kernel is computed again: the list's is rounded together with the volume of one particle of the pair.
           Lanes r{}, scale, length, others;
           for (std::size_t d = 0; d < D; ++d) r += (point[d] - self[d]) * (point[d] - self[d]);
           sqrt_in_place(r);
@@ -395,7 +400,7 @@ std::array<PairMatrix, n_mobilities> laplacians(const Stencil<D>& s,
   return matrices;
 }
 
-/// That of one mobility.
+/// The matrix for one mobility.
 template <int D>
 PairMatrix laplacian(const Stencil<D>& s, std::span<const double> mobility) {
   return std::move(laplacians<D, 1>(s, {mobility})[0]);

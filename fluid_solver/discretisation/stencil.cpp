@@ -10,7 +10,7 @@
 namespace poretwin::fluid {
 namespace {
 
-/// What the sums over pairs read of a point, packed.
+/// Data of a point that the sums over pairs read, packed.
 template <int D>
 struct alignas(32) Summed {
   Vec<D> position;
@@ -18,12 +18,13 @@ struct alignas(32) Summed {
   [[nodiscard]] const double* row() const { return position.data(); }
 };
 
-/// The rows that a part finds, apart from those of others: what parts share a line of memory of is slow to write.
+/// Rows of pairs found by one part, a share of the particles. Each object has cache lines of its own, since lines
+/// shared by threads are slow to write.
 struct alignas(64) FoundRows {
   std::vector<Index> offset, other;
 };
 
-/// Rows of all points nearer than the supports of the two reach on average, each filled up to a multiple of four.
+/// Finds the rows of all points nearer than the mean support of the two; each row is padded to a multiple of four.
 template <int D>
 void find_pairs(double largest, Stencil<D>& s) {
   sph::CellGrid<D> grid;
@@ -56,7 +57,7 @@ void find_pairs(double largest, Stencil<D>& s) {
       offset.push_back(static_cast<Index>(other.size()));
     }
   };
-  // Piece by piece: one array for all would need room for the most that there may be.
+  // Piece by piece: one array for all would need memory for the largest possible number of pairs.
   constexpr std::size_t piece = 16384;
   const std::size_t n_threads = parts_for(s.n_real, s.worth_threads),
                     parts = std::max(n_threads == 1 ? 1 : 4 * n_threads, s.n_real / piece);
@@ -80,9 +81,8 @@ void find_pairs(double largest, Stencil<D>& s) {
   });
 }
 
-/// Two kinds of still water stand side by side at a crest: buffers behind the soil's face and the images behind the
-/// sill. Each is seen by the water that meets it: pairs across become pairs of the particle with itself, which are
-/// zero.
+/// Two kinds of still water stand side by side at a crest: buffers behind the soil's face, and images behind the sill.
+/// Each is seen only by the water that meets it: other pairs become pairs of the particle with itself, which are zero.
 template <int D>
 void part_ghosts(std::span<const Buffer<D>> buffers, std::span<const char> free, Stencil<D>& s) {
   const std::size_t n = s.n_real;
@@ -103,7 +103,7 @@ void part_ghosts(std::span<const Buffer<D>> buffers, std::span<const char> free,
   });
 }
 
-/// What walls hide is no neighbour: its pairs become pairs of the particle with itself, which are zero.
+/// Removes neighbours that walls hide: their pairs become pairs of the particle with itself, which are zero.
 template <int D>
 void hide_behind_walls(const sph::Sight<D>& sight, double reach, Stencil<D>& s) {
   parallel_ranges(s.n_real, s.worth_threads, [&](std::size_t first, std::size_t last) {
@@ -124,12 +124,13 @@ void hide_behind_walls(const sph::Sight<D>& sight, double reach, Stencil<D>& s) 
   });
 }
 
-/// Where a wall ends at a face, pairs whose line of sight crosses the other of the two become pairs of the particle
-/// with itself, which are zero.
+/// Where a wall ends at a face, removes the pairs of a particle with an image behind the wall whose line of sight
+/// crosses the face, and with a buffer behind the face whose line of sight crosses the wall: they become pairs of the
+/// particle with itself, which are zero.
 template <int D>
 void part_at_joints(std::span<const Joint<D>> joints, double reach, Stencil<D>& s) {
   for (const auto& joint : joints) {
-    // Images go on for a margin beyond the wall's end, and pairs for a kernel's reach.
+    // Images extend for a margin beyond the wall's end, and pairs for a kernel's reach.
     const double near = wall_margin * reach + reach, rounding = 1e-9 * reach;
     parallel_for(s.n_real, [&](std::size_t a) {
       if (s.beyond[a] == 0) return;
@@ -152,7 +153,8 @@ void part_at_joints(std::span<const Joint<D>> joints, double reach, Stencil<D>& 
   }
 }
 
-/// soilless: [real] no soil covers it; none: all.
+/// Marks open water: particles with no soil over them, nor over any particle within reach. soilless [real]: 1 where no
+/// soil covers the particle; empty: everywhere.
 template <int D>
 void mark_open_water(std::span<const char> soilless, Stencil<D>& s) {
   s.open_water.assign(s.n_real, 1);
@@ -165,8 +167,8 @@ void mark_open_water(std::span<const char> soilless, Stencil<D>& s) {
   });
 }
 
-/// Kernels of the pairs of particle a, and its sums over them; its moment stands in for the correction. by_density: of
-/// open water.
+/// Computes the kernels of particle a's pairs and its sums over them; stores its moment matrix in place of the
+/// correction. by_density: fullness of open water is measured with density_weight.
 template <int D>
 [[gnu::always_inline]] inline void sum_pairs(const Summed<D>* points, std::size_t a, bool by_density, Stencil<D>& s) {
   constexpr std::size_t n_moments = D * (D + 1) / 2, n_sums = 2 + D + n_moments, size = (n_sums + 3) / 4 * 4;
@@ -222,7 +224,7 @@ template <int D>
 
 template <int D>
 Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* unresolved, double* smallest) {
-  // The least eigenvalue, in 3D a bound of it: as far below the mean as the others can be above.
+  // The least eigenvalue; in 3D a lower bound: as far below the mean as the others can be above.
   const double mean = moment.trace() / D;
   const double lower = mean - std::sqrt((D - 1.0) / D * (moment - mean * Mat<D>::Identity()).squaredNorm());
   if (lower >= least) {
@@ -294,7 +296,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   part_ghosts(buffers, free, s);
   if (sight.limited()) hide_behind_walls(sight, reach, s);
   part_at_joints(joints, reach, s);
-  // The largest arrays first: what is smaller fits between.
+  // The largest arrays first: smaller ones fit between.
   s.gradient_factor.resize(s.other.size());
   for (auto* array : {&s.fullness, &s.closest, &s.divergence, &s.amplification, &s.least_moment}) array->resize(n);
   s.normal.resize(n);
@@ -314,8 +316,8 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   parallel_for(n, [&](std::size_t a) {
     const Mat<D> moment = s.correction[a];
     s.divergence[a] = moment.trace();
-    // The pair Laplacian of a quadratic is off by the kernel's moment, 2.6 % on a lattice at this smoothing length:
-    // that much too fast or slow a consolidation. Far from 1 it means a surface, not disorder.
+    // The pair Laplacian of a quadratic is off by the kernel's second moment, 2.6 % on a lattice at this smoothing
+    // length; consolidation would be too fast or slow by as much. A value far from 1 means a surface, not disorder.
     const double deficit = s.divergence[a] / D;
     s.amplification[a] =
         1.0 /

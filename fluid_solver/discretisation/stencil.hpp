@@ -1,5 +1,5 @@
-// The particles' surroundings at one instant: real particles, buffer particles outside prescribed-pressure faces, and
-// the images of both behind walls and periodic sides; pairs, kernel gradients and their corrections.
+// The neighbourhoods of the particles at one instant: real particles, buffer particles outside faces of prescribed
+// pressure, and the images of both behind walls and periodic sides; pairs, kernel gradients and their corrections.
 #pragma once
 
 #include "common/core/lanes.hpp"
@@ -19,11 +19,11 @@ namespace poretwin::fluid {
 template <int D>
 using Kernel = sph::WendlandC2<D>;
 
-/// Edge of a square or cube of that volume [m]: the spacing of particles on a lattice.
+/// Edge [m] of a square or cube of this volume: the spacing of particles on a lattice.
 template <int D>
 double spacing_of(double volume) {
   if constexpr (D == 2) return std::sqrt(volume);
-  // Particles are mostly alike, and cube roots take long.
+  // Most particles have the same volume, and cube roots are slow.
   thread_local double last = 0.0, root = 0.0;
   if (volume != last) {
     root = std::cbrt(volume);
@@ -32,8 +32,8 @@ double spacing_of(double volume) {
   return root;
 }
 
-/// Sum of a pair's part, a function of the distance (unit spacing), over an infinite square lattice, the point itself
-/// counted.
+/// Sum of part(distance) over the points within reach on an infinite square (3D: cubic) lattice of unit spacing, the
+/// point itself included.
 template <int D, class Part>
 double lattice_sum(Part part) {
   double sum = 0.0;
@@ -45,23 +45,24 @@ double lattice_sum(Part part) {
   return sum;
 }
 
-/// Sum of V W there: what "full" means for a particle.
+/// Sum of V W on a lattice: the fullness of water is measured relative to it.
 template <int D>
 double lattice_fullness() {
   static const double value = lattice_sum<D>([](double r) { return Kernel<D>::value(r, points::smoothing_ratio); });
   return value;
 }
 
-/// By what points count in the density of open water (2D), u = 1 - r / support, unit at the point itself: nearly Hann's
-/// window, whose spectrum is next to nothing where that of a packing is not, so that the sum hardly knows in which
-/// order the points lie: 0.3 % above a lattice's at a jitter of 0.2, where sum V W is 1.5 %, 0.0 % in flowing water
-/// (0.4 %). In 3D it would know as well (0.3 %).
+/// Weight of a point in the density of open water (2D), with u = 1 - r / support; it is 1 at the point itself. It is
+/// nearly Hann's window, whose spectrum is close to zero where that of a packing is not, so that the sum hardly depends
+/// on the order of the points: at a jitter of 0.2 it is 0.3 % above a lattice's, where sum V W is 1.5 % above it; in
+/// flowing water 0.0 % (0.4 %). In 3D it would depend on the order as well (0.3 %).
 template <class Number>
 [[gnu::always_inline]] inline void density_weight(const Number& u, Number& weight) {
   weight = u * u * (3.0 - 2.0 * u);
 }
 
-/// Sum of that over a lattice, or over those of its planes that lie `distance` or more away on one side, in spacings.
+/// Sum of density_weight over a lattice, or over those of its planes that lie `distance` spacings or more away on one
+/// side.
 template <int D>
 double lattice_density(std::optional<double> distance = {}) {
   constexpr double support = sph::support_radius * points::smoothing_ratio;
@@ -76,7 +77,7 @@ double lattice_density(std::optional<double> distance = {}) {
   return sum;
 }
 
-/// Amplification of pair sums of second derivatives inside a lattice.
+/// Factor that makes pair sums of second derivatives exact inside a lattice.
 template <int D>
 double lattice_amplification() {
   static const double value =
@@ -86,7 +87,7 @@ double lattice_amplification() {
   return value;
 }
 
-/// -W'/r of pairs at distance r, with the inverses of their smoothing lengths: [1/m^(D+2)]; zero beyond the support.
+/// -W'/r [1/m^(D+2)] of pairs at distance r, with the inverses of their smoothing lengths; zero beyond the support.
 template <int D>
 [[gnu::always_inline]] inline void pair_gradient_factor(const Lanes& r, const Lanes& inverse, Lanes& factor) {
   static const double scale = 5.0 * Kernel<D>::normalisation(1.0);
@@ -96,7 +97,7 @@ template <int D>
   factor = scale * (u * u * u) * (square * square) * (D == 2 ? Lanes{} + 1.0 : inverse);
 }
 
-/// W of pairs at distances r with 1/h [1/m^D].
+/// W [1/m^D] of pairs at distance r, with the inverses of their smoothing lengths.
 template <int D>
 [[gnu::always_inline]] inline void pair_value(const Lanes& r, const Lanes& inverse, Lanes& value) {
   static const double scale = Kernel<D>::normalisation(1.0);
@@ -106,105 +107,112 @@ template <int D>
   value = scale * (u * u) * (u * u) * (2.0 * q + 1.0) * (inverse * inverse) * (D == 2 ? Lanes{} + 1.0 : inverse);
 }
 
-/// How many particles are worth more than one thread in a loop over the pairs of each: water that runs alone in some
-/// 0.4 ms by one thread, and in 0.1 ms where the other processes of a coupled run wait for it. To wake a thread takes
-/// some 0.02 ms, and between two loops it is idle: a tenth less wall time for a sixth more CPU time.
+/// Number of particles from which on loops over the pairs of each use several threads. A loop over that many takes one
+/// thread some 0.4 ms for water that runs alone, and 0.1 ms where the other processes of a coupled run wait for it. To
+/// wake a thread takes some 0.02 ms, and between two loops it is idle: a tenth less wall time for a sixth more CPU
+/// time.
 inline constexpr std::size_t worth_threads_in_pairs = 8192, worth_threads_while_others_wait = 2048;
 
-/// How far walls' images go on beyond a wall's end, in the kernel's reach.
+/// Length by which the images behind a wall continue beyond its end, in units of the kernel's reach.
 inline constexpr double wall_margin = points::wall_overhang / (sph::support_radius * points::smoothing_ratio);
 
-/// A buffer particle stands for the water behind a face: it has no unknown of its own, its pressure lies on the
+/// A buffer particle represents the water behind a face. It has no unknown of its own: its pressure lies on the
 /// straight line from the particle whose row is summed through the face's pressure.
 template <int D>
 struct Buffer {
   Vec<D> position;
   double volume = 0.0;                                    ///< m^D
-  Index column = 0;                                       ///< of the face columns
-  double outside = 0.0;                                   ///< distance from the face [m]
-  Vec<D> foot = Vec<D>::Zero(), normal = Vec<D>::Zero();  ///< of its column on the face [m], unit into the domain
+  Index column = 0;                                       ///< index of its face column
+  double outside = 0.0;                                   ///< m, distance from the face
+  Vec<D> foot = Vec<D>::Zero(), normal = Vec<D>::Zero();  ///< m, foot of its column on the face; unit normal into the
+                                                          ///< domain
   bool in_soil = false;                                   ///< the ground before the face is soil
   [[nodiscard]] double inside(const Vec<D>& x) const { return normal.dot(x - foot); }
 };
 
-/// Where a wall ends and a face of columns begins, straight on or turned away from the domain. Both stand for what is
-/// behind them as if they went on without end; of two points on either side of the wall's line what the line of sight
-/// between them crosses counts, the same for both: there the matrix stays symmetric, and nothing is seen twice.
+/// The end of a wall at which a face with columns begins, straight on or turned away from the domain. What stands
+/// behind each of the two continues without end. For two points on either side of the wall's line, the one of the two
+/// that their line of sight crosses counts. This is the same for both points, so that the matrix stays symmetric and
+/// nothing is seen twice.
 template <int D>
 struct Joint {
   Vec<D> at = Vec<D>::Zero();                              ///< m
-  Vec<D> along = Vec<D>::Zero(), normal = Vec<D>::Zero();  ///< unit; the wall's line, away from it; into the domain
-  double length = 0.0;                                     ///< of the wall's piece [m]
-  int boundary = 0;                                        ///< the wall's
+  Vec<D> along = Vec<D>::Zero(), normal = Vec<D>::Zero();  ///< unit vectors: along the wall's line, away from the wall;
+                                                           ///< into the domain
+  double length = 0.0;                                     ///< m, of the wall's piece
+  int boundary = 0;                                        ///< boundary number of the wall
 };
 
+/// Lengths of the arrays: [all] points, [real] particles, [base] particles and buffers, [images], [pairs] entries of
+/// the pair lists, [columns] of the faces.
 template <int D>
 struct Stencil {
-  std::size_t n_real = 0, n_base = 0;  ///< real particles; with buffers
+  std::size_t n_real = 0, n_base = 0;  ///< number of real particles; the same with buffers
   std::size_t worth_threads = worth_threads_in_pairs;
   VecArray<D> position;                   ///< [all]
   ScalarArray volume;                     ///< [all] V, m^D
-  ScalarArray smoothing;                  ///< [all] h, m, in 3D: cube roots take long; 2D has none
-  std::vector<Index> parent;              ///< [all] base point an image belongs to; itself for base points
-  MatArray<D> map;                        ///< [images] linear part for vectors
-  VecArray<D> carried;                    ///< [images] added to velocities: 2 U n behind a piston [m/s]
-  std::vector<std::uint32_t> boundaries;  ///< [images]
-  std::vector<Index> by, of;              ///< [images] as sph::Images has them, where sight is limited
+  ScalarArray smoothing;                  ///< [all] h, m; in 3D only, where cube roots are slow
+  std::vector<Index> parent;              ///< [all] base point to which an image belongs; base points: themselves
+  MatArray<D> map;                        ///< [images] linear map for vectors
+  VecArray<D> carried;                    ///< [images] m/s, added to velocities: 2 U n behind a piston of speed U
+  std::vector<std::uint32_t> boundaries;  ///< [images] boundaries passed, one bit each
+  std::vector<Index> by, of;              ///< [images] see sph::Images; where lines of sight are limited
   std::vector<Buffer<D>> buffers;         ///< [base - real]
 
-  /// Slope of the pressure at each face column, a straight line through the face's pressure fitted to the particles
-  /// inside: slope = sum fit_weight (p - p_face) over fit_index[fit_offset[c] .. fit_offset[c + 1]); none where the
-  /// ground is dry.
+  /// Slope of the pressure at each face column, by a straight line through the face's pressure fitted to the particles
+  /// inside: slope = sum fit_weight (p - p_face) over fit_index[fit_offset[c] .. fit_offset[c + 1]). The range is empty
+  /// where the ground is dry.
   std::vector<Index> fit_offset{0}, fit_index;
   ScalarArray fit_weight;    ///< 1/m
-  ScalarArray fit_constant;  ///< [columns] Pa/m, added to the slope of a pressure, not to that of an increment
+  ScalarArray fit_constant;  ///< [columns] Pa/m, added to the slope of a pressure, but not to that of an increment
 
-  /// Pairs of real a: offset[a] .. offset[a + 1], a multiple of four: filled up with a itself, of which all is zero.
+  /// Pairs of real particle a: offset[a] .. offset[a + 1], a multiple of four, padded with a itself, whose terms are
+  /// zero.
   std::vector<Index> offset{0};
-  UnsetArray<Index> other;   ///< [pairs]
-  std::vector<char> beyond;  ///< [real] whether some of its pairs are with points that are no real particles
-  /// [pairs] -V_b W'/r, 1/m^2: V_b grad_a W_ab is this factor times (r_b - r_a). In floats, to halve the memory;
-  /// moments are sums of the rounded values, so that gradients of linear fields stay exact.
+  UnsetArray<Index> other;   ///< [pairs] the other point
+  std::vector<char> beyond;  ///< [real] 1 if some of its pairs are with points that are no real particles
+  /// [pairs] -V_b W'/r, 1/m^2: V_b grad_a W_ab is this factor times (r_b - r_a). Floats halve the memory. Moments are
+  /// sums of the rounded values, so that gradients of linear fields stay exact.
   UnsetArray<float> gradient_factor;
 
-  std::vector<char> open_water;   ///< [real] no soil covers it, nor any in its kernel's reach
-  UnsetArray<double> fullness;    ///< [real] sum V W over that of a lattice, or sum V density_weight
-  UnsetArray<double> closest;     ///< [real] least distance to another point, in units of the pair's smoothing length
-  UnsetArray<double> divergence;  ///< [real] sum V div r: D inside; of use until the surface has been found
-  UnsetArray<double>
-      amplification;   ///< [real] of pair sums of second derivatives, to make them exact for a quadratic on average
-  VecArray<D> normal;  ///< [real] sum V grad W: inward where the surroundings are one-sided, 1/m
-  std::vector<char> covered;  ///< [real] in soil, with water in the cone outwards: a loose place, no surface
-  std::vector<char> at_face;  ///< [real] in soil, within half a spacing of a seepage face: that is where water ends
-  /// [real] distance of a surface particle to the surface [m] where it is prescribed; half a spacing elsewhere.
+  std::vector<char> open_water;      ///< [real] 1 if no soil covers it or any particle within its kernel's reach
+  UnsetArray<double> fullness;       ///< [real] sum V W, or sum V density_weight, over that of a lattice
+  UnsetArray<double> closest;        ///< [real] least distance to another point, over the pair's smoothing length
+  UnsetArray<double> divergence;     ///< [real] sum V div r: D inside; used until the surface has been found
+  UnsetArray<double> amplification;  ///< [real] factor on pair sums of second derivatives that makes them exact for a
+                                     ///< quadratic on average
+  VecArray<D> normal;         ///< [real] 1/m, sum V grad W: points inwards where neighbours are missing on one side
+  std::vector<char> covered;  ///< [real] in soil, with water in the cone outwards: loose packing, no surface
+  std::vector<char> at_face;  ///< [real] in soil, within half a spacing of a seepage face, at which the water ends
+  /// [real] Prescribed distance of a surface particle to the surface [m]; 0: half a spacing.
   OrZero<double> prescribed_surface_distance;
-  OrZero<double> surface_pressure;  ///< [real] total, on the surface, Pa: 0, or a suction
-  MatArray<D> correction;           ///< [real] of the kernel gradient, buffers and the free surface counted (pressures)
-  /// [real] smallest eigenvalue of the moment, or a bound of it above points::inside_moment: 1 inside, 0 where a
-  /// direction is empty; as long
+  OrZero<double> surface_pressure;  ///< [real] Pa, total pressure on the surface: 0, or a suction
+  MatArray<D> correction;           ///< [real] of the kernel gradient of pressures, with buffers and the free surface
+  /// [real] Smallest eigenvalue of the moment matrix, or a lower bound above points::inside_moment: 1 inside, 0 where a
+  /// direction has no neighbours. Used until the surface has been found.
   UnsetArray<double> least_moment;
-  /// [real] distance to the free surface along -normal [m], 0: out of the kernel's reach. Set by find_surface; the
-  /// kernel's missing part is then a ghost at twice the distance, antisymmetric about the surface's pressure.
+  /// [real] Distance to the free surface along -normal [m]; 0: out of the kernel's reach. Set by find_surface. The
+  /// missing part of the kernel is then a ghost at twice the distance, antisymmetric about the surface's pressure.
   OrZero<double> ghost_distance;
-  /// [real] of water that seeps, below the row of particles on its surface: distance to the surface along -normal [m],
-  /// 0: out of the kernel's reach. Set by find_surface; the surface's pressure is then in the Laplacian, too.
+  /// [real] For seeping water below the row of surface particles: distance to the surface along -normal [m]; 0: out of
+  /// the kernel's reach. Set by find_surface. The surface's pressure then enters the Laplacian, too.
   OrZero<double> front_distance;
-  /// [all] of points that belong to particles on the surface: 1 of free water, 2 of water that seeps; 0: others. Set by
+  /// [all] Kind of surface particle to which a point belongs: 1 of free water, 2 of seeping water, 0: none. Set by
   /// find_surface.
   std::vector<char> on_surface;
 
-  /// How the gradients of a particle are corrected where its kernel's support is cut off, at a surface or a face. Other
+  /// Corrections of a particle's gradients where its kernel's support is cut off, at a surface or a face. Other
   /// particles need none.
   struct BoundaryCorrection {
-    Mat<D> open;        ///< correction with buffers and the free surface left out (velocities)
-    Mat<D> unresolved;  ///< 1 - correction moment: projects on directions with too few neighbours for a gradient
+    Mat<D> open;        ///< correction without buffers and the free surface (velocities)
+    Mat<D> unresolved;  ///< 1 - correction times moment: projects on directions with too few neighbours for a gradient
   };
-  std::vector<Index> boundary_correction_of;  ///< [real] one more than its index in boundary_corrections; 0: inside
+  std::vector<Index> boundary_correction_of;  ///< [real] 1 + index in boundary_corrections; 0: inside
   std::vector<BoundaryCorrection> boundary_corrections;
   [[nodiscard]] const Mat<D>& correction_open(std::size_t a) const {
     return boundary_correction_of[a] == 0 ? correction[a] : boundary_corrections[boundary_correction_of[a] - 1].open;
   }
-  /// The boundary correction of particle a; if it has none yet, it gets one that starts from its correction.
+  /// The boundary correction of particle a. If it has none yet, it gets one that starts from its correction.
   BoundaryCorrection& boundary_correction(std::size_t a) {
     if (boundary_correction_of[a] == 0) {
       boundary_corrections.push_back({correction[a], Mat<D>::Zero()});
@@ -213,7 +221,7 @@ struct Stencil {
     return boundary_corrections[boundary_correction_of[a] - 1];
   }
 
-  /// h [m] of any point.
+  /// Smoothing length h [m] of any point.
   [[nodiscard]] double length(std::size_t j) const {
     return D == 3 ? smoothing[j] : points::smoothing_ratio * spacing_of<D>(volume[j]);
   }
@@ -221,17 +229,17 @@ struct Stencil {
   [[nodiscard]] double surface_distance(std::size_t a) const {
     return prescribed_surface_distance[a] > 0.0 ? prescribed_surface_distance[a] : 0.5 * spacing_of<D>(volume[a]);
   }
-  /// Frees what is of use only until the surface has been found.
+  /// Frees the arrays that are used only until the surface has been found.
   void forget_moments() {
     for (auto* array : {&divergence, &least_moment}) *array = UnsetArray<double>();
   }
 
-  /// W of real particle a and any point, 1/m^D; 0 for itself, with which rows are filled up.
+  /// W of real particle a and any point [1/m^D]; 0 for the particle itself, with which rows are padded.
   [[nodiscard]] double value(std::size_t a, Index j) const {
     if (j == a) return 0.0;
     return Kernel<D>::value((position[j] - position[a]).norm(), 0.5 * (length(a) + length(j)));
   }
-  /// sum V r grad W of real particle a, which the correction is the inverse of.
+  /// sum V r grad W of real particle a, whose inverse is the correction.
   [[nodiscard]] Mat<D> moment(std::size_t a) const {
     Mat<D> sum = Mat<D>::Zero();
     for (Index k = offset[a]; k < offset[a + 1]; ++k) {
@@ -241,19 +249,19 @@ struct Stencil {
     return sum;
   }
 
-  /// Amplification of the pair of real particle a with a point whose parent is q: the mean of both particles'.
+  /// Amplification of the pair of real particle a and a point with parent q: the mean of both.
   [[nodiscard]] double amplified(std::size_t a, Index q) const {
     return 0.5 * (amplification[a] + amplification[q < n_real ? q : a]);
   }
-  /// 1 + |d_b|/d_a of the pair of real particle a with a point whose parent q is a buffer; the same wherever it is
-  /// evaluated.
+  /// 1 + |d_b|/d_a for the pair of real particle a and a point whose parent q is a buffer, with their distances from
+  /// the face. It has the same value wherever it is evaluated.
   [[nodiscard, gnu::noinline]] double reflection(std::size_t a, Index q) const {
     const auto& b = buffers[q - n_real];
     const double inside = b.inside(position[a]);
     return static_cast<float>(
         1.0 + (points::most_reflected * inside <= b.outside ? points::most_reflected : b.outside / inside));
   }
-  /// Is point j an image behind one of these walls (by bits)?
+  /// Whether point j is an image behind one of these walls (one bit each).
   [[nodiscard]] bool sticks(std::size_t j, std::uint32_t sticky) const {
     return j >= n_base && (boundaries[j - n_base] & sticky) != 0;
   }
@@ -261,17 +269,17 @@ struct Stencil {
   [[nodiscard]] std::size_t size() const { return position.size(); }
 };
 
-/// Inverse of a symmetric moment matrix, its eigenvalues raised to at least `least`. unresolved: 1 - inverse moment,
-/// the directions that this leaves unresolved; smallest: the smallest eigenvalue, as in Stencil::least_moment.
+/// Inverse of a symmetric moment matrix, with its eigenvalues raised to at least `least`. unresolved: 1 - inverse times
+/// moment, the directions that this leaves unresolved; smallest: the smallest eigenvalue, as in Stencil::least_moment.
 template <int D>
 Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* unresolved, double* smallest = nullptr);
 
-/// Surroundings of the particles at x (bulk volumes in m^D), with buffers outside faces and images behind planes.
-/// free: [n] in no soil; none: all. Water in soil does not see behind a sill, nor free water behind a face of soil.
-/// by_density: fullness of open water is measured with density_weight. worth_threads: so many particles are worth more
-/// than one thread. sight: where it is limited, its planes are those of the images. joints: of walls and faces; images
-/// and buffers beyond them are seen as far as the line of sight says. soilless: [n] no soil covers it, wholly or in
-/// part; none: all.
+/// Neighbourhoods of the particles at x [m] with their bulk volumes [m^D], buffers outside faces, and images behind
+/// planes. free [n]: particles in no soil (1) and others (0); empty: all. Water in soil does not see images behind a
+/// sill, nor free water buffers behind a face of soil. by_density: fullness of open water is measured with
+/// density_weight. worth_threads: number of particles from which on loops use several threads. sight: where it is
+/// limited, its planes make the images. joints: of walls and faces; images and buffers beyond them are seen as far as
+/// lines of sight reach. soilless [n]: 1 for particles that no soil covers, not even in part; empty: all.
 template <int D>
 Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volume, std::span<const Buffer<D>> buffers,
                         std::span<const sph::ImagePlane<D>> planes, std::span<const char> free = {},

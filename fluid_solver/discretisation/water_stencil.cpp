@@ -33,8 +33,8 @@ double share_of_rows(const Setup<D>& setup, double interval) {
 template <int D>
 void mark_surface(const Setup<D>& setup, Stencil<D>& s, std::span<double> rows, double share, State<D>& state) {
   auto& p = state.particles;
-  // In soil at rest that is full of water, with water behind every face, no air can come in. A gap of one spacing at
-  // the end of a face is then no surface: taken for one, it would draw in the water of several spacings.
+  // In soil at rest that is full of water, with water behind every face, no air can enter. A gap of one spacing at the
+  // end of a face is then no surface. If it counted as one, it would draw in the water of several spacings.
   const bool closed = !state.columns.empty() && p.size() > 0 && (state.full || state.time == 0.0) &&
                       std::all_of(state.columns.begin(), state.columns.end(),
                                   [&](const auto& c) { return is_quasi_static<D>(setup, c) && c.wet; }) &&

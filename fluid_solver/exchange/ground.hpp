@@ -1,4 +1,4 @@
-// The soil as the case draws it, at rest: which one lies at a place, and what it does to water there.
+// The soil as the case draws it, at rest: which soil lies at a place, and its properties for the water.
 #pragma once
 
 #include "common/core/vector.hpp"
@@ -18,13 +18,14 @@ Point3 to_point3(const Vec<D>& x) {
 
 /// One soil of the case.
 struct Stratum {
-  int number = 0;                   ///< in the case
+  int number = 0;                   ///< index in the case
   double porosity = 0.0;            ///< n
-  double fillable_porosity = 0.0;   ///< n (1 - s_r0): the residual water of moist soil moves with the grains
+  double fillable_porosity = 0.0;   ///< n (1 - s_r0): volume that water can fill, since the residual water of moist
+                                    ///< soil moves with the grains
   double initial_saturation = 0.0;  ///< s_r0
-  double suction_head = 0.0;        ///< at a wetting front [m]
-  porous::Seepage seepage;          ///< at its porosity
-  porous::Resistance resistance;    ///< to water that fills its fillable porosity
+  double suction_head = 0.0;        ///< m, suction head at a wetting front
+  porous::Seepage seepage;          ///< law of seepage at this porosity
+  porous::Resistance resistance;    ///< resistance to water that fills the fillable porosity
 };
 
 template <int D>
@@ -46,7 +47,7 @@ class Ground {
     }
   }
 
-  /// The soil at a place, the first of several; nullptr: none.
+  /// The soil at a place, the first one where several overlap; nullptr where there is none.
   [[nodiscard]] const Stratum* at(const Vec<D>& x) const {
     const Point3 p = to_point3<D>(x);
     for (std::size_t i = 0; i < shapes_.size(); ++i)
@@ -59,9 +60,9 @@ class Ground {
     return here ? specific_weight_ * here->suction_head : 0.0;
   }
   [[nodiscard]] const std::vector<Stratum>& strata() const { return strata_; }
-  /// Of water, behind the word "conductivity" [N/m3].
+  /// Specific weight of water [N/m3] to which the case's `conductivity` refers.
   [[nodiscard]] double specific_weight() const { return specific_weight_; }
-  /// Of conductivity, between the fastest and the slowest soil.
+  /// Ratio of the largest to the smallest conductivity of the soils.
   [[nodiscard]] double contrast() const { return contrast_; }
 
  private:

@@ -1,6 +1,6 @@
-// The passes through one window that is repeated until the soil moves as the fluid predicted: interface quasi-Newton
-// (IQN-ILS, Degroote, Bathe & Vierendeels 2009) on the skeleton's motion. The fluid's prediction is the preconditioner:
-// each pass solves for the departure from the motion that the last one found, whose force is known.
+// Passes through one window, which is repeated until the soil moves as the fluid predicted: interface quasi-Newton
+// (IQN-ILS; Degroote, Bathe & Vierendeels 2009) on the skeleton's motion. The fluid's prediction is the preconditioner:
+// each pass solves for the departure from the motion that the last pass found, for which the force is known.
 #pragma once
 
 #include "common/numerics/dense.hpp"
@@ -12,8 +12,8 @@ namespace poretwin::fluid {
 template <int D>
 class Passes {
  public:
-  /// Before a pass: the view's found motion and force, which still has the fluid's own force of the last pass in it,
-  /// become what the next one departs from.
+  /// Called before a pass. Extrapolates view.found_velocity and view.found_force, which the solid found in the last
+  /// pass, to the state from which this pass departs; removes the fluid's own force of the last pass from found_force.
   void begin(unsigned pass, SoilView<D>& view) {
     if (pass == 0 || !view.found_velocity.is_allocated() || predicted_.size() != view.size()) {
       columns_ = {};
@@ -54,25 +54,26 @@ class Passes {
     }
   }
 
-  /// After a pass: the predicted motion of the skeleton [m/s] and the force of pressure and drag on it [N/m3].
+  /// Called after a pass with the predicted motion of the skeleton [m/s] and the force of pressure and drag on it
+  /// [N/m3].
   void end(const ScalarArray& pressure, const OrZero<Vec<D>>& predicted, const OrZero<Vec<D>>& given) {
     pressure_ = pressure;
     predicted_.assign(predicted.begin(), predicted.end());
     given_ = given;
   }
 
-  /// Pressure that the last pass ended with [Pa]; empty: none.
+  /// Pressure at the end of the last pass [Pa]; empty before the first.
   [[nodiscard]] const ScalarArray& pressure() const { return pressure_; }
-  /// Its prediction of the skeleton's motion [m/s].
+  /// Motion of the skeleton that the last pass predicted [m/s].
   [[nodiscard]] const VecArray<D>& predicted() const { return predicted_; }
-  /// The motion as the last pass found it [m/s].
+  /// Motion of the skeleton that the solid found in the last pass [m/s].
   [[nodiscard]] const OrZero<Vec<D>>& found() const { return found_; }
 
  private:
   struct Pass {
     Eigen::VectorXd motion, force, departure;
   };
-  std::vector<Pass> columns_;  ///< what changed from one pass to the next
+  std::vector<Pass> columns_;  ///< changes from pass to pass
   Pass last_;
   ScalarArray pressure_;
   VecArray<D> predicted_;

@@ -13,7 +13,7 @@ SoilView<D> see_soil(const Setup<D>& setup, const State<D>& state, const couplin
                      const SeepageRegime& regime) {
   const auto& x = state.particles.position;
   const std::size_t n = x.size();
-  // Water that is about to enter or leave the soil through its face still counts as inside; water that runs down the
+  // Water that is about to enter or leave the soil through one of its faces counts as inside. Water that runs down the
   // outside of the soil does not.
   const ColumnFinder<D> finder(state.columns);
   const auto nearest_column = [&](const Vec<D>& point) -> const FaceColumn<D>* {
@@ -183,7 +183,7 @@ coupling::Publication publication(const Cloud<D>& cloud, const State<D>& state) 
   out.points.volume = cloud.volume;
   out.points.smoothing_length = cloud.length;
   out.points.owner = cloud.owner;
-  // Of the first n points, and zero behind.
+  // The values of the first n points; zeros for the others.
   const auto flat = [&cloud](const auto& from, std::size_t n) {
     std::vector<double> values(cloud.size() * D, 0.0);
     for (std::size_t a = 0; a < n; ++a)

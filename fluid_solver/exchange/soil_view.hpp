@@ -1,5 +1,5 @@
-// The soil as the fluid sees it: arrays at the fluid particles, from the exchange or, when the soil is rigid, from the
-// case.
+// The soil as the fluid sees it: arrays of length n at the fluid's particles, mapped from the solid or, for rigid soil,
+// taken from the case.
 #pragma once
 
 #include "common/core/or_zero.hpp"
@@ -19,39 +19,40 @@ namespace poretwin::fluid {
 template <int D>
 struct SoilView {
   ScalarArray mask;         ///< [n] 1 inside soil, 0 in free water
-  std::vector<int> number;  ///< [n] of the soil in the case, -1: none; empty for soil that moves
-  OrZero<double> coverage;  ///< [n] by the soil's points: 1 inside, 0 out of their reach; of soil that moves
-  ScalarArray fraction;     ///< [n] n_s, the residual water of moist soil counted in
-  std::vector<porous::Resistance> resistance;  ///< [n] none in free water; empty where `drag` says it all
-  /// [n] the resistance about the present slip w, R = C w' - f: C [N s/m4], f [N/m3] (Newton's tangent along the flow;
-  /// f is zero under Darcy's law)
+  std::vector<int> number;  ///< [n] index of the soil in the case, -1: none; empty for soil that moves
+  OrZero<double> coverage;  ///< [n] coverage by the points of soil that moves: 1 inside, 0 out of their reach
+  ScalarArray fraction;     ///< [n] solid fraction n_s, with the residual water of moist soil
+  std::vector<porous::Resistance> resistance;  ///< [n] zero in free water; empty where `drag` is the whole law
+  /// [n] Tangent of the drag at the present relative velocity: R = C w' - f with C [N s/m4] and f [N/m3] (drag_offset),
+  /// along the direction of flow. f is zero for Darcy's law.
   ScalarArray drag;
   OrZero<Vec<D>> drag_offset;
-  MatArray<D> drag_form;               ///< [n] that multiplies the slip in a smoothed drag; empty: none
-  OrZero<double> density;              ///< [n] R = n_s rho_s, kg/m3; of soil that moves
+  MatArray<D> drag_form;               ///< [n] factor on the relative velocity in a smoothed drag; empty: none
+  OrZero<double> density;              ///< [n] R = n_s rho_s of soil that moves, kg/m3
   OrZero<double> modulus;              ///< [n] M = K + 4 G / 3, Pa
-  OrZero<double> plastic_shear_ratio;  ///< [n] plastic over all shear strain of the soil's last window
+  OrZero<double> plastic_shear_ratio;  ///< [n] plastic over total shear strain in the soil's last window
   OrZero<Vec<D>> velocity;             ///< [n] v_s, m/s
-  OrZero<Vec<D>> mean_velocity;        ///< [n] over the soil's last window, m/s
-  OrZero<double> strain_rate;  ///< [n] of the skeleton's volume over that window, by the soil's own account, 1/s
-  OrZero<Vec<D>> force;  ///< [n] r: unbalanced force per volume with the soil's weight, no pressure, no drag, N/m3
-  /// Where a window is repeated: the mean velocity that the last pass found, m/s, and the unbalanced force that it
-  /// left, without pressure and drag, N/m3.
+  OrZero<Vec<D>> mean_velocity;        ///< [n] mean of v_s over the soil's last window, m/s
+  OrZero<double> strain_rate;  ///< [n] volumetric strain rate over that window, as the soil's stress law integrates it,
+                               ///< 1/s
+  OrZero<Vec<D>> force;        ///< [n] r: unbalanced force with the soil's weight, without pressure and drag, N/m3
+  /// In a repeated window: the mean velocity of the soil that the last pass found [m/s], and the unbalanced force that
+  /// remained, without pressure and drag [N/m3].
   OrZero<Vec<D>> found_velocity, found_force;
-  /// [n] impulse that the soil absorbed in its last window beyond the one given by the drag, N s. Momentum balance
-  /// requires the water to supply it.
+  /// [n] Impulse that the soil absorbed in its last window beyond that of the drag, N s. Momentum balance requires the
+  /// water to supply it.
   OrZero<Vec<D>> returned_impulse;
   void resize(std::size_t n) {
     for (auto* a : {&mask, &fraction, &drag}) a->assign(n, 0.0);
     resistance.assign(n, {});
   }
   [[nodiscard]] std::size_t size() const { return mask.size(); }
-  /// Does the tangent differ from the law?
+  /// Whether the tangent differs from the law.
   [[nodiscard]] bool nonlinear() const {
     return !drag_form.empty() ||
            std::any_of(resistance.begin(), resistance.end(), [](const auto& r) { return r.quadratic > 0.0; });
   }
-  /// Takes the resistance about the slip between these velocities.
+  /// Sets the tangent about the relative velocity of water and soil.
   void linearise(std::span<const Vec<D>> water, const OrZero<Vec<D>>& soil) {
     const bool curved = nonlinear();
     drag_offset.allocate(curved ? size() : 0);
@@ -64,28 +65,28 @@ struct SoilView {
     });
     forget_law();
   }
-  /// Lets go of the law where the tangent says it all.
+  /// Frees the law where the tangent is the whole law.
   void forget_law() {
     if (!nonlinear()) resistance = std::vector<porous::Resistance>();
   }
-  /// Force on the water against the slip, per volume [N/m3].
+  /// Force on the water against the relative velocity `slip`, per volume [N/m3].
   [[nodiscard]] Vec<D> drag_force(std::size_t a, const Vec<D>& slip) const {
     const double C = resistance[a].coefficient(slip.norm());
     return drag_form.empty() ? Vec<D>(C * slip) : Vec<D>(C * drag_form[a] * slip);
   }
 };
 
-/// Does inertia rule in soil, as in free water? Where drag needs longer than 0.1 sqrt(spacing/g), a third of the window
-/// that a free surface allows, to stop water: in rockfill (about 20 1/s against 150 1/s), never in sand.
+/// Whether inertia dominates in soil, as in free water: where drag needs longer than 0.1 sqrt(spacing/g) to stop water,
+/// a third of the window that a free surface allows. So in rockfill (rate about 20 1/s), never in sand (150 1/s).
 inline bool inertia_rules(double n, double density, double drag, double spacing, double gravity) {
   return gravity > 0.0 && drag * exchange::held_within * std::sqrt(spacing / gravity) < n * density;
 }
 
-/// What decides whether water seeps through soil or moves along with it.
+/// The quantities that decide whether water seeps through soil or moves along with it.
 struct SeepageRegime {
   double density = 0.0;      ///< kg/m3, of water
-  double speed = 0.0;        ///< m/s, up to which soil counts as at rest
-  bool long_window = false;  ///< longer than the period of free water's surface waves
+  double speed = 0.0;        ///< m/s, speed up to which soil counts as at rest
+  bool long_window = false;  ///< the window is longer than free water's surface waves allow
   /// Whether soil with this plastic shear ratio and speed [m/s] moves. In long windows its motion is quasi-static, from
   /// equilibrium to equilibrium, and water seeps in and out.
   [[nodiscard]] bool soil_moves(double plastic_shear_ratio, double soil_speed) const {
@@ -94,11 +95,13 @@ struct SeepageRegime {
 };
 
 /// Whether particle a is in the seepage regime: its water moves through the soil, and its surface is a wetting front.
-/// Not where drag needs more than a spacing to stop it, C spacing < n rho |w| with the relative velocity w: it flows as
-/// free water does. Nor where the soil itself moves: there water moves along and has a free surface, except in long
-/// windows, whose motion is quasi-static. The pressure of a front is a natural condition, of which the gradient knows
-/// nothing. That is right for a front whose speed follows from the pressure; a mixture with inertia would be pushed in
-/// where it already moves in (a surface wave over liquefied soil grew sevenfold in 2 ms).
+///
+/// It is not where drag needs more than a spacing to stop it, C spacing < n rho |w| with the relative velocity w: there
+/// it flows as free water does. It is not where the soil itself moves, either, except in long windows, whose motion is
+/// quasi-static: water that moves along with soil has a free surface. The pressure at a front is a natural condition,
+/// which does not enter the gradient. That is right for a front whose speed follows from the pressure. A mixture with
+/// inertia would be accelerated inwards where it already moves inwards (a surface wave over liquefied soil grew
+/// sevenfold in 2 ms).
 template <int D>
 bool in_seepage_regime(const SoilView<D>& soil, std::size_t a, const Vec<D>& velocity, double spacing,
                        const SeepageRegime& regime) {
@@ -107,9 +110,9 @@ bool in_seepage_regime(const SoilView<D>& soil, std::size_t a, const Vec<D>& vel
   return soil.mask[a] > 0.5 && !moves && soil.drag[a] * spacing >= (1.0 - soil.fraction[a]) * regime.density * relative;
 }
 
-/// Asymmetry of the soil's points about a place, to soil membership: a ramp about its value on a flat edge, 0.47, flat
-/// below 0.31: disorder inside the soil (0.3 at most, for particles anywhere in their cells) does not change the
-/// porosity.
+/// Soil membership from the asymmetry of the soil's points around a place, before it is bounded to [0, 1]: a ramp
+/// around the value on a flat edge, 0.47. It is 1 at 0.31 and less, so that disorder inside the soil (0.3 at most, for
+/// particles anywhere in their cells) does not change the porosity.
 inline double membership_ramp(double asymmetry) {
   return (exchange::outside_asymmetry - asymmetry) / exchange::ramp_width;
 }
@@ -117,14 +120,14 @@ inline double membership(double asymmetry) { return std::clamp(membership_ramp(a
 
 /// Soil membership of water in or beside tight soil that moves, with hysteresis; `before` is its previous value. Such
 /// soil carries its pore water along, and water that flows past its edge stays outside. The points of an edge form a
-/// staircase, so the asymmetry oscillates as water passes: a membership between 0 and 1 reverses only after the
+/// staircase, so that the asymmetry oscillates as water passes: a membership between 0 and 1 reverses only after the
 /// asymmetry has gone back by half of the ramp's width (backlash).
 inline double membership(double asymmetry, double before) {
   const double ramp = membership_ramp(asymmetry);
   return std::clamp(before, std::clamp(2.0 * ramp - 1.0, 0.0, 1.0), std::clamp(2.0 * ramp, 0.0, 1.0));
 }
 
-/// Soil as it is drawn, at rest and unyielding. drag: whether it resists the water.
+/// Soil as the case draws it, at rest and without yielding. drag: whether it resists the water.
 template <int D>
 SoilView<D> rigid_soil(const Ground<D>& ground, std::span<const Vec<D>> points, bool drag) {
   SoilView<D> soil;
@@ -142,9 +145,9 @@ SoilView<D> rigid_soil(const Ground<D>& ground, std::span<const Vec<D>> points, 
   return soil;
 }
 
-/// Soil of the other process, as mapped to the fluid particles; asymmetry [n]: that of the exchange, 0 where a particle
-/// counts as in the soil wherever any is in reach; before: [n] previous membership, used (with hysteresis) where tight
-/// soil moves.
+/// Soil of the other process, mapped to the fluid's particles. asymmetry [n]: of the soil's points around each
+/// particle, set to 0 where a particle counts as in the soil wherever any is within reach. before [n]: previous
+/// membership, used with hysteresis where tight soil moves.
 template <int D>
 SoilView<D> mapped_soil(const Setup<D>& setup, const coupling::Inbox& inbox, std::span<const double> asymmetry,
                         std::span<const double> before, const SeepageRegime& regime) {

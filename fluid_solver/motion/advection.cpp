@@ -11,8 +11,9 @@ namespace poretwin::fluid {
 
 namespace {
 
-/// What the surface, half a spacing outside its particles, moves faster than they do: without it a wave is slow by the
-/// half spacing's share of its depth of decay (1.8 % at 50 particles a wave), and a front lags by half a spacing.
+/// Displacement of the surface, half a spacing outside its particles, beyond theirs in a window. Without it a wave is
+/// slow in the ratio of that half spacing to its depth of decay (1.8 % at 50 particles per wavelength), and a front
+/// lags by half a spacing.
 template <int D>
 Vec<D> surface_lead(const Mat<D>& velocity_gradient, const Vec<D>& inward, double distance, double interval) {
   const Vec<D> n = inward.normalized();
@@ -42,7 +43,8 @@ void displace(const Setup<D>& setup, const Walls<D>& walls, Particles<D>& p, std
 
 }  // namespace
 
-/// Free water moves half a window before the solve and half after it (leapfrog): second order, no damping of its own.
+/// Free water moves half a window before the solve and half a window after it (leapfrog): second order, without damping
+/// of its own.
 template <int D>
 void drift(const Setup<D>& setup, const Walls<D>& walls, double interval, Particles<D>& p) {
   parallel_for(p.size(), [&](std::size_t a) {
@@ -74,11 +76,11 @@ void move(const Setup<D>& setup, const Walls<D>& walls, const Stencil<D>& s, con
       d += interval * surface_lead<D>(velocity_gradient[a], s.normal[a], s.surface_distance(a), interval);
     const double before = p.pressure[a] + setup.weight.dot(p.position[a] - setup.origin);
     p.pressure[a] += solution.gradient[a].dot(p.in_seepage[a] != 0 ? d : shift[a]);
-    // What is shifted arrives where the water moves at another speed.
+    // A shifted particle arrives where the water has another velocity.
     if (p.in_seepage[a] == 0 && s.ghost_distance[a] == 0.0 && p.surface[a] == Surface::interior)
       p.velocity[a] += velocity_gradient[a] * shift[a];
     displace<D>(setup, walls, p, a, d, true);
-    // Water that seeps towards its surface arrives at the surface's pressure, not beyond it.
+    // Seeping water that reaches its surface has the surface's pressure, not one beyond it.
     if (p.in_seepage[a] != 0 && p.surface[a] != Surface::interior)
       p.pressure[a] = std::max(
           p.pressure[a], std::min(before, s.surface_pressure[a]) - setup.weight.dot(p.position[a] - setup.origin));

@@ -1,4 +1,4 @@
-// How the water's particles move through one window, and what keeps them inside the walls.
+// Motion of the water's particles through one window, within the walls.
 #pragma once
 
 #include "fluid_solver/boundary/walls.hpp"
@@ -7,9 +7,9 @@
 
 namespace poretwin::fluid {
 
-/// Seepage is as slow or fast as its geometry makes it, and the window's velocity belongs to the geometry at its start:
-/// motion extrapolates to the middle of the window (Adams-Bashforth of second order), in units of the last change of
-/// velocity. Intervals [s].
+/// Factor on the last change of velocity by which the motion of seeping water is extrapolated to the middle of the
+/// window (Adams-Bashforth, second order): seepage follows from its geometry, and the window's velocity belongs to the
+/// geometry at its start. Intervals [s].
 inline double look_ahead(double last_interval, double interval) {
   return last_interval > 0.0 ? std::min(1.0, 0.5 * interval / last_interval) : 0.0;
 }
@@ -18,7 +18,8 @@ inline double look_ahead(double last_interval, double interval) {
 template <int D>
 void drift(const Setup<D>& setup, const Walls<D>& walls, double interval, Particles<D>& p);
 
-/// Moves all water to the window's end.
+/// Moves all water to the window's end. velocity_before: at the window's start; repair [m]: displacements from
+/// repair().
 template <int D>
 void move(const Setup<D>& setup, const Walls<D>& walls, const Stencil<D>& s, const WindowSolution<D>& solution,
           std::span<const Mat<D>> velocity_gradient, std::span<const Vec<D>> velocity_before,

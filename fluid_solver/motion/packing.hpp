@@ -1,4 +1,4 @@
-// Keeping particles evenly spaced: shifting along the gradient of concentration, and pushing apart pairs that come too
+// Even spacing of the particles: shifting along the gradient of concentration, and separation of pairs that come too
 // close.
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace poretwin::fluid {
 
-/// Shifting per |v| dt h and per h^2, and the separation below which pairs are pushed apart, in spacings.
+/// Displacement by shifting per |v| dt h and per h^2; separation below which pairs are pushed apart, in spacings.
 struct PackingLaw {
   double by_speed, by_length, closest;
 };
@@ -19,8 +19,9 @@ inline constexpr PackingLaw packing_in_soil{motion::shift_by_speed_in_soil, moti
     packing_in_free_water{motion::shift_by_speed_in_free_water, motion::shift_by_length, motion::closest_in_free_water},
     packing_in_full_soil{motion::shift_by_speed_in_full_soil, motion::shift_by_length, motion::closest_in_soil};
 
-/// Displacements [m] that even out the packing; moved[a] in [0, 1] scales them (0: at rest, nothing to repair).
-/// Shifting is along the gradient of concentration (after Lind et al. 2012), along the surface only near it.
+/// Displacements [m] that even out the packing. moved[a] in [0, 1] is a factor on them (0: at rest, nothing to repair).
+/// Shifting follows the gradient of concentration (after Lind et al. 2012); near the surface only its part along the
+/// surface.
 template <int D>
 VecArray<D> packing_displacements(const Stencil<D>& s, std::span<const Vec<D>> velocity, std::span<const double> moved,
                                   std::span<const Surface> flags, std::span<const char> in_seepage, double interval,
@@ -30,7 +31,7 @@ VecArray<D> packing_displacements(const Stencil<D>& s, std::span<const Vec<D>> v
     if (moved[a] == 0.0 || flags[a] == Surface::lone) return;
     const PackingLaw& law = in_seepage[a] == 0 ? packing_in_free_water : full ? packing_in_full_soil : packing_in_soil;
     const double h = s.length(a), spacing = h / points::smoothing_ratio;
-    // Even surroundings have sum V grad W = 0; it points to where particles are.
+    // sum V grad W is zero in even surroundings and otherwise points to where particles are.
     Vec<D> d = -(law.by_speed * h * velocity[a].norm() * interval + law.by_length * h * h) * s.normal[a];
     if (flags[a] == Surface::surface || s.ghost_distance[a] > 0.0) {
       const Vec<D> normal = s.normal[a].normalized();
@@ -52,9 +53,10 @@ VecArray<D> packing_displacements(const Stencil<D>& s, std::span<const Vec<D>> v
   return shift;
 }
 
-/// Displacements [m] that give off these shares of each particle's bulk volume [n], with zero sum of V expansion, in
-/// water that fills all the room there is: the gradient of a potential, div d = expansion, through no wall and no face.
-/// The same in soils of any conductivity: it is the points that are evened out, and no pressure has to drive it.
+/// Displacements [m] by which each particle's bulk volume expands by this fraction [n] (the sum of V expansion is
+/// zero), in water that fills the whole domain. They are the gradient of a potential, div d = expansion, without flow
+/// through walls and faces. They are the same in soils of any conductivity: the points are evened out, and no pressure
+/// has to drive them.
 template <int D>
 VecArray<D> expand(const Stencil<D>& s, std::span<const double> expansion) {
   auto matrix = laplacian<D>(s, {});
@@ -88,8 +90,9 @@ VecArray<D> expand(const Stencil<D>& s, std::span<const double> expansion) {
   return displacement;
 }
 
-/// Free water that collides: pairs closer than `motion::collision` spacings lose the speed at which they approach,
-/// momentum kept; a particle on a wall loses its speed into the wall, which the pressure of its own image cannot take.
+/// Collisions of free water: pairs closer than `motion::collision` spacings lose the speed at which they approach;
+/// momentum is conserved. A particle on a wall loses its speed into the wall, against which the pressure of its own
+/// image cannot act.
 template <int D>
 void collide(const Stencil<D>& s, std::span<const char> in_seepage, std::span<const double> mass,
              std::span<Vec<D>> velocity) {

@@ -27,8 +27,8 @@ double viscous_interval(const Setup<D>& setup, double wave_speed) {
   return all > 0.0 ? steps::viscous_courant * setup.spacing * setup.spacing / all : HUGE_VAL;
 }
 
-/// What may change behind a face or in a load in one window, however slow the water is: no more than by half a spacing
-/// of water, but windows need not be shorter than a fall through a spacing, which nothing that seeps follows.
+/// Bounds on changes behind a face or in a load in one window, however slow the water is: half a spacing of water.
+/// Tables need not make windows shorter than a fall through a spacing, since seepage follows nothing faster.
 template <int D>
 AllowedChange allowed_change(const Setup<D>& setup, double longest) {
   const double rise = steps::wanted_rise * setup.spacing;
@@ -36,8 +36,8 @@ AllowedChange allowed_change(const Setup<D>& setup, double longest) {
           steps::least_for_tables * std::sqrt(setup.spacing / setup.gravity_or_standard), longest};
 }
 
-/// What tables of loads ask of the window from `now` on. Where soil responds, a load that begins is followed from its
-/// first wave on.
+/// Limits by tables of loads of the window from `now` [s] on. Where the skeleton responds, the first wave of a load
+/// that begins is resolved.
 template <int D>
 void limit_by_loads(const Setup<D>& setup, double first_interval, double now,
                     const std::function<void(double, const std::string&)>& apply) {
@@ -78,11 +78,13 @@ bool load_begins(const Setup<D>& setup, double time) {
   });
 }
 
-/// The shortest window that a change of pressure can require: a fifth of the way of the soil's waves through a spacing.
-/// The first one in elastic soil that is wet from the start is a fifth of the time in which a spacing drains where that
-/// is longer: before that the water holds the grains and nothing moves but in shear, which the soil refuses so long a
-/// window for. Soil that may slide begins to at once.
-/// interval [s]: of the window in which soil answers for the first time, 0 before the first.
+/// The shortest window that a change of pressure can require is a fifth of the time in which the soil's waves pass a
+/// spacing.
+///
+/// In elastic soil that is wet from the start, the first window is a fifth of the time in which a spacing drains, where
+/// that is longer. Before, the water holds the grains, and only shear moves, for which the solid refuses such a long
+/// window. Soil that may slide begins to do so at once. interval [s]: length of the window in which the soil first
+/// responds, 0 before it.
 template <int D>
 void begin_control(const Setup<D>& setup, const SoilView<D>& view, double interval, State<D>& state,
                    double& first_interval) {
@@ -121,8 +123,8 @@ void control_interval(const Setup<D>& setup, const ScalarArray& before, double i
       upper = std::max(upper, c.pressure);
     }
   state.widest_range = std::max(state.widest_range, upper - lower);
-  // Water at rest has no range of its own: rounding must not shorten its windows.
-  // No pressure is resolved better than the weight of one spacing.
+  // Water at rest has no range of its own: rounding must not shorten its windows. No pressure is resolved more finely
+  // than the weight of one spacing.
   const double range =
       std::max({upper - lower, steps::widest_share * state.widest_range,
                 steps::hydrostatic_share * (heaviest - lightest), setup.weight.norm() * setup.spacing});
@@ -130,12 +132,12 @@ void control_interval(const Setup<D>& setup, const ScalarArray& before, double i
   const double target =
       state.pressure_change > 0.0 ? interval * steps::wanted_change / state.pressure_change : HUGE_VAL;
   const double least =
-      steps::shrinks_to * std::min(interval, state.controlled);  // something else may have kept this one short
+      steps::shrinks_to * std::min(interval, state.controlled);  // something else may have limited this window
   state.controlled = std::max(std::clamp(target, least, steps::grows_to * state.controlled), first_interval);
 }
 
-/// Limit of the next window where all water seeps: its particles' motion is extrapolated from two windows.
-/// Noise of single particles, which is no slowing, cancels in the sum.
+/// Limit of the next window where all water seeps, since its particles' motion is extrapolated from two windows. Noise
+/// of single particles cancels in the sum.
 template <int D>
 void limit_by_slowing(const Setup<D>& setup, const VecArray<D>& velocity_before, double interval, State<D>& state) {
   state.window_limits.clear();
@@ -166,9 +168,9 @@ void limit_by_slowing(const Setup<D>& setup, const VecArray<D>& velocity_before,
       {interval * std::max(0.5, std::sqrt(steps::wanted_slowing / altered)), "seepage that slows down"});
 }
 
-/// Limit of the next window by water in coarse soil, which inertia dominates: it moves by no more than a quarter
-/// spacing at its speed and the acceleration of the last window. When it has just been stopped, by the base or by the
-/// surface that has come down on it, its speed alone says nothing of the next window.
+/// Limit of the next window by water in coarse soil, where inertia dominates: with its speed and the acceleration of
+/// the last window it moves by at most a quarter spacing. The speed alone says nothing of the next window when the
+/// water has just been stopped, by the base or by the surface that has come down on it.
 template <int D>
 void limit_by_acceleration(const Setup<D>& setup, const SoilView<D>& view, const VecArray<D>& velocity_before,
                            double interval, State<D>& state) {
@@ -189,7 +191,7 @@ void limit_by_acceleration(const Setup<D>& setup, const SoilView<D>& view, const
     state.window_limits.push_back({longest, "a quarter spacing per window of water in coarse soil that accelerates"});
 }
 
-/// Limit of the next window by an explicit scheme, for the present water and soil.
+/// Limits of the next window by an explicit scheme, for the present water and soil.
 template <int D>
 void limit_scheme(const Setup<D>& setup, const SoilView<D>& view, State<D>& state) {
   const auto& p = state.particles;
@@ -225,7 +227,7 @@ std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>&
   const auto apply = [&](double interval, const std::string& why) {
     if (interval < limit.first) limit = {interval, why};
   };
-  // What is found by halving begins with the other limits, or with far more than any run takes.
+  // Searches by halving start from the other limits, or from a time much longer than any run.
   const double ever = 1e12 * std::sqrt(setup.spacing / setup.gravity_or_standard);
   if (state.controlled > 0.0) apply(state.controlled, "pressure change per window");
   limit_by_loads(setup, first_interval, state.time, apply);
@@ -256,7 +258,7 @@ std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>&
     apply(steps::free_courant / fastest_free, "two fifths of a spacing per window at the highest speed of free water");
   if (free_surface && setup.weight.norm() > 0.0)
     apply(wave_interval(setup), "gravity waves of one spacing on the free surface");
-  // In soil the surface falls no faster than under a unit gradient, nor than freely.
+  // In soil the surface falls no faster than under a unit gradient, and no faster than freely.
   if (table && setup.weight.norm() > 0.0)
     for (const auto& soil : setup.ground.strata()) {
       const double n = soil.porosity, gamma = setup.weight.norm();
@@ -275,7 +277,8 @@ std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>&
       apply(bound.interval, bound.reason);
     }
   for (const auto& inlet : state.inlets) {
-    // The longest window in which its piston moves by a quarter spacing at most; no crest is passed unawares.
+    // The longest window in which its piston moves by at most a quarter spacing, and in which a rise over the crest is
+    // not missed.
     const auto f = static_cast<std::size_t>(inlet.face);
     const auto level_over = [&](double time) { return faces.level(state, inlet.face, time).value() - inlet.lowest; };
     const double over = inlet.sill ? std::max(0.0, level_over(state.time)) : 0.0;
@@ -294,8 +297,8 @@ std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>&
     for (int halvings = 0; halvings < 100 && far(longest); ++halvings) longest *= 0.5;
     if (longest < limit.first) apply(longest, "a quarter spacing per window at an inlet");
   }
-  // A face without water inside it yet has no speed to limit the window: the time in which the front comes half a
-  // spacing in.
+  // A face without water inside it has no speed yet that limits the window. The limit is the time in which the front
+  // enters by half a spacing.
   if (p.size() == 0 || state.last_interval == 0.0) {
     std::vector<char> water(state.columns.size(), 0);
     const ColumnFinder<D> finder(state.columns);

@@ -1,4 +1,4 @@
-// How long the next window may be.
+// Limits of the next window's length.
 #pragma once
 
 #include "fluid_solver/boundary/columns.hpp"
@@ -6,12 +6,12 @@
 
 namespace poretwin::fluid {
 
-/// Longest window in which gravity waves of one spacing on a free surface are followed [s].
+/// Longest window in which gravity waves of one spacing on a free surface are resolved [s].
 template <int D>
 double wave_interval(const Setup<D>& setup);
 
-/// Speed below which soil and the water in it are as good as at rest: a hundredth of what gravity gives in the window
-/// of the shortest waves [m/s].
+/// Speed [m/s] below which soil and the water in it count as at rest: a hundredth of what gravity gives in
+/// wave_interval().
 template <int D>
 double quasi_static_speed(const Setup<D>& setup);
 
@@ -23,18 +23,19 @@ double free_interval(const Setup<D>& setup, const Particles<D>& p, std::size_t a
 template <int D>
 bool load_begins(const Setup<D>& setup, double time);
 
-/// Starts the control of windows by the change of pressure. interval [s]: of the window in which soil answers for the
-/// first time, 0 before the first; first_interval [s]: the shortest that control may ask for.
+/// Starts the control of windows by the change of pressure. interval [s]: length of the window in which the soil first
+/// responds, 0 before it; first_interval [s]: is set to the shortest window that the control may require.
 template <int D>
 void begin_control(const Setup<D>& setup, const SoilView<D>& view, double interval, State<D>& state,
                    double& first_interval);
 
-/// Next interval from the pressure change of this one; never from a clock.
+/// Sets the window that the control allows next from the pressure's change in this one. It does not depend on run time.
 template <int D>
 void control_interval(const Setup<D>& setup, const ScalarArray& before, double interval, double first_interval,
                       State<D>& state);
 
-/// Limits of the next window that follow from this one, which State::window_limits keeps: by_slowing begins them anew.
+/// Limits of the next window that follow from this one, stored in State::window_limits, which limit_by_slowing clears
+/// first.
 template <int D>
 void limit_by_slowing(const Setup<D>& setup, const VecArray<D>& velocity_before, double interval, State<D>& state);
 template <int D>
@@ -43,7 +44,7 @@ void limit_by_acceleration(const Setup<D>& setup, const SoilView<D>& view, const
 template <int D>
 void limit_scheme(const Setup<D>& setup, const SoilView<D>& view, State<D>& state);
 
-/// The longest next window [s], and what sets it.
+/// The longest next window [s], and what limits it.
 template <int D>
 std::pair<double, std::string> time_limit(const Setup<D>& setup, const Faces<D>& faces, const State<D>& state,
                                           double first_interval);

@@ -1,19 +1,19 @@
-// What moves water beside pressure and drag.
+// Forces on water besides pressure and drag.
 #pragma once
 
 #include "fluid_solver/state.hpp"
 
 namespace poretwin::fluid {
 
-/// Viscosity of free water [m2/s]. Without any it is slowly unstable, so it gets a trace on the scale of the particles.
-/// Explicit sweeps transmit sound and need as much as weakly compressible SPH, alpha h c/(2 (D + 2)) with alpha of at
-/// least 0.03 and c = 10 sqrt(g H) (Monaghan 1994).
-/// wave_speed [m/s]: of the longest waves.
+/// Viscosity of free water [m2/s]: that of water, or a numerical one in proportion to the spacing where that is larger.
+/// Without it free water is slowly unstable. Explicit sweeps transmit sound and need as much as weakly compressible
+/// SPH, alpha h c / (2 (D + 2)) with alpha of at least 0.03 and c = 10 sqrt(g H) (Monaghan 1994). wave_speed [m/s]: of
+/// the longest waves.
 template <int D>
 double viscosity(const Setup<D>& setup, double wave_speed);
 
-/// Velocities [m/s] after what is explicit: shear stress of the water outside soil, gravity along periodic axes, and
-/// the central force. Empty: as they are.
+/// Velocities [m/s] after the explicit forces of a window: viscosities of water outside soil, gravity along periodic
+/// axes, and the central force. Empty where there are none.
 template <int D>
 VecArray<D> forced_velocity(const Setup<D>& setup, const State<D>& state, const Stencil<D>& s, const SoilView<D>& view,
                             std::span<const Mat<D>> velocity_gradient, double interval);

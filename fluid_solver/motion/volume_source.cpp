@@ -13,12 +13,13 @@ namespace poretwin::fluid {
 
 namespace {
 
-/// Divergence [1/s] that is deferred to later windows: of free water with one-sided neighbours, before this window's
-/// forces act. In windows shorter than half the longest one that the water's motion allows, only the fraction
-/// interval / that half is removed, each particle's by its own motion. The reason: with few neighbours on one side, a
-/// pressure gradient can reverse a divergence and leave it larger, by a few percent per solve whatever the window's
-/// length. In much shorter windows it would grow until the water flies apart. The first window removes all of what the
-/// water starts with.
+/// The part of the velocity's divergence [1/s], before this window's forces act, that is deferred to later windows: in
+/// free water with one-sided neighbours. In windows shorter than half the longest one that the water's motion allows,
+/// only a fraction is removed, the window's length over that half, for each particle by its own motion.
+///
+/// With few neighbours on one side, a pressure gradient can reverse a divergence and leave it larger, by a few percent
+/// per solve, whatever the window's length. In many short windows it would grow until the water flies apart. The first
+/// window removes all of the initial divergence.
 template <int D>
 ScalarArray deferred_divergence(const Setup<D>& setup, const State<D>& state, const Stencil<D>& s,
                                 const SoilView<D>& view, double interval) {
@@ -40,11 +41,12 @@ ScalarArray deferred_divergence(const Setup<D>& setup, const State<D>& state, co
   return deferred;
 }
 
-/// Rate [1/s] at which the soil is to be taken to expand beyond the motion that the water sees. Where rows of soil
-/// slide past each other, the soil's kernel sums expand and contract by some 1e-3 of the shear, which the velocity
-/// mapped to the water does not show. Undrained soil that expands by 1e-4 loses all its strength, so that what its
-/// volume does by its own account is what the water makes room for (decision 0021). It follows over some windows,
-/// since each of them also sees the soil's shortest waves, which the mapping smooths; nothing of the strain is lost.
+/// Rate of expansion [1/s] of the soil beyond the motion that the water sees, as it is applied to the water. Where rows
+/// of soil slide past each other, the soil's kernel sums expand and contract by some 1e-3 of the shear, which the
+/// velocity mapped to the water does not show. Undrained soil that expands by 1e-4 loses all its strength. Therefore
+/// the volumetric strain that the soil itself integrates enters the water's volume balance (decision 0021). The rate is
+/// averaged over some windows, since a single one also sees the soil's shortest waves, which the mapping smooths. No
+/// part of the strain is lost.
 template <int D>
 ScalarArray unseen_strain_rate(State<D>& state, const Stencil<D>& s, const SoilView<D>& view, double interval) {
   auto& p = state.particles;
@@ -56,12 +58,12 @@ ScalarArray unseen_strain_rate(State<D>& state, const Stencil<D>& s, const SoilV
   const auto shown = divergence<D>(s, view.mean_velocity.values());
   ScalarArray applied(p.size());
   parallel_for(p.size(), [&](std::size_t a) {
-    bool within = view.mask[a] > 0.0;  // of the soil: at its edge the divergence sees it end
+    bool within = view.mask[a] > 0.0;  // only inside the soil: at its edge the divergence contains the end of the soil
     for (Index k = s.offset[a]; k < s.offset[a + 1] && within; ++k)
       if (const Index q = s.parent[s.other[k]]; q < s.n_real) within = view.mask[q] > 0.0;
     const double rate = within ? view.strain_rate[a] - shown[a] : 0.0;
     const double strain = p.unseen_strain[a] + rate * came;
-    // Critically damped, in proportion to the window: a short one that lands on an instant must not jerk the soil.
+    // Critically damped, in proportion to the window: a short window, cut at an output instant, must not jerk the soil.
     const double wanted = rate + strain / (4.0 * memory);
     applied[a] = p.unseen_rate[a] + (wanted - p.unseen_rate[a]) * interval / memory;
     p.unseen_rate.set(a, applied[a]);
@@ -72,9 +74,8 @@ ScalarArray unseen_strain_rate(State<D>& state, const Stencil<D>& s, const SoilV
 
 }  // namespace
 
-/// In 2D, its pressure solved for, the density of open water is measured in a way that hardly depends on the order of
-/// its particles. On soil a thin fast layer would gain 1 % of its energy by that; in 3D nothing is gained, and explicit
-/// sweeps lose.
+/// True in 2D where the pressure is solved for. In a thin fast layer on soil it would add 1 % to the energy, in 3D it
+/// gains nothing, and explicit sweeps lose by it.
 template <int D>
 bool tells_density(const Setup<D>& setup) {
   return D == 2 && setup.is_projection();
@@ -97,11 +98,11 @@ ScalarArray moved(const Particles<D>& p) {
   return result;
 }
 
-/// Time in which a packing error is undone [s]: physical, not a number of windows. In soil, a third of what a unit
-/// gradient needs to push water through one spacing, and no longer than the flow takes to pass one: pair sums keep the
-/// square of the concentration times the velocity, so that what is loose runs ahead and loosens as it goes. In free
-/// water twenty times that of a fall through one spacing, or of the drag's where that is what holds the water. Never
-/// less than two windows: a repair that overtakes its window swings.
+/// In soil the time is a third of that in which a unit gradient pushes water through one spacing, and at most the time
+/// in which the flow passes one: pair sums conserve the square of the concentration times the velocity, so that loose
+/// water runs ahead and becomes looser. In free water it is twenty times that of a fall through one spacing, or of the
+/// drag's own time where drag slows the water. It is never less than two windows, since a faster repair oscillates. So
+/// it is a physical time, not a number of windows.
 template <int D>
 double repair_time(const Setup<D>& setup, const Particles<D>& p, std::size_t a, const SoilView<D>& view,
                    double interval) {
@@ -119,7 +120,7 @@ template <int D>
 double packing_error(const Setup<D>& setup, const Particles<D>& p, const Stencil<D>& s, std::size_t a, double full) {
   if (tells_density(setup) && s.open_water[a] != 0 && p.surface[a] != Surface::lone)
     if (const double below = depth<D>(s, a); below > 0.0) {
-      // The missing side is filled with a lattice; a surface may be loose.
+      // The missing side is filled with a lattice. A surface may be loose.
       static const double whole = lattice_density<D>();
       return std::max(0.0,
                       full + lattice_density<D>(0.5 + below * points::smoothing_ratio / s.length(a)) / whole - 1.0);
@@ -137,9 +138,9 @@ ScalarArray volume_source(const Setup<D>& setup, State<D>& state, const Stencil<
                           std::span<const Mat<D>> velocity_gradient, double interval) {
   auto& p = state.particles;
   ScalarArray source = deferred_divergence<D>(setup, state, s, view, interval);
-  // Pressure repairs a packing error by moving the surface or the inflow. A body that only walls surround has neither:
-  // shifting alone evens its packing, since pressure would only push on the grains.
-  // Where all soil is full, no flow that pressure drives can even the points out: they are displaced instead (repair).
+  // Pressure repairs a packing error by moving the surface or the inflow. A body of water that only walls surround has
+  // neither; there shifting alone evens the packing, since pressure would only push on the grains. Where all soil is
+  // full of water, no flow driven by pressure can even out the points; they are displaced instead (repair).
   auto motion = !state.full ? moved<D>(state.particles) : ScalarArray(p.size(), 0.0);
   if (p.closed_body.is_allocated())
     parallel_for(p.size(), [&](std::size_t a) { motion[a] *= p.closed_body[a] == 0 ? 1.0 : 0.0; });
@@ -161,18 +162,19 @@ ScalarArray volume_source(const Setup<D>& setup, State<D>& state, const Stencil<
     source[a] +=
         begun * motion[a] * p.void_fraction[a] * excess / repair_time<D>(setup, state.particles, a, view, interval);
     // Conserves volume to second order in the displacement: det(1 + dt grad v) = 1. Without this term a strain rate s
-    // compresses by dt s^2, and its repair adds energy.
+    // compresses by dt s^2, and the repair of that compression adds energy.
     if (p.in_seepage[a] == 0)
       source[a] += std::clamp(0.5 * interval * (velocity_gradient[a] * velocity_gradient[a]).trace(),
                               -motion::most_strain / interval, motion::most_strain / interval);
   });
   if (!setup.responds || state.last_interval <= 0.0) return source;
-  // The soil moved otherwise than predicted. The volumetric strain beyond the prediction is applied to the water no
-  // faster than it accumulated: after a long window, each short one applies only its fraction of it.
+  // The soil has moved differently from the prediction. The volumetric strain beyond the prediction is applied to the
+  // water no faster than it arose: after a long window, each short one applies only its fraction of it.
   const double came = state.last_interval, due = std::max(state.deferred_strain_due, interval);
   state.deferred_strain_due = std::max({0.0, state.deferred_strain_due - interval, came - interval});
   if (!p.deferred_strain.is_allocated()) p.deferred_strain.allocate(p.size());
-  // What of the mixture's volume goes with the skeleton: the grains and, by their inertia against the drag, the pores.
+  // Fraction of the mixture's volume that moves with the skeleton: the grains and, by the drag against its inertia,
+  // pore water.
   const auto follows = [&](std::size_t a) {
     const double aw = p.void_fraction[a] * setup.density / came;
     return view.fraction[a] + p.void_fraction[a] * view.drag[a] / (aw + view.drag[a]);
@@ -191,9 +193,9 @@ ScalarArray volume_source(const Setup<D>& setup, State<D>& state, const Stencil<
   return source;
 }
 
-/// In saturated soil at rest the packing is repaired by displacements without a net volume, so that no water comes or
-/// goes through a face. With a pressure, disordered points, whose sum V W exceeds a lattice's, would press water out
-/// without end, and the pressure that moves water in one soil would act in all others.
+/// In saturated soil at rest the packing is repaired by displacements without net volume, so that no water passes a
+/// face. If pressure repaired it, disordered points, whose sum V W exceeds a lattice's, would press water out without
+/// end, and the pressure that moves water in one soil would act in all others.
 template <int D>
 VecArray<D> repair(const Setup<D>& setup, const State<D>& state, const Stencil<D>& s, const SoilView<D>& view,
                    double interval) {

@@ -1,24 +1,23 @@
-// What volume the particles must give off or take in beside what pressure and drag move, and how their packing is
-// repaired.
+// Sources of volume in the pressure's equation besides pressure and drag, and the repair of the particles' packing.
 #pragma once
 
 #include "fluid_solver/state.hpp"
 
 namespace poretwin::fluid {
 
-/// Whether the density of the water is measured in a way that hardly depends on the order of its particles.
+/// Whether the density of open water is measured by density_weight, which hardly depends on the order of its particles.
 template <int D>
 bool tells_density(const Setup<D>& setup);
 
-/// How far each particle has come from its birthplace, in [0, 1]; 1: far enough for its packing to count.
+/// Displacement of each particle from its place of birth as a fraction in [0, 1]; 1: its packing error counts in full.
 template <int D>
 ScalarArray moved(const Particles<D>& p);
 
-/// Time in which the packing of free water is repaired [s].
+/// Time in which the packing of free water is repaired [s]. spacing: m.
 template <int D>
 double free_repair_time(const Setup<D>& setup, double spacing);
 
-/// Time in which a packing error is undone [s].
+/// Time in which a packing error at particle a is removed [s]. interval: length of the window [s].
 template <int D>
 double repair_time(const Setup<D>& setup, const Particles<D>& p, std::size_t a, const SoilView<D>& view,
                    double interval);
@@ -28,13 +27,13 @@ double repair_time(const Setup<D>& setup, const Particles<D>& p, std::size_t a, 
 template <int D>
 double packing_error(const Setup<D>& setup, const Particles<D>& p, const Stencil<D>& s, std::size_t a, double full);
 
-/// Volume each particle must give off [1/s]: packing repair, the window's curvature in time and the soil's deformation
-/// beyond the prediction.
+/// Rate of expansion of each particle's volume [1/s], as a source in the pressure's equation: repair of the packing,
+/// curvature of the motion in time, and deformation of the soil beyond the prediction.
 template <int D>
 ScalarArray volume_source(const Setup<D>& setup, State<D>& state, const Stencil<D>& s, const SoilView<D>& view,
                           std::span<const Mat<D>> velocity_gradient, double interval);
 
-/// Displacements that repair the packing where no pressure does [m].
+/// Displacements [m] that repair the packing where pressure cannot.
 template <int D>
 VecArray<D> repair(const Setup<D>& setup, const State<D>& state, const Stencil<D>& s, const SoilView<D>& view,
                    double interval);

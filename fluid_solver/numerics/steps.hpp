@@ -4,37 +4,38 @@
 
 namespace poretwin::fluid::steps {
 
-/// Displacement of free water in a window, at most.
+/// Largest displacement of free water in a window.
 /// Unit: spacings. Test: none known.
 inline constexpr double free_courant = 0.4;
-/// Longest window in which gravity waves of one spacing on a free surface are followed.
+/// Longest window in which gravity waves of one spacing on a free surface are resolved.
 /// Unit: sqrt(spacing / g). Test: none known.
 inline constexpr double wave_courant = 0.3;
-/// Longest window in which particles follow the central force.
+/// Longest window in which the particles' motion under a central force is resolved. The force is per mass and distance
+/// [1/s2].
 /// Unit: 1 / sqrt(force). Test: none known.
 inline constexpr double central_courant = 0.02;
 /// Longest window in which the viscosities of free water are stable.
 /// Unit: spacings^2 / viscosity. Test: Viscosity.FlowBetweenWallsIsPoiseuilles (untried).
 inline constexpr double viscous_courant = 0.2;
-/// Displacement in a window of seeping water, of a water table that falls, and of an inlet's piston, at most.
+/// Largest displacement in a window of seeping water, of a falling water table, and of an inlet's piston.
 /// Unit: spacings. Test: Seepage.TheFirstWindowFollowsTheFlowThatBegins (untried).
 inline constexpr double seepage_courant = 0.25;
 
-/// Change of the pressure per window (rms, over the pressure's range) that the length of the windows is chosen for.
+/// Change of the pressure per window (rms, over the pressure's range) for which the length of the windows is chosen.
 /// Unit: 1. Test: Coupled.TerzaghiAtWindowsFromShortToLong (untried).
 inline constexpr double wanted_change = 0.03;
-/// Pressure changes are taken relative to a range that is at least this fraction of the hydrostatic one, so that small
-/// changes do not shorten windows.
+/// Least range to which pressure changes are relative, over the hydrostatic range. It keeps small changes from
+/// shortening windows.
 /// Unit: 1. Test: none known.
 inline constexpr double hydrostatic_share = 0.05;
-/// Pressure changes are taken relative to a range that is at least this fraction of the widest one so far: water at
-/// rest has no range of its own.
+/// Least range to which pressure changes are relative, over the widest range so far. Water at rest has no range of its
+/// own.
 /// Unit: 1. Test: none known.
 inline constexpr double widest_share = 1e-3;
-/// Least ratio of the next window to this one, by the change of the pressure.
+/// Least ratio of the next window to the present one, as the change of the pressure allows.
 /// Unit: 1. Test: none known.
 inline constexpr double shrinks_to = 0.3;
-/// Largest ratio of the next window to this one, by the change of the pressure.
+/// Largest ratio of the next window to the present one, as the change of the pressure allows.
 /// Unit: 1. Test: none known.
 inline constexpr double grows_to = 1.5;
 /// Length of the first window beside soil that moves, over the time in which an elastic wave crosses one spacing of
@@ -46,22 +47,23 @@ inline constexpr double first_wave = 0.2;
 /// Unit: 1. Test: none known.
 inline constexpr double first_drained = 0.2;
 
-/// Change of the displacement of water that seeps through rigid soil in a window (rms), as far as its change of speed
-/// causes it: a front a few spacings deep, which slows down as it goes in, needs shorter windows than a quarter
-/// spacing.
+/// Change of the displacement in a window by the change of speed (rms), of water that seeps through rigid soil. A front
+/// a few spacings deep slows down as it advances, and needs windows shorter than a quarter spacing of displacement.
 /// Unit: spacings. Test: Seepage.AFrontIsRightFromItsFirstSpacingOn (untried).
 inline constexpr double wanted_slowing = 0.0125;
-/// Displacement of water in a window where it leaves through a seepage face, at most: a row that goes out takes the
-/// distance of the surface with it, which is found once a window. At a quarter the discharge is 0.4 % short.
+/// Largest displacement of water in a window where it leaves through a seepage face. The surface is found once per
+/// window, so that a row which leaves changes the distance to the surface by its displacement. At a quarter spacing the
+/// discharge is 0.4 % short.
 /// Unit: spacings. Test: Seepage.WaterEndsAtASeepageFace (untried).
 inline constexpr double wanted_exit = 0.125;
-/// Change of a level behind a face in a window, at most: columns are switched on and off a spacing at a time.
+/// Largest change in a window of a level behind a face: columns are switched on and off one spacing at a time.
 /// Unit: spacings. Test: CoarseSoil.WindowsEndBeforeItsLevelIsHalfASpacingOff (untried).
 inline constexpr double wanted_rise = 0.5;
-/// Shortest window to which tables of levels, pressures and loads limit the windows: no seepage follows faster changes.
+/// Shortest window that tables of levels, pressures and loads impose: seepage does not follow faster changes.
 /// Unit: sqrt(spacing / g). Test: none known.
 inline constexpr double least_for_tables = 0.3;
-/// Speed below which soil and the water in it count as at rest.
+/// Speed below which soil and the water in it count as at rest. The unit is the speed that gravity gives in the longest
+/// window for gravity waves of one spacing.
 /// Unit: of what gravity gives in the window of the shortest waves. Test: none known.
 inline constexpr double quasi_static = 0.01;
 

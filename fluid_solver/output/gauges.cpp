@@ -1,4 +1,4 @@
-// What is read off the water: values at points, along lines and faces, sums over regions, the balance of its volume.
+// The fluid's gauges: values at points, along lines and faces, sums over regions, the balance of water volume.
 #include "fluid_solver/output/gauges.hpp"
 
 #include "common/case/gauge_kinds.hpp"
@@ -15,7 +15,7 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::array<const char*, 3> axes{"_x", "_y", "_z"};
 
-/// A straight line from a to b, and the direction to its left (2D).
+/// A straight line from a to b, and the normal to its left (2D).
 template <int D>
 struct Line {
   Vec<D> a, direction;
@@ -94,12 +94,12 @@ class Reader {
     }
   }
 
-  /// Pressure at the water's surface in the soil there.
+  /// Pressure [Pa] at the water's surface in the soil at this place.
   [[nodiscard]] double surface_pressure(const Vec<D>& x) const { return -ground_.suction(x); }
 
-  /// How far the water reaches along a line from its start: by half fullness, late where the line meets the surface at
-  /// a wedge's tip; by the pressure's fall to that of the surface, late by a fifth of a spacing behind an advancing
-  /// front and unknown where the pressure is flat.
+  /// Length of water along a line from its start [m]. by_fullness: where half of the kernel lies in water; at the tip
+  /// of a wedge, where line and surface meet, it is late. by_pressure: where the pressure has fallen to that of the
+  /// surface; it is late by a fifth of a spacing behind an advancing front, and NaN where the pressure is flat.
   struct Reach {
     double by_fullness = 0.0, by_pressure = nan;
   };
@@ -111,7 +111,7 @@ class Reader {
     return std::fmax(r.by_fullness, r.by_pressure);
   }
   [[nodiscard]] Reach reach(const Line<D>& line) const {
-    // A gap of less than two spacings is loose packing, no end of the water.
+    // A gap of less than two spacings is loose packing and not the end of the water.
     const double step = 0.5 * dx_, gap = readings::gap * dx_;
     double wet = -step;
     for (double z = 0.0; z < std::max(0.0, wet) + gap && z < line.length; z += step)
@@ -126,9 +126,9 @@ class Reader {
     return {wet, where_pressure_ends(line, probe_, std::max(0.0, wet - dx_), wet)};
   }
 
-  /// The last place on a line before `wet` over which water stands as deep as a kernel reaches, by its pressure, in the
-  /// same ground; NaN where there is none. In the tip of a wedge, a row or two of particles, pressure does not fall as
-  /// in the water behind.
+  /// The last place on a line before `wet` above which water stands as deep as a kernel reaches, judged by its
+  /// pressure, in the same soil; NaN where there is none. In the tip of a wedge, one or two rows of particles, pressure
+  /// does not fall as in the water behind it.
   [[nodiscard]] double under_water(const Line<D>& line, const Probe<D>& probe, double wet) const {
     const double deep = sph::support_radius * points::smoothing_ratio * dx_;
     const Stratum* ground = ground_.at(line.at(wet));
@@ -141,9 +141,10 @@ class Reader {
     return nan;
   }
 
-  /// Where on a line the pressure, as it falls at `inside`, comes to that of the surface; NaN where it is flat, or ends
-  /// farther from `wet` than single particles can be from the surface. A wedge whose surface falls by s along its base
-  /// is in uniform flow, and its pressure falls by gamma s: two particles fill its last 2/sqrt(s) spacings.
+  /// The place on a line where the pressure, extrapolated with its slope at `inside`, equals that of the surface. NaN
+  /// where it is flat, or where that place is farther from `wet` than single particles can be from the surface. A wedge
+  /// whose surface falls by s along its base is in uniform flow and its pressure falls by gamma s; two particles fill
+  /// its last 2/sqrt(s) spacings.
   [[nodiscard]] double where_pressure_ends(const Line<D>& line, const Probe<D>& probe, double inside,
                                            double wet) const {
     const auto p = probe.pressure(line.at(inside));
@@ -154,7 +155,7 @@ class Reader {
     return std::abs(end - wet) < farthest * dx_ ? end : nan;
   }
 
-  /// Volume per time through the wet part of a line, positive from its right to its left.
+  /// Discharge [m3/s, 2D: m2/s] through the wet part of a line, positive from its right to its left.
   [[nodiscard]] double discharge(const Line<D>& line) const {
     double from = 0.0, to = front(line);
     if (to == 0.0) {
@@ -173,15 +174,15 @@ class Reader {
     return sum;
   }
 
-  /// Depth of the water's surface below a place on a face, up to `deepest`; 0 where water stands at the face.
+  /// Depth [m] of the water's surface inside a place on a face, up to `deepest`; 0 where water stands at the face.
   [[nodiscard]] double depth(const Vec<D>& x, const Vec<D>& inward, double deepest) const {
     const auto r = reach(Line<D>(x + deepest * inward, x));
     return deepest - (std::isfinite(r.by_pressure) ? r.by_pressure : r.by_fullness);
   }
 
-  /// Elevation at which the water's surface meets a face (domain on the left), looked for from the line's far end. The
-  /// surface comes in tangentially: a straight line through the places where water is one fifth and three fifths of a
-  /// spacing deep is extended to the face.
+  /// Elevation [m] at which the water's surface meets a face (domain on its left), searched for from the line's far
+  /// end. The surface approaches the face tangentially: a straight line through the places where water is one fifth and
+  /// three fifths of a spacing deep is extended to the face.
   [[nodiscard]] double exit_height(const Line<D>& line) const {
     const double shallow = readings::exit_shallow * dx_, deep = readings::exit_deep * dx_, step = 0.1 * dx_;
     double at_deep = line.length, before = nan;
@@ -198,7 +199,7 @@ class Reader {
     return nan;
   }
 
-  /// Largest outward hydraulic gradient at a face (domain on the left) where water stands behind it.
+  /// Largest outward hydraulic gradient at a face (domain on its left) where there is water inside.
   [[nodiscard]] double exit_gradient(const Line<D>& line) const {
     double largest = nan;
     const int count = std::max(1, static_cast<int>(line.length / (0.5 * dx_)));
@@ -216,8 +217,8 @@ class Reader {
     return !gauge.region || contains(*gauge.region, to_point3<D>(x), D);
   }
 
-  /// The outermost particle of a column stands half a spacing either way: what of it lies outside the face is no water
-  /// here.
+  /// The outermost particle of a column may lie up to half a spacing on either side of the face; its part outside does
+  /// not count.
   [[nodiscard]] double volume(const Gauge& gauge) const {
     const auto& p = state_.particles;
     double sum = 0.0;
@@ -231,20 +232,20 @@ class Reader {
     return sum / setup_.density;
   }
 
-  /// Of the water behind a face.
+  /// Elevation [m] of the water behind the face that the gauge names.
   [[nodiscard]] double level(const Gauge& gauge) const {
     for (std::size_t f = 0; f < boundaries_.size(); ++f) {
       if (setup_.face_names[f] != gauge.quantity) continue;
       for (const auto& inlet : state_.inlets)
         if (inlet.face == static_cast<int>(f) && !inlet.sill) return inlet.level;
       FaceState now = state_.faces[f];
-      boundaries_[f]->advance(state_.time, 0.0, {passed_[f], 0.0}, now);  // by what has passed since
+      boundaries_[f]->advance(state_.time, 0.0, {passed_[f], 0.0}, now);  // with the volume that has passed since
       return boundaries_[f]->level(state_.time, now).value_or(nan);
     }
     return nan;
   }
 
-  /// Come in less gone out, through one face or all.
+  /// Volume that has come in minus what has gone out, through the face that the gauge names or through all.
   [[nodiscard]] double passed_volume(const Gauge& gauge) const {
     double sum = 0.0;
     for (std::size_t f = 0; f < boundaries_.size(); ++f)
@@ -289,15 +290,16 @@ class Reader {
     if (gauge.kind == "min_pressure") add(gauge.name, lowest, "Pa");
   }
 
-  /// How far the water reaches in a direction.
-  /// Where the water ends. Half a spacing outside the foremost particle is right for a blunt front only: in the tongue
-  /// of a flood, a wedge, it falls short by 0.7 spacings at a slope of 30 degrees. There the volume ahead of a place is
-  /// as the square of its distance from the tip: the place with 8 particles ahead is twice as far from it as that
-  /// with 2. A blunt front of height H is 4 dx/H spacings short of that.
+  /// Position [m] of the end of the water in a direction.
+  ///
+  /// Half a spacing beyond the foremost particle is right for a blunt front only. In the tongue of a flood, a wedge, it
+  /// is short by 0.7 spacings at a slope of 30 degrees. There the volume ahead of a place is proportional to the square
+  /// of its distance from the tip: the place with 8 particles ahead is twice as far from it as that with 2. For a blunt
+  /// front of height H this result is short by 4 dx/H spacings.
   [[nodiscard]] double extent(const Gauge& gauge) const {
     const Line<D> line(gauge);
     const auto& p = state_.particles;
-    std::vector<std::pair<double, double>> foremost;  // place, volume
+    std::vector<std::pair<double, double>> foremost;  // position, volume
     for (std::size_t a = 0; a < p.size(); ++a)
       if (inside(gauge, p.position[a])) foremost.emplace_back(line.direction.dot(p.position[a] - line.a), p.volume[a]);
     if (foremost.empty()) return nan;
@@ -321,7 +323,7 @@ class Reader {
     return 2.0 * place(readings::near_tip) - place(readings::far_from_tip);
   }
 
-  /// Rms distance of the water from its mean position, in a direction.
+  /// Root mean square distance [m] of the water from its mean position, in a direction.
   [[nodiscard]] double spread(const Gauge& gauge) const {
     const Line<D> line(gauge);
     const auto& p = state_.particles;
@@ -350,7 +352,7 @@ class Reader {
 
 }  // namespace
 
-/// Of the walls on water and soil, by the water's pressure [N, 2D: N/m].
+/// Force of the walls on water and soil by the water's pressure [N, 2D: N/m].
 template <int D>
 Vec<D> wall_force(const Setup<D>& setup, const Walls<D>& walls, const State<D>& state) {
   Vec<D> force = Vec<D>::Zero();

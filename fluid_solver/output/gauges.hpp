@@ -1,4 +1,4 @@
-// What is read off the water: values at points, along lines and faces, sums over regions, the balance of its volume.
+// The fluid's gauges: values at points, along lines and faces, sums over regions, the balance of water volume.
 #pragma once
 
 #include "common/coupling/phase.hpp"
@@ -11,7 +11,7 @@ template <int D>
 std::vector<GaugeReading> read_gauges(const Setup<D>& setup, const Faces<D>& faces, const Walls<D>& walls,
                                       const State<D>& state);
 
-/// Counts the impulse of a window from weight and walls.
+/// Adds the impulse of weight and of the walls in a window of `interval` [s] to State::exchanged.
 template <int D>
 void count_impulse(const Setup<D>& setup, const Walls<D>& walls, double interval, State<D>& state);
 

@@ -1,4 +1,4 @@
-// What the fluid shows of itself: output frames and counters.
+// Output frames, counters and warnings of the fluid.
 #pragma once
 
 #include "common/coupling/phase.hpp"

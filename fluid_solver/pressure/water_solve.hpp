@@ -1,4 +1,4 @@
-// The window's solve for the water as it stands.
+// The pressure solve of one window for the water in its present state.
 #pragma once
 
 #include "fluid_solver/exchange/passes.hpp"
@@ -7,21 +7,21 @@
 
 namespace poretwin::fluid {
 
-/// What is to be solved in a window of `interval` [s], velocities and sources left out.
+/// The problem of a window of `interval` [s], without velocities and sources.
 template <int D>
 WindowProblem<D> window_problem(const Setup<D>& setup, const State<D>& state, double interval);
 
-/// Solves one window; with a quadratic drag repeatedly (Newton), about the relative velocity just found, until the
-/// tangent meets the law.
+/// Solves one window. With a quadratic drag it is solved again about the relative velocity just found (Newton) until
+/// the tangent agrees with the law.
 template <int D>
 WindowSolution<D> solve_with_drag(const Setup<D>& setup, const Stencil<D>& s, const WindowProblem<D>& in,
                                   const Passes<D>& passes, SoilView<D>& view, State<D>& state);
 
-/// Throws where a solution is not finite.
+/// Throws DivergedError where a solution is not finite. time [s]: of the last good state.
 template <int D>
 void check_finite(const State<D>& state, const WindowSolution<D>& solution, double time);
 
-/// Makes a solution the state's, and counts what it took; time [s]: at the window's end.
+/// Copies a solution into the state and updates the counters. time [s]: at the window's end.
 template <int D>
 void take_solution(const WindowSolution<D>& solution, double time, State<D>& state);
 

@@ -10,20 +10,20 @@
 namespace poretwin::fluid {
 namespace {
 
-/// Per particle: the two momentum equations of one backward Euler window, eliminated for v_w' ..
+/// Elimination of v_w' from a particle's two momentum equations of one backward Euler window (docs/theory/coupling.md).
 struct Elimination {
-  double aw = 0.0;  ///< n rho_w / dt
+  double aw = 0.0;  ///< a = n rho_w / dt, N s/m4
   double C = 0.0;   ///< drag coefficient: the resistance is C (v_w' - v_s') - f
-  double kf = 0.0;  ///< mobility of the water at fixed skeleton
-  double e = 0.0;   ///< flux of the mixture per skeleton velocity
+  double kf = 0.0;  ///< mobility of the water with the skeleton at rest: flux per pressure gradient, m4/(N s)
+  double e = 0.0;   ///< 1, flux of the mixture per velocity of the skeleton
 };
 
-/// .. and for v_s', where the skeleton responds.
+/// Elimination of v_s' where the skeleton responds.
 struct Response {
   double as = 0.0;  ///< R / dt
-  double ss = 0.0;  ///< mobility of the skeleton with the water dragged along
-  double mS = 0.0;  ///< skeleton velocity per pressure gradient
-  double M = 0.0;   ///< Pa
+  double ss = 0.0;  ///< mobility of the skeleton with the water that it entrains, m4/(N s)
+  double mS = 0.0;  ///< velocity of the skeleton per pressure gradient, m4/(N s)
+  double M = 0.0;   ///< Pa, constrained modulus
   bool responds = false;
 };
 
@@ -73,7 +73,8 @@ class WindowSolver {
         any_response_ = any_response_ || r_[a].responds;
       }
     }
-    sources_ = make_sources();  // before the matrix, with which its work would not fit
+    sources_ = make_sources();  // before the matrix: their temporary arrays and the matrix together would need too much
+                                // memory
     make_laplacians();
     boundary_.assign(n_, 0.0);
     cavitating_.assign(n_, false);
@@ -88,13 +89,13 @@ class WindowSolver {
   }
 
   [[nodiscard]] bool responds(std::size_t a) const { return !r_.empty() && r_[a].responds; }
-  /// The water's velocity with the explicit part of a quadratic drag in it.
+  /// The water's velocity with the explicit part of a quadratic drag.
   [[nodiscard]] Vec<D> pushed(std::size_t a) const { return before(a) + soil_.drag_offset[a] / q_[a].aw; }
   [[nodiscard]] Vec<D> before(std::size_t a) const {
     return in_.velocity.empty() ? Vec<D>(Vec<D>::Zero()) : in_.velocity[a];
   }
 
-  /// In: warm starts; out: everything.
+  /// out: on input the initial guesses, on output the whole solution.
   void solve(WindowSolution<D>& out) {
     out.pressure.resize(n_, 0.0);
     if (n_ == 0) return finish(out);
@@ -125,7 +126,7 @@ class WindowSolver {
         solve_fluid(std::move(b), out);
       if (!update_cavitating(out) || round == pressure::most_cavitation_rounds) break;
     }
-    // The matrices are not needed to finish: freed first, to lower the peak of memory.
+    // The matrices are not needed any more: freeing them lowers the peak of memory.
     for (auto* matrix : {&fluid_, &skeleton_, &plain_}) *matrix = PairMatrix();
     finish(out);
   }
@@ -145,14 +146,14 @@ class WindowSolver {
     return sources;
   }
 
-  /// Whether a pair joins free water and soil that moves with its water. The flux between them is the mean of both
-  /// sides, and the soil's side moves with the skeleton: the pressure drives half of the free water's mobility, in
-  /// place of the harmonic mean, which is right only where the skeleton does not move.
+  /// Whether a pair joins free water and soil that moves together with its water. The flux between them is the mean of
+  /// both sides, and the soil's side moves with the skeleton. The pressure therefore drives half of the free water's
+  /// mobility. The harmonic mean would be right only for a skeleton at rest.
   [[nodiscard]] bool beside_moving_soil(std::size_t a, Index q) const {
     const auto moves = [&](std::size_t i) { return soil_.mask[i] > 0.5 && responds(i) && in_.in_seepage[i] == 0; };
     return (soil_.mask[a] <= 0.5 && moves(q)) || (soil_.mask[q] <= 0.5 && moves(a));
   }
-  /// Sets the weight of pair k in row a and keeps the row sum.
+  /// Sets the weight of pair k in row a, and adds its change to the diagonal, so that the row's sum stays the same.
   void set_weight(std::size_t a, std::size_t k, double weight) {
     const double before = fluid_.weight[k];
     fluid_.weight[k] = static_cast<float>(weight);
@@ -172,7 +173,8 @@ class WindowSolver {
     });
   }
 
-  /// The Laplacian of the water's mobility; where a skeleton responds also that of its mobility and the plain one.
+  /// Sets the Laplacian of the water's mobility and, where a skeleton responds, those of the skeleton's mobility and of
+  /// mobility 1.
   void make_laplacians() {
     ScalarArray mobility(n_), of_skeleton(any_response_ ? n_ : 0);
     parallel_for(n_, [&](std::size_t a) { mobility[a] = q_[a].kf; });
@@ -190,12 +192,13 @@ class WindowSolver {
     }
   }
 
-  /// Where points in soil are stretched, as behind a border of two porosities, at which the flow changes its speed,
-  /// they have more pairs in one direction. Amplification makes their second moment exact on the average of all
-  /// directions only, and too little is conducted along the stretch (2.0 % at a ratio of 4/3). This scales pairs by 1 +
-  /// e.S e with their direction e and the mean S of both particles. S = -(D + 2)/2 times the deviator of the moment
-  /// cancels the error, by the mean of e e e e over all directions. Within reach of another soil or a face S is zero:
-  /// volumes jump there, and buffers stand in rows of their own.
+  /// Corrects the conduction of stretched points in soil. Behind a border of two porosities, at which the flow changes
+  /// its speed, points have more pairs in one direction. Amplification makes their second moment exact on average over
+  /// all directions only, and too little is conducted along the stretch (2.0 % at a ratio of 4/3).
+  ///
+  /// Pairs are scaled by 1 + e.S e with their direction e and the mean S of both particles. S = -(D + 2)/2 times the
+  /// deviator of the moment cancels the error, by the mean of e e e e over all directions. Within reach of another soil
+  /// or a face S is zero, since volumes change abruptly there, and buffers stand in rows of their own.
   void even_out_directions() {
     const auto& number = soil_.number;
     if (number.empty()) return;
@@ -223,7 +226,7 @@ class WindowSolver {
       }
     });
   }
-  /// Scale of the pair of particle a with point j, whose parent is q.
+  /// Factor on the pair of particle a with point j, whose parent is q.
   [[nodiscard]] double stretched(std::size_t a, Index j, Index q) const {
     const Vec<D> ba = s_.position[j] - s_.position[a];
     const Vec<D> theirs = j < s_.n_base ? ba : Vec<D>(s_.map[j - s_.n_base].transpose() * ba);
@@ -231,11 +234,13 @@ class WindowSolver {
     return 1.0 + 0.5 * (along(a, ba) + (q < n_ ? along(q, theirs) : along(a, ba))) / ba.squaredNorm();
   }
 
-  /// The harmonic mean of a pair's mobilities is right across a border between two soils. Along it, the rows beside the
-  /// border lose a third of a spacing of mobility in the more permeable soil and gain as much in the other: a lens
-  /// would be thicker and a drain thinner than they are. This scales pairs within either soil by 1 + s (t^2 - c n^2), n
-  /// and t the components of their direction across and along the border. c keeps the flux across it unchanged; s, the
-  /// mean of both particles', gives the flux along it the soil's own mobility.
+  /// Corrects the conduction along borders between soils. The harmonic mean of a pair's mobilities is right across a
+  /// border. Along it, the rows beside the border lose a third of a spacing of mobility in the more permeable soil and
+  /// gain as much in the other: a lens would act as if it were thicker, a drain as if it were thinner.
+  ///
+  /// Pairs within either soil are scaled by 1 + s (t^2 - c n^2), with the components n and t of their direction across
+  /// and along the border. c keeps the flux across the border unchanged; s, the mean of both particles', gives the flux
+  /// along it the soil's own mobility.
   void free_along_borders() {
     const auto& number = soil_.number;
     if (number.empty() || parallel_all(n_, [&](std::size_t a) { return number[a] == number[0]; })) return;
@@ -258,7 +263,7 @@ class WindowSolver {
       across[a].normalize();
       lacks[a] = missing.trace() - across[a].dot(missing * across[a]);
     });
-    // Scale of the pair by one of its two, at n across the border.
+    // t^2 - c n^2 of a pair at distance ba, with the normal n of the border at one of its particles.
     const auto shape = [&](const Vec<D>& ba, const Vec<D>& n) {
       const double part = n.dot(ba), square = part * part / ba.squaredNorm();
       return 1.0 - square - still * square;
@@ -296,10 +301,10 @@ class WindowSolver {
     });
   }
 
-  /// Water cavitates rather than sustain less than the cavitation pressure: at the window's end, of the pressure above
-  /// that one and the void volume, one is zero and neither is negative (a complementarity). Solved by an active set:
-  /// the pressure of cavitating rows is fixed, and their residual of continuity is the rate at which voids open.
-  /// Returns whether the set has changed.
+  /// Updates the set of cavitating particles; returns whether it has changed. Water cavitates rather than sustain less
+  /// than the cavitation pressure: at the window's end neither the pressure above that value nor the void volume is
+  /// negative, and one of them is zero (a complementarity). An active set solves this: the pressure of cavitating rows
+  /// is fixed, and their residual of continuity is the rate at which voids open.
   bool update_cavitating(WindowSolution<D>& out) {
     const auto below = [&](std::size_t a) {
       return out.pressure[a] < cavitation_pressure(a) + pressure::cavitation_tolerance * in_.cavitation && !pinned(a);
@@ -360,7 +365,8 @@ class WindowSolver {
     return rest;
   }
 
-  /// st (Lp + D.G) of a change of pressure, weighted with the volume.
+  /// st (Lp + D.G) applied to a change of pressure, weighted with the volume: Laplacian minus wide Laplacian
+  /// (docs/theory/water.md).
   ScalarArray stabilised(std::span<const double> change) const {
     return stabilised(change, plain_gradient(change, true));
   }
@@ -375,8 +381,8 @@ class WindowSolver {
     return in_.cavitation - in_.weight.dot(s_.position[a] - in_.origin);
   }
 
-  /// Calls take(column, weight, pressure) for every term weight (p - pressure) with which the faces stand in row a of a
-  /// Laplacian of this mobility.
+  /// Calls take(column, weight, pressure) for every term weight (p - pressure) of the faces in row a of a Laplacian
+  /// with this mobility.
   template <class Take>
   void for_faces(std::size_t a, double mobility, const Take& take) const {
     for (Index k = s_.offset[a]; s_.n_base > n_ && k < s_.offset[a + 1]; ++k) {
@@ -384,23 +390,23 @@ class WindowSolver {
       if (j < n_ || !s_.is_buffer(j)) continue;
       const double w = 2.0 * s_.volume[a] * mobility * s_.gradient_factor[k] * s_.amplified(a, q) * s_.reflection(a, q);
       const auto& b = s_.buffers[q - n_];
-      // Where water leaves soil that stands still, a row beyond the face goes on with the slope there.
+      // Where water leaves soil at rest, a row that has passed the face keeps the slope of the pressure there.
       const double beyond = std::min(0.0, b.inside(s_.position[a]));
       const double slope = any_response_ ? 0.0 : std::max(0.0, in_.face_slope[b.column]);
       take(b.column, w, in_.face_pressure[b.column] + beyond * slope);
     }
   }
 
-  /// What the faces' pressures drive through row a; nothing where none is in reach.
+  /// Sum of the faces' terms on the right-hand side of row a; empty where no face is within reach.
   std::optional<double> from_faces(std::size_t a, double mobility) const {
     std::optional<double> sum;
     for_faces(a, mobility, [&](Index, double w, double pressure) { sum = sum.value_or(0.0) + w * pressure; });
     return sum;
   }
 
-  /// Flow through each column: the sum of the terms by which its pressure enters the rows of the matrix. Where a
-  /// surface is within reach of the face, pairs beyond it are missing and the sum is short (7 % under a front that has
-  /// come a few spacings).
+  /// Computes the flow through each column: the sum of the terms by which its pressure enters the rows of the matrix.
+  /// Where a surface is within reach of the face, pairs beyond it are missing and the sum is too small (by 7 % under a
+  /// front that has advanced a few spacings); the flow is NaN there.
   void tell_face_flow(WindowSolution<D>& out) const {
     const std::size_t count = in_.face_pressure.size();
     out.face_flow.assign(count, 0.0);
@@ -408,7 +414,7 @@ class WindowSolver {
     for (std::size_t a = 0; s_.n_base > n_ && a < n_; ++a) {
       if (s_.beyond[a] == 0) continue;
       const bool whole = flags_[a] != Surface::lone && !(surface_distance(a) > 0.0);
-      // Only columns of the particle's own soil count: of two adjacent soils each has its own flow.
+      // Only columns of the particle's own soil count: two adjacent soils have separate flows.
       double flow = 0.0, all = 0.0, own = 0.0;
       const auto is_own = [&](Index column) {
         return !soil_.number.empty() && in_.face_soil[column] == soil_.number[a];
@@ -440,15 +446,15 @@ class WindowSolver {
     }
   }
 
-  /// Distance to the surface, 0 where it is out of reach.
+  /// Distance to the surface [m]; 0 where it is out of reach.
   double surface_distance(std::size_t a) const {
     if (s_.ghost_distance[a] > 0.0) return s_.ghost_distance[a];
     return flags_[a] == Surface::surface ? s_.surface_distance(a) : s_.front_distance[a];
   }
 
-  /// Whether the pressure of a particle is fixed: of lone ones, and of the front in coarse soil, which inertia
-  /// dominates. There the softer condition of a wetting front, without a ghost in the gradient, would feed splashes
-  /// with energy.
+  /// Whether the pressure of a particle is prescribed: for particles with too few neighbours, and at the front in
+  /// coarse soil, where inertia dominates. The weaker condition of a wetting front, without a ghost in the gradient,
+  /// would add energy to splashes there.
   bool pinned(std::size_t a) const {
     if (flags_[a] == Surface::lone) return true;
     return flags_[a] == Surface::surface && s_.ghost_distance[a] == 0.0 &&
@@ -478,7 +484,7 @@ class WindowSolver {
     if (rhs) *rhs += row.coefficient * row.pressure;
   }
 
-  /// V D(e s)
+  /// V D(e s): volume times the divergence of e times the skeleton's velocity s [m^D/s].
   template <class Velocity>
   ScalarArray squeezed(const Velocity& s) const {
     VecArray<D> f(n_);
@@ -505,7 +511,7 @@ class WindowSolver {
     all_closed_ = closed_.size() == 1 && closed_[0].size() == n_;
   }
 
-  /// Takes from the values of each of these bodies their mean: the matrix is singular there.
+  /// Subtracts from the values of each of these bodies their mean, since the matrix is singular there.
   void remove_means(std::span<double> x) const {
     for (const auto& of : closed_) {
       const double mean = sum_over(of.size(), [&](std::size_t i) { return x[of[i]]; }) / static_cast<double>(of.size());
@@ -513,7 +519,7 @@ class WindowSolver {
     }
   }
 
-  /// Rigid soil, free water, or a skeleton of known velocity: one symmetric system.
+  /// Solves for water with rigid soil, free water, or a skeleton of known velocity: one symmetric system.
   void solve_fluid(ScalarArray b, WindowSolution<D>& out) {
     if (out.solid_velocity.is_allocated()) {
       const ScalarArray squeeze = squeezed(out.solid_velocity);
@@ -541,7 +547,7 @@ class WindowSolver {
       for (auto& p : out.pressure) p += reference;
       return;
     }
-    // Where all pressures are fixed or equal nothing drives flow: the tolerance is then bounded by rounding.
+    // Where all pressures are fixed or equal, nothing drives flow; rounding is then a lower bound of the tolerance.
     const double tolerance = std::max(in_.tolerance * drive(b, reference), rounding);
     const auto apply = [&](std::span<const double> x, std::span<double> y) { fluid_.apply(x, y); };
     SolveReport report;
@@ -576,13 +582,14 @@ class WindowSolver {
     parallel_for(n_, [&](std::size_t a) { out.pressure[a] += reference; });
   }
 
-  /// As many aggregates as each has particles: solving the coarse system then takes about as long as summing over them.
+  /// Aggregates for the pressure. Their number equals the number of particles in each: solving the coarse system then
+  /// takes about as long as summing over them.
   Aggregates<D> pressure_aggregates() const {
     const double whole = sum_over(n_, [&](std::size_t a) { return s_.volume[a]; });
     Aggregates<D> aggregates(std::span<const Vec<D>>(s_.position).first(n_),
                              spacing_of<D>(whole / std::sqrt(static_cast<double>(n_))),
                              [&](std::size_t a) { return !is_known(a) && fluid_.diagonal[a] > 0.0; });
-    // The matrix is singular for water whose mean pressure nothing prescribes: a little is added to its diagonal.
+    // Where nothing prescribes the mean pressure the matrix is singular; a small value is added to its diagonal.
     aggregates.factorise([&](std::size_t a, const auto& add) {
       add(a, (1.0 + pressure::regularisation) * fluid_.diagonal[a]);
       for (std::size_t k = fluid_.begin(a); k < fluid_.end(a); ++k)
@@ -591,8 +598,8 @@ class WindowSolver {
     return aggregates;
   }
 
-  /// Drive of the flow, to which the tolerance is relative: the residual with fixed pressures as they are and all
-  /// others at the datum.
+  /// Drive of the flow, to which the tolerance is relative: the norm of the residual with prescribed pressures in place
+  /// and all others at the datum.
   double drive(const ScalarArray& b, double reference) const {
     ScalarArray known(n_), residual(n_);
     parallel_for(n_, [&](std::size_t a) { known[a] = is_known(a) ? known_pressure(a) - reference : 0.0; });
@@ -612,9 +619,9 @@ class WindowSolver {
       stabilisation_[a] = 1.0 / (r.ss / (r.mS * r.mS) + dt * r.M * 4.0 / dx2);
       storage_[a] = s_.volume[a] * e * e / (dt * r.M);
     }
-    // Vectors change on reflection: keep the image each weight belongs to.
+    // Vectors change at a reflection, so that each weight belongs to one image.
     build_vector_stiffness();
-    // Kinetic energy that drag would give to free grains in the window.
+    // Relative to the power that drag would have on free grains in the window.
     negligible_power_ = pressure::skeleton_tolerance * pressure::skeleton_tolerance * sum_over(n_, [&](std::size_t a) {
                 if (!responds(a)) return 0.0;
                 const Vec<D> dragged = (1.0 - r_[a].as * r_[a].ss) * (before(a) - soil_.velocity[a]);
@@ -635,7 +642,7 @@ class WindowSolver {
     image_weight_.assign(s_.other.size(), 0.0F);
     H_diagonal_.assign(n_, 1.0);
     ScalarArray preconditioner(n_, 1.0);
-    // Of a point: its parent's modulus, 0 where none responds, and amplification.
+    // Data of a point: modulus and amplification of its parent; 0 where that does not respond.
     std::vector<std::array<double, 2>> points(s_.size(), {0.0, 0.0});
     for (std::size_t j = 0; j < s_.size(); ++j)
       if (const Index b = s_.parent[j]; b < n_ && responds(b)) points[j] = {r_[b].M, s_.amplification[b]};
@@ -645,7 +652,8 @@ class WindowSolver {
           if (!responds(a)) return;
           H_diagonal_[a] = s_.volume[a] / r_[a].ss;
           double turned = 0.0,
-                 held = dry_skeleton_stiffness(a);  // by own images, which walls turn round; by faces and by dry soil
+                 held = dry_skeleton_stiffness(a);  // by own images with reversed velocity behind walls; by faces and
+                                                    // by dry soil
           Lanes sum{};
           for (Index k = s_.offset[a]; k < s_.offset[a + 1]; k += n_lanes) {
             const Index* const i = &s_.other[k];
@@ -655,7 +663,7 @@ class WindowSolver {
             take(&s_.gradient_factor[k], w);
             w *= s_.volume[a] * dt * (s_.amplification[a] + amplification) * (2.0 * r_[a].M * M / (r_[a].M + M));
             put(w, &image_weight_[k]);
-            take(&image_weight_[k], w);  // as it is kept: the skeleton moves as a whole without force
+            take(&image_weight_[k], w);  // as it is stored: then the skeleton moves as a whole without force
             sum += w;
             for (std::size_t l = 0; l < n_lanes; ++l) {
               const Index j = i[l], b = s_.parent[j];
@@ -683,9 +691,9 @@ class WindowSolver {
     for (std::size_t a = 0; a < n_; ++a) H_inverse_[a] = 1.0 / preconditioner[a];
   }
 
-  /// Where soil yields, its present shear continues at constant stress; the stiffness resists only a departure from the
-  /// present motion. Otherwise yielding soil would flow as a liquid of viscosity Dt M. Computes the force on every
-  /// particle that cancels the stiffness of the present motion [N].
+  /// Computes the force on every particle [N] that cancels the stiffness of the present motion. Where soil yields, its
+  /// present shear continues at constant stress, so that the stiffness resists only a departure from the present
+  /// motion. Otherwise yielding soil would flow like a liquid of viscosity Dt M.
   void prepare_flow() {
     flow_.assign(n_, Vec<D>::Zero());
     // In a repeated window the departure is from the motion that the last pass found, whose force is known.
@@ -710,9 +718,10 @@ class WindowSolver {
       }
   }
 
-  /// The stabilisation acts on the change of pressure in the window only, since consolidation damps the modes of
-  /// pressure that the wide gradient does not resolve. In short windows of moving soil nothing damps them: there it
-  /// acts on the whole pressure, as in free water, whose projection is compact.
+  /// Subtracts the stabilisation of the whole pressure from the residual, in water of moving soil. Elsewhere the
+  /// stabilisation acts only on the change of pressure in the window, since consolidation damps the modes of pressure
+  /// that the wide gradient does not resolve. In short windows of moving soil nothing damps them; there it acts on the
+  /// whole pressure, as in free water, whose projection is compact.
   void stabilise_flow(const ScalarArray& pressure, ScalarArray& residual) const {
     if (!any_response_ || in_.in_seepage.empty() ||
         std::all_of(in_.in_seepage.begin(), in_.in_seepage.end(), [](char in_seepage) { return in_seepage != 0; }))
@@ -722,16 +731,18 @@ class WindowSolver {
       if (in_.in_seepage[a] == 0) residual[a] -= whole[a] - stabilisation_[a] * fixed_[a];
   }
 
-  /// A velocity of the skeleton at all points: reversed behind walls that fix the soil.
+  /// A velocity of the skeleton at all points; it is reversed behind walls that fix the soil.
   VecArray<D> skeleton_extended(std::span<const Vec<D>> f) const {
     return extended<D>(s_, f, Carried::no, in_.fixed_soil);
   }
 
-  /// Stiffness [N s/m] of a Robin condition by which the dry soil beyond a wetting front resists the wet skeleton:
-  /// traction Dt M (s - v_s) / distance. The dry soil is assumed to keep its velocity v_s at that distance: half a
-  /// spacing beside the front (a small wet zone is supported over its own width, Saint-Venant), and above it the way of
-  /// a compression wave in the window. A column of wet soil below dry soil responds to a load with
-  /// rho c tanh(L / (c Dt)); this stays within 5 % of it from 10 ms to 1 s.
+  /// Stiffness [N s/m] of the Robin condition by which the dry soil beyond a wetting front resists the wet skeleton:
+  /// traction Dt M (s - v_s) / distance.
+  ///
+  /// The dry soil is assumed to keep its velocity v_s at that distance: half a spacing beside the front (a small wet
+  /// zone is supported over its own width, Saint-Venant), and above it the distance that a compression wave travels in
+  /// the window. A column of wet soil below dry soil responds to a load with rho c tanh(L / (c Dt)); this is within 5 %
+  /// of it from 10 ms to 1 s.
   double dry_skeleton_stiffness(std::size_t a) const {
     if (!responds(a) || flags_[a] == Surface::interior || soil_.mask[a] < 0.5) return 0.0;
     const double spacing = spacing_of<D>(s_.volume[a]);
@@ -743,7 +754,7 @@ class WindowSolver {
     return s_.volume[a] * 2.0 * in_.interval * r_[a].M * amount * per_length;
   }
 
-  /// (V/ss) H s on responding particles, s itself elsewhere; symmetric [n * D].
+  /// (V/ss) H s for responding particles, s itself for others; symmetric [n * D].
   void apply_H(std::span<const double> s, std::span<double> y) const {
     const VecArray<D> all = skeleton_extended(as_vectors(s));
     for_each_in_lanes(
@@ -775,7 +786,8 @@ class WindowSolver {
   static std::span<const double> as_numbers(std::span<const Vec<D>> x) { return {x.data()->data(), x.size() * D}; }
   static std::span<double> as_numbers(std::span<Vec<D>> x) { return {x.data()->data(), x.size() * D}; }
 
-  /// Corrects s until the residual [n * D] of H s is this fraction of `size`, or its error's energy is negligible.
+  /// Corrects s until the residual [n * D] of H s is below the tolerance times `size`, or the energy of its error is
+  /// negligible. Returns the iterations.
   int solve_H(ScalarArray residual, double size, double negligible_power, std::span<Vec<D>> s) const {
     const auto apply = [&](std::span<const double> u, std::span<double> y) { apply_H(u, y); };
     const auto precondition = [&](std::span<const double> r, std::span<double> z) {
@@ -799,7 +811,7 @@ class WindowSolver {
         [&](std::size_t a) { return homogeneous ? 0.0 : surface_pressure(a); }, homogeneous);
   }
 
-  /// Right-hand side of H s under a pressure field: V/ss (sb - mS G p) [n * D].
+  /// Right-hand side of the equation for H s under a pressure field: V/ss (sb - mS G p) [n * D].
   ScalarArray skeleton_drive(std::span<const double> p) const {
     const VecArray<D> G = plain_gradient(p, false);
     ScalarArray drive(n_ * D, 0.0);
@@ -821,8 +833,9 @@ class WindowSolver {
     for (std::size_t d = 0; d < D; ++d) drive[a * D + d] = s_.volume[a] / r_[a].ss * velocity[static_cast<int>(d)];
   }
 
-  /// Skeleton velocity under a pressure field. The tolerance is relative to the change from the window's start, where H
-  /// s is `at_start`, and no less than rounding. The iteration starts from the velocity whose H s is `now`.
+  /// Solves for the skeleton's velocity under a pressure field. The tolerance is relative to the change from the
+  /// window's start, at which H s is `at_start`, and is at least rounding. The iteration starts from the velocity at
+  /// which H s is `now`.
   void skeleton_velocity(std::span<const double> p, const ScalarArray& at_start, const ScalarArray& now,
                          WindowSolution<D>& out) const {
     ScalarArray residual = skeleton_drive(p);
@@ -842,8 +855,8 @@ class WindowSolver {
     skeleton_velocity(out.pressure, at_start, at_start, out);
     ScalarArray residual = imbalance(b, ScalarArray(n_, 0.0), out);
     remove_means(residual);
-    const double size = norm(residual);  // of what the directions add up to
-    std::vector<VecArray<D>> answers;    // of the skeleton to the directions of the search
+    const double size = norm(residual);  // of the sum of the search directions
+    std::vector<VecArray<D>> answers;    // response of the skeleton to each search direction
     const auto apply = [&](std::span<const double> x, std::span<double> y) {
       const VecArray<D> G = plain_gradient(x, true);
       ScalarArray drive(n_ * D, 0.0);
@@ -872,8 +885,9 @@ class WindowSolver {
     skeleton_velocity(out.pressure, at_start, apply_H(velocity), out);
   }
 
-  /// Preconditioner: water and skeleton as two potentials joined by the storage e^2/(M dt),
-  /// [[-div kf grad + S, -S], [-S, S - div mu grad]] [p; tau] = [r; 0].
+  /// Preconditioner: the solution z of a problem for water and skeleton as two potentials that are coupled by the
+  /// storage S = e^2/(M dt), [[-div kf grad + S, -S], [-S, S - div mS e grad]] [p; tau] = [r; 0]. Returns the
+  /// iterations.
   int two_fields(std::span<const double> r, std::span<double> z, double tolerance) const {
     ScalarArray b(2 * n_, 0.0), x(2 * n_, 0.0);
     std::copy(r.begin(), r.end(), b.begin());
@@ -911,13 +925,13 @@ class WindowSolver {
     return report.iterations;
   }
 
-  /// Water velocity from the flux: n v' = n aw v/(aw + C) + n C/(aw + C) s - kf G p, with the pair mobilities of the
-  /// solve.
+  /// Completes the solution: gradients, flows through faces, and the water's velocity from the flux n v' = n aw v/(aw +
+  /// C) + n C/(aw + C) s - kf G p, with the pair mobilities of the solve.
   void finish(WindowSolution<D>& out) const {
     out.velocity.resize(n_);
     out.gradient = plain_gradient(out.pressure, false);
     tell_face_flow(out);
-    VecArray<D> flux;  // none: the mobility is the same everywhere
+    VecArray<D> flux;  // empty: the mobility is the same everywhere
     const double mobility = n_ == 0 ? 0.0 : q_[0].kf;
     if (!parallel_all(n_, [&](std::size_t a) { return q_[a].kf == mobility; })) {
       ScalarArray own(n_);
@@ -947,21 +961,22 @@ class WindowSolver {
   std::size_t n_;
   Eliminations<D> q_;
   std::vector<Response> r_;  ///< empty: no skeleton responds
-  std::vector<char> open_;   ///< [n] has a surface or a face
+  std::vector<char> open_;   ///< [n] 1 where a surface or a face is within reach
   std::vector<std::vector<std::size_t>> closed_;
   bool any_response_ = false, all_closed_ = false, any_cavitating_ = false;
-  std::vector<char> beside_moving_;  ///< 1: of free water and moving soil that meet; empty: nothing moves
-  std::vector<bool> cavitating_;     ///< [n] at the cavitation pressure
-  VecArray<D> flow_;                 ///< see prepare_flow [N]
+  std::vector<char> beside_moving_;  ///< [n] 1: free water beside moving soil, or that soil; empty: nothing moves
+  std::vector<bool> cavitating_;     ///< [n] fixed at the cavitation pressure
+  VecArray<D> flow_;                 ///< [n] N, see prepare_flow
   PairMatrix fluid_, skeleton_, plain_;
-  MatArray<D> stretch_;  ///< [n] by which pairs are scaled (even_out_directions)
+  MatArray<D> stretch_;  ///< [n] S of even_out_directions
   ScalarArray sources_;
-  ScalarArray start_, free_diagonal_, free_boundary_;  ///< the pressure at first; the system without cavitation
+  ScalarArray start_, free_diagonal_, free_boundary_;  ///< initial pressure; diagonal and right-hand side without
+                                                       ///< cavitation
   double negligible_power_ = 0.0;  ///< power below which an error of the skeleton's velocity is negligible [N m/s]
   ScalarArray boundary_, fixed_, stabilisation_, storage_, H_diagonal_;
-  ScalarArray H_inverse_;                    ///< of the preconditioner's diagonal
-  std::optional<Aggregates<D>> aggregates_;  ///< coarse space of the skeleton's stiffness
-  std::vector<float> image_weight_;          ///< [pairs] of the skeleton's stiffness, N s/m
+  ScalarArray H_inverse_;                    ///< [n] inverse diagonal of the preconditioner
+  std::optional<Aggregates<D>> aggregates_;  ///< coarse space for the skeleton's stiffness
+  std::vector<float> image_weight_;          ///< [pairs] N s/m, weights of the skeleton's stiffness
 };
 
 }  // namespace

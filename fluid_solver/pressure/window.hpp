@@ -7,47 +7,51 @@
 
 namespace poretwin::fluid {
 
+/// Data of one window. Lengths of the arrays: [n] particles, [columns] of the faces.
 template <int D>
 struct WindowProblem {
   double interval = 0.0;                  ///< s
-  double density = 1000.0;                ///< of water, kg/m3
+  double density = 1000.0;                ///< kg/m3, of water
   Vec<D> weight = Vec<D>::Zero();         ///< rho g, N/m3
   Vec<D> origin = Vec<D>::Zero();         ///< piezometric pressure ph = p - rho g.(x - origin)
-  bool response = true;                   ///< the skeleton answers inside the solve
+  bool response = true;                   ///< the skeleton responds inside the solve
   std::span<const double> void_fraction;  ///< [n]
-  std::span<const double> pressure;       ///< [n] at the window's start, piezometric, Pa; none: the warm start's
-  std::span<const Vec<D>> velocity;       ///< [n] of the water, viscosity already in it, m/s; none: at rest
-  OrZero<double> source;                  ///< [n] volume to be given off, 1/s
-  std::span<const int> closed_body;  ///< [n] number from 1 of its body if only walls surround that; none: all are one
-  double cavitation = -1e300;        ///< total pressure at which water cavitates, Pa
-  std::span<const double> void_volume;  ///< [n] volume of its voids so far, m^D; none: no voids
-  std::span<const char> in_seepage;     ///< [n] 0: its soil moves by itself or there is none; none: nothing moves
-  ScalarArray face_pressure;            ///< [columns] piezometric, Pa
-  ScalarArray face_slope;               ///< [columns] of that along the face's normal, into the domain, so far, Pa/m
-  std::vector<bool> face_holds;         ///< [columns] the soil
-  std::vector<int> face_soil;           ///< [columns] number in the case of the soil before them, at rest; -1: none
-  double tolerance = 2e-5;              ///< of the pressure residual, relative, where no skeleton responds
-  std::uint32_t fixed_soil = 0;         ///< boundaries that hold the soil, by bits
+  std::span<const double> pressure;       ///< [n] Pa, piezometric, at the window's start; empty: the initial guess
+  std::span<const Vec<D>> velocity;       ///< [n] m/s, of the water, with viscosity applied; empty: at rest
+  OrZero<double> source;                  ///< [n] 1/s, rate of expansion of the volume
+  std::span<const int> closed_body;     ///< [n] number from 1 of a particle's body of water if only walls surround it,
+                                        ///< else 0; empty: all particles form one such body
+  double cavitation = -1e300;           ///< Pa, total pressure at which water cavitates
+  std::span<const double> void_volume;  ///< [n] m^D, volume of its voids so far; empty: no voids
+  std::span<const char> in_seepage;     ///< [n] 0: in soil that moves by itself, or in none; empty: nothing moves
+  ScalarArray face_pressure;            ///< [columns] Pa, piezometric
+  ScalarArray face_slope;               ///< [columns] Pa/m, of the pressure along the inward normal, in the last window
+  std::vector<bool> face_holds;         ///< [columns] the face fixes the soil
+  std::vector<int> face_soil;           ///< [columns] index in the case of the soil before them, at rest; -1: none
+  double tolerance = 2e-5;              ///< relative residual of the pressure where no skeleton responds
+  std::uint32_t fixed_soil = 0;         ///< boundaries that fix the soil, one bit each
   int sweeps = 0;                       ///< explicit sweeps in place of the solve; 0: solve
-  double interval_over_proposed = 1.0;  ///< window over the phase's own proposal: shorter makes sweeps no stiffer
+  double interval_over_proposed = 1.0;  ///< length of the window over the one that the fluid proposed: with shorter
+                                        ///< ones sweeps do not become stiffer
 };
 
+/// Result of one window; [n], [columns]: as in WindowProblem.
 template <int D>
 struct WindowSolution {
-  ScalarArray pressure;           ///< [n] piezometric, Pa; in: warm start
-  OrZero<Vec<D>> solid_velocity;  ///< [n] predicted v_s', m/s; in: warm start
-  VecArray<D> velocity;           ///< [n] v_w', m/s
-  VecArray<D> gradient;           ///< [n] of the piezometric pressure, Pa/m
-  OrZero<double> void_volume;     ///< [n] volume of voids in the water, m^D
-  ScalarArray face_flow;          ///< [columns] water that the face's pressure drives in, m^D/s; NaN beside a surface
-  ScalarArray face_carry;         ///< [columns] discharge per area that comes in without it, by inertia, m/s
+  ScalarArray pressure;           ///< [n] Pa, piezometric; input: initial guess
+  OrZero<Vec<D>> solid_velocity;  ///< [n] m/s, predicted v_s'; input: initial guess
+  VecArray<D> velocity;           ///< [n] m/s, v_w'
+  VecArray<D> gradient;           ///< [n] Pa/m, of the piezometric pressure
+  OrZero<double> void_volume;     ///< [n] m^D, volume of voids in the water
+  ScalarArray face_flow;          ///< [columns] m^D/s, flow that the face's pressure drives in; NaN beside a surface
+  ScalarArray face_carry;         ///< [columns] m/s, inward discharge per area by inertia, without the face's pressure
   int outer = 0, pressure_iterations = 0, multigrid_cycles = 0, skeleton_iterations = 0;
-  bool multigrid = false;  ///< in: begin with it; out: worth beginning with next time
+  bool multigrid = false;  ///< input: start with multigrid; output: the next solve should
   bool converged = true;
 };
 
-/// Solves one window. In: warm starts; out: everything.
-/// stencil: of the particles now; soil, flags: at the particles.
+/// Solves one window. solution: initial guesses on input, everything on output. stencil: of the particles' present
+/// positions; soil, flags: at the particles.
 template <int D>
 void solve_window(const Stencil<D>& stencil, const SoilView<D>& soil, std::span<const Surface> flags,
                   const WindowProblem<D>& problem, WindowSolution<D>& solution);

@@ -1,4 +1,4 @@
-// What a segment of the soil's border lets in: one type a kind, each in a file of its own.
+// Inflow through a segment of the soil's border: one class for each kind of boundary, each in a file of its own.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -10,25 +10,25 @@
 
 namespace poretwin::pore {
 
-/// What a boundary keeps of one segment, part of the saved state.
+/// What a boundary stores for one segment, as a part of the saved state.
 struct SegmentState {
-  double pond = 0.0;  ///< m3 (2D: m2), water that stands on the surface there
+  double pond = 0.0;  ///< m3 (2D: m2), water that stands on the surface of the segment
 };
 
-/// Volumes since the start [m3, 2D: m2].
+/// Volumes of water since the start of the run [m3, 2D: m2].
 struct Account {
-  double in = 0.0, out = 0.0;  ///< what came through water faces; what left as water, under rain, too
-  double infiltration = 0.0;   ///< of rain
-  double evaporation = 0.0;    ///< of the soil's water
-  double runoff = 0.0;         ///< what could neither soak in nor pond; no water of the soil
-  /// What the soil gained by all of it.
+  double in = 0.0, out = 0.0;  ///< inflow through water faces; outflow of liquid water, also under rain
+  double infiltration = 0.0;   ///< infiltration of rain
+  double evaporation = 0.0;    ///< evaporation of the soil's water
+  double runoff = 0.0;         ///< water that could neither infiltrate nor pond; it never was in the soil
+  /// Total gain of water in the soil.
   [[nodiscard]] double gained() const { return in + infiltration - out - evaporation; }
 };
 
 /// A step in time [s].
 struct StepTimes {
   double start = 0.0, interval = 0.0;
-  double now = 0.0;  ///< the instant at which flows are computed
+  double now = 0.0;  ///< the instant for which flows are computed
 };
 
 class PoreBoundary {
@@ -38,23 +38,23 @@ class PoreBoundary {
   PoreBoundary& operator=(const PoreBoundary&) = delete;
   virtual ~PoreBoundary() = default;
 
-  /// What follows is of a step, and of an instant within it [s].
+  /// Begins a step, or another instant within it: the calls below refer to these times.
   virtual void begin(const StepTimes& times) = 0;
-  /// What flows in at the variables that the model has.
+  /// Inflow at the variables that the flow model has.
   [[nodiscard]] virtual Inflow inflow(const FlowModel& flow, const Segment& segment,
                                       const SegmentState& state) const = 0;
-  /// Takes note of the step's mean flow in [m3/s, 2D: m2/s].
+  /// Adds the mean inflow of the step [m3/s, 2D: m2/s] to the segment's state and to the account.
   virtual void accept(const Segment& segment, double flow, SegmentState& state, Account& account) const = 0;
-  /// Elevation of the water behind it [m], at the end of the step; of those that have one.
+  /// Elevation [m] of the water behind the boundary at the end of the step; empty for boundaries that have none.
   [[nodiscard]] virtual std::optional<double> level() const { return std::nullopt; }
-  /// The next instant after a time [s] at which what it prescribes has a corner.
+  /// The next time [s] after `time` [s] at which a prescribed value changes its slope; infinite if there is none.
   [[nodiscard]] virtual double next_corner(double time) const = 0;
 };
 
-/// The first of a series' knots after a time [s].
+/// The time of the first knot of a series after `time` [s]; infinite if there is none.
 double next_knot(const Series& series, double time);
 
-/// The kind that the case's faces and rain along a segment ask for.
+/// The boundary for a segment along a water face and under rain: indices in the case's lists, or Segment::none.
 std::unique_ptr<PoreBoundary> make_boundary(const Case& scene, std::size_t face, std::size_t rain);
 
 }  // namespace poretwin::pore

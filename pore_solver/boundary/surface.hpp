@@ -1,4 +1,4 @@
-// The ground's surface under rain, or giving off vapour.
+// The ground's surface under rain or evaporation.
 #pragma once
 
 #include "pore_solver/boundary/pore_boundary.hpp"
@@ -8,22 +8,22 @@
 
 namespace poretwin::pore {
 
-/// What falls soaks in as far as the soil takes it under what stands on it; the rest ponds up to a depth, and runs off.
-/// Evaporation takes what stands there first, then the soil's water, as long as the soil is no drier at the surface
-/// than a limit. Where the soil is full and its water under pressure it comes out: through the water face along the
-/// segment if there is one, into runoff if not.
+/// Rain infiltrates as fast as the soil takes it under the water that stands on it. The rest ponds up to a depth, and
+/// what is above it runs off. Evaporation takes ponded water first, then the soil's water, down to a given suction at
+/// the surface. Where the soil is saturated and its water under pressure, water comes out: through the water face along
+/// the segment if there is one, otherwise onto the surface.
 class Surface final : public PoreBoundary {
  public:
   Surface(const Rain& rain, bool has_face) : rain_(rain), has_face_(has_face) {}
   void begin(const StepTimes& times) override {
     interval_ = times.interval;
-    // What falls is counted exactly: the mean over the step at any instant of it.
+    // The rain's mean over the step is used at every instant of it, so that its volume is exact.
     rate_ = rain_.rate->integral(times.start, times.start + interval_) / interval_;
   }
   [[nodiscard]] Inflow inflow(const FlowModel& flow, const Segment& segment, const SegmentState& state) const override {
     const double there = available(segment, state);
     const double depth = segment.level_area > 0.0 ? state.pond / segment.level_area : 0.0;
-    // Bounds are asked for only where they may hold.
+    // The bounds are evaluated only where they may apply.
     if (const Inflow most = flow.at_head(segment, depth); most.value < there) return most;
     if (there < 0.0)
       if (const Inflow least = flow.at_head(segment, -rain_.limit_suction); least.value > there)
@@ -37,7 +37,7 @@ class Surface final : public PoreBoundary {
       account.infiltration += soaked;
       on_top -= soaked;
     } else {
-      // Vapour first; what the soil gives beyond it seeps out.
+      // Evaporation takes its part first; further water that leaves the soil seeps out.
       const double vapour = std::clamp(-on_top, 0.0, -soaked), seeps = -soaked - vapour;
       account.evaporation += vapour;
       account.out += seeps;
@@ -50,14 +50,15 @@ class Surface final : public PoreBoundary {
   [[nodiscard]] double next_corner(double time) const override { return next_knot(*rain_.rate, time); }
 
  private:
-  /// What could soak in during the step if the soil took all of it, per time; below zero what vapour would take.
+  /// Rate [m3/s, 2D: m2/s] at which water is available for infiltration in the step; negative: rate of evaporation from
+  /// the soil.
   [[nodiscard]] double available(const Segment& segment, const SegmentState& state) const {
     return state.pond / interval_ + rate_ * segment.level_area;
   }
 
   Rain rain_;
   bool has_face_;
-  double interval_ = 1.0, rate_ = 0.0;  ///< s, m/s
+  double interval_ = 1.0, rate_ = 0.0;  ///< s, length of the step; m/s, mean rain
 };
 
 }  // namespace poretwin::pore

@@ -1,4 +1,4 @@
-// Faces with water or air behind them: a reservoir, a prescribed pressure, an outlet.
+// Faces with water or air behind them: reservoirs, prescribed pressures, outlets.
 #pragma once
 
 #include "pore_solver/boundary/pore_boundary.hpp"
@@ -7,7 +7,7 @@
 
 namespace poretwin::pore {
 
-/// What all faces have in common: their flow goes to the account of water that comes and goes.
+/// Common base of these faces: it sums their inflow and outflow.
 class WaterBehind : public PoreBoundary {
  public:
   void accept(const Segment&, double flow, SegmentState&, Account& account) const override {
@@ -21,7 +21,7 @@ class WaterBehind : public PoreBoundary {
   double interval_ = 0.0;  ///< s
 };
 
-/// Still water up to a head that may change; a seepage face above it.
+/// Still water up to a head, which may change in time; above it a seepage face.
 class Reservoir final : public WaterBehind {
  public:
   explicit Reservoir(Series head) : head_(std::move(head)) {}
@@ -40,7 +40,7 @@ class Reservoir final : public WaterBehind {
   double level_ = 0.0;
 };
 
-/// A pressure that is uniform along the face.
+/// A prescribed pressure, uniform along the face.
 class PrescribedPressure final : public WaterBehind {
  public:
   PrescribedPressure(Series pressure, double specific_weight)
@@ -59,7 +59,7 @@ class PrescribedPressure final : public WaterBehind {
   double specific_weight_, head_ = 0.0;
 };
 
-/// Air: water only leaves. A seepage face, a drain.
+/// Air behind the face: water can only leave, as at a seepage face or a drain.
 class Outlet final : public WaterBehind {
  public:
   void begin(const StepTimes& times) override { note_interval(times.interval); }

@@ -4,9 +4,9 @@
 
 namespace poretwin::pore::readings {
 
-/// Depth under a face at which the water table is looked for, and once more at twice that, to read where it meets the
-/// face. Nearer to it the cells at the border distort the reading, farther from it the table is no longer a power of
-/// the distance.
+/// Depth below a face at which the water table is searched for, and again at twice that depth, to find where it meets
+/// the face. Closer to the face the cells at the border distort the reading; farther from it the depth of the water
+/// table is no power of the distance.
 /// Unit: spacings. Test: embankment_seepage_rigid (untried).
 inline constexpr double exit_depth = 1.5;
 

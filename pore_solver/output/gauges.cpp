@@ -112,9 +112,10 @@ class Gauges::Reader {
     }
   }
 
-  /// How far from its start the pressure head comes down to the one that is looked for. Without capillarity also the
-  /// length that is full, cells that are partly so with their share: the pressure says where a water table stands, the
-  /// share how far a front has come, and both fall short rather than too far.
+  /// Distance [m] from the line's start at which the pressure head falls to the value that the gauge names. Without
+  /// capillarity the length that is full of water is evaluated, too, with partly full cells in proportion, and the
+  /// larger distance taken. The pressure shows the position of a water table, the saturation that of a front; both are
+  /// rather too short than too long.
   [[nodiscard]] double front(const Gauge& gauge, const ProbeLine& line) const {
     if (line.place.empty()) return 0.0;
     const double by_pressure = where_head_ends(line, gauge.pressure_head);
@@ -140,11 +141,11 @@ class Gauges::Reader {
       if (share == 0.0) return full;
       before = share;
     }
-    // A cell at a slope through which water comes out is never full to its highest corner.
+    // The cell at a slope where water comes out is never full up to its highest corner.
     return degree(line.probe.back().point[0]) >= 0.5 ? line.place.back() : full;
   }
 
-  /// Through a line, or in through the face that is named.
+  /// Discharge through the gauge's line, or the inflow through the face that it names.
   [[nodiscard]] double discharge(const Gauge& gauge, const Places& places) const {
     double sum = 0.0;
     for (const auto& crossing : places.crossings) sum += crossing.sign * state_.flow[crossing.link];
@@ -155,15 +156,15 @@ class Gauges::Reader {
     return sum;
   }
 
-  /// Elevation at which the water table meets a face. It comes in along it, its depth under the face growing as the
-  /// distance to the power of 3/2 (the pressure's behaviour where a free surface goes over into a seepage face): two
-  /// depths tell where it begins.
+  /// Elevation [m] at which the water table meets a face. Near that point its depth below the face grows with the
+  /// distance to the power of 3/2, as for any free surface that ends at a seepage face. The point is extrapolated from
+  /// the water table at two depths.
   [[nodiscard]] double exit_height(const Gauge& gauge, const Places& places) const {
     const Point3 up = -scene_.general.gravity.normalized();
     std::array<double, 2> at{};
     for (std::size_t i = 0; i < 2; ++i) {
       const ProbeLine& line = places.beside[i];
-      // From above: the first place at which there is pressure.
+      // From above: the first place with positive pressure.
       const bool rises = up.dot(gauge.points[1] - gauge.points[0]) > 0.0;
       double before = nan;
       at[i] = nan;
@@ -177,11 +178,11 @@ class Gauges::Reader {
         before = now;
       }
     }
-    const double ratio = std::cbrt(4.0);  // of the distances at twice the depth and at once
+    const double ratio = std::cbrt(4.0);  // ratio of the distances at twice the depth and at the depth
     const double place = at[0] - (at[1] - at[0]) / (ratio - 1.0);
     return up.dot(gauge.points[0] + place * (gauge.points[1] - gauge.points[0]).normalized());
   }
-  /// Largest outward flow over conductivity.
+  /// Largest outward flow per area, over the saturated conductivity.
   [[nodiscard]] double exit_gradient(const Places& places) const {
     double largest = nan;
     for (const std::size_t i : places.segments) {
@@ -222,7 +223,7 @@ class Gauges::Reader {
     return nan;
   }
 
-  /// Over the boundaries of the item that the gauge names, or of all.
+  /// Sum of a part of the accounts over the boundaries with the item that the gauge names, or over all.
   template <class Items, class Part>
   [[nodiscard]] double sum(const Gauge& gauge, const Items& items, std::size_t Stepper::Along::*item,
                            const Part& part) const {

@@ -1,4 +1,4 @@
-// What is read off the field: values at points and along lines, flows, volumes, the balance.
+// The gauges of the field: values at points and along lines, flows, volumes, the water balance.
 #pragma once
 
 #include "common/coupling/phase.hpp"
@@ -10,7 +10,7 @@
 
 namespace poretwin::pore {
 
-/// Share of a point's pores that its water fills, of those that water can fill.
+/// Fraction of a point's pores that is filled with water, of those that water can fill.
 inline double saturation(const State& state, Index a) { return state.water[a] / state.pores[a]; }
 
 class Gauges {
@@ -19,18 +19,18 @@ class Gauges {
   [[nodiscard]] std::vector<GaugeReading> read(const FlowModel& flow, const Stepper& stepper, const State& state) const;
 
  private:
-  /// A link that a line crosses, and whether from its right to its left.
+  /// A link that a line crosses; sign: 1 if the link leads from the line's right to its left, else -1.
   struct Crossing {
     std::size_t link = 0;
     double sign = 1.0;
   };
-  /// What of a gauge does not change in time.
+  /// The parts of a gauge that do not change in time.
   struct Places {
     std::vector<std::optional<Probe>> points;
     ProbeLine line;
     std::vector<Crossing> crossings;
-    std::vector<std::size_t> segments;  ///< along a face
-    std::array<ProbeLine, 2> beside;    ///< the face, moved inwards by a depth and by twice as much
+    std::vector<std::size_t> segments;  ///< segments along a face
+    std::array<ProbeLine, 2> beside;    ///< the face moved into the soil by one and two depths
   };
   class Reader;
 

@@ -9,7 +9,7 @@
 namespace poretwin::pore {
 namespace {
 
-/// Weights of three corners of a triangle at x, that sum up to one; nothing where the triangle is flat.
+/// Weights of the three corners of a triangle at x, which sum up to 1; empty where the triangle is flat.
 std::optional<std::array<double, 3>> weights(const Point3& a, const Point3& b, const Point3& c, const Point3& x) {
   const double area = cross(b - a, c - a);
   if (std::abs(area) < 1e-9 * (b - a).norm() * (c - a).norm()) return std::nullopt;
@@ -47,7 +47,8 @@ Index Probes::nearest(const Point3& x, std::optional<std::size_t> soil) const {
 }
 
 std::optional<Probe> Probes::at(const Point3& x) const {
-  // On the border rounding would choose: a place belongs to what lies just before it, towards the nearest point.
+  // A place on a border of two soils belongs to the soil of the nearest point; without this shift rounding would
+  // decide.
   const Point3 inside = x + 1e-6 * (network_.position[nearest(x, std::nullopt)] - x);
   std::optional<std::size_t> soil;
   for (std::size_t s = 0; s < scene_.soils.size() && !soil; ++s)
@@ -56,7 +57,7 @@ std::optional<Probe> Probes::at(const Point3& x) const {
   const Index a = nearest(x, soil);
   const auto& around = neighbours_[a];
   Probe best{{a, a, a}, {1.0, 0.0, 0.0}};
-  // The triangle around x, or else the one that x lies least outside of.
+  // The triangle that contains x, or else the one whose least weight at x is largest.
   double most = -HUGE_VAL;
   for (std::size_t i = 0; i < around.size(); ++i) {
     const Index b = around[i], c = around[(i + 1) % around.size()];
@@ -68,7 +69,7 @@ std::optional<Probe> Probes::at(const Point3& x) const {
     best = {{a, b, c}, *w};
   }
   if (most > -HUGE_VAL || around.empty()) return best;
-  // A single row of points: along it.
+  // With a single row of points the value is interpolated along the row.
   for (const Index b : around) {
     const Point3 way = network_.position[b] - network_.position[a];
     const double along = way.dot(x - network_.position[a]) / way.squaredNorm();

@@ -1,4 +1,4 @@
-// Reading a field between the points that it lives on.
+// Interpolation of a field between the points at which it is computed.
 #pragma once
 
 #include "pore_solver/network.hpp"
@@ -10,10 +10,10 @@
 
 namespace poretwin::pore {
 
-/// A place in the soil as weights of the points around it. Linear in the triangle of the nearest point and two of its
-/// neighbours in which the place lies (the Delaunay triangulation belongs to Voronoi cells), and from there linearly on
-/// up to the border, where no triangle lies around the place. All three are of one soil: at the border of two the
-/// gradient jumps.
+/// A place in the soil as weights of points around it. A value is linear in the triangle of the nearest point and two
+/// of its neighbours that contains the place (Voronoi cells belong to a Delaunay triangulation). Near the border, where
+/// no triangle contains the place, it is extrapolated linearly. All three points lie in one soil, since gradients jump
+/// at the border of two.
 struct Probe {
   std::array<Index, 3> point{};
   std::array<double, 3> weight{};
@@ -29,25 +29,25 @@ struct Probe {
 /// A straight line through the soil.
 struct ProbeLine {
   double length = 0.0;  ///< m
-  ScalarArray place;    ///< m from its start, increasing; only places in the soil
+  ScalarArray place;    ///< m, distances of the places from its start, increasing; only places in the soil
   std::vector<Probe> probe;
 };
 
 class Probes {
  public:
   Probes(const Case& scene, const Network& network);
-  /// Nothing outside the soil.
+  /// The probe at x [m]; empty outside the soil.
   [[nodiscard]] std::optional<Probe> at(const Point3& x) const;
-  /// Places a quarter of a spacing apart, both ends among them.
+  /// Probes at places a quarter of a spacing apart, with both ends of the line.
   [[nodiscard]] ProbeLine along(const Point3& from, const Point3& to) const;
 
  private:
-  /// Of one soil, or of all.
+  /// The point nearest to x, in one soil or in all.
   [[nodiscard]] Index nearest(const Point3& x, std::optional<std::size_t> soil) const;
 
   const Case& scene_;
   const Network& network_;
-  std::vector<std::vector<Index>> neighbours_;  ///< of each point in its own soil, anticlockwise
+  std::vector<std::vector<Index>> neighbours_;  ///< of each point: its neighbours in its own soil, anticlockwise
 };
 
 }  // namespace poretwin::pore

@@ -1,4 +1,4 @@
-// Particles of one soil, four at a time: for work on single particles that ends in their constitutive model.
+// Particles of one soil, four at a time, for work on single particles that ends in their constitutive model.
 #pragma once
 
 #include "common/core/error.hpp"
@@ -15,20 +15,20 @@
 
 namespace poretwin::solid {
 
-/// At most so many particles, filled up to a multiple of four with the last.
+/// Up to `most` particles. The last one is repeated up to a multiple of four.
 struct Batch {
   static constexpr std::size_t most = 256;
   Index soil = 0;
   std::size_t count = 0;
   std::array<Index, most> who;
   std::array<Four, most / n_lanes> fours;
-  std::array<Quad, most / n_lanes> volume;     ///< m^D, as it becomes
-  std::array<Quad, most / n_lanes> stiffness;  ///< shares of the elastic moduli that strains are taken with
-  std::vector<Quad> state;                     ///< what the material remembers, of one four after the other
+  std::array<Quad, most / n_lanes> volume;     ///< m^D, new volume
+  std::array<Quad, most / n_lanes> stiffness;  ///< factors on the elastic moduli, applied to the strains
+  std::vector<Quad> state;                     ///< state variables of the material, one four after the other
   [[nodiscard]] std::size_t n_fours() const { return (count + n_lanes - 1) / n_lanes; }
 };
 
-/// One part of for_batches().
+/// The work of for_batches() on one part of the rows.
 template <int D, class Wanted, class Treat>
 void treat_part(const State<D>& state, std::size_t part, const Wanted& wanted, const Treat& treat) {
   const Pairs& pairs = state.near.pairs;
@@ -49,12 +49,12 @@ void treat_part(const State<D>& state, std::size_t part, const Wanted& wanted, c
   finish();
 }
 
-/// Calls treat(batch) for all particles i with wanted(i), the parts of the rows in parallel. Whether one is wanted may
-/// not depend on what is done to others.
+/// Calls treat(batch) for all particles i with wanted(i), with the parts of the rows in parallel. wanted(i) must not
+/// depend on what treat() does to other particles. Rethrows the exception of the lowest part that threw.
 template <int D, class Wanted, class Treat>
 void for_batches(const State<D>& state, const Wanted& wanted, const Treat& treat) {
   const Pairs& pairs = state.near.pairs;
-  std::exception_ptr failed;  // of the lowest part: nothing may leave a thread
+  std::exception_ptr failed;  // of the lowest part; an exception must not leave a thread
   std::size_t failed_part = pairs.n_parts();
   std::mutex writing;
   for_each_part(pairs.n_parts(), [&](std::size_t part) {
@@ -69,7 +69,8 @@ void for_batches(const State<D>& state, const Wanted& wanted, const Treat& treat
   if (failed) std::rethrow_exception(failed);
 }
 
-/// Lets the material follow a batch's strains: the stresses in the batch, and what it remembers of the particles.
+/// Applies the material to a batch's strains: updates the stresses in the batch and the particles' state variables.
+/// Throws DivergedError where the material fails.
 template <int D>
 void follow_strains(const Setup<D>& setup, Batch& batch, Particles<D>& particles) {
   const ConstitutiveModel& model = *setup.models[batch.soil];
@@ -92,7 +93,7 @@ void follow_strains(const Setup<D>& setup, Batch& batch, Particles<D>& particles
       particles.state_of(batch.who[k])[s] = batch.fours[k / n_lanes].state[s].v[k % n_lanes];
 }
 
-/// One number of each of four particles.
+/// One value of each of four particles.
 template <class Values>
 [[gnu::always_inline]] inline void take_each(const Values& values, const Index* i, Lanes& taken) {
   taken = Lanes{values[i[0]], values[i[1]], values[i[2]], values[i[3]]};

@@ -41,8 +41,8 @@ Boundaries<D> make_boundaries(const Case& scene, double margin) {
 
 namespace {
 
-/// Linear maps of velocities through a chain of boundaries: mirrored at rollers, reversed at fixed walls; at frictional
-/// ones reversed about the slip, v' = 2 s - v.
+/// Linear maps of velocities through a chain of boundaries: mirrored at rollers, reversed at fixed walls, and at
+/// frictional walls reversed about the wall slip, v' = 2 s - v.
 template <int D>
 void find_velocity_maps(const Boundaries<D>& boundaries, std::uint32_t passed, ImageRule<D>& rule) {
   using Kind = typename Boundaries<D>::Kind;
@@ -59,7 +59,7 @@ void find_velocity_maps(const Boundaries<D>& boundaries, std::uint32_t passed, I
   }
 }
 
-/// The walls among the boundaries passed (periodic sides change nothing).
+/// The walls among the boundaries passed; periodic sides need no correction.
 template <int D>
 void find_crossings(const Boundaries<D>& boundaries, std::uint32_t passed, ImageRule<D>& rule) {
   using Kind = typename Boundaries<D>::Kind;
@@ -70,7 +70,7 @@ void find_crossings(const Boundaries<D>& boundaries, std::uint32_t passed, Image
     Crossing<D>& crossing = rule.crossings[rule.n_crossings++];
     crossing.normal = n;
     crossing.level = n.dot(boundaries.planes[k].point);
-    // The body force as seen behind the other walls of the chain: rule.map without this wall's own mirror.
+    // The body force as it appears behind the other walls of the chain: rule.map without this wall's own mirror.
     crossing.share = rule.map * (Mat<D>::Identity() - 2.0 * normal_part);
     if (boundaries.kinds[k] == Kind::roller) crossing.share = normal_part * crossing.share;
     if (boundaries.kinds[k] == Kind::frictional) crossing.friction = boundaries.friction[k];
@@ -162,13 +162,16 @@ void fill_nodes(const Particles<D>& p, Neighbourhood<D>& near, const VecArray<D>
       const Crossing<D>& wall = rule.crossings[c];
       const double distance = wall.normal.dot(nodes[rule.parent].position) - wall.level;
       const Vec<D> row = rule.map * (nodes[rule.parent].correction() * (rule.map.transpose() * wall.normal));
-      const double reach = distance * slope_carried<D>(p, rule.parent, wall.normal, distance, body[rule.parent]);
-      node.flux += 2.0 * reach * (wall.share * body[rule.parent]) * row.transpose();
+      Vec<D> slope = body[rule.parent];
+      if (std::isfinite(wall.friction)) slope += p.wall_slope[rule.parent];
+      const double reach = distance * slope_carried<D>(p, rule.parent, wall.normal, distance, slope);
+      node.flux += 2.0 * reach * (wall.share * slope) * row.transpose();
       if (std::isinf(wall.friction)) continue;
-      const WallShear<D> shear = wall_shear<D>(p.stress[rule.parent], wall.normal, reach, body[rule.parent]);
+      const WallShear<D> shear = wall_shear<D>(p.stress[rule.parent], wall.normal, reach, slope);
       node.flux -= 2.0 * shear.excess(wall.friction) * (wall.share * shear.traction) * row.transpose();
       if (rule.n_crossings > 1 || p.slip[rule.parent].isZero(0.0)) continue;
-      // Slipping soil is mirrored along the wall as at a roller: only friction resists soil that spreads on it.
+      // Slipping soil is mirrored along the wall as at a roller, so that only friction resists soil that spreads on the
+      // wall.
       const Mat<D> along = (Mat<D>::Identity() - wall.normal * wall.normal.transpose()) * rule.map.transpose();
       node.flux += rule.slip * nodes[rule.parent].flux * along;
       node.gradient += rule.slip * nodes[rule.parent].gradient * along;

@@ -1,4 +1,4 @@
-// Walls and periodic sides of the soil: image planes, and the rules by which images follow their parents.
+// Walls and periodic sides of the soil: planes that make images, and the rules by which images follow their parents.
 #pragma once
 
 #include "common/geometry/shapes.hpp"
@@ -14,34 +14,35 @@ struct Boundaries {
   enum class Kind { roller, fixed, frictional, periodic };
   std::vector<sph::ImagePlane<D>> planes;  ///< plane k has boundary number k
   std::vector<Kind> kinds;
-  ScalarArray friction;  ///< Coulomb's coefficient of frictional planes
+  ScalarArray friction;  ///< Coulomb's friction coefficient, of frictional planes
   [[nodiscard]] bool any_frictional() const {
     return std::find(kinds.begin(), kinds.end(), Kind::frictional) != kinds.end();
   }
 };
 
-/// From the case's walls and periodic axes; margin [m]: how far walls reach beyond their ends so that corners close.
+/// Boundaries from the case's walls and periodic axes. margin [m]: length by which walls are extended beyond their
+/// ends, so that corners are closed.
 template <int D>
 Boundaries<D> make_boundaries(const Case& scene, double margin);
 
-/// Brings what left through a periodic side back in through the other.
+/// Moves particles that have left through a periodic side in through the opposite one.
 template <int D>
 void wrap_periodic(const Boundaries<D>& boundaries, VecArray<D>& positions);
 
-/// Images and pair lists for the current positions, in parts for n_parts threads; range [m]: kernel support plus skin;
-/// asleep: see pair_up.
+/// Makes images and pair lists for the current positions. range [m]: kernel support plus skin; n_parts: parts of the
+/// rows for threads; asleep: see pair_up.
 template <int D>
 void build_neighbourhood(const Boundaries<D>& boundaries, double range, std::size_t n_parts,
                          const Particles<D>& particles, std::span<const char> asleep, Neighbourhood<D>& near);
 
-/// Position, velocity, gradient, flux and weights of the nodes from the particles, images included.
-/// body: N/m3 on each particle, for the stress's slope at walls; backing: see State.
+/// Sets position, velocity, gradient, flux and hourglass level of the nodes, images included. body: force [N/m3] on
+/// each particle, which gives the slope of the stress at walls; backing: see State.
 template <int D>
 void fill_nodes(const Particles<D>& particles, Neighbourhood<D>& near, const VecArray<D>& body,
                 const OrZero<double>& backing, double flow_limit, const Stabilisers& stabilisers,
                 std::vector<Node<D>>& nodes);
 
-/// Velocities only (between the halves of a step).
+/// Sets the velocities only, between the halves of a step.
 template <int D>
 void fill_velocities(const Particles<D>& particles, const Neighbourhood<D>& near, std::vector<Node<D>>& nodes);
 

@@ -12,8 +12,8 @@
 namespace poretwin::solid {
 namespace {
 
-/// Range of the displacements since the lists were built, from `low` to `high` [m], of the particles of a tile, whose
-/// width is points::tile_reach and two smoothing lengths.
+/// Smallest and largest displacement [m] (by component) of a tile's particles since the lists were built. Tiles are
+/// points::tile_reach skins and two smoothing lengths wide.
 template <int D>
 struct Moved {
   Vec<D> low = Vec<D>::Constant(std::numeric_limits<double>::infinity()), high = -low;
@@ -21,7 +21,7 @@ struct Moved {
     low = low.cwiseMin(other.low);
     high = high.cwiseMax(other.high);
   }
-  /// Bound of the relative displacement of two particles, one of each tile.
+  /// Upper bound of the relative displacement [m] of two particles, one of this and one of the other tile.
   [[nodiscard]] double against(const Moved& other) const {
     return (high - other.low).cwiseMax(other.high - low).cwiseMax(0.0).norm();
   }
@@ -46,10 +46,10 @@ class Tiles {
     }
     n_ = static_cast<std::size_t>(all);
   }
-  /// False where grains have flown so far that tiles would be too many: lists are then rebuilt as without tiles.
+  /// False where grains have flown so far that there would be too many tiles. The lists are then rebuilt without them.
   [[nodiscard]] bool are_few() const { return n_ > 0; }
 
-  /// Whether relative displacements between each tile and its neighbours stay within the skin.
+  /// Whether relative displacements within each tile and between neighbouring tiles stay within the skin.
   [[nodiscard]] bool move_along(const Particles<D>& p, const Neighbourhood<D>& near, double skin) const {
     const std::size_t n = p.size(), parts = near.pairs.n_parts();
     std::vector<std::vector<Moved<D>>> moved(parts, std::vector<Moved<D>>(n_));
@@ -78,7 +78,7 @@ class Tiles {
     }
     return static_cast<std::size_t>(k);
   }
-  /// Of tile k at this place and those that touch it and come after it, itself among them.
+  /// The same for tile k at the place `at` with itself and with those neighbours that come after it.
   bool touching_move_along(const std::vector<Moved<D>>& moved, std::size_t k, const std::array<long, D>& at,
                            double skin) const {
     constexpr int n_around = D == 2 ? 9 : 27;
@@ -110,7 +110,7 @@ bool lists_hold(const Setup<D>& setup, const Particles<D>& p, const Neighbourhoo
   std::atomic<bool> still{true};
   const bool near_enough = parallel_all(p.free(), [&](std::size_t i) {
     const double square = moved_by(p, near, i).squaredNorm();
-    if (!(square > 0.25 * setup.skin * setup.skin)) return true;  // what is not finite is named elsewhere
+    if (!(square > 0.25 * setup.skin * setup.skin)) return true;  // values that are not finite are reported elsewhere
     still.store(false, std::memory_order_relaxed);
     return square <= far * far && std::ranges::all_of(setup.boundaries.planes, [&](const auto& plane) {
              return std::abs(plane.normal.dot(p.position[i] - plane.point)) >= reach;

@@ -1,14 +1,14 @@
-// How long pair lists stay valid: until neighbours have moved relative to each other, not until anything has moved.
+// How long pair lists stay valid: until neighbours have moved relative to each other.
 #pragma once
 
 #include "solid_solver/setup.hpp"
 
 namespace poretwin::solid {
 
-/// Whether the lists still contain all pairs of particles and images within the kernel's reach. True while all have
-/// moved by less than half the skin. Otherwise true if, tile by tile, particles have moved together with those around
-/// them, and none that has moved farther is near a wall or a periodic side, whose images move in the opposite
-/// direction.
+/// Whether the lists still contain all pairs of particles and images within the kernel's reach. True while no particle
+/// has moved by more than half the skin. Beyond that, true if in every tile particles have moved together with those
+/// around them, and if none that has moved farther is near a wall or a periodic side, whose images may move in the
+/// opposite direction.
 template <int D>
 bool lists_hold(const Setup<D>& setup, const Particles<D>& particles, const Neighbourhood<D>& near);
 

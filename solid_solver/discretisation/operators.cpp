@@ -9,7 +9,7 @@ namespace {
 
 using Size = std::size_t;
 
-/// W'/r of a pair at distance r [1/m^(D+2)]: scale u^3 with u = 1 - r / 2h.
+/// W'/r of a pair at distance r [1/m^(D+2)]: scale u^3 with u = 1 - r / (2 h).
 template <int D>
 struct PairKernel {
   double scale, half_inverse;
@@ -25,12 +25,12 @@ struct PairKernel {
 template <int D>
 struct alignas(32) Soaked {
   Vec<D> position;
-  double volume = 0.0;  ///< m^D; 0 of an image behind a wall, which does not act
+  double volume = 0.0;  ///< m^D; 0 for an image behind a wall, so that it does not contribute
   double pressure = 0.0;
   [[nodiscard]] const double* row() const { return position.data(); }
 };
 
-/// M x of matrices in columns, four at a time.
+/// Product M x of four matrices (by columns) with four vectors.
 template <int D>
 [[gnu::always_inline]] inline void times(const Lanes* matrix, const Lanes* x, Lanes* product) {
   for (int a = 0; a < D; ++a) {
@@ -107,7 +107,7 @@ void velocity_gradient(const Pairs& pairs, const Kernels& kernel, std::vector<No
   for_rows(pairs, 0, pairs.size(), [&](Size i) {
     Node<D>& node = nodes[i];
     const Mat<D> moment = node.correction();
-    if (moment(0, 0) == 0.0) {  // no neighbours at all
+    if (moment(0, 0) == 0.0) {  // without neighbours
       node.set_correction(Mat<D>::Identity());
       return;
     }
@@ -127,7 +127,7 @@ VecArray<D> pressure_gradient_difference(const State<D>& state, std::span<const 
     soaked[j] = {state.nodes[j].position, contribution ? state.nodes[j].volume : 0.0,
                  pressure[j < n ? j : state.near.images[j - n].parent]};
   }
-  // The gradient, then the upper half of the moments' matrix.
+  // The sums are the gradient, then the upper triangle of the moment matrix.
   constexpr Size n_moments = D * (D + 1) / 2;
   using Own = Sums<D + n_moments>;
   std::vector<Own> sums(n);
@@ -205,7 +205,7 @@ void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& n
                 if constexpr (fetches) fetch_ahead<0, 3>(list, all, m);
                 const auto rows = rows_at(all, &list.index[m]);
                 Lanes head[n_head], other[D * D], r[D], u[D], kr[D];
-                Lanes contribution[Own::size] = {};  // the force without and with what stabilises
+                Lanes contribution[Own::size] = {};  // the force with stiffness, then the viscous forces
                 gather<0, n_head>(rows, head);
                 Lanes squared{}, approach{}, k;
                 for (Size d = 0; d < D; ++d) {
@@ -232,7 +232,8 @@ void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& n
                     head[N::at_rubbing] > self[N::at_rubbing] ? head[N::at_rubbing] : Lanes{} + self[N::at_rubbing];
                 const LaneMask rubs = rubbing > 0.0;
                 if (any(rubs)) {
-                  // Implicit in the pair: explicitly, grains that meet closely, or have swollen, would rebound.
+                  // Implicit in the velocities of the pair: an explicit force would make grains rebound that are close
+                  // or have swollen.
                   const Lanes stop = step * collision * share *
                                      (volume / head[N::at_density] + head[N::at_volume] / self[N::at_density]);
                   resist *= rubs ? collision / (1.0 - stop) : viscous;
@@ -269,7 +270,7 @@ void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& n
                   const FourRows<const double> theirs{shown(j[0]), shown(j[1]), shown(j[2]), shown(j[3])};
                   for (Size c = 0; c < D * D; ++c) other[c] += self[N::at_deformation + c];
                   times<D>(other, r, linear);
-                  Lanes weight = stiffness * k, left[D], size{};  // of the displacement, not explained
+                  Lanes weight = stiffness * k, left[D], size{};  // part of the displacement that is not linear
                   for (Size d = 0; d < D; ++d) {
                     const Lanes shift = {theirs[0][d], theirs[1][d], theirs[2][d], theirs[3][d]};
                     left[d] = displaced[i][static_cast<int>(d)] - shift - 0.5 * linear[d];

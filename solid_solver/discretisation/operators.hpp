@@ -1,6 +1,6 @@
-// The SPH operators of the skeleton as free functions on plain arrays. Exactness first: gradients are exact for linear
-// fields, and the internal force is the exact adjoint of the velocity gradient, so that internal forces do the work
-// that strains store, to rounding.
+// The SPH operators of the skeleton, as free functions on plain arrays. Gradients are exact for linear fields. The
+// internal force is the exact adjoint of the velocity gradient, so that internal forces do the work that strains store,
+// to rounding.
 #pragma once
 
 #include "common/particles/kernel.hpp"
@@ -15,24 +15,26 @@
 
 namespace poretwin::solid {
 
-/// Strengths of the stabilising terms.
+/// Coefficients of the stabilising terms.
 struct Stabilisers {
-  /// Hourglass control: a viscosity on the part of the velocity that is not linear around a particle, and a stiffness,
-  /// as a fraction of M, on that part of the displacement.
+  /// Hourglass control: a viscosity against the part of the velocity that is not linear around a particle, and a
+  /// stiffness against that part of the displacement, as a fraction of M.
   double hourglass_viscosity = points::hourglass_viscosity, hourglass_stiffness = points::hourglass_stiffness;
-  /// Largest stress of that stiffness in soil that has yielded, as a fraction of sqrt(J2).
+  /// Largest stress of the hourglass stiffness in soil that has yielded, as a fraction of sqrt(J2).
   double held = points::hourglass_bound;
-  double modulus = 0.0;                              ///< Pa, M
+  double modulus = 0.0;                              ///< Pa, constrained modulus M
   double artificial = points::artificial_viscosity;  ///< alpha of Monaghan's artificial viscosity
-  double quadratic = 0.0;                            ///< beta of the same
-  double bulk = 0.0;               ///< m2/s, against changes of volume away from surfaces (linear, Landshoff 1955)
-  double artificial_stress = 0.0;  ///< epsilon, in tension
-  double collision = points::collision_viscosity;  ///< the same where grains that are apart collide: inelastically
+  double quadratic = 0.0;                            ///< beta of Monaghan's artificial viscosity
+  double bulk = 0.0;               ///< m2/s, viscosity against changes of volume, away from surfaces (linear, Landshoff
+                                   ///< 1955)
+  double artificial_stress = 0.0;  ///< epsilon of the artificial stress in tension
+  double collision = points::collision_viscosity;  ///< alpha where grains that are apart collide; makes collisions
+                                                   ///< inelastic
   double sound_speed = 0.0;                        ///< m/s
-  double step = 0.0;                               ///< s, in which no collision may throw back
+  double step = 0.0;                               ///< s, substep in which a collision must not throw particles back
 };
 
-/// Inverse with the eigenvalues held above a floor.
+/// Inverse of a symmetric matrix, with eigenvalues below `floor` raised to it.
 template <int D>
 [[gnu::noinline]] Mat<D> invert_above(const Mat<D>& moment, double floor) {
   Eigen::SelfAdjointEigenSolver<Mat<D>> solver;
@@ -41,14 +43,14 @@ template <int D>
   return solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose();
 }
 
-/// Inverse of M = -sum V F r r^T with its eigenvalues held above a floor: particles that are nearly alone keep a
-/// bounded gradient. Corners of a lattice lie above it, so that they stay exact.
+/// Inverse of the moment M = -sum V F r r^T (F = W'/r), with its eigenvalues raised to a floor, so that particles that
+/// are nearly alone have a bounded gradient. The corners of a lattice lie above the floor and stay exact.
 template <int D>
 inline Mat<D> invert_moment(const Mat<D>& moment) {
   constexpr double floor = D == 2 ? points::least_inverted_2d : points::least_inverted_3d;
   bool above = false;
   if constexpr (D == 2) {
-    // The lowest eigenvalue lies above the floor when both of M - floor I are positive.
+    // The lowest eigenvalue exceeds the floor when both eigenvalues of M - floor I are positive.
     const double a = moment(0, 0) - floor, b = moment(1, 1) - floor;
     above = a + b > 0.0 && a * b > moment(0, 1) * moment(0, 1);
   } else {
@@ -60,41 +62,45 @@ inline Mat<D> invert_moment(const Mat<D>& moment) {
   if (above) {
     inverse = moment.inverse();
   } else {
-    // Copied element by element: if the call's result were assigned to `inverse`, the compiler would keep `inverse` in
-    // memory instead of registers on the frequent branch, too.
+    // Copied element by element: an assignment would make the compiler keep `inverse` in memory instead of registers on
+    // the frequent branch, too.
     const Mat<D> held = invert_above<D>(moment, floor);
     for (int c = 0; c < D * D; ++c) inverse.data()[c] = held.data()[c];
   }
   return inverse;
 }
 
-/// W'/r of the pairs of the rows from `first` on.
+/// Sets W'/r [1/m^(D+2)] of the pairs in the rows from `first` on.
 template <int D>
 void pair_kernels(const std::vector<Node<D>>& nodes, const Pairs& pairs, double h, std::size_t first, Kernels& kernel);
 
-/// Corrected velocity gradient, Eqs. (88), (89) made exact for linear fields near images and free surfaces alike;
-/// the correction B it needs comes with it. Of the particles' nodes; those of images follow in fill_nodes.
+/// Sets the velocity gradient [1/s] and the correction B of the particles' nodes: Eqs. (88), (89), corrected so that
+/// linear fields are exact near images and free surfaces alike. fill_nodes sets those of images.
 template <int D>
 void velocity_gradient(const Pairs& pairs, const Kernels& kernel, std::vector<Node<D>>& nodes);
 
-/// Internal force per volume, the exact adjoint of velocity_gradient (cf. Eq. (60)):
-///   f_i = sum_j V_j (sigma_i B_i + sigma_j B_j) grad W_ij.   Node::flux holds sigma B.
-/// With it goes a stiffness on the part of the displacement that a linear field does not explain: it resists
-/// hourglass modes for good (a viscosity only slows them) and leaves every uniform strain alone. In soil that has
-/// yielded it yields as well, at a small share of the soil's own shear stress (Node::hourglass_level): it cannot act as
-/// strength there. Apart, per volume: the same as a viscosity, and artificial viscosity on approaching pairs; where
-/// grains that are apart collide, more of it and with Coulomb's friction (it would else carry thin sheets without any:
-/// 23 degrees instead of 31). Every pair's force is V_i V_j times what is opposite for its two particles, hence
-/// momentum is kept. Forces of the first n_free particles, which have these displacements [m]; kernels of their rows
-/// are left in `kernel`.
+/// Internal force per volume [N/m3], the exact adjoint of velocity_gradient (cf. Eq. (60)):
+///   f_i = sum_j V_j (sigma_i B_i + sigma_j B_j) grad W_ij, Node::flux = sigma B.
+/// It includes a stiffness against the part of the displacement that is not linear around a particle. This stiffness
+/// resists hourglass modes permanently, while a viscosity only slows them, and does not affect uniform strain. In soil
+/// that has yielded its stress is limited to a small fraction of the soil's shear stress (Node::hourglass_level), so
+/// that it does not act as strength.
+///
+/// The second part of each force, also per volume, holds the hourglass viscosity and an artificial viscosity between
+/// approaching particles. Where grains that are apart collide, the artificial viscosity is larger and comes with
+/// Coulomb's friction; without it thin sheets would have too little friction (23 degrees instead of 31).
+///
+/// The force of a pair is V_i V_j times opposite vectors for its two particles, hence momentum is conserved.
+/// displacement [m]: of all particles; forces are computed for the first n_free of them, and the kernels of their rows
+/// are stored in `kernel`.
 template <int D>
 void internal_force(const std::vector<Node<D>>& nodes, const Neighbourhood<D>& near, const VecArray<D>& displacement,
                     std::size_t n_free, double h, const Stabilisers& stabilisers, Kernels& kernel,
                     std::vector<Force<D>>& force);
 
-/// Artificial stress of Gray, Monaghan & Swift (2001) [N/m3]: close pairs in tension repel one another,
-///   f_i = sum_j V_j (W(r)/W(dx))^n (R_i + R_j) grad W_ij,   n = 2.55,
-/// R = -epsilon times the tensile principal stresses. Of the first n_free particles; added to `force`.
+/// Artificial stress of Gray, Monaghan & Swift (2001) [N/m3]. It makes close pairs in tension repel each other:
+///   f_i = sum_j V_j (W(r)/W(dx))^n (R_i + R_j) grad W_ij, n = 2.55,
+/// with R = -epsilon times the tensile part of the stress. Added to `force` for the free particles.
 template <int D>
 void add_artificial_stress(const State<D>& state, double epsilon, double spacing, double h, VecArray<D>& force) {
   const std::size_t n = state.particles.size();
@@ -122,7 +128,7 @@ void add_artificial_stress(const State<D>& state, double epsilon, double spacing
   });
 }
 
-/// The correction B of a particle or of an image, that of its parent mirrored as geometry.
+/// The correction B of a particle or of an image; an image has that of its parent, mirrored.
 template <int D>
 Mat<D> correction_at(const State<D>& state, std::size_t j) {
   const std::size_t n = state.particles.size();
@@ -131,9 +137,9 @@ Mat<D> correction_at(const State<D>& state, std::size_t j) {
   return rule.map * state.nodes[rule.parent].correction() * rule.map.transpose();
 }
 
-/// q_i = sum_j V_j (B_i + B_j) grad W_ij [1/m], B of images mirrored as geometry: zero inside, -(outward normal) times
-/// a surface delta function at a free surface. The force of a uniform stress S is S q, so a traction T acts as -T (n .
-/// q).
+/// q_i = sum_j V_j (B_i + B_j) grad W_ij [1/m], with B of images mirrored. It is zero inside the soil. At a free
+/// surface it is -(outward normal) times a surface delta function. The force of a uniform stress S is S q, so that a
+/// traction T acts as -T (n . q) with the outward normal n.
 template <int D>
 VecArray<D> surface_vectors(const State<D>& state) {
   const std::size_t n = state.particles.size();
@@ -146,15 +152,16 @@ VecArray<D> surface_vectors(const State<D>& state) {
   return q;
 }
 
-/// Pore-pressure gradient at the soil's own points [Pa/m], Eq. (62) with the corrected sign, per n_s: differences
-/// p_j - p_i, kernel-gradient corrected, hence exact for linear pressure (buoyancy) and independent of the water's
-/// surface. Real particles and periodic images only: what the water does behind a wall the soil cannot know.
+/// Gradient of the pore pressure at the soil's particles [Pa/m], Eq. (62) with the corrected sign, divided by n_s. It
+/// is formed of differences p_j - p_i with corrected kernel gradients, hence exact for linear pressure (buoyancy) and
+/// independent of where the water's surface lies. Only real particles and periodic images contribute, since the water
+/// behind a wall is unknown.
 template <int D>
 VecArray<D> pressure_gradient_difference(const State<D>& state, std::span<const double> pressure);
 
-/// Pore-pressure gradient [Pa/m] below a loaded face, in the adjoint form that the stress has: the load is carried by
-/// stress and pressure alike, row by row, however sharply the pressure falls at the face. pressure: over that beyond
-/// the face. Written to the particles given.
+/// Sets the gradient of the pore pressure [Pa/m] of the given particles below a loaded face, in the adjoint form of the
+/// stress. Stress and pressure then carry the load together, row by row, however steeply the pressure falls at the
+/// face. pressure [Pa]: excess over the pressure beyond the face.
 template <int D>
 void pressure_gradient_adjoint(const State<D>& state, std::span<const double> pressure,
                                const std::vector<Index>& particles, VecArray<D>& gradient) {
@@ -173,9 +180,9 @@ void pressure_gradient_adjoint(const State<D>& state, std::span<const double> pr
   });
 }
 
-/// Pore-pressure gradient of Eq. (61): sum_j m_j rho_i (p_i/rho_i^2 + p_j/rho_j^2) grad W [Pa/m]. It takes a free soil
-/// surface for a jump of the water's pressure to zero and expels the particles there; kept to show that. Images carry
-/// the hydrostatic mirror p' = p + rho_w g . (x' - x).
+/// Gradient of the pore pressure of Eq. (61), sum_j m_j rho_i (p_i/rho_i^2 + p_j/rho_j^2) grad W [Pa/m]. At a free
+/// surface of the soil it acts as if the water's pressure fell to zero there, and expels the particles; it is kept for
+/// comparison. Images have the hydrostatic mirror pressure p' = p + rho_w g . (x' - x). water_weight: rho_w g [N/m3].
 template <int D>
 VecArray<D> pressure_gradient_sum(const State<D>& state, std::span<const double> pressure, const Vec<D>& water_weight) {
   const std::size_t n = state.particles.size();

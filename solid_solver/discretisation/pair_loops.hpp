@@ -1,5 +1,5 @@
-// Loops over pairs, four at a time, each part of the rows on a thread of its own. Loop bodies capture plain pointers by
-// value: the compiler assumes that a store by lanes may alias anything captured by reference, and would reload it.
+// Loops over pairs, four at a time, with one thread for each part of the rows. Loop bodies capture plain pointers by
+// value: the compiler assumes that vector stores may change whatever is captured by reference, and would read it again.
 #pragma once
 
 #include "common/core/lanes.hpp"
@@ -18,8 +18,8 @@ struct PairView {
       : offset(pairs.offset.data()), alone(pairs.alone.data()), index(pairs.index.data()), size(pairs.index.size()) {}
 };
 
-/// Prefetches the packed nodes of four pairs some rows after m: lines of 64 bytes from `first` to
-/// `last` - 1 of each.
+/// Prefetches the packed nodes of four pairs 64 entries after m: of each node the cache lines (64 bytes) `first` to
+/// `last` - 1.
 template <std::size_t first, std::size_t last, class Packed>
 [[gnu::always_inline]] inline void fetch_ahead(const PairView& pairs, const Packed* all, std::size_t m) {
   constexpr std::size_t ahead = 64, line = 64;
@@ -29,8 +29,8 @@ template <std::size_t first, std::size_t last, class Packed>
       __builtin_prefetch(reinterpret_cast<const char*>(&all[index[l]]) + k * line);
 }
 
-/// Calls loop(std::true_type{}) where the packed nodes of so many particles exceed a core's caches, so that prefetching
-/// pays, else loop(std::false_type{}).
+/// Calls loop(std::true_type{}) where n_packed nodes exceed a core's caches, so that prefetching saves time, otherwise
+/// loop(std::false_type{}).
 template <class Loop>
 void fetching_if_many(std::size_t n_packed, const Loop& loop) {
   constexpr std::size_t many = 16384;
@@ -40,8 +40,8 @@ void fetching_if_many(std::size_t n_packed, const Loop& loop) {
     loop(std::false_type{});
 }
 
-/// Calls visit(i) for the rows from `first` to `last` - 1, the skipped ones too, compiled for this machine; mark it
-/// always_inline.
+/// Calls visit(i) for the rows from `first` to `last` - 1, skipped ones included, compiled for this machine's vector
+/// instructions. visit must be marked always_inline.
 template <class Visit>
 void for_all_rows_in_lanes(const Pairs& pairs, std::size_t first, std::size_t last, const Visit& visit) {
   for_each_part(pairs.n_parts(), [&](std::size_t part) {
@@ -54,7 +54,7 @@ void for_all_rows_in_lanes(const Pairs& pairs, std::size_t first, std::size_t la
   });
 }
 
-/// The same for those that are not skipped.
+/// Calls visit(i) in the same way for the rows that are not skipped.
 template <class Visit>
 void for_rows_in_lanes(const Pairs& pairs, std::size_t first, std::size_t last, const Visit& visit) {
   const char* const skipped = pairs.skipped.empty() ? nullptr : pairs.skipped.data();
@@ -64,7 +64,8 @@ void for_rows_in_lanes(const Pairs& pairs, std::size_t first, std::size_t last, 
       });
 }
 
-/// Calls visit(m, both) for the pairs of row i, four from m on.
+/// Calls visit(m, both) for the pairs of row i, four pairs from m on at a time. both: the pairs act on both of their
+/// particles.
 template <class Visit>
 [[gnu::always_inline]] inline void for_four_pairs(const PairView& pairs, std::size_t i, Visit&& visit) {
   const std::size_t alone = pairs.alone[i], end = pairs.offset[i + 1];
@@ -72,13 +73,13 @@ template <class Visit>
   for (std::size_t m = alone; m < end; m += n_lanes) visit(m, false);
 }
 
-/// The packed numbers of four particles or images.
+/// The packed data of four particles or images.
 template <class Packed>
 [[gnu::always_inline]] inline FourRows<const double> rows_at(const Packed* all, const Index* index) {
   return {all[index[0]].row(), all[index[1]].row(), all[index[2]].row(), all[index[3]].row()};
 }
 
-/// Where four particles' sums are gathered.
+/// The sums of four particles, to be added to.
 template <std::size_t n>
 [[gnu::always_inline]] inline FourRows<double> sums_at(Sums<n>* sums, const Index* index) {
   return {sums[index[0]].x.data(), sums[index[1]].x.data(), sums[index[2]].x.data(), sums[index[3]].x.data()};

@@ -8,8 +8,8 @@
 namespace poretwin::solid {
 namespace {
 
-/// Rows of one part; offsets count from its own beginning. On lines of memory of their own: shared ones are slow to
-/// write.
+/// Rows of one part. Offsets count from the part's beginning. Each object has cache lines of its own, since lines
+/// shared by threads are slow to write.
 struct alignas(64) Rows {
   std::vector<Index> offset, alone, index;
   Index fill_up(std::size_t i) {
@@ -19,11 +19,12 @@ struct alignas(64) Rows {
 };
 
 /// A pair may stand in either of its two rows. Entries beyond a multiple of four in one row are moved to the other,
-/// later row, so that hardly any row needs filling up (otherwise a sixth of all entries).
+/// later row, so that hardly any row needs padding (otherwise a sixth of all entries).
 class PutOff {
  public:
   PutOff(Index first, Index last) : first_(first), newest_(last - first, none) {}
-  /// Row i, which begins at `begin`, takes the entries moved to it and moves its own excess to later rows of the part.
+  /// Adds to row i, which begins at `begin`, the entries moved to it, and moves its own excess to later rows of the
+  /// part. may_take(j): whether row j may take entries.
   template <class MayTake>
   void even_out(Index i, std::size_t begin, const MayTake& may_take, std::vector<Index>& index) {
     std::size_t own = index.size();
@@ -46,11 +47,11 @@ class PutOff {
     Index with, older;
   };
   Index first_;
-  std::vector<Index> newest_;  ///< of each row, among the pairs
+  std::vector<Index> newest_;  ///< index of each row's newest entry in pairs_
   std::vector<Pair> pairs_;
 };
 
-/// Particles at rest that have others in range.
+/// Fixed and sleeping particles that have moving ones within range: 1 or 0 for each real particle.
 std::vector<char> reached(const std::vector<Rows>& parts, std::size_t n_real, const auto& still) {
   std::vector<char> near(n_real, 0);
   for (const auto& rows : parts)
@@ -59,7 +60,7 @@ std::vector<char> reached(const std::vector<Rows>& parts, std::size_t n_real, co
   return near;
 }
 
-/// Appends the rows from `row` on, `count` of them.
+/// Appends `count` rows from `row` on.
 void append(const Rows& rows, std::size_t row, std::size_t count, Pairs& pairs) {
   const Index from = row == 0 ? 0 : rows.offset[row - 1], to = rows.offset[row + count - 1];
   const auto begin = static_cast<Index>(pairs.index.size());
@@ -100,12 +101,12 @@ void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t 
     images.append_within(positions[i], range, index, from(0));
     for (std::size_t m = begin; m < index.size(); ++m) index[m] += static_cast<Index>(n_real);
   };
-  // Pairs with one that is still stand in the row of the other.
+  // A pair of a moving and a still particle (fixed or asleep) stands in the row of the moving one.
   std::vector<Rows> moving(n_parts), resting(n_parts);
   const auto pair_moving = [&](std::size_t part) __attribute__((always_inline)) {
     Rows& rows = moving[part];
     const Index first = pairs.part[part], last = pairs.part[part + 1];
-    std::vector<Index> beyond;  // the part
+    std::vector<Index> beyond;  // particles in other parts
     PutOff later(first, last);
     const auto moves = [&](Index j) { return !still(j); };
     for (Index i = first; i < std::min<std::size_t>(last, n_free); ++i) {
@@ -164,7 +165,7 @@ void pair_up(std::span<const Vec<D>> positions, std::size_t n_free, std::size_t 
     }
   });
   for (std::size_t part = 0; part < n_parts; ++part) {
-    std::array<std::size_t, 2> done{};  // rows of those that move, and of the others
+    std::array<std::size_t, 2> done{};  // number of rows done: of moving particles, of still ones
     for (std::size_t i = pairs.part[part], next = i; i < pairs.part[part + 1]; i = next) {
       const bool rests = still(i);
       while (next < pairs.part[part + 1] && still(next) == rests) ++next;

@@ -21,8 +21,8 @@ struct Piece {
   double length;
 };
 
-/// Signed distance to the nearest piece, negative behind the walls. Where two pieces are equally near (a corner) the
-/// one seen more squarely decides the side.
+/// Signed distance [m] to the nearest piece, negative behind the walls. Where two pieces are equally near, at a corner,
+/// the side is that of the piece with the larger distance along its normal.
 double signed_distance(const std::vector<Piece>& pieces, const Vec<2>& x) {
   double nearest = std::numeric_limits<double>::infinity(), best = 0.0;
   for (const auto& piece : pieces) {
@@ -43,7 +43,8 @@ bool ends_at(const std::vector<Piece>& pieces, const Piece& self, const Vec<2>& 
   });
 }
 
-/// Rows parallel to every piece; round corners they overlap or leave the wall, and what is too near is left out.
+/// Rows of positions parallel to every piece. At corners, where rows overlap or leave the wall, positions that are too
+/// close to others or to the wall are omitted.
 VecArray<2> rows_behind(const std::vector<Piece>& pieces, double spacing) {
   VecArray<2> kept;
   for (const auto& piece : pieces) {
@@ -65,8 +66,8 @@ VecArray<2> rows_behind(const std::vector<Piece>& pieces, double spacing) {
   return kept;
 }
 
-/// In 3D walls are planes without ends: rows behind the rough ones as far as the domain's box goes, and three rows
-/// beyond it, where another rough wall may stand; nothing behind the walls that are not rough.
+/// In 3D walls are planes without ends. The rows behind rough walls extend over the domain's box and three rows beyond
+/// it, where another rough wall may stand. They omit positions behind walls that are not rough.
 VecArray<3> rows_behind(const std::vector<Wall>& walls, const General& general, double spacing) {
   VecArray<3> kept;
   const Point3 beyond = walls::rough_rows * spacing * Point3::Ones();
@@ -110,7 +111,8 @@ VecArray<3> rows_behind(const std::vector<Wall>& walls, const General& general, 
   return kept;
 }
 
-/// Throws CaseError where a rough wall has no ends.
+/// Positions of the fixed particles behind the rough walls. Throws CaseError for a rough wall without ends (3D: without
+/// a box).
 template <int D>
 VecArray<D> held_rows(const std::vector<Wall>& walls, const General& general, double spacing) {
   std::vector<Piece> pieces;
@@ -145,7 +147,7 @@ void hold_soil_behind_rough_walls(const Case& scene, const Setup<D>& setup, Part
   const std::size_t free = particles.size();
   for (const auto& position : held_rows<D>(scene.walls, scene.general, setup.spacing)) {
     std::size_t nearest = 0;
-    for (std::size_t i = 1; i < free && setup.models.size() > 1; ++i)  // particles of one soil are alike
+    for (std::size_t i = 1; i < free && setup.models.size() > 1; ++i)  // with one soil all particles are alike
       if ((particles.position[i] - position).squaredNorm() < (particles.position[nearest] - position).squaredNorm())
         nearest = i;
     particles.position.push_back(position);

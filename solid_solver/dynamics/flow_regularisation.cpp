@@ -9,14 +9,15 @@
 namespace poretwin::solid {
 namespace {
 
-/// h^2 sum V |W'/r| over a full neighbourhood, in 2D and in 3D.
+/// h^2 sum V |W'/r| over a full neighbourhood [1], in 2D and in 3D.
 constexpr double full_weight = 3.5;
 
-/// How many of a stress's components can differ from zero.
+/// Number of stress components that can differ from zero.
 template <int D>
 constexpr int n_components = D == 2 ? 4 : 6;
 
-/// Tells Scratch::flows; in equilibrium of soil that yields a little, too, whose plastic strains it notes.
+/// Sets Scratch::flows. After a step from equilibrium to equilibrium also for soil that yielded a little, whose plastic
+/// strain since the last call it uses and stores.
 template <int D>
 void see_what_yields(const Setup<D>& setup, bool in_equilibrium, State<D>& state) {
   const Particles<D>& p = state.particles;
@@ -36,7 +37,7 @@ void see_what_yields(const Setup<D>& setup, bool in_equilibrium, State<D>& state
   }
 }
 
-/// What the sums read of nodes, four at a time.
+/// Fills the packed data that the loops over four pairs read.
 template <int D>
 void fill_grains(const State<D>& state, Scratch<D>& scratch) {
   const auto& p = state.particles;
@@ -54,11 +55,12 @@ void fill_grains(const State<D>& state, Scratch<D>& scratch) {
     grain.flows = scratch.flows[source];
     grain.stress = p.stress[source].template head<n_components<D>>();
   };
-  parallel_for(p.size(), fill);  // those asleep, too: they act on others
+  parallel_for(p.size(), fill);  // sleeping ones, too: they act on others
   for (std::size_t j = p.size(); j < state.nodes.size(); ++j) fill(j);
 }
 
 /// Stress gradients [Pa/m] of the particles that flow, or of all, exact for linear stress up to the soil's surface.
+/// Images get their parents' gradients.
 template <int D>
 void stress_slopes(const State<D>& state, bool of_all, Scratch<D>& scratch) {
   using G = Grain<D>;
@@ -117,8 +119,9 @@ void stress_slopes(const State<D>& state, bool of_all, Scratch<D>& scratch) {
     scratch.grains[j].slope = scratch.grains[state.near.images[j - n].parent].slope;
 }
 
-/// Kernel sums around the particles that flow or yield (Around): what neighbours' linear stresses do not explain, and,
-/// where they flow, how much larger the neighbours' volumes are, how crowded and how covered each place is.
+/// Kernel sums (see Around) for the particles that flow or yielded a little: departures of the stress from the
+/// neighbours' linear fields; for flowing ones also the excess of the neighbours' volumes, the crowding and the
+/// coverage.
 template <int D>
 const Sums<Around<D>::size>* sum_neighbours(const State<D>& state, double h, Scratch<D>& scratch) {
   using G = Grain<D>;
@@ -148,8 +151,8 @@ const Sums<Around<D>::size>* sum_neighbours(const State<D>& state, double h, Scr
               const bool flows = mine > 0.0;
               const Lanes yours = head[G::at_flows];
               if (mine == 0.0 && !any(yours < 0.0) && !(both && any(yours > 0.0))) return;
-              // What flows averages with what flows, other soil with other soil: of a pair the most that either
-              // yielded.
+              // Flowing particles are averaged with flowing ones, others with others. A pair of the others may be
+              // changed by the larger of its two bounds.
               Lanes together = flows ? yours : -yours;
               if (!flows) max_in_place(together, Lanes{} - mine);
               const LaneMask alike = flows ? yours > 0.0 : yours <= 0.0;
@@ -193,7 +196,7 @@ const Sums<Around<D>::size>* sum_neighbours(const State<D>& state, double h, Scr
                 contribution[A::at_swelling] = they * (head[G::at_swollen] / self[G::at_swollen] - 1.0);
                 theirs[A::at_swelling] = me * (self[G::at_swollen] / head[G::at_swollen] - 1.0);
               }
-              // A pair with itself fills the list up.
+              // Pairs of a particle with itself only fill up the list.
               const Lanes real = distance > 0.0 ? Lanes{} + 1.0 : Lanes{};
               contribution[A::at_cover] *= real;
               for (std::size_t q = 0; q < A::size; ++q) own[q] += contribution[q];
@@ -207,8 +210,8 @@ const Sums<Around<D>::size>* sum_neighbours(const State<D>& state, double h, Scr
   return sums;
 }
 
-/// Evens out stresses and volumes of a batch of particles; the constitutive model is applied to the result afterwards.
-/// moves [m]: the displacements that even out their packing.
+/// Evens out stresses and volumes of a batch of particles; afterwards the constitutive model is applied to the result.
+/// moves [m]: displacements that even out their packing.
 template <int D>
 void even_out(const Setup<D>& setup, double interval, const State<D>& state, const Sums<Around<D>::size>* sums,
               Batch& batch, std::array<Quad, D>* moves) {
@@ -258,7 +261,7 @@ void even_out(const Setup<D>& setup, double interval, const State<D>& state, con
       }
       sqrt_in_place(crowded);
       const LaneMask inside = flowing & (crowded * h <= flow::surface) & (cover >= flow::inside_cover);
-      // In wet soil the water's pressure keeps the volume; a density taken from the positions would squeeze it.
+      // In wet soil the water's pressure maintains the volume. A density taken from the positions would expel water.
       volume *= inside & (coverage <= 0.5) ? 1.0 - flow::packing_share * (cover - 1.0) : Lanes{} + 1.0;
       Lanes strain = shear;
       min_in_place(strain, Lanes{} + flow::largest_strain);
@@ -299,7 +302,7 @@ void keep_flow_regular(const Setup<D>& setup, double dt, bool in_equilibrium, St
   stress_slopes<D>(state, std::ranges::any_of(flows, [](double f) { return f < 0.0; }), scratch);
   const auto* const sums = sum_neighbours<D>(state, setup.smoothing_length, scratch);
   const auto treated = [&](Index i) {
-    // Beside soil that yields others are averaged with it, too.
+    // Soil beside particles that yielded a little is averaged with them, too.
     const auto* const around = sums[i].x.data();
     const bool evened =
         flows[i] > 0.0 || std::any_of(around, around + n_components<D>, [](double x) { return x != 0.0; });
@@ -308,7 +311,7 @@ void keep_flow_regular(const Setup<D>& setup, double dt, bool in_equilibrium, St
   for_batches(state, treated, [&](Batch& batch) {
     std::array<std::array<Quad, D>, Batch::most / n_lanes> moves;
     even_out<D>(setup, interval, state, sums, batch, moves.data());
-    follow_strains(setup, batch, p);  // back to what the soil can bear
+    follow_strains(setup, batch, p);  // returns the stress to the yield surface
     for (std::size_t k = 0; k < batch.count; ++k) {
       const Index i = batch.who[k];
       const std::size_t q = k / n_lanes, lane = k % n_lanes;

@@ -77,8 +77,8 @@ void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& 
   if (setup.counts_impulses) state.from_outside += dt * force_from_outside(setup, state, drive);
   for_rows(state.near.pairs, 0, p.free(), [&](std::size_t i) {
     if (state.regions.sleeps(i)) {
-      // Transmits waves: a force of the neighbours moves a sleeper as fast as a wave would, until it counts as a
-      // disturbance.
+      // A sleeping particle transmits waves: a force of its neighbours moves it as fast as a wave would, until the
+      // force counts as a disturbance.
       const Vec<D> push = p.volume[i] * state.force[i].internal() - state.regions.mark[i];
       const double let_through = 0.5 * setup.stabilisers.sound_speed / setup.spacing;
       p.velocity[i] = (p.velocity[i] + dt / p.mass[i] * push) / (1.0 + dt * let_through);
@@ -98,14 +98,14 @@ void substep(const Setup<D>& setup, double dt, const Drive<D>& drive, State<D>& 
     state.returned_impulse.values()[i] += dt * z * (drive.target[i] - p.velocity[i]);
   });
   rub_on_walls(setup, dt, state);
-  deform(setup, dt, state);
+  deform(setup, dt, &drive, state);
   keep_flow_regular(setup, dt, false, state);
   rebuild_if_moved(setup, state);
   evaluate_forces(setup, state);
 }
 
 template <int D>
-void deform(const Setup<D>& setup, double dt, State<D>& state) {
+void deform(const Setup<D>& setup, double dt, const Drive<D>* drive, State<D>& state) {
   Particles<D>& p = state.particles;
   const Pairs& pairs = state.near.pairs;
   fill_velocities<D>(p, state.near, state.nodes);
@@ -119,12 +119,13 @@ void deform(const Setup<D>& setup, double dt, State<D>& state) {
     p.position[i] += moved;
     p.displacement[i] += moved;
     if (state.dilation.is_allocated()) state.dilation.values()[i] += dt * state.nodes[i].gradient.trace();
-    // Of du/dx at a place that moves along: d(1 - F^-1)/dt = F^-1 L.
+    // The gradient of the displacement with respect to the present position, at a particle that moves: d(1 - F^-1)/dt =
+    // F^-1 L.
     Node<D>& node = state.nodes[i];
     node.deformation += dt * (node.gradient - node.deformation * node.gradient);
   });
   strain<D>(setup, dt, state);
-  slide_on_walls(setup, dt, state);
+  slide_on_walls(setup, dt, drive, state);
   state.any_yielded =
       state.any_yielded || std::any_of(state.yielded.begin(), state.yielded.end(), [](char y) { return y; });
 }
@@ -141,7 +142,7 @@ VecArray<D> pressure_gradient(const State<D>& state, SolidCase::PressureGradient
 template <int D>
 void measure_loads(const State<D>& state, Setup<D>& setup) {
   VecArray<D> q;
-  std::map<std::size_t, double> measured;  // m, of each load
+  std::map<std::size_t, double> measured;  // m, length measured on the lattice, of each load
   for (const auto& patch : setup.loads) {
     if (patch.length <= 0.0) continue;
     if (q.empty()) q = surface_vectors<D>(state);
@@ -190,7 +191,7 @@ void check_sound(const Setup<D>& setup, const State<D>& state, double last_good_
   template void evaluate_forces<D>(const Setup<D>&, State<D>&);                                          \
   template Vec<D> force_from_outside<D>(const Setup<D>&, const State<D>&, const Drive<D>&);              \
   template void substep<D>(const Setup<D>&, double, const Drive<D>&, State<D>&);                         \
-  template void deform<D>(const Setup<D>&, double, State<D>&);                                           \
+  template void deform<D>(const Setup<D>&, double, const Drive<D>*, State<D>&);                          \
   template VecArray<D> pressure_gradient<D>(const State<D>&, SolidCase::PressureGradient, const Vec<D>&, \
                                             std::span<const double>);                                    \
   template void measure_loads<D>(const State<D>&, Setup<D>&);                                            \

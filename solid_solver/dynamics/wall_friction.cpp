@@ -32,6 +32,53 @@ double effect_of_slip(const State<D>& state, std::size_t i, const Vec<D>& normal
   return effect;
 }
 
+/// Force density [N/m3] of stress that changes along a wall, at particle i: the divergence of the stress without its
+/// derivative across the wall, by least squares over the parents of the images behind it. Zero where those do not
+/// spread along the wall.
+template <int D>
+Vec<D> divergence_along(const State<D>& state, std::size_t i, const Vec<D>& normal) {
+  using Slopes = Eigen::Matrix<double, D, D * D>;
+  Mat<D> moment = Mat<D>::Zero();
+  Slopes slopes = Slopes::Zero();
+  double spread = 0.0;
+  for_each_image(state, i, [&](const ImageRule<D>& image, const Node<D>& node, const Vec<D>& weight) {
+    if (!image.slips) return;
+    const Vec<D> r = node.position - state.nodes[i].position, along = r - normal.dot(r) * normal;
+    const double w = weight.norm() / r.norm();
+    const Mat<D> change = matrix_of<D>(Tensor(state.particles.stress[image.parent] - state.particles.stress[i]));
+    moment += w * along * along.transpose();
+    slopes += w * along * Eigen::Map<const Eigen::Matrix<double, 1, D * D>>(change.data());
+    spread += w * r.squaredNorm();
+  });
+  if (moment.trace() < walls::least_spread * spread) return Vec<D>::Zero();
+  const Slopes solved = (moment + spread * normal * normal.transpose()).inverse() * slopes;
+  Vec<D> sum = Vec<D>::Zero();
+  for (int l = 0; l < D; ++l) sum += solved.row(l).template segment<D>(l * D).transpose();
+  return sum;
+}
+
+/// Force density r0 - r s on soil that moves along a wall with s, beside its body force: its inertia, damping and what
+/// makes it follow the water.
+template <int D>
+struct AlongWall {
+  double resistance = 0.0;        ///< r, N s/m4
+  Vec<D> force = Vec<D>::Zero();  ///< r0, N/m3
+};
+
+/// slip: s at the start of the step of dt [s].
+template <int D>
+AlongWall<D> along_wall(const State<D>& state, std::size_t i, const Drive<D>& drive, double dt, const Vec<D>& slip) {
+  const Particles<D>& p = state.particles;
+  const double density = p.mass[i] / p.volume[i];
+  const double damping = state.regions.is_calm(i) ? drive.damping_of_calm : drive.damping;
+  AlongWall<D> out{density * (1.0 / dt + damping), (density / dt) * slip};
+  if (drive.tracking.empty()) return out;
+  const double follows = drive.tracking[i] / p.volume[i];
+  out.resistance += follows;
+  out.force += follows * drive.target[i];
+  return out;
+}
+
 /// Calls visit(i, wall, normal, distance [m]) for particles nearer to a frictional wall than a spacing.
 template <int D, class Visit>
 void for_each_touch(const Setup<D>& setup, const State<D>& state, Visit&& visit) {
@@ -75,25 +122,34 @@ void rub_on_walls(const Setup<D>& setup, double dt, State<D>& state) {
 }
 
 template <int D>
-void slide_on_walls(const Setup<D>& setup, double dt, State<D>& state) {
+void slide_on_walls(const Setup<D>& setup, double dt, const Drive<D>* drive, State<D>& state) {
   Particles<D>& p = state.particles;
   if (p.slip.empty()) return;
   auto& touches = state.scratch.touches;
   touches.assign(p.free(), 0);
+  std::fill(p.wall_slope.begin(), p.wall_slope.end(), Vec<D>::Zero());
+  for_each_touch(setup, state, [&](std::size_t i, std::size_t, const Vec<D>& normal, double) {
+    p.wall_slope[i] += divergence_along(state, i, normal);
+  });
   for_each_touch(setup, state, [&](std::size_t i, std::size_t wall, const Vec<D>& normal, double distance) {
     const double effect = effect_of_slip(state, i, normal);
     if (effect > -walls::touches_from / setup.spacing) return;
     touches[i] = 1;
-    const double stiffness = -effect * moduli(setup, p, i).shear * dt;  // Pa s/m, of the shear against slip
-    const double reach = distance * slope_carried<D>(p, i, normal, distance, state.body[i]);
-    const WallShear<D> found = wall_shear<D>(p.stress[i], normal, reach, state.body[i]);
+    const double stiffness = -effect * moduli(setup, p, i).shear * dt;  // Pa s/m, of the particle's shear against slip
+    const Vec<D> body = state.body[i] + p.wall_slope[i];
+    const double reach = distance * slope_carried<D>(p, i, normal, distance, body);
+    const WallShear<D> found = wall_shear<D>(p.stress[i], normal, reach, body);
     const auto tangential = [&](const Vec<D>& v) { return Vec<D>(v - normal.dot(v) * normal); };
     const Vec<D> before = tangential(p.slip[i]);
-    const WallShear<D> stuck{found.traction + stiffness * before, found.pressure};
+    const AlongWall<D> moves = drive ? along_wall(state, i, *drive, dt, before) : AlongWall<D>{};
+    const double resistance = stiffness + reach * moves.resistance;  // Pa s/m, of the traction against slip
+    const Vec<D> force = tangential(moves.force);
+    const WallShear<D> stuck{found.traction + stiffness * before + reach * force, found.pressure};
     const double excess = stuck.excess(setup.boundaries.friction[wall]);
-    const Vec<D> slip =
-        found.pressure > 0.0 ? Vec<D>((excess / stiffness) * stuck.traction) : tangential(p.velocity[i]);
-    const Vec<D> change = (1.0 - excess) * stuck.traction - found.traction;
+    const bool pressed = found.pressure > 0.0;
+    const Vec<D> slip = pressed ? Vec<D>((excess / resistance) * stuck.traction) : tangential(p.velocity[i]);
+    const Vec<D> change = pressed ? Vec<D>(stiffness * (before - slip)) : Vec<D>(-found.traction);
+    if (pressed) p.wall_slope[i] += force - moves.resistance * slip;
     p.slip[i] += slip - before;
     const Mat<D> unsheared = effect * (slip - before) * normal.transpose();
     state.nodes[i].gradient += unsheared;
@@ -125,7 +181,7 @@ void slide_on_walls(const Setup<D>& setup, double dt, State<D>& state) {
 
 template void rub_on_walls<2>(const Setup<2>&, double, State<2>&);
 template void rub_on_walls<3>(const Setup<3>&, double, State<3>&);
-template void slide_on_walls<2>(const Setup<2>&, double, State<2>&);
-template void slide_on_walls<3>(const Setup<3>&, double, State<3>&);
+template void slide_on_walls<2>(const Setup<2>&, double, const Drive<2>*, State<2>&);
+template void slide_on_walls<3>(const Setup<3>&, double, const Drive<3>*, State<3>&);
 
 }  // namespace poretwin::solid

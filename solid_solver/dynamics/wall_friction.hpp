@@ -4,13 +4,15 @@
 // the wall is on Coulomb's limit.
 #pragma once
 
-#include "solid_solver/setup.hpp"
+#include "solid_solver/dynamics/step.hpp"
 
 namespace poretwin::solid {
 
 /// Shear traction [Pa] of the soil on a wall and the pressure that it is held against, from the stress of a particle at
-/// a distance [m]: between them the stress on planes along the wall has the slope of the body force, d(sigma n)/dn =
-/// -b.
+/// a distance [m]. Between them the stress on planes along the wall has the slope that the balance of momentum asks
+/// for, d(sigma n)/dn = -(b + w): b is the body force, and w = d(sigma t)/dt - rho a (Particles::wall_slope) holds what
+/// changes along the wall (t: along it) and the acceleration a of soil that slips. Without w waves along the wall grow,
+/// and the drag of water in soil that slips throws it.
 template <int D>
 struct WallShear {
   Vec<D> traction = Vec<D>::Zero();
@@ -22,7 +24,7 @@ struct WallShear {
   }
 };
 
-/// normal: unit, into the soil; body: N/m3.
+/// normal: unit, into the soil; body: b + w, N/m3.
 template <int D>
 WallShear<D> wall_shear(const Tensor& stress, const Vec<D>& normal, double distance, const Vec<D>& body) {
   const Vec<D> at_wall = matrix_of<D>(stress) * normal + distance * body;
@@ -45,9 +47,10 @@ double slope_carried(const Particles<D>& p, std::size_t i, const Vec<D>& normal,
 template <int D>
 void rub_on_walls(const Setup<D>& setup, double dt, State<D>& state);
 
-/// Updates wall slip and stress after a step of dt [s] that strained the soil with the previous slip, so that the
-/// traction meets Coulomb's limit. Solved for particles nearer to a wall than a spacing; those behind take their slip.
+/// Updates wall slip, stress and Particles::wall_slope after a step of dt [s] that strained the soil with the previous
+/// slip, so that the traction meets Coulomb's limit. Solved for particles nearer to a wall than a spacing; those behind
+/// take their slip. drive: what moves the soil; none: an equilibrium is sought, and nothing accelerates.
 template <int D>
-void slide_on_walls(const Setup<D>& setup, double dt, State<D>& state);
+void slide_on_walls(const Setup<D>& setup, double dt, const Drive<D>* drive, State<D>& state);
 
 }  // namespace poretwin::solid

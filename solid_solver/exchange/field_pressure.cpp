@@ -6,7 +6,7 @@
 namespace poretwin::solid {
 namespace {
 
-/// Pressure beyond the soil's surface near a particle: linear in the place.
+/// Pressure beyond the soil's surface near a particle, linear in the position.
 template <int D>
 struct Beyond {
   double datum = 0.0;             ///< Pa, at the origin
@@ -14,7 +14,9 @@ struct Beyond {
   [[nodiscard]] double at(const Vec<D>& x) const { return datum + slope.dot(x); }
 };
 
-/// What stands behind the nearest face, within reach [m], of a place that had it before the soil moved; else air.
+/// Pressure behind the nearest face within `reach` [m] of the particle; zero (air) where there is none. The face is
+/// looked for around the particle's position as the case draws it (`drawn`) and its pressure evaluated at the position
+/// `now`.
 template <int D>
 Beyond<D> beyond(const Setup<D>& setup, const Vec<D>& drawn, const Vec<D>& now, double reach, double time) {
   Point3 x = Point3::Zero();
@@ -44,7 +46,7 @@ VecArray<D> gradient_of_field(const Setup<D>& setup, const State<D>& state, std:
   VecArray<D> gradient = pressure_gradient_difference<D>(state, pressure);
   const VecArray<D> surface = surface_vectors(state);
   const double reach = 2.0 * sph::support_radius * setup.smoothing_length;
-  // For the water the soil lies, at its rest before time zero, where the case draws it.
+  // The water is computed on the soil as the case draws it, without its displacement before time zero.
   const auto place = [&](std::size_t i) { return Vec<D>(p.position[i] - state.rest_displacement[i]); };
   std::vector<char> at_surface(n, 0);
   std::vector<Beyond<D>> outside(n);
@@ -60,7 +62,7 @@ VecArray<D> gradient_of_field(const Setup<D>& setup, const State<D>& state, std:
     const bool image = j >= n;
     const std::size_t source = image ? state.near.images[j - n].parent : j;
     const Node<D>&a = state.nodes[i], &b = state.nodes[j];
-    // Behind a wall the pressure goes on as it comes.
+    // Behind a wall the pressure continues with its gradient.
     double theirs = pressure[source];
     if (image && !state.near.images[j - n].periodic)
       theirs += gradient[source].dot(b.position - state.nodes[source].position);

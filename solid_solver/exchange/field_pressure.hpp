@@ -1,5 +1,5 @@
-// What pore water that is a field does to the soil: the pressure that the skeleton bears, against what stands beyond
-// the soil's surface.
+// Force of pore water that is a field on the soil: the gradient of the pressure that the skeleton bears, up to the
+// pressure beyond the soil's surface.
 #pragma once
 
 #include "solid_solver/setup.hpp"
@@ -9,12 +9,13 @@
 
 namespace poretwin::solid {
 
-/// Gradient [Pa/m] of the pressure chi p that the skeleton bears.
+/// Gradient [Pa/m] of the pressure chi p that the skeleton bears (Bishop's chi), from its values [Pa] at the particles.
 ///
-/// At a free surface the total stress is that of what lies beyond: air, or the water behind a face. There chi p,
-/// suction above all, falls to it at once, and the gradient takes the adjoint form that the stress has, of the pressure
-/// over that beyond: suction under air compresses the soil, and a load on a full column is borne by stress and pressure
-/// row by row. Inside it is that of differences, exact for linear pressures however the points lie.
+/// Inside the soil it is formed of differences, exact for linear pressures at any arrangement of the points. At a free
+/// surface the total stress is that of what lies beyond, air or the water behind a face, and chi p falls to that value
+/// at once, above all where it is a suction. There the gradient has the adjoint form of the stress, applied to the
+/// difference from the pressure beyond. Thus suction under air compresses the soil, and stress and pressure bear a load
+/// on a full column row by row.
 template <int D>
 VecArray<D> gradient_of_field(const Setup<D>& setup, const State<D>& state, std::span<const double> pressure,
                               double time);

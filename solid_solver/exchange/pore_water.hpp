@@ -1,4 +1,4 @@
-// Pore water that the case prescribes, for soil that runs alone.
+// Pore water that the case prescribes, for soil that runs without a fluid.
 #pragma once
 
 #include "solid_solver/setup.hpp"
@@ -7,10 +7,10 @@
 
 namespace poretwin::solid {
 
-/// Pressure [Pa] of the case's [[pore_pressure]] at x [m] and time t [s]; nothing where the soil is dry.
+/// Pressure [Pa] of the case's [[pore_pressure]] at x [m] and time t [s]; empty where the soil is dry.
 std::optional<double> prescribed_pressure(const WaterSetup& setup, const Point3& x, double t);
 
-/// The next time after t [s] at which a prescribed pressure changes its rate; infinite when none does.
+/// The next time [s] after t [s] at which a prescribed pressure changes its rate; infinite if there is none.
 double next_change_after(const WaterSetup& setup, double t);
 
 }  // namespace poretwin::solid

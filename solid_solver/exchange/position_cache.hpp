@@ -1,4 +1,5 @@
-// What depends on the positions alone: evaluated on demand, once for each revision of the positions.
+// Quantities that depend on the particles' positions alone, evaluated on demand, once for each revision of the
+// positions.
 #pragma once
 
 #include "common/media/seepage.hpp"
@@ -12,13 +13,13 @@ namespace poretwin::solid {
 template <int D>
 class PositionCache {
  public:
-  /// own_coverage() of every particle.
+  /// The result of own_coverage().
   const ScalarArray& coverage(const Setup<D>& setup, const State<D>& state) {
     renew(state);
     if (coverage_.empty()) coverage_ = own_coverage(setup, state);
     return coverage_;
   }
-  /// The law of seepage of every particle at its void fraction.
+  /// The law of seepage of every particle at its porosity.
   const std::vector<porous::Seepage>& seepage(const Setup<D>& setup, const State<D>& state) {
     renew(state);
     const Particles<D>& p = state.particles;
@@ -26,7 +27,7 @@ class PositionCache {
       seepage_.push_back(seepage_at(setup.water, setup.soils[p.material[i]], void_fraction(setup, p, i)));
     return seepage_;
   }
-  /// After positions changed without a new revision.
+  /// To be called after positions have changed without a new revision.
   void forget() { *this = {}; }
 
  private:

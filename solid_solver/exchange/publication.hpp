@@ -1,4 +1,4 @@
-// The soil as the water sees it: its points and their fields.
+// The points and fields of the soil that the solid publishes to the fluid.
 #pragma once
 
 #include "common/coupling/exchange.hpp"
@@ -6,7 +6,7 @@
 
 namespace poretwin::solid {
 
-/// Points and fields of the present state.
+/// Points and fields of the present state, images included.
 template <int D>
 coupling::Publication published(const Setup<D>& setup, const State<D>& state, PositionCache<D>& cache);
 

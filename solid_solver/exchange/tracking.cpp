@@ -25,7 +25,7 @@ Tracking<D> make_tracking(const Setup<D>& setup, const State<D>& state, const co
   for (std::size_t i = 0; i < n; ++i) {
     if (state.external.coverage[i] <= 0.0 || water.soil_seen[i] <= exchange::least_seen) continue;
     const double R = p.mass[i] / p.volume[i];
-    double along = 0.0, z = 0.0;  // impedance of the water that goes along; of all that the departure meets
+    double along = 0.0, z = 0.0;  // impedance by the inertia of the entrained water; total impedance
     if (setup.water.drags) {
       const double n_w = void_fraction(setup, p, i);
       const auto law = porous::resistance(setup.water.weight, n_w, cache.seepage(setup, state)[i]);
@@ -34,8 +34,9 @@ Tracking<D> make_tracking(const Setup<D>& setup, const State<D>& state, const co
       const double slip = law.speed(force), C = law.slope(slip), a = n_w * setup.water.density / interval;
       tracking.dissipated += p.volume[i] * force * slip * interval;
       along = C * a / (a + C);
-      // What goes beyond the prediction of the last window, at the same time as the fluid, meets what the pressure
-      // would hold against it, too, where water flows back as the grains come, n v_w = -n_s v_s: C / n^2 in all.
+      // In the parallel scheme the prediction is that of the last window. A departure from it also meets what the
+      // pressure would oppose it with where water flows back as the grains come, n v_w = -n_s v_s. That makes C / n^2
+      // in all.
       z = setup.inertia_share > 0.0 ? C / (n_w * n_w) : rests ? C : along;
       if (again) {
         tracking.answers[i] =
@@ -51,10 +52,12 @@ Tracking<D> make_tracking(const Setup<D>& setup, const State<D>& state, const co
       const std::size_t c = i * D + static_cast<std::size_t>(d);
       double& change = tracking.change[i][d];
       change = setup.parallel ? water.predicted[c] - p.velocity[i][d] : water.change[c];
-      // Inertia holds to the change that is predicted, drag to the velocity.
+      // The inertia term acts against a departure from the predicted change, the drag against one from the predicted
+      // velocity.
       if (rests && !setup.parallel && z > 0.0)
         change = (1.0 - inertia / z) * (water.predicted[c] - p.velocity[i][d]) + inertia / z * water.change[c];
-      // Where the window is repeated the fluid reports how its prediction differs from what the last pass found.
+      // In a repeated window the fluid reports the difference between its prediction and the velocity that the last
+      // pass found.
       if (again) change = found[i][d] + water.change[c] - p.velocity[i][d];
     }
     tracking.drive.target[i] = p.velocity[i] + tracking.change[i];

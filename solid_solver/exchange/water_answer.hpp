@@ -1,5 +1,5 @@
 // Impedance by which the water resists a departure of the soil from the predicted motion, in a long window that is
-// repeated until both agree.
+// repeated until fluid and solid agree.
 #pragma once
 
 #include <cmath>
@@ -7,7 +7,7 @@
 
 namespace poretwin::solid {
 
-/// One particle's water in a window; any units that fit together.
+/// Properties of a particle's water in a window. Any consistent system of units may be used.
 struct WaterInWindow {
   double drag = 0.0;      ///< C, N s/m4
   double inertia = 0.0;   ///< a = n rho_w / Dt, N s/m4
@@ -15,26 +15,26 @@ struct WaterInWindow {
   double interval = 0.0;  ///< Dt, s
 };
 
-/// Impedances that the soil meets in a pass in place of the water's. They decide how fast the passes converge, not the
-/// result.
+/// Impedances that the soil meets in a pass through a window, in place of the water's own. They decide how fast the
+/// passes converge, but not the result.
 ///
-/// A shear entrains the water: impedance C a / (a + C). Pressure resists a dilation: impedance C / n^2 at any
-/// wavelength, as long as nothing drains within the window. Let A be the stiffness that the fluid predicts with, T the
-/// true one, D the water's impedance and Z the one in its place: a pass multiplies an error by (A - T) (Z - D) / ((A +
-/// D) (T + Z)). With Z = C, soil that shears freely (T = 0, D << Z) would hardly move from pass to pass. With no
+/// Shear entrains the water: impedance C a / (a + C). Pressure resists dilation: impedance C / n^2 at any wavelength,
+/// as long as nothing drains within the window. Let A be the stiffness that the fluid predicts with, T the true one, D
+/// the water's impedance and Z the one in its place: a pass multiplies an error by (A - T) (Z - D) / ((A + D) (T + Z)).
+/// With Z = C, the motion of soil that shears freely (T = 0, D << Z) would hardly change from pass to pass. With no
 /// impedance against dilation, long waves (D >> A) would diverge once the soil is less than half as stiff as predicted.
 ///
-/// Hence a blend, weighted by the fraction of its pressure that the shortest wave keeps over the window, exp(-alpha)
-/// with alpha = Dt M (pi / 2 dx)^2 n^2 / C (Terzaghi's decay). Undrained: the drag. Drained: the water's inertia, and
-/// half the skeleton's own modulus against dilation, with which errors shrink at every wavelength for true stiffnesses
-/// down to a quarter of the predicted one.
+/// Hence the two limits are blended. Their weight is the fraction of its pressure that the shortest wave keeps over the
+/// window, exp(-alpha) with alpha = Dt M (pi / 2 dx)^2 n^2 / C (Terzaghi's decay). Undrained, the impedance is the
+/// drag. Drained, it is the water's inertia, and half the skeleton's own modulus against dilation. With these, errors
+/// shrink at every wavelength for true stiffnesses down to a quarter of the predicted one.
 struct WaterAnswer {
   double translation = 0.0;  ///< N s/m4, against a departure of the velocity
-  double dilation = 0.0;     ///< Pa, against a departure of the strain of volume
-  double pressure = 0.0;     ///< N s/m4, of the pressure over the soil's height, less where it drains there
+  double dilation = 0.0;     ///< Pa, against a departure of the volumetric strain
+  double pressure = 0.0;     ///< N s/m4, impedance of the pressure over the soil's height, less where it drains
 };
 
-/// modulus: M of the skeleton [Pa]; spacing, height [m].
+/// The impedances for the skeleton's constrained modulus M [Pa], the particle spacing [m] and the soil's height [m].
 inline WaterAnswer answer_of(const WaterInWindow& water, double modulus, double spacing, double height) {
   if (water.drag <= 0.0) return {};
   const double shortest = 0.5 * std::numbers::pi / spacing;

@@ -35,12 +35,13 @@ OrZero<double> coverage_of(const Inbox& inbox, std::size_t n) {
   return coverage;
 }
 
-/// Below a loaded face: the load is carried by stress and pressure alike, that of the water beyond it left out.
+/// Changes the pressure gradient of the particles below a loaded face to the adjoint form, so that stress and pressure
+/// carry the load together. The pressure of water beyond the face is subtracted first.
 template <int D>
 void share_load(const Setup<D>& setup, const State<D>& state, const LoadedPatch<D>& patch,
                 const OrZero<double>& pressure, double time, VecArray<D>& gradient) {
-  // Where the soil has moved away from the face, the water predicts a balance that the soil does not have: in coarse,
-  // soft soil what they differ by grew from 0.14 spacings on, in every window.
+  // Not where the soil has moved away from the face: there the fluid predicts a balance that the soil does not have. In
+  // coarse, soft soil the difference grew from window to window beyond 0.14 spacings.
   double nearest = std::numeric_limits<double>::infinity();
   for (const Index i : patch.particles)
     nearest = std::min(nearest, patch.normal.dot(reference_position(setup, state, i)) - patch.level);
@@ -117,8 +118,8 @@ WaterInput<D> take_water(const Setup<D>& setup, const Inbox& inbox, const Window
     state.received += state.returned_impulse[i];
     for (int d = 0; d < D; ++d) state.received[d] += impulse[i * D + static_cast<std::size_t>(d)];
   }
-  // A soil that computes at the same time as the fluid receives the last window's drag as a constant force. In a window
-  // of another length the impulse of that force differs from the impulse given; the water has to supply the difference.
+  // In the parallel scheme the soil receives the last window's drag as a constant force. In a window of another length
+  // the impulse of that force differs from the impulse that the fluid gave. The water has to supply the difference.
   const double beyond = setup.parallel && state.last_interval > 0.0 ? interval / state.last_interval - 1.0 : 0.0;
   state.last_interval = interval;
   if (beyond != 0.0 && impulse.is_allocated()) {
@@ -131,7 +132,8 @@ WaterInput<D> take_water(const Setup<D>& setup, const Inbox& inbox, const Window
   water.change = field_or_zero(inbox, field::predicted_change, n, D);
   water.soil_seen = field_or_zero(inbox, field::soil_fraction, n, 1);
 
-  // The pressure ramps linearly; its gradient is linear in it and taken once, at the window's start.
+  // The pressure changes linearly in the window. Its gradient is linear in it and evaluated once, at the window's
+  // start.
   water.from = state.external.pressure_gradient;
   water.to = gradient_of(setup, state, state.external.pressure, window.time);
   const OrZero<double> at_surface = field_or_zero(inbox, field::surface_share, n, 1);
@@ -177,7 +179,7 @@ template <int D>
 Vec<D> steady_water_force(const Setup<D>& setup, const State<D>& state, std::size_t i,
                           const Vec<D>& pressure_gradient) {
   const Particles<D>& p = state.particles;
-  double wet = state.external.coverage[i];  // share of the pores
+  double wet = state.external.coverage[i];  // water's fraction of the pores
   if (!setup.water.is_prescribed()) {
     const double residual = setup.soils[p.material[i]].initial_saturation;
     wet = residual < 1.0 ? (state.external.saturation[i] - residual) / (1.0 - residual) : 0.0;

@@ -10,7 +10,7 @@ Cone fit_cone(double cohesion, double friction_angle, double dilation_angle, Soi
   const double phi = friction_angle * std::numbers::pi / 180.0, psi = dilation_angle * std::numbers::pi / 180.0;
   const double sin_phi = std::sin(phi), cos_phi = std::cos(phi), tan_phi = std::tan(phi), tan_psi = std::tan(psi);
   Cone cone;
-  // Plane strain at the limit: the flow rule with this alpha_psi dilates by psi on any cone.
+  // Plane strain in the limit state: with this alpha_psi the flow rule dilates by psi, whatever the cone.
   cone.alpha_psi = tan_psi / std::sqrt(9.0 + 12.0 * tan_psi * tan_psi);
   switch (fit) {
     case Soil::Cone::paper:

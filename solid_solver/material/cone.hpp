@@ -1,4 +1,4 @@
-// The Drucker-Prager cone: its fit to Coulomb's constants, its apex and tension cut-off.
+// The Drucker-Prager cone: its fit to Coulomb's constants, its apex and its tension cut-off.
 #pragma once
 
 #include "common/case/materials.hpp"
@@ -9,20 +9,21 @@
 
 namespace poretwin::solid {
 
-/// Yield f = alpha I1 + sqrt(J2) - k (Eq. (31)); potential with alpha_psi (Eq. (30)).
+/// Yield surface f = alpha I1 + sqrt(J2) - k (Eq. (31)); the plastic potential has alpha_psi in place of alpha (Eq.
+/// (30)).
 struct Cone {
-  double alpha = 0.0;                                                 ///< friction
-  double alpha_psi = 0.0;                                             ///< dilatancy
-  double k = 0.0;                                                     ///< Pa
+  double alpha = 0.0;                                                 ///< 1, friction
+  double alpha_psi = 0.0;                                             ///< 1, dilatancy
+  double k = 0.0;                                                     ///< Pa, cohesion
   double tensile_strength = std::numeric_limits<double>::infinity();  ///< Pa, largest mean effective stress
 
-  /// Largest I1 [Pa] the soil bears: the apex, or what the tension cut-off leaves.
+  /// Largest I1 [Pa] that the soil bears: at the apex, or at the tension cut-off where that is lower.
   [[nodiscard]] double tension_limit() const {
     return alpha > 0.0 ? std::min(3.0 * tensile_strength, k / alpha) : 3.0 * tensile_strength;
   }
 };
 
-/// Cone constants; cohesion in Pa, angles in degrees.
+/// Constants of the cone, fitted to Coulomb's as `fit` says; cohesion in Pa, angles in degrees.
 Cone fit_cone(double cohesion, double friction_angle, double dilation_angle, Soil::Cone fit = Soil::Cone::paper);
 
 /// Yield function f [Pa] of Eq. (31).
@@ -30,8 +31,8 @@ inline double yield_function(const Tensor& stress, const Cone& cone) {
   return cone.alpha * trace(stress) + root_j2(stress) - cone.k;
 }
 
-/// Cohesion [Pa] of one particle or of four at a degree of saturation, Eq. (36) as corrected:
-/// c(s_r0) is the soil's `cohesion`, c(1) the saturated one.
+/// Cohesion [Pa] of one particle or of four at a degree of saturation, Eq. (36) as corrected: linear from the soil's
+/// `cohesion` at its initial saturation to `saturated_cohesion` at 1.
 template <class In>
 [[gnu::always_inline]] inline void cohesion_at(const Soil& soil, const typename In::Number& saturation,
                                                typename In::Number& cohesion) {
@@ -50,8 +51,9 @@ inline double cohesion_at(const Soil& soil, double saturation) {
   return cohesion;
 }
 
-/// The soil with its strength divided by a factor: c / F, tan(phi) / F, tensile strength / F, and what its material
-/// declares as a strength, all of it before and after softening; dilation at most the reduced friction.
+/// The soil with its strength divided by a factor F: c / F, tan(phi) / F, tensile strength / F, and the keys that its
+/// material declares as strengths (own), before and after softening. The dilation angle is at most the reduced friction
+/// angle.
 Soil weakened(Soil soil, double factor, const std::vector<MaterialKey>& own = {});
 
 }  // namespace poretwin::solid

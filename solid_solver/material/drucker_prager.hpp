@@ -6,20 +6,20 @@
 
 namespace poretwin::solid {
 
-/// Adds the elastic stress of a strain increment and returns. The return gives invariants, exact while the deviator
-/// keeps its direction; the direction follows in closed form from the strain's (exact at psi = 0). Returns the plastic
-/// strain.
+/// Adds the elastic stress of a strain increment and returns the stress to the cone; returns the equivalent deviatoric
+/// plastic strain. The invariants are exact where the deviator keeps its direction. Where it turns, its direction
+/// follows from the strain's in closed form (exact at psi = 0).
 double integrate(Tensor& stress, const Tensor& strain, const Cone& cone, const Elasticity& elasticity);
 
-/// Brings a trial stress outside the cone back, along the potential, to the tension limit or to the edge where both
-/// meet, in one step and independent of its size. Returns the equivalent deviatoric plastic strain (0 inside).
+/// Returns a trial stress outside the cone to it, in one step of any size: along the potential, to the tension limit,
+/// or to the edge where both meet. Returns the equivalent deviatoric plastic strain (0 inside).
 double return_map(Tensor& stress, const Cone& cone, const Elasticity& elasticity);
 
-/// Common to the ways of integrating the model: the cone under the soil's present condition.
+/// Common base of the two integrations of the model: the cone in the soil's present condition.
 class DruckerPragerSoil : public ConstitutiveModel {
  public:
   explicit DruckerPragerSoil(const Soil& soil);
-  /// Cohesion falls with saturation, Eq. (36); dilation ends at the soil's largest void ratio.
+  /// The cohesion decreases with saturation, Eq. (36); dilation ends at the soil's largest void ratio.
   [[nodiscard]] Cone cone(const Condition& condition) const;
   [[nodiscard]] Elasticity moduli(const Tensor& stress, std::span<const double> /*state*/) const override {
     return elasticity_.at(-trace(stress) / 3.0);
@@ -28,7 +28,7 @@ class DruckerPragerSoil : public ConstitutiveModel {
  protected:
   PressureElasticity elasticity_;
   Soil soil_;
-  Cone dilating_, spent_;  ///< for unit cohesion
+  Cone dilating_, spent_;  ///< cones of unit cohesion, with dilation and without
 };
 
 class DruckerPrager final : public DruckerPragerSoil {

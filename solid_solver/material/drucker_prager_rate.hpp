@@ -1,12 +1,12 @@
-// The same Drucker-Prager soil integrated as the paper does: explicit rates, then stress scaling-back.
+// The Drucker-Prager soil integrated as in Bui & Nguyen (2017): explicit rates, then scaling-back of the stress.
 #pragma once
 
 #include "solid_solver/material/drucker_prager.hpp"
 
 namespace poretwin::solid {
 
-/// Eqs. (86), (87) as corrected, one explicit Euler step per increment; tension cracking treatment and stress
-/// scaling-back afterwards (Bui et al. 2008). First-order accurate: its error grows with the increment.
+/// Eqs. (86), (87) as corrected, with one explicit Euler step per increment, followed by the treatment of tension
+/// cracking and by scaling-back of the stress (Bui et al. 2008). The error is of first order in the increment.
 class DruckerPragerRate final : public DruckerPragerSoil {
  public:
   using ConstitutiveModel::advance;

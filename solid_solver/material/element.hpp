@@ -1,4 +1,4 @@
-// A single point of soil in a test of the laboratory: a path of strain and stress, without any particles.
+// A single point of soil in a laboratory test: a path of strain and stress, without particles.
 #pragma once
 
 #include "solid_solver/material/model.hpp"
@@ -8,26 +8,27 @@
 
 namespace poretwin::solid {
 
-/// A test: what is held while the sample is compressed along y, or sheared in the plane xy.
+/// A test: which stresses and strains are kept constant while the sample is compressed along y or sheared in the plane
+/// xy.
 struct LaboratoryTest {
-  std::string_view name;     ///< for --test
-  std::string_view meaning;  ///< one line
-  bool shears;               ///< gamma_xy and s_xy are controlled, not the axial strain and stress
+  std::string_view name;     ///< name for --test
+  std::string_view meaning;  ///< description in one line
+  bool shears;               ///< gamma_xy or s_xy is controlled, not the axial strain or stress
   bool undrained;            ///< at constant volume
 };
 const std::vector<LaboratoryTest>& laboratory_tests();
 /// The test of this name. Throws CaseError where there is none.
 const LaboratoryTest& laboratory_test(std::string_view name);
 
-/// A sample. Stresses are effective, tension positive; strains are logarithmic.
+/// A soil sample. Stresses are effective, tension positive; strains are logarithmic.
 class Element {
  public:
   Element(const Soil& soil, const ConstitutiveModel& model, const Tensor& stress);
-  /// Strains by `step`: of the axial strain (tension positive), or of gamma_xy. Throws DivergedError where no strain
-  /// keeps what the test holds.
+  /// Applies an increment `step` of the axial strain (tension positive) or of gamma_xy. Throws DivergedError where no
+  /// strain meets the conditions of the test.
   void strain_by(const LaboratoryTest& test, double step);
-  /// Strains until the axial stress, in undrained tests s_yy - s_xx, or s_xy has this value [Pa]. Throws likewise:
-  /// where the soil does not bear it.
+  /// Strains the sample until the axial stress (in undrained tests s_yy - s_xx), or s_xy, is `target` [Pa]. Throws
+  /// DivergedError where the soil does not bear it.
   void load_to(const LaboratoryTest& test, double target);
 
   [[nodiscard]] const Tensor& stress() const { return stress_; }
@@ -38,8 +39,8 @@ class Element {
   /// Mean effective pressure, compression positive, and deviator sqrt(3 J2) [Pa].
   [[nodiscard]] double pressure() const { return -trace(stress_) / 3.0; }
   [[nodiscard]] double deviator_stress() const { return std::sqrt(3.0) * root_j2(stress_); }
-  /// What the pore water takes over in an undrained test whose lateral total stress is held, or in shear the vertical
-  /// one [Pa].
+  /// Excess pore pressure [Pa] in an undrained test, for a constant lateral (in shear: vertical) total stress: the
+  /// decrease of the effective stress.
   [[nodiscard]] double excess_pore_pressure(const LaboratoryTest& test) const;
 
  private:

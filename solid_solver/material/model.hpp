@@ -1,4 +1,4 @@
-// The one interface of constitutive models. A new model is one file that implements it and one row in registry.cpp
+// The interface of all constitutive models. A new model is one file that implements it and one row in registry.cpp
 // (docs/extending/material.md).
 #pragma once
 
@@ -24,7 +24,8 @@ struct Elasticity {
   }
   /// Constrained modulus M = K + 4 G / 3 [Pa].
   [[nodiscard]] double constrained() const { return bulk + 4.0 / 3.0 * shear; }
-  /// Safe tangent constrained modulus [Pa] while yielding: without the shear part, never below half of M.
+  /// Lower estimate of the tangent constrained modulus [Pa] during yielding: without the shear part, but at least half
+  /// of M.
   [[nodiscard]] double yielding() const { return std::max(bulk, 0.5 * constrained()); }
   /// Adds the stress increment [Pa] of a strain increment.
   void add_stress(const double* strain, double* stress) const;
@@ -49,8 +50,8 @@ inline void Elasticity::add_stress(const double* strain, double* stress) const {
   solid::add_stress<InOnes>({bulk, shear}, strain, stress);
 }
 
-/// The elasticity of the materials that have Young's modulus: constant, or E = E_ref (p / p_ref)^m with the mean
-/// effective pressure p, at least the soil's least pressure. Poisson's ratio is constant.
+/// The elasticity of materials with Young's modulus E: constant, or E = E_ref (p / p_ref)^m with the mean effective
+/// pressure p, which is at least the soil's `least_pressure`. Poisson's ratio is constant.
 class PressureElasticity {
  public:
   explicit PressureElasticity(const Soil& soil)
@@ -60,13 +61,14 @@ class PressureElasticity {
         least_(soil.least_pressure) {}
   [[nodiscard]] bool is_constant() const { return exponent_ == 0.0; }
   [[nodiscard]] const Elasticity& reference() const { return reference_; }
-  /// Under a mean effective pressure [Pa].
+  /// The moduli at a mean effective pressure [Pa].
   [[nodiscard]] Elasticity at(double pressure) const {
     if (is_constant()) return reference_;
     const double times = std::pow(std::max(pressure, least_) / pressure_, exponent_);
     return {times * reference_.bulk, times * reference_.shear};
   }
-  /// For an increment from a stress [Pa]: at the pressure of its middle, if it is elastic.
+  /// The moduli for a strain increment that starts from a stress [Pa]: at the pressure in the middle of the increment,
+  /// as if it were elastic.
   template <class In>
   [[gnu::always_inline]] void over(const typename In::Number* stress, const typename In::Number* strain,
                                    Moduli<In>& moduli) const {
@@ -88,73 +90,75 @@ class PressureElasticity {
   double exponent_, pressure_, least_;
 };
 
-/// A material found no stress for an increment: what happened, and for which of the particles that were advanced
-/// together. Becomes a DivergedError that names the particle.
+/// Thrown where a material found no stress for an increment: the message, and the index of the particle among those
+/// that were advanced together. It becomes a DivergedError that names the particle.
 struct MaterialFailure {
   std::string what;
   std::size_t place = 0;
 };
 
-/// A number of a material's state, for those who read results.
+/// A variable of a material's state, described for output.
 struct StateVariable {
   std::string name, unit, meaning;
 };
 
-/// What surrounds the soil and its strength may depend on.
+/// Conditions on which the soil's strength may depend.
 struct Condition {
   double saturation = 0.0;  ///< degree of saturation s_r
   double void_ratio = 0.0;  ///< e = n / (1 - n)
 };
 
-/// Four particles of one soil, one in each lane: what a model advances, its inputs and its result.
+/// Four particles of one soil, one per lane, with the inputs and results of a model's advance().
 struct Four {
   Lanes stress[6];               ///< Pa, in the order of Tensor
-  Lanes strain[6];               ///< of the increment
+  Lanes strain[6];               ///< strain increment
   Lanes saturation, void_ratio;  ///< see Condition
   Lanes plastic;                 ///< result: the increment of equivalent deviatoric plastic strain
-  Quad* state = nullptr;         ///< state_size() numbers, advanced like the stress
+  Quad* state = nullptr;         ///< the state_size() state variables, updated like the stress
 };
 
-/// Effective stress from strain increments. Rotation is the caller's business (Jaumann rate). What a model remembers of
-/// a particle besides the stress, its state, lies with the particle: it moves with it, and is saved and restored.
+/// Effective stress from strain increments. The caller rotates the stress (Jaumann rate). A particle's state is what
+/// its model stores besides the stress. It is kept with the particle, moves with it, and is saved and restored.
 class ConstitutiveModel {
  public:
   ConstitutiveModel() = default;
   ConstitutiveModel(const ConstitutiveModel&) = delete;
   ConstitutiveModel& operator=(const ConstitutiveModel&) = delete;
   virtual ~ConstitutiveModel() = default;
-  /// How many numbers the state of a particle has. Spans of a state below may be longer; the first numbers count.
+  /// Number of state variables per particle. The spans of states below may be longer; a model uses their first
+  /// state_size() numbers.
   [[nodiscard]] virtual std::size_t state_size() const { return 0; }
-  /// Their names; of those behind the ones that are named here nothing is shown.
+  /// Descriptions of the first state variables. Further ones are not part of the output.
   [[nodiscard]] virtual std::vector<StateVariable> state_variables() const { return {}; }
-  /// The state of soil that nothing has strained since it came to stand under this effective stress [Pa].
+  /// Sets the state of soil that has not been strained since it has borne this effective stress [Pa].
   virtual void initial(const Tensor& /*stress*/, std::span<double> /*state*/) const {}
-  /// Advances `stress` [Pa] and `state` by a strain increment; returns the equivalent deviatoric plastic strain it
-  /// took. Throws MaterialFailure where there is no such stress.
+  /// Advances `stress` [Pa] and `state` by a strain increment; returns the equivalent deviatoric plastic strain of the
+  /// increment. Throws MaterialFailure where no stress is found.
   virtual double advance(Tensor& stress, const Tensor& strain, const Condition& condition,
                          std::span<double> state) const = 0;
   double advance(Tensor& stress, const Tensor& strain, const Condition& condition = {}) const {
     return advance(stress, strain, condition, {});
   }
-  /// The same of many particles; this one takes them one by one.
+  /// Advances many particles; this implementation takes them one by one.
   virtual void advance(std::span<Four> many) const;
-  /// Elastic moduli under this effective stress [Pa] and in this state: the stiffness that waves, the water and the
-  /// search for equilibrium meet.
+  /// Elastic moduli under this effective stress [Pa] and in this state: the stiffness that enters wave speeds, the
+  /// fluid's pressure solve and the search for equilibrium.
   [[nodiscard]] virtual Elasticity moduli(const Tensor& stress, std::span<const double> state) const = 0;
-  /// The same of soil that nothing has strained, under this pressure [Pa] from all sides.
+  /// Elastic moduli of soil without any strain under this isotropic pressure [Pa].
   [[nodiscard]] Elasticity moduli_under(double pressure) const;
   [[nodiscard]] Elasticity initial_moduli() const { return moduli_under(0.0); }
-  /// The largest moduli of any state that the soil may reach up to this mean effective pressure [Pa]: the substep is
-  /// chosen for their waves.
+  /// The largest moduli in any state that the soil may reach up to this mean effective pressure [Pa]. Substeps are
+  /// chosen for the waves of this stiffness.
   [[nodiscard]] virtual Elasticity stiffest(double pressure) const { return moduli_under(pressure); }
 };
 
 using MaterialFactory = std::unique_ptr<ConstitutiveModel> (*)(const Soil&);
 
-/// Adds a row to the table of materials, for a model that one program has beside the others: before it reads a case.
+/// Adds a row to the table of materials, for a model that only one program has. To be called before the program reads a
+/// case.
 bool add_material(Material row, MaterialFactory make);
 
-/// The material of this name, for one soil.
+/// The constitutive model with this name, for one soil. Throws CaseError where there is none.
 std::unique_ptr<ConstitutiveModel> make_constitutive(MaterialName model, const Soil& soil);
 
 }  // namespace poretwin::solid

@@ -18,13 +18,13 @@ struct Constants {
   double slope, shear_ratio, least;
 };
 
-/// Of one particle or four; pressures compression positive.
+/// State of one particle or four; p and pc are positive in compression.
 template <class In>
 struct Clay {
   using Number = typename In::Number;
-  Number p, pc, v;  ///< Pa, Pa, 1
+  Number p, pc, v;  ///< Pa, mean pressure; Pa, preconsolidation pressure; 1, specific volume
   Number s[6];      ///< Pa, deviator
-  Number plastic;   ///< equivalent deviatoric plastic strain so far
+  Number plastic;   ///< accumulated equivalent deviatoric plastic strain of the increment
 };
 
 /// a : b.
@@ -34,18 +34,18 @@ template <class In>
   sum = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + 2.0 * (a[3] * b[3] + a[4] * b[4] + a[5] * b[5]);
 }
 
-/// One implicit step by a compression and a deviatoric strain. Unknown are the multiplier, m, and the plastic
-/// compression, d, in
-///   d = m M^2 (2 p - pc),   q^2 = M^2 p (pc - p),   s = (s0 + 2 G e) / (1 + 6 G m),
-/// with p(d) and pc(d) by the trapezoidal rule of their laws, and G of the mean p. Newton's iteration begins at the
-/// elastic trial, from which the second equation falls convexly in m. False where it did not converge.
+/// One implicit step for a volumetric compression and a deviatoric strain e. The unknowns are the multiplier m and the
+/// plastic compression d in
+///   d = m M^2 (2 p - pc), q^2 = M^2 p (pc - p), s = (s0 + 2 G e) / (1 + 6 G m),
+/// with p(d) and pc(d) by the trapezoidal rule of their laws, and G at the mean p. Newton's iteration begins at the
+/// elastic trial; from there the second equation decreases convexly in m. Returns false where it did not converge.
 template <class In>
 [[gnu::always_inline]] inline bool step(const Constants& k, const typename In::Number& compression,
                                         const typename In::Number* e, Clay<In>& clay) {
   using Number = typename In::Number;
   using Mask = typename In::Mask;
   const Number one = Number{} + 1.0, zero{};
-  const Number v = clay.v * (1.0 - 0.5 * compression);  // of the middle of the step
+  const Number v = clay.v * (1.0 - 0.5 * compression);  // in the middle of the step
   const Number a = v * k.by_swelling, b = v * k.by_hardening, m2 = zero + k.slope * k.slope;
   const Mask high = clay.p >= k.least;
   Number ss, se, ee;
@@ -53,7 +53,7 @@ template <class In>
   product<In>(clay.s, e, se);
   product<In>(e, e, ee);
   Number multiplier{}, plastic{}, p, shear, w = one;
-  Number pc = clay.pc, growth = one;  // growth: 1 / (1 - z), pc by (1 + z) / (1 - z)
+  Number pc = clay.pc, growth = one;  // growth: 1 / (1 - z); pc grows by the factor (1 + z) / (1 - z)
   Mask yields{};
   for (int round = 0;; ++round) {
     const Number y = a * (compression - plastic), left = 1.0 / (1.0 - 0.5 * y);
@@ -74,7 +74,7 @@ template <class In>
       if (!any(yields)) break;
     }
     const Number flow = m2 * (2.0 * p - pc), r = plastic - multiplier * flow;
-    // What is left, of the surface and, by what it changes there, of the flow.
+    // Ends by the residual of the yield surface, relative to pc^2, and by that of the flow rule.
     const Number most = cam_clay::reached * clay.pc * clay.pc;
     const Mask open = yields & ((f * f > most * most) | (r * r > cam_clay::reached * cam_clay::reached));
     if (!any(open)) break;
@@ -96,7 +96,7 @@ template <class In>
   clay.v *= 1.0 - compression;
   for (int c = 0; c < 6; ++c) clay.s[c] = (clay.s[c] + 2.0 * shear * e[c]) * w;
   if (!any(yields)) return true;
-  // 2 m q, as the strain is 3 m s.
+  // The equivalent plastic strain is 2 m q, since the plastic deviatoric strain is 3 m s.
   product<In>(clay.s, clay.s, ss);
   Number q = 1.5 * ss;
   sqrt_in_place(q);
@@ -106,7 +106,8 @@ template <class In>
   return true;
 }
 
-/// As many steps as the increment asks for. False where some did not converge.
+/// Divides the increment into as many steps as its size requires, times `finer`. Returns false where a step did not
+/// converge.
 template <class In>
 [[gnu::always_inline]] inline bool follow(const Constants& k, const typename In::Number* strain,
                                           typename In::Number* stress, double finer, Clay<In>& clay) {
@@ -140,7 +141,7 @@ template <class In>
   return true;
 }
 
-/// The same with steps ever finer until all converge.
+/// The same, with finer and finer steps until all converge.
 template <class In>
 [[gnu::always_inline]] inline void follow(const Constants& k, const typename In::Number* strain,
                                           typename In::Number* stress, Clay<In>& clay) {

@@ -5,10 +5,10 @@
 
 namespace poretwin::solid {
 
-/// Yield f = q^2 - M^2 p (pc - p), associated flow, d pc / pc = v / (lambda - kappa) times the plastic compression;
-/// bulk modulus v p / kappa at a constant Poisson's ratio. p, q, pc: mean pressure, deviator and preconsolidation [Pa],
-/// compression positive; v = 1 + e. Below the soil's least pressure the moduli fall no further, and pc does not fall
-/// below it. State: pc [Pa] and v.
+/// Yield surface f = q^2 - M^2 p (pc - p), associated flow. Hardening: d pc / pc = v / (lambda - kappa) times the
+/// plastic compression. Elasticity: bulk modulus v p / kappa, constant Poisson's ratio. p, q, pc: mean pressure,
+/// deviator and preconsolidation pressure [Pa], compression positive; v = 1 + e. Below the soil's `least_pressure` the
+/// moduli decrease no further, and pc does not fall below it. State variables: pc [Pa], v.
 class ModifiedCamClay final : public ConstitutiveModel {
  public:
   using ConstitutiveModel::advance;
@@ -24,14 +24,14 @@ class ModifiedCamClay final : public ConstitutiveModel {
   void advance(std::span<Four> many) const override;
   [[nodiscard]] Elasticity moduli(const Tensor& stress, std::span<const double> state) const override;
 
-  static Material row();  ///< of the table of materials
+  static Material row();  ///< row of the table of materials
 
  private:
-  double lambda_, kappa_, slope_;    ///< slope: M
+  double lambda_, kappa_, slope_;    ///< lambda, kappa, M
   double shear_ratio_;               ///< G / K
-  double specific_volume_;           ///< v as the soil was laid
-  double ratio_, preconsolidation_;  ///< OCR; pc [Pa], 0: by OCR
-  double least_;                     ///< Pa
+  double specific_volume_;           ///< v at the start
+  double ratio_, preconsolidation_;  ///< overconsolidation ratio; pc [Pa], 0: from the ratio
+  double least_;                     ///< Pa, least pressure
 };
 
 }  // namespace poretwin::solid

@@ -9,7 +9,8 @@ namespace {
 
 // The functions below treat one particle or four (InOnes or InFours).
 
-/// The yield surface f = up s1 - down s3 - k of one particle or four, its potential, and the elastic moduli.
+/// The yield surface f = up s1 - down s3 - k of one particle or four, with the plastic potential and the elastic
+/// moduli.
 template <class In>
 struct Surface {
   using Number = typename In::Number;
@@ -20,7 +21,7 @@ struct Surface {
   Moduli<In> moduli;
 };
 
-/// Sets the limit of the tension: the apex, or the tensile strength below it.
+/// Sets the limit of tension: the apex, or the tensile strength where that is lower.
 template <class In>
 [[gnu::always_inline]] inline void limit_tension(double tensile_strength, Surface<In>& surface) {
   using Number = typename In::Number;
@@ -37,7 +38,8 @@ template <class In>
   using Number = typename In::Number;
   using Mask = typename In::Mask;
   const Number two_g = 2.0 * y.moduli.shear, lame = y.moduli.bulk - two_g / 3.0;
-  // What one unit of the multiplier of the face takes off s1, s2, s3; where two faces meet, off both of them.
+  // Decrease of s1, s2, s3 per unit of the face's multiplier. off_12, off_23: mean decrease of both where two faces
+  // meet.
   const Number off_2 = lame * (y.flow_up - y.flow_down), off_1 = off_2 + two_g * y.flow_up,
                off_3 = off_2 - two_g * y.flow_down, off_12 = off_2 + y.moduli.shear * y.flow_up,
                off_23 = off_2 - y.moduli.shear * y.flow_down;
@@ -57,7 +59,7 @@ template <class In>
   s1 = upper ? upper_pair : lower ? t[0] - on_lower * off_1 : s1;
   s2 = upper ? upper_pair : lower ? lower_pair : s2;
   s3 = upper ? t[2] - on_upper * off_3 : lower ? lower_pair : s3;
-  // The tension's limit: one principal stress at it, two, or all, if shear lets them.
+  // Tension: one principal stress lies at the limit, or two or all three, where this is possible without shear failure.
   const Mask cut = s1 > y.limit;
   if (any(cut)) {
     const Number stiff = lame + two_g, over = t[0] - y.limit, one = lame * over / stiff;
@@ -65,7 +67,7 @@ template <class In>
     Number middle = t[1] - one;
     min_in_place(middle, y.limit);
     min_in_place(least, y.limit);
-    // Otherwise the face is active, too: s1 and s3 lie where both meet.
+    // Otherwise the face yields as well: s1 and s3 lie where it meets the limit.
     const Number met = (y.up * y.limit - y.k) / y.down, short_of = t[2] - met;
     const Number determinant = off_1 * lame - off_3 * stiff;
     const Number by_face = (over * lame - short_of * stiff) / determinant,
@@ -85,7 +87,7 @@ template <class In>
   plastic = square / 1.5;
   sqrt_in_place(plastic);
   plastic /= two_g;
-  // Pure tension needs no shear: the smallest number still marks that the soil yielded.
+  // Under pure tension no shear yields: the smallest positive number still marks that the soil yielded.
   max_in_place(plastic, Number{} + std::numeric_limits<double>::min());
   plastic = yields ? plastic : Number{};
   t[0] = yields ? s1 : t[0];
@@ -93,7 +95,7 @@ template <class In>
   t[2] = yields ? s3 : t[2];
 }
 
-/// A symmetric tensor of which one axis is principal: its value there, and in the plane across the mean of the two
+/// A symmetric tensor with one known principal axis: its value there, and in the plane across it the mean of the two
 /// normal components, half of their difference, and the shear component.
 template <class In>
 struct Across {
@@ -119,8 +121,8 @@ template <class In>
   stress.shear *= kept;
 }
 
-/// A frame of which w is a principal axis of a deviator: the one whose value lies farthest from the others, which a
-/// cubic equation has as a single root.
+/// An orthonormal frame in which w is a principal axis of a deviator, the one whose principal value is farthest from
+/// the other two. That value is a single root of the cubic equation.
 template <class In>
 struct Frame {
   typename In::Number u[3], v[3], w[3];
@@ -145,14 +147,15 @@ template <class In>
   const Number xx = (stress[0] - mean) * scale, yy = (stress[1] - mean) * scale, zz = (stress[2] - mean) * scale,
                xy = stress[3] * scale, yz = stress[4] * scale, xz = stress[5] * scale;
   const Number third = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
-  // r^3 - r = |J3| for a deviator of J2 = 1: a root between 1 and 2/sqrt(3), to rounding after three steps of Newton.
+  // r^3 - r = |J3| for a deviator with J2 = 1. The root lies between 1 and 2/sqrt(3); three steps of Newton find it to
+  // rounding.
   const Mask turned = third < 0.0;
   const Number j3 = turned ? -third : third;
   Number root = 1.0 + 0.4 * j3;
   for (int k = 0; k < 3; ++k) root = (2.0 * root * root * root + j3) / (3.0 * root * root - 1.0);
   root = turned ? -root : root;
   const Number rows[3][3] = {{xx - root, xy, xz}, {xy, yy - root, yz}, {xz, yz, zz - root}};
-  // Rows of a matrix that maps w to zero: w is across them.
+  // The rows of a matrix that maps w to zero: w is orthogonal to them.
   Number best{};
   for (int k = 0; k < 3; ++k) {
     Number axis[3];
@@ -192,7 +195,7 @@ template <class In>
   using Number = typename In::Number;
   add_stress<In>(surface.moduli, strain, stress);
   plastic = Number{};
-  // Inside the cone that touches the six faces from within, and below a cone under the limit of the tension.
+  // A quick test: inside the cone that touches the six faces from within, and below a cone under the limit of tension.
   const Number mean = (stress[0] + stress[1] + stress[2]) / 3.0, x = stress[0] - mean, y = stress[1] - mean,
                z = stress[2] - mean;
   const Number j2 =
@@ -234,7 +237,7 @@ template <class In>
   }
 }
 
-/// sin(x) of 0 <= x <= pi / 2, to 1e-11: for four particles at a time.
+/// sin(x) for 0 <= x <= pi / 2, to 1e-11, without a library call, for four particles at a time.
 template <class In>
 [[gnu::always_inline]] inline void sine(const typename In::Number& x, typename In::Number& result) {
   const typename In::Number square = x * x;

@@ -6,12 +6,13 @@
 
 namespace poretwin::solid {
 
-/// Yield f = (s1 - s3) + (s1 + s3) sin(phi) - 2 c cos(phi) = 0 with principal stresses s1 >= s2 >= s3, tension
-/// positive; the potential has psi in the place of phi. Where s1 = s2 or s2 = s3 two faces are active (Koiter 1953). No
-/// principal stress exceeds the tensile strength, nor c / tan(phi), the apex; what flows there flows by that limit
-/// (Rankine), so that soil without dilation has an apex, too.
-/// With a residual strength c, phi and psi fall linearly with the plastic shear strain, over softening_slip /
-/// band_width; its state is that strain.
+/// Yield surface f = (s1 - s3) + (s1 + s3) sin(phi) - 2 c cos(phi) = 0 with principal stresses s1 >= s2 >= s3, tension
+/// positive; the potential has psi in place of phi. Where s1 = s2 or s2 = s3, two faces yield (Koiter 1953). No
+/// principal stress exceeds the tensile strength or the apex, c / tan(phi). At that limit the flow is associated with
+/// it (Rankine), so that soil without dilation can reach its apex, too.
+///
+/// With a residual strength c, phi and psi decrease linearly with the plastic shear strain, up to the strain
+/// softening_slip / band_width. That strain is the state variable.
 class MohrCoulomb final : public ConstitutiveModel {
  public:
   using ConstitutiveModel::advance;
@@ -26,7 +27,7 @@ class MohrCoulomb final : public ConstitutiveModel {
   }
 
  private:
-  /// From a first value to a last one.
+  /// A value that changes linearly from `from` to `from + by`.
   struct Fall {
     double from, by;
   };
@@ -37,12 +38,12 @@ class MohrCoulomb final : public ConstitutiveModel {
   PressureElasticity elasticity_;
   Soil soil_;
   Fall friction_, dilation_;            ///< radians
-  Fall cohesion_;                       ///< over its value at the present saturation
+  Fall cohesion_;                       ///< relative to the cohesion at the present saturation
   double sin_phi_, cos_phi_, sin_psi_;  ///< before any softening
   bool softens_;
   double residual_strain_;     ///< plastic shear strain at which only the residual strength is left
-  double tensile_strength_;    ///< Pa, infinite where the soil has none of its own
-  double largest_void_ratio_;  ///< at which dilation ends
+  double tensile_strength_;    ///< Pa, infinite where the soil has no tension cut-off of its own
+  double largest_void_ratio_;  ///< void ratio at which dilation ends
 };
 
 }  // namespace poretwin::solid

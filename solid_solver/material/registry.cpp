@@ -1,4 +1,4 @@
-// The table of materials, one row each, and what all models have in common.
+// The table of materials, with one row each, and functions common to all models.
 #include "solid_solver/material/drucker_prager.hpp"
 #include "solid_solver/material/drucker_prager_rate.hpp"
 #include "solid_solver/material/elastic.hpp"

@@ -64,13 +64,13 @@ void set_matrix(const Mat<D>& m, Tensor& t) {
   }
 }
 
-/// Where the component ab of a symmetric tensor stands.
+/// Index of the component ab of a symmetric tensor.
 constexpr int component(int a, int b) {
   constexpr int places[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
   return places[a][b];
 }
 
-/// Symmetric part of a velocity gradient in columns, L_ab = d v_a / d x_b (Eq. (88), both derivative components); of
+/// Symmetric part of a velocity gradient, given by columns, L_ab = d v_a / d x_b (Eq. (88), with both derivatives); of
 /// one particle or of four (Number: double or Lanes).
 template <int D, class Number>
 [[gnu::always_inline]] inline void strain_rate(const Number* gradient, Number* rate) {
@@ -88,7 +88,8 @@ Tensor strain_rate(const Mat<D>& gradient) {
   return t;
 }
 
-/// Rotation part of the Jaumann rate in Eq. (86): W sigma - sigma W with the spin W of Eq. (89). The same.
+/// Rotation part of the Jaumann rate in Eq. (86): W sigma - sigma W with the spin W of Eq. (89); of one particle or of
+/// four.
 template <int D, class Number>
 [[gnu::always_inline]] inline void spin_rate(const Number* stress, const Number* gradient, Number* rate) {
   for (int c = 0; c < 6; ++c) rate[c] = Number{};
@@ -96,7 +97,7 @@ template <int D, class Number>
     for (int d = 0; d < D; ++d) {
       if (c == d) continue;
       const Number spin = 0.5 * (gradient[c + D * d] - gradient[d + D * c]);  // W_cd
-      // Of W sigma in row c, of -sigma W in column d.
+      // Contributions to W sigma in row c and to -sigma W in column d.
       for (int b = 0; b < D; ++b) {
         const Number part = spin * stress[component(d, b)];
         rate[component(c, b)] += b == c ? 2.0 * part : part;

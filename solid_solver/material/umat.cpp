@@ -13,8 +13,8 @@
 namespace poretwin::solid {
 namespace {
 
-/// SUBROUTINE UMAT as gfortran, Intel's compiler and C++ with extern "C" name it. In the order of Abaqus; the length of
-/// the material's name comes last.
+/// SUBROUTINE UMAT with its arguments in the order of Abaqus, as compiled by gfortran and Intel's compiler, or in C++
+/// with extern "C". The length of the material's name is the last argument.
 using Function = void (*)(double* stress, double* statev, double* ddsdde, double* sse, double* spd, double* scd,
                           double* rpl, double* ddsddt, double* drplde, double* drpldt, const double* stran,
                           const double* dstran, const double* time, const double* dtime, const double* temp,
@@ -25,10 +25,10 @@ using Function = void (*)(double* stress, double* statev, double* ddsdde, double
                           const int* npt, const int* layer, const int* kspt, const int* kstep, const int* kinc,
                           std::size_t length);
 
-/// Abaqus counts 11 22 33 12 13 23, Tensor xx yy zz xy yz xz.
+/// Abaqus orders components 11 22 33 12 13 23, Tensor xx yy zz xy yz xz.
 constexpr std::array<Eigen::Index, 6> place{0, 1, 2, 3, 5, 4};
 
-/// The library's function, or why there is none. Libraries stay open until the program ends.
+/// The library's function, or the reason why there is none. Libraries stay open until the program ends.
 std::pair<void*, std::string> find_function(const std::string& library) {
   const std::string path = std::filesystem::absolute(library).string();
   void* const opened = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
@@ -45,7 +45,7 @@ std::pair<void*, std::string> find_function(const std::string& library) {
 
 struct Umat::Answer {
   Tensor stress;
-  double stiffness;  ///< Pa, the largest of DDSDDE's diagonal over the normal components
+  double stiffness;  ///< Pa, largest diagonal entry of DDSDDE for normal components
 };
 
 Umat::Umat(const Soil& soil)
@@ -111,7 +111,7 @@ double Umat::advance(Tensor& stress, const Tensor& strain, const Condition& /*co
         "{}: the stress or state is not finite after the strain increment {:.6g} (xx yy zz xy yz xz, shear as tensors "
         "have it), from the stress {:.6g} Pa and the state {:.6g}",
         library_, fmt::join(strain, " "), fmt::join(from, " "), fmt::join(before, " "))};
-  // What of the strain is not elastic by the soil's moduli.
+  // The plastic strain is the part that is not elastic with the soil's moduli.
   Tensor elastic = Tensor::Zero();
   elasticity_.add_stress(strain.data(), elastic.data());
   const double plastic = root_j2(elastic - (stress - from)) / (elasticity_.shear * std::sqrt(3.0));

@@ -1,12 +1,12 @@
-// A user's own model in a shared library, by the convention of Abaqus' UMAT (docs/extending/umat.md).
+// A user's own model in a shared library, in the convention of Abaqus' UMAT (docs/extending/umat.md).
 #pragma once
 
 #include "solid_solver/material/model.hpp"
 
 namespace poretwin::solid {
 
-/// State: the library's own variables, then the strain that it is given. The moduli are those of the soil's keys: the
-/// stiffest that the model has.
+/// State: the library's own variables, then the total strain that is passed to it. The moduli are those of the soil's
+/// keys, which must be the stiffest of the model.
 class Umat final : public ConstitutiveModel {
  public:
   using ConstitutiveModel::advance;
@@ -19,8 +19,8 @@ class Umat final : public ConstitutiveModel {
     return elasticity_;
   }
 
-  /// Complains of a library that is not there or lacks the function, and of one whose answer to no strain at all is not
-  /// finite or is stiffer than the soil's keys say.
+  /// Reports a library that is missing or lacks the function, and one whose answer to zero strain is not finite or is
+  /// stiffer than the soil's keys.
   static void judge(const Soil& soil, const Material::Complain& complain);
 
  private:
@@ -29,7 +29,7 @@ class Umat final : public ConstitutiveModel {
   Elasticity elasticity_;
   std::vector<double> properties_;
   std::string library_;
-  std::size_t own_;  ///< how many variables are the library's
+  std::size_t own_;  ///< number of the library's own state variables
   void* function_;
 };
 

@@ -1,18 +1,19 @@
-// Chosen numbers of how the soil sees the water. What an entry needs: CONTRIBUTING.md.
+// Chosen numbers of the exchange of fields with the water, on the soil's side. What an entry needs: CONTRIBUTING.md.
 #pragma once
 
 namespace poretwin::solid::exchange {
 
-/// Water's coverage, over the soil's own, that counts as full: the coverage of disordered points scatters by some
-/// percent.
+/// Ratio of a particle's coverage by water to its coverage by soil from which on it counts as saturated. It is below 1
+/// because the coverage (sum V W) of disordered points scatters by some percent.
 /// Unit: 1. Test: Saturation.WaterCountsAgainstTheSoilsOwnShareOfTheSurroundings.
 inline constexpr double full_saturation = 0.95;
-/// Fraction of soil that the water sees, below which its motion is not followed.
+/// Fraction of soil that the fluid reports at a point (soil_fraction), below which the soil there does not track the
+/// motion that the fluid predicts.
 /// Unit: 1. Test: none known.
 inline constexpr double least_seen = 1e-6;
 
-/// Length of the surface vector (surface_vectors()) from which on a particle counts as beside a free surface: the first
-/// row has 1, disordered points inside some hundredths.
+/// Length of the surface vector (surface_vectors()) times the spacing from which on a particle counts as lying at a
+/// free surface. It is 1 in the first row and some hundredths at disordered points inside the soil.
 /// Unit: over the spacing. Test: none known.
 inline constexpr double surface = 0.02;
 

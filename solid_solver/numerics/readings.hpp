@@ -4,19 +4,19 @@
 
 namespace poretwin::solid::readings {
 
-/// Determinant of a fit's scaled moments below which there are too few neighbours for a slope.
+/// Determinant of a fit's scaled moment matrix below which there are too few neighbours to fit a slope.
 /// Unit: 1. Test: none known.
 inline constexpr double least_determinant = 1e-6;
-/// Coverage from which on a particle lies inside a deposit.
+/// Coverage by the kernel (sum V W) from which on a particle counts as inside a deposit.
 /// Unit: 1. Test: none known.
 inline constexpr double inside_cover = 0.8;
-/// How far its neighbours' centre may lie off such a particle.
+/// Largest distance between a particle inside a deposit and the centre of its neighbours.
 /// Unit: h. Test: none known.
 inline constexpr double inside_centre = 0.1;
-/// Step in which fronts and surfaces are looked for.
+/// Step in which fronts and surfaces are searched for.
 /// Unit: spacings. Test: none known.
 inline constexpr double step = 0.25;
-/// Distance up to which two particles are links of a slip surface.
+/// Largest distance between two particles that are joined in a slip surface.
 /// Unit: spacings. Test: SlipSurface.IsAsStrongAsItsWeakestLink (untried).
 inline constexpr double link = 1.5;
 

@@ -4,30 +4,35 @@
 
 namespace poretwin::solid::walls {
 
-/// Effect of a wall's slip on a particle, below which the two do not touch.
+/// Effect of a wall's slip on a particle's velocity gradient below which the particle does not touch the wall.
 /// Unit: 1 / spacing. Test: FrictionalWall.HoldsALayerBelowItsAngle (untried).
 inline constexpr double touches_from = 0.05;
-/// Rows of particles behind a rough wall: as deep as the kernel reaches, h = 1.2 spacings.
+/// Least share of the spread of the images behind a frictional wall that must lie along it for the slopes of the stress
+/// along the wall to be evaluated: single grains have none.
+/// Unit: 1. Test: none known.
+inline constexpr double least_spread = 0.1;
+/// Rows of fixed particles behind a rough wall: as many as the kernel reaches with h = 1.2 spacings.
 /// Unit: rows. Test: RoughWall.HoldsThreeRowsOfTheSoilAndClosesCorners (untried).
 inline constexpr int rough_rows = 3;
-/// Least depth of such a particle behind all walls: the first row stands at a half.
+/// Least depth of a fixed particle behind all rough walls. The first row lies at a half.
 /// Unit: spacings. Test: RoughWall.HoldsThreeRowsOfTheSoilAndClosesCorners (untried).
 inline constexpr double least_depth = 0.4;
-/// Least square of their distance: round corners rows overlap.
+/// Least square of the distance between two fixed particles: rows overlap round corners.
 /// Unit: spacings^2. Test: RoughWall.HoldsThreeRowsOfTheSoilAndClosesCorners (untried).
 inline constexpr double least_apart = 0.5;
 
-/// How far the soil's surface may lie off a load's line: as far as `check` lets it.
+/// Largest distance between the soil's surface and the line of a load: `check` allows as much.
 /// Unit: spacings. Test: Load.BeyondTheSoilIsNone (untried).
 inline constexpr double farthest_load = 2.25;
-/// How far beside the line soil that begins on it is looked for: beyond rounding, short of a tip.
+/// Distance to the side of a load's line at which soil is looked for: more than rounding, less than the size of a tip.
 /// Unit: spacings. Test: none known.
 inline constexpr double beside_line = 1e-3;
-/// Step along the line in which its length along soil is measured.
+/// Step along a load's line in which the part that lies on soil is measured.
 /// Unit: spacings. Test: Load.OnALineThatEndsWithinAColumnHasTheLengthOfTheLine (untried).
 inline constexpr double line_step = 5e-3;
-/// How far the first row may have moved off a loaded face while the water takes the load's share: in coarse, soft soil
-/// what water and soil differ by grew from 0.14 spacings on, in every window.
+/// Largest displacement of the first row off a loaded face up to which the pressure gradient below it includes the load
+/// (share_load). In coarse, soft soil the difference between water and soil grew from window to window beyond 0.14
+/// spacings.
 /// Unit: spacings. Test: Load.IsBalancedByPressureRowByRow (untried).
 inline constexpr double moved_off_face = 0.1;
 

@@ -10,7 +10,8 @@
 namespace poretwin::solid {
 namespace {
 
-/// Wendland C2 of one dimension less than the soil's, for sums over what lies above one another [1/m^(D-1)].
+/// Wendland C2 kernel in one dimension less than the soil's, for sums over soil that lies one above the other
+/// [1/m^(D-1)].
 template <int D>
 double flat_kernel(double r, double h) {
   constexpr double pi = 3.14159265358979;
@@ -20,7 +21,7 @@ double flat_kernel(double r, double h) {
   return (D == 2 ? 0.75 / h : 7.0 / (4.0 * pi * h * h)) * u2 * u2 * (2.0 * q + 1.0);
 }
 
-/// Volume of soil, packed as at the start, over a unit of ground [m] at the places x, x - step, x - 2 step, ...
+/// Thickness [m] of the soil, packed as at the start, at the places x, x - step, x - 2 step, ...
 template <int D>
 ScalarArray thicknesses(const Setup<D>& setup, const State<D>& state, const Vec<D>& x, const Vec<D>& step,
                         std::size_t n_places) {
@@ -41,14 +42,14 @@ ScalarArray thicknesses(const Setup<D>& setup, const State<D>& state, const Vec<
   return sum;
 }
 
-/// A particle or an image, as the kernel sees it.
+/// A particle or an image with its bulk volume [m^D].
 template <int D>
 struct Piece {
   Vec<D> position;
   double volume;
 };
 
-/// All pieces of soil within a kernel's reach of the line through x along `up`.
+/// All particles and images within a kernel's reach of the line through x along `up`.
 template <int D>
 std::vector<Piece<D>> pieces_along(const Setup<D>& setup, const State<D>& state, const Vec<D>& x, const Vec<D>& up) {
   const auto& p = state.particles;
@@ -64,7 +65,7 @@ std::vector<Piece<D>> pieces_along(const Setup<D>& setup, const State<D>& state,
   return pieces;
 }
 
-/// Which particles lie inside the soil: from kernel sums over all that stands in their lists, themselves included.
+/// Which particles lie inside the soil (1 or 0), judged by kernel sums over their neighbours and themselves.
 template <int D>
 std::vector<char> inside(const Setup<D>& setup, const State<D>& state) {
   const double h = setup.smoothing_length;
@@ -159,7 +160,7 @@ double stress_noise(const Setup<D>& setup, const State<D>& state) {
   double sum = 0.0, count = 0.0;
   for (std::size_t i = 0; i < p.free(); ++i) {
     if (!within[i] || moment[i].determinant() < readings::least_determinant * std::pow(moment[i](0, 0), D + 1))
-      continue;  // too few
+      continue;  // too few neighbours
     const Basis fit = solve_symmetric<D + 1>(moment[i], right[i]);
     const double difference = trace(p.stress[i]) / 3.0 - fit[0];
     sum += difference * difference;

@@ -1,4 +1,4 @@
-// The solid's gauges: what a case may ask of the soil at any time.
+// The solid's gauges: the quantities of the soil that a case may record.
 #pragma once
 
 #include "common/coupling/phase.hpp"
@@ -6,8 +6,8 @@
 
 namespace poretwin::solid {
 
-/// Readings of all gauges of the case that belong to the solid. Throws CaseError for a kind or quantity it does not
-/// know.
+/// Readings of all gauges of the case that belong to the solid, except factors of safety. Throws CaseError for a kind
+/// or quantity that the solid does not know.
 template <int D>
 std::vector<GaugeReading> read_gauges(const Setup<D>& setup, const State<D>& state);
 

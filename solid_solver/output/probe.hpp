@@ -12,13 +12,14 @@
 
 namespace poretwin::solid {
 
-/// Which images a quantity may be read from.
+/// The images from which a quantity may be read.
 enum class Reach {
-  material,  ///< periodic images only: stresses, pressures and fractions have a kink in the mirror
-  motion,    ///< images but those of frictional walls: velocities are odd at fixed walls, mirrored at rollers
+  material,  ///< periodic images only: stresses, pressures and fractions have a kink at a mirror plane
+  motion,    ///< all images but those of frictional walls: velocities are reversed at fixed walls and mirrored at
+             ///< rollers
 };
 
-/// Interpolates value(particle, velocity map of the image) at x [m]; NaN outside the soil.
+/// Interpolated value at x [m] of value(particle, velocity map of the image); NaN outside the soil.
 template <int D>
 double probe(const Setup<D>& setup, const State<D>& state, const Vec<D>& x, Reach reach,
              const std::function<double(std::size_t, const Mat<D>&)>& value) {

@@ -12,8 +12,7 @@
 namespace poretwin::solid {
 
 /// Mobilised friction angle [degrees], sin phi_m = (s1 - s3) / (s1 + s3) with the largest and smallest principal
-/// compression: how far the effective stress leans, whatever the strength. 90 where a principal stress is tensile, 0
-/// without stress.
+/// compression s1 and s3. It does not depend on the strength. 90 where a principal stress is tensile, 0 without stress.
 inline double mobilised_friction(const Tensor& stress) {
   Eigen::SelfAdjointEigenSolver<Mat<3>> solver;
   solver.computeDirect(matrix_of<3>(stress), Eigen::EigenvaluesOnly);
@@ -23,14 +22,15 @@ inline double mobilised_friction(const Tensor& stress) {
   return std::asin(std::clamp(sine, 0.0, 1.0)) * 180.0 / std::numbers::pi;
 }
 
-/// Pore-pressure ratio r_u = p / sigma_v: pore pressure over total overburden [1], both in compression; 1 means
-/// liquefied. Zero without overburden. vertical: effective stress along gravity [Pa], compression negative.
+/// Pore-pressure ratio r_u = p / sigma_v [1]: pore pressure over total vertical stress, both positive in compression; 1
+/// means liquefied. Zero without vertical compression. vertical: effective stress along gravity [Pa], compression
+/// negative.
 inline double pore_pressure_ratio(double pressure, double vertical) {
   const double total = pressure - vertical;
   return total > 0.0 ? pressure / total : 0.0;
 }
 
-/// Elastic energy per volume [J/m3]: p^2 / (2 K) + J2 / (2 G).
+/// Elastic energy per volume [J/m3]: p^2 / (2 K) + J2 / (2 G), with the mean stress p and the moduli K and G.
 inline double strain_energy(const Tensor& stress, const Elasticity& elasticity) {
   const double mean = trace(stress) / 3.0, j = root_j2(stress);
   return 0.5 * (mean * mean / elasticity.bulk + j * j / elasticity.shear);

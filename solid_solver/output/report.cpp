@@ -38,7 +38,7 @@ OutputFrame frame_of(const Setup<D>& setup, const State<D>& state) {
       tell_scalars([&p, &state, up](std::size_t i) {
         return pore_pressure_ratio(state.external.pressure[i], up.dot(matrix_of<D>(p.stress[i]) * up));
       }));
-  std::map<std::string, StateVariable> remembered;  // what materials remember, each under its name
+  std::map<std::string, StateVariable> remembered;  // state variables of all materials, each under its name
   for (const auto& model : setup.models)
     for (const StateVariable& variable : model->state_variables()) remembered.try_emplace(variable.name, variable);
   for (const auto& [name, variable] : remembered)
@@ -76,8 +76,8 @@ std::map<std::string, double> counters_of(const State<D>& state, const RestRepor
 template <int D>
 std::vector<Warning> warnings_of(const Setup<D>& setup, const State<D>& state, const RestReport& rest) {
   const bool sought = rest.steps > 0 && !rest.reached();
-  // Soil that ran away in the search starts from a shape that nobody drew. A layer that slides as a whole (cases/
-  // sliding_layer: a third of its height) keeps its own.
+  // Soil that ran away in the search starts from a shape that nobody has drawn. A layer that slides as a whole (cases/
+  // sliding_layer: by a third of its height) keeps its shape.
   const bool far = rest.displacement > 0.5 * setup.height;
   return {
       {"the soil's rest was not found", sought ? 1.0 : 0.0,

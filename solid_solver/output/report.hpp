@@ -1,4 +1,4 @@
-// What a run shows and reports of the soil: fields of its particles, counters, warnings.
+// What a run reports of the soil: fields of its particles, counters, warnings.
 #pragma once
 
 #include "common/coupling/phase.hpp"
@@ -6,7 +6,7 @@
 
 namespace poretwin::solid {
 
-/// Fields of the output; holds until the state changes.
+/// Fields of the free particles for output. The frame refers to the state and is valid until that changes.
 template <int D>
 OutputFrame frame_of(const Setup<D>& setup, const State<D>& state);
 

@@ -9,26 +9,26 @@
 
 namespace poretwin::solid {
 
-/// Largest and root-mean-square departure from rest, over a reference acceleration: of the unbalanced acceleration or,
-/// where that is more, of the velocity times the near-critical damping rate.
+/// Largest and root-mean-square departure from rest [1]. The departure of a particle is its unbalanced acceleration, or
+/// its velocity times the near-critical damping rate where that is larger, over a reference acceleration.
 struct Unrest {
   double largest = 0.0, rms = 0.0;
-  double share = 0.0;  ///< of the mass, of what departs by more than `sleep::restless`
+  double share = 0.0;  ///< share of the mass whose departure exceeds `sleep::restless`
 };
 
-/// Damping rate [1/s] that is critical for the slowest mode of a column as high as the soil, 2 omega = pi c / H.
+/// Damping rate [1/s] that is critical for the slowest mode of a column of the soil's height, 2 omega = pi c / H.
 template <int D>
 double near_critical_damping(const Setup<D>& setup) {
   return std::numbers::pi * setup.stabilisers.sound_speed / setup.height;
 }
 
-/// Force from outside on particle i without its weight [N].
+/// Force from outside on particle i [N], without its weight.
 template <int D>
 Vec<D> force_from_outside(const Drive<D>& drive, std::size_t i) {
   return drive.traction.empty() ? drive.distributed[i] : Vec<D>(drive.distributed[i] + drive.traction[i]);
 }
 
-/// Force on every particle [N] without hourglass control.
+/// Force on every free particle [N], without hourglass control.
 template <int D>
 VecArray<D> forces(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive) {
   const Particles<D>& p = state.particles;
@@ -38,7 +38,8 @@ VecArray<D> forces(const Setup<D>& setup, const State<D>& state, const Drive<D>&
   return force;
 }
 
-/// Reference acceleration [m/s2]: gravity, or the forces from outside spread over the soil's height.
+/// Reference acceleration [m/s2]: gravity, or the forces from outside per mass, spread over the soil's height, if
+/// larger.
 template <int D>
 double reference_acceleration(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive) {
   double reference = setup.gravity.norm();
@@ -48,7 +49,7 @@ double reference_acceleration(const Setup<D>& setup, const State<D>& state, cons
   return reference;
 }
 
-/// Share of the mass of the free particles i for which moves(i).
+/// Share of the mass that belongs to free particles i with moves(i).
 template <int D, class Moves>
 double share_of_mass(const Particles<D>& p, Moves&& moves) {
   double share = 0.0, whole = 0.0;
@@ -90,7 +91,8 @@ void stop(const Setup<D>& setup, State<D>& state) {
   evaluate_forces(setup, state);
 }
 
-/// Whether the saturation has changed by more, where a cohesion follows it, since the soil was last found at rest.
+/// Whether the degree of saturation has changed by more than `sleep::softening` since the soil was last found at rest,
+/// in soil whose cohesion depends on it.
 template <int D>
 bool softened(const Setup<D>& setup, const State<D>& state) {
   const auto& now = state.external.saturation;
@@ -102,14 +104,16 @@ bool softened(const Setup<D>& setup, const State<D>& state) {
   return false;
 }
 
-/// Windows longer than elastic waves take through the soil and back are successions of equilibria [s].
+/// Least length [s] of a long window, which is computed as an equilibrium: the time that elastic waves take through the
+/// soil and back.
 template <int D>
 double long_window(const Setup<D>& setup) {
   return 2.0 * setup.height / setup.stabilisers.sound_speed;
 }
 
-/// Whether the forces have changed since the soil fell asleep by more than `wake_above` of the reference anywhere, or
-/// water has softened it, or a load has begun.
+/// Whether something disturbs the sleeping soil: since it fell asleep a particle's force from the water has changed by
+/// more than `wake_above` times the reference acceleration, water has softened the soil, or a load has begun. loads:
+/// number begun.
 template <int D>
 bool disturbed(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive, std::size_t loads, double reference,
                double wake_above) {

@@ -9,15 +9,16 @@
 namespace poretwin::solid {
 namespace {
 
-/// What counts as rest, and as a disturbance.
+/// Bounds below which soil counts as at rest, and above which a change counts as a disturbance.
 template <int D>
 struct Bounds {
-  double way;     ///< s, of a wave through the soil
-  double moved;   ///< m, by which soil may have moved while it becomes calm
-  double work;    ///< J/kg, that it may have dissipated: `regions` of the elastic energy under its weight
-  double push;    ///< m/s2, change of a force from outside that wakes
-  double within;  ///< the same of neighbours' over that: it acts on only a few rows of the soil's height
-  double around;  ///< m, margin
+  double way;     ///< s, time of an elastic wave through the soil
+  double moved;   ///< m, displacement up to which soil becomes calm
+  double work;    ///< J/kg, dissipation up to which soil becomes calm: `regions` times the elastic energy under its
+                  ///< weight
+  double push;    ///< m/s2, change of a force from outside per mass that wakes a particle
+  double within;  ///< factor on `push` for a force of the neighbours: it acts on only a few rows of the soil's height
+  double around;  ///< m, margin of soil awake
   explicit Bounds(const Setup<D>& setup) {
     const double g = setup.gravity.norm(), rest = setup.quiet.regions * g;
     way = setup.height / setup.stabilisers.sound_speed;
@@ -29,7 +30,7 @@ struct Bounds {
   }
 };
 
-/// Places where something happens.
+/// Positions where something happens, for queries whether one lies within `reach` [m].
 template <int D>
 class Places {
  public:
@@ -45,7 +46,7 @@ class Places {
   double reach_;
 };
 
-/// Whether the forces or the saturation of the sleeping particle i have changed.
+/// Whether the forces on the sleeping particle i, or its saturation, have changed beyond the bounds.
 template <int D>
 bool is_disturbed(const Setup<D>& setup, const Bounds<D>& bounds, const Drive<D>& drive, const State<D>& state,
                   std::size_t i) {
@@ -60,7 +61,8 @@ bool is_disturbed(const Setup<D>& setup, const Bounds<D>& bounds, const Drive<D>
          (p.volume[i] * state.force[i].internal() - regions.mark[i]).norm() > bounds.within * push;
 }
 
-/// Notes which particles have moved or yielded; returns their positions and those of disturbed sleepers.
+/// Records which particles have moved or yielded. Returns their positions and those of sleeping particles that are
+/// disturbed.
 template <int D>
 VecArray<D> disturbances(const Setup<D>& setup, const Bounds<D>& bounds, const Drive<D>& drive, State<D>& state) {
   const Particles<D>& p = state.particles;
@@ -82,7 +84,7 @@ VecArray<D> disturbances(const Setup<D>& setup, const Bounds<D>& bounds, const D
   return places;
 }
 
-/// Whether anything wakes: sleepers within reach of one of the places, and those around.
+/// Wakes sleeping particles within reach of one of the places, and those around them. Returns whether any woke.
 template <int D>
 bool wake_near(const Setup<D>& setup, const Bounds<D>& bounds, const VecArray<D>& places, State<D>& state) {
   const Particles<D>& p = state.particles;
@@ -103,7 +105,7 @@ bool wake_near(const Setup<D>& setup, const Bounds<D>& bounds, const VecArray<D>
   return true;
 }
 
-/// Whether anything falls asleep: what has been calm for a while, as all around it.
+/// Lets particles fall asleep that have been calm for a while, as all around them. Returns whether any fell asleep.
 template <int D>
 bool fall_asleep(const Bounds<D>& bounds, const Drive<D>& drive, State<D>& state) {
   Particles<D>& p = state.particles;
@@ -129,7 +131,7 @@ bool fall_asleep(const Bounds<D>& bounds, const Drive<D>& drive, State<D>& state
   return any;
 }
 
-/// Lists and forces after a change of who sleeps.
+/// Builds lists and forces anew after the set of sleeping particles has changed.
 template <int D>
 void renew(const Setup<D>& setup, State<D>& state) {
   auto& asleep = state.regions.asleep;

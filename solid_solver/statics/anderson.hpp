@@ -7,15 +7,15 @@
 
 namespace poretwin::solid {
 
-/// Acceleration of x += P^-1 f(x) towards f(x) = 0 (Anderson 1965; Walker & Ni 2011), P symmetric and positive: of all
-/// combinations of the last moves the one whose linear prediction of f is least in the norm of P^-1. Where f is linear
-/// this is GMRES; kinks of f, such as yielding, do not stop it.
+/// Acceleration of the iteration x += P^-1 f(x) towards f(x) = 0 (Anderson 1965; Walker & Ni 2011), with P symmetric
+/// and positive definite. Of all combinations of the last moves it takes the one whose linear prediction of f is least
+/// in the norm of P^-1. For linear f this is GMRES. Kinks of f, such as yielding, do not stop it.
 class Anderson {
  public:
   Anderson(Eigen::Index size, Eigen::Index depth)
       : moves_(size, depth), changes_(size, depth), turns_(size, depth), products_(depth, depth) {}
 
-  /// The next move of x. missing: f(x); step: P^-1 f(x), at the x that the last move led to.
+  /// The next move of x. missing: f(x), step: P^-1 f(x), both at the present x.
   Eigen::VectorXd move(const Eigen::VectorXd& missing, const Eigen::VectorXd& step) {
     const auto held = std::min(count_, moves_.cols());
     if (count_ > 0) {
@@ -40,8 +40,8 @@ class Anderson {
   }
 
  private:
-  Eigen::MatrixXd moves_, changes_, turns_;  ///< of the last moves: x, f, P^-1 f
-  Eigen::MatrixXd products_;                 ///< turns^T changes, symmetric as P is
+  Eigen::MatrixXd moves_, changes_, turns_;  ///< changes in the last moves: of x, of f, of P^-1 f
+  Eigen::MatrixXd products_;                 ///< turns^T changes, symmetric since P is
   Eigen::VectorXd missing_, step_;
   Eigen::Index count_ = 0;
 };

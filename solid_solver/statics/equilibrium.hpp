@@ -8,7 +8,7 @@
 
 namespace poretwin::solid {
 
-/// All forces on the particles [N], hourglass control and viscosity included.
+/// All forces on the free particles [N], with hourglass control and artificial viscosity.
 template <int D>
 VecArray<D> all_forces(const Setup<D>& setup, const State<D>& state, const Drive<D>& drive) {
   VecArray<D> force = forces(setup, state, drive);
@@ -16,8 +16,8 @@ VecArray<D> all_forces(const Setup<D>& setup, const State<D>& state, const Drive
   return force;
 }
 
-/// Departure from rest, without unit, of soil on which these unbalanced forces [N] act: the error of its stress, in the
-/// energy's norm, over the stress that the reference acceleration [m/s2] makes.
+/// Departure from rest [1] of soil on which these unbalanced forces [N] act: the error of its stress in the norm of the
+/// elastic energy, over the stress that the reference acceleration [m/s2] causes.
 template <int D>
 double departure(const Stiffness<D>& stiffness, const VecArray<D>& force, double reference) {
   return stiffness.departure(stiffness.work(force), reference);
@@ -27,8 +27,8 @@ double departure(const Setup<D>& setup, const Stiffness<D>& stiffness, const Sta
   return departure(stiffness, all_forces(setup, state, drive), reference_acceleration(setup, state, drive));
 }
 
-/// Forces on the particles [N] averaged over their neighbourhoods by mass, so that what alternates from one particle to
-/// the next is gone: hourglass modes carry no stress, and nothing controls them in soil that flows.
+/// Forces on the particles [N], averaged over their neighbourhoods by mass. This removes what alternates from one
+/// particle to the next: hourglass modes carry no stress, and in flowing soil nothing controls them.
 template <int D>
 VecArray<D> averaged(const Setup<D>& setup, const State<D>& state, const VecArray<D>& force) {
   const Particles<D>& p = state.particles;
@@ -49,17 +49,18 @@ VecArray<D> averaged(const Setup<D>& setup, const State<D>& state, const VecArra
   return sum;
 }
 
-/// When an equilibrium is found and when the search is given up.
+/// When an equilibrium counts as found, and when the search is given up.
 struct EquilibriumSearch {
-  double criterion = statics::criterion;  ///< departure from rest as Stiffness::departure() measures it
-  double local = 0.0;  ///< share of the mass of soil that yields that may go on moving, once the rest is at rest
-  double moving =
-      statics::woken_by;  ///< averaged force from which on it counts as moving, over the reference acceleration
-  std::size_t most = statics::most_tried;  ///< displacements tried
+  double criterion = statics::criterion;  ///< departure from rest, as Stiffness::departure() measures it
+  double local = 0.0;  ///< share of the mass that may go on moving in soil that yields, once the remaining soil is at
+                       ///< rest
+  double moving = statics::woken_by;  ///< averaged force per mass from which on a particle counts as moving, over the
+                                      ///< reference acceleration
+  std::size_t most = statics::most_tried;  ///< largest number of trial displacements
 };
 
-/// How far a search still is from equilibrium: the share of the mass on which averaged forces above a bound act, and
-/// the departure from rest of the others.
+/// How far a search still is from equilibrium: the share of the mass whose averaged force exceeds a bound, and the
+/// departure from rest of the remaining particles.
 struct Unsettled {
   double share = 1.0, rest = 0.0;
 };
@@ -76,10 +77,10 @@ Unsettled unsettled(const Setup<D>& setup, const Stiffness<D>& stiffness, double
 }
 
 /// Decides whether all but a local part of the soil is at rest. That part may be twice as large when further trials
-/// gain nothing: it goes on creeping in the next window. Asked every few displacements.
+/// gain nothing; it then goes on creeping in the next window. ends() is called once every few trials.
 class Patience {
  public:
-  /// departure: from rest, of all the soil.
+  /// departure: departure from rest of the whole soil.
   bool ends(const EquilibriumSearch& search, double departure, const Unsettled& left) {
     const bool stalls = left.share > (1.0 - statics::least_gain) * shares_.back();
     std::rotate(shares_.begin(), shares_.end() - 1, shares_.end());
@@ -92,8 +93,8 @@ class Patience {
   std::array<double, 4> shares_{1.0, 1.0, 1.0, 1.0};
 };
 
-/// Grains that are apart, or have been in one of the displacements tried, carry no stress: contacts that come and go
-/// with every trial would leave no equilibrium to find.
+/// Sets the stress to zero in grains that are apart or have been apart in one of the trials (apart[i] = 1). Contacts
+/// that come and go with every trial would leave no equilibrium to find.
 template <int D>
 void leave_out(const Setup<D>& setup, State<D>& state, std::vector<char>& apart) {
   Particles<D>& p = state.particles;
@@ -105,7 +106,7 @@ void leave_out(const Setup<D>& setup, State<D>& state, std::vector<char>& apart)
   }
 }
 
-/// Undoes the displacement tried last: restores all that it changed and that evaluating the forces does not overwrite.
+/// Undoes the last trial displacement: restores what it changed, except what the evaluation of the forces overwrites.
 template <int D>
 void restore_state(const State<D>& start, State<D>& state) {
   if (state.rebuilds > start.rebuilds) state.near = start.near;
@@ -117,11 +118,14 @@ void restore_state(const State<D>& start, State<D>& state) {
   state.any_yielded = start.any_yielded;
 }
 
-/// Finds where the soil stands at the end of a window of `interval` [s] by one step of backward Euler; external(drive,
-/// rebuilt) fills in the forces from outside for each displacement tried. Every trial starts from the window's start,
-/// so that stress is returned to the cone once, over the window's whole strain: a search that followed its own path
-/// through the cone would gather the plastic strain of its detours. The search is given up after a number of trials, or
-/// when something moves by more than half a spacing; the state is then as it was.
+/// Finds the equilibrium of the soil at the end of a window of `interval` [s] by one step of backward Euler.
+/// external(drive, rebuilt) fills in the forces from outside for each trial displacement; rebuilt: the pair lists are
+/// new.
+///
+/// Every trial starts from the state at the window's start, so that stress is returned to the cone once, over the
+/// strain of the whole window. A search along its own path through the cone would accumulate the plastic strain of its
+/// detours. The search is given up after search.most trials, or when a particle moves by more than half a spacing; the
+/// state is then the initial one.
 template <int D, class ExternalForce>
 RestReport find_equilibrium(const Setup<D>& setup, const Stiffness<D>& stiffness, const EquilibriumSearch& search,
                             double interval, State<D>& state, ExternalForce&& external) {
@@ -144,7 +148,7 @@ RestReport find_equilibrium(const Setup<D>& setup, const Stiffness<D>& stiffness
   for (;; ++report.steps) {
     if (report.steps > 0) restore_state(start, state);
     for (std::size_t i = 0; i < n; ++i) state.particles.velocity[i] = moved[i] / interval;
-    deform(setup, interval, state);
+    deform<D>(setup, interval, nullptr, state);
     leave_out(setup, state, apart);
     external(drive, rebuild_if_moved(setup, state));
     for (std::size_t i = 0; i < n; ++i)
@@ -163,8 +167,8 @@ RestReport find_equilibrium(const Setup<D>& setup, const Stiffness<D>& stiffness
         search.local > 0.0 && state.any_yielded && report.steps % statics::looks_every == 0 &&
         patience.ends(search, report.residual, unsettled(setup, stiffness, search.moving, state, force, reference));
     if (report.reached()) {
-      // Hourglass control ends where soil yields. Were it switched with every displacement tried, there would be no
-      // equilibrium to find.
+      // Hourglass control ends where soil yields, but only between two searches. If every trial switched it, there
+      // would be no equilibrium to find.
       bool lets_go = false;
       for (std::size_t i = 0; i < held.size(); ++i) {
         if (held[i] > 0.0 || state.particles.plastic_strain[i] <= 0.0) continue;

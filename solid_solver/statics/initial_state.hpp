@@ -1,4 +1,4 @@
-// The soil at time zero: as it was laid, and at rest under gravity, water and standing loads.
+// The soil at time zero: on its initial lattice, and at rest under gravity, water and standing loads.
 #pragma once
 
 #include "solid_solver/exchange/water_load.hpp"
@@ -6,15 +6,15 @@
 
 namespace poretwin::solid {
 
-/// Particles as they were laid, with their lists and forces; the setup's loads are measured on them.
+/// State with the particles on their initial lattice, with pair lists and forces. Sets the scales of the setup's loads.
 template <int D>
 State<D> laid_out(Setup<D>& setup, Particles<D> particles);
 
-/// Searches for the rest under the water's present pressure; velocities are those of before again.
+/// Searches for the soil's rest under the present water pressure. Restores the initial velocities at the end.
 template <int D>
 RestReport come_to_rest(const Setup<D>& setup, State<D>& state);
 
-/// Displacement by uplift, yielding and impulses count from here on.
+/// Sets the origin from which uplift, yielding and impulses are counted to the present state.
 template <int D>
 void start_counting(State<D>& state);
 

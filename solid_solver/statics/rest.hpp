@@ -1,4 +1,4 @@
-// The soil at rest: dynamic relaxation to an equilibrium, and the stresses of level ground.
+// The soil at rest: dynamic relaxation to an equilibrium, and initial stresses of level ground.
 #pragma once
 
 #include "solid_solver/numerics/statics.hpp"
@@ -11,29 +11,31 @@ namespace poretwin::solid {
 
 struct RestReport {
   std::size_t steps = 0;
-  double displacement = 0.0;  ///< m, largest
+  double displacement = 0.0;  ///< m, largest displacement of a particle
   double residual = 0.0;      ///< largest acceleration (without damping) over the reference acceleration
-  bool creeps = false;        ///< all but a small share of soil that yields is at rest
-  bool slides = false;        ///< given up: something moved too far
-  /// At the end of a search that found no rest: largest acceleration that the soil's motion over the last quarter of it
-  /// stands for, over the reference. Stress that goes back and forth in a grain that yields does not move it on.
+  bool creeps = false;        ///< all but a small share of the soil is at rest; the remaining part yields
+  bool slides = false;        ///< the search was given up because a particle moved too far
+  /// Set when a search found no rest: the largest acceleration, over the reference acceleration, to which the soil's
+  /// motion in the last quarter of the search corresponds. It ignores stress that alternates in a yielding grain
+  /// without moving it on.
   double drift = std::numeric_limits<double>::infinity();
-  double criterion = 0.0;  ///< the rest is found when the residual is below it; zero: it was not sought
+  double criterion = 0.0;  ///< rest is found when the residual is below it; 0: no rest was searched for
   [[nodiscard]] bool reached() const { return residual < criterion || creeps || drift < criterion; }
 };
 
-/// When rest is found and when the search is given up.
+/// When rest counts as found, and when the search is given up.
 struct RestSearch {
-  double criterion = statics::rest_criterion;     ///< of the reference acceleration, for the largest acceleration
-  double ways = statics::rest_ways;               ///< most steps, in units of a wave's way through the soil
-  double yielding = statics::rest_ways_yielding;  ///< the same once it yields
-  double local = 0.0;                             ///< share of the mass of soil that yields that may go on moving
-  double farthest = std::numeric_limits<double>::infinity();  ///< m, motion at which the search is given up
-  bool drifts = false;  ///< soil is at rest, too, where nothing moves on at the end
+  double criterion = statics::rest_criterion;     ///< largest acceleration at rest, over the reference acceleration
+  double ways = statics::rest_ways;               ///< longest search, in times that an elastic wave takes through the
+                                                  ///< soil's height
+  double yielding = statics::rest_ways_yielding;  ///< longest search once soil yields, in the same unit
+  double local = 0.0;                             ///< share of the mass that may go on moving in soil that yields
+  double farthest = std::numeric_limits<double>::infinity();  ///< m, displacement at which the search is given up
+  bool drifts = false;  ///< soil also counts as at rest where its motion has no drift (RestReport::drift)
 };
 
-/// Rate that damps the present motion critically, 2 omega [1/s], with Rayleigh's quotient omega^2 = -v . dF/dt / v . m
-/// v over the last step of dt [s] (Underwood 1983); `before`: the forces on the particles then, `now`: after it [N].
+/// Rate that damps the present motion critically, 2 omega [1/s], with Rayleigh's quotient omega^2 = -v . dF/dt / (v . m
+/// v) over the last step of dt [s] (Underwood 1983). before, now: forces on the particles [N] at its start and end.
 template <int D>
 double critical_rate(const State<D>& state, const VecArray<D>& before, const VecArray<D>& now, double dt) {
   const Particles<D>& p = state.particles;
@@ -54,12 +56,14 @@ double farthest_moved(const State<D>& state, const VecArray<D>& start) {
   return farthest;
 }
 
-/// Dynamic relaxation from the present state under the forces that external(drive, rebuilt) fills after every step. The
-/// damping is critical for the lowest frequency that the motion shows, at least for the slowest mode of a column as
-/// high as the soil; from the first yielding on it follows the softer soil, down to a fiftieth of that: stable soil
-/// comes to rest in fewer steps, and unstable soil accelerates visibly. Velocities serve the search only and are
-/// cleared at its end. show(report) sees every hundredth step and the last. The search ends, too, once `given_up` is
-/// set.
+/// Dynamic relaxation from the present state. external(drive, rebuilt) sets the forces from outside after every step;
+/// rebuilt: the pair lists are new.
+///
+/// The damping is critical for the lowest frequency that the motion shows, and at least for the slowest mode of a
+/// column of the soil's height. From the first yielding on it is reduced with the stiffness of the soil, down to a
+/// fiftieth of the elastic value. Stable soil then comes to rest in fewer steps, and unstable soil accelerates visibly.
+/// Velocities serve the search only and are zero at its end. show(report) is called at every hundredth step and at the
+/// last. The search also ends when `given_up` is set.
 template <int D, class ExternalForce, class Show>
 RestReport find_rest(const Setup<D>& setup, const RestSearch& search, State<D>& state, ExternalForce&& external,
                      Show&& show, const bool& given_up = false) {
@@ -78,7 +82,7 @@ RestReport find_rest(const Setup<D>& setup, const RestSearch& search, State<D>& 
   };
   VecArray<D> before, now = forces(setup, state, drive);
   const VecArray<D> start = state.particles.displacement;
-  VecArray<D> late;  // displacements when the last quarter began
+  VecArray<D> late;  // displacements at the start of the search's last quarter
   double late_damping = 0.0;
   std::size_t late_steps = 0;
   do {
@@ -107,7 +111,7 @@ RestReport find_rest(const Setup<D>& setup, const RestSearch& search, State<D>& 
     check_sound(setup, state, state.time);
     if (report.steps % 100 == 0) show(report);
   } while (!report.reached() && !report.slides && !given_up && report.steps < limit());
-  if (!report.reached() && late_steps > 0)  // damped motion goes on at its force over the damping
+  if (!report.reached() && late_steps > 0)  // damped motion continues at a speed of force over damping
     report.drift = late_damping / static_cast<double>(late_steps) * farthest_moved(state, late) /
                    (static_cast<double>(late_steps) * dt) / reference;
   for (const auto& u : state.particles.displacement) report.displacement = std::max(report.displacement, u.norm());
@@ -116,8 +120,8 @@ RestReport find_rest(const Setup<D>& setup, const RestSearch& search, State<D>& 
   return report;
 }
 
-/// Stresses of level ground: vertical from the weight (and water) above each particle, the rest by the soil's own
-/// coefficient of earth pressure at rest. Soils without one keep the stress they have.
+/// Sets the stresses of level ground: the vertical one from the weight (and the water's force) above each particle, the
+/// horizontal ones by the soil's coefficient of earth pressure at rest, K0. Soils without K0 keep their stress.
 template <int D>
 void start_from_earth_pressure(const Setup<D>& setup, const std::vector<Soil>& soils, const Drive<D>& drive,
                                State<D>& state) {
@@ -127,7 +131,7 @@ void start_from_earth_pressure(const Setup<D>& setup, const std::vector<Soil>& s
     double level;
     std::size_t particle;
   };
-  std::map<std::array<long, D>, std::vector<Entry>> columns;  // by place across gravity, one spacing wide
+  std::map<std::array<long, D>, std::vector<Entry>> columns;  // by position across gravity, one spacing wide
   for (std::size_t i = 0; i < p.free(); ++i) {
     const double level = up.dot(p.position[i]);
     const Vec<D> across = p.position[i] - level * up;
@@ -139,7 +143,7 @@ void start_from_earth_pressure(const Setup<D>& setup, const std::vector<Soil>& s
   const double area = std::pow(setup.spacing, D - 1);
   for (auto& [place, column] : columns) {
     std::sort(column.begin(), column.end(), [](const Entry& a, const Entry& b) { return a.level > b.level; });
-    double above = 0.0;  // N on the plane through the particle
+    double above = 0.0;  // N, force on the plane through the particle
     for (const auto& entry : column) {
       const std::size_t i = entry.particle;
       const double weight = -up.dot(p.mass[i] * setup.gravity + force_from_outside(drive, i));

@@ -9,7 +9,7 @@
 namespace poretwin::solid {
 namespace {
 
-/// The water's force on each particle [N], of its steady flow where it drags at the soil.
+/// The water's force on each particle [N]; where water and skeleton exchange drag, that of steady flow.
 template <int D>
 VecArray<D> water_forces(const Setup<D>& setup, const State<D>& state) {
   VecArray<D> force(state.particles.size(), Vec<D>::Zero());
@@ -22,7 +22,8 @@ VecArray<D> water_forces(const Setup<D>& setup, const State<D>& state) {
   return force;
 }
 
-/// `strain`: where the soil fails, the plastic strain of each particle in doing so.
+/// Whether the soil stands with its strength divided by `factor`; empty where the run was interrupted. strain: where
+/// the soil fails, the plastic strain of each particle in the trial. water: force on each particle [N].
 template <int D>
 std::optional<bool> stands(const Setup<D>& setup, const State<D>& state, const VecArray<D>& water, double factor,
                            ScalarArray& strain) {
@@ -56,7 +57,7 @@ template <int D>
 std::optional<FactorOfSafety> factor_of_safety(const Setup<D>& setup, const State<D>& state,
                                                const BorderSearch& search) {
   const VecArray<D> water = water_forces(setup, state);
-  ScalarArray strain;  // of the last trial that failed: it is the nearest
+  ScalarArray strain;  // of the last trial that failed, which is the one nearest to the factor of safety
   const auto border = find_border(search, [&](double factor) { return stands(setup, state, water, factor, strain); });
   if (!border) return {};
   return FactorOfSafety{*border, std::move(strain)};

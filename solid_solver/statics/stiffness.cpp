@@ -20,7 +20,7 @@ Stiffness<D>::Stiffness(const Setup<D>& setup, const Particles<D>& particles, co
     if (j < n) return lattice[j];
     return near.images[j - n].map * lattice[near.images[j - n].parent] + near.images[j - n].shift;
   };
-  // Of soil that nothing has strained: a factorisation serves many windows, and a resumed run makes the same one.
+  // Moduli of soil without strain: one factorisation serves many windows, and a resumed run computes the same one.
   const std::vector<Elasticity>& elasticity = setup.typical;
   const auto volume = [&](std::size_t i) { return laid.mass[i] / setup.density[laid.material[i]]; };
   using Matrix = Eigen::SparseMatrix<double>;
@@ -38,7 +38,7 @@ Stiffness<D>::Stiffness(const Setup<D>& setup, const Particles<D>& particles, co
       const Elasticity &a = elasticity[laid.material[i]], &b = elasticity[laid.material[parent]];
       const double shear = 0.5 * (a.shear + b.shear), constrained = 0.5 * (a.constrained() + b.constrained());
       const double along = r[axis] / distance;
-      // Positive, so that the matrix is.
+      // Bounded below, so that the matrix is positive definite.
       const double form = std::max(2.0 * shear + (constrained - shear) * ((D + 2) * along * along - 1.0),
                                    statics::least_pair_stiffness * shear);
       const double strength =
@@ -105,7 +105,7 @@ VecArray<D> Stiffness<D>::displacements(const VecArray<D>& forces) const {
   std::vector<EachAxis> x = eliminated(forces);
   for (std::size_t column = n; column-- > 0;) {
     const std::size_t first = offset_[column], last = offset_[column + 1], pairs = first + (last - first) / 2 * 2;
-    EachAxis left = x[column], other = EachAxis::Zero();  // two sums, so that neither waits for the other
+    EachAxis left = x[column], other = EachAxis::Zero();  // two sums, so that the processor can add to both at once
     for (std::size_t m = first; m < pairs; m += 2) {
       left -= factor_[m].template cast<double>() * x[row_[m]];
       other -= factor_[m + 1].template cast<double>() * x[row_[m + 1]];

@@ -1,4 +1,4 @@
-// A window in which the waves in the soil are followed, in substeps.
+// A window in which substeps resolve the waves in the soil.
 #pragma once
 
 #include "common/coupling/exchange.hpp"
@@ -6,11 +6,11 @@
 
 namespace poretwin::solid {
 
-/// Whether a window is one step to an equilibrium or a number of substeps.
+/// How a window is passed: as one step to an equilibrium, or in a number of substeps.
 template <int D>
 CrossedAs way_through(const Setup<D>& setup, const State<D>& state, double interval);
 
-/// Advances the soil by a window in substeps; soil that is quiet at its end falls asleep, and of coupled soil it is
+/// Advances the soil by a window in substeps. Soil that is quiet at its end falls asleep. For coupled soil it is then
 /// decided whether it moves.
 template <int D>
 void follow_window(const Setup<D>& setup, const coupling::Window& window, std::size_t steps, const WaterInput<D>& water,

@@ -16,7 +16,7 @@ namespace {
 
 using coupling::Outcome;
 
-/// What all but `sleep::local_share` of the soil has sheared by at most since `before`.
+/// Upper bound of the plastic shear strain since `before` in all of the soil but the fraction `sleep::local_share`.
 template <int D>
 double shear_of_most(const Particles<D>& p, const ScalarArray& before) {
   ScalarArray shear(p.free());
@@ -27,10 +27,10 @@ double shear_of_most(const Particles<D>& p, const ScalarArray& before) {
   return most == shear.end() ? 0.0 : *most;
 }
 
-/// How far the soil's motion in a window is drained: wholly in the time of consolidation over its height,
-/// H^2 gamma_w / (k M), not at all in a fifth of it: there its dilation sets the next window's pressure and that its
-/// motion, and to take it as going on, or to return all of it at once, overdoes it. Between them by degrees: soil that
-/// creeps through a sudden change of that falls.
+/// Fraction to which the soil's motion in a window is drained: 1 from the time of consolidation over its height on, H^2
+/// gamma_w / (k M), 0 below a fifth of it, linear in between (soil that creeps through a sudden change of the fraction
+/// fails). In shorter windows the soil's dilation sets the pressure of the next window, and that pressure its motion.
+/// To extrapolate that motion, or to return all of its impulse at once, would overshoot.
 template <int D>
 double drained_fraction(const Setup<D>& setup, const Particles<D>& p, double interval) {
   ScalarArray conductivity;
@@ -44,7 +44,7 @@ double drained_fraction(const Setup<D>& setup, const Particles<D>& p, double int
   return std::clamp((drained - undrained) / (1.0 - undrained), 0.0, 1.0);
 }
 
-/// Rate at which these velocities of the particles [m/s] change their volumes [1/s].
+/// Rates [1/s] at which the particles' volumes change with these velocities [m/s].
 template <int D>
 ScalarArray dilation_of(VecArray<D> velocity, State<D>& state) {
   std::swap(state.particles.velocity, velocity);
@@ -56,7 +56,7 @@ ScalarArray dilation_of(VecArray<D> velocity, State<D>& state) {
   return rate;
 }
 
-/// Strain of every particle's volume in a window of the predicted motion.
+/// Volumetric strain of every particle in a window with the predicted motion.
 template <int D>
 ScalarArray predicted_strain(double interval, const Drive<D>& tracking, State<D>& state) {
   VecArray<D> velocity = state.particles.velocity;
@@ -67,13 +67,14 @@ ScalarArray predicted_strain(double interval, const Drive<D>& tracking, State<D>
   return strain;
 }
 
-/// Forces on the particles [N] over their weight, rms over all but a local part of the soil that holds water.
+/// Root mean square of forces on the particles [N] over their weight, in all but a local part of the soil that holds
+/// water.
 template <int D>
 double over_weight(const Particles<D>& p, const Drive<D>& tracking, std::span<const double> force, double reference) {
-  std::vector<std::pair<double, double>> squares;  // and masses
+  std::vector<std::pair<double, double>> squares;  // with the particle's mass
   for (std::size_t i = 0; i < p.free(); ++i)
     if (tracking.tracking[i] > 0.0) squares.emplace_back(std::pow(force[i] / (p.mass[i] * reference), 2), p.mass[i]);
-  // Of all but a local part, which the search for equilibrium leaves to creep, too.
+  // The search for equilibrium lets a local part of the soil creep; it is left out here, too.
   const auto most = squares.size() - static_cast<std::size_t>(sleep::local_share * static_cast<double>(squares.size()));
   if (most < squares.size())
     std::nth_element(squares.begin(), squares.begin() + static_cast<std::ptrdiff_t>(most), squares.end());
@@ -86,8 +87,8 @@ double over_weight(const Particles<D>& p, const Drive<D>& tracking, std::span<co
   return mass > 0.0 ? std::sqrt(sum / mass) : 0.0;
 }
 
-/// What holds the soil to the predicted motion after a window's first pass and is no inertia of the water: neither
-/// phase bears it. Over the weight.
+/// Force that ties the soil to the predicted motion in a window's first pass, without the part that is inertia of the
+/// water: neither phase bears it. Over the weight.
 template <int D>
 double unborne(const Particles<D>& p, const Tracking<D>& tracking, double reference) {
   const Drive<D>& drive = tracking.drive;
@@ -97,8 +98,8 @@ double unborne(const Particles<D>& p, const Tracking<D>& tracking, double refere
   return over_weight(p, drive, force, reference);
 }
 
-/// How far the soil's motion in a window that is repeated departs from the predicted one: the force that the pressure
-/// would answer with, less where it drains, over the weight.
+/// Departure of the soil's motion from the predicted one in a repeated window: the force with which the pressure would
+/// respond, less where it drains, over the weight.
 template <int D>
 double departure_from(const Setup<D>& setup, double interval, const Tracking<D>& tracking, double reference,
                       State<D>& state) {
@@ -125,7 +126,8 @@ double departure_from(const Setup<D>& setup, double interval, const Tracking<D>&
 template <int D>
 const Stiffness<D>& QuasiStaticWindow<D>::stiffness_with(const Setup<D>& setup, const ScalarArray& resistance,
                                                          State<D>& state) {
-  // What a window adds matters where it is not small against the stiffness of the slowest mode, c^2 (pi / 2 H)^2 m.
+  // The resistance that a window adds matters where it is not small against the stiffness of the slowest mode, c^2 (pi
+  // / 2 H)^2 m.
   const Particles<D>& p = state.particles;
   const double slowest = std::pow(0.5 * near_critical_damping(setup), 2);
   ScalarArray& held = state.resistance;
@@ -171,7 +173,8 @@ void QuasiStaticWindow<D>::compare_with_field(const Setup<D>& setup, const coupl
     const double modulus = moduli(setup, p, i).constrained();
     const double foreseen = (again ? found_strain_[i] : 0.0) +
                             (state.external.pressure[i] - (again ? found_pressure_[i] : water.before[i])) / modulus;
-    // The pressure that answers to what was not foreseen, less where it drains; over the soil's height it is a force.
+    // Over the soil's height, the pressure that responds to the strain not foreseen is a force. It is less where it
+    // drains.
     const double pores = void_fraction(setup, p, i), height = setup.height;
     const double resistance =
         pores * pores * setup.water.weight / seepage_at(setup.water, setup.soils[p.material[i]], pores).conductivity;
@@ -195,15 +198,16 @@ typename QuasiStaticWindow<D>::Answer QuasiStaticWindow<D>::advance(const Setup<
   Particles<D>& p = state.particles;
   const std::size_t n = p.size();
   const double interval = window.interval, end = window.time + interval;
-  // Water without inertia has soil without it: its equilibrium knows no time.
+  // With water that has no inertia the soil has none either, and its equilibrium does not depend on time.
   const bool inert = !setup.water.is_field;
   const Drive<D>& tracking = tracked.drive;
   const std::vector<WaterAnswer>& answers = tracked.answers;
   const VecArray<D> start = p.displacement, velocity = p.velocity;
-  const Vec<D> from_outside = state.from_outside;  // what the search tries does not count
+  const Vec<D> from_outside = state.from_outside;  // trial displacements do not count
   const ScalarArray plastic_before = p.plastic_strain;
   VecArray<D> by_water(n);  // N
-  // What holds dilation back: a modulus times what the volume's strain departs by from the predicted one.
+  // Dilation is resisted by an isotropic stress: a modulus times the departure of the volumetric strain from the
+  // predicted one.
   const ScalarArray volume = p.volume;
   const ScalarArray strain_due = answers.empty() ? ScalarArray() : predicted_strain(interval, tracking, state);
   auto external = [&](Drive<D>& drive, bool rebuilt) {
@@ -227,7 +231,7 @@ typename QuasiStaticWindow<D>::Answer QuasiStaticWindow<D>::advance(const Setup<
   for (auto& v : p.velocity) v.setZero();
   if (!answers.empty()) evaluate_forces(setup, state);
   ScalarArray resistance(p.free());
-  // Of soil without inertia next to none: where nothing holds the soil, the search needs something to hold to.
+  // Small springs for soil without inertia: the preconditioner needs them where no wall fixes the soil.
   const double held = statics::held_by_nothing * near_critical_damping(setup);
   for (std::size_t i = 0; i < p.free(); ++i)
     resistance[i] = inert ? (p.mass[i] / interval + tracking.tracking[i]) / interval : p.mass[i] * held * held;
@@ -237,19 +241,19 @@ typename QuasiStaticWindow<D>::Answer QuasiStaticWindow<D>::advance(const Setup<
                           : !softened(setup, state) &&
                                 unrest(setup, state, drive, reference_acceleration(setup, state, drive)).largest <=
                                     statics::negligible_unrest;
-  bool moved = false, evaluate = !answers.empty();  // forces, once the search is over
+  bool moved = false, evaluate = !answers.empty();  // the forces are to be evaluated once the search is over
   if (!asleep) {
     const EquilibriumSearch search{
         setup.can_yield ? statics::plastic_error : statics::elastic_share * statics::elastic_error, sleep::local_share,
         statics::woken_by};
-    // What damps the search is of a speed that waves have, however short the window is.
+    // The search's viscosity acts on velocities over at least the time of a wave, however short the window is.
     const double way = inert ? interval : std::max(interval, long_window(setup));
     RestReport report = find_equilibrium(setup, stiffness, search, way, state, external);
     if (!report.reached() && setup.can_yield) {
       const std::size_t tried = report.steps;
       const RestSearch until{sleep::restless, statics::most_ways, statics::most_ways, sleep::local_share,
                              statics::farthest * setup.spacing};
-      // Soil that nothing holds runs away in the search: that is no rest either.
+      // Soil that nothing supports diverges in the search: that is no rest either.
       try {
         report = find_rest<D>(setup, until, state, external, [](const RestReport&) {});
       } catch (const DivergedError&) {
@@ -257,7 +261,7 @@ typename QuasiStaticWindow<D>::Answer QuasiStaticWindow<D>::advance(const Setup<
       }
       report.steps += tried;
     }
-    // Creep that water limits finds its equilibrium in a window in which less of it happens.
+    // Creep that is limited by water reaches an equilibrium in a shorter window, in which less of it happens.
     const double shorter = steps::without_equilibrium * interval;
     if (!report.reached() && shorter > long_window(setup)) {
       fmt::print(stderr, "no equilibrium at t = {:g} s in a window of {:g} s: {} steps, {:.2g} of gravity left\n",
@@ -296,18 +300,18 @@ typename QuasiStaticWindow<D>::Answer QuasiStaticWindow<D>::advance(const Setup<
       state.returned_impulse.values()[i] +=
           tracked.goes_along[i] * interval * tracking.tracking[i] * (tracking.target[i] - p.velocity[i]);
   }
-  // Backward Euler takes away the energy of what the velocity changes by: of no account below what a noticeable
-  // acceleration gives in the time of a wave.
+  // Backward Euler removes the kinetic energy of the change of velocity. It does not matter below the velocity that a
+  // noticeable acceleration causes in the time that a wave takes through the soil and back.
   const double reference = reference_acceleration(setup, state, drive);
   const double slow = statics::woken_by * reference * long_window(setup);
-  double work = tracked.dissipated + plastic_work<D>(p, plastic_before);  // with that of the stress
+  double work = tracked.dissipated + plastic_work<D>(p, plastic_before);  // and by the work of the stress
   for (std::size_t i = 0; i < p.free() && moved; ++i)
     work += std::abs(p.volume[i] * state.force[i].internal().dot(p.displacement[i] - start[i]));
   if (setup.water.is_field)
     compare_with_field(setup, window, water, volume, reference, state);
   else
     compare_with_prediction(setup, interval, tracked, reference, state);
-  // What a pass leaves to the next one is no motion of the soil's own.
+  // A departure that is left to the next pass is no motion of the soil's own.
   const bool settled = answers.empty() || unsettled_ <= setup.coupling.settled_below;
   if (inert && settled && inertia_matters<D>(p, velocity, work, slow))
     return {Outcome::reject(followed_window(setup), "the soil moves: inertia matters"), {.moves = true, .longest = {}}};
@@ -327,7 +331,7 @@ typename QuasiStaticWindow<D>::Answer QuasiStaticWindow<D>::advance(const Setup<
   }
   store_water_force(setup, water.to, water.impulse, interval, state);
   state.time = end;
-  // Otherwise the points stand where they stood.
+  // Where nothing moved the points keep their revision.
   if (moved || !setup.coupling.keep_points) ++state.revision;
   return {Outcome::accept(), {}};
 }

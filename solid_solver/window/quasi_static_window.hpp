@@ -1,4 +1,4 @@
-// A long window of coupled soil that does not move by itself, as one step to the equilibrium at its end.
+// A long window of coupled soil that does not move by itself, computed as one step to the equilibrium at its end.
 #pragma once
 
 #include "common/coupling/exchange.hpp"
@@ -10,42 +10,45 @@
 
 namespace poretwin::solid {
 
-/// Backward Euler: m (u/Dt - v)/Dt = forces(u) + V Z (v_s' - u/Dt) for the displacement u, with the impedance Z of the
-/// water and the velocity v_s' that it predicted (tracking.hpp). What it keeps is made anew when it is missing, or
-/// holds between the passes through one window only.
+/// Backward Euler: m (u/Dt - v)/Dt = forces(u) + V Z (v_s' - u/Dt) for the displacement u in the window Dt, with the
+/// water's impedance Z and the predicted velocity v_s' (tracking.hpp). Nothing here belongs to the saved state: the
+/// stiffness is built again where it is missing, and the rest is valid only between the passes through one window.
 template <int D>
 class QuasiStaticWindow {
  public:
   QuasiStaticWindow() = default;
-  /// lattice [m]: the particles as they were laid.
+  /// lattice [m]: initial positions of the particles.
   explicit QuasiStaticWindow(VecArray<D> lattice) : lattice_(std::move(lattice)) {}
 
   struct Answer {
     coupling::Outcome outcome;
-    MotionHint hint;  ///< where the window is rejected: it has no equilibrium, or inertia matters
+    MotionHint hint;  ///< set where the window is rejected because it has no equilibrium or inertia matters
   };
   Answer advance(const Setup<D>& setup, const coupling::Window& window, const WaterInput<D>& water,
                  const Tracking<D>& tracking, State<D>& state);
 
-  /// m/s, mean velocity that the last pass through the present window found.
+  /// Mean velocity [m/s] of each particle that the last pass through the present window found.
   [[nodiscard]] const VecArray<D>& found() const { return found_; }
-  /// Publication::unsettled of the last window.
+  /// Publication::unsettled of the last window: the departure from the prediction, over the weight.
   [[nodiscard]] double unsettled() const { return unsettled_; }
   void begin_window() { unsettled_ = 0.0; }
 
  private:
-  /// The soil's stiffness with the resistance that a window adds [N/m]: the last one, where it serves.
+  /// Stiffness of the soil with the resistance of each particle that a window adds [N/m]. The last one is kept where it
+  /// is close enough.
   const Stiffness<D>& stiffness_with(const Setup<D>& setup, const ScalarArray& resistance, State<D>& state);
-  /// How far the motion found departs from the predicted one, where that is noticeable.
+  /// Sets unsettled_ to the departure of the motion found from the predicted one, where it is noticeable.
   void compare_with_prediction(const Setup<D>& setup, double interval, const Tracking<D>& tracking, double reference,
                                State<D>& state);
 
-  /// The same with water that is a field, which foresees how the soil's volume follows its pressure.
+  /// Sets unsettled_ in a window with water that is a field, which foresees how the soil's volume changes with its
+  /// pressure.
   void compare_with_field(const Setup<D>& setup, const coupling::Window& window, const WaterInput<D>& water,
                           const ScalarArray& volume, double reference, const State<D>& state);
 
   VecArray<D> lattice_, found_;
-  ScalarArray found_strain_, found_pressure_;  ///< 1, Pa: of the last pass through the present window, with a field
+  ScalarArray found_strain_, found_pressure_;  ///< volumetric strain [1] and pressure [Pa] of the last pass through the
+                                               ///< present window, with a field
   double unsettled_ = 0.0;
   std::unique_ptr<Stiffness<D>> stiffness_;
 };

@@ -154,7 +154,7 @@ TEST(Equilibrium, ForcesDoNotJumpWhereDilationEnds) {
       const double height = state.particles.position[i][1];
       state.particles.velocity[i] = share * Vec<2>(0.02 * height, 0.002 * height);
     }
-    deform(solid.setup(), 1.0, state);
+    deform<2>(solid.setup(), 1.0, nullptr, state);
     const std::size_t middle = n / 2;
     EXPECT_TRUE(state.yielded[middle]);
     return trace(state.particles.stress[middle]) / 3.0;
