@@ -208,8 +208,7 @@ TEST(Coupled, SoilThatDilatesTearsItsWater) {
     EXPECT_EQ(whole.most_voids, 0.0);
     EXPECT_GT(cavitating.lowest, -505.0);
     EXPECT_GT(cavitating.most_voids, 5e-7);
-    EXPECT_LT(cavitating.worst_voids, share * cavitating.most_voids);  // 0.04 and 0.07 measured; with all water 0.05
-                                                                       // and 0.03
+    EXPECT_LT(cavitating.worst_voids, share * cavitating.most_voids);  // measured: 0.04, 0.07
   }
 }
 

@@ -102,8 +102,7 @@ TEST(Gauges, OfLevelFlow) {
   EXPECT_NEAR(reading(fluid, "head[1]"), 0.425, 1e-4);
   EXPECT_NEAR(reading(fluid, "velocity_x") / v, 1.0, 2e-3);
   EXPECT_NEAR(reading(fluid, "velocity_y") / v, 0.0, 2e-3);
-  EXPECT_NEAR(reading(fluid, "momentum_x") / (mass * v), 1.0, 0.03);  // the number of particles in the outermost row
-                                                                      // varies
+  EXPECT_NEAR(reading(fluid, "momentum_x") / (mass * v), 1.0, 0.03);  // outermost row varies
   EXPECT_NEAR(reading(fluid, "kinetic") / (0.5 * mass * v * v), 1.0, 0.03);
   EXPECT_NEAR(reading(fluid, "left") / (q * time), 1.0, 5e-3);
   EXPECT_NEAR(reading(fluid, "right") / (q * time), -1.0, 5e-3);

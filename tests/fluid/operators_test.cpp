@@ -152,7 +152,7 @@ TEST(Operators, LaplaciansOfSeveralMobilitiesAreThoseOfEach) {
     EXPECT_EQ(all[m].weight, single[m].weight);
     EXPECT_EQ(all[m].diagonal, single[m].diagonal);
   }
-  // A pair's weight is that of the matrix without layers, times the harmonic mean.
+  // A pair's weight is that of the matrix for unit mobility, times the harmonic mean of the two mobilities.
   for (std::size_t a = 0; a < s.n_real; ++a)
     for (std::size_t k = s.offset[a]; k < s.offset[a + 1]; ++k) {
       const double mean = harmonic(one[a], one[s.parent[s.other[k]]]);
