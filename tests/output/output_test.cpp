@@ -329,6 +329,7 @@ TEST_F(Output, AFullDiskIsNamedAndTheProcessEndsWell) {
   EXPECT_GT(complaints, 10);
 }
 
+/// From a checkpoint on the record is written again, with the same result whatever had been written after it.
 TEST_F(Output, ARecordGoesOnFromItsCheckpoint) {
   Case scene;
   scene.text = "[case]\n";
