@@ -106,8 +106,8 @@ TEST(Window, SoilMeetsTheInertiaOfTheWaterItTakesAlong) {
   for (const auto& v : dry.state().particles.velocity) EXPECT_EQ(v.norm(), 0.0);
 }
 
-// At the free surface of the water the soil takes the part surface_share of the pressure gradient from surface_gradient:
-// here half of it is 3000 Pa/m, the other half its own, 1000 Pa/m. The pressure grows as a ramp.
+// At the free surface of the water the soil takes the part surface_share of the pressure gradient from
+// surface_gradient: here half of it is 3000 Pa/m, the other half its own, 1000 Pa/m. The pressure grows as a ramp.
 TEST(Window, SoilTakesTheGradientItIsToldAtTheWatersSurface) {
   ColumnSpec spec;
   spec.base = Wall::ForSoil::none;
@@ -241,8 +241,8 @@ Case yielding_column(double cohesion) {
   return scene;
 }
 
-// The plastic shear ratio is published in full for windows of the consolidation time (73 s) or more, as zero for a fifth
-// of it, and linearly between them.
+// The plastic shear ratio is published in full for windows of the consolidation time (73 s) or more, as zero for a
+// fifth of it, and linearly between them.
 TEST(LongWindow, TellsWhichShareOfTheShearWasPlasticAsFarAsItIsDrained) {
   std::vector<double> told;
   for (const double interval : {14.0, 44.0, 80.0}) {
