@@ -219,7 +219,7 @@ class Checker : Complaints {
            fmt::format("expected at least the residual dilation angle of {} degrees, found {}", spread, left));
   }
 
-  /// Checks by the material's own rules, and what it needs from the rest of the case.
+  /// Checks a soil by the rules of its material, and that the case provides what the material needs.
   void material_of(const Soil& soil, const std::string& key) const {
     if (!scene_.deformable()) return;
     const Material kind = material(scene_.model_of(soil));

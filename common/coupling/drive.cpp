@@ -127,8 +127,8 @@ class CoupledRun {
     if (!checkpoints_) throw PeerError("the coupler asks for a checkpoint, none was promised");
     pending_.write();
     timed(report_, writing, [&] {
-      // Earlier checkpoints are removed before the new one is written: the coupler confirms the new name only after
-      // this process has reported it.
+      // Done before the new one is written: `keep` does not name it yet, since the coupler lists it only after this
+      // process has reported it.
       checkpoints_->keep_only(command.keep);
       Archive state;
       archive(state);

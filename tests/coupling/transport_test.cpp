@@ -329,7 +329,7 @@ class SharedMemory : public testing::Test {
 TEST_F(SharedMemory, LargeFramesLieThereEitherWay) {
   const auto hub = bind_socket("ipc://" + path_.string());
   const auto line = connect_socket(hub->address());
-  line->send(encode(large(0.0)));  // before both ends have agreed on memory: through the socket
+  line->send(encode(large(0.0)));  // through the socket: no memory agreed on yet
   auto event = hub->receive(soon);
   ASSERT_TRUE(event);
   EXPECT_FALSE(is_shared(event->frames[1].data));

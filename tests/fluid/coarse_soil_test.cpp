@@ -84,7 +84,7 @@ TEST(CoarseSoil, WindowsEndAfterAQuarterSpacingOfAcceleratedWay) {
   }
 }
 
-// A level that changes behind a face changes by half a spacing per window at most, whatever the soil: 5 mm at 0.1 m/s.
+// Windows end before the level behind a face has changed by half a spacing, whatever the soil: 5 mm at 0.1 m/s.
 TEST(CoarseSoil, WindowsEndBeforeItsLevelIsHalfASpacingOff) {
   for (const double k : {0.1, 1e-4}) {
     Case scene = ponded_column(0.01);

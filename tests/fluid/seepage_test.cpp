@@ -213,7 +213,7 @@ TEST(Seepage, PondedWaterInfiltratesDryGround) {
 }
 
 TEST(Seepage, WaterPressedIntoDrySoilKeepsItsPacking) {
-  // With two rows between walls, too, where all particles have the same pressure at first.
+  // Also with two rows between walls, where all particles have the same pressure at first.
   for (const double dx : {0.0125, 0.00625, 0.0025}) {
     const auto scene = pressed_column(dx);
     Fluid<2> fluid(scene);

@@ -225,7 +225,7 @@ class OfACase(Folder):
         write_case(self.at)
         drawn(self.at / "runs" / "whole", "--gauge", "depth", "head", "--format", "svg", "--out", self.at / "out")
         depth = (self.at / "out/gauge_depth.svg").read_text()
-        for words in ("pore pressure", "y = 0.1 m", "y = 0.4 m"):  # matplotlib writes each text beside its letters
+        for words in ("pore pressure", "y = 0.1 m", "y = 0.4 m"):  # matplotlib adds each text as a comment to its letters' paths
             self.assertIn(words, depth)
         self.assertNotIn("depth[", depth)
         self.assertIn("head [mm]", (self.at / "out/gauge_head.svg").read_text())
