@@ -124,7 +124,7 @@ def bishop(circle, zones, seepage, table, slices=40):
     bottoms = yc - np.sqrt(np.maximum(0.0, r * r - (xs - xc) ** 2))
     cut = [x for x, bottom in zip(xs, bottoms) if bottom < ground(x)]
     if len(cut) < 20 or cut[0] < CREST[0]:
-        return None  # None: not on the downstream slope, from the crest on
+        return None  # the circle also cuts the upstream side, or hardly any soil
     width = (cut[-1] - cut[0]) / slices
     parts = []
     for n in range(slices):

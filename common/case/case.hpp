@@ -211,8 +211,7 @@ struct FluidCase {
   Representation representation = Representation::particles;
   Scheme scheme = Scheme::projection;
   int sweeps = 1;                            ///< eisph: sweeps per window
-  std::optional<double> pressure_tolerance;  ///< projection: largest residual, relative to the forces that drive the
-                                             ///< flow
+  std::optional<double> pressure_tolerance;  ///< projection: largest residual over the driving forces
   std::vector<Shape> regions;  ///< [[fluid.region]]: where water stands at time zero (inside soil it fills the pores)
   std::optional<Series> initial_pressure_head;  ///< field: pressure head [m] against elevation [m]
   std::optional<double> initial_water_table;    ///< field: m, elevation of zero pressure, with water at rest

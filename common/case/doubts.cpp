@@ -149,8 +149,9 @@ class Doubts : Complaints {
 
   /// The velocity is unbounded at the end of a face of soil where a wall continues in the same direction or turns away
   /// from the soil. Where the flow through the face is not taken from the matrix of the pressure solve it comes out
-  /// low. Measured against finite volumes: 22, 9, 4.3 % low with 10, 20, 40 spacings of face on half of a side; 12 %
-  /// low with a floor of 40 spacings under a layer of 30, 6 % with twice as many. Inflow and outflow differ by as much.
+  /// low. Measured against finite volumes: 22, 9, 4.3 % low with 10, 20, 40 spacings of face on half of a side; below
+  /// an impermeable floor 40 spacings long, on a layer 30 spacings thick, 12 % low, 6 % with half the spacing. Inflow
+  /// and outflow differ by as much.
   void faces_that_end_on_walls() {
     if (d_ != 2 || (!scene_.coupled() && scene_.fluid.scheme == FluidCase::Scheme::projection &&
                     porous::conductivity_contrast(scene_) < porous::one_conductivity))

@@ -271,9 +271,9 @@ class Supported : Complaints {
     }
   }
 
-  /// Refuses a face of zero pressure before dry soil. Behind it is air, from which no water comes, but as a face with
-  /// water behind it would feed the dry soil: 47 % error in the discharge of a filter under a dam's toe. `outlet` is
-  /// right there.
+  /// Refuses a face of zero pressure in front of dry soil. Air is behind such a face, so that no water should come in,
+  /// but a face with `pressure` or `head` lets water into dry soil: 47 % error in the discharge of a filter under a
+  /// dam's toe. The case must give `outlet` instead.
   void drains_without_pressure() const {
     if (up_.isZero() || scene_.deformable() || d_ != 2) return;
     const double dx = scene_.fluid.particle_spacing;

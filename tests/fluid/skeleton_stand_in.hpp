@@ -113,7 +113,7 @@ struct ElasticColumn {
     }
   }
 
-  /// Linear interpolation at y, linear beyond the ends; base: value at y = 0 is zero.
+  /// Linear interpolation at y, linear beyond the ends; zero_at_base: the value at y = 0 is zero.
   double sample(const std::vector<double>& values, double y, bool zero_at_base) const {
     const double s = y / spacing - 0.5;
     const auto n = static_cast<std::ptrdiff_t>(values.size());

@@ -126,8 +126,7 @@ class ParaView(unittest.TestCase):
             server.terminate()
             server.communicate()
         if done.returncode != 0:
-            lines = [line for line in (done.stdout + done.stderr).splitlines() if not re.match(r"\d+ +0x", line)]  # without the
-                                                                                                                   # call stack
+            lines = [line for line in (done.stdout + done.stderr).splitlines() if not re.match(r"\d+ +0x", line)]  # no stack
             raise AssertionError("\n".join([f"pvbatch: {done.returncode}", *lines[-30:]]))
         cls.found = json.loads((at / "found.json").read_text())
 

@@ -4,7 +4,7 @@ import { colourOf, download } from "./dom.js";
 import { annotate } from "./notes.js";
 
 const GIF_WIDTH = 900; // largest width, pixels
-const SECONDS_OF_LAST = 1; // for which the last frame is shown
+const SECONDS_OF_LAST = 1; // time for which the last frame is shown
 
 /// All panels side by side, at most as wide as on the page, or `most` pixels.
 export function compose(panels, most = Infinity) {
