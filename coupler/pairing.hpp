@@ -7,8 +7,8 @@
 namespace poretwin::coupling {
 
 /// Partners are found once, from the first positions, and kept however the points move. Points of the solid without a
-/// partner, behind rough walls, take the values of the nearest point that has one. If a point of the fluid has none,
-/// the sets are not the same: fields and amounts are then mapped as between clouds.
+/// partner, behind rough walls, take the values of the nearest point that has one. Where a point of the fluid has none,
+/// the sets are not the same, and all fields are mapped as between clouds. Conservative amounts always are.
 std::unique_ptr<SpatialMapping> make_paired_mapping(int dimension);
 
 }  // namespace poretwin::coupling

@@ -138,7 +138,8 @@ class Supported : Complaints {
   /// Number of rows that a layer of conductivity k needs beside another: kernels smear its resistance over the
   /// neighbours' rows. Errors of the flow through a slow layer at any angle to the lattice: within 2 % with two rows at
   /// a contrast of 10 (5 % with 1.6 rows), and with three rows from a contrast of 100 on (there with two rows up to 14
-  /// %, with one row a factor of five, with half a row the wrong sign). A fast layer needs 1.6 rows at any contrast.
+  /// %, with one row a factor of five, with half a row the wrong sign). Through a fast layer: within 2 % with 1.6 rows
+  /// at any contrast.
   [[nodiscard]] static double rows_needed(double k, double other) {
     const double contrast = std::max(k / other, other / k);
     if (contrast <= 2.0) return 0.0;
