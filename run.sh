@@ -1,5 +1,5 @@
 #!/bin/bash
-# Installs what is missing, builds and runs a case: ./run.sh [CASE [options of `poretwin run`]]. Safe to run twice.
+# Installs missing packages, builds, and runs a case: ./run.sh [CASE [options of `poretwin run`]]. May be repeated.
 set -euo pipefail
 cd "$(dirname "$0")"
 . scripts/setup.sh

@@ -1,8 +1,8 @@
 #!/bin/bash
-# Installs what is missing, builds and runs the tests: ./test.sh [PRESET [options of ctest]]. Safe to run twice.
-# The asan and tsan presets take the unit and interface tests; release takes all. `full` takes all tests with the address
-# sanitizer, the unit and interface tests with the thread sanitizer, all sources by clang-tidy and by clang 14, the release
-# tests, and then what takes long or needs a network: the Debian packages on a fresh Debian (root).
+# Installs missing packages, builds, and runs the tests: ./test.sh [PRESET [options of ctest]]. May be repeated.
+# The presets asan and tsan run the unit and interface tests, release runs all. `full` runs all tests with the address sanitizer,
+# the unit and interface tests with the thread sanitizer, clang-tidy and clang 14 on all sources, the release tests, and finally
+# what takes long or needs a network: the Debian packages on a fresh Debian (needs root).
 set -euo pipefail
 cd "$(dirname "$0")"
 . scripts/setup.sh
@@ -12,7 +12,7 @@ shift || true
 targets=() labels=() commands=($test_commands)
 case $preset in
   asan | tsan) targets=(unit_tests) labels=(-L 'unit|interface') commands=() ;;
-  full) packages+=" ffmpeg fish lintian man-db mypy paraview python3-build python3-paraview python3-setuptools python3-wheel xvfb zsh" ;; # what some tests do without otherwise
+  full) packages+=" ffmpeg fish lintian man-db mypy paraview python3-build python3-paraview python3-setuptools python3-wheel xvfb zsh" ;; # without them parts of some tests are skipped
 esac
 install_packages "${commands[@]}"
 if [ "$preset" = full ]; then

@@ -1,19 +1,20 @@
 #!/usr/bin/python3
 """cases/terzaghi over its whole range: permeabilities 1e-2 .. 1e-6 m/s, exchange windows 1e-5 .. 1 s. OUT/consolidation.csv.
 
-Errors are the largest of the degree of consolidation and of the base pressure over the load, from Tv = 0.1 on; where that
-takes more than --windows windows, over the second half of those. The promise: 0.01 where a window is shorter than 0.005
-in Tv, 0.03 below 0.025, bounded beyond.
+Errors are the largest ones of the degree of consolidation, and of the base pressure over the load, from the dimensionless time
+Tv = 0.1 on; where that takes more than --windows windows, over the second half of those. Bounds: 0.01 with windows shorter than
+0.005 in Tv, 0.03 with windows shorter than 0.025; longer ones must only be bounded.
 
-The reference is Terzaghi's series with the inertia of both phases, which rules at k = 1e-2 m/s: over a tight base the water
-goes where the grains come from, n v_w = -n_s v_s, and the two momentum equations become one,
+The reference is Terzaghi's series with the inertia of both phases, which dominates at k = 1e-2 m/s. Over an impermeable base the
+water fills the volume that the grains leave, n v_w = -n_s v_s, and the two momentum equations become one, for the displacement u
+and the pore pressure p along z:
 
     m u_tt + (gamma_w / k) u_t = M u_zz,    m = n_s rho_s + rho_w n_s^2 / n,
     p_z = rho_w (n_s / n) u_tt + (gamma_w / k) u_t.
 
-At k = 1e-2 m/s its base pressure jumps by 0.17 of the load when the wave's front arrives: in the largest error no scheme whose
-front has a width comes below half of that. `--check` shows it: the series against finite differences of the two momentum
-equations and continuity, each kept as it stands.
+At k = 1e-2 m/s its base pressure jumps by 0.17 of the load when the wave's front arrives. A scheme with a front of finite width
+cannot have a largest error below half of that. `--check` compares the series with finite differences of the original equations:
+both momentum equations and continuity.
 """
 import argparse
 import pathlib
@@ -23,7 +24,7 @@ import numpy as np
 from plot import write_csv
 from runs import PROGRAM, Run
 
-HEIGHT, MODULUS, WEIGHT, LOAD = 0.4, 3e6 * 0.7 / (1.3 * 0.4), 9810.0, 1e3  # m, Pa (constrained), N/m3, Pa
+HEIGHT, MODULUS, WEIGHT, LOAD = 0.4, 3e6 * 0.7 / (1.3 * 0.4), 9810.0, 1e3  # m, constrained modulus [Pa], N/m3, Pa
 POROSITY, GRAINS, WATER = 0.4, 2600.0, 1000.0  # kg/m3
 CONDUCTIVITIES = [1e-2, 1e-3, 1e-4, 1e-5, 1e-6]
 WINDOWS = [1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0]
@@ -35,7 +36,7 @@ def reference(k, t):
     start = 2.0 * LOAD / (MODULUS * HEIGHT * kappa**2) * (-1.0) ** np.arange(2000)[:, None]  # LOAD z / M as a series of sin(kappa z)
     mass, drag = (1.0 - POROSITY) * GRAINS + WATER * (1.0 - POROSITY) ** 2 / POROSITY, WEIGHT / k
     t = np.asarray(t)[None, :]
-    # Roots of m s^2 + drag s + M kappa^2 = 0; the smaller one without cancellation.
+    # Roots of m s^2 + drag s + M kappa^2 = 0; the smaller one is computed without cancellation.
     root = np.sqrt(drag**2 - 4.0 * mass * MODULUS * kappa**2 + 0j)
     fast = -(drag + root) / (2.0 * mass)
     slow = MODULUS * kappa**2 / (mass * fast)
@@ -48,13 +49,13 @@ def reference(k, t):
 
 
 def two_phases(k, rows, step, end):
-    """The same by finite differences that share nothing with the series: velocities of grains and water at the nodes of a
-    staggered grid, pressure and stress between them, backward Euler. Times [s], degree of consolidation, base pressure over
-    the load."""
+    """Reference solution by finite differences, independent of the series: velocities of grains and water at the nodes of a staggered
+    grid, pressure and stress between them, backward Euler. Returns times [s], degree of consolidation, base pressure over the
+    load."""
     h, grains, drag = HEIGHT / rows, 1.0 - POROSITY, WEIGHT * POROSITY**2 / k
-    width = np.diag(np.r_[np.full(rows - 1, h), 0.5 * h])  # the lowest node, on the base, is left out
-    fall = np.eye(rows, k=1) - np.eye(rows)  # of what stands between the nodes; nothing stands above the top
-    stiffness = MODULUS / h * fall @ fall.T  # minus what holds a displacement
+    width = np.diag(np.r_[np.full(rows - 1, h), 0.5 * h])  # the lowest node, at rest on the base, is left out
+    fall = np.eye(rows, k=1) - np.eye(rows)  # differences of values between the nodes; zero above the top
+    stiffness = MODULUS / h * fall @ fall.T  # minus the matrix that acts on displacements
     zero = np.zeros((rows, rows))
     system = np.block([
         [width * (grains * GRAINS / step + drag) + step * stiffness, -drag * width, grains * fall],
@@ -73,8 +74,8 @@ def two_phases(k, rows, step, end):
 
 
 def check():
-    """The largest differences of the series from that, from Tv = 0.1 on or over the second half; of the pressure also beyond
-    1 ms before and after the front arrives."""
+    """Prints the largest differences between the series and two_phases(), from Tv = 0.1 on or over the second half; those of the
+    pressure also without the 1 ms before and after the front's arrival."""
     for k, end in ((1e-2, 0.04), (1e-6, 0.02)):
         unit = HEIGHT**2 * WEIGHT / (k * MODULUS)
         speed = np.sqrt(MODULUS / ((1.0 - POROSITY) * GRAINS + WATER * (1.0 - POROSITY) ** 2 / POROSITY))
@@ -88,7 +89,7 @@ def check():
 
 
 def write_references(folder):
-    """The curves that verify.toml holds the range against, one of each permeability and gauge: 60 times per decade."""
+    """Writes the reference curves of verify.toml, one per permeability and gauge: 60 points per decade."""
     for k in CONDUCTIVITIES:
         unit = HEIGHT**2 * WEIGHT / (k * MODULUS)
         t = np.geomspace(1e-5 * unit, 1.2 * unit, 300)
@@ -104,7 +105,7 @@ def promise(step):
 
 
 def one(a, k, window):
-    unit = HEIGHT**2 * WEIGHT / (k * MODULUS)  # s, Tv = 1
+    unit = HEIGHT**2 * WEIGHT / (k * MODULUS)  # s, at which Tv = 1
     whole = 1.2 * unit
     count = min(max(whole / window, 10), a.windows)
     end = count * window

@@ -1,5 +1,5 @@
-// What an exchange costs: bytes passed through a coupler, mapping, a whole step of two mocks. Run by hand; the figures
-// stand in docs/protocol.md.
+// Costs of an exchange: bytes passed through a coupler, mapping, a whole step of two mocks. Run by hand; the figures
+// are in docs/protocol.md.
 #include "common/core/memory.hpp"
 #include "common/coupling/mock.hpp"
 #include "coupler/mapping.hpp"
@@ -25,21 +25,21 @@ using namespace poretwin::coupling;
 
 namespace {
 
-/// Processor time of this thread [s]: other work on the machine does not count.
+/// CPU time of this thread [s]; it does not include other work on the machine.
 double now() {
   timespec t{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-/// Wall-clock [s].
+/// Wall-clock time [s].
 double wall() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 PointSet square(std::size_t n, double shift) {
   return lattice_points(2, {shift, 0.0}, {1.0, 1.0}, 1.0 / std::sqrt(static_cast<double>(n)));
 }
 
-/// The fields of a step: the whole standard contract with both impulses at work, or one scalar and one vector each way.
+/// Exchanged fields of a step: the whole standard contract with both impulses, or one scalar and one vector each way.
 struct Fields {
   const char* what;
   std::vector<FieldSpec> of_fluid, of_solid;
@@ -76,14 +76,14 @@ void time_mapping(std::size_t n, double move, const char* what, const Fields& fi
     const double start = now();
     mapping->map(Role::solid, solid, from_solid, fields.of_solid, fluid);
     mapping->map(Role::fluid, fluid, from_fluid, fields.of_fluid, solid);
-    if (k > 0) taken.push_back(now() - start);  // the first makes the lists
+    if (k > 0) taken.push_back(now() - start);  // the first repeat makes the pair lists
   }
   std::sort(taken.begin(), taken.end());
   fmt::print("{:7} points a side, {:8}: {:8.3f} ms mapping per step both ways, median ({})\n", n, what,
              1e3 * taken[taken.size() / 2], fields.what);
 }
 
-/// Median of `repeat` times of what work() does [s].
+/// Median over `repeat` calls of the time that work() takes [s].
 template <class Work>
 double median_wall(int repeat, Work&& work) {
   std::vector<double> taken;
@@ -96,7 +96,7 @@ double median_wall(int repeat, Work&& work) {
   return taken[taken.size() / 2];
 }
 
-/// Two ends of one stream between two threads: a unix socket, or tcp over the loopback interface.
+/// Connects two threads by a stream: a unix socket, or tcp over the loopback interface.
 void connect_pair(Line line, int ends[2]) {
   if (line == Line::ipc) {
     if (::socketpair(AF_UNIX, SOCK_STREAM, 0, ends) != 0) std::abort();
@@ -117,7 +117,7 @@ void connect_pair(Line line, int ends[2]) {
   ::close(listener);
 }
 
-/// What the kernel alone takes for the way of time_pass_through over bare stream sockets: no message, no queue, one
+/// Time of the kernel alone for the transfer of time_pass_through, over bare stream sockets: no message, no queue, one
 /// buffer on each side. With a single byte: its four wake-ups.
 double bare_sockets(Line line, std::size_t bytes, int steps) {
   int left[2], right[2];
@@ -157,8 +157,8 @@ double bare_sockets(Line line, std::size_t bytes, int steps) {
   return median;
 }
 
-/// One scalar and one vector each way through a hub that looks at every message and sends it on; no mapping.
-/// The floor: memcpy of the same 48 n bytes.
+/// Passes one scalar and one vector each way through a hub that reads every message and sends it on; no mapping. The
+/// lower bound is a memcpy of the same 48 n bytes.
 void time_pass_through(Line line, std::size_t n) {
   std::vector<double> from(6 * n, 1.0), to(6 * n);
   const int steps = n > 100'000 ? 20 : 200;
@@ -193,7 +193,7 @@ void time_pass_through(Line line, std::size_t n) {
                       {"vector", "m/s", 2, std::vector<double>(2 * n, 1.0)}};
     return message;
   };
-  const auto await = [](Transport& there) {  // until the values are in arrays of the receiver's own
+  const auto await = [](Transport& there) {  // until the values are in the receiver's own arrays
     for (;;)
       if (auto frames = there.receive(Milliseconds(1000))) {
         Message message = decode(*frames);
@@ -208,7 +208,7 @@ void time_pass_through(Line line, std::size_t n) {
   std::this_thread::sleep_for(Milliseconds(50));
   std::vector<double> taken;
   for (int k = 0; k <= steps; ++k) {
-    auto there = made(), back = made();  // a solver hands over what it has computed anyway
+    auto there = made(), back = made();  // arrays that a solver has computed anyway
     const double start = wall();
     a->send(encode(std::move(there)));
     await(*b);
@@ -259,7 +259,7 @@ void time_step(Line line, std::size_t n) {
 
 }  // namespace
 
-/// Usage: [mapping] [passing] [steps] [POINTS...]; what is not said: all.
+/// Usage: [mapping] [passing] [steps] [POINTS...]; without arguments: all.
 int main(int argc, char** argv) {
   std::vector<std::string> parts;
   std::vector<std::size_t> sizes;

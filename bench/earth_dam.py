@@ -1,12 +1,12 @@
 #!/usr/bin/python3
-"""An estimate of the earth dam of docs/tutorials/earth-dam.md that shares nothing with poretwin: steady seepage with a free surface by finite volumes,
+"""An estimate of the earth dam of docs/tutorials/earth-dam.md that is independent of poretwin: steady seepage with a free surface by finite volumes,
 and Bishop's simplified method on all circles through the downstream slope, with the pore pressures of that seepage.
 
-bench/earth_dam.py             the figures that the page compares with
-bench/earth_dam.py --check     the seepage against a dam whose discharge is known exactly
+bench/earth_dam.py             the figures with which the page compares
+bench/earth_dam.py --check     the seepage through a dam whose discharge is known exactly
 
-Seepage: Darcy's law on square cells, k a millionth where the pressure is below zero (Bathe & Khoshgoftaar 1979: dry ground conducts next to nothing), and
-on the downstream slope water that comes out at its own level or none at all. Slopes are stairs of cells.
+Seepage: Darcy's law on square cells. Where the pressure is below zero, k is a millionth of its value (Bathe & Khoshgoftaar 1979: dry ground hardly
+conducts). On the downstream slope water either leaves at zero pressure or does not leave at all. Slopes are staircases of cells.
 """
 import argparse
 import math
@@ -16,14 +16,14 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import spsolve
 
 GAMMA_W = 9810.0  # N/m3
-HEAD = 8.0        # m, of the reservoir
-DRAIN_FROM = 34.0  # m: where the drain under the downstream slope begins
+HEAD = 8.0        # m, level of the reservoir
+DRAIN_FROM = 34.0  # m, where the drain under the downstream slope begins
 BASE, HEIGHT, CREST = 44.0, 10.0, (20.0, 24.0)
 SHELL = [(0, 0), (44, 0), (24, 10), (20, 10)]
 CORE = [(19, 0), (25, 0), (23, 10), (21, 10)]
 CONDUCTIVITY = {"shell": 1e-5, "core": 2e-7}  # m/s
 STRENGTH = {"shell": (5e3, 32.0), "core": (15e3, 24.0)}  # Pa, degrees
-DRY, SATURATED = 0.65 * 2650 * 9.81, (0.65 * 2650 + 0.35 * 1000) * 9.81  # N/m3, n = 0.35
+DRY, SATURATED = 0.65 * 2650 * 9.81, (0.65 * 2650 + 0.35 * 1000) * 9.81  # N/m3, with n = 0.35
 
 
 def inside(polygon, x, y):
@@ -36,7 +36,7 @@ def inside(polygon, x, y):
 
 
 class Seepage:
-    """Head of steady flow in the dam: of the zones named, the first that holds a cell counts."""
+    """Steady head in the dam. A cell belongs to the first of the given zones that contains it."""
 
     def __init__(self, zones, conductivity, cell=0.1, outline=SHELL, exit_from=CREST[1], drain=False):
         nx, ny = round(BASE / cell), round(HEIGHT / cell)
@@ -47,7 +47,7 @@ class Seepage:
         for name, polygon in reversed(list(zones.items())):
             k[self.dam & inside(polygon, x, y)] = conductivity[name]
         outside = np.pad(~self.dam, 1, constant_values=True)
-        outside[0] = False  # the ground is tight
+        outside[0] = False  # the ground is impermeable
         edge = self.dam & (outside[1:-1, :-2] | outside[1:-1, 2:] | outside[2:, 1:-1])
         wet = edge & (x < 0.5 * BASE) & (y < HEAD)
         leak = edge & (x > exit_from)
@@ -82,7 +82,7 @@ class Seepage:
             new[free] = spsolve(matrix[free][:, free], -(matrix[free][:, fixed] @ given[fixed]))
             change = np.abs(new - h).max()
             h = np.where(fixed, new, h + 0.5 * (new - h))
-            flow = matrix @ new  # into the dam, of the cells held
+            flow = matrix @ new  # inflow to the dam at the cells with a fixed head
             wanted = out & ((active & (flow < 0.0)) | (~active & (new > height)))
             if change < 1e-3 and (wanted == active).all():
                 break
@@ -124,7 +124,7 @@ def bishop(circle, zones, seepage, table, slices=40):
     bottoms = yc - np.sqrt(np.maximum(0.0, r * r - (xs - xc) ** 2))
     cut = [x for x, bottom in zip(xs, bottoms) if bottom < ground(x)]
     if len(cut) < 20 or cut[0] < CREST[0]:
-        return None  # of the downstream slope, from the crest on
+        return None  # the circle also cuts the upstream side, or hardly any soil
     width = (cut[-1] - cut[0]) / slices
     parts = []
     for n in range(slices):
@@ -151,7 +151,7 @@ def bishop(circle, zones, seepage, table, slices=40):
 
 
 def lowest(zones, seepage=None):
-    """The least factor of all circles at least a metre deep through the downstream slope, and its circle."""
+    """The smallest factor of all circles through the downstream slope that are at least a metre deep, and its circle."""
     table = None if seepage is None else [seepage.table(0.1 * n + 0.05) for n in range(int(BASE * 10))]
     best, at = math.inf, None
     centres = [(x, y) for x in np.arange(26.0, 46.0, 2.0) for y in np.arange(11.0, 40.0, 2.0)]
@@ -160,7 +160,7 @@ def lowest(zones, seepage=None):
         for xc, yc in centres:
             reach = min(yc, 60.0)
             for r in np.linspace(max(3.0, yc - HEIGHT), reach, 25):
-                # Depth of the circle below the slope's line: what is shallower than a metre is the surface's.
+                # Depth of the circle below the slope; circles less than a metre deep are surface slides.
                 if r - abs((xc - BASE) * HEIGHT + yc * (BASE - CREST[1])) / math.hypot(HEIGHT, BASE - CREST[1]) < 1.0:
                     continue
                 f = bishop((xc, yc, r), zones, seepage, table)
@@ -177,12 +177,12 @@ def main():
     parser.add_argument("--cell", type=float, default=0.1, help="of the finite volumes [m]")
     parser.add_argument("--strength", action="store_true", help="factors of safety, too")
     a = parser.parse_args()
-    if a.check:  # between vertical faces q = k H^2 / 2L, exactly (Charny)
+    if a.check:  # between vertical faces exactly q = k H^2 / 2L (Charny)
         box = [(17, 0), (27, 0), (27, 10), (17, 10)]
         found = Seepage({}, {"shell": 1e-5}, a.cell, outline=box, exit_from=22.0)
         print(f"vertical faces, 10 m apart: {found.discharge:.4g} m2/s, exactly {1e-5 * HEAD**2 / 20.0:.4g}")
         return
-    # All of the head is lost in a core fifty times tighter than its shell: the core alone, between the reservoir and the air.
+    # Nearly all head is lost in a core fifty times less permeable than its shell: the core alone between reservoir and air.
     for k in (2e-7, 1e-6):
         found = Seepage({}, {"shell": k}, a.cell, outline=CORE, exit_from=22.0)
         print(f"core of {k:g} m/s alone: discharge {found.discharge:.3g} m2/s, comes out up to {found.exit:.2f} m", flush=True)

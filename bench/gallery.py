@@ -1,11 +1,11 @@
 #!/usr/bin/python3
-"""docs/gallery from the cases themselves: per case a picture, its first lines, the commands that made it, particles, run time.
+"""Makes docs/gallery from the cases themselves: for each case a picture, its first lines, the commands that made it, particles and run time.
 
 bench/gallery.py           every case
-bench/gallery.py CASE..    these again; the others stay as they were last found (docs/gallery/found.json)
-bench/gallery.py --page    the page alone, from what was found
+bench/gallery.py CASE..    these cases anew; results of the others are kept (docs/gallery/found.json)
+bench/gallery.py --page    the page alone, from kept results
 
-What is run and shown of each case stands in bench/gallery.toml.
+bench/gallery.toml says what is run and shown of each case.
 """
 import argparse
 import concurrent.futures
@@ -21,9 +21,9 @@ from PIL import Image
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 GALLERY = ROOT / "docs" / "gallery"
-WIDEST, HIGHEST = 720, 480  # pixels: what a page shows without scaling
-COLOURS = 256               # of a palette: a third of the file, and hardly a difference to the eye
-LONGEST = 5                 # lines of words
+WIDEST, HIGHEST = 720, 480  # pixels, largest size on the page
+COLOURS = 256               # colours of a palette: a third of the file's size, with hardly a visible difference
+LONGEST = 5                 # lines of text per case
 HEAD = """# Gallery
 
 Every case in a picture. Made by `bench/gallery.py` from the runs themselves, as `bench/gallery.toml` says; words are the first of each case's
@@ -44,17 +44,17 @@ def groups():
 
 
 def small(picture, target):
-    """A picture as small as a page needs it."""
+    """Writes a picture reduced to the size on the page."""
     with Image.open(picture) as opened:
         image = opened.convert("RGB")
     scale = min(1.0, WIDEST / image.width, HIGHEST / image.height)
     image = image.resize((round(image.width * scale), round(image.height * scale)), Image.Resampling.LANCZOS)
-    # Of all colours that occur, not the most frequent ones: thin black lines stay black.
+    # A palette that covers all colours, not only the most frequent ones, so that thin black lines stay black.
     image.quantize(COLOURS, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).save(target, optimize=True)
 
 
 def make(case, poretwin, runs, again=False):
-    """Runs a case (again: takes the run that is there) and draws its picture; returns what the page says of the run."""
+    """Runs a case (again: uses the existing run) and draws its picture; returns the entry of the page."""
     folder = runs / case["name"]
     report = runs / f"{case['name']}.json"
     command = [poretwin, *shlex.split(case["command"])[1:], "--out", folder, "--json", report, "--quiet"]
@@ -63,11 +63,11 @@ def make(case, poretwin, runs, again=False):
     if not again:
         subprocess.run(command, cwd=ROOT, stdout=subprocess.DEVNULL, check=False)
     result = json.loads(report.read_text())
-    if result["exit"] not in (0, 6):  # 6: the run says itself what puts its result in doubt
+    if result["exit"] not in (0, 6):  # 6: the run itself reports what puts its result in doubt
         raise SystemExit(f"{case['command']}: {result['reason']}")
     counted = json.loads(subprocess.run([poretwin, "check", *check_of(case["command"]), "--json", "-"], cwd=ROOT, check=True, capture_output=True, text=True).stdout)
     particles = {phase: (counted[phase] or {"particles": 0})["particles"] for phase in ("fluid", "solid")}
-    for process in result.get("processes", []):  # water that came through faces
+    for process in result.get("processes", []):  # with the water that entered through faces
         if process["process"] in particles:
             particles[process["process"]] = max(particles[process["process"]], int(process["counters"].get("particles", 0)))
     particles = {phase: n for phase, n in particles.items() if n > 0}
@@ -77,7 +77,7 @@ def make(case, poretwin, runs, again=False):
 
 
 def check_of(command):
-    """The case and the --set of a command: what `poretwin check` takes of it."""
+    """The case and the --set options of a command, for `poretwin check`."""
     words = shlex.split(command)[2:]
     kept = words[:1]
     for i, word in enumerate(words):
@@ -99,13 +99,13 @@ def draw(case, poretwin, folder, result):
 
 
 def words(name):
-    """Title and first paragraph of a case's README, its links made to hold here."""
+    """Title and first paragraph of a case's README, with links adapted to the page."""
     title, _, rest = (ROOT / "cases" / name / "README.md").read_text().partition("\n")
     return title.lstrip("# "), "\n".join(rest.strip().split("\n\n")[0].splitlines()[:LONGEST])
 
 
 def page(found):
-    """Markdown of all cases."""
+    """Markdown of the page with all cases."""
     lines = [HEAD, "| | cases |", "| --- | --- |"]
     for title, cases in groups():
         names = ", ".join(f"[{case['name']}](#{case['name']})" for case in cases)
@@ -144,7 +144,7 @@ def main():
             name = running[done]
             try:
                 found[name] = done.result()
-            except (SystemExit, subprocess.CalledProcessError) as error:  # the others go on
+            except (SystemExit, subprocess.CalledProcessError) as error:  # other cases are still run
                 failed.append(f"{name}: {error}")
                 continue
             print(f"{name}: {found[name]}", flush=True)

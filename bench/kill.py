@@ -1,11 +1,11 @@
 #!/usr/bin/python3
-"""Kills one of the three processes of a coupled run at a random moment, again and again, and holds what the resumed run
-leaves against an undisturbed one, bit by bit.
+"""Kills one of the three processes of a coupled run at a random moment, many times, and compares the results of the resumed run
+with those of an undisturbed one, bit by bit.
 
     bench/kill.py [--moments 60] [--programs build/release/bin] [--seed 1] [CASE [options of poretwin run]...]
 
-Every other time `poretwin run` restarts by itself; else it is told --resume. A moment passes when the results are the
-same, nobody hangs, and no process, socket or shared memory stays behind."""
+Every other time `poretwin run` restarts by itself, otherwise it is started with --resume. A trial passes when the results are
+equal, no process hangs, and no process, socket or shared memory remains."""
 
 import argparse
 import os
@@ -22,11 +22,11 @@ import h5py
 import numpy as np
 
 DEFAULT = ["terzaghi", "--set", "case.end_time=0.3", "--set", "output.interval=0.004"]
-PATIENCE = 60.0  # s, for a run of some seconds to end
+PATIENCE = 60.0  # s, longest time for a run of some seconds
 
 
 def content(path):
-    """Everything in a file of particles but who made it when."""
+    """All data in a file of particles, except who made it when."""
     found = {}
 
     def take(name, item):
@@ -43,7 +43,7 @@ def content(path):
 
 
 def differences(one, other):
-    """Names of what is not the same in two folders of runs."""
+    """Names of the files and data that differ between two run folders."""
     bad = []
     for file in sorted(one.iterdir()):
         twin = other / file.name
@@ -58,7 +58,7 @@ def differences(one, other):
 
 
 def processes_of(out):
-    """Process ids by name of the program, of those that were told this folder."""
+    """Ids of the processes that were started with this folder, by program."""
     found = {}
     for entry in pathlib.Path("/proc").iterdir():
         try:
@@ -89,7 +89,7 @@ class Trials:
                                 env={**os.environ, "TMPDIR": str(self.temporary)})
 
     def kill(self, out, victim, moment):
-        """False when the victim was not there any more."""
+        """Kills a process; False where it had already ended."""
         time.sleep(moment)
         for _ in range(100):
             ids = processes_of(out).get(f"poretwin-{victim}")
@@ -113,7 +113,7 @@ class Trials:
             return f"the cause is not named: {said}"
         if restarts or code == 0:
             return f"exit code {code}: {said}" if code else ""
-        # Resumed by a person; before the first checkpoint there is nothing to resume, and the run says so.
+        # Resumed with --resume. Before the first checkpoint there is nothing to resume, and the run says so.
         again = self.start(out, ["--resume"])
         code = again.wait(timeout=PATIENCE)
         if code == 5 and "nothing to resume" in pathlib.Path(f"{out}.err").read_text():

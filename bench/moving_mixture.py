@@ -1,22 +1,23 @@
 #!/usr/bin/python3
-"""Saturated soil that moves as a mixture: cases/saturated_block, shear_wave, sinking_disc and sliding_slope over conductivity, spacing and
-exchange window, each beside the exact value and its dry twin (the soil without water). One table, and OUT/moving_mixture.csv.
+"""Saturated soil that moves as a mixture: cases/saturated_block, shear_wave, sinking_disc and sliding_slope for several conductivities, spacings and
+exchange windows, each compared with the exact value and with its dry twin (the soil without water). One table, and OUT/moving_mixture.csv.
 
-    block  v/exact      speed of the block 0.1 m above the base at 0.2 s over g sin(25 degrees) t, whatever k
+    block  v/exact      speed of the block 0.1 m above the base at 0.2 s, over g sin(25 degrees) t, which holds for any k
            v/exact_0.1  the same at 0.1 s
-           lowest       lowest speed of it from 0.05 s on, over g sin(25 degrees) t: below zero it has turned round
-    shear  rms          of the soil's mean velocity over the depth against the exact solution, over v0, until 0.15 s
-           rms/dry      over that of the dry twin at the same spacing
-           mode_5       first mode's largest amplitude in the fifth period over the exact one (dry: over undamped)
-           energy       largest climb of the energy of both phases above an earlier reading, over the initial kinetic energy
-    disc   a/exact      mean acceleration until 0.15 s over g (rho_sat - rho_w) / (rho_sat + C rho_w), C = 1.047 in this tank
+           lowest       its lowest speed from 0.05 s on, over g sin(25 degrees) t; negative: it has turned round
+    shear  rms          error of the soil's mean velocity over the depth against the exact solution, over v0, until 0.15 s
+           rms/dry      that error over the dry twin's at the same spacing
+           mode_5       largest amplitude of the first mode in its fifth period over the exact one (dry: over the undamped one)
+           energy       largest rise of the energy of both phases above an earlier reading, over the initial kinetic energy
+    disc   a/exact      mean acceleration until 0.15 s over g (rho_sat - rho_w) / (rho_sat + C rho_w), C = 1.047 the added mass in this tank
     slope  v/exact      speed of a frictional layer at mid-depth at 0.2 s, started with hydrostatic pressure, over
                         g (sin - (gamma' / gamma_sat) cos tan(20 degrees)) t (dry: without the quotient); v/exact_0.1 at 0.1 s
-           stress       lowest and highest effective stress across the slope at mid-depth over that at first: 1 is right
-    every  fastest      largest speed of any particle of water [m/s]
+           stress       lowest and highest effective stress across the slope at mid-depth, over the initial one; exact: 1
+    every  fastest      largest speed of any water particle [m/s]
 
-Exact shear wave: mode q = (m + 1/2) pi / H starts with 2 v0 / ((m + 1/2) pi), X' = U, n_s rho_s U' = -G q^2 X - C (U - W),
-n rho_w W' = C (U - W), C = gamma_w n^2 / k. `--check` holds this against cases/shear_wave/reference.
+Exact shear wave: mode q = (m + 1/2) pi / H starts with 2 v0 / ((m + 1/2) pi); with the displacement X and velocity U of the soil and
+the water's velocity W, X' = U, n_s rho_s U' = -G q^2 X - C (U - W), n rho_w W' = C (U - W), C = gamma_w n^2 / k. `--check`
+compares this with cases/shear_wave/reference.
 """
 import argparse
 import pathlib
@@ -35,7 +36,7 @@ HEIGHTS = np.arange(0.01, 0.2, 0.02)  # m, of the gauges `speed`
 
 
 def modes(k, t, count):
-    """Velocity of the soil in the first `count` modes, [mode, time]; k = inf: the soil alone."""
+    """Velocity of the soil in the first `count` modes [mode, time]; k = inf: soil without water."""
     soil, water = (1.0 - POROSITY) * GRAINS, POROSITY * WATER
     drag = 0.0 if np.isinf(k) else WEIGHT * POROSITY**2 / k
     velocities = np.empty((count, len(t)))
@@ -50,7 +51,7 @@ def modes(k, t, count):
 
 
 def period(k):
-    """Of the first mode [s]: that of the mixture where the drag holds both phases together within it, else of the soil alone."""
+    """Period of the first mode [s]: of the mixture where drag couples both phases within it, else of the soil alone."""
     soil = (1.0 - POROSITY) * GRAINS
     if np.isinf(k):
         return 4.0 * HEIGHT * np.sqrt(soil / SHEAR)
@@ -61,12 +62,12 @@ def period(k):
 
 
 def mean_velocity(k, t):
-    """Of the soil over its height [m/s]."""
+    """Mean velocity of the soil over its height [m/s]."""
     return modes(k, t, 400).T @ (1.0 / ((np.arange(400) + 0.5) * np.pi))
 
 
 def fifth(k):
-    """Times between which the fifth period lies [s], largest exact amplitude of the first mode in it [m/s]."""
+    """The times between which the fifth period lies [s], and the largest exact amplitude of the first mode in it [m/s]."""
     span = np.array([4.0, 5.0]) * period(k)
     return span, modes(k, np.linspace(*span, 2001), 1)[0].max()
 
@@ -140,7 +141,7 @@ SCENES = {
 
 
 def one(a, scene, k, spacing, window):
-    """k None: the dry twin."""
+    """One run and its table row; k None: the dry twin."""
     judge, case, soils, end, _ = SCENES[scene]
     dry = k is None
     settings = [f"{'solid' if dry else 'fluid'}.particle_spacing={spacing}", "output.interval=0", *a.set]

@@ -1,5 +1,6 @@
-// Iterations and seconds of the pressure solve against size, on the diagonal, with aggregates, by multigrid: a tank and
-// a Darcy column, in disorder; what a product with the matrix and a cycle cost a particle. Not a test: run by hand.
+// Iterations and time of the pressure solve against the number of particles, with the diagonal, aggregates or multigrid
+// as preconditioner, in a tank and a Darcy column of disordered particles; costs of a matrix product and of a cycle per
+// particle. Not a test: run by hand.
 #include "common/numerics/aggregates.hpp"
 #include "common/numerics/multigrid.hpp"
 #include "fluid_solver/discretisation/operators.hpp"
@@ -16,8 +17,8 @@ namespace {
 
 double cpu() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-/// A unit square (cube) of about n particles, walls all round; pressure fixed in its top rows (tank), or by a factor of
-/// 1e3 between two soils (seepage).
+/// A unit square (or cube) of about n particles between walls. Tank: prescribed pressure in its top rows. Layered: two
+/// soils whose conductivities differ by a factor of 1e3.
 template <int D>
 void measure(std::size_t n, bool layered) {
   const int side = static_cast<int>(std::lround(std::pow(static_cast<double>(n), 1.0 / D)));
@@ -81,7 +82,7 @@ void measure(std::size_t n, bool layered) {
   const auto quick = conjugate_gradients(
       apply, [&](std::span<const double> r, std::span<double> z) { multigrid.cycle(r, z); }, b, p, 1e-4 * norm(b), 500);
   const double whole = cpu() - t;
-  const auto nanoseconds = [&](const auto& pass) {  // a particle; the least of five rounds
+  const auto nanoseconds = [&](const auto& pass) {  // per particle; the shortest of five rounds
     const int passes = static_cast<int>(std::max<std::size_t>(2, 1000000 / x.size()));
     double least = 1e300;
     for (int round = 0; round < 5; ++round) {

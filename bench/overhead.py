@@ -1,20 +1,20 @@
 #!/usr/bin/python3
-"""What the coupling costs besides the solvers' own work, from the time line of `poretwin run --profile`: overhead.csv.
+"""Costs of the coupling besides the solvers' own work, from the time line of `poretwin run --profile`: overhead.csv.
 
-Every instant of the exchange counts once: to whoever computes, else to who writes, maps or sends, else to nobody.
+Every instant of a run counts for one activity: computing if a process computes, else writing, mapping or sending, else `nobody`.
 
-    overhead       (mapping + sending + nobody) / whole: in a serial schedule one solver computes while the other waits for
-                   it, and that is no overhead
-    critical path  whole / (whole - nobody): the run against the work of its own schedule as measured, one thing after
-                   the other where they depend on each other
+    overhead       (mapping + sending + nobody) / whole. In a serial schedule one solver computes while the other waits, which is
+                   no overhead
+    critical path  whole / (whole - nobody): the run over the measured work of its schedule, where dependent activities follow each
+                   other without a gap
 
     waiting        of each solver, over the whole: for the other one and for the coupler
-    both           computing at the same time, over the whole
+    both           time in which both compute, over the whole
 
-The first scene is a column of 3000 particles (cases/terzaghi) exchanging every substep of the soil, serial and parallel
-(docs/theory/coupling.md, "Other schemes"); the others cases/embankment_seepage and, to its
-end, cases/embankment_failure, with the windows that they choose. --trace judges a time line that is there. On a busy
-machine whoever is not given a core stands for `nobody`, too: the shortest of --repeat runs is reported.
+The first scene is a column of 3000 particles (cases/terzaghi) with an exchange at every substep of the soil, serial and parallel
+(docs/theory/coupling.md, "Other schemes"); the others are cases/embankment_seepage and, to its end, cases/embankment_failure,
+with the windows that they choose. --trace evaluates an existing time line. On a busy machine a process without a core
+counts as `nobody`, too: the shortest of --repeat runs is reported.
 """
 import argparse
 import collections
@@ -67,7 +67,7 @@ def judged(scene, events, windows):
 
 
 def table(rows):
-    """Markdown."""
+    """The results as a Markdown table."""
     lines = ["| scene | windows | wall s | " + " | ".join(ACTIVITIES) + " | overhead | over the critical path | " + " | ".join(OVERLAP) + " |",
              "| --- " * (len(ACTIVITIES) + len(OVERLAP) + 5) + "|"]
     for row in rows:

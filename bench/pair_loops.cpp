@@ -1,6 +1,6 @@
-// Pair loops against what this machine can do: one fused pass of density divergence, pressure gradient and Laplacian
-// over the pairs of a jittered lattice, as a neighbour list, as a list in lanes and as a half list in lanes; beside it
-// the loops of both solvers on the same points. By hand: `ninja pair_loops && bin/pair_loops [PARTICLES]`.
+// Pair loops compared with what this machine can do: one fused pass of density divergence, pressure gradient and
+// Laplacian over the pairs of a jittered lattice, with a neighbour list, a list in lanes and a half list in lanes; and
+// the loops of both solvers on the same points. Run by hand: `ninja pair_loops && bin/pair_loops [PARTICLES]`.
 #include "solid_solver/discretisation/pair_loops.hpp"
 #include "fluid_solver/discretisation/operators.hpp"
 #include "solid_solver/discretisation/operators.hpp"
@@ -16,7 +16,7 @@ namespace {
 
 double cpu() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-/// Least CPU seconds of one call, of as many as fit into half a second (three at least).
+/// Shortest CPU time of one call [s], of as many calls as fit into half a second (at least three).
 template <class Job>
 double seconds(Job&& job) {
   double least = 1e300;
@@ -29,7 +29,7 @@ double seconds(Job&& job) {
   return least;
 }
 
-/// What the floor's pass reads: x, y, u, v, p, V; and what it adds up: divergence, gradient, Laplacian.
+/// Values that the pass reads: x, y, u, v, p, V; and that it sums: divergence, gradient, Laplacian.
 struct alignas(64) Point {
   double x[8]{};
   [[nodiscard]] const double* row() const { return x; }
@@ -37,7 +37,7 @@ struct alignas(64) Point {
 
 double scale_of(double h) { return 5.0 * sph::WendlandC2<2>::normalisation(h) / (h * h); }
 
-/// List of all neighbours, one at a time.
+/// With a list of all neighbours, one pair at a time.
 void plain_pass(const std::vector<Point>& points, const sph::PairList& list, double h,
                 std::vector<solid::Sums<4>>& sums) {
   const double scale = scale_of(h);
@@ -75,7 +75,7 @@ void plain_pass(const std::vector<Point>& points, const sph::PairList& list, dou
   volume = b[5];
 }
 
-/// Pairs stored once or twice, four at a time.
+/// Four pairs at a time, each stored once or twice.
 void lane_pass(const std::vector<Point>& points, const solid::Pairs& pairs, double h,
                std::vector<solid::Sums<4>>& sums) {
   sums.assign(points.size(), {});
@@ -102,7 +102,7 @@ void lane_pass(const std::vector<Point>& points, const solid::Pairs& pairs, doub
       });
 }
 
-/// The same pairs, each at both of its particles.
+/// The same pairs, each stored for both of its particles.
 solid::Pairs doubled(const sph::PairList& list) {
   solid::Pairs pairs;
   pairs.part = {0, static_cast<Index>(list.size())};
@@ -157,7 +157,7 @@ int main(int argc, char** argv) {
   // The water's loops, on its own smoothing length.
   fluid::Stencil<2> s;
   const double search = seconds([&] { s = fluid::make_stencil<2>(x, volumes, {}, {}); });
-  double in_rows = 0.0;  // without what rows are filled up with
+  double in_rows = 0.0;  // without the padding of rows
   for (std::size_t a = 0; a < x.size(); ++a)
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) in_rows += s.other[k] != a ? 1.0 : 0.0;
   report("fluid: search, kernels, moments", in_rows, search, false);
@@ -172,7 +172,7 @@ int main(int argc, char** argv) {
   report("fluid: matrix pass", in_rows,
          seconds([&] { matrix.apply(std::span<const double>(p), std::span<double>(y)); }), false);
 
-  // The soil's loops: its own skin in the lists.
+  // The soil's loops, with the margin of its own lists.
   const double soil_h = 1.2 * dx, range = 2.0 * soil_h + 0.2 * dx;
   solid::Neighbourhood<2> around;
   solid::Pairs& pairs = around.pairs;

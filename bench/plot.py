@@ -1,9 +1,9 @@
-"""Tables and pictures that the benchmarks share: rows to CSV, curves to PNG. Needs python3-matplotlib."""
+"""Common tables and pictures of the benchmarks: rows to CSV, curves to PNG. Needs python3-matplotlib."""
 import csv
 import pathlib
 import sys
 
-sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent / "cli"))  # behind this folder, whose plot.py is another one
+sys.path.append(str(pathlib.Path(__file__).resolve().parent.parent / "cli"))  # after this folder: it has another plot.py
 import style  # noqa: E402
 from style import plt  # noqa: E402
 
@@ -11,7 +11,7 @@ style.use(**{"savefig.dpi": 120})
 
 
 def write_csv(path, rows):
-    """rows: dictionaries with the same keys."""
+    """Writes rows, dictionaries with the same keys, as CSV."""
     path = pathlib.Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     with open(path, "w", newline="") as stream:
@@ -21,7 +21,7 @@ def write_csv(path, rows):
 
 
 def error_curves(path, title, rows, abscissae, error="error", label="scheme", bound=None):
-    """Error against each of `abscissae` (key: axis label), log-log, one curve per value of `label`."""
+    """Draws the error against each of `abscissae` (key: axis label), log-log, one curve per value of `label`."""
     figure, panels = plt.subplots(1, len(abscissae), figsize=(4.5 * len(abscissae), 3.8), sharey=True, squeeze=False)
     for panel, (key, text) in zip(panels[0], abscissae.items()):
         for name in dict.fromkeys(row[label] for row in rows):

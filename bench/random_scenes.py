@@ -1,18 +1,18 @@
 #!/usr/bin/python3
-"""Random scenes, each compared with an exact value or a finite-volume solution of its own; the exit code is 1 if any is silently wrong.
+"""Random scenes, each compared with an exact value or with its own finite-volume solution; the exit code is 1 if any is silently wrong.
 
-    still   water at rest: tanks with slanted sides, steps, blocks, two chambers, ground below water; p = rho g (H - y), speeds
-    column  steady seepage through layers in series, gravity at any angle to them; U = dh / sum(t / k), heads
+    still   water at rest: tanks with slanted sides, steps, blocks, two chambers, ground below water; pressure rho g (H - y), speeds
+    column  steady seepage through layers in series, gravity at any angle to them; discharge U = dh / sum(t / k), heads
     plane   steady seepage in a plane: lenses, slanted and stepped layers, drains, thick piles; against finite volumes
-    dry     elastic soil at rest beside smooth walls, in layers; vertical stress rho g h, horizontal K0 times that
-    wet     the same full of water under a pond; pore pressure and effective stress
+    dry     elastic soil at rest beside smooth walls, in layers; vertical stress rho g h, horizontal stress K0 times that
+    wet     the same, saturated and under a pond; pore pressure and effective stress
 
-Every scene has a size from 1e-2 to 1e2 m, a place up to 1e6 m from the origin and an angle to the lattice, all at random.
+Every scene has a random size from 1e-2 to 1e2 m, a random position up to 1e6 m from the origin and a random angle to the lattice.
 
 Outcomes: right; refused (by `poretwin check`); stopped (with a reason, exit codes 3 and 4); warned (exit code 6); slow (--longest);
-SILENTLY WRONG: it ended by itself without a doubt and misses its bound; failed: any other end. `error`: the largest departure in units
-of what it is relative to (heads: their difference, pressures and stresses: those at the base); `bound`: 0.3 over the rows of the
-thinnest part, 3 % at 10 rows, no less than 1 %.
+SILENTLY WRONG: it ended by itself without a warning but exceeds its bound; failed: any other end. `error`: the largest error, relative
+(heads: to their difference; pressures and stresses: to those at the base); `bound`: 0.3 over the number of rows in the thinnest part,
+3 % at 10 rows, but not below 1 %.
 """
 import argparse
 import collections
@@ -32,10 +32,10 @@ from scipy.interpolate import RegularGridInterpolator
 from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import spsolve
 
-FIRST_ORDER, SMALLEST = 0.3, 0.01  # error of one row; bound of many
-# Kinds of scenes that are known to be refused or wrong: drawn with --known NAME only.
+FIRST_ORDER, SMALLEST = 0.3, 0.01  # error with one row; smallest bound
+# Kinds of scenes that are known to be refused or wrong: drawn only with --known NAME.
 KNOWN = {"thin_walls": "piles thinner than the kernel's reach", "part_faces": "faces that end on a straight wall"}
-# Seeds whose result is known to be wrong, with the reason: shown, but not counted as a failure.
+# Seeds with results known to be wrong, and the reason: shown, but not counted as failures.
 CORNER = "pressure read within a row of a border, where all of the head is lost in five rows"
 ASLANT = "discharge past or through another soil off by more than its few rows explain; not found out"
 WRONG = {27: CORNER, 97: ASLANT}
@@ -43,7 +43,7 @@ WRONG = {27: CORNER, 97: ASLANT}
 
 @dataclasses.dataclass
 class Held:
-    """A scene and what its gauges are compared with: {gauge: (right value, what an error is relative to)}; `most`: {gauge: largest
+    """A scene and the values with which its gauges are compared: {gauge: (right value, scale of the error)}; `most`: {gauge: largest
     reading}."""
     scene: Scene
     rows: float
@@ -65,7 +65,7 @@ def pick(rng, *options):
 
 
 def where(rng, size, spacing):
-    """Angle [rad] and place [m]."""
+    """Random angle [rad] and position [m]."""
     angle = rng.choice([0.0, 1.0, 2.0], p=[0.25, 0.15, 0.6])
     angle = 0.0 if angle == 0.0 else rng.integers(1, 4) * 0.5 * np.pi if angle == 1.0 else rng.uniform(-np.pi, np.pi)
     far = rng.choice([0, 1, 2], p=[0.4, 0.4, 0.2])
@@ -140,13 +140,13 @@ def column(rng, _known):
     thick = np.maximum(thick, 1.0) if count > 1 else np.maximum(thick, 5.0)
     across = rng.integers(6, 16)
     k = 10.0 ** rng.uniform(-7, -2) * 10.0 ** (rng.uniform(-3, 3, count) * rng.choice([0.0, 0.3, 1.0]))
-    k = np.clip(k, 1e-9, 0.1)  # what is faster takes seconds to gather speed
+    k = np.clip(k, 1e-9, 0.1)  # faster flow takes seconds to develop
     size = log_uniform(rng, 1e-2, 1e2)
     dx = size / max(across, thick.sum())
     ends = np.r_[0.0, np.cumsum(thick * dx)]
     height, width, porosity = ends[-1], across * dx, rng.uniform(0.25, 0.6)
     resistance = np.sum(thick * dx / k)
-    bottom, top = (height + width) * rng.uniform(1.2, 2.0, 2)  # heads above all of the column, whichever way up it is
+    bottom, top = (height + width) * rng.uniform(1.2, 2.0, 2)  # heads above all of the column, in any orientation
     if abs(top - bottom) < 0.2 * height:
         top = bottom + 0.3 * height
     speed = (bottom - top) / resistance
@@ -172,8 +172,8 @@ def column(rng, _known):
 
 
 def finite_volumes(width, height, parts, default, holes, faces, h):
-    """Steady seepage in a rectangle: conductivities of the first part that holds a place, none in holes; faces: [(side, from, to, head)].
-    A function that gives the head at places, and the discharge inwards through each face [m2/s]."""
+    """Steady seepage in a rectangle. A point has the conductivity of the first part that contains it, none in holes; faces: [(side, from, to,
+    head)]. Returns a function that gives the head at points, and the inward discharge through each face [m2/s]."""
     nx, ny = round(width / h), round(height / h)
     hx, hy = width / nx, height / ny
     x, y = np.meshgrid((np.arange(nx) + 0.5) * hx, (np.arange(ny) + 0.5) * hy, indexing="ij")
@@ -235,7 +235,7 @@ def plane(rng, known):
         c, s = np.cos(turn), np.sin(turn)
         middle = np.array([width * rng.uniform(0.42, 0.58), height * rng.uniform(0.42, 0.58)])
         lens = np.array([[-a, -b], [a, -b], [a, b], [-a, b]]) @ np.array([[c, s], [-s, c]]) + middle
-        near = np.linalg.norm(lens, axis=1).argmin()  # the ground around it, with a bridge from its corner to the lens
+        near = np.linalg.norm(lens, axis=1).argmin()  # corner of the lens where the ground's polygon is joined to it
         around = np.vstack([whole, whole[:1], lens[[near, near - 3, near - 2, near - 1, near][::-1]]])
         parts = [(lens, k * contrast), (around, k)]
         thinnest = 2.0 * min(a, b) / dx
@@ -365,7 +365,7 @@ def drawn(seed, known=(), kinds=tuple(KINDS)):
 
 
 def judge(held, run):
-    """Largest error over the bound's unit, and the gauge that has it. Means over the second half of a run count."""
+    """The largest error, over its scale, and the gauge that has it. Compared are means over the second half of a run."""
     worst, which = 0.0, ""
     for name, (right, unit) in held.values.items():
         if name not in run.gauges:
@@ -413,7 +413,7 @@ def one(seed, a):
 
 
 def known_wrong(seed, a):
-    """A seed draws the same scene as long as all kinds are drawn."""
+    """The reason why a seed is known to be wrong. A seed draws the same scene only where all kinds are drawn."""
     return WRONG.get(seed, "") if list(a.kinds) == list(KINDS) and not a.known else ""
 
 

@@ -1,4 +1,4 @@
-"""A run of poretwin from a benchmark: its gauges, its end, what it cost."""
+"""A run of poretwin in a benchmark: its gauges, its exit, its costs."""
 import contextlib
 import csv
 import json
@@ -11,14 +11,14 @@ import time
 
 import numpy as np
 
-PROGRAMS = ["poretwin", "poretwin-fluid", "poretwin-pore", "poretwin-solid", "poretwin-coupler"]  # of a build, in bin/
+PROGRAMS = ["poretwin", "poretwin-fluid", "poretwin-pore", "poretwin-solid", "poretwin-coupler"]  # programs of a build, in bin/
 PROGRAM = pathlib.Path(__file__).resolve().parent.parent / "build" / "release" / "bin" / "poretwin"
 
 
 class Run:
-    """exit: the exit code (124: stopped after `longest` seconds); reason: its last words; gauges: {name: (times, values)};
-    summaries: {process: its summary}; cpu, wall: seconds of all processes; trace: the events of its time line, with `profile`.
-    threads: of each solver; None: all cores. folder: that stays; None: none does."""
+    """exit: exit code (124: stopped after `longest` seconds); reason: its last message; gauges: {name: (times, values)};
+    summaries: {process: its summary}; cpu, wall: seconds of all processes; trace: events of its time line, with `profile`;
+    threads: per solver, None: all cores; folder: kept after the run, None: a temporary one."""
 
     def __init__(self, case, overrides, program=PROGRAM, longest=None, profile=False, threads=None, folder=None):
         with contextlib.nullcontext(folder) if folder else tempfile.TemporaryDirectory() as folder:
@@ -32,7 +32,7 @@ class Run:
                     self.reason = process.communicate(timeout=longest)[1].strip()
                     self.exit = process.returncode
                 except subprocess.TimeoutExpired:
-                    process.send_signal(signal.SIGINT)  # it ends its processes
+                    process.send_signal(signal.SIGINT)  # poretwin then ends its processes
                     process.communicate()
                     self.exit, self.reason = 124, f"stopped after {longest:g} s"
             self.wall = time.monotonic() - begin

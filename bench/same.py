@@ -1,18 +1,17 @@
 #!/usr/bin/python3
-"""Holds two builds against each other: every case's short form by both, and whether what they leave is the same, bit by bit.
+"""Compares two builds: runs every case's short form with both, and reports whether their results are the same, bit by bit.
 
     bench/same.py OLD NEW [CASE ..] [--out DIR] [--checkpoints S]
 
-OLD and NEW are build folders, or copies of them, with bin/ and share/poretwin/cases: each build runs the cases that
-stand beside it, so that keys may have been renamed in between. Compared are the gauges and the time lines of frames
-byte for byte, the frames data set by data set (the HDF5 files also say who wrote them and when), how many windows,
-substeps and iterations were needed, and the states of checkpoints byte for byte (their heads name the program). A run
-that ends well removes its checkpoints, so each case's first run is begun once more by both, with a checkpoint after
-every window, and stopped after some seconds; of the checkpoints that are caught meanwhile, those of the same windows are
-compared.
+OLD and NEW are build folders, or copies of them, with bin/ and share/poretwin/cases. Each build runs the cases beside it, so that
+keys may have been renamed between the two. Compared are: gauges and the time lines of frames, byte by byte; frames, data set by data
+set (HDF5 files also contain who wrote them and when); the numbers of windows, substeps and iterations; and the states in
+checkpoints, byte by byte (their heads name the program). A run that ends well removes its checkpoints. Therefore each case's first
+run is started again with both builds, with a checkpoint after every window, and stopped after some seconds; the checkpoints found
+meanwhile that belong to the same windows are compared.
 
-What OLD left below --out is kept, and taken as it is next time if neither its programs nor its case have changed.
-Exit code: 0 all the same, 1 a difference, 2 nothing to compare.
+The results of OLD below --out are kept, and used again if neither its programs nor its case have changed.
+Exit code: 0 no difference, 1 a difference, 2 nothing to compare.
 """
 import argparse
 import hashlib
@@ -29,7 +28,7 @@ import tomllib
 from kill import differences
 from runs import PROGRAMS
 
-NO_RESULTS = ("_s", "_bytes")  # counters that end so, and checkpoints, which are taken by the clock
+NO_RESULTS = ("_s", "_bytes")  # endings of counters that depend on time or memory; checkpoints are taken by the clock
 
 
 def cases_of(build):
@@ -44,13 +43,13 @@ def fingerprint(build, case):
 
 
 def verify(build, case, out):
-    """Every short run of the case below out / case. The verdict does not matter here: a missed bound is to be the same, too."""
+    """Makes every short run of the case, below out / case. The verdicts do not matter here: a missed bound must be the same, too."""
     subprocess.run([build / "bin" / "poretwin", "verify", cases_of(build) / case, "--short", "--out", out],
                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False)
 
 
 def state_in(data):
-    """What a checkpoint holds below its head: common/checkpoint/store.cpp."""
+    """The state in a checkpoint, without its head: common/checkpoint/store.cpp."""
     at = data.index(b"\n") + 1 + 16  # first line, checksum
 
     def text():
@@ -72,7 +71,7 @@ def state_in(data):
 
 
 def catch_checkpoints(build, case, out, seconds):
-    """Digests of the states of the case's first short run, caught while it goes, by process and window: caught.json."""
+    """Digests of the states in checkpoints of the case's first short run, collected while it runs, by process and window: caught.json."""
     spec = tomllib.loads((cases_of(build) / case / "verify.toml").read_text())
     first = next((run for run in spec["run"] if run.get("when") != "full" and run.get("command", "run") == "run"), None)
     if first is None:
@@ -98,7 +97,7 @@ def catch_checkpoints(build, case, out, seconds):
 
 
 def left_by(build, case, out, seconds):
-    """Runs the case unless the same build's results lie there."""
+    """Runs the case, unless results of the same build exist."""
     stamp, mark = out / "stamp", f"{fingerprint(build, case)} {seconds}"
     if stamp.exists() and stamp.read_text() == mark:
         return
@@ -117,7 +116,7 @@ def counted(file):
 
 
 def compared(old, new, case):
-    """Differences, and how much was compared."""
+    """The differences, and the number of compared items."""
     bad, runs = [], 0
     folders = [{file.parent.relative_to(out) for file in (out / case).rglob("run.toml")} for out in (old, new)]
     for run in sorted(folders[0] | folders[1]):

@@ -5,11 +5,11 @@
     bench/scaling.py --threads 1 2 --sizes 100000           speed-up of both solvers
     bench/scaling.py --phases "fluid 3D" --sizes 2e6        2 million particles in 3D: some 4 GB
 
-Water: seepage through a filled aquifer of rigid soil (cases/confined_flow), also in 3D. Soil: the dry embankment
-(cases/embankment_dry), unloaded at first. A step's cost is the difference between a long and a short run, over the steps between them: reading,
-the first search and writing fall out. Two speed-ups: of the wall-clock (on a quiet machine), and the CPU time of all threads
-over that of the first, which does all that is serial: what the threads bring where each has a core of its own, told in one
-run, also on a busy machine. Memory is the most the solver held, less that of a run of 1000 particles.
+Water: seepage through a saturated aquifer of rigid soil (cases/confined_flow), also in 3D. Soil: the dry embankment
+(cases/embankment_dry), unloaded at first. The cost of a step is the difference between a long and a short run over the steps between them, so that
+reading, the first search and writing cancel. Two speed-ups: of the wall-clock time (on a quiet machine); and the CPU time of all threads over
+that of the first, which does all serial work: what threads gain where each has a core of its own, measured in one run, also on a busy machine.
+Memory is the largest of the solver, less that of a run with 1000 particles.
 """
 import argparse
 import json
@@ -27,7 +27,7 @@ QUIET = ["output.interval=1e9", "output.gauge_interval=1e9"]
 
 def water(n, windows):
     dx = (0.4 * 0.2 / n) ** 0.5
-    end = windows * 0.25 * dx / 6.9e-5  # a quarter spacing a window
+    end = windows * 0.25 * dx / 6.9e-5  # s: a quarter spacing per window
     return "confined_flow", [f"fluid.particle_spacing={dx}", f"case.end_time={end}"]
 
 
@@ -39,11 +39,11 @@ def water_3d(n, windows):
 
 def soil(n, steps):
     dx = (0.32 / n) ** 0.5
-    end = steps * 0.8 * dx / 51.0  # Courant number over the speed of sound
+    end = steps * 0.8 * dx / 51.0  # s: Courant number over the speed of sound
     return "embankment_dry", [f"solid.particle_spacing={dx}", f"case.end_time={end}", "solid.initial_rest=false"]
 
 
-# Solver, scene, steps of the short and the long run, what they are called.
+# Solver, scene, steps of the short and the long run, name of the steps.
 PHASES = {"fluid": ("fluid", water, (3, 27), "windows"), "fluid 3D": ("fluid", water_3d, (2, 8), "windows"),
           "solid": ("solid", soil, (10, 50), "substeps")}
 
@@ -92,7 +92,7 @@ def measure_all(program, phases, sizes, threads):
 
 
 def table(rows):
-    """Markdown."""
+    """The results as a Markdown table."""
     lines = ["| phase | particles | threads | CPU us a particle and step | of the first thread | wall us | all threads over the first "
              "| speed-up by wall | bytes a particle | iterations |", "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |"]
     for r in rows:
@@ -112,7 +112,7 @@ def draw(path, rows):
     colours = {phase: f"C{k}" for k, phase in enumerate(dict.fromkeys(r["phase"] for r in rows))}
     for panel, (key, text) in zip(panels, texts.items()):
         for phase, threads in dict.fromkeys((r["phase"], r["threads"]) for r in rows):
-            if key == "iterations" and (phase == "solid" or threads > 1):  # the same on any number of threads
+            if key == "iterations" and (phase == "solid" or threads > 1):  # the same for any number of threads
                 continue
             mine = [r for r in rows if (r["phase"], r["threads"]) == (phase, threads)]
             panel.semilogx([r["particles"] for r in mine], [r[key] for r in mine], "o-" if threads == 1 else "o--",

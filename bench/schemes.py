@@ -1,14 +1,14 @@
 #!/usr/bin/python3
 """Stability limits of the coupling schemes, by theory and measured: OUT/schemes.csv, and the table of docs/notebook/coupling.md.
 
-Theory: one mode of wave number kappa of a column that drains through its top, exchange by exchange as the solvers take it
-(`window`), is a linear map of what is kept between two windows; the limit is the longest window for which none of the
-column's modes grows, and no uniform slip (kappa = 0).
+Theory: one mode of wave number kappa in a column that drains through its top, followed exchange by exchange as the solvers compute it
+(`window`), is a linear map of the values kept between two windows. The limit is the longest window for which none of the column's
+modes grows, nor a uniform relative velocity (kappa = 0).
 
-Measured: cases/terzaghi, 2 cm, windows halved and doubled until the limit lies between two that differ by 10 %. Bounded: the
-pressure at the base is in the run's second half no more than 1.2 times what it was in its first, or 1.5 loads, and windows
-are then of that length (the water's own control shortens them where the pressure rings). `error`: of
-the degree of consolidation against the reference of consolidation.py, in windows of --accuracy.
+Measured: cases/terzaghi, 2 cm; windows are halved and doubled until the limit lies between two that differ by 10 %. Bounded: the
+pressure at the base in the run's second half is at most 1.2 times that in its first half, or 1.5 loads, and the windows then have
+that length (the water's own control shortens them where the pressure oscillates). `error`: of the degree of consolidation
+against the reference of consolidation.py, with windows of --accuracy.
 """
 import argparse
 import functools
@@ -22,7 +22,7 @@ from runs import PROGRAM, Run
 HEIGHT, SPACING, LOAD, MODULUS, GAMMA = 0.4, 0.02, 1e3, 3e6 * 0.7 / (1.3 * 0.4), 9810.0  # m, m, Pa, Pa (constrained), N/m3
 POROSITY, GRAINS, WATER = 0.4, 2600.0, 1000.0  # 1, kg/m3, kg/m3
 N_S, SOIL = 1.0 - POROSITY, (1.0 - POROSITY) * GRAINS  # 1, kg/m3
-SUBSTEP = 0.8 * SPACING * np.sqrt(SOIL / MODULUS)  # s, the soil's own
+SUBSTEP = 0.8 * SPACING * np.sqrt(SOIL / MODULUS)  # s, substep of the soil
 SCHEMES = {
     "serial (default)": [],
     "serial, plain": ["fluid.skeleton_response=false"],
@@ -30,16 +30,16 @@ SCHEMES = {
     "parallel, plain": ["coupling.scheme=\"parallel\"", "fluid.skeleton_response=false"],
     "iterated, plain": ["coupling.scheme=\"iterated\"", "fluid.skeleton_response=false"],
 }
-KEPT = ["w", "owed", "u", "v", "ramped", "g", "s", "J", "mean", "returned"]  # between two windows
+KEPT = ["w", "owed", "u", "v", "ramped", "g", "s", "J", "mean", "returned"]  # values kept between two windows
 
 
 def fluid(x, v, r, mean, dt, k, kappa, plain):
-    """Of x: the water's w, what it owes, its last prediction s; v, r [N/m3] and mean: what it is given of the soil."""
+    """The water's values after a window: its velocity w, deferred impulse and last prediction s, in x; v, r [N/m3] and mean: received from the soil."""
     C, aw = GAMMA * POROSITY**2 / k, POROSITY * WATER / dt
     owed = x["owed"] + x["returned"]
     taken = aw / (aw + C) * owed
     w = x["w"] - taken / (POROSITY * WATER)
-    if plain:  # the skeleton as it moved; then an explicit guess of where it goes
+    if plain:  # the motion of the skeleton is taken as it was, and extrapolated explicitly
         new = -N_S / POROSITY * v if kappa else (aw * w + C * v) / (aw + C)
         g = -(aw * (new - w) + C * (new - v)) / POROSITY if kappa else 0.0
         J = dt * C * (new - v)
@@ -68,7 +68,7 @@ def soil(x, g, s, J, dt, k, kappa, scheme):
 
 
 def window(x, scheme, dt, k, kappa):
-    """What is kept, one exchange later: x by name, each a number."""
+    """The kept values after one more exchange; x: their present values by name."""
     plain = scheme.endswith("plain")
     if scheme.startswith("parallel"):
         return {**fluid(x, x["v"], -MODULUS * kappa**2 * x["u"], x["mean"], dt, k, kappa, plain),
@@ -80,7 +80,7 @@ def window(x, scheme, dt, k, kappa):
 
     if scheme.startswith("serial"):
         return one_pass(x["v"], x["u"], x["mean"])
-    names, columns = ["v", "u", "mean"], []  # iterated: what goes in comes out; affine in it
+    names, columns = ["v", "u", "mean"], []  # iterated: the output equals the input; the map is affine
     rest = np.array([one_pass(0.0, 0.0, 0.0)[name] for name in names])
     for unit in np.eye(3):
         columns.append(np.array([one_pass(*unit)[name] for name in names]) - rest)
@@ -88,7 +88,7 @@ def window(x, scheme, dt, k, kappa):
 
 
 def growth(scheme, dt, k, kappa):
-    """Of the fastest growing combination of what is kept, per window."""
+    """Growth per window of the fastest growing combination of kept values."""
     columns = []
     for unit in np.eye(len(KEPT)):
         after = window(dict(zip(KEPT, unit)), scheme, dt, k, kappa)
@@ -97,9 +97,9 @@ def growth(scheme, dt, k, kappa):
 
 
 def limit_by_theory(scheme, k):
-    # Shorter waves than those are seen by the operators as longer ones.
+    # The operators treat shorter waves as longer ones.
     modes = [0.0] + [kappa for kappa in (np.arange(HEIGHT / SPACING) + 0.5) * np.pi / HEIGHT if kappa < 0.9 / SPACING]
-    stable = lambda dt: all(growth(scheme, dt, k, kappa) < 1.0 + 1e-7 for kappa in modes)  # momentum is kept: 1 to rounding
+    stable = lambda dt: all(growth(scheme, dt, k, kappa) < 1.0 + 1e-7 for kappa in modes)  # momentum is conserved: 1 up to rounding
     times = np.geomspace(1e-7, 3e-2, 120)
     for short, long in zip(times, times[1:]):
         if stable(long):
@@ -128,7 +128,7 @@ def bounded(a, scheme, k, dt):
 
 
 def error(a, scheme, k, dt):
-    """Largest of the degree of consolidation from Tv = 0.1 to 0.5; NaN where the run does not get there."""
+    """Largest error of the degree of consolidation from Tv = 0.1 to 0.5; NaN where the run does not reach that."""
     unit = HEIGHT**2 * GAMMA / (k * MODULUS)
     run = column(a, scheme, k, dt, 0.5 * unit)
     if run.exit != 0:
@@ -139,7 +139,7 @@ def error(a, scheme, k, dt):
 
 
 def limit_measured(a, scheme, k, guess):
-    """Longest window seen to be bounded, and the shortest that was not (inf: none up to --most)."""
+    """Longest window observed to be bounded, and the shortest that was not (inf: none up to --most)."""
     holds = functools.cache(lambda dt: bounded(a, scheme, k, dt))
     dt = min(guess, a.most)
     while holds(dt):

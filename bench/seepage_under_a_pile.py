@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 """Finite volumes of seepage under a sheet pile: the reference of ThinWalls.WaterSeepsUnderAPile (tests/fluid).
 
-A layer of 2 m by 0.6 m on a tight base, sides tight, heads of 0.9 and 0.7 m on its top, a pile from the top to 0.3 m. The
-heads are antisymmetric about the pile, so that one half is solved for, with the mean head on the line below its end.
-Prints the discharge [m2/s] with 60, 120 and 240 rows and in the limit that their differences tell.
+A layer of 2 m by 0.6 m on an impermeable base, between impermeable sides, heads of 0.9 and 0.7 m on its top, a pile from the top down to
+0.3 m. The heads are antisymmetric about the pile, so that one half is solved, with the mean head on the line below the pile's tip.
+Prints the discharge [m2/s] with 60, 120 and 240 rows and the limit to which their differences point.
 """
 
 import numpy as np
@@ -14,7 +14,7 @@ WIDTH, HEIGHT, TIP, HEADS, CONDUCTIVITY = 2.0, 0.6, 0.3, 0.2, 1e-4  # m, m, m ab
 
 
 def discharge(thickness, rows):
-    """Through half the layer, in square cells; thickness [m] of the pile, a multiple of two cells."""
+    """Discharge [m2/s], from half of the layer, in square cells; thickness [m] of the pile: a multiple of two cells."""
     cell = HEIGHT / rows
     columns = round(0.5 * WIDTH / cell)
     behind, below = round(0.5 * thickness / cell), round(TIP / cell)
@@ -31,7 +31,7 @@ def discharge(thickness, rows):
     links = sparse.coo_matrix((one, (first, second)), (soil.sum(),) * 2)
     links = links + links.T
     top, middle = number[behind:, -1], number[0, :below]
-    held = np.zeros(soil.sum())  # half a cell from a given head: twice a link
+    held = np.zeros(soil.sum())  # half a cell from a prescribed head: twice the conductance
     held[top] += 2.0
     held[middle] += 2.0
     given = np.zeros(soil.sum())

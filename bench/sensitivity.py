@@ -1,15 +1,15 @@
 #!/usr/bin/python3
-"""Halves and doubles constants of fluid_solver/numerics, pore_solver/numerics and solid_solver/numerics, and says which tests turn red.
+"""Halves and doubles constants of fluid_solver/numerics, pore_solver/numerics and solid_solver/numerics, and reports which tests then fail.
 
-    bench/sensitivity.py --list                              the sheet
-    bench/sensitivity.py fluid.surface.hole solid.walls      a constant, or all of a room, by the tests named on the sheet
-    bench/sensitivity.py --all --short                       all; those without a named test by their solver's short forms
+    bench/sensitivity.py --list                              all constants
+    bench/sensitivity.py fluid.surface.hole solid.walls      a constant, or all of a header, with the tests that the headers name
+    bench/sensitivity.py --all --short                       all constants; those without a named test with their solver's short forms
 
-The value is changed in a scratch copy: a worktree of the last commit in a temporary folder with a build of its own, or
-the tree of --scratch, which is kept, and where a build that is there already is used. Before anything is changed the
-tests of a constant have to pass there. A constant for which nothing turns red is not needed, or its test is missing.
-Results go to docs/notebook/sensitivity.md, whose rows for other constants stay.
-Exit code: 0 each constant that was tried turned something red, 1 some did not, 2 a test is red without any change.
+The value is changed in a scratch copy: a worktree of the last commit in a temporary folder with its own build, or
+the tree of --scratch, which is kept and whose existing build is used. The tests of a constant must pass there before it is
+changed. A constant whose change makes no test fail is not needed, or its test is missing.
+Results go to docs/notebook/sensitivity.md; its rows for other constants are kept.
+Exit code: 0 each constant that was tried made a test fail, 1 some did not, 2 a test fails without any change.
 """
 import argparse
 import contextlib
@@ -48,7 +48,7 @@ class Constant:
     type: str
     value: str
     unit: str
-    test: str  # as the sheet says it
+    test: str  # as written in the header
     reason: str
 
     @property
@@ -64,7 +64,7 @@ class Constant:
         return [] if self.test.startswith("none known") else [self.test.removesuffix(" (untried)")]
 
     def times(self, factor):
-        """The value as source text; None where the type has no such value."""
+        """The changed value as source text; None where the type has no such value."""
         if self.type == "double":
             return repr(float(self.value) * factor)
         changed = int(int(self.value) * factor)
@@ -86,7 +86,7 @@ def sheet(root):
 
 
 def short_forms(root, solver):
-    """Cases with a verify.toml in which the solver has something to compute."""
+    """Cases with a verify.toml that the solver takes part in computing."""
     for verify in sorted((root / "cases").glob("*/verify.toml")):
         case = tomllib.loads((verify.parent / "case.toml").read_text())
         moves = "soil" in case and case.get("solid", {}).get("model") != "rigid"
@@ -96,7 +96,7 @@ def short_forms(root, solver):
 
 
 class Scratch:
-    """A tree in which values are changed, built and tested."""
+    """A source tree in which values are changed, built and tested."""
 
     def __init__(self, root, jobs, limit):
         self.root, self.jobs, self.limit = root, jobs, limit
@@ -112,7 +112,7 @@ class Scratch:
         return built.returncode == 0
 
     def program_of(self, test):
-        """The program that has this test: the solvers' own, which are built for it."""
+        """The program that contains a test: those of the solvers, which are built for it."""
         suite, name = test.split(".")
         for solver in SOLVERS:
             for file in (self.root / "tests" / solver).glob("*_test.cpp"):
@@ -129,7 +129,7 @@ class Scratch:
         try:
             run = subprocess.run(command, cwd=self.build, capture_output=True, text=True, errors="replace", timeout=self.limit)
         except subprocess.TimeoutExpired:
-            return True  # what takes so much longer has changed
+            return True  # a timeout counts as a failure: the run has changed
         if "." in test and "Running 0 tests" in run.stdout:
             sys.exit(f"{test}: not run by {command[0].name}")
         return run.returncode != 0
@@ -167,7 +167,7 @@ def scratch_tree(given):
 
 
 def tried(scratch, constant, tests):
-    """What turned red: halved, doubled."""
+    """The tests that failed: with the value halved, doubled."""
     cells = []
     for factor in (0.5, 2.0):
         value = constant.times(factor)
@@ -181,7 +181,7 @@ def tried(scratch, constant, tests):
 
 
 def write(rows):
-    """Rows by constant; those of other constants that the page has stay."""
+    """Writes the rows by constant; rows of the page for other constants are kept."""
     known = {}
     if PAGE.exists():
         for line in PAGE.read_text().splitlines():
@@ -217,7 +217,7 @@ def main():
     rows, missing, red_before = [], [], False
     with scratch_tree(a.scratch) as root:
         scratch = Scratch(root, a.jobs, a.limit)
-        green = {}  # whether a test passes before anything is changed
+        green = {}  # whether a test passes before any change
         for c in chosen:
             tests = list(dict.fromkeys(c.tests + a.tests))
             if not tests and a.short is not None:

@@ -1,11 +1,11 @@
 #!/usr/bin/python3
-"""What skipping saves and what error it makes: OUT/skipping.csv and a table on standard output.
+"""Work saved by skipping, and the error that it makes: OUT/skipping.csv and a table on standard output.
 
     bench/skipping.py                       every entry of skipping.toml
     bench/skipping.py "dry soil" --repeats 5
 
-Each entry runs as it is and with the skipping switched off, in turns. CPU seconds are of all processes, the median of
-the repeats. The errors are the differences of the gauges named, at the times of the run that skips, over their scale.
+Each entry is run with skipping and with it switched off, in turns. CPU seconds are those of all processes, the median over the
+repeats. Errors are the differences of the named gauges over their scales, at the times of the run that skips.
 """
 import argparse
 import pathlib
@@ -23,7 +23,7 @@ ENTRIES = tomllib.loads((HERE / "skipping.toml").read_text())
 
 
 def run(program, case, addition, settings, folder):
-    """One run of a case file with TOML added to it."""
+    """Makes one run of a case file with TOML added to it."""
     text = (HERE.parent / "cases" / case / "case.toml").read_text()
     path = pathlib.Path(folder) / "case.toml"
     path.write_text(text + addition)
@@ -34,7 +34,7 @@ def run(program, case, addition, settings, folder):
 
 
 def series(done, name):
-    """{gauge: (times, values)} of the gauge of that name, or of its points `name[i]`."""
+    """{gauge: (times, values)} of the gauge with this name, or of its points `name[i]`."""
     found = {key: value for key, value in done.gauges.items() if key == name or key.startswith(f"{name}[")}
     if not found:
         raise SystemExit(f"no gauge '{name}'")
@@ -42,7 +42,7 @@ def series(done, name):
 
 
 def difference(skipped, computed, gauges, after):
-    """Differences of the gauges over their scales, of all points and times: root mean square, and largest."""
+    """Differences of the gauges over their scales, for all points and times: root mean square, and largest."""
     gaps = []
     for name, scale in gauges.items():
         pairs = [(value, series(computed, name)[key]) for key, value in series(skipped, name).items()]
@@ -50,7 +50,7 @@ def difference(skipped, computed, gauges, after):
         for (times, values), (others, reference) in pairs:
             chosen = (times >= after) & (times <= others[-1])
             gap = np.abs(values[chosen] - np.interp(times[chosen], others, reference)) / scale
-            gaps.append(gap[np.isfinite(gap)])  # not dry in one of the two
+            gaps.append(gap[np.isfinite(gap)])  # times at which neither is dry
     gaps = np.concatenate(gaps)
     return float(np.sqrt(np.mean(gaps**2))), float(gaps.max())
 
@@ -78,7 +78,7 @@ def measure_all(program, repeats, names=()):
 
 
 def table(rows):
-    """Markdown."""
+    """The results as a Markdown table."""
     lines = ["| skipped | what | case | CPU s | computed | saved | error, rms | largest |",
              "| --- | --- | --- | --- | --- | --- | --- | --- |"]
     for r in rows:

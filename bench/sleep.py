@@ -1,10 +1,10 @@
 #!/usr/bin/python3
-"""The error that sleeping soil makes, against the work it saves: sleep.csv and sleep.png beside this file.
+"""The error that sleeping soil makes, and the work it saves: sleep.csv and sleep.png beside this file.
 
 `slow`: seepage through the bed of cases/upward_seepage rises to 0.75 of the critical gradient in 20 s and falls back in
-20 s; the error is the largest of the vertical effective stress at four depths, over its value at the base.
-`heave`: the seepage rises beyond the critical gradient; the error is that of the gradient at which the bed has lifted
-by 1 mm, over the one without sleep.
+20 s; the error is the largest one of the vertical effective stress at four depths, over its value at the base.
+`heave`: the seepage rises beyond the critical gradient; the error is that of the gradient at which the bed has risen by
+1 mm, relative to the run without sleep.
 """
 import argparse
 import csv
@@ -15,12 +15,12 @@ from plot import plt, style
 from runs import PROGRAM, Run
 
 HERE = pathlib.Path(__file__).resolve().parent
-CRITICAL, BASE = 0.99, 0.99 * 9810.0  # gradient; Pa, effective stress at the base without flow
+CRITICAL, BASE = 0.99, 0.99 * 9810.0  # critical gradient; Pa, effective stress at the base without flow
 SCENES = {
     "slow": ["case.end_time=42", f"pore_pressure.0.to_head=[[0, 1.2], [20, {1.2 + 0.75 * CRITICAL}], [40, 1.2]]"],
     "heave": ["case.end_time=44", f"pore_pressure.0.to_head=[[0, 1.2], [44, {1.2 + 1.1 * CRITICAL}]]"],
 }
-# (sleep_below, wake_above) [g] and whether there is damping in quasi-static windows
+# (sleep_below, wake_above) [g], and whether quasi-static windows are damped
 SETTINGS = [(1e-4, 1e-3, True), (1e-3, 3e-3, True), (1e-3, 5e-3, True), (1e-3, 1e-2, True), (1e-3, 3e-2, True),
             (1e-3, 5e-3, False)]
 

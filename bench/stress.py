@@ -2,24 +2,24 @@
 """The range in which the coupling is stable: a table of runs over permeability, stiffness, porosity and exchange window, and its maps:
 OUT/stress.csv, stress_column.png, stress_plain.png, stress_scenes.png, and the table as Markdown.
 
-    column  a saturated column under its weight, loaded by 1 kPa at once (cases/terzaghi with gravity), each combination of
-            --conductivities, --moduli, --porosities and --factors (exchange window over plain staggering's limit
-            1.2 rho_bar_s k / gamma_w), --windows windows each
-    plain   the same at the middle porosity by plain staggering (fluid.skeleton_response = false), whose limit that is
+    column  a saturated column under its weight, suddenly loaded by 1 kPa (cases/terzaghi with gravity), for each combination of
+            --conductivities, --moduli, --porosities and --factors (exchange window over the stability limit of plain
+            staggering, 1.2 rho_bar_s k / gamma_w), with --windows windows each
+    plain   the same at the middle porosity by plain staggering (fluid.skeleton_response = false)
     front   water arrives on a dry column from above, and leaves it again
     block   a block of soil falls into water
 
 Verdicts:
 
-    bounded    it ends by itself; in its second half the column's plate has not moved farther than 1.5 times the drained
-               settlement (1 % of the height more); the water at its base never carries more than 3.5 times the load more or less
-               than at rest, and in the second half no more than 1.2 times as much as in the first, or 1.5 times the load; a run that
-               misses this is repeated with ten times as many windows: what is unstable goes on growing. A block and the
-               soil under a front move no faster than they could fall; water is neither lost nor made
+    bounded    The run ends by itself. Column: in the second half the plate has not moved by more than 1.5 times the drained
+               settlement (plus 1 % of the height); the excess pressure at the base never exceeds 3.5 times the load either way, and
+               in the second half neither 1.2 times its largest value in the first half nor 1.5 times the load. A run that misses
+               this is repeated with ten times as many windows, in which an instability goes on growing. Block and front: soil
+               moves no faster than it could fall; no water is lost or created
     refused    before the first window, with the reason
     unbounded, diverged, too slow (--longest)
 
-`overshoot`: the largest excess pressure at the base over the load: 1 to 1.7 for a window or two after it is put on.
+`overshoot`: the largest excess pressure at the base over the load; 1 to 1.7 during a window or two after loading.
 """
 import argparse
 import itertools
@@ -96,10 +96,10 @@ kind = "volume"
 
 
 def judge(row, run, complaints):
-    """complaints: of a run that ended by itself."""
+    """Sets the verdict of a run. complaints: function that lists the missed bounds of a run that ended by itself."""
     row["cpu_s"] = round(run.cpu, 2)
     row["windows"] = int(run.summaries.get("coupler", {}).get("steps", {}).get("windows", 0))
-    said = re.sub(r"\[[\d:]+\] | ?\(all of it: .*?\)|\S+/(?=case\.toml)", "", run.reason)  # no times and places of this run
+    said = re.sub(r"\[[\d:]+\] | ?\(all of it: .*?\)|\S+/(?=case\.toml)", "", run.reason)  # without times and paths of this run
     row["why"] = " ".join(said.split())
     if run.exit in (0, 6):  # 6: ended, with warnings that the result may be in doubt
         row["why"] = "; ".join(complaints(run))
@@ -110,7 +110,7 @@ def judge(row, run, complaints):
 
 
 def within(run, name, low, high):
-    """Of a gauge in the second half of the run."""
+    """Checks a gauge in the second half of the run."""
     times, values = run.gauges[name]
     values = values[(times >= 0.5 * times[-1]) & ~np.isnan(values)]
     if len(values) and not (low <= values.min() and values.max() <= high):
@@ -118,7 +118,7 @@ def within(run, name, low, high):
 
 
 def excess(run):
-    """Of the pressure at the base over that at rest, in units of the load: in the first half, in the second."""
+    """Excess pressure at the base over the load: in the first half of the run, in the second."""
     times, values = run.gauges["base_pressure"]
     over = (values - WEIGHT * HEIGHT) / LOAD
     late = times >= 0.5 * times[-1]
@@ -165,7 +165,7 @@ def written(a, scene, text, soil, bounds):
 
 
 def front(a, k, E, n):
-    half = max(1, round(0.2 * n * HEIGHT / k))  # s, for the front to come a fifth of the way or more
+    half = max(1, round(0.2 * n * HEIGHT / k))  # s, in which the front moves by a fifth of the way or more
     return written(a, "front", FRONT.format(k=k, E=E, n=n, half=half, later=1.1 * half, end=2 * half), (k, E, n),
                    {"speed": (0.0, 3.0), "water_error": (-1e-5, 1e-5)})
 
@@ -175,7 +175,7 @@ def block(a, k, E, n):
 
 
 SCENES = {"column": column, "plain": plain, "front": front, "block": block}
-# Known not to be bounded (docs/stability.md): shown, but not counted as a failure of the table.
+# Known to be unbounded (docs/stability.md): shown, but not counted as a failure of the table.
 MISSED = {("column", 0.1, 1e5, 0.2)}
 MARKS = {"bounded": ("tab:green", "o"), "refused": ("0.6", "s"), "unbounded": ("tab:orange", "D"), "diverged": ("tab:red", "X"),
          "too slow": ("tab:purple", "v")}
@@ -186,7 +186,7 @@ def named(key, value):
 
 
 def draw(path, rows, across, down, y, label):
-    """One panel per value of `down` and of `across`, k along each."""
+    """Draws one panel per value of `down` and of `across`, with k along the axis."""
     columns, lines = (sorted({row[key] for row in rows}) for key in (across, down))
     figure, panels = plt.subplots(len(lines), len(columns), figsize=(1.2 + 2.5 * len(columns), 0.8 + 2.3 * len(lines)), sharex=True, sharey=True,
                                   squeeze=False, constrained_layout=True)
@@ -219,7 +219,7 @@ def maps(out, rows):
 
 
 def table(rows):
-    """Markdown: how many of each verdict, by scene and stiffness."""
+    """Markdown: number of runs with each verdict, by scene and stiffness."""
     lines = ["| scene | E, MPa | runs | " + " | ".join(MARKS) + " | CPU s a run |", "| --- " * (len(MARKS) + 4) + "|"]
     for scene, E in dict.fromkeys((row["scene"], row["E"]) for row in rows):
         mine = [row for row in rows if (row["scene"], row["E"]) == (scene, E)]

@@ -3,13 +3,13 @@
 
     poretwin bench                                      the whole page: jobs, kernels, sizes, solve, coupling, skipped,
                                                         every study of studies.toml
-    poretwin bench --page                               the same into docs/, in place of what stands there
-    poretwin bench sizes                                one part anew; the page takes the others as they stand in OUT
+    poretwin bench --page                               the same, into docs/, replacing the present page
+    poretwin bench sizes                                one part anew; the page takes the others from OUT
     poretwin bench rectangular_dam --schemes default    one case, one scheme
     poretwin bench terzaghi --spacings 0.02 0.002
 
 Errors are those of the case's own `verify`: every metric is in the CSV, one is drawn. Run time is CPU seconds of all
-processes, the median of --repeats runs; wall-clock seconds stand beside it. All that is compared is measured in one go.
+processes, the median of --repeats runs; wall-clock seconds are beside it. Runs that are compared are measured in one session.
 A scheme's finer runs are left out once one has taken longer than --longest.
 """
 import argparse
@@ -33,7 +33,7 @@ from runs import Run
 
 HERE = pathlib.Path(__file__).resolve().parent
 DOCS = HERE.parent / "docs"
-PUBLIC_PAIR_RATE = 202  # million directed pairs a CPU second, one at a time, where the public codes were timed
+PUBLIC_PAIR_RATE = 202  # million directed pairs per CPU second, one at a time, where the public codes were timed
 HEAD = """# Performance
 
 Made by `poretwin bench`, {cores} cores; docs/notebook/performance.md says why it is so and what was tried. Studies: the error of each case's own
@@ -46,7 +46,7 @@ tighter tolerance or a finer run costs more than its smaller error is worth.
 
 
 def verified(program, case, study, settings, longest):
-    """The verdict of one run of `verify`, or None when it took too long or did not end well."""
+    """The verdict of one run of `verify`; None where it took too long or did not end well."""
     with tempfile.TemporaryDirectory() as folder:
         result = pathlib.Path(folder) / "result.json"
         command = [program, "verify", case, "--json", result, "--out", folder]
@@ -58,7 +58,7 @@ def verified(program, case, study, settings, longest):
             try:
                 output, error = process.communicate(timeout=longest)
             except subprocess.TimeoutExpired:
-                process.send_signal(signal.SIGINT)  # it ends its processes
+                process.send_signal(signal.SIGINT)  # poretwin then ends its processes
                 process.communicate()
                 print(f"{case}: stopped after {longest:g} s", flush=True)
                 return None
@@ -68,7 +68,7 @@ def verified(program, case, study, settings, longest):
 
 
 def measured(a, case, study, scheme, spacing):
-    """One row per metric of the run at this spacing in this scheme."""
+    """One row per metric of the run with this spacing and scheme."""
     settings = [*study.get("set", []), f'{study["spacing"]}={spacing}', *study["schemes"][scheme]]
     verdicts = []
     for _ in range(a.repeats):
@@ -85,14 +85,14 @@ def measured(a, case, study, scheme, spacing):
 
 
 def is_front(row, rows):
-    """Does no other run have a smaller error in less time?"""
+    """Whether no other run has a smaller error in less time."""
     return row["error"] is not None and not any(
         other["error"] is not None and other["error"] < row["error"] and other["cpu_s"] < row["cpu_s"]
         for other in rows)
 
 
 def job_table(a, jobs):
-    """What a user waits for: seconds of whole runs beside what was asked for, the median of --repeats."""
+    """Seconds of whole runs beside their bounds, the median of --repeats: the time that a user waits."""
     rows = []
     pace = pair_rate(a.program)
     carried_to = ("CPU seconds are carried to the machine on which the public codes were timed that the bounds look at: a plain pair loop does "
@@ -122,19 +122,19 @@ def job_table(a, jobs):
 
 
 def printed_by(program, name):
-    """What a benchmark of one kernel prints; None where it has not been built beside the program."""
+    """Output of the benchmark of one kernel; None where it has not been built beside the program."""
     path = pathlib.Path(program).resolve().parent / name
     return subprocess.run([path], capture_output=True, text=True, check=True).stdout if path.exists() else None
 
 
 def pair_rate(program):
-    """Million directed pairs a CPU second of the plainest pair loop; None where it has not been built."""
+    """Million directed pairs per CPU second of the plainest pair loop; None where it has not been built."""
     text = printed_by(program, "pair_loops")
     return text and float(next(line for line in text.splitlines() if "one pair at a time" in line).split("|")[2])
 
 
 def told_by(program, name, title):
-    """The section that a benchmark of one kernel prints, when it has been built beside the program."""
+    """The section that the benchmark of one kernel prints; a note where it has not been built beside the program."""
     text = printed_by(program, name)
     if text is None:
         return ["", f"## {title}", "", f"(build it first: `ninja {name}`)"], []
@@ -143,7 +143,7 @@ def told_by(program, name, title):
 
 
 def table_rows(table):
-    """The rows of a table in Markdown, by its heading."""
+    """The rows of a Markdown table as dictionaries by heading."""
     cells = [[cell.strip() for cell in line.strip().strip("|").split("|")] for line in table.splitlines() if line.startswith("|")]
     return [dict(zip(cells[0], row)) for row in cells[2:]]
 
@@ -172,7 +172,7 @@ def skipping_table(a):
 
 
 def order(row, rows):
-    """Observed order between the next coarser spacing of the same scheme and this one; empty where there is none."""
+    """Observed order of convergence from the next coarser spacing of the same scheme to this one; empty where there is none."""
     coarser = [other for other in rows if other["scheme"] == row["scheme"] and other["spacing"] > row["spacing"]]
     if not coarser or not row["error"] or not coarser[-1]["error"]:
         return ""
@@ -181,7 +181,7 @@ def order(row, rows):
 
 
 def study_table(case, study, rows):
-    """Markdown; `*` marks the runs that no other one beats in error and time at once."""
+    """Markdown of a study; `*` marks runs for which no other run has both a smaller error and less time."""
     axis = "exchange interval [s]" if study["spacing"].startswith("coupling") else "spacing [m]"
     lines = ["", f"## {case}", "", f"{rows[0]['metric']} (asked: {rows[0]['bound']:g}).", "", f"![](bench/{case}.png)", "",
              f"| scheme | {axis} | error | order | CPU s | wall s | windows | particles | |",
@@ -194,7 +194,7 @@ def study_table(case, study, rows):
 
 
 def measure_study(a, case, study):
-    """The lines of the page and the rows of all its schemes and spacings; these as CSV and picture, too."""
+    """Measures all schemes and spacings of a study; returns the lines of the page and the rows, and writes these as CSV and picture."""
     rows = []
     for scheme in a.schemes or study["schemes"]:
         if scheme not in study["schemes"]:

@@ -1,11 +1,11 @@
 #!/usr/bin/python3
-"""docs/validation.md from the runs themselves: per case the reference, the error table, particles, windows, run time, and for
-the main cases pictures.
+"""Makes docs/validation.md from the runs themselves: for each case the reference, the table of errors, particles, windows and run time, and
+pictures of the main cases.
 
 bench/validation.py                 every case, in the short form of its verify.toml
 bench/validation.py --full          every case in full (hours)
-bench/validation.py [--full] CASE.. these again; the others stay as they were last found (runs/validation)
-bench/validation.py --page          the page alone, from what was found
+bench/validation.py [--full] CASE.. these cases anew; results of the others are kept (runs/validation)
+bench/validation.py --page          the page alone, from kept results
 """
 import argparse
 import json
@@ -23,7 +23,7 @@ PICTURED = ("dam_break", "submerged_soil", "terzaghi", "embankment_seepage", "ro
 
 
 def verify(poretwin, name, full, found):
-    """Runs the verify of one case; what it found goes to found/NAME.json."""
+    """Runs `verify` of one case; its results go to found/NAME.json."""
     raw = found / "unfinished"
     raw.unlink(missing_ok=True)
     subprocess.run([poretwin, "verify", ROOT / "cases" / name, "--json", raw, "--out", found / "runs"]
@@ -34,7 +34,7 @@ def verify(poretwin, name, full, found):
 
 
 def page(found):
-    """Markdown of all that was found."""
+    """Markdown of all kept results."""
     cases = [json.loads(file.read_text()) for file in sorted(found.glob("*.json"))]
     lines = ["# Validation", "", "Made by `bench/validation.py` from the runs themselves; the reference numbers and their sources stand in "
              "`cases/*/reference`.", "The short form of a case is coarser or ends sooner than the full one, against the same bounds "

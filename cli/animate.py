@@ -11,20 +11,20 @@ import style
 from style import plt
 
 RATE = 10  # frames a second
-MOST_FRAMES = 200  # 20 s; longer runs are thinned evenly
+MOST_FRAMES = 200  # 20 s; from longer runs frames are selected evenly
 PIXELS = 900  # along the longer side of the particles' picture
 DPI = 110
-RARE = 0.005  # as of the points that a picture may leave out
+RARE = 0.005  # fraction of the values that may lie outside the range of colours
 KINDS = (".gif", ".mp4")
 
 
 def chosen(count):
-    """Which of this number of steps are shown: all, or evenly chosen ones with the first and the last among them."""
+    """Indices of the steps that are shown: all, or MOST_FRAMES evenly chosen ones that include the first and the last."""
     return np.unique(np.linspace(0, count - 1, min(count, MOST_FRAMES)).round().astype(int)).tolist()
 
 
 class Scene:
-    """The main field of each phase, or the field asked for; one range of colours and one piece of the plane for all times."""
+    """The main field of each phase, or the requested field, with one colour range and one section of the plane for all times."""
 
     def __init__(self, pictures):
         self.shown = []
@@ -38,13 +38,13 @@ class Scene:
         self.times = [self.times[k] for k in chosen(len(self.times))]
         widths = [plot.panel_width(shown.shape()) for shown in self.shown]
         heights = [width * shown.shape()[1] / shown.shape()[0] for width, shown in zip(widths, self.shown)]
-        beside = len(self.shown) > 1 and sum(widths) + 2.8 < 1.5 * style.PAGE  # narrow bodies stand beside each other
+        beside = len(self.shown) > 1 and sum(widths) + 2.8 < 1.5 * style.PAGE  # narrow bodies side by side
         size = (sum(widths) + 1.4 * len(widths), max(heights) + 0.9) if beside else (max(widths) + 1.4, sum(heights) + 0.85 * len(heights))
         grid = (1, len(self.shown)) if beside else (len(self.shown), 1)
         self.figure, panels = plt.subplots(*grid, squeeze=False, figsize=size, dpi=DPI, layout="compressed",
                                            **({"width_ratios": widths} if beside else {"height_ratios": heights}))
         self.panels = list(panels.flat)
-        # Colour bars and labels are drawn before the first frame: the layout is found once, and nothing moves.
+        # Colour bars and labels are drawn before the first frame, so that the layout is the same in all frames.
         for shown, axes in zip(self.shown, self.panels):
             drawn = shown.paint(axes, shown.steps[-1])
             shown.axis_labels(axes)
@@ -53,12 +53,12 @@ class Scene:
         self.figure.set_layout_engine("none")
 
     def picture(self, time):
-        """Red, green, blue of each pixel [rows, columns, 3], of an even number both ways, as videos want them."""
+        """Red, green, blue of each pixel [rows, columns, 3]; rows and columns are even numbers, as video formats require."""
         for shown, axes in zip(self.shown, self.panels):
             step = shown.frames.nearest(time)
             if step in shown.steps:
                 shown.paint(axes, step)
-            else:  # before the first water comes
+            else:  # before the first water enters
                 for artist in [*axes.images, *axes.collections, *axes.patches]:
                     artist.remove()
                 axes.set_title(f"{style.BODY[shown.phase]}, t = {style.number(shown.frames.times[step])} s: none")
@@ -73,7 +73,7 @@ def write_gif(path, pictures):
     except ImportError:
         raise SystemExit("a GIF needs the package python3-pil") from None
     images = [Image.fromarray(picture) for picture in pictures]
-    # One palette for all frames, from some of them side by side, so that colours do not flicker.
+    # One palette for all frames, from a few of them side by side, so that colours do not flicker.
     some = [images[k] for k in np.unique(np.linspace(0, len(images) - 1, 8).round().astype(int))]
     strip = Image.new("RGB", (images[0].width, images[0].height * len(some)))
     for k, image in enumerate(some):
@@ -93,7 +93,7 @@ def write_mp4(path, pictures):
 
 
 def draw(options):
-    """`--animate FILE`, with `--field` and `--phase`."""
+    """Draws the animation of `--animate FILE`, with the options `--field` and `--phase`."""
     path = options.animate
     if path.suffix not in KINDS:
         raise SystemExit(f"{path}: expected a name that ends in .gif or .mp4")

@@ -1,9 +1,9 @@
-"""Pictures of particles as the bodies they fill: every pixel takes the colour of the particle nearest to it."""
+"""Pictures of bodies of particles: every pixel has the colour of the nearest particle."""
 import numpy as np
 
 
 def spacing(x):
-    """Distance between neighbours inside a body [m], from the number of particles within a few such distances; x: [n, 2 or 3]."""
+    """Distance between neighbours inside a body [m], from the number of particles within a few such distances. x: positions [n, 2 or 3]."""
     n, dimensions = x.shape
     if n < 2:
         return 1.0
@@ -18,12 +18,12 @@ def spacing(x):
     return float(np.quantile(own, 0.25))  # particles near a surface count fewer neighbours
 
 
-SURFACE = 0.7  # cover at which a body's outline is drawn (Canvas.smooth)
-BODY = 0.75  # radius of the disc that a particle covers, over its size: half a diagonal, and a little more
+SURFACE = 0.7  # cover (Canvas.smooth) at which the outline of a body is drawn
+BODY = 0.75  # radius of the disc that a particle covers, over its size; slightly more than half a diagonal
 
 
 class Canvas:
-    """A grid of pixels over a part of the plane, fine enough for particles this far apart; `most`: pixels along its longer side."""
+    """A grid of pixels over a section of the plane. dx: distance of the particles, which sets the pixels' size; most: pixels along the longer side."""
 
     def __init__(self, lower, upper, dx, most=1800):
         size = np.asarray(upper) - np.asarray(lower)
@@ -33,8 +33,8 @@ class Canvas:
         self.extent = (lower[0], lower[0] + self.shape[1] * self.pixel, lower[1], lower[1] + self.shape[0] * self.pixel)
 
     def nearest(self, x, size, reach):
-        """Which particle is nearest to each pixel [rows, columns], -1 where none is within `reach` times its size, and how far it is
-        in units of that; x: [n, 2], size: [n] edges of the squares they stand for."""
+        """The index of the particle nearest to each pixel [rows, columns], -1 where none is within `reach` times its size; and its distance in
+        units of its size. x: positions [n, 2]; size: [n] edge lengths of the squares that the particles represent."""
         found = np.full(self.shape, -1)
         best = np.ones(self.shape)  # squared distance over squared reach
         far = reach * np.asarray(size) / self.pixel
@@ -47,7 +47,7 @@ class Canvas:
         return found, reach * np.sqrt(best)
 
     def search_by_offsets(self, at, far, most, found, best):
-        """Goes through the offsets of pixels within reach, each for all particles at once."""
+        """Nearest particles by a loop over the offsets of pixels within reach; each offset is treated for all particles at once."""
         home = np.rint(at).astype(int)
         for row in range(-most, most + 1):
             for column in range(-most, most + 1):
@@ -62,7 +62,7 @@ class Canvas:
                 found[i[nearer], j[nearer]] = mine[nearer]
 
     def search_by_particles(self, at, far, found, best):
-        """Goes through the particles, each for all pixels around it at once: less work where particles are few and large."""
+        """Nearest particles by a loop over particles, each treated for all pixels around it: faster where particles are few and large."""
         first, last = np.maximum(np.ceil(at - far[:, None]).astype(int), 0), np.floor(at + far[:, None]).astype(int) + 1
         for k in range(len(at)):
             rows, columns = slice(first[k, 1], max(last[k, 1], 0)), slice(first[k, 0], max(last[k, 0], 0))
@@ -74,8 +74,8 @@ class Canvas:
             near[nearer], index[nearer] = distance[nearer], k
 
     def smooth(self, inside, size):
-        """How far each pixel lies inside: `inside`, true or false, averaged over about a spacing. 1 well inside, 0 outside, SURFACE at half a
-        spacing from the outermost particle."""
+        """The cover of each pixel: the mask `inside` averaged over about a spacing. 1 well inside a body, 0 outside, SURFACE at half a spacing
+        from the outermost particle."""
         inside = inside.astype(float)
         width = max(1, int(round(0.35 * float(np.median(size)) / self.pixel)))
         for axis in (0, 1, 0, 1):
@@ -86,11 +86,11 @@ class Canvas:
         return inside
 
     def cover(self, x, size):
-        """How far each pixel lies inside the body of these particles."""
+        """The cover of each pixel by the body of these particles: 1 inside, 0 outside."""
         return self.smooth(self.nearest(x, size, BODY)[0] >= 0, size)
 
     def fill(self, x, values, size):
-        """For each pixel the value of the nearest particle, NaN outside of the body that the particles make; and the body's cover."""
+        """For each pixel the value of the nearest particle, NaN outside the particles' body; and the body's cover."""
         near, distance = self.nearest(x, size, 1.5)
         cover = self.smooth((near >= 0) & (distance < BODY), size)
         return np.where((cover > SURFACE) & (near >= 0), np.asarray(values, dtype=float)[near] if len(x) else np.nan, np.nan), cover

@@ -17,7 +17,7 @@
 namespace poretwin::cli {
 namespace {
 
-constexpr double standard_gravity = 9.81;  // m/s2; Darcy's k is defined with it, also where the case has no gravity
+constexpr double standard_gravity = 9.81;  // m/s2, with which conductivities are defined
 
 template <int D>
 ParticleCount count(const Case& scene) {
@@ -41,7 +41,7 @@ std::vector<Limit> limits(const Case& scene) {
   std::vector<Limit> result;
   if (scene.is_field()) {
     if (scene.coupling.interval) result.push_back({*scene.coupling.interval, "coupling.interval of the case"});
-    return result;  // otherwise steps follow from their error
+    return result;  // the steps of a field follow from their error
   }
   const double gravity = scene.general.gravity.norm();
   if (gravity > 0.0 && scene.has_water())
@@ -108,7 +108,7 @@ ParticleCount count_particles(const Case& scene) {
 CheckReport report_of(const Case& scene) {
   CheckReport report;
   report.amounts = estimate(scene);
-  // Above this number particles are estimated, not made: making them only to count them takes too long.
+  // Above this number particles are estimated, not made and counted, which would take too long.
   constexpr double many = 2e6;
   const Amounts& amounts = report.amounts;
   report.estimated = amounts.fluid + amounts.solid > many;

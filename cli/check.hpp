@@ -1,4 +1,4 @@
-// `poretwin check`: particles, stable intervals and memory of a case, without running it.
+// `poretwin check`: particles, stable window lengths and memory of a case, without running it.
 #pragma once
 
 #include "common/case/amounts.hpp"
@@ -28,7 +28,7 @@ struct Limit {
 struct CheckReport {
   Amounts amounts;
   ParticleCount particles;
-  bool estimated = false;        ///< the particles: so many are not made to be counted
+  bool estimated = false;        ///< whether the particles are estimated, being too many to be made and counted
   std::vector<Limit> intervals;  ///< shortest first
 };
 CheckReport report_of(const Case& scene);

@@ -42,7 +42,7 @@ struct CommandLine::Arguments {
   std::string json;
   VerifyOptions verify;
   ElementOptions element;
-  std::vector<std::string> words;  ///< arguments that are passed on to a script as they are
+  std::vector<std::string> words;  ///< arguments that are passed on to a script unchanged
 };
 
 namespace {
@@ -122,7 +122,7 @@ int check(const Arguments& a, JsonOutput& json) {
   return 0;
 }
 
-/// The arguments that a command was given, as its options declare them, for a script that takes the same.
+/// The arguments of a command as text, in the form that its options declare, for a script that takes the same ones.
 std::vector<std::string> words_of(const CLI::App& command) {
   std::vector<std::string> positional, words;
   for (const CLI::Option* option : command.get_options()) {
@@ -157,7 +157,7 @@ int bench(const Arguments& a, const CLI::App& command, JsonOutput& json) {
   return exit;
 }
 
-/// Declares all commands; the chosen one is left in `action`.
+/// Declares all commands; parsing sets `action` to the chosen one.
 void declare(CLI::App& app, Arguments& a, JsonOutput& json, std::function<int()>& action) {
   app.require_subcommand(1);
   app.set_version_flag("--version", "poretwin " + version() + ", " + build(), "print version, build and commit");
@@ -347,7 +347,7 @@ void declare(CLI::App& app, Arguments& a, JsonOutput& json, std::function<int()>
   does(view_command, [view_command] {
     auto words = words_of(*view_command);
     words.insert(words.end(), {"--built", view_folder()});
-    // The server takes the place of this process, so that Ctrl-C and other signals reach it.
+    // The server replaces this process, so that Ctrl-C and other signals reach it.
     become_script("view/server.py", words);
     return 0;
   });

@@ -23,17 +23,17 @@ using coupling::DeclaredArgument;
 
 /// A program or a command of it, as man pages and completions show it.
 struct Described {
-  std::string path;  ///< "run", "peer mock"; of the program itself empty
+  std::string path;  ///< "run", "peer mock"; empty for the program itself
   std::string about, footer;
   std::vector<std::string> positional;  ///< "CASE"
   std::vector<DeclaredArgument> arguments;
-  std::vector<std::vector<std::string>> choices;              ///< of each argument, where it takes one of a few words
-  std::vector<std::pair<std::string, std::string>> commands;  ///< below it: name and what it is about
+  std::vector<std::vector<std::string>> choices;              ///< for each argument, the words it accepts; empty: any
+  std::vector<std::pair<std::string, std::string>> commands;  ///< sub-commands: name and description
 };
 
 struct DescribedProgram {
   std::string name, about, synopsis;
-  std::vector<Described> commands;  ///< the program itself first
+  std::vector<Described> commands;  ///< the program itself comes first
 };
 
 std::string joined(const std::vector<std::string>& words, const std::string& separator) {
@@ -54,13 +54,13 @@ void describe_app(const CLI::App& app, const std::string& path, std::vector<Desc
   Described d;
   d.path = path;
   d.about = app.get_description();
-  // Commands pass their footer on to their sub-commands; it is shown once.
+  // Commands pass their footer on to their sub-commands; it is shown only once.
   if (app.get_parent() != nullptr && app.get_footer() != app.get_parent()->get_footer()) d.footer = app.get_footer();
   for (const CLI::Option* option : app.get_options()) {
     const bool takes = option->get_items_expected_max() > 0;
     const auto choices = choices_of(option->get_type_name());
     std::string value = takes ? (choices.empty() ? option->get_type_name() : joined(choices, "|")) : "";
-    value = value.substr(0, value.find(':'));  // bounds
+    value = value.substr(0, value.find(':'));  // without the bounds
     if (option->get_items_expected_max() > 1 && takes && option->get_expected_max() > 1 && !option->get_positional() &&
         option->get_name() != "--set")
       value += "...";
@@ -160,7 +160,7 @@ std::string man_page(const DescribedProgram& program) {
 
 // Completions
 
-/// What completes the value of an argument.
+/// How a shell completes the value of an argument.
 enum class Kind { nothing, file, folder, choice, other };
 Kind kind_of(const DeclaredArgument& argument, const std::vector<std::string>& choices) {
   if (!choices.empty()) return Kind::choice;
@@ -303,7 +303,7 @@ std::string fish_completion(const DescribedProgram& program) {
     return out + "'";
   };
   for (const auto& d : program.commands) {
-    // Fish asks whether words have been seen; a command below another needs both of them.
+    // Fish tests which words have been typed; a sub-command needs its command's word, too.
     std::string condition;
     std::stringstream path(d.path);
     for (std::string word; path >> word;)

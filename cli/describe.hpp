@@ -1,4 +1,4 @@
-// Man pages and completions, made from the declarations of the command line itself.
+// Man pages and shell completions, made from the declarations of the command line.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -6,7 +6,7 @@
 
 namespace poretwin::cli {
 
-/// Declares the hidden command `describe WHAT`, which prints one of them: poretwin.1, poretwin-fluid.bash, ..
+/// Declares the hidden command `describe WHAT`, which prints one of the files: poretwin.1, poretwin-fluid.bash, ..
 void declare_describe(CLI::App& app, std::function<int()>& action);
 
 }  // namespace poretwin::cli

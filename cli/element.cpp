@@ -23,7 +23,7 @@ namespace {
 using solid::Element;
 using solid::LaboratoryTest;
 
-/// By name, or by its number in the case; the first where none is asked for.
+/// Finds a soil by its name or its number in the case; the first soil where `asked` is empty.
 std::size_t soil_number(const Case& scene, const std::string& asked) {
   if (scene.soils.empty())
     throw CaseError(fmt::format("{}: key 'soil': expected a soil to be tested, found none", scene.path.string()));
@@ -37,7 +37,7 @@ std::size_t soil_number(const Case& scene, const std::string& asked) {
   throw CaseError(fmt::format("--soil {}: {} has no such soil; expected one of {}", asked, scene.path.string(), names));
 }
 
-/// One row: compression positive, as in a laboratory.
+/// One row of the table; compression is positive, as usual in a laboratory.
 std::vector<double> row_of(const Element& sample, const LaboratoryTest& test, std::size_t shown) {
   const solid::Tensor &e = sample.strain(), &s = sample.stress();
   std::vector<double> row{-e[1],
@@ -53,7 +53,7 @@ std::vector<double> row_of(const Element& sample, const LaboratoryTest& test, st
                           sample.excess_pore_pressure(test),
                           sample.plastic_strain()};
   for (std::size_t k = 0; k < shown; ++k) row.push_back(sample.state()[k]);
-  for (double& number : row) number += 0.0;  // no -0
+  for (double& number : row) number += 0.0;  // turns -0 into 0
   return row;
 }
 
@@ -101,7 +101,7 @@ ElementResult run_element(const ElementOptions& options) {
   const auto tell = [&] { result.rows.push_back(row_of(sample, test, variables.size())); };
   tell();
   const bool by_load = !options.loads.empty();
-  const double sign = test.shears ? 1.0 : -1.0;  // a laboratory counts compression as positive
+  const double sign = test.shears ? 1.0 : -1.0;  // compression is positive in a laboratory test
   const solid::Tensor& s = sample.stress();
   double at = !by_load ? 0.0 : test.shears ? s[3] : test.undrained ? s[0] - s[1] : -s[1];
   try {

@@ -1,4 +1,4 @@
-// `poretwin element`: one soil of a case in a test of the laboratory, without any particles.
+// `poretwin element`: computes a laboratory test on one soil of a case, without particles.
 #pragma once
 
 #include <filesystem>
@@ -13,23 +13,23 @@ struct ElementOptions {
   std::filesystem::path case_file, out;
   std::string case_name, soil, test;
   std::vector<std::string> overrides;
-  double pressure = 0.0, ratio = 1.0;  ///< Pa, vertical effective stress at the start; horizontal over vertical
-  std::vector<double> strains, loads;  ///< turning points: of the strain, or of the stress [Pa]; one of them is empty
-  int steps = 1000;                    ///< from one turning point to the next
+  double pressure = 0.0, ratio = 1.0;  ///< Pa, vertical effective stress at the start; horizontal over vertical stress
+  std::vector<double> strains, loads;  ///< turning points of the strain or of the stress [Pa]; one list is empty
+  int steps = 1000;                    ///< between two turning points
   bool pictures = true;
 };
 
 struct ElementResult {
-  std::vector<std::string> names;         ///< of the columns, with their units
-  std::vector<std::vector<double>> rows;  ///< one a step, the start first
-  std::string failure;                    ///< why the path ended before its last turning point; empty: it did not
+  std::vector<std::string> names;         ///< of the columns, with units
+  std::vector<std::vector<double>> rows;  ///< one per step, beginning with the start
+  std::string failure;                    ///< why the path ended before its last turning point; empty: it reached it
 };
 
-/// Follows the path and writes OUT/element.csv and OUT/element.png. Throws CaseError where there is no such soil or
+/// Computes the path and writes OUT/element.csv and OUT/element.png. Throws CaseError where there is no such soil or
 /// test.
 ElementResult run_element(const ElementOptions& options);
 
-/// Strains and stresses at the end.
+/// Text with the strains and stresses at the end.
 std::string element_text(const ElementOptions& options, const ElementResult& result);
 nlohmann::ordered_json element_json(const ElementOptions& options, const ElementResult& result);
 

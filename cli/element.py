@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Picture of a test of the laboratory: stress and volume against strain, and the path of the stresses.
+"""Picture of a laboratory test: stress and volume against strain, and the stress path.
 
 Called by `poretwin element`; needs the Debian packages python3-numpy and python3-matplotlib.
 """

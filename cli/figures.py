@@ -1,5 +1,5 @@
-"""The figures of a case, as its verify.toml declares them ([[figure]]), from the runs that `poretwin verify CASE` left:
-`poretwin plot FOLDER-OF-THE-RUNS`, and in the report of `poretwin verify --report`.
+"""The figures of a case, as its verify.toml declares them ([[figure]]), from the runs that `poretwin verify CASE` has made. Used by
+`poretwin plot FOLDER-OF-THE-RUNS` and by the report of `poretwin verify --report`.
 """
 import pathlib
 import sys
@@ -24,7 +24,7 @@ def read_toml(path):
 
 
 def case_file(run):
-    """Contents of the case file of a run."""
+    """Content of the case file of a run."""
     return read_toml(pathlib.Path(read_toml(run / "run.toml")["case_file"]))
 
 
@@ -33,12 +33,12 @@ def runs_below(folder):
 
 
 def is_verification(folder):
-    """Is this a folder with the runs of one case, and not a run?"""
+    """Whether a folder contains the runs of one case, and is not itself a run."""
     return not (folder / "run.toml").exists() and not any(folder.glob("*.vtkhdf")) and bool(runs_below(folder))
 
 
 def case_of(folder):
-    """The folder of the case whose runs lie below this one."""
+    """The folder of the case whose runs are below this folder."""
     cases = {pathlib.Path(read_toml(run / "run.toml").get("case_file", "")).parent for run in runs_below(folder)}
     cases = [case for case in cases if (case / "verify.toml").is_file()]
     if len(cases) != 1:
@@ -47,11 +47,11 @@ def case_of(folder):
 
 
 class Missing(Exception):
-    """Raised when results that a figure needs are missing: the run was left out, or ended early."""
+    """Raised where results that a figure needs are missing: the run was not made, or ended early."""
 
 
 class Figures:
-    """All figures of a case; `runs`: the folder of each run, by its name."""
+    """All figures of a case. `runs`: the folder of each run, by name."""
 
     def __init__(self, case, runs):
         self.case, self.runs, self.verify = case, runs, read_toml(case / "verify.toml")
@@ -77,7 +77,7 @@ class Figures:
         return frames
 
     def points(self, f, time, last):
-        """Points to draw as well, [x, y] rows: those of this time; those without a time in the last picture."""
+        """Additional points to draw, as rows [x, y]: those given for this time; points without a time only in the last picture."""
         if "points" in f:
             return np.array(f["points"], dtype=float) if last else None
         if "reference_csv" not in f:
@@ -95,7 +95,7 @@ class Figures:
         return rows[:, [heading.index("x_m"), heading.index("y_m")]] if len(rows) else None
 
     def draw(self, f, target):
-        """One figure; raises Missing."""
+        """Draws one figure; raises Missing."""
         figure = getattr(self, f["kind"])(f)
         if f.get("title"):
             figure.suptitle(f["title"], fontsize=9)
@@ -140,7 +140,7 @@ class Figures:
 
     def outlines(self, f):
         names = f.get("runs") or [self.verify["run"][0]["name"]]
-        lines = []  # of the water: label, body
+        lines = []  # for the water: label, body
         for k, name in enumerate(names):
             frames = self.frames(self.folder(name), "fluid")
             for time in f["times"] if len(names) == 1 and "times" in f else [frames.times[-1]]:
@@ -243,7 +243,7 @@ class Figures:
         return figure
 
     def draw_all(self, out, form, stem=""):
-        """Draws the figures for which there are runs. Yields paths."""
+        """Draws the figures whose runs exist. Yields their paths."""
         for f in self.declared():
             try:
                 yield self.draw(f, out / f"{stem}{f['name']}.{form}")
@@ -252,7 +252,7 @@ class Figures:
 
 
 def draw_all(folder, out, form):
-    """`poretwin plot` of the runs of one case."""
+    """Draws the figures of one case, for `poretwin plot`."""
     case = case_of(folder)
     all_of_them = Figures(case, {run.name: run for run in runs_below(folder)})
     if not all_of_them.declared():

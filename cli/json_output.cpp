@@ -33,7 +33,7 @@ void JsonOutput::open(const std::string& command, const std::string& file) {
 }
 
 void JsonOutput::write(const Json& json) {
-  // Names of files may contain any bytes.
+  // File names may contain any bytes.
   text_ = json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
   if (file_ == "-") return;
   std::ofstream stream(file_, std::ios::binary);
@@ -58,7 +58,7 @@ Json json_head(const std::string& command, int exit, const std::string& reason) 
 
 Json json_error(const std::string& command, int exit, const std::string& message) {
   Json error = {{"message", message}, {"file", nullptr}, {"line", nullptr}, {"key", nullptr}};
-  // Messages about files begin with their place: "FILE: ..", "FILE:LINE: ..", with "key 'KEY'" where there is one.
+  // Messages about files begin with the place, "FILE: .." or "FILE:LINE: ..", and may contain "key 'KEY'".
   static const std::regex place(R"(^((?!--)[^:']*[./][^:']*)(?::(\d+))?(?::\d+)?: )"), key(R"(\bkey '([^']+)')");
   std::smatch found;
   if (std::regex_search(message, found, place)) {

@@ -16,28 +16,29 @@ class JsonOutput {
   JsonOutput& operator=(const JsonOutput&) = delete;
   ~JsonOutput();
 
-  /// A file, or "-" for stdout: then everything else that this process and its children print there goes to stderr.
+  /// `file`: a path, or "-" for stdout. In that case all other output of this process and its children to stdout goes
+  /// to stderr.
   void open(const std::string& command, const std::string& file);
   [[nodiscard]] bool wanted() const { return !file_.empty(); }
   [[nodiscard]] const std::string& command() const { return command_; }
-  /// Replaces what was written before. On stdout the last word counts, said by finish(). Throws FileError.
+  /// Replaces the JSON written before. Stdout receives only the last one, from finish(). Throws FileError.
   void write(const nlohmann::ordered_json& json);
-  /// Throws FileError.
+  /// Prints the JSON where stdout was chosen. Throws FileError.
   void finish();
 
  private:
   std::string command_, file_, text_;
-  int stdout_ = -1;  ///< the real one, while descriptor 1 is stderr
+  int stdout_ = -1;  ///< the original stdout, while descriptor 1 is stderr
 };
 
 /// The head of every command's result: "command", "version", "exit", "reason".
 nlohmann::ordered_json json_head(const std::string& command, int exit, const std::string& reason);
 
-/// The result of a command that could not begin: the head and "error" with "message", "file", "line" and "key", null
-/// where unknown.
+/// The result of a command that could not begin: the head, and "error" with "message", "file", "line" and "key", which
+/// are null where unknown.
 nlohmann::ordered_json json_error(const std::string& command, int exit, const std::string& message);
 
-/// JSON has no infinity and no NaN: null.
+/// A number as JSON; null for infinity and NaN, which JSON does not have.
 nlohmann::ordered_json json_number(double value);
 
 }  // namespace poretwin::cli

@@ -1,4 +1,4 @@
-// Where things are: cases by name or path, the programs beside this one, scripts.
+// Paths of cases (by name), of the programs beside this one, and of scripts.
 #pragma once
 
 #include <filesystem>
@@ -24,12 +24,11 @@ std::vector<std::string> case_names(const std::string& with_file);
 /// Folder of the running executable.
 std::filesystem::path program_folder();
 
-/// Folder of the data installed with the program, laid out as in the source tree: cases/, and Python scripts in cli/
-/// and bench/. It is ../share/poretwin from the program; in a build that is a link to the source tree. Throws
-/// FileError.
+/// Folder of the data installed with the program: cases/, and Python scripts in cli/ and bench/, as in the source tree.
+/// It is ../share/poretwin of the program's folder; in a build, a link to the source tree. Throws FileError.
 std::filesystem::path data_folder();
 
-/// Where the page of `poretwin view` is built: in a build beside the programs, else in the user's cache
+/// Folder in which the page of `poretwin view` is built: in a build beside the programs, else in the user's cache
 /// (XDG_CACHE_HOME, ~/.cache). Throws FileError where there is neither.
 std::filesystem::path view_folder();
 

@@ -11,10 +11,10 @@ namespace poretwin::cli {
 
 class LogTail {
  public:
-  /// from_now: follows the files from where they end now, otherwise from their beginnings. `line` gets each whole line,
-  /// without its time of day.
+  /// from_now: follows the files from their present ends, otherwise from their beginnings. `line` receives each
+  /// complete line, without its time of day.
   LogTail(std::vector<std::filesystem::path> files, bool from_now, std::function<void(const std::string&)> line);
-  /// Reads what has been added. A file that has become shorter is read from its beginning.
+  /// Reads what has been added. A file that has become shorter is read again from its beginning.
   void read();
 
  private:

@@ -1,4 +1,4 @@
-// poretwin: the one command a person types.
+// The command `poretwin`.
 #include "cli/commands.hpp"
 #include "common/core/error.hpp"
 
@@ -26,7 +26,7 @@ int failed(JsonOutput& json, const std::string& what, ExitCode code) {
   return exit;
 }
 
-/// Opens the JSON output even for a command line that cannot be parsed, if it names one.
+/// Opens the JSON output named by the command line, even where the rest of it cannot be parsed.
 void open_json(JsonOutput& json, const std::vector<std::string>& words) {
   const std::string name = "--json";
   for (std::size_t k = 1; k < words.size(); ++k)

@@ -152,7 +152,7 @@ bool needs_relative_error(const std::string& op) {
          op == "crossing" || op == "largest";
 }
 
-/// Reading at time t, linear between readings; NaN outside them or where a reading is NaN.
+/// Reading at time t, linear between readings; NaN before the first and after the last, and beside a NaN.
 double reading(const GaugeSeries& series, double t) {
   const auto& times = series.time;
   if (times.empty()) return nan;
@@ -178,7 +178,7 @@ std::optional<std::pair<std::string, double>> assignment(const std::string& text
   return std::pair{text.substr(0, sign), value};
 }
 
-/// Error of a value: against zero for operations that already yield an error, against the reference for the others.
+/// Error of a value. Operations whose value is itself an error are compared with zero, others with the reference.
 double error_of(const Metric& m, double value) {
   if (m.op == "exceeds") return std::max(0.0, m.reference.value_or(0.0) - value);
   if (m.op == "value" || m.op == "exit" || m.op == "max_abs") return std::abs(value - m.reference.value_or(0.0));
@@ -259,7 +259,7 @@ class Judge {
     for (double& x : series.value) x *= m_.scale;
     return series;
   }
-  /// Readings of the gauges of a profile, added with the metric's weights.
+  /// Readings of the gauges of a profile, summed with the metric's weights.
   [[nodiscard]] GaugeSeries weighted() const {
     const auto names = along();
     if (names.size() != m_.weights.size())
@@ -291,7 +291,7 @@ class Judge {
       }
     if (part.time.empty()) throw Failure{fmt::format("no readings of gauge '{}' in the range", m_.gauge)};
     auto lost = std::find_if(part.value.begin(), part.value.end(), [](double x) { return !std::isfinite(x); });
-    // A first passage holds, whatever the later readings are.
+    // The time of a first crossing does not depend on later readings.
     if (m_.op == "crossing") {
       part.value.erase(lost, part.value.end());
       part.time.resize(part.value.size());
@@ -308,7 +308,7 @@ class Judge {
     return x;
   }
 
-  /// Mean over time of the readings joined by straight lines.
+  /// Mean over time of the readings, taken as linear between them.
   [[nodiscard]] double mean() const {
     const auto series = within_range(readings());
     double sum = 0.0;
@@ -362,13 +362,13 @@ class Judge {
     if (n < 3.0 || spread <= 0.0) throw Failure{fmt::format("too few readings of gauge '{}' for a rate", m_.gauge)};
     return (n * sty - st * sy) / spread;
   }
-  /// Damping of an oscillation about the limit, from the largest distance in each whole swing between two passages of
-  /// it.
+  /// Damping rate of an oscillation about `limit`, from the largest distances from it in each complete swing between
+  /// two crossings.
   [[nodiscard]] double damping() const {
     const auto series = within_range(readings());
     const auto distance = [&](std::size_t i) { return series.value[i] - limit(); };
     double n = 0.0, st = 0.0, sy = 0.0, stt = 0.0, sty = 0.0;
-    std::size_t first = 0;  // of the swing; 0: none has begun
+    std::size_t first = 0;  // index at which the swing begins; 0: none has begun
     for (std::size_t i = 1; i < series.time.size(); ++i) {
       if (distance(i - 1) * distance(i) > 0.0) continue;
       if (first > 0 && i > first + 1) {
@@ -378,7 +378,7 @@ class Judge {
         // The largest distance is that of a parabola through the largest reading and its neighbours.
         const double a = std::abs(distance(top - 1)), b = std::abs(distance(top)), c = std::abs(distance(top + 1));
         const double bend = a - 2.0 * b + c;
-        const double off = bend < 0.0 ? 0.5 * (a - c) / bend : 0.0;  // of its top, in readings
+        const double off = bend < 0.0 ? 0.5 * (a - c) / bend : 0.0;  // offset of the parabola's top, in readings
         const double t = series.time[top] + off * (series.time[top] - series.time[top - 1]) - series.time.front();
         const double y = -std::log(b - 0.25 * (a - c) * off);
         n += 1.0;
@@ -396,7 +396,7 @@ class Judge {
   [[nodiscard]] double moving_away() const {
     const auto series = within_range(readings());
     double away = 0.0, steps = 0.0;
-    // Rounding around the limit is no movement.
+    // Rounding errors about the limit do not count as movement.
     const double slack = 1e-9 * std::abs(series.value.front() - limit());
     for (std::size_t i = 1; i < series.value.size(); ++i) {
       steps += 1.0;
@@ -441,12 +441,12 @@ class Judge {
     return std::sqrt(sum / count) / m_.normaliser.value_or(1.0);
   }
   [[nodiscard]] double limit() const { return m_.limit.value_or(0.0); }
-  /// Time at which readings pass a value between reading i - 1 and reading i, linear between them.
+  /// Time at which the readings cross a value between reading i - 1 and reading i, linear between them.
   [[nodiscard]] static double passage(const GaugeSeries& series, std::size_t i, double value) {
     const double before = series.value[i - 1] - value, now = series.value[i] - value;
     return series.time[i - 1] + before / (before - now) * (series.time[i] - series.time[i - 1]);
   }
-  /// Time at which readings first pass a value.
+  /// Time at which the readings first cross a value.
   [[nodiscard]] static std::optional<double> first_passage(const GaugeSeries& series, double value) {
     for (std::size_t i = 1; i < series.value.size(); ++i) {
       const double before = series.value[i - 1] - value, now = series.value[i] - value;
@@ -458,14 +458,15 @@ class Judge {
     if (const auto time = first_passage(within_range(readings()), limit())) return *time;
     throw Failure{fmt::format("gauge '{}' never passes {}", m_.gauge, limit())};
   }
-  /// Mean period from the first upward passage of `limit` to the last. A swing counts only if it goes below the limit
-  /// by a fifth of the departure of itself and the swing before: a reading that trembles about the limit passes it more
-  /// often.
+  /// Mean period, from the first upward crossing of `limit` to the last. A swing counts only if it reaches below the
+  /// limit by a fifth of the largest distance in it and in the swing before: small fluctuations about the limit cross
+  /// it more often.
   [[nodiscard]] double period() const {
     constexpr double least = 0.2;
     const auto series = within_range(readings());
     std::vector<double> times;
-    double most = 0.0, deepest = 0.0, most_before = 0.0;  // departures since the last passage and in the swing before
+    double most = 0.0, deepest = 0.0, most_before = 0.0;  // largest distances: since the last crossing; in the swing
+                                                          // before
     for (std::size_t i = 1; i < series.value.size(); ++i) {
       const double before = series.value[i - 1] - limit(), now = series.value[i] - limit();
       most = std::max(most, std::abs(before));
@@ -491,14 +492,14 @@ class Judge {
     }
     return series;
   }
-  /// Time at which readings first pass `align`.
+  /// Time at which the readings first cross `align`.
   [[nodiscard]] double start_of(const GaugeSeries& series) const {
     if (const auto time = first_passage(series, *m_.align)) return *time;
     throw Failure{fmt::format("gauge '{}' or its curve never passes {}", m_.gauge, *m_.align)};
   }
-  /// Time by which the readings are later than the curve [s].
+  /// Time by which the readings lag behind the curve [s].
   [[nodiscard]] double shift() const { return m_.align ? start_of(readings()) - start_of(curve_as_readings()) : 0.0; }
-  /// The points of the curve that are compared, at the times of the readings.
+  /// The compared points of the curve, at the times of the readings.
   [[nodiscard]] std::vector<std::pair<double, double>> judged_knots() const {
     const double later = shift();
     std::vector<std::pair<double, double>> knots;
@@ -693,7 +694,7 @@ std::vector<std::string> history(const VerifyRun& run, std::size_t number) {
     set.push_back(fmt::format("{}.jitter=1e-6", phase));
     set.push_back(fmt::format("{}.seed={}", phase, number));
   }
-  // Even steps of the golden ratio fill the range evenly, however many they are.
+  // Multiples of the golden ratio, modulo 1, fill the range evenly, however many there are.
   const double turn = 0.6180339887498949 * static_cast<double>(number);
   const double share = 2.0 * (turn - std::floor(turn)) - 1.0;
   for (const auto& text : run.vary) {

@@ -1,4 +1,4 @@
-// The operations of verify.toml: they make one number of a run's gauges and compare it with a reference.
+// The operations of verify.toml: each computes one number from a run's gauges and compares it with a reference.
 #pragma once
 
 #include "common/case/keys.hpp"
@@ -41,13 +41,14 @@ struct Figure {
 
 struct VerifyFile {
   std::string source;
-  std::optional<double> wall;  ///< s, of all runs together
+  std::optional<double> wall;  ///< s of wall-clock time, largest for all runs together
   std::vector<VerifyRun> runs;
   std::vector<Metric> metrics;
   std::vector<Figure> figures;
 };
 
-/// What a gauge should read at a time, for pictures: in the gauge's own unit, with the errors that the bound allows.
+/// A point that a gauge should reach, for pictures: in the gauge's unit, with the errors that the metric's tolerance
+/// allows.
 struct Mark {
   std::string gauge;
   double time = 0.0, value = 0.0, time_error = 0.0, value_error = 0.0;
@@ -57,10 +58,10 @@ struct Mark {
 struct Verdict {
   double value = 0.0, reference = 0.0, error = 0.0;
   bool passed = false;
-  std::string complaint;  ///< why there is no value
-  double spread = 0.0;    ///< of several histories: standard deviation of their values
+  std::string complaint;  ///< why there is no value, or why it does not count
+  double spread = 0.0;    ///< standard deviation over several histories
   std::size_t histories = 1;
-  std::vector<Mark> marks;  ///< what readings should be and when, of operations that give it
+  std::vector<Mark> marks;  ///< times and values that readings should have, where the operation gives them
 };
 
 using Gauges = std::map<std::string, GaugeSeries>;
@@ -70,8 +71,8 @@ using Counters = std::map<std::string, double>;  ///< "solid.substeps", ...
 /// FileError.
 VerifyFile read_verify(const std::filesystem::path& path);
 
-/// Judges one metric by a run's gauges, exit status and counters. base: the result of the same metric in the run that
-/// it names as `baseline`.
+/// Evaluates one metric from a run's gauges, exit status and counters. base: the verdict of the same metric in the run
+/// that it names as `baseline`.
 Verdict judge(const Metric& metric, const Gauges& gauges, int exit_status, const Counters& counters = {},
               const Verdict* base = nullptr);
 
@@ -79,11 +80,11 @@ Verdict judge(const Metric& metric, const Gauges& gauges, int exit_status, const
 /// gives their standard deviation. If one history has no value, the verdict has none.
 Verdict judge_mean(const Metric& metric, const std::vector<Verdict>& histories);
 
-/// Overrides that make a history of a run, from 0 on: none for the first; for the others particles displaced at random
-/// by a millionth of a spacing, by a seed of its own, and the values listed in `vary` changed by up to the variation.
+/// Overrides for history `number` of a run. None for history 0. For the others, particles are displaced at random by a
+/// millionth of a spacing, with the number as seed, and the values listed in `vary` are changed by up to the variation.
 std::vector<std::string> history(const VerifyRun& run, std::size_t number);
 
-/// Observed order of `decay_rate` from the coarse run to the fine one of half its spacing.
+/// Observed order of convergence of `decay_rate` from a coarse run to a fine one with half its spacing.
 Verdict judge_order(const Metric& metric, const Gauges& coarse, const Gauges& fine);
 
 /// Columns of a CSV file; comments after '#' and a heading are skipped. Throws FileError.

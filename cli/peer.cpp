@@ -11,7 +11,7 @@
 namespace poretwin::cli {
 namespace {
 
-/// Declares a sub-command with one argument of its own; all that follow are passed on.
+/// Declares a sub-command with one argument; all words after it are passed on.
 CLI::App* declare_one(CLI::App& peer, const std::string& name, const std::string& word, const std::string& about,
                       std::function<int()>& action,
                       int (*run)(const std::string& word, const std::vector<std::string>& rest)) {

@@ -1,4 +1,4 @@
-// `poretwin peer`: its sub-commands on the command line.
+// The sub-commands of `poretwin peer` on the command line.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -6,7 +6,7 @@
 
 namespace poretwin::cli {
 
-/// Declares `peer` and its sub-commands; the chosen one is left in `action`.
+/// Declares `peer` and its sub-commands; parsing sets `action` to the chosen one.
 void declare_peer(CLI::App& app, std::function<int()>& action);
 
 }  // namespace poretwin::cli

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Pictures of a run: fields of either phase at a time, gauges against time with their references; an animation.
+"""Pictures of a run: fields of either phase at given times, gauges against time with their references; animations.
 
 Called by `poretwin plot RUN ...`; needs the Debian packages python3-h5py, python3-numpy, python3-matplotlib.
 """
@@ -18,19 +18,19 @@ from cells import SURFACE, Canvas, spacing
 from mpl_toolkits.axes_grid1 import make_axes_locatable
 from style import plt
 
-# The most informative fields of a phase, best first.
+# The most informative fields of each phase, the best first.
 MAIN_FIELDS = {
     "fluid": ["pore_pressure", "velocity"],
     "solid": ["effective_stress", "accumulated_plastic_strain", "displacement"],
 }
-AT_REST = 1e-6  # s, below any time that is looked at
-LEAST_STRAIN = 1e-3  # plastic strain is drawn by its logarithm, from here on
+AT_REST = 1e-6  # s, shorter than any time that is shown
+LEAST_STRAIN = 1e-3  # smallest plastic strain shown; its scale is logarithmic
 STRAINS = ("accumulated_plastic_strain", "failing_strain")
 TENSOR = ["xx", "yy", "zz", "xy", "yz", "xz"]
 
 
 class Frames:
-    """One phase's file: steps found through the offsets, as a VTKHDF reader does."""
+    """The file of one phase; a step's rows are found through the offsets, as VTKHDF readers do."""
 
     def __init__(self, path):
         self.file = h5py.File(path, "r", locking=False)
@@ -57,7 +57,7 @@ class Frames:
         return shape[1] if len(shape) > 1 else 1
 
     def nearest(self, time):
-        """The step nearest to that time."""
+        """Index of the step nearest to a time."""
         return int(np.argmin(np.abs(self.times - time)))
 
     def unit(self, name):
@@ -66,7 +66,7 @@ class Frames:
 
 
 def component_of(frames, name, step):
-    """NAME as a field and a component of it: "velocity_x"; of a vector its length ("| |"), of a tensor the vertical one."""
+    """Splits "velocity_x" into field and component. Without a component: the length ("| |") of a vector, the vertical component of a tensor."""
     fields = frames.fields()
     if name in fields:
         columns = frames.columns(name)
@@ -78,7 +78,7 @@ def component_of(frames, name, step):
 
 
 def scalar(frames, name, step):
-    """Values of a field or of one component."""
+    """Values [n] of a field or of one of its components."""
     field, component = component_of(frames, name, step)
     values = frames.values(field, step)
     if component == "| |":
@@ -92,7 +92,7 @@ def is_3d(frames, step):
 
 
 class Body:
-    """The particles of one frame in the plane of the picture: of a 3D run its middle slice, seen from the front."""
+    """The particles of one frame in the plane of the picture; in 3D, those of the middle slice, seen from the front."""
 
     def __init__(self, frames, step, values=None):
         x = frames.positions(step)
@@ -100,7 +100,7 @@ class Body:
         dimensions = 3 if self.three else 2
         if "volume" in frames.fields():
             size = frames.values("volume", step) ** (1.0 / dimensions)
-        else:  # a solver that does not write it
+        else:  # from a solver that does not write it
             size = np.full(len(x), spacing(x[:, :dimensions]))
         self.dx = float(np.median(size))
         keep = np.abs(x[:, 1] - np.median(x[:, 1])) <= 0.75 * self.dx if self.three else np.ones(len(x), dtype=bool)
@@ -109,7 +109,7 @@ class Body:
 
 
 def other_body(frames, phase, step):
-    """The other phase of the same run at the same time, where there is one."""
+    """The other phase of the same run at the same time, or None."""
     other = "solid" if phase == "fluid" else "fluid"
     path = pathlib.Path(frames.file.filename).with_name(f"{other}.vtkhdf")
     if not path.exists():
@@ -122,7 +122,7 @@ def other_body(frames, phase, step):
 
 
 def scene_of(run):
-    """Contents of the case file of a run, and the settings that changed it; empty where the file is gone."""
+    """Content of a run's case file, and the overrides of the run; empty where the file no longer exists."""
     try:
         about = tomllib.loads((run / "run.toml").read_text())
         return tomllib.loads(pathlib.Path(about["case_file"]).read_text()), about.get("overrides", [])
@@ -131,7 +131,7 @@ def scene_of(run):
 
 
 def corners(shape):
-    """The outline of a region of a 2D case [n, 2]; nothing for other shapes."""
+    """The outline of a region of a 2D case [n, 2]; None for other shapes."""
     if shape.get("shape") == "polygon" and all(len(p) == 2 for p in shape.get("points", [])):
         return np.array(shape["points"], dtype=float)
     if shape.get("shape") == "box" and len(shape.get("min", [])) == 2:
@@ -144,7 +144,7 @@ def corners(shape):
 
 
 def rigid_soil(run):
-    """Corners of the soil of a 2D run that is not computed, [[x, y], ...] for each piece, as its case file has them."""
+    """Outlines of the rigid soil of a 2D run, [[x, y], ...] for each region, from its case file."""
     scene, overrides = scene_of(run)
     if (run / "solid.vtkhdf").exists() or any(re.match(r"soil\..*(points|min|max|shape)", text) for text in overrides):
         return []
@@ -152,19 +152,19 @@ def rigid_soil(run):
         outlines = [corners(soil) for soil in scene.get("soil", []) if soil["shape"] in ("polygon", "box")]
         return [outline for outline in outlines if outline is not None]
     except (KeyError, TypeError, ValueError):
-        return []  # the case has changed
+        return []  # the case has been changed
 
 
 def view(points, margin):
-    """Corners of the part that is drawn: all points except a few of a splash that are far away."""
+    """Corners of the section that is drawn: it contains all points except a few far away, such as spray."""
     low, high = np.quantile(points, 0.005, axis=0), np.quantile(points, 0.995, axis=0)
     far = 0.5 * (high - low).max()
     return np.maximum(points.min(axis=0), low - far) - margin, np.minimum(points.max(axis=0), high + far) + margin
 
 
 class Shown:
-    """One field of one phase over some steps: one range of colours and one piece of the plane for all of them. `rare`: of all that is
-    shown, the share that may lie beyond either end of the range: one blow would take the colours from all other frames."""
+    """One field of one phase at several steps, with one colour range and one section of the plane. `rare`: fraction of all values that may
+    lie beyond either end of the colour range; otherwise one short extreme would leave no colours for the other frames."""
 
     def __init__(self, frames, phase, name, steps, most=1800, rare=0.0):
         self.frames, self.phase, self.name, self.most = frames, phase, name, most
@@ -180,7 +180,7 @@ class Shown:
             drawn = np.vstack([*(b.x for b in (body, around) if b is not None), *self.ground])
             corners = view(drawn, 2.5 * self.dx)
             lower, upper = np.minimum(lower, corners[0]), np.maximum(upper, corners[1])
-            few = max(1, len(self.steps) * len(drawn) // 1000000)  # a million is enough to tell which are rare
+            few = max(1, len(self.steps) * len(drawn) // 1000000)  # a million values suffice to find the rare ones
             values.append(finite[::few])
             points.append(drawn[::few])
         self.extend = "neither"
@@ -201,16 +201,16 @@ class Shown:
         field, component = component_of(self.frames, self.name, self.steps[0])
         unit, largest = self.frames.unit(field), max(abs(low), abs(high))
         self.factor, unit = style.prefix(largest, unit)
-        # A diverging map only where both signs matter: a little noise around zero does not.
+        # A diverging map is used only where both signs matter, not for a little noise around zero.
         signed = min(-low, high) > 0.05 * largest
         self.least = None
-        if field in STRAINS and largest > LEAST_STRAIN:  # slip bands beside grains that have rolled away
+        if field in STRAINS and largest > LEAST_STRAIN:  # so that slip bands show beside grains that have rolled away
             self.least = min(LEAST_STRAIN, largest / 30.0)
             self.norm = matplotlib.colors.LogNorm(self.least, largest)
         elif field == "degree_of_saturation":
             self.norm = matplotlib.colors.Normalize(0.0, 1.0)
         else:
-            if high - low <= 1e-9 * largest:  # the same everywhere: a bar from zero
+            if high - low <= 1e-9 * largest:  # constant field: a bar from zero
                 low, high = min(low, 0.0), max(high, 0.0)
             low, high = (-largest, largest) if signed else (low, high)
             self.norm = matplotlib.colors.Normalize(low / self.factor, high / self.factor)
@@ -218,13 +218,13 @@ class Shown:
         self.label = style.label(self.phase, field, component) + style.unit(unit)
 
     def shape(self):
-        """Width and height of the piece of the plane [m]."""
+        """Width and height of the section [m]."""
         return self.upper - self.lower
 
     def paint(self, axes, step):
-        """The field in its surroundings: grey soil around the water, or pale blue water and its outline over the soil. Returns
-        what a colour bar is drawn of."""
-        for artist in [*axes.images, *axes.collections, *axes.patches]:  # of the frame before
+        """Draws the field with its surroundings: grey soil around the water, or pale blue water with its outline around the soil. Returns the
+        artist for the colour bar."""
+        for artist in [*axes.images, *axes.collections, *axes.patches]:  # remove the frame before
             artist.remove()
         for corners in self.ground:
             axes.fill(corners[:, 0], corners[:, 1], color=style.AROUND["fluid"], zorder=0)
@@ -239,7 +239,7 @@ class Shown:
         filled, own = canvas.fill(body.x, body.values / self.factor, body.size)
         drawn = axes.imshow(filled if self.least is None else np.maximum(filled, self.least), cmap=self.map, norm=self.norm, **place)
         if own.max() > SURFACE:
-            axes.contour(own, levels=[SURFACE], colors="0.35", linewidths=0.5, extent=canvas.extent)  # pale colours need a border
+            axes.contour(own, levels=[SURFACE], colors="0.35", linewidths=0.5, extent=canvas.extent)  # outline for pale colours
         if outline is not None and self.phase == "solid" and outline.max() > SURFACE:
             axes.contour(outline, levels=[SURFACE], colors=style.WATER_LINE, linewidths=0.9, extent=canvas.extent)
         axes.set(xlim=(self.lower[0], self.upper[0]), ylim=(self.lower[1], self.upper[1]), aspect="equal")
@@ -252,7 +252,7 @@ class Shown:
         if beyond:
             about += f"; {beyond} particle{'s' if beyond > 1 else ''} beyond"
         time = self.frames.times[step]
-        # The trials of `poretwin safety` are searches for a rest and end at 1e-9 s, which means nothing.
+        # The trials of `poretwin safety` end at 1e-9 s, after the search for equilibrium; that time has no meaning.
         return style.BODY[self.phase] + (f", t = {style.time(time, style.time_unit(self.frames.times[-1]))}" if not 0.0 < time < AT_REST else "") + about
 
     def axis_labels(self, axes, below=True, beside=True):
@@ -275,7 +275,7 @@ def paint(axes, frames, phase, name, step):
 
 
 def panel_width(shape):
-    """Width in inches of a picture of a part of the plane this wide and high [m]: wide ones fill the page."""
+    """Width in inches of a picture of a section with this width and height [m]; wide sections fill the page."""
     return min(style.PAGE - 1.2, max(2.0, 5.0 * shape[0] / shape[1]))
 
 
@@ -290,7 +290,7 @@ def draw_field(frames, phase, name, steps, target):
         return
     shape = shown.shape()
     count, width = len(shown.steps), panel_width(shape)
-    # Narrow bodies stand beside each other.
+    # Narrow bodies are placed side by side.
     columns = max(1, min(count, int((style.PAGE - 0.7) / (width + 0.5)))) if count > 1 else 1
     rows = -(-count // columns)
     figure, panels = plt.subplots(rows, columns, squeeze=False, layout="compressed",
@@ -321,7 +321,7 @@ def read_gauges(run):
         with open(source, newline="") as stream:
             for row in csv.DictReader(stream):
                 if row["unit"] is None:
-                    continue  # half a line of a run that was killed
+                    continue  # an incomplete line, of a killed run
                 entry = series.setdefault(row["gauge"], {"unit": row["unit"], "t": [], "v": []})
                 entry["t"].append(float(row["time_s"]))
                 entry["v"].append(float(row["value"]))
@@ -347,7 +347,7 @@ def reference_of(run, gauge):
 
 
 def declaration(run, title):
-    """How the case declares a gauge, and which component of it the title names ("soil_x"); empty where the case has changed since."""
+    """The case's declaration of a gauge, and the component that the title names ("soil_x"); empty where the case has been changed."""
     scene, overrides = scene_of(run)
     if any(text.startswith("gauge.") for text in overrides):
         return {}, ""
@@ -357,7 +357,7 @@ def declaration(run, title):
 
 
 def places(declared, names):
-    """What distinguishes the readings at several points: the coordinate in which they differ, else all of them."""
+    """Labels that distinguish readings at several points: the coordinate in which they differ, else all coordinates."""
     points = np.array(declared.get("points", []), dtype=float)
     if declared.get("kind") != "point" or points.ndim != 2 or len(points) != len(names):
         return names
@@ -368,7 +368,7 @@ def places(declared, names):
 
 
 def quantity_label(declared, component, title):
-    """Name of the quantity that a gauge reads, as of a field; else the gauge's name."""
+    """Name of the quantity that a gauge reads, as for a field; else the gauge's name."""
     if declared.get("kind") == "momentum":
         return f"momentum of the {style.BODY[declared['phase']]}" + (f", {component}" if component else "")
     if declared.get("kind") != "point":
@@ -379,13 +379,13 @@ def quantity_label(declared, component, title):
 
 
 def draw_gauges(run, names, title, series, target, marks=()):
-    """Gauges against time, as a file."""
+    """Draws gauges against time into a file."""
     style.save(gauge_figure(run, names, title, series, marks), target)
     print(target)
 
 
 def gauge_figure(run, names, title, series, marks=()):
-    """Gauges against time. marks: what they should read, [gauge, time, value, and by how much either may be off]."""
+    """Figure of gauges against time. marks: points that they should reach, [gauge, time, value, errors allowed in both]."""
     figure, axes = plt.subplots(figsize=(style.COLUMN, 0.62 * style.COLUMN), layout="constrained")
     colours = plt.rcParams["axes.prop_cycle"].by_key()["color"]
     declared, component = declaration(run, title)
@@ -404,14 +404,14 @@ def gauge_figure(run, names, title, series, marks=()):
         axes.plot(reference[:, 0] / unit_of_time, reference[:, 1] / factor, color=colour, **style.REFERENCE, label=None if labelled else "reference")
         labelled = True
         for direction, off in ("xerr", own[:, 2] / unit_of_time), ("yerr", own[:, 3] / factor):
-            some = off > 0.0  # a bar of no length would still have its caps
+            some = off > 0.0  # an error bar of zero length would still show its caps
             if some.any():
                 axes.errorbar(own[some, 0] / unit_of_time, own[some, 1] / factor, **{direction: off[some]}, fmt="none", ecolor=colour, elinewidth=0.9, capsize=2.5)
     axes.set_xlabel(f"time [{name_of_time}]")
     axes.set_ylabel(quantity_label(declared, component, title) + style.unit(unit))
     axes.margins(x=0.02)
     axes.grid(True)
-    if len(names) > 1:  # beside the curves, which leave no space among them
+    if len(names) > 1:  # outside the axes: the curves leave no space for the legend
         axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5))
     elif labelled:
         axes.legend()
@@ -419,7 +419,7 @@ def gauge_figure(run, names, title, series, marks=()):
 
 
 def asked(run, options):
-    """Frames, phase and field of each picture that is asked for."""
+    """Frames, phase and field of each requested picture."""
     found = []
     for phase in [options.phase] if options.phase else ["fluid", "solid"]:
         path = run / f"{phase}.vtkhdf"
@@ -437,7 +437,7 @@ def asked(run, options):
 
 
 def nothing_to_draw(run, options):
-    """Why there is no picture of a field."""
+    """Explains why there is no picture of a field."""
     phases = [phase for phase in ("fluid", "solid") if (run / f"{phase}.vtkhdf").exists()]
     if not phases:
         return f"{run}: neither fluid.vtkhdf nor solid.vtkhdf is there"
@@ -450,7 +450,7 @@ def nothing_to_draw(run, options):
 
 
 def draw_run(options, out):
-    """Fields and gauges of one run."""
+    """Draws fields and gauges of one run."""
     run = options.run
     pictures = [] if options.gauge and not options.field else asked(run, options)
     if not pictures and (options.field or options.phase or options.time):

@@ -60,14 +60,14 @@ class Signals {
   }
   Signals(const Signals&) = delete;
   Signals& operator=(const Signals&) = delete;
-  /// Discards signals that have arrived until now: they were for processes that have ended and must not end this one.
+  /// Discards signals that have arrived so far: they were meant for the child processes, and must not end this one.
   ~Signals() {
     static_cast<void>(stops());
     ::sigprocmask(SIG_SETMASK, &before_, nullptr);
   }
   [[nodiscard]] int descriptor() const { return descriptor_.get(); }
   [[nodiscard]] const sigset_t& before() const { return before_; }
-  /// How many requests to stop have arrived since the last call.
+  /// Number of requests to stop since the last call.
   [[nodiscard]] int stops() const {
     int count = 0;
     signalfd_siginfo info{};
@@ -85,13 +85,13 @@ struct Child {
   Program program;
   pid_t pid = -1;
   Descriptor progress;
-  std::string pending;  ///< progress bytes without their newline yet
+  std::string pending;  ///< bytes of a progress line that is incomplete yet
   bool asked_to_end = false;
   bool running = true;
 };
 
-/// Runs in the child after fork. Only async-signal-safe calls are allowed until exec, so that everything is prepared
-/// before.
+/// Runs in the child process after fork. Only async-signal-safe calls are allowed before exec, so that everything is
+/// prepared by the parent.
 [[noreturn]] void become(const std::vector<char*>& arguments, const std::vector<char*>& environment, int log,
                          int progress, int report, const sigset_t& mask, pid_t parent) {
   ::setpgid(0, 0);
@@ -139,7 +139,8 @@ Child start(const Program& program, const Signals& signals) {
       ::open(program.log.c_str(), O_WRONLY | O_CREAT | (program.goes_on ? O_APPEND : O_TRUNC) | O_CLOEXEC, 0666));
   if (log.get() < 0)
     throw FileError(fmt::format("{}: cannot be written: {}", program.log.string(), std::strerror(errno)));
-  // Reserves space for the program's last messages, should the disk be full by then; not every file system can.
+  // Reserves space for the program's last messages, in case the disk is full by then; not every file system can do
+  // that.
   constexpr off_t last_words = 16384;
   static_cast<void>(::fallocate(log.get(), FALLOC_FL_KEEP_SIZE, ::lseek(log.get(), 0, SEEK_END), last_words));
   std::vector<std::string> texts{program.file.string()};
@@ -250,7 +251,7 @@ class Watch {
   }
 
   void interrupt() {
-    if (result_.interrupted) {  // once more: no more waiting, unless it is the same request, sent to everybody twice
+    if (result_.interrupted) {  // a second Ctrl-C, unless it is the first one delivered twice
       if (Clock::now() - interrupted_at_ < patience_.grace) return;
       std::fputs("\nending at once\n", stderr);
       next_at_ = Clock::now();

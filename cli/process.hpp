@@ -17,37 +17,37 @@ struct Program {
   std::string name;  ///< "fluid"
   std::filesystem::path file;
   std::vector<std::string> arguments;
-  std::map<std::string, std::string> environment;  ///< in addition to this process's
-  std::filesystem::path log;                       ///< where its stdout and stderr go
-  bool reports_progress = false;                   ///< gets "--progress-fd N"
-  bool goes_on = false;                            ///< it resumes a run: its log is appended to
+  std::map<std::string, std::string> environment;  ///< variables in addition to those of this process
+  std::filesystem::path log;                       ///< file for its stdout and stderr
+  bool reports_progress = false;                   ///< "--progress-fd N" is passed to it
+  bool goes_on = false;                            ///< its run is resumed: append to the log
 };
 
 struct Ended {
   std::string name;
-  int status = 0;      ///< exit code; 128 + signal when killed by one
-  int signal = 0;      ///< 0: ended by itself
-  bool by_us = false;  ///< ended by a signal from here, after another one's failure or Ctrl-C
+  int status = 0;      ///< exit code; 128 + signal where a signal killed it
+  int signal = 0;      ///< signal that killed it; 0: it ended by itself
+  bool by_us = false;  ///< killed by this process, after another one's failure or Ctrl-C
   double cpu = 0.0;    ///< s
   std::filesystem::path log;
 };
 
 struct Watched {
-  std::vector<Ended> ended;  ///< in the order of ending
+  std::vector<Ended> ended;  ///< in the order in which they ended
   bool interrupted = false;  ///< SIGINT or SIGTERM reached this process
 };
 
 struct Patience {
-  std::chrono::milliseconds by_itself{5000};   ///< for the others to end after a failure, before SIGTERM
-  std::chrono::milliseconds after_term{3000};  ///< before SIGKILL
+  std::chrono::milliseconds by_itself{5000};   ///< for the others to end by themselves after a failure, before SIGTERM
+  std::chrono::milliseconds after_term{3000};  ///< from SIGTERM to SIGKILL
   /// Time for a clean stop after Ctrl-C before SIGTERM is sent: long, since a window may take minutes. A second Ctrl-C
   /// ends the wait, once `grace` has passed.
   std::chrono::milliseconds after_interrupt{600000};
-  std::chrono::milliseconds grace{10000};  ///< after Ctrl-C, in which further ones are ignored
+  std::chrono::milliseconds grace{10000};  ///< time after Ctrl-C during which further ones are ignored
 };
 
-/// Starts all programs, passes their progress lines to `progress`, calls `tick` about four times a second, returns when
-/// all have ended. Throws FileError when one cannot be started (those already started are ended first).
+/// Starts all programs, passes their progress lines to `progress`, calls `tick` about four times a second, and returns
+/// when all have ended. Throws FileError where one cannot be started, after ending those already started.
 Watched run_together(const std::vector<Program>& programs, const std::function<void(const std::string&)>& progress,
                      const std::function<void()>& tick, const Patience& patience = {});
 

@@ -46,7 +46,7 @@ void ProgressView::say(const std::string& line) {
 }
 
 std::string ProgressView::text() const {
-  // No time has been simulated yet: programs start, or the search for rest is under way.
+  // No time has been simulated yet: programs start, or the initial equilibrium is being searched for.
   if (!known_ || (!doing_.empty() && time_ == 0.0))
     return fmt::format("starting, {}{}{}", duration(std::chrono::duration<double>(Clock::now() - start_).count()),
                        doing_.empty() ? "" : ": ", doing_);
@@ -91,7 +91,7 @@ void ProgressFile::line(const std::string& json) {
   std::ofstream stream(part, std::ios::binary);
   stream << json << '\n';
   stream.close();
-  // Written under another name and renamed, so that no reader finds half a line.
+  // Written under another name and then renamed, so that no reader finds half a line.
   std::error_code ignored;
   if (stream)
     std::filesystem::rename(part, file_, ignored);

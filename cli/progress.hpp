@@ -10,15 +10,15 @@ namespace poretwin::cli {
 class ProgressView {
  public:
   explicit ProgressView(bool quiet);
-  /// Takes a JSON line {"t","end","step","dt","waiting_for"} of a child process; ignores anything else.
+  /// Takes a progress line of a child process, JSON {"t","end","step","dt","waiting_for"}; ignores anything else.
   void line(const std::string& json);
-  /// Sets what is shown while no time has been simulated yet, such as the search for rest.
+  /// Sets the text shown while no time has been simulated yet, such as on the search for equilibrium.
   void doing(const std::string& what);
-  /// Prints a line that stays, also where progress is not shown.
+  /// Prints a line that remains, even where progress is not shown.
   void say(const std::string& line);
-  /// Shows the latest state when it is due.
+  /// Shows the latest state if the time for it has come.
   void tick();
-  /// Leaves the terminal's line clean.
+  /// Clears the progress line of the terminal.
   void finish();
 
  private:
@@ -31,15 +31,15 @@ class ProgressView {
   Clock::time_point start_, first_, next_;
 };
 
-/// The latest progress line as a file of the run's folder, for programs that watch the run (`poretwin view`). It is
-/// removed with the end of the run. A full disk is not reported here: the processes report it.
+/// The latest progress line as a file in the run's folder, for programs that watch the run (`poretwin view`). It is
+/// removed at the end of the run. A full disk is not reported here, since the processes report it.
 class ProgressFile {
  public:
   explicit ProgressFile(std::filesystem::path file) : file_(std::move(file)) {}
   ProgressFile(const ProgressFile&) = delete;
   ProgressFile& operator=(const ProgressFile&) = delete;
   ~ProgressFile();
-  /// Stores the line, twice a second at most.
+  /// Writes the line to the file, at most twice a second.
   void line(const std::string& json);
 
  private:

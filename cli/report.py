@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""An engineer's report of a run: one page with the section, what drives it, the state at the end, gauges against time, the factor of
-safety, the balance of water and grains, warnings, and where it all comes from. All pictures are inside the page.
+"""An engineer's report of a run on one page: section, drives, state at the end, gauges against time, factor of safety, balances of water
+and grains, warnings, and the origin of the data. All pictures are embedded in the page.
 
 Called by `poretwin report RUN`; needs the Debian packages python3-h5py, python3-numpy, python3-matplotlib; for a PDF the program chromium.
 """
@@ -24,10 +24,10 @@ import plot
 import style
 from style import plt
 
-# Fields of the state at the end, of each phase.
+# Fields of the state at the end, for each phase.
 FIELDS = {"fluid": ["pore_pressure", "degree_of_saturation"], "solid": ["effective_stress", "accumulated_plastic_strain", "displacement"]}
 SOILS = ["#e2d6c2", "#cbbfa9", "#d9cfe0", "#c9d8c5", "#e8cfc4", "#d5d5d5", "#efe3b8", "#c3cfd6"]
-# Of a soil: key, heading, unit, factor.
+# Properties of a soil: key, heading, unit, factor.
 PROPERTIES = [("porosity", "n", "", 1), ("hydraulic_conductivity", "k", "m/s", 1), ("youngs_modulus", "E", "MPa", 1e-6), ("poissons_ratio", "ν", "", 1),
               ("cohesion", "c", "kPa", 1e-3), ("friction_angle", "φ", "°", 1), ("dilation_angle", "ψ", "°", 1),
               ("undrained_shear_strength", "s_u", "kPa", 1e-3), ("grain_density", "ρ_s", "kg/m³", 1)]
@@ -46,7 +46,7 @@ figure {{ margin: .5rem 0; break-inside: avoid }} .row {{ display: flex; flex-wr
 
 
 class Run:
-    """What a run's folder and its case file say of it."""
+    """The content of a run's folder and of its case file."""
 
     def __init__(self, folder):
         self.folder = folder
@@ -69,7 +69,7 @@ class Run:
         self.unit = style.time_unit(self.end)
 
     def read_case(self):
-        """The case with what was set beside it; nothing where its file has gone or changed."""
+        """The case with the run's overrides; empty where its file is missing or has changed."""
         path = pathlib.Path(self.about.get("case_file", ""))
         try:
             text = path.read_bytes()
@@ -86,12 +86,12 @@ class Run:
         return case
 
     def of_kind(self, kind):
-        """Names of the gauges of a kind."""
+        """Names of the gauges of one kind."""
         return [g.get("name", "") for g in self.case.get("gauge", []) if g.get("kind") == kind]
 
 
 def fnv1a(data):
-    """The hash by which run.toml knows its case file: FNV-1a, 64 bits."""
+    """The hash of the case file in run.toml: FNV-1a, 64 bits."""
     value = 14695981039346656037
     for byte in data:
         value = (value ^ byte) * 1099511628211 % 2**64
@@ -125,7 +125,7 @@ def closed(outline):
 
 
 def place_of_name(outline, others):
-    """Of the points inside an outline, and outside all others, the one farthest from its edges."""
+    """The point for a soil's name: inside its outline, outside all others, as far from its edges as possible."""
     low, high = outline.min(axis=0), outline.max(axis=0)
     grid = np.stack(np.meshgrid(np.linspace(low[0], high[0], 41), np.linspace(low[1], high[1], 41)), axis=-1).reshape(-1, 2)
     path = closed(outline)
@@ -140,12 +140,12 @@ def place_of_name(outline, others):
 
 
 def series(value):
-    """[[t, value], ..] of a number or of a table in time."""
+    """A number, or a table in time, as an array of rows [t, value]."""
     return np.array(value, dtype=float).reshape(-1, 2) if isinstance(value, list) else np.array([[0.0, float(value)]])
 
 
 def level(face, time):
-    """Elevation of the water behind a face at a time; nothing where the case prescribes none."""
+    """Elevation of the water behind a face at a time; None where the case prescribes none."""
     if "head" not in face:
         return None
     knots = series(face["head"])
@@ -153,7 +153,7 @@ def level(face, time):
 
 
 class Page:
-    """The page under way: pieces of HTML."""
+    """The page while it is built: pieces of HTML."""
 
     def __init__(self):
         self.pieces = []
@@ -165,7 +165,7 @@ class Page:
         self.add(f"<h2>{html.escape(text)}</h2>")
 
     def table(self, rows, head=None):
-        """Rows of cells; numbers are set to the right."""
+        """Appends rows of cells; numbers are aligned to the right."""
         def cell(value, kind):
             if isinstance(value, float):
                 return f'<{kind} class="number">{style.number(value)}</{kind}>'
@@ -185,7 +185,7 @@ class Page:
 
 
 def outline_soils(axes, run, filled=False):
-    """The soils of the case, named; returns their outlines."""
+    """Draws the outlines of the case's soils, with names; returns the outlines."""
     drawn = []
     soils = [(soil, plot.corners(soil)) for soil in run.case.get("soil", [])]
     for k, (soil, outline) in enumerate(soils):
@@ -201,7 +201,7 @@ def outline_soils(axes, run, filled=False):
 
 
 def draw_section(page, run):
-    """Soils, walls, water at the start, faces, loads, as the case draws them."""
+    """Draws soils, walls, initial water, faces and loads from the case."""
     if run.case.get("case", {}).get("dimension", 2) != 2:
         return
     figure, axes = plt.subplots(figsize=(style.PAGE, 0.5 * style.PAGE), layout="constrained")
@@ -252,7 +252,7 @@ def draw_section(page, run):
 
 
 def draw_drives(page, run):
-    """What the case prescribes in time: heads, pressures, discharges, rain."""
+    """Draws what the case prescribes over time: heads, pressures, discharges, rain."""
     curves = {}
     for kind, key, label in [("water_face", "head", "head [m]"), ("water_face", "pressure", "pressure [Pa]"), ("water_face", "discharge", "discharge [m²/s]"),
                              ("rain", "rate", "rain [m/s]")]:
@@ -276,7 +276,7 @@ def draw_drives(page, run):
 
 
 def draw_state(page, run):
-    """The main fields at the end, with the soils' outlines and the water table."""
+    """Draws the main fields at the end, with the soils' outlines and the water table."""
     page.heading(f"The end: {style.time(run.end, run.unit)}")
     page.add('<div class="row">')
     for phase, frames in run.frames.items():
@@ -287,7 +287,7 @@ def draw_state(page, run):
 
 
 def draw_field(page, run, phase, name, step, required=False):
-    """One field with the soils' outlines and the water table; no picture where it is the same everywhere, unless required."""
+    """Draws one field with the soils' outlines and the water table; unless `required`, no picture of a field that is constant."""
     frames = run.frames[phase]
     shown = plot.Shown(frames, phase, name, [step])
     values = plot.scalar(frames, name, step)
@@ -302,20 +302,20 @@ def draw_field(page, run, phase, name, step, required=False):
     if not plot.is_3d(frames, step):
         outline_soils(axes, run)
     caption = shown.label
-    if phase == "fluid" and "pressure_head" in frames.fields():  # a field: the water table is where its pressure is zero
+    if phase == "fluid" and "pressure_head" in frames.fields():  # water as a field: its water table is where the pressure is zero
         if draw_water_table(axes, plot.Body(frames, step, frames.values("pressure_head", step))):
             caption += "; dashed: water table"
     page.figure(figure, plain(caption), "png")
 
 
 def draw_water_table(axes, body):
-    """Where the pressure head passes zero between neighbouring points; whether it does anywhere."""
+    """Draws the line on which the pressure head is zero, interpolated between points. Returns whether there is one."""
     if len(body.x) < 3 or not body.values.min() < 0.0 < body.values.max():
         return False
     net = matplotlib.tri.Triangulation(*body.x.T)
     around = body.x[net.triangles]
     longest = np.linalg.norm(around - np.roll(around, 1, axis=1), axis=2).max(axis=1)
-    net.set_mask(longest > 2.0 * body.size[net.triangles].max(axis=1))  # across what is no soil
+    net.set_mask(longest > 2.0 * body.size[net.triangles].max(axis=1))  # triangles that span gaps in the soil
     axes.tricontour(net, body.values, levels=[0.0], colors="black", linewidths=1.1, linestyles="--")
     return True
 
@@ -326,7 +326,7 @@ def plain(text):
 
 
 def draw_safety(page, run):
-    """The factor of safety against time."""
+    """Draws the factor of safety against time."""
     names = [name for name in run.of_kind("factor_of_safety") if name in run.gauges]
     if not names:
         return
@@ -356,7 +356,7 @@ def draw_safety(page, run):
 
 
 def draw_series(page, run):
-    """All other gauges against time."""
+    """Draws all other gauges against time."""
     apart = set(run.of_kind("factor_of_safety")) | {f"{n}_error" for n in run.of_kind("factor_of_safety")}
     groups = {}
     for name, found in run.gauges.items():
@@ -372,7 +372,7 @@ def draw_series(page, run):
 
 
 def write_balance(page, run):
-    """Of water and of grains, as the gauges have them at the end."""
+    """Writes the balances of water and grains at the end, from the gauges."""
     rows = []
     for name in run.of_kind("balance"):
         for part, meaning in [("in", "came in"), ("out", "left"), ("stored", "stored at the end"), ("error", "in - out - gain")]:
@@ -416,7 +416,7 @@ def write_origin(page, run):
 
 
 def make(folder):
-    """The page of a run, as text."""
+    """The report page of a run, as text."""
     run, page = Run(folder), Page()
     title = run.case.get("case", {}).get("title") or run.about.get("case", folder.name)
     page.add(f"<h1>{html.escape(title)}</h1>")

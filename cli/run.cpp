@@ -38,7 +38,7 @@ namespace {
 constexpr int peer_failed = static_cast<int>(ExitCode::peer),
               interrupted_exit = static_cast<int>(ExitCode::interrupted);
 
-/// A private folder for the socket, whose path may have 107 characters only.
+/// A temporary folder for the socket, whose path must not be longer than 107 characters.
 class PrivateFolder {
  public:
   PrivateFolder() {
@@ -67,7 +67,7 @@ int available_threads() {
   return ::sched_getaffinity(0, sizeof set, &set) == 0 ? std::max(1, CPU_COUNT(&set)) : 1;
 }
 
-/// The file of the program that has a role in the run.
+/// The program for a role in the run.
 fs::path program_file(const RunOptions& options, const Case& scene, const std::string& role) {
   return options.programs / ("poretwin-" + (role == "fluid" && scene.is_field() ? "pore" : role));
 }
@@ -120,8 +120,8 @@ std::string leader_of(const Case& scene) {
   return scene.coupled() ? "coupler" : scene.deformable() ? "solid" : "fluid";
 }
 
-/// Identity of a user's command: its text, with the hashes of the files that it names, since a script is a program,
-/// too.
+/// Identity of a user's command: its text, with the hashes of the files that it names, since a script is part of the
+/// program.
 std::string identity_of_command(const std::string& command) {
   std::string text = "'" + command + "'";
   std::istringstream words(command);
@@ -133,7 +133,7 @@ std::string identity_of_command(const std::string& command) {
   return text;
 }
 
-/// What a run must have in common with the one that it resumes.
+/// What this run must have in common with the run that it resumes.
 RunIdentity identity_of(const RunOptions& options, const Case& scene) {
   RunIdentity identity = case_identity(scene);
   std::string programs = version();
@@ -261,7 +261,7 @@ std::string listed_seconds(Summary::Numbers numbers) {
   return text;
 }
 
-/// One line for each count that is not zero; for causes that limited windows with their share of all windows.
+/// One line for each count that is not zero; for each cause that limited windows, its fraction of all windows.
 std::string listed_counts(const std::string& process, const Summary::Numbers& numbers) {
   const auto is_limit = [](const std::string& name) { return name.starts_with("windows limited by"); };
   double windows = 0.0;
@@ -275,7 +275,7 @@ std::string listed_counts(const std::string& process, const Summary::Numbers& nu
   return text;
 }
 
-/// Text with the warnings of the processes: all, or only those that put the result in doubt.
+/// Text with the warnings of the processes: all of them, or only those that put the result in doubt.
 std::string listed_warnings(const std::vector<Summary>& summaries, bool in_doubt_only, const char* separator) {
   std::string text;
   for (const auto& s : summaries)
@@ -294,7 +294,7 @@ std::vector<fs::path> files_in(const fs::path& out) {
   return files;
 }
 
-/// Ignores Ctrl-C and SIGTERM while it exists: the end of a run that has ended must still be recorded.
+/// Ignores Ctrl-C and SIGTERM while it exists: the end of a run must still be recorded.
 class StopsIgnored {
  public:
   StopsIgnored() : interrupt_(std::signal(SIGINT, SIG_IGN)), terminate_(std::signal(SIGTERM, SIG_IGN)) {}
@@ -321,7 +321,7 @@ void close_run(const RunOptions& options, const RunIdentity& identity, const std
       result.reason += (result.reason.empty() ? "" : "\n  then: ") + std::string(error.what());
     }
   };
-  // Files that a killed process left half-written are cut back to their last whole frame.
+  // Cuts files that a killed process left incomplete back to their last complete frame.
   for (const char* phase : {"fluid", "solid"})
     attempt([&] { hdf5::roll_back(options.out / (std::string(phase) + ".vtkhdf")); });
   attempt([&] { coupling::join_traces(options.out); });
@@ -409,8 +409,7 @@ RunResult run_case(const RunOptions& options) {
     result.ended = watched.ended;
     for (const auto& ended : watched.ended) result.cpu += ended.cpu;
     const Ended* cause = root_cause(watched.ended);
-    // A scheduler may send its signal to the child processes only; and a run may have ended before the signal reached
-    // it.
+    // A scheduler may send its signal to the child processes only; or the run ended before the signal arrived.
     if (cause != nullptr && (watched.interrupted || cause->status == interrupted_exit)) {
       result.exit = interrupted_exit;
       result.reason = has_checkpoints(options.out, leader) ? "interrupted; --resume goes on from the last checkpoint"
@@ -419,14 +418,14 @@ RunResult run_case(const RunOptions& options) {
       result.exit = cause->signal != 0 ? static_cast<int>(ExitCode::failure) : cause->status;
       result.reason = reason_of(*cause);
     }
-    // A process that ended with a reason would end so again. A crash may have an outside cause: then the run is started
-    // again.
+    // A process that ended with an error would do so again. A crash may have an outside cause: the run is then
+    // restarted.
     if (watched.interrupted || cause == nullptr || cause->signal == 0 || cause->by_us ||
         result.restarts == options.restarts)
       break;
     ++result.restarts;
     resume = has_checkpoints(options.out, leader);
-    // Removes checkpoints that are not complete, which a start from the beginning must not find.
+    // Removes incomplete checkpoints, which a start from the beginning must not find.
     if (!resume) fs::remove_all(options.out / "checkpoints");
     fmt::print(stderr, "poretwin: {} was killed by signal {} ({}); restart {} of {}, from {}\n", cause->name,
                cause->signal, ::strsignal(cause->signal), result.restarts, options.restarts,

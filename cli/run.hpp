@@ -15,7 +15,7 @@
 
 namespace poretwin::cli {
 
-/// The summary that one process writes of its run (OUT/<process>.summary.json).
+/// The summary that one process writes at its end (OUT/<process>.summary.json).
 struct Summary {
   using Numbers = std::vector<std::pair<std::string, double>>;
   std::string process, reason;
@@ -30,25 +30,25 @@ struct RunOptions {
   std::filesystem::path case_file, out;
   std::string case_name;
   std::vector<std::string> overrides;
-  std::string fluid, solid;        ///< commands that take a solver's place; empty: poretwin's own
+  std::string fluid, solid;        ///< commands that replace a solver; empty: poretwin's own
   std::filesystem::path programs;  ///< folder of poretwin-fluid, poretwin-solid, poretwin-coupler
-  bool quiet = false;              ///< neither progress nor summary
-  bool warnings = true;            ///< show them as they come; they are counted in any case
+  bool quiet = false;              ///< show neither progress nor summary
+  bool warnings = true;            ///< show warnings when they occur; they are counted in any case
   bool pictures = true;
-  bool profile = false;                    ///< leave trace.json: what each process did when
+  bool profile = false;                    ///< write trace.json: what each process did when
   bool resume = false;                     ///< from the newest checkpoint in `out`
-  bool overwrite = false;                  ///< begin anew even where `out` holds a run that could go on
-  bool accept_changed_program = false;     ///< resume what another program began
-  std::optional<double> checkpoint_every;  ///< s of wall-clock; absent: the processes' default
-  int restarts = 2;                        ///< after a crash, at most
+  bool overwrite = false;                  ///< begin anew even over a run that could be resumed
+  bool accept_changed_program = false;     ///< also resume a run that another program began
+  std::optional<double> checkpoint_every;  ///< s of wall-clock time; absent: the processes' default
+  int restarts = 2;                        ///< largest number of restarts after crashes
 };
 
 struct RunResult {
-  int exit = 0;                   ///< of the process that failed first; 6: the result is in doubt; 130: interrupted
-  std::string reason;             ///< empty when all went well, or when there was nothing left to do
-  bool already_finished = false;  ///< it had ended before: nothing was done, the summaries are the earlier ones
+  int exit = 0;                   ///< of the process that failed first; 6: result in doubt; 130: interrupted
+  std::string reason;             ///< empty where all went well, or nothing was left to do
+  bool already_finished = false;  ///< the run had ended before: nothing was done, and the summaries are its own
   double wall = 0.0, cpu = 0.0;   ///< s
-  int restarts = 0;               ///< after crashes
+  int restarts = 0;               ///< number of restarts after crashes
   std::vector<Ended> ended;
   std::vector<Summary> summaries;
   std::vector<std::string> case_warnings;  ///< warnings of the check of the case
@@ -56,8 +56,8 @@ struct RunResult {
   [[nodiscard]] bool ended_well() const { return exit == 0 || exit == static_cast<int>(ExitCode::in_doubt); }
 };
 
-/// Runs a case. Throws CaseError and FileError before anything is started or changed; later failures are in the result.
-/// Resuming a run that has ended does nothing.
+/// Runs a case. Throws CaseError and FileError before anything is started or changed; later failures are reported in
+/// the result. Resuming a finished run does nothing.
 RunResult run_case(const RunOptions& options);
 
 /// Text with the time spent on each activity, steps, counters and files.
@@ -67,7 +67,7 @@ std::string summary_text(const RunResult& result, const std::filesystem::path& o
 nlohmann::ordered_json run_json(const std::string& case_name, const std::filesystem::path& case_file,
                                 const std::filesystem::path& out, const RunResult& result);
 
-/// The first failure, not one that followed from another process's.
+/// The process that failed first, as opposed to those that failed because of it.
 const Ended* root_cause(const std::vector<Ended>& ended);
 
 }  // namespace poretwin::cli

@@ -21,7 +21,7 @@ bool is_lock(const fs::path& file) { return file.extension() == ".lock"; }
 
 std::string subject(const fs::path& out) { return out.string() + ": another run writes into this folder"; }
 
-/// Whether the folder is empty, apart from what a run leaves that was refused or killed before it began.
+/// Whether the folder is empty, except for files of a run that was refused or killed before it began.
 bool holds_nothing(const fs::path& out) {
   return std::all_of(fs::directory_iterator(out), {}, [](const auto& entry) {
     return is_lock(entry.path()) || (entry.path().filename() == "log" && fs::is_empty(entry.path()));
@@ -54,7 +54,7 @@ RunRecord expect_record(const RunClaim& claim) {
   return *record;
 }
 
-/// Throws unless the run in the folder can be resumed by this one. Returns true when it has ended already.
+/// Whether the run in the folder has already finished. Throws unless this run may resume it.
 bool finished(const RunClaim& claim) {
   const RunRecord record = expect_record(claim);
   if (record.case_name != claim.case_name)
@@ -72,7 +72,7 @@ bool finished(const RunClaim& claim) {
   return false;
 }
 
-/// Throws unless a new run may use the folder. Returns a description of the run that it replaces, empty: none.
+/// Describes the run that a new run replaces; empty: none. Throws unless a new run may use the folder.
 std::string replaced_by(const RunClaim& claim) {
   const fs::path& out = claim.out;
   if (!fs::exists(out)) return {};
@@ -121,8 +121,8 @@ RunFolder::RunFolder(const RunClaim& claim) : out_(claim.out) {
     else
       replaced_ = replaced_by(claim);
   };
-  // A folder that another run writes into is refused first, whatever else it contains; a folder that is not a run's
-  // gets no lock file.
+  // A folder into which another run writes is refused first, whatever it contains. A folder that is not a run's gets no
+  // lock file.
   if (fs::exists(lock_file(out_))) lock_ = FileLock(lock_file(out_), subject(out_), FileLock::Inherited::yes);
   check();
   if (finished_) return;
@@ -133,7 +133,7 @@ RunFolder::RunFolder(const RunClaim& claim) : out_(claim.out) {
     lock_ = FileLock(lock_file(out_), subject(out_), FileLock::Inherited::yes);
     check();
   }
-  // Processes that the user started by hand have locks of their own.
+  // Processes that the user started directly have locks of their own.
   for (const char* name : processes)
     if (const auto file = out_ / fmt::format("{}.lock", name); fs::exists(file))
       FileLock(file, subject(out_), FileLock::Inherited::no);

@@ -52,16 +52,16 @@ class Search {
   [[nodiscard]] bool good() const { return safety_.run.ended_well(); }
   [[nodiscard]] fs::path folder(double factor) const { return options_.out / fmt::format("F_{:.4f}", factor); }
 
-  /// Nothing where the run was no trial: interrupted, or failed otherwise.
+  /// Whether the soil stands; nothing where the run decided nothing: it was interrupted, or failed for another reason.
   std::optional<bool> stands(double factor) {
     RunOptions options = options_;
     options.out = folder(factor);
     options.overrides.push_back(fmt::format("solid.strength_reduction={:.17g}", factor));
     options.overrides.emplace_back("solid.initial_rest=true");
     options.overrides.emplace_back("solid.initial_seepage=true");
-    options.overrides.emplace_back("case.end_time=1e-9");  // only the search for rest is of use
+    options.overrides.emplace_back("case.end_time=1e-9");  // only the initial search for equilibrium is needed
     options.quiet = true;
-    options.warnings = false;  // soil that finds no rest is an answer here
+    options.warnings = false;  // here, soil without equilibrium is a result, not a warning
     options.pictures = false;
     options.restarts = 0;
     options.overwrite = true;
@@ -111,7 +111,7 @@ std::string listed(const std::vector<SafetyTrial>& trials) {
   return text;
 }
 
-/// Text with the parts of the case that a search at time zero does not use.
+/// Names of the parts of the case that the search for equilibrium at time zero does not use.
 std::string ignored(const Case& scene, const RunOptions& options) {
   std::string text;
   const auto add = [&](const std::string& key) { text += (text.empty() ? "" : ", ") + key; };

@@ -1,4 +1,4 @@
-// The commands that are Python scripts: `poretwin plot`, `poretwin view`, `poretwin bench`.
+// Commands that are Python scripts: `poretwin plot`, `poretwin view`, `poretwin bench`.
 #pragma once
 
 #include <filesystem>
@@ -7,8 +7,8 @@
 
 namespace poretwin::cli {
 
-/// Runs a script of the data folder ("cli/plot.py") with the arguments; its output goes to `log` (empty: to the
-/// terminal). Returns its exit code.
+/// Runs a script of the data folder ("cli/plot.py"); its output goes to `log`, or where that is empty to the terminal.
+/// Returns its exit code.
 int run_script(const std::string& name, const std::vector<std::string>& arguments,
                const std::filesystem::path& log = {});
 

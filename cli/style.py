@@ -1,4 +1,4 @@
-"""How every figure of poretwin looks, and how it is written: by `plot`, by reports, by benchmarks.
+"""The style of poretwin's figures, and how they are written: for `plot`, reports and benchmarks.
 
 Needs the Debian package python3-matplotlib.
 """
@@ -10,9 +10,10 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (after the backend is chosen)
 
 FORMATS = ("png", "svg", "pdf")
-# Widths in inches, so that a figure is printed as large as it is drawn: a journal's page (180 mm), and three quarters of it.
+# Widths in inches of a journal's page (180 mm), and of three quarters of it: figures are printed at the size at which they are
+# drawn.
 PAGE, COLUMN = 7.1, 5.3
-PRINT_DPI = 300  # of the raster that particles are in a vector figure; what journals ask of pictures in colour
+PRINT_DPI = 300  # resolution of particles inside vector figures; journals ask this of colour pictures
 STYLE = {
     "font.size": 9,
     "axes.titlesize": 9,
@@ -25,21 +26,21 @@ STYLE = {
     "lines.linewidth": 1.4,
     "lines.markersize": 4,
     "mathtext.fontset": "dejavusans",
-    # Okabe & Ito (2008), distinct for the colour-blind, too; without their yellow, which is pale on paper.
+    # Colours of Okabe & Ito (2008), distinguishable with colour blindness, too; without their yellow, which is too pale on paper.
     "axes.prop_cycle": matplotlib.cycler(color=["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000"]),
     "figure.dpi": 100,
     "savefig.dpi": 200,
     "savefig.bbox": "tight",
     "savefig.pad_inches": 0.04,
-    "pdf.fonttype": 42,  # letters as letters: journals refuse Type 3
-    "svg.hashsalt": "poretwin",  # the same figure has the same bytes
+    "pdf.fonttype": 42,  # fonts as TrueType: journals refuse Type 3
+    "svg.hashsalt": "poretwin",  # the same figure always has the same bytes
 }
-REFERENCE = {"linestyle": "none", "marker": "o", "mfc": "white", "zorder": 3}  # points or curves of a reference
-AROUND = {"fluid": "#d8d5cf", "solid": "#d3e5f3"}  # behind the water: soil; behind the soil: water
+REFERENCE = {"linestyle": "none", "marker": "o", "mfc": "white", "zorder": 3}  # style of reference points or curves
+AROUND = {"fluid": "#d8d5cf", "solid": "#d3e5f3"}  # colour behind the water (soil) and behind the soil (water)
 WATER_LINE = "#2b7bba"
-BODY = {"fluid": "water", "solid": "soil"}  # what a phase is called above a picture
+BODY = {"fluid": "water", "solid": "soil"}  # name of a phase above a picture
 
-# Of a field of either phase: words, symbol as in docs/theory/symbols.md and the paper.
+# For each field: name, and symbol as in docs/theory/symbols.md and the paper.
 FLUID = {
     "pore_pressure": ("pore pressure", "p_w"),
     "velocity": ("velocity of the water", r"\mathbf{v}_w"),
@@ -73,7 +74,7 @@ def use(**more):
 
 
 def label(phase, field, component=""):
-    """Name of a field, or of a component of it ("xx", or "| |": its length), beside a colour bar, without the unit."""
+    """Label of a field, or of a component ("xx"; "| |": length of a vector), for a colour bar; without the unit."""
     words, symbol = (FLUID if phase == "fluid" else SOLID).get(field, (field.replace("_", " "), ""))
     if component == "| |":
         words, symbol = words.replace("velocity", "speed"), symbol and rf"|{symbol}|"
@@ -91,7 +92,7 @@ def unit(text):
 
 
 def prefix(value, of):
-    """Factor and unit that keep numbers short: kPa, mm."""
+    """Factor and prefixed unit that keep numbers short: kPa, mm."""
     if of not in ("Pa", "m", "m/s", "N"):
         return 1.0, of
     for factor, sign in ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ")):
@@ -101,16 +102,16 @@ def prefix(value, of):
 
 
 def number(value):
-    """A number with four digits; times and places as they occur get no power of ten: 15000, 0.35."""
+    """A number with four digits; without a power of ten at common sizes: 15000, 0.35."""
     return f"{float(f'{value:.4g}'):g}"
 
 
-# Units of time: the shortest run for which it is used [s], the unit [s], its name.
+# Units of time: shortest run for which the unit is used [s], its length [s], its name.
 TIMES = [(3.0 * 365.25 * 86400.0, 365.25 * 86400.0, "years"), (2.0 * 86400.0, 86400.0, "days"), (2e4, 3600.0, "h"), (0.0, 1.0, "s")]
 
 
 def time_unit(span):
-    """Length [s] and name of the unit that a person would use for this time [s]."""
+    """Length [s] and name of the usual unit for a span of time [s]."""
     return next((unit, name) for least, unit, name in TIMES if span >= least)
 
 
@@ -121,7 +122,7 @@ def time(value, unit=None):
 
 
 def save(figure, path):
-    """Writes a figure in the format that its name ends in; the same figure leaves the same bytes."""
+    """Writes a figure in the format given by its name's ending; the same figure always gives the same bytes."""
     path = pathlib.Path(path)
     kind = path.suffix[1:]
     undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(kind)

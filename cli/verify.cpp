@@ -25,7 +25,7 @@ struct CaseVerdict {
   bool passed = true, stopped = false;
 };
 
-/// One case with all its runs.
+/// Verifies one case with all its runs.
 class CaseCheck {
  public:
   CaseCheck(const VerifyOptions& options, const CasePlace& place) : options_(options), place_(place) {
@@ -132,7 +132,7 @@ class CaseCheck {
     options.quiet = true;
     options.pictures = false;
     options.restarts = 0;
-    options.overwrite = true;  // nobody goes on with a verification's runs
+    options.overwrite = true;  // verification runs are never resumed
     const RunResult result = run.command == "safety" ? find_safety(options, 0.01).run : run_case(options);
     wall_ += result.wall;
     cpu_ += result.cpu;
@@ -198,7 +198,7 @@ class CaseCheck {
   Json json_;
   bool passed_ = true, stopped_ = false;
   double wall_ = 0.0, cpu_ = 0.0;
-  std::map<std::string, Gauges> done_;  ///< of the runs so far
+  std::map<std::string, Gauges> done_;  ///< gauges of the completed runs, by name
 };
 
 }  // namespace

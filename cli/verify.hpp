@@ -11,8 +11,8 @@ namespace poretwin::cli {
 
 struct VerifyOptions {
   std::string which;             ///< a case, or "all"
-  std::filesystem::path report;  ///< a folder for a page with pictures; empty: none
-  std::string run;               ///< only this run of a case; empty: all
+  std::filesystem::path report;  ///< folder for a page with pictures; empty: no page
+  std::string run;               ///< only this run of the case; empty: all runs
   std::vector<std::string> overrides;
   bool short_runs = false;
   std::filesystem::path programs, out = "runs/verify";

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""One page from what `poretwin verify` found: per case its own text, the errors, the runs with particles, windows and run
-time, its figures, and pictures of the fields that verify.toml names (else the main ones at the end) and of the judged gauges.
+"""One page with the results of `poretwin verify`. Per case: its introduction, the errors, the runs with particles, windows and run time, its
+figures, pictures of the fields that verify.toml names (else of the main fields at the end), and pictures of the gauges that are compared.
 
 Called by `poretwin verify CASE|all --report DIR`.
 """
@@ -18,7 +18,7 @@ def text(value):
 
 
 def introduction(case_folder):
-    """Title, and the README's first paragraph."""
+    """Title and first paragraph of a case's README."""
     readme = case_folder / "README.md"
     if not readme.exists():
         return case_folder.name, ""
@@ -27,7 +27,7 @@ def introduction(case_folder):
 
 
 def draw_fields(folder, wanted, target, prefix):
-    """Draws fields of a run. wanted: "FIELD" or "FIELD@TIME"; none: each phase's main field. Yields paths."""
+    """Draws fields of a run. wanted: list of "FIELD" or "FIELD@TIME"; empty: each phase's main field. Yields paths."""
     for phase in ("fluid", "solid"):
         if not (folder / f"{phase}.vtkhdf").exists():
             continue
@@ -47,7 +47,7 @@ def draw_fields(folder, wanted, target, prefix):
 
 
 def draw_gauges(folder, judged, target, prefix):
-    """One picture per gauge, or per array of gauges, that these metrics judge, with what they should have read. Yields paths."""
+    """Draws one picture per gauge, or array of gauges, to which these metrics refer, with the reference values. Yields paths."""
     series = plot.read_gauges(folder)
     for title in dict.fromkeys(m["gauge"].partition("[")[0] for m in judged):
         group = [name for name in series if name.partition("[")[0] == title and len(series[name]["t"]) > 1]
@@ -67,8 +67,8 @@ def draw_figures(case, target):
 
 
 def section(case, folder_of_pictures, pictured=None):
-    """Markdown of one case; pictures go into that folder: of all runs (None), or of those that say which figures they have,
-    without such of the first `pictured`."""
+    """Markdown of one case. Pictures go into folder_of_pictures: of all runs (pictured = None), or of the first `pictured` runs, taken from
+    those that list figures where there are any."""
     title, about = introduction(pathlib.Path(case["folder"]))
     lines = [f"## {case['case']}: {title}", "", about, ""]
     pictures = {}

@@ -10,7 +10,7 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 
-/// Relaxation factor of the first step, in which there is no earlier residual.
+/// Relaxation factor of the first step, for which there is no earlier residual.
 constexpr double first_relaxation = 0.5;
 
 class Plain final : public Acceleration {
@@ -18,7 +18,7 @@ class Plain final : public Acceleration {
   Vector next(const Vector&, const Vector& result) override { return result; }
 };
 
-/// Aitken's relaxation in the form of Irons & Tuck (1969) for vectors: the factor of a secant through the last two
+/// Aitken's relaxation for vectors, in the form of Irons & Tuck (1969): the factor of a secant through the last two
 /// residuals, projected on their difference.
 class Aitken final : public Acceleration {
  public:
@@ -38,7 +38,7 @@ class Aitken final : public Acceleration {
   Vector last_;
 };
 
-/// Interface quasi-Newton with inverse Jacobian from a least-squares model, IQN-ILS (Degroote, Bathe & Vierendeels
+/// Interface quasi-Newton with the inverse Jacobian from a least-squares model, IQN-ILS (Degroote, Bathe & Vierendeels
 /// 2009).
 class QuasiNewton final : public Acceleration {
  public:
@@ -53,7 +53,7 @@ class QuasiNewton final : public Acceleration {
     last_residual_ = residual;
     last_result_ = result;
     if (changes_.cols() == 0) return x + first_relaxation * residual;
-    // What columns say beyond one another counts only above rounding.
+    // Columns count only as far as they are linearly independent beyond rounding.
     return result + steps_ * least_squares(changes_, -residual, 1e-10);
   }
 
@@ -70,7 +70,7 @@ class QuasiNewton final : public Acceleration {
     columns.rightCols(1) = column;
   }
 
-  Eigen::MatrixXd changes_, steps_;  ///< differences of residuals, of results
+  Eigen::MatrixXd changes_, steps_;  ///< differences between successive residuals, results
   Vector last_residual_, last_result_;
 };
 

@@ -1,5 +1,5 @@
-// Acceleration of an iteration x <- H(x), where H is one pass through both solvers. Nothing is
-// remembered from one window to the next, so that checkpoints need no state of it.
+// Acceleration of a fixed-point iteration x <- H(x), where H is one pass through both solvers. Nothing is carried over
+// from one window to the next, so that checkpoints need not contain it.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,9 +9,9 @@
 namespace poretwin::coupling {
 
 enum class AccelerationKind {
-  none,         ///< x <- H(x): diverges where the driven side is lighter than what it drives
+  none,         ///< x <- H(x): diverges where the solid is lighter than the water that it moves
   aitken,       ///< one relaxation factor, from the last two residuals
-  quasi_newton  ///< a least-squares inverse of the Jacobian from the window's iterations
+  quasi_newton  ///< an inverse Jacobian fitted by least squares to the iterations of this window
 };
 
 class Acceleration {
@@ -20,11 +20,11 @@ class Acceleration {
   Acceleration(const Acceleration&) = delete;
   Acceleration& operator=(const Acceleration&) = delete;
   virtual ~Acceleration() = default;
-  /// The next x after `result` = H(x).
+  /// The next x, given `result` = H(x).
   virtual Eigen::VectorXd next(const Eigen::VectorXd& x, const Eigen::VectorXd& result) = 0;
 };
 
-/// Makes an acceleration; each window has its own.
+/// Makes an acceleration; every window needs a new one.
 std::unique_ptr<Acceleration> make_acceleration(AccelerationKind kind);
 
 }  // namespace poretwin::coupling

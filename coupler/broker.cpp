@@ -29,7 +29,7 @@ std::string new_session() {
   return fmt::format("{:08x}{:08x}", source(), source());
 }
 
-/// Text from a stranger as it may appear in the log: short, on one line.
+/// A stranger's text in a form fit for the log: short, on one line.
 std::string shown(std::string text, std::size_t most = 64) {
   if (text.size() > most) text = text.substr(0, most) + "..";
   std::replace_if(
@@ -37,7 +37,7 @@ std::string shown(std::string text, std::size_t most = 64) {
   return text;
 }
 
-/// The first difference between what one side gives and the other takes; none if they agree.
+/// The first difference between the fields that one side gives and those that the other takes; nothing if they agree.
 std::optional<Reject> difference(const Contract& giver, const Contract& taker) {
   auto differs = [](const std::string& field, std::string expected, std::string got) {
     return Reject{RejectCode::field, field, std::move(expected), std::move(got), 0.0, ""};
@@ -67,7 +67,7 @@ std::optional<Reject> difference(const Contract& giver, const Contract& taker) {
   return std::nullopt;
 }
 
-/// The first key in which two coupled parts differ: "water.density: expected 1000, got 900"; empty when unknown.
+/// The first key of the case with different values: "water.density: expected 1000, got 900"; empty when unknown.
 std::string different_key(const std::string& expected, const std::string& got) {
   if (expected.empty() || got.empty()) return {};
   const auto read = [](const std::string& part) {
@@ -90,7 +90,7 @@ std::string different_key(const std::string& expected, const std::string& got) {
 
 struct Peer {
   std::string name;
-  std::string line;  ///< empty: not there
+  std::string line;  ///< empty: not connected
   Contract contract;
   bool keeps_checkpoints = false;
   std::vector<std::string> checkpoints;
@@ -98,9 +98,9 @@ struct Peer {
   std::uint64_t sequence = 0, sent = 0;
   Clock::time_point heard;
   std::string last = "none";
-  std::string doing;  ///< of the last heartbeat
+  std::string doing;  ///< from its last heartbeat
   std::uint64_t step = 0;
-  bool left = false;     ///< said BYE
+  bool left = false;     ///< it said BYE
   bool noticed = false;  ///< its silence has been reported
 };
 
@@ -140,7 +140,7 @@ class Broker::Implementation {
     auto& p = peer(role);
     const auto start = Clock::now();
     auto said = start;
-    // The participant may be lost during a long wait; the time of that wait is counted all the same.
+    // Also measures a wait during which the participant is lost.
     const bool fluid = role == Role::fluid;
     const Span span(fluid ? totals_.waiting_for_fluid : totals_.waiting_for_solid, options_.trace,
                     fluid ? "waiting for fluid" : "waiting for solid");
@@ -175,14 +175,14 @@ class Broker::Implementation {
       if (p.line.empty() || p.left) continue;
       try {
         send_to(p, message_of(Abort{culprit, error.what(), error.code()}, p.step));
-      } catch (const std::exception&) {  // the other one must hear of it all the same
+      } catch (const std::exception&) {  // the other participant must be informed all the same
       }
     }
   }
 
   void say_goodbye() {
     finishing_ = true;
-    // There is no deadline here: a participant may write for long, and listen() finds one that froze or died.
+    // No deadline: a participant may write for a long time, and listen() detects one that is frozen or dead.
     const auto start = Clock::now();
     auto said = start;
     while (!(peer(Role::fluid).left && peer(Role::solid).left)) {
@@ -223,8 +223,7 @@ class Broker::Implementation {
                                 state_of(p)));
   }
 
-  /// Fails because a message could not be delivered: a connection that has closed since the last look is reported
-  /// first.
+  /// Throws because a message could not be delivered. A connection that has closed meanwhile is reported in its place.
   [[noreturn]] void fail_unreachable(const Peer& p) {
     while (auto event = hub_.receive(Milliseconds(0))) handle(std::move(*event));
     fail(p, "is unreachable: nobody at the end of its line");
@@ -243,9 +242,9 @@ class Broker::Implementation {
     return hub_.send(p.line, std::move(frames));
   }
 
-  /// Handles the messages that come within a short time, sends heartbeats and checks for frozen participants.
+  /// Handles the messages that arrive within a short time, sends heartbeats and checks for frozen participants.
   void listen(const std::string& waiting_for) {
-    // The number of messages is limited, so that the caller can check its deadlines and heartbeats go out.
+    // The number of messages is limited, so that the caller can check its deadlines, and heartbeats are sent in time.
     constexpr int most_at_once = 100;
     int count = 0;
     for (auto event = hub_.receive(std::min(options_.heartbeat, Milliseconds(50))); event;
@@ -255,7 +254,7 @@ class Broker::Implementation {
     }
     if (const std::string notice = hub_.notice(); !notice.empty()) say(notice);
     if (Clock::now() - beat_ >= options_.heartbeat) send_heartbeats(waiting_for);
-    // This process may itself have been stopped, or mapping, for a while: then the silence is not the participants'.
+    // If this process itself was stopped or busy mapping for a while, silence is not the participants' fault.
     if (Clock::now() - listened_ > std::min(options_.frozen_deadline, options_.frozen_notice) / 2)
       for (auto& p : peers_) p.heard = Clock::now();
     listened_ = Clock::now();
@@ -303,7 +302,7 @@ class Broker::Implementation {
   void handle(Hub::Event event) {
     Peer* known = peer_on(event.line);
     if (event.frames.empty()) {
-      // Nothing is sent to it any more: messages to a line that closes would be waited for at the end.
+      // No more messages for it: the socket would wait at its closing to deliver them.
       if (known && !std::exchange(known->left, true)) fail(*known, "died: its connection closed without a goodbye");
       return;
     }
@@ -371,7 +370,7 @@ class Broker::Implementation {
                       0.0,
                       ""};
     else if (!hello)
-      return;  // a line that was refused, or left, and still talks
+      return;  // a line that was refused, or has left, and still sends
     else
       reject = objection(*hello);
     const std::string who = shown(hello && message.major == protocol_major ? hello->role : message.sender);
@@ -402,7 +401,7 @@ class Broker::Implementation {
                                   static_cast<double>(options_.frozen_deadline.count()) / 1000.0}));
   }
 
-  /// Logs a line about a stranger. Strangers may come without end, so that the number of lines is limited.
+  /// Logs a line about a stranger. The number of such lines is limited, since strangers may come without end.
   void say_of_stranger(const std::string& line) {
     constexpr int most = 50;
     if (said_of_strangers_ < most) say(line);
@@ -461,7 +460,7 @@ void Broker::abort(const Error& error, const std::string& culprit) {
   try {
     implementation_->abort(error, culprit);
   } catch (const std::exception&) {
-    // The run is lost already; the first cause is the one to report.
+    // The run has failed already; the first cause is the one to report.
   }
 }
 void Broker::say_goodbye() { implementation_->say_goodbye(); }

@@ -1,4 +1,4 @@
-// Consistent mapping: a weighted least-squares plane through the neighbours, four targets at a time.
+// Consistent mapping: a weighted least-squares plane through the neighbours, for four receiving points at a time.
 #include "common/core/threads.hpp"
 #include "coupler/mapping.hpp"
 
@@ -14,10 +14,10 @@ namespace {
 
 using Size = std::size_t;
 
-/// Columns are summed four at a time: they stay in registers.
+/// Columns (components of fields) are summed four at a time, so that the sums stay in registers.
 constexpr Size columns_at_once = 4;
 
-/// Index of (a, b), a <= b, in the upper triangle of a symmetric matrix.
+/// Index of entry (a, b), a <= b, in the stored upper triangle of a symmetric matrix.
 template <int D>
 constexpr Size upper(Size a, Size b) {
   return a * D - a * (a + 1) / 2 + b;
@@ -25,7 +25,8 @@ constexpr Size upper(Size a, Size b) {
 template <int D>
 inline constexpr Size n_upper = D*(D + 1) / 2;
 
-/// Sums of weights w over the neighbours at r from the target, w itself and times h, r, r r.
+/// Sums over the neighbours of a point: of their weights w, and of w h, w r and w r r^T, with their smoothing lengths h
+/// and their positions r relative to the point.
 template <int D>
 struct Moments {
   Quad w{}, wh{};
@@ -33,15 +34,15 @@ struct Moments {
   std::array<Quad, n_upper<D>> wrr{};
 };
 
-/// Coefficient of a neighbour: w (constant - slope . r).
+/// Interpolation plane of a point: a neighbour at r has the coefficient w (constant - slope . r).
 template <int D>
 struct Plane {
-  Lanes constant;  ///< includes the division by the sum of weights; 0 where nothing is near
+  Lanes constant;  ///< includes the division by the sum of weights; 0 without neighbours
   std::array<Quad, D> slope;
 };
 
-/// How much of the slope is used: 0 where the smallest eigenvalue of the neighbours' covariance, over the squared
-/// length, is below slope_off, 1 above slope_full.
+/// Fraction of the slope that is used: 0 where the smallest eigenvalue of the neighbours' covariance over the square of
+/// their mean smoothing length is below slope_off, 1 above slope_full, linear between.
 [[gnu::always_inline]] inline void slope_share(const std::array<Quad, n_upper<2>>& c, const Lanes& square,
                                                Lanes& share) {
   const Lanes half = 0.5 * (c[0].v - c[2].v);
@@ -53,7 +54,7 @@ struct Plane {
 }
 [[gnu::always_inline]] inline void slope_share(const std::array<Quad, n_upper<3>>& c, const Lanes& square,
                                                Lanes& share) {
-  // All eigenvalues are above a bound if all leading minors of the matrix less the bound are positive.
+  // All eigenvalues exceed a bound if all leading minors of (matrix - bound I) are positive.
   const Lanes bound = slope_full * square;
   const Lanes a = c[0].v - bound, b = c[3].v - bound, d = c[5].v - bound;
   const Lanes minor = a * b - c[1].v * c[1].v;
@@ -72,7 +73,7 @@ struct Plane {
   }
 }
 
-/// Solves C x = b for a symmetric matrix; in lanes where `regular` is not set, x = 0.
+/// Solves C x = b for a symmetric matrix; x = 0 in lanes where `regular` is not set.
 [[gnu::always_inline]] inline void solve(const std::array<Quad, n_upper<2>>& c, const std::array<Quad, 2>& b,
                                          const LaneMask& regular, std::array<Quad, 2>& x) {
   const Lanes determinant = c[0].v * c[2].v - c[1].v * c[1].v;
@@ -114,12 +115,13 @@ template <int D>
   plane.constant = scale * constant;
 }
 
-/// Fields of one group, point by point: one cache line serves them all. Those that are zero everywhere are left out.
+/// Fields of one group, stored point by point so that a cache line holds several values of one point. Fields that are
+/// zero everywhere are left out.
 struct Columns {
   std::vector<const Field*> given;
   std::vector<Field*> mapped;
-  std::vector<Size> may_jump;  ///< columns of properties
-  Size n = 0, width = 0;       ///< columns; rounded up to whole registers
+  std::vector<Size> may_jump;  ///< columns of properties that jump somewhere
+  Size n = 0, width = 0;       ///< number of columns; rounded up to whole registers
   std::vector<double> values;  ///< [points * width]
 };
 
@@ -152,7 +154,7 @@ template <int D>
   }
 }
 
-/// Limits the values of some columns to the range of the neighbours of each point, in the lanes that need it.
+/// In the lanes `asked`, limits interpolated values of four columns to the range of the neighbours' values.
 [[gnu::always_inline]] inline void cut_at_range(std::span<const Index> near, const Quad* weight, const double* values,
                                                 Size width, const LaneMask& asked, Quad* total) {
   constexpr double infinite = std::numeric_limits<double>::infinity();
@@ -177,7 +179,7 @@ template <int D>
   }
 }
 
-/// The values of all columns at a block's points.
+/// The values of all columns at the points of a block.
 template <int D>
 [[gnu::always_inline]] inline void interpolate(const typename PairBlocks<D>::Node* nodes, const std::array<Quad, D>& x,
                                                std::span<const Index> near, const Quad* weight,
@@ -206,21 +208,21 @@ template <int D>
     }
     for (Size q = 0; q < columns_at_once; ++q) total[column + q] = sum[q];
   }
-  // A plane that may leave the range of the neighbours' values is cut there.
+  // With negative coefficients the plane may leave the range of the neighbours' values; it is limited to that range.
   const LaneMask leaves = least < 0.0;
   if (!any(leaves)) return;
   for (Size column = 0; column < columns.width; column += columns_at_once)
     cut_at_range(near, weight, columns.values.data() + column, columns.width, leaves, total + column);
 }
 
-/// Whether some of a property's values differ by a jump.
+/// Whether values of this property differ by more than the factor `jump`.
 bool jumps_anywhere(const std::vector<double>& values) {
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
   return low != values.end() && *high > jump * *low;
 }
 
-/// Where a column jumps among the neighbours of a point, the value of the neighbour that counts most takes the place of
-/// the interpolated one.
+/// Where a column jumps among the neighbours of a point, replaces the interpolated value by that of the neighbour with
+/// the largest weight.
 [[gnu::always_inline]] inline void take_nearest(std::span<const Index> near, const Quad* weight, const Columns& columns,
                                                 Quad* total) {
   Lanes most{};
@@ -245,7 +247,7 @@ bool jumps_anywhere(const std::vector<double>& values) {
   }
 }
 
-/// Writes the columns of a block to the fields they belong to.
+/// Writes the columns of a block to the fields to which they belong.
 template <int D>
 void hand_out(const typename PairBlocks<D>::Block& block, const Quad* total, std::span<Field* const> fields) {
   for (auto* const field : fields) {
@@ -328,7 +330,7 @@ Interpolation consistent(const PairBlocks<D>& pairs, std::span<const FieldGroup>
               weigh_block<Kernel::of_candidate, D>(pairs, block, {}, found.data(), weighed.data()));
           weight = weighed.data();
         }
-        if (near.empty()) continue;  // all is 0 there
+        if (near.empty()) continue;  // all values stay 0 there
         Moments<D> whole;
         for (Size c = 0; c < near.size(); ++c) add<D>(whole, weight[c].v, nodes[near[c]], x);
         tell_surroundings<D>(block, whole, out);
@@ -338,7 +340,7 @@ Interpolation consistent(const PairBlocks<D>& pairs, std::span<const FieldGroup>
           const Quad* counts = weight;
           if (groups[g].mask.empty()) {
             interpolate<D>(nodes, x, near, weight, whole, columns, coefficient.data(), total.data());
-          } else {  // other weights, other moments
+          } else {  // the mask changes weights and moments
             Moments<D> part;
             for (Size c = 0; c < near.size(); ++c) {
               const Lanes w = weight[c].v * groups[g].mask[near[c]];

@@ -1,4 +1,4 @@
-// poretwin-coupler: reads the case, binds the address, runs the schedule, writes OUT/coupler.summary.json.
+// poretwin-coupler: reads the case, binds its address, runs the schedule, writes OUT/coupler.summary.json.
 #include "common/case/case.hpp"
 #include "common/case/identity.hpp"
 #include "common/case/pace.hpp"
@@ -66,7 +66,7 @@ Scheme scheme_of(const Case& scene) {
   return out;
 }
 
-/// Everything that outlives a failure, so that the summary can still be written.
+/// What must outlive a failure, so that the summary can still be written.
 struct Run {
   std::optional<Trace> trace;
   std::unique_ptr<Hub> hub;

@@ -63,7 +63,7 @@ class CloudMapping final : public SpatialMapping {
     return name == field::soil_fraction || name == field::solid_volume_fraction;
   }
 
-  /// Fields with one mask share their moments: one group per mask.
+  /// Fields with the same mask have the same moments: there is one group per mask.
   static Inbox map_consistent(const PairBlocks<D>& pairs, const std::vector<Field>& fields,
                               std::span<const FieldSpec> specs, const PairWeights* weights) {
     std::vector<std::string> masks;
@@ -94,7 +94,7 @@ class CloudMapping final : public SpatialMapping {
     return accounts_.back();
   }
 
-  PairBlocks<D> at_fluid_, at_solid_;  ///< blocks over the one, the other around them
+  PairBlocks<D> at_fluid_, at_solid_;  ///< pairs around the fluid's points; around the solid's
   Sharing<D> sharing_;
   std::vector<Account> accounts_;
 };

@@ -24,7 +24,7 @@ VecArray<D> all_points(const PointSet& points, Size begin, Size end) {
   return out;
 }
 
-/// The largest of f(0) .. f(n - 1), or 0; four chains of comparisons run side by side.
+/// Maximum of 0 and f(0) .. f(n - 1), computed in four independent chains of comparisons.
 template <class F>
 double largest_of(Size n, F&& f) {
   std::array<double, 4> most{};
@@ -128,7 +128,7 @@ double PairBlocks<D>::moved(const PointSet& of, const PointSet& around) const {
 template <int D>
 void PairBlocks<D>::prepare_search(const PointSet& of, const PointSet& around, double skin) {
   const double reach = sph::support_radius * std::max(largest(of.smoothing_length), largest(around.smoothing_length));
-  // Often one cloud moves and the other does not: blocks and cells of a cloud that has not moved are kept.
+  // Often one cloud moves and the other does not: the blocks and cells of a cloud that has not moved are kept.
   if (!made_ || !around_listed_.stands(around)) {
     sort_cells(around);
     around_listed_ = {around.position, around.smoothing_length, around.volume};
@@ -149,8 +149,8 @@ void PairBlocks<D>::prepare_search(const PointSet& of, const PointSet& around, d
   finders_.resize(parts_);
 }
 
-/// Points of one block lie close together: four of some neighbouring cells of two spacings, and never farther apart
-/// than a reach.
+/// Makes blocks of points that lie close together: four points of neighbouring cells two spacings wide, and never
+/// farther apart than `reach`.
 template <int D>
 void PairBlocks<D>::make_blocks(const PointSet& of, Size begin, Size end, double reach) {
   if (begin == end) return;
@@ -159,7 +159,8 @@ void PairBlocks<D>::make_blocks(const PointSet& of, Size begin, Size end, double
   const double spacing = std::pow(volume / static_cast<double>(end - begin), 1.0 / D);
   const auto points = all_points<D>(of, begin, end);
   sph::CellGrid<D> grid;
-  // A little less than two spacings: on a lattice, rounding must not put the first point of a cell into the one before.
+  // A little less than two spacings: on a lattice, rounding must not move the first point of a cell into the one
+  // before.
   grid.build(points, (2.0 - 1e-6) * spacing);
   Vec<D> lower, upper;
   for (const Index i : grid.order()) {
@@ -186,7 +187,7 @@ void PairBlocks<D>::sort_cells(const PointSet& around) {
   const Size n = around.size();
   grid_ = {};
   if (n > 0) grid_.build(all_points<D>(around, 0, n), 0.5 * sph::support_radius * largest(around.smoothing_length));
-  for (auto& x : x_) x.resize(n + n_lanes);  // four at a time are read
+  for (auto& x : x_) x.resize(n + n_lanes);  // they are read four at a time
   reach_.resize(n + n_lanes);
   index_.resize(n + n_lanes);
   for (Size m = 0; m < n; ++m) {
@@ -197,7 +198,7 @@ void PairBlocks<D>::sort_cells(const PointSet& around) {
   }
 }
 
-/// Writes the points of the pieces that are within reach of a box to `found`; returns their number.
+/// Writes the points of the finder's pieces that are within reach of a box to `found`; returns their number.
 template <int D>
 std::size_t PairBlocks<D>::take_near(const Vec<D>& lower, const Vec<D>& upper, double own, Finder& finder) const {
   Size room = n_lanes;
@@ -220,8 +221,8 @@ std::size_t PairBlocks<D>::take_near(const Vec<D>& lower, const Vec<D>& upper, d
         max_in_place(radius, Lanes{} + own);
         radius += skin_;
         const LaneMask near = (square < radius * radius) & (ahead < static_cast<long long>(end - m));
-        // All points are written, and those out of reach overwritten by the next: a branch would be mispredicted too
-        // often.
+        // Every point is written, and overwritten by the next one if it is out of reach: a branch would be mispredicted
+        // too often.
         for (Size l = 0; l < n_lanes; ++l) {
           found[n] = index_[m + l];
           n += static_cast<Size>(near[l] & 1);
@@ -231,8 +232,8 @@ std::size_t PairBlocks<D>::take_near(const Vec<D>& lower, const Vec<D>& upper, d
   return n;
 }
 
-/// Appends the first n of `found` to the candidates in the caller's order, by bits, which is some five times as fast as
-/// sorting.
+/// Appends the first n of `found` to the candidates in the caller's order, with the help of a bit per point; that is
+/// some five times as fast as sorting.
 template <int D>
 void PairBlocks<D>::append_in_order(Size n, Finder& finder) {
   auto &bits = finder.bits, &words = finder.words;
@@ -255,7 +256,7 @@ void PairBlocks<D>::append_in_order(Size n, Finder& finder) {
     });
 }
 
-/// Finds the candidates of a part of the blocks, into a list of its own.
+/// Finds the candidates of one part of the blocks, as a list of its own.
 template <int D>
 void PairBlocks<D>::find_candidates(const PointSet& of, Size part) {
   const double longest = largest(reach_);
@@ -286,7 +287,7 @@ void PairBlocks<D>::find_candidates(const PointSet& of, Size part) {
   }
 }
 
-/// Joins the lists of all parts; does nothing where the lists hold.
+/// Joins the candidate lists of all parts; does nothing where the lists were kept.
 template <int D>
 void PairBlocks<D>::join_candidates() {
   if (parts_ == 0) return;

@@ -1,6 +1,6 @@
-// Neighbours of one cloud of points in another, in blocks of four points that share one list of candidates: what is
-// summed over the list is summed for four points at once. Lists hold until points have moved by a skin; being a mere
-// cache, they never change a result: candidates stand in the caller's order, and those out of reach weigh exactly 0.
+// Neighbours of one cloud of points in another, in blocks of four points with a common list of candidates, so that sums
+// are computed for four points at once. Lists stay valid until points have moved by a margin (skin). Keeping them never
+// changes a result: candidates are in the caller's order, and those out of reach have weight exactly 0.
 #pragma once
 
 #include "common/core/lanes.hpp"
@@ -21,14 +21,14 @@ namespace poretwin::coupling {
 inline constexpr double relative_skin = 0.1, no_skin = 1e-6;
 inline constexpr int vain_lists = 4;
 
-/// Number of blocks, or of points with little work for each, from which on more than one thread is worthwhile.
+/// Numbers of blocks, and of points with little work each, from which several threads are worth their overhead.
 inline constexpr std::size_t worth_threads_in_blocks = 128, worth_threads_in_points = 1024;
 
-/// Whether the weight of a pair uses smoothing length and volume of the candidate or of the block's point.
+/// Whose smoothing length and volume the weight of a pair uses.
 enum class Kernel { of_candidate, of_block };
 
-/// Weights of all pairs of two clouds, without those out of reach: those of a block begin where its candidates do and
-/// end at `last`.
+/// Weights of all pairs of two clouds without those out of reach. Those of block b begin at blocks[b].first and end
+/// before last[b].
 struct PairWeights {
   std::vector<std::size_t> last;
   std::vector<Index> candidate;
@@ -38,28 +38,28 @@ struct PairWeights {
 template <int D>
 class PairBlocks {
  public:
-  /// A candidate: W(r, h) V = amplitude u^4 (5 - 4 u), u = max(0, 1 - r shrink), the Wendland C2 kernel.
+  /// A candidate: W(r, h) V = amplitude u^4 (5 - 4 u) with u = max(0, 1 - r shrink), the Wendland C2 kernel.
   struct Node {
     std::array<double, D> x;  ///< m
     double shrink;            ///< 1/m, 1 / (2 h)
-    double amplitude;         ///< V times the kernel's value at its centre
+    double amplitude;         ///< V times the kernel's value at r = 0
     double length;            ///< m, h
   };
-  /// Four points (or fewer: the free lanes repeat one).
+  /// Four points; in a block of fewer the free lanes repeat one.
   struct Block {
     std::array<Quad, D> x;
-    std::array<Index, n_lanes> point;  ///< in the caller's order
+    std::array<Index, n_lanes> point;  ///< indices in the caller's order
     std::size_t used;
-    std::size_t first, last;  ///< candidates
+    std::size_t first, last;  ///< range of its candidates
   };
 
-  /// Blocks to be brought up to date, and the two clouds that they are for.
+  /// Blocks to update, and the two clouds to which they belong.
   struct Update {
     PairBlocks* pairs;
     const PointSet &of, &around;
   };
-  /// Brings the blocks over all points of `of`, their candidates among all points of `around`, and the positions up to
-  /// date; of several pairs of clouds in parallel.
+  /// Updates the blocks of all points of `of`, their candidates among all points of `around`, and the positions;
+  /// several pairs of clouds in parallel.
   static void update(std::span<const Update> updates);
   void update(const PointSet& of, const PointSet& around) {
     const Update one{this, of, around};
@@ -80,10 +80,10 @@ class PairBlocks {
   [[nodiscard]] std::size_t size() const { return n_of_; }
   [[nodiscard]] std::size_t n_active() const { return n_active_; }
 
-  /// Weights V W(r, h) at the points `of` of these blocks (from the first on).
+  /// Weights V W(r, h) at the points `of` of these blocks, which begin with the first block.
   template <Kernel K>
   void weigh_all(std::span<const Block> blocks, const PointSet& of, PairWeights& out) const;
-  /// A number that changes whenever an update has changed anything.
+  /// A number that changes with every update in which anything has moved.
   [[nodiscard]] std::uint64_t state() const { return state_; }
 
   /// A point as a candidate.
@@ -93,23 +93,23 @@ class PairBlocks {
   [[nodiscard]] std::uint64_t reuses() const { return reuses_; }
 
  private:
-  /// Largest displacements of both clouds since the lists were made, added, growth of their supports included [m];
-  /// infinite where points have come or gone.
+  /// Sum of the largest displacements in both clouds since the lists were made, and of the growth of supports [m];
+  /// infinite where points have been added or removed.
   [[nodiscard]] double moved(const PointSet& of, const PointSet& around) const;
-  /// Returns whether anything has moved. Where the lists no longer hold, makes cells and blocks anew and cuts the
-  /// blocks into `parts_`.
+  /// Returns whether anything has moved. Where the lists are no longer valid, makes new cells and blocks and divides
+  /// the blocks into `parts_`.
   bool prepare(const PointSet& of, const PointSet& around);
   void prepare_search(const PointSet& of, const PointSet& around, double skin);
   void make_blocks(const PointSet& of, std::size_t begin, std::size_t end, double reach);
   void sort_cells(const PointSet& around);
-  /// The first block of a part whose candidates are found at once.
+  /// The first block of a part.
   [[nodiscard]] std::size_t first_block(std::size_t part) const { return blocks_.size() * part / parts_; }
   void find_candidates(const PointSet& of, std::size_t part);
   void join_candidates();
-  /// Memory of one thread that searches for candidates, and the candidates that it has found.
+  /// Working memory of one part in the search for candidates, and the candidates found.
   struct alignas(64) Finder {
     std::vector<Index> found;
-    /// A bit for each point found, and one for each word that has such bits: they give the caller's order.
+    /// A bit for each point found, and one for each word with such bits: reading them gives the caller's order.
     std::vector<std::uint64_t> bits, words;
     std::vector<std::pair<Index, Index>> pieces;
     std::vector<Index> candidate;
@@ -120,31 +120,31 @@ class PairBlocks {
 
   std::vector<Block> blocks_;
   std::size_t n_active_blocks_ = 0, n_of_ = 0, n_active_ = 0, longest_ = 0;
-  std::vector<Index> candidate_;  ///< into nodes_
+  std::vector<Index> candidate_;  ///< indices in nodes_
   std::vector<Node> nodes_;
   std::uint64_t rebuilds_ = 0, reuses_ = 0;
-  /// A cloud as it was at some time.
+  /// A cloud at an earlier time.
   struct Then {
     std::vector<double> position, length, volume;
     [[nodiscard]] bool stands(const PointSet& now) const;
   };
   Then of_listed_, around_listed_;  ///< when the lists were made
-  Then of_last_, around_last_;      ///< when they were last brought up to date
-  bool made_ = false;               ///< there are lists
-  bool served_ = false;             ///< they have been kept though something had moved
-  int in_vain_ = 0;                 ///< lists in a row for which the margin was of no use
+  Then of_last_, around_last_;      ///< at the last update
+  bool made_ = false;               ///< lists exist
+  bool served_ = false;             ///< they were kept in an update in which something had moved
+  int in_vain_ = 0;                 ///< number of lists in a row for which the margin saved nothing
   double skin_ = 0.0;               ///< m
   std::uint64_t state_ = 0;
-  sph::CellGrid<D> grid_;  ///< of `around`, and in its order:
+  sph::CellGrid<D> grid_;  ///< cells of `around`; in their order:
   std::array<std::vector<double>, D> x_;
   std::vector<double> reach_;  ///< m, radius of support
-  std::vector<Index> index_;   ///< the caller's
-  std::size_t parts_ = 0;      ///< into which the blocks are cut while candidates are found; none, the lists hold
+  std::vector<Index> index_;   ///< index in the caller's order
+  std::size_t parts_ = 0;      ///< parts of the blocks in a search; 0: the lists are valid
   std::vector<Finder> finders_;
 };
 
-/// V W(|x_i - x_j|, h) of one candidate for a block's four points; h and V are the candidate's (numbers) or the block's
-/// (lanes).
+/// V W(|x_i - x_j|, h) of one candidate j for the four points i of a block. h and V are the candidate's (numbers) or
+/// those of the points (lanes).
 template <int D, class Value>
 [[gnu::always_inline]] inline void weigh(const typename PairBlocks<D>::Node& node, const std::array<Quad, D>& x,
                                          const Value& shrink, const Value& amplitude, Lanes& weight) {
@@ -160,7 +160,7 @@ template <int D, class Value>
   weight = amplitude * (u2 * u2) * (5.0 - 4.0 * u);
 }
 
-/// Writes the candidates that reach a block and their weights at its points to arrays that are large enough for all;
+/// Writes the candidates that reach a block, and their weights at its points, to arrays with space for all candidates;
 /// returns their number.
 template <Kernel K, int D>
 [[gnu::always_inline]] inline std::size_t weigh_block(const PairBlocks<D>& pairs,

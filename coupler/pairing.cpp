@@ -11,8 +11,8 @@ using Size = std::size_t;
 using Partners = std::vector<Index>;
 
 constexpr Index nobody = static_cast<Index>(-1);
-/// Points this close are one. In smoothing lengths; particles are most of one apart, and what rounding and the first
-/// settlement displace them by is far less.
+/// Largest distance, in smoothing lengths, of two points that are the same particle. Rounding and the initial
+/// settlement move a point by far less; particles are most of one smoothing length apart.
 constexpr double close = 0.2;
 
 template <int D>
@@ -89,7 +89,7 @@ class PairedMapping final : public SpatialMapping {
   }
 
   std::unique_ptr<SpatialMapping> clouds_ = make_mapping(D);
-  Partners of_fluid_, of_solid_;  ///< partner of each active point of the one among those of the other
+  Partners of_fluid_, of_solid_;  ///< for each active point, its partner's index in the other set
   bool same_ = false;
   std::uint64_t mapped_ = 0;
 };

@@ -16,7 +16,7 @@ namespace {
 
 Role other(Role role) { return role == Role::fluid ? Role::solid : Role::fluid; }
 
-/// Digest of everything in a publication on which the rest of a run can depend.
+/// Digest of all parts of a publication on which the rest of a run can depend.
 std::uint64_t digest_of(const Snapshot& snapshot) {
   Snapshot copy = snapshot;
   PointSet points = *snapshot.points;
@@ -83,7 +83,7 @@ class Schedule::Implementation {
   }
 
  private:
-  /// A side's last publication, shared with the copies that may be restored.
+  /// The last publication of one side, shared with the copies to which it may be restored.
   using State = std::shared_ptr<const Snapshot>;
   State& now(Role role) { return role == Role::fluid ? fluid_ : solid_; }
 
@@ -113,8 +113,8 @@ class Schedule::Implementation {
     }
   }
 
-  /// Writes or reads the coupler's own state. Of the participants' publications only digests are kept, since the
-  /// participants repeat them.
+  /// Writes or reads the coupler's own state. Of the participants' publications it contains only digests, since the
+  /// participants publish again when they resume.
   void archive(Archive& archive) {
     std::uint64_t fluid = 0, solid = 0;
     if (!archive.loading()) {
@@ -125,7 +125,8 @@ class Schedule::Implementation {
     if (archive.loading()) digests_ = {fluid, solid};
   }
 
-  /// Both participants write their state; the checkpoint is valid once the coupler has written its own file, the last.
+  /// Both participants write their state. The checkpoint is valid once the coupler has written its own file, as the
+  /// last.
   void checkpoint() {
     const Span span(report_.checkpointing, trace_, "checkpointing");
     const std::string name = checkpoint_schedule_.name(step_);
@@ -186,7 +187,7 @@ class Schedule::Implementation {
     const auto accounts = mapping_->accounts();
     double limit = std::min(fluid_->proposed_interval, solid_->proposed_interval);
     const bool by_fluid = fluid_->proposed_interval <= solid_->proposed_interval;
-    const std::string cause = by_fluid ? fluid_->limited_by : solid_->limited_by;  // gone by the end of the window
+    const std::string cause = by_fluid ? fluid_->limited_by : solid_->limited_by;  // copied, as the window changes it
     std::string refused;
     iteration_ = 0;
     for (int attempt = 0;; ++attempt) {
@@ -215,7 +216,7 @@ class Schedule::Implementation {
     }
   }
 
-  /// Tries one window. Returns nothing when it is accepted, otherwise the refusal, with both sides restored.
+  /// Tries one window. Returns nothing where it is accepted, else the refusal, after both sides have been restored.
   std::optional<Reject> try_window(const WindowClock::Plan& plan,
                                    const std::vector<SpatialMapping::Account>& accounts) {
     fluid_limit_ = fluid_->proposed_interval;
@@ -227,7 +228,7 @@ class Schedule::Implementation {
     const auto* const settings = std::get_if<IterationSettings>(&scheme_);
     if (!settings) return pass(plan, fluid_start, solid_start, nullptr);
     WindowIteration iteration(*settings, broker_.contract(Role::solid));
-    std::optional<Snapshot> given;  // the solid's end as the fluid is to see it; in the first pass its start
+    std::optional<Snapshot> given;  // the solid's fields for the fluid; absent in the first pass
     for (int k = 0; k < most_iterations; ++k) {
       if (auto rejection = pass(plan, fluid_start, solid_start, given ? &*given : nullptr)) return rejection;
       given = iteration.next(given ? *given : *solid_start, *solid_);
@@ -244,7 +245,7 @@ class Schedule::Implementation {
                   fmt::format("not converged after {} iterations", most_iterations)};
   }
 
-  /// Crosses a window by the serial scheme, repeated until the solid moves as the fluid predicted.
+  /// Crosses a window by the serial scheme, and repeats it until the solid moves as the fluid predicted.
   std::optional<Reject> settle(const WindowClock::Plan& plan, const State& fluid_start, const State& solid_start,
                                const std::vector<SpatialMapping::Account>& accounts, double tolerance) {
     State found;
@@ -268,8 +269,8 @@ class Schedule::Implementation {
     }
   }
 
-  /// One pass through both solvers at the same time: each is given the other's state at the start and the amounts that
-  /// the other gave in the last window.
+  /// One pass through both solvers at the same time: each receives the other's state at the window's start, and the
+  /// amounts that the other gave in the last window.
   std::optional<Reject> pass_at_once(const WindowClock::Plan& plan, const State& fluid_start,
                                      const State& solid_start) {
     ++report_.passes;
@@ -285,8 +286,8 @@ class Schedule::Implementation {
     return rejection;
   }
 
-  /// One pass through both solvers, one after the other. `solid_end`: the solid at the window's end as the fluid is
-  /// given it; null: the solid at the start is all that is known.
+  /// One pass through both solvers, the fluid first. `solid_end`: the solid's fields at the window's end that the fluid
+  /// receives; nullptr: it receives those of the window's start only.
   std::optional<Reject> pass(const WindowClock::Plan& plan, const State& fluid_start, const State& solid_start,
                              const Snapshot* solid_end) {
     ++report_.passes;
@@ -318,8 +319,8 @@ class Schedule::Implementation {
     return answer(role, plan);
   }
 
-  /// Sends ADVANCE to one side. `start` (or null) and `end`: the other side at the ends of the window; `amounts`: what
-  /// it has given away.
+  /// Sends ADVANCE to one side. `start` (may be nullptr) and `end`: the other side's state at the ends of the window;
+  /// `amounts`: the other side's state whose conservative amounts are given.
   void order(Role role, const WindowClock::Plan& plan, const Snapshot* start, const Snapshot& end,
              const Snapshot& amounts) {
     Message message;
@@ -331,7 +332,7 @@ class Schedule::Implementation {
     send_mapped(role, std::move(message), start, end, amounts);
   }
 
-  /// Waits for the answer of one side: its refusal, or nothing when it has crossed the window.
+  /// Waits for the answer of one side: its refusal, or nothing where it has crossed the window.
   std::optional<Reject> answer(Role role, const WindowClock::Plan& plan) {
     Message answer = broker_.wait(role);
     if (answer.step != step_ + 1 || answer.iteration != iteration_)
@@ -383,8 +384,8 @@ class Schedule::Implementation {
     broker_.send(role, std::move(message));
   }
 
-  /// Maps the other side's fields to this side's points. Those taken in time are also mapped as they were at the
-  /// window's start, when the other side's points may have been elsewhere.
+  /// Maps the other side's fields to this side's points. Fields with `in_time` are also mapped from the window's start,
+  /// when the other side's points may have been elsewhere.
   Inbox mapped(Role role, const Snapshot* start, const Snapshot& end, const Snapshot& amounts) {
     const Span span(report_.mapping, trace_, "mapping");
     const Role giver = other(role);
@@ -394,7 +395,7 @@ class Schedule::Implementation {
       (spec.mapping == Mapping::conservative && &amounts != &end ? shared : intensities).push_back(spec);
       if (start && spec.in_time && spec.mapping == Mapping::consistent) in_time.push_back(spec);
     }
-    // The start comes first: its points are those of the last window's end, for which the lists are still right.
+    // The start is mapped first: the pair lists are still valid for its points, those of the last window's end.
     std::vector<Field> at_start;
     if (!in_time.empty()) at_start = mapping_->map(giver, *start->points, start->fields, in_time, receiver).fields;
     Inbox inbox = mapping_->map(giver, *end.points, end.fields, intensities, receiver);
@@ -408,7 +409,7 @@ class Schedule::Implementation {
     return inbox;
   }
 
-  /// The fields that the fluid takes from the last pass where a window is repeated.
+  /// The fields that the fluid takes from the solid's last pass when a window is repeated.
   [[nodiscard]] std::vector<FieldSpec> found_wanted() const {
     std::vector<FieldSpec> wanted;
     for (const auto& spec : broker_.contract(Role::fluid).takes)
@@ -440,17 +441,17 @@ class Schedule::Implementation {
   std::function<void(const Progress&)> progress_;
   Scheme scheme_;
   State fluid_, solid_;
-  std::uint64_t step_ = 0;  ///< windows that stand
+  std::uint64_t step_ = 0;  ///< number of accepted windows
   std::uint32_t iteration_ = 0;
-  unsigned pass_ = 0;                ///< of the Settled scheme
-  const Snapshot* found_ = nullptr;  ///< where a window is repeated: how the solid's last pass ended
+  unsigned pass_ = 0;                ///< pass of the Settled scheme through this window
+  const Snapshot* found_ = nullptr;  ///< in repeated windows, the solid at the end of its last pass
   WindowClock::Plan plan_;
   double fluid_limit_ = no_limit, solid_limit_ = no_limit;
   ScheduleReport report_;
   Checkpoints checkpoints_;
   CheckpointSchedule checkpoint_schedule_;
   Trace* trace_;
-  std::pair<std::uint64_t, std::uint64_t> digests_{};  ///< of what fluid and solid published at the checkpoint
+  std::pair<std::uint64_t, std::uint64_t> digests_{};  ///< of the publications of fluid and solid at the checkpoint
 };
 
 Schedule::Schedule(Broker& broker, std::unique_ptr<SpatialMapping> mapping, WindowClock::Settings settings,

@@ -1,5 +1,5 @@
-// Conservative mapping: amounts shared out by balanced weights. Weights stand twice, by giver and by receiver, so that
-// sums over either run four at a time and in an order of their own that no list can change.
+// Conservative mapping: amounts are distributed with balanced weights. The weights are stored twice, by giver and by
+// receiver, so that sums over either run four at a time and in an order that does not depend on the pair lists.
 #include "common/core/error.hpp"
 #include "common/core/in_lanes.hpp"
 #include "coupler/mapping.hpp"
@@ -13,7 +13,8 @@ namespace {
 
 using Size = std::size_t;
 
-/// Passes sum_j w_ij value_j, K values a point, for every point i of the blocks to take(i, sums, lane).
+/// Computes sum_j w_ij value_j, K values per point, for every point i of the blocks, and passes it to take(i, sums,
+/// lane).
 template <Size K, int D, class Take>
 void multiply(std::span<const typename PairBlocks<D>::Block> blocks, const PairWeights& weights,
               const std::vector<double>& value, const Take& take) {
@@ -30,11 +31,11 @@ void multiply(std::span<const typename PairBlocks<D>::Block> blocks, const PairW
       });
 }
 
-/// Givers and receivers of one field, and how the receivers' weights are to be scaled.
+/// Givers and receivers of one field, and a factor (scale) on the weights of each receiver.
 template <int D>
 class Shares {
  public:
-  /// Receivers have weights by their own kernels in both sets of blocks.
+  /// Both sets of weights are by the receivers' kernels: by_giver at the givers' points, by_receiver at the receivers'.
   Shares(const PairBlocks<D>& at_givers, const PairBlocks<D>& at_receivers, const PairWeights& by_giver,
          const PairWeights& by_receiver, const PointSet& givers, const PointSet& receivers, const Field& amounts)
       : at_givers_(at_givers),
@@ -52,9 +53,9 @@ class Shares {
     std::fill_n(scale_.begin(), receivers.n_active, 1.0);
   }
 
-  /// Finds factors with which an even giving arrives evenly however disordered the points are: what reaches a receiver
-  /// from the giving volumes is to be its own volume (Sinkhorn 1967). Only receivers inside the cloud of the givers are
-  /// balanced; at its edge the shares stay as the kernel has them.
+  /// Finds the factors with which an even distribution over the givers arrives evenly, however disordered the points
+  /// are: each receiver then gets its own volume of the givers' volumes (Sinkhorn 1967). Only receivers inside the
+  /// cloud of the givers are balanced; at its edge the kernel's weights are kept.
   void balance() {
     const auto wanted = wanted_inside();
     std::vector<double> part(givers_.size(), 0.0);
@@ -68,7 +69,7 @@ class Shares {
     }
   }
 
-  /// Passes the sum of the receivers' weights of every active giver to take(giver, sum).
+  /// For every active giver, passes the sum of the receivers' scaled weights to take(giver, sum).
   template <class Take>
   void weigh_receivers(const Take& take) {
     for (Size j = receivers_.n_active; j < receivers_.size(); ++j) {
@@ -79,7 +80,8 @@ class Shares {
                    [&](Size i, const auto& total, Size lane) { take(i, total[0].v[lane]); });
   }
 
-  /// sum_i w_ij value_i of the active receivers, including what their ghosts get; K values a point, not yet scaled.
+  /// Computes sum_i w_ij value_i for the active receivers j, including the parts of their ghosts; K values per point,
+  /// without the factors.
   template <Size K>
   void receive(const std::vector<double>& value, std::vector<double>& got) const {
     multiply<K, D>(at_receivers_.blocks(), by_receiver_, value, [&](Size j, const auto& total, Size lane) {
@@ -96,7 +98,7 @@ class Shares {
   [[nodiscard]] const std::vector<double>& scale() const { return scale_; }
 
  private:
-  /// The volume that is to reach each active receiver: its own, or 0 where the givers do not lie all around it.
+  /// The volume that each active receiver should get: its own, or 0 where the givers do not surround it.
   std::vector<double> wanted_inside() const {
     constexpr Size K = D + 1;
     std::vector<double> giving(givers_.size());
@@ -132,7 +134,7 @@ class Shares {
     return wanted;
   }
 
-  /// Multiplies the scale by the wanted over the received volume; returns the largest relative change.
+  /// Multiplies each factor by the wanted over the received volume; returns the largest relative change.
   double rescale(const std::vector<double>& wanted) {
     Quad worst{};
     run_lanes([&]() __attribute__((always_inline)) {
@@ -158,12 +160,12 @@ class Shares {
   const PointSet &givers_, &receivers_;
   const PairWeights &by_giver_, &by_receiver_;
   Size components_;
-  std::vector<double> size_;   ///< [givers] sum of the absolute components: 0, nothing is given
-  std::vector<double> scale_;  ///< [receivers and a few more] a ghost's is its owner's
-  std::vector<double> got_;    ///< [receivers and a few more] by those, before it is scaled
+  std::vector<double> size_;   ///< [givers] sum of the absolute values of the components; 0: nothing given
+  std::vector<double> scale_;  ///< [receivers, padded] factors; a ghost has its owner's
+  std::vector<double> got_;    ///< [receivers, padded] received volume, without the factors
 };
 
-/// The amounts that the receivers get, and their parts of the carried amounts.
+/// Distributes the amounts, and the carried amounts in the same proportions.
 template <int D, Size Components>
 Delivery share_out(Shares<D> shares, const PointSet& givers, const PointSet& receivers, const Field& amounts,
                    std::span<const double> carried) {

@@ -1,4 +1,4 @@
-// Words as main() gets them.
+// Command-line arguments as main() receives them.
 #pragma once
 
 #include <string>

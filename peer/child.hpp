@@ -1,4 +1,4 @@
-// A solver's command as a child process: started, asked, told to end.
+// A solver's command as a child process: started, watched, stopped.
 #pragma once
 
 #include <sys/types.h>
@@ -13,14 +13,15 @@ namespace poretwin::peer {
 
 class Child {
  public:
-  /// The command's first word is looked for in PATH. Its output goes to `log`; empty: to ours.
+  /// Starts the command; its first word is looked up in PATH. Its output goes to `log`, or where that is empty to this
+  /// process's.
   explicit Child(const std::vector<std::string>& command, const std::filesystem::path& log = {});
-  /// Ends it with SIGKILL when it still runs.
+  /// Kills the process (SIGKILL) if it still runs.
   ~Child();
   Child(const Child&) = delete;
   Child& operator=(const Child&) = delete;
 
-  /// Exit code, 128 + n after signal n; nothing while it runs.
+  /// Exit code, or 128 + n after signal n; nothing while it runs.
   std::optional<int> ended();
   std::optional<int> wait(std::chrono::milliseconds patience);
   void signal(int number);
@@ -30,7 +31,7 @@ class Child {
   std::optional<int> code_;
 };
 
-/// A folder of our own for sockets, whose paths must be short; removed with everything in it.
+/// A temporary folder for sockets, whose paths must be short; it is removed with its content.
 class PrivateFolder {
  public:
   PrivateFolder();

@@ -1,4 +1,4 @@
-// The checks, one start of the solver each.
+// The checks of the conformance suite; each starts the solver anew.
 #include "common/core/error.hpp"
 #include "peer/examiner.hpp"
 #include "peer/peer.hpp"
@@ -17,7 +17,8 @@ using namespace coupling;
 double everywhere(const Point3&) { return 1.0; }
 double nowhere(const Point3&) { return 0.0; }
 
-/// The part of the solver's points that lies left of a front: share of their width.
+/// Cover of the solver's points by the other phase: 1 left of a front, 0 right of it. share: the front's position over
+/// their width.
 Sight left_of(const Examiner& solver, double share) {
   const auto& points = *solver.state().points;
   const auto d = static_cast<std::size_t>(points.dimension);
@@ -30,7 +31,7 @@ Sight left_of(const Examiner& solver, double share) {
   return [front = low + share * (high - low)](const Point3& x) { return x[0] <= front ? 1.0 : 0.0; };
 }
 
-/// Bit by bit; in words where they differ, empty where they do not.
+/// Compares bit by bit; returns a text on the first difference, or an empty one.
 std::string difference(const Snapshot& a, const Snapshot& b) {
   if (a.points->size() != b.points->size())
     return fmt::format("{} points, then {}", a.points->size(), b.points->size());
@@ -125,7 +126,8 @@ std::string rejected_step(Examiner& solver) {
   return "restored twice, the same window gives the same result bit by bit";
 }
 
-/// Two generations; killed after the second, it must come back to either as it was.
+/// The solver writes two checkpoints and is killed. Resumed, it must return to the second and repeat the next window,
+/// bit by bit.
 std::string resume(Examiner& solver) {
   solver.begin();
   if (!solver.keeps_checkpoints()) return "keeps no checkpoints; not judged";

@@ -16,8 +16,8 @@ using namespace coupling;
 using Clock = std::chrono::steady_clock;
 
 constexpr auto heartbeat = Milliseconds(200);
-constexpr auto patience = std::chrono::seconds(60);        // for an answer
-constexpr auto goodbye_within = std::chrono::seconds(10);  // for the end of the process
+constexpr auto patience = std::chrono::seconds(60);        // longest wait for an answer
+constexpr auto goodbye_within = std::chrono::seconds(10);  // longest wait for the end of the process
 constexpr std::string_view session = "conformance";
 const std::string second_socket = "socket of the second start";
 
@@ -266,7 +266,7 @@ void Examiner::window(const Sight& sight) {
 }
 
 void Examiner::restore() {
-  // The window just crossed is taken back.
+  // Undoes the window just crossed.
   const double start = before_.time;
   Message message = message_of(Restore{"the conformance suite tries it"}, step_);
   message.iteration = iteration_;
@@ -340,7 +340,7 @@ void Examiner::finish(const std::string& reason) {
 }
 
 void Examiner::expect_exit(int code, const std::string& after) {
-  // It may still want to say something, such as its own ABORT.
+  // Until it ends it may still send messages, such as its own ABORT.
   const auto deadline = Clock::now() + goodbye_within;
   while (hub_ && !child_.ended() && Clock::now() < deadline) hub_->receive(Milliseconds(20));
   const auto got = child_.wait(goodbye_within);

@@ -1,4 +1,4 @@
-// Plays the coupler towards one start of a solver's command, step by step and by the letter of docs/protocol.md.
+// Plays the coupler for one start of a solver's command, strictly by docs/protocol.md.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -14,49 +14,50 @@
 
 namespace poretwin::peer {
 
-/// What a solver did wrong, in plain words.
+/// A fault of the solver, described in plain words.
 struct Failed {
   std::string what;
 };
 
-/// How the other phase looks at a place [m]: 1 inside its cloud, 0 outside.
+/// Cover of a point [m] by the other phase: 1 inside its cloud, 0 outside.
 using Sight = std::function<double(const Point3&)>;
 
 class Examiner {
  public:
   Examiner(const Case& scene, const std::filesystem::path& case_file, const std::vector<std::string>& command,
            const std::filesystem::path& log);
-  /// The same solver once more, started to resume in the folder where `before` left its checkpoints.
+  /// Starts the same solver again, to resume in the folder where `before` left its checkpoints.
   Examiner(const Examiner& before, const std::filesystem::path& log);
 
-  /// HELLO, checked. Answers the question for the case on the way.
+  /// Waits for HELLO and checks it; answers a request for the case before it.
   const coupling::Hello& hello();
   void welcome();
-  /// hello, welcome, publication, INITIALISE with the still case, publication.
+  /// Exchanges HELLO, WELCOME, a publication, INITIALISE with fields at rest, and another publication.
   void begin();
 
-  /// ADVANCE by `interval` and what came back; an accepted one becomes the present state.
+  /// Sends ADVANCE by `interval` [s]. Returns the refusal; or nothing, and the publication becomes the present state.
   std::optional<coupling::Reject> advance(double interval, const Sight& sight);
-  /// Goes on by one window, made shorter as often as the solver asks for.
+  /// Crosses one window, shortened as often as the solver requires.
   void window(const Sight& sight);
   void restore();
-  /// CHECKPOINT, and what was answered.
+  /// Sends CHECKPOINT and checks the answer.
   void checkpoint(const std::string& name, const std::vector<std::string>& keep);
-  /// hello, welcome, publication, RESUME to the state that `before` had at the checkpoint, publication.
+  /// Exchanges HELLO, WELCOME, a publication, RESUME to the state that `before` had at the checkpoint, and another
+  /// publication.
   void resume(const std::string& name, const Examiner& before);
-  /// As kill -9 does.
+  /// Kills the solver, as kill -9 does.
   void kill();
   void finish(const std::string& reason);
 
-  /// Heartbeats that came within this time, in which nothing else may come.
+  /// Counts the heartbeats that arrive within this time; any other message is a fault.
   int idle(coupling::Milliseconds time);
-  /// Sends a message that has no arrays.
+  /// Sends a message without arrays.
   void tell(coupling::Body body);
   void expect_exit(int code, const std::string& after);
   void hang_up() { hub_.reset(); }
   void interrupt();
 
-  /// s: what the solver and the case allow for the next window.
+  /// Longest next window [s] that the solver and the case allow.
   [[nodiscard]] double allowed() const;
   [[nodiscard]] bool keeps_checkpoints() const { return hello_.keeps_checkpoints; }
   [[nodiscard]] const coupling::Snapshot& state() const { return state_; }

@@ -1,4 +1,4 @@
-// `poretwin peer`: stand-ins and examiners for either side of the coupling.
+// `poretwin peer`: stand-ins for a solver, recordings, and checks of solvers.
 #pragma once
 
 #include <filesystem>
@@ -8,18 +8,19 @@
 
 namespace poretwin::peer {
 
-/// `peer mock fluid|solid`: the case's still fields under a solver's own arguments.
+/// `peer mock fluid|solid`: gives the case's fields at rest; takes the arguments of a solver.
 int mock(const std::string& role, const std::vector<std::string>& arguments);
 
-/// `peer record LOG COMMAND...`: runs a solver's command (with its --connect ADDRESS) and keeps its conversation.
+/// `peer record LOG COMMAND...`: runs a solver's command (with its --connect ADDRESS) and records all its messages.
 int record(const std::filesystem::path& log, const std::vector<std::string>& command);
 
-/// `peer replay LOG`: plays the recorded solver again, under a solver's own arguments. Ends with PeerError where the
-/// coupler asks for another window than then; says where what comes in first differs.
+/// `peer replay LOG`: sends the messages of the recorded solver again; takes the arguments of a solver. Ends with
+/// PeerError where the coupler requests another window than in the recording; reports the first difference in received
+/// fields.
 int replay(const std::filesystem::path& log, const std::vector<std::string>& arguments);
 
-/// `peer conformance CASE COMMAND...`: runs a solver's command against a coupler that tries its manners, one start per
-/// check; writes the report. Exit code 0, or 3 when a check failed.
+/// `peer conformance CASE COMMAND...`: runs a solver's command, once per check, against a coupler that tests its
+/// conduct, and writes a report. Returns exit code 0, or 3 where a check failed.
 int conformance(const std::filesystem::path& case_file, const std::vector<std::string>& command, std::ostream& report);
 
 }  // namespace poretwin::peer

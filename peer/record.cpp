@@ -1,4 +1,4 @@
-// A go-between: the solver's command connects to us, we to the coupler; everything that passes is written down.
+// Records a solver's messages: its command connects to this process, which connects to the coupler and passes them on.
 #include "common/coupling/interrupt.hpp"
 #include "common/coupling/summary.hpp"
 #include "common/coupling/transport.hpp"
@@ -13,7 +13,7 @@ namespace {
 
 using namespace coupling;
 
-/// The value after an option, taken out of the words together with the option; empty: it is not there.
+/// Removes an option and its value from the words; returns the value, or an empty text where the option is missing.
 std::string take_option(std::vector<std::string>& words, const std::string& name) {
   for (std::size_t k = 0; k + 1 < words.size(); ++k) {
     if (words[k] != name) continue;
@@ -24,7 +24,7 @@ std::string take_option(std::vector<std::string>& words, const std::string& name
   return {};
 }
 
-/// Passes messages on until either end is gone.
+/// Passes messages on in both directions until either end has gone.
 void pass_on(Hub& solver, Transport& coupler, WireLogWriter& log, Child& child) {
   std::string line;
   bool told = false;
@@ -67,7 +67,7 @@ int record(const std::filesystem::path& log_file, const std::vector<std::string>
     const auto solver = bind_socket(ours);
     const auto coupler = connect_socket(address, keys);
     pass_on(*solver, *coupler, log, child);
-  }  // both ends learn by the closed lines that the other is gone
+  }  // both ends see from their closed line that the other has gone
   const auto code = child.wait(std::chrono::seconds(60));
   if (!code) throw PeerError("peer record: the line is closed, but the solver did not end within 60 s");
   return *code;

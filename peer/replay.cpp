@@ -1,4 +1,4 @@
-// Yesterday's solver from its wire log, as a phase: the same publications, for the same windows.
+// A recorded solver as a phase: publishes what its wire log contains, for the same windows.
 #include "common/coupling/phase_main.hpp"
 #include "common/coupling/summary.hpp"
 #include "peer/arguments.hpp"
@@ -85,7 +85,7 @@ class Replay final : public Phase {
   }
 
  private:
-  /// The next message in that direction that matters: heartbeats, and the question for the case, do not.
+  /// The next message in that direction, without heartbeats and requests for the case.
   Message next(Direction direction) {
     while (auto record = log_.next()) {
       ++records_;
@@ -135,7 +135,7 @@ class Replay final : public Phase {
     return out;
   }
 
-  /// Bit by bit; the first difference is kept and said.
+  /// Compares received fields with the recording bit by bit; keeps and reports the first difference.
   void compare(Message then, const Inbox& inbox) {
     std::string found;
     for (auto& array : then.arrays) {
@@ -174,7 +174,7 @@ class Replay final : public Phase {
   std::string role_, difference_;
   Contract contract_;
   Publication now_;
-  std::uint64_t windows_ = 0, same_ = 0, different_ = 0, records_ = 0;  // counted from the start
+  std::uint64_t windows_ = 0, same_ = 0, different_ = 0, records_ = 0;  // counted from the start of the run
 };
 
 }  // namespace

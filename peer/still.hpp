@@ -1,5 +1,5 @@
-// What a phase says that is at rest, taken from the case alone: still water over its depth, soil that the water's
-// buoyancy and its own stress hold. The stand-in for a solver, and what the conformance suite shows to one.
+// A phase at rest, computed from the case alone: still water with its hydrostatic pressure; soil in equilibrium under
+// its buoyant weight. It stands in for a solver, and is what the conformance suite sends to one.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -9,14 +9,14 @@
 
 namespace poretwin::peer {
 
-/// A field of the standard contract at x [m]; 0 for a field it does not know.
+/// Value of a field of the standard contract at x [m]; 0 for other fields.
 double still_value(const Case& scene, const std::string& field, const Point3& x);
 
-/// Lattice points of the case's soils, or of its water regions (its soils, where there are none), with images behind
-/// the walls as ghosts.
+/// Lattice points of the case's soils, or of its water regions (where there are none, of its soils), with their images
+/// behind walls as ghosts.
 coupling::PointSet still_points(const Case& scene, coupling::Role role);
 
-/// The phase that gives these values at these points, whatever it gets.
+/// The phase that gives these values at these points, whatever it receives.
 std::unique_ptr<Phase> make_still(const Case& scene, coupling::Role role);
 
 }  // namespace poretwin::peer

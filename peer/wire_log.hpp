@@ -1,9 +1,9 @@
-// A participant's conversation with the coupler as a file: every message both ways, byte for byte.
+// The messages between a participant and the coupler as a file: all messages in both directions, byte for byte.
 //
-// The file: the line "poretwin wire log 1\n", then records. A record is one byte ('>' participant to coupler, '<'
-// coupler to participant), the time since the file was begun [ns, u64], the number of frames [u32], and for each frame
-// its length [u64] and its bytes. Numbers are little-endian. A file that ends inside a record was cut short: what
-// stands before counts.
+// The file begins with the line "poretwin wire log 1\n"; records follow. A record is one byte ('>' participant to
+// coupler, '<' coupler to participant), the time since the file was begun [ns, u64], the number of frames [u32], and
+// for each frame its length [u64] and its bytes. Numbers are little-endian. An incomplete record at the end, of a file
+// that was cut short, is ignored.
 #pragma once
 
 #include "common/coupling/message.hpp"
@@ -35,10 +35,10 @@ class WireLogReader {
     std::uint64_t nanoseconds = 0;
     coupling::Frames frames;
   };
-  /// Throws FileError when this is no wire log.
+  /// Throws FileError where this is not a wire log.
   explicit WireLogReader(const std::filesystem::path& path);
-  /// Nothing at the end, or where the file was cut short. Sizes are checked against the file's before they are
-  /// believed.
+  /// The next record; nothing at the end, or where the file was cut short. Sizes are checked against that of the file
+  /// before memory is allocated.
   std::optional<Record> next();
 
  private:
@@ -46,7 +46,7 @@ class WireLogReader {
   bool read(T& value);
   std::filesystem::path path_;
   std::ifstream stream_;
-  std::uint64_t left_ = 0;  ///< bytes
+  std::uint64_t left_ = 0;  ///< bytes not read yet
 };
 
 }  // namespace poretwin::peer

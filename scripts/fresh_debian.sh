@@ -1,10 +1,10 @@
-# A fresh Debian 12 in a chroot, for the scripts that try things on one. Source it after setup.sh, from the repository's root.
-# Needs root, debootstrap (installed when missing) and a Debian mirror. FRESH names a file that keeps the fresh Debian for the next time.
+# A fresh Debian 12 in a chroot, for scripts that test on one. Source it after setup.sh, from the repository's root.
+# Needs root, debootstrap (installed when missing) and a Debian mirror. FRESH names a file that keeps the fresh Debian for reuse.
 
-passed=(http_proxy)  # variables that commands inside see, where they are set
+passed=(http_proxy)  # variables that commands in the chroot inherit where they are set
 
-# fresh_debian NAME [COMMAND:PACKAGE...]: makes it at $root, in the scratch folder $place, which goes when the script ends;
-# "${in_root[@]}" COMMAND... runs inside. Installs what is missing here, too.
+# fresh_debian NAME [COMMAND:PACKAGE...]: makes it at $root, in the temporary folder $place, which is removed when the script
+# ends; "${in_root[@]}" COMMAND... runs inside. Installs the given packages on this machine where their commands are missing.
 fresh_debian() {
   local name=$1 fresh=${FRESH:-} file variable
   shift
@@ -27,14 +27,14 @@ fresh_debian() {
   mkdir -p "$root/dev/shm"
   mount -t tmpfs tmpfs "$root/dev/shm"
   cp /etc/resolv.conf "$root/etc/resolv.conf"
-  mkdir -p "$root/usr/local/share/ca-certificates"  # whom this machine trusts beyond Debian's: ca-certificates takes them up
+  mkdir -p "$root/usr/local/share/ca-certificates"  # this machine's additional certificates
   for file in /usr/local/share/ca-certificates/*.crt; do [ ! -f "$file" ] || cp "$file" "$root/usr/local/share/ca-certificates/"; done
   for file in /etc/apt/apt.conf.d/*proxy*; do [ ! -f "$file" ] || cp "$file" "$root/etc/apt/apt.conf.d/"; done
   in_root=(chroot "$root" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive)
   for variable in "${passed[@]}"; do [ -z "${!variable:-}" ] || in_root+=("$variable=${!variable}"); done
 }
 
-# inside COMMANDS: by a shell in it that stops at the first that fails.
+# inside COMMANDS: runs them by a shell in the chroot, which stops at the first failure.
 inside() { "${in_root[@]}" /bin/bash -euc "$1"; }
 
 leave() {

@@ -1,6 +1,7 @@
 #!/bin/bash
-# What someone new goes through, on a fresh Debian 12: clone, ./run.sh, the run in a browser; seconds and CPU seconds of each step.
-# Fails if it does not work; that it takes less than ten minutes is said, not judged: the machine and its network decide.
+# The first steps of a new user on a fresh Debian 12: clone, ./run.sh, the run in a browser; prints seconds and CPU seconds of
+# each step.
+# Fails if a step fails. Whether all takes less than ten minutes is only reported: it depends on machine and network.
 # Needs Chromium and node (installed when missing); FRESH: see scripts/fresh_debian.sh.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -15,10 +16,10 @@ end() {
 }
 fresh_debian newcomer chromium:chromium node:nodejs npm:npm
 trap end EXIT
-node view/tests/look.mjs "$place/browser"  # what the browser is driven by is no part of the time
-git bundle create "$root/poretwin.bundle" HEAD >/dev/null 2>&1  # what a server would send
+node view/tests/look.mjs "$place/browser"  # installing what drives the browser is not counted
+git bundle create "$root/poretwin.bundle" HEAD >/dev/null 2>&1  # in place of a server
 
-# step WHAT COMMAND...: runs it, its output into the log; says how long it took.
+# step WHAT COMMAND...: runs it with its output in the log, and prints its time.
 whole=0
 step() {
   local what=$1 begun ended TIMEFORMAT='%U %S'
@@ -30,7 +31,7 @@ step() {
   whole=$(awk -v a="$whole" -v b="$ended" -v c="$begun" 'BEGIN {print a + b - c}')
 }
 
-# The run as a browser shows it: as soon as its particles are drawn.
+# Shows the run in a browser until its particles are drawn.
 look() {
   local link
   "${in_root[@]}" /bin/bash -c 'cd /root/poretwin && exec build/release/bin/poretwin view runs/terzaghi --port 0' >"$place/view" 2>&1 &

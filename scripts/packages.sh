@@ -1,5 +1,5 @@
 #!/bin/bash
-# Builds the Debian packages into build/packages: scripts/packages.sh. Safe to run twice.
+# Builds the Debian packages into build/packages: scripts/packages.sh. May be repeated.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . scripts/setup.sh

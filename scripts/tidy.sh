@@ -1,6 +1,6 @@
 #!/bin/bash
-# clang-tidy with the checks of .clang-tidy: scripts/tidy.sh over all sources, scripts/tidy.sh COMMIT over those that
-# differ from that commit. Fails at the first kind of mistake it finds.
+# Runs clang-tidy with the checks of .clang-tidy: scripts/tidy.sh on all sources, scripts/tidy.sh COMMIT on those that differ from
+# that commit. Fails if clang-tidy reports a mistake.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 . scripts/setup.sh

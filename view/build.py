@@ -11,7 +11,7 @@ SOURCE = pathlib.Path(__file__).resolve().parent / "page"
 
 
 class CannotBuild(Exception):
-    """Says what is missing and what to do."""
+    """The page cannot be built; the message says what is missing and what to do."""
 
 
 def sources():
@@ -26,7 +26,7 @@ def fingerprint():
 
 
 def install_node(say):
-    """Debian's packages, where a command is missing and there is a way to install them."""
+    """Installs Debian's packages of the commands that are missing, where that is possible."""
     missing = [command for command in ("node", "npm") if shutil.which(command) is None]
     if not missing:
         return
@@ -43,7 +43,7 @@ def install_node(say):
 
 
 def run(command, folder, what, lock):
-    # The lock is the command's as well: one that outlives us, killed, keeps the next one waiting.
+    # The command inherits the lock: if it outlives this process, killed, it keeps the next one waiting.
     done = subprocess.run(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, pass_fds=[lock.fileno()])
     if done.returncode:
         raise CannotBuild(f"{what} failed in {folder}:\n{done.stdout.strip()[-2000:]}\n"
@@ -51,11 +51,11 @@ def run(command, folder, what, lock):
 
 
 def page(built, say):
-    """Folder of the built page, below `built`."""
+    """Builds the page where necessary; returns its folder, below `built`."""
     built.mkdir(parents=True, exist_ok=True)
     target, stamp = built / "page", built / "page.stamp"
     with open(built / "build.lock", "w") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)  # two at a time would take each other's files
+        fcntl.flock(lock, fcntl.LOCK_EX)  # two builds at a time would overwrite each other's files
         wanted = fingerprint()
         if target.is_dir() and stamp.exists() and stamp.read_text() == wanted:
             return target
@@ -73,7 +73,7 @@ def page(built, say):
 
 
 def main():
-    """As a step of the tests: build.py FOLDER."""
+    """Builds the page as a step of the tests: build.py FOLDER."""
     try:
         print(page(pathlib.Path(sys.argv[1]), print))
     except CannotBuild as error:

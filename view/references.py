@@ -1,7 +1,7 @@
-"""What the gauges of a run should read, from the verify.toml of its case (cli/metrics.cpp, `marks`).
+"""Reference values for the gauges of a run, from the verify.toml of its case (cli/metrics.cpp, `marks`).
 
-A run of a case is held against the references of a [[run]] of verify.toml whose settings it shares, apart from those that
-change the effort and not the question: end, spacing, windows, output.
+A run of a case is compared with the references of a [[run]] of verify.toml that has the same settings, except those that change
+the cost but not the problem: end, spacing, windows, output.
 """
 import pathlib
 import re
@@ -15,7 +15,7 @@ def settings(assignments, effort=True):
 
 
 def rows_of(path):
-    """Numbers of a CSV file; comments and the heading are left out."""
+    """Rows of numbers of a CSV file, without comments and heading."""
     rows = []
     for line in path.read_text().splitlines():
         try:
@@ -26,7 +26,7 @@ def rows_of(path):
 
 
 def case_folder(record, roots):
-    """The folder of the run's case, if it lies below one of `roots`: a run.toml does not choose what else is read."""
+    """The folder of the run's case, if it is below one of `roots`: a run.toml must not choose other files to read."""
     file = pathlib.Path(str(record.get("case_file", "")))
     if not file.is_absolute() or not file.is_file():
         return None
@@ -40,7 +40,7 @@ def inside(folder, name):
 
 
 def references(record, roots, gauges):
-    """Marks {gauge, time, value, time_error, value_error, text}; time None: the last reading of the whole run."""
+    """Reference marks {gauge, time, value, time_error, value_error, text}; time None: the last reading of the whole run."""
     folder = case_folder(record, roots)
     if folder is None:
         return []
@@ -78,7 +78,7 @@ def from_verify(folder, record, gauges):
             for found in marks_of(metric, folder, gauges, to_the_end=like[run]):
                 marks.setdefault((found["gauge"], found["time"], found["value"]), found)
         except (KeyError, IndexError, TypeError, OSError):
-            continue  # `poretwin verify` says what is wrong with it
+            continue  # `poretwin verify` reports its faults
     return list(marks.values())
 
 
@@ -86,7 +86,7 @@ def marks_of(metric, folder, gauges, to_the_end):
     op, gauge, text = metric["op"], metric.get("gauge", ""), metric.get("name", "")
     scale, tolerance, reference = metric.get("scale", 1.0), metric.get("tolerance", 0.0), metric.get("reference")
     at = metric.get("at")
-    judged = at is not None or to_the_end  # a shorter run has not come to the reading that is meant
+    judged = at is not None or to_the_end  # a shorter run does not reach the reading to which the reference belongs
     path = inside(folder, metric["reference_csv"]) if "reference_csv" in metric else None
     if op in ("value", "relative") and "from" not in metric and judged:
         off = tolerance * (abs(reference) if op == "relative" else 1.0)

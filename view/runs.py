@@ -1,4 +1,4 @@
-"""Runs below the folders that were named, and what they say of themselves."""
+"""The runs below the named folders, and what their files report of them."""
 import csv
 import json
 import math
@@ -12,10 +12,10 @@ import snapshot
 PHASES = ("fluid", "solid")
 PROCESSES = ("coupler", "fluid", "solid")
 MARKS = ("run.toml", "fluid.vtkhdf", "solid.vtkhdf")  # a folder with one of these is a run
-DEPTH = 4  # of folders below one that was named
-TAIL = 1 << 18  # bytes of each log that are looked through
+DEPTH = 4  # levels of folders that are searched below a named one
+TAIL = 1 << 18  # bytes at the end of each log that are searched
 MESSAGES = 200
-GAUGE_BYTES = 1 << 21  # of a gauge file, in one answer
+GAUGE_BYTES = 1 << 21  # bytes of a gauge file in one answer
 
 
 def is_run(path):
@@ -23,7 +23,7 @@ def is_run(path):
 
 
 def open_folder(root, parts):
-    """Descriptor of a folder below `root`; links on the way are refused."""
+    """Descriptor of a folder below `root`; symbolic links on the way are refused."""
     descriptor = os.open(root, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
     for part in parts:
         above = descriptor
@@ -40,7 +40,7 @@ class Run:
         self.name = "/".join([os.path.basename(root), *parts])
 
     def folder(self):
-        """A context that holds the folder open."""
+        """A context that keeps the folder open."""
         return Folder(self.root, self.parts)
 
 
@@ -56,7 +56,7 @@ class Folder:
         os.close(self.descriptor)
 
     def text(self, name, limit=1 << 20, tail=False):
-        """The first (or last) bytes of a file, as text; empty where there is none."""
+        """The first (or last) `limit` bytes of a file as text; empty where there is no such file."""
         file = snapshot.open_file(name, self.descriptor)
         if file is None:
             return ""
@@ -74,7 +74,7 @@ class Folder:
 
 
 class Runs:
-    """All runs below the named folders. One that was found once keeps its number."""
+    """All runs below the named folders. A run keeps its number once it has been found."""
 
     def __init__(self, folders):
         self.roots = [os.path.realpath(folder) for folder in folders]
@@ -118,7 +118,7 @@ def record_of(folder):
 
 
 def lock_held(folder):
-    """Does a process on this machine hold run.lock? Asked of the system: taking the lock could refuse a run its folder."""
+    """Whether a process on this machine has locked run.lock. The system's list is read: trying to lock could keep a run out of its folder."""
     file = snapshot.open_file("run.lock", folder.descriptor)
     if file is None:
         return False
@@ -131,7 +131,7 @@ def lock_held(folder):
                 return True
     except OSError:
         pass
-    # Some file systems show other numbers there: then the process that signed the file tells.
+    # Some file systems show other numbers in that list: then the process that signed the file is looked up.
     words = folder.text("run.lock").partition("\n")[2].split()
     return len(words) >= 2 and words[1] == socket.gethostname() and words[0].isdigit() and is_poretwin(words[0])
 
@@ -160,7 +160,7 @@ def clean(number):
 
 
 def messages_of(folder):
-    """Warnings and errors of the logs, the last ones."""
+    """The last warnings and errors of the logs."""
     found = []
     logs = folder.sub("log")
     if logs is None:
@@ -187,7 +187,7 @@ def messages_of(folder):
 
 
 def doing_of(folder):
-    """What goes on before time does: the search for rest tells of itself in the solid's log."""
+    """What a run does before its time advances: the search for equilibrium, as reported in the solid's log."""
     logs = folder.sub("log")
     if logs is None:
         return ""
@@ -248,7 +248,7 @@ def status(run):
 
 
 def gauges(run, cursor):
-    """Readings since `cursor`, by gauge. `more`: ask again at once."""
+    """Readings since `cursor`, by gauge. `more`: there are more readings to ask for at once."""
     answer = {"series": {}, "cursor": {}, "more": False}
     with run.folder() as folder:
         names = [f"gauges.{phase}.csv" for phase in PHASES]
@@ -261,11 +261,11 @@ def gauges(run, cursor):
             with os.fdopen(file, "rb") as stream:
                 at = cursor.get(name, 0)
                 size = os.fstat(file).st_size
-                if at > size:  # a run that goes on from a checkpoint has cut off what came after it
+                if at > size:  # a resumed run has cut off what came after its checkpoint
                     at = 0
                 stream.seek(at)
                 text = stream.read(GAUGE_BYTES)
-            whole = text.rfind(b"\n") + 1  # the last line may still be on its way
+            whole = text.rfind(b"\n") + 1  # the last line may be incomplete
             answer["cursor"][name] = at + whole
             answer["more"] |= at + len(text) < size
             for row in csv.reader(text[:whole].decode("utf-8", "replace").splitlines()):

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Serves one page that shows runs, finished or under way, to this machine's browser: `poretwin view [RUN...]`.
+"""Serves one page that shows runs, finished or in progress, to a browser on this machine: `poretwin view [RUN...]`.
 
-Only the standard library. What a request can name is a number of a run and a file of a fixed list, never a path.
+Uses only the standard library. A request names a run by its number and a file of a fixed list, never a path.
 """
 import argparse
 import hmac
@@ -25,7 +25,7 @@ import references
 import runs
 import snapshot
 
-FIRST_PORT, PORTS = 8470, 20  # tried in turn, so that links stay good from one start to the next
+FIRST_PORT, PORTS = 8470, 20  # tried in this order, so that links remain valid from one start to the next
 LONGEST = 1 << 23  # bytes of a file in one answer
 CONNECTIONS = 64
 BAD_FILES = 5  # exit code of poretwin
@@ -47,7 +47,7 @@ RANGE = re.compile(r"bytes=([0-9]{1,15})-([0-9]{1,15})")
 
 
 class Access:
-    """Who may ask. A token opens one browser; the cookie that it is exchanged for is good until the server ends."""
+    """Access control. A token admits one browser; the cookie for which it is exchanged is valid until the server ends."""
 
     def __init__(self, announce):
         self.announce = announce
@@ -96,7 +96,7 @@ class Server(http.server.ThreadingHTTPServer):
         self.names = {"localhost"} | ({address[0].lower(), socket.gethostname().lower(), socket.getfqdn().lower()} if self.far else set())
         self.places = threading.BoundedSemaphore(CONNECTIONS)
         super().__init__(address, Handler)
-        self.cookie = f"poretwin_view_{self.server_address[1]}"  # cookies do not tell ports apart
+        self.cookie = f"poretwin_view_{self.server_address[1]}"  # cookies are not separated by port
         self.access = Access(lambda what, token: announce(what, f"{self.url()}/?token={token}"))
 
     def url(self):
@@ -104,7 +104,7 @@ class Server(http.server.ThreadingHTTPServer):
         return f"http://{f'[{host}]' if ':' in host else host}:{self.server_address[1]}"
 
     def is_ours(self, host):
-        """A name that somebody else's name server points here is refused (DNS rebinding); an address cannot be."""
+        """Whether the Host header is one of this server's. A name that a stranger's name server maps to this machine is refused (DNS rebinding)."""
         name = re.sub(r":\d+$", "", host).lower()
         return name in self.names or is_loopback(name) or (self.far and is_address(name))
 
@@ -143,7 +143,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
     def answer(self, body):
         self.with_body = body
         path, _, query = self.path.partition("?")
-        # Browsers send one Host; several, or none, come from elsewhere.
+        # Browsers send exactly one Host header; other numbers of them come from elsewhere.
         hosts = self.headers.get_all("Host", [])
         if len(hosts) != 1 or not self.server.is_ours(hosts[0]):
             return self.say(421, "This name is not of this server", "Open the address that poretwin view printed.")
@@ -203,7 +203,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
         return references.references(record, self.server.case_roots, gauges)
 
     def piece(self, run, name):
-        """Bytes of a file as it was at its last flush. If-Match: of that flush, or none at all (412)."""
+        """Bytes of a file as of its last flush. With an If-Match header: as of that flush, or an error (412)."""
         asked = RANGE.fullmatch(self.headers.get("Range", ""))
         if self.with_body and not asked:
             return self.json({"error": "ask for a range of bytes"}, 400)
@@ -244,7 +244,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
 
 
 def cursor_of(query):
-    """Where the gauge files were read to: gauges.fluid.csv=1234&.."""
+    """Positions up to which the gauge files have been read: gauges.fluid.csv=1234&.."""
     pairs = urllib.parse.parse_qsl(query)
     return {name: int(at) for name, at in pairs if at.isascii() and at.isdigit() and len(at) < 16}
 

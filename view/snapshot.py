@@ -1,8 +1,8 @@
-"""A results file as it was at its last flush, whatever its writer is doing at the moment.
+"""Reads a results file as of its last flush, even while its writer changes it.
 
-The writer copies what it is about to replace to FILE.undo first, and a flush empties that (common/output/undo_driver.cpp).
-So a piece of the file is read first and FILE.undo after it: whatever had changed by then stands there with its old bytes.
-Every flush has a stamp; when it is the same before and after, both belong to one state of the file.
+The writer copies what it is about to replace to FILE.undo first, and a flush empties that file (common/output/undo_driver.cpp).
+So a piece of FILE is read first and FILE.undo after it: whatever has changed meanwhile is there with its old bytes. Every flush
+has a stamp; where it is the same before and after, all that was read belongs to one state of the file.
 """
 import os
 import stat
@@ -10,16 +10,16 @@ import struct
 import time
 
 HEADER = struct.Struct("<QQQ")  # length at the flush, its stamp, 0
-PIECE = struct.Struct("<QQ")  # where, how many bytes follow
-PATIENCE = 2.0  # s; a flush that goes on lasts a moment
+PIECE = struct.Struct("<QQ")  # position, number of bytes that follow
+PATIENCE = 2.0  # s; longest wait for a flush in progress, which takes a moment
 
 
 class Unreadable(Exception):
-    """The file cannot be read; says which and why."""
+    """The file cannot be read; the message says which and why."""
 
 
 def open_file(name, folder):
-    """A regular file of an open folder, or None. What is a link is no part of a run."""
+    """Opens a regular file in an open folder; None where there is none. Symbolic links are refused: a run contains none."""
     try:
         descriptor = os.open(name, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC, dir_fd=folder)
     except FileNotFoundError:
@@ -33,7 +33,7 @@ def open_file(name, folder):
 
 
 def state_of(file, undo):
-    """Tag and length of the last flush; None while the writer is between two of its steps."""
+    """Tag and length of the file at its last flush; None while the writer is in the middle of an operation."""
     here = os.fstat(file)
     if undo is None:
         return f"{here.st_ino:x}-{here.st_mtime_ns:x}-{here.st_size:x}", here.st_size
@@ -43,23 +43,23 @@ def state_of(file, undo):
     if journal.st_size < HEADER.size:
         return None
     length, stamp, nothing = HEADER.unpack(os.pread(undo, HEADER.size, 0).ljust(HEADER.size, b"\0"))
-    if nothing != 0:  # left by a program that knew no stamps
+    if nothing != 0:  # from a program without stamps
         stamp = journal.st_mtime_ns
     return f"{here.st_ino:x}-{stamp:x}", length
 
 
 def restore(data, first, undo):
-    """Puts the bytes of FILE.undo back into `data`, which begins at `first` in the file."""
+    """Replaces changed bytes in `data`, which begins at position `first` of the file, by the old ones in FILE.undo."""
     journal = os.pread(undo, os.fstat(undo).st_size, 0)
     pieces, at = [], 8
     while at + PIECE.size <= len(journal):
         where, count = PIECE.unpack_from(journal, at)
         at += PIECE.size
         if at + count > len(journal):
-            break  # not complete yet: the file has not changed there
+            break  # incomplete: the file has not been changed there yet
         pieces.append((where, count, at))
         at += count
-    # The oldest copy is the right one, so it comes last.
+    # Of several copies the oldest is right, so it is applied last.
     for where, count, start in reversed(pieces):
         low, high = max(where, first), min(where + count, first + len(data))
         if low < high:
@@ -67,7 +67,7 @@ def restore(data, first, undo):
 
 
 def read(folder, name, first=0, count=0):
-    """(tag, length, bytes) of the file at its last flush; None when there is no such file."""
+    """(tag, length, bytes) of the file at its last flush; None where there is no such file."""
     deadline = time.monotonic() + PATIENCE
     while True:
         file = open_file(name, folder)
@@ -83,7 +83,7 @@ def read(folder, name, first=0, count=0):
                 if undo is not None:
                     restore(data, first, undo)
                 elif (now := open_file(name + ".undo", folder)) is not None:
-                    os.close(now)  # a run goes on with this file since we looked
+                    os.close(now)  # the file has been replaced since it was opened
                     continue
                 if state_of(file, undo) == before:
                     return (*before, bytes(data))

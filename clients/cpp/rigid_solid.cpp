@@ -1,10 +1,9 @@
-// Soil that nothing moves, for the real fluid: seepage through a rigid skeleton. A solver outside poretwin's source
-// tree.
+// A rigid skeleton in the place of the solid, for poretwin's own fluid: a solver outside poretwin's source tree.
 //
 //   poretwin run clients/python/examples/seepage.toml --solid build/rigid-solid
 //
-// What makes the skeleton rigid is its inertia: the fluid predicts how far it gives way within a window from its
-// density, and grains of 1e12 kg/m3 do not.
+// Its density makes the skeleton rigid: from it the fluid predicts how far the skeleton moves within a window, and with
+// 1e12 kg/m3 it does not move.
 #include <poretwin/coupling/phase_main.hpp>
 
 #include <algorithm>
@@ -21,10 +20,10 @@ using namespace poretwin::coupling;
 
 namespace {
 
-constexpr double unmovable = 1e12;  // kg/m3
+constexpr double unmovable = 1e12;  // kg/m3, grain density with which the skeleton does not move
 
-/// The points of a square lattice in the boxes of soil; behind sides on walls it goes on by four spacings, as ghosts:
-/// whoever looks from inside must not take the wall for the soil's surface.
+/// The points of a square lattice in the boxes of soil. Behind a side of a box that lies on a wall the lattice
+/// continues by four spacings, as ghosts: without them the wall would look like the soil's surface.
 class Bed {
  public:
   explicit Bed(const Case& scene) {
@@ -82,7 +81,7 @@ class Bed {
   }
 
   PointSet points_;
-  std::vector<const Soil*> soil_;  ///< of each point
+  std::vector<const Soil*> soil_;  ///< soil of each point
 };
 
 class RigidSolid final : public Phase {
@@ -149,7 +148,7 @@ class RigidSolid final : public Phase {
 
   struct State {
     double time = 0.0;              // s
-    std::array<double, 3> taken{};  // N s, all the drag it ever took
+    std::array<double, 3> taken{};  // N s, sum of all drag received
   };
   const Case scene_;
   const Bed bed_;

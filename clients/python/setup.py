@@ -1,4 +1,4 @@
-"""Adds to the wheel the messages as protoc describes them; everything else stands in pyproject.toml."""
+"""Adds the messages, compiled by protoc, to the wheel; all other settings are in pyproject.toml."""
 
 import subprocess
 from pathlib import Path

@@ -9,7 +9,7 @@
 namespace poretwin {
 namespace {
 
-/// Rows of a lattice in a length, as many as fill() makes.
+/// Number of lattice rows along a length: the same as fill() makes.
 double rows(double length, double spacing) { return std::max(1.0, std::round(length / spacing)); }
 
 double particles_in(const Shape& shape, double spacing, int dimension) {
@@ -20,7 +20,7 @@ double particles_in(const Shape& shape, double spacing, int dimension) {
   return count;
 }
 
-/// Instants of output: the first, the last, and every `interval` between (0: none between).
+/// Number of output times: the first, the last, and every multiple of `interval` between them (none where it is 0).
 double instants(double end, double interval) { return interval > 0.0 ? std::floor(end / interval) + 1.0 : 2.0; }
 
 }  // namespace
@@ -34,7 +34,7 @@ double measure(const Shape& shape, int dimension) {
     for (int d = 0; d < dimension; ++d) product *= shape.max[d] - shape.min[d];
     return product;
   }
-  double twice = 0.0;  // Gauss's trapezoids
+  double twice = 0.0;  // twice the signed area, by the shoelace formula
   const auto& p = shape.points;
   for (std::size_t i = 0, j = p.size() - 1; i < p.size(); j = i++)
     twice += (p[j].x() - p[0].x()) * (p[i].y() - p[0].y()) - (p[i].x() - p[0].x()) * (p[j].y() - p[0].y());
@@ -64,10 +64,10 @@ Amounts estimate(const Case& scene) {
       a.gauge_rows +=
           instants(scene.general.end_time, scene.output.gauge_interval) *
           (gauge.kind == "point" || gauge.kind == "height" ? static_cast<double>(gauge.points.size()) : 1.0);
-  // State, neighbours and the exchange; 3D particles have four to five times as many neighbours.
+  // Bytes of state, neighbour lists and exchange per particle; 3D particles have four to five times as many neighbours.
   a.memory_bytes = 40e6 + (dimension == 3 ? 12e3 : 3e3) * (a.fluid + a.solid);
   if (dimension == 3 && scene.coupled()) {
-    // One sparse Cholesky factor an axis: measured 1.54 GB at 22760 particles of an embankment, growing as n^1.6.
+    // One sparse Cholesky factor per axis: 1.54 GB was measured for 22760 particles of an embankment, growing as n^1.6.
     a.factor_bytes = 1.54e9 * std::pow(a.solid / 22760.0, 1.6);
     a.memory_bytes += a.factor_bytes;
   }

@@ -36,7 +36,7 @@ constexpr std::array soil_words{
     Word<Wall::ForSoil>{"none", Wall::ForSoil::none}, Word<Wall::ForSoil>{"roller", Wall::ForSoil::roller},
     Word<Wall::ForSoil>{"fixed", Wall::ForSoil::fixed}, Word<Wall::ForSoil>{"frictional", Wall::ForSoil::frictional},
     Word<Wall::ForSoil>{"rough", Wall::ForSoil::rough}};
-/// Which defaults the sections of a solver have.
+/// The set of default values (case.scheme): poretwin's own, or those of Bui & Nguyen (2017).
 enum class Preset { own, paper };
 constexpr std::array preset_words{Word<Preset>{"own", Preset::own}, Word<Preset>{"paper", Preset::paper}};
 constexpr std::array representation_words{
@@ -68,7 +68,7 @@ constexpr std::array gradient_words{
 void declare(Keys& keys, General& g) {
   std::int64_t dimension = g.dimension;
   keys.text("title", g.title, {"", "What the case is about."});
-  Preset preset = Preset::own;  // read_case() looks it up before it reads
+  Preset preset = Preset::own;  // read_case() looks it up before it reads the other keys
   keys.choice<Preset>("scheme", preset, preset_words,
                       {"",
                        "Defaults of `[fluid]` and `[solid]`: `own`, or `paper`: the scheme of Bui & Nguyen (2017) as "
@@ -109,7 +109,7 @@ void declare(Keys& keys, Shape& s) {
   keys.number("radius", s.radius, {"m", "Radius of a ball.", s.kind == Shape::Kind::ball}, not_negative());
 }
 
-/// Shapes whose kind was left out: without it the keys of a box would be missed.
+/// Throws CaseError for a shape without its kind: it would be read as a box, and the missing keys of a box be reported.
 void expect_kinds(const Node& tables, const std::string& path) {
   for (std::size_t i = 0; i < tables.items.size(); ++i) {
     const Node& table = tables.items[i];
@@ -121,8 +121,8 @@ void expect_kinds(const Node& tables, const std::string& path) {
   }
 }
 
-/// Replaces words and keys of earlier versions by today's; returns a warning for each. An old one is read for one
-/// version after its replacement.
+/// Replaces words and keys of earlier versions by those in use, and returns a warning for each. An old word is accepted
+/// for one version after its replacement.
 std::vector<std::string> replace_old_words(Node& root) {
   struct Old {
     std::string_view section, key, old, now;
@@ -158,7 +158,7 @@ void declare(Keys& keys, Face& f) {
   keys.point("normal", f.normal, {"", "With `point`: direction into the domain."});
 }
 
-/// The names of all materials, and of soil that does not move.
+/// The names of all materials; with `rigid`, also the name of soil that does not move.
 std::vector<Word<MaterialName>> model_words(bool rigid) {
   std::vector<Word<MaterialName>> words;
   if (rigid) words.emplace_back("rigid", MaterialName::rigid);
@@ -166,7 +166,8 @@ std::vector<Word<MaterialName>> model_words(bool rigid) {
   return words;
 }
 
-/// The keys that materials bring along; of one that several have the first.
+/// Declares the keys that belong to single materials. Where several materials have a key, the first one's declaration
+/// counts.
 void declare_own_keys(Keys& keys, Soil& s) {
   std::set<std::string_view> declared;
   for (const Material& material : materials())
@@ -190,7 +191,7 @@ void declare(Keys& keys, RetentionCase& r) {
   keys.number("residual_water_content", r.residual_water_content,
               {"", "Volume of water per volume of soil that no suction removes, theta_r; below `porosity`."},
               between(0, false, 1, true));
-  std::set<std::string> declared;  // of a key that several laws have the first
+  std::set<std::string> declared;  // where several laws have a key, the first one's declaration counts
   for (const auto& law : porous::retention_laws())
     for (const auto& p : law.parameters) {
       if (!declared.insert(p.key).second) continue;
@@ -212,7 +213,7 @@ void declare(Keys& keys, Soil& s) {
   keys.number("porosity", s.porosity, {"", "Volume of pores per volume, n."}, between(0, true, 1, true));
   keys.number("grain_density", s.grain_density, {"kg/m3", "Density of the grains themselves."}, positive());
   std::string meaning = "Hydraulic gradient i against discharge velocity U.";
-  std::string without;  // laws that have their own conductivity
+  std::string without;  // laws that compute the conductivity themselves
   std::vector<std::pair<std::string_view, const porous::SeepageLaw*>> laws;
   for (const auto& law : porous::seepage_laws()) {
     meaning += fmt::format("{} `{}`: {}", laws.empty() ? "" : ";", law.name, law.meaning);
@@ -652,7 +653,7 @@ void declare(Keys& keys, Gauge& g) {
                       g.region, [](Keys& inner, Shape& shape) { declare(inner, shape); });
 }
 
-/// What both solvers must agree on.
+/// Declares the sections on which both solvers must agree.
 void declare_shared(Keys& keys, Case& c) {
   keys.table("case", "The problem as a whole.", [&](Keys& inner) { declare(inner, c.general); });
   keys.dimension = c.general.dimension;
@@ -706,7 +707,7 @@ double WaterFace::wave(double x, double t) const {
 
 double Series::integral(double t0, double t1) const {
   if (t1 < t0) return -integral(t1, t0);
-  // Trapezoids between the knots inside.
+  // Sums trapezoids between the knots.
   double sum = 0.0, from = t0;
   for (const auto& [t, value] : knots) {
     if (t <= from || t >= t1) continue;
@@ -718,7 +719,7 @@ double Series::integral(double t0, double t1) const {
 
 namespace {
 
-/// Defaults of the scheme as published; docs/theory/paper.md lists them.
+/// Sets the defaults of the scheme of Bui & Nguyen (2017); docs/theory/paper.md lists them.
 void take_paper_defaults(Case& c) {
   c.fluid.scheme = FluidCase::Scheme::eisph_explicit_drag;
   c.fluid.drag_form = FluidCase::DragForm::smoothed;
@@ -728,7 +729,7 @@ void take_paper_defaults(Case& c) {
   c.solid.regular_flow = false;
 }
 
-/// What follows for a soil from other keys.
+/// Sets the members of a soil that follow from other keys.
 void complete(Soil& soil, double spacing) {
   soil.band_width = spacing;
   if (!soil.undrained_strength) return;
@@ -821,7 +822,7 @@ Case read_case(const std::filesystem::path& path, const std::vector<std::string>
     integrate_by_rates(scene.solid.model);
     for (Soil& soil : scene.soils)
       if (soil.model) integrate_by_rates(*soil.model);
-    // The sum over pairs is built for soil at rest only.
+    // The drag as a sum over pairs exists for soil at rest only.
     if (scene.coupled() && !places.contains("fluid.drag_form")) scene.fluid.drag_form = FluidCase::DragForm::pointwise;
   }
   if (!places.contains("coupling.scheme") && !scene.predicts()) scene.coupling.scheme = CouplingCase::Scheme::serial;

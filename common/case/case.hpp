@@ -29,18 +29,18 @@ struct Shape {
   double radius = 0.0;  ///< m
 };
 
-/// A line of straight pieces (2D, "points"; the domain lies on the LEFT of the walk) or a plane ("point", "normal" into
-/// the domain).
+/// A boundary. 2D: a line of straight pieces through `points`, with the domain on its left; or, in 2D and 3D, a plane
+/// through `point` whose `normal` points into the domain.
 struct Face {
   std::vector<Point3> points;
   Point3 point = Point3::Zero(), normal = Point3::Zero();
 };
 
-/// A number, or a table [[t, value], ...] interpolated linearly and held constant outside.
+/// A number, or a table [[t, value], ...]: linear between its rows, constant before the first and after the last.
 struct Series {
   std::vector<std::pair<double, double>> knots;
   [[nodiscard]] double at(double t) const;
-  /// From t0 to t1, exact.
+  /// Exact integral over time from t0 to t1.
   [[nodiscard]] double integral(double t0, double t1) const;
 };
 
@@ -48,13 +48,13 @@ struct Series {
 struct General {
   std::string title;
   int dimension = 2;
-  Point3 gravity{0.0, -9.81, 0.0};  ///< m/s2; default downwards along the last axis of the dimension
-  double central_force = 0.0;       ///< 1/s2: acceleration of the water towards the origin, per distance
+  Point3 gravity{0.0, -9.81, 0.0};  ///< m/s2; the default points down the last axis
+  double central_force = 0.0;       ///< 1/s2: the water accelerates towards the origin by this times its distance
   double end_time = 0.0;            ///< s
-  Point3 domain_min = Point3::Zero(), domain_max = Point3::Zero();  ///< m, needed only with periodic sides
-  std::vector<int> periodic;                                        ///< axes
-  /// m: taken off all places on reading, and added again to those of the output. Where a scene lies far from the
-  /// origin (UTM), its particles would lose the digits that their distances need.
+  Point3 domain_min = Point3::Zero(), domain_max = Point3::Zero();  ///< m; corners of the periodic box
+  std::vector<int> periodic;                                        ///< axes along which the domain is periodic
+  /// m: subtracted from all positions when the case is read, and added to those of the output. Without it, particles of
+  /// a scene far from the origin (UTM coordinates) would lose digits of their distances.
   Point3 origin = Point3::Zero();
 };
 
@@ -62,7 +62,7 @@ struct General {
 struct Water {
   double density = 1000.0;              ///< kg/m3
   double kinematic_viscosity = 1.0e-6;  ///< m2/s
-  double cavitation_pressure = -98986;  ///< Pa over the air's: of vapour at 20 degrees, 2339, less 101325
+  double cavitation_pressure = -98986;  ///< Pa above that of the air: vapour at 20 degrees C, 2339, less 101325
 };
 
 namespace porous {
@@ -82,61 +82,61 @@ inline constexpr MaterialName MaterialName::rigid{"rigid"}, MaterialName::elasti
 
 /// [soil.retention]: how much water the soil keeps under suction, and how well it then conducts.
 struct RetentionCase {
-  const porous::RetentionLaw* law = nullptr;           ///< none: the first of `porous::retention_laws`
-  double residual_water_content = 0.0;                 ///< theta_r, volume of water per volume that no suction removes
-  std::map<std::string, double, std::less<>> numbers;  ///< parameters of the laws, by key
-  std::optional<Series> saturation, permeability;      ///< S_e and k_r against pressure head [m], of `table`
+  const porous::RetentionLaw* law = nullptr;           ///< law; nullptr: the first of `porous::retention_laws`
+  double residual_water_content = 0.0;                 ///< theta_r: volume of water per volume that suction leaves
+  std::map<std::string, double, std::less<>> numbers;  ///< parameters of the law, by key
+  std::optional<Series> saturation, permeability;      ///< law `table`: S_e and k_r against pressure head [m]
 };
 
-/// [[soil]]: a region of soil and its material. With solid.model = "rigid" only shape, porosity and the law of seepage
-/// matter.
+/// [[soil]]: a region of soil and its material. With solid.model = "rigid" only shape, porosity and the seepage law
+/// count.
 struct Soil {
   /// How the Drucker-Prager cone is fitted to Coulomb's cohesion and friction (docs/theory/materials.md).
   enum class Cone {
-    paper,         ///< Eq. (32): plane strain with associated flow (psi = phi)
-    plane_strain,  ///< plane strain with any dilation angle
+    paper,         ///< Eq. (32): exact for plane strain with associated flow (psi = phi)
+    plane_strain,  ///< exact for plane strain with any dilation angle
     repose,        ///< sqrt(J2) / p = tan(phi) when sheared at constant volume: phi is the angle of repose
     outer,         ///< 3D, through Coulomb's compression edges
     inner,         ///< 3D, through Coulomb's extension edges
   };
   std::string name;
   Shape shape;
-  std::optional<MaterialName> model;                ///< absent: solid.model
-  double porosity = 0.4;                            ///< n = n_w
-  double grain_density = 2600.0;                    ///< kg/m3, intrinsic rho_s
-  const porous::SeepageLaw* seepage_law = nullptr;  ///< none: the first of `porous::seepage_laws`
+  std::optional<MaterialName> model;                ///< absent: solid.model applies
+  double porosity = 0.4;                            ///< n
+  double grain_density = 2600.0;                    ///< kg/m3, density of the grains themselves, rho_s
+  const porous::SeepageLaw* seepage_law = nullptr;  ///< nullptr: the first of `porous::seepage_laws`
   std::optional<RetentionCase> retention;           ///< absent: no capillarity
   double hydraulic_conductivity = 1e-4;             ///< k at `porosity`, m/s
   double youngs_modulus = 3.0e6;                    ///< Pa
   double poissons_ratio = 0.3;
-  double cohesion = 0.0;                         ///< Pa, at the initial saturation
+  double cohesion = 0.0;                         ///< Pa, at the saturation `initial_saturation`
   double friction_angle = 30.0;                  ///< degrees
   double dilation_angle = 0.0;                   ///< degrees
-  std::optional<double> earth_pressure_at_rest;  ///< K0; absent: what elastic loading by gravity gives
+  std::optional<double> earth_pressure_at_rest;  ///< K0; absent: the value that elastic loading by gravity gives
   Cone cone = Cone::paper;
-  std::optional<double> tensile_strength;    ///< Pa, see docs/case-file.md; absent: that of the cone's apex
+  std::optional<double> tensile_strength;    ///< Pa, see docs/case-file.md; absent: tension up to the cone's apex
   std::optional<double> maximum_void_ratio;  ///< e at which dilation ends; absent: never
-  double initial_saturation = 0.0;           ///< s_r0, of soil that the water has not reached
-  double suction_head = 0.0;                 ///< m, capillary, at a wetting front
-  std::optional<double> saturated_cohesion;  ///< Pa, at s_r = 1, Eq. (36); absent: as `cohesion`
+  double initial_saturation = 0.0;           ///< s_r0: degree of saturation of soil that water has not reached
+  double suction_head = 0.0;                 ///< m, capillary suction at a wetting front
+  std::optional<double> saturated_cohesion;  ///< Pa, at s_r = 1, Eq. (36); absent: equal to `cohesion`
   std::optional<double> undrained_strength;  ///< Pa, s_u; read_case makes it the cohesion of soil without friction
-  /// What is left of the strength after slip; absent: all of it.
+  /// Strength that remains after slip; absent: all of it.
   std::optional<double> residual_cohesion, residual_friction_angle, residual_dilation_angle;
-  std::optional<double> softening_slip;    ///< m, across a shear band, until then
-  double band_width = 0.0;                 ///< m, of a shear band: the spacing of the particles, no key of its own
-  double stiffness_exponent = 0.0;         ///< of the mean effective pressure
-  double reference_pressure = 1e5;         ///< Pa, at which Young's modulus is as given
-  double least_pressure = 1e3;             ///< Pa, below which the stiffness falls no further
-  std::optional<double> largest_pressure;  ///< Pa, for which the substep is chosen; absent: by the weight and loads
-  std::string library;                     ///< a user's own model (umat): path of the shared library
-  std::vector<double> properties;          ///< its constants
-  std::int64_t state_variables = 0;        ///< how many numbers it remembers of a point
+  std::optional<double> softening_slip;    ///< m, slip across a shear band at which the residual strength is reached
+  double band_width = 0.0;                 ///< m, width of a shear band: the particle spacing; not a key of the case
+  double stiffness_exponent = 0.0;         ///< m in E = E_ref (p' / reference_pressure)^m, p': mean stress
+  double reference_pressure = 1e5;         ///< Pa, at which `youngs_modulus` holds
+  double least_pressure = 1e3;             ///< Pa, pressure below which the stiffness falls no further
+  std::optional<double> largest_pressure;  ///< Pa, for which the substep is chosen; absent: from weight and loads
+  std::string library;                     ///< path of the shared library with a user's own model (umat)
+  std::vector<double> properties;          ///< constants of that model
+  std::int64_t state_variables = 0;        ///< number of its state variables per particle
   std::map<std::string, double, std::less<>>
-      own_numbers;  ///< by key, of materials and laws of seepage that have keys of their own
+      own_numbers;  ///< parameters, by key, of materials and seepage laws with keys of their own
   [[nodiscard]] double own(std::string_view key) const { return own_numbers.at(std::string(key)); }
 };
 
-/// [[wall]]: one wall, its meaning for either phase.
+/// [[wall]]: one wall, and what it is for water and for soil.
 struct Wall {
   enum class ForWater { none, free_slip, no_slip };
   enum class ForSoil { none, roller, fixed, frictional, rough };
@@ -144,23 +144,25 @@ struct Wall {
   Face face;
   ForWater water = ForWater::free_slip;
   ForSoil soil = ForSoil::roller;
-  double friction_angle = 0.0;  ///< degrees, between a frictional wall and the soil
+  double friction_angle = 0.0;  ///< degrees, friction between a frictional wall and the soil
 };
 
-/// [[water_face]]: a face through which water comes and goes. Behind it stands water of a prescribed head or pressure
-/// (pond, reservoir, drain), or a basin whose level follows from what is poured in and what leaves through the face, or
-/// nothing: water only leaves. A face that no soil touches lets particles of water in and out: by discharge, or to keep
-/// a head.
+/// [[water_face]]: a face through which water enters and leaves. Behind it stands water of a prescribed head or
+/// pressure (pond, reservoir, drain), or a basin whose level follows from its inflow and the flow through the face, or
+/// air (water only leaves). Where no soil touches the face, water particles enter and leave through it, at a prescribed
+/// discharge or so that a head is kept.
 struct WaterFace {
   std::string name;
   Face face;
-  std::optional<Series> head;        ///< m: elevation (along -gravity) of the free surface behind; of a basin: at first
-  std::optional<Series> pressure;    ///< Pa, uniform on the face
-  std::optional<Series> discharge;   ///< m3/s (2D: m2/s) poured into the basin, or let in
-  std::optional<Series> basin_area;  ///< m2 (2D: m), horizontal, against elevation [m]: from the bottom up
-  bool outlet = false;               ///< nothing behind it
-  std::optional<Series> wave_amplitude;         ///< Pa: a standing wave on top of `pressure`
-  double wave_length = 0.0, wave_period = 0.0;  ///< m, s
+  std::optional<Series> head;        ///< m: elevation (along -gravity) of the free surface behind the face; of a basin:
+                                     ///< at time zero
+  std::optional<Series> pressure;    ///< Pa, the same all over the face
+  std::optional<Series> discharge;   ///< m3/s (2D: m2/s) into the basin, or through the inlet into the domain
+  std::optional<Series> basin_area;  ///< m2 (2D: m), horizontal area of the basin against elevation [m], from its
+                                     ///< bottom up
+  bool outlet = false;               ///< only air is behind the face
+  std::optional<Series> wave_amplitude;         ///< Pa: amplitude A of a standing wave added to `pressure`
+  double wave_length = 0.0, wave_period = 0.0;  ///< m, s: L and T
   /// Pressure of that wave at a place and time [Pa]: A cos(2 pi x / L) cos(2 pi t / T).
   [[nodiscard]] double wave(double x, double t) const;
 };
@@ -169,9 +171,9 @@ struct WaterFace {
 struct Rain {
   std::string name;
   Face face;
-  std::optional<Series> rate;    ///< m/s, per horizontal area; below zero: evaporation
-  double ponding_depth = 0.0;    ///< m, of water that stays on the surface; what is more runs off
-  double limit_suction = 150.0;  ///< m, at the surface: drier soil gives no more vapour
+  std::optional<Series> rate;    ///< m/s, per horizontal area; negative: evaporation
+  double ponding_depth = 0.0;    ///< m, depth of water that may stand on the surface; the rest runs off
+  double limit_suction = 150.0;  ///< m, suction at the surface above which evaporation is below `rate`
 };
 
 /// [[load]]: traction on the soil's surface near a face.
@@ -179,94 +181,104 @@ struct Load {
   std::string name;
   Face face;
   Point3 traction = Point3::Zero();  ///< Pa
-  std::optional<double> start;  ///< s; applied from then on. Absent: there from the beginning, part of the initial rest
-  std::optional<Series> factor;  ///< on the traction; absent: 1
+  /// s; the traction acts from then on. Absent: it acts from the beginning and is part of the initial equilibrium.
+  std::optional<double> start;
+  std::optional<Series> factor;  ///< factor on the traction against time; absent: 1
 };
 
-/// [[pore_pressure]]: water in the pores of a soil that runs alone. Water fills them where the pressure is above zero
-/// and seeps at the rate its head gradient drives, so that its force on the skeleton is rho_w g - grad p per volume.
+/// [[pore_pressure]]: prescribed pore water in soil that is computed without a water phase. Pores are full where the
+/// pressure is above zero; the water seeps by its head gradient, so that its force on the skeleton is rho_w g - grad p
+/// per volume.
 struct PorePressure {
   std::string name;
-  std::optional<Shape> region;     ///< absent: all soil; of several, the first that holds a point counts
-  std::optional<Series> pressure;  ///< Pa, uniform
-  std::optional<Series> head;      ///< m: elevation (along -gravity) of the water table; with to_head: head at `from`
-  std::optional<Series> to_head;   ///< m: head at `to`; linear between the two points, constant across and beyond
+  std::optional<Shape> region;     ///< absent: all soil; where regions overlap, the first counts
+  std::optional<Series> pressure;  ///< Pa, the same all over the region
+  std::optional<Series> head;      ///< m: elevation (along -gravity) of the water table; with `to_head`: the head at
+                                   ///< `from`
+  std::optional<Series> to_head;   ///< m: head at `to`; linear from `from` to `to`, constant across that line and
+                                   ///< beyond both
   Point3 from = Point3::Zero(), to = Point3::Zero();
 };
 
 /// [fluid]
 struct FluidCase {
-  /// How pressure follows from velocity: solved to a tolerance, or by explicit sweeps, Eqs. (82)-(85); the latter also
-  /// with the drag taken at the window's start.
+  /// How the pressure is found: solved to a tolerance (projection), or by explicit sweeps, Eqs. (82)-(85) (eisph); in
+  /// eisph_explicit_drag the drag, too, is that of the window's start.
   enum class Scheme { projection, eisph, eisph_explicit_drag };
-  /// What carries the water: particles that move, or the points of the soil that it seeps through.
+  /// What represents the water: particles that move, or a field on the points of the soil.
   enum class Representation { particles, field };
   double particle_spacing = 0.0;  ///< m
   Representation representation = Representation::particles;
   Scheme scheme = Scheme::projection;
-  int sweeps = 1;                            ///< of eisph, per window
-  std::optional<double> pressure_tolerance;  ///< of projection: residual left over what drives the flow
+  int sweeps = 1;                            ///< eisph: sweeps per window
+  std::optional<double> pressure_tolerance;  ///< projection: largest residual over the driving forces
   std::vector<Shape> regions;  ///< [[fluid.region]]: where water stands at time zero (inside soil it fills the pores)
-  std::optional<Series> initial_pressure_head;  ///< of a field: m, against elevation [m]
-  std::optional<double> initial_water_table;    ///< of a field: m, elevation at which its pressure is zero; at rest
+  std::optional<Series> initial_pressure_head;  ///< field: pressure head [m] against elevation [m]
+  std::optional<double> initial_water_table;    ///< field: m, elevation of zero pressure, with water at rest
   Point3 initial_velocity = Point3::Zero();
-  double initial_strain = 0.0;    ///< 1/s: adds (s x, -s y)
-  double initial_wave = 0.0;      ///< m/s: adds the lowest sloshing mode of the first region, this fast at the surface
+  double initial_strain = 0.0;    ///< 1/s: s in the added velocity (s x, -s y)
+  double initial_wave = 0.0;      ///< m/s: adds the lowest sloshing mode of the first region, with this speed at the
+                                  ///< surface
   double initial_vortices = 0.0;  ///< m/s: adds Taylor-Green vortices, one period over the periodic box
   Point3 offset{0.5, 0.5, 0.5};   ///< of the first particle from a region's corner, in spacings
   double jitter = 0.0;            ///< random displacement of the initial lattice, in spacings (uniform, +-)
   unsigned seed = 1;
   bool drag = true;  ///< seepage force between the phases
-  /// Eqs. (64)/(73): the soil's velocity at the water's points; Eqs. (67)/(74): a sum over pairs, with G = d or, as
-  /// printed, 1/d.
+  /// The soil's velocity in the drag: taken at the water's points, Eqs. (64)/(73), or a sum over pairs, Eqs. (67)/(74),
+  /// with G = d (smoothed) or G = 1/d as the paper prints it.
   enum class DragForm { pointwise, smoothed, smoothed_as_printed };
   DragForm drag_form = DragForm::pointwise;
-  bool skeleton_response =
-      true;  ///< the skeleton's predicted response inside the pressure solve (off: plain staggering, to show its limit)
+  /// The pressure solve predicts how the skeleton responds. Off: plain staggering, to show where it is unstable.
+  bool skeleton_response = true;
 };
 
-/// [solid.quiet]: work saved while the skeleton hardly moves.
+/// [solid.quiet]: work that is saved while the skeleton hardly moves.
 struct Quiet {
-  double sleep_below = 1e-3;  ///< of g, root mean square of the departure from rest
-  double wake_above = 5e-3;   ///< of g, change of the force on any particle
-  bool damping = true;        ///< near-critical, in quasi-static windows only, and in regions that are calm
-  double regions = 0.0;       ///< of g: regions at rest around soil that flows sleep below; 0: never
+  double sleep_below = 1e-3;  ///< in g: root mean square of the departure from equilibrium below which soil sleeps
+  double wake_above = 5e-3;   ///< in g: change of the force on any particle above which it wakes
+  bool damping = true;        ///< near-critical damping, in quasi-static windows and in calm regions only
+  double regions = 0.0;       ///< in g: calm regions around flowing soil sleep below this departure; 0: never
 };
 
 /// [solid]
 struct SolidCase {
   using Model = MaterialName;
-  enum class PressureGradient { difference, sum };  ///< Eq. (62) as corrected; Eq. (61), which pulls at the surface
-  Model model = Model::elastic;                     ///< of every soil that names none of its own
-  double particle_spacing = 0.0;                    ///< m
+  enum class PressureGradient {
+    difference,
+    sum
+  };                              ///< `difference`: Eq. (62) as corrected; `sum`: Eq. (61), in error
+                                  ///< at surfaces
+  Model model = Model::elastic;   ///< of every soil that names no model
+  double particle_spacing = 0.0;  ///< m
   Point3 initial_velocity = Point3::Zero();
-  double initial_wave = 0.0;  ///< m/s: adds the lowest sloshing mode of the first soil, this fast at the surface
+  double initial_wave = 0.0;  ///< m/s: adds the lowest sloshing mode of the first soil, with this speed at the surface
   Point3 offset{0.5, 0.5, 0.5};
   double jitter = 0.0;
   unsigned seed = 2;
-  bool initial_rest = true;      ///< find the rest under gravity, water and loads without `start`
-  bool initial_seepage = false;  ///< it is found under the seepage force of the steady flow, not buoyancy alone
+  bool initial_rest = true;      ///< begin in equilibrium under gravity, water and all loads without `start`
+  bool initial_seepage = false;  ///< that equilibrium includes the seepage force of steady flow, not only buoyancy
   PressureGradient pressure_gradient = PressureGradient::difference;
   double strength_reduction = 1.0;    ///< cohesion and tan(friction) are divided by it
   std::optional<Quiet> quiet;         ///< absent: all motion is computed
-  std::optional<double> courant;      ///< of dx / sqrt(M / rho_bar_s); absent: by kind of soil (set_up)
-  double list_skin = 0.35;            ///< of the pair lists, in spacings
-  double artificial_viscosity = 0.1;  ///< alpha of Monaghan's, on approaching particles
-  double quadratic_viscosity = 0.0;   ///< beta of the same
+  std::optional<double> courant;      ///< substep over dx / sqrt(M / rho_bar_s); absent: set_up() chooses it
+  double list_skin = 0.35;            ///< margin of the pair lists, in spacings
+  double artificial_viscosity = 0.1;  ///< Monaghan's alpha, on approaching particles
+  double quadratic_viscosity = 0.0;   ///< Monaghan's beta
   double artificial_stress = 0.0;     ///< epsilon of Gray et al. (2001), in tension
-  double hourglass_viscosity = 0.1;   ///< on the part of the velocity that is not linear around a particle
+  double hourglass_viscosity = 0.1;   ///< damps the part of the velocity that is not linear around a particle
   bool regular_flow = true;           ///< averages that keep stress, density and packing of flowing soil regular
-  double hourglass_stiffness = 0.1;   ///< the same on the displacement, of M; bounded where soil yielded
+  double hourglass_stiffness = 0.1;   ///< times M: resists the non-linear part of the displacement; bounded where soil
+                                      ///< yielded
 };
 
 /// [coupling]
 struct CouplingCase {
   enum class Scheme { serial, parallel, iterated };
   enum class Acceleration { none, aitken, quasi_newton };
-  std::optional<double> interval;    ///< s: longest exchange interval; absent: what the solvers propose
-  Scheme scheme = Scheme::iterated;  ///< absent, and nothing is predicted: serial
+  std::optional<double> interval;                          ///< s: longest window; absent: what the solvers propose
+  Scheme scheme = Scheme::iterated;                        ///< the default; serial where the fluid predicts nothing
   Acceleration acceleration = Acceleration::quasi_newton;  ///< of the iterated scheme
-  std::optional<double> tolerance;                         ///< of the iterated scheme; absent: its default
+  std::optional<double> tolerance;                         ///< of the iterated scheme; absent: settled_below()
   bool keep_points = true;                                 ///< points that have not moved are not sent again
   /// Where the fluid predicts the skeleton's motion: the largest force, over the weight, that may be missing in the
   /// soil's balance at the end of a repeated window.
@@ -283,19 +295,20 @@ struct OutputCase {
 struct Gauge {
   std::string name;
   std::string phase;            ///< "fluid" or "solid"
-  std::string kind;             ///< of gauge_kinds.hpp
-  std::string quantity;         ///< of "point": "pore_pressure", "velocity", "displacement", "effective_stress_yy", ...
-  std::vector<Point3> points;   ///< of "point", "height" (name[i] where several), or a line's two ends
-  double pressure_head = 0.0;   ///< m, of "front" of a field: where the water has it
-  double thickness = 0.0;       ///< m, of "front" of the soil: how thick it must be to count; 0: the last particle
-  double every = 0.0;           ///< s, of "factor_of_safety": between readings
-  std::optional<Shape> region;  ///< of "volume", "momentum", ...: absent: everywhere
+  std::string kind;             ///< a name of gauge_kinds.hpp
+  std::string quantity;         ///< of kind "point": "pore_pressure", "velocity", "displacement",
+                                ///< "effective_stress_yy", ...
+  std::vector<Point3> points;   ///< of "point" and "height" (name[i] where several), or the two ends of a line
+  double pressure_head = 0.0;   ///< m, "front" of a field: the pressure head that marks the front
+  double thickness = 0.0;       ///< m, "front" of the soil: least thickness that counts; 0: the outermost particle
+  double every = 0.0;           ///< s, "factor_of_safety": time between readings
+  std::optional<Shape> region;  ///< "volume", "momentum", ...: where; absent: everywhere
 };
 
 struct Case {
   std::filesystem::path path;
-  std::string text;                    ///< the file as read, for provenance
-  std::vector<std::string> overrides;  ///< key=value from --set, for provenance
+  std::string text;                    ///< the file as read, kept with the results
+  std::vector<std::string> overrides;  ///< the key=value of --set, kept with the results
   General general;
   Water water;
   std::vector<Soil> soils;
@@ -309,31 +322,31 @@ struct Case {
   CouplingCase coupling;
   OutputCase output;
   std::vector<Gauge> gauges;
-  std::vector<std::string> warnings;  ///< what is allowed and hardly meant: "file:line: key '..': .."
-  /// The soil is a phase of its own.
+  std::vector<std::string> warnings;  ///< doubts about the case: "file:line: key '..': .."
+  /// The soil moves, so that a solid process runs.
   [[nodiscard]] bool deformable() const { return solid.model != SolidCase::Model::rigid; }
   [[nodiscard]] MaterialName model_of(const Soil& soil) const { return soil.model.value_or(solid.model); }
-  /// Some soil moves and can yield.
+  /// Some soil can yield.
   [[nodiscard]] bool can_yield() const;
-  /// The water is a field on the soil's points.
+  /// The water is a field on the points of the soil.
   [[nodiscard]] bool is_field() const { return fluid.representation == FluidCase::Representation::field; }
   /// There is a water phase.
   [[nodiscard]] bool has_water() const { return is_field() || !fluid.regions.empty() || !water_faces.empty(); }
-  /// Both phases run; otherwise the water alone in rigid soil, or the soil alone.
+  /// Both phases run. Otherwise the water runs alone in rigid soil, or the soil alone.
   [[nodiscard]] bool coupled() const { return deformable() && has_water(); }
-  /// The water's solve predicts the skeleton's motion.
+  /// The fluid's pressure solve predicts the skeleton's motion.
   [[nodiscard]] bool predicts() const {
     return coupled() && fluid.skeleton_response && fluid.scheme == FluidCase::Scheme::projection;
   }
-  /// Hex digest of everything both solvers must agree on; independent of comments, order and paths.
+  /// Hex digest of all on which both solvers must agree; independent of comments, order and paths.
   [[nodiscard]] std::string digest() const;
-  /// What the digest is of: "key = value" lines.
+  /// The text whose digest that is: "key = value" lines.
   [[nodiscard]] std::string coupled_part() const;
 };
 
-/// Reads and checks a case file; overrides are "section.key=value" (TOML values). Throws CaseError with file, line,
-/// key, expected, found and the nearest valid key; geometry and physics (porosity, overlapping walls, ...) are checked
-/// too.
+/// Reads and checks a case file, its geometry and physics (porosity, overlapping walls, ...) included; overrides are
+/// "section.key=value" with TOML values. Throws CaseError with file, line, key, expected, found and the nearest valid
+/// key.
 Case read_case(const std::filesystem::path& path, const std::vector<std::string>& overrides = {});
 
 /// The reference of all keys as Markdown (docs/case-file.md), made from the same declarations that read them.

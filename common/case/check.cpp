@@ -44,7 +44,7 @@ class Checker : Complaints {
     pore_pressures();
     if (scene_.has_water()) sides();
     gauges();
-    // A field is its soil's: beyond the border there is no water that could run out, and particles have other limits.
+    // The other limits are those of water particles: a field stays within its soil, so that no water can run out.
     if (scene_.is_field()) return;
     if (scene_.has_water()) enclosure();
     check_supported(scene_, places_);
@@ -70,7 +70,7 @@ class Checker : Complaints {
       fail("solid.particle_spacing", "expected a length > 0 m, found none");
   }
 
-  /// Beyond what any machine of today holds: said before anything is made.
+  /// Refuses runs larger than any present machine could hold, before anything is made.
   void amounts() const {
     const Amounts a = estimate(scene_);
     const int dimension = scene_.general.dimension;
@@ -97,7 +97,7 @@ class Checker : Complaints {
                        most_rows));
   }
 
-  /// A lattice is fitted into the box around a shape; one much thinner than a spacing has no row of its own.
+  /// Refuses a shape much thinner than a spacing: the lattice in its box would have no row of particles.
   void extent(const Shape& s, const char* what, const std::string& key, double spacing) const {
     const auto [lower, upper] = bounds(s);
     for (int d = 0; d < scene_.general.dimension; ++d)
@@ -136,7 +136,7 @@ class Checker : Complaints {
       fail(key, fmt::format("no particle fits into the polygon at a particle spacing of {} m", spacing));
   }
 
-  /// A polygon, or a line of walls, that crosses itself: two of its points are in the wrong order.
+  /// Refuses a polygon or wall line that crosses itself: two of its points are in the wrong order.
   void no_crossing(const std::vector<Point3>& points, bool closed, const std::string& key) const {
     const auto found = self_crossing(points, closed);
     if (!found) return;
@@ -147,7 +147,7 @@ class Checker : Complaints {
                      piece(found->first), piece(found->second), shown(found->at)));
   }
 
-  /// A point well inside both shapes, if there is one.
+  /// A point inside both shapes, away from their edges; none where they only touch.
   [[nodiscard]] std::optional<Point3> common_point(const Shape& a, const Shape& b, double spacing) const {
     const int dimension = scene_.general.dimension;
     if (a.kind == Shape::Kind::box && b.kind == Shape::Kind::box) {
@@ -163,7 +163,7 @@ class Checker : Complaints {
     return std::nullopt;
   }
 
-  /// Places of particles in a shape, of fewer where there would be very many.
+  /// Positions of the particles in a shape; on a coarser lattice where there would be very many.
   [[nodiscard]] std::vector<Point3> lattice(const Shape& s, double spacing, const Point3& offset) const {
     std::vector<Point3> points;
     const auto take = [&](const auto& filled) {
@@ -191,7 +191,7 @@ class Checker : Complaints {
                            shown(*point)));
   }
 
-  /// The strength is given once, and a residual one is smaller.
+  /// Refuses a strength that is given twice, and a residual strength that exceeds the initial one.
   void strength_of(const Soil& soil, const std::string& key) const {
     for (const char* other : {".cohesion", ".friction_angle", ".dilation_angle", ".saturated_cohesion"})
       if (soil.undrained_strength && given(key + other))
@@ -219,7 +219,7 @@ class Checker : Complaints {
            fmt::format("expected at least the residual dilation angle of {} degrees, found {}", spread, left));
   }
 
-  /// What the soil's material says of its numbers, and needs of the rest of the case.
+  /// Checks a soil by the rules of its material, and that the case provides what the material needs.
   void material_of(const Soil& soil, const std::string& key) const {
     if (!scene_.deformable()) return;
     const Material kind = material(scene_.model_of(soil));
@@ -276,7 +276,8 @@ class Checker : Complaints {
     }
   }
 
-  /// Whether the wall lies under the soil's particles x (within one spacing), or holds them by being fixed.
+  /// Whether a wall within one spacing of the particles supports their soil: one that faces upwards, or a vertical one
+  /// to which the soil is fixed.
   [[nodiscard]] bool holds(const Wall& wall, const std::vector<Point3>& points, double spacing) const {
     const Point3 down = scene_.general.gravity.normalized();
     auto near = [&](const Point3& point, const Point3& normal, const Point3& tangent, double length) {
@@ -297,8 +298,8 @@ class Checker : Complaints {
     return false;
   }
 
-  /// Every soil must rest on a wall, or on a soil that does, unless it starts in motion; soil that is to fall into
-  /// water must not hold it too tightly (docs/stability.md).
+  /// Refuses soil that neither rests on a wall, nor on supported soil, nor starts in motion; and soil that falls into
+  /// water and conducts too little for a stable exchange with it (docs/stability.md).
   void soils_are_supported() const {
     const Point3& gravity = scene_.general.gravity;
     if (!scene_.deformable() || !(gravity.norm() > 0.0)) return;
@@ -329,7 +330,7 @@ class Checker : Complaints {
           more = more || supported[i];
         }
     }
-    constexpr double least = 1e-3;  // m/s, measured
+    constexpr double least = 1e-3;  // m/s; the exchange was measured to be stable from here on
     for (std::size_t i = 0; i < n; ++i) {
       if (supported[i]) continue;
       const std::string key = fmt::format("soil[{}]", i);
@@ -409,7 +410,7 @@ class Checker : Complaints {
     }
   }
 
-  /// An inlet closes a gap between walls: one of its ends at least meets one, and no water stands behind it.
+  /// Refuses an inlet that is no gap between walls: one end at least must lie on a wall, and no water behind the inlet.
   void is_an_opening(const WaterFace& f, const std::string& key) const {
     const auto &a = f.face.points.front(), &b = f.face.points.back();
     const double slack = 1e-6 * (b - a).norm();
@@ -439,8 +440,8 @@ class Checker : Complaints {
                                             shown(place.at)));
   }
 
-  /// Checks what kind of face it is: one before a reservoir of still water, which needs no particles, or an inlet for
-  /// particles of water.
+  /// Checks the kind of a face: one with a reservoir of still water behind it, which needs no particles, or an inlet
+  /// through which water particles enter.
   void inlet(const WaterFace& f, const std::string& key) const {
     const bool real = is_inlet(scene_, f);
     if (f.discharge && !f.basin_area && !real)
@@ -476,7 +477,7 @@ class Checker : Complaints {
   }
   static double cross(const Point3& a, const Point3& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-  /// Why two straight pieces cannot both be walls; empty when they can (apart, or touching at an end).
+  /// Why two straight pieces cannot both be walls; empty where they can (apart, or touching at an end).
   [[nodiscard]] std::string conflict(const Piece& p, const Piece& q) const {
     const Point3 r = p.b - p.a, s = q.b - q.a, d = q.a - p.a;
     const double tolerance = 1e-9 * std::max(r.norm(), s.norm());
@@ -494,7 +495,7 @@ class Checker : Complaints {
     return fmt::format("crosses {{}} at {} m, away from the ends", shown(p.a + t * r));
   }
 
-  /// Two planes in one place.
+  /// Whether two faces are the same plane.
   static bool same_plane(const Face& f, const Face& g) {
     if (!f.points.empty() || !g.points.empty()) return false;
     const Point3 n = f.normal.normalized(), m = g.normal.normalized();
@@ -570,7 +571,7 @@ class Checker : Complaints {
   }
   [[nodiscard]] bool ground(const Point3& x) const { return wet(x) || in_soil(x); }
 
-  /// A place on a piece of a line of points, and the two sides of it, a quarter spacing away.
+  /// A position on a straight piece, and the points a quarter spacing to its left and right.
   struct Place {
     Point3 at, left, right;
   };
@@ -586,7 +587,7 @@ class Checker : Complaints {
     return result;
   }
 
-  /// Planes go on without end: nothing may be drawn behind one.
+  /// Refuses water or soil drawn behind a wall by point and normal: such a plane has no ends.
   void nothing_behind_planes() const {
     for (std::size_t i = 0; i < scene_.walls.size(); ++i) {
       const Wall& wall = scene_.walls[i];
@@ -608,7 +609,7 @@ class Checker : Complaints {
     }
   }
 
-  /// Walls and water faces have the domain on their left, and water on that side only.
+  /// Refuses walls and water faces that do not have the domain on their left, and water on their right.
   void sides() const {
     for (std::size_t i = 0; i < scene_.walls.size(); ++i) {
       const auto& wall = scene_.walls[i];
@@ -653,10 +654,10 @@ class Checker : Complaints {
     }
   }
 
-  /// Refuses water drawn behind a face, which would be deleted at once: the face represents all water that is there.
+  /// Refuses water drawn behind a face: it would be deleted at once, since the face represents all water there.
   void nothing_behind(std::size_t i) const {
     const WaterFace& face = scene_.water_faces[i];
-    if (is_inlet(scene_, face)) return;  // is_an_opening() looks
+    if (is_inlet(scene_, face)) return;  // is_an_opening() checks it
     const auto complain = [&](std::size_t region, const Point3& x) {
       fail(
           fmt::format("fluid.region[{}]", region),
@@ -691,7 +692,7 @@ class Checker : Complaints {
                      shown(leak->at), gap.empty() ? "" : ", ", gap));
   }
 
-  /// Is x outside of the box around everything in the case?
+  /// Whether x lies outside the box around everything in the case.
   [[nodiscard]] bool outside(const Point3& x) const {
     const int dimension = scene_.general.dimension;
     Point3 lower = Point3::Constant(HUGE_VAL), upper = -lower;
@@ -710,7 +711,7 @@ class Checker : Complaints {
       for (const auto& point : wall.face.points) enclose(point);
     for (const auto& face : scene_.water_faces)
       for (const auto& point : face.face.points) enclose(point);
-    // A plane has no ends to enclose; what lies before it, towards it, is inside.
+    // A plane has no ends that could enlarge the box; the domain goes on before it up to the plane.
     const auto plane_beyond = [&](const Point3& direction) {
       const auto closes = [&](const Face& f) {
         return f.points.empty() && f.normal.dot(direction) < 0.0 && f.normal.dot(x - f.point) >= 0.0;
@@ -736,7 +737,7 @@ class Checker : Complaints {
     for (std::size_t i = 0; i < scene_.gauges.size(); ++i) {
       const auto& gauge = scene_.gauges[i];
       const std::string key = fmt::format("gauge[{}]", i);
-      // The name stands in a cell of gauges.csv, which the simplest of readers must be able to take apart.
+      // The name stands in a cell of gauges.csv, which simple readers must be able to split at commas.
       const auto control = [](unsigned char c) { return c < 0x20 || c == 0x7f; };
       std::string visible = gauge.name;
       std::replace_if(visible.begin(), visible.end(), control, '?');

@@ -1,4 +1,4 @@
-// Checks of a case that no single key can make: geometry, physics, and whether the parts fit together.
+// Checks of a case that involve several keys: geometry, physics, and whether its parts fit together.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -6,7 +6,7 @@
 
 namespace poretwin {
 
-/// Throws CaseError naming file, line, key, what was expected and what was found.
+/// Throws CaseError at the first fault, with file, line, key, what was expected and what was found.
 void check_case(const Case& scene, const Places& places);
 
 }  // namespace poretwin

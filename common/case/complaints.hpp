@@ -1,4 +1,4 @@
-// How checks of a case complain: with file, line and key.
+// Base of the checks of a case: reports faults with file, line and key.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -18,7 +18,7 @@ class Complaints {
   Complaints(const Case& scene, const Places& places) : scene_(scene), places_(places) {}
 
  protected:
-  /// The line of the key, or of the closest table around it that stands in the file.
+  /// "path:line" of the key, or of the closest table around it that is written in the file.
   [[nodiscard]] std::string place(const std::string& key) const {
     for (std::string path = key;;) {
       if (const auto found = places_.find(path); found != places_.end()) return found->second;
@@ -35,7 +35,7 @@ class Complaints {
   }
   [[nodiscard]] bool given(const std::string& key) const { return places_.find(key) != places_.end(); }
 
-  /// A point as the file's author knows it, [m].
+  /// A point in the coordinates of the file, as text [m].
   [[nodiscard]] std::string shown(const Point3& point) const {
     const Point3 x = point + scene_.general.origin;
     const int digits = scene_.general.origin.isZero() ? 6 : 12;
@@ -44,7 +44,7 @@ class Complaints {
                : fmt::format("[{:.{}g}, {:.{}g}]", x.x(), digits, x.y(), digits);
   }
 
-  /// soil[0], or soil[0] "dam".
+  /// Name of a table in messages: soil[0], or soil[0] "dam".
   static std::string named(std::string_view section, std::size_t i, const std::string& name) {
     return name.empty() ? fmt::format("{}[{}]", section, i) : fmt::format("{}[{}] \"{}\"", section, i, name);
   }

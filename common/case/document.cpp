@@ -22,7 +22,7 @@ Node converted(const toml::node& from, const std::string& path) {
     node.kind = Node::Kind::table;
     for (const auto& [key, value] : *table) {
       node.entries.push_back({std::string(key.str()), converted(value, path)});
-      // A key's own line is a better pointer than the first line of a long value.
+      // The line of the key is a better pointer than the first line of a long value.
       if (key.source().begin.line > 0)
         node.entries.back().second.where = fmt::format("{}:{}", path, key.source().begin.line);
     }
@@ -48,11 +48,11 @@ Node converted(const toml::node& from, const std::string& path) {
   return node;
 }
 
-/// The TOML library, and the tree that is made of what it reads, go down one level for every part of a key: some
-/// thousands are more than the stack holds, and no key of a case has more than five.
+/// Most parts of a dotted key. The TOML library, and the tree made from its result, recurse once per part: some
+/// thousands overflow the stack, and no key of a case has more than five.
 constexpr std::size_t most_parts = 64;
 
-/// Throws CaseError naming the line where a key has more parts than that.
+/// Throws CaseError naming the line of a key with more than `most_parts` parts.
 void expect_shallow_keys(const std::string& text, const std::string& path) {
   std::size_t parts = 1, line = 1;
   for (std::size_t k = 0; k < text.size(); ++k) {
@@ -65,7 +65,7 @@ void expect_shallow_keys(const std::string& text, const std::string& path) {
         if (c == '"' && text[k] == '\\') ++k;
         if (k < text.size() && text[k] == '\n') {
           ++line;
-          if (quotes.size() == 1) break;  // not closed on its line: for the parser to say
+          if (quotes.size() == 1) break;  // the string is not closed on its line; the parser reports that
         }
       }
       k += quotes.size() - 1;
@@ -118,7 +118,7 @@ bool all_digits(const std::string& word) {
   return !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) { return std::isdigit(c) != 0; });
 }
 
-/// What the parser's complaint about a line most likely comes from; the parser only knows where it stopped.
+/// The likeliest mistake behind the parser's message about a line: the parser reports only where it stopped.
 std::string likely_mistake(const std::string& text, std::size_t line) {
   std::istringstream stream(text);
   std::string here;

@@ -1,5 +1,5 @@
-// A TOML file as a plain tree that remembers where each value was written, so that every complaint can name file and
-// line. The only place that knows the TOML library is document.cpp.
+// A TOML file as a plain tree that records where each value was written, so that every message can name file and line.
+// Only document.cpp uses the TOML library.
 #pragma once
 
 #include <cstdint>
@@ -16,16 +16,16 @@ struct Node {
   Kind kind = Kind::table;
   bool boolean = false;
   std::int64_t integer = 0;
-  double number = 0.0;  ///< also set for integers
+  double number = 0.0;  ///< set for integers, too
   std::string text;
-  std::vector<Node> items;  ///< of an array
+  std::vector<Node> items;  ///< elements of an array
   struct Entry;
-  std::vector<Entry> entries;  ///< of a table
+  std::vector<Entry> entries;  ///< keys and values of a table
   std::string where;           ///< "path:line", or "--set key=value"
 
   [[nodiscard]] const Node* find(std::string_view key) const;
   [[nodiscard]] bool is_number() const { return kind == Kind::integer || kind == Kind::number; }
-  /// The value as a person would like to see it quoted in a complaint.
+  /// The value as text, as messages quote it.
   [[nodiscard]] std::string shown() const;
 };
 
@@ -34,13 +34,13 @@ struct Node::Entry {
   Node second;
 };
 
-/// The whole file. Throws FileError when it cannot be read.
+/// The whole file as text. Throws FileError when it cannot be read.
 std::string read_text(const std::filesystem::path& path);
 
-/// Throws CaseError naming path and line when the text is not TOML.
+/// The tree of a text. Throws CaseError naming path and line when the text is not TOML.
 Node parse_document(const std::string& text, const std::string& path);
 
-/// Applies "section.key=value" or "section.0.key=value" (also "section[0].key=value"); a bare word stands for text.
+/// Applies "section.key=value", "section.0.key=value" or "section[0].key=value"; a value that is a bare word is text.
 /// Throws CaseError when the path does not fit the document or the value is not TOML.
 void apply_override(Node& root, const std::string& assignment);
 

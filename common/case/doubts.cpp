@@ -94,13 +94,14 @@ class Doubts : Complaints {
     }
   }
 
-  /// Rows of particles lie along x and y, or along the sides of a rectangle; at an angle to a wall they end at any
-  /// distance from it. Measured in elastic soil under its weight, 20 rows high, at 6, 17, 34 and 45 degrees: stresses
-  /// off by 20 to 40 % of that at the base on the wall, by 3 to 16 % three rows from it, by 1 to 9 % six rows from it.
+  /// Rows of particles lie along x and y, or along the sides of a rectangle. At a wall at an angle to them they end at
+  /// varying distances from it. Errors of stresses measured in elastic soil under its own weight, 20 rows high, on
+  /// walls at 6, 17, 34 and 45 degrees, relative to the stress at the base: 20 to 40 % on the wall, 3 to 16 % three
+  /// rows from it, 1 to 9 % six rows from it.
   void rows_at_an_angle() {
     if (!scene_.deformable() || d_ != 2) return;
     const double dx = scene_.solid.particle_spacing;
-    constexpr double parallel = 0.02, shortest = 3.0;  // sine; spacings
+    constexpr double parallel = 0.02, shortest = 3.0;  // sine of the angle; spacings
     for (std::size_t w = 0; w < scene_.walls.size(); ++w) {
       if (scene_.walls[w].soil == Wall::ForSoil::none) continue;
       for (const auto& piece : pieces_of(scene_.walls[w].face)) {
@@ -125,9 +126,9 @@ class Doubts : Complaints {
     }
   }
 
-  /// Measured with 30 rows against finite volumes: the seepage under a pile 2 and 4 spacings thick 1 % low, 1 spacing
-  /// thick 4 %, under one that is a line 3 %: past its end the flow has no bound, and the particles there are
-  /// disordered.
+  /// Past the end of a sheet pile the velocity is unbounded, and the particles there are disordered. The seepage under
+  /// the pile, measured with 30 rows against finite volumes, is 1 % low where the pile is 2 or 4 spacings thick, 4 %
+  /// where it is 1 spacing thick, 3 % where it is a line.
   void piles_of_one_row() {
     if (hinders_sight(scene_)) return;
     const double dx = scene_.fluid.particle_spacing;
@@ -146,10 +147,11 @@ class Doubts : Complaints {
     }
   }
 
-  /// At the end of a face of soil from which a wall goes straight on, or away from the soil, the velocity has no bound.
-  /// Measured where the flow through the face is not taken from the pressure's matrix, against finite volumes: a face
-  /// of 10, 20, 40 spacings on half a side 22, 9, 4.3 % low; a floor of 40 spacings on a layer of 30 12 % low, of twice
-  /// as many 6 %; what comes in and goes out differs by as much.
+  /// The velocity is unbounded at the end of a face of soil where a wall continues in the same direction or turns away
+  /// from the soil. Where the flow through the face is not taken from the matrix of the pressure solve it comes out
+  /// low. Measured against finite volumes: 22, 9, 4.3 % low with 10, 20, 40 spacings of face on half of a side; below
+  /// an impermeable floor 40 spacings long, on a layer 30 spacings thick, 12 % low, 6 % with half the spacing. Inflow
+  /// and outflow differ by as much.
   void faces_that_end_on_walls() {
     if (d_ != 2 || (!scene_.coupled() && scene_.fluid.scheme == FluidCase::Scheme::projection &&
                     porous::conductivity_contrast(scene_) < porous::one_conductivity))
@@ -171,7 +173,7 @@ class Doubts : Complaints {
           if (sides.empty()) continue;
           for (const auto& [at, other] :
                {std::pair{sides.front().a, sides.front().b}, std::pair{sides.back().b, sides.back().a}}) {
-            constexpr double same_place = 0.05, straight = 0.01;  // spacings; sine
+            constexpr double same_place = 0.05, straight = 0.01;  // spacings; sine of the angle
             if ((at - end).norm() > same_place * dx || (other - at).normalized().dot(piece.left()) > straight) continue;
             doubt(fmt::format("water_face[{}]", i),
                   fmt::format("{} goes straight on where it ends, and the flow through its end is low: by 22 % with 10 "
@@ -185,7 +187,7 @@ class Doubts : Complaints {
     }
   }
 
-  /// A level below all of a face never wets it.
+  /// Warns of a face that is never wetted: its head stays below its lowest point.
   void faces_never_wet() {
     if (up_.isZero()) return;
     const double dx = scene_.fluid.particle_spacing;
@@ -267,7 +269,7 @@ class Doubts : Complaints {
                         least, std::round(least / dx), fewest, least / fewest));
     }
   }
-  /// Does another region of the same soil touch this one? Then they are one layer.
+  /// Whether another region of the same soil touches this one, so that both are one layer.
   [[nodiscard]] bool goes_on(std::size_t i, double dx) const {
     const Soil& soil = scene_.soils[i];
     const auto [lower, upper] = bounds(soil.shape);
@@ -355,7 +357,7 @@ class Doubts : Complaints {
       if (scene_.deformable()) own_numbers(idle, scene_.model_of(scene_.soils[i]), soil);
     }
   }
-  /// Numbers that belong to another material than the soil's.
+  /// Warns of parameters that belong to another material than the soil's.
   template <class Idle>
   void own_numbers(const Idle& idle, MaterialName model, const std::string& soil) {
     const auto mine = material(model).keys;

@@ -1,4 +1,5 @@
-// What a case may say and hardly means: units mixed up, layers of a few particles, keys without effect.
+// Warnings of what a case may contain but hardly intends: mistaken units, layers of a few particles, keys without
+// effect.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -9,7 +10,7 @@
 
 namespace poretwin {
 
-/// One line each: file, line, key, what looks wrong, what to do.
+/// One line per warning: file, line, key, what looks wrong, what to do.
 std::vector<std::string> doubts(const Case& scene, const Places& places);
 
 }  // namespace poretwin

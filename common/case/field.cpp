@@ -14,14 +14,14 @@
 namespace poretwin {
 namespace {
 
-/// What a field's gauges can read.
+/// Kinds of gauges that a field of pore water can have.
 constexpr std::array field_kinds{
     std::string_view("point"),       std::string_view("front"),         std::string_view("discharge"),
     std::string_view("exit_height"), std::string_view("exit_gradient"), std::string_view("volume"),
     std::string_view("balance"),     std::string_view("level"),         std::string_view("passed_volume"),
     std::string_view("particles"),   std::string_view("infiltration"),  std::string_view("evaporation"),
     std::string_view("runoff")};
-/// Gauges that a field has and water as particles has not.
+/// Kinds of gauges for a field only, not for water as particles.
 constexpr std::array rain_kinds{std::string_view("infiltration"), std::string_view("evaporation"),
                                 std::string_view("runoff")};
 
@@ -86,7 +86,7 @@ class FieldChecks : Complaints {
            std::any_of(faces.begin(), faces.end(), [](const WaterFace& f) { return f.head.has_value() || f.outlet; });
   }
 
-  /// Without gravity nothing says where the water in a cell lies.
+  /// Refuses dry soil where there is no gravity: the position of the water within a cell would be undefined.
   void full_soil() const {
     for (std::size_t i = 0; i < scene_.soils.size(); ++i)
       for (const auto& x :
@@ -99,7 +99,7 @@ class FieldChecks : Complaints {
                            shown({x.x(), x.y(), 0.0})));
   }
 
-  /// A field's points are the soil's particles.
+  /// Checks for soil that moves: the points of the field are then the soil's particles.
   void moving_soil() const {
     if (scene_.fluid.particle_spacing != scene_.solid.particle_spacing)
       fail("fluid.particle_spacing",
@@ -180,7 +180,8 @@ class FieldChecks : Complaints {
     }
   }
 
-  /// Above zero, rising from row to row, to one at a pressure head of zero or below.
+  /// Requires a table whose values are above zero, rise from row to row and reach 1 at a pressure head of zero or
+  /// below.
   void rising(const Series& table, const std::string& key) const {
     const auto& rows = table.knots;
     if (rows.size() < 2) fail(key, fmt::format("expected two rows or more, found {}", rows.size()));
@@ -220,7 +221,7 @@ class FieldChecks : Complaints {
                        [&](const Soil& soil) { return contains(soil.shape, x, 2); });
   }
 
-  /// Whether soil lies before a face.
+  /// Whether soil lies in front of a face.
   [[nodiscard]] bool touches_soil(const Face& face) const {
     const double near = 0.25 * scene_.fluid.particle_spacing;
     for (const auto& piece : pieces_of(face))

@@ -1,4 +1,4 @@
-// Checks of a case whose water is a field on the soil's points, and of keys that belong to one.
+// Checks of a case whose pore water is a field on the points of the soil, and of the keys for such a field.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -6,7 +6,7 @@
 
 namespace poretwin {
 
-/// Throws CaseError naming file, line, key, what was expected and what was found.
+/// Throws CaseError at the first fault, with file, line, key, what was expected and what was found.
 void check_field(const Case& scene, const Places& places);
 
 }  // namespace poretwin

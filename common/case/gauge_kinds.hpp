@@ -1,4 +1,4 @@
-// The kinds of gauges: the one list that the case file's reference, its check and the solvers go by.
+// The kinds of gauges: the one list from which the page of the case file, the check and the solvers take them.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ struct GaugeKind {
   std::string_view meaning;  ///< what it reads, and which of the gauge's keys it needs
 };
 
-// clang-format off: one row each
+// clang-format off: one row per kind
 inline constexpr GaugeKind gauge_kinds[] = {
     {"point", "either", "a field at `points`"},
     {"front", "either",
@@ -67,7 +67,7 @@ inline constexpr GaugeKind gauge_kinds[] = {
 };
 // clang-format on
 
-/// The kind of that name, or none.
+/// The kind of that name, or nullptr.
 inline const GaugeKind* find_gauge_kind(std::string_view name) {
   for (const auto& kind : gauge_kinds)
     if (kind.name == name) return &kind;
@@ -82,7 +82,7 @@ bool asks_for(const Gauges& gauges, std::string_view phase, std::string_view kin
   return false;
 }
 
-/// One sentence for the reference of keys.
+/// Text on all kinds for docs/case-file.md.
 inline std::string gauge_kinds_text() {
   std::string text;
   for (const std::string_view phase : {"either", "fluid", "solid"}) {

@@ -1,4 +1,4 @@
-// What a point gauge can read of each phase: the list that the check of a case goes by.
+// The quantities that a point gauge can read of each phase; the check of a case uses this list.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace poretwin {
 
-/// Names of all quantities, components spelt out.
+/// Names of all quantities, one per component.
 inline std::vector<std::string> point_quantities(std::string_view phase, int dimension) {
   std::vector<std::string> names;
   const auto vector = [&](const std::string& name) {

@@ -1,4 +1,4 @@
-// Which run a checkpoint belongs to: the case, with everything that was set, and the program.
+// Identifies the run to which a checkpoint belongs: the case with all settings, and the program.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -10,7 +10,7 @@
 
 namespace poretwin {
 
-/// What was computed: the same for all programs of a run.
+/// What is computed; the same for all programs of a run.
 inline RunIdentity case_identity(const Case& scene) {
   std::string overrides;
   for (const auto& assignment : scene.overrides) overrides += (overrides.empty() ? "" : " ") + assignment;
@@ -18,7 +18,7 @@ inline RunIdentity case_identity(const Case& scene) {
           {"--set", overrides.empty() ? "nothing" : overrides}};
 }
 
-/// The identity of the case, and the running program that computes it.
+/// The identity of the case, with the hash of the running program.
 inline RunIdentity run_identity(const Case& scene) {
   RunIdentity identity = case_identity(scene);
   identity.emplace_back(program_entry,

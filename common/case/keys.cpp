@@ -127,8 +127,7 @@ class Reader final : public Keys {
     value = series;
   }
 
-  /// After the last key: reports keys of the file that were not declared, then declared keys that are required and
-  /// missing.
+  /// Called after the last key: reports undeclared keys of the file, then required keys that are missing.
   void finish() const {
     for (const auto& [key, node] : table_.entries) {
       if (std::find(known_.begin(), known_.end(), key) != known_.end()) continue;

@@ -1,4 +1,4 @@
-// Declares the keys of a file once; the same declaration reads and checks them, describes them and lists their values.
+// Keys of a file, declared once: the same declaration reads and checks them, describes them and lists their values.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -17,14 +17,14 @@
 
 namespace poretwin {
 
-/// What a person needs to know about a key.
+/// The description of a key.
 struct About {
-  std::string unit;     ///< SI; empty: none
+  std::string unit;     ///< SI; empty where it has none
   std::string meaning;  ///< one line
   bool required = false;
 };
 
-/// Allowed numbers.
+/// The range of allowed numbers.
 struct Range {
   double min = -std::numeric_limits<double>::infinity(), max = std::numeric_limits<double>::infinity();
   bool min_excluded = false, max_excluded = false;
@@ -54,13 +54,13 @@ class Keys {
   virtual void text(std::string_view key, std::string& value, const About& about) = 0;
   virtual void texts(std::string_view key, std::vector<std::string>& value, const About& about) = 0;
   virtual void numbers(std::string_view key, std::vector<double>& value, const About& about) = 0;
-  /// A point, with as many coordinates as the case has dimensions.
+  /// A point with `dimension` coordinates.
   virtual void point(std::string_view key, Point3& value, const About& about) = 0;
   virtual void points(std::string_view key, std::vector<Point3>& value, const About& about) = 0;
   virtual void axes(std::string_view key, std::vector<int>& value, const About& about) = 0;
   virtual void series(std::string_view key, std::optional<Series>& value, const About& about) = 0;
 
-  /// One of a few words; a value that is none of them becomes the first.
+  /// One of several words. Where `value` belongs to none of them, the first word is the default.
   template <class E>
   void choice(std::string_view key, E& value, std::span<const std::pair<std::string_view, E>> words,
               const About& about) {
@@ -70,7 +70,7 @@ class Keys {
     choice(key, chosen, words, about);
     value = *chosen;
   }
-  /// A choice among words that may be left out.
+  /// One of several words, or none.
   template <class E>
   void choice(std::string_view key, std::optional<E>& value, std::span<const std::pair<std::string_view, E>> words,
               const About& about) {
@@ -103,10 +103,10 @@ class Keys {
     });
   }
 
-  int dimension = 2;  ///< coordinates per point, from here on
+  int dimension = 2;  ///< coordinates of the points that are declared after it is set
 
  protected:
-  /// index: of the word in `names`; absent where none is chosen.
+  /// index: position of the chosen word in `names`; absent where none is chosen.
   virtual void word(std::string_view key, std::optional<std::size_t>& index, const std::vector<std::string_view>& names,
                     const About& about) = 0;
   virtual void group(std::string_view key, std::string_view meaning, bool optional, bool present,
@@ -115,16 +115,17 @@ class Keys {
                     const std::function<void(Keys&, std::size_t)>& body) = 0;
 };
 
-/// Where each key stands, for complaints found after reading: "path:line".
+/// "path:line" of each key, for checks after reading.
 using Places = std::map<std::string, std::string, std::less<>>;
 
-/// Fills what `declare` binds from the document; unknown keys, missing keys, wrong types and ranges throw CaseError.
+/// Fills the variables that `declare` binds from the document. Throws CaseError for unknown or missing keys, wrong
+/// types and values outside their range.
 void read_keys(const Node& root, const std::function<void(Keys&)>& declare, Places* places = nullptr);
 
-/// Markdown tables of all keys that `declare` binds, with the bound values as defaults.
+/// Markdown tables of all keys that `declare` binds; the values of the bound variables are the defaults.
 std::string describe_keys(const std::function<void(Keys&)>& declare);
 
-/// "path = value" lines of the bound values, in the order of declaration.
+/// Lines "path = value" of the bound variables, in the order of declaration.
 std::string list_keys(const std::function<void(Keys&)>& declare);
 
 /// The candidate closest to `word` by edit distance; empty when there is none.

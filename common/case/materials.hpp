@@ -1,4 +1,4 @@
-// What every program needs to know of a material to read a case: its name, whether it can yield, its own keys.
+// What every program must know of a material to read a case: its name, whether it can yield, its own keys.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -11,48 +11,50 @@
 
 namespace poretwin {
 
-/// A number in [[soil]] that belongs to one material; models read it with Soil::own().
+/// A parameter in [[soil]] that belongs to one material; its model reads it with Soil::own().
 struct MaterialKey {
   std::string_view name;
-  double standard = 0.0;  ///< where the case gives none
+  double standard = 0.0;  ///< value where the case gives none
   About about;
   Range range;
-  bool strength = false;  ///< divided by solid.strength_reduction
+  bool strength = false;  ///< solid.strength_reduction divides it
 };
 
 struct Material {
   /// What limits the stress.
   enum class Strength {
-    none,                   ///< nothing: the stress follows from the strain, whatever its path
-    cohesion_and_friction,  ///< these keys of [[soil]], as Coulomb's, or a cone fitted to it
-    own,                    ///< something else
+    none,                   ///< nothing: the soil cannot yield
+    cohesion_and_friction,  ///< Coulomb's criterion, or a cone fitted to it, by the keys of [[soil]]
+    own,                    ///< a limit of the model's own
   };
-  std::string_view name;  ///< of soil.model and solid.model
+  std::string_view name;  ///< as in soil.model and solid.model
   Strength strength = Strength::own;
   std::vector<MaterialKey> keys;
-  /// Calls complain(key, what) where numbers of a soil do not go together, which the ranges of its keys cannot say.
+  /// Calls complain(key, what) for parameters that contradict each other, which the ranges of single keys cannot
+  /// express.
   using Complain = std::function<void(std::string_view key, const std::string& what)>;
   void (*judge)(const Soil& soil, const Complain& complain) = nullptr;
-  /// The soil has no state without stress: it needs `earth_pressure_at_rest` and a search for rest.
+  /// The model has no stress-free state: it needs `earth_pressure_at_rest` and a search for equilibrium at the start.
   bool begins_under_stress = false;
   [[nodiscard]] bool can_yield() const { return strength != Strength::none; }
   [[nodiscard]] bool has_cone() const { return strength == Strength::cohesion_and_friction; }
-  /// Whether there is something that solid.strength_reduction divides.
+  /// Whether it has a strength that solid.strength_reduction can divide.
   [[nodiscard]] bool has_strength() const {
     return has_cone() || std::ranges::any_of(keys, [](const MaterialKey& key) { return key.strength; });
   }
 };
 
-/// All materials, in the order of case-file.md. The rows stand with the models: solid_solver/material/registry.cpp.
+/// All materials, in the order of docs/case-file.md. Their table is in solid_solver/material/registry.cpp, with the
+/// models.
 std::vector<Material> materials();
 
-/// Why a case has no factor of safety: the key concerned, and what is expected of it; nothing where its soil can fail,
-/// and all that can has a strength to divide.
+/// Why a case has no factor of safety: the key concerned, and what is expected of it. Nothing where some soil can yield
+/// and all such soil has a strength that a factor can divide.
 std::optional<std::pair<std::string, std::string>> lacks_strength(const Case& scene);
 
-/// Constrained modulus K + 4 G / 3 [Pa] of soil that nothing has strained, under a pressure [Pa] from all sides.
+/// Constrained modulus K + 4 G / 3 [Pa] of unstrained soil under an isotropic effective pressure [Pa].
 double constrained_modulus(MaterialName material, const Soil& soil, double pressure);
-/// The same under half the weight of all soil, where the stiffness follows the pressure.
+/// Constrained modulus [Pa] under half the weight of all soil; the pressure matters where the stiffness depends on it.
 double constrained_modulus(const Case& scene, const Soil& soil);
 
 /// The material of this name. Throws CaseError where there is none.

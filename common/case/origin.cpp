@@ -8,7 +8,7 @@
 namespace poretwin {
 namespace {
 
-/// Calls f with every place that the case names; of planes, whose points may be anywhere on them, where asked to.
+/// Calls f with every position in the case, those that define planes only with `of_planes`: they may lie anywhere.
 template <class F>
 void for_each_place(Case& scene, F&& f, bool of_planes = true) {
   const auto shape = [&](Shape& s) {
@@ -55,7 +55,7 @@ void move_to_origin(Case& scene) {
         upper = upper.cwiseMax(x);
       },
       false);
-  // A standing wave's phase counts from x = 0.
+  // The phase of a standing wave is measured from x = 0.
   const bool waves = std::any_of(scene.water_faces.begin(), scene.water_faces.end(),
                                  [](const WaterFace& face) { return face.wave_amplitude.has_value(); });
   const double spacing = finest_spacing(scene);
@@ -74,7 +74,7 @@ void move_to_origin(Case& scene) {
   if (way.isZero()) return;
   scene.general.origin = way;
   for_each_place(scene, [&](Point3& x) { x -= way; });
-  // The box is given as a whole, or for some axes only.
+  // The periodic box is given for all axes, or for some only.
   for (int d = 0; d < g.dimension; ++d)
     if (g.domain_max[d] > g.domain_min[d])
       for (auto* corner : {&scene.general.domain_min, &scene.general.domain_max}) (*corner)[d] -= way[d];

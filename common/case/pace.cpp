@@ -9,7 +9,7 @@
 namespace poretwin {
 
 std::pair<double, std::string> shortest_time(const Case& scene) {
-  // A field's steps follow its rates of change, which nothing bounds.
+  // The steps of a field follow its rates of change, which have no upper bound.
   if (scene.is_field()) return {0.0, ""};
   const double dx = finest_spacing(scene), gravity = scene.general.gravity.norm();
   std::pair<double, std::string> least{HUGE_VAL, ""};
@@ -19,7 +19,7 @@ std::pair<double, std::string> shortest_time(const Case& scene) {
   const auto way_at = [&](double speed, const char* of_what) {
     if (speed > 0.0) take(dx / speed, of_what);
   };
-  constexpr double standard_gravity = 9.81;  // m/s2, in which conductivities are given where a case has none
+  constexpr double standard_gravity = 9.81;  // m/s2, for a case without gravity
   take(std::sqrt(dx / (gravity > 0.0 ? gravity : standard_gravity)), "a fall through one spacing");
   if (scene.general.central_force > 0.0) take(1.0 / std::sqrt(scene.general.central_force), "the central force");
   if (scene.deformable())

@@ -1,4 +1,4 @@
-// The shortest time in which a case moves.
+// The shortest characteristic time of a case.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -8,10 +8,10 @@
 
 namespace poretwin {
 
-/// The shortest time that a case names or implies for one particle spacing [s], and what it is the time of: of a fall
-/// through the spacing, of a wave of the skeleton or diffusion by viscosity across it, of motion at a given speed or at
-/// that of a jet from a given pressure; also the windows and frames that the case prescribes. Windows may well be
-/// shorter, but not by orders of magnitude.
+/// The shortest time [s] that a case prescribes or that follows from it for one particle spacing, and a name for it:
+/// free fall through the spacing, an elastic wave or viscous diffusion across it, motion at a given speed or at the
+/// speed of a jet from a given pressure, the prescribed windows and frames. Windows may be shorter, but not by orders
+/// of magnitude.
 std::pair<double, std::string> shortest_time(const Case& scene);
 
 }  // namespace poretwin

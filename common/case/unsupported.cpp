@@ -53,7 +53,7 @@ class Supported : Complaints {
     return std::any_of(scene_.fluid.regions.begin(), scene_.fluid.regions.end(),
                        [&](const Shape& region) { return contains(region, x, d_); });
   }
-  /// Places all over a shape, a spacing apart or more.
+  /// Points spread over a shape, `spacing` apart or more.
   [[nodiscard]] std::vector<Point3> places_in(const Shape& shape, double spacing) const {
     std::vector<Point3> result;
     const auto take = [&](const auto& lattice) {
@@ -71,8 +71,9 @@ class Supported : Complaints {
     return result;
   }
 
-  /// Particles are sorted into cells that are counted with 21 bits an axis, and distances lose digits: measured wrong
-  /// from 2^19 m on at a spacing of 0.1 m. Along axes without gravity read_case() moves the scene, so this is left.
+  /// Refuses scenes too far from the origin. Particles are sorted into cells whose numbers have 21 bits per axis, and
+  /// distances lose digits: results were wrong from 2^19 m on at a spacing of 0.1 m. read_case() has already moved the
+  /// scene along axes without gravity.
   void near_origin() const {
     const double spacing = finest_spacing(scene_);
     constexpr double most = 1e6;
@@ -90,8 +91,9 @@ class Supported : Complaints {
       look(scene_.fluid.regions[i], fmt::format("fluid.region[{}]", i));
   }
 
-  /// Water sees past thin walls by a line of sight (`Sight`) where nothing hinders it. Elsewhere, and soil, sees
-  /// through them; and two rows of particles that stand against one line must be its own.
+  /// Refuses thin walls where water would interact through them. A line of sight (`Sight`) separates the water on both
+  /// sides of a thin wall, unless hinders_sight() names a reason against it; soil always interacts through it. Beside a
+  /// wall that is one line, no particle may lie too close to it.
   void partitions() const {
     const double dx = scene_.fluid.particle_spacing;
     const auto hindered = hinders_sight(scene_);
@@ -113,7 +115,7 @@ class Supported : Complaints {
     }
   }
 
-  /// Particles closer to a line than a quarter of a spacing would be pushed off it by their own images.
+  /// Refuses particles closer to a line than a quarter of a spacing: their own images would push them off it.
   void rows_beside(std::size_t w) const {
     const double dx = scene_.fluid.particle_spacing;
     for (std::size_t r = 0; r < scene_.fluid.regions.size(); ++r)
@@ -133,10 +135,11 @@ class Supported : Complaints {
   [[nodiscard]] double conductivity(const Soil& soil) const {
     return porous::seepage_at(scene_, soil, soil.porosity).conductivity;
   }
-  /// Rows that a layer of conductivity k needs beside another. Kernels smear its resistance over its neighbours' rows.
-  /// Measured through a slow layer at any angle to the lattice: within 2 % with two rows at a contrast of 10 (5 % with
-  /// 1.6), with three from 100 on (with two up to 14 %, with one five times too much, with half a row of the wrong
-  /// sign); through a fast one with 1.6 rows at any contrast.
+  /// Number of rows that a layer of conductivity k needs beside another: kernels smear its resistance over the
+  /// neighbours' rows. Errors of the flow through a slow layer at any angle to the lattice: within 2 % with two rows at
+  /// a contrast of 10 (5 % with 1.6 rows), and with three rows from a contrast of 100 on (there with two rows up to 14
+  /// %, with one row a factor of five, with half a row the wrong sign). Through a fast layer: within 2 % with 1.6 rows
+  /// at any contrast.
   [[nodiscard]] static double rows_needed(double k, double other) {
     const double contrast = std::max(k / other, other / k);
     if (contrast <= 2.0) return 0.0;
@@ -163,7 +166,7 @@ class Supported : Complaints {
     }
   }
 
-  /// Boxes in 3D, balls: the least of their extents.
+  /// Boxes in 3D and discs or balls: their smallest extent is compared.
   void thin_as_a_whole(std::size_t i) const {
     const double dx = scene_.fluid.particle_spacing;
     const auto [lower, upper] = bounds(scene_.soils[i].shape);
@@ -177,9 +180,9 @@ class Supported : Complaints {
     }
   }
 
-  /// Boxes and polygons (2D): straight in from where another soil touches, through all soil of the same conductivity.
-  /// The tip of a wedge is thin, too, for a few rows: what counts is a length of twice the rows needed, or half of all
-  /// that touches.
+  /// Boxes and polygons in 2D: the thickness is measured inwards from every edge where another soil touches, through
+  /// all soil of the same conductivity. The tip of a wedge is always thin for a few rows; the layer is refused where it
+  /// is thin along more than twice the needed rows, or along half of the touching edges.
   void thin_places(std::size_t i) const {
     const double dx = scene_.fluid.particle_spacing, k = conductivity(scene_.soils[i]);
     const auto same = [&](const Soil* soil) { return soil && rows_needed(k, conductivity(*soil)) == 0.0; };
@@ -218,8 +221,8 @@ class Supported : Complaints {
       if (thin.length > std::min(2.0 * thin.rows * dx, 0.5 * around)) too_thin(i, thin.least, beside, thin.rows);
   }
 
-  /// Soil that hardly has pores is no wall: free water that runs against it gains energy (sevenfold at a porosity of
-  /// 0.02, a tenth at 0.1).
+  /// Refuses soil of very low porosity beside free water as a substitute for a wall: free water that runs against it
+  /// gains energy (sevenfold at a porosity of 0.02, a tenth at 0.1).
   void solid_bodies() const {
     constexpr double least = 0.1;
     for (std::size_t i = 0; i < scene_.soils.size(); ++i) {
@@ -235,8 +238,9 @@ class Supported : Complaints {
     }
   }
 
-  /// What leaves through an opening under free water is no jet: nothing passes an outlet, a hundredth of it a pressure,
-  /// more than the opening can pass a head, and beside a discharge that draws particles are lost.
+  /// Refuses openings below the water's surface, since they make no jet: nothing passes an `outlet`; through a face
+  /// with a `pressure` passes a hundredth of the right flow; through one with a `head`, more than an opening can pass;
+  /// a negative `discharge` loses particles.
   void openings_under_water() const {
     if (up_.isZero() || d_ != 2) return;
     const double dx = scene_.fluid.particle_spacing;
@@ -268,8 +272,9 @@ class Supported : Complaints {
     }
   }
 
-  /// Behind a face at which the pressure is zero is air, out of which no water comes; as a face with water behind it,
-  /// it would feed dry ground before it. Measured, a filter under a dam's toe: the drain's account 47 % too large.
+  /// Refuses a face of zero pressure in front of dry soil. Air is behind such a face, so that no water should come in,
+  /// but a face with `pressure` or `head` lets water into dry soil: 47 % error in the discharge of a filter under a
+  /// dam's toe. The case must give `outlet` instead.
   void drains_without_pressure() const {
     if (up_.isZero() || scene_.deformable() || d_ != 2) return;
     const double dx = scene_.fluid.particle_spacing;
@@ -284,7 +289,7 @@ class Supported : Complaints {
         const bool no_pressure = f.pressure ? highest <= 0.0 : std::abs(highest - level) < 0.1 * dx;
         const Point3 before = 0.5 * (piece.a + piece.b) + 0.25 * dx * piece.left();
         const Soil* soil = soil_at(before);
-        // Where water can fall in, or is drawn in, it is meant to.
+        // No error where water can fall in from above or suction draws it in.
         if (!no_pressure || up_.dot(piece.left()) < -0.01 || !soil || soil->suction_head > 0.0 || wet(before)) continue;
         fail(fmt::format("water_face[{}].{}", i, f.pressure ? "pressure" : "head"),
              fmt::format("the pressure is zero along the face from {} to {} m, before which the soil is dry: air is "
@@ -294,7 +299,7 @@ class Supported : Complaints {
     }
   }
 
-  /// A face by point and normal has no upper end; the head must be below the upper end of the soil before it.
+  /// A face by point and normal has no upper end: its head must stay below the top of the soil in front of it.
   void heads_below_the_soils_top() const {
     if (up_.isZero()) return;
     const double dx = scene_.fluid.particle_spacing;
@@ -302,7 +307,7 @@ class Supported : Complaints {
       const WaterFace& f = scene_.water_faces[i];
       if (!f.face.points.empty() || !f.head) continue;
       const Point3 normal = f.face.normal.normalized();
-      if (std::abs(normal.dot(up_)) > 0.99) continue;  // level: water stands over it
+      if (std::abs(normal.dot(up_)) > 0.99) continue;  // the face is horizontal; water stands over it
       double top = -HUGE_VAL;
       for (const auto& soil : scene_.soils)
         for (const auto& x : places_in(soil.shape, dx))
@@ -325,8 +330,8 @@ class Supported : Complaints {
     }
   }
 
-  /// Where the soil's surface is, seen from a load: centres of particles with no soil beyond them against the load's
-  /// normal. Measured: the force is right to 0.3 % within 2 spacings of the surface, 1.5 to 2.7 times too much 4 off.
+  /// Refuses loads far from the soil's surface, the particles with no soil beyond them against the load's normal. The
+  /// force is right to 0.3 % within 2 spacings of the surface, and 1.5 to 2.7 times too large 4 spacings from it.
   void loads() const {
     const double dx = scene_.solid.particle_spacing;
     constexpr double lengths_per_spacing = 1.2;  // smoothing length over spacing
@@ -373,7 +378,7 @@ class Supported : Complaints {
     });
   }
 
-  /// Height of the highest cut or slope [m]: of the soil's surface, its sides that no wall holds included.
+  /// Height of the highest cut or slope of the soil's surface [m]; sides that no wall supports count.
   [[nodiscard]] double relief() const {
     const double dx = scene_.solid.particle_spacing;
     struct Column {
@@ -408,9 +413,10 @@ class Supported : Complaints {
     return highest > lowest ? highest - lowest : 0.0;
   }
 
-  /// Without friction the cone has no apex, so that the soil would take any tension, and where it slides it flies apart
-  /// (measured of a vertical cut: 200 m/s after 0.4 s). Soil that stands by its cohesion is right without a limit: a
-  /// vertical cut up to 3.83 c / gamma high. So is soil whose cohesion is nothing beside its weight.
+  /// Refuses soil without friction and without a tensile strength that is higher than its cohesion can support. Without
+  /// friction the cone has no apex, so that soil would bear any tension, and where it slides it flies apart (a vertical
+  /// cut: 200 m/s after 0.4 s). No limit is needed where cohesion supports the soil (a vertical cut up to 3.83 c /
+  /// gamma high, with cohesion c and unit weight gamma), nor where cohesion is negligible beside the weight.
   void tension() const {
     if (up_.isZero()) return;
     std::optional<double> height;
@@ -430,7 +436,8 @@ class Supported : Complaints {
     }
   }
 
-  /// A wall stands still; water clings to it where the load takes the soil away from it.
+  /// Refuses a wall for water under a load: the wall stands still, and water would cling to it as the load moves the
+  /// soil.
   void loaded_plates() const {
     const double dx = scene_.fluid.particle_spacing;
     const auto overlap = [&](const Face& f, const Face& g) {

@@ -1,4 +1,4 @@
-// Scenes that would run and give wrong numbers: refused, each by a criterion that stands here with what was measured.
+// Refuses cases that would run and give wrong numbers; each criterion stands beside the measured errors.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -6,7 +6,7 @@
 
 namespace poretwin {
 
-/// Throws CaseError naming file, line, key, what was expected and what was found.
+/// Throws CaseError at the first fault, with file, line, key, what was expected and what was found.
 void check_supported(const Case& scene, const Places& places);
 
 }  // namespace poretwin

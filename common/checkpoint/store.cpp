@@ -78,7 +78,7 @@ CheckpointStore::CheckpointStore(const fs::path& out, std::string process, RunId
       accept_changed_program_(accept_changed_program) {}
 
 fs::path CheckpointStore::file_of(const std::string& name) const {
-  // Names come from other processes: none may lead out of the folder.
+  // Names come from other processes: none may lead to a file outside the folder.
   const auto plain = [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || c == '-'; };
   if (name.empty() || name.size() > 64 || !std::all_of(name.begin(), name.end(), plain))
     throw PeerError(fmt::format("checkpoint '{}': expected a name of at most 64 digits, small letters and hyphens",
@@ -133,7 +133,7 @@ void CheckpointStore::write(const Checkpoint& checkpoint, const Archive& state) 
   std::error_code error;
   fs::create_directories(folder_, error);
   if (error) throw FileError(fmt::format("{}: the folder cannot be made: {}", folder_.string(), error.message()));
-  // In the format that content_of() reads, without a second copy of the state.
+  // The format that content_of() reads; the state is not copied.
   Checkpoint about = checkpoint;
   RunIdentity identity = identity_;
   std::uint64_t size = state.bytes().size();

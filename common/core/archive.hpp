@@ -1,6 +1,6 @@
-// A state as bytes and back by one visit: archive(a, b, c) writes its arguments or reads them, whichever the archive is
-// for, so that the two directions cannot differ. Aggregates are visited member by member without code of their own;
-// classes with secrets have a member `void archive(Archive&)`. Numbers keep every bit.
+// A state as bytes and back: archive(a, b, c) writes its arguments or reads them, depending on how the archive was
+// made, so that both directions are one piece of code. Aggregates are visited member by member without code of their
+// own; classes with private members have a member `void archive(Archive&)`. Numbers are kept bit by bit.
 #pragma once
 
 #include "common/core/error.hpp"
@@ -26,7 +26,7 @@ namespace detail {
 
 template <class T>
 concept Fixed = std::is_arithmetic_v<T> || std::is_enum_v<T>;
-/// Eigen's matrices and vectors whose size the compiler knows.
+/// Eigen's matrices and vectors whose size is known at compile time.
 template <class T>
 concept Tensor = std::derived_from<T, Eigen::PlainObjectBase<T>> && T::SizeAtCompileTime >
 0;
@@ -44,9 +44,9 @@ inline constexpr bool is_array<std::array<T, n>> = true;
 
 class Archive {
  public:
-  /// Takes states in.
+  /// An empty archive, to which states are written.
   Archive() = default;
-  /// Gives back what `bytes` hold.
+  /// An archive that reads the states in `bytes`.
   explicit Archive(std::string bytes) : bytes_(std::move(bytes)), loading_(true) {}
 
   template <class... T>
@@ -56,7 +56,7 @@ class Archive {
 
   [[nodiscard]] bool loading() const { return loading_; }
   [[nodiscard]] const std::string& bytes() const { return bytes_; }
-  /// Throws FileError unless all was read.
+  /// Throws FileError unless all bytes have been read.
   void expect_end() const {
     if (loading_ && at_ != bytes_.size())
       throw FileError("the saved state holds " + std::to_string(bytes_.size()) + " bytes, " + std::to_string(at_) +
@@ -75,7 +75,7 @@ class Archive {
     at_ += size;
   }
 
-  /// Compares sizes with the bytes that are there before anything is allocated.
+  /// Throws FileError where fewer than count * each bytes are left, before memory for them is allocated.
   void need(std::uint64_t count, std::size_t each) const {
     if (count > (bytes_.size() - at_) / each)
       throw FileError("the saved state ends too early: another program wrote it, or it is damaged");

@@ -1,4 +1,4 @@
-// The errors that a user can meet, each with its exit code; what() says what was expected, what was found and what to
+// The errors that a user can meet, each with its exit code. what() says what was expected, what was found and what to
 // do.
 #pragma once
 
@@ -13,9 +13,9 @@ enum class ExitCode : int {
   failure = 1,        ///< anything unforeseen
   bad_case = 2,       ///< the case file, the command line or the geometry
   peer = 3,           ///< a peer is missing, dead, frozen, of the wrong kind, or sent nonsense
-  diverged = 4,       ///< the numbers left the finite
+  diverged = 4,       ///< a field is no longer finite
   input_output = 5,   ///< files: missing, unreadable, unwritable, disk full
-  in_doubt = 6,       ///< ended, but the result is in doubt: mass was lost, a bound was missed, ...
+  in_doubt = 6,       ///< the run ended, but its result is in doubt: mass was lost, a bound was missed, ...
   interrupted = 130,  ///< Ctrl-C or SIGTERM
 };
 

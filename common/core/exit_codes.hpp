@@ -1,4 +1,4 @@
-// The exit codes as a person reads them: --help, man pages and docs/protocol.md show this table.
+// The exit codes with their explanations: --help, man pages and docs/protocol.md show this table.
 #pragma once
 
 #include "common/core/error.hpp"
@@ -24,7 +24,7 @@ inline constexpr std::array<ExitMeaning, 8> exit_meanings{{
     {ExitCode::interrupted, "interrupted by Ctrl-C or SIGTERM"},
 }};
 
-/// "Exit codes:" and a line of each.
+/// "Exit codes:" and one line for each.
 std::string exit_codes_text();
 
 }  // namespace poretwin

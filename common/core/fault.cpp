@@ -16,12 +16,12 @@ struct Kind {
   std::string_view name;
   int error;
 };
-/// In the order of Fallible.
+/// Name and errno of every value of Fallible, in its order.
 constexpr std::array<Kind, 5> kinds{
     {{"open", EMFILE}, {"write", ENOSPC}, {"send", ENOBUFS}, {"map", ENOMEM}, {"allocate", ENOMEM}}};
 
 struct Fault {
-  int kind = -1;  ///< none
+  int kind = -1;  ///< index in `kinds`; -1: none
   long first = 0;
   bool ever_after = false;
   std::atomic<long> calls = 0;

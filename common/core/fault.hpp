@@ -1,13 +1,12 @@
-// Failures on demand: what the machine refuses once in a year is asked for by a test. PORETWIN_FAIL="fluid write 3"
-// lets the third write of poretwin-fluid fail as a full disk would, "coupler send 1+" every sending of the coupler.
+// Injected failures, so that tests can produce rare errors of the system. PORETWIN_FAIL="fluid write 3" makes the third
+// write of poretwin-fluid fail as on a full disk; "coupler send 1+" makes every send of the coupler fail.
 #pragma once
 
 namespace poretwin {
 
 enum class Fallible { open, write, send, map, allocate };
 
-/// Is this the call of its kind that is to fail? Then errno says why. Costs one look at a constant where none is asked
-/// for.
+/// Whether this call of its kind is to fail; errno is then set. Costs one comparison where no failure is requested.
 bool fails(Fallible what);
 
 }  // namespace poretwin

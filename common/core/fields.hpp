@@ -1,5 +1,5 @@
-// The members of any aggregate, visited in their order, counted by the compiler: nobody has to list them, hence nobody
-// can forget one.
+// Visits the members of any aggregate in their order. The compiler counts them, so that none has to be listed or can be
+// forgotten.
 #pragma once
 
 #include <cstddef>
@@ -8,10 +8,10 @@
 namespace poretwin {
 namespace detail {
 
-/// Converts to whatever a member is initialised from.
+/// Converts to any type that a member is initialised from.
 struct Anything {
   template <class T>
-  operator T() const;  // NOLINT: never defined, only asked for
+  operator T() const;  // NOLINT: never defined, used in unevaluated code only
 };
 
 template <class T, std::size_t... I>
@@ -24,7 +24,8 @@ constexpr bool takes(std::index_sequence<I...>) {
 /// Largest number of members that the structured bindings below cover.
 inline constexpr std::size_t most_fields = 40;
 
-/// Members of an aggregate: as many as its braces take, at least `least`, at most `most`.
+/// Number of members of an aggregate, from `least` to `most`: the largest number of initialisers that its braces
+/// accept.
 template <class T, std::size_t least = 0, std::size_t most = most_fields + 1>
 constexpr std::size_t count_fields() {
   constexpr std::size_t middle = (least + most + 1) / 2;

@@ -20,20 +20,20 @@
 namespace poretwin {
 namespace {
 
-/// For the programs of a run whose own process was killed: they write a checkpoint before they end.
+/// How long to wait for programs whose parent process was killed: they write a checkpoint before they end.
 constexpr std::chrono::seconds patience{20};
 
 struct Holder {
   std::string words;
   pid_t process = 0;
   std::string machine;
-  /// Has the process that signed ended, on this machine?
+  /// Whether the process that signed ran on this machine and has ended.
   [[nodiscard]] bool gone() const {
     return process > 0 && machine == host() && ::kill(process, 0) != 0 && errno == ESRCH;
   }
 };
 
-/// The first line is for people; the second holds process and machine.
+/// Reads the holder from the file: its first line is a text for people, the second holds process and machine.
 Holder holder_of(int descriptor) {
   std::array<char, 1024> bytes{};
   const auto count = ::pread(descriptor, bytes.data(), bytes.size() - 1, 0);
@@ -61,7 +61,7 @@ FileLock::FileLock(const std::filesystem::path& file, const std::string& subject
   for (bool said = false; ::flock(descriptor_, LOCK_EX | LOCK_NB) != 0;) {
     const int error = errno;
     if (error == EINTR) continue;
-    if (error != EWOULDBLOCK) {  // no locks on this file system: two runs are then up to the person
+    if (error != EWOULDBLOCK) {  // the file system has no locks; users must avoid two runs in one folder
       std::fprintf(stderr, "warning: %s cannot be locked: %s\n", file.c_str(), std::strerror(error));
       return;
     }

@@ -1,4 +1,4 @@
-// Parallel loops whose body works on lanes, compiled for the machine that runs them.
+// Parallel loops whose body works on lanes, compiled for the machine on which they run.
 #pragma once
 
 #include "common/core/lanes.hpp"

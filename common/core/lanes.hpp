@@ -1,5 +1,5 @@
-// Four doubles at a time, without intrinsics: loops over lanes that gcc and clang turn into the widest instructions of
-// the machine they run on. The choice is made at run time, so that one binary serves every processor.
+// Arithmetic on four doubles at a time, without intrinsics: gcc and clang compile the loops over lanes to the widest
+// instructions of each machine. The choice is made at run time, so that one binary serves every processor.
 #pragma once
 
 #include <array>
@@ -9,16 +9,16 @@
 namespace poretwin {
 
 inline constexpr std::size_t n_lanes = 4;
-// The alignment is said again because gcc takes a smaller one for processors without registers of this size.
+// The alignment is stated explicitly: gcc uses a smaller one for processors without registers of this size.
 using Lanes = double __attribute__((vector_size(n_lanes * sizeof(double)), aligned(n_lanes * sizeof(double))));
 using LaneMask = long long __attribute__((vector_size(n_lanes * sizeof(long long))));
 
-/// Lanes in a container.
+/// Lanes as an element of containers.
 struct alignas(Lanes) Quad {
   Lanes v;
 };
 
-// In place: vectors returned by value would depend on the instruction set a caller is compiled for.
+// In place: how a vector is returned by value would depend on the instruction set for which the caller is compiled.
 [[gnu::always_inline]] inline void sqrt_in_place(Lanes& a) {
   for (std::size_t l = 0; l < n_lanes; ++l) a[l] = std::sqrt(a[l]);
 }
@@ -26,8 +26,8 @@ struct alignas(Lanes) Quad {
 [[gnu::always_inline]] inline void min_in_place(Lanes& a, const Lanes& most) { a = a < most ? a : most; }
 [[gnu::always_inline]] inline bool any(const LaneMask& mask) { return (mask[0] | mask[1] | mask[2] | mask[3]) != 0; }
 
-/// What a text that serves one particle or four is written in. (As a template's argument Lanes would lose their
-/// alignment.)
+/// Types for code that handles one particle, or, with the struct below, four at a time. (As a template argument, Lanes
+/// would lose its alignment.)
 struct InOnes {
   using Number = double;
   using Mask = bool;
@@ -42,7 +42,7 @@ inline void max_in_place(double& a, double least) { a = a > least ? a : least; }
 inline void min_in_place(double& a, double most) { a = a < most ? a : most; }
 inline bool any(bool yes) { return yes; }
 
-/// a = function(a), one number after the other.
+/// a = function(a), for each of the four numbers.
 template <class Function>
 [[gnu::always_inline]] inline void apply(const Function& function, Lanes& a) {
   for (std::size_t l = 0; l < n_lanes; ++l) a[l] = function(a[l]);
@@ -52,7 +52,7 @@ void apply(const Function& function, double& a) {
   a = function(a);
 }
 
-/// Four doubles anywhere in memory. The alignment belongs to the name: clang forgets one that is said with the size.
+/// Four doubles at any address. The alignment is part of the name: clang ignores one that is given with the size.
 using LooseLanes __attribute__((aligned(sizeof(double)), may_alias)) =
     double __attribute__((vector_size(n_lanes * sizeof(double))));
 
@@ -60,7 +60,7 @@ using LooseLanes __attribute__((aligned(sizeof(double)), may_alias)) =
 using LooseFloats __attribute__((aligned(sizeof(float)), may_alias)) =
     float __attribute__((vector_size(n_lanes * sizeof(float))));
 [[gnu::always_inline]] inline void take(const float* from, Lanes& to) {
-  // One by one: gcc 12 turns a vector of floats into doubles half by half.
+  // Element by element: gcc 12 converts a vector of floats to doubles in two halves.
   to = Lanes{static_cast<double>(from[0]), static_cast<double>(from[1]), static_cast<double>(from[2]),
              static_cast<double>(from[3])};
 }
@@ -77,11 +77,11 @@ using LooseFloats __attribute__((aligned(sizeof(float)), may_alias)) =
   d = __builtin_shufflevector(high_ab, high_cd, 2, 3, 6, 7);
 }
 
-/// Four rows of numbers, of which the same columns are wanted.
+/// Four rows of numbers from which the same columns are read.
 template <class Number>
 using FourRows = std::array<Number*, n_lanes>;
 
-/// Columns first .. first + n - 1 of four rows, one row per lane. Reads no column behind these, unless it is one of the
+/// Reads columns first .. first + n - 1 of four rows, one row per lane. Reads no column beyond these except among the
 /// first four.
 template <std::size_t first, std::size_t n>
 [[gnu::always_inline]] inline void gather(const FourRows<const double>& rows, Lanes* column) {
@@ -93,7 +93,8 @@ template <std::size_t first, std::size_t n>
   if constexpr (n > n_lanes) gather<first + n_lanes, n - n_lanes>(rows, column + n_lanes);
 }
 
-/// Sum of weighted vectors of D numbers, four at a time; the same for any machine, by lanes that are added in pairs.
+/// Sum of weighted vectors of D components, four vectors at a time. The lanes are added in pairs, so that the result is
+/// the same on every machine.
 template <int D>
 struct VectorSum {
   Lanes sums[D] = {};
@@ -105,7 +106,7 @@ struct VectorSum {
     return (sums[d][0] + sums[d][1]) + (sums[d][2] + sums[d][3]);
   }
 };
-/// In the plane two vectors fill the lanes as they stand in memory.
+/// In 2D two vectors fill the lanes in their order in memory.
 template <>
 struct VectorSum<2> {
   Lanes first{}, second{};
@@ -125,7 +126,7 @@ struct VectorSum<2> {
   }
 };
 
-/// Adds columns 0 .. n - 1 to four rows (n a multiple of four; all rows differ or what they get is zero).
+/// Adds columns 0 .. n - 1 to four rows. n: a multiple of four. Rows must differ, except where zero is added.
 template <std::size_t n>
 [[gnu::always_inline]] inline void scatter_add(const Lanes* column, const FourRows<double>& rows) {
   for (std::size_t k = 0; k < n; k += n_lanes) {
@@ -145,7 +146,8 @@ template <std::size_t n>
   }
 }
 
-/// What this machine has, by the levels of the x86-64 psABI. Tests set it lower to judge the other forms too.
+/// Instruction sets of this machine, as levels of the x86-64 psABI. Tests set a lower level to check the other
+/// variants.
 enum class Instructions { plain, avx2, avx512 };
 inline Instructions& instructions() {
 #if defined(__x86_64__)
@@ -178,7 +180,7 @@ void run_plain(const Job& job) {
   job();
 }
 
-/// Runs a job compiled for this machine. Mark the job, and all it calls in its inner loops, always_inline.
+/// Runs a job compiled for this machine. The job and all it calls in its inner loops must be always_inline.
 template <class Job>
 void run_lanes(const Job& job) {
 #if defined(__x86_64__)

@@ -13,17 +13,17 @@
 namespace poretwin {
 namespace {
 
-/// Memory for large arrays, apart from small ones. In one heap a few small strings that live from one window to the
-/// next, or that malloc caches, would divide the space that a window's arrays leave, so that the arrays of the next
-/// window do not fit in between.
+/// A memory region for large arrays only. In one heap, small strings that outlive a window, or blocks that malloc
+/// caches, would divide the space that a window's arrays free, so that the arrays of the next window would not fit
+/// there.
 class LargeArrays {
  public:
-  /// Memory for an array, in the lowest of the smallest gaps that it fits in; none where the array is not large or fits
-  /// nowhere.
+  /// Memory for an array in the smallest sufficient gap, the lowest of several; nullptr where the array is not large or
+  /// fits nowhere.
   void* take(std::size_t size, std::size_t alignment = line) {
     if (size < least || alignment > line || begin_ == nullptr) return nullptr;
     const std::lock_guard lock(busy_);
-    const std::size_t whole = (size + 2 * line - 1) / line * line;  // a line before it says so
+    const std::size_t whole = (size + 2 * line - 1) / line * line;  // the line before the array stores this size
     auto best = gaps_.end();
     for (auto gap = gaps_.begin(); gap != gaps_.end(); ++gap)
       if (gap->second >= whole && (best == gaps_.end() || gap->second < best->second)) best = gap;
@@ -53,7 +53,7 @@ class LargeArrays {
     const char* const begin = begin_;
     return begin != nullptr && array >= begin && array < begin + room;
   }
-  /// From now on they come here. Pages are taken as they are touched, and kept.
+  /// Reserves the region; arrays are placed in it from now on. Pages become resident when first written, and stay so.
   void open() {
     if (begin_ != nullptr) return;
     void* const found =
@@ -67,12 +67,12 @@ class LargeArrays {
   static constexpr std::size_t least = 64 << 10, line = 64, room = std::size_t{1} << 38;
   std::atomic<char*> begin_{nullptr};
   std::mutex busy_;
-  std::map<char*, std::size_t> gaps_;  ///< where they begin, bytes
+  std::map<char*, std::size_t> gaps_;  ///< gaps: first address, bytes
 };
 
 LargeArrays& large_arrays() {
   alignas(LargeArrays) static char place[sizeof(LargeArrays)];
-  static auto* const here = ::new (static_cast<void*>(place)) LargeArrays;  // outlives what is destroyed at the end
+  static auto* const here = ::new (static_cast<void*>(place)) LargeArrays;  // never destroyed: used until the end
   return *here;
 }
 
@@ -88,14 +88,14 @@ LargeArrays& large_arrays() {
 void return_freed_memory() { ::mallopt(M_MMAP_THRESHOLD, 128 << 10); }
 
 void keep_freed_memory() {
-  ::mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the largest that glibc takes
+  ::mallopt(M_MMAP_THRESHOLD, 32 << 20);  // the largest value that glibc accepts
   ::mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
   large_arrays().open();
 }
 
 }  // namespace poretwin
 
-// Sanitizers watch over what they hand out themselves.
+// Sanitizers check only the memory that their own allocator returns.
 #ifndef PORETWIN_SANITIZED
 void* operator new(std::size_t size) {
   if (void* const array = poretwin::large_arrays().take(size)) return array;

@@ -1,13 +1,13 @@
-// How the processes treat memory they have freed.
+// What the processes do with freed memory.
 #pragma once
 
 namespace poretwin {
 
-/// While a process sets itself up: what comes and goes only once leaves no holes in the heap.
+/// During set-up: returns freed memory to the kernel, so that arrays needed only once leave no holes in the heap.
 void return_freed_memory();
 
-/// From then on every window allocates and frees the same arrays: what is freed is kept, or the kernel hands out and
-/// clears the same pages over and over (a tenth of the coupler's time).
+/// After set-up: keeps freed memory, since every window allocates and frees the same arrays. Otherwise the kernel would
+/// provide and clear the same pages again and again (a tenth of the coupler's time).
 void keep_freed_memory();
 
 }  // namespace poretwin

@@ -1,4 +1,4 @@
-// Arrays for quantities that most scenes do not have.
+// Arrays for quantities that most cases do not have.
 #pragma once
 
 #include "common/core/archive.hpp"
@@ -13,11 +13,11 @@ template <class T>
 class OrZero {
  public:
   OrZero() = default;
-  OrZero(std::vector<T> values) : values_(std::move(values)) {}  // NOLINT: an array is one of these
+  OrZero(std::vector<T> values) : values_(std::move(values)) {}  // NOLINT: a plain array converts to this type
   [[nodiscard]] bool is_allocated() const { return !values_.empty(); }
   void allocate(std::size_t n) { values_.assign(n, zero()); }
   void set(std::size_t a, const T& value) { values_[a] = value; }
-  /// Sets an element of an array of n, which is allocated first if it is not there yet.
+  /// Sets an element of an array with n elements; allocates the array first where necessary.
   void set(std::size_t a, const T& value, std::size_t n) {
     if (!is_allocated()) allocate(n);
     set(a, value);
@@ -25,11 +25,11 @@ class OrZero {
   [[nodiscard]] const T& operator[](std::size_t a) const { return values_.empty() ? zero() : values_[a]; }
   [[nodiscard]] auto begin() const { return values_.begin(); }
   [[nodiscard]] auto end() const { return values_.end(); }
-  /// Appends a zero; nothing while unallocated.
+  /// Appends a zero; does nothing while the array is not allocated.
   void grow() {
     if (is_allocated()) values_.push_back(zero());
   }
-  /// All n values once allocated, before that an empty array.
+  /// The n values; empty while not allocated.
   [[nodiscard]] std::vector<T>& values() { return values_; }
   [[nodiscard]] const std::vector<T>& values() const { return values_; }
   void archive(Archive& archive) { archive(values_); }

@@ -12,7 +12,7 @@
 namespace poretwin {
 namespace {
 
-/// Threads that help the one that has work.
+/// Threads that help the calling thread with its work.
 class Team {
  public:
   explicit Team(std::size_t members) {
@@ -26,7 +26,7 @@ class Team {
     for (auto& member : members_) member.join();
   }
 
-  /// One call at a time.
+  /// Runs all parts; may be called by one thread at a time.
   void share(std::size_t n_parts, void (*work)(const void*, std::size_t), const void* object) {
     const auto begin = Clock::now();
     work_ = work;
@@ -44,11 +44,11 @@ class Team {
 
  private:
   using Clock = std::chrono::steady_clock;
-  /// About as long as waking up takes, and the longest that is waited awake.
+  /// Approximate time to wake a thread; longest time to wait actively.
   static constexpr Clock::duration waking = std::chrono::microseconds(20), longest = std::chrono::microseconds(200);
   static constexpr Clock::duration soon = std::chrono::microseconds(50);
 
-  /// Waits until the value is another one, awake for that long.
+  /// Returns the value once it differs from `from`; waits actively for the time `awake`, then asleep.
   static std::uint32_t await_change(const std::atomic<std::uint32_t>& value, std::uint32_t from,
                                     Clock::duration awake) {
     for (const auto begin = Clock::now(); Clock::now() - begin < awake;)
@@ -66,7 +66,8 @@ class Team {
     calls_.notify_all();
   }
 
-  /// Stays awake for the next call for as long as it has worked for this one, and for a moment if it came soon.
+  /// Loop of a helping thread. Waits actively for the next call as long as it worked on this one, and at least `waking`
+  /// where this call came soon after it became idle.
   void serve() {
     Clock::duration awake{};
     for (std::uint32_t seen = 0; !closed_;) {
@@ -79,8 +80,8 @@ class Team {
     }
   }
 
-  /// Works on parts until all are taken. What the work is may be read only once a part of it is taken: until that is
-  /// done it stays.
+  /// Works on parts until all are taken. work_ and object_ may be read only after a part has been taken: they remain
+  /// unchanged until that part is done.
   void take_parts() {
     std::uint64_t ticket = ticket_.load(std::memory_order_acquire);
     for (;;) {
@@ -93,8 +94,8 @@ class Team {
     }
   }
 
-  // Each in a cache line of its own, so that reading one does not delay a thread that changes another.
-  alignas(64) std::atomic<std::uint64_t> ticket_{0};  ///< number of the call, its parts, the next part to be taken
+  // One cache line for each, so that reading one does not delay a thread that changes another.
+  alignas(64) std::atomic<std::uint64_t> ticket_{0};  ///< number of the call, of its parts, of the next part
   alignas(64) std::atomic<std::uint32_t> done_{0};
   alignas(64) std::atomic<std::uint32_t> calls_{0};
   alignas(64) std::atomic<Clock::rep> called_{0};

@@ -1,4 +1,4 @@
-// Loops on several threads. The range is cut into fixed parts, so that results depend on the number of parts only and
+// Loops on several threads. The range is divided into fixed parts, so that results depend on the number of parts, but
 // not on which thread is faster.
 #pragma once
 
@@ -12,15 +12,16 @@
 
 namespace poretwin {
 
-/// How many threads a solver may use: OMP_NUM_THREADS, all cores without it.
+/// Number of threads a solver may use: OMP_NUM_THREADS, or else the number of cores.
 std::size_t threads();
 
-/// Calls work(object, part) for every part. This thread takes one part after the other, and whichever others are awake
-/// and find a core help it: on a busy machine none is waited for but to end a part that it has begun. They sleep
-/// between two calls. Of calls at the same time, and of calls from within a part, one alone is helped.
+/// Calls work(object, part) for every part. The calling thread takes one part after the other; other threads help where
+/// they find a free core. On a busy machine the caller therefore waits for a helper only to finish a part that it has
+/// begun. Helpers sleep between calls. Of simultaneous or nested calls only one is helped; the others run on their own
+/// thread.
 void share_parts(std::size_t n_parts, void (*work)(const void* object, std::size_t part), const void* object);
 
-/// Calls work(part) for every part, in parallel on as many threads as there are. Nothing may be thrown.
+/// Calls work(part) for every part, in parallel on all available threads. `work` must not throw.
 template <class Work>
 void for_each_part(std::size_t n_parts, Work&& work) {
   if (n_parts < 2) {
@@ -33,21 +34,21 @@ void for_each_part(std::size_t n_parts, Work&& work) {
       std::addressof(work));
 }
 
-/// How many entries are worth more than one thread where little is done for each.
+/// Number of entries from which several threads are worth their overhead, where the work per entry is small.
 inline constexpr std::size_t worth_threads = 32768;
 
-/// Into how many parts n entries are shared out, `worth` of which are worth more than one thread.
+/// Number of parts for n entries; `worth`: the number of entries from which several threads pay.
 inline std::size_t parts_for(std::size_t n, std::size_t worth = worth_threads) { return n < worth ? 1 : threads(); }
 
-/// Number of parts, several for each thread, so that a thread that starts late finds work, too.
+/// Number of parts, several for each thread, so that a thread that starts late still finds work.
 inline std::size_t small_parts_for(std::size_t n, std::size_t worth = worth_threads) {
   constexpr std::size_t each = 4;
   const std::size_t parts = parts_for(n, worth);
   return parts > 1 ? each * parts : 1;
 }
 
-/// Calls work(first, last) in parallel for small parts of 0 .. n - 1. For work on single entries only, whose result
-/// cannot depend on how the range is cut.
+/// Calls work(first, last) in parallel for small parts of 0 .. n - 1. Only for work on single entries, whose result
+/// does not depend on how the range is divided.
 template <class Work>
 void parallel_ranges(std::size_t n, std::size_t worth, Work&& work) {
   const std::size_t parts = small_parts_for(n, worth);
@@ -78,7 +79,7 @@ bool parallel_all(std::size_t n, const Holds& holds) {
   return all;
 }
 
-/// Largest value(i) over 0 .. n - 1, at least `least`; evaluated in parallel.
+/// Maximum of `least` and all value(i), i in 0 .. n - 1; evaluated in parallel.
 template <class Value>
 double parallel_max(std::size_t n, double least, const Value& value) {
   const std::size_t parts = small_parts_for(n);

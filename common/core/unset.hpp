@@ -1,4 +1,4 @@
-// Arrays that are written before they are read.
+// Arrays whose elements are not initialised, for values that are written before they are read.
 #pragma once
 
 #include <memory>
@@ -7,7 +7,7 @@
 
 namespace poretwin {
 
-/// What leaves numbers as they are found where nothing is said of them.
+/// Allocator that leaves numbers uninitialised where no value is given.
 template <class T>
 struct Unset : std::allocator<T> {
   template <class Other>
@@ -24,7 +24,7 @@ struct Unset : std::allocator<T> {
   }
 };
 
-/// An array whose numbers are not set to zero as it grows.
+/// An array whose new elements are not set to zero.
 template <class T>
 using UnsetArray = std::vector<T, Unset<T>>;
 

@@ -1,4 +1,4 @@
-// Small vectors and tensors, and the one alias for arrays of them: a particle set is plain arrays of these.
+// Small vectors and tensors, and aliases for arrays of them; a set of particles is plain arrays of these.
 #pragma once
 
 #include <Eigen/Core>

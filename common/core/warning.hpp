@@ -1,16 +1,16 @@
-// Warnings of a run, which the user is to see at once, because its result may not be what it seems.
+// Warnings of a run: the user must see them at once, because the result may not be what it seems.
 #pragma once
 
 #include <string>
 
 namespace poretwin {
 
-/// Something that happened in a run, counted. A phase returns all of its own after every window; what is new is logged
-/// once, the totals are in the summary.
+/// An event in a run, with the number of its occurrences. A phase returns all of its warnings after every window; the
+/// coupling logs each at its first occurrence, and the summary shows the totals.
 struct Warning {
-  std::string what;              ///< counted under this name: "water particles lost"
-  double count = 0.0;            ///< so far; at zero nothing has happened
-  std::string detail;            ///< where, why and what to do; logged with the first
+  std::string what;              ///< name under which it is counted: "water particles lost"
+  double count = 0.0;            ///< occurrences so far; 0: none
+  std::string detail;            ///< where, why and what to do; logged at the first occurrence
   bool result_in_doubt = false;  ///< mass was lost or numbers may be wrong: the run ends with ExitCode::in_doubt
 };
 

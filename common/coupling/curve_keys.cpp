@@ -16,7 +16,7 @@
 namespace poretwin::coupling {
 namespace {
 
-constexpr std::size_t key_length = 40;  // Z85 of 32 bytes
+constexpr std::size_t key_length = 40;  // characters: 32 bytes in Z85
 
 std::string name_of(KeyHolder holder) { return holder == KeyHolder::coupler ? "coupler" : "participant"; }
 
@@ -36,7 +36,7 @@ void write_one(const std::filesystem::path& path, KeyHolder holder, const Pair& 
       fmt::format("# poretwin {} key: secret. Made together with the {}'s.\nholder {}\npublic {}\nsecret {}\npeer {}\n",
                   name_of(holder), name_of(holder == KeyHolder::coupler ? KeyHolder::participant : KeyHolder::coupler),
                   name_of(holder), own.open.data(), own.secret.data(), other.open.data());
-  // Never replaces an existing key, and is never readable by others, not even for a moment.
+  // Never replaces an existing key; the file is created with permissions for its owner only.
   const int file = ::open(path.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, S_IRUSR | S_IWUSR);
   if (file < 0) throw FileError("cannot make " + path.string() + ": " + std::strerror(errno));
   const bool written = ::write(file, text.data(), text.size()) == static_cast<ssize_t>(text.size());

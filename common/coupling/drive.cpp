@@ -13,7 +13,7 @@
 namespace poretwin::coupling {
 namespace {
 
-/// An activity on which a phase spends time.
+/// An activity of which the time is measured.
 struct Activity {
   const char* name;
   double DriveReport::*seconds;
@@ -21,14 +21,14 @@ struct Activity {
 constexpr Activity computing{"computing", &DriveReport::computing}, waiting{"waiting", &DriveReport::waiting},
     sending{"sending", &DriveReport::sending}, writing{"writing", &DriveReport::writing};
 
-/// Runs f and accounts for the time it took, also when it throws.
+/// Runs f and adds its duration to the report, also when f throws.
 template <class F>
 decltype(auto) timed(DriveReport& report, const Activity& activity, F&& f) {
   const Span span(report.*activity.seconds, report.trace, activity.name);
   return f();
 }
 
-/// Frames and gauges are written once the window they end is certain to stand.
+/// Holds back the frame and gauges of a window until the window is known to be final.
 class PendingRecord {
  public:
   PendingRecord(const Phase& phase, Recorder& recorder, DriveReport& report)
@@ -44,10 +44,10 @@ class PendingRecord {
     report_.warnings.note(report_.time, phase_.warnings());
     write_now(frame_, gauges_);
   }
-  /// Writes frame and gauges even where none were requested, unless this state is in the files already.
+  /// Writes frame and gauges even where none were requested, unless those of this state have been written.
   void write_now(bool frame, bool gauges) {
     timed(report_, writing, [&] {
-      // Gauges first: frames show some of what a reading finds.
+      // Gauges first: frames show some of the values that gauge readings compute.
       if (gauges && !gauges_written_) {
         const auto readings = phase_.gauges();
         report_.warnings.note_readings(readings);
@@ -127,8 +127,8 @@ class CoupledRun {
     if (!checkpoints_) throw PeerError("the coupler asks for a checkpoint, none was promised");
     pending_.write();
     timed(report_, writing, [&] {
-      // Removes earlier checkpoints before the new one is begun: the coupler commits its name only after this process
-      // has reported it.
+      // Done before the new one is written: `keep` does not name it yet, since the coupler lists it only after this
+      // process has reported it.
       checkpoints_->keep_only(command.keep);
       Archive state;
       archive(state);
@@ -172,7 +172,7 @@ class CoupledRun {
     timed(report_, computing, [&] { phase_.restore(); });
     pending_.forget();
     if (!advanced_) return;
-    // This phase had accepted the window; the other one had not.
+    // This phase accepted the window, but the other did not.
     advanced_ = false;
     --report_.windows;
     ++report_.rejected;

@@ -19,7 +19,7 @@
 namespace poretwin::coupling {
 namespace {
 
-constexpr auto tick = Milliseconds(10);  // between looks at what strangers have sent
+constexpr auto tick = Milliseconds(10);  // time between checks of what strangers have sent
 
 std::uint64_t cookie_of(int descriptor) {
   std::uint64_t cookie = 0;
@@ -34,7 +34,7 @@ std::uint64_t bytes_received(int descriptor) {
   return ::getsockopt(descriptor, IPPROTO_TCP, TCP_INFO, &info, &size) == 0 ? info.tcpi_bytes_received : 0;
 }
 
-/// Address and port of an end of a connection, as the kernel's questions want them.
+/// Splits an end of a connection into address and port, in the form of sock_diag queries.
 bool split(const sockaddr_storage& end, std::uint32_t* address, std::uint16_t& port) {
   if (end.ss_family == AF_INET) {
     const auto& v4 = reinterpret_cast<const sockaddr_in&>(end);
@@ -48,8 +48,8 @@ bool split(const sockaddr_storage& end, std::uint32_t* address, std::uint16_t& p
   return end.ss_family == AF_INET6;
 }
 
-/// The user at the other end of a tcp connection within this machine. The kernel knows that end as well, and is asked
-/// for this one only (sock_diag(7)): to read its table of all would take longer the more strangers there are.
+/// The user at the other end of a tcp connection within this machine. The kernel is asked for this one connection
+/// (sock_diag(7)): reading its table of all connections would take longer the more strangers there are.
 std::optional<uid_t> other_user(int descriptor) {
   sockaddr_storage ours{}, theirs{};
   socklen_t size = sizeof ours, other_size = sizeof theirs;
@@ -88,7 +88,7 @@ std::size_t descriptors_open() {
       std::distance(std::filesystem::directory_iterator("/proc/self/fd", none), std::filesystem::directory_iterator()));
 }
 
-/// How many strangers the process has descriptors for; its limit is raised as far as it may be.
+/// Number of strangers for which the process has descriptors, after raising its limit as far as allowed.
 std::size_t room_for_strangers(const GateLimits& limits) {
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return limits.connections;
@@ -145,7 +145,7 @@ void Gate::keep_looking() {
   }
 }
 
-/// Reads an event of the monitor, in the order in which they happened. True: there may be more.
+/// Reads pending events of the monitor, in the order in which they happened. Returns true where there may be more.
 bool Gate::look() {
   constexpr int most_at_once = 64;
   for (int count = 0; count < most_at_once; ++count) {
@@ -179,8 +179,8 @@ bool Gate::look() {
   return true;
 }
 
-/// To be called once all of the monitor's events have been read: until then the descriptor may belong to a later
-/// connection already.
+/// Identifies a new connection. To be called only after all events of the monitor have been read: before, the
+/// descriptor may already belong to a later connection.
 void Gate::meet(int descriptor, Connection& connection) {
   connection.cookie = cookie_of(descriptor);
   if (!own_user_only_) return;
@@ -190,8 +190,8 @@ void Gate::meet(int descriptor, Connection& connection) {
         fmt::format("somebody of user {} was not let in: without keys a run is for the user who started it", *user));
 }
 
-/// Ends a connection where there are too many: the one that has said nothing for longest, since the newest may be a
-/// participant that is about to join. False: there are not too many.
+/// Ends one connection where there are too many: among those that have sent nothing the oldest, since the newest may be
+/// a participant about to join. Returns false where there are not too many.
 bool Gate::make_room() {
   std::size_t strangers = 0;
   auto oldest = connections_.end();
@@ -238,7 +238,7 @@ bool Gate::heard(const std::string& line, int descriptor) {
   // A message that was sent before its connection closed is still processed afterwards.
   if (members_.count(line) > 0) return true;
   const std::lock_guard lock(mutex_);
-  while (look()) {  // who has this descriptor now
+  while (look()) {  // find the connection that has this descriptor now
   }
   const auto found = connections_.find(descriptor);
   if (found == connections_.end()) return !limits_;
@@ -281,7 +281,7 @@ std::optional<std::string> Gate::closed() {
   return line;
 }
 
-/// A process that is refused tries again several times a second: each text is logged once, and their number is limited.
+/// A refused process tries again several times a second: each text is logged once, and the number of texts is limited.
 void Gate::note(const std::string& what) {
   const std::lock_guard lock(news_);
   const std::size_t most = limits_ ? limits_->notices : 100;

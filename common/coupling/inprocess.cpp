@@ -1,4 +1,4 @@
-// The in-process transport: queues under one lock.
+// The in-process transport: queues protected by one lock.
 #include "common/coupling/transport.hpp"
 
 #include <condition_variable>
@@ -12,10 +12,10 @@ struct InProcess::Shared {
   std::mutex mutex;
   std::condition_variable changed;
   std::deque<Hub::Event> to_hub;
-  std::map<std::string, std::deque<Frames>> to_line;  ///< of every open line
+  std::map<std::string, std::deque<Frames>> to_line;  ///< queue of every open line
   bool hub_open = true, halted = false;
   int lines = 0;
-  std::size_t allowed = unlimited;  ///< messages that may still pass
+  std::size_t allowed = unlimited;  ///< number of messages that may still pass
   static constexpr std::size_t unlimited = static_cast<std::size_t>(-1);
 
   void count_one() {

@@ -7,7 +7,7 @@
 namespace poretwin::coupling {
 namespace {
 
-// A signal handler can use nothing but static storage.
+// A signal handler may use static storage only.
 std::atomic<long> first_signal = 0;  // s of CLOCK_MONOTONIC; 0: none
 static_assert(std::atomic<long>::is_always_lock_free);
 
@@ -15,7 +15,7 @@ extern "C" void note_signal(int number) {
   timespec now{};
   ::clock_gettime(CLOCK_MONOTONIC, &now);
   long none = 0;
-  const long seconds = now.tv_sec + 1;  // never 0
+  const long seconds = now.tv_sec + 1;  // + 1, so that it is never 0
   if (first_signal.compare_exchange_strong(none, seconds) || seconds - none <= stop_grace) return;
   std::signal(number, SIG_DFL);
   std::raise(number);

@@ -1,14 +1,14 @@
-// Ctrl-C and SIGTERM set a flag that the loops read, so that a step is finished and written before a process ends.
+// Ctrl-C and SIGTERM set a flag that the loops read, so that a window is finished and recorded before a process ends.
 #pragma once
 
 namespace poretwin::coupling {
 
-/// Time after a first signal in which further ones are ignored [s]: schedulers and timeout(1) send one to every process
-/// and to the group as well, which must not prevent the checkpoint.
+/// Time [s] after the first signal during which further ones are ignored: schedulers and timeout(1) send one to every
+/// process and another to the group, which must not prevent the checkpoint.
 inline constexpr int stop_grace = 10;
 
-/// While it exists, SIGINT and SIGTERM only set a flag; one that comes later than stop_grace after the first ends the
-/// process at once. Broken pipes and files at their size limit become errors.
+/// While it exists, SIGINT and SIGTERM only set a flag; a signal later than stop_grace after the first ends the process
+/// at once. Broken pipes and files at their size limit become errors instead of signals.
 class InterruptGuard {
  public:
   InterruptGuard();
@@ -17,7 +17,7 @@ class InterruptGuard {
   InterruptGuard& operator=(const InterruptGuard&) = delete;
 };
 
-/// Has a person (or a supervisor) asked this process to stop?
+/// Whether a user or a supervisor has asked this process to stop.
 bool interrupted();
 
 }  // namespace poretwin::coupling

@@ -25,7 +25,7 @@ Frame Frame::of(std::string bytes) {
 
 Frame Frame::of(std::vector<double> values) {
   auto kept = std::make_shared<const std::vector<double>>(std::move(values));
-  // The language allows reading any object's bytes as char.
+  // The language allows reading the bytes of any object as char.
   return {kept, reinterpret_cast<const char*>(kept->data()), kept->size() * sizeof(double)};
 }
 
@@ -238,7 +238,7 @@ Body read_body(const wire::Header& header) {
                               header.sender(), header.sequence(), protocol_major, protocol_minor));
 }
 
-/// Returns the frame after a check that its size is the announced one.
+/// Returns the frame after checking that its size is the announced one.
 const Frame& checked(const wire::Array& in, const Frame& frame, const wire::Header& header) {
   auto refuse = [&](const std::string& what) {
     throw PeerError(fmt::format("array '{}' of '{}' (step {}, sequence {}): {}", in.name(), header.sender(),
@@ -248,7 +248,7 @@ const Frame& checked(const wire::Array& in, const Frame& frame, const wire::Head
     refuse(fmt::format("expected element type FLOAT64_LE, got {}", static_cast<int>(in.element())));
   if (in.components() < 1 || in.components() > 9)
     refuse(fmt::format("expected 1 to 9 components, got {}", in.components()));
-  // The frame is in memory, so that its size bounds n before any multiplication could overflow.
+  // The frame is in memory: its size bounds n before a multiplication could overflow.
   const std::uint64_t points = frame.size / (sizeof(double) * in.components());
   if (in.n() != points || frame.size != points * sizeof(double) * in.components())
     refuse(fmt::format("expected {} points x {} components x 8 bytes, got a frame of {} bytes", in.n(), in.components(),
@@ -265,7 +265,7 @@ std::vector<double> Array::take() {
   std::vector<double> copy;
   if (reinterpret_cast<std::uintptr_t>(received.data) % alignof(double) == 0) {
     const auto* const first = reinterpret_cast<const double*>(received.data);
-    copy.assign(first, first + n);  // what is resized is cleared first, a pass over the memory more
+    copy.assign(first, first + n);  // not resized: that would clear the memory first, one more pass over it
   } else {
     copy.resize(n);
     std::memcpy(copy.data(), received.data, n * sizeof(double));

@@ -1,5 +1,5 @@
-// The messages of proto/poretwin.proto as plain structs, and their wire form. Keeps protobuf out of everybody's
-// headers.
+// The messages of proto/poretwin.proto as plain structs, and their conversion to bytes. Other headers need not include
+// protobuf.
 #pragma once
 
 #include "common/core/error.hpp"
@@ -17,17 +17,17 @@ namespace poretwin::coupling {
 inline constexpr std::uint32_t protocol_major = 1;
 inline constexpr std::uint32_t protocol_minor = 2;
 
-/// Reserved array names.
+/// Reserved names of arrays.
 inline constexpr std::string_view position_array = "@position";
 inline constexpr std::string_view volume_array = "@volume";
 inline constexpr std::string_view smoothing_length_array = "@smoothing_length";
 inline constexpr std::string_view owner_array = "@owner";
 inline constexpr std::string_view coverage_array = "@coverage";
 inline constexpr std::string_view asymmetry_array = "@asymmetry";
-/// Suffixes of a field's name: its values at the window's start; those with which the last pass ended.
+/// Suffixes of a field's name: its values at the window's start, and after the last pass.
 inline constexpr std::string_view start_suffix = "@start", found_suffix = "@found";
 
-/// Bytes with an owner that exists as long as anything, a socket included, still reads them.
+/// Bytes, and an owner that keeps them alive as long as anything, such as a socket, still reads them.
 struct Frame {
   std::shared_ptr<const void> owner;
   const char* data = nullptr;
@@ -38,8 +38,8 @@ struct Frame {
 /// [Header][raw frame]*
 using Frames = std::vector<Frame>;
 
-/// One named array of a message: n * components values. They are in `values` in a message made here; in a decoded one
-/// in `received`, and not copied before take().
+/// One named array of a message: n * components values. A message made here has them in `values`; a decoded one in
+/// `received`, from which take() copies them.
 struct Array {
   std::string name;
   std::string unit;
@@ -47,7 +47,8 @@ struct Array {
   std::vector<double> values;
   Frame received = {};
   [[nodiscard]] std::size_t size() const { return values.empty() ? received.size / sizeof(double) : values.size(); }
-  /// Moves the values out; once. Memory that another process can write is checked only after it has been copied here.
+  /// Moves the values out; may be called once. Values in memory that another process can write are checked after this
+  /// copy.
   std::vector<double> take();
 };
 
@@ -62,11 +63,11 @@ struct PointsInfo {
 struct CaseRequest {
   std::string role;
 };
-/// The case as the coupler reads it, for a participant without a file of its own.
+/// The case as the coupler has read it, for a participant without a file of its own.
 struct CaseFile {
   std::string text;                    ///< TOML
   std::vector<std::string> overrides;  ///< "section.key=value"
-  std::string digest;                  ///< of the coupled part
+  std::string digest;                  ///< digest of the part of the case on which both sides agree
   int dimension = 0;
 };
 struct Hello {
@@ -76,7 +77,7 @@ struct Hello {
   std::uint64_t process = 0;
   std::string host;
   bool keeps_checkpoints = false;
-  std::vector<std::string> checkpoints = {};  ///< it could resume from
+  std::vector<std::string> checkpoints = {};  ///< names of checkpoints from which it could resume
 };
 struct Welcome {
   double heartbeat_interval = 1.0;  ///< s
@@ -155,10 +156,10 @@ std::string_view name_of(const Body& body);
 /// "ADVANCE step 7 (t = 0.3 s)".
 std::string describe(const Message& message);
 
-/// Wire form; arrays are moved into their frames, not copied.
+/// A message as frames; arrays are moved into their frames, not copied.
 Frames encode(Message message);
-/// The message of a wire form. Throws PeerError saying what is wrong: no header, unknown kind, frame count, frame size,
-/// element type. The bodies of another protocol_major are not looked at (the caller refuses the peer by `major`).
+/// The message in a list of frames. Throws PeerError saying what is wrong: no header, unknown kind, number or size of
+/// frames, element type. For another protocol_major only the header is read (the caller refuses the peer by `major`).
 Message decode(const Frames& frames);
 
 }  // namespace poretwin::coupling

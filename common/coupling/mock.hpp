@@ -1,5 +1,5 @@
-// A phase made of formulas: the partner in tests of the coupler and of each solver, and something to run against while
-// the other side does not exist yet.
+// A phase made of formulas: a partner in tests of the coupler and of each solver, and a substitute for a missing
+// solver.
 #pragma once
 
 #include "common/coupling/phase.hpp"
@@ -11,32 +11,32 @@
 
 namespace poretwin::coupling {
 
-/// Points on a square lattice that fills [lower, lower + extent], the first half a spacing in; all active.
+/// Points of a square lattice that fills [lower, lower + extent], half a spacing from its edges; all are active.
 PointSet lattice_points(int dimension, const std::vector<double>& lower, const std::vector<double>& extent,
                         double spacing, double smoothing_per_spacing = 1.3);
 
-/// Value of a component of a named field at x [dimension] and time t.
+/// Value of a component of the named field at the position x [dimension] and time t [s].
 using FieldFormula = std::function<double(const std::string& name, int component, const double* x, double t)>;
 
-/// A publication of the standard contract with fields by formula; fractions default to 1 (soil) and 0.6 where the
-/// formula is empty.
+/// A publication of the standard contract with field values by a formula. Without one, soil_fraction is 1 and
+/// solid_volume_fraction 0.6.
 Publication formula_publication(Role role, double t, PointSet points, const FieldFormula& formula = {});
 
-/// Faults of the mock, and when they occur. Steps count from 1; 0: never.
+/// Faults that the mock commits, and at which step. Steps count from 1; 0: never.
 struct MockKnobs {
-  std::map<std::uint64_t, int> rejections;      ///< step -> how many times in a row that window is refused
-  std::uint64_t nan_at = 0;                     ///< publishes NaN after this step ...
-  std::string nan_field{field::pore_pressure};  ///< ... in the last point of this field
-  std::uint64_t die_at = 0;                     ///< throws MockDeath inside this step: no word to anybody
+  std::map<std::uint64_t, int> rejections;      ///< step -> number of times in a row that its window is rejected
+  std::uint64_t nan_at = 0;                     ///< publishes NaN after this step
+  std::string nan_field{field::pore_pressure};  ///< field whose last point is then NaN
+  std::uint64_t die_at = 0;                     ///< throws MockDeath inside this step, without telling the coupler
   std::uint64_t diverge_at = 0;                 ///< throws DivergedError inside this step
-  std::uint64_t freeze_at = 0;                  ///< calls on_freeze inside this step and then sleeps for freeze_for
+  std::uint64_t freeze_at = 0;                  ///< calls on_freeze inside this step, then sleeps for freeze_for
   std::chrono::milliseconds freeze_for{0};
   std::function<void()> on_freeze;
-  std::chrono::milliseconds per_step{0};  ///< slow: sleeps this long in every step
+  std::chrono::milliseconds per_step{0};  ///< sleeps this long in every step
   std::string digest = "mock";
 };
 
-/// Deliberately no std::exception: it passes all code that reports errors, as kill -9 does.
+/// Not derived from std::exception, so that it passes all code that reports errors, as kill -9 would.
 struct MockDeath {};
 
 class MockPhase : public Phase {
@@ -55,9 +55,9 @@ class MockPhase : public Phase {
   [[nodiscard]] std::vector<GaugeReading> gauges() const override;
   [[nodiscard]] std::map<std::string, double> counters() const override;
 
-  // Calls and inputs of the mock, for tests to check.
+  // Calls and inputs of the mock, which tests check.
   struct Seen {
-    std::vector<Window> windows;  ///< every attempt
+    std::vector<Window> windows;  ///< all attempts, repeated ones included
     std::vector<Inbox> inboxes;   ///< of initialise, then of every attempt
     int restores = 0;
   };
@@ -85,7 +85,7 @@ class MemoryRecorder final : public Recorder {
     double time = 0.0;
     std::vector<GaugeReading> readings;
   };
-  std::vector<double> frames;  ///< s, their times
+  std::vector<double> frames;  ///< s, time of each frame
   std::vector<Readings> series;
   void frame(const OutputFrame& frame) override { frames.push_back(frame.time); }
   void gauges(double time, const std::vector<GaugeReading>& readings) override { series.push_back({time, readings}); }

@@ -1,4 +1,4 @@
-// The client by which a phase takes part in a coupled run: handshake, commands with deadlines, publications,
+// The client through which a phase takes part in a coupled run: handshake, commands with deadlines, publications,
 // heartbeats.
 #pragma once
 
@@ -10,14 +10,14 @@
 namespace poretwin::coupling {
 
 struct ParticipantOptions {
-  Milliseconds welcome_deadline{60'000};        ///< for the coupler to answer the HELLO
-  Milliseconds coupler_deadline{60'000};        ///< silence after which the coupler counts as frozen
-  Milliseconds say_every{5'000};                ///< while waiting
-  std::function<void(const std::string&)> say;  ///< one line for the log; absent: silence
-  std::function<bool()> interrupted;            ///< has a person asked to stop? Sent to the coupler by heartbeat
+  Milliseconds welcome_deadline{60'000};        ///< for the coupler's answer to HELLO
+  Milliseconds coupler_deadline{60'000};        ///< without a message, before the coupler counts as frozen
+  Milliseconds say_every{5'000};                ///< interval of log lines while waiting
+  std::function<void(const std::string&)> say;  ///< writes one line to the log; absent: no log
+  std::function<bool()> interrupted;            ///< whether a user asked to stop; heartbeats pass it to the coupler
   std::string software = "poretwin";
   bool keeps_checkpoints = false;
-  std::vector<std::string> checkpoints;  ///< that it could resume from
+  std::vector<std::string> checkpoints;  ///< names of checkpoints from which it could resume
 };
 
 /// The coupler's next request.
@@ -26,49 +26,51 @@ struct Command {
   Kind kind = Kind::finish;
   Window window;
   Inbox inbox;
-  bool record_frame = false;   ///< the state at the window's end (initialise: at time zero) belongs in the output,
-  bool record_gauges = false;  ///< written when the next advance or finish says that the window stands
+  /// Whether the state at the window's end (initialise: at time zero) is recorded, once the window is known to be
+  /// final.
+  bool record_frame = false;
+  bool record_gauges = false;
   std::string reason;
-  std::string checkpoint;         ///< to write, or to resume from
-  std::vector<std::string> keep;  ///< earlier checkpoints to keep
+  std::string checkpoint;         ///< name of the one to write, or from which to resume
+  std::vector<std::string> keep;  ///< names of earlier checkpoints to keep
 };
 
 struct ParticipantTotals {
-  std::uint64_t messages_sent = 0, messages_received = 0;  ///< heartbeats not counted
+  std::uint64_t messages_sent = 0, messages_received = 0;  ///< without heartbeats
   std::uint64_t bytes_sent = 0, bytes_received = 0;        ///< headers and frames
   double sending = 0.0, waiting = 0.0;                     ///< s
 };
 
-/// Asks the coupler for its case, on a line that has not said HELLO yet. Throws as Participant::join does.
+/// Requests the case from the coupler, before HELLO is sent on this line. Throws as Participant::join does.
 CaseFile request_case(Transport& transport, Role role, const ParticipantOptions& options);
 
 class Participant {
  public:
   Participant(std::unique_ptr<Transport> transport, Role role, Contract contract, ParticipantOptions options = {});
-  /// Closes the connection silently when neither bye() nor abort() was called: the coupler reports a death.
+  /// Closes the connection silently where neither bye() nor abort() was called: the coupler then reports a death.
   ~Participant();
   Participant(const Participant&) = delete;
   Participant& operator=(const Participant&) = delete;
 
-  /// HELLO and WELCOME. Throws PeerError when refused (naming what differs) or when nobody answers in time.
+  /// Exchanges HELLO and WELCOME. Throws PeerError when refused (naming what differs) or when no answer comes in time.
   void join();
-  /// Answers initialise, resume and advance, and opens the conversation at time zero.
+  /// Answers initialise, resume and advance.
   void publish(Publication publication);
-  /// Answers an advance that must be repeated with a shorter window.
+  /// Answers advance, where the window must be repeated with a shorter length.
   void reject(const Outcome& outcome);
   /// Answers checkpoint.
   void confirm_checkpoint(const std::string& name);
   /// Waits for the next command. Throws Error with the coupler's reason on ABORT, PeerError when the coupler is gone or
   /// silent.
   Command receive();
-  /// Reports to all others that this phase cannot go on.
+  /// Reports to the coupler, and through it to all, that this phase cannot continue.
   void abort(const std::string& reason, ExitCode code);
   void bye(const std::string& reason);
 
   [[nodiscard]] Role role() const;
   [[nodiscard]] const Contract& contract() const;
   [[nodiscard]] ParticipantTotals totals() const;
-  /// For mocks that behave like a frozen process.
+  /// false: no heartbeats, as from a frozen process; for mocks.
   void set_heartbeats(bool on);
 
  private:

@@ -1,4 +1,4 @@
-// The whole main of a solver process: everything but the physics, which `make` brings.
+// The main function of a solver process, except for the physics, which `make` supplies.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -9,10 +9,10 @@
 
 namespace poretwin::coupling {
 
-/// Runs the phase that `make` creates for this role and, of the fluid's, this representation of the water; refuses
-/// cases with another. Arguments: --out DIR (--connect ADDRESS [--case FILE]
-/// --alone --case FILE) [--set key=value]... [--progress-fd N]. Writes OUT/<role>.summary.json unless OUT belongs to
-/// another run; prints one clear message on failure. Returns the exit code.
+/// Runs the phase that `make` creates. Refuses cases for another role or, with the role fluid, for another
+/// representation of the water. Arguments: --out DIR (--connect ADDRESS [--case FILE] | --alone --case FILE) [--set
+/// key=value]... [--progress-fd N]. Writes OUT/<role>.summary.json unless OUT belongs to another run; prints one clear
+/// message on failure. Returns the exit code.
 int phase_main(int argc, char** argv, Role role, std::function<std::unique_ptr<Phase>(const Case&)> make,
                FluidCase::Representation representation = FluidCase::Representation::particles);
 

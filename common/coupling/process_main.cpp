@@ -22,15 +22,15 @@ std::filesystem::path summary_file(const Arguments& arguments, const std::string
   return arguments.out / (name + ".summary.json");
 }
 
-/// Did the last run of this process in OUT, as its summary says, end well?
+/// Whether the last run of this process in OUT succeeded, according to its summary.
 bool has_finished(const Arguments& arguments, const std::string& name) {
   std::ifstream stream(summary_file(arguments, name));
   const std::string text{std::istreambuf_iterator<char>(stream), {}};
   return text.find("\"exit\": 0,") != std::string::npos;
 }
 
-/// Checks the folder of a process that the user starts by hand; `poretwin run` has checked it already. Throws
-/// FileError. False: there is nothing to do.
+/// Checks the folder of a process that a user starts directly; `poretwin run` has already checked it. Throws FileError.
+/// Returns false where the run has already finished.
 bool may_begin(const Arguments& arguments, const std::string& name) {
   const bool stopped = has_checkpoints(arguments.out, name), finished = has_finished(arguments, name);
   if (!arguments.resume && !arguments.overwrite && stopped && !finished)
@@ -49,7 +49,7 @@ int process_main(int argc, char** argv, const std::string& called, const std::st
   Arguments arguments;
   ExitCode code = ExitCode::success;
   std::string reason;
-  std::optional<FileLock> lock;  // none: what lies in the folder is another run's
+  std::optional<FileLock> lock;  // absent: the folder belongs to another run
   auto fail = [&](ExitCode why, const std::string& what) {
     code = why;
     reason = what;
@@ -99,7 +99,7 @@ int process_main(int argc, char** argv, const std::string& called, const std::st
     summary.wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     write_summary(summary_file(arguments, name), summary);
   } catch (const std::exception& error) {
-    // After a failure this error is not the cause: `poretwin run` shows the last error of a log.
+    // After a failure this error is only a consequence: `poretwin run` shows the last error of a log.
     log_line(name + (code == ExitCode::success ? ": error: " : ": and then: ") + error.what());
     if (code == ExitCode::success) code = ExitCode::input_output;
   }

@@ -1,4 +1,4 @@
-// A ROUTER socket behind the Hub interface. The gate knows which descriptor is whose and which has closed.
+// A ROUTER socket behind the Hub interface. The gate knows the descriptor of each line, and which lines have closed.
 #include "common/core/fault.hpp"
 #include "common/coupling/gate.hpp"
 #include "common/coupling/shared_memory.hpp"
@@ -20,7 +20,7 @@ bool is_loopback(const std::string& address) {
   return false;
 }
 
-/// Answers ZeroMQ's question (ZAP, rfc.zeromq.org/spec/27) whether a key is admitted.
+/// Answers ZeroMQ's authentication requests (ZAP, rfc.zeromq.org/spec/27): is a key admitted?
 class Doorkeeper {
  public:
   Doorkeeper(zmq::context_t& context, const CurveKeys& keys) : socket_(context, zmq::socket_type::rep) {
@@ -31,7 +31,7 @@ class Doorkeeper {
     socket_.bind("inproc://zeromq.zap.01");
   }
   void* handle() { return socket_.handle(); }
-  /// Answers one question; returns the address of a connection that was refused, empty otherwise.
+  /// Answers one request; returns the address of a refused connection, else an empty text.
   std::string answer() {
     const auto request = receive_frames(socket_);
     if (!request) return {};
@@ -72,7 +72,7 @@ class Router final : public Hub {
         doorkeeper_.emplace(context_, *keys);
       }
       const bool guarded = callers == Callers::anybody;
-      if (guarded) router_.set(zmq::sockopt::handshake_ivl, 10'000);  // ms: who has not greeted by then is let go
+      if (guarded) router_.set(zmq::sockopt::handshake_ivl, 10'000);  // ms; longest handshake
       watch(router_, monitor_, ZMQ_EVENT_ACCEPTED | ZMQ_EVENT_DISCONNECTED | ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL);
       gate_.emplace(monitor_, guarded ? std::optional(GateLimits{}) : std::nullopt, !keys && !allow_any_address);
       router_.bind(address);
@@ -116,7 +116,7 @@ class Router final : public Hub {
   std::string address() const override { return address_; }
 
  private:
-  /// Messages come before closings: the last message of a peer that dies came in before its line was closed.
+  /// Messages are returned before closings: the last message of a peer that died arrived before its line closed.
   std::optional<Event> next() {
     if (closing_.empty()) closing_ = gate_->closed().value_or("");
     if (auto event = receive_message()) return event;
@@ -126,14 +126,15 @@ class Router final : public Hub {
     return Event{std::exchange(closing_, {}), {}};
   }
 
-  /// Memory that both ends of a line within one machine share.
+  /// Shared memory of both ends of a line within one machine.
   struct Shared {
     LentMemory lent;
     BorrowedMemory borrowed;
     bool may_lend = false;
   };
 
-  /// The memory shared with the other end of a line, if it is within reach; at the first call it is offered some.
+  /// The memory shared with the other end of a line, or nullptr where it is not accessible. The first call offers
+  /// memory.
   Shared* shared_with(const std::string& line) {
     if (const auto found = shared_.find(line); found != shared_.end()) return &found->second;
     const auto theirs = may_share_ ? sharing::read_routing_id(line) : std::nullopt;
@@ -144,7 +145,7 @@ class Router final : public Hub {
     return &shared_.emplace(line, std::move(shared)).first->second;
   }
 
-  /// The next message that is meant for the coupler.
+  /// The next message for the coupler.
   std::optional<Event> receive_message() {
     while (auto event = receive_any()) {
       auto* shared = shared_with(event->line);
@@ -154,7 +155,7 @@ class Router final : public Hub {
         continue;
       }
       event->frames = shared->borrowed.borrow(std::move(event->frames));
-      // Its sender is gone, and with it its last message. If it is not, the gap in its sequence numbers shows.
+      // The sender has died, and its shared memory with it. Otherwise the gap in its sequence numbers is detected.
       if (!sharing::is_table(event->frames)) return event;
     }
     return std::nullopt;
@@ -175,7 +176,7 @@ class Router final : public Hub {
       event.frames.push_back(keep(std::move(part)));
     }
     if (!gate_->heard(event.line, descriptor)) return std::nullopt;
-    if (event.frames.empty()) event.frames.push_back(Frame::of(std::string()));  // an empty message is no closing
+    if (event.frames.empty()) event.frames.push_back(Frame::of(std::string()));  // empty: closed line
     return event;
   }
 
@@ -184,10 +185,10 @@ class Router final : public Hub {
   zmq::socket_t router_, monitor_;
   std::optional<Doorkeeper> doorkeeper_;
   std::optional<Gate> gate_;
-  std::string closing_;  ///< a line that has closed, when nothing more can come from it
+  std::string closing_;  ///< a line that has closed, to be reported once its last messages are read
   bool may_share_ = false;
   std::map<std::string, Shared> shared_;  ///< by line
-  std::set<std::string> asked_;           ///< lines whose memory has been tried
+  std::set<std::string> asked_;           ///< lines with which sharing memory has been tried
 };
 
 }  // namespace

@@ -19,20 +19,20 @@
 namespace poretwin::coupling {
 namespace {
 
-// A protobuf header begins with 0x08, so that these cannot be mistaken for one.
+// A protobuf header begins with 0x08, so that these texts cannot be mistaken for one.
 constexpr std::string_view table_mark = "\xffPORETWIN table", offer_mark = "\xffPORETWIN offer",
                            accept_mark = "\xffPORETWIN accept", routing_mark = "\x01PORETWIN memory";
 constexpr const char* file_name = "poretwin";
 constexpr std::size_t largest_memory = std::size_t{4} << 30;  ///< bytes, of one message
 
-/// The beginning of every piece of shared memory.
+/// The first bytes of every block of shared memory.
 struct Head {
-  std::atomic<std::uint32_t> lent;  ///< 1 from the sender's first byte to the receiver's last look
+  std::atomic<std::uint32_t> lent;  ///< 1 from the sender's first write to the receiver's last read
   std::uint64_t token;
 };
 static_assert(std::atomic<std::uint32_t>::is_always_lock_free);
 
-/// Frames begin at cache lines, the first behind the head.
+/// Frames begin at multiples of a cache line, after the head.
 constexpr std::size_t line_size = 64;
 constexpr std::size_t aligned(std::size_t bytes) { return (bytes + line_size - 1) / line_size * line_size; }
 static_assert(sizeof(Head) <= line_size);
@@ -112,7 +112,7 @@ struct LentMemory::Slot {
   [[nodiscard]] bool free() const { return memory.head().lent.load(std::memory_order_acquire) == 0; }
 
  private:
-  /// Makes memory that is sealed against shrinking, so that a reader never finds it shorter than expected.
+  /// Makes memory that is sealed against shrinking, so that a reader never finds it shorter than announced.
   static int make(std::size_t size) {
     const int file = ::memfd_create(file_name, MFD_CLOEXEC | MFD_ALLOW_SEALING);
     if (file >= 0 && (::ftruncate(file, static_cast<off_t>(size)) != 0 ||
@@ -183,7 +183,7 @@ std::shared_ptr<BorrowedMemory::View> BorrowedMemory::view(const MemoryName& nam
   if (const int seals = ::fcntl(file.value, F_GET_SEALS); seals < 0 || (seals & F_SEAL_SHRINK) == 0) return nullptr;
   auto seen = std::make_shared<View>(file.value, static_cast<std::size_t>(status.st_size));
   if (!seen->memory.bytes || seen->memory.head().token != name.token) return nullptr;
-  // The lender has dropped memory that it no longer used; it is not known here which.
+  // The lender has dropped memory that it did not need any more, but not said which.
   if (views_.size() >= 2 * LentMemory::most_slots) views_.clear();
   return views_[name.token] = std::move(seen);
 }

@@ -1,6 +1,6 @@
-// Large frames between two processes of one machine: they lie in memory that both see, and only a table of their sizes
-// goes through the socket, which would copy every byte into the kernel and out again. The memory is anonymous (memfd):
-// it has no name that could stay behind, and ends with the processes. Messages are the same either way.
+// Shared memory for large frames between two processes of one machine. Only a table of their sizes goes through the
+// socket, which would copy every byte into the kernel and out again. The memory is anonymous (memfd): it has no name
+// that could remain, and ends with the processes. The messages are the same either way.
 #pragma once
 
 #include "common/coupling/message.hpp"
@@ -14,25 +14,26 @@
 
 namespace poretwin::coupling {
 
-/// Where another process of the same user finds memory, and a token by which it knows that this is the right one: in
-/// another container the same process number may belong to another process.
+/// Where another process of the same user finds the memory, and a token by which it recognises it: in another container
+/// the same process number may belong to another process.
 struct MemoryName {
   std::int32_t process = 0, descriptor = 0;
   std::uint64_t token = 0;
 };
 
-/// Memory that one end of a line lends to the other. For one thread.
+/// Memory that one end of a line lends to the other. To be used by one thread.
 class LentMemory {
  public:
-  /// Messages that can be under way at once; further ones go through the socket.
+  /// Number of messages that can be in the memory at once; further ones go through the socket.
   static constexpr std::size_t most_slots = 4;
-  /// Messages with smaller frames are as fast through the socket [bytes].
+  /// Messages with fewer bytes are as fast through the socket.
   static constexpr std::size_t worthwhile = 32 << 10;
 
-  /// The name of memory for a trial: who can reach it can reach the rest. None where the kernel gives no memory.
+  /// The name of a block of memory, for a test: who can access it can access the others. Nothing where the kernel gives
+  /// no memory.
   [[nodiscard]] std::optional<MemoryName> name();
-  /// [header][frame]* becomes [table][header][frame or empty]*, the frames' bytes in memory; a small message, and one
-  /// for which no memory is free, stays as it is.
+  /// Turns [header][frame]* into [table][header][frame or empty]*, with the bytes of the frames in shared memory. A
+  /// small message, and one for which no memory is free, is returned unchanged.
   Frames lend(Frames frames);
 
  private:
@@ -41,12 +42,13 @@ class LentMemory {
   std::vector<std::shared_ptr<Slot>> slots_;
 };
 
-/// Another process's memory as it is read here. For one thread; the frames may go to others.
+/// Access to memory that another process lends. To be used by one thread; the frames may be passed to others.
 class BorrowedMemory {
  public:
+  /// Whether that memory can be accessed.
   [[nodiscard]] bool reaches(const MemoryName& name);
-  /// The message that was given to lend(): its frames lie in shared memory until their last owner releases them. A
-  /// message without a table stays as it is, and so does one whose table is wrong: decode() then refuses it.
+  /// The message that was passed to lend(); its frames are in shared memory until their last owner releases them.
+  /// Messages without a table, or with a wrong one, are returned unchanged: decode() refuses the latter.
   Frames borrow(Frames frames);
 
  private:
@@ -55,16 +57,16 @@ class BorrowedMemory {
   std::map<std::uint64_t, std::shared_ptr<View>> views_;  ///< by token
 };
 
-/// Messages by which the two ends agree before they lend; the user of a line never sees them. A DEALER names its memory
-/// in its routing id; a ROUTER that can reach it names its own in an offer; a DEALER that can reach that accepts.
+/// Messages by which both ends agree to share memory; users of a line never see them. A DEALER names its memory in its
+/// routing id. A ROUTER that can access it offers its own. A DEALER that can access that accepts.
 namespace sharing {
 
-/// "" when there is no memory.
+/// The routing id; empty where there is no memory.
 std::string routing_id(const std::optional<MemoryName>& name);
 std::optional<MemoryName> read_routing_id(const std::string& id);
 Frames offer(const MemoryName& name);
 std::optional<MemoryName> read_offer(const Frames& frames);
-/// A message whose bytes are in memory that could not be reached: left behind by borrow().
+/// Whether the message is one whose memory could not be accessed, so that borrow() returned it unchanged.
 bool is_table(const Frames& frames);
 Frames accept();
 bool is_accept(const Frames& frames);

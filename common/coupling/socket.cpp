@@ -1,5 +1,5 @@
-// A DEALER socket behind the Transport interface, without a thread of its own: one more thread on the way would cost
-// one more wake-up for each message. Sending and receiving lock the socket while they run.
+// A DEALER socket behind the Transport interface. It has no thread of its own, which would add one wake-up to each
+// message; sending and receiving lock the socket while they run.
 #include "common/core/fault.hpp"
 #include "common/coupling/shared_memory.hpp"
 #include "common/coupling/socket_options.hpp"
@@ -51,7 +51,7 @@ class Socket final : public Transport {
   ~Socket() override {
     while (look()) {
     }
-    if (!open_ || lost_) dealer_.set(zmq::sockopt::linger, 0);  // there is nobody to hear the rest
+    if (!open_ || lost_) dealer_.set(zmq::sockopt::linger, 0);  // no connection: remaining messages are dropped
     dealer_.close();
     monitor_.close();
     ::close(wake_);
@@ -65,7 +65,7 @@ class Socket final : public Transport {
     } catch (const zmq::error_t& error) {
       throw Error(ExitCode::failure, "sending to the coupler at " + address_ + " failed: " + error.what());
     }
-    // Sending also reads which events have come in, and consumes the signal that receive() may be waiting for.
+    // Sending also reads pending events, and so consumes the signal for which receive() may be waiting.
     if ((uninterrupted([&] { return dealer_.get(zmq::sockopt::events); }) & ZMQ_POLLIN) != 0) wake();
   }
 
@@ -76,7 +76,7 @@ class Socket final : public Transport {
       const auto left = std::chrono::ceil<Milliseconds>(end - std::chrono::steady_clock::now()).count();
       if (lost_ || left <= 0) return std::nullopt;
       auto items = signals_;
-      if (::poll(items.data(), items.size(), static_cast<int>(left)) < 0) return std::nullopt;  // a person's
+      if (::poll(items.data(), items.size(), static_cast<int>(left)) < 0) return std::nullopt;  // a signal
       std::uint64_t count = 0;
       [[maybe_unused]] const auto got = ::read(wake_, &count, sizeof count);
     }
@@ -95,11 +95,11 @@ class Socket final : public Transport {
  private:
   void wake() const {
     const std::uint64_t one = 1;
-    // The counter cannot overflow in practice, and a full one wakes as well.
+    // The counter cannot overflow in practice; a full one would wake the reader, too.
     [[maybe_unused]] const auto written = ::write(wake_, &one, sizeof one);
   }
 
-  /// The next message if there is one; also reads what has happened to the connection.
+  /// The next message, if there is one; also reads the events of the connection.
   std::optional<Frames> look() {
     const std::lock_guard lock(mutex_);
     if (auto frames = next_message()) return frames;
@@ -117,7 +117,7 @@ class Socket final : public Transport {
         lost_ = true;
       }
     }
-    // The last message of the other end came in before its closing did.
+    // The last message of the other end arrived before its closing.
     return something ? next_message() : std::nullopt;
   }
 
@@ -135,14 +135,14 @@ class Socket final : public Transport {
   int wake_;
   zmq::context_t context_{1};
   zmq::socket_t dealer_, monitor_;
-  std::array<pollfd, 3> signals_{};  ///< that there may be something to look at
-  std::mutex mutex_;                 ///< of the two sockets and of the memory
+  std::array<pollfd, 3> signals_{};  ///< descriptors that are readable when there may be news
+  std::mutex mutex_;                 ///< guards both sockets and the shared memory
   bool open_ = false;
   std::atomic<bool> lost_ = false, rejected_ = false;
   std::atomic<int> descriptor_ = -1;
   LentMemory lent_;
   BorrowedMemory borrowed_;
-  bool may_lend_ = false;  ///< the other end has said that it reaches it
+  bool may_lend_ = false;  ///< the other end can access the memory
 };
 
 }  // namespace

@@ -1,5 +1,5 @@
-// What the participant's and the coupler's sockets share: options, frames in and out, monitor events. Includes zmq.hpp:
-// keep it out of other headers.
+// Common parts of the participant's and the coupler's sockets: options, frames in and out, monitor events. Includes
+// zmq.hpp: do not include this file in other headers.
 #pragma once
 
 #include "common/coupling/transport.hpp"
@@ -15,20 +15,20 @@
 
 namespace poretwin::coupling {
 
-/// A frame that claims to be larger ends its connection before memory is taken for it: 40 million points of 3
-/// components.
+/// Bytes; a connection that announces a larger frame is ended before memory is allocated. Enough for 40 million points
+/// with 3 components.
 inline constexpr std::int64_t largest_frame = std::int64_t{1} << 30;
 
 template <class Socket>
 void set_common_options(Socket& socket, const std::string& address) {
-  socket.set(zmq::sockopt::linger, 2000);  // ms: an ABORT or BYE still goes out, a dead peer does not hold us
-  socket.set(zmq::sockopt::sndhwm, 0);     // the exchange itself bounds what is under way: one window
+  socket.set(zmq::sockopt::linger, 2000);  // ms; an ABORT or BYE is still sent, but a dead peer does not delay the exit
+  socket.set(zmq::sockopt::sndhwm, 0);     // no limit: there is at most one window's exchange under way
   socket.set(zmq::sockopt::rcvhwm, 0);
   socket.set(zmq::sockopt::maxmsgsize, largest_frame);
-  socket.set(zmq::sockopt::reconnect_ivl, 50);  // ms: start order does not matter, so look again soon
+  socket.set(zmq::sockopt::reconnect_ivl, 50);  // ms; processes may start in any order: try again soon
   socket.set(zmq::sockopt::reconnect_ivl_max, 500);
   if (address.rfind("tcp:", 0) == 0) {
-    // A cut line shows as a disconnect after some 20 s; freezing is left to the heartbeats of the participants.
+    // A cut line is detected as a disconnect after some 20 s; frozen processes are detected by missing heartbeats.
     socket.set(zmq::sockopt::tcp_keepalive, 1);
     socket.set(zmq::sockopt::tcp_keepalive_idle, 10);
     socket.set(zmq::sockopt::tcp_keepalive_intvl, 3);
@@ -36,34 +36,34 @@ void set_common_options(Socket& socket, const std::string& address) {
   }
 }
 
-/// The kernel of a living host acknowledges what it gets, whatever its processes do: bytes that stay unacknowledged
-/// mean a cut line or a dead host. False for anything but tcp.
+/// Whether bytes stay unacknowledged: a cut line or a dead host. The kernel of a living host acknowledges what it
+/// receives, whatever its processes do. Always false except for tcp.
 inline bool unacknowledged(int descriptor) {
   constexpr unsigned patience = 2000;  // ms since the last acknowledgement
   tcp_info info{};
   socklen_t size = sizeof info;
   if (descriptor < 0 || ::getsockopt(descriptor, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) return false;
-  // Not even sent: this host's own interface is down.
+  // Bytes that could not even be sent: this host's own interface is down.
   return (info.tcpi_unacked > 0 || info.tcpi_notsent_bytes > 0) &&
          (info.tcpi_retransmits > 0 || info.tcpi_last_ack_recv > patience);
 }
 
-/// Two processes of one machine may share memory; with keys nothing may pass in the clear.
+/// Processes of one machine may share memory, except with keys: then nothing may pass unencrypted.
 inline bool may_share(const std::string& address, const std::optional<CurveKeys>& keys) {
   return !keys && address.starts_with("ipc:");
 }
 
-/// A message that lends the frame's bytes to the socket and keeps their owner alive until they are sent.
+/// A message that uses the frame's bytes without a copy and keeps their owner alive until they are sent.
 inline zmq::message_t lend(Frame frame) {
   if (frame.size == 0) return zmq::message_t{};
   if (frame.size <= 256) return zmq::message_t(frame.data, frame.size);
   auto* kept = new Frame(std::move(frame));
-  // ZeroMQ only reads what is sent; its interface has no const.
+  // ZeroMQ only reads the data of messages that are sent, but its interface is not const.
   return zmq::message_t(
       const_cast<char*>(kept->data), kept->size, [](void*, void* hint) { delete static_cast<Frame*>(hint); }, kept);
 }
 
-/// Signals that a process handles, such as a person's Ctrl-C, end calls of ZeroMQ that do not even wait.
+/// Repeats a call of ZeroMQ that a signal, such as Ctrl-C, has interrupted; even calls that do not wait can be.
 template <class Call>
 auto uninterrupted(Call&& call) {
   for (;;) try {
@@ -95,7 +95,7 @@ inline Frame keep(zmq::message_t message) {
   return {std::move(kept), data, size};
 }
 
-/// One whole multipart message if one is there.
+/// One complete multipart message, if there is one.
 inline std::optional<Frames> receive_frames(zmq::socket_t& socket) {
   Frames frames;
   bool more = true;
@@ -134,7 +134,7 @@ inline std::optional<MonitorEvent> next_event(zmq::socket_t& monitor) {
   return MonitorEvent{kind, value};
 }
 
-/// False when the context is gone; a signal counts as a wake-up.
+/// Waits for one of the items. Returns false where the context has been closed; a signal counts as a wake-up.
 template <std::size_t N>
 bool poll_all(std::array<zmq::pollitem_t, N>& items, Milliseconds timeout) {
   try {

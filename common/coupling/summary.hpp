@@ -1,4 +1,4 @@
-// What every process leaves behind and says on its way: OUT/NAME.summary.json, progress lines, log lines.
+// Output of every process about itself: OUT/NAME.summary.json at the end, progress lines and log lines during the run.
 #pragma once
 
 #include "common/core/error.hpp"
@@ -20,16 +20,16 @@ struct RunSummary {
   ExitCode exit = ExitCode::success;
   std::string reason = "end";
   double wall = 0.0;     ///< s
-  NamedNumbers seconds;  ///< where the wall-clock went
+  NamedNumbers seconds;  ///< s of wall-clock time per activity
   NamedNumbers steps;
   NamedNumbers counters;
   std::vector<Warning> warnings;
   std::vector<std::string> files;
 };
 
-/// {"process","exit","reason","wall_s","cpu_s","cpu_first_thread_s","memory_bytes","seconds":{},"steps":{},"counters":{},
-/// "warnings":[{"what","count","detail","result_in_doubt"}],"files":[]}, written whole or not at all, by the first
-/// thread; memory: the largest so far. Throws FileError.
+/// Writes {"process","exit","reason","wall_s","cpu_s","cpu_first_thread_s","memory_bytes","seconds":{},"steps":{},
+/// "counters":{},"warnings":[{"what","count","detail","result_in_doubt"}],"files":[]}, completely or not at all. To be
+/// called by the first thread, whose CPU time it reads. memory_bytes: the largest so far. Throws FileError.
 void write_summary(const std::filesystem::path& path, const RunSummary& summary);
 
 /// A JSON string literal, quotes included.
@@ -37,7 +37,7 @@ std::string json_string(const std::string& text);
 /// A JSON number; null when it is not finite.
 std::string json_number(double value);
 
-/// Where a run stands.
+/// The state of a run, for progress lines.
 struct Progress {
   double time = 0.0, end = 0.0;  ///< s
   std::uint64_t step = 0;
@@ -45,15 +45,16 @@ struct Progress {
   std::string waiting_for;
 };
 
-/// JSON lines {"t","end","step","dt","waiting_for"} to a descriptor, at most 10 per second; a closed reader is ignored.
+/// Writes JSON lines {"t","end","step","dt","waiting_for"} to a descriptor, at most 10 per second; a closed reader is
+/// ignored.
 class ProgressLines {
  public:
   explicit ProgressLines(int descriptor) : descriptor_(descriptor) {}
-  /// `last` lines are never left out.
+  /// `last`: this line is written in any case.
   void write(const Progress& progress, bool last = false);
 
  private:
-  int descriptor_;  ///< negative: nobody listens
+  int descriptor_;  ///< negative: no progress lines
   std::chrono::steady_clock::time_point next_{};
 };
 

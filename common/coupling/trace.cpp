@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// From top to bottom on the time line.
+/// Order from top to bottom of the time line.
 constexpr std::array<const char*, 3> processes{"coupler", "fluid", "solid"};
 
 double microseconds(std::chrono::steady_clock::duration d) {
@@ -50,7 +50,7 @@ bool join_traces(const fs::path& out) {
     std::ifstream part(trace_part(out, process), std::ios::binary);
     if (!part) continue;
     for (std::string line; std::getline(part, line);) {
-      if (!line.ends_with('}')) continue;  // a process was killed as it wrote
+      if (!line.ends_with('}')) continue;  // incomplete: the process was killed while writing
       if (!stream.is_open()) {
         stream.open(whole, std::ios::binary);
         stream << "{\"displayTimeUnit\":\"ms\",\"traceEvents\":[\n" << line;

@@ -1,4 +1,5 @@
-// Where the wall-clock goes: sums for the summary and, for `poretwin run --profile`, every span on a time line.
+// Measures how the wall-clock time is spent: sums for the summary and, for `poretwin run --profile`, all spans on a
+// time line.
 #pragma once
 
 #include <chrono>
@@ -10,25 +11,26 @@ namespace poretwin::coupling {
 
 using Instant = std::chrono::steady_clock::time_point;
 
-/// The activities of one process over time in Chrome's trace format, one event a line: OUT/trace.<process>.json. All
-/// processes of a machine share the clock, so that their events fit on one time line.
+/// The activities of one process over time in Chrome's trace format, one event per line: OUT/trace.<process>.json. All
+/// processes of a machine share one clock, so that their events fit on one time line.
 class Trace {
  public:
-  /// Appends to the trace of a run that is resumed. Throws FileError.
+  /// Appends to the trace where a run is resumed. Throws FileError.
   Trace(const std::filesystem::path& out, const std::string& process);
   void add(const char* what, Instant begin, Instant end);
 
  private:
   std::ofstream stream_;
-  int number_;  ///< of the process, on the time line
+  int number_;  ///< number of the process, on the time line
 };
 
 /// The file with the events of a process.
 std::filesystem::path trace_part(const std::filesystem::path& out, const std::string& process);
-/// Makes OUT/trace.json from the parts of the processes, which are removed. False: there are none. Throws FileError.
+/// Joins the parts of the processes to OUT/trace.json and removes them. Returns false where there are none. Throws
+/// FileError.
 bool join_traces(const std::filesystem::path& out);
 
-/// Adds the time for which it exists [s] to a sum and, where there is a trace, its span to that.
+/// Measures its own lifetime [s]: adds it to a sum and, where there is a trace, records the span.
 class Span {
  public:
   Span(double& seconds, Trace* trace, const char* what) : seconds_(seconds), trace_(trace), what_(what) {}

@@ -45,7 +45,7 @@ void WarningLog::note_gauges(double time) {
   };
   std::vector<std::string> absent, empty;
   for (const auto& gauge : gauges_) {
-    // A gauge of several points or components has a series of each: name[0], name_x.
+    // A gauge with several points or components has one series for each: name[0], name_x.
     const bool read = std::any_of(series_.begin(), series_.end(), [&](const auto& entry) {
       const std::string& name = entry.first;
       return name == gauge || (name.starts_with(gauge) && (name[gauge.size()] == '[' || name[gauge.size()] == '_'));

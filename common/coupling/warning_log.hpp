@@ -1,5 +1,5 @@
-// The warnings of a run: each is logged when it first occurs; all are counted for the summary. A gauge that is never
-// read is a warning, too.
+// The warnings of a run: each is logged at its first occurrence, and all are counted for the summary. A gauge without
+// any reading is a warning, too.
 #pragma once
 
 #include "common/core/archive.hpp"
@@ -15,12 +15,12 @@ namespace poretwin::coupling {
 
 class WarningLog {
  public:
-  /// `say`: one line for the log. `gauges`: names of those in the case that this process reads.
+  /// `say`: writes one line to the log. `gauges`: names of the case's gauges that this process reads.
   void begin(std::function<void(const std::string&)> say, std::vector<std::string> gauges);
-  /// Takes the phase's warnings at this time [s], counted since the start.
+  /// Takes the phase's warnings at this time [s], with counts since the start.
   void note(double time, const std::vector<Warning>& warnings);
   void note_readings(const std::vector<GaugeReading>& readings);
-  /// Notes, at the run's end, gauges that were never read or never had a value.
+  /// At the run's end: warns of gauges that were never read or never had a value.
   void note_gauges(double time);
   [[nodiscard]] const std::vector<Warning>& all() const { return warnings_; }
   [[nodiscard]] bool result_in_doubt() const;
@@ -28,7 +28,7 @@ class WarningLog {
 
  private:
   struct Series {
-    double readings = 0.0, values = 0.0;  ///< in all; of these not nan
+    double readings = 0.0, values = 0.0;  ///< all readings; those that are not NaN
   };
   std::function<void(const std::string&)> say_;
   std::vector<std::string> gauges_;

@@ -13,14 +13,14 @@
 namespace poretwin::coupling {
 
 namespace {
-/// Instants closer than this fraction of their spacing are one instant.
+/// Times closer than this fraction of their spacing are the same time.
 constexpr double same = 1e-9;
 /// Windows shorter than this fraction of the run are lost in the rounding of its time. (Years of consolidation begin
 /// with windows of a millisecond, 1e-12 of the run.)
 constexpr double collapsed = 1e-15;
-/// Windows this far below the shortest time in which the scene moves follow no motion of the scene: at a speed that
-/// needs them water would cross thousands of spacings while it falls through one. A thousand in a row are more than an
-/// impact causes.
+/// Windows shorter than this fraction of the shortest characteristic time represent no motion of the scene: at a speed
+/// that needs them, water would cross thousands of spacings while it falls through one. An impact causes fewer than a
+/// thousand of them in a row.
 constexpr double far_below = 1e-4;
 constexpr std::uint64_t most_stuck = 1000;
 }  // namespace
@@ -46,7 +46,7 @@ WindowClock::Plan WindowClock::plan(double proposed) const {
   if (interval >= remaining * (1.0 - same)) {
     plan.end = target;
   } else {
-    // No very short windows: the last two windows before an instant share the time that is left.
+    // Avoids very short windows: the last two windows before an output time divide the remaining time equally.
     plan.end = interval > 0.5 * remaining ? time_ + 0.5 * remaining : time_ + interval;
     at_output = false;
   }

@@ -1,5 +1,5 @@
-// Chooses exchange windows so that output instants and the end are hit exactly; used by the coupler and by a phase run
-// alone.
+// Chooses time windows so that they end exactly at output times and at the end of the run. Used by the coupler and by a
+// phase that runs alone.
 #pragma once
 
 #include "common/core/archive.hpp"
@@ -15,25 +15,26 @@ class WindowClock {
  public:
   struct Settings {
     double end = 0.0;               ///< s
-    std::optional<double> longest;  ///< s, of a window
+    std::optional<double> longest;  ///< s, longest window
     double output_interval = 0.0;   ///< s between frames; 0: only the first and the last
-    double gauge_interval = 0.0;    ///< s between gauge readings; 0: every window. Gauges do not shorten windows
+    double gauge_interval = 0.0;    ///< s between readings; 0: every window. Gauges do not shorten windows
     /// s: shortest characteristic time of the scene (shortest_time()); a run whose windows stay far below it is ended
     /// as stuck. 0: unknown, no such check
     double shortest_time = 0.0;
-    std::string of_what = {};  ///< what that time belongs to, for the message
+    std::string of_what = {};  ///< name of that time, for the message
   };
   struct Plan {
-    double start = 0.0, interval = 0.0, end = 0.0;  ///< s; end is exact where it is an output instant
+    double start = 0.0, interval = 0.0, end = 0.0;  ///< s; end is exact where it is an output time
     bool record_frame = false, record_gauges = false;
   };
 
   explicit WindowClock(Settings settings) : settings_(settings) {}
 
-  /// The next window, no longer than `proposed` [s]. Throws Error when the window has collapsed to nothing.
+  /// The next window, at most `proposed` [s] long. Throws Error where windows have become too short to advance the
+  /// time.
   [[nodiscard]] Plan plan(double proposed) const;
-  /// Accepts a window: time moves on. held_by: what limited it. Throws DivergedError when windows have stayed so far
-  /// below the scene's shortest time for so long that the run would not end.
+  /// Accepts a window and advances the time. held_by: what limited it. Throws DivergedError where windows have stayed
+  /// far below the scene's shortest time for so long that the run would not end.
   void accept(const Plan& plan, const std::string& held_by = {});
   [[nodiscard]] bool finished() const { return time_ >= settings_.end; }
   [[nodiscard]] double time() const { return time_; }
@@ -41,12 +42,12 @@ class WindowClock {
   void archive(Archive& archive) { archive(time_, frames_, gauges_); }
 
  private:
-  /// Multiples of `interval` are counted, not summed, so that rounding does not add up.
+  /// Multiples of `interval` are counted, not summed, so that rounding errors do not accumulate.
   [[nodiscard]] double next_multiple(double interval, std::uint64_t passed) const;
 
   Settings settings_;
   double time_ = 0.0;
-  std::uint64_t frames_ = 0, gauges_ = 0;  ///< output and gauge instants passed
+  std::uint64_t frames_ = 0, gauges_ = 0;  ///< number of past output times and gauge times
   /// Number of windows in a row that were far shorter than shortest_time, and how many of them each cause limited. Not
   /// in checkpoints: a resumed run counts from zero.
   std::uint64_t stuck_ = 0;

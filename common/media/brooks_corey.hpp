@@ -1,4 +1,4 @@
-// Brooks & Corey (1964): a power law below the head at which air enters.
+// Retention after Brooks & Corey (1964): a power law for heads below the air entry head.
 #pragma once
 
 #include "common/media/retention_law.hpp"
@@ -7,7 +7,8 @@
 
 namespace poretwin::porous {
 
-/// S_e = (h_e / |psi|)^lambda below psi = -h_e, 1 above; k_r = S_e^(3 + 2 / lambda) (Burdine 1953).
+/// S_e = (h_e / |psi|)^lambda for psi < -h_e, else 1, with the air entry head h_e and the pore-size index lambda; k_r =
+/// S_e^(3 + 2 / lambda) (Burdine 1953).
 class BrooksCorey final : public RetentionCurve {
  public:
   BrooksCorey(double entry_head, double lambda) : entry_(entry_head), lambda_(lambda) {}
@@ -23,7 +24,7 @@ class BrooksCorey final : public RetentionCurve {
     const double value = std::pow(-entry_ / psi, exponent);
     return {value, -exponent * value / psi};
   }
-  double entry_;   ///< m
+  double entry_;   ///< h_e, m
   double lambda_;  ///< pore-size index
 };
 

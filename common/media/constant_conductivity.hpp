@@ -1,4 +1,4 @@
-// Linear Darcy flow whose conductivity does not change.
+// Linear Darcy flow with a conductivity that does not depend on the porosity.
 #pragma once
 
 #include "common/media/seepage_law.hpp"

@@ -1,21 +1,22 @@
-// Darcy-Forchheimer flow: coefficients of the case file, or Ergun's from the size of the grains.
+// Darcy-Forchheimer flow, with coefficients from the case file, or from the grain size by Ergun's law.
 #pragma once
 
 #include "common/media/kozeny_carman.hpp"
 
 namespace poretwin::porous {
 
-/// (1 - n) / n^3: how the quadratic coefficient follows the porosity in Ergun's law.
+/// (1 - n) / n^3, the dependence of the quadratic coefficient b on the porosity n in Ergun's law.
 inline double inertial_shape(double n) { return (1.0 - n) / (n * n * n); }
 
-/// A law known at one porosity, as Kozeny-Carman carries it to another: k ~ n^3/(1-n)^2, b ~ (1-n)/n^3. For what the
-/// other process has sent, and for edges, where soil fades into free water (n = 1: no resistance).
+/// A law that is known at one porosity, converted to another: k ~ n^3/(1-n)^2 (Kozeny-Carman), b ~ (1-n)/n^3. For
+/// values that the other process sent, and at edges of soil, where porosity rises to that of free water (n = 1: no
+/// resistance).
 inline Seepage carried_over(const Seepage& known, double known_porosity, double porosity) {
   return {known.conductivity * kozeny_carman_shape(porosity) / kozeny_carman_shape(known_porosity),
           known.quadratic * inertial_shape(porosity) / inertial_shape(known_porosity)};
 }
 
-/// Both coefficients given at the soil's own porosity.
+/// Both coefficients are given for the soil's own porosity.
 inline SeepageLaw forchheimer() {
   return {"forchheimer",
           "i = U/k + b U^2",
@@ -25,8 +26,9 @@ inline SeepageLaw forchheimer() {
           {{"forchheimer_coefficient", "s2/m2", "b at `porosity` (`forchheimer`)."}}};
 }
 
-/// Ergun (1952), Eqs. (91), (92) as corrected (the terms belong to U): kappa = n^3 D^2 / (A (1-n)^2), k = g kappa / nu,
-/// b = B / (sqrt(A) g n^1.5 sqrt(kappa)) = B (1-n) / (g n^3 D); A = 150 and B = 1.75 unless the case says otherwise.
+/// Ergun (1952), Eqs. (91), (92) as corrected (their terms contain U), with the grain size D and the permeability
+/// kappa: kappa = n^3 D^2 / (A (1-n)^2), k = g kappa / nu, b = B / (sqrt(A) g n^1.5 sqrt(kappa)) = B (1-n) / (g n^3 D).
+/// A = 150 and B = 1.75 unless the case gives others.
 inline SeepageLaw ergun() {
   return {"ergun",
           "k and b from the grains, Eqs. (91), (92) as corrected",

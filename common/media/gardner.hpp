@@ -1,4 +1,4 @@
-// Gardner (1958): exponential curves, for which Richards' equation is linear in k.
+// Retention after Gardner (1958): exponential curves, for which Richards' equation is linear in k.
 #pragma once
 
 #include "common/media/retention_law.hpp"

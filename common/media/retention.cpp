@@ -12,8 +12,8 @@
 namespace poretwin::porous {
 namespace {
 
-/// Heads of the table of Phi: 0, then -`nearest` times powers of ten that end at -`farthest`; a cubic between two of
-/// them misses Phi by less than 1e-9 of it, and below the last k_r is as good as constant.
+/// Heads of the table of Phi: 0, and from -`nearest` to -`farthest`, evenly spaced in the logarithm. Cubics between
+/// them reproduce Phi to a relative error of 1e-9; beyond the last, k_r is taken as constant.
 constexpr double nearest = 1e-5, farthest = 1e5;  // m
 constexpr int per_decade = 150;
 const double rows_per_e = per_decade / std::log(10.0);  // rows per factor e
@@ -34,13 +34,13 @@ const RetentionLaw& retention_law(const Soil& soil) {
 
 Retention::Retention(std::unique_ptr<RetentionCurve> curve)
     : curve_(std::move(curve)), joint_head_(curve_->steepest()) {
-  // Where the curve has a corner there, its slope below the corner is taken.
+  // Where the curve has a corner at that head, the slope below it is taken.
   joint_ = curve_->saturation(std::min(joint_head_ * (1.0 + 1e-12), -1e-12));
   joint_.value = saturation(joint_head_).value;
   potential_.push_back(0.0);
   permeability_.push_back(1.0);
   for (int row = 1; row < rows; ++row) {
-    // Gauss with three points.
+    // Gauss quadrature with three points.
     const double a = head_of_row(row), b = head_of_row(row - 1), middle = 0.5 * (a + b), half = 0.5 * (b - a);
     double sum = 8.0 / 9.0 * permeability(middle).value;
     for (const double side : {-1.0, 1.0}) sum += 5.0 / 9.0 * permeability(middle + side * std::sqrt(0.6) * half).value;

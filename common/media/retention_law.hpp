@@ -1,5 +1,5 @@
-// A retention law: how much water soil keeps under suction, and how well it then conducts. A law is one file and one
-// row in `retention_laws`; its parameters become keys of [soil.retention] by themselves.
+// A retention law: how much water soil keeps under suction, and how well it then conducts. Each law has one file and
+// one row in `retention_laws`; its parameters become keys of [soil.retention] automatically.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -17,43 +17,44 @@ namespace poretwin::porous {
 /// A quantity that depends on the pressure head, and its derivative.
 struct Rate {
   double value = 0.0;
-  double slope = 0.0;  ///< per m of pressure head
+  double slope = 0.0;  ///< derivative, per m of pressure head
 };
 
-/// The curves of one soil, at pressure heads psi [m] below zero. At zero and above the soil is full: both are one.
+/// The curves of one soil for pressure heads psi [m] below zero. From zero on the soil is saturated, and both are one.
 class RetentionCurve {
  public:
   RetentionCurve() = default;
   RetentionCurve(const RetentionCurve&) = delete;
   RetentionCurve& operator=(const RetentionCurve&) = delete;
   virtual ~RetentionCurve() = default;
-  /// Effective saturation S_e = (theta - theta_r) / (theta_s - theta_r), in (0, 1]; rises with psi.
+  /// Effective saturation S_e = (theta - theta_r) / (theta_s - theta_r), in (0, 1], with the water contents theta,
+  /// residual theta_r and saturated theta_s; rises with psi.
   [[nodiscard]] virtual Rate saturation(double psi) const = 0;
-  /// Relative permeability k_r, in [0, 1]; does not fall with psi.
+  /// Relative permeability k_r, in [0, 1]; never decreases with psi.
   [[nodiscard]] virtual Rate permeability(double psi) const = 0;
-  /// The pressure head [m] at which S_e has a value, of those below that at `steepest`.
+  /// The pressure head [m] at which S_e has this value; only for values up to that at `steepest`.
   [[nodiscard]] virtual double head(double saturation) const = 0;
   /// The pressure head [m], at most zero, at which S_e rises fastest.
   [[nodiscard]] virtual double steepest() const = 0;
 };
 
-/// What a law makes the curves of a soil from.
+/// Parameters from which a law makes the curves of a soil.
 struct RetentionParameters {
-  std::span<const double> numbers = {};  ///< in the law's order
-  const Series* saturation = nullptr;    ///< S_e against psi, of laws that take tables
-  const Series* permeability = nullptr;  ///< k_r against psi, likewise
+  std::span<const double> numbers = {};  ///< in the order of the law's parameters
+  const Series* saturation = nullptr;    ///< S_e against psi [m]; for laws that take tables
+  const Series* permeability = nullptr;  ///< k_r against psi [m], likewise
 };
 
 struct RetentionLaw {
   std::string name;     ///< retention.model
-  std::string meaning;  ///< for the reference of keys
+  std::string meaning;  ///< for docs/case-file.md
   std::vector<LawParameter> parameters = {};
   bool takes_tables = false;
-  /// None: no capillarity, the soil is full below a sharp front and empty above it.
+  /// nullptr: no capillarity; the soil is saturated below a sharp front and dry above it.
   std::unique_ptr<RetentionCurve> (*curve)(const RetentionParameters& parameters) = nullptr;
 };
 
-/// All laws; the first is the default. References stay valid.
+/// All laws; the first is the default. References to them stay valid.
 const std::deque<RetentionLaw>& retention_laws();
 /// The law of a soil.
 const RetentionLaw& retention_law(const Soil& soil);

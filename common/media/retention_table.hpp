@@ -1,4 +1,4 @@
-// Measured curves: tables of saturation and permeability against pressure head.
+// Measured retention curves: tables of saturation and relative permeability against pressure head.
 #pragma once
 
 #include "common/media/retention_law.hpp"
@@ -9,8 +9,8 @@
 
 namespace poretwin::porous {
 
-/// A table that rises, joined by cubics that rise, too (Fritsch & Carlson 1980), and below its first row continued as a
-/// power of the suction; above its last row constant.
+/// A monotonically rising table, interpolated by monotone cubics (Fritsch & Carlson 1980). Below its first row it
+/// continues as a power of the suction, above its last row it is constant.
 class RisingTable {
  public:
   explicit RisingTable(const Series& rows) : rows_(rows.knots), slope_(rows.knots.size(), 0.0) {
@@ -18,7 +18,7 @@ class RisingTable {
     std::vector<double> chord;
     for (std::size_t i = 0; i + 1 < n; ++i)
       chord.push_back((rows_[i + 1].second - rows_[i].second) / (rows_[i + 1].first - rows_[i].first));
-    // Harmonic means of the neighbouring chords (Fritsch & Butland 1984) keep every piece rising.
+    // Harmonic means of the neighbouring slopes (Fritsch & Butland 1984) keep every piece monotone.
     power_ = std::log(rows_[1].second / rows_[0].second) / std::log(rows_[0].first / rows_[1].first);
     slope_.front() = std::min(-power_ * rows_[0].second / rows_[0].first, 3.0 * chord.front());
     slope_.back() = chord.back();
@@ -39,7 +39,7 @@ class RisingTable {
     return {t * t * (1.0 + 2.0 * s) * y0 + s * s * (1.0 + 2.0 * t) * y1 + s * t * (t * a - s * b),
             (6.0 * s * t * (y1 - y0) + t * (t - 2.0 * s) * a + s * (s - 2.0 * t) * b) / h};
   }
-  /// The head at which the table has a value.
+  /// The head at which the table has this value.
   [[nodiscard]] double inverse(double value) const {
     if (value <= rows_.front().second)
       return rows_.front().first * std::pow(value / rows_.front().second, -1.0 / power_);
@@ -63,14 +63,14 @@ class RetentionTable final : public RetentionCurve {
  public:
   RetentionTable(const Series& saturation, const Series& permeability)
       : saturation_(saturation), permeability_(permeability) {
-    // A cubic piece is steepest at an end or within; looked for at its ends and twenty places between.
+    // A cubic is steepest at an end or inside; its slope is compared at both ends and twenty points between.
     constexpr int places = 20;
     double most = 0.0;
     const auto& rows = saturation_.rows();
     for (std::size_t i = 0; i + 1 < rows.size(); ++i)
       for (int k = 0; k <= places; ++k) {
         const double psi = rows[i].first + (rows[i + 1].first - rows[i].first) * k / places;
-        // On a row itself the slope of the piece before it counts.
+        // At a row itself the slope of the piece before it is taken.
         const double slope = saturation_.at(psi * (1.0 + 1e-12)).slope;
         if (slope <= most) continue;
         most = slope;

@@ -1,5 +1,5 @@
-// A law of seepage: how the hydraulic gradient follows from the discharge in soil of a porosity. A law is one file and
-// one row in `seepage_laws`; its parameters become keys of [[soil]] by themselves.
+// A seepage law: the hydraulic gradient as a function of the discharge velocity, in soil of a given porosity. Each law
+// has one file and one row in `seepage_laws`; its parameters become keys of [[soil]] automatically.
 #pragma once
 
 #include <deque>
@@ -13,43 +13,43 @@ namespace poretwin::porous {
 /// i = U/k + b |U| U: hydraulic gradient i against the discharge velocity U = n (v_w - v_s).
 struct Seepage {
   double conductivity = 0.0;  ///< k, m/s
-  double quadratic = 0.0;     ///< b, s2/m2; 0: Darcy
+  double quadratic = 0.0;     ///< b, s2/m2; 0: Darcy flow
 };
 
-/// A parameter of a law, a key of [[soil]]. Not negative.
+/// A parameter of a law: a key of [[soil]] with a non-negative value.
 struct LawParameter {
   std::string key, unit, meaning;
-  double value = 0.0;   ///< unless the case says otherwise
-  bool needed = false;  ///< must be given, and above `above`
+  double value = 0.0;   ///< default
+  bool needed = false;  ///< the case must give it, greater than zero
   double above = 0.0;
 };
 
-/// What a law is asked with.
+/// What a law is evaluated for.
 struct Medium {
-  double porosity = 0.4;                    ///< n, where it is asked
-  double own_porosity = 0.4;                ///< of the soil as the case has it
+  double porosity = 0.4;                    ///< n, the porosity for which k and b are computed
+  double own_porosity = 0.4;                ///< porosity of the soil as the case gives it
   double conductivity = 1e-4;               ///< [[soil]] hydraulic_conductivity, at `own_porosity`, m/s
   double gravity = 9.81;                    ///< m/s2
-  double viscosity = 1e-6;                  ///< kinematic, of the water, m2/s
-  std::span<const double> parameters = {};  ///< in the law's order
+  double viscosity = 1e-6;                  ///< kinematic viscosity of the water, m2/s
+  std::span<const double> parameters = {};  ///< in the order of the law's parameters
 };
 
-/// How many parameters a law may have.
+/// Largest number of parameters of a law.
 inline constexpr std::size_t most_parameters = 8;
 
 struct SeepageLaw {
   std::string name;     ///< [[soil]] seepage_law
-  std::string meaning;  ///< for the reference of keys
+  std::string meaning;  ///< for docs/case-file.md
   Seepage (*at)(const Medium& medium) = nullptr;
   std::vector<LawParameter> parameters = {};
-  bool takes_conductivity = true;  ///< false: it has its own, hydraulic_conductivity must not be given
+  bool takes_conductivity = true;  ///< false: the law computes k; hydraulic_conductivity must not be given
 };
 
-/// All laws; the first is the default. References stay valid.
+/// All laws; the first is the default. References to them stay valid.
 const std::deque<SeepageLaw>& seepage_laws();
-/// The law of that name; throws CaseError naming those there are.
+/// The law of that name; throws CaseError with all names where there is none.
 const SeepageLaw& seepage_law(std::string_view name);
-/// Adds a law, before a case is read. Throws CaseError where its name or a key is taken.
+/// Adds a law; call it before a case is read. Throws CaseError where its name or a key is already used.
 const SeepageLaw& add_seepage_law(SeepageLaw law);
 
 }  // namespace poretwin::porous

@@ -1,4 +1,4 @@
-// No capillarity: water fills the pores below a sharp front, and above it there is none.
+// No capillarity: pores are full below a sharp front and hold no water above it.
 #pragma once
 
 #include "common/media/retention_law.hpp"

@@ -1,5 +1,5 @@
-// van Genuchten (1980) with Mualem's (1976) permeability, and with the head at which air enters of Vogel et al. (2001)
-// and Ippisch et al. (2006).
+// van Genuchten (1980) with Mualem's (1976) permeability, and with the air entry head of Vogel et al. (2001) and
+// Ippisch et al. (2006).
 #pragma once
 
 #include "common/media/retention_law.hpp"
@@ -9,19 +9,19 @@
 
 namespace poretwin::porous {
 
-/// With x = (alpha |psi|)^n, m = 1 - 1/n, S = (1 + x)^-m and S_c = S at the entry head h_e:
-/// S_e = S / S_c and k_r = S_e^l [(1 - (1 - S^(1/m))^m) / (1 - (1 - S_c^(1/m))^m)]^2 below psi = -h_e; 1 above.
+/// With x = (alpha |psi|)^n, m = 1 - 1/n, S = (1 + x)^-m and S_c = S at the air entry head h_e:
+/// S_e = S / S_c and k_r = S_e^l [(1 - (1 - S^(1/m))^m) / (1 - (1 - S_c^(1/m))^m)]^2 for psi < -h_e; 1 above.
 class VanGenuchten final : public RetentionCurve {
  public:
-  /// For n < 2 without an entry head the slope of k_r at psi = 0 is infinite, for which no Newton step is right. Over
-  /// this length below zero k_r is then a straight line, which changes the infiltration by less than the
-  /// discretisation's error. Unit: m. Test: Retention.NearlyFullSoilConductsAlongAStraightLine.
+  /// Length below psi = 0 over which k_r is replaced by a straight line where n < 2 and there is no entry head: the
+  /// slope of k_r at psi = 0 is then infinite, and Newton's method would fail. The infiltration changes by less than
+  /// the discretisation's error. Unit: m. Test: Retention.NearlyFullSoilConductsAlongAStraightLine.
   static constexpr double straight = 1e-3;
 
   VanGenuchten(double alpha, double n, double entry_head, double connectivity)
       : alpha_(alpha), n_(n), m_(1.0 - 1.0 / n), entry_(entry_head), l_(connectivity) {
     full_ = raw(-entry_);
-    // Where d2S/dpsi2 = 0, x = m.
+    // Where d2S/dpsi2 = 0: x = m.
     steepest_ = std::min(-entry_, -std::pow(m_, 1.0 / n_) / alpha_);
     straight_ = n_ < 2.0 && entry_ == 0.0;
     if (straight_) at_straight_ = curved(-straight).value;
@@ -45,7 +45,7 @@ class VanGenuchten final : public RetentionCurve {
  private:
   struct Raw {
     double saturation = 1.0, slope = 0.0;  ///< S, dS/dpsi
-    double way = 1.0, way_slope = 0.0;     ///< 1 - (1 - S^(1/m))^m and its derivative
+    double way = 1.0, way_slope = 0.0;     ///< w = 1 - (1 - S^(1/m))^m and its derivative
   };
   [[nodiscard]] Raw raw(double psi) const {
     if (psi >= 0.0) return {};
@@ -53,7 +53,7 @@ class VanGenuchten final : public RetentionCurve {
     const double x = std::pow(-alpha_ * psi, n_), dx = n_ * x / psi;
     r.saturation = std::exp(-m_ * std::log1p(x));
     r.slope = -m_ * r.saturation / (1.0 + x) * dx;
-    const double logarithm = -m_ * std::log1p(1.0 / x);  // of (1 - S^(1/m))^m
+    const double logarithm = -m_ * std::log1p(1.0 / x);  // logarithm of (1 - S^(1/m))^m
     r.way = -std::expm1(logarithm);
     r.way_slope = -std::exp(logarithm) * m_ / (x * (1.0 + x)) * dx;
     return r;
@@ -66,7 +66,7 @@ class VanGenuchten final : public RetentionCurve {
   }
 
   double alpha_, n_, m_, entry_, l_;
-  Raw full_;  ///< at the entry head
+  Raw full_;  ///< at the air entry head
   double steepest_ = 0.0;
   bool straight_ = false;
   double at_straight_ = 1.0;

@@ -1,4 +1,4 @@
-// A coarse space for fields that change over many particles.
+// A coarse space for smooth parts of a solution, which vary over many particles.
 #pragma once
 
 #include "common/core/threads.hpp"
@@ -12,15 +12,15 @@
 
 namespace poretwin {
 
-/// A coarse space of piecewise constants on square aggregates of particles: the part of a solution that a
-/// preconditioner of single rows is slow to find (two levels, additive: Nicolaides 1987).
+/// Piecewise constants on square aggregates of particles. They represent the part of a solution that a preconditioner
+/// of single rows finds only slowly (two levels, additive: Nicolaides 1987).
 template <int D>
 class Aggregates {
  public:
   static constexpr Index none = static_cast<Index>(-1);
 
-  /// Aggregates `width` [m] wide, wider ones where that would be too many for a dense matrix; particles with member(a)
-  /// = false belong to none.
+  /// Aggregates of side `width` [m], or larger ones where there would be too many for a dense matrix; particles with
+  /// member(a) = false belong to none.
   template <class Member>
   Aggregates(std::span<const Vec<D>> position, double width, const Member& member) : of_(position.size(), none) {
     Vec<D> lower = Vec<D>::Constant(std::numeric_limits<double>::max()), upper = -lower;
@@ -62,10 +62,11 @@ class Aggregates {
   }
 
   [[nodiscard]] Index size() const { return n_; }
-  /// The aggregate of a particle, or none.
+  /// The aggregate of a particle, or `none`.
   [[nodiscard]] Index of(std::size_t a) const { return of_[a]; }
 
-  /// Assembles and factorises the coarse matrix: row(a, add) calls add(b, value) for every entry of particle a's row.
+  /// Assembles and factorises the coarse matrix; row(a, add) calls add(b, value) for every entry (a, b) of the fine
+  /// matrix.
   template <class Row>
   void factorise(const Row& row) {
     Eigen::MatrixXd coarse = Eigen::MatrixXd::Zero(n_, n_);
@@ -81,10 +82,11 @@ class Aggregates {
       coarse(i, i) = own;
     });
     factor_.compute(coarse);
-    if (factor_.info() != Eigen::Success) n_ = 0;  // not finite: the caller will find out, without a correction
+    if (factor_.info() != Eigen::Success) n_ = 0;  // not finite: no correction; the caller's residual shows it
   }
 
-  /// z += P A^-1 P^T r, every component by itself [particles x fields].
+  /// z += P A^-1 P^T r with the coarse matrix A and the prolongation P, for each component separately [particles x
+  /// fields].
   template <int fields = D>
   void correct(std::span<const double> r, std::span<double> z) const {
     if (n_ == 0) return;
@@ -94,7 +96,7 @@ class Aggregates {
       for (Index m = first_[i]; m < first_[i + 1]; ++m)
         for (int d = 0; d < fields; ++d) sums(i, d) += r[members_[m] * fields + static_cast<std::size_t>(d)];
     });
-    // One by one: triangular solves of a few columns at once are slower.
+    // One by one: triangular solves with a few columns at once are slower.
     for (int d = 0; d < fields; ++d) {
       auto column = sums.col(d);
       factor_.solveInPlace(column);
@@ -115,7 +117,7 @@ class Aggregates {
 
   static constexpr std::size_t most = 256;
   std::vector<Index> of_;
-  std::vector<Index> first_{0}, members_;  ///< of each aggregate: members_[first_[i]] ..
+  std::vector<Index> first_{0}, members_;  ///< members of i: from members_[first_[i]] on
   Index n_ = 0;
   Eigen::LLT<Eigen::MatrixXd> factor_;
 };

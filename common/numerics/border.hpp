@@ -1,4 +1,4 @@
-// The border between factors at which something stands and at which it fails: bracketed, then bisected.
+// The critical factor, below which a structure stands and above which it fails: bracketed, then found by bisection.
 #pragma once
 
 #include <limits>
@@ -13,15 +13,16 @@ struct Border {
   [[nodiscard]] double error() const { return 0.5 * (fails - stands); }
 };
 
-/// Where to look for it.
+/// Parameters of the search.
 struct BorderSearch {
   double guess = 1.0;       ///< the first factor tried
-  double ratio = 2.0;       ///< of the second to it; squared, up to 2, from trial to trial until both sides are known
-  double largest = 100.0;   ///< no border is sought above it and below its inverse: fails = infinity, or stands = 0
-  double tolerance = 0.01;  ///< largest width of the bracket, over `fails`
+  double ratio = 2.0;       ///< second over first; squared (at most 2) at each trial until bracketed
+  double largest = 100.0;   ///< the search ends above it (fails = infinity) and below its inverse (stands = 0)
+  double tolerance = 0.01;  ///< largest width of the bracket, relative to `fails`
 };
 
-/// stands(factor) says whether it does, or nothing to give the search up: then nothing is found.
+/// The bracket. stands(factor) tells whether the structure stands; where it returns nothing, the search is given up and
+/// nothing is returned.
 template <class Stands>
 std::optional<Border> find_border(const BorderSearch& search, const Stands& stands) {
   Border border;

@@ -1,4 +1,4 @@
-// Sparse rows and conjugate gradients, small and allocation-free inside the iteration.
+// Sparse rows and iterative solvers that allocate no memory inside their iterations.
 #pragma once
 
 #include "common/core/in_lanes.hpp"
@@ -12,25 +12,25 @@
 
 namespace poretwin {
 
-/// Where the entries of sparse rows stand, read from the pairs of particles themselves, which must outlive them: the
-/// column of a point that is no particle is its parent's or, where that is none either, the row's own.
+/// Columns of a sparse matrix, read from the pair lists of the particles, which must outlive this. The column of an
+/// image is that of its parent; where the parent is no row either, it is the row's own.
 struct PairColumns {
   std::span<const Index> offset, index, parent;  ///< [rows + 1], [pairs], [points]
-  std::span<const char> beyond;                  ///< [rows] with points that are no particles; none: no row has any
+  std::span<const char> beyond;                  ///< [rows] whether a row has columns that are images; empty: none has
   [[nodiscard]] Index operator()(std::size_t a, std::size_t k) const {
     const Index j = index[k];
     const std::size_t n = offset.size() - 1;
     if (j < n) return j;
     return parent[j] < n ? parent[j] : static_cast<Index>(a);
   }
-  /// Whether the columns of row a stand in `index` as they are.
+  /// Whether the columns of row a can be read from `index` directly.
   [[nodiscard]] bool direct(std::size_t a) const { return beyond.empty() || beyond[a] == 0; }
 };
 
-/// Graph Laplacian of pairs of particles, with a diagonal: (A x)_a = diagonal_a x_a - sum_k weight_k x_column(k);
-/// symmetric by construction. Rows are filled up to multiples of four with weights of zero. Weights are rounded to
-/// single precision, the same for both of a pair, and enter the diagonal as rounded, so that constants stay in the
-/// kernel.
+/// Matrix of a graph Laplacian on pairs of particles, plus a diagonal: (A x)_a = diagonal_a x_a - sum_k weight_k
+/// x_column(k), symmetric by construction. Rows are padded to multiples of four with weights of zero. Weights are
+/// rounded to single precision, equally for both rows of a pair, and the diagonal is summed from the rounded weights,
+/// so that constants stay in the kernel of the Laplacian.
 struct PairMatrix {
   PairColumns column;
   UnsetArray<float> weight;  ///< per entry, >= 0
@@ -38,7 +38,7 @@ struct PairMatrix {
   [[nodiscard]] std::size_t size() const { return diagonal.size(); }
   [[nodiscard]] std::size_t begin(std::size_t a) const { return column.offset[a]; }
   [[nodiscard]] std::size_t end(std::size_t a) const { return column.offset[a + 1]; }
-  /// Sum of weight times x over row a.
+  /// Sum of weight_k x_column(k) over row a.
   [[nodiscard, gnu::always_inline]] double off_diagonal_sum(std::size_t a, const double* x) const {
     std::array<double, n_lanes> sum{};
     const Index* const index = column.index.data();
@@ -61,15 +61,15 @@ struct PairMatrix {
   }
 };
 
-/// Sum over 0 .. n - 1 of what of_block(first, last) gives for blocks of fixed size, so that the result does not depend
-/// on the number of threads.
+/// Sum of of_block(first, last) over blocks of fixed size in 0 .. n - 1: the result does not depend on the number of
+/// threads.
 template <class Block>
 double sum_in_blocks(std::size_t n, const Block& of_block) {
   constexpr std::size_t block = 8192;
   if (n <= block) return of_block(std::size_t{0}, n);
   ScalarArray sums((n + block - 1) / block);
   parallel_ranges(n, [&](std::size_t first, std::size_t last) {
-    // Blocks that begin in this part.
+    // The blocks that begin in this part.
     for (std::size_t i = (first + block - 1) / block; i * block < last; ++i)
       sums[i] = of_block(i * block, std::min(n, (i + 1) * block));
   });
@@ -105,10 +105,10 @@ struct SolveReport {
   bool converged = true;
 };
 
-/// Preconditioned conjugate gradients on plain doubles: apply(x, y): y = A x; precondition(r, z): z = P^-1 r, which may
-/// change a little from step to step (flexible: each direction is made conjugate to the last; Notay 2000). r: the
-/// residual b - A x. Stops when |residual| <= tolerance (absolute), or when residual . z, of the order of the error's
-/// energy x . A x, is no more than `energy`.
+/// Preconditioned conjugate gradients, matrix-free. apply(x, y): y = A x. precondition(r, z): z = P^-1 r; P may change
+/// slightly between steps, since each direction is made conjugate to the last (flexible; Notay 2000). r: the residual b
+/// - A x of the given x. Stops when |residual| <= tolerance (absolute), or when residual . z <= `energy`; residual . z
+/// is of the order of the error's energy.
 template <class Apply, class Precondition>
 SolveReport reduce_residual(Apply&& apply, Precondition&& precondition, ScalarArray r, std::span<double> x,
                             double tolerance, int limit, double energy = 0.0) {
@@ -154,10 +154,10 @@ SolveReport conjugate_gradients(Apply&& apply, Precondition&& precondition, Scal
 }
 
 struct GmresReport : SolveReport {
-  Eigen::VectorXd shares;  ///< of each direction that was applied, in their order, in x
+  Eigen::VectorXd shares;  ///< coefficient in x of each direction that was applied, in their order
 };
 
-/// Flexible GMRES (Saad 1993) without restart, from x = 0: the preconditioner may itself be an iteration.
+/// Flexible GMRES (Saad 1993) without restart, from x = 0; the preconditioner may itself be an iteration.
 template <class Apply, class Precondition>
 GmresReport flexible_gmres(Apply&& apply, Precondition&& precondition, std::span<const double> b, std::span<double> x,
                            double tolerance, int limit) {

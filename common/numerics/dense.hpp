@@ -1,24 +1,24 @@
-// Small dense systems. Compiled once: decompositions take the compiler seconds wherever they are instantiated.
+// Small dense systems, compiled in one place: instantiating Eigen's decompositions takes the compiler seconds.
 #pragma once
 
 #include <Eigen/Core>
 
 namespace poretwin {
 
-/// x of A x = b by Cholesky's L D L^T with pivots. A: symmetric, positive, N = 3 or 4 rows.
+/// x of A x = b by Cholesky's L D L^T with pivots. A: symmetric positive definite, N = 3 or 4 rows.
 template <int N>
 Eigen::Matrix<double, N, 1> solve_symmetric(const Eigen::Matrix<double, N, N>& a, const Eigen::Matrix<double, N, 1>& b);
 
-/// Are all eigenvalues of a symmetric matrix of N = 3 or 4 rows above a bound? By the inertia of A - bound I
+/// Whether all eigenvalues of a symmetric matrix of N = 3 or 4 rows exceed a bound; from the inertia of A - bound I
 /// (Sylvester's law).
 template <int N>
 bool all_eigenvalues_above(const Eigen::Matrix<double, N, N>& a, double bound);
 
-/// The shortest x for which |A x - b| is least, by Householder's QR with pivots. What the columns of A say beyond one
-/// another counts only where it is more than a share `independent` of the largest pivot.
+/// The shortest x that minimises |A x - b|, by Householder's QR with pivots. Pivots below `independent` times the
+/// largest count as zero.
 Eigen::VectorXd least_squares(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, double independent);
 
-/// The shortest x for which |A x - b| is least, by a complete orthogonal decomposition.
+/// The shortest x that minimises |A x - b|, by a complete orthogonal decomposition.
 Eigen::VectorXd shortest_solution(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
 
 }  // namespace poretwin

@@ -1,4 +1,4 @@
-// Sparse rows of unsymmetric matrices, and their incomplete factors as a preconditioner.
+// Sparse rows of unsymmetric matrices, and incomplete factors of them as a preconditioner.
 #pragma once
 
 #include "common/core/vector.hpp"
@@ -14,8 +14,8 @@ namespace poretwin {
 class SparseRows {
  public:
   SparseRows() = default;
-  /// The matrix of n rows whose entries off the diagonal stand at these places, given in any order, each once; values
-  /// are zero.
+  /// The matrix of n rows with off-diagonal entries at these (row, column) places, each given once, in any order; all
+  /// values are zero.
   SparseRows(std::size_t n, std::vector<std::pair<Index, Index>> places) {
     for (std::size_t a = 0; a < n; ++a) places.emplace_back(static_cast<Index>(a), static_cast<Index>(a));
     std::sort(places.begin(), places.end());
@@ -36,7 +36,7 @@ class SparseRows {
   [[nodiscard]] Index column(Index place) const { return column_[place]; }
   [[nodiscard]] double& operator[](Index place) { return value_[place]; }
   [[nodiscard]] double operator[](Index place) const { return value_[place]; }
-  /// Where an entry stands that is known to be there.
+  /// The position of an entry that exists.
   [[nodiscard]] Index place(std::size_t row, Index column) const {
     return static_cast<Index>(
         std::lower_bound(column_.begin() + offset_[row], column_.begin() + offset_[row + 1], column) - column_.begin());
@@ -57,14 +57,14 @@ class SparseRows {
   ScalarArray value_;
 };
 
-/// Triangular factors of a matrix that have entries only where it has some (Meijerink & van der Vorst 1977). Of an
-/// M-matrix, as fluxes with upstream conductivities make, they exist; of a chain of points they are the whole ones.
+/// Incomplete triangular factors with the sparsity of the matrix (Meijerink & van der Vorst 1977). They exist for an
+/// M-matrix, as fluxes with upstream conductivities give; for a tridiagonal matrix they are exact.
 class Ilu0 {
  public:
   explicit Ilu0(const SparseRows& matrix) : factors_(matrix) {
     const std::size_t n = factors_.size();
     constexpr Index none = static_cast<Index>(-1);
-    std::vector<Index> place(n, none);  // of the present row's columns
+    std::vector<Index> place(n, none);  // positions of the present row's columns
     for (std::size_t a = 0; a < n; ++a) {
       for (Index k = factors_.begin(a); k < factors_.end(a); ++k) place[factors_.column(k)] = k;
       for (Index k = factors_.begin(a); k < factors_.diagonal(a); ++k) {
@@ -94,7 +94,7 @@ class Ilu0 {
 
  private:
   SparseRows factors_;
-  ScalarArray inverse_;  ///< of the diagonal
+  ScalarArray inverse_;  ///< inverse of the diagonal of U
 };
 
 }  // namespace poretwin

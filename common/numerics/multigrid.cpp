@@ -5,16 +5,16 @@
 namespace poretwin {
 namespace {
 
-/// Rows that outweigh their neighbours by this much (fixed pressures) need no coarse correction.
+/// Rows whose diagonal exceeds the sum of their weights by this factor (fixed pressures) need no coarse correction.
 constexpr double dominance = 5.0;
-/// Pairs are made of neighbours at least this strong, of a row's strongest.
+/// Least weight of a neighbour that may be paired with a row, over the row's largest weight.
 constexpr double strong = 0.25;
 constexpr std::size_t coarsest = 40;
 constexpr Index none = static_cast<Index>(-1);
-/// A coarse solution this good is not improved by a second step.
+/// Residual of a coarse solution, relative, below which it gets no second step.
 constexpr double good_enough = 0.25;
 
-/// A matrix, row by row: visit(a, take_diagonal, take_entry).
+/// Visits the rows of a matrix: visit(a, take_diagonal, take_entry).
 template <class Matrix>
 struct RowsOf {
   const Matrix& m;
@@ -26,8 +26,9 @@ struct RowsOf {
   }
 };
 
-/// The sums of rows over aggregates, each made when it is visited: the matrix of pairs, on the way to pairs of pairs,
-/// would be the largest of all. Couplings to rows that have no aggregate stay in the diagonal.
+/// Rows summed over aggregates, each computed when it is visited and not stored: the matrix of pairs, an intermediate
+/// step to aggregates of four, would be the largest of all. Couplings to rows without an aggregate stay in the
+/// diagonal.
 template <class Fine>
 class MergedRows {
  public:
@@ -72,13 +73,13 @@ class MergedRows {
  private:
   Fine& fine_;
   const std::vector<Index>& aggregate_;
-  std::vector<Index> first_, members_;  ///< rows of each aggregate: members_[first_[g]] ..
-  std::vector<Index> place_;            ///< of each column in the row at hand
-  std::vector<Index> column_;           ///< of the row at hand, as its weights
+  std::vector<Index> first_, members_;  ///< rows of aggregate g: members_[first_[g]] to members_[first_[g + 1] - 1]
+  std::vector<Index> place_;            ///< position of each column in the present row
+  std::vector<Index> column_;           ///< columns of the present row, in the order of its weights
   ScalarArray weight_;
 };
 
-/// Each row with the strongest free neighbour.
+/// Pairs each row with its strongest neighbour that has no pair yet; returns the aggregate of each row.
 template <class Rows>
 std::vector<Index> match(Rows& rows, Index& count) {
   std::vector<Index> aggregate(rows.size(), none), column;
@@ -134,7 +135,7 @@ WholeMatrix matrix_of(Rows& rows) {
   return c;
 }
 
-/// Gauss-Seidel forwards from x = 0; left = b - A x.
+/// Gauss-Seidel forwards from x = 0; left: the residual b - A x.
 void sweep_forwards(const PairMatrix& m, std::span<const double> b, std::span<double> x, std::span<double> left) {
   std::fill(x.begin(), x.end(), 0.0);
   for (std::size_t a = 0; a < m.size(); ++a)
@@ -143,8 +144,8 @@ void sweep_forwards(const PairMatrix& m, std::span<const double> b, std::span<do
   for (std::size_t a = 0; a < m.size(); ++a) left[a] = b[a] - left[a];
 }
 
-/// Gauss-Seidel forwards from x = 0; left = b - A x. The balance of a row contains the rows before it; those behind it
-/// are still 0, so that what they take from the row is all that is left there.
+/// Gauss-Seidel forwards from x = 0; left: the residual b - A x. Each row is solved with the rows before it; those
+/// behind it are still 0, so that its residual consists of their contributions alone.
 void sweep_forwards(const CoarseMatrix& m, std::span<const double> b, std::span<double> x, std::span<double> left) {
   for (std::size_t a = 0; a < m.size(); ++a) {
     x[a] = m.diagonal(a) > 0.0 ? (b[a] + m.off_diagonal_sum(a, x.data())) / m.diagonal(a) : 0.0;
@@ -194,7 +195,7 @@ CoarseMatrix::CoarseMatrix(const WholeMatrix& whole) : diagonal_(whole.diagonal)
 
 template <class Matrix>
 bool Multigrid::add_level(const Matrix& m, WholeMatrix& next) {
-  // Pairs of pairs.
+  // Pairs of pairs give aggregates of four.
   Index n_pairs = 0, count = 0;
   RowsOf<Matrix> rows{m};
   std::vector<Index> aggregate = match(rows, n_pairs);
@@ -212,7 +213,7 @@ bool Multigrid::add_level(const Matrix& m, WholeMatrix& next) {
   return true;
 }
 
-/// A closed domain leaves the mean undetermined: inverted where the matrix acts.
+/// Inverts the coarsest matrix. In a closed domain the mean is undetermined: then only on the matrix's range.
 template <class Matrix>
 void Multigrid::invert(const Matrix& m) {
   if (m.size() > 10 * coarsest) return;
@@ -266,13 +267,15 @@ void Multigrid::cycle(const Matrix& m, std::size_t level, std::span<const double
   sweep_backwards(m, b, x, left);
 }
 
-/// l.x from l.b on the next level: one step of conjugate gradients around its cycle, a second where that is not enough.
+/// Computes l.x from l.b on the next level: one step of conjugate gradients preconditioned by its cycle, and a second
+/// where one does not suffice.
 void Multigrid::correct(std::size_t level) {
   Level& l = levels_[level];
   const CoarseMatrix& m = l.coarse;
   cycle(m, level + 1, l.b, l.x, l.left);
   if (level + 1 == levels_.size()) return;
-  // A row of A x for the x that the last cycle made of b: its sweep back left in a row what it then changed before it.
+  // A x for the x that the last cycle computed from b: its backward sweep solved row a exactly, then changed the rows
+  // before it by l.left.
   const auto product = [&](std::size_t a, double b) {
     return m.diagonal(a) > 0.0 ? b - m.off_diagonal_sum(a, l.left.data()) : 0.0;
   };

@@ -9,7 +9,7 @@
 
 namespace poretwin {
 
-/// Rows as levels are made of them; signs as of a PairMatrix.
+/// A matrix in compressed rows from which a level is made; the signs of its entries are those of a PairMatrix.
 struct WholeMatrix {
   std::vector<Index> offset{0}, index;
   ScalarArray weight, diagonal;
@@ -19,9 +19,10 @@ struct WholeMatrix {
   [[nodiscard]] Index column(std::size_t, std::size_t k) const { return index[k]; }
 };
 
-/// A level below the finest: of each row what stands before its diagonal, the rest being the same. What a row has
-/// behind it the later rows push to it, so that a sweep reads half the matrix, which sets the cost of large ones.
-/// Weights are rounded as those of pairs are, and the diagonal with them.
+/// The matrix of a level below the finest, symmetric: of each row only the entries before the diagonal are stored.
+/// Products with the entries behind it are added by the later rows (push), so that a sweep reads half the matrix;
+/// reading dominates the cost of large ones. Weights are rounded to single precision, and the diagonal with them, as in
+/// a PairMatrix.
 class CoarseMatrix {
  public:
   CoarseMatrix() = default;
@@ -35,39 +36,39 @@ class CoarseMatrix {
       for (std::size_t l = 0; l < in_step; ++l) sum[l] += static_cast<double>(weight_[k + l]) * x[column_[k + l]];
     return (sum[0] + sum[1]) + (sum[2] + sum[3]);
   }
-  /// Adds weight times x, of row a, to the rows before it.
+  /// Adds weight times x to y in the rows of the columns before row a.
   void push(std::size_t a, double x, double* y) const {
     for (std::size_t k = offset_[a]; k < offset_[a + 1]; k += in_step)
       for (std::size_t l = 0; l < in_step; ++l) y[column_[k + l]] += static_cast<double>(weight_[k + l]) * x;
   }
 
  private:
-  static constexpr std::size_t in_step = 4;  ///< rows are filled up to, with zeros: their ends are then foreseen
+  static constexpr std::size_t in_step = 4;  ///< rows are padded with zeros to a multiple of it
   std::vector<Index> offset_{0}, column_;
   std::vector<float> weight_;
   ScalarArray diagonal_;
 };
 
-/// One cycle is a preconditioner: Gauss-Seidel forwards, a correction by constants on aggregates of about four rows
-/// (solved by the next level, with at most two steps of conjugate gradients around it), Gauss-Seidel backwards.
-/// Memory is taken when it is built, none in a cycle. The matrix must outlive it.
+/// One cycle serves as a preconditioner: Gauss-Seidel forwards, a correction by constants on aggregates of about four
+/// rows (solved by the next level, with at most two steps of conjugate gradients around it), Gauss-Seidel backwards.
+/// Memory is allocated when it is built, none in a cycle. The matrix must outlive it.
 class Multigrid {
  public:
   explicit Multigrid(const PairMatrix& matrix);
-  /// z = about A^-1 r. Not quite linear in r: wants the flexible form of conjugate gradients.
+  /// z = approximately A^-1 r. Slightly nonlinear in r: needs flexible conjugate gradients.
   void cycle(std::span<const double> r, std::span<double> z);
   [[nodiscard]] std::size_t levels() const { return levels_.size(); }
 
  private:
   struct Level {
-    std::vector<Index> aggregate;  ///< of each row; none: left to the smoother
-    CoarseMatrix coarse;           ///< of the next level
-    ScalarArray b, x;              ///< of the next level, as the rest
+    std::vector<Index> aggregate;  ///< aggregate of each row; none: left to the smoother
+    CoarseMatrix coarse;           ///< matrix of the next level
+    ScalarArray b, x;              ///< right-hand side and solution of the next level
     ScalarArray v, d, r;
-    ScalarArray left;  ///< the residual after its sweep forwards; what its sweep backwards changed
+    ScalarArray left;  ///< its residual after the forward sweep; then what the backward sweep changed
   };
-  /// Adds the level below m, whose matrix becomes `next`, which may be m itself; false where that would hardly be
-  /// smaller: `next` stays as it is.
+  /// Adds a level below m. Its matrix becomes `next`, which may be m itself. Returns false, with `next` unchanged,
+  /// where the new level would hardly be smaller.
   template <class Matrix>
   bool add_level(const Matrix& m, WholeMatrix& next);
   template <class Matrix>
@@ -78,9 +79,9 @@ class Multigrid {
   void correct(std::size_t level);
 
   const PairMatrix& finest_;
-  ScalarArray left_;  ///< of the finest, as a level's
+  ScalarArray left_;  ///< of the finest level; see Level::left
   std::vector<Level> levels_;
-  Eigen::MatrixXd inverse_;  ///< of the coarsest matrix; empty: too large for one
+  Eigen::MatrixXd inverse_;  ///< inverse of the coarsest matrix; empty where it is too large
 };
 
 }  // namespace poretwin

@@ -1,4 +1,4 @@
-// Which program made a result: goes into every file and into --version.
+// Which program produced a result: written into every file and shown by --version.
 #pragma once
 
 #include <filesystem>
@@ -11,8 +11,8 @@ std::string build();     ///< "Release, GNU 12.2.0"
 std::string host();      ///< the machine's name
 std::string time_now();  ///< UTC, ISO 8601
 
-/// Hash of the bytes of a program's file, which an edit that is compiled without a commit changes, too. "none" where
-/// there is no such file.
+/// Hash of a program's file; it differs also after a change that was compiled but not committed. "none" where there is
+/// no such file.
 std::string program_hash(const std::filesystem::path& program);
 
 }  // namespace poretwin

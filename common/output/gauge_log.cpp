@@ -57,7 +57,7 @@ std::vector<Row> read_rows(const std::filesystem::path& path) {
   std::string line;
   std::getline(stream, line);
   for (std::size_t number = 2; std::getline(stream, line); ++number) {
-    // A run that was killed may leave half a last line.
+    // A killed run may leave an incomplete last line.
     if (stream.eof()) break;
     const auto cell = cells(line);
     if (cell.size() != 4)

@@ -1,4 +1,4 @@
-// The series of all gauges of one process: a CSV that grows during the run, and the same numbers kept for the HDF5
+// The readings of all gauges of one process: a CSV file that grows during the run, and a copy in memory for the HDF5
 // file.
 #pragma once
 
@@ -22,9 +22,9 @@ class GaugeLog {
  public:
   /// Creates the file with its header `time_s,gauge,value,unit`. Throws FileError.
   explicit GaugeLog(const std::filesystem::path& path);
-  /// Goes on with the file where archive() left it; later rows are removed. Throws FileError.
+  /// Continues the file from the position that archive() saved; later rows are removed. Throws FileError.
   GaugeLog(const std::filesystem::path& path, Archive& checkpoint);
-  /// Where the file stands.
+  /// Saves or restores the length of the file.
   void archive(Archive& archive) { archive(bytes_); }
   void append(double time, const std::vector<GaugeReading>& readings);
   [[nodiscard]] const std::map<std::string, GaugeSeries>& series() const { return series_; }
@@ -37,7 +37,7 @@ class GaugeLog {
   std::filesystem::path path_;
   std::unique_ptr<std::FILE, Close> file_;
   std::map<std::string, GaugeSeries> series_;
-  std::uint64_t bytes_ = 0;  ///< in the file
+  std::uint64_t bytes_ = 0;  ///< length of the file
 };
 
 /// Reads what GaugeLog wrote. Throws FileError naming path and line.

@@ -1,5 +1,5 @@
-// HDF5 behind a small wrapper: handles that close themselves, errors as FileError with path and cause, no error stack
-// on stderr. Only hdf5.cpp and undo_driver.cpp include the library's header.
+// A small wrapper of HDF5: handles that close themselves, errors as FileError with path and cause, no error stack on
+// stderr. Only hdf5.cpp and undo_driver.cpp include the library's header.
 #pragma once
 
 #include <cstdint>
@@ -46,22 +46,22 @@ class Dataset {
   friend class File;
   void append_raw(const void* data, std::size_t count, Id::Value memory_type);
   Id id_;
-  std::string what_;  ///< "file: data set", for complaints
+  std::string what_;  ///< "file: data set", for messages
   std::size_t columns_ = 0, rows_ = 0;
 };
 
 class File {
  public:
   static File create(
-      const std::filesystem::path& path);  ///< replaces an older file; not locked, so that readers may look on
+      const std::filesystem::path& path);  ///< replaces an existing file; not locked, so that others may read it
   static File open_to_read(const std::filesystem::path& path);
-  /// After what roll_back() does.
+  /// Calls roll_back() first.
   static File open_to_write(const std::filesystem::path& path);
 
-  /// Creates a group and those above it.
+  /// Creates a group and its parents.
   void group(const std::string& name);
   Dataset dataset(const std::string& name, Type type, std::size_t columns, std::size_t chunk_rows);
-  /// One that is there, cut off after `rows`. Throws FileError when it holds fewer.
+  /// An existing data set, cut off after `rows`. Throws FileError when it has fewer.
   Dataset cut_dataset(const std::string& name, std::size_t rows);
   void remove(const std::string& name);  ///< a group or data set
 
@@ -70,7 +70,7 @@ class File {
   void attribute(const std::string& object, const std::string& name, std::span<const std::int64_t> values);
   void attribute(const std::string& object, const std::string& name,
                  std::int64_t value);  ///< scalar; may be overwritten
-  /// A scalar data set of text, of any length.
+  /// A scalar data set: text of any length.
   void text(const std::string& name, const std::string& value);
 
   void flush();
@@ -83,7 +83,7 @@ class File {
   [[nodiscard]] std::string read_text(const std::string& dataset) const;
   [[nodiscard]] std::string attribute_text(const std::string& object, const std::string& name) const;
   [[nodiscard]] std::vector<std::int64_t> attribute_integers(const std::string& object, const std::string& name) const;
-  /// Is the file's data set of 64-bit floats / integers?
+  /// Whether the data set in the file holds 64-bit floats (or integers).
   [[nodiscard]] bool is_float64(const std::string& dataset) const;
 
  private:

@@ -38,7 +38,7 @@ void write_provenance(hdf5::File& file, const Case& scene) {
   file.flush();
 }
 
-/// What was written to that file outlives a loss of power from now on.
+/// Makes what was written to the file survive a loss of power.
 void sync(const std::filesystem::path& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   const bool good = descriptor >= 0 && ::fsync(descriptor) == 0;
@@ -57,7 +57,7 @@ class RunRecorder final : public Recorder {
   }
 
   ~RunRecorder() override {
-    // The CSV already holds every reading: failing here loses no data, and a destructor must not throw.
+    // The CSV already holds every reading: a failure here loses no data, and a destructor must not throw.
     try {
       if (writer_) write_gauges();
     } catch (const std::exception& error) {

@@ -1,4 +1,5 @@
-// The recorder of a real run: <phase>.vtkhdf with provenance, <phase>.xmf and gauges.<phase>.csv in the run's folder.
+// The recorder of a real run: <phase>.vtkhdf with its provenance, <phase>.xmf and gauges.<phase>.csv in the run's
+// folder.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -10,9 +11,9 @@
 
 namespace poretwin {
 
-/// Creates the folder and the files (older ones of the same name are replaced), or to go on with a checkpoint leaves
-/// them until it is loaded. Throws FileError.
-/// The gauges' series go into the HDF5 file (/gauges) when the recorder is destroyed.
+/// Creates the folder and the files; replaces files of the same names, unless `to_resume`: then they stay until a
+/// checkpoint is loaded. When the recorder is destroyed, the gauge readings are added to the HDF5 file (/gauges).
+/// Throws FileError.
 std::unique_ptr<Recorder> make_run_recorder(const std::filesystem::path& out_dir, const std::string& phase_name,
                                             const Case& scene, bool to_resume = false);
 

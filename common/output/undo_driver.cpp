@@ -21,11 +21,11 @@
 namespace poretwin::hdf5 {
 namespace {
 
-// FILE.undo: the length of FILE at the last flush, then pieces (where, how long, the bytes that stood there), in the
-// order of writing. A piece that is cut off was never acted upon. The first piece holds no bytes: its `where` is the
-// stamp of that flush. Between two writes FILE.undo is empty and its modification time is the stamp. A reader that
-// finds one stamp before and after reading both files has the state of that flush, whatever is being written
-// (docs/view.md).
+// FILE.undo holds the length of FILE at the last flush, then pieces (position, length, the bytes that were there) in
+// the order of writing. A piece that is incomplete was not overwritten yet. The first piece has no bytes; its position
+// is the stamp (time) of that flush. Between two writes FILE.undo is empty and its modification time is the stamp. A
+// reader that finds the same stamp before and after reading both files has the state of that flush, even while FILE is
+// being written (docs/view.md).
 
 std::string undo_of(const std::string& path) { return path + ".undo"; }
 
@@ -43,7 +43,7 @@ bool write_all(int descriptor, const void* data, std::size_t size, off_t at) {
   return true;
 }
 
-/// Bytes beyond the end are zero.
+/// Reads `size` bytes; beyond the end of the file they are zero.
 bool read_all(int descriptor, void* data, std::size_t size, off_t at) {
   auto* bytes = static_cast<char*>(data);
   while (size > 0) {
@@ -95,20 +95,20 @@ bool undo_all(int file, int undo) {
 }
 
 struct UndoFile {
-  H5FD_t general{};  // first: the library sees only this
+  H5FD_t general{};  // must be the first member: the library knows only this part
   std::string path;
   int file = -1, undo = -1;
-  std::uint64_t address_end = 0, end = 0;  ///< of allocated addresses; of the file
-  std::uint64_t flushed = 0;               ///< length at the last flush
-  std::uint64_t stamp = 0;                 ///< of the last flush, ns since 1970
+  std::uint64_t address_end = 0, end = 0;  ///< end of the allocated addresses; end of the file
+  std::uint64_t flushed = 0;               ///< length of the file at the last flush
+  std::uint64_t stamp = 0;                 ///< time of the last flush, ns since 1970
   std::uint64_t undo_end = 0;              ///< 0: nothing to undo
   bool writable = false;
-  std::string failure;  ///< what the first failed write said; empty: none has failed
-  // The library does not hear of a failed write: it cannot close a file or a data set that does not take what it
-  // writes, tries again when the process ends, and crashes. What it has written since is kept here for it to read.
+  std::string failure;  ///< message of the first failed write; empty: none
+  // The driver hides a failed write from the library, which otherwise could not close the file or data set, would try
+  // again when the process ends, and crash. Data written after the failure are kept here for the library to read.
   std::vector<std::pair<std::uint64_t, std::vector<char>>> unwritten;
 
-  /// Before [where, where + size) changes.
+  /// Saves the bytes in [where, where + size) that a write is about to replace.
   bool keep(std::uint64_t where, std::uint64_t size) {
     if (where >= flushed) size = 0;
     size = std::min(size, flushed - std::min(where, flushed));
@@ -136,7 +136,7 @@ struct UndoFile {
     return true;
   }
 
-  /// The clock of file systems ticks every few milliseconds; two flushes within a tick must differ.
+  /// The clock of file systems advances every few milliseconds; two flushes within one tick must have different stamps.
   void renew_stamp() {
     timespec now{};
     ::clock_gettime(CLOCK_REALTIME, &now);
@@ -148,7 +148,7 @@ struct UndoFile {
   }
 };
 
-// The library hands its own struct around; ours begins with it.
+// The library passes pointers to its own struct, with which UndoFile begins.
 UndoFile& own(H5FD_t* file) { return *reinterpret_cast<UndoFile*>(file); }
 const UndoFile& own(const H5FD_t* file) { return *reinterpret_cast<const UndoFile*>(file); }
 
@@ -191,7 +191,7 @@ H5FD_t* open_file(const char* name, unsigned flags, hid_t, haddr_t) {
 
 herr_t close_file(H5FD_t* general) {
   const std::unique_ptr<UndoFile> file(&own(general));
-  // What the library could not finish is taken back; a process that dies leaves that to roll_back().
+  // Undoes what the library could not finish. After a process that died, roll_back() does that.
   const bool good = file->failure.empty() || undo_all(file->file, file->undo);
   if (file->undo >= 0) {
     ::close(file->undo);
@@ -253,7 +253,7 @@ herr_t truncate(H5FD_t* general, hid_t, hbool_t) {
   return 0;
 }
 
-/// The last thing the library does in H5Fflush: all of a state is in the file.
+/// The last call of H5Fflush: the file now holds a complete state.
 herr_t flush(H5FD_t* general, hid_t, hbool_t) {
   auto& file = own(general);
   if (file.failure.empty() && !file.commit()) note_failure(file);

@@ -1,5 +1,5 @@
-// Images of particles behind straight boundaries: mirrored at walls, shifted at periodic sides.
-// A wall by images is exact for a plane and needs no dummy particles; corners come from images of images.
+// Images of particles behind straight boundaries: mirrored at walls, shifted at periodic sides. Images are exact for a
+// plane wall and need no dummy particles; at corners, images of images complete them.
 #pragma once
 
 #include "common/core/vector.hpp"
@@ -10,33 +10,32 @@
 
 namespace poretwin::sph {
 
-/// A straight boundary piece that makes images of the particles near it.
+/// A straight piece of a boundary, which makes images of the particles near it.
 template <int D>
 struct ImagePlane {
   enum class Kind { mirror, periodic };
   Kind kind = Kind::mirror;
   Vec<D> point = Vec<D>::Zero();   ///< any point of the plane [m]
-  Vec<D> normal = Vec<D>::Zero();  ///< unit, into the domain
+  Vec<D> normal = Vec<D>::Zero();  ///< unit vector, into the domain
   Vec<D> shift = Vec<D>::Zero();   ///< periodic only: translation of the image [m]
-  /// Extent: only particles whose coordinate along `tangent` lies in [from, to] (3D: all) have images; unbounded by
-  /// default.
+  /// Only particles whose coordinate along `tangent` lies in [from, to] have images; by default (and in 3D) all.
   Vec<D> tangent = Vec<D>::Zero();
   double from = 0.0, to = 0.0;
-  /// Where images are divided at a corner (meet_at_corners), those beyond the bisector are the next piece's:
-  /// out . (x - at) > 0. No such end: out is zero.
+  /// Where images at a corner are divided between two pieces (meet_at_corners), this piece makes none beyond the
+  /// bisector: none at x with out . (x - at) > 0. Ends without such a division have out = 0.
   struct End {
     Vec<D> at = Vec<D>::Zero(), out = Vec<D>::Zero();
   };
   std::array<End, 2> ends{};
-  double speed = 0.0;  ///< of a mirror along its normal [m/s]: a piston
-  int boundary = 0;    ///< the solver's own number of the boundary, 0..31
-  /// Where points see only what no wall hides (sight.hpp): the piece's number as what stands in the way, on both sides
-  /// the same; -1: none. Its own extent along `tangent` [m], and whether at its start the piece before it counts.
+  double speed = 0.0;  ///< m/s, of a moving mirror (a piston) along its normal
+  int boundary = 0;    ///< number of the boundary in the solver, 0..31
+  /// For points that see only what no wall hides (sight.hpp): number of the wall piece as a screen, the same for both
+  /// of its sides; -1: it is no screen. seen_from, seen_to: its own extent along `tangent` [m].
   int screen = -1;
   double seen_from = 0.0, seen_to = 0.0;
-  bool back = false, taken = false;  ///< back: the far side of a wall that is a line
+  bool back = false, taken = false;  ///< back: far side of a line; taken: its start belongs to the piece before it
   [[nodiscard]] Vec<D> at(double along) const { return point + (along - tangent.dot(point)) * tangent; }
-  /// Does the piece lie across from x, within its extent?
+  /// Whether the piece lies opposite x, within its extent.
   [[nodiscard]] bool faces(const Vec<D>& x) const {
     if (to <= from) return true;
     const double along = tangent.dot(x);
@@ -44,28 +43,28 @@ struct ImagePlane {
   }
 };
 
-/// Images, in the order made; parent is the index of a real particle; v_image = map v + carried for velocities, map v
-/// for other vectors.
+/// Images in the order in which they are made. parent: index of the real particle. Velocity of an image: map v +
+/// carried; other vectors: map v.
 template <int D>
 struct Images {
   VecArray<D> position;
   std::vector<Index> parent;
   MatArray<D> map;
-  VecArray<D> carried;                    ///< m/s, from mirrors that move
-  std::vector<std::uint32_t> boundaries;  ///< bit b: reached through boundary b
-  /// Only where images are made in all orders of mirrors: the plane by which an image was made, and the point of which
-  /// it was made, images counted behind the points.
+  VecArray<D> carried;                    ///< m/s, from moving mirrors
+  std::vector<std::uint32_t> boundaries;  ///< bit b is set where boundary b took part
+  /// Only from images_in_all_orders(): the plane that made an image, and the point or image of which it was made
+  /// (images are numbered after the points).
   std::vector<Index> by, of;
   [[nodiscard]] std::size_t size() const { return parent.size(); }
 };
 
-/// Images of every point within `range` [m] of a plane (of its inner side), planes taken in turn so that corners are
-/// filled.
+/// Images of all points within `range` [m] of a plane, on its inner side. The planes are taken in turn, so that corners
+/// are filled by images of images.
 template <int D>
 Images<D> make_images(std::span<const Vec<D>> points, std::span<const ImagePlane<D>> planes, double range);
 
-/// A point that slipped through a mirror, by less than `reach` [m], is mirrored back; its velocity towards the mirror
-/// [m/s] is stopped.
+/// Mirrors a point back that passed through a mirror by less than `reach` [m]; removes its velocity [m/s] towards the
+/// mirror, relative to it.
 template <int D>
 void keep_inside(std::span<const ImagePlane<D>> planes, double reach, Vec<D>& x, Vec<D>& v) {
   for (const auto& plane : planes) {

@@ -1,4 +1,5 @@
-// Neighbour search: a cell grid over sorted points, and pair lists that outlive small displacements (a skin).
+// Neighbour search: a grid of cells over sorted points, and lists of pairs that stay valid for small displacements
+// (skin).
 #pragma once
 
 #include "common/core/lanes.hpp"
@@ -12,19 +13,19 @@
 
 namespace poretwin::sph {
 
-/// Points binned into square cells; memory is bounded by the number of points, not by the extent of the domain.
+/// Points sorted into square cells. Memory is bounded by the number of points, not by the extent of the domain.
 template <int D>
 class CellGrid {
  public:
-  /// cell_size [m]: about the search radius, or half of it. Points need not be inside any box. Throws DivergedError
-  /// where a point is not finite.
+  /// cell_size [m]: about the search radius, or half of it. Points may lie anywhere. Throws DivergedError where a
+  /// coordinate is not finite.
   void build(std::span<const Vec<D>> points, double cell_size);
 
   /// Calls f(j, squared distance) for every point j with |x - x_j| < radius; fastest for radius <= 2 cell_size.
   template <class F>
   void for_each_within(const Vec<D>& x, double radius, F&& f) const {
     const double limit = radius * radius;
-    // Few points of a row are near: the distances first, without branches.
+    // Few points of a row are near: all distances are computed first, without branches.
     constexpr Index batch = 64;
     std::array<Index, batch> near;
     std::array<double, batch> distance;
@@ -47,14 +48,14 @@ class CellGrid {
     });
   }
 
-  /// Calls f(begin, end) for pieces of order() that hold all points in the box, and some around it.
+  /// Calls f(begin, end) for ranges of order() that together hold all points in the box, and some around it.
   template <class F>
   void for_each_piece_near(const Vec<D>& lower, const Vec<D>& upper, F&& f) const {
     for_each_row(lower, upper, f);
   }
 
-  /// Appends every point j with |x - x_j| < radius that admit(j, squared distance) takes. Distances by lanes, and no
-  /// branch that depends on them: it would be guessed wrong too often. Inline in what run_lanes() runs.
+  /// Appends every point j with |x - x_j| < radius for which admit(j, squared distance) is true. Distances are computed
+  /// by lanes and without a branch on them, which would often be mispredicted. Inlined into the jobs of run_lanes().
   template <class Admit>
   [[gnu::always_inline]] inline void append_within(const Vec<D>& x, double radius, std::vector<Index>& found,
                                                    const Admit& admit) const {
@@ -94,7 +95,7 @@ class CellGrid {
   }
 
  private:
-  /// Calls f(begin, end) of order_ for every row of cells in the box: the cells of a row lie one after the other.
+  /// Calls f(begin, end) with the range in order_ of each row of cells in the box; the cells of a row are contiguous.
   template <class F>
   [[gnu::always_inline]] inline void for_each_row(const Vec<D>& lower, const Vec<D>& upper, F&& f) const {
     if (order_.empty()) return;
@@ -135,11 +136,11 @@ class CellGrid {
     return k;
   }
 
-  std::array<ScalarArray, D> axis_;  ///< coordinates in cell order, and room for lanes behind them
+  std::array<ScalarArray, D> axis_;  ///< coordinates in cell order, padded for reads by lanes
   Vec<D> lower_ = Vec<D>::Zero();
   double size_ = 1.0;
   std::array<int, D> count_{};
-  std::vector<Index> first_, order_;  ///< order_: with room for lanes behind it
+  std::vector<Index> first_, order_;  ///< order_ is padded for reads by lanes
   std::vector<Index> cell_of_;
 };
 
@@ -153,8 +154,8 @@ struct PairList {
   }
 };
 
-/// All pairs (a, j) with |x_a - y_j| < radius_j (scatter: the source's radius counts), sources in ascending order.
-/// With exclude_self, pair (a, a) is left out (targets being the first of the sources).
+/// All pairs (a, j) with |x_a - y_j| < radius_j (the source's radius), sources in ascending order. exclude_self leaves
+/// out the pairs (a, a); the targets must then be the first of the sources.
 template <int D>
 PairList find_pairs(std::span<const Vec<D>> targets, std::span<const Vec<D>> sources, std::span<const double> radius,
                     bool exclude_self = false);

@@ -5,7 +5,8 @@
 namespace poretwin::sph {
 namespace {
 
-/// Where along a plane the way from x to y meets it, whose distances to it are given; the same from y to x.
+/// Coordinate along the plane at which the line from x to y crosses it, given the distances of x and y from the plane;
+/// the same to the last bit with x and y exchanged.
 template <int D>
 double crossing(const ImagePlane<D>& plane, const Vec<D>& x, const Vec<D>& y, double from, double to) {
   const double sum = from + to;
@@ -38,7 +39,7 @@ Images<D> images_in_all_orders(std::span<const Vec<D>> points, std::span<const I
   };
   for (std::size_t p = 0; p < planes.size(); ++p)
     for (std::size_t i = 0; i < points.size(); ++i) add(p, points[i], i, nullptr);
-  // Only a mirror that stands before another is seen in it.
+  // Two mirrors make images of each other's images only where each lies in front of the other.
   const auto before = [&](const ImagePlane<D>& seen, const ImagePlane<D>& mirror) {
     for (const double along : {seen.seen_from, seen.seen_to})
       if (mirror.normal.dot(seen.at(along) - mirror.point) > 1e-6 * range) return true;
@@ -99,8 +100,8 @@ template <int D>
 bool Sight<D>::sees(const Vec<D>& x, Index j, std::size_t n_base, std::span<const Vec<D>> position,
                     std::span<const Index> by, std::span<const Index> of, const Near& near) const {
   Vec<D> here = x;
-  int behind = -1;  // the screen that threw the way back last
-  Index last = 0;   // and its mirror
+  int behind = -1;  // screen of the last reflection
+  Index last = 0;   // plane of the last reflection
   bool thrown = false;
   while (j >= n_base) {
     const Index mirror = by[j - n_base];
@@ -116,9 +117,9 @@ bool Sight<D>::sees(const Vec<D>& x, Index j, std::size_t n_base, std::span<cons
     const double along = crossing(plane, here, target, std::abs(from), std::abs(to));
     if (along < plane.seen_from + (plane.taken ? slack_ : -slack_) || along > plane.seen_to + slack_) return false;
     const Vec<D> foot = plane.at(along);
-    // Through a corner both orders of its mirrors lead.
+    // At a corner both orders of its mirrors give an image; only one counts.
     if (thrown && (foot - here).squaredNorm() < 1e4 * slack_ * slack_ && last > mirror) return false;
-    // A little before the wall, on the side from which the way comes: others may end there.
+    // Stops slightly before the wall, on the side of the line of sight: other walls may end there.
     const Vec<D> back = here - foot;
     const double way = back.norm();
     const Vec<D> turn = foot + slack_ * plane.normal + (way > 10.0 * slack_ ? 10.0 * slack_ / way : 0.0) * back;

@@ -1,41 +1,43 @@
-// Walls thinner than the kernel's support: a point does not see points behind such a wall, but sees the images that it
-// makes. It sees another point along a straight line that no wall crosses, and an image along a line that is reflected
-// by walls, which is equally long in both directions. In every direction a point sees either the water behind a wall or
-// the image there, never both, also past free tips and corners, so that its surroundings are filled once.
+// Lines of sight past walls thinner than the kernel's support. A point does not see points behind such a wall, but sees
+// the wall's images. It sees another point along a straight line that no wall crosses, and an image along the line
+// reflected by the walls, of equal length in both directions. In each direction it sees either the water behind a wall
+// or an image, never both, also past free tips and corners: its surroundings are filled exactly once.
 #pragma once
 
 #include "common/particles/images.hpp"
 
 namespace poretwin::sph {
 
-/// Images by all orders of mirrors: past a corner some points see the one order, some the other. At most a range away.
+/// Images by all orders of mirrors, at most `range` [m] away: near a corner some points see one order, some the other.
 template <int D>
 Images<D> images_in_all_orders(std::span<const Vec<D>> points, std::span<const ImagePlane<D>> planes, double range);
 
-/// What is seen past the walls of a scene (2D). Without any, everything is.
+/// Which points see each other past the walls of a scene (2D); without walls all do.
 template <int D>
 class Sight {
  public:
   using Near = std::vector<Index>;
 
   Sight() = default;
-  /// planes: with their screens, the wall's pieces that stand in the way; slack [m]: of coordinates, by rounding.
+  /// planes: the mirrors with their screens, the wall pieces that block sight; slack [m]: rounding error of
+  /// coordinates.
   Sight(std::vector<ImagePlane<D>> planes, double slack);
   [[nodiscard]] bool limited() const { return !screens_.empty(); }
   [[nodiscard]] std::span<const ImagePlane<D>> planes() const { return planes_; }
 
-  /// The screens within reach of x.
+  /// Finds the screens within reach [m] of x.
   void find_near(const Vec<D>& x, double reach, Near& near) const;
 
-  /// Is the straight way from x to y open? Two screens, those on which it begins and ends, do not count.
+  /// Whether no screen blocks the straight line from x to y. The screens `but` and `nor`, on which it begins and ends,
+  /// do not count.
   [[nodiscard]] bool open(const Vec<D>& x, const Vec<D>& y, const Near& near, int but = -1, int nor = -1) const;
 
-  /// Does x see image j of `position`, base points and then the images of them? by, of: as in Images.
+  /// Whether x sees image j of `position`, which holds n_base points, then their images. by, of: those of Images.
   [[nodiscard]] bool sees(const Vec<D>& x, Index j, std::size_t n_base, std::span<const Vec<D>> position,
                           std::span<const Index> by, std::span<const Index> of, const Near& near) const;
 
-  /// A point that has moved from `before` through mirrors is thrown back by them; its velocity towards them [m/s] is
-  /// stopped.
+  /// Reflects a point that has moved from `before` through mirrors back from them; removes its velocity [m/s] towards
+  /// each, relative to it.
   void keep_inside(const Vec<D>& before, Vec<D>& x, Vec<D>& v) const;
 
  private:

@@ -1,4 +1,4 @@
-// Case files written, read and complained about.
+// Helpers that write case files, read them and collect the messages.
 #pragma once
 
 #include "common/case/case.hpp"
@@ -37,7 +37,7 @@ class CaseFile : public testing::Test {
     }
     return "no complaint";
   }
-  /// All that is said of a case that may run.
+  /// All warnings on a case that may run.
   std::string warnings(const std::string& text, const std::vector<std::string>& overrides = {}) {
     std::string all;
     for (const auto& warning : read(text, overrides).warnings) all += warning + "\n";

@@ -1,4 +1,4 @@
-// The case file: values arrive, mistakes are named with file, line, key, what was expected and what was found.
+// The case file: values are read; mistakes are reported with file, line, key, what was expected and what was found.
 #include "tests/case/case_file.hpp"
 
 #include "common/case/document.hpp"
@@ -63,7 +63,7 @@ TEST_F(CaseFile, ArrivesInTheStruct) {
   EXPECT_EQ(scene.text, sound_case);
 }
 
-/// Of all that moves, the fastest over one spacing.
+/// The shortest characteristic time belongs to the fastest of all motions over one spacing.
 TEST_F(CaseFile, HasAShortestTime) {
   Case scene = read(sound_case);
   const auto is = [&](double time, const char* of_what) {
@@ -71,7 +71,7 @@ TEST_F(CaseFile, HasAShortestTime) {
     EXPECT_NEAR(shortest, time, 1e-6 * time);
     EXPECT_THAT(said, HasSubstr(of_what));
   };
-  // E = 3 MPa, nu = 0.3, n = 0.4, grains of 2600 kg/m3: M = 4.0385 MPa.
+  // E = 3 MPa, nu = 0.3, n = 0.4, grains of 2600 kg/m3: constrained modulus M = 4.0385 MPa.
   is(0.01 / std::sqrt(4.0384615e6 / 1560.0), "a wave of the soil");
   scene.solid.model = SolidCase::Model::rigid;
   is(std::sqrt(0.01 / 9.81), "a fall");
@@ -189,7 +189,7 @@ TEST_F(CaseFile, TakesThePapersDefaultsByName) {
   EXPECT_EQ(moving.fluid.drag_form, FluidCase::DragForm::pointwise);
   EXPECT_EQ(moving.solid.model, SolidCase::Model::drucker_prager_rate);
   EXPECT_EQ(moving.solid.hourglass_stiffness, 0.0);
-  EXPECT_EQ(moving.solid.courant, 0.3);  // the case's own word holds
+  EXPECT_EQ(moving.solid.courant, 0.3);  // the case's own value has precedence
   const std::string water_alone = sound_case.substr(0, sound_case.find("[[gauge]]"));
   const Case rigid = read(water_alone, {"case.scheme=paper", "solid.model=rigid"});
   EXPECT_EQ(rigid.fluid.drag_form, FluidCase::DragForm::smoothed);
@@ -328,22 +328,22 @@ TEST_F(CaseFile, NamesTheHoleInAWall) {
   EXPECT_THAT(hole,
               HasSubstr("between [0.7, 0], where wall[1] \"floor\" ends and [1, 0], where wall[2] \"right\" ends"));
   EXPECT_THAT(hole, HasSubstr("close the gap with a [[wall]]"));
-  // In the middle of a line, too, and through soil.
+  // Also a gap in the middle of a line, and a gap beside soil.
   EXPECT_THAT(complaint(changed(tank_case, "points = [[1, 0], [1, 1]]",
                                 "points = [[1, 0], [1, 0.2]]\n[[wall]]\nname = \"top\"\npoints = [[1, 0.3], [1, 1]]")),
               HasSubstr("between [1, 0.2], where wall[2] \"right\" ends and [1, 0.3], where wall[3] \"top\" ends"));
   EXPECT_THAT(complaint(changed(tank_case, "[[0, 0], [1, 0]]", "[[0, 0], [0.7, 0]]") +
                         "[[soil]]\nmin = [0, 0]\nmax = [1, 0.5]\n"),
               HasSubstr("water can run out"));
-  // A side that is missing altogether.
+  // A side without a wall.
   EXPECT_THAT(complaint(changed(tank_case, "points = [[1, 0], [1, 1]]", "points = [[1, 0], [1, 1]]\nwater = \"none\"")),
               HasSubstr("past [1, 0], where wall[1] \"floor\" ends"));
-  // A wall that ends below the water.
+  // A wall that ends below the water's surface.
   EXPECT_THAT(complaint(changed(tank_case, "[[1, 0], [1, 1]]", "[[1, 0], [1, 0.4]]")),
               HasSubstr("past [1, 0.4], where wall[2] \"right\" ends"));
 }
 
-/// Planes have no ends, wherever the water hangs between them.
+/// Planes have no ends, so that water cannot run out between them, however far away they are.
 TEST_F(CaseFile, PlanesFarFromTheWaterHoldIt) {
   const auto plane = [](const std::string& point, const std::string& normal) {
     return "[[wall]]\npoint = " + point + "\nnormal = " + normal + "\n";
@@ -420,7 +420,7 @@ points = [[1.2, 0], [0.8, 0.4]]
 head = 0
 )";
   EXPECT_EQ(complaint(dam), "no complaint");
-  // Over the crest, down the other slope and into what stands behind that.
+  // The water runs over the crest, down the other slope, and into the basin there.
   const std::string over = changed(dam, "head = 0.3", "head = [[0, 0], [10, 0.45]]");
   EXPECT_EQ(complaint(over), "no complaint");
   EXPECT_THAT(complaint(changed(over, "head = 0\n", "pressure = 0\n")), HasSubstr("water can run out at"));
@@ -429,7 +429,7 @@ head = 0
       HasSubstr(
           "key 'water_face[0].head': the water behind the face rises to 0.45 m, above the face's upper end "
           "at 0.4 m, where no wall touches it, and cannot run over there: the soil moves, and its crest with it"));
-  // A wall that goes up from the crest holds the water, a floor along it does not.
+  // A wall upwards from the crest holds the water; a floor along the crest does not.
   const auto with_wall = [&](const std::string& points) {
     return complaint(changed(over, "model = \"rigid\"", "model = \"elastic\"") + "[[wall]]\npoints = " + points);
   };
@@ -440,7 +440,7 @@ head = 0
 TEST_F(CaseFile, NamesWallsAndFacesInTheWrongPlace) {
   EXPECT_THAT(complaint(changed(tank_case, "[[0, 0], [1, 0]]", "[[1, 0], [0, 0]]")),
               HasSubstr("key 'wall[1].points': water or soil lies to the right of the walk from [1, 0] to [0, 0]"));
-  // A line through water is a thin wall, where rows of particles stand on either side of it.
+  // A wall line through water is a thin wall, if rows of particles lie on either side of it.
   EXPECT_EQ(complaint(tank_case + "[[wall]]\npoints = [[0.5, 0.1], [0.5, 0.4]]\n"), "no complaint");
   EXPECT_THAT(complaint(tank_case + "[[wall]]\npoints = [[0.525, 0.1], [0.525, 0.4]]\n"),
               HasSubstr("wall[3], which runs through it; expected rows half a spacing from the line"));
@@ -477,7 +477,7 @@ TEST_F(CaseFile, NamesAGaugeThatACsvCouldNotHold) {
   EXPECT_THAT(complaint(named("a\\nb")), HasSubstr("found 'a?b'"));
 }
 
-/// The parser goes down a level for every part of a key: so many are more than the stack holds.
+/// The parser recurses once per part of a key: a key with this many parts would overflow the stack.
 TEST_F(CaseFile, NamesAKeyThatIsTooDeep) {
   std::string deep = "a";
   for (int k = 1; k < 100'000; ++k) deep += ".a";
@@ -485,7 +485,7 @@ TEST_F(CaseFile, NamesAKeyThatIsTooDeep) {
     EXPECT_THAT(complaint("\n" + text), HasSubstr("case.toml:2: expected a key of at most 64 parts, found more"));
   EXPECT_THAT(complaint(sound_case, {deep + "=1"}), HasSubstr("expected a key of at most 64 parts, found 100000"));
   EXPECT_THAT(complaint(sound_case, {"case.title={" + deep + "=1}"}), HasSubstr("a key of at most 64 parts"));
-  // Dots elsewhere are no parts of a key.
+  // Dots elsewhere do not separate parts of a key.
   const std::string dots(200, '.'), title = "title = \"column\"";
   for (const std::string& text :
        {"\"\"\"" + dots + "\n" + dots + " \\\" it's\"\"\"", "'C:\\" + dots + "\\' # it's " + dots})

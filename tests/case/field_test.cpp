@@ -1,4 +1,4 @@
-// Cases whose water is a field: what is right is read, what is not built or makes no sense is named.
+// Cases whose water is a field: correct ones are read; unsupported or meaningless ones are refused with a reason.
 #include "tests/case/case_file.hpp"
 
 #include "common/case/amounts.hpp"

@@ -1,5 +1,5 @@
-// Mistakes in cases: what would run and give wrong numbers is refused, what is hardly meant is said, what is right
-// passes.
+// Mistakes in cases: those that would run and give wrong numbers are refused, doubtful ones cause a warning, correct
+// ones pass.
 #include "tests/case/case_file.hpp"
 
 #include "common/case/amounts.hpp"
@@ -97,9 +97,9 @@ TEST_F(Mistakes, AnOldWordIsReadWithAWarning) {
 }
 
 TEST_F(Mistakes, AllCasesOfTheProjectPass) {
-  // Rockfill under a linear law is what linear.toml is there to show.
+  // linear.toml exists to show rockfill with a linear seepage law.
   const std::set<std::string> doubtful{"rockfill_dam_rigid/linear.toml",
-                                       // Soil that its weight strains.
+                                       // Soil that is strained by its own weight.
                                        "gibson/case.toml", "gibson/kozeny.toml",
                                        // A slope whose toe is held by a wall along it; columns four particles wide.
                                        "embankment_failure_held/case.toml", "dynamic_column/case.toml",
@@ -136,17 +136,17 @@ TEST_F(Mistakes, APolygonThatCrossesItselfIsNamed) {
 TEST_F(Mistakes, LinesThatOnlyTouchThemselvesDoNotCross) {
   const auto p = [](double x, double y) { return Point3(x, y, 0.0); };
   EXPECT_FALSE(self_crossing({p(0, 0), p(1, 0), p(1, 1), p(0, 1)}, true));
-  // A hole, reached by a bridge that is walked twice.
+  // A polygon with a hole, reached by a bridge that the line follows twice.
   EXPECT_FALSE(self_crossing(
       {p(0, 0), p(3, 0), p(3, 3), p(1, 3), p(1, 2), p(1, 1), p(2, 1), p(2, 2), p(1, 2), p(1, 3), p(0, 3)}, true));
   // A point of the line lies on an edge, and the line turns back there.
   EXPECT_FALSE(self_crossing({p(0, 0), p(4, 0), p(4, 2), p(2, 0), p(0, 2)}, true));
-  // The line goes through an edge at one of its points.
+  // The line crosses an edge at one of its points.
   const auto through = self_crossing({p(0, 0), p(4, 0), p(4, 2), p(2, 0), p(1, -1), p(0, -1)}, true);
   ASSERT_TRUE(through);
   EXPECT_EQ(through->at, p(2, 0));
   EXPECT_EQ(through->first, 0u);
-  // Many corners take no time: a circle of 20000.
+  // Many corners take little time: a circle of 20000.
   std::vector<Point3> circle;
   for (int k = 0; k < 20000; ++k) circle.push_back(p(std::cos(k * 3.14159265e-4), std::sin(k * 3.14159265e-4)));
   const auto start = std::chrono::steady_clock::now();
@@ -196,7 +196,7 @@ TEST_F(Mistakes, TooMuchOfEverythingIsNamedBeforeItIsMade) {
   EXPECT_THAT(complaint(tank + "[[gauge]]\nname = \"n\"\nphase = \"fluid\"\nkind = \"particles\"\n",
                         {"output.gauge_interval=1e-10"}),
               HasSubstr("key 'output.gauge_interval': 1e+10 gauge readings"));
-  // Millions are only looked at by sample.
+  // Of millions of particles only a sample is checked.
   EXPECT_EQ(complaint(tank, {"fluid.particle_spacing=1e-4"}), "no complaint");
   EXPECT_EQ(complaint(slope, {"solid.particle_spacing=1e-3"}), "no complaint");
   EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(60));
@@ -240,9 +240,9 @@ model = "elastic"
 )";
   EXPECT_THAT(warnings(scene), HasSubstr("key 'water_face[1]': wall[1] \"lid\" goes straight on where it ends"));
   EXPECT_THAT(warnings(scene), HasSubstr("it has 10: expected a smaller fluid.particle_spacing"));
-  // In rigid soil the matrix of the pressure tells what passes.
+  // In rigid soil the flow through a face follows from the matrix of the pressure solve.
   EXPECT_EQ(warnings(changed(scene, "\"elastic\"", "\"rigid\"")), "");
-  // A whole side between corners is exact.
+  // A face over a whole side between corners is exact.
   EXPECT_EQ(warnings(changed(changed(scene, "[0.8, 0], [0.8, 0.2]]", "[0.8, 0], [0.8, 0.4]]"),
                              "[[0.8, 0.2], [0.8, 0.4], [0, 0.4]]", "[[0.8, 0.4], [0, 0.4]]")),
             "");
@@ -270,7 +270,7 @@ TEST_F(Mistakes, WaterDrawnBehindAFaceIsRefused) {
   const std::string pond = "[[fluid.region]]\nshape = \"polygon\"\npoints = [[-1, 0], [0, 0], [0.3, 0.3], [-1, 0.3]]\n";
   EXPECT_THAT(complaint(dam + pond), HasSubstr("key 'fluid.region[0]': water lies behind water_face[0] \"reservoir\""));
   EXPECT_THAT(complaint(dam + pond), HasSubstr("give its level by the face's 'head'"));
-  // Also where it does not touch the face: it is taken all the same.
+  // Also where the water does not touch the face: it would be removed all the same.
   EXPECT_THAT(complaint(dam + "[[fluid.region]]\nmin = [-1, 0]\nmax = [-0.5, 0.2]\n"),
               HasSubstr("water lies behind water_face[0]"));
   EXPECT_THAT(complaint(changed(dam, "head = 0\n", "outlet = true\n") +
@@ -312,7 +312,7 @@ TEST_F(Mistakes, AGaugeBeforePlanesIsInside) {
   EXPECT_THAT(complaint(wide + gauge + "[[4, 0.02], [4, 0.4]]\n"), HasSubstr("expected a place within the walls"));
 }
 
-// Water sees past walls by a line of sight, but not beside soil that moves.
+// A line of sight separates water on both sides of a thin wall, but not beside soil that moves.
 TEST_F(Mistakes, BesideSoilThatMovesWaterFeelsItselfThroughThinWalls) {
   const auto with = [&](double thickness, double right, double spacing = 0.04, const char* model = "elastic") {
     const double there = 1.0 + thickness;
@@ -414,7 +414,8 @@ model = "rigid"
   EXPECT_EQ(complaint(changed(drained, "pressure = 0", "pressure = 500")), "no complaint");
 }
 
-// Turned with its gravity by 160 degrees: the water's level is that of its own corners, not of the box around them.
+// A tank rotated with its gravity by 160 degrees: its water level is that of its own corners, not of the box around
+// them.
 TEST_F(Mistakes, ATurnedTankDoesNotLeak) {
   const std::string turned = R"([case]
 end_time = 1
@@ -471,12 +472,12 @@ model = "rigid"
   EXPECT_THAT(complaint(layers, {"fluid.particle_spacing=0.01"}), HasSubstr("0.02 m thin, 2 rows"));
   EXPECT_EQ(complaint(layers, {"fluid.particle_spacing=0.00666"}), "no complaint");
   EXPECT_THAT(warnings(layers, {"fluid.particle_spacing=0.00666"}), HasSubstr("key 'soil[1]': is 0.02 m thin, 3 rows"));
-  // Less of a contrast asks for less; so does a layer that is faster than its neighbours.
+  // A lower contrast needs fewer rows; so does a layer that is faster than its neighbours.
   const std::vector<std::string> two_rows{"fluid.particle_spacing=0.01", "soil.0.hydraulic_conductivity=8e-6",
                                           "soil.2.hydraulic_conductivity=8e-6"};
   EXPECT_EQ(complaint(layers, two_rows), "no complaint");
   EXPECT_EQ(complaint(layers, {"fluid.particle_spacing=0.01", "soil.1.hydraulic_conductivity=1"}), "no complaint");
-  // A wedge that thins out is thin at its tip only; a blanket that leaves a core is thin along all of it.
+  // A wedge is thin at its tip only; a blanket beside a core is thin along its whole length.
   const auto with_core = [&](const std::string& points) {
     return R"([case]
 end_time = 1
@@ -505,11 +506,11 @@ model = "rigid"
   EXPECT_THAT(complaint(with_core(
                   "[[0, 0.4], [0, -0.4], [0.4, -0.4], [0.4, -0.04], [1, -0.04], [1, 0], [0.4, 0], [0.4, 0.4]]")),
               HasSubstr("soil[0]': is 0.04 m thin, 2 rows"));
-  // Rows of one soil, as slopes are drawn in 3D, are one layer.
+  // Regions of one soil, as a slope in 3D is drawn, are one layer.
   EXPECT_EQ(complaint(layers, {"soil.0.hydraulic_conductivity=1e-4", "soil.1.hydraulic_conductivity=1e-4"}),
             "no complaint");
   EXPECT_EQ(warnings(layers, {"soil.0.hydraulic_conductivity=1e-4", "soil.1.hydraulic_conductivity=1e-4"}), "");
-  // One that lies aslant between the two.
+  // An inclined layer between the two.
   std::string slanted = changed(layers, "min = [0, 0.2]\nmax = [0.2, 0.22]",
                                 "shape = \"polygon\"\npoints = [[0, 0.2], [0.2, 0.25], [0.2, 0.27], [0, 0.22]]");
   slanted = changed(slanted, "min = [0, 0]\nmax = [0.2, 0.2]",
@@ -668,10 +669,10 @@ TEST_F(Mistakes, AFarSceneComesToTheOrigin) {
     EXPECT_EQ(scene->coupled_part(), near.coupled_part());
     EXPECT_EQ(scene->gauges[0].points[0], near.gauges[0].points[0]);
   }
-  // Messages speak of places as the file does.
+  // Messages use the coordinates of the file.
   EXPECT_THAT(complaint(changed(moved(1e7), "[10000006, 0], [10000006, 1]", "[10000006, 1], [10000006, 0]")),
               HasSubstr("edges 1-2 and 3-4 cross at [10000004, 0.66666"));
-  // Elevations count from zero: these cannot be moved.
+  // Heads are measured from elevation zero, so that a scene cannot be moved vertically.
   EXPECT_THAT(complaint("[case]\nend_time = 1\n[[soil]]\nmin = [0, 600000]\nmax = [1, 600001]\n[[wall]]\npoints = [[0, "
                         "600000], [1, 600000]]\n[solid]\nparticle_spacing = 0.1\n"),
               HasSubstr("key 'soil[0]': lies at y = 600000 m, 6e+06 particle spacings from the origin"));

@@ -1,5 +1,5 @@
-// What goes into an archive comes out of it, whatever it is made of; what is cut short is refused before it is
-// believed.
+// What is written to an archive is read back unchanged, for all kinds of values; a shortened archive is refused before
+// memory is allocated.
 #include "common/core/archive.hpp"
 #include "common/core/vector.hpp"
 
@@ -105,7 +105,7 @@ TEST(Archive, EveryCutIsNoticed) {
   EXPECT_THROW(longer.expect_end(), FileError);
 }
 
-/// A size is held against the bytes that are there before memory is asked for.
+/// A size is compared with the number of bytes left before memory is allocated.
 TEST(Archive, ASizeBeyondTheBytesIsRefused) {
   std::uint64_t huge = std::uint64_t{1} << 60;
   Archive out;

@@ -1,5 +1,5 @@
-// Every case that ships, stopped after a few windows and resumed by new phases: the same to the bit as the run that was
-// not stopped and took no checkpoints, whatever state its features keep.
+// Every case of the project, stopped after a few windows and resumed by new phases: bit by bit the same as the run that
+// was not stopped and wrote no checkpoints, whatever state its features have.
 #include "common/case/case.hpp"
 #include "common/coupling/interrupt.hpp"
 #include "fluid_solver/fluid.hpp"
@@ -30,7 +30,7 @@ std::string bytes_of(MemoryRecorder& recorder) {
   return archive.bytes();
 }
 
-/// All that a run leaves.
+/// All results of a run.
 struct Result {
   std::vector<std::string> states, records;
   std::uint64_t windows = 0;
@@ -41,15 +41,15 @@ class CaseRun : public testing::Test {
  protected:
   void read(const std::string& name, const std::vector<std::string>& overrides = {}) {
     scene_ = read_case(fs::path(PORETWIN_SOURCE_DIR) / "cases" / name / "case.toml", overrides);
-    scene_.output.interval = 0.0;  // windows as long as the phases like them
-    // Each is a search of seconds.
+    scene_.output.interval = 0.0;  // windows as long as the phases propose
+    // Each of these readings is a search of seconds.
     std::erase_if(scene_.gauges, [](const Gauge& gauge) { return gauge.kind == "factor_of_safety"; });
   }
   void TearDown() override { fs::remove_all(folder_); }
 
   [[nodiscard]] CheckpointStore store(const char* process) const { return {folder_, process, {}}; }
 
-  /// Checkpoints after every window until `stop`, or none before it.
+  /// Whether checkpoints are written after every window until `stop`.
   enum class Taking { none, all };
   Result run(std::uint64_t stop, Taking taking, bool resume) {
     every_ = taking == Taking::all ? 0.0 : no_limit;
@@ -98,14 +98,14 @@ class CaseRun : public testing::Test {
     return {{bytes_of(*phase)}, {bytes_of(recorder)}, report.windows, report.time};
   }
 
-  /// Stopped in the middle and resumed: the same as `whole`.
+  /// Expects that the run, stopped in the middle and resumed, gives the same as `whole`.
   void expect_the_same_resumed(const Result& whole) {
     ASSERT_EQ(whole.windows, last_);
     run(middle_, Taking::all, false);
     const Result resumed = run(last_, Taking::none, true);
     EXPECT_EQ(resumed.windows, whole.windows);
     EXPECT_EQ(resumed.time, whole.time);
-    // Not EXPECT_EQ: nobody wants to see megabytes.
+    // Not EXPECT_EQ, which would print megabytes.
     for (std::size_t k = 0; k < whole.states.size(); ++k) {
       EXPECT_TRUE(resumed.states[k] == whole.states[k]) << "the states differ: phase " << k;
       EXPECT_TRUE(resumed.records[k] == whole.records[k]) << "the records differ: phase " << k;
@@ -114,10 +114,11 @@ class CaseRun : public testing::Test {
 
   Case scene_;
   Scheme scheme_;
-  std::uint64_t middle_ = middle, last_ = last;  // windows, of the checkpoint and in all
-  std::uint64_t passes_ = 0;                     // of the last coupled run
+  std::uint64_t middle_ = middle, last_ = last;  // windows until the checkpoint, and in all
+  std::uint64_t passes_ = 0;                     // passes of the last coupled run
   double at_rest_ = 0.0;                         // windows in which its soil slept
-  double asleep_ = 0.0;                          // share of the last soil alone
+  double asleep_ = 0.0;                          // fraction of the soil asleep beside flowing soil, last run of a soil
+                                                 // alone
   double every_ = no_limit;                      // s
   fs::path folder_ = testing_tools::fresh_folder("poretwin-resume");
 };
@@ -134,7 +135,7 @@ TEST_P(EveryCase, ResumesToTheBit) {
   expect_the_same_resumed(whole);
 }
 
-/// Both solvers in every window several times, with what the acceleration has learned in it.
+/// Both solvers cross every window several times; the acceleration's state belongs to a single window.
 TEST_F(CaseRun, ResumesIteratedToTheBit) {
   for (const auto kind : {AccelerationKind::aitken, AccelerationKind::quasi_newton}) {
     read("terzaghi", {"fluid.particle_spacing=0.05", "solid.particle_spacing=0.05"});
@@ -146,7 +147,7 @@ TEST_F(CaseRun, ResumesIteratedToTheBit) {
   }
 }
 
-/// What is under way between two windows, impulses too, belongs to the checkpoint.
+/// Impulses in transfer between two windows are part of the checkpoint.
 TEST_F(CaseRun, ResumesParallelToTheBit) {
   read("terzaghi", {"fluid.particle_spacing=0.05", "solid.particle_spacing=0.05", "coupling.interval=1e-5",
                     "coupling.scheme=\"parallel\""});
@@ -155,7 +156,7 @@ TEST_F(CaseRun, ResumesParallelToTheBit) {
   expect_the_same_resumed(whole);
 }
 
-/// Long windows of soil that nothing disturbs.
+/// Long windows in which undisturbed soil sleeps.
 TEST_F(CaseRun, ResumesAsleepToTheBit) {
   read("embankment_seepage", {"fluid.particle_spacing=0.04"});
   scene_.coupling.interval = 0.1;
@@ -164,7 +165,7 @@ TEST_F(CaseRun, ResumesAsleepToTheBit) {
   expect_the_same_resumed(whole);
 }
 
-/// A collapse whose core sleeps: checkpoints after many windows, when some of it does.
+/// A collapse with a sleeping core: the checkpoints come after many windows, when some regions sleep.
 TEST_F(CaseRun, ResumesRegionsAsleepToTheBit) {
   read("column_collapse",
        {"soil.0.max=[0.2, 0.05]", "solid.particle_spacing=0.005", "solid.quiet.regions=0.005", "case.end_time=10"});

@@ -1,4 +1,4 @@
-// Files of checkpoints: whole or not there, of this run or refused, two generations deep.
+// Checkpoint files: complete or absent, of this run or refused; the last two are kept.
 #include "common/checkpoint/schedule.hpp"
 #include "tests/child.hpp"
 
@@ -88,7 +88,8 @@ TEST_F(Store, AnotherCaseIsRefusedByName) {
   }
 }
 
-/// A file that cannot grow, as on a full disk: the cause is named, the one before stays, nothing half-written stays.
+/// A file that cannot grow, as on a full disk: the cause is reported, the checkpoint before is kept, no incomplete file
+/// remains.
 TEST_F(Store, NoRoomLeavesTheOlderOne) {
   const auto s = store();
   s.write({"x-1", 1, 0.1}, state(0.1));

@@ -1,4 +1,4 @@
-// Large arrays that come and go, beside small ones that stay.
+// Large arrays that are allocated and freed, beside small ones that are kept.
 #include "common/core/memory.hpp"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 namespace poretwin {
 namespace {
 
-/// Takes and leaves arrays of random sizes; each must be its own until it is left.
+/// Allocates and frees arrays of random sizes; none may overlap another that is still allocated.
 void come_and_go(unsigned seed) {
   std::mt19937 generator(seed);
   std::vector<std::vector<std::uint32_t>> held(40);

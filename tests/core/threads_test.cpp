@@ -34,7 +34,7 @@ TEST(Parts, WithinPartsAndOfSeveralCallersAreWorkedOnToo) {
 TEST(Parts, ThatLastHoldUpNoOther) {
   if (threads() < 2) GTEST_SKIP() << "one thread";
   std::vector<std::thread::id> by(64);
-  for (int call = 0; call < 200; ++call) {  // on a busy machine the others may have no core at once
+  for (int call = 0; call < 200; ++call) {  // on a busy machine the other threads may not get a core at once
     for_each_part(by.size(), [&](std::size_t part) {
       if (part == 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));
       by[part] = std::this_thread::get_id();

@@ -1,4 +1,4 @@
-// Two clouds and what is mapped between them, for tests: consistent from the source to the target, conservative back.
+// Two clouds and the mapping between them, for tests: consistent from source to target, conservative back.
 #pragma once
 
 #include "coupler/mapping.hpp"

@@ -1,4 +1,4 @@
-// A column of soil for coupled runs, and what is read off them.
+// A column of soil for coupled runs, and its gauges.
 #pragma once
 
 #include "tests/coupling/coupled_run.hpp"
@@ -8,14 +8,14 @@
 
 namespace poretwin::test {
 
-/// The domain lies to the left of the walk.
+/// A wall line from a to b; the domain lies on its left.
 inline Face line(double ax, double ay, double bx, double by) {
   Face face;
   face.points = {Point3(ax, ay, 0.0), Point3(bx, by, 0.0)};
   return face;
 }
 
-/// Porosity 0.4, on a fixed base between rollers (walls 1, 0 and 2); lengths in m.
+/// Soil of porosity 0.4 on a fixed base (wall 1) between rollers (walls 0 and 2); lengths in m.
 inline Case soil_column(double width, double height, double spacing) {
   Case scene;
   Soil soil;
@@ -35,7 +35,7 @@ inline Case soil_column(double width, double height, double spacing) {
   return scene;
 }
 
-/// A gauge of one point, called as what it reads.
+/// A gauge at one point, named after the quantity that it reads.
 inline Gauge gauge_at(const std::string& phase, const std::string& quantity, double x, double y) {
   Gauge gauge;
   gauge.name = quantity;
@@ -46,7 +46,7 @@ inline Gauge gauge_at(const std::string& phase, const std::string& quantity, dou
   return gauge;
 }
 
-/// What a gauge read last; NaN where it read nothing then.
+/// The last reading of a gauge; NaN where it then had none.
 inline double last(const coupling::MemoryRecorder& record, const std::string& gauge) {
   for (const auto& reading : record.series.back().readings)
     if (reading.gauge == gauge) return reading.value;

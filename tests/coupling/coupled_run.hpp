@@ -1,5 +1,5 @@
-// A whole coupled run of two phases (mocks or solvers) and the coupler in one process, over any transport, with short
-// deadlines: nothing here can hang.
+// A complete coupled run of two phases (mocks or solvers) and the coupler in one process, over any transport. Deadlines
+// are short, so that nothing can hang.
 #pragma once
 
 #include "common/coupling/drive.hpp"
@@ -24,7 +24,7 @@ inline std::string line_name(Line line) {
   return line == Line::in_process ? "in_process" : line == Line::ipc ? "ipc" : "tcp";
 }
 
-/// How one of the three fared.
+/// How one of the three ended.
 struct Fate {
   std::string error;  ///< empty: all went well
   ExitCode code = ExitCode::success;
@@ -33,20 +33,20 @@ struct Fate {
 };
 
 struct CoupledRun {
-  // To be set.
+  // Inputs.
   Line line = Line::in_process;
   int dimension = 2;
-  bool paired = false;  ///< both solvers' points are the same
+  bool paired = false;  ///< both solvers have the same points
   WindowClock::Settings settings{1.0, 0.1, 0.0, 0.0};
   BrokerOptions broker;
   ParticipantOptions participant;
-  std::filesystem::path checkpoints;   ///< folder; empty: none are kept
+  std::filesystem::path checkpoints;   ///< folder; empty: no checkpoints
   double checkpoint_every = no_limit;  ///< s
   bool resume = false, only_coupler_keeps = false;
-  std::uint64_t stop_after = 0;  ///< windows, as if a person had pressed Ctrl-C; 0: never
+  std::uint64_t stop_after = 0;  ///< windows after which Ctrl-C is simulated; 0: never
   Scheme scheme;
-  std::function<std::string(const std::string&)> route;  ///< the address at which participants find the coupler's
-  // To be looked at.
+  std::function<std::string(const std::string&)> route;  ///< address for participants, given the coupler's
+  // Results.
   Fate fluid, solid, coupler;
   MemoryRecorder fluid_record, solid_record;
   ScheduleReport report;
@@ -63,7 +63,7 @@ struct CoupledRun {
     participant.coupler_deadline = Milliseconds(10000);
   }
 
-  /// Either phase may be absent.
+  /// Either phase may be nullptr.
   void run(Phase* fluid_phase, Phase* solid_phase) {
     const auto start = std::chrono::steady_clock::now();
     std::unique_ptr<Hub> hub;
@@ -103,7 +103,7 @@ struct CoupledRun {
     wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
 
-  /// For MockKnobs::on_freeze: the participant falls silent as a stopped process does.
+  /// For MockKnobs::on_freeze: the participant becomes silent as a stopped process would.
   void silence(Role role) {
     auto& participant_now = role == Role::fluid ? fluid_participant_ : solid_participant_;
     participant_now->set_heartbeats(false);
@@ -159,14 +159,14 @@ struct CoupledRun {
   std::optional<Participant> fluid_participant_, solid_participant_;
 };
 
-/// A value that the border lets in: `free` where any number may stand, else that of soil and water at rest.
+/// A value within the bounds of its field: `free` where any number is allowed, else that of soil and water at rest.
 inline double within_bounds(const std::string& name, double free) {
   const auto& field = *standard_field(name);
   if (field.bounds.low < 0.0) return free;
   return field.name == field::constrained_modulus ? std::abs(free) : field.at_rest;
 }
 
-/// A square of side 1 m with fields of the standard contract.
+/// A square of 1 m x 1 m with fields of the standard contract.
 inline MockPhase::Formula still_square(Role role, double spacing = 0.1, FieldFormula formula = {}) {
   return [=](double t) {
     return formula_publication(role, t, lattice_points(2, {0.0, 0.0}, {1.0, 1.0}, spacing), formula);

@@ -1,4 +1,4 @@
-// Whatever goes wrong is named, reaches everybody, and ends in time.
+// Every failure is reported with its cause to all processes, and the run ends in time.
 #include "tests/coupling/coupled_run.hpp"
 #include "tests/coupling/slow_line.hpp"
 
@@ -53,7 +53,7 @@ TEST_P(FailureOnEveryLine, AFrozenPeerIsNamedAtOnceAndMayComeBack) {
   CoupledRun run;
   run.line = GetParam();
   run.settings.end = 0.3;
-  run.broker.frozen_notice = Milliseconds(700);  // a busy machine may hold the coupler up for a third of it
+  run.broker.frozen_notice = Milliseconds(700);  // a busy machine may delay the coupler by a third of it
   knobs.freeze_at = 2;
   knobs.freeze_for = Milliseconds(1500);
   knobs.on_freeze = [&] { run.silence(Role::solid); };
@@ -100,7 +100,7 @@ TEST(Failure, TheFirstBadValueIsFoundWhereverItStands) {
       std::vector<double> values(n, 1.0);
       values[0] = 0.0;
       ASSERT_EQ(first_outside(values, 0.0, 1.0), n);
-      for (std::size_t k = n; k-- > 0;) {  // those behind it are bad already
+      for (std::size_t k = n; k-- > 0;) {  // the points after it are wrong already
         values[k] = bad;
         ASSERT_EQ(first_outside(values, 0.0, 1.0), k) << bad << " among " << n;
       }
@@ -131,7 +131,7 @@ TEST(Failure, FractionsAndLengthsAreBounded) {
   expect_contains(other.coupler.error, {"'fluid'", "@smoothing_length", "point 3", "positive", "got 0"});
 }
 
-/// What no soil and no water can be, from the second window on: refused before the other side computes with it.
+/// Values that no soil and no water can have, from the second window on, are refused before the other side uses them.
 TEST(Failure, NonsenseIsNamedByFieldPointValueSenderAndStep) {
   using Spoil = std::function<void(Publication&)>;
   const auto at = [](Publication& p, std::string_view name, double value) {
@@ -229,7 +229,7 @@ TEST(Failure, WhoWaitsForTheCouplerSaysSo) {
   EXPECT_THROW(participant.join(), PeerError);
   ASSERT_GE(said.size(), 3u);
   EXPECT_NE(said.front().find("solid: waiting for the coupler at " + address), std::string::npos) << said.front();
-  // The same while it asks for the case.
+  // The same while it requests the case.
   said.clear();
   const auto line = connect_socket(address);
   EXPECT_THROW(request_case(*line, Role::solid, options), PeerError);
@@ -251,7 +251,8 @@ TEST(Failure, NobodyAnswers) {
   }
 }
 
-/// A run with a good solid and a fluid spoilt by `spoil`; the coupler must refuse the fluid naming `parts`.
+/// Runs a correct solid with a fluid whose contract `spoil` changes; the coupler must refuse the fluid and name
+/// `parts`.
 void expect_refused(const std::function<void(Contract&)>& spoil, const std::vector<std::string>& parts) {
   MockPhase fluid(Role::fluid, 2, still_square(Role::fluid)), solid(Role::solid, 2, still_square(Role::solid));
   Contract contract = fluid.contract();
@@ -305,7 +306,7 @@ TEST(Handshake, RefusesASecondOfOneRole) {
   expect_contains(first + second, {"role: expected solid, got a second fluid", "aborted by solid"});
 }
 
-/// Speaks raw frames to a broker and returns the answer to its first message.
+/// Sends one raw message to a broker and returns the answer.
 Message answer_to(Message message) {
   InProcess in_process;
   auto hub = in_process.hub();
@@ -375,7 +376,7 @@ TEST(Latency, ASlowLineIsAWorkingLine) {
   run.run(&fluid, &solid);
   run.expect_success();
   EXPECT_EQ(run.report.windows, 10u);
-  EXPECT_GT(run.wall, 0.8);  // ten windows of four messages one after the other: they did go through the slow line
+  EXPECT_GT(run.wall, 0.8);  // ten windows of four messages, one after the other: they did pass through the slow line
   for (const auto& text : run.log) EXPECT_EQ(text.find("frozen"), std::string::npos) << text;
 }
 

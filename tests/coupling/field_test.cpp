@@ -1,4 +1,4 @@
-// Pore water as a field together with soil that moves.
+// Pore water as a field, coupled with soil that moves.
 #include "common/media/retention_law.hpp"
 #include "pore_solver/pore_phase.hpp"
 #include "solid_solver/solid.hpp"
@@ -27,7 +27,7 @@ Case column() {
   return scene;
 }
 
-/// Both to the end, in windows of at most `interval`.
+/// Runs both phases to the end, in windows of at most `interval`.
 void run(CoupledRun& coupled, const Case& scene, std::optional<double> interval = {}) {
   const auto water = pore::make_pore_water(scene);
   const auto soil = solid::make_solid(scene);
@@ -68,7 +68,7 @@ Case loaded_column(double end) {
 }
 
 TEST(FieldWithSoil, BearsASuddenLoadWholly) {
-  const Case scene = loaded_column(1e-3);  // a hundredth of what a row takes to drain
+  const Case scene = loaded_column(1e-3);  // a hundredth of the time in which a row drains
   CoupledRun coupled;
   run(coupled, scene, 1e-4);
   EXPECT_NEAR(last(coupled.fluid_record, "pore_pressure"), load, 0.003 * load);
@@ -76,7 +76,7 @@ TEST(FieldWithSoil, BearsASuddenLoadWholly) {
 }
 
 TEST(FieldWithSoil, ConsolidatesAsTerzaghiInWindowsOfItsOwn) {
-  const double rate = 1e-4 * modulus / 9810.0;  // m2/s
+  const double rate = 1e-4 * modulus / 9810.0;  // m2/s, coefficient of consolidation
   for (const double factor : {0.2, 1.0}) {
     const Case scene = loaded_column(factor * height * height / rate);
     CoupledRun coupled;
@@ -87,14 +87,14 @@ TEST(FieldWithSoil, ConsolidatesAsTerzaghiInWindowsOfItsOwn) {
   }
 }
 
-/// Under uniform suction and open to the air a column without weight shortens by suction over modulus.
+/// Under uniform suction and open to the air, a weightless column shortens in proportion to suction over modulus.
 TEST(FieldWithSoil, SuctionUnderAirCompressesTheSoil) {
   Case scene = column();
   scene.general.end_time = 1.0;
   scene.solid.initial_rest = true;
   Soil& soil = scene.soils[0];
   soil.grain_density = 1e-6;
-  soil.porosity = 1e-3;  // so that neither grains nor water weigh
+  soil.porosity = 1e-3;  // so that grains and water have no weight
   soil.retention.emplace();
   for (const auto& law : porous::retention_laws())
     if (law.name == "gardner") soil.retention->law = &law;
@@ -103,7 +103,7 @@ TEST(FieldWithSoil, SuctionUnderAirCompressesTheSoil) {
   scene.gauges = {point("solid", "displacement_y", height)};
   CoupledRun coupled;
   run(coupled, scene);
-  const double suction = 9810.0 * (1.0 + 0.5 * height);  // mean
+  const double suction = 9810.0 * (1.0 + 0.5 * height);  // mean over the height
   EXPECT_NEAR(last(coupled.solid_record, "displacement_y"), -suction / modulus * height,
               0.01 * suction / modulus * height);
 }

@@ -1,5 +1,5 @@
-// One message of every kind against bytes kept in golden/: the protocol does not change by accident. After a change on
-// purpose: raise the version, run with PORETWIN_WRITE_GOLDEN=1, and read the difference.
+// One message of every kind is compared with bytes kept in golden/, so that the protocol does not change by accident.
+// After an intended change: raise the version, run with PORETWIN_WRITE_GOLDEN=1, and check the difference.
 #include "common/coupling/message.hpp"
 #include "common/coupling/standard_contract.hpp"
 
@@ -112,12 +112,12 @@ TEST(Golden, EveryKindOfMessageKeepsItsBytes) {
     std::stringstream then;
     then << std::ifstream(file).rdbuf();
     EXPECT_EQ(now, then.str()) << file;
-    // What was read is written again as it was.
+    // A message that was read is written again with the same bytes.
     EXPECT_EQ(hex(encode(decode(from_hex(then.str())))), then.str()) << file;
   }
 }
 
-/// What was added later travels too, and an old HELLO, kept above, reads as one that keeps no checkpoints.
+/// Fields added later are transmitted, too; an old HELLO, kept above, reads as one that keeps no checkpoints.
 TEST(Golden, HelloSaysWhatItCanResumeFrom) {
   auto message = one_of_each().front();
   EXPECT_FALSE(std::get<Hello>(decode(encode(message)).body).keeps_checkpoints);
@@ -129,7 +129,7 @@ TEST(Golden, HelloSaysWhatItCanResumeFrom) {
   EXPECT_EQ(back.checkpoints, hello.checkpoints);
 }
 
-/// What a message announces is held against what came, before anything is made of it.
+/// Announced sizes are compared with the received ones before they are used.
 TEST(Golden, LiesAboutSizesAreFound) {
   const auto all = one_of_each();
   const auto good = encode(all[3]);

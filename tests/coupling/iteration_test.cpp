@@ -1,4 +1,4 @@
-// Iterated windows: two masses that move as one, where plain iteration diverges, held against the monolithic answer.
+// Iterated windows: two masses that move as one, where plain iteration diverges, compared with the monolithic solution.
 #include "coupler/acceleration.hpp"
 #include "tests/child.hpp"
 #include "tests/coupling/coupled_run.hpp"
@@ -14,7 +14,7 @@ namespace {
 
 using Size = std::size_t;
 
-/// x = a + B x has one solution; how many passes until the residual is below 1e-10 of the first? 0: never.
+/// Number of passes of x = a + B x until the residual is below 1e-10 of the first one; 0: never.
 int passes(AccelerationKind kind, const Eigen::MatrixXd& b) {
   const Eigen::VectorXd a = Eigen::VectorXd::LinSpaced(b.rows(), 1.0, 2.0);
   const auto acceleration = make_acceleration(kind);
@@ -37,7 +37,7 @@ int passes(AccelerationKind kind, const Eigen::MatrixXd& b) {
 
 TEST(Acceleration, OneUnknownIsSolvedBySecants) {
   Eigen::MatrixXd b(1, 1);
-  b << -10.0;  // ten times as heavy as what it is driven by
+  b << -10.0;  // ten times as heavy as the mass that moves it
   EXPECT_EQ(passes(AccelerationKind::none, b), 0);
   EXPECT_EQ(passes(AccelerationKind::aitken, b), 3);
   EXPECT_EQ(passes(AccelerationKind::quasi_newton, b), 3);
@@ -62,9 +62,9 @@ TEST(Acceleration, ARepeatedIterateDoesNoHarm) {
   }
 }
 
-/// Oscillators far from each other, each of two masses on springs that move as one: the fluid holds the first mass, is
-/// told its velocity and tells the force that moves it so; the solid holds the second mass and is told that force.
-/// Trapezoidal rule on either side, so that the converged exchange is the trapezoidal rule of the whole.
+/// Oscillators far from each other, each of two masses on springs that move as one. The fluid has the first mass: it
+/// receives its velocity, and gives the force that this motion needs. The solid has the second mass and receives that
+/// force. Both use the trapezoidal rule, so that the converged exchange is the trapezoidal rule for the whole.
 struct Oscillators {
   std::vector<double> fluid_mass, solid_mass;                     ///< kg
   std::vector<double> stiffness = std::vector<double>(8, 100.0);  ///< N/m, of either side
@@ -76,7 +76,8 @@ struct Oscillators {
 
 class MassPhase final : public Phase {
  public:
-  /// `substeps` of a window; with `in_time` what is told is linear in it, else it is held at its end's value.
+  /// `substeps` per window; with `in_time` received values are linear in time, else constant at the value of the
+  /// window's end.
   MassPhase(Role role, Oscillators what, int substeps = 1, bool in_time = true)
       : role_(role), what_(std::move(what)), substeps_(substeps), in_time_(in_time) {
     for (Size i = 0; i < what_.size(); ++i) {
@@ -151,7 +152,7 @@ class MassPhase final : public Phase {
   std::tuple<double, std::vector<double>, std::vector<double>, std::vector<double>> saved_;
 };
 
-/// The trapezoidal rule of the whole.
+/// The trapezoidal rule for the whole oscillator.
 double monolithic(const Oscillators& what, Size i, double dt, int steps) {
   const double square = std::pow(what.frequency(i), 2);
   double u = 1.0, v = 0.0;
@@ -170,8 +171,8 @@ void iterate(CoupledRun& run, MassPhase& fluid, MassPhase& solid, AccelerationKi
   run.run(&fluid, &solid);
 }
 
-/// A solid whose motion in a window depends on the pass alone: `unsettled` halves from one to the next. A fluid that
-/// wants what the last pass found.
+/// A solid whose motion in a window depends only on the pass: `unsettled` halves from one pass to the next. A fluid
+/// that takes the fields of the solid's last pass.
 class SettlingPhase final : public Phase {
  public:
   SettlingPhase(Role role, double gain, bool takes_found = true)
@@ -230,13 +231,13 @@ TEST(Settled, AWindowIsRepeatedWithWhatTheLastPassFound) {
   SettlingPhase fluid(Role::fluid, 0.5), solid(Role::solid, 0.5);
   CoupledRun run;
   run.settings = {0.2, 0.1, 0.0, 0.0};
-  run.scheme = Settled{0.3};  // met after the third pass: 1, 0.5, 0.25
+  run.scheme = Settled{0.3};  // reached by the third pass: 1, 0.5, 0.25
   run.run(&fluid, &solid);
   run.expect_success();
   EXPECT_EQ(run.report.windows, 2u);
   EXPECT_EQ(run.report.passes, 6u);
   EXPECT_EQ(fluid.passes, (std::vector<unsigned>{0, 1, 2, 0, 1, 2}));
-  // The window's start stays what it was; the passes ended with 1, 2 and 3 more.
+  // The window's start is unchanged; the passes ended with 1, 2 and 3 more.
   EXPECT_EQ(fluid.given, (std::vector<double>{0.0, 0.0, 0.0, 3.0, 3.0, 3.0}));
   EXPECT_EQ(fluid.found, (std::vector<double>{-1.0, 1.0, 2.0, -1.0, 4.0, 5.0}));
 }
@@ -277,7 +278,7 @@ TEST(Iteration, AHeavyMassDrivenByALightOneNeedsAcceleration) {
     EXPECT_LE(run.report.passes, 400u);
     EXPECT_NEAR(solid.displacement()[0], monolithic(what, 0, 0.01, 100), 1e-9);
     EXPECT_NEAR(fluid.displacement()[0], solid.displacement()[0], 1e-9);
-    EXPECT_NEAR(solid.displacement()[0], std::cos(what.frequency(0)), 5e-3);  // the rule's own error
+    EXPECT_NEAR(solid.displacement()[0], std::cos(what.frequency(0)), 5e-3);  // error of the trapezoidal rule itself
   }
   MassPhase fluid(Role::fluid, what), solid(Role::solid, what);
   CoupledRun run;
@@ -285,7 +286,7 @@ TEST(Iteration, AHeavyMassDrivenByALightOneNeedsAcceleration) {
   EXPECT_NE(run.coupler.error.find("not converged after 50 iterations"), std::string::npos) << run.coupler.error;
 }
 
-/// Whatever the acceleration knows belongs to one window: a checkpoint between two windows lacks nothing of it.
+/// The acceleration's state belongs to one window: a checkpoint between two windows need not contain it.
 TEST(Iteration, ResumesToTheBit) {
   const Oscillators what{{20.0, 8.0, 3.0, 0.5}, {1.0, 1.0, 1.0, 4.0}};
   const Oscillators one{{10.0}, {1.0}};
@@ -347,7 +348,7 @@ TEST(Iteration, ManyMassesAtOnceAreForQuasiNewton) {
 }
 
 TEST(Iteration, SubstepsSeeWhatIsToldLinearInTime) {
-  const Oscillators what{{0.0}, {1.0}};  // a spring on one side, a mass and a spring on the other
+  const Oscillators what{{0.0}, {1.0}};  // a spring in one phase, a mass and a spring in the other
   const auto error = [&](bool in_time, double interval) {
     MassPhase fluid(Role::fluid, what, 4, in_time), solid(Role::solid, what, 5, in_time);
     CoupledRun run;
@@ -357,7 +358,7 @@ TEST(Iteration, SubstepsSeeWhatIsToldLinearInTime) {
   };
   const double coarse = error(true, 0.02), fine = error(true, 0.01);
   EXPECT_NEAR(coarse / fine, 4.0, 1.0) << coarse << " " << fine;
-  EXPECT_GT(error(false, 0.01), 5.0 * fine);  // held values: first order
+  EXPECT_GT(error(false, 0.01), 5.0 * fine);  // constant values: first order
 }
 
 }  // namespace

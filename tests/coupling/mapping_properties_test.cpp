@@ -1,4 +1,4 @@
-// What must hold for any two clouds of points, shrunk to the smallest that breaks it.
+// Properties that must hold for any two clouds of points; a failure is reduced to the smallest clouds that show it.
 #include "common/particles/kernel.hpp"
 #include "tests/coupling/cloud_pairs.hpp"
 
@@ -20,7 +20,7 @@ rc::Gen<double> between(double low, double high) {
   return rc::gen::map(rc::gen::inRange(0, steps), [=](int k) { return low + (high - low) * k / steps; });
 }
 
-/// Up to 40 points in a unit box, of any lengths and volumes, some of them ghosts.
+/// Up to 40 points in a unit box, with any smoothing lengths and volumes, some of them ghosts.
 PointSet any_cloud(int dimension) {
   const auto n = *rc::gen::inRange<Size>(0, 40);
   PointSet points;
@@ -38,7 +38,7 @@ PointSet any_cloud(int dimension) {
 
 std::vector<double> any_values(Size n) { return *rc::gen::container<std::vector<double>>(n, between(-100.0, 100.0)); }
 
-/// The cloud with its points in another order: active points among themselves, ghosts among themselves.
+/// The cloud in another order: active points are exchanged with active points, ghosts with ghosts.
 PointSet reordered(const PointSet& points, const std::vector<Size>& order) {
   const auto d = static_cast<Size>(points.dimension);
   PointSet out = points;
@@ -60,7 +60,7 @@ std::vector<Size> any_order(const PointSet& points) {
   std::vector<Size> order(points.size());
   std::iota(order.begin(), order.end(), Size{0});
   const auto seed = *rc::gen::inRange<Size>(1, 1000);
-  // A fixed walk by `seed` within either part is order enough, and shrinks to the identity.
+  // A walk through either part in steps of `seed` is a sufficient permutation, and can be reduced to the identity.
   const auto shuffle = [seed](auto first, auto last) {
     const auto n = static_cast<Size>(last - first);
     for (Size i = 0; i < n; ++i)
@@ -154,7 +154,7 @@ RC_GTEST_PROP(MappingProperties, TheOrderOfPointsDoesNotMatter, ()) {
   for (Size k = 0; k < other_result.size(); ++k) RC_ASSERT(std::abs(other_result[k] - result[target_order[k]]) <= 1e-8);
 }
 
-/// The transpose: to share amounts out and to interpolate are one set of weights, where nothing is balanced.
+/// Where nothing is balanced, the shares of amounts are the transpose of the interpolation's weights.
 RC_GTEST_PROP(MappingProperties, OneGiverSharesOutByTheWeightsThatWouldAverageAtIt, ()) {
   const auto receiver = any_cloud(2);
   PointSet giver;

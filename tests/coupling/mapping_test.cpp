@@ -1,5 +1,5 @@
-// The mapping against a slow, plain twin, and its properties: constants, linear fields, conservation, permutations,
-// empty sets.
+// The mapping is compared with a slow, simple version of itself; properties: constants, linear fields, conservation,
+// permutations, empty sets.
 #include "common/coupling/mock.hpp"
 #include "common/particles/kernel.hpp"
 #include "coupler/pairing.hpp"
@@ -18,8 +18,8 @@ namespace {
 
 using Size = std::size_t;
 
-/// A disordered cloud: lattice points shaken by up to `shake` spacings, with lengths that differ, the last tenth
-/// ghosts.
+/// A disordered cloud: lattice points displaced by up to `shake` spacings, with different smoothing lengths; the last
+/// tenth are ghosts.
 PointSet cloud(int dimension, double size, double spacing, unsigned seed, double shake = 0.3) {
   const std::vector<double> zero(static_cast<Size>(dimension), 0.0), extent(static_cast<Size>(dimension), size);
   PointSet points = lattice_points(dimension, zero, extent, spacing);
@@ -46,7 +46,7 @@ std::vector<double> random_values(Size n, unsigned seed) {
   return values;
 }
 
-/// The twin: every source for every target, the weighted least-squares plane solved as a regression with Eigen's LDLT.
+/// The simple version: all pairs, and the weighted least-squares plane as a regression with Eigen's LDLT.
 template <int D>
 double plain_value(const PointSet& source, const std::vector<double>& f, const std::vector<double>& mask,
                    const Vec<D>& x) {
@@ -176,7 +176,7 @@ TEST(Mapping, NeverLeavesTheRangeOfTheNeighbours) {
   const auto mapped = pairs.consistent(fields, {}).at(0);
   for (Size i = 0; i < target.n_active; ++i) {
     if (pairs.coverage()[i] == 0.0) continue;
-    EXPECT_GE(mapped.values[i], *low - 1e-9);  // rounding of a mean of numbers near 1e4
+    EXPECT_GE(mapped.values[i], *low - 1e-9);  // rounding of means of numbers near 1e4
     EXPECT_LE(mapped.values[i], *high + 1e-9);
   }
 }
@@ -213,8 +213,8 @@ TEST(Mapping, AmountsAreConserved) {
     EXPECT_NEAR(got, delivery.delivered[c], 1e-14 * size);
     EXPECT_NE(delivery.undelivered[c], 0.0);  // some givers are far from every receiver
   }
-  // The plain twin: a dense matrix of kernel weights over the receivers and the ghosts that stand for one of them,
-  // balanced column by column where the givers lie all around a receiver, then shared out row by row.
+  // The simple version: a dense matrix of kernel weights over receivers and their ghosts, balanced column by column
+  // where givers surround a receiver, then distributed row by row.
   const Size rows = giver.n_active, columns = receiver.n_active;
   Eigen::MatrixXd w = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns));
   Eigen::VectorXd lengths = Eigen::VectorXd::Zero(w.cols());
@@ -265,7 +265,7 @@ TEST(Mapping, AnEvenGivingArrivesEvenlyInsideDisorderedPoints) {
   for (Size j = 0; j < receiver.size(); ++j) {
     const Vec<2> x = at<2>(receiver, j);
     if (x.minCoeff() < 0.3 || x.maxCoeff() > 1.7) continue;
-    EXPECT_NEAR(delivery.values[j] / receiver.volume[j], 1.0, 0.02) << j;  // unbalanced shares scatter by 0.2
+    EXPECT_NEAR(delivery.values[j] / receiver.volume[j], 1.0, 0.02) << j;  // without balancing, shares scatter by 0.2
   }
 }
 
@@ -287,14 +287,14 @@ TEST(Mapping, NothingToReceiveIsKeptAndDeliveredLater) {
   EXPECT_NEAR(account.given[0], account.delivered[0] + account.undelivered[0], 1e-13 * total);
 }
 
-/// The same points in another order, one of the solid's besides; then carried far away from each other.
+/// The same points in another order, with one more point of the solid; then moved far away from each other.
 TEST(Mapping, PairedPointsTakeTheirPartnersValuesHoweverTheyMove) {
   const PointSet fluid = lattice_points(2, {0.0, 0.0}, {1.0, 1.0}, 0.1);
   PointSet solid = fluid;
   const Size n = fluid.size();
   for (Size i = 0; i < n; ++i)
     for (Size d = 0; d < 2; ++d) solid.position[2 * i + d] = fluid.position[2 * (n - 1 - i) + d];
-  solid.position.insert(solid.position.end(), {1.05, 0.95});  // nearest to the last of the fluid's
+  solid.position.insert(solid.position.end(), {1.05, 0.95});  // nearest to the fluid's last point
   for (auto* array : {&solid.volume, &solid.smoothing_length, &solid.owner}) array->push_back(array->back());
   solid.owner.back() = static_cast<double>(n);
   solid.n_active = n + 1;
@@ -354,7 +354,7 @@ TEST(Mapping, ReusedListsGiveWhatFreshOnesGive) {
   for (int k = 0; k < 40; ++k) {
     for (Size p = 0; p < source.position.size(); ++p) source.position[p] += 0.001 * step[p];
     for (auto& h : source.smoothing_length) h *= 1.0005;
-    if (k % 7 == 6) {  // the moving cloud loses a point, the other stands
+    if (k % 7 == 6) {  // the moving cloud loses a point, the other is unchanged
       source.position.resize(source.position.size() - 2);
       for (auto* values : {&source.volume, &source.smoothing_length, &source.owner}) values->pop_back();
     }
@@ -366,9 +366,9 @@ TEST(Mapping, ReusedListsGiveWhatFreshOnesGive) {
     kept.update(source, target);
     fresh.update(source, target);
     const auto a = kept.consistent(fields, {}).at(0).values, b = fresh.consistent(fields, {}).at(0).values;
-    ASSERT_EQ(a, b) << "step " << k;  // bit for bit: a list is a cache, whose age nobody can tell
+    ASSERT_EQ(a, b) << "step " << k;  // bit by bit: the age of a list must not change a result
     ASSERT_EQ(kept.conservative(f, {}).values, fresh.conservative(f, {}).values) << "step " << k;
-    kept.update(source, target);  // nothing has moved: weights of the shares stand
+    kept.update(source, target);  // nothing has moved: the weights are kept
     ASSERT_EQ(kept.consistent(fields, {}).at(0).values, b) << "step " << k;
   }
   EXPECT_GT(kept.reuses(), 20u);
@@ -413,7 +413,7 @@ TEST(Mapping, EmptySetsOnEitherSide) {
 }
 
 TEST(Mapping, PropertiesComeFromTheNearestPoint) {
-  // Two soils, ten thousand times apart: no point of the water sees a mean of them.
+  // Two soils with values ten thousand times apart: no point of the water may get a mean of them.
   const auto soil = cloud(2, 1.0, 0.1, 5, 0.2), water = cloud(2, 1.4, 0.07, 6);
   Field k{"k", 1, {}};
   for (Size j = 0; j < soil.size(); ++j) k.values.push_back(at<2>(soil, j).y() < 0.5 ? 1e-7 : 1e-3);

@@ -1,7 +1,7 @@
-// A solver process around a mock: "mock-process fluid|solid ARGUMENTS OF phase_main", or under the name poretwin-fluid
-// or poretwin-solid just the arguments. Every step takes some milliseconds, so that a test can kill, stop or interrupt
-// it in the middle of a run. PORETWIN_MOCK_NAN_AT=STEP publishes NaN; PORETWIN_MOCK_DIMENSION=D speaks of another
-// dimension. The solid's velocity grows with time.
+// A solver process made of a mock: "mock-process fluid|solid ARGUMENTS OF phase_main", or, under the name
+// poretwin-fluid or poretwin-solid, the arguments alone. Every step takes some milliseconds, so that a test can kill,
+// stop or interrupt it during a run. PORETWIN_MOCK_NAN_AT=STEP publishes NaN; PORETWIN_MOCK_DIMENSION=D announces
+// another dimension. The solid's velocity grows with time.
 #include "common/coupling/mock.hpp"
 #include "common/coupling/phase_main.hpp"
 
@@ -36,7 +36,7 @@ int main(int argc, char** argv) {
     MockKnobs knobs;
     knobs.per_step = std::chrono::milliseconds(5);
     knobs.nan_at = static_cast<std::uint64_t>(number_from("PORETWIN_MOCK_NAN_AT", 0));
-    knobs.digest = "";  // phase_main puts in the case's
+    knobs.digest = "";  // phase_main sets that of the case
     return std::make_unique<MockPhase>(
         role, dimension,
         [=](double t) {

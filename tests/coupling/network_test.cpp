@@ -1,5 +1,5 @@
-// Three hosts in three network namespaces, joined by virtual cables: the three commands of the README, plain and
-// encrypted, without a shared file system, with a cable that is cut. Needs the right to make namespaces (root).
+// Three hosts in three network namespaces, connected by virtual cables: the three commands of the README, unencrypted
+// and encrypted, without a shared file system, and with a cable that is cut. Needs the right to make namespaces (root).
 #include "common/output/gauge_log.hpp"
 #include "tests/system/command.hpp"
 
@@ -23,7 +23,7 @@ class Host {
     for (int k = 0; k < 400 && text_of(comm) != "sleep\n"; ++k) std::this_thread::sleep_for(5ms);
   }
   [[nodiscard]] std::string pid() const { return std::to_string(keeper_.pid()); }
-  /// The words that run a command on this host.
+  /// The arguments that run a command on this host.
   [[nodiscard]] Strings in(const Strings& command) const {
     Strings words{"/usr/bin/nsenter", "--net", "--target", pid()};
     words.insert(words.end(), command.begin(), command.end());
@@ -43,7 +43,7 @@ class Network : public Command {
     if (shell("unshare --net true") != 0) GTEST_SKIP() << "no right to make a network namespace";
     if (shell("command -v ip") != 0) GTEST_SKIP() << "the command ip (iproute2) is not here";
     for (auto& host : hosts_) host = std::make_unique<Host>();
-    // A cable from the coupler's host (0) to the fluid's (1) and to the solid's (2).
+    // Cables from the coupler's host (0) to the fluid's (1) and to the solid's (2).
     for (const int k : {1, 2}) {
       const auto n = std::to_string(k);
       ASSERT_EQ(on(0, "ip link add cable" + n + " type veth peer name cable netns " +
@@ -75,7 +75,7 @@ class Network : public Command {
     words.insert(words.end(), more.begin(), more.end());
     return std::make_unique<Child>(hosts_[0]->in(words), log("coupler"));
   }
-  /// Without a case file: the coupler sends it.
+  /// A solver without a case file: the coupler sends the case.
   std::unique_ptr<Child> solver(const std::string& name, Strings more) const {
     const int host = name == "fluid" ? 1 : 2;
     Strings words{program(name), "--out", folder_ / name, "--connect",
@@ -88,7 +88,7 @@ class Network : public Command {
   void make_keys() const { ASSERT_EQ(poretwin({"keys", (folder_ / "keys").string()}).exit, 0); }
   void expect_run(Strings coupler_options, Strings solver_options) const {
     const auto fluid = solver("fluid", solver_options);
-    std::this_thread::sleep_for(300ms);  // any start order
+    std::this_thread::sleep_for(300ms);  // any order of starting
     const auto c = coupler(std::move(coupler_options));
     const auto solid = solver("solid", solver_options);
     EXPECT_EQ(c->wait(30s), 0) << text_of(log("coupler"));
@@ -137,7 +137,7 @@ TEST_F(Network, WithoutTheRightKeyNobodyComesIn) {
 TEST_F(Network, AKeyMadeForThisCouplerButNotThisParticipantIsNotLetIn) {
   make_keys();
   ASSERT_EQ(poretwin({"keys", (folder_ / "others").string()}).exit, 0);
-  // The coupler's public key is right, the own pair is not the one that it knows.
+  // The coupler's public key is right, but the participant's own key pair is not the one that the coupler admits.
   const std::string right = text_of(key("participant"));
   std::string forged = text_of(folder_ / "others" / "participant.key");
   forged.replace(forged.find("peer "), 45, right.substr(right.find("peer "), 45));

@@ -28,7 +28,7 @@ class Peer : public Command {
     command.insert(command.begin(), {"peer", "conformance"});
     return poretwin(std::move(command));
   }
-  /// The rigid solid of the examples with something wrong in it.
+  /// Runs the conformance suite on the example of a rigid solid, with a fault added to it.
   Outcome examine_python(const std::string& body) const {
     const auto python = fs::path(PORETWIN_SOURCE_DIR) / "clients" / "python";
     std::ofstream(folder_ / "peer.py") << "import sys, os, time\nsys.path.insert(0, '" << python.string()
@@ -56,7 +56,8 @@ TEST_F(Peer, AReplayedSolidGivesTheFluidTheSameRunBitForBit) {
 
 TEST_F(Peer, AReplayTellsWhereTheOtherSideHasChanged) {
   ASSERT_EQ(record_solid(folder_ / "first").exit, 0);
-  // The fluid's own section is no part of the coupled case: the recording is let in, and sees the difference.
+  // The fluid's own section is not part of what both sides must agree on: the recording is admitted, and reports the
+  // difference.
   const auto other =
       run(folder_ / "other", {"--solid", own("replay " + wire().string()), "--set", "fluid.jitter=0.01"});
   EXPECT_THAT(text_of(folder_ / "other" / "log" / "solid.log"), HasSubstr("what comes in differs from step"));

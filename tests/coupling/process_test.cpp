@@ -1,5 +1,5 @@
-// The real coupler process and two mock solver processes: killed, stopped, interrupted, misfitted. Everything is named,
-// everybody ends, files stay whole.
+// The real coupler process and two mock solver processes: killed, stopped, interrupted, misconfigured. Every failure is
+// reported, all processes end, files stay complete.
 #include "tests/child.hpp"
 
 #include <gtest/gtest.h>
@@ -42,7 +42,7 @@ class Processes : public testing::Test {
     const auto all = arguments(more);
     command.insert(command.end(), all.begin(), all.end());
     const auto log = folder_ / (name + ".log");
-    std::filesystem::remove(log);  // what an earlier run said is not to be taken for this one's
+    std::filesystem::remove(log);  // so that messages of an earlier run are not taken for this one's
     return std::make_unique<Child>(command, log);
   }
   std::unique_ptr<Child> coupler(Strings more = {}) const {
@@ -53,7 +53,7 @@ class Processes : public testing::Test {
     more.insert(more.begin(), {"--connect", address()});
     return start({MOCK_PROCESS, role}, more, role);
   }
-  /// However slow the machine is: both are in, and on their way.
+  /// Waits, however slow the machine is, until both solvers have joined and the run has begun.
   void wait_until_running() const {
     const auto here = [&](const std::string& who) {
       return text("coupler.log").find(who + " is here") != std::string::npos;
@@ -93,7 +93,7 @@ TEST_F(Processes, TheCaseFileChoosesTheIteratedScheme) {
   expect_in("out/coupler.summary.json", {"\"exit\": 0", "\"windows\": 100", "\"passes\": 300"});
 }
 
-/// Where the water predicts the skeleton's motion; the mock of it does not take what a pass found.
+/// The coupler says so where the water predicts the skeleton's motion, but takes no `found` fields, as the mock does.
 TEST_F(Processes, AFluidThatTakesNothingFoundIsToldSo) {
   const Strings iterated = {"--set", "coupling.scheme=iterated"};
   auto c = coupler(iterated), fluid = peer("fluid", iterated), solid = peer("solid", iterated);
@@ -151,7 +151,7 @@ TEST_F(Processes, AStoppedSolverIsCalledFrozen) {
 }
 
 TEST_F(Processes, CtrlCOnAnyOneFinishesTheWindowEverywhere) {
-  const Strings again{endless[0], endless[1], "--overwrite"};  // each leaves its checkpoints
+  const Strings again{endless[0], endless[1], "--overwrite"};  // each run leaves its checkpoints
   for (const int who : {0, 1, 2}) {
     auto c = coupler(again), fluid = peer("fluid", again), solid = peer("solid", again);
     wait_until_running();

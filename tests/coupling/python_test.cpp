@@ -1,5 +1,5 @@
-// Peers in Python under the real processes: a rigid solid for the real fluid, a finite-difference fluid for the real
-// solid.
+// Solvers in Python in runs of the real processes: a rigid solid for the real fluid, a finite-difference fluid for the
+// real solid.
 #include "common/output/gauge_log.hpp"
 #include "tests/system/command.hpp"
 
@@ -20,7 +20,7 @@ class Python : public Command {
   static std::filesystem::path examples() {
     return std::filesystem::path(PORETWIN_SOURCE_DIR) / "clients" / "python" / "examples";
   }
-  /// The system's Python: pyzmq, protobuf and numpy are its packages.
+  /// Uses the system's Python, whose packages include pyzmq, protobuf and numpy.
   static std::string command(const std::string& script) {
     return "/usr/bin/python3 '" + (examples() / script).string() + "'";
   }
@@ -36,7 +36,7 @@ TEST_F(Python, ARigidSolidTakesTheDragOfTheRealFluid) {
   const auto outcome = run({"--solid", command("rigid_solid.py")}, 0.5);
   ASSERT_EQ(outcome.exit, 0) << outcome.err << log("solid");
   const auto gauges = read_gauges(out() / "gauges.csv");
-  // Darcy, and the pressure of a uniform gradient.
+  // Darcy's law, and the pressure of a uniform gradient.
   for (const int i : {0, 1, 2}) {
     const double depth = 0.1 * (i + 1);
     const auto n = fmt::format("[{}]", i);
@@ -45,13 +45,13 @@ TEST_F(Python, ARigidSolidTakesTheDragOfTheRealFluid) {
     EXPECT_NEAR(gauges.at("water_pressure" + n).value.back(), gamma_w * (1.0 + gradient) * depth,
                 1e-3 * gamma_w * height);
   }
-  // What drives the water through the grains is what they feel: n i gamma_w of every volume.
+  // The drag on the grains is the force that drives the water through them: n i gamma_w per volume.
   const double drag = porosity * gradient * gamma_w * width * height;
   EXPECT_NEAR(gauges.at("drag_y").value.back(), drag, 1e-4 * drag);
   EXPECT_NEAR(gauges.at("drag_x").value.back(), 0.0, 1e-6 * drag);
 }
 
-/// What the solid says of the soil holds at faces, too, whatever the case says.
+/// Soil properties that the solid publishes are used at faces, too, whatever the case says.
 TEST_F(Python, AnotherSoilThanTheCaseDrawsIsUsedAtFacesToo) {
   std::ofstream(folder_ / "other.py") << "import sys\nsys.path.insert(0, '" << (examples().parent_path()).string()
                                       << "')\nsys.path.insert(0, '" << examples().string()
@@ -77,7 +77,7 @@ TEST_F(Python, AnotherSoilThanTheCaseDrawsIsUsedAtFacesToo) {
     EXPECT_NEAR(gauges.at("q_" + y).value.back(), discharge, 1e-3 * discharge) << y;
 }
 
-/// A peer in another language keeps checkpoints as well: killed, the run ends with the same readings.
+/// A solver in another language can also keep checkpoints: killed and resumed, the run ends with the same readings.
 TEST_F(Python, AKilledPeerIsResumed) {
   const std::vector<std::string> words{"--solid", command("rigid_solid.py"), "--checkpoint-every", "0"};
   ASSERT_EQ(run(words, 0.5).exit, 0) << log("solid");
@@ -91,7 +91,7 @@ TEST_F(Python, AKilledPeerIsResumed) {
                                  };
                                  for (int k = 0; k < 4000 && !half(); ++k)
                                    std::this_thread::sleep_for(std::chrono::milliseconds(5));
-                                 // The solid's own word for its process id stands in the coupler's log.
+                                 // The coupler's log contains the process id that the solid announced.
                                  const auto said = log("coupler");
                                  const auto at = said.find("process ", said.find("solid is here"));
                                  ::kill(std::atoi(said.c_str() + at + 8), SIGKILL);
@@ -112,7 +112,7 @@ TEST_F(Python, AGridOfFiniteDifferencesSeepsThroughTheRealSolid) {
     const auto n = fmt::format("[{}]", i);
     EXPECT_NEAR(gauges.at("soil_pressure" + n).value.back(), gamma_w * (1.0 + gradient) * depth,
                 1e-3 * gamma_w * height);
-    // The seepage carries i gamma_w of the buoyant weight.
+    // The seepage carries i gamma_w of the buoyant unit weight.
     const double stress = -(buoyant_weight - gradient * gamma_w) * depth;
     EXPECT_NEAR(gauges.at("effective_stress" + n).value.back(), stress, 2e-3 * buoyant_weight * height);
   }
@@ -147,7 +147,7 @@ TEST_F(Python, ARefusedWindowIsRestoredAndRepeated) {
       run({"--solid", "/usr/bin/python3 " + (folder_ / "cautious.py").string(), "--set", "output.interval=0.02"}, 0.04);
   ASSERT_EQ(outcome.exit, 0) << outcome.err;
   EXPECT_THAT(text_of(out() / "coupler.summary.json"), HasSubstr("\"rejected_by_solid\": "));
-  // Taken and taken back: the drag counts once per window that stands.
+  // The impulse received in a rejected window is undone: the drag counts once per accepted window.
   const auto gauges = read_gauges(out() / "gauges.csv");
   const auto& taken = gauges.at("impulse_taken_y");
   const auto& drag = gauges.at("drag_y");
@@ -177,7 +177,7 @@ TEST_F(Python, ReadsAndWritesTheGoldenBytes) {
   EXPECT_EQ(text_of(folder_ / "golden.log"), "16\n");
 }
 
-/// A checkpoint is data: one that names code, as a pickle does, is refused and runs nothing.
+/// A checkpoint contains data only: one that names code, as a pickle does, is refused, and no code is run.
 TEST_F(Python, ACheckpointThatHoldsCodeIsRefused) {
   const auto trace = folder_ / "ran";
   std::ofstream(folder_ / "pickled.py")
@@ -236,7 +236,7 @@ TEST_F(Python, AStateComesBackBitByBit) {
   EXPECT_EQ(text_of(folder_ / "log"), "done\n");
 }
 
-/// Installed where it cannot write, the library must not run what lies in a folder that everybody may write to.
+/// Installed where it cannot write, the library must not run files of a folder to which all users can write.
 TEST_F(Python, NobodyElsesModuleIsRun) {
   const auto place = folder_ / "read-only", temporary = folder_ / "temporary";
   std::filesystem::create_directories(place);

@@ -1,4 +1,4 @@
-// Checkpoints of three parties as one: what is taken, what counts, what is refused.
+// Checkpoints of all three processes: which are written, which are valid, which are refused.
 #include "tests/child.hpp"
 #include "tests/coupling/coupled_run.hpp"
 
@@ -10,11 +10,11 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-/// Moving points and fields that depend on time: nothing can be the same by chance.
+/// Points that move and fields that depend on time, so that results cannot agree by chance.
 MockPhase::Formula moving(Role role, double speed = 0.04) {
   return [=](double t) {
     auto points = lattice_points(2, {0.0, 0.0}, {1.0, 1.0}, 0.1);
-    // Each point its own way: the order of neighbours changes with every search.
+    // Each point moves differently, so that the order of neighbours changes with every search.
     for (std::size_t k = 0; k < points.position.size(); ++k)
       points.position[k] += (0.03 + speed * t) * std::sin(17.0 * static_cast<double>(k * k % 97));
     points.revision = static_cast<std::uint64_t>(1e6 * t);
@@ -65,7 +65,7 @@ class Resume : public testing::Test {
     std::sort(found.begin(), found.end());
     return found;
   }
-  /// Dies in step 13 with a checkpoint after every window.
+  /// A run that dies in step 13, with a checkpoint after every window.
   Ending die() {
     MockKnobs knobs;
     knobs.die_at = 13;
@@ -99,7 +99,7 @@ TEST_F(Resume, ADeadPeersRunGoesOnAsIfNothingHadBeen) {
   const auto dead = run([](CoupledRun& r) { r.checkpoint_every = 0.0; }, dying);
   EXPECT_EQ(dead.fluid_error, "died");
   EXPECT_THAT(dead.coupler_error, HasSubstr("fluid died"));
-  // Two committed, and what an unfinished one left.
+  // Two complete checkpoints, and files of an incomplete one.
   EXPECT_EQ(files("coupler").size(), 2u);
   EXPECT_LE(files("solid").size(), 3u);
   MockKnobs later;
@@ -142,7 +142,7 @@ TEST_F(Resume, SoDoesAParallelRun) {
 TEST_F(Resume, ADamagedCheckpointGivesWayToTheOneBefore) {
   const auto whole = run([](CoupledRun& r) { r.checkpoints.clear(); });
   die();
-  // The solid's newest committed one.
+  // The solid's newest complete one.
   const auto newest = files("coupler").back().filename().string().substr(7);
   std::ofstream(folder_ / "checkpoints" / ("solid" + newest), std::ios::app) << "x";
   const auto resumed = run([](CoupledRun& r) { r.resume = true; });
@@ -150,7 +150,7 @@ TEST_F(Resume, ADamagedCheckpointGivesWayToTheOneBefore) {
   EXPECT_EQ(resumed.records, whole.records);
 }
 
-/// Written by fluid and solid, but the coupler did not live to commit it.
+/// Fluid and solid wrote the checkpoint, but the coupler died before it completed its own.
 TEST_F(Resume, WithoutTheCouplersWordACheckpointDoesNotCount) {
   const auto whole = run([](CoupledRun& r) { r.checkpoints.clear(); });
   die();

@@ -1,4 +1,4 @@
-// The coupler against two mocks: sequence, windows, output instants, rejections, point sets that change; over every
+// The coupler with two mocks: order of messages, windows, output times, rejections, changing point sets; over every
 // transport.
 #include "tests/coupling/coupled_run.hpp"
 
@@ -26,7 +26,7 @@ TEST_P(EveryLine, RunsFromHandshakeToGoodbye) {
   EXPECT_EQ(run.solid_record.frames.size(), 2u);
   EXPECT_EQ(run.fluid.report.windows, 10u);
   EXPECT_EQ(run.fluid_record.series.size(), 11u);
-  // Still points are sent once by each side.
+  // Points at rest are sent once by each side.
   EXPECT_EQ(run.report.points_unchanged, 22u);
 }
 
@@ -48,7 +48,7 @@ TEST(Schedule, TheSolidSeesTheFluidsNewFieldsTheFluidTheSolidsOld) {
   }
 }
 
-/// However rare its heartbeats and however short its waits: the coupler hears of it with the window under way.
+/// The coupler is informed during the present window, however rare heartbeats are.
 TEST_P(EveryLine, ASolversInterruptEndsTheRunWithinTwoWindows) {
   std::atomic<bool> pressed = false;
   const auto square = still_square(Role::fluid);
@@ -70,7 +70,7 @@ TEST_P(EveryLine, ASolversInterruptEndsTheRunWithinTwoWindows) {
   EXPECT_LE(run.report.windows, 6u);
 }
 
-/// Each with the other's fields of the window's start; impulses one window later, and none of them lost.
+/// Each side receives the other's fields of the window's start, and impulses one window later, without losing any.
 TEST(Parallel, EachSeesTheOthersOldFields) {
   const FieldFormula time_everywhere = [](const std::string& name, int, const double*, double t) {
     return within_bounds(name, t);
@@ -93,13 +93,13 @@ TEST(Parallel, EachSeesTheOthersOldFields) {
     const auto& to_solid = solid.seen().inboxes[k + 1];
     EXPECT_NEAR(to_fluid.at(field::constrained_modulus).values[55], start, 1e-12);
     EXPECT_NEAR(to_solid.at(field::pore_pressure).values[55], start, 1e-12);
-    // 100 points, two components, an amount of t each.
+    // 100 points with two components, an amount of t each.
     EXPECT_NEAR(sum(to_fluid, field::returned_impulse), 200.0 * start, 1e-9);
     EXPECT_NEAR(sum(to_solid, field::drag_impulse), 200.0 * start, 1e-9);
   }
 }
 
-/// Neither would get past its third window if the other were not in it, too.
+/// Neither solver would get past its third window unless the other one were in it at the same time.
 TEST_P(EveryLine, ParallelWindowsAreCrossedAtTheSameTime) {
   std::atomic<int> here{0}, met{0};
   MockKnobs knobs;
@@ -119,7 +119,7 @@ TEST_P(EveryLine, ParallelWindowsAreCrossedAtTheSameTime) {
   EXPECT_EQ(met, 2);
 }
 
-/// Whoever refuses, both go back, also when both do; the points too.
+/// Whichever side refuses, or both, both return to the window's start, with their points.
 TEST(Parallel, ARefusedWindowIsRestoredOnBothSides) {
   MockKnobs of_fluid, of_solid;
   of_fluid.rejections = {{2, 1}, {6, 2}};
@@ -133,7 +133,7 @@ TEST(Parallel, ARefusedWindowIsRestoredOnBothSides) {
   run.expect_success();
   EXPECT_EQ(run.report.rejected_by_fluid, 3u);
   EXPECT_EQ(run.report.rejected_by_solid, 3u);
-  EXPECT_EQ(fluid.seen().restores, 5);  // one window was refused by both
+  EXPECT_EQ(fluid.seen().restores, 5);  // both refused one of the windows
   EXPECT_EQ(solid.seen().restores, 5);
   EXPECT_EQ(run.fluid.report.windows, run.report.windows);
   EXPECT_EQ(run.solid.report.windows, run.report.windows);
@@ -201,7 +201,7 @@ TEST_P(EveryLine, ARejectedWindowIsRestoredOnBothSidesAndRepeatedShorter) {
   run.expect_success();
   EXPECT_EQ(run.report.rejected_by_fluid, 1u);
   EXPECT_EQ(run.report.rejected_by_solid, 2u);
-  EXPECT_EQ(fluid.seen().restores, 3);  // its own, and twice for the solid's sake
+  EXPECT_EQ(fluid.seen().restores, 3);  // once for its own refusal, twice for the solid's
   EXPECT_EQ(solid.seen().restores, 2);
   EXPECT_DOUBLE_EQ(fluid.time(), 1.0);
   EXPECT_DOUBLE_EQ(solid.time(), 1.0);
@@ -211,7 +211,7 @@ TEST_P(EveryLine, ARejectedWindowIsRestoredOnBothSidesAndRepeatedShorter) {
     EXPECT_NEAR(run.fluid_record.frames[k], 0.1 * static_cast<double>(k), 1e-12);
   EXPECT_EQ(run.fluid.report.windows, run.report.windows);
   EXPECT_EQ(run.solid.report.windows, run.report.windows);
-  // The repeated attempt starts where the refused one did, and is shorter.
+  // The repeated attempt starts at the same time as the refused one, and is shorter.
   const auto& windows = solid.seen().windows;
   for (std::size_t k = 1; k < windows.size(); ++k) {
     if (windows[k].step != windows[k - 1].step) continue;
@@ -233,7 +233,7 @@ TEST(Schedule, GivesUpAWindowThatIsAlwaysRefused) {
   EXPECT_NE(run.fluid.error.find("was rejected"), std::string::npos) << run.fluid.error;
 }
 
-/// A fluid that flows in from nothing, fills up, and drains again; every step another number of points, every point
+/// A fluid that flows in from nothing, fills the square, and drains again: in every step another number of points, all
 /// moved.
 Publication tide(double t) {
   const double width = std::max(0.0, std::sin(3.1 * t));
@@ -261,7 +261,7 @@ TEST_P(EveryLine, CopesWithMovingGrowingShrinkingAndEmptySets) {
                   1e-12 * (1.0 + std::abs(account.given[c])));
 }
 
-/// A refused window takes back the points that came in it: the next attempt brings values for those of the window's
+/// A refused window also undoes its change of points: the next attempt receives values at the points of the window's
 /// start.
 TEST(Schedule, ARefusedWindowTakesItsPointsBack) {
   const auto accepted = [](MockKnobs fluid_knobs, MockKnobs solid_knobs, Scheme scheme = {}) {
@@ -281,7 +281,7 @@ TEST(Schedule, ARefusedWindowTakesItsPointsBack) {
   };
   EXPECT_EQ(accepted({}, {}), 0u);
   MockKnobs refusing;
-  refusing.rejections = {{2, 1}, {4, 2}, {9, 1}};  // the set grows, and shrinks
+  refusing.rejections = {{2, 1}, {4, 2}, {9, 1}};  // at steps in which the set grows, and shrinks
   EXPECT_EQ(accepted({}, refusing), 4u);
   EXPECT_EQ(accepted(refusing, {}), 4u);
   EXPECT_EQ(accepted({}, refusing, Parallel{}), 4u);
@@ -332,7 +332,8 @@ TEST(Alone, HitsOutputsAndRepeatsRejectedWindows) {
   EXPECT_TRUE(fluid.seen().inboxes.front().fields.empty());
 }
 
-/// A run of thirty years may begin with windows of a tenth of a millisecond, not with what its time is rounded to.
+/// A run of thirty years may begin with windows of a tenth of a millisecond; only windows lost in rounding are an
+/// error.
 TEST(Schedule, OnlyWindowsThatRoundingLosesHaveCollapsed) {
   WindowClock::Settings settings;
   settings.end = 1e9;
@@ -341,7 +342,7 @@ TEST(Schedule, OnlyWindowsThatRoundingLosesHaveCollapsed) {
   EXPECT_THROW((void)clock.plan(1e-7), Error);
 }
 
-/// A square at rest whose windows are of this length from t = 0.4 s on.
+/// A square at rest whose windows have this length from t = 0.4 s on.
 MockPhase::Formula square_that_crawls(Role role, double interval, const std::string& why) {
   return [=, square = still_square(role, 0.25)](double t) {
     auto out = square(t);
@@ -351,7 +352,7 @@ MockPhase::Formula square_that_crawls(Role role, double interval, const std::str
   };
 }
 
-/// Far below the scene's own time, for a thousand windows: an error that says who held them, and why.
+/// A thousand windows far below the characteristic time of the scene: an error that names what limited them, and why.
 TEST(Schedule, WindowsThatAreStuckEndTheRun) {
   MockPhase fluid(Role::fluid, 2, square_that_crawls(Role::fluid, 0.9e-6, "the highest speed of free water"));
   MockPhase solid(Role::solid, 2, still_square(Role::solid, 0.25));
@@ -365,7 +366,7 @@ TEST(Schedule, WindowsThatAreStuckEndTheRun) {
   EXPECT_EQ(run.report.windows, 1004u);
 }
 
-/// Short windows that are not that short, or that other windows interrupt, are none of its business.
+/// Windows that are less short, or interrupted by longer ones, are allowed.
 TEST(Schedule, ShortWindowsAreNotStuck) {
   MockPhase fluid(Role::fluid, 2, square_that_crawls(Role::fluid, 1.1e-4, "mock"));
   MockPhase solid(Role::solid, 2, still_square(Role::solid, 0.25));

@@ -1,4 +1,4 @@
-// A line with latency, without the kernel's help: a relay on this host that passes bytes on, each after a while.
+// A line with latency, simulated by a relay on this host that forwards bytes after a delay.
 #pragma once
 
 #include <arpa/inet.h>
@@ -20,7 +20,7 @@ namespace poretwin::testing_tools {
 
 class SlowLine {
  public:
-  /// Listens on a port of its own for "tcp://127.0.0.1:port" behind it.
+  /// Listens on a port and forwards to `behind`, "tcp://127.0.0.1:port".
   SlowLine(const std::string& behind, std::chrono::milliseconds delay)
       : delay_(delay), port_behind_(static_cast<std::uint16_t>(std::stoi(behind.substr(behind.rfind(':') + 1)))) {
     listener_ = ::socket(AF_INET, SOCK_STREAM, 0);
@@ -92,7 +92,7 @@ class SlowLine {
     way.under_way.emplace_back(Clock::now() + delay_, n > 0 ? std::string(buffer, static_cast<std::size_t>(n)) : "");
   }
 
-  /// What has been under way long enough; nothing is the end.
+  /// Forwards what has been delayed long enough; an empty piece means the end.
   static void pass_on(Way& way) {
     while (!way.under_way.empty() && way.under_way.front().first <= Clock::now()) {
       const std::string& bytes = way.under_way.front().second;

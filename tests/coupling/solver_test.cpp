@@ -1,5 +1,5 @@
-// Each real solver against one mock, and both together, through the same participant client and coupler, in process and
-// over sockets.
+// Each real solver with a mock, and both together, through the same participant client and coupler, within one process
+// and over sockets.
 #include "fluid_solver/fluid.hpp"
 #include "solid_solver/solid.hpp"
 #include "tests/coupling/column.hpp"
@@ -29,7 +29,7 @@ Gauge point(const std::string& phase, const std::string& quantity, double y) {
   return test::gauge_at(phase, quantity, 0.5 * width, y);
 }
 
-/// What the other phase says of the resting column.
+/// Fields of the other phase for a column at rest.
 double at_rest(const std::string& name, int, const double* x, double) {
   const double porous = 1.0 - porosity;
   if (name == field::pore_pressure) return gamma_w * std::max(0.0, height - x[1]);
@@ -43,7 +43,7 @@ double at_rest(const std::string& name, int, const double* x, double) {
 
 MockPhase mock(Role role, MockKnobs knobs, const Case& scene) {
   knobs.digest = scene.digest();
-  // The mock's points reach beyond the column, as images behind walls would.
+  // The mock's points extend beyond the column, as images behind walls would.
   const auto points = lattice_points(2, {-0.1, -0.1}, {width + 0.2, height + 0.1}, spacing);
   return MockPhase(
       role, 2, [role, points](double t) { return formula_publication(role, t, points, at_rest); }, knobs);
@@ -91,9 +91,9 @@ TEST_P(SolverAgainstMock, SoilRestsInMockWaterThatRefusesAWindow) {
   EXPECT_NEAR(last(run.solid_record, "pore_pressure"), gamma_w * height, 0.005 * gamma_w * height);
 }
 
-/// Mud without strength whose pores hardly drain, in a tank tilted by two degrees, sloshes as one liquid: slowly, under
-/// a pressure that stays close to that of its weight. With the surface of a creeping front, whose pressure's gradient
-/// does not know of the surface, a wave on it grew sevenfold in 2 ms, and the soil diverged after 14 to 45 ms.
+/// Mud without strength that hardly drains, in a tank tilted by two degrees, sloshes as one liquid: slowly, under
+/// nearly hydrostatic pressure. With the surface treatment of a creeping front, whose pressure gradient ignores the
+/// surface, a wave on the surface grew sevenfold in 2 ms, and the soil diverged after 14 to 45 ms.
 TEST(SolversTogether, LiquefiedSoilSloshesAsOneLiquid) {
   constexpr double tank = 0.4, depth = 0.2, tilt = 0.34;  // m, m, m/s2
   Case scene = column();
@@ -118,8 +118,8 @@ TEST(SolversTogether, LiquefiedSoilSloshesAsOneLiquid) {
   run.run(water.get(), soil.get());
   run.expect_success();
   const double weight = (porosity * 1000.0 + (1.0 - porosity) * grain) * 9.81 * depth;
-  // Linear waves of a liquid from rest, by the odd modes of the tank: the mean velocity along it, and how fast the
-  // surface rises half a spacing from a wall, where it is fastest.
+  // Linear waves of a liquid from rest, summed over the odd modes of the tank: the mean velocity along it, and how fast
+  // the surface rises half a spacing from a wall, where it is fastest.
   double mean = 0.0, fastest = 0.0;
   for (int m = 1; m < 40; m += 2) {
     const double k = m * std::numbers::pi / tank, rate = std::sqrt(9.81 * k * std::tanh(k * depth)), t = 0.06;
@@ -146,13 +146,13 @@ TEST(SolversTogether, LiquefiedSoilSloshesAsOneLiquid) {
     }
   }
   std::printf("mean velocity along the tank %.5f m/s, exact %.5f; fastest allowed %.4f\n", along, mean, fastest);
-  EXPECT_NEAR(along, mean, 0.15 * mean);  // 0.12 low at ten rows
+  EXPECT_NEAR(along, mean, 0.15 * mean);  // 0.12 low with ten rows
 }
 
-/// A disc of tight soil, ten particles across, let go in still water, sinks with the water's added mass, whose factor
-/// is 1.179 in this tank (sums of images in walls, bottom and surface): the free water that slips past is neither
-/// dragged along by dampings nor taken for the soil's own. Dragged, or taken, it sinks with 0.82 and 0.84 of the
-/// acceleration.
+/// A disc of soil of low permeability, ten particles across, sinks from rest in still water. The added mass of the
+/// water has the factor 1.179 in this tank (sums of images in walls, bottom and surface). Damping must not drag along
+/// the free water that passes the disc, nor may that water count as the soil's own; with either error the disc sinks
+/// with 0.82 or 0.84 of the acceleration.
 TEST(SolversTogether, ADiscOfTightSoilSinksPastFreeWater) {
   constexpr double tank = 0.6, depth = 0.7, added = 1.179, end = 0.15;  // m, m, -, s
   Case scene = column();

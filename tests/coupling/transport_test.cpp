@@ -1,4 +1,4 @@
-// The transports on their own: the in-process one message by message, the sockets against claims of size.
+// The transports alone: the in-process one message by message, the sockets against false sizes.
 #include "common/coupling/transport.hpp"
 #include "common/coupling/shared_memory.hpp"
 
@@ -62,7 +62,8 @@ TEST(InProcessTransport, AHaltedOneLosesEverythingAndTellsNobody) {
   EXPECT_FALSE(line->lost());
 }
 
-/// Memory is not taken on a stranger's word: the connection that claims a terabyte is closed, the next one works.
+/// A stranger's announced size is not allocated: its connection, which claims a terabyte, is closed, and the next one
+/// works.
 TEST(SocketTransport, AClaimOfATerabyteEndsItsConnectionOnly) {
   const auto path = std::filesystem::temp_directory_path() / ("poretwin-claim-" + std::to_string(getpid()));
   const auto hub = bind_socket("ipc://" + path.string());
@@ -70,7 +71,7 @@ TEST(SocketTransport, AClaimOfATerabyteEndsItsConnectionOnly) {
     zmq::context_t context;
     zmq::socket_t stranger(context, zmq::socket_type::stream);
     stranger.set(zmq::sockopt::linger, 0);
-    stranger.set(zmq::sockopt::reconnect_ivl, -1);  // else what is left would be said again, to a new connection
+    stranger.set(zmq::sockopt::reconnect_ivl, -1);  // else unsent data would be sent again, on a new connection
     stranger.set(zmq::sockopt::rcvtimeo, 2000);
     stranger.connect(hub->address());
     zmq::message_t id, nothing;
@@ -101,7 +102,7 @@ TEST(SocketTransport, AClaimOfATerabyteEndsItsConnectionOnly) {
   std::filesystem::remove(path);
 }
 
-/// A connection to a hub's port, without ZeroMQ.
+/// A connection to a hub's port without ZeroMQ.
 class RawConnection {
  public:
   explicit RawConnection(const std::string& address) : descriptor_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
@@ -126,7 +127,7 @@ class RawConnection {
     }
     return true;
   }
-  /// Has the other end closed, within the patience?
+  /// Whether the other end has closed the connection in time.
   [[nodiscard]] bool ended() const {
     std::array<char, 4096> bytes{};
     for (;;) {
@@ -135,7 +136,7 @@ class RawConnection {
       if (count < 0) return errno != EAGAIN && errno != EWOULDBLOCK;
     }
   }
-  /// As a DEALER begins, ZMTP 3.0.
+  /// Sends the greeting of a DEALER, ZMTP 3.0.
   [[nodiscard]] bool greet() const {
     std::string greeting("\xff\0\0\0\0\0\0\0\x01\x7f\x03\0NULL", 16);
     greeting.resize(64, '\0');
@@ -153,7 +154,7 @@ class RawConnection {
 
 class Strangers : public testing::Test {
  protected:
-  /// All that the hub has to say within a time, or until it has said enough; closings and messages by line.
+  /// Collects what the hub reports within a time, or until it is enough: closings and messages by line.
   void listen(Milliseconds time, const std::function<bool()>& enough = [] { return false; }) {
     const auto end = std::chrono::steady_clock::now() + time;
     while (std::chrono::steady_clock::now() < end && !enough()) {
@@ -166,7 +167,7 @@ class Strangers : public testing::Test {
       if (auto said = hub_->notice(); !said.empty()) notices_ += said + "\n";
     }
   }
-  /// A line that the hub takes for a participant's.
+  /// A line that the hub treats as a participant's.
   std::unique_ptr<Transport> participant() {
     auto line = connect_socket(hub_->address());
     line->send(numbered(1));
@@ -223,7 +224,7 @@ TEST_F(Strangers, AFloodOfMessagesEndsItsConnection) {
   expect_heard(*line);
 }
 
-/// Parts without end of a message that never does: ZeroMQ would keep them all, and tell nobody.
+/// A message of endless parts: ZeroMQ would store them all and report nothing.
 TEST_F(Strangers, AMessageWithoutEndEndsItsConnection) {
   const auto line = participant();
   const RawConnection stranger(hub_->address());
@@ -250,7 +251,7 @@ TEST_F(Strangers, ConnectionsThatSayNothingDoNotUseUpDescriptors) {
   EXPECT_LE(descriptors() - before, 400u + 140u) << "its own ends, and at most 128 of the hub's";
   EXPECT_TRUE(idle.front()->ended());
   expect_heard(*line);
-  auto other = connect_socket(hub_->address());  // who comes now is let in
+  auto other = connect_socket(hub_->address());  // a connection after that is admitted
   heard_.clear();
   other->send(numbered(7));
   listen(Milliseconds(10'000), [&] { return !heard_.empty(); });
@@ -258,7 +259,7 @@ TEST_F(Strangers, ConnectionsThatSayNothingDoNotUseUpDescriptors) {
   EXPECT_EQ(decode(heard_.front().frames).step, 7u);
 }
 
-/// Descriptors are used again at once: another's closing is not the participant's.
+/// Descriptors are reused at once: the closing of another connection must not be taken for the participant's.
 TEST_F(Strangers, AScannersLeavingIsNotTakenForAParticipants) {
   std::atomic<bool> stop = false;
   std::thread scanner([&] {
@@ -292,7 +293,7 @@ TEST_F(Strangers, AnotherUserOfTheMachineIsNotLetIn) {
   expect_heard(*line);
 }
 
-/// Is that address in memory that two processes can share?
+/// Whether an address is in memory that two processes can share.
 bool is_shared(const void* address) {
   std::ifstream maps("/proc/self/maps");
   for (std::string line; std::getline(maps, line);) {
@@ -328,7 +329,7 @@ class SharedMemory : public testing::Test {
 TEST_F(SharedMemory, LargeFramesLieThereEitherWay) {
   const auto hub = bind_socket("ipc://" + path_.string());
   const auto line = connect_socket(hub->address());
-  line->send(encode(large(0.0)));  // before the two know each other: through the socket
+  line->send(encode(large(0.0)));  // through the socket: no memory agreed on yet
   auto event = hub->receive(soon);
   ASSERT_TRUE(event);
   EXPECT_FALSE(is_shared(event->frames[1].data));
@@ -341,7 +342,7 @@ TEST_F(SharedMemory, LargeFramesLieThereEitherWay) {
     ASSERT_TRUE(frames);
     from_hub = is_shared((*frames)[1].data);
     expect_large(decode(*frames), k);
-    if (k % 4 == 1) kept.push_back(*frames);  // as one who is slow to let go: no message waits for another's memory
+    if (k % 4 == 1) kept.push_back(*frames);  // as a slow receiver: no message waits for the memory of another
     line->send(encode(large(-k, 100'000 + 5'000 * static_cast<std::size_t>(k))));
     const auto answer = hub->receive(soon);
     ASSERT_TRUE(answer);
@@ -378,7 +379,7 @@ TEST_F(SharedMemory, StrangersAndKeysDoWithout) {
   }
 }
 
-/// What names memory is believed only where it is memory made for this.
+/// A name of memory is accepted only where it refers to memory made for this purpose.
 TEST_F(SharedMemory, LiesAreNotFollowed) {
   LentMemory lent;
   const auto name = lent.name();
@@ -390,7 +391,7 @@ TEST_F(SharedMemory, LiesAreNotFollowed) {
   EXPECT_FALSE(fresh.reaches({name->process, 1 << 20, name->token}));
   EXPECT_FALSE(fresh.reaches({name->process, 0, name->token}));
   EXPECT_FALSE(fresh.reaches({-1, name->descriptor, name->token}));
-  // Memory that could become shorter under the reader.
+  // Memory that could become shorter during a read.
   const int open = ::memfd_create("poretwin", MFD_CLOEXEC);
   ASSERT_EQ(::ftruncate(open, 4096), 0);
   EXPECT_FALSE(fresh.reaches({getpid(), open, 0}));

@@ -1,4 +1,4 @@
-// Warnings of a run: each is said once, at once; all are counted; a rejected window leaves none.
+// Warnings of a run: each is logged once, at once; all are counted; a rejected window adds none.
 #include "common/coupling/warning_log.hpp"
 #include "tests/coupling/coupled_run.hpp"
 
@@ -10,7 +10,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// Loses a particle in every window after the third.
+/// A phase that loses a particle in every window after the third.
 class Loser : public MockPhase {
  public:
   using MockPhase::MockPhase;

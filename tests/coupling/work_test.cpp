@@ -1,5 +1,5 @@
-// The work of the water's pressure: what its gradients do on water and soil, and what the source takes of it, by the
-// operators of both solvers and the mapping between them, for fields drawn at random.
+// Work of the water's pressure: what its gradients do on water and soil against what the volume balance takes from it,
+// by the operators of both solvers and the mapping between them, for random fields.
 #include "coupler/mapping.hpp"
 #include "fluid_solver/discretisation/operators.hpp"
 #include "fluid_solver/fluid.hpp"
@@ -18,14 +18,14 @@ namespace {
 
 constexpr double side = 0.4, porosity = 0.4;  // m
 
-/// A box full of saturated soil without weight, closed by walls or by repeating itself.
+/// A box of saturated soil without weight, closed by walls or periodic.
 struct Closed {
   bool periodic = true;
   double spacing = 0.02;   ///< m
-  double jitter = 0.0;     ///< spacings, of either lattice
-  double offset = 0.5;     ///< spacings, of the water's lattice; 0.5: particles coincide
+  double jitter = 0.0;     ///< spacings, of both lattices
+  double offset = 0.5;     ///< spacings, of the water's lattice; 0.5: both phases' particles coincide
   bool smooth = false;     ///< random sums of waves of the box instead of noise
-  bool soil_moves = true;  ///< else the water's work alone
+  bool soil_moves = true;  ///< false: only the water's work
   std::uint64_t seed = 1;
 };
 
@@ -68,8 +68,8 @@ std::vector<sph::ImagePlane<2>> planes_of(const Case& scene) {
   return planes;
 }
 
-/// One number at random for every point, or the values of a smooth function that mirrors itself at the walls: evenly,
-/// or oddly along one axis as the velocity normal to a wall does.
+/// One random number per point, or the values of a smooth function that is mirrored at the walls: even, or odd along
+/// one axis, as the velocity normal to a wall is.
 class Drawn {
  public:
   Drawn(const Closed& what, std::mt19937_64& generator, int odd) : what_(what), odd_(odd) {
@@ -99,7 +99,7 @@ class Drawn {
 
 Vec<2> place(const PointSet& points, std::size_t i) { return {points.position[2 * i], points.position[2 * i + 1]}; }
 
-/// Values of the active points, carried to their ghosts.
+/// Random values of the active points, copied to their ghosts.
 Field drawn(const Closed& what, const PointSet& points, int components, std::mt19937_64& generator,
             std::string_view name) {
   Field field{std::string(name), components, std::vector<double>(points.size() * static_cast<std::size_t>(components))};
@@ -124,8 +124,8 @@ VecArray<2> vectors(const std::vector<double>& values, std::size_t n) {
 }
 
 struct Work {
-  double on_water = 0.0, on_soil = 0.0;  ///< W, of the pressure's gradients
-  double in_source = 0.0;                ///< W, of the pressure in the divergence of what flows
+  double on_water = 0.0, on_soil = 0.0;  ///< W, work of the pressure's gradients
+  double in_source = 0.0;                ///< W, work of the pressure in the divergence of the flow
   double sizes = 0.0;                    ///< sum of the absolute values of all parts
   [[nodiscard]] double net() const { return std::abs(on_water + on_soil - in_source) / sizes; }
 };
@@ -174,7 +174,7 @@ Work work(const Closed& what) {
   return out;
 }
 
-/// Largest net work of five fields over the sizes of its parts.
+/// Largest net work for five random fields, over the sizes of its parts.
 double largest(Closed what) {
   double worst = 0.0;
   for (what.seed = 1; what.seed <= 5; ++what.seed) {
@@ -185,16 +185,16 @@ double largest(Closed what) {
   return worst;
 }
 
-/// What the pressure does on the water comes out of the source, between walls as well, to the rounding of the pair
-/// list's kernels (single precision).
+/// The work of the pressure on the water equals that of the volume balance, also between walls, up to the rounding of
+/// the pair list's kernels (single precision).
 TEST(WorkOfThePressure, NoneIsMadeInTheWaterOnLattices) {
   for (const bool periodic : {true, false})
     for (const bool smooth : {false, true})
       EXPECT_LT(largest({.periodic = periodic, .smooth = smooth, .soil_moves = false}), 1e-6) << periodic << smooth;
 }
 
-/// With the soil the pressure and its motion pass through the mapping, whose smoothing is not the transpose of its way
-/// back: of second order in the spacing.
+/// With the soil, pressure and motion pass through the mapping, whose smoothing is not the transpose of the way back:
+/// an error of second order in the spacing.
 TEST(WorkOfThePressure, WithTheSoilLittleIsMadeAndLessOnFinerLattices) {
   for (const double offset : {0.5, 0.0}) {
     const double coarse = largest({.spacing = 0.01, .offset = offset, .smooth = true}),
@@ -204,7 +204,7 @@ TEST(WorkOfThePressure, WithTheSoilLittleIsMadeAndLessOnFinerLattices) {
   }
 }
 
-/// Walls, at which the soil takes its gradient from one side, and disorder cost more, of first order.
+/// Walls, where the soil takes its gradient from one side, and disorder cause a larger error, of first order.
 TEST(WorkOfThePressure, WallsAndDisorderMakeSome) {
   EXPECT_LT(largest({.periodic = false, .smooth = true}), 5e-3);
   EXPECT_LT(largest({.jitter = 0.2, .smooth = true}), 0.03);

@@ -1,4 +1,4 @@
-// A reservoir whose level follows from its balance.
+// A reservoir whose level follows from its water balance.
 #include "fluid_solver/boundary/basin.hpp"
 
 #include "common/core/error.hpp"
@@ -21,7 +21,7 @@ TEST(Basin, LevelInvertsVolume) {
 }
 
 TEST(Basin, DrainsThroughSoilAtItsClosedForm) {
-  // A basin of area A before a confined layer, L long and a high, tailwater at H2: A dH/dt = Q - k a (H - H2)/L.
+  // A basin of area A before a confined layer of length L and height a, tailwater at H2: A dH/dt = Q - k a (H - H2)/L.
   const double k = 2e-3, a = 0.1, L = 0.2, A = 0.05, H0 = 0.4, H2 = 0.2, Q = 4e-5;
   Case scene;
   scene.solid.model = SolidCase::Model::rigid;
@@ -53,12 +53,12 @@ TEST(Basin, DrainsThroughSoilAtItsClosedForm) {
     const double exact = rest + (H0 - rest) * std::exp(-rate * t), level = reading(fluid, "level");
     std::printf("t %.0f s: level %.5f m, exact %.5f m\n", t, level, exact);
     EXPECT_NEAR(level, exact, 0.01 * (H0 - H2));
-    EXPECT_NEAR(A * (level - H0), Q * t - reading(fluid, "in"), 1e-12);  // what it lost went through the face
+    EXPECT_NEAR(A * (level - H0), Q * t - reading(fluid, "in"), 1e-12);  // the water that it lost passed the face
   }
 }
 
 TEST(Basin, StopsWhereItCannotRunOver) {
-  // A pond on level ground with nothing at its ends to hold it.
+  // A pond on level ground without banks.
   Case scene;
   scene.solid.model = SolidCase::Model::rigid;
   scene.fluid.particle_spacing = 0.01;

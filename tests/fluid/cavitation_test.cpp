@@ -1,4 +1,4 @@
-// Cavitation: voids at the pressure of vapour, in place of pressures below it.
+// Cavitation: where the pressure would fall below that of vapour, voids open at that pressure.
 #include "fluid_solver/fluid_phase.hpp"
 #include "tests/fluid/scenes.hpp"
 
@@ -11,7 +11,7 @@ namespace {
 
 using namespace test;
 
-/// A tube of soil 12 m high, closed at its top; its foot stands in water at a pressure [Pa].
+/// A tube of soil 12 m high, closed at its top; its foot is in water of the given pressure [Pa].
 Case barometer(Series foot) {
   Case scene;
   scene.solid.model = SolidCase::Model::rigid;
@@ -31,7 +31,7 @@ double voids(const Fluid<2>& fluid) {
   return std::accumulate(c.begin(), c.end(), 0.0);
 }
 
-/// Volume in the particles and in the part of the outermost spacing that is inside the face [m2].
+/// Area of the particles and of the part of the outermost spacing that is inside the face [m2].
 double volume(const Fluid<2>& fluid) {
   double sum = 0.0;
   for (const double m : fluid.state().particles.mass) sum += m / 1000.0;
@@ -47,8 +47,8 @@ double lowest(const Fluid<2>& fluid) {
   return least;
 }
 
-// Torricelli's: 10.09 m of water hang from the vacuum, not 12. At the first instant the uppermost row of particles,
-// z = 11.875 m, cavitates, and Darcy's velocity below it is k (1 - 10.09/z).
+// Torricelli's barometer: 10.09 m of water hang below the vacuum, not 12. At the first instant the uppermost row of
+// particles, z = 11.875 m, cavitates, and Darcy's velocity below it is k (1 - 10.09/z).
 TEST(Cavitation, AHangingColumnTearsAtItsTop) {
   Fluid<2> fluid(barometer(constant(0.0)));
   fluid.initialise({});
@@ -84,7 +84,7 @@ TEST(Cavitation, WithoutAFloorItHangs) {
   EXPECT_EQ(fluid.counters().count("s: first cavitation"), 0u);
 }
 
-// What tore closes again when the foot is put under pressure, and not before has the pressure risen; no water is lost.
+// Voids close when the foot is put under pressure, and the pressure rises only after that; no water is lost.
 TEST(Cavitation, VoidsCloseBeforeThePressureRises) {
   Fluid<2> fluid(barometer(Series{{{0.0, 0.0}, {60.0, 0.0}, {80.0, 4e4}}}));
   fluid.initialise({});

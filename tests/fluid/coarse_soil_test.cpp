@@ -1,4 +1,4 @@
-// Water in soil so coarse that it keeps moving: inertia and drag together.
+// Water in very coarse soil, where both inertia and drag matter.
 #include "fluid_solver/fluid_phase.hpp"
 #include "tests/fluid/energy.hpp"
 #include "tests/fluid/scenes.hpp"
@@ -17,7 +17,7 @@ Soil gravel(double conductivity, Shape shape) {
   return soil;
 }
 
-// A slab with air on both sides falls through the pores: v = (k/n) (1 - exp(-g n t/k)), no pressure anywhere.
+// A slab of water with air on both sides falls through the pores: v = (k/n) (1 - exp(-g n t/k)), without any pressure.
 TEST(CoarseSoil, ASlabFallsAgainstItsDrag) {
   const double k = 1.0, rate = 9.81 * 0.4 / k;
   Case scene;
@@ -40,19 +40,20 @@ TEST(CoarseSoil, ASlabFallsAgainstItsDrag) {
       place += p.position[a] / static_cast<double>(p.size());
       EXPECT_NEAR((p.velocity[a] + Vec<2>(0.0, exact)).norm() / exact, 0.0, 0.01) << time << " s";  // 0.006 measured
     }
-    EXPECT_NEAR(1.55 - place.y(), fallen, 0.001);  // a tenth of a spacing; 0.0008 measured, of the first 0.05 s
+    EXPECT_NEAR(1.55 - place.y(), fallen, 0.001);  // a tenth of a spacing; 0.0008 measured, from the first 0.05 s
   }
 }
 
-/// Of the last window, the limit whose reason begins so [s]; 0: none was told.
+/// The limit of the last window whose reason begins with this text [s]; 0: none.
 double told_limit(const Fluid<2>& fluid, const std::string& reason) {
   for (const auto& limit : fluid.state().window_limits)
     if (limit.reason.starts_with(reason)) return limit.interval;
   return 0.0;
 }
 
-// The slab again, thrown down: at the speed and the acceleration of the last window the fastest goes (v + a t) t =
-// dx/4. Not asked are sand's water, and what moves so fast (C dx < n rho w, 0.04 m/s) that it counts as free.
+// The slab, thrown downwards: at the speed v and acceleration a of the last window, the fastest particle moves by (v +
+// a t) t = dx/4. No such limit: for water in sand, and for water so fast (C dx < n rho w, 0.04 m/s) that it counts as
+// free.
 TEST(CoarseSoil, WindowsEndAfterAQuarterSpacingOfAcceleratedWay) {
   for (const auto& [k, thrown] : {std::pair(1.0, 0.02), std::pair(1e-3, 0.02), std::pair(1.0, 0.5)}) {
     const double dx = 0.01, dt = 1e-4;
@@ -83,7 +84,7 @@ TEST(CoarseSoil, WindowsEndAfterAQuarterSpacingOfAcceleratedWay) {
   }
 }
 
-// No more than half a spacing of a level that changes behind it, whatever the soil: 5 mm at 0.1 m/s.
+// Windows end before the level behind a face has changed by half a spacing, whatever the soil: 5 mm at 0.1 m/s.
 TEST(CoarseSoil, WindowsEndBeforeItsLevelIsHalfASpacingOff) {
   for (const double k : {0.1, 1e-4}) {
     Case scene = ponded_column(0.01);
@@ -98,7 +99,7 @@ TEST(CoarseSoil, WindowsEndBeforeItsLevelIsHalfASpacingOff) {
   }
 }
 
-// From sand to rockfill: water that plunges into soil and out of it again gains nothing from its drag.
+// From sand to rockfill: water that plunges into soil and out of it gains no energy from the drag.
 TEST(CoarseSoil, ADamBreakOverItLosesEnergy) {
   for (const double k : {0.01, 0.1, 1.0, 15.0}) {
     Case scene;

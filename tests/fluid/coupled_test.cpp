@@ -1,4 +1,4 @@
-// The fluid's half of the exchange scheme, held against skeletons simple enough to be exact.
+// The fluid's part of the exchange, tested with skeletons that have exact solutions.
 #include "common/core/error.hpp"
 #include "fluid_solver/fluid_phase.hpp"
 #include "tests/fluid/scenes.hpp"
@@ -19,16 +19,16 @@ struct Consolidation {
   double worst_settlement = 0.0, worst_base = 0.0;
   double lowest = 0.0;       // pressure, Pa
   double most_voids = 0.0;   // m2
-  double worst_voids = 0.0;  // off the grains that went out through the face less the water that came in, m2
+  double worst_voids = 0.0;  // error of the void volume against grains out less water in through the face, m2
   std::size_t windows = 0;
   std::map<std::string, double> counts;
   double cpu = 0.0;
 };
 
 struct Options {
-  double window = 1e-3;  // s; 0: what the fluid proposes
-  double later = 0.0;    // s; from half of the end on, where it is not 0
-  double end = 0.5;      // of the time factor
+  double window = 1e-3;  // s; 0: as the fluid proposes
+  double later = 0.0;    // s, second half of the run, where not 0
+  double end = 0.5;      // time factor at the end
   double solid_spacing = 0.01;
   double conductivity = 1e-4;
   double jitter = 0.0;
@@ -39,7 +39,8 @@ struct Options {
   int sweeps = 1;
 };
 
-/// A column of 0.2 m x 0.04 m under a sudden load, drained at the top; worst errors from T = 0.05 on.
+/// A column of 0.2 m x 0.04 m under a sudden load, drained at the top; returns the largest errors from time factor 0.05
+/// on.
 Consolidation consolidate(const Options& options) {
   ElasticColumn soil;
   soil.spacing = options.solid_spacing;
@@ -117,14 +118,14 @@ Consolidation consolidate(const Options& options) {
     ++result.windows;
     const auto published = fluid.publish();
     const auto& p = fluid.state().particles;
-    // Rows of the lattice, averaged; then linear in y.
-    if (p.size() % columns != 0) {  // thrown apart: no rows any more
+    // Averages over the rows of the lattice, then linear interpolation in y.
+    if (p.size() % columns != 0) {  // thrown apart: there are no rows
       result.worst_base = HUGE_VAL;
       break;
     }
     const std::size_t rows = p.size() / columns;
     std::vector<double> y(rows), pressure(rows), drag(rows), predicted(rows), change(rows);
-    for (std::size_t a = 0; a < rows * columns; ++a) {  // a run that diverges may have lost some
+    for (std::size_t a = 0; a < rows * columns; ++a) {  // a diverging run may have lost some
       const double w = 1.0 / static_cast<double>(columns);
       const std::size_t row = a / columns;
       y[row] += w * p.position[a].y();
@@ -171,7 +172,7 @@ void report(const char* name, const Options& o, const Consolidation& r) {
 }
 
 TEST(Coupled, TerzaghiAtWindowsFromShortToLong) {
-  // The bounds follow the window over the consolidation time (0.98 s): backward Euler sets the error.
+  // Bounds follow from the ratio of window to consolidation time (0.98 s): backward Euler determines the error.
   struct Row {
     double window, end, settlement, base;
   };
@@ -187,11 +188,11 @@ TEST(Coupled, TerzaghiAtWindowsFromShortToLong) {
   }
 }
 
-// A soil pulled up by 1000 Pa, its water cavitating at -500 Pa: no pressure below that, and what the voids take is the
-// volume of the grains that went out through the face less that of the water that came in.
+// Soil pulled up by 1000 Pa, whose water cavitates at -500 Pa: the pressure does not fall below that, and the volume of
+// the voids is that of the grains that went out through the face less that of the water that came in.
 TEST(Coupled, SoilThatDilatesTearsItsWater) {
-  // In windows of a few substeps the soil's mean velocity is behind its last one, which is what the water reckoned
-  // with: the volume between them is made good a window late.
+  // In windows of a few substeps the soil's mean velocity lags behind its last one, which the water used: the
+  // difference in volume is applied one window later.
   for (const auto& [window, share] : {std::pair{1e-3, 0.05}, std::pair{2.5e-4, 0.08}}) {
     Options o;
     o.window = window;
@@ -207,7 +208,7 @@ TEST(Coupled, SoilThatDilatesTearsItsWater) {
     EXPECT_EQ(whole.most_voids, 0.0);
     EXPECT_GT(cavitating.lowest, -505.0);
     EXPECT_GT(cavitating.most_voids, 5e-7);
-    EXPECT_LT(cavitating.worst_voids, share * cavitating.most_voids);  // 0.04 and 0.07 measured; whole 0.05 and 0.03
+    EXPECT_LT(cavitating.worst_voids, share * cavitating.most_voids);  // measured: 0.04, 0.07
   }
 }
 
@@ -219,12 +220,12 @@ TEST(Coupled, ShortWindowsPayForLongOnesNoFasterThanTheyWereMade) {
   const auto r = consolidate(o);
   report("from long to short", o, r);
   EXPECT_LT(r.worst_settlement, 0.03);
-  // 1.25 when applied at once; 0.31 now, of which 0.28 is the impulse that the first long window's spring left to
-  // apply.
+  // 1.25 when the deferred impulse is applied at once; 0.31 as implemented, of which 0.28 is the impulse that the first
+  // long window's stiffness defers.
   EXPECT_LT(r.worst_base, 0.5);
 }
 
-/// Soil at rest at all particles of the water; none above `top`.
+/// Soil at rest at all water particles, none above `top`.
 coupling::Inbox soil_below(const Fluid<2>& fluid, double top) {
   const auto& p = fluid.state().particles;
   coupling::Inbox box;
@@ -252,7 +253,7 @@ TEST(Faces, FollowSoilThatCanFlow) {
     scene.solid.model = flows ? SolidCase::Model::drucker_prager : SolidCase::Model::elastic;
     scene.fluid.regions = {scene.soils[0].shape};
     Fluid<2> fluid(scene);
-    // Soil that slides out finds still water there.
+    // Soil that slides out from under the face finds still water there.
     double highest = 0.0;
     const auto& points = fluid.publish().points;
     for (std::size_t j = 0; j < points.size(); ++j) highest = std::max(highest, points.position[2 * j + 1]);
@@ -260,7 +261,7 @@ TEST(Faces, FollowSoilThatCanFlow) {
     fluid.initialise(soil_below(fluid, 1.0));
     const std::size_t before = fluid.state().particles.size();
     if (!flows) continue;
-    // What the soil leaves, five rows of ten, is the reservoir's; the face is where the soil ends.
+    // Where soil has left, five rows of ten, the water is the reservoir's; the face is at the end of the soil.
     for (std::size_t k = 0; k < 5; ++k)
       fluid.advance({k, 1e-4 * static_cast<double>(k), 1e-4}, soil_below(fluid, 0.39 - 0.01 * static_cast<double>(k)));
     EXPECT_EQ(fluid.state().particles.size(), before - 50);
@@ -268,9 +269,9 @@ TEST(Faces, FollowSoilThatCanFlow) {
   }
 }
 
-// Soil that expands by its own account and does not move at its points: the water is to make room, and the prediction
-// closes the soil by what is applied of it in the first window, an eighth of the rate and of a quarter of the strain
-// over eight windows.
+// Soil reports an expansion although its points do not move. The water takes up the volume, and the prediction closes
+// the soil by the part that is applied in the first window: an eighth of the rate, and a quarter of the strain over
+// eight windows.
 TEST(Coupled, PredictsThatSoilClosesWhatItsOwnAccountOpens) {
   const double expansion = 1e-3, interval = 1e-4;  // 1/s, s
   const auto velocity_below_the_top = [&](double strain_rate) {
@@ -296,7 +297,7 @@ TEST(Coupled, PredictsThatSoilClosesWhatItsOwnAccountOpens) {
     }
     return sum / count;
   };
-  // soil_below: n = 0.4, k = 1e-4 m/s; what of the mixture goes with the skeleton.
+  // soil_below: n = 0.4, k = 1e-4 m/s; factor: part of the mixture that moves with the skeleton.
   const double n = 0.4, inertia = n * 1000.0 / interval, drag = n * n * 1000.0 * 9.81 / 1e-4;
   const double closes = -33.0 / 256.0 * expansion * (1.0 - n + n * drag / (inertia + drag)) * 0.3;  // m/s, 0.3 m up
   EXPECT_NEAR(velocity_below_the_top(expansion) - velocity_below_the_top(0.0), closes, -0.1 * closes);
@@ -326,7 +327,7 @@ TEST(Coupled, TerzaghiWithPointsThatDoNotCoincide) {
 }
 
 TEST(Coupled, WithoutTheSkeletonsResponseWindowsAreLimited) {
-  // The limit of serial staggering is 2 (1 - b) R k / gamma_w, b = n_s^2 rho_w / (n R): 1.4e-5 s here.
+  // The stability limit of serial staggering is 2 (1 - b) R k / gamma_w, b = n_s^2 rho_w / (n R): 1.4e-5 s here.
   Options o;
   o.response = false;
   o.end = 0.06;
@@ -335,7 +336,7 @@ TEST(Coupled, WithoutTheSkeletonsResponseWindowsAreLimited) {
   report("staggered", o, below);
   EXPECT_LT(below.worst_settlement, 0.005);
   o.window = 1e-4;
-  o.cavitation = -1e12;  // with cavitation it would not grow
+  o.cavitation = -1e12;  // cavitation would stop the growth
   try {
     consolidate(o);
     ADD_FAILURE() << "did not diverge";
@@ -346,7 +347,8 @@ TEST(Coupled, WithoutTheSkeletonsResponseWindowsAreLimited) {
 }
 
 TEST(Coupled, ExplicitSweepsConsolidateInTheirOwnWindows) {
-  // Water swept over seems compressible: that keeps the staggering stable beyond its limit, and the base pressure low.
+  // Explicit sweeps leave water slightly compressible, which keeps the staggering stable beyond its limit, and the base
+  // pressure low.
   struct Row {
     double window;
     int sweeps;
@@ -365,7 +367,7 @@ TEST(Coupled, ExplicitSweepsConsolidateInTheirOwnWindows) {
   }
 }
 
-/// Two phases of uniform velocity in a periodic box: nothing acts but the drag between them.
+/// Two phases of uniform velocity in a periodic box: only the drag between them acts.
 struct Exchange {
   Case scene;
   Exchange(double conductivity) {
@@ -381,7 +383,7 @@ struct Exchange {
     sand.hydraulic_conductivity = conductivity;
     scene.soils = {sand};
   }
-  /// force [N/m3]: on the skeleton, the drag of the last window.
+  /// force [N/m3]: drag of the last window on the skeleton.
   coupling::Inbox inbox(std::size_t n, const Vec<2>& v, const Vec<2>& returned, const Vec<2>& force) const {
     coupling::Inbox box;
     box.coverage.assign(n, 1.0);
@@ -429,15 +431,15 @@ TEST(Coupled, DragRelaxesAtItsRateAndKeepsMomentum) {
     const auto& p = fluid.state().particles;
     Vec<2> slip = p.velocity[0] - solid;
     double time = 0.0;
-    // In a long window everything travels far and the lattice loses its symmetry to rounding: then one window only.
+    // In a long window points move far, and rounding destroys the lattice's symmetry: one window only.
     for (int step = 0; step < (rate_times_dt > 1.0 ? 1 : 10); ++step) {
       fluid.advance({static_cast<std::uint64_t>(step), time, dt}, exchange.inbox(p.size(), solid, returned, drag));
       time += dt;
       Vec<2> impulse = Vec<2>::Zero();
       for (const auto& J : p.drag_impulse) impulse += J;
       drag = impulse / (0.01 * dt);
-      // Something else pushes the skeleton, too, and it moves beyond the prediction: it meets the inertia of the water
-      // that its drag takes along, and the water follows in the next window.
+      // An additional push moves the skeleton beyond the prediction: it is resisted by the inertia of the water that
+      // its drag carries along, and in the next window the water follows.
       const Vec<2> push = 0.01 * impulse;
       const double met = Rw * p.entrained_fraction[0] * 0.01;  // kg
       const Vec<2> beyond = push / (solid_mass + met);
@@ -452,14 +454,15 @@ TEST(Coupled, DragRelaxesAtItsRateAndKeepsMomentum) {
       }
       if (step == 0) {
         EXPECT_LT((p.velocity[0] - p.solid_velocity[0]).norm(), slip.norm());
-        EXPECT_GE(slip.dot(p.velocity[0] - p.solid_velocity[0]), -1e-12);  // monotone: no overshoot
+        EXPECT_GE(slip.dot(p.velocity[0] - p.solid_velocity[0]), -1e-12);  // monotone, without overshoot
       }
     }
   }
 }
 
 TEST(Coupled, QuadraticDragFollowsItsClosedFormAndKeepsMomentum) {
-  // Two bodies, dw/dt = -(1/Rw + 1/R) (c1 w + c2 w^2): w = A w0 e / (A + B w0 (1 - e)), e = exp(-A t).
+  // Relative velocity of two bodies, dw/dt = -(1/Rw + 1/R) (c1 w + c2 w^2): w = A w0 e / (A + B w0 (1 - e)), e = exp(-A
+  // t).
   const double k = 0.05, b = 40.0, R = 0.6 * 2600.0, Rw = 0.4 * 1000.0;
   Exchange exchange(k);
   auto& sand = exchange.scene.soils[0];
@@ -491,13 +494,13 @@ TEST(Coupled, QuadraticDragFollowsItsClosedFormAndKeepsMomentum) {
       EXPECT_LT((momentum() - total).norm(), 1e-10 * total.norm());
     }
     std::printf("quadratic drag, window %.0e s: slip off by %.2e of its start\n", dt, worst);
-    // Backward Euler on an exponential is off by at most 1/(2 e) = 0.184 windows per relaxation time.
+    // Backward Euler has an error of at most 1/(2 e) = 0.184 windows per relaxation time on an exponential.
     EXPECT_LT(worst, 0.2 * dt * (A + B * slip.norm()));
   }
 }
 
 TEST(Coupled, RestIsKeptUnderGravity) {
-  // A saturated layer below its own water table, the skeleton carrying its buoyant weight: nothing may stir.
+  // A saturated layer below its own water table, whose skeleton carries its buoyant weight: nothing may move.
   Case scene;
   scene.fluid.particle_spacing = 0.01;
   scene.fluid.regions = {box(0.0, 0.0, 0.06, 0.1)};
@@ -508,7 +511,7 @@ TEST(Coupled, RestIsKeptUnderGravity) {
   Exchange contents(1e-4);
   Fluid<2> fluid(scene);
   const auto inbox = [&] {
-    // In balance: nothing is left.
+    // In equilibrium: no unbalanced force.
     return contents.inbox(fluid.state().particles.size(), Vec<2>::Zero(), Vec<2>::Zero(), Vec<2>::Zero());
   };
   for (std::size_t a = 0; a < fluid.state().particles.size(); ++a)  // hydrostatic from the first publication on

@@ -1,4 +1,4 @@
-// Explicit incompressible SPH: the sweep itself, the windows it asks for, and what it can do in them.
+// Explicit incompressible SPH: a sweep, the windows that it needs, and its results.
 #include "fluid_solver/pressure/eisph.hpp"
 #include "common/core/error.hpp"
 #include "fluid_solver/fluid_phase.hpp"
@@ -23,7 +23,7 @@ Case tank(double dx) {
   return scene;
 }
 
-/// Water on the move in soil, periodic, nothing but the drag acts.
+/// Water that moves in soil, in a periodic box; only the drag acts.
 Case drifting_water(double conductivity) {
   Case scene;
   scene.general.gravity.setZero();
@@ -41,7 +41,7 @@ Case drifting_water(double conductivity) {
   return scene;
 }
 
-/// Rms pressure error over rho g H; fastest particle in `speed`.
+/// Root-mean-square pressure error over rho g H; `speed`: of the fastest particle.
 double unrest(const Fluid<2>& fluid, double& speed) {
   const auto& p = fluid.state().particles;
   double error = 0.0;
@@ -71,17 +71,17 @@ TEST(Eisph, SweepsTendToTheSolution) {
 }
 
 TEST(Eisph, WindowsFollowFromTheCompressionOfASweep) {
-  // Free water: quadratic; soil where drag rules: linear in spacing^2, drag and sweeps.
+  // Free water: quadratic in the spacing; drag-dominated soil: linear in spacing^2, drag and number of sweeps.
   const auto free = [](double dx, int sweeps) { return sweep_interval<2>(1.0, 0.0, 1000.0, 2000.0, dx, sweeps); };
   const auto soil = [](double dx, int sweeps) { return sweep_interval<2>(0.4, 1e7, 1000.0, 2000.0, dx, sweeps); };
   EXPECT_NEAR(free(0.02, 1) / free(0.01, 1), 2.0, 1e-9);
   EXPECT_NEAR(free(0.01, 4) / free(0.01, 1), 2.0, 1e-9);
   EXPECT_NEAR(soil(0.02, 1) / soil(0.01, 1), 4.0, 1e-2);
   EXPECT_NEAR(soil(0.01, 4) / soil(0.01, 1), 4.0, 1e-2);
-  // A spacing per window is the sound's speed, ten times sqrt(p/rho) or more.
+  // One spacing per window is the speed of sound, at least ten times sqrt(p/rho).
   EXPECT_GT(0.01 / free(0.01, 1), 10.0 * std::sqrt(2000.0 / 1000.0));
 
-  // In a window of a tenth water is as stiff as in the whole: what a divergence costs goes with dt^2, in soil with dt.
+  // In a window of a tenth of the length water has the same stiffness: the relaxation goes with dt^2, in soil with dt.
   EXPECT_DOUBLE_EQ(relaxation_in(1.0, 1e6, 0.0), pressure::sweep_relaxation);
   EXPECT_NEAR(relaxation_in(0.1, 1e6, 0.0) / pressure::sweep_relaxation, 0.01, 1e-12);
   EXPECT_NEAR(relaxation_in(0.1, 1e6, 1e10) / pressure::sweep_relaxation, 0.1, 1e-4);
@@ -93,7 +93,7 @@ TEST(Eisph, WindowsFollowFromTheCompressionOfASweep) {
 }
 
 TEST(Eisph, SweepsTrustADivergenceWhereThePressureAnswersIt) {
-  // A lattice without a surface: its middle is inside, its edge has all neighbours on one side.
+  // A lattice without a surface: its middle is inside; its edge has all neighbours on one side.
   VecArray<2> x;
   for (int i = -4; i <= 4; ++i)
     for (int j = -4; j <= 4; ++j) x.push_back({0.1 * i, 0.1 * j});
@@ -101,14 +101,14 @@ TEST(Eisph, SweepsTrustADivergenceWhereThePressureAnswersIt) {
   auto s = make_stencil<2>(x, volume, {}, {});
   EXPECT_EQ(sweep_trust(s, 40), 1.0);
   EXPECT_EQ(sweep_trust(s, 4), 0.0);
-  // The free surface's ghost turns its own part round.
+  // The ghost of the free surface reverses its own part.
   s.ghost_distance.set(4, 0.05, s.n_real);
   EXPECT_EQ(sweep_trust(s, 4), 1.0);
 }
 
 TEST(Eisph, ADamBreakGainsNoEnergy) {
-  // Where the column has been stretched particles inside have few neighbours on one side: without sweep_trust energy is
-  // gained from 0.5 s on, and the run diverges at 0.65 s. Each fiftieth of a second ends with a sliver of a window.
+  // Where the column is stretched, inner particles have few neighbours on one side. Without sweep_trust energy grows
+  // from 0.5 s on, and the run diverges at 0.65 s. Each fiftieth of a second ends with a very short window.
   auto scene = tank(0.08);
   scene.fluid.regions = {box(0.0, 0.0, 1.0, 2.0)};
   scene.walls = {wall(line(0.0, 6.0, 0.0, 0.0)), wall(line(0.0, 0.0, 4.0, 0.0)), wall(line(4.0, 0.0, 4.0, 6.0))};
@@ -147,7 +147,7 @@ TEST(Eisph, DisorderedTankStaysQuiet) {
   double time = 0.0, speed = 0.0;
   run_to(fluid, time, 3.0);
   EXPECT_LT(unrest(fluid, speed), 0.02);
-  EXPECT_LT(speed, 0.014);  // 0.01 of sqrt(g H)
+  EXPECT_LT(speed, 0.014);  // 1 % of sqrt(g H)
 }
 
 TEST(Eisph, PondedWaterInfiltratesDryGround) {
@@ -163,7 +163,7 @@ TEST(Eisph, PondedWaterInfiltratesDryGround) {
 }
 
 TEST(Eisph, ExplicitDragNeedsItsRateResolved) {
-  // A body of water in soil slows down at beta = g n/k; beta dt = 1 is the limit that is asked for.
+  // Water in soil decelerates at the rate beta = g n/k; the required limit is beta dt = 1.
   const double beta = 9.81 * 0.4 / 1e-2;
   for (const auto scheme : {Scheme::eisph, Scheme::eisph_explicit_drag}) {
     Case scene = drifting_water(1e-2);
@@ -182,7 +182,7 @@ TEST(Eisph, ExplicitDragNeedsItsRateResolved) {
 }
 
 TEST(Eisph, DivergenceNamesParticleTermAndLastGoodState) {
-  // Explicit drag at beta dt = 3.6: each window turns the velocity round and makes it 2.6 times as large.
+  // Explicit drag at beta dt = 3.6: each window reverses the velocity and makes it 2.6 times as large.
   Case scene = drifting_water(1.1e-4);
   scene.fluid.scheme = Scheme::eisph_explicit_drag;
   Fluid<2> fluid(scene);

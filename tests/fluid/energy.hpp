@@ -1,11 +1,11 @@
-// What the water's particles have of energy.
+// Energy of the water particles.
 #pragma once
 
 #include "fluid_solver/fluid_phase.hpp"
 
 namespace poretwin::fluid::test {
 
-/// Kinetic and potential [J/m].
+/// Kinetic and potential energy [J/m].
 inline double energy(const Fluid<2>& fluid) {
   const auto& p = fluid.state().particles;
   double sum = 0.0;

@@ -1,4 +1,4 @@
-// Faces of prescribed head that end where a wall goes on: what passes them, and the account of it.
+// Faces of prescribed head that end where a wall continues: the flow through them, and its balance.
 #include "fluid_solver/discretisation/operators.hpp"
 #include "fluid_solver/fluid_phase.hpp"
 #include "tests/fluid/scenes.hpp"
@@ -19,7 +19,7 @@ WaterFace named(WaterFace face, const std::string& name) {
   return face;
 }
 
-/// Sand, 0.8 m by 0.4 m, between a whole side at 0.7 m and the lower half of the other at 0.5 m.
+/// Sand, 0.8 m by 0.4 m, between one whole side with a head of 0.7 m and the lower half of the other with 0.5 m.
 Case outlet_on_half_a_side(double dx) {
   Case scene;
   scene.solid.model = SolidCase::Model::rigid;
@@ -36,7 +36,7 @@ Case outlet_on_half_a_side(double dx) {
   return scene;
 }
 
-/// A layer of sand, 3 m by 0.6 m, below a floor from 1.1 to 1.9 m between heads of 0.9 and 0.7 m.
+/// A layer of sand, 3 m by 0.6 m, below an impermeable floor from 1.1 to 1.9 m, between heads of 0.9 and 0.7 m.
 Case concrete_apron(double dx) {
   Case scene = outlet_on_half_a_side(dx);
   scene.soils[0].shape = box(0.0, 0.0, 3.0, 0.6);
@@ -49,7 +49,7 @@ Case concrete_apron(double dx) {
   return scene;
 }
 
-/// Mean flows into, through and out of a scene between two times, and what its water has grown by.
+/// Mean flows into, through and out of a scene between two times, and the rate at which its water grows.
 struct Flow {
   double in = 0.0, through = 0.0, out = 0.0, gained = 0.0;
 };
@@ -70,7 +70,7 @@ Flow flow_of(const Case& scene, double from, double to) {
           reading(fluid, "water_stored") - water};
 }
 
-// Finite volumes of 10, 5 and 2.5 mm: 8.970, 8.989, 8.998e-6 m2/s; in the limit 9.007e-6.
+// Finite volumes with cells of 10, 5 and 2.5 mm: 8.970, 8.989, 8.998e-6 m2/s; in the limit 9.007e-6.
 TEST(Faces, AFaceThatEndsOnAWallPassesTheFlowOfItsHeads) {
   const Flow flow = flow_of(outlet_on_half_a_side(0.02), 100.0, 400.0);
   EXPECT_NEAR(flow.through / 9.007e-6, 1.0, 0.02);
@@ -78,8 +78,8 @@ TEST(Faces, AFaceThatEndsOnAWallPassesTheFlowOfItsHeads) {
   EXPECT_NEAR(flow.gained, 0.0, 2e-3 * 0.128);
 }
 
-// Finite volumes of 20, 10 and 5 mm: 8.923, 8.971, 8.995e-6 m2/s; in the limit 9.02e-6. Low by 2.2 % here, by 1 % at
-// 10 mm.
+// Finite volumes with cells of 20, 10 and 5 mm: 8.923, 8.971, 8.995e-6 m2/s; in the limit 9.02e-6. The result is 2.2 %
+// low here, 1 % at 10 mm.
 TEST(Faces, SeepageBelowAFloorIsThatOfFiniteVolumes) {
   const Flow flow = flow_of(concrete_apron(0.02), 100.0, 1000.0);
   EXPECT_NEAR(flow.through / 9.02e-6, 1.0, 0.03);
@@ -87,7 +87,7 @@ TEST(Faces, SeepageBelowAFloorIsThatOfFiniteVolumes) {
   EXPECT_NEAR(flow.gained, 0.0, 2e-3 * 0.72);
 }
 
-/// Sand, 0.8 m by 0.4 m, between whole sides at 0.7 and 0.5 m, and in it other ground.
+/// Sand, 0.8 m by 0.4 m, between whole sides with heads of 0.7 and 0.5 m, with a region of other soil in it.
 Case sand_with(const Shape& other, double conductivity) {
   Case scene = outlet_on_half_a_side(0.02);
   scene.soils = {scene.soils[0], scene.soils[0]};
@@ -98,9 +98,9 @@ Case sand_with(const Shape& other, double conductivity) {
   return scene;
 }
 
-// Finite volumes of 5 and 2.5 mm: 8.061, 8.065e-6 m2/s. What disorder makes in the sand's packing is repaired without a
-// pressure: as a source it would be drawn from the faces (out 4 to 12 % more or less than in). With the harmonic mean
-// alone along its border the lens of 10 by 8 rows is as if it were a third of a row larger on every side.
+// Finite volumes with cells of 5 and 2.5 mm: 8.061, 8.065e-6 m2/s. Repair of disorder in the sand's packing must not go
+// through the pressure: as a source it would draw water from the faces (outflow 4 to 12 % off the inflow). With the
+// harmonic mean alone at its border, the lens of 10 by 8 rows acts as if it were a third of a row larger on every side.
 TEST(Faces, PastALensOfClayAsMuchGoesOutAsComesIn) {
   const Flow flow = flow_of(sand_with(box(0.3, 0.12, 0.5, 0.28), 1e-6), 300.0, 3000.0);
   EXPECT_NEAR(flow.in / 8.068e-6, 1.0, 0.025);
@@ -108,15 +108,15 @@ TEST(Faces, PastALensOfClayAsMuchGoesOutAsComesIn) {
   EXPECT_NEAR(flow.gained, 0.0, 2e-3 * 0.128);
 }
 
-// Finite volumes of 5 and 2.5 mm: 1.7292, 1.7300e-5 m2/s. The drain is four rows thick.
+// Finite volumes with cells of 5 and 2.5 mm: 1.7292, 1.7300e-5 m2/s. The drain is four rows thick.
 TEST(Faces, ADrainPassesWhatItsThicknessDoes) {
   const Flow flow = flow_of(sand_with(box(0.4, 0.16, 0.8, 0.24), 1e-2), 100.0, 1000.0);
   EXPECT_NEAR(flow.in / 1.7303e-5, 1.0, 0.025);
   EXPECT_NEAR(flow.out / flow.in, 1.0, 0.005);
 }
 
-// A quarter spacing inside the last place on a flat slope is below its base; water that came out there in a window of
-// an hour was in no soil, fell for an hour, and was never caught again.
+// A point a quarter spacing inside the lower end of a flat slope is below the slope's base; water that left there in a
+// window of an hour was in no soil, fell for an hour, and was lost.
 TEST(Faces, FlatSlopesHaveColumnsDownToTheirToes) {
   for (const double run : {1.0, 2.0, 3.0, 5.0}) {  // horizontal over vertical
     Case scene = outlet_on_half_a_side(0.05);
@@ -134,8 +134,8 @@ TEST(Faces, FlatSlopesHaveColumnsDownToTheirToes) {
   }
 }
 
-// Where a wall goes on from a face, images and buffers fill what is behind them once, and the pairs that cross are the
-// same for both of their particles.
+// Where a wall continues a face, images and buffers fill the space behind them exactly once, and pairs across are the
+// same for both particles.
 TEST(Faces, BehindAWallThatEndsAtAFaceEverythingIsSeenOnce) {
   const Case scene = outlet_on_half_a_side(0.02);
   const auto columns = [&] {

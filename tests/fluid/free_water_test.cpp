@@ -1,4 +1,4 @@
-// Free water and three dimensions: first checks, against energy and hydrostatics.
+// Free water, also in 3D: energy and hydrostatics.
 #include "tests/fluid/energy.hpp"
 #include "tests/fluid/scenes.hpp"
 
@@ -34,7 +34,7 @@ TEST(FreeWater, DisorderedTankStaysQuiet) {
   EXPECT_LT(std::sqrt(error) / (9810.0 * 0.2), 0.04);
 }
 
-// What sinks out of a crowded row of the surface has neighbours, and a pressure: it does not fall freely.
+// A particle that sinks out of a crowded surface row has neighbours, hence a pressure, and does not fall freely.
 TEST(FreeWater, NothingFallsInATankAtRest) {
   Fluid<2> fluid(tank(0.01, 0.4, 0.2));
   fluid.initialise({});
@@ -59,12 +59,12 @@ TEST(FreeWater, DamBreakKeepsItsEnergy) {
   double tip = 0.0;
   for (const auto& x : fluid.state().particles.position) tip = std::max(tip, x.x());
   EXPECT_GT(tip, 0.7);
-  EXPECT_LT(tip, 0.4 + 2.0 * std::sqrt(9.81 * 0.2) * 0.3 + 0.02);  // Ritter's tip is the fastest there can be
+  EXPECT_LT(tip, 0.4 + 2.0 * std::sqrt(9.81 * 0.2) * 0.3 + 0.02);  // Ritter's solution is an upper bound for the tip
 }
 
-// Against the walls of a tank, in windows of a sixth and of a sixtieth of the water's own.
-// Aggregates find what spreads over many particles: 7 and 8 iterations a window; on the diagonal alone 18, and
-// multigrid.
+// Water at the walls of a tank, in windows of a sixth and a sixtieth of the length that it proposes. Aggregates
+// represent the smooth part of the pressure: 7 and 8 iterations per window, against 18 with the diagonal alone, and
+// with multigrid.
 TEST(FreeWater, ItsSolvesTakeFewIterationsAtAnySize) {
   for (const double dx : {0.005, 0.0025}) {
     Fluid<2> fluid(tank(dx, 2.0, 0.2));
@@ -90,7 +90,7 @@ TEST(FreeWater, ShortWindowsFeedItNoEnergy) {
   }
 }
 
-// Half a spacing outside the foremost particle a wedge ends 0.83 spacings early, on the average of its places.
+// At half a spacing beyond the foremost particle, a wedge would end 0.83 spacings early, averaged over its positions.
 TEST(FreeWater, AWedgeReachesAsFarAsItsTip) {
   Case scene = tank(0.02, 2.0);
   Gauge gauge;
@@ -115,7 +115,7 @@ TEST(FreeWater, AWedgeReachesAsFarAsItsTip) {
 
 // The sums over pairs are the kernel's moment times the second derivatives: 0.974 on a lattice.
 TEST(FreeWater, VorticesDecayAtTheRateOfTheViscosity) {
-  constexpr double interval = 1e-6;  // s: so short that nothing moves
+  constexpr double interval = 1e-6;  // s, so short that nothing moves
   const auto energy_after_a_window = [](double jitter, double viscosity) {
     Case scene;
     scene.general.gravity.setZero();
@@ -138,13 +138,13 @@ TEST(FreeWater, VorticesDecayAtTheRateOfTheViscosity) {
     return reading(fluid, "energy");
   };
   for (const double jitter : {0.0, 0.1, 0.2}) {
-    // Disordered points lose to the projection as well, with viscosity and without.
+    // Disordered points lose energy to the projection, too, with viscosity and without.
     const double lost = std::log(energy_after_a_window(jitter, 0.0) / energy_after_a_window(jitter, 1.0));
     EXPECT_NEAR(lost / interval, 16.0 * std::numbers::pi * std::numbers::pi, 0.8) << jitter;  // 0.5 %
   }
 }
 
-// Drops of one, four and nine particles: nothing holds them but gravity.
+// Drops of one, four and nine particles: only gravity acts.
 TEST(FreeWater, DropsFallFreely) {
   for (const double size : {0.02, 0.04, 0.06}) {
     Case scene = tank(0.02, 2.0);
@@ -166,7 +166,7 @@ TEST(FreeWater, DropsFallFreely) {
 }
 
 TEST(FreeWater, SlidingOverSoilItLosesEnergy) {
-  // A shallow layer over water-filled sand, fast and disordered, its particles loose: nothing throws them off the bed.
+  // A shallow layer over saturated sand, fast and disordered, with loose particles: nothing throws them off the bed.
   for (const unsigned seed : {1u, 2u}) {
     Case scene;
     scene.solid.model = SolidCase::Model::rigid;

@@ -1,4 +1,4 @@
-// What every gauge of the water reads where the answer is known: water at rest in moist soil, level flow through it.
+// Every gauge of the water where the exact reading is known: water at rest in moist soil, level flow through it.
 #include "fluid_solver/fluid_phase.hpp"
 #include "tests/fluid/scenes.hpp"
 
@@ -11,7 +11,7 @@ using namespace test;
 
 constexpr double dx = 0.01;
 
-/// Soil 0.4 x 0.3 m, its pores filled by a tenth before the water came.
+/// Soil of 0.4 x 0.3 m, whose pores hold water in a tenth of their volume at first.
 Case moist_soil() {
   Case scene;
   scene.solid.model = SolidCase::Model::rigid;
@@ -66,7 +66,7 @@ TEST(Gauges, OfAWaterTableAtRest) {
   }
 }
 
-// Level flow between two reservoirs under a lid: i = 0.25, q = k i h.
+// Level flow between two reservoirs under a lid: hydraulic gradient i = 0.25, discharge q = k i h.
 TEST(Gauges, OfLevelFlow) {
   auto scene = moist_soil();
   scene.soils[0].initial_saturation = 0.0;
@@ -97,12 +97,12 @@ TEST(Gauges, OfLevelFlow) {
   EXPECT_NEAR(reading(fluid, "to_the_left") / q, -1.0, 2e-3);
   EXPECT_NEAR(reading(fluid, "upper_half") / q, 0.5, 2e-3);
   EXPECT_NEAR(reading(fluid, "out"), 0.25, 0.0025);
-  EXPECT_NEAR(reading(fluid, "in"), -0.25, 0.0025);  // what goes in has a gradient below zero
+  EXPECT_NEAR(reading(fluid, "in"), -0.25, 0.0025);  // inflow has a negative gradient
   EXPECT_NEAR(reading(fluid, "head[0]"), 0.475, 1e-4);
   EXPECT_NEAR(reading(fluid, "head[1]"), 0.425, 1e-4);
   EXPECT_NEAR(reading(fluid, "velocity_x") / v, 1.0, 2e-3);
   EXPECT_NEAR(reading(fluid, "velocity_y") / v, 0.0, 2e-3);
-  EXPECT_NEAR(reading(fluid, "momentum_x") / (mass * v), 1.0, 0.03);  // the outermost row comes and goes
+  EXPECT_NEAR(reading(fluid, "momentum_x") / (mass * v), 1.0, 0.03);  // outermost row varies
   EXPECT_NEAR(reading(fluid, "kinetic") / (0.5 * mass * v * v), 1.0, 0.03);
   EXPECT_NEAR(reading(fluid, "left") / (q * time), 1.0, 5e-3);
   EXPECT_NEAR(reading(fluid, "right") / (q * time), -1.0, 5e-3);

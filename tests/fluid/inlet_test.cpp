@@ -1,5 +1,4 @@
-// Real water that comes and goes: inlets by discharge, reservoirs that follow a head; walls with corners that turn away
-// from the water.
+// Free water that enters and leaves: inlets by discharge, reservoirs that follow a head; and walls with convex corners.
 #include "common/core/error.hpp"
 #include "fluid_solver/fluid_phase.hpp"
 #include "tests/fluid/scenes.hpp"
@@ -28,7 +27,7 @@ Case tank() {
   return scene;
 }
 
-/// Twice the height of the water's middle: the level of water in a tank of upright walls.
+/// Twice the height of the water's centre: the level in a tank with vertical walls.
 double level(const Fluid<2>& fluid) {
   const auto& p = fluid.state().particles;
   double mass = 0.0, moment = 0.0;
@@ -51,7 +50,7 @@ TEST(Inlet, FillsAChannelAtTheRateGiven) {
     EXPECT_NEAR(reading(fluid, "water_stored") / poured, 1.0, 1e-9) << end << " s";
     EXPECT_NEAR(reading(fluid, "through") / poured, 1.0, 1e-9) << end << " s";
     EXPECT_NEAR(reading(fluid, "water_error") / poured, 0.0, 1e-9) << end << " s";
-    // The pistons hold less than a row between them and the water: all else is in particles.
+    // The pistons contain less than a row between themselves and the water; all other water is in particles.
     double mass = 0.0;
     for (const double m : fluid.state().particles.mass) mass += m;
     EXPECT_NEAR(1e-3 * mass, poured, 0.5 * dx * 0.2 + 1e-12) << end << " s";
@@ -78,8 +77,8 @@ TEST(Inlet, AReservoirFollowsItsHead) {
   EXPECT_GT(fluid.counters().at("deleted"), 0.0);
 }
 
-// What is drawn off for long is made good in full, not short by the height q / sqrt(g d) of a wave that would bring it
-// (13 mm here).
+// Water that is drawn off for long is replaced completely; otherwise the level would be lower by the height q / sqrt(g
+// d) of a wave that brings the water (13 mm here).
 TEST(Inlet, AReservoirThatIsDrawnOnKeepsItsHead) {
   auto scene = tank();
   scene.walls.push_back(wall(line(0.4, 0.0, 1.0, 0.0)));
@@ -114,8 +113,8 @@ TEST(Inlet, AReservoirFillsFromEmpty) {
   EXPECT_NEAR(level(fluid), 0.15, 0.5 * dx);
 }
 
-// Without gravity, a full pipe with an open end: the water moves as the piston does. (A piston that draws back without
-// gravity is followed late: nothing presses the water after it.)
+// Without gravity, in a full pipe with an open end, the water moves as the piston does. (Without gravity the water
+// would follow a piston that draws back with a delay, since nothing presses it after the piston.)
 TEST(Inlet, WaterInAPipeMovesAsOne) {
   Case scene;
   scene.general.gravity.setZero();
@@ -143,8 +142,8 @@ TEST(Inlet, WaterInAPipeMovesAsOne) {
   }
 }
 
-// Two tanks of one level that a sill parts, walked as one wall with two corners that turn away from the water, and a
-// side made of two straight pieces.
+// Two tanks of equal level with a sill between them; one wall line with two convex corners, and a side made of two
+// straight pieces.
 TEST(Walls, WaterAtRestAroundCornersThatTurnAway) {
   for (const double jitter : {0.0, 0.2}) {
     Case scene;
@@ -181,7 +180,7 @@ TEST(Walls, WaterAtRestAroundCornersThatTurnAway) {
   }
 }
 
-// A basin of no right angle: water at rest within walls of any slope.
+// A basin without right angles: water stays at rest within walls of any slope.
 TEST(Walls, WaterAtRestInABowl) {
   Case scene;
   scene.solid.model = SolidCase::Model::rigid;

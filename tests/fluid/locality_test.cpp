@@ -1,5 +1,5 @@
-// No property of one particle changes the equations of another that it does not touch: with and without a drop or
-// a puddle far away, the fields elsewhere are the same after 20 prescribed windows.
+// No property of a particle changes the equations of another particle beyond its reach: with and without a drop or
+// puddle far away, the fields are the same after 20 prescribed windows.
 #include "fluid_solver/fluid_phase.hpp"
 #include "tests/fluid/scenes.hpp"
 
@@ -27,7 +27,7 @@ Case seeping_block() {
   return scene;
 }
 
-/// Free water that runs out of a column.
+/// Free water that flows out of a column.
 Case breaking_dam() {
   Case scene;
   scene.solid.model = SolidCase::Model::rigid;
@@ -38,7 +38,7 @@ Case breaking_dam() {
   return scene;
 }
 
-/// Twenty windows of both; the particles of the first against the nearest ones of the second, `most` relative.
+/// Twenty windows of both; compares each particle of the first with the nearest of the second, relative bound `most`.
 void expect_the_same(const Case& alone, const Case& beside, double interval, double most = 1e-10) {
   Fluid<2> one(alone), other(beside);
   one.initialise({});
@@ -85,7 +85,7 @@ TEST(Locality, APuddleFarAwayLeavesSeepageAsItIs) {
 TEST(Locality, ADropFarAwayLeavesFreeWaterAsItIs) {
   Case beside = breaking_dam();
   beside.fluid.regions.push_back(box(1.0, 0.1, 1.03, 0.13));
-  expect_the_same(breaking_dam(), beside, 1e-3, 1e-8);  // the solve ends at 1e-12 of its right side
+  expect_the_same(breaking_dam(), beside, 1e-3, 1e-8);  // the solve ends at 1e-12 of the right-hand side
 }
 
 TEST(Locality, ADeepPoolFarAwayLeavesFreeWaterAsItIs) {
@@ -114,7 +114,7 @@ TEST(Locality, AFastDropFarAwayLeavesFreeWaterAsItIs) {
   expect_the_same(breaking_dam(), beside, 1e-3, 1e-8);
 }
 
-/// A box full of disordered water without a surface.
+/// A box full of disordered water, without a free surface.
 Case closed_box() {
   Case scene;
   scene.solid.model = SolidCase::Model::rigid;

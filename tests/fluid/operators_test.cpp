@@ -1,4 +1,4 @@
-// Discrete operators against fields whose derivatives are known.
+// Discrete operators on fields with known derivatives.
 #include "fluid_solver/discretisation/operators.hpp"
 #include "fluid_solver/boundary/faces.hpp"
 #include "fluid_solver/discretisation/free_surface.hpp"
@@ -65,7 +65,7 @@ void expect_linear_exactness() {
   const auto d = divergence<D>(s, v);
   std::size_t sparse = 0;
   for (std::size_t a = 0; a < x.size(); ++a) {
-    // At the block's open corners and edges (3D) neighbours are too few: there gradients are taken short, not
+    // At open corners and edges (3D) of the block there are too few neighbours: gradients are reduced there, never
     // amplified.
     if (s.least_moment[a] < 0.3) {
       ++sparse;
@@ -83,7 +83,7 @@ TEST(Operators, GradientAndDivergenceAreExactForLinearFields) {
 }
 
 TEST(Operators, LaplacianOfACosineBetweenWalls) {
-  // cos(pi x) has no slope at the walls: the images make the Neumann condition.
+  // cos(pi x) has zero slope at the walls: images impose the Neumann condition.
   const auto planes = walls<2>();
   double previous = 1.0;
   for (const std::size_t count : {std::size_t{16}, std::size_t{32}}) {
@@ -128,7 +128,7 @@ TEST(Operators, LaplacianIsSymmetricWithUnequalVolumes) {
   EXPECT_NEAR(dot(u, mv), dot(v, mu), 1e-12 * norm(u) * norm(mv));
 }
 
-/// Particles of two sizes, disordered, beside walls.
+/// Disordered particles of two sizes, beside walls.
 template <int D>
 Stencil<D> uneven_box(std::size_t count) {
   VecArray<D> x;
@@ -152,7 +152,7 @@ TEST(Operators, LaplaciansOfSeveralMobilitiesAreThoseOfEach) {
     EXPECT_EQ(all[m].weight, single[m].weight);
     EXPECT_EQ(all[m].diagonal, single[m].diagonal);
   }
-  // A pair's weight is that of the plain matrix times the harmonic mean.
+  // A pair's weight is that of the matrix for unit mobility, times the harmonic mean of the two mobilities.
   for (std::size_t a = 0; a < s.n_real; ++a)
     for (std::size_t k = s.offset[a]; k < s.offset[a + 1]; ++k) {
       const double mean = harmonic(one[a], one[s.parent[s.other[k]]]);
@@ -160,7 +160,7 @@ TEST(Operators, LaplaciansOfSeveralMobilitiesAreThoseOfEach) {
     }
 }
 
-/// Pair by pair, from the kernel itself.
+/// Computed pair by pair, from the kernel itself.
 template <int D>
 void expect_shares(std::size_t count) {
   const auto s = uneven_box<D>(count);
@@ -168,7 +168,7 @@ void expect_shares(std::size_t count) {
   VecArray<D> amounts(s.n_real);
   Vec<D> given = Vec<D>::Zero(), kept = Vec<D>::Zero();
   for (std::size_t a = 0; a < s.n_real; ++a) {
-    // The upper half counts for nothing, so that its inner part gives and finds nobody.
+    // The upper half has no weight: particles there neither give nor receive.
     counts[a] = s.position[a][D - 1] > 0.5 ? 0.0 : s.volume[a];
     for (int d = 0; d < D; ++d) amounts[a][d] = std::sin(5.0 * static_cast<double>(a) + d);
     given += amounts[a];
@@ -189,7 +189,7 @@ void expect_shares(std::size_t count) {
   EXPECT_GT(stayed, 0u);
   share_out<D>(s, counts, amounts);
   for (std::size_t a = 0; a < s.n_real; ++a) {
-    EXPECT_LT((amounts[a] - plain[a]).norm(), 1e-6) << a;  // the kernel's values are kept as floats
+    EXPECT_LT((amounts[a] - plain[a]).norm(), 1e-6) << a;  // kernel values are stored as floats
     kept += amounts[a];
   }
   EXPECT_LT((kept - given).norm(), 1e-12 * static_cast<double>(s.n_real));
@@ -233,7 +233,7 @@ TEST(Operators, MomentsAreInvertedWhereNeighboursAreEnough) {
 }
 
 TEST(Operators, DirectionsWithoutNeighboursAreBlind) {
-  // One row of particles: nothing can be said across it.
+  // A single row of particles: the direction across it is unresolved.
   VecArray<2> x;
   for (int i = 0; i < 10; ++i) x.emplace_back(0.1 * i, 0.0);
   const ScalarArray volume(x.size(), 0.01);
@@ -247,7 +247,8 @@ TEST(Operators, DirectionsWithoutNeighboursAreBlind) {
   EXPECT_NEAR(g[5].y(), 7.0, 1e-10);
 }
 
-// Columns of water below a loaded face, closed at the sides and the base; the first row `offset` spacings below it.
+// Columns of water below a loaded face, closed at the sides and the base; the first row is `offset` spacings below the
+// face.
 Stencil<2> below_a_face(double offset, VecArray<2>& x) {
   constexpr int count = 8;
   const double dx = 0.1, width = count * dx;
@@ -302,7 +303,7 @@ TEST(Faces, AWaveIsAddedToThePressure) {
   EXPECT_FALSE(columns[0].wet) << "no water stands behind the face where the pressure is below zero";
 }
 
-// What an undrained load asks of a drained face: all of it is carried by the gradient of the first rows.
+// At a drained face under an undrained load: the pressure gradients of the first rows carry the whole load.
 TEST(Faces, AnEvenPressuresGradientSumsToItsFall) {
   for (const double offset : {0.2, 0.35, 0.5}) {
     VecArray<2> x;
@@ -321,13 +322,13 @@ TEST(Faces, SlopesAreExactForLinearPressures) {
     for (const auto& point : x) p.push_back(-3.0 * point.y());
     const auto gradient = gradient_below_a_face(s, p);
     for (std::size_t a = 0; a < x.size(); ++a) {
-      if (x[a].y() < -0.3) continue;  // the base turns the slope
+      if (x[a].y() < -0.3) continue;  // the base changes the slope
       EXPECT_NEAR(gradient[a].y(), -3.0, 1e-5) << offset;
     }
   }
 }
 
-// As many points in the same box: how full it is must not depend on their order.
+// With equal numbers of points in a box, the measured density must not depend on their order.
 TEST(Operators, DensityOfOpenWaterHardlyKnowsThePackingsOrder) {
   const auto planes = walls<2>();
   const auto mean = [&](double jitter, bool by_density) {
@@ -341,7 +342,7 @@ TEST(Operators, DensityOfOpenWaterHardlyKnowsThePackingsOrder) {
   EXPECT_GT(mean(0.2, false), 1.01);
 }
 
-// A row of the surface with 23 particles where a lattice has 20 is 1.15 spacings thick.
+// A surface row with 23 particles in place of a lattice's 20 is 1.15 spacings thick.
 TEST(Operators, TheSurfaceLiesHalfARowsThicknessAboveIt) {
   for (const double more : {1.0, 1.15}) {
     VecArray<2> x;
@@ -358,8 +359,8 @@ TEST(Operators, TheSurfaceLiesHalfARowsThicknessAboveIt) {
   }
 }
 
-// In a splash a particle above few neighbours, some of which stand beside it, lies at the surface. Taken for one
-// inside, its own pressure drove it down onto them: to 4.8 m/s in twenty windows (dam_break_on_soil).
+// In a splash, a particle above few neighbours, some of them beside it, lies at the surface. Treated as an inner
+// particle, it was driven onto them by its own pressure: to 4.8 m/s in twenty windows (dam_break_on_soil).
 TEST(Operators, AParticleWithFewNeighboursOnOneSideLiesAtAHole) {
   const VecArray<2> x = {{0.0, 0.0},       {0.963, -0.924},  {1.53, 0.228},   {-1.071, -1.251}, {-1.711, 0.302},
                          {-0.604, -1.759}, {0.158, -1.907},  {1.569, -1.308}, {2.089, 0.366},   {-2.248, -0.551},

@@ -1,4 +1,5 @@
-// Between the still water behind a face, in no particles, and real water: over a crest and back.
+// Water passes over a crest and back, between the still water behind a face, which has no particles, and water
+// particles.
 #include "common/core/error.hpp"
 #include "fluid_solver/fluid_phase.hpp"
 #include "tests/fluid/scenes.hpp"
@@ -12,8 +13,8 @@ using namespace test;
 
 constexpr double dx = 0.01, g = 9.81;
 
-/// A rigid sill, its crest at 0.1 m, on 0.05 m of nearly tight wet soil, between a basin on its left and tailwater at
-/// 0.02 m on its right.
+/// A rigid sill with its crest at 0.1 m, on 0.05 m of wet soil of very low permeability, between a basin on its left
+/// and tailwater at 0.02 m on its right.
 Case sill(double length, double area, double level, double inflow) {
   Case scene;
   scene.solid.model = SolidCase::Model::rigid;
@@ -35,7 +36,8 @@ Case sill(double length, double area, double level, double inflow) {
   return scene;
 }
 
-// Over a smooth broad crest with a free fall behind it a discharge of (2/3)^(3/2) sqrt(g) H^(3/2) stands H above it.
+// Over a smooth broad crest with a free fall behind it, the discharge (2/3)^(3/2) sqrt(g) H^(3/2) has the head H above
+// it.
 TEST(Passage, OverABroadCrestTheDischargeIsCritical) {
   for (const double H : {0.03, 0.06, 0.09}) {
     const double q = std::pow(2.0 / 3.0, 1.5) * std::sqrt(g) * std::pow(H, 1.5), area = 0.3, start = 0.09;
@@ -71,10 +73,10 @@ TEST(Passage, FlowOverACrestKeepsEnergyOrIsCritical) {
     EXPECT_NEAR(flow.speed - 2.0 * std::sqrt(g * flow.depth), before.speed - 2.0 * std::sqrt(g * before.depth), 1e-12);
     EXPECT_LT(flow.speed, critical);
   }
-  const auto back = flow_over(H, {0.12, 0.0}, g);  // higher on the crest: it runs back, and leaves its energy
+  const auto back = flow_over(H, {0.12, 0.0}, g);  // a higher level on the crest: water flows back without its energy
   EXPECT_NEAR(back.depth, H, 1e-12);
   EXPECT_NEAR(back.speed, 2.0 * (std::sqrt(g * H) - std::sqrt(g * 0.12)), 1e-12);
-  EXPECT_EQ(flow_over(-0.01, {0.05, -0.3}, g).speed, 0.0);  // no still water to meet: it falls
+  EXPECT_EQ(flow_over(-0.01, {0.05, -0.3}, g).speed, 0.0);  // without still water before it, it falls freely
 }
 
 TEST(Passage, ResumesOverACrestToTheBit) {
@@ -97,8 +99,8 @@ TEST(Passage, ResumesOverACrestToTheBit) {
     EXPECT_EQ(fluid.state().particles.position[a], other.state().particles.position[a]);
 }
 
-// The water on the crest ends at a wall: it comes to rest at the reservoir's level, follows it down, and runs off into
-// a reservoir below the crest.
+// Water on a crest that ends at a wall comes to rest at the reservoir's level, follows it downwards, and flows into a
+// reservoir below the crest.
 TEST(Passage, ATankBehindASillFollowsItsReservoirAndRunsBackIntoIt) {
   auto scene = sill(0.4, 0.3, 0.05, 0.0);
   scene.walls.back() = wall(line(0.4, 0.05, 0.4, 0.4));
@@ -129,7 +131,7 @@ TEST(Passage, WaterThatFallsIntoABasinRaisesItByItsVolume) {
   fluid.initialise({});
   double time = 0.0;
   run_to(fluid, time, 0.1);
-  EXPECT_NEAR(reading(fluid, "level"), 0.05, 1e-3);  // 0.1 m above it still, it has fallen by 0.05 m
+  EXPECT_NEAR(reading(fluid, "level"), 0.05, 1e-3);  // still 0.1 m above it, after falling by 0.05 m
   run_to(fluid, time, 1.0);
   std::printf("level %.8f m\n", reading(fluid, "level"));
   EXPECT_NEAR(0.5 * (reading(fluid, "level") - 0.05), -reading(fluid, "through"), 1e-12);

@@ -1,4 +1,4 @@
-// Passes through a window: what the next one departs from.
+// Repeated passes through a window: the values from which the next pass departs.
 #include "fluid_solver/exchange/passes.hpp"
 
 #include <gtest/gtest.h>
@@ -8,14 +8,13 @@
 namespace poretwin::fluid {
 namespace {
 
-/// Three modes that know nothing of each other: the skeleton's stiffness is T, predicted as A, and the water pushes it
-/// by c - D s when it is taken to move at s. Both agree at c / (T + D). Repeated as it is, the exchange multiplies an
-/// error by -(A - T) D / ((A + D) T).
+/// Three independent modes. The skeleton has the stiffness T, predicted as A, and the water pushes it by c - D s when
+/// its velocity is s. Both agree at c / (T + D). Plain repetition multiplies an error by -(A - T) D / ((A + D) T).
 struct Modes {
   std::array<double, 3> T{1.0, 0.2, 3.0}, A{1.0, 4.0, 4.0}, D{0.5, 2.0, 9.0}, c{1.0, -2.0, 0.7};
 };
 
-/// Passes until the largest departure is small; 50 at most.
+/// Number of passes until the largest departure is small; at most 50.
 int passes_to_agree(const Modes& m) {
   Passes<2> passes;
   VecArray<2> predicted(3, Vec<2>::Zero()), force(3, Vec<2>::Zero());
@@ -26,7 +25,7 @@ int passes_to_agree(const Modes& m) {
     view.mask.assign(3, 1.0);
     if (pass > 0)
       for (auto* values : {&view.found_velocity, &view.found_force}) values->allocate(3);
-    // The soil is at rest under the water's force that it was given: nothing is left unbalanced.
+    // The soil is in equilibrium with the force of the water that it received: no unbalanced force.
     for (std::size_t i = 0; i < 3 && pass > 0; ++i) view.found_velocity.set(i, {u[i], 0.0});
     passes.begin(pass, view);
     double worst = 0.0;
@@ -34,7 +33,7 @@ int passes_to_agree(const Modes& m) {
     skeleton.allocate(3);
     given.allocate(3);
     for (std::size_t i = 0; i < 3; ++i) {
-      // (A + D) s = A u + F + c: the departure from what was found meets the prediction.
+      // (A + D) s = A u + F + c: the prediction for the departure from what was found.
       const double s = (m.A[i] * view.found_velocity[i][0] + view.found_force[i][0] + m.c[i]) / (m.A[i] + m.D[i]);
       const double f = m.c[i] - m.D[i] * s;
       skeleton.set(i, {s, 0.0});

@@ -13,7 +13,7 @@ inline Shape box(double x0, double y0, double x1, double y1) {
   return shape;
 }
 
-/// The domain lies to the left of the walk.
+/// A line between two points; the domain is on its left.
 inline Face line(double x0, double y0, double x1, double y1) {
   Face face;
   face.points = {Point3(x0, y0, 0.0), Point3(x1, y1, 0.0)};
@@ -66,7 +66,7 @@ inline std::vector<Gauge> front_and_volume(const Point3& from, const Point3& to)
   return {gauge("front", "front", {from, to}), gauge("volume", "volume")};
 }
 
-/// Rigid dry ground, 0.4 m deep, under water of 0.1 m at a ghost reservoir; gauges "front" and "volume".
+/// Rigid dry ground, 0.4 m deep, below a reservoir face with 0.1 m of water; gauges "front" and "volume".
 inline Case ponded_column(double dx) {
   Case scene;
   scene.solid.model = SolidCase::Model::rigid;
@@ -79,7 +79,7 @@ inline Case ponded_column(double dx) {
   return scene;
 }
 
-/// Advances with the phase's own interval up to a time, landing on it exactly; returns the number of windows.
+/// Advances in the phase's own windows exactly up to a time; returns the number of windows.
 inline std::uint64_t run_to(Phase& phase, double& time, double end, double longest = 1e300) {
   std::uint64_t steps = 0;
   while (time < end * (1.0 - 1e-12)) {

@@ -59,7 +59,7 @@ TEST(Seepage, ConfinedFlowObeysDarcy) {
       EXPECT_NEAR(p.velocity[a].y() / exact, 0.0, 0.01);
     }
   }
-  // Steady: as much born as deleted, still Darcy's velocity after two pore volumes.
+  // Steady state: as many particles are created as deleted; still Darcy's velocity after two pore volumes.
   double time = 0.0;
   const std::size_t before = fluid.state().particles.size();
   run_to(fluid, time, 2.0 * 0.4 / exact);
@@ -70,7 +70,8 @@ TEST(Seepage, ConfinedFlowObeysDarcy) {
   RecordProperty("mean_velocity_over_exact", std::to_string(mean));
 }
 
-/// No speed tells of the first window: Darcy's, 1.1e-4 * 0.25 / 0.4 m/s, makes it 73 s at a spacing of 2 cm.
+/// In the first window no speed is known yet: Darcy's velocity, 1.1e-4 * 0.25 / 0.4 m/s, gives 73 s at a spacing of 2
+/// cm.
 TEST(Seepage, TheFirstWindowFollowsTheFlowThatBegins) {
   Fluid<2> fluid(confined_flow());
   fluid.initialise({});
@@ -78,7 +79,7 @@ TEST(Seepage, TheFirstWindowFollowsTheFlowThatBegins) {
   EXPECT_NEAR(limit, 0.25 * 0.02 / (1.1e-4 * 0.25 / 0.4), 2.0) << why;
 }
 
-/// Nothing moves yet: half a spacing of water, 98.1 Pa, makes the window, however far away the change is.
+/// Nothing moves yet: the pressure of half a spacing of water, 98.1 Pa, limits the window, however far away it changes.
 TEST(Seepage, WindowsFollowAPressureThatChanges) {
   Case scene = confined_flow();
   scene.general.gravity.setZero();
@@ -93,8 +94,8 @@ TEST(Seepage, WindowsFollowAPressureThatChanges) {
   EXPECT_EQ(fluid.proposal().second, "a pressure that changes on a face");
 }
 
-// The last row leaves a quarter of a spacing beyond the outlet: at the face's own pressure it would make the way
-// longer, and all velocities 0.9 % lower than before it passed.
+// The last row leaves a quarter spacing beyond the outlet. With the face's own pressure it would lengthen the flow
+// path, and all velocities would be 0.9 % lower than before it passed the face.
 TEST(Seepage, RowsBeyondAFaceGoOnWithItsSlope) {
   Case scene = confined_flow();
   scene.fluid.pressure_tolerance = 1e-8;
@@ -110,8 +111,8 @@ TEST(Seepage, RowsBeyondAFaceGoOnWithItsSlope) {
 }
 
 TEST(Seepage, SmoothedDragIsAsStrongAsItsKernelSum) {
-  // Darcy flow along x under Eq. (74): slower than Darcy's by the kernel sum over the soil's lattice (independent sums
-  // for h = 1.2; coincident lattices, cell centres, edges).
+  // Darcy flow along x by Eq. (74) is slower than Darcy's velocity by the kernel sum over the soil's lattice
+  // (independent sums for h = 1.2: coincident lattices, cell centres, edges).
   using enum FluidCase::DragForm;
   struct Row {
     FluidCase::DragForm form;
@@ -128,8 +129,8 @@ TEST(Seepage, SmoothedDragIsAsStrongAsItsKernelSum) {
     scene.soils[0].shape = box(-0.2, -0.2, 0.6, 0.4);  // no truncated sums at the ends
     Fluid<2> fluid(scene);
     fluid.initialise({});
-    // The part that differs between directions is iterated, to 2 % in a window from rest: a few short windows
-    // (particles that leave their sites by a hundredth of a spacing find another sum).
+    // The direction-dependent part is iterated to 2 % in a window from rest: a few short windows (particles a hundredth
+    // of a spacing off their sites have another sum).
     for (std::uint64_t step = 0; step < 4; ++step) fluid.advance({step, 2e-3 * static_cast<double>(step), 2e-3}, {});
     const double exact = 1.1e-4 * 0.25 / 0.4 / row.factor;
     for (const auto& v : fluid.state().particles.velocity) {
@@ -141,7 +142,7 @@ TEST(Seepage, SmoothedDragIsAsStrongAsItsKernelSum) {
 
 TEST(Seepage, QuadraticFlowFromRestFollowsItsClosedForm) {
   // n rho dw/dt = n gamma i - (c1 + c2 w) w from rest: w = w+ (1 - e) / (1 - w+/w- e), e = exp(-c2 (w+ - w-) t / (n
-  // rho)), w+ and w- the roots of the right side.
+  // rho)), with w+ and w- the roots of the right-hand side.
   Case scene = confined_flow();
   Soil rock;
   rock.porosity = 0.4052;
@@ -176,8 +177,8 @@ TEST(Seepage, QuadraticFlowFromRestFollowsItsClosedForm) {
   }
 }
 
-/// Dry soil without gravity, 25 mm high, into which water is pressed from the left under half a metre of water: its
-/// front is at z = sqrt(2 k H t / n).
+/// Dry soil without gravity, 25 mm high; half a metre of head presses water into it from the left, with the front at z
+/// = sqrt(2 k H t / n).
 Case pressed_column(double dx) {
   Case scene;
   scene.general.gravity.setZero();
@@ -212,7 +213,7 @@ TEST(Seepage, PondedWaterInfiltratesDryGround) {
 }
 
 TEST(Seepage, WaterPressedIntoDrySoilKeepsItsPacking) {
-  // Two rows between walls, too: there all particles have one pressure at first.
+  // Also with two rows between walls, where all particles have the same pressure at first.
   for (const double dx : {0.0125, 0.00625, 0.0025}) {
     const auto scene = pressed_column(dx);
     Fluid<2> fluid(scene);
@@ -229,7 +230,7 @@ TEST(Seepage, WaterPressedIntoDrySoilKeepsItsPacking) {
 }
 
 TEST(Seepage, AFrontIsRightFromItsFirstSpacingOn) {
-  // One row of particles, then two: in short windows hardly anything is left of the error.
+  // One row of particles, then two: in short windows the error is nearly zero.
   const double dx = 0.0125;
   const auto scene = pressed_column(dx);
   Fluid<2> fluid(scene);
@@ -241,7 +242,7 @@ TEST(Seepage, AFrontIsRightFromItsFirstSpacingOn) {
   }
 }
 
-/// What a gauge of volume gains between two instants of a run from its start, over the time between them.
+/// Growth of a volume gauge between two times of a run, over the time between them.
 double mean_flow(Fluid<2>& fluid, const char* gauge, double from, double to) {
   double time = 0.0;
   run_to(fluid, time, from);
@@ -251,7 +252,7 @@ double mean_flow(Fluid<2>& fluid, const char* gauge, double from, double to) {
 }
 
 TEST(Seepage, WaterEndsAtASeepageFace) {
-  // Level flow to a face without water behind it, where rows of particles go out one by one: Darcy over the full
+  // Level flow to a face without water behind it, where rows of particles leave one by one: Darcy's flow over the full
   // length.
   auto scene = pressed_column(0.0125);
   scene.soils[0].shape = box(0.0, 0.0, 0.3, 0.1);
@@ -269,7 +270,7 @@ TEST(Seepage, WaterEndsAtASeepageFace) {
   EXPECT_NEAR(mean_flow(fluid, "passed_volume", 1000.0, 3000.0) / 1.1e-5, 1.0, 1e-3);
 }
 
-/// Two soils, ten times apart in conductivity, between two reservoirs and under a lid, side by side or one behind the
+/// Two soils with conductivities ten times apart between two reservoirs and under a lid, side by side or one behind the
 /// other.
 Case two_soils(bool side_by_side, double dx, double jitter) {
   Case scene = confined_flow();
@@ -293,8 +294,8 @@ Case two_soils(bool side_by_side, double dx, double jitter) {
   return scene;
 }
 
-// Side by side every row of particles has its own Darcy velocity, those on the interface too; but for the first
-// spacings behind a face, whose buffers do not know the interface.
+// Side by side, every row of particles has its own Darcy velocity, also on the interface; except in the first spacings
+// behind a face, whose buffers ignore the interface.
 TEST(Seepage, SoilsSideBySideDoNotHoldEachOther) {
   Fluid<2> fluid(two_soils(true, 0.01, 0.0));
   fluid.initialise({});
@@ -308,7 +309,7 @@ TEST(Seepage, SoilsSideBySideDoNotHoldEachOther) {
   }
 }
 
-// Resistances in series, conductances in parallel, while most of the water is exchanged.
+// Resistances add in series, conductances in parallel, while most of the water is exchanged.
 TEST(Seepage, SoilsInSeriesAndSideBySide) {
   for (const bool side_by_side : {false, true}) {
     const double end = side_by_side ? 300.0 : 1500.0;
@@ -329,8 +330,9 @@ TEST(Seepage, SoilsInSeriesAndSideBySide) {
   }
 }
 
-// Water that comes into a soil of less porosity goes faster, and its points are stretched along the flow by 4/3. Pairs
-// whose moment is right on average of all directions only conduct 2.0 % too little there (0.9 % of the whole).
+// Water that enters soil of lower porosity becomes faster, and its points are stretched by 4/3 along the flow. If the
+// moment of pairs were right only on average over directions, they would conduct 2.0 % too little there (0.9 % of the
+// whole).
 TEST(Seepage, PointsStretchedPastABorderOfPorositiesConductTheSame) {
   Case scene = two_soils(false, 0.01, 0.0);
   scene.soils[1].hydraulic_conductivity = 1e-3;
@@ -339,8 +341,8 @@ TEST(Seepage, PointsStretchedPastABorderOfPorositiesConductTheSame) {
   EXPECT_NEAR(mean_flow(fluid, "left", 180.0, 300.0) / 5e-5, 1.0, 0.003);
 }
 
-// The row that goes is the outermost: stretched rows are ahead of their columns, and where the one behind, nearer to
-// the face, went, the gap let a quarter pass for a window.
+// The outermost row leaves first. Stretched rows are ahead of their columns; when instead the row behind, nearer to the
+// face, left, a quarter of the water passed through the gap for one window.
 TEST(Seepage, RowsThatAreAheadOfTheirColumnsGoInTurn) {
   Fluid<2> fluid(two_soils(false, 0.02, 0.0));
   fluid.initialise({});
@@ -358,7 +360,7 @@ TEST(Seepage, RowsThatAreAheadOfTheirColumnsGoInTurn) {
   }
 }
 
-/// Green and Ampt without gravity: z = sqrt(2 k psi t / n). The face's own pressure is zero.
+/// Green and Ampt without gravity: z = sqrt(2 k psi t / n), with the pressure zero at the face.
 TEST(Seepage, AFrontStartsUnderSuctionAlone) {
   const double k = 1.1e-4, n = 0.4, psi = 0.4, dx = 0.01;
   Case scene = ponded_column(dx);
@@ -376,9 +378,9 @@ TEST(Seepage, AFrontStartsUnderSuctionAlone) {
   }
 }
 
-/// A pond of four spacings whose head is a twentieth of the suction: t = (n/k) [z - H ln(1 + z/H)], H = 0.42 m, is
-/// 0.093 m at 5 s. Where the face's pressure alone drove the first layer in, its particles tore, and the windows ended
-/// at 2e-8 s.
+/// A pond of four spacings, whose head is a twentieth of the suction: t = (n/k) [z - H ln(1 + z/H)], H = 0.42 m, gives
+/// z = 0.093 m at 5 s. When only the face's pressure drove the first layer in, its particles separated, and windows
+/// ended at 2e-8 s.
 TEST(Seepage, AShallowPondOnDrySoilWithSuctionComesIn) {
   Case scene;
   scene.solid.model = SolidCase::Model::rigid;
@@ -406,7 +408,7 @@ TEST(Seepage, AShallowPondOnDrySoilWithSuctionComesIn) {
 }
 
 TEST(Seepage, AWaterTableFollowsAHeadThatRisesAndFalls) {
-  // A column of dry soil on a reservoir: n dz/dt = k (H + psi - z) / z, z the height of the water, psi its capillary
+  // A column of dry soil on a reservoir: n dz/dt = k (H + psi - z) / z, z the height of the water and psi its suction
   // head: (z^2)' = 2 k (H + psi - z) / n.
   const double k = 1e-3, n = 0.4, width = 0.05;
   const Series head{{{0.0, 0.0}, {100.0, 0.3}, {300.0, 0.3}, {400.0, 0.1}, {800.0, 0.1}}};
@@ -451,8 +453,8 @@ TEST(Seepage, AWaterTableFollowsAHeadThatRisesAndFalls) {
   }
 }
 
-// Water on an impermeable base whose surface falls evenly by s is in uniform flow, k s: a wedge that travels at k s /
-// n.
+// Water on an impermeable base, with a surface of uniform slope s, flows uniformly at k s: a wedge that travels at k s
+// / n.
 TEST(Seepage, AWedgeTravelsAlongItsBase) {
   constexpr double k = 1.1e-4, n = 0.4, length = 0.4, width = 0.7, end = 1500.0;
   for (const double dx : {0.01, 0.005})
@@ -483,16 +485,16 @@ TEST(Seepage, AWedgeTravelsAlongItsBase) {
       }
       std::printf("spacing %g, slope %g: front %+.4f at the end, %.4f off at most, %.4f back\n", dx, slope,
                   reading(fluid, "front") - length - speed * end, worst, back);
-      // Of 24 roundings of the start the worst step back is 0.41 spacings (slope 0.25, 1 cm), the median 0.14; a gauge
-      // that follows single particles steps back by 1.5.
+      // Over 24 roundings of the start the largest step back is 0.41 spacings (slope 0.25, 1 cm), the median 0.14; a
+      // gauge that follows single particles steps back by 1.5.
       EXPECT_LT(back, 0.5 * dx) << slope;
       EXPECT_LT(worst, 1.2 * dx) << slope;
     }
 }
 
 TEST(Seepage, WaterPassesThroughTheGroundsSurfaceBothWays) {
-  // Soil L deep under open air, its foot at a head above the ground, later below it: water comes up, stands on the
-  // ground as real water, h deep with dh/dt = k (H - L - h) / L, and goes down again.
+  // Soil of depth L under open air, its foot first at a head above the ground, later below it: water rises, stands on
+  // the ground as water particles of depth h with dh/dt = k (H - L - h) / L, and sinks again.
   const double k = 1e-2, L = 0.1, rate = k / L;
   for (const double dx : {0.01, 0.005}) {
     Case scene;
@@ -550,8 +552,8 @@ TEST(Seepage, RestoredStateRepeatsItself) {
 }
 
 TEST(Seepage, WaterPastASeepageFaceIsInTheAir) {
-  // Water drains out of an embankment whose steep face has nothing behind it; what it pushes out stays as far as a
-  // quarter of a spacing for a while, and its pressure is not the slope inside carried on.
+  // Water drains out of an embankment through a steep face with nothing behind it. Particles that leave remain within a
+  // quarter spacing for a while; their pressure must not be extrapolated from the gradient inside.
   Case scene;
   scene.solid.model = SolidCase::Model::rigid;
   scene.fluid.particle_spacing = 0.01;
@@ -582,7 +584,7 @@ TEST(Seepage, WaterPastASeepageFaceIsInTheAir) {
 
 TEST(Seepage, NoWaterAtAllIsNoProblem) {
   auto scene = ponded_column(0.02);
-  scene.water_faces[0].head = constant(0.1);  // below the face: dry for ever
+  scene.water_faces[0].head = constant(0.1);  // below the face: always dry
   Fluid<2> fluid(scene);
   fluid.initialise({});
   for (int i = 0; i < 3; ++i) fluid.advance({static_cast<std::uint64_t>(i), 1.0 * i, 1.0}, {});

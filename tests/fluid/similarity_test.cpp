@@ -1,6 +1,6 @@
-// A scene and the same scene at another size, by Froude's law: time with the square root of the length, and with it
-// conductivity, stiffness, cohesion, viscosity and pressures, give the same numbers. What differs follows from an
-// absolute number in the code. Sizes are powers of sixteen, so that the roots of lengths and of times are exact and all
+// A scene and its copy at another size, scaled by Froude's law (time with the square root of length; conductivity,
+// stiffness, cohesion, viscosity and pressures accordingly), give the same numbers. A difference would come from an
+// absolute number in the code. Sizes are powers of sixteen, so that square roots are exact and rounding is the same.
 // rounds alike.
 #include "common/geometry/shapes.hpp"
 #include "fluid_solver/fluid_phase.hpp"
@@ -17,7 +17,7 @@ namespace {
 
 using namespace test;
 
-/// The case with all lengths times `length`.
+/// The case with all lengths multiplied by `length`.
 Case scaled(Case scene, double length) {
   const double time = std::sqrt(length), speed = time;
   const auto shape = [&](Shape& s) {
@@ -63,7 +63,7 @@ Case scaled(Case scene, double length) {
   return scene;
 }
 
-/// What a run ends with, in units of its size.
+/// Results of a run, relative to its size.
 struct Numbers {
   double windows = 0.0;
   std::vector<double> values;
@@ -134,12 +134,12 @@ TEST(Similarity, ATankAtRest) {
   expect_same_at_all_sizes([](double length) { return run_alone(tank(0.3, 0.1), length, 0.2); });
 }
 
-// Not for longer: splashes double a difference every few milliseconds, and the last digit would be 2e-6 at 0.3 s.
+// No longer: splashes double a difference every few milliseconds, so that the last digit would become 2e-6 at 0.3 s.
 TEST(Similarity, ADamBreak) {
   expect_same_at_all_sizes([](double length) { return run_alone(tank(0.1, 0.2), length, 0.1); });
 }
 
-/// Water from a face of steady pressure into dry ground with suction; then the pressure rises.
+/// Water enters dry soil with suction from a face of steady pressure; then the pressure rises.
 TEST(Similarity, SeepageFromAPressureFace) {
   Case scene = ponded_column(0.02);
   scene.gauges.clear();
@@ -149,7 +149,7 @@ TEST(Similarity, SeepageFromAPressureFace) {
   expect_same_at_all_sizes([&](double length) { return run_alone(scene, length, 600.0); });
 }
 
-/// Two reservoirs of different level with sand and, beside it, free water: the pressure that is found before the start.
+/// Two reservoirs of different level with sand and, beside it, free water: tests the initial pressure.
 TEST(Similarity, SeepageBesideFreeWater) {
   Case scene;
   scene.solid.model = SolidCase::Model::rigid;
@@ -163,7 +163,7 @@ TEST(Similarity, SeepageBesideFreeWater) {
   expect_same_at_all_sizes([&](double length) { return run_alone(scene, length, 0.2); });
 }
 
-/// A saturated column on a fixed base, drained at the top, where a load begins and later grows.
+/// A saturated column on a fixed base, drained at the top; a load begins, and later grows.
 Case loaded_column(SolidCase::Model model) {
   Case scene;
   Soil soil = sand();
@@ -196,9 +196,9 @@ TEST(Similarity, AColumnThatMayYieldUnderLoad) {
   expect_same_at_all_sizes([&](double length) { return run_coupled(scene, length); });
 }
 
-/// Terzaghi: clay of k = 1e-9 m/s and E = 1e6 Pa under 200 Pa (his strains are small, and a face stays where it is
-/// while elastic soil sinks away from it), drained at its top only, 5 m thick, for 27 years. The degree of
-/// consolidation is U = 1 - sum 2 / M^2 exp(-M^2 T), M = pi (m + 1/2), T = k E t / (gamma_w H^2).
+/// Terzaghi: clay with k = 1e-9 m/s and E = 1e6 Pa under 200 Pa (his theory assumes small strains, and a face does not
+/// move with elastic soil that sinks away from it), drained at the top only, 5 m thick, over 27 years. Degree of
+/// consolidation U = 1 - sum 2 / M^2 exp(-M^2 T), M = pi (m + 1/2), T = k E t / (gamma_w H^2).
 TEST(Similarity, ClayConsolidatesForYearsInFewWindows) {
   const double height = 5.0, end = 8.64e8, load = 200.0, modulus = 1e6, k = 1e-9;
   Case scene;

@@ -1,5 +1,5 @@
-// A skeleton to couple with: an elastic column in y, finite differences, keeping the exchange contract as the solid
-// phase does.
+// A skeleton for coupling tests: an elastic column in y by finite differences, with the same exchange as the solid
+// solver.
 #pragma once
 
 #include "common/coupling/exchange.hpp"
@@ -19,13 +19,13 @@ struct ElasticColumn {
   double solid_fraction = 0.6;
   double grain_density = 2600.0;
   double conductivity = 1e-4;
-  double load = 1000.0;  // Pa on top
+  double load = 1000.0;  // Pa, on top
   double weight_density = 9810.0;
   std::vector<double> u, v, mean, extra, old_p;
-  std::vector<double> water;    // N/m3, of pressure and drag at the end of the last window
-  double extra_momentum = 0.0;  // N s per m2 of cross-section taken beyond the drag impulse in the last window
+  std::vector<double> water;    // N/m3, pressure and drag at the end of the last window
+  double extra_momentum = 0.0;  // N s per m2 of cross-section beyond the drag impulse, last window
   std::uint64_t substeps = 0;
-  static constexpr std::size_t followed = 4;  // substeps of a window in which waves are followed
+  static constexpr std::size_t followed = 4;  // largest number of substeps per window with waves resolved
 
   void start() {
     const auto n = static_cast<std::size_t>(std::lround(height / spacing));
@@ -35,7 +35,7 @@ struct ElasticColumn {
   }
   double density() const { return solid_fraction * grain_density; }
   double at(std::size_t i) const { return (static_cast<double>(i) + 0.5) * spacing; }
-  /// Of stress and load, N/m3.
+  /// Force of stress and load, N/m3.
   std::vector<double> force() const {
     const std::size_t n = u.size();
     std::vector<double> sigma(n + 1), f(n);
@@ -45,7 +45,7 @@ struct ElasticColumn {
     for (std::size_t i = 0; i < n; ++i) f[i] = (sigma[i + 1] - sigma[i]) / spacing;
     return f;
   }
-  /// With the water's.
+  /// Force including the water's, N/m3.
   std::vector<double> unbalanced() const {
     auto f = force();
     for (std::size_t i = 0; i < f.size(); ++i) f[i] += water[i];
@@ -53,7 +53,7 @@ struct ElasticColumn {
   }
   double settlement() const { return -u.back() - load / modulus * -0.5 * spacing; }
 
-  /// v of (mass - stiffness d2/dy2) v = impulse, v held at half a spacing below the first point, free at the top.
+  /// Solves (mass - stiffness d2/dy2) v = impulse for v, zero half a spacing below the first point, free at the top.
   static std::vector<double> solved(std::vector<double> impulse, double mass, double stiffness) {
     const std::size_t n = impulse.size();
     std::vector<double> upper(n), v(n);
@@ -67,7 +67,7 @@ struct ElasticColumn {
     return v;
   }
 
-  /// One window; pressure, drag force per volume, predicted velocity and its change as functions of y.
+  /// Advances one window; pressure, drag force per volume, predicted velocity and its change are functions of y.
   void advance(double dt, const std::function<double(double)>& p, const std::function<double(double)>& drag,
                const std::function<double(double)>& predicted, const std::function<double(double)>& change,
                double porosity) {
@@ -77,7 +77,7 @@ struct ElasticColumn {
     const bool rests = count > followed;  // then one step of backward Euler
     if (rests) count = 1;
     const double h = dt / static_cast<double>(count);
-    // Of the water that goes along; departures grow linearly in the window, and their mean is to be that at its end.
+    // Water that moves along; departures grow linearly over the window, and their mean is to equal that at its end.
     const double whole = 2.0 * static_cast<double>(count) / static_cast<double>(count + 1), along = C * a / (a + C),
                  inertia = rests ? 0.5 * R / dt : 0.0, Z = rests ? C + inertia : whole * along;
     std::vector<double> new_p(n), ds(n), d(n), start = u, v_start = v;
@@ -113,7 +113,7 @@ struct ElasticColumn {
     }
   }
 
-  /// Linear interpolation at y, linear beyond the ends; base: value at y = 0 is zero.
+  /// Linear interpolation at y, linear beyond the ends; zero_at_base: the value at y = 0 is zero.
   double sample(const std::vector<double>& values, double y, bool zero_at_base) const {
     const double s = y / spacing - 0.5;
     const auto n = static_cast<std::ptrdiff_t>(values.size());
@@ -125,7 +125,7 @@ struct ElasticColumn {
   }
 };
 
-/// Terzaghi: degree of consolidation and base pressure over the load at time factor T.
+/// Terzaghi's degree of consolidation, and his base pressure over the load, at the time factor T.
 inline double terzaghi_consolidation(double T) {
   double sum = 0.0;
   for (int m = 0; m < 200; ++m) {

@@ -1,4 +1,4 @@
-// Soil under free water, both solvers joined by the coupler's mapping, without processes or sockets.
+// Soil under free water, with both solvers joined by the coupler's mapping, without processes or sockets.
 #include "common/core/error.hpp"
 #include "coupler/mapping.hpp"
 #include "fluid_solver/fluid_phase.hpp"
@@ -12,7 +12,7 @@ namespace {
 
 using namespace test;
 
-/// One exchange after the other: fluid first, then the solid under what the fluid found.
+/// One exchange after the other: the fluid first, then the solid with the fluid's result.
 struct Joined {
   explicit Joined(const Case& scene)
       : fluid(scene),
@@ -89,7 +89,7 @@ Extremes extremes(const Joined& pair) {
   return e;
 }
 
-/// Windows of one length, or those the phases propose, to a time; the worst seen.
+/// Runs windows of one length, or of the length that the phases propose, up to a time; returns the worst values.
 Extremes run(const Case& scene, double interval, double end) {
   Joined pair(scene);
   Extremes worst;
@@ -105,8 +105,8 @@ Extremes run(const Case& scene, double interval, double end) {
 }
 
 TEST(Submerged, RestIsKeptUnderFreeWater) {
-  // The impulse that the soil returns must not reach the free water, nor come back at once where drag rules: either
-  // blew up from exact rest within 20 to 300 windows.
+  // The impulse that the soil returns must not reach the free water, nor act at once where drag dominates: in either
+  // case the run blew up from exact rest within 20 to 300 windows.
   struct Row {
     double conductivity, interval, end;
   };

@@ -1,4 +1,4 @@
-// Walls that a kernel reaches through: what stands behind them is not felt, past free tips and corners either.
+// Walls thinner than the kernel: nothing interacts through them, also past free tips and corners.
 #include "fluid_solver/boundary/walls.hpp"
 #include "fluid_solver/fluid_phase.hpp"
 #include "tests/fluid/scenes.hpp"
@@ -16,7 +16,7 @@ Wall line_of(const std::vector<std::array<double, 2>>& points) {
   return wall(face);
 }
 
-/// Two tanks side by side, water 1.2 and 0.4 m deep, between them a partition; 0: a line.
+/// Two tanks side by side, with water 1.2 and 0.4 m deep and a partition between them; thickness 0: a line.
 Case two_tanks(double thickness, double spacing) {
   Case scene;
   scene.solid.model = SolidCase::Model::rigid;
@@ -32,7 +32,7 @@ Case two_tanks(double thickness, double spacing) {
   }
   scene.walls.push_back(wall(line(there + 0.6, 0.0, there + 0.6, 2.0)));
   scene.fluid.regions = {box(0.0, 0.0, 0.6, 1.2), box(there, 0.0, there + 0.6, 0.4)};
-  const double aside = 1e-3 * spacing;  // of a line, to be on a side of it
+  const double aside = 1e-3 * spacing;  // offset that puts a point on one side of a line
   scene.gauges = {gauge("p", "point",
                         {Point3(0.3, 0.2, 0.0), Point3(0.6 - aside, 0.2, 0.0), Point3(there + 0.3, 0.2, 0.0),
                          Point3(there + aside, 0.2, 0.0)},
@@ -42,7 +42,7 @@ Case two_tanks(double thickness, double spacing) {
   return scene;
 }
 
-/// A tank with a partition that ends under water, 6 spacings above the floor; levels left and right.
+/// A tank with a partition that ends under water, 6 spacings above the floor; levels on the left and right.
 Case tank_with_a_tip(double thickness, double spacing, double left, double right) {
   Case scene;
   scene.solid.model = SolidCase::Model::rigid;
@@ -57,7 +57,8 @@ Case tank_with_a_tip(double thickness, double spacing, double left, double right
   return scene;
 }
 
-/// A layer of 2 x 0.6 m on a tight base under heads of 0.9 and 0.7 m, a pile to its middle; 0: a line.
+/// A layer of 2 x 0.6 m on an impermeable base under heads of 0.9 and 0.7 m, with a pile to its middle; thickness 0: a
+/// line.
 Case layer_with_a_pile(double thickness, double spacing) {
   Case scene;
   scene.solid.model = SolidCase::Model::rigid;
@@ -84,8 +85,8 @@ Case layer_with_a_pile(double thickness, double spacing) {
   return scene;
 }
 
-/// Around a line with a free tip over a floor every particle's surroundings are full, once: on a lattice that the walls
-/// mirror onto itself, to rounding.
+/// Around a line with a free tip above a floor, every particle's surroundings are filled exactly once: up to rounding
+/// on a lattice that the walls mirror onto itself.
 TEST(ThinWalls, SurroundingsAreFilledOnceAroundAFreeTip) {
   Case scene = tank_with_a_tip(0.0, 0.05, 1.0, 1.0);
   scene.walls.push_back(wall(line(2.0, 1.0, 0.0, 1.0)));  // a lid
@@ -144,15 +145,15 @@ TEST(ThinWalls, TwoBodiesOfWaterStandBesideEachOther) {
     EXPECT_NEAR(reading(water, "p[3]"), g * 0.2, 1e-3 * g * 0.4);
     EXPECT_LT(reading(water, "speed"), 1e-3 * std::sqrt(9.81 * 1.2));
     EXPECT_EQ(reading(water, "particles"), n);
-    // Walls bear the water from both of their sides.
+    // Water presses on both sides of a wall.
     const double weight = 0.6 * 1.6 * g;
     EXPECT_NEAR(reading(water, "unexplained_x"), 0.0, 0.01 * weight * 0.5);
     EXPECT_NEAR(reading(water, "unexplained_y"), 0.0, 0.01 * weight * 0.5);
   }
 }
 
-/// Held against finite volumes of the same layer, in the limit of 60, 120 and 240 rows
-/// (bench/seepage_under_a_pile.py): 4, 2 and 1 spacings thick, and a line.
+/// Compared with finite volumes of the same layer, in the limit of 60, 120 and 240 rows
+/// (bench/seepage_under_a_pile.py); piles 4, 2 and 1 spacings thick, and a line.
 TEST(ThinWalls, WaterSeepsUnderAPile) {
   struct Pile {
     double thickness, discharge, within;

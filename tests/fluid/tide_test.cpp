@@ -1,4 +1,4 @@
-// The example of docs/extending/boundary.md at work.
+// The example of docs/extending/boundary.md in a run.
 #include "docs/extending/tide.hpp"
 
 #include "fluid_solver/fluid_phase.hpp"
@@ -12,7 +12,7 @@ namespace {
 using namespace test;
 
 TEST(Tide, DrivesWaterThroughALayerAsItsLevelStands) {
-  // A confined layer, L long and a high, between the tide and tailwater at H2: q = k a (H(t) - H2) / L.
+  // A confined layer of length L and height a between the tide and tailwater at H2: q = k a (H(t) - H2) / L.
   const double k = 2e-3, a = 0.1, L = 0.2, H2 = 0.2, mean = 0.4, amplitude = 0.05, period = 10.0;
   Case scene;
   scene.solid.model = SolidCase::Model::rigid;

@@ -1,4 +1,4 @@
-// Viscous flow along walls to which water sticks or along which it slips, against exact solutions.
+// Viscous flow along no-slip and free-slip walls, compared with exact solutions.
 #include "fluid_solver/fluid_phase.hpp"
 #include "tests/fluid/scenes.hpp"
 
@@ -13,7 +13,7 @@ using namespace test;
 
 constexpr double pi = std::numbers::pi;
 
-/// A layer `depth` deep on a floor along x, periodic, driven along it by a force g; without gravity across.
+/// A layer of depth `depth` on a floor along x, periodic and driven along x by a force g; no gravity across.
 Case layer(double depth, double dx, double viscosity, double g) {
   Case scene;
   scene.general.gravity = Point3(g, 0.0, 0.0);
@@ -33,8 +33,8 @@ Wall lid(double depth, double dx, Wall::ForWater water) {
   return result;
 }
 
-/// Velocity of water from rest between two sticking walls `width` apart, at y from one of them; half the width is also
-/// that of a layer with nothing to hold it on its other side.
+/// Velocity of water started from rest between two no-slip walls at distance `width`, at y from one of them; half of
+/// that width is a layer with a free-slip other side.
 double started(double y, double width, double viscosity, double g, double time) {
   double u = g / (2.0 * viscosity) * y * (width - y);
   for (int m = 1; m < 60; m += 2)
@@ -52,11 +52,11 @@ double error(const Fluid<2>& fluid, double width, double viscosity, double g, do
   return worst / started(0.5 * width, width, viscosity, g, time);
 }
 
-// Plane Poiseuille flow, and half of it under a lid along which water slips: while it starts and when it is steady.
+// Plane Poiseuille flow, and half of it under a free-slip lid, during its start and when it is steady.
 TEST(Viscosity, FlowBetweenWallsIsPoiseuilles) {
   const double viscosity = 0.1, g = 0.8;
   for (const auto water : {Wall::ForWater::no_slip, Wall::ForWater::free_slip}) {
-    const double width = water == Wall::ForWater::no_slip ? 1.0 : 2.0;  // of the whole profile
+    const double width = water == Wall::ForWater::no_slip ? 1.0 : 2.0;  // width of the whole profile
     double before = 0.0;
     for (const double dx : {0.1, 0.05, 0.025}) {
       Case scene = layer(1.0, dx, viscosity, g);
@@ -80,7 +80,7 @@ TEST(Viscosity, FlowBetweenWallsIsPoiseuilles) {
   }
 }
 
-// A film that runs down a slope, 0.1 m deep: water sticks to its floor and has air above it.
+// A film 0.1 m deep that runs down a slope, with a no-slip floor and air above.
 TEST(Viscosity, AFilmRunsDownASlopeAsNusselts) {
   const double depth = 0.1, viscosity = 0.01, slope = 0.1;
   double before = 0.0;
@@ -105,7 +105,7 @@ TEST(Viscosity, AFilmRunsDownASlopeAsNusselts) {
   EXPECT_LT(before, 0.02);
 }
 
-// Where water slips along its walls it falls freely along them.
+// Along free-slip walls water falls freely.
 TEST(Viscosity, WallsWithoutFrictionHoldNothing) {
   Case scene = layer(1.0, 0.05, 0.1, 0.8);
   scene.walls.push_back(lid(1.0, 0.05, Wall::ForWater::free_slip));
@@ -116,7 +116,7 @@ TEST(Viscosity, WallsWithoutFrictionHoldNothing) {
   for (const auto& v : fluid.state().particles.velocity) EXPECT_NEAR((v - Vec<2>(1.6, 0.0)).norm(), 0.0, 1e-9);
 }
 
-// What gauges read beside a wall to which water sticks: nothing on it, and its discharge.
+// Gauges beside a no-slip wall: zero velocity on it, and the discharge.
 TEST(Viscosity, GaugesSeeThatWaterSticks) {
   const double dx = 0.05, viscosity = 0.1, g = 0.8;
   Case scene = layer(1.0, dx, viscosity, g);

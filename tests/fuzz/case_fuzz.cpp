@@ -1,4 +1,4 @@
-// Any text as a case file: either a CaseError or a case.
+// Any text as a case file gives a CaseError or a case.
 #include "common/case/case.hpp"
 #include "common/core/error.hpp"
 
@@ -17,7 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const poretwin::Case scene = poretwin::read_case(path);
     if (scene.digest().size() != 16) std::abort();
   } catch (const poretwin::CaseError&) {
-    // refused with its reason
+    // refused with a reason
   }
   return 0;
 }

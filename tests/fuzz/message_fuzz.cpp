@@ -1,6 +1,6 @@
-// Any bytes as a message: either a PeerError or a message whose wire form reads back the same; then any publication at
-// the border; and any table of shared memory (docs/decisions/0008): no byte behind its end is read. Input: frames, each
-// as two bytes of length (little-endian) and its bytes.
+// Any bytes as a message give a PeerError, or a message that reads back unchanged from its frames; then any publication
+// at the border; and any table of shared memory (docs/decisions/0008), of which no byte beyond its end may be read.
+// Input: frames, each as two bytes of length (little-endian) followed by its bytes.
 #include "common/core/error.hpp"
 #include "common/coupling/border.hpp"
 #include "common/coupling/shared_memory.hpp"
@@ -32,7 +32,7 @@ bool same(const Frames& a, const Frames& b) {
   return true;
 }
 
-/// A table that names true memory, and whose sizes are the first frame's bytes.
+/// A table that names existing memory, with sizes from the bytes of the first frame.
 void borrow(const Frames& frames) {
   static LentMemory lent;
   static BorrowedMemory borrowed;
@@ -66,7 +66,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const Snapshot snapshot = admit(message, contract, nullptr);
     if (snapshot.points->n_active > snapshot.points->size()) std::abort();
   } catch (const PeerError&) {
-    // refused with its reason
+    // refused with a reason
   }
   return 0;
 }

@@ -1,5 +1,5 @@
-// The fuzz targets without libFuzzer: the kept corpus, then COUNT mutations of it by a fixed seed. The short budget of
-// every test run; `cmake --preset fuzz` is for the long one. Usage: FOLDER COUNT
+// The fuzz targets without libFuzzer: the stored corpus, then COUNT mutations of it with a fixed seed, as part of every
+// test run; `cmake --preset fuzz` is for long runs. Usage: FOLDER COUNT
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>

@@ -1,4 +1,4 @@
-// The laws of retention against their closed forms, and what the flow's solve needs of each.
+// Retention laws compared with their closed forms, and the properties that the flow solver needs.
 #include "common/media/retention.hpp"
 
 #include "common/media/brooks_corey.hpp"
@@ -43,7 +43,7 @@ const std::vector<double> heads{-100.0, -30.0, -10.0, -3.0,   -1.0,  -0.7,  -0.3
                                 -0.29,  -0.1,  -0.03, -0.015, -4e-3, -5e-4, -1e-5};
 
 TEST(Retention, VanGenuchtensClosedForm) {
-  // Celia, Bouloutas & Zarba (1990): alpha 3.35, n 2, at -0.75 m, worked by hand: x = 2.5125^2.
+  // Celia, Bouloutas & Zarba (1990): alpha 3.35, n 2, at -0.75 m, computed by hand: x = 2.5125^2.
   const VanGenuchten curve(3.35, 2.0, 0.0, 0.5);
   const double x = 2.5125 * 2.5125, s = std::pow(1.0 + x, -0.5);
   EXPECT_NEAR(curve.saturation(-0.75).value, s, 1e-14);
@@ -103,9 +103,9 @@ TEST(Retention, TheSwitchedVariableGoesThereAndBack) {
 TEST(Retention, TheVariableIsTheSaturationWhereItRisesFaster) {
   const Retention sand(std::make_unique<VanGenuchten>(3.5, 2.8, 0.0, 0.5));
   EXPECT_DOUBLE_EQ(sand.variable(-2.0), sand.saturation(-2.0).value);
-  // Above the joint it is linear in the head: equal steps.
+  // Above the joint u is linear in the head: equal steps.
   EXPECT_NEAR(sand.variable(0.2) - sand.variable(0.1), sand.variable(0.1) - sand.variable(0.0), 1e-14);
-  EXPECT_GT(sand.variable(0.0), 1.0);  // at the joint's slope, which is the largest
+  EXPECT_GT(sand.variable(0.0), 1.0);  // continued with the slope at the joint, which is the largest
 }
 
 TEST(Retention, ThePotentialIsTheIntegralOfThePermeability) {
@@ -122,13 +122,13 @@ TEST(Retention, ThePotentialIsTheIntegralOfThePermeability) {
 }
 
 TEST(Retention, NearlyFullSoilConductsAlongAStraightLine) {
-  // Below n = 2 the slope of k_r is infinite at psi = 0 (Vogel et al. 2001); over the last millimetre it is replaced.
+  // For n < 2 the slope of k_r is infinite at psi = 0 (Vogel et al. 2001); over the last millimetre it is replaced.
   const VanGenuchten loam(3.6, 1.56, 0.0, 0.5);
   const double slope = loam.permeability(-1e-9).slope;
   EXPECT_NEAR(slope, (1.0 - loam.permeability(-1e-3).value) / 1e-3, 1e-6 * slope);
   EXPECT_LT(slope, 500.0);
   EXPECT_GT(slope, 50.0);
-  // From n = 2 on the curve is as it is.
+  // From n = 2 on the curve is unchanged.
   const VanGenuchten sand(3.6, 2.2, 0.0, 0.5);
   EXPECT_NEAR(sand.permeability(-5e-4).slope / sand.permeability(-1e-3).slope, std::pow(0.5, 0.2), 0.02);
 }
@@ -140,7 +140,7 @@ TEST(Retention, ATableFollowsTheCurveThatItIsOf) {
     EXPECT_NEAR(table->saturation(psi).value, curve.saturation(psi).value, 0.01) << psi;
     EXPECT_NEAR(table->permeability(psi).value, curve.permeability(psi).value, 0.02) << psi;
   }
-  // Beyond its ends: a power, and full.
+  // Beyond the ends of the table: a power of the suction, and saturated soil.
   EXPECT_NEAR(table->saturation(-100.0).value / curve.saturation(-100.0).value, 1.0, 0.1);
   EXPECT_EQ(table->saturation(0.0).value, 1.0);
 }

@@ -1,4 +1,4 @@
-// The laws of seepage against worked numbers.
+// Seepage laws compared with numbers computed by hand.
 #include "common/media/seepage.hpp"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ Soil rockfill() {
 }
 
 TEST(SeepageLaw, ErgunsCoefficientsOfTheRockfill) {
-  // Worked by hand from Eqs. (91), (92) as corrected: i = 0.066226 U + 45.516 U^2.
+  // Computed by hand from Eqs. (91), (92) as corrected: i = 0.066226 U + 45.516 U^2.
   const auto law = seepage_at(Case{}, rockfill(), 0.4052);
   EXPECT_NEAR(1.0 / law.conductivity, 0.066226, 1e-5);
   EXPECT_NEAR(law.quadratic, 45.516, 5e-3);

@@ -1,5 +1,5 @@
-// The coarse space of pressures and of the skeleton's velocities: what is constant on its aggregates it solves, and the
-// iterations it saves.
+// The coarse space of pressures and of the skeleton's velocities solves for what is constant on its aggregates, and
+// saves iterations.
 #include "common/numerics/aggregates.hpp"
 #include "common/numerics/csr.hpp"
 
@@ -10,8 +10,8 @@
 namespace poretwin {
 namespace {
 
-/// A Laplacian of a square lattice with a little on its diagonal, for two components; one particle in a corner is
-/// left out.
+/// A Laplacian of a square lattice with a small addition to its diagonal, for two components; one corner particle is no
+/// member.
 struct Lattice {
   std::size_t side;
   std::vector<Vec<2>> position;
@@ -20,7 +20,7 @@ struct Lattice {
       position.emplace_back(static_cast<double>(k % n), static_cast<double>(k / n));
   }
   [[nodiscard]] bool member(std::size_t a) const { return a != 0; }
-  /// add(b, value) for every entry of the row of particle a.
+  /// Calls add(b, value) for every entry of the row of particle a.
   template <class Add>
   void row(std::size_t a, const Add& add) const {
     double sum = 1e-3;
@@ -62,7 +62,7 @@ TEST(Aggregates, SolveWhatIsConstantOnThem) {
   for (std::size_t i = 0; i < x.size(); ++i) EXPECT_NEAR(z[i], x[i], 1e-10) << i;
 }
 
-/// So many that they are shared out to threads.
+/// So many rows that they are divided among threads.
 TEST(Aggregates, CorrectEveryFieldByItself) {
   const Lattice lattice(200);
   const auto aggregates = lattice.aggregates(20.0);
@@ -103,8 +103,8 @@ TEST(Aggregates, SaveIterations) {
   EXPECT_LT(3 * iterations(true), 2 * iterations(false));
 }
 
-/// A search that ends by its energy has come that close: residual . z tells it, thanks to the aggregates, within a
-/// factor.
+/// A search that ends by its `energy` is that close: thanks to the aggregates, residual . z estimates the error's
+/// energy within a factor.
 TEST(Aggregates, TellTheEnergyOfTheError) {
   const Lattice lattice(24);
   const auto aggregates = lattice.aggregates(4.0);

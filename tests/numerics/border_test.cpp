@@ -1,4 +1,4 @@
-// The border between factors at which something stands and at which it fails.
+// The critical factor between standing and failing.
 #include "common/numerics/border.hpp"
 
 #include <gtest/gtest.h>

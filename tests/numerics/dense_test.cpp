@@ -1,4 +1,4 @@
-// Small dense systems against what defines them.
+// Small dense systems, tested by their definitions.
 #include "common/numerics/dense.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The multigrid preconditioner: the same solution, in a number of cycles that does not grow.
+// The multigrid preconditioner: the same solution, in a number of cycles that does not grow with the size.
 #include "common/numerics/multigrid.hpp"
 
 #include <gtest/gtest.h>
@@ -13,8 +13,8 @@ struct Grid {
   PairMatrix matrix;
 };
 
-/// Five-point Laplacian on a square of side^2 rows, weights scattered and stronger along one axis on one half; one side
-/// held, or none.
+/// Five-point Laplacian on a square of side^2 rows, with random weights, stronger along one axis in one half; one side
+/// is fixed, or none.
 Grid grid(std::size_t side, bool closed) {
   std::mt19937_64 generator(3);
   std::uniform_real_distribution<double> scatter(0.5, 1.5);

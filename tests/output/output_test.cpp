@@ -1,5 +1,4 @@
-// What the files promise: every step read back through its offsets, as ParaView's VTKHDF reader does, equals what was
-// written.
+// Every step read back through its offsets, as ParaView's VTKHDF reader does, equals what was written.
 #include "common/core/error.hpp"
 #include "common/output/gauge_log.hpp"
 #include "common/output/run_recorder.hpp"
@@ -36,7 +35,7 @@ class Output : public testing::Test {
   std::filesystem::path folder_;
 };
 
-/// A frame of n particles whose numbers tell step, particle and component.
+/// A frame of n particles whose numbers identify step, particle and component.
 OutputFrame frame_of(std::size_t n, double time) {
   OutputFrame frame;
   frame.time = time;
@@ -57,7 +56,7 @@ OutputFrame frame_of(std::size_t n, double time) {
   return frame;
 }
 
-/// The numbers of all particles.
+/// The numbers of all particles in one array.
 std::vector<double> told(const OutputFrame& frame, int components, const TellParticle& tell) {
   const auto each = static_cast<std::size_t>(components);
   std::vector<double> numbers(frame.count * each);
@@ -98,7 +97,7 @@ void expect_steps(const std::filesystem::path& path, const std::vector<OutputFra
     EXPECT_EQ(rows(file.read_numbers(top + "Points"), point_offsets[s], points, 3),
               told(frames[s], 3, frames[s].position));
     EXPECT_THAT(rows(file.read_integers(top + "Types"), cell_offsets[s], cells, 1), testing::Each(1));
-    // The reader's rule: a step's row of `Offsets` starts at its cell offset plus one more per part before it.
+    // The reader's rule: a step's row of `Offsets` starts at its cell offset, plus one for each part before it.
     const auto offsets = rows(file.read_integers(top + "Offsets"), cell_offsets[s] + part_offsets[s], cells + 1, 1);
     const auto connectivity = rows(file.read_integers(top + "Connectivity"), id_offsets[s], ids, 1);
     for (std::int64_t i = 0; i <= cells; ++i) EXPECT_EQ(offsets[static_cast<std::size_t>(i)], i);
@@ -246,7 +245,7 @@ TEST_F(Output, RunRecorderLeavesProvenanceAndGauges) {
   EXPECT_EQ(file.attribute_text("gauges/front/value", "unit"), "m");
 }
 
-/// A process that dies at any moment, in the middle of a frame as well: the file goes back to its last whole frame.
+/// A process may die at any moment, also within a frame: the file returns to its last complete frame.
 TEST_F(Output, AKilledWriterLosesAtMostTheFrameItWrote) {
   const auto path = folder_ / "killed.vtkhdf";
   std::mt19937 random(1);
@@ -278,7 +277,7 @@ TEST_F(Output, AKilledWriterLosesAtMostTheFrameItWrote) {
   EXPECT_GT(in_the_middle, 5) << "hardly any of the kills hit a frame: they tell nothing";
 }
 
-/// Readers of a file that grows tell its states apart by them, however fast one follows the other (docs/view.md).
+/// Readers of a growing file distinguish its states by their stamps, however fast they follow (docs/view.md).
 TEST_F(Output, EveryFlushHasAStampOfItsOwn) {
   const auto path = folder_ / "stamped.vtkhdf";
   VtkHdfWriter file(path);
@@ -292,9 +291,8 @@ TEST_F(Output, EveryFlushHasAStampOfItsOwn) {
   }
 }
 
-/// From a checkpoint on the record is written again: the same, whatever had been written after it.
-/// Wherever the disk becomes full: the writer says so, closes, and its process ends as it wants to. (The library, told
-/// of a write that failed, crashes at the end of the process.)
+/// Wherever the disk becomes full, the writer reports it, closes the file, and its process ends normally. (The HDF5
+/// library, if it knew of the failed write, would crash at the end of the process.)
 TEST_F(Output, AFullDiskIsNamedAndTheProcessEndsWell) {
   const auto path = folder_ / "full.vtkhdf";
   int complaints = 0;
@@ -320,7 +318,7 @@ TEST_F(Output, AFullDiskIsNamedAndTheProcessEndsWell) {
     EXPECT_EQ(WEXITSTATUS(status), 5) << room;
     ++complaints;
     hdf5::roll_back(path);
-    // The sidecar comes with the first frame: without it there is nothing to read.
+    // The side-car is written with the first frame: without it the file has none.
     if (!std::filesystem::remove(folder_ / "full.xmf")) continue;
     const auto file = hdf5::File::open_to_read(path);
     const auto steps = file.read_numbers("VTKHDF/Steps/Values");
@@ -331,6 +329,7 @@ TEST_F(Output, AFullDiskIsNamedAndTheProcessEndsWell) {
   EXPECT_GT(complaints, 10);
 }
 
+/// From a checkpoint on the record is written again, with the same result whatever had been written after it.
 TEST_F(Output, ARecordGoesOnFromItsCheckpoint) {
   Case scene;
   scene.text = "[case]\n";

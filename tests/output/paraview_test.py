@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""ParaView 5.11 (Debian 12) opens the .xmf of a run with either of its readers: every step has the particles and the numbers that
-were written, the first, empty one included, and a picture shows them where they are. Arguments: the program, then those of unittest.
+"""ParaView 5.11 (Debian 12) opens the .xmf of a run with each of its two readers: every step has the particles and numbers that were
+written, an empty first step too, and a picture shows them at their positions. Arguments: the program, then those of unittest.
 
 Needs the packages paraview, python3-paraview and xvfb; without them exit code 77 (skipped).
 """
@@ -15,12 +15,12 @@ import tempfile
 import unittest
 
 SKIPPED = 77
-READERS = {"Xdmf3ReaderS": "FileName", "XDMFReader": "FileNames"}  # the first is what 5.11 takes by itself
+READERS = {"Xdmf3ReaderS": "FileName", "XDMFReader": "FileNames"}  # ParaView 5.11 uses the first by default
 SIZE = (400, 300)
 
 
 def look(files, out):
-    """Inside pvbatch: what each reader makes of each file, as JSON, and pictures of the particles by their pore pressure."""
+    """Inside pvbatch: writes the content of each file according to each reader as JSON, and pictures of the particles coloured by pore pressure."""
     from paraview import simple
     view = simple.CreateView("RenderView")
     view.ViewSize = SIZE
@@ -43,7 +43,7 @@ def look(files, out):
                 fields = {array.Name: [array.GetRange(k) for k in range(array.GetNumberOfComponents())] for array in reader.PointData}
                 points = about.GetNumberOfPoints()
                 steps.append({"time": time, "points": points, "bounds": about.GetBounds(), "fields": fields})
-            # Drawn once the last step has been seen, so that nothing of it must be left in a picture of the first.
+            # The first step is drawn after the last one has been read: a picture of it must not contain anything of the last.
             low, high = steps[-1]["fields"]["pore_pressure"][0]
             colours = simple.GetColorTransferFunction("pore_pressure")
             colours.RGBPoints = [low, 1, 0, 0, high, 0, 0, 1]
@@ -62,11 +62,11 @@ def look(files, out):
             simple.Hide(reader, view)
             found.append({"file": name, "reader": kind, "steps": steps})
     pathlib.Path(out, "found.json").write_text(json.dumps(found))
-    os._exit(0)  # taking the window down, ParaView and Mesa disagree at times (GLXBadContext)
+    os._exit(0)  # ParaView and Mesa sometimes crash when they close the window (GLXBadContext)
 
 
 def written(path):
-    """Of each step in the .vtkhdf: time, positions, fields by name, [n, components]."""
+    """The steps in the .vtkhdf: time, positions, fields by name, [n, components]."""
     import h5py
     with h5py.File(path) as file:
         root = file["VTKHDF"]
@@ -78,7 +78,7 @@ def written(path):
 
 
 def mismatch(seen, path):
-    """How a reader's steps differ from those in the .vtkhdf; None: not at all."""
+    """Describes how a reader's steps differ from those in the .vtkhdf; None: they do not."""
     steps = list(written(path))
     if [step["time"] for step in seen["steps"]] != [time for time, _, _ in steps]:
         return "times"
@@ -101,20 +101,21 @@ class ParaView(unittest.TestCase):
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
         at = pathlib.Path(cls.folder.name)
-        # Dry at first, and both phases, stress tensors among their fields.
+        # A run of both phases that starts without water; its fields include stress tensors.
         command = [PROGRAM, "run", "embankment_seepage", "--out", at, "--until", "100", "--no-pictures", "--quiet",
                    "--set", "fluid.particle_spacing=0.04", "--set", "solid.particle_spacing=0.04", "--set", "output.interval=50"]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
         cls.paths = [at / "fluid.xmf", at / "solid.xmf", at / "broken.xmf"]
-        # The same side-car, but all of its slabs begin with the first particle of the file.
+        # A side-car with an error: all its slabs begin with the first particle of the file.
         text = (at / "solid.xmf").read_text()
         count = list(written(at / "solid.vtkhdf"))[0][1].shape[0]
         for old, new in ((f"|{count}:", "|0:"), (f"|{count} 0:", "|0 0:"), (f">{count} 1 ", ">0 1 "), (f">{count} 0 1 1 ", ">0 0 1 1 ")):
             assert old in text, old
             text = text.replace(old, new)
         cls.paths[2].write_text(text)
-        # Debian's ParaView draws by X alone; an X server without a screen tells its number when it is ready. Looking for graphics
-        # cards, ParaView's MPI comes and goes first: -noreset, or the server begins anew while ParaView asks for a window.
+        # Debian's ParaView draws through X only; an X server without a screen prints its number when it is ready. -noreset:
+        # ParaView's MPI connects once to look for graphics cards, and without the option the server would restart when it
+        # disconnects.
         server = subprocess.Popen(["Xvfb", "-displayfd", "1", "-noreset", "-nolisten", "tcp", "-screen", "0", "640x480x24"], stdout=subprocess.PIPE,
                                   stderr=subprocess.DEVNULL, text=True)
         try:
@@ -125,7 +126,7 @@ class ParaView(unittest.TestCase):
             server.terminate()
             server.communicate()
         if done.returncode != 0:
-            lines = [line for line in (done.stdout + done.stderr).splitlines() if not re.match(r"\d+ +0x", line)]  # of the stack
+            lines = [line for line in (done.stdout + done.stderr).splitlines() if not re.match(r"\d+ +0x", line)]  # no stack
             raise AssertionError("\n".join([f"pvbatch: {done.returncode}", *lines[-30:]]))
         cls.found = json.loads((at / "found.json").read_text())
 

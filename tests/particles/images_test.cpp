@@ -1,4 +1,4 @@
-// Images of a lattice in a box continue the lattice through walls and corners.
+// Images of a lattice in a box continue the lattice beyond walls and corners.
 #include "common/particles/images.hpp"
 #include "common/geometry/shapes.hpp"
 #include "common/particles/kernel.hpp"
@@ -17,7 +17,7 @@ TEST(Images, ContinueTheLatticeThroughWallsAndCorners) {
   const auto lattice = fill<2>(box, 0.1, Point3(0.5, 0.5, 0.5), 0.0, 1);
   ASSERT_EQ(lattice.position.size(), 100u);
   EXPECT_NEAR(lattice.volume, 0.01, 1e-15);
-  Face open_box;  // left side down, base, right side up: the domain on the left of the walk
+  Face open_box;  // left side down, base, right side up: the domain is on the left
   open_box.points = {Point3(0, 1, 0), Point3(0, 0, 0), Point3(1, 0, 0), Point3(1, 1, 0)};
   const auto planes = planes_of<2>(open_box, 3, 0.4);
   ASSERT_EQ(planes.size(), 3u);
@@ -35,11 +35,11 @@ TEST(Images, ContinueTheLatticeThroughWallsAndCorners) {
 }
 
 TEST(Images, FillOnceWhatLiesBehindACorner) {
-  // Kernel sums over soil in a corner and its images, for corners seen from the domain under many angles.
+  // Kernel sums over soil in a corner and its images, for corners of many angles, measured inside the domain.
   constexpr double dx = 0.05, h = 2.0 * dx, turn = std::numbers::pi / 180.0;
   for (const double angle : {90.0, 120.0, 150.0, 170.0, 180.0, 200.0, 240.0, 270.0}) {
     const auto ray = [&](double degrees) { return Point3(std::cos(degrees * turn), std::sin(degrees * turn), 0.0); };
-    Face face;  // walked with the domain on the left
+    Face face;  // line with the domain on its left
     face.points = {ray(angle), Point3::Zero(), ray(0.0)};
     Shape fan;
     fan.kind = Shape::Kind::polygon;

@@ -1,4 +1,4 @@
-// Kernels: normalised, and their derivative is that of their value.
+// Kernels are normalised, and their derivatives are those of their values.
 #include "common/particles/kernel.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Pair lists against the plain double loop, on awkward sets too.
+// Pair lists compared with a plain double loop, also for difficult sets.
 #include "common/core/error.hpp"
 #include "common/particles/neighbours.hpp"
 
@@ -45,7 +45,7 @@ TEST(Neighbours, EmptySetsAndStrayPoints) {
   check<2>({}, {}, {});
   check<2>(random_points<2>(5, 1.0, 1), {}, {});
   auto sources = random_points<2>(50, 1.0, 5);
-  sources.push_back(Vec<2>(1e9, -1e9));  // one particle blown away must not cost memory
+  sources.push_back(Vec<2>(1e9, -1e9));  // one particle far away must not cost memory
   check<2>(random_points<2>(50, 1.0, 6), sources, std::vector<double>(51, 0.2));
 }
 

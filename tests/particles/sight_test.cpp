@@ -1,4 +1,4 @@
-// What is seen past walls that a kernel reaches through.
+// Which points see each other past walls thinner than the kernel.
 #include "common/particles/sight.hpp"
 #include "common/geometry/shapes.hpp"
 #include "common/geometry/thin_walls.hpp"
@@ -24,8 +24,8 @@ Shape box(double x0, double y0, double x1, double y1) {
   return shape;
 }
 
-/// A closed box of 20 x 10 spacings full of water, a line from its lid down to a free tip, or to the floor, or a slot
-/// that many spacings thick.
+/// A closed box of 20 x 10 spacings full of water, with a line from its lid down to a free tip, or to the floor, or a
+/// slot of the given thickness in spacings.
 struct Room {
   Case scene;
   VecArray<2> x;
@@ -72,7 +72,8 @@ struct Room {
 };
 
 TEST(Sight, ASurroundingsAreFilledOnce) {
-  // On a lattice that the walls mirror onto itself everyone has the lattice's 21 places, by distance.
+  // On a lattice that the walls mirror onto itself every particle has the lattice's 21 neighbour positions, by
+  // distance.
   for (const double tip : {4.0, 0.0}) {
     const Room room(0.0, tip, 0.0);
     for (const auto& x : room.x) {

@@ -1,4 +1,4 @@
-// What each kind of boundary lets in.
+// Inflow and outflow through each kind of boundary.
 #include "tests/pore/scenes.hpp"
 
 #include <gtest/gtest.h>
@@ -30,11 +30,11 @@ TEST(PoreBoundary, ThroughAnOutletWaterOnlyLeaves) {
   drain.outlet = true;
   scene.water_faces = {drain};
   scene.gauges = {gauge("passed", "passed_volume"), gauge("table", "front", {{0.02, 0, 0}, {0.02, 1, 0}})};
-  scene.fluid.initial_water_table = -0.5;  // dry: nothing comes in
+  scene.fluid.initial_water_table = -0.5;  // dry: nothing enters
   PoreWater dry(scene);
   run_to(dry, 1e5);
   EXPECT_EQ(reading(dry, "passed"), 0.0);
-  scene.fluid.initial_water_table = 0.8;  // drains until its table is at the drain
+  scene.fluid.initial_water_table = 0.8;  // drains until its water table is at the drain
   scene.general.end_time = 1e7;
   PoreWater wet(scene);
   run_to(wet, 1e7);
@@ -56,7 +56,7 @@ TEST(PoreBoundary, RainThatCannotSoakInRunsOff) {
   scene.general.end_time = 1e7;
   PoreWater steady(scene);
   run_to(steady, 1e7);
-  EXPECT_NEAR(-reading(steady, "q"), k * dx, 1e-3 * k * dx);  // full, under a gradient of one
+  EXPECT_NEAR(-reading(steady, "q"), k * dx, 1e-3 * k * dx);  // saturated, with a gradient of one
 }
 
 TEST(PoreBoundary, APondKeepsWhatItHoldsAndLetsItSoakIn) {
@@ -75,7 +75,7 @@ TEST(PoreBoundary, APondKeepsWhatItHoldsAndLetsItSoakIn) {
   const double before = reading(water, "soaked");
   EXPECT_NEAR(before + reading(water, "runoff") + pond, rate * stops * dx, 1e-9 * rate * stops * dx);
   run_to(water, 1e5);
-  EXPECT_NEAR(reading(water, "soaked"), before + pond, 1e-6 * pond);  // all of it, in the end
+  EXPECT_NEAR(reading(water, "soaked"), before + pond, 1e-6 * pond);  // finally all of it
 }
 
 TEST(PoreBoundary, EvaporationEndsWhereTheSoilIsTooDry) {
@@ -88,7 +88,7 @@ TEST(PoreBoundary, EvaporationEndsWhereTheSoilIsTooDry) {
                   gauge("psi", "point", {{0.02, 0.475, 0}}, "pressure_head")};
   PoreWater water(scene);
   run_to(water, 1e5);
-  EXPECT_NEAR(reading(water, "vapour"), 1e-7 * 1e5 * dx, 1e-9 * dx);  // as asked for, at first
+  EXPECT_NEAR(reading(water, "vapour"), 1e-7 * 1e5 * dx, 1e-9 * dx);  // at the prescribed rate, at first
   run_to(water, 5e6);
   EXPECT_LT(reading(water, "vapour"), 0.5 * 1e-7 * 5e6 * dx);
   EXPECT_GT(reading(water, "psi"), -2.0 - 1e-6);

@@ -1,4 +1,4 @@
-// Columns against exact solutions and against finite volumes on fine grids, both copied here.
+// Columns compared with exact solutions and with finite volumes on fine grids, whose results are given here.
 #include "tests/pore/scenes.hpp"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ TEST(PoreColumn, WaterAtRestUnderSuctionStaysAtRestExactly) {
   }
 }
 
-/// Srivastava & Yeh (1991): infiltration that changes from q0 to q1; L 1 m, alpha 10 1/m, k 1 cm/h, theta 0.06 .. 0.4.
+/// Srivastava & Yeh (1991): infiltration changes from q0 to q1; L 1 m, alpha 10 1/m, k 1 cm/h, theta 0.06 .. 0.4.
 struct SrivastavaYeh {
   double k = 2.777777777777778e-06, alpha = 10.0, q0, q1;
   [[nodiscard]] double head(double z, double t) const {
@@ -70,7 +70,7 @@ double srivastava_yeh_error(const SrivastavaYeh& exact, double dx, double time) 
 }
 
 TEST(PoreColumn, InfiltrationThatChangesFollowsSrivastavaAndYeh) {
-  // A thousandth of the range of psi, 0.2 m.
+  // The bound is a thousandth of the range of psi, which is 0.2 m.
   SrivastavaYeh wetting;
   wetting.q0 = 2.777777777777778e-07;
   wetting.q1 = 2.5e-06;
@@ -82,8 +82,9 @@ TEST(PoreColumn, InfiltrationThatChangesFollowsSrivastavaAndYeh) {
 }
 
 TEST(PoreColumn, CeliasColumnTakesInWhatItShould) {
-  // Celia, Bouloutas & Zarba (1990); own finite volumes of 3200 cells: cumulative infiltration 0.017401 m at 6 h with
-  // an uncertainty of 4e-4 of it, and the front, where psi is the mean of initial and top value, at 0.74518 m.
+  // Celia, Bouloutas & Zarba (1990). Finite volumes with 3200 cells, independent of this code: cumulative infiltration
+  // 0.017401 m at 6 h, with a relative uncertainty of 4e-4; the front, where psi is the mean of initial and top value,
+  // at 0.74518 m.
   const double dx = 0.01, end = 21600.0;
   Case scene = column(van_genuchten(0.102, 0.368, 3.35, 2.0, 9.22e-5), 1.0, dx, end);
   scene.fluid.initial_pressure_head = constant(-10.0);
@@ -100,8 +101,8 @@ TEST(PoreColumn, CeliasColumnTakesInWhatItShould) {
 }
 
 TEST(PoreColumn, AfterRainWaterComesToRestWhereItsVolumeSays) {
-  // Sand, 1 m, closed: rain 1e-5 m/s for 2 h, then rest. Its water then stands hydrostatically with the table at
-  // 0.23640 m, by quadrature of the retention curve.
+  // Sand, 1 m, closed: rain of 1e-5 m/s for 2 h, then rest. The water is then hydrostatic with the table at 0.23640 m,
+  // by quadrature of the retention curve.
   const double dx = 0.02;
   Case scene = column(van_genuchten(0.05, 0.4, 3.5, 2.8, 5e-5), 1.0, dx, 259200.0);
   scene.fluid.initial_water_table = 0.0;
@@ -116,7 +117,7 @@ TEST(PoreColumn, AfterRainWaterComesToRestWhereItsVolumeSays) {
 }
 
 TEST(PoreColumn, LayersInSeriesPassTheFlowOfTheirHarmonicMean) {
-  // Full soil: k = 1e-4 under k = 1e-6, each half a metre; 1 m of head over 1 m.
+  // Saturated soil: k = 1e-4 below k = 1e-6, half a metre each; a head difference of 1 m over 1 m.
   const double dx = 0.05;
   for (const bool capillary : {true, false}) {
     Case scene = column(capillary ? gardner(0.0, 0.4, 2.0, 1e-4) : sharp(0.4, 1e-4), 0.5, dx, 1000.0);
@@ -133,7 +134,8 @@ TEST(PoreColumn, LayersInSeriesPassTheFlowOfTheirHarmonicMean) {
 }
 
 TEST(PoreColumn, ASharpFrontSinksAsGreenAndAmpts) {
-  // t = (n/k) [z - H0 ln(1 + z/H0)], H0 = 0.1 m of water on top: z = 0.2 m at 327.1 s with n = 0.4, k = 1.1e-4 m/s.
+  // t = (n/k) [z - H0 ln(1 + z/H0)], with H0 = 0.1 m of water on top: z = 0.2 m at 327.1 s with n = 0.4, k = 1.1e-4
+  // m/s.
   const double dx = 0.01, z = 0.2, H0 = 0.1, t = 0.4 / 1.1e-4 * (z - H0 * std::log(1.0 + z / H0));
   Case scene = column(sharp(0.4, 1.1e-4), 0.4, dx, t);
   scene.water_faces = {head_face(top_of(dx, 0.4), 0.5)};

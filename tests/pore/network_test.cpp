@@ -1,4 +1,4 @@
-// The Voronoi network: its cells fill the soil, its links are exact where they should be.
+// The Voronoi network: its cells fill the soil, and its links are exact where they should be.
 #include "pore_solver/network.hpp"
 
 #include "tests/pore/scenes.hpp"
@@ -75,7 +75,7 @@ TEST(Network, WallsCutLinks) {
   EXPECT_EQ(make_network(scene).links.size(), 9u * 5u + 10u * 4u - 3u);
 }
 
-/// Root mean square error of -lap(u) = f with u = cos(pi x) cos(pi y), which no flow bounds, on a unit square.
+/// Root mean square error of -lap(u) = f on a unit square, u = cos(pi x) cos(pi y), without flow through the sides.
 double poisson_error(int rows, double jitter) {
   Case scene = scene_of(sharp(0.4, 1e-4), box(0.0, 0.0, 1.0, 1.0), 1.0 / rows, 1.0);
   scene.fluid.jitter = jitter;
@@ -87,7 +87,7 @@ double poisson_error(int rows, double jitter) {
       entries.emplace_back(i, i, link.transmissibility);
       entries.emplace_back(i, j, -link.transmissibility);
     }
-  entries.emplace_back(0, 0, 1.0);  // the constant
+  entries.emplace_back(0, 0, 1.0);  // fixes the constant
   Eigen::VectorXd b(n), exact(n);
   for (Eigen::Index i = 0; i < n; ++i) {
     const Point3& x = net.position[static_cast<std::size_t>(i)];
@@ -111,7 +111,7 @@ TEST(Network, PoissonsEquationConvergesAtSecondOrderOnJitteredPoints) {
   }
 }
 
-/// A shift changes nothing but elevations; a shear of 0.3 changes links and leaves all of the area to the cells.
+/// A translation changes only elevations; a shear of 0.3 changes links, and the cells still fill the whole area.
 TEST(Network, GoesWithSoilThatMoves) {
   Case scene = scene_of(sharp(0.4, 1e-4), trapezium(), 0.03, 1.0);
   scene.water_faces = {head_face(line(1.2, 0.0, 0.8, 0.4), 0.1)};
@@ -138,7 +138,7 @@ TEST(Network, GoesWithSoilThatMoves) {
   EXPECT_NEAR(face(shifted), face(drawn), 1e-9);
   const Network sheared = moved(0.3);
   EXPECT_NEAR(area(sheared), area(drawn), 0.01 * area(drawn));
-  // The slope's foot moves by 0.3 of its height less than its crest.
+  // The foot of the slope moves by 0.3 of its height less than the crest.
   EXPECT_NEAR(face(sheared), std::hypot(0.4 - 0.3 * 0.4, 0.4), 0.02);
 }
 

@@ -20,7 +20,7 @@ inline Shape box(double x0, double y0, double x1, double y1) {
   return shape;
 }
 
-/// The domain lies to the left of the walk.
+/// A line between two points; the domain is on its left.
 inline Face line(double x0, double y0, double x1, double y1) {
   Face face;
   face.points = {Point3(x0, y0, 0.0), Point3(x1, y1, 0.0)};
@@ -95,7 +95,7 @@ inline Case column(Soil soil, double height, double spacing, double end) {
 inline Face base_of(double spacing) { return line(0.0, 0.0, spacing, 0.0); }
 inline Face top_of(double spacing, double height) { return line(spacing, height, 0.0, height); }
 
-/// Up to a time, in windows as long as the phase proposes.
+/// Advances up to a time, in windows as long as the phase proposes.
 inline void run_to(PoreWater& water, double time) {
   std::uint64_t step = 0;
   double limit = HUGE_VAL;
@@ -124,7 +124,7 @@ inline Gauge gauge(const std::string& name, const std::string& kind, std::vector
   return g;
 }
 
-/// Points up a column.
+/// Points at these elevations in a column.
 inline std::vector<Point3> up(double x, const std::vector<double>& elevations) {
   std::vector<Point3> points;
   for (const double z : elevations) points.emplace_back(x, z, 0.0);

@@ -1,4 +1,5 @@
-// A biaxial test: a block of soil between two smooth plates that approach, under a pressure on its free sides.
+// A biaxial test: a block of soil between two smooth plates that approach each other, under a pressure on its free
+// sides.
 #include "scenes.hpp"
 #include "solid_solver/statics/rest.hpp"
 #include "solid_solver/dynamics/step.hpp"
@@ -37,7 +38,7 @@ Case block() {
   return scene;
 }
 
-/// The block, four particles of which have a tenth less of cohesion, so that bands may begin there.
+/// The block; four of its particles have a tenth less cohesion, so that shear bands can begin there.
 struct Biaxial {
   Setup<2> setup;
   State<2> state;
@@ -70,7 +71,7 @@ struct Biaxial {
     evaluate_forces(setup, state);
     drive.damping = near_critical_damping(setup);
   }
-  /// Soil and plates, all at once and evenly: what is not even about the answer is then found by settle().
+  /// Compresses soil and plates at once and uniformly; the non-uniform part of the answer is then found by settle().
   void squeeze(double strain) {
     for (auto& x : state.particles.position) x.y() *= 1.0 - strain;
     for (auto& side : setup.boundaries.planes) side.point.y() *= 1.0 - strain;
@@ -85,7 +86,7 @@ struct Biaxial {
   }
   void settle(int substeps) {
     for (int k = 0; k < substeps; ++k) {
-      if (k % 10 == 0) {  // the pressure on the sides, as the force of unit stress
+      if (k % 10 == 0) {  // the pressure on the sides, as the force for unit stress
         const auto q = surface_vectors<2>(state);
         drive.distributed.allocate(q.size());
         for (std::size_t i = 0; i < q.size(); ++i)
@@ -94,7 +95,7 @@ struct Biaxial {
       substep<2>(setup, setup.rest_substep, drive, state);
     }
   }
-  /// Mean vertical stress [Pa], compression positive: the plates' force over their length.
+  /// Mean vertical stress [Pa], compression positive: force of the plates over their length.
   [[nodiscard]] double axial() const {
     const auto& p = state.particles;
     double sum = 0.0, volume = 0.0;
@@ -104,7 +105,8 @@ struct Biaxial {
     }
     return sum / volume;
   }
-  /// Vertical stress less the mean of the four neighbours', rms over the mean stress; three rows off the edges.
+  /// Root mean square of vertical stress less the mean of its four neighbours, over the mean stress; without three rows
+  /// at edges.
   [[nodiscard]] double noise() const {
     std::vector<double> stress(columns * rows);
     for (std::size_t i = 0; i < laid.size(); ++i) {
@@ -124,7 +126,8 @@ struct Biaxial {
   }
 };
 
-// Rows used to alternate once all had yielded a little, and bands that this set off took 4 % of the strength.
+// Without the stiffness of displacements, rows alternated once all had yielded a little, and the bands that this caused
+// reduced the strength by 4 %.
 TEST(Biaxial, ABlockThatYieldedALittleHasSmoothStressesAndTheStrengthOfItsSoil) {
   Biaxial block;
   double strength = 0.0;

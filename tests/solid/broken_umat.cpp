@@ -1,5 +1,5 @@
-// Libraries with a user's own model that fail: one whose stress is not a number once it is strained by more than 1 %,
-// and (WITHOUT_FUNCTION) one that has none.
+// Libraries with a user's own model that fail: the stress of one is not a number from a strain of 1 % on; the other one
+// (WITHOUT_FUNCTION) contains no model.
 #include <cmath>
 #ifndef WITHOUT_FUNCTION
 extern "C" void umat_(double* stress, double*, double*, double*, double*, double*, double*, double*, double*, double*,

@@ -1,4 +1,4 @@
-// Modified Cam-Clay in the tests of a laboratory, against tables and closed forms.
+// Modified Cam-Clay in laboratory tests, compared with tables and closed forms.
 #include "solid_solver/material/element.hpp"
 #include "tests/instructions.hpp"
 #include "tests/solid/reference/table.hpp"
@@ -41,7 +41,7 @@ Tensor from_all_sides(double pressure) {
   return stress;
 }
 
-/// Largest errors of p, q and pc over the largest p of the path, of the pore pressure [Pa], and of the void ratio.
+/// Largest errors of p, q and pc over the largest p of the path, of the pore pressure [Pa] and of the void ratio.
 struct Errors {
   double p = 0.0, q = 0.0, pc = 0.0, pore_pressure = 0.0, void_ratio = 0.0;
 };
@@ -95,8 +95,8 @@ TEST(CamClay, FollowsTheTables) {
   }
 }
 
-// Without change of volume p^kappa pc^(lambda - kappa) is constant, and at the critical state p = pc / 2 and q = M p:
-// p = p0 (OCR / 2)^(1 - kappa / lambda).
+// At constant volume p^kappa pc^(lambda - kappa) is constant, and at the critical state p = pc / 2 and q = M p: p = p0
+// (OCR / 2)^(1 - kappa / lambda).
 TEST(CamClay, EndsAtTheCriticalStateOfItsVolume) {
   for (const double ratio : {1.0, 1.5, 5.0}) {
     const Soil soil = clay(ratio);
@@ -110,8 +110,9 @@ TEST(CamClay, EndsAtTheCriticalStateOfItsVolume) {
   }
 }
 
-// Normal compression without lateral strain ends at a constant eta = q / p: of the volume's strain two thirds are
-// shear, eta kappa / (3 (G / K) lambda) elastic and (1 - kappa / lambda) 2 eta / (M^2 - eta^2) plastic.
+// Normal compression without lateral strain ends at a constant eta = q / p: two thirds of the volumetric strain are the
+// shear strain, of which eta kappa / (3 (G / K) lambda) is elastic and (1 - kappa / lambda) 2 eta / (M^2 - eta^2)
+// plastic.
 TEST(CamClay, TheOedometerEndsAtItsRatioOfStresses) {
   const Soil soil = clay(1.0);
   const auto model = model_of(soil);
@@ -195,7 +196,7 @@ TEST(CamClay, FourAtATimeIsAsOneByOne) {
       std::array<Tensor, n_lanes> stress;
       std::array<std::array<double, 2>, n_lanes> state;
       std::array<double, n_lanes> plastic;
-      // Of one size: the longest decides for all four into how many steps it is divided.
+      // Of equal size, since the largest strain decides for all four into how many steps it is divided.
       const double size = std::pow(10.0, -5.0 + any(random));
       for (std::size_t l = 0; l < n_lanes; ++l) {
         const double mean = -1e4 - 1e4 * std::abs(any(random));

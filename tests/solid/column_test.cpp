@@ -1,4 +1,4 @@
-// Columns with exact answers: own weight, under water, loaded at the top.
+// Columns with exact solutions: under their own weight, under water, loaded at the top.
 #include "tests/solid/scenes.hpp"
 
 #include <gtest/gtest.h>
@@ -13,11 +13,11 @@ using test::column;
 using test::ColumnSpec;
 
 struct Errors {
-  double vertical = 0.0, horizontal = 0.0;  ///< largest, over the base value
+  double vertical = 0.0, horizontal = 0.0;  ///< largest error, over the value at the base
   double vertical_l2 = 0.0, horizontal_l2 = 0.0;
 };
 
-/// Against sigma_v = -weight (H - y), sigma_h = nu / (1 - nu) sigma_v.
+/// Errors against sigma_v = -weight (H - y), sigma_h = nu / (1 - nu) sigma_v.
 template <int D>
 Errors stress_errors(const Solid<D>& solid, double weight, double height, double nu) {
   Errors e;
@@ -83,11 +83,11 @@ TEST(GravityColumn, StressAndSettlementAndFiveSecondsOfRest) {
     expect_rest();
     std::printf("uplift %.3g m, speed %.3g m/s\n", gauge(solid, "uplift"), gauge(solid, "max_speed"));
     EXPECT_LT(gauge(solid, "uplift"), 1e-2 * settlement);
-    EXPECT_LT(gauge(solid, "max_speed"), 1e-2 * settlement * 67.0);  // of settlement x frequency of the slowest mode
+    EXPECT_LT(gauge(solid, "max_speed"), 1e-2 * settlement * 67.0);  // over settlement x frequency of the slowest mode
   }
 }
 
-// The water that moist soil holds weighs on it, as much as it weighs: n s_r0 rho_w g.
+// Residual water loads moist soil with its own weight, n s_r0 rho_w g per volume.
 TEST(GravityColumn, ResidualWaterWeighsOnTheSoil) {
   ColumnSpec spec;
   spec.spacing = 0.04;
@@ -109,12 +109,13 @@ TEST(GravityColumn, InThreeDimensions) {
   solid.initialise({});
   test::run_dry(solid, 0.2, 0.1);
   const Errors e = stress_errors<3>(solid, 0.6 * 2600.0 * 9.81, 0.6, 0.3);
-  EXPECT_LT(e.vertical, 0.025);  // ten rows: the surface row alone; all others are ten times better
+  EXPECT_LT(e.vertical, 0.025);  // the surface row of ten rows; all others are ten times better
   EXPECT_LT(e.vertical_l2, 0.01);
   EXPECT_LT(e.horizontal_l2, 0.01);
 }
 
-/// Section 5.1: soil 10 m deep under 12 m of still water in all, coarser than the paper.
+/// Section 5.1 of the paper: soil 10 m deep, its base under 12 m of still water, with coarser particles than in the
+/// paper.
 Case submerged(SolidCase::PressureGradient form) {
   ColumnSpec spec;
   spec.width = 4.0;
@@ -139,7 +140,7 @@ TEST(SubmergedColumn, BuoyantStressesAndRest) {
   const double weight = 0.7 * (26000.0 - 9810.0);
   std::printf("rest steps %.0f\n", solid.counters().at("rest steps"));
   stress_errors<2>(solid, weight, 10.0, 0.3);
-  // In equilibrium nothing is left, the water's pressure counted, ghosts included.
+  // In equilibrium no force is unbalanced, with the water's pressure and ghosts included.
   const auto publication = solid.publish();
   const auto& r = test::field_of(publication, coupling::field::unbalanced_force);
   for (std::size_t i = 0; i < publication.points.size(); ++i) {
@@ -154,7 +155,7 @@ TEST(SubmergedColumn, BuoyantStressesAndRest) {
   EXPECT_LT(gauge(solid, "uplift"), 0.01 * 0.5);
 }
 
-/// Stress of the top row under still water; the true one is -2.8 kPa, half a spacing of buoyant weight.
+/// Stress of the top row under still water; the exact one is -2.8 kPa, the buoyant weight of half a spacing.
 double surface_stress(const Solid<2>& solid) {
   const auto& p = solid.state().particles;
   std::size_t top = 0;
@@ -237,28 +238,28 @@ TEST(LoadedColumn, LoadsWaitForTheirStart) {
   for (const auto& v : solid.state().particles.velocity) ASSERT_EQ(v.norm(), 0.0);
   publication = solid.publish();
   EXPECT_EQ(publication.limited_by, "soil alone: gauges and prescribed water are seen between windows");
-  // Now it acts: r carries the traction, and sums to traction times area.
+  // Now the load acts: the unbalanced force r contains the traction, and sums to traction times area.
   const auto& r = test::field_of(publication, coupling::field::unbalanced_force);
   double sum = 0.0;
   for (std::size_t i = 0; i < publication.points.n_active; ++i)
     sum += r.values[2 * i + 1] * publication.points.volume[i];
   EXPECT_NEAR(sum, -1e4 * 0.4, 1e-3 * 1e4 * 0.4);
   solid.advance({1, 0.01, 0.01}, {});
-  // Until the wave meets the base (19 ms) the load alone gives the bar its momentum.
+  // Until the wave reaches the base (19 ms), the bar's momentum comes from the load alone.
   double momentum = 0.0;
   const auto& p = solid.state().particles;
   for (std::size_t i = 0; i < p.size(); ++i) momentum += p.mass[i] * p.velocity[i].y();
   EXPECT_NEAR(momentum, -1e4 * 0.4 * 0.01, 2e-3 * 1e4 * 0.4 * 0.01);
 }
 
-// The momentum that a load gives is the integral of its factor, here (1 - cos(w t)) / 2 by straight lines.
+// The momentum from a load is the integral of its factor, here (1 - cos(w t)) / 2 in straight pieces.
 TEST(LoadedColumn, LoadsFollowTheirFactor) {
   ColumnSpec spec;
   spec.gravity = 0.0;
   Case scene = column(spec);
   scene.loads = {test::top_load(spec, 1e4, 0.0)};
   scene.loads[0].factor.emplace();
-  constexpr double end = 0.01;  // s: before the wave meets the base
+  constexpr double end = 0.01;  // s: before the wave reaches the base
   for (int i = 0; i <= 20; ++i)
     scene.loads[0].factor->knots.emplace_back(0.05 * i * end, 0.5 - 0.5 * std::cos(0.1 * i * 3.141592653589793));
   Solid<2> solid(scene);
@@ -270,7 +271,7 @@ TEST(LoadedColumn, LoadsFollowTheirFactor) {
   EXPECT_NEAR(momentum, -1e4 * 0.4 * 0.5 * end, 0.01 * 1e4 * 0.4 * 0.5 * end);
 }
 
-// Velocities of the mode: cosh and sinh over the height, no divergence, no flow through walls and bottom.
+// Velocities of the sloshing mode: cosh and sinh over the height, without divergence or flow through walls and bottom.
 TEST(SloshingMode, StartsTheSoil) {
   ColumnSpec spec;
   Case scene = column(spec);
@@ -292,8 +293,8 @@ double fastest(const Solid<2>& solid) {
   return most;
 }
 
-// Where neighbours are missing corrected gradients are long: the shortest steps are asked for by the tips of wedges
-// (2 / omega of the highest mode is 1.07 to 1.09 dx / c there, 1.24 at plain faces, 1.94 inside).
+// Corrected gradients are large where neighbours are missing: tips of wedges need the shortest substeps (2 / omega of
+// the highest mode is 1.07 to 1.09 dx / c there, 1.24 at plane faces, 1.94 inside).
 TEST(GravityColumn, EdgesOfAWedgeLeaveRoom) {
   const auto growth = [](double courant, double run) {
     ColumnSpec spec;
@@ -319,7 +320,7 @@ TEST(GravityColumn, EdgesOfAWedgeLeaveRoom) {
   EXPECT_ANY_THROW(growth(1.2, 1.0)) << "else the default is too careful";
 }
 
-// Where all stress ends at the surfaces these may be as soft as their long gradients ask for.
+// Where stress vanishes at all surfaces, these may be as soft as their corrected gradients make them.
 TEST(GravityColumn, AWedgeOfGrainsOnARoughWallTakesLongerSteps) {
   const auto scene = [](Wall::ForSoil kind, double cohesion, std::optional<double> courant) {
     ColumnSpec spec;

@@ -1,4 +1,4 @@
-// Elastic moduli, the cone's constants, the Jaumann rate. Stress paths are in element_test.cpp.
+// Elastic moduli, constants of the cone, Jaumann rate. Stress paths are in element_test.cpp.
 #include "solid_solver/material/cone.hpp"
 #include "solid_solver/material/elastic.hpp"
 
@@ -43,7 +43,7 @@ TEST(Cone, MatchesTheClosedForms) {
   EXPECT_NEAR(cone.alpha, t / std::sqrt(9.0 + 12.0 * t * t), 1e-15);
   EXPECT_NEAR(cone.k, 3000.0 / std::sqrt(9.0 + 12.0 * t * t), 1e-9);
   EXPECT_EQ(cone.alpha_psi, 0.0);
-  // With psi = phi the plane-strain fit is the paper's; with psi = 0 it is 3 alpha = sin(phi).
+  // With psi = phi the plane-strain fit equals the paper's; with psi = 0 it is 3 alpha = sin(phi).
   const Cone paper = fit_cone(500.0, 25.0, 25.0), strain = fit_cone(500.0, 25.0, 25.0, Soil::Cone::plane_strain);
   EXPECT_NEAR(strain.alpha, paper.alpha, 1e-12);
   EXPECT_NEAR(strain.k, paper.k, 1e-9);
@@ -54,7 +54,7 @@ TEST(Cone, MatchesTheClosedForms) {
 TEST(Cone, EveryFitMeetsCoulombWhereItPromisesTo) {
   constexpr double c = 300.0, phi = 28.0, radians = phi * std::numbers::pi / 180.0;
   const double s = std::sin(radians);
-  // 3D: lowest and highest principal stress at failure are tied by s1 (1 - sin) - s3 (1 + sin) = -2 c cos.
+  // 3D: lowest and highest principal stress at failure satisfy s1 (1 - sin) - s3 (1 + sin) = -2 c cos.
   auto coulomb = [&](double high, double low) { return (high - low) + (high + low) * s - 2.0 * c * std::cos(radians); };
   auto at_failure = [&](const Cone& cone, const Tensor& direction) {  // p = 10 kPa, deviator scaled onto the cone
     Tensor stress = (cone.k + 3e4 * cone.alpha) / root_j2(direction) * direction;
@@ -65,7 +65,7 @@ TEST(Cone, EveryFitMeetsCoulombWhereItPromisesTo) {
   EXPECT_NEAR(coulomb(compression[0], compression[2]), 0.0, 1e-8);
   const Tensor extension = at_failure(fit_cone(c, phi, 0.0, Soil::Cone::inner), tensor(-1.0, -1.0, 2.0));
   EXPECT_NEAR(coulomb(extension[2], extension[0]), 0.0, 1e-8);
-  // Plane strain: at the limit the flow rule's own zz strain vanishes, s_zz = -2 alpha_psi sqrt(J2).
+  // Plane strain: at failure the plastic strain in z vanishes, s_zz = -2 alpha_psi sqrt(J2).
   for (const double psi : {0.0, 10.0, 28.0}) {
     const Cone cone = fit_cone(c, phi, psi, Soil::Cone::plane_strain);
     const double a = cone.alpha_psi, in_plane = std::sqrt(1.0 - 3.0 * a * a);
@@ -73,7 +73,7 @@ TEST(Cone, EveryFitMeetsCoulombWhereItPromisesTo) {
     EXPECT_NEAR(coulomb(stress[0], stress[1]), 0.0, 1e-8) << psi;
     EXPECT_NEAR(3.0 * a / in_plane, std::sin(psi * std::numbers::pi / 180.0), 1e-12);
   }
-  // Eq. (32) with psi = 0 mobilises 26 degrees for a nominal 31; the angle of repose is mobilised as it is given.
+  // Eq. (32) with psi = 0 mobilises 26 degrees for a nominal 31; the angle of repose is mobilised fully.
   auto mobilised = [](Soil::Cone fit) {
     return std::atan(3.0 * fit_cone(0.0, 31.0, 0.0, fit).alpha) * 180.0 / std::numbers::pi;
   };
@@ -83,7 +83,7 @@ TEST(Cone, EveryFitMeetsCoulombWhereItPromisesTo) {
 
 TEST(Cone, CohesionFallsWithSaturation) {
   Soil soil = sand(550.0);
-  EXPECT_EQ(cohesion_at(soil, 1.0), 550.0);  // no saturated cohesion given: Eq. (36) is off
+  EXPECT_EQ(cohesion_at(soil, 1.0), 550.0);  // without a saturated cohesion, Eq. (36) is off
   soil.initial_saturation = 0.2;
   soil.saturated_cohesion = 10.0;
   EXPECT_DOUBLE_EQ(cohesion_at(soil, 0.2), 550.0);  // as printed, c(s_r0) would be 442 Pa
@@ -108,7 +108,7 @@ TEST(Cone, ReductionDividesWhatAMaterialDeclaresAsAStrength) {
 }
 
 TEST(Jaumann, TurnsAStressWithItsMaterial) {
-  // A quarter turn in many small steps swaps xx and yy.
+  // Turning by 90 degrees in many small steps exchanges xx and yy.
   Tensor stress = tensor(-100.0, -300.0, -50.0);
   const double angle = std::numbers::pi / 2.0;
   constexpr int steps = 20000;

@@ -1,5 +1,5 @@
-// Element tests: single material points on strain paths whose stresses have a closed form. Every way of integrating the
-// Drucker-Prager soil is judged by the same paths, at steps a hundred times apart.
+// Element tests: single material points on strain paths whose stresses have a closed form. Every integration of the
+// Drucker-Prager model is tested on the same paths, with step sizes that differ by a factor of a hundred.
 #include "common/core/error.hpp"
 #include "solid_solver/material/cone.hpp"
 #include "solid_solver/material/model.hpp"
@@ -19,7 +19,7 @@ namespace {
 
 using Model = SolidCase::Model;
 
-constexpr double bound = 1e-3;  // of the stress, along the whole path and at every step size
+constexpr double bound = 1e-3;  // relative error of the stress, along the whole path and for every step size
 constexpr double bulk = 2.5e6, shear = 3e6 / 2.6, youngs = 3e6;
 constexpr double root3 = std::numbers::sqrt3;
 
@@ -42,7 +42,7 @@ Tensor tensor(double xx, double yy, double zz, double xy = 0.0) {
   return t;
 }
 
-/// An integration and the size of its strain steps.
+/// An integration and its size of strain steps.
 struct Setting {
   Model model;
   double step;
@@ -53,7 +53,7 @@ class Element : public testing::TestWithParam<Setting> {
   [[nodiscard]] std::unique_ptr<ConstitutiveModel> model(const Soil& soil) const {
     return make_constitutive(GetParam().model, soil);
   }
-  /// Strains in steps, silently.
+  /// Applies a strain in steps, without checks.
   double strain_by(const ConstitutiveModel& soil, Tensor& stress, const Tensor& total,
                    const Condition& condition = {}) const {
     const int steps = static_cast<int>(std::lround(total.cwiseAbs().maxCoeff() / GetParam().step));
@@ -61,8 +61,8 @@ class Element : public testing::TestWithParam<Setting> {
     for (int k = 0; k < steps; ++k) plastic += soil.advance(stress, total / steps, condition);
     return plastic;
   }
-  /// Strains along a direction whose largest component is 1, up to `size`, and holds every state against
-  /// exact(strain) within the bound and against the cone.
+  /// Strains along a direction whose largest component is 1, up to `size`; compares every state with exact(strain), and
+  /// with the cone.
   void follow(const ConstitutiveModel& soil, const Cone& cone, Tensor& stress, const Tensor& direction, double size,
               const std::function<Tensor(double)>& exact) const {
     const int steps = static_cast<int>(std::lround(size / GetParam().step));
@@ -100,8 +100,8 @@ TEST_P(Element, SimpleShearFromIsotropicStress) {
          [&](double e) { return tensor(-1e4, -1e4, -1e4, std::min(2.0 * shear * e, strength)); });
 }
 
-// From stresses at rest the deviator turns towards the shear: with psi = 0 its angle theta to the strain obeys
-// d theta / d e = -2 G sin(theta) / R at the constant radius R.
+// From the stresses at rest the deviator turns towards the shear: with psi = 0 its angle theta to the strain satisfies
+// d theta / d e = -2 G sin(theta) / R, at the constant radius R.
 TEST_P(Element, SimpleShearFromK0Stress) {
   const Soil soil = sand(50.0);
   const Cone cone = cone_of(soil);
@@ -124,7 +124,7 @@ TEST_P(Element, SimpleShearFromK0Stress) {
   });
 }
 
-// Dilation that the surroundings prevent raises the pressure: d I1 = -9 K alpha_psi d lambda.
+// Dilation against fixed boundaries raises the pressure: d I1 = -9 K alpha_psi d lambda.
 TEST_P(Element, ConfinedDilationRaisesThePressure) {
   const Soil soil = sand(0.0, 10.0);
   const Cone cone = cone_of(soil);
@@ -139,12 +139,12 @@ TEST_P(Element, ConfinedDilationRaisesThePressure) {
 }
 
 TEST_P(Element, OneDimensionalExtensionFromRest) {
-  // Towards active failure: the deviator shrinks, changes sign and ends on the cone; its direction stays.
+  // Towards active failure the deviator shrinks, changes sign and ends on the cone; its direction is unchanged.
   const Soil soil = sand(100.0, 10.0);
   const Cone cone = cone_of(soil);
   const Tensor rest = tensor(-4e4, -8e4, -4e4);
   Tensor stress = rest;
-  const double d_mean = bulk, d_deviator = 2.0 * shear / root3;  // of p and the signed sqrt(J2) per strain
+  const double d_mean = bulk, d_deviator = 2.0 * shear / root3;  // p and the signed sqrt(J2), per strain
   const double p0 = trace(rest) / 3.0, q0 = -root_j2(rest);
   const double first = (cone.k - 3.0 * cone.alpha * p0 - q0) / (d_deviator + 3.0 * cone.alpha * d_mean);
   follow(*model(soil), cone, stress, tensor(0.0, 1.0, 0.0), 2.1e-2, [&](double e) {
@@ -158,7 +158,7 @@ TEST_P(Element, OneDimensionalExtensionFromRest) {
 }
 
 // Triaxial compression at constant cell pressure: the lateral strain of every step is found so that the cell pressure
-// stays. The strength is Coulomb's on the `outer` cone, and the sample dilates by the flow rule.
+// is kept. The strength is Coulomb's on the `outer` cone, and the sample dilates by the flow rule.
 TEST_P(Element, TriaxialCompressionAndUnloading) {
   const Soil soil = sand(300.0, 10.0, Soil::Cone::outer);
   const Cone cone = cone_of(soil);
@@ -253,7 +253,7 @@ TEST_P(Element, TensionCutOffLeavesTheShearThatTheConeBears) {
   const double edge = cone.k - 300.0 * cone.alpha;
   EXPECT_NEAR(trace(stress), 300.0, 1e-6);
   EXPECT_LE(stress[3], edge + 1e-6);
-  // The rate form relaxes the shear for a volume strain that the cut-off takes as well: it stays inside.
+  // The rate form reduces the shear stress for a volume strain that the cut-off also accounts for: it ends inside.
   if (GetParam().model == Model::drucker_prager) {
     EXPECT_NEAR(stress[3], edge, 1e-6);
   }
@@ -306,7 +306,7 @@ TEST_P(Element, FourAtATimeIsAsOneByOne) {
         std::array<Tensor, n_lanes> stress, strain;
         std::array<double, n_lanes> plastic;
         for (std::size_t l = 0; l < n_lanes; ++l) {
-          // From inside the cone, in every direction, by steps from next to nothing to far beyond it.
+          // From inside the cone in every direction, with steps from nearly zero to far beyond the cone.
           const double mean = -1e4 * std::abs(any(random)), size = std::pow(10.0, -3.5 + 1.5 * any(random));
           stress[l] = tensor(mean, mean, mean);
           for (int c = 0; c < 6; ++c) {

@@ -1,5 +1,5 @@
-// The equilibrium at the end of a window: held against dynamic relaxation, and against many small windows where soil
-// yields.
+// The equilibrium at the end of a window, compared with dynamic relaxation, and where soil yields with many small
+// windows.
 #include "solid_solver/phase.hpp"
 #include "solid_solver/statics/equilibrium.hpp"
 #include "tests/solid/scenes.hpp"
@@ -16,12 +16,12 @@ namespace {
 using test::column;
 using test::ColumnSpec;
 
-/// Gravity put on soil without stress, by dynamic relaxation and at once.
+/// Applies gravity to stress-free soil by dynamic relaxation, and by the search for equilibrium at once.
 template <int D>
 void expect_the_same_equilibrium(const ColumnSpec& spec) {
   Case scene = column(spec);
   scene.solid.initial_rest = false;
-  scene.soils[0].youngs_modulus *= 100.0;  // strains of 4e-5: steps of other size then sum up to the same strain
+  scene.soils[0].youngs_modulus *= 100.0;  // strains of 4e-5: other step sizes then sum to the same strain
   const Solid<D> solid(scene);
   const Setup<D>& setup = solid.setup();
   const std::size_t n = solid.state().particles.free();
@@ -33,7 +33,7 @@ void expect_the_same_equilibrium(const ColumnSpec& spec) {
   const Stiffness<D> stiffness(setup, solved.particles, solved.particles.position, ScalarArray(n, 0.0));
   Drive<D> drive;
   weight_alone(drive, true);
-  EXPECT_NEAR(departure(setup, stiffness, solved, drive), 1.0, 1e-9);  // all of the weight is missing
+  EXPECT_NEAR(departure(setup, stiffness, solved, drive), 1.0, 1e-9);  // the whole weight is unbalanced
   const VecArray<D> weight = all_forces(setup, solved, drive), moved_by_it = stiffness.displacements(weight);
   double done = 0.0;
   for (std::size_t i = 0; i < n; ++i) done += weight[i].dot(moved_by_it[i]);
@@ -73,7 +73,7 @@ TEST(Equilibrium, InThreeDimensions) {
   expect_the_same_equilibrium<3>(spec);
 }
 
-/// Plastic strain and displacement [m] of a block whose foot yields as its weight comes on in so many equal parts.
+/// Plastic strain and displacement [m] of a block whose foot yields, when its weight is applied in so many equal parts.
 std::pair<double, double> loaded_in_parts(std::size_t parts, double criterion) {
   ColumnSpec spec;
   spec.sides = false;
@@ -82,7 +82,7 @@ std::pair<double, double> loaded_in_parts(std::size_t parts, double criterion) {
   scene.solid.model = SolidCase::Model::drucker_prager;
   scene.soils[0].friction_angle = 30.0;
   scene.soils[0].dilation_angle = 5.0;
-  scene.soils[0].cohesion = 5000.0;  // Pa: stands, but its foot yields
+  scene.soils[0].cohesion = 5000.0;  // Pa: it stands, but its foot yields
   const Solid<2> solid(scene);
   const Setup<2>& setup = solid.setup();
   State<2> state = solid.state();
@@ -126,7 +126,7 @@ TEST(Equilibrium, ThatDoesNotExistLeavesTheSoilAsItWas) {
   State<2> state = solid.state();
   const std::size_t n = state.particles.free();
   const Stiffness<2> stiffness(setup, state.particles, state.particles.position, ScalarArray(n, 0.0));
-  const auto lifted = [&](Drive<2>& drive, bool) {  // by twice its weight: sand does not hang from its base
+  const auto lifted = [&](Drive<2>& drive, bool) {  // by twice its weight: sand cannot hang from its base
     drive.distributed.allocate(n);
     for (std::size_t i = 0; i < n; ++i) drive.distributed.set(i, -2.0 * state.particles.mass[i] * setup.gravity);
   };
@@ -137,14 +137,14 @@ TEST(Equilibrium, ThatDoesNotExistLeavesTheSoilAsItWas) {
   }
 }
 
-// With a jump there a search finds no equilibrium: what it tries lies on either side in turn.
+// With a jump there, a search would find no equilibrium: its trials would lie on either side in turn.
 TEST(Equilibrium, ForcesDoNotJumpWhereDilationEnds) {
   Case scene = column({});
   scene.solid.model = SolidCase::Model::drucker_prager;
   Soil& soil = scene.soils[0];
   soil.friction_angle = 30.0;
   soil.dilation_angle = 10.0;
-  soil.maximum_void_ratio = 0.67;  // from 0.6667: where the volume is larger by 0.002
+  soil.maximum_void_ratio = 0.67;  // initially 0.6667: reached where the volume is larger by 0.002
   const Solid<2> solid(scene);
   const std::size_t n = solid.state().particles.free();
   const auto mean_stress_after = [&](double share) {

@@ -1,4 +1,4 @@
-// Soil that flows: rough walls, periodic and symmetric sides, and what keeps the flow regular.
+// Flowing soil: rough walls, periodic and symmetric sides, and the corrections that keep the flow regular.
 #include "scenes.hpp"
 #include "solid_solver/discretisation/rough_walls.hpp"
 #include "solid_solver/dynamics/flow_regularisation.hpp"
@@ -20,7 +20,7 @@ Face line(std::vector<Point3> points) {
   return face;
 }
 
-/// Ten rows of grains (angle of repose 31 degrees) on a rough base, periodic along x, gravity turned by `slope`.
+/// Ten rows of grains (angle of repose 31 degrees) on a rough base, periodic along x, with gravity turned by `slope`.
 Case layer(double slope, double speed, int dimension = 2) {
   ColumnSpec spec;
   spec.dimension = dimension;
@@ -55,7 +55,7 @@ double mean_speed(const Solid<D>& solid) {
   return sum;
 }
 
-/// Sixty substeps of grains that flow down a slope, shared out over parts.
+/// Sixty substeps of grains that flow down a slope, computed in the given number of parts.
 Particles<2> sixty_substeps(std::size_t parts) {
   auto [setup, particles] = set_up<2>(layer(0.6, 0.3));
   setup.parts = parts;
@@ -142,7 +142,7 @@ void expect_coulomb() {
     const double found = (mean_speed(solid) - before) / 0.5;
     const double exact = 9.81 * (std::sin(slope) - friction * std::cos(slope));
     EXPECT_NEAR(found, exact, 0.25 * std::abs(exact)) << degrees;
-    for (const auto& x : solid.state().near.built_at) {  // nothing leaves for good
+    for (const auto& x : solid.state().near.built_at) {  // nothing leaves the box
       EXPECT_GE(x.x(), 0.0);
       EXPECT_LE(x.x(), 0.4);
     }
@@ -155,8 +155,8 @@ TEST(InfiniteSlope, SlowsDownBelowItsAngleOfReposeAndSpeedsUpAboveIt) {
 }
 
 TEST(InfiniteSlope, FrictionDoesNotDependOnTheThicknessOfTheSheet) {
-  // Sheets of a few particles neither stick (inadmissible tension) nor float (viscous lift) over the held soil. A
-  // single row collides with the bumps of its bed and is braked by more.
+  // Sheets of a few particles neither stick (inadmissible tension) nor float (viscous lift) over the fixed particles of
+  // the base. A single row collides with the bumps of its bed, which brakes it more.
   for (const int rows : {2, 3}) {
     const double slope = 35.0 * 3.14159265358979 / 180.0, friction = std::tan(31.0 * 3.14159265358979 / 180.0);
     Case scene = layer(slope, 1.5);
@@ -195,7 +195,7 @@ TEST(PeriodicSides, AreNoSides) {
 }
 
 TEST(SymmetricSide, ShowsTheOtherHalf) {
-  // A column that loses both its sides, and its right half on a roller.
+  // A column without side walls, and its right half beside a roller.
   Case half = layer(0.0, 0.0);
   half.general.periodic.clear();
   half.solid.initial_rest = false;
@@ -224,7 +224,7 @@ TEST(SymmetricSide, ShowsTheOtherHalf) {
 
 TEST(RegularFlow, LeavesAloneWhatDoesNotFlowAndWhatIsLinear) {
   Case scene = layer(0.0, 0.0);
-  scene.soils[0].dilation_angle = 5.0;  // a density of its own
+  scene.soils[0].dilation_angle = 5.0;  // so that the density changes
   Solid<2> solid(scene);
   const auto [setup, unused] = set_up<2>(scene);
   State<2> state = solid.state();
@@ -241,7 +241,7 @@ TEST(RegularFlow, LeavesAloneWhatDoesNotFlowAndWhatIsLinear) {
   State<2> expected = resting;
   keep_flow_regular<2>(setup, 1.0, true, resting);
   EXPECT_EQ(resting.particles.stress[44], expected.particles.stress[44]);
-  // What has flowed and rests is left alone as well.
+  // Soil that has flowed and is at rest again is not changed, either.
   std::fill_n(state.particles.plastic_strain.begin(), state.particles.free(), 1.0);
   State<2> stopped = state;
   disturb(stopped);
@@ -255,7 +255,7 @@ TEST(RegularFlow, LeavesAloneWhatDoesNotFlowAndWhatIsLinear) {
     const double depth = 0.5 - state.particles.position[i].y();
     if (i >= state.particles.free() || depth < 3.0 * spacing) continue;
     EXPECT_NEAR(smooth.particles.volume[i], state.particles.volume[i],
-                1e-12 * state.particles.volume[i]);  // as dense as it was laid
+                1e-12 * state.particles.volume[i]);  // density as at time zero
   }
   disturb(noisy);
   keep_flow_regular<2>(setup, 1.0, false, noisy);
@@ -286,7 +286,7 @@ TEST(RegularFlow, EvensOutStressWhereSoilYieldedALittleAndNothingElse) {
     EXPECT_EQ(treated.particles.position, p.position);
     return treated.particles.stress;
   };
-  // What has yielded and rests is left alone, what moves as well, and a linear stress always.
+  // Soil that has yielded and rests is not changed; nor is soil that moves, nor a linear stress.
   EXPECT_EQ(treat(1e-3, true, false)[44][1], p.stress[44][1] + 100.0);
   EXPECT_EQ(treat(0.0, true)[44][1], p.stress[44][1] + 100.0);
   const auto smooth = treat(1e-3, false);
@@ -295,8 +295,8 @@ TEST(RegularFlow, EvensOutStressWhereSoilYieldedALittleAndNothingElse) {
   const double wholly = left(1e-3);
   EXPECT_LT(wholly, 80.0);
   EXPECT_GT(wholly, 0.0);
-  // In proportion to the plastic strain as long as that is small: half of three times G times it, did all around differ
-  // in the same direction (their slopes explain some of it).
+  // The correction is proportional to the plastic strain while that is small: half of three times G times it, if all
+  // neighbours differed in the same direction (their gradients explain part of the difference).
   const double since = 1e-6, most = 0.5 * 3.0 * setup.models[0]->initial_moduli().shear * since;
   const double evened = 100.0 - left(since), twice = 100.0 - left(2.0 * since);
   EXPECT_LT(evened, most);

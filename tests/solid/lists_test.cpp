@@ -1,4 +1,4 @@
-// Pair lists that hold while neighbours move along with each other.
+// Pair lists remain valid while neighbours move together.
 #include "solid_solver/discretisation/lists_hold.hpp"
 #include "solid_solver/dynamics/step.hpp"
 #include "tests/solid/scenes.hpp"
@@ -10,7 +10,7 @@
 namespace poretwin::solid::test {
 namespace {
 
-/// What every particle feels of all nodes in its list: larger as soon as one more is within the kernel's reach.
+/// A kernel sum of every particle over all nodes in its list: it grows as soon as another one is within reach.
 template <int D>
 ScalarArray felt(const Setup<D>& setup, const Particles<D>& p, const Neighbourhood<D>& near) {
   ScalarArray sum(p.size(), 0.0);
@@ -25,8 +25,9 @@ ScalarArray felt(const Setup<D>& setup, const Particles<D>& p, const Neighbourho
   return sum;
 }
 
-/// Moves a column on a base at random, as a whole, in shear and each particle by itself; wherever its lists are
-/// said to hold they miss nothing. Tells how often they held though something had moved by more than half the skin.
+/// Moves a column on a base at random, as a whole, in shear, and each particle by itself; lists that are said to be
+/// valid must miss no pair. Returns how often they were valid although something had moved by more than half the
+/// margin.
 template <int D>
 int holds_without_misses(unsigned seed) {
   ColumnSpec spec;
@@ -46,7 +47,7 @@ int holds_without_misses(unsigned seed) {
     const double along = 2.0 * setup.skin * any(generator), shear = 0.5 * setup.skin * any(generator),
                  apart = 0.2 * setup.skin * std::abs(any(generator));
     for (auto& x : p.position) {
-      const double away = std::clamp(1.5 * x[D - 1] / spec.height - 0.3, 0.0, 1.0);  // nothing near the base
+      const double away = std::clamp(1.5 * x[D - 1] / spec.height - 0.3, 0.0, 1.0);  // no motion near the base
       x[0] += away * (along + shear * x[0] / spec.width);
       for (int d = 0; d < D; ++d) x[d] += away * apart * any(generator);
     }
@@ -72,7 +73,7 @@ TEST(Lists, HoldWhileNeighboursMoveAlong) {
   }
 }
 
-/// Of a box without walls in two parts: how often particles feel one of the other part.
+/// A box without walls in two parts: number of pairs between them.
 template <int D>
 double felt_across(const Vec<D>& extent, double spacing) {
   Case scene = column({.dimension = D, .spacing = spacing, .base = Wall::ForSoil::none, .sides = false});
@@ -88,7 +89,7 @@ double felt_across(const Vec<D>& extent, double spacing) {
 }
 
 TEST(Lists, PartsMeetWhereTheSoilIsNarrow) {
-  // Twice 11 pairs a row of a lattice: 5 a spacing apart along the normal, 2 times 3 two spacings apart.
+  // Twice 11 pairs per row of a lattice: 5 at one spacing along the normal, 2 times 3 at two spacings.
   const double square = 22.0 * 20.0;
   EXPECT_NEAR(felt_across<2>({4.0, 1.0}, 0.05), square, 0.1 * square);
   EXPECT_NEAR(felt_across<2>({1.0, 4.0}, 0.05), square, 0.1 * square);

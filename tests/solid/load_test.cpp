@@ -1,4 +1,4 @@
-// The force of a load on a line: traction times length, however the line runs through the particles' lattice.
+// The force of a load on a line is traction times length, however the line runs through the lattice of particles.
 #include "tests/solid/scenes.hpp"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 namespace poretwin::solid {
 namespace {
 
-/// Soil in free space, without gravity, under a traction on a line.
+/// Soil without walls and gravity, under a traction on a line.
 Case loaded(std::vector<Point3> soil, std::vector<Point3> line, double spacing) {
   test::ColumnSpec spec;
   spec.base = Wall::ForSoil::none;
@@ -72,7 +72,7 @@ TEST(Load, OnALineThatEndsWithinAColumnHasTheLengthOfTheLine) {
   expect_force(loaded(block, {{3.03, 2, 0}, {1, 2, 0}}, 0.1), 2.03, 1e-12);
 }
 
-// Only what lies along soil is loaded, also where the line lies two spacings off.
+// Only the part of a line that lies along soil loads it, also at two spacings from the surface.
 TEST(Load, BeyondTheSoilIsNone) { expect_force(loaded(block, {{5, 2.2, 0}, {1.02, 2.2, 0}}, 0.1), 2.98, 1e-3); }
 
 TEST(Load, OnASlopeAndDownToItsToe) {
@@ -83,7 +83,7 @@ TEST(Load, OnASlopeAndDownToItsToe) {
   }
 }
 
-// Of a radius of 8 to 30 spacings, in few and in many pieces.
+// Curves with a radius of 8 to 30 spacings, in few and in many pieces.
 TEST(Load, OnACurveIsTractionTimesLength) {
   for (const double spacing : {0.1, 0.05})
     for (const double radius : {0.8, 1.5})
@@ -105,7 +105,7 @@ TEST(Load, OnACurveIsTractionTimesLength) {
       }
 }
 
-// Wherever the walk around a hole begins, all soil within reach is loaded, beyond its corners, too.
+// All soil around a hole is loaded, wherever its line begins, beyond its corners, too.
 TEST(Load, AroundAHoleHasNoSeam) {
   const std::vector<Point3> outside{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}};
   std::vector<Point3> hole{{1, 1, 0}, {1, 3, 0}, {3, 3, 0}, {3, 1, 0}};  // soil on the left
@@ -128,7 +128,8 @@ TEST(Load, AroundAHoleHasNoSeam) {
   EXPECT_EQ(loaded_particles[0], loaded_particles[1]);
 }
 
-// The pressure at a loaded face is carried as the load is: undrained, nothing is left for the grains to move by.
+// At a loaded face the pore pressure acts on the same particles as the load: undrained, no force is left to move the
+// grains.
 TEST(Load, IsBalancedByPressureRowByRow) {
   Case scene = loaded(block, {{3.03, 2, 0}, {1, 2, 0}}, 0.1);
   scene.loads[0].traction = {0.0, -1000.0, 0.0};

@@ -1,4 +1,4 @@
-// Soils of different materials in one case, against exact answers in one dimension.
+// Soils of different materials in one case, compared with exact one-dimensional solutions.
 #include "common/core/error.hpp"
 #include "tests/solid/scenes.hpp"
 
@@ -12,9 +12,8 @@
 namespace poretwin::solid {
 namespace {
 
-/// Elastic soil on soil without cohesion that yields under the weight: sigma_h there is what the cone bears of sigma_v,
-/// (1/sqrt(3) - alpha) / (1/sqrt(3) + 2 alpha), and, as it yields at constant volume, its compression that of the mean
-/// stress alone, p / K.
+/// Elastic soil on cohesionless soil that yields under the weight. There the cone limits sigma_h to sigma_v (1/sqrt(3)
+/// - alpha) / (1/sqrt(3) + 2 alpha), and as it yields at constant volume, only the mean stress compresses it, p / K.
 TEST(Materials, ElasticSoilOnSoilThatYieldsInOneDimension) {
   test::ColumnSpec spec;
   spec.base = Wall::ForSoil::roller;
@@ -43,7 +42,7 @@ TEST(Materials, ElasticSoilOnSoilThatYieldsInOneDimension) {
                     std::abs(p.stress[i][0] - (below ? yielding : elastic) * p.stress[i][1])});
     EXPECT_EQ(p.plastic_strain[i] > 0.0, below) << "particle " << i;
   }
-  EXPECT_LT(off, 1e-2 * gamma);  // with one ratio for both layers 0.11 gamma
+  EXPECT_LT(off, 1e-2 * gamma);  // 0.11 gamma with one stress ratio for both layers
 
   const Elasticity moduli = Elasticity::of(lower);
   const double by_upper = gamma * 0.125 / moduli.constrained();                          // its own weight
@@ -53,7 +52,7 @@ TEST(Materials, ElasticSoilOnSoilThatYieldsInOneDimension) {
   EXPECT_NEAR(readings[1].value, -by_lower, 5e-3 * by_lower);
 }
 
-/// A layer of normally consolidated clay, 2 m thick, on which a fill is laid in 20 s; keys: more of its soil.
+/// A layer of normally consolidated clay, 2 m thick, on which a fill is placed in 20 s; keys: added to its soil.
 Case clay_under_a_fill(const std::string& keys) {
   const auto path = std::filesystem::temp_directory_path() / "poretwin_clay.toml";
   std::ofstream(path) << std::string(R"([case]
@@ -84,15 +83,16 @@ factor = [[0, 0], [20, 1]]
   return read_case(path);
 }
 
-/// Clay on its line of normal compression, under its own weight and then under a fill that is laid slowly: the specific
-/// volume falls by lambda ln of the ratio of the vertical stresses, as the ratio of the horizontal ones stays.
+/// Clay on its normal compression line, under its own weight and then under a slowly placed fill: the specific volume
+/// falls by lambda times the logarithm of the ratio of vertical stresses, since the ratio of horizontal stresses is
+/// kept.
 TEST(Materials, ClayUnderAFillSettlesByItsCompressionSlope) {
   Solid<2> solid(clay_under_a_fill(""));
   solid.initialise({});
   const auto& p = solid.state().particles;
   double at_rest = 0.0;
   for (std::size_t i = 0; i < p.free(); ++i) at_rest = std::max(at_rest, p.displacement[i].norm());
-  EXPECT_LT(at_rest, 2e-3);  // it begins under the stress that it bears
+  EXPECT_LT(at_rest, 2e-3);  // it begins in equilibrium
   for (int k = 0; k < 480; ++k) solid.advance({static_cast<std::uint64_t>(k), solid.state().time, 0.05}, {});
 
   constexpr double gamma = 0.5 * 2700.0 * 9.81, fill = 10e3;
@@ -109,7 +109,7 @@ TEST(Materials, ClayUnderAFillSettlesByItsCompressionSlope) {
   }
 }
 
-/// The substep is chosen for the stiffness at a pressure: soil that bears more would be integrated wrongly, in silence.
+/// The substep is chosen for the stiffness at a pressure: at a higher pressure the integration would be silently wrong.
 TEST(Materials, SoilThatBearsMoreThanItsSubstepIsChosenForEndsTheRun) {
   Solid<2> sound(clay_under_a_fill("largest_pressure = 30e3")), weak(clay_under_a_fill("largest_pressure = 15e3"));
   EXPECT_LT(sound.setup().longest_substep, weak.setup().longest_substep);

@@ -1,4 +1,5 @@
-// The return to Coulomb's surface: against tabulated exact returns, and against a search over all sets of active faces.
+// The return to Coulomb's surface, compared with tabulated exact returns and with a search over all sets of active
+// faces.
 #include "solid_solver/material/model.hpp"
 #include "tests/instructions.hpp"
 #include "tests/solid/reference/table.hpp"
@@ -60,7 +61,7 @@ TEST(MohrCoulomb, ReturnsToFacesEdgesAndApexAsTabulated) {
     const auto model = mohr_coulomb(soil_of(at("E"), at("nu"), at("phi_deg"), at("psi_deg"), at("c")));
     Tensor stress = tensor("s0");
     const Tensor right = tensor("s");
-    const double size = std::max(matrix3(stress).norm(), matrix3(right).norm());  // without cohesion the apex is at 0
+    const double size = std::max(matrix3(stress).norm(), matrix3(right).norm());  // the apex may be at zero
     const double plastic = model->advance(stress, tensor("de"));
     EXPECT_EQ(plastic > 0.0, at("sum_multipliers") > 0.0) << "row " << row;
     const double off = (matrix3(stress) - matrix3(right)).norm() / size;
@@ -70,8 +71,8 @@ TEST(MohrCoulomb, ReturnsToFacesEdgesAndApexAsTabulated) {
   RecordProperty("worst", fmt::format("{:.2g}", worst));
 }
 
-/// The exact return by trying every set of active planes: of the surface, with c, phi and psi, and of the tension's
-/// limit. One set gives multipliers that are not negative and a stress that is not outside.
+/// The exact return by trying all sets of active planes: those of the surface, with c, phi and psi, and the tension
+/// cut-off. Exactly one set gives non-negative multipliers and an admissible stress.
 Tensor return_by_search(const Tensor& trial, const Soil& soil, double limit) {
   const double sin_phi = std::sin(soil.friction_angle * std::numbers::pi / 180.0),
                cos_phi = std::cos(soil.friction_angle * std::numbers::pi / 180.0),
@@ -134,7 +135,8 @@ TEST(MohrCoulomb, IsTheOneReturnThatASearchOverAllPlanesFinds) {
   int cut_off = 0, sheared = 0;
   for (int k = 0; k < 3000; ++k) {
     Soil soil = soil_of(1e7, 0.25 + 0.2 * any(random), 35.0 * std::abs(any(random)), 0.0, 1e4 * std::abs(any(random)));
-    // Flow by 0, by a part of the friction, or all of it: beyond the apex without dilation the limit of tension acts.
+    // Dilation of zero, part of the friction angle, or all of it; beyond the apex without dilation the tension cut-off
+    // acts.
     soil.dilation_angle = soil.friction_angle * std::max(0.0, any(random));
     const double apex = soil.cohesion / std::tan(soil.friction_angle * std::numbers::pi / 180.0);
     double limit = apex;

@@ -1,4 +1,4 @@
-// A material in one file and a row (docs/extending/stiffening.cpp): chosen in a case, followed exactly, its state kept.
+// A material in one file and one table row (docs/extending/stiffening.cpp): selected in a case, exact, its state saved.
 #include "common/core/error.hpp"
 #include "tests/solid/scenes.hpp"
 
@@ -16,7 +16,7 @@ using testing::HasSubstr;
 
 constexpr double doubling = 4e-4, weight = 0.6 * 2600.0 * 9.81;  // N/m3
 
-/// A column under its weight, read from a file, with a row of elastic soil at its foot.
+/// A column under its weight, read from a file, with a row of elastic soil at its base.
 Case stiffening_column(const std::string& doubling_strain) {
   const auto path = std::filesystem::temp_directory_path() / "poretwin_stiffening.toml";
   std::ofstream(path) << R"([case]
@@ -41,7 +41,7 @@ points = [[0, 2], [0, 0], [0.4, 0], [0.4, 2]]
   return read_case(path);
 }
 
-/// Compression at a depth [m]: of M (c + c^2 / 2 d) = weight depth.
+/// Compression c at a depth [m]: M (c + c^2 / 2 d) = weight depth.
 double compression(const Solid<2>& solid, double depth) {
   const double strain = weight * depth / solid.setup().models[1]->initial_moduli().constrained();
   return doubling * (std::sqrt(1.0 + 2.0 * strain / doubling) - 1.0);
@@ -68,7 +68,8 @@ TEST(NewMaterial, SettlesAsItsModuliSay) {
   const auto published = solid.publish();
   const auto& modulus = test::field_of(published, coupling::field::constrained_modulus).values;
   const double loose = solid.setup().models[1]->initial_moduli().constrained();
-  // Away from the surface and from the elastic row, whose kernels reach across: displacements 0.225 and 0.875 m deep.
+  // Displacements at 0.225 and 0.875 m depth: away from the surface and from the elastic row, which kernels would
+  // include.
   constexpr double upper_depth = 0.225, lower_depth = 0.875;
   double upper = 0.0, lower = 0.0;
   for (std::size_t i = 0; i < p.size(); ++i) {

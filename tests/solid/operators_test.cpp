@@ -1,5 +1,5 @@
-// The operators are exact for linear fields, near walls and free surfaces too, and forces do the work that strains
-// store.
+// The operators are exact for linear fields, also near walls and free surfaces, and forces do the work that is stored
+// in strains.
 #include "solid_solver/discretisation/operators.hpp"
 
 #include "common/core/lanes.hpp"
@@ -19,7 +19,7 @@ namespace {
 using test::column;
 using test::ColumnSpec;
 
-/// Soil as it is laid, lists and kernels current.
+/// Soil at time zero, with current lists and kernels.
 template <int D>
 std::pair<Setup<D>, State<D>> laid(const Case& scene) {
   auto [setup, particles] = set_up<D>(scene);
@@ -33,7 +33,7 @@ std::pair<Setup<D>, State<D>> laid(const Case& scene) {
   return {std::move(setup), std::move(state)};
 }
 
-/// A column whose particles are jittered.
+/// A column with randomly displaced particles.
 template <int D>
 std::pair<Setup<D>, State<D>> jittered(ColumnSpec spec, double jitter) {
   spec.dimension = D;
@@ -66,7 +66,7 @@ TEST(VelocityGradient, IsExactForLinearFieldsAtFreeSurfaces) {
 }
 
 TEST(VelocityGradient, IsExactNearFixedAndRollerWalls) {
-  // Fixed base: anything that grows linearly from it. Roller base: no normal velocity, free slip.
+  // Fixed base: linear fields that vanish on it. Roller base: no normal velocity, free slip.
   for (const auto base : {Wall::ForSoil::fixed, Wall::ForSoil::roller}) {
     ColumnSpec spec;
     spec.base = base;
@@ -121,7 +121,7 @@ TEST(ArtificialStress, PartsTheCloseOnesInTensionAndKeepsMomentum) {
   state.particles = std::move(particles);
   const std::size_t n = state.particles.size(), moved = n / 2 + 4;  // inside the column
   state.body.assign(n, Vec<2>::Zero());
-  const Vec<2> shift(0.0, 0.3 * spec.spacing);  // towards the one above
+  const Vec<2> shift(0.0, 0.3 * spec.spacing);  // towards the particle above
   state.particles.position[moved] += shift;
   rebuild(setup, state);
   const auto force = [&](double stress) {
@@ -155,7 +155,8 @@ TEST(InternalForce, DoesTheWorkThatStrainsStoreInThreeDimensions) {
   expect_adjoint<3>(spec, 0.05);
 }
 
-/// Against the plain twin: everything random, some soil elastic, some flowing, images on three sides.
+/// Compared with the plain version of the loops: all values random, some soil elastic, some flowing, images on three
+/// sides.
 template <int D>
 void expect_twin(ColumnSpec spec, std::size_t parts = 1) {
   auto [setup, state] = jittered<D>(spec, 0.1);
@@ -177,7 +178,7 @@ void expect_twin(ColumnSpec spec, std::size_t parts = 1) {
   ScalarArray pressure(p.size());
   for (double& value : pressure) value = 1e3 * any(generator);
   evaluate_forces(setup, state);
-  const auto twin = plain_twin<D>(setup, state);  // of the gradient that the forces felt
+  const auto twin = plain_twin<D>(setup, state);  // with the gradient that the forces used
   velocity_gradient<D>(state.near.pairs, state.kernel, state.nodes);
   const auto push = pressure_gradient_difference<D>(state, pressure),
              pushed = plain_pressure_gradient<D>(setup, state, pressure);
@@ -248,8 +249,8 @@ TEST(InternalForce, KeepsMomentumWithoutWalls) {
   EXPECT_LT(sum.norm(), 1e-12 * scale);
 }
 
-/// Soil with a shear stress of 1 kPa, its upper half displaced along the lower by 0.2 spacings, and how much of that
-/// stress the control of displacements bears across the slip surface.
+/// Soil with a shear stress of 1 kPa whose upper half is displaced along the lower half by 0.2 spacings: the part of
+/// the shear stress that the hourglass stiffness transmits across the slip surface.
 double borne_by_control(double plastic_strain) {
   constexpr double tau = 1e3, slip = 0.01;
   ColumnSpec spec;
@@ -280,10 +281,10 @@ double borne_by_control(double plastic_strain) {
   return (without - with) / (0.5 * spec.width * tau);
 }
 
-// Were every pair across it held along it by all of its bound, the surface would bear (2 / pi) 0.3 % of the shear
+// If every pair across it were restrained by the whole bound, the surface would carry (2 / pi) 0.3 % of the shear
 // stress: half of int |r_y| W' dV over int r W' dV / 2 = 1.
 TEST(Stabilisers, HoldASlipSurfaceOfSoilThatYieldedByAThousandthOfItsStress) {
-  EXPECT_GT(borne_by_control(0.0), 0.1);  // unbounded: strength
+  EXPECT_GT(borne_by_control(0.0), 0.1);  // without the bound: additional strength
   EXPECT_GT(borne_by_control(0.005), 0.0012);
   EXPECT_LT(borne_by_control(0.005), 0.0024);
   EXPECT_EQ(borne_by_control(0.02), 0.0);
@@ -299,10 +300,10 @@ TEST(Stabilisers, LeaveUniformStrainRatesAlone) {
   set_velocity<2>(setup, state, [&](const Vec<2>& x) { return Vec<2>(exact * x); });
   evaluate_forces(setup, state);
   for (const auto& f : state.force)
-    EXPECT_LT(f.stabilising().norm(), 1e-6);  // of 1e3 kg/m3 x 60 m/s x 1/s / 0.05 m = 1e6
+    EXPECT_LT(f.stabilising().norm(), 1e-6);  // relative to 1e3 kg/m3 x 60 m/s x 1/s / 0.05 m = 1e6
 }
 
-/// A block without walls that deforms by the same gradient everywhere, its stresses zero.
+/// A block without walls that deforms with the same gradient everywhere, its stresses zero.
 template <int D>
 std::pair<Setup<D>, State<D>> deforming_block(const Mat<D>& gradient, SolidCase::Model model) {
   ColumnSpec spec;
@@ -354,7 +355,7 @@ TEST(SoftEdges, HaveTheStressOfLowerModuli) {
 }
 
 TEST(SoftEdges, CountAllOfThePlasticStrain) {
-  // Soil without cohesion that is torn apart bears nothing: all strain is plastic, whatever the moduli.
+  // Cohesionless soil that is pulled apart has no stress: all its strain is plastic, for any moduli.
   auto [setup, state] = deforming_block<2>(Mat<2>{{0.4, 0.0}, {0.0, 0.1}}, SolidCase::Model::drucker_prager);
   State<2> stiff = state;
   strain<2>(setup, 1e-3, stiff);
@@ -372,7 +373,7 @@ TEST(BulkViscosity, ResistsChangesOfVolumeAlone) {
     auto [setup, state] = deforming_block<2>(gradient, SolidCase::Model::elastic);
     setup.stabilisers.bulk = 0.5;  // m2/s
     state.particles.stress[7] << -100.0, -200.0, -50.0, 30.0, 0.0, 0.0;
-    state.particles.rubbing[8] = 0.5F;  // apart: it only collides
+    state.particles.rubbing[8] = 0.5F;  // moving apart: it only collides
     evaluate_forces(setup, state);
     for (std::size_t i = 0; i < state.particles.size(); ++i) {
       const Mat<2> B = state.nodes[i].correction();
@@ -392,7 +393,7 @@ TEST(PressureGradient, DifferenceFormIsExactForLinearPressureEverywhere) {
   for (const auto& g : pressure_gradient_difference<2>(state, p)) EXPECT_LT((g - Vec<2>(-300.0, -9810.0)).norm(), 1e-7);
 }
 
-/// No walls, or rollers on all sides but the top.
+/// Without walls, or with rollers on all sides but the top.
 std::vector<ColumnSpec> free_or_on_rollers() {
   ColumnSpec free;
   free.height = 0.5;
@@ -411,7 +412,7 @@ std::vector<Index> all_of(const State<D>& state) {
   return all;
 }
 
-// sum V v . grad p = - sum V p div v, whatever p and v and however disordered the points.
+// sum V v . grad p = - sum V p div v for any p and v and any disorder of the points.
 TEST(PressureGradient, AdjointFormDoesTheWorkOfTheStrains) {
   for (const ColumnSpec& spec : free_or_on_rollers()) {
     auto [setup, state] = jittered<2>(spec, 0.2);
@@ -434,7 +435,7 @@ TEST(PressureGradient, AdjointFormDoesTheWorkOfTheStrains) {
   }
 }
 
-// Inside a lattice, away from its surfaces; particles that are not asked for keep what they had.
+// Inside a lattice, away from its surfaces; particles that are not selected keep their values.
 TEST(PressureGradient, AdjointFormIsExactForLinearPressureInside) {
   ColumnSpec spec;
   auto [setup, state] = jittered<2>(spec, 0.0);
@@ -452,7 +453,7 @@ TEST(PressureGradient, AdjointFormIsExactForLinearPressureInside) {
   EXPECT_EQ(gradient[0], Vec<2>(1.0, 2.0));
 }
 
-// A load on water that has not drained: load and pressure balance on every particle, however they lie.
+// A load on undrained water: load and pressure balance on every particle, whatever the arrangement.
 TEST(PressureGradient, AdjointFormCarriesALoadRowByRow) {
   ColumnSpec spec;
   Case scene = column(spec);
@@ -478,7 +479,7 @@ TEST(PressureGradient, AdjointFormCarriesALoadRowByRow) {
 TEST(PressureGradient, SumFormPushesSurfaceParticlesOut) {
   ColumnSpec spec;
   auto [setup, state] = jittered<2>(spec, 0.0);
-  const ScalarArray p(state.particles.size(), 1e4);  // uniform: no force should act
+  const ScalarArray p(state.particles.size(), 1e4);  // uniform: no force should result
   const auto gradient = pressure_gradient_sum<2>(state, p, Vec<2>(0.0, 0.0));
   double top = 0.0, inside = 0.0;
   for (std::size_t i = 0; i < p.size(); ++i) {
@@ -487,7 +488,7 @@ TEST(PressureGradient, SumFormPushesSurfaceParticlesOut) {
     if (y < 0.8) inside = std::max(inside, gradient[i].norm());
   }
   EXPECT_LT(inside, 1e-6);
-  EXPECT_LT(top, -1e5);  // the force is minus this: outward
+  EXPECT_LT(top, -1e5);  // the force is minus this, outward
 }
 
 }  // namespace

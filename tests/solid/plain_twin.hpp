@@ -1,5 +1,5 @@
-// The pair loops of the soil as one would write them down: every particle looks at every node, nothing is shared
-// between the two of a pair. Judges the fast loops.
+// The pair loops of the soil in their simplest form: every particle visits every node, and pairs are not shared. The
+// fast loops are compared with them.
 #pragma once
 
 #include "solid_solver/discretisation/operators.hpp"
@@ -13,7 +13,7 @@ struct TwinResult {
   MatArray<D> gradient;               ///< 1/s
 };
 
-/// From the nodes as they stand.
+/// Computed from the present nodes.
 template <int D>
 TwinResult<D> plain_twin(const Setup<D>& setup, const State<D>& state) {
   const auto& s = setup.stabilisers;
@@ -70,7 +70,7 @@ TwinResult<D> plain_twin(const Setup<D>& setup, const State<D>& state) {
   return out;
 }
 
-/// Gradient of the pressure [Pa/m]; behind walls nothing is felt.
+/// Gradient of the pressure [Pa/m]; images behind walls do not count.
 template <int D>
 VecArray<D> plain_pressure_gradient(const Setup<D>& setup, const State<D>& state, const ScalarArray& pressure) {
   const std::size_t n = state.particles.size();

@@ -1,4 +1,4 @@
-// Regions at rest around soil that flows.
+// Regions at rest around flowing soil.
 #include "solid_solver/sleep/regions.hpp"
 #include "tests/solid/scenes.hpp"
 
@@ -17,7 +17,7 @@ Face line(std::vector<Point3> points) {
   return face;
 }
 
-/// A low, wide stack of grains that loses its gate; its core stands.
+/// A low, wide stack of grains after its gate is removed; its core does not move.
 Case collapse(double regions) {
   Case scene = column(low);
   scene.soils[0].friction_angle = 31.0;
@@ -47,7 +47,7 @@ double tip(const Solid<2>& solid) {
   return far;
 }
 
-/// Vertical stress [Pa] of what is below 0.2 m and nearer than 0.6 m to the back wall: mean.
+/// Mean vertical stress [Pa] of soil below 0.2 m and within 0.6 m of the back wall.
 double core_stress(const Solid<2>& solid) {
   const auto& p = solid.state().particles;
   double sum = 0.0, count = 0.0;
@@ -57,8 +57,8 @@ double core_stress(const Solid<2>& solid) {
 }
 
 constexpr double at_rest = 1.2, window = 0.01;  // s
-// At this time 58 to 289 of the core's 400 particles sleep, as substeps go from 0.6 to 1.05 of the Courant number:
-// waves in the row on the base are as strong as what wakes it.
+// At this time 58 to 289 of the core's 400 particles sleep, for substeps from 0.6 to 1.05 of the Courant number: waves
+// in the row on the base are as strong as the limit for waking.
 constexpr std::size_t many = 50;
 
 TEST(Regions, OfACollapseSleepAndErrLittle) {
@@ -70,11 +70,12 @@ TEST(Regions, OfACollapseSleepAndErrLittle) {
   EXPECT_EQ(count_asleep(whole), 0u);
   EXPECT_GT(count_asleep(solid), many);
   EXPECT_GT(solid.counters().at("share asleep beside soil that flows"), 0.05);
-  EXPECT_NEAR(tip(solid), tip(whole), 0.05);  // a spacing
-  // The undamped core of the whole rings on, by a tenth of its weight: what sleeps has the stress of level ground.
+  EXPECT_NEAR(tip(solid), tip(whole), 0.05);  // one spacing
+  // In the run without sleep the undamped core oscillates by a tenth of its weight; sleeping soil has the stress of
+  // level ground.
   const double density = 0.6 * 2600.0;
   EXPECT_NEAR(core_stress(solid), -density * 9.81 * (low.height - 0.1), 0.02 * density * 9.81 * low.height);
-  // What sleeps stands still to the bit.
+  // Sleeping soil does not change by a single bit.
   const auto before = solid.state().particles;
   const auto asleep = solid.state().regions.asleep;
   run_dry(solid, at_rest + window, window);
@@ -117,7 +118,7 @@ TEST(Regions, WakeForWater) {
   EXPECT_GT(core_stress(solid), stress + 1000.0) << "no buoyancy";
 }
 
-/// Forces on what is not skipped do not depend on who sleeps, on any number of parts.
+/// Forces on particles that are computed do not depend on which ones sleep, nor on the number of parts.
 TEST(Regions, FeelAllTheirNeighbours) {
   for (const std::size_t parts : {1u, 3u}) {
     auto [setup, particles] = set_up<2>(collapse(5e-3));

@@ -1,5 +1,5 @@
-// How soil comes to rest and stays there: K0 start, symmetric and periodic sides, prescribed water, sleep; and what is
-// read off.
+// Soil at rest: how it gets there and stays there (K0 start, symmetric and periodic sides, prescribed water, sleep),
+// and its gauges.
 #include "common/core/error.hpp"
 #include "solid_solver/output/readout.hpp"
 #include "tests/solid/scenes.hpp"
@@ -15,7 +15,7 @@ namespace {
 using test::column;
 using test::ColumnSpec;
 
-constexpr double weight = 0.6 * 2600.0 * 9.81, modulus = 3e6 * 0.7 / (1.3 * 0.4);  // of the column of scenes.hpp
+constexpr double weight = 0.6 * 2600.0 * 9.81, modulus = 3e6 * 0.7 / (1.3 * 0.4);  // of the column in scenes.hpp
 
 Tensor principal(double a, double b, double c) {
   Tensor t = Tensor::Zero();
@@ -89,7 +89,7 @@ TEST(Rest, DivergenceIsNamed) {
   }
 }
 
-/// An embankment 2 m wide and 0.5 m high, or its right half against a side of symmetry.
+/// An embankment 2 m wide and 0.5 m high, or its right half beside a plane of symmetry.
 Case embankment(bool half) {
   Case scene = column({});
   scene.walls.resize(1);
@@ -198,8 +198,9 @@ TEST(PrescribedWater, FlowsBetweenTwoHeads) {
   EXPECT_NEAR(reading(solid, "stress"), -(0.6 * 1600.0 * 9.81 - 0.3 * 9810.0), 0.01 * weight);
 }
 
-// An infinite slope with its water table at the surface: over the depth d shear is (rho_sat g sin) d, effective normal
-// stress (rho_sat - rho_w) g cos d (Skempton & Delory 1957). Also where some of the water was in the ground before.
+// An infinite slope with its water table at the surface: at depth d the shear stress is (rho_sat g sin) d, the
+// effective normal stress (rho_sat - rho_w) g cos d (Skempton & Delory 1957); also where part of the water was in the
+// ground before.
 TEST(SolvedWater, SeepageAlongASlopeIsBorne) {
   constexpr double g = 9.81, along = 0.34202014, across = 0.93969262;  // sine and cosine of 20 degrees
   for (const double residual : {0.0, 0.3}) {
@@ -229,12 +230,12 @@ TEST(SolvedWater, SeepageAlongASlopeIsBorne) {
                 normal / base_normal, shear / base_shear, without / base_shear);
     EXPECT_LT(normal, 0.02 * base_normal);
     EXPECT_LT(shear, 0.02 * base_shear);
-    // The water that seeps, 0.4 (1 - residual) of 1960 kg/m3, hangs on nothing then.
+    // Without the seepage force, the weight of the flowing water, 0.4 (1 - residual) of 1960 kg/m3, is not carried.
     EXPECT_GT(without, 0.9 * (1.0 - residual) * 0.4 * 1000.0 / saturated * base_shear);
   }
 }
 
-/// Windows of 20 ms until `end`; returns the solid's own gauge "stress" at the end.
+/// Runs windows of 20 ms until `end`; returns the last reading of the solid's gauge "stress".
 double run_quietly(Solid<2>& solid, double end) {
   test::run_dry(solid, end, 0.02);
   return reading(solid, "stress");
@@ -283,7 +284,7 @@ TEST(Sleep, DampingEndsWithTheFirstYielding) {
   Case scene = column({});
   scene.solid.model = SolidCase::Model::drucker_prager;
   scene.solid.quiet.emplace();
-  PorePressure water = still(1.2);  // from nothing to twice the critical gradient: the soil lifts
+  PorePressure water = still(1.2);  // from zero to twice the critical gradient: the soil lifts
   water.from = {0, 1, 0};
   water.to_head = Series{{{0.0, 1.2}, {0.1, 1.2}, {0.2, 3.2}}};
   scene.pore_pressures = {water};
@@ -296,7 +297,7 @@ TEST(Sleep, DampingEndsWithTheFirstYielding) {
   test::run_dry(solid, 0.22, 0.02);
   EXPECT_EQ(solid.counters().at("substeps damped"), damped);
   EXPECT_FALSE(solid.state().sleep.asleep);
-  // Free of damping and of effective stress it rises by the force that is left, over the mass of the grains.
+  // Without damping and effective stress it is accelerated by the remaining force over the mass of the grains.
   double momentum = 0.0, mass = 0.0;
   const auto& p = solid.state().particles;
   const auto mean_velocity = [&] {

@@ -1,4 +1,4 @@
-// Factor of safety of soil as it stands at an instant.
+// Factor of safety of soil during a run.
 #include "tests/solid/scenes.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ constexpr double g = 9.81, along = 0.34202014, across = 0.93969262;  // sine and
 
 constexpr double cohesion = 1000.0;
 
-/// A layer 1 m thick, without ends, on a slope of 20 degrees; friction 30 degrees on its slip planes.
+/// An endless layer, 1 m thick, on a slope of 20 degrees; friction 30 degrees on its slip planes.
 Case layer() {
   Case scene = test::column({});
   scene.walls.resize(1);
@@ -43,8 +43,8 @@ std::map<std::string, double> readings(const Phase& solid) {
   return values;
 }
 
-/// Infinite slope (Skempton & Delory 1957), slip in the lowest row: its density and the part of it that presses on the
-/// slip plane [kg/m3].
+/// Factor of an infinite slope (Skempton & Delory 1957) that slips in the lowest row; arguments: its density, and the
+/// part of it that gives effective stress on the slip plane [kg/m3].
 double infinite_slope(double density, double pressing) {
   constexpr double depth = 0.975;
   return (cohesion / depth + pressing * g * across * std::tan(30.0 * M_PI / 180.0)) / (density * g * along);
@@ -58,7 +58,7 @@ TEST(FactorOfSafety, OfALayerOnASlope) {
   std::printf("dry %.3f +- %.3f of %.3f\n", found.at("F"), found.at("F_error"), exact);
   EXPECT_NEAR(found.at("F"), exact, 0.02 * exact);
   EXPECT_LT(found.at("F_error"), 0.006 * found.at("F"));
-  // How it fails: more and more towards its base.
+  // The failing strain grows towards the base.
   const OutputFrame frame = dry.frame();
   const auto field = std::ranges::find_if(frame.fields, [](const auto& f) { return f.name == "failing_strain"; });
   ASSERT_NE(field, frame.fields.end());
@@ -71,7 +71,7 @@ TEST(FactorOfSafety, OfALayerOnASlope) {
   }
   EXPECT_GT(below, 3.0 * above);
 
-  // The water table at the surface, flow along the slope.
+  // The water table is at the surface, with flow along the slope.
   Case scene = layer();
   scene.solid.initial_seepage = true;
   Solid<2> wet(scene);
@@ -81,7 +81,7 @@ TEST(FactorOfSafety, OfALayerOnASlope) {
   EXPECT_NEAR(read, below_one, 0.02 * below_one);
 }
 
-// Water that comes later: the reading follows, and the soil that it is read from does not change.
+// The water comes later: the reading follows, and reading it does not change the soil.
 TEST(FactorOfSafety, FollowsTheWaterAndLeavesTheSoilAsItIs) {
   Case scene = layer();
   scene.solid.initial_seepage = true;

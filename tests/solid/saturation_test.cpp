@@ -1,4 +1,4 @@
-// Saturation from the water around the soil, and the cohesion that goes with it.
+// Saturation from the water around the soil, and the cohesion that depends on it.
 #include "tests/solid/scenes.hpp"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ TEST(Saturation, WaterCountsAgainstTheSoilsOwnShareOfTheSurroundings) {
   Solid<2> solid(wetting_column(spec));
   const auto& s = solid.state().external.saturation.values();
   solid.initialise({});
-  for (const double x : s) EXPECT_EQ(x, 0.2);  // alone and dry: the case's own
+  for (const double x : s) EXPECT_EQ(x, 0.2);  // without water: the case's value
   solid.advance({1, 0.0, 1e-4}, wet_inbox<2>(
                                     solid, [](const Vec<2>&) { return 0.0; }, 0.8));
   const auto& position = solid.state().particles.position;
@@ -34,7 +34,7 @@ TEST(Saturation, WaterCountsAgainstTheSoilsOwnShareOfTheSurroundings) {
     if (position[i].y() < 0.8) {
       EXPECT_NEAR(s[i], 0.2 + 0.8 * 0.8 / 0.95, 0.02);  // partly in water: a phreatic surface
     } else if (position[i].y() > 0.96) {
-      EXPECT_EQ(s[i], 1.0);  // as much water as soil around it: wet to its own surface
+      EXPECT_EQ(s[i], 1.0);  // as much water as soil around it: saturated up to its surface
     }
   }
   solid.advance({2, 1e-4, 1e-4}, wet_inbox<2>(
@@ -43,13 +43,13 @@ TEST(Saturation, WaterCountsAgainstTheSoilsOwnShareOfTheSurroundings) {
 }
 
 TEST(Saturation, WettingLetsAColumnFail) {
-  // A free-standing column, 0.2 m wide, 0.6 m high: 5 kPa of cohesion hold it, 10 Pa does not.
+  // A free-standing column, 0.2 m wide, 0.6 m high: a cohesion of 5 kPa supports it, 10 Pa does not.
   ColumnSpec spec;
   spec.width = 0.2;
   spec.height = 0.6;
   spec.sides = false;
   Case scene = wetting_column(spec);
-  scene.fluid.drag = scene.fluid.skeleton_response = false;  // water that holds nothing
+  scene.fluid.drag = scene.fluid.skeleton_response = false;  // water without force on the soil
   Solid<2> solid(scene);
   solid.initialise({});
   auto moved = [&] {

@@ -57,7 +57,7 @@ inline Case column(const ColumnSpec& spec) {
   return scene;
 }
 
-/// A traction on the column's top [Pa], from `start` on.
+/// A load on the column's top [Pa], from `start` on.
 inline Load top_load(const ColumnSpec& spec, double pressure, std::optional<double> start = std::nullopt) {
   const int up = spec.dimension - 1;
   Load load;
@@ -68,7 +68,7 @@ inline Load top_load(const ColumnSpec& spec, double pressure, std::optional<doub
   return load;
 }
 
-/// What a fluid would send: zero impulse and prediction, pressure by position.
+/// The inbox that a fluid would send: zero impulse and prediction, pressure as a function of position.
 template <int D>
 coupling::Inbox wet_inbox(const Solid<D>& solid, const std::function<double(const Vec<D>&)>& pressure,
                           double coverage = 1.0) {
@@ -89,7 +89,7 @@ coupling::Inbox wet_inbox(const Solid<D>& solid, const std::function<double(cons
   return inbox;
 }
 
-/// The named field of an inbox, to be filled.
+/// The values of a field in an inbox, to be set.
 inline std::vector<double>& values(coupling::Inbox& inbox, std::string_view name) {
   for (auto& f : inbox.fields)
     if (f.name == name) return f.values;
@@ -102,7 +102,7 @@ inline const coupling::Field& field_of(const coupling::Publication& publication,
   throw std::runtime_error("no such field");
 }
 
-/// One reading of a solid point gauge.
+/// A point gauge of the solid.
 template <int D>
 Gauge point_gauge(const std::string& name, const std::string& quantity, std::vector<Point3> points) {
   Gauge gauge;
@@ -114,7 +114,7 @@ Gauge point_gauge(const std::string& name, const std::string& quantity, std::vec
   return gauge;
 }
 
-/// Dry windows until `end`, interval each.
+/// Runs windows of length `interval` without water until `end`.
 template <int D>
 void run_dry(Solid<D>& solid, double end, double interval) {
   for (std::uint64_t k = 0; solid.state().time < end - 1e-9; ++k) solid.advance({k, solid.state().time, interval}, {});

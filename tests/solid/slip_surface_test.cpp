@@ -1,4 +1,4 @@
-// The weakest link of a slip surface, on paths drawn by hand.
+// The weakest link of a slip surface, for prescribed strain fields.
 #include "solid_solver/output/slip_surface.hpp"
 
 #include "solid_solver/output/gauges.hpp"
@@ -24,10 +24,11 @@ TEST(SlipSurface, IsAsStrongAsItsWeakestLink) {
   solid.initialise({});
   State<2> state = solid.state();
   const auto read = [&] { return read_gauges<2>(solid.setup(), state).front().value; };
-  EXPECT_EQ(read(), 0.0);  // nothing is sheared
+  EXPECT_EQ(read(), 0.0);  // no shear strain
 
-  // A band that rises by a row a column from the left side's (0, 0.225) on, 0.5 but for 0.07 on its way; beside it soil
-  // sheared by 0.01, and high up a stronger band that does not begin where the slip surface shall.
+  // A band that rises by one row per column from (0, 0.225) at the left side, with strain 0.5 except for 0.07 at one
+  // place. Beside it soil with strain 0.01, and higher up a stronger band that does not begin where the slip surface
+  // must begin.
   const auto at = [&](std::size_t i, int d) {
     return static_cast<int>(std::floor(state.particles.position[i][d] / spec.spacing));
   };

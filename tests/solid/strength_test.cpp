@@ -1,5 +1,5 @@
-// What keys of the strength and the stiffness do, in tests of the laboratory: softening, undrained strength, stiffness
-// that follows the pressure; and how the tests themselves end.
+// Keys of strength and stiffness in laboratory tests: softening, undrained strength, pressure-dependent stiffness; and
+// how the tests themselves end.
 #include "common/core/error.hpp"
 #include "solid_solver/material/cone.hpp"
 #include "solid_solver/material/element.hpp"
@@ -61,8 +61,8 @@ TEST(Softening, FollowsTheClosedFormInSimpleShear) {
   EXPECT_LT(worst[1], 0.6 * worst[0]);
 }
 
-// A band one particle wide, in series with elastic soil: what the layer bears and dissipates is that of the slip, not
-// of the width.
+// A band one particle wide in series with elastic soil: the layer's strength and dissipation depend on the slip, not on
+// the band's width.
 TEST(Softening, OfABandDoesNotDependOnItsWidth) {
   constexpr double height = 0.2, shear = 2e6 / 2.6;
   const Table table = Table::read("softening_band.csv");
@@ -87,7 +87,7 @@ TEST(Softening, OfABandDoesNotDependOnItsWidth) {
       ++row;
     }
     EXPECT_EQ(row, table.size());
-    EXPECT_NEAR(dissipated, 12.5 + 500.0 * (last - 0.01), 5e-3 * dissipated) << width;  // and of what is left
+    EXPECT_NEAR(dissipated, 12.5 + 500.0 * (last - 0.01), 5e-3 * dissipated) << width;  // with residual strength
   }
 }
 
@@ -118,7 +118,7 @@ TEST(Stiffness, FollowsThePressureInEveryMaterial) {
     EXPECT_NEAR(-trace(sample.strain()), strain, 1e-5 * strain) << name;
     const std::vector<double> none(model->state_size());
     EXPECT_NEAR(model->moduli(from_all_sides(4e5), none).bulk, 2.0 * bulk, 1e-9 * bulk) << name;
-    EXPECT_NEAR(model->moduli(from_all_sides(0.0), none).bulk, 0.1 * bulk, 1e-9 * bulk) << name;  // of 1 kPa
+    EXPECT_NEAR(model->moduli(from_all_sides(0.0), none).bulk, 0.1 * bulk, 1e-9 * bulk) << name;  // at 1 kPa
     EXPECT_NEAR(model->stiffest(4e5).bulk, 2.0 * bulk, 1e-9 * bulk) << name;
   }
 }
@@ -186,8 +186,8 @@ TEST(Strength, IsJudgedByTheCheck) {
               HasSubstr("'soil[0].swelling_slope': expected less than the compression slope of 0.1"));
 }
 
-// Coulomb: s1 = s3 tan^2(45 + phi/2) + 2 c tan(45 + phi/2) in triaxial compression, in plane strain likewise; volume by
-// the flow rule, d ev / d e1 = 1 - (1 + sin psi) / (1 - sin psi).
+// Coulomb: s1 = s3 tan^2(45 + phi/2) + 2 c tan(45 + phi/2), in triaxial compression as in plane strain; volume by the
+// flow rule, d ev / d e1 = 1 - (1 + sin psi) / (1 - sin psi).
 TEST(Element, CompressionEndsAtCoulombsStrengthAndDilatesByTheFlowRule) {
   Soil soil = soil_of(500.0, 30.0);
   soil.dilation_angle = 10.0;

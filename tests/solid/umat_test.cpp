@@ -27,7 +27,7 @@ Soil user_soil(const std::string& library) {
   return soil;
 }
 
-/// Holds the example against Drucker-Prager without friction, which is von Mises, along random increments.
+/// Compares the example with Drucker-Prager without friction, which is von Mises, for random increments.
 void expect_von_mises(const std::string& library) {
   const auto model = make_constitutive(MaterialName{"umat"}, user_soil(library));
   Soil twin;
@@ -39,7 +39,7 @@ void expect_von_mises(const std::string& library) {
   const auto right = make_constitutive(MaterialName::drucker_prager, twin);
   std::mt19937 random(4);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
-  // From no stress along one direction, where both ways of the return are exact.
+  // From zero stress along one direction, where both return algorithms are exact.
   for (int k = 0; k < 50; ++k) {
     Tensor strain, stress = Tensor::Zero(), expected = Tensor::Zero();
     for (int c = 0; c < 6; ++c) strain[c] = 2e-4 * any(random);
@@ -52,7 +52,7 @@ void expect_von_mises(const std::string& library) {
     EXPECT_LT((stress - expected).norm(), 1e-9 * expected.norm());
     EXPECT_NEAR(state[0], plastic_right, 1e-9 * plastic_right);
     EXPECT_NEAR(plastic, plastic_right, 1e-9 * plastic_right);
-    // The strain that the library is given: engineering shear, 11 22 33 12 13 23.
+    // The strain that the library receives: engineering shear, 11 22 33 12 13 23.
     EXPECT_NEAR(state[1], 10.0 * strain[0], 1e-12);
     EXPECT_NEAR(state[1 + 4], 20.0 * strain[5], 1e-12);
     EXPECT_NEAR(state[1 + 5], 20.0 * strain[4], 1e-12);
@@ -83,7 +83,7 @@ TEST(Umat, FourAtATimeIsAsOneByOneAndAFailureSaysWhere) {
   EXPECT_DOUBLE_EQ(four.stress[1][1], 2e3);
 }
 
-/// What the check of a case with this soil says.
+/// The messages of the check of a case with this soil.
 std::string complaint(const std::string& keys) {
   const auto path = std::filesystem::temp_directory_path() / "poretwin_umat.toml";
   std::ofstream(path) << "[case]\nend_time = 1\n[solid]\nmodel = \"umat\"\nparticle_spacing = 0.05\n[[soil]]\n"

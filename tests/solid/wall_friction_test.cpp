@@ -1,5 +1,5 @@
-// Walls with Coulomb's friction: a layer of soil on an inclined plane sticks like soil at a fixed wall, or slides like
-// a block, in 2D and in 3D.
+// Walls with Coulomb friction: a layer of soil on an inclined plane sticks as at a fixed wall, or slides like a block,
+// in 2D and 3D.
 #include "scenes.hpp"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,8 @@ namespace {
 constexpr double spacing = 0.05, g = 9.81, density = 1560.0, degrees = std::numbers::pi / 180.0;
 const double friction = std::tan(20.0 * degrees);
 
-/// A layer without ends on a frictional plane (20 degrees), gravity turned by `slope`; soil of 31 degrees.
+/// An endless layer on a frictional plane (20 degrees), with gravity turned by `slope`; soil with a friction of 31
+/// degrees.
 Case layer(int dimension, double slope, int rows, const Point3& velocity = Point3::Zero()) {
   ColumnSpec spec;
   spec.dimension = dimension;
@@ -44,7 +45,7 @@ Vec<D> mean_velocity(const Solid<D>& solid) {
   return sum;
 }
 
-/// Largest error of the shear stress along the slope, but for the two rows at the surface, over that at the base.
+/// Largest error of the shear stress along the slope, without the two rows at the surface, over that at the base.
 template <int D>
 double shear_error(const Solid<D>& solid, double slope, int rows) {
   const auto& p = solid.state().particles;
@@ -136,7 +137,7 @@ TEST(FrictionalWall, WavesAlongItGrowNoFasterThanTheyMust) {
 }
 
 TEST(FrictionalWall, ActsAgainstTheSlipWhicheverWayItGoes) {
-  // Thrown across the slope (3D) the layer turns down it, as a block does.
+  // Thrown across the slope (3D), the layer turns downhill as a block does.
   const double slope = 15.0 * degrees;
   Solid<3> solid(layer(3, slope, 5, {0.5, 1.0, 0.0}));
   solid.initialise({});

@@ -10,7 +10,7 @@ namespace {
 constexpr double pores = 0.4, water = 1000.0, grains = 2600.0, weight = 9810.0;  // 1, kg/m3, N/m3
 constexpr double spacing = 0.02, height = 0.4, modulus = 4e6, shear = 1.15e6;    // m, Pa
 
-/// Soil of one conductivity in one window, and the share of an error of one wave that a pass leaves.
+/// Soil of one conductivity in one window, and the fraction of an error of a single wave that remains after a pass.
 struct Window {
   double conductivity, interval;
   [[nodiscard]] double drag() const { return weight * pores * pores / conductivity; }
@@ -20,7 +20,7 @@ struct Window {
   [[nodiscard]] WaterAnswer answer() const {
     return answer_of({drag(), inertia(), pores, interval}, modulus, spacing, height);
   }
-  /// How far the shortest waves drain.
+  /// How far the shortest waves drain in the window.
   [[nodiscard]] double drains() const {
     const double shortest = 0.5 * M_PI / spacing;
     return interval * modulus * shortest * shortest * pores * pores / drag();
@@ -70,7 +70,7 @@ TEST(WaterAnswer, ShearThatNothingHoldsGoesOnWhereTheShortestWavesDrain) {
   });
   EXPECT_GT(looked_at, 50);
   const Window creeping{1e-4, 1.0};
-  EXPECT_GT(creeping.left_of_shear(20.0, creeping.drag()), 0.9);  // held by the drag it hardly moves
+  EXPECT_GT(creeping.left_of_shear(20.0, creeping.drag()), 0.9);  // restrained by the drag, it hardly moves
 }
 
 TEST(WaterAnswer, WhereNothingDrainsItIsTheDrag) {

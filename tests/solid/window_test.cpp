@@ -1,5 +1,5 @@
-// A window's bookkeeping: momentum to rounding, tracking of the prediction, consolidation with an analytic partner,
-// save and restore to the bit.
+// One window: momentum to rounding, tracking of the prediction, consolidation with an analytic partner, save and
+// restore to the bit.
 #include "common/core/error.hpp"
 #include "tests/solid/scenes.hpp"
 
@@ -41,7 +41,7 @@ TEST(Window, MomentumIsAccountedForToRounding) {
   };
   double mass = 0.0;
   for (const double m : solid.state().particles.mass) mass += m;
-  for (const double interval : {3e-4, 5e-3}) {  // below one substep, and several
+  for (const double interval : {3e-4, 5e-3}) {  // less than one substep, and several
     const Vec<2> before = momentum();
     solid.advance({0, solid.state().time, interval}, inbox);
     Vec<2> given = mass * interval * Vec<2>(0.0, -9.81), returned = Vec<2>::Zero();
@@ -59,8 +59,8 @@ TEST(Window, MomentumIsAccountedForToRounding) {
   }
 }
 
-// Soil that departs from the prediction takes its water along, by Z = C a / (a + C), a = n rho_w / Dt; where nothing
-// else pushes it, it moves as predicted by as much as that water weighs. All soil alike; no gravity.
+// Soil that departs from the prediction carries its water along, with the impedance Z = C a / (a + C), a = n rho_w /
+// Dt; without other forces it moves as predicted. Uniform soil, no gravity.
 TEST(Window, SoilMeetsTheInertiaOfTheWaterItTakesAlong) {
   ColumnSpec spec;
   spec.base = Wall::ForSoil::none;
@@ -80,7 +80,7 @@ TEST(Window, SoilMeetsTheInertiaOfTheWaterItTakesAlong) {
     }
     ASSERT_TRUE(solid.advance({0, 0.0, interval}, inbox).accepted);
     const double C = drag ? 9810.0 * 0.4 * 0.4 / scene.soils[0].hydraulic_conductivity : 0.0;
-    // Every substep is backward Euler towards the share of the change that is due.
+    // Every substep is backward Euler towards the part of the change that is due.
     const double steps = solid.state().substeps, dt = interval / steps,
                  Z = 2.0 * steps / (steps + 1.0) * C * a / (a + C);
     double v = 0.02, returned = 0.0;
@@ -90,12 +90,12 @@ TEST(Window, SoilMeetsTheInertiaOfTheWaterItTakesAlong) {
       returned += dt * Z * (target - v);
     }
     for (const auto& u : solid.state().particles.velocity) EXPECT_NEAR(u.x(), v, 1e-12);
-    // At the window's end the departure times Z is the force in the window, to the departure's own curvature.
+    // At the window's end, departure times Z is the force in the window, up to the curvature of the departure.
     if (drag) {
       EXPECT_NEAR(returned / interval, C * a / (a + C) * (0.02 + change - v), 0.1 * returned / interval);
     }
   }
-  // Without water nothing follows.
+  // Without water there is no impedance.
   Case scene = column(spec);
   Solid<2> dry(scene);
   auto inbox = test::wet_inbox<2>(dry, [](const Vec<2>&) { return 0.0; });
@@ -106,8 +106,8 @@ TEST(Window, SoilMeetsTheInertiaOfTheWaterItTakesAlong) {
   for (const auto& v : dry.state().particles.velocity) EXPECT_EQ(v.norm(), 0.0);
 }
 
-// At the free surface of the water the soil takes the gradient that it is given, by the share that it is given: here
-// 3000 for half of 1000 Pa/m. The pressure comes as a ramp.
+// At the free surface of the water the soil takes the part surface_share of the pressure gradient from
+// surface_gradient: here half of it is 3000 Pa/m, the other half its own, 1000 Pa/m. The pressure grows as a ramp.
 TEST(Window, SoilTakesTheGradientItIsToldAtTheWatersSurface) {
   ColumnSpec spec;
   spec.base = Wall::ForSoil::none;
@@ -144,7 +144,7 @@ struct Terzaghi {
       return 2.0 * p0 / a * sign * std::cos(a * y / height) * decay(a, t);
     });
   }
-  /// Displacement upward: - integral of (p0 - p) / M from the base.
+  /// Upward displacement: minus the integral of (p0 - p) / M from the base.
   [[nodiscard]] double displacement(double y, double t) const {
     if (t <= 0.0) return 0.0;
     return -(p0 * y - sum([&](double a, double sign) {
@@ -160,7 +160,7 @@ TEST(Window, ConsolidatesWithAnAnalyticPartner) {
   spec.width = 0.2;
   Case scene = column(spec);
   scene.soils[0].hydraulic_conductivity = 1e-3;
-  scene.fluid.regions = {scene.soils[0].shape};  // coupled: windows of many substeps lead from rest to rest
+  scene.fluid.regions = {scene.soils[0].shape};  // coupled: long windows end in equilibrium
   scene.loads = {test::top_load(spec, 1e3, 0.0)};
   scene.gauges = {test::point_gauge<2>("top", "displacement_y", {Point3(0.1, 1.0, 0.0)}),
                   test::point_gauge<2>("base", "effective_stress_yy", {Point3(0.1, 0.0, 0.0)})};
@@ -176,7 +176,7 @@ TEST(Window, ConsolidatesWithAnAnalyticPartner) {
     const auto& p = solid.state().particles;
     for (std::size_t i = 0; i < p.size(); ++i) {
       const double y = p.position[i].y() - p.displacement[i].y();
-      // Darcy at the window's end, as the pressure: q = n v_w + n_s v_s = 0 over a tight base.
+      // Darcy at the window's end, like the pressure: q = n v_w + n_s v_s = 0 over an impermeable base.
       const double h = 1e-4, v = k / gamma * (exact.pressure(y + h, end) - exact.pressure(y - h, end)) / (2.0 * h);
       values(inbox, field::pore_pressure)[i] = exact.pressure(y, end);
       values(inbox, field::predicted_solid_velocity)[2 * i + 1] = v;
@@ -194,7 +194,7 @@ TEST(Window, ConsolidatesWithAnAnalyticPartner) {
   EXPECT_LT(worst_base, 0.02);
 }
 
-/// A column with water, of which the test stands for the other side.
+/// A column with water, for which the test plays the fluid.
 Case wet_column(const ColumnSpec& spec = {}) {
   Case scene = column(spec);
   scene.gauges = {test::point_gauge<2>("base", "effective_stress_yy", {Point3(0.2, 0.0, 0.0)})};
@@ -202,7 +202,7 @@ Case wet_column(const ColumnSpec& spec = {}) {
   water.max = Point3(0.4, 1.0, 0.0);
   scene.fluid.particle_spacing = 0.02;
   scene.fluid.regions = {water};
-  scene.fluid.drag = false;  // or the water would not let the soil move within a second
+  scene.fluid.drag = false;  // else the drag would not let the soil move within a second
   return scene;
 }
 
@@ -220,13 +220,13 @@ TEST(LongWindow, EndsInEquilibrium) {
   EXPECT_NEAR(solid.gauges()[0].value, -buoyant, 0.005 * buoyant);
   EXPECT_EQ(solid.counters().at("windows relaxed"), 1.0);
   EXPECT_EQ(solid.counters().at("substeps"), 0.0);
-  // Another window under the same water passes asleep, and no impulse is left to return.
+  // Another window with the same water passes asleep, and no impulse is returned.
   ASSERT_TRUE(solid.advance({1, 1.0, 1.0}, inbox).accepted);
   EXPECT_EQ(solid.counters().at("windows at rest"), 1.0);
   for (const auto& r : solid.state().returned_impulse) EXPECT_EQ(r.norm(), 0.0);
 }
 
-/// A column without walls, its weight brought on by the first window: it stands, but its foot yields.
+/// A column without walls whose weight is applied in the first window: it stands, but its foot yields.
 Case yielding_column(double cohesion) {
   ColumnSpec spec;
   spec.sides = false;
@@ -241,7 +241,8 @@ Case yielding_column(double cohesion) {
   return scene;
 }
 
-// Wholly once the window is the time of consolidation, 73 s, not at all in a fifth of it, linearly between them.
+// The plastic shear ratio is published in full for windows of the consolidation time (73 s) or more, as zero for a
+// fifth of it, and linearly between them.
 TEST(LongWindow, TellsWhichShareOfTheShearWasPlasticAsFarAsItIsDrained) {
   std::vector<double> told;
   for (const double interval : {14.0, 44.0, 80.0}) {
@@ -261,11 +262,11 @@ TEST(LongWindow, TellsWhichShareOfTheShearWasPlasticAsFarAsItIsDrained) {
   EXPECT_EQ(told[0], 0.0);
   EXPECT_NEAR(told[1] / told[2], (44.0 / 72.87 - 0.2) / 0.8, 0.01);
   EXPECT_GT(told[2], 0.05);
-  EXPECT_LT(told[2], 1.0);  // what held the particle before it yielded was elastic
+  EXPECT_LT(told[2], 1.0);  // the stress before the particle yielded was elastic
 }
 
-// What shears is water's to fill: the next window is so long that 95 % of the soil shears by 2e-3 at most, by 0.3 of
-// this one at least.
+// Water must fill the volume changes of shear: the next window is so long that 95 % of the soil shears by at most 2e-3,
+// but at least 0.3 of this one.
 TEST(LongWindow, TheNextFollowsWhatSoilHasSheared) {
   const double interval = 80.0;
   std::vector<double> shears, next;
@@ -283,7 +284,7 @@ TEST(LongWindow, TheNextFollowsWhatSoilHasSheared) {
     EXPECT_EQ(solid.publish().limited_by, shears.back() > 0.0 ? "the soil creeps" : "");
   }
   std::printf("sheared by %.2g, %.2g, %.2g\n", shears[0], shears[1], shears[2]);
-  EXPECT_EQ(shears[0], 0.0);  // but in a few particles at its foot
+  EXPECT_EQ(shears[0], 0.0);  // except in a few particles at its foot
   EXPECT_GT(next[0], 1e9 * interval);
   EXPECT_GT(shears[1], 2e-3);
   EXPECT_DOUBLE_EQ(next[1], interval * 2e-3 / shears[1]);
@@ -303,7 +304,7 @@ TEST(LongWindow, IsRefusedWhereSoilCannotStandAndTakenAgainOnceItIsCalm) {
   for (std::size_t i = 0; i < p.size(); ++i)
     values(boiling, field::drag_impulse)[2 * i + 1] = 2.0 * p.volume[i] * 960.0 * 9.81;
   solid.save();
-  // First a shorter window: creep that water limits finds its equilibrium there.
+  // A shorter window is tried first: in it, creep that the water limits finds its equilibrium.
   auto refused = solid.advance({0, 0.0, 1.0}, boiling);
   EXPECT_FALSE(refused.accepted);
   EXPECT_EQ(refused.suggested_interval, 0.25);
@@ -311,7 +312,7 @@ TEST(LongWindow, IsRefusedWhereSoilCannotStandAndTakenAgainOnceItIsCalm) {
   EXPECT_FALSE(solid.state().motion.moving);
   EXPECT_EQ(solid.publish().limited_by, "the soil creeps");
   EXPECT_EQ(solid.publish().proposed_interval, 0.25);
-  for (const double shorter : {0.25, 0.0625}) {  // down to a wave's way and back
+  for (const double shorter : {0.25, 0.0625}) {  // down to the time of a wave across and back
     refused = solid.advance({0, 0.0, shorter}, boiling);
     EXPECT_FALSE(refused.accepted);
     solid.restore();
@@ -320,7 +321,7 @@ TEST(LongWindow, IsRefusedWhereSoilCannotStandAndTakenAgainOnceItIsCalm) {
   EXPECT_EQ(solid.state().time, 0.0);
   EXPECT_TRUE(solid.state().motion.moving);
   EXPECT_EQ(solid.publish().limited_by, "the soil moves");
-  // What it learned holds however often the window is begun anew.
+  // The limit remains however often the window is repeated.
   ASSERT_TRUE(solid.advance({0, 0.0, refused.suggested_interval}, boiling).accepted);
   solid.restore();
   EXPECT_TRUE(solid.state().motion.moving);
@@ -402,8 +403,8 @@ TEST(Frame, ShowsTheDocumentedFields) {
                                              "mobilised_friction", "pore_pressure_ratio", "volume"}));
 }
 
-// Soil that has settled under its weight is told to the water as the case draws it, unless it can flow; what it moves
-// by afterwards is told of both.
+// Elastic soil that has settled under its weight is published in its position as the case draws it, unless it can flow;
+// later displacements are published for both.
 TEST(Publication, ShowsElasticSoilAsItWasDrawn) {
   for (const auto model : {SolidCase::Model::elastic, SolidCase::Model::drucker_prager}) {
     ColumnSpec spec;

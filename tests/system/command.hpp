@@ -1,4 +1,4 @@
-// The real `poretwin` in a folder of its own.
+// The real `poretwin`, run in a temporary folder.
 #pragma once
 
 #include "tests/child.hpp"
@@ -29,7 +29,7 @@ class Command : public testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
-  /// Runs the program; `meanwhile` gets its process id.
+  /// Runs the program; `meanwhile` is called with its process id.
   Outcome poretwin(std::vector<std::string> arguments, Child::Environment environment = {},
                    const std::function<void(pid_t)>& meanwhile = {}) const {
     arguments.insert(arguments.begin(), PORETWIN_PROGRAM);
@@ -49,7 +49,7 @@ class Command : public testing::Test {
     return std::filesystem::path(PORETWIN_SOURCE_DIR) / "cases" / "terzaghi" / "case.toml";
   }
   [[nodiscard]] std::filesystem::path out() const { return folder_ / "run"; }
-  /// The case with one piece of its text replaced.
+  /// A copy of the case with one piece of its text replaced.
   [[nodiscard]] std::filesystem::path changed_case(const std::string& from, const std::string& to) const {
     std::string text = text_of(terzaghi());
     const auto at = text.find(from);

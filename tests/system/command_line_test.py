@@ -1,4 +1,4 @@
-"""The command line as it is told: --help, man pages, completions, the scripts behind plot and bench, the table of exit codes.
+"""The command line as documented: --help, man pages, completions, the scripts of plot and bench, the table of exit codes.
 Arguments: the program, the source folder, then those of unittest."""
 
 import pathlib
@@ -22,7 +22,7 @@ def options_in(text):
 
 
 def commands(path=()):
-    """(path, options) of the program and of every command below, as --help tells them."""
+    """(path, options) of the program and of every command, according to --help."""
     text = help_of(PROGRAM, *path)
     yield path, options_in(text)
     below = re.search(r"^Subcommands:\n((?: .*\n)+)", text, re.MULTILINE)

@@ -1,4 +1,4 @@
-// The real `poretwin`, with stand-ins for its processes: what it prints, what it leaves, how it ends.
+// The real `poretwin` with stand-ins for its processes: its output, its files, its exit.
 #include "tests/system/command.hpp"
 
 #include <chrono>
@@ -83,7 +83,7 @@ TEST_F(CommandWithStandIns, RunGathersWhatTheProcessesLeave) {
 }
 
 TEST_F(CommandWithStandIns, RigidSoilNeedsTheFluidOnly) {
-  // The solid's gauge has nothing to measure then.
+  // The solid's gauge is removed: there is no solid to measure.
   auto text = text_of(changed_case("model = \"elastic\"", "model = \"rigid\""));
   const auto from = text.find("[[gauge]]"), to = text.find("[[gauge]]", from + 1);
   std::ofstream(folder_ / "rigid.toml") << text.erase(from, to - from);
@@ -122,7 +122,7 @@ TEST_F(CommandWithStandIns, WarningsAreShownCountedAndEndWithSix) {
   EXPECT_THAT(about, HasSubstr("exit = 6"));
   EXPECT_THAT(about, HasSubstr("\"fluid: water particles lost (3): far outside\""));
   EXPECT_TRUE(fs::exists(out() / "gauges.csv")) << "the run has ended, and what it left is gathered";
-  // What has no bearing on the result ends well.
+  // Without doubts about the result the exit code is 0.
   EXPECT_EQ(run({}).exit, 0);
 }
 

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
-"""Does the documentation name what exists? Argument: the source folder; then those of unittest.
+"""Checks that the documentation names only what exists. Argument: the source folder; then those of unittest.
 
-Links of all pages lead to files and headings; paths, functions, types and tests that pages name are there; includes of the sources are those that
-docs/architecture.md allows; the solvers' chosen numbers have unit, reason and a test that is there. docs/notebook is a record: of it only links are judged. `Itself` shows on a made-up tree that each judgement can fail."""
+Links of all pages lead to existing files and headings; paths, functions, types and tests that pages name exist; the sources include only what
+docs/architecture.md allows; the solvers' chosen numbers have a unit, a reason and an existing test. docs/notebook is a record: only its links are checked. `Itself` shows on an invented tree that each check can fail."""
 import functools
 import pathlib
 import re
@@ -16,7 +16,7 @@ SKIPPED = {"build", "runs", "site", "node_modules", "__pycache__"}
 
 
 class Tree:
-    """A source folder, and what is wrong with its documentation: lists of lines, empty when all is right."""
+    """A source folder and the faults of its documentation: lists of lines, empty where there is none."""
 
     def __init__(self, root):
         self.root = root
@@ -41,7 +41,7 @@ class Tree:
 
     @functools.cache
     def anchors(self, page):
-        """As GitHub makes them of headings, and those set by hand."""
+        """Anchors of a page: those that GitHub makes of headings, and explicit ones."""
         found = set(re.findall(r'<a id="([^"]+)"', page.read_text()))
         for _, line in self.prose(page):
             if heading := re.match(r"#+\s+(.*)", line):
@@ -68,7 +68,7 @@ class Tree:
         return wrong
 
     def lost_pages(self):
-        """Pages below docs that no links lead to from docs/index.md."""
+        """Pages below docs to which no chain of links leads from docs/index.md."""
         seen, ahead = set(), [self.root / "docs" / "index.md"]
         while ahead:
             page = ahead.pop()
@@ -94,7 +94,7 @@ class Tree:
             for number, span in self.spans(page):
                 if self.is_path(span) and not any(self.root.glob(span.rstrip("/"))):
                     wrong.append(f"{self.name(page)}:{number}: no file {span}")
-        for file in self.files:  # pages that anything names, comments too
+        for file in self.files:  # pages that any file names, also in a comment
             if file.suffix in CODE | {".md"} and file.name != "docs_test.py":
                 for page in set(re.findall(r"\bdocs/[\w./-]+\.md\b", file.read_text(errors="replace"))):
                     if not (self.root / page).exists():
@@ -113,7 +113,7 @@ class Tree:
 
     @functools.cached_property
     def words(self):
-        """Every word of the sources: the files that have it."""
+        """Every word of the sources, with the files that contain it."""
         found = {word: set() for word in {p.stem for p in self.files} | self.tops}
         for file, text in self.code.items():
             for word in set(re.findall(r"[A-Za-z_]\w*", text)):
@@ -129,7 +129,7 @@ class Tree:
         return any(declares.search(self.code[file]) for file in self.words.get(owner, set()) & self.words.get(member, set()))
 
     def is_known(self, span):
-        if re.fullmatch(r"[A-Z]\w*\.(\*|[A-Z]\w*\*?)", span):  # a test, or all that begin so
+        if re.fullmatch(r"[A-Z]\w*\.(\*|[A-Z]\w*\*?)", span):  # a test, or all tests that begin so
             return any(t == span or span.endswith("*") and t.startswith(span[:-1]) for t in self.tests)
         if re.fullmatch(r"[A-Za-z_]\w*(::[A-Za-z_]\w*)+", span):
             owner, member = span.split("::")[-2:]
@@ -142,7 +142,7 @@ class Tree:
                 if not self.is_path(span) and not self.is_known(span)]
 
     def wrong_numbers(self):
-        """Numbers of a solver's numerics folder without reason and unit, or whose test is neither there nor said to be unknown."""
+        """Numbers of a solver's numerics folder without reason and unit, or whose test neither exists nor is said to be unknown."""
         wrong = []
         for file in self.files:
             if file.suffix != ".hpp" or not re.search(r"solver/numerics$", self.name(file.parent)):
@@ -160,12 +160,12 @@ class Tree:
 
     @functools.cached_property
     def rooms(self):
-        """Folder: the folders it may include, by the table of docs/architecture.md."""
+        """For each module the modules that it may include, from the table of docs/architecture.md."""
         rows = (re.match(r"\| ([\w/]+) \|.*\| ([\w/, ]*)\|$", line) for _, line in self.prose(self.root / "docs" / "architecture.md"))
         return {row[1]: {w.strip() for w in row[2].split(",")} for row in rows if row and (self.root / row[1]).is_dir()}
 
     def room_of(self, folder):
-        """The innermost module (folder with a row in that table) that a folder lies in; outside of all of them, its first part."""
+        """The innermost module (folder with a row in that table) that contains a folder; outside of all of them, the first part of its path."""
         parts = folder.split("/")
         inside = ("/".join(parts[:n]) for n in range(len(parts), 0, -1))
         return next((room for room in inside if room in self.rooms), parts[0])
@@ -209,7 +209,7 @@ class Docs(unittest.TestCase):
 
 
 class Itself(unittest.TestCase):
-    """What is right passes, and each thing that is wrong is found once."""
+    """Correct documentation passes, and each kind of fault is found once."""
 
     def test_each_judgement_can_fail(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -1,7 +1,7 @@
-// Stands in for a process of a run. PORETWIN_FAKE_<process> says how: "good" (default), "fail N", "crash", "follow"
-// (fails with 3 a moment later, as a peer does), "wait" (until SIGINT, then 130), "linger"
-// (the same, but a second longer), "deaf" (hears no signal but SIGKILL), "lossy" (ends with warnings that put the
-// result in doubt, 6).
+// Stands in for a process of a run. PORETWIN_FAKE_<process> sets its behaviour: "good" (default), "fail N", "crash",
+// "follow" (fails with 3 after a moment, as a peer of a failed process does), "wait" (until SIGINT, then 130), "linger"
+// (the same, a second later), "deaf" (ends only by SIGKILL), "lossy" (ends with 6 and warnings that put the result in
+// doubt).
 #include <signal.h>
 #include <unistd.h>
 

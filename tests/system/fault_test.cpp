@@ -1,5 +1,5 @@
-// What the machine refuses now and then (a file, room on the disk, a message, memory), asked for one by one in each
-// process of a short coupled run: the cause is named, everybody ends in time and by itself, what was written can be read.
+// Rare failures of the system (opening a file, disk space, sending, memory), injected one by one into each process of a
+// short coupled run: the cause is reported, all processes end in time by themselves, and what was written can be read.
 #include "tests/system/real_run.hpp"
 
 #include <map>
@@ -11,7 +11,7 @@ namespace fs = std::filesystem;
 
 struct Refusal {
   int exit;
-  std::string cause;  ///< among the last words
+  std::string cause;  ///< part of the last message
 };
 
 class Faults : public RealRun, public testing::WithParamInterface<const char*> {};
@@ -25,7 +25,7 @@ TEST_P(Faults, AreNamedAndEndTheRunInOrder) {
                                                 {"map", {0, ""}},  // large messages then go through the socket
                                                 {"allocate", {1, "out of memory"}}};
   for (const auto& [what, refusal] : refusals)
-    // HDF5 looks for a file before it makes it: the first opening may fail.
+    // HDF5 looks for a file before it creates it: the first opening may fail.
     for (const std::string when : {what == "open" ? "2" : "1", "9+"}) {
       fs::remove_all(out());
       const std::string fault = fmt::format("{} {} {}", GetParam(), what, when);
@@ -39,7 +39,7 @@ TEST_P(Faults, AreNamedAndEndTheRunInOrder) {
       EXPECT_LT(outcome.seconds, 40.0) << "on a busy machine a run of a second takes that of ten";
       EXPECT_TRUE(fs::is_empty(folder_ / "temporary"));
       for (const char* name : {"fluid.vtkhdf", "solid.vtkhdf"})
-        // The sidecar comes with the first frame: without it there is nothing to read.
+        // The side-car is written with the first frame: without it the file has none.
         if (fs::exists((out() / name).replace_extension(".xmf"))) {
           EXPECT_FALSE(steps_in(out() / name).empty());
         }

@@ -1,4 +1,4 @@
-// Whose a run's folder is: two runs, a run that can go on, one that has finished, one of another case or program.
+// Access to a run's folder: two runs at a time, a resumable run, a finished one, one of another case or program.
 #include "tests/system/real_run.hpp"
 
 #include <chrono>
@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
 
-/// Every file below a folder, with its text and the time of its last change.
+/// Every file below a folder, with its text and time of last change.
 std::map<std::string, std::pair<std::string, fs::file_time_type>> all_in(const fs::path& folder) {
   std::map<std::string, std::pair<std::string, fs::file_time_type>> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder))
@@ -24,7 +24,7 @@ std::map<std::string, std::pair<std::string, fs::file_time_type>> all_in(const f
 class RunFolder : public RealRun {
  protected:
   using Moods = std::vector<std::pair<std::string, std::string>>;
-  /// With stand-ins for the three processes.
+  /// Runs `poretwin` with stand-ins for the three processes.
   Outcome played(const Moods& moods = {}, std::vector<std::string> more = {},
                  const std::function<void(pid_t)>& meanwhile = {}) const {
     Child::Environment environment;
@@ -42,7 +42,7 @@ class RunFolder : public RealRun {
     wait_for([&] { return fs::exists(out() / "log" / "solid.log"); });
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
   }
-  /// As a run leaves one that can be resumed.
+  /// Leaves a checkpoint, as a run that can be resumed does.
   void leave_checkpoint() const {
     fs::create_directories(out() / "checkpoints");
     std::ofstream(out() / "checkpoints" / "coupler-a-1.state") << "state";
@@ -70,7 +70,7 @@ TEST_F(RunFolder, ASecondRunIsRefusedByTheNameOfTheFirst) {
   EXPECT_EQ(played({}, {"--overwrite"}).exit, 0) << "the lock goes with the run";
 }
 
-/// Killed by SIGKILL, `poretwin` leaves processes that still write their checkpoints: the next run waits for their end.
+/// When `poretwin` is killed by SIGKILL, its processes still write their checkpoints: the next run waits for their end.
 TEST_F(RunFolder, WhatAKilledRunHasStartedIsWaitedFor) {
   std::chrono::steady_clock::time_point killed;
   const auto first = played({{"fluid", "linger"}, {"solid", "wait"}, {"coupler", "wait"}}, {}, [&](pid_t command) {
@@ -197,7 +197,7 @@ TEST_F(RunFolder, AChangedProgramResumesOnlyWhenThatIsAccepted) {
   EXPECT_EQ(refused.exit, 2);
   EXPECT_THAT(refused.err, AllOf(HasSubstr("program: expected"), HasSubstr("--accept-changed-program")));
   EXPECT_EQ(all_in(out()), before);
-  // The file of the run's folder may be gone: the checkpoint knows, too.
+  // run.toml may lack the program: the checkpoint identifies it, too.
   auto text = text_of(out() / "run.toml");
   const auto entry = text.find("\n\"program\" = ");
   ASSERT_NE(entry, std::string::npos);
@@ -210,7 +210,7 @@ TEST_F(RunFolder, AChangedProgramResumesOnlyWhenThatIsAccepted) {
   EXPECT_NEAR(steps_in(out() / "solid.vtkhdf").back(), 0.1, 1e-12);
 }
 
-/// As schedulers and timeout(1) do: to every process, and more than once.
+/// Signals arrive at every process, more than once, as schedulers and timeout(1) send them.
 TEST_F(RunFolder, SignalsToAllProcessesLeaveAWholeCheckpoint) {
   for (const int signal : {SIGTERM, SIGINT}) {
     const std::vector<std::string> piece{"--set", "case.end_time=0.1"};

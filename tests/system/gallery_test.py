@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""docs/gallery: every case stands in it, its links hold, its commands are ones that the program takes. Arguments: the program, the source folder, then those of
+"""docs/gallery: it contains every case, its links are valid, and the program accepts its commands. Arguments: the program, the source folder, then those of
 unittest."""
 import pathlib
 import re
@@ -15,7 +15,7 @@ sys.path.insert(0, str(SOURCE / "bench"))
 import gallery  # noqa: E402
 
 PAGE = SOURCE / "docs" / "gallery" / "README.md"
-LARGEST, LARGEST_SUM = 60_000, 1_500_000  # bytes: pictures stay in the repository's history for good
+LARGEST, LARGEST_SUM = 60_000, 1_500_000  # bytes: pictures stay in the repository's history for ever
 
 
 def cases():
@@ -23,7 +23,7 @@ def cases():
 
 
 def commands():
-    """Every command of the page, in words."""
+    """Every command of the page, split into words."""
     return [shlex.split(line) for block in re.findall(r"^```\n(.*?)^```", PAGE.read_text(), re.MULTILINE | re.DOTALL) for line in block.splitlines()]
 
 
@@ -68,7 +68,7 @@ class Gallery(unittest.TestCase):
                 case = pathlib.Path(words[2]).name
                 scene = tomllib.loads((SOURCE / "cases" / case / "case.toml").read_text())
                 for gauge in option(words, "--gauge"):
-                    names = [g["name"] for g in scene["gauge"]]  # of a sum that is a vector plot takes a component
+                    names = [g["name"] for g in scene["gauge"]]  # for a vector sum plot needs a component
                     self.assertTrue(gauge in names or gauge.rpartition("_")[0] in names, words)
             else:
                 case = words[2]

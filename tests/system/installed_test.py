@@ -1,5 +1,5 @@
-"""What `cmake --install` makes: programs that run anywhere, a library that a solver outside the source tree is built against, packages for
-Python. Arguments: build folder, source folder, then those of unittest."""
+"""The result of `cmake --install`: programs that run from any folder, a library for solvers outside the source tree, packages for Python. Arguments:
+build folder, source folder, then those of unittest."""
 
 import importlib.util
 import json
@@ -17,7 +17,7 @@ VERSION = "0.1.0"
 
 
 def run(*command, **options):
-    """What it prints on stdout; a failure is shown with all that it said."""
+    """Runs a command and returns its stdout; after a failure shows all its output."""
     done = subprocess.run([str(word) for word in command], capture_output=True, text=True, **options)
     if done.returncode != 0:
         raise AssertionError(f"{' '.join(map(str, command))}: exit code {done.returncode}\n{done.stdout}\n{done.stderr}")
@@ -31,7 +31,7 @@ class Installed(unittest.TestCase):
         cls.addClassCleanup(shutil.rmtree, cls.folder)
         run("cmake", "--install", BUILD, "--prefix", cls.folder / "first")
         cls.prefix = cls.folder / "moved"
-        (cls.folder / "first").rename(cls.prefix)  # nothing may depend on where it was installed
+        (cls.folder / "first").rename(cls.prefix)  # nothing may depend on the folder of installation
         cls.program = cls.prefix / "bin" / "poretwin"
         cls.library = next(cls.prefix.rglob("libporetwin.a")).parent
 

@@ -1,4 +1,4 @@
-// `--json`: valid JSON in success and in failure, to a file and to stdout, where nothing else may stand.
+// `--json`: valid JSON after success and failure, in a file and on stdout, where nothing else may be printed.
 #include "tests/system/command.hpp"
 
 #include <nlohmann/json.hpp>
@@ -88,7 +88,7 @@ TEST_F(JsonOfCommands, AMistakeHasFileLineAndKey) {
     EXPECT_EQ(told["command"], command);
     EXPECT_EQ(told["exit"], outcome.exit);
     EXPECT_EQ(told["reason"], told["error"]["message"]);
-    if (std::string(command) == "verify") continue;  // it misses its verify.toml first
+    if (std::string(command) == "verify") continue;  // it reports its missing verify.toml first
     EXPECT_EQ(outcome.exit, 2) << command;
     EXPECT_EQ(told["error"]["file"], wrong);
     EXPECT_EQ(told["error"]["line"], 13);
@@ -118,7 +118,7 @@ TEST_F(JsonOfCommands, BenchTellsTheRowsOfItsParts) {
   EXPECT_TRUE(told["parts"]["kernels"].is_array());
 }
 
-// Triaxial compression of soil with c = 0 and phi = 30 degrees from 10 kPa: it bears three times the cell pressure.
+// Triaxial compression from 10 kPa of soil with c = 0 and phi = 30 degrees: at failure three times the cell pressure.
 TEST_F(JsonOfCommands, ElementTellsThePathOfASoil) {
   const std::vector<std::string> words{"element",    terzaghi().string(),
                                        "--set",      "solid.model=\"mohr_coulomb\"",

@@ -1,4 +1,4 @@
-// The operations of verify.toml, and the verify files that ship.
+// The operations of verify.toml, and the verify.toml of all cases.
 #include "cli/metrics.hpp"
 #include "cli/locate.hpp"
 #include "common/case/case.hpp"
@@ -60,13 +60,13 @@ TEST(Metrics, HistoriesAreJudgedByTheirMeanAndTheirSpread) {
     v.reference = 10.0;
     return v;
   };
-  // Neither history alone is within 2 %, their mean is.
+  // No single history is within 2 %, but their mean is.
   auto v = judge_mean(m, {of(9.7), of(10.3), of(10.0)});
   EXPECT_NEAR(v.value, 10.0, 1e-12);
   EXPECT_NEAR(v.spread, 0.3, 1e-12);
   EXPECT_EQ(v.histories, 3u);
   EXPECT_TRUE(v.passed);
-  m.spread = 0.02;  // of the reference
+  m.spread = 0.02;  // relative to the reference
   v = judge_mean(m, {of(9.7), of(10.3), of(10.0)});
   EXPECT_FALSE(v.passed);
   EXPECT_EQ(v.complaint, "the histories spread by 0.3, 0.2 allowed");
@@ -97,7 +97,7 @@ TEST(Metrics, AHistoryDiffersByItsSeedAndWhatVaries) {
   EXPECT_EQ(all.size(), 8u);
 }
 
-// Two modes sin(pi s / 2) and sin(3 pi s / 2) at the middles of ten tenths: weights single out the first.
+// Two modes sin(pi s / 2) and sin(3 pi s / 2) at the centres of ten intervals: the weights select the first.
 TEST(Metrics, WeightsAddTheGaugesOfALine) {
   Gauges gauges;
   auto m = metric("value", 3.0, 1e-12);
@@ -247,7 +247,7 @@ TEST(Metrics, CrossingPeriodAndCounter) {
   EXPECT_NEAR(judge(m, ramp, 0).value, 0.25, 1e-9);
   m.limit = 5.0;
   EXPECT_EQ(judge(m, ramp, 0).complaint, "gauge 'g' never passes 5");
-  Gauges lost = ramp;  // what has passed may go; what goes before has not
+  Gauges lost = ramp;  // NaN is allowed after the crossing, not before it
   lost["g"].value.back() = NAN;
   m.limit = 0.5;
   EXPECT_NEAR(judge(m, lost, 0).value, 0.25, 1e-9);
@@ -276,7 +276,7 @@ TEST(Metrics, CurveAndExit) {
   m.curve = Series{{{0.25, 0.5}, {0.5, 1.01}, {2.0, 5.0}}};
   m.to = 1.0;
   EXPECT_NEAR(judge(m, ramp, 0).error, 0.01 / 1.01, 1e-12);
-  // The same ramp half a second later: the clocks start where both pass 0.5.
+  // The same ramp half a second later: times count from where both pass 0.5.
   m.curve = Series{{{0.5, 0.0}, {1.25, 1.5}}};
   m.to = 1.3;
   EXPECT_FALSE(judge(m, ramp, 0).passed);
@@ -306,7 +306,7 @@ TEST(VerifyFiles, AllThatShipAreSound) {
   EXPECT_GE(found, 4);
 }
 
-/// What is said of a verify.toml with this [[figure]].
+/// The message on a verify.toml with this [[figure]].
 std::string said_of_figure(const std::string& lines) {
   const auto path = std::filesystem::temp_directory_path() / fmt::format("poretwin-figure-{}.toml", ::getpid());
   std::ofstream(path) << "[[run]]\nname = \"whole\"\n[[run]]\nname = \"other\"\n[[metric]]\nname = \"m\"\nop = "

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Pictures of particles: bodies without holes, in the colour of the nearest particle."""
+"""Pictures of particles: bodies without holes, with the colour of the nearest particle."""
 import pathlib
 import sys
 import unittest

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""`poretwin plot`: figures in every format, one range for all frames, animations, the figures of a case, and what it says when
-something is wrong; all of made runs."""
+"""`poretwin plot`: figures in every format, one colour range for all frames, animations, the figures of a case, and error messages; with runs that are
+written by this test."""
 import contextlib
 import io
 import json
@@ -37,7 +37,7 @@ def square(n=20, dx=DX):
 
 
 def write_phase(path, frames, fields):
-    """frames: (time, positions); fields: name, unit, function of time and positions."""
+    """Writes a results file. frames: (time, positions); fields: name, unit, function of time and positions."""
     counts = [len(x) for _, x in frames]
     with h5py.File(path, "w") as file:
         root = file.create_group("VTKHDF")
@@ -52,7 +52,7 @@ def write_phase(path, frames, fields):
 
 
 def write_run(folder, dry_start=False):
-    """Water whose pressure grows in time, over soil that is at rest: a square each."""
+    """A run with water whose pressure grows in time, and soil at rest below it; each is a square."""
     folder.mkdir(parents=True)
     x = square()
     pressure = ("pore_pressure", "Pa", lambda t, x: 1e3 * (1.0 + t) * x[:, 1])
@@ -124,7 +124,7 @@ gauges = ["head"]
 
 
 def write_case(folder):
-    """A case with figures, and what `poretwin verify` would have left of it."""
+    """A case with figures, and the runs that `poretwin verify` would have made of it."""
     (folder / "case" / "reference").mkdir(parents=True)
     (folder / "case" / "case.toml").write_text(CASE)
     (folder / "case" / "verify.toml").write_text(VERIFY)
@@ -134,7 +134,7 @@ def write_case(folder):
 
 
 def drawn(*words, expect=0):
-    """What `poretwin plot WORDS` does; returns what it printed."""
+    """Runs `poretwin plot WORDS`; returns what it printed."""
     out, err, status = io.StringIO(), io.StringIO(), 0
     with mock.patch.object(sys, "argv", ["plot", *map(str, words)]), contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         try:
@@ -148,7 +148,7 @@ def drawn(*words, expect=0):
 
 
 def text_of(pdf):
-    """What the page of a PDF is drawn by."""
+    """The drawing commands of a PDF."""
     return b"".join(zlib.decompress(body) for body in re.findall(rb"/FlateDecode >>\s*stream\r?\n(.*?)\nendstream", pdf, re.DOTALL))
 
 
@@ -166,26 +166,26 @@ class Figures(Folder):
             drawn(self.at / "run", "--phase", "fluid", "--field", "pore_pressure", "--format", kind)
         svg = (self.at / "run/pictures/fluid_pore_pressure.svg").read_text()
         self.assertGreater(svg.count("<path"), 20)  # letters, ticks, outline
-        self.assertIn("pore pressure", svg)  # as text beside the letters' paths
+        self.assertIn("pore pressure", svg)  # as text beside the paths of the letters
         self.assertLess(svg.count("<image"), 5)
         pdf = (self.at / "run/pictures/fluid_pore_pressure.pdf").read_bytes()
         self.assertNotIn(b"/Type3", pdf)
         self.assertIn(b" Tj", text_of(pdf))
         images = [int(width) for width in re.findall(rb"/Width (\d+)", pdf)]
-        # The square of particles is drawn 5 inches wide, with its surroundings: 300 dots an inch.
+        # The square of particles is drawn 5 inches wide, with its surroundings: 300 dots per inch.
         self.assertGreater(max(images), 1300)
         for path in (self.at / "run/pictures").iterdir():
             self.assertLess(path.stat().st_size, 3e5, path)
 
     def test_a_figure_is_the_same_to_the_byte_when_it_is_drawn_again(self):
         write_run(self.at / "run")
-        for kind in ("svg", "pdf"):  # which would hold the date, and names made up at random
+        for kind in ("svg", "pdf"):  # formats that could contain the date, and random names
             for out in "ab":
                 drawn(self.at / "run", "--gauge", "head", "--format", kind, "--out", self.at / out)
             self.assertEqual(*((self.at / out / f"gauge_head.{kind}").read_bytes() for out in "ab"), kind)
 
     def test_many_particles_do_not_make_a_large_file(self):
-        # 10,000 whose values have nothing in common with their neighbours': the worst picture to compress.
+        # 10,000 particles with values unrelated to their neighbours': the picture that compresses worst.
         n, dx = 100, 0.4 / 100
         x = square(n, dx)
         (self.at / "run").mkdir()
@@ -225,7 +225,7 @@ class OfACase(Folder):
         write_case(self.at)
         drawn(self.at / "runs" / "whole", "--gauge", "depth", "head", "--format", "svg", "--out", self.at / "out")
         depth = (self.at / "out/gauge_depth.svg").read_text()
-        for words in ("pore pressure", "y = 0.1 m", "y = 0.4 m"):  # matplotlib notes each text beside its letters
+        for words in ("pore pressure", "y = 0.1 m", "y = 0.4 m"):  # matplotlib adds each text as a comment to its letters' paths
             self.assertIn(words, depth)
         self.assertNotIn("depth[", depth)
         self.assertIn("head [mm]", (self.at / "out/gauge_head.svg").read_text())
@@ -251,7 +251,7 @@ class OfACase(Folder):
         case = figures.Figures(self.at / "case", {"whole": self.at / "runs" / "whole"})
         declared = {f["name"]: f for f in case.declared()}
         lines = {tuple(map(tuple, np.column_stack(line.get_data()))) for line in case.profile(declared["profile"]).axes[0].get_lines()}
-        self.assertIn(((12.0, 0.0), (9.0, 0.1), (6.0, 0.2), (3.0, 0.3), (0.0, 0.4)), lines)  # as computed, and as it should be
+        self.assertIn(((12.0, 0.0), (9.0, 0.1), (6.0, 0.2), (3.0, 0.3), (0.0, 0.4)), lines)  # as computed, and the reference
         history = case.history(declared["history"]).axes[0].get_lines()
         self.assertIn((2.0, 0.2), {tuple(point) for line in history for point in np.column_stack(line.get_data())})
         panels = case.fields(declared["panels"]).axes[:4]
@@ -420,7 +420,7 @@ class Mistakes(Folder):
                 ([unbegun, "--animate", self.at / "a.gif"], "no frame has been written yet", 1)):
             with self.subTest(message):
                 self.assertRegex(drawn(*words, expect=status), message)
-        # Without ffmpeg in the PATH its package is named, before anything is drawn.
+        # Without ffmpeg in the PATH the message names its package, before anything is drawn.
         with mock.patch.dict(os.environ, {"PATH": "/nowhere"}):
             self.assertRegex(drawn(run, "--animate", self.at / "a.mp4", expect=1), "ffmpeg, of the package ffmpeg; or write a GIF")
 

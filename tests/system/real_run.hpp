@@ -1,4 +1,4 @@
-// The real `poretwin` with the real processes, and what they leave.
+// The real `poretwin` with the real processes, and helpers that read their results.
 #pragma once
 
 #include "common/output/gauge_log.hpp"
@@ -17,7 +17,7 @@ namespace poretwin::testing_tools {
 
 namespace fs = std::filesystem;
 
-/// Times of the steps in a file of particles; every step must be whole, every number finite.
+/// Times of the steps in a file of particles; checks that every step is complete and every number finite.
 inline std::vector<double> steps_in(const fs::path& path) {
   const auto file = hdf5::File::open_to_read(path);
   const auto times = file.read_numbers("VTKHDF/Steps/Values");
@@ -37,7 +37,7 @@ inline std::vector<double> steps_in(const fs::path& path) {
   return times;
 }
 
-/// A port of this machine that nobody listens at.
+/// A port of this machine that is not in use.
 inline int free_port() {
   const int descriptor = ::socket(AF_INET, SOCK_STREAM, 0);
   sockaddr_in address{};
@@ -88,7 +88,7 @@ class RealRun : public Command {
   }
   [[nodiscard]] fs::path log(const std::string& name) const { return folder_ / (name + ".log"); }
   [[nodiscard]] std::string socket() const { return "ipc://" + (folder_ / "socket").string(); }
-  /// A folder with the real programs, but a mock in place of one.
+  /// A folder with the real programs, but with a mock in place of one of them.
   [[nodiscard]] fs::path programs_with_mock(const std::string& instead_of) const {
     const auto folder = folder_ / "programs";
     fs::create_directories(folder);

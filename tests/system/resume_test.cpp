@@ -1,4 +1,4 @@
-// Real runs that are killed, stopped, starved of disk: resumed, they end as if nothing had been, or say why they
+// Real runs that are killed, stopped or left without disk space: resumed, they end as if undisturbed, or say why they
 // cannot.
 #include "tests/system/real_run.hpp"
 
@@ -12,7 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-/// Everything in two folders of runs that is not the same.
+/// Everything that differs between two run folders.
 std::string differences(const fs::path& one, const fs::path& other) {
   std::string found;
   for (const auto& entry : fs::directory_iterator(one)) {
@@ -46,7 +46,7 @@ class RealResume : public RealRun {
     more.insert(more.end(), set.begin(), set.end());
     return arguments(terzaghi(), std::move(more));
   }
-  /// An undisturbed run, in a folder beside out().
+  /// Makes an undisturbed run in a folder beside out().
   fs::path reference(const fs::path& file, const std::vector<std::string>& set) {
     const auto folder = folder_ / "reference";
     std::vector<std::string> words{"run", file.string(), "--out", folder.string(), "--no-pictures", "--quiet"};
@@ -55,7 +55,7 @@ class RealResume : public RealRun {
     EXPECT_EQ(outcome.exit, 0) << outcome.err;
     return folder;
   }
-  /// Waits for the run to have left a checkpoint and been on its way for a random while.
+  /// Waits until the run has left a checkpoint, and then for a random time, before it kills a program.
   std::function<void(pid_t)> killer(const std::string& program, unsigned seed) {
     return [this, program, seed](pid_t command) {
       std::mt19937 random(seed);
@@ -65,7 +65,7 @@ class RealResume : public RealRun {
       if (const pid_t victim = child_called(command, program); victim > 0) ::kill(victim, SIGKILL);
     };
   }
-  /// Kills a program that runs a case alone, and compares what it leaves when resumed with a run that was left alone.
+  /// Kills a program that runs a case alone, resumes it, and compares the results with those of an undisturbed run.
   void resumes_alone(const std::string& name, const std::string& program, const std::vector<std::string>& set) {
     const auto file = fs::path(PORETWIN_SOURCE_DIR) / "cases" / name / "case.toml";
     const auto whole = reference(file, set);
@@ -98,7 +98,7 @@ class RealResume : public RealRun {
   }
 };
 
-/// Kernel names of processes are cut at 15 characters.
+/// Process names in the kernel, which are cut at 15 characters.
 constexpr const char* programs[] = {"poretwin-couple", "poretwin-fluid", "poretwin-solid"};
 
 TEST_F(RealResume, AKilledProcessIsStartedAgainFromTheLastCheckpoint) {
@@ -120,7 +120,7 @@ TEST_F(RealResume, AKilledRunIsResumedByAPerson) {
       poretwin(with({"--checkpoint-every", "0", "--restarts", "0"}, piece), {}, killer("poretwin-solid", 7));
   EXPECT_EQ(outcome.exit, 1);
   EXPECT_THAT(outcome.err, HasSubstr("solid was killed by signal 9"));
-  // As they lie there, every file can be read.
+  // Before resuming, every file can be read.
   for (const char* name : {"fluid.vtkhdf", "solid.vtkhdf"}) EXPECT_GE(steps_in(out() / name).size(), 1u);
   const auto resumed = poretwin(with({"--resume"}, piece));
   EXPECT_EQ(resumed.exit, 0) << resumed.err;
@@ -142,7 +142,7 @@ TEST_F(RealResume, CtrlCLeavesACheckpoint) {
   expect_nothing_left();
 }
 
-/// Rigid soil: the fluid alone, with few frames and few readings of the gauges.
+/// Rigid soil: the fluid alone, with few frames and few gauge readings.
 TEST_F(RealResume, ASolverAloneResumesToo) {
   resumes_alone(
       "infiltration_horizontal", "poretwin-fluid",
@@ -183,7 +183,7 @@ TEST_F(RealResume, WhatCannotBeResumedIsNamed) {
   EXPECT_EQ(poretwin(with({"--resume"}, piece)).exit, 0) << "the checkpoint must have outlived the attempt";
 }
 
-/// A limit on the size of files behaves as a full disk does, and needs no rights.
+/// A limit on the size of files acts as a full disk does, and needs no privileges.
 TEST_F(RealResume, NoMoreRoomNamesTheFileAndLeavesWhatIsThere) {
   rlimit before{};
   ::getrlimit(RLIMIT_FSIZE, &before);
@@ -204,7 +204,7 @@ TEST_F(RealResume, NoMoreRoomNamesTheFileAndLeavesWhatIsThere) {
   }
   EXPECT_FALSE(read_gauges(out() / "gauges.csv").empty());
 
-  // Room for the frames, but not for a checkpoint after the first ones.
+  // Space for the frames, but not for a checkpoint after the first ones.
   small(300'000);
   const auto state = poretwin(with({"--checkpoint-every", "0"}, {"--set", "case.end_time=0.01"}));
   small(before.rlim_cur);
@@ -229,7 +229,7 @@ TEST_F(RealResume, AFolderThatMayNotBeWrittenIsNamed) {
   const auto proc = poretwin({"run", terzaghi().string(), "--out", "/proc/poretwin-run"});
   EXPECT_EQ(proc.exit, 5);
   EXPECT_THAT(proc.err, HasSubstr("/proc/poretwin-run"));
-  // As an ordinary person, in a folder of somebody else.
+  // As an ordinary user, in another user's folder.
   if (::geteuid() == 0) {
     const auto mine = folder_ / "mine";
     fs::create_directories(mine);

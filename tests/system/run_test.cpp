@@ -1,5 +1,5 @@
-// The real `poretwin` with the real processes, on a short piece of a real case: what a run leaves, and how it ends when
-// something is wrong with its input, its partners or its machine.
+// The real `poretwin` with the real processes on a short part of a real case: the files of a run, and its exit when
+// input, partners or machine are faulty.
 #include "tests/system/real_run.hpp"
 
 #include <algorithm>
@@ -20,7 +20,7 @@ TEST_F(RealRun, LeavesReadableFilesAndTheRightPressure) {
   ASSERT_EQ(outcome.exit, 0) << outcome.err;
   expect_results(soon);
   const auto gauges = read_gauges(out() / "gauges.csv");
-  // At once after the load the water carries all of it: 1 kPa.
+  // Immediately after loading, the water carries the whole load: 1 kPa.
   EXPECT_NEAR(gauges.at("base_pressure").value.back(), 1000.0, 50.0);
   EXPECT_NEAR(gauges.at("base_pressure").time.back(), soon, 1e-12);
   EXPECT_LT(gauges.at("settlement").value.back(), 0.0);
@@ -56,7 +56,7 @@ TEST_F(RealRun, AProfilePutsAllThreeProcessesOnOneTimeLine) {
       EXPECT_NEAR(sum, seconds.get<double>(), 1e-6 + 1e-3 * sum) << process << ' ' << name;
     }
   }
-  // The fluid crosses ten windows, each while the coupler waits for it.
+  // The fluid crosses ten windows, and the coupler waits for it during each.
   const auto& waits = spans["coupler"]["waiting for fluid"];
   int seen = 0;
   for (const auto& [begin, end] : spans["fluid"]["computing"]) {

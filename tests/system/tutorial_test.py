@@ -1,15 +1,15 @@
 #!/usr/bin/python3
-"""Does a tutorial do what it says? Its files are written, its commands run one after the other, what they print is compared.
+"""Checks that a tutorial works: writes its files, runs its commands one after the other, and compares what they print.
 
 tutorial_test.py PROGRAM PAGE [--pictures]
 
 In the page, by the words after the three backticks of a block:
-  toml FILE     is written to FILE, in place of what was there
+  toml FILE     is written to FILE, replacing it
   toml FILE +   is appended to FILE
-  sh            is run, each line by itself, with `poretwin` in PATH, in a folder of its own; exit code 0 is expected
-  text X        is what the last `sh` printed: each line is looked for, words as they are, numbers within the part X of themselves;
-                `...` stands for lines left out
-An image whose title is the path of a picture must have been drawn there; --pictures takes it into the page's folder, made small.
+  sh            is run line by line, with `poretwin` in PATH, in a temporary folder; exit code 0 is expected
+  text X        is compared with what the last `sh` printed: each line must occur there, words literally, numbers within the relative
+                error X; `...` stands for omitted lines
+An image whose title is the path of a picture must have been drawn there; --pictures copies it, reduced, into the page's folder.
 """
 import os
 import pathlib
@@ -37,7 +37,7 @@ def blocks(page):
 
 
 def fits(wanted, found, part):
-    """Whether two lines are the same but for numbers, and these the same within a part of themselves."""
+    """Whether two lines are the same, except for numbers that agree within the relative error `part`."""
     if re.sub(NUMBER, "#", wanted).split() != re.sub(NUMBER, "#", found).split():
         return False
     pairs = zip(re.findall(NUMBER, wanted), re.findall(NUMBER, found))

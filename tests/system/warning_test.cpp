@@ -1,4 +1,4 @@
-// The real processes where something concerns the result: said at once, counted, exit code 6; and Ctrl-C in a search.
+// Warnings of real runs that concern the result: shown at once, counted, exit code 6; and Ctrl-C during a search.
 #include "tests/system/real_run.hpp"
 
 #include <fmt/format.h>
@@ -28,7 +28,7 @@ class Warned : public RealRun {
   }
 };
 
-/// A slope of soil whose modulus is given in kPa: nothing stands.
+/// A slope of soil whose modulus is given in kPa by mistake: it cannot stand.
 const std::string soft = R"([case]
 end_time = 0.05
 [[soil]]
@@ -89,7 +89,7 @@ TEST_F(Warned, ARestThatIsNotFoundIsSaid) {
   EXPECT_THAT(outcome.err, HasSubstr("solid: warning: the soil's rest was not found"));
 }
 
-/// Clay over an artesian gravel (cases/blow_out): it must lift once the pressure below it is its weight, 7259 Pa.
+/// Clay over an artesian gravel (cases/blow_out): it must lift once the pressure below equals its weight, 7259 Pa.
 const std::string clay_floor = R"([case]
 end_time = 6.5
 [[soil]]
@@ -175,7 +175,7 @@ points = [[0.5, 0.95], [0.5, 0.2]]
 }
 
 TEST_F(Warned, CtrlCEndsASearchForRestAtOnce) {
-  // Fine enough that the search takes longer than anybody waits.
+  // Fine enough that the search takes longer than anyone would wait.
   const auto outcome = run(soft, {"--set", "solid.particle_spacing=0.04"}, [&](pid_t child) {
     const auto searching = [&] {
       return text_of(out() / "log" / "solid.log").find("rest of the soil: largest") != std::string::npos;

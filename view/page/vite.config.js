@@ -1,7 +1,7 @@
 import { defineConfig } from "vite";
 
-/// h5wasm carries its WebAssembly as a string in its JavaScript, which a browser would scan twice, decode and only then
-/// compile. Here it becomes a file, compiled while it arrives. The package is pinned, so that its wording is known.
+/// h5wasm contains its WebAssembly as a string in its JavaScript; a browser would scan it twice, decode it and only then compile.
+/// Here it becomes a file, compiled during its transfer. The package version is pinned, so that its text is known.
 function wasmAsFile() {
   const held = /function findWasmBinary\(\)\{return binaryDecode\(('(?:[^'\\]|\\.)*')\)\}/s;
   const started = "wasmBinaryFile??=findWasmBinary();var result=await instantiateAsync(wasmBinary,wasmBinaryFile,info)";
@@ -11,7 +11,7 @@ function wasmAsFile() {
       if (!id.endsWith("h5wasm/dist/esm/hdf5_util.js")) return null;
       const string = code.match(held)?.[1];
       if (!string || !code.includes(started)) throw new Error(`${id}: not the h5wasm that vite.config.js knows`);
-      // Its own decoder: a byte is its character, zero one beyond 255.
+      // As its own decoder does: a byte is its character; zero is a character beyond 255.
       const bytes = Uint8Array.from(new Function(`return ${string}`)(), (character) => {
         const c = character.charCodeAt(0);
         return (~c >> 8) & c;
@@ -28,7 +28,7 @@ export default defineConfig({
   worker: { format: "es", plugins: () => [wasmAsFile()] },
   build: {
     target: "es2022",
-    // Nothing inline: the server's content security policy takes files only.
+    // Nothing inline: the server's content security policy admits files only.
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },
     chunkSizeWarningLimit: 5000,

@@ -1,4 +1,4 @@
-// What the browser test and the measurement of the first picture share: playwright-core, Debian's Chromium, the server.
+// Common parts of the browser test and of the measurement of the first picture: playwright-core, Debian's Chromium, the server.
 import { execFileSync, spawn } from "node:child_process";
 import fs from "node:fs";
 import { createRequire } from "node:module";
@@ -9,7 +9,7 @@ export const here = path.dirname(fileURLToPath(import.meta.url));
 export const python = "/usr/bin/python3";
 const SOFTWARE_GRAPHICS = ["--no-sandbox", "--enable-unsafe-swiftshader"]; // WebGL without a graphics card
 
-/// playwright-core as the lock file pins it, installed in the folder `place`.
+/// playwright-core in the version of the lock file, installed in the folder `place`.
 function playwright(place) {
   fs.mkdirSync(place, { recursive: true });
   const lock = fs.readFileSync(path.join(here, "package-lock.json"));
@@ -22,17 +22,17 @@ function playwright(place) {
   return createRequire(path.join(place, "package.json"))("playwright-core");
 }
 
-/// A Chromium that draws without a graphics card.
+/// Starts a Chromium that draws without a graphics card.
 export function launch(place, args = SOFTWARE_GRAPHICS) {
   return playwright(place).chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args });
 }
 
-/// A run folder without a run: see made_run.py.
+/// Makes a run folder without a run: see made_run.py.
 export function makeRun(folder, ...options) {
   execFileSync(python, [path.join(here, "made_run.py"), folder, ...options]);
 }
 
-/// `poretwin view` of a folder of runs: {address, link, stop}; `link` is always the newest one that is still good.
+/// Starts `poretwin view` on a folder of runs: {address, link, stop}; `link` is the newest valid link.
 export async function serve(program, runs) {
   const server = spawn(program, ["view", runs, "--port", "0"], { stdio: ["ignore", "pipe", "inherit"] });
   let text = "";
@@ -51,7 +51,7 @@ export async function serve(program, runs) {
   return { address: links()[0][1], get link() { return links().at(-1)[0]; }, stop };
 }
 
-/// Opens a link; seconds until the picture is drawn. Reading a pixel of it takes until all of it is.
+/// Opens a link; returns the seconds until the picture is drawn. Reading one of its pixels waits for all of it.
 export async function firstPicture(page, link) {
   const start = performance.now();
   await page.goto(link);

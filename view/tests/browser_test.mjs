@@ -1,4 +1,5 @@
-// The page of `poretwin view` in Debian's Chromium: browser_test.mjs PROGRAM FOLDER. FOLDER keeps playwright-core and the runs made here.
+// Tests the page of `poretwin view` in Debian's Chromium: browser_test.mjs PROGRAM FOLDER. FOLDER keeps playwright-core and the
+// runs made here.
 import assert from "node:assert/strict";
 import { execFileSync, spawn } from "node:child_process";
 import fs from "node:fs";
@@ -29,7 +30,7 @@ function makeRuns() {
   made("large", "100000", "2");
   made("<img src=x onerror=window.hit=1>", "400", "2", "--flat", "--markup");
   made("damaged", "4000", "2");
-  // Half of its index is gone.
+  // Half of its index is destroyed.
   const damaged = path.join(runs, "damaged", "fluid.vtkhdf");
   const bytes = fs.readFileSync(damaged);
   bytes.fill(0x55, bytes.length >> 1, bytes.length - 8);
@@ -37,7 +38,7 @@ function makeRuns() {
   fs.writeFileSync(damaged, bytes);
 }
 
-/// What h5py reads of a run, as JSON.
+/// Evaluates an expression on a run's file with h5py; returns its JSON.
 function held(run, expression) {
   const script = `import h5py, json, sys, numpy as np
 f = h5py.File(sys.argv[1], "r")["VTKHDF"]
@@ -49,7 +50,7 @@ print(json.dumps(${expression}))`;
 
 const fragment = (state) => "#" + encodeURIComponent(JSON.stringify(state));
 
-/// A page that shows these runs; its complaints are gathered.
+/// Opens a page that shows these runs, and collects its errors.
 async function open(state = {}, size = { width: 1280, height: 800 }) {
   if (page) await page.close();
   page = await context.newPage();
@@ -73,7 +74,7 @@ const drawnAt = (run, time) => page.waitForFunction(([name, t]) => {
 const label = (run) => panel(run).locator("canvas").first().getAttribute("aria-label");
 const until = (what, ...rest) => page.waitForFunction(what, rest.length === 1 ? rest[0] : rest, { timeout: LONG });
 
-/// Colours of the picture: how many pixels differ from its corner, and a sum that tells pictures apart.
+/// The colours of a picture: number of pixels that differ from its corner, and a sum that distinguishes pictures.
 function pixels(run) {
   return page.evaluate((name) => {
     const node = [...document.querySelectorAll(".panel")].find((p) => p.dataset.run === name);
@@ -85,7 +86,7 @@ function pixels(run) {
     const { data } = context.getImageData(0, 0, to.width, to.height);
     let drawn = 0;
     let sum = 0;
-    let dark = 0; // of the colour of texts and arrows
+    let dark = 0; // pixels in the colour of texts and arrows
     const colours = new Set();
     for (let i = 0; i < data.length; i += 4) {
       if (data[i] === data[0] && data[i + 1] === data[1] && data[i + 2] === data[2]) continue;
@@ -159,10 +160,10 @@ test("keys change the theme, tell themselves, and leave fields alone", async () 
   await page.keyboard.press("t");
   assert.equal(await theme(), "dark");
   await page.keyboard.press("t");
-  await page.evaluate(() => localStorage.removeItem("theme")); // later tests have the system's
+  await page.evaluate(() => localStorage.removeItem("theme")); // later tests use the system's theme
   await page.keyboard.press("?");
   assert.match(await page.textContent("dialog[open]"), /play, pause/);
-  await page.keyboard.press("t"); // the dialog's, not the page's
+  await page.keyboard.press("t"); // goes to the dialog, not to the page
   await page.keyboard.press("Escape");
   await page.locator("#gauge-menu summary").click();
   await page.getByLabel("Find a gauge").fill("");
@@ -211,7 +212,7 @@ test("a particle tells all its fields", async () => {
   assert.ok(Math.abs(pressure - fields.pore_pressure) <= 1e-3 * Math.abs(fields.pore_pressure), `${rows}`);
   await page.keyboard.press("Escape");
   assert.equal(await page.locator("#particle table").count(), 0);
-  // By the mouse as well; beside the particles there is none.
+  // With the mouse, too; beside the particles nothing is selected.
   const box = await page.locator("#stage canvas").first().boundingBox();
   await page.mouse.click(box.x + box.width / 2, box.y + box.height / 2);
   await page.waitForSelector("#particle table");
@@ -262,11 +263,11 @@ test("a link restores the view", async () => {
   await drawnAt("runs/dam", null);
   await page.waitForTimeout(600);
   assert.equal(await label("runs/dam"), words);
-  // Numbers of a link are rounded: a pixel at an edge may differ.
+  // Numbers in a link are rounded: pixels at edges may differ.
   const after = await pixels("runs/dam");
   assert.ok(Math.abs(after.drawn - before.drawn) < 0.01 * before.drawn, `${after.drawn} pixels instead of ${before.drawn}`);
   assert.equal(await page.locator("#clip-axis").inputValue(), "x");
-  // Whatever a link says: it is taken for what it is, or left.
+  // Whatever a link contains is used if valid, or ignored.
   for (const odd of ["#%", "#null", "#" + encodeURIComponent('{"runs":[1,{}],"time":"x","camera":{"at":[1,2]},"phases":{"fluid":null},"clip":3,"gauges":{}}')]) {
     await page.goto("about:blank");
     await page.goto(server.address + odd);
@@ -297,7 +298,7 @@ test("keys turn three dimensions at the same distance", async () => {
   await drawnAt("runs/cube", 0);
   await page.locator("#stage canvas").first().focus();
   const arm = async () => {
-    await page.waitForTimeout(800); // the link follows
+    await page.waitForTimeout(800); // until the link is updated
     const { at, eye } = JSON.parse(decodeURIComponent(new URL(page.url()).hash.slice(1))).camera;
     return at.map((x, d) => eye[d] - x);
   };
@@ -306,15 +307,15 @@ test("keys turn three dimensions at the same distance", async () => {
   await page.keyboard.press("Shift+ArrowUp");
   const after = await arm();
   assert.ok(Math.abs(Math.hypot(...after) / Math.hypot(...before) - 1) < 1e-4, `${before} became ${after}`);
-  assert.ok(after[2] < before[2] - 0.01, `${before} became ${after}`); // the scene turns up
-  // It stops above the scene and does not turn over.
+  assert.ok(after[2] < before[2] - 0.01, `${before} became ${after}`); // the scene turns upwards
+  // The camera stops above the scene and does not turn over.
   for (let i = 0; i < 20; ++i) await page.keyboard.press("Shift+ArrowDown");
   const above = await arm();
   assert.ok(above[2] > 0.98 * Math.hypot(...above) && above[1] < 0, `${above}`);
 });
 
 test("spheres that are not drawn cannot be seen", () => {
-  // Seeded, so that a failure can be found again.
+  // A fixed seed, so that a failure can be reproduced.
   let seed = 1;
   const random = () => (seed = (seed * 48271) % 2147483647) / 2147483647;
   const side = 20;
@@ -327,11 +328,11 @@ test("spheres that are not drawn cannot be seen", () => {
   const [width, height, zoom] = [160, 120, 3.2];
   const [c, s] = [Math.cos(0.4), Math.sin(0.4)];
   for (const [distance, size, clip] of [[3, 1, [0, 0, 0, 1]], [1.1, 1, [0, 0, 0, 1]], [1.5, 0.6, [0, 0, 1, 0.1]]]) {
-    // Turned around the vertical; the eye looks along z.
+    // Turned about the vertical; the eye looks along z.
     const view = [c, 0, -s, 0, 0, 1, 0, 0, s, 0, c, 0, 0, 0, -distance, 1];
     const projection = [zoom * height / width, 0, 0, 0, 0, zoom, 0, 0, 0, 0, -1, -1, 0, 0, -0.1, 0];
     const kept = new Set(visible(positions, radii, size, { view, projection, width, height, clip, largest: 1024 }));
-    // The plain twin: each sphere at each pixel, as the shader draws it.
+    // The reference: each sphere at each pixel, as the shader draws it.
     const front = new Float64Array(width * height).fill(Infinity);
     const owner = new Int32Array(width * height).fill(-1);
     for (let i = 0; i < radii.length; ++i) {
@@ -382,7 +383,7 @@ test("pictures and films are saved", async () => {
   assert.ok(png.length > 10000);
   const gif = await save("#save-gif");
   assert.equal(gif.subarray(0, 6).toString(), "GIF89a");
-  // One control block a frame.
+  // One control block per frame.
   assert.equal(gif.toString("latin1").split("\x21\xf9\x04").length - 1, 4);
   const video = await save("#save-video");
   assert.deepEqual([...video.subarray(0, 4)], [0x1a, 0x45, 0xdf, 0xa3]);
@@ -472,7 +473,7 @@ test("a frame of 100,000 particles is soon there", async (t) => {
   t.diagnostic(`first picture after ${seconds} s`);
   const [count] = held("large", "[int(n[0])]");
   assert.match(await label("runs/large"), new RegExp(`${count} particles`));
-  // Asked are 2 s; without a graphics card and beside other tests it takes longer, so that this bound tells of a breakdown only.
+  // The aim is 2 s; without a graphics card and beside other tests it takes longer, so that this bound detects a breakdown only.
   assert.ok(seconds < 20, `${seconds} s`);
 });
 

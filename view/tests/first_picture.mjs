@@ -1,15 +1,15 @@
-// How long until the first picture of a frame of 100,000 particles: first_picture.mjs PROGRAM FOLDER [REPEATS].
-// Each time another Chromium without a graphics card, with nothing cached; the clock runs from opening the link until the
-// pixels of the picture can be read, so that drawing is part of it. FOLDER keeps playwright-core and the run made here.
+// Measures the time to the first picture of a frame with 100,000 particles: first_picture.mjs PROGRAM FOLDER [REPEATS]. Each
+// repeat starts a new Chromium without a graphics card and with empty caches; the time runs from opening the link until pixels of
+// the picture can be read, so that it includes drawing. FOLDER keeps playwright-core and the run made here.
 import fs from "node:fs";
 import path from "node:path";
 import { firstPicture, launch, makeRun, serve } from "./browser.mjs";
 
 const [program, place] = process.argv.slice(2, 4).map((name) => path.resolve(name));
 const repeats = Number(process.argv[4] ?? 5);
-const SETTLED = 1000; // ms until a browser that has just been started does nothing
+const SETTLED = 1000; // ms until a browser that has just started is idle
 
-/// CPU seconds of the processes below this one: the browser's and the server's.
+/// CPU seconds of the child processes: the browser and the server.
 function cpuSeconds() {
   const parents = new Map();
   const ticks = new Map();

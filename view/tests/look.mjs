@@ -1,5 +1,5 @@
-// Opens the link that `poretwin view` printed in a browser, and says how long the first picture took: look.mjs FOLDER LINK.
-// Without LINK it only gets FOLDER ready, which keeps playwright-core.
+// Opens the link that `poretwin view` printed in a browser, and prints how long the first picture took: look.mjs FOLDER LINK.
+// Without LINK it only prepares FOLDER, which keeps playwright-core.
 import path from "node:path";
 import { firstPicture, launch } from "./browser.mjs";
 

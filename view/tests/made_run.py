@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Makes a run folder without a run, as large as wanted: made_run.py FOLDER PARTICLES FRAMES [--flat] [--names]."""
+"""Makes a run folder of any size without running anything: made_run.py FOLDER PARTICLES FRAMES [--flat] [--names]."""
 import argparse
 import pathlib
 

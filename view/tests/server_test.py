@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The server of `poretwin view`: who may ask, what can be read, and that a file in the middle of a write reads as of its last flush."""
+"""The server of `poretwin view`: access, readable files, and that a file which is being written is read as of its last flush."""
 import fcntl
 import http.client
 import json
@@ -91,7 +91,7 @@ class Served(unittest.TestCase):
         self.assertEqual(self.ask(f"/?token={token}", known=False).status, 403)
         self.assertEqual(self.ask("/", {"Cookie": cookie.partition(";")[0]}, known=False).status, 200)
         self.assertIn(self.server.access.token, self.links[-1])
-        # The one that is in already only goes on.
+        # A browser that has already been admitted only continues.
         before = self.server.access.token
         self.assertEqual(self.ask("/?token=old").status, 303)
         self.assertEqual(self.server.access.token, before)
@@ -134,7 +134,7 @@ class Served(unittest.TestCase):
         (folder / "log" / "coupler.log").unlink()
         (folder / "log" / "coupler.log").symlink_to(self.place / "secret.txt")
         self.assertEqual(self.ask(f"/api/runs/{number}/status").status, 503)
-        # A folder that becomes a link after it was found.
+        # The folder becomes a symbolic link after it was found.
         shutil.move(folder, self.place / "elsewhere")
         folder.symlink_to(self.place / "elsewhere")
         self.assertEqual(self.ask(f"/api/runs/{number}/status").status, 503)
@@ -202,7 +202,7 @@ class Served(unittest.TestCase):
             stream.write("el,7,m\n")
         on = json.loads(self.ask(f"{path}?gauges.fluid.csv={first['cursor']['gauges.fluid.csv']}").body)
         self.assertEqual(on["series"], {"level": {"unit": "m", "time": [2.0], "value": [7.0]}})
-        # Taken back to a checkpoint: from the beginning.
+        # The file is shorter than the cursor, after a return to a checkpoint: it is read from the beginning.
         again = json.loads(self.ask(f"{path}?gauges.fluid.csv=999999").body)
         self.assertEqual(len(again["series"]["level"]["time"]), 3)
         for bad in ("-4", "x", "9" * 40, "%D9%A1"):
@@ -252,7 +252,7 @@ def found(folder):
 
 
 class TheLastFlush(unittest.TestCase):
-    """Files as common/output/undo_driver.cpp leaves them at every step of a write."""
+    """Files in the states in which common/output/undo_driver.cpp leaves them during a write."""
 
     def setUp(self):
         self.place = pathlib.Path(tempfile.mkdtemp())
@@ -277,12 +277,12 @@ class TheLastFlush(unittest.TestCase):
         self.undo.write_bytes(journal)
         self.assertEqual(self.read(), at_rest)
         journal += struct.pack("<QQ", 2, 3) + b"234"
-        self.undo.write_bytes(journal[:-1])  # a piece on its way: the file has not changed there
+        self.undo.write_bytes(journal[:-1])  # an incomplete piece: the file has not been changed there
         self.assertEqual(self.read(), at_rest)
         self.undo.write_bytes(journal)
         self.file.write_bytes(b"01abc56789" + b"new at the end")
         self.assertEqual(self.read(), at_rest)
-        journal += struct.pack("<QQ", 3, 2) + b"bc"  # written over once more: the older copy counts
+        journal += struct.pack("<QQ", 3, 2) + b"bc"  # the same place written twice: the older copy is right
         self.undo.write_bytes(journal)
         self.file.write_bytes(b"01aXY56789" + b"new at the end")
         self.assertEqual(self.read(), at_rest)
@@ -309,11 +309,11 @@ class TheLastFlush(unittest.TestCase):
 
 
 class WhileARealRunWrites(unittest.TestCase):
-    """Any number of looks at a run that flushes all the time: each is one whole state."""
+    """Repeated reads during a run that flushes all the time: each gives one consistent state."""
 
     @unittest.skipUnless(os.environ.get("PORETWIN"), "needs the program")
     def test_every_look_is_a_whole_file(self):
-        import h5py  # of the tests' packages, as for the pictures
+        import h5py  # a package of the tests, as for the pictures
         place = pathlib.Path(tempfile.mkdtemp())
         command = [os.environ["PORETWIN"], "run", str(HERE.parent.parent / "cases" / "dam_break"), "--out", str(place / "run"), "--until", "0.1", "--quiet",
                    "--no-pictures", "--set", "output.interval=0.0005", "--set", "fluid.particle_spacing=0.05"]
@@ -327,7 +327,7 @@ class WhileARealRunWrites(unittest.TestCase):
                 look = snapshot.read(folder, "fluid.vtkhdf", 0, 1 << 28)
                 os.close(folder)
                 if look is None or len(look[2]) < 2048:
-                    continue  # the library flushes once when it makes a file, before anything is in it
+                    continue  # the library flushes once when it makes a file, before any content
                 (place / "copy.h5").write_bytes(look[2])
                 try:
                     with h5py.File(place / "copy.h5") as file:
@@ -415,12 +415,12 @@ class References(unittest.TestCase):
 
 
 class Command(unittest.TestCase):
-    """`poretwin view` as it is typed."""
+    """The command `poretwin view`."""
 
     def setUp(self):
         self.place = pathlib.Path(tempfile.mkdtemp())
         make_run(self.place / "run")
-        # A page that needs no building.
+        # A page that need not be built.
         self.built = self.place / "built"
         (self.built / "page").mkdir(parents=True)
         (self.built / "page" / "index.html").write_text("page")

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Soil that nothing moves, for the real fluid: seepage through a rigid skeleton.
+"""A rigid skeleton in the place of the solid, for poretwin's own fluid.
 
     poretwin run clients/python/examples/seepage.toml --solid "python3 clients/python/examples/rigid_solid.py"
 
-The skeleton is a field of points that rest. What makes it rigid is its inertia: the fluid predicts how far the skeleton gives
-way within a window from its density and its modulus, and grains of 1e12 kg/m3 do not.
+The skeleton is a set of points at rest. Its density makes it rigid: from density and modulus the fluid predicts how far the
+skeleton moves within a window, and with 1e12 kg/m3 it does not move.
 """
 
 import sys
@@ -15,7 +15,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import poretwin
 
-UNMOVABLE = 1e12  # kg/m3
+UNMOVABLE = 1e12  # kg/m3, grain density with which the skeleton does not move
 
 
 class RigidSolid(poretwin.Phase):
@@ -42,7 +42,7 @@ class RigidSolid(poretwin.Phase):
             "hydraulic_conductivity": of_soil("hydraulic_conductivity", 1e-4),
             "returned_impulse": still,
         }
-        self.taken = np.zeros(self.dimension)  # N s, all the drag it ever took
+        self.taken = np.zeros(self.dimension)  # N s, sum of all drag received
 
     def publish(self):
         return poretwin.Publication(self.points, self.fields)

@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
-"""Steady seepage by finite differences, for the real solid: a grid of nodes in place of fluid particles.
+"""Steady seepage by finite differences in the place of the fluid, for poretwin's own solid: a grid of nodes instead of particles.
 
     poretwin run clients/python/examples/seepage.toml --fluid "python3 clients/python/examples/seepage_grid.py"
 
-Solves div(k grad h) = 0 for the head h on the nodes of a rectangular grid over the soil; k comes from the solid, mapped to the
-nodes. The case's water faces prescribe h, everything else is tight. The pore pressure is p = rho_w g (h - z); the drag on the
-skeleton, per volume of soil, is what the water's own weight and pressure leave: n (rho_w g - grad p).
-The water does not follow the skeleton: the seepage is steady, v_s' = 0, and what the solid returns is not looked at.
+Solves div(k grad h) = 0 for the head h [m] at the nodes of a rectangular grid over the soil; the conductivity k [m/s] comes from
+the solid, mapped to the nodes. The case's water faces prescribe h; all other sides are impermeable. The pore pressure is
+p = rho_w g (h - z), with the elevation z; the drag on the skeleton per volume is the rest of the water's weight and pressure
+gradient, n (rho_w g - grad p), with the porosity n.
+The water does not respond to the skeleton: the seepage is steady, the predicted velocity of the skeleton is zero, and the
+impulse that the solid returns is ignored.
 """
 
 import sys
@@ -46,7 +48,7 @@ class SeepageGrid(poretwin.Phase):
         self._solve(np.full(n, self.case_conductivity))
 
     def _prescribed(self, case):
-        """Heads at the nodes on water faces; NaN elsewhere."""
+        """Heads [m] at the nodes on water faces; NaN at all others."""
         heads = np.full(len(self.points), np.nan)
         for face in case.get("water_face", []):
             for a, b in zip(face["points"], face["points"][1:]):
@@ -61,14 +63,14 @@ class SeepageGrid(poretwin.Phase):
         return heads
 
     def _solve(self, conductivity):
-        """Heads, pressures and the force of the water on the skeleton, all per node."""
+        """Computes heads, pressures and the force of the water on the skeleton at all nodes."""
         n = len(self.points)
         index = np.arange(n).reshape(self.shape)
         matrix, right = np.zeros((n, n)), np.zeros(n)
         for axis in (0, 1):
             a = np.moveaxis(index, axis, 0)[:-1].ravel()
             b = np.moveaxis(index, axis, 0)[1:].ravel()
-            # Width of the face between two nodes: half a step on the rim.
+            # Width of the face between two nodes, in steps: one half on the rim.
             across = np.ones(self.shape[1 - axis])
             across[[0, -1]] = 0.5
             width = np.tile(across * self.step[1 - axis], self.shape[axis] - 1)
@@ -97,15 +99,15 @@ class SeepageGrid(poretwin.Phase):
             "drag_impulse": self.impulse,
             "soil_fraction": np.ones(len(self.points)),
             "surface_gradient": np.zeros((len(self.points), 2)),
-            "surface_share": np.zeros(len(self.points)),  # the soil may take its own gradient everywhere
+            "surface_share": np.zeros(len(self.points)),  # 0: the solid uses its own pressure gradient
         })
 
     def advance(self, window, inbox):
-        soil = inbox.coverage > 0.0  # elsewhere fields are 0 and mean nothing
+        soil = inbox.coverage > 0.0  # fields are 0, and meaningless, elsewhere
         self.porosity = np.where(soil, 1.0 - inbox["solid_volume_fraction"], self.case_porosity)
         self._solve(np.where(soil, inbox["hydraulic_conductivity"], self.case_conductivity))
         self.impulse = self.force * self.points.volume[:, None] * window.interval
-        self.change = -np.where(soil[:, None], inbox["solid_velocity"], 0.0)  # its prediction is soil that stands still
+        self.change = -np.where(soil[:, None], inbox["solid_velocity"], 0.0)  # the prediction is soil at rest
 
     def gauges(self):
         return {"discharge": (self.discharge, "m2/s")}

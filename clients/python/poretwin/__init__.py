@@ -1,4 +1,4 @@
-"""A peer of a coupled run in Python: needs pyzmq, protobuf and numpy (in the source tree, protoc as well). docs/protocol.md describes the conversation."""
+"""A solver for a coupled run, in Python. Needs pyzmq, protobuf and numpy (in the source tree, protoc as well). docs/protocol.md describes the messages."""
 
 from .case import Case
 from .participant import PeerError, main

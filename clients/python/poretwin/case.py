@@ -12,7 +12,7 @@ from .phase import Points, lattice
 
 
 class Case:
-    """The case, with its overrides applied. `data` is what the TOML text holds, `dimension` 2 or 3."""
+    """The case with its overrides applied. `data`: content of the TOML text; `dimension`: 2 or 3."""
 
     def __init__(self, text: str, overrides: Iterable[str] = (), digest: str = "", dimension: int = 2) -> None:
         self.data: dict[str, Any] = tomllib.loads(text)
@@ -32,7 +32,7 @@ class Case:
         place[int(path[-1]) if isinstance(place, list) else path[-1]] = value
 
     def get(self, path: str, default: Any = None) -> Any:
-        """A key by its dotted path: get("soil.0.porosity", 0.4)."""
+        """The value at a dotted path, such as get("soil.0.porosity", 0.4)."""
         place: Any = self.data
         for key in path.split("."):
             try:
@@ -43,15 +43,15 @@ class Case:
 
     @property
     def gravity(self) -> list[float]:
-        """m/s2; downwards along the last axis unless the case says otherwise."""
+        """m/s2; as in the case, or downwards along the last axis."""
         given: list[float] | None = self.get("case.gravity")
         return given if given is not None else [0.0] * (self.dimension - 1) + [-9.81]
 
     def soil_points(self, spacing: float, smoothing_per_spacing: float = 1.3) -> tuple[Points, np.ndarray]:
-        """Lattice points of every box of soil, and the index of each point's soil.
+        """Lattice points of every box of soil, and for each point the index of its soil.
 
-        Where a wall lies on a side of a box the lattice goes on behind it by four spacings, as ghosts: whoever looks at the
-        points from inside must not take the wall for the soil's surface.
+        Behind a side of a box that lies on a wall the lattice continues by four spacings, as ghosts: without them the wall would
+        look like the soil's surface.
         """
         active: list[tuple[np.ndarray, int]] = []
         ghosts: list[tuple[np.ndarray, int]] = []

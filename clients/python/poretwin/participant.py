@@ -1,4 +1,4 @@
-"""The client by which a phase takes part in a coupled run: handshake, commands with deadlines, heartbeats."""
+"""The client through which a phase takes part in a coupled run: handshake, commands with deadlines, heartbeats."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ pb = wire.pb
 
 
 class PeerError(Exception):
-    """The run cannot go on; `code` is the exit code (docs/protocol.md)."""
+    """The run cannot continue; `code` is the exit code (docs/protocol.md)."""
 
     def __init__(self, text: str, code: int = 3) -> None:
         super().__init__(text)
@@ -38,12 +38,12 @@ class PeerError(Exception):
 
 
 def log(line: str) -> None:
-    """One line to stderr, as all processes of a run write it."""
+    """Writes one line to stderr, in the form common to all processes of a run."""
     print(time.strftime("[%H:%M:%S] ", time.gmtime()) + line, file=sys.stderr, flush=True)
 
 
 class Line:
-    """The DEALER socket, used under one lock by the phase's thread and by the heartbeats."""
+    """The DEALER socket. The phase's thread and the heartbeats use it under one lock."""
 
     def __init__(self, address: str) -> None:
         self.context = zmq.Context()
@@ -66,9 +66,9 @@ class Line:
         self.socket.connect(address)
 
     def send(self, frames: list[Any]) -> None:
-        """Sends frames; the caller has the lock."""
+        """Sends frames; the caller must have the lock."""
         self.socket.send_multipart(frames, copy=True)
-        # Sending also reads which events have come in, and consumes the signal that receive() may be waiting for.
+        # Sending also reads pending events, and so consumes the signal for which receive() may be waiting.
         if int(self.socket.get(zmq.EVENTS)) & zmq.POLLIN:
             self.wake()
 
@@ -77,7 +77,7 @@ class Line:
             os.write(self.waker, b"!")
 
     def receive(self, milliseconds: int) -> list[bytes] | None:
-        """The next message, or nothing; does not hold the lock while it waits: heartbeats go out meanwhile."""
+        """The next message, or None. Releases the lock while it waits, so that heartbeats can be sent."""
         frames = self.look()
         if frames is None and not self.lost:
             self.signals.poll(milliseconds)
@@ -96,7 +96,7 @@ class Line:
                     self.open = True
                 elif self.open:
                     self.lost = True
-            return self.take()  # the other end's last message came in before its closing
+            return self.take()  # the other end's last message arrived before its closing
 
     def take(self) -> list[bytes] | None:
         with contextlib.suppress(zmq.Again):
@@ -115,7 +115,7 @@ class Line:
 
 
 class Participant:
-    """A solver's side of the conversation of docs/protocol.md. poretwin.main() drives it; a solver rarely uses it directly."""
+    """A solver's side of the exchange of messages in docs/protocol.md. poretwin.main() runs it; a solver rarely uses it directly."""
 
     def __init__(self, address: str, role: str, wait_deadline: float = 60.0, coupler_deadline: float = 60.0,
                  say_every: float = 5.0) -> None:
@@ -273,7 +273,7 @@ class Participant:
 
 
 class Record:
-    """OUT/gauges.ROLE.csv, written once the window that a reading belongs to is certain to stand."""
+    """OUT/gauges.ROLE.csv. Readings are written once the window to which they belong is certain to be final."""
 
     def __init__(self, out: Path, role: str, resume: bool = False) -> None:
         self.path = out / f"gauges.{role}.csv"
@@ -296,7 +296,7 @@ class Record:
 
 
 class Checkpoints:
-    """OUT/checkpoints/ROLE-NAME.state: whole or not there at all, a checksum in front, then data only (state.py)."""
+    """OUT/checkpoints/ROLE-NAME.state. Such a file is always complete: a checksum, then data (state.py)."""
 
     def __init__(self, out: Path, role: str) -> None:
         self.folder, self.role = out / "checkpoints", role
@@ -334,7 +334,7 @@ class Checkpoints:
         os.close(folder)
 
     def read(self, name: str) -> Any:
-        """Raises PeerError where the file is not what write() makes."""
+        """The content that write() stored. Raises PeerError where the file is of another kind."""
         try:
             return state.load(self.path(name).read_bytes()[32:])
         except state.StateError as error:
@@ -342,7 +342,7 @@ class Checkpoints:
 
 
 def drive(phase: Phase, participant: Participant, record: Record, counts: dict[str, int], checkpoints: Checkpoints) -> str:
-    """Obeys the coupler until FINISH; returns its reason."""
+    """Carries out the coupler's commands until FINISH; returns the reason that FINISH gives."""
     now = before = 0.0
     advanced = False
     participant.publish(phase, now)
@@ -410,7 +410,7 @@ def drive(phase: Phase, participant: Participant, record: Record, counts: dict[s
 
 
 def main(role: str, make_phase: Callable[[Case], Phase]) -> int:
-    """The whole main of a solver: make_phase(case) brings the phase. Takes the arguments that `poretwin run` gives."""
+    """The whole main of a solver. make_phase(case) makes the phase. Takes the arguments that `poretwin run` passes."""
     parser = argparse.ArgumentParser(description=f"A {role} for poretwin.")
     parser.add_argument("--connect", required=True, metavar="ADDRESS", help="ipc:///path or tcp://host:port")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR")
@@ -439,7 +439,7 @@ def main(role: str, make_phase: Callable[[Case], Phase]) -> int:
         code = 130 if reason == "interrupted" else 0
     except PeerError as error:
         code, reason = error.code, str(error)
-    except Exception as error:  # whatever the phase did: everybody must hear of it
+    except Exception as error:  # whatever the phase raised: all must be informed
         code, reason = 1, f"{type(error).__name__}: {error}"
         participant.leave("abort", reason, code)
     participant.close()

@@ -1,4 +1,4 @@
-"""What a phase gives and gets, independent of any transport."""
+"""What a phase publishes and receives, independent of any transport."""
 
 from __future__ import annotations
 
@@ -19,13 +19,15 @@ class Field:
     name: str
     unit: str  # SI
     components: int = 1  # 1, or the dimension
-    mapping: str = "consistent"  # interpolated; "nearest": that, but at jumps of the nearest point; "conservative": an amount, shared out
+    # "consistent": interpolated; "nearest": interpolated, but the nearest point's value at jumps; "conservative": an amount,
+    # distributed so that its sum is kept
+    mapping: str = "consistent"
     mask: str = ""
-    in_time: bool = False  # of a field taken, consistent: the values at the window's start are wanted too
+    in_time: bool = False  # in takes(), consistent fields: also receive the values at the window's start
 
 
 def standard_fields(role: str, dimension: int) -> list[Field]:
-    """The standard contract: what each role gives, "field" for a fluid whose water is a field. It takes what the other gives."""
+    """The fields that a role gives by the standard contract; role "field": a fluid whose water is a field. It takes what the other gives."""
     return [
         Field(name, unit, dimension if vector else 1, mapping, mask)
         for name, unit, vector, mapping, mask in STANDARD[role]
@@ -34,14 +36,14 @@ def standard_fields(role: str, dimension: int) -> list[Field]:
 
 @dataclass
 class Points:
-    """Where fields are given. The first n_active points also receive; the others are ghosts."""
+    """The points at which fields are given. The first n_active also receive fields; the others are ghosts."""
 
     position: np.ndarray  # [n, dimension] m
     volume: np.ndarray  # [n] m^dimension
-    smoothing_length: np.ndarray  # [n] m: a point speaks for what lies within twice this length
-    n_active: int = None  # type: ignore[assignment]  # all, unless said otherwise
-    owner: np.ndarray = None  # type: ignore[assignment]  # [n] the active point a ghost stands for; -1: nobody
-    revision: int = 0  # change it whenever anything above changes
+    smoothing_length: np.ndarray  # [n] m; the kernel of a point reaches twice this length
+    n_active: int = None  # default: all
+    owner: np.ndarray = None  # [n] index of the active point of which a ghost is an image; -1: none
+    revision: int = 0  # change it with any of the arrays above
 
     def __post_init__(self) -> None:
         n = len(self.volume)
@@ -56,34 +58,34 @@ class Points:
 
 @dataclass
 class Publication:
-    """What a phase shows at the end of a window."""
+    """A phase's state at the end of a window, as the other phase receives it."""
 
     points: Points
-    fields: dict[str, np.ndarray]  # name -> [n] or [n, components]; what the contract has and this has not is zero
-    proposed_interval: float = float("inf")  # s, the longest next window that is stable and accurate
+    fields: dict[str, np.ndarray]  # name -> [n] or [n, components]; missing fields are zero
+    proposed_interval: float = float("inf")  # s, longest next window that is stable and accurate
     limited_by: str = ""
 
 
 @dataclass
 class Inbox:
-    """The other phase at this phase's active points; zero where coverage is zero."""
+    """The other phase's fields at this phase's active points; zero where coverage is zero."""
 
     coverage: np.ndarray  # [n_active] 1 inside the other's cloud, about 0.5 on its edge, 0 outside
-    asymmetry: np.ndarray  # [n_active]
+    asymmetry: np.ndarray  # [n_active] offset of the other's centre in smoothing lengths: 0 inside, 0.47 on a flat edge
     fields: dict[str, np.ndarray] = field(default_factory=dict)
 
     def __getitem__(self, name: str) -> np.ndarray:
         return self.fields[name]
 
     def between(self, name: str, share: float) -> np.ndarray:
-        """Values within the window, linear in time (share 0: its start, 1: its end), of a field taken `in_time`."""
+        """Values within the window, linear in time between its start (share 0) and its end (share 1), of a field with `in_time`."""
         start = self.fields.get(name + "@start")
         return self.fields[name] if start is None else (1.0 - share) * start + share * self.fields[name]
 
 
 @dataclass(frozen=True)
 class Window:
-    """One exchange window."""
+    """One time window of the exchange."""
 
     step: int
     time: float  # s, start
@@ -99,18 +101,18 @@ class Refused(Exception):
 
 
 class Phase:
-    """Base class of a solver of your own. `role` and `dimension` must be set."""
+    """Base class of a solver. Derived classes must set `role` and `dimension`."""
 
     role = ""
     dimension = 2
     _saved: Any = None
 
     def gives(self) -> list[Field]:
-        """Fields that it publishes: the standard ones of its role."""
+        """The fields that it publishes; by default the standard ones of its role."""
         return standard_fields(self.role, self.dimension)
 
     def takes(self) -> list[Field]:
-        """Fields that it wants of the other phase."""
+        """The fields that it receives from the other phase; by default the standard ones."""
         return standard_fields("solid" if self.role == "fluid" else "fluid", self.dimension)
 
     def publish(self) -> Publication:
@@ -118,32 +120,32 @@ class Phase:
         raise NotImplementedError
 
     def initialise(self, inbox: Inbox) -> None:
-        """Called once, with the other side's fields at time zero."""
+        """Called once, with the other phase's fields at time zero."""
 
     def advance(self, window: Window, inbox: Inbox) -> None:
-        """Advances by one window; raises Refused when it is too long."""
+        """Advances by one window; raises Refused where it is too long."""
         raise NotImplementedError
 
     def save(self) -> None:
-        """Keeps the complete state; restore() brings it back, any number of times."""
+        """Stores the complete state; restore() returns to it, any number of times."""
         self._saved = None
         self._saved = copy.deepcopy(self.__dict__)
 
     def restore(self) -> None:
-        """Brings back what save() kept."""
+        """Returns to the state that save() stored."""
         saved = self._saved
         self.__dict__ = copy.deepcopy(saved)
         self._saved = saved
 
     def state(self) -> bytes:
-        """The same complete state as bytes, for a checkpoint; resume() brings it back in a phase newly made. Attributes that are
-        not data (state.py says which are) need a state() and a resume() of the phase's own, free of code as well."""
+        """The complete state as bytes, for a checkpoint; resume() restores it in a new phase. A phase with attributes that are not
+        data (state.py lists what is) must override state() and resume(), and store no code either."""
         from . import state
 
         return state.dump({name: value for name, value in self.__dict__.items() if name != "_saved"})
 
     def resume(self, data: bytes) -> None:
-        """Brings back what state() gave, in a phase newly made."""
+        """Restores what state() returned, in a new phase."""
         from . import state
 
         self.__dict__ = state.load(data)
@@ -154,7 +156,7 @@ class Phase:
 
 
 def lattice(lower: npt.ArrayLike, upper: npt.ArrayLike, spacing: float, smoothing_per_spacing: float = 1.3) -> Points:
-    """Points on a square lattice that fills a box, the first half a spacing in."""
+    """Points of a square lattice that fills a box, half a spacing from its sides."""
     axes = [np.arange(round((b - a) / spacing)) * spacing + a + 0.5 * spacing for a, b in zip(np.asarray(lower, float), np.asarray(upper, float))]
     position = np.stack([c.ravel() for c in np.meshgrid(*axes, indexing="ij")], axis=-1)
     n = len(position)

@@ -1,7 +1,7 @@
-"""A phase's state as bytes and back: data only. Unlike a pickle it can name no code, so a file that somebody else has written
-can do no more than hold wrong numbers.
+"""A phase's state as bytes and back, as data only. Unlike a pickle it cannot contain code, so that a file from a stranger can do
+no more than hold wrong numbers.
 
-MAGIC, the length of a JSON text, the text, then the arrays it refers to, one after the other, little-endian."""
+Format: MAGIC, the length of a JSON text, the text, then the arrays to which it refers, little-endian, one after the other."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ POINTS = ("position", "volume", "smoothing_length", "n_active", "owner", "revisi
 
 
 class StateError(ValueError):
-    """What cannot be kept as data, or is no such data."""
+    """A value that cannot be stored as data, or bytes that are no such data."""
 
 
 def dump(value: Any) -> bytes:
-    """Bytes of a value made of None, bool, int, float, str, bytes, lists, tuples, dicts with keys of text, arrays of numbers, Points."""
+    """Bytes of a value: None, bool, int, float, str, bytes, lists, tuples, dicts with keys of text, arrays of numbers, Points."""
     arrays: list[bytes] = []
     size = 0
 
@@ -37,7 +37,7 @@ def dump(value: Any) -> bytes:
         if value is None or isinstance(value, (bool, int, str)) and not isinstance(value, np.generic):
             return value
         if isinstance(value, float) and not isinstance(value, np.generic):
-            return {"float": value.hex()}  # every bit; infinities and NaN too
+            return {"float": value.hex()}  # every bit; also infinities and NaN
         if isinstance(value, (np.ndarray, np.generic)) and np.asarray(value).dtype.kind in "biuf":
             return array(np.asarray(value)) | {"scalar": isinstance(value, np.generic)}
         if isinstance(value, bytes):
@@ -56,7 +56,7 @@ def dump(value: Any) -> bytes:
 
 
 def load(data: bytes) -> Any:
-    """The value of bytes from dump(). Raises StateError for anything that dump() does not make."""
+    """The value of bytes from dump(). Raises StateError for all others."""
     start = len(MAGIC) + 8
     if data[:len(MAGIC)] != MAGIC or len(data) < start:
         raise StateError("not a state of this program: it does not begin as one")
@@ -93,5 +93,5 @@ def load(data: bytes) -> Any:
         return value_of(json.loads(data[start:base]))
     except StateError:
         raise
-    except Exception as error:  # whatever a wrong text makes the steps above do
+    except Exception as error:  # anything that a wrong text can cause above
         raise StateError(f"damaged: {type(error).__name__}: {error}") from error

@@ -27,7 +27,7 @@ def _compiled() -> bytes:
 
 
 def _load() -> Any:
-    """The members of the module that protoc would generate: a class for every message, a number for every name of an enumeration."""
+    """The content of the module that protoc would generate: a class for every message, a number for every name of an enumeration."""
     (described,) = descriptor_pb2.FileDescriptorSet.FromString(_compiled()).file
     pool = descriptor_pool.DescriptorPool()
     pool.Add(described)
@@ -50,7 +50,7 @@ class WireError(Exception):
 
 
 def add_array(header: Any, frames: list[Any], name: str, unit: str, values: npt.ArrayLike) -> None:
-    """Appends [n] or [n, components] values to a message that is being put together."""
+    """Appends an array of shape [n] or [n, components] to an unfinished message."""
     numbers = np.ascontiguousarray(values, dtype="<f8")
     components = 1 if numbers.ndim == 1 else numbers.shape[1]
     header.arrays.add(name=name, unit=unit, components=components, element=pb.FLOAT64_LE, n=numbers.shape[0])
@@ -58,12 +58,12 @@ def add_array(header: Any, frames: list[Any], name: str, unit: str, values: npt.
 
 
 def encode(header: Any, frames: Iterable[Any] = ()) -> list[Any]:
-    """The frames of one message on the wire."""
+    """The frames of one message."""
     return [header.SerializeToString(), *frames]
 
 
 def decode(frames: list[bytes]) -> tuple[Any, dict[str, np.ndarray]]:
-    """Header and {name: values}; sizes are checked before anything is read."""
+    """Header and {name: values}. Sizes are checked before the values are read."""
     header = pb.Header()
     try:
         header.ParseFromString(bytes(frames[0]))

@@ -1,4 +1,4 @@
-// Tables of references: comma separated, the first line names the columns.
+// Reference tables: comma separated, with the column names in the first line.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace poretwin::test {
 
 class Table {
  public:
-  /// A file of this folder; lines that begin with # are remarks.
+  /// Reads a file of this folder; lines that begin with # are comments.
   static Table read(const std::string& name) {
     std::ifstream file(std::string(PORETWIN_SOURCE_DIR) + "/tests/solid/reference/" + name);
     if (!file) throw std::runtime_error(name + ": no such table");

@@ -1,11 +1,11 @@
-// The particles of one phase, and their arrows, as objects of a scene.
+// The particles of one phase and their arrows, as objects of a scene.
 import * as THREE from "three";
 import { NO_VALUE, table } from "./colour.js";
 import { arrowFragment, arrowVertex, particleFragment, particleVertex } from "./shaders.js";
 import { visible } from "./visible.js";
 
-const NAN = -3e38; // stands for "no value": comparisons with NaN differ between drivers
-const ARROWS_ALONG = 48; // arrows along the longest side at most
+const NAN = -3e38; // represents "no value": comparisons with NaN differ between drivers
+const ARROWS_ALONG = 48; // largest number of arrows along the longest side
 
 const tables = new Map();
 
@@ -40,7 +40,7 @@ function arrowMaterial(rim) {
     vertexShader: arrowVertex,
     fragmentShader: arrowFragment,
     side: THREE.DoubleSide,
-    transparent: true, // drawn after the particles, which are
+    transparent: true, // drawn after the particles, which are transparent, too
     uniforms: {
       scale: { value: 1 }, viewport: { value: new THREE.Vector2(1, 1) }, width: { value: 1.6 }, rim: { value: rim },
       clip: { value: new THREE.Vector4(0, 0, 0, 1) }, colour: { value: new THREE.Vector3(0, 0, 0) },
@@ -48,7 +48,7 @@ function arrowMaterial(rim) {
   });
 }
 
-/// One triangle strip each for shaft and head; z tells which.
+/// Two triangle strips, shaft and head; z distinguishes them.
 const ARROW = new Float32Array([
   0, -1, 0, 1, -1, 0, 1, 1, 0, 0, -1, 0, 1, 1, 0, 0, 1, 0, //
   0, -1, 1, 1, 0, 1, 0, 1, 1,
@@ -60,7 +60,7 @@ export class Cloud {
     this.points = new THREE.Points(new THREE.BufferGeometry(), this.material);
     this.points.frustumCulled = false;
     this.points.renderOrder = order;
-    // Twice: a rim in the colour of the picture's ground, so that arrows stand out from any colour, and the arrow itself.
+    // Drawn twice: a rim in the colour of the background, so that arrows stand out from any colour, then the arrow itself.
     this.arrows = [0.8, 0].map((rim, i) => {
       const mesh = new THREE.Mesh(new THREE.InstancedBufferGeometry(), arrowMaterial(rim));
       mesh.frustumCulled = false;
@@ -90,7 +90,7 @@ export class Cloud {
     this.layArrows();
   }
 
-  /// In 3D: leaves out what is hidden.
+  /// In 3D: leaves out hidden particles.
   arrange(camera, width, height, largest) {
     const { positions, radius } = this.frame;
     const { size, clip } = this.material.uniforms;
@@ -100,7 +100,7 @@ export class Cloud {
     this.points.geometry.setIndex(new THREE.BufferAttribute(seen, 1));
   }
 
-  /// How particles are coloured: {map, low, high, log}, or null for one colour.
+  /// Sets how particles are coloured: {map, low, high, log}, or null for one colour.
   setScale(scale, colour) {
     const u = this.material.uniforms;
     u.plain.value = scale === null;
@@ -127,7 +127,7 @@ export class Cloud {
     }
   }
 
-  /// One particle out of each cell of a grid has an arrow, so that they stay apart.
+  /// Chooses one particle per cell of a grid for an arrow, so that arrows do not overlap.
   layArrows() {
     const { vectors, positions } = this.frame;
     this.longest = 0;
@@ -168,16 +168,16 @@ export class Cloud {
     for (const mesh of this.arrows) mesh.visible = on;
   }
 
-  /// Length in the scene of the arrow for a vector of length `longest`, in cells.
+  /// Sets the length of arrows: a vector of length `longest` is drawn `cells` cells long.
   setArrowScale(longest, cells) {
     for (const mesh of this.arrows) if (mesh.visible) mesh.material.uniforms.scale.value = (2.5 * cells * this.cell) / longest;
   }
 
-  /// The particle whose picture holds the point (in normalised device coordinates) and is nearest to the eye: {index, depth}.
+  /// The particle whose picture contains the point (in normalised device coordinates) and is nearest to the eye: {index, depth}.
   pick(camera, x, y, width, height, clip) {
     if (!this.points.visible || !this.frame) return null;
     const { positions, radius, three } = this.frame;
-    const cover = three ? 1 : 1.5; // in the plane, the corners between particles belong to the nearest
+    const cover = three ? 1 : 1.5; // in 2D, gaps between particles belong to the nearest one
     const matrix = new THREE.Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
     const point = new THREE.Vector4();
     const size = this.material.uniforms.size.value;
@@ -191,7 +191,7 @@ export class Cloud {
       const off = Math.hypot((point.x / point.w - x) * 0.5 * width, (point.y / point.w - y) * 0.5 * height);
       if (off > reach) continue;
       const depth = point.z / point.w;
-      // In 2D all lie at one depth: then the nearest centre.
+      // In 2D all particles have the same depth: the nearest centre counts.
       if (!best || depth < best.depth - 1e-9 || (Math.abs(depth - best.depth) <= 1e-9 && off < best.off)) best = { index: i, depth, off };
     }
     return best;

@@ -1,5 +1,5 @@
-// Colour maps: perceptually even ones, and a diverging one for fields of both signs. Seventeen points of each, straight
-// lines between them.
+// Colour maps: perceptually uniform ones, and a diverging one for fields of both signs. Each has seventeen colours with linear
+// interpolation between them.
 
 const MAPS = {
   viridis: "440154 48186a 472d7b 424086 3b528b 33638d 2c728e 26828e 21918c 1fa088 28ae80 3fbc73 5ec962 84d44b addc30 d8e219 fde725",
@@ -10,7 +10,7 @@ const MAPS = {
 export const MAP_NAMES = Object.keys(MAPS);
 export const NO_VALUE = [0.55, 0.55, 0.55];
 
-/// 256 RGBA colours.
+/// 256 RGBA colours of a map.
 export function table(name) {
   const points = MAPS[name].split(" ").map((hex) => [0, 2, 4].map((at) => parseInt(hex.slice(at, at + 2), 16)));
   const colours = new Uint8Array(256 * 4);
@@ -23,7 +23,7 @@ export function table(name) {
   return colours;
 }
 
-/// Smallest and largest of several arrays, what is not a number apart; null where there is none.
+/// Smallest and largest number of several arrays; NaN is ignored; null where there is no number.
 export function extent(arrays) {
   let low = Infinity;
   let high = -Infinity;
@@ -36,12 +36,12 @@ export function extent(arrays) {
   return low <= high ? [low, high] : null;
 }
 
-/// Both signs matter: a little noise around zero does not.
+/// Whether both signs matter, as opposed to a little noise around zero.
 export function signed([low, high]) {
   return Math.min(-low, high) > 0.05 * Math.max(-low, high);
 }
 
-/// Range and map that a field is drawn with. `choice`: {map, range, log}, map "auto", range null for that of the frame.
+/// Range and map with which a field is drawn. `choice`: {map, range, log}; map may be "auto"; range null: that of the frame.
 export function scaleOf(choice, found) {
   const frame = found ?? [0, 1];
   const diverging = !choice.log && (choice.map === "diverging" || (choice.map === "auto" && signed(choice.range ?? frame)));
@@ -56,7 +56,7 @@ export function scaleOf(choice, found) {
     low = choice.range && low > 0 ? low : Math.max(low, 1e-4 * high);
   }
   if (!(high > low)) {
-    // A field that is the same everywhere: its value in the middle of the bar.
+    // A constant field: its value in the middle of the bar.
     const half = Math.abs(low) * 1e-3 || 1;
     [low, high] = choice.log ? [low / 10, low * 10] : [low - half, high + half];
   }

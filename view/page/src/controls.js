@@ -1,4 +1,4 @@
-// The form beside the pictures: fields and colours of each phase, arrows, clip plane. It writes into the view's state.
+// The form beside the pictures: fields and colours of each phase, arrows, clip plane. It changes the state of the view.
 import { MAP_NAMES } from "./colour.js";
 import { byId, element, option } from "./dom.js";
 import { MAIN_FIELDS, label, partsOf, readable, unitOf } from "./fields.js";
@@ -63,7 +63,7 @@ export class Controls {
     return form;
   }
 
-  /// What the files hold: {phase: fields}. Chooses what tells most, where nothing is chosen.
+  /// Sets the fields that the files contain, {phase: fields}, and chooses the most informative one where none is chosen.
   setFields(fields) {
     this.fields = fields;
     for (const phase of PHASES) {
@@ -72,7 +72,7 @@ export class Controls {
       this.forms[phase].node.hidden = there.length === 0;
       if (there.length === 0) continue;
       if (look.field === null || (look.field && !there.some((field) => field.name === look.field))) {
-        // Beside the water's field the soil is shown as such.
+        // Beside a field of the water, the soil is shown in one colour.
         const beside = phase === "solid" && fields.fluid?.length;
         const main = MAIN_FIELDS[phase].map((name) => there.find((field) => field.name === name)).find(Boolean) ?? there[0];
         [look.field, look.part] = beside ? ["", ""] : [main.name, partsOf(main.components)[0]];
@@ -87,13 +87,13 @@ export class Controls {
     this.show();
   }
 
-  /// Ranges as they are drawn now.
+  /// Sets the colour ranges of the present pictures.
   setScales(scales) {
     this.scales = scales;
     this.show();
   }
 
-  /// The state as the form shows it.
+  /// Shows the state in the form.
   show() {
     const set = (input, value) => {
       if (input !== document.activeElement) input.value = value;

@@ -1,4 +1,4 @@
-// Small helpers. Texts are set as text throughout: names come from files.
+// Small helpers. Texts are always inserted as text, not HTML, since names come from files.
 
 export const byId = (id) => document.getElementById(id);
 

@@ -1,9 +1,9 @@
-// What of a field is drawn: itself, a component, or a number made of its components. Names and units for people.
+// The numbers that are drawn of a field: itself, a component, or a number computed from its components; names and units.
 
 const VECTOR = ["x", "y", "z"];
 const TENSOR = ["xx", "yy", "zz", "xy", "yz", "xz"];
 
-/// Parts of a field of so many components, the one shown first at the start.
+/// The parts of a field with this number of components; the first is the one initially shown.
 export function partsOf(components) {
   if (components === 3) return ["magnitude", ...VECTOR];
   if (components === 6) return ["mean", "deviatoric", ...TENSOR];
@@ -34,7 +34,7 @@ export function scalars(values, components, part) {
   return result;
 }
 
-/// Units of fields whose file does not tell.
+/// Units of fields in files that do not contain them.
 const UNITS = {
   pore_pressure: "Pa", pressure: "Pa", effective_stress: "Pa", velocity: "m/s", relative_flux: "m/s", displacement: "m",
   void_fraction: "1", degree_of_saturation: "1", accumulated_plastic_strain: "1", mobilised_friction: "degrees",
@@ -44,7 +44,7 @@ export function unitOf(field) {
   return field.unit || UNITS[field.name] || "";
 }
 
-/// The field that tells most about a phase, best first.
+/// The most informative fields of each phase, the best first.
 export const MAIN_FIELDS = {
   fluid: ["pore_pressure", "velocity"],
   solid: ["effective_stress", "accumulated_plastic_strain", "displacement"],
@@ -58,7 +58,7 @@ export function label(field, part) {
   return part ? `${text}, ${part}` : text;
 }
 
-/// A scale that keeps numbers short: [1e3, "k"].
+/// A factor and prefix that keep numbers short: [1e3, "k"].
 export function prefix(largest, unit) {
   if (!["Pa", "m", "m/s", "N", "s"].includes(unit) || !(largest > 0)) return [1, ""];
   for (const [factor, sign] of [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"]])

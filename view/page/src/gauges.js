@@ -1,4 +1,4 @@
-// Gauges against time, one chart each, those of several runs in one; their references as points; the time of the picture.
+// Gauges against time, one chart for each, with all runs in one chart, their references as points and the time of the picture.
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
 import { byId, colourOf, element } from "./dom.js";
@@ -7,9 +7,9 @@ import { ask } from "./server.js";
 
 const LINES = ["#1f77b4", "#e07b00", "#2ca02c", "#b04fc4"];
 const AT_START = 4;
-const MOST = 60; // charts at a time
+const MOST = 60; // largest number of charts
 
-/// The readings of one run, and what they should be.
+/// The readings of one run, and its reference values.
 class Readings {
   constructor(run) {
     this.run = run;
@@ -23,10 +23,10 @@ class Readings {
     this.references = [];
   }
 
-  /// Reads on; true when there was something new.
+  /// Reads new readings; returns whether there were any.
   async refresh() {
     let news = false;
-    if (this.started !== this.run.status?.started) this.begin(); // another run took the folder's place
+    if (this.started !== this.run.status?.started) this.begin(); // another run is in the same folder now
     for (let more = true; more; ) {
       const query = new URLSearchParams(this.cursor);
       const answer = await ask(this.run.url(`gauges?${query}`));
@@ -45,7 +45,7 @@ class Readings {
   add(name, unit, time, value) {
     const here = this.series.get(name) ?? { unit, time: [], value: [] };
     this.series.set(name, here);
-    // A run that goes on from a checkpoint reads again what came after it.
+    // A resumed run repeats the readings after its checkpoint.
     while (here.time.length && here.time.at(-1) >= time[0]) {
       here.time.pop();
       here.value.pop();
@@ -64,7 +64,7 @@ class Readings {
   marks(name) {
     const ended = !this.run.running;
     const last = this.series.get(name)?.time.at(-1);
-    // What a run has not come to, nor will, would only press its curve together.
+    // References beyond the run's end would only compress its curve.
     const end = ended ? 1.1 * last : (this.run.status.progress.end ?? Infinity);
     return this.references
       .filter((mark) => mark.gauge === name && (mark.time === null ? ended : mark.time - mark.time_error <= end))
@@ -73,7 +73,7 @@ class Readings {
 }
 
 export class Gauges {
-  /// `chosen`: names, or null for those that have references.
+  /// `chosen`: names of gauges, or null for those with references.
   constructor(changed) {
     this.readings = [];
     this.charts = new Map();
@@ -110,7 +110,7 @@ export class Gauges {
     return [...new Set(this.readings.flatMap((readings) => [...readings.series.keys()]))];
   }
 
-  /// At the start: those that are held against something, else the first.
+  /// The gauges that are shown: those chosen, else those with references, else the first.
   selection() {
     const names = this.all();
     if (this.chosen) return this.chosen.filter((name) => names.includes(name)).slice(0, MOST);
@@ -158,7 +158,7 @@ export class Gauges {
     this.fitCharts();
   }
 
-  /// Times of all runs and of the references in one column, as uPlot wants it.
+  /// Times of all runs and of the references in one column, as uPlot requires.
   dataOf(name, marks) {
     const tables = this.readings.map((readings) => {
       const series = readings.series.get(name);
@@ -181,7 +181,7 @@ export class Gauges {
     const chart = { node, key, value, marks: [], unit, name };
     const axis = { stroke: () => colourOf("soft"), grid: { stroke: () => colourOf("line"), width: 1 }, ticks: { stroke: () => colourOf("line"), width: 1 },
                    font: '11px "DejaVu Sans", system-ui, sans-serif' };
-    // As many digits as tell one tick from the next.
+    // As many digits as distinguish neighbouring ticks.
     const format = (_, ticks, axis, space, step) => ticks.map((v) => shown(v, Math.max(1, Math.ceil(Math.log10(Math.max(Math.abs(v), step) / step) + 1.01))));
     chart.plot = new uPlot({
       width: byId("charts").clientWidth || 320, height: 170,
@@ -206,7 +206,7 @@ export class Gauges {
     return [low - room, high + room];
   }
 
-  /// By how much references may be off, and the time of the picture.
+  /// Draws the allowed errors of references, and the time of the picture.
   drawExtras(plot, { marks }) {
     const { ctx, bbox } = plot;
     const at = (t) => plot.valToPos(t, "x", true);

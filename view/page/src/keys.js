@@ -1,4 +1,4 @@
-// The keyboard: everything that the mouse does.
+// The keyboard: all that the mouse can do.
 
 export const keyList = [
   ["space", "play, pause"],
@@ -16,7 +16,7 @@ export const keyList = [
   ["Esc", "forget the particle, close menus, stop saving"],
 ];
 
-const STEP = 0.06; // of the picture
+const STEP = 0.06; // fraction of the picture
 const ZOOM = 1.25;
 
 export function listenToKeys(actions) {
@@ -29,7 +29,7 @@ export function listenToKeys(actions) {
   const moves = { ArrowLeft: [-STEP, 0], ArrowRight: [STEP, 0], ArrowUp: [0, STEP], ArrowDown: [0, -STEP] };
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.altKey || event.metaKey || document.querySelector("dialog[open]")) return;
-    // What is typed into a field is the field's; a slider keeps its arrows, a button its space.
+    // Keys typed into an input belong to it; a slider keeps the arrow keys, a button the space bar.
     const tag = event.target.tagName;
     const typing = tag === "SELECT" || (tag === "INPUT" && event.target.type !== "checkbox") || tag === "TEXTAREA";
     if (typing && event.key !== "Escape") return;

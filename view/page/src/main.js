@@ -1,4 +1,4 @@
-// The page: which runs, at which time, seen how. Everything that is shown follows from `state`, and a link holds that.
+// The page: which runs are shown, at which time, how. All of it follows from `state`, which a link contains.
 import * as THREE from "three";
 import { extent, scaleOf } from "./colour.js";
 import { Controls } from "./controls.js";
@@ -16,7 +16,7 @@ import { followTheme, otherTheme } from "./theme.js";
 import { fromLink, toLink } from "./view_state.js";
 
 const SIDE_BY_SIDE = 4;
-const LOOK_EVERY = 1000; // ms, at a run under way
+const LOOK_EVERY = 1000; // ms between status requests of a run in progress
 const LOOK_AT_ENDED = 5000;
 
 const state = fromLink(location.hash);
@@ -48,7 +48,7 @@ function setTimes() {
   const before = times.length;
   const atEnd = index >= before - 1;
   times = [...new Set(panels.flatMap(({ run }) => run.times()))].sort((a, b) => a - b);
-  // Clocks of several runs may differ by rounding.
+  // Times of several runs may differ by rounding.
   times = times.filter((t, i) => i === 0 || t - times[i - 1] > 1e-9 * Math.max(Math.abs(t), 1e-12));
   byId("time").max = Math.max(0, times.length - 1);
   if (times.length === 0) return;
@@ -98,7 +98,7 @@ function play(on = !playing) {
 let drawing = null;
 let again = false;
 
-/// Shows the state; resolves when it is on the page. While one drawing is under way, only the newest wish is kept.
+/// Shows the state; resolves when it is drawn. During a drawing only the newest request is kept.
 function draw() {
   again = true;
   drawing ??= (async () => {
@@ -135,10 +135,10 @@ async function drawOnce() {
 
 let painting = null;
 
-/// Once in a picture of the screen, however often it is asked for.
+/// Paints once per screen refresh, however often it is called.
 function paint() {
   painting ??= new Promise((done) =>
-    // A page in the background gets no animation frames; what waits for the picture must go on.
+    // A page in the background gets no animation frames, but callers that wait for the picture must continue.
     (document.hidden ? setTimeout : requestAnimationFrame)(() => {
       painting = null;
       for (const panel of panels) panel.paint();
@@ -156,7 +156,7 @@ function showTime() {
 
 // ---- camera and clip plane
 
-/// Corners of all particles of the pictures of one kind (3D or not), or of all.
+/// Corners of all particles in the pictures of one kind (3D or not), or in all pictures.
 function allBounds(three = null) {
   const box = new THREE.Box3();
   for (const { stage } of panels) if (stage && (three === null || stage.three === three)) box.union(stage.bounds());
@@ -172,14 +172,14 @@ function fit() {
 
 const shift = (point, sign) => point.map((x, d) => x + sign * (page.origin?.[d] ?? 0));
 
-/// The camera of a link stands in the coordinates of the files.
+/// The camera of a link is stored in the coordinates of the files.
 function keepCamera(view) {
   state.camera = view && { ...view, at: shift(view.at, 1), ...(view.eye && { eye: shift(view.eye, 1) }) };
   paint();
   keepLink();
 }
 
-/// Once there is something to look at: as the link says, else all of it.
+/// Sets the camera once there are particles: as the link says, else so that all are visible.
 function place() {
   const there = panels.filter((panel) => panel.stage && panel.stage.three !== null);
   if (!there.length) return;
@@ -273,7 +273,7 @@ function fieldsOf() {
   return fields;
 }
 
-/// Looks at the runs that are shown; what has changed is drawn.
+/// Requests the status of the shown runs and draws what has changed.
 async function look(all = false) {
   const due = panels.filter(({ run }) => all || run.running || performance.now() - (run.looked ?? 0) > LOOK_AT_ENDED);
   const news = await Promise.all(due.map(async (panel) => {
@@ -296,7 +296,7 @@ async function look(all = false) {
   for (const panel of due) panel.tell();
   if (due.length) {
     const reports = panels.map(({ run }) => report(run));
-    // Said again only when it has changed: it is read out as it comes.
+    // Replaced only where it has changed, since screen readers read it aloud.
     if (reports.map((node) => node.textContent).join() !== byId("reports").textContent) byId("reports").replaceChildren(...reports);
     await gauges.refresh().catch((error) => toast(error.message));
   }

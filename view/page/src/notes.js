@@ -1,4 +1,4 @@
-// What stands in a picture beside the particles: colour bars, time, a scale. The same on the page and in what is saved.
+// The annotations of a picture: colour bars, time, scale; the same on the page and in saved pictures.
 import { table } from "./colour.js";
 import { colourOf } from "./dom.js";
 import { label, prefix, shown } from "./fields.js";
@@ -53,7 +53,7 @@ function drawBar(context, write, { phase, field, part, unit, scale }, x, y, long
   const base = y + 0.45 * size + thick + 1.05 * size;
   const middle = scale.log ? Math.sqrt(scale.low * scale.high) : 0.5 * (scale.low + scale.high);
   write(shown(scale.low / factor, 3), x, base);
-  // The middle of a signed range is zero but for rounding.
+  // The middle of a signed range is zero except for rounding.
   write(shown(Math.abs(middle) < 1e-9 * (scale.high - scale.low) ? 0 : middle / factor, 3), x + 0.5 * long, base, "center");
   write(shown(scale.high / factor, 3), x + long, base, "right");
 }

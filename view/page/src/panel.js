@@ -1,4 +1,4 @@
-// The picture of one run with its heading: state, progress, who waits for whom, what is wrong.
+// The picture of one run with its heading: state, progress, whom the run waits for, errors.
 import { colourOf, duration, element, numbersOf } from "./dom.js";
 import { shown, unitOf, withUnit } from "./fields.js";
 import { annotate, inWords } from "./notes.js";
@@ -6,7 +6,7 @@ import { PHASES, complaint } from "./run.js";
 import { read } from "./server.js";
 import { Stage } from "./stage.js";
 
-const BEHIND = 0.7; // of the size of soil that only surrounds the water
+const BEHIND = 0.7; // fraction of its size with which soil around the water is drawn
 
 export class Panel {
   /// `page`: {moved(view, panel), picked(panel, hit), origin: [x, y, z] or null}
@@ -30,7 +30,7 @@ export class Panel {
     this.listen();
   }
 
-  /// On first use; null where there is no WebGL.
+  /// Creates the stage on first use; null where there is no WebGL.
   openStage() {
     if (this.stage !== undefined) return;
     try {
@@ -67,11 +67,11 @@ export class Panel {
     this.stage.resize(width, height);
     const ratio = Math.min(window.devicePixelRatio, 2);
     [this.notes.width, this.notes.height] = [width * ratio, height * ratio];
-    // A fitted picture stays fitted.
+    // A picture that was fitted stays fitted.
     if (this.page.fitted()) this.page.fit();
   }
 
-  /// Reads the frames nearest to a time, as far as they are not there already.
+  /// Reads the frames nearest to a time that are not loaded yet.
   async load(time, state) {
     this.time = time;
     this.failed = {};
@@ -89,7 +89,7 @@ export class Panel {
       if (this.frames[phase]?.key === key) continue;
       try {
         const reading = read("frame", this.run.url(`${phase}.vtkhdf`), { step, origin: this.page.origin, colour, arrows });
-        this.openStage(); // takes as long as the reading: at the same time
+        this.openStage(); // takes as long as reading, so that both run at the same time
         const frame = await reading;
         if (!this.stage) continue;
         if (frame.positions.length) this.page.origin ??= frame.origin;
@@ -101,7 +101,7 @@ export class Panel {
     }
   }
 
-  /// Colours, sizes, clip plane. `scales`: of each phase's field, for all panels alike.
+  /// Sets colours, sizes and clip plane. `scales`: colour ranges of each phase's field, the same for all panels.
   dress(state, scales, clip, longest) {
     if (!this.stage) return this.tell();
     this.bars = [];
@@ -110,7 +110,7 @@ export class Panel {
       const cloud = this.stage.clouds[phase];
       const look = state.phases[phase];
       const frame = this.frames[phase];
-      // Soil without a field would hide the colours of the water in it, sphere by sphere.
+      // Soil in one colour would hide the colours of the water inside it, so that its spheres are drawn smaller.
       const behind = phase === "solid" && frame?.three && !frame.values && state.phases.fluid.show && this.frames.fluid?.positions.length > 0;
       cloud.setLook({ ...look, size: behind ? BEHIND * look.size : look.size, show: look.show && Boolean(frame) }, clip, numbersOf(colourOf("ink")), numbersOf(colourOf("picture")));
       if (!frame) continue;
@@ -129,7 +129,7 @@ export class Panel {
     this.tell();
   }
 
-  /// State, progress and complaints.
+  /// Shows state, progress and errors.
   tell() {
     const { run } = this;
     const { status } = run;

@@ -1,4 +1,4 @@
-// All fields of the particle that was picked.
+// All fields of the selected particle.
 import { byId, element } from "./dom.js";
 import { componentNames, label, shown, unitOf, withUnit } from "./fields.js";
 import { read } from "./server.js";
@@ -25,7 +25,7 @@ export async function showParticle(picked) {
     if (mine === asked) fill(element("p", { className: "error", textContent: error.message }));
     return;
   }
-  if (mine !== asked) return; // another one was picked meanwhile
+  if (mine !== asked) return; // another particle was selected meanwhile
   const rows = particle.fields.flatMap((field) =>
     componentNames(field.components).map((part, i) =>
       element("tr", { title: field.description }, element("th", { textContent: label(field.name, part) }),

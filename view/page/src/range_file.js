@@ -1,13 +1,13 @@
-// A file on the server as the HDF5 library in the worker sees it: read by HTTP ranges, synchronously, since the library
-// cannot wait. All ranges belong to one flush of the writer (If-Match); once there was another, `failure` says so.
+// A file on the server, in the form that the HDF5 library in the worker reads: by synchronous HTTP range requests, since the
+// library cannot wait. All ranges belong to one flush of the writer (If-Match); after another flush `failure` says so.
 
 const BLOCK = 1 << 16;
 const CACHE = 512; // blocks of all files together: 32 MiB
-const AHEAD = 16; // blocks at once, where one follows another: what a frame holds lies in one piece
+const AHEAD = 16; // blocks per request in sequential reads: a frame's data are contiguous
 
 export class Changed extends Error {}
 
-const cache = new Map(); // "file number:block" -> bytes, the one used last at the end
+const cache = new Map(); // "file number:block" -> bytes, the most recently used last
 let opened = 0;
 
 function request(method, url, headers = {}) {
@@ -43,7 +43,7 @@ export class RangeFile {
     this.failure = null;
   }
 
-  /// Makes it a file of Emscripten's file system.
+  /// Mounts it as a file of Emscripten's file system.
   mount(FS) {
     this.path = `/${this.number}.vtkhdf`;
     const node = FS.createFile("/", this.path.slice(1), {}, true, false);
@@ -54,7 +54,7 @@ export class RangeFile {
         try {
           return this.read(buffer, offset, count, position);
         } catch (error) {
-          this.failure ??= error; // the library hears of an input/output error only
+          this.failure ??= error; // the library itself reports only an input/output error
           throw new FS.ErrnoError(29);
         }
       },
@@ -80,7 +80,7 @@ export class RangeFile {
     return end - position;
   }
 
-  /// One block; those up to `last` that are missing come with it, and more where the file is read on.
+  /// One block. Missing blocks up to `last` are requested with it, and more in sequential reads.
   block(block, last) {
     const key = `${this.number}:${block}`;
     const there = cache.get(key);

@@ -1,4 +1,4 @@
-// What a run says of itself: how it ended, where its time went, who waited for whom, its errors and warnings.
+// A run's report: how it ended, where its time went, who waited for whom, errors and warnings.
 import { duration, element } from "./dom.js";
 
 export function report(run) {
@@ -16,7 +16,7 @@ export function report(run) {
   for (const { process, wall, seconds } of status.summaries) row(process, processWords(wall, seconds));
   node.append(element("table", {}, ...rows));
   const messages = [...status.messages].reverse();
-  // The reason of a failure stands first, once.
+  // The reason of a failure comes first, and only once.
   if (status.reason) messages.unshift({ kind: status.exit === 6 ? "warning" : "error", time: "", text: status.reason });
   const list = element("ul", { className: "messages" });
   for (const { kind, time, text } of messages) list.append(element("li", { className: kind, textContent: `${time ? `${time} ` : ""}${text}` }));

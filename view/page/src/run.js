@@ -1,15 +1,15 @@
-// One run: what its files hold, and what it says of itself.
+// One run: the content of its files, and its status.
 import { ask, read } from "./server.js";
 
 export const PHASES = ["solid", "fluid"]; // in the order of drawing
-const SAMPLES = 120; // looks at a run under way, for its pace and for who waited
+const SAMPLES = 120; // latest status requests of a run in progress that are kept, for its pace and its waits
 
 export class Run {
   constructor(id, name) {
     this.id = id;
     this.name = name;
     this.status = null;
-    this.phases = {}; // what the file of each phase holds
+    this.phases = {}; // content of each phase's file
     this.errors = {};
     this.tags = {};
     this.samples = [];
@@ -23,12 +23,12 @@ export class Run {
     return this.status?.state === "running";
   }
 
-  /// The worker opens the files while the page makes itself ready; what is wrong with them is said later.
+  /// Makes the worker open the files while the page starts; errors in them are reported later.
   prepare() {
     for (const phase of PHASES) read("describe", this.url(`${phase}.vtkhdf`)).catch(() => {});
   }
 
-  /// Asks how it stands; true when there are other frames than before.
+  /// Requests the status; returns whether the frames have changed.
   async refresh() {
     this.status = await ask(this.url("status"));
     if (this.running) this.sample(this.status.progress);
@@ -50,16 +50,16 @@ export class Run {
     const replaced = this.tags[phase] !== undefined && this.tags[phase].split("-")[0] !== tag.split("-")[0];
     try {
       const found = await read("reopen", this.url(`${phase}.vtkhdf`), { tag, replaced });
-      // Taken back to a checkpoint: what was read of later frames is no more.
+      // After a return to a checkpoint, later frames that have been read are invalid.
       if (before && found.steps < before.steps) await read("reopen", this.url(`${phase}.vtkhdf`), { tag, replaced: true });
       this.phases[phase] = found;
       this.tags[phase] = tag;
       delete this.errors[phase];
       return true;
     } catch (error) {
-      // A file that is just being made holds nothing yet.
+      // A file that is just being created is still empty.
       if (!(error.damaged && this.running && !before)) this.errors[phase] = complaint(`${phase}.vtkhdf`, error);
-      if (error.damaged && !this.running) this.tags[phase] = tag; // it will not get better by itself
+      if (error.damaged && !this.running) this.tags[phase] = tag; // a finished run's file does not change any more
       return false;
     }
   }
@@ -70,14 +70,14 @@ export class Run {
     if (this.samples.length > SAMPLES) this.samples.shift();
   }
 
-  /// Seconds until its end, at the pace seen so far; null: not known.
+  /// Estimated seconds until its end, at the pace so far; null: unknown.
   remaining() {
     const [first, last] = [this.samples[0], this.samples.at(-1)];
     const pace = last && (last.t - first.t) / (last.at - first.at);
     return pace > 0 ? (this.status.progress.end - last.t) / pace : null;
   }
 
-  /// In which share of the looks the coupler waited for whom.
+  /// For each participant, the fraction of status requests in which the coupler waited for it.
   waits() {
     const count = {};
     for (const { waits } of this.samples) if (waits) count[waits] = (count[waits] ?? 0) + 1 / this.samples.length;

@@ -1,12 +1,12 @@
-// Pictures and films of what is on the page, with its notes.
+// Saves pictures and animations of the page, with their annotations.
 import { GIFEncoder, applyPalette, quantize } from "gifenc";
 import { colourOf, download } from "./dom.js";
 import { annotate } from "./notes.js";
 
-const GIF_WIDTH = 900; // pixels at most
-const SECONDS_OF_LAST = 1; // the last frame stays a little
+const GIF_WIDTH = 900; // largest width, pixels
+const SECONDS_OF_LAST = 1; // time for which the last frame is shown
 
-/// All panels side by side, as wide as they are on the page or `most` pixels.
+/// All panels side by side, at most as wide as on the page, or `most` pixels.
 export function compose(panels, most = Infinity) {
   const there = panels.filter((panel) => panel.stage);
   if (!there.length) throw new Error("there is no picture to save");
@@ -15,7 +15,7 @@ export function compose(panels, most = Infinity) {
   const rows = Math.ceil(there.length / columns);
   const ratio = Math.min(Math.min(window.devicePixelRatio, 2), most / (columns * width));
   const canvas = document.createElement("canvas");
-  // Even numbers: video wants them.
+  // Video formats require even numbers.
   [canvas.width, canvas.height] = [columns * width * ratio, rows * height * ratio].map((n) => 2 * Math.floor(n / 2));
   const context = canvas.getContext("2d", { willReadFrequently: true });
   context.fillStyle = colourOf("picture");
@@ -35,7 +35,7 @@ export async function savePicture(panels, name) {
   download(blob, `${name}.png`);
 }
 
-/// `frames`: how many; `go(i)` shows one and resolves when it is there; `told(i)` says how far it is, false: stop.
+/// `frames`: their number; `go(i)` shows one and resolves when it is drawn; `told(i)` reports the progress, false: stop.
 export async function saveGif(panels, name, { frames, go, told, perSecond }) {
   const gif = GIFEncoder();
   for (let i = 0; i < frames; ++i) {
@@ -50,7 +50,7 @@ export async function saveGif(panels, name, { frames, go, told, perSecond }) {
   download(new Blob([gif.bytes()], { type: "image/gif" }), `${name}.gif`);
 }
 
-/// The browser's recorder takes pictures as time passes, so a film takes as long as it lasts at least.
+/// The browser records in real time, so that saving takes at least as long as the film.
 export async function saveVideo(panels, name, { frames, go, told, perSecond }) {
   if (!window.MediaRecorder) throw new Error("this browser records no video; save a GIF");
   await go(0);

@@ -1,4 +1,4 @@
-// What the page asks the server, and the worker that reads the files.
+// Requests to the server, and to the worker that reads the files.
 
 export async function ask(path) {
   let answer;

@@ -1,4 +1,4 @@
-// Particles as discs (2D) and as impostors of spheres (3D); arrows of a width in pixels.
+// Particles as discs (2D) or as impostors of spheres (3D); arrows with a width in pixels.
 
 export const particleVertex = /* glsl */ `
 in float radius;
@@ -18,7 +18,7 @@ void main() {
   vValue = value;
   vDepth = centre.z;
   vPixels = 2.0 * vRadius * projectionMatrix[1][1] * 0.5 * height / gl_Position.w;
-  // Small discs cover the corners between them, so that a body has no gaps; large ones are seen one by one.
+  // Small discs are drawn larger, so that a body has no gaps; large ones at their own size.
   if (!sphere) vPixels *= mix(1.3, 1.0, smoothstep(24.0, 60.0, vPixels));
   gl_PointSize = max(vPixels, 1.5);
   if (dot(clip.xyz, position) > clip.w) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
@@ -67,18 +67,18 @@ void main() {
     float z = sqrt(1.0 - r2);
     vec3 normal = vec3(at.x, -at.y, z);
     float light = 0.45 + 0.6 * max(dot(normal, vec3(-0.3980, 0.5970, 0.6965)), 0.0);
-    // Of the sphere's surface there; the camera of spheres is a perspective one, its w is -z.
+    // Depth of the sphere's surface at this pixel; spheres have a perspective camera, whose w is -z.
     float front = vDepth + z * vRadius;
     gl_FragDepth = 0.5 - 0.5 * (projectionMatrix[2][2] * front + projectionMatrix[3][2]) / front;
     result = vec4(min(tone * light, 1.0), 1.0);
     return;
   }
-  // Single grains can be told apart once they are large enough.
+  // Particles get a dark rim once they are large enough.
   float rim = vPixels > 16.0 ? mix(1.0, 0.8, smoothstep(0.7, 1.0, r2)) : 1.0;
   result = vec4(tone * rim, opacity * edge);
 }`;
 
-/// An arrow stands along x from 0 to 1, its width in y; both ends are projected, so that it lies in the picture's plane.
+/// An arrow lies along x from 0 to 1, its width in y. Both its ends are projected, so that it lies in the plane of the picture.
 export const arrowVertex = /* glsl */ `
 in vec3 start;
 in vec3 vector;

@@ -1,9 +1,9 @@
-// The picture of one run: camera, controls, clouds of both phases, the mark of a picked particle.
+// The picture of one run: camera, controls, particles of both phases, the mark of a selected particle.
 import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { Cloud, particleMaterial } from "./cloud.js";
 
-THREE.ColorManagement.enabled = false; // colours are taken as they are
+THREE.ColorManagement.enabled = false; // colours are shown without conversion
 
 const FAR_OFF = 1e9;
 
@@ -14,7 +14,7 @@ export class Stage {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: false, preserveDrawingBuffer: true });
     this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
     const gl = this.renderer.getContext();
-    this.largest = gl.getParameter(gl.ALIASED_POINT_SIZE_RANGE)[1]; // pixels of diameter that a point may have
+    this.largest = gl.getParameter(gl.ALIASED_POINT_SIZE_RANGE)[1]; // largest diameter of a point, pixels
     this.scene = new THREE.Scene();
     this.clouds = { solid: new Cloud(0), fluid: new Cloud(1) };
     for (const cloud of Object.values(this.clouds)) this.scene.add(cloud.points, ...cloud.arrows);
@@ -42,7 +42,7 @@ export class Stage {
     return this.three ? this.deep : this.flat;
   }
 
-  /// 2D: pan and zoom; 3D: orbit as well.
+  /// Sets the controls: pan and zoom in 2D, and also orbit in 3D.
   setDimension(three) {
     if (this.three === three) return;
     this.three = three;
@@ -79,7 +79,7 @@ export class Stage {
     return box;
   }
 
-  /// The whole of `box` in the picture.
+  /// Sets the camera so that all of `box` is visible.
   fit(box) {
     if (box.isEmpty() || this.three === null) return;
     const centre = box.getCenter(new THREE.Vector3());
@@ -93,7 +93,7 @@ export class Stage {
     }
   }
 
-  /// What is seen, in the scene's coordinates: {at, eye} in 3D, {at, height} in 2D.
+  /// The camera in the scene's coordinates: {at, eye} in 3D, {at, height} in 2D.
   view() {
     if (!this.controls) return null;
     const at = this.controls.target.toArray();
@@ -116,7 +116,7 @@ export class Stage {
     this.dirty = true;
   }
 
-  /// By keys: fractions of the picture, and a factor.
+  /// Moves the camera by keys: fractions of the picture, and a zoom factor.
   move(right, up, closer) {
     const view = this.view();
     if (!view) return;

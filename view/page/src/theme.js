@@ -1,4 +1,4 @@
-// Light or dark: as the system has it, until it is chosen here.
+// Light or dark theme: the system's, until one is chosen on the page.
 
 const dark = matchMedia("(prefers-color-scheme: dark)");
 let changed = () => {};

@@ -1,4 +1,4 @@
-// How runs are looked at, and the same as the fragment of a link. What a link says is checked: it may come from anywhere.
+// The state of the view, and its form as the fragment of a link. Links are checked: they may come from anywhere.
 import { MAP_NAMES } from "./colour.js";
 import { PHASES } from "./run.js";
 

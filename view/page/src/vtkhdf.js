@@ -1,11 +1,11 @@
-// Frames of one phase: steps found through the offsets, as a VTKHDF reader does.
+// Frames of one phase; a step's rows are found through the offsets, as VTKHDF readers do.
 import h5wasm from "h5wasm";
 import { RangeFile } from "./range_file.js";
 
-/// A damaged file, as opposed to one that has changed meanwhile.
+/// The file is damaged, as opposed to changed during the read.
 export class Damaged extends Error {}
 
-// Compiled while the page still finds out what to read.
+// Compiled while the page finds out what to read.
 const library = h5wasm.ready.then((module) => {
   module.activate_throwing_error_handler();
   return module;
@@ -55,7 +55,7 @@ class Frames {
     return { name, unit: text("unit"), description: text("description"), components: data.shape[1] ?? 1 };
   }
 
-  /// What a read that fails means: the file's own failure first, for the library knows of an error only.
+  /// Runs a read. Where it fails, the error of the file itself comes first: the library knows only that there was one.
   guarded(read) {
     let result;
     try {
@@ -71,7 +71,7 @@ class Frames {
     if (step >= this.steps) throw new Error(`frame ${step} is not there any more: the run was taken back to a checkpoint`);
   }
 
-  /// Numbers of a data set in one frame, row by row.
+  /// Numbers of a data set for one frame, row by row.
   rows(name, step) {
     this.expectStep(step);
     const range = [this.first[step], this.first[step] + this.counts[step]];
@@ -102,7 +102,7 @@ class Frames {
     try {
       this.hdf?.close();
     } catch {
-      // it was never open, or is damaged: nothing is left to do with it
+      // it was never open, or is damaged: nothing can be closed
     }
     this.file.unmount(this.FS);
   }

@@ -1,13 +1,13 @@
-// Reads files apart from the page, so that the page answers meanwhile. One message asks, one answers.
+// Reads files outside the page's thread, so that the page stays responsive. Each request gets one answer.
 import { Changed } from "./range_file.js";
 import { Damaged, openFrames } from "./vtkhdf.js";
 import { scalars } from "./fields.js";
 
-const DECODED = 96 << 20; // bytes of numbers that are kept, all runs together
+const DECODED = 96 << 20; // bytes of decoded numbers that are kept for all runs together
 const ATTEMPTS = 10; // a file that is being written may change under a read
 
 const files = new Map(); // url -> Frames
-const decoded = new Map(); // "url tag-free key" -> typed array, the one used last at the end
+const decoded = new Map(); // "url tag-free key" -> typed array, the most recently used last
 let held = 0;
 
 async function framesOf(url) {
@@ -28,7 +28,7 @@ function forgetNumbers(url) {
     }
 }
 
-/// A frame that was written once does not change; the run that is taken back to a checkpoint is asked for anew (`reopen`).
+/// The numbers of a frame, from memory where possible: a written frame does not change, except after `reopen`.
 function kept(frames, url, name, step) {
   const key = `${url} ${step} ${name}`;
   let numbers = decoded.get(key);
@@ -52,7 +52,7 @@ function lowest(points) {
   return low.map((x) => (Number.isFinite(x) ? x : 0));
 }
 
-/// Particles of one size where a solver does not say how large they are: from their density in the box around them.
+/// Volume of particles where a solver does not give it: equal for all, from their number per volume of the box around them.
 function evenVolume(points, three) {
   const low = [Infinity, Infinity, Infinity];
   const high = [-Infinity, -Infinity, -Infinity];
@@ -81,7 +81,7 @@ const operations = {
     return { steps, times, counts, fields, tag };
   },
 
-  /// Positions relative to `origin` (float32 would not tell apart what lies far from zero), radii, and what is drawn.
+  /// Positions relative to `origin` (float32 is too coarse far from zero), radii, and the drawn values.
   frame(frames, url, { step, origin, colour, arrows }) {
     const points = kept(frames, url, "VTKHDF/Points", step);
     const from = origin ?? lowest(points);
@@ -108,7 +108,7 @@ const operations = {
 
 async function answer({ operation, url, ...rest }) {
   if (operation === "reopen") {
-    // As it is now, unless that is what is open.
+    // Opens the present state of the file, unless it is open already.
     if (files.get(url)?.tag !== `"${rest.tag}"`) forget(url);
     if (rest.replaced) forgetNumbers(url);
     operation = "describe";
@@ -125,7 +125,7 @@ async function answer({ operation, url, ...rest }) {
   }
 }
 
-// One after the other: a file must not be closed while another question is at it.
+// One request after the other: a file must not be closed while another request reads it.
 let last = Promise.resolve();
 self.onmessage = ({ data }) => {
   last = last.then(async () => {
