@@ -32,7 +32,7 @@ ENTRY = re.compile(r"^(?P<reason>(?:/// .*\n)+)/// Unit: (?P<unit>.+?)\. Test: (
 HEAD = """# Sensitivity of the chosen numbers
 
 What turns red when a number of a solver's numerics folder is halved or doubled, written by
-`bench/sensitivity.py`. A row holds for the value it names and the code of its day. "nothing" in both columns: the tests
+`bench/sensitivity.py`. A row holds for the value that it names and the code with which it was made. "nothing" in both columns: the tests
 tried do not need the number, or need a sharper bound.
 
 | Constant | Value | Tried | Halved | Doubled |

@@ -178,7 +178,7 @@ class Schedule::Implementation {
       now(role) = receive_publication(role, clock_.time(), now(role)->points);
       if (!checkpoints_.changed_program &&
           digest_of(*now(role)) != (role == Role::fluid ? digests_.first : digests_.second))
-        throw PeerError(fmt::format("the {} came back from checkpoint {} with another state than it went with",
+        throw PeerError(fmt::format("the {} came back from checkpoint {} with a state other than the one that it saved",
                                     to_string(role), chosen->name));
     }
   }

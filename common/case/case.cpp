@@ -240,9 +240,9 @@ void declare(Keys& keys, Soil& s) {
                "m of E = `youngs_modulus` (p' / `reference_pressure`)^m, p' the mean effective pressure; 0: constant "
                "(materials with `youngs_modulus`)."},
               between(0, false, 1, false));
-  keys.number("reference_pressure", s.reference_pressure, {"Pa", "At which `youngs_modulus` holds."}, positive());
+  keys.number("reference_pressure", s.reference_pressure, {"Pa", "Mean effective pressure at which the modulus is `youngs_modulus`."}, positive());
   keys.number("least_pressure", s.least_pressure,
-              {"Pa", "Mean effective pressure below which a stiffness that follows it falls no further."}, positive());
+              {"Pa", "Least pressure p' in the stiffness: below it the stiffness is constant."}, positive());
   keys.number(
       "largest_pressure", s.largest_pressure,
       {"Pa",
@@ -251,9 +251,9 @@ void declare(Keys& keys, Soil& s) {
       positive());
   keys.number("cohesion", s.cohesion,
               {"Pa", "Cohesion, at `initial_saturation` (materials with cohesion and friction)."}, not_negative());
-  keys.number("friction_angle", s.friction_angle, {"degrees", "Angle of internal friction (the same)."},
+  keys.number("friction_angle", s.friction_angle, {"degrees", "Angle of internal friction (materials with cohesion and friction)."},
               between(0, false, 90, true));
-  keys.number("dilation_angle", s.dilation_angle, {"degrees", "Dilation angle (the same), at most the friction angle."},
+  keys.number("dilation_angle", s.dilation_angle, {"degrees", "Dilation angle, at most the friction angle (materials with cohesion and friction)."},
               between(0, false, 90, true));
   keys.choice<Soil::Cone>(
       "cone", s.cone, cone_words,
@@ -286,7 +286,7 @@ void declare(Keys& keys, Soil& s) {
                "what a band dissipates does not depend on the spacing."},
               positive());
   keys.number("maximum_void_ratio", s.maximum_void_ratio,
-              {"", "Void ratio e = n / (1 - n) at which dilation ends (the same); absent: never."}, positive());
+              {"", "Void ratio e = n / (1 - n) at which dilation ends (materials with a dilation angle); absent: never."}, positive());
   keys.number("initial_saturation", s.initial_saturation,
               {"", "Degree of saturation of soil that the water has not reached."}, between(0, false, 1, true));
   keys.number("suction_head", s.suction_head,

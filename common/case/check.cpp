@@ -430,7 +430,7 @@ class Checker : Complaints {
       fail(
           key + ".points",
           fmt::format("an inlet is an opening in a wall, but neither of its ends, {} and {} m, meets one: it is inside "
-                      "a wall, off the domain or amid the water; expected a gap between walls",
+                      "a wall, off the domain or in the middle of the water; expected a gap between walls",
                       shown(a), shown(b)));
     for (const auto& piece : pieces(f.face))
       for (const auto& place : places_on(piece))

@@ -111,7 +111,7 @@ class FieldChecks : Complaints {
       fail("coupling.scheme",
            "a field and its soil take turns; expected \"iterated\" or \"serial\", found \"parallel\"");
     if (scene_.can_yield() && !scene_.rains.empty())
-      fail("rain[0]", "falls on soil that keeps its surface so far; expected soil that cannot yield");
+      fail("rain[0]", "on soil that can yield is not supported by a field; expected solid.model = \"rigid\" or \"elastic\"");
     if (scene_.solid.initial_wave != 0.0)
       fail("solid.initial_wave", "a field has no inertia; expected fluid.representation = \"particles\"");
   }

@@ -159,8 +159,8 @@ bool Gate::look() {
         if (limits_) connections_[event->value].until = Clock::now() + limits_->silent;
         break;
       case ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL:
-        note("somebody was turned away who does not speak this coupler's way: keys on one side only, or not made "
-            "together?");
+        note("a connection was turned away: its encryption does not match. Has only one side keys, or were they not made "
+            "together by `poretwin keys`?");
         break;
       case ZMQ_EVENT_DISCONNECTED:
         if (found == connections_.end()) break;
@@ -286,7 +286,7 @@ void Gate::note(const std::string& what) {
   const std::lock_guard lock(news_);
   const std::size_t most = limits_ ? limits_->notices : 100;
   if (said_.size() > most || !said_.insert(what).second) return;
-  notices_.push_back(said_.size() <= most ? what : "no more is said of strangers");
+  notices_.push_back(said_.size() <= most ? what : "further connections that are turned away are not reported");
   wake();
 }
 

@@ -85,8 +85,8 @@ class Socket final : public Transport {
   bool lost() const override { return lost_; }
   std::string trouble() const override {
     return rejected_
-               ? "somebody answers there, but the two do not come to terms: are these the keys that `poretwin keys` "
-                 "made together, on both sides or on none?"
+               ? "a coupler answers there, but its encryption does not match: have both sides keys that `poretwin keys` "
+                 "made together, or neither?"
                : "";
   }
   bool cut() const override { return unacknowledged(descriptor_); }

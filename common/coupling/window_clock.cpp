@@ -40,7 +40,7 @@ WindowClock::Plan WindowClock::plan(double proposed) const {
   if (!(interval > collapsed * settings_.end))
     throw Error(
         ExitCode::diverged,
-        fmt::format("the exchange window collapsed to {:g} s at t = {:g} s: nobody can advance", interval, time_));
+        fmt::format("the exchange window collapsed to {:g} s at t = {:g} s, too short to advance", interval, time_));
   Plan plan;
   plan.start = time_;
   if (interval >= remaining * (1.0 - same)) {
