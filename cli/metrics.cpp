@@ -687,10 +687,11 @@ Verdict judge_mean(const Metric& metric, const std::vector<Verdict>& histories) 
   return v;
 }
 
-std::vector<std::string> history(const VerifyRun& run, std::size_t number) {
+std::vector<std::string> history(const VerifyRun& run, const Case& scene, std::size_t number) {
   std::vector<std::string> set;
   if (number == 0) return set;
   for (const char* phase : {"fluid", "solid"}) {
+    if (phase == std::string_view("fluid") ? !scene.has_water() : scene.soils.empty()) continue;
     set.push_back(fmt::format("{}.jitter=1e-6", phase));
     set.push_back(fmt::format("{}.seed={}", phase, number));
   }

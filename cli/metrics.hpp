@@ -82,7 +82,7 @@ Verdict judge_mean(const Metric& metric, const std::vector<Verdict>& histories);
 
 /// Overrides for history `number` of a run. None for history 0. For the others, particles are displaced at random by a
 /// millionth of a spacing, with the number as seed, and the values listed in `vary` are changed by up to the variation.
-std::vector<std::string> history(const VerifyRun& run, std::size_t number);
+std::vector<std::string> history(const VerifyRun& run, const Case& scene, std::size_t number);
 
 /// Observed order of convergence of `decay_rate` from a coarse run to a fine one with half its spacing.
 Verdict judge_order(const Metric& metric, const Gauges& coarse, const Gauges& fine);

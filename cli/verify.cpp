@@ -125,7 +125,7 @@ class CaseCheck {
     options.overrides = run.set;
     if (options_.short_runs)
       options.overrides.insert(options.overrides.end(), run.short_set.begin(), run.short_set.end());
-    const auto varied = history(run, number);
+    const auto varied = history(run, read_case(options.case_file, options.overrides), number);
     options.overrides.insert(options.overrides.end(), varied.begin(), varied.end());
     options.overrides.insert(options.overrides.end(), options_.overrides.begin(), options_.overrides.end());
     options.programs = options_.programs;

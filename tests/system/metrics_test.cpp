@@ -83,10 +83,13 @@ TEST(Metrics, HistoriesAreJudgedByTheirMeanAndTheirSpread) {
 TEST(Metrics, AHistoryDiffersByItsSeedAndWhatVaries) {
   VerifyRun run;
   run.vary = {"soil.0.cohesion=550"};
-  EXPECT_TRUE(history(run, 0).empty()) << "the first is the case as it is";
+  Case scene;
+  scene.soils.resize(1);
+  scene.fluid.regions.resize(1);
+  EXPECT_TRUE(history(run, scene, 0).empty()) << "the first is the case as it is";
   std::set<std::string> all;
   for (std::size_t number = 1; number < 9; ++number) {
-    const auto set = history(run, number);
+    const auto set = history(run, scene, number);
     ASSERT_EQ(set.size(), 5u);
     EXPECT_EQ(set[0], "fluid.jitter=1e-6");
     EXPECT_EQ(set[3], "solid.seed=" + std::to_string(number));
@@ -95,6 +98,8 @@ TEST(Metrics, AHistoryDiffersByItsSeedAndWhatVaries) {
     all.insert(set[4]);
   }
   EXPECT_EQ(all.size(), 8u);
+  scene.fluid.regions.clear();
+  EXPECT_EQ(history(run, scene, 1).front(), "solid.jitter=1e-6") << "there is no water to displace";
 }
 
 // Two modes sin(pi s / 2) and sin(3 pi s / 2) at the centres of ten intervals: the weights select the first.
