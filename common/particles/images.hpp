@@ -64,14 +64,15 @@ struct Images {
 template <int D>
 Images<D> make_images(std::span<const Vec<D>> points, std::span<const ImagePlane<D>> planes, double range);
 
-/// A point that slipped through a mirror, by less than `reach` [m], is mirrored back; its velocity towards the mirror
-/// [m/s] is stopped.
+/// A point that slipped through a mirror, by less than `reach` [m] where the mirror ends somewhere, is mirrored back;
+/// its velocity towards the mirror [m/s] is stopped.
 template <int D>
 void keep_inside(std::span<const ImagePlane<D>> planes, double reach, Vec<D>& x, Vec<D>& v) {
   for (const auto& plane : planes) {
     if (plane.kind != ImagePlane<D>::Kind::mirror) continue;
     const double distance = plane.normal.dot(x - plane.point);
-    if (distance >= 0.0 || distance < -reach || !plane.faces(x)) continue;
+    const bool endless = plane.to <= plane.from;
+    if (distance >= 0.0 || (distance < -reach && !endless) || !plane.faces(x)) continue;
     x -= 2.0 * distance * plane.normal;
     v -= std::min(0.0, plane.normal.dot(v) - plane.speed) * plane.normal;
   }

@@ -14,6 +14,10 @@
 #include <optional>
 #include <span>
 
+namespace poretwin {
+class Surfaces;
+}
+
 namespace poretwin::fluid {
 
 template <int D>
@@ -150,6 +154,7 @@ struct Stencil {
   VecArray<D> carried;                    ///< [images] added to velocities: 2 U n behind a piston [m/s]
   std::vector<std::uint32_t> boundaries;  ///< [images]
   std::vector<Index> by, of;              ///< [images] as sph::Images has them, where sight is limited
+  bool uneven_images = false;             ///< by walls of any shape: of a pair each sees another image of the other
   std::vector<Buffer<D>> buffers;         ///< [base - real]
 
   /// Slope of the pressure at each face column, a straight line through the face's pressure fitted to the particles
@@ -266,17 +271,22 @@ struct Stencil {
 template <int D>
 Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* unresolved, double* smallest = nullptr);
 
+/// The images of points behind whatever walls there are, at most `reach` [m] behind them.
+template <int D>
+sph::Images<D> images_of(std::span<const Vec<D>> points, std::span<const sph::ImagePlane<D>> planes,
+                         const sph::Sight<D>& sight, const Surfaces* surfaces, double reach);
+
 /// Surroundings of the particles at x (bulk volumes in m^D), with buffers outside faces and images behind planes.
 /// free: [n] in no soil; none: all. Water in soil does not see behind a sill, nor free water behind a face of soil.
 /// by_density: fullness of open water is measured with density_weight. worth_threads: so many particles are worth more
 /// than one thread. sight: where it is limited, its planes are those of the images. joints: of walls and faces; images
 /// and buffers beyond them are seen as far as the line of sight says. soilless: [n] no soil covers it, wholly or in
-/// part; none: all.
+/// part; none: all. surfaces: walls of any shape and planes (3D), in the place of the planes.
 template <int D>
 Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volume, std::span<const Buffer<D>> buffers,
                         std::span<const sph::ImagePlane<D>> planes, std::span<const char> free = {},
                         bool by_density = false, std::size_t worth_threads = worth_threads_in_pairs,
                         const sph::Sight<D>& sight = {}, std::span<const Joint<D>> joints = {},
-                        std::span<const char> soilless = {});
+                        std::span<const char> soilless = {}, const Surfaces* surfaces = nullptr);
 
 }  // namespace poretwin::fluid
