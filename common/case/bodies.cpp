@@ -37,9 +37,10 @@ class Bodies : Complaints {
   void place_in_plane(Shape& s, const std::string& key) const {
     if (s.kind != Shape::Kind::box && s.kind != Shape::Kind::ball && s.kind != Shape::Kind::polygon)
       fail(key + ".shape", "expected \"box\", \"ball\" or \"polygon\" with dimension = 2");
-    for (const char* of_space : {".along", ".around", ".within", ".without"})
-      if (given(key + of_space) || given(key + of_space + "[0].shape"))
-        fail(key + of_space, "belongs to dimension = 3, found dimension = 2");
+    for (const char* of_space : {".along", ".around"})
+      if (given(key + of_space)) fail(key + of_space, "belongs to dimension = 3, found dimension = 2");
+    for (const auto& [of_space, parts] : {std::pair{".within", &s.within}, {".without", &s.without}})
+      if (!parts->empty()) fail(key + of_space, "belongs to dimension = 3, found dimension = 2");
     if (s.placement && s.kind == Shape::Kind::box && s.placement->turn != 0.0)
       fail(key + ".turn", "a box in 2D lies along the axes; expected shape = \"polygon\" for one that is turned");
     place_as_it_is(s);

@@ -7,7 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <tuple>
 
 namespace poretwin {
 namespace {
@@ -43,18 +43,27 @@ Lattice<3> deepest_in(const Solid& solid, double spacing, const Point3& offset) 
                l = static_cast<double>(k / (static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny)));
     return Point3(lower + (Point3(i, j, l) + offset).cwiseProduct(step));
   };
-  // In whole millionths of a spacing, so that rounding decides nothing.
-  std::vector<std::pair<long, std::size_t>> by_depth(cells);
+  // In whole millionths of a spacing, so that rounding decides nothing. Of points that are equally deep those that are
+  // left out are scattered over all: side by side they would be a dent.
+  struct Place {
+    long above;
+    std::size_t scattered, cell;
+    bool operator<(const Place& other) const {
+      return std::tie(above, scattered, cell) < std::tie(other.above, other.scattered, other.cell);
+    }
+  };
+  std::vector<Place> by_depth(cells);
   parallel_for(cells, [&](std::size_t k) {
-    by_depth[k] = {-std::lround(1e6 * solid.depth(place(k), 2.0 * spacing) / spacing), k};
+    constexpr std::size_t golden = 0x9E3779B97F4A7C15u;  // Knuth's multiplicative hash
+    by_depth[k] = {-std::lround(1e6 * solid.depth(place(k), 2.0 * spacing) / spacing), k * golden, k};
   });
   const double wanted = std::max(1.0, std::round(solid.volume() / (spacing * spacing * spacing)));
   const std::size_t n = std::min(cells, static_cast<std::size_t>(wanted));
   std::nth_element(by_depth.begin(), by_depth.begin() + static_cast<std::ptrdiff_t>(n) - 1, by_depth.end());
   by_depth.resize(n);
-  std::sort(by_depth.begin(), by_depth.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  std::sort(by_depth.begin(), by_depth.end(), [](const Place& a, const Place& b) { return a.cell < b.cell; });
   Lattice<3> lattice;
-  for (const auto& [depth, k] : by_depth) lattice.position.push_back(place(k));
+  for (const auto& chosen : by_depth) lattice.position.push_back(place(chosen.cell));
   lattice.volume = solid.volume() / static_cast<double>(n);
   return lattice;
 }

@@ -50,12 +50,13 @@ Case tank(std::vector<Wall> walls, const Shape& region, double spacing) {
   return scene;
 }
 
-/// Runs in windows that the water proposes.
+/// Runs in windows as long as the water proposes or a little shorter: a short last one would tell the noise of its own
+/// pressures.
 void run(Fluid<3>& fluid, double end) {
   fluid.initialise({});
   double time = 0.0;
-  for (std::uint64_t step = 0; time < end; ++step) {
-    const double dt = std::min(fluid.publish().proposed_interval, end - time);
+  for (std::uint64_t step = 0; end - time > 1e-9; ++step) {
+    const double left = end - time, dt = left / std::ceil(left / fluid.publish().proposed_interval);
     fluid.advance({step, time, dt}, {});
     time += dt;
   }
@@ -68,21 +69,25 @@ double origin_of(const Fluid<3>& fluid, double spacing) {
   return top + 0.5 * spacing;
 }
 
-/// Of water at rest: the error of the pressure below the first row over that of the depth, at most, and the speed over
-/// sqrt(g depth), on average.
+/// Of water at rest, below the first row: how far the level that its pressures tell is off, in spacings; the greatest
+/// departure of a pressure from that of the level told, over that of the depth; the mean speed over sqrt(g depth).
 struct Rest {
-  double pressure = 0.0, speed = 0.0;
+  double level = 0.0, pressure = 0.0, speed = 0.0;
 };
 Rest rest_of(const Fluid<3>& fluid, double origin, double level, double depth, double spacing) {
   const auto& p = fluid.state().particles;
   Rest rest;
+  std::vector<double> told;
+  double mean = 0.0;
   for (std::size_t a = 0; a < p.size(); ++a) {
     rest.speed += p.velocity[a].norm() / std::sqrt(g * depth) / static_cast<double>(p.size());
-    const double below = level - p.position[a].z();
-    if (below < spacing) continue;
-    const double head = p.pressure[a] / (1000.0 * g) + origin - p.position[a].z();
-    rest.pressure = std::max(rest.pressure, std::abs(head - below) / depth);
+    if (level - p.position[a].z() < 1.5 * spacing) continue;
+    told.push_back(p.pressure[a] / (1000.0 * g) + origin);
+    mean += told.back();
   }
+  mean /= static_cast<double>(told.size());
+  rest.level = (mean - level) / spacing;
+  for (const double z : told) rest.pressure = std::max(rest.pressure, std::abs(z - mean) / depth);
   return rest;
 }
 
@@ -93,7 +98,7 @@ struct Vessel {
 
 /// A turned box, a cylinder and a ball, and how high water stands in them.
 std::map<std::string, Vessel> vessels() {
-  Shape box = block(Point3::Constant(-0.25), Point3(0.25, 0.25, 0.6));
+  Shape box = block(Point3::Constant(-0.25), Point3(0.25, 0.25, 0.9));
   box.placement = Placement{1.0, 40.0, Point3(1.0, 2.0, 0.5), Point3::Zero()};
   Shape cylinder;
   cylinder.kind = Shape::Kind::cylinder;
@@ -117,9 +122,9 @@ TEST(ShapedWalls, HoldWaterAtRest) {
     run(fluid, 0.3);
     EXPECT_EQ(fluid.state().particles.size(), before) << name;
     const Rest rest = rest_of(fluid, origin, vessel.level, vessel.depth, dx);
-    std::printf("%s %zu: p %.5f v %.5f\n", name.c_str(), before, rest.pressure, rest.speed);
-    EXPECT_LT(rest.pressure, 0.004) << name;
-    EXPECT_LT(rest.speed, 0.002) << name;
+    EXPECT_LT(std::abs(rest.level), 0.05) << name;
+    EXPECT_LT(rest.pressure, 0.0025) << name;
+    EXPECT_LT(rest.speed, 0.0025) << name;
   }
 }
 
@@ -136,9 +141,9 @@ TEST(ShapedWalls, AnObstacleAtRestIsNoSource) {
   const double origin = origin_of(fluid, dx);
   run(fluid, 0.3);
   const Rest rest = rest_of(fluid, origin, 0.4, 0.4, dx);
-  std::printf("obstacle: p %.5f v %.5f\n", rest.pressure, rest.speed);
-  EXPECT_LT(rest.pressure, 0.004);
-  EXPECT_LT(rest.speed, 0.002);
+  EXPECT_LT(std::abs(rest.level), 0.01);
+  EXPECT_LT(rest.pressure, 0.0005);
+  EXPECT_LT(rest.speed, 2e-4);
 }
 
 /// A column of water that collapses in a box of one metre by 0.4; the box's walls are planes or the surface of a shape.
@@ -168,9 +173,8 @@ TEST(ShapedWalls, AreThePlanesThatTheyCoverAtAnyAngle) {
     run(fluid, 0.15);
     energy.push_back(kinetic_energy(fluid));
   }
-  std::printf("energy %.6f %.6f %.6f\n", energy[0], energy[1], energy[2]);
-  EXPECT_NEAR(energy[1] / energy[0], 1.0, 0.005);
-  EXPECT_NEAR(energy[2] / energy[0], 1.0, 0.005);
+  EXPECT_NEAR(energy[1] / energy[0], 1.0, 1e-9);
+  EXPECT_NEAR(energy[2] / energy[0], 1.0, 5e-4);
 }
 
 TEST(ShapedWalls, NothingPassesThemAtAnySpeed) {
@@ -190,30 +194,34 @@ TEST(ShapedWalls, NothingPassesThemAtAnySpeed) {
 }
 
 TEST(ShapedWalls, HoldOrLetSlipWaterThatRunsAlongThem) {
-  // In a cylinder that water fills, gravity aside: slip leaves it its speed along the axis, no slip takes it.
+  // A plug in a pipe, without gravity: slip leaves it its speed along the axis; no slip slows it, by the closed form
+  // for a fluid that starts moving as a whole, sum 4 / j^2 exp(-j^2 nu t / R^2) over the zeros j of Bessel's J0.
+  constexpr double radius = 0.3, viscosity = 0.01, end = 0.2;
+  double exact = 0.0;
+  for (const double j : {2.404826, 5.520078, 8.653728, 11.791534, 14.930918})
+    exact += 4.0 / (j * j) * std::exp(-j * j * viscosity * end / (radius * radius));
   std::map<Wall::ForWater, double> left;
   for (const auto kind : {Wall::ForWater::free_slip, Wall::ForWater::no_slip}) {
     Shape cylinder;
     cylinder.kind = Shape::Kind::cylinder;
     cylinder.ends = {Point3(0, 0, -2), Point3(0, 0, 2)};
-    cylinder.radius = 0.2;
+    cylinder.radius = radius;
     Shape water = cylinder;
     water.ends = {Point3(0, 0, -0.2), Point3(0, 0, 0.2)};
     Wall wall = wall_of(cylinder, Wall::Domain::inside);
     wall.water = kind;
     Case scene = tank({wall}, water, 0.05);
     scene.general.gravity = Point3::Zero();
-    scene.water.kinematic_viscosity = 0.01;
+    scene.water.kinematic_viscosity = viscosity;
     scene.fluid.initial_velocity = Point3(0, 0, 1);
     Fluid<3> fluid(scene);
-    run(fluid, 0.2);
+    run(fluid, end);
     double sum = 0.0;
     for (const auto& v : fluid.state().particles.velocity) sum += v.z();
     left[kind] = sum / static_cast<double>(fluid.state().particles.size());
   }
-  std::printf("left %.5f %.5f\n", left[Wall::ForWater::free_slip], left[Wall::ForWater::no_slip]);
   EXPECT_NEAR(left[Wall::ForWater::free_slip], 1.0, 0.002);
-  EXPECT_LT(left[Wall::ForWater::no_slip], 0.9);
+  EXPECT_NEAR(left[Wall::ForWater::no_slip], exact, 0.1 * exact);
 }
 
 }  // namespace
