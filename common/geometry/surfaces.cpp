@@ -189,7 +189,7 @@ bool Surfaces::holds(const Vec<3>& x) const {
                      [&](const Body& b) { return b.solid->contains(x) == b.domain_inside; });
 }
 
-void Surfaces::keep_inside(const Vec<3>& before, Vec<3>& x, Vec<3>& v) const {
+void Surfaces::keep_inside(const Vec<3>& before, double reach, Vec<3>& x, Vec<3>& v) const {
   constexpr int most_walls = 6;
   Vec<3> from = before;
   bool thrown = false;
@@ -199,7 +199,8 @@ void Surfaces::keep_inside(const Vec<3>& before, Vec<3>& x, Vec<3>& v) const {
     thrown = true;
     const Vec<3> at = from + hit->along * (x - from), past = x - at;
     from = at + slack * (x - from).norm() * hit->normal;
-    x = from + past - 2.0 * hit->normal.dot(past) * hit->normal;
+    const double through = -hit->normal.dot(past);
+    x = from + past + (std::min(through, reach) + through) * hit->normal;
     v -= std::min(0.0, hit->normal.dot(v)) * hit->normal;
   }
   // Where walls throw it to and fro, as in a sharp corner, it stays where it was.

@@ -43,8 +43,8 @@ class Surfaces {
   /// Is x in the domain: before all planes, in all containers and in no obstacle?
   [[nodiscard]] bool holds(const Vec<3>& x) const;
   /// A point that has moved from `before`, in the domain, through walls is thrown back by them, however far it has
-  /// come; its velocity towards them [m/s] is stopped.
-  void keep_inside(const Vec<3>& before, Vec<3>& x, Vec<3>& v) const;
+  /// come, by `reach` [m] at most; its velocity towards them [m/s] is stopped.
+  void keep_inside(const Vec<3>& before, double reach, Vec<3>& x, Vec<3>& v) const;
 
  private:
   struct Body {

@@ -64,8 +64,8 @@ struct Images {
 template <int D>
 Images<D> make_images(std::span<const Vec<D>> points, std::span<const ImagePlane<D>> planes, double range);
 
-/// A point that slipped through a mirror, by less than `reach` [m] where the mirror ends somewhere, is mirrored back;
-/// its velocity towards the mirror [m/s] is stopped.
+/// A point that slipped through a mirror, by less than `reach` [m] where the mirror ends somewhere, is mirrored back,
+/// by `reach` at most; its velocity towards the mirror [m/s] is stopped.
 template <int D>
 void keep_inside(std::span<const ImagePlane<D>> planes, double reach, Vec<D>& x, Vec<D>& v) {
   for (const auto& plane : planes) {
@@ -73,7 +73,7 @@ void keep_inside(std::span<const ImagePlane<D>> planes, double reach, Vec<D>& x,
     const double distance = plane.normal.dot(x - plane.point);
     const bool endless = plane.to <= plane.from;
     if (distance >= 0.0 || (distance < -reach && !endless) || !plane.faces(x)) continue;
-    x -= 2.0 * distance * plane.normal;
+    x += (std::min(-distance, reach) - distance) * plane.normal;
     v -= std::min(0.0, plane.normal.dot(v) - plane.speed) * plane.normal;
   }
 }

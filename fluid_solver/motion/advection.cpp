@@ -29,7 +29,7 @@ void displace(const Setup<D>& setup, const Walls<D>& walls, Particles<D>& p, std
   p.position[a] += d;
   Vec<D> v = p.velocity[a];
   if constexpr (D == 3)
-    if (walls.surfaces) walls.surfaces->keep_inside(before, p.position[a], v);
+    if (walls.surfaces) walls.surfaces->keep_inside(before, spacing_of<D>(p.volume[a]), p.position[a], v);
   if (walls.sight.limited())
     walls.sight.keep_inside(before, p.position[a], v);
   else

@@ -315,7 +315,7 @@ TEST(Surfaces, LetNothingThrough) {
       do from = Vec<3>(next(), next(), next()) * 2.0;
       while (!walls.holds(from));
       Vec<3> to = from + way * Vec<3>(next(), next(), next()), v = (to - from).normalized();
-      walls.keep_inside(from, to, v);
+      walls.keep_inside(from, 0.1, to, v);
       ASSERT_TRUE(walls.holds(to)) << to.transpose();
     }
 }
