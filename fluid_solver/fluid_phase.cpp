@@ -26,6 +26,7 @@ Fluid<D>::Fluid(const Case& scene, WaterBoundaries boundaries, const std::vector
       state_(first_state<D>(scene, setup_, boundaries, lattices)),
       faces_(scene, std::move(boundaries), state_),
       walls_(scene, state_.inlets) {
+  walls_.expect_before(state_.particles.position);
   // The soil searches for its initial equilibrium under the pressure that is published before the first exchange.
   auto view = rigid_soil<D>(setup_.ground, state_.particles.position, setup_.drag);
   solve_hydrostatic(setup_, walls_, view, state_);
@@ -43,8 +44,7 @@ coupling::Contract Fluid<D>::contract() const {
 template <int D>
 coupling::Publication Fluid<D>::publish() const {
   const auto still = still_water<D>(setup_, faces_, walls_.planes, state_);
-  const auto cloud = make_cloud<D>(state_, walls_.planes, walls_.sight, setup_.weight, setup_.origin,
-                                   std::span<const StillWater<D>>(still));
+  const auto cloud = make_cloud<D>(state_, walls_, setup_.weight, setup_.origin, std::span<const StillWater<D>>(still));
   auto out = publication<D>(cloud, state_);
   std::tie(out.proposed_interval, out.limited_by) = proposal();
   return out;

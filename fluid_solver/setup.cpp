@@ -14,7 +14,8 @@ namespace poretwin::fluid {
 
 namespace {
 
-/// The box around everything in the case, widened by its diagonal on all sides; unbounded along periodic axes.
+/// The box around everything in the case except planes, widened on all sides by its diagonal, by ten diagonals where
+/// there are planes; unbounded along periodic axes.
 template <int D>
 std::pair<Vec<D>, Vec<D>> reach_of(const Case& scene) {
   Vec<D> lower = Vec<D>::Constant(1e300), upper = -lower;
@@ -27,15 +28,22 @@ std::pair<Vec<D>, Vec<D>> reach_of(const Case& scene) {
     enclose(lo);
     enclose(hi);
   };
+  // A plane goes on without end, and so may the water before it: any point of it says nothing.
+  bool endless = false;
   const auto enclose_face = [&](const Face& face) {
     for (const auto& x : face.points) enclose(x);
-    if (face.points.empty()) enclose(face.point);
+    endless = endless || face.points.empty();
   };
   for (const auto& soil : scene.soils) enclose_shape(soil.shape);
   for (const auto& region : scene.fluid.regions) enclose_shape(region);
-  for (const auto& wall : scene.walls) enclose_face(wall.face);
+  for (const auto& wall : scene.walls)
+    if (wall.shape)
+      enclose_shape(*wall.shape);
+    else
+      enclose_face(wall.face);
   for (const auto& face : scene.water_faces) enclose_face(face.face);
-  const double margin = (upper - lower).norm();
+  constexpr double far = 10.0;
+  const double margin = (endless ? far : 1.0) * (upper - lower).norm();
   lower.array() -= margin;
   upper.array() += margin;
   for (const int axis : scene.general.periodic) {
@@ -55,7 +63,7 @@ std::vector<Lattice<D>> water_lattices(const Case& scene) {
   for (const auto& region : scene.fluid.regions) {
     later = later.subspan(1);
     result.push_back(
-        fill<D>(region, scene.fluid.particle_spacing, scene.fluid.offset, scene.fluid.jitter, seed++, later));
+        lay<D>(region, scene.fluid.particle_spacing, scene.fluid.offset, scene.fluid.jitter, seed++, later));
   }
   return result;
 }

@@ -271,7 +271,7 @@ std::pair<Setup<D>, Particles<D>> set_up(const Case& scene) {
     setup.loose_friction.push_back(grains ? static_cast<float>(std::tan(soil.friction_angle * std::numbers::pi / 180.0))
                                           : 0.0F);
     setup.softened_by_water.push_back(soil.saturated_cohesion ? 1 : 0);
-    const auto lattice = fill<D>(soil.shape, setup.spacing, scene.solid.offset, scene.solid.jitter,
+    const auto lattice = lay<D>(soil.shape, setup.spacing, scene.solid.offset, scene.solid.jitter,
                                  scene.solid.seed + static_cast<unsigned>(s), std::span(shapes).subspan(s + 1));
     setup.density.push_back(density);
     const std::size_t all = particles.size() + lattice.position.size();

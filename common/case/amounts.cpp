@@ -1,6 +1,7 @@
 #include "common/case/amounts.hpp"
 
 #include "common/geometry/shapes.hpp"
+#include "common/geometry/solid.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +15,7 @@ double rows(double length, double spacing) { return std::max(1.0, std::round(len
 
 double particles_in(const Shape& shape, double spacing, int dimension) {
   if (!(spacing > 0.0)) return 0.0;
-  if (shape.kind != Shape::Kind::box) return measure(shape, dimension) / std::pow(spacing, dimension);
+  if (shape.solid || shape.kind != Shape::Kind::box) return measure(shape, dimension) / std::pow(spacing, dimension);
   double count = 1.0;
   for (int d = 0; d < dimension; ++d) count *= rows(shape.max[d] - shape.min[d], spacing);
   return count;
@@ -26,6 +27,7 @@ double instants(double end, double interval) { return interval > 0.0 ? std::floo
 }  // namespace
 
 double measure(const Shape& shape, int dimension) {
+  if (shape.solid) return shape.solid->volume();
   if (shape.kind == Shape::Kind::ball)
     return dimension == 3 ? 4.0 / 3.0 * std::numbers::pi * std::pow(shape.radius, 3)
                           : std::numbers::pi * shape.radius * shape.radius;

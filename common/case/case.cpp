@@ -1,6 +1,7 @@
 #include "common/case/case.hpp"
 #include "common/case/gauge_kinds.hpp"
 
+#include "common/case/bodies.hpp"
 #include "common/case/check.hpp"
 #include "common/case/doubts.hpp"
 #include "common/case/keys.hpp"
@@ -9,6 +10,7 @@
 #include "common/core/error.hpp"
 #include "common/core/hash.hpp"
 #include "common/geometry/extent.hpp"
+#include "common/geometry/solid.hpp"
 #include "common/media/retention_law.hpp"
 #include "common/media/seepage.hpp"
 
@@ -26,9 +28,13 @@ namespace {
 template <class E>
 using Word = std::pair<std::string_view, E>;
 
-constexpr std::array shape_words{Word<Shape::Kind>{"box", Shape::Kind::box},
-                                 Word<Shape::Kind>{"polygon", Shape::Kind::polygon},
-                                 Word<Shape::Kind>{"ball", Shape::Kind::ball}};
+constexpr std::array shape_words{
+    Word<Shape::Kind>{"box", Shape::Kind::box},        Word<Shape::Kind>{"polygon", Shape::Kind::polygon},
+    Word<Shape::Kind>{"ball", Shape::Kind::ball},      Word<Shape::Kind>{"cylinder", Shape::Kind::cylinder},
+    Word<Shape::Kind>{"cone", Shape::Kind::cone},      Word<Shape::Kind>{"mesh", Shape::Kind::mesh},
+    Word<Shape::Kind>{"terrain", Shape::Kind::terrain}};
+constexpr std::array domain_words{Word<Wall::Domain>{"inside", Wall::Domain::inside},
+                                  Word<Wall::Domain>{"outside", Wall::Domain::outside}};
 constexpr std::array water_words{Word<Wall::ForWater>{"none", Wall::ForWater::none},
                                  Word<Wall::ForWater>{"free_slip", Wall::ForWater::free_slip},
                                  Word<Wall::ForWater>{"no_slip", Wall::ForWater::no_slip}};
@@ -97,16 +103,79 @@ void declare(Keys& keys, Water& w) {
       between(-HUGE_VAL, true, 0.0, true));
 }
 
-void declare(Keys& keys, Shape& s) {
-  keys.choice<Shape::Kind>("shape", s.kind, shape_words, {"", "Box, ball (2D: disc), or in 2D a polygon."});
-  const bool box = s.kind == Shape::Kind::box;
+constexpr std::string_view shape_meaning =
+    "Box, ball (2D: disc), polygon (3D: extruded along, or revolved around an axis); in 3D also cylinder, cone, `mesh` "
+    "from a file, and the body below a `terrain`.";
+
+/// What a shape's kind is described by.
+void declare_measures(Keys& keys, Shape& s) {
+  using Kind = Shape::Kind;
+  const int dimension = keys.dimension;
+  const bool box = s.kind == Kind::box, round = s.kind == Kind::cylinder || s.kind == Kind::cone;
   keys.point("min", s.min, {"m", "Lower corner of a box.", box});
   keys.point("max", s.max, {"m", "Upper corner of a box.", box});
+  if (s.kind == Kind::polygon) keys.dimension = 2;
   keys.points("points", s.points,
-              {"m", "Corners of a polygon, in order (required for a polygon); no particle lies on its edges.",
-               s.kind == Shape::Kind::polygon});
-  keys.point("centre", s.centre, {"m", "Centre of a ball.", s.kind == Shape::Kind::ball});
-  keys.number("radius", s.radius, {"m", "Radius of a ball.", s.kind == Shape::Kind::ball}, not_negative());
+              {"m",
+               "Corners of a polygon, in order (required for a polygon); no particle lies on its edges. In 3D, with "
+               "`along`: their coordinates along the other two axes; with `around`: distance from the axis, and place "
+               "along it.",
+               s.kind == Kind::polygon});
+  keys.dimension = dimension;
+  keys.axes("along", s.along,
+            {"", "3D: the axis along which a polygon is extruded, [\"y\"], between `from` and `to`."});
+  keys.axes("around", s.around, {"", "3D: the axis around which a polygon is revolved, [\"z\"], through `centre`."});
+  keys.number("from", s.from, {"m", "First end of an extruded polygon, along its axis.", !s.along.empty()});
+  keys.number("to", s.to, {"m", "Its second end.", !s.along.empty()});
+  keys.points("ends", s.ends, {"m", "Centres of the two ends of a cylinder or cone.", round});
+  keys.point("centre", s.centre,
+             {"m", "Centre of a ball; of a revolved polygon a point of the axis, where its place is 0.",
+              s.kind == Kind::ball});
+  keys.number(
+      "radius", s.radius,
+      {"m", "Radius of a ball or cylinder, and of a cone at the first of its ends.", s.kind == Kind::ball || round},
+      not_negative());
+  keys.number("end_radius", s.end_radius,
+              {"m", "Radius of a cone at the second of its ends; 0: its tip.", s.kind == Kind::cone}, not_negative());
+  keys.text(
+      "file", s.file,
+      {"",
+       "Of a `mesh`, .stl, .obj or .ply, a closed surface in metres (see `scale`); of a `terrain`, .asc (ESRI ASCII "
+       "grid) or .xyz (lines x y z, one for each point of a grid). Relative to the case file.",
+       s.kind == Kind::mesh || s.kind == Kind::terrain});
+  keys.number("bottom", s.bottom,
+              {"m", "Elevation z down to which the body below a terrain reaches.", s.kind == Kind::terrain});
+  const auto placement = [&](Placement& p) {
+    keys.number("scale", p.scale,
+                {"1", "The shape is made so many times as large, about the origin; 0.001: drawn in millimetres."},
+                positive());
+    keys.number("turn", p.turn,
+                {"degrees", "It is then turned about the origin, counter-clockwise seen against `axis`."});
+    keys.point("axis", p.axis, {"", "3D: axis of the turn."});
+    keys.point("move", p.move, {"m", "It is then moved."});
+  };
+  Placement p = s.placement.value_or(Placement{});
+  placement(p);
+  if (p.scale != 1.0 || p.turn != 0.0 || !p.move.isZero(0.0)) s.placement = p;
+}
+
+/// A shape of its own, and by what it is cut.
+void declare_rest(Keys& keys, Shape& s) {
+  declare_measures(keys, s);
+  const auto part = [](Keys& inner, Shape& other) {
+    inner.choice<Shape::Kind>("shape", other.kind, shape_words, {"", std::string(shape_meaning)});
+    declare_measures(inner, other);
+  };
+  keys.tables(
+      "within",
+      About{"", "3D: shapes to which this one is cut, each with the keys above: what lies in all of them is left."},
+      s.within, part);
+  keys.tables("without", About{"", "3D: shapes that are cut out of this one, likewise."}, s.without, part);
+}
+
+void declare(Keys& keys, Shape& s) {
+  keys.choice<Shape::Kind>("shape", s.kind, shape_words, {"", std::string(shape_meaning)});
+  declare_rest(keys, s);
 }
 
 /// Throws CaseError for a shape without its kind: it would be read as a box, and the missing keys of a box be reported.
@@ -114,7 +183,11 @@ void expect_kinds(const Node& tables, const std::string& path) {
   for (std::size_t i = 0; i < tables.items.size(); ++i) {
     const Node& table = tables.items[i];
     if (table.find("shape") != nullptr || table.find("min") != nullptr || table.find("max") != nullptr) continue;
-    for (const auto& [key, kind] : {std::pair{"points", "polygon"}, {"centre", "ball"}, {"radius", "ball"}})
+    for (const auto& [key, kind] : {std::pair{"points", "polygon"},
+                                    {"ends", "cylinder"},
+                                    {"centre", "ball"},
+                                    {"radius", "ball"},
+                                    {"file", "mesh"}})
       if (const Node* node = table.find(key))
         throw CaseError(fmt::format("{}: key '{}[{}].shape' is missing: expected shape = \"{}\" with '{}'", node->where,
                                     path, i, kind, key));
@@ -340,7 +413,21 @@ void declare(Keys& keys, Quiet& q) {
 
 void declare(Keys& keys, Wall& w) {
   keys.text("name", w.name, {"", "Name, for messages."});
-  declare(keys, w.face);
+  std::optional<Shape::Kind> kind = w.shape ? std::optional(w.shape->kind) : std::nullopt;
+  keys.choice<Shape::Kind>(
+      "shape", kind, shape_words,
+      {"",
+       "3D, instead of `point` and `normal`: the wall is the surface of a shape, whose keys are those "
+       "of a [[soil]]'s; water is on one side of it (`domain`)."});
+  if (kind) {
+    if (!w.shape) w.shape.emplace();
+    w.shape->kind = *kind;
+    declare_rest(keys, *w.shape);
+    keys.choice<Wall::Domain>("domain", w.domain, domain_words,
+                              {"", "Of a wall with a `shape`: `inside`, a container, or `outside`, an obstacle."});
+  } else {
+    declare(keys, w.face);
+  }
   keys.choice<Wall::ForWater>("water", w.water, water_words, {"", "What the wall is for water; `none`: not there."});
   keys.choice<Wall::ForSoil>(
       "soil", w.soil, soil_words,
@@ -643,11 +730,12 @@ void declare(Keys& keys, Gauge& g) {
   keys.number("thickness", g.thickness,
               {"m", "`front` of the soil: how thick the soil must be there; 0: its farthest particle, the tip."},
               not_negative());
-  keys.number("every", g.every,
-              {"s",
-               "`factor_of_safety`: it is read with the other gauges for the first time after each multiple of this; each "
-               "reading is a search of its own."},
-              positive());
+  keys.number(
+      "every", g.every,
+      {"s",
+       "`factor_of_safety`: it is read with the other gauges for the first time after each multiple of this; each "
+       "reading is a search of its own."},
+      positive());
   keys.optional_table("region",
                       "Where the particles lie of which `volume`, `momentum`, .. are taken; absent: everywhere.",
                       g.region, [](Keys& inner, Shape& shape) { declare(inner, shape); });
@@ -782,7 +870,14 @@ bool Case::can_yield() const {
 
 std::string Case::coupled_part() const {
   Case copy = *this;
-  return list_keys([&](Keys& keys) { declare_shared(keys, copy); });
+  std::string part = list_keys([&](Keys& keys) { declare_shared(keys, copy); });
+  // Files of shapes may differ from machine to machine.
+  for (const Soil& soil : soils)
+    if (soil.shape.solid)
+      for (const auto& body : soil.shape.solid->parts())
+        for (const Point3& x : body.mesh.triangles().points)
+          part += fmt::format("{:.17g} {:.17g} {:.17g}\n", x.x(), x.y(), x.z());
+  return part;
 }
 
 std::string Case::digest() const { return fmt::format("{:016x}", fnv1a(coupled_part())); }
@@ -828,6 +923,7 @@ Case read_case(const std::filesystem::path& path, const std::vector<std::string>
   if (!places.contains("coupling.scheme") && !scene.predicts()) scene.coupling.scheme = CouplingCase::Scheme::serial;
   if (scene.solid.particle_spacing <= 0.0) scene.solid.particle_spacing = scene.fluid.particle_spacing;
   for (Soil& soil : scene.soils) complete(soil, scene.solid.particle_spacing);
+  make_solids(scene, places);
   move_to_origin(scene);
   check_case(scene, places);
   scene.warnings = doubts(scene, places);

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -19,14 +20,35 @@ namespace poretwin {
 /// Case geometry is three-dimensional throughout; 2D cases leave z = 0.
 using Point3 = Eigen::Vector3d;
 
-/// Box ("min", "max"), ball ("centre", "radius"; a disc in 2D) or, in 2D, polygon ("points").
+class Solid;  // common/geometry/solid.hpp
+
+/// How a shape is scaled, then turned, then moved from where its other keys draw it.
+struct Placement {
+  double scale = 1.0;
+  double turn = 0.0;              ///< degrees, about the origin
+  Point3 axis = Point3::UnitZ();  ///< of the turn (3D)
+  Point3 move = Point3::Zero();   ///< m
+};
+
+/// A region of space; which of the numbers count follows from its kind.
 struct Shape {
-  enum class Kind { box, polygon, ball };
+  enum class Kind { box, polygon, ball, cylinder, cone, mesh, terrain };
   Kind kind = Kind::box;
   Point3 min = Point3::Zero(), max = Point3::Zero();
-  std::vector<Point3> points;  ///< polygon corners, in order
+  /// Polygon corners, in order; in 3D of the cross-section of an extrusion, or of a body of revolution as distance from
+  /// the axis and place along it.
+  std::vector<Point3> points;
+  std::vector<int> along, around;  ///< axis of an extrusion, of a revolution (3D): one of them, one axis
+  double from = 0.0, to = 0.0;     ///< m, ends of an extrusion along its axis
+  std::vector<Point3> ends;        ///< of the axis of a cylinder or cone
   Point3 centre = Point3::Zero();
-  double radius = 0.0;  ///< m
+  double radius = 0.0;                 ///< m
+  double end_radius = 0.0;             ///< m, of a cone at the second of its ends
+  std::string file;                    ///< of a mesh or terrain, relative to the case file
+  double bottom = 0.0;                 ///< m, how far down the body below a terrain reaches
+  std::optional<Placement> placement;  ///< absent: as drawn
+  std::vector<Shape> within, without;  ///< only what lies in all of `within` and in none of `without` (3D)
+  std::shared_ptr<const Solid> solid;  ///< 3D: all but boxes and balls along the axes; made by read_case
 };
 
 /// A boundary. 2D: a line of straight pieces through `points`, with the domain on its left; or, in 2D and 3D, a plane
@@ -140,8 +162,12 @@ struct Soil {
 struct Wall {
   enum class ForWater { none, free_slip, no_slip };
   enum class ForSoil { none, roller, fixed, frictional, rough };
+  /// On which side of a wall's shape water and soil are: in a container, or around an obstacle.
+  enum class Domain { inside, outside };
   std::string name;
   Face face;
+  std::optional<Shape> shape;  ///< in place of the face (3D)
+  Domain domain = Domain::inside;
   ForWater water = ForWater::free_slip;
   ForSoil soil = ForSoil::roller;
   double friction_angle = 0.0;  ///< degrees, friction between a frictional wall and the soil

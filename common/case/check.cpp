@@ -10,6 +10,7 @@
 #include "common/geometry/crossing.hpp"
 #include "common/geometry/enclosure.hpp"
 #include "common/geometry/shapes.hpp"
+#include "common/geometry/surfaces.hpp"
 #include "common/media/seepage.hpp"
 
 #include <fmt/format.h>
@@ -40,6 +41,7 @@ class Checker : Complaints {
     faces();
     walls();
     nothing_behind_planes();
+    shaped_walls();
     soils_are_supported();
     pore_pressures();
     if (scene_.has_water()) sides();
@@ -108,6 +110,13 @@ class Checker : Complaints {
 
   void shape(const Shape& s, const std::string& key, double spacing) const {
     const int dimension = scene_.general.dimension;
+    if (s.solid) {
+      extent(s, "shape", key, spacing);
+      if (spacing > 0.0 && measure(s, dimension) < 0.5 * std::pow(spacing, 3))
+        fail(key, fmt::format("no particle fits: the shape's volume is {:.3g} m3, the particle spacing is {} m",
+                              measure(s, dimension), spacing));
+      return;
+    }
     if (s.kind == Shape::Kind::box) {
       if (given(key + ".points"))
         fail(key + ".points", "a box takes 'min' and 'max'; 'points' belongs to shape = \"polygon\"");
@@ -124,8 +133,6 @@ class Checker : Complaints {
                                           s.radius, spacing));
       return;
     }
-    if (dimension != 2)
-      fail(key + ".shape", "polygons are for dimension = 2, found dimension = 3; use shape = \"box\"");
     if (given(key + ".min") || given(key + ".max"))
       fail(key, "a polygon takes 'points'; 'min' and 'max' belong to shape = \"box\"");
     if (s.points.size() < 3)
@@ -380,7 +387,8 @@ class Checker : Complaints {
   }
 
   void faces() const {
-    for (std::size_t i = 0; i < scene_.walls.size(); ++i) face(scene_.walls[i].face, fmt::format("wall[{}]", i));
+    for (std::size_t i = 0; i < scene_.walls.size(); ++i)
+      if (!scene_.walls[i].shape) face(scene_.walls[i].face, fmt::format("wall[{}]", i));
     for (std::size_t i = 0; i < scene_.water_faces.size(); ++i) {
       const std::string key = fmt::format("water_face[{}]", i);
       const auto& f = scene_.water_faces[i];
@@ -527,13 +535,13 @@ class Checker : Complaints {
       for (std::size_t j = i + 1; j < walls.size(); ++j) {
         const bool both_water = walls[i].water != Wall::ForWater::none && walls[j].water != Wall::ForWater::none;
         const bool both_soil = walls[i].soil != Wall::ForSoil::none && walls[j].soil != Wall::ForSoil::none;
-        if (!both_water && !both_soil) continue;
+        if ((!both_water && !both_soil) || walls[i].shape || walls[j].shape) continue;
         if (const auto reason = conflict(walls[i].face, walls[j].face); !reason.empty())
           fail(fmt::format("wall[{}]", j), fmt::format("{} {}; expected walls that meet at their ends only", named(j),
                                                        fmt::format(fmt::runtime(reason), named(i))));
       }
       for (std::size_t j = 0; j < scene_.water_faces.size(); ++j) {
-        if (walls[i].water == Wall::ForWater::none) continue;
+        if (walls[i].water == Wall::ForWater::none || walls[i].shape) continue;
         const auto reason = conflict(walls[i].face, scene_.water_faces[j].face);
         if (!reason.empty())
           fail(fmt::format("water_face[{}]", j),
@@ -591,7 +599,7 @@ class Checker : Complaints {
   void nothing_behind_planes() const {
     for (std::size_t i = 0; i < scene_.walls.size(); ++i) {
       const Wall& wall = scene_.walls[i];
-      if (!wall.face.points.empty()) continue;
+      if (!wall.face.points.empty() || wall.shape) continue;
       const Point3 normal = wall.face.normal.normalized();
       const auto look = [&](const Shape& s, double spacing, const std::string& key, const char* what) {
         for (const auto& x : lattice(s, spacing, {0.5, 0.5, 0.5}))
@@ -606,6 +614,47 @@ class Checker : Complaints {
       if (wall.soil != Wall::ForSoil::none && scene_.deformable())
         for (std::size_t s = 0; s < scene_.soils.size(); ++s)
           look(scene_.soils[s].shape, scene_.solid.particle_spacing, fmt::format("soil[{}]", s), "soil");
+    }
+  }
+
+  /// Walls with a shape: what they stand beside, and that water begins on the right side of them.
+  void shaped_walls() const {
+    for (std::size_t i = 0; i < scene_.walls.size(); ++i) {
+      const Wall& wall = scene_.walls[i];
+      if (!wall.shape) continue;
+      const std::string key = fmt::format("wall[{}]", i);
+      const auto no = [&](bool there, const std::string& what) {
+        if (there) fail(key + ".shape", "a wall with a shape stands beside water and rigid soil only, found " + what);
+      };
+      no(scene_.general.dimension != 3, "dimension = 2; expected a wall by 'points'");
+      no(scene_.deformable(), fmt::format("solid.model = \"{}\"; expected \"rigid\", or walls by 'point' and 'normal'",
+                                          scene_.solid.model.name));
+      no(!scene_.general.periodic.empty(), "periodic sides; expected none");
+      no(!scene_.water_faces.empty(), "a [[water_face]]; expected none, or walls by 'point' and 'normal'");
+      if (wall.water == Wall::ForWater::none) continue;
+      if (const auto thin = thin_place(*wall.shape, wall.domain, scene_.fluid.particle_spacing))
+        fail(key + ".shape",
+             fmt::format(
+                 "is {:.4g} m thick at {} m: water on its two sides would interact through it; expected {:.3g} m or "
+                 "more, {:g} particle spacings",
+                 thin->thickness, shown(thin->at), least_thickness * scene_.fluid.particle_spacing, least_thickness));
+      for (std::size_t r = 0; r < scene_.fluid.regions.size(); ++r) no_water_in(wall, i, r);
+    }
+  }
+
+  void no_water_in(const Wall& wall, std::size_t i, std::size_t r) const {
+    const Shape& region = scene_.fluid.regions[r];
+    const double dx = scene_.fluid.particle_spacing;
+    // In shapes with slanted or curved faces particles are moved up to a spacing before a run begins.
+    const double allowed = region.solid ? dx : 1e-6 * dx;
+    const bool inside = wall.domain == Wall::Domain::inside;
+    for (const auto& x : lattice(region, dx, scene_.fluid.offset)) {
+      const double depth = wall.shape->solid->depth(x, 2.0 * dx);
+      if ((inside ? -depth : depth) > allowed)
+        fail(fmt::format("fluid.region[{}]", r),
+             fmt::format(
+                 "water lies {} {}, for example at {} m; expected none there: cut the region by 'within' or 'without'",
+                 inside ? "outside of" : "in", named("wall", i, wall.name), shown(x)));
     }
   }
 
@@ -707,8 +756,10 @@ class Checker : Complaints {
     };
     for (const auto& soil : scene_.soils) shape_corners(soil.shape);
     for (const auto& region : scene_.fluid.regions) shape_corners(region);
-    for (const auto& wall : scene_.walls)
+    for (const auto& wall : scene_.walls) {
       for (const auto& point : wall.face.points) enclose(point);
+      if (wall.shape) shape_corners(*wall.shape);
+    }
     for (const auto& face : scene_.water_faces)
       for (const auto& point : face.face.points) enclose(point);
     // A plane has no ends that could enlarge the box; the domain goes on before it up to the plane.

@@ -369,11 +369,24 @@ class Doubts : Complaints {
   template <class Idle>
   void shapes(const Idle& idle) {
     const auto look = [&](const Shape& s, const std::string& key) {
-      for (const char* of_ball : {".centre", ".radius"})
-        idle(key + of_ball, s.kind != Shape::Kind::ball, "it belongs to shape = \"ball\"");
+      using Kind = Shape::Kind;
+      const bool round = s.kind == Kind::cylinder || s.kind == Kind::cone,
+                 file = s.kind == Kind::mesh || s.kind == Kind::terrain;
+      idle(key + ".centre", s.kind != Kind::ball && s.around.empty(), "it belongs to shape = \"ball\"");
+      idle(key + ".radius", s.kind != Kind::ball && !round, "it belongs to shape = \"ball\"");
       for (const char* of_box : {".min", ".max", ".points"})
-        idle(key + of_box, s.kind == Shape::Kind::ball, "a ball takes 'centre' and 'radius'");
+        idle(key + of_box, s.kind == Kind::ball, "a ball takes 'centre' and 'radius'");
+      for (const char* of_box : {".min", ".max", ".points"})
+        idle(key + of_box, round || file, "it belongs to shape = \"box\" or \"polygon\"");
+      for (const char* of_polygon : {".along", ".around", ".from", ".to"})
+        idle(key + of_polygon, s.kind != Kind::polygon, "it belongs to shape = \"polygon\"");
+      idle(key + ".ends", !round, "it belongs to shape = \"cylinder\" or \"cone\"");
+      idle(key + ".end_radius", s.kind != Kind::cone, "it belongs to shape = \"cone\"");
+      idle(key + ".file", !file, "it belongs to shape = \"mesh\" or \"terrain\"");
+      idle(key + ".bottom", s.kind != Kind::terrain, "it belongs to shape = \"terrain\"");
     };
+    for (std::size_t i = 0; i < scene_.walls.size(); ++i)
+      if (scene_.walls[i].shape) look(*scene_.walls[i].shape, fmt::format("wall[{}]", i));
     for (std::size_t i = 0; i < scene_.soils.size(); ++i) look(scene_.soils[i].shape, fmt::format("soil[{}]", i));
     for (std::size_t i = 0; i < scene_.fluid.regions.size(); ++i)
       look(scene_.fluid.regions[i], fmt::format("fluid.region[{}]", i));
@@ -395,10 +408,10 @@ class Doubts : Complaints {
                                        "exit_height", "height", "exit_gradient", "slip_surface"};
       idle(key + ".points", std::find(with_points.begin(), with_points.end(), g.kind) == with_points.end(),
            fmt::format("a gauge of kind \"{}\" is of the whole phase, or of its 'region'", g.kind));
-      constexpr std::array without_region{
-          "point",        "front",       "discharge",     "exit_height", "exit_gradient",    "height",
-          "slip_surface", "level",       "passed_volume", "balance",     "received_impulse", "drag_work",
-          "infiltration", "evaporation", "runoff",        "factor_of_safety"};
+      constexpr std::array without_region{"point",         "front",       "discharge",        "exit_height",
+                                          "exit_gradient", "height",      "slip_surface",     "level",
+                                          "passed_volume", "balance",     "received_impulse", "drag_work",
+                                          "infiltration",  "evaporation", "runoff",           "factor_of_safety"};
       idle(key + ".region", std::find(without_region.begin(), without_region.end(), g.kind) != without_region.end(),
            fmt::format("a gauge of kind \"{}\" knows no region", g.kind));
     }

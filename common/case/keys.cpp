@@ -294,6 +294,10 @@ class Describer final : public Keys {
             const std::function<void(Keys&, std::size_t)>& body) override {
     below(fmt::format("[[{}]]", full(key)), full(key), meaning, [&](Keys& keys) { body(keys, 0); });
   }
+  void each_as_elsewhere(std::string_view key, const About& about, std::size_t,
+                         const std::function<void(Keys&, std::size_t)>&) override {
+    row(key, "tables", about, "", "");
+  }
 
  private:
   [[nodiscard]] std::string full(std::string_view key) const {

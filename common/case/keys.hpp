@@ -103,6 +103,15 @@ class Keys {
     });
   }
 
+  /// Tables whose keys are described elsewhere.
+  template <class T, class Body>
+  void tables(std::string_view key, const About& about, std::vector<T>& items, Body body) {
+    each_as_elsewhere(key, about, items.size(), [&](Keys& keys, std::size_t i) {
+      if (items.size() <= i) items.resize(i + 1);
+      body(keys, items[i]);
+    });
+  }
+
   int dimension = 2;  ///< coordinates of the points that are declared after it is set
 
  protected:
@@ -113,6 +122,10 @@ class Keys {
                      const std::function<void(Keys&)>& body) = 0;
   virtual void each(std::string_view key, std::string_view meaning, std::size_t present,
                     const std::function<void(Keys&, std::size_t)>& body) = 0;
+  virtual void each_as_elsewhere(std::string_view key, const About& about, std::size_t present,
+                                 const std::function<void(Keys&, std::size_t)>& body) {
+    each(key, about.meaning, present, body);
+  }
 };
 
 /// "path:line" of each key, for checks after reading.

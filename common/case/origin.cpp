@@ -1,6 +1,7 @@
 #include "common/case/origin.hpp"
 
 #include "common/case/amounts.hpp"
+#include "common/geometry/solid.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +13,17 @@ namespace {
 template <class F>
 void for_each_place(Case& scene, F&& f, bool of_planes = true) {
   const auto shape = [&](Shape& s) {
+    if (s.solid) {
+      auto [lower, upper] = s.solid->bounds();
+      const Point3 before = lower;
+      f(lower);
+      f(upper);
+      if (lower == before) return;
+      s.solid = std::make_shared<const Solid>(s.solid->moved(lower - before));
+      s.placement = s.placement.value_or(Placement{});
+      s.placement->move += lower - before;
+      return;
+    }
     if (s.kind == Shape::Kind::box) {
       f(s.min);
       f(s.max);
@@ -25,7 +37,11 @@ void for_each_place(Case& scene, F&& f, bool of_planes = true) {
   };
   for (auto& soil : scene.soils) shape(soil.shape);
   for (auto& region : scene.fluid.regions) shape(region);
-  for (auto& wall : scene.walls) face(wall.face);
+  for (auto& wall : scene.walls)
+    if (wall.shape)
+      shape(*wall.shape);
+    else
+      face(wall.face);
   for (auto& water_face : scene.water_faces) face(water_face.face);
   for (auto& rain : scene.rains) face(rain.face);
   for (auto& load : scene.loads) face(load.face);

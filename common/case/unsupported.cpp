@@ -233,8 +233,9 @@ class Supported : Complaints {
             fail(fmt::format("soil[{}].porosity", i),
                  fmt::format(
                      "expected {} or more beside free water, found {}: so dense a soil is a solid body, which is "
-                     "drawn as a closed [[wall]] (2D){}",
-                     least, scene_.soils[i].porosity, d_ == 3 ? "; in 3D there is none yet" : ""));
+                     "drawn as a {}",
+                     least, scene_.soils[i].porosity,
+                     d_ == 3 ? "[[wall]] with a 'shape' and domain = \"outside\"" : "closed [[wall]]"));
     }
   }
 

@@ -95,6 +95,13 @@ class Flood {
       const auto& wall = scene_.walls[i];
       if (wall.water == Wall::ForWater::none) continue;
       ++walls_;
+      if (wall.shape) {
+        const auto [lower, upper] = bounds(*wall.shape);
+        enclose(lower);
+        enclose(upper);
+        bodies_.push_back(&wall);
+        continue;
+      }
       add(wall.face, named("wall", i, wall.name));
     }
     for (std::size_t i = 0; i < scene_.water_faces.size(); ++i) {
@@ -177,6 +184,9 @@ class Flood {
       cells *= static_cast<std::size_t>(count_[d]);
     }
     std::vector<std::size_t> from(cells, unseen), queue;
+    if (!bodies_.empty())
+      for (std::size_t cell = 0; cell < cells; ++cell)
+        if (in_body(centre(cell))) from[cell] = cell;
     for (const auto& x : springs_) {
       // The nearest cell on this side of every barrier.
       std::size_t cell = 0;
@@ -219,6 +229,13 @@ class Flood {
     return std::any_of(barriers_.begin(), barriers_.end(), [&](const Barrier& b) {
       const double towards = b.b.dot(direction);
       return b.plane && towards != 0.0 && b.b.dot(b.a - x) / towards > 0.0;
+    });
+  }
+
+  /// Is x in the body of a wall with a shape?
+  [[nodiscard]] bool in_body(const Point3& x) const {
+    return std::any_of(bodies_.begin(), bodies_.end(), [&](const Wall* wall) {
+      return contains(*wall->shape, x, 3) != (wall->domain == Wall::Domain::inside);
     });
   }
 
@@ -303,6 +320,7 @@ class Flood {
   std::vector<Barrier> barriers_;
   std::vector<Point3> springs_;
   std::vector<const WaterFace*> takers_;  ///< what stands behind them takes water
+  std::vector<const Wall*> bodies_;       ///< walls with a shape
   std::size_t walls_ = 0;
   double level_ = -HUGE_VAL, size_ = 0.0;
   std::array<int, 3> count_{1, 1, 1};

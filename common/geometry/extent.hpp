@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/case/case.hpp"
+#include "common/geometry/solid.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +13,7 @@
 
 namespace poretwin {
 
-/// Corners of a polygon, in its order, or of a box (2D: counter-clockwise); none of a ball.
+/// Corners of a polygon, in its order, or of a box (2D: counter-clockwise); none of a ball. Not of solids.
 inline std::vector<Point3> corners_of(const Shape& shape, int dimension) {
   if (shape.kind != Shape::Kind::box) return shape.points;
   const auto &a = shape.min, &b = shape.max;
@@ -24,6 +25,7 @@ inline std::vector<Point3> corners_of(const Shape& shape, int dimension) {
 
 /// Lowest and highest of x . direction over a shape [m]; direction: unit.
 inline std::pair<double, double> extent(const Shape& shape, const Point3& direction, int dimension) {
+  if (shape.solid) return shape.solid->extent(direction);
   if (shape.kind == Shape::Kind::ball) {
     const double middle = direction.dot(shape.centre);
     return {middle - shape.radius, middle + shape.radius};

@@ -1,6 +1,8 @@
 #include "common/geometry/shapes.hpp"
 
 #include "common/geometry/extent.hpp"
+#include "common/geometry/packing.hpp"
+#include "common/geometry/solid.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,6 +14,7 @@
 namespace poretwin {
 
 bool contains(const Shape& shape, const Point3& x, int dimension) {
+  if (shape.solid) return shape.solid->contains(x);
   if (shape.kind == Shape::Kind::box) {
     for (int d = 0; d < dimension; ++d)
       if (x[d] < shape.min[d] || x[d] > shape.max[d]) return false;
@@ -29,6 +32,7 @@ bool contains(const Shape& shape, const Point3& x, int dimension) {
 }
 
 std::pair<Point3, Point3> bounds(const Shape& shape) {
+  if (shape.solid) return shape.solid->bounds();
   if (shape.kind == Shape::Kind::box) return {shape.min, shape.max};
   if (shape.kind == Shape::Kind::ball)
     return {shape.centre - Point3::Constant(shape.radius), shape.centre + Point3::Constant(shape.radius)};
@@ -96,6 +100,15 @@ Lattice<2> fill_turned(const Point3& corner, const std::array<Point3, 2>& sides,
   return lattice;
 }
 
+/// The box of a shape that is one, turned, before it is placed (3D).
+std::optional<Shape> turned_box(const Shape& shape) {
+  if (!shape.solid || shape.kind != Shape::Kind::box || shape.solid->parts().size() > 1) return std::nullopt;
+  Shape drawn;
+  drawn.min = shape.min;
+  drawn.max = shape.max;
+  return drawn;
+}
+
 }  // namespace
 
 template <int D>
@@ -105,6 +118,15 @@ Lattice<D> fill(const Shape& shape, double spacing, const Point3& offset, double
   if constexpr (D == 2) {
     if (const auto sides = turned_rectangle(shape))
       return fill_turned(shape.points[0], *sides, spacing, offset, jitter, seed);
+  }
+  if constexpr (D == 3) {
+    if (const auto as_drawn = turned_box(shape)) {
+      lattice = fill<3>(*as_drawn, spacing / shape.placement->scale, offset, jitter, seed);
+      for (auto& x : lattice.position) x = placed(*shape.placement, x, 3);
+      lattice.volume *= std::pow(shape.placement->scale, 3);
+      return lattice;
+    }
+    if (shape.solid) return deepest_in(*shape.solid, spacing, offset);
   }
   const auto [lower, upper] = bounds(shape);
   std::array<int, 3> count{1, 1, 1};
@@ -132,6 +154,15 @@ Lattice<D> fill(const Shape& shape, double spacing, const Point3& offset, double
           for (int d = 0; d < D; ++d) x[d] += displacement(generator) * step[d];
         lattice.position.push_back(x.template head<D>());
       }
+  return lattice;
+}
+
+template <int D>
+Lattice<D> lay(const Shape& shape, double spacing, const Point3& offset, double jitter, unsigned seed,
+               std::span<const Shape> later) {
+  auto lattice = fill<D>(shape, spacing, offset, jitter, seed, later);
+  if constexpr (D == 3)
+    if (shape.solid && !turned_box(shape)) pack(*shape.solid, spacing, lattice);
   return lattice;
 }
 
@@ -229,6 +260,7 @@ template <int D>
 std::vector<sph::ImagePlane<D>> planes_of(const Face& face, int boundary, double margin) {
   std::vector<sph::ImagePlane<D>> planes;
   if (face.points.empty()) {
+    if (face.normal.isZero()) return planes;  // a wall with a shape
     sph::ImagePlane<D> plane;
     plane.point = face.point.head<D>();
     plane.normal = face.normal.head<D>().normalized();
@@ -306,6 +338,8 @@ std::vector<sph::ImagePlane<D>> periodic_planes(const General& general, int boun
 
 template Lattice<2> fill<2>(const Shape&, double, const Point3&, double, unsigned, std::span<const Shape>);
 template Lattice<3> fill<3>(const Shape&, double, const Point3&, double, unsigned, std::span<const Shape>);
+template Lattice<2> lay<2>(const Shape&, double, const Point3&, double, unsigned, std::span<const Shape>);
+template Lattice<3> lay<3>(const Shape&, double, const Point3&, double, unsigned, std::span<const Shape>);
 template std::vector<sph::ImagePlane<2>> planes_of<2>(const Face&, int, double);
 template std::vector<sph::ImagePlane<3>> planes_of<3>(const Face&, int, double);
 template void meet_at_corners<2>(std::span<sph::ImagePlane<2>>, double);

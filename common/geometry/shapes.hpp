@@ -58,6 +58,11 @@ template <int D>
 Lattice<D> fill(const Shape& shape, double spacing, const Point3& offset, double jitter, unsigned seed,
                 std::span<const Shape> later = {});
 
+/// The same for a run: in bodies with slanted or curved faces (3D) the particles are then moved until they lie evenly.
+template <int D>
+Lattice<D> lay(const Shape& shape, double spacing, const Point3& offset, double jitter, unsigned seed,
+               std::span<const Shape> later = {});
+
 /// The straight pieces of a face as mirror planes, extended by `margin` [m] beyond their ends so that corners close.
 template <int D>
 std::vector<sph::ImagePlane<D>> planes_of(const Face& face, int boundary, double margin);

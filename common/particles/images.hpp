@@ -63,15 +63,16 @@ struct Images {
 template <int D>
 Images<D> make_images(std::span<const Vec<D>> points, std::span<const ImagePlane<D>> planes, double range);
 
-/// Mirrors a point back that passed through a mirror by less than `reach` [m]; removes its velocity [m/s] towards the
-/// mirror, relative to it.
+/// Mirrors a point back that passed through a mirror (where the mirror has an end: by less than `reach` [m]) and moves it
+/// by `reach` at most; removes its velocity [m/s] towards the mirror, relative to it.
 template <int D>
 void keep_inside(std::span<const ImagePlane<D>> planes, double reach, Vec<D>& x, Vec<D>& v) {
   for (const auto& plane : planes) {
     if (plane.kind != ImagePlane<D>::Kind::mirror) continue;
     const double distance = plane.normal.dot(x - plane.point);
-    if (distance >= 0.0 || distance < -reach || !plane.faces(x)) continue;
-    x -= 2.0 * distance * plane.normal;
+    const bool endless = plane.to <= plane.from;
+    if (distance >= 0.0 || (distance < -reach && !endless) || !plane.faces(x)) continue;
+    x += (std::min(-distance, reach) - distance) * plane.normal;
     v -= std::min(0.0, plane.normal.dot(v) - plane.speed) * plane.normal;
   }
 }

@@ -1,9 +1,15 @@
 #include "fluid_solver/boundary/walls.hpp"
 
+#include "common/core/error.hpp"
 #include "common/geometry/shapes.hpp"
+#include "common/geometry/surfaces.hpp"
 #include "common/geometry/thin_walls.hpp"
 #include "fluid_solver/discretisation/stencil.hpp"
 #include "fluid_solver/numerics/faces.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
 
 namespace poretwin::fluid {
 
@@ -11,7 +17,7 @@ template <int D>
 std::vector<sph::ImagePlane<D>> water_planes(const Case& scene, const std::vector<Inlet<D>>& inlets, double margin) {
   std::vector<sph::ImagePlane<D>> planes;
   for (std::size_t w = 0; w < scene.walls.size(); ++w)
-    if (scene.walls[w].water != Wall::ForWater::none)
+    if (scene.walls[w].water != Wall::ForWater::none && !scene.walls[w].shape)
       for (const auto& plane : planes_of<D>(scene.walls[w].face, static_cast<int>(w), 0.0)) planes.push_back(plane);
   for (const auto& inlet : inlets)
     if (!inlet.sill)
@@ -33,6 +39,22 @@ sph::Sight<D> water_sight(const Case& scene, double margin) {
   }
 }
 
+std::shared_ptr<const Surfaces> water_surfaces(const Case& scene) {
+  const auto for_water = [](const Wall& wall) { return wall.water != Wall::ForWater::none; };
+  if (std::ranges::none_of(scene.walls, [&](const Wall& wall) { return for_water(wall) && wall.shape; }))
+    return nullptr;
+  auto surfaces = std::make_shared<Surfaces>();
+  for (std::size_t w = 0; w < scene.walls.size(); ++w) {
+    const Wall& wall = scene.walls[w];
+    if (!for_water(wall)) continue;
+    if (wall.shape)
+      surfaces->add(wall.shape->solid, wall.domain == Wall::Domain::inside, static_cast<int>(w));
+    else
+      surfaces->add(wall.face.point, wall.face.normal.normalized(), static_cast<int>(w));
+  }
+  return surfaces;
+}
+
 template <int D>
 Walls<D>::Walls(const Case& scene, const std::vector<Inlet<D>>& inlets)
     : margin_(wall_margin * sph::support_radius * points::smoothing_ratio * scene.fluid.particle_spacing) {
@@ -41,6 +63,7 @@ Walls<D>::Walls(const Case& scene, const std::vector<Inlet<D>>& inlets)
     at_first_.assign(sight.planes().begin(), sight.planes().end());
   else
     at_first_ = water_planes<D>(scene, inlets, margin_);
+  if (D == 3) surfaces = water_surfaces(scene);
   place(inlets);
 }
 
@@ -67,6 +90,19 @@ void Walls<D>::place(const std::vector<Inlet<D>>& inlets) {
     while (planes[next].boundary != piston_boundary) ++next;
     planes[next].point += inlet.piston * inlet.normal;
     planes[next++].speed = inlet.speed;
+  }
+}
+
+template <int D>
+void Walls<D>::expect_before(std::span<const Vec<D>> points) const {
+  if constexpr (D == 3) {
+    if (!surfaces) return;
+    for (const auto& x : points)
+      if (!surfaces->holds(x))
+        throw CaseError(fmt::format(
+            "a particle of water at [{:.6g}, {:.6g}, {:.6g}] m lies behind a [[wall]] with a shape; expected every "
+            "[[fluid.region]] on the right side of it: cut the region by 'within' or 'without' with the wall's shape",
+            x.x(), x.y(), x.z()));
   }
 }
 

@@ -3,6 +3,12 @@
 
 #include "fluid_solver/boundary/inlet.hpp"
 
+#include <memory>
+
+namespace poretwin {
+class Surfaces;
+}
+
 namespace poretwin::fluid {
 
 /// The walls, the pistons in their initial position, and the periodic sides of the water as mirrors. A piece that ends
@@ -15,6 +21,9 @@ std::vector<sph::ImagePlane<D>> water_planes(const Case& scene, const std::vecto
 template <int D>
 sph::Sight<D> water_sight(const Case& scene, double margin);
 
+/// The walls of the water, if one of them at least has a shape (3D); nothing otherwise.
+std::shared_ptr<const Surfaces> water_surfaces(const Case& scene);
+
 template <int D>
 struct Walls {
   Walls(const Case& scene, const std::vector<Inlet<D>>& inlets);
@@ -22,8 +31,12 @@ struct Walls {
   /// Moves the mirrors of the pistons to their present positions.
   void place(const std::vector<Inlet<D>>& inlets);
 
+  /// Throws CaseError if one of the points [m] lies behind a wall with a shape.
+  void expect_before(std::span<const Vec<D>> points) const;
+
   std::vector<sph::ImagePlane<D>> planes;
   sph::Sight<D> sight;
+  std::shared_ptr<const Surfaces> surfaces;  ///< of walls, the planes among them too, if any wall has a shape (3D)
 
  private:
   std::vector<sph::ImagePlane<D>> at_first_;  ///< in their initial position, without sills

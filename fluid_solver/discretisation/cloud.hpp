@@ -2,9 +2,11 @@
 // it.
 #pragma once
 
+#include "common/geometry/surfaces.hpp"
 #include "common/numerics/dense.hpp"
 #include "common/particles/neighbours.hpp"
 #include "common/particles/sight.hpp"
+#include "fluid_solver/boundary/walls.hpp"
 #include "fluid_solver/discretisation/stencil.hpp"
 #include "fluid_solver/state.hpp"
 
@@ -26,6 +28,7 @@ struct Cloud {
   sph::Sight<D> sight;        ///< lines of sight past the walls
   std::size_t n_base = 0;     ///< number of points that are no images
   std::vector<Index> by, of;  ///< [images] see sph::Images; where lines of sight are limited
+  std::vector<Index> original;  ///< [images] by walls of any shape: the point whose image it is
   [[nodiscard]] std::size_t size() const { return position.size(); }
 };
 
@@ -39,9 +42,8 @@ struct StillWater {
 
 /// The cloud of the present state. sticky: walls at which water does not slip, one bit each.
 template <int D>
-Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> planes, const sph::Sight<D>& sight,
-                    const Vec<D>& weight, const Vec<D>& origin, std::span<const StillWater<D>> reservoir = {},
-                    std::uint32_t sticky = 0) {
+Cloud<D> make_cloud(const State<D>& state, const Walls<D>& walls, const Vec<D>& weight, const Vec<D>& origin,
+                    std::span<const StillWater<D>> reservoir = {}, std::uint32_t sticky = 0) {
   const auto& p = state.particles;
   Cloud<D> c;
   c.n_real = p.size();
@@ -84,10 +86,10 @@ Cloud<D> make_cloud(const State<D>& state, std::span<const sph::ImagePlane<D>> p
   for (std::size_t i = 0; i < c.size(); ++i) c.owner.push_back(i < c.n_real ? static_cast<double>(i) : -1.0);
   const VecArray<D> base = c.position;
   const double reach = sph::support_radius * largest;
-  auto images = sight.limited() ? sph::images_in_all_orders<D>(base, sight.planes(), reach)
-                                : sph::make_images<D>(base, planes, reach);
-  c.sight = sight;
+  auto images = images_of<D>(base, walls.planes, walls.sight, walls.surfaces.get(), reach);
+  c.sight = walls.sight;
   c.n_base = base.size();
+  if (walls.surfaces) c.original = images.parent;
   c.by = std::move(images.by);
   c.of = std::move(images.of);
   for (std::size_t i = 0; i < images.size(); ++i) {
@@ -179,12 +181,16 @@ class Probe {
     if (cloud_.sight.limited()) cloud_.sight.find_near(x, reach_, walls);
     grid_.for_each_within(x, reach_, [&](Index j, double r2) {
       const double support = sph::support_radius * length(j);
-      if (r2 < support * support && (!cloud_.sight.limited() || seen(x, j, walls))) f(j, std::sqrt(r2));
+      if (r2 < support * support && seen(x, j, walls)) f(j, std::sqrt(r2));
     });
   }
 
   [[nodiscard]] bool seen(const Vec<D>& x, Index j, const typename sph::Sight<D>::Near& walls) const {
     const auto& c = cloud_;
+    if constexpr (D == 3)
+      if (!c.original.empty())
+        return j < c.n_base || Surfaces::sees(x, c.position[c.original[j - c.n_base]], c.position[j]);
+    if (!c.sight.limited()) return true;
     return j < c.n_base ? c.sight.open(x, c.position[j], walls)
                         : c.sight.sees(x, j, c.n_base, c.position, c.by, c.of, walls);
   }

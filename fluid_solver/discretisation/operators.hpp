@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 
 namespace poretwin::fluid {
@@ -308,6 +309,42 @@ void fill_even_laplacian(const Stencil<D>& s, double factor, PairMatrix& m) {
       });
 }
 
+/// Where images are uneven, what a particle sees of another's images is not what that one sees of its own: the pair
+/// gets the mean of both, by its direct entry, which is there wherever an image is seen.
+template <int D>
+void make_symmetric(const Stencil<D>& s, PairMatrix& m) {
+  std::vector<std::vector<std::pair<Index, double>>> by_images(s.n_real);  // of whom, by how much
+  parallel_for(s.n_real, [&](std::size_t a) {
+    if (s.beyond[a] == 0) return;
+    auto& row = by_images[a];
+    for (std::size_t k = m.begin(a); k < m.end(a); ++k)
+      if (s.other[k] >= s.n_base && m.weight[k] != 0.0F) row.emplace_back(s.parent[s.other[k]], m.weight[k]);
+    std::sort(row.begin(), row.end());
+    std::size_t last = 0;
+    for (std::size_t i = 1; i < row.size(); ++i)
+      if (row[i].first == row[last].first)
+        row[last].second += row[i].second;
+      else
+        row[++last] = row[i];
+    if (!row.empty()) row.resize(last + 1);
+  });
+  const auto seen = [&](std::size_t a, Index q) {
+    const auto& row = by_images[a];
+    const auto found = std::lower_bound(row.begin(), row.end(), std::pair(q, -HUGE_VAL));
+    return found != row.end() && found->first == q ? found->second : 0.0;
+  };
+  parallel_for(s.n_real, [&](std::size_t a) {
+    if (s.beyond[a] == 0) return;
+    for (std::size_t k = m.begin(a); k < m.end(a); ++k) {
+      const Index q = s.other[k];
+      if (q >= s.n_real || q == a) continue;
+      const double missing = 0.5 * (seen(q, static_cast<Index>(a)) - seen(a, q));
+      m.weight[k] += static_cast<float>(missing);
+      m.diagonal[a] += missing;
+    }
+  });
+}
+
 /// V_a sum_b 2 V_b mobility_ab G_ab (p_a - p_b), G_ab = -W'/r: minus the Laplacian, weighted with the volume so that it
 /// is symmetric. One matrix for each of the mobilities of the real particles; pairs get the harmonic mean, and an empty
 /// mobility is 1. Pairs with buffers are added to the diagonal, (1 + r) (p_a - p_face), with the reflection's ratio r
@@ -328,6 +365,8 @@ std::array<PairMatrix, n_mobilities> laplacians(const Stencil<D>& s,
   if (!buffers && same(s.volume) && std::all_of(mobilities.begin(), mobilities.end(), same)) {
     for (std::size_t i = 0; i < n_mobilities && s.n_real > 0; ++i)
       fill_even_laplacian(s, s.volume[0] * (mobilities[i].empty() ? 1.0 : mobilities[i][0]), matrices[i]);
+    if (s.uneven_images)
+      for (auto& m : matrices) make_symmetric(s, m);
     return matrices;
   }
   // Data of a point: volume (0: not coupled), amplification, mobilities. In 3D also the smoothing length, which would
@@ -397,6 +436,8 @@ std::array<PairMatrix, n_mobilities> laplacians(const Stencil<D>& s,
                                     2.0 * self[at_volume] * self[at_mobility + m] * self[at_amplified] * faces;
         }
       });
+  if (s.uneven_images)
+    for (auto& m : matrices) make_symmetric(s, m);
   return matrices;
 }
 

@@ -3,6 +3,7 @@
 #include "fluid_solver/boundary/inlet.hpp"
 
 #include "common/core/in_lanes.hpp"
+#include "common/geometry/surfaces.hpp"
 #include "common/particles/neighbours.hpp"
 
 #include <Eigen/Dense>
@@ -122,6 +123,20 @@ void hide_behind_walls(const sph::Sight<D>& sight, double reach, Stencil<D>& s) 
       }
     }
   });
+}
+
+/// Images by walls of any shape are seen from their original's side of the plane midway only.
+template <int D>
+void hide_from_behind(Stencil<D>& s) {
+  if constexpr (D == 3) {
+    parallel_for(s.n_real, [&](std::size_t a) {
+      if (s.beyond[a] == 0) return;
+      for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k)
+        if (const Index j = s.other[k];
+            j >= s.n_base && !Surfaces::sees(s.position[a], s.position[s.parent[j]], s.position[j]))
+          s.other[k] = static_cast<Index>(a);
+    });
+  }
 }
 
 /// Where a wall ends at a face, removes the pairs of a particle with an image behind the wall whose line of sight
@@ -251,10 +266,19 @@ Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* unresolved, d
 }
 
 template <int D>
+sph::Images<D> images_of(std::span<const Vec<D>> points, std::span<const sph::ImagePlane<D>> planes,
+                         const sph::Sight<D>& sight, const Surfaces* surfaces, double reach) {
+  if constexpr (D == 3)
+    if (surfaces) return surfaces->images(points, reach);
+  return sight.limited() ? sph::images_in_all_orders<D>(points, sight.planes(), reach)
+                         : sph::make_images<D>(points, planes, reach);
+}
+
+template <int D>
 Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volume, std::span<const Buffer<D>> buffers,
                         std::span<const sph::ImagePlane<D>> planes, std::span<const char> free, bool by_density,
                         std::size_t worth_threads, const sph::Sight<D>& sight, std::span<const Joint<D>> joints,
-                        std::span<const char> soilless) {
+                        std::span<const char> soilless, const Surfaces* surfaces) {
   Stencil<D> s;
   s.worth_threads = worth_threads;
   s.n_real = x.size();
@@ -269,8 +293,8 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   }
   largest = points::smoothing_ratio * spacing_of<D>(largest);
   const double reach = sph::support_radius * largest;
-  auto images = sight.limited() ? sph::images_in_all_orders<D>(base, sight.planes(), reach)
-                                : sph::make_images<D>(base, planes, reach);
+  auto images = images_of<D>(base, planes, sight, surfaces, reach);
+  s.uneven_images = surfaces != nullptr;
   const std::size_t all = s.n_base + images.size();
   s.position.resize(all);
   s.parent.resize(all);
@@ -295,6 +319,7 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   find_pairs(largest, s);
   part_ghosts(buffers, free, s);
   if (sight.limited()) hide_behind_walls(sight, reach, s);
+  if (surfaces) hide_from_behind(s);
   part_at_joints(joints, reach, s);
   // The largest arrays first: smaller ones fit between.
   s.gradient_factor.resize(s.other.size());
@@ -352,7 +377,10 @@ Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volum
   template Mat<D> bounded_inverse<D>(const Mat<D>&, double, Mat<D>*, double*);                                       \
   template Stencil<D> make_stencil<D>(std::span<const Vec<D>>, std::span<const double>, std::span<const Buffer<D>>,  \
                                       std::span<const sph::ImagePlane<D>>, std::span<const char>, bool, std::size_t, \
-                                      const sph::Sight<D>&, std::span<const Joint<D>>, std::span<const char>);
+                                      const sph::Sight<D>&, std::span<const Joint<D>>, std::span<const char>,        \
+                                      const Surfaces*);                                                              \
+  template sph::Images<D> images_of<D>(std::span<const Vec<D>>, std::span<const sph::ImagePlane<D>>,                 \
+                                       const sph::Sight<D>&, const Surfaces*, double);
 PORETWIN_INSTANTIATE(2)
 PORETWIN_INSTANTIATE(3)
 #undef PORETWIN_INSTANTIATE

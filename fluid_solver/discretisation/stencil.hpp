@@ -14,6 +14,10 @@
 #include <optional>
 #include <span>
 
+namespace poretwin {
+class Surfaces;
+}
+
 namespace poretwin::fluid {
 
 template <int D>
@@ -157,6 +161,7 @@ struct Stencil {
   VecArray<D> carried;                    ///< [images] m/s, added to velocities: 2 U n behind a piston of speed U
   std::vector<std::uint32_t> boundaries;  ///< [images] boundaries passed, one bit each
   std::vector<Index> by, of;              ///< [images] see sph::Images; where lines of sight are limited
+  bool uneven_images = false;             ///< by walls of any shape: of a pair each sees another image of the other
   std::vector<Buffer<D>> buffers;         ///< [base - real]
 
   /// Slope of the pressure at each face column, by a straight line through the face's pressure fitted to the particles
@@ -274,17 +279,23 @@ struct Stencil {
 template <int D>
 Mat<D> bounded_inverse(const Mat<D>& moment, double least, Mat<D>* unresolved, double* smallest = nullptr);
 
+/// The images of points behind whatever walls there are, at most `reach` [m] behind them.
+template <int D>
+sph::Images<D> images_of(std::span<const Vec<D>> points, std::span<const sph::ImagePlane<D>> planes,
+                         const sph::Sight<D>& sight, const Surfaces* surfaces, double reach);
+
 /// Neighbourhoods of the particles at x [m] with their bulk volumes [m^D], buffers outside faces, and images behind
 /// planes. free [n]: particles in no soil (1) and others (0); empty: all. Water in soil does not see images behind a
 /// sill, nor free water buffers behind a face of soil. by_density: fullness of open water is measured with
 /// density_weight. worth_threads: number of particles from which on loops use several threads. sight: where it is
 /// limited, its planes make the images. joints: of walls and faces; images and buffers beyond them are seen as far as
 /// lines of sight reach. soilless [n]: 1 for particles that no soil covers, not even in part; empty: all.
+/// surfaces: walls of any shape and planes (3D), in place of the planes.
 template <int D>
 Stencil<D> make_stencil(std::span<const Vec<D>> x, std::span<const double> volume, std::span<const Buffer<D>> buffers,
                         std::span<const sph::ImagePlane<D>> planes, std::span<const char> free = {},
                         bool by_density = false, std::size_t worth_threads = worth_threads_in_pairs,
                         const sph::Sight<D>& sight = {}, std::span<const Joint<D>> joints = {},
-                        std::span<const char> soilless = {});
+                        std::span<const char> soilless = {}, const Surfaces* surfaces = nullptr);
 
 }  // namespace poretwin::fluid

@@ -19,7 +19,7 @@ Stencil<D> water_stencil(const Setup<D>& setup, const Walls<D>& walls, const Sta
   }
   auto s = make_stencil<D>(
       p.position, p.volume, std::span<const Buffer<D>>(buffers), walls.planes, free, tells_density(setup),
-      setup.coupled ? worth_threads_while_others_wait : worth_threads_in_pairs, walls.sight, setup.joints, soilless);
+      setup.coupled ? worth_threads_while_others_wait : worth_threads_in_pairs, walls.sight, setup.joints, soilless, walls.surfaces.get());
   fit_columns<D>(state.columns, free, s, walls.sight);
   limit_surface<D>(setup, state, s);
   return s;

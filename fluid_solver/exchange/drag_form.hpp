@@ -23,7 +23,7 @@ class SmoothedDrag {
       : length_(exchange::drag_smoothing_ratio * scene.solid.particle_spacing),
         G_(scene.fluid.drag_form == FluidCase::DragForm::smoothed ? D : 1.0 / D) {
     for (const auto& soil : scene.soils) {
-      const auto lattice = fill<D>(soil.shape, scene.solid.particle_spacing, scene.solid.offset, 0.0, 1);
+      const auto lattice = lay<D>(soil.shape, scene.solid.particle_spacing, scene.solid.offset, 0.0, 1);
       points_.insert(points_.end(), lattice.position.begin(), lattice.position.end());
       volume_.resize(points_.size(), lattice.volume);
     }

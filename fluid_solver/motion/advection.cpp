@@ -1,6 +1,7 @@
 #include "fluid_solver/motion/advection.hpp"
 
 #include "common/core/threads.hpp"
+#include "common/geometry/surfaces.hpp"
 #include "fluid_solver/motion/packing.hpp"
 #include "fluid_solver/motion/volume_source.hpp"
 #include "fluid_solver/numerics/motion.hpp"
@@ -28,6 +29,8 @@ void displace(const Setup<D>& setup, const Walls<D>& walls, Particles<D>& p, std
   const Vec<D> before = p.position[a];
   p.position[a] += d;
   Vec<D> v = p.velocity[a];
+  if constexpr (D == 3)
+    if (walls.surfaces) walls.surfaces->keep_inside(before, spacing_of<D>(p.volume[a]), p.position[a], v);
   if (walls.sight.limited())
     walls.sight.keep_inside(before, p.position[a], v);
   else

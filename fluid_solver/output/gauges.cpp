@@ -356,7 +356,7 @@ class Reader {
 template <int D>
 Vec<D> wall_force(const Setup<D>& setup, const Walls<D>& walls, const State<D>& state) {
   Vec<D> force = Vec<D>::Zero();
-  const auto cloud = make_cloud<D>(state, walls.planes, walls.sight, setup.weight, setup.origin);
+  const auto cloud = make_cloud<D>(state, walls, setup.weight, setup.origin);
   const Probe<D> probe(cloud);
   for (const auto& wall : setup.pressed_walls) {
     const Line<D> line(wall.from, wall.to);
@@ -385,7 +385,7 @@ std::vector<GaugeReading> read_gauges(const Setup<D>& setup, const Faces<D>& fac
   const bool any =
       std::any_of(setup.gauges.begin(), setup.gauges.end(), [](const Gauge& g) { return g.phase == "fluid"; });
   if (!any) return {};
-  const auto cloud = make_cloud<D>(state, walls.planes, walls.sight, setup.weight, setup.origin, {}, setup.no_slip);
+  const auto cloud = make_cloud<D>(state, walls, setup.weight, setup.origin, {}, setup.no_slip);
   Reader<D> reader(setup, faces, state, cloud);
   for (const auto& gauge : setup.gauges)
     if (gauge.phase == "fluid") reader.read(gauge);

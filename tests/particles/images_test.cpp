@@ -11,6 +11,16 @@
 namespace poretwin {
 namespace {
 
+TEST(Images, APlaneCatchesWhatFellThroughItHoweverDeep) {
+  Face floor;
+  floor.normal = Point3(0, 0, 1);
+  const auto planes = planes_of<3>(floor, 0, 0.0);
+  Vec<3> x(0.3, 0.4, -83.0), v(1.0, 0.0, -40.0);
+  sph::keep_inside<3>(planes, 0.02, x, v);
+  EXPECT_EQ(x, Vec<3>(0.3, 0.4, 0.02));
+  EXPECT_EQ(v, Vec<3>(1.0, 0.0, 0.0));
+}
+
 TEST(Images, ContinueTheLatticeThroughWallsAndCorners) {
   Shape box;
   box.max = Point3(1.0, 1.0, 0.0);

@@ -1,0 +1,19 @@
+// Surfaces from files: triangle meshes (STL, OBJ, PLY) and terrains (ESRI ASCII grid, points x y z on a grid).
+#pragma once
+
+#include "common/geometry/triangle_mesh.hpp"
+
+#include <filesystem>
+#include <string_view>
+
+namespace poretwin {
+
+/// The surface in a file's text; the format follows from the file's ending and, of STL and PLY, its beginning. Polygons
+/// are cut into triangles. Throws CaseError with what was expected and found, and in which line or facet.
+Triangles parse_mesh(std::string_view text, std::string_view ending);
+
+/// The body below a terrain, down to an elevation [m]. Heights are those of the grid's points, or cells' centres, with
+/// two triangles between four of them. Throws as parse_mesh does.
+Triangles parse_terrain(std::string_view text, std::string_view ending, double bottom);
+
+}  // namespace poretwin

@@ -1,0 +1,245 @@
+#include "common/geometry/surfaces.hpp"
+
+#include "common/core/threads.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace poretwin {
+namespace {
+
+/// Two points of walls are two walls if their directions differ by 45 degrees or more; on a curved wall they are one.
+constexpr double one_wall = 0.7;
+/// A mirror is a point towards which the facet faces: at edges that turn away from the domain there is none.
+constexpr double faces = 0.9;
+/// Behind a corner of 105 degrees and more the images by either wall fill the space, behind a narrower one with those
+/// by both (cosine of the angle between normals).
+constexpr double wide_corner = 0.26;
+/// A wall nearer to an image than this part of its distance from the mirror cuts it off.
+constexpr double cut_off = 0.98;
+/// Of rounding, over the distances at hand.
+constexpr double slack = 1e-6;
+
+Vec<3> mirrored(const Vec<3>& x, const Surfaces::WallPoint& wall) {
+  return x - 2.0 * wall.normal.dot(x - wall.at) * wall.normal;
+}
+
+}  // namespace
+
+void Surfaces::add(std::shared_ptr<const Solid> solid, bool domain_inside, int boundary) {
+  bodies_.push_back({std::move(solid), domain_inside, boundary});
+}
+
+void Surfaces::add(const Vec<3>& point, const Vec<3>& normal, int boundary) {
+  planes_.push_back({point, normal, boundary});
+}
+
+/// Calls visit(nearest point, normal of the facet into the domain, body, part) for all facets near x.
+template <class Visit>
+void Surfaces::for_each_facet_near(const Vec<3>& x, double range, const Visit& visit) const {
+  for (const auto& body : bodies_)
+    for (const auto& part : body.solid->parts())
+      part.mesh.for_each_near(x, range, [&](const TriangleMesh::Nearest& near) {
+        const double side = body.domain_inside == part.cut_out ? 1.0 : -1.0;
+        visit(near, Vec<3>(side * part.mesh.normal(near.facet)), body, part);
+      });
+}
+
+bool Surfaces::is_covered(const Vec<3>& at, const Body* body, const Solid::Part* part, const Plane* plane) const {
+  for (const auto& p : planes_)
+    if (&p != plane && p.normal.dot(at - p.point) < 0.0) return true;
+  for (const auto& other : bodies_)
+    if (&other != body && other.solid->contains(at) != other.domain_inside) return true;
+  if (body)
+    for (const auto& other : body->solid->parts())
+      if (&other != part && !other.contains(at)) return true;
+  return false;
+}
+
+Surfaces::WallPoints Surfaces::walls_near(const Vec<3>& x, double range) const {
+  static const double one_wall_angle = std::acos(one_wall);
+  WallPoints found;
+  // Of another direction than the walls so far, and not behind one of them.
+  const auto another = [&](const Vec<3>& normal, const Vec<3>& at) {
+    return std::ranges::none_of(found.all(), [&](const WallPoint& w) {
+      return normal.dot(w.normal) >= one_wall || w.normal.dot(at - w.at) < -slack * range;
+    });
+  };
+  while (found.size < found.point.size()) {
+    WallPoint nearest;
+    nearest.distance = range;
+    for (const auto& plane : planes_) {
+      const double distance = plane.normal.dot(x - plane.point);
+      const Vec<3> at = x - distance * plane.normal;
+      if (distance <= 0.0 || distance >= nearest.distance || !another(plane.normal, at)) continue;
+      if (!is_covered(at + slack * range * plane.normal, nullptr, nullptr, &plane))
+        nearest = {at, plane.normal, distance, plane.boundary};
+    }
+    for (const auto& body : bodies_)
+      for (const auto& part : body.solid->parts()) {
+        const double side = body.domain_inside == part.cut_out ? 1.0 : -1.0;
+        const auto met = part.mesh.nearest_if(
+            x, nearest.distance,
+            [&](const Vec<3>& direction, double spread) {
+              return std::ranges::any_of(found.all(), [&](const WallPoint& w) {
+                const double angle = std::acos(std::clamp(side * direction.dot(w.normal), -1.0, 1.0));
+                return angle + std::acos(std::clamp(spread, -1.0, 1.0)) < one_wall_angle;
+              });
+            },
+            [&](const TriangleMesh::Nearest& near) {
+              const Vec<3> n = side * part.mesh.normal(near.facet), away = x - near.point;
+              return n.dot(away) > 0.0 && n.dot(away) >= faces * near.distance && another(n, near.point) &&
+                     !is_covered(near.point + slack * range / near.distance * away, &body, &part, nullptr);
+            });
+        if (met && met->distance < nearest.distance)
+          nearest = {met->point, (x - met->point) / met->distance, met->distance, body.boundary};
+      }
+    if (!(nearest.distance < range)) break;
+    found.point[found.size++] = nearest;
+  }
+  return found;
+}
+
+std::optional<Surfaces::Hit> Surfaces::first_hit(const Vec<3>& from, const Vec<3>& to) const {
+  std::optional<Hit> first;
+  for (const auto& plane : planes_) {
+    const double inside = plane.normal.dot(from - plane.point), outside = plane.normal.dot(plane.point - to);
+    if (outside <= 0.0) continue;
+    const double along = std::max(0.0, inside) / std::max(inside + outside, 1e-300);
+    if (!first || along < first->along) first = Hit{along, plane.normal};
+  }
+  for (const auto& body : bodies_)
+    for (const auto& part : body.solid->parts()) {
+      const auto along = part.mesh.crossing(from, to);
+      if (!along || (first && *along >= first->along)) continue;
+      const Vec<3> at = from + *along * (to - from);
+      const auto facet = part.mesh.nearest(at, HUGE_VAL)->facet;
+      const Vec<3> n = (body.domain_inside == part.cut_out ? 1.0 : -1.0) * part.mesh.normal(facet);
+      if (n.dot(to - from) < 0.0 && !is_covered(at + slack * (to - from).norm() * n, &body, &part, nullptr))
+        first = Hit{*along, n};
+    }
+  return first;
+}
+
+bool Surfaces::is_cut_off(const Vec<3>& from, const Vec<3>& image, double distance) const {
+  const auto hides = [&](const Vec<3>& wall) {
+    const Vec<3> before = wall + 1e-3 * (from - wall);
+    return holds(before) && !first_hit(from, before);
+  };
+  for (const auto& plane : planes_) {
+    const double away = plane.normal.dot(image - plane.point);
+    if (std::abs(away) < cut_off * distance && hides(image - away * plane.normal)) return true;
+  }
+  bool found = false;
+  for_each_facet_near(image, cut_off * distance,
+                      [&](const TriangleMesh::Nearest& near, const Vec<3>&, const Body&, const Solid::Part&) {
+                        found = found || (near.distance < cut_off * distance && hides(near.point));
+                      });
+  return found;
+}
+
+sph::Images<3> Surfaces::images(std::span<const Vec<3>> points, double range) const {
+  const std::size_t parts = std::max<std::size_t>(1, points.size() / 1024);
+  std::vector<sph::Images<3>> made(parts);
+  for_each_part(parts, [&](std::size_t part) {
+    auto& images = made[part];
+    for (std::size_t b = points.size() * part / parts; b < points.size() * (part + 1) / parts; ++b) {
+      const auto walls = walls_near(points[b], range);
+      for (unsigned set = 1; set < 1u << walls.size; ++set) {
+        Vec<3> y = points[b];
+        Mat<3> map = Mat<3>::Identity();
+        std::uint32_t boundaries = 0;
+        std::size_t mirrors = 0;
+        bool narrow = true;
+        for (std::size_t i = 0; i < walls.size; ++i) {
+          if ((set >> i & 1u) == 0) continue;
+          const auto& wall = walls.point[i];
+          for (std::size_t j = 0; j < i; ++j)
+            narrow = narrow && ((set >> j & 1u) == 0 || wall.normal.dot(walls.point[j].normal) < wide_corner);
+          y = mirrored(y, wall);
+          map -= 2.0 * wall.normal * (wall.normal.transpose() * map).eval();
+          boundaries |= 1u << wall.boundary;
+          ++mirrors;
+        }
+        if (!narrow || (mirrors > 1 && holds(y)) || is_cut_off(points[b], y, 0.5 * (points[b] - y).norm())) continue;
+        images.position.push_back(y);
+        images.parent.push_back(static_cast<Index>(b));
+        images.map.push_back(map);
+        images.carried.push_back(Vec<3>::Zero());
+        images.boundaries.push_back(boundaries);
+      }
+    }
+  });
+  sph::Images<3> all = std::move(made[0]);
+  for (std::size_t part = 1; part < parts; ++part) {
+    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+    append(all.position, made[part].position);
+    append(all.parent, made[part].parent);
+    append(all.map, made[part].map);
+    append(all.carried, made[part].carried);
+    append(all.boundaries, made[part].boundaries);
+  }
+  return all;
+}
+
+bool Surfaces::holds(const Vec<3>& x) const {
+  return std::all_of(planes_.begin(), planes_.end(),
+                     [&](const Plane& p) { return p.normal.dot(x - p.point) >= 0.0; }) &&
+         std::all_of(bodies_.begin(), bodies_.end(),
+                     [&](const Body& b) { return b.solid->contains(x) == b.domain_inside; });
+}
+
+void Surfaces::keep_inside(const Vec<3>& before, double reach, Vec<3>& x, Vec<3>& v) const {
+  constexpr int most_walls = 6;
+  Vec<3> from = before;
+  bool thrown = false;
+  for (int k = 0; k < most_walls; ++k) {
+    const auto hit = first_hit(from, x);
+    if (!hit) break;
+    thrown = true;
+    const Vec<3> at = from + hit->along * (x - from), past = x - at;
+    from = at + slack * (x - from).norm() * hit->normal;
+    const double through = -hit->normal.dot(past);
+    x = from + past + (std::min(through, reach) + through) * hit->normal;
+    v -= std::min(0.0, hit->normal.dot(v)) * hit->normal;
+  }
+  // Where walls throw it to and fro, as in a sharp corner, it stays where it was.
+  if (!thrown || holds(x)) return;
+  x = before;
+  v.setZero();
+}
+
+std::optional<ThinPlace> thin_place(const Shape& shape, Wall::Domain domain, double spacing) {
+  // Across from a place on a facet, to a facet that faces the other way: the tips of wedges are thin without it.
+  constexpr double opposite = -0.8;
+  constexpr double most_places = 1e5;
+  const bool inside = domain == Wall::Domain::inside;
+  const auto& parts = shape.solid->parts();
+  for (const auto& part : parts) {
+    const auto& [points, facets] = part.mesh.triangles();
+    for (Index f = 0; f < facets.size(); ++f) {
+      const Point3 &a = points[facets[f][0]], &b = points[facets[f][1]], &c = points[facets[f][2]];
+      const Point3 into = (inside == part.cut_out ? -1.0 : 1.0) * part.mesh.normal(f);
+      const double longest = std::max({(b - a).norm(), (c - a).norm(), (c - b).norm()});
+      const int n = static_cast<int>(
+          std::clamp(longest / spacing, 1.0, std::sqrt(most_places / static_cast<double>(facets.size())) + 1.0));
+      for (int i = 0; i < n; ++i)
+        for (int j = 0; i + j < n; ++j) {
+          const Point3 at = a + (i + 1.0 / 3.0) / n * (b - a) + (j + 1.0 / 3.0) / n * (c - a);
+          const Point3 from = at + 1e-3 * spacing * into, to = at + least_thickness * spacing * into;
+          if (parts.size() > 1 && shape.solid->contains(at - 1e-3 * spacing * into) != inside) continue;
+          for (const auto& other : parts) {
+            const auto along = other.mesh.crossing(from, to);
+            if (!along) continue;
+            const Point3 out = from + *along * (to - from);
+            const Point3 normal =
+                (inside == other.cut_out ? -1.0 : 1.0) * other.mesh.normal(other.mesh.nearest(out, HUGE_VAL)->facet);
+            if (normal.dot(into) < opposite) return ThinPlace{at, (out - at).norm()};
+          }
+        }
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace poretwin

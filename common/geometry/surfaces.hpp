@@ -1,0 +1,85 @@
+// Walls of any shape in 3D: of each particle at most three points of the walls, and its images by them. No topology of
+// the surfaces is needed (docs/theory/shaped_walls.md).
+#pragma once
+
+#include "common/geometry/solid.hpp"
+#include "common/particles/images.hpp"
+
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace poretwin {
+
+class Surfaces {
+ public:
+  /// boundary: the solver's own number of the wall, 0..31. domain_inside: the domain is the body's inside.
+  void add(std::shared_ptr<const Solid> solid, bool domain_inside, int boundary);
+  /// point [m] and normal (unit, into the domain) of a plane.
+  void add(const Vec<3>& point, const Vec<3>& normal, int boundary);
+  [[nodiscard]] bool empty() const { return bodies_.empty() && planes_.empty(); }
+
+  /// A point of a wall that faces x as a mirror does.
+  struct WallPoint {
+    Vec<3> at = Vec<3>::Zero(), normal = Vec<3>::Zero();  ///< m; unit, towards x
+    double distance = 0.0;                                ///< m
+    int boundary = 0;
+  };
+  struct WallPoints {
+    std::array<WallPoint, 3> point;
+    std::size_t size = 0;
+    [[nodiscard]] std::span<const WallPoint> all() const { return {point.data(), size}; }
+  };
+  /// The nearest walls of different directions within a range [m] of x.
+  [[nodiscard]] WallPoints walls_near(const Vec<3>& x, double range) const;
+
+  /// Images of points by the walls within a range [m] of them. An image is seen by points on its original's side of the
+  /// plane midway only (`sees`).
+  [[nodiscard]] sph::Images<3> images(std::span<const Vec<3>> points, double range) const;
+  static bool sees(const Vec<3>& from, const Vec<3>& original, const Vec<3>& image) {
+    return (original - image).dot(2.0 * from - original - image) > 0.0;
+  }
+
+  /// Is x in the domain: before all planes, in all containers and in no obstacle?
+  [[nodiscard]] bool holds(const Vec<3>& x) const;
+  /// A point that has moved from `before`, in the domain, through walls is thrown back by them, however far it has
+  /// come, by `reach` [m] at most; its velocity towards them [m/s] is stopped.
+  void keep_inside(const Vec<3>& before, double reach, Vec<3>& x, Vec<3>& v) const;
+
+ private:
+  struct Body {
+    std::shared_ptr<const Solid> solid;
+    bool domain_inside;
+    int boundary;
+  };
+  struct Plane {
+    Vec<3> point, normal;
+    int boundary;
+  };
+  /// Where and how a way first meets a wall.
+  struct Hit {
+    double along = 1.0;              ///< fraction of the way
+    Vec<3> normal = Vec<3>::Zero();  ///< unit, into the domain
+  };
+  [[nodiscard]] std::optional<Hit> first_hit(const Vec<3>& from, const Vec<3>& to) const;
+  /// Is a point of a wall hidden behind other walls, or cut away?
+  [[nodiscard]] bool is_covered(const Vec<3>& at, const Body* body, const Solid::Part* part, const Plane* plane) const;
+  /// Does a wall that `from` sees come nearer to the image than the distance [m]?
+  [[nodiscard]] bool is_cut_off(const Vec<3>& from, const Vec<3>& image, double distance) const;
+  template <class Visit>
+  void for_each_facet_near(const Vec<3>& x, double range, const Visit& visit) const;
+
+  std::vector<Body> bodies_;
+  std::vector<Plane> planes_;
+};
+
+/// Where a wall is so thin that the kernel reaches through it.
+struct ThinPlace {
+  Point3 at;         ///< m
+  double thickness;  ///< m
+};
+/// Thinner walls are not seen past, spacings: the kernel's reach.
+inline constexpr double least_thickness = 2.6;
+std::optional<ThinPlace> thin_place(const Shape& shape, Wall::Domain domain, double spacing);
+
+}  // namespace poretwin
