@@ -62,7 +62,7 @@ shape = "mesh"
 file = "tip.obj"
 scale = 0.5
 turn = 90
-move = [0.5, 0.5, 0]
+move = [1, 0, 0]
 [[soil]]
 shape = "cylinder"
 ends = [[0.2, 0.7, 0], [0.2, 0.7, 0.4]]
@@ -71,8 +71,8 @@ within = [{ shape = "box", min = [0, 0, 0.1], max = [1, 1, 0.3] }]
 without = [{ shape = "box", min = [0, 0, 0], max = [0.2, 1, 1] }]
 )");
   EXPECT_NEAR(measure(scene.soils[0].shape, 3), 0.125 / 6.0, 1e-12);
-  EXPECT_NEAR(scene.soils[0].shape.solid->bounds().first.x(), 0.0, 1e-12);
-  EXPECT_NEAR(scene.soils[0].shape.solid->bounds().second.y(), 1.0, 1e-12);
+  EXPECT_NEAR(scene.soils[0].shape.solid->bounds().first.x(), 0.5, 1e-12);
+  EXPECT_NEAR(scene.soils[0].shape.solid->bounds().second.y(), 0.5, 1e-12);
   EXPECT_NEAR(measure(scene.soils[1].shape, 3), 0.5 * std::numbers::pi * 0.04 * 0.2, 2e-5);
 }
 
@@ -89,7 +89,7 @@ TEST_F(Bodies, AreRefusedWithTheirPlace) {
   EXPECT_THAT(complaint(tank + mesh), HasSubstr("key 'soil[0].file': 'tip.obj'"));
   save("tip.obj", tetrahedron(3));
   EXPECT_THAT(complaint(tank + mesh),
-              testing::AllOf(HasSubstr("case.toml:29: key 'soil[0].file'"), HasSubstr("open there"),
+              testing::AllOf(HasSubstr("case.toml:28: key 'soil[0].file'"), HasSubstr("open there"),
                              HasSubstr(" m; expected a closed surface")));
   save("tip.obj", changed(tetrahedron(4), "f 1 3 2", "f 1 2 3"));
   EXPECT_THAT(complaint(tank + mesh), HasSubstr("turned against each other, at ["));
@@ -126,7 +126,7 @@ TEST_F(Bodies, AsWallsAreRefusedWhereTheyAreNotRight) {
   EXPECT_THAT(complaint(changed(cut, "model = \"rigid\"", "model = \"elastic\"") + obstacle +
                         "[[soil]]\nmin = [0, 0, 0]\nmax = [0.2, 0.2, 0.2]\n"),
               HasSubstr("expected \"rigid\""));
-  EXPECT_THAT(complaint(cut + obstacle + "[[water_face]]\npoint = [1, 0, 0]\nnormal = [-1, 0, 0]\nhead = 0.4\n"),
+  EXPECT_THAT(complaint(cut + obstacle + "[[water_face]]\npoint = [0.9, 0, 0]\nnormal = [-1, 0, 0]\nhead = 0.4\n"),
               HasSubstr("found a [[water_face]]"));
   EXPECT_THAT(complaint(cut + obstacle + "point = [0, 0, 0]\n"), HasSubstr("is not known"));
 }

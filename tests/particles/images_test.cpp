@@ -17,7 +17,7 @@ TEST(Images, APlaneCatchesWhatFellThroughItHoweverDeep) {
   const auto planes = planes_of<3>(floor, 0, 0.0);
   Vec<3> x(0.3, 0.4, -83.0), v(1.0, 0.0, -40.0);
   sph::keep_inside<3>(planes, 0.02, x, v);
-  EXPECT_EQ(x, Vec<3>(0.3, 0.4, 0.02));
+  EXPECT_LT((x - Vec<3>(0.3, 0.4, 0.02)).norm(), 1e-12);
   EXPECT_EQ(v, Vec<3>(1.0, 0.0, 0.0));
 }
 
