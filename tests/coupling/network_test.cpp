@@ -128,8 +128,8 @@ TEST_F(Network, WithoutTheRightKeyNobodyComesIn) {
   EXPECT_EQ(open->wait(), 3);
   EXPECT_EQ(stranger->wait(), 3);
   EXPECT_EQ(c->wait(), 3);
-  EXPECT_THAT(text_of(log("fluid")), HasSubstr("are these the keys that `poretwin keys` made together"));
-  EXPECT_THAT(text_of(log("solid")), HasSubstr("are these the keys that `poretwin keys` made together"));
+  EXPECT_THAT(text_of(log("fluid")), HasSubstr("have both sides keys that `poretwin keys` made together"));
+  EXPECT_THAT(text_of(log("solid")), HasSubstr("have both sides keys that `poretwin keys` made together"));
   EXPECT_THAT(text_of(log("coupler")), HasSubstr("fluid and solid did not come"));
   EXPECT_THAT(text_of(log("coupler")), HasSubstr("was turned away"));
 }
