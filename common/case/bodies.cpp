@@ -28,7 +28,9 @@ class Bodies : Complaints {
       parts.push_back({mesh_of(shape.within[i], fmt::format("{}.within[{}]", key, i)), false});
     for (std::size_t i = 0; i < shape.without.size(); ++i)
       parts.push_back({mesh_of(shape.without[i], fmt::format("{}.without[{}]", key, i)), true});
-    shape.solid = std::make_shared<const Solid>(std::move(parts), spacing_);
+    // Cells as large as a spacing would leave the volume of a small body 0.4 % off.
+    constexpr double resolution = 0.1;  // spacings
+    shape.solid = std::make_shared<const Solid>(std::move(parts), resolution * spacing_);
     if (!(shape.solid->volume() > 0.0))
       fail(key, "nothing is left of the shape: expected 'within' that meet it, and 'without' that leave some of it");
   }

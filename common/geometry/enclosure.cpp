@@ -184,9 +184,6 @@ class Flood {
       cells *= static_cast<std::size_t>(count_[d]);
     }
     std::vector<std::size_t> from(cells, unseen), queue;
-    if (!bodies_.empty())
-      for (std::size_t cell = 0; cell < cells; ++cell)
-        if (in_body(centre(cell))) from[cell] = cell;
     for (const auto& x : springs_) {
       // The nearest cell on this side of every barrier.
       std::size_t cell = 0;
@@ -197,7 +194,7 @@ class Flood {
         inside = inside && i >= 0 && i < n;
         cell += static_cast<std::size_t>(std::max(0, i)) * stride[static_cast<std::size_t>(d)];
       }
-      if (!inside || from[cell] != unseen || blocked(x, centre(cell)) || taken(x)) continue;
+      if (!inside || from[cell] != unseen || blocked(x, centre(cell)) || taken(x) || in_body(centre(cell))) continue;
       from[cell] = cell;
       queue.push_back(cell);
     }
@@ -217,6 +214,10 @@ class Flood {
           if (up_.dot(y) > level_ - 2.0 * size_) continue;  // over the rim of a basin that is full, not through it
           const std::size_t next = step > 0 ? cell + stride[axis] : cell - stride[axis];
           if (from[next] != unseen || blocked(x, y) || taken(y)) continue;
+          if (meets_body(x, y) && in_body(y)) {
+            from[next] = next;
+            continue;
+          }
           from[next] = cell;
           queue.push_back(next);
         }
@@ -236,6 +237,15 @@ class Flood {
   [[nodiscard]] bool in_body(const Point3& x) const {
     return std::any_of(bodies_.begin(), bodies_.end(), [&](const Wall* wall) {
       return contains(*wall->shape, x, 3) != (wall->domain == Wall::Domain::inside);
+    });
+  }
+
+  /// Does the step from x to y cross a surface of such a wall?
+  [[nodiscard]] bool meets_body(const Point3& x, const Point3& y) const {
+    return std::any_of(bodies_.begin(), bodies_.end(), [&](const Wall* wall) {
+      const auto& parts = wall->shape->solid->parts();
+      return std::any_of(parts.begin(), parts.end(),
+                         [&](const Solid::Part& part) { return part.mesh.crossing(x, y).has_value(); });
     });
   }
 

@@ -221,36 +221,28 @@ Solid::Solid(std::vector<Part> parts, double resolution) : parts_(std::move(part
   }
   volume_ = parts_[0].mesh.volume();
   if (parts_.size() == 1) return;
-  // Cells, those that the border crosses in eighths, and these in parts as if it were a plane at its distance.
-  constexpr double most_cells = 1e5;
+  // Cubes, those that the border crosses in eighths, and these in parts as if it were a plane at its distance.
+  constexpr double most_cells = 5e4;
   const Point3 size = bounds_.second - bounds_.first;
   const double cell = std::max(resolution_, std::cbrt(size.prod() / most_cells));
-  std::array<int, 3> count{};
-  Point3 step;
-  for (std::size_t d = 0; d < 3; ++d) {
-    const auto axis = static_cast<Eigen::Index>(d);
-    count[d] = std::max(1, static_cast<int>(std::ceil(size[axis] / cell)));
-    step[axis] = size[axis] / count[d];
-  }
+  const Eigen::Array3d count = (size / cell).array().ceil();
+  const Point3 first = 0.5 * (bounds_.first + bounds_.second) - 0.5 * cell * (count - 1.0).matrix();
   const auto share = [&](auto&& self, const Point3& x, double half, int divisions) -> double {
     const double away = depth(x, 2.0 * half) / half;
     if (std::abs(away) >= std::sqrt(3.0)) return away > 0.0 ? 1.0 : 0.0;
     if (divisions == 0) return std::clamp(0.5 + 0.5 * away, 0.0, 1.0);
     double sum = 0.0;
-    for (const double i : {-0.25, 0.25})
-      for (const double j : {-0.25, 0.25})
-        for (const double k : {-0.25, 0.25})
-          sum += 0.125 * self(self, x + Point3(i * step.x(), j * step.y(), k * step.z()) * (half / (0.5 * cell)),
-                              0.5 * half, divisions - 1);
+    for (const double i : {-0.5, 0.5})
+      for (const double j : {-0.5, 0.5})
+        for (const double k : {-0.5, 0.5})
+          sum += 0.125 * self(self, x + half * Point3(i, j, k), 0.5 * half, divisions - 1);
     return sum;
   };
   double cells = 0.0;
-  for (int k = 0; k < count[2]; ++k)
-    for (int j = 0; j < count[1]; ++j)
-      for (int i = 0; i < count[0]; ++i)
-        cells += share(share, bounds_.first + Point3((i + 0.5) * step.x(), (j + 0.5) * step.y(), (k + 0.5) * step.z()),
-                       0.5 * cell, 1);
-  volume_ = cells * step.prod();
+  for (double k = 0; k < count[2]; ++k)
+    for (double j = 0; j < count[1]; ++j)
+      for (double i = 0; i < count[0]; ++i) cells += share(share, first + cell * Point3(i, j, k), 0.5 * cell, 1);
+  volume_ = cells * cell * cell * cell;
 }
 
 bool Solid::contains(const Point3& x) const {

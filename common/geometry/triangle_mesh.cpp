@@ -195,8 +195,12 @@ std::optional<double> TriangleMesh::crossing(const Vec<3>& a, const Vec<3>& b) c
 
 double TriangleMesh::depth(const Vec<3>& x, double range) const {
   const auto found = nearest(x, range);
-  const double distance = found ? found->distance : range;
-  return contains(x) ? distance : -distance;
+  if (!found) return contains(x) ? range : -range;
+  // Over the inside of a facet its normal tells the side; at edges and corners, where facets meet, it need not.
+  constexpr double over = 1.0 - 1e-9;
+  const double away = normals_[found->facet].dot(x - found->point);
+  if (std::abs(away) > over * found->distance) return -away;
+  return contains(x) ? found->distance : -found->distance;
 }
 
 Triangles joined(const Triangles& triangles) {
