@@ -74,7 +74,7 @@ def main():
     slopes = [("example 1: no foundation", Slope(12.0, 0.0, 0.0, (10e3, 10e3), (np.tan(np.radians(20.0)),) * 2)),
               ("example 2: D = 1.5", Slope(18.0, 5.0, 14.0, (10e3, 10e3), (np.tan(np.radians(20.0)),) * 2))]
     for ratio in (0.2, 0.6, 1.0, 1.25, 1.5, 1.75, 2.0):
-        slopes.append((f"example 4: D = 2, s_u2 / s_u1 = {ratio:g}", Slope(30.0, 10.0, 30.0, (50e3, ratio * 50e3), (0.0, 0.0))))
+        slopes.append((f"example 4: D = 2, s_u2 / s_u1 = {ratio:g}", Slope(20.0, 10.0, 20.0, (50e3, ratio * 50e3), (0.0, 0.0))))
     for name, slope in slopes:
         f, (x, y, radius) = slope.lowest()
         print(f"{name}: F = {f:.3f}, centre ({x:.1f}, {y:.1f}) m, radius {radius:.1f} m, depth below the toe {slope.thickness - y + radius:.2f} m", flush=True)

@@ -14,6 +14,7 @@ import h5py
 import numpy as np
 from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
 from scipy.optimize import minimize
+from scipy.spatial import cKDTree
 
 SURFACE = np.array([[0.0, 0.0], [20.0, 10.0], [24.0, 10.0], [44.0, 0.0]])  # m
 COHESION, FRICTION = 5e3, np.tan(np.radians(30.0))  # Pa, 1
@@ -31,17 +32,23 @@ class State:
     """Pressure and saturation in the dam at one time."""
 
     def __init__(self, x, pressure, saturation):
-        effective = np.clip((saturation - RESIDUAL) / (1.0 - RESIDUAL), 0.0, 1.0)
-        self.values = np.stack([np.where(pressure < 0.0, effective * pressure, pressure), pressure, saturation], axis=1)
+        self.x, self.values = x, np.stack([pressure, saturation], axis=1)
         self.linear, self.near = LinearNDInterpolator(x, self.values), NearestNDInterpolator(x, np.arange(len(x)))
+        # Slope of the pressure at each point, from its eight nearest: carries it on from the outermost points to the base and the surface.
+        around = cKDTree(x).query(x, 9)[1][:, 1:]
+        self.slope = np.array([np.linalg.lstsq(x[n] - x[i], pressure[n] - pressure[i], rcond=None)[0] for i, n in enumerate(around)])
 
     def at(self, x, y):
         """Pressure that acts [Pa], pressure [Pa], saturation."""
         points = np.stack([x, y], axis=-1)
         found = self.linear(points)
         lost = np.isnan(found[..., 0])
-        found[lost] = self.values[self.near(points[lost]).astype(int)]
-        return np.moveaxis(found, -1, 0)
+        nearest = self.near(points[lost]).astype(int)
+        found[lost] = self.values[nearest]
+        found[lost, 0] += (self.slope[nearest] * (points[lost] - self.x[nearest])).sum(axis=-1)
+        pressure, saturation = np.moveaxis(found, -1, 0)
+        effective = np.clip((saturation - RESIDUAL) / (1.0 - RESIDUAL), 0.0, 1.0)
+        return np.where(pressure < 0.0, effective * pressure, pressure), pressure, saturation
 
     def seepage_force(self, x, y):
         """To the right and upwards [N/m3]."""
