@@ -70,7 +70,7 @@ def factor(state, seeping, centre, radius):
     if cut.sum() < 40 or np.ptp(np.flatnonzero(cut)) != cut.sum() - 1:
         return np.inf
     a, b = x[cut][0], x[cut][-1]
-    if top(a) < 9.999 or b - a < 3.0:  # the upper end lies on the crest
+    if a < SURFACE[1, 0] or b - a < 3.0:  # the upper end lies on the crest or on the slope
         return np.inf
     width = (b - a) / SLICES
     x = a + (np.arange(SLICES) + 0.5) * width
@@ -112,7 +112,7 @@ def lowest(state, seeping):
         normal = np.array([p[1] - q[1], q[0] - p[0]]) / chord  # up and to the right
         value = factor(state, seeping, 0.5 * (p + q) + (radius - sag) * normal, radius)
         return value if np.isfinite(value) else 1e9
-    tried = [(of((u, l, s)), (u, l, s)) for u in np.arange(20.2, 24.1, 0.6) for l in np.arange(32.0, 44.1, 1.5) for s in (1.0, 1.5, 2.0, 3.0, 4.0, 5.0)]
+    tried = [(of((u, l, s)), (u, l, s)) for u in np.arange(20.5, 36.1, 1.5) for l in np.arange(32.0, 44.1, 1.5) if l > u + 4.0 for s in (1.0, 1.5, 2.0, 3.0, 4.0, 5.0)]
     tried.sort(key=lambda t: t[0])
     return min(minimize(of, v, method="Nelder-Mead", options={"xatol": 1e-2, "fatol": 1e-4}).fun for _, v in tried[:5])
 
