@@ -1,0 +1,135 @@
+#!/usr/bin/python3
+"""Factor of safety of the dam's downstream slope by Bishop's simplified method of slices (Bishop 1955), with the pore pressures and the weight
+of water that a run has found: the lowest over all circles above the firm base. Also for soil that did not feel the seepage force.
+
+Usage: bishop.py RUN [TIME ...]    s; default: the last frame. Prints time [s], F, F without the seepage force.
+
+Below the water table the pore pressure acts as it is, above it as S_e p (Bishop's stress with chi = S_e), as in the run. The seepage force is the
+drag of steady flow on the grains, n S (rho_w g - grad p) per volume (docs/theory/equilibrium.md).
+"""
+import pathlib
+import sys
+
+import h5py
+import numpy as np
+from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
+from scipy.optimize import minimize
+from scipy.spatial import cKDTree
+
+SURFACE = np.array([[0.0, 0.0], [20.0, 10.0], [24.0, 10.0], [44.0, 0.0]])  # m
+COHESION, FRICTION = 5e3, np.tan(np.radians(30.0))  # Pa, 1
+POROSITY, GRAINS, WATER, GRAVITY = 0.43, 2650.0, 1000.0, 9.81
+RESIDUAL = 0.078 / 0.43  # water content that stays, over the porosity
+SLICES, LAYERS = 60, 12  # points of a body: across, and over the depth of a slice
+STEP = 0.25  # m: half the distance over which the pressure's gradient is taken
+
+
+def top(x):
+    return np.interp(x, SURFACE[:, 0], SURFACE[:, 1], left=0.0, right=0.0)
+
+
+class State:
+    """Pressure and saturation in the dam at one time."""
+
+    def __init__(self, x, pressure, saturation):
+        self.x, self.values = x, np.stack([pressure, saturation], axis=1)
+        self.linear, self.near = LinearNDInterpolator(x, self.values), NearestNDInterpolator(x, np.arange(len(x)))
+        # Slope of the pressure at each point, from its eight nearest: carries it on from the outermost points to the base and the surface.
+        around = cKDTree(x).query(x, 9)[1][:, 1:]
+        self.slope = np.array([np.linalg.lstsq(x[n] - x[i], pressure[n] - pressure[i], rcond=None)[0] for i, n in enumerate(around)])
+
+    def at(self, x, y):
+        """Pressure that acts [Pa], pressure [Pa], saturation."""
+        points = np.stack([x, y], axis=-1)
+        found = self.linear(points)
+        lost = np.isnan(found[..., 0])
+        nearest = self.near(points[lost]).astype(int)
+        found[lost] = self.values[nearest]
+        found[lost, 0] += (self.slope[nearest] * (points[lost] - self.x[nearest])).sum(axis=-1)
+        pressure, saturation = np.moveaxis(found, -1, 0)
+        effective = np.clip((saturation - RESIDUAL) / (1.0 - RESIDUAL), 0.0, 1.0)
+        return np.where(pressure < 0.0, effective * pressure, pressure), pressure, saturation
+
+    def seepage_force(self, x, y):
+        """To the right and upwards [N/m3]."""
+        def pressure(dx, dy):
+            return self.at(x + dx, y + dy)[1]
+        wet = POROSITY * self.at(x, y)[2]
+        along = (pressure(STEP, 0.0) - pressure(-STEP, 0.0)) / (2.0 * STEP)
+        up = (pressure(0.0, STEP) - pressure(0.0, -STEP)) / (2.0 * STEP)
+        return -wet * along, -wet * (WATER * GRAVITY + up)
+
+
+def factor(state, seeping, centre, radius):
+    """Of one circle; infinite where it cuts no sensible body out of the slope."""
+    xc, yc = centre
+    if yc <= SURFACE[:, 1].max() or yc - radius < 0.0:
+        return np.inf
+    x = np.linspace(xc - radius, xc + radius, 2001)
+    cut = (yc - np.sqrt(np.maximum(radius**2 - (x - xc) ** 2, 0.0)) < top(x) - 1e-9) & (x > 0.0) & (x < SURFACE[-1, 0])
+    if cut.sum() < 40 or np.ptp(np.flatnonzero(cut)) != cut.sum() - 1:
+        return np.inf
+    a, b = x[cut][0], x[cut][-1]
+    if a < SURFACE[1, 0] or b - a < 3.0:  # the upper end lies on the crest or on the slope
+        return np.inf
+    width = (b - a) / SLICES
+    x = a + (np.arange(SLICES) + 0.5) * width
+    bottom = yc - np.sqrt(radius**2 - (x - xc) ** 2)
+    height = top(x) - bottom
+    inside = np.repeat(x[:, None], LAYERS, axis=1)
+    above = bottom[:, None] + (np.arange(LAYERS) + 0.5) / LAYERS * height[:, None]
+    volume = (height * width / LAYERS)[:, None]
+    down = ((1.0 - POROSITY) * GRAINS + POROSITY * WATER * state.at(inside, above)[2]) * GRAVITY
+    right = np.zeros_like(down)
+    if not seeping:
+        along, up = state.seepage_force(inside, above)
+        down, right = down + up, right - along
+    vertical = (down * volume).sum(axis=1)
+    driving = ((down * (xc - inside) + right * (yc - above)) * volume).sum() / radius
+    if driving <= 0.0:
+        return np.inf
+    pressure = state.at(x, bottom)[0]
+    sine = (xc - x) / radius
+    cosine = np.sqrt(1.0 - sine**2)
+    f = 1.5
+    for _ in range(100):
+        new = ((COHESION * width + np.maximum(vertical - pressure * width, 0.0) * FRICTION) / (cosine + sine * FRICTION / f)).sum() / driving
+        if abs(new - f) < 1e-7:
+            break
+        f = new
+    return f
+
+
+def lowest(state, seeping):
+    """Over all circles: a coarse grid of the upper end, the lower end and the sagitta, then a simplex from the best five."""
+    def of(v):
+        upper, lower, sag = v
+        if not (0.0 < sag and 0.0 < upper < lower < SURFACE[-1, 0]):
+            return 1e9
+        p, q = np.array([upper, top(upper)]), np.array([lower, top(lower)])
+        chord = np.linalg.norm(q - p)
+        radius = (chord**2 / 4.0 + sag**2) / (2.0 * sag)
+        normal = np.array([p[1] - q[1], q[0] - p[0]]) / chord  # up and to the right
+        value = factor(state, seeping, 0.5 * (p + q) + (radius - sag) * normal, radius)
+        return value if np.isfinite(value) else 1e9
+    tried = [(of((u, l, s)), (u, l, s)) for u in np.arange(20.5, 36.1, 1.5) for l in np.arange(32.0, 44.1, 1.5) if l > u + 4.0 for s in (1.0, 1.5, 2.0, 3.0, 4.0, 5.0)]
+    tried.sort(key=lambda t: t[0])
+    return min(minimize(of, v, method="Nelder-Mead", options={"xatol": 1e-2, "fatol": 1e-4}).fun for _, v in tried[:5])
+
+
+def main():
+    run = pathlib.Path(sys.argv[1])
+    with h5py.File(run / "fluid.vtkhdf") as file:
+        root = file["VTKHDF"]
+        found = root["Steps/Values"][:]
+        for time in [float(t) for t in sys.argv[2:]] or [found[-1]]:
+            step = int(np.argmin(np.abs(found - time)))
+            first, count = int(root["Steps/PointOffsets"][step]), int(root["NumberOfPoints"][step])
+            rows = slice(first, first + count)
+            state = State(root["Points"][rows][:, :2].astype(float), root["PointData/pore_pressure"][rows].astype(float),
+                          root["PointData/degree_of_saturation"][rows].astype(float))
+            print(f"{found[step]:g},{lowest(state, True):.4f},{lowest(state, False):.4f}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
