@@ -4,8 +4,13 @@ firm base, through soil in layers. Without friction the method is the balance of
 
 Usage: bishop.py            all examples; prints the factor, the centre, the radius and the depth below the toe
 """
+import pathlib
+import sys
+
 import numpy as np
-from scipy.optimize import minimize
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "bench"))
+import slices  # noqa: E402
 
 WEIGHT, HEIGHT, RUN = 20e3, 10.0, 20.0  # N/m3, m: of the soil; height and horizontal length of the slope
 SLICES = 200
@@ -26,7 +31,7 @@ class Slope:
         if yc <= self.thickness + HEIGHT:
             return np.inf
         x = np.linspace(xc - radius, xc + radius, 4001)
-        cut = np.flatnonzero(yc - np.sqrt(np.maximum(radius**2 - (x - xc) ** 2, 0.0)) < self.top(x))
+        cut = np.flatnonzero(slices.base_of(xc, yc, radius, x) < self.top(x))
         if len(cut) < 40 or np.ptp(cut) != len(cut) - 1:
             return np.inf
         a, b = x[cut[0]], x[cut[-1]]
@@ -34,40 +39,26 @@ class Slope:
             return np.inf
         width = (b - a) / SLICES
         x = a + (np.arange(SLICES) + 0.5) * width
-        bottom = yc - np.sqrt(radius**2 - (x - xc) ** 2)
+        bottom = slices.base_of(xc, yc, radius, x)
         if bottom.min() < -1e-9:
             return np.inf
         weight = WEIGHT * np.maximum(self.top(x) - bottom, 0.0) * width
         layer = (bottom < self.thickness).astype(int)
         cohesion, friction = np.take(self.cohesion, layer), np.take(self.friction, layer)
         sine = (xc - x) / radius
-        cosine = np.sqrt(1.0 - sine**2)
         driving = (weight * sine).sum()
-        if driving <= 0.0:
-            return np.inf
-        f = 1.5
-        for _ in range(100):
-            new = ((cohesion * width + weight * friction) / (cosine + sine * friction / f)).sum() / driving
-            if abs(new - f) < 1e-7:
-                break
-            f = new
-        return f
+        return slices.factor(weight, cohesion * width, friction, sine, driving) if driving > 0.0 else np.inf
 
     def lowest(self):
         """A coarse grid of the centre and the depth of the circle, then a simplex from the best five. A circle that would reach below the base touches it."""
         def circle(v):
             x, y, depth = v
             return x, y, y - max(depth, 0.0)
-
-        def of(v):
-            value = self.factor(*circle(v))
-            return value if np.isfinite(value) else 1e9
         depths = np.append(np.arange(0.0, self.thickness + 3.0, 1.0), self.thickness + 0.01)
-        tried = [(of((x, y, d)), (x, y, d)) for x in self.crest + np.arange(4.0, 26.1, 2.0)
+        tried = [(x, y, d) for x in self.crest + np.arange(4.0, 26.1, 2.0)
                  for y in self.thickness + HEIGHT + np.arange(1.0, 40.0, 3.0) for d in depths]
-        tried.sort(key=lambda t: t[0])
-        found = min((minimize(of, v, method="Nelder-Mead", options={"xatol": 1e-3, "fatol": 1e-6, "maxiter": 2000}) for _, v in tried[:5]), key=lambda f: f.fun)
-        return found.fun, circle(found.x)
+        found, at = slices.lowest(lambda v: self.factor(*circle(v)), tried, xatol=1e-3, fatol=1e-6, maxiter=2000)
+        return found, circle(at)
 
 
 def main():

@@ -13,7 +13,9 @@ import sys
 import h5py
 import numpy as np
 from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
-from scipy.optimize import minimize
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "bench"))
+import slices  # noqa: E402
 
 SURFACE = np.array([[0.0, 0.0], [25.0, 10.0], [29.0, 10.0], [54.0, 0.0]])  # m
 COHESION, FRICTION = 5e3, np.tan(np.radians(25.0))  # Pa, 1
@@ -66,7 +68,7 @@ def factor(state, centre, radius):
     if yc <= SURFACE[:, 1].max() or yc - radius < 0.0:
         return np.inf
     x = np.linspace(xc - radius, xc + radius, 2001)
-    cut = (yc - np.sqrt(np.maximum(radius**2 - (x - xc) ** 2, 0.0)) < state.top(x) - 1e-9) & (x > 0.0) & (x < SURFACE[-1, 0])
+    cut = (slices.base_of(xc, yc, radius, x) < state.top(x) - 1e-9) & (x > 0.0) & (x < SURFACE[-1, 0])
     if cut.sum() < 40 or np.ptp(np.flatnonzero(cut)) != cut.sum() - 1:
         return np.inf
     a, b = x[cut][0], x[cut][-1]
@@ -74,7 +76,7 @@ def factor(state, centre, radius):
         return np.inf
     width = (b - a) / SLICES
     x = a + (np.arange(SLICES) + 0.5) * width
-    bottom, top = yc - np.sqrt(radius**2 - (x - xc) ** 2), state.top(x)
+    bottom, top = slices.base_of(xc, yc, radius, x), state.top(x)
     share = (np.arange(12) + 0.5) / 12.0
     _, saturation = state.at(np.repeat(x[:, None], 12, axis=1), bottom[:, None] + share * (top - bottom)[:, None])
     weight = ((1.0 - POROSITY) * GRAINS + POROSITY * WATER * saturation.mean(axis=1)) * GRAVITY * (top - bottom) * width
@@ -85,37 +87,16 @@ def factor(state, centre, radius):
     step = state.top(x + 0.5 * width) - state.top(x - 0.5 * width)
     thrust = loaded * step  # to the right where positive; the ground falls to the right: negative
     sine = (xc - x) / radius
-    cosine = np.sqrt(1.0 - sine**2)
     driving = (vertical * sine).sum() + (thrust * (yc - top)).sum() / radius
     if driving <= 0.0:
         return np.inf
-    f = 1.5
-    for _ in range(100):
-        resisting = ((COHESION * width + np.maximum(vertical - pressure * width, 0.0) * FRICTION) / (cosine + sine * FRICTION / f)).sum()
-        new = resisting / driving
-        if abs(new - f) < 1e-7:
-            break
-        f = new
-    return f
+    return slices.factor(np.maximum(vertical - pressure * width, 0.0), COHESION * width, FRICTION, sine, driving)
 
 
 def lowest(state):
     """Over all circles: a coarse grid of the upper end, the lower end and the sagitta, then a simplex from the best five."""
-    def of(v):
-        upper, lower, sag = v
-        if not (0.0 < sag and 0.0 < upper < lower < SURFACE[-1, 0]):
-            return 1e9
-        p, q = np.array([upper, state.top(upper)]), np.array([lower, state.top(lower)])
-        chord = np.linalg.norm(q - p)
-        radius = (chord**2 / 4.0 + sag**2) / (2.0 * sag)
-        normal = np.array([p[1] - q[1], q[0] - p[0]]) / chord  # up and to the right
-        centre = 0.5 * (p + q) + (radius - sag) * normal
-        value = factor(state, centre, radius)
-        return value if np.isfinite(value) else 1e9
-    tried = [(of((u, l, s)), (u, l, s)) for u in np.arange(24.2, 30.0, 0.8) for l in np.arange(34.0, 54.1, 2.0) for s in (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.5)]
-    tried.sort(key=lambda t: t[0])
-    found = [minimize(of, v, method="Nelder-Mead", options={"xatol": 1e-2, "fatol": 1e-4}) for _, v in tried[:5]]
-    return min(f.fun for f in found)
+    ends = [(u, l) for u in np.arange(24.2, 30.0, 0.8) for l in np.arange(34.0, 54.1, 2.0)]
+    return slices.lowest_between(state.top, SURFACE[-1, 0], ends, (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.5), lambda centre, radius: factor(state, centre, radius))
 
 
 def main():
@@ -126,10 +107,7 @@ def main():
         found = root["Steps/Values"][:] / 86400.0
         wanted = [int(np.argmin(np.abs(found - t))) for t in times] if times else range(len(found))
         for step in wanted:
-            first, count = int(root["Steps/PointOffsets"][step]), int(root["NumberOfPoints"][step])
-            rows = slice(first, first + count)
-            x = root["Points"][rows][:, :2].astype(float)
-            pressure, saturation = root["PointData/pore_pressure"][rows].astype(float), root["PointData/degree_of_saturation"][rows].astype(float)
+            x, pressure, saturation = slices.read_frame(root, step)
             level = np.interp(found[step], *np.array(LEVEL).T)
             factors = [lowest(State(x, pressure, saturation, level, mirrored)) for mirrored in (True, False)]
             print(f"{found[step]:.3f},{factors[0]:.4f},{factors[1]:.4f}", flush=True)

@@ -13,8 +13,10 @@ import sys
 import h5py
 import numpy as np
 from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator
-from scipy.optimize import minimize
 from scipy.spatial import cKDTree
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "bench"))
+import slices  # noqa: E402
 
 SURFACE = np.array([[0.0, 0.0], [20.0, 10.0], [24.0, 10.0], [44.0, 0.0]])  # m
 COHESION, FRICTION = 5e3, np.tan(np.radians(30.0))  # Pa, 1
@@ -66,7 +68,7 @@ def factor(state, seeping, centre, radius):
     if yc <= SURFACE[:, 1].max() or yc - radius < 0.0:
         return np.inf
     x = np.linspace(xc - radius, xc + radius, 2001)
-    cut = (yc - np.sqrt(np.maximum(radius**2 - (x - xc) ** 2, 0.0)) < top(x) - 1e-9) & (x > 0.0) & (x < SURFACE[-1, 0])
+    cut = (slices.base_of(xc, yc, radius, x) < top(x) - 1e-9) & (x > 0.0) & (x < SURFACE[-1, 0])
     if cut.sum() < 40 or np.ptp(np.flatnonzero(cut)) != cut.sum() - 1:
         return np.inf
     a, b = x[cut][0], x[cut][-1]
@@ -74,7 +76,7 @@ def factor(state, seeping, centre, radius):
         return np.inf
     width = (b - a) / SLICES
     x = a + (np.arange(SLICES) + 0.5) * width
-    bottom = yc - np.sqrt(radius**2 - (x - xc) ** 2)
+    bottom = slices.base_of(xc, yc, radius, x)
     height = top(x) - bottom
     inside = np.repeat(x[:, None], LAYERS, axis=1)
     above = bottom[:, None] + (np.arange(LAYERS) + 0.5) / LAYERS * height[:, None]
@@ -90,31 +92,13 @@ def factor(state, seeping, centre, radius):
         return np.inf
     pressure = state.at(x, bottom)[0]
     sine = (xc - x) / radius
-    cosine = np.sqrt(1.0 - sine**2)
-    f = 1.5
-    for _ in range(100):
-        new = ((COHESION * width + np.maximum(vertical - pressure * width, 0.0) * FRICTION) / (cosine + sine * FRICTION / f)).sum() / driving
-        if abs(new - f) < 1e-7:
-            break
-        f = new
-    return f
+    return slices.factor(np.maximum(vertical - pressure * width, 0.0), COHESION * width, FRICTION, sine, driving)
 
 
 def lowest(state, seeping):
     """Over all circles: a coarse grid of the upper end, the lower end and the sagitta, then a simplex from the best five."""
-    def of(v):
-        upper, lower, sag = v
-        if not (0.0 < sag and 0.0 < upper < lower < SURFACE[-1, 0]):
-            return 1e9
-        p, q = np.array([upper, top(upper)]), np.array([lower, top(lower)])
-        chord = np.linalg.norm(q - p)
-        radius = (chord**2 / 4.0 + sag**2) / (2.0 * sag)
-        normal = np.array([p[1] - q[1], q[0] - p[0]]) / chord  # up and to the right
-        value = factor(state, seeping, 0.5 * (p + q) + (radius - sag) * normal, radius)
-        return value if np.isfinite(value) else 1e9
-    tried = [(of((u, l, s)), (u, l, s)) for u in np.arange(20.5, 36.1, 1.5) for l in np.arange(32.0, 44.1, 1.5) if l > u + 4.0 for s in (1.0, 1.5, 2.0, 3.0, 4.0, 5.0)]
-    tried.sort(key=lambda t: t[0])
-    return min(minimize(of, v, method="Nelder-Mead", options={"xatol": 1e-2, "fatol": 1e-4}).fun for _, v in tried[:5])
+    ends = [(u, l) for u in np.arange(20.5, 36.1, 1.5) for l in np.arange(32.0, 44.1, 1.5) if l > u + 4.0]
+    return slices.lowest_between(top, SURFACE[-1, 0], ends, (1.0, 1.5, 2.0, 3.0, 4.0, 5.0), lambda centre, radius: factor(state, seeping, centre, radius))
 
 
 def main():
@@ -124,10 +108,7 @@ def main():
         found = root["Steps/Values"][:]
         for time in [float(t) for t in sys.argv[2:]] or [found[-1]]:
             step = int(np.argmin(np.abs(found - time)))
-            first, count = int(root["Steps/PointOffsets"][step]), int(root["NumberOfPoints"][step])
-            rows = slice(first, first + count)
-            state = State(root["Points"][rows][:, :2].astype(float), root["PointData/pore_pressure"][rows].astype(float),
-                          root["PointData/degree_of_saturation"][rows].astype(float))
+            state = State(*slices.read_frame(root, step))
             print(f"{found[step]:g},{lowest(state, True):.4f},{lowest(state, False):.4f}", flush=True)
 
 

@@ -1,0 +1,55 @@
+"""Bishop's simplified method of slices (Bishop 1955), for the references of cases: balance of one circle, and a search over circles."""
+import numpy as np
+from scipy.optimize import minimize
+
+
+def factor(vertical, cohesion, friction, sine, driving):
+    """Factor of safety of one circle. Of each slice, per metre [N/m]: vertical, its weight less the force of the pore pressure on its base (a
+    base bears no tension: not below zero); cohesion, times its width; friction: tan(phi); sine: of the inclination of its base. driving [N/m]:
+    moment about the centre over the radius."""
+    cosine = np.sqrt(1.0 - sine**2)
+    f = 1.5
+    for _ in range(100):
+        new = ((cohesion + vertical * friction) / (cosine + sine * friction / f)).sum() / driving
+        if abs(new - f) < 1e-7:
+            break
+        f = new
+    return f
+
+
+def base_of(xc, yc, radius, x):
+    """Elevation of the circle's lower half [m]."""
+    return yc - np.sqrt(np.maximum(radius**2 - (x - xc) ** 2, 0.0))
+
+
+def lowest(value, tried, **options):
+    """Lowest value(v) from a simplex on the best five of the v that are tried, and its v; infinite values count as large. options: of Nelder-Mead."""
+    def of(v):
+        found = value(v)
+        return found if np.isfinite(found) else 1e9
+    best = sorted(((of(v), v) for v in tried), key=lambda t: t[0])[:5]
+    found = min((minimize(of, v, method="Nelder-Mead", options=options) for _, v in best), key=lambda f: f.fun)
+    return found.fun, found.x
+
+
+def lowest_between(top, length, ends, sagittas, of_circle):
+    """Lowest of_circle(centre, radius) over circles given by their ends, (upper, lower) [m], and their sagitta [m]; the ground, top(x), falls to
+    the right and ends at x = length."""
+    def value(v):
+        upper, lower, sag = v
+        if not (0.0 < sag and 0.0 < upper < lower < length):
+            return np.inf
+        p, q = np.array([upper, top(upper)]), np.array([lower, top(lower)])
+        chord = np.linalg.norm(q - p)
+        radius = (chord**2 / 4.0 + sag**2) / (2.0 * sag)
+        normal = np.array([p[1] - q[1], q[0] - p[0]]) / chord  # up and to the right
+        return of_circle(0.5 * (p + q) + (radius - sag) * normal, radius)
+    return lowest(value, [(u, l, s) for u, l in ends for s in sagittas], xatol=1e-2, fatol=1e-4)[0]
+
+
+def read_frame(root, step):
+    """Points [m], pore pressure [Pa] and degree of saturation of a field in a frame of VTKHDF."""
+    first, count = int(root["Steps/PointOffsets"][step]), int(root["NumberOfPoints"][step])
+    rows = slice(first, first + count)
+    pressure, saturation = (root["PointData"][name][rows].astype(float) for name in ("pore_pressure", "degree_of_saturation"))
+    return root["Points"][rows][:, :2].astype(float), pressure, saturation
