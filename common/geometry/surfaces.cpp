@@ -20,6 +20,9 @@ constexpr double cut_off = 0.98;
 /// Of rounding, over the distances at hand.
 constexpr double slack = 1e-6;
 
+/// Sign with which the outward normals of a part point into the domain.
+double into_domain(bool domain_inside, const Solid::Part& part) { return domain_inside == part.cut_out ? 1.0 : -1.0; }
+
 Vec<3> mirrored(const Vec<3>& x, const Surfaces::WallPoint& wall) {
   return x - 2.0 * wall.normal.dot(x - wall.at) * wall.normal;
 }
@@ -32,17 +35,6 @@ void Surfaces::add(std::shared_ptr<const Solid> solid, bool domain_inside, int b
 
 void Surfaces::add(const Vec<3>& point, const Vec<3>& normal, int boundary) {
   planes_.push_back({point, normal, boundary});
-}
-
-/// Calls visit(nearest point, normal of the facet into the domain, body, part) for all facets near x.
-template <class Visit>
-void Surfaces::for_each_facet_near(const Vec<3>& x, double range, const Visit& visit) const {
-  for (const auto& body : bodies_)
-    for (const auto& part : body.solid->parts())
-      part.mesh.for_each_near(x, range, [&](const TriangleMesh::Nearest& near) {
-        const double side = body.domain_inside == part.cut_out ? 1.0 : -1.0;
-        visit(near, Vec<3>(side * part.mesh.normal(near.facet)), body, part);
-      });
 }
 
 bool Surfaces::is_covered(const Vec<3>& at, const Body* body, const Solid::Part* part, const Plane* plane) const {
@@ -77,7 +69,7 @@ Surfaces::WallPoints Surfaces::walls_near(const Vec<3>& x, double range) const {
     }
     for (const auto& body : bodies_)
       for (const auto& part : body.solid->parts()) {
-        const double side = body.domain_inside == part.cut_out ? 1.0 : -1.0;
+        const double side = into_domain(body.domain_inside, part);
         const auto met = part.mesh.nearest_if(
             x, nearest.distance,
             [&](const Vec<3>& direction, double spread) {
@@ -114,7 +106,7 @@ std::optional<Surfaces::Hit> Surfaces::first_hit(const Vec<3>& from, const Vec<3
       if (!along || (first && *along >= first->along)) continue;
       const Vec<3> at = from + *along * (to - from);
       const auto facet = part.mesh.nearest(at, HUGE_VAL)->facet;
-      const Vec<3> n = (body.domain_inside == part.cut_out ? 1.0 : -1.0) * part.mesh.normal(facet);
+      const Vec<3> n = into_domain(body.domain_inside, part) * part.mesh.normal(facet);
       if (n.dot(to - from) < 0.0 && !is_covered(at + slack * (to - from).norm() * n, &body, &part, nullptr))
         first = Hit{*along, n};
     }
@@ -131,10 +123,11 @@ bool Surfaces::is_cut_off(const Vec<3>& from, const Vec<3>& image, double distan
     if (std::abs(away) < cut_off * distance && hides(image - away * plane.normal)) return true;
   }
   bool found = false;
-  for_each_facet_near(image, cut_off * distance,
-                      [&](const TriangleMesh::Nearest& near, const Vec<3>&, const Body&, const Solid::Part&) {
-                        found = found || (near.distance < cut_off * distance && hides(near.point));
-                      });
+  for (const auto& body : bodies_)
+    for (const auto& part : body.solid->parts())
+      part.mesh.for_each_near(image, cut_off * distance, [&](const TriangleMesh::Nearest& near) {
+        found = found || (near.distance < cut_off * distance && hides(near.point));
+      });
   return found;
 }
 
@@ -219,7 +212,7 @@ std::optional<ThinPlace> thin_place(const Shape& shape, Wall::Domain domain, dou
     const auto& [points, facets] = part.mesh.triangles();
     for (Index f = 0; f < facets.size(); ++f) {
       const Point3 &a = points[facets[f][0]], &b = points[facets[f][1]], &c = points[facets[f][2]];
-      const Point3 into = (inside == part.cut_out ? -1.0 : 1.0) * part.mesh.normal(f);
+      const Point3 into = -into_domain(inside, part) * part.mesh.normal(f);
       const double longest = std::max({(b - a).norm(), (c - a).norm(), (c - b).norm()});
       const int n = static_cast<int>(
           std::clamp(longest / spacing, 1.0, std::sqrt(most_places / static_cast<double>(facets.size())) + 1.0));
@@ -233,7 +226,7 @@ std::optional<ThinPlace> thin_place(const Shape& shape, Wall::Domain domain, dou
             if (!along) continue;
             const Point3 out = from + *along * (to - from);
             const Point3 normal =
-                (inside == other.cut_out ? -1.0 : 1.0) * other.mesh.normal(other.mesh.nearest(out, HUGE_VAL)->facet);
+                -into_domain(inside, other) * other.mesh.normal(other.mesh.nearest(out, HUGE_VAL)->facet);
             if (normal.dot(into) < opposite) return ThinPlace{at, (out - at).norm()};
           }
         }

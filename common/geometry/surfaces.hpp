@@ -66,8 +66,6 @@ class Surfaces {
   [[nodiscard]] bool is_covered(const Vec<3>& at, const Body* body, const Solid::Part* part, const Plane* plane) const;
   /// Does a wall that `from` sees come nearer to the image than the distance [m]?
   [[nodiscard]] bool is_cut_off(const Vec<3>& from, const Vec<3>& image, double distance) const;
-  template <class Visit>
-  void for_each_facet_near(const Vec<3>& x, double range, const Visit& visit) const;
 
   std::vector<Body> bodies_;
   std::vector<Plane> planes_;

@@ -70,24 +70,24 @@ double origin_of(const Fluid<3>& fluid, double spacing) {
 }
 
 /// Of water at rest, below the first row: how far the level that its pressures tell is off, in spacings; the greatest
-/// departure of a pressure from that of the level told, over that of the depth; the mean speed over sqrt(g depth).
+/// departure of a pressure from that of the level found, over that of the depth; the mean speed over sqrt(g depth).
 struct Rest {
   double level = 0.0, pressure = 0.0, speed = 0.0;
 };
 Rest rest_of(const Fluid<3>& fluid, double origin, double level, double depth, double spacing) {
   const auto& p = fluid.state().particles;
   Rest rest;
-  std::vector<double> told;
+  std::vector<double> levels;
   double mean = 0.0;
   for (std::size_t a = 0; a < p.size(); ++a) {
     rest.speed += p.velocity[a].norm() / std::sqrt(g * depth) / static_cast<double>(p.size());
     if (level - p.position[a].z() < 1.5 * spacing) continue;
-    told.push_back(p.pressure[a] / (1000.0 * g) + origin);
-    mean += told.back();
+    levels.push_back(p.pressure[a] / (1000.0 * g) + origin);
+    mean += levels.back();
   }
-  mean /= static_cast<double>(told.size());
+  mean /= static_cast<double>(levels.size());
   rest.level = (mean - level) / spacing;
-  for (const double z : told) rest.pressure = std::max(rest.pressure, std::abs(z - mean) / depth);
+  for (const double z : levels) rest.pressure = std::max(rest.pressure, std::abs(z - mean) / depth);
   return rest;
 }
 
