@@ -63,7 +63,9 @@ class FlowModel {
     const double pores = pore_volume(a);
     return {pores * s.value, pores * s.slope + pores_.give[a] * borne_head(a).slope * s.value};
   }
-  /// Pressure head of the water [m]. At a point without capillarity that is not full: of the water in its cell.
+  /// Pressure head of the water at a point [m]. Without capillarity: the level up to which water stands in the point's
+  /// cell (or, where the cell is full, the hydraulic head) less the point's elevation; negative where that level lies
+  /// below the point.
   [[nodiscard]] virtual double pressure_head(Index a) const = 0;
   /// The flow from a to b.
   [[nodiscard]] virtual Flow through(const Link& link) const = 0;

@@ -147,12 +147,14 @@ void declare_measures(Keys& keys, Shape& s) {
               {"m", "Elevation z down to which the body below a terrain reaches.", s.kind == Kind::terrain});
   const auto placement = [&](Placement& p) {
     keys.number("scale", p.scale,
-                {"1", "The shape is made so many times as large, about the origin; 0.001: drawn in millimetres."},
+                {"1", "Factor by which the shape is scaled about the origin; 0.001 for one drawn in millimetres."},
                 positive());
     keys.number("turn", p.turn,
-                {"degrees", "It is then turned about the origin, counter-clockwise seen against `axis`."});
-    keys.point("axis", p.axis, {"", "3D: axis of the turn."});
-    keys.point("move", p.move, {"m", "It is then moved."});
+                {"degrees",
+                 "Angle by which the scaled shape is turned about the origin, counter-clockwise (3D: as seen from the "
+                 "tip of `axis`)."});
+    keys.point("axis", p.axis, {"", "3D: direction of the axis about which the shape is turned."});
+    keys.point("move", p.move, {"m", "Displacement of the scaled and turned shape."});
   };
   Placement p = s.placement.value_or(Placement{});
   placement(p);

@@ -49,9 +49,10 @@ class CoarseMatrix {
   ScalarArray diagonal_;
 };
 
-/// One cycle serves as a preconditioner: Gauss-Seidel forwards, a correction by constants on aggregates of about four
-/// rows (solved by the next level, with at most two steps of conjugate gradients around it), Gauss-Seidel backwards.
-/// Memory is allocated when it is built, none in a cycle. The matrix must outlive it.
+/// One cycle serves as a preconditioner: Gauss-Seidel forwards, a correction that is constant on each aggregate of
+/// about four unknowns (the coarse space), Gauss-Seidel backwards. The system for these constants is solved by at most
+/// two steps of conjugate gradients with a cycle of the next level as preconditioner. Memory is allocated in the
+/// constructor, none in a cycle. The matrix must outlive this object.
 class Multigrid {
  public:
   explicit Multigrid(const PairMatrix& matrix);

@@ -80,8 +80,9 @@ inline constexpr double even_from = 0.75;
 /// tenth.
 /// Unit: 1. Test: Seepage.SoilsSideBySideDoNotHoldEachOther (untried).
 inline constexpr double most_stretched = 0.9;
-/// Rounds in which pairs along a border between soils are strengthened: in each, two rows on either side influence each
-/// other.
+/// Iterations that find by how much the matrix's weights of pairs beside a border between soils are changed
+/// (WindowSolver::free_along_borders). In each iteration the two rows of particles on either side of the border
+/// influence each other.
 /// Unit: rounds. Test: none known.
 inline constexpr int border_rounds = 4;
 

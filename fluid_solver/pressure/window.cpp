@@ -621,7 +621,8 @@ class WindowSolver {
     }
     // Vectors change at a reflection, so that each weight belongs to one image.
     build_vector_stiffness();
-    // Relative to the power that drag would have on free grains in the window.
+    // An error of the skeleton's velocity is negligible while its power is at most the squared tolerance times the
+    // power of `dragged`: the change of velocity that drag alone would give a skeleton without stiffness in the window.
     negligible_power_ = pressure::skeleton_tolerance * pressure::skeleton_tolerance * sum_over(n_, [&](std::size_t a) {
                 if (!responds(a)) return 0.0;
                 const Vec<D> dragged = (1.0 - r_[a].as * r_[a].ss) * (before(a) - soil_.velocity[a]);

@@ -70,7 +70,8 @@ void find_crossings(const Boundaries<D>& boundaries, std::uint32_t passed, Image
     Crossing<D>& crossing = rule.crossings[rule.n_crossings++];
     crossing.normal = n;
     crossing.level = n.dot(boundaries.planes[k].point);
-    // The body force as it appears behind the other walls of the chain: rule.map without this wall's own mirror.
+    // An image behind several walls is the parent reflected at each of them. The body force is reflected at the other
+    // walls only: multiplied by rule.map without the reflection at this wall.
     crossing.share = rule.map * (Mat<D>::Identity() - 2.0 * normal_part);
     if (boundaries.kinds[k] == Kind::roller) crossing.share = normal_part * crossing.share;
     if (boundaries.kinds[k] == Kind::frictional) crossing.friction = boundaries.friction[k];
