@@ -11,8 +11,8 @@ namespace poretwin::fluid {
 
 /// A load on the soil, as far as the length of windows depends on it.
 struct LoadInTime {
-  std::optional<double> start;   ///< factor on the traction as a function of time [s]
-  std::optional<Series> factor;  ///< against time [s]
+  std::optional<double> start;   ///< s, time at which the load begins to act; absent: it acts from the beginning
+  std::optional<Series> factor;  ///< factor on the traction against time [s]; absent: 1
   double traction = 0.0;         ///< Pa
 };
 

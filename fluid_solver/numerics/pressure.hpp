@@ -73,7 +73,8 @@ inline constexpr double cavitating_weight = 1e6;
 /// Unit: 1. Test: none known.
 inline constexpr double pinned_weight = 1e3;
 
-/// Mean eigenvalue of the moment matrix up to which a particle has too few neighbours to even out their directions.
+/// Mean eigenvalue of the moment matrix up to which a particle has too few neighbours for a correction of its pairs'
+/// weights by direction.
 /// Unit: 1. Test: none known.
 inline constexpr double even_from = 0.75;
 /// Largest relative change of a pair's weight where directions or borders are evened out. A pair keeps at least a

@@ -49,8 +49,8 @@ inline constexpr double hole = 0.23;
 /// Unit: 1. Test: none known.
 inline constexpr double least_inverted = 0.4;
 
-/// Distance of the centre of a row of surface particles from the particle beyond which the row ends there and has no
-/// reliable thickness.
+/// Distance of a surface particle from the weighted mean position of its row within reach. Where it is larger, the row
+/// ends near the particle and has no reliable thickness.
 /// Unit: h. Test: Operators.TheSurfaceLiesHalfARowsThicknessAboveIt (untried).
 inline constexpr double balanced_row = 0.15;
 /// Difference of a row's thickness from a lattice's beyond which the thickness is not used. Rows at rest gain up to 15
