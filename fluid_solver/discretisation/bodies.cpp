@@ -110,7 +110,8 @@ void number_closed_bodies(const Stencil<D>& s, State<D>& state) {
   const auto open = [&](std::size_t a) { closed[static_cast<std::size_t>(body[a])] = 0; };
   for (std::size_t a = 0; a < p.size(); ++a)
     if (p.surface[a] != Surface::interior) open(a);
-  // Nearly always there are none, and no position needs to be searched for.
+  // Faces and inlets open the body of water that they touch. Nearly always no body is closed, and none of them needs to
+  // be located.
   if (std::ranges::any_of(body, [&](int b) { return closed[static_cast<std::size_t>(b)] != 0; })) {
     for (const auto& c : state.columns) open(nearest_to<D>(c.foot, p.position));
     for (const auto& inlet : state.inlets) open(nearest_to<D>(inlet.foot, p.position));

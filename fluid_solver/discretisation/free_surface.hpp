@@ -109,8 +109,8 @@ std::vector<Surface> find_surface(Stencil<D>& s, std::span<const char> in_seepag
     return false;
   };
   // The surface in soil is rough on the scale of a spacing, hence only the narrow cone counts. At a seepage face the
-  // soil's water ends there, whatever part of it has already passed the face. Only free water that flows down the face
-  // covers it.
+  // water in the soil ends at the face, although some of it may already have passed it: only free water that flows down
+  // the face counts as water in front.
   const auto opposite = [&](std::size_t a) {
     const Vec<D> n = -s.normal[a].normalized();
     for (Index k = s.offset[a]; k < s.offset[a + 1]; ++k) {

@@ -309,8 +309,9 @@ void fill_even_laplacian(const Stencil<D>& s, double factor, PairMatrix& m) {
       });
 }
 
-/// Where images are uneven, what a particle sees of another's images is not what that one sees of its own: the pair
-/// gets the mean of both, by its direct entry, which is there wherever an image is seen.
+/// Behind curved walls the images of b weigh differently in row a than the images of a in row b. Both rows get the mean
+/// of the two sums. The correction is added to the entry of the direct pair (a, b), which exists wherever one of them
+/// sees an image of the other.
 template <int D>
 void make_symmetric(const Stencil<D>& s, PairMatrix& m) {
   std::vector<std::vector<std::pair<Index, double>>> by_images(s.n_real);  // of whom, by how much

@@ -77,7 +77,8 @@ struct SoilView {
 };
 
 /// Whether inertia dominates in soil, as in free water: where drag needs longer than 0.1 sqrt(spacing/g) to stop water,
-/// a third of the window that a free surface allows. So in rockfill (rate about 20 1/s), never in sand (150 1/s).
+/// a third of the window that a free surface allows. It does in rockfill (drag at a rate of about 20 1/s), but not in
+/// sand (150 1/s).
 inline bool inertia_rules(double n, double density, double drag, double spacing, double gravity) {
   return gravity > 0.0 && drag * exchange::held_within * std::sqrt(spacing / gravity) < n * density;
 }

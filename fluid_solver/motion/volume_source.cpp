@@ -42,7 +42,7 @@ ScalarArray deferred_divergence(const Setup<D>& setup, const State<D>& state, co
 }
 
 /// Rate of expansion [1/s] of the soil beyond the motion that the water sees, as it is applied to the water. Where rows
-/// of soil slide past each other, the soil's kernel sums expand and contract by some 1e-3 of the shear, which the
+/// of soil slide past each other, the soil's kernel sums expand and contract by some 6e-4 of the shear, which the
 /// velocity mapped to the water does not show. Undrained soil that expands by 1e-4 loses all its strength. Therefore
 /// the volumetric strain that the soil itself integrates enters the water's volume balance (decision 0021). The rate is
 /// averaged over some windows, since a single one also sees the soil's shortest waves, which the mapping smooths. No
@@ -74,8 +74,9 @@ ScalarArray unseen_strain_rate(State<D>& state, const Stencil<D>& s, const SoilV
 
 }  // namespace
 
-/// True in 2D where the pressure is solved for. In a thin fast layer on soil it would add 1 % to the energy, in 3D it
-/// gains nothing, and explicit sweeps lose by it.
+/// True in 2D where the pressure is solved for. In 3D density_weight has no advantage, and with explicit sweeps results
+/// are worse. It is not used beside soil (Stencil::open_water), where in a thin fast layer it would add 1 % to the
+/// energy.
 template <int D>
 bool tells_density(const Setup<D>& setup) {
   return D == 2 && setup.is_projection();
@@ -98,11 +99,11 @@ ScalarArray moved(const Particles<D>& p) {
   return result;
 }
 
-/// In soil the time is a third of that in which a unit gradient pushes water through one spacing, and at most the time
-/// in which the flow passes one: pair sums conserve the square of the concentration times the velocity, so that loose
-/// water runs ahead and becomes looser. In free water it is twenty times that of a fall through one spacing, or of the
-/// drag's own time where drag slows the water. It is never less than two windows, since a faster repair oscillates. So
-/// it is a physical time, not a number of windows.
+/// In soil the repair takes a third of the time in which a unit gradient pushes water through one spacing, and at most
+/// the time in which the flow passes one: pair sums conserve the square of the concentration times the velocity, so that
+/// loose water runs ahead and becomes looser. In free water the repair takes twenty times as long as a fall through one
+/// spacing or, where drag slows the water, twenty times n rho_w / C. It never takes less than two windows, since a
+/// faster repair oscillates. So it is a physical time, not a number of windows.
 template <int D>
 double repair_time(const Setup<D>& setup, const Particles<D>& p, std::size_t a, const SoilView<D>& view,
                    double interval) {

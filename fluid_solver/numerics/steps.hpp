@@ -48,8 +48,8 @@ inline constexpr double first_wave = 0.2;
 inline constexpr double first_drained = 0.2;
 
 /// Change of the speed in a window (rms) times the window's length for which the length of windows is chosen, for water
-/// that seeps through rigid soil. A front a few spacings deep slows down as it advances, so that windows must be shorter
-/// than those in which it moves by a quarter spacing.
+/// that seeps through rigid soil. A front a few spacings deep slows down as it advances, so that windows must be
+/// shorter than those in which it moves by a quarter spacing.
 /// Unit: spacings. Test: Seepage.AFrontIsRightFromItsFirstSpacingOn (untried).
 inline constexpr double wanted_slowing = 0.0125;
 /// Largest displacement of water in a window where it leaves through a seepage face. The surface is found once per
